@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace quench {
+
+using Vec3 = Eigen::Vector3d;
+using Mat3 = Eigen::Matrix3d;
+
+/// A point of the voxel lattice. Voxel (i,j,k) is the box [i,i+1] x [j,j+1] x [k,k+1] in lattice coordinates, so its
+/// centre is at (i+1/2, j+1/2, k+1/2).
+using LatticePoint = std::array<std::int32_t, 3>;
+
+/// A closed or open triangle surface. No vertex needs to be used; triangles may repeat corners.
+struct TriangleMesh {
+  std::vector<Vec3> points;
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+};
+
+/// A box of voxels in the world: x = origin + direction * (spacing o (lattice - 1/2)). `origin` is the centre of voxel
+/// 0, as in NRRD, NIfTI, MetaImage, MRC and ITK; `direction` is orthonormal (reflections allowed).
+struct Grid {
+  std::array<std::int64_t, 3> dims{0, 0, 0};  ///< voxels along x, y, z; x runs fastest in arrays
+  Vec3 spacing{1, 1, 1};
+  Vec3 origin{0, 0, 0};
+  Mat3 direction = Mat3::Identity();
+
+  Vec3 world(const Vec3& lattice) const {
+    return origin + direction * spacing.cwiseProduct(lattice - Vec3::Constant(0.5));
+  }
+  Vec3 lattice(const Vec3& world) const {
+    return (direction.transpose() * (world - origin)).cwiseQuotient(spacing) + Vec3::Constant(0.5);
+  }
+};
+
+/// The smallest integers proportional to `spacing` to 1e-6 relative, such that dims[i] * result[i] <= 2^20: the
+/// coordinates in which all combinatorial decisions are exact (e.g. 0.782 x 0.782 x 5 gives 391 : 391 : 2500).
+/// Throws Error(input) naming --spacing when there are none.
+std::array<std::int64_t, 3> integer_spacing(const Grid& grid);
+
+/// A length given by a user: `0.02` or `2%` is a fraction of the longest side of the shape's box, `12vox` a multiple
+/// of the smallest spacing, `3.5abs` a world length, `inf` infinite.
+struct Length {
+  enum class Unit { fraction, voxels, absolute };
+  double value = 0;
+  Unit unit = Unit::fraction;
+
+  /// World length, for the longest side and the smallest spacing of a shape.
+  double resolve(double longest_side, double smallest_spacing) const;
+};
+
+/// Throws Error(usage) naming `what` when the text is not a non-negative length.
+Length parse_length(std::string_view text, std::string_view what);
+
+}  // namespace quench

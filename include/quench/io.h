@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <iosfwd>
+#include <optional>
+#include <string>
+
+#include "quench/context.h"
+#include "quench/poly_data.h"
+#include "quench/volume.h"
+#include "quench/voxel_shape.h"
+
+/// Files. The extension chooses the format:
+///
+///   format                         surface in  axis in  axis out  volume in  volume out
+///   .ply (ascii, binary LE/BE)          x         x        x
+///   .obj (v, l, f)                      x         x        x
+///   .off                                x         x
+///   .stl (ascii, binary)                x
+///   .vtp (XML PolyData)                 x         x        x
+///   .ma  (nV nE nF; v, e, f)                      x        x
+///   .r   (x y z r per vertex)                  with --radii x
+///   .csv (one row per vertex)                              x
+///   .fbx .dae .3ds .gltf ... (Assimp)   x
+///   .nrrd .nhdr .mha .mhd .nii .nii.gz .mrc .map .tif .png, a folder of slices (ITK)   x
+///   .npy  .vol (DGtal)  .sof                                           x
+///   .nrrd (gzip)                                                                  x
+///
+/// Every reader throws Error(failed) when the file cannot be opened and Error(input) when its content cannot be used,
+/// naming the file and, where there is one, the line or byte. Every writer writes a temporary file in the same folder
+/// and renames it: an interrupted run leaves no half file and does not harm an existing one.
+namespace quench::io {
+
+enum class Kind { surface, volume, unknown };
+
+/// By extension (and for a folder, by its content) only; does not open the file.
+Kind kind_of(const std::filesystem::path& file);
+
+/// .ply .obj .off .stl .vtp .ma and, where built with Assimp, its formats. Arrays the format carries are kept by name
+/// (`radius` and `quality` of PLY, r of .ma, all arrays of VTP). STL corners are welded by exact position.
+PolyData read_poly_data(const std::filesystem::path& file);
+
+/// .vtp .ply .obj .ma .r .csv. PLY carries `quality` (= `radius` unless `quality_array` names another point array) and
+/// colours; formats that cannot carry an array leave it out.
+struct WriteOptions {
+  std::string quality_array = "radius";
+};
+void write_poly_data(const std::filesystem::path& file, const PolyData& data, const WriteOptions& options = {});
+
+/// Values of a .r file for the given points: matched by nearest point, at most 1e-3 of the longest side away, else
+/// Error(input).
+std::vector<double> read_radii(const std::filesystem::path& file, const std::vector<Vec3>& points);
+
+/// `spacing` overrides what the file says (formats without spacing: 1).
+struct VolumeReadOptions {
+  std::optional<Vec3> spacing;
+};
+Volume read_volume(const std::filesystem::path& file, const VolumeReadOptions& options = {},
+                   Context* context = nullptr);
+
+/// NRRD, uint8 0/1, gzip, with spacing, origin and direction; streamed, never dense in memory.
+void write_volume(const std::filesystem::path& file, const VoxelShape& shape, Context* context = nullptr);
+
+/// Writes through `body` to a temporary file beside `file`, then renames it over `file`. On an exception the temporary
+/// file is removed and `file` is as it was. Throws Error(failed) when writing fails (e.g. disk full).
+void write_atomically(const std::filesystem::path& file, const std::function<void(std::ostream&)>& body);
+
+}  // namespace quench::io

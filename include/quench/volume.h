@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "quench/context.h"
+#include "quench/geometry.h"
+#include "quench/voxel_shape.h"
+
+namespace quench {
+
+/// A scalar image as read from a file: x fastest. The sample type is kept, so that labels stay exact.
+struct Volume {
+  using Samples =
+      std::variant<std::vector<std::uint8_t>, std::vector<std::int8_t>, std::vector<std::uint16_t>,
+                   std::vector<std::int16_t>, std::vector<std::uint32_t>, std::vector<std::int32_t>,
+                   std::vector<std::uint64_t>, std::vector<std::int64_t>, std::vector<float>, std::vector<double>>;
+  Grid grid;
+  Samples samples;
+  std::string units;  ///< of the spacing, where the file says so (e.g. "mm"), else empty
+};
+
+/// Which voxels of an image are the shape (SPEC 2). Exactly one of threshold and label may be set; with neither, the
+/// foreground is the non-zero voxels of an image that has at most two values, and any other image is Error(usage) that
+/// names both options.
+struct ForegroundOptions {
+  std::optional<double> threshold;    ///< foreground: value >= threshold (NaN is background)
+  std::optional<std::int64_t> label;  ///< foreground: value == label, 0 included
+  bool invert = false;                ///< foreground becomes background, within the image's box
+  bool largest_component = false;     ///< keep the largest 6-connected component
+  std::int64_t min_component = 0;     ///< drop 6-connected components of fewer voxels
+  bool fill_cavities = false;         ///< fill 26-connected background components that do not reach outside the box
+};
+
+/// What was changed on request, for the report.
+struct ForegroundReport {
+  std::int64_t components_removed = 0;
+  std::int64_t voxels_removed = 0;
+  std::int64_t cavities_filled = 0;
+  std::int64_t voxels_filled = 0;
+};
+
+/// The foreground of an image as a voxel shape on the image's grid. Applied in the order invert, components, cavities.
+/// Throws Error(input) when nothing is left, naming the range of values found.
+VoxelShape foreground(const Volume& volume, const ForegroundOptions& options, ForegroundReport* report = nullptr,
+                      Context* context = nullptr);
+
+/// Drops components and fills cavities as asked (the part of ForegroundOptions that also applies to voxelized meshes).
+VoxelShape clean(const VoxelShape& shape, const ForegroundOptions& options, ForegroundReport* report = nullptr,
+                 Context* context = nullptr);
+
+}  // namespace quench

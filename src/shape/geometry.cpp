@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "quench/geometry.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "quench/error.h"
+
+namespace quench {
+
+std::array<std::int64_t, 3> integer_spacing(const Grid& grid) {
+  constexpr double tolerance = 1e-6;
+  constexpr std::int64_t limit = std::int64_t{1} << 20;
+  const Vec3& s = grid.spacing;
+  const double smallest = s.minCoeff();
+  if (!(smallest > 0) || !std::isfinite(s.maxCoeff()))
+    throw Error(ErrorCode::input,
+                fmt::format("the spacing {} x {} x {} is not positive; give --spacing", s[0], s[1], s[2]));
+  for (std::int64_t m = 1; m <= limit; ++m) {
+    std::array<std::int64_t, 3> multiple{};
+    bool matches = true, fits = true;
+    for (int a = 0; a < 3; ++a) {
+      const double wanted = s[a] / smallest * static_cast<double>(m);
+      if (wanted * static_cast<double>(std::max<std::int64_t>(grid.dims[a], 1)) > static_cast<double>(limit) + 0.5) {
+        fits = false;
+        break;
+      }
+      multiple[a] = std::llround(wanted);
+      if (std::abs(wanted - static_cast<double>(multiple[a])) > tolerance * wanted) matches = false;
+    }
+    if (!fits) break;
+    if (matches) return multiple;
+  }
+  throw Error(
+      ErrorCode::input,
+      fmt::format("the spacing {} x {} x {} with {} x {} x {} voxels has no integer proportion within 2^20; give a "
+                  "rounder one with --spacing x,y,z",
+                  s[0], s[1], s[2], grid.dims[0], grid.dims[1], grid.dims[2]));
+}
+
+double Length::resolve(double longest_side, double smallest_spacing) const {
+  switch (unit) {
+    case Unit::fraction:
+      return value * longest_side;
+    case Unit::voxels:
+      return value * smallest_spacing;
+    case Unit::absolute:
+      return value;
+  }
+  return value;
+}
+
+Length parse_length(std::string_view text, std::string_view what) {
+  const auto refuse = [&]() -> Length {
+    throw Error(
+        ErrorCode::usage,
+        fmt::format("{} '{}' is not a length; give a fraction (0.02 or 2%), voxels (12vox) or world units (3.5abs)",
+                    what, text));
+  };
+  if (text == "inf") return {std::numeric_limits<double>::infinity(), Length::Unit::absolute};
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || !(value >= 0) || !std::isfinite(value)) return refuse();
+  const std::string_view unit(end, static_cast<std::size_t>(text.data() + text.size() - end));
+  if (unit.empty()) return {value, Length::Unit::fraction};
+  if (unit == "%") return {value / 100, Length::Unit::fraction};
+  if (unit == "vox") return {value, Length::Unit::voxels};
+  if (unit == "abs") return {value, Length::Unit::absolute};
+  return refuse();
+}
+
+}  // namespace quench

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "quench/voxel_shape.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+
+#include "quench/error.h"
+#include "random_shapes.h"
+
+namespace quench {
+namespace {
+
+// Straight from the definition in SPEC 1.
+std::vector<LatticePoint> sites_by_definition(const VoxelShape& shape) {
+  std::vector<LatticePoint> sites;
+  const auto& d = shape.grid().dims;
+  for (int z = 0; z <= d[2]; ++z)
+    for (int y = 0; y <= d[1]; ++y)
+      for (int x = 0; x <= d[0]; ++x) {
+        int inside = 0;
+        for (int c = 0; c < 8; ++c) inside += shape.contains(x - (c & 1), y - (c >> 1 & 1), z - (c >> 2));
+        if (inside != 0 && inside != 8) sites.push_back({x, y, z});
+      }
+  return sites;
+}
+
+TEST(BoundaryVertices, EqualTheDefinitionOnRandomShapes) {
+  for (std::uint64_t seed = 0; seed < 300; ++seed) {
+    const VoxelShape shape = testing_shapes::random_shape(seed);
+    shape.validate();
+    EXPECT_EQ(boundary_vertices(shape), sites_by_definition(shape)) << "seed " << seed;
+  }
+}
+
+TEST(VoxelShape, MergesTouchingRunsAndDropsEmptyOnes) {
+  Grid grid;
+  grid.dims = {10, 1, 1};
+  VoxelShape shape(grid);
+  const std::vector<quench::Run> runs{{0, 2}, {2, 3}, {4, 4}, {5, 9}};
+  shape.append_row(runs);
+  shape.validate();
+  ASSERT_EQ(shape.row(0, 0).size(), 2u);
+  EXPECT_EQ(shape.row(0, 0)[0], (quench::Run{0, 3}));
+  EXPECT_EQ(shape.row(0, 0)[1], (quench::Run{5, 9}));
+  EXPECT_EQ(shape.voxel_count(), 7);
+  EXPECT_FALSE(shape.contains(3, 0, 0));
+  EXPECT_TRUE(shape.contains(8, 0, 0));
+  EXPECT_FALSE(shape.contains(0, -1, 0));
+}
+
+TEST(VoxelShape, SubdivideKeepsTheWorld) {
+  Grid grid;
+  grid.dims = {3, 2, 2};
+  grid.spacing = {1, 2, 5};
+  grid.origin = {10, 20, 30};
+  VoxelShape shape(grid);
+  const std::vector<quench::Run> one{{1, 2}};
+  for (int r = 0; r < 4; ++r) shape.append_row(r == 3 ? std::span<const quench::Run>(one) : std::span<const quench::Run>());
+  const VoxelShape fine = subdivide(shape, 3);
+  fine.validate();
+  EXPECT_EQ(fine.voxel_count(), 27);
+  EXPECT_TRUE(fine.grid().world({3, 3, 3}).isApprox(shape.grid().world({1, 1, 1}), 1e-14));
+  EXPECT_NEAR(fine.longest_side(), shape.longest_side(), 1e-12);
+}
+
+TEST(IntegerSpacing, FindsTheSmallestTriple) {
+  Grid grid;
+  grid.dims = {384, 320, 89};
+  grid.spacing = {0.782, 0.782, 5};
+  EXPECT_EQ(integer_spacing(grid), (std::array<std::int64_t, 3>{391, 391, 2500}));
+  grid.spacing = {0.5, 0.5, 0.5};
+  EXPECT_EQ(integer_spacing(grid), (std::array<std::int64_t, 3>{1, 1, 1}));
+  grid.spacing = {1, 1.4142135623730951, 3.14159265358979};
+  EXPECT_THROW(integer_spacing(grid), Error);
+}
+
+TEST(Length, ReadsEveryUnitAndRefusesTheRest) {
+  EXPECT_DOUBLE_EQ(parse_length("0.02", "--lambda").resolve(100, 0.5), 2);
+  EXPECT_DOUBLE_EQ(parse_length("2.5%", "--lambda").resolve(100, 0.5), 2.5);
+  EXPECT_DOUBLE_EQ(parse_length("12vox", "--lambda").resolve(100, 0.5), 6);
+  EXPECT_DOUBLE_EQ(parse_length("3.5abs", "--lambda").resolve(100, 0.5), 3.5);
+  for (const char* bad : {"", "x", "-1", "nan", "3 vox", "3voxels", "1e999", "%"})
+    EXPECT_THROW(parse_length(bad, "--lambda"), Error) << bad;
+}
+
+}  // namespace
+}  // namespace quench
