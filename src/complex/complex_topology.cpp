@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <numeric>
+
+#include "complex/union_find.h"
+#include "quench/topology.h"
+
+namespace quench {
+namespace {
+
+constexpr std::uint32_t kNoFace = 0xFFFFFFFFu;
+
+// Faces that are left after removing, repeatedly, every face with an edge of its own. A 2-cycle contains no such face.
+std::vector<char> faces_after_collapse(const CellComplex& complex) {
+  std::vector<std::uint32_t> degree(complex.edges.size(), 0), faces_xor(complex.edges.size(), 0);
+  for (std::uint32_t f = 0; f < complex.face_count(); ++f)
+    for (std::uint32_t e : complex.sides(f)) {
+      ++degree[e];
+      faces_xor[e] ^= f;  // with degree 1 this is the only face
+    }
+  std::vector<char> alive(complex.face_count(), 1);
+  std::vector<std::uint32_t> stack;
+  for (std::uint32_t e = 0; e < degree.size(); ++e)
+    if (degree[e] == 1) stack.push_back(e);
+  while (!stack.empty()) {
+    const std::uint32_t free = stack.back();
+    stack.pop_back();
+    if (degree[free] != 1) continue;
+    const std::uint32_t f = faces_xor[free];
+    alive[f] = 0;
+    for (std::uint32_t e : complex.sides(f)) {
+      --degree[e];
+      faces_xor[e] ^= f;
+      if (degree[e] == 1) stack.push_back(e);
+    }
+  }
+  return alive;
+}
+
+// Dimension of the space of 0/1 vectors x over `unknowns` variables with, per equation, an even number of ones among
+// the variables listed (each once). Equations of one or two variables fix or merge variables; Gauss does the rest.
+std::int64_t solution_dimension(std::vector<std::vector<std::uint32_t>> equations, std::size_t unknowns) {
+  UnionFind same(unknowns);
+  std::vector<char> zero(unknowns, 0);
+  const auto reduce = [&](std::vector<std::uint32_t>& equation) {
+    for (std::uint32_t& x : equation) x = same.find(x);
+    std::sort(equation.begin(), equation.end());
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < equation.size();) {
+      std::size_t j = i;
+      while (j < equation.size() && equation[j] == equation[i]) ++j;
+      if ((j - i) % 2 == 1 && !zero[equation[i]]) equation[kept++] = equation[i];
+      i = j;
+    }
+    equation.resize(kept);
+  };
+  for (bool changed = true; changed;) {
+    changed = false;
+    std::vector<std::vector<std::uint32_t>> rest;
+    for (auto& equation : equations) {
+      reduce(equation);
+      if (equation.empty()) continue;
+      if (equation.size() == 1) {
+        zero[equation[0]] = 1;
+        changed = true;
+      } else if (equation.size() == 2) {
+        same.unite(equation[0], equation[1]);
+        changed = true;
+      } else {
+        rest.push_back(std::move(equation));
+      }
+    }
+    std::sort(rest.begin(), rest.end());
+    rest.erase(std::unique(rest.begin(), rest.end()), rest.end());
+    equations.swap(rest);
+  }
+  std::int64_t dimension = 0;
+  for (std::uint32_t x = 0; x < unknowns; ++x) dimension += same.find(x) == x && !zero[x];
+  // Gauss over Z/2 on sorted sparse rows, pivot = largest variable.
+  std::vector<std::int64_t> row_of_pivot(unknowns, -1);
+  std::vector<std::uint32_t> sum;
+  for (std::size_t r = 0; r < equations.size(); ++r) {
+    auto& row = equations[r];
+    while (!row.empty() && row_of_pivot[row.back()] >= 0) {
+      const auto& pivot = equations[static_cast<std::size_t>(row_of_pivot[row.back()])];
+      sum.clear();
+      std::set_symmetric_difference(row.begin(), row.end(), pivot.begin(), pivot.end(), std::back_inserter(sum));
+      row.swap(sum);
+    }
+    if (row.empty()) continue;
+    row_of_pivot[row.back()] = static_cast<std::int64_t>(r);
+    --dimension;
+  }
+  return dimension;
+}
+
+// b2 over Z/2: a 2-cycle has an even number of faces at every edge. Across an edge of two faces it has both or none, so
+// the unknowns are the sheets between non-manifold edges, and each of those gives one equation.
+std::int64_t second_betti(const CellComplex& complex) {
+  const std::vector<char> alive = faces_after_collapse(complex);
+  std::vector<std::uint32_t> offsets(complex.edges.size() + 1, 0);
+  for (std::uint32_t f = 0; f < complex.face_count(); ++f)
+    if (alive[f])
+      for (std::uint32_t e : complex.sides(f)) ++offsets[e + 1];
+  std::partial_sum(offsets.begin(), offsets.end(), offsets.begin());
+  if (offsets.back() == 0) return 0;
+  std::vector<std::uint32_t> faces(offsets.back()), next(offsets.begin(), offsets.end() - 1);
+  for (std::uint32_t f = 0; f < complex.face_count(); ++f)
+    if (alive[f])
+      for (std::uint32_t e : complex.sides(f)) faces[next[e]++] = f;
+
+  UnionFind sheets(complex.face_count());
+  for (std::size_t e = 0; e + 1 < offsets.size(); ++e)
+    if (offsets[e + 1] - offsets[e] == 2) sheets.unite(faces[offsets[e]], faces[offsets[e] + 1]);
+  std::vector<std::uint32_t> sheet_of(complex.face_count(), kNoFace);
+  std::uint32_t count = 0;
+  for (std::uint32_t f = 0; f < complex.face_count(); ++f)
+    if (alive[f] && sheets.find(f) == f) sheet_of[f] = count++;
+  std::vector<std::vector<std::uint32_t>> equations;
+  for (std::size_t e = 0; e + 1 < offsets.size(); ++e) {
+    if (offsets[e + 1] - offsets[e] < 3) continue;
+    std::vector<std::uint32_t> equation;
+    for (std::uint32_t i = offsets[e]; i < offsets[e + 1]; ++i) equation.push_back(sheet_of[sheets.find(faces[i])]);
+    std::sort(equation.begin(), equation.end());
+    equations.push_back(std::move(equation));
+  }
+  std::sort(equations.begin(), equations.end());
+  equations.erase(std::unique(equations.begin(), equations.end()), equations.end());
+  return solution_dimension(std::move(equations), count);
+}
+
+}  // namespace
+
+Topology topology(const CellComplex& complex) {
+  Topology t;
+  t.euler = static_cast<std::int64_t>(complex.vertex_count) - static_cast<std::int64_t>(complex.edges.size()) +
+            static_cast<std::int64_t>(complex.face_count());
+  UnionFind components(complex.vertex_count);
+  t.betti[0] = complex.vertex_count;
+  for (const auto& e : complex.edges) t.betti[0] -= components.unite(e[0], e[1]);
+  t.betti[2] = second_betti(complex);
+  t.betti[1] = t.betti[0] + t.betti[2] - t.euler;
+  return t;
+}
+
+}  // namespace quench

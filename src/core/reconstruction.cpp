@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "quench/prune.h"
+
+namespace quench {
+namespace {
+
+constexpr double kNever = -1;
+
+// A kd-tree over points from which balls take away what they contain. Every point is taken once, and empty subtrees are
+// skipped, so n points cost O(n log n) in all and a ball that takes nothing costs little.
+class BallCover {
+ public:
+  explicit BallCover(std::vector<Vec3> points)
+      : points_(std::move(points)), left_(points_.size()), value(points_.size(), kNever) {
+    std::iota(left_.begin(), left_.end(), 0u);
+    if (!points_.empty()) build(0, static_cast<std::uint32_t>(points_.size()));
+  }
+
+  bool all_taken() const { return nodes_.empty() || nodes_[0].count == 0; }
+  void take(const Vec3& center, double squared_radius, double with) {
+    if (!all_taken()) take(0, center, squared_radius, with);
+  }
+
+ private:
+  struct Node {
+    Vec3 low, high;
+    std::uint32_t begin, count;  // leaf: left_[begin, begin + count); inner: points left below
+    std::uint32_t children = 0;  // index of the first of two, 0 for a leaf
+  };
+
+  std::uint32_t build(std::uint32_t begin, std::uint32_t end) {
+    const auto index = static_cast<std::uint32_t>(nodes_.size());
+    nodes_.push_back({});
+    fill(index, begin, end);
+    return index;
+  }
+
+  void fill(std::uint32_t index, std::uint32_t begin, std::uint32_t end) {
+    Vec3 low = points_[left_[begin]], high = low;
+    for (std::uint32_t i = begin; i < end; ++i) {
+      low = low.cwiseMin(points_[left_[i]]);
+      high = high.cwiseMax(points_[left_[i]]);
+    }
+    nodes_[index] = {low, high, begin, end - begin, 0};
+    if (end - begin <= 8) return;
+    Eigen::Index axis;
+    (high - low).maxCoeff(&axis);
+    const std::uint32_t middle = begin + (end - begin) / 2;
+    std::nth_element(left_.begin() + begin, left_.begin() + middle, left_.begin() + end,
+                     [&](std::uint32_t a, std::uint32_t b) { return points_[a][axis] < points_[b][axis]; });
+    const auto children = static_cast<std::uint32_t>(nodes_.size());
+    nodes_.resize(nodes_.size() + 2);
+    nodes_[index].children = children;
+    fill(children, begin, middle);
+    fill(children + 1, middle, end);
+  }
+
+  std::uint32_t take(std::uint32_t index, const Vec3& center, double squared_radius, double with) {
+    Node& node = nodes_[index];
+    if (node.count == 0) return 0;
+    const Vec3 nearest = center.cwiseMax(node.low).cwiseMin(node.high);
+    if ((nearest - center).squaredNorm() > squared_radius) return 0;
+    std::uint32_t taken = 0;
+    if (node.children) {
+      taken = take(node.children, center, squared_radius, with) + take(node.children + 1, center, squared_radius, with);
+    } else {
+      for (std::uint32_t i = node.begin; i < node.begin + node.count - taken;) {
+        if ((points_[left_[i]] - center).squaredNorm() <= squared_radius) {
+          value[left_[i]] = with;
+          ++taken;
+          std::swap(left_[i], left_[node.begin + node.count - taken]);
+        } else {
+          ++i;
+        }
+      }
+    }
+    node.count -= taken;
+    return taken;
+  }
+
+  std::vector<Vec3> points_;
+  std::vector<std::uint32_t> left_;  // point indices in leaf order; the taken ones at the end of each leaf
+  std::vector<Node> nodes_;
+
+ public:
+  std::vector<double> value;
+};
+
+// `count` voxel centres, one hashed position in each of `count` equal parts of the list of voxels.
+std::vector<Vec3> sampled_centres(const VoxelShape& shape, std::size_t count) {
+  std::vector<Vec3> centres;
+  const auto voxels = static_cast<std::uint64_t>(shape.voxel_count());
+  count = static_cast<std::size_t>(std::min<std::uint64_t>(count, voxels));
+  centres.reserve(count);
+  const auto wanted = [&](std::size_t i) {
+    const auto begin = static_cast<std::uint64_t>(static_cast<unsigned long long>(
+        static_cast<double>(i) * static_cast<double>(voxels) / static_cast<double>(count)));
+    const auto end = static_cast<std::uint64_t>(static_cast<unsigned long long>(
+        static_cast<double>(i + 1) * static_cast<double>(voxels) / static_cast<double>(count)));
+    const std::uint64_t hash = (i + 1) * 0x9E3779B97F4A7C15ull >> 16;
+    return begin + hash % std::max<std::uint64_t>(end - begin, 1);
+  };
+  std::uint64_t passed = 0;
+  std::size_t next = 0;
+  const auto& dims = shape.grid().dims;
+  for (std::int64_t z = 0; z < dims[2] && next < count; ++z)
+    for (std::int64_t y = 0; y < dims[1] && next < count; ++y)
+      for (const Run& run : shape.row(y, z)) {
+        const auto length = static_cast<std::uint64_t>(run.end - run.begin);
+        for (; next < count && wanted(next) < passed + length; ++next)
+          centres.push_back(
+              shape.grid().world({static_cast<double>(run.begin) + static_cast<double>(wanted(next) - passed) + 0.5,
+                                  static_cast<double>(y) + 0.5, static_cast<double>(z) + 0.5}));
+        passed += length;
+      }
+  return centres;
+}
+
+}  // namespace
+
+Reconstruction::Reconstruction(const VoxelShape& shape, const MedialAxis& axis, std::size_t samples, Context* context) {
+  BallCover cover(sampled_centres(shape, samples));
+  std::vector<std::uint32_t> order(axis.points.size());
+  std::iota(order.begin(), order.end(), 0u);
+  const auto level = [&](std::uint32_t v) {
+    return axis.vertex_level.empty() ? std::numeric_limits<double>::infinity() : axis.vertex_level[v];
+  };
+  // Highest level first, so that the first ball to contain a centre is the last to go; large balls first for speed.
+  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+    if (level(a) != level(b)) return level(a) > level(b);
+    return axis.radius[a] != axis.radius[b] ? axis.radius[a] > axis.radius[b] : a < b;
+  });
+  for (std::size_t i = 0; i < order.size() && !cover.all_taken(); ++i) {
+    if ((i & 0xFFFF) == 0)
+      checkpoint(context, "reconstruct", static_cast<double>(i) / static_cast<double>(order.size()));
+    const std::uint32_t v = order[i];
+    const double radius = axis.radius[v] * (1 + 1e-9);  // a centre on the sphere counts
+    cover.take(axis.points[v], radius * radius, level(v));
+  }
+  checkpoint(context, "reconstruct", 1);
+  covered_until_ = std::move(cover.value);
+  std::sort(covered_until_.begin(), covered_until_.end());
+}
+
+double Reconstruction::share(double lambda) const {
+  if (covered_until_.empty()) return 1;
+  const auto first =
+      std::lower_bound(covered_until_.begin(), covered_until_.end(), std::max(0.0, lambda * (1 - 1e-12)));
+  return static_cast<double>(covered_until_.end() - first) / static_cast<double>(covered_until_.size());
+}
+
+double auto_lambda(const Reconstruction& reconstruction, double longest_side, double smallest_spacing) {
+  for (double lambda = 0.02 * longest_side; lambda >= 0.5 * smallest_spacing; lambda *= std::sqrt(0.5))
+    if (reconstruction.share(lambda) >= 0.98) return lambda;
+  return 0;
+}
+
+}  // namespace quench

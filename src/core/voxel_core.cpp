@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: Apache-2.0
+// Yan 2018, sec. 2.4 and 2.6 step 2.
+#include "quench/voxel_core.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "core/enclosing_ball.h"
+#include "lattice/cells.h"
+#include "lattice/delaunay.h"
+
+namespace quench {
+namespace {
+
+using lattice::DualComplex;
+using lattice::Int128;
+
+// Centre of the sphere through the sites, relative to the first, in units of the integer spacing, and squared radius.
+struct Sphere {
+  Vec3 offset;
+  double squared_radius;
+};
+
+// The sites span space. Four of them are chosen by rank alone (the first, the first different, the first not on their
+// line, the first not in their plane), so that rounding does not depend on how the cospherical set was triangulated.
+// Integers: scaled differences < 2^21, cross products < 2^43, determinant and numerators < 2^87.
+Sphere circumsphere(std::span<const std::uint32_t> ids, std::span<const LatticePoint> sites,
+                    const std::array<std::int64_t, 3>& spacing) {
+  using Int3 = std::array<std::int64_t, 3>;
+  const LatticePoint& o = sites[ids[0]];
+  const auto relative = [&](std::uint32_t id) {
+    Int3 d;
+    for (int a = 0; a < 3; ++a) d[a] = (sites[id][a] - o[a]) * spacing[a];
+    return d;
+  };
+  const auto cross = [](const Int3& a, const Int3& b) {
+    return Int3{a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+  };
+  const Int3 b = relative(ids[1]);
+  std::size_t i = 2;
+  Int3 c{}, normal{};
+  for (; i < ids.size(); ++i) {
+    c = relative(ids[i]);
+    normal = cross(b, c);
+    if (normal != Int3{}) break;
+  }
+  Int3 d{};
+  Int128 volume = 0;
+  for (++i; i < ids.size() && volume == 0; ++i) {
+    d = relative(ids[i]);
+    volume = 0;
+    for (int a = 0; a < 3; ++a) volume += static_cast<Int128>(normal[a]) * d[a];
+  }
+  if (volume == 0) throw Error(ErrorCode::invariant, "a vertex of the voxel core has sites in one plane");
+  const auto square = [](const Int3& v) { return v[0] * v[0] + v[1] * v[1] + v[2] * v[2]; };
+  const Int3 cd = cross(c, d), db = cross(d, b);
+  Sphere sphere;
+  // x.b = b^2/2, x.c = c^2/2, x.d = d^2/2.
+  for (int a = 0; a < 3; ++a) {
+    const Int128 numerator = static_cast<Int128>(square(b)) * cd[a] + static_cast<Int128>(square(c)) * db[a] +
+                             static_cast<Int128>(square(d)) * normal[a];
+    sphere.offset[a] = static_cast<double>(numerator) / (2 * static_cast<double>(volume));
+  }
+  sphere.squared_radius = sphere.offset.squaredNorm();
+  return sphere;
+}
+
+class Lambda {
+ public:
+  Lambda(MedialAxis& axis, const DualComplex& dual, std::span<const LatticePoint> sites,
+         const std::array<std::int64_t, 3>& spacing, double unit)
+      : axis_(axis), dual_(dual), sites_(sites), spacing_(spacing), unit_(unit) {}
+
+  void compute(LambdaRule rule) {
+    const CellComplex& complex = axis_.complex;
+    axis_.face_lambda.resize(complex.face_count());
+    axis_.edge_lambda.assign(complex.edges.size(), -1);
+    axis_.vertex_lambda.assign(complex.vertex_count, -1);
+    for (std::size_t f = 0; f < complex.face_count(); ++f) {
+      const auto& [a, b] = dual_.face_sites[f];
+      double squared = 0;
+      for (int i = 0; i < 3; ++i) {
+        const auto d = static_cast<double>((sites_[a][i] - sites_[b][i]) * spacing_[i]);
+        squared += d * d;  // below 2^46: exact, and so is the order of the roots
+      }
+      axis_.face_lambda[f] = 0.5 * std::sqrt(squared) * unit_;
+      for (std::uint32_t e : complex.sides(f))
+        axis_.edge_lambda[e] = std::max(axis_.edge_lambda[e], axis_.face_lambda[f]);
+    }
+    std::vector<std::uint32_t> shared;
+    for (std::size_t e = 0; e < complex.edges.size(); ++e) {
+      const auto& [u, v] = complex.edges[e];
+      if (rule == LambdaRule::ball || axis_.edge_lambda[e] < 0) {
+        shared.clear();
+        const auto su = dual_.sites_of(u), sv = dual_.sites_of(v);
+        std::set_intersection(su.begin(), su.end(), sv.begin(), sv.end(), std::back_inserter(shared));
+        // The maximum only mends rounding: the ball of an edge encloses the sites of its faces.
+        axis_.edge_lambda[e] = std::max(axis_.edge_lambda[e], ball(shared));
+      }
+      for (std::uint32_t w : {u, v}) axis_.vertex_lambda[w] = std::max(axis_.vertex_lambda[w], axis_.edge_lambda[e]);
+    }
+    for (std::uint32_t v = 0; v < complex.vertex_count; ++v)
+      if (rule == LambdaRule::ball || axis_.vertex_lambda[v] < 0)
+        axis_.vertex_lambda[v] = std::max(axis_.vertex_lambda[v], ball(dual_.sites_of(v)));
+  }
+
+ private:
+  double ball(std::span<const std::uint32_t> ids) {
+    points_.clear();
+    const LatticePoint& o = sites_[ids[0]];
+    for (std::uint32_t id : ids) {
+      Vec3 p;
+      for (int a = 0; a < 3; ++a) p[a] = static_cast<double>((sites_[id][a] - o[a]) * spacing_[a]);
+      points_.push_back(p);
+    }
+    return std::sqrt(enclosing_ball_squared_radius(points_)) * unit_;
+  }
+
+  MedialAxis& axis_;
+  const DualComplex& dual_;
+  std::span<const LatticePoint> sites_;
+  const std::array<std::int64_t, 3>& spacing_;
+  double unit_;
+  std::vector<Vec3> points_;
+};
+
+}  // namespace
+
+MedialAxis voxel_core(const VoxelShape& shape, const CoreOptions& options, Context* context) {
+  if (shape.empty()) throw Error(ErrorCode::input, "the voxel shape is empty; there is no medial axis to compute");
+  const auto spacing = integer_spacing(shape.grid());
+  const double unit =
+      shape.grid().spacing.minCoeff() / static_cast<double>(*std::min_element(spacing.begin(), spacing.end()));
+
+  MedialAxis axis;
+  axis.grid = shape.grid();
+  axis.sites = boundary_vertices(shape);
+  checkpoint(context, "delaunay", 0);
+  auto delaunay = std::make_unique<lattice::Delaunay>(axis.sites, spacing, context);
+  DualComplex dual = lattice::dual_complex(shape, std::move(delaunay), axis.sites.size(), context);
+
+  axis.complex = std::move(dual.complex);
+  axis.points.resize(axis.complex.vertex_count);
+  axis.radius.resize(axis.complex.vertex_count);
+  for (std::uint32_t v = 0; v < axis.complex.vertex_count; ++v) {
+    if ((v & 0xFFFFF) == 0) checkpoint(context, "core", 0.5 * v / axis.complex.vertex_count);
+    const auto ids = dual.sites_of(v);
+    const Sphere sphere = circumsphere(ids, axis.sites, spacing);
+    Vec3 lattice;
+    for (int a = 0; a < 3; ++a) lattice[a] = axis.sites[ids[0]][a] + sphere.offset[a] / static_cast<double>(spacing[a]);
+    axis.points[v] = axis.grid.world(lattice);
+    axis.radius[v] = std::sqrt(sphere.squared_radius) * unit;
+  }
+  Lambda(axis, dual, axis.sites, spacing, unit).compute(options.rule);
+  axis.face_sites = std::move(dual.face_sites);
+  checkpoint(context, "core", 1);
+  return axis;
+}
+
+}  // namespace quench

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "lattice/delaunay.h"
+#include "quench/complex.h"
+#include "quench/voxel_shape.h"
+
+namespace quench::lattice {
+
+/// The Delaunay complex inside O, seen from its dual: Delaunay polytope = vertex of the voxel core, facet between two
+/// polytopes inside O = edge, Delaunay edge inside O = face. Combinatorics only.
+struct DualComplex {
+  CellComplex complex;
+  /// Sites of each vertex (the corners of its polytope, ascending). The sites of an edge are those its two ends share,
+  /// since two polytopes of a tessellation meet in a common facet.
+  std::vector<std::uint32_t> vertex_site_offsets, vertex_sites;
+  std::vector<std::array<std::uint32_t, 2>> face_sites;  ///< ascending
+
+  std::span<const std::uint32_t> sites_of(std::uint32_t vertex) const {
+    return {vertex_sites.data() + vertex_site_offsets[vertex], vertex_sites.data() + vertex_site_offsets[vertex + 1]};
+  }
+};
+
+/// Merges cospherical tetrahedra inside O into polytopes and walks around the edges between them. Cells are sorted by
+/// their site lists (vertices), ends (edges) and sites (faces): independent of the triangulation. Face corners run
+/// counter-clockwise around the direction from the first to the second site, from the smallest corner.
+/// Consumes the triangulation to free its memory early. Linear time up to small sorts.
+DualComplex dual_complex(const VoxelShape& shape, std::unique_ptr<Delaunay> delaunay, std::size_t site_count,
+                         Context* context);
+
+}  // namespace quench::lattice

@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+
+#include "quench/geometry.h"
+
+/// Exact predicates for points of an integer lattice with the metric w0 x^2 + w1 y^2 + w2 z^2, w = squared integer
+/// spacing. Scaling the axes multiplies an orientation by a positive constant, so all differences stay in lattice units
+/// and only the lifted coordinate of the in-sphere test sees the weights.
+namespace quench::lattice {
+
+__extension__ using Int128 = __int128;
+
+/// 16 bytes, so that a point is one load; `site` is its rank among the sites in order of z, y, x.
+struct alignas(16) Point {
+  std::int32_t x, y, z;
+  std::uint32_t site;
+};
+
+/// Positive when (b-a, c-a, d-a) is right-handed; 0 when coplanar. T must hold 6 D^3 for differences up to D:
+/// 64 bits for D <= 2^20 (6 * 2^60 < 2^63), 128 bits beyond.
+template <class T>
+inline T orientation_determinant(const Point& a, const Point& b, const Point& c, const Point& d) {
+  const T bx = b.x - a.x, by = b.y - a.y, bz = b.z - a.z;
+  const T cx = c.x - a.x, cy = c.y - a.y, cz = c.z - a.z;
+  const T dx = d.x - a.x, dy = d.y - a.y, dz = d.z - a.z;
+  return bx * (cy * dz - cz * dy) - by * (cx * dz - cz * dx) + bz * (cx * dy - cy * dx);
+}
+
+class Predicates {
+ public:
+  /// `spacing`: integer spacing; `extent`: largest difference of coordinates that will be met, at most 2^23.
+  Predicates(const std::array<std::int64_t, 3>& spacing, std::int64_t extent)
+      : wide_(extent > (std::int64_t{1} << 20)) {
+    double sum = 0;
+    for (int a = 0; a < 3; ++a) {
+      weight_[a] = spacing[a] * spacing[a];
+      real_weight_[a] = static_cast<double>(weight_[a]);
+      sum += real_weight_[a];
+    }
+    // |det| <= 4 * (lift <= sum * D^2) * (minor <= 6 D^3) = 24 * sum * D^5, and so is every partial sum.
+    double_limit_ = std::floor(std::pow(0x1p53 / (24 * sum), 0.2) * (1 - 1e-9));
+    int64_limit_ = std::floor(std::pow(0x1p63 / (24 * sum), 0.2) * (1 - 1e-9));
+    // Rounding: fewer than 20 operations on the way to each of the partial sums above, each within 2^-53 relative.
+    filter_ = 24 * sum * 20 * 0x1p-53;
+  }
+
+  /// Sign of the volume of (a, b, c, d).
+  int orientation(const Point& a, const Point& b, const Point& c, const Point& d) const {
+    if (!wide_) {
+      const std::int64_t v = orientation_determinant<std::int64_t>(a, b, c, d);
+      return (v > 0) - (v < 0);
+    }
+    const Int128 v = orientation_determinant<Int128>(a, b, c, d);
+    return (v > 0) - (v < 0);
+  }
+
+  /// Positive when p lies strictly inside the ball through the corners of the positively oriented (a, b, c, d),
+  /// 0 when on its sphere.
+  int in_sphere(const Point& a, const Point& b, const Point& c, const Point& d, const Point& p) const {
+    const double ax = a.x - p.x, ay = a.y - p.y, az = a.z - p.z;
+    const double bx = b.x - p.x, by = b.y - p.y, bz = b.z - p.z;
+    const double cx = c.x - p.x, cy = c.y - p.y, cz = c.z - p.z;
+    const double dx = d.x - p.x, dy = d.y - p.y, dz = d.z - p.z;
+    const double m = std::max({std::abs(ax), std::abs(ay), std::abs(az), std::abs(bx), std::abs(by), std::abs(bz),
+                               std::abs(cx), std::abs(cy), std::abs(cz), std::abs(dx), std::abs(dy), std::abs(dz)});
+    const double det = determinant<double>(ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz, real_weight_);
+    if (m <= double_limit_) return (det > 0) - (det < 0);
+    if (m > int64_limit_) {
+      const double bound = filter_ * m * m * m * m * m;
+      if (det > bound) return 1;
+      if (det < -bound) return -1;
+      // Differences D along an axis of weight w obey D <= 2^23 and w D^2 <= 2^46 (delaunay.cpp), so
+      // |det| <= 4 * (lift <= 3 * 2^46) * (minor <= 6 * 2^69) < 2^122.
+      return exact<Int128>(a, b, c, d, p);
+    }
+    return exact<std::int64_t>(a, b, c, d, p);
+  }
+
+  const std::array<std::int64_t, 3>& weights() const { return weight_; }
+  /// Squared distance in units of the integer spacing; below 2^46.
+  std::int64_t squared_distance(const LatticePoint& a, const LatticePoint& b) const {
+    std::int64_t sum = 0;
+    for (int i = 0; i < 3; ++i) {
+      const std::int64_t d = a[i] - b[i];
+      sum += weight_[i] * d * d;
+    }
+    return sum;
+  }
+
+ private:
+  template <class T, class W>
+  static T determinant(T ax, T ay, T az, T bx, T by, T bz, T cx, T cy, T cz, T dx, T dy, T dz,
+                       const std::array<W, 3>& w) {
+    const T ab = ax * by - bx * ay, bc = bx * cy - cx * by, cd = cx * dy - dx * cy;
+    const T da = dx * ay - ax * dy, ac = ax * cy - cx * ay, bd = bx * dy - dx * by;
+    const T abc = az * bc - bz * ac + cz * ab, bcd = bz * cd - cz * bd + dz * bc;
+    const T cda = cz * da + dz * ac + az * cd, dab = dz * ab + az * bd + bz * da;
+    const auto lift = [&w](T x, T y, T z) { return T(w[0]) * (x * x) + T(w[1]) * (y * y) + T(w[2]) * (z * z); };
+    return (lift(cx, cy, cz) * dab - lift(dx, dy, dz) * abc) + (lift(ax, ay, az) * bcd - lift(bx, by, bz) * cda);
+  }
+
+  template <class T>
+  int exact(const Point& a, const Point& b, const Point& c, const Point& d, const Point& p) const {
+    const T v = determinant<T>(a.x - p.x, a.y - p.y, a.z - p.z, b.x - p.x, b.y - p.y, b.z - p.z, c.x - p.x, c.y - p.y,
+                               c.z - p.z, d.x - p.x, d.y - p.y, d.z - p.z, weight_);
+    return (v > 0) - (v < 0);
+  }
+
+  std::array<std::int64_t, 3> weight_{};
+  std::array<double, 3> real_weight_{};
+  double double_limit_ = 0, int64_limit_ = 0, filter_ = 0;
+  bool wide_ = false;
+};
+
+}  // namespace quench::lattice
