@@ -28,8 +28,8 @@ class BallCover {
 
  private:
   struct Node {
-    Vec3 low, high;
-    std::uint32_t begin, count;  // leaf: left_[begin, begin + count); inner: points left below
+    Vec3 low = Vec3::Zero(), high = Vec3::Zero();
+    std::uint32_t begin = 0, count = 0;  // leaf: left_[begin, begin + count); inner: points left below
     std::uint32_t children = 0;  // index of the first of two, 0 for a leaf
   };
 
