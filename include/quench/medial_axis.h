@@ -29,4 +29,17 @@ struct MedialAxis {
   Grid grid;                                             ///< transform of lattice coordinates
 };
 
+/// How an infinite level is written to files: colour ranges of viewers break on inf.
+inline constexpr double kInfiniteLevelInFiles = 3.4e38;
+
+/// The axis as cells and arrays for a file: point arrays `radius`, `lambda`; cell arrays `kind` (0 part of a sheet,
+/// 1 curve, 2 point), `component`, `lambda`, `lambda_level`, `site_a`, `site_b`; field arrays `sites` and the grid.
+/// A line is written for an edge with no face or with a level above that of its faces, a vertex cell likewise, so that
+/// the closure of the cells with lambda_level >= t is the pruning for t, for every t.
+PolyData to_poly_data(const MedialAxis& axis);
+
+/// The closure of the cells of a file as a complex on the points of the file that some cell uses; `point_of[v]` is the
+/// row of vertex v. Lines and vertex cells that are part of a larger cell are merged with it.
+CellComplex complex_of(const PolyData& data, std::vector<std::uint32_t>* point_of = nullptr);
+
 }  // namespace quench

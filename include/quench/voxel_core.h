@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
+
 #include "quench/context.h"
 #include "quench/medial_axis.h"
 #include "quench/voxel_shape.h"
@@ -25,5 +27,8 @@ struct CoreOptions {
 /// or padding. About 2.5 us and 500 bytes per site. Throws Error(input) for an empty shape or one whose spacing has no
 /// integer proportion, Error(failed) when an index outgrows 32 bits.
 MedialAxis voxel_core(const VoxelShape& shape, const CoreOptions& options = {}, Context* context = nullptr);
+
+/// Predicted peak of memory, in bytes, from boundary vertices to a pruned core.
+inline std::int64_t predicted_core_bytes(std::int64_t sites) { return sites * 520 + (std::int64_t{20} << 20); }
 
 }  // namespace quench

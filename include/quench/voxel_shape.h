@@ -59,6 +59,8 @@ class VoxelShape {
 /// The boundary vertices P (the sites): lattice points whose 8 incident voxels are neither all in O nor all out,
 /// in order of z, y, x. O(runs + sites).
 std::vector<LatticePoint> boundary_vertices(const VoxelShape& shape);
+/// Their number, without storing them.
+std::int64_t count_boundary_vertices(const VoxelShape& shape);
 
 /// The shape with every voxel split into factor^3 voxels (Yan 2018, Figs. 2.3, 2.4).
 VoxelShape subdivide(const VoxelShape& shape, int factor);

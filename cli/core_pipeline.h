@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "quench/medial_axis.h"
+#include "session.h"
+#include "shape_input.h"
+
+namespace quench::program {
+
+struct CorePipelineOptions {
+  std::string lambda = "auto";
+  std::string rule = "coface";
+  bool full = false;
+};
+
+void add_core_options(CLI::App& app, CorePipelineOptions& options);
+
+/// The pruned (or, with --full, whole) core of a shape, ready to be written, and the report of all stages so far.
+struct CorePipelineResult {
+  MedialAxis axis;
+  PolyData data;   ///< the axis with all arrays and FieldData
+  nlohmann::ordered_json report;
+};
+
+/// Voxel core, levels, lambda, reconstruction and topology of a loaded shape. Throws Error(invariant) when a promise does
+/// not hold: topology of core and pruning must be that of the shape.
+CorePipelineResult compute_core(const LoadedShape& loaded, const CorePipelineOptions& options, Session& session);
+
+/// Writes `report` with seconds, peak memory and version filled in; "-" is stdout.
+void write_report(const std::string& file, nlohmann::ordered_json report, const Session& session);
+
+/// One line on what was written where.
+void say_written(Session& session, const std::string& file, const CorePipelineResult& result, const LoadedShape& loaded);
+
+}  // namespace quench::program

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <memory>
+
+#include "session.h"
+
+namespace quench::program {
+
+/// Parses the command line and runs the subcommand; returns the exit code (DESIGN: 0 ok, 1 failed, 2 usage, 3 input,
+/// 4 invariant, 130 interrupted).
+int run(int argc, char** argv);
+
+/// A subcommand adds its options to the app and returns what to do once they are parsed; what it needs to keep lives
+/// in the returned function. One file per subcommand.
+using Action = std::function<int(Session&)>;
+Action add_sample(CLI::App& app);
+Action add_voxelize(CLI::App& app);
+Action add_core(CLI::App& app);
+Action add_info(CLI::App& app);
+Action add_convert(CLI::App& app);
+Action add_verify(CLI::App& app);
+Action add_run(CLI::App& app);
+
+}  // namespace quench::program

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+#include <ostream>
+
+#include "program.h"
+#include "quench/io.h"
+#include "quench/sample.h"
+#include "quench/voxelize.h"
+
+namespace quench::program {
+namespace {
+
+void write_truth(const std::string& file, const std::vector<RootBranch>& branches) {
+  using Json = nlohmann::ordered_json;
+  Json list = Json::array();
+  for (std::size_t b = 0; b < branches.size(); ++b) {
+    const RootBranch& branch = branches[b];
+    double mean = 0;
+    for (double r : branch.radius) mean += r / static_cast<double>(branch.radius.size());
+    Json points = Json::array();
+    for (std::size_t i = 0; i < branch.points.size(); ++i)
+      points.push_back({branch.points[i][0], branch.points[i][1], branch.points[i][2], branch.radius[i]});
+    list.push_back({{"id", b}, {"parent", branch.parent}, {"parent_point", branch.parent_point}, {"length", branch.length()},
+                    {"radius", mean}, {"points", std::move(points)}});
+  }
+  const Json truth = {{"branches", std::move(list)}};
+  io::write_atomically(file, [&](std::ostream& out) { out << truth.dump(1) << '\n'; });
+}
+
+PolyData poly_data_of(const TriangleMesh& mesh) {
+  PolyData data;
+  data.points = mesh.points;
+  for (const auto& t : mesh.triangles) {
+    data.poly_corners.insert(data.poly_corners.end(), t.begin(), t.end());
+    data.poly_offsets.push_back(static_cast<std::uint32_t>(data.poly_corners.size()));
+  }
+  return data;
+}
+
+}  // namespace
+
+Action add_sample(CLI::App& app) {
+  struct Options {
+    std::string name, output;
+    SampleOptions sample;
+    std::int64_t resolution = 256;
+  };
+  auto o = std::make_shared<Options>();
+  std::string names;
+  for (const SampleInfo& info : samples()) names += fmt::format("\n  {:<18}{}", info.name, info.description);
+  app.add_option("NAME", o->name, "The shape:" + names)->required();
+  app.add_option("-o,--output", o->output, "A mesh (.ply .obj .vtp) or a volume (.nrrd)")->required();
+  app.add_option("--seed", o->sample.seed, "root, bumps: another seed, another shape")->capture_default_str();
+  app.add_option("--branches", o->sample.branches, "root: number of branches")->check(CLI::Range(1, 1000000))->capture_default_str();
+  app.add_option("--noise", o->sample.noise, "Surface noise as a fraction of the longest side, where the shape has any")->capture_default_str();
+  app.add_option("--detail", o->sample.detail, "Multiplies the number of triangles along each direction")->check(CLI::Range(0.01, 100.0))->capture_default_str();
+  app.add_option("--resolution", o->resolution, "Volumes: voxels along the longest side")->capture_default_str();
+  return [o](Session& session) {
+    namespace fs = std::filesystem;
+    const Sample sample = make_sample(o->name, o->sample);
+    session.check_output(o->output, {});
+    fs::path truth = o->output;
+    truth.replace_extension(".json");
+    if (!sample.branches.empty()) session.check_output(truth, {});
+    if (io::kind_of(o->output) == io::Kind::volume) {
+      if (fs::path(o->output).extension() != ".nrrd")
+        throw Error(ErrorCode::usage, fmt::format("volumes are written as .nrrd, not {}", o->output));
+      const Voxelization v = voxelize(sample.mesh, {.resolution = o->resolution}, &session.context);
+      io::write_volume(o->output, v.shape, &session.context);
+      session.say(fmt::format("{}: {} voxels inside", o->output, v.shape.voxel_count()));
+    } else {
+      io::write_poly_data(o->output, poly_data_of(sample.mesh));
+      session.say(fmt::format("{}: {} vertices, {} triangles", o->output, sample.mesh.points.size(), sample.mesh.triangles.size()));
+    }
+    if (!sample.branches.empty()) {
+      write_truth(truth.string(), sample.branches);
+      session.say(fmt::format("{}: the {} true branches", truth.string(), sample.branches.size()));
+    }
+    return 0;
+  };
+}
+
+}  // namespace quench::program

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <tbb/global_control.h>
+
+#include <chrono>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "quench/context.h"
+
+namespace quench::program {
+
+/// Options every subcommand has.
+struct CommonOptions {
+  int threads = 0;
+  std::string memory_limit;
+  std::string report;
+  bool quiet = false, verbose = false, overwrite = false;
+};
+
+/// One run of the program: its context (progress on stderr, notes, Ctrl-C), its clock per stage, its outputs.
+class Session {
+ public:
+  explicit Session(const CommonOptions& options);
+  ~Session();
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
+
+  Context context;
+  const CommonOptions options;
+
+  /// Refuses, before any work is done, an output that exists (unless --overwrite), that is an input, or whose folder
+  /// cannot be written.
+  void check_output(const std::filesystem::path& output, const std::vector<std::filesystem::path>& inputs) const;
+  /// Throws Error(failed) with figures when `bytes` exceed --memory-limit or, without one, the memory that is free.
+  void check_memory(std::int64_t bytes, const std::string& what) const;
+  /// A line on stderr: notes always, unless --quiet; details with --verbose only.
+  void say(const std::string& line);
+  void detail(const std::string& line);
+
+  /// Seconds per stage so far, by the stage names of the progress callback.
+  const std::map<std::string, double>& seconds() const { return seconds_; }
+  double total_seconds() const;
+  static std::int64_t peak_bytes();
+
+ private:
+  void progress(std::string_view stage, double fraction);
+  void clear_line();
+
+  using Clock = std::chrono::steady_clock;
+  Clock::time_point start_ = Clock::now(), last_ = start_, stage_start_ = start_, last_print_ = start_;
+  std::string stage_;
+  bool terminal_ = false, line_open_ = false;
+  std::map<std::string, double> seconds_;
+  std::unique_ptr<tbb::global_control> thread_limit_;
+};
+
+}  // namespace quench::program

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+
+#include "quench/poly_data.h"
+#include "quench/topology.h"
+#include "quench/volume.h"
+#include "quench/voxel_shape.h"
+#include "session.h"
+
+namespace quench::program {
+
+/// How a file becomes a voxel shape: the options SHAPE arguments share.
+struct ShapeOptions {
+  std::string file;
+  std::string resolution = "256";
+  bool resolution_given = false;
+  std::string fill = "nonzero";
+  std::string spacing;
+  ForegroundOptions foreground;
+  int subdivide = 1;
+};
+
+void add_shape_options(CLI::App& app, ShapeOptions& options);
+
+/// A shape ready for the main job.
+struct LoadedShape {
+  VoxelShape shape;
+  double longest_side = 0;      ///< what plain-number lengths refer to, world units
+  std::string kind;             ///< "mesh" or "volume"
+  std::string units;            ///< of world coordinates, where the file says so
+  nlohmann::ordered_json input;        ///< the report's section `input`
+  nlohmann::ordered_json parameters;   ///< what made the voxel shape of the file
+  std::optional<bool> topology_changed;  ///< by voxelization; meshes only
+  Topology topology;
+};
+
+/// Reads SHAPE; prints what the user should know (assumptions, warnings). Takes missing options from `defaults`: the
+/// parameters in the FieldData of a result made from the same shape.
+LoadedShape load_shape(const ShapeOptions& options, Session& session);
+
+/// Options not given on the command line are taken from the FieldData `parameters` of a result file.
+void take_parameters(ShapeOptions& options, const PolyData& result);
+
+/// FieldData `parameters` holds this as JSON text.
+std::string parameters_of(const PolyData& result);
+
+}  // namespace quench::program
