@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <limits>
+
+#include "formats.h"
+
+namespace quench::io {
+namespace {
+
+constexpr std::array surface_extensions{".ply", ".obj", ".off", ".stl", ".vtp", ".ma"};
+// What Assimp reads and people store meshes in. Listed here so that the kind of a file does not depend on how Quench
+// was built: without Assimp, reading explains what is missing.
+constexpr std::array assimp_extensions{".3ds", ".3mf", ".ac",  ".amf",     ".ase",  ".b3d",  ".blend", ".bvh",
+                                       ".dae", ".dxf", ".fbx", ".glb",     ".gltf", ".iqm",  ".irr",   ".lwo",
+                                       ".lws", ".md2", ".md3", ".md5mesh", ".mdl",  ".ms3d", ".nff",   ".ogex",
+                                       ".q3d", ".smd", ".ter", ".wrl",     ".x",    ".x3d",  ".xgl",   ".zgl"};
+constexpr std::array volume_extensions{".nrrd", ".nhdr", ".mha", ".mhd", ".nii", ".mrc", ".map",
+                                       ".tif",  ".tiff", ".png", ".npy", ".vol", ".sof"};
+constexpr std::array slice_extensions{".png", ".tif", ".tiff"};
+
+bool among(const auto& list, const std::string& extension) {
+  return std::find(list.begin(), list.end(), extension) != list.end();
+}
+
+bool ends_with_nii_gz(const std::filesystem::path& file) {
+  return lower_extension(file) == ".gz" && lower_extension(file.stem()) == ".nii";
+}
+
+}  // namespace
+
+std::string lower_extension(const std::filesystem::path& file) {
+  std::string extension = file.extension().string();
+  for (char& c : extension)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return extension;
+}
+
+Kind kind_of(const std::filesystem::path& file) {
+  std::error_code ignored;
+  if (std::filesystem::is_directory(file, ignored)) {
+    for (std::filesystem::directory_iterator entry(file, ignored), end; !ignored && entry != end;
+         entry.increment(ignored))
+      if (among(slice_extensions, lower_extension(entry->path()))) return Kind::volume;
+    return Kind::unknown;
+  }
+  const std::string extension = lower_extension(file);
+  if (among(surface_extensions, extension) || among(assimp_extensions, extension)) return Kind::surface;
+  if (among(volume_extensions, extension) || ends_with_nii_gz(file)) return Kind::volume;
+  return Kind::unknown;
+}
+
+FileText load_file(const std::filesystem::path& file) {
+  FileText text{file.string(), {}};
+  std::error_code ignored;
+  if (std::filesystem::is_directory(file, ignored))
+    throw Error(ErrorCode::failed, fmt::format("cannot read '{}': it is a folder, not a file", text.name));
+  errno = 0;
+  std::ifstream in(file, std::ios::binary);
+  if (!in) throw Error(ErrorCode::failed, fmt::format("cannot open '{}': {}", text.name, std::strerror(errno)));
+  if (const auto size = std::filesystem::file_size(file, ignored); !ignored) text.bytes.reserve(size);
+  // The size is a hint only: pipes have none, and a file may grow.
+  for (std::array<char, 1 << 16> block; in;) {
+    in.read(block.data(), block.size());
+    text.bytes.append(block.data(), static_cast<std::size_t>(in.gcount()));
+  }
+  if (in.bad()) throw Error(ErrorCode::failed, fmt::format("cannot read '{}': {}", text.name, std::strerror(errno)));
+  return text;
+}
+
+PolyData read_poly_data(const std::filesystem::path& file) {
+  const std::string extension = lower_extension(file);
+  if (extension == ".ply") return read_ply(load_file(file));
+  if (extension == ".obj") return read_obj(load_file(file));
+  if (extension == ".off") return read_off(load_file(file));
+  if (extension == ".stl") return read_stl(load_file(file));
+  if (extension == ".vtp") return read_vtp(load_file(file));
+  if (extension == ".ma") return read_ma(load_file(file));
+  if (among(assimp_extensions, extension)) {
+#ifdef QUENCH_HAS_ASSIMP
+    return read_with_assimp(file);
+#else
+    throw Error(ErrorCode::input, fmt::format("cannot read '{}': this Quench was built without Assimp; convert the "
+                                              "file to .ply, .obj, .off or .stl",
+                                              file.string()));
+#endif
+  }
+  throw Error(ErrorCode::input,
+              fmt::format("cannot read '{}': '{}' is no extension of a mesh or medial axis; use .ply .obj .off .stl "
+                          ".vtp or .ma",
+                          file.string(), extension));
+}
+
+void write_poly_data(const std::filesystem::path& file, const PolyData& data, const WriteOptions& options) {
+  const std::string extension = lower_extension(file);
+  std::function<void(std::ostream&)> body;
+  if (extension == ".ply") body = [&](std::ostream& out) { write_ply(out, data, options); };
+  if (extension == ".obj") body = [&](std::ostream& out) { write_obj(out, data); };
+  if (extension == ".vtp") body = [&](std::ostream& out) { write_vtp(out, data); };
+  if (extension == ".ma") body = [&](std::ostream& out) { write_ma(out, data); };
+  if (extension == ".r") body = [&](std::ostream& out) { write_r(out, data); };
+  if (extension == ".csv") body = [&](std::ostream& out) { write_csv(out, data); };
+  if (!body)
+    throw Error(ErrorCode::usage, fmt::format("cannot write '{}': '{}' is no output format; use .vtp .ply .obj .ma .r "
+                                              "or .csv",
+                                              file.string(), extension));
+  write_atomically(file, body);
+}
+
+void add_cell(PolyData& data, std::span<const std::uint32_t> corners, const std::string& file) {
+  if (corners.size() == 1) {
+    data.verts.push_back(corners[0]);
+  } else if (corners.size() == 2) {
+    data.lines.push_back({corners[0], corners[1]});
+  } else {
+    if (data.poly_corners.size() + corners.size() > std::numeric_limits<std::uint32_t>::max())
+      throw Error(ErrorCode::input, fmt::format("'{}' has more than 4,294,967,295 polygon corners", file));
+    data.poly_corners.insert(data.poly_corners.end(), corners.begin(), corners.end());
+    data.poly_offsets.push_back(static_cast<std::uint32_t>(data.poly_corners.size()));
+  }
+}
+
+std::vector<double> required_radii(const PolyData& data, const char* format) {
+  const DataArray* radius = find_array(data.point_data, "radius");
+  if (!radius || radius->components != 1)
+    throw Error(ErrorCode::input,
+                fmt::format("a {} file needs a radius per vertex, and this data has no point array 'radius'", format));
+  return radius->numbers();
+}
+
+float to_float(double value) {
+  constexpr double largest = std::numeric_limits<float>::max();
+  return static_cast<float>(value > largest ? largest : value < -largest ? -largest : value);
+}
+
+}  // namespace quench::io

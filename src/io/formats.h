@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <iosfwd>
+#include <span>
+#include <string>
+
+#include "quench/io.h"
+#include "quench/poly_data.h"
+
+/// One reader and one writer per format; read_poly_data and write_poly_data choose among them by extension.
+namespace quench::io {
+
+/// The bytes of a file, with its name for error sentences.
+struct FileText {
+  std::string name;
+  std::string bytes;
+};
+
+/// Throws Error(failed) when the file cannot be opened or read.
+FileText load_file(const std::filesystem::path& file);
+
+/// The extension in lower case, with its dot.
+std::string lower_extension(const std::filesystem::path& file);
+
+PolyData read_ply(const FileText& file);
+PolyData read_obj(const FileText& file);
+PolyData read_off(const FileText& file);
+PolyData read_stl(const FileText& file);
+PolyData read_ma(const FileText& file);
+PolyData read_vtp(const FileText& file);
+/// Any format Assimp knows, by path: such files may refer to others. Only where built with Assimp.
+PolyData read_with_assimp(const std::filesystem::path& file);
+
+void write_ply(std::ostream& out, const PolyData& data, const WriteOptions& options);
+void write_obj(std::ostream& out, const PolyData& data);
+void write_ma(std::ostream& out, const PolyData& data);
+void write_r(std::ostream& out, const PolyData& data);
+void write_csv(std::ostream& out, const PolyData& data);
+void write_vtp(std::ostream& out, const PolyData& data);
+
+/// A cell by its number of corners: one is an isolated point, two a line, more a polygon. Throws Error(input) naming
+/// the file when the corners outgrow 32-bit offsets.
+void add_cell(PolyData& data, std::span<const std::uint32_t> corners, const std::string& file);
+
+/// The values of the point array `radius`; throws Error(input) naming the format that needs them.
+std::vector<double> required_radii(const PolyData& data, const char* format);
+
+/// A float that an out-of-range double becomes without undefined behaviour: the largest finite one.
+float to_float(double value);
+
+}  // namespace quench::io

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "formats.h"
+#include "text_out.h"
+#include "words.h"
+
+/// Medial axes as text: the counts `nV nE nF`, then `v x y z r`, `e i j` and `f i j k ...` with vertices counted from
+/// 0.
+namespace quench::io {
+
+PolyData read_ma(const FileText& file) {
+  Words words(file.bytes, file.name);
+  const std::int64_t vertices = words.integer("the number of vertices");
+  const std::int64_t edges = words.integer_on_line("the number of edges");
+  const std::int64_t faces = words.integer_on_line("the number of faces");
+  PolyData data;
+  std::vector<double> radii;
+  std::vector<std::uint32_t> corners;
+  while (words.next_line()) {
+    const std::string_view keyword = words.next_on_line();
+    if (keyword == "v") {
+      const double x = words.coordinate_on_line("x"), y = words.coordinate_on_line("y"),
+                   z = words.coordinate_on_line("z"), r = words.coordinate_on_line("the radius");
+      data.points.emplace_back(x, y, z);
+      radii.push_back(r);
+    } else if (keyword == "e" || keyword == "f") {
+      const bool edge = keyword == "e";
+      corners.clear();
+      for (std::string_view word = words.next_on_line(); !word.empty(); word = words.next_on_line()) {
+        std::int64_t index = 0;
+        if (!parse_integer(word, index) || index < 0 || index >= vertices || index > 0xFFFFFFFE)
+          words.fail(fmt::format("a corner is no vertex number between 0 and {}", vertices - 1));
+        corners.push_back(static_cast<std::uint32_t>(index));
+      }
+      if (edge ? corners.size() != 2 : corners.size() < 3)
+        words.fail(fmt::format("{} has {} corners", edge ? "an edge" : "a face", corners.size()));
+      add_cell(data, corners, file.name);
+    } else {
+      words.fail("a line begins with none of v, e and f");
+    }
+  }
+  if (static_cast<std::size_t>(vertices) != data.points.size() ||
+      static_cast<std::size_t>(edges) != data.lines.size() || static_cast<std::size_t>(faces) != data.poly_count())
+    throw Error(ErrorCode::input,
+                fmt::format("'{}' announces {} vertices, {} edges and {} faces, and has {}, {} and {}", file.name,
+                            vertices, edges, faces, data.points.size(), data.lines.size(), data.poly_count()));
+  data.point_data.push_back({"radius", 1, std::move(radii)});
+  return data;
+}
+
+void write_ma(std::ostream& out, const PolyData& data) {
+  const std::vector<double> radii = required_radii(data, ".ma");
+  TextOut text(out);
+  text.print("{} {} {}\n", data.points.size(), data.lines.size(), data.poly_count());
+  for (std::size_t v = 0; v < data.points.size(); ++v)
+    text.print("v {} {} {} {}\n", data.points[v][0], data.points[v][1], data.points[v][2], radii[v]);
+  for (const auto& line : data.lines) text.print("e {} {}\n", line[0], line[1]);
+  for (std::size_t f = 0; f < data.poly_count(); ++f) {
+    text.print("f");
+    for (std::size_t c = data.poly_offsets[f]; c < data.poly_offsets[f + 1]; ++c)
+      text.print(" {}", data.poly_corners[c]);
+    text.print("\n");
+  }
+  text.flush();
+}
+
+}  // namespace quench::io

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <system_error>
+#include <vector>
+
+#include "quench/io.h"
+
+namespace quench::io {
+namespace {
+
+namespace fs = std::filesystem;
+
+[[noreturn]] void cannot_write(const fs::path& file, const std::string& reason) {
+  throw Error(ErrorCode::failed, fmt::format("cannot write '{}': {}", file.string(), reason));
+}
+
+std::string reason_of(int error) { return error ? std::strerror(error) : "the system gives no reason"; }
+
+/// Writes and closes `target`; errors are told about `file`.
+void write_to(const fs::path& target, const fs::path& file, const std::function<void(std::ostream&)>& body) {
+  std::vector<char> buffer(1 << 20);
+  std::ofstream out;
+  out.rdbuf()->pubsetbuf(buffer.data(), static_cast<std::streamsize>(buffer.size()));
+  errno = 0;
+  out.open(target, std::ios::binary | std::ios::trunc);
+  if (!out) cannot_write(file, reason_of(errno));
+  errno = 0;
+  body(out);
+  // A body does not look at the stream: once it has failed, later output is lost and errno still has the reason.
+  if (!out) cannot_write(file, reason_of(errno));
+  out.flush();
+  if (!out) cannot_write(file, reason_of(errno));
+  out.close();
+  if (!out) cannot_write(file, reason_of(errno));
+}
+
+/// Removes a file at the end of its scope unless it has been renamed.
+struct Temporary {
+  fs::path path;
+  bool renamed = false;
+  explicit Temporary(fs::path where) : path(std::move(where)) {}
+  Temporary(const Temporary&) = delete;
+  Temporary& operator=(const Temporary&) = delete;
+  ~Temporary() {
+    std::error_code ignored;
+    if (!renamed) fs::remove(path, ignored);
+  }
+};
+
+}  // namespace
+
+void write_atomically(const fs::path& file, const std::function<void(std::ostream&)>& body) {
+  std::error_code ignored;
+  const fs::file_status status = fs::status(file, ignored);
+  if (fs::is_directory(status)) cannot_write(file, "it is a folder; name a file in it");
+  // A pipe or a device (/dev/stdout) takes bytes and must not be replaced.
+  if (fs::exists(status) && !fs::is_regular_file(status)) return write_to(file, file, body);
+  // The file behind a link is replaced, not the link.
+  fs::path target = fs::is_symlink(file, ignored) ? fs::weakly_canonical(file, ignored) : file;
+  if (target.empty()) target = file;
+  const fs::path folder = target.has_parent_path() ? target.parent_path() : fs::path(".");
+  if (!fs::exists(folder, ignored))
+    cannot_write(file, fmt::format("the folder '{}' does not exist; create it first", folder.string()));
+  if (!fs::is_directory(folder, ignored)) cannot_write(file, fmt::format("'{}' is not a folder", folder.string()));
+
+  static std::atomic<unsigned> count{0};
+  Temporary temporary(folder / fmt::format(".quench-{}-{}.tmp", ::getpid(), count++));
+  write_to(temporary.path, file, body);
+  if (fs::exists(status)) fs::permissions(temporary.path, status.permissions(), ignored);
+  std::error_code error;
+  fs::rename(temporary.path, target, error);
+  if (error) cannot_write(file, error.message());
+  temporary.renamed = true;
+}
+
+}  // namespace quench::io
