@@ -210,6 +210,10 @@ TEST(Voxelize, PermutedAndMirroredAxesGiveThePermutedAndMirroredShape) {
     for (Vec3& p : turned.points) p = Vec3(p[2], static_cast<double>(side) - p[0], p[1]);
     VoxelizeOptions options;
     options.resolution = 11;
+    if (error_of(mesh, options)) {  // encloses no centre
+      EXPECT_TRUE(error_of(turned, options));
+      continue;
+    }
     const VoxelShape a = voxelize(mesh, options).shape, b = voxelize(turned, options).shape;
     EXPECT_EQ(a.voxel_count(), b.voxel_count());
     for (std::int64_t z = 0; z < 13; ++z)
@@ -309,7 +313,6 @@ TEST(Voxelize, ReportsAGapThatCloses) {
   const Voxelization fine = voxelize_auto(mesh);
   EXPECT_FALSE(fine.topology_changed);
   EXPECT_DOUBLE_EQ(fine.shape.grid().spacing[0], 2000.0 / 1024);
-  add_box(mesh, {0, 0, 0}, {10, 10, 10});  // never agrees: overlaps
 }
 
 TEST(Voxelize, RefusesWhatItCannotUse) {
