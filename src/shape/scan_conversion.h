@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "quench/context.h"
+#include "quench/voxelize.h"
+
+namespace quench::detail {
+
+/// Fixed point: one voxel is 2^20.
+inline constexpr int fraction_bits = 20;
+using FixedPoint = std::array<std::int64_t, 3>;
+
+/// A mesh in voxel units relative to the minimum of its bounding box. Coordinates are from 0 to cells * 2^20.
+struct FixedMesh {
+  std::vector<FixedPoint> points;
+  std::span<const std::array<std::uint32_t, 3>> triangles;
+  std::array<std::int64_t, 3> cells{};  ///< voxels that cover the box; at most 16384 along each axis
+};
+
+/// Part of a stage for progress: fractions from `begin` to `end`.
+struct Progress {
+  Context* context = nullptr;
+  double begin = 0, end = 1;
+  void operator()(double fraction) const { checkpoint(context, "voxelize", begin + (end - begin) * fraction); }
+};
+
+struct Digitization {
+  VoxelShape shape;
+  std::int64_t defective_scanlines = 0;         ///< whose winding number (evenodd: mod 2) does not return to 0
+  std::array<std::int64_t, 2> one_defective{};  ///< y, z of the first of them, counted from the box
+  bool overlapping = false;                     ///< some voxel has a winding number beyond -1, 0, 1
+};
+
+/// Gauss digitization; see the definition for how ties are decided. `grid` must be that of the result: `margin` empty
+/// voxels around mesh.cells. The shape is not meaningful when there are defective scanlines.
+Digitization scan_convert(const FixedMesh& mesh, const Grid& grid, std::int64_t margin, FillRule fill,
+                          const Progress& progress);
+
+}  // namespace quench::detail

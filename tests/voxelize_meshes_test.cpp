@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <sstream>
+
+#include "data.h"
+#include "quench/error.h"
+#include "quench/topology.h"
+#include "quench/voxelize.h"
+
+// Real meshes, read here by the least that serves (files of known form; triangles only).
+
+namespace quench {
+namespace {
+
+TriangleMesh read_off(std::istream& in) {
+  TriangleMesh mesh;
+  std::string word;
+  std::size_t points = 0, faces = 0, edges = 0, corners = 0;
+  in >> word >> points >> faces >> edges;
+  mesh.points.resize(points);
+  mesh.triangles.resize(faces);
+  for (Vec3& p : mesh.points) in >> p[0] >> p[1] >> p[2];
+  for (auto& t : mesh.triangles) {
+    in >> corners >> t[0] >> t[1] >> t[2];
+    EXPECT_EQ(corners, 3u);
+    std::getline(in, word);
+  }
+  return mesh;
+}
+
+TriangleMesh read_obj(std::istream& in) {
+  TriangleMesh mesh;
+  std::string line, word;
+  while (std::getline(in, line)) {
+    std::istringstream words(line);
+    words >> word;
+    if (line.starts_with("v ")) {
+      Vec3 p;
+      words >> p[0] >> p[1] >> p[2];
+      mesh.points.push_back(p);
+    } else if (line.starts_with("f ")) {
+      std::vector<std::uint32_t> corners;
+      while (words >> word) corners.push_back(static_cast<std::uint32_t>(std::stoul(word)) - 1);
+      for (std::size_t i = 2; i < corners.size(); ++i)
+        mesh.triangles.push_back({corners[0], corners[i - 1], corners[i]});
+    }
+  }
+  return mesh;
+}
+
+TriangleMesh read_ply(std::istream& in) {
+  TriangleMesh mesh;
+  std::string line;
+  bool binary = false;
+  while (std::getline(in, line) && line != "end_header") {
+    if (line.starts_with("format binary")) binary = true;
+    if (line.starts_with("element vertex ")) mesh.points.resize(std::stoul(line.substr(15)));
+    if (line.starts_with("element face ")) mesh.triangles.resize(std::stoul(line.substr(13)));
+  }
+  for (Vec3& p : mesh.points) {
+    if (binary) {
+      std::array<float, 3> f{};
+      in.read(reinterpret_cast<char*>(f.data()), sizeof f);
+      p = Vec3(f[0], f[1], f[2]);
+    } else {
+      in >> p[0] >> p[1] >> p[2];
+      std::getline(in, line);
+    }
+  }
+  for (auto& t : mesh.triangles) {
+    if (binary) {
+      EXPECT_EQ(in.get(), 3);
+      in.read(reinterpret_cast<char*>(t.data()), sizeof t);
+    } else {
+      in >> line >> t[0] >> t[1] >> t[2];
+    }
+  }
+  return mesh;
+}
+
+TriangleMesh read(const std::string& name) {
+  std::ifstream in(data_file(name.c_str()), std::ios::binary);
+  const TriangleMesh mesh = name.ends_with(".off")   ? read_off(in)
+                            : name.ends_with(".obj") ? read_obj(in)
+                                                     : read_ply(in);
+  EXPECT_FALSE(in.bad());
+  return mesh;
+}
+
+double signed_volume(const TriangleMesh& mesh) {
+  double sum = 0;
+  for (const auto& t : mesh.triangles) sum += mesh.points[t[0]].dot(mesh.points[t[1]].cross(mesh.points[t[2]]));
+  return sum / 6;
+}
+
+struct Known {
+  const char* name;
+  std::int64_t euler;  // of the surface
+  double volume;
+};
+
+// As listed in the README of the data.
+class ClosedMeshes : public testing::TestWithParam<Known> {};
+
+TEST_P(ClosedMeshes, VolumeAndTopologyAreThoseOfTheMesh) {
+  const Known& known = GetParam();
+  REQUIRE_DATA(known.name);
+  const TriangleMesh mesh = read(known.name);
+  const double volume = signed_volume(mesh);
+  EXPECT_NEAR(volume, known.volume, 1e-3 * std::abs(known.volume));
+  for (const std::int64_t resolution : {64, 128}) {
+    VoxelizeOptions options;
+    options.resolution = resolution;
+    const Voxelization result = voxelize(mesh, options);
+    result.shape.validate();
+    EXPECT_TRUE(result.surface.manifold);
+    EXPECT_EQ(2 * result.surface.euler, known.euler);
+    EXPECT_EQ(result.surface.components, 1);
+    const double h = result.shape.grid().spacing[0];
+    EXPECT_NEAR(static_cast<double>(result.shape.voxel_count()) * h * h * h, std::abs(volume),
+                (resolution == 64 ? 0.1 : 0.03) * std::abs(volume));  // plates of a few voxels at 64
+    const Topology t = topology(result.shape);
+    const bool same = t.betti[0] + t.betti[2] == 1 && t.betti[1] == 1 - known.euler / 2;
+    EXPECT_EQ(result.topology_changed, !same);
+    EXPECT_EQ(result.topology_difference.empty(), same);
+    if (!same) std::cout << known.name << " at " << resolution << ": " << result.topology_difference << '\n';
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Data, ClosedMeshes,
+    testing::Values(Known{"meshes/bunny_closed.off", 2, 0.1992}, Known{"meshes/armadillo.off", 2, 0.06885},
+                    Known{"meshes/fertility.off", -6, 0.0546}, Known{"meshes/elk.off", 0, 0.1053},
+                    Known{"meshes/neptune.off", -4, 0.01312}, Known{"meshes/octopus.off", 2, 0.01211},
+                    Known{"meshes/vessel.off", 2, 0.007544}, Known{"meshes/fandisk.off", 2, 0.1404},
+                    Known{"meshes/block.off", -4, 7396}, Known{"meshes/casting.off", -16, -0.03391},
+                    Known{"meshes/abc_00000802.obj", -6, 1.256e4}, Known{"meshes/kitten.obj", 0, 0.1209},
+                    Known{"meshes/lucy.ply", 2, 8.167e7}),
+    [](const auto& parameter) {
+      const std::string name = std::filesystem::path(parameter.param.name).stem().string();
+      return name;
+    });
+
+class DefectiveMeshes : public testing::TestWithParam<const char*> {};
+
+TEST_P(DefectiveMeshes, AreRefusedInOneSentence) {
+  REQUIRE_DATA(GetParam());
+  const TriangleMesh mesh = read(GetParam());
+  try {
+    voxelize(mesh);
+    FAIL() << "was accepted";
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), ErrorCode::input);
+    EXPECT_NE(std::string(e.what()).find("not closed"), std::string::npos) << e.what();
+    std::cout << e.what() << '\n';
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Data, DefectiveMeshes,
+                         testing::Values("meshes/bunny_holes.ply", "meshes/truck.obj", "meshes/neuron_1734350788.ply"));
+
+TEST(VoxelizeAuto, FindsTheTunnelsOfFertility) {
+  REQUIRE_DATA("meshes/fertility.off");
+  const Voxelization result = voxelize_auto(read("meshes/fertility.off"));
+  EXPECT_FALSE(result.topology_changed) << result.topology_difference;
+  EXPECT_EQ(topology(result.shape).betti, (std::array<std::int64_t, 3>{1, 4, 0}));
+}
+
+}  // namespace
+}  // namespace quench
