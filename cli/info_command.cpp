@@ -146,15 +146,10 @@ Action add_info(CLI::App& app) {
     const io::Kind kind = io::kind_of(o->file);
     if (kind == io::Kind::unknown) throw Error(ErrorCode::input, fmt::format("{} is of no kind Quench knows by its name", o->file));
     info.update(kind == io::Kind::volume ? volume_info(o->file, session) : surface_info(o->file));
-    if (session.options.report.empty()) {
+    if (session.options.report.empty())
       print(info, 0);
-    } else {
-      const std::string text = info.dump(2) + "\n";
-      if (session.options.report == "-")
-        fmt::print("{}", text);
-      else
-        io::write_atomically(session.options.report, [&](std::ostream& out) { out << text; });
-    }
+    else
+      fmt::print("{}\n", info.dump(2));
     return 0;
   };
 }

@@ -26,7 +26,10 @@ constexpr Command kCommands[] = {
 void add_common(CLI::App& app, CommonOptions& options) {
   app.add_option("--threads", options.threads, "Threads; 0: all processors")->capture_default_str()->group("Common");
   app.add_option("--memory-limit", options.memory_limit, "Refuse to start what needs more, e.g. 8G [default: the memory that is free]")->group("Common");
-  app.add_option("--json", options.report, "Write a report to this file ('-': to stdout)")->group("Common");
+  if (app.get_name() == "info")  // its answer is the report
+    app.add_flag_callback("--json", [&options] { options.report = "-"; }, "Answer as JSON")->group("Common");
+  else
+    app.add_option("--json", options.report, "Write a report to this file ('-': to stdout)")->group("Common");
   app.add_flag("--quiet", options.quiet, "No progress and no notes")->group("Common");
   app.add_flag("--verbose", options.verbose, "More about what is done")->group("Common");
   app.add_flag("--overwrite", options.overwrite, "Replace existing outputs")->group("Common");

@@ -1,0 +1,15 @@
+# SPDX-License-Identifier: Apache-2.0
+# find_package(quench CONFIG) -> quench::quench
+include(CMakePackageConfigHelpers)
+install(TARGETS quench EXPORT quench-targets
+        LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+if(QUENCH_PROGRAM)
+  install(TARGETS quench_program RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+endif()
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/quench DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+install(EXPORT quench-targets NAMESPACE quench:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/quench)
+configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/quench-config.cmake.in ${PROJECT_BINARY_DIR}/quench-config.cmake
+                              INSTALL_DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/quench)
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/quench-config-version.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${PROJECT_BINARY_DIR}/quench-config.cmake ${PROJECT_BINARY_DIR}/quench-config-version.cmake
+        DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/quench)

@@ -48,6 +48,8 @@ struct WriteOptions {
   std::string quality_array = "radius";
 };
 void write_poly_data(const std::filesystem::path& file, const PolyData& data, const WriteOptions& options = {});
+/// Throws Error(usage) when the extension is none of those: to be told before a long computation, not after.
+void check_writable_format(const std::filesystem::path& file);
 
 /// Values of a .r file for the given points: matched by nearest point, at most 1e-3 of the longest side away, else
 /// Error(input).

@@ -96,21 +96,30 @@ PolyData read_poly_data(const std::filesystem::path& file) {
                           file.string(), extension));
 }
 
-void write_poly_data(const std::filesystem::path& file, const PolyData& data, const WriteOptions& options) {
+namespace {
+
+using Writer = void (*)(std::ostream&, const PolyData&, const WriteOptions&);
+
+Writer writer_of(const std::filesystem::path& file) {
   const std::string extension = lower_extension(file);
-  std::function<void(std::ostream&)> body;
-  if (extension == ".ply") body = [&](std::ostream& out) { write_ply(out, data, options); };
-  if (extension == ".obj") body = [&](std::ostream& out) { write_obj(out, data); };
-  if (extension == ".vtp") body = [&](std::ostream& out) { write_vtp(out, data); };
-  if (extension == ".ma") body = [&](std::ostream& out) { write_ma(out, data); };
-  if (extension == ".r") body = [&](std::ostream& out) { write_r(out, data); };
-  if (extension == ".csv") body = [&](std::ostream& out) { write_csv(out, data); };
-  if (!body)
-    throw Error(ErrorCode::usage, fmt::format("cannot write '{}': '{}' is no output format; use .vtp .ply .obj .ma .r "
-                                              "or .csv",
-                                              file.string(), extension));
-  write_atomically(file, body);
+  if (extension == ".ply") return [](std::ostream& out, const PolyData& data, const WriteOptions& o) { write_ply(out, data, o); };
+  if (extension == ".obj") return [](std::ostream& out, const PolyData& data, const WriteOptions&) { write_obj(out, data); };
+  if (extension == ".vtp") return [](std::ostream& out, const PolyData& data, const WriteOptions&) { write_vtp(out, data); };
+  if (extension == ".ma") return [](std::ostream& out, const PolyData& data, const WriteOptions&) { write_ma(out, data); };
+  if (extension == ".r") return [](std::ostream& out, const PolyData& data, const WriteOptions&) { write_r(out, data); };
+  if (extension == ".csv") return [](std::ostream& out, const PolyData& data, const WriteOptions&) { write_csv(out, data); };
+  throw Error(ErrorCode::usage, fmt::format("cannot write '{}': '{}' is no output format; use .vtp .ply .obj .ma .r or .csv",
+                                            file.string(), extension));
 }
+
+}  // namespace
+
+void write_poly_data(const std::filesystem::path& file, const PolyData& data, const WriteOptions& options) {
+  const Writer writer = writer_of(file);
+  write_atomically(file, [&](std::ostream& out) { writer(out, data, options); });
+}
+
+void check_writable_format(const std::filesystem::path& file) { writer_of(file); }
 
 void add_cell(PolyData& data, std::span<const std::uint32_t> corners, const std::string& file) {
   if (corners.size() == 1) {

@@ -1,0 +1,45 @@
+# SPDX-License-Identifier: Apache-2.0
+# make demo       install packages, build, run the main job on a built-in shape
+# make test       build and run the tests (at most 15 minutes on 2 cores)
+# make test-full  also: address, undefined-behaviour and thread sanitizers, all real data at resolution 512
+# make bench      time and memory per boundary vertex
+# make format     clang-format over the sources
+JOBS ?= $(shell nproc)
+BUILD := build/release
+
+.PHONY: demo test test-full bench build format clean
+demo: deps
+	@$(MAKE) --no-print-directory build
+	@rm -rf demo && mkdir demo
+	$(BUILD)/quench sample fin-on-board -o demo/fin-on-board.ply
+	$(BUILD)/quench run demo/fin-on-board.ply -o demo/fin-on-board
+	$(BUILD)/quench verify demo/fin-on-board.ply demo/fin-on-board/core.vtp
+	@echo
+	@echo "Open demo/fin-on-board/core.vtp in ParaView (colour by radius or lambda); the figures are in demo/fin-on-board/report.json."
+
+.PHONY: deps
+deps:
+	@scripts/install-deps
+
+build:
+	cmake --preset release
+	cmake --build $(BUILD) -j $(JOBS)
+
+test: build
+	ctest --test-dir $(BUILD) -j $(JOBS) --output-on-failure --timeout 600
+
+test-full: test
+	QUENCH_TEST_FULL=1 ctest --test-dir $(BUILD) -j 1 --output-on-failure --timeout 7200
+	cmake --preset asan && cmake --build build/asan -j $(JOBS)
+	ctest --test-dir build/asan -j $(JOBS) --output-on-failure --timeout 3600
+	cmake --preset tsan && cmake --build build/tsan -j $(JOBS)
+	ctest --test-dir build/tsan -j $(JOBS) --output-on-failure --timeout 3600
+
+bench: build
+	bench/run $(BUILD)
+
+format:
+	clang-format -i include/quench/*.h src/*/*.h src/*/*.cpp cli/*.h cli/*.cpp tests/*.h tests/*.cpp bench/*.cpp
+
+clean:
+	rm -rf build demo

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Apache-2.0
+// From a mesh to its pruned core on disk: microseconds and bytes per site, per stage. CPU time of the process where it
+// runs on one thread (other loads of the machine disturb it less), wall time otherwise.
+//   bench_core MESH [RESOLUTION [THREADS [RUNS]]]
+#include <fmt/format.h>
+#include <sys/resource.h>
+#include <tbb/global_control.h>
+
+#include <algorithm>
+#include <chrono>
+#include <ctime>
+#include <cstdlib>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "quench/io.h"
+#include "quench/medial_axis.h"
+#include "quench/prune.h"
+#include "quench/topology.h"
+#include "quench/voxel_core.h"
+#include "quench/voxelize.h"
+
+namespace {
+
+double cpu_seconds() {
+  timespec t{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+double wall_seconds() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+// Time since the last report belongs to the stage that reports now.
+class StageClock {
+ public:
+  explicit StageClock(bool one_thread) : now_(one_thread ? cpu_seconds : wall_seconds), last_(now_()) {
+    context.progress = [this](std::string_view stage, double) {
+      const double now = now_();
+      seconds[std::string(stage)] += now - last_;
+      last_ = now;
+    };
+  }
+  quench::Context context;
+  std::map<std::string, double> seconds;
+
+ private:
+  double (*now_)();
+  double last_;
+};
+
+std::map<std::string, double> run(const quench::TriangleMesh& mesh, std::int64_t resolution, bool one_thread, std::size_t& sites) {
+  using namespace quench;
+  StageClock clock(one_thread);
+  Context* context = &clock.context;
+  const Voxelization v = voxelize(mesh, {.resolution = resolution}, context);
+  checkpoint(context, "voxelize", 1);
+  MedialAxis core = voxel_core(v.shape, {}, context);
+  sites = core.sites.size();
+  prune_levels(core, context);
+  const Reconstruction reconstruction(v.shape, core, 50000, context);
+  const double lambda = auto_lambda(reconstruction, v.longest_side, v.shape.grid().spacing[0]);
+  checkpoint(context, "reconstruct", 1);
+  topology(core.complex);
+  const MedialAxis kept = pruned(core, lambda);
+  topology(kept.complex);
+  checkpoint(context, "topology", 1);
+  const auto file = std::filesystem::temp_directory_path() / "quench_bench.vtp";
+  io::write_poly_data(file, to_poly_data(kept));
+  std::filesystem::remove(file);
+  checkpoint(context, "write", 1);
+  return clock.seconds;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc < 2) {
+    fmt::print(stderr, "usage: bench_core MESH [RESOLUTION [THREADS [RUNS]]]\n");
+    return 2;
+  }
+  const std::int64_t resolution = argc > 2 ? std::atoll(argv[2]) : 512;
+  const int threads = argc > 3 ? std::atoi(argv[3]) : 1;
+  const int runs = argc > 4 ? std::atoi(argv[4]) : 5;
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
+  const quench::TriangleMesh mesh = quench::to_triangle_mesh(quench::io::read_poly_data(argv[1]));
+  std::map<std::string, std::vector<double>> all;
+  std::size_t sites = 1;
+  for (int r = 0; r < runs; ++r) {
+    double total = 0;
+    for (const auto& [stage, seconds] : run(mesh, resolution, threads == 1, sites)) {
+      all[stage].push_back(seconds);
+      total += seconds;
+    }
+    all["total"].push_back(total);
+  }
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  fmt::print("{} at {}: {} sites, {} thread(s), median of {}\n", std::filesystem::path(argv[1]).filename().string(), resolution, sites, threads, runs);
+  for (auto& [stage, seconds] : all) {
+    std::nth_element(seconds.begin(), seconds.begin() + runs / 2, seconds.end());
+    const double median = seconds[static_cast<std::size_t>(runs / 2)];
+    fmt::print("  {:<12} {:8.3f} s {:8.3f} us/site\n", stage, median, median * 1e6 / static_cast<double>(sites));
+  }
+  fmt::print("  peak memory  {:.0f} bytes/site\n", static_cast<double>(usage.ru_maxrss) * 1024 / static_cast<double>(sites));
+  return 0;
+}

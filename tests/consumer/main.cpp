@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cstdio>
+
+#include "quench/prune.h"
+#include "quench/sample.h"
+#include "quench/topology.h"
+#include "quench/voxel_core.h"
+#include "quench/voxelize.h"
+
+int main() {
+  const auto shape = quench::voxelize(quench::make_sample("torus").mesh, {.resolution = 48}).shape;
+  quench::MedialAxis axis = quench::voxel_core(shape);
+  quench::prune_levels(axis);
+  const quench::MedialAxis kept = quench::pruned(axis, 2 * shape.grid().spacing[0]);
+  const bool same = quench::topology(kept.complex) == quench::topology(shape);
+  std::printf("%u vertices, topology %s\n", kept.complex.vertex_count, same ? "kept" : "lost");
+  return same ? 0 : 1;
+}
