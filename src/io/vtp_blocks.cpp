@@ -122,9 +122,11 @@ std::string decode_compressed(Source& source) {
     if (size > source.remaining() || stored_bytes + size > source.remaining()) source.fail("is incomplete");
     stored_bytes += size;
   }
-  if (full > stored_bytes * largest_expansion || last > full || full == 0) source.fail("has a damaged block header");
+  // The size of a full block is nominal where there is one block only.
+  const std::uint64_t limit = stored_bytes * largest_expansion;
+  if (last > full || (blocks > 1 && full > limit / (blocks - 1))) source.fail("has a damaged block header");
   const std::uint64_t size = (blocks - 1) * full + (last ? last : full);
-  if (blocks > 1 && (blocks - 1) > stored_bytes * largest_expansion / full) source.fail("has a damaged block header");
+  if (size > limit) source.fail("has a damaged block header");
 
   const std::string stored = source.take(stored_bytes);
   std::string bytes(size, '\0');
