@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+#include <zlib.h>
+
+#include <cstring>
+#include <ostream>
+#include <vector>
+
+#include "quench/error.h"
+#include "quench/io.h"
+
+namespace quench::io {
+namespace {
+
+// A gzip stream written block by block.
+class GzipWriter {
+ public:
+  explicit GzipWriter(std::ostream& out) : out_(out), buffer_(1 << 18) {
+    constexpr int gzip = 15 + 16, memory = 8;
+    if (deflateInit2(&z_, 6, Z_DEFLATED, gzip, memory, Z_DEFAULT_STRATEGY) != Z_OK)
+      throw Error(ErrorCode::failed, "zlib cannot be started: out of memory");
+  }
+  GzipWriter(const GzipWriter&) = delete;
+  GzipWriter& operator=(const GzipWriter&) = delete;
+  ~GzipWriter() { deflateEnd(&z_); }
+
+  void write(unsigned char* data, std::size_t size) {
+    z_.next_in = data;
+    z_.avail_in = static_cast<unsigned>(size);
+    while (z_.avail_in > 0) step(Z_NO_FLUSH);
+  }
+  void finish() {
+    while (step(Z_FINISH) != Z_STREAM_END) {
+    }
+  }
+
+ private:
+  int step(int flush) {
+    z_.next_out = buffer_.data();
+    z_.avail_out = static_cast<unsigned>(buffer_.size());
+    const int result = deflate(&z_, flush);
+    out_.write(reinterpret_cast<const char*>(buffer_.data()),
+               static_cast<std::streamsize>(buffer_.size() - z_.avail_out));
+    return result;
+  }
+
+  std::ostream& out_;
+  std::vector<unsigned char> buffer_;
+  z_stream z_{};
+};
+
+std::string vector_text(const Vec3& v) {
+  // 0.0 + turns -0 into 0.
+  return fmt::format("({},{},{})", 0.0 + v[0], 0.0 + v[1], 0.0 + v[2]);
+}
+
+}  // namespace
+
+void write_volume(const std::filesystem::path& file, const VoxelShape& shape, Context* context) {
+  const Grid& grid = shape.grid();
+  write_atomically(file, [&](std::ostream& out) {
+    out << "NRRD0004\n# voxel shape: 1 inside, 0 outside\ntype: uint8\ndimension: 3\nspace dimension: 3\n"
+        << fmt::format("sizes: {} {} {}\n", grid.dims[0], grid.dims[1], grid.dims[2]) << "space directions:";
+    for (int a = 0; a < 3; ++a) out << ' ' << vector_text(grid.direction.col(a) * grid.spacing[a]);
+    out << "\nkinds: domain domain domain\nencoding: gzip\nspace origin: " << vector_text(grid.origin) << "\n\n";
+    GzipWriter gzip(out);
+    std::vector<unsigned char> row(static_cast<std::size_t>(grid.dims[0]));
+    for (std::int64_t z = 0; z < grid.dims[2]; ++z) {
+      checkpoint(context, "write", static_cast<double>(z) / static_cast<double>(grid.dims[2]));
+      for (std::int64_t y = 0; y < grid.dims[1]; ++y) {
+        std::memset(row.data(), 0, row.size());
+        for (const Run& run : shape.row(y, z))
+          std::memset(row.data() + run.begin, 1, static_cast<std::size_t>(run.end - run.begin));
+        gzip.write(row.data(), row.size());
+      }
+    }
+    gzip.finish();
+  });
+  checkpoint(context, "write", 1);
+}
+
+}  // namespace quench::io

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "quench/io.h"
+
+/// One function per volume format, behind io::read_volume. Each throws Error(failed) when the file cannot be opened and
+/// Error(input) when its content cannot be used; none allocates samples before it knows that the file can hold them.
+/// `spacing` of the options is applied by read_volume, not here.
+namespace quench::io {
+
+/// NPY versions 1 to 3, bool, integers, half, float and double of either byte order. Memory order decides the axes: in
+/// C order the last axis is x, in Fortran order the first.
+Volume read_npy(const std::filesystem::path& file, Context* context);
+
+/// DGtal .vol: a text header up to the line ".", then raw (version 2) or zlib (version 3) samples of 1, 2, 4 or 8
+/// bytes, unsigned.
+Volume read_vol(const std::filesystem::path& file, Context* context);
+
+/// The signed octree of the authors of voxel cores: n cells per axis, voxels at the (n+1)^3 corners; 1 = inside.
+Volume read_sof(const std::filesystem::path& file, Context* context);
+
+/// Grey PNG as one slice of uint8 (1, 2, 4 and 8 bits, scaled to 255; palettes of greys) or uint16. Spacing 1: dots per
+/// inch are no distance of slices.
+Volume read_png(const std::filesystem::path& file, Context* context);
+
+/// NRRD, MetaImage, NIfTI, MRC and TIFF (all pages) through ITK, by extension. Where Quench was built without ITK,
+/// Error(usage) that says so.
+Volume read_itk(const std::filesystem::path& file, Context* context);
+
+/// The PNG or TIFF files of a folder in natural order (2 before 10), one slice each. Spacing 1.
+Volume read_slices(const std::filesystem::path& folder, Context* context);
+
+/// PNG and TIFF files of a folder in natural order.
+std::vector<std::filesystem::path> slice_files(const std::filesystem::path& folder);
+
+/// In lower case, `.nii.gz` as one.
+std::string volume_extension(const std::filesystem::path& file);
+
+/// An open file and its size in bytes. Throws Error(failed).
+struct InputFile {
+  explicit InputFile(const std::filesystem::path& file);
+  std::ifstream stream;
+  std::uint64_t size = 0;
+};
+
+/// The product of `dims`. Throws Error(input) when a side is not in [1, 2^31 - 2] or when `available` bytes cannot be
+/// that many samples.
+std::uint64_t checked_sample_count(const std::filesystem::path& file, const std::array<std::int64_t, 3>& dims,
+                                   std::uint64_t bytes_per_sample, std::uint64_t available);
+
+/// deflate cannot shrink by more than this factor; what a compressed file promises beyond it is not there.
+inline constexpr std::uint64_t deflate_limit = 1032;
+
+/// Reverses the bytes of every sample.
+template <class T>
+void swap_bytes(std::vector<T>& samples) {
+  auto* bytes = reinterpret_cast<unsigned char*>(samples.data());
+  for (std::size_t i = 0; i < samples.size(); ++i) std::reverse(bytes + i * sizeof(T), bytes + (i + 1) * sizeof(T));
+}
+
+}  // namespace quench::io

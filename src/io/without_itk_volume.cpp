@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef QUENCH_HAS_ITK
+#include <fmt/format.h>
+
+#include "io/volume_formats.h"
+#include "quench/error.h"
+
+namespace quench::io {
+
+Volume read_itk(const std::filesystem::path& file, Context*) {
+  throw Error(ErrorCode::usage,
+              fmt::format("'{}' cannot be read: NRRD, MetaImage, NIfTI, MRC and TIFF need a Quench built with ITK "
+                          "(libinsighttoolkit5-dev); convert it to .npy or .vol, or rebuild",
+                          file.string()));
+}
+
+}  // namespace quench::io
+#endif

@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <type_traits>
+#include <utility>
+
+#include "quench/error.h"
+#include "quench/volume.h"
+
+namespace quench {
+namespace {
+
+// What decides whether a sample is foreground, in the type of the samples, so that 64-bit labels stay exact.
+template <class T>
+struct Rule {
+  enum class Kind { none, all, at_least, equal, non_zero } kind = Kind::none;
+  T value{};
+
+  bool operator()(T sample) const {
+    switch (kind) {
+      case Kind::all:
+        return true;
+      case Kind::at_least:
+        return sample >= value;
+      case Kind::equal:
+        return sample == value;
+      case Kind::non_zero:
+        return sample != T{} && sample == sample;
+      default:
+        return false;
+    }
+  }
+};
+
+// value >= t with t rounded up to the samples' type; the comparison is exact for every integer type.
+template <class T>
+Rule<T> at_least(double t) {
+  using Kind = typename Rule<T>::Kind;
+  if constexpr (std::is_integral_v<T>) {
+    const double least = std::ceil(t);
+    if (least >= std::ldexp(1.0, std::numeric_limits<T>::digits)) return {Kind::none, {}};
+    if (least <= static_cast<double>(std::numeric_limits<T>::min())) return {Kind::all, {}};
+    return {Kind::at_least, static_cast<T>(least)};
+  } else {
+    T value = static_cast<T>(t);
+    if (static_cast<double>(value) < t) value = std::nextafter(value, std::numeric_limits<T>::infinity());
+    return {Kind::at_least, value};
+  }
+}
+
+template <class T>
+Rule<T> equal_to(std::int64_t label) {
+  using Kind = typename Rule<T>::Kind;
+  if constexpr (std::is_integral_v<T>) {
+    if (!std::in_range<T>(label)) return {Kind::none, {}};
+    return {Kind::equal, static_cast<T>(label)};
+  } else {
+    const T value = static_cast<T>(label);
+    if (!(std::abs(value) < T(0x1p63)) || static_cast<std::int64_t>(value) != label) return {Kind::none, {}};
+    return {Kind::equal, value};
+  }
+}
+
+// The range of the values, and whether there are at most two.
+template <class T>
+struct Values {
+  T least{}, largest{};
+  bool any = false;
+  bool at_most_two = true;
+
+  explicit Values(const std::vector<T>& samples) {
+    bool not_a_number = false, third = false;
+    for (const T v : samples) {
+      if (v != v) {
+        not_a_number = true;
+        continue;
+      }
+      if (!any) least = largest = v;
+      any = true;
+      if (v == least || v == largest) continue;
+      if (least != largest) third = true;
+      if (v < least) least = v;
+      if (v > largest) largest = v;
+    }
+    at_most_two = !third && !(not_a_number && least != largest);
+  }
+  std::string text() const {
+    if (!any) return "it has no numbers";
+    return fmt::format("its values range from {} to {}", +least, +largest);
+  }
+};
+
+template <class T>
+Rule<T> rule_for(const std::vector<T>& samples, const ForegroundOptions& options) {
+  if (options.threshold) return at_least<T>(*options.threshold);
+  if (options.label) return equal_to<T>(*options.label);
+  const Values<T> values(samples);
+  if (!values.at_most_two)
+    throw Error(ErrorCode::usage,
+                fmt::format("the image has more than two values, so it is not clear what the shape is ({}); give "
+                            "--threshold T (value >= T) or --label K (value = K)",
+                            values.text()));
+  return {Rule<T>::Kind::non_zero, {}};
+}
+
+std::string describe(const ForegroundOptions& options) {
+  std::string text = options.threshold ? fmt::format("a value >= {}", *options.threshold)
+                     : options.label   ? fmt::format("the label {}", *options.label)
+                                       : std::string("a non-zero value");
+  return options.invert ? text + ", inverted," : text;
+}
+
+template <class T>
+VoxelShape foreground_of(const Grid& grid, const std::vector<T>& samples, const ForegroundOptions& options,
+                         Context* context) {
+  const Rule<T> rule = rule_for(samples, options);
+  VoxelShape shape(grid);
+  std::vector<Run> runs;
+  const auto nx = static_cast<std::int32_t>(grid.dims[0]);
+  const T* row = samples.data();
+  for (std::int64_t z = 0; z < grid.dims[2]; ++z) {
+    checkpoint(context, "foreground", static_cast<double>(z) / static_cast<double>(grid.dims[2]));
+    for (std::int64_t y = 0; y < grid.dims[1]; ++y, row += nx) {
+      runs.clear();
+      for (std::int32_t x = 0; x < nx;) {
+        while (x < nx && rule(row[x]) == options.invert) ++x;
+        const std::int32_t begin = x;
+        while (x < nx && rule(row[x]) != options.invert) ++x;
+        if (begin < x) runs.push_back({begin, x});
+      }
+      shape.append_row(runs);
+    }
+  }
+  checkpoint(context, "foreground", 1);
+  if (shape.empty())
+    throw Error(ErrorCode::input, fmt::format("no voxel of the image is foreground by {}: {}; give another --threshold "
+                                              "or --label",
+                                              describe(options), Values<T>(samples).text()));
+  return shape;
+}
+
+}  // namespace
+
+VoxelShape foreground(const Volume& volume, const ForegroundOptions& options, ForegroundReport* report,
+                      Context* context) {
+  if (options.threshold && options.label)
+    throw Error(ErrorCode::usage, "--threshold and --label exclude each other; give one of them");
+  if (options.threshold && std::isnan(*options.threshold)) throw Error(ErrorCode::usage, "--threshold is not a number");
+  const auto& dims = volume.grid.dims;
+  return std::visit(
+      [&](const auto& samples) {
+        if (samples.size() != static_cast<std::uint64_t>(dims[0] * dims[1] * dims[2]))
+          throw Error(ErrorCode::invariant, fmt::format("a volume of {} x {} x {} voxels has {} samples", dims[0],
+                                                        dims[1], dims[2], samples.size()));
+        return clean(foreground_of(volume.grid, samples, options, context), options, report, context);
+      },
+      volume.samples);
+}
+
+}  // namespace quench

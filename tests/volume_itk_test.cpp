@@ -1,0 +1,332 @@
+// SPDX-License-Identifier: Apache-2.0
+// Volumes through ITK, slice folders, and the NRRD writer. The files are written by hand.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <zlib.h>
+
+#include <Eigen/LU>
+#include <cstring>
+#include <random>
+
+#include "data.h"
+#include "quench/error.h"
+#include "quench/io.h"
+#include "random_shapes.h"
+#include "temporary_folder.h"
+
+namespace quench {
+namespace {
+
+class ThroughItk : public testing::Test {
+ protected:
+  void SetUp() override {
+    try {
+      io::read_volume(folder.write("probe.nrrd", "no"));
+    } catch (const Error& e) {
+      if (e.code() == ErrorCode::usage) GTEST_SKIP() << "built without ITK";
+    }
+  }
+  const TemporaryFolder folder;
+};
+
+std::string big_endian(std::uint32_t v) {
+  return {static_cast<char>(v >> 24), static_cast<char>(v >> 16), static_cast<char>(v >> 8), static_cast<char>(v)};
+}
+
+std::string deflated(const std::string& data) {
+  std::vector<unsigned char> out(compressBound(data.size()));
+  uLongf size = out.size();
+  compress(out.data(), &size, reinterpret_cast<const unsigned char*>(data.data()), data.size());
+  return {out.begin(), out.begin() + static_cast<std::ptrdiff_t>(size)};
+}
+
+// 8-bit PNG; colour type 0 is grey, 2 RGB.
+std::string png(std::uint32_t width, std::uint32_t height, const std::string& pixels, char colour_type = 0,
+                std::uint32_t pixels_per_metre = 0) {
+  const auto chunk = [](const std::string& type, const std::string& data) {
+    const std::string body = type + data;
+    const auto crc = crc32(0, reinterpret_cast<const unsigned char*>(body.data()), static_cast<unsigned>(body.size()));
+    return big_endian(static_cast<std::uint32_t>(data.size())) + body + big_endian(static_cast<std::uint32_t>(crc));
+  };
+  std::string rows;
+  const std::size_t row = pixels.size() / height;
+  for (std::uint32_t y = 0; y < height; ++y) rows += '\0' + pixels.substr(y * row, row);
+  std::string file = "\x89PNG\r\n\x1a\n";
+  file += chunk("IHDR", big_endian(width) + big_endian(height) + std::string{8, colour_type, 0, 0, 0});
+  if (pixels_per_metre)
+    file += chunk("pHYs", big_endian(pixels_per_metre) + big_endian(pixels_per_metre) + std::string{1});
+  return file + chunk("IDAT", deflated(rows)) + chunk("IEND", "");
+}
+
+// Little-endian 8-bit grey TIFF, one uncompressed strip per page.
+std::string tiff(std::uint16_t width, std::uint16_t height, const std::vector<std::string>& pages) {
+  std::string file = std::string("II*\0", 4);
+  const auto put = [&](std::uint32_t v, int bytes) {
+    for (int b = 0; b < bytes; ++b) file += static_cast<char>(v >> (8 * b));
+  };
+  put(8, 4);
+  for (std::size_t p = 0; p < pages.size(); ++p) {
+    const std::array<std::array<std::uint32_t, 2>, 9> entries{{{256, width},
+                                                               {257, height},
+                                                               {258, 8},
+                                                               {259, 1},
+                                                               {262, 1},
+                                                               {273, 0},
+                                                               {277, 1},
+                                                               {278, height},
+                                                               {279, static_cast<std::uint32_t>(pages[p].size())}}};
+    const auto directory = static_cast<std::uint32_t>(file.size());
+    const auto strip = directory + 2 + 12 * static_cast<std::uint32_t>(entries.size()) + 4;
+    put(static_cast<std::uint32_t>(entries.size()), 2);
+    for (const auto& [tag, value] : entries) {
+      put(tag, 2);
+      put(4, 2);  // LONG
+      put(1, 4);
+      put(tag == 273 ? strip : value, 4);
+    }
+    const bool last = p + 1 == pages.size();
+    const std::string padding(pages[p].size() % 2, '\0');
+    put(last ? 0 : strip + static_cast<std::uint32_t>(pages[p].size() + padding.size()), 4);
+    file += pages[p] + padding;
+  }
+  return file;
+}
+
+std::string nrrd(const std::string& fields, const std::string& samples) {
+  return "NRRD0004\n" + fields + "encoding: raw\nendian: little\n\n" + samples;
+}
+
+std::string mha(const std::string& fields, const std::string& samples) {
+  return "ObjectType = Image\n" + fields + "ElementDataFile = LOCAL\n" + samples;
+}
+
+std::vector<std::uint8_t> bytes_in(const Volume& v) { return std::get<std::vector<std::uint8_t>>(v.samples); }
+
+std::string refusal(const std::filesystem::path& file, const std::string& part) {
+  try {
+    io::read_volume(file);
+  } catch (const Error& e) {
+    const std::string what = e.what();
+    EXPECT_EQ(e.code(), ErrorCode::input) << what;
+    EXPECT_NE(what.find(part), std::string::npos) << what;
+    EXPECT_NE(what.find(file.filename().string()), std::string::npos) << what;
+    for (const char* noise : {"\n", "0x", ".cxx", ".hxx", "ITK ERROR"})
+      EXPECT_EQ(what.find(noise), std::string::npos) << what;
+    return what;
+  }
+  ADD_FAILURE() << file << " was read";
+  return {};
+}
+
+TEST_F(ThroughItk, NrrdKeepsReflectedAndRotatedAxes) {
+  const Volume v = io::read_volume(
+      folder.write("r.nrrd", nrrd("type: short\ndimension: 3\nspace dimension: 3\nsizes: 2 1 1\n"
+                                  "space directions: (0,2,0) (-3,0,0) (0,0,-5)\nspace origin: (1,2,3)\n",
+                                  std::string("\1\0\xff\xff", 4))));
+  EXPECT_EQ(v.grid.spacing, Vec3(2, 3, 5));
+  EXPECT_EQ(v.grid.origin, Vec3(1, 2, 3));
+  EXPECT_TRUE(v.grid.world(Vec3(1.5, 0.5, 0.5)).isApprox(Vec3(1, 4, 3)));
+  EXPECT_LT(v.grid.direction.determinant(), 0);
+  EXPECT_EQ(std::get<std::vector<std::int16_t>>(v.samples), (std::vector<std::int16_t>{1, -1}));
+}
+
+TEST_F(ThroughItk, KeepsTheSampleType) {
+  const auto read = [&](const std::string& type, const std::string& samples) {
+    return io::read_volume(
+        folder.write("t.nrrd", nrrd("type: " + type + "\ndimension: 3\nsizes: 1 1 1\nspacings: 1 1 1\n", samples)));
+  };
+  EXPECT_TRUE(std::holds_alternative<std::vector<std::int8_t>>(read("int8", "a").samples));
+  EXPECT_TRUE(std::holds_alternative<std::vector<std::uint16_t>>(read("uint16", "ab").samples));
+  EXPECT_TRUE(std::holds_alternative<std::vector<std::uint32_t>>(read("uint32", "abcd").samples));
+  EXPECT_TRUE(std::holds_alternative<std::vector<std::int32_t>>(read("int32", "abcd").samples));
+  EXPECT_TRUE(std::holds_alternative<std::vector<std::uint64_t>>(read("uint64", "abcdefgh").samples));
+  EXPECT_TRUE(std::holds_alternative<std::vector<std::int64_t>>(read("int64", "abcdefgh").samples));
+  EXPECT_TRUE(std::holds_alternative<std::vector<float>>(read("float", "abcd").samples));
+  EXPECT_TRUE(std::holds_alternative<std::vector<double>>(read("double", "abcdefgh").samples));
+}
+
+TEST_F(ThroughItk, RefusesWhatIsNoScalarVolume) {
+  refusal(folder.write("shear.nrrd", nrrd("type: uint8\ndimension: 3\nspace dimension: 3\nsizes: 1 1 1\n"
+                                          "space directions: (1,0,0) (0.1,1,0) (0,0,1)\nspace origin: (0,0,0)\n",
+                                          "a")),
+          "not perpendicular");
+  refusal(folder.write("rgb.nrrd", nrrd("type: uint8\ndimension: 4\nspace dimension: 3\nsizes: 3 1 1 1\nkinds: "
+                                        "RGB-color domain domain domain\nspace directions: none (1,0,0) (0,1,0) "
+                                        "(0,0,1)\nspace origin: (0,0,0)\n",
+                                        "abc")),
+          "3 values");
+  refusal(folder.write("rgb.png", png(1, 1, "abc", 2)), "3 values");
+  refusal(folder.write("four.mha", mha("NDims = 4\nDimSize = 1 1 1 2\nElementType = MET_UCHAR\n", "ab")),
+          "4 dimensions");
+  refusal(folder.write("vector.mha", mha("NDims = 3\nDimSize = 1 1 1\nElementNumberOfChannels = 2\nElementType = "
+                                         "MET_UCHAR\n",
+                                         "ab")),
+          "2 values");
+  const Volume one =
+      io::read_volume(folder.write("one.mha", mha("NDims = 4\nDimSize = 2 1 1 1\nElementType = MET_UCHAR\n", "ab")));
+  EXPECT_EQ(one.grid.dims, (std::array<std::int64_t, 3>{2, 1, 1}));
+  EXPECT_EQ(bytes_in(one), (std::vector<std::uint8_t>{'a', 'b'}));
+}
+
+TEST_F(ThroughItk, RefusesHostileAndTruncatedFiles) {
+  testing::internal::CaptureStderr();
+  const std::string fields = "type: uint8\ndimension: 3\nspacings: 1 1 1\n";
+  refusal(folder.write("huge.nrrd", nrrd(fields + "sizes: 100000 100000 1000\n", "abc")), "");
+  refusal(folder.write("over.nrrd", nrrd(fields + "sizes: 4000000000 4000000000 4000000000\n", "abc")), "");
+  refusal(folder.write("short.nrrd", nrrd(fields + "sizes: 10 10 10\n", "abc")), "");
+  refusal(folder.write("huge.mha", mha("NDims = 3\nDimSize = 100000 100000 1000\nElementType = MET_UCHAR\n", "abc")),
+          "too short");
+  refusal(folder.write("detached.nhdr", "NRRD0004\n" + fields +
+                                            "sizes: 100000 10000 1000\nencoding: raw\ndata file: "
+                                            "none.raw\n"),
+          "");
+  refusal(folder.write("huge.mhd",
+                       "ObjectType = Image\nNDims = 3\nDimSize = 100000 100000 1000\nElementType = "
+                       "MET_UCHAR\nElementDataFile = huge.mha\n"),
+          "too short");
+  for (const char* name :
+       {"a.nrrd", "a.mha", "a.nii", "a.nii.gz", "a.mrc", "a.map", "a.tif", "a.png", "a.nhdr", "a.mhd"}) {
+    refusal(folder.write(name, ""), "");
+    refusal(folder.write(name, "not an image of any kind"), "");
+    refusal(folder.write(name, std::string(4000, '\x7f')), "");
+  }
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+}
+
+TEST_F(ThroughItk, RefusesTruncatedRealFiles) {
+  REQUIRE_DATA("references/bunny7.nrrd");
+  for (const char* name : {"references/bunny7.nrrd", "volumes/torsoLabel.nii.gz", "volumes/emd_5625.map"}) {
+    std::ifstream in(data_file(name), std::ios::binary);
+    const std::string bytes((std::istreambuf_iterator<char>(in)), {});
+    const std::string file = std::filesystem::path(name).filename().string();
+    for (const double part : {0.001, 0.01, 0.1, 0.5, 0.9, 0.99})
+      refusal(folder.write(file, bytes.substr(0, static_cast<std::size_t>(part * static_cast<double>(bytes.size())))),
+              "");
+  }
+}
+
+TEST_F(ThroughItk, DetachedHeaders) {
+  folder.write("d.raw", "abcd");
+  const std::vector<std::uint8_t> expected{'a', 'b', 'c', 'd'};
+  EXPECT_EQ(bytes_in(io::read_volume(folder.write("d.nhdr",
+                                                  "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 1 2 2\n"
+                                                  "spacings: 1 1 1\nencoding: raw\ndata file: d.raw\n"))),
+            expected);
+  const Volume meta = io::read_volume(
+      folder.write("d.mhd",
+                   "ObjectType = Image\nNDims = 3\nDimSize = 4 1 1\nElementSpacing = 1 2 3\nOffset = 4 5 6\n"
+                   "ElementType = MET_UCHAR\nElementDataFile = d.raw\n"));
+  EXPECT_EQ(bytes_in(meta), expected);
+  EXPECT_EQ(meta.grid.spacing, Vec3(1, 2, 3));
+  EXPECT_EQ(meta.grid.origin, Vec3(4, 5, 6));
+}
+
+TEST_F(ThroughItk, PagesOfATiff) {
+  const Volume v = io::read_volume(folder.write("p.tif", tiff(3, 2, {"abcdef", "ghijkl"})));
+  EXPECT_EQ(v.grid.dims, (std::array<std::int64_t, 3>{3, 2, 2}));
+  const std::string all = "abcdefghijkl";
+  EXPECT_EQ(bytes_in(v), (std::vector<std::uint8_t>{all.begin(), all.end()}));
+  EXPECT_EQ(io::read_volume(folder.write("one.tiff", tiff(3, 2, {"abcdef"}))).grid.dims[2], 1);
+}
+
+TEST_F(ThroughItk, SlicesInNaturalOrder) {
+  const TemporaryFolder slices;
+  for (int i = 0; i < 12; ++i)
+    slices.write(fmt::format("s{}.png", i), png(2, 1, std::string(2, static_cast<char>('a' + i)), 0, 2835));
+  slices.write("notes.txt", "not a slice");
+  const Volume v = io::read_volume(slices.path());
+  EXPECT_EQ(v.grid.dims, (std::array<std::int64_t, 3>{2, 1, 12}));
+  EXPECT_EQ(v.grid.spacing, Vec3(1, 1, 1));
+  for (int i = 0; i < 12; ++i) EXPECT_EQ(bytes_in(v)[static_cast<std::size_t>(2 * i)], 'a' + i);
+  slices.write("s5.png", png(1, 2, "xy"));
+  EXPECT_THROW(io::read_volume(slices.path()), Error);
+  slices.write("s5.png", tiff(2, 1, {"xy", "zz"}));
+  EXPECT_THROW(io::read_volume(slices.path()), Error);
+  slices.write("s5.png", png(2, 1, "xy"));
+  slices.write("s12.tif", tiff(2, 1, {"xy"}));
+  EXPECT_THROW(io::read_volume(slices.path()), Error);
+  const TemporaryFolder none;
+  EXPECT_THROW(io::read_volume(none.path()), Error);
+}
+
+TEST_F(ThroughItk, EveryTruncationOfAPngAndATiff) {
+  testing::internal::CaptureStderr();
+  for (const auto& [name, bytes] :
+       {std::pair<std::string, std::string>{"t.png", png(3, 2, "abcdef")}, {"t.tif", tiff(3, 2, {"abcdef", "ghijkl"})}})
+    for (std::size_t length = 0; length <= bytes.size(); ++length) {
+      try {
+        io::read_volume(folder.write(name, bytes.substr(0, length)));
+      } catch (const Error& e) {
+        EXPECT_EQ(e.code(), ErrorCode::input) << e.what();
+      }
+    }
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+}
+
+// One pixel after the other of every depth, as the specification packs them, and all filters on a gradient.
+TEST(Png, EveryDepth) {
+  const TemporaryFolder folder;
+  const auto read = [&](std::uint32_t width, const std::string& row, int depth) {
+    std::string bytes = png(width, 1, row);
+    bytes[24] = static_cast<char>(depth);
+    const auto crc = crc32(0, reinterpret_cast<const unsigned char*>(bytes.data()) + 12, 17);
+    bytes.replace(29, 4, big_endian(static_cast<std::uint32_t>(crc)));
+    return io::read_volume(folder.write("d.png", bytes));
+  };
+  EXPECT_EQ(bytes_in(read(9, "\xa1\x80", 1)), (std::vector<std::uint8_t>{255, 0, 255, 0, 0, 0, 0, 255, 255}));
+  EXPECT_EQ(bytes_in(read(3, "\x1b", 2)), (std::vector<std::uint8_t>{0, 85, 170}));
+  EXPECT_EQ(bytes_in(read(3, "\x0f\x70", 4)), (std::vector<std::uint8_t>{0, 255, 119}));
+  EXPECT_EQ(std::get<std::vector<std::uint16_t>>(read(2, std::string("\1\2\xff\0", 4), 16).samples),
+            (std::vector<std::uint16_t>{258, 65280}));
+}
+
+TEST(Png, ReadsTheSilhouettes) {
+  REQUIRE_DATA("images/mpeg7_beetle-1.png");
+  ForegroundOptions white;
+  white.threshold = 128;
+  EXPECT_EQ(foreground(io::read_volume(data_file("images/mpeg7_elephant-1.png")), white).voxel_count(), 218038);
+  EXPECT_EQ(foreground(io::read_volume(data_file("images/mpeg7_beetle-1.png")), white).voxel_count(), 60690);
+  refusal(data_file("images/horse.png"), "4 values");
+}
+
+TEST_F(ThroughItk, WrittenShapesComeBack) {
+  for (std::uint64_t seed = 0; seed < 40; ++seed) {
+    const VoxelShape random = testing_shapes::random_shape(seed, 12, true);
+    Grid grid = random.grid();
+    grid.origin = {0.1, -7, 1e6};
+    if (seed % 2) grid.direction << 0, -1, 0, 1, 0, 0, 0, 0, -1;
+    const VoxelShape shape =
+        testing_shapes::from_predicate(grid, [&](int x, int y, int z) { return random.contains(x, y, z); });
+    const auto file = folder / "w.nrrd";
+    io::write_volume(file, shape);
+    const Volume volume = io::read_volume(file);
+    EXPECT_EQ(volume.grid.spacing, grid.spacing);
+    EXPECT_EQ(volume.grid.origin, grid.origin);
+    EXPECT_EQ(volume.grid.direction, grid.direction);
+    const VoxelShape back = foreground(volume, {});
+    ASSERT_EQ(back.grid().dims, grid.dims);
+    for (std::int64_t z = 0; z < grid.dims[2]; ++z)
+      for (std::int64_t y = 0; y < grid.dims[1]; ++y)
+        ASSERT_TRUE(std::ranges::equal(back.row(y, z), shape.row(y, z))) << "seed " << seed;
+  }
+}
+
+TEST(ReadVolume, RefusesOtherNamesAndBadSpacing) {
+  const TemporaryFolder folder;
+  const auto code = [](const std::filesystem::path& file, const io::VolumeReadOptions& options = {}) {
+    try {
+      io::read_volume(file, options);
+    } catch (const Error& e) {
+      return e.code();
+    }
+    return ErrorCode{0};
+  };
+  EXPECT_EQ(code(folder.write("a.xyz", "")), ErrorCode::usage);
+  EXPECT_EQ(code(folder / "missing.nrrd"), ErrorCode::failed);
+  io::VolumeReadOptions options;
+  options.spacing = Vec3(1, 0, 1);
+  EXPECT_EQ(code(folder.write("a.npy", ""), options), ErrorCode::usage);
+}
+
+}  // namespace
+}  // namespace quench
