@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <tbb/parallel_for.h>
+
+#include <atomic>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "quench/complex.h"
+#include "quench/poly_data.h"
+#include "quench/verify.h"
+#include "quench/voxel_shape.h"
+
+namespace quench::verification {
+
+/// A result file as what it claims to be: a complex with measures. Arrays that the file does not have are empty.
+struct Result {
+  Result(const VoxelShape& voxels, const PolyData& file, const VerifyOptions& options);
+
+  const VoxelShape& shape;
+  const PolyData& data;
+  CellComplex complex;
+  std::vector<std::uint32_t> rows;        ///< per vertex: its point in the file (points used by no cell are left out)
+  std::vector<std::uint32_t> line_edges;  ///< per line of the file: its edge
+  std::vector<std::uint32_t> vert_vertices;  ///< per vertex cell of the file: its vertex
+
+  std::array<std::int64_t, 3> scale{1, 1, 1};  ///< integer_spacing
+  double unit = 1;                             ///< world length of one scaled unit
+  double slack = 0;  ///< relative error of the integer spacing: no length can be expected to be more exact
+  std::vector<Vec3> lattice, scaled;  ///< vertices in lattice coordinates, and these times `scale`
+
+  std::vector<double> radius, vertex_lambda;
+  std::vector<double> cell_lambda;                      ///< rows of the file: verts, lines, polys
+  std::vector<std::array<LatticePoint, 2>> face_sites;  ///< as the file says
+  std::vector<std::uint32_t> edge_faces_count;          ///< polygons at each edge
+  std::vector<std::uint32_t> vertex_edge_offsets, vertex_edges, vertex_face_offsets, vertex_faces;  ///< incidence
+
+  std::string stage;  ///< empty: none given
+  bool ball_rule = false;
+  double lambda = 0;
+  bool lambda_given = false;
+
+  std::string describe_vertex(std::uint32_t vertex) const;
+  std::string describe_edge(std::uint32_t edge) const;
+  std::string describe_face(std::size_t face) const;
+  Vec3 centroid(std::size_t face) const;  ///< of the corners, scaled
+};
+
+/// At most `limit` indices below `count`, taken evenly.
+std::vector<std::uint32_t> sample(std::size_t count, std::size_t limit);
+
+/// The smallest index below `count` for which `holds` is false, or `count`. In parallel; `holds` must be thread-safe.
+template <class Holds>
+std::size_t first_failure(std::size_t count, Context* context, std::string_view stage, const Holds& holds) {
+  constexpr std::size_t block = 1 << 15;
+  for (std::size_t begin = 0; begin < count; begin += block) {
+    checkpoint(context, stage, static_cast<double>(begin) / static_cast<double>(count));
+    const std::size_t end = std::min(count, begin + block);
+    std::atomic<std::size_t> first{end};
+    tbb::parallel_for(begin, end, [&](std::size_t i) {
+      if (i >= first.load(std::memory_order_relaxed) || holds(i)) return;
+      std::size_t known = first.load();
+      while (i < known && !first.compare_exchange_weak(known, i)) {
+      }
+    });
+    if (first.load() != end) return first.load();
+  }
+  return count;
+}
+
+inline Check not_checked(std::string name, const std::string& why) {
+  return {std::move(name), true, "not checked: " + why};
+}
+
+}  // namespace quench::verification

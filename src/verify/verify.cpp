@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "quench/verify.h"
+
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+
+#include "quench/error.h"
+#include "verify/checks.h"
+
+namespace quench {
+
+namespace {
+
+using namespace verification;
+
+// Why the file does not even describe a complex; empty when it does.
+std::string structural_defect(const PolyData& data) {
+  try {
+    data.validate();
+  } catch (const Error& error) {
+    return error.what();
+  }
+  for (std::size_t l = 0; l < data.lines.size(); ++l)
+    if (data.lines[l][0] == data.lines[l][1])
+      return "line " + std::to_string(l) + " joins point " + std::to_string(data.lines[l][0]) + " to itself";
+  for (std::size_t f = 0; f < data.poly_count(); ++f) {
+    std::vector<std::uint32_t> corners(data.poly_corners.begin() + data.poly_offsets[f],
+                                       data.poly_corners.begin() + data.poly_offsets[f + 1]);
+    std::sort(corners.begin(), corners.end());
+    if (corners.size() < 3 || std::adjacent_find(corners.begin(), corners.end()) != corners.end())
+      return "polygon " + std::to_string(f) + " has fewer than three different corners or repeats one";
+  }
+  for (std::size_t p = 0; p < data.points.size(); ++p)
+    if (!data.points[p].allFinite()) return "point " + std::to_string(p) + " is not finite";
+  return {};
+}
+
+Certificate examine(const VoxelShape& shape, const PolyData& data, const VerifyOptions& options, Context* context) {
+  Certificate certificate;
+  const std::string defect = structural_defect(data);
+  if (!defect.empty()) {
+    certificate.checks.push_back({"no duplicate or degenerate cell", false, defect});
+    return certificate;
+  }
+  const Result result(shape, data, options);
+  const Sites sites(shape);
+  VertexSites vertex_sites(result, sites);
+  const auto add = [&](Check check) { certificate.checks.push_back(std::move(check)); };
+
+  add(check_cells(result));
+  add(check_topology(result));
+  add(check_enclosure(result, context));
+  add(check_radii(result, sites, context));
+  if (result.stage == "core") {
+    add(check_voronoi(result, sites, vertex_sites, options.samples, context));
+    add(check_lambda(result, sites, vertex_sites, options.samples, context));
+    add(check_pruning(result, sites, vertex_sites, options.samples, context));
+    add(check_proximity(result, options.samples, context));
+  } else {
+    const std::string why = result.stage.empty() ? "no FieldData 'stage'" : "the stage is '" + result.stage + "'";
+    for (const char* name : {"Voronoi cells", "lambda", "legal pruning", "proximity bound"})
+      add(not_checked(name, why + ", this is a property of voxel cores"));
+  }
+  add(check_levels(result));
+  add(check_reconstruction(result, options.samples, context));
+  checkpoint(context, "verify", 1);
+  return certificate;
+}
+
+}  // namespace
+
+bool Certificate::passed() const {
+  return std::all_of(checks.begin(), checks.end(), [](const Check& check) { return check.passed; });
+}
+
+Certificate verify(const VoxelShape& shape, const PolyData& result, const VerifyOptions& options, Context* context) {
+  if (shape.empty()) throw Error(ErrorCode::input, "the shape to verify against has no voxels");
+  tbb::task_arena arena(context && context->threads > 0 ? context->threads : tbb::task_arena::automatic);
+  Certificate certificate;
+  arena.execute([&] { certificate = examine(shape, result, options, context); });
+  return certificate;
+}
+
+}  // namespace quench
