@@ -40,8 +40,6 @@ std::optional<Vec3> parse_spacing(const std::string& text) {
 
 std::string betti_text(const Topology& t) { return fmt::format("Betti numbers {}, {}, {}", t.betti[0], t.betti[1], t.betti[2]); }
 
-Json triple(const Vec3& v) { return Json::array({v[0], v[1], v[2]}); }
-
 void load_mesh(const ShapeOptions& options, Session& session, LoadedShape& loaded) {
   const PolyData data = io::read_poly_data(options.file);
   const TriangleMesh mesh = to_triangle_mesh(data);
