@@ -360,6 +360,46 @@ TEST(Ply, HugeCountsAllocateNothing) {
                              "property int vertex2\nproperty list int int vertex_indices\nend_header\n1 2 3\n");
 }
 
+// --- VTP ---------------------------------------------------------------------------------------------------------
+
+TEST(Vtp, PiecesAreJoinedWithTheirCellData) {
+  const auto array = [](const char* type, const char* name, const char* text) {
+    return std::string("<DataArray type='") + type + "' Name='" + name + "' format='ascii'>" + text + "</DataArray>";
+  };
+  const auto piece = [&](const char* verts, const char* rows) {
+    return "<Piece NumberOfPoints='2' NumberOfVerts='1' NumberOfLines='1'><PointData>" + array("Int8", "p", verts) +
+           array("Bit", "bits", "1 0") + "</PointData><CellData>" + array("Float32", "c", rows) +
+           "</CellData><Points><DataArray type='Float32' NumberOfComponents='3'>0 0 0 1 1 "
+           "1</DataArray></Points><Verts>" +
+           array("Int32", "connectivity", "1") + array("UInt8", "offsets", "1") + "</Verts><Lines>" +
+           array("UInt64", "connectivity", "0 1") + array("Int64", "offsets", "2") + "</Lines></Piece>";
+  };
+  const PolyData data = read_bytes("a.vtp", "<VTKFile type='PolyData'><PolyData>" + piece("1 -2", "1 2") +
+                                                piece("3 4", "3 nan") + "</PolyData></VTKFile>");
+  EXPECT_EQ(data.points.size(), 4u);
+  EXPECT_EQ(data.verts, (std::vector<std::uint32_t>{1, 3}));
+  EXPECT_EQ(data.lines, (std::vector<std::array<std::uint32_t, 2>>{{0, 1}, {2, 3}}));
+  EXPECT_EQ(values_of<std::int32_t>(data.point_data, "p"), (std::vector<std::int32_t>{1, -2, 3, 4}));
+  const std::vector<float> rows = values_of<float>(data.cell_data, "c");
+  ASSERT_EQ(rows.size(), 4u);
+  EXPECT_EQ(rows[1], 3.0f);
+  EXPECT_EQ(rows[2], 2.0f);
+  EXPECT_TRUE(std::isnan(rows[3]));
+}
+
+TEST(Vtp, Refusals) {
+  refusal("a.vtp", "");
+  refusal("a.vtp", "<a/>");
+  const std::string body = "<PolyData><Piece NumberOfPoints='0'/></PolyData></VTKFile>";
+  EXPECT_TRUE(read_bytes("a.vtp", "<VTKFile type='PolyData'>" + body).points.empty());
+  for (const char* attributes :
+       {"type='UnstructuredGrid'", "type='PolyData' byte_order='BigEndian'",
+        "type='PolyData' compressor='vtkLZ4DataCompressor'", "type='PolyData' header_type='UInt16'"})
+    refusal("a.vtp", std::string("<VTKFile ") + attributes + ">" + body);
+  refusal("a.vtp", "<VTKFile type='PolyData'></VTKFile>");
+  refusal("a.vtp", "<VTKFile type='PolyData'><PolyData><Piece NumberOfPoints='4000000000'/></PolyData></VTKFile>");
+}
+
 // --- OBJ, OFF, STL, MA ---------------------------------------------------------------------------------------------
 
 TEST(Obj, Dialects) {
