@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Surfaces and medial axes in files: round trips, dialects of each format, real meshes, radii.
+// Surfaces and medial axes in files: dialects of each format, what is refused, real meshes, radii.
 #include <gtest/gtest.h>
-#include <sys/resource.h>
 
+#include <algorithm>
 #include <cmath>
-#include <csignal>
 #include <cstring>
-#include <limits>
 
 #include "data.h"
 #include "poly_samples.h"
@@ -14,33 +12,13 @@
 namespace quench {
 namespace {
 
-using testing_files::bytes_of;
+using testing_files::code_of;
 using testing_files::expect_same;
-using testing_files::expect_same_cells;
 using testing_files::Folder;
-using testing_files::mixed_sample;
 using testing_files::read_bytes;
 using testing_files::refusal;
+using testing_files::values_of;
 using testing_files::write_bytes;
-
-PolyData round_trip(const PolyData& data, const std::string& name, const io::WriteOptions& options = {}) {
-  const Folder folder;
-  io::write_poly_data(folder / name, data, options);
-  EXPECT_EQ(folder.entries(), 1u) << "a temporary file is left";
-  PolyData read = io::read_poly_data(folder / name);
-  read.validate();
-  return read;
-}
-
-template <class T>
-std::vector<T> values_of(const std::vector<DataArray>& arrays, const char* name) {
-  const DataArray* array = find_array(arrays, name);
-  if (!array || !std::holds_alternative<std::vector<T>>(array->values)) {
-    ADD_FAILURE() << "no array " << name << " of that type";
-    return {};
-  }
-  return std::get<std::vector<T>>(array->values);
-}
 
 template <class T>
 void append_bytes(std::string& bytes, T value, bool big = false) {
@@ -48,233 +26,6 @@ void append_bytes(std::string& bytes, T value, bool big = false) {
   std::memcpy(raw, &value, sizeof value);
   if (big) std::reverse(raw, raw + sizeof value);
   bytes.append(raw, sizeof value);
-}
-
-// --- kinds and writing ---------------------------------------------------------------------------------------------
-
-TEST(Kind, FollowsTheExtensionInAnyCase) {
-  for (const char* name : {"a.ply", "b.OBJ", "c.Off", "d.stl", "e.vtp", "f.ma", "g.fbx", "h.gltf"})
-    EXPECT_EQ(io::kind_of(name), io::Kind::surface) << name;
-  for (const char* name : {"a.nrrd", "a.nhdr", "a.mha", "a.mhd", "a.nii", "a.nii.gz", "a.NII.GZ", "a.mrc", "a.map",
-                           "a.tif", "a.tiff", "a.png", "a.npy", "a.vol", "a.sof"})
-    EXPECT_EQ(io::kind_of(name), io::Kind::volume) << name;
-  for (const char* name : {"a", "a.gz", "a.txt", "ply", ".ply", "a.csv"})
-    EXPECT_EQ(io::kind_of(name), io::Kind::unknown) << name;
-}
-
-TEST(Kind, FolderOfSlicesIsAVolume) {
-  const Folder folder;
-  std::filesystem::create_directories(folder / "slices.ply");
-  EXPECT_EQ(io::kind_of(folder / "slices.ply"), io::Kind::unknown);
-  write_bytes(folder / "slices.ply/001.PNG", "");
-  EXPECT_EQ(io::kind_of(folder / "slices.ply"), io::Kind::volume);
-}
-
-ErrorCode code_of(const std::function<void()>& action, std::string* sentence = nullptr) {
-  try {
-    action();
-  } catch (const Error& error) {
-    if (sentence) *sentence = error.what();
-    return error.code();
-  }
-  ADD_FAILURE() << "nothing was thrown";
-  return ErrorCode::failed;
-}
-
-TEST(WriteAtomically, AnExceptionLeavesTheOldFileAndNothingElse) {
-  const Folder folder;
-  write_bytes(folder / "a.txt", "old");
-  EXPECT_THROW(io::write_atomically(folder / "a.txt",
-                                    [](std::ostream& out) {
-                                      out << "half";
-                                      throw Error(ErrorCode::cancelled, "cancelled");
-                                    }),
-               Error);
-  EXPECT_EQ(bytes_of(folder / "a.txt"), "old");
-  EXPECT_EQ(folder.entries(), 1u);
-  io::write_atomically(folder / "a.txt", [](std::ostream& out) { out << "new"; });
-  EXPECT_EQ(bytes_of(folder / "a.txt"), "new");
-  EXPECT_EQ(folder.entries(), 1u);
-}
-
-TEST(WriteAtomically, ReplacesTheFileBehindALink) {
-  const Folder folder;
-  write_bytes(folder / "target", "old");
-  std::filesystem::create_symlink("target", folder / "link");
-  io::write_atomically(folder / "link", [](std::ostream& out) { out << "new"; });
-  EXPECT_TRUE(std::filesystem::is_symlink(folder / "link"));
-  EXPECT_EQ(bytes_of(folder / "target"), "new");
-}
-
-TEST(WriteAtomically, SaysWhatIsWrongWithTheFolder) {
-  const Folder folder;
-  const auto body = [](std::ostream& out) { out << "text"; };
-  std::string sentence;
-  EXPECT_EQ(code_of([&] { io::write_atomically(folder / "none/a.txt", body); }, &sentence), ErrorCode::failed);
-  EXPECT_NE(sentence.find("does not exist"), std::string::npos) << sentence;
-  write_bytes(folder / "file", "");
-  EXPECT_EQ(code_of([&] { io::write_atomically(folder / "file/a.txt", body); }, &sentence), ErrorCode::failed);
-  EXPECT_EQ(code_of([&] { io::write_atomically(folder / "", body); }, &sentence), ErrorCode::failed);
-  EXPECT_NE(sentence.find("folder"), std::string::npos) << sentence;
-}
-
-TEST(WriteAtomically, AFullDiskIsAnError) {
-  if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "no /dev/full here";
-  std::string sentence;
-  EXPECT_EQ(code_of([] { io::write_atomically("/dev/full", [](std::ostream& out) { out << "text"; }); }, &sentence),
-            ErrorCode::failed);
-  EXPECT_NE(sentence.find("No space left"), std::string::npos) << sentence;
-  EXPECT_FALSE(std::filesystem::is_regular_file("/dev/full"));
-}
-
-TEST(WriteAtomically, AFileThatMayNotGrowIsAnErrorAndLeavesNothing) {
-  const Folder folder;
-  rlimit before{};
-  ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &before), 0);
-  const rlimit small{1 << 16, before.rlim_max};
-  const auto handler = std::signal(SIGXFSZ, SIG_IGN);
-  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &small), 0);
-  const std::string much(1 << 22, 'x');
-  ErrorCode code{};
-  try {
-    io::write_atomically(folder / "a.txt", [&](std::ostream& out) { out << much; });
-  } catch (const Error& error) {
-    code = error.code();
-  }
-  setrlimit(RLIMIT_FSIZE, &before);
-  std::signal(SIGXFSZ, handler);
-  EXPECT_EQ(code, ErrorCode::failed);
-  EXPECT_EQ(folder.entries(), 0u);
-}
-
-TEST(Read, MissingFilesFoldersAndUnknownFormatsAreNamed) {
-  const Folder folder;
-  EXPECT_EQ(code_of([&] { io::read_poly_data(folder / "none.ply"); }), ErrorCode::failed);
-  std::filesystem::create_directories(folder / "folder.ply");
-  EXPECT_EQ(code_of([&] { io::read_poly_data(folder / "folder.ply"); }), ErrorCode::failed);
-  EXPECT_EQ(code_of([&] { io::read_poly_data(folder / "a.txt"); }), ErrorCode::input);
-  EXPECT_EQ(code_of([&] { io::write_poly_data(folder / "a.off", {}); }), ErrorCode::usage);
-}
-
-// --- round trips ---------------------------------------------------------------------------------------------------
-
-TEST(RoundTrip, VtpCarriesEverything) {
-  const PolyData data = mixed_sample();
-  data.validate();
-  expect_same(data, round_trip(data, "a.vtp"));
-}
-
-TEST(RoundTrip, VtpKeepsNonFiniteAndExtremeNumbers) {
-  PolyData data = mixed_sample();
-  auto& radius = std::get<std::vector<double>>(data.point_data[0].values);
-  radius[0] = std::numeric_limits<double>::infinity();
-  radius[1] = std::numeric_limits<double>::denorm_min();
-  radius[2] = -0.0;
-  expect_same(data, round_trip(data, "a.vtp"));
-  radius[3] = std::nan("");
-  EXPECT_TRUE(std::isnan(values_of<double>(round_trip(data, "a.vtp").point_data, "radius")[3]));
-}
-
-TEST(RoundTrip, VtpOfNothing) { expect_same({}, round_trip({}, "a.vtp")); }
-
-TEST(RoundTrip, VtpOfSeveralCompressedBlocks) {
-  PolyData data;
-  std::vector<double> radius;
-  for (int i = 0; i < 100000; ++i) {
-    data.points.emplace_back(std::sin(i), std::cos(3.0 * i), i);
-    radius.push_back(std::sqrt(i));
-    if (i >= 2) {
-      for (int c = 0; c < 3; ++c) data.poly_corners.push_back(static_cast<std::uint32_t>(i - c));
-      data.poly_offsets.push_back(static_cast<std::uint32_t>(data.poly_corners.size()));
-    }
-  }
-  data.point_data = {{"radius", 1, radius}};
-  expect_same(data, round_trip(data, "a.vtp"));
-}
-
-TEST(RoundTrip, VtpHasTheSameBytesEveryTime) {
-  const Folder folder;
-  io::write_poly_data(folder / "a.vtp", mixed_sample());
-  io::write_poly_data(folder / "b.vtp", mixed_sample());
-  EXPECT_EQ(bytes_of(folder / "a.vtp"), bytes_of(folder / "b.vtp"));
-}
-
-TEST(RoundTrip, PlyCarriesCellsAndSingleArrays) {
-  const PolyData data = mixed_sample();
-  const PolyData read = round_trip(data, "a.ply");
-  expect_same_cells(data, read);
-  EXPECT_EQ(values_of<double>(read.point_data, "radius"), values_of<double>(data.point_data, "radius"));
-  EXPECT_EQ(values_of<float>(read.point_data, "burn_time"), values_of<float>(data.point_data, "burn_time"));
-  EXPECT_EQ(values_of<float>(read.point_data, "component")[3], -3);
-  const auto radius = values_of<double>(data.point_data, "radius");
-  EXPECT_EQ(values_of<float>(read.point_data, "quality"), std::vector<float>(radius.begin(), radius.end()));
-  EXPECT_EQ(values_of<std::uint8_t>(read.point_data, "red").front(), 68);
-  EXPECT_EQ(values_of<std::uint8_t>(read.point_data, "red").back(), 253);
-  EXPECT_EQ(find_array(read.point_data, "a <name> & \"more\""), nullptr);
-}
-
-TEST(RoundTrip, PlyQualityOfAnotherArray) {
-  const PolyData data = mixed_sample();
-  const PolyData read = round_trip(data, "a.ply", {.quality_array = "burn_time"});
-  EXPECT_EQ(values_of<float>(read.point_data, "quality"), values_of<float>(data.point_data, "burn_time"));
-  EXPECT_EQ(code_of([&] { round_trip(data, "a.ply", {.quality_array = "nothing"}); }), ErrorCode::usage);
-}
-
-TEST(RoundTrip, PlyReadsItselfTwiceTheSame) {
-  const PolyData once = round_trip(mixed_sample(), "a.ply");
-  expect_same(once, round_trip(once, "a.ply"));
-}
-
-TEST(RoundTrip, PlyOfLongFaces) {
-  PolyData data;
-  for (std::uint32_t i = 0; i < 300; ++i) {
-    data.points.emplace_back(i, 0, 0);
-    data.poly_corners.push_back(i);
-  }
-  data.poly_offsets.push_back(300);
-  expect_same(data, round_trip(data, "a.ply"));
-}
-
-TEST(RoundTrip, ObjCarriesAllCells) {
-  const PolyData data = mixed_sample();
-  const PolyData read = round_trip(data, "a.obj");
-  expect_same_cells(data, read);
-  EXPECT_EQ(data.verts, read.verts);
-}
-
-TEST(RoundTrip, MaCarriesRadii) {
-  const PolyData data = mixed_sample();
-  const PolyData read = round_trip(data, "a.ma");
-  expect_same_cells(data, read);
-  EXPECT_EQ(values_of<double>(read.point_data, "radius"), values_of<double>(data.point_data, "radius"));
-  EXPECT_EQ(code_of([] { round_trip({}, "a.ma"); }), ErrorCode::input);
-}
-
-TEST(RoundTrip, RadiiOfAnRFile) {
-  PolyData data = mixed_sample();
-  for (std::size_t i = 0; i < data.points.size(); ++i) data.points[i][2] = static_cast<double>(i * i);
-  const Folder folder;
-  io::write_poly_data(folder / "a.r", data);
-  auto radii = values_of<double>(data.point_data, "radius");
-  EXPECT_EQ(io::read_radii(folder / "a.r", data.points), radii);
-  std::vector<Vec3> shifted(data.points.rbegin(), data.points.rend());
-  for (Vec3& p : shifted) p += Vec3(0.01, 0.01, -0.01);
-  std::reverse(radii.begin(), radii.end());
-  EXPECT_EQ(io::read_radii(folder / "a.r", shifted), radii);
-  for (Vec3& p : shifted) p[0] += 0.2;
-  EXPECT_EQ(code_of([&] { io::read_radii(folder / "a.r", shifted); }), ErrorCode::input);
-}
-
-TEST(Write, CsvHasARowPerVertex) {
-  PolyData data;
-  data.points = {{0.1, 2, -3}, {1e-300, 0, 1.0 / 3}};
-  data.point_data = {{"radius", 1, std::vector<double>{0.5, 1e22}},
-                     {"a,b", 2, std::vector<float>{0.1f, 2, 3, 4}},
-                     {"flag", 1, std::vector<std::uint8_t>{7, 65}}};
-  const Folder folder;
-  io::write_poly_data(folder / "a.csv", data);
-  EXPECT_EQ(bytes_of(folder / "a.csv"),
-            "x,y,z,radius,\"a,b_0\",\"a,b_1\",flag\n0.1,2,-3,0.5,0.1,2,7\n1e-300,0,0.3333333333333333,1e+22,3,4,65\n");
 }
 
 // --- PLY -----------------------------------------------------------------------------------------------------------
@@ -358,6 +109,46 @@ TEST(Ply, HugeCountsAllocateNothing) {
         refusal("a.ply", std::string("ply\nformat ") + format + " 1.0\nelement " + element + " " + count +
                              "\nproperty float x\nproperty float y\nproperty float z\nproperty int vertex1\n"
                              "property int vertex2\nproperty list int int vertex_indices\nend_header\n1 2 3\n");
+}
+
+// --- VTP ---------------------------------------------------------------------------------------------------------
+
+TEST(Vtp, PiecesAreJoinedWithTheirCellData) {
+  const auto array = [](const char* type, const char* name, const char* text) {
+    return std::string("<DataArray type='") + type + "' Name='" + name + "' format='ascii'>" + text + "</DataArray>";
+  };
+  const auto piece = [&](const char* verts, const char* rows) {
+    return "<Piece NumberOfPoints='2' NumberOfVerts='1' NumberOfLines='1'><PointData>" + array("Int8", "p", verts) +
+           array("Bit", "bits", "1 0") + "</PointData><CellData>" + array("Float32", "c", rows) +
+           "</CellData><Points><DataArray type='Float32' NumberOfComponents='3'>0 0 0 1 1 "
+           "1</DataArray></Points><Verts>" +
+           array("Int32", "connectivity", "1") + array("UInt8", "offsets", "1") + "</Verts><Lines>" +
+           array("UInt64", "connectivity", "0 1") + array("Int64", "offsets", "2") + "</Lines></Piece>";
+  };
+  const PolyData data = read_bytes("a.vtp", "<VTKFile type='PolyData'><PolyData>" + piece("1 -2", "1 2") +
+                                                piece("3 4", "3 nan") + "</PolyData></VTKFile>");
+  EXPECT_EQ(data.points.size(), 4u);
+  EXPECT_EQ(data.verts, (std::vector<std::uint32_t>{1, 3}));
+  EXPECT_EQ(data.lines, (std::vector<std::array<std::uint32_t, 2>>{{0, 1}, {2, 3}}));
+  EXPECT_EQ(values_of<std::int32_t>(data.point_data, "p"), (std::vector<std::int32_t>{1, -2, 3, 4}));
+  const std::vector<float> rows = values_of<float>(data.cell_data, "c");
+  ASSERT_EQ(rows.size(), 4u);
+  EXPECT_EQ(rows[1], 3.0f);
+  EXPECT_EQ(rows[2], 2.0f);
+  EXPECT_TRUE(std::isnan(rows[3]));
+}
+
+TEST(Vtp, Refusals) {
+  refusal("a.vtp", "");
+  refusal("a.vtp", "<a/>");
+  const std::string body = "<PolyData><Piece NumberOfPoints='0'/></PolyData></VTKFile>";
+  EXPECT_TRUE(read_bytes("a.vtp", "<VTKFile type='PolyData'>" + body).points.empty());
+  for (const char* attributes :
+       {"type='UnstructuredGrid'", "type='PolyData' byte_order='BigEndian'",
+        "type='PolyData' compressor='vtkLZ4DataCompressor'", "type='PolyData' header_type='UInt16'"})
+    refusal("a.vtp", std::string("<VTKFile ") + attributes + ">" + body);
+  refusal("a.vtp", "<VTKFile type='PolyData'></VTKFile>");
+  refusal("a.vtp", "<VTKFile type='PolyData'><PolyData><Piece NumberOfPoints='4000000000'/></PolyData></VTKFile>");
 }
 
 // --- OBJ, OFF, STL, MA ---------------------------------------------------------------------------------------------

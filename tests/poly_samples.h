@@ -6,6 +6,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <iterator>
 #include <string>
 
@@ -69,6 +70,29 @@ inline std::string refusal(const std::string& name, const std::string& bytes) {
   }
   ADD_FAILURE() << name << " was read: " << bytes;
   return {};
+}
+
+/// The code of the Error that an action must throw.
+inline ErrorCode code_of(const std::function<void()>& action, std::string* sentence = nullptr) {
+  try {
+    action();
+  } catch (const Error& error) {
+    if (sentence) *sentence = error.what();
+    return error.code();
+  }
+  ADD_FAILURE() << "nothing was thrown";
+  return ErrorCode::failed;
+}
+
+/// The values of an array that must have that type.
+template <class T>
+std::vector<T> values_of(const std::vector<DataArray>& arrays, const char* name) {
+  const DataArray* array = find_array(arrays, name);
+  if (!array || !std::holds_alternative<std::vector<T>>(array->values)) {
+    ADD_FAILURE() << "no array " << name << " of that type";
+    return {};
+  }
+  return std::get<std::vector<T>>(array->values);
 }
 
 /// Points, lines and polygons of 3 to 7 corners with arrays of every type, and field data with strings.

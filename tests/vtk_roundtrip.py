@@ -15,9 +15,10 @@ except ImportError:
 
 
 def describe_arrays(kind, attributes):
-    for i in range(attributes.GetNumberOfArrays() if kind != "field" else attributes.GetNumberOfArrays()):
+    for i in range(attributes.GetNumberOfArrays()):
         array = attributes.GetAbstractArray(i)
-        head = f"{kind} {array.GetName()} {array.GetDataTypeAsString()} {array.GetNumberOfComponents()} {array.GetNumberOfTuples()}"
+        head = " ".join(str(part) for part in (kind, array.GetName(), array.GetDataTypeAsString(),
+                                               array.GetNumberOfComponents(), array.GetNumberOfTuples()))
         if isinstance(array, vtk.vtkStringArray):
             print(head, "|".join(array.GetValue(k) for k in range(array.GetNumberOfValues())))
         else:

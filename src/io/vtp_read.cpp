@@ -166,9 +166,12 @@ bool read_array(const Document& document, const pugi::xml_node& node, DataArray&
     array.values = numbers_from<float, float>(bytes);
   else if (type == "Int64")
     array.values = numbers_from<std::int64_t, std::int64_t>(bytes);
-  else if (type == "UInt64")
-    array.values = numbers_from<std::uint64_t, std::int64_t>(bytes);
-  else if (type == "UInt32")
+  else if (type == "UInt64") {
+    std::vector<std::int64_t> values = numbers_from<std::uint64_t, std::int64_t>(bytes);
+    if (std::any_of(values.begin(), values.end(), [](std::int64_t value) { return value < 0; }))
+      document.fail(what + " has integers of 2^63 and more");
+    array.values = std::move(values);
+  } else if (type == "UInt32")
     array.values = numbers_from<std::uint32_t, std::int64_t>(bytes);
   else if (type == "Int32")
     array.values = numbers_from<std::int32_t, std::int32_t>(bytes);
