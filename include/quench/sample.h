@@ -20,7 +20,7 @@ struct RootBranch {
 };
 
 struct SampleOptions {
-  double noise = 0;        ///< surface noise as a fraction of the longest side, where the shape has any
+  double noise = 0;        ///< height of ripples and bumps, fraction of the longest side; 0: the shape's own
   std::uint64_t seed = 1;  ///< `root`: another seed, another root
   int branches = 60;       ///< `root`: number of branches
   double detail = 1;       ///< multiplies the number of triangles along each direction
