@@ -5,6 +5,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 #include <set>
 
 #include "brute_force_core.h"
@@ -388,6 +389,20 @@ TEST(Verify, AcceptsLinesAndVertsThatRepeatEdgesAndCorners) {
   data.points.push_back(Vec3(-100, 0, 0));  // used by no cell
   for (DataArray& array : data.point_data) std::get<std::vector<double>>(array.values).push_back(0);
   expect_passes(intact.shape, data, "repeated cells");
+}
+
+TEST(Verify, FailsWithoutCrashingOnWildNumbers) {
+  const Intact intact(block());
+  for (const double wild : {std::nan(""), HUGE_VAL, -1e300, 1e300}) {
+    PolyData point = intact.data, radius = intact.data, lambda = intact.data;
+    point.points[5][1] = wild;
+    EXPECT_FALSE(verify(intact.shape, point).passed()) << wild;
+    values<double>(radius.point_data, "radius")[5] = wild;
+    EXPECT_EQ(failed(verify(intact.shape, radius)), Names{"radii"}) << wild;
+    values<double>(lambda.field_data, "lambda")[0] = wild;
+    EXPECT_EQ(failed(verify(intact.shape, lambda)), Names{"legal pruning"}) << wild;
+  }
+  EXPECT_FALSE(verify(intact.shape, PolyData{}).passed());
 }
 
 TEST(Verify, StopsWhenCancelled) {

@@ -189,6 +189,10 @@ Check check_lambda(const Result& result, const Sites& sites, VertexSites& vertex
 Check check_pruning(const Result& result, const Sites& sites, VertexSites& vertex_sites, std::size_t samples,
                     Context* context) {
   Check check{"legal pruning", false, {}};
+  if (!(result.lambda >= 0)) {
+    check.detail = fmt::format("lambda {} is no pruning radius", result.lambda);
+    return check;
+  }
   const Values values(result, sites, vertex_sites);
   check.detail = legality(result, values, vertex_sites, context);
   if (!check.detail.empty()) return check;
@@ -209,13 +213,18 @@ Check check_levels(const Result& result) {
   const DataArray* array = find_array(result.data.cell_data, "lambda_level");
   if (!array) return not_checked(check.name, "no array 'lambda_level'");
   const std::vector<double> levels = array->numbers();
-  const auto lowest = std::min_element(levels.begin(), levels.end());
-  check.passed = levels.empty() || *lowest >= result.lambda * (1 - 1e-9);
-  check.detail = levels.empty() ? "no cells"
-                 : check.passed ? fmt::format("lowest level {:.9g} of {} cells, lambda {:.9g}", *lowest, levels.size(),
-                                              result.lambda)
-                                : fmt::format("cell {} has level {:.9g}, below lambda {:.9g}", lowest - levels.begin(),
-                                              *lowest, result.lambda);
+  // Infinite levels are written as the largest float. Not a number is below everything.
+  const auto below = [&](double level) { return !(level >= result.lambda * (1 - 1e-9)) && !(level > 3e38); };
+  const auto bad = std::find_if(levels.begin(), levels.end(), below);
+  check.passed = bad == levels.end();
+  if (!check.passed)
+    check.detail =
+        fmt::format("cell {} has level {:.9g}, below lambda {:.9g}", bad - levels.begin(), *bad, result.lambda);
+  else if (levels.empty())
+    check.detail = "no cells";
+  else
+    check.detail = fmt::format("lowest level {:.9g} of {} cells, lambda {:.9g}",
+                               *std::min_element(levels.begin(), levels.end()), levels.size(), result.lambda);
   return check;
 }
 

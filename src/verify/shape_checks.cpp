@@ -19,6 +19,7 @@ std::string describe(const Topology& t) {
 bool in_open_shape(const VoxelShape& shape, const Vec3& x) {
   std::int64_t low[3], high[3];
   for (int a = 0; a < 3; ++a) {
+    if (!(std::abs(x[a]) < 1e9)) return false;
     const double rounded = std::round(x[a]);
     const bool on_plane = std::abs(x[a] - rounded) <= 1e-9;
     high[a] = static_cast<std::int64_t>(on_plane ? rounded : std::floor(x[a]));
@@ -98,7 +99,7 @@ Check check_reconstruction(const Result& result, std::size_t samples, Context* c
   if (result.radius.empty()) return not_checked(name, "no array 'radius'");
   std::vector<Box> balls;
   for (std::size_t v = 0; v < result.scaled.size(); ++v) {
-    const double r = std::clamp(result.radius[v] / result.unit, 0.0, 0x1p22);
+    const double r = result.radius[v] > 0 ? std::min(result.radius[v] / result.unit, 0x1p22) : 0;
     Box box{};
     for (int a = 0; a < 3; ++a) {
       box.low[static_cast<std::size_t>(a)] =
