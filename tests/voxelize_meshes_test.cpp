@@ -122,8 +122,9 @@ TEST_P(ClosedMeshes, VolumeAndTopologyAreThoseOfTheMesh) {
     EXPECT_EQ(2 * result.surface.euler, known.euler);
     EXPECT_EQ(result.surface.components, 1);
     const double h = result.shape.grid().spacing[0];
-    EXPECT_NEAR(static_cast<double>(result.shape.voxel_count()) * h * h * h, std::abs(volume),
-                (resolution == 64 ? 0.1 : 0.03) * std::abs(volume));  // plates of a few voxels at 64
+    // Plates of a few voxels gain or lose up to a layer of them.
+    const double found = static_cast<double>(result.shape.voxel_count()) * h * h * h;
+    EXPECT_NEAR(found / std::abs(volume), 1, resolution == 64 ? 0.1 : 0.05);
     const Topology t = topology(result.shape);
     const bool same = t.betti[0] + t.betti[2] == 1 && t.betti[1] == 1 - known.euler / 2;
     EXPECT_EQ(result.topology_changed, !same);

@@ -21,7 +21,8 @@ struct VoxelizeOptions {
 };
 
 /// Topology that the solid of a closed mesh must have. Always: euler = euler(surface) / 2. When the surface is an
-/// oriented 2-manifold: b1 = total genus and b0 + b2 = number of surface components, unless surfaces intersect.
+/// oriented 2-manifold: b1 = total genus and b0 + b2 = number of surface components, unless surfaces intersect. Where
+/// parts touch in a vertex or an edge, the surface counts as separate sheets, as the open solid is separate there.
 struct SurfaceTopology {
   std::int64_t euler = 0;       ///< of the solid: half that of the surface
   std::int64_t components = 0;  ///< of the surface
@@ -45,7 +46,8 @@ struct Voxelization {
 /// lattice 0 lies `margin` voxels below the minimum of the bounding box. O(triangles + crossings), memory O(surface).
 ///
 /// Throws Error(input): no triangle, non-finite or flat box, a defective mesh (an edge with one face only, or a
-/// scanline whose winding number does not return to 0), or a mesh that encloses no voxel centre.
+/// scanline whose winding number does not return to 0; under evenodd, which ignores orientation, to an even number), or
+/// a mesh that encloses no voxel centre. Error(usage): resolution or margin out of range.
 Voxelization voxelize(const TriangleMesh& mesh, const VoxelizeOptions& options = {}, Context* context = nullptr);
 
 /// `--resolution auto`: the smallest of 128, 256 ... 2048 at which the topology agrees; 2048 (with the difference

@@ -121,12 +121,13 @@ std::string difference(const VoxelShape& shape, const SurfaceTopology& surface, 
   if (voxels.euler == surface.euler && voxels.betti[0] + voxels.betti[2] == surface.components &&
       voxels.betti[1] == genus)
     return {};
+  const std::string parts = surface.components == 1
+                                ? "1 component, no cavity"
+                                : fmt::format("{} components and cavities together", surface.components);
   return fmt::format(
-      "the voxel shape has {}, {} and {}, the mesh encloses a solid with {} and cavities together and {}; "
-      "a higher --resolution may help",
+      "the voxel shape has {}, {} and {}, the solid of the mesh {} and {}; a higher --resolution may help",
       counted(voxels.betti[0], "component", "components"), counted(voxels.betti[2], "cavity", "cavities"),
-      counted(voxels.betti[1], "tunnel", "tunnels"), counted(surface.components, "component", "components"),
-      counted(genus, "tunnel", "tunnels"));
+      counted(voxels.betti[1], "tunnel", "tunnels"), parts, counted(genus, "tunnel", "tunnels"));
 }
 
 /// The shape may be empty.
