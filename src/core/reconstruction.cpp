@@ -155,9 +155,11 @@ double Reconstruction::share(double lambda) const {
 }
 
 double auto_lambda(const Reconstruction& reconstruction, double longest_side, double smallest_spacing) {
-  for (double lambda = 0.02 * longest_side; lambda >= 0.5 * smallest_spacing; lambda *= std::sqrt(0.5))
+  for (int step = 0;; ++step) {
+    const double lambda = 0.02 * longest_side * std::pow(0.5, 0.5 * step);
+    if (lambda < 0.5 * smallest_spacing) return 0;
     if (reconstruction.share(lambda) >= 0.98) return lambda;
-  return 0;
+  }
 }
 
 }  // namespace quench
