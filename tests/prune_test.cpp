@@ -1,0 +1,241 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "quench/prune.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <set>
+#include <tuple>
+
+#include "quench/topology.h"
+#include "quench/verify.h"
+#include "quench/voxel_core.h"
+#include "random_shapes.h"
+
+namespace quench {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+// Thinning as SPEC 4 words it, without any clever structure: look at all pairs, take the first, start again.
+class NaiveThinning {
+ public:
+  explicit NaiveThinning(const MedialAxis& axis) : axis_(axis), complex_(axis.complex) {
+    vertex.assign(complex_.vertex_count, kInfinity);
+    edge.assign(complex_.edges.size(), kInfinity);
+    face.assign(complex_.face_count(), kInfinity);
+    double running = -kInfinity;
+    while (const auto pair = first_pair()) {
+      const auto& [key, dimension, large, small] = *pair;
+      running = std::max(running, key);
+      (dimension == 2 ? face : edge)[large] = running;
+      (dimension == 2 ? edge : vertex)[small] = running;
+    }
+  }
+  std::vector<double> vertex, edge, face;
+
+ private:
+  using Pair = std::tuple<double, int, std::uint32_t, std::uint32_t>;
+  std::optional<Pair> first_pair() const {
+    std::vector<std::vector<std::uint32_t>> faces(edge.size()), edges(vertex.size());
+    for (std::uint32_t f = 0; f < face.size(); ++f)
+      if (face[f] == kInfinity)
+        for (std::uint32_t e : complex_.sides(f)) faces[e].push_back(f);
+    for (std::uint32_t e = 0; e < edge.size(); ++e)
+      if (edge[e] == kInfinity)
+        for (std::uint32_t v : complex_.edges[e]) edges[v].push_back(e);
+    std::optional<Pair> first;
+    const auto offer = [&first](const Pair& p) {
+      if (!first || p < *first) first = p;
+    };
+    for (std::uint32_t e = 0; e < edge.size(); ++e)
+      if (edge[e] == kInfinity && faces[e].size() == 1)
+        offer({std::max(axis_.edge_lambda[e], axis_.face_lambda[faces[e][0]]), 2, faces[e][0], e});
+    for (std::uint32_t v = 0; v < vertex.size(); ++v)
+      if (vertex[v] == kInfinity && edges[v].size() == 1 && faces[edges[v][0]].empty())
+        offer({std::max(axis_.vertex_lambda[v], axis_.edge_lambda[edges[v][0]]), 1, edges[v][0], v});
+    return first;
+  }
+  const MedialAxis& axis_;
+  const CellComplex& complex_;
+};
+
+MedialAxis core_with_levels(const VoxelShape& shape, LambdaRule rule = LambdaRule::coface) {
+  MedialAxis axis = voxel_core(shape, {.rule = rule});
+  prune_levels(axis);
+  return axis;
+}
+
+TEST(Prune, LevelsEqualTheNaiveThinning) {
+  for (std::uint64_t seed = 0; seed < 200; ++seed) {
+    const MedialAxis axis =
+        core_with_levels(testing_shapes::random_shape(seed, 6), seed % 2 ? LambdaRule::ball : LambdaRule::coface);
+    const NaiveThinning naive(axis);
+    ASSERT_EQ(axis.vertex_level, naive.vertex) << "seed " << seed;
+    ASSERT_EQ(axis.edge_level, naive.edge) << "seed " << seed;
+    ASSERT_EQ(axis.face_level, naive.face) << "seed " << seed;
+  }
+}
+
+// A legal pruning: closed, holds {lambda(cell) >= lambda}, has the topology of the shape, no removable pair below
+// lambda.
+void expect_legal(const MedialAxis& axis, double lambda, const Topology& wanted, const std::string& where) {
+  const CellComplex& complex = axis.complex;
+  const auto in = [&](const std::vector<double>& level, std::size_t i) { return level[i] >= lambda; };
+  for (std::size_t v = 0; v < axis.vertex_level.size(); ++v)
+    ASSERT_TRUE(axis.vertex_lambda[v] < lambda || in(axis.vertex_level, v)) << where;
+  for (std::size_t e = 0; e < axis.edge_level.size(); ++e) {
+    ASSERT_TRUE(axis.edge_lambda[e] < lambda || in(axis.edge_level, e)) << where;
+    for (std::uint32_t v : complex.edges[e]) ASSERT_GE(axis.vertex_level[v], axis.edge_level[e]) << where;
+  }
+  for (std::size_t f = 0; f < axis.face_level.size(); ++f) {
+    ASSERT_TRUE(axis.face_lambda[f] < lambda || in(axis.face_level, f)) << where;
+    for (std::uint32_t e : complex.sides(f)) ASSERT_GE(axis.edge_level[e], axis.face_level[f]) << where;
+  }
+  const MedialAxis kept = pruned(axis, lambda);
+  ASSERT_NO_THROW(kept.complex.validate()) << where;
+  ASSERT_EQ(topology(kept.complex), wanted) << where;
+  std::vector<int> faces(kept.complex.edges.size(), 0), edges(kept.complex.vertex_count, 0);
+  for (std::uint32_t e : kept.complex.face_edges) ++faces[e];
+  for (const auto& e : kept.complex.edges)
+    for (std::uint32_t v : e) ++edges[v];
+  for (std::size_t f = 0; f < kept.complex.face_count(); ++f)
+    for (std::uint32_t e : kept.complex.sides(f))
+      ASSERT_FALSE(faces[e] == 1 && std::max(kept.face_lambda[f], kept.edge_lambda[e]) < lambda) << where;
+  for (std::size_t e = 0; e < kept.complex.edges.size(); ++e)
+    for (std::uint32_t v : kept.complex.edges[e])
+      ASSERT_FALSE(faces[e] == 0 && edges[v] == 1 && std::max(kept.edge_lambda[e], kept.vertex_lambda[v]) < lambda)
+          << where;
+}
+
+TEST(Prune, EveryPruningIsLegalAndKeepsTheTopology) {
+  for (std::uint64_t seed = 0; seed < 1000; ++seed) {
+    const bool anisotropic = seed % 3 == 2;
+    const VoxelShape shape = testing_shapes::random_shape(seed, seed % 50 == 0 ? 16 : 9, anisotropic);
+    const Topology wanted = topology(shape);
+    const MedialAxis axis = core_with_levels(shape, seed % 2 ? LambdaRule::ball : LambdaRule::coface);
+    for (double lambda : {0.0, 0.6, 0.75, 1.0, 1.3, 2.5, 5.0, 1e30})
+      expect_legal(axis, lambda, wanted, "seed " + std::to_string(seed) + " lambda " + std::to_string(lambda));
+  }
+}
+
+TEST(Prune, PruningAPruningGivesTheSame) {
+  for (std::uint64_t seed = 0; seed < 100; ++seed) {
+    const MedialAxis axis = core_with_levels(testing_shapes::random_shape(seed, 10));
+    const MedialAxis once = pruned(axis, 1.5), twice = pruned(pruned(axis, 0.9), 1.5);
+    ASSERT_EQ(once.complex.edges, twice.complex.edges);
+    ASSERT_EQ(once.complex.face_vertices, twice.complex.face_vertices);
+    ASSERT_EQ(once.sites, twice.sites);
+    ASSERT_EQ(once.face_sites, twice.face_sites);
+    ASSERT_EQ(once.radius, twice.radius);
+  }
+}
+
+TEST(Prune, AllCollapsesToAPointInABallAndToALoopInATorus) {
+  Grid grid;
+  grid.dims = {24, 24, 12};
+  const VoxelShape torus = testing_shapes::from_predicate(grid, [](int x, int y, int z) {
+    const double a = x - 11.4, b = y - 11.3, c = z - 5.6, ring = std::sqrt(a * a + b * b) - 7.5;
+    return ring * ring + c * c < 9;
+  });
+  ASSERT_EQ(topology(torus), (Topology{0, {1, 1, 0}}));
+  const MedialAxis loop = pruned(core_with_levels(torus), kInfinity);
+  EXPECT_EQ(loop.complex.face_count(), 0u);
+  EXPECT_EQ(loop.complex.edges.size(), loop.complex.vertex_count);
+  const MedialAxis point = pruned(core_with_levels(testing_shapes::box_shape(7, 6, 5)), kInfinity);
+  EXPECT_EQ(point.complex.vertex_count, 1u);
+}
+
+// A file holds a line for every edge that outlives its faces, so {level >= t} of its cells is the pruning for every t.
+TEST(Prune, TheCellsOfAFileAtEveryLevelAreThePruning) {
+  for (std::uint64_t seed = 0; seed < 60; ++seed) {
+    const MedialAxis axis = core_with_levels(testing_shapes::random_shape(seed, 10));
+    const PolyData data = to_poly_data(axis);
+    ASSERT_NO_THROW(data.validate());
+    const std::vector<double> level = find_array(data.cell_data, "lambda_level")->numbers();
+    for (double t : {0.8, 1.2, 2.0, 1e30}) {
+      PolyData kept;
+      kept.points = data.points;
+      std::size_t cell = 0;
+      for (std::uint32_t v : data.verts)
+        if (level[cell++] >= t) kept.verts.push_back(v);
+      for (const auto& line : data.lines)
+        if (level[cell++] >= t) kept.lines.push_back(line);
+      for (std::size_t p = 0; p < data.poly_count(); ++p)
+        if (level[cell++] >= t) {
+          kept.poly_corners.insert(kept.poly_corners.end(), data.poly_corners.begin() + data.poly_offsets[p],
+                                   data.poly_corners.begin() + data.poly_offsets[p + 1]);
+          kept.poly_offsets.push_back(static_cast<std::uint32_t>(kept.poly_corners.size()));
+        }
+      const CellComplex mine = complex_of(kept), expected = pruned(axis, t).complex;
+      ASSERT_EQ(mine.vertex_count, expected.vertex_count) << "seed " << seed << " level " << t;
+      ASSERT_EQ(mine.edges, expected.edges);
+      ASSERT_EQ(mine.face_vertices, expected.face_vertices);
+    }
+  }
+}
+
+TEST(Prune, EveryPruningPassesTheIndependentVerifier) {
+  for (std::uint64_t seed = 0; seed < 200; ++seed) {
+    const VoxelShape shape = testing_shapes::random_shape(seed, 10, seed % 4 == 3);
+    const MedialAxis axis = core_with_levels(shape);
+    for (double lambda : {0.0, 0.9, 2.0}) {
+      PolyData data = to_poly_data(pruned(axis, lambda));
+      data.field_data.push_back({"stage", 1, std::vector<std::string>{"core"}});
+      const Certificate certificate = verify(shape, data, {.lambda = lambda});
+      for (const Check& check : certificate.checks)
+        ASSERT_TRUE(check.passed) << "seed " << seed << ": " << check.name << ": " << check.detail;
+    }
+  }
+}
+
+TEST(Reconstruction, TheFullCoreHoldsEveryCentreAndSharesFallWithLambda) {
+  for (std::uint64_t seed = 0; seed < 200; ++seed) {
+    const VoxelShape shape = testing_shapes::random_shape(seed, 12, seed % 2 == 1);
+    const MedialAxis axis = core_with_levels(shape);
+    const Reconstruction reconstruction(shape, axis);
+    ASSERT_EQ(reconstruction.share(0), 1) << "seed " << seed;
+    double last = 1;
+    for (double lambda = 0.3; lambda < 6; lambda *= 1.3) {
+      // By brute force, from the balls of the pruning.
+      const MedialAxis kept = pruned(axis, lambda);
+      std::int64_t inside = 0;
+      for (int z = 0; z < shape.grid().dims[2]; ++z)
+        for (int y = 0; y < shape.grid().dims[1]; ++y)
+          for (int x = 0; x < shape.grid().dims[0]; ++x) {
+            if (!shape.contains(x, y, z)) continue;
+            const Vec3 c = shape.grid().world({x + 0.5, y + 0.5, z + 0.5});
+            bool found = false;
+            for (std::size_t v = 0; v < kept.points.size() && !found; ++v)
+              found = (kept.points[v] - c).norm() <= kept.radius[v] * (1 + 1e-9);
+            inside += found;
+          }
+      const double share = reconstruction.share(lambda);
+      ASSERT_NEAR(share, static_cast<double>(inside) / static_cast<double>(shape.voxel_count()), 1e-12);
+      ASSERT_LE(share, last);
+      last = share;
+    }
+  }
+}
+
+TEST(AutoLambda, KeepsThinShapesAndCleansThickOnes) {
+  const auto of = [](const VoxelShape& shape) {
+    const MedialAxis axis = core_with_levels(shape);
+    return auto_lambda(Reconstruction(shape, axis), shape.longest_side(), 1);
+  };
+  // Every cell of the bar has lambda sqrt(1/2), so any larger threshold contracts it to a point.
+  EXPECT_LE(of(testing_shapes::box_shape(1, 1, 200)), std::sqrt(0.5) * (1 + 1e-12));
+  Grid grid;
+  grid.dims = {70, 70, 70};
+  const VoxelShape ball = testing_shapes::from_predicate(grid, [](int x, int y, int z) {
+    const double a = x - 34.3, b = y - 34.1, c = z - 34.6;
+    return a * a + b * b + c * c < 32 * 32;
+  });
+  EXPECT_GT(of(ball), 0.5);
+}
+
+}  // namespace
+}  // namespace quench
