@@ -24,8 +24,8 @@
 ///   .r   (x y z r per vertex)                  with --radii x
 ///   .csv (one row per vertex)                              x
 ///   .fbx .dae .3ds .gltf ... (Assimp)   x
-///   .nrrd .nhdr .mha .mhd .nii .nii.gz .mrc .map .tif .png, a folder of slices (ITK)   x
-///   .npy  .vol (DGtal)  .sof                                           x
+///   .nrrd .nhdr .mha .mhd .nii .nii.gz .mrc .map .tif, a folder of TIFF slices (ITK)   x
+///   .npy  .vol (DGtal)  .sof  .png, a folder of PNG slices             x
 ///   .nrrd (gzip)                                                                  x
 ///
 /// Every reader throws Error(failed) when the file cannot be opened and Error(input) when its content cannot be used,

@@ -27,9 +27,9 @@ struct DualComplex {
   }
 };
 
-/// Merges cospherical tetrahedra inside O into polytopes and walks around the edges between them. Cells are sorted by
-/// their site lists (vertices), ends (edges) and sites (faces): independent of the triangulation. Face corners run
-/// counter-clockwise around the direction from the first to the second site, from the smallest corner.
+/// Merges cospherical tetrahedra inside O (polytopes.h) and walks around the edges between the polytopes. Cells are
+/// sorted by their site lists (vertices), ends (edges) and sites (faces): independent of the triangulation. Face
+/// corners run counter-clockwise around the direction from the first to the second site, from the smallest corner.
 /// Consumes the triangulation to free its memory early. Linear time up to small sorts.
 DualComplex dual_complex(const VoxelShape& shape, std::unique_ptr<Delaunay> delaunay, std::size_t site_count,
                          Context* context);

@@ -23,8 +23,8 @@ struct Habit {
 constexpr Habit habits[3]{
     {0.010, 0.030, 0.040, 0.30, 0, 0}, {0.008, 0.045, 0.012, 0.45, 0.9, 1.45}, {0.006, 0.055, 0.004, 0.60, 0.7, 1.4}};
 
-constexpr double main_radius = 0.030;
-constexpr double thinnest = 0.0035;  // radius; 1.8 voxels at resolution 512
+constexpr double main_radius = 0.034;
+constexpr double thinnest = 0.005;  // radius; about 1.3 voxels at resolution 256, where no branch is lost
 
 Vec3 any_normal(const Vec3& d) {
   const Vec3 axis = std::abs(d[2]) < 0.8 ? Vec3::UnitZ() : Vec3::UnitX();

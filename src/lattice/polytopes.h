@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "lattice/delaunay.h"
+#include "quench/voxel_shape.h"
+
+namespace quench::lattice {
+
+/// The Delaunay complex inside O: its polytopes (maximal cospherical sets of sites) and the tetrahedra they were cut
+/// into, both renumbered: polytopes by their site lists, tetrahedra by polytope. That is the order of scanlines, so
+/// that what follows works in the cache.
+struct Polytopes {
+  std::vector<std::uint32_t> site_offsets{0}, sites;  ///< corners of each polytope, ascending site ids
+  /// Tetrahedra inside O: corners are site ids; across the boundary of O the neighbour is kNone.
+  std::vector<Tetrahedron> tetrahedra;
+  std::vector<std::uint32_t> polytope_of;  ///< per tetrahedron, ascending
+
+  std::uint32_t count() const { return static_cast<std::uint32_t>(site_offsets.size() - 1); }
+};
+
+/// Merges the cospherical tetrahedra inside O; consumes the triangulation to free its memory early. Linear time up to
+/// small sorts.
+Polytopes polytopes_inside(const VoxelShape& shape, std::unique_ptr<Delaunay> delaunay, std::size_t site_count,
+                           Context* context);
+
+/// Turns counts[i + 1] = size of bucket i into offsets; throws Error(failed) when they outgrow 32 bits.
+void prefix_sum(std::vector<std::uint32_t>& counts);
+
+/// Throws Error(failed) when a number of cells or corners outgrows 32 bits.
+void check_index(std::size_t count);
+
+}  // namespace quench::lattice
