@@ -1,16 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <numeric>
+#include <utility>
 #include <vector>
 
 namespace quench {
 
-/// Disjoint sets of 0..n-1, path halving, smaller root wins: the root of a set is its smallest member.
+/// Disjoint sets of 0 .. size-1, path halving. The root of a set is its smallest member, so that results do not depend
+/// on the order of calls. 4 bytes per element.
 class UnionFind {
  public:
-  explicit UnionFind(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0u); }
+  explicit UnionFind(std::size_t size) : parent_(size), sets_(static_cast<std::int64_t>(size)) {
+    std::iota(parent_.begin(), parent_.end(), 0u);
+  }
   std::uint32_t find(std::uint32_t i) {
     while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
     return i;
@@ -22,11 +27,15 @@ class UnionFind {
     if (a == b) return false;
     if (a > b) std::swap(a, b);
     parent_[b] = a;
+    --sets_;
     return true;
   }
+  /// Number of sets.
+  std::int64_t count() const { return sets_; }
 
  private:
   std::vector<std::uint32_t> parent_;
+  std::int64_t sets_;
 };
 
 }  // namespace quench

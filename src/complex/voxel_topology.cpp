@@ -4,8 +4,8 @@
 #include <span>
 #include <vector>
 
+#include "complex/union_find.h"
 #include "quench/topology.h"
-#include "shape/disjoint_sets.h"
 
 // Notation: a *run* is a maximal interval of foreground along x, a *gap* the background between two runs of one
 // scanline. The background before the first and after the last run of a scanline, and every empty scanline, is
@@ -65,7 +65,7 @@ std::uint32_t first_index(const VoxelShape& shape, Runs row) {
 /// 6-connected components of the foreground.
 std::int64_t components(const VoxelShape& shape) {
   const auto& dims = shape.grid().dims;
-  detail::DisjointSets sets(shape.runs().size());
+  UnionFind sets(shape.runs().size());
   for (std::int64_t z = 0; z < dims[2]; ++z)
     for (std::int64_t y = 0; y < dims[1]; ++y) {
       const Runs row = shape.row(y, z);
@@ -86,7 +86,7 @@ std::int64_t components(const VoxelShape& shape) {
 std::int64_t cavities(const VoxelShape& shape) {
   const auto& dims = shape.grid().dims;
   const auto outside = static_cast<std::uint32_t>(shape.runs().size());
-  detail::DisjointSets sets(std::size_t{outside} + 1);
+  UnionFind sets(std::size_t{outside} + 1);
   for (std::int64_t z = 0; z < dims[2]; ++z)
     for (std::int64_t y = 0; y < dims[1]; ++y) {
       const Runs row = shape.row(y, z);

@@ -7,9 +7,9 @@ namespace quench {
 
 namespace {
 
-// A lattice point (x, y, z) touches the voxels x-1 and x of the scanlines (y-1, z-1), (y, z-1), (y-1, z), (y, z). Between
-// two ends of runs the four scanlines have one 4-bit mask of foreground; the point is a site exactly when the masks left
-// and right of it are not both empty or both full. Visits maximal intervals [begin, end) of sites along x.
+// A lattice point (x, y, z) touches the voxels x-1 and x of the scanlines (y-1, z-1), (y, z-1), (y-1, z), (y, z).
+// Between two ends of runs the four scanlines have one 4-bit mask of foreground; the point is a site exactly when the
+// masks left and right of it are not both empty or both full. Visits maximal intervals [begin, end) of sites along x.
 template <class Visit>
 void each_interval(const VoxelShape& shape, Visit&& visit) {
   const auto& dims = shape.grid().dims;

@@ -6,29 +6,12 @@
 #include <limits>
 #include <numeric>
 
+#include "complex/union_find.h"
 #include "quench/error.h"
 #include "quench/volume.h"
 
 namespace quench {
 namespace {
-
-class DisjointSets {
- public:
-  explicit DisjointSets(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0u); }
-  std::uint32_t find(std::uint32_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  // The smaller index stays the representative, so the result does not depend on the order of calls.
-  void unite(std::uint32_t a, std::uint32_t b) {
-    a = find(a);
-    b = find(b);
-    if (a != b) parent_[std::max(a, b)] = std::min(a, b);
-  }
-
- private:
-  std::vector<std::uint32_t> parent_;
-};
 
 std::uint32_t first_index(const VoxelShape& shape, std::span<const Run> row) {
   return static_cast<std::uint32_t>(row.data() - shape.runs().data());
@@ -45,8 +28,8 @@ void each_row(const VoxelShape& shape, Context* context, std::string_view stage,
 }
 
 // 6-connected components: runs of neighbouring scanlines that overlap.
-DisjointSets components_of(const VoxelShape& shape, Context* context) {
-  DisjointSets sets(shape.runs().size());
+UnionFind components_of(const VoxelShape& shape, Context* context) {
+  UnionFind sets(shape.runs().size());
   const auto connect = [&](std::span<const Run> a, std::span<const Run> b) {
     for (std::size_t i = 0, j = 0; i < a.size() && j < b.size();) {
       if (a[i].begin < b[j].end && b[j].begin < a[i].end)
@@ -83,7 +66,7 @@ VoxelShape filtered(const VoxelShape& shape, const Keep& keep) {
 
 VoxelShape drop_components(const VoxelShape& shape, const ForegroundOptions& options, ForegroundReport& report,
                            Context* context) {
-  DisjointSets sets = components_of(shape, context);
+  UnionFind sets = components_of(shape, context);
   const auto runs = shape.runs();
   std::vector<std::int64_t> voxels(runs.size(), 0);
   for (std::uint32_t i = 0; i < runs.size(); ++i) voxels[sets.find(i)] += runs[i].end - runs[i].begin;
@@ -123,7 +106,7 @@ struct Gaps {
 VoxelShape fill_cavities(const VoxelShape& shape, ForegroundReport& report, Context* context) {
   const auto runs = shape.runs();
   const auto outside = static_cast<std::uint32_t>(runs.size());
-  DisjointSets sets(runs.size() + 1);
+  UnionFind sets(runs.size() + 1);
   const auto gaps = [&](std::int64_t y, std::int64_t z) {
     const auto row = shape.row(y, z);
     return Gaps{row, row.empty() ? 0 : first_index(shape, row), outside};

@@ -69,8 +69,8 @@ Sample four_blobs(const SampleOptions& options) {
   constexpr std::array<double, 4> along{-1.02, -0.34, 0.36, 1.0};  // arc lengths of their centres
   const auto ring = [&](double s, double radius) {
     const double a = s / bend;
-    return Ring{Vec3(bend * std::sin(a), bend * (std::cos(a) - 1), 0), Vec3(std::sin(a), std::cos(a), 0),
-                Vec3(0, 0, 1), radius};
+    return Ring{Vec3(bend * std::sin(a), bend * (std::cos(a) - 1), 0), Vec3(std::sin(a), std::cos(a), 0), Vec3(0, 0, 1),
+                radius};
   };
   const auto mesh_for = [&](double bridge) {
     std::vector<Ring> rings;

@@ -9,8 +9,8 @@
 #include <numeric>
 #include <span>
 
+#include "complex/union_find.h"
 #include "quench/error.h"
-#include "shape/disjoint_sets.h"
 #include "shape/surface_analysis.h"
 
 namespace quench {
@@ -155,7 +155,7 @@ detail::SurfaceAnalysis detail::analyze_surface(const TriangleMesh& mesh) {
   }
 
   SurfaceAnalysis result;
-  DisjointSets fans(3 * faces.size()), parts(mesh.points.size());
+  UnionFind fans(3 * faces.size()), parts(mesh.points.size());
   std::int64_t edges = 0;
   bool manifold = true;
   const auto join = [&](const Side& s, const Side& t) {  // the corners of two faces at both ends of their edge
