@@ -1,7 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-# ITK and Assimp are confined to one source file each; without them a stub says what is missing.
+# ITK and Assimp are confined to one source file each; without them a stub says what is missing. QUENCH_WITH_ITK and
+# QUENCH_WITH_ASSIMP tell the installed package what a static library needs.
+set(QUENCH_ITK_COMPONENTS ITKCommon ITKIOImageBase ITKIONRRD ITKIONIFTI ITKIOMeta ITKIOMRC ITKIOTIFF)
+set(QUENCH_WITH_ITK OFF)
+set(QUENCH_WITH_ASSIMP OFF)
 if(QUENCH_ITK)
-  find_package(ITK 5 QUIET COMPONENTS ITKCommon ITKIOImageBase ITKIONRRD ITKIONIFTI ITKIOMeta ITKIOMRC ITKIOTIFF)
+  find_package(ITK 5 QUIET COMPONENTS ${QUENCH_ITK_COMPONENTS})
   if(ITK_FOUND)
     # A packaged ITK knows only the compilers it was configured for: Debian's refuses Clang.
     include(CheckCXXSourceCompiles)
@@ -16,7 +20,8 @@ if(QUENCH_ITK)
     target_link_libraries(quench_itk PRIVATE Eigen3::Eigen fmt::fmt)
     quench_flags(quench_itk)
     target_sources(quench PRIVATE $<TARGET_OBJECTS:quench_itk>)
-    target_link_libraries(quench PRIVATE $<BUILD_INTERFACE:${ITK_LIBRARIES}> ${CMAKE_DL_LIBS})
+    target_link_libraries(quench PRIVATE ${ITK_LIBRARIES} ${CMAKE_DL_LIBS})
+    set(QUENCH_WITH_ITK ON)
     target_compile_definitions(quench PRIVATE QUENCH_HAS_ITK)
   else()
     message(STATUS "ITK not found, or not for this compiler: NRRD, NIfTI, MetaImage, MRC and TIFF volumes will not be read")
@@ -26,7 +31,8 @@ if(QUENCH_ASSIMP)
   find_package(assimp QUIET)
   if(assimp_FOUND)
     target_sources(quench PRIVATE ${PROJECT_SOURCE_DIR}/src/io/assimp_mesh.cpp)
-    target_link_libraries(quench PRIVATE $<BUILD_INTERFACE:assimp::assimp>)
+    target_link_libraries(quench PRIVATE assimp::assimp)
+    set(QUENCH_WITH_ASSIMP ON)
     target_compile_definitions(quench PRIVATE QUENCH_HAS_ASSIMP)
   else()
     message(STATUS "Assimp not found: meshes will be read from PLY, OBJ, OFF and STL only")
