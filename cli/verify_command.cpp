@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
-#include <cstdio>
 #include <nlohmann/json.hpp>
 
 #include "core_pipeline.h"
@@ -20,10 +19,18 @@ Action add_verify(CLI::App& app) {
   };
   auto o = std::make_shared<Options>();
   add_shape_options(app, o->shape);
-  app.add_option("RESULT", o->results, "What was computed of the shape (.vtp, ...). Options not given are taken from it")->required();
-  app.add_option("--lambda", o->lambda, "The pruning radius the result claims [default: the result's]");
-  app.add_option("--samples", o->samples, "Cells per sampled check")->capture_default_str();
+  app.add_option("RESULT", o->results, "What was computed of the shape (.vtp .ply .ma ...). Options not given are taken from it")->type_name("")->required();
+  app.add_option("--lambda", o->lambda, "The pruning radius the result claims [default: what the result says, else 0]")->type_name("LENGTH");
+  app.add_option("--samples", o->samples, "How many cells the sampled checks look at")->type_name("N")->capture_default_str();
   return [o](Session& session) {
+    session.check_report({o->shape.file});
+    for (const std::string& file : o->results) session.check_report({file});
+    check_shape_options(o->shape);
+    if (!o->lambda.empty()) parse_length(o->lambda, "--lambda");
+    const bool only_json = session.options.report == "-";
+    const auto answer = [&](const std::string& line) {
+      if (!only_json) session.answer(line);
+    };
     nlohmann::ordered_json report;
     bool passed = true;
     std::string made_with;
@@ -45,10 +52,10 @@ Action add_verify(CLI::App& app) {
       const Certificate certificate = verify(loaded.shape, data, options, &session.context);
       auto& section = report[file] = nlohmann::ordered_json::object();
       for (const Check& check : certificate.checks) {
-        fmt::print("{}: {} {}: {}\n", file, check.passed ? "ok  " : "FAIL", check.name, check.detail);
+        answer(fmt::format("{}: {} {}: {}\n", file, check.passed ? "ok  " : "FAIL", check.name, check.detail));
         section[check.name] = {{"passed", check.passed}, {"detail", check.detail}};
       }
-      fmt::print("{}: {}\n", file, certificate.passed() ? "verified" : "NOT verified");
+      answer(fmt::format("{}: {}\n", file, certificate.passed() ? "verified" : "NOT verified"));
       passed = passed && certificate.passed();
     }
     if (!session.options.report.empty()) {
