@@ -33,6 +33,8 @@ inline CLI::Validator within(double least, double most) {
       "");
 }
 
-inline CLI::Validator at_least_zero() { return within(0, 9e18); }
+inline CLI::Validator at_least_zero() {
+  return CLI::Validator([](std::string& text) { return text.starts_with('-') ? fmt::format("'{}' is negative", text) : std::string(); }, "");
+}
 
 }  // namespace quench::program

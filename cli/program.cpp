@@ -64,7 +64,13 @@ std::string usage_sentence(const CLI::ParseError& error, const CLI::App& app) {
   if (used.empty()) return fmt::format("give a command: {}; see {}", names_of_commands(), help);
   if (!left.empty()) return fmt::format("'{}' is one argument too many; see {}", left.front(), help);
   std::string what = error.what();
-  if (const std::string could_not = "Could not convert: "; what.starts_with(could_not)) what = what.substr(could_not.size()) + " is no number it can be";
+  // CLI11's sentences, rephrased: "Could not convert: --threads = abc", "--threads: 1 required N missing".
+  if (const std::string could_not = "Could not convert: "; what.starts_with(could_not)) {
+    const std::size_t equals = what.find(" = ");
+    what = fmt::format("{} cannot be '{}'", what.substr(could_not.size(), equals - could_not.size()), what.substr(equals + 3));
+  } else if (const std::size_t colon = what.find(": 1 required "); colon != std::string::npos) {
+    what = what.substr(0, colon) + " needs a value";
+  }
   std::replace(what.begin(), what.end(), '\n', ' ');
   return fmt::format("{}; see {}", what, help);
 }

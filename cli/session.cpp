@@ -77,8 +77,9 @@ void check_one_output(const std::filesystem::path& output, const std::vector<std
 }  // namespace
 
 std::string bytes_text(std::int64_t bytes) {
-  const auto amount = static_cast<double>(bytes);
-  return amount < 0x1p30 ? fmt::format("{:.3g} MB", amount / 0x1p20) : fmt::format("{:.3g} GB", amount / 0x1p30);
+  const bool giga = bytes >= std::int64_t{1} << 30;
+  const double amount = static_cast<double>(bytes) / (giga ? 0x1p30 : 0x1p20);
+  return fmt::format("{:.{}f} {}", amount, amount < 10 ? 1 : 0, giga ? "GB" : "MB");
 }
 
 void finish_results() {

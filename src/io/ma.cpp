@@ -46,6 +46,7 @@ PolyData read_ma(const FileText& file) {
                 fmt::format("'{}' announces {} vertices, {} edges and {} faces, and has {}, {} and {}", file.name,
                             vertices, edges, faces, data.points.size(), data.lines.size(), data.poly_count()));
   data.point_data.push_back({"radius", 1, std::move(radii)});
+  add_isolated_points(data);
   return data;
 }
 
