@@ -1,11 +1,28 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include "core_pipeline.h"
 #include "program.h"
 #include "quench/io.h"
 
 namespace quench::program {
+namespace {
+
+/// The folder exists or can be made: told before a long computation, and made after it.
+void check_folder(const std::string& folder) {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  if (folder.empty()) throw Error(ErrorCode::usage, "the name of the output folder is empty; give -o a name");
+  fs::path existing = fs::absolute(folder, error);
+  while (!fs::exists(existing, error) && existing.has_relative_path()) existing = existing.parent_path();
+  if (!fs::is_directory(existing, error))
+    throw Error(ErrorCode::usage, fmt::format("'{}' exists and is no folder; give -o another name", existing.string()));
+  if (access(existing.c_str(), W_OK) != 0)
+    throw Error(ErrorCode::failed, fmt::format("cannot write to '{}': the folder '{}' is not writable", folder, existing.string()));
+}
+
+}  // namespace
 
 Action add_core(CLI::App& app) {
   struct Options {
@@ -16,16 +33,17 @@ Action add_core(CLI::App& app) {
   auto o = std::make_shared<Options>();
   add_shape_options(app, o->shape);
   add_core_options(app, o->core);
-  app.add_option("-o,--output", o->output, "The medial axis: .vtp .ply .obj .ma .r .csv")->required();
+  app.add_option("-o,--output", o->output, "The medial axis: .vtp .ply .obj .ma .r .csv")->type_name("FILE")->required();
   return [o](Session& session) {
     session.check_output(o->output, {o->shape.file});
     io::check_writable_format(o->output);
+    check_core_options(o->core);
     const LoadedShape loaded = load_shape(o->shape, session);
     const CorePipelineResult result = compute_core(loaded, o->core, session);
     io::write_poly_data(o->output, result.data);
-    checkpoint(&session.context, "write", 1);
+    session.finished("write");
     if (!session.options.report.empty()) write_report(session.options.report, result.report, session);
-    say_written(session, o->output, result, loaded);
+    say_written(session, o->output, session.options.report == "-" ? "" : session.options.report, result, loaded);
     return 0;
   };
 }
@@ -39,22 +57,24 @@ Action add_run(CLI::App& app) {
   auto o = std::make_shared<Options>();
   add_shape_options(app, o->shape);
   add_core_options(app, o->core);
-  app.add_option("-o,--output", o->folder, "Folder for core.vtp and report.json (made if absent; these files are replaced)")->required();
+  app.add_option("-o,--output", o->folder, "Folder for core.vtp and report.json (made if absent; these files are replaced)")->type_name("DIR")->required();
   return [o](Session& session) {
     namespace fs = std::filesystem;
-    std::error_code error;
-    if (fs::exists(o->folder, error) && !fs::is_directory(o->folder, error))
-      throw Error(ErrorCode::usage, fmt::format("{} exists and is no folder; give -o another name", o->folder));
+    const fs::path core = fs::path(o->folder) / "core.vtp", report = fs::path(o->folder) / "report.json";
+    check_folder(o->folder);
+    session.check_not_inputs({core, report}, {o->shape.file});
+    session.check_report({o->shape.file});
+    check_core_options(o->core);
     const LoadedShape loaded = load_shape(o->shape, session);
-    fs::create_directories(o->folder, error);
-    if (error) throw Error(ErrorCode::failed, fmt::format("the folder {} cannot be made: {}", o->folder, error.message()));
     const CorePipelineResult result = compute_core(loaded, o->core, session);
-    const std::string file = (fs::path(o->folder) / "core.vtp").string();
-    io::write_poly_data(file, result.data);
-    checkpoint(&session.context, "write", 1);
-    write_report((fs::path(o->folder) / "report.json").string(), result.report, session);
+    std::error_code error;
+    fs::create_directories(o->folder, error);
+    if (error) throw Error(ErrorCode::failed, fmt::format("the folder '{}' cannot be made: {}", o->folder, error.message()));
+    io::write_poly_data(core, result.data);
+    session.finished("write");
+    write_report(report.string(), result.report, session);
     if (!session.options.report.empty()) write_report(session.options.report, result.report, session);
-    say_written(session, file, result, loaded);
+    say_written(session, core.string(), report.string(), result, loaded);
     return 0;
   };
 }

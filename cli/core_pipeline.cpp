@@ -3,9 +3,9 @@
 
 #include <fmt/format.h>
 
-#include <iostream>
 #include <ostream>
 
+#include "option_checks.h"
 #include "quench/io.h"
 #include "quench/prune.h"
 #include "quench/topology.h"
@@ -43,14 +43,20 @@ void add_field(PolyData& data, const char* name, double value) { data.field_data
 }  // namespace
 
 void add_core_options(CLI::App& app, CorePipelineOptions& o) {
-  const auto group = "Voxel core";
+  const auto group = "Medial axis";
   app.add_option("--lambda", o.lambda,
-                 "Pruning radius: a fraction of the longest side (0.02 or 2%), 2.5vox, 3.5abs, 0 (none), or 'auto': the largest from 0.02 down whose "
-                 "balls still fill 98% of the shape")
-      ->capture_default_str()->group(group);
-  app.add_option("--lambda-rule", o.rule, "lambda of edges and vertices: 'coface' (largest of the cells around) or 'ball' (smallest ball enclosing the sites)")
-      ->check(CLI::IsMember({"coface", "ball"}))->capture_default_str()->group(group);
+                 "Drop what is thinner than this radius where the topology allows: a fraction of the longest side (0.02 or 2%), 2.5vox, 3.5abs, inf, "
+                 "0 (nothing), or 'auto': the largest from 0.02 down whose balls still fill 98% of the shape")
+      ->type_name("LENGTH")->capture_default_str()->group(group);
+  app.add_option("--lambda-rule", o.rule,
+                 "The lambda of edges and vertices: 'coface', the largest of the faces around, or 'ball', the radius of the smallest ball around "
+                 "their nearest boundary points")
+      ->type_name("RULE")->check(one_of({"coface", "ball"}))->capture_default_str()->group(group);
   app.add_flag("--full", o.full, "Write the cells below lambda too (each with its lambda_level)")->group(group);
+}
+
+void check_core_options(const CorePipelineOptions& options) {
+  if (options.lambda != "auto") parse_length(options.lambda, "--lambda");
 }
 
 CorePipelineResult compute_core(const LoadedShape& loaded, const CorePipelineOptions& options, Session& session) {
@@ -60,14 +66,15 @@ CorePipelineResult compute_core(const LoadedShape& loaded, const CorePipelineOpt
   double lambda = automatic ? 0 : parse_length(options.lambda, "--lambda").resolve(loaded.longest_side, smallest);
 
   const std::int64_t sites = count_boundary_vertices(loaded.shape);
-  session.check_memory(predicted_core_bytes(sites), fmt::format("the voxel core of {} boundary vertices", sites));
+  session.check_memory(predicted_core_bytes(sites), fmt::format("the medial axis of a shape with {} boundary vertices", sites));
+  session.detail(fmt::format("{} boundary vertices, about {} of memory at the peak", sites, bytes_text(predicted_core_bytes(sites))));
   CorePipelineResult result;
   MedialAxis core = voxel_core(loaded.shape, {.rule = options.rule == "ball" ? LambdaRule::ball : LambdaRule::coface}, &session.context);
   prune_levels(core, &session.context);
   const Reconstruction reconstruction(loaded.shape, core, 50000, &session.context);
   if (automatic) {
     lambda = auto_lambda(reconstruction, loaded.longest_side, smallest);
-    session.say(fmt::format("lambda {} ({:.3g} voxels, {:.3g} of the side; auto)", lambda, lambda / smallest, lambda / loaded.longest_side));
+    session.say(fmt::format("lambda {:.6g} ({:.3g} voxels, {:.3g} of the longest side; chosen by auto)", lambda, lambda / smallest, lambda / loaded.longest_side));
   }
   const Topology core_topology = topology(core.complex);
   checkpoint(&session.context, "topology", 0.5);
@@ -109,12 +116,12 @@ CorePipelineResult compute_core(const LoadedShape& loaded, const CorePipelineOpt
   result.data.field_data.push_back({"euler", 1, std::vector<std::int64_t>{t.euler}});
   result.data.field_data.push_back({"betti", 3, std::vector<std::int64_t>(t.betti.begin(), t.betti.end())});
   add_field(result.data, "units", loaded.units);
-  add_field(result.data, "parameters", report["parameters"].dump());
+  add_field(result.data, "parameters", json_text(report["parameters"]));
   add_field(result.data, "version", std::string(QUENCH_VERSION));
   return result;
 }
 
-void write_report(const std::string& file, Json report, const Session& session) {
+void write_report(const std::string& file, Json report, Session& session) {
   const auto& spent = session.seconds();
   const auto of = [&](std::initializer_list<const char*> stages) {
     double sum = 0;
@@ -122,23 +129,29 @@ void write_report(const std::string& file, Json report, const Session& session) 
       if (const auto found = spent.find(stage); found != spent.end()) sum += found->second;
     return std::round(sum * 1e4) / 1e4;
   };
-  report["seconds"] = {{"voxelize", of({"read", "voxelize"})}, {"delaunay", of({"delaunay"})}, {"core", of({"merge", "core"})},
+  report["seconds"] = {{"voxelize", of({"read", "foreground", "components", "cavities", "voxelize"})}, {"delaunay", of({"delaunay"})}, {"core", of({"merge", "core"})},
                        {"prune", of({"prune", "reconstruct"})}, {"topology", of({"topology"})}, {"write", of({"write"})},
                        {"total", std::round(session.total_seconds() * 1e4) / 1e4}};
   report["peak_bytes"] = Session::peak_bytes();
   report["threads"] = session.options.threads;
   report["version"] = QUENCH_VERSION;
-  const std::string text = report.dump(2) + "\n";
+  const std::string text = json_text(report, 2) + "\n";
   if (file == "-")
-    std::cout << text;
+    session.answer(text);
   else
     io::write_atomically(file, [&](std::ostream& out) { out << text; });
 }
 
-void say_written(Session& session, const std::string& file, const CorePipelineResult& result, const LoadedShape& loaded) {
+std::string json_text(const Json& value, int indent) { return value.dump(indent, ' ', false, Json::error_handler_t::replace); }
+
+void say_written(Session& session, const std::string& axis, const std::string& report, const CorePipelineResult& result, const LoadedShape& loaded) {
+  std::string stages;
+  for (const auto& [stage, seconds] : session.seconds()) stages += fmt::format("{}{} {:.2f} s", stages.empty() ? "" : ", ", stage, seconds);
+  session.detail(fmt::format("{}; {} of memory at the peak", stages, bytes_text(Session::peak_bytes())));
   const CellComplex& c = result.axis.complex;
-  session.say(fmt::format("{}: {} vertices, {} edges, {} faces; topology of the shape proved; lengths in {}; {:.1f} s", file, c.vertex_count,
-                          c.edges.size(), c.face_count(), loaded.units.empty() ? "the input's units" : loaded.units, session.total_seconds()));
+  session.say(fmt::format("{}: {} vertices, {} edges, {} faces; topology as that of the shape; lengths in {}; {:.1f} s{}", axis, c.vertex_count,
+                          c.edges.size(), c.face_count(), loaded.units.empty() ? "the input's units" : loaded.units, session.total_seconds(),
+                          report.empty() ? "" : fmt::format("; report in {}", report)));
 }
 
 }  // namespace quench::program

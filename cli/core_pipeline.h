@@ -18,6 +18,8 @@ struct CorePipelineOptions {
 };
 
 void add_core_options(CLI::App& app, CorePipelineOptions& options);
+/// Throws Error(usage) for an option that cannot be, before anything is read.
+void check_core_options(const CorePipelineOptions& options);
 
 /// The pruned (or, with --full, whole) core of a shape, ready to be written, and the report of all stages so far.
 struct CorePipelineResult {
@@ -31,9 +33,12 @@ struct CorePipelineResult {
 CorePipelineResult compute_core(const LoadedShape& loaded, const CorePipelineOptions& options, Session& session);
 
 /// Writes `report` with seconds, peak memory and version filled in; "-" is stdout.
-void write_report(const std::string& file, nlohmann::ordered_json report, const Session& session);
+void write_report(const std::string& file, nlohmann::ordered_json report, Session& session);
 
-/// One line on what was written where.
-void say_written(Session& session, const std::string& file, const CorePipelineResult& result, const LoadedShape& loaded);
+/// JSON as text; bytes that are no UTF-8 (names of files may be anything) are replaced.
+std::string json_text(const nlohmann::ordered_json& value, int indent = -1);
+
+/// One line on what was written where, in which units. `report` may be empty.
+void say_written(Session& session, const std::string& axis, const std::string& report, const CorePipelineResult& result, const LoadedShape& loaded);
 
 }  // namespace quench::program

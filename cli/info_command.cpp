@@ -2,10 +2,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <limits>
+#include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "core_pipeline.h"
 #include "program.h"
 #include "quench/io.h"
 #include "quench/medial_axis.h"
@@ -29,6 +30,53 @@ const char* type_name() {
   return "";
 }
 
+/// A number as JSON; JSON has no infinite ones.
+template <class T>
+Json number(T value) {
+  if constexpr (std::is_floating_point_v<T>) {
+    if (std::isnan(value)) return "nan";
+    if (std::isinf(value)) return value > 0 ? "inf" : "-inf";
+  }
+  return value;
+}
+
+/// Range and number of each value, while the values are few.
+template <class T>
+struct Statistics {
+  static constexpr std::size_t most = 32;
+  T low{}, high{};
+  std::int64_t numbers = 0, not_a_number = 0;
+  std::map<T, std::int64_t> counts;
+  bool few = true;
+
+  explicit Statistics(const std::vector<T>& values) {
+    for (std::size_t i = 0; i < values.size();) {  // by stretches of equal values: images are full of them
+      const T value = values[i];
+      std::size_t end = i + 1;
+      if (value != value) {
+        ++not_a_number;
+        i = end;
+        continue;
+      }
+      while (end < values.size() && values[end] == value) ++end;
+      if (numbers == 0) low = high = value;
+      low = std::min(low, value);
+      high = std::max(high, value);
+      numbers += static_cast<std::int64_t>(end - i);
+      if (few) counts[value] += static_cast<std::int64_t>(end - i);
+      if (counts.size() > most) few = false;
+      i = end;
+    }
+  }
+  void add_range(Json& info) const {
+    if (numbers > 0) {
+      info["min"] = number(low);
+      info["max"] = number(high);
+    }
+    if (not_a_number > 0) info["not_a_number"] = not_a_number;
+  }
+};
+
 Json arrays_info(const std::vector<DataArray>& arrays) {
   Json list = Json::object();
   for (const DataArray& array : arrays) {
@@ -40,11 +88,11 @@ Json arrays_info(const std::vector<DataArray>& arrays) {
           entry["components"] = array.components;
           if constexpr (std::is_same_v<T, std::string>) {
             entry["value"] = values;
-          } else if (!values.empty()) {
-            const auto [low, high] = std::minmax_element(values.begin(), values.end());
-            entry["min"] = *low;
-            entry["max"] = *high;
-            if (values.size() <= 12) entry["value"] = values;
+          } else if (values.size() <= 12) {
+            entry["value"] = Json::array();
+            for (const T value : values) entry["value"].push_back(number(value));
+          } else {
+            Statistics<T>(values).add_range(entry);
           }
         },
         array.values);
@@ -77,7 +125,8 @@ Json surface_info(const std::string& file) {
                        {"euler", t.euler}, {"betti", t.betti}};
   } else {
     const SurfaceTopology t = surface_topology(to_triangle_mesh(data));
-    info["surface"] = {{"euler", 2 * t.euler}, {"components", t.components}, {"closed_2_manifold", t.manifold}};
+    info["surface"] = {{"closed", t.boundary_edges == 0}, {"boundary_edges", t.boundary_edges}, {"components", t.components},
+                       {"euler", t.surface_euler}, {"closed_2_manifold", t.manifold}};
   }
   info["point_arrays"] = arrays_info(data.point_data);
   info["cell_arrays"] = arrays_info(data.cell_data);
@@ -101,35 +150,47 @@ Json volume_info(const std::string& file, Session& session) {
       [&](const auto& samples) {
         using T = typename std::decay_t<decltype(samples)>::value_type;
         info["type"] = type_name<T>();
-        constexpr std::size_t most = 32;
-        std::map<T, std::int64_t> counts;  // of the values, while they are few
-        T low = samples.empty() ? T{} : samples[0], high = low;
-        for (const T& s : samples) {
-          low = std::min(low, s);
-          high = std::max(high, s);
-          if (counts.size() <= most) ++counts[s];
-        }
-        info["min"] = low;
-        info["max"] = high;
-        if (counts.size() <= most) {
+        const Statistics<T> statistics(samples);
+        statistics.add_range(info);
+        if (statistics.few) {
           info["values"] = Json::object();
-          for (const auto& [value, count] : counts) info["values"][fmt::format("{}", value)] = count;
+          for (const auto& [value, count] : statistics.counts) info["values"][fmt::format("{}", value)] = count;
         }
-        info["hint"] = counts.size() <= 2 ? "non-zero voxels are the shape" : counts.size() <= most ? "choose a shape with --label" : "choose a shape with --threshold";
+        const bool two = statistics.few && statistics.counts.size() + (statistics.not_a_number > 0) <= 2;
+        info["hint"] = two ? "the shape is the non-zero voxels, or choose with --label" : statistics.few ? "choose a shape with --label" : "choose a shape with --threshold";
       },
       volume.samples);
   return info;
 }
 
-void print(const Json& value, int indent) {
-  for (const auto& [key, entry] : value.items()) {
-    if (entry.is_object() && !entry.empty()) {
-      fmt::print("{:{}}{}:\n", "", indent, key);
-      print(entry, indent + 2);
-    } else if (!entry.empty() || !entry.is_object()) {
-      fmt::print("{:{}}{}: {}\n", "", indent, key, entry.is_string() ? entry.get<std::string>() : entry.dump());
+bool is_short(const Json& value) {
+  return value.is_object() && value.size() <= 4 && std::none_of(value.begin(), value.end(), [](const Json& entry) { return entry.is_object(); });
+}
+
+// Control characters of a foreign file must not reach a terminal as such: JSON escapes them.
+std::string plain(const Json& value) {
+  if (!value.is_string()) return json_text(value);
+  const auto text = value.get<std::string>();
+  const bool printable = std::none_of(text.begin(), text.end(), [](char c) { return (c >= 0 && c < ' ') || c == 127; });
+  return printable ? text : json_text(value);
+}
+
+/// "key: value" lines; small objects, such as an array's type and range, on one line.
+std::string text_of(const Json& object, int indent) {
+  std::string text;
+  for (const auto& [key, entry] : object.items()) {
+    if (entry.is_object() && entry.empty()) continue;
+    text += fmt::format("{:{}}{}:", "", indent, key);
+    if (indent > 0 && is_short(entry)) {
+      for (const auto& [name, value] : entry.items()) text += fmt::format("{} {} {}", &value == &entry.front() ? "" : ",", name, plain(value));
+      text += '\n';
+    } else if (entry.is_object()) {
+      text += '\n' + text_of(entry, indent + 2);
+    } else {
+      text += ' ' + plain(entry) + '\n';
     }
   }
+  return text;
 }
 
 }  // namespace
@@ -139,17 +200,15 @@ Action add_info(CLI::App& app) {
     std::string file;
   };
   auto o = std::make_shared<Options>();
-  app.add_option("FILE", o->file, "A mesh, a medial axis or a volume")->required();
+  app.add_option("FILE", o->file, "A mesh, a medial axis or a volume")->type_name("")->required();
   return [o](Session& session) {
-    if (!std::filesystem::exists(o->file)) throw Error(ErrorCode::failed, fmt::format("{} does not exist", o->file));
+    std::error_code ignored;
+    if (!std::filesystem::exists(o->file, ignored)) throw Error(ErrorCode::failed, fmt::format("'{}' does not exist", o->file));
     Json info = {{"file", o->file}};
     const io::Kind kind = io::kind_of(o->file);
-    if (kind == io::Kind::unknown) throw Error(ErrorCode::input, fmt::format("{} is of no kind Quench knows by its name", o->file));
+    if (kind == io::Kind::unknown) throw Error(ErrorCode::input, fmt::format("'{}' is of no kind Quench knows by its name", o->file));
     info.update(kind == io::Kind::volume ? volume_info(o->file, session) : surface_info(o->file));
-    if (session.options.report.empty())
-      print(info, 0);
-    else
-      fmt::print("{}\n", info.dump(2));
+    session.answer(session.options.report.empty() ? text_of(info, 0) : json_text(info, 2) + "\n");
     return 0;
   };
 }

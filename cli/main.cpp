@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <csignal>
 #include <cstdio>
 #include <exception>
 #include <new>
@@ -6,11 +10,25 @@
 #include "program.h"
 #include "quench/error.h"
 
+namespace {
+
+// A caller may close stdin, stdout or stderr; the first files opened would take their numbers, and messages would be
+// written into them.
+void keep_standard_streams() {
+  for (int fd : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
+    if (fcntl(fd, F_GETFD) == -1 && open("/dev/null", O_RDWR) != fd) return;
+}
+
+}  // namespace
+
 int main(int argc, char** argv) {
+  keep_standard_streams();
+  std::signal(SIGXFSZ, SIG_IGN);  // a file over the size limit is then an error of the writer, which tidies up
   try {
     return quench::program::run(argc, argv);
   } catch (const quench::Error& error) {
-    std::fprintf(stderr, "quench: %s\n", error.what());
+    const bool interrupted = error.code() == quench::ErrorCode::cancelled;
+    std::fprintf(stderr, "quench: %s\n", interrupted ? "interrupted; nothing was written" : error.what());
     return static_cast<int>(error.code());
   } catch (const std::bad_alloc&) {
     std::fprintf(stderr, "quench: out of memory; use a lower --resolution or close other programs\n");

@@ -16,6 +16,9 @@ int run(int argc, char** argv);
 /// A subcommand adds its options to the app and returns what to do once they are parsed; what it needs to keep lives
 /// in the returned function. One file per subcommand.
 using Action = std::function<int(Session&)>;
+/// Throws Error(usage) unless the extension is that of the volumes Quench writes.
+void check_volume_format(const std::filesystem::path& output);
+
 Action add_sample(CLI::App& app);
 Action add_voxelize(CLI::App& app);
 Action add_core(CLI::App& app);

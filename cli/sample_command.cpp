@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <ostream>
 
+#include "option_checks.h"
 #include "program.h"
 #include "quench/io.h"
 #include "quench/sample.h"
@@ -39,6 +40,13 @@ PolyData poly_data_of(const TriangleMesh& mesh) {
   return data;
 }
 
+void check_mesh_format(const std::filesystem::path& output) {
+  const std::string extension = CLI::detail::to_lower(output.extension().string());
+  for (const char* known : {".ply", ".obj", ".vtp"})
+    if (extension == known) return;
+  throw Error(ErrorCode::usage, fmt::format("cannot write '{}': samples are written as .ply, .obj, .vtp or .nrrd", output.string()));
+}
+
 }  // namespace
 
 Action add_sample(CLI::App& app) {
@@ -50,23 +58,29 @@ Action add_sample(CLI::App& app) {
   auto o = std::make_shared<Options>();
   std::string names;
   for (const SampleInfo& info : samples()) names += fmt::format("\n  {:<18}{}", info.name, info.description);
-  app.add_option("NAME", o->name, "The shape:" + names)->required();
-  app.add_option("-o,--output", o->output, "A mesh (.ply .obj .vtp) or a volume (.nrrd)")->required();
-  app.add_option("--seed", o->sample.seed, "root, bumps: another seed, another shape")->capture_default_str();
-  app.add_option("--branches", o->sample.branches, "root: number of branches")->check(CLI::Range(1, 1000000))->capture_default_str();
-  app.add_option("--noise", o->sample.noise, "Surface noise as a fraction of the longest side, where the shape has any")->capture_default_str();
-  app.add_option("--detail", o->sample.detail, "Multiplies the number of triangles along each direction")->check(CLI::Range(0.01, 100.0))->capture_default_str();
-  app.add_option("--resolution", o->resolution, "Volumes: voxels along the longest side")->capture_default_str();
+  app.add_option("NAME", o->name, "The shape:" + names)->type_name("")->required();
+  app.add_option("-o,--output", o->output, "A mesh (.ply .obj .vtp) or a volume (.nrrd); root also writes FILE.json, its true branches")
+      ->type_name("FILE")->required();
+  app.add_option("--seed", o->sample.seed, "root: another seed, another root")->type_name("N")->capture_default_str();
+  app.add_option("--branches", o->sample.branches, "root: number of branches, 1 to 100000")->type_name("N")->check(within(1, 100000))->capture_default_str();
+  app.add_option("--noise", o->sample.noise, "rippled-box, bumpy-sphere: height of the ripples or bumps as a fraction of the longest side, up to 0.1; 0: the shape's own")
+      ->type_name("FRACTION")->check(within(0, 0.1))->capture_default_str();
+  app.add_option("--detail", o->sample.detail, "Multiplies the number of triangles along each direction, 0.01 to 16")
+      ->type_name("FACTOR")->check(within(0.01, 16))->capture_default_str();
+  app.add_option("--resolution", o->resolution, "Volumes: voxels along the longest side, 1 to 16384")->type_name("N")->check(within(1, 16384))->capture_default_str();
   return [o](Session& session) {
     namespace fs = std::filesystem;
-    const Sample sample = make_sample(o->name, o->sample);
     session.check_output(o->output, {});
+    const bool volume = io::kind_of(o->output) == io::Kind::volume;
+    if (volume)
+      check_volume_format(o->output);
+    else
+      check_mesh_format(o->output);
     fs::path truth = o->output;
     truth.replace_extension(".json");
-    if (!sample.branches.empty()) session.check_output(truth, {});
-    if (io::kind_of(o->output) == io::Kind::volume) {
-      if (fs::path(o->output).extension() != ".nrrd")
-        throw Error(ErrorCode::usage, fmt::format("volumes are written as .nrrd, not {}", o->output));
+    if (o->name == "root") session.check_output(truth, {});
+    const Sample sample = make_sample(o->name, o->sample);
+    if (volume) {
       const Voxelization v = voxelize(sample.mesh, {.resolution = o->resolution}, &session.context);
       io::write_volume(o->output, v.shape, &session.context);
       session.say(fmt::format("{}: {} voxels inside", o->output, v.shape.voxel_count()));

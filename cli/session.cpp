@@ -5,9 +5,12 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <cerrno>
 #include <charconv>
 #include <csignal>
 #include <cstdio>
+#include <cstring>
 #include <fstream>
 
 namespace quench::program {
@@ -47,13 +50,47 @@ std::int64_t available_memory() {
   return static_cast<std::int64_t>(sysconf(_SC_PHYS_PAGES)) * sysconf(_SC_PAGESIZE);
 }
 
-std::string gigabytes(std::int64_t bytes) { return fmt::format("{:.3g} GB", static_cast<double>(bytes) / 0x1p30); }
+void check_no_input(const std::filesystem::path& output, const std::vector<std::filesystem::path>& inputs) {
+  std::error_code ignored;
+  for (const auto& input : inputs)
+    if (std::filesystem::equivalent(output, input, ignored))
+      throw Error(ErrorCode::usage, fmt::format("the output '{}' is the input itself; give -o another name", output.string()));
+}
+
+void check_one_output(const std::filesystem::path& output, const std::vector<std::filesystem::path>& inputs, bool overwrite) {
+  namespace fs = std::filesystem;
+  std::error_code ignored;
+  const std::string name = output.string();
+  if (name.empty()) throw Error(ErrorCode::usage, "the name of the output is empty; give -o a file name");
+  check_no_input(output, inputs);
+  if (fs::is_directory(output, ignored))
+    throw Error(ErrorCode::usage, fmt::format("the output '{}' is a folder; give a file name", name));
+  if (fs::exists(output, ignored) && !overwrite)
+    throw Error(ErrorCode::usage, fmt::format("'{}' exists; give --overwrite to replace it", name));
+  const fs::path folder = output.has_parent_path() ? output.parent_path() : fs::path(".");
+  if (!fs::is_directory(folder, ignored))
+    throw Error(ErrorCode::failed, fmt::format("cannot write '{}': the folder '{}' does not exist; make it first", name, folder.string()));
+  if (access(folder.c_str(), W_OK) != 0)
+    throw Error(ErrorCode::failed, fmt::format("cannot write '{}': the folder '{}' is not writable", name, folder.string()));
+}
 
 }  // namespace
+
+std::string bytes_text(std::int64_t bytes) {
+  const bool giga = bytes >= std::int64_t{1} << 30;
+  const double amount = static_cast<double>(bytes) / (giga ? 0x1p30 : 0x1p20);
+  return fmt::format("{:.{}f} {}", amount, amount < 10 ? 1 : 0, giga ? "GB" : "MB");
+}
+
+void finish_results() {
+  if (std::fflush(stdout) != 0 || std::ferror(stdout))
+    throw Error(ErrorCode::failed, fmt::format("cannot write to stdout: {}", errno ? std::strerror(errno) : "an earlier write failed"));
+}
 
 Session::Session(const CommonOptions& o) : options(o) {
   if (options.threads < 0) throw Error(ErrorCode::usage, fmt::format("--threads {} is negative; give 0 for all processors", options.threads));
   if (!options.memory_limit.empty()) parse_bytes(options.memory_limit);
+  options.threads = std::min(options.threads, 1024);  // a thread costs memory even when it has no processor
   context.threads = options.threads;
   if (options.threads > 0)
     thread_limit_ = std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism,
@@ -73,19 +110,18 @@ Session::~Session() {
 
 void Session::check_output(const std::filesystem::path& output, const std::vector<std::filesystem::path>& inputs) const {
   namespace fs = std::filesystem;
-  std::error_code ignored;
-  for (const auto& input : inputs)
-    if (fs::exists(output, ignored) && fs::equivalent(output, input, ignored))
-      throw Error(ErrorCode::usage, fmt::format("the output {} is the input itself; give -o another name", output.string()));
-  if (fs::is_directory(output, ignored))
-    throw Error(ErrorCode::usage, fmt::format("the output {} is a folder; give -o a file name", output.string()));
-  if (fs::exists(output, ignored) && !options.overwrite)
-    throw Error(ErrorCode::usage, fmt::format("{} exists; give --overwrite to replace it", output.string()));
-  const fs::path folder = output.has_parent_path() ? output.parent_path() : fs::path(".");
-  if (!fs::is_directory(folder, ignored))
-    throw Error(ErrorCode::failed, fmt::format("the folder {} does not exist; make it first", folder.string()));
-  if (access(folder.c_str(), W_OK) != 0)
-    throw Error(ErrorCode::failed, fmt::format("the folder {} cannot be written", folder.string()));
+  check_one_output(output, inputs, options.overwrite);
+  check_report(inputs);
+  if (!options.report.empty() && fs::absolute(options.report).lexically_normal() == fs::absolute(output).lexically_normal())
+    throw Error(ErrorCode::usage, fmt::format("--json and -o name the same file '{}'", options.report));
+}
+
+void Session::check_report(const std::vector<std::filesystem::path>& inputs) const {
+  if (!options.report.empty() && options.report != "-") check_one_output(options.report, inputs, options.overwrite);
+}
+
+void Session::check_not_inputs(const std::vector<std::filesystem::path>& outputs, const std::vector<std::filesystem::path>& inputs) const {
+  for (const auto& output : outputs) check_no_input(output, inputs);
 }
 
 void Session::check_memory(std::int64_t bytes, const std::string& what) const {
@@ -93,16 +129,26 @@ void Session::check_memory(std::int64_t bytes, const std::string& what) const {
   const std::int64_t limit = limited ? parse_bytes(options.memory_limit) : available_memory();
   if (bytes <= limit) return;
   throw Error(ErrorCode::failed,
-              fmt::format("{} needs about {} of memory, {} {}; use a lower --resolution{}", what, gigabytes(bytes), gigabytes(limit),
+              fmt::format("{} needs about {} of memory, and {} {}; use a lower --resolution{}", what, bytes_text(bytes), bytes_text(limit),
                           limited ? "are allowed by --memory-limit" : "are free",
                           limited ? " or a larger --memory-limit" : ", or --memory-limit to try all the same"));
 }
 
+// Straight to the stream: nobody can be told when stderr itself fails, and the result does not depend on it.
+void Session::complain(const std::string& text) const { std::fwrite(text.data(), 1, text.size(), stderr); }
+
 void Session::say(const std::string& line) {
   if (options.quiet) return;
   clear_line();
-  fmt::print(stderr, "{}\n", line);
+  complain(line + "\n");
 }
+
+void Session::answer(const std::string& text) {
+  clear_line();
+  if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size()) finish_results();
+}
+
+void Session::finished(std::string_view stage) { progress(stage, 1); }
 
 void Session::detail(const std::string& line) {
   if (options.verbose) say(line);
@@ -135,7 +181,7 @@ void Session::progress(std::string_view stage, double fraction) {
     const int filled = static_cast<int>(fraction * 30);
     const double spent = seconds_since(stage_start_);
     const std::string eta = fraction > 0.02 && spent > 0.5 ? fmt::format("{:.0f} s left", spent / fraction * (1 - fraction)) : "";
-    fmt::print(stderr, "\r{:<12} [{:<30}] {:3.0f}% {:<14}", stage_, std::string(static_cast<std::size_t>(filled), '#'), fraction * 100, eta);
+    complain(fmt::format("\r{:<12} [{:<30}] {:3.0f}% {:<14}", stage_, std::string(static_cast<std::size_t>(filled), '#'), fraction * 100, eta));
     std::fflush(stderr);
     line_open_ = true;
   } else if (ended ? seconds_since(stage_start_) > 1 : seconds_since(last_print_) > 5) {
@@ -143,16 +189,17 @@ void Session::progress(std::string_view stage, double fraction) {
     last_print_ = now;
     const double spent = seconds_since(stage_start_);
     if (ended)
-      fmt::print(stderr, "{}: done in {:.1f} s\n", stage_, spent);
+      complain(fmt::format("{}: done in {:.1f} s\n", stage_, spent));
     else
-      fmt::print(stderr, "{}: {:.0f}%{}\n", stage_, fraction * 100,
-                 fraction > 0.02 ? fmt::format(", about {:.0f} s left", spent / fraction * (1 - fraction)) : "");
+      complain(fmt::format("{}: {:.0f}%{}\n", stage_, fraction * 100,
+                           fraction > 0.02 ? fmt::format(", about {:.0f} s left", spent / fraction * (1 - fraction)) : ""));
   }
 }
 
 void Session::clear_line() {
   if (!line_open_) return;
-  fmt::print(stderr, "\r{:70}\r", "");
+  complain(fmt::format("\r{:70}\r", ""));
+  std::fflush(stderr);
   line_open_ = false;
 }
 

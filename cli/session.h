@@ -8,6 +8,7 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "quench/context.h"
@@ -31,13 +32,21 @@ class Session {
   Session& operator=(const Session&) = delete;
 
   Context context;
-  const CommonOptions options;
+  CommonOptions options;
 
   /// Refuses, before any work is done, an output that exists (unless --overwrite), that is an input, or whose folder
-  /// cannot be written.
+  /// cannot be written. Also the file of --json.
   void check_output(const std::filesystem::path& output, const std::vector<std::filesystem::path>& inputs) const;
+  /// The same for outputs that are always replaced: refuses those that are an input only.
+  void check_not_inputs(const std::vector<std::filesystem::path>& outputs, const std::vector<std::filesystem::path>& inputs) const;
+  /// The file of --json, for commands that write nothing else (check_output() includes it).
+  void check_report(const std::vector<std::filesystem::path>& inputs) const;
   /// Throws Error(failed) with figures when `bytes` exceed --memory-limit or, without one, the memory that is free.
   void check_memory(std::int64_t bytes, const std::string& what) const;
+  /// What the caller asked for, on stdout; progress is cleared first. Throws Error(failed) when it cannot be written.
+  void answer(const std::string& text);
+  /// The time since the last report belongs to `stage`. Unlike checkpoint() never throws: for work that is done.
+  void finished(std::string_view stage);
   /// A line on stderr: notes always, unless --quiet; details with --verbose only.
   void say(const std::string& line);
   void detail(const std::string& line);
@@ -49,6 +58,7 @@ class Session {
 
  private:
   void progress(std::string_view stage, double fraction);
+  void complain(const std::string& text) const;
   void clear_line();
 
   using Clock = std::chrono::steady_clock;
@@ -58,5 +68,11 @@ class Session {
   std::map<std::string, double> seconds_;
   std::unique_ptr<tbb::global_control> thread_limit_;
 };
+
+/// Throws Error(failed) unless all answers have reached stdout (e.g. its disk is full).
+void finish_results();
+
+/// "3.52 GB", "81.2 MB".
+std::string bytes_text(std::int64_t bytes);
 
 }  // namespace quench::program

@@ -4,7 +4,11 @@
 #include <fmt/format.h>
 
 #include <charconv>
+#include <cmath>
+#include <string_view>
+#include <vector>
 
+#include "option_checks.h"
 #include "quench/io.h"
 #include "quench/voxelize.h"
 
@@ -13,58 +17,86 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-std::optional<Vec3> parse_spacing(const std::string& text) {
-  if (text.empty()) return std::nullopt;
-  Vec3 spacing;
-  const char* at = text.data();
-  const char* const end = at + text.size();
-  int count = 0;
-  for (; count < 3; ++count) {
-    const auto [next, error] = std::from_chars(at, end, spacing[count]);
-    if (error != std::errc() || !(spacing[count] > 0) || !std::isfinite(spacing[count])) break;
-    at = next;
-    if (at == end) {
-      ++count;
-      break;
-    }
-    if (*at++ != ',') {
-      count = 0;
-      break;
-    }
-  }
-  if (at != end || (count != 1 && count != 3))
-    throw Error(ErrorCode::usage, fmt::format("--spacing '{}' is not a spacing; give one positive number or three as x,y,z", text));
-  if (count == 1) spacing[1] = spacing[2] = spacing[0];
-  return spacing;
+// All of `text` as a number.
+template <class T>
+bool parse(std::string_view text, T& value) {
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc() && end == text.data() + text.size();
 }
 
-std::string betti_text(const Topology& t) { return fmt::format("Betti numbers {}, {}, {}", t.betti[0], t.betti[1], t.betti[2]); }
+std::optional<Vec3> parse_spacing(const std::string& text) {
+  if (text.empty()) return std::nullopt;
+  std::vector<double> values;
+  for (std::size_t begin = 0, end = 0; end != std::string::npos; begin = end + 1) {
+    end = text.find(',', begin);
+    double value = 0;
+    const std::string_view part = std::string_view(text).substr(begin, end == std::string::npos ? end : end - begin);
+    if (!parse(part, value) || !(value > 0) || !std::isfinite(value)) {
+      values.clear();
+      break;
+    }
+    values.push_back(value);
+  }
+  if (values.size() == 1) values.resize(3, values[0]);
+  if (values.size() != 3)
+    throw Error(ErrorCode::usage, fmt::format("--spacing '{}' is not a voxel size; give one positive number or three as x,y,z", text));
+  return Vec3(values[0], values[1], values[2]);
+}
+
+/// Nothing for 'auto'.
+std::optional<std::int64_t> parse_resolution(const std::string& text) {
+  if (text == "auto") return std::nullopt;
+  std::int64_t value = 0;
+  if (!parse(text, value) || value < 1 || value > 16384)
+    throw Error(ErrorCode::usage, fmt::format("--resolution '{}' is not a whole number from 1 to 16384 or 'auto'", text));
+  return value;
+}
+
+/// The voxelizer needs up to four numbers per scanline and two runs, told before any is made.
+void check_voxelization_memory(const TriangleMesh& mesh, std::int64_t resolution, const Session& session) {
+  Vec3 low = mesh.points[mesh.triangles[0][0]], high = low;
+  for (const auto& triangle : mesh.triangles)
+    for (const std::uint32_t p : triangle) {
+      if (p >= mesh.points.size()) return;  // the voxelizer has the sentence for it
+      low = low.cwiseMin(mesh.points[p]);
+      high = high.cwiseMax(mesh.points[p]);
+    }
+  const Vec3 sides = (high - low) / (high - low).maxCoeff() * static_cast<double>(resolution) + Vec3::Constant(3);
+  const double bytes = 32 * sides[1] * sides[2];
+  if (std::isfinite(bytes)) session.check_memory(static_cast<std::int64_t>(bytes), fmt::format("the voxel shape at resolution {}", resolution));
+}
+
+std::string counted(std::int64_t n, const char* one, const char* many) { return fmt::format("{} {}", n, n == 1 ? one : many); }
+
+std::string topology_text(const Topology& t) {
+  return fmt::format("{}, {}, {}", counted(t.betti[0], "component", "components"), counted(t.betti[1], "tunnel", "tunnels"),
+                     counted(t.betti[2], "cavity", "cavities"));
+}
 
 void load_mesh(const ShapeOptions& options, Session& session, LoadedShape& loaded) {
   const PolyData data = io::read_poly_data(options.file);
   const TriangleMesh mesh = to_triangle_mesh(data);
   if (mesh.triangles.empty())
-    throw Error(ErrorCode::input, fmt::format("{} holds no faces; a shape needs a closed surface", options.file));
+    throw Error(ErrorCode::input, fmt::format("'{}' holds no faces; a shape needs a closed surface", options.file));
   checkpoint(&session.context, "read", 1);
   const ForegroundOptions& f = options.foreground;
   if (f.threshold || f.label || f.invert || !options.spacing.empty())
     session.say("note: --threshold, --label, --invert and --spacing are for volumes and are ignored for a mesh");
   VoxelizeOptions voxelize_options;
   voxelize_options.fill = options.fill == "evenodd" ? FillRule::evenodd : FillRule::nonzero;
+  const std::optional<std::int64_t> wanted = parse_resolution(options.resolution);
   Voxelization v;
   try {
-    if (options.resolution == "auto") {
-      v = voxelize_auto(mesh, voxelize_options, &session.context);
-    } else {
-      const auto& text = options.resolution;
-      const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), voxelize_options.resolution);
-      if (error != std::errc() || end != text.data() + text.size())
-        throw Error(ErrorCode::usage, fmt::format("--resolution '{}' is not a whole number or 'auto'", text));
+    if (wanted) {
+      check_voxelization_memory(mesh, *wanted, session);
+      voxelize_options.resolution = *wanted;
       v = voxelize(mesh, voxelize_options, &session.context);
+    } else {
+      v = voxelize_auto(mesh, voxelize_options, &session.context);
     }
   } catch (const Error& error) {
     if (error.code() != ErrorCode::input) throw;
-    throw Error(ErrorCode::input, fmt::format("{}: {}", options.file, error.what()));
+    throw Error(ErrorCode::input, fmt::format("'{}': {}", options.file, error.what()));
   }
   loaded.shape = std::move(v.shape);
   loaded.longest_side = v.longest_side;
@@ -92,7 +124,7 @@ void load_volume(const ShapeOptions& options, Session& session, LoadedShape& loa
     loaded.shape = foreground(volume, foreground_options, nullptr, &session.context);
   } catch (const Error& error) {
     if (error.code() == ErrorCode::failed || error.code() == ErrorCode::cancelled) throw;
-    throw Error(error.code(), fmt::format("{}: {}", options.file, error.what()));
+    throw Error(error.code(), fmt::format("'{}': {}", options.file, error.what()));
   }
   checkpoint(&session.context, "voxelize", 1);
   loaded.units = volume.units;
@@ -128,32 +160,47 @@ void clean_as_asked(const ShapeOptions& options, Session& session, LoadedShape& 
 }  // namespace
 
 void add_shape_options(CLI::App& app, ShapeOptions& o) {
-  app.add_option("SHAPE", o.file, "A closed mesh (.ply .obj .off .stl ...) or a volume (.nrrd .nii.gz .mha .map .vol .npy .tif, a folder of slices ...)")->required();
+  app.add_option("SHAPE", o.file, "A closed mesh (.ply .obj .off .stl ...) or a volume (.nrrd .nii.gz .mha .map .vol .npy .tif, a folder of slices ...)")
+      ->type_name("")->required();
   const auto group = "Shape";
-  app.add_option("--resolution", o.resolution, "Mesh: voxels along the longest side, or 'auto': the smallest of 128, 256 ... 2048 that keeps the topology")
-      ->capture_default_str()->group(group)->each([&o](const std::string&) { o.resolution_given = true; });
-  app.add_option("--fill", o.fill, "Mesh: what winding numbers are inside")->check(CLI::IsMember({"nonzero", "evenodd"}))->capture_default_str()->group(group);
-  app.add_option("--threshold", o.foreground.threshold, "Volume: foreground is value >= this")->group(group);
-  app.add_option("--label", o.foreground.label, "Volume: foreground is value == this (0 too)")->group(group);
-  app.add_option("--spacing", o.spacing, "Volume: voxel size x,y,z (or one number), instead of the file's")->group(group);
-  app.add_flag("--invert", o.foreground.invert, "Volume: foreground becomes background")->group(group);
-  app.add_flag("--largest-component", o.foreground.largest_component, "Keep the largest component only")->group(group);
-  app.add_option("--min-component", o.foreground.min_component, "Drop components of fewer voxels")->check(CLI::NonNegativeNumber)->group(group);
-  app.add_flag("--fill-cavities", o.foreground.fill_cavities, "Fill cavities")->group(group);
-  app.add_option("--subdivide", o.subdivide, "Split every voxel into K x K x K")->check(CLI::Range(1, 64))->capture_default_str()->group(group);
+  app.add_option("--resolution", o.resolution, "Mesh: voxels along the longest side, 1 to 16384, or 'auto': the smallest of 128, 256 ... 2048 that keeps the topology")
+      ->type_name("N")->capture_default_str()->group(group)->each([&o](const std::string&) { o.resolution_given = true; });
+  app.add_option("--fill", o.fill, "Mesh: overlapping and nested parts are united ('nonzero') or alternate between inside and outside ('evenodd', for faces that point either way)")
+      ->type_name("RULE")->check(one_of({"nonzero", "evenodd"}))->capture_default_str()->group(group);
+  app.add_option("--threshold", o.foreground.threshold, "Volume: the shape is the voxels of at least this value")->type_name("T")->group(group);
+  app.add_option("--label", o.foreground.label, "Volume: the shape is the voxels of exactly this value (0 too)")->type_name("K")->group(group);
+  app.add_option("--spacing", o.spacing, "Volume: voxel size x,y,z (or one number), instead of the file's")->type_name("SIZE")->group(group);
+  app.add_flag("--invert", o.foreground.invert, "Volume: the shape is all other voxels of the image")->group(group);
+  app.add_flag("--largest-component", o.foreground.largest_component, "Keep the largest connected part only")->group(group);
+  app.add_option("--min-component", o.foreground.min_component, "Drop connected parts of fewer voxels")->type_name("N")->check(at_least_zero())->group(group);
+  app.add_flag("--fill-cavities", o.foreground.fill_cavities, "Fill cavities that are closed all around")->group(group);
+  app.add_option("--subdivide", o.subdivide, "Split every voxel into K x K x K, K from 1 to 64")
+      ->type_name("K")->check(within(1, 64))->capture_default_str()->group(group);
+}
+
+void check_shape_options(const ShapeOptions& options) {
+  if (options.foreground.threshold && options.foreground.label)
+    throw Error(ErrorCode::usage, "--threshold and --label exclude each other; give one of them");
+  if (options.foreground.threshold && std::isnan(*options.foreground.threshold)) throw Error(ErrorCode::usage, "--threshold is not a number");
+  parse_resolution(options.resolution);
+  parse_spacing(options.spacing);
+  std::error_code ignored;
+  if (!std::filesystem::exists(options.file, ignored)) throw Error(ErrorCode::failed, fmt::format("'{}' does not exist", options.file));
+  if (io::kind_of(options.file) != io::Kind::unknown) return;
+  if (std::filesystem::is_directory(options.file, ignored))
+    throw Error(ErrorCode::input, fmt::format("the folder '{}' holds no PNG or TIFF slices; give a file or a folder of slices", options.file));
+  throw Error(ErrorCode::input, fmt::format("'{}' is of no kind Quench knows by its name; meshes end in e.g. .ply, .obj, .off, .stl, volumes in .nrrd, "
+                                            ".nii.gz, .mha, .map, .vol, .npy, .tif", options.file));
 }
 
 LoadedShape load_shape(const ShapeOptions& options, Session& session) {
-  if (options.foreground.threshold && options.foreground.label)
-    throw Error(ErrorCode::usage, "--threshold and --label exclude each other; give one of them");
-  if (!std::filesystem::exists(options.file))
-    throw Error(ErrorCode::failed, fmt::format("{} does not exist", options.file));
+  check_shape_options(options);
+  std::error_code ignored;
+  const auto size = std::filesystem::file_size(options.file, ignored);
+  if (!ignored) session.check_memory(static_cast<std::int64_t>(size), fmt::format("reading '{}'", options.file));
   LoadedShape loaded;
   loaded.input["file"] = options.file;
   const io::Kind kind = io::kind_of(options.file);
-  if (kind == io::Kind::unknown)
-    throw Error(ErrorCode::input, fmt::format("{} is of no kind Quench knows by its name; meshes end in e.g. .ply, .obj, .off, .stl, volumes in .nrrd, "
-                                              ".nii.gz, .mha, .map, .vol, .npy, .tif", options.file));
   loaded.kind = kind == io::Kind::surface ? "mesh" : "volume";
   loaded.input["kind"] = loaded.kind;
   if (kind == io::Kind::surface)
@@ -162,6 +209,11 @@ LoadedShape load_shape(const ShapeOptions& options, Session& session) {
     load_volume(options, session, loaded);
   clean_as_asked(options, session, loaded);
   if (options.subdivide > 1) {
+    // Two numbers per run and one per scanline, in vectors that grow.
+    const Grid& coarse = loaded.shape.grid();
+    const double bytes = (static_cast<double>(coarse.dims[1]) * static_cast<double>(coarse.dims[2]) * 4 +
+                          static_cast<double>(loaded.shape.runs().size()) * 20) * options.subdivide * options.subdivide;
+    session.check_memory(static_cast<std::int64_t>(std::min(bytes, 0x1p62)), fmt::format("--subdivide {}", options.subdivide));
     loaded.shape = subdivide(loaded.shape, options.subdivide);
     loaded.parameters["subdivide"] = options.subdivide;
   }
@@ -173,8 +225,8 @@ LoadedShape load_shape(const ShapeOptions& options, Session& session) {
     loaded.input["components"] = loaded.topology.betti[0];
   }
   loaded.input["longest_side"] = loaded.longest_side;
-  session.say(fmt::format("shape: {} x {} x {} voxels of {} x {} x {}, {} inside; {}", grid.dims[0], grid.dims[1], grid.dims[2], grid.spacing[0],
-                          grid.spacing[1], grid.spacing[2], loaded.shape.voxel_count(), betti_text(loaded.topology)));
+  session.say(fmt::format("shape: {} x {} x {} voxels of {:.6g} x {:.6g} x {:.6g}, {} inside; {}", grid.dims[0], grid.dims[1], grid.dims[2], grid.spacing[0],
+                          grid.spacing[1], grid.spacing[2], loaded.shape.voxel_count(), topology_text(loaded.topology)));
   if (loaded.kind == "volume" && loaded.topology.betti[0] > 100)
     session.say(fmt::format("note: the volume has {} components; --min-component N drops specks", loaded.topology.betti[0]));
   return loaded;

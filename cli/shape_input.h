@@ -26,6 +26,8 @@ struct ShapeOptions {
 };
 
 void add_shape_options(CLI::App& app, ShapeOptions& options);
+/// Throws the Error of an option that cannot be or of a file that is not there, before anything is read.
+void check_shape_options(const ShapeOptions& options);
 
 /// A shape ready for the main job.
 struct LoadedShape {
@@ -39,8 +41,7 @@ struct LoadedShape {
   Topology topology;
 };
 
-/// Reads SHAPE; prints what the user should know (assumptions, warnings). Takes missing options from `defaults`: the
-/// parameters in the FieldData of a result made from the same shape.
+/// Reads SHAPE; says what the user should know (assumptions, warnings).
 LoadedShape load_shape(const ShapeOptions& options, Session& session);
 
 /// Options not given on the command line are taken from the FieldData `parameters` of a result file.

@@ -7,6 +7,12 @@
 
 namespace quench::program {
 
+void check_volume_format(const std::filesystem::path& output) {
+  const std::string extension = output.extension().string();
+  if (CLI::detail::to_lower(extension) != ".nrrd")
+    throw Error(ErrorCode::usage, fmt::format("cannot write '{}': volumes are written as .nrrd", output.string()));
+}
+
 Action add_voxelize(CLI::App& app) {
   struct Options {
     ShapeOptions shape;
@@ -14,14 +20,13 @@ Action add_voxelize(CLI::App& app) {
   };
   auto o = std::make_shared<Options>();
   add_shape_options(app, o->shape);
-  app.add_option("-o,--output", o->output, "The volume (.nrrd, 0 and 1)")->required();
+  app.add_option("-o,--output", o->output, "The volume: .nrrd, 1 inside and 0 outside")->type_name("FILE")->required();
   return [o](Session& session) {
     session.check_output(o->output, {o->shape.file});
-    if (std::filesystem::path(o->output).extension() != ".nrrd")
-      throw Error(ErrorCode::usage, fmt::format("voxelize writes .nrrd, not {}", o->output));
+    check_volume_format(o->output);
     const LoadedShape loaded = load_shape(o->shape, session);
     io::write_volume(o->output, loaded.shape, &session.context);
-    checkpoint(&session.context, "write", 1);
+    session.finished("write");
     if (!session.options.report.empty()) {
       nlohmann::ordered_json report;
       report["input"] = loaded.input;

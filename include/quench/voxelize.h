@@ -27,6 +27,8 @@ struct SurfaceTopology {
   std::int64_t euler = 0;       ///< of the solid: half that of the surface
   std::int64_t components = 0;  ///< of the surface
   bool manifold = false;        ///< every edge in exactly two faces of opposite orientation, one fan at every vertex
+  std::int64_t surface_euler = 0;   ///< of the surface itself, odd ones included: open surfaces have no solid
+  std::int64_t boundary_edges = 0;  ///< edges with one face only; 0 when closed
 };
 
 /// Welds by position, leaves out degenerate faces and unreferenced vertices. O(n log n).

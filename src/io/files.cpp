@@ -134,6 +134,25 @@ void add_cell(PolyData& data, std::span<const std::uint32_t> corners, const std:
   }
 }
 
+void add_isolated_points(PolyData& data) {
+  std::vector<char> used(data.points.size(), 0);
+  for (const std::uint32_t v : data.verts) used[v] = 1;
+  for (const auto& line : data.lines) used[line[0]] = used[line[1]] = 1;
+  for (const std::uint32_t v : data.poly_corners) used[v] = 1;
+  const std::size_t before = data.verts.size();
+  for (std::uint32_t v = 0; v < used.size(); ++v)
+    if (!used[v]) data.verts.push_back(v);
+  const std::size_t added = data.verts.size() - before;
+  for (DataArray& array : data.cell_data)
+    std::visit(
+        [&](auto& values) {
+          const auto components = static_cast<std::size_t>(array.components);
+          const auto at = values.begin() + static_cast<std::ptrdiff_t>(before * components);
+          values.insert(at, added * components, typename std::decay_t<decltype(values)>::value_type());
+        },
+        array.values);
+}
+
 std::vector<double> required_radii(const PolyData& data, const char* format) {
   const DataArray* radius = find_array(data.point_data, "radius");
   if (!radius || radius->components != 1)

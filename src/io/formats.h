@@ -44,6 +44,10 @@ void write_vtp(std::ostream& out, const PolyData& data);
 /// the file when the corners outgrow 32-bit offsets.
 void add_cell(PolyData& data, std::span<const std::uint32_t> corners, const std::string& file);
 
+/// Makes every point that no cell uses a cell of its own, with zeros in cell arrays: in the formats of medial axes that
+/// have no cells for points, a lone point is a part of the axis.
+void add_isolated_points(PolyData& data);
+
 /// The values of the point array `radius`; throws Error(input) naming the format that needs them.
 std::vector<double> required_radii(const PolyData& data, const char* format);
 

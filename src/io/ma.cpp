@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+
 #include "formats.h"
 #include "text_out.h"
 #include "words.h"
 
-/// Medial axes as text: the counts `nV nE nF`, then `v x y z r`, `e i j` and `f i j k ...` with vertices counted from
-/// 0.
+/// Medial axes as text: the counts `nV nE nF`, then `v x y z r`, `e i j` and `f i j k` with vertices counted from
+/// 0. Written faces are triangles; polygons of any size are read.
 namespace quench::io {
 
 PolyData read_ma(const FileText& file) {
@@ -44,22 +46,23 @@ PolyData read_ma(const FileText& file) {
                 fmt::format("'{}' announces {} vertices, {} edges and {} faces, and has {}, {} and {}", file.name,
                             vertices, edges, faces, data.points.size(), data.lines.size(), data.poly_count()));
   data.point_data.push_back({"radius", 1, std::move(radii)});
+  add_isolated_points(data);
   return data;
 }
 
 void write_ma(std::ostream& out, const PolyData& data) {
   const std::vector<double> radii = required_radii(data, ".ma");
   TextOut text(out);
-  text.print("{} {} {}\n", data.points.size(), data.lines.size(), data.poly_count());
+  std::size_t triangles = 0;
+  for (std::size_t f = 0; f < data.poly_count(); ++f)
+    triangles += std::max(data.poly_offsets[f + 1] - data.poly_offsets[f], 2u) - 2;
+  text.print("{} {} {}\n", data.points.size(), data.lines.size(), triangles);
   for (std::size_t v = 0; v < data.points.size(); ++v)
     text.print("v {} {} {} {}\n", data.points[v][0], data.points[v][1], data.points[v][2], radii[v]);
   for (const auto& line : data.lines) text.print("e {} {}\n", line[0], line[1]);
-  for (std::size_t f = 0; f < data.poly_count(); ++f) {
-    text.print("f");
-    for (std::size_t c = data.poly_offsets[f]; c < data.poly_offsets[f + 1]; ++c)
-      text.print(" {}", data.poly_corners[c]);
-    text.print("\n");
-  }
+  for (std::size_t f = 0; f < data.poly_count(); ++f)  // programs that read .ma expect triangles: polygons become fans
+    for (std::size_t c = data.poly_offsets[f] + 2; c < data.poly_offsets[f + 1]; ++c)
+      text.print("f {} {} {}\n", data.poly_corners[data.poly_offsets[f]], data.poly_corners[c - 1], data.poly_corners[c]);
   text.flush();
 }
 

@@ -420,7 +420,9 @@ class Reader {
 
 PolyData read_ply(const FileText& file) {
   const Header header = read_header(file);
-  return Reader(file, header).read();
+  PolyData data = Reader(file, header).read();
+  if (find_array(data.point_data, "radius")) add_isolated_points(data);  // a medial axis; scans have stray vertices
+  return data;
 }
 
 }  // namespace quench::io

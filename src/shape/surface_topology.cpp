@@ -189,7 +189,9 @@ detail::SurfaceAnalysis detail::analyze_surface(const TriangleMesh& mesh) {
   const std::int64_t vertices = static_cast<std::int64_t>(mesh.points.size()) - unused;
   result.topology.manifold = manifold && fans.count() == vertices && !faces.empty();
   result.topology.components = parts.count() - unused;
-  result.topology.euler = (fans.count() - edges + static_cast<std::int64_t>(faces.size())) / 2;
+  result.topology.surface_euler = fans.count() - edges + static_cast<std::int64_t>(faces.size());
+  result.topology.euler = result.topology.surface_euler / 2;
+  result.topology.boundary_edges = result.boundary_edges;
   return result;
 }
 
