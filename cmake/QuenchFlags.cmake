@@ -10,3 +10,10 @@ function(quench_flags target)
     target_link_options(${target} PUBLIC -fsanitize=${QUENCH_SANITIZE})
   endif()
 endfunction()
+
+# Headers that are slow to read, read once per target. -DQUENCH_PCH=OFF shows a missing #include.
+function(quench_precompile target)
+  if(QUENCH_PCH)
+    target_precompile_headers(${target} PRIVATE ${ARGN})
+  endif()
+endfunction()
