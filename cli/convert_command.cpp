@@ -14,14 +14,17 @@ Action add_convert(CLI::App& app) {
   app.add_option("A", o->input, "A mesh or a medial axis: .vtp .ply .obj .off .stl .ma ...")->type_name("")->required();
   app.add_option("B", o->output, "The file to write: .vtp .ply .obj .ma .r .csv")->type_name("")->required();
   app.add_option("--radii", o->radii, "Radii of the vertices (a .r file), matched by position")->type_name("FILE");
-  app.add_option("--quality", o->quality, "PLY: the point array MeshLab shows as quality and colour")->type_name("NAME")->capture_default_str();
+  app.add_option("--quality", o->quality, "PLY: the point array MeshLab shows as quality and colour")
+      ->type_name("NAME")
+      ->capture_default_str();
   return [o](Session& session) {
     std::vector<std::filesystem::path> inputs{o->input};
     if (!o->radii.empty()) inputs.emplace_back(o->radii);
     session.check_output(o->output, inputs);
     io::check_writable_format(o->output);
     if (io::kind_of(o->input) == io::Kind::volume)
-      throw Error(ErrorCode::usage, fmt::format("'{}' is a volume; 'quench voxelize' writes its voxel shape", o->input));
+      throw Error(ErrorCode::usage,
+                  fmt::format("'{}' is a volume; 'quench voxelize' writes its voxel shape", o->input));
     PolyData data = io::read_poly_data(o->input);
     checkpoint(&session.context, "read", 1);
     if (!o->radii.empty()) {
@@ -30,10 +33,12 @@ Action add_convert(CLI::App& app) {
     }
     const std::string extension = CLI::detail::to_lower(std::filesystem::path(o->output).extension().string());
     if ((extension == ".ma" || extension == ".r") && !find_array(data.point_data, "radius"))
-      throw Error(ErrorCode::input, fmt::format("'{}' has no radius per vertex, which {} needs; give --radii FILE.r", o->input, extension));
+      throw Error(ErrorCode::input, fmt::format("'{}' has no radius per vertex, which {} needs; give --radii FILE.r",
+                                                o->input, extension));
     io::write_poly_data(o->output, data, {o->quality});
     session.finished("write");
-    session.say(fmt::format("{}: {} points, {} lines, {} polygons", o->output, data.points.size(), data.lines.size(), data.poly_count()));
+    session.say(fmt::format("{}: {} points, {} lines, {} polygons", o->output, data.points.size(), data.lines.size(),
+                            data.poly_count()));
     return 0;
   };
 }

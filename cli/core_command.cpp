@@ -19,7 +19,8 @@ void check_folder(const std::string& folder) {
   if (!fs::is_directory(existing, error))
     throw Error(ErrorCode::usage, fmt::format("'{}' exists and is no folder; give -o another name", existing.string()));
   if (access(existing.c_str(), W_OK) != 0)
-    throw Error(ErrorCode::failed, fmt::format("cannot write to '{}': the folder '{}' is not writable", folder, existing.string()));
+    throw Error(ErrorCode::failed,
+                fmt::format("cannot write to '{}': the folder '{}' is not writable", folder, existing.string()));
 }
 
 }  // namespace
@@ -33,7 +34,9 @@ Action add_core(CLI::App& app) {
   auto o = std::make_shared<Options>();
   add_shape_options(app, o->shape);
   add_core_options(app, o->core);
-  app.add_option("-o,--output", o->output, "The medial axis: .vtp .ply .obj .ma .r .csv")->type_name("FILE")->required();
+  app.add_option("-o,--output", o->output, "The medial axis: .vtp .ply .obj .ma .r .csv")
+      ->type_name("FILE")
+      ->required();
   return [o](Session& session) {
     session.check_output(o->output, {o->shape.file});
     io::check_writable_format(o->output);
@@ -57,7 +60,10 @@ Action add_run(CLI::App& app) {
   auto o = std::make_shared<Options>();
   add_shape_options(app, o->shape);
   add_core_options(app, o->core);
-  app.add_option("-o,--output", o->folder, "Folder for core.vtp and report.json (made if absent; these files are replaced)")->type_name("DIR")->required();
+  app.add_option("-o,--output", o->folder,
+                 "Folder for core.vtp and report.json (made if absent; these files are replaced)")
+      ->type_name("DIR")
+      ->required();
   return [o](Session& session) {
     namespace fs = std::filesystem;
     const fs::path core = fs::path(o->folder) / "core.vtp", report = fs::path(o->folder) / "report.json";
@@ -69,7 +75,8 @@ Action add_run(CLI::App& app) {
     const CorePipelineResult result = compute_core(loaded, o->core, session);
     std::error_code error;
     fs::create_directories(o->folder, error);
-    if (error) throw Error(ErrorCode::failed, fmt::format("the folder '{}' cannot be made: {}", o->folder, error.message()));
+    if (error)
+      throw Error(ErrorCode::failed, fmt::format("the folder '{}' cannot be made: {}", o->folder, error.message()));
     io::write_poly_data(core, result.data);
     session.finished("write");
     write_report(report.string(), result.report, session);

@@ -27,9 +27,11 @@ Json axis_section(const MedialAxis& axis, const Topology& topology, double recon
 
 void require_topology(const Topology& got, const Topology& wanted, const char* what) {
   if (got == wanted) return;
-  throw Error(ErrorCode::invariant,
-              fmt::format("the topology of the {} (Betti numbers {}, {}, {}) is not that of the shape ({}, {}, {}); this is a bug in Quench, please "
-                          "report it with the input", what, got.betti[0], got.betti[1], got.betti[2], wanted.betti[0], wanted.betti[1], wanted.betti[2]));
+  throw Error(ErrorCode::invariant, fmt::format("the topology of the {} (Betti numbers {}, {}, {}) is not that of the "
+                                                "shape ({}, {}, {}); this is a bug in Quench, please "
+                                                "report it with the input",
+                                                what, got.betti[0], got.betti[1], got.betti[2], wanted.betti[0],
+                                                wanted.betti[1], wanted.betti[2]));
 }
 
 // The share of the balls: "0.9970".
@@ -38,20 +40,29 @@ std::string share_text(double share) { return fmt::format("{:.4f}", share); }
 void add_field(PolyData& data, const char* name, std::string text) {
   data.field_data.push_back({name, 1, std::vector<std::string>{std::move(text)}});
 }
-void add_field(PolyData& data, const char* name, double value) { data.field_data.push_back({name, 1, std::vector<double>{value}}); }
+void add_field(PolyData& data, const char* name, double value) {
+  data.field_data.push_back({name, 1, std::vector<double>{value}});
+}
 
 }  // namespace
 
 void add_core_options(CLI::App& app, CorePipelineOptions& o) {
   const auto group = "Medial axis";
   app.add_option("--lambda", o.lambda,
-                 "Drop what is thinner than this radius where the topology allows: a fraction of the longest side (0.02 or 2%), 2.5vox, 3.5abs, inf, "
+                 "Drop what is thinner than this radius where the topology allows: a fraction of the longest side "
+                 "(0.02 or 2%), 2.5vox, 3.5abs, inf, "
                  "0 (nothing), or 'auto': the largest from 0.02 down whose balls still fill 98% of the shape")
-      ->type_name("LENGTH")->capture_default_str()->group(group);
+      ->type_name("LENGTH")
+      ->capture_default_str()
+      ->group(group);
   app.add_option("--lambda-rule", o.rule,
-                 "The lambda of edges and vertices: 'coface', the largest of the faces around, or 'ball', the radius of the smallest ball around "
+                 "The lambda of edges and vertices: 'coface', the largest of the faces around, or 'ball', the radius "
+                 "of the smallest ball around "
                  "their nearest boundary points")
-      ->type_name("RULE")->check(one_of({"coface", "ball"}))->capture_default_str()->group(group);
+      ->type_name("RULE")
+      ->check(one_of({"coface", "ball"}))
+      ->capture_default_str()
+      ->group(group);
   app.add_flag("--full", o.full, "Write the cells below lambda too (each with its lambda_level)")->group(group);
 }
 
@@ -66,15 +77,19 @@ CorePipelineResult compute_core(const LoadedShape& loaded, const CorePipelineOpt
   double lambda = automatic ? 0 : parse_length(options.lambda, "--lambda").resolve(loaded.longest_side, smallest);
 
   const std::int64_t sites = count_boundary_vertices(loaded.shape);
-  session.check_memory(predicted_core_bytes(sites), fmt::format("the medial axis of a shape with {} boundary vertices", sites));
-  session.detail(fmt::format("{} boundary vertices, about {} of memory at the peak", sites, bytes_text(predicted_core_bytes(sites))));
+  session.check_memory(predicted_core_bytes(sites),
+                       fmt::format("the medial axis of a shape with {} boundary vertices", sites));
+  session.detail(fmt::format("{} boundary vertices, about {} of memory at the peak", sites,
+                             bytes_text(predicted_core_bytes(sites))));
   CorePipelineResult result;
-  MedialAxis core = voxel_core(loaded.shape, {.rule = options.rule == "ball" ? LambdaRule::ball : LambdaRule::coface}, &session.context);
+  MedialAxis core = voxel_core(loaded.shape, {.rule = options.rule == "ball" ? LambdaRule::ball : LambdaRule::coface},
+                               &session.context);
   prune_levels(core, &session.context);
   const Reconstruction reconstruction(loaded.shape, core, 50000, &session.context);
   if (automatic) {
     lambda = auto_lambda(reconstruction, loaded.longest_side, smallest);
-    session.say(fmt::format("lambda {:.6g} ({:.3g} voxels, {:.3g} of the longest side; chosen by auto)", lambda, lambda / smallest, lambda / loaded.longest_side));
+    session.say(fmt::format("lambda {:.6g} ({:.3g} voxels, {:.3g} of the longest side; chosen by auto)", lambda,
+                            lambda / smallest, lambda / loaded.longest_side));
   }
   const Topology core_topology = topology(core.complex);
   checkpoint(&session.context, "topology", 0.5);
@@ -87,7 +102,9 @@ CorePipelineResult compute_core(const LoadedShape& loaded, const CorePipelineOpt
   require_topology(kept_topology, loaded.topology, "pruned core");
   checkpoint(&session.context, "topology", 1);
   if (reconstructed < 0.9)
-    session.say(fmt::format("warning: the balls of the pruned core contain only {} of the shape; use a smaller --lambda or 'auto'", share_text(reconstructed)));
+    session.say(fmt::format(
+        "warning: the balls of the pruned core contain only {} of the shape; use a smaller --lambda or 'auto'",
+        share_text(reconstructed)));
 
   Json& report = result.report;
   report["input"] = loaded.input;
@@ -129,8 +146,12 @@ void write_report(const std::string& file, Json report, Session& session) {
       if (const auto found = spent.find(stage); found != spent.end()) sum += found->second;
     return std::round(sum * 1e4) / 1e4;
   };
-  report["seconds"] = {{"voxelize", of({"read", "foreground", "components", "cavities", "voxelize"})}, {"delaunay", of({"delaunay"})}, {"core", of({"merge", "core"})},
-                       {"prune", of({"prune", "reconstruct"})}, {"topology", of({"topology"})}, {"write", of({"write"})},
+  report["seconds"] = {{"voxelize", of({"read", "foreground", "components", "cavities", "voxelize"})},
+                       {"delaunay", of({"delaunay"})},
+                       {"core", of({"merge", "core"})},
+                       {"prune", of({"prune", "reconstruct"})},
+                       {"topology", of({"topology"})},
+                       {"write", of({"write"})},
                        {"total", std::round(session.total_seconds() * 1e4) / 1e4}};
   report["peak_bytes"] = Session::peak_bytes();
   report["threads"] = session.options.threads;
@@ -142,16 +163,21 @@ void write_report(const std::string& file, Json report, Session& session) {
     io::write_atomically(file, [&](std::ostream& out) { out << text; });
 }
 
-std::string json_text(const Json& value, int indent) { return value.dump(indent, ' ', false, Json::error_handler_t::replace); }
+std::string json_text(const Json& value, int indent) {
+  return value.dump(indent, ' ', false, Json::error_handler_t::replace);
+}
 
-void say_written(Session& session, const std::string& axis, const std::string& report, const CorePipelineResult& result, const LoadedShape& loaded) {
+void say_written(Session& session, const std::string& axis, const std::string& report, const CorePipelineResult& result,
+                 const LoadedShape& loaded) {
   std::string stages;
-  for (const auto& [stage, seconds] : session.seconds()) stages += fmt::format("{}{} {:.2f} s", stages.empty() ? "" : ", ", stage, seconds);
+  for (const auto& [stage, seconds] : session.seconds())
+    stages += fmt::format("{}{} {:.2f} s", stages.empty() ? "" : ", ", stage, seconds);
   session.detail(fmt::format("{}; {} of memory at the peak", stages, bytes_text(Session::peak_bytes())));
   const CellComplex& c = result.axis.complex;
-  session.say(fmt::format("{}: {} vertices, {} edges, {} faces; topology as that of the shape; lengths in {}; {:.1f} s{}", axis, c.vertex_count,
-                          c.edges.size(), c.face_count(), loaded.units.empty() ? "the input's units" : loaded.units, session.total_seconds(),
-                          report.empty() ? "" : fmt::format("; report in {}", report)));
+  session.say(fmt::format(
+      "{}: {} vertices, {} edges, {} faces; topology as that of the shape; lengths in {}; {:.1f} s{}", axis,
+      c.vertex_count, c.edges.size(), c.face_count(), loaded.units.empty() ? "the input's units" : loaded.units,
+      session.total_seconds(), report.empty() ? "" : fmt::format("; report in {}", report)));
 }
 
 }  // namespace quench::program

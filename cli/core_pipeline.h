@@ -24,12 +24,12 @@ void check_core_options(const CorePipelineOptions& options);
 /// The pruned (or, with --full, whole) core of a shape, ready to be written, and the report of all stages so far.
 struct CorePipelineResult {
   MedialAxis axis;
-  PolyData data;   ///< the axis with all arrays and FieldData
+  PolyData data;  ///< the axis with all arrays and FieldData
   nlohmann::ordered_json report;
 };
 
-/// Voxel core, levels, lambda, reconstruction and topology of a loaded shape. Throws Error(invariant) when a promise does
-/// not hold: topology of core and pruning must be that of the shape.
+/// Voxel core, levels, lambda, reconstruction and topology of a loaded shape. Throws Error(invariant) when a promise
+/// does not hold: topology of core and pruning must be that of the shape.
 CorePipelineResult compute_core(const LoadedShape& loaded, const CorePipelineOptions& options, Session& session);
 
 /// Writes `report` with seconds, peak memory and version filled in; "-" is stdout.
@@ -39,6 +39,7 @@ void write_report(const std::string& file, nlohmann::ordered_json report, Sessio
 std::string json_text(const nlohmann::ordered_json& value, int indent = -1);
 
 /// One line on what was written where, in which units. `report` may be empty.
-void say_written(Session& session, const std::string& axis, const std::string& report, const CorePipelineResult& result, const LoadedShape& loaded);
+void say_written(Session& session, const std::string& axis, const std::string& report, const CorePipelineResult& result,
+                 const LoadedShape& loaded);
 
 }  // namespace quench::program

@@ -121,12 +121,18 @@ Json surface_info(const std::string& file) {
   if (axis) {
     const CellComplex complex = complex_of(data);
     const Topology t = topology(complex);
-    info["complex"] = {{"vertices", complex.vertex_count}, {"edges", complex.edges.size()}, {"faces", complex.face_count()},
-                       {"euler", t.euler}, {"betti", t.betti}};
+    info["complex"] = {{"vertices", complex.vertex_count},
+                       {"edges", complex.edges.size()},
+                       {"faces", complex.face_count()},
+                       {"euler", t.euler},
+                       {"betti", t.betti}};
   } else {
     const SurfaceTopology t = surface_topology(to_triangle_mesh(data));
-    info["surface"] = {{"closed", t.boundary_edges == 0}, {"boundary_edges", t.boundary_edges}, {"components", t.components},
-                       {"euler", t.surface_euler}, {"closed_2_manifold", t.manifold}};
+    info["surface"] = {{"closed", t.boundary_edges == 0},
+                       {"boundary_edges", t.boundary_edges},
+                       {"components", t.components},
+                       {"euler", t.surface_euler},
+                       {"closed_2_manifold", t.manifold}};
   }
   info["point_arrays"] = arrays_info(data.point_data);
   info["cell_arrays"] = arrays_info(data.cell_data);
@@ -157,14 +163,17 @@ Json volume_info(const std::string& file, Session& session) {
           for (const auto& [value, count] : statistics.counts) info["values"][fmt::format("{}", value)] = count;
         }
         const bool two = statistics.few && statistics.counts.size() + (statistics.not_a_number > 0) <= 2;
-        info["hint"] = two ? "the shape is the non-zero voxels, or choose with --label" : statistics.few ? "choose a shape with --label" : "choose a shape with --threshold";
+        info["hint"] = two              ? "the shape is the non-zero voxels, or choose with --label"
+                       : statistics.few ? "choose a shape with --label"
+                                        : "choose a shape with --threshold";
       },
       volume.samples);
   return info;
 }
 
 bool is_short(const Json& value) {
-  return value.is_object() && value.size() <= 4 && std::none_of(value.begin(), value.end(), [](const Json& entry) { return entry.is_object(); });
+  return value.is_object() && value.size() <= 4 &&
+         std::none_of(value.begin(), value.end(), [](const Json& entry) { return entry.is_object(); });
 }
 
 // Control characters of a foreign file must not reach a terminal as such: JSON escapes them.
@@ -182,7 +191,8 @@ std::string text_of(const Json& object, int indent) {
     if (entry.is_object() && entry.empty()) continue;
     text += fmt::format("{:{}}{}:", "", indent, key);
     if (indent > 0 && is_short(entry)) {
-      for (const auto& [name, value] : entry.items()) text += fmt::format("{} {} {}", &value == &entry.front() ? "" : ",", name, plain(value));
+      for (const auto& [name, value] : entry.items())
+        text += fmt::format("{} {} {}", &value == &entry.front() ? "" : ",", name, plain(value));
       text += '\n';
     } else if (entry.is_object()) {
       text += '\n' + text_of(entry, indent + 2);
@@ -203,10 +213,12 @@ Action add_info(CLI::App& app) {
   app.add_option("FILE", o->file, "A mesh, a medial axis or a volume")->type_name("")->required();
   return [o](Session& session) {
     std::error_code ignored;
-    if (!std::filesystem::exists(o->file, ignored)) throw Error(ErrorCode::failed, fmt::format("'{}' does not exist", o->file));
+    if (!std::filesystem::exists(o->file, ignored))
+      throw Error(ErrorCode::failed, fmt::format("'{}' does not exist", o->file));
     Json info = {{"file", o->file}};
     const io::Kind kind = io::kind_of(o->file);
-    if (kind == io::Kind::unknown) throw Error(ErrorCode::input, fmt::format("'{}' is of no kind Quench knows by its name", o->file));
+    if (kind == io::Kind::unknown)
+      throw Error(ErrorCode::input, fmt::format("'{}' is of no kind Quench knows by its name", o->file));
     info.update(kind == io::Kind::volume ? volume_info(o->file, session) : surface_info(o->file));
     session.answer(session.options.report.empty() ? text_of(info, 0) : json_text(info, 2) + "\n");
     return 0;

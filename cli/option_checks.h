@@ -27,14 +27,17 @@ inline CLI::Validator within(double least, double most) {
       [=](std::string& text) {
         double value = 0;
         const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-        if (error == std::errc() && end == text.data() + text.size() && value >= least && value <= most) return std::string();
+        if (error == std::errc() && end == text.data() + text.size() && value >= least && value <= most)
+          return std::string();
         return fmt::format("'{}' is not from {} to {}", text, least, most);
       },
       "");
 }
 
 inline CLI::Validator at_least_zero() {
-  return CLI::Validator([](std::string& text) { return text.starts_with('-') ? fmt::format("'{}' is negative", text) : std::string(); }, "");
+  return CLI::Validator(
+      [](std::string& text) { return text.starts_with('-') ? fmt::format("'{}' is negative", text) : std::string(); },
+      "");
 }
 
 }  // namespace quench::program

@@ -20,30 +20,43 @@ struct Command {
 };
 
 constexpr Command kCommands[] = {
-    {"run", "The main job: everything Quench computes of a shape, into a folder", "quench run bunny.off --resolution 512 -o bunny",
-     computes | writes | reports, add_run},
+    {"run", "The main job: everything Quench computes of a shape, into a folder",
+     "quench run bunny.off --resolution 512 -o bunny", computes | writes | reports, add_run},
     {"sample", "Writes a built-in shape", "quench sample root --seed 7 -o root.ply", writes, add_sample},
-    {"voxelize", "Writes the voxel shape of a mesh or a volume", "quench voxelize part.stl --resolution 256 -o part.nrrd",
-     computes | writes | reports, add_voxelize},
-    {"core", "Computes the medial axis of the voxel shape (its voxel core), pruned", "quench core ct.nrrd --threshold 20 --lambda 2.5vox -o axis.vtp",
-     computes | writes | reports, add_core},
+    {"voxelize", "Writes the voxel shape of a mesh or a volume",
+     "quench voxelize part.stl --resolution 256 -o part.nrrd", computes | writes | reports, add_voxelize},
+    {"core", "Computes the medial axis of the voxel shape (its voxel core), pruned",
+     "quench core ct.nrrd --threshold 20 --lambda 2.5vox -o axis.vtp", computes | writes | reports, add_core},
     {"info", "Says what a file is", "quench info axis.vtp", answers_json, add_info},
-    {"convert", "Writes a mesh or a medial axis in another format", "quench convert axis.vtp axis.ma", writes, add_convert},
-    {"verify", "Proves a result against its shape, or prints what is wrong", "quench verify ct.nrrd axis.vtp", computes | writes | reports, add_verify},
+    {"convert", "Writes a mesh or a medial axis in another format", "quench convert axis.vtp axis.ma", writes,
+     add_convert},
+    {"verify", "Proves a result against its shape, or prints what is wrong", "quench verify ct.nrrd axis.vtp",
+     computes | writes | reports, add_verify},
 };
 
 void add_common(CLI::App& app, CommonOptions& options, unsigned common) {
   const auto group = "Common";
-  app.add_option("--threads", options.threads, "Threads; 0: all processors")->type_name("N")->capture_default_str()->group(group);
+  app.add_option("--threads", options.threads, "Threads; 0: all processors")
+      ->type_name("N")
+      ->capture_default_str()
+      ->group(group);
   if (common & computes)
-    app.add_option("--memory-limit", options.memory_limit, "Refuse to start what needs more, e.g. 8G [default: the memory that is free]")
-        ->type_name("BYTES")->group(group);
-  if (common & answers_json) app.add_flag_callback("--json", [&options] { options.report = "-"; }, "Answer as JSON")->group(group);
+    app.add_option("--memory-limit", options.memory_limit,
+                   "Refuse to start what needs more, e.g. 8G [default: the memory that is free]")
+        ->type_name("BYTES")
+        ->group(group);
+  if (common & answers_json)
+    app.add_flag_callback(
+           "--json", [&options] { options.report = "-"; }, "Answer as JSON")
+        ->group(group);
   if (common & reports)
-    app.add_option("--json", options.report, "Write a report to this file ('-': to stdout)")->type_name("FILE")->group(group);
+    app.add_option("--json", options.report, "Write a report to this file ('-': to stdout)")
+        ->type_name("FILE")
+        ->group(group);
   if (common & writes) app.add_flag("--overwrite", options.overwrite, "Replace existing outputs")->group(group);
   app.add_flag("--quiet", options.quiet, "No progress and no notes")->group(group);
-  if (common & computes) app.add_flag("--verbose", options.verbose, "Also say the time of every stage and the memory used")->group(group);
+  if (common & computes)
+    app.add_flag("--verbose", options.verbose, "Also say the time of every stage and the memory used")->group(group);
 }
 
 std::string names_of_commands() {
@@ -57,17 +70,20 @@ std::string usage_sentence(const CLI::ParseError& error, const CLI::App& app) {
   const auto used = app.get_subcommands();
   const CLI::App& at = used.empty() ? app : *used.front();
   const std::vector<std::string> left = at.remaining();
-  const auto option = std::find_if(left.begin(), left.end(), [](const std::string& word) { return word.starts_with('-') && word != "-"; });
+  const auto option = std::find_if(left.begin(), left.end(),
+                                   [](const std::string& word) { return word.starts_with('-') && word != "-"; });
   const std::string help = used.empty() ? "quench --help" : fmt::format("quench {} --help", at.get_name());
   if (option != left.end()) return fmt::format("there is no option {}; see {}", *option, help);
-  if (used.empty() && !left.empty()) return fmt::format("there is no command '{}'; there are {}; see {}", left.front(), names_of_commands(), help);
+  if (used.empty() && !left.empty())
+    return fmt::format("there is no command '{}'; there are {}; see {}", left.front(), names_of_commands(), help);
   if (used.empty()) return fmt::format("give a command: {}; see {}", names_of_commands(), help);
   if (!left.empty()) return fmt::format("'{}' is one argument too many; see {}", left.front(), help);
   std::string what = error.what();
   // CLI11's sentences, rephrased: "Could not convert: --threads = abc", "--threads: 1 required N missing".
   if (const std::string could_not = "Could not convert: "; what.starts_with(could_not)) {
     const std::size_t equals = what.find(" = ");
-    what = fmt::format("{} cannot be '{}'", what.substr(could_not.size(), equals - could_not.size()), what.substr(equals + 3));
+    what = fmt::format("{} cannot be '{}'", what.substr(could_not.size(), equals - could_not.size()),
+                       what.substr(equals + 3));
   } else if (const std::size_t colon = what.find(": 1 required "); colon != std::string::npos) {
     what = what.substr(0, colon) + " needs a value";
   }
@@ -81,8 +97,10 @@ int run(int argc, char** argv) {
   CLI::App app{"Quench: medial axes of real 3D shapes, exact and with the topology of the shape.", "quench"};
   app.set_version_flag("--version", std::string("quench " QUENCH_VERSION));
   app.require_subcommand(1);
-  app.footer("Every command has its own --help with an example.\nExit codes: 0 ok, 1 failed, 2 usage, 3 unusable input, 4 a promised invariant "
-             "failed, 130 interrupted.");
+  app.footer(
+      "Every command has its own --help with an example.\nExit codes: 0 ok, 1 failed, 2 usage, 3 unusable input, 4 a "
+      "promised invariant "
+      "failed, 130 interrupted.");
   CommonOptions common;
   std::vector<std::pair<CLI::App*, Action>> actions;
   for (const Command& command : kCommands) {

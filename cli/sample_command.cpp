@@ -23,8 +23,12 @@ void write_truth(const std::string& file, const std::vector<RootBranch>& branche
     Json points = Json::array();
     for (std::size_t i = 0; i < branch.points.size(); ++i)
       points.push_back({branch.points[i][0], branch.points[i][1], branch.points[i][2], branch.radius[i]});
-    list.push_back({{"id", b}, {"parent", branch.parent}, {"parent_point", branch.parent_point}, {"length", branch.length()},
-                    {"radius", mean}, {"points", std::move(points)}});
+    list.push_back({{"id", b},
+                    {"parent", branch.parent},
+                    {"parent_point", branch.parent_point},
+                    {"length", branch.length()},
+                    {"radius", mean},
+                    {"points", std::move(points)}});
   }
   const Json truth = {{"branches", std::move(list)}};
   io::write_atomically(file, [&](std::ostream& out) { out << truth.dump(1) << '\n'; });
@@ -44,7 +48,8 @@ void check_mesh_format(const std::filesystem::path& output) {
   const std::string extension = CLI::detail::to_lower(output.extension().string());
   for (const char* known : {".ply", ".obj", ".vtp"})
     if (extension == known) return;
-  throw Error(ErrorCode::usage, fmt::format("cannot write '{}': samples are written as .ply, .obj, .vtp or .nrrd", output.string()));
+  throw Error(ErrorCode::usage,
+              fmt::format("cannot write '{}': samples are written as .ply, .obj, .vtp or .nrrd", output.string()));
 }
 
 }  // namespace
@@ -59,15 +64,29 @@ Action add_sample(CLI::App& app) {
   std::string names;
   for (const SampleInfo& info : samples()) names += fmt::format("\n  {:<18}{}", info.name, info.description);
   app.add_option("NAME", o->name, "The shape:" + names)->type_name("")->required();
-  app.add_option("-o,--output", o->output, "A mesh (.ply .obj .vtp) or a volume (.nrrd); root also writes FILE.json, its true branches")
-      ->type_name("FILE")->required();
+  app.add_option("-o,--output", o->output,
+                 "A mesh (.ply .obj .vtp) or a volume (.nrrd); root also writes FILE.json, its true branches")
+      ->type_name("FILE")
+      ->required();
   app.add_option("--seed", o->sample.seed, "root: another seed, another root")->type_name("N")->capture_default_str();
-  app.add_option("--branches", o->sample.branches, "root: number of branches, 1 to 100000")->type_name("N")->check(within(1, 100000))->capture_default_str();
-  app.add_option("--noise", o->sample.noise, "rippled-box, bumpy-sphere: height of the ripples or bumps as a fraction of the longest side, up to 0.1; 0: the shape's own")
-      ->type_name("FRACTION")->check(within(0, 0.1))->capture_default_str();
+  app.add_option("--branches", o->sample.branches, "root: number of branches, 1 to 100000")
+      ->type_name("N")
+      ->check(within(1, 100000))
+      ->capture_default_str();
+  app.add_option("--noise", o->sample.noise,
+                 "rippled-box, bumpy-sphere: height of the ripples or bumps as a fraction of the longest side, up to "
+                 "0.1; 0: the shape's own")
+      ->type_name("FRACTION")
+      ->check(within(0, 0.1))
+      ->capture_default_str();
   app.add_option("--detail", o->sample.detail, "Multiplies the number of triangles along each direction, 0.01 to 16")
-      ->type_name("FACTOR")->check(within(0.01, 16))->capture_default_str();
-  app.add_option("--resolution", o->resolution, "Volumes: voxels along the longest side, 1 to 16384")->type_name("N")->check(within(1, 16384))->capture_default_str();
+      ->type_name("FACTOR")
+      ->check(within(0.01, 16))
+      ->capture_default_str();
+  app.add_option("--resolution", o->resolution, "Volumes: voxels along the longest side, 1 to 16384")
+      ->type_name("N")
+      ->check(within(1, 16384))
+      ->capture_default_str();
   return [o](Session& session) {
     namespace fs = std::filesystem;
     session.check_output(o->output, {});
@@ -86,7 +105,8 @@ Action add_sample(CLI::App& app) {
       session.say(fmt::format("{}: {} voxels inside", o->output, v.shape.voxel_count()));
     } else {
       io::write_poly_data(o->output, poly_data_of(sample.mesh));
-      session.say(fmt::format("{}: {} vertices, {} triangles", o->output, sample.mesh.points.size(), sample.mesh.triangles.size()));
+      session.say(fmt::format("{}: {} vertices, {} triangles", o->output, sample.mesh.points.size(),
+                              sample.mesh.triangles.size()));
     }
     if (!sample.branches.empty()) {
       write_truth(truth.string(), sample.branches);

@@ -35,7 +35,8 @@ std::int64_t parse_bytes(const std::string& text) {
   if (unit == "G" || unit == "GB") factor = 0x1p30;
   if (unit == "T" || unit == "TB") factor = 0x1p40;
   if (error != std::errc() || !(value > 0) || factor == 0 || value * factor > 0x1p60)
-    throw Error(ErrorCode::usage, fmt::format("--memory-limit '{}' is not an amount of memory; give e.g. 8G or 500M", text));
+    throw Error(ErrorCode::usage,
+                fmt::format("--memory-limit '{}' is not an amount of memory; give e.g. 8G or 500M", text));
   return static_cast<std::int64_t>(value * factor);
 }
 
@@ -54,10 +55,12 @@ void check_no_input(const std::filesystem::path& output, const std::vector<std::
   std::error_code ignored;
   for (const auto& input : inputs)
     if (std::filesystem::equivalent(output, input, ignored))
-      throw Error(ErrorCode::usage, fmt::format("the output '{}' is the input itself; give -o another name", output.string()));
+      throw Error(ErrorCode::usage,
+                  fmt::format("the output '{}' is the input itself; give -o another name", output.string()));
 }
 
-void check_one_output(const std::filesystem::path& output, const std::vector<std::filesystem::path>& inputs, bool overwrite) {
+void check_one_output(const std::filesystem::path& output, const std::vector<std::filesystem::path>& inputs,
+                      bool overwrite) {
   namespace fs = std::filesystem;
   std::error_code ignored;
   const std::string name = output.string();
@@ -69,9 +72,11 @@ void check_one_output(const std::filesystem::path& output, const std::vector<std
     throw Error(ErrorCode::usage, fmt::format("'{}' exists; give --overwrite to replace it", name));
   const fs::path folder = output.has_parent_path() ? output.parent_path() : fs::path(".");
   if (!fs::is_directory(folder, ignored))
-    throw Error(ErrorCode::failed, fmt::format("cannot write '{}': the folder '{}' does not exist; make it first", name, folder.string()));
+    throw Error(ErrorCode::failed,
+                fmt::format("cannot write '{}': the folder '{}' does not exist; make it first", name, folder.string()));
   if (access(folder.c_str(), W_OK) != 0)
-    throw Error(ErrorCode::failed, fmt::format("cannot write '{}': the folder '{}' is not writable", name, folder.string()));
+    throw Error(ErrorCode::failed,
+                fmt::format("cannot write '{}': the folder '{}' is not writable", name, folder.string()));
 }
 
 }  // namespace
@@ -84,13 +89,15 @@ std::string bytes_text(std::int64_t bytes) {
 
 void finish_results() {
   if (std::fflush(stdout) != 0 || std::ferror(stdout))
-    throw Error(ErrorCode::failed, fmt::format("cannot write to stdout: {}", errno ? std::strerror(errno) : "an earlier write failed"));
+    throw Error(ErrorCode::failed,
+                fmt::format("cannot write to stdout: {}", errno ? std::strerror(errno) : "an earlier write failed"));
 }
 
 Session::Session(const CommonOptions& o) : options(o) {
-  if (options.threads < 0) throw Error(ErrorCode::usage, fmt::format("--threads {} is negative; give 0 for all processors", options.threads));
+  if (options.threads < 0)
+    throw Error(ErrorCode::usage, fmt::format("--threads {} is negative; give 0 for all processors", options.threads));
   if (!options.memory_limit.empty()) parse_bytes(options.memory_limit);
-  options.threads = std::min(options.threads, 1024);  // a thread costs memory even when it has no processor
+  options.threads = std::min(options.threads, 256);  // a thread costs memory even when it has no processor
   context.threads = options.threads;
   if (options.threads > 0)
     thread_limit_ = std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism,
@@ -108,11 +115,13 @@ Session::~Session() {
   clear_line();
 }
 
-void Session::check_output(const std::filesystem::path& output, const std::vector<std::filesystem::path>& inputs) const {
+void Session::check_output(const std::filesystem::path& output,
+                           const std::vector<std::filesystem::path>& inputs) const {
   namespace fs = std::filesystem;
   check_one_output(output, inputs, options.overwrite);
   check_report(inputs);
-  if (!options.report.empty() && fs::absolute(options.report).lexically_normal() == fs::absolute(output).lexically_normal())
+  if (!options.report.empty() &&
+      fs::absolute(options.report).lexically_normal() == fs::absolute(output).lexically_normal())
     throw Error(ErrorCode::usage, fmt::format("--json and -o name the same file '{}'", options.report));
 }
 
@@ -120,7 +129,8 @@ void Session::check_report(const std::vector<std::filesystem::path>& inputs) con
   if (!options.report.empty() && options.report != "-") check_one_output(options.report, inputs, options.overwrite);
 }
 
-void Session::check_not_inputs(const std::vector<std::filesystem::path>& outputs, const std::vector<std::filesystem::path>& inputs) const {
+void Session::check_not_inputs(const std::vector<std::filesystem::path>& outputs,
+                               const std::vector<std::filesystem::path>& inputs) const {
   for (const auto& output : outputs) check_no_input(output, inputs);
 }
 
@@ -129,8 +139,8 @@ void Session::check_memory(std::int64_t bytes, const std::string& what) const {
   const std::int64_t limit = limited ? parse_bytes(options.memory_limit) : available_memory();
   if (bytes <= limit) return;
   throw Error(ErrorCode::failed,
-              fmt::format("{} needs about {} of memory, and {} {}; use a lower --resolution{}", what, bytes_text(bytes), bytes_text(limit),
-                          limited ? "are allowed by --memory-limit" : "are free",
+              fmt::format("{} needs about {} of memory, and {} {}; use a lower --resolution{}", what, bytes_text(bytes),
+                          bytes_text(limit), limited ? "are allowed by --memory-limit" : "are free",
                           limited ? " or a larger --memory-limit" : ", or --memory-limit to try all the same"));
 }
 
@@ -180,8 +190,10 @@ void Session::progress(std::string_view stage, double fraction) {
     if (ended) return clear_line();
     const int filled = static_cast<int>(fraction * 30);
     const double spent = seconds_since(stage_start_);
-    const std::string eta = fraction > 0.02 && spent > 0.5 ? fmt::format("{:.0f} s left", spent / fraction * (1 - fraction)) : "";
-    complain(fmt::format("\r{:<12} [{:<30}] {:3.0f}% {:<14}", stage_, std::string(static_cast<std::size_t>(filled), '#'), fraction * 100, eta));
+    const std::string eta =
+        fraction > 0.02 && spent > 0.5 ? fmt::format("{:.0f} s left", spent / fraction * (1 - fraction)) : "";
+    complain(fmt::format("\r{:<12} [{:<30}] {:3.0f}% {:<14}", stage_,
+                         std::string(static_cast<std::size_t>(filled), '#'), fraction * 100, eta));
     std::fflush(stderr);
     line_open_ = true;
   } else if (ended ? seconds_since(stage_start_) > 1 : seconds_since(last_print_) > 5) {
@@ -191,8 +203,9 @@ void Session::progress(std::string_view stage, double fraction) {
     if (ended)
       complain(fmt::format("{}: done in {:.1f} s\n", stage_, spent));
     else
-      complain(fmt::format("{}: {:.0f}%{}\n", stage_, fraction * 100,
-                           fraction > 0.02 ? fmt::format(", about {:.0f} s left", spent / fraction * (1 - fraction)) : ""));
+      complain(
+          fmt::format("{}: {:.0f}%{}\n", stage_, fraction * 100,
+                      fraction > 0.02 ? fmt::format(", about {:.0f} s left", spent / fraction * (1 - fraction)) : ""));
   }
 }
 

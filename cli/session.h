@@ -38,7 +38,8 @@ class Session {
   /// cannot be written. Also the file of --json.
   void check_output(const std::filesystem::path& output, const std::vector<std::filesystem::path>& inputs) const;
   /// The same for outputs that are always replaced: refuses those that are an input only.
-  void check_not_inputs(const std::vector<std::filesystem::path>& outputs, const std::vector<std::filesystem::path>& inputs) const;
+  void check_not_inputs(const std::vector<std::filesystem::path>& outputs,
+                        const std::vector<std::filesystem::path>& inputs) const;
   /// The file of --json, for commands that write nothing else (check_output() includes it).
   void check_report(const std::vector<std::filesystem::path>& inputs) const;
   /// Throws Error(failed) with figures when `bytes` exceed --memory-limit or, without one, the memory that is free.

@@ -10,6 +10,7 @@
 
 #include "option_checks.h"
 #include "quench/io.h"
+#include "quench/voxel_core.h"
 #include "quench/voxelize.h"
 
 namespace quench::program {
@@ -39,7 +40,8 @@ std::optional<Vec3> parse_spacing(const std::string& text) {
   }
   if (values.size() == 1) values.resize(3, values[0]);
   if (values.size() != 3)
-    throw Error(ErrorCode::usage, fmt::format("--spacing '{}' is not a voxel size; give one positive number or three as x,y,z", text));
+    throw Error(ErrorCode::usage,
+                fmt::format("--spacing '{}' is not a voxel size; give one positive number or three as x,y,z", text));
   return Vec3(values[0], values[1], values[2]);
 }
 
@@ -48,7 +50,8 @@ std::optional<std::int64_t> parse_resolution(const std::string& text) {
   if (text == "auto") return std::nullopt;
   std::int64_t value = 0;
   if (!parse(text, value) || value < 1 || value > 16384)
-    throw Error(ErrorCode::usage, fmt::format("--resolution '{}' is not a whole number from 1 to 16384 or 'auto'", text));
+    throw Error(ErrorCode::usage,
+                fmt::format("--resolution '{}' is not a whole number from 1 to 16384 or 'auto'", text));
   return value;
 }
 
@@ -63,14 +66,17 @@ void check_voxelization_memory(const TriangleMesh& mesh, std::int64_t resolution
     }
   const Vec3 sides = (high - low) / (high - low).maxCoeff() * static_cast<double>(resolution) + Vec3::Constant(3);
   const double bytes = 32 * sides[1] * sides[2];
-  if (std::isfinite(bytes)) session.check_memory(static_cast<std::int64_t>(bytes), fmt::format("the voxel shape at resolution {}", resolution));
+  if (std::isfinite(bytes))
+    session.check_memory(static_cast<std::int64_t>(bytes), fmt::format("the voxel shape at resolution {}", resolution));
 }
 
-std::string counted(std::int64_t n, const char* one, const char* many) { return fmt::format("{} {}", n, n == 1 ? one : many); }
+std::string counted(std::int64_t n, const char* one, const char* many) {
+  return fmt::format("{} {}", n, n == 1 ? one : many);
+}
 
 std::string topology_text(const Topology& t) {
-  return fmt::format("{}, {}, {}", counted(t.betti[0], "component", "components"), counted(t.betti[1], "tunnel", "tunnels"),
-                     counted(t.betti[2], "cavity", "cavities"));
+  return fmt::format("{}, {}, {}", counted(t.betti[0], "component", "components"),
+                     counted(t.betti[1], "tunnel", "tunnels"), counted(t.betti[2], "cavity", "cavities"));
 }
 
 void load_mesh(const ShapeOptions& options, Session& session, LoadedShape& loaded) {
@@ -145,8 +151,9 @@ void clean_as_asked(const ShapeOptions& options, Session& session, LoadedShape& 
   only.invert = false;
   ForegroundReport report;
   loaded.shape = clean(loaded.shape, only, &report, &session.context);
-  session.say(fmt::format("cleaned: {} components of {} voxels dropped, {} cavities of {} voxels filled", report.components_removed,
-                          report.voxels_removed, report.cavities_filled, report.voxels_filled));
+  session.say(fmt::format("cleaned: {} components of {} voxels dropped, {} cavities of {} voxels filled",
+                          report.components_removed, report.voxels_removed, report.cavities_filled,
+                          report.voxels_filled));
   loaded.input["cleaned"] = {{"components_removed", report.components_removed},
                              {"voxels_removed", report.voxels_removed},
                              {"cavities_filled", report.cavities_filled},
@@ -160,37 +167,71 @@ void clean_as_asked(const ShapeOptions& options, Session& session, LoadedShape& 
 }  // namespace
 
 void add_shape_options(CLI::App& app, ShapeOptions& o) {
-  app.add_option("SHAPE", o.file, "A closed mesh (.ply .obj .off .stl ...) or a volume (.nrrd .nii.gz .mha .map .vol .npy .tif, a folder of slices ...)")
-      ->type_name("")->required();
+  app.add_option("SHAPE", o.file,
+                 "A closed mesh (.ply .obj .off .stl ...) or a volume (.nrrd .nii.gz .mha .map .vol .npy .tif, a "
+                 "folder of slices ...)")
+      ->type_name("")
+      ->required();
   const auto group = "Shape";
-  app.add_option("--resolution", o.resolution, "Mesh: voxels along the longest side, 1 to 16384, or 'auto': the smallest of 128, 256 ... 2048 that keeps the topology")
-      ->type_name("N")->capture_default_str()->group(group)->each([&o](const std::string&) { o.resolution_given = true; });
-  app.add_option("--fill", o.fill, "Mesh: overlapping and nested parts are united ('nonzero') or alternate between inside and outside ('evenodd', for faces that point either way)")
-      ->type_name("RULE")->check(one_of({"nonzero", "evenodd"}))->capture_default_str()->group(group);
-  app.add_option("--threshold", o.foreground.threshold, "Volume: the shape is the voxels of at least this value")->type_name("T")->group(group);
-  app.add_option("--label", o.foreground.label, "Volume: the shape is the voxels of exactly this value (0 too)")->type_name("K")->group(group);
-  app.add_option("--spacing", o.spacing, "Volume: voxel size x,y,z (or one number), instead of the file's")->type_name("SIZE")->group(group);
+  app.add_option("--resolution", o.resolution,
+                 "Mesh: voxels along the longest side, 1 to 16384, or 'auto': the smallest of 128, 256 ... 2048 that "
+                 "keeps the topology")
+      ->type_name("N")
+      ->capture_default_str()
+      ->group(group)
+      ->each([&o](const std::string&) { o.resolution_given = true; });
+  app.add_option("--fill", o.fill,
+                 "Mesh: overlapping and nested parts are united ('nonzero') or alternate between inside and outside "
+                 "('evenodd', for faces that point either way)")
+      ->type_name("RULE")
+      ->check(one_of({"nonzero", "evenodd"}))
+      ->capture_default_str()
+      ->group(group);
+  app.add_option("--threshold", o.foreground.threshold, "Volume: the shape is the voxels of at least this value")
+      ->type_name("T")
+      ->group(group);
+  app.add_option("--label", o.foreground.label, "Volume: the shape is the voxels of exactly this value (0 too)")
+      ->type_name("K")
+      ->group(group);
+  app.add_option("--spacing", o.spacing, "Volume: voxel size x,y,z (or one number), instead of the file's")
+      ->type_name("SIZE")
+      ->group(group);
   app.add_flag("--invert", o.foreground.invert, "Volume: the shape is all other voxels of the image")->group(group);
-  app.add_flag("--largest-component", o.foreground.largest_component, "Keep the largest connected part only")->group(group);
-  app.add_option("--min-component", o.foreground.min_component, "Drop connected parts of fewer voxels")->type_name("N")->check(at_least_zero())->group(group);
+  app.add_flag("--largest-component", o.foreground.largest_component, "Keep the largest connected part only")
+      ->group(group);
+  app.add_option("--min-component", o.foreground.min_component, "Drop connected parts of fewer voxels")
+      ->type_name("N")
+      ->check(at_least_zero())
+      ->group(group);
   app.add_flag("--fill-cavities", o.foreground.fill_cavities, "Fill cavities that are closed all around")->group(group);
   app.add_option("--subdivide", o.subdivide, "Split every voxel into K x K x K, K from 1 to 64")
-      ->type_name("K")->check(within(1, 64))->capture_default_str()->group(group);
+      ->type_name("K")
+      ->check(within(1, 64))
+      ->capture_default_str()
+      ->group(group);
 }
 
 void check_shape_options(const ShapeOptions& options) {
   if (options.foreground.threshold && options.foreground.label)
     throw Error(ErrorCode::usage, "--threshold and --label exclude each other; give one of them");
-  if (options.foreground.threshold && std::isnan(*options.foreground.threshold)) throw Error(ErrorCode::usage, "--threshold is not a number");
+  if (options.foreground.threshold && std::isnan(*options.foreground.threshold))
+    throw Error(ErrorCode::usage, "--threshold is not a number");
   parse_resolution(options.resolution);
   parse_spacing(options.spacing);
   std::error_code ignored;
-  if (!std::filesystem::exists(options.file, ignored)) throw Error(ErrorCode::failed, fmt::format("'{}' does not exist", options.file));
+  if (!std::filesystem::exists(options.file, ignored))
+    throw Error(ErrorCode::failed, fmt::format("'{}' does not exist", options.file));
   if (io::kind_of(options.file) != io::Kind::unknown) return;
   if (std::filesystem::is_directory(options.file, ignored))
-    throw Error(ErrorCode::input, fmt::format("the folder '{}' holds no PNG or TIFF slices; give a file or a folder of slices", options.file));
-  throw Error(ErrorCode::input, fmt::format("'{}' is of no kind Quench knows by its name; meshes end in e.g. .ply, .obj, .off, .stl, volumes in .nrrd, "
-                                            ".nii.gz, .mha, .map, .vol, .npy, .tif", options.file));
+    throw Error(
+        ErrorCode::input,
+        fmt::format("the folder '{}' holds no PNG or TIFF slices; give a file or a folder of slices", options.file));
+  throw Error(
+      ErrorCode::input,
+      fmt::format(
+          "'{}' is of no kind Quench knows by its name; meshes end in e.g. .ply, .obj, .off, .stl, volumes in .nrrd, "
+          ".nii.gz, .mha, .map, .vol, .npy, .tif",
+          options.file));
 }
 
 LoadedShape load_shape(const ShapeOptions& options, Session& session) {
@@ -209,11 +250,16 @@ LoadedShape load_shape(const ShapeOptions& options, Session& session) {
     load_volume(options, session, loaded);
   clean_as_asked(options, session, loaded);
   if (options.subdivide > 1) {
-    // Two numbers per run and one per scanline, in vectors that grow.
+    // Two numbers per run and one per scanline, in vectors that grow; boundary vertices grow as the surface does.
     const Grid& coarse = loaded.shape.grid();
-    const double bytes = (static_cast<double>(coarse.dims[1]) * static_cast<double>(coarse.dims[2]) * 4 +
-                          static_cast<double>(loaded.shape.runs().size()) * 20) * options.subdivide * options.subdivide;
-    session.check_memory(static_cast<std::int64_t>(std::min(bytes, 0x1p62)), fmt::format("--subdivide {}", options.subdivide));
+    const double parts = static_cast<double>(options.subdivide) * options.subdivide;
+    double bytes = parts * (static_cast<double>(coarse.dims[1]) * static_cast<double>(coarse.dims[2]) * 4 +
+                            static_cast<double>(loaded.shape.runs().size()) * 20);
+    if (options.core_follows)
+      bytes = std::max(bytes, static_cast<double>(predicted_core_bytes(static_cast<std::int64_t>(
+                                  parts * static_cast<double>(count_boundary_vertices(loaded.shape))))));
+    session.check_memory(static_cast<std::int64_t>(std::min(bytes, 0x1p62)),
+                         fmt::format("--subdivide {}", options.subdivide));
     loaded.shape = subdivide(loaded.shape, options.subdivide);
     loaded.parameters["subdivide"] = options.subdivide;
   }
@@ -225,10 +271,12 @@ LoadedShape load_shape(const ShapeOptions& options, Session& session) {
     loaded.input["components"] = loaded.topology.betti[0];
   }
   loaded.input["longest_side"] = loaded.longest_side;
-  session.say(fmt::format("shape: {} x {} x {} voxels of {:.6g} x {:.6g} x {:.6g}, {} inside; {}", grid.dims[0], grid.dims[1], grid.dims[2], grid.spacing[0],
-                          grid.spacing[1], grid.spacing[2], loaded.shape.voxel_count(), topology_text(loaded.topology)));
+  session.say(fmt::format("shape: {} x {} x {} voxels of {:.6g} x {:.6g} x {:.6g}, {} inside; {}", grid.dims[0],
+                          grid.dims[1], grid.dims[2], grid.spacing[0], grid.spacing[1], grid.spacing[2],
+                          loaded.shape.voxel_count(), topology_text(loaded.topology)));
   if (loaded.kind == "volume" && loaded.topology.betti[0] > 100)
-    session.say(fmt::format("note: the volume has {} components; --min-component N drops specks", loaded.topology.betti[0]));
+    session.say(
+        fmt::format("note: the volume has {} components; --min-component N drops specks", loaded.topology.betti[0]));
   return loaded;
 }
 
@@ -243,7 +291,8 @@ void take_parameters(ShapeOptions& options, const PolyData& result) {
   const Json p = Json::parse(parameters_of(result), nullptr, false);
   if (p.is_discarded() || !p.is_object()) return;
   const auto has = [&](const char* name, auto check) { return p.contains(name) && (p[name].*check)(); };
-  if (!options.resolution_given && has("resolution", &Json::is_number_integer)) options.resolution = std::to_string(p["resolution"].get<std::int64_t>());
+  if (!options.resolution_given && has("resolution", &Json::is_number_integer))
+    options.resolution = std::to_string(p["resolution"].get<std::int64_t>());
   if (options.fill == "nonzero" && has("fill", &Json::is_string)) options.fill = p["fill"].get<std::string>();
   ForegroundOptions& f = options.foreground;
   if (!f.threshold && !f.label) {
@@ -253,9 +302,11 @@ void take_parameters(ShapeOptions& options, const PolyData& result) {
   if (options.spacing.empty() && has("spacing", &Json::is_string)) options.spacing = p["spacing"].get<std::string>();
   if (has("invert", &Json::is_boolean)) f.invert |= p["invert"].get<bool>();
   if (has("largest_component", &Json::is_boolean)) f.largest_component |= p["largest_component"].get<bool>();
-  if (f.min_component == 0 && has("min_component", &Json::is_number_integer)) f.min_component = p["min_component"].get<std::int64_t>();
+  if (f.min_component == 0 && has("min_component", &Json::is_number_integer))
+    f.min_component = p["min_component"].get<std::int64_t>();
   if (has("fill_cavities", &Json::is_boolean)) f.fill_cavities |= p["fill_cavities"].get<bool>();
-  if (options.subdivide == 1 && has("subdivide", &Json::is_number_integer)) options.subdivide = p["subdivide"].get<int>();
+  if (options.subdivide == 1 && has("subdivide", &Json::is_number_integer))
+    options.subdivide = p["subdivide"].get<int>();
 }
 
 }  // namespace quench::program

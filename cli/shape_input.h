@@ -23,6 +23,7 @@ struct ShapeOptions {
   std::string spacing;
   ForegroundOptions foreground;
   int subdivide = 1;
+  bool core_follows = true;  ///< its memory counts too when the shape is subdivided
 };
 
 void add_shape_options(CLI::App& app, ShapeOptions& options);
@@ -32,11 +33,11 @@ void check_shape_options(const ShapeOptions& options);
 /// A shape ready for the main job.
 struct LoadedShape {
   VoxelShape shape;
-  double longest_side = 0;      ///< what plain-number lengths refer to, world units
-  std::string kind;             ///< "mesh" or "volume"
-  std::string units;            ///< of world coordinates, where the file says so
-  nlohmann::ordered_json input;        ///< the report's section `input`
-  nlohmann::ordered_json parameters;   ///< what made the voxel shape of the file
+  double longest_side = 0;               ///< what plain-number lengths refer to, world units
+  std::string kind;                      ///< "mesh" or "volume"
+  std::string units;                     ///< of world coordinates, where the file says so
+  nlohmann::ordered_json input;          ///< the report's section `input`
+  nlohmann::ordered_json parameters;     ///< what made the voxel shape of the file
   std::optional<bool> topology_changed;  ///< by voxelization; meshes only
   Topology topology;
 };

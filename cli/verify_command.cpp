@@ -16,12 +16,21 @@ Action add_verify(CLI::App& app) {
     std::vector<std::string> results;
     std::string lambda;
     std::size_t samples = 20000;
+    bool core = false;
   };
   auto o = std::make_shared<Options>();
   add_shape_options(app, o->shape);
-  app.add_option("RESULT", o->results, "What was computed of the shape (.vtp .ply .ma ...). Options not given are taken from it")->type_name("")->required();
-  app.add_option("--lambda", o->lambda, "The result is a voxel core pruned with this radius, as in 'core' [default: what the result says of itself]")->type_name("LENGTH");
-  app.add_option("--samples", o->samples, "How many cells the sampled checks look at")->type_name("N")->capture_default_str();
+  app.add_option("RESULT", o->results,
+                 "What was computed of the shape (.vtp .ply .ma ...). Options not given are taken from it")
+      ->type_name("")
+      ->required();
+  app.add_option("--lambda", o->lambda,
+                 "The radius RESULT was pruned with, as in 'core' [default: what RESULT says, else 0]")
+      ->type_name("LENGTH");
+  app.add_flag("--core", o->core, "Check RESULT as an exact voxel core even if it does not say that it is one");
+  app.add_option("--samples", o->samples, "How many cells the sampled checks look at")
+      ->type_name("N")
+      ->capture_default_str();
   return [o](Session& session) {
     session.check_report({o->shape.file});
     for (const std::string& file : o->results) session.check_report({file});
@@ -38,8 +47,13 @@ Action add_verify(CLI::App& app) {
     for (std::size_t r = 0; r < o->results.size(); ++r) {
       const std::string& file = o->results[r];
       PolyData data = io::read_poly_data(file);
-      // A file of another format or program does not say what it is: --lambda does.
-      if (!o->lambda.empty() && !find_array(data.field_data, "stage")) data.field_data.push_back({"stage", 1, std::vector<std::string>{"core"}});
+      if (!find_array(data.field_data, "stage")) {  // other formats and programs do not say what they hold
+        if (o->core)
+          data.field_data.push_back({"stage", 1, std::vector<std::string>{"core"}});
+        else if (!o->lambda.empty())
+          session.say(fmt::format(
+              "note: {} does not say that it is a voxel core; --lambda has no effect without --core", file));
+      }
       const std::string parameters = parameters_of(data);
       if (r == 0 || parameters != made_with) {  // results of one run share their shape
         ShapeOptions shape = o->shape;
@@ -50,11 +64,16 @@ Action add_verify(CLI::App& app) {
       VerifyOptions options;
       options.samples = o->samples;
       if (!o->lambda.empty())
-        options.lambda = parse_length(o->lambda, "--lambda").resolve(loaded.longest_side, loaded.shape.grid().spacing.minCoeff());
+        options.lambda =
+            parse_length(o->lambda, "--lambda").resolve(loaded.longest_side, loaded.shape.grid().spacing.minCoeff());
       const Certificate certificate = verify(loaded.shape, data, options, &session.context);
       auto& section = report[file] = nlohmann::ordered_json::object();
       for (const Check& check : certificate.checks) {
-        answer(fmt::format("{}: {} {}: {}\n", file, !check.passed ? "FAIL" : check.detail.starts_with("not checked") ? "-   " : "ok  ", check.name, check.detail));
+        answer(fmt::format("{}: {} {}: {}\n", file,
+                           !check.passed                             ? "FAIL"
+                           : check.detail.starts_with("not checked") ? "-   "
+                                                                     : "ok  ",
+                           check.name, check.detail));
         section[check.name] = {{"passed", check.passed}, {"detail", check.detail}};
       }
       answer(fmt::format("{}: {}\n", file, certificate.passed() ? "verified" : "NOT verified"));

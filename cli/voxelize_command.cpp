@@ -20,6 +20,7 @@ Action add_voxelize(CLI::App& app) {
   };
   auto o = std::make_shared<Options>();
   add_shape_options(app, o->shape);
+  o->shape.core_follows = false;
   app.add_option("-o,--output", o->output, "The volume: .nrrd, 1 inside and 0 outside")->type_name("FILE")->required();
   return [o](Session& session) {
     session.check_output(o->output, {o->shape.file});
@@ -41,7 +42,8 @@ Action add_voxelize(CLI::App& app) {
                          {"voxelization_changed_topology", loaded.topology_changed.value_or(false)}};
       write_report(session.options.report, report, session);
     }
-    session.say(fmt::format("{}: {} voxels inside; {:.1f} s", o->output, loaded.shape.voxel_count(), session.total_seconds()));
+    session.say(
+        fmt::format("{}: {} voxels inside; {:.1f} s", o->output, loaded.shape.voxel_count(), session.total_seconds()));
     return 0;
   };
 }

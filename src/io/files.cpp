@@ -102,14 +102,21 @@ using Writer = void (*)(std::ostream&, const PolyData&, const WriteOptions&);
 
 Writer writer_of(const std::filesystem::path& file) {
   const std::string extension = lower_extension(file);
-  if (extension == ".ply") return [](std::ostream& out, const PolyData& data, const WriteOptions& o) { write_ply(out, data, o); };
-  if (extension == ".obj") return [](std::ostream& out, const PolyData& data, const WriteOptions&) { write_obj(out, data); };
-  if (extension == ".vtp") return [](std::ostream& out, const PolyData& data, const WriteOptions&) { write_vtp(out, data); };
-  if (extension == ".ma") return [](std::ostream& out, const PolyData& data, const WriteOptions&) { write_ma(out, data); };
-  if (extension == ".r") return [](std::ostream& out, const PolyData& data, const WriteOptions&) { write_r(out, data); };
-  if (extension == ".csv") return [](std::ostream& out, const PolyData& data, const WriteOptions&) { write_csv(out, data); };
-  throw Error(ErrorCode::usage, fmt::format("cannot write '{}': '{}' is no output format; use .vtp .ply .obj .ma .r or .csv",
-                                            file.string(), extension));
+  if (extension == ".ply")
+    return [](std::ostream& out, const PolyData& data, const WriteOptions& o) { write_ply(out, data, o); };
+  if (extension == ".obj")
+    return [](std::ostream& out, const PolyData& data, const WriteOptions&) { write_obj(out, data); };
+  if (extension == ".vtp")
+    return [](std::ostream& out, const PolyData& data, const WriteOptions&) { write_vtp(out, data); };
+  if (extension == ".ma")
+    return [](std::ostream& out, const PolyData& data, const WriteOptions&) { write_ma(out, data); };
+  if (extension == ".r")
+    return [](std::ostream& out, const PolyData& data, const WriteOptions&) { write_r(out, data); };
+  if (extension == ".csv")
+    return [](std::ostream& out, const PolyData& data, const WriteOptions&) { write_csv(out, data); };
+  throw Error(ErrorCode::usage,
+              fmt::format("cannot write '{}': '{}' is no output format; use .vtp .ply .obj .ma .r or .csv",
+                          file.string(), extension));
 }
 
 }  // namespace

@@ -62,7 +62,8 @@ void write_ma(std::ostream& out, const PolyData& data) {
   for (const auto& line : data.lines) text.print("e {} {}\n", line[0], line[1]);
   for (std::size_t f = 0; f < data.poly_count(); ++f)  // programs that read .ma expect triangles: polygons become fans
     for (std::size_t c = data.poly_offsets[f] + 2; c < data.poly_offsets[f + 1]; ++c)
-      text.print("f {} {} {}\n", data.poly_corners[data.poly_offsets[f]], data.poly_corners[c - 1], data.poly_corners[c]);
+      text.print("f {} {} {}\n", data.poly_corners[data.poly_offsets[f]], data.poly_corners[c - 1],
+                 data.poly_corners[c]);
   text.flush();
 }
 

@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "program.h"
+
+// What the program refuses, and what is left when it is stopped.
+
+using namespace quench::testing_program;
+
+namespace {
+
+class Refusals : public ProgramTest {
+ protected:
+  void SetUp() override {
+    folder.write("cube.off", cube_off());
+    folder.write("grey.npy", npy(3, 1, 1, "\1\2\3"));
+    folder.write("box.npy", npy_box(3, 4, 5, 1));
+  }
+};
+
+TEST_F(Refusals, CommandLines) {
+  refuses(2, {"run, sample, voxelize, core, info, convert, verify"}, {});
+  refuses(2, {"'cores'", "run, sample"}, {"cores"});
+  refuses(2, {"--fast"}, {"--fast"});
+  refuses(2, {"--fast", "quench core --help"}, {"core", "cube.off", "--fast", "3", "-o", "a.vtp"});
+  refuses(2, {"'more'"}, {"core", "cube.off", "more", "-o", "a.vtp"});
+  refuses(2, {"SHAPE"}, {"core", "-o", "a.vtp"});
+  refuses(2, {"--output"}, {"core", "cube.off"});
+  refuses(2, {"--lambda needs a value"}, {"core", "cube.off", "-o", "a.vtp", "--lambda"});
+}
+
+TEST_F(Refusals, OptionsThatCannotBe) {
+  const auto core = [&](const std::string& option, const std::string& value) {
+    refuses(2, {option}, {"core", "cube.off", "-o", "a.vtp", option, value});
+  };
+  for (const char* lambda : {"nonsense", "-1", "nan", "2 vox", "3%%", ""}) core("--lambda", lambda);
+  for (const char* resolution : {"0", "-5", "1.5", "abc", "99999", "1e3", ""}) core("--resolution", resolution);
+  for (const char* spacing : {"nonsense", "1,2", "1,2,3,", "0", "-1", "1,2,inf", "1,2,3,4"}) core("--spacing", spacing);
+  for (const char* threads : {"-1", "two", "1.5"}) core("--threads", threads);
+  for (const char* limit : {"nonsense", "-1G", "5X", "0", "G"}) core("--memory-limit", limit);
+  for (const char* factor : {"0", "65", "x"}) core("--subdivide", factor);
+  core("--fill", "odd");
+  core("--lambda-rule", "round");
+  core("--min-component", "-3");
+  core("--threshold", "high");
+  core("--label", "1.5");
+  refuses(2, {"--threshold", "--label"}, {"core", "grey.npy", "--threshold", "1", "--label", "1", "-o", "a.vtp"});
+  refuses(2, {"--threshold"}, {"core", "grey.npy", "--threshold", "nan", "-o", "a.vtp"});
+  refuses(2, {"'cub'", "torus"}, {"sample", "cub", "-o", "a.ply"});
+  refuses(2, {"--branches"}, {"sample", "root", "--branches", "0", "-o", "a.ply"});
+  refuses(2, {"--noise"}, {"sample", "bumpy-sphere", "--noise", "1", "-o", "a.ply"});
+  refuses(2, {"--detail"}, {"sample", "torus", "--detail", "0", "-o", "a.ply"});
+  refuses(2, {"--resolution"}, {"sample", "torus", "--resolution", "0", "-o", "a.nrrd"});
+}
+
+TEST_F(Refusals, MissingFiles) {
+  for (const char* command : {"core", "run", "voxelize"})
+    refuses(1, {"'no such.ply'"},
+            {command, "no such.ply", "-o", std::string(command) == "voxelize" ? "a.nrrd" : "a.vtp"});
+  refuses(1, {"'no such.ply'"}, {"info", "no such.ply"});
+  refuses(1, {"'no such.ply'"}, {"convert", "no such.ply", "a.vtp"});
+  refuses(1, {"'no such.ply'"}, {"verify", "no such.ply", "cube.off"});
+  refuses(1, {"'no such.ply'"}, {"verify", "cube.off", "no such.ply"});
+  refuses(1, {"'no such.r'"}, {"convert", "cube.off", "a.ma", "--radii", "no such.r"});
+}
+
+TEST_F(Refusals, FilesThatAreNotWhatTheyClaim) {
+  folder.write("a.docx", "text");
+  folder.write("empty.ply", "");
+  folder.write("empty.nrrd", "");
+  folder.write("empty.npy", "");
+  folder.write("text.nrrd", "this is no volume\n");
+  folder.write("text.npy", "this is no volume\n");
+  folder.write("text.stl", "this is no mesh\n");
+  std::filesystem::create_directory(folder / "no slices");
+  refuses(3, {"'a.docx'"}, {"core", "a.docx", "-o", "a.vtp"});
+  refuses(3, {"'a.docx'"}, {"info", "a.docx"});
+  for (const char* name : {"empty.ply", "empty.nrrd", "empty.npy", "text.nrrd", "text.npy", "text.stl"}) {
+    refuses(3, {name}, {"core", name, "-o", "a.vtp"});
+    refuses(3, {name}, {"info", name});
+  }
+  refuses(3, {"'no slices'", "slices"}, {"core", "no slices", "-o", "a.vtp"});
+  refuses(2, {"'grey.npy'", "volume"}, {"convert", "grey.npy", "a.vtp"});
+}
+
+TEST_F(Refusals, TruncatedFiles) {
+  works({"sample", "torus", "-o", "torus.ply", "--detail", "0.1"});
+  works({"sample", "torus", "-o", "torus.nrrd", "--resolution", "16"});
+  const std::string vol = "Version: 2\nX: 4\nY: 4\nZ: 4\nVoxel-Size: 1\n.\n";
+  for (const char* name : {"torus.ply", "torus.nrrd", "box.npy"}) {
+    const std::string whole = bytes(name);
+    folder.write(name, whole.substr(0, whole.size() / 2));
+  }
+  folder.write("short.vol", vol + std::string(20, '\1'));
+  for (const char* name : {"torus.ply", "torus.nrrd", "box.npy", "short.vol"})
+    refuses(3, {name}, {"core", name, "-o", "a.vtp"});
+}
+
+TEST_F(Refusals, MeshesThatEncloseNothing) {
+  folder.write("open.off", cube_off(true));
+  folder.write("nan.off", cube_off(false, "nan"));
+  folder.write("points.off", "OFF\n1 0 0\n0 0 0\n");
+  refuses(3, {"'open.off'", "not closed"}, {"core", "open.off", "-o", "a.vtp"});
+  refuses(3, {"nan.off"}, {"core", "nan.off", "-o", "a.vtp"});
+  refuses(3, {"'points.off'", "closed surface"}, {"run", "points.off", "-o", "a"});
+}
+
+TEST_F(Refusals, VolumesWithoutAShape) {
+  folder.write("zero.npy", npy(2, 2, 2, std::string(8, '\0')));
+  refuses(2, {"'grey.npy'", "--threshold", "--label"}, {"core", "grey.npy", "-o", "a.vtp"});
+  refuses(3, {"'grey.npy'", "4", "from 1 to 3"}, {"core", "grey.npy", "--threshold", "4", "-o", "a.vtp"});
+  refuses(3, {"'grey.npy'", "9", "from 1 to 3"}, {"core", "grey.npy", "--label", "9", "-o", "a.vtp"});
+  refuses(3, {"'zero.npy'"}, {"core", "zero.npy", "-o", "a.vtp"});
+  folder.write("float.npy", npy(2, 1, 1, std::string("\0\0\0\0\0\0\xc0\x3f", 8), "<f4"));  // 0 and 1.5
+  refuses(3, {"'float.npy'", "label 1", "1.5"}, {"core", "float.npy", "--label", "1", "-o", "a.vtp"});
+}
+
+TEST_F(Refusals, Outputs) {
+  works({"core", "box.npy", "-o", "old.vtp"});
+  folder.write("old.vtp", "precious");
+  folder.write("file", "");
+  std::filesystem::create_directory(folder / "dir");
+  refuses(2, {"'old.vtp'", "--overwrite"}, {"core", "box.npy", "-o", "old.vtp"});
+  refuses(2, {"'old.vtp'", "--overwrite"}, {"core", "box.npy", "-o", "a.vtp", "--json", "old.vtp"});
+  refuses(2, {"same file"}, {"core", "box.npy", "-o", "a.vtp", "--json", "./a.vtp"});
+  refuses(2, {"input itself"}, {"convert", "cube.off", "./cube.off", "--overwrite"});
+  refuses(2, {"input itself"}, {"voxelize", "box.npy", "-o", "box.npy", "--overwrite"});
+  refuses(2, {"'dir'", "folder"}, {"core", "box.npy", "-o", "dir", "--overwrite"});
+  refuses(1, {"'no'", "does not exist"}, {"core", "box.npy", "-o", "no/a.vtp"});
+  refuses(2, {"'a.xyz'", ".vtp"}, {"core", "not even read.npy", "-o", "a.xyz"});
+  refuses(2, {"'a.npy'", ".nrrd"}, {"voxelize", "box.npy", "-o", "a.npy"});
+  refuses(2, {"'a.off'"}, {"sample", "box", "-o", "a.off"});
+  refuses(2, {"file", "no folder"}, {"run", "box.npy", "-o", "file"});
+  refuses(2, {"empty"}, {"core", "box.npy", "-o", ""});
+  works({"run", "cube.off", "--resolution", "8", "-o", "mine"});
+  refuses(2, {"input itself"}, {"run", "mine/core.vtp", "-o", "mine"});
+  works({"core", "box.npy", "-o", "old.vtp", "--overwrite"});
+  EXPECT_TRUE(bytes("old.vtp").starts_with("<?xml"));
+}
+
+TEST_F(Refusals, TooLittleMemory) {
+  works({"sample", "box", "-o", "box.ply"});
+  refuses(1, {"121 MB", "1.0 MB", "--memory-limit"}, {"core", "box.ply", "--memory-limit", "1M", "-o", "a.vtp"});
+  refuses(1, {"GB", "4.0 GB", "--resolution"},
+          {"core", "box.ply", "--resolution", "4096", "--memory-limit", "4G", "-o", "a.vtp"});
+  refuses(1, {"GB", "--memory-limit"}, {"core", "box.ply", "--subdivide", "64", "--memory-limit", "4G", "-o", "a.vtp"});
+  refuses(1, {"--memory-limit"}, {"run", "box.ply", "--memory-limit", "1M", "-o", "folder"});
+}
+
+TEST_F(Refusals, DiskFull) {
+  works({"sample", "torus", "-o", "torus.ply", "--detail", "0.2"});
+  folder.write("old.vtp", "precious");
+  const auto before = files();
+  const Outcome outcome =
+      wait(start({"core", "torus.ply", "--resolution", "40", "-o", "old.vtp", "--overwrite"}, 4096));
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_NE(outcome.err.find("quench: cannot write 'old.vtp': File too large"), std::string::npos) << outcome.err;
+  EXPECT_EQ(files(), before);
+  if (!std::filesystem::exists("/dev/full")) return;
+  std::filesystem::create_symlink("/dev/full", folder / "full.vtp");
+  const Outcome full = quench({"core", "torus.ply", "--resolution", "20", "-o", "full.vtp", "--overwrite"});
+  EXPECT_EQ(full.code, 1);
+  EXPECT_NE(full.err.find("quench: cannot write 'full.vtp': No space left"), std::string::npos) << full.err;
+}
+
+void nap(double seconds) { usleep(static_cast<useconds_t>(seconds * 1e6)); }
+
+// A core that takes many seconds.
+class Interrupted : public ProgramTest {
+ protected:
+  const std::vector<std::string> slow{"core", "s.ply", "--resolution", "512",        "--memory-limit",
+                                      "100G", "-o",    "out.vtp",      "--overwrite"};
+  void SetUp() override {
+    works({"sample", "bumpy-sphere", "-o", "s.ply", "--detail", "0.3"});
+    folder.write("out.vtp", "precious");
+  }
+};
+
+TEST_F(Interrupted, ByCtrlC) {
+  const auto before = files();
+  const pid_t child = start(slow);
+  nap(1);
+  kill(child, SIGINT);
+  const Outcome outcome = wait(child);
+  EXPECT_EQ(outcome.code, 130);
+  EXPECT_TRUE(outcome.err.ends_with("quench: interrupted; nothing was written\n")) << outcome.err;
+  const std::size_t first = outcome.err.find("quench: ");
+  EXPECT_EQ(outcome.err.find('\n', first), outcome.err.size() - 1) << "one line";
+  EXPECT_EQ(files(), before);
+}
+
+TEST_F(Interrupted, Killed) {
+  const pid_t child = start(slow);
+  nap(0.5);
+  kill(child, SIGKILL);
+  EXPECT_EQ(wait(child).code, 128 + SIGKILL);
+  EXPECT_EQ(bytes("out.vtp"), "precious");
+  for (const auto& [name, content] : files())
+    EXPECT_TRUE(name == "s.ply" || name == "out.vtp" || name.ends_with(".tmp")) << name;
+}
+
+}  // namespace
