@@ -60,7 +60,7 @@ std::map<std::string, double> run(const quench::TriangleMesh& mesh, std::int64_t
   MedialAxis core = voxel_core(v.shape, {}, context);
   sites = core.sites.size();
   prune_levels(core, context);
-  const Reconstruction reconstruction(v.shape, core, 50000, context);
+  const Reconstruction reconstruction(v.shape, core, Reconstruction::kSamples, context);
   const double lambda = auto_lambda(reconstruction, v.longest_side, v.shape.grid().spacing[0]);
   checkpoint(context, "reconstruct", 1);
   topology(core.complex);

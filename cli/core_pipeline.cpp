@@ -85,7 +85,7 @@ CorePipelineResult compute_core(const LoadedShape& loaded, const CorePipelineOpt
   MedialAxis core = voxel_core(loaded.shape, {.rule = options.rule == "ball" ? LambdaRule::ball : LambdaRule::coface},
                                &session.context);
   prune_levels(core, &session.context);
-  const Reconstruction reconstruction(loaded.shape, core, 50000, &session.context);
+  const Reconstruction reconstruction(loaded.shape, core, Reconstruction::kSamples, &session.context);
   if (automatic) {
     lambda = auto_lambda(reconstruction, loaded.longest_side, smallest);
     session.say(fmt::format("lambda {:.6g} ({:.3g} voxels, {:.3g} of the longest side; chosen by auto)", lambda,

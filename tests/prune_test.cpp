@@ -29,16 +29,17 @@ class NaiveThinning {
     face.assign(complex_.face_count(), kInfinity);
     double running = -kInfinity;
     while (const auto pair = first_pair()) {
-      const auto& [key, dimension, large, small] = *pair;
+      const auto& [key, dimension, small, large] = *pair;
       running = std::max(running, key);
-      (dimension == 2 ? face : edge)[large] = running;
-      (dimension == 2 ? edge : vertex)[small] = running;
+      (dimension == 1 ? face : edge)[large] = running;
+      (dimension == 1 ? edge : vertex)[small] = running;
     }
   }
   std::vector<double> vertex, edge, face;
 
  private:
-  using Pair = std::tuple<double, int, std::uint32_t, std::uint32_t>;
+  using Pair =
+      std::tuple<double, int, std::uint32_t, std::uint32_t>;  // key, dimension and index of the free cell, other
   std::optional<Pair> first_pair() const {
     std::vector<std::vector<std::uint32_t>> faces(edge.size()), edges(vertex.size());
     for (std::uint32_t f = 0; f < face.size(); ++f)
@@ -53,10 +54,10 @@ class NaiveThinning {
     };
     for (std::uint32_t e = 0; e < edge.size(); ++e)
       if (edge[e] == kInfinity && faces[e].size() == 1)
-        offer({std::max(axis_.edge_lambda[e], axis_.face_lambda[faces[e][0]]), 2, faces[e][0], e});
+        offer({std::max(axis_.edge_lambda[e], axis_.face_lambda[faces[e][0]]), 1, e, faces[e][0]});
     for (std::uint32_t v = 0; v < vertex.size(); ++v)
       if (vertex[v] == kInfinity && edges[v].size() == 1 && faces[edges[v][0]].empty())
-        offer({std::max(axis_.vertex_lambda[v], axis_.edge_lambda[edges[v][0]]), 1, edges[v][0], v});
+        offer({std::max(axis_.vertex_lambda[v], axis_.edge_lambda[edges[v][0]]), 0, v, edges[v][0]});
     return first;
   }
   const MedialAxis& axis_;

@@ -24,8 +24,9 @@ MedialAxis pruned(const MedialAxis& axis, double lambda);
 /// still contains the centre.
 class Reconstruction {
  public:
+  static constexpr std::size_t kSamples = 20000;  // a share of 98% is then known to 0.1%
   /// `axis` needs levels. Deterministic; `samples` centres are taken evenly through the shape.
-  Reconstruction(const VoxelShape& shape, const MedialAxis& axis, std::size_t samples = 50000,
+  Reconstruction(const VoxelShape& shape, const MedialAxis& axis, std::size_t samples = kSamples,
                  Context* context = nullptr);
   /// Share of the sampled centres inside the union of the balls of { level >= lambda }; in [0, 1].
   double share(double lambda) const;

@@ -8,17 +8,18 @@
 namespace quench {
 namespace {
 
+// A simple pair is known by its free cell: the edge or vertex, whose only larger cell is the other half.
 struct Pair {
   double key;
-  std::uint32_t dimension;  // of the larger cell
-  std::uint32_t large, small;
+  std::uint32_t dimension : 1;  // of the free cell
+  std::uint32_t free : 31;
   bool operator<(const Pair& other) const {  // std::priority_queue gives the largest first
     if (key != other.key) return key > other.key;
     if (dimension != other.dimension) return dimension > other.dimension;
-    if (large != other.large) return large > other.large;
-    return small > other.small;
+    return free > other.free;
   }
 };
+static_assert(sizeof(Pair) == 16);
 
 // The number of live larger cells at a cell, and their XOR: with number 1 that is the only one.
 struct Cofaces {
@@ -37,6 +38,8 @@ class Thinning {
         face_(face),
         faces_(complex.edges.size()),
         edges_(complex.vertex_count) {
+    if (complex.edges.size() >= std::size_t{1} << 31)
+      throw Error(ErrorCode::failed, "a complex of more than 2^31 edges cannot be thinned; use a lower resolution");
     constexpr double infinity = std::numeric_limits<double>::infinity();
     level.vertex.assign(complex.vertex_count, infinity);
     level.edge.assign(complex.edges.size(), infinity);
@@ -59,10 +62,10 @@ class Thinning {
       if (!still_simple(pair)) continue;
       if ((++removed & 0xFFFF) == 0) checkpoint(context, stage, std::min(1.0, static_cast<double>(removed) / total));
       running = std::max(running, pair.key);
-      if (pair.dimension == 2)
-        remove_face(pair.large, pair.small, running);
+      if (pair.dimension == 1)
+        remove_face(faces_[pair.free].sum, pair.free, running);
       else
-        remove_edge(pair.large, pair.small, running);
+        remove_edge(edges_[pair.free].sum, pair.free, running);
     }
     checkpoint(context, stage, 1);
   }
@@ -73,16 +76,16 @@ class Thinning {
   static bool alive(double cell_level) { return cell_level == std::numeric_limits<double>::infinity(); }
 
   void offer_edge(std::uint32_t e) {
-    if (faces_[e].count == 1) queue_.push({std::max(face_[faces_[e].sum], edge_[e]), 2, faces_[e].sum, e});
+    if (faces_[e].count == 1) queue_.push({std::max(face_[faces_[e].sum], edge_[e]), 1, e & 0x7FFFFFFFu});
   }
   void offer_vertex(std::uint32_t v) {
     const std::uint32_t e = edges_[v].sum;
-    if (edges_[v].count == 1 && faces_[e].count == 0) queue_.push({std::max(edge_[e], vertex_[v]), 1, e, v});
+    if (edges_[v].count == 1 && faces_[e].count == 0) queue_.push({std::max(edge_[e], vertex_[v]), 0, v & 0x7FFFFFFFu});
   }
 
   bool still_simple(const Pair& p) const {
-    if (p.dimension == 2) return alive(level.edge[p.small]) && faces_[p.small].count == 1;
-    return alive(level.edge[p.large]) && alive(level.vertex[p.small]) && edges_[p.small].count == 1;
+    if (p.dimension == 1) return alive(level.edge[p.free]) && faces_[p.free].count == 1;
+    return alive(level.vertex[p.free]) && edges_[p.free].count == 1;
   }
 
   void remove_face(std::uint32_t f, std::uint32_t e, double at) {

@@ -22,7 +22,7 @@ struct CellValues {
 /// >= t} is a closed subcomplex with the topology of the whole, in which no pair of key < t is left; the family is
 /// nested.
 ///
-/// O(n log n); 16 bytes per vertex and edge and 24 per queued pair.
+/// O(n log n); 8 bytes per vertex and edge and 16 per queued pair.
 CellValues thin(const CellComplex& complex, std::span<const double> vertex_value, std::span<const double> edge_value,
                 std::span<const double> face_value, Context* context, std::string_view stage);
 

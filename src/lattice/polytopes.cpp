@@ -22,6 +22,7 @@ void prefix_sum(std::vector<std::uint32_t>& counts) {
 namespace {
 
 constexpr std::uint32_t kOutside = kNone - 1;
+constexpr std::uint32_t kAhead = 6;  // tetrahedra whose neighbours are fetched early
 
 class Merger {
  public:
@@ -31,6 +32,11 @@ class Merger {
     members_.reserve(tetrahedra.size() / 2);
     for (std::uint32_t t = 0; t < tetrahedra.size(); ++t) {
       if ((t & 0xFFFFF) == 0) checkpoint(context, "merge", 0.3 * t / static_cast<double>(tetrahedra.size()));
+      if (t + kAhead < tetrahedra.size())
+        for (std::uint32_t n : tetrahedra[t + kAhead].neighbour) {
+          __builtin_prefetch(&tetrahedra[n >> 2]);
+          __builtin_prefetch(&state_[n >> 2]);
+        }
       if (state_[t] != kNone) continue;
       if (tetrahedra[t].corner[0] == kNone || delaunay.touches_box(tetrahedra[t]) || !inside(tetrahedra[t]))
         state_[t] = kOutside;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 
@@ -43,8 +44,11 @@ class Predicates {
       sum += real_weight_[a];
     }
     // |det| <= 4 * (lift <= sum * D^2) * (minor <= 6 D^3) = 24 * sum * D^5, and so is every partial sum.
-    double_limit_ = std::floor(std::pow(0x1p53 / (24 * sum), 0.2) * (1 - 1e-9));
-    int64_limit_ = std::floor(std::pow(0x1p63 / (24 * sum), 0.2) * (1 - 1e-9));
+    const auto power_of_two_below = [](double limit) {
+      return limit < 1 ? 0u : std::bit_floor(static_cast<std::uint32_t>(limit * (1 - 1e-9)));
+    };
+    double_limit_ = power_of_two_below(std::pow(0x1p53 / (24 * sum), 0.2));
+    int64_limit_ = power_of_two_below(std::pow(0x1p63 / (24 * sum), 0.2));
     // Rounding: fewer than 20 operations on the way to each of the partial sums above, each within 2^-53 relative.
     filter_ = 24 * sum * 20 * 0x1p-53;
   }
@@ -62,15 +66,20 @@ class Predicates {
   /// Positive when p lies strictly inside the ball through the corners of the positively oriented (a, b, c, d),
   /// 0 when on its sphere.
   int in_sphere(const Point& a, const Point& b, const Point& c, const Point& d, const Point& p) const {
-    const double ax = a.x - p.x, ay = a.y - p.y, az = a.z - p.z;
-    const double bx = b.x - p.x, by = b.y - p.y, bz = b.z - p.z;
-    const double cx = c.x - p.x, cy = c.y - p.y, cz = c.z - p.z;
-    const double dx = d.x - p.x, dy = d.y - p.y, dz = d.z - p.z;
-    const double m = std::max({std::abs(ax), std::abs(ay), std::abs(az), std::abs(bx), std::abs(by), std::abs(bz),
-                               std::abs(cx), std::abs(cy), std::abs(cz), std::abs(dx), std::abs(dy), std::abs(dz)});
+    const std::int32_t iax = a.x - p.x, iay = a.y - p.y, iaz = a.z - p.z, ibx = b.x - p.x, iby = b.y - p.y,
+                       ibz = b.z - p.z, icx = c.x - p.x, icy = c.y - p.y, icz = c.z - p.z, idx = d.x - p.x,
+                       idy = d.y - p.y, idz = d.z - p.z;
+    const double ax = iax, ay = iay, az = iaz, bx = ibx, by = iby, bz = ibz, cx = icx, cy = icy, cz = icz, dx = idx,
+                 dy = idy, dz = idz;
     const double det = determinant<double>(ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz, real_weight_);
-    if (m <= double_limit_) return (det > 0) - (det < 0);
-    if (m > int64_limit_) {
+    // The limits are powers of two, so one OR over the magnitudes tells whether all differences are below them.
+    const auto magnitude = [](std::int32_t v) { return static_cast<std::uint32_t>(v ^ (v >> 31)); };
+    const std::uint32_t all = magnitude(iax) | magnitude(iay) | magnitude(iaz) | magnitude(ibx) | magnitude(iby) |
+                              magnitude(ibz) | magnitude(icx) | magnitude(icy) | magnitude(icz) | magnitude(idx) |
+                              magnitude(idy) | magnitude(idz);
+    if (all < double_limit_) return (det > 0) - (det < 0);
+    if (all >= int64_limit_) {
+      const double m = static_cast<double>(all) + 1;  // at least the largest difference
       const double bound = filter_ * m * m * m * m * m;
       if (det > bound) return 1;
       if (det < -bound) return -1;
@@ -113,7 +122,8 @@ class Predicates {
 
   std::array<std::int64_t, 3> weight_{};
   std::array<double, 3> real_weight_{};
-  double double_limit_ = 0, int64_limit_ = 0, filter_ = 0;
+  std::uint32_t double_limit_ = 0, int64_limit_ = 0;  // powers of two: differences below them are exact
+  double filter_ = 0;
   bool wide_ = false;
 };
 
