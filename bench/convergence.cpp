@@ -74,7 +74,7 @@ void print_topology(std::int64_t largest) {
           const VoxelShape shape = smooth::digitize(*solid, smooth::grid_for(*solid, resolution, tilt));
           ++row.shapes;
           row.wrong_shapes += !(topology(shape) == solid->topology);
-          if (resolution > 64) continue;
+          if (resolution > 64 || tilt > 4) continue;
           ++row.cores;
           row.wrong_cores += !(topology(voxel_core(shape).complex) == solid->topology);
         }
@@ -103,7 +103,7 @@ void print_axis_distances(std::int64_t largest) {
         for (std::size_t i = 0; i < fractions.size(); ++i) {
           const double lambda = fractions[i] * solid->longest_side;
           const MedialAxis kept = pruned(core, lambda);
-          const auto d = smooth::axis_distances(kept, *solid, lambda, 0.02 * h);
+          const auto d = smooth::axis_distances(kept, *solid, lambda);
           rows[i] += fmt::format("| {} | {} | {} | {:.1f} | {} | {:.5f} | {:.2f} | {:.5f} | {:.2f} | {} |\n",
                                  solid->name, placed(tilt), fractions[i], lambda / h, resolution,
                                  d.core_to_axis / solid->longest_side, d.core_to_axis / h,

@@ -62,10 +62,11 @@ class NearestTriangle {
     std::iota(order_.begin(), order_.end(), 0u);
     if (!order_.empty()) build(0, static_cast<std::uint32_t>(order_.size()));
   }
-  /// Infinite when there is no triangle.
-  double operator()(const Vec3& x) const {
+  /// Infinite when there is no triangle. A caller that only asks whether the distance is above `enough` may get any
+  /// upper bound of the distance below that.
+  double operator()(const Vec3& x, double enough = 0) const {
     double best = std::numeric_limits<double>::infinity();
-    if (!nodes_.empty()) search(0, x, best);
+    if (!nodes_.empty()) search(0, x, std::max(enough, 0.0) * enough, best);
     return std::sqrt(best);
   }
 
@@ -98,7 +99,7 @@ class NearestTriangle {
     nodes_[self].begin = nodes_[self].end = 0;
   }
 
-  void search(std::uint32_t n, const Vec3& x, double& best) const {
+  void search(std::uint32_t n, const Vec3& x, double enough, double& best) const {
     const Node& node = nodes_[n];
     if (node.begin != node.end) {
       for (std::uint32_t i = node.begin; i < node.end; ++i) {
@@ -112,8 +113,8 @@ class NearestTriangle {
     std::array<double, 2> distance{nodes_[child[0]].box.squaredExteriorDistance(x),
                                    nodes_[child[1]].box.squaredExteriorDistance(x)};
     const std::size_t first = distance[1] < distance[0];
-    if (distance[first] < best) search(child[first], x, best);
-    if (distance[1 - first] < best) search(child[1 - first], x, best);
+    if (distance[first] < best) search(child[first], x, enough, best);
+    if (best > enough && distance[1 - first] < best) search(child[1 - first], x, enough, best);
   }
 
   const Soup& soup_;
@@ -122,17 +123,18 @@ class NearestTriangle {
 };
 
 /// The largest value of `distance` (1-Lipschitz) over all points of the soup, at most `tolerance` too small: a triangle
-/// is quartered while its centroid's value plus its radius could beat the best value found.
+/// is quartered while its centroid's value plus its radius could beat the best value found. `distance(x, enough)` may
+/// answer with any upper bound of the distance that is below `enough`.
 template <class Distance>
 double largest_distance(const Soup& soup, const Distance& distance, double tolerance) {
   using Corners = std::array<Vec3, 3>;
   double best = 0;
   const auto could_beat = [&](const Corners& t) {
     const Vec3 centroid = (t[0] + t[1] + t[2]) / 3;
-    const double value = distance(centroid);
-    best = std::max(best, value);
     const double radius = std::sqrt(
         std::max({(t[0] - centroid).squaredNorm(), (t[1] - centroid).squaredNorm(), (t[2] - centroid).squaredNorm()}));
+    const double value = distance(centroid, best + std::min(0.0, tolerance - radius));
+    best = std::max(best, value);
     return value + radius > best + tolerance;
   };
   const auto corners = [&](const std::array<std::uint32_t, 3>& t) {
@@ -144,7 +146,7 @@ double largest_distance(const Soup& soup, const Distance& distance, double toler
     for (const std::uint32_t v : t)
       if (!seen[v]) {
         seen[v] = 1;
-        best = std::max(best, distance(soup.points[v]));
+        best = std::max(best, distance(soup.points[v], best));
       }
   std::vector<Corners> stack;
   for (const auto& t : soup.triangles) {
@@ -161,16 +163,17 @@ double largest_distance(const Soup& soup, const Distance& distance, double toler
   return best;
 }
 
-/// Both one-sided distances between a medial axis and the true lambda-medial axis, in world units.
+/// Both one-sided distances between a medial axis and the true lambda-medial axis, in world units; at most 0.01 and
+/// 0.05 voxels too small.
 struct AxisDistances {
   double core_to_axis = 0, axis_to_core = 0;
 };
-inline AxisDistances axis_distances(const MedialAxis& core, const Solid& solid, double lambda, double tolerance) {
+inline AxisDistances axis_distances(const MedialAxis& core, const Solid& solid, double lambda) {
+  const double h = core.grid.spacing[0];
   const Soup cells = soup_of(core);
   const NearestTriangle nearest(cells);
-  return {largest_distance(
-              cells, [&](const Vec3& x) { return solid.axis_distance(x, lambda); }, tolerance),
-          largest_distance(solid.axis(lambda), nearest, tolerance)};
+  const auto to_axis = [&](const Vec3& x, double) { return solid.axis_distance(x, lambda); };
+  return {largest_distance(cells, to_axis, 0.01 * h), largest_distance(solid.axis(lambda), nearest, 0.05 * h)};
 }
 
 }  // namespace quench::smooth

@@ -76,10 +76,9 @@ double distance_to_quadric(const std::array<double, N>& e, const std::array<doub
   for (int i = 0; i < 100; ++i) {
     const double f = value(t, slope);
     (f > 0 ? low : high) = t;
-    double next = t - f / slope;
-    if (!(next > low && next < high)) next = 0.5 * (low + high);
-    if (std::abs(next - t) <= 1e-15 * most * most) break;
-    t = next;
+    const double next = t - f / slope;
+    if (std::abs(next - t) <= 1e-14 * most * most) break;
+    t = next > low && next < high ? next : 0.5 * (low + high);
   }
   double squared = 0;
   for (std::size_t i = 0; i < N; ++i) {
