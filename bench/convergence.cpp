@@ -5,8 +5,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -37,10 +40,10 @@ void print_voxel_distances(std::int64_t largest) {
       const double h = voxel_size(*solid, resolution);
       if (h >= 2 * std::sqrt(3.0) / 3 * solid->reach) continue;
       smooth::VoxelizationDistances worst;
-      const std::uint64_t tilts = resolution <= 256 ? 8 : 2;
+      const std::uint64_t tilts = resolution <= 256 ? 4 : 1;
       for (std::uint64_t tilt = 0; tilt <= tilts; ++tilt) {
         const VoxelShape shape = smooth::digitize(*solid, smooth::grid_for(*solid, resolution, tilt));
-        const auto d = smooth::voxelization_distances(*solid, shape, 200000);
+        const auto d = smooth::voxelization_distances(*solid, shape, 100000);
         worst.vertices_to_surface = std::max(worst.vertices_to_surface, d.vertices_to_surface);
         worst.surface_to_vertices = std::max(worst.surface_to_vertices, d.surface_to_vertices);
         worst.voxels_to_solid = std::max(worst.voxels_to_solid, d.voxels_to_solid);
@@ -88,30 +91,35 @@ void print_topology(std::int64_t largest) {
 
 // Theorem 2.5.4 and Fig. 2.9.
 void print_axis_distances(std::int64_t largest) {
-  fmt::print(
-      "| solid | grid | λ / side | λ / h | resolution | core to axis / side | / h | axis to core / side | / h | faces "
-      "|\n"
-      "|---|---|---|---|---|---|---|---|---|---|\n");
+  std::string head = "| solid | grid | λ / side | distance |", rule = "|---|---|---|---|";
+  for (std::int64_t resolution = 128; resolution <= largest; resolution *= 2) {
+    head += fmt::format(" {} |", resolution);
+    rule += "---|";
+  }
+  fmt::print("{}\n{}\n", head, rule);
+  constexpr std::array<double, 3> fractions{0.015, 0.025, 0.065};
   for (const auto& solid : smooth::solids())
     for (const std::uint64_t tilt : {0u, 1u}) {
-      std::array<std::string, 3> rows;
-      constexpr std::array<double, 3> fractions{0.015, 0.025, 0.065};
+      std::array<std::string, 2 * fractions.size()> rows;
+      for (std::size_t i = 0; i < rows.size(); ++i)
+        rows[i] = fmt::format("| {} | {} | {} | {} |", solid->name, placed(tilt), fractions[i / 2],
+                              i % 2 ? "axis to core" : "core to axis");
       for (std::int64_t resolution = 128; resolution <= largest; resolution *= 2) {
         const double h = voxel_size(*solid, resolution);
         MedialAxis core = voxel_core(smooth::digitize(*solid, smooth::grid_for(*solid, resolution, tilt)));
         prune_levels(core);
         for (std::size_t i = 0; i < fractions.size(); ++i) {
           const double lambda = fractions[i] * solid->longest_side;
-          const MedialAxis kept = pruned(core, lambda);
-          const auto d = smooth::axis_distances(kept, *solid, lambda);
-          rows[i] += fmt::format("| {} | {} | {} | {:.1f} | {} | {:.5f} | {:.2f} | {:.5f} | {:.2f} | {} |\n",
-                                 solid->name, placed(tilt), fractions[i], lambda / h, resolution,
-                                 d.core_to_axis / solid->longest_side, d.core_to_axis / h,
-                                 d.axis_to_core / solid->longest_side, d.axis_to_core / h, kept.complex.face_count());
+          const auto d = smooth::axis_distances(pruned(core, lambda), *solid, lambda);
+          const auto cell = [&](double x) {
+            return fmt::format(" {:.5f} ({:.2f} h) |", x / solid->longest_side, x / h);
+          };
+          rows[2 * i] += cell(d.core_to_axis);
+          rows[2 * i + 1] += cell(d.axis_to_core);
         }
         fmt::print(stderr, "{} {} {} done\n", solid->name, placed(tilt), resolution);
       }
-      for (const std::string& row : rows) fmt::print("{}", row);
+      for (const std::string& row : rows) fmt::print("{}\n", row);
       std::fflush(stdout);
     }
 }

@@ -16,8 +16,8 @@ struct VoxelizationDistances {
 };
 
 /// The first and the third are exact: distance to a convex solid is largest at a corner of a voxel, and so it is to the
-/// torus up to 0.4 h^2. The others are taken at `samples` points of the surface, the fourth also at points up to a
-/// voxel below it (O \ O_h is a thin layer there).
+/// torus but for h / (4 (R - r)) voxels. The others are taken at `samples` points of the surface, the fourth also at
+/// points 0.3 and 0.6 voxels below it (O \ O_h is a thin layer there).
 inline VoxelizationDistances voxelization_distances(const Solid& solid, const VoxelShape& shape, std::size_t samples) {
   const Grid& grid = shape.grid();
   const double h = grid.spacing[0];

@@ -6,6 +6,7 @@
 #include <CGAL/Delaunay_triangulation_3.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <fmt/format.h>
+#include <malloc.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <tbb/global_control.h>
@@ -112,6 +113,7 @@ int compare(int argc, char** argv) {
       Method{"CGAL " CGAL_VERSION_STR " Delaunay", [&] { return run_cgal(sites); }, {}},
       Method{"lattice Delaunay", [&] { return run_lattice(sites, shape.grid()); }, {}},
       Method{"voxel core, whole", [&] { return quench::voxel_core(shape).complex.vertex_count; }, {}}};
+  malloc_trim(0);  // else children would reuse, uncounted, what voxelize() has freed
   for (int r = 0; r < runs; ++r)
     for (Method& m : methods) m.costs.push_back(in_child(m.run));
 
