@@ -8,8 +8,8 @@
 
 #include <algorithm>
 #include <chrono>
-#include <ctime>
 #include <cstdlib>
+#include <ctime>
 #include <filesystem>
 #include <map>
 #include <string>
@@ -29,6 +29,11 @@ double cpu_seconds() {
   clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
   return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
+double peak() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) * 1024;
+}
 double wall_seconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
@@ -41,17 +46,23 @@ class StageClock {
       const double now = now_();
       seconds[std::string(stage)] += now - last_;
       last_ = now;
+      peak_bytes[std::string(stage)] = peak();
     };
   }
   quench::Context context;
   std::map<std::string, double> seconds;
+  std::map<std::string, double> peak_bytes;  // of the process, until the end of the stage
 
  private:
   double (*now_)();
   double last_;
 };
 
-std::map<std::string, double> run(const quench::TriangleMesh& mesh, std::int64_t resolution, bool one_thread, std::size_t& sites) {
+struct Cost {
+  std::map<std::string, double> seconds, peak_bytes;
+};
+
+Cost run(const quench::TriangleMesh& mesh, std::int64_t resolution, bool one_thread, std::size_t& sites) {
   using namespace quench;
   StageClock clock(one_thread);
   Context* context = &clock.context;
@@ -71,7 +82,7 @@ std::map<std::string, double> run(const quench::TriangleMesh& mesh, std::int64_t
   io::write_poly_data(file, to_poly_data(kept));
   std::filesystem::remove(file);
   checkpoint(context, "write", 1);
-  return clock.seconds;
+  return {clock.seconds, clock.peak_bytes};
 }
 
 }  // namespace
@@ -87,23 +98,26 @@ int main(int argc, char** argv) {
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
   const quench::TriangleMesh mesh = quench::to_triangle_mesh(quench::io::read_poly_data(argv[1]));
   std::map<std::string, std::vector<double>> all;
+  std::map<std::string, double> peaks;
   std::size_t sites = 1;
   for (int r = 0; r < runs; ++r) {
     double total = 0;
-    for (const auto& [stage, seconds] : run(mesh, resolution, threads == 1, sites)) {
+    const Cost cost = run(mesh, resolution, threads == 1, sites);
+    if (r == 0) peaks = cost.peak_bytes;  // later runs begin at the peak of the first
+    for (const auto& [stage, seconds] : cost.seconds) {
       all[stage].push_back(seconds);
       total += seconds;
     }
     all["total"].push_back(total);
   }
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  fmt::print("{} at {}: {} sites, {} thread(s), median of {}\n", std::filesystem::path(argv[1]).filename().string(), resolution, sites, threads, runs);
+  fmt::print("{} at {}: {} sites, {} thread(s), median of {}\n", std::filesystem::path(argv[1]).filename().string(),
+             resolution, sites, threads, runs);
   for (auto& [stage, seconds] : all) {
     std::nth_element(seconds.begin(), seconds.begin() + runs / 2, seconds.end());
     const double median = seconds[static_cast<std::size_t>(runs / 2)];
-    fmt::print("  {:<12} {:8.3f} s {:8.3f} us/site\n", stage, median, median * 1e6 / static_cast<double>(sites));
+    const double bytes = stage == "total" ? peak() : peaks[stage];
+    fmt::print("  {:<12} {:8.3f} s {:8.3f} us/site   peak so far {:6.0f} bytes/site\n", stage, median,
+               median * 1e6 / static_cast<double>(sites), bytes / static_cast<double>(sites));
   }
-  fmt::print("  peak memory  {:.0f} bytes/site\n", static_cast<double>(usage.ru_maxrss) * 1024 / static_cast<double>(sites));
   return 0;
 }
