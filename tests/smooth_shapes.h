@@ -191,7 +191,8 @@ inline std::vector<std::unique_ptr<Solid>> solids() {
 }
 
 /// A grid of `resolution` voxels along the longest side. Tilt 0 is the grid that voxelize() gives; any other number
-/// turns and shifts the grid at random, because a solid whose symmetry planes are the grid's is too kind a case.
+/// turns and shifts the grid at random, because a solid whose symmetry planes are parallel to the grid's is a special
+/// case.
 inline Grid grid_for(const Solid& solid, std::int64_t resolution, std::uint64_t tilt) {
   const double h = solid.longest_side / static_cast<double>(resolution);
   Grid grid;
