@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # make demo       install packages, build, run the main job on a built-in shape
-# make test       build and run the tests (at most 15 minutes on 2 cores)
+# make test       install packages, build and run the tests (at most 15 minutes on 2 cores)
 # make test-full  also: address, undefined-behaviour and thread sanitizers, all real data at resolution 512
 # make bench      time and memory per boundary vertex
 # make format     clang-format over the sources
@@ -25,7 +25,8 @@ build:
 	cmake --preset release
 	cmake --build $(BUILD) -j $(JOBS)
 
-test: build
+test: deps
+	@$(MAKE) --no-print-directory build
 	ctest --test-dir $(BUILD) -j $(JOBS) --output-on-failure --timeout 600
 
 test-full: test

@@ -70,10 +70,14 @@ Action add_run(CLI::App& app) {
     check_folder(o->folder);
     session.check_not_inputs({core, report}, {o->shape.file});
     session.check_report({o->shape.file});
+    std::error_code error;
+    if (!session.options.report.empty() &&
+        fs::weakly_canonical(session.options.report, error) == fs::weakly_canonical(core, error))
+      throw Error(ErrorCode::usage,
+                  fmt::format("--json {} is where the medial axis goes; give another name", session.options.report));
     check_core_options(o->core);
     const LoadedShape loaded = load_shape(o->shape, session);
     const CorePipelineResult result = compute_core(loaded, o->core, session);
-    std::error_code error;
     fs::create_directories(o->folder, error);
     if (error)
       throw Error(ErrorCode::failed, fmt::format("the folder '{}' cannot be made: {}", o->folder, error.message()));

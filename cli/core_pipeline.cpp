@@ -117,7 +117,7 @@ CorePipelineResult compute_core(const LoadedShape& loaded, const CorePipelineOpt
                      {"sites", sites},
                      {"euler", loaded.topology.euler},
                      {"betti", loaded.topology.betti},
-                     {"voxelization_changed_topology", loaded.topology_changed.value_or(false)}};
+                     {"voxelization_changed_topology", topology_changed_of(loaded)}};
   report["core"] = core_section;
   report["pruned"] = {{"lambda", std::isfinite(lambda) ? Json(lambda) : Json("inf")}};
   report["pruned"].update(axis_section(kept, kept_topology, reconstructed));
@@ -127,6 +127,7 @@ CorePipelineResult compute_core(const LoadedShape& loaded, const CorePipelineOpt
   const Topology& t = loaded.topology;
   add_field(result.data, "stage", std::string("core"));
   add_field(result.data, "lambda", options.full ? 0.0 : std::min(lambda, kInfiniteLevelInFiles));
+  add_field(result.data, "lambda_chosen", std::min(lambda, kInfiniteLevelInFiles));
   add_field(result.data, "lambda_rule", options.rule);
   add_field(result.data, "longest_side", loaded.longest_side);
   add_field(result.data, "reconstructed", options.full ? reconstruction.share(0) : reconstructed);

@@ -184,6 +184,8 @@ void Session::progress(std::string_view stage, double fraction) {
   }
   if (options.quiet) return;
   const bool ended = fraction >= 1;
+  if (ended && stage == ended_stage_) return;  // said already
+  ended_stage_ = ended ? std::string(stage) : std::string();
   if (terminal_) {
     if (!ended && seconds_since(last_print_) < 0.1) return;
     last_print_ = now;

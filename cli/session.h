@@ -64,7 +64,7 @@ class Session {
 
   using Clock = std::chrono::steady_clock;
   Clock::time_point start_ = Clock::now(), last_ = start_, stage_start_ = start_, last_print_ = start_;
-  std::string stage_;
+  std::string stage_, ended_stage_;
   bool terminal_ = false, line_open_ = false;
   std::map<std::string, double> seconds_;
   std::unique_ptr<tbb::global_control> thread_limit_;

@@ -106,13 +106,16 @@ void load_mesh(const ShapeOptions& options, Session& session, LoadedShape& loade
   }
   loaded.shape = std::move(v.shape);
   loaded.longest_side = v.longest_side;
-  loaded.topology_changed = v.topology_changed;
+  if (v.topology_known)
+    loaded.topology_changed = v.topology_changed;
+  else
+    session.say("note: parts of the mesh overlap, so whether voxelization changed the topology cannot be told from it");
   if (v.topology_changed) session.say("warning: voxelization changed the topology: " + v.topology_difference);
   const auto resolution = static_cast<std::int64_t>(std::llround(v.longest_side / loaded.shape.grid().spacing[0]));
   if (options.resolution == "auto") session.say(fmt::format("resolution {} (auto)", resolution));
   loaded.input["vertices"] = mesh.points.size();
   loaded.input["faces"] = mesh.triangles.size();
-  loaded.input["euler"] = 2 * v.surface.euler;
+  loaded.input["euler"] = v.surface.surface_euler;
   loaded.input["components"] = v.surface.components;
   loaded.input["manifold"] = v.surface.manifold;
   loaded.parameters["resolution"] = resolution;
@@ -278,6 +281,11 @@ LoadedShape load_shape(const ShapeOptions& options, Session& session) {
     session.say(
         fmt::format("note: the volume has {} components; --min-component N drops specks", loaded.topology.betti[0]));
   return loaded;
+}
+
+nlohmann::ordered_json topology_changed_of(const LoadedShape& loaded) {
+  if (loaded.topology_changed) return *loaded.topology_changed;
+  return loaded.kind == "volume" ? Json(false) : Json(nullptr);
 }
 
 std::string parameters_of(const PolyData& result) {

@@ -38,7 +38,7 @@ struct LoadedShape {
   std::string units;                     ///< of world coordinates, where the file says so
   nlohmann::ordered_json input;          ///< the report's section `input`
   nlohmann::ordered_json parameters;     ///< what made the voxel shape of the file
-  std::optional<bool> topology_changed;  ///< by voxelization; meshes only
+  std::optional<bool> topology_changed;  ///< by voxelization; none for volumes and meshes with overlapping parts
   Topology topology;
 };
 
@@ -47,6 +47,9 @@ LoadedShape load_shape(const ShapeOptions& options, Session& session);
 
 /// Options not given on the command line are taken from the FieldData `parameters` of a result file.
 void take_parameters(ShapeOptions& options, const PolyData& result);
+
+/// For the report: null where it cannot be told (overlapping parts); false for a volume.
+nlohmann::ordered_json topology_changed_of(const LoadedShape& loaded);
 
 /// FieldData `parameters` holds this as JSON text.
 std::string parameters_of(const PolyData& result);

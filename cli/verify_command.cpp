@@ -21,7 +21,7 @@ Action add_verify(CLI::App& app) {
   auto o = std::make_shared<Options>();
   add_shape_options(app, o->shape);
   app.add_option("RESULT", o->results,
-                 "What was computed of the shape (.vtp .ply .ma ...). Options not given are taken from it")
+                 "What was computed of the shape (.vtp .ply). Options not given are taken from it")
       ->type_name("")
       ->required();
   app.add_option("--lambda", o->lambda,

@@ -39,7 +39,7 @@ Action add_voxelize(CLI::App& app) {
                          {"sites", count_boundary_vertices(loaded.shape)},
                          {"euler", loaded.topology.euler},
                          {"betti", loaded.topology.betti},
-                         {"voxelization_changed_topology", loaded.topology_changed.value_or(false)}};
+                         {"voxelization_changed_topology", topology_changed_of(loaded)}};
       write_report(session.options.report, report, session);
     }
     session.say(

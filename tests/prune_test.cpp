@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <optional>
 #include <set>
 #include <tuple>
@@ -191,6 +192,74 @@ TEST(Prune, EveryPruningPassesTheIndependentVerifier) {
         ASSERT_TRUE(check.passed) << "seed " << seed << ": " << check.name << ": " << check.detail;
     }
   }
+}
+
+PolyData result_of(const MedialAxis& axis, const VoxelShape& shape, double lambda) {
+  PolyData data = to_poly_data(pruned(axis, lambda));
+  data.field_data.push_back({"stage", 1, std::vector<std::string>{"core"}});
+  data.field_data.push_back({"lambda", 1, std::vector<double>{lambda}});
+  data.field_data.push_back({"reconstructed", 1, std::vector<double>{Reconstruction(shape, axis).share(lambda)}});
+  return data;
+}
+
+std::set<std::string> failed_checks(const VoxelShape& shape, const PolyData& data) {
+  std::set<std::string> names;
+  for (const Check& check : verify(shape, data).checks)
+    if (!check.passed) names.insert(check.name);
+  return names;
+}
+
+// Two balls on a bridge of one voxel: without one ball and the bridge, all that is left is locally right.
+TEST(Verify, CatchesAPartThatHungOnAThinBridge) {
+  Grid grid;
+  grid.dims = {60, 22, 22};
+  const VoxelShape shape = testing_shapes::from_predicate(grid, [](int x, int y, int z) {
+    const double b = y - 10.4, c = z - 10.3, left = x - 11.2, right = x - 48.1;
+    return left * left + b * b + c * c < 81 || right * right + b * b + c * c < 81 ||
+           (y == 10 && z == 10 && x > 10 && x < 50);
+  });
+  const MedialAxis axis = core_with_levels(shape);
+  const PolyData whole = result_of(axis, shape, 2);
+  ASSERT_EQ(failed_checks(shape, whole), std::set<std::string>{});
+  PolyData half = whole;
+  half.cell_data.clear();
+  const auto keep = [&](std::uint32_t v) { return whole.points[v][0] < 24; };
+  std::erase_if(half.verts, [&](std::uint32_t v) { return !keep(v); });
+  std::erase_if(half.lines, [&](const auto& line) { return !keep(line[0]) || !keep(line[1]); });
+  half.poly_offsets = {0};
+  half.poly_corners.clear();
+  std::set<std::uint32_t> on_sheets;
+  for (std::size_t p = 0; p < whole.poly_count(); ++p) {
+    const auto begin = whole.poly_corners.begin() + whole.poly_offsets[p],
+               end = whole.poly_corners.begin() + whole.poly_offsets[p + 1];
+    if (!std::all_of(begin, end, keep)) continue;
+    half.poly_corners.insert(half.poly_corners.end(), begin, end);
+    half.poly_offsets.push_back(static_cast<std::uint32_t>(half.poly_corners.size()));
+    on_sheets.insert(begin, end);
+  }
+  for (bool trimmed = true; trimmed;) {  // the stump of the bridge
+    std::map<std::uint32_t, int> degree;
+    for (const auto& line : half.lines)
+      for (std::uint32_t v : line) ++degree[v];
+    trimmed = std::erase_if(half.lines, [&](const auto& line) {
+                return std::any_of(line.begin(), line.end(),
+                                   [&](std::uint32_t v) { return degree[v] == 1 && !on_sheets.contains(v); });
+              }) > 0;
+  }
+  EXPECT_TRUE(failed_checks(shape, half).contains("reconstructed"));
+}
+
+TEST(Verify, CatchesLevelsThatAreNoFamilyOfPrunings) {
+  const VoxelShape shape = testing_shapes::random_shape(5, 12);
+  const MedialAxis axis = core_with_levels(shape);
+  PolyData data = result_of(axis, shape, 0);
+  ASSERT_EQ(failed_checks(shape, data), std::set<std::string>{});
+  for (DataArray& array : data.cell_data)
+    if (array.name == "lambda_level") {
+      auto& levels = std::get<std::vector<double>>(array.values);
+      std::reverse(levels.begin(), levels.end());
+    }
+  EXPECT_EQ(failed_checks(shape, data), std::set<std::string>{"nested levels"});
 }
 
 TEST(Reconstruction, TheFullCoreHoldsEveryCentreAndSharesFallWithLambda) {

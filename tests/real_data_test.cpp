@@ -45,7 +45,8 @@ TEST_P(ExpectedCores, SizesAndTopologyAreExact) {
   REQUIRE_DATA(expected.file);
   const std::string name = expected.file;
   if (!name.ends_with(".vol")) REQUIRE_ITK();
-  const VoxelShape shape = foreground(io::read_volume(data_file(expected.file)), {.threshold = expected.threshold, .label = {}});
+  const VoxelShape shape =
+      foreground(io::read_volume(data_file(expected.file)), {.threshold = expected.threshold, .label = {}});
   EXPECT_EQ(shape.voxel_count(), expected.voxels);
   const Topology wanted = topology(shape);
   EXPECT_EQ(wanted, expected.topology);
@@ -58,7 +59,7 @@ TEST_P(ExpectedCores, SizesAndTopologyAreExact) {
   prune_levels(core);
   const Reconstruction reconstruction(shape, core);
   EXPECT_EQ(reconstruction.share(0), 1);
-  const double lambda = auto_lambda(reconstruction, shape.longest_side(), 1);
+  const double lambda = auto_lambda(reconstruction, shape.longest_side(), shape.grid().spacing.minCoeff());
   EXPECT_GE(reconstruction.share(lambda), 0.95);
   EXPECT_EQ(topology(pruned(core, lambda).complex), wanted);
   EXPECT_EQ(topology(pruned(core, 3).complex), wanted);
@@ -148,7 +149,8 @@ void expect_main_job(const VoxelShape& shape, double longest_side, const std::st
 TEST(Torso, AnisotropicSpacing) {
   REQUIRE_DATA("volumes/torsoLabel.nii.gz");
   REQUIRE_ITK();
-  const VoxelShape shape = foreground(io::read_volume(data_file("volumes/torsoLabel.nii.gz")), {.threshold = {}, .label = 5});
+  const VoxelShape shape =
+      foreground(io::read_volume(data_file("volumes/torsoLabel.nii.gz")), {.threshold = {}, .label = 5});
   EXPECT_EQ(integer_spacing(shape.grid()), (std::array<std::int64_t, 3>{391, 391, 2500}));
   expect_main_job(shape, shape.longest_side(), "torsoLabel");
 }

@@ -57,7 +57,8 @@ TEST(VoxelShape, SubdivideKeepsTheWorld) {
   grid.origin = {10, 20, 30};
   VoxelShape shape(grid);
   const std::vector<quench::Run> one{{1, 2}};
-  for (int r = 0; r < 4; ++r) shape.append_row(r == 3 ? std::span<const quench::Run>(one) : std::span<const quench::Run>());
+  for (int r = 0; r < 4; ++r)
+    shape.append_row(r == 3 ? std::span<const quench::Run>(one) : std::span<const quench::Run>());
   const VoxelShape fine = subdivide(shape, 3);
   fine.validate();
   EXPECT_EQ(fine.voxel_count(), 27);

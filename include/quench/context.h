@@ -14,7 +14,7 @@ namespace quench {
 /// pointer is allowed wherever a `Context*` is taken.
 ///
 /// `cancel()` may be called from any thread and from a signal handler, and is idempotent. `progress` and `note` are
-/// called from one thread at a time; the fraction of a stage never decreases and ends at 1.
+/// called from one thread at a time; the fraction grows within a pass of a stage and ends at 1.
 class Context {
  public:
   int threads = 0;                                                        ///< 0: all processors

@@ -28,9 +28,9 @@ struct VerifyOptions {
   std::size_t samples = 20000;   ///< cells per sampled check
 };
 
-/// Proves a result against its shape (SPEC 9), by code that shares nothing with the code that made the result but the
-/// voxel shape, the topology functions and the reader. `result` is what a file holds: complex by points, verts, lines
-/// and polys, point array `radius`.
+/// Proves a result against its shape (SPEC 9), by code of its own: it shares the voxel shape, integer_spacing,
+/// make_complex and the topology functions with the code that made the result. `result` is what a file holds: complex
+/// by points, verts, lines and polys, point array `radius`.
 Certificate verify(const VoxelShape& shape, const PolyData& result, const VerifyOptions& options = {},
                    Context* context = nullptr);
 

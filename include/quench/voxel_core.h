@@ -24,11 +24,11 @@ struct CoreOptions {
 /// duplicate faces. It has the topology of O (Thm. 2.4.3) and lies strictly inside O (Thm. 2.4.5).
 ///
 /// Cells are ordered by the lattice coordinates of their sites, so the result does not depend on threads, translation
-/// or padding. About 2.5 us and 500 bytes per site. Throws Error(input) for an empty shape or one whose spacing has no
+/// or padding. About 480 bytes per site at the peak. Throws Error(input) for an empty shape or one whose spacing has no
 /// integer proportion, Error(failed) when an index outgrows 32 bits.
 MedialAxis voxel_core(const VoxelShape& shape, const CoreOptions& options = {}, Context* context = nullptr);
 
 /// Predicted peak of memory, in bytes, from boundary vertices to a pruned core.
-inline std::int64_t predicted_core_bytes(std::int64_t sites) { return sites * 520 + (std::int64_t{20} << 20); }
+inline std::int64_t predicted_core_bytes(std::int64_t sites) { return sites * 560 + (std::int64_t{32} << 20); }
 
 }  // namespace quench

@@ -24,10 +24,10 @@ struct VoxelizeOptions {
 /// oriented 2-manifold: b1 = total genus and b0 + b2 = number of surface components, unless surfaces intersect. Where
 /// parts touch in a vertex or an edge, the surface counts as separate sheets, as the open solid is separate there.
 struct SurfaceTopology {
-  std::int64_t euler = 0;       ///< of the solid: half that of the surface
-  std::int64_t components = 0;  ///< of the surface
-  bool manifold = false;        ///< every edge in exactly two faces of opposite orientation, one fan at every vertex
-  std::int64_t surface_euler = 0;   ///< of the surface itself, odd ones included: open surfaces have no solid
+  std::int64_t euler = 0;          ///< of the solid: half that of the surface
+  std::int64_t components = 0;     ///< of the surface
+  bool manifold = false;           ///< every edge in exactly two faces of opposite orientation, one fan at every vertex
+  std::int64_t surface_euler = 0;  ///< of the surface itself, odd ones included: open surfaces have no solid
   std::int64_t boundary_edges = 0;  ///< edges with one face only; 0 when closed
 };
 
@@ -38,6 +38,7 @@ struct Voxelization {
   VoxelShape shape;
   double longest_side = 0;  ///< of the mesh's bounding box, world units: what plain-number lengths refer to
   SurfaceTopology surface;
+  bool topology_known = true;       ///< false when several parts overlap and the surfaces do not tell their union's
   bool topology_changed = false;    ///< shape and surface disagree
   std::string topology_difference;  ///< a sentence, empty when they agree
 };
@@ -53,7 +54,7 @@ struct Voxelization {
 Voxelization voxelize(const TriangleMesh& mesh, const VoxelizeOptions& options = {}, Context* context = nullptr);
 
 /// `--resolution auto`: the smallest of 128, 256 ... 2048 at which the topology agrees; 2048 (with the difference
-/// reported) when it never does.
+/// reported) when it never does. Where parts overlap, the first resolution with the topology of the one before it.
 Voxelization voxelize_auto(const TriangleMesh& mesh, VoxelizeOptions options = {}, Context* context = nullptr);
 
 }  // namespace quench

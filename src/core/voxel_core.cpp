@@ -3,6 +3,7 @@
 #include "quench/voxel_core.h"
 
 #include <fmt/format.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <cmath>
@@ -129,7 +130,7 @@ class Lambda {
 
 }  // namespace
 
-MedialAxis voxel_core(const VoxelShape& shape, const CoreOptions& options, Context* context) {
+static MedialAxis compute(const VoxelShape& shape, const CoreOptions& options, Context* context) {
   if (shape.empty()) throw Error(ErrorCode::input, "the voxel shape is empty; there is no medial axis to compute");
   const auto spacing = integer_spacing(shape.grid());
   const double unit =
@@ -158,6 +159,12 @@ MedialAxis voxel_core(const VoxelShape& shape, const CoreOptions& options, Conte
   axis.face_sites = std::move(dual.face_sites);
   checkpoint(context, "core", 1);
   return axis;
+}
+
+MedialAxis voxel_core(const VoxelShape& shape, const CoreOptions& options, Context* context) {
+  const int threads = context ? context->threads : 0;
+  tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);
+  return arena.execute([&] { return compute(shape, options, context); });
 }
 
 }  // namespace quench

@@ -128,13 +128,10 @@ std::uint64_t bytes_available(const std::filesystem::path& file, const std::stri
   const std::uint64_t own = std::filesystem::file_size(file, error);
   if (extension == ".nii" || extension == ".mrc" || extension == ".map") return own;
   if (extension == ".nhdr" || extension == ".mhd") {
-    // The samples are in other files, as a rule beside the header.
+    // The samples are in other files beside the header.
     std::uint64_t all = 0;
     const auto folder = file.has_parent_path() ? file.parent_path() : std::filesystem::path(".");
-    for (std::filesystem::recursive_directory_iterator
-             it(folder, std::filesystem::directory_options::skip_permission_denied, error),
-         end;
-         !error && it != end; it.increment(error)) {
+    for (std::filesystem::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
       std::error_code ignored;
       if (it->is_regular_file(ignored)) all += it->file_size(ignored);
     }

@@ -62,7 +62,7 @@ Png read_chunks(const std::filesystem::path& file) {
     const auto type = std::string_view(reinterpret_cast<const char*>(&bytes[at + 4]), 4);
     if (crc32(0, &bytes[at + 4], length + 4) != big_endian(data + length))
       refuse(file, fmt::format("the block at byte {} is damaged", at));
-    if (at == 8 && (type != "IHDR" || length != 13)) refuse(file, "its header is missing");
+    if ((at == 8) != (type == "IHDR") || (at == 8 && length != 13)) refuse(file, "its header is missing or repeated");
     if (type == "IHDR") {
       read_header(png, data, file);
     } else if (type == "PLTE") {

@@ -31,7 +31,7 @@ Delaunay::Box Delaunay::enclosing_box(std::span<const LatticePoint> sites, const
       box.low[a] = std::min<std::int64_t>(box.low[a], s[a]);
       box.high[a] = std::max<std::int64_t>(box.high[a], s[a]);
     }
-    // spacing * voxels <= 2^20 on every axis, so poke <= 2^20 and spacing * (difference of box corners) < 2^22.
+    // spacing * voxels <= 2^20 on every axis, so poke < 2^20 and spacing * (difference of box corners) < 2^23.
     const auto margin = static_cast<std::int64_t>(std::ceil(poke / static_cast<double>(spacing[a]))) + 2;
     box.low[a] -= margin;
     box.high[a] += margin;

@@ -34,6 +34,7 @@ class Merger {
       if ((t & 0xFFFFF) == 0) checkpoint(context, "merge", 0.3 * t / static_cast<double>(tetrahedra.size()));
       if (t + kAhead < tetrahedra.size())
         for (std::uint32_t n : tetrahedra[t + kAhead].neighbour) {
+          if (n == kNone) continue;  // the hull of the enclosing box
           __builtin_prefetch(&tetrahedra[n >> 2]);
           __builtin_prefetch(&state_[n >> 2]);
         }

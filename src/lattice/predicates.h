@@ -91,15 +91,6 @@ class Predicates {
   }
 
   const std::array<std::int64_t, 3>& weights() const { return weight_; }
-  /// Squared distance in units of the integer spacing; below 2^46.
-  std::int64_t squared_distance(const LatticePoint& a, const LatticePoint& b) const {
-    std::int64_t sum = 0;
-    for (int i = 0; i < 3; ++i) {
-      const std::int64_t d = a[i] - b[i];
-      sum += weight_[i] * d * d;
-    }
-    return sum;
-  }
 
  private:
   template <class T, class W>

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "quench/error.h"
 #include "quench/topology.h"
@@ -108,15 +109,15 @@ std::string counted(std::int64_t n, const char* one, const char* many) {
 }
 
 /// A sentence when the solid of the mesh has another topology than the shape, else empty.
-std::string difference(const VoxelShape& shape, const SurfaceTopology& surface, bool overlapping) {
+std::string difference(const VoxelShape& shape, const SurfaceTopology& surface) {
   const Topology voxels = topology(shape);
   const std::int64_t genus = surface.components - surface.euler;
-  if (!surface.manifold || overlapping) {
+  if (!surface.manifold) {
     if (voxels.euler == surface.euler) return {};
     return fmt::format(
-        "the voxel shape has Euler characteristic {}, the solid of the mesh {}{}", voxels.euler, surface.euler,
-        overlapping ? ", as if its parts did not overlap (they do)"
-                    : "; the mesh is not a 2-manifold, so parts may touch; a higher --resolution may help");
+        "the voxel shape has Euler characteristic {}, the solid of the mesh {}; the mesh is not a 2-manifold, so parts "
+        "may touch; a higher --resolution may help",
+        voxels.euler, surface.euler);
   }
   if (voxels.euler == surface.euler && voxels.betti[0] + voxels.betti[2] == surface.components &&
       voxels.betti[1] == genus)
@@ -154,7 +155,11 @@ Voxelization digitize(const ClosedMesh& closed, const VoxelizeOptions& options, 
   result.shape = std::move(digitization.shape);
   result.longest_side = closed.box.longest_side;
   result.surface = closed.surface;
-  result.topology_difference = difference(result.shape, closed.surface, digitization.overlapping);
+  result.topology_difference = difference(result.shape, closed.surface);
+  // The surfaces of several parts do not tell the topology of their union when they overlap.
+  result.topology_known =
+      result.topology_difference.empty() || !digitization.overlapping || closed.surface.components == 1;
+  if (!result.topology_known) result.topology_difference.clear();
   result.topology_changed = !result.topology_difference.empty();
   return result;
 }
@@ -182,6 +187,7 @@ Voxelization voxelize_auto(const TriangleMesh& mesh, VoxelizeOptions options, Co
   check(options);
   const ClosedMesh closed = closed_mesh(mesh);
   Voxelization result;
+  std::optional<Topology> coarser;  // of overlapping parts, whose own topology is not known
   double done = 0;
   for (const std::int64_t resolution : resolutions) {
     options.resolution = resolution;
@@ -189,7 +195,14 @@ Voxelization voxelize_auto(const TriangleMesh& mesh, VoxelizeOptions options, Co
     result = {};  // frees the coarser one first
     result = digitize(closed, options, {context, done, end});
     done = end;
-    if (!result.shape.empty() && !result.topology_changed) break;
+    if (result.shape.empty()) continue;
+    if (result.topology_known) {
+      if (!result.topology_changed) break;
+    } else {
+      const Topology now = topology(result.shape);
+      if (coarser == now) break;
+      coarser = now;
+    }
   }
   checkpoint(context, "voxelize", 1);
   return not_empty(std::move(result), options.resolution);

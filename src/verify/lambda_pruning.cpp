@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "quench/medial_axis.h"
+#include "quench/topology.h"
 #include "verify/checks.h"
 
 namespace quench::verification {
@@ -225,6 +227,35 @@ Check check_pruning(const Result& result, const Sites& sites, VertexSites& verte
   return check;
 }
 
+// The cells of at least a level must have the topology of the shape, at the quartiles of the levels and at infinity;
+// the sentence about the first level where they have not, else empty.
+static std::string broken_level(const Result& result, const std::vector<double>& levels) {
+  if (result.stage != "core") return {};
+  const Topology wanted = topology(result.shape);
+  std::vector<double> sorted = levels;
+  std::sort(sorted.begin(), sorted.end());
+  for (const double t : {sorted[sorted.size() / 4], sorted[sorted.size() / 2], sorted[sorted.size() * 3 / 4], 3.3e38}) {
+    PolyData kept;
+    kept.points = result.data.points;
+    std::size_t cell = 0;
+    for (std::uint32_t v : result.data.verts)
+      if (levels[cell++] >= t) kept.verts.push_back(v);
+    for (const auto& line : result.data.lines)
+      if (levels[cell++] >= t) kept.lines.push_back(line);
+    for (std::size_t p = 0; p < result.data.poly_count(); ++p) {
+      if (!(levels[cell++] >= t)) continue;
+      for (std::uint32_t c = result.data.poly_offsets[p]; c < result.data.poly_offsets[p + 1]; ++c)
+        kept.poly_corners.push_back(result.data.poly_corners[c]);
+      kept.poly_offsets.push_back(static_cast<std::uint32_t>(kept.poly_corners.size()));
+    }
+    const Topology got = topology(complex_of(kept));
+    if (got != wanted)
+      return fmt::format("the cells of level {:.9g} and above have Betti numbers {} {} {}, the shape {} {} {}", t,
+                         got.betti[0], got.betti[1], got.betti[2], wanted.betti[0], wanted.betti[1], wanted.betti[2]);
+  }
+  return {};
+}
+
 Check check_levels(const Result& result) {
   Check check{"nested levels", false, {}};
   const DataArray* array = find_array(result.data.cell_data, "lambda_level");
@@ -239,6 +270,8 @@ Check check_levels(const Result& result) {
         fmt::format("cell {} has level {:.9g}, below lambda {:.9g}", bad - levels.begin(), *bad, result.lambda);
   else if (levels.empty())
     check.detail = "no cells";
+  else if (const std::string broken = broken_level(result, levels); !broken.empty())
+    check = {check.name, false, broken};
   else
     check.detail = fmt::format("lowest level {:.9g} of {} cells, lambda {:.9g}",
                                *std::min_element(levels.begin(), levels.end()), levels.size(), result.lambda);

@@ -83,14 +83,6 @@ Sites::Sites(const VoxelShape& shape)
       scaled_(scale(lattice_, integer_spacing(shape.grid()))),
       tree_(boxes(scaled_)) {}
 
-std::int64_t Sites::find(const LatticePoint& p) const {
-  const auto before = [](const LatticePoint& a, const LatticePoint& b) {
-    return std::tie(a[2], a[1], a[0]) < std::tie(b[2], b[1], b[0]);
-  };
-  const auto place = std::lower_bound(lattice_.begin(), lattice_.end(), p, before);
-  return place != lattice_.end() && *place == p ? place - lattice_.begin() : -1;
-}
-
 Sphere::Sphere(const Point& a, const Point& b, const Point& c, const Point& d) : origin(a) {
   const auto u = difference(b, a), v = difference(c, a), w = difference(d, a);
   const auto vw = cross(v, w), wu = cross(w, u), uv = cross(u, v);

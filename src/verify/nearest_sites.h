@@ -23,8 +23,6 @@ class Sites {
   const std::vector<LatticePoint>& lattice() const { return lattice_; }
   const std::vector<Point>& scaled() const { return scaled_; }
   const BoxTree& tree() const { return tree_; }
-  /// Index of the site at a lattice point, or -1.
-  std::int64_t find(const LatticePoint& p) const;
 
  private:
   std::vector<LatticePoint> lattice_;  // in order of z, y, x

@@ -95,8 +95,7 @@ Result::Result(const VoxelShape& voxels, const PolyData& file, const VerifyOptio
     const auto site = [&](double row) {
       LatticePoint p{-1, -1, -1};  // never a site: no voxel is at negative coordinates
       if (row >= 0 && 3 * row + 2 < static_cast<double>(xyz.size()))
-        for (std::size_t i = 0; i < 3; ++i)
-          p[i] = static_cast<std::int32_t>(std::clamp(xyz[3 * static_cast<std::size_t>(row) + i], -1.0, 0x1p30));
+        for (std::size_t i = 0; i < 3; ++i) p[i] = bounded(xyz[3 * static_cast<std::size_t>(row) + i]);
       return p;
     };
     const std::size_t first = data.verts.size() + data.lines.size();

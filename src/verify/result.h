@@ -15,6 +15,11 @@
 
 namespace quench::verification {
 
+/// As a 32-bit integer; out of its range, or not a number, as -1 (no voxel is at negative coordinates).
+inline std::int32_t bounded(double value) {
+  return value >= -0x1p30 && value <= 0x1p30 ? static_cast<std::int32_t>(value) : -1;
+}
+
 /// A result file as what it claims to be: a complex with measures. Arrays that the file does not have are empty.
 struct Result {
   Result(const VoxelShape& voxels, const PolyData& file, const VerifyOptions& options);
