@@ -324,8 +324,9 @@ TEST(Verify, CatchesAWrongLambda) {
 
 TEST(Verify, CatchesALevelBelowLambda) {
   Intact intact(block());
-  intact.data.cell_data.push_back({"lambda_level", 1, std::vector<double>(intact.data.cell_count(), 0.5)});
+  intact.data.cell_data.push_back({"lambda_level", 1, std::vector<double>(intact.data.cell_count(), 3.4e38)});
   EXPECT_EQ(failed(verify(intact.shape, intact.data)), Names{});
+  values<double>(intact.data.cell_data, "lambda_level")[0] = 0.5;
   values<double>(intact.data.field_data, "lambda")[0] = 0.6;
   EXPECT_TRUE(failed(verify(intact.shape, intact.data)).count("nested levels"));
 }
