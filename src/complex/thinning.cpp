@@ -3,7 +3,8 @@
 
 #include <algorithm>
 #include <limits>
-#include <queue>
+#include <numeric>
+#include <vector>
 
 namespace quench {
 namespace {
@@ -13,13 +14,46 @@ struct Pair {
   double key;
   std::uint32_t dimension : 1;  // of the free cell
   std::uint32_t free : 31;
-  bool operator<(const Pair& other) const {  // std::priority_queue gives the largest first
+  bool operator<(const Pair& other) const {  // heaps give the largest first
     if (key != other.key) return key > other.key;
     if (dimension != other.dimension) return dimension > other.dimension;
     return free > other.free;
   }
 };
 static_assert(sizeof(Pair) == 16);
+
+// A priority queue whose entries are spread over buckets of growing keys, each a small heap that stays in the cache.
+// Any monotone map of keys to buckets gives the same order.
+class PairQueue {
+ public:
+  // `typical`: a key of the middle of the range; keys far above it share the last bucket.
+  explicit PairQueue(double typical) : scale_(typical > 0 ? kBuckets / (8 * typical) : 0), buckets_(kBuckets) {}
+
+  void push(const Pair& pair) {
+    const double place = pair.key * scale_;
+    const std::size_t b = place < kBuckets - 1 ? static_cast<std::size_t>(place) : kBuckets - 1;
+    buckets_[b].push_back(pair);
+    // The buckets that are not yet due are unsorted: they become heaps when their turn comes.
+    if (b < heaps_) std::push_heap(buckets_[b].begin(), buckets_[b].end());
+    first_ = std::min(first_, b);
+  }
+  bool pop(Pair& pair) {
+    while (first_ < kBuckets && buckets_[first_].empty()) ++first_;
+    if (first_ == kBuckets) return false;
+    auto& bucket = buckets_[first_];
+    for (; heaps_ <= first_; ++heaps_) std::make_heap(buckets_[heaps_].begin(), buckets_[heaps_].end());
+    std::pop_heap(bucket.begin(), bucket.end());
+    pair = bucket.back();
+    bucket.pop_back();
+    return true;
+  }
+
+ private:
+  static constexpr std::size_t kBuckets = 4096;
+  double scale_;
+  std::size_t first_ = kBuckets, heaps_ = 0;  // buckets below heaps_ are heaps
+  std::vector<std::vector<Pair>> buckets_;
+};
 
 // The number of live larger cells at a cell, and their XOR: with number 1 that is the only one.
 struct Cofaces {
@@ -37,7 +71,8 @@ class Thinning {
         edge_(edge),
         face_(face),
         faces_(complex.edges.size()),
-        edges_(complex.vertex_count) {
+        edges_(complex.vertex_count),
+        queue_(mean(edge)) {
     if (complex.edges.size() >= std::size_t{1} << 31)
       throw Error(ErrorCode::failed, "a complex of more than 2^31 edges cannot be thinned; use a lower resolution");
     constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -56,9 +91,7 @@ class Thinning {
     const auto total = static_cast<double>(complex_.edges.size() + 1);
     std::size_t removed = 0;
     double running = -std::numeric_limits<double>::infinity();
-    while (!queue_.empty()) {
-      const Pair pair = queue_.top();
-      queue_.pop();
+    for (Pair pair{}; queue_.pop(pair);) {
       if (!still_simple(pair)) continue;
       if ((++removed & 0xFFFF) == 0) checkpoint(context, stage, std::min(1.0, static_cast<double>(removed) / total));
       running = std::max(running, pair.key);
@@ -73,6 +106,9 @@ class Thinning {
   CellValues level;
 
  private:
+  static double mean(std::span<const double> values) {
+    return values.empty() ? 0 : std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+  }
   static bool alive(double cell_level) { return cell_level == std::numeric_limits<double>::infinity(); }
 
   void offer_edge(std::uint32_t e) {
@@ -115,7 +151,7 @@ class Thinning {
   std::span<const double> vertex_, edge_, face_;
   std::vector<Cofaces> faces_;  // per edge
   std::vector<Cofaces> edges_;  // per vertex
-  std::priority_queue<Pair> queue_;
+  PairQueue queue_;
 };
 
 }  // namespace

@@ -30,7 +30,7 @@ class BallCover {
   struct Node {
     Vec3 low = Vec3::Zero(), high = Vec3::Zero();
     std::uint32_t begin = 0, count = 0;  // leaf: left_[begin, begin + count); inner: points left below
-    std::uint32_t children = 0;  // index of the first of two, 0 for a leaf
+    std::uint32_t children = 0;          // index of the first of two, 0 for a leaf
   };
 
   std::uint32_t build(std::uint32_t begin, std::uint32_t end) {
@@ -125,22 +125,28 @@ std::vector<Vec3> sampled_centres(const VoxelShape& shape, std::size_t count) {
 
 Reconstruction::Reconstruction(const VoxelShape& shape, const MedialAxis& axis, std::size_t samples, Context* context) {
   BallCover cover(sampled_centres(shape, samples));
-  std::vector<std::uint32_t> order(axis.points.size());
-  std::iota(order.begin(), order.end(), 0u);
-  const auto level = [&](std::uint32_t v) {
-    return axis.vertex_level.empty() ? std::numeric_limits<double>::infinity() : axis.vertex_level[v];
-  };
   // Highest level first, so that the first ball to contain a centre is the last to go; large balls first for speed.
-  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
-    if (level(a) != level(b)) return level(a) > level(b);
-    return axis.radius[a] != axis.radius[b] ? axis.radius[a] > axis.radius[b] : a < b;
-  });
+  struct Ball {
+    double level;
+    float radius;
+    std::uint32_t vertex;
+    bool operator<(const Ball& other) const {
+      if (level != other.level) return level > other.level;
+      return radius != other.radius ? radius > other.radius : vertex < other.vertex;
+    }
+  };
+  std::vector<Ball> order(axis.points.size());
+  for (std::uint32_t v = 0; v < order.size(); ++v) {
+    const double level = axis.vertex_level.empty() ? std::numeric_limits<double>::infinity() : axis.vertex_level[v];
+    order[v] = {level, static_cast<float>(axis.radius[v]), v};
+  }
+  std::sort(order.begin(), order.end());
   for (std::size_t i = 0; i < order.size() && !cover.all_taken(); ++i) {
     if ((i & 0xFFFF) == 0)
       checkpoint(context, "reconstruct", static_cast<double>(i) / static_cast<double>(order.size()));
-    const std::uint32_t v = order[i];
+    const std::uint32_t v = order[i].vertex;
     const double radius = axis.radius[v] * (1 + 1e-9);  // a centre on the sphere counts
-    cover.take(axis.points[v], radius * radius, level(v));
+    cover.take(axis.points[v], radius * radius, order[i].level);
   }
   checkpoint(context, "reconstruct", 1);
   covered_until_ = std::move(cover.value);

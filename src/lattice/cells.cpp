@@ -100,7 +100,7 @@ class FaceCollector {
   }
 
   const Polytopes& polytopes_;
-  std::vector<std::uint8_t> done_;  // bit e: edge kEdge[e] of the tetrahedron was walked around
+  HugeVector<std::uint8_t> done_;  // bit e: edge kEdge[e] of the tetrahedron was walked around
   std::vector<std::uint32_t> ring_;
   RawFaces faces_;
 };

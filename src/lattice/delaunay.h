@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "lattice/huge_pages.h"
 #include "lattice/predicates.h"
 #include "quench/context.h"
 
@@ -41,9 +42,9 @@ class Delaunay {
   Delaunay(std::span<const LatticePoint> sites, const std::array<std::int64_t, 3>& spacing, Context* context);
 
   static constexpr std::uint32_t kBoxPoints = 8;
-  const std::vector<Point>& points() const { return points_; }
+  const HugeVector<Point>& points() const { return points_; }
   /// Dead slots have corner[0] == kNone.
-  const std::vector<Tetrahedron>& tetrahedra() const { return tetrahedra_; }
+  const HugeVector<Tetrahedron>& tetrahedra() const { return tetrahedra_; }
   const Predicates& predicates() const { return predicates_; }
   bool touches_box(const Tetrahedron& t) const {
     return std::min({t.corner[0], t.corner[1], t.corner[2], t.corner[3]}) < kBoxPoints;
@@ -82,10 +83,10 @@ class Delaunay {
   };
 
   Predicates predicates_;
-  std::vector<Point> points_;
-  std::vector<Tetrahedron> tetrahedra_;
-  std::vector<std::uint8_t> state_;   // per tetrahedron during one insertion: see find_cavity
-  std::vector<std::uint32_t> local_;  // per point: index within the current cavity, or kNone
+  HugeVector<Point> points_;
+  HugeVector<Tetrahedron> tetrahedra_;
+  HugeVector<std::uint8_t> state_;   // per tetrahedron during one insertion: see find_cavity
+  HugeVector<std::uint32_t> local_;  // per point: index within the current cavity, or kNone
   std::vector<std::uint32_t> cavity_, rim_, free_, cavity_points_;
   std::vector<CavityFacet> facets_;
   std::vector<std::uint32_t> pair_table_;  // kSmall^2 entries, all kNone between insertions

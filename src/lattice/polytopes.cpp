@@ -143,7 +143,7 @@ class Merger {
 
   const VoxelShape& shape_;
   const Delaunay& delaunay_;
-  std::vector<std::uint32_t> state_;  // per tetrahedron: its polytope, later its new number; kOutside outside O
+  HugeVector<std::uint32_t> state_;  // per tetrahedron: its polytope, later its new number; kOutside outside O
   std::vector<std::uint32_t> site_offsets_{0}, sites_, member_offsets_{0}, members_;
 };
 

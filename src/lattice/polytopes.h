@@ -16,8 +16,8 @@ namespace quench::lattice {
 struct Polytopes {
   std::vector<std::uint32_t> site_offsets{0}, sites;  ///< corners of each polytope, ascending site ids
   /// Tetrahedra inside O: corners are site ids; across the boundary of O the neighbour is kNone.
-  std::vector<Tetrahedron> tetrahedra;
-  std::vector<std::uint32_t> polytope_of;  ///< per tetrahedron, ascending
+  HugeVector<Tetrahedron> tetrahedra;
+  HugeVector<std::uint32_t> polytope_of;  ///< per tetrahedron, ascending
 
   std::uint32_t count() const { return static_cast<std::uint32_t>(site_offsets.size() - 1); }
 };

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#if defined(__linux__)
+#include <sys/mman.h>
+#endif
+
+#include <cstddef>
+#include <cstdlib>
+#include <new>
+#include <vector>
+
+namespace quench::lattice {
+
+/// Asks for huge pages under large arrays that are accessed at random: most of the time of the Delaunay triangulation
+/// of millions of sites would else go into page-table walks. Only a hint; small arrays are allocated as usual.
+template <class T>
+struct HugePageAllocator {
+  using value_type = T;
+  HugePageAllocator() = default;
+  template <class U>
+  HugePageAllocator(const HugePageAllocator<U>&) {}  // NOLINT: converting on purpose, as allocators do
+
+  static constexpr std::size_t kPage = std::size_t{1} << 21;
+
+  T* allocate(std::size_t n) {
+    if (n > static_cast<std::size_t>(-1) / sizeof(T) - kPage) throw std::bad_alloc();
+    const std::size_t bytes = n * sizeof(T);
+    if (bytes < 4 * kPage) return static_cast<T*>(::operator new(bytes, std::align_val_t(64)));
+    void* memory = std::aligned_alloc(kPage, (bytes + kPage - 1) / kPage * kPage);
+    if (!memory) throw std::bad_alloc();
+#if defined(__linux__)
+    madvise(memory, bytes, MADV_HUGEPAGE);
+#endif
+    return static_cast<T*>(memory);
+  }
+  void deallocate(T* p, std::size_t n) noexcept {
+    if (n * sizeof(T) < 4 * kPage)
+      ::operator delete(p, std::align_val_t(64));
+    else
+      std::free(p);
+  }
+  template <class U>
+  bool operator==(const HugePageAllocator<U>&) const {
+    return true;
+  }
+};
+
+template <class T>
+using HugeVector = std::vector<T, HugePageAllocator<T>>;
+
+}  // namespace quench::lattice
