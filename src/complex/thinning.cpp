@@ -2,6 +2,7 @@
 #include "complex/thinning.h"
 
 #include <algorithm>
+#include <bit>
 #include <limits>
 #include <numeric>
 #include <vector>
@@ -9,18 +10,23 @@
 namespace quench {
 namespace {
 
-// A simple pair is known by its free cell: the edge or vertex, whose only larger cell is the other half.
+__extension__ using UInt128 = unsigned __int128;
+
+// A simple pair is known by its free cell, the edge or vertex whose only larger cell is the other half. One integer
+// holds (key, dimension of the free cell, its index) in the order in which pairs go: keys are not negative, and the
+// bits of such doubles grow with them.
 struct Pair {
-  double key;
-  std::uint32_t dimension : 1;  // of the free cell
-  std::uint32_t free : 31;
-  bool operator<(const Pair& other) const {  // heaps give the largest first
-    if (key != other.key) return key > other.key;
-    if (dimension != other.dimension) return dimension > other.dimension;
-    return free > other.free;
-  }
+  UInt128 order = 0;
+
+  Pair() = default;
+  Pair(double key, std::uint32_t dimension, std::uint32_t free)
+      : order(static_cast<UInt128>(std::bit_cast<std::uint64_t>(key + 0.0)) << 64 | std::uint64_t{dimension} << 32 |
+              free) {}
+  double key() const { return std::bit_cast<double>(static_cast<std::uint64_t>(order >> 64)); }
+  std::uint32_t dimension() const { return static_cast<std::uint32_t>(order >> 32); }
+  std::uint32_t free() const { return static_cast<std::uint32_t>(order); }
+  bool operator<(const Pair& other) const { return order > other.order; }  // heaps give the largest first
 };
-static_assert(sizeof(Pair) == 16);
 
 // A priority queue whose entries are spread over buckets of growing keys, each a small heap that stays in the cache.
 // Any monotone map of keys to buckets gives the same order.
@@ -30,7 +36,7 @@ class PairQueue {
   explicit PairQueue(double typical) : scale_(typical > 0 ? kBuckets / (8 * typical) : 0), buckets_(kBuckets) {}
 
   void push(const Pair& pair) {
-    const double place = pair.key * scale_;
+    const double place = pair.key() * scale_;
     const std::size_t b = place < kBuckets - 1 ? static_cast<std::size_t>(place) : kBuckets - 1;
     buckets_[b].push_back(pair);
     // The buckets that are not yet due are unsorted: they become heaps when their turn comes.
@@ -73,8 +79,6 @@ class Thinning {
         faces_(complex.edges.size()),
         edges_(complex.vertex_count),
         queue_(mean(edge)) {
-    if (complex.edges.size() >= std::size_t{1} << 31)
-      throw Error(ErrorCode::failed, "a complex of more than 2^31 edges cannot be thinned; use a lower resolution");
     constexpr double infinity = std::numeric_limits<double>::infinity();
     level.vertex.assign(complex.vertex_count, infinity);
     level.edge.assign(complex.edges.size(), infinity);
@@ -94,11 +98,11 @@ class Thinning {
     for (Pair pair{}; queue_.pop(pair);) {
       if (!still_simple(pair)) continue;
       if ((++removed & 0xFFFF) == 0) checkpoint(context, stage, std::min(1.0, static_cast<double>(removed) / total));
-      running = std::max(running, pair.key);
-      if (pair.dimension == 1)
-        remove_face(faces_[pair.free].sum, pair.free, running);
+      running = std::max(running, pair.key());
+      if (pair.dimension() == 1)
+        remove_face(faces_[pair.free()].sum, pair.free(), running);
       else
-        remove_edge(edges_[pair.free].sum, pair.free, running);
+        remove_edge(edges_[pair.free()].sum, pair.free(), running);
     }
     checkpoint(context, stage, 1);
   }
@@ -112,16 +116,16 @@ class Thinning {
   static bool alive(double cell_level) { return cell_level == std::numeric_limits<double>::infinity(); }
 
   void offer_edge(std::uint32_t e) {
-    if (faces_[e].count == 1) queue_.push({std::max(face_[faces_[e].sum], edge_[e]), 1, e & 0x7FFFFFFFu});
+    if (faces_[e].count == 1) queue_.push({std::max(face_[faces_[e].sum], edge_[e]), 1, e});
   }
   void offer_vertex(std::uint32_t v) {
     const std::uint32_t e = edges_[v].sum;
-    if (edges_[v].count == 1 && faces_[e].count == 0) queue_.push({std::max(edge_[e], vertex_[v]), 0, v & 0x7FFFFFFFu});
+    if (edges_[v].count == 1 && faces_[e].count == 0) queue_.push({std::max(edge_[e], vertex_[v]), 0, v});
   }
 
   bool still_simple(const Pair& p) const {
-    if (p.dimension == 1) return alive(level.edge[p.free]) && faces_[p.free].count == 1;
-    return alive(level.vertex[p.free]) && edges_[p.free].count == 1;
+    if (p.dimension() == 1) return alive(level.edge[p.free()]) && faces_[p.free()].count == 1;
+    return alive(level.vertex[p.free()]) && edges_[p.free()].count == 1;
   }
 
   void remove_face(std::uint32_t f, std::uint32_t e, double at) {
