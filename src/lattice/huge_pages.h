@@ -12,8 +12,8 @@
 
 namespace quench::lattice {
 
-/// Asks for huge pages under large arrays that are accessed at random: most of the time of the Delaunay triangulation
-/// of millions of sites would else go into page-table walks. Only a hint; small arrays are allocated as usual.
+/// Asks for huge pages under large arrays that are accessed at random, to save page-table walks. Only a hint; small arrays
+/// are allocated as usual.
 template <class T>
 struct HugePageAllocator {
   using value_type = T;
