@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "quench/complex.h"
+#include "quench/context.h"
+#include "quench/geometry.h"
+
+namespace quench {
+
+/// How fire crosses a polygon. Both use the same nodes, sectors and sector times.
+enum class Propagation {
+  segments,  ///< two neighbouring burned nodes send the unfolded source of their front between them: the default
+  nodes      ///< along straight arcs from node to node only: an upper bound that converges with the spacing
+};
+
+/// The radius at nodes inside an edge.
+enum class RadiusRule {
+  exact,  ///< distance to a point the edge's ends share as nearest: R^2 = (1-t)R0^2 + tR1^2 - t(1-t)L^2
+  linear  ///< for medial axes whose ends share no nearest point
+};
+
+struct BurnOptions {
+  double omega = 0;  ///< largest distance of neighbouring nodes on an edge, world units; 0: 0.35 of the mean edge
+  Propagation propagation = Propagation::segments;
+  RadiusRule radius = RadiusRule::exact;
+};
+
+inline constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+
+/// Where fire is tracked: nodes on the edges of a complex, and in the link of each node its sectors (Yan 2018, sec.
+/// 3.4.1; SPEC 5).
+///
+/// Nodes are the vertices, then the points that split every edge into `pieces[e]` equal parts, edge by edge from the
+/// first end to the second. A *state* is a pair (node, sector): the states of vertices first, then those of inserted
+/// nodes, one per node where an edge has at most two polygons, else one per polygon in the order of `faces_of(e)`.
+/// Nodes with no polygon have no state.
+struct BurnNetwork {
+  double omega = 0;
+  std::vector<double> length;              ///< of each edge
+  std::vector<std::uint32_t> pieces;       ///< of each edge
+  std::vector<std::uint32_t> node_base;    ///< edges + 1: first inserted node of each edge
+  std::vector<std::uint32_t> state_base;   ///< edges + 1: first state of the inserted nodes of each edge
+  std::vector<std::uint32_t> vertex_base;  ///< vertices + 1: first state of each vertex
+  std::vector<std::uint32_t> side_offsets, side_list;  ///< CSR: the corners c with face_edges[c] == e, ascending
+  std::vector<std::uint32_t> side_rank;     ///< of each corner c: its place among the sides of edge face_edges[c]
+  std::vector<std::uint32_t> corner_face;   ///< of each corner
+  std::vector<std::uint32_t> corner_state;  ///< of each corner: the state of its vertex whose sector has it
+  std::vector<char> pocket;                 ///< of each face: in a closed pocket, never burns
+
+  std::uint32_t node_count() const { return node_base.back(); }
+  std::uint32_t state_count() const { return state_base.back(); }
+  /// The corners c (sides) of the polygons at an edge.
+  std::span<const std::uint32_t> sides_of(std::uint32_t edge) const {
+    return {side_list.data() + side_offsets[edge], side_list.data() + side_offsets[edge + 1]};
+  }
+  /// Sectors of each inserted node of an edge.
+  std::uint32_t sectors_of(std::uint32_t edge) const {
+    const std::uint32_t degree = side_offsets[edge + 1] - side_offsets[edge];
+    return degree > 2 ? degree : degree > 0;
+  }
+};
+
+/// What the fire leaves behind. Times are in world units; infinite where no fire comes (closed pockets).
+struct Burning {
+  BurnOptions options;  ///< with the spacing that was used
+  BurnNetwork network;
+  std::vector<double> state_time;             ///< per state: when the sector burns, at least the radius
+  std::vector<std::uint32_t> parent;          ///< per state: the node its fire came from; kNone: it opened by itself
+  std::vector<std::uint32_t> parent_face;     ///< per state: the polygon that fire crossed, or kNone
+  std::vector<double> burn_time;              ///< per vertex: the largest time of its sectors; the radius if none
+  std::vector<double> erosion_thickness;      ///< per vertex: burn_time - radius
+  double max_burn_time = 0;                   ///< largest finite one
+  std::uint32_t unburned = 0;                 ///< vertices with infinite burn time
+};
+
+/// Burns a complex of convex polygons with a radius per vertex (Yan 2018, ch. 3, with the sector propagation of SPEC 5
+/// in place of Algorithm 1): fire starts on the free edges at the time of the radius, runs with unit speed, dies at a
+/// seam while two or more sheets are left, and goes on in the last one.
+///
+/// Deterministic. Near O(n log n) in nodes for polygons of few nodes; about 150 bytes per node. Polygons flatter than
+/// 1e-12 of a side, or not convex, are crossed along node arcs only. Throws Error(input) for a radius that is negative
+/// or no number, Error(failed) when there are more than 2^32 states, Error(usage) for a negative spacing.
+Burning burn(const CellComplex& complex, std::span<const Vec3> points, std::span<const double> radius,
+             const BurnOptions& options = {}, Context* context = nullptr);
+
+/// The spacing of nodes that `burn` takes where none is given.
+double default_omega(const CellComplex& complex, std::span<const Vec3> points);
+
+/// Radius at a node inside an edge, `t` from the first end in [0, 1]; linear where the ends cannot share a nearest
+/// point (|R0 - R1| > L or L > R0 + R1).
+double radius_inside_edge(double r0, double r1, double length, double t, RadiusRule rule);
+
+}  // namespace quench
