@@ -80,10 +80,10 @@ Burning burn(const CellComplex& complex, std::span<const Vec3> points, std::span
   if (result.options.omega == 0) result.options.omega = 1;  // no edges of any length: any spacing will do
   result.network = make_network(complex, points, result.options.omega, options.propagation);
   const Links links = make_links(complex, result.network);
-  const Planes planes = make_planes(complex, points);
+  const Polygons polygons = make_polygons(complex, points, result.network);
   double scale = 0;
   for (const Vec3& p : points) scale = std::max(scale, (p - points[0]).norm());
-  const Site site{complex, points, radius, result.network, links, planes, options.radius, scale};
+  const Site site{complex, points, radius, result.network, links, polygons, options.radius, scale};
 
   std::vector<char> opened;
   {

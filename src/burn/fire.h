@@ -14,7 +14,7 @@ struct Site {
   std::span<const double> radius;
   const BurnNetwork& network;
   const Links& links;
-  const Planes& planes;
+  const Polygons& polygons;
   RadiusRule rule;
   double scale;  ///< diagonal of the bounding box
 
@@ -47,7 +47,14 @@ inline constexpr Source kUnknownSource{0, 0, std::numeric_limits<double>::quiet_
 /// Labels of all states during the burn pass, and the rules by which arrivals become times.
 class Labels {
  public:
-  enum Status : unsigned char { open = 1, pocket = 2, queued = 4, burned = 8 };
+  enum Status : unsigned char {
+    open = 1,    ///< needs no arrival
+    pocket = 2,  ///< never burns
+    queued = 4,
+    burned = 8,    ///< at least once
+    several = 16,  ///< the node has other sectors, or its times follow from theirs
+    floor = 32     ///< at the radius: cannot burn earlier
+  };
 
   /// Open sectors are labelled with the radius and queued, pockets set aside. `tolerance`: by how much the time of a
   /// burned state must drop to burn it again; `clamp`: no time below the radius; `sources`: keep the sources of fronts.
@@ -55,20 +62,27 @@ class Labels {
 
   /// Fire of time t arrives at a state through polygon `through`, from `source` (ignored at vertices, which are sources
   /// themselves). Recomputes the times of the node's sectors and queues those that drop.
-  void lower(std::uint32_t state, double t, std::uint32_t through, const Source& source);
+  void lower(std::uint32_t state, double t, std::uint32_t through, const Source& source) {
+    if (t < time_[state] && !(status_[state] & (open | pocket | floor))) lower_time(state, t, through, source);
+  }
   /// The next state to burn, marked as burned; false at the end.
   bool next(std::uint32_t& state, bool& again);
 
   double time(std::uint32_t s) const { return time_[s]; }
   bool is_burned(std::uint32_t s) const { return status_[s] & burned; }
   bool is_open(std::uint32_t s) const { return status_[s] & open; }
-  std::uint32_t through(std::uint32_t s) const { return through_[s]; }
-  const Source& source(std::uint32_t s) const { return source_[s]; }
+  std::uint32_t through(std::uint32_t s) const { return origin_[s].through; }
+  const Source& source(std::uint32_t s) const { return origin_[s].source; }
 
   /// The end: times, and a flag per state that burned because the others of its link had.
   void release(std::vector<double>& times, std::vector<char>& opened);
 
  private:
+  struct Origin {
+    Source source;
+    std::uint32_t through;
+  };
+  void lower_time(std::uint32_t state, double t, std::uint32_t through, const Source& source);
   void label(std::uint32_t state, double t, std::uint32_t through, const Source& source);
   void lower_vertex(std::uint32_t state, double t, std::uint32_t through);
   void lower_seam(std::uint32_t state, std::uint32_t edge, double t, std::uint32_t through, const Source& source);
@@ -78,8 +92,7 @@ class Labels {
   bool clamp_;
   LabelQueue queue_;
   std::vector<double> time_, arrival_;
-  std::vector<std::uint32_t> through_;
-  std::vector<Source> source_;
+  std::vector<Origin> origin_;  // of the segments only
   std::vector<unsigned char> status_;
   std::vector<char> removed_;  // scratch
   SectorTimes sector_times_;

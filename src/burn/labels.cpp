@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "burn/fire.h"
+#include "quench/error.h"
 
 namespace quench::burning {
 namespace {
@@ -20,9 +21,8 @@ Labels::Labels(const Site& site, double tolerance, bool clamp, bool sources)
   const std::uint32_t states = network.state_count();
   time_.assign(states, kNever);
   arrival_.assign(states, kNever);
-  through_.assign(states, kNone);
   status_.assign(states, 0);
-  if (sources) source_.assign(states, kUnknownSource);
+  if (sources) origin_.assign(states, {kUnknownSource, kNone});
 
   std::vector<std::uint32_t> stripped;
   for (std::uint32_t v = 0; v < site.complex.vertex_count; ++v) {
@@ -35,10 +35,12 @@ Labels::Labels(const Site& site, double tolerance, bool clamp, bool sources)
         status_[first + s] = pocket;
       }
     }
+    if (count > 1)
+      for (std::uint32_t s = 0; s < count; ++s) status_[first + s] |= several;
     stripped.clear();
     Link({site.links.ends.data() + first, count}, removed_).strip(stripped);
     for (const std::uint32_t s : stripped) {
-      status_[first + s] = open | queued;
+      status_[first + s] |= open | queued;
       time_[first + s] = site.radius[v];
     }
   }
@@ -48,6 +50,7 @@ Labels::Labels(const Site& site, double tolerance, bool clamp, bool sources)
     for (std::uint32_t i = 1; i < network.pieces[e]; ++i)
       for (std::uint32_t r = 0; r < sectors; ++r) {
         const std::uint32_t s = first + (i - 1) * sectors + r;
+        if (sectors > 1 && !site.links.edges[e].pocket) status_[s] = several;
         if (network.pocket[network.corner_face[sides[r]]]) {
           status_[s] = pocket;
         } else if (sides.size() == 1) {
@@ -63,37 +66,25 @@ Labels::Labels(const Site& site, double tolerance, bool clamp, bool sources)
 void Labels::label(std::uint32_t state, double t, std::uint32_t through, const Source& source) {
   const bool push = !(status_[state] & burned) || status_[state] & queued || t < time_[state] - tolerance_;
   time_[state] = t;
-  through_[state] = through;
-  if (!source_.empty()) source_[state] = source;
+  if (!origin_.empty()) origin_[state] = {source, through};
   if (!push) return;
   status_[state] |= queued;
   queue_.push(t, state);
 }
 
-void Labels::lower(std::uint32_t state, double t, std::uint32_t through, const Source& source) {
-  if (!(t < time_[state]) || status_[state] & (open | pocket)) return;
-  if (site_.is_vertex(state)) {
-    if (clamp_) t = std::max(t, site_.radius[site_.links.vertex_of[state]]);
-    if (t < std::min(time_[state], arrival_[state])) lower_vertex(state, t, through);
-    return;
-  }
-  const std::uint32_t e = site_.edge_of(state);
-  // A radius by the linear rule is no bound: it is above the distance to the nearest site.
-  if (clamp_ && site_.rule == RadiusRule::exact) t = std::max(t, site_.radius_of(state));
-  if (!(t < std::min(time_[state], arrival_[state]))) return;
-  if (site_.links.edges[e].sectors > 1 && !site_.links.edges[e].pocket) {
-    lower_seam(state, e, t, through, source);
-  } else {
-    arrival_[state] = t;
-    label(state, t, through, source);
-  }
+void Labels::lower_time(std::uint32_t state, double t, std::uint32_t through, const Source& source) {
+  if (!(status_[state] & several)) return label(state, t, through, source);
+  if (!(t < arrival_[state])) return;
+  if (site_.is_vertex(state))
+    lower_vertex(state, t, through);
+  else
+    lower_seam(state, site_.edge_of(state), t, through, source);
 }
 
 void Labels::lower_vertex(std::uint32_t state, double t, std::uint32_t through) {
   arrival_[state] = t;
   const std::uint32_t v = site_.links.vertex_of[state];
   const std::uint32_t first = site_.network.vertex_base[v], count = site_.network.vertex_base[v + 1] - first;
-  if (count == 1) return label(state, t, through, kUnknownSource);  // a closed fan: no other sector could be lowered
   removed_.resize(count);
   for (std::uint32_t s = 0; s < count; ++s) removed_[s] = (status_[first + s] & pocket) != 0;
   const auto times = sector_times_({site_.links.ends.data() + first, count}, {arrival_.data() + first, count}, removed_,
@@ -122,7 +113,8 @@ void Labels::lower_seam(std::uint32_t state, std::uint32_t edge, double t, std::
   }
   if (state != last) label(state, t, through, source);
   if (arrival_[second] < time_[last])
-    label(last, arrival_[second], through_[second], source_.empty() ? kUnknownSource : Source(source_[second]));
+    origin_.empty() ? label(last, arrival_[second], kNone, kUnknownSource)
+                    : label(last, arrival_[second], origin_[second].through, Source(origin_[second].source));
 }
 
 bool Labels::next(std::uint32_t& state, bool& again) {
@@ -133,6 +125,17 @@ bool Labels::next(std::uint32_t& state, bool& again) {
   while (queue_.pop(entry, stale)) {
     if (stale(entry)) continue;
     state = entry.state;
+    // Nothing burns before its own ball is gone: fronts of segments can be early by a fraction of the spacing. A radius
+    // by the linear rule is no such bound.
+    if (clamp_ && !(status_[state] & (open | floor)) && (site_.is_vertex(state) || site_.rule == RadiusRule::exact)) {
+      const double least = site_.radius_of(state);
+      if (time_[state] < least) {
+        time_[state] = least;
+        status_[state] |= floor;
+        queue_.push(least, state);
+        continue;
+      }
+    }
     again = status_[state] & burned;
     status_[state] = static_cast<unsigned char>((status_[state] & ~queued) | burned);
     return true;
@@ -141,10 +144,10 @@ bool Labels::next(std::uint32_t& state, bool& again) {
 }
 
 void Labels::release(std::vector<double>& times, std::vector<char>& opened) {
-  std::vector<Source>().swap(source_);
-  std::vector<std::uint32_t>().swap(through_);
+  std::vector<Origin>().swap(origin_);
   opened.resize(time_.size());
-  for (std::size_t s = 0; s < time_.size(); ++s) opened[s] = !(status_[s] & open) && time_[s] < arrival_[s];
+  for (std::size_t s = 0; s < time_.size(); ++s)
+    opened[s] = (status_[s] & several) && !(status_[s] & open) && time_[s] < arrival_[s];
   std::vector<double>().swap(arrival_);
   times = std::move(time_);
 }

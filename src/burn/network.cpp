@@ -60,7 +60,7 @@ void split_edges(const CellComplex& complex, BurnNetwork& network, Propagation p
     }
     const double more = pieces - 1;
     if (!(static_cast<double>(states) + more * std::max(1u, network.sectors_of(e)) < 4294967295.0) ||
-        !(static_cast<double>(nodes) + more < 4294967295.0))
+        !(pieces < 2147483647.0) || !(static_cast<double>(nodes) + more < 4294967295.0))
       throw Error(ErrorCode::failed, fmt::format("burning with a spacing of {:.6g} needs more than 2^32 nodes; use a "
                                                  "larger --omega",
                                                  network.omega));
@@ -153,13 +153,31 @@ BurnNetwork make_network(const CellComplex& complex, std::span<const Vec3> point
   return network;
 }
 
-Planes make_planes(const CellComplex& complex, std::span<const Vec3> points) {
-  Planes planes;
-  planes.corner.resize(complex.face_vertices.size());
-  planes.flat.resize(complex.face_count());
-  for (std::uint32_t f = 0; f < complex.face_count(); ++f)
-    planes.flat[f] = lay_flat(complex.corners(f), points, planes.corner.data() + complex.face_offsets[f]);
-  return planes;
+Polygons make_polygons(const CellComplex& complex, std::span<const Vec3> points, const BurnNetwork& network) {
+  Polygons polygons;
+  polygons.sides.resize(complex.face_vertices.size());
+  polygons.flat.resize(complex.face_count());
+  std::vector<std::array<double, 2>> plane;
+  for (std::uint32_t f = 0; f < complex.face_count(); ++f) {
+    const auto corners = complex.corners(f);
+    plane.assign(corners.size(), {0, 0});
+    polygons.flat[f] = lay_flat(corners, points, plane.data());
+    for (std::uint32_t i = 0; i < corners.size(); ++i) {
+      const std::uint32_t c = complex.face_offsets[f] + i, e = complex.face_edges[c];
+      const std::uint32_t sectors = network.sectors_of(e);
+      polygons.sides[c] = {plane[i][0],
+                           plane[i][1],
+                           network.length[e],
+                           e,
+                           network.pieces[e],
+                           complex.edges[e][0] == corners[i],
+                           network.corner_state[c],
+                           network.state_base[e],
+                           sectors,
+                           sectors > 1 ? network.side_rank[c] : 0};
+    }
+  }
+  return polygons;
 }
 
 Links make_links(const CellComplex& complex, const BurnNetwork& network) {

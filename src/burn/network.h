@@ -9,16 +9,25 @@
 
 namespace quench::burning {
 
-/// Polygons laid flat: the corners of each polygon in its own plane, in the order of the complex. A polygon that is not
-/// flat, not convex or of no area has no plane.
-struct Planes {
-  std::vector<std::array<double, 2>> corner;
-  std::vector<char> flat;  ///< of each face
+/// Polygons laid flat, and what the fire asks of each side in one place in memory. A polygon that is not flat, not
+/// convex or of no area has no plane.
+struct Polygons {
+  /// Of the side that starts at a corner.
+  struct Side {
+    double x, y;  ///< of the corner, in the polygon's plane, counterclockwise
+    double length;
+    std::uint32_t edge;
+    std::uint32_t pieces : 31, forward : 1;  ///< forward: runs from the edge's first vertex
+    std::uint32_t corner_state, state_base;
+    std::uint32_t sectors, rank;  ///< of inserted nodes; the rank of this polygon's
+  };
+  std::vector<Side> sides;  ///< per corner
+  std::vector<char> flat;   ///< per face
 };
 
 BurnNetwork make_network(const CellComplex& complex, std::span<const Vec3> points, double omega,
                          Propagation propagation);
-Planes make_planes(const CellComplex& complex, std::span<const Vec3> points);
+Polygons make_polygons(const CellComplex& complex, std::span<const Vec3> points, const BurnNetwork& network);
 
 /// A network with what else the fire needs to find its way: from states to their place, and the link of every vertex.
 struct Links {

@@ -39,10 +39,7 @@ class Sequence {
     parent_.assign(time.size(), kNone);
     parent_face_.assign(time.size(), kNone);
     for (std::uint32_t s = 0; s < time.size(); ++s)
-      if (opened_[s]) {
-        if (best_key_.empty()) best_key_.assign(time.size(), kNever);
-        for_each_place(site_, s, views_, [&](const PolygonView& view, const Place&) { offers_again_[view.face] = 1; });
-      }
+      if (time[s] == kNever) status_[s] = kPocket;
   }
 
   void run(Context* context) {
@@ -57,7 +54,7 @@ class Sequence {
       burn(entry.state, entry.time);
     }
     for (std::uint32_t s = 0; s < time_.size(); ++s)
-      if (!(status_[s] & kRemoved) && time_[s] < kNever)
+      if (!(status_[s] & (kRemoved | kPocket)))
         throw Error(ErrorCode::invariant,
                     "a sector of the medial axis was reached by fire but has no place in the burn "
                     "sequence; this is a bug in Quench, please report it with the input");
@@ -69,6 +66,7 @@ class Sequence {
     kDone = 2,     // in the sequence: may be a parent
     kOffered = 4,  // in the queue
     kBlocked = 8,  // popped, but no chord was free
+    kPocket = 16,
   };
 
   // Open sectors are gone from their links before everything else; they enter the sequence at their time.
@@ -93,8 +91,7 @@ class Sequence {
   std::uint32_t load_vertex(std::uint32_t v) {
     const std::uint32_t first = site_.network.vertex_base[v], count = site_.network.vertex_base[v + 1] - first;
     removed_.resize(count);
-    for (std::uint32_t s = 0; s < count; ++s)
-      removed_[s] = (status_[first + s] & kRemoved) || time_[first + s] == kNever;  // gone, or a pocket
+    for (std::uint32_t s = 0; s < count; ++s) removed_[s] = (status_[first + s] & (kRemoved | kPocket)) != 0;
     link_.reset({site_.links.ends.data() + first, count}, removed_);
     return first;
   }
@@ -180,19 +177,13 @@ class Sequence {
 
   void offer(std::uint32_t state, double now, const Side& side, std::uint32_t k, const Vec3& from) {
     unsigned char& status = status_[state];
-    if (status & kRemoved || time_[state] == kNever) return;
-    if (opened_[state]) {
-      // It opened by itself in the burn pass; should it be on a cycle now, its own arrival is its time.
-      const double key = std::max(time_[state], now + (side.at(k) - from).norm());
-      if (!(key < best_key_[state]) && !(status & kBlocked)) return;
-      best_key_[state] = std::min(key, best_key_[state]);
-      status = static_cast<unsigned char>((status | kOffered) & ~kBlocked);
-      queue_.push(std::max(best_key_[state], now), state);
-      return;
-    }
+    if (status & (kRemoved | kPocket)) return;
     if (status & kOffered && !(status & kBlocked)) return;
     status = static_cast<unsigned char>((status | kOffered) & ~kBlocked);
-    queue_.push(std::max(time_[state], now), state);
+    double key = std::max(time_[state], now);
+    // It opened by itself in the burn pass and will here, unless it is on a cycle when fire arrives.
+    if (opened_[state]) key = std::max(key, now + (side.at(k) - from).norm());
+    queue_.push(key, state);
   }
 
   struct Candidate {
@@ -295,10 +286,9 @@ class Sequence {
   std::vector<std::uint32_t>& parent_face_;
   std::vector<unsigned char> status_;
   std::vector<double> done_time_;         // of states in the sequence
-  std::vector<double> best_key_;          // of opened states; empty when there are none
   std::vector<std::uint64_t> unoffered_;  // per polygon
   std::vector<std::uint64_t> chord_base_;
-  std::vector<char> offers_again_;  // per polygon: some of its states wait, or opened by themselves
+  std::vector<char> offers_again_;  // per polygon: some of its states wait
   std::vector<Chord> chords_;
   LabelQueue queue_;
   Link link_;

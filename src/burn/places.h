@@ -19,7 +19,7 @@ class PolygonViews {
   explicit PolygonViews(const Site& site) : site_(site) {}
   const PolygonView& operator()(std::uint32_t face) {
     PolygonView& view = views_[face % kKept];
-    if (view.face != face) view.load(face, site_.complex, site_.points, site_.network, site_.planes);
+    if (view.face != face) view.load(face, site_.complex, site_.points, site_.polygons);
     return view;
   }
 

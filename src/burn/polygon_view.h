@@ -37,14 +37,13 @@ struct PolygonView {
   std::vector<Side> sides;
   std::uint32_t nodes = 0;  ///< on its boundary
 
-  void load(std::uint32_t f, const CellComplex& complex, std::span<const Vec3> points, const BurnNetwork& network,
-            const Planes& planes) {
+  void load(std::uint32_t f, const CellComplex& complex, std::span<const Vec3> points, const Polygons& polygons) {
     face = f;
-    flat = planes.flat[f];
+    flat = polygons.flat[f];
     const std::uint32_t first = complex.face_offsets[f], end = complex.face_offsets[f + 1];
     const auto place = [&](std::uint32_t c) -> Vec3 {
       if (!flat) return points[complex.face_vertices[c]];
-      return {planes.corner[c][0], planes.corner[c][1], 0};
+      return {polygons.sides[c].x, polygons.sides[c].y, 0};
     };
     sides.resize(end - first);
     nodes = 0;
@@ -52,19 +51,20 @@ struct PolygonView {
     for (std::uint32_t c = first; c < end; ++c) {
       const std::uint32_t next = c + 1 == end ? first : c + 1;
       const Vec3 there = place(next);
+      const Polygons::Side& from = polygons.sides[c];
       Side& s = sides[c - first];
       s.corner = c;
-      s.edge = complex.face_edges[c];
-      s.pieces = network.pieces[s.edge];
+      s.edge = from.edge;
+      s.pieces = from.pieces;
       s.start = here;
-      s.step = (there - here) / s.pieces;
-      s.length = network.length[s.edge];
-      s.forward = complex.edges[s.edge][0] == complex.face_vertices[c];
-      s.first_state = network.corner_state[c];
-      s.last_state = network.corner_state[next];
-      s.base = network.state_base[s.edge];
-      s.stride = network.sectors_of(s.edge);
-      s.rank = s.stride > 1 ? network.side_rank[c] : 0;
+      s.step = (there - here) * (1.0 / s.pieces);
+      s.length = from.length;
+      s.forward = from.forward;
+      s.first_state = from.corner_state;
+      s.last_state = polygons.sides[next].corner_state;
+      s.base = from.state_base;
+      s.stride = from.sectors;
+      s.rank = from.rank;
       s.before = nodes;
       nodes += s.pieces;
       here = there;
