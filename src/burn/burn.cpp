@@ -86,6 +86,7 @@ Burning burn(const CellComplex& complex, std::span<const Vec3> points, std::span
   const Site site{complex, points, radius, result.network, links, polygons, options.radius, scale};
 
   std::vector<char> opened;
+  Times times;
   {
     const bool segments = options.propagation == Propagation::segments;
     // Labels of the segments are corrected; without a tolerance nodes would burn again for every rounding.
@@ -95,10 +96,11 @@ Burning burn(const CellComplex& complex, std::span<const Vec3> points, std::span
       propagate_by_segments(site, labels, tolerance, context);
     else
       propagate_by_nodes(site, labels, context);
-    labels.release(result.state_time, opened);
+    labels.release(times, opened);
   }
-  order_pass(site, opened, result.state_time, result.parent, result.parent_face, context);
+  order_pass(site, opened, times, result.parent, result.parent_face, context);
 
+  result.state_time.assign(times.begin(), times.end());
   result.burn_time.assign(radius.begin(), radius.end());
   result.erosion_thickness.resize(radius.size());
   for (std::uint32_t v = 0; v < complex.vertex_count; ++v) {

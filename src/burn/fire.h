@@ -37,6 +37,9 @@ struct Site {
   }
 };
 
+/// One number per state, accessed at random.
+using Times = lattice::HugeVector<double>;
+
 /// Where a front came from: its field is `time` + distance to the point (x, y) in the frame of the label's own edge, x
 /// along the edge from its first vertex, y >= 0 the distance from the edge's line, on whichever side.
 struct Source {
@@ -75,7 +78,7 @@ class Labels {
   const Source& source(std::uint32_t s) const { return origin_[s].source; }
 
   /// The end: times, and a flag per state that burned because the others of its link had.
-  void release(std::vector<double>& times, std::vector<char>& opened);
+  void release(Times& times, std::vector<char>& opened);
 
  private:
   struct Origin {
@@ -91,9 +94,9 @@ class Labels {
   double tolerance_;
   bool clamp_;
   LabelQueue queue_;
-  std::vector<double> time_, arrival_;
-  std::vector<Origin> origin_;  // of the segments only
-  std::vector<unsigned char> status_;
+  Times time_, arrival_;
+  lattice::HugeVector<Origin> origin_;  // of the segments only
+  lattice::HugeVector<unsigned char> status_;
   std::vector<char> removed_;  // scratch
   SectorTimes sector_times_;
 };
@@ -104,7 +107,7 @@ void propagate_by_segments(const Site& site, Labels& labels, double tolerance, C
 
 /// Order pass (topology): the burn sequence over finished times; rewrites `time` by the times of the sequence and fills
 /// the parents of prime sectors. Throws Error(invariant) when a sector outside the pockets is never reached.
-void order_pass(const Site& site, const std::vector<char>& opened, std::vector<double>& time,
-                std::vector<std::uint32_t>& parent, std::vector<std::uint32_t>& parent_face, Context* context);
+void order_pass(const Site& site, const std::vector<char>& opened, Times& time, std::vector<std::uint32_t>& parent,
+                std::vector<std::uint32_t>& parent_face, Context* context);
 
 }  // namespace quench::burning

@@ -143,12 +143,12 @@ bool Labels::next(std::uint32_t& state, bool& again) {
   return false;
 }
 
-void Labels::release(std::vector<double>& times, std::vector<char>& opened) {
-  std::vector<Origin>().swap(origin_);
+void Labels::release(Times& times, std::vector<char>& opened) {
+  lattice::HugeVector<Origin>().swap(origin_);
   opened.resize(time_.size());
   for (std::size_t s = 0; s < time_.size(); ++s)
     opened[s] = (status_[s] & several) && !(status_[s] & open) && time_[s] < arrival_[s];
-  std::vector<double>().swap(arrival_);
+  Times().swap(arrival_);
   times = std::move(time_);
 }
 

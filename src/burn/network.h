@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "lattice/huge_pages.h"
 #include "quench/burn.h"
 
 namespace quench::burning {
@@ -21,8 +22,8 @@ struct Polygons {
     std::uint32_t corner_state, state_base;
     std::uint32_t sectors, rank;  ///< of inserted nodes; the rank of this polygon's
   };
-  std::vector<Side> sides;  ///< per corner
-  std::vector<char> flat;   ///< per face
+  lattice::HugeVector<Side> sides;  ///< per corner
+  std::vector<char> flat;           ///< per face
 };
 
 BurnNetwork make_network(const CellComplex& complex, std::span<const Vec3> points, double omega,
@@ -36,18 +37,18 @@ struct Links {
   struct Ends {
     std::uint32_t a, b;
   };
-  std::vector<Ends> ends;                     ///< per vertex state
-  std::vector<std::uint32_t> vertex_of;       ///< per vertex state
-  std::vector<std::uint32_t> corner_offsets;  ///< vertex states + 1, into
-  std::vector<std::uint32_t> corner_list;     ///< the corners of each vertex state's sector, ascending
-  std::vector<std::uint32_t> edge_of;         ///< per state of an inserted node, from vertex_base.back()
+  std::vector<Ends> ends;                      ///< per vertex state
+  std::vector<std::uint32_t> vertex_of;        ///< per vertex state
+  std::vector<std::uint32_t> corner_offsets;   ///< vertex states + 1, into
+  std::vector<std::uint32_t> corner_list;      ///< the corners of each vertex state's sector, ascending
+  lattice::HugeVector<std::uint32_t> edge_of;  ///< per state of an inserted node, from vertex_base.back()
   /// What the fire asks of an edge, in one place in memory.
   struct Edge {
     std::uint32_t state_base, pieces, sectors, first_side, degree;
     std::uint32_t corner[2];  ///< the first two of its sides
     bool pocket;              ///< some polygon at it is in a pocket
   };
-  std::vector<Edge> edges;
+  lattice::HugeVector<Edge> edges;
 };
 Links make_links(const CellComplex& complex, const BurnNetwork& network);
 

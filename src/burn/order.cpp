@@ -15,8 +15,8 @@ constexpr double kNever = std::numeric_limits<double>::infinity();
 // its polygons.
 class Sequence {
  public:
-  Sequence(const Site& site, const std::vector<char>& opened, std::vector<double>& time,
-           std::vector<std::uint32_t>& parent, std::vector<std::uint32_t>& parent_face)
+  Sequence(const Site& site, const std::vector<char>& opened, Times& time, std::vector<std::uint32_t>& parent,
+           std::vector<std::uint32_t>& parent_face)
       : site_(site),
         opened_(opened),
         time_(time),
@@ -281,15 +281,15 @@ class Sequence {
 
   const Site& site_;
   const std::vector<char>& opened_;
-  std::vector<double>& time_;
+  Times& time_;
   std::vector<std::uint32_t>& parent_;
   std::vector<std::uint32_t>& parent_face_;
-  std::vector<unsigned char> status_;
-  std::vector<double> done_time_;         // of states in the sequence
+  lattice::HugeVector<unsigned char> status_;
+  Times done_time_;                       // of states in the sequence
   std::vector<std::uint64_t> unoffered_;  // per polygon
   std::vector<std::uint64_t> chord_base_;
   std::vector<char> offers_again_;  // per polygon: some of its states wait
-  std::vector<Chord> chords_;
+  lattice::HugeVector<Chord> chords_;
   LabelQueue queue_;
   Link link_;
   std::vector<char> removed_;
@@ -300,8 +300,8 @@ class Sequence {
 
 }  // namespace
 
-void order_pass(const Site& site, const std::vector<char>& opened, std::vector<double>& time,
-                std::vector<std::uint32_t>& parent, std::vector<std::uint32_t>& parent_face, Context* context) {
+void order_pass(const Site& site, const std::vector<char>& opened, Times& time, std::vector<std::uint32_t>& parent,
+                std::vector<std::uint32_t>& parent_face, Context* context) {
   Sequence(site, opened, time, parent, parent_face).run(context);
 }
 
