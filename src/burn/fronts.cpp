@@ -14,11 +14,12 @@ struct End {
   bool from_inside;    // its front came through this polygon
   std::uint32_t through;
   double x, y, source_time;  // the source, where known
-  double field(double p) const { return source_time + std::hypot(p - x, y); }
+  double field(double p) const { return source_time + std::sqrt((p - x) * (p - x) + y * y); }
 };
 
-End end_of(const Labels& labels, const PolygonView& view, const Side& side, std::uint32_t k, double at) {
-  const std::uint32_t state = side.state(k);
+End end_of(const Labels& labels, const PolygonView& view, std::uint32_t i, std::uint32_t k, double at) {
+  const Polygons::Side& side = view.side(i);
+  const std::uint32_t state = view.state(i, k);
   End end{};
   end.at = at;
   end.time = labels.time(state);
@@ -59,7 +60,7 @@ class Builder {
   // Two fronts meet where their fields are equal. A side that came through the polygon is not sent back into it.
   void two_fronts() {
     double a = left_.at, b = right_.at;
-    for (int i = 0; i < 12; ++i) {
+    for (int step = 0; step < 10; ++step) {
       const double c = 0.5 * (a + b);
       (left_.field(c) <= right_.field(c) ? a : b) = c;
     }
@@ -77,7 +78,7 @@ class Builder {
   // A mesh vertex burned before the other node's front reached it: that front serves the part it is first in.
   void beside_vertex(const End& vertex, const End& other) {
     double a = vertex.at, b = other.at;
-    for (int i = 0; i < 12; ++i) {
+    for (int step = 0; step < 10; ++step) {
       const double c = 0.5 * (a + b);
       (other.field(c) < vertex.time + std::abs(c - vertex.at) ? b : a) = c;
     }
@@ -128,16 +129,17 @@ class Builder {
 
 }  // namespace
 
-SegmentFronts segment_fronts(const Site& site, const Labels& labels, const PolygonView& view, const Side& side,
+SegmentFronts segment_fronts(const Site& site, const Labels& labels, const PolygonView& view, std::uint32_t i,
                              std::uint32_t k, double tolerance) {
+  const Polygons::Side& side = view.side(i);
   const double w = side.spacing();
-  const End left = end_of(labels, view, side, k, w * k), right = end_of(labels, view, side, k + 1, w * (k + 1));
+  const End left = end_of(labels, view, i, k, w * k), right = end_of(labels, view, i, k + 1, w * (k + 1));
   Builder build(left, right);
   if (left.from_inside && right.from_inside) return build.result();  // a
 
   const double eps = 2 * tolerance;
   // On a seam two fronts can be compared when they came from one sheet, or one of them from this one.
-  const bool one_sheet = side.stride <= 1 || left.through == right.through || left.from_inside || right.from_inside;
+  const bool one_sheet = side.sectors <= 1 || left.through == right.through || left.from_inside || right.from_inside;
   if (left.known && right.known && one_sheet) {  // b
     const double at_right = left.field(right.at), at_left = right.field(left.at);
     if (std::abs(at_right - right.time) <= eps && std::abs(at_left - left.time) <= eps) {

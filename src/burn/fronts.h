@@ -29,7 +29,7 @@ struct SegmentFronts {
 };
 
 /// BURNING.md, segment(e, [n1, n2], f): cases a to d. `k`, `k + 1` are the nodes; both must have burned.
-SegmentFronts segment_fronts(const Site& site, const Labels& labels, const PolygonView& view, const Side& side,
+SegmentFronts segment_fronts(const Site& site, const Labels& labels, const PolygonView& view, std::uint32_t side,
                              std::uint32_t k, double tolerance);
 
 }  // namespace quench::burning

@@ -16,7 +16,7 @@ Labels::Labels(const Site& site, double tolerance, bool clamp, bool sources)
       tolerance_(tolerance),
       clamp_(clamp),
       queue_(site.radius.empty() ? 0 : *std::min_element(site.radius.begin(), site.radius.end()),
-             site.network.omega / 4) {
+             site.network.omega / 32) {
   const BurnNetwork& network = site.network;
   const std::uint32_t states = network.state_count();
   time_.assign(states, kNever);

@@ -72,40 +72,42 @@ void split_edges(const CellComplex& complex, BurnNetwork& network, Propagation p
   network.state_base[edges] = static_cast<std::uint32_t>(states);
 }
 
-// The plane of a polygon through its corners (Newell's normal); false unless it is flat and convex with an area above
-// rounding.
-bool lay_flat(std::span<const std::uint32_t> corners, std::span<const Vec3> points, std::array<double, 2>* out) {
+// Lays a polygon into the plane of its mean normal (Newell's); one of no area along its longest side. False unless it
+// is flat and convex with an area above rounding.
+bool lay_flat(std::span<const std::uint32_t> corners, std::span<const Vec3> points,
+              std::vector<std::array<double, 2>>& out) {
   const std::size_t n = corners.size();
   const Vec3 origin = points[corners[0]];
-  Vec3 normal = Vec3::Zero();
+  Vec3 normal = Vec3::Zero(), u = Vec3::Zero();
   double size = 0;
   for (std::size_t i = 0; i < n; ++i) {
     const Vec3 a = points[corners[i]] - origin, b = points[corners[(i + 1) % n]] - origin;
     normal += a.cross(b);
     size = std::max(size, a.norm());
+    if ((b - a).squaredNorm() > u.squaredNorm()) u = b - a;
   }
+  out.assign(n, {0, 0});
+  if (!(size > 0)) return false;
   const double area = normal.norm();
-  if (!(area > 1e-12 * size * size)) return false;
-  normal /= area;
-  Vec3 u = Vec3::Zero();
-  for (std::size_t i = 0; i < n; ++i) {
-    const Vec3 side = points[corners[(i + 1) % n]] - points[corners[i]];
-    if (side.squaredNorm() > u.squaredNorm()) u = side;
+  const bool has_area = area > 1e-12 * size * size;
+  if (has_area) {
+    normal /= area;
+    u -= normal * normal.dot(u);
   }
-  u -= normal * normal.dot(u);
   u.normalize();
-  const Vec3 v = normal.cross(u);
+  const Vec3 v = has_area ? Vec3(normal.cross(u)) : Vec3(Vec3::Zero());
+  bool flat = has_area;
   for (std::size_t i = 0; i < n; ++i) {
     const Vec3 p = points[corners[i]] - origin;
-    if (std::abs(p.dot(normal)) > 1e-6 * size) return false;
+    if (has_area && std::abs(p.dot(normal)) > 1e-6 * size) flat = false;
     out[i] = {p.dot(u), p.dot(v)};
   }
   for (std::size_t i = 0; i < n; ++i) {
     const auto &a = out[i], &b = out[(i + 1) % n], &c = out[(i + 2) % n];
     const double turn = (b[0] - a[0]) * (c[1] - b[1]) - (b[1] - a[1]) * (c[0] - b[0]);
-    if (turn < -1e-9 * size * size) return false;
+    if (turn < -1e-9 * size * size) flat = false;
   }
-  return true;
+  return flat;
 }
 
 }  // namespace
@@ -160,21 +162,23 @@ Polygons make_polygons(const CellComplex& complex, std::span<const Vec3> points,
   std::vector<std::array<double, 2>> plane;
   for (std::uint32_t f = 0; f < complex.face_count(); ++f) {
     const auto corners = complex.corners(f);
-    plane.assign(corners.size(), {0, 0});
-    polygons.flat[f] = lay_flat(corners, points, plane.data());
+    polygons.flat[f] = lay_flat(corners, points, plane);
     for (std::uint32_t i = 0; i < corners.size(); ++i) {
       const std::uint32_t c = complex.face_offsets[f] + i, e = complex.face_edges[c];
-      const std::uint32_t sectors = network.sectors_of(e);
-      polygons.sides[c] = {plane[i][0],
-                           plane[i][1],
-                           network.length[e],
-                           e,
-                           network.pieces[e],
-                           complex.edges[e][0] == corners[i],
-                           network.corner_state[c],
-                           network.state_base[e],
-                           sectors,
-                           sectors > 1 ? network.side_rank[c] : 0};
+      const auto &from = plane[i], &to = plane[i + 1 == corners.size() ? 0 : i + 1];
+      Polygons::Side& side = polygons.sides[c];
+      side.x = from[0];
+      side.y = from[1];
+      side.pieces = network.pieces[e] & 0x7FFFFFFFu;
+      side.dx = (to[0] - from[0]) / side.pieces;
+      side.dy = (to[1] - from[1]) / side.pieces;
+      side.length = network.length[e];
+      side.edge = e;
+      side.forward = complex.edges[e][0] == corners[i];
+      side.corner_state = network.corner_state[c];
+      side.state_base = network.state_base[e];
+      side.sectors = network.sectors_of(e);
+      side.rank = side.sectors > 1 ? network.side_rank[c] : 0;
     }
   }
   return polygons;
@@ -201,16 +205,18 @@ Links make_links(const CellComplex& complex, const BurnNetwork& network) {
     std::fill(links.edge_of.begin() + (network.state_base[e] - states),
               links.edge_of.begin() + (network.state_base[e + 1] - states), e);
     auto& edge = links.edges[e];
-    edge = {network.state_base[e],
-            network.pieces[e],
-            network.sectors_of(e),
-            network.side_offsets[e],
-            degree(network, e),
-            {kNone, kNone},
-            false};
+    edge = {};
+    edge.state_base = network.state_base[e];
+    edge.pieces = network.pieces[e];
+    edge.sectors = network.sectors_of(e);
+    edge.first_side = network.side_offsets[e];
+    edge.degree = degree(network, e);
     const auto sides = network.sides_of(e);
     for (std::size_t i = 0; i < sides.size(); ++i) {
-      if (i < 2) edge.corner[i] = sides[i];
+      if (i < 2) {
+        edge.corner[i] = sides[i];
+        edge.face[i] = network.corner_face[sides[i]];
+      }
       if (network.pocket[network.corner_face[sides[i]]]) edge.pocket = true;
     }
   }

@@ -10,20 +10,24 @@
 
 namespace quench::burning {
 
-/// Polygons laid flat, and what the fire asks of each side in one place in memory. A polygon that is not flat, not
-/// convex or of no area has no plane.
+/// Polygons laid flat, and what the fire asks of each side in one line of memory. Polygons that are not flat or not
+/// convex are projected on their mean plane, those of no area on a line.
 struct Polygons {
-  /// Of the side that starts at a corner.
-  struct Side {
-    double x, y;  ///< of the corner, in the polygon's plane, counterclockwise
+  /// Of the side that starts at a corner, with nodes k = 0 .. pieces along the polygon's cycle.
+  struct alignas(64) Side {
+    double x, y, dx, dy;  ///< node 0 in the polygon's plane, counterclockwise; from node to node
     double length;
     std::uint32_t edge;
     std::uint32_t pieces : 31, forward : 1;  ///< forward: runs from the edge's first vertex
-    std::uint32_t corner_state, state_base;
-    std::uint32_t sectors, rank;  ///< of inserted nodes; the rank of this polygon's
+    std::uint32_t corner_state, state_base;  ///< of node 0; of the edge
+    std::uint32_t sectors, rank;             ///< of inserted nodes; the rank of this polygon's
+
+    double spacing() const { return length / pieces; }
+    /// Place of node k counted from the edge's first vertex.
+    std::uint32_t along_edge(std::uint32_t k) const { return forward ? k : pieces - k; }
   };
   lattice::HugeVector<Side> sides;  ///< per corner
-  std::vector<char> flat;           ///< per face
+  std::vector<char> flat;           ///< per face: flat, convex and with an area; fronts can be unfolded into it
 };
 
 BurnNetwork make_network(const CellComplex& complex, std::span<const Vec3> points, double omega,
@@ -45,8 +49,8 @@ struct Links {
   /// What the fire asks of an edge, in one place in memory.
   struct Edge {
     std::uint32_t state_base, pieces, sectors, first_side, degree;
-    std::uint32_t corner[2];  ///< the first two of its sides
-    bool pocket;              ///< some polygon at it is in a pocket
+    std::uint32_t corner[2], face[2];  ///< the first two of its sides, and their polygons
+    bool pocket;                       ///< some polygon at it is in a pocket
   };
   lattice::HugeVector<Edge> edges;
 };

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "burn/fire.h"
-#include "burn/places.h"
+#include "burn/polygon_view.h"
 #include "quench/error.h"
 
 namespace quench::burning {
@@ -11,11 +11,12 @@ namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
-// The burn sequence. A sector is *removed* from its node's link once, and from then on may be the parent of others in
-// its polygons.
+// The burn sequence. A sector is *removed* from its node's link once, and from then on its node may be the parent of
+// others in its polygons. Keys are times of the burn pass, but never before a possible parent; a bridge waits until one
+// of its sides has opened.
 class Sequence {
  public:
-  Sequence(const Site& site, const std::vector<char>& opened, Times& time, std::vector<std::uint32_t>& parent,
+  Sequence(const Site& site, const std::vector<char>& opened, const Times& time, std::vector<std::uint32_t>& parent,
            std::vector<std::uint32_t>& parent_face)
       : site_(site),
         opened_(opened),
@@ -26,8 +27,7 @@ class Sequence {
         done_time_(time.size(), kNever),
         unoffered_(site.complex.face_count(), ~std::uint64_t{0}),
         offers_again_(site.complex.face_count(), 0),
-        queue_(time.empty() ? 0 : *std::min_element(time.begin(), time.end()), site.network.omega / 4),
-        views_(site) {
+        queue_(time.empty() ? 0 : *std::min_element(time.begin(), time.end()), site.network.omega / 32) {
     chord_base_.reserve(site.complex.face_count() + 1);
     chord_base_.push_back(0);
     for (std::uint32_t f = 0; f < site.complex.face_count(); ++f) {
@@ -98,7 +98,7 @@ class Sequence {
 
   void burn(std::uint32_t state, double key) {
     if (status_[state] & kRemoved) {  // an open sector
-      publish(state);
+      publish(state, key);
       return;
     }
     if (site_.is_vertex(state)) {
@@ -108,16 +108,16 @@ class Sequence {
       if (!find_parent(state)) return;
       stripped_.clear();
       link_.remove(state - first, stripped_);
-      remove(state, key);
-      publish(state);
+      status_[state] |= kRemoved;
+      publish(state, key);
       for (const std::uint32_t s : stripped_) {
-        remove(first + s, key);
-        publish(first + s);
+        status_[first + s] |= kRemoved;
+        publish(first + s, key);
       }
       return;
     }
     if (!find_parent(state)) return;
-    remove(state, key);
+    status_[state] |= kRemoved;
     const std::uint32_t e = site_.edge_of(state), sectors = site_.links.edges[e].sectors;
     std::uint32_t last = kNone;
     if (sectors > 1 && !site_.links.edges[e].pocket) {  // the last sheet goes with the last but one
@@ -130,43 +130,41 @@ class Sequence {
         }
       if (left != 1) last = kNone;
     }
-    publish(state);
+    publish(state, key);
     if (last == kNone) return;
-    remove(last, key);
-    publish(last);
-  }
-
-  void remove(std::uint32_t state, double key) {
-    status_[state] |= kRemoved;
-    time_[state] = key;
+    status_[last] |= kRemoved;
+    publish(last, key);
   }
 
   // A removed sector offers the states that may have its node as parent. A state is offered once, by the first such
-  // node of its polygons; again only if it waits, or opened by itself in the burn pass.
-  void publish(std::uint32_t state) {
+  // node of its polygons; again only if it waits.
+  void publish(std::uint32_t state, double now) {
     status_[state] |= kDone;
-    const double now = done_time_[state] = time_[state];
+    done_time_[state] = time_[state];
     const auto wanted = [&](std::uint32_t f) { return unoffered_[f] != 0 || offers_again_[f]; };
-    for_each_place(site_, state, views_, wanted, [&](const PolygonView& view, const Place& place) {
-      const std::uint32_t f = view.face;
+    for_each_place(site_, state, wanted, [&](const PolygonView& view, const Place& place) {
+      const std::uint32_t f = view.face, sides = view.side_count();
       std::uint64_t& left = unoffered_[f];
-      const Vec3 here = view.sides[place.side].at(place.k);
-      const auto offer_one = [&](const Side& side, std::uint32_t k) { offer(side.state(k), now, side, k, here); };
-      if (offers_again_[f] || view.sides.size() > kMostTracked) {
-        for_each_arc(view, place, offer_one);
+      const Offer from{now, time_[state], view.at(place.side, place.k)};
+      const auto offer_range = [&](std::uint32_t i, std::uint32_t first, std::uint32_t last) {
+        view.nodes(i, first, last, [&](std::uint32_t k, std::uint32_t s) { offer(s, from, view, i, k); });
+      };
+      for_each_edge_arc(view, place,
+                        [&](std::uint32_t i, std::uint32_t k) { offer(view.state(i, k), from, view, i, k); });
+      if (offers_again_[f] || sides > kMostTracked) {
+        for_each_far_side(view, place, offer_range);
         return;
       }
       // Off the node's own sides everything; on them the two neighbours only.
-      for_each_edge_arc(view, place, offer_one);
-      const std::size_t i = place.side, next = view.side_after(i), before = view.side_before(i);
-      std::uint64_t own = side_bit(i) | corner_bit(i) | corner_bit(next);
+      const std::uint32_t i = place.side, before = view.before(i);
+      std::uint64_t own = side_bit(i) | corner_bit(i) | corner_bit(view.after(i));
       if (place.is_corner()) own |= side_bit(before) | corner_bit(before);
-      for (std::size_t s = 0; s < view.sides.size(); ++s) {
-        if ((left & ~own & corner_bit(s)) != 0) offer_one(view.sides[s], 0);
-        if ((left & ~own & side_bit(s)) != 0)
-          for (std::uint32_t k = 1; k < view.sides[s].pieces; ++k) offer_one(view.sides[s], k);
+      const std::uint64_t offered = left & ~own;
+      for (std::uint32_t s = 0; s < sides; ++s) {
+        if (offered & corner_bit(s)) offer(view.side(s).corner_state, from, view, s, 0);
+        if (offered & side_bit(s) && view.side(s).pieces > 1) offer_range(s, 1, view.side(s).pieces - 1);
       }
-      left &= own;
+      left &= own & all_bits(sides);
       if (place.is_corner()) left &= ~corner_bit(i);
     });
   }
@@ -175,32 +173,39 @@ class Sequence {
   static std::uint64_t side_bit(std::size_t i) { return std::uint64_t{1} << (i % kMostTracked); }
   static std::uint64_t corner_bit(std::size_t i) { return std::uint64_t{1} << (i % kMostTracked + kMostTracked); }
 
-  void offer(std::uint32_t state, double now, const Side& side, std::uint32_t k, const Vec3& from) {
+  static std::uint64_t all_bits(std::uint32_t sides) {
+    const std::uint64_t half = (std::uint64_t{1} << (sides % (kMostTracked + 1))) - 1;
+    return half | half << kMostTracked;
+  }
+
+  struct Offer {
+    double now, time;
+    Point from;
+  };
+  void offer(std::uint32_t state, const Offer& by, const PolygonView& view, std::uint32_t i, std::uint32_t k) {
     unsigned char& status = status_[state];
     if (status & (kRemoved | kPocket)) return;
     if (status & kOffered && !(status & kBlocked)) return;
     status = static_cast<unsigned char>((status | kOffered) & ~kBlocked);
-    double key = std::max(time_[state], now);
+    double key = std::max(time_[state], by.now);
     // It opened by itself in the burn pass and will here, unless it is on a cycle when fire arrives.
-    if (opened_[state]) key = std::max(key, now + (side.at(k) - from).norm());
+    if (opened_[state]) key = std::max(key, by.time + distance(view.at(i, k), by.from));
     queue_.push(key, state);
   }
 
   struct Candidate {
     double value;
-    std::uint32_t face, node, own_place, place;  // places on the polygon's boundary
+    std::uint32_t face, side, k;  // the parent: node k of a side of the polygon
+    std::uint32_t own_side, own_k;
   };
 
   // The parent of a prime sector: among the nodes in the sequence the one from which fire would come first, whose chord
-  // crosses none drawn so far. False, and the state is marked as waiting, when there is none.
+  // crosses none drawn so far. Ties: the smaller face, then the first met along its sides from the node on. False, and
+  // the state is marked as waiting, when there is none.
   bool find_parent(std::uint32_t state) {
-    Candidate best{kNever, kNone, kNone, 0, 0};
-    const auto better = [](const Candidate& a, const Candidate& b) {
-      if (a.value != b.value) return a.value < b.value;
-      return a.face != b.face ? a.face < b.face : a.place < b.place;
-    };
+    Candidate best{kNever, kNone, 0, 0, 0, 0};
     scan(state, true, [&](const Candidate& c) {
-      if (better(c, best)) best = c;
+      if (c.value < best.value) best = c;
       return best.value;
     });
     if (best.face != kNone && crosses(best)) {
@@ -209,20 +214,21 @@ class Sequence {
         candidates_.push_back(c);
         return kNever;
       });
-      std::sort(candidates_.begin(), candidates_.end(), better);
+      std::stable_sort(candidates_.begin(), candidates_.end(),
+                       [](const Candidate& a, const Candidate& b) { return a.value < b.value; });
       const auto free =
           std::find_if(candidates_.begin(), candidates_.end(), [&](const Candidate& c) { return !crosses(c); });
-      best = free == candidates_.end() ? Candidate{kNever, kNone, kNone, 0, 0} : *free;
+      best = free == candidates_.end() ? Candidate{kNever, kNone, 0, 0, 0, 0} : *free;
     }
     if (best.face == kNone) {
       status_[state] |= kBlocked;
-      for_each_place(site_, state, views_,
-                     [&](const PolygonView& view, const Place&) { offers_again_[view.face] = 1; });
+      for_each_place(site_, state, [&](const PolygonView& view, const Place&) { offers_again_[view.face] = 1; });
       return false;
     }
-    parent_[state] = best.node;
+    const PolygonView view(site_, best.face);
+    parent_[state] = node_of(view, best.side, best.k);
     parent_face_[state] = best.face;
-    draw(best);
+    draw(view, best);
     return true;
   }
 
@@ -230,58 +236,61 @@ class Sequence {
   // lead to. With `skip`, leaves out nodes that cannot be better: times change by no more than distance along a side.
   template <class Visit>
   void scan(std::uint32_t state, bool skip, const Visit& visit) {
-    for_each_place(site_, state, views_, [&](const PolygonView& view, const Place& place) {
-      const Vec3 here = view.sides[place.side].at(place.k);
-      const std::uint32_t own = view.sides[place.side].before + place.k;
-      double best = kNever;
-      const auto consider = [&](const Side& side, std::uint32_t k) {
-        const std::uint32_t other = side.state(k);
-        if (done_time_[other] == kNever) return -1.0;
-        const double value = done_time_[other] + (side.at(k) - here).norm();
-        const std::uint32_t at = side.before + k;
-        best = visit({value, view.face, node_of(side, k), own, at == view.nodes ? 0 : at});
-        return value;
-      };
-      for_each_edge_arc(view, place, consider);
-      for_each_far_side(view, place, [&](const Side& side, std::uint32_t first, std::uint32_t last) {
-        const double reach = 2.02 * side.spacing();
-        for (std::uint32_t k = first; k <= last;) {
-          const double value = consider(side, k);
-          std::uint32_t step = 1;
-          if (skip && value > best && reach > 0)
-            step = std::max(1u, static_cast<std::uint32_t>(std::min<double>(last, (value - best) / reach)));
-          k += step;
-        }
+    double best = kNever;
+    for_each_place(site_, state, [&](const PolygonView& view, const Place& place) {
+      const Point here = view.at(place.side, place.k);
+      for_each_edge_arc(view, place, [&](std::uint32_t i, std::uint32_t k) {
+        const double done = done_time_[view.state(i, k)];
+        if (done < best) best = visit({done + view.side(i).spacing(), view.face, i, k, place.side, place.k});
+      });
+      for_each_far_side(view, place, [&](std::uint32_t i, std::uint32_t first, std::uint32_t last) {
+        std::uint32_t next = first;
+        view.nodes(i, first, last, [&](std::uint32_t k, std::uint32_t other) {
+          if (k < next) return;
+          const double done = done_time_[other];
+          if (!(done < best)) return;
+          const double value = done + distance(view.at(i, k), here);
+          if (value < best || !skip) {
+            best = visit({value, view.face, i, k, place.side, place.k});
+          } else {
+            next = k + static_cast<std::uint32_t>(
+                           std::min<double>(last, (value - best) / (2.02 * view.side(i).spacing() + 1e-300)));
+          }
+        });
       });
     });
   }
-  std::uint32_t node_of(const Side& side, std::uint32_t k) const {
-    if (k == 0) return site_.complex.face_vertices[side.corner];
-    if (k == side.pieces) {
-      const auto e = site_.complex.edges[side.edge];
-      return side.forward ? e[1] : e[0];
-    }
-    return site_.network.node_base[side.edge] + side.along_edge(k) - 1;
+  std::uint32_t node_of(const PolygonView& view, std::uint32_t i, std::uint32_t k) const {
+    const Polygons::Side& side = view.side(i);
+    const std::uint32_t along = side.along_edge(k);
+    if (along == 0) return site_.complex.edges[side.edge][0];
+    if (along == side.pieces) return site_.complex.edges[side.edge][1];
+    return site_.network.node_base[side.edge] + along - 1;
   }
 
   // Chords of a polygon lie in its stretch of chords_, as many as it has nodes at most: each is of another node.
   using Chord = std::array<std::uint32_t, 2>;
   bool crosses(const Candidate& c) const {
-    const std::uint32_t low = std::min(c.own_place, c.place), high = std::max(c.own_place, c.place);
+    std::size_t i = chord_base_[c.face];
+    const std::size_t end = chord_base_[c.face + 1];
+    if (i == end || chords_[i][0] == kNone) return false;
+    const PolygonView view(site_, c.face);
+    const std::uint32_t a = view.place(c.own_side, c.own_k), b = view.place(c.side, c.k);
+    const std::uint32_t low = std::min(a, b), high = std::max(a, b);
     const auto side = [&](std::uint32_t p) { return p == low || p == high ? 0 : p > low && p < high ? 1 : -1; };
-    for (std::size_t i = chord_base_[c.face]; i < chord_base_[c.face + 1] && chords_[i][0] != kNone; ++i)
+    for (; i < end && chords_[i][0] != kNone; ++i)
       if (side(chords_[i][0]) * side(chords_[i][1]) < 0) return true;
     return false;
   }
-  void draw(const Candidate& c) {
+  void draw(const PolygonView& view, const Candidate& c) {
     std::size_t i = chord_base_[c.face];
     while (chords_[i][0] != kNone) ++i;
-    chords_[i] = {c.own_place, c.place};
+    chords_[i] = {view.place(c.own_side, c.own_k), view.place(c.side, c.k)};
   }
 
   const Site& site_;
   const std::vector<char>& opened_;
-  Times& time_;
+  const Times& time_;
   std::vector<std::uint32_t>& parent_;
   std::vector<std::uint32_t>& parent_face_;
   lattice::HugeVector<unsigned char> status_;
@@ -295,13 +304,12 @@ class Sequence {
   std::vector<char> removed_;
   std::vector<std::uint32_t> stripped_;
   std::vector<Candidate> candidates_;
-  PolygonViews views_;
 };
 
 }  // namespace
 
-void order_pass(const Site& site, const std::vector<char>& opened, Times& time, std::vector<std::uint32_t>& parent,
-                std::vector<std::uint32_t>& parent_face, Context* context) {
+void order_pass(const Site& site, const std::vector<char>& opened, const Times& time,
+                std::vector<std::uint32_t>& parent, std::vector<std::uint32_t>& parent_face, Context* context) {
   Sequence(site, opened, time, parent, parent_face).run(context);
 }
 

@@ -4,53 +4,58 @@
 
 #include "burn/fire.h"
 #include "burn/fronts.h"
-#include "burn/places.h"
+#include "burn/polygon_view.h"
 
 namespace quench::burning {
 namespace {
 
-// Positions along and into a polygon from one of its sides.
+// Positions along and into a polygon from one of its sides. Polygons lie counterclockwise in their planes.
 struct Frame {
-  Vec3 origin, along, inward;
+  Point origin, along;
 
-  explicit Frame(const Side& side) : origin(side.start) {
-    const double length = (side.step * side.pieces).norm();
-    along = side.step * (side.pieces / length);
-    // The polygons' planes run counterclockwise around their corners.
-    inward = {-along[1], along[0], 0};
+  explicit Frame(const Polygons::Side& side) : origin{side.x, side.y} {
+    const double length = std::sqrt(side.dx * side.dx + side.dy * side.dy);
+    along = {side.dx / length, side.dy / length};
   }
-  double x(const Vec3& p) const { return (p - origin).dot(along); }
-  double y(const Vec3& p) const { return (p - origin).dot(inward); }
+  double x(const Point& p) const { return (p.x - origin.x) * along.x + (p.y - origin.y) * along.y; }
+  double y(const Point& p) const { return (p.y - origin.y) * along.x - (p.x - origin.x) * along.y; }
+  Point world(double along_side, double inward) const {
+    return {origin.x + along_side * along.x - inward * along.y, origin.y + along_side * along.y + inward * along.x};
+  }
 };
 
-// The range of integers k in [low, high] with a + k b <= 0, kept in low and high as real numbers.
-void clip(double a, double b, double& low, double& high) {
-  if (b > 0) {
-    high = std::min(high, -a / b);
-  } else if (b < 0) {
-    low = std::max(low, -a / b);
-  } else if (a > 0) {
+// A linear function of the node index on a side: what a node's place along and into another side's frame is.
+struct Linear {
+  double at0, step;
+};
+
+// The range of integers k in [low, high] with f(k) <= 0, kept in low and high as real numbers.
+void clip(const Linear& f, double& low, double& high) {
+  if (f.step > 0) {
+    high = std::min(high, -f.at0 / f.step);
+  } else if (f.step < 0) {
+    low = std::max(low, -f.at0 / f.step);
+  } else if (f.at0 > 0) {
     high = -1;
   }
 }
 
 class Segments {
  public:
-  Segments(const Site& site, Labels& labels, double tolerance)
-      : site_(site), labels_(labels), tolerance_(tolerance), views_(site) {}
+  Segments(const Site& site, Labels& labels, double tolerance) : site_(site), labels_(labels), tolerance_(tolerance) {}
 
   void burn(std::uint32_t state, bool again) {
-    for_each_place(site_, state, views_,
+    for_each_place(site_, state,
                    [&](const PolygonView& view, const Place& place) { enter(view, state, place, again); });
   }
 
  private:
   void enter(const PolygonView& view, std::uint32_t state, const Place& place, bool again) {
     const double t = labels_.time(state);
-    const Side& side = view.sides[place.side];
-    const Vec3 here = side.at(place.k);
-    for_each_edge_arc(view, place, [&](const Side& on, std::uint32_t k) {
-      lower(view, on, k, t + on.spacing(), here, t, on.stride > 1 ? view.face : kNone);
+    const Point here = view.at(place.side, place.k);
+    for_each_edge_arc(view, place, [&](std::uint32_t i, std::uint32_t k) {
+      const Polygons::Side& on = view.side(i);
+      lower(view, i, k, view.state(i, k), t + on.spacing(), here, t, on.sectors > 1 ? view.face : kNone);
     });
     if (!view.flat) {
       node_arcs(view, place, t, {}, {});
@@ -58,10 +63,10 @@ class Segments {
     }
     const bool came_through_here = !place.is_corner() && labels_.through(state) == view.face;
     // The segments on either side of the node, each with a neighbour that may have burned.
-    const Side& before = place.is_corner() ? view.sides[view.side_before(place.side)] : side;
-    const std::uint32_t k_before = place.is_corner() ? before.pieces - 1 : place.k - 1;
+    const std::uint32_t before = place.is_corner() ? view.before(place.side) : place.side;
+    const std::uint32_t k_before = (place.is_corner() ? view.side(before).pieces : place.k) - 1;
     SegmentFronts next, previous;
-    const bool has_next = segment(view, side, place.k, place.k + 1, next);
+    const bool has_next = segment(view, place.side, place.k, place.k + 1, next);
     const bool has_previous = segment(view, before, k_before, k_before, previous);
     if (!came_through_here) {
       if (place.is_corner()) {
@@ -72,85 +77,93 @@ class Segments {
     }
     if (!again) return;
     // Burned once more: the neighbours' fans have changed.
-    if (has_next && place.k + 1 < side.pieces) fan(view, side, place.k + 1);
+    if (has_next && place.k + 1 < view.side(place.side).pieces) fan(view, place.side, place.k + 1);
     if (has_previous && k_before > 0) fan(view, before, k_before);
   }
 
   // The segment from node k on, if its other node `neighbour` has burned: sends its fronts.
-  bool segment(const PolygonView& view, const Side& side, std::uint32_t k, std::uint32_t neighbour,
+  bool segment(const PolygonView& view, std::uint32_t i, std::uint32_t k, std::uint32_t neighbour,
                SegmentFronts& fronts) {
-    if (!labels_.is_burned(side.state(neighbour))) return false;
-    fronts = segment_fronts(site_, labels_, view, side, k, tolerance_);
-    const double start = std::min(labels_.time(side.state(k)), labels_.time(side.state(k + 1)));
-    for (int i = 0; i < fronts.count; ++i) send(view, side, fronts.front[i], start);
+    if (!labels_.is_burned(view.state(i, neighbour))) return false;
+    fronts = segment_fronts(site_, labels_, view, i, k, tolerance_);
+    if (fronts.count == 0) return true;
+    const double start = std::min(labels_.time(view.state(i, k)), labels_.time(view.state(i, k + 1)));
+    for (int front = 0; front < fronts.count; ++front) send(view, i, fronts.front[front], start);
     return true;
   }
 
   // Node arcs of an inserted node that has burned, between its two segments.
-  void fan(const PolygonView& view, const Side& side, std::uint32_t k) {
-    const std::uint32_t state = side.state(k);
+  void fan(const PolygonView& view, std::uint32_t i, std::uint32_t k) {
+    const std::uint32_t state = view.state(i, k);
     if (labels_.through(state) == view.face) return;
     Ray rays[2];
-    if (labels_.is_burned(side.state(k - 1)))
-      rays[0] = segment_fronts(site_, labels_, view, side, k - 1, tolerance_).right;
-    if (labels_.is_burned(side.state(k + 1))) rays[1] = segment_fronts(site_, labels_, view, side, k, tolerance_).left;
-    node_arcs(view, {static_cast<std::uint32_t>(&side - view.sides.data()), k}, labels_.time(state), rays[0], rays[1]);
+    if (labels_.is_burned(view.state(i, k - 1)))
+      rays[0] = segment_fronts(site_, labels_, view, i, k - 1, tolerance_).right;
+    if (labels_.is_burned(view.state(i, k + 1))) rays[1] = segment_fronts(site_, labels_, view, i, k, tolerance_).left;
+    node_arcs(view, {i, k}, labels_.time(state), rays[0], rays[1]);
   }
 
   // Fire along straight arcs to the far sides; only between the rays of the segments beside the node, and one node more
   // on either side.
   void node_arcs(const PolygonView& view, const Place& place, double t, const Ray& left, const Ray& right) {
-    const Side& side = view.sides[place.side];
-    const Vec3 here = side.at(place.k);
+    const Point here = view.at(place.side, place.k);
     const bool clipped = left.known || right.known;
-    const Frame frame = clipped ? Frame(side) : Frame(view.sides[0]);
-    for_each_far_side(view, place, [&](const Side& far, std::uint32_t first, std::uint32_t last) {
+    const Frame frame(view.side(clipped ? place.side : 0));
+    for_each_far_side(view, place, [&](std::uint32_t i, std::uint32_t first, std::uint32_t last) {
+      const Polygons::Side& far = view.side(i);
       double low = first, high = last;
       if (clipped) {
-        const Vec3 from = far.start - here;
-        const double x = from.dot(frame.along), y = from.dot(frame.inward), dx = far.step.dot(frame.along),
-                     dy = far.step.dot(frame.inward);
+        const double x = (far.x - here.x) * frame.along.x + (far.y - here.y) * frame.along.y,
+                     y = (far.y - here.y) * frame.along.x - (far.x - here.x) * frame.along.y,
+                     dx = far.dx * frame.along.x + far.dy * frame.along.y,
+                     dy = far.dy * frame.along.x - far.dx * frame.along.y;
         low = 0;
         high = far.pieces;
-        if (left.known) clip(left.x * y - left.y * x, left.x * dy - left.y * dx, low, high);
-        if (right.known) clip(right.y * x - right.x * y, right.y * dx - right.x * dy, low, high);
+        if (left.known) clip({left.x * y - left.y * x, left.x * dy - left.y * dx}, low, high);
+        if (right.known) clip({right.y * x - right.x * y, right.y * dx - right.x * dy}, low, high);
         low = std::max<double>(first, std::ceil(low) - 1);
         high = std::min<double>(last, std::floor(high) + 1);
       }
       if (!(low <= high)) return;
-      for (auto k = static_cast<std::uint32_t>(low); k <= static_cast<std::uint32_t>(high); ++k)
-        lower(view, far, k, t + (far.at(k) - here).norm(), here, t, view.face);
+      view.nodes(i, static_cast<std::uint32_t>(low), static_cast<std::uint32_t>(high),
+                 [&](std::uint32_t k, std::uint32_t target) {
+                   if (labels_.time(target) > t)
+                     lower(view, i, k, target, t + distance(view.at(i, k), here), here, t, view.face);
+                 });
     });
   }
 
   // A front through a window of a side, to all nodes it reaches in a straight line.
-  void send(const PolygonView& view, const Side& side, const Front& front, double start) {
-    const Frame frame(side);
-    const Vec3 source = frame.origin + frame.along * front.x - frame.inward * front.depth;
+  void send(const PolygonView& view, std::uint32_t from_side, const Front& front, double start) {
+    const Frame frame(view.side(from_side));
+    const Point source = frame.world(front.x, -front.depth);
     const double from = front.from - front.x, to = front.to - front.x;
-    for_each_far_side(view, {static_cast<std::uint32_t>(&side - view.sides.data()), 1},
-                      [&](const Side& far, std::uint32_t first, std::uint32_t last) {
-                        // A node (x, y) is lit when its line to the source crosses the window: linear in k.
-                        const Vec3 d = far.start - source;
-                        const double x = d.dot(frame.along), y = d.dot(frame.inward), dx = far.step.dot(frame.along),
-                                     dy = far.step.dot(frame.inward);
-                        double low = 0, high = far.pieces;
-                        clip(from * y - front.depth * x, from * dy - front.depth * dx, low, high);
-                        clip(front.depth * x - to * y, front.depth * dx - to * dy, low, high);
-                        low = std::max<double>(first, std::ceil(low - 1e-9));
-                        high = std::min<double>(last, std::floor(high + 1e-9));
-                        if (!(low <= high)) return;
-                        for (auto k = static_cast<std::uint32_t>(low); k <= static_cast<std::uint32_t>(high); ++k) {
-                          const double t = front.time + (far.at(k) - source).norm();
-                          if (t >= start) lower(view, far, k, t, source, front.time, view.face);
-                        }
-                      });
+    for_each_far_side(view, {from_side, 1}, [&](std::uint32_t i, std::uint32_t first, std::uint32_t last) {
+      // A node (x, y) is lit when its line to the source crosses the window: linear in k.
+      const Polygons::Side& far = view.side(i);
+      const double x = (far.x - source.x) * frame.along.x + (far.y - source.y) * frame.along.y,
+                   y = (far.y - source.y) * frame.along.x - (far.x - source.x) * frame.along.y,
+                   dx = far.dx * frame.along.x + far.dy * frame.along.y,
+                   dy = far.dy * frame.along.x - far.dx * frame.along.y;
+      double low = 0, high = far.pieces;
+      clip({from * y - front.depth * x, from * dy - front.depth * dx}, low, high);
+      clip({front.depth * x - to * y, front.depth * dx - to * dy}, low, high);
+      low = std::max<double>(first, std::ceil(low - 1e-9));
+      high = std::min<double>(last, std::floor(high + 1e-9));
+      if (!(low <= high)) return;
+      view.nodes(i, static_cast<std::uint32_t>(low), static_cast<std::uint32_t>(high),
+                 [&](std::uint32_t k, std::uint32_t target) {
+                   if (!(labels_.time(target) > start)) return;
+                   const double t = front.time + distance(view.at(i, k), source);
+                   if (t >= start) lower(view, i, k, target, t, source, front.time, view.face);
+                 });
+    });
   }
 
-  void lower(const PolygonView& view, const Side& side, std::uint32_t k, double t, const Vec3& source,
-             double source_time, std::uint32_t through) {
-    const std::uint32_t state = side.state(k);
+  void lower(const PolygonView& view, std::uint32_t i, std::uint32_t k, std::uint32_t state, double t,
+             const Point& source, double source_time, std::uint32_t through) {
     if (!(t < labels_.time(state))) return;
+    const Polygons::Side& side = view.side(i);
     if (k == 0 || k == side.pieces || !view.flat) {
       labels_.lower(state, t, through, kUnknownSource);
       return;
@@ -163,7 +176,6 @@ class Segments {
   const Site& site_;
   Labels& labels_;
   double tolerance_;
-  PolygonViews views_;
 };
 
 }  // namespace
