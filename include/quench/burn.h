@@ -41,11 +41,11 @@ inline constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max()
 /// Nodes with no polygon have no state.
 struct BurnNetwork {
   double omega = 0;
-  std::vector<double> length;              ///< of each edge
-  std::vector<std::uint32_t> pieces;       ///< of each edge
-  std::vector<std::uint32_t> node_base;    ///< edges + 1: first inserted node of each edge
-  std::vector<std::uint32_t> state_base;   ///< edges + 1: first state of the inserted nodes of each edge
-  std::vector<std::uint32_t> vertex_base;  ///< vertices + 1: first state of each vertex
+  std::vector<double> length;                          ///< of each edge
+  std::vector<std::uint32_t> pieces;                   ///< of each edge
+  std::vector<std::uint32_t> node_base;                ///< edges + 1: first inserted node of each edge
+  std::vector<std::uint32_t> state_base;               ///< edges + 1: first state of the inserted nodes of each edge
+  std::vector<std::uint32_t> vertex_base;              ///< vertices + 1: first state of each vertex
   std::vector<std::uint32_t> side_offsets, side_list;  ///< CSR: the corners c with face_edges[c] == e, ascending
   std::vector<std::uint32_t> side_rank;     ///< of each corner c: its place among the sides of edge face_edges[c]
   std::vector<std::uint32_t> corner_face;   ///< of each corner
@@ -69,13 +69,13 @@ struct BurnNetwork {
 struct Burning {
   BurnOptions options;  ///< with the spacing that was used
   BurnNetwork network;
-  std::vector<double> state_time;             ///< per state: when the sector burns, at least the radius
-  std::vector<std::uint32_t> parent;          ///< per state: the node its fire came from; kNone: it opened by itself
-  std::vector<std::uint32_t> parent_face;     ///< per state: the polygon that fire crossed, or kNone
-  std::vector<double> burn_time;              ///< per vertex: the largest time of its sectors; the radius if none
-  std::vector<double> erosion_thickness;      ///< per vertex: burn_time - radius
-  double max_burn_time = 0;                   ///< largest finite one
-  std::uint32_t unburned = 0;                 ///< vertices with infinite burn time
+  std::vector<double> state_time;          ///< per state: when the sector burns, at least the radius
+  std::vector<std::uint32_t> parent;       ///< per state: the node its fire came from; kNone: it opened by itself
+  std::vector<std::uint32_t> parent_face;  ///< per state: the polygon that fire crossed, or kNone
+  std::vector<double> burn_time;           ///< per vertex: the largest time of its sectors; the radius if none
+  std::vector<double> erosion_thickness;   ///< per vertex: burn_time - radius
+  double max_burn_time = 0;                ///< largest finite one
+  std::uint32_t unburned = 0;              ///< vertices with infinite burn time
 };
 
 /// Burns a complex of convex polygons with a radius per vertex (Yan 2018, ch. 3, with the sector propagation of SPEC 5

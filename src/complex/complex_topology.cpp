@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "complex/pockets.h"
 #include "complex/union_find.h"
 #include "quench/topology.h"
 
@@ -9,33 +10,6 @@ namespace quench {
 namespace {
 
 constexpr std::uint32_t kNoFace = 0xFFFFFFFFu;
-
-// Faces that are left after removing, repeatedly, every face with an edge of its own. A 2-cycle contains no such face.
-std::vector<char> faces_after_collapse(const CellComplex& complex) {
-  std::vector<std::uint32_t> degree(complex.edges.size(), 0), faces_xor(complex.edges.size(), 0);
-  for (std::uint32_t f = 0; f < complex.face_count(); ++f)
-    for (std::uint32_t e : complex.sides(f)) {
-      ++degree[e];
-      faces_xor[e] ^= f;  // with degree 1 this is the only face
-    }
-  std::vector<char> alive(complex.face_count(), 1);
-  std::vector<std::uint32_t> stack;
-  for (std::uint32_t e = 0; e < degree.size(); ++e)
-    if (degree[e] == 1) stack.push_back(e);
-  while (!stack.empty()) {
-    const std::uint32_t free = stack.back();
-    stack.pop_back();
-    if (degree[free] != 1) continue;
-    const std::uint32_t f = faces_xor[free];
-    alive[f] = 0;
-    for (std::uint32_t e : complex.sides(f)) {
-      --degree[e];
-      faces_xor[e] ^= f;
-      if (degree[e] == 1) stack.push_back(e);
-    }
-  }
-  return alive;
-}
 
 // Dimension of the space of 0/1 vectors x over `unknowns` variables with, per equation, an even number of ones among
 // the variables listed (each once). Equations of one or two variables fix or merge variables; Gauss does the rest.
@@ -97,7 +71,7 @@ std::int64_t solution_dimension(std::vector<std::vector<std::uint32_t>> equation
 // b2 over Z/2: a 2-cycle has an even number of faces at every edge. Across an edge of two faces it has both or none, so
 // the unknowns are the sheets between non-manifold edges, and each of those gives one equation.
 std::int64_t second_betti(const CellComplex& complex) {
-  const std::vector<char> alive = faces_after_collapse(complex);
+  const std::vector<char> alive = faces_in_pockets(complex);
   std::vector<std::uint32_t> offsets(complex.edges.size() + 1, 0);
   for (std::uint32_t f = 0; f < complex.face_count(); ++f)
     if (alive[f])

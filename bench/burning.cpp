@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: Apache-2.0
+// Burning a medial axis: error of erosion thickness against time, by nodes and by segments, one thread.
+//   bench_burn AXIS [--radii FILE.r] [--linear] [--no-nodes] [--spacing W]... [--fine W]
+// Spacings are multiples of the default one (default: 2 1 0.5 0.25); errors are mean relative errors over the vertices
+// whose erosion thickness exceeds the mean edge length / 1.64 (a voxel, for a voxel core), against a run by segments at
+// a tenth of the default (--fine).
+#include <fmt/format.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <ctime>
+#include <string>
+#include <vector>
+
+#include "quench/burn.h"
+#include "quench/io.h"
+#include "quench/medial_axis.h"
+
+namespace {
+
+using namespace quench;
+
+struct Axis {
+  CellComplex complex;
+  std::vector<Vec3> points;
+  std::vector<double> radius;
+};
+
+Axis read_axis(const std::string& file, const std::string& radii) {
+  const PolyData data = io::read_poly_data(file);
+  Axis axis;
+  std::vector<std::uint32_t> point_of;
+  axis.complex = complex_of(data, &point_of);
+  for (const std::uint32_t p : point_of) axis.points.push_back(data.points[p]);
+  if (!radii.empty()) {
+    axis.radius = io::read_radii(radii, axis.points);
+    return axis;
+  }
+  const DataArray* array = find_array(data.point_data, "radius");
+  if (!array) {
+    fmt::print(stderr, "{} has no radii; give --radii\n", file);
+    std::exit(2);
+  }
+  const std::vector<double> all = array->numbers();
+  for (const std::uint32_t p : point_of) axis.radius.push_back(all[p]);
+  return axis;
+}
+
+double cpu_seconds() {
+  timespec t{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+double peak_bytes() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) * 1024;
+}
+
+// Peak memory of one burn above what was there before, measured in a process of its own.
+double burn_bytes(const Axis& axis, const BurnOptions& options) {
+  int pipes[2];
+  if (pipe(pipes) != 0) return 0;
+  const pid_t child = fork();
+  if (child == 0) {
+    const double before = peak_bytes();
+    burn(axis.complex, axis.points, axis.radius, options);
+    const double grown = peak_bytes() - before;
+    if (write(pipes[1], &grown, sizeof grown) < 0) _exit(1);
+    _exit(0);
+  }
+  double grown = 0;
+  if (read(pipes[0], &grown, sizeof grown) < 0) grown = 0;
+  waitpid(child, nullptr, 0);
+  close(pipes[0]);
+  close(pipes[1]);
+  return grown;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  std::string file, radii;
+  std::vector<double> spacings;
+  double fine = 0.1;
+  BurnOptions options;
+  bool nodes = true;
+  for (int i = 1; i < argc; ++i) {
+    const std::string word = argv[i];
+    if (word == "--radii" && i + 1 < argc)
+      radii = argv[++i];
+    else if (word == "--spacing" && i + 1 < argc)
+      spacings.push_back(std::atof(argv[++i]));
+    else if (word == "--fine" && i + 1 < argc)
+      fine = std::atof(argv[++i]);
+    else if (word == "--linear")
+      options.radius = RadiusRule::linear;
+    else if (word == "--no-nodes")
+      nodes = false;
+    else
+      file = word;
+  }
+  if (file.empty()) {
+    fmt::print(stderr, "usage: bench_burn AXIS [--radii FILE.r] [--linear] [--no-nodes] [--spacing W]... [--fine W]\n");
+    return 2;
+  }
+  if (spacings.empty()) spacings = {2, 1, 0.5, 0.25};
+  const Axis axis = read_axis(file, radii);
+  const double base = default_omega(axis.complex, axis.points), unit = base / 0.35 / 1.64;
+  options.omega = base * fine;
+  const Burning truth = burn(axis.complex, axis.points, axis.radius, options);
+  fmt::print("{} vertices, {} faces, default spacing {:.4g}\n\n", axis.complex.vertex_count, axis.complex.face_count(),
+             base);
+  fmt::print("| spacing | by | nodes | s | us/node | B/node | mean error of ET | at most {:.3g} above, below |\n", unit);
+  fmt::print("|---|---|---|---|---|---|---|---|\n");
+  for (const double w : spacings)
+    for (const Propagation by : {Propagation::nodes, Propagation::segments}) {
+      if (by == Propagation::nodes && !nodes) continue;
+      options.propagation = by;
+      options.omega = base * w;
+      const double bytes = burn_bytes(axis, options);
+      std::vector<double> seconds;
+      Burning result;
+      for (int run = 0; run < 3; ++run) {
+        const double start = cpu_seconds();
+        result = burn(axis.complex, axis.points, axis.radius, options);
+        seconds.push_back(cpu_seconds() - start);
+      }
+      std::sort(seconds.begin(), seconds.end());
+      double error = 0, above = 0, below = 0;
+      std::size_t count = 0;
+      for (std::size_t v = 0; v < axis.radius.size(); ++v) {
+        const double et = truth.erosion_thickness[v], got = result.erosion_thickness[v];
+        if (std::isinf(et)) continue;
+        above = std::max(above, got - et);
+        below = std::max(below, et - got);
+        if (et <= unit) continue;
+        error += std::abs(got - et) / et;
+        ++count;
+      }
+      const double n = result.network.node_count();
+      fmt::print("| {:.4g} | {} | {} | {:.3f} | {:.2f} | {:.0f} | {:.3f}% | {:.3f}, {:.3f} |\n", options.omega,
+                 by == Propagation::nodes ? "nodes" : "segments", result.network.node_count(), seconds[1],
+                 seconds[1] / n * 1e6, bytes / n, count ? 100 * error / static_cast<double>(count) : 0, above / unit,
+                 below / unit);
+      std::fflush(stdout);
+    }
+  return 0;
+}

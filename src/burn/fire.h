@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "burn/label_queue.h"
+#include "burn/link.h"
+#include "burn/network.h"
+
+namespace quench::burning {
+
+/// Everything a propagation works on.
+struct Site {
+  const CellComplex& complex;
+  std::span<const Vec3> points;
+  std::span<const double> radius;
+  const BurnNetwork& network;
+  const Links& links;
+  const Planes& planes;
+  RadiusRule rule;
+  double scale;  ///< diagonal of the bounding box
+
+  std::uint32_t vertex_states() const { return network.vertex_base.back(); }
+  bool is_vertex(std::uint32_t state) const { return state < vertex_states(); }
+  std::uint32_t edge_of(std::uint32_t state) const { return links.edge_of[state - vertex_states()]; }
+  /// For the state of an inserted node: its place on the edge, from 1.
+  std::uint32_t place_of(std::uint32_t state, std::uint32_t edge) const {
+    return (state - network.state_base[edge]) / network.sectors_of(edge) + 1;
+  }
+  double radius_inside(std::uint32_t edge, std::uint32_t place) const {
+    const auto [a, b] = complex.edges[edge];
+    return radius_inside_edge(radius[a], radius[b], network.length[edge],
+                              static_cast<double>(place) / network.pieces[edge], rule);
+  }
+  double radius_of(std::uint32_t state) const {
+    if (is_vertex(state)) return radius[links.vertex_of[state]];
+    const std::uint32_t e = edge_of(state);
+    return radius_inside(e, place_of(state, e));
+  }
+};
+
+/// Where a front came from: its field is `time` + distance to the point (x, y) in the frame of the label's own edge, x
+/// along the edge from its first vertex, y >= 0 the distance from the edge's line, on whichever side.
+struct Source {
+  double x, y, time;
+};
+inline constexpr Source kUnknownSource{0, 0, std::numeric_limits<double>::quiet_NaN()};
+
+/// Labels of all states during the burn pass, and the rules by which arrivals become times.
+class Labels {
+ public:
+  enum Status : unsigned char { open = 1, pocket = 2, queued = 4, burned = 8 };
+
+  /// Open sectors are labelled with the radius and queued, pockets set aside. `tolerance`: by how much the time of a
+  /// burned state must drop to burn it again; `clamp`: no time below the radius; `sources`: keep the sources of fronts.
+  Labels(const Site& site, double tolerance, bool clamp, bool sources);
+
+  /// Fire of time t arrives at a state through polygon `through`, from `source` (ignored at vertices, which are sources
+  /// themselves). Recomputes the times of the node's sectors and queues those that drop.
+  void lower(std::uint32_t state, double t, std::uint32_t through, const Source& source);
+  /// The next state to burn, marked as burned; false at the end.
+  bool next(std::uint32_t& state, bool& again);
+
+  double time(std::uint32_t s) const { return time_[s]; }
+  bool is_burned(std::uint32_t s) const { return status_[s] & burned; }
+  bool is_open(std::uint32_t s) const { return status_[s] & open; }
+  std::uint32_t through(std::uint32_t s) const { return through_[s]; }
+  const Source& source(std::uint32_t s) const { return source_[s]; }
+
+  /// The end: times, and a flag per state that burned because the others of its link had.
+  void release(std::vector<double>& times, std::vector<char>& opened);
+
+ private:
+  void label(std::uint32_t state, double t, std::uint32_t through, const Source& source);
+  void lower_vertex(std::uint32_t state, double t, std::uint32_t through);
+  void lower_seam(std::uint32_t state, std::uint32_t edge, double t, std::uint32_t through, const Source& source);
+
+  const Site& site_;
+  double tolerance_;
+  bool clamp_;
+  LabelQueue queue_;
+  std::vector<double> time_, arrival_;
+  std::vector<std::uint32_t> through_;
+  std::vector<Source> source_;
+  std::vector<unsigned char> status_;
+  std::vector<char> removed_;  // scratch
+  SectorTimes sector_times_;
+};
+
+/// Burn pass (geometry) by either propagation: times per state.
+void propagate_by_nodes(const Site& site, Labels& labels, Context* context);
+void propagate_by_segments(const Site& site, Labels& labels, double tolerance, Context* context);
+
+/// Order pass (topology): the burn sequence over finished times; rewrites `time` by the times of the sequence and fills
+/// the parents of prime sectors. Throws Error(invariant) when a sector outside the pockets is never reached.
+void order_pass(const Site& site, const std::vector<char>& opened, std::vector<double>& time,
+                std::vector<std::uint32_t>& parent, std::vector<std::uint32_t>& parent_face, Context* context);
+
+}  // namespace quench::burning

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "burn/fire.h"
+#include "burn/polygon_view.h"
+
+namespace quench::burning {
+
+/// A front that enters a polygon through part of a segment of one of its sides. In the frame of the side (x along it
+/// from its node 0, y into the polygon): the source lies at (x, -depth), the window on y = 0.
+struct Front {
+  double x, depth, time;
+  double from, to;
+};
+
+/// The edge of what a segment's front lights, seen from one of its two nodes: the direction in which the front passes
+/// through the node. Nothing is known of it while the neighbour has not burned.
+struct Ray {
+  bool known = false;
+  double x = 0, y = 0;
+};
+
+/// What enters polygon f through the segment of a side between two burned neighbours: at most two fronts, and the rays
+/// at its two nodes.
+struct SegmentFronts {
+  int count = 0;
+  Front front[2];
+  Ray left, right;  ///< at the node of smaller and of larger k
+};
+
+/// BURNING.md, segment(e, [n1, n2], f): cases a to d. `k`, `k + 1` are the nodes; both must have burned.
+SegmentFronts segment_fronts(const Site& site, const Labels& labels, const PolygonView& view, const Side& side,
+                             std::uint32_t k, double tolerance);
+
+}  // namespace quench::burning
