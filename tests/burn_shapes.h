@@ -268,8 +268,7 @@ inline KnownBurn chimney() {
   });
 }
 
-/// A closed fan of n triangles from `tip` to a regular ring of radius `rim`, `axis` higher. The tip is
-/// sqrt(rim^2 cos^2(pi/n) + axis^2) from the rim, the height of a triangle.
+/// A closed fan of n triangles from `tip` to a regular ring of radius `rim`, `axis` higher.
 inline void pyramid(Builder& b, const Vec3& tip, double axis, double rim, int n) {
   std::vector<std::uint32_t> base;
   for (int i = 0; i < n; ++i) {
@@ -277,6 +276,11 @@ inline void pyramid(Builder& b, const Vec3& tip, double axis, double rim, int n)
     base.push_back(b.vertex(tip + Vec3(rim * std::cos(angle), rim * std::sin(angle), axis)));
   }
   b.cone(b.vertex(tip), base);
+}
+
+/// Distance of the tip from the rim.
+inline double pyramid_height(double axis, double rim, int n) {
+  return std::hypot(axis, rim * std::cos(std::numbers::pi / n));
 }
 
 /// Six sheets between the four sites of a regular tetrahedron at distance 1 from the centre, cut off at distance d along
