@@ -89,14 +89,14 @@ class LinkSectors {
     count_loops();
   }
 
-  /// Times from arrivals, not below the radius.
+  /// Times from arrivals; open sectors burn at the radius.
   void times(double radius, std::span<const double> arrival, std::span<double> time) const {
     for (std::size_t s = 0; s < sets_.size(); ++s) {
       time[s] = std::numeric_limits<double>::infinity();
       if (pocket[s]) continue;
       if (open[s]) time[s] = radius;
       for (const std::vector<int>& set : sets_[s]) {
-        double latest = radius;
+        double latest = 0;
         for (int q : set) latest = std::max(latest, arrival[q]);
         time[s] = std::min(time[s], latest);
       }
@@ -106,6 +106,7 @@ class LinkSectors {
 
   std::vector<int> sector_of;  ///< of each corner of the link
   std::vector<char> open, pocket;
+  std::vector<char> bridge;  ///< can be left as a bridge when others have burned
   int loops = 0;  ///< first Betti number, pockets contracted
 
  private:
@@ -129,6 +130,22 @@ class LinkSectors {
     }
   }
 
+  bool on_cycle(int sector, const std::vector<char>& left) const {
+    const auto& ends = ends_[static_cast<std::size_t>(sector)];
+    if (ends.empty() || ends[0] == ends[1]) return true;
+    std::set<int> reached{ends[0]};
+    for (bool changed = true; changed;) {
+      changed = false;
+      for (std::size_t s = 0; s < left.size(); ++s)
+        if (left[s] && static_cast<int>(s) != sector && !ends_[s].empty() &&
+            reached.contains(ends_[s][0]) != reached.contains(ends_[s][1])) {
+          reached.insert(ends_[s].begin(), ends_[s].end());
+          changed = true;
+        }
+    }
+    return reached.contains(ends[1]);
+  }
+
   void find_minimal_sets(const std::vector<char>& left) {
     std::vector<int> closed;
     for (std::size_t s = 0; s < left.size(); ++s)
@@ -139,12 +156,14 @@ class LinkSectors {
     std::stable_sort(masks.begin(), masks.end(),
                      [](unsigned a, unsigned b) { return std::popcount(a) < std::popcount(b); });
     std::vector<std::vector<unsigned>> minimal(left.size());
+    bridge.assign(left.size(), 0);
     for (unsigned mask : masks) {
       std::vector<char> rest = left;
       for (std::size_t i = 0; i < closed.size(); ++i)
         if (mask >> i & 1) rest[closed[i]] = 0;
       strip(rest);
       for (int s : closed) {
+        if (rest[s] && !bridge[s] && !on_cycle(s, rest)) bridge[s] = 1;
         const auto& known = minimal[s];
         if (!rest[s] && std::none_of(known.begin(), known.end(), [&](unsigned m) { return (m & mask) == m; }))
           minimal[s].push_back(mask);
@@ -195,9 +214,12 @@ inline double radius_on_edge(double r0, double r1, double length, double t, Radi
 }
 
 inline std::vector<std::uint32_t> pieces_for(const CellComplex& complex, std::span<const Vec3> points, double omega) {
-  std::vector<std::uint32_t> pieces;
-  for (const auto& [a, b] : complex.edges)
-    pieces.push_back(std::max(1u, static_cast<std::uint32_t>(std::ceil((points[a] - points[b]).norm() / omega))));
+  std::vector<std::uint32_t> pieces(complex.edges.size(), 1);  // no fire runs along lone edges: they stay whole
+  for (std::uint32_t e : complex.face_edges) {
+    const double length = (points[complex.edges[e][0]] - points[complex.edges[e][1]]).norm();
+    // A length that is a multiple of the spacing but for rounding counts as one.
+    pieces[e] = std::max(1u, static_cast<std::uint32_t>(std::ceil(length / omega * (1 - 1e-12))));
+  }
   return pieces;
 }
 
@@ -239,6 +261,7 @@ class BruteForceBurn {
     const auto add = [&](const Vec3& point, double r, std::size_t link) {
       nodes.push_back({point, r, link, state_count_});
       state_count_ += links[link].size();
+      can_be_bridge.insert(can_be_bridge.end(), links[link].bridge.begin(), links[link].bridge.end());
     };
     for (std::size_t v = 0; v < complex.vertex_count; ++v) {
       links.emplace_back(at_vertex[v]);
@@ -303,6 +326,7 @@ class BruteForceBurn {
   std::vector<std::size_t> place_in_edge_link;  ///< of each corner: place of the polygon at the side that starts there
   std::vector<std::vector<RimNode>> rims;    ///< of each polygon
   std::vector<double> time;                  ///< per state
+  std::vector<char> can_be_bridge;           ///< per state
   std::vector<double> vertex_time;
 
   std::size_t state_at(std::size_t node, std::size_t place) const {

@@ -250,17 +250,15 @@ inline Builder random_cells(Random& random) {
   Builder b;
   kinds[random.below(kinds.size())](b, random);
   if (random.below(3) == 0) kinds[random.below(kinds.size())](b, random);
+  if (b.points.empty()) b.vertex(random.point(6));
   for (std::uint32_t glued = random.below(4); glued > 0 && random.below(2); --glued) {
     const std::uint32_t keep = random.below(b.points.size()), drop = random.below(b.points.size());
     Builder next;  // the same cells with one vertex less
     for (const Vec3& p : b.points) next.vertex(p);
     for (auto f : b.faces) {
       std::vector<std::uint32_t> corners = f;
-      if (f.size() > 3) {
-        // A corner of a larger polygon cannot move: it would not be planar.
-      } else {
-        std::replace(corners.begin(), corners.end(), drop, keep);
-      }
+      // A corner of a larger polygon stays: moved, the polygon would not be planar.
+      if (f.size() == 3) std::replace(corners.begin(), corners.end(), drop, keep);
       next.face(std::move(corners));
     }
     next.edges = b.edges;
