@@ -26,6 +26,7 @@ struct BurnInput {
   std::vector<Vec3> points;
   std::vector<double> radius;
   RadiusRule rule = RadiusRule::linear;
+  bool consistent = false;  ///< the radius at inserted nodes is that of the place, too: no fire comes before it
 };
 
 /// Collects cells; points by their coordinates, so that parts can be glued by naming the same point twice.
@@ -85,7 +86,7 @@ class Builder {
   /// With a radius that is a function of the place.
   template <class Radius>
   BurnInput input(Radius&& radius, RadiusRule rule = RadiusRule::linear) const {
-    BurnInput result{complex(), points, {}, rule};
+    BurnInput result{complex(), points, {}, rule, false};
     for (const Vec3& p : points) result.radius.push_back(radius(p));
     return result;
   }
@@ -281,7 +282,7 @@ inline BurnInput random_input(std::uint64_t seed) {
   for (std::uint32_t i = kind == 1 ? 1 : 2 + random.below(4); i > 0; --i)
     sites.push_back(random.point(8) - Vec3::Constant(2));
   const double level = 0.2 + 2 * random.unit(), slope = kind == 3 ? 1 : 0.5;
-  return b.input(
+  BurnInput input = b.input(
       [&](const Vec3& p) {
         if (kind == 0) return level;
         double nearest = 1e9;
@@ -289,6 +290,8 @@ inline BurnInput random_input(std::uint64_t seed) {
         return kind == 1 ? nearest : slope * nearest;
       },
       kind == 1 ? RadiusRule::exact : RadiusRule::linear);
+  input.consistent = kind < 2;
+  return input;
 }
 
 }  // namespace quench::testing_complexes
