@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "burn_pipeline.h"
 #include "core_pipeline.h"
 #include "program.h"
 #include "quench/io.h"
@@ -55,11 +56,13 @@ Action add_run(CLI::App& app) {
   struct Options {
     ShapeOptions shape;
     CorePipelineOptions core;
+    BurnPipelineOptions burn;
     std::string folder;
   };
   auto o = std::make_shared<Options>();
   add_shape_options(app, o->shape);
   add_core_options(app, o->core);
+  add_burn_options(app, o->burn);
   app.add_option("-o,--output", o->folder,
                  "Folder for core.vtp and report.json (made if absent; these files are replaced)")
       ->type_name("DIR")
@@ -76,8 +79,13 @@ Action add_run(CLI::App& app) {
       throw Error(ErrorCode::usage,
                   fmt::format("--json {} is where the medial axis goes; give another name", session.options.report));
     check_core_options(o->core);
+    check_burn_options(o->burn);
     const LoadedShape loaded = load_shape(o->shape, session);
-    const CorePipelineResult result = compute_core(loaded, o->core, session);
+    CorePipelineResult result = compute_core(loaded, o->core, session);
+    const auto resolve = [&](const std::string& text, const std::string& option) {
+      return parse_length(text, option).resolve(loaded.longest_side, loaded.shape.grid().spacing.minCoeff());
+    };
+    add_burning(result.data, compute_burning(result.axis, true, o->burn, resolve, result.report, session));
     fs::create_directories(o->folder, error);
     if (error)
       throw Error(ErrorCode::failed, fmt::format("the folder '{}' cannot be made: {}", o->folder, error.message()));

@@ -151,6 +151,7 @@ void write_report(const std::string& file, Json report, Session& session) {
                        {"delaunay", of({"delaunay"})},
                        {"core", of({"merge", "core"})},
                        {"prune", of({"prune", "reconstruct"})},
+                       {"burn", of({"burn"})},
                        {"topology", of({"topology"})},
                        {"write", of({"write"})},
                        {"total", std::round(session.total_seconds() * 1e4) / 1e4}};

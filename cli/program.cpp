@@ -27,6 +27,8 @@ constexpr Command kCommands[] = {
      "quench voxelize part.stl --resolution 256 -o part.nrrd", computes | writes | reports, add_voxelize},
     {"core", "Computes the medial axis of the voxel shape (its voxel core), pruned",
      "quench core ct.nrrd --threshold 20 --lambda 2.5vox -o axis.vtp", computes | writes | reports, add_core},
+    {"burn", "Adds burn time and erosion thickness to a medial axis", "quench burn axis.vtp -o burned.vtp",
+     computes | writes | reports, add_burn},
     {"info", "Says what a file is", "quench info axis.vtp", answers_json, add_info},
     {"convert", "Writes a mesh or a medial axis in another format", "quench convert axis.vtp axis.ma", writes,
      add_convert},

@@ -9,6 +9,7 @@
 #include "quench/complex.h"
 #include "quench/context.h"
 #include "quench/geometry.h"
+#include "quench/poly_data.h"
 
 namespace quench {
 
@@ -90,6 +91,14 @@ Burning burn(const CellComplex& complex, std::span<const Vec3> points, std::span
 
 /// The spacing of nodes that `burn` takes where none is given.
 double default_omega(const CellComplex& complex, std::span<const Vec3> points);
+
+/// Predicted peak of memory of burn(), in bytes, without that of its input.
+std::int64_t predicted_burn_bytes(const CellComplex& complex, std::span<const Vec3> points, const BurnOptions& options);
+
+/// Adds the result to the file the axis came from (vertex v is row v): point arrays `burn_time`, `erosion_thickness`,
+/// `unburned` (1 where infinite; the largest finite value is written there), field arrays `omega`, `propagation`,
+/// `radius_rule`, `burn_nodes`, `max_burn_time`. Arrays of these names are replaced.
+void add_burning(PolyData& data, const Burning& burning);
 
 /// Radius at a node inside an edge, `t` from the first end in [0, 1]; linear where the ends cannot share a nearest
 /// point (|R0 - R1| > L or L > R0 + R1).

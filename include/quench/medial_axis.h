@@ -32,14 +32,27 @@ struct MedialAxis {
 /// How an infinite level is written to files: colour ranges of viewers break on inf.
 inline constexpr double kInfiniteLevelInFiles = 3.4e38;
 
-/// The axis as cells and arrays for a file: point arrays `radius`, `lambda`; cell arrays `kind` (0 part of a sheet,
-/// 1 curve, 2 point), `component`, `lambda`, `lambda_level`, `site_a`, `site_b`; field arrays `sites` and the grid.
-/// A line is written for an edge with no face or with a level above that of its faces, a vertex cell likewise, so that
-/// the closure of the cells with lambda_level >= t is the pruning for t, for every t.
+/// The axis as cells and arrays for a file: point arrays `radius`, `lambda`, `object_angle`; cell arrays `kind` (0 part
+/// of a sheet, 1 curve, 2 point), `component`, `lambda`, `lambda_level`, `object_angle`, `site_a`, `site_b`; field
+/// arrays `sites` and the grid. The object angle is that between the directions from the cell's centre to the two
+/// nearest boundary points its lambda stands for, in degrees: 2 asin(lambda / radius). A line is written for an edge
+/// with no face or with a level above that of its faces, a vertex cell likewise, so that the closure of the cells with
+/// lambda_level >= t is the pruning for t, for every t.
 PolyData to_poly_data(const MedialAxis& axis);
 
 /// The closure of the cells of a file as a complex on the points of the file that some cell uses; `point_of[v]` is the
 /// row of vertex v. Lines and vertex cells that are part of a larger cell are merged with it.
 CellComplex complex_of(const PolyData& data, std::vector<std::uint32_t>* point_of = nullptr);
+
+/// What medial_axis_of() had to mend, in cells of the file.
+struct AxisRepair {
+  std::size_t degenerate = 0;  ///< polygons or lines that repeat a corner: what is left of them is kept
+  std::size_t duplicate = 0;   ///< polygons with the corners of an earlier one: dropped
+};
+
+/// A medial axis, ours or foreign, as read from a file: complex, points and radius (of the point array `radius`).
+/// Points that no cell uses are isolated vertices. Vertex v is row v of the file. Throws Error(input) when there is no
+/// radius.
+MedialAxis medial_axis_of(const PolyData& data, AxisRepair* repair = nullptr);
 
 }  // namespace quench

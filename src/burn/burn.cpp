@@ -51,6 +51,18 @@ double default_omega(const CellComplex& complex, std::span<const Vec3> points) {
   return 0.35 * mean_edge(complex, points);
 }
 
+std::int64_t predicted_burn_bytes(const CellComplex& complex, std::span<const Vec3> points,
+                                  const BurnOptions& options) {
+  const double omega = options.omega > 0 ? options.omega : default_omega(complex, points);
+  double nodes = complex.vertex_count;
+  for (const auto& e : complex.edges) {
+    const double pieces = omega > 0 ? (points[e[1]] - points[e[0]]).norm() / omega : 1;
+    nodes += std::max(0.0, std::ceil(pieces) - 1);
+  }
+  const double bytes = 200 * nodes + 40.0 * static_cast<double>(complex.face_vertices.size());
+  return static_cast<std::int64_t>(std::min(bytes, 0x1p62));
+}
+
 double radius_inside_edge(double r0, double r1, double length, double t, RadiusRule rule) {
   const double linear = (1 - t) * r0 + t * r1;
   if (rule == RadiusRule::linear || std::abs(r0 - r1) > length || length > r0 + r1) return linear;

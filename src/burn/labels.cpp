@@ -81,7 +81,7 @@ void Labels::lower(std::uint32_t state, double t, std::uint32_t through, const S
   // A radius by the linear rule is no bound: it is above the distance to the nearest site.
   if (clamp_ && site_.rule == RadiusRule::exact) t = std::max(t, site_.radius_of(state));
   if (!(t < std::min(time_[state], arrival_[state]))) return;
-  if (site_.network.sectors_of(e) > 1 && !site_.links.pocket_edge[e]) {
+  if (site_.links.edges[e].sectors > 1 && !site_.links.edges[e].pocket) {
     lower_seam(state, e, t, through, source);
   } else {
     arrival_[state] = t;

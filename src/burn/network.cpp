@@ -178,12 +178,23 @@ Links make_links(const CellComplex& complex, const BurnNetwork& network) {
     links.corner_list[links.corner_offsets[s] + filled[s]++] = c;
   }
   links.edge_of.resize(network.state_count() - states);
-  links.pocket_edge.assign(complex.edges.size(), 0);
+  links.edges.resize(complex.edges.size());
   for (std::uint32_t e = 0; e < complex.edges.size(); ++e) {
     std::fill(links.edge_of.begin() + (network.state_base[e] - states),
               links.edge_of.begin() + (network.state_base[e + 1] - states), e);
-    for (const std::uint32_t c : network.sides_of(e))
-      if (network.pocket[network.corner_face[c]]) links.pocket_edge[e] = 1;
+    auto& edge = links.edges[e];
+    edge = {network.state_base[e],
+            network.pieces[e],
+            network.sectors_of(e),
+            network.side_offsets[e],
+            degree(network, e),
+            {kNone, kNone},
+            false};
+    const auto sides = network.sides_of(e);
+    for (std::size_t i = 0; i < sides.size(); ++i) {
+      if (i < 2) edge.corner[i] = sides[i];
+      if (network.pocket[network.corner_face[sides[i]]]) edge.pocket = true;
+    }
   }
   links.ends.assign(states, {kNone, kNone});
   std::vector<std::uint32_t> directions;  // singular edges at the vertex, as they are met
@@ -196,7 +207,7 @@ Links make_links(const CellComplex& complex, const BurnNetwork& network) {
         for (const std::uint32_t e : {complex.face_edges[c], complex.face_edges[before]}) {
           if (degree(network, e) == 2) continue;
           std::uint32_t id = 0;
-          if (!links.pocket_edge[e]) {
+          if (!links.edges[e].pocket) {
             const auto found = std::find(directions.begin(), directions.end(), e);
             id = static_cast<std::uint32_t>(found - directions.begin()) + 1;
             if (found == directions.end()) directions.push_back(e);

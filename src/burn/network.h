@@ -32,7 +32,13 @@ struct Links {
   std::vector<std::uint32_t> corner_offsets;  ///< vertex states + 1, into
   std::vector<std::uint32_t> corner_list;     ///< the corners of each vertex state's sector, ascending
   std::vector<std::uint32_t> edge_of;         ///< per state of an inserted node, from vertex_base.back()
-  std::vector<char> pocket_edge;              ///< per edge: some polygon at it is in a pocket
+  /// What the fire asks of an edge, in one place in memory.
+  struct Edge {
+    std::uint32_t state_base, pieces, sectors, first_side, degree;
+    std::uint32_t corner[2];  ///< the first two of its sides
+    bool pocket;              ///< some polygon at it is in a pocket
+  };
+  std::vector<Edge> edges;
 };
 Links make_links(const CellComplex& complex, const BurnNetwork& network);
 

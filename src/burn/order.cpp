@@ -23,16 +23,25 @@ class Sequence {
         parent_(parent),
         parent_face_(parent_face),
         status_(time.size(), 0),
+        done_time_(time.size(), kNever),
         unoffered_(site.complex.face_count(), ~std::uint64_t{0}),
-        chord_head_(site.complex.face_count(), kNone),
         offers_again_(site.complex.face_count(), 0),
-        queue_(time.empty() ? 0 : *std::min_element(time.begin(), time.end()), site.network.omega / 4) {
+        queue_(time.empty() ? 0 : *std::min_element(time.begin(), time.end()), site.network.omega / 4),
+        views_(site) {
+    chord_base_.reserve(site.complex.face_count() + 1);
+    chord_base_.push_back(0);
+    for (std::uint32_t f = 0; f < site.complex.face_count(); ++f) {
+      std::uint64_t nodes = 0;
+      for (const std::uint32_t e : site.complex.sides(f)) nodes += site.network.pieces[e];
+      chord_base_.push_back(chord_base_.back() + nodes);
+    }
+    chords_.assign(chord_base_.back(), {kNone, kNone});
     parent_.assign(time.size(), kNone);
     parent_face_.assign(time.size(), kNone);
     for (std::uint32_t s = 0; s < time.size(); ++s)
       if (opened_[s]) {
         if (best_key_.empty()) best_key_.assign(time.size(), kNever);
-        for_each_place(site_, s, view_, [&](const Place&) { offers_again_[view_.face] = 1; });
+        for_each_place(site_, s, views_, [&](const PolygonView& view, const Place&) { offers_again_[view.face] = 1; });
       }
   }
 
@@ -112,9 +121,9 @@ class Sequence {
     }
     if (!find_parent(state)) return;
     remove(state, key);
-    const std::uint32_t e = site_.edge_of(state), sectors = site_.network.sectors_of(e);
+    const std::uint32_t e = site_.edge_of(state), sectors = site_.links.edges[e].sectors;
     std::uint32_t last = kNone;
-    if (sectors > 1 && !site_.links.pocket_edge[e]) {  // the last sheet goes with the last but one
+    if (sectors > 1 && !site_.links.edges[e].pocket) {  // the last sheet goes with the last but one
       const std::uint32_t first = state - (state - site_.network.state_base[e]) % sectors;
       std::uint32_t left = 0;
       for (std::uint32_t s = first; s < first + sectors; ++s)
@@ -139,26 +148,26 @@ class Sequence {
   // node of its polygons; again only if it waits, or opened by itself in the burn pass.
   void publish(std::uint32_t state) {
     status_[state] |= kDone;
-    const double now = time_[state];
-    for_each_place(site_, state, view_, [&](const Place& place) {
-      const std::uint32_t f = view_.face;
+    const double now = done_time_[state] = time_[state];
+    const auto wanted = [&](std::uint32_t f) { return unoffered_[f] != 0 || offers_again_[f]; };
+    for_each_place(site_, state, views_, wanted, [&](const PolygonView& view, const Place& place) {
+      const std::uint32_t f = view.face;
       std::uint64_t& left = unoffered_[f];
-      if (left == 0 && !offers_again_[f]) return;
-      const Vec3 here = view_.sides[place.side].at(place.k);
+      const Vec3 here = view.sides[place.side].at(place.k);
       const auto offer_one = [&](const Side& side, std::uint32_t k) { offer(side.state(k), now, side, k, here); };
-      if (offers_again_[f] || view_.sides.size() > kMostTracked) {
-        for_each_arc(view_, place, offer_one);
+      if (offers_again_[f] || view.sides.size() > kMostTracked) {
+        for_each_arc(view, place, offer_one);
         return;
       }
       // Off the node's own sides everything; on them the two neighbours only.
-      for_each_edge_arc(view_, place, offer_one);
-      const std::size_t i = place.side, next = view_.side_after(i), before = view_.side_before(i);
+      for_each_edge_arc(view, place, offer_one);
+      const std::size_t i = place.side, next = view.side_after(i), before = view.side_before(i);
       std::uint64_t own = side_bit(i) | corner_bit(i) | corner_bit(next);
       if (place.is_corner()) own |= side_bit(before) | corner_bit(before);
-      for (std::size_t s = 0; s < view_.sides.size(); ++s) {
-        if ((left & ~own & corner_bit(s)) != 0) offer_one(view_.sides[s], 0);
+      for (std::size_t s = 0; s < view.sides.size(); ++s) {
+        if ((left & ~own & corner_bit(s)) != 0) offer_one(view.sides[s], 0);
         if ((left & ~own & side_bit(s)) != 0)
-          for (std::uint32_t k = 1; k < view_.sides[s].pieces; ++k) offer_one(view_.sides[s], k);
+          for (std::uint32_t k = 1; k < view.sides[s].pieces; ++k) offer_one(view.sides[s], k);
       }
       left &= own;
       if (place.is_corner()) left &= ~corner_bit(i);
@@ -216,7 +225,8 @@ class Sequence {
     }
     if (best.face == kNone) {
       status_[state] |= kBlocked;
-      for_each_place(site_, state, view_, [&](const Place&) { offers_again_[view_.face] = 1; });
+      for_each_place(site_, state, views_,
+                     [&](const PolygonView& view, const Place&) { offers_again_[view.face] = 1; });
       return false;
     }
     parent_[state] = best.node;
@@ -229,20 +239,20 @@ class Sequence {
   // lead to. With `skip`, leaves out nodes that cannot be better: times change by no more than distance along a side.
   template <class Visit>
   void scan(std::uint32_t state, bool skip, const Visit& visit) {
-    for_each_place(site_, state, view_, [&](const Place& place) {
-      const Vec3 here = view_.sides[place.side].at(place.k);
-      const std::uint32_t own = view_.sides[place.side].before + place.k;
+    for_each_place(site_, state, views_, [&](const PolygonView& view, const Place& place) {
+      const Vec3 here = view.sides[place.side].at(place.k);
+      const std::uint32_t own = view.sides[place.side].before + place.k;
       double best = kNever;
       const auto consider = [&](const Side& side, std::uint32_t k) {
         const std::uint32_t other = side.state(k);
-        if (!(status_[other] & kDone)) return -1.0;
-        const double value = time_[other] + (side.at(k) - here).norm();
+        if (done_time_[other] == kNever) return -1.0;
+        const double value = done_time_[other] + (side.at(k) - here).norm();
         const std::uint32_t at = side.before + k;
-        best = visit({value, view_.face, node_of(side, k), own, at == view_.nodes ? 0 : at});
+        best = visit({value, view.face, node_of(side, k), own, at == view.nodes ? 0 : at});
         return value;
       };
-      for_each_edge_arc(view_, place, consider);
-      for_each_far_side(view_, place, [&](const Side& side, std::uint32_t first, std::uint32_t last) {
+      for_each_edge_arc(view, place, consider);
+      for_each_far_side(view, place, [&](const Side& side, std::uint32_t first, std::uint32_t last) {
         const double reach = 2.02 * side.spacing();
         for (std::uint32_t k = first; k <= last;) {
           const double value = consider(side, k);
@@ -263,19 +273,19 @@ class Sequence {
     return site_.network.node_base[side.edge] + side.along_edge(k) - 1;
   }
 
-  struct Chord {
-    std::uint32_t a, b, next;
-  };
+  // Chords of a polygon lie in its stretch of chords_, as many as it has nodes at most: each is of another node.
+  using Chord = std::array<std::uint32_t, 2>;
   bool crosses(const Candidate& c) const {
     const std::uint32_t low = std::min(c.own_place, c.place), high = std::max(c.own_place, c.place);
     const auto side = [&](std::uint32_t p) { return p == low || p == high ? 0 : p > low && p < high ? 1 : -1; };
-    for (std::uint32_t i = chord_head_[c.face]; i != kNone; i = chords_[i].next)
-      if (side(chords_[i].a) * side(chords_[i].b) < 0) return true;
+    for (std::size_t i = chord_base_[c.face]; i < chord_base_[c.face + 1] && chords_[i][0] != kNone; ++i)
+      if (side(chords_[i][0]) * side(chords_[i][1]) < 0) return true;
     return false;
   }
   void draw(const Candidate& c) {
-    chords_.push_back({c.own_place, c.place, chord_head_[c.face]});
-    chord_head_[c.face] = static_cast<std::uint32_t>(chords_.size() - 1);
+    std::size_t i = chord_base_[c.face];
+    while (chords_[i][0] != kNone) ++i;
+    chords_[i] = {c.own_place, c.place};
   }
 
   const Site& site_;
@@ -284,9 +294,10 @@ class Sequence {
   std::vector<std::uint32_t>& parent_;
   std::vector<std::uint32_t>& parent_face_;
   std::vector<unsigned char> status_;
+  std::vector<double> done_time_;         // of states in the sequence
   std::vector<double> best_key_;          // of opened states; empty when there are none
   std::vector<std::uint64_t> unoffered_;  // per polygon
-  std::vector<std::uint32_t> chord_head_;
+  std::vector<std::uint64_t> chord_base_;
   std::vector<char> offers_again_;  // per polygon: some of its states wait, or opened by themselves
   std::vector<Chord> chords_;
   LabelQueue queue_;
@@ -294,7 +305,7 @@ class Sequence {
   std::vector<char> removed_;
   std::vector<std::uint32_t> stripped_;
   std::vector<Candidate> candidates_;
-  PolygonView view_;
+  PolygonViews views_;
 };
 
 }  // namespace

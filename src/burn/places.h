@@ -13,28 +13,52 @@ struct Place {
   bool is_corner() const { return k == 0; }
 };
 
-/// Calls visit(place) for every polygon of a state's sector, loaded into `view`.
-template <class Visit>
-void for_each_place(const Site& site, std::uint32_t state, PolygonView& view, const Visit& visit) {
-  const auto load = [&](std::uint32_t corner) {
-    const std::uint32_t f = site.network.corner_face[corner];
-    view.load(f, site.complex, site.points, site.network, site.planes);
-    return corner - site.complex.face_offsets[f];
-  };
+/// Polygons opened lately: fire visits the same few again and again.
+class PolygonViews {
+ public:
+  explicit PolygonViews(const Site& site) : site_(site) {}
+  const PolygonView& operator()(std::uint32_t face) {
+    PolygonView& view = views_[face % kKept];
+    if (view.face != face) view.load(face, site_.complex, site_.points, site_.network, site_.planes);
+    return view;
+  }
+
+ private:
+  static constexpr std::size_t kKept = 1024;
+  const Site& site_;
+  std::array<PolygonView, kKept> views_;
+};
+
+/// Calls visit(view, place) for every polygon of a state's sector that is wanted(face).
+template <class Wanted, class Visit>
+void for_each_place(const Site& site, std::uint32_t state, PolygonViews& views, const Wanted& wanted,
+                    const Visit& visit) {
   if (site.is_vertex(state)) {
-    for (std::uint32_t i = site.links.corner_offsets[state]; i < site.links.corner_offsets[state + 1]; ++i)
-      visit(Place{load(site.links.corner_list[i]), 0});
+    for (std::uint32_t i = site.links.corner_offsets[state]; i < site.links.corner_offsets[state + 1]; ++i) {
+      const std::uint32_t c = site.links.corner_list[i], f = site.network.corner_face[c];
+      if (wanted(f)) visit(views(f), Place{c - site.complex.face_offsets[f], 0});
+    }
     return;
   }
-  const std::uint32_t e = site.edge_of(state), along = site.place_of(state, e);
-  const auto sides = site.network.sides_of(e);
-  const std::uint32_t sectors = site.network.sectors_of(e);
-  const std::size_t first = sectors > 1 ? (state - site.network.state_base[e]) % sectors : 0;
-  const std::size_t end = sectors > 1 ? first + 1 : sides.size();
-  for (std::size_t r = first; r < end; ++r) {
-    const std::uint32_t i = load(sides[r]);
-    visit(Place{i, view.sides[i].along_edge(along)});
+  const Links::Edge& edge = site.links.edges[site.edge_of(state)];
+  const std::uint32_t from_base = state - edge.state_base, along = from_base / edge.sectors + 1;
+  const auto visit_side = [&](std::uint32_t c) {
+    const std::uint32_t f = site.network.corner_face[c];
+    if (!wanted(f)) return;
+    const PolygonView& view = views(f);
+    const std::uint32_t i = c - site.complex.face_offsets[f];
+    visit(view, Place{i, view.sides[i].along_edge(along)});
+  };
+  if (edge.sectors > 1) {
+    visit_side(site.network.side_list[edge.first_side + from_base % edge.sectors]);
+  } else {
+    for (std::uint32_t r = 0; r < edge.degree; ++r) visit_side(edge.corner[r]);
   }
+}
+template <class Visit>
+void for_each_place(const Site& site, std::uint32_t state, PolygonViews& views, const Visit& visit) {
+  for_each_place(
+      site, state, views, [](std::uint32_t) { return true; }, visit);
 }
 
 /// Calls visit(side, k) for the two neighbours of a place on the polygon's boundary: the ends of its edge-arcs.

@@ -30,7 +30,7 @@ struct Side {
   }
 };
 
-/// A polygon opened for reading. Kept and reloaded, so that walking over polygons does not allocate.
+/// A polygon opened for reading.
 struct PolygonView {
   std::uint32_t face = kNone;
   bool flat = false;
@@ -39,7 +39,6 @@ struct PolygonView {
 
   void load(std::uint32_t f, const CellComplex& complex, std::span<const Vec3> points, const BurnNetwork& network,
             const Planes& planes) {
-    if (face == f) return;
     face = f;
     flat = planes.flat[f];
     const std::uint32_t first = complex.face_offsets[f], end = complex.face_offsets[f + 1];

@@ -2,9 +2,13 @@
 #include "quench/medial_axis.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
+#include <numbers>
+#include <numeric>
 
 #include "complex/union_find.h"
+#include "quench/error.h"
 
 namespace quench {
 namespace {
@@ -51,6 +55,21 @@ DataArray cell_array(const char* name, const WrittenCells& cells, const std::vec
   return {name, 1, std::move(values)};
 }
 
+// Angle at a point of radius r between nearest boundary points that are 2 lambda apart, in degrees.
+double object_angle(double lambda, double r) {
+  return r > 0 ? 2 * std::asin(std::min(1.0, lambda / r)) * (180 / std::numbers::pi) : 180;
+}
+// At the centre of a cell: the squared distance to a point is that of the corners, on average, less their spread.
+double object_angle(const MedialAxis& axis, std::span<const std::uint32_t> corners, double lambda) {
+  Vec3 centre = Vec3::Zero();
+  for (const std::uint32_t v : corners) centre += axis.points[v];
+  centre /= static_cast<double>(corners.size());
+  double squared = 0;
+  for (const std::uint32_t v : corners)
+    squared += axis.radius[v] * axis.radius[v] - (axis.points[v] - centre).squaredNorm();
+  return object_angle(lambda, std::sqrt(std::max(0.0, squared / static_cast<double>(corners.size()))));
+}
+
 std::vector<std::int32_t> components_of(const CellComplex& complex) {
   UnionFind sets(complex.vertex_count);
   for (const auto& e : complex.edges) sets.unite(e[0], e[1]);
@@ -76,6 +95,14 @@ PolyData to_poly_data(const MedialAxis& axis) {
   data.point_data.push_back({"radius", 1, axis.radius});
   if (!axis.vertex_lambda.empty()) data.point_data.push_back({"lambda", 1, axis.vertex_lambda});
 
+  const bool measured = !axis.vertex_lambda.empty();
+  if (measured) {
+    std::vector<float> angle(complex.vertex_count);
+    for (std::uint32_t v = 0; v < complex.vertex_count; ++v)
+      angle[v] = static_cast<float>(object_angle(axis.vertex_lambda[v], axis.radius[v]));
+    data.point_data.push_back({"object_angle", 1, std::move(angle)});
+  }
+
   const std::vector<std::int32_t> component_of = components_of(complex);
   std::vector<std::uint8_t> kind;
   std::vector<std::int32_t> component, site_a, site_b;
@@ -97,7 +124,16 @@ PolyData to_poly_data(const MedialAxis& axis) {
     data.cell_data.push_back(cell_array("lambda", cells, axis.vertex_lambda, axis.edge_lambda, axis.face_lambda));
   if (!axis.vertex_level.empty())
     data.cell_data.push_back(cell_array("lambda_level", cells, axis.vertex_level, axis.edge_level, axis.face_level));
-  if (!axis.vertex_lambda.empty()) {  // a core of ours
+  if (measured) {  // a core of ours
+    std::vector<float> angle;
+    angle.reserve(cells.vertices.size() + cells.edges.size() + complex.face_count());
+    const auto add_angle = [&](std::span<const std::uint32_t> corners, double lambda) {
+      angle.push_back(static_cast<float>(object_angle(axis, corners, lambda)));
+    };
+    for (const std::uint32_t v : cells.vertices) add_angle({&v, 1}, axis.vertex_lambda[v]);
+    for (const std::uint32_t e : cells.edges) add_angle(complex.edges[e], axis.edge_lambda[e]);
+    for (std::size_t f = 0; f < complex.face_count(); ++f) add_angle(complex.corners(f), axis.face_lambda[f]);
+    data.cell_data.push_back({"object_angle", 1, std::move(angle)});
     data.cell_data.push_back({"site_a", 1, std::move(site_a)});
     data.cell_data.push_back({"site_b", 1, std::move(site_b)});
     std::vector<std::int32_t> triples;
@@ -137,6 +173,90 @@ CellComplex complex_of(const PolyData& data, std::vector<std::uint32_t>* point_o
   std::vector<std::uint32_t> corners = data.poly_corners;
   for (auto& v : corners) v = vertex_of[v];
   return make_complex(count, lines, data.poly_offsets, std::move(corners));
+}
+
+namespace {
+
+// Removes polygons with the corners of an earlier one, in any order.
+std::size_t drop_duplicates(std::vector<std::uint32_t>& offsets, std::vector<std::uint32_t>& corners) {
+  const std::size_t faces = offsets.size() - 1;
+  std::vector<std::uint32_t> sorted = corners;
+  std::vector<std::uint64_t> hash(faces);
+  for (std::size_t f = 0; f < faces; ++f) {
+    std::sort(sorted.begin() + offsets[f], sorted.begin() + offsets[f + 1]);
+    std::uint64_t h = offsets[f + 1] - offsets[f];
+    for (std::uint32_t c = offsets[f]; c < offsets[f + 1]; ++c) h = (h ^ sorted[c]) * 0x9E3779B97F4A7C15ull;
+    hash[f] = h;
+  }
+  std::vector<std::uint32_t> order(faces);
+  std::iota(order.begin(), order.end(), 0u);
+  const auto less = [&](std::uint32_t a, std::uint32_t b) {
+    if (hash[a] != hash[b]) return hash[a] < hash[b];
+    return std::lexicographical_compare(sorted.begin() + offsets[a], sorted.begin() + offsets[a + 1],
+                                        sorted.begin() + offsets[b], sorted.begin() + offsets[b + 1]);
+  };
+  std::sort(order.begin(), order.end(),
+            [&](std::uint32_t a, std::uint32_t b) { return less(a, b) || (!less(b, a) && a < b); });
+  std::vector<char> drop(faces, 0);
+  std::size_t dropped = 0;
+  for (std::size_t i = 1; i < faces; ++i)
+    if (!less(order[i - 1], order[i])) {
+      drop[order[i]] = 1;
+      ++dropped;
+    }
+  if (dropped == 0) return 0;
+  std::vector<std::uint32_t> kept_offsets{0}, kept;
+  for (std::size_t f = 0; f < faces; ++f) {
+    if (drop[f]) continue;
+    kept.insert(kept.end(), corners.begin() + offsets[f], corners.begin() + offsets[f + 1]);
+    kept_offsets.push_back(static_cast<std::uint32_t>(kept.size()));
+  }
+  offsets = std::move(kept_offsets);
+  corners = std::move(kept);
+  return dropped;
+}
+
+}  // namespace
+
+MedialAxis medial_axis_of(const PolyData& data, AxisRepair* repair) {
+  AxisRepair mended;
+  const DataArray* radius = find_array(data.point_data, "radius");
+  if (!radius || radius->components != 1)
+    throw Error(ErrorCode::input, "there is no radius per vertex (a point array 'radius'); give --radii FILE.r");
+  MedialAxis axis;
+  axis.points = data.points;
+  axis.radius = radius->numbers();
+  std::vector<std::array<std::uint32_t, 2>> lines;
+  for (const auto& line : data.lines)
+    if (line[0] != line[1])
+      lines.push_back(line);
+    else
+      ++mended.degenerate;
+  // A polygon that repeats a corner: without the repetitions it is a smaller polygon, a line or a point. One that comes
+  // back to a corner later is taken apart into its sides: nothing tells where its area is.
+  std::vector<std::uint32_t> offsets{0}, corners, own;
+  for (std::size_t f = 0; f < data.poly_count(); ++f) {
+    own.assign(data.poly_corners.begin() + data.poly_offsets[f], data.poly_corners.begin() + data.poly_offsets[f + 1]);
+    const std::size_t given = own.size();
+    own.erase(std::unique(own.begin(), own.end()), own.end());
+    while (own.size() > 1 && own.front() == own.back()) own.pop_back();
+    std::vector<std::uint32_t> distinct = own;
+    std::sort(distinct.begin(), distinct.end());
+    const bool returns = std::adjacent_find(distinct.begin(), distinct.end()) != distinct.end();
+    if (own.size() != given || own.size() < 3 || returns) ++mended.degenerate;
+    if (own.size() >= 3 && !returns) {
+      corners.insert(corners.end(), own.begin(), own.end());
+      offsets.push_back(static_cast<std::uint32_t>(corners.size()));
+    } else {
+      for (std::size_t i = 0; i < own.size(); ++i)
+        if (const std::uint32_t a = own[i], b = own[(i + 1) % own.size()]; a != b) lines.push_back({a, b});
+    }
+  }
+  mended.duplicate = drop_duplicates(offsets, corners);
+  axis.complex =
+      make_complex(static_cast<std::uint32_t>(data.points.size()), lines, std::move(offsets), std::move(corners));
+  if (repair) *repair = mended;
+  return axis;
 }
 
 }  // namespace quench

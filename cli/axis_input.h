@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "quench/geometry.h"
+#include "quench/medial_axis.h"
+#include "session.h"
+#include "shape_input.h"
+
+namespace quench::program {
+
+/// How a file becomes a medial axis: the options AXIS arguments share.
+struct AxisOptions {
+  std::string file, radii, shape;
+  std::optional<double> threshold;
+  std::optional<std::int64_t> label;
+  std::vector<std::filesystem::path> inputs() const;
+};
+
+void add_axis_options(CLI::App& app, AxisOptions& options);
+void check_axis_options(const AxisOptions& options);
+
+/// A medial axis ready for burning. Vertex v of the axis is row v of the file.
+struct LoadedAxis {
+  MedialAxis axis;
+  PolyData data;            ///< the file, with all its arrays
+  double longest_side = 0;  ///< what plain-number lengths refer to, world units
+  double voxel = 0;         ///< smallest spacing of the voxel shape; 0 where nothing tells
+  bool voxel_core = false;  ///< of Quench: the radius between vertices follows from theirs
+  std::string units;        ///< of world coordinates, where the file says so
+  nlohmann::ordered_json input;
+
+  /// World length of an option. Throws Error(usage) for voxels where there are none.
+  double resolve(const std::string& text, const std::string& option) const;
+};
+
+LoadedAxis load_axis(const AxisOptions& options, Session& session);
+
+/// The first value of a field array of a file, if it is there.
+std::optional<double> field_number(const PolyData& data, const char* name);
+std::optional<std::string> field_text(const PolyData& data, const char* name);
+
+}  // namespace quench::program

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include "axis_input.h"
+#include "burn_pipeline.h"
+#include "core_pipeline.h"
+#include "program.h"
+#include "quench/io.h"
+
+namespace quench::program {
+namespace {
+
+void check_holds_arrays(const std::string& file) {
+  io::check_writable_format(file);
+  const std::string extension = CLI::detail::to_lower(std::filesystem::path(file).extension().string());
+  if (extension == ".vtp" || extension == ".ply" || extension == ".csv") return;
+  throw Error(ErrorCode::usage,
+              fmt::format("{} files cannot hold burn times; name '{}' .vtp, .ply or .csv", extension, file));
+}
+
+}  // namespace
+
+Action add_burn(CLI::App& app) {
+  struct Options {
+    AxisOptions axis;
+    BurnPipelineOptions burn;
+    std::string output;
+  };
+  auto o = std::make_shared<Options>();
+  add_axis_options(app, o->axis);
+  add_burn_options(app, o->burn);
+  app.add_option("-o,--output", o->output,
+                 "AXIS with the point arrays burn_time, erosion_thickness, unburned: .vtp .ply .csv")
+      ->type_name("FILE")
+      ->required();
+  return [o](Session& session) {
+    session.check_output(o->output, o->axis.inputs());
+    check_holds_arrays(o->output);
+    check_burn_options(o->burn);
+    LoadedAxis loaded = load_axis(o->axis, session);
+    nlohmann::ordered_json report;
+    report["input"] = loaded.input;
+    report["parameters"] = {{"omega", o->burn.omega}, {"propagation", o->burn.propagation}, {"radius", o->burn.radius}};
+    const Burning burning = compute_burning(
+        loaded.axis, loaded.voxel_core, o->burn,
+        [&](const std::string& text, const std::string& option) { return loaded.resolve(text, option); }, report,
+        session);
+    add_burning(loaded.data, burning);
+    io::write_poly_data(o->output, loaded.data, {"erosion_thickness"});
+    session.finished("write");
+    if (!session.options.report.empty()) write_report(session.options.report, report, session);
+    session.say(fmt::format("{}: burn time up to {:.6g}{}; {:.1f} s", o->output, burning.max_burn_time,
+                            loaded.units.empty() ? "" : " " + loaded.units, session.total_seconds()));
+    return 0;
+  };
+}
+
+}  // namespace quench::program

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "quench/burn.h"
+#include "quench/medial_axis.h"
+#include "session.h"
+
+namespace quench::program {
+
+struct BurnPipelineOptions {
+  std::string omega = "auto";
+  std::string propagation = "segments";
+  std::string radius = "auto";
+};
+
+void add_burn_options(CLI::App& app, BurnPipelineOptions& options);
+/// Throws Error(usage) for an option that cannot be, before anything is read.
+void check_burn_options(const BurnPipelineOptions& options);
+
+/// Burns an axis (`voxel_core`: one of Quench, whose radii are exact); `resolve(text, option)` turns a length into
+/// world units. Checks memory first, says what is left unburned, and adds the section `burn` to the report.
+Burning compute_burning(const MedialAxis& axis, bool voxel_core, const BurnPipelineOptions& options,
+                        const std::function<double(const std::string&, const std::string&)>& resolve,
+                        nlohmann::ordered_json& report, Session& session);
+
+}  // namespace quench::program
