@@ -107,7 +107,7 @@ class LinkSectors {
   std::vector<int> sector_of;  ///< of each corner of the link
   std::vector<char> open, pocket;
   std::vector<char> bridge;  ///< can be left as a bridge when others have burned
-  int loops = 0;  ///< first Betti number, pockets contracted
+  int loops = 0;             ///< first Betti number, pockets contracted
 
  private:
   static constexpr int kFixed = -1;
@@ -319,14 +319,14 @@ class BruteForceBurn {
 
   std::vector<std::uint32_t> pieces;
   std::vector<char> pocket;
-  std::vector<LinkSectors> links;            ///< of the vertices, then of the edges
-  std::vector<Node> nodes;                   ///< the vertices, then the inserted nodes, edge by edge
-  std::vector<std::size_t> first_inserted;   ///< edges + 1
-  std::vector<std::size_t> place_in_link;    ///< of each corner: its place in the link of its vertex
+  std::vector<LinkSectors> links;               ///< of the vertices, then of the edges
+  std::vector<Node> nodes;                      ///< the vertices, then the inserted nodes, edge by edge
+  std::vector<std::size_t> first_inserted;      ///< edges + 1
+  std::vector<std::size_t> place_in_link;       ///< of each corner: its place in the link of its vertex
   std::vector<std::size_t> place_in_edge_link;  ///< of each corner: place of the polygon at the side that starts there
-  std::vector<std::vector<RimNode>> rims;    ///< of each polygon
-  std::vector<double> time;                  ///< per state
-  std::vector<char> can_be_bridge;           ///< per state
+  std::vector<std::vector<RimNode>> rims;       ///< of each polygon
+  std::vector<double> time;                     ///< per state
+  std::vector<char> can_be_bridge;              ///< per state
   std::vector<double> vertex_time;
 
   std::size_t state_at(std::size_t node, std::size_t place) const {

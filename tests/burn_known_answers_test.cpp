@@ -142,9 +142,8 @@ TEST(BurnKnownAnswers, FireRunsOnBesideASeam) {
       const std::uint32_t v = known.input.complex.face_vertices[c];
       if ((known.input.points[v] - Vec3(1, 0, 0)).norm() > 1e-9) continue;
       const auto corners = known.input.complex.corners(found.network.corner_face[c]);
-      const bool outside = std::any_of(corners.begin(), corners.end(), [&](std::uint32_t w) {
-        return known.input.points[w][0] > 1 + 1e-9;
-      });
+      const bool outside = std::any_of(corners.begin(), corners.end(),
+                                       [&](std::uint32_t w) { return known.input.points[w][0] > 1 + 1e-9; });
       const double time = found.state_time[found.network.corner_state[c]];
       if (outside) {
         EXPECT_NEAR(time, std::sqrt(26) + 3, 0.05);
@@ -265,8 +264,8 @@ TEST(BurnKnownAnswers, MoebiusStrip) {
   }
 }
 
-// The authors' core of the bunny with burn times of their program at spacings 0.575 and 0.0575 (references/README.md), an
-// upper bound on the same nodes. Their radius is linear on edges.
+// The authors' core of the bunny with burn times of their program at spacings 0.575 and 0.0575 (references/README.md),
+// an upper bound on the same nodes. Their radius is linear on edges.
 struct AuthorsBunny {
   CellComplex complex;
   std::vector<Vec3> points;
@@ -311,8 +310,8 @@ Difference difference(const std::vector<double>& found, const std::vector<double
   return d;
 }
 
-#define REQUIRE_AUTHORS_BUNNY()                   \
-  REQUIRE_DATA("references/bunny7_burn.tsv");     \
+#define REQUIRE_AUTHORS_BUNNY()               \
+  REQUIRE_DATA("references/bunny7_burn.tsv"); \
   REQUIRE_DATA("references/bunny7_lambda0.025.ply")
 
 // On their nodes, round(L / spacing) parts of an edge and at least two, the definition is never above their times.

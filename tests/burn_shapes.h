@@ -43,9 +43,9 @@ inline void jittered_sheet(
     for (int j = 0; j <= nv; ++j) {
       const double du = jitter * (2 * random.unit() - 1), dv = jitter * (2 * random.unit() - 1);
       const bool used = !(skip(i, j) && skip(i - 1, j) && skip(i, j - 1) && skip(i - 1, j - 1));
-      at.push_back(!used ? 0
-                         : b.vertex(origin + u * ((i + (fixed(i, j) ? 0 : du)) / nu) +
-                                    v * ((j + (fixed(i, j) ? 0 : dv)) / nv)));
+      at.push_back(
+          !used ? 0
+                : b.vertex(origin + u * ((i + (fixed(i, j) ? 0 : du)) / nu) + v * ((j + (fixed(i, j) ? 0 : dv)) / nv)));
     }
   const auto node = [&](int i, int j) { return at[static_cast<std::size_t>(i * (nv + 1) + j)]; };
   for (int i = 0; i < nu; ++i)
@@ -85,8 +85,9 @@ inline KnownBurn square_sheet(double side = 10, int n = 8) {
   Random random(1);
   Builder b;
   jittered_sheet(b, {0, 0, 0}, {side, 0, 0}, {0, side, 0}, n, n, random);
-  return known(b.input([](const Vec3&) { return 1.5; }),
-               [=](const Vec3& p) { return 1.5 + std::min({p[0], p[1], side - p[0], side - p[1]}); });
+  return known(b.input([](const Vec3&) { return 1.5; }), [=](const Vec3& p) {
+    return 1.5 + std::min({p[0], p[1], side - p[0], side - p[1]});
+  });
 }
 
 /// Radius = distance to a site at height h over the square. A path from the site over a side to x is straight when the
@@ -200,10 +201,10 @@ inline KnownBurn three_sheets() {
 }
 
 /// Medial axis of the box [0,a]x[0,b]x[0,c], a >= b >= c: a middle sheet at height c/2, two sheets from each of its
-/// sides to the box's edges, a triangle from each of its corners to an upright edge: 13 sheets, radius = distance to the
-/// walls. Fire starts at the box's edges at time 0; a point of radius r on a slanted sheet is r*sqrt(2) away from its
-/// edge. So the sides of the middle sheet burn at c/sqrt(2) (ET = c(1/sqrt(2) - 1/2)), and inside it the distance to
-/// them is added.
+/// sides to the box's edges, a triangle from each of its corners to an upright edge: 13 sheets, radius = distance to
+/// the walls. Fire starts at the box's edges at time 0; a point of radius r on a slanted sheet is r*sqrt(2) away from
+/// its edge. So the sides of the middle sheet burn at c/sqrt(2) (ET = c(1/sqrt(2) - 1/2)), and inside it the distance
+/// to them is added.
 inline KnownBurn box_axis(double a, double b, double c, int n) {
   Random random(6);
   Builder builder;
@@ -237,11 +238,11 @@ inline KnownBurn box_axis(double a, double b, double c, int n) {
   });
 }
 
-/// Fig. 3.5 with a square chimney of side 2 and height 20 on a plate [-5,5]^2, radius = distance to the site (-6,0,0) in
-/// the plate's plane. Where the line of sight to the site is free BT = R. Behind the chimney fire goes round two of its
-/// corners *beside* the seam; a fire that had to open the seam would wait for the chimney's, which takes more than 40.
-/// Inside the foot the fire comes over the chimney's top: the front wall, turned up from the site, is reached at
-/// sqrt(25 + 400) + 20 at the middle of its foot, and the centre one later.
+/// Fig. 3.5 with a square chimney of side 2 and height 20 on a plate [-5,5]^2, radius = distance to the site (-6,0,0)
+/// in the plate's plane. Where the line of sight to the site is free BT = R. Behind the chimney fire goes round two of
+/// its corners *beside* the seam; a fire that had to open the seam would wait for the chimney's, which takes more
+/// than 40. Inside the foot the fire comes over the chimney's top: the front wall, turned up from the site, is reached
+/// at sqrt(25 + 400) + 20 at the middle of its foot, and the centre one later.
 inline KnownBurn chimney() {
   Random random(7);
   Builder b;
@@ -250,8 +251,7 @@ inline KnownBurn chimney() {
                  [](int i, int j) { return i >= 4 && i < 6 && j >= 4 && j < 6; });
   jittered_sheet(b, {-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, 2, 2, random, 0);
   const std::vector<Vec3> foot{{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
-  for (std::size_t i = 0; i < 4; ++i)
-    jittered_sheet(b, foot[i], foot[(i + 1) % 4] - foot[i], {0, 0, 20}, 2, 8, random);
+  for (std::size_t i = 0; i < 4; ++i) jittered_sheet(b, foot[i], foot[(i + 1) % 4] - foot[i], {0, 0, 20}, 2, 8, random);
   const Vec3 site(-6, 0, 0);
   return known(b.input([=](const Vec3& p) { return (p - site).norm(); }, RadiusRule::exact), [=](const Vec3& p) {
     if (p[2] > 0) return std::nan("");
@@ -283,10 +283,10 @@ inline double pyramid_height(double axis, double rim, int n) {
   return std::hypot(axis, rim * std::cos(std::numbers::pi / n));
 }
 
-/// Six sheets between the four sites of a regular tetrahedron at distance 1 from the centre, cut off at distance d along
-/// the junction rays. At the middle of a sheet's outer side (d/sqrt(3) from the centre) R^2 = d^2/3 + 1 - 2d/3. R^2 and
-/// the squared distance to the centre both grow by u^2 with the distance u from there, so the first fire at the centre
-/// comes straight from the middle, by symmetry at once in all sheets.
+/// Six sheets between the four sites of a regular tetrahedron at distance 1 from the centre, cut off at distance d
+/// along the junction rays. At the middle of a sheet's outer side (d/sqrt(3) from the centre) R^2 = d^2/3 + 1 - 2d/3.
+/// R^2 and the squared distance to the centre both grow by u^2 with the distance u from there, so the first fire at the
+/// centre comes straight from the middle, by symmetry at once in all sheets.
 inline KnownBurn tetrahedral_junction(double d, int refine) {
   Random random(8);
   Builder b;

@@ -72,8 +72,7 @@ class Builder {
   }
   /// Triangles from `apex` to a cycle of points, or to a path.
   void cone(std::uint32_t apex, const std::vector<std::uint32_t>& base, bool closed = true) {
-    for (std::size_t i = 0; i + (closed ? 0 : 1) < base.size(); ++i)
-      face({apex, base[i], base[(i + 1) % base.size()]});
+    for (std::size_t i = 0; i + (closed ? 0 : 1) < base.size(); ++i) face({apex, base[i], base[(i + 1) % base.size()]});
   }
   CellComplex complex() const {
     std::vector<std::uint32_t> offsets{0}, corners;
