@@ -390,7 +390,7 @@ TEST(Burn, MinimaOfErosionThicknessVanish) {
       for (std::uint32_t n = found.network.node_base[e]; n < found.network.node_base[e + 1]; ++n) lowest[n] = 0;
     }
     EXPECT_EQ(et.size(), found.network.node_count());
-    EXPECT_GT(std::count_if(lowest.begin(), lowest.end(), [](double l) { return l > 0; }), 3000);
+    EXPECT_GT(std::count_if(lowest.begin(), lowest.end(), [](double l) { return l > 0; }), 900);
     int count = 0;
     for (std::size_t n = 0; n < et.size(); ++n) count += et[n] < lowest[n] - 1e-9;
     return count;
