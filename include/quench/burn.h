@@ -36,10 +36,10 @@ inline constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max()
 /// Where fire is tracked: nodes on the edges of a complex, and in the link of each node its sectors (Yan 2018, sec.
 /// 3.4.1; SPEC 5).
 ///
-/// Nodes are the vertices, then the points that split every edge into `pieces[e]` equal parts, edge by edge from the
-/// first end to the second. A *state* is a pair (node, sector): the states of vertices first, then those of inserted
-/// nodes, one per node where an edge has at most two polygons, else one per polygon in the order of `faces_of(e)`.
-/// Nodes with no polygon have no state.
+/// Nodes are the vertices, then the points that split every edge of a polygon into `pieces[e]` equal parts no longer
+/// than `omega` (to 1e-12), edge by edge from the first end to the second; edges of no polygon are not split. A *state*
+/// is a pair (node, sector): the states of vertices first, then those of inserted nodes, one per node where an edge has
+/// at most two polygons, else one per polygon in the order of `faces_of(e)`. Nodes with no polygon have no state.
 struct BurnNetwork {
   double omega = 0;
   std::vector<double> length;                          ///< of each edge
@@ -70,7 +70,7 @@ struct BurnNetwork {
 struct Burning {
   BurnOptions options;  ///< with the spacing that was used
   BurnNetwork network;
-  std::vector<double> state_time;          ///< per state: when the sector burns, at least the radius
+  std::vector<double> state_time;          ///< per state: when the sector burns
   std::vector<std::uint32_t> parent;       ///< per state: the node its fire came from; kNone: it opened by itself
   std::vector<std::uint32_t> parent_face;  ///< per state: the polygon that fire crossed, or kNone
   std::vector<double> burn_time;           ///< per vertex: the largest time of its sectors; the radius if none
