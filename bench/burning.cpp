@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Burning a medial axis: error of erosion thickness against time, by nodes and by segments, one thread.
-//   bench_burn AXIS [--radii FILE.r] [--linear] [--no-nodes] [--spacing W]... [--fine W]
+//   bench_burn AXIS [--radii FILE.r] [--linear] [--no-nodes] [--times-only] [--times-only] [--spacing W]... [--fine W]
+//   [--unit U]
 // Spacings are multiples of the default one (default: 2 1 0.5 0.25); errors are mean relative errors over the vertices
-// whose erosion thickness exceeds the mean edge length / 1.64 (a voxel, for a voxel core), against a run by segments at
-// a tenth of the default (--fine).
+// whose erosion thickness exceeds a voxel (of a core of Quench; else --unit, or the default spacing), against a run by
+// segments at a tenth of the default (--fine).
 #include <fmt/format.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -29,6 +30,7 @@ struct Axis {
   CellComplex complex;
   std::vector<Vec3> points;
   std::vector<double> radius;
+  double voxel = 0;
 };
 
 Axis read_axis(const std::string& file, const std::string& radii) {
@@ -37,6 +39,8 @@ Axis read_axis(const std::string& file, const std::string& radii) {
   std::vector<std::uint32_t> point_of;
   axis.complex = complex_of(data, &point_of);
   for (const std::uint32_t p : point_of) axis.points.push_back(data.points[p]);
+  if (const DataArray* spacing = find_array(data.field_data, "spacing"); spacing && spacing->size() > 0)
+    axis.voxel = spacing->numbers().front();
   if (!radii.empty()) {
     axis.radius = io::read_radii(radii, axis.points);
     return axis;
@@ -87,7 +91,7 @@ double burn_bytes(const Axis& axis, const BurnOptions& options) {
 int main(int argc, char** argv) {
   std::string file, radii;
   std::vector<double> spacings;
-  double fine = 0.1;
+  double fine = 0.1, unit_given = 0;
   BurnOptions options;
   bool nodes = true;
   for (int i = 1; i < argc; ++i) {
@@ -98,57 +102,76 @@ int main(int argc, char** argv) {
       spacings.push_back(std::atof(argv[++i]));
     else if (word == "--fine" && i + 1 < argc)
       fine = std::atof(argv[++i]);
+    else if (word == "--unit" && i + 1 < argc)
+      unit_given = std::atof(argv[++i]);
     else if (word == "--linear")
       options.radius = RadiusRule::linear;
+    else if (word == "--times-only")
+      options.parents = false;
     else if (word == "--no-nodes")
       nodes = false;
     else
       file = word;
   }
   if (file.empty()) {
-    fmt::print(stderr, "usage: bench_burn AXIS [--radii FILE.r] [--linear] [--no-nodes] [--spacing W]... [--fine W]\n");
+    fmt::print(stderr,
+               "usage: bench_burn AXIS [--radii FILE.r] [--linear] [--no-nodes] [--times-only] [--spacing W]... "
+               "[--fine W] [--unit U]\n");
     return 2;
   }
   if (spacings.empty()) spacings = {2, 1, 0.5, 0.25};
   const Axis axis = read_axis(file, radii);
-  const double base = default_omega(axis.complex, axis.points), unit = base / 0.35 / 1.64;
-  options.omega = base * fine;
-  const Burning truth = burn(axis.complex, axis.points, axis.radius, options);
-  fmt::print("{} vertices, {} faces, default spacing {:.4g}\n\n", axis.complex.vertex_count, axis.complex.face_count(),
-             base);
-  fmt::print("| spacing | by | nodes | s | us/node | B/node | mean error of ET | at most {:.3g} above, below |\n", unit);
-  fmt::print("|---|---|---|---|---|---|---|---|\n");
+  const double base = default_omega(axis.complex, axis.points), unit = unit_given > 0   ? unit_given
+                                                                       : axis.voxel > 0 ? axis.voxel
+                                                                                        : base;
+  struct Run {
+    Propagation by;
+    double spacing, bytes;
+  };
+  std::vector<Run> runs;
   for (const double w : spacings)
     for (const Propagation by : {Propagation::nodes, Propagation::segments}) {
       if (by == Propagation::nodes && !nodes) continue;
       options.propagation = by;
       options.omega = base * w;
-      const double bytes = burn_bytes(axis, options);
-      std::vector<double> seconds;
-      Burning result;
-      for (int run = 0; run < 3; ++run) {
-        const double start = cpu_seconds();
-        result = burn(axis.complex, axis.points, axis.radius, options);
-        seconds.push_back(cpu_seconds() - start);
-      }
-      std::sort(seconds.begin(), seconds.end());
-      double error = 0, above = 0, below = 0;
-      std::size_t count = 0;
-      for (std::size_t v = 0; v < axis.radius.size(); ++v) {
-        const double et = truth.erosion_thickness[v], got = result.erosion_thickness[v];
-        if (std::isinf(et)) continue;
-        above = std::max(above, got - et);
-        below = std::max(below, et - got);
-        if (et <= unit) continue;
-        error += std::abs(got - et) / et;
-        ++count;
-      }
-      const double n = result.network.node_count();
-      fmt::print("| {:.4g} | {} | {} | {:.3f} | {:.2f} | {:.0f} | {:.3f}% | {:.3f}, {:.3f} |\n", options.omega,
-                 by == Propagation::nodes ? "nodes" : "segments", result.network.node_count(), seconds[1],
-                 seconds[1] / n * 1e6, bytes / n, count ? 100 * error / static_cast<double>(count) : 0, above / unit,
-                 below / unit);
-      std::fflush(stdout);
+      runs.push_back({by, base * w, burn_bytes(axis, options)});  // before anything else grows
     }
+  options.propagation = Propagation::segments;
+  options.omega = base * fine;
+  const Burning truth = burn(axis.complex, axis.points, axis.radius, options);
+  fmt::print("{} vertices, {} faces, default spacing {:.4g}\n\n", axis.complex.vertex_count, axis.complex.face_count(),
+             base);
+  fmt::print("| spacing | by | nodes | s | us/node | B/node | mean error of ET | at most {:.3g} above, below |\n",
+             unit);
+  fmt::print("|---|---|---|---|---|---|---|---|\n");
+  for (const auto& [by, spacing, bytes] : runs) {
+    options.propagation = by;
+    options.omega = spacing;
+    std::vector<double> seconds;
+    Burning result;
+    for (int run = 0; run < 3; ++run) {
+      const double start = cpu_seconds();
+      result = burn(axis.complex, axis.points, axis.radius, options);
+      seconds.push_back(cpu_seconds() - start);
+    }
+    std::sort(seconds.begin(), seconds.end());
+    double error = 0, above = 0, below = 0;
+    std::size_t count = 0;
+    for (std::size_t v = 0; v < axis.radius.size(); ++v) {
+      const double et = truth.erosion_thickness[v], got = result.erosion_thickness[v];
+      if (std::isinf(et)) continue;
+      above = std::max(above, got - et);
+      below = std::max(below, et - got);
+      if (et <= unit) continue;
+      error += std::abs(got - et) / et;
+      ++count;
+    }
+    const double n = result.network.node_count();
+    fmt::print("| {:.4g} | {} | {} | {:.3f} | {:.2f} | {:.0f} | {:.3f}% | {:.3f}, {:.3f} |\n", options.omega,
+               by == Propagation::nodes ? "nodes" : "segments", result.network.node_count(), seconds[1],
+               seconds[1] / n * 1e6, bytes / n, count ? 100 * error / static_cast<double>(count) : 0, above / unit,
+               below / unit);
+    std::fflush(stdout);
+  }
   return 0;
 }

@@ -11,8 +11,8 @@ namespace quench::program {
 void add_burn_options(CLI::App& app, BurnPipelineOptions& o) {
   const auto group = "Burning";
   app.add_option("--omega", o.omega,
-                 "Distance of nodes along edges: a fraction of the longest side (0.005), 0.5vox, 2abs, or 'auto': 0.35 "
-                 "of the mean edge, for an erosion thickness right to about 0.3%")
+                 "Distance of nodes along edges: a fraction of the longest side (0.005), 0.5vox, 2abs, or 'auto': half "
+                 "the mean edge (0.35 for triangles), for an erosion thickness right to about 0.3%")
       ->type_name("LENGTH")
       ->capture_default_str()
       ->group(group);
@@ -48,6 +48,7 @@ Burning compute_burning(const MedialAxis& axis, bool voxel_core, const BurnPipel
   burn_options.propagation = options.propagation == "nodes" ? Propagation::nodes : Propagation::segments;
   const bool linear = options.radius == "linear" || (options.radius == "auto" && !voxel_core);
   burn_options.radius = linear ? RadiusRule::linear : RadiusRule::exact;
+  burn_options.parents = false;  // for the curves only
   burn_options.omega = options.omega == "auto" ? 0 : resolve(options.omega, "--omega");
   session.check_memory(predicted_burn_bytes(axis.complex, axis.points, burn_options),
                        fmt::format("burning with --omega {}", options.omega));

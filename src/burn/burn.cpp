@@ -48,7 +48,8 @@ void check_input(const CellComplex& complex, std::span<const Vec3> points, std::
 }  // namespace
 
 double default_omega(const CellComplex& complex, std::span<const Vec3> points) {
-  return 0.35 * mean_edge(complex, points);
+  const bool triangles = complex.face_vertices.size() == 3 * complex.face_count();
+  return (triangles ? 0.35 : 0.5) * mean_edge(complex, points);
 }
 
 std::int64_t predicted_burn_bytes(const CellComplex& complex, std::span<const Vec3> points,
@@ -76,7 +77,7 @@ Burning burn(const CellComplex& complex, std::span<const Vec3> points, std::span
   Burning result;
   result.options = options;
   const double mean = mean_edge(complex, points);
-  if (result.options.omega == 0) result.options.omega = 0.35 * mean;
+  if (result.options.omega == 0) result.options.omega = default_omega(complex, points);
   if (result.options.omega == 0) result.options.omega = 1;  // no edges of any length: any spacing will do
   result.network = make_network(complex, points, result.options.omega, options.propagation);
   const Links links = make_links(complex, result.network);
@@ -98,7 +99,7 @@ Burning burn(const CellComplex& complex, std::span<const Vec3> points, std::span
       propagate_by_nodes(site, labels, context);
     labels.release(times, opened);
   }
-  order_pass(site, opened, times, result.parent, result.parent_face, context);
+  if (options.parents) order_pass(site, opened, times, result.parent, result.parent_face, context);
 
   result.state_time.assign(times.begin(), times.end());
   result.burn_time.assign(radius.begin(), radius.end());

@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "burn/fire.h"
+#include "burn/prefetch.h"
 #include "quench/error.h"
 
 namespace quench::burning {
@@ -123,6 +124,11 @@ bool Labels::next(std::uint32_t& state, bool& again) {
   };
   LabelQueue::Entry entry;
   while (queue_.pop(entry, stale)) {
+    prefetch_ahead(queue_, site_, time_.data());
+    queue_.peek(12, [&](std::uint32_t s) {
+      prefetch(&status_[s]);
+      if (!origin_.empty()) prefetch(&origin_[s]);
+    });
     if (stale(entry)) continue;
     state = entry.state;
     // Nothing burns before its own ball is gone: fronts of segments can be early by a fraction of the spacing. A radius

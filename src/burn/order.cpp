@@ -4,6 +4,7 @@
 
 #include "burn/fire.h"
 #include "burn/polygon_view.h"
+#include "burn/prefetch.h"
 #include "quench/error.h"
 
 namespace quench::burning {
@@ -48,6 +49,8 @@ class Sequence {
     const auto stale = [&](const LabelQueue::Entry& e) { return (status_[e.state] & kDone) != 0; };
     const double states = static_cast<double>(time_.size());
     for (std::uint64_t popped = 0; queue_.pop(entry, stale);) {
+      prefetch_ahead(queue_, site_, done_time_.data());
+      queue_.peek(12, [&](std::uint32_t s) { prefetch(&status_[s]); });
       if (stale(entry)) continue;
       if (popped++ % 4096 == 0)
         checkpoint(context, "burn", std::min(0.99, 0.8 + 0.2 * static_cast<double>(popped) / states));
