@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "quench/burn.h"
+#include "quench/complex.h"
+#include "quench/context.h"
+#include "quench/geometry.h"
+#include "quench/medial_axis.h"
+#include "quench/poly_data.h"
+
+namespace quench {
+
+/// A burned medial axis M cut up so that its medial curves are part of it (Yan 2018, sec. 3.4.4; SPEC 6, 7): the
+/// complex K. It covers M exactly and has its topology; it collapses onto the medial curves and the closed pockets.
+///
+/// The prime arcs of the fire cut every polygon into regions. The medial curves are the dual network: a *region dual*
+/// in each region, a *door* on every segment between neighbouring nodes, an edge between the two unless fire ran along
+/// that segment in that polygon; nodes whose link falls apart are kept and tied to the network; lone edges belong to
+/// it.
+///
+/// Vertices of K: the nodes of the burn network, then the doors (edge by edge), then the region duals. K may have
+/// parallel edges and polygons that meet an edge twice: incidences are by index, and validate() does not apply.
+struct RefinedAxis {
+  CellComplex complex;
+  std::vector<Vec3> points;
+  std::vector<double> radius;
+  std::vector<double> burn_time;  ///< per vertex: of M at nodes; on the medial curves as in SPEC 6; infinite at pockets
+  std::uint32_t nodes = 0, doors = 0;
+
+  std::vector<char> curve_edge;           ///< per edge: part of the medial curves
+  std::vector<char> curve_vertex;         ///< per vertex: part of the medial curves
+  std::vector<std::uint32_t> polygon_of;  ///< per face: the polygon of M it is a part of
+  std::vector<double> face_thickness;     ///< per face: largest (sector time - radius) over its corners
+
+  std::vector<double> curve_burn_time;  ///< per vertex: BT_MC; infinite where fire on the curves does not come
+  std::vector<std::uint32_t> exit;      ///< per vertex: the edge over which it passed that fire on, or kNone
+  std::vector<char> medial_point;       ///< per vertex: the last to burn in a tree of the curves without pocket
+};
+
+/// The medial curves of a burned axis (with parents), and their burning: fire starts at their free ends at the time the
+/// fire on M comes there, runs with unit speed, dies at a junction unless one branch is left, and never burns loops.
+/// O(n log n). Throws Error(invariant) when the number of prime arcs at a node is not the number of cycles of its link.
+RefinedAxis quench_curves(const CellComplex& complex, std::span<const Vec3> points, std::span<const double> radius,
+                          const Burning& burning, Context* context = nullptr);
+
+/// All skeletons of a refined axis. The skeleton for (theta2, theta1) is what is left of { sheet_level >= theta2 } and
+/// the curves after pruning free curve edges of a thickness below theta1 (world units; infinity allowed).
+struct SkeletonFamily {
+  RefinedAxis refined;
+  std::vector<double> vertex_sheet_level, edge_sheet_level, face_sheet_level;  ///< infinite on curves and pockets
+  std::vector<double> curve_thickness;  ///< per edge: ET_MC, the smaller of its ends'; infinite where it never burns
+  std::vector<double> curve_level;      ///< per edge: the theta1 up to which it stays when no sheets are left
+};
+SkeletonFamily skeletons(RefinedAxis refined, Context* context = nullptr);
+
+/// One member of the family, as a proper complex: no parallel edges, no polygon that repeats a corner, no edge of
+/// length zero (region duals lie on their exit doors).
+struct Skeleton {
+  double theta2 = 0, theta1 = 0;
+  CellComplex complex;  ///< edges without face are curves
+  std::vector<Vec3> points;
+  std::vector<double> radius, burn_time, curve_burn_time;  ///< per vertex; infinite where no fire comes
+  std::vector<char> on_curve;                              ///< per vertex: the two measures of curves mean something
+  std::vector<double> edge_thickness, edge_level;          ///< per edge: ET_MC and curve level; NaN where not a curve
+  std::vector<double> face_thickness, face_level;          ///< per face: erosion thickness and sheet level
+};
+
+/// `whole`: write every part of a polygon on its own; otherwise polygons of which nothing was removed are one face.
+Skeleton extract(const SkeletonFamily& family, double theta2, double theta1, bool parts = false);
+
+/// The skeleton as cells and arrays of a file (SPEC 10). A line is a curve, a vertex cell an isolated vertex.
+PolyData to_poly_data(const Skeleton& skeleton);
+
+}  // namespace quench
