@@ -29,6 +29,7 @@ struct RefinedAxis {
   std::vector<Vec3> points;
   std::vector<double> radius;
   std::vector<double> burn_time;  ///< per vertex: of M at nodes; on the medial curves as in SPEC 6; infinite at pockets
+  std::uint32_t original = 0;     ///< vertices of M, the first nodes
   std::uint32_t nodes = 0, doors = 0;
 
   std::vector<char> curve_edge;           ///< per edge: part of the medial curves
@@ -69,7 +70,7 @@ struct Skeleton {
   std::vector<double> face_thickness, face_level;          ///< per face: erosion thickness and sheet level
 };
 
-/// `whole`: write every part of a polygon on its own; otherwise polygons of which nothing was removed are one face.
+/// `parts`: every part of a polygon is a face of its own; otherwise polygons of which nothing was removed are one face.
 Skeleton extract(const SkeletonFamily& family, double theta2, double theta1, bool parts = false);
 
 /// The skeleton as cells and arrays of a file (SPEC 10). A line is a curve, a vertex cell an isolated vertex.
