@@ -85,7 +85,7 @@ Action add_run(CLI::App& app) {
     const auto resolve = [&](const std::string& text, const std::string& option) {
       return parse_length(text, option).resolve(loaded.longest_side, loaded.shape.grid().spacing.minCoeff());
     };
-    add_burning(result.data, compute_burning(result.axis, true, o->burn, resolve, result.report, session));
+    add_burning(result.data, compute_burning(result.axis, true, o->burn, true, resolve, result.report, session));
     fs::create_directories(o->folder, error);
     if (error)
       throw Error(ErrorCode::failed, fmt::format("the folder '{}' cannot be made: {}", o->folder, error.message()));
