@@ -37,8 +37,9 @@ Action add_skeleton(CLI::App& app) {
     nlohmann::ordered_json report;
     report["input"] = loaded.input;
     take_burn_parameters(o->burn, loaded.data);
-    const Burning burning = compute_burning(loaded.axis, loaded.voxel_core, o->burn, true, resolve, report, session);
-    const SkeletonPipelineResult result = compute_skeleton(loaded.axis, burning, o->skeleton, resolve, report, session);
+    Burning burning = compute_burning(loaded.axis, loaded.voxel_core, o->burn, true, resolve, report, session);
+    const SkeletonPipelineResult result =
+        compute_skeleton(loaded.axis, std::move(burning), o->skeleton, resolve, report, session);
     io::write_poly_data(o->output, to_poly_data(result.skeleton));
     session.finished("write");
     if (!session.options.report.empty()) write_report(session.options.report, report, session);

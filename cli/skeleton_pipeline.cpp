@@ -33,7 +33,7 @@ void add_skeleton_options(CLI::App& app, SkeletonPipelineOptions& o) {
   const auto group = "Skeleton";
   app.add_option("--theta2", o.theta2,
                  "Drop sheets of a smaller erosion thickness where the topology allows: a fraction of the longest side "
-                 "(0.05 or 5%), 8vox, 3.5abs, 0 (nothing), inf (curves only)")
+                 "(0.03 or 3%), 8vox, 3.5abs, 0 (nothing), inf (curves only)")
       ->type_name("LENGTH")
       ->capture_default_str()
       ->group(group);
@@ -49,15 +49,16 @@ void check_skeleton_options(const SkeletonPipelineOptions& options) {
   parse_length(options.theta1, "--theta1");
 }
 
-SkeletonPipelineResult compute_skeleton(const MedialAxis& axis, const Burning& burning,
+SkeletonPipelineResult compute_skeleton(const MedialAxis& axis, Burning&& burning,
                                         const SkeletonPipelineOptions& options,
                                         const std::function<double(const std::string&, const std::string&)>& resolve,
                                         nlohmann::ordered_json& report, Session& session) {
   const double theta2 = resolve(options.theta2, "--theta2"), theta1 = resolve(options.theta1, "--theta1");
   const Topology wanted = topology(axis.complex);
   checkpoint(&session.context, "topology", 0.3);
-  const SkeletonFamily family =
-      skeletons(quench_curves(axis.complex, axis.points, axis.radius, burning, &session.context), &session.context);
+  RefinedAxis refined = quench_curves(axis.complex, axis.points, axis.radius, burning, &session.context);
+  burning = Burning();
+  const SkeletonFamily family = skeletons(std::move(refined), &session.context);
   {
     const Skeleton curves = extract(family, std::numeric_limits<double>::infinity(), 0);
     checkpoint(&session.context, "curves", 1);

@@ -16,7 +16,7 @@
 namespace quench::program {
 
 struct SkeletonPipelineOptions {
-  std::string theta2 = "0.05";
+  std::string theta2 = "0.03";
   std::string theta1 = "0.02";
   bool full = false;
 };
@@ -30,10 +30,10 @@ struct SkeletonPipelineResult {
   Topology topology;
 };
 
-/// Medial curves and a skeleton of a burned axis; `resolve(text, option)` turns a length into world units. Adds the
+/// Medial curves and a skeleton of a burned axis (the burning is used up); `resolve(text, option)` turns a length into world units. Adds the
 /// sections `curves` and `skeleton` to the report. Throws Error(invariant) when the topology of the curves or of the
 /// skeleton is not that of the axis.
-SkeletonPipelineResult compute_skeleton(const MedialAxis& axis, const Burning& burning,
+SkeletonPipelineResult compute_skeleton(const MedialAxis& axis, Burning&& burning,
                                         const SkeletonPipelineOptions& options,
                                         const std::function<double(const std::string&, const std::string&)>& resolve,
                                         nlohmann::ordered_json& report, Session& session);

@@ -116,7 +116,7 @@ TEST(Skeleton, EveryMemberHasTheTopologyOfTheAxis) {
     ASSERT_EQ(topology(part_of(k.complex, vertex, edge, face)), wanted) << "the medial curves";
 
     for (std::size_t e = 0; e < edge.size(); ++e)
-      ASSERT_TRUE(!k.curve_edge[e] || family.curve_thickness[e] >= 0);
+      ASSERT_TRUE(!k.curve_edge[e] || family.thickness_of(static_cast<std::uint32_t>(e)) >= 0);
     for (std::size_t v = 0; v < vertex.size(); ++v)
       ASSERT_TRUE(!k.curve_vertex[v] || k.curve_burn_time[v] >= k.burn_time[v]);
 
@@ -129,7 +129,8 @@ TEST(Skeleton, EveryMemberHasTheTopologyOfTheAxis) {
               << "theta2 " << theta2 << " theta1 " << theta1 << " parts " << parts;
           for (const auto& [a, b] : skeleton.complex.edges)
             ASSERT_TRUE(degenerate || skeleton.points[a] != skeleton.points[b])
-                << skeleton.points[a].transpose() << " of " << a << " " << b << " of " << skeleton.points.size() << " an edge of length zero, theta2 " << theta2 << " theta1 " << theta1 << " parts " << parts;
+                << skeleton.points[a].transpose() << " of " << a << " " << b << " of " << skeleton.points.size()
+                << " an edge of length zero, theta2 " << theta2 << " theta1 " << theta1 << " parts " << parts;
         }
   }
 }

@@ -53,8 +53,11 @@ RefinedAxis quench_curves(const CellComplex& complex, std::span<const Vec3> poin
 struct SkeletonFamily {
   RefinedAxis refined;
   std::vector<double> vertex_sheet_level, edge_sheet_level, face_sheet_level;  ///< infinite on curves and pockets
-  std::vector<double> curve_thickness;  ///< per edge: ET_MC, the smaller of its ends'; infinite where it never burns
-  std::vector<double> curve_level;      ///< per edge: the theta1 up to which it stays when no sheets are left
+  /// Per edge from 2 * doors on (the halves before are no curves): ET_MC, the smaller of its ends', infinite where it
+  /// never burns; and the theta1 up to which it stays when no sheets are left.
+  std::vector<double> curve_thickness, curve_level;
+  double thickness_of(std::uint32_t edge) const { return curve_thickness[edge - 2 * std::size_t{refined.doors}]; }
+  double level_of(std::uint32_t edge) const { return curve_level[edge - 2 * std::size_t{refined.doors}]; }
 };
 SkeletonFamily skeletons(RefinedAxis refined, Context* context = nullptr);
 

@@ -41,7 +41,7 @@ Member member_of(const SkeletonFamily& family, double theta2, double theta1) {
   const auto offer = [&](std::uint32_t v) {
     if (left[v] != 1 || k.medial_point[v]) return;
     const std::uint32_t e = edges_xor[v];
-    if (k.curve_edge[e] && !on_face[e] && family.curve_thickness[e] < theta1) stack.push_back(v);
+    if (k.curve_edge[e] && !on_face[e] && family.thickness_of(e) < theta1) stack.push_back(v);
   };
   for (std::uint32_t v = 0; v < vertices; ++v) offer(v);
   while (!stack.empty()) {
@@ -168,8 +168,8 @@ class Writer {
   std::uint32_t add_edge(std::uint32_t a, std::uint32_t b, std::uint32_t of, bool mesh) {
     const bool curve = of != kNone && k_.curve_edge[of];
     edges_.push_back({{std::min(a, b), std::max(a, b)},
-                      curve ? family_.curve_thickness[of] : std::numeric_limits<double>::quiet_NaN(),
-                      curve ? family_.curve_level[of] : std::numeric_limits<double>::quiet_NaN(),
+                      curve ? family_.thickness_of(of) : std::numeric_limits<double>::quiet_NaN(),
+                      curve ? family_.level_of(of) : std::numeric_limits<double>::quiet_NaN(),
                       mesh});
     return static_cast<std::uint32_t>(edges_.size() - 1);
   }

@@ -32,8 +32,9 @@ SkeletonFamily skeletons(RefinedAxis refined, Context* context) {
 
   // Curves on their own: what is left without any sheets, pockets standing for fixed points.
   const std::vector<char> pocket = on_pockets(refined, sheet.face);
-  family.curve_thickness.assign(edges, 0);
-  family.curve_level.assign(edges, 0);
+  const std::size_t halves = 2 * std::size_t{refined.doors};  // never part of the curves
+  family.curve_thickness.assign(edges - halves, 0);
+  family.curve_level.assign(edges - halves, 0);
   CellComplex graph;
   graph.vertex_count = refined.complex.vertex_count;
   std::vector<std::uint32_t> edge_of;
@@ -44,14 +45,15 @@ SkeletonFamily skeletons(RefinedAxis refined, Context* context) {
       return refined.curve_burn_time[v] == kNever ? kNever : refined.curve_burn_time[v] - refined.burn_time[v];
     };
     const auto [a, b] = refined.complex.edges[e];
-    family.curve_thickness[e] = std::max(0.0, std::min(thickness(a), thickness(b)));
+    double& thick = family.curve_thickness[e - halves];
+    thick = std::max(0.0, std::min(thickness(a), thickness(b)));
     graph.edges.push_back({a, b});
-    graph_value.push_back(family.curve_thickness[e]);
+    graph_value.push_back(thick);
     edge_of.push_back(e);
   }
   for (std::size_t v = 0; v < vertices; ++v) vertex_value[v] = refined.medial_point[v] || pocket[v] ? kNever : 0;
   const CellValues curve = thin(graph, vertex_value, graph_value, {}, context, "skeleton");
-  for (std::size_t i = 0; i < edge_of.size(); ++i) family.curve_level[edge_of[i]] = curve.edge[i];
+  for (std::size_t i = 0; i < edge_of.size(); ++i) family.curve_level[edge_of[i] - halves] = curve.edge[i];
 
   family.vertex_sheet_level = std::move(sheet.vertex);
   family.edge_sheet_level = std::move(sheet.edge);

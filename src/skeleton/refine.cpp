@@ -227,6 +227,21 @@ class Refinement {
     for (const std::uint32_t f : burning_.parent_face)
       if (f != kNone) ++prime_offsets_[f + 1];
     for (std::size_t f = 0; f < faces; ++f) prime_offsets_[f + 1] += prime_offsets_[f];
+    // Nearly exact bounds of what comes, so that no array is copied while it grows.
+    std::size_t segments = kept_list_.size();
+    for (const std::uint32_t e : site_.complex.face_edges) segments += net_.pieces[e];
+    const std::size_t chords = prime_offsets_[faces], regions = chords + faces;
+    out_.points.reserve(out_.points.size() + regions);
+    out_.radius.reserve(out_.points.capacity());
+    out_.burn_time.reserve(out_.points.capacity());
+    out_.curve_vertex.reserve(out_.points.capacity());
+    out_.complex.edges.reserve(out_.complex.edges.size() + segments + chords);
+    out_.curve_edge.reserve(out_.complex.edges.capacity());
+    out_.complex.face_offsets.reserve(segments + 1);
+    out_.polygon_of.reserve(segments);
+    out_.face_thickness.reserve(segments);
+    out_.complex.face_vertices.reserve(4 * segments + 2 * chords);
+    out_.complex.face_edges.reserve(4 * segments + 2 * chords);
   }
 
   struct Chord {
