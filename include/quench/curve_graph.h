@@ -72,10 +72,11 @@ double boundary_gap(const Vec3& spacing);
 ///   segment, the old course is kept;
 /// - that bound is the new radius: never more than the true one;
 /// - no point of the input moves further than half its radius by smoothing;
-/// - branches neither touch themselves nor each other but at common nodes: a branch that would is resampled only where
-///   it is, smoothed but not resampled, or left as it was. (Sheets are not looked at.)
-/// Lengths, radii and tortuosity are computed anew, ET_MC is kept. Deterministic. Throws Error(usage) for negative or
-/// infinite options.
+/// - branches touch neither themselves nor each other but at common nodes: one that would is smoothed but not
+///   resampled, or left as it was. (The final course is looked at, not the way there; sheets are not looked at.)
+/// Closed branches get three segments at least, and no branch more than 64 points for each it had, plus 1024. Lengths,
+/// radii and tortuosity are computed anew, ET_MC is kept. Deterministic. Throws Error(usage) for negative or infinite
+/// options.
 CurveGraph smoothed(const CurveGraph& graph, const SmoothOptions& options);
 
 namespace io {
