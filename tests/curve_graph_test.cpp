@@ -144,6 +144,7 @@ using Coordinates = std::array<double, 3>;
 Coordinates of(const Vec3& p) { return {p[0], p[1], p[2]}; }
 
 TEST(CurveGraph, EveryCurveEdgeIsInOneBranchOnce) {
+  std::map<Kind, int> met;
   for (std::uint64_t seed = 0; seed < 2000; ++seed) {
     const Skeleton skeleton = skeleton_of(random_cells(seed));
     const CurveGraph graph = curve_graph(skeleton);
@@ -165,6 +166,7 @@ TEST(CurveGraph, EveryCurveEdgeIsInOneBranchOnce) {
     for (std::size_t n = 0; n < graph.nodes.size(); ++n) {
       const CurveGraph::Node& node = graph.nodes[n];
       nodes.insert(of(node.point));
+      ++met[node.kind];
       ASSERT_EQ(node.sheet != kNone, on_sheet.contains(of(node.point)));
       ASSERT_EQ(node.kind == Kind::sheet, on_sheet.contains(of(node.point)));
       ASSERT_EQ(static_cast<int>(node.degree), degree[of(node.point)]);
@@ -195,6 +197,7 @@ TEST(CurveGraph, EveryCurveEdgeIsInOneBranchOnce) {
     ASSERT_NEAR(length, 0, 1e-9);
     ASSERT_EQ(graph.components, topology(skeleton.complex).betti[0]);
   }
+  for (Kind kind : {Kind::end, Kind::junction, Kind::sheet, Kind::loop, Kind::isolated}) EXPECT_GT(met[kind], 30);
 }
 
 // Whatever the numbers of vertices: a branch from its smaller end, with all that is measured on it.
