@@ -133,6 +133,7 @@ LoadedAxis load_axis(const AxisOptions& options, Session& session) {
                     repair.degenerate, options.file, repair.duplicate));
   if (const DataArray* spacing = find_array(loaded.data.field_data, "spacing")) {
     const std::vector<double> sizes = spacing->numbers();
+    if (sizes.size() == 3) loaded.spacing = {sizes[0], sizes[1], sizes[2]};
     if (!sizes.empty()) loaded.voxel = std::max(0.0, *std::min_element(sizes.begin(), sizes.end()));
   }
   loaded.longest_side = field_number(loaded.data, "longest_side").value_or(0);
