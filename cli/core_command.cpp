@@ -108,6 +108,11 @@ Action add_run(CLI::App& app) {
     write_report(report.string(), result.report, session);
     if (!session.options.report.empty()) write_report(session.options.report, result.report, session);
     say_written(session, core.string(), report.string(), result, loaded);
+    const CellComplex& c = skeleton.skeleton.complex;
+    session.say(
+        fmt::format("{}: {} vertices, {} edges, {} faces, {} branches; topology as that of the shape; also {} and {}",
+                    skeleton_vtp.string(), c.vertex_count, c.edges.size(), c.face_count(),
+                    result.report["skeleton"]["branches"].get<std::size_t>(), swc.string(), csv.string()));
     return 0;
   };
 }

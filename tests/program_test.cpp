@@ -104,7 +104,8 @@ TEST_F(Program, RunWritesAxisAndReport) {
        {"new/my result/core.vtp: ", " vertices", "lengths in the input's units", "new/my result/report.json"})
     EXPECT_TRUE(has(last, part)) << last;
   const std::string report = bytes("new/my result/report.json");
-  for (const char* section : {"input", "parameters", "shape", "core", "pruned", "seconds", "peak_bytes", "version"})
+  for (const char* section : {"input", "parameters", "shape", "core", "pruned", "burn", "curves", "skeleton", "seconds",
+                              "peak_bytes", "version"})
     EXPECT_TRUE(has(report, fmt::format("\n  \"{}\": ", section))) << section;
   for (const char* member : {"file",     "kind",     "euler", "components",    "dims",
                              "spacing",  "voxels",   "sites", "betti",         "voxelization_changed_topology",
@@ -112,7 +113,7 @@ TEST_F(Program, RunWritesAxisAndReport) {
                              "voxelize", "delaunay", "prune", "write",         "total"})
     EXPECT_TRUE(has(report, fmt::format("\n    \"{}\": ", member))) << member;
   works({"run", "a shape.ply", "--resolution", "24", "-o", "new/my result", "--quiet"});  // its own files are replaced
-  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder / "new/my result"), {}), 2);
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder / "new/my result"), {}), 5);
   EXPECT_TRUE(has(works({"verify", "a shape.ply", "new/my result/core.vtp"}).out, ": verified\n"));
 }
 

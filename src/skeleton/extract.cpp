@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -137,7 +138,24 @@ class Writer {
       if (e == kNone || !member_.edge[e] || !member_.vertex[v]) continue;
       map_[v] = k_.complex.edges[e][0] == v ? k_.complex.edges[e][1] : k_.complex.edges[e][0];
     }
+    // But not where a part of a sheet would be pressed flat: between doors of one side of its polygon.
+    for (std::size_t f = 0; f < k_.complex.face_count(); ++f) {
+      if (!member_.face[f] || whole_[k_.polygon_of[f]]) continue;
+      const auto corners = k_.complex.corners(f);
+      if (map_[corners[0]] != corners[0] && !has_area(corners)) map_[corners[0]] = corners[0];
+    }
     number_.assign(map_.size(), kNone);
+  }
+  bool has_area(std::span<const std::uint32_t> corners) const {
+    const Vec3 origin = k_.points[map_[corners[0]]];
+    Vec3 area = Vec3::Zero();
+    double size = 0;
+    for (std::size_t i = 1; i < corners.size(); ++i) {
+      const Vec3 b = k_.points[corners[i]] - origin;
+      size = std::max(size, b.squaredNorm());
+      if (i > 1) area += (k_.points[corners[i - 1]] - origin).cross(b);
+    }
+    return area.norm() > 1e-9 * size;
   }
   bool is_written(std::uint32_t v) const {
     if (!member_.vertex[v]) return false;
