@@ -41,7 +41,7 @@ class Axis:
         self.data = reader.GetOutput()
         polys = self.data.GetPolys()
         if polys.GetNumberOfCells() == 0:
-            raise SystemExit(f'{file} has no polygons')
+            raise SystemExit(f'{file} has no polygons, or is no .vtp file')
         self.points = vtk_to_numpy(self.data.GetPoints().GetData()).astype(float)
         self.offsets = vtk_to_numpy(polys.GetOffsetsArray()).astype(np.int64)
         self.index = vtk_to_numpy(polys.GetConnectivityArray()).astype(np.int64)
@@ -68,7 +68,10 @@ class Axis:
         return vtk_to_numpy(self.data.GetFieldData().GetArray('spacing')).min()
 
     def point_array(self, name):
-        return vtk_to_numpy(self.data.GetPointData().GetArray(name)).astype(float)
+        array = self.data.GetPointData().GetArray(name)
+        if array is None:
+            raise SystemExit(f'there is no point array {name}; burn the medial axis first (quench burn)')
+        return vtk_to_numpy(array).astype(float)
 
     def measure(self, name):
         """One value per polygon."""
