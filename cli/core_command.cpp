@@ -99,6 +99,14 @@ Action add_run(CLI::App& app) {
     fs::create_directories(o->folder, error);
     if (error)
       throw Error(ErrorCode::failed, fmt::format("the folder '{}' cannot be made: {}", o->folder, error.message()));
+    auto& parameters = result.report["parameters"];
+    parameters["omega"] = o->burn.omega;
+    parameters["propagation"] = o->burn.propagation;
+    parameters["radius"] = o->burn.radius;
+    parameters["theta2"] = o->skeleton.theta2;
+    parameters["theta1"] = o->skeleton.theta1;
+    parameters["smooth"] = o->skeleton.smooth;
+    parameters["resample"] = o->skeleton.resample;
     result.report["skeleton"]["reconstructed"] = reconstructed_share(loaded.shape, skeleton.skeleton, session);
     io::write_poly_data(core, result.data);
     io::write_poly_data(skeleton_vtp, skeleton_file(skeleton, result.data));

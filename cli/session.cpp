@@ -134,13 +134,13 @@ void Session::check_not_inputs(const std::vector<std::filesystem::path>& outputs
   for (const auto& output : outputs) check_no_input(output, inputs);
 }
 
-void Session::check_memory(std::int64_t bytes, const std::string& what) const {
+void Session::check_memory(std::int64_t bytes, const std::string& what, const std::string& remedy) const {
   const bool limited = !options.memory_limit.empty();
   const std::int64_t limit = limited ? parse_bytes(options.memory_limit) : available_memory();
   if (bytes <= limit) return;
   throw Error(ErrorCode::failed,
-              fmt::format("{} needs about {} of memory, and {} {}; use a lower --resolution{}", what, bytes_text(bytes),
-                          bytes_text(limit), limited ? "are allowed by --memory-limit" : "are free",
+              fmt::format("{} needs about {} of memory, and {} {}; use {}{}", what, bytes_text(bytes),
+                          bytes_text(limit), limited ? "are allowed by --memory-limit" : "are free", remedy,
                           limited ? " or a larger --memory-limit" : ", or --memory-limit to try all the same"));
 }
 

@@ -43,7 +43,8 @@ class Session {
   /// The file of --json, for commands that write nothing else (check_output() includes it).
   void check_report(const std::vector<std::filesystem::path>& inputs) const;
   /// Throws Error(failed) with figures when `bytes` exceed --memory-limit or, without one, the memory that is free.
-  void check_memory(std::int64_t bytes, const std::string& what) const;
+  void check_memory(std::int64_t bytes, const std::string& what,
+                    const std::string& remedy = "a lower --resolution") const;
   /// What the caller asked for, on stdout; progress is cleared first. Throws Error(failed) when it cannot be written.
   void answer(const std::string& text);
   /// The time since the last report belongs to `stage`. Unlike checkpoint() never throws: for work that is done.

@@ -54,6 +54,10 @@ Action add_skeleton(CLI::App& app) {
     nlohmann::ordered_json report;
     report["input"] = loaded.input;
     take_burn_parameters(o->burn, loaded.data);
+    report["parameters"] = {{"omega", o->burn.omega},          {"propagation", o->burn.propagation},
+                            {"radius", o->burn.radius},        {"theta2", o->skeleton.theta2},
+                            {"theta1", o->skeleton.theta1},    {"smooth", o->skeleton.smooth},
+                            {"resample", o->skeleton.resample}};
     Burning burning = compute_burning(loaded.axis, loaded.voxel_core, o->burn, true, resolve, report, session);
     add_burning(loaded.data, burning);
     const SkeletonPipelineResult result =

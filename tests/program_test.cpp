@@ -97,8 +97,7 @@ TEST_F(Program, RunWritesAxisAndReport) {
   works({"sample", "hollow-sphere", "-o", "a shape.ply", "--detail", "0.2"});
   const auto outcome = works({"run", "a shape.ply", "--resolution", "24", "-o", "new/my result"});
   EXPECT_EQ(outcome.out, "");
-  const std::size_t line =
-      outcome.err.rfind("new/my result/core.vtp: ");  // what, where, in which units
+  const std::size_t line = outcome.err.rfind("new/my result/core.vtp: ");  // what, where, in which units
   const std::string last = outcome.err.substr(line);
   for (const char* part :
        {"new/my result/core.vtp: ", " vertices", "lengths in the input's units", "new/my result/report.json"})
