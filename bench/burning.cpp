@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Burning a medial axis: error of erosion thickness against time, by nodes and by segments, one thread.
-//   bench_burn AXIS [--radii FILE.r] [--linear] [--no-nodes] [--times-only] [--times-only] [--spacing W]... [--fine W]
+//   bench_burn AXIS [--radii FILE.r] [--linear] [--no-nodes] [--times-only] [--spacing W]... [--fine W]
 //   [--unit U]
 // Spacings are multiples of the default one (default: 2 1 0.5 0.25); errors are mean relative errors over the vertices
 // whose erosion thickness exceeds a voxel (of a core of Quench; else --unit, or the default spacing), against a run by

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "quench/io.h"
 
@@ -116,6 +117,10 @@ LoadedAxis load_axis(const AxisOptions& options, Session& session) {
   AxisRepair repair;
   try {
     loaded.axis = medial_axis_of(loaded.data, &repair);
+    for (std::size_t v = 0; v < loaded.axis.radius.size(); ++v)
+      if (const double r = loaded.axis.radius[v]; !(std::isfinite(r) && r >= 0))
+        throw Error(ErrorCode::input,
+                    fmt::format("the radius of vertex {} is {}; radii are finite and not negative", v, r));
   } catch (const Error& error) {
     throw Error(error.code(), fmt::format("'{}': {}", options.file, error.what()));
   }
@@ -128,6 +133,7 @@ LoadedAxis load_axis(const AxisOptions& options, Session& session) {
                     repair.degenerate, options.file, repair.duplicate));
   if (const DataArray* spacing = find_array(loaded.data.field_data, "spacing")) {
     const std::vector<double> sizes = spacing->numbers();
+    if (sizes.size() == 3) loaded.spacing = {sizes[0], sizes[1], sizes[2]};
     if (!sizes.empty()) loaded.voxel = std::max(0.0, *std::min_element(sizes.begin(), sizes.end()));
   }
   loaded.longest_side = field_number(loaded.data, "longest_side").value_or(0);

@@ -28,11 +28,12 @@ void check_axis_options(const AxisOptions& options);
 /// A medial axis ready for burning. Vertex v of the axis is row v of the file.
 struct LoadedAxis {
   MedialAxis axis;
-  PolyData data;            ///< the file, with all its arrays
-  double longest_side = 0;  ///< what plain-number lengths refer to, world units
-  double voxel = 0;         ///< smallest spacing of the voxel shape; 0 where nothing tells
-  bool voxel_core = false;  ///< of Quench: the radius between vertices follows from theirs
-  std::string units;        ///< of world coordinates, where the file says so
+  PolyData data;                ///< the file, with all its arrays
+  double longest_side = 0;      ///< what plain-number lengths refer to, world units
+  double voxel = 0;             ///< smallest spacing of the voxel shape; 0 where nothing tells
+  Vec3 spacing = Vec3::Zero();  ///< of the voxel shape, where the file says so
+  bool voxel_core = false;      ///< of Quench: the radius between vertices follows from theirs
+  std::string units;            ///< of world coordinates, where the file says so
   nlohmann::ordered_json input;
 
   /// World length of an option. Throws Error(usage) for voxels where there are none.

@@ -42,7 +42,7 @@ Action add_burn(CLI::App& app) {
     report["input"] = loaded.input;
     report["parameters"] = {{"omega", o->burn.omega}, {"propagation", o->burn.propagation}, {"radius", o->burn.radius}};
     const Burning burning = compute_burning(
-        loaded.axis, loaded.voxel_core, o->burn,
+        loaded.axis, loaded.voxel_core, o->burn, false,
         [&](const std::string& text, const std::string& option) { return loaded.resolve(text, option); }, report,
         session);
     add_burning(loaded.data, burning);

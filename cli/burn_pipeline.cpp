@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "axis_input.h"
 #include "option_checks.h"
 #include "quench/geometry.h"
 
@@ -18,9 +19,9 @@ void add_burn_options(CLI::App& app, BurnPipelineOptions& o) {
       ->group(group);
   app.add_option("--propagation", o.propagation,
                  "How fire crosses polygons: 'segments' (accurate) or 'nodes' (along straight arcs only; an upper "
-                 "bound, as in other programs)")
+                 "bound, as in other programs); 'auto': segments, or what a burned AXIS says")
       ->type_name("NAME")
-      ->check(one_of({"segments", "nodes"}))
+      ->check(one_of({"auto", "segments", "nodes"}))
       ->capture_default_str()
       ->group(group);
   app.add_option("--radius", o.radius,
@@ -41,14 +42,22 @@ void check_burn_options(const BurnPipelineOptions& options) {
         fmt::format("--omega {} is no distance between nodes; give a length above 0, or 'auto'", options.omega));
 }
 
-Burning compute_burning(const MedialAxis& axis, bool voxel_core, const BurnPipelineOptions& options,
+void take_burn_parameters(BurnPipelineOptions& options, const PolyData& burned) {
+  if (const auto omega = field_number(burned, "omega"); options.omega == "auto" && omega && *omega > 0)
+    options.omega = fmt::format("{}abs", *omega);
+  if (const auto name = field_text(burned, "propagation"); options.propagation == "auto" && name)
+    options.propagation = *name;
+  if (const auto rule = field_text(burned, "radius_rule"); options.radius == "auto" && rule) options.radius = *rule;
+}
+
+Burning compute_burning(const MedialAxis& axis, bool voxel_core, const BurnPipelineOptions& options, bool parents,
                         const std::function<double(const std::string&, const std::string&)>& resolve,
                         nlohmann::ordered_json& report, Session& session) {
   BurnOptions burn_options;
   burn_options.propagation = options.propagation == "nodes" ? Propagation::nodes : Propagation::segments;
   const bool linear = options.radius == "linear" || (options.radius == "auto" && !voxel_core);
   burn_options.radius = linear ? RadiusRule::linear : RadiusRule::exact;
-  burn_options.parents = false;  // for the curves only
+  burn_options.parents = parents;
   burn_options.omega = options.omega == "auto" ? 0 : resolve(options.omega, "--omega");
   session.check_memory(predicted_burn_bytes(axis.complex, axis.points, burn_options),
                        fmt::format("burning with --omega {}", options.omega));
@@ -60,9 +69,12 @@ Burning compute_burning(const MedialAxis& axis, bool voxel_core, const BurnPipel
         fmt::format("note: {} of {} vertices lie on closed pockets, where no fire comes: their burn time is "
                     "infinite (array 'unburned')",
                     burning.unburned, axis.complex.vertex_count));
-  report["burn"] = {{"omega", burning.options.omega},     {"nodes", burning.network.node_count()},
-                    {"unburned", burning.unburned},       {"max_burn_time", burning.max_burn_time},
-                    {"propagation", options.propagation}, {"radius_rule", linear ? "linear" : "exact"}};
+  report["burn"] = {{"omega", burning.options.omega},
+                    {"nodes", burning.network.node_count()},
+                    {"unburned", burning.unburned},
+                    {"max_burn_time", burning.max_burn_time},
+                    {"propagation", burn_options.propagation == Propagation::nodes ? "nodes" : "segments"},
+                    {"radius_rule", linear ? "linear" : "exact"}};
   return burning;
 }
 

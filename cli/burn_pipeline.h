@@ -8,13 +8,14 @@
 
 #include "quench/burn.h"
 #include "quench/medial_axis.h"
+#include "quench/poly_data.h"
 #include "session.h"
 
 namespace quench::program {
 
 struct BurnPipelineOptions {
   std::string omega = "auto";
-  std::string propagation = "segments";
+  std::string propagation = "auto";
   std::string radius = "auto";
 };
 
@@ -22,9 +23,13 @@ void add_burn_options(CLI::App& app, BurnPipelineOptions& options);
 /// Throws Error(usage) for an option that cannot be, before anything is read.
 void check_burn_options(const BurnPipelineOptions& options);
 
+/// Options not given on the command line are taken from the FieldData of a burned file.
+void take_burn_parameters(BurnPipelineOptions& options, const PolyData& burned);
+
 /// Burns an axis (`voxel_core`: one of Quench, whose radii are exact); `resolve(text, option)` turns a length into
-/// world units. Checks memory first, says what is left unburned, and adds the section `burn` to the report.
-Burning compute_burning(const MedialAxis& axis, bool voxel_core, const BurnPipelineOptions& options,
+/// world units. Checks memory first, says what is left unburned, and adds the section `burn` to the report. `parents`:
+/// for the curves.
+Burning compute_burning(const MedialAxis& axis, bool voxel_core, const BurnPipelineOptions& options, bool parents,
                         const std::function<double(const std::string&, const std::string&)>& resolve,
                         nlohmann::ordered_json& report, Session& session);
 

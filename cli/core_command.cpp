@@ -6,6 +6,7 @@
 #include "core_pipeline.h"
 #include "program.h"
 #include "quench/io.h"
+#include "skeleton_pipeline.h"
 
 namespace quench::program {
 namespace {
@@ -57,43 +58,61 @@ Action add_run(CLI::App& app) {
     ShapeOptions shape;
     CorePipelineOptions core;
     BurnPipelineOptions burn;
+    SkeletonPipelineOptions skeleton;
     std::string folder;
   };
   auto o = std::make_shared<Options>();
   add_shape_options(app, o->shape);
   add_core_options(app, o->core);
   add_burn_options(app, o->burn);
+  add_skeleton_options(app, o->skeleton);
   app.add_option("-o,--output", o->folder,
-                 "Folder for core.vtp and report.json (made if absent; these files are replaced)")
+                 "Folder for core.vtp, skeleton.vtp, skeleton.swc, branches.csv and report.json (made if absent; "
+                 "these files are replaced)")
       ->type_name("DIR")
       ->required();
   return [o](Session& session) {
     namespace fs = std::filesystem;
-    const fs::path core = fs::path(o->folder) / "core.vtp", report = fs::path(o->folder) / "report.json";
+    const fs::path folder = o->folder, core = folder / "core.vtp", report = folder / "report.json";
+    const fs::path skeleton_vtp = folder / "skeleton.vtp", swc = folder / "skeleton.swc", csv = folder / "branches.csv";
     check_folder(o->folder);
-    session.check_not_inputs({core, report}, {o->shape.file});
+    session.check_not_inputs({core, skeleton_vtp, swc, csv, report}, {o->shape.file});
     session.check_report({o->shape.file});
     std::error_code error;
-    if (!session.options.report.empty() &&
-        fs::weakly_canonical(session.options.report, error) == fs::weakly_canonical(core, error))
-      throw Error(ErrorCode::usage,
-                  fmt::format("--json {} is where the medial axis goes; give another name", session.options.report));
+    for (const fs::path& file : {core, skeleton_vtp, swc, csv})
+      if (!session.options.report.empty() &&
+          fs::weakly_canonical(session.options.report, error) == fs::weakly_canonical(file, error))
+        throw Error(ErrorCode::usage,
+                    fmt::format("--json {} is where a result goes; give another name", session.options.report));
     check_core_options(o->core);
     check_burn_options(o->burn);
+    check_skeleton_options(o->skeleton);
     const LoadedShape loaded = load_shape(o->shape, session);
     CorePipelineResult result = compute_core(loaded, o->core, session);
     const auto resolve = [&](const std::string& text, const std::string& option) {
       return parse_length(text, option).resolve(loaded.longest_side, loaded.shape.grid().spacing.minCoeff());
     };
-    add_burning(result.data, compute_burning(result.axis, true, o->burn, resolve, result.report, session));
+    Burning burning = compute_burning(result.axis, true, o->burn, true, resolve, result.report, session);
+    add_burning(result.data, burning);
+    const SkeletonPipelineResult skeleton =
+        compute_skeleton(result.axis, std::move(burning), o->skeleton, resolve, result.report, session);
     fs::create_directories(o->folder, error);
     if (error)
       throw Error(ErrorCode::failed, fmt::format("the folder '{}' cannot be made: {}", o->folder, error.message()));
+    result.report["skeleton"]["reconstructed"] = reconstructed_share(loaded.shape, skeleton.skeleton, session);
     io::write_poly_data(core, result.data);
+    io::write_poly_data(skeleton_vtp, skeleton_file(skeleton, result.data));
+    write_graph(skeleton.skeleton, {swc, {}, csv}, o->skeleton, boundary_gap(loaded.shape.grid().spacing), loaded.units,
+                resolve, result.report, session);
     session.finished("write");
     write_report(report.string(), result.report, session);
     if (!session.options.report.empty()) write_report(session.options.report, result.report, session);
     say_written(session, core.string(), report.string(), result, loaded);
+    const CellComplex& c = skeleton.skeleton.complex;
+    session.say(
+        fmt::format("{}: {} vertices, {} edges, {} faces, {} branches; topology as that of the shape; also {} and {}",
+                    skeleton_vtp.string(), c.vertex_count, c.edges.size(), c.face_count(),
+                    result.report["skeleton"]["branches"].get<std::size_t>(), swc.string(), csv.string()));
     return 0;
   };
 }

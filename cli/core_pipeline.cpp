@@ -152,6 +152,8 @@ void write_report(const std::string& file, Json report, Session& session) {
                        {"core", of({"merge", "core"})},
                        {"prune", of({"prune", "reconstruct"})},
                        {"burn", of({"burn"})},
+                       {"curves", of({"curves"})},
+                       {"skeleton", of({"skeleton"})},
                        {"topology", of({"topology"})},
                        {"write", of({"write"})},
                        {"total", std::round(session.total_seconds() * 1e4) / 1e4}};

@@ -29,6 +29,8 @@ constexpr Command kCommands[] = {
      "quench core ct.nrrd --threshold 20 --lambda 2.5vox -o axis.vtp", computes | writes | reports, add_core},
     {"burn", "Adds burn time and erosion thickness to a medial axis", "quench burn axis.vtp -o burned.vtp",
      computes | writes | reports, add_burn},
+    {"skeleton", "Computes a skeleton of sheets and curves of a medial axis",
+     "quench skeleton burned.vtp --theta2 inf --swc tree.swc -o curves.vtp", computes | writes | reports, add_skeleton},
     {"info", "Says what a file is", "quench info axis.vtp", answers_json, add_info},
     {"convert", "Writes a mesh or a medial axis in another format", "quench convert axis.vtp axis.ma", writes,
      add_convert},

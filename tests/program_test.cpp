@@ -98,13 +98,14 @@ TEST_F(Program, RunWritesAxisAndReport) {
   const auto outcome = works({"run", "a shape.ply", "--resolution", "24", "-o", "new/my result"});
   EXPECT_EQ(outcome.out, "");
   const std::size_t line =
-      outcome.err.rfind('\n', outcome.err.size() - 2) + 1;  // the last one: what, where, in which units
+      outcome.err.rfind("new/my result/core.vtp: ");  // what, where, in which units
   const std::string last = outcome.err.substr(line);
   for (const char* part :
        {"new/my result/core.vtp: ", " vertices", "lengths in the input's units", "new/my result/report.json"})
     EXPECT_TRUE(has(last, part)) << last;
   const std::string report = bytes("new/my result/report.json");
-  for (const char* section : {"input", "parameters", "shape", "core", "pruned", "seconds", "peak_bytes", "version"})
+  for (const char* section : {"input", "parameters", "shape", "core", "pruned", "burn", "curves", "skeleton", "seconds",
+                              "peak_bytes", "version"})
     EXPECT_TRUE(has(report, fmt::format("\n  \"{}\": ", section))) << section;
   for (const char* member : {"file",     "kind",     "euler", "components",    "dims",
                              "spacing",  "voxels",   "sites", "betti",         "voxelization_changed_topology",
@@ -112,7 +113,7 @@ TEST_F(Program, RunWritesAxisAndReport) {
                              "voxelize", "delaunay", "prune", "write",         "total"})
     EXPECT_TRUE(has(report, fmt::format("\n    \"{}\": ", member))) << member;
   works({"run", "a shape.ply", "--resolution", "24", "-o", "new/my result", "--quiet"});  // its own files are replaced
-  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder / "new/my result"), {}), 2);
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder / "new/my result"), {}), 5);
   EXPECT_TRUE(has(works({"verify", "a shape.ply", "new/my result/core.vtp"}).out, ": verified\n"));
 }
 

@@ -75,6 +75,8 @@ struct Burning {
   std::vector<std::uint32_t> parent;       ///< per state: the node its fire came from; kNone: it opened by itself
   std::vector<std::uint32_t> parent_face;  ///< per state: the polygon that fire crossed, or kNone; both empty if not
                                            ///< asked for
+  std::vector<std::uint32_t> rank;         ///< per state: place in the sequence in which sectors leave the links of
+                                           ///< their nodes; kNone in pockets; empty if no parents were asked for
   std::vector<double> burn_time;           ///< per vertex: the largest time of its sectors; the radius if none
   std::vector<double> erosion_thickness;   ///< per vertex: burn_time - radius
   double max_burn_time = 0;                ///< largest finite one

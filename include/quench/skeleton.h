@@ -29,6 +29,7 @@ struct RefinedAxis {
   std::vector<Vec3> points;
   std::vector<double> radius;
   std::vector<double> burn_time;  ///< per vertex: of M at nodes; on the medial curves as in SPEC 6; infinite at pockets
+  std::uint32_t original = 0;     ///< vertices of M, the first nodes
   std::uint32_t nodes = 0, doors = 0;
 
   std::vector<char> curve_edge;           ///< per edge: part of the medial curves
@@ -52,8 +53,11 @@ RefinedAxis quench_curves(const CellComplex& complex, std::span<const Vec3> poin
 struct SkeletonFamily {
   RefinedAxis refined;
   std::vector<double> vertex_sheet_level, edge_sheet_level, face_sheet_level;  ///< infinite on curves and pockets
-  std::vector<double> curve_thickness;  ///< per edge: ET_MC, the smaller of its ends'; infinite where it never burns
-  std::vector<double> curve_level;      ///< per edge: the theta1 up to which it stays when no sheets are left
+  /// Per edge from 2 * doors on (the halves before are no curves): ET_MC, the smaller of its ends', infinite where it
+  /// never burns; and the theta1 up to which it stays when no sheets are left.
+  std::vector<double> curve_thickness, curve_level;
+  double thickness_of(std::uint32_t edge) const { return curve_thickness[edge - 2 * std::size_t{refined.doors}]; }
+  double level_of(std::uint32_t edge) const { return curve_level[edge - 2 * std::size_t{refined.doors}]; }
 };
 SkeletonFamily skeletons(RefinedAxis refined, Context* context = nullptr);
 
@@ -69,7 +73,7 @@ struct Skeleton {
   std::vector<double> face_thickness, face_level;          ///< per face: erosion thickness and sheet level
 };
 
-/// `whole`: write every part of a polygon on its own; otherwise polygons of which nothing was removed are one face.
+/// `parts`: every part of a polygon is a face of its own; otherwise polygons of which nothing was removed are one face.
 Skeleton extract(const SkeletonFamily& family, double theta2, double theta1, bool parts = false);
 
 /// The skeleton as cells and arrays of a file (SPEC 10). A line is a curve, a vertex cell an isolated vertex.

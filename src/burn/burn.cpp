@@ -99,7 +99,7 @@ Burning burn(const CellComplex& complex, std::span<const Vec3> points, std::span
       propagate_by_nodes(site, labels, context);
     labels.release(times, opened);
   }
-  if (options.parents) order_pass(site, opened, times, result.parent, result.parent_face, context);
+  if (options.parents) order_pass(site, opened, times, result, context);
 
   result.state_time.assign(times.begin(), times.end());
   result.burn_time.assign(radius.begin(), radius.end());

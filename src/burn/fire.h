@@ -105,9 +105,9 @@ class Labels {
 void propagate_by_nodes(const Site& site, Labels& labels, Context* context);
 void propagate_by_segments(const Site& site, Labels& labels, double tolerance, Context* context);
 
-/// Order pass (topology): the burn sequence over the times of the burn pass, and from it the parents of prime sectors.
-/// Throws Error(invariant) when a sector outside the pockets has no place in it.
-void order_pass(const Site& site, const std::vector<char>& opened, const Times& time,
-                std::vector<std::uint32_t>& parent, std::vector<std::uint32_t>& parent_face, Context* context);
+/// Order pass (topology): the burn sequence over the times of the burn pass, and from it the parents of prime sectors,
+/// into `result`. Throws Error(invariant) when a sector outside the pockets has no place in it.
+void order_pass(const Site& site, const std::vector<char>& opened, const Times& time, Burning& result,
+                Context* context);
 
 }  // namespace quench::burning

@@ -17,13 +17,13 @@ constexpr double kNever = std::numeric_limits<double>::infinity();
 // of its sides has opened.
 class Sequence {
  public:
-  Sequence(const Site& site, const std::vector<char>& opened, const Times& time, std::vector<std::uint32_t>& parent,
-           std::vector<std::uint32_t>& parent_face)
+  Sequence(const Site& site, const std::vector<char>& opened, const Times& time, Burning& result)
       : site_(site),
         opened_(opened),
         time_(time),
-        parent_(parent),
-        parent_face_(parent_face),
+        parent_(result.parent),
+        parent_face_(result.parent_face),
+        rank_(result.rank),
         status_(time.size(), 0),
         done_time_(time.size(), kNever),
         unoffered_(site.complex.face_count(), ~std::uint64_t{0}),
@@ -39,6 +39,7 @@ class Sequence {
     chords_.assign(chord_base_.back(), {kNone, kNone});
     parent_.assign(time.size(), kNone);
     parent_face_.assign(time.size(), kNone);
+    rank_.assign(time.size(), kNone);
     for (std::uint32_t s = 0; s < time.size(); ++s)
       if (time[s] == kNever) status_[s] = kPocket;
   }
@@ -86,7 +87,8 @@ class Sequence {
         for (std::uint32_t s = site_.network.state_base[e]; s < site_.network.state_base[e + 1]; ++s) open(s);
   }
   void open(std::uint32_t state) {
-    status_[state] |= kRemoved | kOffered;
+    status_[state] |= kOffered;
+    leave(state);
     queue_.push(time_[state], state);
   }
 
@@ -97,6 +99,12 @@ class Sequence {
     for (std::uint32_t s = 0; s < count; ++s) removed_[s] = (status_[first + s] & (kRemoved | kPocket)) != 0;
     link_.reset({site_.links.ends.data() + first, count}, removed_);
     return first;
+  }
+
+  // From the link of its node.
+  void leave(std::uint32_t state) {
+    status_[state] |= kRemoved;
+    rank_[state] = removed_count_++;
   }
 
   void burn(std::uint32_t state, double key) {
@@ -111,16 +119,16 @@ class Sequence {
       if (!find_parent(state)) return;
       stripped_.clear();
       link_.remove(state - first, stripped_);
-      status_[state] |= kRemoved;
+      leave(state);
       publish(state, key);
       for (const std::uint32_t s : stripped_) {
-        status_[first + s] |= kRemoved;
+        leave(first + s);
         publish(first + s, key);
       }
       return;
     }
     if (!find_parent(state)) return;
-    status_[state] |= kRemoved;
+    leave(state);
     const std::uint32_t e = site_.edge_of(state), sectors = site_.links.edges[e].sectors;
     std::uint32_t last = kNone;
     if (sectors > 1 && !site_.links.edges[e].pocket) {  // the last sheet goes with the last but one
@@ -135,7 +143,7 @@ class Sequence {
     }
     publish(state, key);
     if (last == kNone) return;
-    status_[last] |= kRemoved;
+    leave(last);
     publish(last, key);
   }
 
@@ -295,7 +303,8 @@ class Sequence {
   const std::vector<char>& opened_;
   const Times& time_;
   std::vector<std::uint32_t>& parent_;
-  std::vector<std::uint32_t>& parent_face_;
+  std::vector<std::uint32_t>&parent_face_, &rank_;
+  std::uint32_t removed_count_ = 0;
   lattice::HugeVector<unsigned char> status_;
   Times done_time_;                       // of states in the sequence
   std::vector<std::uint64_t> unoffered_;  // per polygon
@@ -311,9 +320,9 @@ class Sequence {
 
 }  // namespace
 
-void order_pass(const Site& site, const std::vector<char>& opened, const Times& time,
-                std::vector<std::uint32_t>& parent, std::vector<std::uint32_t>& parent_face, Context* context) {
-  Sequence(site, opened, time, parent, parent_face).run(context);
+void order_pass(const Site& site, const std::vector<char>& opened, const Times& time, Burning& result,
+                Context* context) {
+  Sequence(site, opened, time, result).run(context);
 }
 
 }  // namespace quench::burning

@@ -111,16 +111,26 @@ class Thinning {
 
  private:
   static double mean(std::span<const double> values) {
-    return values.empty() ? 0 : std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+    double sum = 0;
+    std::size_t count = 0;
+    for (const double v : values)
+      if (v < std::numeric_limits<double>::infinity()) {
+        sum += v;
+        ++count;
+      }
+    return count == 0 ? 0 : sum / static_cast<double>(count);
   }
   static bool alive(double cell_level) { return cell_level == std::numeric_limits<double>::infinity(); }
 
+  void offer(double key, std::uint32_t dimension, std::uint32_t free) {
+    if (key < std::numeric_limits<double>::infinity()) queue_.push({key, dimension, free});
+  }
   void offer_edge(std::uint32_t e) {
-    if (faces_[e].count == 1) queue_.push({std::max(face_[faces_[e].sum], edge_[e]), 1, e});
+    if (faces_[e].count == 1) offer(std::max(face_[faces_[e].sum], edge_[e]), 1, e);
   }
   void offer_vertex(std::uint32_t v) {
     const std::uint32_t e = edges_[v].sum;
-    if (edges_[v].count == 1 && faces_[e].count == 0) queue_.push({std::max(edge_[e], vertex_[v]), 0, v});
+    if (edges_[v].count == 1 && faces_[e].count == 0) offer(std::max(edge_[e], vertex_[v]), 0, v);
   }
 
   bool still_simple(const Pair& p) const {

@@ -22,6 +22,9 @@ struct CellValues {
 /// >= t} is a closed subcomplex with the topology of the whole, in which no pair of key < t is left; the family is
 /// nested.
 ///
+/// Values are not negative; cells of infinite value never go. Parallel edges and faces that meet an edge twice are
+/// legal (such an edge is not free).
+///
 /// O(n log n); 8 bytes per vertex and edge and 16 per queued pair.
 CellValues thin(const CellComplex& complex, std::span<const double> vertex_value, std::span<const double> edge_value,
                 std::span<const double> face_value, Context* context, std::string_view stage);

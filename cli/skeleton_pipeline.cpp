@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "skeleton_pipeline.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+
+#include "option_checks.h"
+#include "quench/curve_graph.h"
+#include "quench/prune.h"
+
+namespace quench::program {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json number(double value) { return std::isfinite(value) ? Json(value) : Json("inf"); }
+
+Json section(const CellComplex& complex, const Topology& topology) {
+  return {{"vertices", complex.vertex_count},
+          {"edges", complex.edges.size()},
+          {"faces", complex.face_count()},
+          {"euler", topology.euler},
+          {"betti", topology.betti}};
+}
+
+void require_topology(const Topology& got, const Topology& wanted, const char* what) {
+  if (got == wanted) return;
+  throw Error(
+      ErrorCode::invariant,
+      fmt::format("the topology of the {} (Betti numbers {}, {}, {}) is not that of the medial axis ({}, {}, "
+                  "{}); this is a bug in Quench, please report it with the input",
+                  what, got.betti[0], got.betti[1], got.betti[2], wanted.betti[0], wanted.betti[1], wanted.betti[2]));
+}
+
+std::optional<Vec3> root_of(const SkeletonPipelineOptions& options) {
+  if (options.root.empty()) return {};
+  Vec3 point;
+  std::size_t at = 0;
+  for (int a = 0; a < 3; ++a) {
+    const std::size_t comma = a < 2 ? options.root.find(',', at) : options.root.size();
+    const char* begin = options.root.data() + at;
+    const char* end = options.root.data() + std::min(comma, options.root.size());
+    const auto [stop, error] = std::from_chars(begin, end, point[a]);
+    if (comma == std::string::npos || error != std::errc() || stop != end || !std::isfinite(point[a]))
+      throw Error(ErrorCode::usage, fmt::format("--root '{}' is no point; give three numbers: x,y,z", options.root));
+    at = comma + 1;
+  }
+  return point;
+}
+
+}  // namespace
+
+void add_skeleton_options(CLI::App& app, SkeletonPipelineOptions& o) {
+  const auto group = "Skeleton";
+  app.add_option("--theta2", o.theta2,
+                 "Drop sheets of a smaller erosion thickness where the topology allows: a fraction of the longest side "
+                 "(0.03 or 3%), 8vox, 3.5abs, 0 (nothing), inf (curves only)")
+      ->type_name("LENGTH")
+      ->capture_default_str()
+      ->group(group);
+  app.add_option("--theta1", o.theta1,
+                 "Drop curves of a smaller erosion thickness from their free ends; inf: only what topology needs")
+      ->type_name("LENGTH")
+      ->capture_default_str()
+      ->group(group);
+  app.add_option("--smooth", o.smooth, "Times the curves of the graph files are smoothed; they stay inside the shape")
+      ->type_name("N")
+      ->check(within(0, 10000))
+      ->capture_default_str()
+      ->group(group);
+  app.add_option("--resample", o.resample, "Distance of points along curves in the graph files; 0: as they come")
+      ->type_name("LENGTH")
+      ->capture_default_str()
+      ->group(group);
+  app.add_option("--root", o.root,
+                 "SWC: the root of its component is the node nearest to this point [default: the thickest]")
+      ->type_name("X,Y,Z")
+      ->group(group);
+}
+
+void check_skeleton_options(const SkeletonPipelineOptions& options) {
+  parse_length(options.theta2, "--theta2");
+  parse_length(options.theta1, "--theta1");
+  parse_length(options.resample, "--resample");
+  root_of(options);
+}
+
+SkeletonPipelineResult compute_skeleton(const MedialAxis& axis, Burning&& burning,
+                                        const SkeletonPipelineOptions& options,
+                                        const std::function<double(const std::string&, const std::string&)>& resolve,
+                                        nlohmann::ordered_json& report, Session& session) {
+  const double theta2 = resolve(options.theta2, "--theta2"), theta1 = resolve(options.theta1, "--theta1");
+  const Topology wanted = topology(axis.complex);
+  checkpoint(&session.context, "topology", 0.3);
+  RefinedAxis refined = quench_curves(axis.complex, axis.points, axis.radius, burning, &session.context);
+  burning = Burning();
+  const SkeletonFamily family = skeletons(std::move(refined), &session.context);
+  {
+    const Skeleton curves = extract(family, std::numeric_limits<double>::infinity(), 0);
+    checkpoint(&session.context, "curves", 1);
+    const Topology found = topology(curves.complex);
+    require_topology(found, wanted, "medial curves");
+    report["curves"] = section(curves.complex, found);
+    checkpoint(&session.context, "topology", 0.6);
+  }
+  SkeletonPipelineResult result{extract(family, theta2, theta1, options.full), {}};
+  checkpoint(&session.context, "skeleton", 1);
+  result.topology = topology(result.skeleton.complex);
+  require_topology(result.topology, wanted, "skeleton");
+  checkpoint(&session.context, "topology", 1);
+  report["skeleton"] = {{"theta2", number(theta2)}, {"theta1", number(theta1)}};
+  report["skeleton"].update(section(result.skeleton.complex, result.topology));
+  return result;
+}
+
+double reconstructed_share(const VoxelShape& shape, const Skeleton& skeleton, Session& session) {
+  MedialAxis balls;
+  balls.complex.vertex_count = skeleton.complex.vertex_count;
+  balls.points = skeleton.points;
+  balls.radius = skeleton.radius;
+  balls.vertex_level.assign(skeleton.points.size(), std::numeric_limits<double>::infinity());
+  return Reconstruction(shape, balls, Reconstruction::kSamples, &session.context).share(0);
+}
+
+PolyData skeleton_file(const SkeletonPipelineResult& result, const PolyData& from) {
+  PolyData data = to_poly_data(result.skeleton);
+  for (const char* name : {"dims", "spacing", "origin", "direction", "longest_side", "lambda", "lambda_chosen", "omega",
+                           "propagation", "radius_rule", "units", "parameters"})
+    if (const DataArray* array = find_array(from.field_data, name)) data.field_data.push_back(*array);
+  const auto put = [&](const char* name, DataArray::Values values, int components = 1) {
+    data.field_data.push_back({name, components, std::move(values)});
+  };
+  const Topology& t = result.topology;
+  put("stage", std::vector<std::string>{"skeleton"});
+  put("theta2", std::vector<double>{std::min(result.skeleton.theta2, kInfiniteLevelInFiles)});
+  put("theta1", std::vector<double>{std::min(result.skeleton.theta1, kInfiniteLevelInFiles)});
+  put("euler", std::vector<std::int64_t>{t.euler});
+  put("betti", std::vector<std::int64_t>(t.betti.begin(), t.betti.end()), 3);
+  put("version", std::vector<std::string>{QUENCH_VERSION});
+  return data;
+}
+
+void write_graph(const Skeleton& skeleton, const GraphFiles& files, const SkeletonPipelineOptions& options, double gap,
+                 const std::string& units, const std::function<double(const std::string&, const std::string&)>& resolve,
+                 Json& report, Session& session) {
+  CurveGraph graph = curve_graph(skeleton);
+  const double spacing = resolve(options.resample, "--resample");
+  if (options.smooth > 0 || spacing > 0) graph = smoothed(graph, {options.smooth, spacing, gap});
+  Json& section = report["skeleton"];
+  double length = 0;
+  std::size_t ends = 0, junctions = 0;
+  for (const auto& b : graph.branches) length += b.length;
+  for (const auto& n : graph.nodes) {
+    ends += n.kind == CurveGraph::NodeKind::end;
+    junctions += n.kind == CurveGraph::NodeKind::junction;
+  }
+  section["branches"] = graph.branches.size();
+  section["ends"] = ends;
+  section["junctions"] = junctions;
+  section["curve_length"] = length;
+  section["sheets"] = graph.sheets;
+  if (!files.swc.empty()) {
+    const io::SwcReport swc = io::write_swc(files.swc, graph, {root_of(options), 0, units});
+    Json cuts = Json::array();
+    for (const auto& cut : swc.cuts)
+      cuts.push_back({{"branch", cut.branch},
+                      {"from", {cut.from[0], cut.from[1], cut.from[2]}},
+                      {"to", {cut.to[0], cut.to[1], cut.to[2]}}});
+    section["swc"] = {{"trees", swc.trees}, {"samples", swc.samples}, {"sheet_links", swc.sheet_links}, {"cuts", cuts}};
+    if (!swc.cuts.empty())
+      session.say(
+          fmt::format("note: {} loops are cut in {}, as SWC holds trees only; the cuts are listed in its header",
+                      swc.cuts.size(), files.swc.string()));
+  }
+  if (!graph.sheet_only.empty())
+    session.say(
+        fmt::format("note: {} components are sheets without curves; the graph files hold nothing of them (a "
+                    "larger --theta2, or inf, turns sheets into curves)",
+                    graph.sheet_only.size()));
+  if (!files.graphml.empty()) io::write_graphml(files.graphml, graph);
+  if (!files.csv.empty()) io::write_branches(files.csv, graph);
+}
+
+}  // namespace quench::program

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+
+#include "quench/burn.h"
+#include "quench/curve_graph.h"
+#include "quench/medial_axis.h"
+#include "quench/poly_data.h"
+#include "quench/skeleton.h"
+#include "quench/topology.h"
+#include "quench/voxel_shape.h"
+#include "session.h"
+
+namespace quench::program {
+
+struct SkeletonPipelineOptions {
+  std::string theta2 = "0.03";
+  std::string theta1 = "0.02";
+  bool full = false;
+  int smooth = 10;
+  std::string resample = "0";
+  std::string root;  ///< x,y,z or empty
+};
+
+/// Files of the curves; empty names are not written.
+struct GraphFiles {
+  std::filesystem::path swc, graphml, csv;
+};
+
+void add_skeleton_options(CLI::App& app, SkeletonPipelineOptions& options);
+/// Throws Error(usage) for an option that cannot be, before anything is read.
+void check_skeleton_options(const SkeletonPipelineOptions& options);
+
+struct SkeletonPipelineResult {
+  Skeleton skeleton;
+  Topology topology;
+};
+
+/// Medial curves and a skeleton of a burned axis (the burning is used up); `resolve(text, option)` turns a length into
+/// world units. Adds the sections `curves` and `skeleton` to the report. Throws Error(invariant) when the topology of
+/// the curves or of the skeleton is not that of the axis.
+SkeletonPipelineResult compute_skeleton(const MedialAxis& axis, Burning&& burning,
+                                        const SkeletonPipelineOptions& options,
+                                        const std::function<double(const std::string&, const std::string&)>& resolve,
+                                        nlohmann::ordered_json& report, Session& session);
+
+/// Share of the shape's (sampled) voxel centres in the balls of a skeleton's vertices.
+double reconstructed_share(const VoxelShape& shape, const Skeleton& skeleton, Session& session);
+
+/// The skeleton as a file: its cells and arrays, and what the file `from` of its axis says of shape and burn.
+PolyData skeleton_file(const SkeletonPipelineResult& result, const PolyData& from);
+
+/// The curves of a skeleton as a graph, smoothed as asked, into files; adds what they hold to the report's section
+/// `skeleton`. `gap`: SmoothOptions::gap.
+void write_graph(const Skeleton& skeleton, const GraphFiles& files, const SkeletonPipelineOptions& options, double gap,
+                 const std::string& units, const std::function<double(const std::string&, const std::string&)>& resolve,
+                 nlohmann::ordered_json& report, Session& session);
+
+}  // namespace quench::program

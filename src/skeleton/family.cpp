@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <limits>
+
+#include "complex/thinning.h"
+#include "quench/skeleton.h"
+
+namespace quench {
+namespace {
+
+constexpr double kNever = std::numeric_limits<double>::infinity();
+
+// Vertices of closed pockets: curves that end there are tied.
+std::vector<char> on_pockets(const RefinedAxis& axis, std::span<const double> face_level) {
+  std::vector<char> pocket(axis.complex.vertex_count, 0);
+  for (std::size_t f = 0; f < face_level.size(); ++f)
+    if (face_level[f] == kNever)
+      for (const std::uint32_t v : axis.complex.corners(f)) pocket[v] = 1;
+  return pocket;
+}
+
+}  // namespace
+
+SkeletonFamily skeletons(RefinedAxis refined, Context* context) {
+  SkeletonFamily family;
+  const std::size_t edges = refined.complex.edges.size(), vertices = refined.complex.vertex_count;
+  // Sheets: what is not of the curves goes at once when it is free, polygons by increasing thickness.
+  std::vector<double> edge_value(edges), vertex_value(vertices);
+  for (std::size_t e = 0; e < edges; ++e) edge_value[e] = refined.curve_edge[e] ? kNever : 0;
+  for (std::size_t v = 0; v < vertices; ++v) vertex_value[v] = refined.curve_vertex[v] ? kNever : 0;
+  CellValues sheet = thin(refined.complex, vertex_value, edge_value, refined.face_thickness, context, "skeleton");
+
+  // Curves on their own: what is left without any sheets, pockets standing for fixed points.
+  const std::vector<char> pocket = on_pockets(refined, sheet.face);
+  const std::size_t halves = 2 * std::size_t{refined.doors};  // never part of the curves
+  family.curve_thickness.assign(edges - halves, 0);
+  family.curve_level.assign(edges - halves, 0);
+  CellComplex graph;
+  graph.vertex_count = refined.complex.vertex_count;
+  std::vector<std::uint32_t> edge_of;
+  std::vector<double> graph_value;
+  for (std::uint32_t e = 0; e < edges; ++e) {
+    if (!refined.curve_edge[e]) continue;
+    const auto thickness = [&](std::uint32_t v) {
+      return refined.curve_burn_time[v] == kNever ? kNever : refined.curve_burn_time[v] - refined.burn_time[v];
+    };
+    const auto [a, b] = refined.complex.edges[e];
+    double& thick = family.curve_thickness[e - halves];
+    thick = std::max(0.0, std::min(thickness(a), thickness(b)));
+    graph.edges.push_back({a, b});
+    graph_value.push_back(thick);
+    edge_of.push_back(e);
+  }
+  for (std::size_t v = 0; v < vertices; ++v) vertex_value[v] = refined.medial_point[v] || pocket[v] ? kNever : 0;
+  const CellValues curve = thin(graph, vertex_value, graph_value, {}, context, "skeleton");
+  for (std::size_t i = 0; i < edge_of.size(); ++i) family.curve_level[edge_of[i] - halves] = curve.edge[i];
+
+  family.vertex_sheet_level = std::move(sheet.vertex);
+  family.edge_sheet_level = std::move(sheet.edge);
+  family.face_sheet_level = std::move(sheet.face);
+  family.refined = std::move(refined);
+  return family;
+}
+
+}  // namespace quench
