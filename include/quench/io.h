@@ -28,6 +28,8 @@
 ///   .npy  .vol (DGtal)  .sof  .png, a folder of PNG slices             x
 ///   .nrrd (gzip)                                                                  x
 ///
+/// Curve graphs (.swc, .graphml, .csv) are written by the functions of quench/curve_graph.h.
+///
 /// Every reader throws Error(failed) when the file cannot be opened and Error(input) when its content cannot be used,
 /// naming the file and, where there is one, the line or byte. Every writer writes a temporary file in the same folder
 /// and renames it: an interrupted run leaves no half file and does not harm an existing one.

@@ -41,24 +41,39 @@ std::vector<Ball> balls_of(const CurveGraph::Branch& branch) {
   return balls;
 }
 
-/// `iterations` times half way to the chord of the neighbours, at the foot that keeps the ratio of the segments.
+/// The largest bound of a point that follows from the old course near its place there: the bound of any point, less the
+/// way from it.
+double bound_from(const std::vector<Ball>& old, std::size_t place, const Vec3& x) {
+  constexpr std::size_t kReach = 8;
+  double best = 0;
+  for (std::size_t i = place > kReach ? place - kReach : 0; i + 1 < old.size() && i < place + kReach; ++i) {
+    const Vec3 along = old[i + 1].x - old[i].x;
+    const double l2 = along.squaredNorm();
+    const double t = l2 > 0 ? std::clamp((x - old[i].x).dot(along) / l2, 0.0, 1.0) : 0.0;
+    const Ball foot = average(old[i], old[i + 1], t);
+    best = std::max(best, std::sqrt(std::max(foot.r2, 0.0)) - (x - foot.x).norm());
+  }
+  return best * (1 - kMargin);
+}
+
+/// `iterations` times half way to the middle of the neighbours. (The point of the chord that keeps the ratio of the two
+/// segments would draw near points ever nearer.)
 std::vector<Ball> moved(const std::vector<Ball>& old, const SmoothOptions& options) {
   std::vector<Ball> now = old, next = old;
   for (int i = 0; i < options.iterations; ++i) {
     for (std::size_t p = 1; p + 1 < now.size(); ++p) {
-      const double before = (now[p].x - now[p - 1].x).norm(), after = (now[p + 1].x - now[p].x).norm();
-      if (!(before + after > 0)) {
-        next[p] = now[p];
-        continue;
-      }
-      const Ball chord = average(now[p - 1], now[p + 1], before / (before + after));
-      Ball ball = average(now[p], chord, 0.5);
+      Ball ball = average(now[p], average(now[p - 1], now[p + 1], 0.5), 0.5);
       // Not beyond half of the point's own ball.
       const double way = (ball.x - old[p].x).norm(), most = (1 - kMargin) * std::sqrt(old[p].r2) / 2;
       if (way > most) ball = average(old[p], ball, most / way);
       next[p] = ball;
     }
     now.swap(next);
+  }
+  // Averaging many times loses more than one comparison with the old course.
+  for (std::size_t p = 1; p + 1 < now.size(); ++p) {
+    const double other = bound_from(old, p, now[p].x);
+    now[p].r2 = std::max(now[p].r2, other * other);
   }
   // Points beside a segment that could leave the shape go back to where they were, until there is none. Segments
   // between two points that went back, or never moved, are old ones.
