@@ -95,7 +95,8 @@ Action add_run(CLI::App& app) {
     Burning burning = compute_burning(result.axis, true, o->burn, true, resolve, result.report, session);
     add_burning(result.data, burning);
     const SkeletonPipelineResult skeleton =
-        compute_skeleton(result.axis, std::move(burning), o->skeleton, resolve, result.report, session);
+        compute_skeleton(result.axis, std::move(burning), o->skeleton, loaded.shape.grid().spacing.minCoeff(), resolve,
+                         result.report, session);
     fs::create_directories(o->folder, error);
     if (error)
       throw Error(ErrorCode::failed, fmt::format("the folder '{}' cannot be made: {}", o->folder, error.message()));
@@ -105,12 +106,13 @@ Action add_run(CLI::App& app) {
     parameters["radius"] = o->burn.radius;
     parameters["theta2"] = o->skeleton.theta2;
     parameters["theta1"] = o->skeleton.theta1;
+    parameters["tips"] = o->skeleton.tips;
     parameters["smooth"] = o->skeleton.smooth;
     parameters["resample"] = o->skeleton.resample;
     result.report["skeleton"]["reconstructed"] = reconstructed_share(loaded.shape, skeleton.skeleton, session);
     io::write_poly_data(core, result.data);
     io::write_poly_data(skeleton_vtp, skeleton_file(skeleton, result.data));
-    write_graph(skeleton.skeleton, {swc, {}, csv}, o->skeleton, boundary_gap(loaded.shape.grid().spacing), loaded.units,
+    write_graph(skeleton.measured, {swc, {}, csv}, o->skeleton, boundary_gap(loaded.shape.grid().spacing), loaded.units,
                 resolve, result.report, session);
     session.finished("write");
     write_report(report.string(), result.report, session);

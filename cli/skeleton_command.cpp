@@ -60,11 +60,12 @@ Action add_skeleton(CLI::App& app) {
                             {"resample", o->skeleton.resample}};
     Burning burning = compute_burning(loaded.axis, loaded.voxel_core, o->burn, true, resolve, report, session);
     add_burning(loaded.data, burning);
+    const double finest = loaded.voxel > 0 ? loaded.voxel : burning.options.omega;
     const SkeletonPipelineResult result =
-        compute_skeleton(loaded.axis, std::move(burning), o->skeleton, resolve, report, session);
+        compute_skeleton(loaded.axis, std::move(burning), o->skeleton, finest, resolve, report, session);
     io::write_poly_data(o->output, skeleton_file(result, loaded.data));
     const double gap = loaded.voxel_core ? boundary_gap(loaded.spacing) : 0;
-    write_graph(result.skeleton, {o->swc, o->graphml, o->csv}, o->skeleton, gap, loaded.units, resolve, report,
+    write_graph(result.measured, {o->swc, o->graphml, o->csv}, o->skeleton, gap, loaded.units, resolve, report,
                 session);
     session.finished("write");
     if (!session.options.report.empty()) write_report(session.options.report, report, session);

@@ -73,6 +73,13 @@ void add_skeleton_options(CLI::App& app, SkeletonPipelineOptions& o) {
       ->type_name("LENGTH")
       ->capture_default_str()
       ->group(group);
+  app.add_option("--tips", o.tips,
+                 "Graph files: pruning takes about theta1 off every branch; 'full' grows those that stay back to their "
+                 "tips, 'pruned' leaves them as in the skeleton")
+      ->type_name("RULE")
+      ->check(one_of({"full", "pruned"}))
+      ->capture_default_str()
+      ->group(group);
   app.add_option("--root", o.root,
                  "SWC: the root of its component is the node nearest to this point [default: the thickest]")
       ->type_name("X,Y,Z")
@@ -87,7 +94,7 @@ void check_skeleton_options(const SkeletonPipelineOptions& options) {
 }
 
 SkeletonPipelineResult compute_skeleton(const MedialAxis& axis, Burning&& burning,
-                                        const SkeletonPipelineOptions& options,
+                                        const SkeletonPipelineOptions& options, double finest,
                                         const std::function<double(const std::string&, const std::string&)>& resolve,
                                         nlohmann::ordered_json& report, Session& session) {
   const double theta2 = resolve(options.theta2, "--theta2"), theta1 = resolve(options.theta1, "--theta1");
@@ -104,10 +111,13 @@ SkeletonPipelineResult compute_skeleton(const MedialAxis& axis, Burning&& burnin
     report["curves"] = section(curves.complex, found);
     checkpoint(&session.context, "topology", 0.6);
   }
-  SkeletonPipelineResult result{extract(family, theta2, theta1, options.full), {}};
+  constexpr double kNoTips = std::numeric_limits<double>::infinity();
+  SkeletonPipelineResult result{extract(family, theta2, theta1, {options.full, kNoTips}), {}, {}};
+  result.measured = extract(family, theta2, theta1, {false, options.tips == "full" ? finest : kNoTips});
   checkpoint(&session.context, "skeleton", 1);
   result.topology = topology(result.skeleton.complex);
   require_topology(result.topology, wanted, "skeleton");
+  require_topology(topology(result.measured.complex), wanted, "curve graph");
   checkpoint(&session.context, "topology", 1);
   report["skeleton"] = {{"theta2", number(theta2)}, {"theta1", number(theta1)}};
   report["skeleton"].update(section(result.skeleton.complex, result.topology));

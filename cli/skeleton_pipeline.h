@@ -25,7 +25,8 @@ struct SkeletonPipelineOptions {
   bool full = false;
   int smooth = 10;
   std::string resample = "0";
-  std::string root;  ///< x,y,z or empty
+  std::string tips = "full";  ///< of the graph files: grown back, or "pruned" as in the skeleton
+  std::string root;           ///< x,y,z or empty
 };
 
 /// Files of the curves; empty names are not written.
@@ -39,6 +40,7 @@ void check_skeleton_options(const SkeletonPipelineOptions& options);
 
 struct SkeletonPipelineResult {
   Skeleton skeleton;
+  Skeleton measured;  ///< what the graph files hold: with the tips of branches, unless told otherwise
   Topology topology;
 };
 
@@ -46,7 +48,7 @@ struct SkeletonPipelineResult {
 /// world units. Adds the sections `curves` and `skeleton` to the report. Throws Error(invariant) when the topology of
 /// the curves or of the skeleton is not that of the axis.
 SkeletonPipelineResult compute_skeleton(const MedialAxis& axis, Burning&& burning,
-                                        const SkeletonPipelineOptions& options,
+                                        const SkeletonPipelineOptions& options, double finest,
                                         const std::function<double(const std::string&, const std::string&)>& resolve,
                                         nlohmann::ordered_json& report, Session& session);
 

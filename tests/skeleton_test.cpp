@@ -123,7 +123,7 @@ TEST(Skeleton, EveryMemberHasTheTopologyOfTheAxis) {
     for (const double theta2 : {0.0, 0.1, 0.5, 1.5, kInfinity})
       for (const double theta1 : {0.0, 0.2, 1.0, kInfinity})
         for (const bool parts : {false, true}) {
-          const Skeleton skeleton = extract(family, theta2, theta1, parts);
+          const Skeleton skeleton = extract(family, theta2, theta1, {.parts = parts, .tips = kInfinity});
           skeleton.complex.validate();
           ASSERT_EQ(topology(skeleton.complex), wanted)
               << "theta2 " << theta2 << " theta1 " << theta1 << " parts " << parts;
@@ -184,7 +184,7 @@ TEST(Skeleton, LinearCurvePruningIsGreedyPruning) {
         const Cells cells = greedy(family, theta2, theta1, random);
         const Topology wanted = topology(part_of(family.refined.complex, cells.vertex, cells.edge, cells.face));
         ASSERT_EQ(wanted, topology(input.complex));
-        const Skeleton skeleton = extract(family, theta2, theta1, true);
+        const Skeleton skeleton = extract(family, theta2, theta1, {.parts = true, .tips = kInfinity});
         double expected = 0, found = 0;  // total thickness of curves off the sheets
         std::vector<char> on_face(cells.edge.size(), 0), has_face(skeleton.complex.edges.size(), 0);
         for (std::size_t f = 0; f < cells.face.size(); ++f)
@@ -219,7 +219,8 @@ TEST(Skeleton, MembersAreNested) {
     const SkeletonFamily family = skeletons(refined(input, some_omega(seed), Propagation::segments));
     const auto places = [&](double theta2, double theta1) {
       std::vector<std::array<double, 3>> points;
-      for (const Vec3& p : extract(family, theta2, theta1, true).points) points.push_back({p[0], p[1], p[2]});
+      for (const Vec3& p : extract(family, theta2, theta1, {.parts = true, .tips = kInfinity}).points)
+        points.push_back({p[0], p[1], p[2]});
       std::sort(points.begin(), points.end());
       return points;
     };
@@ -275,6 +276,35 @@ TEST(Skeleton, TwiceTheSame) {
     ASSERT_EQ(a.complex.face_vertices, b.complex.face_vertices);
     ASSERT_EQ(a.curve_burn_time, b.curve_burn_time);
   }
+}
+
+// With tips grown back topology and the number of free ends stay, and nothing that stayed is lost.
+TEST(Skeleton, TipsGrowBack) {
+  std::size_t longer = 0;
+  for (std::uint64_t seed = 0; seed < 500; ++seed) {
+    SCOPED_TRACE(seed);
+    const BurnInput input = random_input(seed);
+    const SkeletonFamily family = skeletons(refined(input, some_omega(seed), Propagation::segments));
+    const auto free_ends = [](const Skeleton& s) {
+      std::vector<int> degree(s.points.size(), 0);
+      for (const auto& e : s.complex.edges)
+        for (const std::uint32_t v : e) ++degree[v];
+      // A point may be an edge whose length is zero, with two ends.
+      return std::pair{std::count(degree.begin(), degree.end(), 1), 2 * std::count(degree.begin(), degree.end(), 0)};
+    };
+    for (const double theta2 : {0.4, kInfinity})
+      for (const double theta1 : {0.3, 1.0}) {
+        const Skeleton cut = extract(family, theta2, theta1);
+        const Skeleton grown = extract(family, theta2, theta1, {.parts = false, .tips = 0.05});
+        grown.complex.validate();
+        ASSERT_EQ(topology(grown.complex), topology(input.complex));
+        ASSERT_GE(free_ends(grown).first, free_ends(cut).first);
+        ASSERT_LE(free_ends(grown).first, free_ends(cut).first + free_ends(cut).second);
+        ASSERT_GE(grown.points.size(), cut.points.size());
+        longer += grown.points.size() > cut.points.size();
+      }
+  }
+  EXPECT_GT(longer, 100u);
 }
 
 }  // namespace

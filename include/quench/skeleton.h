@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -73,8 +74,14 @@ struct Skeleton {
   std::vector<double> face_thickness, face_level;          ///< per face: erosion thickness and sheet level
 };
 
-/// `parts`: every part of a polygon is a face of its own; otherwise polygons of which nothing was removed are one face.
-Skeleton extract(const SkeletonFamily& family, double theta2, double theta1, bool parts = false);
+struct ExtractOptions {
+  bool parts = false;  ///< every part of a polygon is a face of its own; else polygons that are whole are one face
+  /// Pruning takes about theta1 off every branch, also of those that stay. With `tips` finite, every free end that
+  /// stays grows back along the curve that would have stayed longest, as far as its thickness is at least `tips`. The
+  /// family remains nested and topology is not touched.
+  double tips = std::numeric_limits<double>::infinity();
+};
+Skeleton extract(const SkeletonFamily& family, double theta2, double theta1, const ExtractOptions& options = {});
 
 /// The skeleton as cells and arrays of a file (SPEC 10). A line is a curve, a vertex cell an isolated vertex.
 PolyData to_poly_data(const Skeleton& skeleton);

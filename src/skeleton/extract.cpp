@@ -16,7 +16,39 @@ struct Member {
   std::vector<char> vertex, edge, face;
 };
 
-Member member_of(const SkeletonFamily& family, double theta2, double theta1) {
+// Free ends of curves grow back into what was pruned beyond them. All of that hangs on them alone.
+void grow_tips(const SkeletonFamily& family, double tips, const std::vector<std::uint32_t>& left, Member& member) {
+  const RefinedAxis& k = family.refined;
+  const auto edges = static_cast<std::uint32_t>(k.complex.edges.size());
+  std::vector<std::uint32_t> offsets(std::size_t{k.complex.vertex_count} + 1, 0), list;
+  const auto is_pruned = [&](std::uint32_t e) { return k.curve_edge[e] && !member.edge[e]; };
+  for (std::uint32_t e = 2 * k.doors; e < edges; ++e)
+    if (is_pruned(e))
+      for (const std::uint32_t v : k.complex.edges[e]) ++offsets[v + 1];
+  for (std::size_t v = 0; v < k.complex.vertex_count; ++v) offsets[v + 1] += offsets[v];
+  list.resize(offsets.back());
+  std::vector<std::uint32_t> next(offsets.begin(), offsets.end() - 1);
+  for (std::uint32_t e = 2 * k.doors; e < edges; ++e)
+    if (is_pruned(e))
+      for (const std::uint32_t v : k.complex.edges[e]) list[next[v]++] = e;
+  for (std::uint32_t end = 0; end < left.size(); ++end) {
+    if (left[end] != 1 || !member.vertex[end]) continue;
+    for (std::uint32_t v = end;;) {
+      std::uint32_t best = kNone;  // ties: the smaller index
+      for (std::uint32_t i = offsets[v]; i < offsets[v + 1]; ++i) {
+        const std::uint32_t e = list[i];
+        if (member.edge[e] || family.thickness_of(e) < tips) continue;
+        if (best == kNone || family.level_of(e) > family.level_of(best)) best = e;
+      }
+      if (best == kNone) break;
+      member.edge[best] = 1;
+      v = k.complex.edges[best][0] == v ? k.complex.edges[best][1] : k.complex.edges[best][0];
+      member.vertex[v] = 1;
+    }
+  }
+}
+
+Member member_of(const SkeletonFamily& family, double theta2, double theta1, double tips) {
   const RefinedAxis& k = family.refined;
   Member member;
   const std::size_t edges = k.complex.edges.size(), vertices = k.complex.vertex_count;
@@ -57,6 +89,7 @@ Member member_of(const SkeletonFamily& family, double theta2, double theta1) {
     edges_xor[other] ^= e;
     offer(other);
   }
+  if (tips < kNever) grow_tips(family, tips, left, member);
   return member;
 }
 
@@ -138,6 +171,18 @@ class Writer {
       if (e == kNone || !member_.edge[e] || !member_.vertex[v]) continue;
       map_[v] = k_.complex.edges[e][0] == v ? k_.complex.edges[e][1] : k_.complex.edges[e][0];
     }
+    // On curves that never burn nothing exits: a dual inside such a curve goes to the door that burns last on the
+    // sheet, so that it runs on the edges of the sheet's fire and not to and fro between them and the middles of
+    // polygons.
+    std::vector<std::uint32_t> curves(map_.size(), 0), door(map_.size(), kNone);
+    for (std::uint32_t e = 2 * k_.doors; e < k_.complex.edges.size(); ++e) {
+      const auto [a, v] = k_.complex.edges[e];
+      if (!member_.edge[e] || !k_.curve_edge[e] || v < k_.nodes + k_.doors) continue;
+      ++curves[v];
+      if (door[v] == kNone || k_.burn_time[a] > k_.burn_time[door[v]]) door[v] = a;
+    }
+    for (std::uint32_t v = k_.nodes + k_.doors; v < map_.size(); ++v)
+      if (member_.vertex[v] && map_[v] == v && curves[v] == 2) map_[v] = door[v];
     // But not where a part of a sheet would be pressed flat: between doors of one side of its polygon.
     for (std::size_t f = 0; f < k_.complex.face_count(); ++f) {
       if (!member_.face[f] || whole_[k_.polygon_of[f]]) continue;
@@ -371,8 +416,9 @@ class Writer {
 
 }  // namespace
 
-Skeleton extract(const SkeletonFamily& family, double theta2, double theta1, bool parts) {
-  Skeleton skeleton = Writer(family, member_of(family, theta2, theta1), parts).run();
+Skeleton extract(const SkeletonFamily& family, double theta2, double theta1, const ExtractOptions& options) {
+  const Member member = member_of(family, theta2, theta1, options.tips);
+  Skeleton skeleton = Writer(family, member, options.parts).run();
   skeleton.theta2 = theta2;
   skeleton.theta1 = theta1;
   return skeleton;
