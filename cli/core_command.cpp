@@ -112,8 +112,8 @@ Action add_run(CLI::App& app) {
     result.report["skeleton"]["reconstructed"] = reconstructed_share(loaded.shape, skeleton.skeleton, session);
     io::write_poly_data(core, result.data);
     io::write_poly_data(skeleton_vtp, skeleton_file(skeleton, result.data));
-    write_graph(skeleton.measured, {swc, {}, csv}, o->skeleton, boundary_gap(loaded.shape.grid().spacing), loaded.units,
-                resolve, result.report, session);
+    write_graph(skeleton.measured, {swc, {}, csv}, o->skeleton, &loaded.shape, loaded.shape.grid().spacing,
+                loaded.units, resolve, result.report, session);
     session.finished("write");
     write_report(report.string(), result.report, session);
     if (!session.options.report.empty()) write_report(session.options.report, result.report, session);

@@ -16,7 +16,8 @@ void check_distinct(const std::vector<std::string>& files) {
   for (std::size_t i = 0; i < files.size(); ++i)
     for (std::size_t j = 0; j < i; ++j)
       if (!files[i].empty() && !files[j].empty() &&
-          std::filesystem::weakly_canonical(files[i], ignored) == std::filesystem::weakly_canonical(files[j], ignored))
+          std::filesystem::weakly_canonical(std::filesystem::absolute(files[i], ignored), ignored) ==
+              std::filesystem::weakly_canonical(std::filesystem::absolute(files[j], ignored), ignored))
         throw Error(ErrorCode::usage, fmt::format("two outputs are named '{}'; give them different names", files[i]));
 }
 
@@ -64,9 +65,8 @@ Action add_skeleton(CLI::App& app) {
     const SkeletonPipelineResult result =
         compute_skeleton(loaded.axis, std::move(burning), o->skeleton, finest, resolve, report, session);
     io::write_poly_data(o->output, skeleton_file(result, loaded.data));
-    const double gap = loaded.voxel_core ? boundary_gap(loaded.spacing) : 0;
-    write_graph(result.measured, {o->swc, o->graphml, o->csv}, o->skeleton, gap, loaded.units, resolve, report,
-                session);
+    write_graph(result.measured, {o->swc, o->graphml, o->csv}, o->skeleton, nullptr,
+                loaded.voxel_core ? loaded.spacing : Vec3(Vec3::Zero()), loaded.units, resolve, report, session);
     session.finished("write");
     if (!session.options.report.empty()) write_report(session.options.report, report, session);
     const CellComplex& c = result.skeleton.complex;

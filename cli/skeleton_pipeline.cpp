@@ -89,7 +89,9 @@ void add_skeleton_options(CLI::App& app, SkeletonPipelineOptions& o) {
 void check_skeleton_options(const SkeletonPipelineOptions& options) {
   parse_length(options.theta2, "--theta2");
   parse_length(options.theta1, "--theta1");
-  parse_length(options.resample, "--resample");
+  if (std::isinf(parse_length(options.resample, "--resample").value))
+    throw Error(ErrorCode::usage,
+                "--resample inf is no distance between points; give a length, or 0 for the points as they come");
   root_of(options);
 }
 
@@ -151,12 +153,23 @@ PolyData skeleton_file(const SkeletonPipelineResult& result, const PolyData& fro
   return data;
 }
 
-void write_graph(const Skeleton& skeleton, const GraphFiles& files, const SkeletonPipelineOptions& options, double gap,
-                 const std::string& units, const std::function<double(const std::string&, const std::string&)>& resolve,
-                 Json& report, Session& session) {
+void write_graph(const Skeleton& skeleton, const GraphFiles& files, const SkeletonPipelineOptions& options,
+                 const VoxelShape* shape, const Vec3& voxel, const std::string& units,
+                 const std::function<double(const std::string&, const std::string&)>& resolve, Json& report,
+                 Session& session) {
   CurveGraph graph = curve_graph(skeleton);
   const double spacing = resolve(options.resample, "--resample");
-  if (options.smooth > 0 || spacing > 0) graph = smoothed(graph, {options.smooth, spacing, gap});
+  SmoothOptions smoothing{options.smooth, spacing, boundary_gap(voxel), {}};
+  if (shape) smoothing.inside = [shape](const Vec3& a, const Vec3& b) { return contains_segment(*shape, a, b); };
+  graph = smoothed(graph, smoothing);
+  const double more = 0.5 * voxel.minCoeff();
+  for (auto& n : graph.nodes) n.radius += more;
+  for (auto& b : graph.branches) {
+    for (double& r : b.radius) r += more;
+    b.mean_radius += more;
+    b.min_radius += more;
+    b.max_radius += more;
+  }
   Json& section = report["skeleton"];
   double length = 0;
   std::size_t ends = 0, junctions = 0;
@@ -170,6 +183,7 @@ void write_graph(const Skeleton& skeleton, const GraphFiles& files, const Skelet
   section["junctions"] = junctions;
   section["curve_length"] = length;
   section["sheets"] = graph.sheets;
+  section["radius_offset"] = more;
   if (!files.swc.empty()) {
     const io::SwcReport swc = io::write_swc(files.swc, graph, {root_of(options), 0, units});
     Json cuts = Json::array();

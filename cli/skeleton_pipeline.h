@@ -59,9 +59,12 @@ double reconstructed_share(const VoxelShape& shape, const Skeleton& skeleton, Se
 PolyData skeleton_file(const SkeletonPipelineResult& result, const PolyData& from);
 
 /// The curves of a skeleton as a graph, smoothed as asked, into files; adds what they hold to the report's section
-/// `skeleton`. `gap`: SmoothOptions::gap.
-void write_graph(const Skeleton& skeleton, const GraphFiles& files, const SkeletonPipelineOptions& options, double gap,
-                 const std::string& units, const std::function<double(const std::string&, const std::string&)>& resolve,
+/// `skeleton`. `shape`: the voxel shape, where it is known; `spacing`: of its voxels, 0 for axes of other programs.
+/// Radii then get half a voxel more: of the corners of a staircase the nearest lies that far inside the surface it
+/// stands for.
+void write_graph(const Skeleton& skeleton, const GraphFiles& files, const SkeletonPipelineOptions& options,
+                 const VoxelShape* shape, const Vec3& spacing, const std::string& units,
+                 const std::function<double(const std::string&, const std::string&)>& resolve,
                  nlohmann::ordered_json& report, Session& session);
 
 }  // namespace quench::program

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -59,6 +60,9 @@ struct SmoothOptions {
   /// Radii are distances to the corners of voxels, not to the faces between them: half the largest diagonal of a voxel
   /// face, boundary_gap(). 0 where radii are distances to the boundary itself.
   double gap = 0;
+  /// Whether a segment lies inside the shape, where that is known: decides in place of the bound below, which is coarse
+  /// for curves about a voxel thick. New radii are then those of the old course, interpolated.
+  std::function<bool(const Vec3&, const Vec3&)> inside = nullptr;
 };
 
 /// SmoothOptions::gap of a voxel shape: half the diagonal of the largest face of a voxel.

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "quench/error.h"
@@ -104,6 +105,36 @@ VoxelShape subdivide(const VoxelShape& shape, int factor) {
       result.append_row(runs);
     }
   return result;
+}
+
+bool contains_segment(const VoxelShape& shape, const Vec3& a, const Vec3& b) {
+  const Grid& grid = shape.grid();
+  const auto lattice = [&](const Vec3& x) -> Vec3 {
+    const Vec3 local = grid.direction.transpose() * (x - grid.origin);
+    return local.cwiseQuotient(grid.spacing) + Vec3::Constant(0.5);
+  };
+  const Vec3 from = lattice(a), to = lattice(b), way = to - from;
+  if (!from.allFinite() || !to.allFinite()) return false;
+  std::array<std::int64_t, 3> voxel, step;
+  Vec3 next, each;  // parameters of the next crossing and between crossings, per axis
+  std::int64_t crossings = 0;
+  for (int i = 0; i < 3; ++i) {
+    const auto axis = static_cast<std::size_t>(i);
+    voxel[axis] = static_cast<std::int64_t>(std::floor(from[i]));
+    step[axis] = way[i] > 0 ? 1 : -1;
+    const double border = static_cast<double>(voxel[axis]) + (way[i] > 0 ? 1 : 0);
+    next[i] = way[i] != 0 ? (border - from[i]) / way[i] : std::numeric_limits<double>::infinity();
+    each[i] = way[i] != 0 ? 1 / std::abs(way[i]) : std::numeric_limits<double>::infinity();
+    crossings += std::abs(static_cast<std::int64_t>(std::floor(to[i])) - voxel[axis]);
+  }
+  for (;; --crossings) {
+    if (!shape.contains(voxel[0], voxel[1], voxel[2])) return false;
+    if (crossings <= 0) return true;
+    int axis = 0;
+    next.minCoeff(&axis);
+    voxel[static_cast<std::size_t>(axis)] += step[static_cast<std::size_t>(axis)];
+    next[axis] += each[axis];
+  }
 }
 
 }  // namespace quench

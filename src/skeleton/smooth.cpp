@@ -34,6 +34,10 @@ bool is_inside(const Ball& a, const Ball& b, double gap) {
   return least > gap * gap + kMargin * std::max({a.r2, b.r2, l2});
 }
 
+bool stays(const Ball& a, const Ball& b, const SmoothOptions& options) {
+  return options.inside ? options.inside(a.x, b.x) : is_inside(a, b, options.gap);
+}
+
 std::vector<Ball> balls_of(const CurveGraph::Branch& branch) {
   std::vector<Ball> balls;
   for (std::size_t i = 0; i < branch.points.size(); ++i)
@@ -84,7 +88,7 @@ std::vector<Ball> moved(const std::vector<Ball>& old, const SmoothOptions& optio
   while (!check.empty()) {
     const std::size_t s = check.back();
     check.pop_back();
-    if ((back[s] && back[s + 1]) || is_inside(now[s], now[s + 1], options.gap)) continue;
+    if ((back[s] && back[s + 1]) || stays(now[s], now[s + 1], options)) continue;
     for (std::size_t p : {s, s + 1}) {
       if (back[p]) continue;
       back[p] = 1;
@@ -117,10 +121,10 @@ std::vector<Ball> resampled(const std::vector<Ball>& line, bool closed, const Sm
     Ball sample = line.back();
     if (k < pieces) {
       // Where nothing is known of the distance between two points, none is put there.
-      if (!is_inside(line[next], line[next + 1], 0)) continue;
+      if (!options.inside && !is_inside(line[next], line[next + 1], 0)) continue;
       sample = average(line[next], line[next + 1], piece > 0 ? std::clamp((goal - at[next]) / piece, 0.0, 1.0) : 0.0);
     }
-    if (next > segment && !is_inside(result.back(), sample, options.gap))
+    if (next > segment && !stays(result.back(), sample, options))
       for (std::size_t corner = segment + 1; corner <= next; ++corner)
         if (line[corner].x != result.back().x && line[corner].x != sample.x) result.push_back(line[corner]);
     if (sample.x != result.back().x || k == pieces) result.push_back(sample);
@@ -132,6 +136,24 @@ std::vector<Ball> resampled(const std::vector<Ball>& line, bool closed, const Sm
 
 /// What is done to a branch, from all to nothing.
 enum class Treatment : std::uint8_t { smooth_and_resample, smooth_only, none };
+
+/// Radii of the old course at the same share of the length.
+void interpolate_radii(const CurveGraph::Branch& old, CurveGraph::Branch& branch) {
+  const auto arc = [](const std::vector<Vec3>& points) {
+    std::vector<double> at(points.size(), 0);
+    for (std::size_t i = 1; i < points.size(); ++i) at[i] = at[i - 1] + (points[i] - points[i - 1]).norm();
+    return at;
+  };
+  const std::vector<double> from = arc(old.points), to = arc(branch.points);
+  if (!(from.back() > 0 && to.back() > 0)) return;
+  std::size_t s = 0;
+  for (std::size_t i = 0; i < to.size(); ++i) {
+    const double at = to[i] / to.back() * from.back();
+    while (s + 2 < from.size() && from[s + 1] < at) ++s;
+    const double piece = from[s + 1] - from[s], t = piece > 0 ? std::clamp((at - from[s]) / piece, 0.0, 1.0) : 0;
+    branch.radius[i] = (1 - t) * old.radius[s] + t * old.radius[s + 1];
+  }
+}
 
 CurveGraph::Branch treated(const CurveGraph::Branch& old, Treatment treatment, const SmoothOptions& options) {
   if (treatment == Treatment::none || old.points.size() < 2) return old;
@@ -146,6 +168,7 @@ CurveGraph::Branch treated(const CurveGraph::Branch& old, Treatment treatment, c
     branch.points.push_back(ball.x);
     branch.radius.push_back(std::sqrt(std::max(ball.r2, 0.0)));
   }
+  if (options.inside) interpolate_radii(old, branch);
   // Exactly those of the nodes, also in the last digit.
   branch.radius.front() = old.radius.front();
   branch.radius.back() = old.radius.back();
