@@ -411,7 +411,7 @@ TEST_F(SkeletonProgram, Refusals) {
   for (const char* root : {"1", "1,2", "1,2,3,4", "a,b,c", "1,2,", "nan,0,0", "inf,0,0", "1;2;3"})
     refuses_skeleton(2, {"--root", "x,y,z"}, {"core.vtp", "-o", "a.vtp", "--swc", "a.swc", "--root", root});
   refuses_skeleton(2, {"two outputs", "a.vtp"}, {"core.vtp", "-o", "a.vtp", "--csv", "a.vtp"});
-  refuses_skeleton(2, {"two outputs"}, {"core.vtp", "-o", "a.vtp", "--json", "a.vtp"});
+  refuses_skeleton(2, {"--json", "a.vtp"}, {"core.vtp", "-o", "a.vtp", "--json", "a.vtp"});
   refuses_skeleton(2, {"old.swc", "--overwrite"}, {"core.vtp", "-o", "a.vtp", "--swc", "old.swc"});
   refuses_skeleton(2, {"core.vtp", "input"}, {"core.vtp", "-o", "core.vtp", "--overwrite"});
   refuses_skeleton(2, {"core.vtp", "input"}, {"core.vtp", "-o", "a.vtp", "--swc", "core.vtp", "--overwrite"});
