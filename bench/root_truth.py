@@ -259,11 +259,13 @@ def row(name, results):
     def share(key):
         a, b = np.sum([r[key] for r in results], axis=0)
         return f'{a / max(b, 1):.3f} ({a}/{b})'
+    def median(values, form):
+        return format(np.median(values), form) if len(values) else '-'
     length = np.concatenate([r['length'] for r in results])
     radius = np.concatenate([r['radius'] for r in results])
     return (f"| {name} | {share('tips')} | {share('ends')} | {share('junctions')} | {share('crossings')} | "
-            f"{np.median(abs(length)):.2%} | {np.median(length):+.2%} | {len(length)} | "
-            f"{np.median(abs(radius)):.2f} | {np.median(radius):+.2f} |")
+            f"{median(abs(length), '.2%')} | {median(length, '+.2%')} | {len(length)} | "
+            f"{median(abs(radius), '.2f')} | {median(radius, '+.2f')} |")
 
 
 HEAD = ('| {} | tips found | ends right | junctions found | junctions right | length error | bias | branches '
