@@ -3,7 +3,8 @@
 """Compares the curve graphs of Quench with the true branches of random roots (`quench sample root`).
 
 usage: root_truth.py [--quench PROGRAM] [--seeds 1,2,3,4,5] [--resolutions 256,512] [--branches 20,60]
-                     [--theta1 LIST] [--smooth LIST] [--resample LIST] [--work DIR] [--thinning] [--each]
+                     [--theta1 LIST] [--smooth LIST] [--resample LIST] [--lambda LENGTH] [--work DIR] [--thinning]
+                     [--each]
 
 Every root is run once (`quench run`), every combination of the lists is then made of its burned core (`quench
 skeleton --theta2 inf`); without lists, the files of `run` are looked at: its default parameters. Prints one row of a
@@ -285,6 +286,7 @@ def main():
     parser.add_argument('--theta1', type=numbers, default=[])
     parser.add_argument('--smooth', type=numbers, default=[])
     parser.add_argument('--resample', type=numbers, default=[])
+    parser.add_argument('--lambda', default='auto', dest='floor', help='of the runs')
     parser.add_argument('--work', type=Path, default=Path('root_truth'))
     parser.add_argument('--thinning', action='store_true')
     parser.add_argument('--each', action='store_true')
@@ -303,9 +305,9 @@ def main():
             mesh = options.work / f'root-{branches}-{seed}.ply'
             if not mesh.exists():
                 quench('sample', 'root', '--seed', seed, '--branches', branches, '-o', mesh)
-            folder = options.work / f'{mesh.stem}-{resolution}'
+            folder = options.work / f'{mesh.stem}-{resolution}-{options.floor}'
             if not (folder / 'report.json').exists():
-                quench('run', mesh, '--resolution', resolution, '-o', folder)
+                quench('run', mesh, '--resolution', resolution, '--lambda', options.floor, '-o', folder)
             report = json.loads((folder / 'report.json').read_text())
             voxel = report['shape']['spacing'][0]
             truth = Truth(mesh.with_suffix('.json'), voxel)
