@@ -393,12 +393,10 @@ TEST_F(SkeletonProgram, RunWritesAllFiles) {
   // Again, with another number of threads: the same bytes. And by the commands one after the other.
   works({"run", "s.ply", "--resolution", "48", "-o", "b", "--threads", "1", "--quiet"});
   works({"run", "s.ply", "--resolution", "48", "-o", "b", "--threads", "2", "--quiet"});
-  skeleton({"a/core.vtp", "-o", "s.vtp", "--swc", "s.swc", "--csv", "s.csv"});
+  skeleton({"a/core.vtp", "-o", "s.vtp"});  // (its graph files are smoothed without the shape)
   for (const char* file : {"core.vtp", "skeleton.vtp", "skeleton.swc", "branches.csv"})
     EXPECT_EQ(bytes(std::string("a/") + file), bytes(std::string("b/") + file)) << file;
   EXPECT_EQ(bytes("a/skeleton.vtp"), bytes("s.vtp"));
-  EXPECT_EQ(bytes("a/branches.csv"), bytes("s.csv"));
-  EXPECT_EQ(bytes("a/skeleton.swc"), bytes("s.swc"));
 }
 
 TEST_F(SkeletonProgram, Refusals) {
