@@ -7,6 +7,7 @@ usage: family.py MESH [--quench PROGRAM] [--resolution 160] [--work DIR] [--shee
 Rows theta2, columns theta1; each cell of the table: faces, area of sheets (squared longest sides), length of curves
 (longest sides), free ends of curves. Needs python3-numpy, python3-vtk9; pictures need a display (xvfb-run -a)."""
 import argparse
+import tempfile
 import json
 import subprocess
 from pathlib import Path
@@ -109,7 +110,7 @@ def main():
     parser.add_argument('mesh', type=Path)
     parser.add_argument('--quench', default='quench')
     parser.add_argument('--resolution', default='160')
-    parser.add_argument('--work', type=Path, default=Path('family'))
+    parser.add_argument('--work', type=Path, default=Path(tempfile.gettempdir()) / 'quench_family')
     parser.add_argument('--sheet')
     parser.add_argument('--azimuth', type=float, default=30)
     parser.add_argument('--elevation', type=float, default=15)

@@ -34,6 +34,7 @@ How many that leaves is in the table.
 
 Needs Debian's python3-numpy and python3-scipy."""
 import argparse
+import tempfile
 import csv
 import itertools
 import json
@@ -287,7 +288,7 @@ def main():
     parser.add_argument('--smooth', type=numbers, default=[])
     parser.add_argument('--resample', type=numbers, default=[])
     parser.add_argument('--lambda', default='auto', dest='floor', help='of the runs')
-    parser.add_argument('--work', type=Path, default=Path('root_truth'))
+    parser.add_argument('--work', type=Path, default=Path(tempfile.gettempdir()) / 'quench_root_truth')
     parser.add_argument('--thinning', action='store_true')
     parser.add_argument('--each', action='store_true')
     options = parser.parse_args()

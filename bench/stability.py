@@ -10,6 +10,7 @@ of a Markdown table: Hausdorff distance (the larger of the two directions) and m
 directions) between the result without and with noise, in percent of the longest side, and how many faces each has.
 Distances are between points on faces and lines a third of a voxel apart. Needs python3-numpy, -scipy, -vtk9."""
 import argparse
+import tempfile
 import json
 import subprocess
 from pathlib import Path
@@ -76,7 +77,7 @@ def main():
     parser.add_argument('--quench', default='quench')
     parser.add_argument('--resolution', default='192')
     parser.add_argument('--data', type=Path, default=Path('../shared/data/meshes'))
-    parser.add_argument('--work', type=Path, default=Path('stability'))
+    parser.add_argument('--work', type=Path, default=Path(tempfile.gettempdir()) / 'quench_stability')
     options = parser.parse_args()
     options.work.mkdir(parents=True, exist_ok=True)
 

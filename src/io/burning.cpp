@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <cmath>
 
+#include "io/measures.h"
 #include "quench/burn.h"
 #include "quench/error.h"
 
@@ -17,27 +17,14 @@ void put(std::vector<DataArray>& arrays, DataArray array) {
     arrays.push_back(std::move(array));
 }
 
-// Colour ranges of viewers break on infinity: the largest finite value stands for it.
-std::vector<double> finite(std::vector<double> values) {
-  double largest = 0;
-  for (const double v : values)
-    if (std::isfinite(v)) largest = std::max(largest, v);
-  for (double& v : values)
-    if (!std::isfinite(v)) v = largest;
-  return values;
-}
-
 }  // namespace
 
 void add_burning(PolyData& data, const Burning& burning) {
   if (burning.burn_time.size() != data.points.size())
     throw Error(ErrorCode::invariant, "the burned medial axis has other vertices than its file");
-  std::vector<std::uint8_t> unburned;
-  unburned.reserve(burning.burn_time.size());
-  for (const double t : burning.burn_time) unburned.push_back(std::isinf(t));
   put(data.point_data, {"burn_time", 1, finite(burning.burn_time)});
   put(data.point_data, {"erosion_thickness", 1, finite(burning.erosion_thickness)});
-  put(data.point_data, {"unburned", 1, std::move(unburned)});
+  put(data.point_data, {"unburned", 1, flags_of_infinite(burning.burn_time)});
   const auto text = [](const char* word) { return std::vector<std::string>{word}; };
   const BurnOptions& o = burning.options;
   put(data.field_data, {"omega", 1, std::vector<double>{o.omega}});

@@ -5,28 +5,9 @@
 #include <cmath>
 
 #include "complex/union_find.h"
+#include "io/measures.h"
 
 namespace quench {
-namespace {
-
-// Colour ranges of viewers break on infinity: the largest finite value stands for it.
-std::vector<double> finite(std::vector<double> values) {
-  double largest = 0;
-  for (const double v : values)
-    if (std::isfinite(v)) largest = std::max(largest, v);
-  for (double& v : values)
-    if (!std::isfinite(v)) v = largest;
-  return values;
-}
-std::vector<std::uint8_t> flags_of_infinite(const std::vector<double>& values) {
-  std::vector<std::uint8_t> flags;
-  flags.reserve(values.size());
-  for (const double v : values) flags.push_back(std::isinf(v));
-  return flags;
-}
-
-}  // namespace
-
 PolyData to_poly_data(const Skeleton& s) {
   const CellComplex& c = s.complex;
   PolyData data;
