@@ -25,15 +25,6 @@ Json axis_section(const MedialAxis& axis, const Topology& topology, double recon
           {"reconstructed", reconstructed}};
 }
 
-void require_topology(const Topology& got, const Topology& wanted, const char* what) {
-  if (got == wanted) return;
-  throw Error(ErrorCode::invariant, fmt::format("the topology of the {} (Betti numbers {}, {}, {}) is not that of the "
-                                                "shape ({}, {}, {}); this is a bug in Quench, please "
-                                                "report it with the input",
-                                                what, got.betti[0], got.betti[1], got.betti[2], wanted.betti[0],
-                                                wanted.betti[1], wanted.betti[2]));
-}
-
 // The share of the balls: "0.9970".
 std::string share_text(double share) { return fmt::format("{:.4f}", share); }
 
@@ -45,6 +36,16 @@ void add_field(PolyData& data, const char* name, double value) {
 }
 
 }  // namespace
+
+void require_topology(const Topology& got, const Topology& wanted, const char* what, const char* whose) {
+  if (got == wanted) return;
+  throw Error(
+      ErrorCode::invariant,
+      fmt::format("the topology of the {} (Betti numbers {}, {}, {}) is not that of the {} ({}, {}, {}); this is "
+                  "a bug in Quench, please report it with the input",
+                  what, got.betti[0], got.betti[1], got.betti[2], whose, wanted.betti[0], wanted.betti[1],
+                  wanted.betti[2]));
+}
 
 void add_core_options(CLI::App& app, CorePipelineOptions& o) {
   const auto group = "Medial axis";
@@ -93,13 +94,13 @@ CorePipelineResult compute_core(const LoadedShape& loaded, const CorePipelineOpt
   }
   const Topology core_topology = topology(core.complex);
   checkpoint(&session.context, "topology", 0.5);
-  require_topology(core_topology, loaded.topology, "voxel core");
+  require_topology(core_topology, loaded.topology, "voxel core", "shape");
   const Json core_section = axis_section(core, core_topology, reconstruction.share(0));
 
   MedialAxis kept = pruned(core, lambda);
   const double reconstructed = reconstruction.share(lambda);
   const Topology kept_topology = topology(kept.complex);
-  require_topology(kept_topology, loaded.topology, "pruned core");
+  require_topology(kept_topology, loaded.topology, "pruned core", "shape");
   checkpoint(&session.context, "topology", 1);
   if (reconstructed < 0.9)
     session.say(fmt::format(
