@@ -5,6 +5,7 @@
 #include <atomic>
 
 #include "parallel.h"
+#include "prefetch.h"
 
 namespace quench::lattice {
 
@@ -115,8 +116,8 @@ class Merger {
       const auto [first, last] = part_of(old.size(), chunk, chunks);
       for (std::size_t t = first; t < last; ++t) {
         if (t + kAhead < last && place[t + kAhead] != kNone) {
-          __builtin_prefetch(&result_.tetrahedra[place[t + kAhead]], 1);
-          for (const std::uint32_t n : old[t + kAhead].neighbour) __builtin_prefetch(&place[n >> 2]);
+          prefetch(&result_.tetrahedra[place[t + kAhead]]);
+          for (const std::uint32_t n : old[t + kAhead].neighbour) prefetch(&place[n >> 2]);
         }
         if (place[t] == kNone) continue;
         Tetrahedron moved = old[t];  // no neighbour is on the hull: it does not touch the box
