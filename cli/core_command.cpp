@@ -94,7 +94,7 @@ Action add_run(CLI::App& app) {
     };
     Burning burning = compute_burning(result.axis, true, o->burn, true, resolve, result.report, session);
     add_burning(result.data, burning);
-    const SkeletonPipelineResult skeleton =
+    const CheckedSkeleton skeleton =
         compute_skeleton(result.axis, std::move(burning), o->skeleton, loaded.shape.grid().spacing.minCoeff(), resolve,
                          result.report, session);
     fs::create_directories(o->folder, error);
@@ -109,9 +109,9 @@ Action add_run(CLI::App& app) {
     parameters["tips"] = o->skeleton.tips;
     parameters["smooth"] = o->skeleton.smooth;
     parameters["resample"] = o->skeleton.resample;
-    result.report["skeleton"]["reconstructed"] = reconstructed_share(loaded.shape, skeleton.skeleton, session);
+    result.report["skeleton"]["reconstructed"] = reconstructed_share(loaded.shape, skeleton.skeleton, &session.context);
     io::write_poly_data(core, result.data);
-    io::write_poly_data(skeleton_vtp, skeleton_file(skeleton, result.data));
+    io::write_poly_data(skeleton_vtp, skeleton_file(skeleton.skeleton, skeleton.topology, result.data));
     write_graph(skeleton.measured, {swc, {}, csv}, o->skeleton, &loaded.shape, loaded.shape.grid().spacing,
                 loaded.units, resolve, result.report, session);
     session.finished("write");

@@ -7,45 +7,23 @@
 
 #include "option_checks.h"
 #include "quench/io.h"
-#include "quench/prune.h"
-#include "quench/topology.h"
-#include "quench/voxel_core.h"
+#include "quench/pipeline.h"
 
 namespace quench::program {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json axis_section(const MedialAxis& axis, const Topology& topology, double reconstructed) {
-  return {{"vertices", axis.complex.vertex_count},
-          {"edges", axis.complex.edges.size()},
-          {"faces", axis.complex.face_count()},
-          {"euler", topology.euler},
-          {"betti", topology.betti},
-          {"reconstructed", reconstructed}};
+Json axis_section(std::size_t vertices, std::size_t edges, std::size_t faces, const Topology& topology,
+                  double reconstructed) {
+  return {{"vertices", vertices},    {"edges", edges},          {"faces", faces},
+          {"euler", topology.euler}, {"betti", topology.betti}, {"reconstructed", reconstructed}};
 }
 
 // The share of the balls: "0.9970".
 std::string share_text(double share) { return fmt::format("{:.4f}", share); }
 
-void add_field(PolyData& data, const char* name, std::string text) {
-  data.field_data.push_back({name, 1, std::vector<std::string>{std::move(text)}});
-}
-void add_field(PolyData& data, const char* name, double value) {
-  data.field_data.push_back({name, 1, std::vector<double>{value}});
-}
-
 }  // namespace
-
-void require_topology(const Topology& got, const Topology& wanted, const char* what, const char* whose) {
-  if (got == wanted) return;
-  throw Error(
-      ErrorCode::invariant,
-      fmt::format("the topology of the {} (Betti numbers {}, {}, {}) is not that of the {} ({}, {}, {}); this is "
-                  "a bug in Quench, please report it with the input",
-                  what, got.betti[0], got.betti[1], got.betti[2], whose, wanted.betti[0], wanted.betti[1],
-                  wanted.betti[2]));
-}
 
 void add_core_options(CLI::App& app, CorePipelineOptions& o) {
   const auto group = "Medial axis";
@@ -75,38 +53,27 @@ CorePipelineResult compute_core(const LoadedShape& loaded, const CorePipelineOpt
   const Grid& grid = loaded.shape.grid();
   const double smallest = grid.spacing.minCoeff();
   const bool automatic = options.lambda == "auto";
-  double lambda = automatic ? 0 : parse_length(options.lambda, "--lambda").resolve(loaded.longest_side, smallest);
 
   const std::int64_t sites = count_boundary_vertices(loaded.shape);
   session.check_memory(predicted_core_bytes(sites),
                        fmt::format("the medial axis of a shape with {} boundary vertices", sites));
   session.detail(fmt::format("{} boundary vertices, about {} of memory at the peak", sites,
                              bytes_text(predicted_core_bytes(sites))));
-  CorePipelineResult result;
-  MedialAxis core = voxel_core(loaded.shape, {.rule = options.rule == "ball" ? LambdaRule::ball : LambdaRule::coface},
-                               &session.context);
-  prune_levels(core, &session.context);
-  const Reconstruction reconstruction(loaded.shape, core, Reconstruction::kSamples, &session.context);
-  if (automatic) {
-    lambda = auto_lambda(reconstruction, loaded.longest_side, smallest);
+  CheckedCoreOptions core_options;
+  if (!automatic) core_options.lambda = parse_length(options.lambda, "--lambda").resolve(loaded.longest_side, smallest);
+  core_options.rule = options.rule == "ball" ? LambdaRule::ball : LambdaRule::coface;
+  core_options.full = options.full;
+  CheckedCore core = checked_core(loaded.shape, loaded.topology, loaded.longest_side, core_options, &session.context);
+  const double lambda = core.lambda;
+  if (automatic)
     session.say(fmt::format("lambda {:.6g} ({:.3g} voxels, {:.3g} of the longest side; chosen by auto)", lambda,
                             lambda / smallest, lambda / loaded.longest_side));
-  }
-  const Topology core_topology = topology(core.complex);
-  checkpoint(&session.context, "topology", 0.5);
-  require_topology(core_topology, loaded.topology, "voxel core", "shape");
-  const Json core_section = axis_section(core, core_topology, reconstruction.share(0));
-
-  MedialAxis kept = pruned(core, lambda);
-  const double reconstructed = reconstruction.share(lambda);
-  const Topology kept_topology = topology(kept.complex);
-  require_topology(kept_topology, loaded.topology, "pruned core", "shape");
-  checkpoint(&session.context, "topology", 1);
-  if (reconstructed < 0.9)
+  if (core.reconstructed < 0.9)
     session.say(fmt::format(
         "warning: the balls of the pruned core contain only {} of the shape; use a smaller --lambda or 'auto'",
-        share_text(reconstructed)));
+        share_text(core.reconstructed)));
 
+  CorePipelineResult result;
   Json& report = result.report;
   report["input"] = loaded.input;
   report["parameters"] = loaded.parameters;
@@ -119,24 +86,13 @@ CorePipelineResult compute_core(const LoadedShape& loaded, const CorePipelineOpt
                      {"euler", loaded.topology.euler},
                      {"betti", loaded.topology.betti},
                      {"voxelization_changed_topology", topology_changed_of(loaded)}};
-  report["core"] = core_section;
+  report["core"] = axis_section(core.vertices, core.edges, core.faces, core.topology, core.whole);
   report["pruned"] = {{"lambda", std::isfinite(lambda) ? Json(lambda) : Json("inf")}};
-  report["pruned"].update(axis_section(kept, kept_topology, reconstructed));
+  report["pruned"].update(
+      axis_section(core.kept_vertices, core.kept_edges, core.kept_faces, core.topology, core.reconstructed));
 
-  result.axis = options.full ? std::move(core) : std::move(kept);
-  result.data = to_poly_data(result.axis);
-  const Topology& t = loaded.topology;
-  add_field(result.data, "stage", std::string("core"));
-  add_field(result.data, "lambda", options.full ? 0.0 : std::min(lambda, kInfiniteLevelInFiles));
-  add_field(result.data, "lambda_chosen", std::min(lambda, kInfiniteLevelInFiles));
-  add_field(result.data, "lambda_rule", options.rule);
-  add_field(result.data, "longest_side", loaded.longest_side);
-  add_field(result.data, "reconstructed", options.full ? reconstruction.share(0) : reconstructed);
-  result.data.field_data.push_back({"euler", 1, std::vector<std::int64_t>{t.euler}});
-  result.data.field_data.push_back({"betti", 3, std::vector<std::int64_t>(t.betti.begin(), t.betti.end())});
-  add_field(result.data, "units", loaded.units);
-  add_field(result.data, "parameters", json_text(report["parameters"]));
-  add_field(result.data, "version", std::string(QUENCH_VERSION));
+  result.data = core_file(core, loaded.units, json_text(report["parameters"]));
+  result.axis = std::move(core.axis);
   return result;
 }
 

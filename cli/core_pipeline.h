@@ -32,9 +32,6 @@ struct CorePipelineResult {
 /// does not hold: topology of core and pruning must be that of the shape.
 CorePipelineResult compute_core(const LoadedShape& loaded, const CorePipelineOptions& options, Session& session);
 
-/// Throws Error(invariant) with both Betti numbers unless the two agree.
-void require_topology(const Topology& got, const Topology& wanted, const char* what, const char* whose);
-
 /// Writes `report` with seconds, peak memory and version filled in; "-" is stdout.
 void write_report(const std::string& file, nlohmann::ordered_json report, Session& session);
 

@@ -11,7 +11,6 @@
 #include <csignal>
 #include <cstdio>
 #include <cstring>
-#include <fstream>
 
 namespace quench::program {
 namespace {
@@ -38,17 +37,6 @@ std::int64_t parse_bytes(const std::string& text) {
     throw Error(ErrorCode::usage,
                 fmt::format("--memory-limit '{}' is not an amount of memory; give e.g. 8G or 500M", text));
   return static_cast<std::int64_t>(value * factor);
-}
-
-std::int64_t available_memory() {
-  std::ifstream file("/proc/meminfo");
-  std::string key, unit;
-  std::int64_t value = 0;
-  while (file >> key >> value) {
-    std::getline(file, unit);
-    if (key == "MemAvailable:") return value * 1024;
-  }
-  return static_cast<std::int64_t>(sysconf(_SC_PHYS_PAGES)) * sysconf(_SC_PAGESIZE);
 }
 
 void check_no_input(const std::filesystem::path& output, const std::vector<std::filesystem::path>& inputs) {
@@ -80,12 +68,6 @@ void check_one_output(const std::filesystem::path& output, const std::vector<std
 }
 
 }  // namespace
-
-std::string bytes_text(std::int64_t bytes) {
-  const bool giga = bytes >= std::int64_t{1} << 30;
-  const double amount = static_cast<double>(bytes) / (giga ? 0x1p30 : 0x1p20);
-  return fmt::format("{:.{}f} {}", amount, amount < 10 ? 1 : 0, giga ? "GB" : "MB");
-}
 
 void finish_results() {
   if (std::fflush(stdout) != 0 || std::ferror(stdout))

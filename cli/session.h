@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "quench/context.h"
+#include "quench/memory.h"
 
 namespace quench::program {
 
@@ -73,8 +74,5 @@ class Session {
 
 /// Throws Error(failed) unless all answers have reached stdout (e.g. its disk is full).
 void finish_results();
-
-/// "3.52 GB", "81.2 MB".
-std::string bytes_text(std::int64_t bytes);
 
 }  // namespace quench::program

@@ -62,9 +62,9 @@ Action add_skeleton(CLI::App& app) {
     Burning burning = compute_burning(loaded.axis, loaded.voxel_core, o->burn, true, resolve, report, session);
     add_burning(loaded.data, burning);
     const double finest = loaded.voxel > 0 ? loaded.voxel : burning.options.omega;
-    const SkeletonPipelineResult result =
+    const CheckedSkeleton result =
         compute_skeleton(loaded.axis, std::move(burning), o->skeleton, finest, resolve, report, session);
-    io::write_poly_data(o->output, skeleton_file(result, loaded.data));
+    io::write_poly_data(o->output, skeleton_file(result.skeleton, result.topology, loaded.data));
     write_graph(result.measured, {o->swc, o->graphml, o->csv}, o->skeleton, nullptr,
                 loaded.voxel_core ? loaded.spacing : Vec3(Vec3::Zero()), loaded.units, resolve, report, session);
     session.finished("write");

@@ -8,7 +8,6 @@
 #include "core_pipeline.h"
 #include "option_checks.h"
 #include "quench/curve_graph.h"
-#include "quench/prune.h"
 
 namespace quench::program {
 namespace {
@@ -87,15 +86,14 @@ void check_skeleton_options(const SkeletonPipelineOptions& options) {
   root_of(options);
 }
 
-SkeletonPipelineResult compute_skeleton(const MedialAxis& axis, Burning&& burning,
-                                        const SkeletonPipelineOptions& options, double finest,
-                                        const std::function<double(const std::string&, const std::string&)>& resolve,
-                                        nlohmann::ordered_json& report, Session& session) {
+CheckedSkeleton compute_skeleton(const MedialAxis& axis, Burning&& burning, const SkeletonPipelineOptions& options,
+                                 double finest,
+                                 const std::function<double(const std::string&, const std::string&)>& resolve,
+                                 nlohmann::ordered_json& report, Session& session) {
   const double theta2 = resolve(options.theta2, "--theta2"), theta1 = resolve(options.theta1, "--theta1");
   const Topology wanted = topology(axis.complex);
   checkpoint(&session.context, "topology", 0.3);
-  // 0.77 KB per node on the armadillo at 1024.
-  session.check_memory(900 * std::int64_t{burning.network.node_count()}, "the curves of this axis",
+  session.check_memory(predicted_skeleton_bytes(burning.network), "the curves of this axis",
                        "a larger --omega or --lambda");
   RefinedAxis refined = quench_curves(axis.complex, axis.points, axis.radius, burning, &session.context);
   burning = Burning();
@@ -108,63 +106,20 @@ SkeletonPipelineResult compute_skeleton(const MedialAxis& axis, Burning&& burnin
     report["curves"] = section(curves.complex, found);
     checkpoint(&session.context, "topology", 0.6);
   }
-  constexpr double kNoTips = std::numeric_limits<double>::infinity();
-  SkeletonPipelineResult result{extract(family, theta2, theta1, {options.full, kNoTips}), {}, {}};
-  result.measured = extract(family, theta2, theta1, {false, options.tips == "full" ? finest : kNoTips});
-  checkpoint(&session.context, "skeleton", 1);
-  result.topology = topology(result.skeleton.complex);
-  require_topology(result.topology, wanted, "skeleton", "medial axis");
-  require_topology(topology(result.measured.complex), wanted, "curve graph", "medial axis");
-  checkpoint(&session.context, "topology", 1);
+  CheckedSkeletonOptions wish{theta2, theta1, options.full};
+  if (options.tips == "full") wish.tips = finest;
+  CheckedSkeleton result = checked_skeleton(family, wanted, wish, &session.context);
   report["skeleton"] = {{"theta2", number(theta2)}, {"theta1", number(theta1)}};
   report["skeleton"].update(section(result.skeleton.complex, result.topology));
   return result;
-}
-
-double reconstructed_share(const VoxelShape& shape, const Skeleton& skeleton, Session& session) {
-  MedialAxis balls;
-  balls.complex.vertex_count = skeleton.complex.vertex_count;
-  balls.points = skeleton.points;
-  balls.radius = skeleton.radius;
-  balls.vertex_level.assign(skeleton.points.size(), std::numeric_limits<double>::infinity());
-  return Reconstruction(shape, balls, Reconstruction::kSamples, &session.context).share(0);
-}
-
-PolyData skeleton_file(const SkeletonPipelineResult& result, const PolyData& from) {
-  PolyData data = to_poly_data(result.skeleton);
-  for (const char* name : {"dims", "spacing", "origin", "direction", "longest_side", "lambda", "lambda_chosen", "omega",
-                           "propagation", "radius_rule", "units", "parameters"})
-    if (const DataArray* array = find_array(from.field_data, name)) data.field_data.push_back(*array);
-  const auto put = [&](const char* name, DataArray::Values values, int components = 1) {
-    data.field_data.push_back({name, components, std::move(values)});
-  };
-  const Topology& t = result.topology;
-  put("stage", std::vector<std::string>{"skeleton"});
-  put("theta2", std::vector<double>{std::min(result.skeleton.theta2, kInfiniteLevelInFiles)});
-  put("theta1", std::vector<double>{std::min(result.skeleton.theta1, kInfiniteLevelInFiles)});
-  put("euler", std::vector<std::int64_t>{t.euler});
-  put("betti", std::vector<std::int64_t>(t.betti.begin(), t.betti.end()), 3);
-  put("version", std::vector<std::string>{QUENCH_VERSION});
-  return data;
 }
 
 void write_graph(const Skeleton& skeleton, const GraphFiles& files, const SkeletonPipelineOptions& options,
                  const VoxelShape* shape, const Vec3& voxel, const std::string& units,
                  const std::function<double(const std::string&, const std::string&)>& resolve, Json& report,
                  Session& session) {
-  CurveGraph graph = curve_graph(skeleton);
-  const double spacing = resolve(options.resample, "--resample");
-  SmoothOptions smoothing{options.smooth, spacing, boundary_gap(voxel), {}};
-  if (shape) smoothing.inside = [shape](const Vec3& a, const Vec3& b) { return contains_segment(*shape, a, b); };
-  graph = smoothed(graph, smoothing);
-  const double more = 0.5 * voxel.minCoeff();
-  for (auto& n : graph.nodes) n.radius += more;
-  for (auto& b : graph.branches) {
-    for (double& r : b.radius) r += more;
-    b.mean_radius += more;
-    b.min_radius += more;
-    b.max_radius += more;
-  }
+  const CurveGraph graph =
+      measured_graph(skeleton, {options.smooth, resolve(options.resample, "--resample"), shape, voxel});
   Json& section = report["skeleton"];
   double length = 0;
   std::size_t ends = 0, junctions = 0;
@@ -178,7 +133,7 @@ void write_graph(const Skeleton& skeleton, const GraphFiles& files, const Skelet
   section["junctions"] = junctions;
   section["curve_length"] = length;
   section["sheets"] = graph.sheets;
-  section["radius_offset"] = more;
+  section["radius_offset"] = 0.5 * voxel.minCoeff();
   if (!files.swc.empty()) {
     const io::SwcReport swc = io::write_swc(files.swc, graph, {root_of(options), 0, units});
     Json cuts = Json::array();

@@ -11,6 +11,7 @@
 #include "quench/burn.h"
 #include "quench/curve_graph.h"
 #include "quench/medial_axis.h"
+#include "quench/pipeline.h"
 #include "quench/poly_data.h"
 #include "quench/skeleton.h"
 #include "quench/topology.h"
@@ -38,25 +39,13 @@ void add_skeleton_options(CLI::App& app, SkeletonPipelineOptions& options);
 /// Throws Error(usage) for an option that cannot be, before anything is read.
 void check_skeleton_options(const SkeletonPipelineOptions& options);
 
-struct SkeletonPipelineResult {
-  Skeleton skeleton;
-  Skeleton measured;  ///< what the graph files hold: with the tips of branches, unless told otherwise
-  Topology topology;
-};
-
 /// Medial curves and a skeleton of a burned axis (the burning is used up); `resolve(text, option)` turns a length into
 /// world units. Adds the sections `curves` and `skeleton` to the report. Throws Error(invariant) when the topology of
 /// the curves or of the skeleton is not that of the axis.
-SkeletonPipelineResult compute_skeleton(const MedialAxis& axis, Burning&& burning,
-                                        const SkeletonPipelineOptions& options, double finest,
-                                        const std::function<double(const std::string&, const std::string&)>& resolve,
-                                        nlohmann::ordered_json& report, Session& session);
-
-/// Share of the shape's (sampled) voxel centres in the balls of a skeleton's vertices.
-double reconstructed_share(const VoxelShape& shape, const Skeleton& skeleton, Session& session);
-
-/// The skeleton as a file: its cells and arrays, and what the file `from` of its axis says of shape and burn.
-PolyData skeleton_file(const SkeletonPipelineResult& result, const PolyData& from);
+CheckedSkeleton compute_skeleton(const MedialAxis& axis, Burning&& burning, const SkeletonPipelineOptions& options,
+                                 double finest,
+                                 const std::function<double(const std::string&, const std::string&)>& resolve,
+                                 nlohmann::ordered_json& report, Session& session);
 
 /// The curves of a skeleton as a graph, smoothed as asked, into files; adds what they hold to the report's section
 /// `skeleton`. `shape`: the voxel shape, where it is known; `spacing`: of its voxels, 0 for axes of other programs.

@@ -8,7 +8,9 @@
 #include <utility>
 
 #include "quench/error.h"
+#include "quench/image.h"
 #include "quench/volume.h"
+#include "shape/image_rows.h"
 
 namespace quench {
 namespace {
@@ -71,20 +73,26 @@ struct Values {
   bool any = false;
   bool at_most_two = true;
 
-  explicit Values(const std::vector<T>& samples) {
+  explicit Values(const Samples<T>& samples) {
     bool not_a_number = false, third = false;
-    for (const T v : samples) {
-      if (v != v) {
-        not_a_number = true;
-        continue;
-      }
-      if (!any) least = largest = v;
-      any = true;
-      if (v == least || v == largest) continue;
-      if (least != largest) third = true;
-      if (v < least) least = v;
-      if (v > largest) largest = v;
-    }
+    const auto [far, middle, near] = samples.order();
+    const auto& dims = samples.grid().dims;
+    std::array<std::int64_t, 3> at{};
+    for (at[far] = 0; at[far] < dims[far]; ++at[far])
+      for (at[middle] = 0; at[middle] < dims[middle]; ++at[middle])
+        for (at[near] = 0; at[near] < dims[near]; ++at[near]) {
+          const T v = samples.at(at[0], at[1], at[2]);
+          if (v != v) {
+            not_a_number = true;
+            continue;
+          }
+          if (!any) least = largest = v;
+          any = true;
+          if (v == least || v == largest) continue;
+          if (least != largest) third = true;
+          if (v < least) least = v;
+          if (v > largest) largest = v;
+        }
     at_most_two = !third && !(not_a_number && least != largest);
   }
   std::string text() const {
@@ -94,7 +102,7 @@ struct Values {
 };
 
 template <class T>
-Rule<T> rule_for(const std::vector<T>& samples, const ForegroundOptions& options) {
+Rule<T> rule_for(const Samples<T>& samples, const ForegroundOptions& options) {
   if (options.threshold) return at_least<T>(*options.threshold);
   if (options.label) return equal_to<T>(*options.label);
   const Values<T> values(samples);
@@ -113,27 +121,68 @@ std::string describe(const ForegroundOptions& options) {
   return options.invert ? text + ", inverted," : text;
 }
 
-template <class T>
-VoxelShape foreground_of(const Grid& grid, const std::vector<T>& samples, const ForegroundOptions& options,
-                         Context* context) {
-  const Rule<T> rule = rule_for(samples, options);
-  VoxelShape shape(grid);
-  std::vector<Run> runs;
-  const auto nx = static_cast<std::int32_t>(grid.dims[0]);
-  const T* row = samples.data();
-  for (std::int64_t z = 0; z < grid.dims[2]; ++z) {
-    checkpoint(context, "foreground", static_cast<double>(z) / static_cast<double>(grid.dims[2]));
-    for (std::int64_t y = 0; y < grid.dims[1]; ++y, row += nx) {
-      runs.clear();
-      for (std::int32_t x = 0; x < nx;) {
-        while (x < nx && rule(row[x]) == options.invert) ++x;
-        const std::int32_t begin = x;
-        while (x < nx && rule(row[x]) != options.invert) ++x;
-        if (begin < x) runs.push_back({begin, x});
-      }
-      shape.append_row(runs);
-    }
+// The runs of one scanline; `inside(x)` says what is foreground.
+template <class Inside>
+void append_runs(VoxelShape& shape, std::vector<Run>& runs, const Inside& inside) {
+  const auto nx = static_cast<std::int32_t>(shape.grid().dims[0]);
+  runs.clear();
+  for (std::int32_t x = 0; x < nx;) {
+    while (x < nx && !inside(x)) ++x;
+    const std::int32_t begin = x;
+    while (x < nx && inside(x)) ++x;
+    if (begin < x) runs.push_back({begin, x});
   }
+  shape.append_row(runs);
+}
+
+template <class T>
+VoxelShape scan_along_x(const Samples<T>& samples, const Rule<T>& rule, bool invert, Context* context) {
+  const auto& dims = samples.grid().dims;
+  VoxelShape shape(samples.grid());
+  std::vector<Run> runs;
+  for (std::int64_t z = 0; z < dims[2]; ++z) {
+    checkpoint(context, "foreground", static_cast<double>(z) / static_cast<double>(dims[2]));
+    for (std::int64_t y = 0; y < dims[1]; ++y)
+      append_runs(shape, runs, [&](std::int32_t x) { return rule(samples.at(x, y, z)) != invert; });
+  }
+  return shape;
+}
+
+// Where x is not the closest axis in memory, 64 slices are read together, each in the order of memory, into one bit
+// per voxel: cache lines are read once.
+template <class T>
+VoxelShape scan_slabs(const Samples<T>& samples, const Rule<T>& rule, bool invert, Context* context) {
+  const auto& dims = samples.grid().dims;
+  VoxelShape shape(samples.grid());
+  std::vector<Run> runs;
+  const auto nx = static_cast<std::size_t>(dims[0]);
+  std::vector<std::uint64_t> slab(nx * static_cast<std::size_t>(dims[1]));
+  const auto [far, middle, near] = samples.order();
+  for (std::int64_t base = 0; base < dims[2]; base += 64) {
+    checkpoint(context, "foreground", static_cast<double>(base) / static_cast<double>(dims[2]));
+    const std::array<std::int64_t, 3> count{dims[0], dims[1], std::min<std::int64_t>(64, dims[2] - base)};
+    std::fill(slab.begin(), slab.end(), 0);
+    std::array<std::int64_t, 3> at{};
+    for (at[far] = 0; at[far] < count[far]; ++at[far])
+      for (at[middle] = 0; at[middle] < count[middle]; ++at[middle])
+        for (at[near] = 0; at[near] < count[near]; ++at[near])
+          if (rule(samples.at(at[0], at[1], base + at[2])) != invert)
+            slab[static_cast<std::size_t>(at[0]) + nx * static_cast<std::size_t>(at[1])] |= std::uint64_t{1} << at[2];
+    for (std::int64_t z = 0; z < count[2]; ++z)
+      for (std::int64_t y = 0; y < dims[1]; ++y) {
+        const std::uint64_t* row = slab.data() + nx * static_cast<std::size_t>(y);
+        append_runs(shape, runs, [&](std::int32_t x) { return (row[x] >> z & 1) != 0; });
+      }
+  }
+  return shape;
+}
+
+template <class T>
+VoxelShape foreground_of(const Samples<T>& samples, const ForegroundOptions& options, Context* context) {
+  const Rule<T> rule = rule_for(samples, options);
+  const bool along_x = samples.order()[2] == 0;
+  VoxelShape shape = along_x ? scan_along_x(samples, rule, options.invert, context)
+                             : scan_slabs(samples, rule, options.invert, context);
   checkpoint(context, "foreground", 1);
   if (shape.empty())
     throw Error(ErrorCode::input, fmt::format("no voxel of the image is foreground by {}: {}; give another --threshold "
@@ -144,20 +193,37 @@ VoxelShape foreground_of(const Grid& grid, const std::vector<T>& samples, const 
 
 }  // namespace
 
-VoxelShape foreground(const Volume& volume, const ForegroundOptions& options, ForegroundReport* report,
-                      Context* context) {
-  if (options.threshold && options.label)
-    throw Error(ErrorCode::usage, "--threshold and --label exclude each other; give one of them");
-  if (options.threshold && std::isnan(*options.threshold)) throw Error(ErrorCode::usage, "--threshold is not a number");
+ImageView view_of(const Volume& volume) {
+  ImageView image;
+  image.grid = volume.grid;
+  image.type = static_cast<SampleType>(volume.samples.index());
   const auto& dims = volume.grid.dims;
-  return std::visit(
+  std::visit(
       [&](const auto& samples) {
         if (samples.size() != static_cast<std::uint64_t>(dims[0] * dims[1] * dims[2]))
           throw Error(ErrorCode::invariant, fmt::format("a volume of {} x {} x {} voxels has {} samples", dims[0],
                                                         dims[1], dims[2], samples.size()));
-        return clean(foreground_of(volume.grid, samples, options, context), options, report, context);
+        image.data = samples.data();
+        const auto size = static_cast<std::int64_t>(sizeof(samples[0]));
+        image.strides = {size, size * dims[0], size * dims[0] * dims[1]};
       },
       volume.samples);
+  return image;
+}
+
+VoxelShape foreground(const ImageView& image, const ForegroundOptions& options, ForegroundReport* report,
+                      Context* context) {
+  if (options.threshold && options.label)
+    throw Error(ErrorCode::usage, "--threshold and --label exclude each other; give one of them");
+  if (options.threshold && std::isnan(*options.threshold)) throw Error(ErrorCode::usage, "--threshold is not a number");
+  const VoxelShape shape =
+      with_samples(image, [&](const auto& samples) { return foreground_of(samples, options, context); });
+  return clean(shape, options, report, context);
+}
+
+VoxelShape foreground(const Volume& volume, const ForegroundOptions& options, ForegroundReport* report,
+                      Context* context) {
+  return foreground(view_of(volume), options, report, context);
 }
 
 }  // namespace quench

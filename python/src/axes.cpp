@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+#include <pybind11/stl.h>
+
+#include <cmath>
+
+#include "quench/error.h"
+#include "quench/io.h"
+#include "quench/prune.h"
+#include "quench/raster.h"
+#include "quench/verify.h"
+#include "rasters.h"
+#include "values.h"
+
+namespace quench::python {
+namespace {
+
+std::vector<double> numbers_of(const PolyData& data, const char* name) {
+  const DataArray* array = find_array(data.field_data, name);
+  if (!array || std::holds_alternative<std::vector<std::string>>(array->values)) return {};
+  return array->numbers();
+}
+
+double longest_side_of(const std::vector<Vec3>& points) {
+  if (points.empty()) return 0;
+  Vec3 low = points[0], high = low;
+  for (const Vec3& p : points) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  return (high - low).maxCoeff();
+}
+
+std::shared_ptr<Axis> axis_of_file(PolyData data) {
+  auto result = std::make_shared<Axis>();
+  result->core.axis = medial_axis_of(data);
+  const MedialAxis& axis = result->core.axis;
+  if (axis.points.empty()) throw Error(ErrorCode::input, "the medial axis is empty");
+  for (std::size_t v = 0; v < axis.radius.size(); ++v)
+    if (const double r = axis.radius[v]; !(std::isfinite(r) && r >= 0))
+      throw Error(ErrorCode::input,
+                  fmt::format("the radius of vertex {} is {}; radii are finite and not negative", v, r));
+  const std::vector<double> side = numbers_of(data, "longest_side"), spacing = numbers_of(data, "spacing");
+  const std::vector<double> share = numbers_of(data, "reconstructed"), lambda = numbers_of(data, "lambda");
+  result->core.longest_side = !side.empty() && side[0] > 0 ? side[0] : longest_side_of(axis.points);
+  if (spacing.size() == 3) result->spacing = {spacing[0], spacing[1], spacing[2]};
+  result->core.reconstructed = share.empty() ? std::nan("") : share[0];
+  result->core.lambda = lambda.empty() ? 0 : lambda[0];
+  const DataArray* sites = find_array(data.field_data, "sites");
+  result->voxel_core = sites && sites->components == 3;
+  result->core.topology = topology(axis.complex);
+  result->file = std::move(data);
+  return result;
+}
+
+// The polygons of a complex as triangles, and the polygon of each.
+py::tuple fans(const CellComplex& complex) {
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+  std::vector<std::uint32_t> polygon;
+  for (std::size_t f = 0; f < complex.face_count(); ++f) {
+    const auto corners = complex.corners(f);
+    for (std::size_t i = 2; i < corners.size(); ++i) {
+      triangles.push_back({corners[0], corners[i - 1], corners[i]});
+      polygon.push_back(static_cast<std::uint32_t>(f));
+    }
+  }
+  return py::make_tuple(own(std::move(triangles)), own(std::move(polygon)));
+}
+
+py::list checks_of(const Certificate& certificate) {
+  py::list result;
+  for (const Check& check : certificate.checks) result.append(py::make_tuple(check.name, check.passed, check.detail));
+  return result;
+}
+
+const Shape& shape_of(const Axis& axis) {
+  if (!axis.shape)
+    throw Error(ErrorCode::usage,
+                "the medial axis comes from a file, which does not hold the shape; 'quench verify' takes both, and "
+                "medial_axis() keeps the shape it is of");
+  return *axis.shape;
+}
+
+std::shared_ptr<Axis> pruned_axis(const Axis& from, const std::string& text) {
+  if (from.file) throw Error(ErrorCode::usage, "a medial axis from a file cannot be pruned; compute it again");
+  const double lambda = from.resolve(text, "lambda_");
+  if (lambda < from.core.lambda)
+    throw Error(ErrorCode::usage, fmt::format("lambda_={} is below {}, which the medial axis was pruned with already; "
+                                              "compute it with lambda_=0",
+                                              text, from.core.lambda));
+  auto result = std::make_shared<Axis>();
+  result->shape = from.shape;
+  result->spacing = from.spacing;
+  result->core = from.core;
+  result->core.axis = pruned(from.axis(), lambda);
+  result->core.options.lambda = result->core.lambda = lambda;
+  const CellComplex& c = result->axis().complex;
+  require_topology(topology(c), from.core.topology, "pruned core", "shape");
+  result->core.reconstructed = Reconstruction(from.shape->voxels, result->axis()).share(0);
+  result->core.kept_vertices = c.vertex_count;
+  result->core.kept_edges = c.edges.size();
+  result->core.kept_faces = c.face_count();
+  return result;
+}
+
+}  // namespace
+
+void bind_axes(py::module_& m) {
+  using Pointer = std::shared_ptr<Axis>;
+  py::class_<Axis, Pointer>(m, "Axis")
+      .def_property_readonly("vertices", [](const Pointer& a) { return view(a, a->axis().points); })
+      .def_property_readonly("radius", [](const Pointer& a) { return view(a, a->axis().radius); })
+      .def_property_readonly("edges",
+                             [](const Pointer& a) {
+                               return view(a, std::span<const std::array<std::uint32_t, 2>>(a->axis().complex.edges));
+                             })
+      .def_property_readonly("polygon_offsets",
+                             [](const Pointer& a) { return view(a, a->axis().complex.face_offsets); })
+      .def_property_readonly("polygon_corners",
+                             [](const Pointer& a) { return view(a, a->axis().complex.face_vertices); })
+      .def_property_readonly("polygon_edges", [](const Pointer& a) { return view(a, a->axis().complex.face_edges); })
+      .def("fans", [](const Pointer& a) { return fans(a->axis().complex); })
+      .def("levels",
+           [](const Pointer& a) {
+             return py::make_tuple(view(a, a->axis().vertex_level), view(a, a->axis().edge_level),
+                                   view(a, a->axis().face_level));
+           })
+      .def("lambdas",
+           [](const Pointer& a) {
+             return py::make_tuple(view(a, a->axis().vertex_lambda), view(a, a->axis().edge_lambda),
+                                   view(a, a->axis().face_lambda));
+           })
+      .def_property_readonly("has_levels", [](const Pointer& a) { return !a->axis().vertex_level.empty(); })
+      .def_property_readonly("chosen_lambda", [](const Pointer& a) { return a->core.lambda; })
+      .def_property_readonly("reconstructed", [](const Pointer& a) { return a->core.reconstructed; })
+      .def_property_readonly("longest_side", [](const Pointer& a) { return a->core.longest_side; })
+      .def_property_readonly("shape", [](const Pointer& a) { return a->shape; })
+      .def_property_readonly(
+          "topology", [](const Pointer& a) { return py::make_tuple(a->core.topology.euler, a->core.topology.betti); })
+      .def("resolve", &Axis::resolve)
+      .def("pruned",
+           [](const Pointer& a, const std::string& lambda, const py::object& listener, int threads) {
+             return run(listener, threads, [&](Context&) { return pruned_axis(*a, lambda); });
+           })
+      .def("burn",
+           [](const Pointer& a, double omega, const py::object& listener, int threads) {
+             const auto known = a->fire;
+             auto fire = run(listener, threads, [&](Context& c) { return compute_fire(*a, omega, false, known, c); });
+             a->fire = fire;
+             return py::make_tuple(view(fire, fire->burning.burn_time), view(fire, fire->burning.erosion_thickness),
+                                   fire->burning.options.omega);
+           })
+      .def("skeleton",
+           [](const Pointer& a, double theta2, double theta1, double omega, const py::object& listener, int threads) {
+             const auto known = a->fire;
+             const auto fire =
+                 run(listener, threads, [&](Context& c) { return compute_fire(*a, omega, true, known, c); });
+             a->fire = fire;
+             return run(listener, threads, [&](Context& c) { return compute_skeleton(a, *fire, theta2, theta1, c); });
+           })
+      .def("forget", [](const Pointer& a) { a->fire.reset(); })
+      .def("verify",
+           [](const Pointer& a, std::size_t samples, const py::object& listener, int threads) {
+             const Shape& shape = shape_of(*a);
+             VerifyOptions options;
+             options.samples = samples;
+             const Certificate certificate = run(listener, threads, [&](Context& context) {
+               return verify(shape.voxels, core_file(a->core, shape.units, shape.parameters), options, &context);
+             });
+             return checks_of(certificate);
+           })
+      .def("mark_balls",
+           [](const Pointer& a, const py::buffer& mask, const py::object& listener, int threads) {
+             mark_balls_in(mask, a->axis().points, a->axis().radius, shape_of(*a).image, listener, threads);
+           })
+      .def("save", [](const Pointer& a, const std::string& file, const std::string& quality) {
+        const auto fire = a->fire;
+        run(py::none(), 0, [&](Context&) {
+          io::write_poly_data(file, a->data(fire.get()), {quality});
+          return 0;
+        });
+      });
+  m.def("compute_axis", [](const std::shared_ptr<Shape>& shape, const std::string& lambda, bool ball_rule,
+                           const py::object& listener, int threads) {
+    return run(listener, threads, [&](Context& context) { return compute_axis(shape, lambda, ball_rule, context); });
+  });
+  m.def("check_writable", [](const std::string& file) { io::check_writable_format(file); });
+  m.def("check_length", [](const std::string& text, const std::string& argument) { parse_length(text, argument); });
+  // A mesh as (vertices, triangles), or a medial axis where the file has radii.
+  m.def("read_surface", [](const std::string& file, const std::string& radii) -> py::object {
+    struct Read {
+      PolyData data;
+      TriangleMesh mesh;
+      std::shared_ptr<Axis> axis;
+    };
+    Read read = run(py::none(), 0, [&](Context&) {
+      Read r;
+      r.data = io::read_poly_data(file);
+      if (!radii.empty()) {
+        std::erase_if(r.data.point_data, [](const DataArray& a) { return a.name == "radius"; });
+        r.data.point_data.insert(r.data.point_data.begin(), {"radius", 1, io::read_radii(radii, r.data.points)});
+      }
+      if (find_array(r.data.point_data, "radius"))
+        r.axis = axis_of_file(std::move(r.data));
+      else
+        r.mesh = to_triangle_mesh(r.data);
+      return r;
+    });
+    if (read.axis) return py::cast(read.axis);
+    return py::make_tuple(own(std::move(read.mesh.points)), own(std::move(read.mesh.triangles)));
+  });
+}
+
+}  // namespace quench::python

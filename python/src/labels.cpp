@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+#include <pybind11/stl.h>
+
+#include <algorithm>
+#include <atomic>
+#include <condition_variable>
+#include <exception>
+#include <map>
+#include <mutex>
+#include <numeric>
+#include <thread>
+#include <unordered_set>
+
+#include "quench/error.h"
+#include "quench/memory.h"
+#include "values.h"
+
+namespace quench::python {
+namespace {
+
+struct Wish {
+  std::string lambda, theta2, theta1;
+};
+
+/// Lets as many labels in as their memory allows, one always.
+class Gate {
+ public:
+  explicit Gate(std::int64_t bytes) : free_(bytes) {}
+  void enter(std::int64_t bytes) {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [&] { return inside_ == 0 || bytes <= free_; });
+    ++inside_;
+    free_ -= bytes;
+  }
+  void leave(std::int64_t bytes) {
+    const std::lock_guard lock(mutex_);
+    --inside_;
+    free_ += bytes;
+    changed_.notify_all();
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::int64_t free_;
+  int inside_ = 0;
+};
+
+// From the voxels of one label to its skeleton; everything between is dropped.
+std::shared_ptr<SkeletonValue> skeleton_of(VoxelShape voxels, const Grid& image, const std::string& units,
+                                           std::int64_t label, const Wish& wish, Context& context) {
+  Shape shape;
+  shape.voxels = std::move(voxels);
+  shape.image = image;
+  shape.units = units;
+  shape.parameters = fmt::format("{{\"label\": {}}}", label);
+  auto axis = compute_axis(finished(std::move(shape), Cut{}), wish.lambda, false, context);
+  const auto fire = compute_fire(*axis, 0, true, nullptr, context);
+  auto result = compute_skeleton(axis, *fire, axis->resolve(wish.theta2, "theta2"),
+                                 axis->resolve(wish.theta1, "theta1"), context);
+  axis->core.axis = MedialAxis();
+  result->has_axis = false;
+  return result;
+}
+
+using Results = std::vector<std::shared_ptr<SkeletonValue>>;
+
+Results skeletons_of(std::vector<LabelRuns>& labels, const Grid& image, const std::string& units, const Wish& wish,
+                     Context& context) {
+  Results results(labels.size());
+  std::vector<std::exception_ptr> failures(labels.size());
+  // Large ones first, so that none is left alone at the end. Every label is worked on by one thread and alone in its
+  // result, so results do not depend on their number.
+  std::vector<std::size_t> order(labels.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](auto a, auto b) { return labels[a].pieces.size() > labels[b].pieces.size(); });
+  double total = 0, done = 0;
+  for (const LabelRuns& l : labels) total += static_cast<double>(l.pieces.size());
+  std::mutex telling;  // progress and notes come from one thread at a time
+  Gate gate(available_memory() / 10 * 9);
+  std::atomic<std::size_t> next{0};
+  std::atomic<bool> failed{false};
+  const auto work = [&] {
+    for (std::size_t i; (i = next++) < order.size() && !failed && !context.cancelled();) {
+      LabelRuns& label = labels[order[i]];
+      const auto weight = static_cast<double>(label.pieces.size());
+      std::int64_t bytes = 0;
+      bool entered = false;
+      try {
+        Context own;
+        own.threads = 1;
+        own.progress = [&](std::string_view, double) {
+          if (context.cancelled() || failed) own.cancel();
+        };
+        own.note = [&](const std::string& sentence) {
+          const std::lock_guard lock(telling);
+          note(&context, fmt::format("label {}: {}", label.label, sentence));
+        };
+        VoxelShape voxels = label.shape(image);
+        label.pieces = {};
+        bytes = predicted_bytes(voxels);
+        gate.enter(bytes);
+        entered = true;
+        results[order[i]] = skeleton_of(std::move(voxels), image, units, label.label, wish, own);
+      } catch (const Error& error) {
+        failures[order[i]] =
+            std::make_exception_ptr(Error(error.code(), fmt::format("label {}: {}", label.label, error.what())));
+        failed = true;
+      } catch (...) {
+        failures[order[i]] = std::current_exception();
+        failed = true;
+      }
+      if (entered) gate.leave(bytes);
+      const std::lock_guard lock(telling);
+      done += weight;
+      if (context.progress) context.progress("skeletonize", done / total);
+    }
+  };
+  const std::size_t wanted = context.threads > 0 ? static_cast<std::size_t>(context.threads)
+                                                 : std::max(1u, std::thread::hardware_concurrency());
+  std::vector<std::thread> workers;
+  for (std::size_t t = 1; t < std::min(wanted, labels.size()); ++t) workers.emplace_back(work);
+  work();
+  for (std::thread& w : workers) w.join();
+  if (context.cancelled()) throw Error(ErrorCode::cancelled, "cancelled");
+  for (const std::exception_ptr& failure : failures) {
+    if (!failure) continue;
+    try {
+      std::rethrow_exception(failure);
+    } catch (const Error& error) {
+      if (error.code() != ErrorCode::cancelled) throw;  // others were only told to stop
+    }
+  }
+  return results;
+}
+
+py::list skeletonize(const ImageView& image, const std::string& units,
+                     const std::optional<std::vector<std::int64_t>>& chosen, const Wish& wish,
+                     const py::object& listener, int threads) {
+  std::vector<LabelRuns> labels;
+  Results results;
+  run_cancellable(listener, threads, [&](Context& context) {
+    if (chosen) {
+      const std::unordered_set<std::int64_t> set(chosen->begin(), chosen->end());
+      labels = label_runs(
+          image, [&](std::int64_t label) { return set.contains(label); }, &context);
+      for (const std::int64_t label : *chosen)
+        if (std::none_of(labels.begin(), labels.end(), [&](const LabelRuns& l) { return l.label == label; }))
+          throw Error(ErrorCode::input, fmt::format("no voxel of the image has the label {}", label));
+    } else {
+      labels = label_runs(image, nullptr, &context);
+    }
+    results = skeletons_of(labels, image.grid, units, wish, context);
+  });
+  py::list list;
+  for (std::size_t i = 0; i < labels.size(); ++i) list.append(py::make_tuple(labels[i].label, results[i]));
+  return list;
+}
+
+}  // namespace
+
+void bind_labels(py::module_& m) {
+  using Triple = std::array<double, 3>;
+  using Labels = std::optional<std::vector<std::int64_t>>;
+  m.def("skeletonize_array", [](const py::buffer& array, const Triple& spacing, const Labels& labels,
+                                const std::string& lambda, const std::string& theta2, const std::string& theta1,
+                                const py::object& listener, int threads) {
+    const py::buffer_info held = array.request();
+    return skeletonize(image_of(held, grid_of(held, spacing)), "", labels, {lambda, theta2, theta1}, listener, threads);
+  });
+  m.def("skeletonize_image",
+        [](const Image& image, const std::optional<Triple>& spacing, const Labels& labels, const std::string& lambda,
+           const std::string& theta2, const std::string& theta1, const py::object& listener, int threads) {
+          ImageView view = view_of(*image.volume);
+          if (spacing) view.grid.spacing = {(*spacing)[0], (*spacing)[1], (*spacing)[2]};
+          return skeletonize(view, image.volume->units, labels, {lambda, theta2, theta1}, listener, threads);
+        });
+}
+
+}  // namespace quench::python

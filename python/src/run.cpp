@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "run.h"
+
+#include <fmt/format.h>
+#include <tbb/task_arena.h>
+
+#include <chrono>
+#include <condition_variable>
+#include <exception>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "quench/error.h"
+#include "quench/memory.h"
+
+namespace quench::python {
+namespace {
+
+/// What the working thread tells and the calling one takes.
+struct Mailbox {
+  std::mutex mutex;
+  std::condition_variable bell;
+  std::vector<std::pair<std::string, double>> progress;  // the last fraction of each stage in a row
+  std::vector<std::string> notes;
+  bool done = false;
+};
+
+constexpr auto kPatience = std::chrono::milliseconds(50);
+
+void deliver(const py::object& listener, const std::vector<std::pair<std::string, double>>& progress) {
+  if (listener.is_none()) return;
+  for (const auto& [stage, fraction] : progress) listener(stage, fraction);
+}
+
+}  // namespace
+
+void run_cancellable(const py::object& listener, int threads, const std::function<void(Context&)>& work) {
+  if (threads < 0)
+    throw Error(ErrorCode::usage, fmt::format("threads={} is negative; give 0 for all processors", threads));
+  Mailbox box;
+  Context context;
+  context.threads = std::min(threads, 256);
+  context.progress = [&](std::string_view stage, double fraction) {
+    const std::lock_guard lock(box.mutex);
+    if (box.progress.empty() || box.progress.back().first != stage)
+      box.progress.emplace_back(stage, fraction);
+    else
+      box.progress.back().second = fraction;
+  };
+  context.note = [&](const std::string& sentence) {
+    const std::lock_guard lock(box.mutex);
+    box.notes.push_back(sentence);
+  };
+  std::exception_ptr failure;
+  std::thread worker([&] {
+    try {
+      tbb::task_arena arena(context.threads > 0 ? context.threads : tbb::task_arena::automatic);
+      arena.execute([&] { work(context); });
+    } catch (...) {
+      failure = std::current_exception();
+    }
+    const std::lock_guard lock(box.mutex);
+    box.done = true;
+    box.bell.notify_one();
+  });
+  std::optional<py::error_already_set> interrupted;
+  bool done = false;
+  while (!done) {
+    std::vector<std::pair<std::string, double>> progress;
+    {
+      const py::gil_scoped_release release;
+      std::unique_lock lock(box.mutex);
+      box.bell.wait_for(lock, kPatience, [&] { return box.done; });
+      progress.swap(box.progress);
+      done = box.done;
+    }
+    if (interrupted) continue;
+    try {
+      if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+      deliver(listener, progress);
+    } catch (py::error_already_set& error) {
+      interrupted.emplace(error);
+      context.cancel();
+    }
+  }
+  worker.join();
+  if (interrupted) throw *interrupted;
+  for (const std::string& sentence : box.notes)
+    if (PyErr_WarnEx(PyExc_UserWarning, sentence.c_str(), 2) != 0) throw py::error_already_set();
+  if (failure) std::rethrow_exception(failure);
+}
+
+void require_memory(std::int64_t bytes, const std::string& what, const std::string& remedy) {
+  const std::int64_t free = available_memory();
+  if (bytes <= free) return;
+  throw Error(ErrorCode::failed, fmt::format("{} needs about {} of memory, and {} are free; use {}", what,
+                                             bytes_text(bytes), bytes_text(free), remedy));
+}
+
+void bind_errors(py::module_& m) {
+  static py::handle type;  // as long as the interpreter: translators are never taken back
+  type = PyErr_NewExceptionWithDoc(
+      "quench.Error",
+      "What Quench raises: one sentence that names the value or file, the reason and the way out.\n\n"
+      "Attributes\n----------\ncode : int\n"
+      "    1 failed (files, memory), 2 usage (an argument that cannot be), 3 an input that cannot be used,\n"
+      "    4 a promised invariant does not hold (a bug in Quench), 130 cancelled.\n",
+      PyExc_RuntimeError, nullptr);
+  if (!type) throw py::error_already_set();
+  m.attr("Error") = type;
+  py::register_exception_translator([](std::exception_ptr thrown) {
+    try {
+      if (thrown) std::rethrow_exception(thrown);
+    } catch (const Error& error) {
+      py::object value = type(error.what());
+      value.attr("code") = static_cast<int>(error.code());
+      PyErr_SetObject(type.ptr(), value.ptr());
+    }
+  });
+}
+
+}  // namespace quench::python

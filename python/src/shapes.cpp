@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+#include <pybind11/stl.h>
+
+#include <cmath>
+
+#include "quench/error.h"
+#include "quench/io.h"
+#include "quench/sample.h"
+#include "quench/voxelize.h"
+#include "values.h"
+
+namespace quench::python {
+namespace {
+
+using Triple = std::array<double, 3>;
+
+Triple triple(const Vec3& v) { return {v[0], v[1], v[2]}; }
+
+template <class T>
+std::string code_of(const std::vector<T>&) {
+  return py::format_descriptor<T>::format();
+}
+
+// Fortran order: axis 0 is x, as places are x, y, z.
+py::buffer_info info(const Image& image) {
+  const auto& dims = image.volume->grid.dims;
+  const std::vector<py::ssize_t> shape{dims[0], dims[1], dims[2]};
+  return std::visit(
+      [&](const auto& samples) {
+        const auto size = static_cast<py::ssize_t>(sizeof(samples[0]));
+        using T = typename std::decay_t<decltype(samples)>::value_type;
+        return py::buffer_info(const_cast<T*>(samples.data()), size, code_of(samples), 3, shape,
+                               {size, size * shape[0], size * shape[0] * shape[1]}, true);
+      },
+      image.volume->samples);
+}
+
+std::shared_ptr<Shape> cut_out(const ImageView& image, const Cut& cut, const std::string& units,
+                               const std::string& parameters, Context& context) {
+  Shape shape;
+  shape.voxels = foreground(image, cut.foreground(), nullptr, &context);
+  shape.image = image.grid;
+  shape.units = units;
+  shape.parameters = parameters;
+  return finished(std::move(shape), cut);
+}
+
+std::shared_ptr<Shape> shape_of_array(const py::buffer& array, const Triple& spacing, const Cut& cut,
+                                      const std::string& parameters, const py::object& listener, int threads) {
+  const py::buffer_info held = array.request();
+  const ImageView image = image_of(held, grid_of(held, spacing));
+  return run(listener, threads, [&](Context& context) { return cut_out(image, cut, "", parameters, context); });
+}
+
+std::shared_ptr<Shape> shape_of_image(const Image& image, const std::optional<Triple>& spacing, const Cut& cut,
+                                      const std::string& parameters, const py::object& listener, int threads) {
+  ImageView view = view_of(*image.volume);
+  if (spacing) view.grid.spacing = {(*spacing)[0], (*spacing)[1], (*spacing)[2]};
+  return run(listener, threads,
+             [&](Context& context) { return cut_out(view, cut, image.volume->units, parameters, context); });
+}
+
+std::shared_ptr<Shape> shape_of_mesh(const py::buffer& points, const py::buffer& triangles,
+                                     const std::optional<std::int64_t>& resolution, bool evenodd, const Cut& cut,
+                                     const std::string& parameters, const py::object& listener, int threads) {
+  TriangleMesh mesh;
+  mesh.points = points_of(points);
+  mesh.triangles = triangles_of(triangles, mesh.points.size());
+  return run(listener, threads, [&](Context& context) {
+    VoxelizeOptions options;
+    options.fill = evenodd ? FillRule::evenodd : FillRule::nonzero;
+    if (resolution) options.resolution = *resolution;
+    Voxelization v = resolution ? voxelize(mesh, options, &context) : voxelize_auto(mesh, options, &context);
+    if (v.topology_changed) note(&context, "voxelization changed the topology: " + v.topology_difference);
+    Shape shape;
+    shape.longest_side = v.longest_side;
+    shape.voxels = clean(v.shape, cut.foreground(), nullptr, &context);
+    shape.image = shape.voxels.grid();
+    shape.parameters = parameters;
+    return finished(std::move(shape), cut);
+  });
+}
+
+// The voxels of a shape as an image of 0 and 1.
+Image image_of_shape(const Shape& shape) {
+  auto volume = std::make_shared<Volume>();
+  volume->grid = shape.voxels.grid();
+  volume->units = shape.units;
+  const auto& dims = volume->grid.dims;
+  std::vector<std::uint8_t> samples(static_cast<std::size_t>(dims[0] * dims[1] * dims[2]), 0);
+  auto row = samples.begin();
+  for (std::int64_t z = 0; z < dims[2]; ++z)
+    for (std::int64_t y = 0; y < dims[1]; ++y, row += dims[0])
+      for (const Run& r : shape.voxels.row(y, z)) std::fill(row + r.begin, row + r.end, std::uint8_t{1});
+  volume->samples = std::move(samples);
+  return {volume};
+}
+
+py::dict sample_named(const std::string& name, double noise, std::uint64_t seed, int branches, double detail) {
+  Sample sample = make_sample(name, {noise, seed, branches, detail});
+  py::list truth;
+  for (const RootBranch& b : sample.branches) {
+    py::dict entry;
+    entry["parent"] = b.parent;
+    entry["parent_point"] = b.parent_point;
+    entry["length"] = b.length();
+    entry["points"] = own(b.points);
+    entry["radius"] = own(b.radius);
+    truth.append(entry);
+  }
+  py::dict result;
+  result["vertices"] = own(std::move(sample.mesh.points));
+  result["faces"] = own(std::move(sample.mesh.triangles));
+  result["branches"] = truth;
+  return result;
+}
+
+}  // namespace
+
+void bind_shapes(py::module_& m) {
+  py::class_<Image>(m, "Image", py::buffer_protocol())
+      .def_buffer(&info)
+      .def_property_readonly("spacing", [](const Image& i) { return triple(i.volume->grid.spacing); })
+      .def_property_readonly("origin", [](const Image& i) { return triple(i.volume->grid.origin); })
+      .def_property_readonly("direction",
+                             [](const Image& i) {
+                               const Mat3& d = i.volume->grid.direction;
+                               return std::array<Triple, 3>{triple(d.row(0)), triple(d.row(1)), triple(d.row(2))};
+                             })
+      .def_property_readonly("units", [](const Image& i) { return i.volume->units; });
+  py::class_<Cut>(m, "Cut").def(
+      py::init([](std::optional<double> threshold, std::optional<std::int64_t> label, bool invert, bool largest,
+                  std::int64_t min_component, bool fill,
+                  int subdivide) { return Cut{threshold, label, invert, largest, fill, min_component, subdivide}; }),
+      py::arg("threshold"), py::arg("label"), py::arg("invert"), py::arg("largest_component"), py::arg("min_component"),
+      py::arg("fill_cavities"), py::arg("subdivide"));
+  py::class_<Shape, std::shared_ptr<Shape>>(m, "Shape")
+      .def_property_readonly("dims", [](const Shape& s) { return s.image.dims; })
+      .def_property_readonly("spacing", [](const Shape& s) { return triple(s.voxels.grid().spacing); })
+      .def_property_readonly("voxel_count", [](const Shape& s) { return s.voxels.voxel_count(); })
+      .def("image", &image_of_shape);
+  m.def("shape_of_array", &shape_of_array);
+  m.def("shape_of_image", &shape_of_image);
+  m.def("shape_of_mesh", &shape_of_mesh);
+  m.def("read_image",
+        [](const std::string& file, const std::optional<Triple>& spacing, const py::object& listener, int threads) {
+          io::VolumeReadOptions options;
+          if (spacing) options.spacing = Vec3((*spacing)[0], (*spacing)[1], (*spacing)[2]);
+          return run(listener, threads, [&](Context& context) {
+            return Image{std::make_shared<const Volume>(io::read_volume(file, options, &context))};
+          });
+        });
+  m.def("kind_of", [](const std::string& file) {
+    const io::Kind kind = io::kind_of(file);
+    return kind == io::Kind::surface ? "surface" : kind == io::Kind::volume ? "volume" : "unknown";
+  });
+  m.def("sample", &sample_named);
+  m.def("samples", [] {
+    py::dict result;
+    for (const SampleInfo& s : samples()) result[py::str(std::string(s.name))] = std::string(s.description);
+    return result;
+  });
+}
+
+}  // namespace quench::python

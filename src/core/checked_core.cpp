@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "quench/error.h"
+#include "quench/pipeline.h"
+#include "quench/prune.h"
+
+namespace quench {
+namespace {
+
+void add_field(PolyData& data, const char* name, std::string text) {
+  data.field_data.push_back({name, 1, std::vector<std::string>{std::move(text)}});
+}
+void add_field(PolyData& data, const char* name, double value) {
+  data.field_data.push_back({name, 1, std::vector<double>{value}});
+}
+
+}  // namespace
+
+void require_topology(const Topology& got, const Topology& wanted, const char* what, const char* whose) {
+  if (got == wanted) return;
+  throw Error(
+      ErrorCode::invariant,
+      fmt::format("the topology of the {} (Betti numbers {}, {}, {}) is not that of the {} ({}, {}, {}); this is "
+                  "a bug in Quench, please report it with the input",
+                  what, got.betti[0], got.betti[1], got.betti[2], whose, wanted.betti[0], wanted.betti[1],
+                  wanted.betti[2]));
+}
+
+CheckedCore checked_core(const VoxelShape& shape, const Topology& wanted, double longest_side,
+                         const CheckedCoreOptions& options, Context* context) {
+  CheckedCore result;
+  result.options = options;
+  result.longest_side = longest_side;
+  result.topology = wanted;
+  MedialAxis core = voxel_core(shape, {.rule = options.rule}, context);
+  prune_levels(core, context);
+  const Reconstruction reconstruction(shape, core, Reconstruction::kSamples, context);
+  result.lambda =
+      options.lambda ? *options.lambda : auto_lambda(reconstruction, longest_side, shape.grid().spacing.minCoeff());
+  require_topology(topology(core.complex), wanted, "voxel core", "shape");
+  checkpoint(context, "topology", 0.5);
+  result.vertices = core.complex.vertex_count;
+  result.edges = core.complex.edges.size();
+  result.faces = core.complex.face_count();
+  result.whole = reconstruction.share(0);
+  result.reconstructed = reconstruction.share(result.lambda);
+
+  MedialAxis kept = pruned(core, result.lambda);
+  require_topology(topology(kept.complex), wanted, "pruned core", "shape");
+  checkpoint(context, "topology", 1);
+  result.kept_vertices = kept.complex.vertex_count;
+  result.kept_edges = kept.complex.edges.size();
+  result.kept_faces = kept.complex.face_count();
+  result.axis = options.full ? std::move(core) : std::move(kept);
+  return result;
+}
+
+PolyData core_file(const CheckedCore& core, const std::string& units, const std::string& parameters) {
+  PolyData data = to_poly_data(core.axis);
+  const bool full = core.options.full;
+  const double lambda = std::min(core.lambda, kInfiniteLevelInFiles);
+  const Topology& t = core.topology;
+  add_field(data, "stage", std::string("core"));
+  add_field(data, "lambda", full ? 0.0 : lambda);
+  add_field(data, "lambda_chosen", lambda);
+  add_field(data, "lambda_rule", std::string(core.options.rule == LambdaRule::ball ? "ball" : "coface"));
+  add_field(data, "longest_side", core.longest_side);
+  add_field(data, "reconstructed", full ? core.whole : core.reconstructed);
+  data.field_data.push_back({"euler", 1, std::vector<std::int64_t>{t.euler}});
+  data.field_data.push_back({"betti", 3, std::vector<std::int64_t>(t.betti.begin(), t.betti.end())});
+  add_field(data, "units", units);
+  add_field(data, "parameters", parameters);
+  add_field(data, "version", std::string(QUENCH_VERSION));
+  return data;
+}
+
+}  // namespace quench

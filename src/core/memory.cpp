@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "quench/memory.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <fstream>
+
+namespace quench {
+
+std::int64_t available_memory() {
+  std::ifstream file("/proc/meminfo");
+  std::string key, unit;
+  std::int64_t value = 0;
+  while (file >> key >> value) {
+    std::getline(file, unit);
+    if (key == "MemAvailable:") return value * 1024;
+  }
+  return static_cast<std::int64_t>(sysconf(_SC_PHYS_PAGES)) * sysconf(_SC_PAGESIZE);
+}
+
+std::string bytes_text(std::int64_t bytes) {
+  const bool giga = bytes >= std::int64_t{1} << 30;
+  const double amount = static_cast<double>(bytes) / (giga ? 0x1p30 : 0x1p20);
+  return fmt::format("{:.{}f} {}", amount, amount < 10 ? 1 : 0, giga ? "GB" : "MB");
+}
+
+}  // namespace quench
