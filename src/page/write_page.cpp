@@ -21,7 +21,7 @@ constexpr std::size_t kBlock = std::size_t{1} << 20;
 
 /// A piece of text as JSON that is safe inside a script element: `<` is written as its number, bytes that are no UTF-8
 /// as the replacement character.
-std::string quoted(std::string_view text) {
+std::string json_string(std::string_view text) {
   std::string out = "\"";
   for (std::size_t i = 0; i < text.size();) {
     const auto c = static_cast<unsigned char>(text[i]);
@@ -66,13 +66,13 @@ std::string_view bytes_of(const PageArray& array) {
 std::string meta_of(const Page& page) {
   std::vector<std::string> members;
   const auto put = [&](const char* name, const std::string& json) {
-    members.push_back(fmt::format("{}: {}", quoted(name), json));
+    members.push_back(fmt::format("{}: {}", json_string(name), json));
   };
   put("format", "1");
-  put("title", quoted(page.title));
-  put("program", quoted(page.program));
-  put("command", quoted(page.command));
-  put("unit", quoted(page.unit));
+  put("title", json_string(page.title));
+  put("program", json_string(page.program));
+  put("command", json_string(page.command));
+  put("unit", json_string(page.unit));
   put("side", number(page.side));
   if (page.voxel > 0) put("voxel", number(page.voxel));
   put("low", list({page.low.data(), 3}));
@@ -101,9 +101,10 @@ std::string meta_of(const Page& page) {
         fmt::format(R"({{"euler": {}, "betti": [{}, {}, {}]}})", t.euler, t.betti[0], t.betti[1], t.betti[2]));
   }
   std::string notes, files, arrays;
-  for (const std::string& note : page.notes) notes += (notes.empty() ? "" : ", ") + quoted(note);
+  for (const std::string& note : page.notes) notes += (notes.empty() ? "" : ", ") + json_string(note);
   put("notes", "[" + notes + "]");
-  for (const auto& [what, name] : page.files) files += (files.empty() ? "" : ", ") + quoted(what) + ": " + quoted(name);
+  for (const auto& [what, name] : page.files)
+    files += (files.empty() ? "" : ", ") + json_string(what) + ": " + json_string(name);
   put("files", "{" + files + "}");
   if (page.sites_to_world) put("sites_to_world", list(*page.sites_to_world));
   std::size_t offset = 0;
@@ -111,9 +112,9 @@ std::string meta_of(const Page& page) {
     const std::string_view bytes = bytes_of(array);
     const std::size_t rows =
         std::visit([](const auto& v) { return v.size(); }, array.values) / static_cast<std::size_t>(array.components);
-    arrays +=
-        fmt::format(R"({}{{"name": {}, "type": "{}", "components": {}, "count": {}, "offset": {}}})",
-                    arrays.empty() ? "" : ",\n", quoted(array.name), type_of(array), array.components, rows, offset);
+    arrays += fmt::format(R"({}{{"name": {}, "type": "{}", "components": {}, "count": {}, "offset": {}}})",
+                          arrays.empty() ? "" : ",\n", json_string(array.name), type_of(array), array.components, rows,
+                          offset);
     offset += (bytes.size() + 3) / 4 * 4;
   }
   put("arrays", "[\n" + arrays + "]");
