@@ -132,7 +132,7 @@ std::string zipped(const Page& page) {
   raw.reserve(size);
   for (const PageArray& array : page.arrays) {
     raw += bytes_of(array);
-    raw.resize((raw.size() + 3) / 4 * 4, '\0');
+    while (raw.size() % 4 != 0) raw += '\0';
   }
   const std::size_t blocks = std::max<std::size_t>(1, (raw.size() + kBlock - 1) / kBlock);
   std::vector<std::string> deflated(blocks);
@@ -153,7 +153,7 @@ std::string zipped(const Page& page) {
     const bool last = b + 1 == blocks;
     const int result = deflate(&stream, last ? Z_FINISH : Z_SYNC_FLUSH);
     failed[b] = result != (last ? Z_STREAM_END : Z_OK) || stream.avail_in != 0;
-    out.resize(out.size() - stream.avail_out);
+    out.erase(out.size() - stream.avail_out);
     deflateEnd(&stream);
   });
   if (std::find(failed.begin(), failed.end(), 1) != failed.end())
