@@ -42,6 +42,10 @@ struct Page {
   std::optional<Topology> topology;
   std::vector<std::pair<std::string, std::string>> files;  ///< what they are, their names: for the command line
 
+  /// Taken off all coordinates before they are rounded to floats: to be set before anything is added, for shapes far
+  /// from the zero of their coordinates.
+  Vec3 origin = Vec3::Zero();
+
   /// Filled by the functions below. Cells below a floor are left out, what is above is complete.
   std::optional<double> lambda_floor, theta2_floor, theta1_floor;
   std::optional<std::array<double, 12>> sites_to_world;  ///< rows of a 3 x 4 matrix

@@ -38,7 +38,7 @@ LayerRows add_layer(Page& page, const std::string& layer, const CellComplex& com
     if (!cells.vertex[v]) continue;
     rows.vertex[v] = row++;
     shown.push_back(points[v]);
-    for (int a = 0; a < 3; ++a) place.push_back(static_cast<float>(points[v][a]));
+    for (int a = 0; a < 3; ++a) place.push_back(static_cast<float>(points[v][a] - page.origin[a]));
     if (levels) level.push_back(cells.vertex_level[v]);
   }
   widen(page, shown);

@@ -28,7 +28,7 @@ std::size_t add_triangles(Page& page, const PolyData& surface, const char* what,
     if (number[v] == kNone) {
       number[v] = static_cast<std::uint32_t>(shown.size());
       shown.push_back(drawn.points[v]);
-      for (int a = 0; a < 3; ++a) places.push_back(static_cast<float>(drawn.points[v][a]));
+      for (int a = 0; a < 3; ++a) places.push_back(static_cast<float>(drawn.points[v][a] - page.origin[a]));
     }
     corners.push_back(number[v]);
   }
@@ -188,7 +188,7 @@ void add_samples(Page& page, const VoxelShape& shape, std::size_t count) {
           const double x = run.begin + (target - static_cast<double>(passed));
           const double dy = unit(), dz = unit();
           const Vec3 world = shape.grid().world({x, static_cast<double>(y) + dy, static_cast<double>(z) + dz});
-          for (int a = 0; a < 3; ++a) places.push_back(static_cast<float>(world[a]));
+          for (int a = 0; a < 3; ++a) places.push_back(static_cast<float>(world[a] - page.origin[a]));
           ++next;
           target = (static_cast<double>(next) + unit()) * static_cast<double>(voxels) / static_cast<double>(count);
         }
