@@ -46,11 +46,12 @@ struct SkeletonPipelineResult {
 
 /// Medial curves and a skeleton of a burned axis (the burning is used up); `resolve(text, option)` turns a length into
 /// world units. Adds the sections `curves` and `skeleton` to the report. Throws Error(invariant) when the topology of
-/// the curves or of the skeleton is not that of the axis.
+/// the curves or of the skeleton is not that of the axis. `use_family` sees the whole family.
 SkeletonPipelineResult compute_skeleton(const MedialAxis& axis, Burning&& burning,
                                         const SkeletonPipelineOptions& options, double finest,
                                         const std::function<double(const std::string&, const std::string&)>& resolve,
-                                        nlohmann::ordered_json& report, Session& session);
+                                        nlohmann::ordered_json& report, Session& session,
+                                        const std::function<void(const SkeletonFamily&)>& use_family = {});
 
 /// Share of the shape's (sampled) voxel centres in the balls of a skeleton's vertices.
 double reconstructed_share(const VoxelShape& shape, const Skeleton& skeleton, Session& session);

@@ -34,6 +34,7 @@ struct PageArray {
 /// What a page holds. Lengths are in world units. Everything may be missing: an empty string, a zero, no value.
 struct Page {
   std::string title, program, command, unit;
+  std::string state;                     ///< what the page starts with, in the form of the part of its address after #
   double side = 0;                       ///< longest side of the shape: what plain-number lengths refer to
   double voxel = 0;                      ///< smallest spacing of the voxel shape
   std::optional<double> lambda;          ///< the pruning the burn belongs to

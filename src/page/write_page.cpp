@@ -72,6 +72,7 @@ std::string meta_of(const Page& page) {
   put("title", json_string(page.title));
   put("program", json_string(page.program));
   put("command", json_string(page.command));
+  if (!page.state.empty()) put("state", json_string(page.state));
   put("unit", json_string(page.unit));
   put("side", number(page.side));
   if (page.voxel > 0) put("voxel", number(page.voxel));
