@@ -8,6 +8,7 @@
 #include "core_pipeline.h"
 #include "option_checks.h"
 #include "page_pipeline.h"
+#include "page_program.h"
 #include "picture.h"
 #include "program.h"
 #include "quench/io.h"
