@@ -2,7 +2,7 @@
 // The surface of the shape as glass. Its nearest layer is drawn only: first depth, then colour.
 import { BufferAttribute, BufferGeometry, Group, Mesh, Vector3, type DepthTexture, type IUniform } from "three";
 import type { Shape } from "../data";
-import { glassMaterial, type SharedUniforms } from "./materials";
+import { colour, glassMaterial, type SharedUniforms } from "./materials";
 import type { Placement } from "./placement";
 
 export class ShapeView {
@@ -37,8 +37,8 @@ export class ShapeView {
 
   style(dark: boolean, opacity: number): void {
     this.own.opacity.value = opacity * 1.2;
-    (this.own.tint.value as Vector3).set(...(dark ? ([0.5, 0.57, 0.66] as const) : ([0.6, 0.66, 0.74] as const)));
-    (this.own.rim.value as Vector3).set(...(dark ? ([0.78, 0.85, 0.95] as const) : ([0.3, 0.37, 0.46] as const)));
+    (this.own.tint.value as Vector3).copy(colour(dark ? "8091a8" : "99a8bd"));
+    (this.own.rim.value as Vector3).copy(colour(dark ? "c7d9f2" : "4d5e75"));
   }
 }
 
