@@ -37,6 +37,8 @@ export interface Meta {
   notes: string[];
   files: { core?: string; skeleton?: string; shape?: string };
   sites_to_world?: number[];
+  /// What the page starts with, as in the address.
+  state: string;
   arrays: ArrayEntry[];
 }
 
@@ -126,6 +128,7 @@ export function readMeta(text: string): Meta {
     notes: Array.isArray(raw.notes) ? raw.notes.map(String) : [],
     files: raw.files ?? {},
     sites_to_world: Array.isArray(raw.sites_to_world) && raw.sites_to_world.length === 12 ? raw.sites_to_world : undefined,
+    state: typeof raw.state === "string" ? raw.state : "",
     arrays: raw.arrays,
   };
 }

@@ -17,6 +17,28 @@ export function exact(x: number): string {
   return String(Number(x.toPrecision(9)));
 }
 
+/// The largest float32 that is not above x: what lengths of the page are (FORMAT.md, "The sets").
+export function floor32(x: number): number {
+  const f = Math.fround(x);
+  if (f <= x || !Number.isFinite(f)) return f;
+  const bits = new Uint32Array(1), value = new Float32Array(bits.buffer);
+  value[0] = f;
+  bits[0] = f > 0 ? bits[0]! - 1 : f < 0 ? bits[0]! + 1 : 0x80000001;
+  return value[0]!;
+}
+
+/// The shortest decimal that a comparison with levels (rounded down to float32) cannot tell from the float32 `x`; with
+/// all digits where a level is `x` itself.
+export function decimalOf(x: number, isLevel: boolean): string {
+  if (!Number.isFinite(x)) return x > 0 ? "inf" : "-inf";
+  if (!isLevel)
+    for (let digits = 1; digits <= 9; ++digits) {
+      const short = Number(x.toPrecision(digits));
+      if (floor32(short) === x) return String(short);
+    }
+  return String(x);
+}
+
 export function parseLength(text: string): number {
   const word = text.trim().toLowerCase();
   if (word === "inf" || word === "infinity" || word === "∞") return Infinity;

@@ -6,7 +6,7 @@ import { MAPS, rgb, type Rgb } from "./colours";
 import { PageError, readPage, type Page } from "./data";
 import { labelOf } from "./measures";
 import { Stage } from "./scene/stage";
-import { defaults, fromHash, toHash, type State } from "./state";
+import { defaults, fromHash, sanitize, toHash, type State } from "./state";
 import { Burner } from "./ui/burner";
 import { ColourBar } from "./ui/colour_bar";
 import { el } from "./ui/dom";
@@ -63,8 +63,11 @@ async function start(): Promise<void> {
 
 function run(page: Page): void {
   const dark = window.matchMedia?.("(prefers-color-scheme: dark)").matches ?? false;
-  const base = defaults(page, dark);
+  // Below the address comes what the page was written with, then the defaults.
+  const written = fromHash(page.meta.state, defaults(page, dark));
+  const base = sanitize(written.state, page);
   const first = fromHash(location.hash, base);
+  const camera = first.camera ?? written.camera;
   const stage = new Stage(root);
   stage.onLost = (text) => fail(new PageError(text));
   const app = new App(page, stage, first.state);
@@ -79,7 +82,10 @@ function run(page: Page): void {
     link.download = `${page.meta.title.replace(/[^\w.-]+/g, "_") || "quench"}.png`;
     link.click();
   };
-  const reset = () => app.lookFrom(null);
+  const reset = () => {
+    if (written.camera) app.camera = written.camera;
+    else app.lookFrom(null);
+  };
   const panel = new Panel(app, side, burner, { screenshot, reset, help: () => help.toggle() });
   const left = el("div", "left", info.element, bar.element);
   root.append(left, side, info.command, help.element);
@@ -128,7 +134,7 @@ function run(page: Page): void {
   layout();
   theme();
   const place = () => {
-    if (first.camera) app.camera = first.camera;
+    if (camera) app.camera = camera;
     else app.lookFrom(null);
   };
   place();
@@ -142,7 +148,7 @@ function run(page: Page): void {
   stage.camera.listen(stage.canvas, moved, (x, y) => app.pickAt(x, y));
   window.addEventListener("resize", () => {
     layout();
-    if (!touched && !first.camera) app.frame();
+    if (!touched && !camera) app.frame();
     app.set({});
   });
   window.addEventListener("hashchange", () => {

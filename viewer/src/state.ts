@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Everything a view consists of, and its form in the address (FORMAT.md, "State in the address").
 import type { LayerName, Page } from "./data";
-import { exact, parseLength } from "./format";
+import { decimalOf, exact, floor32, parseLength } from "./format";
 import { measuresOf, UNIFORM } from "./measures";
 
 export interface Camera {
@@ -94,7 +94,7 @@ export function sanitize(state: State, page: Page): State {
   const s = { ...state };
   if (!page.layers.has(s.layer)) s.layer = defaultLayer(page);
   if (s.color !== UNIFORM && !page.layers.get(s.layer)!.measures.has(s.color)) s.color = defaultColor(page, s.layer);
-  const length = (x: number, floor: number) => (Number.isNaN(x) ? floor : Math.max(x, floor));
+  const length = (x: number, floor: number) => floor32(Number.isNaN(x) ? floor : Math.max(x, floor));
   s.lambda = length(s.lambda, page.meta.floor.lambda);
   s.theta2 = length(s.theta2, page.meta.floor.theta2);
   s.theta1 = length(s.theta1, page.meta.floor.theta1);
@@ -112,7 +112,8 @@ export function toHash(state: State, base: State, camera: Camera | null): string
   for (const key of Object.keys(base) as (keyof State)[]) {
     const value = state[key];
     if (SKIPPED.has(key) || Object.is(value, base[key])) continue;
-    parts.push(`${key}=${typeof value === "boolean" ? Number(value) : typeof value === "number" ? exact(value) : encodeURIComponent(value)}`);
+    const isLength = key === "lambda" || key === "theta2" || key === "theta1";
+    parts.push(`${key}=${isLength ? decimalOf(value as number, true) : typeof value === "boolean" ? Number(value) : typeof value === "number" ? exact(value) : encodeURIComponent(value)}`);
   }
   if (state.dark !== base.dark) parts.push(`dark=${Number(state.dark)}`);
   if (!state.ui) parts.push("ui=0");
