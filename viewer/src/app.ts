@@ -108,6 +108,7 @@ export class App {
 
   /// Everything that follows from the state; only what changed is done.
   update(): void {
+    this.shown().view.fadeLines(this.shown().set, this.stage.camera.perPixel * this.page.meta.side);
     const s = this.state, old = this.applied;
     if (old === s) return;
     this.applied = s;
@@ -115,7 +116,7 @@ export class App {
     const shown = this.shown(), { view } = shown, shared = this.stage.shared;
     const level = s.layer === "core" ? "lambda" : "theta2";
     if (changed("layer", level, "theta1")) {
-      shown.sets.compute(s.layer === "core" ? s.lambda : s.layer === "skeleton" ? s.theta2 : -Infinity, s.layer === "skeleton" ? s.theta1 : 0);
+      shown.sets.compute(s.layer === "core" ? s.lambda : s.layer === "skeleton" ? s.theta2 : 0, s.layer === "skeleton" ? s.theta1 : 0);
       view.show(shown.set);
       this.ballsChanged();
     }
@@ -155,7 +156,7 @@ export class App {
   numbers(): Numbers {
     const { set } = this.shown();
     return {
-      faces: set.faces, area: set.area, curveEdges: set.curves.count, curveLength: set.curveLength, freeEnds: set.freeEnds,
+      faces: set.faces, area: set.area, curveEdges: set.curves.count, curveLength: set.curves.length, freeEnds: set.freeEnds,
       isolated: set.isolated.count, vertices: set.vertices, edges: set.edges, boundaryEdges: set.boundary.count, seamEdges: set.seams.count,
     };
   }

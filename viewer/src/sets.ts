@@ -10,7 +10,6 @@ export interface CellSet {
   edges: number;
   vertices: number;
   area: number;
-  curveLength: number;
   freeEnds: number;
   /// Edges with no, one, and three or more visible faces; the buffers hold `count` of them.
   curves: EdgeList;
@@ -21,7 +20,7 @@ export interface CellSet {
   pruned: Uint8Array;
   level: number;
 }
-export interface EdgeList { edge: Uint32Array; count: number }
+export interface EdgeList { edge: Uint32Array; count: number; length: number }
 export interface VertexList { vertex: Uint32Array; count: number }
 
 const NEVER = -Infinity;
@@ -128,10 +127,10 @@ export class LayerSets {
     this.gone = new Uint8Array(edgeCount);
     this.stack = new Uint32Array(2 * lone);
     this.set = {
-      faces: 0, triangles: 0, edges: 0, vertices: 0, area: 0, curveLength: 0, freeEnds: 0, level: 0,
-      curves: { edge: new Uint32Array(lone), count: 0 },
-      boundary: { edge: new Uint32Array(rim), count: 0 },
-      seams: { edge: new Uint32Array(seam), count: 0 },
+      faces: 0, triangles: 0, edges: 0, vertices: 0, area: 0, freeEnds: 0, level: 0,
+      curves: { edge: new Uint32Array(lone), count: 0, length: 0 },
+      boundary: { edge: new Uint32Array(rim), count: 0, length: 0 },
+      seams: { edge: new Uint32Array(seam), count: 0, length: 0 },
       isolated: { vertex: new Uint32Array(loneVertices.length), count: 0 },
       pruned: new Uint8Array(vertexCount),
     };
@@ -197,28 +196,19 @@ export class LayerSets {
 
   private classify(level: number): void {
     const { set, degree, gone, first, second, third } = this;
+    const collect = (from: Uint32Array, to: EdgeList, wanted: (e: number) => boolean) => {
+      to.count = to.length = 0;
+      for (let i = 0; i < from.length; ++i) {
+        const e = from[i]!;
+        if (!wanted(e)) continue;
+        to.edge[to.count++] = e;
+        to.length += this.lengths[e]!;
+      }
+    };
+    collect(this.loneEdges, set.curves, (e) => !gone[e] && this.edgeLevel[e]! >= level && first[e]! < level);
+    collect(this.rimEdges, set.boundary, (e) => first[e]! >= level && second[e]! < level);
+    collect(this.seamEdges, set.seams, (e) => third[e]! >= level);
     let n = 0;
-    set.curveLength = 0;
-    for (let i = 0; i < this.loneEdges.length; ++i) {
-      const e = this.loneEdges[i]!;
-      if (gone[e] || this.edgeLevel[e]! < level || first[e]! >= level) continue;
-      set.curves.edge[n++] = e;
-      set.curveLength += this.lengths[e]!;
-    }
-    set.curves.count = n;
-    n = 0;
-    for (let i = 0; i < this.rimEdges.length; ++i) {
-      const e = this.rimEdges[i]!;
-      if (first[e]! >= level && second[e]! < level) set.boundary.edge[n++] = e;
-    }
-    set.boundary.count = n;
-    n = 0;
-    for (let i = 0; i < this.seamEdges.length; ++i) {
-      const e = this.seamEdges[i]!;
-      if (third[e]! >= level) set.seams.edge[n++] = e;
-    }
-    set.seams.count = n;
-    n = 0;
     set.freeEnds = 0;
     for (let i = 0; i < this.loneVertices.length; ++i) {
       const v = this.loneVertices[i]!;

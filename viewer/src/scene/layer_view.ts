@@ -92,8 +92,8 @@ export class LayerView {
     plain(this.surface, state.dark ? "8fa3b8" : "a9bccf", uniform);
     plain(this.curves.mesh, accent, !state.curvesByMeasure || uniform);
     plain(this.points.mesh, accent, !state.curvesByMeasure || uniform);
-    plain(this.boundary.mesh, state.dark ? "e8ecf2" : "20242c", true);
-    plain(this.seams.mesh, state.dark ? "ffffff" : "0b0d12", true);
+    plain(this.boundary.mesh, state.dark ? "d5dae2" : "20242c", true);
+    plain(this.seams.mesh, "0b0d12", true);
     plain(this.union.mesh, state.dark ? "9fb2c6" : "b9cada", uniform);
     this.surface.visible = state.sheets && !state.balls;
     this.boundary.mesh.visible = state.boundary && !state.balls;
@@ -106,9 +106,16 @@ export class LayerView {
     this.boundary.mesh.material.uniforms.halfWidth!.value = 0.55 * pixelRatio;
     this.seams.mesh.material.uniforms.halfWidth!.value = 0.75 * pixelRatio;
     this.points.mesh.material.uniforms.fixedPixels!.value = (state.curveWidth / 2 + 2) * pixelRatio;
-    // Lines of dense complexes would cover the sheets.
-    this.boundary.mesh.material.uniforms.opacity!.value = 0.85;
-    this.seams.mesh.material.uniforms.opacity!.value = 0.85;
+  }
+
+  /// Lines of dense complexes would cover the sheets: the larger the share they would cover, the paler they are, so they
+  /// come up when one goes near. `perPixel`: world units.
+  fadeLines(set: CellSet, perPixel: number): void {
+    for (const [bars, list, width] of [[this.boundary, set.boundary, 1.1], [this.seams, set.seams, 1.5]] as const) {
+      const covered = set.area > 0 ? (list.length * width * perPixel) / set.area : 0;
+      const opacity = Math.min(0.9, 0.012 / Math.max(covered, 1e-9));
+      bars.mesh.material.uniforms.opacity!.value = opacity < 0.12 ? 0 : opacity;
+    }
   }
 }
 

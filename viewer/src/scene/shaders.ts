@@ -129,7 +129,7 @@ export const barFragment = /* glsl */ `
     float t = clamp(dot(ap, ab) / max(dot(ab, ab), 1e-6), 0.0, 1.0);
     vec2 off = ap - ab * t;
     float far = length(off), cover = clamp(vHalf - far + 0.5, 0.0, 1.0);
-    if (cover <= 0.0) discard;
+    if (cover * opacity <= 0.0) discard;
     float glow;
     vec3 base = usePlain > 0.5 ? plain : colourOf(vValue);
     base = burned(base, vTime, glow);
