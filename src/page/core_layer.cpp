@@ -24,7 +24,7 @@ std::size_t add_core(Page& page, const MedialAxis& axis, const std::vector<DataA
   cells.face_level = comparable(axis.face_level);
   cells.edge_level = comparable(axis.edge_level);
   cells.vertex_level = comparable(axis.vertex_level);
-  Floor floor = faces_within(axis.complex, cells.face_level, max_triangles);
+  Floor floor = FacesByLevel(axis.complex, cells.face_level).within(max_triangles);
   cells.faces = std::move(floor.faces);
   for (const float level : cells.edge_level) cells.edge.push_back(level >= floor.level);
   for (const float level : cells.vertex_level) cells.vertex.push_back(level >= floor.level);

@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <numeric>
+#include <bit>
 
 namespace quench {
 
@@ -91,19 +91,25 @@ void add_measures(Page& page, const std::string& layer, const std::vector<DataAr
   }
 }
 
-Floor faces_within(const CellComplex& complex, const std::vector<float>& face_level, std::size_t budget) {
+FacesByLevel::FacesByLevel(const CellComplex& complex, const std::vector<float>& face_level)
+    : complex_(complex), level_(face_level) {
+  // Levels are not negative, so their bits are in their order.
+  std::vector<std::uint64_t> keys(complex.face_count());
+  for (std::uint32_t f = 0; f < keys.size(); ++f)
+    keys[f] = std::uint64_t{~std::bit_cast<std::uint32_t>(level_[f])} << 32 | f;
+  std::sort(keys.begin(), keys.end());
+  order_.reserve(keys.size());
+  for (const std::uint64_t key : keys) order_.push_back(static_cast<std::uint32_t>(key));
+}
+
+Floor FacesByLevel::within(std::size_t budget) const {
   Floor floor;
-  floor.faces.resize(complex.face_count());
-  std::iota(floor.faces.begin(), floor.faces.end(), 0u);
-  std::stable_sort(floor.faces.begin(), floor.faces.end(),
-                   [&](std::uint32_t a, std::uint32_t b) { return face_level[a] > face_level[b]; });
   std::size_t kept = 0;
-  while (kept < floor.faces.size()) {
+  while (kept < order_.size()) {
     // Faces of one level stay or go together; those that never go stay in any case.
-    const float level = face_level[floor.faces[kept]];
+    const float level = level_[order_[kept]];
     std::size_t end = kept, more = 0;
-    for (; end < floor.faces.size() && face_level[floor.faces[end]] == level; ++end)
-      more += complex.corners(floor.faces[end]).size() - 2;
+    for (; end < order_.size() && level_[order_[end]] == level; ++end) more += complex_.corners(order_[end]).size() - 2;
     if (floor.triangles + more > budget && std::isfinite(level)) {
       floor.level = std::nextafter(level, std::numeric_limits<float>::infinity());
       break;
@@ -111,7 +117,7 @@ Floor faces_within(const CellComplex& complex, const std::vector<float>& face_le
     floor.triangles += more;
     kept = end;
   }
-  floor.faces.resize(kept);
+  floor.faces.assign(order_.begin(), order_.begin() + static_cast<std::ptrdiff_t>(kept));
   return floor;
 }
 

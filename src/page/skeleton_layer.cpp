@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 
 #include "complex/thinning.h"
 #include "layer.h"
@@ -18,25 +19,40 @@ std::vector<float> comparable(const std::vector<double>& levels) {
   return floats;
 }
 
-/// Where each vertex of K is drawn: region duals at their exit doors, as skeletons are written. A dual inside a curve
-/// that never burns has no exit: it goes to that of its two doors on it that burns last. (extract() decides the latter
-/// per member of the family; a page can only decide once.)
+/// Where each vertex of K is drawn: region duals at their exit doors, as skeletons are written. A dual without exit (in
+/// a curve that never burns, or a medial point) goes to one of its two doors on the curves that stay longest, that
+/// which burns last, unless three stay for ever. extract() decides the latter per member of the family, by the curves
+/// the member has; a page can only decide once.
 std::vector<std::uint32_t> drawn_at(const SkeletonFamily& family) {
   const RefinedAxis& k = family.refined;
   const std::uint32_t first_dual = k.nodes + k.doors;
-  std::vector<std::uint32_t> at(k.complex.vertex_count), curves(at.size(), 0), door(at.size(), kNone);
+  std::vector<std::uint32_t> at(k.complex.vertex_count);
   for (std::uint32_t v = 0; v < at.size(); ++v) at[v] = v;
+  struct Longest {
+    std::array<std::uint32_t, 2> edge{kNone, kNone};
+    std::uint32_t endless = 0;
+  };
+  std::vector<Longest> longest(at.size() - std::min<std::size_t>(at.size(), first_dual));
+  const auto level = [&](std::uint32_t e) { return e == kNone ? -1 : family.level_of(e); };
   for (std::uint32_t e = 2 * k.doors; e < k.complex.edges.size(); ++e) {
-    const auto [a, v] = k.complex.edges[e];
-    if (!k.curve_edge[e] || v < first_dual || family.level_of(e) < kNever) continue;
-    ++curves[v];
-    if (door[v] == kNone || k.burn_time[a] > k.burn_time[door[v]]) door[v] = a;
+    const std::uint32_t v = k.complex.edges[e][1];
+    if (!k.curve_edge[e] || v < first_dual || k.exit[v] != kNone) continue;
+    auto& [edge, endless] = longest[v - first_dual];
+    endless += std::isinf(family.level_of(e));
+    if (level(e) > level(edge[0]))
+      edge = {e, edge[0]};
+    else if (level(e) > level(edge[1]))
+      edge[1] = e;
   }
   for (std::uint32_t v = first_dual; v < at.size(); ++v) {
-    if (const std::uint32_t e = k.exit[v]; e != kNone)
+    const auto& [edge, endless] = longest[v - first_dual];
+    if (const std::uint32_t e = k.exit[v]; e != kNone) {
       at[v] = k.complex.edges[e][0] == v ? k.complex.edges[e][1] : k.complex.edges[e][0];
-    else if (curves[v] == 2)
-      at[v] = door[v];
+    } else if (edge[1] != kNone && endless < 3) {
+      const std::uint32_t a = k.complex.edges[edge[0]][0], b = k.complex.edges[edge[1]][0];
+      // The doors are in the order of their edges, and the first of two that burn at a time is taken.
+      at[v] = k.burn_time[b] > k.burn_time[a] || (k.burn_time[b] == k.burn_time[a] && edge[1] < edge[0]) ? b : a;
+    }
   }
   return at;
 }
@@ -68,7 +84,8 @@ std::size_t add_skeleton(Page& page, const SkeletonFamily& family, std::size_t m
   cells.edge_level = comparable(family.edge_sheet_level);
   cells.vertex_level = comparable(family.vertex_sheet_level);
 
-  Floor floor = faces_within(c, cells.face_level, max_triangles);
+  const FacesByLevel by_level(c, cells.face_level);
+  Floor floor = by_level.within(max_triangles);
   std::vector<char> on_face;
   std::size_t free_curves = 0;
   const auto look_at_curves = [&] {
@@ -80,7 +97,7 @@ std::size_t add_skeleton(Page& page, const SkeletonFamily& family, std::size_t m
   };
   look_at_curves();
   if (floor.triangles + free_curves > max_triangles) {
-    floor = faces_within(c, cells.face_level, max_triangles / 5 * 4);
+    floor = by_level.within(max_triangles / 5 * 4);
     look_at_curves();
   }
   for (const float level : cells.edge_level) cells.edge.push_back(level >= floor.level);

@@ -144,7 +144,7 @@ std::string zipped(const Page& page) {
     const std::string_view part = std::string_view(raw).substr(b * kBlock, kBlock);
     check[b] = crc32(0, reinterpret_cast<const Bytef*>(part.data()), static_cast<uInt>(part.size()));
     z_stream stream{};
-    failed[b] = deflateInit2(&stream, 3, Z_DEFLATED, -15, 9, Z_DEFAULT_STRATEGY) != Z_OK;
+    failed[b] = deflateInit2(&stream, Z_BEST_SPEED, Z_DEFLATED, -15, 9, Z_DEFAULT_STRATEGY) != Z_OK;
     if (failed[b]) return;
     std::string& out = deflated[b];
     out.resize(deflateBound(&stream, static_cast<uLong>(part.size())) + 64);
