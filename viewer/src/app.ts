@@ -40,7 +40,7 @@ export interface Picked {
 
 interface Shown { sets: LayerSets; view: LayerView; set: CellSet; ranges: Map<string, Range> }
 
-const MOST_BALLS = 40000;
+const MOST_BALLS = 12000;
 
 export class App {
   state: State;
@@ -182,7 +182,7 @@ export class App {
     this.onShare("Union of balls: counting …");
     // Not while a slider moves.
     this.balls.timer = window.setTimeout(async () => {
-      const list = ballsToDraw(layer, shown.sets, this.page.meta.side, MOST_BALLS);
+      const list = ballsToDraw(layer, shown.sets, shown.set, this.page.meta, MOST_BALLS);
       shown.view.union.write(list, list.length);
       this.stage.invalidate();
       const share = await shareInside(this.page.meta, this.page.shape, layer, shown.sets, () => ticket !== this.balls.wanted);

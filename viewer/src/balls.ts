@@ -1,30 +1,31 @@
 // SPDX-License-Identifier: Apache-2.0
 // The union of the balls of what is visible: which of them to draw, and what share of the shape they fill.
 import type { Layer, Meta, Shape } from "./data";
-import type { LayerSets } from "./sets";
+import type { CellSet, LayerSets } from "./sets";
 
 const SLICE = 8; // milliseconds of work between frames
 
-/// Of many balls those that matter to the eye: the largest in each cell of a grid, as fine as `most` balls allow.
-export function ballsToDraw(layer: Layer, sets: LayerSets, side: number, most: number): Uint32Array {
+/// Of many balls those that matter to the eye. Balls of radius r whose centres are d apart leave dents of about
+/// d^2 / 8r between them, so the larger they are the fewer are needed; those at rims and ends go first.
+export function ballsToDraw(layer: Layer, sets: LayerSets, set: CellSet, meta: Meta, most: number): Uint32Array {
   const radius = layer.measures.get("radius");
   if (!radius) return new Uint32Array(0);
+  const rim = new Uint8Array(layer.vertexCount);
+  for (let i = 0; i < set.boundary.count; ++i) for (const k of [0, 1]) rim[layer.edges[2 * set.boundary.edge[i]! + k]!] = 1;
   const visible: number[] = [];
-  for (let v = 0; v < layer.vertexCount; ++v) if (radius[v]! > 0 && sets.isVisible(v)) visible.push(v);
-  if (visible.length <= most) return Uint32Array.from(visible);
+  for (let v = 0; v < layer.vertexCount; ++v) if (radius[v]! > 0 && Number.isFinite(radius[v]!) && sets.isVisible(v)) visible.push(v);
   const p = layer.points;
-  let best = new Map<number, number>();
-  for (let cells = 512; cells >= 8; cells = Math.floor(cells * 0.75)) {
-    best = new Map();
-    const h = side / cells;
+  for (let dent = 0.1 * (meta.voxel ?? meta.side / 256); ; dent *= 2) {
+    const best = new Map<number, number>();
+    const better = (v: number, w: number) => rim[v]! > rim[w]! || (rim[v] === rim[w] && radius[v]! > radius[w]!);
     for (const v of visible) {
-      const key = (Math.floor(p[3 * v]! / h) & 1023) + 1024 * (Math.floor(p[3 * v + 1]! / h) & 1023) + 1048576 * (Math.floor(p[3 * v + 2]! / h) & 1023);
+      const level = Math.round(2 * Math.log2(Math.sqrt(8 * radius[v]! * dent) * 0.6)), cell = 2 ** (level / 2);
+      const key = ((level & 31) * 1024 + (Math.floor(p[3 * v]! / cell) & 1023)) * 1048576 + (Math.floor(p[3 * v + 1]! / cell) & 1023) * 1024 + (Math.floor(p[3 * v + 2]! / cell) & 1023);
       const old = best.get(key);
-      if (old === undefined || radius[v]! > radius[old]!) best.set(key, v);
+      if (old === undefined || better(v, old)) best.set(key, v);
     }
-    if (best.size <= most) break;
+    if (best.size <= most) return Uint32Array.from(best.values());
   }
-  return Uint32Array.from(best.values());
 }
 
 /// The share of `shape/samples` inside the balls of visible vertices, or null without samples. Runs in slices; stops

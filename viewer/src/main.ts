@@ -99,7 +99,7 @@ function run(page: Page): void {
   };
   const layout = () => {
     const wide = window.innerWidth >= 900 && app.state.ui;
-    stage.resize(window.innerWidth, window.innerHeight, wide ? { left: 200, right: 310, top: 14, bottom: 40 } : app.state.ui ? { left: 0, right: 0, top: 0, bottom: 0 } : { left: 20, right: 20, top: 16, bottom: 16 });
+    stage.resize(window.innerWidth, window.innerHeight, wide ? { left: 290, right: 316, top: 20, bottom: 60 } : app.state.ui ? { left: 0, right: 0, top: 0, bottom: 0 } : { left: 20, right: 20, top: 16, bottom: 16 });
   };
 
   let hashTimer = 0;

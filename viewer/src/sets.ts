@@ -10,7 +10,7 @@ export interface CellSet {
   edges: number;
   vertices: number;
   area: number;
-  freeEnds: number;
+  freeEnds: number; ///< edges of length zero are none
   /// Edges with no, one, and three or more visible faces; the buffers hold `count` of them.
   curves: EdgeList;
   boundary: EdgeList;
@@ -42,11 +42,19 @@ export class LayerSets {
   private readonly rimEdges: Uint32Array; ///< ... exactly one
   private readonly seamEdges: Uint32Array; ///< ... three or more
   private readonly loneVertices: Uint32Array; ///< vertices of lone edges, and those without any edge
-  private readonly heldLevel: Float32Array; ///< per vertex: the largest level of edges that are no lone edges
-  private readonly keep: Uint8Array;
-  private readonly degree: Uint32Array; ///< of lone edges that are there
+  // The passes over lone edges read what they need in order, by numbers of lone edges and lone vertices.
+  private readonly ends: Uint32Array; ///< two lone vertices per lone edge
+  private readonly loneLevel: Float32Array;
+  private readonly loneFirst: Float32Array;
+  private readonly loneThickness: Float32Array;
+  private readonly loneLength: Float32Array;
+  private readonly held: Float32Array; ///< per lone vertex: the largest level of edges that are no lone edges
+  private readonly ownLevel: Float32Array; ///< ... its own
+  private readonly keep: Uint8Array; ///< ... never pruned
+  private readonly degree: Uint32Array; ///< ... lone edges there
   private readonly edgeXor: Uint32Array;
-  private readonly gone: Uint8Array; ///< per edge: pruned
+  private readonly out: Uint8Array; ///< ... pruned, or drawn together with a neighbour
+  private readonly gone: Uint8Array; ///< per lone edge: pruned
   private readonly stack: Uint32Array;
   private readonly set: CellSet;
   readonly triangleOffset: Uint32Array;
@@ -84,7 +92,7 @@ export class LayerSets {
       this.triangleOffset[f + 1] = this.triangleOffset[f]! + Math.max(0, end - begin - 2);
     }
     this.lengths = new Float32Array(edgeCount);
-    this.heldLevel = new Float32Array(vertexCount).fill(NEVER);
+    const held = new Float32Array(vertexCount).fill(NEVER);
     let lone = 0, rim = 0, seam = 0;
     const isLone = (e: number) => this.edgeLevel[e]! > this.first[e]!;
     const isRim = (e: number) => this.first[e]! > this.second[e]!;
@@ -111,21 +119,34 @@ export class LayerSets {
         if (isLone(e)) role[v]! |= 2;
         else {
           role[v]! |= 1;
-          this.heldLevel[v] = Math.max(this.heldLevel[v]!, this.edgeLevel[e]!);
+          held[v] = Math.max(held[v]!, this.edgeLevel[e]!);
         }
       }
     const loneVertices: number[] = [];
     for (let v = 0; v < vertexCount; ++v)
-      if (role[v]! & 2 || this.vertexLevel[v]! > this.heldLevel[v]!) loneVertices.push(v);
+      if (role[v]! & 2 || this.vertexLevel[v]! > held[v]!) loneVertices.push(v);
     this.loneVertices = Uint32Array.from(loneVertices);
     this.sortedVertexLevel = Float32Array.from(this.vertexLevel).sort();
     this.sortedEdgeLevel = Float32Array.from(this.edgeLevel).sort();
-    this.keep = new Uint8Array(vertexCount);
-    for (const v of layer.medialPoints ?? []) this.keep[v] = 1;
-    this.degree = new Uint32Array(vertexCount);
-    this.edgeXor = new Uint32Array(vertexCount);
-    this.gone = new Uint8Array(edgeCount);
-    this.stack = new Uint32Array(2 * lone);
+    const number = new Uint32Array(vertexCount);
+    this.loneVertices.forEach((v, i) => { number[v] = i; });
+    const keep = new Uint8Array(vertexCount);
+    for (const v of layer.medialPoints ?? []) keep[v] = 1;
+    const n = this.loneVertices.length;
+    this.held = Float32Array.from(this.loneVertices, (v) => held[v]!);
+    this.ownLevel = Float32Array.from(this.loneVertices, (v) => this.vertexLevel[v]!);
+    this.keep = Uint8Array.from(this.loneVertices, (v) => keep[v]!);
+    this.ends = new Uint32Array(2 * lone);
+    for (let i = 0; i < lone; ++i) for (const k of [0, 1]) this.ends[2 * i + k] = number[edges[2 * this.loneEdges[i]! + k]!]!;
+    this.loneLevel = Float32Array.from(this.loneEdges, (e) => this.edgeLevel[e]!);
+    this.loneFirst = Float32Array.from(this.loneEdges, (e) => this.first[e]!);
+    this.loneThickness = Float32Array.from(this.loneEdges, (e) => this.thickness[e]!);
+    this.loneLength = Float32Array.from(this.loneEdges, (e) => this.lengths[e]!);
+    this.degree = new Uint32Array(n);
+    this.edgeXor = new Uint32Array(n);
+    this.out = new Uint8Array(n);
+    this.gone = new Uint8Array(lone);
+    this.stack = new Uint32Array(2 * lone + 1);
     this.set = {
       faces: 0, triangles: 0, edges: 0, vertices: 0, area: 0, freeEnds: 0, level: 0,
       curves: { edge: new Uint32Array(lone), count: 0, length: 0 },
@@ -138,56 +159,60 @@ export class LayerSets {
 
   /// The cells with level >= `level`, and of the curves what pruning at `theta1` leaves.
   compute(level: number, theta1: number): CellSet {
-    const { set, degree, edgeXor, gone, thickness, first } = this;
-    const edges = this.layer.edges;
+    const { set, degree, edgeXor, gone, out, ends, loneLevel } = this;
     set.level = level;
     set.faces = this.layer.faceLevel ? countAtLeastDecreasing(this.layer.faceLevel, level) : this.layer.faceCount;
     set.triangles = this.triangleOffset[set.faces]!;
     set.area = this.areaBefore[set.faces]!;
-    for (let i = 0; i < this.loneVertices.length; ++i) {
-      const v = this.loneVertices[i]!;
-      degree[v] = edgeXor[v] = 0;
-      set.pruned[v] = 0;
-    }
-    for (let i = 0; i < this.loneEdges.length; ++i) {
-      const e = this.loneEdges[i]!;
-      gone[e] = 0;
-      if (this.edgeLevel[e]! < level) continue;
-      const a = edges[2 * e]!, b = edges[2 * e + 1]!;
+    degree.fill(0);
+    edgeXor.fill(0);
+    gone.fill(0);
+    out.fill(0);
+    for (let i = 0, n = this.loneEdges.length; i < n; ++i) {
+      if (loneLevel[i]! < level) continue;
+      const a = ends[2 * i]!, b = ends[2 * i + 1]!;
       ++degree[a]!;
       ++degree[b]!;
-      edgeXor[a]! ^= e;
-      edgeXor[b]! ^= e;
+      edgeXor[a]! ^= i;
+      edgeXor[b]! ^= i;
     }
-    let prunedCount = 0;
-    // Removal with fixed keys gives the same in any order, so a stack will do.
-    let height = 0;
-    const free = (v: number) => {
-      if (degree[v] !== 1 || this.heldLevel[v]! >= level || this.keep[v]) return false;
-      const e = edgeXor[v]!;
-      return thickness[e]! < theta1 && first[e]! < level;
-    };
-    for (let i = 0; i < this.loneVertices.length; ++i) {
-      let v = this.loneVertices[i]!;
-      if (free(v)) this.stack[height++] = v;
+    const pruned = this.prune(level, theta1);
+    set.pruned.fill(0);
+    if (pruned > 0) for (let i = 0; i < out.length; ++i) if (out[i]) set.pruned[this.loneVertices[i]!] = 1;
+    this.classify(level);
+    set.vertices = countAtLeast(this.sortedVertexLevel, level) - pruned;
+    set.edges = countAtLeast(this.sortedEdgeLevel, level) - pruned;
+    return set;
+  }
+
+  /// Takes off free edges below theta1. With fixed keys any order gives the same, so a stack will do.
+  private prune(level: number, theta1: number): number {
+    const { loneThickness, loneFirst, keep, gone } = this;
+    return this.takeOff((v, i) => keep[v] === 0 && loneThickness[i]! < theta1 && loneFirst[i]! < level, level, gone);
+  }
+
+  private takeOff(may: (v: number, i: number) => boolean, level: number, mark: Uint8Array | null): number {
+    const { degree, edgeXor, held, ends, out, stack } = this;
+    let height = 0, count = 0;
+    for (let start = 0; start < degree.length; ++start) {
+      if (degree[start] !== 1) continue;
+      stack[height++] = start;
       while (height > 0) {
-        v = this.stack[--height]!;
-        if (!free(v)) continue;
-        const e = edgeXor[v]!;
-        const other = edges[2 * e] === v ? edges[2 * e + 1]! : edges[2 * e]!;
-        gone[e] = 1;
-        set.pruned[v] = 1;
-        ++prunedCount;
+        const v = stack[--height]!;
+        if (degree[v] !== 1 || held[v]! >= level) continue;
+        const i = edgeXor[v]!;
+        if (!may(v, i)) continue;
+        const other = ends[2 * i] === v ? ends[2 * i + 1]! : ends[2 * i]!;
+        if (mark) mark[i] = 1;
+        out[v] = 1;
+        ++count;
         degree[v] = 0;
         --degree[other]!;
-        edgeXor[other]! ^= e;
-        if (free(other)) this.stack[height++] = other;
+        edgeXor[other]! ^= i;
+        if (degree[other] === 1) stack[height++] = other;
       }
     }
-    this.classify(level);
-    set.vertices = countAtLeast(this.sortedVertexLevel, level) - prunedCount;
-    set.edges = countAtLeast(this.sortedEdgeLevel, level) - prunedCount;
-    return set;
+    return count;
   }
 
   isVisible(v: number): boolean {
@@ -195,28 +220,34 @@ export class LayerSets {
   }
 
   private classify(level: number): void {
-    const { set, degree, gone, first, second, third } = this;
-    const collect = (from: Uint32Array, to: EdgeList, wanted: (e: number) => boolean) => {
-      to.count = to.length = 0;
-      for (let i = 0; i < from.length; ++i) {
-        const e = from[i]!;
-        if (!wanted(e)) continue;
-        to.edge[to.count++] = e;
-        to.length += this.lengths[e]!;
-      }
-    };
-    collect(this.loneEdges, set.curves, (e) => !gone[e] && this.edgeLevel[e]! >= level && first[e]! < level);
-    collect(this.rimEdges, set.boundary, (e) => first[e]! >= level && second[e]! < level);
-    collect(this.seamEdges, set.seams, (e) => third[e]! >= level);
-    let n = 0;
-    set.freeEnds = 0;
-    for (let i = 0; i < this.loneVertices.length; ++i) {
-      const v = this.loneVertices[i]!;
-      if (this.heldLevel[v]! >= level) continue;
-      if (degree[v] === 1) ++set.freeEnds;
-      else if (degree[v] === 0 && this.vertexLevel[v]! >= level && !set.pruned[v]) set.isolated.vertex[n++] = v;
+    const { set, degree, gone, first, second, third, lengths, loneLevel, loneFirst, loneLength } = this;
+    const { curves, boundary, seams } = set;
+    curves.count = curves.length = boundary.count = boundary.length = seams.count = seams.length = 0;
+    for (let i = 0, n = this.loneEdges.length; i < n; ++i) {
+      if (gone[i] || loneLevel[i]! < level || loneFirst[i]! >= level) continue;
+      curves.edge[curves.count++] = this.loneEdges[i]!;
+      curves.length += loneLength[i]!;
     }
-    set.isolated.count = n;
+    for (let i = 0, n = this.rimEdges.length; i < n; ++i) {
+      const e = this.rimEdges[i]!;
+      if (first[e]! < level || second[e]! >= level) continue;
+      boundary.edge[boundary.count++] = e;
+      boundary.length += lengths[e]!;
+    }
+    for (let i = 0, n = this.seamEdges.length; i < n; ++i) {
+      const e = this.seamEdges[i]!;
+      if (third[e]! < level) continue;
+      seams.edge[seams.count++] = e;
+      seams.length += lengths[e]!;
+    }
+    // Parts that coincide count once: a curve does not end with an edge of length zero.
+    this.takeOff((_, i) => loneLength[i] === 0 && loneFirst[i]! < level, level, null);
+    set.freeEnds = set.isolated.count = 0;
+    for (let i = 0, n = this.loneVertices.length; i < n; ++i) {
+      if (this.out[i] || this.held[i]! >= level) continue;
+      if (degree[i] === 1) ++set.freeEnds;
+      else if (degree[i] === 0 && this.ownLevel[i]! >= level) set.isolated.vertex[set.isolated.count++] = this.loneVertices[i]!;
+    }
   }
 
   private polygonArea(begin: number, end: number): number {

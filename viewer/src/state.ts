@@ -57,7 +57,7 @@ export function defaultColor(page: Page, name: LayerName): string {
 export function defaults(page: Page, dark: boolean): State {
   const { meta } = page;
   const layer = defaultLayer(page);
-  return {
+  const state: State = {
     layer,
     lambda: Math.max(meta.lambda ?? 0, meta.floor.lambda),
     theta2: Math.max(meta.theta2 ?? 0, meta.floor.theta2),
@@ -87,6 +87,7 @@ export function defaults(page: Page, dark: boolean): State {
     dark,
     ui: true,
   };
+  return sanitize(state, page);
 }
 
 /// What makes no sense (a layer or array that is not there, a length below the floor) is put right.

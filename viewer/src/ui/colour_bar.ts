@@ -34,7 +34,7 @@ export class ColourBar {
     for (let i = 0; i <= 32; ++i) gradient.addColorStop(i / 32, css(colourAt(map, i / 32)));
     c.fillStyle = gradient;
     c.beginPath();
-    c.roundRect(margin, 2, length, 10, 2);
+    c.rect(margin, 2, length, 10);
     c.fill();
     c.fillStyle = styleOf("--text");
     c.font = "12px system-ui, sans-serif";
@@ -45,9 +45,16 @@ export class ColourBar {
       c.fillRect(at - 0.5, 13, 1, 4);
       c.fillText(short(Math.abs(x) < 1e-9 * Math.abs(high) ? 0 : Number(x.toPrecision(6)), 4), at, 29);
     }
-    // Values beyond the ends take their colours.
-    c.font = "11px system-ui, sans-serif";
-    if (range.low < low - 1e-6 * (high - low)) c.fillText("≤", 5, 11);
-    if (range.high > high + 1e-6 * (high - low)) c.fillText("≤", width - 6, 11);
+    // Values beyond the ends take their colours: arrow heads.
+    const arrow = (from: number, to: number, t: number) => {
+      c.fillStyle = css(colourAt(map, t));
+      c.beginPath();
+      c.moveTo(from, 2);
+      c.lineTo(to, 7);
+      c.lineTo(from, 12);
+      c.fill();
+    };
+    if (range.low < low - 1e-6 * (high - low)) arrow(margin, margin - 8, 0);
+    if (range.high > high + 1e-6 * (high - low)) arrow(margin + length, margin + length + 8, 1);
   }
 }

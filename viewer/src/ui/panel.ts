@@ -42,7 +42,7 @@ export class Panel {
       colour.add(range, "low").name("from").onFinishChange((x: number) => app.set({ rangeLow: x })),
       colour.add(range, "high").name("to").onFinishChange((x: number) => app.set({ rangeHigh: x })),
     ];
-    colour.add(range, "auto").name("range of the values");
+    this.auto = colour.add(range, "auto").name("range of the values");
 
     const parts = this.folder("Parts");
     this.add(parts, "sheets", "sheets");
@@ -52,16 +52,18 @@ export class Panel {
     this.add(parts, "points", "isolated points");
     this.add(parts, "curveWidth", "curve width").min(1).max(14).step(0.5);
 
-    const around = this.folder("Shape");
+    const around = this.folder("Shape and space");
     if (app.glass) {
       this.add(around, "shape", "shape around");
       this.add(around, "shapeOpacity", "opacity").min(0).max(1).step(0.01);
     }
     this.add(around, "balls", "union of balls");
     this.add(around, "clip", "clip");
-    this.add(around, "clipAxis", "across", { x: "x", y: "y", z: "z", "line of sight": "view" });
-    this.add(around, "clipAt", "at").min(0).max(1).step(0.001);
-    this.add(around, "clipFlip", "other side");
+    this.clipping = [
+      this.add(around, "clipAxis", "across", { x: "x", y: "y", z: "z", "line of sight": "view" }),
+      this.add(around, "clipAt", "at").min(0).max(1).step(0.001),
+      this.add(around, "clipFlip", "other side"),
+    ];
 
     if (burner.possible) {
       const burning = this.folder("Burning");
@@ -80,6 +82,8 @@ export class Panel {
   }
   private rangeFields: { low: number; high: number };
   private rangeControllers: Controller[];
+  private clipping: Controller[];
+  private auto: Controller;
 
   private folder(title: string): GUI { return (this.folders[title] = this.gui.addFolder(title)); }
 
@@ -126,6 +130,8 @@ export class Panel {
       controller.updateDisplay();
       controller.enable(this.app.range() !== null);
     }
+    this.auto.show(Number.isFinite(state.rangeLow) || Number.isFinite(state.rangeHigh));
+    for (const controller of this.clipping) controller.show(state.clip);
     for (const [id, slider] of this.sliders) if (slider.element.isConnected) slider.show(state[id]);
   }
 }
