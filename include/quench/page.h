@@ -58,7 +58,7 @@ struct Page {
 };
 
 /// The most triangles a page holds unless told otherwise: fluid on an ordinary laptop.
-inline constexpr std::size_t kPageTriangles = 1'500'000;
+inline constexpr std::size_t kPageTriangles = 1'000'000;
 
 /// The layer `core`: a medial axis with its levels, and measures of its vertices (arrays of one component; where
 /// `unburned` is 1, burn_time and erosion_thickness are infinite). More than `max_triangles`: the smallest lambda is
