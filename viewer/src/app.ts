@@ -93,8 +93,25 @@ export class App {
     const shown = this.shown(), values = shown.sets.layer.measures.get(name);
     if (!values) return null;
     let range = shown.ranges.get(name);
-    if (!range) shown.ranges.set(name, (range = rangeOf(values)));
+    if (!range) {
+      // Of a skeleton the range is that of what the page starts with: most of the family is noise near zero.
+      range = rangeOf(values);
+      const first = this.state.layer === "skeleton" ? rangeOf(values, this.startingVertices(shown, name.startsWith("curve_"))) : range;
+      if (first.finite > 0) range = { ...range, centralLow: first.centralLow, centralHigh: first.centralHigh };
+      shown.ranges.set(name, range);
+    }
     return range;
+  }
+
+  /// Vertices of the sheets, or of the curves, that are there before a slider is touched.
+  private startingVertices({ sets }: Shown, ofCurves: boolean): Uint8Array {
+    const { layer } = sets, { meta } = this.page, included = new Uint8Array(layer.vertexCount);
+    const set = sets.compute(meta.theta2 ?? 0, meta.theta1 ?? 0);
+    if (ofCurves || set.faces === 0)
+      for (let i = 0; i < set.curves.count; ++i) for (const k of [0, 1]) included[layer.edges[2 * set.curves.edge[i]! + k]!] = 1;
+    else for (let i = 0; i < layer.offsets[set.faces]!; ++i) included[layer.corners[i]!] = 1;
+    sets.compute(this.state.theta2, this.state.theta1);
+    return included;
   }
 
   /// The range of colours: as set, else nearly all values, from zero where that is near.

@@ -133,7 +133,9 @@ export const barFragment = /* glsl */ `
     float glow;
     vec3 base = usePlain > 0.5 ? plain : colourOf(vValue);
     base = burned(base, vTime, glow);
-    vec2 s = off / max(vHalf, 1.0);
+    // Bent around the line only, also at the round ends: else every joint would be a bead.
+    vec2 along = dot(ab, ab) > 1.0 ? normalize(ab) : vec2(0.0);
+    vec2 s = (ap - along * dot(ap, along)) / max(vHalf, 1.0);
     vec3 normal = vec3(s, sqrt(max(0.0, 1.0 - dot(s, s))));
     vec3 shaded = round_ > 0.5 ? lit(base, normal, vec3(0.0, 0.0, 1.0), 0.18) : base;
     colour = vec4(inFlames(shaded, glow), cover * opacity);
