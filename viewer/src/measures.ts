@@ -2,16 +2,20 @@
 // What the arrays of the page are called and what they mean.
 import type { Layer } from "./data";
 
-interface Measure { label: string; help: string }
+interface Measure { label: string; help: string; unit?: string }
 
 export const MEASURES: Record<string, Measure> = {
   radius: { label: "radius", help: "Distance to the boundary of the shape." },
   lambda: { label: "λ", help: "Half the largest distance of nearest boundary points around." },
   burn_time: { label: "burn time", help: "When the fire that starts at the rim of the sheets comes by." },
   erosion_thickness: { label: "erosion thickness", help: "Burn time − radius: how much longer a place lasts than its radius." },
-  curve_burn_time: { label: "burn time on curves", help: "When the fire along the curves comes by." },
-  curve_erosion_thickness: { label: "curve erosion thickness", help: "Burn time on the curves − on the sheets." },
+  object_angle: { label: "object angle", help: "Angle between the nearest boundary points, seen from here.", unit: "°" },
+  curve_burn_time: { label: "curve burn time", help: "When the fire along the curves comes by." },
+  curve_erosion_thickness: { label: "curve thickness", help: "Burn time on the curves − on the sheets." },
 };
+
+/// Of a measure: lengths but for what says otherwise.
+export const unitOf = (name: string, length: string): string => MEASURES[name]?.unit ?? length;
 
 export const UNIFORM = "none";
 
