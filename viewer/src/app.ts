@@ -61,7 +61,6 @@ export class App {
     this.marks = new Marks(stage.shared);
     stage.add(this.marks.solid);
     stage.add(this.marks.glass, true);
-    this.marks.glass.renderOrder = 3;
     this.glass = page.shape.points && page.shape.triangles ? new ShapeView(page.shape, this.placement, stage.shared, stage.depth) : null;
     if (this.glass) stage.add(this.glass.group, true);
     stage.onFrame = () => this.update();
@@ -93,8 +92,27 @@ export class App {
     const shown = this.shown(), values = shown.sets.layer.measures.get(name);
     if (!values) return null;
     let range = shown.ranges.get(name);
-    if (!range) shown.ranges.set(name, (range = rangeOf(values)));
+    if (!range) {
+      // Of a skeleton the range is that of what the page starts with: most of the family is noise near zero.
+      range = rangeOf(values);
+      const first = this.state.layer === "skeleton" ? rangeOf(values, this.startingVertices(shown, name)) : range;
+      if (first.finite > 0) range = { ...range, centralLow: first.centralLow, centralHigh: first.centralHigh };
+      shown.ranges.set(name, range);
+    }
     return range;
+  }
+
+  /// Vertices of sheets and curves that are there before a slider is touched; of the measures of one, of it only.
+  private startingVertices({ sets }: Shown, measure: string): Uint8Array {
+    const { layer } = sets, { meta } = this.page, included = new Uint8Array(layer.vertexCount);
+    const set = sets.compute(meta.theta2 ?? 0, meta.theta1 ?? 0);
+    const curves = measure.startsWith("curve_"), sheets = measure === "erosion_thickness" || measure === "burn_time";
+    if (!sheets || set.faces === 0)
+      for (let i = 0; i < set.curves.count; ++i) for (const k of [0, 1]) included[layer.edges[2 * set.curves.edge[i]! + k]!] = 1;
+    if (!curves || set.curves.count === 0)
+      for (let i = 0; i < layer.offsets[set.faces]!; ++i) included[layer.corners[i]!] = 1;
+    sets.compute(this.state.theta2, this.state.theta1);
+    return included;
   }
 
   /// The range of colours: as set, else nearly all values, from zero where that is near.

@@ -14,7 +14,7 @@ interface ColourMap {
 export const MAPS: Record<string, ColourMap> = {
   viridis: { label: "viridis", stops: ["46206f", "443a83", "355f8d", "2a788e", "21918c", "22a884", "44bf70", "7ad151", "bddf26", "fde725"], accent: "f4511e" },
   cividis: { label: "cividis", stops: ["00224e", "123570", "3b496c", "575d6d", "707173", "8a8678", "a59c74", "c3b369", "e1cc55", "fee838"], accent: "e8432e" },
-  magma: { label: "magma", stops: ["1d1147", "3b0f70", "641a80", "8c2981", "b73779", "de4968", "f7705c", "fe9f6d", "fecf92", "fcfdbf"], accent: "19b5c9" },
+  magma: { label: "magma", stops: ["51127c", "6a1c81", "8c2981", "b73779", "de4968", "f7705c", "fe9f6d", "fecf92", "fcfdbf"], accent: "19b5c9" },
   diverging: { label: "blue – red", stops: ["2166ac", "4393c3", "92c5de", "d1e5f0", "f2f2f2", "fddbc7", "f4a582", "d6604d", "b2182b"], accent: "2f2f35" },
 };
 

@@ -45,7 +45,7 @@ export function parseLength(text: string): number {
   return word === "" ? NaN : Number(word.replace("−", "-"));
 }
 
-export const withUnit = (text: string, unit: string): string => (unit ? `${text} ${unit}` : text);
+export const withUnit = (text: string, unit: string): string => (unit ? `${text}${unit === "°" ? "" : " "}${unit}` : text);
 
 /// 12 345 with thin spaces.
 export function counted(n: number): string {

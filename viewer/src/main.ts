@@ -4,7 +4,7 @@ import { Vector3 } from "three";
 import { App, type Numbers, type Picked } from "./app";
 import { MAPS, rgb, type Rgb } from "./colours";
 import { PageError, readPage, type Page } from "./data";
-import { labelOf } from "./measures";
+import { labelOf, unitOf } from "./measures";
 import { Stage } from "./scene/stage";
 import { defaults, fromHash, sanitize, toHash, type State } from "./state";
 import { Burner } from "./ui/burner";
@@ -99,7 +99,7 @@ function run(page: Page): void {
   };
   const layout = () => {
     const wide = window.innerWidth >= 900 && app.state.ui;
-    stage.resize(window.innerWidth, window.innerHeight, wide ? { left: 290, right: 316, top: 20, bottom: 60 } : app.state.ui ? { left: 0, right: 0, top: 0, bottom: 0 } : { left: 20, right: 20, top: 16, bottom: 16 });
+    stage.resize(window.innerWidth, window.innerHeight, wide ? { left: 290, right: 316, top: 20, bottom: 60 } : app.state.ui ? { left: 8, right: 8, top: 56, bottom: 150 } : { left: 20, right: 20, top: 16, bottom: 16 });
   };
 
   let hashTimer = 0;
@@ -125,7 +125,7 @@ function run(page: Page): void {
     const extra: [string, Rgb][] = [];
     const map = MAPS[s.map] ?? MAPS.viridis!;
     if (s.curves && numbers.curveEdges > 0 && !s.balls && !s.curvesByMeasure && !s.color.startsWith("curve_") && app.range()) extra.push(["curves", rgb(s.map === "diverging" && s.dark ? "ffffff" : map.accent)]);
-    bar.show(labelOf(s.color), page.meta.unit, s.map, ...app.colourRange(), app.range(), extra);
+    bar.show(labelOf(s.color), unitOf(s.color, page.meta.unit), s.map, ...app.colourRange(), app.range(), extra);
     remember();
   };
   app.onShare = (text) => info.showShare(text);

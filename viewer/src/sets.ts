@@ -245,7 +245,8 @@ export class LayerSets {
     set.freeEnds = set.isolated.count = 0;
     for (let i = 0, n = this.loneVertices.length; i < n; ++i) {
       if (this.out[i] || this.held[i]! >= level) continue;
-      if (degree[i] === 1) ++set.freeEnds;
+      // A spoke that one polygon has on both sides ends inside it: no free end.
+      if (degree[i] === 1) set.freeEnds += Number(loneFirst[this.edgeXor[i]!]! < level);
       else if (degree[i] === 0 && this.ownLevel[i]! >= level) set.isolated.vertex[set.isolated.count++] = this.loneVertices[i]!;
     }
   }

@@ -27,7 +27,7 @@ export class Marks {
     this.centre = ball("ffb000", 7, 1);
     this.feet = ball("ffb000", 4.5, 1);
     this.spokes = new Bars(barMaterial(always, { ...own, ...plain("ffb000"), halfWidth: { value: 1 }, halfWorld: { value: 0 }, bias: { value: 1e-4 }, round_: { value: 0 }, opacity: { value: 1 } }));
-    this.ball = ball("ffb000", 0, 0.28);
+    this.ball = ball("ffb000", 0, 0.16);
     this.solid.add(this.centre.mesh, this.feet.mesh, this.spokes.mesh);
     this.glass.add(this.ball.mesh);
     this.clear();

@@ -51,7 +51,7 @@ export const surfaceMaterial = (shared: SharedUniforms, own: Uniforms) =>
 export const barMaterial = (shared: SharedUniforms, own: Uniforms) => material(glsl.barVertex, glsl.barFragment, { ...shared, ...own }, { alphaToCoverage: true });
 
 export const ballMaterial = (shared: SharedUniforms, own: Uniforms, transparent: boolean) =>
-  material(glsl.ballVertex, glsl.ballFragment, { ...shared, ...own }, { transparent });
+  material(glsl.ballVertex, glsl.ballFragment, { ...shared, ...own }, { transparent, depthWrite: !transparent });
 
 export const glassMaterial = (own: Uniforms) => material(glsl.glassVertex, glsl.glassFragment, own, { transparent: true, depthWrite: true });
 

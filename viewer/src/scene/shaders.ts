@@ -100,7 +100,8 @@ export const barVertex = /* glsl */ `
     vec4 ca = projectionMatrix * (viewMatrix * vec4(a.xyz, 1.0)), cb = projectionMatrix * (viewMatrix * vec4(b.xyz, 1.0));
     bool first = position.x < 0.5;
     vec4 mine = first ? ca : cb;
-    if (ca.w <= 0.0 || cb.w <= 0.0) { gl_Position = vec4(2.0, 2.0, 2.0, 1.0); return; }
+    // Behind the eye, or parts that coincide: nothing to see.
+    if (ca.w <= 0.0 || cb.w <= 0.0 || a.xyz == b.xyz) { gl_Position = vec4(2.0, 2.0, 2.0, 1.0); return; }
     vA = (ca.xy / ca.w * 0.5 + 0.5) * viewport;
     vB = (cb.xy / cb.w * 0.5 + 0.5) * viewport;
     vHalf = max(halfWidth, halfWorld * projectionMatrix[1][1] / mine.w * viewport.y * 0.5);
@@ -133,7 +134,9 @@ export const barFragment = /* glsl */ `
     float glow;
     vec3 base = usePlain > 0.5 ? plain : colourOf(vValue);
     base = burned(base, vTime, glow);
-    vec2 s = off / max(vHalf, 1.0);
+    // Bent around the line only, also at the round ends: else every joint would be a bead.
+    vec2 along = dot(ab, ab) > 1e-4 ? normalize(ab) : vec2(0.0);
+    vec2 s = (ap - along * dot(ap, along)) / max(vHalf, 1.0);
     vec3 normal = vec3(s, sqrt(max(0.0, 1.0 - dot(s, s))));
     vec3 shaded = round_ > 0.5 ? lit(base, normal, vec3(0.0, 0.0, 1.0), 0.18) : base;
     colour = vec4(inFlames(shaded, glow), cover * opacity);
@@ -196,7 +199,9 @@ export const ballFragment = /* glsl */ `
     base = burned(base, vTime, glow);
     vec4 at = projectionMatrix * vec4(hit, 1.0);
     gl_FragDepth = clamp(at.z / at.w * 0.5 + 0.5, 0.0, 1.0);
-    colour = vec4(inFlames(lit(base, normal, -ray, 0.12), glow), opacity);
+    // Glass balls are clearer in the middle.
+    float rim = pow(1.0 - abs(dot(normal, ray)), 2.0);
+    colour = vec4(inFlames(lit(base, normal, -ray, 0.12), glow), opacity < 1.0 ? mix(opacity, 0.85, rim) : 1.0);
   }
 `;
 

@@ -3,7 +3,7 @@
 import type { Page } from "../data";
 import { counted, short, withUnit } from "../format";
 import type { Numbers, Picked } from "../app";
-import { labelOf } from "../measures";
+import { labelOf, unitOf } from "../measures";
 import type { State } from "../state";
 import { el, fill, rows } from "./dom";
 
@@ -13,7 +13,7 @@ export class Info {
   readonly element = el("section", "info");
   readonly command = el("div", "command");
   private readonly what = el("p", "what");
-  private readonly figures = el("div");
+  private readonly figures = el("div", "figures");
   private readonly share = el("p", "share");
   private readonly picked = el("div", "picked");
   private readonly commandText = el("code");
@@ -90,7 +90,7 @@ export class Info {
     const close = el("button", "plain", "Clear");
     close.addEventListener("click", () => this.onClearPick());
     const entries: [string, string][] = [["position", picked.position.map((x) => short(x, 5)).join(", ")]];
-    for (const [name, value] of Object.entries(picked.measures)) entries.push([labelOf(name), Number.isNaN(value) ? "–" : withUnit(short(value, 4), Number.isFinite(value) ? unit : "")]);
+    for (const [name, value] of Object.entries(picked.measures)) entries.push([labelOf(name), Number.isNaN(value) ? "–" : withUnit(short(value, 4), Number.isFinite(value) ? unitOf(name, unit) : "")]);
     if (this.page.shape.sites) entries.push(["ball touches", `${counted(picked.touching.length)} boundary ${picked.touching.length === 1 ? "vertex" : "vertices"}`]);
     fill(this.picked, el("header", "", el("h2", "", `Vertex ${counted(picked.vertex)}`), close), rows(entries));
   }

@@ -45,11 +45,12 @@ export class Panel {
     this.auto = colour.add(range, "auto").name("range of the values");
 
     const parts = this.folder("Parts");
+    parts.domElement.classList.add("pairs");
     this.add(parts, "sheets", "sheets");
     this.add(parts, "curves", "curves");
     this.add(parts, "seams", "seams");
     this.add(parts, "boundary", "boundary");
-    this.add(parts, "points", "isolated points");
+    this.add(parts, "points", "points");
     this.add(parts, "curveWidth", "curve width").min(1).max(14).step(0.5);
 
     const around = this.folder("Shape and space");
@@ -72,6 +73,7 @@ export class Panel {
     }
 
     const view = this.folder("View");
+    view.domElement.classList.add("pairs");
     this.add(view, "orthographic", "orthographic");
     this.add(view, "dark", "dark");
     view.add(actions, "reset").name("whole view (F)");

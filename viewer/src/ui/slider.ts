@@ -86,7 +86,8 @@ export class LengthSlider {
     const kept = styleOf("--accent"), cut = styleOf("--faint");
     const step = width / BINS;
     for (let i = 0; i < BINS; ++i) {
-      const h = this.bins[i]! > 0 ? Math.max(1.5, Math.sqrt(this.bins[i]! / most) * (height - 2)) : 0;
+      const room = this.options.infinite && i === BINS - 1 ? height - 13 : height - 2; // the sign above it
+      const h = this.bins[i]! > 0 ? Math.max(1.5, Math.sqrt(this.bins[i]! / most) * room) : 0;
       c.fillStyle = (i + 1) / BINS > at ? kept : cut;
       c.fillRect(i * step, height - h, Math.max(1, step - 1), h);
     }
@@ -95,8 +96,8 @@ export class LengthSlider {
     if (this.options.infinite) {
       c.fillStyle = styleOf("--quiet");
       c.font = "11px system-ui, sans-serif";
-      c.textAlign = "right";
-      c.fillText("∞", width - 1, 10);
+      c.textAlign = "center";
+      c.fillText("∞", ((1 + LogScale.END) / 2) * width, 10);
     }
   }
 }
