@@ -69,6 +69,8 @@ export class App {
   set(change: Partial<State>): void {
     const before = this.state;
     this.state = sanitize({ ...this.state, ...change }, this.page);
+    // A range belongs to its measure.
+    if (before.color !== this.state.color && change.rangeLow === undefined && change.rangeHigh === undefined) this.state.rangeLow = this.state.rangeHigh = NaN;
     if (before.layer !== this.state.layer) this.clearPick();
     this.stage.invalidate();
   }
@@ -122,6 +124,15 @@ export class App {
     let low = range.centralLow > 0 && range.centralLow < 0.3 * range.centralHigh ? 0 : range.centralLow, high = range.centralHigh;
     if (!(high > low)) [low, high] = [range.low, range.high];
     return [Number.isFinite(this.state.rangeLow) ? this.state.rangeLow : low, Number.isFinite(this.state.rangeHigh) ? this.state.rangeHigh : high];
+  }
+
+  /// The range of nearly all values on what is visible.
+  visibleRange(): [number, number] | null {
+    const { sets } = this.shown(), values = sets.layer.measures.get(this.state.color);
+    if (!values) return null;
+    this.update();
+    const range = rangeOf(values, Uint8Array.from(values, (_, v) => Number(sets.isVisible(v))));
+    return range.finite > 0 ? [range.centralLow, range.centralHigh] : null;
   }
 
   /// Everything that follows from the state; only what changed is done.
@@ -271,6 +282,7 @@ export class App {
     const upright = /\.(nrrd|nhdr|nii|nii\.gz|mha|mhd|mrc|map|vol|npy|tiff?|sof)$/i.test(this.page.meta.files.shape ?? "") ? new Vector3(0, 0, 1) : new Vector3(0, 1, 0);
     const toEye = direction ?? (upright.z ? new Vector3(0.62, -0.72, 0.32) : new Vector3(0.55, 0.3, 0.78));
     const up = Math.abs(toEye.clone().normalize().dot(upright)) > 0.99 ? new Vector3(upright.z, upright.z ? 0 : 0, upright.z ? 0 : -1) : upright;
+    this.stage.camera.orthographic = this.state.orthographic;
     this.stage.camera.look(toEye.clone().normalize().multiplyScalar(3), new Vector3(), up);
     this.frame();
   }

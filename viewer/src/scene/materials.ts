@@ -48,7 +48,9 @@ export const surfaceMaterial = (shared: SharedUniforms, own: Uniforms) =>
   // Lines on the sheets win over the sheets.
   material(glsl.surfaceVertex, glsl.surfaceFragment, { ...shared, ...own }, { polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 });
 
-export const barMaterial = (shared: SharedUniforms, own: Uniforms) => material(glsl.barVertex, glsl.barFragment, { ...shared, ...own }, { alphaToCoverage: true });
+/// Thick bars are solid with smooth outlines, thin ones blend.
+export const barMaterial = (shared: SharedUniforms, own: Uniforms, solid: boolean) =>
+  material(glsl.barVertex, glsl.barFragment, { ...shared, ...own }, solid ? { alphaToCoverage: true } : { transparent: true, depthWrite: false });
 
 export const ballMaterial = (shared: SharedUniforms, own: Uniforms, transparent: boolean) =>
   material(glsl.ballVertex, glsl.ballFragment, { ...shared, ...own }, { transparent, depthWrite: !transparent });

@@ -36,13 +36,21 @@ export class Panel {
     this.colour = this.add(colour, "color", "sheets by", {});
     this.add(colour, "map", "colours", Object.fromEntries(Object.entries(MAPS).map(([k, m]) => [m.label, k])));
     this.add(colour, "curvesByMeasure", "curves too");
-    const range = { low: 0, high: 1, auto: () => app.set({ rangeLow: NaN, rangeHigh: NaN }) };
+    const range = {
+      low: 0, high: 1,
+      fit: () => {
+        const [rangeLow, rangeHigh] = app.visibleRange() ?? [NaN, NaN];
+        app.set({ rangeLow, rangeHigh });
+      },
+      auto: () => app.set({ rangeLow: NaN, rangeHigh: NaN }),
+    };
     this.rangeFields = range;
     this.rangeControllers = [
       colour.add(range, "low").name("from").onFinishChange((x: number) => app.set({ rangeLow: x })),
       colour.add(range, "high").name("to").onFinishChange((x: number) => app.set({ rangeHigh: x })),
     ];
-    this.auto = colour.add(range, "auto").name("range of the values");
+    colour.add(range, "fit").name("fit to what is visible");
+    this.auto = colour.add(range, "auto").name("as at first");
 
     const parts = this.folder("Parts");
     parts.domElement.classList.add("pairs");
