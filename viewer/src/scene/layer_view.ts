@@ -20,7 +20,7 @@ export class LayerView {
   private readonly seams: Bars;
   private readonly points: Balls;
   readonly union: Balls; ///< the balls of what is visible
-  readonly times: Uniforms4;
+  private readonly vertices: VertexTextures;
 
   constructor(readonly layer: Layer, sets: LayerSets, placement: Placement, shared: SharedUniforms) {
     const n = layer.vertexCount;
@@ -40,8 +40,8 @@ export class LayerView {
       timeData[2 * v] = encode(burn ? burn[v]! : Infinity);
       timeData[2 * v + 1] = encode(curveBurn ? curveBurn[v]! : NaN);
     }
-    this.times = { vertexPlace: { value: places }, vertexValue: { value: this.values }, vertexTime: { value: times } };
-    const own = (more: Record<string, { value: unknown }>) => ({ ...this.times, ...more });
+    this.vertices = { vertexPlace: { value: places }, vertexValue: { value: this.values }, vertexTime: { value: times } };
+    const own = (more: Record<string, { value: unknown }>) => ({ ...this.vertices, ...more });
     const flag = () => ({ plain: { value: new Vector3() }, usePlain: { value: 0 } });
 
     const geometry = new BufferGeometry();
@@ -119,7 +119,7 @@ export class LayerView {
   }
 }
 
-type Uniforms4 = Record<"vertexPlace" | "vertexValue" | "vertexTime", { value: DataTexture }>;
+type VertexTextures = Record<"vertexPlace" | "vertexValue" | "vertexTime", { value: DataTexture }>;
 
 /// Fans of the polygons, in their order.
 function triangulate(layer: Layer, offset: Uint32Array): Uint32Array<ArrayBuffer> {

@@ -2,13 +2,16 @@
 // Materials and the uniforms they share: one value changed here changes everything that is drawn.
 import { DataTexture, DoubleSide, GLSL3, LinearFilter, NearestFilter, RawShaderMaterial, RedFormat, RGBAFormat, FloatType, RGFormat, Vector2, Vector3, Vector4, Matrix4, type IUniform, type ShaderMaterialParameters } from "three";
 import { GREY, INFINITE, rgb, textureOf } from "../colours";
+import { PageError } from "../data";
 import * as glsl from "./shaders";
 
 export const TEXTURE_WIDTH = 2048;
+export const limits = { textureSize: 4096 }; ///< of the graphics card; the stage knows it
 
 /// A texture with a value per vertex; `components` 1, 2 or 4.
 export function vertexTexture(count: number, components: 1 | 2 | 4): DataTexture {
   const rows = Math.max(1, Math.ceil(count / TEXTURE_WIDTH));
+  if (rows > limits.textureSize) throw new PageError(`This graphics card takes at most ${limits.textureSize * TEXTURE_WIDTH} vertices, the result has ${count}; write the page with a smaller --max-triangles.`);
   const data = new Float32Array(rows * TEXTURE_WIDTH * components);
   const texture = new DataTexture(data, TEXTURE_WIDTH, rows, components === 1 ? RedFormat : components === 2 ? RGFormat : RGBAFormat, FloatType);
   texture.minFilter = texture.magFilter = NearestFilter;

@@ -10,7 +10,7 @@ import type { Burner } from "./burner";
 import { el } from "./dom";
 import { LengthSlider } from "./slider";
 
-export interface Actions { screenshot: () => void; reset: () => void; help: () => void }
+export interface Actions { screenshot: () => void; reset: () => void }
 
 const LAYERS: Record<LayerName, string> = { skeleton: "skeleton", core: "medial axis", still: "complex" };
 
@@ -85,8 +85,7 @@ export class Panel {
     this.add(view, "orthographic", "orthographic");
     this.add(view, "dark", "dark");
     view.add(actions, "reset").name("whole view (F)");
-    view.add(actions, "screenshot").name("save picture (P)");
-    view.add(actions, "help").name("keys (?)");
+    view.add(actions, "screenshot").name("picture (P)");
     if (window.innerHeight < 900) for (const name of ["Parts", "Burning"]) this.folders[name]?.close();
     if (window.innerWidth < 720) this.gui.close();
   }
