@@ -2,10 +2,10 @@
 // The state of the page and what follows from it. Changes are collected; what depends on them is done once per frame.
 import { Vector3 } from "three";
 import { ballsToDraw, shareInside } from "./balls";
-import { MAPS, rgb, textureOf } from "./colours";
+import { MAPS, textureOf } from "./colours";
 import { commandOf } from "./command";
 import type { LayerName, Page } from "./data";
-import { UNIFORM, rangeOf, type Range } from "./measures";
+import { rangeOf, type Range } from "./measures";
 import { pickVertex, touchingSites, type Ray } from "./pick";
 import { LayerView } from "./scene/layer_view";
 import { Marks } from "./scene/marks";
@@ -69,6 +69,8 @@ export class App {
   set(change: Partial<State>): void {
     const before = this.state;
     this.state = sanitize({ ...this.state, ...change }, this.page);
+    // A range belongs to its measure.
+    if (before.color !== this.state.color && change.rangeLow === undefined && change.rangeHigh === undefined) this.state.rangeLow = this.state.rangeHigh = NaN;
     if (before.layer !== this.state.layer) this.clearPick();
     this.stage.invalidate();
   }
@@ -122,6 +124,15 @@ export class App {
     let low = range.centralLow > 0 && range.centralLow < 0.3 * range.centralHigh ? 0 : range.centralLow, high = range.centralHigh;
     if (!(high > low)) [low, high] = [range.low, range.high];
     return [Number.isFinite(this.state.rangeLow) ? this.state.rangeLow : low, Number.isFinite(this.state.rangeHigh) ? this.state.rangeHigh : high];
+  }
+
+  /// The range of nearly all values on what is visible.
+  visibleRange(): [number, number] | null {
+    const { sets } = this.shown(), values = sets.layer.measures.get(this.state.color);
+    if (!values) return null;
+    this.update();
+    const range = rangeOf(values, Uint8Array.from(values, (_, v) => Number(sets.isVisible(v))));
+    return range.finite > 0 ? [range.centralLow, range.centralHigh] : null;
   }
 
   /// Everything that follows from the state; only what changed is done.
@@ -270,7 +281,8 @@ export class App {
   lookFrom(direction: Vector3 | null): void {
     const upright = /\.(nrrd|nhdr|nii|nii\.gz|mha|mhd|mrc|map|vol|npy|tiff?|sof)$/i.test(this.page.meta.files.shape ?? "") ? new Vector3(0, 0, 1) : new Vector3(0, 1, 0);
     const toEye = direction ?? (upright.z ? new Vector3(0.62, -0.72, 0.32) : new Vector3(0.55, 0.3, 0.78));
-    const up = Math.abs(toEye.clone().normalize().dot(upright)) > 0.99 ? new Vector3(upright.z, upright.z ? 0 : 0, upright.z ? 0 : -1) : upright;
+    const up = Math.abs(toEye.clone().normalize().dot(upright)) > 0.99 ? (upright.z ? new Vector3(0, 1, 0) : new Vector3(0, 0, -1)) : upright;
+    this.stage.camera.orthographic = this.state.orthographic;
     this.stage.camera.look(toEye.clone().normalize().multiplyScalar(3), new Vector3(), up);
     this.frame();
   }
@@ -281,7 +293,4 @@ export class App {
     else this.stage.camera.frame(view.places, 4 * Math.ceil(view.places.length / 80000), 1.04);
     this.stage.invalidate();
   }
-
-  accent(): [number, number, number] { return rgb((MAPS[this.state.map] ?? MAPS.viridis!).accent); }
-  get uniformColour(): boolean { return this.state.color === UNIFORM; }
 }

@@ -86,7 +86,7 @@ function run(page: Page): void {
     if (written.camera) app.camera = written.camera;
     else app.lookFrom(null);
   };
-  const panel = new Panel(app, side, burner, { screenshot, reset, help: () => help.toggle() });
+  const panel = new Panel(app, side, burner, { screenshot, reset });
   const left = el("div", "left", info.element, bar.element);
   root.append(left, side, info.command, help.element);
   info.onClearPick = () => app.clearPick();

@@ -72,7 +72,7 @@ export function defaults(page: Page, dark: boolean): State {
     boundary: true,
     points: true,
     curvesByMeasure: false,
-    curveWidth: 5,
+    curveWidth: curvesAtStart(page) > 12 * meta.side ? 3 : 5,
     shape: page.shape.triangles !== null,
     shapeOpacity: 0.5,
     balls: false,
@@ -88,6 +88,20 @@ export function defaults(page: Page, dark: boolean): State {
     ui: true,
   };
   return sanitize(state, page);
+}
+
+/// About the length of the curves the page starts with: many are drawn thinner.
+function curvesAtStart(page: Page): number {
+  const layer = page.layers.get("skeleton");
+  let sum = 0;
+  if (!layer?.curveEdges || !layer.curveThickness) return sum;
+  const { points, edges } = layer;
+  for (let i = 0; i < layer.curveEdges.length; ++i) {
+    if (layer.curveThickness[i]! < (page.meta.theta1 ?? 0)) continue;
+    const a = 3 * edges[2 * layer.curveEdges[i]!]!, b = 3 * edges[2 * layer.curveEdges[i]! + 1]!;
+    sum += Math.hypot(points[a]! - points[b]!, points[a + 1]! - points[b + 1]!, points[a + 2]! - points[b + 2]!);
+  }
+  return sum;
 }
 
 /// What makes no sense (a layer or array that is not there, a length below the floor) is put right.

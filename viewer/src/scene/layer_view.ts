@@ -20,7 +20,7 @@ export class LayerView {
   private readonly seams: Bars;
   private readonly points: Balls;
   readonly union: Balls; ///< the balls of what is visible
-  readonly times: Uniforms4;
+  private readonly vertices: VertexTextures;
 
   constructor(readonly layer: Layer, sets: LayerSets, placement: Placement, shared: SharedUniforms) {
     const n = layer.vertexCount;
@@ -40,15 +40,15 @@ export class LayerView {
       timeData[2 * v] = encode(burn ? burn[v]! : Infinity);
       timeData[2 * v + 1] = encode(curveBurn ? curveBurn[v]! : NaN);
     }
-    this.times = { vertexPlace: { value: places }, vertexValue: { value: this.values }, vertexTime: { value: times } };
-    const own = (more: Record<string, { value: unknown }>) => ({ ...this.times, ...more });
+    this.vertices = { vertexPlace: { value: places }, vertexValue: { value: this.values }, vertexTime: { value: times } };
+    const own = (more: Record<string, { value: unknown }>) => ({ ...this.vertices, ...more });
     const flag = () => ({ plain: { value: new Vector3() }, usePlain: { value: 0 } });
 
     const geometry = new BufferGeometry();
     geometry.setIndex(new BufferAttribute(triangulate(layer, sets.triangleOffset), 1));
     this.surface = new Mesh(geometry, surfaceMaterial(shared, own(flag())));
     const bar = (halfWidth: number, bias: number, round: number, opacity: number) =>
-      new Bars(barMaterial(shared, own({ ...flag(), halfWidth: { value: halfWidth }, halfWorld: { value: 0 }, bias: { value: bias }, round_: { value: round }, opacity: { value: opacity }, onCurves: { value: round } })));
+      new Bars(barMaterial(shared, own({ ...flag(), halfWidth: { value: halfWidth }, halfWorld: { value: 0 }, bias: { value: bias }, round_: { value: round }, opacity: { value: opacity }, onCurves: { value: round } }), round === 1));
     this.boundary = bar(0.8, 4e-5, 0, 1);
     this.seams = bar(1.1, 4e-5, 0, 1);
     this.curves = bar(2.5, 2e-4, 1, 1);
@@ -113,13 +113,13 @@ export class LayerView {
   fadeLines(set: CellSet, perPixel: number): void {
     for (const [bars, list, width] of [[this.boundary, set.boundary, 1.1], [this.seams, set.seams, 1.5]] as const) {
       const covered = set.area > 0 ? (list.length * width * perPixel) / set.area : 0;
-      const opacity = Math.min(0.9, 0.012 / Math.max(covered, 1e-9));
+      const opacity = Math.min(bars === this.seams ? 0.9 : 0.7, 0.012 / Math.max(covered, 1e-9));
       bars.mesh.material.uniforms.opacity!.value = opacity < 0.12 ? 0 : opacity;
     }
   }
 }
 
-type Uniforms4 = Record<"vertexPlace" | "vertexValue" | "vertexTime", { value: DataTexture }>;
+type VertexTextures = Record<"vertexPlace" | "vertexValue" | "vertexTime", { value: DataTexture }>;
 
 /// Fans of the polygons, in their order.
 function triangulate(layer: Layer, offset: Uint32Array): Uint32Array<ArrayBuffer> {

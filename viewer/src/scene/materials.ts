@@ -2,13 +2,16 @@
 // Materials and the uniforms they share: one value changed here changes everything that is drawn.
 import { DataTexture, DoubleSide, GLSL3, LinearFilter, NearestFilter, RawShaderMaterial, RedFormat, RGBAFormat, FloatType, RGFormat, Vector2, Vector3, Vector4, Matrix4, type IUniform, type ShaderMaterialParameters } from "three";
 import { GREY, INFINITE, rgb, textureOf } from "../colours";
+import { PageError } from "../data";
 import * as glsl from "./shaders";
 
 export const TEXTURE_WIDTH = 2048;
+export const limits = { textureSize: 4096 }; ///< of the graphics card; the stage knows it
 
 /// A texture with a value per vertex; `components` 1, 2 or 4.
 export function vertexTexture(count: number, components: 1 | 2 | 4): DataTexture {
   const rows = Math.max(1, Math.ceil(count / TEXTURE_WIDTH));
+  if (rows > limits.textureSize) throw new PageError(`This graphics card takes at most ${limits.textureSize * TEXTURE_WIDTH} vertices, the result has ${count}; write the page with a smaller --max-triangles.`);
   const data = new Float32Array(rows * TEXTURE_WIDTH * components);
   const texture = new DataTexture(data, TEXTURE_WIDTH, rows, components === 1 ? RedFormat : components === 2 ? RGFormat : RGBAFormat, FloatType);
   texture.minFilter = texture.magFilter = NearestFilter;
@@ -48,7 +51,9 @@ export const surfaceMaterial = (shared: SharedUniforms, own: Uniforms) =>
   // Lines on the sheets win over the sheets.
   material(glsl.surfaceVertex, glsl.surfaceFragment, { ...shared, ...own }, { polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 });
 
-export const barMaterial = (shared: SharedUniforms, own: Uniforms) => material(glsl.barVertex, glsl.barFragment, { ...shared, ...own }, { alphaToCoverage: true });
+/// Thick bars are solid with smooth outlines, thin ones blend.
+export const barMaterial = (shared: SharedUniforms, own: Uniforms, solid: boolean) =>
+  material(glsl.barVertex, glsl.barFragment, { ...shared, ...own }, solid ? { alphaToCoverage: true } : { transparent: true, depthWrite: false });
 
 export const ballMaterial = (shared: SharedUniforms, own: Uniforms, transparent: boolean) =>
   material(glsl.ballVertex, glsl.ballFragment, { ...shared, ...own }, { transparent, depthWrite: !transparent });

@@ -5,7 +5,7 @@ import { BufferAttribute, BufferGeometry, DepthTexture, FloatType, Group, Mesh, 
 import { rgb } from "../colours";
 import { PageError } from "../data";
 import { TurningCamera, type Insets } from "./camera";
-import { paperMaterial, screenMaterial, sharedUniforms } from "./materials";
+import { limits, paperMaterial, screenMaterial, sharedUniforms } from "./materials";
 
 export const PAPER = { light: { top: "ffffff", bottom: "e9ecf0" }, dark: { top: "1b1f26", bottom: "0e1014" } };
 
@@ -33,6 +33,7 @@ export class Stage {
     } catch {
       throw new PageError("This browser shows no 3D graphics (WebGL 2); switch on hardware acceleration or use another browser.");
     }
+    limits.textureSize = this.renderer.capabilities.maxTextureSize;
     this.renderer.autoClear = false;
     this.renderer.setPixelRatio(Math.min(2, window.devicePixelRatio || 1));
     this.canvas = this.renderer.domElement;

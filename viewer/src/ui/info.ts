@@ -74,7 +74,7 @@ export class Info {
     fill(this.what, el("b", "", NAMES[state.layer]), sentence.length ? `: ${sentence.join("; ")}.` : "");
     const entries: [string, string][] = [];
     if (numbers.faces > 0) entries.push(["sheets", `${counted(numbers.faces)} faces, area ${withUnit(short(numbers.area), unit && `${unit}²`)}`]);
-    if (numbers.curveEdges > 0) entries.push(["curves", `length ${length(numbers.curveLength)}, ${counted(numbers.freeEnds)} free ${numbers.freeEnds === 1 ? "end" : "ends"}`]);
+    if (numbers.curveEdges > 0) entries.push(["curves", `length ${length(numbers.curveLength)}, ${numbers.freeEnds === 0 ? "no" : counted(numbers.freeEnds)} free ${numbers.freeEnds === 1 ? "end" : "ends"}`]);
     if (numbers.isolated > 0) entries.push(["points", counted(numbers.isolated)]);
     entries.push(["χ = V − E + F", `${numbers.vertices - numbers.edges + numbers.faces}`.replace("-", "−")]);
     fill(this.figures, rows(entries));

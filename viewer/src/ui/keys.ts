@@ -42,9 +42,9 @@ export function listenToKeys(app: App, panel: Panel, actions: Actions): void {
   };
   const axes: Record<string, [number, number, number]> = { KeyX: [1, 0, 0], KeyY: [0, 1, 0], KeyZ: [0, 0, 1] };
   window.addEventListener("keydown", (event) => {
-    const target = event.target as HTMLElement | null;
+    const target = event.target instanceof HTMLElement ? event.target : null;
     if (event.ctrlKey || event.metaKey || target?.closest("input:not([type=range]):not([type=checkbox]), select, textarea")) return;
-    const onControl = target?.closest("input, button, summary") !== null && target !== app.stage.canvas && target !== document.body;
+    const onControl = target?.closest("input, button, summary") != null;
     if (onControl && (event.key === " " || event.key.startsWith("Arrow"))) return;
     const axis = event.altKey ? axes[event.code] : undefined;
     if (axis) {

@@ -10,7 +10,7 @@ import type { Burner } from "./burner";
 import { el } from "./dom";
 import { LengthSlider } from "./slider";
 
-export interface Actions { screenshot: () => void; reset: () => void; help: () => void }
+export interface Actions { screenshot: () => void; reset: () => void }
 
 const LAYERS: Record<LayerName, string> = { skeleton: "skeleton", core: "medial axis", still: "complex" };
 
@@ -36,13 +36,21 @@ export class Panel {
     this.colour = this.add(colour, "color", "sheets by", {});
     this.add(colour, "map", "colours", Object.fromEntries(Object.entries(MAPS).map(([k, m]) => [m.label, k])));
     this.add(colour, "curvesByMeasure", "curves too");
-    const range = { low: 0, high: 1, auto: () => app.set({ rangeLow: NaN, rangeHigh: NaN }) };
+    const range = {
+      low: 0, high: 1,
+      fit: () => {
+        const [rangeLow, rangeHigh] = app.visibleRange() ?? [NaN, NaN];
+        app.set({ rangeLow, rangeHigh });
+      },
+      auto: () => app.set({ rangeLow: NaN, rangeHigh: NaN }),
+    };
     this.rangeFields = range;
     this.rangeControllers = [
       colour.add(range, "low").name("from").onFinishChange((x: number) => app.set({ rangeLow: x })),
       colour.add(range, "high").name("to").onFinishChange((x: number) => app.set({ rangeHigh: x })),
     ];
-    this.auto = colour.add(range, "auto").name("range of the values");
+    colour.add(range, "fit").name("fit to what is visible");
+    this.auto = colour.add(range, "auto").name("as at first");
 
     const parts = this.folder("Parts");
     parts.domElement.classList.add("pairs");
@@ -77,8 +85,7 @@ export class Panel {
     this.add(view, "orthographic", "orthographic");
     this.add(view, "dark", "dark");
     view.add(actions, "reset").name("whole view (F)");
-    view.add(actions, "screenshot").name("save picture (P)");
-    view.add(actions, "help").name("keys (?)");
+    view.add(actions, "screenshot").name("picture (P)");
     if (window.innerHeight < 900) for (const name of ["Parts", "Burning"]) this.folders[name]?.close();
     if (window.innerWidth < 720) this.gui.close();
   }
