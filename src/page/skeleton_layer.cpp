@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 
-#include "complex/thinning.h"
 #include "layer.h"
 
 namespace quench {
@@ -57,6 +56,75 @@ std::vector<std::uint32_t> drawn_at(const SkeletonFamily& family) {
   return at;
 }
 
+/// The curves off the sheets at the floor of theta2, and what the pruning for a theta1 leaves of them.
+class CurvePruning {
+ public:
+  CurvePruning(const SkeletonFamily& family, const LayerCells& cells, const std::vector<char>& on_face)
+      : k_(family.refined), degree_(k_.complex.vertex_count, 0), edges_xor_(degree_.size(), 0) {
+    thickness_.assign(k_.complex.edges.size(), std::numeric_limits<float>::infinity());
+    for (std::uint32_t e = 0; e < thickness_.size(); ++e) {
+      if (!cells.edge[e]) continue;
+      for (const std::uint32_t v : k_.complex.edges[e]) {
+        ++degree_[v];
+        edges_xor_[v] ^= e;
+      }
+      if (!k_.curve_edge[e] || on_face[e]) continue;
+      ++free_curves_;
+      thickness_[e] = rounded_down(family.thickness_of(e));
+      if (std::isfinite(thickness_[e])) steps_.push_back(thickness_[e]);
+    }
+    std::sort(steps_.begin(), steps_.end());
+    steps_.erase(std::unique(steps_.begin(), steps_.end()), steps_.end());
+  }
+
+  /// How many curves are left; takes what is pruned off `cells`. Fixed keys: any order gives the same.
+  std::size_t left(float theta1, LayerCells* cells = nullptr) const {
+    std::vector<std::uint32_t> degree = degree_, edges_xor = edges_xor_, stack;
+    std::size_t count = free_curves_;
+    const auto offer = [&](std::uint32_t v) {
+      if (degree[v] == 1 && !k_.medial_point[v] && thickness_[edges_xor[v]] < theta1) stack.push_back(v);
+    };
+    for (std::uint32_t v = 0; v < degree.size(); ++v) offer(v);
+    while (!stack.empty()) {
+      const std::uint32_t v = stack.back();
+      stack.pop_back();
+      if (degree[v] != 1) continue;
+      const std::uint32_t e = edges_xor[v];
+      const auto [a, b] = k_.complex.edges[e];
+      const std::uint32_t other = a == v ? b : a;
+      degree[v] = 0;
+      --degree[other];
+      edges_xor[other] ^= e;
+      --count;
+      if (cells) cells->edge[e] = cells->vertex[v] = 0;
+      offer(other);
+    }
+    return count;
+  }
+
+  /// The smallest theta1 that leaves at most `most` curves; where what never goes is more, that at which the rest is
+  /// gone. Sets change only just above a thickness.
+  float floor(std::size_t most) const {
+    const auto above = [&](std::size_t i) { return std::nextafter(steps_[i], std::numeric_limits<float>::infinity()); };
+    std::size_t low = 0, high = steps_.size();  // the step is in [low, high)
+    while (low + 1 < high) {
+      const std::size_t middle = (low + high - 1) / 2;
+      if (left(above(middle)) <= most)
+        high = middle + 1;
+      else
+        low = middle + 1;
+    }
+    return low < steps_.size() ? above(low) : 0;
+  }
+
+ private:
+  const RefinedAxis& k_;
+  std::vector<std::uint32_t> degree_, edges_xor_;
+  std::vector<float> thickness_;  ///< infinite where an edge is no curve, or on a sheet
+  std::vector<float> steps_;
+  std::size_t free_curves_ = 0;
+};
+
 }  // namespace
 
 // Why floors are harmless. Let L(t) = {sheet level >= t} with the curves, and P(X, s) what is left of a subcomplex X
@@ -106,41 +174,9 @@ std::size_t add_skeleton(Page& page, const SkeletonFamily& family, std::size_t m
   float theta1_floor = 0;
   std::size_t curves_shown = free_curves;
   if (floor.triangles + free_curves > max_triangles) {
-    // The theta1 up to which each edge stays when the sheets are those of the floor.
-    CellComplex graph;
-    graph.vertex_count = c.vertex_count;
-    std::vector<std::uint32_t> edge_of;
-    std::vector<double> thickness, fixed(c.vertex_count, 0);
-    for (std::uint32_t e = 0; e < c.edges.size(); ++e) {
-      if (!cells.edge[e]) continue;
-      graph.edges.push_back(c.edges[e]);
-      edge_of.push_back(e);
-      thickness.push_back(k.curve_edge[e] && !on_face[e] ? static_cast<double>(rounded_down(family.thickness_of(e)))
-                                                         : kNever);
-    }
-    for (std::size_t v = 0; v < fixed.size(); ++v) fixed[v] = k.medial_point[v] ? kNever : 0;
-    const CellValues stays = thin(graph, fixed, thickness, {}, nullptr, "page");
-    std::vector<double> levels;
-    for (std::size_t i = 0; i < edge_of.size(); ++i)
-      if (k.curve_edge[edge_of[i]] && !on_face[edge_of[i]]) levels.push_back(stays.edge[i]);
-    std::sort(levels.begin(), levels.end(), std::greater<>());
-    std::size_t kept = max_triangles - std::min(max_triangles, floor.triangles);
-    if (kept < levels.size() && std::isfinite(levels[kept]))
-      theta1_floor = std::nextafter(static_cast<float>(levels[kept]), std::numeric_limits<float>::infinity());
-    else if (kept < levels.size())  // what never goes is more already
-      for (const double level : levels)
-        if (std::isfinite(level)) {
-          theta1_floor = std::nextafter(static_cast<float>(level), std::numeric_limits<float>::infinity());
-          break;
-        }
-    curves_shown = 0;
-    for (std::size_t i = 0; i < edge_of.size(); ++i) {
-      const bool stays_here = stays.edge[i] >= static_cast<double>(theta1_floor);
-      cells.edge[edge_of[i]] = stays_here;
-      curves_shown += stays_here && k.curve_edge[edge_of[i]] && !on_face[edge_of[i]];
-    }
-    for (std::size_t v = 0; v < cells.vertex.size(); ++v)
-      cells.vertex[v] = cells.vertex[v] && stays.vertex[v] >= static_cast<double>(theta1_floor);
+    const CurvePruning pruning(family, cells, on_face);
+    theta1_floor = pruning.floor(max_triangles - std::min(max_triangles, floor.triangles));
+    curves_shown = pruning.left(theta1_floor, &cells);
   }
   cells.faces = std::move(floor.faces);
 
