@@ -102,14 +102,15 @@ class CurvePruning {
     return count;
   }
 
-  /// The smallest theta1 that leaves at most `most` curves; where what never goes is more, that at which the rest is
-  /// gone. Sets change only just above a thickness.
+  /// A theta1 that leaves at most `most` curves, and nine tenths of that or as many as there can be; where what never
+  /// goes is more, that at which the rest is gone. Sets change only just above a thickness.
   float floor(std::size_t most) const {
     const auto above = [&](std::size_t i) { return std::nextafter(steps_[i], std::numeric_limits<float>::infinity()); };
     std::size_t low = 0, high = steps_.size();  // the step is in [low, high)
     while (low + 1 < high) {
-      const std::size_t middle = (low + high - 1) / 2;
-      if (left(above(middle)) <= most)
+      const std::size_t middle = (low + high - 1) / 2, count = left(above(middle));
+      if (count <= most && count >= most / 10 * 9) return above(middle);
+      if (count <= most)
         high = middle + 1;
       else
         low = middle + 1;
