@@ -60,6 +60,7 @@ endif()
 function(quench_embed_page target)
   set(viewer ${PROJECT_SOURCE_DIR}/viewer)
   set(folder ${PROJECT_BINARY_DIR}/viewer)
+  set(embedded ${folder}/page_program.cpp)
   if(QUENCH_WITH_VIEWER)
     file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${viewer}/src/*)
     add_custom_command(OUTPUT ${folder}/page.html
@@ -67,14 +68,15 @@ function(quench_embed_page target)
                        WORKING_DIRECTORY ${viewer}
                        DEPENDS ${sources} ${viewer}/build.mjs ${viewer}/package.json ${viewer}/package-lock.json
                        COMMENT "Bundling the interactive page" VERBATIM)
-    add_custom_command(OUTPUT ${folder}/page_program.cpp
-                       COMMAND ${QUENCH_NODE} ${PROJECT_SOURCE_DIR}/cmake/embed_page.mjs ${folder}/page.html ${folder}/page_program.cpp
+    add_custom_command(OUTPUT ${embedded}
+                       COMMAND ${QUENCH_NODE} ${PROJECT_SOURCE_DIR}/cmake/embed_page.mjs ${folder}/page.html ${embedded}
                        DEPENDS ${folder}/page.html ${PROJECT_SOURCE_DIR}/cmake/embed_page.mjs
                        COMMENT "Embedding the interactive page" VERBATIM)
   else()
-    file(CONFIGURE OUTPUT ${folder}/page_program.cpp @ONLY CONTENT
+    set(embedded ${folder}/no_page_program.cpp)  # of another name: else it would be newer than what it is made of
+    file(CONFIGURE OUTPUT ${embedded} @ONLY CONTENT
          "#include \"page_program.h\"\nnamespace quench::program {\nstd::string_view page_program() { return {}; }\n}\n")
   endif()
-  target_sources(${target} PRIVATE ${folder}/page_program.cpp)
-  set_source_files_properties(${folder}/page_program.cpp PROPERTIES SKIP_PRECOMPILE_HEADERS ON)
+  target_sources(${target} PRIVATE ${embedded})
+  set_source_files_properties(${embedded} PROPERTIES SKIP_PRECOMPILE_HEADERS ON)
 endfunction()
