@@ -57,12 +57,14 @@ export function defaultColor(page: Page, name: LayerName): string {
 export function defaults(page: Page, dark: boolean): State {
   const { meta } = page;
   const layer = defaultLayer(page);
+  // Without sheets the curves carry the colours.
+  const pure = layer === "skeleton" && meta.theta2 === Infinity && page.layers.get(layer)!.measures.has("radius");
   const state: State = {
     layer,
     lambda: Math.max(meta.lambda ?? 0, meta.floor.lambda),
     theta2: Math.max(meta.theta2 ?? 0, meta.floor.theta2),
     theta1: Math.max(meta.theta1 ?? 0, meta.floor.theta1),
-    color: defaultColor(page, layer),
+    color: pure ? "radius" : defaultColor(page, layer),
     map: "viridis",
     rangeLow: NaN,
     rangeHigh: NaN,
@@ -71,7 +73,7 @@ export function defaults(page: Page, dark: boolean): State {
     seams: true,
     boundary: true,
     points: true,
-    curvesByMeasure: false,
+    curvesByMeasure: pure,
     curveWidth: curvesAtStart(page) > 12 * meta.side ? 3 : 5,
     shape: page.shape.triangles !== null,
     shapeOpacity: 0.5,

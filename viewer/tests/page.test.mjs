@@ -42,9 +42,12 @@ function coloursIn(png) {
   return seen;
 }
 
-describe("the page in a browser", { skip }, () => {
+describe("the page in a browser", () => {
+  // Test by test, so that the summary counts what was skipped.
+  const it = (name, body) => test(name, { skip }, body);
   let browser, folder, template, context;
   before(async () => {
+    if (skip) return;
     const { chromium: launcher } = await import("playwright-core");
     folder = mkdtempSync(join(tmpdir(), "quench-page-"));
     template = readFileSync(templateFile, "utf8");
@@ -72,7 +75,7 @@ describe("the page in a browser", { skip }, () => {
   const sets = (page, change = {}) => page.evaluate((c) => (window.quench.set(c), window.quench.sets()), change);
   const settled = (page) => page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
 
-  test("loads without a complaint, shows its title and figures", async () => {
+  it("loads without a complaint, shows its title and figures", async () => {
     const { page, complaints } = await open(boxPage(template));
     assert.equal(await page.title(), "box");
     assert.equal(await page.evaluate("window.quench.error"), null);
@@ -84,7 +87,7 @@ describe("the page in a browser", { skip }, () => {
     await page.close();
   });
 
-  test("sliders give the sets, by script and by hand", async () => {
+  it("sliders give the sets, by script and by hand", async () => {
     const { page, complaints } = await open(boxPage(template));
     const at = async (change) => { const s = await sets(page, change); return [s.faces, s.curveEdges, s.freeEnds, s.isolated]; };
     assert.deepEqual(await at({ theta2: 0, theta1: 0 }), [1, 8, 4, 0]);
@@ -109,7 +112,7 @@ describe("the page in a browser", { skip }, () => {
     await page.close();
   });
 
-  test("picking by number: position, measures, touching points", async () => {
+  it("picking by number: position, measures, touching points", async () => {
     const { page, complaints } = await open(boxPage(template), "layer=core&lambda=0");
     const end = await page.evaluate("window.quench.pick(0)"); // (1, 1, 1), radius 1: one point of each of five faces
     assert.deepEqual(end.position, [1, 1, 1]);
@@ -127,7 +130,7 @@ describe("the page in a browser", { skip }, () => {
     await page.close();
   });
 
-  test("picking with the mouse finds the vertex under it", async () => {
+  it("picking with the mouse finds the vertex under it", async () => {
     for (const projection of ["", "&orthographic=1"]) {
       // From straight above; the inner end of the ridge is in the middle of the free part of the window.
       const { page } = await open(boxPage(template), `layer=core&lambda=0&ui=0&camera=1,1,12,1,1,1,0,1,0${projection}`);
@@ -139,7 +142,7 @@ describe("the page in a browser", { skip }, () => {
     }
   });
 
-  test("the picture is not blank, differs between colourings, and is the same twice", async () => {
+  it("the picture is not blank, differs between colourings, and is the same twice", async () => {
     const { page, complaints } = await open(boxPage(template), "layer=core&lambda=0&ui=0&color=radius");
     const shot = async (change) => {
       await sets(page, change);
@@ -167,7 +170,7 @@ describe("the page in a browser", { skip }, () => {
     await page.close();
   });
 
-  test("the balls of all of the axis fill the shape, those of less fill less", async () => {
+  it("the balls of all of the axis fill the shape, those of less fill less", async () => {
     const { page } = await open(boxPage(template), "layer=core&lambda=0&balls=1");
     await page.waitForFunction("/fill/.test(document.querySelector('.share').textContent)");
     // Two balls of radius 1 in a box of 16, counted with 2000 samples.
@@ -176,7 +179,7 @@ describe("the page in a browser", { skip }, () => {
     await page.close();
   });
 
-  test("burning hides what burned", async () => {
+  it("burning hides what burned", async () => {
     const { page, complaints } = await open(boxPage(template), "layer=core&lambda=0&ui=0&shape=0");
     const shot = async (change) => (await sets(page, change), await settled(page), page.screenshot());
     const before_ = await shot({}), during = await shot({ burn: true, time: 0.9, burnHides: true }), gone = await shot({ time: 9 });
@@ -190,7 +193,7 @@ describe("the page in a browser", { skip }, () => {
     await page.close();
   });
 
-  test("the address is read and written", async () => {
+  it("the address is read and written", async () => {
     const hash = "layer=core&lambda=0.6&color=radius&dark=1&camera=9,8,7,1,1,1,0,0,1";
     const { page } = await open(boxPage(template), hash);
     const state = await page.evaluate("window.quench.state");
@@ -207,7 +210,7 @@ describe("the page in a browser", { skip }, () => {
     await second.close();
   });
 
-  test("keys, help and the state a page is written with", async () => {
+  it("keys, help and the state a page is written with", async () => {
     const { page, complaints } = await open(boxPage(template, { meta: (m) => ({ ...m, state: "layer=core&color=radius", notes: ["A note <b>here</b>."] }) }));
     assert.equal(await page.evaluate("window.quench.state.color"), "radius");
     assert.equal(await page.textContent(".note"), "A note <b>here</b>.");
@@ -226,7 +229,7 @@ describe("the page in a browser", { skip }, () => {
     await page.close();
   });
 
-  test("random complexes, one layer at a time, without a shape", async () => {
+  it("random complexes, one layer at a time, without a shape", async () => {
     for (const [seed, name] of [[11, "core"], [12, "skeleton"], [13, "still"]]) {
       const cells = randomCells(seed, name === "skeleton");
       const { page, complaints } = await open(pageOf(template, { side: 1, low: [0, 0, 0], high: [1, 1, 1], voxel: undefined }, layerArrays(name, cells)));
@@ -256,7 +259,7 @@ describe("the page in a browser", { skip }, () => {
     "empty layers": { change: (a) => { for (const n of ["core", "skeleton"]) a[`${n}/points`][2] = []; return a; }, says: /no medial axis/ },
   };
   for (const [what, { damage, change, says }] of Object.entries(broken))
-    test(`damaged: ${what}`, async () => {
+    it(`damaged: ${what}`, async () => {
       const { page, complaints } = await open(boxPage(template, damage, change));
       const error = await page.evaluate("window.quench.error");
       assert.match(error, says);
@@ -266,7 +269,7 @@ describe("the page in a browser", { skip }, () => {
       await page.close();
     });
 
-  test("measures that are nowhere a number are grey, and the page says so", async () => {
+  it("measures that are nowhere a number are grey, and the page says so", async () => {
     const { page, complaints } = await open(boxPage(template, {}, (a) => {
       for (const [name, array] of Object.entries(a)) if (name.includes("/point/")) array[2] = array[2].map(() => NaN);
       return a;
@@ -279,7 +282,7 @@ describe("the page in a browser", { skip }, () => {
     await page.close();
   });
 
-  test("a shape far from zero is drawn and picked where it is", async () => {
+  it("a shape far from zero is drawn and picked where it is", async () => {
     const far = [4e6, -5e6, 250];
     const shape = boxShape();
     const m = shape.meta.sites_to_world.slice();
@@ -293,7 +296,7 @@ describe("the page in a browser", { skip }, () => {
     await page.close();
   });
 
-  test("the empty template says what it is", async () => {
+  it("the empty template says what it is", async () => {
     const { page, complaints } = await open(template);
     assert.match(await page.innerText(".message"), /empty page/);
     assert.deepEqual(complaints, []);

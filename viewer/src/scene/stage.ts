@@ -87,7 +87,7 @@ export class Stage {
     this.paperUniforms.top.value.set(...rgb(paper.top));
     this.paperUniforms.bottom.value.set(...rgb(paper.bottom));
     this.shared.paper.value.set(...rgb(dark ? "16191f" : "f2f4f6"));
-    this.screenUniforms.strength.value = dark ? 34 : 30;
+    this.screenUniforms.strength.value = dark ? 32 : 24;
   }
 
   invalidate(): void {
