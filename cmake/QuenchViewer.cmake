@@ -31,7 +31,7 @@ function(quench_prepare_viewer reason)
   execute_process(COMMAND ${check} RESULT_VARIABLE differs)
   if(differs)
     message(STATUS "Installing the npm packages of the interactive page")
-    execute_process(COMMAND ${QUENCH_NPM} ci --ignore-scripts --no-audit --no-fund --loglevel=error
+    execute_process(COMMAND ${QUENCH_NPM} ci --ignore-scripts --prefer-offline --fetch-retries=1 --no-audit --no-fund --loglevel=error
                     WORKING_DIRECTORY ${viewer} RESULT_VARIABLE failed OUTPUT_QUIET)
     if(NOT failed)
       execute_process(COMMAND ${check} RESULT_VARIABLE failed)
