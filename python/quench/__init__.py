@@ -4,7 +4,7 @@
 >>> import numpy as np, quench
 >>> image = np.zeros((50, 20, 20), bool)
 >>> image[5:-5, 5:-5, 5:-5] = True
->>> skeleton = quench.medial_axis(image).skeleton(theta2='inf')
+>>> skeleton = quench.medial_axis(image).skeleton(theta2='inf', theta1='10%')
 >>> len(skeleton.branches()['length'])
 1
 """

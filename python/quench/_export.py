@@ -75,14 +75,15 @@ def plot(result: Any, ax: Any = None, *, cmap: str = 'viridis', linewidth: float
         normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
         shade = 0.55 + 0.45 * np.abs(normal @ (np.array([0.3, -0.5, 0.8]) / np.sqrt(0.98)))[:, None]
         norm = colors.Normalize(0, finite.max() if len(finite) and finite.max() > 0 else 1, clip=True)
-        paint = cm.get_cmap(cmap)(norm(np.where(np.isfinite(value), value, norm.vmax)))
+        paint = cm.get_cmap(cmap)(norm(np.where(np.isfinite(value), value, 0)))
+        paint[~np.isfinite(value)] = (0.6, 0.6, 0.6, 1)  # closed pockets never burn
         paint[:, :3] *= shade
         ax.add_collection3d(Poly3DCollection(triangles, facecolors=paint, edgecolors=paint, linewidths=0.2))
-        if colorbar:
+        if colorbar and len(finite):
             ax.figure.colorbar(cm.ScalarMappable(norm, cmap), ax=ax, label=name, shrink=0.6)
     if len(segments):
         lines = Line3DCollection(segments, linewidths=linewidth, capstyle='round')
-        if len(triangles):
+        if len(finite):
             lines.set_color('crimson')
         else:
             lines.set_array(thick)
