@@ -63,7 +63,7 @@ def plot(result: Any, ax: Any = None, *, cmap: str = 'viridis', linewidth: float
          colorbar: bool = True) -> Any:
     """See MedialAxis.plot and Skeleton.plot. `view`: elevation and azimuth in degrees."""
     need('matplotlib', 'plot()')
-    from matplotlib import cm, colors, pyplot
+    from matplotlib import cm, colormaps, colors, pyplot
     from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
     triangles, value, name, segments, thick, alone = _parts(result)
     if ax is None:
@@ -75,7 +75,7 @@ def plot(result: Any, ax: Any = None, *, cmap: str = 'viridis', linewidth: float
         normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
         shade = 0.55 + 0.45 * np.abs(normal @ (np.array([0.3, -0.5, 0.8]) / np.sqrt(0.98)))[:, None]
         norm = colors.Normalize(0, finite.max() if len(finite) and finite.max() > 0 else 1, clip=True)
-        paint = cm.get_cmap(cmap)(norm(np.where(np.isfinite(value), value, 0)))
+        paint = colormaps[cmap](norm(np.where(np.isfinite(value), value, 0)))
         paint[~np.isfinite(value)] = (0.6, 0.6, 0.6, 1)  # closed pockets never burn
         paint[:, :3] *= shade
         ax.add_collection3d(Poly3DCollection(triangles, facecolors=paint, edgecolors=paint, linewidths=0.2))
