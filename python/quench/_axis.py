@@ -114,6 +114,8 @@ class MedialAxis:
     lambda_level : (F,) float64
         The largest λ up to which the polygon of each triangle stays; infinite where topology needs it. Also
         ``edge_lambda_level``, ``vertex_lambda_level``.
+    face_lambda : (F,) float64
+        λ of the polygon of each triangle: half the distance of its two nearest boundary points.
     lambda_ : float
         The λ it is pruned with, in the units of the coordinates.
     reconstructed : float
@@ -173,6 +175,11 @@ class MedialAxis:
     @cached_property
     def lambda_level(self) -> np.ndarray:
         return self._level(2)[self.face_polygon]
+
+    @cached_property
+    def face_lambda(self) -> np.ndarray:
+        self._level(2)
+        return np.asarray(self._core.lambdas()[2])[self.face_polygon]
 
     @property
     def edge_lambda_level(self) -> np.ndarray:

@@ -6,6 +6,7 @@ import math
 import numbers
 import os
 import sys
+import warnings
 from contextlib import contextmanager
 from typing import Any, Callable, Iterator, NamedTuple, Optional, Sequence, Tuple, Union
 
@@ -26,6 +27,14 @@ def error(code: int, sentence: str) -> Error:
     result = Error(sentence)
     result.code = code
     return result
+
+
+def warn(sentence: str) -> None:
+    """A warning of the line outside this package that led to it."""
+    level, frame = 1, sys._getframe(1)
+    while frame is not None and frame.f_globals.get('__name__', '').startswith('quench.'):
+        level, frame = level + 1, frame.f_back
+    warnings.warn(sentence, UserWarning, stacklevel=level + 1)
 
 
 class Topology(NamedTuple):

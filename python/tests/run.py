@@ -5,7 +5,7 @@ import runpy
 import sys
 
 kind, target = sys.argv[1:3]
-needed = {'pytest': ['numpy', 'pytest'], 'doctest': ['numpy', 'pytest'], 'script': ['numpy', 'matplotlib', 'skimage']}[kind]
+needed = {'pytest': ['numpy', 'pytest'], 'doctest': ['numpy', 'pytest'], 'script': ['numpy', 'matplotlib']}[kind]
 missing = [name for name in needed if importlib.util.find_spec(name) is None]
 if missing:
     print(f'skipped: {sys.executable} has no {", ".join(missing)}')
