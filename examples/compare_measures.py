@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Apache-2.0
-"""Four measures of what matters in a medial axis, on a bumpy shape: measures.csv and measures.png.
+"""Four measures of what matters in a medial axis, on a board with a thin fin and a low bump: measures.csv and measures.png.
 
 usage: compare_measures.py [MESH] [--resolution N] [--keep SHARE] [-o FOLDER]
 
@@ -19,13 +19,13 @@ from mpl_toolkits.mplot3d.art3d import Poly3DCollection  # noqa: E402
 
 parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
 parser.add_argument('mesh', nargs='?')
-parser.add_argument('--resolution', type=int, default=64)
-parser.add_argument('--keep', type=float, default=0.25)
+parser.add_argument('--resolution', type=int, default=80)
+parser.add_argument('--keep', type=float, default=0.2)
 parser.add_argument('-o', '--output', type=pathlib.Path, default='.')
 options = parser.parse_args()
 options.output.mkdir(parents=True, exist_ok=True)
 
-mesh = options.mesh or quench.sample('rippled-box', noise=0.02)
+mesh = options.mesh or quench.sample('fin-on-board')
 axis = quench.medial_axis(mesh, resolution=options.resolution, lambda_='0.5vox')
 faces, radius = axis.faces, axis.radius[axis.faces].min(axis=1)
 measures = {'radius': radius, 'lambda': axis.face_lambda,
@@ -50,7 +50,7 @@ def pieces(kept):
         mine = new
 
 
-figure = pyplot.figure(figsize=(10, 8))
+figure = pyplot.figure(figsize=(10, 7), layout='constrained')
 rows = []
 for number, (name, value) in enumerate(measures.items()):
     order = np.argsort(-value, kind='stable')
@@ -64,8 +64,8 @@ for number, (name, value) in enumerate(measures.items()):
     low, high = axis.vertices.min(0), axis.vertices.max(0)
     for limit, a, b in zip((axes.set_xlim, axes.set_ylim, axes.set_zlim), low, high):
         limit(a, b)
-    axes.set_box_aspect(np.maximum(high - low, 0.2 * (high - low).max()))
-    axes.set_title(f'{name}: {rows[-1][3]} pieces')
+    axes.set_box_aspect(np.maximum(high - low, 0.2 * (high - low).max()), zoom=1.5)
+    axes.set_title(f'{name}: {rows[-1][3]} piece{"s" * (rows[-1][3] > 1)}')
     axes.set_axis_off()
     axes.view_init(28, -60)
 figure.savefig(options.output / 'measures.png', dpi=70, bbox_inches='tight')

@@ -42,6 +42,10 @@ for number, (label, skeleton) in enumerate(found.items()):
           f'components, tunnels, cavities of the label: {skeleton.topology.betti}')
     for path in skeleton.graph().paths:
         axes.plot(*path.T, color=f'C{number % 10}', linewidth=1.2)
-axes.legend([pyplot.Line2D([], [], color=f'C{n % 10}') for n in range(len(found))], [f'label {k}' for k in found])
-axes.set_aspect('equal')
-axes.figure.savefig(options.output / 'labels.png', dpi=110, bbox_inches='tight')
+places = np.concatenate([skeleton.vertices for skeleton in found.values()])
+for limit, low, high in zip((axes.set_xlim, axes.set_ylim, axes.set_zlim), places.min(0), places.max(0)):
+    limit(low, high)
+axes.set_box_aspect(np.maximum(np.ptp(places, axis=0), 0.1 * np.ptp(places, axis=0).max()))
+axes.legend([pyplot.Line2D([], [], color=f'C{n % 10}') for n in range(len(found))], [f'label {k}' for k in found],
+            loc='center left', bbox_to_anchor=(-0.25, 0.5))
+axes.figure.savefig(options.output / 'labels.png', dpi=100, bbox_inches='tight')

@@ -1,11 +1,11 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Apache-2.0
-"""How thick a part is everywhere on its surface: thickness.csv (a row per vertex) and thickness.png.
+"""How thick a part is everywhere on its surface: thickness.csv (a row per triangle) and thickness.png.
 
 usage: thickness_map.py [MESH] [--resolution N] [-o FOLDER]
 
-The thickness at a vertex is the diameter of the largest ball inside the part that touches it (within a voxel and a half). Without
-MESH a built-in part is taken. Needs numpy and matplotlib."""
+The thickness at a place is the diameter of the largest ball inside the part that touches it (within a voxel and a half); it is
+computed at the middle of each triangle. Without MESH a built-in part is taken. Needs numpy and matplotlib."""
 import argparse
 import pathlib
 
@@ -25,34 +25,33 @@ options = parser.parse_args()
 options.output.mkdir(parents=True, exist_ok=True)
 
 mesh = quench.read(options.mesh) if options.mesh else quench.sample('fin-on-board', detail=0.35)
-axis = quench.medial_axis(mesh, resolution=options.resolution, lambda_='1.5vox')
+axis = quench.medial_axis(mesh, resolution=options.resolution, lambda_='1vox')
 voxel = axis.longest_side / options.resolution
 
-# From the largest ball down: the first one that touches a vertex is its thickness.
-thickness = np.full(len(mesh.vertices), np.nan)
-left = np.arange(len(mesh.vertices))
+# From the largest ball down: the first one that touches a place is its thickness.
+corners = mesh.vertices[mesh.faces]
+places = corners.mean(axis=1)
+thickness = np.full(len(places), np.nan)
+left = np.arange(len(places))
 for ball in np.argsort(-axis.radius, kind='stable'):
     reach = axis.radius[ball] + 1.5 * voxel
-    touches = ((mesh.vertices[left] - axis.vertices[ball])**2).sum(axis=1) <= reach**2
+    touches = ((places[left] - axis.vertices[ball])**2).sum(axis=1) <= reach**2
     if touches.any():
         thickness[left[touches]] = 2 * axis.radius[ball] + voxel  # radii end at corners of voxels, half a voxel early
         left = left[~touches]
         if len(left) == 0:
             break
 
-np.savetxt(options.output / 'thickness.csv', np.column_stack([mesh.vertices, thickness]), delimiter=',',
+np.savetxt(options.output / 'thickness.csv', np.column_stack([places, thickness]), delimiter=',',
            header='x,y,z,thickness', comments='', fmt='%.6g')
 print(f'thickness from {np.nanmin(thickness):.4g} to {np.nanmax(thickness):.4g}, median {np.nanmedian(thickness):.4g}; '
-      f'{np.isnan(thickness).mean() * 100:.1f} % of the vertices have no ball (edges that were pruned)')
+      f'{np.isnan(thickness).mean() * 100:.1f} % of the triangles touch no ball (sharp edges, which are pruned)')
 
-corners = mesh.vertices[mesh.faces]
 normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
 normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
 scale = colors.Normalize(0, np.nanmax(thickness))
-all_unknown = np.isnan(thickness[mesh.faces]).all(axis=1)
-value = np.where(all_unknown, 0, np.nanmax(np.where(np.isnan(thickness[mesh.faces]), -1, thickness[mesh.faces]), axis=1))
-paint = colormaps['viridis'](scale(value))
-paint[all_unknown] = (0.7, 0.7, 0.7, 1)
+paint = colormaps['viridis'](scale(np.nan_to_num(thickness)))
+paint[np.isnan(thickness)] = (0.7, 0.7, 0.7, 1)
 paint[:, :3] *= 0.6 + 0.4 * np.abs(normal @ [[0.3], [-0.5], [0.81]])
 axes = pyplot.figure(figsize=(7, 6)).add_subplot(projection='3d')
 axes.add_collection3d(Poly3DCollection(corners, facecolors=paint, edgecolors=paint, linewidths=0.2))
@@ -60,4 +59,4 @@ for limit, low, high in zip((axes.set_xlim, axes.set_ylim, axes.set_zlim), mesh.
     limit(low, high)
 axes.set_box_aspect(np.ptp(mesh.vertices, axis=0))
 axes.figure.colorbar(pyplot.cm.ScalarMappable(scale), ax=axes, label='thickness', shrink=0.6)
-axes.figure.savefig(options.output / 'thickness.png', dpi=110, bbox_inches='tight')
+axes.figure.savefig(options.output / 'thickness.png', dpi=100, bbox_inches='tight')

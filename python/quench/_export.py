@@ -117,4 +117,4 @@ def save_picture(result: Any, path: Path) -> None:
     folder = os.path.dirname(name) or '.'
     if not os.path.isdir(folder):
         raise error(1, f"cannot write '{name}': the folder '{folder}' does not exist; make it first")
-    figure.savefig(name, dpi=150)
+    figure.savefig(name, dpi=110)
