@@ -1,0 +1,18 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Medial axes and skeletons of real 3D shapes: exact, pruned without changing topology.
+
+>>> import numpy as np, quench
+>>> image = np.zeros((50, 20, 20), bool)
+>>> image[5:-5, 5:-5, 5:-5] = True
+>>> skeleton = quench.medial_axis(image).skeleton(theta2='inf', theta1='10%')
+>>> len(skeleton.branches()['length'])
+1
+"""
+from ._axis import MedialAxis, medial_axis
+from ._common import Certificate, Topology
+from ._core import Error, __version__
+from ._inputs import Mesh, Volume, read, sample, samples, voxelize
+from ._skeleton import Curves, Graph, Sheets, Skeleton, skeletonize
+
+__all__ = ['Certificate', 'Curves', 'Error', 'Graph', 'MedialAxis', 'Mesh', 'Sheets', 'Skeleton', 'Topology', 'Volume',
+           '__version__', 'medial_axis', 'read', 'sample', 'samples', 'skeletonize', 'voxelize']

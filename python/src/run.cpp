@@ -87,8 +87,10 @@ void run_cancellable(const py::object& listener, int threads, const std::functio
   }
   worker.join();
   if (interrupted) throw *interrupted;
-  for (const std::string& sentence : box.notes)
-    if (PyErr_WarnEx(PyExc_UserWarning, sentence.c_str(), 2) != 0) throw py::error_already_set();
+  if (!box.notes.empty()) {
+    const py::object warn = py::module_::import("quench._common").attr("warn");
+    for (const std::string& sentence : box.notes) warn(sentence);
+  }
   if (failure) std::rethrow_exception(failure);
 }
 

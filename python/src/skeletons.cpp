@@ -126,6 +126,7 @@ void bind_skeletons(py::module_& m) {
                              [](const Pointer& s) { return view(s, s->checked.skeleton.complex.face_vertices); })
       .def_property_readonly("polygon_edges",
                              [](const Pointer& s) { return view(s, s->checked.skeleton.complex.face_edges); })
+      .def_property_readonly("axis_shape", [](const Pointer& s) { return s->axis->shape; })
       .def_property_readonly("theta2", [](const Pointer& s) { return s->checked.skeleton.theta2; })
       .def_property_readonly("theta1", [](const Pointer& s) { return s->checked.skeleton.theta1; })
       .def_property_readonly("axis", [](const Pointer& s) { return s->has_axis ? s->axis : nullptr; })

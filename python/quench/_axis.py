@@ -1,0 +1,364 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The medial axis and what follows from it."""
+from __future__ import annotations
+
+from functools import cached_property
+from typing import Any, Optional, Sequence, Tuple, Union
+
+import numpy as np
+
+from . import _core, _export
+from ._common import (Certificate, Length, Path, Progress, Spacing, Topology, ending, error, file_name, length, listening,
+                      whole)
+from ._inputs import Cut, shape_of
+from ._skeleton import Skeleton
+
+
+def medial_axis(image_or_mesh: Any, *, spacing: Spacing = None, threshold: Optional[float] = None,
+                label: Optional[int] = None, resolution: Union[int, str] = 256, lambda_: Length = 'auto',
+                invert: bool = False, largest_component: bool = False, min_component: int = 0,
+                fill_cavities: bool = False, subdivide: int = 1, fill: str = 'nonzero', lambda_rule: str = 'coface',
+                threads: int = 0, progress: Progress = False) -> 'MedialAxis':
+    """The medial axis of a shape: its voxel core, pruned by λ without changing its topology.
+
+    Parameters
+    ----------
+    image_or_mesh : array, (vertices, faces), object with .vertices and .faces, Volume, or path
+        An image is a three-dimensional array of any order in memory. A bool image, and one of at most two values, is the
+        shape where it is not 0; others need `threshold` or `label`. A mesh has to be closed.
+    spacing : float or three floats, optional
+        Size of a voxel along the axes of the array. Default: what the file says, else 1.
+    threshold : float, optional
+        The shape is where the image is at least this.
+    label : int, optional
+        The shape is where the image is exactly this.
+    resolution : int or "auto"
+        Of meshes: voxels along the longest side of the box; "auto": the fewest of 128, 256 ... 2048 with the topology of
+        the mesh.
+    lambda_ : length or "auto"
+        Parts that touch the surface within a ball of this radius are dropped where topology allows. "auto": the largest
+        from 2 % of the longest side down whose balls still fill 98 % of the shape; 0: nothing is dropped.
+    invert, largest_component, min_component, fill_cavities
+        What to do with the shape first: take what is not the shape, keep its largest part only, drop parts of fewer
+        voxels, fill closed cavities.
+    subdivide : int
+        Splits every voxel into subdivide ** 3.
+    fill : "nonzero" or "evenodd"
+        Of meshes: overlapping and nested parts are united, or alternate between inside and outside.
+    lambda_rule : "coface" or "ball"
+        See docs/voxel_core.md.
+    threads : int
+        0: all processors. The result is the same for any number.
+    progress : bool or callable
+        True: a bar of tqdm where that is installed; a function is called as ``progress(stage, fraction)``.
+
+    Returns
+    -------
+    MedialAxis
+
+    Notes
+    -----
+    Places: of an array, index times spacing in the order of its axes, voxel centres at integers, as in scipy and
+    scikit-image. Of files and meshes, world coordinates x, y, z.
+
+    A *length* is a number or a text: ``0.02`` and ``"2%"`` are fractions of the longest side of the box of the shape,
+    ``"2.5vox"`` multiples of the smallest spacing, ``"3.5abs"`` the units of the coordinates, ``"inf"`` and
+    ``math.inf`` infinite.
+
+    Ctrl-C stops the computation. Nothing of the input is kept.
+
+    Examples
+    --------
+    >>> import numpy as np, quench
+    >>> plate = np.zeros((40, 30, 9), bool)
+    >>> plate[2:-2, 2:-2, 2:-2] = True
+    >>> axis = quench.medial_axis(plate, lambda_='2vox')
+    >>> axis.topology.betti
+    (1, 0, 0)
+    >>> float(axis.radius.max())  # of 2.5 to the faces, measured to the corners of voxels
+    2.598...
+    >>> axis.vertices[axis.radius.argmax()][2]  # in the middle of 2 .. 6
+    4.0
+    """
+    if lambda_ != 'auto' or not isinstance(lambda_, str):
+        lambda_ = length(lambda_, 'lambda_')
+    if lambda_rule not in ('coface', 'ball'):
+        raise error(2, f"lambda_rule={lambda_rule!r} is none of 'coface', 'ball'")
+    cut = Cut(threshold, label, invert, largest_component, min_component, fill_cavities, subdivide)
+    shape = shape_of(image_or_mesh, spacing, resolution, fill, cut, threads, progress)
+    with listening(progress) as listener:
+        core = _core.compute_axis(shape, lambda_, lambda_rule == 'ball', listener, whole(threads, 'threads'))
+    return MedialAxis(core, threads, progress)
+
+
+class MedialAxis:
+    """A medial axis: vertices with radii, edges and polygons; made by :func:`medial_axis` or :func:`read`.
+
+    Arrays are views of the result: not copied, read-only, and alive as long as anybody holds one.
+
+    Attributes
+    ----------
+    vertices : (V, 3) float64
+    radius : (V,) float64
+        Distance to the nearest corner of a boundary voxel.
+    edges : (E, 2) int32
+        Every edge, of polygons and of curves; ``edges[edge_degree == 0]`` are the curves.
+    edge_degree : (E,) int64
+        Number of polygons at each edge: 2 inside a sheet, 1 at its rim, more where sheets meet.
+    polygons : (offsets, corners)
+        Polygon p has the corners ``corners[offsets[p]:offsets[p + 1]]``. V - E + polygons is the Euler characteristic.
+    faces : (F, 3) int32
+        The polygons as triangles.
+    face_polygon : (F,) int32
+        The polygon of each triangle.
+    lambda_level : (F,) float64
+        The largest λ up to which the polygon of each triangle stays; infinite where topology needs it. Also
+        ``edge_lambda_level``, ``vertex_lambda_level``.
+    face_lambda : (F,) float64
+        λ of the polygon of each triangle: half the distance of its two nearest boundary points.
+    lambda_ : float
+        The λ it is pruned with, in the units of the coordinates.
+    reconstructed : float
+        Share of the shape that its balls fill (of a sample of voxels).
+    longest_side : float
+        What plain numbers as lengths refer to.
+    topology : Topology
+    """
+
+    def __init__(self, core: '_core.Axis', threads: int = 0, progress: Progress = False):
+        self._core = core
+        self._threads = threads
+        self._progress = progress
+
+    def __repr__(self) -> str:
+        return (f'MedialAxis of {len(self.vertices)} vertices, {len(self.edges)} edges, '
+                f'{len(self.polygons[0]) - 1} polygons')
+
+    @cached_property
+    def vertices(self) -> np.ndarray:
+        return np.asarray(self._core.vertices)
+
+    @cached_property
+    def radius(self) -> np.ndarray:
+        return np.asarray(self._core.radius)
+
+    @cached_property
+    def edges(self) -> np.ndarray:
+        return np.asarray(self._core.edges)
+
+    @cached_property
+    def edge_degree(self) -> np.ndarray:
+        return np.bincount(np.asarray(self._core.polygon_edges), minlength=len(self.edges))
+
+    @cached_property
+    def polygons(self) -> Tuple[np.ndarray, np.ndarray]:
+        return np.asarray(self._core.polygon_offsets), np.asarray(self._core.polygon_corners)
+
+    @cached_property
+    def _fans(self) -> Tuple[np.ndarray, np.ndarray]:
+        triangles, polygon = self._core.fans()
+        return np.asarray(triangles), np.asarray(polygon)
+
+    @property
+    def faces(self) -> np.ndarray:
+        return self._fans[0]
+
+    @property
+    def face_polygon(self) -> np.ndarray:
+        return self._fans[1]
+
+    def _level(self, which: int) -> np.ndarray:
+        if not self._core.has_levels:
+            raise error(2, 'a medial axis from a file has no levels of λ here; they are the cell array lambda_level of the file')
+        return np.asarray(self._core.levels()[which])
+
+    @cached_property
+    def lambda_level(self) -> np.ndarray:
+        return self._level(2)[self.face_polygon]
+
+    @cached_property
+    def face_lambda(self) -> np.ndarray:
+        self._level(2)
+        return np.asarray(self._core.lambdas()[2])[self.face_polygon]
+
+    @property
+    def edge_lambda_level(self) -> np.ndarray:
+        return self._level(1)
+
+    @property
+    def vertex_lambda_level(self) -> np.ndarray:
+        return self._level(0)
+
+    @property
+    def lambda_(self) -> float:
+        return self._core.chosen_lambda
+
+    @property
+    def reconstructed(self) -> float:
+        return self._core.reconstructed
+
+    @property
+    def longest_side(self) -> float:
+        return self._core.longest_side
+
+    @property
+    def topology(self) -> Topology:
+        return Topology(*_betti(self._core.topology))
+
+    def pruned(self, lambda_: Length) -> 'MedialAxis':
+        """The same medial axis for a larger λ, without computing it anew.
+
+        Examples
+        --------
+        >>> import numpy as np, quench
+        >>> full = quench.medial_axis(np.ones((30, 20, 8), bool), lambda_=0)
+        >>> len(full.pruned('2vox').vertices) < len(full.vertices)
+        True
+        """
+        with listening(self._progress) as listener:
+            return MedialAxis(self._core.pruned(length(lambda_, 'lambda_'), listener, self._threads), self._threads,
+                              self._progress)
+
+    def erosion_thickness(self, omega: Optional[Length] = None) -> np.ndarray:
+        """How much longer each vertex burns than its ball says: large in the middle of plates, 0 at rims.
+
+        Parameters
+        ----------
+        omega : length, optional
+            Distance of the points on edges between which fire is followed. Default: half the mean edge, for an error of
+            about 0.3 %.
+
+        Returns
+        -------
+        (V,) float64 array
+            Infinite on closed pockets (sheets around a cavity), where no fire comes.
+
+        Examples
+        --------
+        >>> import numpy as np, quench
+        >>> plate = np.ones((60, 40, 5), bool)
+        >>> et = quench.medial_axis(plate).erosion_thickness()
+        >>> bool(17 < et.max() < 20)  # the fire needs half the width of the plate
+        True
+        """
+        return np.asarray(self._burn(omega)[1])
+
+    def burn_time(self, omega: Optional[Length] = None) -> np.ndarray:
+        """When the fire that starts at the rims comes to each vertex: erosion thickness + radius."""
+        return np.asarray(self._burn(omega)[0])
+
+    def _burn(self, omega: Optional[Length]):
+        with listening(self._progress) as listener:
+            return self._core.burn(self._omega(omega), listener, self._threads)
+
+    def _omega(self, omega: Optional[Length]) -> float:
+        if omega is None or (isinstance(omega, str) and omega == 'auto'):
+            return 0.0
+        distance = self._core.resolve(length(omega, 'omega'), 'omega')
+        if not 0 < distance < np.inf:
+            raise error(2, f'omega={omega!r} is no distance between nodes; give a length above 0, or None')
+        return distance
+
+    def skeleton(self, theta2: Length = 0.03, theta1: Length = 0.02, *, omega: Optional[Length] = None) -> Skeleton:
+        """What of the medial axis matters: sheets of an erosion thickness of at least θ2, and curves of at least θ1.
+
+        The first call burns the axis; others with the same omega take what it found (:meth:`forget` drops it).
+
+        Parameters
+        ----------
+        theta2 : length
+            Sheets below turn into curves, or go. ``"inf"``: curves only, for roots, vessels, neurons.
+        theta1 : length
+            Branches shorter than about this go. ``"inf"``: what topology needs is left.
+        omega : length, optional
+            As in :meth:`erosion_thickness`.
+
+        Returns
+        -------
+        Skeleton
+            With the topology of the shape.
+
+        Examples
+        --------
+        >>> import numpy as np, quench
+        >>> ring = np.ones((24, 24, 6), bool)
+        >>> ring[7:-7, 7:-7] = False
+        >>> curves = quench.medial_axis(ring).skeleton(theta2='inf', theta1='inf').curves
+        >>> len(curves.vertices) == len(curves.edges)  # one closed curve
+        True
+        """
+        place = [self._core.resolve(length(value, name), name) for value, name in ((theta2, 'theta2'), (theta1, 'theta1'))]
+        distance = self._omega(omega)
+        with listening(self._progress) as listener:
+            return Skeleton(self._core.skeleton(*place, distance, listener, self._threads), self)
+
+    def forget(self) -> None:
+        """Drops what burning left behind: about 1 KB per vertex."""
+        self._core.forget()
+
+    def reconstruct(self, shape: Optional[Sequence[int]] = None) -> np.ndarray:
+        """The union of the balls as a bool image: voxels whose centres are in one.
+
+        Parameters
+        ----------
+        shape : three ints, optional
+            Of the result; default: that of the image, or of the voxels a mesh was turned into.
+
+        Examples
+        --------
+        >>> import numpy as np, quench
+        >>> image = np.zeros((20, 14, 9), bool)
+        >>> image[2:-2, 2:-2, 2:-2] = True
+        >>> bool((quench.medial_axis(image, lambda_=0).reconstruct() == image).all())
+        True
+        """
+        mask = _export.mask(self._core.shape, shape)
+        with listening(self._progress) as listener:
+            self._core.mark_balls(mask.view(np.uint8), listener, self._threads)
+        return mask
+
+    def verify(self, samples: int = 20000) -> Certificate:
+        """Proves the result against its shape by code of its own: topology, thinness, radii, distances.
+
+        Examples
+        --------
+        >>> import numpy as np, quench
+        >>> bool(quench.medial_axis(np.ones((9, 8, 7), bool)).verify())
+        True
+        """
+        with listening(self._progress) as listener:
+            return Certificate(self._core.verify(whole(samples, 'samples', 1), listener, self._threads))
+
+    def save(self, path: Path, *, quality: str = 'radius') -> None:
+        """Writes a file, over an existing one; an interrupted call leaves none half written.
+
+        Parameters
+        ----------
+        path : str or path
+            .vtp (everything; ParaView), .ply (MeshLab), .obj, .ma, .r, .csv (a row per vertex), .png (needs matplotlib),
+            .html (interactive page). With burn times where the axis was burned.
+        quality : str
+            Of PLY: the array that MeshLab shows as quality.
+        """
+        if ending(path) == '.html':
+            _export.save_page(self, path)
+        elif ending(path) == '.png':
+            _export.save_picture(self, path)
+        else:
+            self._core.save(file_name(path), quality)
+
+    def plot(self, ax: Any = None, **options: Any) -> Any:
+        """Draws the faces with matplotlib, coloured by erosion thickness; returns the axes."""
+        return _export.plot(self, ax, **options)
+
+    def to_trimesh(self) -> Any:
+        """A ``trimesh.Trimesh`` of the faces."""
+        return _export.to_trimesh(self.vertices, self.faces)
+
+    def to_pyvista(self) -> Any:
+        """A ``pyvista.PolyData`` of the faces and curves with ``radius``."""
+        return _export.to_pyvista(self.vertices, self.faces, self.edges[self.edge_degree == 0], {'radius': self.radius})
+
+
+def _betti(found: Tuple[int, Sequence[int]]) -> Tuple[int, Tuple[int, int, int]]:
+    return found[0], tuple(found[1])

@@ -1,0 +1,180 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What all parts of the package share: errors, lengths, files, progress."""
+from __future__ import annotations
+
+import math
+import numbers
+import os
+import sys
+import warnings
+from contextlib import contextmanager
+from typing import Any, Callable, Iterator, NamedTuple, Optional, Sequence, Tuple, Union
+
+import numpy as np
+
+from . import _core
+from ._core import Error
+
+Error.code = 1  # of errors raised without one
+Length = Union[float, str]  # SPEC 1: 0.02 and "2%" of the longest side, "2.5vox", "3.5abs", "inf"
+Path = Union[str, 'os.PathLike[str]']
+Spacing = Union[float, Sequence[float], None]
+Progress = Union[bool, Callable[[str, float], Any], None]
+
+
+def error(code: int, sentence: str) -> Error:
+    """An Error to raise: code 2 is an argument that cannot be, 3 an input that cannot be used."""
+    result = Error(sentence)
+    result.code = code
+    return result
+
+
+def warn(sentence: str) -> None:
+    """A warning of the line outside this package that led to it."""
+    level, frame = 1, sys._getframe(1)
+    while frame is not None and frame.f_globals.get('__name__', '').startswith('quench.'):
+        level, frame = level + 1, frame.f_back
+    warnings.warn(sentence, UserWarning, stacklevel=level + 1)
+
+
+class Topology(NamedTuple):
+    """Euler characteristic and Betti numbers.
+
+    Attributes
+    ----------
+    euler : int
+    betti : tuple of int
+        Connected components, independent loops (tunnels), cavities.
+    """
+
+    euler: int
+    betti: Tuple[int, int, int]
+
+
+class Certificate:
+    """What ``verify()`` found. True when every check passed.
+
+    Attributes
+    ----------
+    checks : list of (name, passed, detail)
+        `detail` has figures, or the first counterexample.
+    """
+
+    def __init__(self, checks):
+        self.checks = [(str(name), bool(passed), str(detail)) for name, passed, detail in checks]
+
+    def __bool__(self) -> bool:
+        return all(passed for _, passed, _ in self.checks)
+
+    def __repr__(self) -> str:
+        return '\n'.join(f'{"ok  " if passed else "FAIL"} {name}: {detail}' for name, passed, detail in self.checks)
+
+
+def length(value: Length, argument: str) -> str:
+    """The text of a length; an Error when it is none."""
+    if isinstance(value, str):
+        text = value
+    elif isinstance(value, numbers.Real) and not isinstance(value, (bool, np.bool_)):
+        text = 'inf' if math.isinf(value) and value > 0 else repr(float(value))
+    else:
+        raise error(2, f'{argument}={value!r} is no length; give a fraction of the longest side (0.02 or "2%"), "2.5vox", '
+                       '"3.5abs" or "inf"')
+    _core.check_length(text, argument)
+    return text
+
+
+def spacing_of(spacing: Spacing) -> Optional[Tuple[float, float, float]]:
+    """Three positive numbers, or None."""
+    if spacing is None:
+        return None
+    try:
+        values = np.broadcast_to(np.asarray(spacing, dtype=np.float64), 3) if np.ndim(spacing) == 0 else \
+            np.asarray(spacing, dtype=np.float64)
+    except (TypeError, ValueError):
+        values = np.zeros(0)
+    if values.shape != (3,) or not np.all(np.isfinite(values)) or not np.all(values > 0):
+        raise error(2, f'spacing={spacing!r} is not a voxel size; give one positive number or three, one per axis')
+    return (float(values[0]), float(values[1]), float(values[2]))
+
+
+def whole(value: Any, argument: str, least: int = 0) -> int:
+    """A whole number, or an Error that names the argument."""
+    try:
+        number = int(value)
+        if number != value:
+            raise ValueError
+    except (TypeError, ValueError, OverflowError):
+        raise error(2, f'{argument}={value!r} is no whole number') from None
+    if number < least:
+        raise error(2, f'{argument}={value!r} is less than {least}')
+    return number
+
+
+def is_path(value: Any) -> bool:
+    return isinstance(value, (str, os.PathLike))
+
+
+def file_name(path: Path) -> bytes:
+    return os.fsencode(path)
+
+
+def ending(path: Path) -> str:
+    return os.path.splitext(os.fsdecode(path))[1].lower()
+
+
+class _Lines:
+    """Progress without tqdm: a line per stage that takes a second or more."""
+
+    def __init__(self):
+        self.stage: Optional[str] = None
+
+    def __call__(self, stage: str, fraction: float) -> None:
+        if stage != self.stage:
+            self.stage = stage
+            print(f'quench: {stage}', file=sys.stderr, flush=True)
+
+    def close(self) -> None:
+        pass
+
+
+class _Bar:
+    """A bar of tqdm that starts anew with every stage."""
+
+    def __init__(self, tqdm):
+        self.bar = tqdm(total=1.0, leave=False, bar_format='{desc:<12} {percentage:3.0f}%|{bar}| {elapsed}')
+
+    def __call__(self, stage: str, fraction: float) -> None:
+        self.bar.set_description_str(stage, refresh=False)
+        self.bar.n = fraction
+        self.bar.refresh()
+
+    def close(self) -> None:
+        self.bar.close()
+
+
+@contextmanager
+def listening(progress: Progress) -> Iterator[Optional[Callable[[str, float], Any]]]:
+    """What the core calls as (stage, fraction): None, a bar, or the function that was given."""
+    if not progress:
+        yield None
+    elif callable(progress):
+        yield progress
+    else:
+        try:
+            from tqdm import tqdm
+            shown: Any = _Bar(tqdm)
+        except ImportError:
+            shown = _Lines()
+        try:
+            yield shown
+        finally:
+            shown.close()
+
+
+def need(module: str, use: str) -> Any:
+    """A package that is not required, or an Error that names it."""
+    import importlib
+    try:
+        return importlib.import_module(module)
+    except ImportError as missing:
+        raise error(1, f'{use} needs the package {module.split(".")[0]}, which is not installed') from missing

@@ -1,0 +1,120 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Results in the hands of other packages: pictures, meshes, pages. None of them is needed to import quench."""
+from __future__ import annotations
+
+import os
+from typing import Any, Dict, Optional, Sequence
+
+import numpy as np
+
+from ._common import Path, error, need, whole  # noqa: F401
+
+
+def mask(voxel_shape: Any, wanted: Optional[Sequence[int]]) -> np.ndarray:
+    """An empty image for a result: of the shape that is wanted, else of the image it is of."""
+    if wanted is None:
+        if voxel_shape is None:
+            raise error(2, 'the medial axis comes from a file, which does not hold the image; compute it with medial_axis()')
+        wanted = voxel_shape.dims
+    sides = tuple(whole(side, 'shape', 1) for side in wanted)
+    if len(sides) != 3:
+        raise error(2, f'shape={tuple(wanted)!r} has {len(sides)} sides; an image has 3')
+    return np.zeros(sides, dtype=bool)
+
+
+def save_page(result: Any, path: Path) -> None:
+    """An interactive page. The one place that writes pages."""
+    raise error(2, f"'{os.fsdecode(path)}': this version of the Python module writes no pages; save a .vtp file, and "
+                   "'quench view' makes a page of it")
+
+
+def to_trimesh(vertices: np.ndarray, faces: np.ndarray) -> Any:
+    return need('trimesh', 'to_trimesh()').Trimesh(vertices.copy(), faces.astype(np.int64), process=False)
+
+
+def to_pyvista(vertices: np.ndarray, faces: np.ndarray, edges: np.ndarray, arrays: Dict[str, np.ndarray]) -> Any:
+    def padded(rows: np.ndarray) -> np.ndarray:
+        return np.insert(rows.astype(np.int64), 0, rows.shape[1], axis=1).ravel()
+
+    pyvista = need('pyvista', 'to_pyvista()')
+    data = pyvista.PolyData(vertices.copy(), **({'faces': padded(faces)} if len(faces) else {}),
+                            **({'lines': padded(edges)} if len(edges) else {}))
+    for name, values in arrays.items():
+        data.point_data[name] = values
+    return data
+
+
+def _parts(result: Any):
+    """Triangles with a value each, segments with a value each, single points."""
+    if hasattr(result, 'sheets'):
+        sheets, curves = result.sheets, result.curves
+        triangles, value, name = sheets.vertices[sheets.faces], sheets.erosion_thickness, 'erosion thickness'
+        segments, thick = curves.vertices[curves.edges], curves.radius[curves.edges].mean(axis=1)
+        alone = curves.vertices[np.bincount(curves.edges.ravel(), minlength=len(curves.vertices)) == 0]
+        return triangles, value, name, segments, thick, alone
+    et = result.erosion_thickness()
+    lone = result.edges[result.edge_degree == 0]
+    isolated = result.vertices[np.bincount(result.edges.ravel(), minlength=len(result.vertices)) == 0]
+    return (result.vertices[result.faces], et[result.faces].mean(axis=1), 'erosion thickness', result.vertices[lone],
+            result.radius[lone].mean(axis=1), isolated)
+
+
+def plot(result: Any, ax: Any = None, *, cmap: str = 'viridis', linewidth: float = 1.5, view: Sequence[float] = (25, -55),
+         colorbar: bool = True) -> Any:
+    """See MedialAxis.plot and Skeleton.plot. `view`: elevation and azimuth in degrees."""
+    need('matplotlib', 'plot()')
+    from matplotlib import cm, colormaps, colors, pyplot
+    from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
+    triangles, value, name, segments, thick, alone = _parts(result)
+    if ax is None:
+        ax = pyplot.figure(figsize=(7, 6)).add_subplot(projection='3d', computed_zorder=True)
+    finite = value[np.isfinite(value)]
+    if len(triangles):
+        # Light comes from the viewer's upper left, so that sheets show their bends.
+        normal = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+        normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
+        shade = 0.55 + 0.45 * np.abs(normal @ (np.array([0.3, -0.5, 0.8]) / np.sqrt(0.98)))[:, None]
+        norm = colors.Normalize(0, finite.max() if len(finite) and finite.max() > 0 else 1, clip=True)
+        paint = colormaps[cmap](norm(np.where(np.isfinite(value), value, 0)))
+        paint[~np.isfinite(value)] = (0.6, 0.6, 0.6, 1)  # closed pockets never burn
+        paint[:, :3] *= shade
+        ax.add_collection3d(Poly3DCollection(triangles, facecolors=paint, edgecolors=paint, linewidths=0.2))
+        if colorbar and len(finite):
+            ax.figure.colorbar(cm.ScalarMappable(norm, cmap), ax=ax, label=name, shrink=0.6)
+    if len(segments):
+        lines = Line3DCollection(segments, linewidths=linewidth, capstyle='round')
+        if len(finite):
+            lines.set_color('crimson')
+        else:
+            lines.set_array(thick)
+            lines.set_cmap(cmap)
+            if colorbar:
+                ax.figure.colorbar(lines, ax=ax, label='radius', shrink=0.6)
+        ax.add_collection3d(lines)
+    if len(alone):
+        ax.scatter(*alone.T, color='crimson', s=4)
+    places = np.concatenate([triangles.reshape(-1, 3), segments.reshape(-1, 3), alone])
+    if len(places):
+        low, high = places.min(axis=0), places.max(axis=0)
+        side = np.maximum(high - low, 0.05 * (high - low).max() or 1.0)
+        middle = (low + high) / 2
+        for a, limit in enumerate((ax.set_xlim, ax.set_ylim, ax.set_zlim)):
+            limit(middle[a] - side[a] / 2, middle[a] + side[a] / 2)
+        ax.set_box_aspect(side / side.max())
+    ax.view_init(*view)
+    return ax
+
+
+def save_picture(result: Any, path: Path) -> None:
+    """A picture, drawn without a window and without touching what the caller has open."""
+    need('matplotlib', 'saving a picture')
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+    figure = Figure(figsize=(7, 6), layout='constrained')
+    FigureCanvasAgg(figure)
+    plot(result, figure.add_subplot(projection='3d'))
+    name = os.fsdecode(path)
+    folder = os.path.dirname(name) or '.'
+    if not os.path.isdir(folder):
+        raise error(1, f"cannot write '{name}': the folder '{folder}' does not exist; make it first")
+    figure.savefig(name, dpi=110)

@@ -1,0 +1,323 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Images, meshes and files, and how they become voxel shapes."""
+from __future__ import annotations
+
+import json
+import os
+from dataclasses import dataclass, field
+from typing import Any, Dict, List, Optional, Tuple, Union
+
+import numpy as np
+
+from . import _core
+from ._common import Error, Path, Progress, Spacing, error, file_name, is_path, listening, spacing_of, whole
+
+
+@dataclass
+class Mesh:
+    """A triangle mesh.
+
+    Attributes
+    ----------
+    vertices : (V, 3) float64 array
+    faces : (F, 3) int32 array
+    branches : list of dict
+        Of ``sample("root")`` only: the true branches, each with ``parent``, ``parent_point``, ``length``, ``points``,
+        ``radius``.
+    """
+
+    vertices: np.ndarray
+    faces: np.ndarray
+    branches: List[Dict[str, Any]] = field(default_factory=list, repr=False)
+
+
+class Volume:
+    """An image with its place in the world, as read from a file.
+
+    Attributes
+    ----------
+    array : (X, Y, Z) array
+        The samples, not copied; axis 0 is x. Also what ``numpy.asarray(volume)`` gives.
+    spacing, origin : (3,) array
+        Size of a voxel, and the place of the centre of voxel (0, 0, 0).
+    direction : (3, 3) array
+        Where the axes point: place = origin + direction @ (spacing * index).
+    units : str
+        Of places, where the file says so.
+    """
+
+    def __init__(self, image: '_core.Image'):
+        self._image = image
+        self.array = np.asarray(image)
+        self.spacing = np.array(image.spacing)
+        self.origin = np.array(image.origin)
+        self.direction = np.array(image.direction)
+        self.units: str = image.units
+
+    def __array__(self, dtype=None, copy=None):
+        if dtype is not None and np.dtype(dtype) != self.array.dtype:
+            return self.array.astype(dtype)
+        return self.array.copy() if copy else self.array
+
+    @property
+    def shape(self) -> Tuple[int, int, int]:
+        return self.array.shape
+
+    @property
+    def dtype(self) -> np.dtype:
+        return self.array.dtype
+
+    def __repr__(self) -> str:
+        return f'Volume of {self.array.shape} {self.array.dtype}, spacing {tuple(self.spacing)}'
+
+
+def image_array(value: Any) -> np.ndarray:
+    """A three-dimensional array the core can look at where it lies; copied only where its type makes that necessary."""
+    if isinstance(value, np.ma.MaskedArray):
+        raise error(3, 'the image is a masked array; say what masked voxels are, e.g. with image.filled(0)')
+    try:
+        array = np.asarray(value)
+    except Exception as reason:
+        raise error(3, f'{type(value).__name__} is no image: {reason}') from reason
+    if array.ndim != 3:
+        raise error(3, f'the image has {array.ndim} dimensions; an image of a shape has 3')
+    if array.size == 0:
+        raise error(3, f'the image of shape {array.shape} holds no voxels')
+    if array.dtype.kind not in 'biuf' or array.dtype.itemsize > 8:
+        raise error(3, f'samples of type {array.dtype} are no values of an image; give bool, integer or float samples')
+    if array.dtype == np.float16:
+        array = array.astype(np.float32)
+    if not array.dtype.isnative:
+        array = array.astype(array.dtype.newbyteorder('='))
+    return array
+
+
+def mesh_arrays(vertices: Any, faces: Any) -> Tuple[np.ndarray, np.ndarray]:
+    """Vertices as (V, 3) doubles, faces as (F, 3) int64; polygons become triangle fans."""
+    try:
+        points = np.asarray(vertices, dtype=np.float64)
+        corners = np.asarray(faces)
+    except (TypeError, ValueError) as reason:
+        raise error(3, f'the vertices and faces of the mesh are no arrays of numbers: {reason}') from reason
+    if points.ndim != 2 or points.shape[1] != 3:
+        raise error(3, f'the vertices have the shape {points.shape}; a mesh has (V, 3)')
+    if corners.dtype.kind not in 'iu':
+        raise error(3, f'the faces are of type {corners.dtype}; a mesh has integers, (F, 3)')
+    if corners.ndim == 1:  # count, corners, count, corners ...: as VTK and PyVista write them
+        corners = _padded(corners)
+    if corners.ndim != 2 or corners.shape[1] < 3:
+        raise error(3, f'the faces have the shape {corners.shape}; a mesh has (F, 3)')
+    corners = corners.astype(np.int64, copy=False)
+    if corners.shape[1] > 3:
+        corners = np.concatenate([corners[:, [0, i - 1, i]] for i in range(2, corners.shape[1])])
+    return points, corners
+
+
+def _padded(flat: np.ndarray) -> np.ndarray:
+    triangles: List[Tuple[int, int, int]] = []
+    at = 0
+    while at < len(flat):
+        n = int(flat[at])
+        if n < 0 or at + n >= len(flat):
+            raise error(3, 'the faces are a list of numbers that is no list of counts and corners; a mesh has (F, 3)')
+        triangles.extend((flat[at + 1], flat[at + i - 1], flat[at + i]) for i in range(3, n + 1))
+        at += n + 1
+    return np.array(triangles, dtype=np.int64).reshape(-1, 3)
+
+
+def as_mesh(value: Any) -> Optional[Tuple[Any, Any]]:
+    """The vertices and faces of what is a mesh, None for what is none."""
+    if isinstance(value, np.ndarray):
+        return None
+    if hasattr(value, 'faces') and (hasattr(value, 'vertices') or hasattr(value, 'points')):
+        return (value.vertices if hasattr(value, 'vertices') else value.points), value.faces
+    if isinstance(value, (tuple, list)) and len(value) == 2:
+        return value[0], value[1]
+    return None
+
+
+@dataclass
+class Cut:
+    """Which voxels are the shape, and of which size: the keyword arguments of medial_axis()."""
+
+    threshold: Optional[float] = None
+    label: Optional[int] = None
+    invert: bool = False
+    largest_component: bool = False
+    min_component: int = 0
+    fill_cavities: bool = False
+    subdivide: int = 1
+
+    def core(self) -> '_core.Cut':
+        if self.threshold is not None and self.label is not None:
+            raise error(2, 'threshold and label exclude each other; give one of them')
+        try:
+            threshold = None if self.threshold is None else float(self.threshold)
+        except (TypeError, ValueError):
+            raise error(2, f'threshold={self.threshold!r} is no number') from None
+        label = None if self.label is None else whole(self.label, 'label', -2**63)
+        if label is not None and label >= 2**63:
+            raise error(2, f'label={label} does not fit into 64 bits with a sign')
+        return _core.Cut(threshold, label, bool(self.invert), bool(self.largest_component),
+                         min(whole(self.min_component, 'min_component'), 2**62), bool(self.fill_cavities),
+                         min(whole(self.subdivide, 'subdivide'), 2**30))
+
+    def parameters(self, **more: Any) -> str:
+        """As the program writes them into its files, so that `quench verify` can repeat them."""
+        said = {name: value for name, value in vars(self).items() if value != getattr(Cut, name)}
+        for name in ('threshold', 'label', 'min_component', 'subdivide'):
+            if name in said:
+                said[name] = float(said[name]) if name == 'threshold' else int(said[name])
+        return json.dumps({**said, **more})
+
+
+def shape_of(source: Any, spacing: Spacing, resolution: Union[int, str], fill: str, cut: Cut, threads: int,
+             progress: Progress) -> '_core.Shape':
+    """The voxel shape of an image, a mesh or a file."""
+    size = spacing_of(spacing)
+    core_cut = cut.core()
+    with listening(progress) as listener:
+        if is_path(source):
+            named = os.fsdecode(source)
+            source = read(source, spacing=spacing)
+            if not isinstance(source, (Mesh, Volume)):
+                raise error(3, f"'{named}' is a medial axis already; quench.read() gives it")
+            try:
+                return _shape(source, size, resolution, fill, cut, core_cut, threads, listener)
+            except Error as reason:
+                if reason.code not in (2, 3):
+                    raise
+                raise error(reason.code, f"'{named}': {reason}") from None
+        return _shape(source, size, resolution, fill, cut, core_cut, threads, listener)
+
+
+def _shape(source, size, resolution, fill, cut, core_cut, threads, listener):
+    threads = whole(threads, 'threads')
+    if isinstance(source, Volume):
+        said = {} if size is None else {'spacing': ','.join(map(repr, size))}
+        return _core.shape_of_image(source._image, size, core_cut, cut.parameters(**said), listener, threads)
+    mesh = as_mesh(source)
+    if mesh is None:
+        array = image_array(source)
+        said = {'spacing': ','.join(map(repr, size))} if size else {}
+        return _core.shape_of_array(array, size or (1.0, 1.0, 1.0), core_cut, cut.parameters(**said), listener, threads)
+    if cut.threshold is not None or cut.label is not None or cut.invert or size is not None:
+        raise error(2, 'threshold, label, invert and spacing are for images; this is a mesh')
+    if fill not in ('nonzero', 'evenodd'):
+        raise error(2, f"fill={fill!r} is none of 'nonzero', 'evenodd'")
+    vertices, faces = mesh_arrays(*mesh)
+    wanted = None if resolution == 'auto' else whole(resolution, 'resolution')
+    said = {'fill': fill} if wanted is None else {'fill': fill, 'resolution': wanted}
+    return _core.shape_of_mesh(vertices, faces, wanted, fill == 'evenodd', core_cut, cut.parameters(**said), listener,
+                               threads)
+
+
+def read(path: Path, *, spacing: Spacing = None, radii: Optional[Path] = None):
+    """Reads a file: a volume, a mesh or a medial axis.
+
+    Parameters
+    ----------
+    path : str or path
+        Volumes: .nrrd .nii.gz .mha .mrc .tif .npy .vol, a folder of slices; meshes: .ply .obj .off .stl; medial axes of
+        Quench or another program: .vtp .ply .ma (a surface with a radius per vertex is taken for one).
+    spacing : float or three floats, optional
+        Size of voxels, instead of what the file says.
+    radii : str or path, optional
+        A .r file with the radii of the vertices of a medial axis, matched by position.
+
+    Returns
+    -------
+    Volume, Mesh or MedialAxis
+
+    Examples
+    --------
+    >>> import os, tempfile, quench
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     file = os.path.join(folder, 'bar.ply')
+    ...     quench.medial_axis(quench.sample('torus'), resolution=32).save(file)
+    ...     quench.read(file).topology.betti
+    (1, 1, 0)
+    """
+    from ._axis import MedialAxis
+    named = os.fsdecode(path)
+    kind = _core.kind_of(file_name(path))
+    if not os.path.exists(path):
+        raise error(1, f"'{named}' does not exist")
+    if kind == 'volume':
+        return Volume(_core.read_image(file_name(path), spacing_of(spacing), None, 0))
+    if kind != 'surface':
+        raise error(3, f"'{named}' is of no kind Quench knows by its name; meshes end in e.g. .ply, .obj, .off, .stl, "
+                       'volumes in .nrrd, .nii.gz, .mha, .map, .vol, .npy, .tif')
+    if spacing is not None:
+        raise error(2, f"spacing is for images; '{named}' is none")
+    found = _core.read_surface(file_name(path), b'' if radii is None else file_name(radii))
+    if isinstance(found, tuple):
+        return Mesh(np.asarray(found[0]), np.asarray(found[1]))
+    return MedialAxis(found)
+
+
+def sample(name: str, *, noise: float = 0, seed: int = 1, branches: int = 60, detail: float = 1) -> Mesh:
+    """A built-in shape as a closed mesh; ``quench.samples()`` lists them.
+
+    Parameters
+    ----------
+    name : str
+    noise : float
+        Height of ripples and bumps as a fraction of the longest side, for shapes that have them; 0: the shape's own.
+    seed, branches : int
+        ``"root"``: another seed, another root; its number of branches.
+    detail : float
+        Multiplies the number of triangles along each direction.
+
+    Examples
+    --------
+    >>> import quench
+    >>> quench.sample('torus').vertices.shape[1]
+    3
+    >>> len(quench.sample('root', branches=5).branches)
+    5
+    """
+    if not 1 <= branches <= 100000 or not 0.01 <= detail <= 16 or not 0 <= noise <= 0.1:
+        raise error(2, 'branches go from 1 to 100000, detail from 0.01 to 16, noise from 0 to 0.1')
+    found = _core.sample(name, float(noise), whole(seed, 'seed'), whole(branches, 'branches'), float(detail))
+    truth = [{key: np.asarray(value) if key in ('points', 'radius') else value for key, value in branch.items()}
+             for branch in found['branches']]
+    return Mesh(np.asarray(found['vertices']), np.asarray(found['faces']), truth)
+
+
+def samples() -> Dict[str, str]:
+    """Names and descriptions of the built-in shapes.
+
+    Examples
+    --------
+    >>> import quench
+    >>> 'root' in quench.samples()
+    True
+    """
+    return _core.samples()
+
+
+def voxelize(mesh: Any, *, resolution: Union[int, str] = 256, fill: str = 'nonzero', threads: int = 0,
+             progress: Progress = False) -> Volume:
+    """The voxels whose centres lie in a closed mesh.
+
+    Parameters
+    ----------
+    mesh : (vertices, faces), object with .vertices and .faces, or path
+    resolution : int or "auto"
+        Voxels along the longest side; "auto": the fewest of 128, 256 ... 2048 with the topology of the mesh.
+    fill : "nonzero" or "evenodd"
+        Overlapping and nested parts are united, or alternate between inside and outside.
+
+    Returns
+    -------
+    Volume
+        Of 0 and 1 (uint8), placed where the mesh is.
+
+    Examples
+    --------
+    >>> import quench
+    >>> quench.voxelize(quench.sample('torus'), resolution=20).array.max()
+    1
+    """
+    return Volume(shape_of(mesh, None, resolution, fill, Cut(), threads, progress).image())

@@ -1,0 +1,396 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Skeletons, their curves as a graph, and label images."""
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Dict, Iterable, List, Optional, Sequence, Union
+
+import numpy as np
+
+from . import _core, _export
+from ._common import (Certificate, Length, Path, Progress, Spacing, Topology, ending, error, file_name, is_path, length,
+                      listening, spacing_of, whole)
+
+if TYPE_CHECKING:
+    from ._axis import MedialAxis
+
+Table = Dict[str, np.ndarray]
+
+
+@dataclass
+class Sheets:
+    """The sheets of a skeleton.
+
+    Attributes
+    ----------
+    vertices : (V, 3) float64
+    faces : (F, 3) int32
+        Triangles.
+    radius : (V,) float64
+    erosion_thickness : (F,) float64
+        What θ2 is compared with.
+    """
+
+    vertices: np.ndarray
+    faces: np.ndarray
+    radius: np.ndarray
+    erosion_thickness: np.ndarray
+
+
+@dataclass
+class Curves:
+    """The curves of a skeleton.
+
+    Attributes
+    ----------
+    vertices : (V, 3) float64
+        Those without an edge are components that are one point.
+    edges : (E, 2) int32
+    radius : (V,) float64
+    erosion_thickness : (E,) float64
+        ET_MC: what θ1 is compared with; infinite on loops.
+    """
+
+    vertices: np.ndarray
+    edges: np.ndarray
+    radius: np.ndarray
+    erosion_thickness: np.ndarray
+
+
+class Graph:
+    """The curves of a skeleton as nodes and branches, to measure on; made by :meth:`Skeleton.graph`.
+
+    Attributes
+    ----------
+    nodes : dict of arrays
+        ``x y z radius kind component degree sheet``, a row per node. `kind` is one of end, junction, sheet, loop, isolated;
+        `sheet` the patch of sheets the node lies on, or -1.
+    branches : dict of arrays
+        ``from to component length mean_radius min_radius max_radius thickness tortuosity from_x ... to_z from_kind
+        to_kind``, a row per branch. ``pandas.DataFrame(graph.branches)`` is a table.
+    paths : list of (n, 3) arrays
+        The course of each branch.
+    radii : list of (n,) arrays
+        The radius along it.
+    """
+
+    def __init__(self, core: '_core.Graph'):
+        self._core = core
+
+    def __repr__(self) -> str:
+        return f'Graph of {len(self.nodes["x"])} nodes, {len(self.branches["length"])} branches'
+
+    @cached_property
+    def nodes(self) -> Table:
+        columns = {name: np.asarray(column) for name, column in self._core.nodes().items()}
+        return {**_xyz(columns.pop('point')), **{**columns, 'kind': _kinds(columns['kind'])}}
+
+    @cached_property
+    def branches(self) -> Table:
+        columns = {name: np.asarray(column) for name, column in self._core.branches().items()}
+        ends = {**_xyz(columns.pop('from_point'), 'from_'), **_xyz(columns.pop('to_point'), 'to_'),
+                'from_kind': _kinds(columns.pop('from_kind')), 'to_kind': _kinds(columns.pop('to_kind'))}
+        return {**columns, **ends}
+
+    @cached_property
+    def _paths(self) -> List[Any]:
+        return self._core.paths()
+
+    @cached_property
+    def paths(self) -> List[np.ndarray]:
+        return [np.asarray(points) for points, _ in self._paths]
+
+    @cached_property
+    def radii(self) -> List[np.ndarray]:
+        return [np.asarray(radius) for _, radius in self._paths]
+
+    def to_networkx(self) -> Any:
+        """A ``networkx.MultiGraph``: rows of `nodes` and `branches` are the attributes, `path` and `radii` those of edges."""
+        networkx = _export.need('networkx', 'to_networkx()')
+        graph = networkx.MultiGraph()
+        for n in range(len(self.nodes['x'])):
+            graph.add_node(n, **{name: column[n].item() for name, column in self.nodes.items()})
+        for b, (path, radii) in enumerate(zip(self.paths, self.radii)):
+            row = {name: column[b].item() for name, column in self.branches.items()}
+            graph.add_edge(row.pop('from'), row.pop('to'), key=b, path=path, radii=radii, **row)
+        return graph
+
+    def save(self, path: Path, *, root: Optional[Sequence[float]] = None) -> Optional[Dict[str, int]]:
+        """Writes .csv (a row per branch), .graphml or .swc (trees; loops are cut and listed in the header).
+
+        Of SWC, `root` is a place: the node next to it is the root of its tree. Returns what the file holds:
+        ``trees samples sheet_links cuts``.
+        """
+        name = file_name(path)
+        if ending(path) == '.csv':
+            self._core.write_csv(name)
+        elif ending(path) == '.graphml':
+            self._core.write_graphml(name)
+        elif ending(path) == '.swc':
+            return self._core.write_swc(name, None if root is None else [float(x) for x in root])
+        else:
+            raise error(2, f"'{ending(path)}' is no format of a graph; name the file .csv, .graphml or .swc")
+        return None
+
+
+class Skeleton:
+    """A skeleton of sheets and curves with the topology of its shape; made by :meth:`MedialAxis.skeleton`.
+
+    Attributes
+    ----------
+    vertices, radius : arrays
+        Of the whole skeleton, as `edges` and `polygons`, see :class:`MedialAxis`.
+    sheets : Sheets
+    curves : Curves
+    theta2, theta1 : float
+        In the units of the coordinates.
+    topology : Topology
+    axis : MedialAxis or None
+        What it is a skeleton of; :func:`skeletonize` does not keep it.
+    """
+
+    def __init__(self, core: '_core.Skeleton', axis: Optional['MedialAxis'] = None):
+        self._core = core
+        self.axis = axis
+
+    def __repr__(self) -> str:
+        return (f'Skeleton of {len(self.vertices)} vertices, {len(self.edges)} edges, '
+                f'{len(self.polygons[0]) - 1} polygons')
+
+    @cached_property
+    def vertices(self) -> np.ndarray:
+        return np.asarray(self._core.vertices)
+
+    @cached_property
+    def radius(self) -> np.ndarray:
+        return np.asarray(self._core.radius)
+
+    @cached_property
+    def edges(self) -> np.ndarray:
+        return np.asarray(self._core.edges)
+
+    @cached_property
+    def polygons(self):
+        return np.asarray(self._core.polygon_offsets), np.asarray(self._core.polygon_corners)
+
+    @property
+    def theta2(self) -> float:
+        return self._core.theta2
+
+    @property
+    def theta1(self) -> float:
+        return self._core.theta1
+
+    @property
+    def topology(self) -> Topology:
+        euler, betti = self._core.topology
+        return Topology(euler, tuple(betti))
+
+    @cached_property
+    def reconstructed(self) -> float:
+        """Share of the shape that the balls fill."""
+        return self._core.reconstructed()
+
+    @cached_property
+    def sheets(self) -> Sheets:
+        offsets, corners = self.polygons
+        sizes = np.diff(offsets)
+        # The triangles of the fan of each polygon: its first corner, and every side that does not touch it.
+        polygon = np.repeat(np.arange(len(sizes)), sizes - 2)
+        step = np.arange(len(polygon)) - np.repeat(np.cumsum(sizes - 2) - (sizes - 2), sizes - 2)
+        start = offsets[:-1][polygon] if len(polygon) else np.zeros(0, np.int64)
+        triangles = np.stack([corners[start], corners[start + step + 1], corners[start + step + 2]], axis=1)
+        used, faces = np.unique(triangles, return_inverse=True)
+        return Sheets(self.vertices[used], faces.reshape(-1, 3).astype(np.int32), self.radius[used],
+                      np.asarray(self._core.face_thickness)[polygon])
+
+    @cached_property
+    def curves(self) -> Curves:
+        degree = np.bincount(np.asarray(self._core.polygon_edges), minlength=len(self.edges))
+        chosen = degree == 0
+        lonely = np.bincount(self.edges.ravel(), minlength=len(self.vertices)) == 0
+        used = np.unique(np.concatenate([self.edges[chosen].ravel(), np.flatnonzero(lonely)])).astype(np.int64)
+        edges = np.searchsorted(used, self.edges[chosen]).astype(np.int32)
+        return Curves(self.vertices[used], edges, self.radius[used], np.asarray(self._core.edge_thickness)[chosen])
+
+    def graph(self, *, smooth: int = 10, resample: Length = 0, tips: str = 'full') -> Graph:
+        """The curves as nodes and branches with lengths and radii.
+
+        Pruning takes about θ1 off every branch, also of those that stay; for measuring they grow back to their tips.
+        Radii are half a voxel larger than those of `curves`, which are distances to the corners of voxels
+        (docs/curve_graph.md).
+
+        Parameters
+        ----------
+        smooth : int
+            Times the zigzag of voxels is smoothed; branches stay inside the shape.
+        resample : length
+            Distance of points along branches; 0: as they come.
+        tips : "full" or "pruned"
+            "pruned": the ends as in `curves`.
+        """
+        if tips not in ('full', 'pruned'):
+            raise error(2, f"tips={tips!r} is none of 'full', 'pruned'")
+        return Graph(self._core.graph(whole(smooth, 'smooth'), length(resample, 'resample'), tips == 'pruned', None))
+
+    @cached_property
+    def _graph(self) -> Graph:
+        return self.graph()
+
+    def branches(self) -> Table:
+        """A table of branches, a row each: ``graph().branches``.
+
+        Examples
+        --------
+        >>> import numpy as np, quench
+        >>> tube = np.zeros((60, 9, 9), bool)
+        >>> tube[3:-3, 3:-3, 3:-3] = True
+        >>> table = quench.medial_axis(tube, spacing=0.5).skeleton('inf').branches()
+        >>> len(table['length'])
+        1
+        >>> bool(24 < table['length'][0] < 27)  # 54 voxels of 0.5, less what is rounded off
+        True
+        """
+        return self._graph.branches
+
+    def to_networkx(self) -> Any:
+        """A ``networkx.MultiGraph`` of ends, junctions and branches: ``graph().to_networkx()``."""
+        return self._graph.to_networkx()
+
+    def to_trimesh(self) -> Any:
+        """A ``trimesh.Trimesh`` of the sheets."""
+        return _export.to_trimesh(self.sheets.vertices, self.sheets.faces)
+
+    def to_pyvista(self) -> Any:
+        """A ``pyvista.PolyData`` of sheets and curves with ``radius``."""
+        sheets, curves = self.sheets, self.curves
+        return _export.to_pyvista(np.concatenate([sheets.vertices, curves.vertices]), sheets.faces,
+                                  curves.edges + len(sheets.vertices),
+                                  {'radius': np.concatenate([sheets.radius, curves.radius])})
+
+    def to_volume(self, shape: Optional[Sequence[int]] = None) -> np.ndarray:
+        """The voxels the skeleton runs through, as a bool image: connected (26) where the skeleton is.
+
+        Parameters
+        ----------
+        shape : three ints, optional
+            Of the result; default: that of the image, or of the voxels a mesh was turned into.
+
+        Examples
+        --------
+        >>> import numpy as np, quench
+        >>> tube = np.zeros((40, 9, 9), bool)
+        >>> tube[2:-2, 2:-2, 2:-2] = True
+        >>> line = quench.medial_axis(tube).skeleton('inf').to_volume()
+        >>> bool((line & ~tube).any()), 20 < line.sum() < 45
+        (False, True)
+        """
+        mask = _export.mask(self._core.axis_shape, shape)
+        self._core.mark_cells(mask.view(np.uint8), None, 0)
+        return mask
+
+    def reconstruct(self, shape: Optional[Sequence[int]] = None) -> np.ndarray:
+        """The union of the balls as a bool image, see :meth:`MedialAxis.reconstruct`."""
+        mask = _export.mask(self._core.axis_shape, shape)
+        self._core.mark_balls(mask.view(np.uint8), None, 0)
+        return mask
+
+    def verify(self, samples: int = 20000) -> Certificate:
+        """Proves the skeleton against its shape, see :meth:`MedialAxis.verify`."""
+        return Certificate(self._core.verify(whole(samples, 'samples', 1), None, 0))
+
+    def save(self, path: Path, *, quality: str = 'radius', root: Optional[Sequence[float]] = None) -> None:
+        """Writes a file, over an existing one; an interrupted call leaves none half written.
+
+        Parameters
+        ----------
+        path : str or path
+            .vtp, .ply, .obj: sheets and curves; .swc, .graphml, .csv: the branches as in :meth:`graph`; .png: a picture
+            (needs matplotlib); .html: an interactive page.
+        quality : str
+            Of PLY: the array that MeshLab shows as quality.
+        root : three floats, optional
+            Of SWC: the node next to this place is the root of its tree. Default: the thickest.
+        """
+        kind = ending(path)
+        if kind == '.html':
+            _export.save_page(self, path)
+        elif kind == '.png':
+            _export.save_picture(self, path)
+        elif kind in ('.swc', '.graphml', '.csv'):
+            self._graph.save(path, root=root)
+        else:
+            self._core.save(file_name(path), quality)
+
+    def plot(self, ax: Any = None, **options: Any) -> Any:
+        """Draws curves, coloured by radius, and sheets with matplotlib; returns the axes."""
+        return _export.plot(self, ax, **options)
+
+
+def skeletonize(image: Any, /, *, spacing: Spacing = None, labels: Union[str, Iterable[int]] = 'all',
+                lambda_: Length = 'auto', theta2: Length = 'inf', theta1: Length = 0.02, threads: int = 0,
+                progress: Progress = False) -> Dict[int, Skeleton]:
+    """The skeleton of every label of a label image, several at a time.
+
+    Parameters
+    ----------
+    image : array of integers, Volume, or path
+        0 is the background unless `labels` names it.
+    spacing : float or three floats, optional
+        As in :func:`medial_axis`.
+    labels : "all" or ints
+    lambda_, theta2, theta1 : length
+        As in :func:`medial_axis` and :meth:`MedialAxis.skeleton`. Fractions are those of the longest side of each label.
+    threads : int
+        Labels worked on at a time; 0: as many as there are processors. No more than memory allows are begun. The result
+        is the same for any number.
+    progress : bool or callable
+
+    Returns
+    -------
+    dict of int to Skeleton
+        In the order of the labels, with places in the whole image.
+
+    Examples
+    --------
+    >>> import numpy as np, quench
+    >>> image = np.zeros((40, 30, 9), np.uint16)
+    >>> image[2:-2, 2:8, 2:-2] = 3
+    >>> image[2:-2, 12:28, 2:-2] = 7
+    >>> {label: s.topology.betti for label, s in quench.skeletonize(image).items()}
+    {3: (1, 0, 0), 7: (1, 0, 0)}
+    """
+    from ._inputs import Volume, image_array, read
+    if is_path(image):
+        image = read(image, spacing=spacing)
+        spacing = None
+        if not isinstance(image, Volume):
+            raise error(3, 'a label image is a volume, and this file is none')
+    size = spacing_of(spacing)
+    if not isinstance(lambda_, str) or lambda_ != 'auto':
+        lambda_ = length(lambda_, 'lambda_')
+    wish = (lambda_, length(theta2, 'theta2'), length(theta1, 'theta1'))
+    if isinstance(labels, str):
+        if labels != 'all':
+            raise error(2, f"labels={labels!r} is neither 'all' nor a list of labels")
+        chosen = None
+    else:
+        chosen = sorted({whole(label, 'label', -2**63) for label in labels})
+        if chosen and chosen[-1] >= 2**63:
+            raise error(2, f'label={chosen[-1]} does not fit into 64 bits with a sign')
+    with listening(progress) as listener:
+        if isinstance(image, Volume):
+            found = _core.skeletonize_image(image._image, size, chosen, *wish, listener, whole(threads, 'threads'))
+        else:
+            found = _core.skeletonize_array(image_array(image), size or (1.0, 1.0, 1.0), chosen, *wish, listener,
+                                            whole(threads, 'threads'))
+    return {label: Skeleton(core) for label, core in found}
+
+
+def _xyz(points: np.ndarray, prefix: str = '') -> Table:
+    return {prefix + name: points[:, a] for a, name in enumerate('xyz')}
+
+
+def _kinds(codes: np.ndarray) -> np.ndarray:
+    return np.array(_core.NODE_KINDS)[codes]

@@ -1,0 +1,21 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Runs tests for CTest: `pytest FILE`, `doctest FOLDER` or `script FILE ...`. Ends with 77 where something is missing."""
+import importlib.util
+import runpy
+import sys
+
+kind, target = sys.argv[1:3]
+needed = {'pytest': ['numpy', 'pytest'], 'doctest': ['numpy', 'pytest'], 'script': ['numpy', 'matplotlib']}[kind]
+missing = [name for name in needed if importlib.util.find_spec(name) is None]
+if missing:
+    print(f'skipped: {sys.executable} has no {", ".join(missing)}')
+    sys.exit(77)
+if kind == 'script':
+    sys.argv = sys.argv[2:]
+    runpy.run_path(target, run_name='__main__')
+    sys.exit(0)
+import pytest  # noqa: E402
+
+options = ['-q', '-rs', '-p', 'no:cacheprovider', '-o', 'doctest_optionflags=ELLIPSIS NORMALIZE_WHITESPACE']
+code = pytest.main([*options, *(['--doctest-modules'] if kind == 'doctest' else []), target])
+sys.exit(77 if code == pytest.ExitCode.NO_TESTS_COLLECTED else int(code))

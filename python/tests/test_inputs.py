@@ -1,0 +1,202 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Meshes, files, lengths, and what is no input."""
+import math
+import os
+import subprocess
+import types
+import warnings
+
+import numpy as np
+import pytest
+import quench
+from shapes import bent_tube, blobs
+
+DATA = os.environ.get('QUENCH_DATA', '')
+PROGRAM = os.environ.get('QUENCH_PROGRAM', '')
+
+
+def data(name):
+    path = os.path.join(DATA, name)
+    if not os.path.exists(path):
+        pytest.skip(f'{path} is not there')
+    return path
+
+
+def box(sides=(3.0, 2.0, 1.0), at=(10.0, 20.0, 30.0)):
+    corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], float) * sides + at
+    quads = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
+    return corners, np.array(quads)
+
+
+def same(a, b):
+    return np.array_equal(a.vertices, b.vertices) and np.array_equal(a.radius, b.radius)
+
+
+def test_forms_of_a_mesh():
+    vertices, quads = box()
+    triangles = np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
+    padded = np.insert(triangles, 0, 3, axis=1).ravel()
+    wanted = quench.medial_axis((vertices, triangles), resolution=30)
+    low, high = wanted.vertices.min(axis=0), wanted.vertices.max(axis=0)
+    assert (low > [10, 20, 30]).all() and (high < [13, 22, 31]).all() and wanted.longest_side == 3
+    assert high[0] - low[0] > 2 * (high[2] - low[2])
+    for form in ((vertices, quads), [vertices.tolist(), triangles.tolist()], (vertices, triangles.astype(np.uint8)),
+                 (np.asfortranarray(vertices), np.asfortranarray(triangles)), (vertices, triangles[:, ::-1]),
+                 types.SimpleNamespace(vertices=vertices, faces=triangles),
+                 types.SimpleNamespace(points=vertices, faces=padded), quench.Mesh(vertices, triangles)):
+        assert same(quench.medial_axis(form, resolution=30), wanted)
+
+
+@pytest.mark.parametrize('bad, word', [
+    ((np.zeros((3, 2)), [[0, 1, 2]]), r'\(V, 3\)'), ((np.eye(3), [[0, 1]]), r'\(F, 3\)'), ((np.eye(3), [[0, 1, 3]]), 'vertex 3'),
+    ((np.eye(3), [[0, 1, -1]]), 'vertex -1'), ((np.eye(3), [[0.0, 1, 2]]), 'float'), ((np.eye(3), [[0, 1, 2]]), ''),
+    ((np.eye(3), [0, 1, 2, 0, 1]), ''), ((np.full((3, 3), np.nan), [[0, 1, 2]]), ''), (('a', 'b'), 'numbers')])
+def test_meshes_that_are_none(bad, word):
+    with pytest.raises(quench.Error, match=word) as caught:
+        quench.medial_axis(bad, resolution=20)
+    assert caught.value.code == 3
+
+
+def test_arguments_of_the_other_kind():
+    with pytest.raises(quench.Error, match='for images') as caught:
+        quench.medial_axis(box(), spacing=2)
+    assert caught.value.code == 2
+
+
+@pytest.mark.parametrize('spacing', [0, -1, math.nan, math.inf, (1, 2), (1, 2, 3, 4), 'x', (1, 0, 1), [[1, 2, 3]]])
+def test_spacings_that_are_none(spacing):
+    with pytest.raises(quench.Error, match='voxel size') as caught:
+        quench.medial_axis(bent_tube(), spacing=spacing)
+    assert caught.value.code == 2
+
+
+def test_lengths():
+    image = bent_tube()
+    side = 41.0  # of the box of the foreground
+    for given, wanted in ((0.1, 0.1 * side), ('10%', 0.1 * side), ('2vox', 2.0), ('1.5abs', 1.5), (0, 0),
+                          (np.float32(0.125), 0.125 * side), (math.inf, math.inf), ('inf', math.inf)):
+        axis = quench.medial_axis(image, lambda_=given)
+        assert axis.lambda_ == pytest.approx(wanted) and axis.longest_side == side
+    skeleton = axis.skeleton('4vox', '2abs')
+    assert (skeleton.theta2, skeleton.theta1) == (4, 2)
+    assert quench.medial_axis(image, spacing=(1, 2, 4), lambda_='1vox').lambda_ == 1
+    assert quench.medial_axis(image, spacing=(1, 2, 4)).longest_side == 50
+    for bad in (-1, 'x', '3 m', True, None, math.nan, [1]):
+        with pytest.raises(quench.Error) as caught:
+            quench.medial_axis(image, lambda_=bad)
+        assert caught.value.code == 2
+    with pytest.raises(quench.Error):
+        axis.skeleton(theta2=-0.1)
+    with pytest.raises(quench.Error, match='omega'):
+        axis.erosion_thickness(omega=0)
+    with pytest.raises(quench.Error, match='threads'):
+        quench.medial_axis(image, threads=-1)
+
+
+def test_pruning_later_is_pruning_at_once():
+    image = blobs(9)
+    full = quench.medial_axis(image, lambda_=0)
+    for given in ('0.9vox', '1.2vox', 0.1, 'inf'):
+        assert same(full.pruned(given), quench.medial_axis(image, lambda_=given))
+        kept = full.vertex_lambda_level >= quench.medial_axis(image, lambda_=given).lambda_
+        assert kept.sum() == len(full.pruned(given).vertices)
+    assert len(full.lambda_level) == len(full.faces)
+    with pytest.raises(quench.Error, match='below'):
+        full.pruned('2vox').pruned('1vox')
+
+
+def test_cleaning():
+    image = np.zeros((30, 20, 10), bool)
+    image[2:20, 2:18, 2:8] = True
+    image[6:9, 6:9, 4:6] = False
+    image[24:28, 4:8, 4:8] = True
+    assert quench.medial_axis(image).topology.betti == (2, 0, 1)
+    assert quench.medial_axis(image, largest_component=True).topology.betti == (1, 0, 1)
+    assert quench.medial_axis(image, min_component=65, fill_cavities=True).topology.betti == (1, 0, 0)
+    assert quench.medial_axis(image, invert=True).topology.betti[0] == 2
+    fine = quench.medial_axis(image, subdivide=2, lambda_=0)
+    assert fine.topology.betti == (2, 0, 1) and fine.vertices.max() < 28
+    assert fine.reconstruct().shape == image.shape
+    with pytest.raises(quench.Error, match='exclude'):
+        quench.medial_axis(image, threshold=1, label=1)
+
+
+def test_files_and_arrays_say_the_same(tmp_path):
+    image = blobs(11)
+    path = tmp_path / 'räume 1.npy'
+    np.save(path, np.asfortranarray(image.astype(np.uint8)))  # axis 0 is x where it is the closest in memory
+    volume = quench.read(path)
+    assert np.array_equal(np.asarray(volume), image) and volume.array.flags.f_contiguous
+    wanted = quench.medial_axis(image, spacing=(1, 2, 3))
+    assert same(quench.medial_axis(path, spacing=(1, 2, 3)), wanted)
+    assert same(quench.medial_axis(str(path), spacing=(1, 2, 3)), wanted)
+    assert same(quench.medial_axis(volume, spacing=(1, 2, 3)), wanted)
+
+
+def test_what_is_written_is_read(tmp_path):
+    axis = quench.medial_axis(blobs(12))
+    axis.erosion_thickness()
+    for name in ('a.vtp', 'a.ply', 'a.ma'):
+        axis.save(tmp_path / name)
+        back = quench.read(tmp_path / name)
+        assert back.topology == axis.topology and np.allclose(back.vertices, axis.vertices, atol=1e-5)
+        assert np.allclose(back.radius, axis.radius, atol=1e-5)
+    back = quench.read(tmp_path / 'a.vtp')
+    assert np.allclose(back.erosion_thickness(), axis.erosion_thickness(), atol=1e-4)
+    assert len(back.skeleton('inf', '3vox').vertices) > 0
+    for call in (back.verify, back.reconstruct, lambda: back.pruned(1), lambda: back.lambda_level):
+        with pytest.raises(quench.Error):
+            call()
+    with pytest.raises(quench.Error, match='medial axis already'):
+        quench.medial_axis(tmp_path / 'a.vtp')
+
+
+def test_files_that_are_none(tmp_path):
+    (tmp_path / 'empty.ply').write_text('')
+    (tmp_path / 'odd.xyz').write_text('1 2 3')
+    for name, code in (('none.nrrd', 1), ('empty.ply', 3), ('odd.xyz', 3)):
+        with pytest.raises(quench.Error, match=name) as caught:
+            quench.medial_axis(tmp_path / name)
+        assert caught.value.code == code
+    np.save(tmp_path / 'many.npy', np.arange(27, dtype=np.uint8).reshape(3, 3, 3))
+    with pytest.raises(quench.Error, match='many.npy.*more than two values'):
+        quench.medial_axis(tmp_path / 'many.npy')
+
+
+def test_the_program_verifies_what_is_saved(tmp_path):
+    if not os.path.exists(PROGRAM):
+        pytest.skip('the program is not built')
+    image = bent_tube()
+    np.save(tmp_path / 'v.npy', np.asfortranarray((image * 7).astype(np.uint8)))
+    axis = quench.medial_axis(tmp_path / 'v.npy', threshold=5, spacing=(1, 1, 2))
+    axis.save(tmp_path / 'axis.vtp')
+    axis.skeleton('inf').save(tmp_path / 'skeleton.vtp')
+    done = subprocess.run([PROGRAM, 'verify', tmp_path / 'v.npy', tmp_path / 'axis.vtp', tmp_path / 'skeleton.vtp'],
+                          capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_world_coordinates_of_a_file():
+    axis = quench.medial_axis(data('volumes/torsoLabel.nii.gz'), label=8)
+    volume = quench.read(data('volumes/torsoLabel.nii.gz'))
+    index = np.linalg.solve(volume.direction, (axis.vertices - volume.origin).T).T / volume.spacing
+    assert (volume.array[tuple(np.rint(index).astype(int).T)] == 8).mean() > 0.999
+    assert volume.units == 'mm' and volume.spacing[2] == 5
+
+
+def test_warnings_of_the_library():
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter('always')
+        quench.medial_axis(quench.sample('four-blobs'), resolution=32)
+    assert len(caught) == 1 and caught[0].category is UserWarning and caught[0].filename == __file__
+    assert 'voxelization changed the topology' in str(caught[0].message)
+
+
+def test_samples():
+    for name in quench.samples():
+        mesh = quench.sample(name, detail=0.3)
+        assert mesh.faces.max() < len(mesh.vertices)
+    root = quench.sample('root', branches=7)
+    assert len(root.branches) == 7 and root.branches[0]['points'].shape[1] == 3
+    with pytest.raises(quench.Error, match='torus'):
+        quench.sample('no such shape')

@@ -1,0 +1,151 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Long calls: progress, Ctrl-C, other threads, package hygiene."""
+import inspect
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+
+import numpy as np
+import pytest
+import quench
+from shapes import bent_tube, blobs
+
+
+@pytest.fixture(scope='module')
+def long_input():
+    """Tens of seconds of work."""
+    return quench.sample('root', branches=300)
+
+
+@pytest.mark.parametrize('delay', [0.2, 1.5])
+def test_ctrl_c_stops_soon(long_input, delay):
+    threading.Timer(delay, os.kill, (os.getpid(), signal.SIGINT)).start()
+    start = time.monotonic()
+    with pytest.raises(KeyboardInterrupt):
+        quench.medial_axis(long_input, resolution=1500).skeleton()
+        time.sleep(20)
+    assert time.monotonic() - start < delay + 20
+    assert quench.medial_axis(bent_tube()).topology.betti == (1, 0, 0)  # and nothing is left behind
+
+
+def test_ctrl_c_stops_labels():
+    image = np.kron(np.arange(1, 28).reshape(3, 3, 3), np.ones((40, 40, 40), int))
+    threading.Timer(0.5, os.kill, (os.getpid(), signal.SIGINT)).start()
+    with pytest.raises(KeyboardInterrupt):
+        quench.skeletonize(image, lambda_=0)
+        time.sleep(20)
+
+
+def test_progress_is_reported_to_a_function():
+    seen = []
+    axis = quench.medial_axis(blobs(30), progress=lambda stage, fraction: seen.append((stage, fraction)))
+    axis.skeleton()
+    assert {'foreground', 'delaunay', 'burn', 'curves'} <= {stage for stage, _ in seen}
+    assert all(0 <= fraction <= 1 for _, fraction in seen)
+    main = []
+    quench.skeletonize(blobs(31), progress=lambda stage, fraction: main.append(threading.current_thread()))
+    assert set(main) == {threading.main_thread()}
+
+
+def test_an_exception_in_progress_comes_out():
+    class Enough(Exception):
+        pass
+
+    def stop(stage, fraction):
+        raise Enough(stage)
+    with pytest.raises(Enough):
+        quench.medial_axis(blobs(32), progress=stop)
+
+
+@pytest.mark.parametrize('with_tqdm', [True, False])
+def test_progress_on_the_terminal(with_tqdm):
+    hide = '' if with_tqdm else 'import sys; sys.modules["tqdm"] = None\n'
+    code = hide + 'import numpy, quench; quench.medial_axis(numpy.ones((40, 40, 40), bool), progress=True).skeleton()'
+    done = subprocess.run([sys.executable, '-c', code], capture_output=True, text=True)
+    assert done.returncode == 0 and 'delaunay' in done.stderr and done.stdout == ''
+
+
+def test_silence():
+    code = 'import numpy, quench; quench.medial_axis(numpy.ones((30, 30, 30), bool)).skeleton()'
+    done = subprocess.run([sys.executable, '-c', code], capture_output=True, text=True)
+    assert (done.returncode, done.stdout, done.stderr) == (0, '', '')
+
+
+def test_other_threads_run_meanwhile():
+    ticks, done = [], threading.Event()
+
+    def tick():
+        while not done.is_set():
+            ticks.append(time.monotonic())
+            time.sleep(0.005)
+    thread = threading.Thread(target=tick)
+    thread.start()
+    start = time.monotonic()
+    quench.medial_axis(np.ones((120, 110, 100), bool))
+    end = time.monotonic()
+    done.set()
+    thread.join()
+    inside = [t for t in ticks if start < t < end]
+    assert len(inside) > 10 and np.diff(inside).max() < max(0.5, (end - start) / 2)
+
+
+def test_several_at_a_time():
+    images = [blobs(40 + i) for i in range(4)]
+    alone = [quench.medial_axis(image).skeleton().vertices for image in images]
+    results = [None] * len(images)
+
+    def work(i):
+        results[i] = quench.medial_axis(images[i], threads=i % 3).skeleton().vertices
+    threads = [threading.Thread(target=work, args=(i, )) for i in range(len(images))]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert all(np.array_equal(a, b) for a, b in zip(alone, results))
+
+
+def test_one_axis_in_several_threads():
+    axis = quench.medial_axis(blobs(50))
+    wanted = axis.skeleton(0.05).vertices
+    axis.forget()
+    results = []
+    calls = [lambda: axis.skeleton(0.05).vertices, lambda: axis.erosion_thickness(omega='0.3vox'), axis.burn_time] * 3
+    threads = [threading.Thread(target=lambda c=call: results.append(c())) for call in calls]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert len(results) == 9 and sum(np.array_equal(r, wanted) for r in results) == 3
+
+
+def test_errors_are_quench_errors():
+    with pytest.raises(quench.Error) as caught:
+        quench.medial_axis(np.zeros((3, 3, 3), bool))
+    assert isinstance(caught.value, RuntimeError) and caught.value.code == 3
+    assert quench.Error.__module__ == 'quench' and str(caught.value).startswith('no voxel')
+
+
+def test_everything_public_is_documented_and_typed():
+    assert os.path.exists(os.path.join(os.path.dirname(quench.__file__), 'py.typed'))
+    for name in quench.__all__:
+        value = getattr(quench, name)
+        if name.startswith('__'):
+            continue
+        assert value.__doc__, name
+        for member, function in inspect.getmembers(value, inspect.isfunction):
+            if not member.startswith('_'):
+                assert function.__doc__, (name, member)
+                assert 'return' in function.__annotations__, (name, member)
+        if inspect.isfunction(value):
+            assert set(inspect.signature(value).parameters) | {'return'} >= set(value.__annotations__)
+
+
+def test_import_needs_numpy_only():
+    code = ('import sys\nfor name in ("matplotlib", "scipy", "skimage", "networkx", "trimesh", "pyvista", "tqdm", "pandas"):\n'
+            '    sys.modules[name] = None\nimport numpy, quench\n'
+            'print(len(quench.medial_axis(numpy.ones((9, 9, 9), bool)).skeleton().vertices) > 0)')
+    done = subprocess.run([sys.executable, '-c', code], capture_output=True, text=True)
+    assert done.stdout == 'True\n', done.stderr
