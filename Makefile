@@ -15,7 +15,8 @@ demo: deps
 	$(BUILD)/quench run demo/fin-on-board.ply -o demo/fin-on-board
 	$(BUILD)/quench verify demo/fin-on-board.ply demo/fin-on-board/core.vtp
 	@echo
-	@echo "Open demo/fin-on-board/core.vtp in ParaView (colour by radius or lambda); the figures are in demo/fin-on-board/report.json."
+	@echo "Open demo/fin-on-board/view.html in a browser (without npm there is none: core.vtp and skeleton.vtp open in ParaView);"
+	@echo "the figures are in demo/fin-on-board/report.json."
 
 .PHONY: deps
 deps:

@@ -10,6 +10,7 @@
 
 #include "option_checks.h"
 #include "quench/io.h"
+#include "quench/slices.h"
 #include "quench/voxel_core.h"
 #include "quench/voxelize.h"
 
@@ -125,21 +126,32 @@ void load_mesh(const ShapeOptions& options, Session& session, LoadedShape& loade
 
 void load_volume(const ShapeOptions& options, Session& session, LoadedShape& loaded) {
   if (options.resolution_given) session.say("note: --resolution is for meshes and is ignored for a volume");
-  const Volume volume = io::read_volume(options.file, {parse_spacing(options.spacing)}, &session.context);
-  checkpoint(&session.context, "read", 1);
   ForegroundOptions foreground_options = options.foreground;
   foreground_options.largest_component = foreground_options.fill_cavities = false;  // below, as for meshes
   foreground_options.min_component = 0;
-  try {
-    loaded.shape = foreground(volume, foreground_options, nullptr, &session.context);
-  } catch (const Error& error) {
-    if (error.code() == ErrorCode::failed || error.code() == ErrorCode::cancelled) throw;
-    throw Error(error.code(), fmt::format("'{}': {}", options.file, error.what()));
+  const io::VolumeReadOptions read_options{parse_spacing(options.spacing)};
+  const auto told = [&](const auto& get) {
+    try {
+      loaded.shape = get();
+    } catch (const Error& error) {
+      if (error.code() == ErrorCode::failed || error.code() == ErrorCode::cancelled ||
+          std::string_view(error.what()).find(options.file) != std::string_view::npos)
+        throw;
+      throw Error(error.code(), fmt::format("'{}': {}", options.file, error.what()));
+    }
+  };
+  if (const auto slices = io::open_slices(options.file, read_options, &session.context)) {
+    loaded.units = slices->units;
+    told([&] { return foreground(*slices, foreground_options, nullptr, &session.context); });
+  } else {
+    const Volume volume = io::read_volume(options.file, read_options, &session.context);
+    checkpoint(&session.context, "read", 1);
+    loaded.units = volume.units;
+    told([&] { return foreground(volume, foreground_options, nullptr, &session.context); });
   }
   checkpoint(&session.context, "voxelize", 1);
-  loaded.units = volume.units;
   loaded.longest_side = loaded.shape.longest_side();
-  if (!volume.units.empty()) loaded.input["units"] = volume.units;
+  if (!loaded.units.empty()) loaded.input["units"] = loaded.units;
   if (options.foreground.threshold) loaded.parameters["threshold"] = *options.foreground.threshold;
   if (options.foreground.label) loaded.parameters["label"] = *options.foreground.label;
   if (options.foreground.invert) loaded.parameters["invert"] = true;

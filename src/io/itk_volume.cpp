@@ -13,6 +13,7 @@
 
 #include <Eigen/LU>
 #include <Eigen/SVD>
+#include <algorithm>
 #include <cctype>
 #include <cmath>
 #include <cstdarg>
@@ -21,6 +22,7 @@
 #include <mutex>
 #include <optional>
 
+#include "io/itk_header.h"
 #include "io/volume_formats.h"
 #include "quench/error.h"
 
@@ -140,6 +142,12 @@ std::uint64_t bytes_available(const std::filesystem::path& file, const std::stri
   if (extension == ".nii.gz") return checked_gzip_size(file);
   if (is_tiff(extension)) return own << 20;  // a blank line of a fax page takes one bit
   return own * deflate_limit;
+}
+
+[[noreturn]] void refuse_as_itk(const std::filesystem::path& file, const itk::ExceptionObject& error) {
+  const std::string reason = one_line(error.GetDescription());
+  throw Error(ErrorCode::input, fmt::format("'{}' cannot be read: {}; it is damaged or of another format",
+                                            file.string(), reason.empty() ? "no reason given" : reason));
 }
 
 Grid grid_of(const ImageIO& io, const std::filesystem::path& file) {
@@ -264,9 +272,55 @@ Volume read_itk(const std::filesystem::path& file, Context* context) {
     checkpoint(context, "read", 1);
     return volume;
   } catch (const itk::ExceptionObject& e) {
-    const std::string reason = one_line(e.GetDescription());
-    throw Error(ErrorCode::input, fmt::format("'{}' cannot be read: {}; it is damaged or of another format",
-                                              file.string(), reason.empty() ? "no reason given" : reason));
+    refuse_as_itk(file, e);
+  }
+}
+
+std::optional<ItkHeader> itk_header(const std::filesystem::path& file, Context* context) {
+  const std::string extension = volume_extension(file);
+  if (extension.starts_with(".nii") || is_tiff(extension)) return {};
+  itk::Object::SetGlobalWarningDisplay(false);
+  checkpoint(context, "read", 0);
+  std::optional<QuietCerr> quiet;
+  if (extension == ".mha" || extension == ".mhd") quiet.emplace();
+  try {
+    const auto io = image_io(extension);
+    io->SetFileName(file.string());
+    io->ReadImageInformation();
+    ItkHeader header;
+    header.grid = grid_of(*io, file);
+    if (io->GetNumberOfDimensions() != 3) return {};
+    using Type = itk::IOComponentEnum;
+    const std::pair<Type, SampleType> types[] = {
+        {Type::UCHAR, SampleType::uint8},   {Type::CHAR, SampleType::int8},     {Type::USHORT, SampleType::uint16},
+        {Type::SHORT, SampleType::int16},   {Type::UINT, SampleType::uint32},   {Type::INT, SampleType::int32},
+        {Type::FLOAT, SampleType::float32}, {Type::DOUBLE, SampleType::float64}};
+    const auto known = std::find_if(std::begin(types), std::end(types),
+                                    [&](const auto& t) { return t.first == io->GetComponentType(); });
+    if (known == std::end(types)) return {};
+    header.type = known->second;
+    header.sample_size = io->GetComponentSize();
+    if (io->CanStreamRead())
+      header.next_slice = [io, file, z = std::int64_t{0}](std::span<std::byte> slice) mutable {
+        itk::ImageIORegion region(3);
+        for (unsigned a = 0; a < 2; ++a) {
+          region.SetIndex(a, 0);
+          region.SetSize(a, io->GetDimensions(a));
+        }
+        region.SetIndex(2, z++);
+        region.SetSize(2, 1);
+        try {
+          io->SetIORegion(region);
+          if (static_cast<std::uint64_t>(io->GetIORegionSizeInBytes()) != slice.size())
+            throw Error(ErrorCode::input, fmt::format("'{}' contradicts itself about its size", file.string()));
+          io->Read(slice.data());
+        } catch (const itk::ExceptionObject& e) {
+          refuse_as_itk(file, e);
+        }
+      };
+    return header;
+  } catch (const itk::ExceptionObject& e) {
+    refuse_as_itk(file, e);
   }
 }
 

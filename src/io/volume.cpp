@@ -159,11 +159,29 @@ Volume read_slices(const std::filesystem::path& folder, Context* context) {
   return volume;
 }
 
-Volume read_volume(const std::filesystem::path& file, const VolumeReadOptions& options, Context* context) {
+void apply_spacing(const std::filesystem::path& file, const VolumeReadOptions& options, Grid& grid) {
   const auto positive = [](const Vec3& s) { return s.allFinite() && s.minCoeff() > 0; };
-  if (options.spacing && !positive(*options.spacing))
-    throw Error(ErrorCode::usage, fmt::format("--spacing {},{},{} must be three positive numbers",
-                                              (*options.spacing)[0], (*options.spacing)[1], (*options.spacing)[2]));
+  if (options.spacing) {
+    const Vec3& s = *options.spacing;
+    if (!positive(s))
+      throw Error(ErrorCode::usage, fmt::format("--spacing {},{},{} must be three positive numbers", s[0], s[1], s[2]));
+    grid.spacing = s;
+  }
+  const Vec3& s = grid.spacing;
+  if (!positive(s))
+    throw Error(ErrorCode::input,
+                fmt::format("'{}' has the spacing {} x {} x {}, which is not positive; give --spacing", file.string(),
+                            s[0], s[1], s[2]));
+  if (!grid.origin.allFinite())
+    throw Error(ErrorCode::input,
+                fmt::format("the origin of '{}' is not a point; its header is damaged", file.string()));
+}
+
+Volume read_volume(const std::filesystem::path& file, const VolumeReadOptions& options, Context* context) {
+  if (options.spacing) {
+    Grid any;
+    apply_spacing(file, options, any);  // before a long reading
+  }
   Volume volume;
   try {
     volume = read_by_extension(file, context);
@@ -171,15 +189,7 @@ Volume read_volume(const std::filesystem::path& file, const VolumeReadOptions& o
     throw Error(ErrorCode::failed,
                 fmt::format("'{}' does not fit into memory; crop it or lower its resolution", file.string()));
   }
-  if (options.spacing) volume.grid.spacing = *options.spacing;
-  const Vec3& s = volume.grid.spacing;
-  if (!positive(s))
-    throw Error(ErrorCode::input,
-                fmt::format("'{}' has the spacing {} x {} x {}, which is not positive; give --spacing", file.string(),
-                            s[0], s[1], s[2]));
-  if (!volume.grid.origin.allFinite())
-    throw Error(ErrorCode::input,
-                fmt::format("the origin of '{}' is not a point; its header is damaged", file.string()));
+  apply_spacing(file, options, volume.grid);
   return volume;
 }
 

@@ -41,6 +41,9 @@ Volume read_slices(const std::filesystem::path& folder, Context* context);
 /// PNG and TIFF files of a folder in natural order.
 std::vector<std::filesystem::path> slice_files(const std::filesystem::path& folder);
 
+/// Replaces the spacing as asked and checks it and the origin.
+void apply_spacing(const std::filesystem::path& file, const VolumeReadOptions& options, Grid& grid);
+
 /// In lower case, `.nii.gz` as one.
 std::string volume_extension(const std::filesystem::path& file);
 

@@ -4,6 +4,7 @@
 
 #include "io/volume_formats.h"
 #include "quench/error.h"
+#include "quench/slices.h"
 
 namespace quench::io {
 
@@ -13,6 +14,8 @@ Volume read_itk(const std::filesystem::path& file, Context*) {
                           "(libinsighttoolkit5-dev); convert it to .npy or .vol, or rebuild",
                           file.string()));
 }
+
+std::optional<SliceStream> open_slices(const std::filesystem::path&, const VolumeReadOptions&, Context*) { return {}; }
 
 }  // namespace quench::io
 #endif

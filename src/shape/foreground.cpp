@@ -4,11 +4,13 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <span>
 #include <type_traits>
 #include <utility>
 
 #include "quench/error.h"
 #include "quench/image.h"
+#include "quench/slices.h"
 #include "quench/volume.h"
 #include "shape/image_rows.h"
 
@@ -71,46 +73,51 @@ template <class T>
 struct Values {
   T least{}, largest{};
   bool any = false;
-  bool at_most_two = true;
 
+  explicit Values() = default;
   explicit Values(const Samples<T>& samples) {
-    bool not_a_number = false, third = false;
     const auto [far, middle, near] = samples.order();
     const auto& dims = samples.grid().dims;
     std::array<std::int64_t, 3> at{};
     for (at[far] = 0; at[far] < dims[far]; ++at[far])
       for (at[middle] = 0; at[middle] < dims[middle]; ++at[middle])
-        for (at[near] = 0; at[near] < dims[near]; ++at[near]) {
-          const T v = samples.at(at[0], at[1], at[2]);
-          if (v != v) {
-            not_a_number = true;
-            continue;
-          }
-          if (!any) least = largest = v;
-          any = true;
-          if (v == least || v == largest) continue;
-          if (least != largest) third = true;
-          if (v < least) least = v;
-          if (v > largest) largest = v;
-        }
-    at_most_two = !third && !(not_a_number && least != largest);
+        for (at[near] = 0; at[near] < dims[near]; ++at[near]) add(samples.at(at[0], at[1], at[2]));
   }
+  void add(T v) {
+    if (v != v) {
+      not_a_number = true;
+      return;
+    }
+    if (!any) least = largest = v;
+    any = true;
+    if (v == least || v == largest) return;
+    if (least != largest) third = true;
+    if (v < least) least = v;
+    if (v > largest) largest = v;
+  }
+  bool at_most_two() const { return !third && !(not_a_number && least != largest); }
   std::string text() const {
     if (!any) return "it has no numbers";
     return fmt::format("its values range from {} to {}", +least, +largest);
   }
+
+ private:
+  bool not_a_number = false, third = false;
 };
 
 template <class T>
-Rule<T> rule_for(const Samples<T>& samples, const ForegroundOptions& options) {
+[[noreturn]] void refuse_many_values(const Values<T>& values) {
+  throw Error(ErrorCode::usage,
+              fmt::format("the image has more than two values, so it is not clear what the shape is ({}); give "
+                          "--threshold T (value >= T) or --label K (value = K)",
+                          values.text()));
+}
+
+// Without threshold and label the image must have at most two values: to be checked by the caller.
+template <class T>
+Rule<T> rule_for(const ForegroundOptions& options) {
   if (options.threshold) return at_least<T>(*options.threshold);
   if (options.label) return equal_to<T>(*options.label);
-  const Values<T> values(samples);
-  if (!values.at_most_two)
-    throw Error(ErrorCode::usage,
-                fmt::format("the image has more than two values, so it is not clear what the shape is ({}); give "
-                            "--threshold T (value >= T) or --label K (value = K)",
-                            values.text()));
   return {Rule<T>::Kind::non_zero, {}};
 }
 
@@ -119,6 +126,13 @@ std::string describe(const ForegroundOptions& options) {
                      : options.label   ? fmt::format("the label {}", *options.label)
                                        : std::string("a non-zero value");
   return options.invert ? text + ", inverted," : text;
+}
+
+template <class T>
+[[noreturn]] void refuse_nothing(const ForegroundOptions& options, const Values<T>& values) {
+  throw Error(ErrorCode::input,
+              fmt::format("no voxel of the image is foreground by {}: {}; give another --threshold or --label",
+                          describe(options), values.text()));
 }
 
 // The runs of one scanline; `inside(x)` says what is foreground.
@@ -179,16 +193,48 @@ VoxelShape scan_slabs(const Samples<T>& samples, const Rule<T>& rule, bool inver
 
 template <class T>
 VoxelShape foreground_of(const Samples<T>& samples, const ForegroundOptions& options, Context* context) {
-  const Rule<T> rule = rule_for(samples, options);
+  const Rule<T> rule = rule_for<T>(options);
+  if (!options.threshold && !options.label)
+    if (const Values<T> values(samples); !values.at_most_two()) refuse_many_values(values);
   const bool along_x = samples.order()[2] == 0;
   VoxelShape shape = along_x ? scan_along_x(samples, rule, options.invert, context)
                              : scan_slabs(samples, rule, options.invert, context);
   checkpoint(context, "foreground", 1);
-  if (shape.empty())
-    throw Error(ErrorCode::input, fmt::format("no voxel of the image is foreground by {}: {}; give another --threshold "
-                                              "or --label",
-                                              describe(options), Values<T>(samples).text()));
+  if (shape.empty()) refuse_nothing(options, Values<T>(samples));
   return shape;
+}
+
+template <class T>
+VoxelShape foreground_of(const SliceStream& image, const ForegroundOptions& options, Context* context) {
+  const Rule<T> rule = rule_for<T>(options);
+  const bool chosen = options.threshold || options.label;
+  const auto& dims = image.grid.dims;
+  const auto nx = static_cast<std::size_t>(dims[0]);
+  std::vector<T> slice(nx * static_cast<std::size_t>(dims[1]));
+  VoxelShape shape(image.grid);
+  std::vector<Run> runs;
+  Values<T> values;
+  for (std::int64_t z = 0; z < dims[2]; ++z) {
+    checkpoint(context, "read", static_cast<double>(z) / static_cast<double>(dims[2]));
+    image.next(std::as_writable_bytes(std::span(slice)));
+    // With a rule the values are only for the sentence that says why nothing is left.
+    if (!chosen || shape.empty())
+      for (const T v : slice) values.add(v);
+    for (std::int64_t y = 0; y < dims[1]; ++y) {
+      const T* row = slice.data() + nx * static_cast<std::size_t>(y);
+      append_runs(shape, runs, [&](std::int32_t x) { return rule(row[x]) != options.invert; });
+    }
+  }
+  checkpoint(context, "read", 1);
+  if (!chosen && !values.at_most_two()) refuse_many_values(values);
+  if (shape.empty()) refuse_nothing(options, values);
+  return shape;
+}
+
+void check(const ForegroundOptions& options) {
+  if (options.threshold && options.label)
+    throw Error(ErrorCode::usage, "--threshold and --label exclude each other; give one of them");
+  if (options.threshold && std::isnan(*options.threshold)) throw Error(ErrorCode::usage, "--threshold is not a number");
 }
 
 }  // namespace
@@ -213,11 +259,18 @@ ImageView view_of(const Volume& volume) {
 
 VoxelShape foreground(const ImageView& image, const ForegroundOptions& options, ForegroundReport* report,
                       Context* context) {
-  if (options.threshold && options.label)
-    throw Error(ErrorCode::usage, "--threshold and --label exclude each other; give one of them");
-  if (options.threshold && std::isnan(*options.threshold)) throw Error(ErrorCode::usage, "--threshold is not a number");
+  check(options);
   const VoxelShape shape =
       with_samples(image, [&](const auto& samples) { return foreground_of(samples, options, context); });
+  return clean(shape, options, report, context);
+}
+
+VoxelShape foreground(const SliceStream& image, const ForegroundOptions& options, ForegroundReport* report,
+                      Context* context) {
+  check(options);
+  const ImageView type_only{image.grid, image.type, nullptr, {0, 0, 0}};
+  const VoxelShape shape =
+      with_samples(type_only, [&]<class T>(const Samples<T>&) { return foreground_of<T>(image, options, context); });
   return clean(shape, options, report, context);
 }
 
