@@ -311,7 +311,7 @@ std::optional<ItkHeader> itk_header(const std::filesystem::path& file, Context* 
         region.SetSize(2, 1);
         try {
           io->SetIORegion(region);
-          if (static_cast<std::uint64_t>(io->GetIORegionSizeInBytes()) != slice.size())
+          if (region.GetNumberOfPixels() * io->GetComponentSize() != slice.size())
             throw Error(ErrorCode::input, fmt::format("'{}' contradicts itself about its size", file.string()));
           io->Read(slice.data());
         } catch (const itk::ExceptionObject& e) {
