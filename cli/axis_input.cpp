@@ -102,13 +102,21 @@ void measure_shape(const AxisOptions& options, Session& session, LoadedAxis& loa
 
 }  // namespace
 
+PolyData read_axis_file(const std::string& file, Session& session) {
+  std::error_code ignored;
+  if (const auto size = std::filesystem::file_size(file, ignored); !ignored)
+    session.check_memory(static_cast<std::int64_t>(size), fmt::format("reading '{}'", file));
+  return io::read_poly_data(file);
+}
+
 LoadedAxis load_axis(const AxisOptions& options, Session& session) {
   check_axis_options(options);
-  std::error_code ignored;
-  if (const auto size = std::filesystem::file_size(options.file, ignored); !ignored)
-    session.check_memory(static_cast<std::int64_t>(size), fmt::format("reading '{}'", options.file));
+  return make_axis(options, read_axis_file(options.file, session), session);
+}
+
+LoadedAxis make_axis(const AxisOptions& options, PolyData&& data, Session& session) {
   LoadedAxis loaded;
-  loaded.data = io::read_poly_data(options.file);
+  loaded.data = std::move(data);
   if (!options.radii.empty()) {
     std::erase_if(loaded.data.point_data, [](const DataArray& a) { return a.name == "radius"; });
     loaded.data.point_data.insert(loaded.data.point_data.begin(),

@@ -41,6 +41,10 @@ struct LoadedAxis {
 };
 
 LoadedAxis load_axis(const AxisOptions& options, Session& session);
+/// Of a file that has been read.
+LoadedAxis make_axis(const AxisOptions& options, PolyData&& data, Session& session);
+/// The file of an axis, if there is memory for it.
+PolyData read_axis_file(const std::string& file, Session& session);
 
 /// The first value of a field array of a file, if it is there.
 std::optional<double> field_number(const PolyData& data, const char* name);

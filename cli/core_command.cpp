@@ -2,8 +2,10 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "axis_input.h"
 #include "burn_pipeline.h"
 #include "core_pipeline.h"
+#include "page_pipeline.h"
 #include "program.h"
 #include "quench/io.h"
 #include "skeleton_pipeline.h"
@@ -59,6 +61,8 @@ Action add_run(CLI::App& app) {
     CorePipelineOptions core;
     BurnPipelineOptions burn;
     SkeletonPipelineOptions skeleton;
+    PageOptions page;
+    bool no_view = false;
     std::string folder;
   };
   auto o = std::make_shared<Options>();
@@ -66,20 +70,25 @@ Action add_run(CLI::App& app) {
   add_core_options(app, o->core);
   add_burn_options(app, o->burn);
   add_skeleton_options(app, o->skeleton);
-  app.add_option("-o,--output", o->folder,
-                 "Folder for core.vtp, skeleton.vtp, skeleton.swc, branches.csv and report.json (made if absent; "
-                 "these files are replaced)")
+  add_page_options(app, o->page);
+  app.add_flag("--no-view", o->no_view, "Do not write view.html, the interactive page")->group("Page");
+  app.add_option(
+         "-o,--output", o->folder,
+         "Folder for core.vtp, skeleton.vtp, skeleton.swc, branches.csv, report.json and view.html (made if absent; "
+         "these files are replaced)")
       ->type_name("DIR")
       ->required();
   return [o](Session& session) {
     namespace fs = std::filesystem;
     const fs::path folder = o->folder, core = folder / "core.vtp", report = folder / "report.json";
     const fs::path skeleton_vtp = folder / "skeleton.vtp", swc = folder / "skeleton.swc", csv = folder / "branches.csv";
+    const fs::path view = folder / "view.html";
+    const bool with_page = !o->no_view && has_page_program();
     check_folder(o->folder);
-    session.check_not_inputs({core, skeleton_vtp, swc, csv, report}, {o->shape.file});
+    session.check_not_inputs({core, skeleton_vtp, swc, csv, report, view}, {o->shape.file});
     session.check_report({o->shape.file});
     std::error_code error;
-    for (const fs::path& file : {core, skeleton_vtp, swc, csv})
+    for (const fs::path& file : {core, skeleton_vtp, swc, csv, view})
       if (!session.options.report.empty() &&
           fs::weakly_canonical(session.options.report, error) == fs::weakly_canonical(file, error))
         throw Error(ErrorCode::usage,
@@ -87,16 +96,41 @@ Action add_run(CLI::App& app) {
     check_core_options(o->core);
     check_burn_options(o->burn);
     check_skeleton_options(o->skeleton);
-    const LoadedShape loaded = load_shape(o->shape, session);
+    o->shape.keep_mesh = with_page;
+    LoadedShape loaded = load_shape(o->shape, session);
+    PageBuilder builder(o->page, session);
+    if (with_page) {
+      const Grid& grid = loaded.shape.grid();
+      builder.set_origin(grid.world(Vec3::Zero()),
+                         grid.world(Vec3(static_cast<double>(grid.dims[0]), static_cast<double>(grid.dims[1]),
+                                         static_cast<double>(grid.dims[2]))));
+      builder.page.title = title_of(o->shape.file);
+      builder.page.files = {{"core", core.string()}, {"skeleton", skeleton_vtp.string()}, {"shape", o->shape.file}};
+      builder.add_shape(loaded, o->shape);
+      session.finished("page");
+    }
     CorePipelineResult result = compute_core(loaded, o->core, session);
     const auto resolve = [&](const std::string& text, const std::string& option) {
       return parse_length(text, option).resolve(loaded.longest_side, loaded.shape.grid().spacing.minCoeff());
     };
     Burning burning = compute_burning(result.axis, true, o->burn, true, resolve, result.report, session);
     add_burning(result.data, burning);
+    if (with_page) {
+      builder.page.lambda = field_number(result.data, "lambda");
+      builder.page.burning = burning.options;
+      builder.page.theta2 = resolve(o->skeleton.theta2, "--theta2");
+      builder.page.theta1 = resolve(o->skeleton.theta1, "--theta1");
+      builder.add_core(result.axis, result.data.point_data, true);
+      session.finished("page");
+    }
+    const auto add_to_page = [&](const SkeletonFamily& family) {
+      if (!with_page) return;
+      builder.add_skeleton(family);
+      session.finished("page");
+    };
     const CheckedSkeleton skeleton =
         compute_skeleton(result.axis, std::move(burning), o->skeleton, loaded.shape.grid().spacing.minCoeff(), resolve,
-                         result.report, session);
+                         result.report, session, add_to_page);
     fs::create_directories(o->folder, error);
     if (error)
       throw Error(ErrorCode::failed, fmt::format("the folder '{}' cannot be made: {}", o->folder, error.message()));
@@ -115,6 +149,8 @@ Action add_run(CLI::App& app) {
     write_graph(skeleton.measured, {swc, {}, csv}, o->skeleton, &loaded.shape, loaded.shape.grid().spacing,
                 loaded.units, resolve, result.report, session);
     session.finished("write");
+    if (with_page) builder.write(view, result.report);
+    session.finished("page");
     write_report(report.string(), result.report, session);
     if (!session.options.report.empty()) write_report(session.options.report, result.report, session);
     say_written(session, core.string(), report.string(), result, loaded);
@@ -123,6 +159,7 @@ Action add_run(CLI::App& app) {
         fmt::format("{}: {} vertices, {} edges, {} faces, {} branches; topology as that of the shape; also {} and {}",
                     skeleton_vtp.string(), c.vertex_count, c.edges.size(), c.face_count(),
                     result.report["skeleton"]["branches"].get<std::size_t>(), swc.string(), csv.string()));
+    if (with_page) session.say(fmt::format("{}: the interactive page; open it in a browser", view.string()));
     return 0;
   };
 }

@@ -112,6 +112,7 @@ void write_report(const std::string& file, Json report, Session& session) {
                        {"curves", of({"curves"})},
                        {"skeleton", of({"skeleton"})},
                        {"topology", of({"topology"})},
+                       {"page", of({"page", "picture"})},
                        {"write", of({"write"})},
                        {"total", std::round(session.total_seconds() * 1e4) / 1e4}};
   report["peak_bytes"] = Session::peak_bytes();

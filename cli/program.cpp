@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstring>
 
 namespace quench::program {
 namespace {
@@ -31,6 +32,8 @@ constexpr Command kCommands[] = {
      computes | writes | reports, add_burn},
     {"skeleton", "Computes a skeleton of sheets and curves of a medial axis",
      "quench skeleton burned.vtp --theta2 inf --swc tree.swc -o curves.vtp", computes | writes | reports, add_skeleton},
+    {"view", "Writes an interactive page of a medial axis or a skeleton: one HTML file, or a picture of it",
+     "quench view bunny/core.vtp --shape bunny.off -o bunny.html", computes | writes | reports, add_view},
     {"info", "Says what a file is", "quench info axis.vtp", answers_json, add_info},
     {"convert", "Writes a mesh or a medial axis in another format", "quench convert axis.vtp axis.ma", writes,
      add_convert},
@@ -95,6 +98,25 @@ std::string usage_sentence(const CLI::ParseError& error, const CLI::App& app) {
   return fmt::format("{}; see {}", what, help);
 }
 
+/// As it can be typed again.
+std::string command_line(int argc, char** argv) {
+  std::string line = "quench";
+  for (int i = 1; i < argc; ++i) {
+    const std::string_view word = argv[i];
+    const auto plain = [](char c) {
+      return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || std::strchr("_.,:+@%/=-", c);
+    };
+    if (!word.empty() && std::all_of(word.begin(), word.end(), plain)) {
+      line += fmt::format(" {}", word);
+      continue;
+    }
+    line += " '";
+    for (const char c : word) line += c == '\'' ? std::string("'\\''") : std::string(1, c);
+    line += "'";
+  }
+  return line;
+}
+
 }  // namespace
 
 int run(int argc, char** argv) {
@@ -116,6 +138,7 @@ int run(int argc, char** argv) {
   int result = 0;
   try {
     app.parse(argc, argv);
+    common.command = command_line(argc, argv);
     Session session(common);
     for (const auto& [sub, action] : actions)
       if (sub->parsed()) result = action(session);

@@ -28,5 +28,6 @@ Action add_burn(CLI::App& app);
 Action add_skeleton(CLI::App& app);
 Action add_verify(CLI::App& app);
 Action add_run(CLI::App& app);
+Action add_view(CLI::App& app);
 
 }  // namespace quench::program

@@ -21,6 +21,7 @@ struct CommonOptions {
   int threads = 0;
   std::string memory_limit;
   std::string report;
+  std::string command;  ///< the line that started the program, for results that say how they were made
   bool quiet = false, verbose = false, overwrite = false;
 };
 

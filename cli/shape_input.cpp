@@ -81,7 +81,7 @@ std::string topology_text(const Topology& t) {
 
 void load_mesh(const ShapeOptions& options, Session& session, LoadedShape& loaded) {
   const PolyData data = io::read_poly_data(options.file);
-  const TriangleMesh mesh = to_triangle_mesh(data);
+  TriangleMesh mesh = to_triangle_mesh(data);
   if (mesh.triangles.empty())
     throw Error(ErrorCode::input, fmt::format("'{}' holds no faces; a shape needs a closed surface", options.file));
   checkpoint(&session.context, "read", 1);
@@ -120,6 +120,7 @@ void load_mesh(const ShapeOptions& options, Session& session, LoadedShape& loade
   loaded.input["manifold"] = v.surface.manifold;
   loaded.parameters["resolution"] = resolution;
   loaded.parameters["fill"] = options.fill;
+  if (options.keep_mesh) loaded.mesh = std::move(mesh);
 }
 
 void load_volume(const ShapeOptions& options, Session& session, LoadedShape& loaded) {

@@ -23,6 +23,7 @@ struct ShapeOptions {
   std::string spacing;
   ForegroundOptions foreground;
   int subdivide = 1;
+  bool keep_mesh = false;    ///< LoadedShape::mesh is wanted
   bool core_follows = true;  ///< its memory counts too when the shape is subdivided
 };
 
@@ -40,6 +41,7 @@ struct LoadedShape {
   nlohmann::ordered_json parameters;     ///< what made the voxel shape of the file
   std::optional<bool> topology_changed;  ///< by voxelization; none for volumes and meshes with overlapping parts
   Topology topology;
+  std::optional<TriangleMesh> mesh;  ///< the file, where it was asked for and is one
 };
 
 /// Reads SHAPE; says what the user should know (assumptions, warnings).

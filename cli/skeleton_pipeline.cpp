@@ -89,7 +89,8 @@ void check_skeleton_options(const SkeletonPipelineOptions& options) {
 CheckedSkeleton compute_skeleton(const MedialAxis& axis, Burning&& burning, const SkeletonPipelineOptions& options,
                                  double finest,
                                  const std::function<double(const std::string&, const std::string&)>& resolve,
-                                 nlohmann::ordered_json& report, Session& session) {
+                                 nlohmann::ordered_json& report, Session& session,
+                                 const std::function<void(const SkeletonFamily&)>& use_family) {
   const double theta2 = resolve(options.theta2, "--theta2"), theta1 = resolve(options.theta1, "--theta1");
   const Topology wanted = topology(axis.complex);
   checkpoint(&session.context, "topology", 0.3);
@@ -109,6 +110,7 @@ CheckedSkeleton compute_skeleton(const MedialAxis& axis, Burning&& burning, cons
   CheckedSkeletonOptions wish{theta2, theta1, options.full};
   if (options.tips == "full") wish.tips = finest;
   CheckedSkeleton result = checked_skeleton(family, wanted, wish, &session.context);
+  if (use_family) use_family(family);
   report["skeleton"] = {{"theta2", number(theta2)}, {"theta1", number(theta1)}};
   report["skeleton"].update(section(result.skeleton.complex, result.topology));
   return result;

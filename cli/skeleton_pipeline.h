@@ -41,11 +41,12 @@ void check_skeleton_options(const SkeletonPipelineOptions& options);
 
 /// Medial curves and a skeleton of a burned axis (the burning is used up); `resolve(text, option)` turns a length into
 /// world units. Adds the sections `curves` and `skeleton` to the report. Throws Error(invariant) when the topology of
-/// the curves or of the skeleton is not that of the axis.
+/// the curves or of the skeleton is not that of the axis. `use_family` sees the whole family.
 CheckedSkeleton compute_skeleton(const MedialAxis& axis, Burning&& burning, const SkeletonPipelineOptions& options,
                                  double finest,
                                  const std::function<double(const std::string&, const std::string&)>& resolve,
-                                 nlohmann::ordered_json& report, Session& session);
+                                 nlohmann::ordered_json& report, Session& session,
+                                 const std::function<void(const SkeletonFamily&)>& use_family = {});
 
 /// The curves of a skeleton as a graph, smoothed as asked, into files; adds what they hold to the report's section
 /// `skeleton`. `shape`: the voxel shape, where it is known; `spacing`: of its voxels, 0 for axes of other programs.

@@ -20,7 +20,7 @@ void expect_tiles(const VoxelShape& shape, const std::string& where) {
   const auto sites = boundary_vertices(shape);
   auto delaunay = std::make_unique<Delaunay>(sites, spacing, nullptr);
   ASSERT_NO_THROW(delaunay->validate()) << where;
-  const Polytopes polytopes = polytopes_inside(shape, std::move(delaunay), sites.size(), nullptr);
+  const Polytopes polytopes = polytopes_inside(shape, std::move(delaunay), sites, nullptr);
   Int128 volume = 0;
   for (const Tetrahedron& t : polytopes.tetrahedra) {
     std::array<Point, 4> p;

@@ -9,8 +9,10 @@
 #include <set>
 
 #include "quench/prune.h"
+#include "quench/sample.h"
 #include "quench/topology.h"
 #include "quench/voxel_core.h"
+#include "quench/voxelize.h"
 #include "random_shapes.h"
 
 namespace quench {
@@ -129,17 +131,25 @@ TEST(Metamorphic, PaddingAndTranslationChangeNothing) {
   }
 }
 
+// More threads than processors, so that they are interrupted at any place.
 TEST(Metamorphic, NumberOfThreadsAndRepetitionChangeNothing) {
-  const VoxelShape shape = testing_shapes::random_shape(3, 40);
-  const auto with_threads = [&](std::size_t n) {
-    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, n);
-    return core_of(shape);
-  };
-  const MedialAxis one = with_threads(1);
-  for (std::size_t n : {1u, 2u, 4u}) {
-    const MedialAxis other = with_threads(n);
-    expect_same_up_to_shift(one, other, {0, 0, 0});
-    for (std::size_t v = 0; v < one.points.size(); ++v) ASSERT_EQ(one.points[v], other.points[v]);
+  const VoxelShape shapes[] = {testing_shapes::random_shape(3, 40), testing_shapes::box_shape(90, 80, 3),
+                               voxelize(make_sample("bumpy-sphere").mesh, {.resolution = 80}).shape};
+  for (const VoxelShape& shape : shapes) {
+    const auto with_threads = [&](int n) {
+      const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(n));
+      Context context;
+      context.threads = n;
+      MedialAxis core = voxel_core(shape, {}, &context);
+      prune_levels(core, &context);
+      return core;
+    };
+    const MedialAxis one = with_threads(1);
+    for (const int n : {1, 2, 8, 8, 8}) {
+      const MedialAxis other = with_threads(n);
+      expect_same_up_to_shift(one, other, {0, 0, 0});
+      for (std::size_t v = 0; v < one.points.size(); ++v) ASSERT_EQ(one.points[v], other.points[v]);
+    }
   }
 }
 

@@ -34,7 +34,7 @@ bool has(const std::string& text, const std::string& part) { return text.find(pa
 TEST_F(Program, HelpAndVersion) {
   EXPECT_EQ(works({"--version"}).out, "quench " QUENCH_TEST_VERSION "\n");
   const std::string all = works({"--help"}).out;
-  for (const char* command : {"run", "sample", "voxelize", "core", "info", "convert", "verify"}) {
+  for (const char* command : {"run", "sample", "voxelize", "core", "view", "info", "convert", "verify"}) {
     EXPECT_TRUE(has(all, std::string("\n  ") + command));
     const auto help = works({command, "--help"});
     EXPECT_TRUE(has(help.out, std::string("Example:\n  quench ") + command)) << help.out;
@@ -112,7 +112,8 @@ TEST_F(Program, RunWritesAxisAndReport) {
                              "voxelize", "delaunay", "prune", "write",         "total"})
     EXPECT_TRUE(has(report, fmt::format("\n    \"{}\": ", member))) << member;
   works({"run", "a shape.ply", "--resolution", "24", "-o", "new/my result", "--quiet"});  // its own files are replaced
-  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder / "new/my result"), {}), 5);
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder / "new/my result"), {}),
+            5 + exists("new/my result/view.html"));  // where the page is built in
   EXPECT_TRUE(has(works({"verify", "a shape.ply", "new/my result/core.vtp"}).out, ": verified\n"));
 }
 

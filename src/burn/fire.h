@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "burn/label_queue.h"
+#include "bucket_queue.h"
 #include "burn/link.h"
 #include "burn/network.h"
 
@@ -38,6 +38,7 @@ struct Site {
 };
 
 /// One number per state, accessed at random.
+using LabelQueue = BucketQueue<std::uint32_t>;  // of states, by time
 using Times = lattice::HugeVector<double>;
 
 /// Where a front came from: its field is `time` + distance to the point (x, y) in the frame of the label's own edge, x

@@ -2,7 +2,7 @@
 #include <algorithm>
 
 #include "burn/fire.h"
-#include "burn/prefetch.h"
+#include "burn/prefetch_ahead.h"
 #include "quench/error.h"
 
 namespace quench::burning {
@@ -119,9 +119,7 @@ void Labels::lower_seam(std::uint32_t state, std::uint32_t edge, double t, std::
 }
 
 bool Labels::next(std::uint32_t& state, bool& again) {
-  const auto stale = [&](const LabelQueue::Entry& e) {
-    return !(status_[e.state] & queued) || e.time > time_[e.state];
-  };
+  const auto stale = [&](const LabelQueue::Entry& e) { return !(status_[e.id] & queued) || e.key > time_[e.id]; };
   LabelQueue::Entry entry;
   while (queue_.pop(entry, stale)) {
     prefetch_ahead(queue_, site_, time_.data());
@@ -130,7 +128,7 @@ bool Labels::next(std::uint32_t& state, bool& again) {
       if (!origin_.empty()) prefetch(&origin_[s]);
     });
     if (stale(entry)) continue;
-    state = entry.state;
+    state = entry.id;
     // Nothing burns before its own ball is gone: fronts of segments can be early by a fraction of the spacing. A radius
     // by the linear rule is no such bound.
     if (clamp_ && !(status_[state] & (open | floor)) && (site_.is_vertex(state) || site_.rule == RadiusRule::exact)) {

@@ -4,7 +4,7 @@
 
 #include "burn/fire.h"
 #include "burn/polygon_view.h"
-#include "burn/prefetch.h"
+#include "burn/prefetch_ahead.h"
 #include "quench/error.h"
 
 namespace quench::burning {
@@ -47,7 +47,7 @@ class Sequence {
   void run(Context* context) {
     start();
     LabelQueue::Entry entry;
-    const auto stale = [&](const LabelQueue::Entry& e) { return (status_[e.state] & kDone) != 0; };
+    const auto stale = [&](const LabelQueue::Entry& e) { return (status_[e.id] & kDone) != 0; };
     const double states = static_cast<double>(time_.size());
     for (std::uint64_t popped = 0; queue_.pop(entry, stale);) {
       prefetch_ahead(queue_, site_, done_time_.data());
@@ -55,7 +55,7 @@ class Sequence {
       if (stale(entry)) continue;
       if (popped++ % 4096 == 0)
         checkpoint(context, "burn", std::min(0.99, 0.8 + 0.2 * static_cast<double>(popped) / states));
-      burn(entry.state, entry.time);
+      burn(entry.id, entry.key);
     }
     for (std::uint32_t s = 0; s < time_.size(); ++s)
       if (!(status_[s] & (kRemoved | kPocket)))

@@ -2,64 +2,18 @@
 #include "complex/thinning.h"
 
 #include <algorithm>
-#include <bit>
 #include <limits>
-#include <numeric>
 #include <vector>
+
+#include "bucket_queue.h"
+#include "prefetch.h"
 
 namespace quench {
 namespace {
 
-__extension__ using UInt128 = unsigned __int128;
-
-// A simple pair is known by its free cell, the edge or vertex whose only larger cell is the other half. One integer
-// holds (key, dimension of the free cell, its index) in the order in which pairs go: keys are not negative, and the
-// bits of such doubles grow with them.
-struct Pair {
-  UInt128 order = 0;
-
-  Pair() = default;
-  Pair(double key, std::uint32_t dimension, std::uint32_t free)
-      : order(static_cast<UInt128>(std::bit_cast<std::uint64_t>(key + 0.0)) << 64 | std::uint64_t{dimension} << 32 |
-              free) {}
-  double key() const { return std::bit_cast<double>(static_cast<std::uint64_t>(order >> 64)); }
-  std::uint32_t dimension() const { return static_cast<std::uint32_t>(order >> 32); }
-  std::uint32_t free() const { return static_cast<std::uint32_t>(order); }
-  bool operator<(const Pair& other) const { return order > other.order; }  // heaps give the largest first
-};
-
-// A priority queue whose entries are spread over buckets of growing keys, each a small heap that stays in the cache.
-// Any monotone map of keys to buckets gives the same order.
-class PairQueue {
- public:
-  // `typical`: a key of the middle of the range; keys far above it share the last bucket.
-  explicit PairQueue(double typical) : scale_(typical > 0 ? kBuckets / (8 * typical) : 0), buckets_(kBuckets) {}
-
-  void push(const Pair& pair) {
-    const double place = pair.key() * scale_;
-    const std::size_t b = place < kBuckets - 1 ? static_cast<std::size_t>(place) : kBuckets - 1;
-    buckets_[b].push_back(pair);
-    // The buckets that are not yet due are unsorted: they become heaps when their turn comes.
-    if (b < heaps_) std::push_heap(buckets_[b].begin(), buckets_[b].end());
-    first_ = std::min(first_, b);
-  }
-  bool pop(Pair& pair) {
-    while (first_ < kBuckets && buckets_[first_].empty()) ++first_;
-    if (first_ == kBuckets) return false;
-    auto& bucket = buckets_[first_];
-    for (; heaps_ <= first_; ++heaps_) std::make_heap(buckets_[heaps_].begin(), buckets_[heaps_].end());
-    std::pop_heap(bucket.begin(), bucket.end());
-    pair = bucket.back();
-    bucket.pop_back();
-    return true;
-  }
-
- private:
-  static constexpr std::size_t kBuckets = 4096;
-  double scale_;
-  std::size_t first_ = kBuckets, heaps_ = 0;  // buckets below heaps_ are heaps
-  std::vector<std::vector<Pair>> buckets_;
-};
+// A simple pair is known by its free cell, the edge or vertex whose only larger cell is the other half. Pairs go in the
+// order of their keys, then of the dimension of the free cell, then of its index.
+constexpr std::uint64_t kEdgeIsFree = std::uint64_t{1} << 32;
 
 // The number of live larger cells at a cell, and their XOR: with number 1 that is the only one.
 struct Cofaces {
@@ -78,7 +32,8 @@ class Thinning {
         face_(face),
         faces_(complex.edges.size()),
         edges_(complex.vertex_count),
-        queue_(mean(edge)) {
+        // Keys are not negative, and few are far above their mean.
+        queue_(0, mean(edge) / 512) {
     constexpr double infinity = std::numeric_limits<double>::infinity();
     level.vertex.assign(complex.vertex_count, infinity);
     level.edge.assign(complex.edges.size(), infinity);
@@ -95,14 +50,18 @@ class Thinning {
     const auto total = static_cast<double>(complex_.edges.size() + 1);
     std::size_t removed = 0;
     double running = -std::numeric_limits<double>::infinity();
-    for (Pair pair{}; queue_.pop(pair);) {
-      if (!still_simple(pair)) continue;
+    // Those whose free cell is no longer free were overtaken.
+    const auto stale = [this](const Queue::Entry& pair) { return !still_simple(pair.id); };
+    for (Queue::Entry pair{}; queue_.pop(pair, stale);) {
+      prefetch_ahead();
+      if (!still_simple(pair.id)) continue;
       if ((++removed & 0xFFFF) == 0) checkpoint(context, stage, std::min(1.0, static_cast<double>(removed) / total));
-      running = std::max(running, pair.key());
-      if (pair.dimension() == 1)
-        remove_face(faces_[pair.free()].sum, pair.free(), running);
+      running = std::max(running, pair.key);
+      const auto free = static_cast<std::uint32_t>(pair.id);
+      if (pair.id & kEdgeIsFree)
+        remove_face(faces_[free].sum, free, running);
       else
-        remove_edge(edges_[pair.free()].sum, pair.free(), running);
+        remove_edge(edges_[free].sum, free, running);
     }
     checkpoint(context, stage, 1);
   }
@@ -122,20 +81,47 @@ class Thinning {
   }
   static bool alive(double cell_level) { return cell_level == std::numeric_limits<double>::infinity(); }
 
-  void offer(double key, std::uint32_t dimension, std::uint32_t free) {
-    if (key < std::numeric_limits<double>::infinity()) queue_.push({key, dimension, free});
+  void offer(double key, std::uint64_t pair) {
+    if (key < std::numeric_limits<double>::infinity()) queue_.push(key, pair);
   }
   void offer_edge(std::uint32_t e) {
-    if (faces_[e].count == 1) offer(std::max(face_[faces_[e].sum], edge_[e]), 1, e);
+    if (faces_[e].count == 1) offer(std::max(face_[faces_[e].sum], edge_[e]), kEdgeIsFree | e);
   }
   void offer_vertex(std::uint32_t v) {
     const std::uint32_t e = edges_[v].sum;
-    if (edges_[v].count == 1 && faces_[e].count == 0) offer(std::max(edge_[e], vertex_[v]), 0, v);
+    if (edges_[v].count == 1 && faces_[e].count == 0) offer(std::max(edge_[e], vertex_[v]), v);
   }
 
-  bool still_simple(const Pair& p) const {
-    if (p.dimension() == 1) return alive(level.edge[p.free()]) && faces_[p.free()].count == 1;
-    return alive(level.vertex[p.free()]) && edges_[p.free()].count == 1;
+  bool still_simple(std::uint64_t pair) const {
+    const auto free = static_cast<std::uint32_t>(pair);
+    if (pair & kEdgeIsFree) return faces_[free].count == 1 && alive(level.edge[free]);
+    return edges_[free].count == 1 && alive(level.vertex[free]);
+  }
+
+  // Waiting for memory is most of the cost: what the next pairs need is fetched in two steps.
+  void prefetch_ahead() const {
+    queue_.peek(12, [this](std::uint64_t pair) {
+      const auto free = static_cast<std::uint32_t>(pair);
+      if (pair & kEdgeIsFree) {
+        prefetch(&faces_[free]);
+        prefetch(&level.edge[free]);
+        prefetch(&complex_.edges[free]);
+      } else {
+        prefetch(&edges_[free]);
+      }
+    });
+    queue_.peek(8, [this](std::uint64_t pair) {
+      const auto free = static_cast<std::uint32_t>(pair);
+      if (!(pair & kEdgeIsFree) || faces_[free].count != 1) return;
+      prefetch(&complex_.face_offsets[faces_[free].sum]);
+      prefetch(&level.face[faces_[free].sum]);
+      for (const std::uint32_t v : complex_.edges[free]) prefetch(&edges_[v]);
+    });
+    queue_.peek(4, [this](std::uint64_t pair) {
+      const auto free = static_cast<std::uint32_t>(pair);
+      if ((pair & kEdgeIsFree) && faces_[free].count == 1)
+        for (const std::uint32_t e : complex_.sides(faces_[free].sum)) prefetch(&faces_[e]);
+    });
   }
 
   void remove_face(std::uint32_t f, std::uint32_t e, double at) {
@@ -165,7 +151,8 @@ class Thinning {
   std::span<const double> vertex_, edge_, face_;
   std::vector<Cofaces> faces_;  // per edge
   std::vector<Cofaces> edges_;  // per vertex
-  PairQueue queue_;
+  using Queue = BucketQueue<std::uint64_t>;
+  Queue queue_;
 };
 
 }  // namespace

@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <tbb/parallel_sort.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numeric>
 
+#include "parallel.h"
+#include "prefetch.h"
 #include "quench/prune.h"
 
 namespace quench {
@@ -124,7 +128,6 @@ std::vector<Vec3> sampled_centres(const VoxelShape& shape, std::size_t count) {
 }  // namespace
 
 Reconstruction::Reconstruction(const VoxelShape& shape, const MedialAxis& axis, std::size_t samples, Context* context) {
-  BallCover cover(sampled_centres(shape, samples));
   // Highest level first, so that the first ball to contain a centre is the last to go; large balls first for speed.
   struct Ball {
     double level;
@@ -140,17 +143,52 @@ Reconstruction::Reconstruction(const VoxelShape& shape, const MedialAxis& axis, 
     const double level = axis.vertex_level.empty() ? std::numeric_limits<double>::infinity() : axis.vertex_level[v];
     order[v] = {level, static_cast<float>(axis.radius[v]), v};
   }
-  std::sort(order.begin(), order.end());
-  for (std::size_t i = 0; i < order.size() && !cover.all_taken(); ++i) {
-    if ((i & 0xFFFF) == 0)
-      checkpoint(context, "reconstruct", static_cast<double>(i) / static_cast<double>(order.size()));
-    const std::uint32_t v = order[i].vertex;
-    const double radius = axis.radius[v] * (1 + 1e-9);  // a centre on the sphere counts
-    cover.take(axis.points[v], radius * radius, order[i].level);
+  tbb::parallel_sort(order.begin(), order.end());
+  checkpoint(context, "reconstruct", 0.1);
+
+  // Each slab of centres meets all balls in their order, a block at a time; blocks are copied first, since looking a
+  // ball up costs more than seeing that it is far away.
+  const std::vector<Vec3> centres = sampled_centres(shape, samples);
+  constexpr std::size_t kSlabs = 16, kBlock = std::size_t{1} << 17;
+  std::vector<BallCover> slabs;
+  for (std::size_t s = 0; s < kSlabs; ++s) {
+    const auto [first, last] = part_of(centres.size(), s, kSlabs);
+    slabs.emplace_back(std::vector<Vec3>(centres.begin() + static_cast<std::ptrdiff_t>(first),
+                                         centres.begin() + static_cast<std::ptrdiff_t>(last)));
   }
-  checkpoint(context, "reconstruct", 1);
-  covered_until_ = std::move(cover.value);
+  struct Placed {
+    Vec3 centre;
+    double squared_radius;
+  };
+  std::vector<Placed> block;
+  const auto all_taken = [&] {
+    return std::all_of(slabs.begin(), slabs.end(), [](const BallCover& slab) { return slab.all_taken(); });
+  };
+  for (std::size_t begin = 0; begin < order.size() && !all_taken(); begin += kBlock) {
+    const std::size_t count = std::min(kBlock, order.size() - begin);
+    const double done = 0.1 + 0.9 * static_cast<double>(begin) / static_cast<double>(order.size());
+    block.resize(count);
+    const std::size_t chunks = chunks_for(count, std::size_t{1} << 14);
+    for_chunks(chunks, context, "reconstruct", done, done, [&](std::size_t chunk) {
+      const auto [first, last] = part_of(count, chunk, chunks);
+      for (std::size_t i = first; i < last; ++i) {
+        if (begin + i + 8 < order.size()) {
+          prefetch(&axis.points[order[begin + i + 8].vertex]);
+          prefetch(&axis.radius[order[begin + i + 8].vertex]);
+        }
+        const std::uint32_t v = order[begin + i].vertex;
+        const double radius = axis.radius[v] * (1 + 1e-9);  // a centre on the sphere counts
+        block[i] = {axis.points[v], radius * radius};
+      }
+    });
+    for_chunks(kSlabs, context, "reconstruct", done, done, [&](std::size_t s) {
+      for (std::size_t i = 0; i < count && !slabs[s].all_taken(); ++i)
+        slabs[s].take(block[i].centre, block[i].squared_radius, order[begin + i].level);
+    });
+  }
+  for (const BallCover& slab : slabs) covered_until_.insert(covered_until_.end(), slab.value.begin(), slab.value.end());
   std::sort(covered_until_.begin(), covered_until_.end());
+  checkpoint(context, "reconstruct", 1);
 }
 
 double Reconstruction::share(double lambda) const {

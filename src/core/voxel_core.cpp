@@ -6,12 +6,14 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <memory>
 
 #include "core/enclosing_ball.h"
 #include "lattice/cells.h"
 #include "lattice/delaunay.h"
+#include "parallel.h"
 
 namespace quench {
 namespace {
@@ -75,49 +77,67 @@ class Lambda {
          const std::array<std::int64_t, 3>& spacing, double unit)
       : axis_(axis), dual_(dual), sites_(sites), spacing_(spacing), unit_(unit) {}
 
-  void compute(LambdaRule rule) {
+  void compute(LambdaRule rule, Context* context) {
     const CellComplex& complex = axis_.complex;
     axis_.face_lambda.resize(complex.face_count());
     axis_.edge_lambda.assign(complex.edges.size(), -1);
     axis_.vertex_lambda.assign(complex.vertex_count, -1);
-    for (std::size_t f = 0; f < complex.face_count(); ++f) {
-      const auto& [a, b] = dual_.face_sites[f];
-      double squared = 0;
-      for (int i = 0; i < 3; ++i) {
-        const auto d = static_cast<double>((sites_[a][i] - sites_[b][i]) * spacing_[i]);
-        squared += d * d;  // below 2^46: exact, and so is the order of the roots
+    const std::size_t chunks = chunks_for(complex.edges.size());
+    for_chunks(chunks, context, "core", 0.5, 0.7, [&](std::size_t chunk) {
+      const auto [first, last] = part_of(complex.face_count(), chunk, chunks);
+      for (std::size_t f = first; f < last; ++f) {
+        const auto& [a, b] = dual_.face_sites[f];
+        double squared = 0;
+        for (int i = 0; i < 3; ++i) {
+          const auto d = static_cast<double>((sites_[a][i] - sites_[b][i]) * spacing_[i]);
+          squared += d * d;  // below 2^46: exact, and so is the order of the roots
+        }
+        axis_.face_lambda[f] = 0.5 * std::sqrt(squared) * unit_;
+        for (std::uint32_t e : complex.sides(f)) raise(axis_.edge_lambda[e], axis_.face_lambda[f]);
       }
-      axis_.face_lambda[f] = 0.5 * std::sqrt(squared) * unit_;
-      for (std::uint32_t e : complex.sides(f))
-        axis_.edge_lambda[e] = std::max(axis_.edge_lambda[e], axis_.face_lambda[f]);
-    }
-    std::vector<std::uint32_t> shared;
-    for (std::size_t e = 0; e < complex.edges.size(); ++e) {
-      const auto& [u, v] = complex.edges[e];
-      if (rule == LambdaRule::ball || axis_.edge_lambda[e] < 0) {
-        shared.clear();
-        const auto su = dual_.sites_of(u), sv = dual_.sites_of(v);
-        std::set_intersection(su.begin(), su.end(), sv.begin(), sv.end(), std::back_inserter(shared));
-        // The maximum only mends rounding: the ball of an edge encloses the sites of its faces.
-        axis_.edge_lambda[e] = std::max(axis_.edge_lambda[e], ball(shared));
+    });
+    for_chunks(chunks, context, "core", 0.7, 0.9, [&](std::size_t chunk) {
+      const auto [first, last] = part_of(complex.edges.size(), chunk, chunks);
+      std::vector<std::uint32_t> shared;
+      for (std::size_t e = first; e < last; ++e) {
+        const auto& [u, v] = complex.edges[e];
+        if (rule == LambdaRule::ball || axis_.edge_lambda[e] < 0) {
+          shared.clear();
+          const auto su = dual_.sites_of(u), sv = dual_.sites_of(v);
+          std::set_intersection(su.begin(), su.end(), sv.begin(), sv.end(), std::back_inserter(shared));
+          // The maximum only mends rounding: the ball of an edge encloses the sites of its faces.
+          axis_.edge_lambda[e] = std::max(axis_.edge_lambda[e], ball(shared));
+        }
+        for (std::uint32_t w : {u, v}) raise(axis_.vertex_lambda[w], axis_.edge_lambda[e]);
       }
-      for (std::uint32_t w : {u, v}) axis_.vertex_lambda[w] = std::max(axis_.vertex_lambda[w], axis_.edge_lambda[e]);
-    }
-    for (std::uint32_t v = 0; v < complex.vertex_count; ++v)
-      if (rule == LambdaRule::ball || axis_.vertex_lambda[v] < 0)
-        axis_.vertex_lambda[v] = std::max(axis_.vertex_lambda[v], ball(dual_.sites_of(v)));
+    });
+    for_chunks(chunks, context, "core", 0.9, 1, [&](std::size_t chunk) {
+      const auto [first, last] = part_of(complex.vertex_count, chunk, chunks);
+      for (std::size_t v = first; v < last; ++v)
+        if (rule == LambdaRule::ball || axis_.vertex_lambda[v] < 0)
+          axis_.vertex_lambda[v] =
+              std::max(axis_.vertex_lambda[v], ball(dual_.sites_of(static_cast<std::uint32_t>(v))));
+    });
   }
 
  private:
-  double ball(std::span<const std::uint32_t> ids) {
-    points_.clear();
+  // A maximum does not depend on who comes first.
+  static void raise(double& place, double value) {
+    const std::atomic_ref<double> shared(place);
+    double old = shared.load(std::memory_order_relaxed);
+    while (old < value && !shared.compare_exchange_weak(old, value, std::memory_order_relaxed)) {
+    }
+  }
+
+  double ball(std::span<const std::uint32_t> ids) const {
+    std::vector<Vec3> points;
     const LatticePoint& o = sites_[ids[0]];
     for (std::uint32_t id : ids) {
       Vec3 p;
       for (int a = 0; a < 3; ++a) p[a] = static_cast<double>((sites_[id][a] - o[a]) * spacing_[a]);
-      points_.push_back(p);
+      points.push_back(p);
     }
-    return std::sqrt(enclosing_ball_squared_radius(points_)) * unit_;
+    return std::sqrt(enclosing_ball_squared_radius(points)) * unit_;
   }
 
   MedialAxis& axis_;
@@ -125,7 +145,6 @@ class Lambda {
   std::span<const LatticePoint> sites_;
   const std::array<std::int64_t, 3>& spacing_;
   double unit_;
-  std::vector<Vec3> points_;
 };
 
 }  // namespace
@@ -141,23 +160,26 @@ static MedialAxis compute(const VoxelShape& shape, const CoreOptions& options, C
   axis.sites = boundary_vertices(shape);
   checkpoint(context, "delaunay", 0);
   auto delaunay = std::make_unique<lattice::Delaunay>(axis.sites, spacing, context);
-  DualComplex dual = lattice::dual_complex(shape, std::move(delaunay), axis.sites.size(), context);
+  DualComplex dual = lattice::dual_complex(shape, std::move(delaunay), axis.sites, context);
 
   axis.complex = std::move(dual.complex);
   axis.points.resize(axis.complex.vertex_count);
   axis.radius.resize(axis.complex.vertex_count);
-  for (std::uint32_t v = 0; v < axis.complex.vertex_count; ++v) {
-    if ((v & 0xFFFFF) == 0) checkpoint(context, "core", 0.5 * v / axis.complex.vertex_count);
-    const auto ids = dual.sites_of(v);
-    const Sphere sphere = circumsphere(ids, axis.sites, spacing);
-    Vec3 lattice;
-    for (int a = 0; a < 3; ++a) lattice[a] = axis.sites[ids[0]][a] + sphere.offset[a] / static_cast<double>(spacing[a]);
-    axis.points[v] = axis.grid.world(lattice);
-    axis.radius[v] = std::sqrt(sphere.squared_radius) * unit;
-  }
-  Lambda(axis, dual, axis.sites, spacing, unit).compute(options.rule);
+  const std::size_t chunks = chunks_for(axis.complex.vertex_count, std::size_t{1} << 13);
+  for_chunks(chunks, context, "core", 0, 0.5, [&](std::size_t chunk) {
+    const auto [first, last] = part_of(axis.complex.vertex_count, chunk, chunks);
+    for (std::size_t v = first; v < last; ++v) {
+      const auto ids = dual.sites_of(static_cast<std::uint32_t>(v));
+      const Sphere sphere = circumsphere(ids, axis.sites, spacing);
+      Vec3 lattice;
+      for (int a = 0; a < 3; ++a)
+        lattice[a] = axis.sites[ids[0]][a] + sphere.offset[a] / static_cast<double>(spacing[a]);
+      axis.points[v] = axis.grid.world(lattice);
+      axis.radius[v] = std::sqrt(sphere.squared_radius) * unit;
+    }
+  });
+  Lambda(axis, dual, axis.sites, spacing, unit).compute(options.rule, context);
   axis.face_sites = std::move(dual.face_sites);
-  checkpoint(context, "core", 1);
   return axis;
 }
 

@@ -1,30 +1,46 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lattice/cells.h"
 
+#include <tbb/task_arena.h>
+
 #include <algorithm>
+#include <atomic>
 
 #include "lattice/polytopes.h"
+#include "parallel.h"
 
 namespace quench::lattice {
 namespace {
 
 // Pairs of polytopes that share a facet, sorted. Returns per polytope the first edge whose smaller end it is.
-std::vector<std::uint32_t> collect_edges(const Polytopes& polytopes, CellComplex& complex) {
-  std::vector<std::uint32_t> begin{0}, upper;
-  begin.reserve(polytopes.count() + 1);
-  std::size_t t = 0;
-  for (std::uint32_t p = 0; p < polytopes.count(); ++p) {
-    upper.clear();
-    for (; t < polytopes.tetrahedra.size() && polytopes.polytope_of[t] == p; ++t)
-      for (std::uint32_t n : polytopes.tetrahedra[t].neighbour)
-        if (n != kNone && polytopes.polytope_of[n >> 2] > p) upper.push_back(polytopes.polytope_of[n >> 2]);
-    // A facet of more than three corners is met once per triangle of it.
-    std::sort(upper.begin(), upper.end());
-    upper.erase(std::unique(upper.begin(), upper.end()), upper.end());
-    for (std::uint32_t q : upper) complex.edges.push_back({p, q});
-    check_index(complex.edges.size());
-    begin.push_back(static_cast<std::uint32_t>(complex.edges.size()));
-  }
+std::vector<std::uint32_t> collect_edges(const Polytopes& polytopes, CellComplex& complex, Context* context) {
+  const std::size_t chunks = chunks_for(polytopes.count());
+  std::vector<std::vector<std::uint32_t>> upper(chunks);  // the larger ends
+  std::vector<std::uint32_t> begin(std::size_t{polytopes.count()} + 1, 0);
+  for_chunks(chunks, context, "merge", 0.7, 0.75, [&](std::size_t chunk) {
+    const auto [first, last] = part_of(polytopes.count(), chunk, chunks);
+    std::vector<std::uint32_t>& ends = upper[chunk];
+    for (std::size_t p = first; p < last; ++p) {
+      const auto before = static_cast<std::ptrdiff_t>(ends.size());
+      for (std::uint32_t m = polytopes.member_offsets[p]; m < polytopes.member_offsets[p + 1]; ++m)
+        for (std::uint32_t n : polytopes.tetrahedra[polytopes.members[m]].neighbour)
+          if (n != kNone && polytopes.polytope_of[n >> 2] > p) ends.push_back(polytopes.polytope_of[n >> 2]);
+      // A facet of more than three corners is met once per triangle of it.
+      std::sort(ends.begin() + before, ends.end());
+      ends.erase(std::unique(ends.begin() + before, ends.end()), ends.end());
+      begin[p + 1] = static_cast<std::uint32_t>(ends.size() - static_cast<std::size_t>(before));
+    }
+  });
+  prefix_sum(begin);
+  complex.edges.resize(begin.back());
+  for_chunks(chunks, context, "merge", 0.75, 0.76, [&](std::size_t chunk) {
+    const auto [first, last] = part_of(polytopes.count(), chunk, chunks);
+    std::size_t next = 0;
+    for (std::size_t p = first; p < last; ++p)
+      for (std::uint32_t e = begin[p]; e < begin[p + 1]; ++e)
+        complex.edges[e] = {static_cast<std::uint32_t>(p), upper[chunk][next++]};
+    std::vector<std::uint32_t>().swap(upper[chunk]);
+  });
   return begin;
 }
 
@@ -39,20 +55,21 @@ struct RawFaces {
   std::vector<std::uint32_t> offsets{0}, corners;
 };
 
-// Walks around every edge of the triangulation inside O. An edge is an edge of the Delaunay complex, not a diagonal of
-// a polytope or facet, exactly when at least three polytopes surround it. Each polytope is convex, so its tetrahedra
-// are consecutive around the edge.
+// Walks around the edges of the triangulation inside O whose first tetrahedron is in [first, last): ranges share the
+// work. An edge is an edge of the Delaunay complex, not a diagonal of a polytope or facet, exactly when at least three
+// polytopes surround it. Each polytope is convex, so its tetrahedra are consecutive around the edge.
 class FaceCollector {
  public:
-  explicit FaceCollector(const Polytopes& polytopes) : polytopes_(polytopes), done_(polytopes.tetrahedra.size(), 0) {}
+  // `done`, bit e of tetrahedron t: its edge kEdge[e] was walked around. A collector uses those of its range.
+  FaceCollector(const Polytopes& polytopes, std::size_t first, std::size_t last, RawHugeVector<std::uint8_t>& done)
+      : polytopes_(polytopes), first_(first), last_(last), done_(done) {}
 
-  RawFaces run(Context* context) {
-    const auto& tetrahedra = polytopes_.tetrahedra;
-    for (std::uint32_t t = 0; t < tetrahedra.size(); ++t) {
-      if ((t & 0xFFFFF) == 0) checkpoint(context, "merge", 0.5 + 0.4 * t / static_cast<double>(tetrahedra.size()));
+  RawFaces run() {
+    std::fill(done_.begin() + static_cast<std::ptrdiff_t>(first_), done_.begin() + static_cast<std::ptrdiff_t>(last_),
+              std::uint8_t{0});
+    for (std::size_t t = first_; t < last_; ++t)
       for (std::uint32_t e = 0; e < 6; ++e)
-        if (!(done_[t] >> e & 1)) walk_around(t, e);
-    }
+        if (!(done_[t] >> e & 1)) walk_around(static_cast<std::uint32_t>(t), e);
     return std::move(faces_);
   }
 
@@ -66,10 +83,12 @@ class FaceCollector {
       std::swap(leave, keep);
     }
     ring_.assign(1, polytopes_.polytope_of[start]);
+    earlier_ = false;
     if (!walk(start, a, b, leave, corner[keep])) {
       walk(start, a, b, keep, corner[leave]);  // an edge on the boundary of O: only to mark the other side as done
       return;
     }
+    if (earlier_) return;
     if (ring_.size() > 1 && ring_.front() == ring_.back()) ring_.pop_back();
     if (ring_.size() < 3) return;
     std::rotate(ring_.begin(), std::min_element(ring_.begin(), ring_.end()), ring_.end());
@@ -94,72 +113,115 @@ class FaceCollector {
         if (corner[i] == keep) leave = i;
       }
       keep = corner[across & 3];
-      done_[t] = static_cast<std::uint8_t>(done_[t] | 1u << kEdgeOf[ia][ib]);
+      if (t < first_)
+        earlier_ = true;  // the edge belongs to an earlier range
+      else if (t < last_)
+        done_[t] = static_cast<std::uint8_t>(done_[t] | 1u << kEdgeOf[ia][ib]);
       if (polytopes_.polytope_of[t] != ring_.back()) ring_.push_back(polytopes_.polytope_of[t]);
     }
   }
 
   const Polytopes& polytopes_;
-  HugeVector<std::uint8_t> done_;  // bit e: edge kEdge[e] of the tetrahedron was walked around
+  std::size_t first_, last_;
+  RawHugeVector<std::uint8_t>& done_;
+  bool earlier_ = false;
   std::vector<std::uint32_t> ring_;
   RawFaces faces_;
 };
 
+std::vector<RawFaces> collect_faces(const Polytopes& polytopes, Context* context) {
+  // Few chunks: edges between them are walked around once in each.
+  const std::size_t count = polytopes.tetrahedra.size();
+  const std::size_t chunks = std::min<std::size_t>(
+      chunks_for(count), 4 * static_cast<std::size_t>(std::max(1, tbb::this_task_arena::max_concurrency())));
+  RawHugeVector<std::uint8_t> done(count);
+  std::vector<RawFaces> faces(chunks);
+  for_chunks(chunks, context, "merge", 0.76, 0.9, [&](std::size_t chunk) {
+    const auto [first, last] = part_of(count, chunk, chunks);
+    faces[chunk] = FaceCollector(polytopes, first, last, done).run();
+  });
+  return faces;
+}
+
 // Sorts the faces by their sites and looks up their edges.
-void store_faces(const RawFaces& raw, std::size_t site_count, const std::vector<std::uint32_t>& edge_begin,
-                 DualComplex& dual) {
-  const std::size_t count = raw.sites.size();
+void store_faces(const std::vector<RawFaces>& raw, std::size_t site_count, const std::vector<std::uint32_t>& edge_begin,
+                 DualComplex& dual, Context* context) {
+  struct Name {
+    std::uint32_t list, face;
+  };
   std::vector<std::uint32_t> bucket(site_count + 1, 0);
-  for (const auto& s : raw.sites) ++bucket[s[0] + 1];
+  for_chunks(raw.size(), context, "merge", 0.9, 0.91, [&](std::size_t list) {
+    for (const auto& s : raw[list].sites)
+      std::atomic_ref<std::uint32_t>(bucket[s[0] + 1]).fetch_add(1, std::memory_order_relaxed);
+  });
   prefix_sum(bucket);
-  std::vector<std::uint32_t> order(count);
+  const std::size_t count = bucket.back();
+  std::vector<Name> order(count);
   {
     std::vector<std::uint32_t> next(bucket.begin(), bucket.end() - 1);
-    for (std::uint32_t f = 0; f < count; ++f) order[next[raw.sites[f][0]]++] = f;
+    for_chunks(raw.size(), context, "merge", 0.91, 0.92, [&](std::size_t list) {
+      for (std::uint32_t f = 0; f < raw[list].sites.size(); ++f)
+        order[std::atomic_ref<std::uint32_t>(next[raw[list].sites[f][0]]).fetch_add(1, std::memory_order_relaxed)] = {
+            static_cast<std::uint32_t>(list), f};
+    });
   }
-  for (std::size_t s = 0; s < site_count; ++s)
-    std::sort(order.begin() + bucket[s], order.begin() + bucket[s + 1],
-              [&](std::uint32_t a, std::uint32_t b) { return raw.sites[a][1] < raw.sites[b][1]; });
   CellComplex& complex = dual.complex;
-  complex.face_offsets.reserve(count + 1);
-  complex.face_vertices.reserve(raw.corners.size());
-  complex.face_edges.reserve(raw.corners.size());
-  dual.face_sites.reserve(count);
-  for (std::uint32_t f : order) {
-    const std::span<const std::uint32_t> corners(raw.corners.data() + raw.offsets[f],
-                                                 raw.corners.data() + raw.offsets[f + 1]);
-    for (std::size_t i = 0; i < corners.size(); ++i) {
-      const std::uint32_t u = corners[i], v = corners[i + 1 == corners.size() ? 0 : i + 1];
-      const std::uint32_t low = std::min(u, v), high = std::max(u, v);
-      std::uint32_t edge = edge_begin[low];
-      while (edge < edge_begin[low + 1] && complex.edges[edge][1] != high) ++edge;
-      if (edge == edge_begin[low + 1])
-        throw Error(ErrorCode::invariant, "a face of the voxel core has a side that is no edge");
-      complex.face_vertices.push_back(u);
-      complex.face_edges.push_back(edge);
+  complex.face_offsets.assign(count + 1, 0);
+  dual.face_sites.resize(count);
+  const std::size_t chunks = chunks_for(site_count);
+  for_chunks(chunks, context, "merge", 0.92, 0.94, [&](std::size_t chunk) {
+    const auto [first, last] = part_of(site_count, chunk, chunks);
+    for (std::size_t s = first; s < last; ++s) {
+      std::sort(order.begin() + bucket[s], order.begin() + bucket[s + 1], [&](const Name& a, const Name& b) {
+        return raw[a.list].sites[a.face][1] < raw[b.list].sites[b.face][1];
+      });
+      for (std::uint32_t f = bucket[s]; f < bucket[s + 1]; ++f) {
+        const RawFaces& faces = raw[order[f].list];
+        dual.face_sites[f] = faces.sites[order[f].face];
+        complex.face_offsets[f + 1] = faces.offsets[order[f].face + 1] - faces.offsets[order[f].face];
+      }
     }
-    complex.face_offsets.push_back(static_cast<std::uint32_t>(complex.face_vertices.size()));
-    dual.face_sites.push_back(raw.sites[f]);
-  }
+  });
+  prefix_sum(complex.face_offsets);
+  complex.face_vertices.resize(complex.face_offsets.back());
+  complex.face_edges.resize(complex.face_offsets.back());
+  for_chunks(chunks, context, "merge", 0.94, 1, [&](std::size_t chunk) {
+    const auto [first, last] = part_of(count, chunk, chunks);
+    for (std::size_t f = first; f < last; ++f) {
+      const RawFaces& faces = raw[order[f].list];
+      const std::span<const std::uint32_t> corners(faces.corners.data() + faces.offsets[order[f].face],
+                                                   faces.corners.data() + faces.offsets[order[f].face + 1]);
+      std::size_t place = complex.face_offsets[f];
+      for (std::size_t i = 0; i < corners.size(); ++i, ++place) {
+        const std::uint32_t u = corners[i], v = corners[i + 1 == corners.size() ? 0 : i + 1];
+        const std::uint32_t low = std::min(u, v), high = std::max(u, v);
+        std::uint32_t edge = edge_begin[low];
+        while (edge < edge_begin[low + 1] && complex.edges[edge][1] != high) ++edge;
+        if (edge == edge_begin[low + 1])
+          throw Error(ErrorCode::invariant, "a face of the voxel core has a side that is no edge");
+        complex.face_vertices[place] = u;
+        complex.face_edges[place] = edge;
+      }
+    }
+  });
 }
 
 }  // namespace
 
-DualComplex dual_complex(const VoxelShape& shape, std::unique_ptr<Delaunay> delaunay, std::size_t site_count,
-                         Context* context) {
+DualComplex dual_complex(const VoxelShape& shape, std::unique_ptr<Delaunay> delaunay,
+                         std::span<const LatticePoint> sites, Context* context) {
   DualComplex dual;
   std::vector<std::uint32_t> edge_begin;
-  RawFaces raw;
+  std::vector<RawFaces> raw;
   {
-    Polytopes polytopes = polytopes_inside(shape, std::move(delaunay), site_count, context);
+    Polytopes polytopes = polytopes_inside(shape, std::move(delaunay), sites, context);
     dual.complex.vertex_count = polytopes.count();
-    edge_begin = collect_edges(polytopes, dual.complex);
-    raw = FaceCollector(polytopes).run(context);
+    edge_begin = collect_edges(polytopes, dual.complex, context);
+    raw = collect_faces(polytopes, context);
     dual.vertex_site_offsets = std::move(polytopes.site_offsets);
     dual.vertex_sites = std::move(polytopes.sites);
   }
-  store_faces(raw, site_count, edge_begin, dual);
-  checkpoint(context, "merge", 1);
+  store_faces(raw, sites.size(), edge_begin, dual, context);
   return dual;
 }
 

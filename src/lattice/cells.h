@@ -30,8 +30,8 @@ struct DualComplex {
 /// Merges cospherical tetrahedra inside O (polytopes.h) and walks around the edges between the polytopes. Cells are
 /// sorted by their site lists (vertices), ends (edges) and sites (faces): independent of the triangulation. Face
 /// corners run counter-clockwise around the direction from the first to the second site, from the smallest corner.
-/// Consumes the triangulation to free its memory early. Linear time up to small sorts.
-DualComplex dual_complex(const VoxelShape& shape, std::unique_ptr<Delaunay> delaunay, std::size_t site_count,
-                         Context* context);
+/// Consumes the triangulation to free its memory early. Linear time up to small sorts, on all threads.
+DualComplex dual_complex(const VoxelShape& shape, std::unique_ptr<Delaunay> delaunay,
+                         std::span<const LatticePoint> sites, Context* context);
 
 }  // namespace quench::lattice

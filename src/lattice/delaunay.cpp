@@ -2,21 +2,22 @@
 #include "lattice/delaunay.h"
 
 #include <fmt/format.h>
+#include <tbb/global_control.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
+#include <algorithm>
 #include <cmath>
-#include <unordered_map>
+#include <memory>
+#include <thread>
 
 #include "lattice/site_order.h"
 
 namespace quench::lattice {
 namespace {
 
-constexpr std::uint32_t kSmall = 64;  // cavities of more points link their tetrahedra through a hash map
-
-constexpr std::uint8_t kUntouched = 0, kConflict = 1, kNoConflict = 2;
-
-// The facet opposite to corner i, counter-clockwise seen from outside of a positively oriented tetrahedron.
-constexpr std::uint32_t kFacet[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
+constexpr std::uint32_t kAlone = 1 << 12;  // points that are inserted before several threads find room
+constexpr std::uint32_t kBatch = 1 << 16;  // points per thread between two looks at the clock
 
 }  // namespace
 
@@ -45,7 +46,7 @@ Delaunay::Delaunay(std::span<const LatticePoint> sites, const std::array<std::in
 
 Delaunay::Delaunay(std::span<const LatticePoint> sites, const std::array<std::int64_t, 3>& spacing, const Box& box,
                    Context* context)
-    : predicates_(spacing, box.extent), pair_table_(kSmall * kSmall, kNone) {
+    : triangulation_(spacing, box.extent) {
   // 4 * tetrahedron must fit 32 bits; there are fewer than 7 tetrahedra per site on every shape met.
   if (sites.size() > (std::size_t{1} << 30) / 7)
     throw Error(ErrorCode::failed,
@@ -53,169 +54,95 @@ Delaunay::Delaunay(std::span<const LatticePoint> sites, const std::array<std::in
                             "({}); use a lower resolution",
                             sites.size(), (1u << 30) / 7));
   const std::vector<std::uint32_t> order = insertion_order(sites);
-  points_.reserve(sites.size() + kBoxPoints);
+  auto& points = triangulation_.points;
+  points.reserve(sites.size() + kBoxPoints);
   for (std::uint32_t c = 0; c < kBoxPoints; ++c)
-    points_.push_back({static_cast<std::int32_t>(c & 1 ? box.high[0] : box.low[0]),
-                       static_cast<std::int32_t>(c & 2 ? box.high[1] : box.low[1]),
-                       static_cast<std::int32_t>(c & 4 ? box.high[2] : box.low[2]), kNone});
-  for (std::uint32_t i : order) points_.push_back({sites[i][0], sites[i][1], sites[i][2], i});
-  local_.assign(points_.size(), kNone);
-  tetrahedra_.reserve(sites.size() * 7 + 1000);
-  state_.reserve(sites.size() * 7 + 1000);
+    points.push_back({static_cast<std::int32_t>(c & 1 ? box.high[0] : box.low[0]),
+                      static_cast<std::int32_t>(c & 2 ? box.high[1] : box.low[1]),
+                      static_cast<std::int32_t>(c & 4 ? box.high[2] : box.low[2]), kNone});
+  for (std::uint32_t i : order) points.push_back({sites[i][0], sites[i][1], sites[i][2], i});
+  triangulation_.grow(sites.size() * 7 + 1000);
+  cut_box();
+  insert_all(context);
+  triangulation_.tetrahedra.resize(triangulation_.used);
+  RawHugeVector<std::uint8_t>().swap(triangulation_.owner);
+}
 
-  // The box cut into six tetrahedra around its diagonal 0-7, one per path of unit steps from corner 0 to corner 7;
-  // neighbouring paths differ in one corner. Its corners are cospherical, so any triangulation is Delaunay.
+// The box cut into six tetrahedra around its diagonal 0-7, one per path of unit steps from corner 0 to corner 7;
+// neighbouring paths differ in one corner. Its corners are cospherical, so any triangulation is Delaunay.
+void Delaunay::cut_box() {
+  const auto& points = triangulation_.points;
+  auto& tetrahedra = triangulation_.tetrahedra;
   constexpr std::uint32_t kSteps[6][2] = {{1, 3}, {3, 2}, {2, 6}, {6, 4}, {4, 5}, {5, 1}};
-  for (const auto& step : kSteps) tetrahedra_.push_back({{0, step[0], step[1], 7}, {kNone, kNone, kNone, kNone}});
+  for (std::uint32_t t = 0; t < 6; ++t) {
+    tetrahedra[t] = {{0, kSteps[t][0], kSteps[t][1], 7}, {kNone, kNone, kNone, kNone}};
+    triangulation_.owner[t] = 0;
+  }
   for (std::uint32_t t = 0; t < 6; ++t) {
     // Across the facet without its first step corner lies the next one around the diagonal.
     const std::uint32_t next = (t + 1) % 6;
-    tetrahedra_[t].neighbour[1] = 4 * next + 2;
-    tetrahedra_[next].neighbour[2] = 4 * t + 1;
-  }
-  for (Tetrahedron& t : tetrahedra_)
-    if (predicates_.orientation(points_[t.corner[0]], points_[t.corner[1]], points_[t.corner[2]],
-                                points_[t.corner[3]]) < 0)
+    tetrahedra[t].neighbour[1] = 4 * next + 2;
+    tetrahedra[next].neighbour[2] = 4 * t + 1;
+    const auto& c = tetrahedra[t].corner;
+    if (triangulation_.predicates.orientation(points[c[0]], points[c[1]], points[c[2]], points[c[3]]) < 0)
       throw Error(ErrorCode::invariant, "the enclosing box is cut wrongly");
-  state_.assign(tetrahedra_.size(), kUntouched);
-
-  const auto count = static_cast<std::uint32_t>(points_.size());
-  for (std::uint32_t p = kBoxPoints; p < count; ++p) {
-    if ((p & 0x3FFF) == 0) checkpoint(context, "delaunay", static_cast<double>(p) / count);
-    insert(p);
   }
+  triangulation_.used = 6;
+}
+
+void Delaunay::insert_all(Context* context) {
+  const auto count = static_cast<std::uint32_t>(triangulation_.points.size());
+  const auto allowed =
+      static_cast<int>(tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
+  const auto workers =
+      static_cast<std::uint32_t>(std::clamp(std::min(tbb::this_task_arena::max_concurrency(), allowed), 1, 126));
+  const std::uint32_t alone = workers == 1 ? count : std::min(count, kBoxPoints + kAlone);
+  Inserter<false> inserter(triangulation_, 0);
+  for (std::uint32_t p = kBoxPoints; p < alone; ++p) {
+    if ((p & 0x3FFF) == 0) checkpoint(context, "delaunay", static_cast<double>(p) / count);
+    inserter.insert(p);
+  }
+  insert_together(alone, count, workers, context);
   checkpoint(context, "delaunay", 1);
 }
 
-void Delaunay::insert(std::uint32_t p) {
-  find_cavity(p, locate(p));
-  fill_cavity(p);
-}
-
-// Visibility walk; the facet tried first is random, so that it cannot cycle among the tetrahedra of a cospherical set.
-// The tetrahedron found contains p, and p is none of its corners, so p is strictly inside its ball.
-std::uint32_t Delaunay::locate(std::uint32_t p) {
-  const Point& target = points_[p];
-  std::uint32_t current = hint_, from = kNone;
-  for (;;) {
-    const Tetrahedron& t = tetrahedra_[current];
-    random_ = random_ * 1664525u + 1013904223u;
-    const std::uint32_t first = random_ >> 30;
-    std::uint32_t next = kNone;
-    for (std::uint32_t k = 0; k < 4; ++k) {
-      const std::uint32_t i = (first + k) & 3;
-      if (t.neighbour[i] == from || t.neighbour[i] == kNone) continue;
-      const auto& f = kFacet[i];
-      // kFacet is counter-clockwise seen from outside, so a point beyond it makes a negative volume with it.
-      if (predicates_.orientation(points_[t.corner[f[0]]], points_[t.corner[f[1]]], points_[t.corner[f[2]]], target) >
-          0) {
-        next = i;
-        break;
-      }
-    }
-    if (next == kNone) return current;
-    from = 4 * current + next;
-    current = t.neighbour[next] >> 2;
-  }
-}
-
-void Delaunay::find_cavity(std::uint32_t p, std::uint32_t start) {
-  const Point point = points_[p];
-  cavity_.clear();
-  rim_.clear();
-  facets_.clear();
-  cavity_.push_back(start);
-  state_[start] = kConflict;
-  for (std::size_t c = 0; c < cavity_.size(); ++c) {
-    const Tetrahedron t = tetrahedra_[cavity_[c]];
-    for (std::uint32_t i = 0; i < 4; ++i) {
-      const std::uint32_t outside = t.neighbour[i];
-      if (outside != kNone) {
-        const std::uint32_t n = outside >> 2;
-        if (state_[n] == kUntouched) {
-          if (conflicts(n, point)) {
-            state_[n] = kConflict;
-            cavity_.push_back(n);
-          } else {
-            state_[n] = kNoConflict;
-            rim_.push_back(n);
-          }
-        }
-        if (state_[n] == kConflict) continue;
-      }
-      facets_.push_back({t.corner, i, outside, kNone});
-    }
-  }
-  for (std::uint32_t t : rim_) state_[t] = kUntouched;
-  for (std::uint32_t t : cavity_) state_[t] = kUntouched;
-}
-
-void Delaunay::fill_cavity(std::uint32_t p) {
-  cavity_points_.clear();
-  std::size_t reused = 0;
-  for (CavityFacet& f : facets_) {
-    std::uint32_t t;
-    if (reused < cavity_.size()) {
-      t = cavity_[reused++];
-    } else if (!free_.empty()) {
-      t = free_.back();
-      free_.pop_back();
-    } else {
-      t = static_cast<std::uint32_t>(tetrahedra_.size());
-      if (t >= kNone / 4) throw Error(ErrorCode::failed, "more than 2^30 tetrahedra; use a lower resolution");
-      tetrahedra_.emplace_back();
-      state_.push_back(kUntouched);
-    }
-    f.tetrahedron = t;
-    Tetrahedron& created = tetrahedra_[t];
-    created.corner = f.corner;
-    created.corner[f.facet] = p;
-    created.neighbour[f.facet] = f.outside;
-    if (f.outside != kNone) tetrahedra_[f.outside >> 2].neighbour[f.outside & 3] = 4 * t + f.facet;
-    for (std::uint32_t i = 0; i < 4; ++i)
-      if (i != f.facet && local_[f.corner[i]] == kNone) {
-        local_[f.corner[i]] = static_cast<std::uint32_t>(cavity_points_.size());
-        cavity_points_.push_back(f.corner[i]);
-      }
-  }
-  for (; reused < cavity_.size(); ++reused) {
-    free_.push_back(cavity_[reused]);
-    tetrahedra_[cavity_[reused]].corner[0] = kNone;
-  }
-
-  if (cavity_points_.size() <= kSmall) {
-    link_new_tetrahedra(
-        [this](std::uint32_t a, std::uint32_t b) -> std::uint32_t& { return pair_table_[a * kSmall + b]; });
-  } else {
-    std::unordered_map<std::uint64_t, std::uint32_t> table;
-    table.reserve(facets_.size() * 2);
-    link_new_tetrahedra([&table](std::uint32_t a, std::uint32_t b) -> std::uint32_t& {
-      return table.try_emplace(static_cast<std::uint64_t>(a) << 32 | b, kNone).first->second;
+// Each thread has a stretch of the Hilbert curve of its own, so that they seldom meet.
+void Delaunay::insert_together(std::uint32_t begin, std::uint32_t end, std::uint32_t workers, Context* context) {
+  if (begin == end) return;
+  struct Worker {
+    Inserter<true> inserter;
+    std::vector<std::uint32_t> later, left;  // points near another worker; points without slots
+  };
+  std::vector<std::unique_ptr<Worker>> list;
+  for (std::uint32_t w = 0; w < workers; ++w)
+    list.push_back(std::make_unique<Worker>(Worker{Inserter<true>(triangulation_, w), {}, {}}));
+  Inserter<false> alone(triangulation_, workers);
+  for (std::uint32_t first = begin; first < end;) {
+    checkpoint(context, "delaunay", static_cast<double>(first) / end);
+    const std::uint32_t batch = std::min(end - first, workers * kBatch);
+    triangulation_.grow(triangulation_.used + std::size_t{8} * batch);
+    triangulation_.settled = triangulation_.used;
+    tbb::parallel_for(std::uint32_t{0}, workers, [&](std::uint32_t w) {
+      using Outcome = Inserter<true>::Outcome;
+      Worker& worker = *list[w];
+      const auto at = [&](std::uint32_t i) {
+        return first + static_cast<std::uint32_t>(std::uint64_t{batch} * i / workers);
+      };
+      const auto insert = [&](std::uint32_t p) {
+        const Outcome outcome = worker.inserter.insert(p);
+        if (outcome == Outcome::full) worker.left.push_back(p);
+        return outcome;
+      };
+      for (std::uint32_t p = at(w); p < at(w + 1); ++p)
+        if (insert(p) == Outcome::busy) worker.later.push_back(p);
+      for (const std::uint32_t p : worker.later)
+        while (insert(p) == Outcome::busy) std::this_thread::yield();
+      worker.later.clear();
     });
-  }
-  for (std::uint32_t v : cavity_points_) local_[v] = kNone;
-  hint_ = facets_.front().tetrahedron;
-}
-
-// Two new tetrahedra are neighbours exactly when their cavity facets share an edge. The cavity's surface is a sphere
-// and consistently oriented, so each of its edges is met twice; the table holds the first.
-template <class Table>
-void Delaunay::link_new_tetrahedra(Table&& table) {
-  for (const CavityFacet& f : facets_) {
-    const auto& corners = kFacet[f.facet];
-    for (std::uint32_t k = 0; k < 3; ++k) {
-      const std::uint32_t opposite = corners[k];  // the new facet without this corner, over the edge of the other two
-      std::uint32_t a = local_[f.corner[corners[(k + 1) % 3]]], b = local_[f.corner[corners[(k + 2) % 3]]];
-      if (a > b) std::swap(a, b);
-      std::uint32_t& entry = table(a, b);
-      const std::uint32_t here = 4 * f.tetrahedron + opposite;
-      if (entry == kNone) {
-        entry = here;
-      } else {
-        tetrahedra_[f.tetrahedron].neighbour[opposite] = entry;
-        tetrahedra_[entry >> 2].neighbour[entry & 3] = here;
-        entry = kNone;
-      }
+    first += batch;
+    for (const auto& worker : list) {
+      for (const std::uint32_t p : worker->left) alone.insert(p);
+      worker->left.clear();
     }
   }
 }
@@ -224,15 +151,17 @@ void Delaunay::validate() const {
   const auto fail = [](std::size_t t, const char* what) {
     throw Error(ErrorCode::invariant, fmt::format("Delaunay: tetrahedron {} {}", t, what));
   };
-  for (std::size_t t = 0; t < tetrahedra_.size(); ++t) {
-    const Tetrahedron& tet = tetrahedra_[t];
+  const auto& tetrahedra = triangulation_.tetrahedra;
+  const auto& points = triangulation_.points;
+  for (std::size_t t = 0; t < tetrahedra.size(); ++t) {
+    const Tetrahedron& tet = tetrahedra[t];
     if (tet.corner[0] == kNone) continue;
     const auto& c = tet.corner;
-    if (predicates_.orientation(points_[c[0]], points_[c[1]], points_[c[2]], points_[c[3]]) <= 0)
+    if (triangulation_.predicates.orientation(points[c[0]], points[c[1]], points[c[2]], points[c[3]]) <= 0)
       fail(t, "is not positive");
     for (std::uint32_t i = 0; i < 4; ++i) {
       if (tet.neighbour[i] == kNone) continue;
-      const Tetrahedron& other = tetrahedra_[tet.neighbour[i] >> 2];
+      const Tetrahedron& other = tetrahedra[tet.neighbour[i] >> 2];
       const std::uint32_t j = tet.neighbour[i] & 3;
       if (other.corner[0] == kNone) fail(t, "has a dead neighbour");
       if (other.neighbour[j] != 4 * t + i) fail(t, "has a neighbour that does not know it");
@@ -241,7 +170,8 @@ void Delaunay::validate() const {
       std::sort(mine.begin(), mine.end());
       std::sort(theirs.begin(), theirs.end());
       if (mine != theirs) fail(t, "and its neighbour do not share a facet");
-      if (conflicts(static_cast<std::uint32_t>(t), points_[other.corner[j]])) fail(t, "has a site inside its ball");
+      if (triangulation_.conflicts(static_cast<std::uint32_t>(t), points[other.corner[j]]))
+        fail(t, "has a site inside its ball");
     }
   }
 }

@@ -3,24 +3,12 @@
 
 #include <array>
 #include <cstdint>
-#include <limits>
 #include <span>
-#include <vector>
 
-#include "lattice/huge_pages.h"
-#include "lattice/predicates.h"
+#include "lattice/insertion.h"
 #include "quench/context.h"
 
 namespace quench::lattice {
-
-inline constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
-
-/// A tetrahedron of positive orientation. `neighbour[i]` lies across the facet opposite to corner i and is encoded as
-/// 4 * tetrahedron + the index of that facet there; kNone on the hull of the enclosing box. 32 bytes.
-struct Tetrahedron {
-  std::array<std::uint32_t, 4> corner;
-  std::array<std::uint32_t, 4> neighbour;
-};
 
 /// Exact incremental Delaunay triangulation of lattice points (algorithm A of the performance notes): Bowyer-Watson
 /// with walks, in rounds along a Hilbert curve.
@@ -36,16 +24,19 @@ struct Tetrahedron {
 /// the same disk). So any order gives a triangulation of the same Delaunay complex; which one of the triangulations of
 /// a cospherical set arises depends on the order and is undone by merging (cells.h).
 ///
-/// About 2.3 us and 225 bytes per site.
+/// Several threads insert at once (insertion.h); the complex does not depend on it, the triangulation of cospherical
+/// sets and the numbers of tetrahedra do.
+///
+/// About 225 bytes per site.
 class Delaunay {
  public:
   Delaunay(std::span<const LatticePoint> sites, const std::array<std::int64_t, 3>& spacing, Context* context);
 
   static constexpr std::uint32_t kBoxPoints = 8;
-  const HugeVector<Point>& points() const { return points_; }
+  const HugeVector<Point>& points() const { return triangulation_.points; }
   /// Dead slots have corner[0] == kNone.
-  const HugeVector<Tetrahedron>& tetrahedra() const { return tetrahedra_; }
-  const Predicates& predicates() const { return predicates_; }
+  const RawHugeVector<Tetrahedron>& tetrahedra() const { return triangulation_.tetrahedra; }
+  const Predicates& predicates() const { return triangulation_.predicates; }
   bool touches_box(const Tetrahedron& t) const {
     return std::min({t.corner[0], t.corner[1], t.corner[2], t.corner[3]}) < kBoxPoints;
   }
@@ -63,35 +54,11 @@ class Delaunay {
   Delaunay(std::span<const LatticePoint> sites, const std::array<std::int64_t, 3>& spacing, const Box& box,
            Context* context);
 
-  void insert(std::uint32_t p);
-  std::uint32_t locate(std::uint32_t p);
-  void find_cavity(std::uint32_t p, std::uint32_t start);
-  void fill_cavity(std::uint32_t p);
-  template <class Table>
-  void link_new_tetrahedra(Table&& table);
-  bool conflicts(std::uint32_t tetrahedron, const Point& p) const {
-    const auto& c = tetrahedra_[tetrahedron].corner;
-    return predicates_.in_sphere(points_[c[0]], points_[c[1]], points_[c[2]], points_[c[3]], p) > 0;
-  }
+  void cut_box();
+  void insert_all(Context* context);
+  void insert_together(std::uint32_t begin, std::uint32_t end, std::uint32_t workers, Context* context);
 
-  // A facet of the cavity: the new tetrahedron on it is its inner tetrahedron with corner `facet` replaced by p.
-  struct CavityFacet {
-    std::array<std::uint32_t, 4> corner;
-    std::uint32_t facet;
-    std::uint32_t outside;
-    std::uint32_t tetrahedron;  // the new one
-  };
-
-  Predicates predicates_;
-  HugeVector<Point> points_;
-  HugeVector<Tetrahedron> tetrahedra_;
-  HugeVector<std::uint8_t> state_;   // per tetrahedron during one insertion: see find_cavity
-  HugeVector<std::uint32_t> local_;  // per point: index within the current cavity, or kNone
-  std::vector<std::uint32_t> cavity_, rim_, free_, cavity_points_;
-  std::vector<CavityFacet> facets_;
-  std::vector<std::uint32_t> pair_table_;  // kSmall^2 entries, all kNone between insertions
-  std::uint32_t hint_ = 0;
-  std::uint32_t random_ = 1;
+  Triangulation triangulation_;
 };
 
 }  // namespace quench::lattice

@@ -12,14 +12,19 @@
 
 namespace quench::lattice {
 
-/// Asks for huge pages under large arrays that are accessed at random, to save page-table walks. Only a hint; small arrays
-/// are allocated as usual.
-template <class T>
+/// Asks for huge pages under large arrays that are accessed at random, to save page-table walks. Only a hint; small
+/// arrays are allocated as usual. With `kRaw`, resize() leaves new elements as they are: memory that nobody has written
+/// yet costs nothing.
+template <class T, bool kRaw = false>
 struct HugePageAllocator {
   using value_type = T;
   HugePageAllocator() = default;
   template <class U>
-  HugePageAllocator(const HugePageAllocator<U>&) {}  // NOLINT: converting on purpose, as allocators do
+  struct rebind {
+    using other = HugePageAllocator<U, kRaw>;
+  };
+  template <class U>
+  HugePageAllocator(const HugePageAllocator<U, kRaw>&) {}  // NOLINT: converting on purpose, as allocators do
 
   static constexpr std::size_t kPage = std::size_t{1} << 21;
 
@@ -40,13 +45,22 @@ struct HugePageAllocator {
     else
       std::free(p);
   }
+  template <class U, class... Arguments>
+  void construct(U* place, Arguments&&... arguments) {
+    if constexpr (kRaw && sizeof...(Arguments) == 0)
+      ::new (static_cast<void*>(place)) U;
+    else
+      ::new (static_cast<void*>(place)) U(std::forward<Arguments>(arguments)...);
+  }
   template <class U>
-  bool operator==(const HugePageAllocator<U>&) const {
+  bool operator==(const HugePageAllocator<U, kRaw>&) const {
     return true;
   }
 };
 
 template <class T>
 using HugeVector = std::vector<T, HugePageAllocator<T>>;
+template <class T>
+using RawHugeVector = std::vector<T, HugePageAllocator<T, true>>;
 
 }  // namespace quench::lattice

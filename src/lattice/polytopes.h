@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "lattice/delaunay.h"
@@ -10,22 +11,23 @@
 
 namespace quench::lattice {
 
-/// The Delaunay complex inside O: its polytopes (maximal cospherical sets of sites) and the tetrahedra they were cut
-/// into, both renumbered: polytopes by their site lists, tetrahedra by polytope. That is the order of scanlines, so
-/// that what follows works in the cache.
+/// The Delaunay complex inside O: its polytopes (maximal cospherical sets of sites), sorted by their site lists, and
+/// the tetrahedra they were cut into, in the order of their smallest corners. Both are the order of scanlines, so that
+/// what follows works in the cache.
 struct Polytopes {
-  std::vector<std::uint32_t> site_offsets{0}, sites;  ///< corners of each polytope, ascending site ids
+  std::vector<std::uint32_t> site_offsets{0}, sites;      ///< corners of each polytope, ascending site ids
+  std::vector<std::uint32_t> member_offsets{0}, members;  ///< tetrahedra of each polytope
   /// Tetrahedra inside O: corners are site ids; across the boundary of O the neighbour is kNone.
-  HugeVector<Tetrahedron> tetrahedra;
-  HugeVector<std::uint32_t> polytope_of;  ///< per tetrahedron, ascending
+  RawHugeVector<Tetrahedron> tetrahedra;
+  RawHugeVector<std::uint32_t> polytope_of;  ///< per tetrahedron
 
   std::uint32_t count() const { return static_cast<std::uint32_t>(site_offsets.size() - 1); }
 };
 
-/// Merges the cospherical tetrahedra inside O; consumes the triangulation to free its memory early. Linear time up to
-/// small sorts.
-Polytopes polytopes_inside(const VoxelShape& shape, std::unique_ptr<Delaunay> delaunay, std::size_t site_count,
-                           Context* context);
+/// Merges the cospherical tetrahedra inside O; consumes the triangulation to free its memory early. The polytopes do
+/// not depend on the triangulation, the order of tetrahedra does. Linear time up to small sorts, on all threads.
+Polytopes polytopes_inside(const VoxelShape& shape, std::unique_ptr<Delaunay> delaunay,
+                           std::span<const LatticePoint> sites, Context* context);
 
 /// Turns counts[i + 1] = size of bucket i into offsets; throws Error(failed) when they outgrow 32 bits.
 void prefix_sum(std::vector<std::uint32_t>& counts);

@@ -2,16 +2,9 @@
 #pragma once
 
 #include "burn/fire.h"
+#include "prefetch.h"
 
 namespace quench::burning {
-
-inline void prefetch(const void* address) {
-#if defined(__GNUC__)
-  __builtin_prefetch(address);
-#else
-  static_cast<void>(address);
-#endif
-}
 
 /// Fire jumps through memory in the order of time, and waiting for memory is most of its cost. The queue knows what
 /// comes next, so what each state needs is fetched in three steps ahead of it, each using what the one before brought:

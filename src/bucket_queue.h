@@ -1,39 +1,41 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <tbb/parallel_sort.h>
+
 #include <algorithm>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
-namespace quench::burning {
+namespace quench {
 
-/// A priority queue of (time, state) for times that mostly grow: buckets of equal width, sorted when they open, and a
-/// heap for times that come in below the open bucket's end. Pops in the order of (time, state), whatever the order of
-/// pushes; so results are reproducible. Entries overtaken by a smaller time are the caller's to drop.
-class LabelQueue {
+/// A priority queue of (key, id) for keys that mostly grow: buckets of equal width, sorted when they open, and a heap
+/// for entries that come in below the open bucket's end. Pops in the order of (key, id), whatever the order of pushes;
+/// so results are reproducible. Entries overtaken by a smaller key are the caller's to drop.
+template <class Id>
+class BucketQueue {
  public:
   struct Entry {
-    double time;
-    std::uint32_t state;
-    friend bool operator<(const Entry& a, const Entry& b) {
-      return a.time != b.time ? a.time < b.time : a.state < b.state;
-    }
+    double key;
+    Id id;
+    friend bool operator<(const Entry& a, const Entry& b) { return a.key != b.key ? a.key < b.key : a.id < b.id; }
     friend bool operator>(const Entry& a, const Entry& b) { return b < a; }
   };
 
-  LabelQueue(double origin, double width) : origin_(origin), scale_(width > 0 ? 1 / width : 0) {}
+  BucketQueue(double origin, double width) : origin_(origin), scale_(width > 0 ? 1 / width : 0) {}
 
-  void push(double time, std::uint32_t state) {
-    // Times far beyond the others share the last bucket, which only costs a larger one to sort.
-    const double place = std::min((time - origin_) * scale_, kMostBuckets);
+  void push(double key, Id id) {
+    // Keys far beyond the others share the last bucket, which only costs a larger one to sort.
+    const double place = std::min((key - origin_) * scale_, kMostBuckets);
     const std::size_t bucket = place > 0 ? static_cast<std::size_t>(place) : 0;
     if (bucket < next_) {
-      late_.push_back({time, state});
+      late_.push_back({key, id});
       std::push_heap(late_.begin(), late_.end(), std::greater<>());
       return;
     }
     if (bucket >= buckets_.size()) buckets_.resize(bucket + 1);
-    buckets_[bucket].push_back({time, state});
+    buckets_[bucket].push_back({key, id});
   }
 
   /// False when empty. `stale(entry)` entries of a bucket are dropped when it opens.
@@ -45,7 +47,7 @@ class LabelQueue {
       open_.swap(buckets_[next_]);
       std::vector<Entry>().swap(buckets_[next_++]);
       std::erase_if(open_, stale);
-      std::sort(open_.begin(), open_.end());
+      tbb::parallel_sort(open_.begin(), open_.end());
       cursor_ = 0;
     }
     if (!late_.empty() && (cursor_ == open_.size() || late_.front() < open_[cursor_])) {
@@ -58,10 +60,10 @@ class LabelQueue {
     return true;
   }
 
-  /// Calls visit(state) for the entry that is likely to be popped after `ahead` others, if it is known.
+  /// Calls visit(id) for the entry that is likely to be popped after `ahead` others, if it is known.
   template <class Visit>
   void peek(std::size_t ahead, const Visit& visit) const {
-    if (cursor_ + ahead < open_.size()) visit(open_[cursor_ + ahead].state);
+    if (cursor_ + ahead < open_.size()) visit(open_[cursor_ + ahead].id);
   }
 
  private:
@@ -73,4 +75,4 @@ class LabelQueue {
   std::vector<Entry> open_, late_;
 };
 
-}  // namespace quench::burning
+}  // namespace quench

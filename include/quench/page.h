@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "quench/burn.h"
+#include "quench/geometry.h"
+#include "quench/medial_axis.h"
+#include "quench/poly_data.h"
+#include "quench/skeleton.h"
+#include "quench/topology.h"
+#include "quench/voxel_shape.h"
+
+/// The interactive page of a result: one HTML file with the data inside (viewer/FORMAT.md is its format).
+namespace quench {
+
+/// A named array of a page: `values.size()` is rows * components.
+struct PageArray {
+  using Values = std::variant<std::vector<float>, std::vector<std::uint32_t>, std::vector<std::uint16_t>,
+                              std::vector<std::uint8_t>>;
+  std::string name;
+  int components = 1;
+  Values values;
+};
+
+/// What a page holds. Lengths are in world units. Everything may be missing: an empty string, a zero, no value.
+struct Page {
+  std::string title, program, command, unit;
+  std::string state;                     ///< what the page starts with, in the form of the part of its address after #
+  double side = 0;                       ///< longest side of the shape: what plain-number lengths refer to
+  double voxel = 0;                      ///< smallest spacing of the voxel shape
+  std::optional<double> lambda;          ///< the pruning the burn belongs to
+  std::optional<double> theta2, theta1;  ///< where the sliders start; may be infinite
+  std::optional<BurnOptions> burning;
+  std::optional<Topology> topology;
+  std::vector<std::pair<std::string, std::string>> files;  ///< what they are, their names: for the command line
+
+  /// Taken off all coordinates before they are rounded to floats: to be set before anything is added, for shapes far
+  /// from the zero of their coordinates.
+  Vec3 origin = Vec3::Zero();
+
+  /// Filled by the functions below. Cells below a floor are left out, what is above is complete.
+  std::optional<double> lambda_floor, theta2_floor, theta1_floor;
+  std::optional<std::array<double, 12>> sites_to_world;  ///< rows of a 3 x 4 matrix
+  Vec3 low = Vec3::Zero(), high = Vec3::Zero();          ///< box around everything that was added
+  std::vector<std::string> notes;                        ///< what was simplified, a sentence each
+  std::vector<PageArray> arrays;
+
+  const PageArray* find(std::string_view name) const;
+};
+
+/// The most triangles a page holds unless told otherwise: fluid on an ordinary laptop.
+inline constexpr std::size_t kPageTriangles = 1'000'000;
+
+/// The layer `core`: a medial axis with its levels, and measures of its vertices (arrays of one component; where
+/// `unburned` is 1, burn_time and erosion_thickness are infinite). More than `max_triangles`: the smallest lambda is
+/// found at which the rest fits, and what is below is left out. Returns the number of triangles.
+std::size_t add_core(Page& page, const MedialAxis& axis, const std::vector<DataArray>& measures,
+                     std::size_t max_triangles);
+
+/// The layer `skeleton`: the refined axis with the levels of its family. What does not fit (a curve off the sheets
+/// counts as a triangle) is left out by floors of theta2 and theta1; `theta2` and `theta1` of the page are raised to
+/// them. Region duals lie on their exit doors, as in skeletons that are written. Returns the number of triangles.
+std::size_t add_skeleton(Page& page, const SkeletonFamily& family, std::size_t max_triangles);
+
+/// The layer `still`: cells without levels. What does not fit is simplified by clustering vertices.
+std::size_t add_still(Page& page, const PolyData& data, std::size_t max_triangles);
+
+/// The surface of the shape: a mesh, or the boundary of a voxel shape, whose corners are smoothed by up to half a voxel
+/// for display. What does not fit is simplified by clustering vertices.
+std::size_t add_surface(Page& page, const TriangleMesh& mesh, std::size_t max_triangles);
+std::size_t add_surface(Page& page, const VoxelShape& shape, std::size_t max_triangles);
+
+/// The boundary of the voxel shape as quads of two triangles, outward; smoothed for display (see above).
+TriangleMesh smoothed_boundary(const VoxelShape& shape, int iterations);
+
+/// The boundary vertices, for the touching points of balls. Left out, with a note, when they are too many for a page
+/// or their coordinates outgrow 16 bits.
+void add_sites(Page& page, const VoxelShape& shape);
+
+/// `count` places uniformly distributed in the shape (every voxel has the same share of them): the share of them
+/// inside balls is the share of the volume. Deterministic.
+void add_samples(Page& page, const VoxelShape& shape, std::size_t count = 20000);
+
+/// The levels of the cells of an axis from the cell array `lambda_level` of the file it was read from. False, and the
+/// axis unchanged, when there is none or cells were mended in reading.
+bool take_levels(MedialAxis& axis, const PolyData& data);
+
+/// The page with the program `page_program` around it: an HTML file. Written atomically. Throws Error(failed) when
+/// writing fails or the page outgrows what a browser can hold, Error(invariant) when the program has no place for it.
+void write_page(const std::filesystem::path& file, const Page& page, std::string_view page_program);
+
+}  // namespace quench

@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "lattice/huge_pages.h"
+#include "lattice/predicates.h"
+
+namespace quench::lattice {
+
+inline constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+
+/// A tetrahedron of positive orientation. `neighbour[i]` lies across the facet opposite to corner i and is encoded as
+/// 4 * tetrahedron + the index of that facet there; kNone on the hull of the enclosing box. 32 bytes. A dead slot has
+/// corner[0] == kNone.
+struct Tetrahedron {
+  std::array<std::uint32_t, 4> corner;
+  std::array<std::uint32_t, 4> neighbour;
+};
+
+/// The facet opposite to corner i, counter-clockwise seen from outside of a positively oriented tetrahedron.
+inline constexpr std::uint32_t kFacet[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
+
+/// A triangulation that several inserters can work on at once.
+struct Triangulation {
+  Triangulation(const std::array<std::int64_t, 3>& spacing, std::int64_t extent) : predicates(spacing, extent) {}
+
+  Predicates predicates;
+  HugeVector<Point> points;
+  RawHugeVector<Tetrahedron> tetrahedra;  ///< slots; `used` of them have been handed out
+  RawHugeVector<std::uint8_t> owner;      ///< per slot: 0 free, else a mark of the inserter that holds it
+  std::atomic<std::uint32_t> used{0};
+  std::uint32_t settled = 0;  ///< below it all slots have been written, when inserters are at work together
+
+  bool conflicts(std::uint32_t tetrahedron, const Point& p) const {
+    const auto& c = tetrahedra[tetrahedron].corner;
+    return predicates.in_sphere(points[c[0]], points[c[1]], points[c[2]], points[c[3]], p) > 0;
+  }
+  /// Room for at least `slots` slots in all. No inserter may be at work.
+  void grow(std::size_t slots);
+};
+
+/// Finds the edge that two facets of a cavity share: the first facet leaves its number at the edge, the second takes
+/// it.
+class EdgeTable {
+ public:
+  /// Forgets all edges and makes room for `edges` of them.
+  void start(std::size_t edges);
+  /// The value at the edge (a, b), a < b: kNone where it is met for the first time.
+  std::uint32_t& at(std::uint32_t a, std::uint32_t b) {
+    const std::uint64_t key = std::uint64_t{a} << 32 | b;
+    for (std::uint64_t i = key * 0x9E3779B97F4A7C15ull >> shift_;; i = (i + 1) & (slots_.size() - 1)) {
+      Slot& slot = slots_[i];
+      if (slot.round != round_) {
+        slot = {key, round_, kNone};
+        return slot.value;
+      }
+      if (slot.key == key) return slot.value;
+    }
+  }
+
+ private:
+  struct Slot {
+    std::uint64_t key = 0;
+    std::uint32_t round = 0, value = kNone;
+  };
+  std::vector<Slot> slots_ = std::vector<Slot>(256);
+  std::uint32_t round_ = 0;
+  int shift_ = 56;
+};
+
+/// Inserts points by cavities (Bowyer-Watson).
+///
+/// With `kShared`, other inserters work on the same triangulation. A tetrahedron is read and changed only by the
+/// inserter that owns it; an inserter owns its whole cavity and all tetrahedra around it before it changes anything, so
+/// insertions happen one after the other in some order, and any order gives a triangulation of the same Delaunay
+/// complex. Nobody waits while owning: who meets a tetrahedron of another gives up and tries again later. Only the walk
+/// to the point reads without owning; it may go astray, and what it finds is looked at again once it is owned.
+template <bool kShared>
+class Inserter {
+ public:
+  enum class Outcome { done, busy, full };
+
+  /// `number`: of this inserter among those at work, 0 to 126.
+  Inserter(Triangulation& triangulation, std::uint32_t number)
+      : triangulation_(triangulation),
+        conflict_(static_cast<std::uint8_t>(2 * number + 1)),
+        rim_mark_(static_cast<std::uint8_t>(2 * number + 2)),
+        random_(number + 1) {}
+
+  /// `busy`: another inserter is at work near the point, nothing was changed; `full`: no slots are left, nothing was
+  /// changed (shared only).
+  Outcome insert(std::uint32_t p);
+
+ private:
+  // The new tetrahedron on a facet of the cavity is its inner tetrahedron with corner `facet` replaced by the point.
+  struct CavityFacet {
+    std::array<std::uint32_t, 4> corner;
+    std::uint32_t facet;
+    std::uint32_t outside;
+    std::uint32_t tetrahedron;  // the new one
+  };
+
+  // What walks may read while it changes. A link is stored after the corners it leads to, and read before them.
+  static std::uint32_t load(const std::uint32_t& value) {
+    if constexpr (kShared)
+      return std::atomic_ref<std::uint32_t>(const_cast<std::uint32_t&>(value)).load(std::memory_order_acquire);
+    else
+      return value;
+  }
+  static void store(std::uint32_t& place, std::uint32_t value) {
+    if constexpr (kShared)
+      std::atomic_ref<std::uint32_t>(place).store(value, std::memory_order_release);
+    else
+      place = value;
+  }
+  std::uint8_t owner(std::uint32_t t) const {
+    if constexpr (kShared)
+      return std::atomic_ref<std::uint8_t>(triangulation_.owner[t]).load(std::memory_order_relaxed);
+    else
+      return triangulation_.owner[t];
+  }
+  bool claim(std::uint32_t t);
+  void give_back(std::uint32_t t);
+  void give_back_all();
+
+  std::uint32_t locate(const Point& target);
+  bool find_cavity(const Point& point, std::uint32_t start);
+  bool collect_slots();
+  void fill_cavity(std::uint32_t p);
+
+  Triangulation& triangulation_;
+  const std::uint8_t conflict_, rim_mark_;
+  std::vector<std::uint32_t> cavity_, rim_, free_;
+  std::vector<CavityFacet> facets_;
+  EdgeTable table_;
+  std::uint32_t hint_ = 0;
+  std::uint32_t random_;
+};
+
+extern template class Inserter<false>;
+extern template class Inserter<true>;
+
+}  // namespace quench::lattice

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "quench/page.h"
+
+namespace quench {
+
+/// The largest float not above `value`. With levels rounded down, `level >= x` is the same for the level and for its
+/// float, for every x that is a float.
+inline float rounded_down(double value) {
+  if (value > std::numeric_limits<float>::max() && std::isfinite(value)) return std::numeric_limits<float>::max();
+  const auto nearest = static_cast<float>(value);
+  return static_cast<double>(nearest) > value ? std::nextafter(nearest, -std::numeric_limits<float>::infinity())
+                                              : nearest;
+}
+
+/// Which cells of a complex a layer shows, and their levels (already floats). Empty levels: the layer has none.
+struct LayerCells {
+  std::vector<std::uint32_t> faces;  ///< in the order they are written
+  std::vector<char> edge, vertex;    ///< closed: the sides of the faces are among the edges, their ends among vertices
+  std::vector<float> face_level, edge_level, vertex_level;  ///< per cell of the complex
+};
+
+/// Where vertices and edges went: row in the arrays of the layer, or kNone.
+struct LayerRows {
+  std::vector<std::uint32_t> vertex, edge;
+};
+
+/// Adds points, polygons, edges and levels of a layer, vertices and edges in their order; widens the box of the page.
+LayerRows add_layer(Page& page, const std::string& layer, const CellComplex& complex, std::span<const Vec3> points,
+                    const LayerCells& cells);
+
+/// A measure to colour by and to read off: rounded to 17 bits (5 digits), which saves a quarter of its place.
+inline float measure_of(double value) {
+  const auto nearest = static_cast<float>(value);
+  if (!std::isfinite(nearest)) return nearest;
+  const std::uint32_t bits = std::bit_cast<std::uint32_t>(nearest);
+  return std::bit_cast<float>((bits + 0x3F + (bits >> 7 & 1)) & ~0x7FU);
+}
+
+/// Adds `layer/point/name`, of the vertices that are shown.
+template <class Value>
+void add_measure(Page& page, const std::string& layer, const std::string& name, const LayerRows& rows, Value&& value) {
+  std::vector<float> values;
+  for (std::uint32_t v = 0; v < rows.vertex.size(); ++v)
+    if (rows.vertex[v] != kNone) values.push_back(measure_of(value(v)));
+  page.arrays.push_back({layer + "/point/" + name, 1, std::move(values)});
+}
+
+/// Adds the arrays of one component among `measures`, row r of them for vertex v where row_of(v) = r; infinite where
+/// their flag (`unburned`, `curve_unburned`) is set.
+void add_measures(Page& page, const std::string& layer, const std::vector<DataArray>& measures, const LayerRows& rows,
+                  std::span<const std::uint32_t> row_of);
+
+void widen(Page& page, std::span<const Vec3> points);
+
+/// Faces in decreasing order of level, and the floor at which no more than `budget` triangles are left: 0 when all fit,
+/// else the least float above the level of those that do not. Faces below are not in the list.
+struct Floor {
+  std::vector<std::uint32_t> faces;
+  std::size_t triangles = 0;
+  float level = 0;
+};
+class FacesByLevel {
+ public:
+  FacesByLevel(const CellComplex& complex, const std::vector<float>& face_level);
+  Floor within(std::size_t budget) const;
+
+ private:
+  const CellComplex& complex_;
+  const std::vector<float>& level_;
+  std::vector<std::uint32_t> order_;
+};
+
+/// Merges the vertices of each cube of a grid, as fine as `max_triangles` allows; for display only. Cells that become
+/// smaller or double go; `kept`: the vertex each new one stands at.
+PolyData clustered(const PolyData& data, std::size_t max_triangles, std::vector<std::uint32_t>& kept);
+
+std::size_t triangle_count(const PolyData& data);
+
+/// "1.5 million", "120,000": a count in a sentence.
+std::string count_text(std::size_t count);
+/// A length in a sentence: "0.31 mm".
+std::string length_text(const Page& page, double length);
+
+}  // namespace quench

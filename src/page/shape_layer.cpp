@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <random>
+
+#include "layer.h"
+
+namespace quench {
+namespace {
+
+std::size_t add_triangles(Page& page, const PolyData& surface, const char* what, std::size_t max_triangles) {
+  const std::size_t given = triangle_count(surface);
+  PolyData fewer;
+  if (given > max_triangles) {
+    std::vector<std::uint32_t> ignored;
+    fewer = clustered(surface, max_triangles, ignored);
+    page.notes.push_back(
+        fmt::format("Of the {} triangles of the {} {} are drawn: vertices close to each other are "
+                    "merged in this page (--max-triangles)",
+                    count_text(given), what, count_text(triangle_count(fewer))));
+  }
+  const PolyData& drawn = given > max_triangles ? fewer : surface;
+  std::vector<std::uint32_t> number(drawn.points.size(), kNone), corners;
+  std::vector<float> places;
+  std::vector<Vec3> shown;
+  for (const std::uint32_t v : drawn.poly_corners) {
+    if (number[v] == kNone) {
+      number[v] = static_cast<std::uint32_t>(shown.size());
+      shown.push_back(drawn.points[v]);
+      for (int a = 0; a < 3; ++a) places.push_back(static_cast<float>(drawn.points[v][a] - page.origin[a]));
+    }
+    corners.push_back(number[v]);
+  }
+  widen(page, shown);
+  page.arrays.push_back({"shape/points", 3, std::move(places)});
+  page.arrays.push_back({"shape/triangles", 3, std::move(corners)});
+  return triangle_count(drawn);
+}
+
+PolyData as_poly_data(const TriangleMesh& mesh) {
+  PolyData data;
+  data.points = mesh.points;
+  for (const auto& t : mesh.triangles) {
+    data.poly_corners.insert(data.poly_corners.end(), t.begin(), t.end());
+    data.poly_offsets.push_back(static_cast<std::uint32_t>(data.poly_corners.size()));
+  }
+  return data;
+}
+
+/// Rows of the boundary vertices by their coordinates.
+class Corners {
+ public:
+  explicit Corners(const VoxelShape& shape) : sites_(boundary_vertices(shape)) {}
+  const std::vector<LatticePoint>& sites() const { return sites_; }
+  std::uint32_t at(const LatticePoint& p) const {
+    const auto before = [](const LatticePoint& a, const LatticePoint& b) {
+      return std::array{a[2], a[1], a[0]} < std::array{b[2], b[1], b[0]};
+    };
+    return static_cast<std::uint32_t>(std::lower_bound(sites_.begin(), sites_.end(), p, before) - sites_.begin());
+  }
+
+ private:
+  std::vector<LatticePoint> sites_;
+};
+
+/// The faces between a voxel of the shape and one that is not, corners counterclockwise from outside.
+std::vector<std::array<std::uint32_t, 4>> boundary_quads(const VoxelShape& shape, const Corners& corners) {
+  std::vector<std::array<std::uint32_t, 4>> quads;
+  // Of voxel p, the face across `axis`, on the far side or the near one.
+  const auto add = [&](LatticePoint p, int axis, bool far) {
+    const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+    p[axis] += far;
+    std::array<LatticePoint, 4> c{p, p, p, p};
+    ++c[1][u];
+    ++c[2][u];
+    ++c[2][v];
+    ++c[3][v];
+    if (!far) std::swap(c[1], c[3]);
+    quads.push_back({corners.at(c[0]), corners.at(c[1]), corners.at(c[2]), corners.at(c[3])});
+  };
+  const auto& dims = shape.grid().dims;
+  for (std::int32_t z = 0; z < dims[2]; ++z)
+    for (std::int32_t y = 0; y < dims[1]; ++y)
+      for (const Run& run : shape.row(y, z)) {
+        add({run.begin, y, z}, 0, false);
+        add({run.end - 1, y, z}, 0, true);
+        for (const int axis : {1, 2})
+          for (const bool far : {false, true}) {
+            const std::int64_t ny = y + (axis == 1 ? (far ? 1 : -1) : 0), nz = z + (axis == 2 ? (far ? 1 : -1) : 0);
+            std::int32_t x = run.begin;
+            for (const Run& other : shape.row(ny, nz)) {
+              for (; x < std::min(other.begin, run.end); ++x) add({x, y, z}, axis, far);
+              x = std::max(x, std::min(other.end, run.end));
+            }
+            for (; x < run.end; ++x) add({x, y, z}, axis, far);
+          }
+      }
+  return quads;
+}
+
+}  // namespace
+
+TriangleMesh smoothed_boundary(const VoxelShape& shape, int iterations) {
+  const Corners corners(shape);
+  const std::vector<std::array<std::uint32_t, 4>> quads = boundary_quads(shape, corners);
+  const Grid& grid = shape.grid();
+  std::vector<Vec3> start, sum;
+  for (const LatticePoint& p : corners.sites()) start.emplace_back(p[0], p[1], p[2]);
+  std::vector<Vec3> place = start;
+  std::vector<double> neighbours(start.size());
+  // To the mean of the neighbours, in the lattice: staircases become slopes, and no corner leaves its surroundings.
+  for (int i = 0; i < iterations; ++i) {
+    sum.assign(place.size(), Vec3::Zero());
+    std::fill(neighbours.begin(), neighbours.end(), 0);
+    for (const auto& q : quads)
+      for (std::size_t c = 0; c < 4; ++c) {
+        sum[q[c]] += place[q[(c + 1) % 4]] + place[q[(c + 3) % 4]];
+        neighbours[q[c]] += 2;
+      }
+    for (std::size_t v = 0; v < place.size(); ++v)
+      if (neighbours[v] > 0)
+        place[v] =
+            (sum[v] / neighbours[v]).cwiseMax(start[v] - Vec3::Constant(0.5)).cwiseMin(start[v] + Vec3::Constant(0.5));
+  }
+  TriangleMesh mesh;
+  for (const Vec3& p : place) mesh.points.push_back(grid.world(p));
+  const bool reflected = grid.direction.determinant() < 0;
+  for (auto q : quads) {
+    if (reflected) std::swap(q[1], q[3]);
+    mesh.triangles.push_back({q[0], q[1], q[2]});
+    mesh.triangles.push_back({q[0], q[2], q[3]});
+  }
+  return mesh;
+}
+
+std::size_t add_surface(Page& page, const TriangleMesh& mesh, std::size_t max_triangles) {
+  return add_triangles(page, as_poly_data(mesh), "shape's surface", max_triangles);
+}
+
+std::size_t add_surface(Page& page, const VoxelShape& shape, std::size_t max_triangles) {
+  page.notes.emplace_back("The surface of the shape is that of its voxels, smoothed by half a voxel at most");
+  return add_triangles(page, as_poly_data(smoothed_boundary(shape, 4)), "voxel shape's surface", max_triangles);
+}
+
+void add_sites(Page& page, const VoxelShape& shape) {
+  constexpr std::int64_t kMost = 4'000'000;
+  const Grid& grid = shape.grid();
+  const std::int64_t count = count_boundary_vertices(shape);
+  if (count > kMost || std::max({grid.dims[0], grid.dims[1], grid.dims[2]}) > 65535) {
+    page.notes.push_back(
+        fmt::format("The shape has {} boundary vertices, too many for a page: where balls touch the "
+                    "boundary is not shown",
+                    count_text(static_cast<std::size_t>(count))));
+    return;
+  }
+  std::vector<std::uint16_t> sites;
+  sites.reserve(static_cast<std::size_t>(count) * 3);
+  for (const LatticePoint& p : boundary_vertices(shape))
+    for (const std::int32_t x : p) sites.push_back(static_cast<std::uint16_t>(x));
+  page.arrays.push_back({"shape/sites", 3, std::move(sites)});
+  const Vec3 zero = grid.world(Vec3::Zero());
+  std::array<double, 12> rows{};
+  for (int r = 0; r < 3; ++r) {
+    for (int c = 0; c < 3; ++c) rows[static_cast<std::size_t>(4 * r + c)] = grid.world(Vec3::Unit(c))[r] - zero[r];
+    rows[static_cast<std::size_t>(4 * r + 3)] = zero[r];
+  }
+  page.sites_to_world = rows;
+}
+
+void add_samples(Page& page, const VoxelShape& shape, std::size_t count) {
+  const std::int64_t voxels = shape.voxel_count();
+  if (voxels == 0) return;
+  std::mt19937_64 random(20180501);
+  const auto unit = [&] { return static_cast<double>(random() >> 11) * 0x1p-53; };
+  std::vector<float> places;
+  places.reserve(count * 3);
+  // The i-th place is in the i-th of `count` equal shares of the voxels, which are in scanline order.
+  std::size_t next = 0;
+  std::int64_t passed = 0;
+  double target = unit() * static_cast<double>(voxels) / static_cast<double>(count);
+  const auto& dims = shape.grid().dims;
+  for (std::int64_t z = 0; z < dims[2]; ++z)
+    for (std::int64_t y = 0; y < dims[1]; ++y)
+      for (const Run& run : shape.row(y, z)) {
+        const std::int64_t length = run.end - run.begin;
+        while (next < count && target < static_cast<double>(passed + length)) {
+          const double x = run.begin + (target - static_cast<double>(passed));
+          const double dy = unit(), dz = unit();
+          const Vec3 world = shape.grid().world({x, static_cast<double>(y) + dy, static_cast<double>(z) + dz});
+          for (int a = 0; a < 3; ++a) places.push_back(static_cast<float>(world[a] - page.origin[a]));
+          ++next;
+          target = (static_cast<double>(next) + unit()) * static_cast<double>(voxels) / static_cast<double>(count);
+        }
+        passed += length;
+      }
+  page.arrays.push_back({"shape/samples", 3, std::move(places)});
+}
+
+}  // namespace quench

@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+#include <zlib.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <ostream>
+
+#include "layer.h"
+#include "quench/error.h"
+#include "quench/io.h"
+
+namespace quench {
+namespace {
+
+// A browser has no strings of more than 2^29 - 24 characters.
+constexpr std::size_t kMostCharacters = (std::size_t{1} << 29) - 24;
+constexpr std::size_t kBlock = std::size_t{1} << 20;
+
+/// A piece of text as JSON that is safe inside a script element: `<` is written as its number, bytes that are no UTF-8
+/// as the replacement character.
+std::string json_string(std::string_view text) {
+  std::string out = "\"";
+  for (std::size_t i = 0; i < text.size();) {
+    const auto c = static_cast<unsigned char>(text[i]);
+    if (c == '"' || c == '\\') {
+      out += '\\';
+      out += text[i++];
+    } else if (c < 0x20 || c == '<' || c == 0x7F) {
+      out += fmt::format("\\u{:04x}", c);
+      ++i;
+    } else if (c < 0x80) {
+      out += text[i++];
+    } else {
+      const std::size_t more = c >= 0xF0 && c < 0xF5 ? 3 : c >= 0xE0 ? 2 : c >= 0xC2 && c < 0xE0 ? 1 : 0;
+      bool good = more > 0 && c < 0xF5 && i + more < text.size();
+      for (std::size_t k = 1; good && k <= more; ++k) good = (static_cast<unsigned char>(text[i + k]) & 0xC0) == 0x80;
+      out += good ? text.substr(i, more + 1) : std::string_view("\\ufffd");
+      i += good ? more + 1 : 1;
+    }
+  }
+  return out + '"';
+}
+
+std::string number(double value) { return std::isfinite(value) ? fmt::format("{}", value) : "null"; }
+
+std::string list(std::span<const double> values) {
+  std::string out = "[";
+  for (const double v : values) out += (out.size() > 1 ? ", " : "") + number(v);
+  return out + "]";
+}
+
+const char* type_of(const PageArray& array) {
+  constexpr std::array names{"f32", "u32", "u16", "u8"};
+  return names[array.values.index()];
+}
+
+std::string_view bytes_of(const PageArray& array) {
+  return std::visit(
+      [](const auto& v) { return std::string_view(reinterpret_cast<const char*>(v.data()), v.size() * sizeof(v[0])); },
+      array.values);
+}
+
+std::string meta_of(const Page& page) {
+  std::vector<std::string> members;
+  const auto put = [&](const char* name, const std::string& json) {
+    members.push_back(fmt::format("{}: {}", json_string(name), json));
+  };
+  put("format", "1");
+  put("title", json_string(page.title));
+  put("program", json_string(page.program));
+  put("command", json_string(page.command));
+  if (!page.state.empty()) put("state", json_string(page.state));
+  put("unit", json_string(page.unit));
+  put("side", number(page.side));
+  if (page.voxel > 0) put("voxel", number(page.voxel));
+  put("low", list({page.low.data(), 3}));
+  put("high", list({page.high.data(), 3}));
+  if (page.origin != Vec3::Zero()) put("origin", list({page.origin.data(), 3}));
+  const auto put_length = [&](const char* name, const std::optional<double>& length) {
+    if (length) put(name, number(rounded_down(*length)));
+  };
+  put_length("lambda", page.lambda);
+  if (page.burning)
+    put("burning", fmt::format(R"({{"omega": {}, "propagation": "{}", "radius": "{}"}})", number(page.burning->omega),
+                               page.burning->propagation == Propagation::nodes ? "nodes" : "segments",
+                               page.burning->radius == RadiusRule::linear ? "linear" : "exact"));
+  put_length("theta2", page.theta2);
+  put_length("theta1", page.theta1);
+  std::string floors;
+  const auto put_floor = [&](const char* name, const std::optional<double>& floor) {
+    if (floor) floors += fmt::format("{}\"{}\": {}", floors.empty() ? "" : ", ", name, number(*floor));
+  };
+  put_floor("lambda", page.lambda_floor);
+  put_floor("theta2", page.theta2_floor);
+  put_floor("theta1", page.theta1_floor);
+  put("floor", "{" + floors + "}");
+  if (page.topology) {
+    const auto& t = *page.topology;
+    put("topology",
+        fmt::format(R"({{"euler": {}, "betti": [{}, {}, {}]}})", t.euler, t.betti[0], t.betti[1], t.betti[2]));
+  }
+  std::string notes, files, arrays;
+  for (const std::string& note : page.notes) notes += (notes.empty() ? "" : ", ") + json_string(note);
+  put("notes", "[" + notes + "]");
+  for (const auto& [what, name] : page.files)
+    files += (files.empty() ? "" : ", ") + json_string(what) + ": " + json_string(name);
+  put("files", "{" + files + "}");
+  if (page.sites_to_world) put("sites_to_world", list(*page.sites_to_world));
+  std::size_t offset = 0;
+  for (const PageArray& array : page.arrays) {
+    const std::string_view bytes = bytes_of(array);
+    const std::size_t rows =
+        std::visit([](const auto& v) { return v.size(); }, array.values) / static_cast<std::size_t>(array.components);
+    arrays += fmt::format(R"({}{{"name": {}, "type": "{}", "components": {}, "count": {}, "offset": {}}})",
+                          arrays.empty() ? "" : ",\n", json_string(array.name), type_of(array), array.components, rows,
+                          offset);
+    offset += (bytes.size() + 3) / 4 * 4;
+  }
+  put("arrays", "[\n" + arrays + "]");
+  std::string json;
+  for (const std::string& member : members) json += (json.empty() ? "{" : ",\n") + member;
+  return json + "}";
+}
+
+/// All arrays one after the other, as one gzip member: deflated block by block, so that threads share the work and the
+/// bytes do not depend on their number.
+std::string zipped(const Page& page) {
+  std::string raw;
+  std::size_t size = 0;
+  for (const PageArray& array : page.arrays) size += (bytes_of(array).size() + 3) / 4 * 4;
+  raw.reserve(size);
+  for (const PageArray& array : page.arrays) {
+    raw += bytes_of(array);
+    while (raw.size() % 4 != 0) raw += '\0';
+  }
+  const std::size_t blocks = std::max<std::size_t>(1, (raw.size() + kBlock - 1) / kBlock);
+  std::vector<std::string> deflated(blocks);
+  std::vector<uLong> check(blocks);
+  std::vector<char> failed(blocks, 0);
+  tbb::parallel_for(std::size_t{0}, blocks, [&](std::size_t b) {
+    const std::string_view part = std::string_view(raw).substr(b * kBlock, kBlock);
+    check[b] = crc32(0, reinterpret_cast<const Bytef*>(part.data()), static_cast<uInt>(part.size()));
+    z_stream stream{};
+    failed[b] = deflateInit2(&stream, Z_BEST_SPEED, Z_DEFLATED, -15, 9, Z_DEFAULT_STRATEGY) != Z_OK;
+    if (failed[b]) return;
+    std::string& out = deflated[b];
+    out.resize(deflateBound(&stream, static_cast<uLong>(part.size())) + 64);
+    stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(part.data()));
+    stream.avail_in = static_cast<uInt>(part.size());
+    stream.next_out = reinterpret_cast<Bytef*>(out.data());
+    stream.avail_out = static_cast<uInt>(out.size());
+    const bool last = b + 1 == blocks;
+    const int result = deflate(&stream, last ? Z_FINISH : Z_SYNC_FLUSH);
+    failed[b] = result != (last ? Z_STREAM_END : Z_OK) || stream.avail_in != 0;
+    out.erase(out.size() - stream.avail_out);
+    deflateEnd(&stream);
+  });
+  if (std::find(failed.begin(), failed.end(), 1) != failed.end())
+    throw Error(ErrorCode::failed, "zlib cannot compress the data of the page: not enough memory");
+  std::string out("\x1f\x8b\x08\0\0\0\0\0\0\xff", 10);
+  uLong crc = 0;
+  for (std::size_t b = 0; b < blocks; ++b) {
+    out += deflated[b];
+    const std::size_t length = std::min(kBlock, raw.size() - std::min(raw.size(), b * kBlock));
+    crc = crc32_combine(crc, check[b], static_cast<z_off_t>(length));
+  }
+  for (const std::size_t word : {static_cast<std::size_t>(crc), raw.size()})
+    for (int shift = 0; shift < 32; shift += 8) out += static_cast<char>(word >> shift & 0xFF);
+  return out;
+}
+
+std::string base64(std::string_view bytes) {
+  constexpr std::string_view digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string out((bytes.size() + 2) / 3 * 4, '=');
+  for (std::size_t i = 0, o = 0; i < bytes.size(); i += 3, o += 4) {
+    const auto at = [&](std::size_t k) -> std::uint32_t {
+      return k < bytes.size() ? static_cast<unsigned char>(bytes[k]) : 0;
+    };
+    const std::uint32_t word = at(i) << 16 | at(i + 1) << 8 | at(i + 2);
+    out[o] = digits[word >> 18];
+    out[o + 1] = digits[word >> 12 & 63];
+    if (i + 1 < bytes.size()) out[o + 2] = digits[word >> 6 & 63];
+    if (i + 2 < bytes.size()) out[o + 3] = digits[word & 63];
+  }
+  return out;
+}
+
+/// Where the data goes: in place of the comment made for it, else right after the opening body tag.
+std::pair<std::size_t, std::size_t> place_of_data(std::string_view program) {
+  constexpr std::string_view marker = "<!--quench-data-->";
+  if (const std::size_t at = program.find(marker); at != std::string_view::npos) return {at, at + marker.size()};
+  if (const std::size_t body = program.find("<body"); body != std::string_view::npos)
+    if (const std::size_t end = program.find('>', body); end != std::string_view::npos) return {end + 1, end + 1};
+  throw Error(ErrorCode::invariant, "the program of the page has no body to put the data in");
+}
+
+}  // namespace
+
+void write_page(const std::filesystem::path& file, const Page& page, std::string_view page_program) {
+  const auto [begin, end] = place_of_data(page_program);
+  const std::string meta = meta_of(page), data = base64(zipped(page));
+  if (data.size() > kMostCharacters)
+    throw Error(ErrorCode::failed,
+                fmt::format("the page '{}' would be larger than a browser can read; use a smaller --max-triangles",
+                            file.string()));
+  io::write_atomically(file, [&](std::ostream& out) {
+    out << page_program.substr(0, begin) << "<script type=\"application/json\" id=\"quench-meta\">" << meta
+        << "</script>\n<script type=\"application/octet-stream\" id=\"quench-data\">" << data << "</script>"
+        << page_program.substr(end);
+  });
+}
+
+}  // namespace quench

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <tbb/parallel_for.h>
+
+#include <atomic>
+#include <cstddef>
+#include <string_view>
+#include <thread>
+#include <utility>
+
+#include "quench/context.h"
+
+namespace quench {
+
+/// Runs body(chunk) for every chunk in [0, chunks) on the threads of the arena. Every chunk asks first whether the
+/// caller wants to stop. Progress of the stage, from `begin` to `end`, is told by the calling thread only, which works
+/// too. Results must not depend on which chunk comes first.
+template <class Body>
+void for_chunks(std::size_t chunks, Context* context, std::string_view stage, double begin, double end,
+                const Body& body) {
+  const auto caller = std::this_thread::get_id();
+  std::atomic<std::size_t> done{0};
+  tbb::parallel_for(std::size_t{0}, chunks, [&](std::size_t chunk) {
+    if (std::this_thread::get_id() == caller)
+      checkpoint(context, stage,
+                 begin + (end - begin) * static_cast<double>(done.load(std::memory_order_relaxed)) /
+                             static_cast<double>(chunks));
+    else if (context && context->cancelled())
+      return;  // the caller throws
+    body(chunk);
+    done.fetch_add(1, std::memory_order_relaxed);
+  });
+  checkpoint(context, stage, end);
+}
+
+/// The chunk-th of `chunks` nearly equal parts of [0, count).
+inline std::pair<std::size_t, std::size_t> part_of(std::size_t count, std::size_t chunk, std::size_t chunks) {
+  const auto at = [&](std::size_t i) { return count / chunks * i + count % chunks * i / chunks; };
+  return {at(chunk), at(chunk + 1)};
+}
+
+/// As many chunks as keep threads busy without cost, of some `size` elements each.
+inline std::size_t chunks_for(std::size_t count, std::size_t size = std::size_t{1} << 16) { return count / size + 1; }
+
+}  // namespace quench

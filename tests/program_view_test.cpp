@@ -1,0 +1,247 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+#include <sys/stat.h>
+
+#include <cmath>
+#include <cstdlib>
+
+#include "page_reader.h"
+#include "program.h"
+#include "quench/io.h"
+
+// `quench view`, and the page of `quench run`.
+
+using namespace quench::testing_program;
+using quench::testing_page::Contents;
+using quench::testing_page::read_page;
+
+namespace {
+
+bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+// Whether the program was built with its page: it says so itself.
+bool built_in(ProgramTest& test, Outcome (ProgramTest::*quench)(const std::vector<std::string>&)) {
+  return !has((test.*quench)({"view", "absent.vtp"}).err, "without its interactive page");
+}
+#define REQUIRE_PAGE() \
+  if (!built_in(*this, &ViewProgram::quench)) GTEST_SKIP() << "this quench was built without its interactive page"
+
+/// An environment variable during one test.
+struct Environment {
+  std::string name, before;
+  bool was_set;
+  Environment(const char* variable, const std::string& value) : name(variable) {
+    const char* old = std::getenv(variable);
+    was_set = old != nullptr;
+    before = old ? old : "";
+    setenv(variable, value.c_str(), 1);
+  }
+  Environment(const Environment&) = delete;
+  Environment& operator=(const Environment&) = delete;
+  ~Environment() {
+    if (was_set)
+      setenv(name.c_str(), before.c_str(), 1);
+    else
+      unsetenv(name.c_str());
+  }
+};
+
+class ViewProgram : public ProgramTest {
+ public:
+  using ProgramTest::quench;
+
+ protected:
+  void make_core() {
+    folder.write("v.npy", npy_box(12, 9, 5, 2));
+    works({"core", "v.npy", "--lambda", "0", "-o", "core.vtp"});
+  }
+  Contents page(const std::string& name) { return read_page(bytes(name)); }
+};
+
+TEST_F(ViewProgram, WithoutThePageItSaysSo) {
+  if (built_in(*this, &ViewProgram::quench)) GTEST_SKIP() << "this quench has its interactive page built in";
+  make_core();
+  refuses(1, {"without its interactive page", "npm"}, {"view", "core.vtp"});
+  works({"run", "v.npy", "-o", "out"});
+  EXPECT_FALSE(exists("out/view.html"));
+}
+
+TEST_F(ViewProgram, RunWritesAPageOfEverything) {
+  REQUIRE_PAGE();
+  folder.write("cube shape.off", cube_off());
+  const Outcome outcome = works({"run", "cube shape.off", "--resolution", "16", "-o", "out", "--json", "-"});
+  EXPECT_TRUE(has(outcome.err, "out/view.html"));
+  EXPECT_TRUE(has(outcome.out, "\"page\""));
+  const Contents p = page("out/view.html");
+  EXPECT_EQ(p.meta["title"], "cube shape");
+  EXPECT_EQ(p.meta["command"], "quench run 'cube shape.off' --resolution 16 -o out --json -");
+  EXPECT_EQ(p.meta["side"], 1.0);
+  EXPECT_EQ(p.meta["voxel"], 1.0 / 16);
+  EXPECT_EQ(p.meta["topology"]["euler"], 1);
+  EXPECT_EQ(p.meta["files"]["core"], "out/core.vtp");
+  EXPECT_EQ(p.meta["theta2"], static_cast<double>(0.03F));
+  EXPECT_EQ(p.meta["burning"]["propagation"], "segments");
+  EXPECT_EQ(p.meta["notes"], nlohmann::json::array());
+  for (const char* name : {"core/points", "core/face_level", "core/point/burn_time", "core/point/lambda",
+                           "skeleton/points", "skeleton/curve_edges", "skeleton/medial_points", "shape/points",
+                           "shape/triangles", "shape/sites", "shape/samples"})
+    EXPECT_TRUE(p.has(name)) << name;
+  EXPECT_EQ(p["shape/points"].size(), 24u);  // the mesh itself
+  EXPECT_EQ(p["shape/samples"].size(), 60000u);
+  for (const double x : p["shape/samples"]) EXPECT_TRUE(x >= -1e-6 && x <= 1 + 1e-6);
+  const std::string core = bytes("out/core.vtp");
+  works({"run", "cube shape.off", "--resolution", "16", "-o", "without", "--no-view"});
+  EXPECT_FALSE(exists("without/view.html"));
+  // The page of the run's own file is the same, but for what only the shape can tell.
+  works({"view", "out/core.vtp"});
+  const Contents again = page("out/core.html");
+  EXPECT_EQ(again.meta["title"], "out");
+  for (const auto& [name, values] : p.arrays)
+    if (!name.starts_with("shape/")) {
+      const auto& others = again[name];
+      ASSERT_EQ(values.size(), others.size()) << name;
+      for (std::size_t i = 0; i < values.size(); ++i)
+        ASSERT_TRUE(values[i] == others[i] || (std::isnan(values[i]) && std::isnan(others[i]))) << name << ' ' << i;
+    }
+  EXPECT_FALSE(again.has("shape/points"));
+}
+
+TEST_F(ViewProgram, AShapeIsReadAsTheFileSays) {
+  REQUIRE_PAGE();
+  make_core();
+  works({"view", "core.vtp", "--shape", "v.npy", "-o", "page.html", "--theta2", "2abs", "--theta1", "inf", "--color",
+         "radius"});
+  const Contents p = page("page.html");
+  EXPECT_EQ(p["shape/sites"].size() / 3, std::size_t{13 * 10 * 6 - 11 * 8 * 4});
+  EXPECT_EQ(p.meta["theta2"], 2);
+  EXPECT_TRUE(p.meta["theta1"].is_null());
+  EXPECT_EQ(p.meta["state"], "color=radius");
+  EXPECT_EQ(p.meta["sites_to_world"].size(), 12u);
+}
+
+TEST_F(ViewProgram, BudgetsAndNotes) {
+  REQUIRE_PAGE();
+  make_core();
+  const Outcome outcome = works({"view", "core.vtp", "--shape", "v.npy", "-o", "page.html", "--max-triangles", "1000"});
+  const Contents p = page("page.html");
+  std::size_t triangles = p["shape/triangles"].size() / 3;
+  for (const std::string layer : {"core", "skeleton"})
+    triangles += p[layer + "/polygon_corners"].size() - 2 * (p[layer + "/polygon_offsets"].size() - 1);
+  EXPECT_LE(triangles, 1000u);
+  EXPECT_GE(p.meta["notes"].size(), 2u);
+  for (const auto& note : p.meta["notes"]) EXPECT_TRUE(has(outcome.err, note)) << note;
+  EXPECT_GT(p.meta["floor"]["theta2"], 0);
+}
+
+TEST_F(ViewProgram, OtherFilesAreShownAsTheyAre) {
+  REQUIRE_PAGE();
+  make_core();
+  works({"skeleton", "core.vtp", "-o", "skeleton.vtp"});
+  works({"view", "skeleton.vtp"});
+  const Contents p = page("skeleton.html");
+  EXPECT_TRUE(p.has("still/points"));
+  EXPECT_TRUE(p.has("still/point/curve_burn_time"));
+  EXPECT_FALSE(p.has("skeleton/points"));
+  works({"view", "core.vtp", "skeleton.vtp", "-o", "both.html", "--layer", "still"});
+  const Contents both = page("both.html");
+  EXPECT_TRUE(both.has("still/points") && both.has("core/points") && both.has("skeleton/points"));
+  EXPECT_EQ(both.meta["state"], "layer=still");
+  folder.write("lines.obj", "v 0 0 0\nv 1 0 0\nv 0 3 0\nl 1 2\nf 1 2 3\n");
+  works({"view", "lines.obj"});
+  EXPECT_EQ(page("lines.html").meta["side"], 3);
+  folder.write("two.ma", "3 1 1\nv 0 0 0 1\nv 1 0 0 1\nv 0 1 0 2\ne 0 1\nf 0 1 2\n");
+  works({"view", "two.ma"});
+  EXPECT_EQ(page("two.html")["still/point/radius"], (std::vector<double>{1, 1, 2}));
+}
+
+TEST_F(ViewProgram, RefusalsNameTheWayOut) {
+  REQUIRE_PAGE();
+  make_core();
+  folder.write("cube.off", cube_off());
+  refuses(3, {"cube.off", "quench run"}, {"view", "cube.off"});
+  refuses(3, {"v.npy", "quench run"}, {"view", "v.npy"});
+  refuses(1, {"absent.vtp", "does not exist"}, {"view", "absent.vtp"});
+  refuses(2, {"one medial axis"}, {"view", "core.vtp", "core.vtp"});
+  refuses(2, {"--camera"}, {"view", "core.vtp", "--camera", "1,2,3"});
+  refuses(2, {"--size"}, {"view", "core.vtp", "--png", "a.png", "--size", "100"});
+  refuses(2, {"--png", ".png"}, {"view", "core.vtp", "--png", "a.jpg"});
+  refuses(2, {"--theta2"}, {"view", "core.vtp", "--theta2", "-1"});
+  refuses(2, {"--max-triangles"}, {"view", "core.vtp", "--max-triangles", "10"});
+  refuses(2, {"--shape"}, {"view", "core.vtp", "--threshold", "1"});
+  refuses(2, {"'hue'", "radius"}, {"view", "core.vtp", "--color", "hue"});
+  refuses(2, {"no layer"}, {"view", "core.vtp", "--layer", "still"});
+  works({"view", "core.vtp"});
+  refuses(2, {"core.html", "--overwrite"}, {"view", "core.vtp"});
+  works({"view", "core.vtp", "--overwrite", "--quiet"});
+  refuses(2, {"input"}, {"view", "core.vtp", "-o", "core.vtp", "--overwrite"});
+}
+
+// A page that outgrows the disk leaves the old one, and nothing else.
+TEST_F(ViewProgram, AFullDiskLeavesWhatWasThere) {
+  REQUIRE_PAGE();
+  make_core();
+  works({"view", "core.vtp", "-o", "page.html"});
+  const auto before = files();
+  const Outcome outcome = wait(start({"view", "core.vtp", "-o", "page.html", "--overwrite"}, 100'000));
+  EXPECT_EQ(outcome.code, 1) << outcome.err;
+  EXPECT_TRUE(has(outcome.err, "cannot write 'page.html'")) << outcome.err;
+  EXPECT_EQ(files(), before);
+}
+
+TEST_F(ViewProgram, AnInterruptLeavesNothing) {
+  REQUIRE_PAGE();
+  folder.write("v.npy", npy_box(60, 50, 40, 2));
+  works({"core", "v.npy", "--lambda", "0", "-o", "core.vtp"});
+  const auto before = files();
+  const pid_t child = start({"view", "core.vtp", "--omega", "0.05vox"});
+  usleep(300'000);
+  kill(child, SIGINT);
+  const Outcome outcome = wait(child);
+  EXPECT_EQ(outcome.code, 130) << outcome.err;
+  EXPECT_EQ(files(), before);
+}
+
+std::string chromium() {
+  for (const std::string name : {"chromium", "chromium-browser", "google-chrome", "google-chrome-stable"})
+    for (const std::string folder : {"/usr/bin/", "/usr/local/bin/", "/snap/bin/", "/opt/google/chrome/"})
+      if (access((folder + name).c_str(), X_OK) == 0) return folder + name;
+  return {};
+}
+
+TEST_F(ViewProgram, APictureNeedsABrowserThatDraws) {
+  REQUIRE_PAGE();
+  make_core();
+  {
+    const Environment none("QUENCH_CHROMIUM", (folder / "no-browser").string());
+    refuses(1, {"QUENCH_CHROMIUM"}, {"view", "core.vtp", "--png", "a.png"});
+  }
+  {
+    const Environment no_path("PATH", folder.path().string()), no_name("QUENCH_CHROMIUM", "");
+    refuses(1, {"Chromium"}, {"view", "core.vtp", "--png", "a.png"});
+  }
+  // One that ends well without a picture, and one that fails.
+  for (const char* text : {"#!/bin/sh\nexit 0\n", "#!/bin/sh\nexit 1\n"}) {
+    chmod(folder.write("browser", text).c_str(), 0755);
+    const Environment broken("QUENCH_CHROMIUM", (folder / "browser").string());
+    refuses(1, {"did not draw"}, {"view", "core.vtp", "--png", "a.png", "--quiet"});
+  }
+}
+
+TEST_F(ViewProgram, Pictures) {
+  REQUIRE_PAGE();
+  if (chromium().empty()) GTEST_SKIP() << "there is no Chromium to draw with";
+  make_core();
+  const Environment browser("QUENCH_CHROMIUM", chromium());
+  works({"view", "core.vtp", "--png", "a.png", "--size", "320x200"});
+  works({"view", "core.vtp", "--png", "b.png", "--size", "320x200", "--layer", "core", "--color", "lambda"});
+  const std::string a = bytes("a.png"), b = bytes("b.png");
+  for (const std::string* png : {&a, &b}) {
+    ASSERT_TRUE(png->starts_with("\x89PNG"));
+    ASSERT_GT(png->size(), 2000u) << "blank";
+    EXPECT_EQ(png->substr(16, 8), std::string("\0\0\1\x40\0\0\0\xC8", 8));
+  }
+  EXPECT_NE(a, b);
+  EXPECT_FALSE(exists("core.html"));
+}
+
+}  // namespace

@@ -1,0 +1,296 @@
+// SPDX-License-Identifier: Apache-2.0
+// The state of the page and what follows from it. Changes are collected; what depends on them is done once per frame.
+import { Vector3 } from "three";
+import { ballsToDraw, shareInside } from "./balls";
+import { MAPS, textureOf } from "./colours";
+import { commandOf } from "./command";
+import type { LayerName, Page } from "./data";
+import { rangeOf, type Range } from "./measures";
+import { pickVertex, touchingSites, type Ray } from "./pick";
+import { LayerView } from "./scene/layer_view";
+import { Marks } from "./scene/marks";
+import { Placement } from "./scene/placement";
+import { ShapeView } from "./scene/shape_view";
+import { Stage } from "./scene/stage";
+import { LayerSets, type CellSet } from "./sets";
+import { sanitize, type Camera, type State } from "./state";
+
+/// Figures of what is visible.
+export interface Numbers {
+  faces: number;
+  area: number;
+  curveEdges: number;
+  curveLength: number;
+  freeEnds: number;
+  isolated: number;
+  vertices: number;
+  edges: number;
+  boundaryEdges: number;
+  seamEdges: number;
+}
+
+export interface Picked {
+  layer: LayerName;
+  vertex: number;
+  position: [number, number, number];
+  radius: number;
+  measures: Record<string, number>;
+  touching: [number, number, number][];
+}
+
+interface Shown { sets: LayerSets; view: LayerView; set: CellSet; ranges: Map<string, Range> }
+
+const MOST_BALLS = 12000;
+
+export class App {
+  state: State;
+  readonly placement: Placement;
+  readonly marks: Marks;
+  readonly glass: ShapeView | null;
+  picked: Picked | null = null;
+  onChange: (numbers: Numbers) => void = () => {};
+  onShare: (text: string) => void = () => {};
+  onPick: (picked: Picked | null) => void = () => {};
+  private readonly layers = new Map<LayerName, Shown>();
+  private applied: State | null = null;
+  private balls = { wanted: 0, timer: 0 };
+
+  constructor(readonly page: Page, readonly stage: Stage, state: State) {
+    this.placement = new Placement(page.meta);
+    this.state = sanitize(state, page);
+    this.marks = new Marks(stage.shared);
+    stage.add(this.marks.solid);
+    stage.add(this.marks.glass, true);
+    this.glass = page.shape.points && page.shape.triangles ? new ShapeView(page.shape, this.placement, stage.shared, stage.depth) : null;
+    if (this.glass) stage.add(this.glass.group, true);
+    stage.onFrame = () => this.update();
+  }
+
+  set(change: Partial<State>): void {
+    const before = this.state;
+    this.state = sanitize({ ...this.state, ...change }, this.page);
+    // A range belongs to its measure.
+    if (before.color !== this.state.color && change.rangeLow === undefined && change.rangeHigh === undefined) this.state.rangeLow = this.state.rangeHigh = NaN;
+    if (before.layer !== this.state.layer) this.clearPick();
+    this.stage.invalidate();
+  }
+
+  shown(): Shown {
+    const name = this.state.layer;
+    let shown = this.layers.get(name);
+    if (!shown) {
+      const layer = this.page.layers.get(name)!;
+      const sets = new LayerSets(layer);
+      const view = new LayerView(layer, sets, this.placement, this.stage.shared);
+      this.stage.add(view.group);
+      shown = { sets, view, set: sets.compute(0, 0), ranges: new Map() };
+      this.layers.set(name, shown);
+    }
+    return shown;
+  }
+
+  /// The range of a measure of the layer shown.
+  range(name = this.state.color): Range | null {
+    const shown = this.shown(), values = shown.sets.layer.measures.get(name);
+    if (!values) return null;
+    let range = shown.ranges.get(name);
+    if (!range) {
+      // Of a skeleton the range is that of what the page starts with: most of the family is noise near zero.
+      range = rangeOf(values);
+      const first = this.state.layer === "skeleton" ? rangeOf(values, this.startingVertices(shown, name)) : range;
+      if (first.finite > 0) range = { ...range, centralLow: first.centralLow, centralHigh: first.centralHigh };
+      shown.ranges.set(name, range);
+    }
+    return range;
+  }
+
+  /// Vertices of sheets and curves that are there before a slider is touched; of the measures of one, of it only.
+  private startingVertices({ sets }: Shown, measure: string): Uint8Array {
+    const { layer } = sets, { meta } = this.page, included = new Uint8Array(layer.vertexCount);
+    const set = sets.compute(meta.theta2 ?? 0, meta.theta1 ?? 0);
+    const curves = measure.startsWith("curve_"), sheets = measure === "erosion_thickness" || measure === "burn_time";
+    if (!sheets || set.faces === 0)
+      for (let i = 0; i < set.curves.count; ++i) for (const k of [0, 1]) included[layer.edges[2 * set.curves.edge[i]! + k]!] = 1;
+    if (!curves || set.curves.count === 0)
+      for (let i = 0; i < layer.offsets[set.faces]!; ++i) included[layer.corners[i]!] = 1;
+    sets.compute(this.state.theta2, this.state.theta1);
+    return included;
+  }
+
+  /// The range of colours: as set, else nearly all values, from zero where that is near.
+  colourRange(): [number, number] {
+    const range = this.range();
+    if (!range || range.finite === 0) return [0, 1];
+    let low = range.centralLow > 0 && range.centralLow < 0.3 * range.centralHigh ? 0 : range.centralLow, high = range.centralHigh;
+    if (!(high > low)) [low, high] = [range.low, range.high];
+    return [Number.isFinite(this.state.rangeLow) ? this.state.rangeLow : low, Number.isFinite(this.state.rangeHigh) ? this.state.rangeHigh : high];
+  }
+
+  /// The range of nearly all values on what is visible.
+  visibleRange(): [number, number] | null {
+    const { sets } = this.shown(), values = sets.layer.measures.get(this.state.color);
+    if (!values) return null;
+    this.update();
+    const range = rangeOf(values, Uint8Array.from(values, (_, v) => Number(sets.isVisible(v))));
+    return range.finite > 0 ? [range.centralLow, range.centralHigh] : null;
+  }
+
+  /// Everything that follows from the state; only what changed is done.
+  update(): void {
+    this.shown().view.fadeLines(this.shown().set, this.stage.camera.perPixel * this.page.meta.side);
+    const s = this.state, old = this.applied;
+    if (old === s) return;
+    this.applied = s;
+    const changed = (...keys: (keyof State)[]) => !old || keys.some((key) => !Object.is(old[key], s[key]));
+    const shown = this.shown(), { view } = shown, shared = this.stage.shared;
+    const level = s.layer === "core" ? "lambda" : "theta2";
+    if (changed("layer", level, "theta1")) {
+      shown.sets.compute(s.layer === "core" ? s.lambda : s.layer === "skeleton" ? s.theta2 : 0, s.layer === "skeleton" ? s.theta1 : 0);
+      view.show(shown.set);
+      this.ballsChanged();
+    }
+    if (changed("balls")) this.ballsChanged();
+    if (changed("layer")) for (const [name, other] of this.layers) other.view.group.visible = name === s.layer;
+    if (changed("layer", "color")) view.colourBy(s.color);
+    if (changed("map")) {
+      const image = shared.colourMap.value.image as unknown as { data: Uint8Array };
+      image.data.set(textureOf(s.map));
+      shared.colourMap.value.needsUpdate = true;
+    }
+    shared.range.value.set(...this.colourRange());
+    const map = MAPS[s.map] ?? MAPS.viridis!;
+    const accent = s.map === "diverging" && s.dark ? "ffffff" : map.accent;
+    const byMeasure = s.curvesByMeasure || s.color.startsWith("curve_");
+    view.style(byMeasure ? { ...s, curvesByMeasure: true } : s, accent, this.stage.pixelRatio, 0.0016);
+    this.stage.setPaper(s.dark);
+    this.glass?.style(s.dark, s.shapeOpacity);
+    if (this.glass) this.glass.group.visible = s.shape && s.shapeOpacity > 0;
+    this.stage.camera.orthographic = s.orthographic;
+    this.clip();
+    const width = this.page.meta.side * 0.012;
+    shared.burn.value.set(Number(s.burn), s.time, width, Number(s.burnHides));
+    this.onChange(this.numbers());
+  }
+
+  private clip(): void {
+    const s = this.state, { clipPlane, clipOn } = this.stage.shared, half = this.placement.half;
+    clipOn.value = Number(s.clip);
+    const axis = s.clipAxis === "view" ? this.stage.camera.forward.negate() : new Vector3(Number(s.clipAxis === "x"), Number(s.clipAxis === "y"), Number(s.clipAxis === "z"));
+    const reach = Math.abs(axis.x) * half.x + Math.abs(axis.y) * half.y + Math.abs(axis.z) * half.z;
+    const sign = s.clipFlip ? -1 : 1;
+    const at = (2 * s.clipAt - 1) * reach * 1.001;
+    clipPlane.value.set(sign * axis.x, sign * axis.y, sign * axis.z, -sign * at);
+  }
+
+  numbers(): Numbers {
+    const { set } = this.shown();
+    return {
+      faces: set.faces, area: set.area, curveEdges: set.curves.count, curveLength: set.curves.length, freeEnds: set.freeEnds,
+      isolated: set.isolated.count, vertices: set.vertices, edges: set.edges, boundaryEdges: set.boundary.count, seamEdges: set.seams.count,
+    };
+  }
+
+  command(): string { return commandOf(this.page, this.state); }
+
+  /// The last and first moment of the burning of the layer shown.
+  burnRange(): [number, number] | null {
+    const range = this.range("burn_time"), curves = this.range("curve_burn_time");
+    if (!range || range.finite === 0) return null;
+    return [range.low, Math.max(range.high, curves && curves.finite > 0 ? curves.high : 0)];
+  }
+
+  private ballsChanged(): void {
+    const ticket = ++this.balls.wanted;
+    window.clearTimeout(this.balls.timer);
+    if (!this.state.balls) {
+      this.onShare("");
+      return;
+    }
+    const shown = this.shown(), { layer } = shown.sets;
+    if (!layer.measures.has("radius")) return this.onShare("No radii in this page: no balls.");
+    this.onShare("Union of balls: counting …");
+    // Not while a slider moves.
+    this.balls.timer = window.setTimeout(async () => {
+      const list = ballsToDraw(layer, shown.sets, shown.set, this.page.meta, MOST_BALLS);
+      shown.view.union.write(list, list.length);
+      this.stage.invalidate();
+      const share = await shareInside(this.page.meta, this.page.shape, layer, shown.sets, () => ticket !== this.balls.wanted);
+      if (ticket !== this.balls.wanted) return;
+      this.onShare(share === null ? "Balls of what is visible." : `The balls of what is visible fill ${(100 * share).toFixed(1)} % of the shape.`);
+    }, shown.view.union.count === 0 ? 0 : 120);
+  }
+
+  // Picking.
+
+  pickAt(x: number, y: number): void {
+    const { camera, width, height } = this.stage;
+    const three = camera.apply();
+    const near = new Vector3((x / width) * 2 - 1, 1 - (y / height) * 2, -1).unproject(three);
+    const far = new Vector3((x / width) * 2 - 1, 1 - (y / height) * 2, 1).unproject(three);
+    const direction = far.sub(near).normalize();
+    const start = camera.orthographic ? near : camera.position;
+    const s = this.state, pixels = s.curveWidth / 2 + 4;
+    const ray: Ray = {
+      origin: start.toArray(), direction: direction.toArray(),
+      spread: camera.orthographic ? 0 : (pixels * camera.perPixel) / camera.distance, width: camera.orthographic ? pixels * camera.perPixel : 0,
+    };
+    const { sets, set, view } = this.shown(), plane = this.stage.shared.clipPlane.value;
+    const keep = s.clip ? (a: number, b: number, c: number) => plane.x * a + plane.y * b + plane.z * c + plane.w <= 0 : () => true;
+    const vertex = pickVertex(ray, view.places, 4, sets, set, s.sheets, s.curves, keep);
+    if (vertex === null) this.clearPick();
+    else this.pick(vertex);
+  }
+
+  pick(vertex: number, name = this.state.layer): Picked {
+    if (name !== this.state.layer) this.set({ layer: name });
+    const { sets } = this.shown(), { layer } = sets;
+    if (!(Number.isInteger(vertex) && vertex >= 0 && vertex < layer.vertexCount)) throw new RangeError(`There is no vertex ${vertex}.`);
+    const { origin } = this.page.meta;
+    const position = [0, 1, 2].map((k) => layer.points[3 * vertex + k]! + origin[k]!) as [number, number, number];
+    const measures: Record<string, number> = {};
+    for (const [measure, values] of layer.measures) measures[measure] = values[vertex]!;
+    const radius = measures.radius ?? NaN;
+    const touching = touchingSites(this.page.meta, this.page.shape, position, radius);
+    this.picked = { layer: name, vertex, position, radius, measures, touching };
+    this.marks.show(this.placement.toScene(position), Number.isFinite(radius) ? radius * this.placement.scale : 0, touching.map((p) => this.placement.toScene(p)), this.stage.pixelRatio);
+    this.onPick(this.picked);
+    this.stage.invalidate();
+    return this.picked;
+  }
+
+  clearPick(): void {
+    if (!this.picked) return;
+    this.picked = null;
+    this.marks.clear();
+    this.onPick(null);
+    this.stage.invalidate();
+  }
+
+  // Cameras, in world coordinates.
+
+  get camera(): Camera {
+    const c = this.stage.camera;
+    return { position: this.placement.toWorld(c.position), target: this.placement.toWorld(c.target), up: c.up.toArray() };
+  }
+  set camera(camera: Camera) {
+    this.stage.camera.look(this.placement.toScene(camera.position), this.placement.toScene(camera.target), new Vector3(...camera.up));
+    this.stage.invalidate();
+  }
+
+  /// Three quarters from the front; volumes stand on z, meshes on y.
+  lookFrom(direction: Vector3 | null): void {
+    const upright = /\.(nrrd|nhdr|nii|nii\.gz|mha|mhd|mrc|map|vol|npy|tiff?|sof)$/i.test(this.page.meta.files.shape ?? "") ? new Vector3(0, 0, 1) : new Vector3(0, 1, 0);
+    const toEye = direction ?? (upright.z ? new Vector3(0.62, -0.72, 0.32) : new Vector3(0.55, 0.3, 0.78));
+    const up = Math.abs(toEye.clone().normalize().dot(upright)) > 0.99 ? (upright.z ? new Vector3(0, 1, 0) : new Vector3(0, 0, -1)) : upright;
+    this.stage.camera.orthographic = this.state.orthographic;
+    this.stage.camera.look(toEye.clone().normalize().multiplyScalar(3), new Vector3(), up);
+    this.frame();
+  }
+
+  frame(): void {
+    const { view } = this.shown();
+    if (this.glass && this.state.shape) this.stage.camera.frame(this.glass.sample, 3 * Math.ceil(this.glass.sample.length / 60000), 1.04);
+    else this.stage.camera.frame(view.places, 4 * Math.ceil(view.places.length / 80000), 1.04);
+    this.stage.invalidate();
+  }
+}

@@ -1,0 +1,284 @@
+// SPDX-License-Identifier: Apache-2.0
+// Reads the two data elements of a page (FORMAT.md). Everything that can be wrong with them becomes a PageError with one
+// sentence for the reader.
+
+export class PageError extends Error {}
+
+export const FORMAT = 1;
+
+export type LayerName = "core" | "skeleton" | "still";
+export const LAYER_NAMES: LayerName[] = ["skeleton", "core", "still"];
+
+export interface ArrayEntry {
+  name: string;
+  type: "f32" | "u32" | "u16" | "u8";
+  components: number;
+  count: number;
+  offset: number;
+}
+
+export interface Meta {
+  format: number;
+  title: string;
+  program: string;
+  command: string;
+  unit: string;
+  side: number;
+  voxel?: number;
+  low: [number, number, number];
+  high: [number, number, number];
+  origin: [number, number, number];
+  lambda?: number;
+  burning?: { omega?: number; propagation?: string; radius?: string };
+  theta2?: number;
+  theta1?: number;
+  floor: { lambda: number; theta2: number; theta1: number };
+  topology?: { euler: number; betti: number[] };
+  notes: string[];
+  files: { core?: string; skeleton?: string; shape?: string };
+  sites_to_world?: number[];
+  /// What the page starts with, as in the address.
+  state: string;
+  arrays: ArrayEntry[];
+}
+
+/// A cell complex with levels; the arrays are views of the page's data.
+export interface Layer {
+  name: LayerName;
+  points: Float32Array;
+  vertexCount: number;
+  faceCount: number;
+  edgeCount: number;
+  offsets: Uint32Array;
+  corners: Uint32Array;
+  sides: Uint32Array;
+  edges: Uint32Array;
+  faceLevel: Float32Array | null;
+  edgeLevel: Float32Array | null;
+  vertexLevel: Float32Array | null;
+  curveEdges: Uint32Array | null;
+  curveThickness: Float32Array | null;
+  /// Vertices that are never pruned: the medial points.
+  medialPoints: Uint32Array | null;
+  measures: Map<string, Float32Array>;
+}
+
+export interface Shape {
+  points: Float32Array | null;
+  triangles: Uint32Array | null;
+  sites: Uint16Array | null;
+  samples: Float32Array | null;
+}
+
+export interface Page {
+  meta: Meta;
+  layers: Map<LayerName, Layer>;
+  shape: Shape;
+}
+
+const BYTES = { f32: 4, u32: 4, u16: 2, u8: 1 } as const;
+const CHUNK = 1 << 20; // characters of base64 decoded at a time
+
+/// The page's data, or null in the empty template.
+export async function readPage(document: Document): Promise<Page | null> {
+  const metaText = document.getElementById("quench-meta")?.textContent;
+  const dataText = document.getElementById("quench-data")?.textContent;
+  if (metaText == null && dataText == null) return null;
+  if (metaText == null || dataText == null) throw new PageError("This page is incomplete: one of its two data elements is missing.");
+  const meta = readMeta(metaText);
+  const bytes = await inflate(dataText, sizeOf(meta.arrays));
+  return assemble(meta, bytes);
+}
+
+export function readMeta(text: string): Meta {
+  let raw: Partial<Meta>;
+  try {
+    raw = JSON.parse(text) as Partial<Meta>;
+  } catch {
+    throw new PageError("The description of the data in this page is damaged (no valid JSON); write the page anew.");
+  }
+  if (typeof raw !== "object" || raw === null) throw new PageError("The description of the data in this page is empty.");
+  if (raw.format !== FORMAT)
+    throw new PageError(`This page says data format ${raw.format}, its program reads ${FORMAT}; write it anew with one version of quench.`);
+  if (!Array.isArray(raw.arrays)) throw new PageError("This page does not list its arrays; write it anew.");
+  const triple = (v: unknown) => (Array.isArray(v) && v.length === 3 && v.every((x) => Number.isFinite(x)) ? (v as Meta["low"]) : undefined);
+  const length = (v: unknown) => (typeof v === "number" && Number.isFinite(v) ? v : undefined);
+  const low = triple(raw.low), high = triple(raw.high);
+  const side = length(raw.side);
+  if (!low || !high || !side || side <= 0) throw new PageError("This page does not say how large the shape is (side, low, high); write it anew.");
+  // null stands for infinity, a missing value for unknown.
+  const theta = (v: unknown) => (v === null ? Infinity : length(v));
+  return {
+    format: FORMAT,
+    title: String(raw.title ?? "Quench"),
+    program: String(raw.program ?? "quench"),
+    command: String(raw.command ?? ""),
+    unit: String(raw.unit ?? ""),
+    side,
+    voxel: length(raw.voxel),
+    low,
+    high,
+    origin: triple(raw.origin) ?? [0, 0, 0],
+    lambda: length(raw.lambda),
+    burning: raw.burning ?? undefined,
+    theta2: theta(raw.theta2),
+    theta1: theta(raw.theta1),
+    floor: { lambda: length(raw.floor?.lambda) ?? 0, theta2: length(raw.floor?.theta2) ?? 0, theta1: length(raw.floor?.theta1) ?? 0 },
+    topology: raw.topology ?? undefined,
+    notes: Array.isArray(raw.notes) ? raw.notes.map(String) : [],
+    files: raw.files ?? {},
+    sites_to_world: Array.isArray(raw.sites_to_world) && raw.sites_to_world.length === 12 ? raw.sites_to_world : undefined,
+    state: typeof raw.state === "string" ? raw.state : "",
+    arrays: raw.arrays,
+  };
+}
+
+function sizeOf(arrays: ArrayEntry[]): number {
+  let size = 0;
+  for (const a of arrays) {
+    const bytes = BYTES[a.type];
+    const whole = (n: unknown) => Number.isInteger(n) && (n as number) >= 0;
+    if (!bytes || !whole(a.count) || !whole(a.components) || !whole(a.offset) || a.offset % 4 !== 0)
+      throw new PageError(`The array ${a.name} of this page is described in a way its program does not know; write the page anew.`);
+    size = Math.max(size, a.offset + bytes * a.components * a.count);
+  }
+  return size;
+}
+
+/// Base64 and gzip, a piece at a time, into one buffer of known size: no second copy of a large page.
+async function inflate(text: string, size: number): Promise<Uint8Array> {
+  if (typeof DecompressionStream === "undefined")
+    throw new PageError("This browser is too old to unpack the page's data; use Chrome 80, Firefox 113, Safari 16.4 or later.");
+  let bytes: Uint8Array;
+  try {
+    bytes = new Uint8Array(size);
+  } catch {
+    throw new PageError(`This browser has no room for the ${Math.round(size / 1e6)} MB of this page; write it anew with fewer faces.`);
+  }
+  let at = 0, carry = "";
+  const base64 = new ReadableStream<Uint8Array<ArrayBuffer>>({
+    pull(controller) {
+      if (at >= text.length) {
+        if (carry.length > 0) controller.error(new PageError("The data of this page end in the middle (base64); the file was cut off."));
+        else controller.close();
+        return;
+      }
+      const piece = carry + text.slice(at, at + CHUNK).replace(/\s+/g, "");
+      at += CHUNK;
+      const whole = piece.length - (piece.length % 4);
+      carry = piece.slice(whole);
+      let binary: string;
+      try {
+        binary = atob(piece.slice(0, whole));
+      } catch {
+        controller.error(new PageError("The data of this page are damaged (no valid base64)."));
+        return;
+      }
+      const out = new Uint8Array(binary.length);
+      for (let i = 0; i < binary.length; ++i) out[i] = binary.charCodeAt(i);
+      controller.enqueue(out);
+    },
+  });
+  const reader = base64.pipeThrough(new DecompressionStream("gzip")).getReader();
+  let filled = 0;
+  try {
+    for (;;) {
+      const { done, value } = await reader.read();
+      if (done) break;
+      if (filled + value.length > size) throw new PageError("The data of this page are longer than it says; write it anew.");
+      bytes.set(value, filled);
+      filled += value.length;
+    }
+  } catch (error) {
+    if (error instanceof PageError) throw error;
+    throw new PageError("The data of this page cannot be unpacked (damaged gzip); the file was cut off or changed.");
+  }
+  if (filled < size) throw new PageError(`The data of this page are incomplete: ${filled} of ${size} bytes.`);
+  return bytes;
+}
+
+type Numbers = Float32Array | Uint32Array | Uint16Array | Uint8Array;
+
+export function assemble(meta: Meta, bytes: Uint8Array): Page {
+  const arrays = new Map<string, Numbers>();
+  const views = { f32: Float32Array, u32: Uint32Array, u16: Uint16Array, u8: Uint8Array };
+  for (const a of meta.arrays)
+    arrays.set(a.name, new views[a.type](bytes.buffer as ArrayBuffer, bytes.byteOffset + a.offset, a.count * a.components));
+  const find = <T extends Numbers>(name: string, type: new (n: number) => T): T | null => {
+    const found = arrays.get(name);
+    if (found === undefined) return null;
+    if (!(found instanceof type)) throw new PageError(`The array ${name} of this page has an unexpected type; write the page anew.`);
+    return found as T;
+  };
+  const layers = new Map<LayerName, Layer>();
+  for (const name of LAYER_NAMES) {
+    const layer = readLayer(name, find, meta);
+    if (layer) layers.set(name, layer);
+  }
+  const shape: Shape = {
+    points: find("shape/points", Float32Array),
+    triangles: find("shape/triangles", Uint32Array),
+    sites: find("shape/sites", Uint16Array),
+    samples: find("shape/samples", Float32Array),
+  };
+  if (shape.triangles && shape.points) below(shape.triangles, shape.points.length / 3, "shape/triangles");
+  if (layers.size === 0) throw new PageError("There is no medial axis in this page: every layer is empty.");
+  return { meta, layers, shape };
+}
+
+function readLayer(name: LayerName, find: <T extends Numbers>(name: string, type: new (n: number) => T) => T | null, meta: Meta): Layer | null {
+  const points = find(`${name}/points`, Float32Array);
+  if (!points || points.length === 0) return null;
+  const vertexCount = points.length / 3;
+  if (!Number.isInteger(vertexCount)) throw new PageError(`${name}/points of this page has no three coordinates per point.`);
+  if (points.some((x) => !Number.isFinite(x))) throw new PageError(`Coordinates of the layer ${name} are not numbers; the result this page shows is damaged.`);
+  const offsets = find(`${name}/polygon_offsets`, Uint32Array) ?? new Uint32Array(1);
+  const faceCount = Math.max(0, offsets.length - 1);
+  const empty = new Uint32Array(0);
+  const needed = <T extends Numbers>(array: string, type: new (n: number) => T, wanted: boolean): T | null => {
+    const found = find(`${name}/${array}`, type);
+    if (!found && wanted) throw new PageError(`The array ${name}/${array} is missing in this page; write it anew.`);
+    return found;
+  };
+  const corners = needed("polygon_corners", Uint32Array, faceCount > 0) ?? empty;
+  const sides = needed("polygon_edges", Uint32Array, faceCount > 0) ?? empty;
+  const edges = needed("edges", Uint32Array, faceCount > 0) ?? empty;
+  const edgeCount = edges.length / 2;
+  for (let f = 0; f < faceCount; ++f)
+    if (offsets[f + 1]! < offsets[f]!) throw new PageError(`${name}/polygon_offsets of this page does not increase; the page is damaged.`);
+  if (corners.length < (offsets[faceCount] ?? 0) || sides.length < (offsets[faceCount] ?? 0))
+    throw new PageError(`${name}/polygon_corners or polygon_edges of this page is too short; the page is damaged.`);
+  below(corners, vertexCount, `${name}/polygon_corners`);
+  below(sides, edgeCount, `${name}/polygon_edges`);
+  below(edges, vertexCount, `${name}/edges`);
+  const levels = name !== "still";
+  const sized = (array: string, count: number, wanted: boolean) => {
+    const found = needed(array, Float32Array, wanted);
+    if (found && found.length !== count) throw new PageError(`${name}/${array} of this page has ${found.length} values for ${count} cells; the page is damaged.`);
+    return found;
+  };
+  const measures = new Map<string, Float32Array>();
+  const prefix = `${name}/point/`;
+  for (const a of meta.arrays)
+    if (a.name.startsWith(prefix)) measures.set(a.name.slice(prefix.length), sized(`point/${a.name.slice(prefix.length)}`, vertexCount, true)!);
+  const faceLevel = sized("face_level", faceCount, levels && faceCount > 0);
+  if (faceLevel)
+    for (let f = 1; f < faceCount; ++f)
+      if (!(faceLevel[f]! <= faceLevel[f - 1]!)) throw new PageError(`The faces of the layer ${name} are not sorted by level; the page is damaged.`);
+  const curveEdges = needed("curve_edges", Uint32Array, false);
+  const curveThickness = curveEdges ? sized("curve_thickness", curveEdges.length, true) : null;
+  if (curveEdges) below(curveEdges, edgeCount, `${name}/curve_edges`);
+  const medialPoints = needed("medial_points", Uint32Array, false);
+  if (medialPoints) below(medialPoints, vertexCount, `${name}/medial_points`);
+  return {
+    name, points, vertexCount, faceCount, edgeCount, offsets, corners, sides, edges, faceLevel,
+    edgeLevel: sized("edge_level", edgeCount, levels && edgeCount > 0),
+    vertexLevel: sized("vertex_level", vertexCount, levels),
+    curveEdges, curveThickness, medialPoints, measures,
+  };
+}
+
+function below(indices: Uint32Array, limit: number, name: string): void {
+  for (let i = 0; i < indices.length; ++i)
+    if (indices[i]! >= limit) throw new PageError(`${name} of this page points beyond its end; the page is damaged.`);
+}

@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: Apache-2.0
+// Starts the page: data, scene, controls, address, keys.
+import { Vector3 } from "three";
+import { App, type Numbers, type Picked } from "./app";
+import { MAPS, rgb, type Rgb } from "./colours";
+import { PageError, readPage, type Page } from "./data";
+import { labelOf, unitOf } from "./measures";
+import { Stage } from "./scene/stage";
+import { defaults, fromHash, sanitize, toHash, type State } from "./state";
+import { Burner } from "./ui/burner";
+import { ColourBar } from "./ui/colour_bar";
+import { el } from "./ui/dom";
+import { Help } from "./ui/help";
+import { Info } from "./ui/info";
+import { listenToKeys } from "./ui/keys";
+import { Panel } from "./ui/panel";
+
+interface Quench {
+  ready: boolean;
+  error: string | null;
+  readonly state: State | null;
+  set(change: Partial<State>): void;
+  sets(): Numbers;
+  pick(vertex: number): Picked;
+}
+declare global { interface Window { quench: Quench } }
+
+const root = document.getElementById("app")!;
+
+function message(title: string, text: string): void {
+  root.querySelector(".message")?.remove();
+  root.append(el("div", "message", el("h1", "", title), el("p", "", text)));
+}
+
+function fail(error: unknown): void {
+  const text = error instanceof PageError ? error.message : `This page does not work here: ${error instanceof Error ? error.message : String(error)}.`;
+  window.quench.error = text;
+  window.quench.ready = false;
+  root.classList.add("broken");
+  message("This page cannot be shown", text);
+}
+
+const none = () => { throw new PageError(window.quench.error ?? "The page is not ready."); };
+window.quench = { ready: false, error: null, state: null, set: none, sets: none, pick: none };
+
+async function start(): Promise<void> {
+  try {
+    const wait = el("div", "message", el("p", "", "Unpacking …"));
+    root.append(wait);
+    const page = await readPage(document);
+    wait.remove();
+    if (!page) {
+      window.quench.error = "This page holds no result.";
+      message("Quench", "This is the empty page. `quench view FILE... -o page.html` puts a result into it.");
+      return;
+    }
+    run(page);
+  } catch (error) {
+    root.querySelector(".message")?.remove();
+    fail(error);
+  }
+}
+
+function run(page: Page): void {
+  const dark = window.matchMedia?.("(prefers-color-scheme: dark)").matches ?? false;
+  // Below the address comes what the page was written with, then the defaults.
+  const written = fromHash(page.meta.state, defaults(page, dark));
+  const base = sanitize(written.state, page);
+  const first = fromHash(location.hash, base);
+  const camera = first.camera ?? written.camera;
+  const stage = new Stage(root);
+  stage.onLost = (text) => fail(new PageError(text));
+  const app = new App(page, stage, first.state);
+  const help = new Help();
+  const burner = new Burner(app);
+  const info = new Info(page, () => help.toggle());
+  const bar = new ColourBar();
+  const side = el("aside", "side");
+  const screenshot = () => {
+    const link = el("a");
+    link.href = stage.picture();
+    link.download = `${page.meta.title.replace(/[^\w.-]+/g, "_") || "quench"}.png`;
+    link.click();
+  };
+  const reset = () => {
+    if (written.camera) app.camera = written.camera;
+    else app.lookFrom(null);
+  };
+  const panel = new Panel(app, side, burner, { screenshot, reset });
+  const left = el("div", "left", info.element, bar.element);
+  root.append(left, side, info.command, help.element);
+  info.onClearPick = () => app.clearPick();
+
+  const theme = () => {
+    const s = app.state;
+    document.documentElement.dataset.theme = s.dark ? "dark" : "light";
+    document.documentElement.style.setProperty("--accent", s.dark ? "#5bb7c5" : "#1f7f8c");
+    root.classList.toggle("bare", !s.ui);
+  };
+  const layout = () => {
+    const wide = window.innerWidth >= 900 && app.state.ui;
+    stage.resize(window.innerWidth, window.innerHeight, wide ? { left: 290, right: 316, top: 20, bottom: 60 } : app.state.ui ? { left: 8, right: 8, top: 56, bottom: 150 } : { left: 20, right: 20, top: 16, bottom: 16 });
+  };
+
+  let hashTimer = 0;
+  const remember = () => {
+    window.clearTimeout(hashTimer);
+    hashTimer = window.setTimeout(() => {
+      const hash = toHash(app.state, base, app.camera);
+      if (hash !== location.hash.slice(1)) history.replaceState(null, "", `#${hash}`);
+    }, 250);
+  };
+
+  let ui = app.state.ui;
+  app.onChange = (numbers) => {
+    const s = app.state;
+    theme();
+    if (ui !== s.ui) {
+      ui = s.ui;
+      layout();
+    }
+    info.show(s, numbers, app.command());
+    panel.show();
+    burner.show();
+    const extra: [string, Rgb][] = [];
+    const map = MAPS[s.map] ?? MAPS.viridis!;
+    if (s.curves && numbers.curveEdges > 0 && !s.balls && !s.curvesByMeasure && !s.color.startsWith("curve_") && app.range()) extra.push(["curves", rgb(s.map === "diverging" && s.dark ? "ffffff" : map.accent)]);
+    bar.show(labelOf(s.color), unitOf(s.color, page.meta.unit), s.map, ...app.colourRange(), app.range(), extra);
+    remember();
+  };
+  app.onShare = (text) => info.showShare(text);
+  app.onPick = (picked) => info.showPicked(picked);
+
+  layout();
+  theme();
+  const place = () => {
+    if (camera) app.camera = camera;
+    else app.lookFrom(null);
+  };
+  place();
+  let touched = false;
+  const moved = () => {
+    touched = true;
+    if (app.state.clip && app.state.clipAxis === "view") app.set({});
+    stage.invalidate();
+    remember();
+  };
+  stage.camera.listen(stage.canvas, moved, (x, y) => app.pickAt(x, y));
+  window.addEventListener("resize", () => {
+    layout();
+    if (!touched && !camera) app.frame();
+    app.set({});
+  });
+  window.addEventListener("hashchange", () => {
+    const now = fromHash(location.hash, base);
+    if (now.camera) app.camera = now.camera;
+    app.set(now.state);
+  });
+  window.matchMedia?.("(prefers-color-scheme: dark)").addEventListener("change", (event) => app.set({ dark: event.matches }));
+  listenToKeys(app, panel, { burn: () => burner.toggle(), help, screenshot, reset, look: (x, y, z) => app.lookFrom(new Vector3(x, y, z)), moved });
+
+  stage.draw();
+  Object.defineProperty(window.quench, "state", { get: () => ({ ...app.state }) });
+  window.quench.set = (change) => { app.set(change); };
+  window.quench.sets = () => { app.update(); return app.numbers(); };
+  window.quench.pick = (vertex) => app.pick(vertex);
+  document.title = page.meta.title;
+  window.quench.ready = true;
+}
+
+if (document.readyState === "loading") document.addEventListener("DOMContentLoaded", () => void start());
+else void start();

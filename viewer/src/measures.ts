@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the arrays of the page are called and what they mean.
+import type { Layer } from "./data";
+
+interface Measure { label: string; help: string; unit?: string }
+
+export const MEASURES: Record<string, Measure> = {
+  radius: { label: "radius", help: "Distance to the boundary of the shape." },
+  lambda: { label: "λ", help: "Half the largest distance of nearest boundary points around." },
+  burn_time: { label: "burn time", help: "When the fire that starts at the rim of the sheets comes by." },
+  erosion_thickness: { label: "erosion thickness", help: "Burn time − radius: how much longer a place lasts than its radius." },
+  object_angle: { label: "object angle", help: "Angle between the nearest boundary points, seen from here.", unit: "°" },
+  curve_burn_time: { label: "curve burn time", help: "When the fire along the curves comes by." },
+  curve_erosion_thickness: { label: "curve thickness", help: "Burn time on the curves − on the sheets." },
+};
+
+/// Of a measure: lengths but for what says otherwise.
+export const unitOf = (name: string, length: string): string => MEASURES[name]?.unit ?? length;
+
+export const UNIFORM = "none";
+
+export function labelOf(name: string): string {
+  if (name === UNIFORM) return "one colour";
+  return MEASURES[name]?.label ?? name.replaceAll("_", " ");
+}
+
+/// Smallest, largest and central values of an array: of many values a sample, for the ranges of colours.
+export interface Range { low: number; high: number; centralHigh: number; centralLow: number; finite: number; infinite: number; missing: number }
+
+/// `included` (1 per vertex that counts) may be missing.
+export function rangeOf(values: Float32Array, included: Uint8Array | null = null): Range {
+  let low = Infinity, high = -Infinity, finite = 0, infinite = 0, count = 0;
+  for (let i = 0; i < values.length; ++i) {
+    if (included && !included[i]) continue;
+    const x = values[i]!;
+    ++count;
+    if (Number.isFinite(x)) {
+      ++finite;
+      if (x < low) low = x;
+      if (x > high) high = x;
+    } else if (!Number.isNaN(x)) ++infinite;
+  }
+  if (finite === 0) return { low: 0, high: 0, centralLow: 0, centralHigh: 0, finite, infinite, missing: count - infinite };
+  const stride = Math.max(1, Math.floor(count / 50000));
+  const sample: number[] = [];
+  for (let i = 0, k = 0; i < values.length; ++i) {
+    if ((included && !included[i]) || !Number.isFinite(values[i]!)) continue;
+    if (k++ % stride === 0) sample.push(values[i]!);
+  }
+  if (sample.length === 0) sample.push(low, high);
+  const sorted = Float32Array.from(sample).sort();
+  const at = (q: number) => sorted[Math.min(sorted.length - 1, Math.floor(q * sorted.length))]!;
+  return { low, high, centralLow: at(0.005), centralHigh: at(0.995), finite, infinite, missing: count - finite - infinite };
+}
+
+/// The measures a layer can be coloured by, in a fixed order, unknown ones last.
+export function measuresOf(layer: Layer): string[] {
+  const known = Object.keys(MEASURES).filter((name) => layer.measures.has(name));
+  return [...known, ...[...layer.measures.keys()].filter((name) => !known.includes(name))];
+}

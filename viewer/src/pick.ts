@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+// From a line of sight to a vertex, and from a vertex to where its ball touches the boundary.
+import type { Meta, Shape } from "./data";
+import type { CellSet, LayerSets } from "./sets";
+
+export interface Ray {
+  origin: [number, number, number];
+  direction: [number, number, number]; ///< of length 1
+  /// How far off the line at unit distance counts as hit (perspective), and in all (orthographic).
+  spread: number;
+  width: number;
+}
+
+/// Coordinates of the layer with `stride` numbers per vertex, in the units of the ray. `keep` says what is not cut away.
+export function pickVertex(ray: Ray, places: Float32Array, stride: number, sets: LayerSets, set: CellSet, sheets: boolean, curves: boolean, keep: (x: number, y: number, z: number) => boolean): number | null {
+  const { offsets, corners, edges } = sets.layer;
+  const [ox, oy, oz] = ray.origin, [dx, dy, dz] = ray.direction;
+  let best = Infinity, vertex: number | null = null;
+  const nearest = (candidates: Iterable<number>, x: number, y: number, z: number) => {
+    let least = Infinity, found = 0;
+    for (const v of candidates) {
+      const far = (places[stride * v]! - x) ** 2 + (places[stride * v + 1]! - y) ** 2 + (places[stride * v + 2]! - z) ** 2;
+      if (far < least) [least, found] = [far, v];
+    }
+    return found;
+  };
+  if (sheets)
+    for (let f = 0; f < set.faces; ++f) {
+      const begin = offsets[f]!, end = offsets[f + 1]!, a = stride * corners[begin]!;
+      const ax = places[a]!, ay = places[a + 1]!, az = places[a + 2]!;
+      for (let i = begin + 1; i + 1 < end; ++i) {
+        const b = stride * corners[i]!, c = stride * corners[i + 1]!;
+        const ux = places[b]! - ax, uy = places[b + 1]! - ay, uz = places[b + 2]! - az;
+        const vx = places[c]! - ax, vy = places[c + 1]! - ay, vz = places[c + 2]! - az;
+        const px = dy * vz - dz * vy, py = dz * vx - dx * vz, pz = dx * vy - dy * vx;
+        const det = ux * px + uy * py + uz * pz;
+        if (det === 0) continue;
+        const sx = ox - ax, sy = oy - ay, sz = oz - az;
+        const u = (sx * px + sy * py + sz * pz) / det;
+        if (!(u >= 0 && u <= 1)) continue;
+        const qx = sy * uz - sz * uy, qy = sz * ux - sx * uz, qz = sx * uy - sy * ux;
+        const v = (dx * qx + dy * qy + dz * qz) / det;
+        if (!(v >= 0 && u + v <= 1)) continue;
+        const t = (vx * qx + vy * qy + vz * qz) / det;
+        if (!(t > 0 && t < best)) continue;
+        const x = ox + t * dx, y = oy + t * dy, z = oz + t * dz;
+        if (!keep(x, y, z)) continue;
+        best = t;
+        vertex = nearest(corners.subarray(begin, end), x, y, z);
+      }
+    }
+  // Curves are drawn thick: near is enough, and they win over a sheet they lie on.
+  const offer = (x: number, y: number, z: number, candidates: Iterable<number>) => {
+    const t = (x - ox) * dx + (y - oy) * dy + (z - oz) * dz;
+    const tolerance = ray.width + ray.spread * t;
+    if (!(t > 0) || t - 2 * tolerance >= best || !keep(x, y, z)) return;
+    if (Math.hypot(x - ox - t * dx, y - oy - t * dy, z - oz - t * dz) > tolerance) return;
+    best = t;
+    vertex = nearest(candidates, x, y, z);
+  };
+  if (curves) {
+    const lists = [set.curves];
+    for (const list of lists)
+      for (let i = 0; i < list.count; ++i) {
+        const a = edges[2 * list.edge[i]!]!, b = edges[2 * list.edge[i]! + 1]!;
+        const ax = places[stride * a]!, ay = places[stride * a + 1]!, az = places[stride * a + 2]!;
+        const ux = places[stride * b]! - ax, uy = places[stride * b + 1]! - ay, uz = places[stride * b + 2]! - az;
+        // Nearest points of a segment and a line.
+        const along = ux * dx + uy * dy + uz * dz, size = ux * ux + uy * uy + uz * uz;
+        const wx = ox - ax, wy = oy - ay, wz = oz - az;
+        const across = size - along * along;
+        let s = across > 1e-12 * size ? (ux * wx + uy * wy + uz * wz - along * (dx * wx + dy * wy + dz * wz)) / across : 0.5;
+        s = Math.min(1, Math.max(0, s));
+        offer(ax + s * ux, ay + s * uy, az + s * uz, [a, b]);
+      }
+    for (let i = 0; i < set.isolated.count; ++i) {
+      const v = set.isolated.vertex[i]!;
+      offer(places[stride * v]!, places[stride * v + 1]!, places[stride * v + 2]!, [v]);
+    }
+  }
+  return vertex;
+}
+
+/// World positions of the boundary sites a ball touches: at most a hundred-thousandth of the radius farther, and as far
+/// as float32 coordinates are off.
+export function touchingSites(meta: Meta, shape: Shape, world: readonly [number, number, number], radius: number): [number, number, number][] {
+  const m = meta.sites_to_world, sites = shape.sites;
+  if (!m || !sites || !Number.isFinite(radius)) return [];
+  const tiny = 3e-7 * Math.max(meta.side, ...meta.low.map((x, k) => Math.max(Math.abs(x - meta.origin[k]!), Math.abs(meta.high[k]! - meta.origin[k]!))));
+  const limit = (radius * (1 + 1e-5) + tiny) ** 2;
+  const [x, y, z] = world;
+  const found: [number, number, number][] = [];
+  for (let i = 0; i + 2 < sites.length; i += 3) {
+    const a = sites[i]!, b = sites[i + 1]!, c = sites[i + 2]!;
+    const sx = m[0]! * a + m[1]! * b + m[2]! * c + m[3]!;
+    const ex = sx - x;
+    if (ex * ex > limit) continue;
+    const sy = m[4]! * a + m[5]! * b + m[6]! * c + m[7]!, sz = m[8]! * a + m[9]! * b + m[10]! * c + m[11]!;
+    if (ex * ex + (sy - y) ** 2 + (sz - z) ** 2 <= limit) found.push([sx, sy, sz]);
+  }
+  return found;
+}

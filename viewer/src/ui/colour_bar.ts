@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+// The colour bar: what colours mean, in world units.
+import { colourAt, css, GREY, INFINITE, type Rgb } from "../colours";
+import { short, ticks, withUnit } from "../format";
+import type { Range } from "../measures";
+import { el, fill, prepare, styleOf } from "./dom";
+
+export class ColourBar {
+  readonly element = el("div", "colour-bar");
+  private readonly title = el("div", "colour-title");
+  private readonly canvas = el("canvas");
+  private readonly keys = el("div", "colour-keys");
+
+  constructor() { this.element.append(this.title, this.canvas, this.keys); }
+
+  show(label: string, unit: string, map: string, low: number, high: number, range: Range | null, extra: [string, Rgb][]): void {
+    const swatch = (name: string, rgb: Rgb) => {
+      const dot = el("i", "swatch");
+      dot.style.background = css(rgb);
+      return el("span", "key", dot, name);
+    };
+    const keys = extra.map(([name, rgb]) => swatch(name, rgb));
+    if (range && range.infinite > 0) keys.push(swatch("infinite: no fire comes", INFINITE));
+    if (range && range.missing > 0) keys.push(swatch(range.finite > 0 ? "no value here" : "no value anywhere", GREY));
+    fill(this.keys, ...keys);
+    const bar = range !== null && range.finite > 0;
+    this.title.textContent = bar ? withUnit(label, unit && `(${unit})`) : "";
+    this.title.hidden = this.canvas.hidden = !bar;
+    if (!bar) return;
+    const width = 280, height = 34;
+    this.canvas.style.width = `${width}px`;
+    const c = prepare(this.canvas, width, height), margin = 14, length = width - 2 * margin;
+    const gradient = c.createLinearGradient(margin, 0, margin + length, 0);
+    for (let i = 0; i <= 32; ++i) gradient.addColorStop(i / 32, css(colourAt(map, i / 32)));
+    c.fillStyle = gradient;
+    c.beginPath();
+    c.rect(margin, 2, length, 10);
+    c.fill();
+    c.fillStyle = styleOf("--text");
+    c.font = "12px system-ui, sans-serif";
+    c.textAlign = "center";
+    const flat = !(high > low);
+    for (const x of flat ? [low] : ticks(low, high, 5)) {
+      const at = margin + (flat ? 0.5 : (x - low) / (high - low)) * length;
+      c.fillRect(at - 0.5, 13, 1, 4);
+      c.fillText(short(Math.abs(x) < 1e-9 * Math.abs(high) ? 0 : Number(x.toPrecision(6)), 4), at, 29);
+    }
+    // Values beyond the ends take their colours: arrow heads.
+    const arrow = (from: number, to: number, t: number) => {
+      c.fillStyle = css(colourAt(map, t));
+      c.beginPath();
+      c.moveTo(from, 2);
+      c.lineTo(to, 7);
+      c.lineTo(from, 12);
+      c.fill();
+    };
+    if (range.low < low - 1e-6 * (high - low)) arrow(margin, margin - 8, 0);
+    if (range.high > high + 1e-6 * (high - low)) arrow(margin + length, margin + length + 8, 1);
+  }
+}

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+// The overlay behind "?".
+import { el } from "./dom";
+
+const KEYS: [string, string][] = [
+  ["drag", "turn"],
+  ["right drag, Shift + drag", "move"],
+  ["scroll, + −", "zoom"],
+  ["arrow keys", "turn in steps"],
+  ["click", "pick a vertex: its ball, its touching points"],
+  ["Esc", "clear"],
+  ["[ ]", "λ of the core, θ₂ of the skeleton: less, more"],
+  ["; '", "θ₁: less, more"],
+  ["1 2 3", "skeleton, core, other complex"],
+  ["S C E B", "sheets, curves, seams, boundary"],
+  ["G", "shape around"],
+  ["U", "union of balls"],
+  ["X", "clipping plane"],
+  ["Space", "burn"],
+  ["O", "orthographic, perspective"],
+  ["F", "whole view again"],
+  ["X Y Z with Alt", "look along an axis"],
+  ["D", "dark, light"],
+  ["H", "hide panels"],
+  ["P", "save a picture"],
+  ["?", "this help"],
+];
+
+export class Help {
+  readonly element = el("div", "help");
+  constructor() {
+    const list = el("dl", "keys");
+    for (const [key, meaning] of KEYS) list.append(el("dt", "", key), el("dd", "", meaning));
+    const close = el("button", "plain", "Close");
+    close.addEventListener("click", () => this.toggle(false));
+    const box = el("div", "help-box", el("h2", "", "Keys and mouse"), list,
+      el("p", "", "Touch: one finger turns, two move, zoom and roll, a tap picks. The address of the page holds the view: copy it to share what you see."), close);
+    box.setAttribute("role", "dialog");
+    this.element.append(box);
+    this.element.hidden = true;
+    this.element.addEventListener("click", (event) => event.target === this.element && this.toggle(false));
+  }
+  toggle(on = this.element.hidden): void { this.element.hidden = !on; }
+  get open(): boolean { return !this.element.hidden; }
+}

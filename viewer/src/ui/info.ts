@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+// What am I looking at: title, figures of what is visible, what the result is, and the command that writes it.
+import type { Page } from "../data";
+import { counted, short, withUnit } from "../format";
+import type { Numbers, Picked } from "../app";
+import { labelOf, unitOf } from "../measures";
+import type { State } from "../state";
+import { el, fill, rows } from "./dom";
+
+const NAMES = { skeleton: "Skeleton", core: "Medial axis", still: "Complex" };
+
+export class Info {
+  readonly element = el("section", "info");
+  readonly command = el("div", "command");
+  private readonly what = el("p", "what");
+  private readonly figures = el("div", "figures");
+  private readonly share = el("p", "share");
+  private readonly picked = el("div", "picked");
+  private readonly commandText = el("code");
+  onClearPick: () => void = () => {};
+
+  constructor(private readonly page: Page, help: () => void) {
+    const { meta } = page;
+    const about = el("details", "about", el("summary", "", "About this result"));
+    const facts: [string, string][] = [];
+    if (meta.topology) facts.push(["shape", topology(meta.topology.betti, meta.topology.euler)]);
+    facts.push(["longest side", withUnit(short(meta.side, 4), meta.unit)]);
+    if (meta.voxel) facts.push(["voxel", withUnit(short(meta.voxel, 4), meta.unit)]);
+    if (meta.lambda !== undefined) facts.push(["burned at λ", withUnit(short(meta.lambda, 4), meta.unit)]);
+    if (meta.burning?.omega !== undefined) facts.push(["ω", withUnit(short(meta.burning.omega, 4), meta.unit)]);
+    if (meta.burning?.propagation) facts.push(["propagation", meta.burning.propagation]);
+    facts.push(["written by", meta.program]);
+    about.append(rows(facts));
+    if (meta.command) about.append(el("code", "made", meta.command));
+    const question = el("button", "plain round", "?");
+    question.title = "Keys and mouse (?)";
+    question.addEventListener("click", help);
+    const notes = meta.notes.map((note) => el("p", "note", note));
+    this.element.append(el("header", "", el("h1", "", meta.title), question), this.what, this.figures, this.share, ...notes, about, this.picked);
+    const copy = el("button", "plain", "Copy");
+    copy.addEventListener("click", async () => {
+      const text = this.commandText.textContent ?? "";
+      try {
+        await navigator.clipboard.writeText(text);
+      } catch {
+        // Pages opened from a file have no clipboard in some browsers.
+        const area = el("textarea");
+        area.value = text;
+        document.body.append(area);
+        area.select();
+        document.execCommand("copy");
+        area.remove();
+      }
+      copy.textContent = "Copied";
+      setTimeout(() => (copy.textContent = "Copy"), 1500);
+    });
+    this.command.append(this.commandText, copy);
+    this.command.title = "Writes what is visible to a file";
+  }
+
+  show(state: State, numbers: Numbers, command: string): void {
+    const { meta } = this.page, unit = meta.unit;
+    const length = (x: number) => withUnit(short(x), unit);
+    const sentence: string[] = [];
+    if (state.layer === "skeleton") {
+      const two = Number.isFinite(state.theta2) ? `sheets of erosion thickness ≥ ${length(state.theta2)}` : "no sheets but closed pockets";
+      const one = Number.isFinite(state.theta1) ? `curves ≥ ${length(state.theta1)}` : "curves only where topology needs them";
+      sentence.push(`${two}, ${one}`);
+    } else if (state.layer === "core") {
+      sentence.push(`pruned at λ = ${length(state.lambda)}`);
+      if (meta.lambda !== undefined && Math.abs(state.lambda - meta.lambda) > 1e-6 * meta.side && state.color !== "radius" && state.color !== "lambda")
+        sentence.push(`burn times belong to λ = ${length(meta.lambda)}`);
+    }
+    fill(this.what, el("b", "", NAMES[state.layer]), sentence.length ? `: ${sentence.join("; ")}.` : "");
+    const entries: [string, string][] = [];
+    if (numbers.faces > 0) entries.push(["sheets", `${counted(numbers.faces)} faces, area ${withUnit(short(numbers.area), unit && `${unit}²`)}`]);
+    if (numbers.curveEdges > 0) entries.push(["curves", `length ${length(numbers.curveLength)}, ${numbers.freeEnds === 0 ? "no" : counted(numbers.freeEnds)} free ${numbers.freeEnds === 1 ? "end" : "ends"}`]);
+    if (numbers.isolated > 0) entries.push(["points", counted(numbers.isolated)]);
+    entries.push(["χ = V − E + F", `${numbers.vertices - numbers.edges + numbers.faces}`.replace("-", "−")]);
+    fill(this.figures, rows(entries));
+    this.commandText.textContent = command;
+    this.command.hidden = command === "";
+  }
+
+  showShare(text: string): void { this.share.textContent = text; }
+
+  showPicked(picked: Picked | null): void {
+    if (!picked) return fill(this.picked);
+    const { unit } = this.page.meta;
+    const close = el("button", "plain", "Clear");
+    close.addEventListener("click", () => this.onClearPick());
+    const entries: [string, string][] = [["position", picked.position.map((x) => short(x, 5)).join(", ")]];
+    for (const [name, value] of Object.entries(picked.measures)) entries.push([labelOf(name), Number.isNaN(value) ? "–" : withUnit(short(value, 4), Number.isFinite(value) ? unitOf(name, unit) : "")]);
+    if (this.page.shape.sites) entries.push(["ball touches", `${counted(picked.touching.length)} boundary ${picked.touching.length === 1 ? "vertex" : "vertices"}`]);
+    fill(this.picked, el("header", "", el("h2", "", `Vertex ${counted(picked.vertex)}`), close), rows(entries));
+  }
+}
+
+function topology(betti: number[], euler: number): string {
+  const words = [["component", "components"], ["tunnel", "tunnels"], ["cavity", "cavities"]] as const;
+  const parts = betti.map((n, i) => (i < 3 && (n > 0 || i === 0) ? `${n} ${words[i]![n === 1 ? 0 : 1]}` : "")).filter((s) => s !== "");
+  return `${parts.join(", ")} (χ = ${euler < 0 ? "−" : ""}${Math.abs(euler)})`;
+}

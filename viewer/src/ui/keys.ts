@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+// The keyboard; ui/help.ts lists what is here.
+import type { App } from "../app";
+import type { LayerName } from "../data";
+import type { State } from "../state";
+import type { Help } from "./help";
+import type { Panel } from "./panel";
+
+interface Actions {
+  burn: () => void;
+  help: Help;
+  screenshot: () => void;
+  reset: () => void;
+  look: (x: number, y: number, z: number) => void;
+  moved: () => void;
+}
+
+export function listenToKeys(app: App, panel: Panel, actions: Actions): void {
+  const flip = (key: keyof State) => () => app.set({ [key]: !app.state[key] });
+  const layer = (name: LayerName) => () => app.page.layers.has(name) && app.set({ layer: name });
+  const turn = (dx: number, dy: number) => () => {
+    app.stage.camera.rotate(dx, dy);
+    actions.moved();
+  };
+  const zoom = (factor: number) => () => {
+    app.stage.camera.zoom(factor, app.stage.width / 2, app.stage.height / 2);
+    actions.moved();
+  };
+  const step = (id: "level" | "theta1", direction: number) => () => {
+    const name = id === "theta1" ? id : app.state.layer === "core" ? "lambda" : "theta2";
+    if ((name === "lambda") === (app.state.layer === "core")) panel.sliders.get(name)?.step(direction);
+  };
+  const keys: Record<string, () => unknown> = {
+    "?": () => actions.help.toggle(),
+    Escape: () => (actions.help.open ? actions.help.toggle(false) : app.clearPick()),
+    "1": layer("skeleton"), "2": layer("core"), "3": layer("still"),
+    s: flip("sheets"), c: flip("curves"), e: flip("seams"), b: flip("boundary"), g: flip("shape"), u: flip("balls"), x: flip("clip"),
+    o: flip("orthographic"), d: flip("dark"), h: flip("ui"), p: actions.screenshot, f: actions.reset, " ": actions.burn,
+    "[": step("level", -1), "]": step("level", 1), ";": step("theta1", -1), "'": step("theta1", 1),
+    ArrowLeft: turn(-30, 0), ArrowRight: turn(30, 0), ArrowUp: turn(0, -30), ArrowDown: turn(0, 30),
+    "+": zoom(0.88), "=": zoom(0.88), "-": zoom(1 / 0.88),
+  };
+  const axes: Record<string, [number, number, number]> = { KeyX: [1, 0, 0], KeyY: [0, 1, 0], KeyZ: [0, 0, 1] };
+  window.addEventListener("keydown", (event) => {
+    const target = event.target instanceof HTMLElement ? event.target : null;
+    if (event.ctrlKey || event.metaKey || target?.closest("input:not([type=range]):not([type=checkbox]), select, textarea")) return;
+    const onControl = target?.closest("input, button, summary") != null;
+    if (onControl && (event.key === " " || event.key.startsWith("Arrow"))) return;
+    const axis = event.altKey ? axes[event.code] : undefined;
+    if (axis) {
+      const sign = event.shiftKey ? -1 : 1;
+      actions.look(sign * axis[0], sign * axis[1], sign * axis[2]);
+      event.preventDefault();
+      return;
+    }
+    if (event.altKey) return;
+    const action = keys[event.key] ?? keys[event.key.toLowerCase()];
+    if (!action) return;
+    event.preventDefault();
+    action();
+  });
+}

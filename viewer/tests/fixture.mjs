@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: Apache-2.0
+// Pages in the format of FORMAT.md for tests: small complexes made by hand, and random ones.
+import { gzipSync } from "node:zlib";
+
+const BYTES = { f32: 4, u32: 4, u16: 2, u8: 1 };
+const ARRAYS = { f32: Float32Array, u32: Uint32Array, u16: Uint16Array, u8: Uint8Array };
+
+/// arrays: { name: [type, components, numbers] }
+export function pack(arrays) {
+  const entries = [], pieces = [];
+  let offset = 0;
+  for (const [name, [type, components, numbers]] of Object.entries(arrays)) {
+    const bytes = Buffer.from(ARRAYS[type].from(numbers).buffer);
+    entries.push({ name, type, components, count: numbers.length / components, offset });
+    const padding = Buffer.alloc((4 - (bytes.length % 4)) % 4);
+    pieces.push(bytes, padding);
+    offset += numbers.length * BYTES[type] + padding.length;
+  }
+  return { entries, bytes: Buffer.concat(pieces) };
+}
+
+/// The two elements; `damage` may change what goes into them.
+export function elements(meta, arrays, damage = {}) {
+  const { entries, bytes } = pack(arrays);
+  const whole = { format: 1, title: "test", program: "quench test", command: "quench run box.off -o box", unit: "mm", side: 4, voxel: 0.25, low: [0, 0, 0], high: [4, 2, 2], floor: { lambda: 0, theta2: 0, theta1: 0 }, notes: [], files: { core: "core.vtp", skeleton: "skeleton.vtp", shape: "box.off" }, ...meta, arrays: entries };
+  const json = JSON.stringify(damage.meta ? damage.meta(whole) : whole).replaceAll("<", "\\u003c");
+  const zipped = gzipSync(bytes);
+  const data = damage.data ? damage.data(zipped) : zipped.toString("base64");
+  return `<script type="application/json" id="quench-meta">${json}</script>\n<script type="application/octet-stream" id="quench-data">${data}</script>`;
+}
+
+export function pageOf(template, meta, arrays, damage) {
+  return template.replace("<!--quench-data-->", () => elements(meta, arrays, damage));
+}
+
+/// Arrays of a layer. faces: lists of vertices in decreasing order of level; lone edges beside.
+/// cells: { points, faces: [{ corners, level }], lone: [{ ends, level, thickness? }], vertexLevel?, measures }
+export function layerArrays(name, cells) {
+  const points = cells.points.flat(), edges = [], index = new Map();
+  const edgeOf = (a, b) => {
+    const key = a < b ? `${a} ${b}` : `${b} ${a}`;
+    if (!index.has(key)) {
+      index.set(key, edges.length);
+      edges.push({ ends: [Math.min(a, b), Math.max(a, b)], level: -Infinity });
+    }
+    return index.get(key);
+  };
+  const faces = [...(cells.faces ?? [])].sort((a, b) => b.level - a.level);
+  const offsets = [0], corners = [], sides = [];
+  for (const { corners: c, level } of faces) {
+    c.forEach((v, i) => {
+      const e = edgeOf(v, c[(i + 1) % c.length]);
+      corners.push(v);
+      sides.push(e);
+      edges[e].level = Math.max(edges[e].level, level);
+    });
+    offsets.push(corners.length);
+  }
+  const curves = [], thickness = [];
+  for (const { ends, level, thickness: t } of cells.lone ?? []) {
+    const e = edgeOf(...ends);
+    edges[e].level = Math.max(edges[e].level, level ?? Infinity);
+    if (t !== undefined) {
+      curves.push(e);
+      thickness.push(t);
+    }
+  }
+  const vertexLevel = cells.points.map((_, v) => cells.vertexLevel?.[v] ?? -Infinity);
+  for (const { ends, level } of edges) for (const v of ends) vertexLevel[v] = Math.max(vertexLevel[v], level);
+  const arrays = {
+    [`${name}/points`]: ["f32", 3, points],
+    [`${name}/polygon_offsets`]: ["u32", 1, offsets],
+    [`${name}/polygon_corners`]: ["u32", 1, corners],
+    [`${name}/polygon_edges`]: ["u32", 1, sides],
+    [`${name}/edges`]: ["u32", 2, edges.flatMap((e) => e.ends)],
+  };
+  if (name !== "still") {
+    arrays[`${name}/face_level`] = ["f32", 1, faces.map((f) => f.level)];
+    arrays[`${name}/edge_level`] = ["f32", 1, edges.map((e) => e.level)];
+    arrays[`${name}/vertex_level`] = ["f32", 1, vertexLevel];
+  }
+  if (curves.length > 0) {
+    arrays[`${name}/curve_edges`] = ["u32", 1, curves];
+    arrays[`${name}/curve_thickness`] = ["f32", 1, thickness];
+  }
+  if (cells.medialPoints) arrays[`${name}/medial_points`] = ["u32", 1, cells.medialPoints];
+  for (const [measure, values] of Object.entries(cells.measures ?? {})) arrays[`${name}/point/${measure}`] = ["f32", 1, values];
+  return arrays;
+}
+
+/// The box [0,4] x [0,2] x [0,2]: a sheet between two ridges, four walls at either end (quadrilaterals and triangles
+/// from the ends of the ridge line to the corners). The medial axis of a bar with square section is a line with four
+/// wings along it, and eight triangles: 2 x 4 of them at the ends.
+export function boxCore() {
+  const points = [[1, 1, 1], [3, 1, 1]];
+  const low = [], high = [];
+  for (const [y, z] of [[0, 0], [2, 0], [2, 2], [0, 2]]) {
+    low.push(points.push([0, y, z]) - 1);
+    high.push(points.push([4, y, z]) - 1);
+  }
+  const faces = [];
+  for (let k = 0; k < 4; ++k) {
+    faces.push({ corners: [0, 1, high[k], low[k]], level: 1 });
+    faces.push({ corners: [0, low[k], low[(k + 1) % 4]], level: 0.75 });
+    faces.push({ corners: [1, high[k], high[(k + 1) % 4]], level: 0.5 });
+  }
+  const radius = points.map((_, v) => (v < 2 ? 1 : 0));
+  return {
+    points, faces,
+    measures: { radius, lambda: points.map((_, v) => (v < 2 ? 1 : 0.75)), burn_time: points.map((_, v) => (v < 2 ? 1.7 : 0)), erosion_thickness: points.map((_, v) => (v < 2 ? 0.7 : 0)) },
+  };
+}
+
+/// A sheet in the middle of the box with a tree of curves at it and a loop apart; a path along x with thickness
+/// falling towards its ends.
+export function boxSkeleton() {
+  const points = [[1.5, 0.5, 1], [2.5, 0.5, 1], [2.5, 1.5, 1], [1.5, 1.5, 1], [1, 1, 1], [0.5, 1, 1], [0.2, 1.4, 1], [0.2, 0.6, 1], [3, 1, 1.4], [3.4, 1, 1.4], [3.2, 1, 1.7], [3.7, 1, 0.4], [3.8, 1, 0.4]];
+  return {
+    points,
+    faces: [{ corners: [0, 1, 2, 3], level: 0.6 }],
+    lone: [
+      { ends: [0, 3], thickness: 0.9 }, // a side of the sheet that is also a curve
+      { ends: [0, 4], thickness: 0.8 }, { ends: [4, 5], thickness: 0.5 }, { ends: [5, 6], thickness: 0.2 }, { ends: [5, 7], thickness: 0.1 },
+      { ends: [8, 9], thickness: Infinity }, { ends: [9, 10], thickness: Infinity }, { ends: [8, 10], thickness: Infinity },
+      { ends: [11, 12], thickness: 0.05 },
+    ],
+    medialPoints: [12],
+    measures: {
+      radius: points.map((p) => 0.4 + 0.1 * p[0]), burn_time: points.map((_, v) => (v > 7 && v < 11 ? Infinity : 0.5 + 0.1 * v)),
+      erosion_thickness: points.map((_, v) => 0.05 * v), curve_erosion_thickness: points.map((_, v) => (v === 1 || v === 2 ? NaN : 0.05 * v)),
+    },
+  };
+}
+
+/// The surface of the box, its lattice corners at distance 0.5 and samples.
+export function boxShape() {
+  const points = [], sites = [], samples = [];
+  for (const x of [0, 4]) for (const y of [0, 2]) for (const z of [0, 2]) points.push([x, y, z]);
+  const triangles = [[0, 1, 3], [0, 3, 2], [4, 7, 5], [4, 6, 7], [0, 5, 1], [0, 4, 5], [2, 3, 7], [2, 7, 6], [0, 2, 6], [0, 6, 4], [1, 5, 7], [1, 7, 3]];
+  for (let z = 0; z <= 4; ++z)
+    for (let y = 0; y <= 4; ++y)
+      for (let x = 0; x <= 8; ++x) if (x % 8 === 0 || y % 4 === 0 || z % 4 === 0) sites.push(x + 1, y + 1, z + 1);
+  for (let z = 0; z < 10; ++z) for (let y = 0; y < 10; ++y) for (let x = 0; x < 20; ++x) samples.push(0.1 + 0.2 * x, 0.1 + 0.2 * y, 0.1 + 0.2 * z);
+  return {
+    meta: { sites_to_world: [0.5, 0, 0, -0.5, 0, 0.5, 0, -0.5, 0, 0, 0.5, -0.5], topology: { euler: 1, betti: [1, 0, 0] }, lambda: 0.5, theta2: 0.3, theta1: 0.3 },
+    arrays: { "shape/points": ["f32", 3, points.flat()], "shape/triangles": ["u32", 3, triangles.flat()], "shape/sites": ["u16", 3, sites], "shape/samples": ["f32", 3, samples] },
+  };
+}
+
+export function boxPage(template, damage, change = (arrays) => arrays) {
+  const shape = boxShape();
+  return pageOf(template, { title: "box", ...shape.meta }, change({ ...layerArrays("core", boxCore()), ...layerArrays("skeleton", boxSkeleton()), ...shape.arrays }), damage);
+}
+
+/// Numbers from 0 to 1 that are the same each time.
+export function random(seed) {
+  let s = seed >>> 0 || 1;
+  return () => {
+    s = (Math.imul(s, 1664525) + 1013904223) >>> 0;
+    return s / 4294967296;
+  };
+}
+
+/// A random complex with faces of 3 to 5 corners, lone edges and isolated vertices, few distinct levels.
+export function randomCells(seed, curves) {
+  const next = random(seed), n = 4 + Math.floor(next() * 14), pick = (k) => Math.floor(next() * k);
+  const points = Array.from({ length: n }, () => [next(), next(), next()]);
+  const level = () => (next() < 0.15 ? Infinity : pick(6) / 4);
+  const faces = [];
+  for (let f = pick(10); f > 0; --f) {
+    const corners = [...new Set(Array.from({ length: 3 + pick(3) }, () => pick(n)))];
+    if (corners.length >= 3) faces.push({ corners, level: level() });
+  }
+  const lone = [], used = new Set();
+  for (let e = pick(2 * n); e > 0; --e) {
+    const ends = [pick(n), pick(n)];
+    const key = [...ends].sort((a, b) => a - b).join(" ");
+    if (ends[0] === ends[1] || used.has(key)) continue;
+    used.add(key);
+    lone.push(curves ? { ends, thickness: level() } : { ends, level: level() });
+  }
+  const medialPoints = curves ? [...new Set(Array.from({ length: pick(3) }, () => pick(n)))] : undefined;
+  const vertexLevel = Object.fromEntries(points.map((_, v) => [v, next() < 0.2 ? level() : -Infinity]));
+  return { points, faces, lone, medialPoints, vertexLevel, measures: { radius: points.map(() => next()) } };
+}

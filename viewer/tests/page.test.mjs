@@ -1,0 +1,305 @@
+// SPDX-License-Identifier: Apache-2.0
+// The page in a browser. Skipped where there is no Chromium ($CHROMIUM or /usr/bin/chromium).
+import assert from "node:assert/strict";
+import { existsSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { dirname, join } from "node:path";
+import { after, before, describe, test } from "node:test";
+import { fileURLToPath, pathToFileURL } from "node:url";
+import { inflateSync } from "node:zlib";
+import { boxCore, boxPage, boxShape, boxSkeleton, layerArrays, pageOf, randomCells } from "./fixture.mjs";
+
+const here = dirname(fileURLToPath(import.meta.url));
+const chromium = process.env.CHROMIUM ?? "/usr/bin/chromium";
+const templateFile = process.env.QUENCH_PAGE ?? join(here, "..", "dist", "page.html");
+const skip = !existsSync(chromium) ? `no Chromium at ${chromium}` : !existsSync(templateFile) ? `no ${templateFile}: run node build.mjs first` : false;
+const FLAGS = ["--headless", "--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"];
+
+/// Pixels of an 8-bit RGB or RGBA PNG, as rows of numbers.
+function pixelsOf(png) {
+  const width = png.readUInt32BE(16), height = png.readUInt32BE(20), channels = png[25] === 6 ? 4 : 3;
+  const parts = [];
+  for (let at = 8; at < png.length; at += 12 + png.readUInt32BE(at)) if (png.toString("latin1", at + 4, at + 8) === "IDAT") parts.push(png.subarray(at + 8, at + 8 + png.readUInt32BE(at)));
+  const raw = inflateSync(Buffer.concat(parts)), row = width * channels, out = Buffer.alloc(row * height);
+  for (let y = 0; y < height; ++y) {
+    const filter = raw[y * (row + 1)];
+    for (let x = 0; x < row; ++x) {
+      const left = x >= channels ? out[y * row + x - channels] : 0, up = y > 0 ? out[(y - 1) * row + x] : 0, corner = x >= channels && y > 0 ? out[(y - 1) * row + x - channels] : 0;
+      const p = left + up - corner, a = Math.abs(p - left), b = Math.abs(p - up), c = Math.abs(p - corner);
+      const guess = [0, left, up, (left + up) >> 1, a <= b && a <= c ? left : b <= c ? up : corner][filter];
+      out[y * row + x] = raw[y * (row + 1) + 1 + x] + guess;
+    }
+  }
+  return { width, height, channels, data: out };
+}
+
+function coloursIn(png) {
+  const { data, channels } = pixelsOf(png), seen = new Map();
+  for (let i = 0; i < data.length; i += channels) {
+    const key = ((data[i] >> 4) << 8) | ((data[i + 1] >> 4) << 4) | (data[i + 2] >> 4);
+    seen.set(key, (seen.get(key) ?? 0) + 1);
+  }
+  return seen;
+}
+
+describe("the page in a browser", () => {
+  // Test by test, so that the summary counts what was skipped.
+  const it = (name, body) => test(name, { skip }, body);
+  let browser, folder, template, context;
+  before(async () => {
+    if (skip) return;
+    const { chromium: launcher } = await import("playwright-core");
+    folder = mkdtempSync(join(tmpdir(), "quench-page-"));
+    template = readFileSync(templateFile, "utf8");
+    context = await launcher.launchPersistentContext(join(folder, "profile"), { executablePath: chromium, headless: true, args: FLAGS, viewport: { width: 1000, height: 700 }, colorScheme: "light", acceptDownloads: true });
+    browser = context;
+  });
+  after(async () => {
+    await browser?.close();
+    if (folder) rmSync(folder, { recursive: true, force: true });
+  });
+
+  let serial = 0;
+  /// Opens a page; its errors and console output are in `complaints`.
+  async function open(html, hash = "") {
+    const file = join(folder, `${++serial}.html`);
+    writeFileSync(file, html);
+    const page = await context.newPage(), complaints = [];
+    page.on("console", (m) => ["error", "warning"].includes(m.type()) && !/GPU stall|software WebGL|GL Driver Message/.test(m.text()) && complaints.push(m.text()));
+    page.on("pageerror", (e) => complaints.push(e.message));
+    page.on("request", (r) => !/^(file|data|blob):/.test(r.url()) && complaints.push(`request to ${r.url()}`));
+    await page.goto(pathToFileURL(file).href + (hash && `#${hash}`));
+    await page.waitForFunction("window.quench && (window.quench.ready || window.quench.error)", null, { timeout: 60000 });
+    return { page, complaints };
+  }
+  const sets = (page, change = {}) => page.evaluate((c) => (window.quench.set(c), window.quench.sets()), change);
+  const settled = (page) => page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
+
+  it("loads without a complaint, shows its title and figures", async () => {
+    const { page, complaints } = await open(boxPage(template));
+    assert.equal(await page.title(), "box");
+    assert.equal(await page.evaluate("window.quench.error"), null);
+    assert.equal(await page.evaluate("window.quench.state.layer"), "skeleton");
+    await settled(page);
+    const text = await page.textContent("#app");
+    for (const wanted of ["Skeleton", "1 component", "quench skeleton core.vtp --theta2 0.3abs --theta1 0.3abs -o skeleton.vtp"]) assert.ok(text.includes(wanted), wanted);
+    assert.deepEqual(complaints, []);
+    await page.close();
+  });
+
+  it("sliders give the sets, by script and by hand", async () => {
+    const { page, complaints } = await open(boxPage(template));
+    const at = async (change) => { const s = await sets(page, change); return [s.faces, s.curveEdges, s.freeEnds, s.isolated]; };
+    assert.deepEqual(await at({ theta2: 0, theta1: 0 }), [1, 8, 4, 0]);
+    assert.deepEqual(await at({ theta1: 0.3 }), [1, 5, 1, 1]);
+    assert.deepEqual(await at({ theta2: 1, theta1: 0 }), [0, 9, 5, 0]);
+    assert.deepEqual(await at({ theta2: Infinity, theta1: Infinity }), [0, 3, 0, 2]);
+    assert.deepEqual(await at({ theta2: 0, theta1: 0 }), [1, 8, 4, 0]);
+    assert.deepEqual(await at({ layer: "core", lambda: 0 }), [12, 0, 0, 0]);
+    assert.deepEqual(await at({ lambda: 0.6 }), [8, 0, 0, 0]);
+    await at({ layer: "skeleton", theta2: 0, theta1: 0 });
+    await settled(page);
+    const field = page.locator('[data-id="theta1"] .field');
+    await field.fill("0.3");
+    await field.press("Enter");
+    assert.equal((await sets(page)).curveEdges, 5);
+    const range = page.locator('[data-id="theta2"] input[type=range]');
+    await range.focus();
+    await range.press("End");
+    assert.equal(await page.evaluate("window.quench.state.theta2"), Infinity);
+    assert.equal((await sets(page)).faces, 0);
+    assert.deepEqual(complaints, []);
+    await page.close();
+  });
+
+  it("picking by number: position, measures, touching points", async () => {
+    const { page, complaints } = await open(boxPage(template), "layer=core&lambda=0");
+    const end = await page.evaluate("window.quench.pick(0)"); // (1, 1, 1), radius 1: one point of each of five faces
+    assert.deepEqual(end.position, [1, 1, 1]);
+    assert.equal(end.radius, 1);
+    assert.ok(Math.abs(end.measures.burn_time - 1.7) < 1e-6);
+    assert.deepEqual(end.touching.map((p) => p.join(" ")).sort(), ["0 1 1", "1 0 1", "1 1 0", "1 1 2", "1 2 1"]);
+    const middle = await page.evaluate("window.quench.pick(1)");
+    assert.equal(middle.touching.length, 5);
+    await settled(page);
+    assert.match(await page.textContent(".picked"), /Vertex 1.*radius.*1 mm.*5 boundary vertices/s);
+    await page.keyboard.press("Escape");
+    await settled(page);
+    assert.equal(await page.textContent(".picked"), "");
+    assert.deepEqual(complaints, []);
+    await page.close();
+  });
+
+  it("picking with the mouse finds the vertex under it", async () => {
+    for (const projection of ["", "&orthographic=1"]) {
+      // From straight above; the inner end of the ridge is in the middle of the free part of the window.
+      const { page } = await open(boxPage(template), `layer=core&lambda=0&ui=0&camera=1,1,12,1,1,1,0,1,0${projection}`);
+      await page.mouse.click(500 + 3, 350 + 2);
+      await page.evaluate("window.quench.set({ ui: true })");
+      await settled(page);
+      assert.match(await page.textContent(".picked h2"), /^Vertex 0$/, projection);
+      await page.close();
+    }
+  });
+
+  it("the picture is not blank, differs between colourings, and is the same twice", async () => {
+    const { page, complaints } = await open(boxPage(template), "layer=core&lambda=0&ui=0&color=radius");
+    const shot = async (change) => {
+      await sets(page, change);
+      await settled(page);
+      return page.screenshot();
+    };
+    const radius = await shot({}), again = await shot({}), burn = await shot({ color: "burn_time", map: "cividis" }), none = await shot({ color: "none" });
+    assert.ok(coloursIn(radius).size > 40);
+    assert.deepEqual(radius, again);
+    assert.notDeepEqual(radius, burn);
+    assert.notDeepEqual(burn, none);
+    const clipped = await shot({ clip: true, clipAxis: "z" }), balls = await shot({ clip: false, balls: true });
+    assert.notDeepEqual(clipped, none);
+    assert.notDeepEqual(balls, none);
+    const dark = await shot({ dark: true });
+    const { data } = pixelsOf(dark);
+    assert.ok(data[0] < 60);
+    assert.ok(pixelsOf(radius).data[0] > 200);
+    await page.evaluate("window.quench.set({ ui: true })");
+    await settled(page);
+    const [download] = await Promise.all([page.waitForEvent("download"), page.keyboard.press("p")]);
+    assert.equal(download.suggestedFilename(), "box.png");
+    assert.ok(coloursIn(readFileSync(await download.path())).size > 20);
+    assert.deepEqual(complaints, []);
+    await page.close();
+  });
+
+  it("the balls of all of the axis fill the shape, those of less fill less", async () => {
+    const { page } = await open(boxPage(template), "layer=core&lambda=0&balls=1");
+    await page.waitForFunction("/fill/.test(document.querySelector('.share').textContent)");
+    // Two balls of radius 1 in a box of 16, counted with 2000 samples.
+    const share = Number(/([\d.]+) %/.exec(await page.textContent(".share"))[1]);
+    assert.ok(Math.abs(share - (100 * (2 * 4 * Math.PI)) / 3 / 16) < 3, `${share}`);
+    await page.close();
+  });
+
+  it("burning hides what burned", async () => {
+    const { page, complaints } = await open(boxPage(template), "layer=core&lambda=0&ui=0&shape=0");
+    const shot = async (change) => (await sets(page, change), await settled(page), page.screenshot());
+    const before_ = await shot({}), during = await shot({ burn: true, time: 0.9, burnHides: true }), gone = await shot({ time: 9 });
+    assert.notDeepEqual(before_, during);
+    assert.ok(coloursIn(gone).size < coloursIn(during).size);
+    await page.evaluate("window.quench.set({ burn: false, ui: true })");
+    await page.keyboard.press(" ");
+    await page.waitForFunction("window.quench.state.burn && window.quench.state.time > 0");
+    await page.keyboard.press(" ");
+    assert.deepEqual(complaints, []);
+    await page.close();
+  });
+
+  it("the address is read and written", async () => {
+    const hash = "layer=core&lambda=0.6&color=radius&dark=1&camera=9,8,7,1,1,1,0,0,1";
+    const { page } = await open(boxPage(template), hash);
+    const state = await page.evaluate("window.quench.state");
+    assert.deepEqual([state.layer, state.color, state.dark, Math.fround(0.6) - state.lambda < 1e-7], ["core", "radius", true, true]);
+    assert.equal((await sets(page)).faces, 8);
+    await sets(page, { lambda: 0.8, theta2: Infinity });
+    await page.waitForFunction("location.hash.includes('lambda=0.8') || location.hash.includes('lambda=0.79999')");
+    const written = await page.evaluate("location.hash");
+    assert.match(written, /theta2=inf/);
+    assert.match(written, /camera=9,8,7,1,1,1,/);
+    const { page: second } = await open(boxPage(template), written.slice(1));
+    assert.deepEqual(await second.evaluate("window.quench.state"), await page.evaluate("window.quench.state"));
+    await page.close();
+    await second.close();
+  });
+
+  it("keys, help and the state a page is written with", async () => {
+    const { page, complaints } = await open(boxPage(template, { meta: (m) => ({ ...m, state: "layer=core&color=radius", notes: ["A note <b>here</b>."] }) }));
+    assert.equal(await page.evaluate("window.quench.state.color"), "radius");
+    assert.equal(await page.textContent(".note"), "A note <b>here</b>.");
+    await page.keyboard.press("?");
+    assert.ok(await page.isVisible(".help"));
+    await page.keyboard.press("Escape");
+    assert.ok(!(await page.isVisible(".help")));
+    for (const [key, field] of [["s", "sheets"], ["o", "orthographic"], ["d", "dark"], ["x", "clip"], ["h", "ui"]]) {
+      const was = await page.evaluate((f) => window.quench.state[f], field);
+      await page.keyboard.press(key);
+      assert.equal(await page.evaluate((f) => window.quench.state[f], field), !was, key);
+    }
+    await page.keyboard.press("1");
+    assert.equal(await page.evaluate("window.quench.state.layer"), "skeleton");
+    assert.deepEqual(complaints, []);
+    await page.close();
+  });
+
+  it("random complexes, one layer at a time, without a shape", async () => {
+    for (const [seed, name] of [[11, "core"], [12, "skeleton"], [13, "still"]]) {
+      const cells = randomCells(seed, name === "skeleton");
+      const { page, complaints } = await open(pageOf(template, { side: 1, low: [0, 0, 0], high: [1, 1, 1], voxel: undefined }, layerArrays(name, cells)));
+      assert.equal(await page.evaluate("window.quench.state.layer"), name);
+      assert.ok((await sets(page)).vertices > 0);
+      assert.deepEqual(complaints, []);
+      await page.close();
+    }
+  });
+
+  const broken = {
+    "cut off": { damage: { data: (z) => z.toString("base64").slice(0, 401) }, says: /cut off|damaged/ },
+    "cut off at a byte": { damage: { data: (z) => z.toString("base64").slice(0, 400) }, says: /cut off|incomplete/ },
+    "no base64": { damage: { data: () => "%%%% no" + "!".repeat(1) }, says: /base64/ },
+    "no gzip": { damage: { data: () => Buffer.from("not gzip at all, but long enough").toString("base64") }, says: /unpacked/ },
+    "no data": { damage: { data: () => "" }, says: /unpacked|incomplete/ },
+    "too short": { damage: { meta: (m) => ({ ...m, arrays: m.arrays.map((a) => ({ ...a, count: a.count + 1000 })) }) }, says: /incomplete/ },
+    "another format": { damage: { meta: (m) => ({ ...m, format: 7 }) }, says: /format 7/ },
+    "an unknown type": { damage: { meta: (m) => ({ ...m, arrays: m.arrays.map((a) => ({ ...a, type: "f16" })) }) }, says: /does not know/ },
+    "no size": { damage: { meta: (m) => ({ ...m, side: null }) }, says: /how large/ },
+    "missing edges": { change: (a) => { delete a["skeleton/polygon_edges"]; return a; }, says: /polygon_edges is missing/ },
+    "missing levels": { change: (a) => { delete a["core/face_level"]; return a; }, says: /face_level is missing/ },
+    "levels of another length": { change: (a) => { a["core/edge_level"][2].pop(); return a; }, says: /values for/ },
+    "corners beyond the end": { change: (a) => { a["core/polygon_corners"][2][0] = 999; return a; }, says: /beyond its end/ },
+    "unsorted faces": { change: (a) => { a["core/face_level"][2].reverse(); return a; }, says: /not sorted/ },
+    "points that are not numbers": { change: (a) => { a["core/points"][2].fill(NaN); return a; }, says: /not numbers/ },
+    "empty layers": { change: (a) => { for (const n of ["core", "skeleton"]) a[`${n}/points`][2] = []; return a; }, says: /no medial axis/ },
+  };
+  for (const [what, { damage, change, says }] of Object.entries(broken))
+    it(`damaged: ${what}`, async () => {
+      const { page, complaints } = await open(boxPage(template, damage, change));
+      const error = await page.evaluate("window.quench.error");
+      assert.match(error, says);
+      assert.equal(await page.evaluate("window.quench.ready"), false);
+      assert.ok((await page.innerText(".message")).includes(error));
+      assert.deepEqual(complaints, []);
+      await page.close();
+    });
+
+  it("measures that are nowhere a number are grey, and the page says so", async () => {
+    const { page, complaints } = await open(boxPage(template, {}, (a) => {
+      for (const [name, array] of Object.entries(a)) if (name.includes("/point/")) array[2] = array[2].map(() => NaN);
+      return a;
+    }));
+    assert.equal(await page.evaluate("window.quench.error"), null);
+    await settled(page);
+    assert.match(await page.textContent(".colour-bar"), /no value anywhere/);
+    assert.deepEqual((await page.evaluate("window.quench.pick(0)")).touching, []);
+    assert.deepEqual(complaints, []);
+    await page.close();
+  });
+
+  it("a shape far from zero is drawn and picked where it is", async () => {
+    const far = [4e6, -5e6, 250];
+    const shape = boxShape();
+    const m = shape.meta.sites_to_world.slice();
+    far.forEach((x, k) => { m[4 * k + 3] += x; });
+    const { page } = await open(pageOf(template, { ...shape.meta, sites_to_world: m, origin: far, low: far, high: [far[0] + 4, far[1] + 2, far[2] + 2] }, { ...layerArrays("core", boxCore()), ...layerArrays("skeleton", boxSkeleton()), ...shape.arrays }));
+    const picked = await page.evaluate("(window.quench.set({ layer: 'core', lambda: 0 }), window.quench.pick(0))");
+    assert.deepEqual(picked.position, [4000001, -4999999, 251]);
+    assert.equal(picked.touching.length, 5);
+    await settled(page);
+    assert.ok(coloursIn(await page.screenshot()).size > 40);
+    await page.close();
+  });
+
+  it("the empty template says what it is", async () => {
+    const { page, complaints } = await open(template);
+    assert.match(await page.innerText(".message"), /empty page/);
+    assert.deepEqual(complaints, []);
+    await page.close();
+  });
+});

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+// Numbers, addresses, commands, scales: what has no picture.
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { moduleOf } from "./bundle.mjs";
+import { boxCore, boxSkeleton, elements, layerArrays, random } from "./fixture.mjs";
+
+const format = await moduleOf("src/format.ts");
+const { readPage } = await moduleOf("src/data.ts");
+const { commandOf } = await moduleOf("src/command.ts");
+const states = await moduleOf("src/state.ts");
+const { LogScale, histogram } = await moduleOf("src/histogram.ts");
+
+function page(meta = {}) {
+  const html = elements(meta, { ...layerArrays("core", boxCore()), ...layerArrays("skeleton", boxSkeleton()) });
+  const [text, base64] = [...html.matchAll(/<script[^>]*>([^<]*)</g)].map((m) => m[1]);
+  return readPage({ getElementById: (id) => ({ textContent: id === "quench-meta" ? text : base64 }) });
+}
+
+test("lengths are the largest float32 not above, and short where that is enough", () => {
+  const next = random(3);
+  for (let i = 0; i < 20000; ++i) {
+    const x = (next() - 0.3) * 10 ** Math.floor(next() * 12 - 6), f = format.floor32(x);
+    assert.equal(Math.fround(f), f);
+    assert.ok(f <= x && x - f <= Math.abs(x) * 2 ** -22 + 1e-40);
+    const decimal = Number(format.decimalOf(f, false));
+    assert.equal(format.floor32(decimal), f);
+    assert.ok(decimal >= f);
+    assert.equal(Number(format.decimalOf(f, true)), f);
+  }
+  assert.equal(format.decimalOf(format.floor32(0.03), false), "0.03");
+  assert.equal(format.decimalOf(Infinity, false), "inf");
+  assert.equal(format.short(1234.56), "1235");
+  assert.equal(format.short(0.000123456), "0.000123");
+  assert.equal(format.parseLength(" inf "), Infinity);
+  assert.ok(Number.isNaN(format.parseLength("x")));
+  assert.deepEqual(format.ticks(0, 1, 5), [0, 0.2, 0.4, 0.6000000000000001, 0.8, 1]);
+});
+
+test("the address holds the view", async () => {
+  const p = await page({ theta2: null, theta1: 0.4 }), base = states.defaults(p, false);
+  assert.deepEqual([base.theta2, base.color, base.curvesByMeasure], [Infinity, "radius", true]); // pure curves carry the colours
+  const state = states.sanitize({ ...base, layer: "core", lambda: 0.3, color: "radius", theta2: 0.7, balls: true, dark: true, ui: false, clipAt: 0.25 }, p);
+  const camera = { position: [1, 2, 3.5], target: [0, 0, 1], up: [0, 1, 0] };
+  const back = states.fromHash(`#${states.toHash(state, base, camera)}`, base);
+  assert.deepEqual(back, { state, camera });
+  assert.equal(states.toHash(base, base, null), "");
+  const odd = states.fromHash("#theta2=soup&layer=7&color=%00&camera=1,2&nothing=1&lambda=-4", base);
+  assert.equal(odd.camera, null);
+  assert.deepEqual(states.sanitize(odd.state, p), { ...base, color: "erosion_thickness" });
+});
+
+test("the command line writes what is seen", async () => {
+  const p = await page({ command: "quench run 'my box.nrrd' --threshold 20 --resolution=64 --invert --lambda 0.02 -o x", files: { core: "x/core.vtp", shape: "my box.nrrd" }, lambda: 0.5 });
+  const base = states.defaults(p, false);
+  const at = (change) => commandOf(p, states.sanitize({ ...base, ...change }, p));
+  assert.equal(at({ theta2: 0.25, theta1: Infinity }), "quench skeleton x/core.vtp --theta2 0.25abs --theta1 inf -o skeleton.vtp");
+  assert.equal(at({ theta2: 0.6, theta1: 0 }), `quench skeleton x/core.vtp --theta2 0.6abs --theta1 0 -o skeleton.vtp`);
+  assert.equal(at({ layer: "core", lambda: 0.26 }), "quench core 'my box.nrrd' --threshold 20 --resolution=64 --invert --lambda 0.26abs -o core.vtp");
+});
+
+test("a logarithmic scale goes there and back", () => {
+  const scale = new LogScale(0.1, 10, 0.01);
+  for (const x of [0.1, 0.5, 1, 9.9, 10]) assert.ok(Math.abs(scale.value(scale.position(x), true) - x) < 1e-9);
+  assert.equal(scale.value(1, true), Infinity);
+  assert.equal(scale.value(1, false), 10);
+  assert.equal(scale.position(Infinity), 1);
+  const bins = histogram(scale, [0.1, 10, Infinity, NaN], () => 2, 10);
+  assert.equal(bins.reduce((a, b) => a + b), 6);
+});
