@@ -97,5 +97,6 @@ void bind_shapes(py::module_& m);
 void bind_axes(py::module_& m);
 void bind_skeletons(py::module_& m);
 void bind_labels(py::module_& m);
+void bind_pages(py::module_& m);
 
 }  // namespace quench::python

@@ -135,6 +135,23 @@ def test_pictures(tmp_path):
     assert pyplot.get_fignums() == []
 
 
+def test_pages(tmp_path):
+    from quench import _core
+    axis = quench.medial_axis(plate_with_tunnel())
+    values = [axis, axis.skeleton(), quench.skeletonize(plate_with_tunnel())[1]]
+    if not _core.has_pages:
+        with pytest.raises(quench.Error, match='interactive page'):
+            axis.save(tmp_path / 'x.html')
+        pytest.skip('this build has no interactive page')
+    for number, value in enumerate(values):
+        value.save(tmp_path / f'page {number}.html')
+        text = (tmp_path / f'page {number}.html').read_text(encoding='utf-8')
+        assert 'id="quench-data"' in text and f'page {number}' in text
+        assert ('skeleton/points' in text) == (number == 1) and ('core/points' in text) == (number < 2)
+    axis.save(tmp_path / 'a.vtp')
+    quench.read(tmp_path / 'a.vtp').save(tmp_path / 'b.html')
+
+
 @pytest.mark.parametrize('module', ['trimesh', 'pyvista'])
 def test_packages_that_are_asked_for(module):
     import importlib.util
