@@ -64,12 +64,10 @@ void write_axis(const Axis& axis, const Fire& fire, const std::optional<std::pai
     leveled.face_level.assign(cells->complex.face_count(), kAlways);
     cells = &leveled;
   }
-  b.take(add_core(b.page, *cells, axis.data(&fire).point_data, fire.family ? b.left / 3 : b.left));
-  if (fire.family) {
-    if (thetas) {
-      b.page.theta2 = thetas->first;
-      b.page.theta1 = thetas->second;
-    }
+  b.take(add_core(b.page, *cells, axis.data(&fire).point_data, thetas ? b.left / 3 : b.left));
+  if (thetas) {
+    b.page.theta2 = thetas->first;
+    b.page.theta1 = thetas->second;
     b.take(add_skeleton(b.page, *fire.family, b.left));
   }
   write_page(file, b.page, program::page_program());

@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Skeletons, graphs, pictures and label images."""
 import csv
+import json
 import os
+import re
 
 import numpy as np
 import pytest
@@ -146,8 +148,11 @@ def test_pages(tmp_path):
     for number, value in enumerate(values):
         value.save(tmp_path / f'page {number}.html')
         text = (tmp_path / f'page {number}.html').read_text(encoding='utf-8')
-        assert 'id="quench-data"' in text and f'page {number}' in text
-        assert ('skeleton/points' in text) == (number == 1) and ('core/points' in text) == (number < 2)
+        meta = json.loads(re.search(r'id="quench-meta">(.*?)</script>', text, re.S).group(1))
+        names = {array['name'] for array in meta['arrays']}
+        assert meta['title'] == f'page {number}' and 'shape/points' in names
+        assert [layer + '/points' in names for layer in ('core', 'skeleton', 'still')] == \
+            [number < 2, number == 1, number == 2]
     axis.save(tmp_path / 'a.vtp')
     quench.read(tmp_path / 'a.vtp').save(tmp_path / 'b.html')
 
