@@ -41,7 +41,7 @@ bench: build
 	bench/run $(BUILD)
 
 format:
-	clang-format -i include/quench/*.h src/*/*.h src/*/*.cpp cli/*.h cli/*.cpp tests/*.h tests/*.cpp bench/*.cpp
+	clang-format -i include/quench/*.h src/*/*.h src/*/*.cpp cli/*.h cli/*.cpp tests/*.h tests/*.cpp bench/*.cpp python/src/*.h python/src/*.cpp
 
 clean:
 	rm -rf build demo

@@ -57,7 +57,7 @@ if(QUENCH_VIEWER)
 endif()
 
 # Adds the page to a target as a source that defines quench::program::page_program().
-function(quench_embed_page target)
+function(quench_page_source target)
   set(viewer ${PROJECT_SOURCE_DIR}/viewer)
   set(folder ${PROJECT_BINARY_DIR}/viewer)
   set(embedded ${folder}/page_program.cpp)
@@ -80,3 +80,11 @@ function(quench_embed_page target)
   target_sources(${target} PRIVATE ${embedded})
   set_source_files_properties(${embedded} PROPERTIES SKIP_PRECOMPILE_HEADERS ON)
 endfunction()
+
+# An object library of its own: the program and the Python module both link it, and the page is bundled once.
+add_library(quench_page_program OBJECT)
+target_compile_features(quench_page_program PUBLIC cxx_std_20)
+target_include_directories(quench_page_program PUBLIC ${PROJECT_SOURCE_DIR}/cli)
+set_target_properties(quench_page_program PROPERTIES POSITION_INDEPENDENT_CODE ON)
+quench_page_source(quench_page_program)
+quench_flags(quench_page_program)

@@ -116,9 +116,9 @@ def build_sdist(sdist_directory, config_settings=None):
     base = f'quench-{_version()}'
 
     def wanted(entry):
-        return None if os.path.basename(entry.name) == '__pycache__' else entry
+        return None if os.path.basename(entry.name) in ('__pycache__', 'node_modules') else entry
 
     with tarfile.open(os.path.join(sdist_directory, base + '.tar.gz'), 'w:gz') as archive:
-        for name in ('CMakeLists.txt', 'LICENSE', 'README.md', 'pyproject.toml', 'cmake', 'include', 'src', 'python'):
+        for name in ('CMakeLists.txt', 'LICENSE', 'README.md', 'pyproject.toml', 'cmake', 'include', 'src', 'cli', 'viewer', 'python'):
             archive.add(os.path.join(ROOT, name), f'{base}/{name}', filter=wanted)
     return base + '.tar.gz'

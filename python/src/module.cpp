@@ -12,5 +12,6 @@ PYBIND11_MODULE(_core, m) {
   bind_axes(m);
   bind_skeletons(m);
   bind_labels(m);
+  bind_pages(m);
   m.attr("__version__") = QUENCH_VERSION;
 }

@@ -32,6 +32,9 @@ std::shared_ptr<GraphValue> graph_of(const Pointer& s, int smooth, const std::st
   GraphOptions options;
   options.smooth = smooth;
   options.resample = s->axis->resolve(resample, "resample");
+  if (std::isinf(options.resample))
+    throw Error(ErrorCode::usage,
+                "resample=inf is no distance between points; give a length, or 0 for the points as they come");
   if (s->axis->shape) options.shape = &s->axis->shape->voxels;
   if (s->axis->voxel_core) options.voxel = s->axis->spacing;
   auto result = std::make_shared<GraphValue>();

@@ -90,12 +90,13 @@ std::shared_ptr<const Fire> compute_fire(const Axis& axis, double omega, bool fa
 std::shared_ptr<SkeletonValue> compute_skeleton(std::shared_ptr<Axis> axis, const Fire& fire, double theta2,
                                                 double theta1, Context& context);
 
-/// Memory of the whole way from a shape to its skeletons, in bytes: a guess from measured cases.
+/// Memory of the whole way from a shape to its skeletons, in bytes, by measured cases.
 std::int64_t predicted_bytes(const VoxelShape& shape);
 
 void bind_shapes(py::module_& m);
 void bind_axes(py::module_& m);
 void bind_skeletons(py::module_& m);
 void bind_labels(py::module_& m);
+void bind_pages(py::module_& m);
 
 }  // namespace quench::python

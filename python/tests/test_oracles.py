@@ -71,12 +71,13 @@ def test_the_union_of_balls_ball_by_ball():
     image = blobs(7, (17, 13, 11))
     spacing = np.array([1.0, 0.7, 1.5])
     axis = quench.medial_axis(image, spacing=spacing)
-    places = np.stack(np.indices(image.shape), axis=-1) * spacing
-    filled = np.zeros(image.shape, bool)
+    wide = (17, 20, 11)  # balls may bulge out of the image between corners of voxels that are no cubes
+    places = np.stack(np.indices(wide), axis=-1) * spacing
+    filled = np.zeros(wide, bool)
     for centre, r in zip(axis.vertices, axis.radius):
         filled |= ((places - centre)**2).sum(axis=-1) <= (r * (1 + 1e-9))**2
-    assert np.array_equal(axis.reconstruct(), filled)
-    assert np.array_equal(axis.reconstruct((9, 20, 6)), np.pad(filled, ((0, 0), (0, 7), (0, 0)))[:9, :20, :6])
+    assert np.array_equal(axis.reconstruct(), filled[:, :13])
+    assert np.array_equal(axis.reconstruct((9, 20, 6)), filled[:9, :, :6])
 
 
 @pytest.mark.parametrize('seed', range(6))

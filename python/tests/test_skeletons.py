@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Skeletons, graphs, pictures and label images."""
 import csv
+import json
 import os
+import re
 
 import numpy as np
 import pytest
@@ -133,6 +135,26 @@ def test_pictures(tmp_path):
         image = pyplot.imread(tmp_path / f'{number}.png')
         assert len(np.unique(image.reshape(-1, image.shape[2]), axis=0)) > 100
     assert pyplot.get_fignums() == []
+
+
+def test_pages(tmp_path):
+    from quench import _core
+    axis = quench.medial_axis(plate_with_tunnel())
+    values = [axis, axis.skeleton(), quench.skeletonize(plate_with_tunnel())[1]]
+    if not _core.has_pages:
+        with pytest.raises(quench.Error, match='interactive page'):
+            axis.save(tmp_path / 'x.html')
+        pytest.skip('this build has no interactive page')
+    for number, value in enumerate(values):
+        value.save(tmp_path / f'page {number}.html')
+        text = (tmp_path / f'page {number}.html').read_text(encoding='utf-8')
+        meta = json.loads(re.search(r'id="quench-meta">(.*?)</script>', text, re.S).group(1))
+        names = {array['name'] for array in meta['arrays']}
+        assert meta['title'] == f'page {number}' and 'shape/points' in names
+        assert [layer + '/points' in names for layer in ('core', 'skeleton', 'still')] == \
+            [number < 2, number == 1, number == 2]
+    axis.save(tmp_path / 'a.vtp')
+    quench.read(tmp_path / 'a.vtp').save(tmp_path / 'b.html')
 
 
 @pytest.mark.parametrize('module', ['trimesh', 'pyvista'])

@@ -74,7 +74,8 @@ void mark_cells(const CellComplex& complex, std::span<const Vec3> points, const 
 
 void mark_balls(std::span<const Vec3> centres, std::span<const double> radius, const Grid& grid, const MaskView& mask,
                 Context* context) {
-  const auto [far, middle, near] = axes_of(mask);
+  const auto axes = axes_of(mask);
+  const std::size_t far = axes[0], middle = axes[1], near = axes[2];
   struct Ball {
     double far, middle, near, squared, reach;  // centre in voxels, squared radius, reach along `far` in voxels
   };
