@@ -17,7 +17,7 @@ class Refusals : public ProgramTest {
 };
 
 TEST_F(Refusals, CommandLines) {
-  refuses(2, {"run, sample, voxelize, core, burn, skeleton, info, convert, verify"}, {});
+  refuses(2, {"run, sample, voxelize, core, burn, skeleton, view, info, convert, verify"}, {});
   refuses(2, {"'cores'", "run, sample"}, {"cores"});
   refuses(2, {"--fast"}, {"--fast"});
   refuses(2, {"--fast", "quench core --help"}, {"core", "cube.off", "--fast", "3", "-o", "a.vtp"});

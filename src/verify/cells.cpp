@@ -47,8 +47,9 @@ std::optional<std::array<std::uint32_t, 2>> first_close(const std::vector<Vec3>&
   return std::nullopt;
 }
 
-// What is wrong with the polygon's geometry; empty when nothing is.
-std::string polygon_defect(const std::vector<Vec3>& corners, double tiny) {
+// What is wrong with the polygon's geometry; empty when nothing is. Cells of Voronoi diagrams are convex; what is left of
+// one in a skeleton need not be, but its boundary goes around it once.
+std::string polygon_defect(const std::vector<Vec3>& corners, double tiny, bool convex) {
   const std::size_t n = corners.size();
   Vec3 centre = Vec3::Zero();
   for (const Vec3& p : corners) centre += p / static_cast<double>(n);
@@ -67,10 +68,10 @@ std::string polygon_defect(const std::vector<Vec3>& corners, double tiny) {
     if (height > flatness * size + tiny) return fmt::format("is not plane: off by {:.3g} at size {:.3g}", height, size);
     const Vec3 in = corners[i] - corners[(i + n - 1) % n], out = corners[(i + 1) % n] - corners[i];
     const double turn = normal.dot(in.cross(out));
-    if (turn < -(flatness * in.norm() * out.norm() + tiny * (in.norm() + out.norm()))) return "is not convex";
+    if (convex && turn < -(flatness * in.norm() * out.norm() + tiny * (in.norm() + out.norm()))) return "is not convex";
     turned += std::atan2(turn, in.dot(out));
   }
-  if (turned > 3 * std::numbers::pi) return "winds around itself";
+  if (turned > 3 * std::numbers::pi || turned < std::numbers::pi) return "winds around itself";
   return {};
 }
 
@@ -122,7 +123,7 @@ Check check_cells(const Result& result) {
   for (std::size_t f = 0; f < complex.face_count(); ++f) {
     corners.clear();
     for (std::uint32_t v : complex.corners(f)) corners.push_back(result.scaled[v]);
-    const std::string defect = polygon_defect(corners, tiny);
+    const std::string defect = polygon_defect(corners, tiny, result.stage != "skeleton");
     if (defect.empty()) continue;
     check.detail = fmt::format("{} {}", result.describe_face(f), defect);
     return check;
