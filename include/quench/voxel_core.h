@@ -29,6 +29,6 @@ struct CoreOptions {
 MedialAxis voxel_core(const VoxelShape& shape, const CoreOptions& options = {}, Context* context = nullptr);
 
 /// Predicted peak of memory, in bytes, from boundary vertices to a pruned core.
-inline std::int64_t predicted_core_bytes(std::int64_t sites) { return sites * 560 + (std::int64_t{32} << 20); }
+inline std::int64_t predicted_core_bytes(std::int64_t sites) { return sites * 450 + (std::int64_t{32} << 20); }
 
 }  // namespace quench
