@@ -138,7 +138,7 @@ TEST_F(Refusals, Outputs) {
 
 TEST_F(Refusals, TooLittleMemory) {
   works({"sample", "box", "-o", "box.ply"});
-  refuses(1, {"140 MB", "1.0 MB", "--memory-limit"}, {"core", "box.ply", "--memory-limit", "1M", "-o", "a.vtp"});
+  refuses(1, {"119 MB", "1.0 MB", "--memory-limit"}, {"core", "box.ply", "--memory-limit", "1M", "-o", "a.vtp"});
   refuses(1, {"GB", "4.0 GB", "--resolution"},
           {"core", "box.ply", "--resolution", "4096", "--memory-limit", "4G", "-o", "a.vtp"});
   refuses(1, {"GB", "--memory-limit"}, {"core", "box.ply", "--subdivide", "64", "--memory-limit", "4G", "-o", "a.vtp"});
