@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "quench/extent.h"
 #include "quench/io.h"
 
 namespace quench::program {
@@ -75,16 +76,6 @@ double LoadedAxis::resolve(const std::string& text, const std::string& option) c
 }
 
 namespace {
-
-double longest_side_of(const std::vector<Vec3>& points) {
-  if (points.empty()) return 0;
-  Vec3 low = points[0], high = low;
-  for (const Vec3& p : points) {
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
-  }
-  return (high - low).maxCoeff();
-}
 
 void measure_shape(const AxisOptions& options, Session& session, LoadedAxis& loaded) {
   if (io::kind_of(options.shape) == io::Kind::surface) {

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "quench/error.h"
+#include "quench/extent.h"
 #include "quench/io.h"
 #include "quench/prune.h"
 #include "quench/raster.h"
@@ -19,16 +20,6 @@ std::vector<double> numbers_of(const PolyData& data, const char* name) {
   const DataArray* array = find_array(data.field_data, name);
   if (!array || std::holds_alternative<std::vector<std::string>>(array->values)) return {};
   return array->numbers();
-}
-
-double longest_side_of(const std::vector<Vec3>& points) {
-  if (points.empty()) return 0;
-  Vec3 low = points[0], high = low;
-  for (const Vec3& p : points) {
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
-  }
-  return (high - low).maxCoeff();
 }
 
 std::shared_ptr<Axis> axis_of_file(PolyData data) {

@@ -139,6 +139,7 @@ std::optional<SliceStream> open_slices(const std::filesystem::path& file, const 
   std::error_code error;
   if (std::filesystem::is_directory(file, error)) return {};
   const InputFile probe(file);
+  if (probe.size == 0) return {};  // read_volume() says so
   SliceStream stream;
   const std::optional<ItkHeader> header = itk_header(file, context);
   if (!header) return {};

@@ -51,7 +51,8 @@ Volume read_by_extension(const std::filesystem::path& file, Context* context) {
   if (extension == ".png") return read_png(file, context);
   for (const char* known : {".nrrd", ".nhdr", ".mha", ".mhd", ".nii", ".nii.gz", ".mrc", ".map", ".tif", ".tiff"})
     if (extension == known) {
-      InputFile probe(file);  // "cannot be opened" in the same words for every format
+      const InputFile probe(file);  // "cannot be opened" in the same words for every format
+      if (probe.size == 0) throw Error(ErrorCode::input, fmt::format("'{}' is empty", file.string()));
       return read_itk(file, context);
     }
   throw Error(ErrorCode::usage,
