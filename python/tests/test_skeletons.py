@@ -229,3 +229,10 @@ def test_labels_of_a_file(tmp_path):
     found[7].save(tmp_path / '7.vtp')
     found[7].save(tmp_path / '7.swc')
     assert found[7].axis is None
+
+
+@pytest.mark.parametrize('seed', range(6))
+def test_skeletons_with_cut_polygons_verify(seed):
+    """What is left of a polygon need not be convex; its boundary goes around it once."""
+    certificate = quench.medial_axis(blobs(seed)).skeleton().verify()
+    assert certificate, certificate
