@@ -2,12 +2,15 @@
 # make demo       install packages, build, run the main job on a built-in shape
 # make test       install packages, build and run the tests (at most 15 minutes on 2 cores)
 # make test-full  also: address, undefined-behaviour and thread sanitizers, all real data at resolution 512
+# make fuzz       every own reader fuzzed with Clang for FUZZ_SECONDS (60) each
 # make bench      time and memory per boundary vertex
 # make format     clang-format over the sources
 JOBS ?= $(shell nproc)
 BUILD := build/release
 
-.PHONY: demo test test-full bench build format clean
+FUZZ_SECONDS ?= 60
+
+.PHONY: demo test test-full fuzz bench build format clean
 demo: deps
 	@$(MAKE) --no-print-directory build
 	@rm -rf demo && mkdir demo
@@ -37,11 +40,16 @@ test-full: test
 	cmake --preset tsan && cmake --build build/tsan -j $(JOBS)
 	ctest --test-dir build/tsan -j $(JOBS) --output-on-failure --timeout 3600
 
+fuzz:
+	cmake --preset fuzz
+	cmake --build --preset fuzz -j $(JOBS)
+	fuzz/run build/fuzz $(FUZZ_SECONDS)
+
 bench: build
 	bench/run $(BUILD)
 
 format:
-	clang-format -i include/quench/*.h src/*/*.h src/*/*.cpp cli/*.h cli/*.cpp tests/*.h tests/*.cpp bench/*.cpp python/src/*.h python/src/*.cpp
+	clang-format -i include/quench/*.h src/*/*.h src/*/*.cpp cli/*.h cli/*.cpp tests/*.h tests/*.cpp fuzz/*.h fuzz/*.cpp bench/*.cpp python/src/*.h python/src/*.cpp
 
 clean:
 	rm -rf build demo

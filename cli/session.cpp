@@ -78,7 +78,7 @@ void finish_results() {
 Session::Session(const CommonOptions& o) : options(o) {
   if (options.threads < 0)
     throw Error(ErrorCode::usage, fmt::format("--threads {} is negative; give 0 for all processors", options.threads));
-  if (!options.memory_limit.empty()) parse_bytes(options.memory_limit);
+  if (!options.memory_limit.empty()) context.memory_limit = parse_bytes(options.memory_limit);
   options.threads = std::min(options.threads, 256);  // a thread costs memory even when it has no processor
   context.threads = options.threads;
   if (options.threads > 0)

@@ -189,8 +189,9 @@ Grid grid_of(const ImageIO& io, const std::filesystem::path& file) {
 
 template <class T>
 std::vector<T> read_samples(ImageIO& io, const std::filesystem::path& file, const std::string& extension,
-                            const Grid& grid) {
+                            const Grid& grid, Context* context) {
   const std::uint64_t count = checked_sample_count(file, grid.dims, sizeof(T), bytes_available(file, extension));
+  check_read_memory(file, count * sizeof(T), context);
   const unsigned axes = io.GetNumberOfDimensions();
   itk::ImageIORegion region(axes);
   for (unsigned a = 0; a < axes; ++a) {
@@ -206,8 +207,8 @@ std::vector<T> read_samples(ImageIO& io, const std::filesystem::path& file, cons
 }
 
 Volume::Samples read_typed(ImageIO& io, const std::filesystem::path& file, const std::string& extension,
-                           const Grid& grid) {
-  const auto read = [&]<class T>(T) -> Volume::Samples { return read_samples<T>(io, file, extension, grid); };
+                           const Grid& grid, Context* context) {
+  const auto read = [&]<class T>(T) -> Volume::Samples { return read_samples<T>(io, file, extension, grid, context); };
   using Type = itk::IOComponentEnum;
   switch (io.GetComponentType()) {
     case Type::UCHAR:
@@ -268,7 +269,7 @@ Volume read_itk(const std::filesystem::path& file, Context* context) {
       volume.grid.origin = Vec3::Zero();
     }
     if (extension.starts_with(".nii")) volume.units = "mm";  // ITK converts
-    volume.samples = read_typed(*io, file, extension, volume.grid);
+    volume.samples = read_typed(*io, file, extension, volume.grid, context);
     checkpoint(context, "read", 1);
     return volume;
   } catch (const itk::ExceptionObject& e) {

@@ -198,6 +198,7 @@ Volume read_npy(const std::filesystem::path& file, Context* context) {
   volume.grid.dims = dims_of(file, header);
   const auto read = [&]<class T>(T) {
     const std::uint64_t count = checked_sample_count(file, volume.grid.dims, sizeof(T), in.size - data);
+    check_read_memory(file, count * sizeof(T) * (type == "f2" ? 3 : 1), context);
     return read_samples<T>(in, file, count, swap, context);
   };
   if (type == "b1" || type == "u1")

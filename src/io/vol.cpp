@@ -117,6 +117,7 @@ Volume read_vol(const std::filesystem::path& file, Context* context) {
   const auto read = [&]<class T>(T) {
     const std::uint64_t count =
         checked_sample_count(file, volume.grid.dims, sizeof(T), compressed ? left * deflate_limit : left);
+    check_read_memory(file, count * sizeof(T), context);
     std::vector<T> samples(count);
     auto* out = reinterpret_cast<unsigned char*>(samples.data());
     if (compressed) {
