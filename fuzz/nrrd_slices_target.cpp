@@ -48,8 +48,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         const auto stream = io::open_slices(file.holding(data, size), {}, &context);
         if (!stream) return;
         const auto& dims = stream->grid.dims;
-        const std::size_t sample =
-            stream->type == SampleType::float64 ? 8 : stream->type == SampleType::uint16 ? 2 : 1;
+        const std::size_t sample = stream->type == SampleType::float64 ? 8 : stream->type == SampleType::uint16 ? 2 : 1;
         std::vector<std::byte> slice(static_cast<std::size_t>(dims[0] * dims[1]) * sample);
         for (std::int64_t z = 0; z < std::min<std::int64_t>(dims[2], 100); ++z) stream->next(slice);
       },

@@ -1,12 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
-// A reader of volumes: QUENCH_FUZZ_READER names it.
+// A reader of volumes: QUENCH_FUZZ_READER names it. With QUENCH_FUZZ_PNG the checksums are made right first: they would
+// hide everything behind them.
 #include "io/volume_formats.h"
 #include "memory_file.h"
 #include "quench/context.h"
+#include "small_files.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace quench;
   static const fuzz::MemoryFile file(".bin");
+#ifdef QUENCH_FUZZ_PNG
+  std::string mended(reinterpret_cast<const char*>(data), size);
+  small_files::mend_checksums(mended);
+  data = reinterpret_cast<const std::uint8_t*>(mended.data());
+#endif
   fuzz::reads_or_refuses(
       [&] {
         Context context;

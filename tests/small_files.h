@@ -3,12 +3,13 @@
 
 #include <zlib.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <string>
 #include <vector>
 
-/// A tiny valid file of every format Quench reads by itself: what the tests damage and the fuzz targets begin with. Each
-/// shows another part of its reader.
+/// A tiny valid file of every format Quench reads by itself: what the tests damage and the fuzz targets begin with.
+/// Each shows another part of its reader.
 namespace quench::small_files {
 
 struct SmallFile {
@@ -120,8 +121,9 @@ inline std::string npy(const std::string& type, bool fortran_order, const std::s
 }
 
 inline std::string vol(int version, int sample_size, const std::string& samples) {
-  return "X: 2\nY: 2\nZ: 2\nVoxel-Size: " + std::to_string(sample_size) + "\nVoxel-Endian: 0\nVersion: " +
-         std::to_string(version) + "\n.\n" + (version == 3 ? deflated(samples) : samples);
+  return "X: 2\nY: 2\nZ: 2\nVoxel-Size: " + std::to_string(sample_size) +
+         "\nVoxel-Endian: 0\nVersion: " + std::to_string(version) + "\n.\n" +
+         (version == 3 ? deflated(samples) : samples);
 }
 
 /// Two cells per axis, or four of which most are one empty cell.
@@ -139,12 +141,23 @@ inline std::string png_block(const std::string& type, const std::string& data) {
   return number(data.size(), 4, true) + checked + number(sum, 4, true);
 }
 
+/// Makes the checksums of all blocks right that are there as a whole.
+inline void mend_checksums(std::string& png) {
+  for (std::size_t at = 8; png.size() - std::min(at, png.size()) >= 12;) {
+    std::size_t length = 0;
+    for (std::size_t b = 0; b < 4; ++b) length = length << 8 | static_cast<unsigned char>(png[at + b]);
+    if (length > png.size() - at - 12) return;
+    const auto sum = crc32(0, reinterpret_cast<const Bytef*>(&png[at + 4]), static_cast<uInt>(length + 4));
+    png.replace(at + 8 + length, 4, number(sum, 4, true));
+    at += 12 + length;
+  }
+}
+
 inline std::string png(int width, int height, int depth, int colour, bool interlaced, const std::string& rows) {
-  std::string bytes = "\x89PNG\r\n\x1a\n" +
-                      png_block("IHDR", number(static_cast<std::uint64_t>(width), 4, true) +
-                                            number(static_cast<std::uint64_t>(height), 4, true) +
-                                            static_cast<char>(depth) + static_cast<char>(colour) +
-                                            std::string(2, '\0') + (interlaced ? '\1' : '\0'));
+  std::string bytes = "\x89PNG\r\n\x1a\n" + png_block("IHDR", number(static_cast<std::uint64_t>(width), 4, true) +
+                                                                  number(static_cast<std::uint64_t>(height), 4, true) +
+                                                                  static_cast<char>(depth) + static_cast<char>(colour) +
+                                                                  std::string(2, '\0') + (interlaced ? '\1' : '\0'));
   if (colour == 3) bytes += png_block("PLTE", std::string("\0\0\0\x80\x80\x80", 6));
   return bytes + png_block("IDAT", deflated(rows)) + png_block("IEND", "");
 }
