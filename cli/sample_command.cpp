@@ -7,6 +7,7 @@
 #include "option_checks.h"
 #include "program.h"
 #include "quench/io.h"
+#include "quench/output_group.h"
 #include "quench/sample.h"
 #include "quench/voxelize.h"
 
@@ -99,19 +100,23 @@ Action add_sample(CLI::App& app) {
     truth.replace_extension(".json");
     if (o->name == "root") session.check_output(truth, {});
     const Sample sample = make_sample(o->name, o->sample);
+    std::vector<std::string> lines;
+    io::OutputGroup outputs;
     if (volume) {
       const Voxelization v = voxelize(sample.mesh, {.resolution = o->resolution}, &session.context);
       io::write_volume(o->output, v.shape, &session.context);
-      session.say(fmt::format("{}: {} voxels inside", o->output, v.shape.voxel_count()));
+      lines.push_back(fmt::format("{}: {} voxels inside", o->output, v.shape.voxel_count()));
     } else {
       io::write_poly_data(o->output, poly_data_of(sample.mesh));
-      session.say(fmt::format("{}: {} vertices, {} triangles", o->output, sample.mesh.points.size(),
-                              sample.mesh.triangles.size()));
+      lines.push_back(fmt::format("{}: {} vertices, {} triangles", o->output, sample.mesh.points.size(),
+                                  sample.mesh.triangles.size()));
     }
     if (!sample.branches.empty()) {
       write_truth(truth.string(), sample.branches);
-      session.say(fmt::format("{}: the {} true branches", truth.string(), sample.branches.size()));
+      lines.push_back(fmt::format("{}: the {} true branches", truth.string(), sample.branches.size()));
     }
+    outputs.commit();
+    for (const std::string& line : lines) session.say(line);
     return 0;
   };
 }

@@ -112,9 +112,10 @@ void check_read_memory(const std::filesystem::path& file, std::uint64_t bytes, c
   const std::int64_t limit = limited ? context->memory_limit : available_memory();
   const auto needed = static_cast<std::int64_t>(std::min(bytes, std::uint64_t{1} << 62));
   if (needed > limit)
-    throw Error(ErrorCode::failed,
-                fmt::format("reading '{}' needs about {} of memory, and {} {}; crop it or lower its resolution",
-                            file.string(), bytes_text(needed), bytes_text(limit), limited ? "are allowed" : "are free"));
+    throw Error(
+        ErrorCode::failed,
+        fmt::format("reading '{}' needs about {} of memory, and {} {}; crop it or lower its resolution", file.string(),
+                    bytes_text(needed), bytes_text(limit), limited ? "are allowed" : "are free"));
 }
 
 std::vector<std::filesystem::path> slice_files(const std::filesystem::path& folder) {
