@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "io/itk_header.h"
+#include "io/volume_formats.h"
 #include "memory_file.h"
 #include "quench/slices.h"
 
@@ -34,6 +35,8 @@ std::optional<ItkHeader> itk_header(const std::filesystem::path&, Context*) {
   }
   return header;
 }
+
+Volume read_itk(const std::filesystem::path&, Context*) { throw Error(ErrorCode::input, "this is no slices"); }
 
 }  // namespace quench::io
 

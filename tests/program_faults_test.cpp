@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: Apache-2.0
+// Whatever goes wrong while a command writes, and whenever: no half file, no lost file, one sentence.
+#include <fmt/format.h>
+
+#include <cstdlib>
+#include <map>
+
+#include "program.h"
+
+using namespace quench::testing_program;
+
+namespace {
+
+constexpr const char* kOld = "precious";
+
+struct Command {
+  std::vector<std::string> arguments, outputs;
+};
+
+class Faults : public ProgramTest {
+ protected:
+  void SetUp() override {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+    GTEST_SKIP() << "sanitizers have their own preloaded library";
+#endif
+    folder.write("box.npy", npy_box(5, 4, 3, 1));
+    folder.write("cube.off", cube_off());
+    works({"core", "box.npy", "--lambda", "0", "-o", "core.vtp"});
+    page_ = quench({"view", "absent.vtp"}).err.find("without its interactive page") == std::string::npos;
+  }
+  void TearDown() override {
+    for (const char* name : {"LD_PRELOAD", "QUENCH_FAULT", "QUENCH_FAULT_AT", "QUENCH_FAULT_MARK"}) unsetenv(name);
+  }
+
+  /// Every command that writes, with several outputs where it can.
+  std::vector<Command> commands() const {
+    std::vector<Command> list{
+        {{"sample", "root", "--branches", "1", "--detail", "0.1", "-o", "o.ply"}, {"o.ply", "o.json"}},
+        {{"sample", "torus", "--resolution", "8", "-o", "o.nrrd"}, {"o.nrrd"}},
+        {{"voxelize", "box.npy", "-o", "o.nrrd", "--json", "o.json"}, {"o.nrrd", "o.json"}},
+        {{"core", "cube.off", "--resolution", "4", "-o", "o.vtp", "--json", "o.json"}, {"o.vtp", "o.json"}},
+        {{"burn", "core.vtp", "-o", "o.ply", "--json", "o.json"}, {"o.ply", "o.json"}},
+        {{"skeleton", "core.vtp", "--swc", "o.swc", "--graphml", "o.graphml", "--csv", "o.csv", "-o", "o.vtp", "--json",
+          "o.json"},
+         {"o.swc", "o.graphml", "o.csv", "o.vtp", "o.json"}},
+        {{"convert", "core.vtp", "o.ma"}, {"o.ma"}},
+        {{"convert", "core.vtp", "o.obj"}, {"o.obj"}},
+        {{"verify", "box.npy", "core.vtp", "--json", "o.json"}, {"o.json"}},
+        {{"run", "box.npy", "-o", "."}, {"core.vtp", "skeleton.vtp", "skeleton.swc", "branches.csv", "report.json"}}};
+    if (page_) {
+      list.push_back({{"view", "core.vtp", "-o", "o.html", "--json", "o.json"}, {"o.html", "o.json"}});
+      list.back().arguments.insert(list.back().arguments.end(), {"--max-triangles", "2000"});
+      for (Command& command : list)
+        if (command.arguments[0] == "run") command.outputs.push_back("view.html");
+    }
+    for (Command& command : list)
+      if (command.arguments[0] != "run") command.arguments.push_back("--overwrite");
+    return list;
+  }
+
+  /// What a command writes when nothing goes wrong.
+  std::map<std::string, std::string> results(const Command& command) {
+    works(command.arguments);
+    std::map<std::string, std::string> all;
+    for (const std::string& name : command.outputs) all[name] = bytes(name);
+    return all;
+  }
+
+  void make_old(const Command& command) {
+    for (const std::string& name : command.outputs) folder.write(name, kOld);
+  }
+
+  bool is_whole(const std::string& name, const std::string& content, const std::string& expected) const {
+    const bool has_times = name.ends_with(".json") || name.ends_with(".html");
+    if (!has_times) return content == expected;
+    return content.size() > expected.size() / 2 &&
+           content.substr(content.size() - 3) == expected.substr(expected.size() - 3);
+  }
+
+  /// Runs the command with a fault at every call in turn, until it is past the last one, and hands each outcome to
+  /// `check`, with the name of the call and the number of outputs that were replaced.
+  template <class Check>
+  void sweep(const std::string& fault, const Check& check) {
+    for (const Command& command : commands()) {
+      const auto expected = results(command);
+      const std::string mark = (streams / "mark").string();
+      int at = 1;
+      for (;; ++at) {
+        SCOPED_TRACE(fmt::format("{} at call {} of {}", fault, at, testing::PrintToString(command.arguments)));
+        ASSERT_LT(at, 500);
+        make_old(command);
+        std::filesystem::remove(mark);
+        setenv("QUENCH_FAULT", fault.c_str(), 1);
+        setenv("QUENCH_FAULT_AT", std::to_string(at).c_str(), 1);
+        setenv("QUENCH_FAULT_MARK", mark.c_str(), 1);
+        setenv("LD_PRELOAD", QUENCH_FAULTS_LIBRARY, 1);
+        const Outcome outcome = quench(command.arguments);
+        unsetenv("LD_PRELOAD");
+        const std::string call = bytes_of(mark);
+        if (call.empty()) {
+          EXPECT_EQ(outcome.code, 0) << outcome.err;
+          break;
+        }
+        std::size_t replaced = 0;
+        for (const std::string& name : command.outputs) {
+          const std::string content = bytes(name);
+          if (content == kOld) continue;
+          ++replaced;
+          EXPECT_TRUE(is_whole(name, content, expected.at(name))) << "half a file: " << name;
+        }
+        std::size_t temporaries = 0;
+        for (const auto& entry : std::filesystem::directory_iterator(folder.path())) {
+          const std::string name = entry.path().filename().string();
+          if (!name.ends_with(".tmp")) continue;
+          ++temporaries;
+          EXPECT_TRUE(name.starts_with(".quench-")) << name;
+          std::filesystem::remove(entry.path());
+        }
+        check(outcome, call, replaced, command.outputs.size(), temporaries);
+        if (HasFailure()) return;
+      }
+      EXPECT_GE(at, 4) << "nothing was written, or not through the preloaded calls";
+      if (command.arguments[0] == "run")  // it replaced what other commands read
+        works({"core", "box.npy", "--lambda", "0", "-o", "core.vtp", "--overwrite"});
+    }
+  }
+
+  static void expect_one_sentence(const Outcome& outcome) {
+    const std::size_t begin = outcome.err.find("quench: ");
+    ASSERT_NE(begin, std::string::npos) << outcome.err;
+    EXPECT_EQ(outcome.err.find('\n', begin), outcome.err.size() - 1) << outcome.err;
+  }
+
+  bool page_ = false;
+};
+
+TEST_F(Faults, AFullDiskAtEveryCall) {
+  sweep("full", [](const Outcome& outcome, const std::string& call, std::size_t replaced, std::size_t,
+                   std::size_t temporaries) {
+    EXPECT_EQ(outcome.code, 1);
+    expect_one_sentence(outcome);
+    EXPECT_NE(outcome.err.find("cannot write '"), std::string::npos) << outcome.err;
+    if (call != "rename") {
+      EXPECT_EQ(replaced, 0u) << "an output was replaced though another could not be written";
+    }
+    EXPECT_EQ(temporaries, 0u);
+  });
+}
+
+TEST_F(Faults, AnInterruptAtEveryCall) {
+  sweep("interrupt", [](const Outcome& outcome, const std::string&, std::size_t replaced, std::size_t outputs,
+                        std::size_t temporaries) {
+    EXPECT_TRUE(outcome.code == 0 || outcome.code == 130) << outcome.code;
+    EXPECT_EQ(replaced, outcome.code == 0 ? outputs : 0u);
+    EXPECT_EQ(temporaries, 0u);
+  });
+}
+
+TEST_F(Faults, KilledAtEveryCall) {
+  sweep("kill", [](const Outcome& outcome, const std::string& call, std::size_t replaced, std::size_t, std::size_t) {
+    EXPECT_EQ(outcome.code, 128 + SIGKILL);
+    if (call != "rename") {
+      EXPECT_EQ(replaced, 0u);
+    }
+  });
+}
+
+}  // namespace
