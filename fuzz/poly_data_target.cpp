@@ -20,12 +20,13 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     for (const auto& triangle : mesh.triangles)
       for (const std::uint32_t corner : triangle)
         if (corner >= mesh.points.size()) fuzz::defect("a triangle has a corner that is no point");
-    std::ostringstream text, xml;
-    io::write_obj(text, read);
-    io::write_vtp(xml, read);
-    const PolyData again = io::read_vtp({"again", std::move(xml).str()});
-    if (again.points != read.points || again.lines != read.lines || again.poly_corners != read.poly_corners)
-      fuzz::defect("written as VTP and read again, the data differ");
+    if (size % 16 == 0) {  // takes ten times as long as reading
+      std::ostringstream xml;
+      io::write_vtp(xml, read);
+      const PolyData again = io::read_vtp({"again", std::move(xml).str()});
+      if (again.points != read.points || again.lines != read.lines || again.poly_corners != read.poly_corners)
+        fuzz::defect("written as VTP and read again, the data differ");
+    }
     AxisRepair repair;
     medial_axis_of(read, &repair);
   });

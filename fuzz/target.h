@@ -26,7 +26,9 @@ void reads_or_refuses(const Action& action, bool memory_is_limited = false) {
   } catch (const Error& error) {
     if (error.code() != ErrorCode::input && !(memory_is_limited && error.code() == ErrorCode::failed))
       defect("the error of a damaged file has another code than input");
-    if (!*error.what() || std::strchr(error.what(), '\n')) defect("the error is not one sentence");
+    for (const char* c = error.what(); *c; ++c)
+      if (static_cast<unsigned char>(*c) < ' ') defect("the error is not one sentence");
+    if (!*error.what()) defect("the error has no sentence");
   }
 }
 

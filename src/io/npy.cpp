@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "io/volume_formats.h"
+#include "io/words.h"
 #include "quench/error.h"
 
 namespace quench::io {
@@ -24,7 +25,7 @@ struct Header {
 };
 
 [[noreturn]] void refuse(const std::filesystem::path& file, const std::string& why) {
-  throw Error(ErrorCode::input, fmt::format("'{}' cannot be read as NPY: {}", file.string(), why));
+  throw Error(ErrorCode::input, fmt::format("'{}' cannot be read as NPY: {}", file.string(), plain(why)));
 }
 
 // Just enough of Python's literals for {'descr': '<f8', 'fortran_order': False, 'shape': (3, 4, 5), }.
