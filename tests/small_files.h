@@ -179,7 +179,7 @@ inline std::vector<SmallFile> all() {
        "0 0 0 1\n1 0 0 1\n0 1 0 2\n0 1 7 .5\n0 1 7\n3 0 1 2 0.5\n"},
       {"hand.obj", "obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1/1/1 2//2 -1\nl 1 2 \\\n 3\np 1\n"},
       {"hand.off", "off", "OFF\n3 2 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2 255 0 0\n2 0 1\n"},
-      {"normals.off", "off", "CNOFF 3\n1\n0\n0 0 0 0 0 1 1 1 1 1\n1 0 0 0 0 1\n0 1 0 0 0 1\n3 0 1 2\n"},
+      {"normals.off", "off", "CNOFF 3\n1 0\n0 0 0 0 0 1 1 1 1 1\n1 0 0 0 0 1\n0 1 0 0 0 1\n3 0 1 2\n"},
       {"text.stl", "stl",
        "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n"
        "endsolid a\n"},

@@ -3,6 +3,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <poll.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -10,6 +11,7 @@
 
 #include <array>
 #include <cerrno>
+#include <chrono>
 #include <csignal>
 #include <cstring>
 #include <fstream>
@@ -37,6 +39,10 @@ void limit(__rlimit_resource_t resource, std::int64_t amount) {
   setrlimit(resource, &both);
 }
 
+double seconds_for(const ApartLimits& limits, std::int64_t file_size) {
+  return limits.seconds + 2e-6 * static_cast<double>(file_size);
+}
+
 void send(int pipe, std::string_view bytes) {
   while (!bytes.empty()) {
     const ssize_t sent = write(pipe, bytes.data(), bytes.size());
@@ -57,7 +63,7 @@ void send(int pipe, std::string_view bytes) {
       if (stream != pipe) dup2(nothing, stream);
   limit(RLIMIT_CORE, 0);
   limit(RLIMIT_FSIZE, 0);
-  limit(RLIMIT_CPU, static_cast<std::int64_t>(limits.seconds + 2e-6 * static_cast<double>(file_size)) + 1);
+  limit(RLIMIT_CPU, static_cast<std::int64_t>(seconds_for(limits, file_size)) + 1);
   limit(RLIMIT_AS, address_space_now() + limits.bytes + 200 * file_size);
   try {
     const std::string bytes = read();
@@ -96,9 +102,10 @@ class Child {
   Child& operator=(const Child&) = delete;
   ~Child() {
     if (process_ <= 0) return;
-    kill(process_, SIGKILL);
+    end();
     wait();
   }
+  void end() const { kill(process_, SIGKILL); }
   int wait() {
     int status = 0;
     while (waitpid(process_, &status, 0) < 0 && errno == EINTR) {
@@ -117,6 +124,7 @@ std::string read_apart(const std::filesystem::path& file, const std::function<st
                        const ApartLimits& limits) {
   std::error_code unknown;
   const std::uintmax_t size = std::filesystem::file_size(file, unknown);
+  const std::int64_t file_size = unknown ? 0 : static_cast<std::int64_t>(size);
   int ends[2];
   if (pipe2(ends, O_CLOEXEC) != 0)
     throw Error(ErrorCode::failed, fmt::format("'{}' cannot be read: {}", file.string(), std::strerror(errno)));
@@ -126,17 +134,27 @@ std::string read_apart(const std::filesystem::path& file, const std::function<st
   const pid_t parent = getpid(), process = fork();
   if (process < 0)
     throw Error(ErrorCode::failed, fmt::format("'{}' cannot be read: {}", file.string(), std::strerror(errno)));
-  if (process == 0) child(to.number, parent, read, limits, unknown ? 0 : static_cast<std::int64_t>(size));
+  if (process == 0) child(to.number, parent, read, limits, file_size);
   Child reader(process);
   to.close();
 
+  const auto start = std::chrono::steady_clock::now();
+  const auto patience = std::chrono::seconds(60) + 10 * std::chrono::duration<double>(seconds_for(limits, file_size));
+  bool waiting = true;
   std::string bytes;
   for (std::array<char, 1 << 16> block;;) {
+    pollfd end{from.number, POLLIN, 0};
+    if (poll(&end, 1, 1000) <= 0) {  // its time may pass without work, when it waits for something
+      if (std::chrono::steady_clock::now() - start < patience) continue;
+      waiting = false;
+      break;
+    }
     const ssize_t got = ::read(from.number, block.data(), block.size());
     if (got < 0 && errno == EINTR) continue;
     if (got <= 0) break;
     bytes.append(block.data(), static_cast<std::size_t>(got));
   }
+  if (!waiting) reader.end();
   const int status = reader.wait();
   const auto refuse = [&](const std::string& why) {
     throw Error(ErrorCode::input, fmt::format("'{}' cannot be read: {}", file.string(), why));

@@ -157,6 +157,7 @@ std::optional<SliceStream> open_slices(const std::filesystem::path& file, const 
     stream.next = [slices](std::span<std::byte> out) { slices->next(out); };
     return stream;
   }
+  if (!header->next_slice) return {};
   // Only an uncompressed file is as long as its samples.
   if (dims[2] < 1 || probe.size / header->sample_size / static_cast<std::uint64_t>(dims[2]) < slice) return {};
   checked_sample_count(file, dims, header->sample_size, probe.size);
