@@ -128,7 +128,7 @@ TEST(Foreign, DamagedVolumes) {
     };
     write_bytes(path, file.bytes);
     EXPECT_NO_THROW(read()) << file.name;
-    const std::vector<Damage> list = damages(file.bytes, 400);
+    const std::vector<Damage> list = damages(file.bytes, 150);
     survive(
         list.size(),
         [&](std::size_t i) {
@@ -197,7 +197,7 @@ TEST(Foreign, DamagedMeshes) {
       ++readable;
     } catch (const Error&) {  // some builds of Assimp lack a format, or keep its buffers in a second file
     }
-    for (const Damage& damage : damages(valid, 80)) {
+    for (const Damage& damage : damages(valid, 25)) {
       write_bytes(path, damage.bytes);
       const std::string wrong = complaint(read);
       if (!wrong.empty()) ADD_FAILURE() << name << ", " << damage.how << ": " << wrong;
@@ -235,8 +235,7 @@ TEST(Apart, WhateverALibraryDoesIsOneSentence) {
             std::string::npos);
   EXPECT_NE(refused([]() -> std::string { throw Error(ErrorCode::input, "a.bin is odd"); }).find("odd"),
             std::string::npos);
-  EXPECT_NE(refused([]() -> std::string { throw std::runtime_error("a.bin is odder"); }).find("odder"),
-            std::string::npos);
+  EXPECT_NE(refused([]() -> std::string { throw std::runtime_error("odder"); }).find("fails"), std::string::npos);
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
   EXPECT_NE(refused([]() -> std::string { return std::string(std::size_t{1} << 32, 'x'); }).find("memory"),
             std::string::npos);

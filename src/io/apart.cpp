@@ -73,8 +73,6 @@ void send(int pipe, std::string_view bytes) {
     send(pipe, refusal + std::string(1, static_cast<char>(error.code())) + error.what());
   } catch (const std::bad_alloc&) {
     send(pipe, {&no_memory, 1});
-  } catch (const std::exception& error) {
-    send(pipe, refusal + std::string(1, static_cast<char>(ErrorCode::input)) + error.what());
   } catch (...) {
     _exit(1);
   }

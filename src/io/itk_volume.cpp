@@ -110,7 +110,7 @@ void check_nifti_header(const std::filesystem::path& file) {
   if (axes < 1 || axes > 7) refuse(fmt::format("it claims {} axes", axes));
 }
 
-// MetaIO reports to std::cerr what it also returns. Text of other threads is lost for this time.
+// MetaIO and VNL report to std::cerr what they also return, and doubts about matrices. Text of other threads is lost for this time.
 class QuietCerr {
  public:
   QuietCerr() : lock_(mutex()), before_(std::cerr.rdbuf(nullptr)) {}
@@ -265,6 +265,7 @@ void try_apart(const std::filesystem::path& file, const std::string& extension, 
   if (is_tiff(extension)) return;
   const bool all = samples && (extension == ".mha" || extension == ".mhd") && !has_own_samples(file);
   ApartLimits limits;
+  limits.seconds = 2;  // a header takes milliseconds
   if (all) {
     limits.bytes += available_memory();  // check_read_memory() is what limits it then
     limits.seconds += 2e-6 * static_cast<double>(bytes_available(file, extension) / deflate_limit);
@@ -309,8 +310,7 @@ Volume read_itk(const std::filesystem::path& file, Context* context) {
   if (extension.starts_with(".nii")) check_nifti_header(file);
   if (is_tiff(extension)) silence_libtiff();
   try_apart(file, extension, true);
-  std::optional<QuietCerr> quiet;
-  if (extension == ".mha" || extension == ".mhd") quiet.emplace();
+  const QuietCerr quiet;
   return refusing(file, [&] {
     const auto io = image_io(extension);
     io->SetFileName(file.string());
@@ -340,8 +340,7 @@ std::optional<ItkHeader> itk_header(const std::filesystem::path& file, Context* 
   itk::Object::SetGlobalWarningDisplay(false);
   checkpoint(context, "read", 0);
   try_apart(file, extension, false);
-  std::optional<QuietCerr> quiet;
-  if (extension == ".mha" || extension == ".mhd") quiet.emplace();
+  const QuietCerr quiet;
   return refusing(file, [&]() -> std::optional<ItkHeader> {
     const auto io = image_io(extension);
     io->SetFileName(file.string());
