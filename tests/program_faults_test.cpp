@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Whatever goes wrong while a command writes, and whenever: no half file, no lost file, one sentence.
 #include <fmt/format.h>
+#include <sys/stat.h>
 
+#include <csignal>
 #include <cstdlib>
 #include <map>
 
@@ -163,6 +165,152 @@ TEST_F(Faults, KilledAtEveryCall) {
       EXPECT_EQ(replaced, 0u);
     }
   });
+}
+
+// --- limits of the system and of the command line -----------------------------------------------------------------
+
+rlim_t address_space = 0;
+
+TEST_F(Faults, OutOfMemoryIsASentence) {
+  works({"sample", "bumpy-sphere", "--detail", "0.3", "-o", "s.ply"});
+  works({"core", "s.ply", "--resolution", "64", "-o", "axis.vtp"});
+  before_start = [] {
+    const rlimit limit{address_space, address_space};
+    if (setrlimit(RLIMIT_AS, &limit) != 0) _exit(127);
+  };
+  int refused = 0, done = 0;
+  for (const std::vector<std::string>& command : std::vector<std::vector<std::string>>{
+           {"core", "s.ply", "--resolution", "64", "--memory-limit", "100G", "-o", "o.vtp", "--overwrite"},
+           {"burn", "axis.vtp", "-o", "o.vtp", "--overwrite"},
+           {"skeleton", "axis.vtp", "-o", "o.vtp", "--overwrite"}})
+    for (const rlim_t megabytes : {60, 90, 120, 150, 190, 240, 300, 400, 600, 1000}) {
+      SCOPED_TRACE(fmt::format("{} MB: {}", megabytes, testing::PrintToString(command)));
+      folder.write("o.vtp", kOld);
+      address_space = megabytes << 20;
+      const auto before = files();
+      const Outcome outcome = quench(command);
+      if (outcome.code == 127) continue;  // not even its libraries fit
+      EXPECT_TRUE(outcome.code == 0 || outcome.code == 1) << outcome.code << '\n' << outcome.err;
+      if (outcome.code == 0) {
+        ++done;
+        continue;
+      }
+      ++refused;
+      expect_one_sentence(outcome);
+      EXPECT_NE(outcome.err.find("memory"), std::string::npos) << outcome.err;
+      EXPECT_EQ(files(), before);
+    }
+  EXPECT_GT(refused, 0);
+  EXPECT_GT(done, 0);
+}
+
+TEST_F(Faults, MemoryIsPredicted) {
+  const auto refused = [&](const std::vector<std::string>& command, const std::string& word) {
+    refuses(1, {"of memory", "--memory-limit", word}, command);
+  };
+  refused({"sample", "root", "--branches", "50000", "--memory-limit", "1G", "-o", "o.ply"}, "--branches");
+  refused({"sample", "torus", "--resolution", "8192", "--memory-limit", "1G", "-o", "o.nrrd"}, "8192");
+  refused({"convert", "core.vtp", "o.ma", "--memory-limit", "1K"}, "'core.vtp'");
+  refused({"info", "core.vtp", "--memory-limit", "1K"}, "'core.vtp'");
+  refused({"burn", "core.vtp", "-o", "o.vtp", "--memory-limit", "1K"}, "'core.vtp'");
+  refused({"skeleton", "core.vtp", "-o", "o.vtp", "--memory-limit", "1K"}, "'core.vtp'");
+  refused({"verify", "box.npy", "core.vtp", "--memory-limit", "1K"}, "'core.vtp'");
+  if (page_) refused({"view", "core.vtp", "-o", "o.html", "--memory-limit", "1K"}, "'core.vtp'");
+  refuses(2, {"--detail", "4,294,967,294"},
+          {"sample", "root", "--branches", "100000", "--detail", "16", "-o", "o.ply"});
+  // The headers of volumes may promise more than their files have bytes: a .sof file of 200 bytes is 513^3 voxels.
+  std::string octree = std::string("\0\2\0\0", 4);
+  for (int level = 0; level < 9; ++level) octree += '\0';
+  for (int leaf = 0; leaf < 8; ++leaf) octree += std::string("\2\xF0", 2);
+  for (int level = 0; level < 8; ++level)
+    for (int child = 0; child < 7; ++child) octree += std::string("\1\1", 2);
+  folder.write("large.sof", octree);
+  refuses(1, {"'large.sof'", "145 MB", "100 MB"}, {"core", "large.sof", "--memory-limit", "100M", "-o", "o.vtp"});
+}
+
+TEST_F(Faults, NobodyReadsStdout) {
+  before_start = [] {
+    int ends[2];
+    if (pipe(ends) != 0 || dup2(ends[1], 1) < 0) _exit(127);
+    close(ends[0]);
+    close(ends[1]);
+  };
+  for (const std::vector<std::string>& command :
+       std::vector<std::vector<std::string>>{{"info", "core.vtp"},
+                                             {"verify", "box.npy", "core.vtp"},
+                                             {"core", "box.npy", "-o", "o.vtp", "--json", "-"}}) {
+    const Outcome outcome = quench(command);
+    EXPECT_EQ(outcome.code, 1);
+    EXPECT_TRUE(outcome.err.ends_with("quench: cannot write to stdout: Broken pipe\n")) << outcome.err;
+  }
+  EXPECT_TRUE(bytes("o.vtp").ends_with("</VTKFile>\n")) << "the result is lost with the reader of its report";
+}
+
+TEST_F(Faults, NobodyReadsStderr) {
+  before_start = [] {
+    int ends[2];
+    if (pipe(ends) != 0 || dup2(ends[1], 2) < 0) _exit(127);
+    close(ends[0]);
+    close(ends[1]);
+  };
+  EXPECT_EQ(quench({"core", "box.npy", "-o", "o.vtp"}).code, 0);
+  EXPECT_TRUE(bytes("o.vtp").ends_with("</VTKFile>\n"));
+}
+
+TEST_F(Faults, OutputsThatCannotBe) {
+  std::filesystem::create_directory(folder / "dir");
+  std::filesystem::create_hard_link(folder / "core.vtp", folder / "hard.vtp");
+  std::filesystem::create_symlink(folder / "core.vtp", folder / "soft.vtp");
+  for (const Command& command : commands()) {
+    if (command.arguments[0] == "run") continue;
+    for (const std::string& name : command.outputs) {
+      const auto with = [&](const std::string& other) {
+        std::vector<std::string> arguments = command.arguments;
+        std::replace(arguments.begin(), arguments.end(), name, other);
+        return arguments;
+      };
+      const std::string extension = std::filesystem::path(name).extension();
+      std::filesystem::create_directories(folder / ("dir" + extension));
+      if (std::find(command.arguments.begin(), command.arguments.end(), name) == command.arguments.end()) continue;
+      refuses(2, {"folder"}, with("dir" + extension));
+      refuses(1, {"does not exist"}, with("no/such" + extension));
+      if (std::find(command.arguments.begin(), command.arguments.end(), "core.vtp") == command.arguments.end())
+        continue;
+      for (const char* same : {"core.vtp", "./core.vtp", "hard.vtp", "soft.vtp"})
+        refuses(2, {"input itself"}, with(same));
+    }
+  }
+}
+
+TEST_F(Faults, AFolderWithoutPermission) {
+  std::filesystem::create_directory(folder / "closed");
+  chmod((folder / "closed").c_str(), 0555);
+  chmod(folder.path().c_str(), 0755);
+  before_start = [] {  // root may write everywhere
+    if (geteuid() == 0 && (setgid(65534) != 0 || setuid(65534) != 0)) _exit(127);
+  };
+  if (quench({"--version"}).code != 0) GTEST_SKIP() << "another user cannot run the program";
+  refuses(1, {"cannot write 'closed/o.vtp'", "not writable"}, {"core", "box.npy", "-o", "closed/o.vtp"});
+  refuses(1, {"cannot write to 'closed/new'", "not writable"}, {"run", "box.npy", "-o", "closed/new"});
+}
+
+TEST_F(Faults, IgnoredSignalsStayIgnored) {
+  before_start = [] { std::signal(SIGHUP, SIG_IGN); };  // nohup
+  works({"sample", "bumpy-sphere", "--detail", "0.3", "-o", "s.ply"});
+  const pid_t child = start({"core", "s.ply", "--resolution", "128", "-o", "o.vtp"});
+  usleep(200000);
+  kill(child, SIGHUP);
+  EXPECT_EQ(wait(child).code, 0);
+}
+
+TEST_F(Faults, AClosedTerminalIsAnInterrupt) {
+  works({"sample", "bumpy-sphere", "--detail", "0.3", "-o", "s.ply"});
+  const auto before = files();
+  const pid_t child = start({"core", "s.ply", "--resolution", "512", "--memory-limit", "100G", "-o", "o.vtp"});
+  usleep(500000);
+  kill(child, SIGHUP);
+  EXPECT_EQ(wait(child).code, 130);
+  EXPECT_EQ(files(), before);
 }
 
 }  // namespace

@@ -10,7 +10,7 @@ namespace quench::io {
 
 /// What a reader in a process of its own may use.
 struct ApartLimits {
-  double seconds = 10;                         ///< of the processor, beside 2 for every megabyte of the file
+  double seconds = 2;                          ///< of the processor, beside 2 for every megabyte of the file
   std::int64_t bytes = std::int64_t{1} << 29;  ///< of memory, beside 200 for every byte of the file
 };
 

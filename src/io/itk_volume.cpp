@@ -265,7 +265,6 @@ void try_apart(const std::filesystem::path& file, const std::string& extension, 
   if (is_tiff(extension)) return;
   const bool all = samples && (extension == ".mha" || extension == ".mhd") && !has_own_samples(file);
   ApartLimits limits;
-  limits.seconds = 2;  // a header takes milliseconds
   if (all) {
     limits.bytes += available_memory();  // check_read_memory() is what limits it then
     limits.seconds += 2e-6 * static_cast<double>(bytes_available(file, extension) / deflate_limit);
