@@ -38,3 +38,11 @@ if(QUENCH_ASSIMP)
     message(STATUS "Assimp not found: meshes will be read from PLY, OBJ, OFF and STL only")
   endif()
 endif()
+
+# TIFF stacks page by page; without libtiff ITK reads them whole.
+find_package(TIFF QUIET)
+if(TIFF_FOUND AND QUENCH_WITH_ITK)
+  target_include_directories(quench SYSTEM PRIVATE ${TIFF_INCLUDE_DIRS})
+  target_link_libraries(quench PRIVATE ${TIFF_LIBRARIES})
+  target_compile_definitions(quench PRIVATE QUENCH_HAS_TIFF)
+endif()

@@ -13,9 +13,12 @@
 #include "quench/io.h"
 #include "random_shapes.h"
 #include "temporary_folder.h"
+#include "tiff_bytes.h"
 
 namespace quench {
 namespace {
+
+using testing_tiff::tiff;
 
 class ThroughItk : public testing::Test {
  protected:
@@ -56,40 +59,6 @@ std::string png(std::uint32_t width, std::uint32_t height, const std::string& pi
   if (pixels_per_metre)
     file += chunk("pHYs", big_endian(pixels_per_metre) + big_endian(pixels_per_metre) + std::string{1});
   return file + chunk("IDAT", deflated(rows)) + chunk("IEND", "");
-}
-
-// Little-endian 8-bit grey TIFF, one uncompressed strip per page.
-std::string tiff(std::uint16_t width, std::uint16_t height, const std::vector<std::string>& pages) {
-  std::string file = std::string("II*\0", 4);
-  const auto put = [&](std::uint32_t v, int bytes) {
-    for (int b = 0; b < bytes; ++b) file += static_cast<char>(v >> (8 * b));
-  };
-  put(8, 4);
-  for (std::size_t p = 0; p < pages.size(); ++p) {
-    const std::array<std::array<std::uint32_t, 2>, 9> entries{{{256, width},
-                                                               {257, height},
-                                                               {258, 8},
-                                                               {259, 1},
-                                                               {262, 1},
-                                                               {273, 0},
-                                                               {277, 1},
-                                                               {278, height},
-                                                               {279, static_cast<std::uint32_t>(pages[p].size())}}};
-    const auto directory = static_cast<std::uint32_t>(file.size());
-    const auto strip = directory + 2 + 12 * static_cast<std::uint32_t>(entries.size()) + 4;
-    put(static_cast<std::uint32_t>(entries.size()), 2);
-    for (const auto& [tag, value] : entries) {
-      put(tag, 2);
-      put(4, 2);  // LONG
-      put(1, 4);
-      put(tag == 273 ? strip : value, 4);
-    }
-    const bool last = p + 1 == pages.size();
-    const std::string padding(pages[p].size() % 2, '\0');
-    put(last ? 0 : strip + static_cast<std::uint32_t>(pages[p].size() + padding.size()), 4);
-    file += pages[p] + padding;
-  }
-  return file;
 }
 
 std::string nrrd(const std::string& fields, const std::string& samples) {

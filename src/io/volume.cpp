@@ -14,34 +14,6 @@
 namespace quench::io {
 namespace {
 
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
-
-// slice2 before slice10: digits compare as numbers (leading zeros left out), everything else by character.
-bool natural_less(const std::string& a, const std::string& b) {
-  std::size_t i = 0, j = 0;
-  while (i < a.size() && j < b.size()) {
-    if (is_digit(a[i]) && is_digit(b[j])) {
-      while (i < a.size() && a[i] == '0') ++i;
-      while (j < b.size() && b[j] == '0') ++j;
-      const std::size_t i0 = i, j0 = j;
-      while (i < a.size() && is_digit(a[i])) ++i;
-      while (j < b.size() && is_digit(b[j])) ++j;
-      if (i - i0 != j - j0) return i - i0 < j - j0;
-      if (const int order = a.compare(i0, i - i0, b, j0, j - j0); order != 0) return order < 0;
-    } else {
-      if (a[i] != b[j]) return a[i] < b[j];
-      ++i;
-      ++j;
-    }
-  }
-  if ((i < a.size()) != (j < b.size())) return j < b.size();
-  return a < b;
-}
-
-bool is_slice(const std::string& extension) {
-  return extension == ".png" || extension == ".tif" || extension == ".tiff";
-}
-
 Volume read_by_extension(const std::filesystem::path& file, Context* context) {
   std::error_code ignored;
   if (std::filesystem::is_directory(file, ignored)) return read_slices(file, context);
@@ -116,65 +88,6 @@ void check_read_memory(const std::filesystem::path& file, std::uint64_t bytes, c
         ErrorCode::failed,
         fmt::format("reading '{}' needs about {} of memory, and {} {}; crop it or lower its resolution", file.string(),
                     bytes_text(needed), bytes_text(limit), limited ? "are allowed" : "are free"));
-}
-
-std::vector<std::filesystem::path> slice_files(const std::filesystem::path& folder) {
-  std::vector<std::filesystem::path> files;
-  std::error_code error;
-  for (std::filesystem::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
-    const std::string name = it->path().filename().string();
-    if (!name.starts_with('.') && is_slice(volume_extension(it->path()))) files.push_back(it->path());
-  }
-  if (error)
-    throw Error(ErrorCode::failed, fmt::format("the folder '{}' cannot be read: {}", folder.string(), error.message()));
-  std::sort(files.begin(), files.end(),
-            [](const auto& a, const auto& b) { return natural_less(a.filename().string(), b.filename().string()); });
-  return files;
-}
-
-Volume read_slices(const std::filesystem::path& folder, Context* context) {
-  const std::vector<std::filesystem::path> files = slice_files(folder);
-  if (files.empty())
-    throw Error(ErrorCode::input,
-                fmt::format("the folder '{}' holds no PNG or TIFF slices; give a volume file or a folder of slices",
-                            folder.string()));
-  for (const auto& file : files)
-    if (volume_extension(file).substr(0, 4) != volume_extension(files.front()).substr(0, 4))
-      throw Error(
-          ErrorCode::input,
-          fmt::format("the folder '{}' holds PNG and TIFF files; keep the slices of one stack in it", folder.string()));
-  Volume volume;
-  for (std::size_t z = 0; z < files.size(); ++z) {
-    checkpoint(context, "read", static_cast<double>(z) / static_cast<double>(files.size()));
-    Volume slice = volume_extension(files[z]) == ".png" ? read_png(files[z], nullptr) : read_itk(files[z], nullptr);
-    if (slice.grid.dims[2] != 1)
-      throw Error(ErrorCode::input, fmt::format("'{}' has {} pages where one slice is needed; read it on its own",
-                                                files[z].string(), slice.grid.dims[2]));
-    if (z == 0) {
-      volume = std::move(slice);
-      volume.grid.dims[2] = static_cast<std::int64_t>(files.size());
-      continue;
-    }
-    if (slice.grid.dims[0] != volume.grid.dims[0] || slice.grid.dims[1] != volume.grid.dims[1])
-      throw Error(ErrorCode::input,
-                  fmt::format("slice '{}' has {} x {} pixels, the slices before it {} x {}", files[z].string(),
-                              slice.grid.dims[0], slice.grid.dims[1], volume.grid.dims[0], volume.grid.dims[1]));
-    if (slice.samples.index() != volume.samples.index())
-      throw Error(ErrorCode::input,
-                  fmt::format("slice '{}' has another sample type than the slices before it", files[z].string()));
-    std::visit(
-        [&](auto& all) {
-          const auto& one = std::get<std::decay_t<decltype(all)>>(slice.samples);
-          if (z == 1) {
-            check_read_memory(folder, one.size() * files.size() * sizeof one[0], context);
-            all.reserve(one.size() * files.size());
-          }
-          all.insert(all.end(), one.begin(), one.end());
-        },
-        volume.samples);
-  }
-  checkpoint(context, "read", 1);
-  return volume;
 }
 
 void apply_spacing(const std::filesystem::path& file, const VolumeReadOptions& options, Grid& grid) {

@@ -38,9 +38,6 @@ Volume read_itk(const std::filesystem::path& file, Context* context);
 /// The PNG or TIFF files of a folder in natural order (2 before 10), one slice each. Spacing 1.
 Volume read_slices(const std::filesystem::path& folder, Context* context);
 
-/// PNG and TIFF files of a folder in natural order.
-std::vector<std::filesystem::path> slice_files(const std::filesystem::path& folder);
-
 /// Replaces the spacing as asked and checks it and the origin.
 void apply_spacing(const std::filesystem::path& file, const VolumeReadOptions& options, Grid& grid);
 

@@ -2,9 +2,9 @@
 #ifndef QUENCH_HAS_ITK
 #include <fmt/format.h>
 
+#include "io/slice_streams.h"
 #include "io/volume_formats.h"
 #include "quench/error.h"
-#include "quench/slices.h"
 
 namespace quench::io {
 
@@ -15,7 +15,7 @@ Volume read_itk(const std::filesystem::path& file, Context*) {
                           file.string()));
 }
 
-std::optional<SliceStream> open_slices(const std::filesystem::path&, const VolumeReadOptions&, Context*) { return {}; }
+std::optional<SliceStream> open_itk_slices(const std::filesystem::path&, Context*) { return {}; }
 
 }  // namespace quench::io
 #endif

@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: Apache-2.0
+// A stack of slices in a folder: PNG or TIFF files in natural order.
+#include <fmt/format.h>
+
+#include <cstring>
+#include <memory>
+
+#include "io/slice_streams.h"
+#include "io/volume_formats.h"
+#include "quench/error.h"
+
+namespace quench::io {
+namespace {
+
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
+// slice2 before slice10: digits compare as numbers (leading zeros left out), everything else by character.
+bool natural_less(const std::string& a, const std::string& b) {
+  std::size_t i = 0, j = 0;
+  while (i < a.size() && j < b.size()) {
+    if (is_digit(a[i]) && is_digit(b[j])) {
+      while (i < a.size() && a[i] == '0') ++i;
+      while (j < b.size() && b[j] == '0') ++j;
+      const std::size_t i0 = i, j0 = j;
+      while (i < a.size() && is_digit(a[i])) ++i;
+      while (j < b.size() && is_digit(b[j])) ++j;
+      if (i - i0 != j - j0) return i - i0 < j - j0;
+      if (const int order = a.compare(i0, i - i0, b, j0, j - j0); order != 0) return order < 0;
+    } else {
+      if (a[i] != b[j]) return a[i] < b[j];
+      ++i;
+      ++j;
+    }
+  }
+  if ((i < a.size()) != (j < b.size())) return j < b.size();
+  return a < b;
+}
+
+bool is_slice(const std::string& extension) {
+  return extension == ".png" || extension == ".tif" || extension == ".tiff";
+}
+
+std::vector<std::filesystem::path> slice_files(const std::filesystem::path& folder) {
+  std::vector<std::filesystem::path> files;
+  std::error_code error;
+  for (std::filesystem::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
+    const std::string name = it->path().filename().string();
+    if (!name.starts_with('.') && is_slice(volume_extension(it->path()))) files.push_back(it->path());
+  }
+  if (error)
+    throw Error(ErrorCode::failed, fmt::format("the folder '{}' cannot be read: {}", folder.string(), error.message()));
+  std::sort(files.begin(), files.end(),
+            [](const auto& a, const auto& b) { return natural_less(a.filename().string(), b.filename().string()); });
+  return files;
+}
+
+// The slices of a folder, one after the other; all of one size and type.
+class SliceFolder {
+ public:
+  explicit SliceFolder(const std::filesystem::path& folder) : files_(slice_files(folder)) {
+    if (files_.empty())
+      throw Error(ErrorCode::input,
+                  fmt::format("the folder '{}' holds no PNG or TIFF slices; give a volume file or a folder of slices",
+                              folder.string()));
+    for (const auto& file : files_)
+      if (volume_extension(file).substr(0, 4) != volume_extension(files_.front()).substr(0, 4))
+        throw Error(ErrorCode::input,
+                    fmt::format("the folder '{}' holds PNG and TIFF files; keep the slices of one stack in it",
+                                folder.string()));
+    first_ = read(files_.front());
+  }
+
+  std::size_t count() const { return files_.size(); }
+  /// The first slice, until it is taken by next().
+  const Volume& first() const { return first_; }
+
+  Volume next() {
+    const std::filesystem::path& file = files_.at(z_++);
+    if (z_ == 1) {
+      index_ = first_.samples.index();
+      dims_ = first_.grid.dims;
+      return std::move(first_);
+    }
+    Volume slice = read(file);
+    if (slice.grid.dims != dims_)
+      throw Error(ErrorCode::input,
+                  fmt::format("slice '{}' has {} x {} pixels, the slices before it {} x {}", file.string(),
+                              slice.grid.dims[0], slice.grid.dims[1], dims_[0], dims_[1]));
+    if (slice.samples.index() != index_)
+      throw Error(ErrorCode::input,
+                  fmt::format("slice '{}' has another sample type than the slices before it", file.string()));
+    return slice;
+  }
+
+ private:
+  static Volume read(const std::filesystem::path& file) {
+    Volume slice = volume_extension(file) == ".png" ? read_png(file, nullptr) : read_itk(file, nullptr);
+    if (slice.grid.dims[2] != 1)
+      throw Error(ErrorCode::input, fmt::format("'{}' has {} pages where one slice is needed; read it on its own",
+                                                file.string(), slice.grid.dims[2]));
+    return slice;
+  }
+
+  std::vector<std::filesystem::path> files_;
+  Volume first_;
+  std::size_t z_ = 0, index_ = 0;
+  std::array<std::int64_t, 3> dims_{};
+};
+
+}  // namespace
+
+Volume read_slices(const std::filesystem::path& folder, Context* context) {
+  SliceFolder slices(folder);
+  Volume volume;
+  for (std::size_t z = 0; z < slices.count(); ++z) {
+    checkpoint(context, "read", static_cast<double>(z) / static_cast<double>(slices.count()));
+    Volume slice = slices.next();
+    if (z == 0) {
+      volume = std::move(slice);
+      volume.grid.dims[2] = static_cast<std::int64_t>(slices.count());
+      continue;
+    }
+    std::visit(
+        [&](auto& all) {
+          const auto& one = std::get<std::decay_t<decltype(all)>>(slice.samples);
+          if (z == 1) {
+            check_read_memory(folder, one.size() * slices.count() * sizeof one[0], context);
+            all.reserve(one.size() * slices.count());
+          }
+          all.insert(all.end(), one.begin(), one.end());
+        },
+        volume.samples);
+  }
+  checkpoint(context, "read", 1);
+  return volume;
+}
+
+SliceStream open_slice_folder(const std::filesystem::path& folder) {
+  const auto slices = std::make_shared<SliceFolder>(folder);
+  SliceStream stream;
+  stream.grid = slices->first().grid;
+  stream.grid.dims[2] = static_cast<std::int64_t>(slices->count());
+  stream.units = slices->first().units;
+  stream.type = view_of(slices->first()).type;
+  stream.next = [slices](std::span<std::byte> out) {
+    const Volume slice = slices->next();
+    std::visit([&](const auto& samples) { std::memcpy(out.data(), samples.data(), out.size()); }, slice.samples);
+  };
+  return stream;
+}
+
+}  // namespace quench::io
