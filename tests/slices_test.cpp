@@ -179,9 +179,9 @@ TEST(Slices, EveryTruncationOfTiffIsRefusedOrComplete) {
     try {
       const auto slices = io::open_slices(file);
       if (!slices) continue;  // read_volume() refuses it, or not
-      // libtiff does not tell a directory that is cut off from the last one.
-      EXPECT_LT(slices->grid.dims[2], 3) << kept;
       foreground(*slices, {.threshold = 1, .label = {}});
+      // libtiff does not tell a directory that is cut off from the last one; samples that are missing it does.
+      EXPECT_LT(slices->grid.dims[2], 3) << kept;
     } catch (const Error& e) {
       EXPECT_EQ(e.code(), ErrorCode::input);
       EXPECT_NE(std::string(e.what()).find("t.tif"), std::string::npos) << e.what();
