@@ -183,7 +183,7 @@ TEST_F(Faults, OutOfMemoryIsASentence) {
            {"core", "s.ply", "--resolution", "40", "--memory-limit", "100G", "-o", "o.vtp", "--overwrite"},
            {"burn", "axis.vtp", "-o", "o.vtp", "--overwrite"},
            {"skeleton", "axis.vtp", "-o", "o.vtp", "--overwrite"}})
-    for (const rlim_t megabytes : {100, 160, 250, 1000}) {
+    for (const rlim_t megabytes : {100, 250, 1000}) {
       SCOPED_TRACE(fmt::format("{} MB: {}", megabytes, testing::PrintToString(command)));
       folder.write("o.vtp", kOld);
       address_space = megabytes << 20;
