@@ -128,7 +128,7 @@ TEST(Foreign, DamagedVolumes) {
     };
     write_bytes(path, file.bytes);
     EXPECT_NO_THROW(read()) << file.name;
-    const std::vector<Damage> list = damages(file.bytes, 150);
+    const std::vector<Damage> list = damages(file.bytes, 100);
     survive(
         list.size(),
         [&](std::size_t i) {
@@ -197,7 +197,7 @@ TEST(Foreign, DamagedMeshes) {
       ++readable;
     } catch (const Error&) {  // some builds of Assimp lack a format, or keep its buffers in a second file
     }
-    for (const Damage& damage : damages(valid, 25)) {
+    for (const Damage& damage : damages(valid, 15)) {
       write_bytes(path, damage.bytes);
       const std::string wrong = complaint(read);
       if (!wrong.empty()) ADD_FAILURE() << name << ", " << damage.how << ": " << wrong;

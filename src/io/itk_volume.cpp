@@ -110,7 +110,8 @@ void check_nifti_header(const std::filesystem::path& file) {
   if (axes < 1 || axes > 7) refuse(fmt::format("it claims {} axes", axes));
 }
 
-// MetaIO and VNL report to std::cerr what they also return, and doubts about matrices. Text of other threads is lost for this time.
+// MetaIO and VNL report to std::cerr what they also return, and doubts about matrices. Text of other threads is lost
+// for this time.
 class QuietCerr {
  public:
   QuietCerr() : lock_(mutex()), before_(std::cerr.rdbuf(nullptr)) {}
