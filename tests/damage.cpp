@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "damage.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <numeric>
