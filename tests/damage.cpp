@@ -281,7 +281,7 @@ TriangleMesh double_shell(const TriangleMesh& clean, std::uint64_t) {
 
 TriangleMesh pinned(TriangleMesh mesh, const TriangleMesh& clean) {
   const Extent extent(clean);
-  const Vec3 more = Vec3::Constant(0.01 * extent.longest());
+  const Vec3 more = Vec3::Constant(0.03 * extent.longest());
   for (const Vec3& p : {Vec3(extent.low - more), Vec3(extent.high + more)}) {
     const auto n = static_cast<std::uint32_t>(mesh.points.size());
     mesh.points.push_back(p);

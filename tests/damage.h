@@ -21,7 +21,7 @@ struct Damage {
 
 const std::vector<Damage>& damages();
 
-/// With a box 1 % larger than that of `clean`, by faces without area: meshes of one box have the same voxel lattice.
+/// With a box 3 % larger than that of `clean`, by faces without area: meshes of one box have the same voxel lattice.
 TriangleMesh pinned(TriangleMesh mesh, const TriangleMesh& clean);
 
 }  // namespace quench::testing_damage

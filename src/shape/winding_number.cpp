@@ -15,6 +15,7 @@ constexpr std::uint32_t leaf_size = 8;
 // A cluster is seen as its moments when its radius is below this share of the distance from it to the point and to the
 // line on which its strips would jump.
 constexpr double far = 0.3;
+constexpr double linear = 0.25;  // the same for a block in which its angle is taken as linear
 constexpr double sphere = 4 * std::numbers::pi;
 
 double squared(double v) { return v * v; }
@@ -152,95 +153,131 @@ double WindingNumber::cluster_angle(const Node& node, const Vector& r) {
   return value + first;
 }
 
-WindingNumber::Value WindingNumber::evaluate(const Block& block) const {
-  Value result;
-  if (nodes_.empty()) return result;
+// What a block inherits from the one around it: the sum of clusters far from that one, as a linear function, and the
+// clusters still to look at, at the end of `pool`.
+struct WindingNumber::Field {
+  Vector at;
+  double angle = 0, along_x = 0, along_y = 0;
+};
+
+// Blocks are within one slice. A cluster goes into the linear function when both it and the block are small compared
+// with their distance, and is opened when it is larger than the block; else the children of the block look at it.
+void WindingNumber::refine(const Block& block, Field field, std::size_t list, std::vector<std::uint32_t>& pool,
+                           const Take& take) const {
   const auto middle = [](std::int64_t low, std::int64_t high) { return static_cast<double>(low + high) / 2; };
   const Vector p{middle(block.x0, block.x1), middle(block.y0, block.y1), static_cast<double>(block.z) + 0.5};
   // Half extents of the box of its centres.
   const double hx = static_cast<double>(block.x1 - block.x0 - 1) / 2;
   const double hy = static_cast<double>(block.y1 - block.y0 - 1) / 2;
   const double h = std::hypot(hx, hy);
-  double angle = 0, slope = 0;
+  field.angle += field.along_x * (p.x - field.at.x) + field.along_y * (p.y - field.at.y);
+  field.at = p;
+  const std::size_t end = pool.size();
+  double angle = 0, slope = 0;  // of what stays in the list
+  bool decided = true, broken = false;
   std::array<std::uint32_t, 128> stack;
-  std::size_t depth = 0;
-  stack[depth++] = 0;
-  while (depth > 0) {
-    const std::uint32_t index = stack[--depth];
-    const Node& node = nodes_[index];
-    const Vector r{node.centre.x - p.x, node.centre.y - p.y, node.centre.z - p.z};
-    const double rho = std::sqrt(r.y * r.y + r.z * r.z), distance_to_centre = std::sqrt(r.x * r.x + rho * rho);
-    const bool ahead = r.x > node.radius + hx;  // its strips do not pass the block
-    const double free = ahead ? distance_to_centre - h : rho - hy;
-    if (node.radius < far * free) {
-      angle += cluster_angle(node, r);
-      if (h > 0) {
-        const double near = std::max(distance_to_centre - h, rho - hy);
+  for (std::size_t i = list; i < end; ++i) {
+    std::size_t depth = 0;
+    stack[depth++] = pool[i];
+    while (depth > 0) {
+      const std::uint32_t index = stack[--depth];
+      const Node& node = nodes_[index];
+      const Vector r{node.centre.x - p.x, node.centre.y - p.y, node.centre.z - p.z};
+      const double rho = std::sqrt(r.y * r.y + r.z * r.z), away = std::sqrt(r.x * r.x + rho * rho);
+      const bool ahead = r.x > node.radius + hx;  // its strips do not pass the block
+      const bool separate = node.radius < far * (ahead ? away - h : rho - hy);
+      if (separate && hx <= linear * away && hy <= linear * (ahead ? away : rho)) {
+        field.angle += cluster_angle(node, r);
+        if (hx > 0)
+          field.along_x +=
+              (cluster_angle(node, {r.x - hx, r.y, r.z}) - cluster_angle(node, {r.x + hx, r.y, r.z})) / (2 * hx);
+        if (hy > 0)
+          field.along_y +=
+              (cluster_angle(node, {r.x, r.y - hy, r.z}) - cluster_angle(node, {r.x, r.y + hy, r.z})) / (2 * hy);
+        continue;
+      }
+      if (node.right != 0 && node.radius > h / 2) {
+        stack[depth++] = node.right;
+        stack[depth++] = index + 1;
+        continue;
+      }
+      pool.push_back(index);
+      if (!decided) continue;
+      if (separate) {
+        angle += cluster_angle(node, r);
+        const double near = std::max(away - h, rho - hy);
         slope += std::min(node.length / squared(near - node.radius),
                           node.sum_norm / squared(near) + 3 * node.moment_norm / (near * near * near));
+      } else if (node.right == 0) {
+        for (std::uint32_t k = node.begin; k < node.end; ++k) {
+          const Edge& e = edges_[k];
+          angle += strip_angle(e, p);
+          if (h == 0) continue;
+          const double flat = distance<2>({e.a.y - p.y, e.a.z - p.z}, {e.b.y - p.y, e.b.z - p.z}) - hy;
+          if (hy > 0 && flat <= 0 && std::min(e.a.x, e.b.x) <= p.x + hx) broken = true;
+          const double solid =
+              distance<3>({e.a.x - p.x, e.a.y - p.y, e.a.z - p.z}, {e.b.x - p.x, e.b.y - p.y, e.b.z - p.z}) - h;
+          const double near = std::max(flat, solid);
+          slope += near <= 0 ? std::numeric_limits<double>::infinity()
+                             : e.times * std::min(e.length / squared(near), 2 / near);
+        }
+      } else {
+        decided = false;
+        broken = hy > 0 && std::min(away - h, rho - hy) > hx;  // far along x only
       }
-    } else if (node.right != 0) {
-      const auto squared_distance = [&](std::uint32_t child) {
-        const Vector& c = nodes_[child].centre;
-        return squared(c.x - p.x) + squared(c.y - p.y) + squared(c.z - p.z);
-      };
-      const bool left_is_near = squared_distance(index + 1) <= squared_distance(node.right);
-      stack[depth++] = left_is_near ? node.right : index + 1;
-      stack[depth++] = left_is_near ? index + 1 : node.right;
-    } else {
-      for (std::uint32_t i = node.begin; i < node.end; ++i) {
-        const Edge& e = edges_[i];
-        angle += strip_angle(e, p);
-        if (h == 0) continue;
-        const double flat = distance<2>({e.a.y - p.y, e.a.z - p.z}, {e.b.y - p.y, e.b.z - p.z}) - hy;
-        if (hy > 0 && flat <= 0 && std::min(e.a.x, e.b.x) <= p.x + hx) result.broken = true;
-        const double solid =
-            distance<3>({e.a.x - p.x, e.a.y - p.y, e.a.z - p.z}, {e.b.x - p.x, e.b.y - p.y, e.b.z - p.z}) - h;
-        const double near = std::max(flat, solid);
-        slope += near <= 0 ? std::numeric_limits<double>::infinity()
-                           : e.times * std::min(e.length / squared(near), 2 / near);
-      }
-    }
-    if (result.broken || slope * h > sphere / 2) {
-      result.holds = false;
-      return result;
+      if (broken || slope * h > sphere / 2) decided = false;
     }
   }
-  result.g = -angle / sphere;
-  result.holds = std::abs(result.g - std::nearbyint(result.g)) + slope * h / sphere < 0.5 || h == 0;
-  return result;
-}
-
-double WindingNumber::g(std::int64_t x, std::int64_t y, std::int64_t z) const {
-  return evaluate({x, x + 1, y, y + 1, z}).g;
-}
-
-void WindingNumber::refine(const Block& block, std::vector<std::vector<OffsetStep>>& rows) const {
-  const Value value = evaluate(block);
-  if (value.holds) {
-    const auto offset = static_cast<std::int32_t>(std::nearbyint(value.g));
-    for (std::int64_t y = block.y0; y < block.y1; ++y) {
-      auto& row = rows[static_cast<std::size_t>(y)];
-      if (row.empty() || row.back().offset != offset) row.push_back({static_cast<std::int32_t>(block.x0), offset});
-    }
+  const double g = -(field.angle + angle) / sphere;
+  if (h > 0 && decided) {
+    const double reach = std::abs(field.along_x) * hx + std::abs(field.along_y) * hy + slope * h;
+    decided = std::abs(g - std::nearbyint(g)) + reach / sphere < 0.5;
+  }
+  if (decided || h == 0) {
+    take(block, g);
+    pool.resize(end);
     return;
   }
   // Along y at a jump between scanlines, else along the longer side. Lower x first: rows are filled from left to right.
   const std::int64_t nx = block.x1 - block.x0, ny = block.y1 - block.y0;
   Block low = block, high = block;
-  if (ny > 1 && (value.broken || ny >= nx))
+  if (ny > 1 && (broken || ny >= nx))
     low.y1 = high.y0 = block.y0 + ny / 2;
   else
     low.x1 = high.x0 = block.x0 + nx / 2;
-  refine(low, rows);
-  refine(high, rows);
+  for (const Block& part : {low, high}) {
+    const std::size_t mine = pool.size();
+    // The part looks at a list that ends where its own begins.
+    for (std::size_t i = end; i < mine; ++i) pool.push_back(pool[i]);
+    refine(part, field, mine, pool, take);
+    pool.resize(mine);
+  }
+  pool.resize(end);
+}
+
+double WindingNumber::g(std::int64_t x, std::int64_t y, std::int64_t z) const {
+  if (closed()) return 0;
+  double value = 0;
+  std::vector<std::uint32_t> pool{0};
+  refine({x, x + 1, y, y + 1, z}, {}, 0, pool, [&](const Block&, double g) { value = g; });
+  return value;
 }
 
 void WindingNumber::offsets(std::int64_t z, const std::array<std::int64_t, 3>& cells,
                             std::vector<std::vector<OffsetStep>>& rows) const {
   rows.resize(static_cast<std::size_t>(cells[1]));
   for (auto& row : rows) row.clear();
-  refine({0, cells[0], 0, cells[1], z}, rows);
+  const Take take = [&](const Block& block, double g) {
+    const auto offset = static_cast<std::int32_t>(std::nearbyint(g));
+    for (std::int64_t y = block.y0; y < block.y1; ++y) {
+      auto& row = rows[static_cast<std::size_t>(y)];
+      if (row.empty() || row.back().offset != offset) row.push_back({static_cast<std::int32_t>(block.x0), offset});
+    }
+  };
+  const Block slice{0, cells[0], 0, cells[1], z};
+  if (closed()) return take(slice, 0);
+  std::vector<std::uint32_t> pool{0};
+  refine(slice, {}, 0, pool, take);
 }
 
 }  // namespace quench::detail

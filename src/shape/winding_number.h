@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -70,18 +71,16 @@ class WindingNumber {
   struct Block {
     std::int64_t x0, x1, y0, y1, z;
   };
-  struct Value {
-    double g = 0;
-    bool holds = true;    ///< round(g) is the same in all of the block
-    bool broken = false;  ///< g may have a jump between its scanlines
-  };
+  struct Field;
+  using Take = std::function<void(const Block&, double g)>;
 
   std::uint32_t build(std::uint32_t begin, std::uint32_t end);
   void summarize(Node& node) const;
-  Value evaluate(const Block& block) const;
   static double strip_angle(const Edge& edge, const Vector& p);
   static double cluster_angle(const Node& node, const Vector& r);
-  void refine(const Block& block, std::vector<std::vector<OffsetStep>>& rows) const;
+  /// Calls `take` for blocks in which round(g) is that of its centre. `pool` from `list` on: clusters to look at.
+  void refine(const Block& block, Field field, std::size_t list, std::vector<std::uint32_t>& pool,
+              const Take& take) const;
 
   std::vector<Edge> edges_;
   std::vector<Node> nodes_;
