@@ -129,6 +129,7 @@ void load_mesh(const ShapeOptions& options, Session& session, LoadedShape& loade
                              {"degenerate_faces", v.defects.degenerate_faces},
                              {"duplicate_faces", v.defects.duplicate_faces},
                              {"flipped_faces", v.defects.flipped_faces},
+                             {"filled_holes", v.defects.filled_holes},
                              {"flipped_components", v.defects.flipped_components},
                              {"scanlines", v.defects.scanlines},
                              {"defective_scanlines", v.defects.defective_scanlines},

@@ -14,8 +14,9 @@ namespace quench::detail {
 namespace {
 
 constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
-constexpr double clear_majority = 0.7;   // of a patch's area, that its orientation means something
-constexpr double nearly_closed = 0.1;    // largest sum of area vectors / area
+constexpr double clear_majority = 0.7;  // of a patch's area, that its orientation means something
+constexpr double nearly_closed = 0.1;   // largest sum of area vectors / area
+constexpr std::size_t most_hole_edges = 24;
 constexpr std::size_t most_nested = 64;  // patches looked at for nesting: the largest ones
 
 class Repair {
@@ -30,6 +31,7 @@ class Repair {
         std::swap(faces_[f][1], faces_[f][2]);
         ++result_.flipped_faces;
       }
+    fill_small_holes();
     result_.faces = std::move(faces_);
   }
   RepairedSurface result() { return std::move(result_); }
@@ -178,14 +180,20 @@ class Repair {
   void orient_patches() {
     std::vector<std::size_t> large;  // nearly closed ones by volume: what a patch can be nested in
     std::vector<char> unclear(patches_.size(), 0);
+    double volume = 0;
     for (std::size_t i = 0; i < patches_.size(); ++i) {
       Patch& patch = patches_[i];
       measure(patch);
       if (patch.turned_area > patch.area / 2) turn(patch);
       unclear[i] = patch.turned_area > (1 - clear_majority) * patch.area;
-      if (unclear[i] && patch.volume < 0) turn(patch);
-      if (patch.closed()) large.push_back(i);
+      if (!patch.closed()) continue;
+      large.push_back(i);
+      if (!unclear[i]) volume += patch.volume;
     }
+    // A mesh that faces inward as a whole is as good as one that faces outward: |w| is the same.
+    const double outward = volume < 0 ? -1 : 1;
+    for (std::size_t i = 0; i < patches_.size(); ++i)
+      if (unclear[i] && patches_[i].volume * outward < 0) turn(patches_[i]);
     std::stable_sort(large.begin(), large.end(), [&](std::size_t i, std::size_t j) {
       return std::abs(patches_[i].volume) > std::abs(patches_[j].volume);
     });
@@ -200,12 +208,51 @@ class Repair {
         for (const std::size_t j : outer)
           if (j != i && in_box(patch, patches_[j])) around += inside(patch, patches_[j]);
         if (around % 2 != 0) turn(patch);
-      } else if (patch.volume < 0 && std::none_of(outer.begin(), outer.end(), [&](std::size_t j) {
+      } else if (patch.volume * outward < 0 && std::none_of(outer.begin(), outer.end(), [&](std::size_t j) {
                    return j != i && in_box(patch, patches_[j]);
                  })) {
         turn(patch);
         ++result_.flipped_components;
       }
+    }
+  }
+
+  void fill_small_holes() {
+    const std::vector<BoundaryEdge> chain = boundary_chain(points_.size(), faces_);
+    if (chain.empty()) return;
+    std::vector<std::uint32_t> patch_size(points_.size(), 0);  // the smallest patch at a point
+    for (const Patch& patch : patches_)
+      for (const std::uint32_t f : patch.faces)
+        for (const std::uint32_t p : faces_[f]) {
+          const auto size = static_cast<std::uint32_t>(patch.faces.size());
+          patch_size[p] = patch_size[p] == 0 ? size : std::min(patch_size[p], size);
+        }
+    std::vector<std::uint32_t> next(points_.size(), none);
+    std::vector<char> branching(points_.size(), 0);
+    std::vector<char> entered(points_.size(), 0);
+    for (const BoundaryEdge& e : chain) {
+      if (next[e.from] != none || entered[e.to] || e.times > 1) branching[e.from] = branching[e.to] = 1;
+      next[e.from] = e.to;
+      entered[e.to] = 1;
+    }
+    std::vector<std::uint32_t> loop;
+    for (const BoundaryEdge& e : chain) {
+      loop.clear();
+      std::uint32_t p = e.from;
+      bool small = true;
+      do {
+        small = next[p] != none && !branching[p] && loop.size() < most_hole_edges;
+        if (small) loop.push_back(p);
+        for (std::size_t a = 0; a < 3 && small; ++a)
+          small = std::abs(points_[p][a] - points_[e.from][a]) < (std::int64_t{1} << fraction_bits);
+        p = next[p];
+      } while (small && p != e.from);
+      if (!small || loop.size() < 3) continue;
+      small = std::all_of(loop.begin(), loop.end(), [&](std::uint32_t q) { return patch_size[q] > 4 * loop.size(); });
+      if (!small) continue;
+      for (std::size_t i = 2; i < loop.size(); ++i) faces_.push_back({loop[0], loop[i], loop[i - 1]});
+      for (const std::uint32_t q : loop) next[q] = none;
+      ++result_.filled_holes;
     }
   }
 

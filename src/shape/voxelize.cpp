@@ -192,6 +192,7 @@ Voxelization digitize(const CheckedMesh& checked, const VoxelizeOptions& options
   defects.degenerate_faces = checked.analysis.degenerate_faces;
   defects.duplicate_faces = choice.robust ? choice.repaired.duplicate_faces : 0;
   defects.flipped_faces = choice.robust ? choice.repaired.flipped_faces : 0;
+  defects.filled_holes = choice.robust ? choice.repaired.filled_holes : 0;
   defects.flipped_components = choice.robust ? choice.repaired.flipped_components : 0;
   defects.scanlines = digitization.scanlines;
   defects.defective_scanlines = digitization.defective_scanlines;
@@ -241,6 +242,7 @@ std::string defects_text(const Voxelization& v) {
   add(d.open_edges, "open edge", "open edges");
   add(d.duplicate_faces, "duplicate face left out", "duplicate faces left out");
   add(d.flipped_faces, "face turned", "faces turned");
+  add(d.filled_holes, "hole smaller than a voxel filled", "holes smaller than a voxel filled");
   add(d.flipped_components, "part turned as a whole", "parts turned as a whole");
   if (found.empty()) found = counted(d.unbalanced_edges, "edge", "edges") + " whose faces do not agree";
   const char* what = d.open_edges > 0         ? "is not closed"

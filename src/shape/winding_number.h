@@ -30,7 +30,7 @@ struct OffsetStep {
 /// are as exact as in a closed mesh.
 ///
 /// Solid angles are summed over a tree of boundary edges: exact for edges nearby, the first two moments of clusters
-/// that are far enough away (as Barill 2018 does for triangles). Error of g: below 0.02 where tests compare; 0 when
+/// that are far enough away (as Barill 2018 does for triangles). Error of g: below 0.05 where tests compare; 0 when
 /// closed.
 class WindingNumber {
  public:
