@@ -264,7 +264,7 @@ TEST_F(Program, DefectiveMeshesBecomeShapesAndSaySo) {
   const auto plain = works({"core", "open.off", "--resolution", "24", "-o", "a.vtp", "--json", "a.json"});
   EXPECT_TRUE(has(plain.err, "warning: the mesh is not closed (3 open edges); the winding number decides "))
       << plain.err;
-  EXPECT_FALSE(has(plain.err, "auto"));
+  EXPECT_FALSE(has(plain.err, "(auto): "));
   const std::string report = bytes("a.json");
   for (const char* part : {"\"open_edges\": 3", "\"defective_scanlines\": ", "\"winding_share\": 0.",
                            "\"sound\": false", "\"fill\": \"nonzero\"", "\"flipped_components\": 0"})
