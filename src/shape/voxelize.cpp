@@ -249,7 +249,7 @@ std::string defects_text(const Voxelization& v) {
                      : d.unbalanced_edges > 0 ? "is not consistently oriented"
                                               : "has parts that face inward";
   if (d.defective_scanlines == 0)
-    return fmt::format("the mesh {} ({}); it is repaired, and exact from there", what, found);
+    return fmt::format("the mesh {} ({}); every scanline is decided by its crossings", what, found);
   return fmt::format("the mesh {} ({}); the winding number decides {} of {}, with {:.2g}% of the shape's voxels", what,
                      found, d.defective_scanlines, counted(d.scanlines, "scanline", "scanlines"),
                      100 * d.winding_share);
