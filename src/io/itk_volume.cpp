@@ -177,10 +177,6 @@ Grid grid_of(const ImageIO& io, const std::filesystem::path& file) {
       grid.direction.col(a) *= -1;
     }
   }
-  for (unsigned a = 0; a < used; ++a)
-    if (grid.spacing[a] > 0 && grid.spacing[a] < 1e-150)  // its square is 0, and its direction lost
-      refuse(fmt::format("has a voxel size of {}, which is too small to compute with; give it in a smaller unit",
-                         grid.spacing[a]));
   const double shear = (grid.direction.transpose() * grid.direction - Mat3::Identity()).cwiseAbs().maxCoeff();
   if (!(shear <= shear_tolerance))
     refuse("has axes that are not perpendicular (a sheared direction matrix); resample it to a rectangular grid");
