@@ -2,12 +2,16 @@
 # make demo       install packages, build, run the main job on a built-in shape
 # make test       install packages, build and run the tests (at most 15 minutes on 2 cores)
 # make test-full  also: address, undefined-behaviour and thread sanitizers, all real data at resolution 512
+# make soak       random shapes and options through the program for SOAK_SECONDS (600), from seed SOAK_SEED (the time)
+# make fuzz       every own reader fuzzed with Clang for FUZZ_SECONDS (60) each
 # make bench      time and memory per boundary vertex
 # make format     clang-format over the sources
 JOBS ?= $(shell nproc)
 BUILD := build/release
 
-.PHONY: demo test test-full bench build format clean
+FUZZ_SECONDS ?= 60
+
+.PHONY: demo test test-full soak fuzz bench build format clean
 demo: deps
 	@$(MAKE) --no-print-directory build
 	@rm -rf demo && mkdir demo
@@ -37,11 +41,20 @@ test-full: test
 	cmake --preset tsan && cmake --build build/tsan -j $(JOBS)
 	ctest --test-dir build/tsan -j $(JOBS) --output-on-failure --timeout 3600
 
+SOAK_SECONDS ?= 600
+SOAK_SEED ?= $(shell date +%s)
+soak: build
+	QUENCH_SOAK_SECONDS=$(SOAK_SECONDS) QUENCH_SOAK_SEED=$(SOAK_SEED) $(BUILD)/tests/program_pipeline_test
+fuzz:
+	cmake --preset fuzz
+	cmake --build --preset fuzz -j $(JOBS)
+	fuzz/run build/fuzz $(FUZZ_SECONDS)
+
 bench: build
 	bench/run $(BUILD)
 
 format:
-	clang-format -i include/quench/*.h src/*/*.h src/*/*.cpp cli/*.h cli/*.cpp tests/*.h tests/*.cpp bench/*.cpp python/src/*.h python/src/*.cpp
+	clang-format -i include/quench/*.h src/*/*.h src/*/*.cpp cli/*.h cli/*.cpp tests/*.h tests/*.cpp fuzz/*.h fuzz/*.cpp bench/*.cpp python/src/*.h python/src/*.cpp
 
 clean:
 	rm -rf build demo

@@ -75,11 +75,19 @@ double LoadedAxis::resolve(const std::string& text, const std::string& option) c
   return length.resolve(longest_side, voxel);
 }
 
+PolyData read_axis_file(const std::string& file, Session& session) {
+  std::error_code ignored;
+  // The bytes of the file and what is made of them; a compressed one says what it holds when it is opened.
+  if (const auto size = std::filesystem::file_size(file, ignored); !ignored)
+    session.check_memory(static_cast<std::int64_t>(2 * size), fmt::format("reading '{}'", file), "a smaller file");
+  return io::read_poly_data(file);
+}
+
 namespace {
 
 void measure_shape(const AxisOptions& options, Session& session, LoadedAxis& loaded) {
   if (io::kind_of(options.shape) == io::Kind::surface) {
-    loaded.longest_side = longest_side_of(io::read_poly_data(options.shape).points);
+    loaded.longest_side = longest_side_of(read_axis_file(options.shape, session).points);
     return;
   }
   ShapeOptions shape;
@@ -92,13 +100,6 @@ void measure_shape(const AxisOptions& options, Session& session, LoadedAxis& loa
 }
 
 }  // namespace
-
-PolyData read_axis_file(const std::string& file, Session& session) {
-  std::error_code ignored;
-  if (const auto size = std::filesystem::file_size(file, ignored); !ignored)
-    session.check_memory(static_cast<std::int64_t>(size), fmt::format("reading '{}'", file));
-  return io::read_poly_data(file);
-}
 
 LoadedAxis load_axis(const AxisOptions& options, Session& session) {
   check_axis_options(options);

@@ -46,9 +46,10 @@ Action add_burn(CLI::App& app) {
         [&](const std::string& text, const std::string& option) { return loaded.resolve(text, option); }, report,
         session);
     add_burning(loaded.data, burning);
+    io::OutputGroup outputs;
     io::write_poly_data(o->output, loaded.data, {"erosion_thickness"});
     session.finished("write");
-    if (!session.options.report.empty()) write_report(session.options.report, report, session);
+    write_report(outputs, report, session);
     session.say(fmt::format("{}: burn time up to {:.6g}{}; {:.1f} s", o->output, burning.max_burn_time,
                             loaded.units.empty() ? "" : " " + loaded.units, session.total_seconds()));
     return 0;

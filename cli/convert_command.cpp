@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include "axis_input.h"
 #include "program.h"
 #include "quench/io.h"
 
@@ -25,7 +26,7 @@ Action add_convert(CLI::App& app) {
     if (io::kind_of(o->input) == io::Kind::volume)
       throw Error(ErrorCode::usage,
                   fmt::format("'{}' is a volume; 'quench voxelize' writes its voxel shape", o->input));
-    PolyData data = io::read_poly_data(o->input);
+    PolyData data = read_axis_file(o->input, session);
     checkpoint(&session.context, "read", 1);
     if (!o->radii.empty()) {
       std::erase_if(data.point_data, [](const DataArray& a) { return a.name == "radius"; });

@@ -47,9 +47,10 @@ Action add_core(CLI::App& app) {
     check_core_options(o->core);
     const LoadedShape loaded = load_shape(o->shape, session);
     const CorePipelineResult result = compute_core(loaded, o->core, session);
+    io::OutputGroup outputs;
     io::write_poly_data(o->output, result.data);
     session.finished("write");
-    if (!session.options.report.empty()) write_report(session.options.report, result.report, session);
+    write_report(outputs, result.report, session);
     say_written(session, o->output, session.options.report == "-" ? "" : session.options.report, result, loaded);
     return 0;
   };
@@ -144,15 +145,16 @@ Action add_run(CLI::App& app) {
     parameters["smooth"] = o->skeleton.smooth;
     parameters["resample"] = o->skeleton.resample;
     result.report["skeleton"]["reconstructed"] = reconstructed_share(loaded.shape, skeleton.skeleton, &session.context);
+    io::OutputGroup outputs;
     io::write_poly_data(core, result.data);
     io::write_poly_data(skeleton_vtp, skeleton_file(skeleton.skeleton, skeleton.topology, result.data));
     write_graph(skeleton.measured, {swc, {}, csv}, o->skeleton, &loaded.shape, loaded.shape.grid().spacing,
                 loaded.units, resolve, result.report, session);
     session.finished("write");
-    if (with_page) builder.write(view, result.report);
+    if (with_page) builder.write(view, result.report, outputs);
     session.finished("page");
     write_report(report.string(), result.report, session);
-    if (!session.options.report.empty()) write_report(session.options.report, result.report, session);
+    write_report(outputs, result.report, session);
     say_written(session, core.string(), report.string(), result, loaded);
     const CellComplex& c = skeleton.skeleton.complex;
     session.say(

@@ -125,6 +125,13 @@ void write_report(const std::string& file, Json report, Session& session) {
     io::write_atomically(file, [&](std::ostream& out) { out << text; });
 }
 
+void write_report(io::OutputGroup& outputs, const Json& report, Session& session) {
+  const std::string& file = session.options.report;
+  if (!file.empty() && file != "-") write_report(file, report, session);
+  outputs.commit();
+  if (file == "-") write_report(file, report, session);
+}
+
 std::string json_text(const Json& value, int indent) {
   return value.dump(indent, ' ', false, Json::error_handler_t::replace);
 }

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "quench/medial_axis.h"
+#include "quench/output_group.h"
 #include "session.h"
 #include "shape_input.h"
 
@@ -34,6 +35,10 @@ CorePipelineResult compute_core(const LoadedShape& loaded, const CorePipelineOpt
 
 /// Writes `report` with seconds, peak memory and version filled in; "-" is stdout.
 void write_report(const std::string& file, nlohmann::ordered_json report, Session& session);
+
+/// Ends a command that writes: the report of --json, if any, joins the other outputs, all appear together, and a report
+/// for stdout comes last, so that a result is not lost with a reader of stdout that has gone.
+void write_report(io::OutputGroup& outputs, const nlohmann::ordered_json& report, Session& session);
 
 /// JSON as text; bytes that are no UTF-8 (names of files may be anything) are replaced.
 std::string json_text(const nlohmann::ordered_json& value, int indent = -1);

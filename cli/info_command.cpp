@@ -6,6 +6,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "axis_input.h"
 #include "core_pipeline.h"
 #include "program.h"
 #include "quench/io.h"
@@ -101,8 +102,8 @@ Json arrays_info(const std::vector<DataArray>& arrays) {
   return list;
 }
 
-Json surface_info(const std::string& file) {
-  const PolyData data = io::read_poly_data(file);
+Json surface_info(const std::string& file, Session& session) {
+  const PolyData data = read_axis_file(file, session);
   Json info;
   const bool axis = find_array(data.point_data, "radius") || !data.lines.empty() || data.poly_count() == 0;
   info["kind"] = axis ? "medial axis" : "mesh";
@@ -219,7 +220,7 @@ Action add_info(CLI::App& app) {
     const io::Kind kind = io::kind_of(o->file);
     if (kind == io::Kind::unknown)
       throw Error(ErrorCode::input, fmt::format("'{}' is of no kind Quench knows by its name", o->file));
-    info.update(kind == io::Kind::volume ? volume_info(o->file, session) : surface_info(o->file));
+    info.update(kind == io::Kind::volume ? volume_info(o->file, session) : surface_info(o->file, session));
     session.answer(session.options.report.empty() ? text_of(info, 0) : json_text(info, 2) + "\n");
     return 0;
   };

@@ -24,6 +24,7 @@ void keep_standard_streams() {
 int main(int argc, char** argv) {
   keep_standard_streams();
   std::signal(SIGXFSZ, SIG_IGN);  // a file over the size limit is then an error of the writer, which tidies up
+  std::signal(SIGPIPE, SIG_IGN);  // as is a reader of stdout or stderr that has gone
   try {
     return quench::program::run(argc, argv);
   } catch (const quench::Error& error) {

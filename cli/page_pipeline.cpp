@@ -71,12 +71,12 @@ void PageBuilder::add_skeleton(const SkeletonFamily& family) { take(quench::add_
 
 void PageBuilder::add_still(const PolyData& data) { take(quench::add_still(page, data, left_)); }
 
-void PageBuilder::write(const std::filesystem::path& file, nlohmann::ordered_json& report) const {
+void PageBuilder::write(const std::filesystem::path& file, nlohmann::ordered_json& report,
+                        const io::OutputGroup& outputs) const {
   write_page(file, page, page_program());
-  std::error_code ignored;
   auto& section = report["page"];
   section = {{"file", file.string()}, {"triangles", used_}, {"notes", page.notes}};
-  if (const auto bytes = std::filesystem::file_size(file, ignored); !ignored) section["bytes"] = bytes;
+  section["bytes"] = outputs.size_of(file);
   const auto floor = [&](const char* name, const std::optional<double>& value) {
     if (value) section["floor"][name] = *value;
   };

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "quench/output_group.h"
 #include "quench/page.h"
 #include "session.h"
 #include "shape_input.h"
@@ -42,8 +43,8 @@ class PageBuilder {
   void set_origin(const Vec3& low, const Vec3& high);
 
   std::size_t triangles() const { return used_; }
-  /// Writes the page and adds the section `page` to the report.
-  void write(const std::filesystem::path& file, nlohmann::ordered_json& report) const;
+  /// Writes the page, as one of `outputs`, and adds the section `page` to the report.
+  void write(const std::filesystem::path& file, nlohmann::ordered_json& report, const io::OutputGroup& outputs) const;
 
  private:
   void take(std::size_t triangles);

@@ -47,11 +47,10 @@ void add_common(CLI::App& app, CommonOptions& options, unsigned common) {
       ->type_name("N")
       ->capture_default_str()
       ->group(group);
-  if (common & computes)
-    app.add_option("--memory-limit", options.memory_limit,
-                   "Refuse to start what needs more, e.g. 8G [default: the memory that is free]")
-        ->type_name("BYTES")
-        ->group(group);
+  app.add_option("--memory-limit", options.memory_limit,
+                 "Refuse to start what needs more, e.g. 8G [default: the memory that is free]")
+      ->type_name("BYTES")
+      ->group(group);
   if (common & answers_json)
     app.add_flag_callback(
            "--json", [&options] { options.report = "-"; }, "Answer as JSON")

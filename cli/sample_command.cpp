@@ -7,8 +7,10 @@
 #include "option_checks.h"
 #include "program.h"
 #include "quench/io.h"
+#include "quench/output_group.h"
 #include "quench/sample.h"
 #include "quench/voxelize.h"
+#include "shape_input.h"
 
 namespace quench::program {
 namespace {
@@ -42,6 +44,21 @@ PolyData poly_data_of(const TriangleMesh& mesh) {
     data.poly_offsets.push_back(static_cast<std::uint32_t>(data.poly_corners.size()));
   }
   return data;
+}
+
+/// Triangles grow with the square of the detail, and a root has about a thousand per branch.
+void check_sample_memory(const std::string& name, const SampleOptions& options, const Session& session) {
+  const double triangles =
+      (name == "root" ? 1000.0 * options.branches : 4e5) * std::max(options.detail * options.detail, 0.01);
+  if (triangles > 8e9)  // two triangles a vertex
+    throw Error(ErrorCode::usage,
+                fmt::format("a sample of about {:.0f} triangles has more vertices than the 4,294,967,294 that can be "
+                            "numbered; use a smaller --detail or fewer --branches",
+                            triangles));
+  constexpr double bytes = 80;  // the mesh, and the copy that is written
+  session.check_memory(static_cast<std::int64_t>(triangles * bytes),
+                       fmt::format("a sample of about {:.0f} triangles", triangles),
+                       "a smaller --detail or fewer --branches");
 }
 
 void check_mesh_format(const std::filesystem::path& output) {
@@ -98,20 +115,26 @@ Action add_sample(CLI::App& app) {
     fs::path truth = o->output;
     truth.replace_extension(".json");
     if (o->name == "root") session.check_output(truth, {});
+    check_sample_memory(o->name, o->sample, session);
     const Sample sample = make_sample(o->name, o->sample);
+    std::vector<std::string> lines;
+    io::OutputGroup outputs;
     if (volume) {
+      check_voxelization_memory(sample.mesh, o->resolution, session);
       const Voxelization v = voxelize(sample.mesh, {.resolution = o->resolution}, &session.context);
       io::write_volume(o->output, v.shape, &session.context);
-      session.say(fmt::format("{}: {} voxels inside", o->output, v.shape.voxel_count()));
+      lines.push_back(fmt::format("{}: {} voxels inside", o->output, v.shape.voxel_count()));
     } else {
       io::write_poly_data(o->output, poly_data_of(sample.mesh));
-      session.say(fmt::format("{}: {} vertices, {} triangles", o->output, sample.mesh.points.size(),
-                              sample.mesh.triangles.size()));
+      lines.push_back(fmt::format("{}: {} vertices, {} triangles", o->output, sample.mesh.points.size(),
+                                  sample.mesh.triangles.size()));
     }
     if (!sample.branches.empty()) {
       write_truth(truth.string(), sample.branches);
-      session.say(fmt::format("{}: the {} true branches", truth.string(), sample.branches.size()));
+      lines.push_back(fmt::format("{}: the {} true branches", truth.string(), sample.branches.size()));
     }
+    outputs.commit();
+    for (const std::string& line : lines) session.say(line);
     return 0;
   };
 }

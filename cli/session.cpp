@@ -23,6 +23,11 @@ void interrupt(int signal) {
   std::signal(signal, SIG_DFL);  // a second Ctrl-C ends at once
 }
 
+// An ignored signal stays ignored: nohup, and shells that start programs in the background.
+void interrupt_at(int signal) {
+  if (std::signal(signal, interrupt) == SIG_IGN) std::signal(signal, SIG_IGN);
+}
+
 std::int64_t parse_bytes(const std::string& text) {
   double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -78,7 +83,7 @@ void finish_results() {
 Session::Session(const CommonOptions& o) : options(o) {
   if (options.threads < 0)
     throw Error(ErrorCode::usage, fmt::format("--threads {} is negative; give 0 for all processors", options.threads));
-  if (!options.memory_limit.empty()) parse_bytes(options.memory_limit);
+  if (!options.memory_limit.empty()) context.memory_limit = parse_bytes(options.memory_limit);
   options.threads = std::min(options.threads, 256);  // a thread costs memory even when it has no processor
   context.threads = options.threads;
   if (options.threads > 0)
@@ -88,8 +93,7 @@ Session::Session(const CommonOptions& o) : options(o) {
   context.progress = [this](std::string_view stage, double fraction) { progress(stage, fraction); };
   context.note = [this](const std::string& sentence) { say("note: " + sentence); };
   interrupted_context = &context;
-  std::signal(SIGINT, interrupt);
-  std::signal(SIGTERM, interrupt);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) interrupt_at(signal);
 }
 
 Session::~Session() {

@@ -56,7 +56,8 @@ std::optional<std::int64_t> parse_resolution(const std::string& text) {
   return value;
 }
 
-/// The voxelizer needs up to four numbers per scanline and two runs, told before any is made.
+}  // namespace
+
 void check_voxelization_memory(const TriangleMesh& mesh, std::int64_t resolution, const Session& session) {
   Vec3 low = mesh.points[mesh.triangles[0][0]], high = low;
   for (const auto& triangle : mesh.triangles)
@@ -70,6 +71,8 @@ void check_voxelization_memory(const TriangleMesh& mesh, std::int64_t resolution
   if (std::isfinite(bytes))
     session.check_memory(static_cast<std::int64_t>(bytes), fmt::format("the voxel shape at resolution {}", resolution));
 }
+
+namespace {
 
 std::string counted(std::int64_t n, const char* one, const char* many) {
   return fmt::format("{} {}", n, n == 1 ? one : many);
@@ -272,7 +275,7 @@ LoadedShape load_shape(const ShapeOptions& options, Session& session) {
   check_shape_options(options);
   std::error_code ignored;
   const auto size = std::filesystem::file_size(options.file, ignored);
-  if (!ignored) session.check_memory(static_cast<std::int64_t>(size), fmt::format("reading '{}'", options.file));
+  if (!ignored) session.check_memory(static_cast<std::int64_t>(2 * size), fmt::format("reading '{}'", options.file));
   LoadedShape loaded;
   loaded.input["file"] = options.file;
   const io::Kind kind = io::kind_of(options.file);

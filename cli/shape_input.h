@@ -50,6 +50,10 @@ LoadedShape load_shape(const ShapeOptions& options, Session& session);
 /// Options not given on the command line are taken from the FieldData `parameters` of a result file.
 void take_parameters(ShapeOptions& options, const PolyData& result);
 
+/// The voxelizer needs up to four numbers per scanline and two runs: throws Error(failed) before any is made when there
+/// is no memory for them.
+void check_voxelization_memory(const TriangleMesh& mesh, std::int64_t resolution, const Session& session);
+
 /// For the report: null where it cannot be told (overlapping parts); false for a volume.
 nlohmann::ordered_json topology_changed_of(const LoadedShape& loaded);
 

@@ -64,11 +64,12 @@ Action add_skeleton(CLI::App& app) {
     const double finest = loaded.voxel > 0 ? loaded.voxel : burning.options.omega;
     const CheckedSkeleton result =
         compute_skeleton(loaded.axis, std::move(burning), o->skeleton, finest, resolve, report, session);
+    io::OutputGroup outputs;
     io::write_poly_data(o->output, skeleton_file(result.skeleton, result.topology, loaded.data));
     write_graph(result.measured, {o->swc, o->graphml, o->csv}, o->skeleton, nullptr,
                 loaded.voxel_core ? loaded.spacing : Vec3(Vec3::Zero()), loaded.units, resolve, report, session);
     session.finished("write");
-    if (!session.options.report.empty()) write_report(session.options.report, report, session);
+    write_report(outputs, report, session);
     const CellComplex& c = result.skeleton.complex;
     session.say(fmt::format("{}: {} vertices, {} edges, {} faces; {:.1f} s", o->output, c.vertex_count, c.edges.size(),
                             c.face_count(), session.total_seconds()));

@@ -3,10 +3,12 @@
 
 #include <nlohmann/json.hpp>
 
+#include "axis_input.h"
 #include "core_pipeline.h"
 #include "program.h"
 #include "quench/io.h"
 #include "quench/verify.h"
+#include "quench/voxel_core.h"
 
 namespace quench::program {
 
@@ -46,7 +48,7 @@ Action add_verify(CLI::App& app) {
     LoadedShape loaded;
     for (std::size_t r = 0; r < o->results.size(); ++r) {
       const std::string& file = o->results[r];
-      PolyData data = io::read_poly_data(file);
+      PolyData data = read_axis_file(file, session);
       if (!find_array(data.field_data, "stage")) {  // other formats and programs do not say what they hold
         if (o->core)
           data.field_data.push_back({"stage", 1, std::vector<std::string>{"core"}});
@@ -60,6 +62,9 @@ Action add_verify(CLI::App& app) {
         take_parameters(shape, data);
         loaded = load_shape(shape, session);
         made_with = parameters;
+        const std::int64_t sites = count_boundary_vertices(loaded.shape);
+        session.check_memory(predicted_core_bytes(sites),  // verifying takes no more than computing
+                             fmt::format("verifying a shape with {} boundary vertices", sites));
       }
       VerifyOptions options;
       options.samples = o->samples;

@@ -288,21 +288,21 @@ Action add_view(CLI::App& app) {
     add("camera", o->camera);
     if (o->dark) add("dark", "1");
 
+    std::optional<TemporaryFolder> folder;
+    if (!o->png.empty()) write_page(folder.emplace().path / "page.html", page, page_program());
+    io::OutputGroup outputs;
     if (!o->output.empty()) {
-      builder.write(o->output, report);
+      builder.write(o->output, report, outputs);
       session.finished("page");
     }
     if (!o->png.empty()) {
-      const TemporaryFolder folder;
-      const fs::path written = folder.path / "page.html";
-      write_page(written, page, page_program());
       session.finished("page");
       Picture picture = picture_of(*o);
       picture.state = page.state + (page.state.empty() ? "" : "&") + "ui=0";
-      take_picture(chromium, written, o->png, picture, session);
+      take_picture(chromium, folder->path / "page.html", o->png, picture, session);
       session.finished("picture");
     }
-    if (!session.options.report.empty()) write_report(session.options.report, report, session);
+    write_report(outputs, report, session);
     for (const std::string& note : page.notes) session.say("note: " + note);
     for (const std::string& file : {o->output, o->png})
       if (!file.empty()) {

@@ -26,10 +26,11 @@ Action add_voxelize(CLI::App& app) {
     session.check_output(o->output, {o->shape.file});
     check_volume_format(o->output);
     const LoadedShape loaded = load_shape(o->shape, session);
+    io::OutputGroup outputs;
     io::write_volume(o->output, loaded.shape, &session.context);
     session.finished("write");
+    nlohmann::ordered_json report;
     if (!session.options.report.empty()) {
-      nlohmann::ordered_json report;
       report["input"] = loaded.input;
       report["parameters"] = loaded.parameters;
       const Grid& grid = loaded.shape.grid();
@@ -40,8 +41,8 @@ Action add_voxelize(CLI::App& app) {
                          {"euler", loaded.topology.euler},
                          {"betti", loaded.topology.betti},
                          {"voxelization_changed_topology", topology_changed_of(loaded)}};
-      write_report(session.options.report, report, session);
     }
+    write_report(outputs, report, session);
     session.say(
         fmt::format("{}: {} voxels inside; {:.1f} s", o->output, loaded.shape.voxel_count(), session.total_seconds()));
     return 0;

@@ -2,8 +2,10 @@
 #include "lattice/delaunay.h"
 
 #include <gtest/gtest.h>
+#include <tbb/global_control.h>
 
 #include <cmath>
+#include <cstdlib>
 #include <memory>
 
 #include "lattice/polytopes.h"
@@ -68,6 +70,22 @@ TEST(Delaunay, WideCoordinatesAndSkewSpacingAreExact) {
     skew.dims = shape.grid().dims;
     expect_tiles(testing_shapes::from_predicate(skew, [&](int x, int y, int z) { return shape.contains(x, y, z); }),
                  "skew spacing");
+  }
+}
+
+// Sites near a sphere and a few in its middle, which see most of the others: cavities of hundreds of corners.
+TEST(Delaunay, LargeCavities) {
+  std::vector<LatticePoint> sites;
+  for (int z = -30; z <= 30; ++z)
+    for (int y = -30; y <= 30; ++y)
+      for (int x = -30; x <= 30; ++x) {
+        const int squared = x * x + y * y + z * z;
+        const bool middle = std::abs(x) <= 1 && std::abs(y) <= 1 && std::abs(z) <= 1;
+        if (middle || (squared > 29 * 29 && squared <= 30 * 30)) sites.push_back({x, y, z});
+      }
+  for (const int threads : {1, 4}) {
+    const tbb::global_control control(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
+    EXPECT_NO_THROW(Delaunay(sites, {1, 1, 1}, nullptr).validate()) << threads;
   }
 }
 

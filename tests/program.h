@@ -34,7 +34,8 @@ inline std::string bytes_of(const std::filesystem::path& file) {
 class ProgramTest : public testing::Test {
  protected:
   TemporaryFolder folder;
-  TemporaryFolder streams;  // stdout and stderr: not among the files the program leaves
+  TemporaryFolder streams;           // stdout and stderr: not among the files the program leaves
+  void (*before_start)() = nullptr;  // called in the child right before it becomes the program
 
   /// Starts `quench arguments...` in `folder`.
   pid_t start(const std::vector<std::string>& arguments, rlim_t largest_file = RLIM_INFINITY) {
@@ -52,6 +53,7 @@ class ProgramTest : public testing::Test {
     const int err_fd = open(err.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
     const rlimit limit{largest_file, largest_file};
     if (chdir(cwd.c_str()) != 0 || dup2(in_fd, 0) < 0 || dup2(out_fd, 1) < 0 || dup2(err_fd, 2) < 0) _exit(127);
+    if (before_start) before_start();
     if (largest_file != RLIM_INFINITY && setrlimit(RLIMIT_FSIZE, &limit) != 0) _exit(127);
     execv(argv[0], argv.data());
     _exit(127);

@@ -21,7 +21,7 @@ struct RootBranch {
 
 struct SampleOptions {
   double noise = 0;        ///< height of ripples and bumps, fraction of the longest side; 0: the shape's own
-  std::uint64_t seed = 1;  ///< `root`: another seed, another root
+  std::uint64_t seed = 1;  ///< `root`, `bead-pack`, `rough-plate`: another seed, another shape
   int branches = 60;       ///< `root`: number of branches
   double detail = 1;       ///< multiplies the number of triangles along each direction
 };

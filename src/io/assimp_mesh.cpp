@@ -5,9 +5,12 @@
 
 #include <algorithm>
 #include <assimp/Importer.hpp>
+#include <cstring>
+#include <string_view>
 #include <utility>
 #include <vector>
 
+#include "apart.h"
 #include "formats.h"
 #include "weld.h"
 
@@ -42,18 +45,21 @@ void add_mesh(const aiMesh& mesh, const aiMatrix4x4& place, const std::string& f
   }
 }
 
-}  // namespace
+/// What Assimp says, as a part of a sentence.
+std::string reason_of(const Assimp::Importer& importer) {
+  std::string text;
+  for (const char c : std::string_view(importer.GetErrorString()).substr(0, 240))
+    text += c >= ' ' && c <= '~' ? c : ' ';
+  while (!text.empty() && (text.back() == ' ' || text.back() == '.')) text.pop_back();
+  return text.empty() ? "no reason given" : text;
+}
 
-PolyData read_with_assimp(const std::filesystem::path& path) {
-  const std::string file = path.string();
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(path, error))
-    throw Error(ErrorCode::failed,
-                fmt::format("cannot open '{}': {}", file, error ? error.message() : std::string("it is no file")));
+PolyData read_scene(const std::string& file) {
   Assimp::Importer importer;
   const aiScene* scene = importer.ReadFile(file, 0);
   if (!scene || !scene->mRootNode)
-    throw Error(ErrorCode::input, fmt::format("cannot read '{}': {}", file, importer.GetErrorString()));
+    throw Error(ErrorCode::input,
+                fmt::format("cannot read '{}': {}; it is damaged or of another format", file, reason_of(importer)));
 
   PolyData data;
   Weld weld;
@@ -68,6 +74,57 @@ PolyData read_with_assimp(const std::filesystem::path& path) {
   }
   if (data.points.empty()) throw Error(ErrorCode::input, fmt::format("'{}' has no mesh", file));
   return data;
+}
+
+// A mesh as bytes, from the process that reads to the one that asked: every vector as its size and its memory.
+template <class Data, class Vector>
+void vectors(Data& data, const Vector& vector) {
+  vector(data.points);
+  vector(data.verts);
+  vector(data.lines);
+  vector(data.poly_offsets);
+  vector(data.poly_corners);
+}
+
+std::string packed(const PolyData& data) {
+  std::string bytes;
+  const auto put = [&](const void* from, std::size_t size) { bytes.append(static_cast<const char*>(from), size); };
+  vectors(data, [&](const auto& values) {
+    const std::size_t count = values.size();
+    put(&count, sizeof count);
+    put(values.data(), count * sizeof values[0]);
+  });
+  return bytes;
+}
+
+PolyData unpacked(std::string_view bytes) {
+  PolyData data;
+  const auto take = [&](void* to, std::size_t size) {
+    if (size > bytes.size()) throw Error(ErrorCode::failed, "a mesh was lost between two processes");
+    if (size > 0) std::memcpy(to, bytes.data(), size);
+    bytes.remove_prefix(size);
+  };
+  vectors(data, [&](auto& values) {
+    std::size_t count = 0;
+    take(&count, sizeof count);
+    if (count > bytes.size() / sizeof values[0])
+      throw Error(ErrorCode::failed, "a mesh was lost between two processes");
+    values.resize(count);
+    take(values.data(), count * sizeof values[0]);
+  });
+  return data;
+}
+
+}  // namespace
+
+PolyData read_with_assimp(const std::filesystem::path& path) {
+  const std::string file = path.string();
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error))
+    throw Error(ErrorCode::failed,
+                fmt::format("cannot open '{}': {}", file, error ? error.message() : std::string("it is no file")));
+  // On a damaged file Assimp may crash or read endlessly.
+  return unpacked(read_apart(path, [&] { return packed(read_scene(file)); }));
 }
 
 }  // namespace quench::io

@@ -17,14 +17,17 @@
 #include <cctype>
 #include <cmath>
 #include <cstdarg>
+#include <fstream>
 #include <iostream>
 #include <memory>
 #include <mutex>
 #include <optional>
 
+#include "io/apart.h"
 #include "io/itk_header.h"
 #include "io/volume_formats.h"
 #include "quench/error.h"
+#include "quench/memory.h"
 
 namespace quench::io {
 namespace {
@@ -107,7 +110,7 @@ void check_nifti_header(const std::filesystem::path& file) {
   if (axes < 1 || axes > 7) refuse(fmt::format("it claims {} axes", axes));
 }
 
-// MetaIO reports to std::cerr what it also returns. Text of other threads is lost for this time.
+// MetaIO and VNL report to std::cerr what they also return, and doubts about matrices. Text of other threads is lost for this time.
 class QuietCerr {
  public:
   QuietCerr() : lock_(mutex()), before_(std::cerr.rdbuf(nullptr)) {}
@@ -189,8 +192,9 @@ Grid grid_of(const ImageIO& io, const std::filesystem::path& file) {
 
 template <class T>
 std::vector<T> read_samples(ImageIO& io, const std::filesystem::path& file, const std::string& extension,
-                            const Grid& grid) {
+                            const Grid& grid, Context* context) {
   const std::uint64_t count = checked_sample_count(file, grid.dims, sizeof(T), bytes_available(file, extension));
+  check_read_memory(file, count * sizeof(T), context);
   const unsigned axes = io.GetNumberOfDimensions();
   itk::ImageIORegion region(axes);
   for (unsigned a = 0; a < axes; ++a) {
@@ -206,8 +210,8 @@ std::vector<T> read_samples(ImageIO& io, const std::filesystem::path& file, cons
 }
 
 Volume::Samples read_typed(ImageIO& io, const std::filesystem::path& file, const std::string& extension,
-                           const Grid& grid) {
-  const auto read = [&]<class T>(T) -> Volume::Samples { return read_samples<T>(io, file, extension, grid); };
+                           const Grid& grid, Context* context) {
+  const auto read = [&]<class T>(T) -> Volume::Samples { return read_samples<T>(io, file, extension, grid, context); };
   using Type = itk::IOComponentEnum;
   switch (io.GetComponentType()) {
     case Type::UCHAR:
@@ -241,17 +245,72 @@ Volume::Samples read_typed(ImageIO& io, const std::filesystem::path& file, const
   }
 }
 
+/// Whether the samples of a MetaImage are in the file itself, as one block.
+bool has_own_samples(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  std::string line;
+  for (int lines = 0; lines < 1000 && std::getline(in, line); ++lines) {
+    if (!line.starts_with("ElementDataFile")) continue;
+    const auto value = line.find_first_not_of(" \t", line.find('=') + 1);
+    return line.find('=') != std::string::npos && value != std::string::npos &&
+           (line.substr(value, 5) == "LOCAL" || line.substr(value, 5) == "Local" || line.substr(value, 5) == "local");
+  }
+  return false;
+}
+
+/// On some damaged headers the libraries behind ITK abort, divide by zero or compute without end; a process of its own
+/// tries it first. `samples`: also those of a MetaImage that names files, whose list is a part of the header. TIFF
+/// headers have no such arithmetic, and a folder has thousands of them.
+void try_apart(const std::filesystem::path& file, const std::string& extension, bool samples) {
+  if (is_tiff(extension)) return;
+  const bool all = samples && (extension == ".mha" || extension == ".mhd") && !has_own_samples(file);
+  ApartLimits limits;
+  if (all) {
+    limits.bytes += available_memory();  // check_read_memory() is what limits it then
+    limits.seconds += 2e-6 * static_cast<double>(bytes_available(file, extension) / deflate_limit);
+  }
+  const auto read = [&]() -> std::string {
+    try {
+      const auto io = image_io(extension);
+      io->SetFileName(file.string());
+      io->ReadImageInformation();
+      if (all) read_typed(*io, file, extension, grid_of(*io, file), nullptr);
+    } catch (const itk::ExceptionObject& e) {
+      refuse_as_itk(file, e);
+    }
+    return {};
+  };
+  read_apart(file, read, limits);
+}
+
+/// Runs `read` and makes every exception of the libraries a sentence.
+template <class Read>
+auto refusing(const std::filesystem::path& file, const Read& read) {
+  try {
+    return read();
+  } catch (const itk::ExceptionObject& e) {
+    refuse_as_itk(file, e);
+  } catch (const Error&) {
+    throw;
+  } catch (const std::bad_alloc&) {
+    throw;
+  } catch (const std::exception&) {
+    throw Error(ErrorCode::input,
+                fmt::format("'{}' cannot be read: its library fails on it; it is damaged", file.string()));
+  }
+}
+
 }  // namespace
 
 Volume read_itk(const std::filesystem::path& file, Context* context) {
   const std::string extension = volume_extension(file);
   itk::Object::SetGlobalWarningDisplay(false);
   checkpoint(context, "read", 0);
-  std::optional<QuietCerr> quiet;
-  if (extension == ".mha" || extension == ".mhd") quiet.emplace();
   if (extension.starts_with(".nii")) check_nifti_header(file);
   if (is_tiff(extension)) silence_libtiff();
-  try {
+  try_apart(file, extension, true);
+  const QuietCerr quiet;
+  return refusing(file, [&] {
     const auto io = image_io(extension);
     io->SetFileName(file.string());
     io->ReadImageInformation();
@@ -268,12 +327,10 @@ Volume read_itk(const std::filesystem::path& file, Context* context) {
       volume.grid.origin = Vec3::Zero();
     }
     if (extension.starts_with(".nii")) volume.units = "mm";  // ITK converts
-    volume.samples = read_typed(*io, file, extension, volume.grid);
+    volume.samples = read_typed(*io, file, extension, volume.grid, context);
     checkpoint(context, "read", 1);
     return volume;
-  } catch (const itk::ExceptionObject& e) {
-    refuse_as_itk(file, e);
-  }
+  });
 }
 
 std::optional<ItkHeader> itk_header(const std::filesystem::path& file, Context* context) {
@@ -281,9 +338,9 @@ std::optional<ItkHeader> itk_header(const std::filesystem::path& file, Context* 
   if (extension.starts_with(".nii") || is_tiff(extension)) return {};
   itk::Object::SetGlobalWarningDisplay(false);
   checkpoint(context, "read", 0);
-  std::optional<QuietCerr> quiet;
-  if (extension == ".mha" || extension == ".mhd") quiet.emplace();
-  try {
+  try_apart(file, extension, false);
+  const QuietCerr quiet;
+  return refusing(file, [&]() -> std::optional<ItkHeader> {
     const auto io = image_io(extension);
     io->SetFileName(file.string());
     io->ReadImageInformation();
@@ -300,7 +357,7 @@ std::optional<ItkHeader> itk_header(const std::filesystem::path& file, Context* 
     if (known == std::end(types)) return {};
     header.type = known->second;
     header.sample_size = io->GetComponentSize();
-    if (io->CanStreamRead())
+    if (io->CanStreamRead() && (extension != ".mha" || has_own_samples(file)))
       header.next_slice = [io, file, z = std::int64_t{0}](std::span<std::byte> slice) mutable {
         itk::ImageIORegion region(3);
         for (unsigned a = 0; a < 2; ++a) {
@@ -309,19 +366,15 @@ std::optional<ItkHeader> itk_header(const std::filesystem::path& file, Context* 
         }
         region.SetIndex(2, z++);
         region.SetSize(2, 1);
-        try {
+        refusing(file, [&] {
           io->SetIORegion(region);
           if (region.GetNumberOfPixels() * io->GetComponentSize() != slice.size())
             throw Error(ErrorCode::input, fmt::format("'{}' contradicts itself about its size", file.string()));
           io->Read(slice.data());
-        } catch (const itk::ExceptionObject& e) {
-          refuse_as_itk(file, e);
-        }
+        });
       };
     return header;
-  } catch (const itk::ExceptionObject& e) {
-    refuse_as_itk(file, e);
-  }
+  });
 }
 
 }  // namespace quench::io

@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "io/volume_formats.h"
+#include "io/words.h"
 #include "quench/error.h"
 
 namespace quench::io {
@@ -24,7 +25,7 @@ struct Header {
 };
 
 [[noreturn]] void refuse(const std::filesystem::path& file, const std::string& why) {
-  throw Error(ErrorCode::input, fmt::format("'{}' cannot be read as NPY: {}", file.string(), why));
+  throw Error(ErrorCode::input, fmt::format("'{}' cannot be read as NPY: {}", file.string(), plain(why)));
 }
 
 // Just enough of Python's literals for {'descr': '<f8', 'fortran_order': False, 'shape': (3, 4, 5), }.
@@ -198,6 +199,7 @@ Volume read_npy(const std::filesystem::path& file, Context* context) {
   volume.grid.dims = dims_of(file, header);
   const auto read = [&]<class T>(T) {
     const std::uint64_t count = checked_sample_count(file, volume.grid.dims, sizeof(T), in.size - data);
+    check_read_memory(file, count * sizeof(T) * (type == "f2" ? 3 : 1), context);
     return read_samples<T>(in, file, count, swap, context);
   };
   if (type == "b1" || type == "u1")

@@ -188,7 +188,7 @@ class Numbers {
 
   [[noreturn]] void fail(const std::string& what) const {
     if (encoding_ == Encoding::text) words_.fail(what);
-    throw Error(ErrorCode::input, fmt::format("'{}', byte {}: {}", file_.name, at_, what));
+    throw Error(ErrorCode::input, fmt::format("'{}', byte {}: {}", file_.name, at_, plain(what)));
   }
 
  private:
@@ -297,7 +297,7 @@ class Reader {
     for (std::size_t p = 0; p < element.properties.size(); ++p)
       for (std::string_view name : names)
         if (element.properties[p].name == name && element.properties[p].count_type.has_value() == list) return p;
-    throw Error(ErrorCode::input, fmt::format("'{}': the element '{}' has no {} '{}'", name_, element.name,
+    throw Error(ErrorCode::input, fmt::format("'{}': the element '{}' has no {} '{}'", name_, plain(element.name),
                                               list ? "list" : "property", *names.begin()));
   }
 

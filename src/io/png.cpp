@@ -167,6 +167,7 @@ Volume read_png(const std::filesystem::path& file, Context* context) {
   // Eight pixels may share a byte of what was packed; rows begin with a byte of their own.
   const std::uint64_t available = png.packed.size() * deflate_limit;
   const std::uint64_t count = checked_sample_count(file, volume.grid.dims, png.depth == 16 ? 2 : 1, available * 8);
+  check_read_memory(file, count * (png.depth == 16 ? 4 : 2), context);  // also the filtered rows
   if (png.depth == 16)
     volume.samples = decode<std::uint16_t>(png, file, count);
   else

@@ -5,6 +5,7 @@
 
 #include <type_traits>
 
+#include "io/words.h"
 #include "quench/error.h"
 
 namespace quench {
@@ -14,7 +15,8 @@ std::vector<double> DataArray::numbers() const {
       [&](const auto& v) -> std::vector<double> {
         using T = typename std::decay_t<decltype(v)>::value_type;
         if constexpr (std::is_same_v<T, std::string>)
-          throw Error(ErrorCode::input, fmt::format("the array '{}' holds text where numbers are needed", name));
+          throw Error(ErrorCode::input,
+                      fmt::format("the array '{}' holds text where numbers are needed", io::plain(name)));
         else
           return {v.begin(), v.end()};
       },

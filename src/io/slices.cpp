@@ -152,13 +152,16 @@ std::optional<SliceStream> open_slices(const std::filesystem::path& file, const 
     const auto data = nrrd_data(file, header->sample_size);
     if (!data) return {};
     checked_sample_count(file, dims, header->sample_size, data->gzip ? probe.size * deflate_limit : probe.size);
+    check_read_memory(file, slice * header->sample_size, context);
     const auto slices = std::make_shared<NrrdSlices>(file, *data, header->sample_size, dims[2]);
     stream.next = [slices](std::span<std::byte> out) { slices->next(out); };
     return stream;
   }
+  if (!header->next_slice) return {};
   // Only an uncompressed file is as long as its samples.
   if (dims[2] < 1 || probe.size / header->sample_size / static_cast<std::uint64_t>(dims[2]) < slice) return {};
   checked_sample_count(file, dims, header->sample_size, probe.size);
+  check_read_memory(file, slice * header->sample_size, context);
   stream.next = header->next_slice;
   return stream;
 }

@@ -73,6 +73,7 @@ Volume read_sof(const std::filesystem::path& file, Context* context) {
   if (leaves == 0 || (voxels > (std::uint64_t{1} << 28) && voxels / bytes.size() > 256 * side))
     refuse(file, fmt::format("{} leaves are too few for a shape of resolution {}", leaves, n));
 
+  check_read_memory(file, voxels + voxels / 8 + bytes.size(), context);  // also a bit per voxel, see below
   Volume volume;
   volume.grid.dims.fill(static_cast<std::int64_t>(side));
   std::vector<std::uint8_t> inside(voxels, 0);

@@ -7,6 +7,7 @@
 #include <map>
 
 #include "io/volume_formats.h"
+#include "io/words.h"
 #include "quench/error.h"
 
 namespace quench::io {
@@ -16,7 +17,7 @@ constexpr int longest_header = 1000;  // lines
 constexpr std::uint64_t block = 1 << 20;
 
 [[noreturn]] void refuse(const std::filesystem::path& file, const std::string& why) {
-  throw Error(ErrorCode::input, fmt::format("'{}' cannot be read as .vol: {}", file.string(), why));
+  throw Error(ErrorCode::input, fmt::format("'{}' cannot be read as .vol: {}", file.string(), plain(why)));
 }
 
 std::string trimmed(const std::string& text) {
@@ -117,6 +118,7 @@ Volume read_vol(const std::filesystem::path& file, Context* context) {
   const auto read = [&]<class T>(T) {
     const std::uint64_t count =
         checked_sample_count(file, volume.grid.dims, sizeof(T), compressed ? left * deflate_limit : left);
+    check_read_memory(file, count * sizeof(T), context);
     std::vector<T> samples(count);
     auto* out = reinterpret_cast<unsigned char*>(samples.data());
     if (compressed) {

@@ -9,6 +9,7 @@
 #include "io/volume_formats.h"
 #include "quench/error.h"
 #include "quench/io.h"
+#include "quench/memory.h"
 
 namespace quench::io {
 namespace {
@@ -104,6 +105,19 @@ std::uint64_t checked_sample_count(const std::filesystem::path& file, const std:
   return count;
 }
 
+void check_read_memory(const std::filesystem::path& file, std::uint64_t bytes, const Context* context) {
+  constexpr std::uint64_t little = std::uint64_t{1} << 24;  // asking the system takes longer than reading this
+  const bool limited = context && context->memory_limit > 0;
+  if (!limited && bytes < little) return;
+  const std::int64_t limit = limited ? context->memory_limit : available_memory();
+  const auto needed = static_cast<std::int64_t>(std::min(bytes, std::uint64_t{1} << 62));
+  if (needed > limit)
+    throw Error(
+        ErrorCode::failed,
+        fmt::format("reading '{}' needs about {} of memory, and {} {}; crop it or lower its resolution", file.string(),
+                    bytes_text(needed), bytes_text(limit), limited ? "are allowed" : "are free"));
+}
+
 std::vector<std::filesystem::path> slice_files(const std::filesystem::path& folder) {
   std::vector<std::filesystem::path> files;
   std::error_code error;
@@ -151,7 +165,10 @@ Volume read_slices(const std::filesystem::path& folder, Context* context) {
     std::visit(
         [&](auto& all) {
           const auto& one = std::get<std::decay_t<decltype(all)>>(slice.samples);
-          if (z == 1) all.reserve(one.size() * files.size());
+          if (z == 1) {
+            check_read_memory(folder, one.size() * files.size() * sizeof one[0], context);
+            all.reserve(one.size() * files.size());
+          }
           all.insert(all.end(), one.begin(), one.end());
         },
         volume.samples);

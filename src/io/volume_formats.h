@@ -59,6 +59,10 @@ struct InputFile {
 std::uint64_t checked_sample_count(const std::filesystem::path& file, const std::array<std::int64_t, 3>& dims,
                                    std::uint64_t bytes_per_sample, std::uint64_t available);
 
+/// Throws Error(failed) with figures when the samples of a file take more memory than the context allows or, where it
+/// says nothing, than is free: without it a system that promises more than it has would end the program unasked.
+void check_read_memory(const std::filesystem::path& file, std::uint64_t bytes, const Context* context);
+
 /// deflate cannot shrink by more than this factor; what a compressed file promises beyond it is not there.
 inline constexpr std::uint64_t deflate_limit = 1032;
 

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "quench/error.h"
+#include "quench/memory.h"
 
 namespace quench::io {
 namespace {
@@ -65,6 +66,7 @@ class Source {
   }
   std::size_t word_size() const { return format_.wide_headers ? 8 : 4; }
 
+  const std::string& what() const { return what_; }
   std::size_t place() const { return at_; }
   void return_to(std::size_t place) { at_ = place; }
 
@@ -128,6 +130,11 @@ std::string decode_compressed(Source& source) {
   const std::uint64_t size = (blocks - 1) * full + (last ? last : full);
   if (size > limit) source.fail("has a damaged block header");
 
+  constexpr std::uint64_t much = std::uint64_t{1} << 28;  // asking the system takes longer than unpacking less
+  if (size > much && size > static_cast<std::uint64_t>(available_memory()))
+    throw Error(ErrorCode::failed,
+                fmt::format("{} needs {} of memory, and {} are free; use a smaller file", source.what(),
+                            bytes_text(static_cast<std::int64_t>(size)), bytes_text(available_memory())));
   const std::string stored = source.take(stored_bytes);
   std::string bytes(size, '\0');
   std::uint64_t from = 0;

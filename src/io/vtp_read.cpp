@@ -27,7 +27,7 @@ struct Document {
   BlockFormat format;         ///< of appended data; inline data is always base64
 
   [[noreturn]] void fail(const std::string& what) const {
-    throw Error(ErrorCode::input, fmt::format("'{}': {}", name, what));
+    throw Error(ErrorCode::input, fmt::format("'{}': {}", name, plain(what)));
   }
 };
 
@@ -142,7 +142,7 @@ bool read_array(const Document& document, const pugi::xml_node& node, DataArray&
   }
 
   std::string bytes;
-  const std::string where = fmt::format("'{}': {}", document.name, what);
+  const std::string where = fmt::format("'{}': {}", document.name, plain(what));
   if (format == "appended") {
     const unsigned long long offset = node.attribute("offset").as_ullong();
     if (offset > document.appended.size()) document.fail(what + " lies behind the end of the file");

@@ -23,6 +23,12 @@ std::string shown(std::string_view word) {
 
 }  // namespace
 
+std::string plain(std::string text) {
+  for (char& c : text)
+    if (static_cast<unsigned char>(c) < ' ' || c == '\x7F') c = '?';
+  return text;
+}
+
 bool parse_number(std::string_view text, double& value) {
   const char* begin = text.data();
   const char* end = begin + text.size();
@@ -53,7 +59,7 @@ Words::Words(std::string_view text, const std::string& file, Dialect dialect, st
 }
 
 void Words::fail(std::string_view what) const {
-  throw Error(ErrorCode::input, fmt::format("'{}', line {}: {}", *file_, line_, what));
+  throw Error(ErrorCode::input, fmt::format("'{}', line {}: {}", *file_, line_, plain(std::string(what))));
 }
 
 bool Words::at_line_end() const { return at_ == end_ || line_end(*at_); }

@@ -11,6 +11,9 @@ namespace quench::io {
 bool parse_number(std::string_view text, double& value);
 bool parse_integer(std::string_view text, std::int64_t& value);
 
+/// Text of a file for an error sentence: without bytes that would end the line or steer a terminal.
+std::string plain(std::string text);
+
 /// Reads blank-separated words of a text and knows their line. Lines end with LF, CR LF or CR.
 ///
 /// Everything that throws, throws Error(input) naming file and line.

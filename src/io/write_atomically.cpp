@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "quench/io.h"
+#include "quench/output_group.h"
 
 namespace quench::io {
 namespace {
@@ -40,6 +41,8 @@ void write_to(const fs::path& target, const fs::path& file, const std::function<
   if (!out) cannot_write(file, reason_of(errno));
 }
 
+thread_local OutputGroup* open_group = nullptr;
+
 /// Removes a file at the end of its scope unless it has been renamed.
 struct Temporary {
   fs::path path;
@@ -54,6 +57,42 @@ struct Temporary {
 };
 
 }  // namespace
+
+struct PostponedRename {
+  static void add(OutputGroup& group, fs::path temporary, fs::path target, fs::path name) {
+    group.pending_.push_back({std::move(temporary), std::move(target), std::move(name)});
+  }
+};
+
+OutputGroup::OutputGroup() {
+  if (open_group) throw Error(ErrorCode::invariant, "a group of outputs is begun inside another");
+  open_group = this;
+}
+
+OutputGroup::~OutputGroup() {
+  open_group = nullptr;
+  std::error_code ignored;
+  for (const Pending& file : pending_) fs::remove(file.temporary, ignored);
+}
+
+void OutputGroup::commit() {
+  while (!pending_.empty()) {
+    const Pending& file = pending_.front();
+    std::error_code error;
+    fs::rename(file.temporary, file.target, error);
+    if (error) cannot_write(file.name, error.message());
+    pending_.erase(pending_.begin());
+  }
+}
+
+std::uintmax_t OutputGroup::size_of(const fs::path& file) const {
+  fs::path where = file;
+  for (const Pending& written : pending_)
+    if (written.name == file) where = written.temporary;
+  std::error_code error;
+  const std::uintmax_t size = fs::file_size(where, error);
+  return error ? 0 : size;
+}
 
 void write_atomically(const fs::path& file, const std::function<void(std::ostream&)>& body) {
   std::error_code ignored;
@@ -73,6 +112,11 @@ void write_atomically(const fs::path& file, const std::function<void(std::ostrea
   Temporary temporary(folder / fmt::format(".quench-{}-{}.tmp", ::getpid(), count++));
   write_to(temporary.path, file, body);
   if (fs::exists(status)) fs::permissions(temporary.path, status.permissions(), ignored);
+  if (open_group) {
+    PostponedRename::add(*open_group, temporary.path, target, file);
+    temporary.renamed = true;
+    return;
+  }
   std::error_code error;
   fs::rename(temporary.path, target, error);
   if (error) cannot_write(file, error.message());

@@ -125,13 +125,30 @@ std::uint32_t Inserter<kShared>::locate(const Point& target) {
   }
 }
 
+// The names of the corners of `other`, which shares all but its corner `apex` with `t`.
+template <bool kShared>
+std::array<std::uint8_t, 4> Inserter<kShared>::names_across(const Tetrahedron& t,
+                                                            const std::array<std::uint8_t, 4>& names,
+                                                            const Tetrahedron& other, std::uint32_t apex) {
+  std::array<std::uint8_t, 4> result;
+  for (std::uint32_t k = 0; k < 4; ++k) {
+    std::uint32_t name = 0;  // without branches, which would not be predicted
+    for (std::uint32_t i = 0; i < 4; ++i) name |= t.corner[i] == other.corner[k] ? names[i] : 0u;
+    result[k] = static_cast<std::uint8_t>(name);
+  }
+  result[apex] = names_.name(other.corner[apex]);
+  return result;
+}
+
 // Claims the cavity and what is around it. False: something belongs to another inserter, or the walk went astray.
 template <bool kShared>
 bool Inserter<kShared>::find_cavity(const Point& point, std::uint32_t start) {
   Triangulation& tri = triangulation_;
   cavity_.clear();
+  cavity_names_.clear();
   rim_.clear();
   facets_.clear();
+  names_.start();
   const auto mark_conflict = [&](std::uint32_t t) {
     if constexpr (kShared)
       std::atomic_ref<std::uint8_t>(tri.owner[t]).store(conflict_, std::memory_order_relaxed);
@@ -146,8 +163,11 @@ bool Inserter<kShared>::find_cavity(const Point& point, std::uint32_t start) {
       return false;
     }
   mark_conflict(start);
+  const auto& first = tri.tetrahedra[start].corner;
+  cavity_names_.push_back({names_.name(first[0]), names_.name(first[1]), names_.name(first[2]), names_.name(first[3])});
   for (std::size_t c = 0; c < cavity_.size(); ++c) {
     const Tetrahedron t = tri.tetrahedra[cavity_[c]];
+    const std::array<std::uint8_t, 4> names = cavity_names_[c];
     for (std::uint32_t i = 0; i < 4; ++i) {
       const std::uint32_t outside = t.neighbour[i];
       if (outside != kNone) {
@@ -157,6 +177,7 @@ bool Inserter<kShared>::find_cavity(const Point& point, std::uint32_t start) {
           if (mark != 0 || !claim(n)) return false;
           if (tri.conflicts(n, point)) {
             mark_conflict(n);
+            cavity_names_.push_back(names_across(t, names, tri.tetrahedra[n], outside & 3));
             mark = conflict_;
           } else {
             rim_.push_back(n);
@@ -164,7 +185,7 @@ bool Inserter<kShared>::find_cavity(const Point& point, std::uint32_t start) {
         }
         if (mark == conflict_) continue;
       }
-      facets_.push_back({t.corner, i, outside, kNone});
+      facets_.push_back({t.corner, i, outside, kNone, names});
     }
   }
   return true;
@@ -206,17 +227,59 @@ bool Inserter<kShared>::collect_slots() {
   return true;
 }
 
-// Two new tetrahedra are neighbours exactly when their cavity facets share an edge. The cavity's surface is a sphere
-// and consistently oriented, so each of its edges is met twice.
 template <bool kShared>
 void Inserter<kShared>::fill_cavity(std::uint32_t p) {
   auto& tetrahedra = triangulation_.tetrahedra;
-  table_.start(facets_.size() * 3 / 2);
   for (const CavityFacet& f : facets_) {
     Tetrahedron& created = tetrahedra[f.tetrahedron];
     for (std::uint32_t i = 0; i < 4; ++i) store(created.corner[i], i == f.facet ? p : f.corner[i]);
     store(created.neighbour[f.facet], f.outside);
     if (f.outside != kNone) store(tetrahedra[f.outside >> 2].neighbour[f.outside & 3], 4 * f.tetrahedron + f.facet);
+  }
+  if (names_.complete())
+    connect_few();
+  else
+    connect_many();
+  hint_ = facets_.front().tetrahedron;
+  for (std::size_t c = facets_.size(); c < cavity_.size(); ++c) {
+    store(tetrahedra[cavity_[c]].corner[0], kNone);
+    free_.push_back(cavity_[c]);
+  }
+  give_back_all();
+  for (std::size_t f = cavity_.size(); f < facets_.size(); ++f) give_back(facets_[f].tetrahedron);
+}
+
+// Two new tetrahedra are neighbours exactly when their cavity facets share an edge. The cavity's surface is a sphere
+// and consistently oriented, so each of its edges is met twice, once in either direction: all entries that are read
+// have been written in this round.
+template <bool kShared>
+void Inserter<kShared>::connect_few() {
+  auto& tetrahedra = triangulation_.tetrahedra;
+  const auto at = [this](std::uint32_t a, std::uint32_t b) -> std::uint32_t& {
+    return at_edge_[a * CornerNames::kMost + b];
+  };
+  for (const CavityFacet& f : facets_) {
+    const auto& corners = kFacet[f.facet];
+    const std::uint32_t a = f.names[corners[0]], b = f.names[corners[1]], c = f.names[corners[2]];
+    at(b, c) = 4 * f.tetrahedron + corners[0];
+    at(c, a) = 4 * f.tetrahedron + corners[1];
+    at(a, b) = 4 * f.tetrahedron + corners[2];
+  }
+  for (const CavityFacet& f : facets_) {
+    const auto& corners = kFacet[f.facet];
+    const std::uint32_t a = f.names[corners[0]], b = f.names[corners[1]], c = f.names[corners[2]];
+    Tetrahedron& created = tetrahedra[f.tetrahedron];
+    store(created.neighbour[corners[0]], at(c, b));
+    store(created.neighbour[corners[1]], at(a, c));
+    store(created.neighbour[corners[2]], at(b, a));
+  }
+}
+
+template <bool kShared>
+void Inserter<kShared>::connect_many() {
+  auto& tetrahedra = triangulation_.tetrahedra;
+  table_.start(facets_.size() * 3 / 2);
+  for (const CavityFacet& f : facets_) {
     const auto& corners = kFacet[f.facet];
     for (std::uint32_t k = 0; k < 3; ++k) {
       const std::uint32_t opposite = corners[k];  // the new facet without this corner, over the edge of the other two
@@ -226,18 +289,11 @@ void Inserter<kShared>::fill_cavity(std::uint32_t p) {
       if (entry == kNone) {
         entry = here;
       } else {
-        store(created.neighbour[opposite], entry);
+        store(tetrahedra[f.tetrahedron].neighbour[opposite], entry);
         store(tetrahedra[entry >> 2].neighbour[entry & 3], here);
       }
     }
   }
-  hint_ = facets_.front().tetrahedron;
-  for (std::size_t c = facets_.size(); c < cavity_.size(); ++c) {
-    store(tetrahedra[cavity_[c]].corner[0], kNone);
-    free_.push_back(cavity_[c]);
-  }
-  give_back_all();
-  for (std::size_t f = cavity_.size(); f < facets_.size(); ++f) give_back(facets_[f].tetrahedron);
 }
 
 template class Inserter<false>;

@@ -44,8 +44,44 @@ struct Triangulation {
   void grow(std::size_t slots);
 };
 
+/// Numbers the corners of a cavity from 0, so that two of them are a place in a small table.
+class CornerNames {
+ public:
+  static constexpr std::uint32_t kMost = 64;  ///< corners that get a name
+
+  void start() {
+    count_ = 0;
+    if (++round_ == 0) {  // after 2^32 rounds old marks would look new
+      slots_.fill({});
+      round_ = 1;
+    }
+  }
+  /// Names beyond kMost mean nothing.
+  std::uint8_t name(std::uint32_t corner) {
+    for (std::uint32_t i = corner * 0x9E3779B9u >> 24;; i = (i + 1) % kSlots) {
+      Slot& slot = slots_[i];
+      if (slot.round != round_) {
+        if (count_ > kMost) return kMost;
+        slot = {corner, round_, static_cast<std::uint8_t>(count_++)};
+        return slot.name;
+      }
+      if (slot.corner == corner) return slot.name;
+    }
+  }
+  bool complete() const { return count_ <= kMost; }
+
+ private:
+  static constexpr std::uint32_t kSlots = 256;  // 8 bits of the hash
+  struct Slot {
+    std::uint32_t corner = 0, round = 0;
+    std::uint8_t name = 0;
+  };
+  std::array<Slot, kSlots> slots_{};
+  std::uint32_t round_ = 0, count_ = 0;
+};
+
 /// Finds the edge that two facets of a cavity share: the first facet leaves its number at the edge, the second takes
-/// it.
+/// it. For cavities of any size.
 class EdgeTable {
  public:
   /// Forgets all edges and makes room for `edges` of them.
@@ -102,7 +138,8 @@ class Inserter {
     std::array<std::uint32_t, 4> corner;
     std::uint32_t facet;
     std::uint32_t outside;
-    std::uint32_t tetrahedron;  // the new one
+    std::uint32_t tetrahedron;          // the new one
+    std::array<std::uint8_t, 4> names;  // of the corners
   };
 
   // What walks may read while it changes. A link is stored after the corners it leads to, and read before them.
@@ -129,14 +166,21 @@ class Inserter {
   void give_back_all();
 
   std::uint32_t locate(const Point& target);
+  std::array<std::uint8_t, 4> names_across(const Tetrahedron& t, const std::array<std::uint8_t, 4>& names,
+                                           const Tetrahedron& other, std::uint32_t apex);
   bool find_cavity(const Point& point, std::uint32_t start);
   bool collect_slots();
   void fill_cavity(std::uint32_t p);
+  void connect_few();
+  void connect_many();
 
   Triangulation& triangulation_;
   const std::uint8_t conflict_, rim_mark_;
   std::vector<std::uint32_t> cavity_, rim_, free_;
+  std::vector<std::array<std::uint8_t, 4>> cavity_names_;  // of the corners of cavity_
   std::vector<CavityFacet> facets_;
+  CornerNames names_;
+  std::array<std::uint32_t, std::size_t{CornerNames::kMost} * CornerNames::kMost> at_edge_{};  // by two names
   EdgeTable table_;
   std::uint32_t hint_ = 0;
   std::uint32_t random_;

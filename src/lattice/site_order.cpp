@@ -10,11 +10,10 @@
 namespace quench::lattice {
 namespace {
 
-constexpr int kBits = 20;  // per axis; lattice coordinates fit (geometry.h: at most 2^20 voxels per axis)
-
 // Skilling 2004: transforms coordinates to the transposed Hilbert index, then interleaves its bits.
-std::uint64_t hilbert_key(std::array<std::uint32_t, 3> x) {
-  for (std::uint32_t q = 1u << (kBits - 1); q > 1; q >>= 1) {
+// `bits` per axis, at least 1: lattice coordinates fit 20 (geometry.h: at most 2^20 voxels per axis).
+std::uint64_t hilbert_key(std::array<std::uint32_t, 3> x, int bits) {
+  for (std::uint32_t q = 1u << (bits - 1); q > 1; q >>= 1) {
     const std::uint32_t p = q - 1;
     for (int i = 0; i < 3; ++i) {
       if (x[i] & q) {
@@ -29,11 +28,11 @@ std::uint64_t hilbert_key(std::array<std::uint32_t, 3> x) {
   x[1] ^= x[0];
   x[2] ^= x[1];
   std::uint32_t t = 0;
-  for (std::uint32_t q = 1u << (kBits - 1); q > 1; q >>= 1)
+  for (std::uint32_t q = 1u << (bits - 1); q > 1; q >>= 1)
     if (x[2] & q) t ^= q - 1;
   for (auto& v : x) v ^= t;
   std::uint64_t key = 0;
-  for (int b = kBits - 1; b >= 0; --b)
+  for (int b = bits - 1; b >= 0; --b)
     for (int i = 0; i < 3; ++i) key = key << 1 | (x[i] >> b & 1);
   return key;
 }
@@ -57,6 +56,10 @@ std::vector<std::uint32_t> insertion_order(std::span<const LatticePoint> sites) 
   LatticePoint low = sites[0];
   for (const auto& s : sites)
     for (int a = 0; a < 3; ++a) low[a] = std::min(low[a], s[a]);
+  std::uint32_t all = 1;  // at least one bit per axis
+  for (const auto& s : sites)
+    for (int a = 0; a < 3; ++a) all |= static_cast<std::uint32_t>(s[a] - low[a]);
+  const int bits = std::bit_width(all);
   // A site enters in the last round with probability 1/2, in the one before with 1/4, ...; the first has some 1000
   // sites.
   const int rounds = std::clamp(static_cast<int>(std::bit_width(sites.size())) - 10, 0, 15);
@@ -66,7 +69,7 @@ std::vector<std::uint32_t> insertion_order(std::span<const LatticePoint> sites) 
     const std::array<std::uint32_t, 3> x{static_cast<std::uint32_t>(sites[i][0] - low[0]),
                                          static_cast<std::uint32_t>(sites[i][1] - low[1]),
                                          static_cast<std::uint32_t>(sites[i][2] - low[2])};
-    entries[i] = {static_cast<std::uint64_t>(rounds - before_last) << 60 | hilbert_key(x),
+    entries[i] = {static_cast<std::uint64_t>(rounds - before_last) << 60 | hilbert_key(x, bits),
                   static_cast<std::uint32_t>(i)};
   }
   tbb::parallel_sort(entries.begin(), entries.end());

@@ -18,7 +18,7 @@ struct Entry {
   Sample (*make)(const SampleOptions&);
 };
 
-constexpr std::array<Entry, 10> entries{{
+constexpr std::array<Entry, 13> entries{{
     {{"ellipsoid", "ellipsoid with semi-axes 1, 0.7, 0.4"}, ellipsoid},
     {{"torus", "torus, radii 1 and 0.35: one handle"}, torus},
     {{"box", "box with sides 2, 1.4, 1: the textbook medial axis"}, box},
@@ -28,6 +28,9 @@ constexpr std::array<Entry, 10> entries{{
     {{"four-blobs", "four blobs joined by bridges a few voxels thick (Yan 2018, Fig. 2.11)"}, four_blobs},
     {{"plate-with-holes", "thin plate with six round holes: six handles"}, plate_with_holes},
     {{"hollow-sphere", "ball with a spherical cavity"}, hollow_sphere},
+    {{"bead-pack", "1728 overlapping beads, a porous body (--seed)"}, bead_pack},
+    {{"rough-plate", "thin plate with noise on its large faces (--noise: its height, --seed)"}, rough_plate},
+    {{"bars", "three bars, up to 128 times as long as thick"}, bars},
     {{"root", "branching root with known branches (--seed, --branches)"}, root},
 }};
 

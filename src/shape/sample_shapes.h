@@ -80,6 +80,9 @@ Sample fin_on_board(const SampleOptions& options);
 Sample four_blobs(const SampleOptions& options);
 Sample plate_with_holes(const SampleOptions& options);
 Sample hollow_sphere(const SampleOptions& options);
+Sample bead_pack(const SampleOptions& options);
+Sample rough_plate(const SampleOptions& options);
+Sample bars(const SampleOptions& options);
 Sample root(const SampleOptions& options);
 
 }  // namespace quench::samples_detail

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+// Writes what the targets begin with: the small files of the tests, and built-in shapes in the formats Quench writes.
+#include <cstdio>
+#include <exception>
+#include <filesystem>
+#include <fstream>
+
+#include "quench/io.h"
+#include "quench/sample.h"
+#include "small_files.h"
+
+namespace {
+
+quench::PolyData as_axis(const quench::TriangleMesh& mesh) {
+  quench::PolyData data;
+  data.points = mesh.points;
+  std::vector<double> radius(mesh.points.size(), 0.25);
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const auto& corners = mesh.triangles[t];
+    if (t % 3 == 0) {
+      data.lines.push_back({corners[0], corners[1]});
+      continue;
+    }
+    data.poly_corners.insert(data.poly_corners.end(), corners.begin(), corners.end());
+    data.poly_offsets.push_back(static_cast<std::uint32_t>(data.poly_corners.size()));
+  }
+  data.point_data.push_back({"radius", 1, std::move(radius)});
+  data.field_data.push_back({"units", 1, std::vector<std::string>{"mm"}});
+  return data;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) try {
+  namespace fs = std::filesystem;
+  if (argc != 2) return std::fprintf(stderr, "usage: %s FOLDER\n", argv[0]), 2;
+  const fs::path folder = argv[1];
+  for (const auto& file : quench::small_files::all()) {
+    fs::create_directories(folder / file.format);
+    std::ofstream(folder / file.format / file.name, std::ios::binary) << file.bytes;
+  }
+  for (const auto& sample : quench::samples()) {
+    const std::string name(sample.name);
+    const auto made = quench::make_sample(name, {.noise = 0, .seed = 1, .branches = 1, .detail = 0.05});
+    if (made.mesh.triangles.size() > 300) continue;  // small inputs make fast targets
+    for (const char* format : {"ply", "obj", "vtp", "ma"})
+      quench::io::write_poly_data(folder / format / (name + "." + format), as_axis(made.mesh));
+  }
+  return 0;
+} catch (const std::exception& error) {
+  return std::fprintf(stderr, "%s\n", error.what()), 1;
+}

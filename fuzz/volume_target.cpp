@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+// A reader of volumes: QUENCH_FUZZ_READER names it. With QUENCH_FUZZ_PNG the checksums are made right first: they would
+// hide everything behind them.
+#include "io/volume_formats.h"
+#include "memory_file.h"
+#include "quench/context.h"
+#include "small_files.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace quench;
+  static const fuzz::MemoryFile file(".bin");
+#ifdef QUENCH_FUZZ_PNG
+  std::string mended(reinterpret_cast<const char*>(data), size);
+  small_files::mend_checksums(mended);
+  data = reinterpret_cast<const std::uint8_t*>(mended.data());
+#endif
+  fuzz::reads_or_refuses(
+      [&] {
+        Context context;
+        context.memory_limit = 1 << 24;  // an honest file may be much larger when it is read; such take too long here
+        const Volume volume = io::QUENCH_FUZZ_READER(file.holding(data, size), &context);
+        std::uint64_t count = 1;
+        for (const std::int64_t side : volume.grid.dims) {
+          if (side < 1) fuzz::defect("a side of the volume is not positive");
+          count *= static_cast<std::uint64_t>(side);
+        }
+        if (std::visit([](const auto& samples) { return samples.size(); }, volume.samples) != count)
+          fuzz::defect("the volume has another number of samples than voxels");
+      },
+      true);
+  return 0;
+}

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+namespace quench::io {
+
+/// Files that appear together. While a group lives, what its thread writes through write_atomically() (every writer of
+/// the library does) stays in temporary files beside the real ones; commit() renames them all. Without commit(), e.g.
+/// on an exception, they are removed, and every file is as it was. Groups do not nest.
+class OutputGroup {
+ public:
+  OutputGroup();
+  OutputGroup(const OutputGroup&) = delete;
+  OutputGroup& operator=(const OutputGroup&) = delete;
+  ~OutputGroup();
+
+  /// Throws Error(failed) at the first file that cannot be renamed, naming it; files written before it are complete and
+  /// in place, later ones as they were.
+  void commit();
+
+  /// Bytes of a file written in this group, or of the file of that name; 0 when there is none.
+  std::uintmax_t size_of(const std::filesystem::path& file) const;
+
+ private:
+  friend struct PostponedRename;
+  struct Pending {
+    std::filesystem::path temporary, target, name;
+  };
+  std::vector<Pending> pending_;
+};
+
+}  // namespace quench::io

@@ -1,0 +1,261 @@
+// SPDX-License-Identifier: Apache-2.0
+// Damaged files of the formats that ITK and Assimp read: whatever the libraries do on them (exceptions, crashes,
+// endless reading), reading gives valid data or one sentence.
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/mman.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <functional>
+#include <iterator>
+#include <random>
+#include <thread>
+
+#include "foreign_files.h"
+#include "io/apart.h"
+#include "poly_samples.h"
+#include "quench/slices.h"
+#include "quench/volume.h"
+#ifdef QUENCH_TESTS_HAVE_ASSIMP
+#include <assimp/mesh.h>
+#include <assimp/scene.h>
+
+#include <assimp/Exporter.hpp>
+#include <assimp/Importer.hpp>
+#endif
+
+namespace quench {
+namespace {
+
+using testing_files::Folder;
+using testing_files::write_bytes;
+
+struct Damage {
+  std::string bytes, how;
+};
+
+/// Truncations and changed bytes, a fixed choice of at most about `most`.
+std::vector<Damage> damages(const std::string& valid, std::size_t most) {
+  std::vector<Damage> list;
+  const std::size_t stride = std::max<std::size_t>(1, 3 * valid.size() / most);
+  for (std::size_t size = 0; size < valid.size(); size += stride)
+    list.push_back({valid.substr(0, size), "cut to " + std::to_string(size)});
+  std::mt19937 random(3);
+  const int values[] = {0, 255, 128, 1, 127, '9', '-', ' ', '\n'};
+  while (list.size() < most && !valid.empty()) {
+    Damage damage{valid, "changed"};
+    for (int edits = 1 + static_cast<int>(random() % 2); edits > 0; --edits) {
+      const std::size_t at = random() % valid.size();
+      const int value = random() % 4 == 0 ? damage.bytes[at] ^ 1 << random() % 8 : values[random() % std::size(values)];
+      damage.bytes[at] = static_cast<char>(value);
+      damage.how += " " + std::to_string(at) + " to " + std::to_string(value & 255);
+    }
+    list.push_back(std::move(damage));
+  }
+  return list;
+}
+
+/// Nothing when `action` succeeds or says one sentence, else what is wrong.
+std::string complaint(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const Error& error) {
+    const std::string sentence = error.what();
+    const bool memory = error.code() == ErrorCode::failed && sentence.find("memory") != sentence.npos;
+    if ((error.code() == ErrorCode::input || memory) && !sentence.empty() && sentence.find('\n') == sentence.npos)
+      return {};
+    return "not one sentence about the input: " + sentence;
+  } catch (const std::exception& error) {
+    return std::string("another exception: ") + error.what();
+  }
+  return {};
+}
+
+/// Does `attempt` for every number below `count` in child processes, so that a crash or an endless loop is told as such
+/// and the rest goes on.
+void survive(std::size_t count, const std::function<std::string(std::size_t)>& attempt,
+             const std::function<std::string(std::size_t)>& name) {
+  struct Shared {
+    std::size_t at;
+    char text[1000];
+  };
+  auto* shared =
+      static_cast<Shared*>(mmap(nullptr, sizeof(Shared), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0));
+  ASSERT_NE(shared, MAP_FAILED);
+  int failures = 0;
+  for (shared->at = 0; shared->at < count && failures < 5; ++shared->at) {
+    const pid_t child = fork();
+    if (child == 0) {
+      for (; shared->at < count; ++shared->at) {
+        alarm(20);
+        const std::string wrong = attempt(shared->at);
+        if (wrong.empty()) continue;
+        std::snprintf(shared->text, sizeof shared->text, "%s", wrong.c_str());
+        _exit(1);
+      }
+      _exit(0);
+    }
+    int status = 0;
+    ASSERT_EQ(waitpid(child, &status, 0), child);
+    if (WIFEXITED(status) && WEXITSTATUS(status) == 0) break;
+    ++failures;
+    ADD_FAILURE() << name(shared->at) << ": "
+                  << (WIFSIGNALED(status) ? std::string("ended by signal ") + strsignal(WTERMSIG(status))
+                                          : std::string(shared->text));
+  }
+  munmap(shared, sizeof(Shared));
+}
+
+TEST(Foreign, DamagedVolumes) {
+#ifndef QUENCH_TESTS_HAVE_ITK
+  GTEST_SKIP() << "built without ITK";
+#endif
+  for (const auto& file : foreign_files::volumes()) {
+    const Folder folder;
+    const auto path = folder / file.name;
+    if (!file.beside.empty()) write_bytes(folder / file.beside, file.bytes_beside);
+    if (file.name == "slices.mhd")
+      for (int z = 1; z <= 3; ++z) write_bytes(folder / ("slice" + std::to_string(z) + ".raw"), std::string(9, '\1'));
+    const auto read = [&] {
+      ForegroundOptions options;
+      options.threshold = 1;
+      if (const auto slices = io::open_slices(path)) {
+        EXPECT_GT(foreground(*slices, options).voxel_count(), 0);
+      } else {
+        foreground(io::read_volume(path), options);
+      }
+    };
+    write_bytes(path, file.bytes);
+    EXPECT_NO_THROW(read()) << file.name;
+    const std::vector<Damage> list = damages(file.bytes, 150);
+    survive(
+        list.size(),
+        [&](std::size_t i) {
+          write_bytes(path, list[i].bytes);
+          return complaint(read);
+        },
+        [&](std::size_t i) { return file.name + ", " + list[i].how; });
+  }
+}
+
+#ifdef QUENCH_TESTS_HAVE_ASSIMP
+/// A box as bytes of a format that Assimp writes.
+std::string exported(const std::string& format) {
+  const Folder folder;
+  write_bytes(folder / "box.off",
+              "OFF\n8 6 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n0 0 1\n1 0 1\n1 1 1\n0 1 1\n4 3 2 1 0\n4 4 5 6 7\n4 0 1 5 4\n"
+              "4 1 2 6 5\n4 2 3 7 6\n4 3 0 4 7\n");
+  Assimp::Importer importer;
+  const aiScene* scene = importer.ReadFile((folder / "box.off").string(), 0);
+  if (!scene) return {};
+  Assimp::Exporter exporter;
+  const std::string path = (folder / "out.bin").string();
+  if (exporter.Export(scene, format, path) != AI_SUCCESS) return {};
+  return testing_files::bytes_of(path);
+}
+
+std::vector<std::pair<std::string, std::string>> meshes() {
+  std::vector<std::pair<std::string, std::string>> list{
+      {"a.ac",
+       "AC3Db\nMATERIAL \"m\" rgb 1 1 1 amb 0 0 0 emis 0 0 0 spec 0 0 0 shi 0 trans 0\nOBJECT world\nkids 1\nOBJECT "
+       "poly\nnumvert 3\n0 0 0\n1 0 0\n0 1 0\nnumsurf 1\nSURF 0x20\nmat 0\nrefs 3\n0 0 0\n1 0 0\n2 0 0\nkids 0\n"},
+      {"a.nff", "pp 3\n0 0 0 0 0 1\n1 0 0 0 0 1\n0 1 0 0 0 1\np 3\n0 0 0\n1 0 0\n0 1 0\n"},
+      {"a.smd",
+       "version 1\nnodes\n0 \"r\" -1\nend\nskeleton\ntime 0\n0 0 0 0 0 0 0\nend\ntriangles\nm\n0 0 0 0 0 0 1 0 0\n"
+       "0 1 0 0 0 0 1 0 0\n0 0 1 0 0 0 1 0 0\nend\n"},
+      {"a.dxf",
+       "0\nSECTION\n2\nENTITIES\n0\n3DFACE\n8\n0\n10\n0\n20\n0\n30\n0\n11\n1\n21\n0\n31\n0\n12\n0\n22\n1\n32\n0\n13\n"
+       "0\n23\n1\n33\n0\n0\nENDSEC\n0\nEOF\n"},
+  };
+  for (const auto& [name, format] : std::initializer_list<std::pair<const char*, const char*>>{{"a.dae", "collada"},
+                                                                                               {"a.x", "x"},
+                                                                                               {"a.3ds", "3ds"},
+                                                                                               {"a.gltf", "gltf2"},
+                                                                                               {"a.glb", "glb2"},
+                                                                                               {"b.glb", "glb"},
+                                                                                               {"b.fbx", "fbx"},
+                                                                                               {"a.fbx", "fbxa"},
+                                                                                               {"a.3mf", "3mf"}})
+    if (std::string bytes = exported(format); !bytes.empty()) list.emplace_back(name, std::move(bytes));
+  return list;
+}
+#endif
+
+TEST(Foreign, DamagedMeshes) {
+#ifndef QUENCH_TESTS_HAVE_ASSIMP
+  GTEST_SKIP() << "built without Assimp";
+#else
+  const Folder folder;
+  std::size_t readable = 0;
+  for (const auto& [name, valid] : meshes()) {
+    const auto path = folder / name;
+    const auto read = [&] { io::read_poly_data(path).validate(); };
+    write_bytes(path, valid);
+    try {
+      read();
+      ++readable;
+    } catch (const Error&) {  // some builds of Assimp lack a format, or keep its buffers in a second file
+    }
+    for (const Damage& damage : damages(valid, 25)) {
+      write_bytes(path, damage.bytes);
+      const std::string wrong = complaint(read);
+      if (!wrong.empty()) ADD_FAILURE() << name << ", " << damage.how << ": " << wrong;
+    }
+  }
+  EXPECT_GE(readable, 8u);
+#endif
+}
+
+TEST(Apart, WhateverALibraryDoesIsOneSentence) {
+  const Folder folder;
+  write_bytes(folder / "a.bin", "bytes");
+  const auto path = folder / "a.bin";
+  const io::ApartLimits little{.seconds = 0.5, .bytes = 1 << 26};
+  const auto refused = [&](const std::function<std::string()>& read) {
+    std::string sentence;
+    EXPECT_EQ(testing_files::code_of([&] { io::read_apart(path, read, little); }, &sentence), ErrorCode::input);
+    EXPECT_NE(sentence.find("a.bin"), std::string::npos) << sentence;
+    return sentence;
+  };
+  EXPECT_EQ(io::read_apart(path, [] { return std::string(1 << 20, 'x'); }), std::string(1 << 20, 'x'));
+  EXPECT_EQ(io::read_apart(path, [] { return std::string(); }), "");
+  EXPECT_NE(refused([]() -> std::string {
+              raise(SIGSEGV);
+              return {};
+            }).find("fails"),
+            std::string::npos);
+  EXPECT_NE(refused([]() -> std::string { std::abort(); }).find("fails"), std::string::npos);
+  EXPECT_NE(refused([]() -> std::string { _exit(0); }).find("fails"), std::string::npos);
+  EXPECT_NE(refused([]() -> std::string {
+              for (volatile bool forever = true; forever;) {
+              }
+              return {};
+            }).find("does not end"),
+            std::string::npos);
+  EXPECT_NE(refused([]() -> std::string { throw Error(ErrorCode::input, "a.bin is odd"); }).find("odd"),
+            std::string::npos);
+  EXPECT_NE(refused([]() -> std::string { throw std::runtime_error("odder"); }).find("fails"), std::string::npos);
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+  EXPECT_NE(refused([]() -> std::string { return std::string(std::size_t{1} << 32, 'x'); }).find("memory"),
+            std::string::npos);
+#endif
+  EXPECT_EQ(waitpid(-1, nullptr, WNOHANG), -1) << "a child is left";
+}
+
+TEST(Apart, FromSeveralThreads) {
+  const Folder folder;
+  write_bytes(folder / "a.bin", "bytes");
+  std::vector<std::thread> threads;
+  for (int t = 0; t < 4; ++t)
+    threads.emplace_back([&, t] {
+      for (int i = 0; i < 10; ++i) {
+        const std::string bytes(1000 + static_cast<std::size_t>(t), static_cast<char>('a' + t));
+        EXPECT_EQ(io::read_apart(folder / "a.bin", [&] { return bytes; }), bytes);
+      }
+    });
+  for (std::thread& thread : threads) thread.join();
+}
+
+}  // namespace
+}  // namespace quench

@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <zlib.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+/// A tiny valid file of every format Quench reads by itself: what the tests damage and the fuzz targets begin with.
+/// Each shows another part of its reader.
+namespace quench::small_files {
+
+struct SmallFile {
+  std::string name;    ///< with the extension of its format
+  std::string format;  ///< ply, obj, off, stl, vtp, ma, radii, npy, vol, sof, png or nrrd
+  std::string bytes;
+};
+
+inline std::string deflated(const std::string& data, int window = 15) {
+  z_stream z{};
+  deflateInit2(&z, 6, Z_DEFLATED, window, 8, Z_DEFAULT_STRATEGY);
+  std::string out(deflateBound(&z, static_cast<uLong>(data.size())) + 100, '\0');
+  z.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(data.data()));
+  z.avail_in = static_cast<uInt>(data.size());
+  z.next_out = reinterpret_cast<Bytef*>(out.data());
+  z.avail_out = static_cast<uInt>(out.size());
+  deflate(&z, Z_FINISH);
+  out.resize(z.total_out);
+  deflateEnd(&z);
+  return out;
+}
+
+/// The bytes of a number, least significant first unless `big`.
+inline std::string number(std::uint64_t value, int size, bool big = false) {
+  std::string bytes;
+  for (int b = 0; b < size; ++b) bytes += static_cast<char>(value >> 8 * (big ? size - 1 - b : b) & 0xFF);
+  return bytes;
+}
+
+inline constexpr std::uint32_t one_as_float = 0x3F800000;
+
+inline std::string binary_ply(bool big) {
+  std::string bytes = std::string("ply\nformat binary_") + (big ? "big" : "little") +
+                      "_endian 1.0\nelement vertex 3\nproperty char x\nproperty float y\nproperty short z\n"
+                      "element face 1\nproperty list uchar int vertex_indices\nproperty list uchar float uv\n"
+                      "end_header\n";
+  for (const int v : {0, 1, 2})
+    bytes += number(v == 1, 1) + number(v == 2 ? one_as_float : 0, 4, big) + number(0xFFFE, 2, big);
+  bytes += number(3, 1);
+  for (const int v : {0, 1, 2}) bytes += number(static_cast<std::uint64_t>(v), 4, big);
+  return bytes + number(1, 1) + number(one_as_float, 4, big);
+}
+
+inline std::string binary_stl() {
+  std::string bytes(80, ' ');
+  bytes += number(1, 4) + std::string(12, '\0');
+  for (const int one_at : {-1, 0, 1})
+    for (int a = 0; a < 3; ++a) bytes += number(a == one_at ? one_as_float : 0, 4);
+  return bytes + number(0, 2);
+}
+
+/// VTP as text or as inline base64, uncompressed.
+inline std::string inline_vtp(bool base64) {
+  const char* format = base64 ? "binary" : "ascii";
+  const auto array = [&](const char* type, const char* name, int components, const char* text, const char* code) {
+    return std::string("<DataArray type=\"") + type + "\" Name=\"" + name + "\" NumberOfComponents=\"" +
+           std::to_string(components) + "\" format=\"" + format + "\">" + (base64 ? code : text) + "</DataArray>\n";
+  };
+  return "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"0.1\" byte_order=\"LittleEndian\"><PolyData>"
+         "<Piece NumberOfPoints=\"3\" NumberOfPolys=\"1\"><Points>" +
+         array("Float32", "Points", 3, "0 0 0 1 0 0 0 1 0",
+               "JAAAAAAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAAAAAAIA/AAAAAA==") +
+         "</Points><PointData>" + array("UInt8", "flag", 1, "1 2 3", "AwAAAAECAw==") + "</PointData><Polys>" +
+         array("Int32", "connectivity", 1, "0 1 2", "DAAAAAAAAAABAAAAAgAAAA==") +
+         array("Int32", "offsets", 1, "3", "BAAAAAMAAAA=") + "</Polys></Piece></PolyData></VTKFile>\n";
+}
+
+/// Two pieces with every kind of cell; the first one's data appended, in compressed blocks.
+inline std::string appended_vtp() {
+  std::string appended;
+  const auto array = [&](const char* type, const char* name, int components, const std::string& bytes) {
+    const std::string stored = deflated(bytes);
+    const std::string node = std::string("<DataArray type=\"") + type + "\" Name=\"" + name +
+                             "\" NumberOfComponents=\"" + std::to_string(components) +
+                             "\" format=\"appended\" offset=\"" + std::to_string(appended.size()) + "\"/>";
+    appended += number(1, 8) + number(bytes.size(), 8) + number(0, 8) + number(stored.size(), 8) + stored;
+    return node;
+  };
+  const auto integers = [](std::initializer_list<int> values) {
+    std::string bytes;
+    for (const int v : values) bytes += number(static_cast<std::uint64_t>(v), 4);
+    return bytes;
+  };
+  std::string points;
+  for (int p = 0; p < 4; ++p)
+    for (int a = 0; a < 3; ++a) points += number(p >> a & 1 ? one_as_float : 0, 4);
+  const auto cells = [&](const char* kind, std::initializer_list<int> corners, std::initializer_list<int> ends) {
+    return std::string("<") + kind + ">" + array("Int32", "connectivity", 1, integers(corners)) +
+           array("Int32", "offsets", 1, integers(ends)) + "</" + kind + ">";
+  };
+  std::string text =
+      "<VTKFile type=\"PolyData\" byte_order=\"LittleEndian\" header_type=\"UInt64\" "
+      "compressor=\"vtkZLibDataCompressor\"><PolyData><FieldData><DataArray type=\"String\" Name=\"units\" "
+      "format=\"ascii\">109 109 0</DataArray></FieldData><Piece NumberOfPoints=\"4\" NumberOfVerts=\"1\" "
+      "NumberOfLines=\"1\" NumberOfPolys=\"1\" NumberOfStrips=\"1\"><Points>" +
+      array("Float32", "Points", 3, points) + "</Points><CellData>" + array("Int8", "kind", 1, "\1\2\3\4") +
+      "</CellData>" + cells("Verts", {3}, {1}) + cells("Lines", {0, 1, 2}, {3}) + cells("Polys", {0, 1, 2}, {3}) +
+      cells("Strips", {0, 1, 2, 3}, {4}) + "</Piece><Piece NumberOfPoints=\"1\"><Points>";
+  text += "<DataArray type=\"Float64\" NumberOfComponents=\"3\" format=\"ascii\">5 5 5</DataArray></Points></Piece>";
+  return text + "</PolyData><AppendedData encoding=\"raw\">_" + appended + "</AppendedData></VTKFile>\n";
+}
+
+inline std::string npy(const std::string& type, bool fortran_order, const std::string& shape,
+                       const std::string& samples, int version = 1) {
+  const std::string header = "{'descr': '" + type + "', 'fortran_order': " + (fortran_order ? "True" : "False") +
+                             ", 'shape': (" + shape + "), }\n";
+  return "\x93NUMPY" + number(static_cast<std::uint64_t>(version), 1) + number(0, 1) +
+         number(header.size(), version == 1 ? 2 : 4) + header + samples;
+}
+
+inline std::string vol(int version, int sample_size, const std::string& samples) {
+  return "X: 2\nY: 2\nZ: 2\nVoxel-Size: " + std::to_string(sample_size) +
+         "\nVoxel-Endian: 0\nVersion: " + std::to_string(version) + "\n.\n" +
+         (version == 3 ? deflated(samples) : samples);
+}
+
+/// Two cells per axis, or four of which most are one empty cell.
+inline std::string sof(int n) {
+  const std::string leaves = std::string("\0\2\xF0\2\xF0\2\xF0\2\xF0\2\x0F\2\x0F\2\x0F\2\x0F", 17);
+  if (n == 2) return number(2, 4) + leaves;
+  std::string bytes = number(4, 4) + std::string(1, '\0') + leaves;
+  for (int child = 1; child < 8; ++child) bytes += std::string("\1", 1) + static_cast<char>(child & 1);
+  return bytes;
+}
+
+inline std::string png_block(const std::string& type, const std::string& data) {
+  const std::string checked = type + data;
+  const auto sum = crc32(0, reinterpret_cast<const Bytef*>(checked.data()), static_cast<uInt>(checked.size()));
+  return number(data.size(), 4, true) + checked + number(sum, 4, true);
+}
+
+/// Makes the checksums of all blocks right that are there as a whole.
+inline void mend_checksums(std::string& png) {
+  for (std::size_t at = 8; png.size() - std::min(at, png.size()) >= 12;) {
+    std::size_t length = 0;
+    for (std::size_t b = 0; b < 4; ++b) length = length << 8 | static_cast<unsigned char>(png[at + b]);
+    if (length > png.size() - at - 12) return;
+    const auto sum = crc32(0, reinterpret_cast<const Bytef*>(&png[at + 4]), static_cast<uInt>(length + 4));
+    png.replace(at + 8 + length, 4, number(sum, 4, true));
+    at += 12 + length;
+  }
+}
+
+inline std::string png(int width, int height, int depth, int colour, bool interlaced, const std::string& rows) {
+  std::string bytes = "\x89PNG\r\n\x1a\n" + png_block("IHDR", number(static_cast<std::uint64_t>(width), 4, true) +
+                                                                  number(static_cast<std::uint64_t>(height), 4, true) +
+                                                                  static_cast<char>(depth) + static_cast<char>(colour) +
+                                                                  std::string(2, '\0') + (interlaced ? '\1' : '\0'));
+  if (colour == 3) bytes += png_block("PLTE", std::string("\0\0\0\x80\x80\x80", 6));
+  return bytes + png_block("IDAT", deflated(rows)) + png_block("IEND", "");
+}
+
+inline std::string nrrd(const std::string& encoding, const std::string& endian, const std::string& samples) {
+  return "NRRD0004\ntype: unsigned short\ndimension: 3\nsizes: 2 2 2\nendian: " + endian + "\nencoding: " + encoding +
+         "\n\n" + (encoding == "gzip" ? deflated(samples, 15 + 16) : samples);
+}
+
+inline std::vector<SmallFile> all() {
+  const std::string bytes8 = "\1\2\3\4\5\6\7\1", bytes16 = bytes8 + bytes8;
+  return {
+      {"little.ply", "ply", binary_ply(false)},
+      {"big.ply", "ply", binary_ply(true)},
+      {"text.ply", "ply",
+       "ply\nformat ascii 1.0\ncomment c\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+       "property double radius\nelement edge 1\nproperty int vertex1\nproperty int vertex2\nproperty uchar m\n"
+       "element face 1\nproperty list uchar int vertex_index\nproperty float m\nend_header\n"
+       "0 0 0 1\n1 0 0 1\n0 1 0 2\n0 1 7 .5\n0 1 7\n3 0 1 2 0.5\n"},
+      {"hand.obj", "obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1/1/1 2//2 -1\nl 1 2 \\\n 3\np 1\n"},
+      {"hand.off", "off", "OFF\n3 2 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2 255 0 0\n2 0 1\n"},
+      {"normals.off", "off", "CNOFF 3\n1 0\n0 0 0 0 0 1 1 1 1 1\n1 0 0 0 0 1\n0 1 0 0 0 1\n3 0 1 2\n"},
+      {"text.stl", "stl",
+       "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n"
+       "endsolid a\n"},
+      {"binary.stl", "stl", binary_stl()},
+      {"hand.ma", "ma", "4 1 1\nv 0 0 0 1\nv 1 0 0 1\nv 0 1 0 .5\nv 3 3 3 1\ne 0 1\nf 0 1 2\n"},
+      {"text.vtp", "vtp", inline_vtp(false)},
+      {"base64.vtp", "vtp", inline_vtp(true)},
+      {"appended.vtp", "vtp", appended_vtp()},
+      {"hand.r", "radii", "3\n0 0 0 1\n1 0 0 2.5\n0 1 0 1e-3\n"},
+      {"bytes.npy", "npy", npy("|u1", false, "2, 2, 2", bytes8)},
+      {"big.npy", "npy", npy(">i2", true, "2, 2, 2", bytes16)},
+      {"half.npy", "npy", npy("<f2", false, "1, 2, 2, 2", bytes16, 2)},
+      {"plain.vol", "vol", vol(2, 1, bytes8)},
+      {"deflated.vol", "vol", vol(3, 2, bytes16)},
+      {"two.sof", "sof", sof(2)},
+      {"four.sof", "sof", sof(4)},
+      {"grey.png", "png", png(3, 2, 8, 0, false, std::string("\1\1\2\3\2\1\1\1", 8))},
+      {"wide.png", "png", png(1, 3, 16, 0, false, std::string("\0\1\2\3\1\2\4\1\1", 9))},
+      {"palette.png", "png", png(9, 2, 1, 3, false, std::string("\0\xA5\x80\0\x5A\0", 6))},
+      {"woven.png", "png", png(2, 2, 4, 0, true, std::string("\0\x10\0\x20\0\x34", 6))},
+      {"raw.nrrd", "nrrd", nrrd("raw", "little", bytes16)},
+      {"gzip.nrrd", "nrrd", nrrd("gzip", "big", bytes16)},
+  };
+}
+
+}  // namespace quench::small_files
