@@ -93,7 +93,7 @@ void load_mesh(const ShapeOptions& options, Session& session, LoadedShape& loade
   if (f.threshold || f.label || f.invert || !options.spacing.empty())
     session.say("note: --threshold, --label, --invert and --spacing are for volumes and are ignored for a mesh");
   VoxelizeOptions voxelize_options;
-  voxelize_options.fill = options.fill == "evenodd" ? FillRule::evenodd : FillRule::nonzero;
+  voxelize_options.fill = fill_of(options.fill).value_or(FillRule::nonzero);
   const std::optional<std::int64_t> wanted = parse_resolution(options.resolution);
   Voxelization v;
   try {
@@ -110,9 +110,11 @@ void load_mesh(const ShapeOptions& options, Session& session, LoadedShape& loade
   }
   loaded.shape = std::move(v.shape);
   loaded.longest_side = v.longest_side;
+  if (!v.fill_reason.empty()) session.say(fmt::format("fill {} (auto): {}", fill_name(v.fill), v.fill_reason));
+  if (!v.sound) session.say("warning: " + defects_text(v));
   if (v.topology_known)
     loaded.topology_changed = v.topology_changed;
-  else
+  else if (v.sound)
     session.say("note: parts of the mesh overlap, so whether voxelization changed the topology cannot be told from it");
   if (v.topology_changed) session.say("warning: voxelization changed the topology: " + v.topology_difference);
   const auto resolution = static_cast<std::int64_t>(std::llround(v.longest_side / loaded.shape.grid().spacing[0]));
@@ -122,6 +124,19 @@ void load_mesh(const ShapeOptions& options, Session& session, LoadedShape& loade
   loaded.input["euler"] = v.surface.surface_euler;
   loaded.input["components"] = v.surface.components;
   loaded.input["manifold"] = v.surface.manifold;
+  loaded.input["fill"] = fill_name(v.fill);
+  if (!v.fill_reason.empty()) loaded.input["fill_reason"] = v.fill_reason;
+  loaded.input["sound"] = v.sound;
+  loaded.input["defects"] = {{"open_edges", v.defects.open_edges},
+                             {"unbalanced_edges", v.defects.unbalanced_edges},
+                             {"degenerate_faces", v.defects.degenerate_faces},
+                             {"duplicate_faces", v.defects.duplicate_faces},
+                             {"flipped_faces", v.defects.flipped_faces},
+                             {"filled_holes", v.defects.filled_holes},
+                             {"flipped_components", v.defects.flipped_components},
+                             {"scanlines", v.defects.scanlines},
+                             {"defective_scanlines", v.defects.defective_scanlines},
+                             {"winding_share", v.defects.winding_share}};
   loaded.parameters["resolution"] = resolution;
   loaded.parameters["fill"] = options.fill;
   if (options.keep_mesh) loaded.mesh = std::move(mesh);
@@ -187,7 +202,7 @@ void clean_as_asked(const ShapeOptions& options, Session& session, LoadedShape& 
 
 void add_shape_options(CLI::App& app, ShapeOptions& o) {
   app.add_option("SHAPE", o.file,
-                 "A closed mesh (.ply .obj .off .stl ...) or a volume (.nrrd .nii.gz .mha .map .vol .npy .tif, a "
+                 "A mesh (.ply .obj .off .stl ...) or a volume (.nrrd .nii.gz .mha .map .vol .npy .tif, a "
                  "folder of slices ...)")
       ->type_name("")
       ->required();
@@ -199,11 +214,14 @@ void add_shape_options(CLI::App& app, ShapeOptions& o) {
       ->capture_default_str()
       ->group(group)
       ->each([&o](const std::string&) { o.resolution_given = true; });
-  app.add_option("--fill", o.fill,
-                 "Mesh: overlapping and nested parts are united ('nonzero') or alternate between inside and outside "
-                 "('evenodd', for faces that point either way)")
+  app.add_option(
+         "--fill", o.fill,
+         "Mesh: overlapping and nested parts are united ('nonzero') or alternate between inside and outside "
+         "('evenodd', for faces that point either way). What holes leave open, the generalized winding number "
+         "decides; 'winding': faces are turned and duplicates dropped first, even if the mesh is closed; 'auto': "
+         "one of these, and says why")
       ->type_name("RULE")
-      ->check(one_of({"nonzero", "evenodd"}))
+      ->check(one_of({"nonzero", "evenodd", "winding", "auto"}))
       ->capture_default_str()
       ->group(group);
   app.add_option("--threshold", o.foreground.threshold, "Volume: the shape is the voxels of at least this value")

@@ -95,10 +95,10 @@ TEST_F(Refusals, TruncatedFiles) {
 }
 
 TEST_F(Refusals, MeshesThatEncloseNothing) {
-  folder.write("open.off", cube_off(true));
+  folder.write("sheet.off", "OFF\n4 2 0\n0 0 0\n4 0 0\n4 4 1.7\n0 4 1.7\n3 0 1 2\n3 0 2 3\n");
   folder.write("nan.off", cube_off(false, "nan"));
   folder.write("points.off", "OFF\n1 0 0\n0 0 0\n");
-  refuses(3, {"'open.off'", "not closed"}, {"core", "open.off", "-o", "a.vtp"});
+  refuses(3, {"'sheet.off'", "not closed", "encloses nothing"}, {"core", "sheet.off", "-o", "a.vtp"});
   refuses(3, {"nan.off"}, {"core", "nan.off", "-o", "a.vtp"});
   refuses(3, {"'points.off'", "closed surface"}, {"run", "points.off", "-o", "a"});
 }

@@ -261,6 +261,64 @@ TEST_F(Program, LambdaFromNothingToAll) {
   works({"verify", "v.npy", "full.vtp"});
 }
 
+TEST_F(Program, DefectiveMeshesBecomeShapesAndSaySo) {
+  folder.write("open.off", cube_off(true));
+  const auto plain = works({"core", "open.off", "--resolution", "24", "-o", "a.vtp", "--json", "a.json"});
+  EXPECT_TRUE(has(plain.err, "warning: the mesh is not closed (3 open edges); the winding number decides "))
+      << plain.err;
+  EXPECT_FALSE(has(plain.err, "(auto): "));
+  const std::string report = bytes("a.json");
+  for (const char* part : {"\"open_edges\": 3", "\"defective_scanlines\": ", "\"winding_share\": 0.",
+                           "\"sound\": false", "\"fill\": \"nonzero\"", "\"flipped_components\": 0"})
+    EXPECT_TRUE(has(report, part)) << part << report;
+  works({"verify", "open.off", "a.vtp"});
+  const auto chosen =
+      works({"core", "open.off", "--resolution", "24", "--fill", "auto", "-o", "b.vtp", "--json", "b.json"});
+  EXPECT_TRUE(has(chosen.err, "fill winding (auto): the surface is not closed: 3 edges")) << chosen.err;
+  EXPECT_TRUE(has(bytes("b.json"), "\"fill_reason\": \"the surface is not closed")) << bytes("b.json");
+  works({"verify", "open.off", "b.vtp"});  // the rule is in the file
+  folder.write("cube.off", cube_off());
+  for (const char* fill : {"nonzero", "winding", "auto"}) {
+    const auto closed =
+        works({"voxelize", "cube.off", "--resolution", "24", "--fill", fill, "-o", std::string(fill) + ".nrrd"});
+    EXPECT_FALSE(has(closed.err, "warning")) << closed.err;
+    EXPECT_EQ(bytes(std::string(fill) + ".nrrd"), bytes("nonzero.nrrd"));
+  }
+}
+
+TEST_F(Program, VolumesAtTheLimits) {
+  const auto verified = [&](const char* name, const std::string& file, std::vector<std::string> more) {
+    folder.write(name, file);
+    more.insert(more.begin(), {"core", name, "-o", "limit.vtp", "--overwrite"});
+    works(more);
+    works({"verify", name, "limit.vtp"});
+  };
+  verified("full.npy", npy(4, 5, 6, std::string(120, '\7')), {});  // all foreground, at every border
+  verified("slice.npy", npy(6, 5, 1, std::string(30, '\1')), {});
+  const double nan = std::nan(""), infinite = HUGE_VAL;
+  const auto doubles = [](std::initializer_list<double> values) {
+    std::string text;
+    for (const double v : values) text.append(reinterpret_cast<const char*>(&v), sizeof v);
+    return text;
+  };
+  verified("nan.npy", npy(4, 1, 1, doubles({nan, 2, infinite, -infinite}), "<f8"), {"--threshold", "1"});
+  refuses(3, {"no numbers"},
+          {"core", (folder.write("none.npy", npy(2, 1, 1, doubles({nan, nan}), "<f8")), "none.npy"), "--threshold", "1",
+           "-o", "a.vtp"});
+  const auto integers = [](std::initializer_list<std::int64_t> values) {
+    std::string text;
+    for (const std::int64_t v : values) text.append(reinterpret_cast<const char*>(&v), sizeof v);
+    return text;
+  };
+  const std::int64_t label = (std::int64_t{1} << 53) + 1;  // no double
+  verified("label.npy", npy(3, 1, 1, integers({0, label, label - 1}), "<i8"), {"--label", std::to_string(label)});
+  folder.write("constant.npy", npy(3, 3, 3, std::string(27, '\0')));
+  refuses(3, {"'constant.npy'", "from 0 to 0"}, {"core", "constant.npy", "-o", "a.vtp"});
+  folder.write("huge.npy", npy(100000, 100000, 100000, "0123456789"));
+  refuses(3, {"'huge.npy'", "too short"}, {"core", "huge.npy", "-o", "a.vtp"});
+  refuses(3, {"integer proportion"}, {"core", "full.npy", "--spacing", "1e-30,1,1e30", "-o", "a.vtp"});
+}
+
 TEST_F(Program, SameBytesForAnyThreadsAndAgain) {
   works({"sample", "four-blobs", "-o", "s.ply"});
   works({"core", "s.ply", "--resolution", "64", "--threads", "1", "-o", "1.vtp"});

@@ -366,8 +366,8 @@ TEST(Voxelize, RefusesWhatItCannotUse) {
   EXPECT_EQ(error_of(mesh), ErrorCode::input);
   EXPECT_THROW(surface_topology(mesh), Error);
   mesh = box;
-  mesh.triangles.pop_back();
-  EXPECT_EQ(error_of(mesh), ErrorCode::input);
+  mesh.triangles.pop_back();  // the winding number closes it
+  EXPECT_EQ(error_of(mesh), std::nullopt);
   mesh = {};
   add_frame(mesh, 5);
   EXPECT_EQ(error_of(mesh), ErrorCode::input);
@@ -375,7 +375,7 @@ TEST(Voxelize, RefusesWhatItCannotUse) {
   for (std::size_t t = 0; t < 2; ++t) std::swap(mesh.triangles[t][0], mesh.triangles[t][1]);  // one side turned
   EXPECT_FALSE(surface_topology(mesh).manifold);
   for (Vec3& p : mesh.points) p = Vec3(p[2], p[0], p[1]);  // that side now meets scanlines
-  EXPECT_EQ(error_of(mesh), ErrorCode::input);
+  EXPECT_EQ(error_of(mesh), std::nullopt);
   options = {};
   options.fill = FillRule::evenodd;
   EXPECT_EQ(error_of(mesh, options), std::nullopt);

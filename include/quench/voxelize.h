@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "quench/context.h"
 #include "quench/geometry.h"
@@ -11,8 +12,14 @@
 
 namespace quench {
 
-/// How the winding number w of a scanline decides inside (SPEC 2).
-enum class FillRule { nonzero, evenodd };
+/// How the winding number w decides inside (SPEC 2). Of a surface with a boundary (holes, parts that face the wrong
+/// way), w is the generalized winding number (Jacobson 2013), a real number.
+enum class FillRule {
+  nonzero,   ///< |w| > 1/2; faces are taken as they are when the surface is closed and oriented, else repaired first
+  evenodd,   ///< w rounded is odd; faces may point either way as long as every edge has an even number of them
+  winding,   ///< |w| > 1/2; faces are always repaired first
+  automatic  ///< one of these, with a sentence why
+};
 
 struct VoxelizeOptions {
   std::int64_t resolution = 256;  ///< voxels along the longest side of the mesh's box; 1 to 16384
@@ -34,23 +41,52 @@ struct SurfaceTopology {
 /// Welds by position, leaves out degenerate faces and unreferenced vertices. O(n log n).
 SurfaceTopology surface_topology(const TriangleMesh& mesh);
 
+/// What was found wrong with a mesh, and what was done.
+struct SurfaceDefects {
+  std::int64_t open_edges = 0;           ///< with one face only
+  std::int64_t unbalanced_edges = 0;     ///< with more faces along it in one direction than in the other; 0 when sound
+  std::int64_t degenerate_faces = 0;     ///< two corners at one place; left out
+  std::int64_t duplicate_faces = 0;      ///< left out by the repair
+  std::int64_t flipped_faces = 0;        ///< turned by the repair
+  std::int64_t filled_holes = 0;         ///< smaller than a voxel, closed by the repair
+  std::int64_t flipped_components = 0;   ///< closed parts turned as a whole
+  std::int64_t scanlines = 0;            ///< of the mesh's box
+  std::int64_t defective_scanlines = 0;  ///< whose crossings alone do not decide: the generalized winding number does
+  double winding_share = 0;              ///< share of the shape's voxels on these
+};
+
 struct Voxelization {
   VoxelShape shape;
   double longest_side = 0;  ///< of the mesh's bounding box, world units: what plain-number lengths refer to
   SurfaceTopology surface;
-  bool topology_known = true;       ///< false when several parts overlap and the surfaces do not tell their union's
+  bool topology_known = true;       ///< false when parts overlap or the mesh is defective: it does not tell the solid's
   bool topology_changed = false;    ///< shape and surface disagree
   std::string topology_difference;  ///< a sentence, empty when they agree
+  FillRule fill = FillRule::nonzero;  ///< the rule used: what `automatic` chose
+  std::string fill_reason;            ///< why, when it was `automatic`: a clause
+  bool sound = true;                  ///< crossings decided everything: the digitization is exact
+  SurfaceDefects defects;
 };
 
-/// Gauss digitization of a closed mesh (Yan 2018, sec. 2.5): a voxel is foreground exactly when its centre is inside,
+/// A sentence on what was wrong with the mesh and how it became a shape; empty when it was sound.
+std::string defects_text(const Voxelization& voxelization);
+
+/// "nonzero", "evenodd", "winding" or "auto".
+std::string_view fill_name(FillRule rule);
+/// Nothing when there is no such rule.
+std::optional<FillRule> fill_of(std::string_view name);
+
+/// Gauss digitization of a mesh (Yan 2018, sec. 2.5): a voxel is foreground exactly when its centre is inside,
 /// that is, when the winding number along its scanline is not 0 (or odd). Exact: coordinates are rounded once to
 /// 2^-20 voxel, from there integers with a symbolic shift of the centre. Voxel edge h = longest side / resolution,
 /// lattice 0 lies `margin` voxels below the minimum of the bounding box. O(triangles + crossings), memory O(surface).
 ///
-/// Throws Error(input): no triangle, non-finite or flat box, a defective mesh (an edge with one face only, or a
-/// scanline whose winding number does not return to 0; under evenodd, which ignores orientation, to an even number), or
-/// a mesh that encloses no voxel centre. Error(usage): resolution or margin out of range.
+/// A defective mesh (edges with one face, or faces of both directions that do not balance) is repaired: duplicates left
+/// out, faces turned to agree. What its crossings then do not decide, the generalized winding number does, inside the
+/// box of the mesh; see `defects` and docs/defective_meshes.md.
+///
+/// Throws Error(input): no triangle, non-finite or flat box, or a mesh that encloses no voxel centre. Error(usage):
+/// resolution or margin out of range.
 Voxelization voxelize(const TriangleMesh& mesh, const VoxelizeOptions& options = {}, Context* context = nullptr);
 
 /// `--resolution auto`: the smallest of 128, 256 ... 2048 at which the topology agrees; 2048 (with the difference

@@ -43,8 +43,8 @@ def medial_axis(image_or_mesh: Any, *, spacing: Spacing = None, threshold: Optio
         voxels, fill closed cavities.
     subdivide : int
         Splits every voxel into subdivide ** 3.
-    fill : "nonzero" or "evenodd"
-        Of meshes: overlapping and nested parts are united, or alternate between inside and outside.
+    fill : "nonzero", "evenodd", "winding" or "auto"
+        Of meshes: overlapping and nested parts are united, or alternate between inside and outside; docs/defective_meshes.md.
     lambda_rule : "coface" or "ball"
         See docs/voxel_core.md.
     threads : int

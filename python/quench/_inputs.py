@@ -203,12 +203,12 @@ def _shape(source, size, resolution, fill, cut, core_cut, threads, listener):
         return _core.shape_of_array(array, size or (1.0, 1.0, 1.0), core_cut, cut.parameters(**said), listener, threads)
     if cut.threshold is not None or cut.label is not None or cut.invert or size is not None:
         raise error(2, 'threshold, label, invert and spacing are for images; this is a mesh')
-    if fill not in ('nonzero', 'evenodd'):
-        raise error(2, f"fill={fill!r} is none of 'nonzero', 'evenodd'")
+    if fill not in ('nonzero', 'evenodd', 'winding', 'auto'):
+        raise error(2, f"fill={fill!r} is none of 'nonzero', 'evenodd', 'winding', 'auto'")
     vertices, faces = mesh_arrays(*mesh)
     wanted = None if resolution == 'auto' else whole(resolution, 'resolution')
     said = {'fill': fill} if wanted is None else {'fill': fill, 'resolution': wanted}
-    return _core.shape_of_mesh(vertices, faces, wanted, fill == 'evenodd', core_cut, cut.parameters(**said), listener,
+    return _core.shape_of_mesh(vertices, faces, wanted, fill, core_cut, cut.parameters(**said), listener,
                                threads)
 
 
@@ -299,15 +299,17 @@ def samples() -> Dict[str, str]:
 
 def voxelize(mesh: Any, *, resolution: Union[int, str] = 256, fill: str = 'nonzero', threads: int = 0,
              progress: Progress = False) -> Volume:
-    """The voxels whose centres lie in a closed mesh.
+    """The voxels whose centres lie in a mesh.
 
     Parameters
     ----------
     mesh : (vertices, faces), object with .vertices and .faces, or path
     resolution : int or "auto"
         Voxels along the longest side; "auto": the fewest of 128, 256 ... 2048 with the topology of the mesh.
-    fill : "nonzero" or "evenodd"
-        Overlapping and nested parts are united, or alternate between inside and outside.
+    fill : "nonzero", "evenodd", "winding" or "auto"
+        Overlapping and nested parts are united, or alternate between inside and outside. What holes leave open, the
+        generalized winding number decides; "winding": faces are turned and duplicates dropped first, even if the mesh
+        is closed; "auto": one of these.
 
     Returns
     -------

@@ -62,16 +62,19 @@ std::shared_ptr<Shape> shape_of_image(const Image& image, const std::optional<Tr
 }
 
 std::shared_ptr<Shape> shape_of_mesh(const py::buffer& points, const py::buffer& triangles,
-                                     const std::optional<std::int64_t>& resolution, bool evenodd, const Cut& cut,
-                                     const std::string& parameters, const py::object& listener, int threads) {
+                                     const std::optional<std::int64_t>& resolution, const std::string& fill,
+                                     const Cut& cut, const std::string& parameters, const py::object& listener,
+                                     int threads) {
   TriangleMesh mesh;
   mesh.points = points_of(points);
   mesh.triangles = triangles_of(triangles, mesh.points.size());
   return run(listener, threads, [&](Context& context) {
     VoxelizeOptions options;
-    options.fill = evenodd ? FillRule::evenodd : FillRule::nonzero;
+    options.fill = fill_of(fill).value_or(FillRule::nonzero);
     if (resolution) options.resolution = *resolution;
     Voxelization v = resolution ? voxelize(mesh, options, &context) : voxelize_auto(mesh, options, &context);
+    if (!v.fill_reason.empty()) note(&context, "fill " + std::string(fill_name(v.fill)) + ": " + v.fill_reason);
+    if (!v.sound) note(&context, defects_text(v));
     if (v.topology_changed) note(&context, "voxelization changed the topology: " + v.topology_difference);
     Shape shape;
     shape.longest_side = v.longest_side;

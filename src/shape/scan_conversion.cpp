@@ -9,6 +9,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "shape/winding_number.h"
+
 // Where ties are decided. The centre c of every voxel is shifted by (e1, e2, e3), with e1 infinitely larger than e2 and
 // e2 infinitely larger than e3 > 0 (for instance e1 = e, e2 = e^2, e3 = e^3 for all sufficiently small e). With
 // respect to the shifted centre the mesh is in general position, and every decision below is that of this one shift:
@@ -108,13 +110,14 @@ std::uint64_t pack(std::int64_t y, std::int64_t x, bool leaving) {
 struct Slice {
   std::vector<Run> runs;
   std::vector<std::uint32_t> row_end;  ///< per scanline of the box: end of its runs
-  std::int64_t defective = 0, one_defective = 0;
+  std::int64_t defective = 0, winding_voxels = 0;
   bool overlapping = false;
 };
 
 class Converter {
  public:
-  Converter(const FixedMesh& mesh, std::int64_t margin, FillRule fill) : mesh_(mesh), margin_(margin), fill_(fill) {}
+  Converter(const FixedMesh& mesh, std::int64_t margin, Inside inside, const WindingNumber* winding)
+      : mesh_(mesh), margin_(margin), inside_(inside), winding_(winding) {}
 
   std::array<std::int64_t, 2> slices_of(std::uint32_t triangle) const {
     const auto& [a, b, c] = mesh_.triangles[triangle];
@@ -126,13 +129,18 @@ class Converter {
     std::vector<std::uint64_t> crossings;
     for (const std::uint32_t t : triangles) cross(t, centre(z), crossings);
     std::sort(crossings.begin(), crossings.end());
+    std::vector<std::vector<OffsetStep>> offsets;
+    if (winding_) winding_->offsets(z, mesh_.cells, offsets);
     Slice slice;
     slice.row_end.reserve(static_cast<std::size_t>(mesh_.cells[1]));
     auto at = crossings.begin();
     for (std::int64_t y = 0; y < mesh_.cells[1]; ++y) {
       const auto begin = at;
       while (at != crossings.end() && static_cast<std::int64_t>(*at >> 33) == y) ++at;
-      if (at != begin) fill_row(y, {begin, at}, slice);
+      if (winding_)
+        fill_row({begin, at}, offsets[static_cast<std::size_t>(y)], slice);
+      else if (at != begin)
+        fill_row({begin, at}, slice);
       slice.row_end.push_back(static_cast<std::uint32_t>(slice.runs.size()));
     }
     return slice;
@@ -156,38 +164,59 @@ class Converter {
       crossings.push_back(pack(j, plane.first_voxel(centre(j)), plane.leaving()));
   }
 
-  void fill_row(std::int64_t y, std::span<const std::uint64_t> crossings, Slice& slice) const {
+  static std::int64_t voxel(std::uint64_t crossing) { return static_cast<std::int64_t>(crossing >> 1 & 0xffffffffu); }
+
+  void fill_row(std::span<const std::uint64_t> crossings, Slice& slice) const {
     std::int64_t winding = 0;
     for (std::size_t i = 0; i < crossings.size(); ++i) {
       winding += crossings[i] & 1 ? -1 : 1;
-      if (!inside(winding) || i + 1 == crossings.size()) continue;
-      const auto voxel = [&](std::uint64_t crossing) {
-        return static_cast<std::int32_t>(static_cast<std::int64_t>(crossing >> 1 & 0xffffffffu) + margin_);
-      };
-      const Run run{voxel(crossings[i]), voxel(crossings[i + 1])};
-      if (run.begin == run.end) continue;
-      slice.runs.push_back(run);
-      if (winding > 1 || winding < -1) slice.overlapping = true;
+      if (i + 1 < crossings.size()) fill(voxel(crossings[i]), voxel(crossings[i + 1]), winding, slice);
     }
-    // An even winding number is as good as 0 under evenodd: that rule does not ask for orientation.
-    if (fill_ == FillRule::evenodd ? winding % 2 != 0 : winding != 0)
-      if (++slice.defective == 1) slice.one_defective = y;
   }
-  bool inside(std::int64_t winding) const { return fill_ == FillRule::evenodd ? winding % 2 != 0 : winding != 0; }
+
+  /// The same where the boundary of the surface adds to the winding number, also where there is no crossing at all.
+  void fill_row(std::span<const std::uint64_t> crossings, std::span<const OffsetStep> offsets, Slice& slice) const {
+    const std::size_t runs_before = slice.runs.size();
+    std::int64_t winding = 0, at = 0;
+    bool defective = false;
+    std::size_t c = 0, s = 0;
+    while (at < mesh_.cells[0]) {
+      for (; c < crossings.size() && voxel(crossings[c]) <= at; ++c) winding += crossings[c] & 1 ? -1 : 1;
+      while (s + 1 < offsets.size() && offsets[s + 1].begin <= at) ++s;
+      std::int64_t next = mesh_.cells[0];
+      if (c < crossings.size()) next = std::min(next, voxel(crossings[c]));
+      if (s + 1 < offsets.size()) next = std::min<std::int64_t>(next, offsets[s + 1].begin);
+      defective = defective || offsets[s].offset != 0;
+      fill(at, next, winding - offsets[s].offset, slice);
+      at = next;
+    }
+    for (; c < crossings.size(); ++c) winding += crossings[c] & 1 ? -1 : 1;
+    if (!defective && winding == 0) return;
+    ++slice.defective;
+    for (std::size_t i = runs_before; i < slice.runs.size(); ++i)
+      slice.winding_voxels += slice.runs[i].end - slice.runs[i].begin;
+  }
+
+  void fill(std::int64_t begin, std::int64_t end, std::int64_t winding, Slice& slice) const {
+    if (begin == end || (inside_ == Inside::odd ? winding % 2 == 0 : winding == 0)) return;
+    slice.runs.push_back({static_cast<std::int32_t>(begin + margin_), static_cast<std::int32_t>(end + margin_)});
+    if (winding > 1 || winding < -1) slice.overlapping = true;
+  }
 
   const FixedMesh& mesh_;
   std::int64_t margin_;
-  FillRule fill_;
+  Inside inside_;
+  const WindingNumber* winding_;
 };
 
 }  // namespace
 
 // A sweep along z in batches of slices. Memory: 4 bytes per triangle that reaches into the batch and slice it spans, 8
 // per crossing of the batch, and the result; never all crossings at once.
-Digitization scan_convert(const FixedMesh& mesh, const Grid& grid, std::int64_t margin, FillRule fill,
-                          const Progress& progress) {
+Digitization scan_convert(const FixedMesh& mesh, const Grid& grid, std::int64_t margin, Inside inside,
+                          const WindingNumber* winding, const Progress& progress) {
   constexpr std::int64_t batch_size = 32;
-  const Converter converter(mesh, margin, fill);
+  const Converter converter(mesh, margin, inside, winding);
   const std::int64_t slices = mesh.cells[2];
 
   // Triangles by the batch they enter: count, prefix, fill.
@@ -209,6 +238,7 @@ Digitization scan_convert(const FixedMesh& mesh, const Grid& grid, std::int64_t 
 
   Digitization result;
   result.shape = VoxelShape(grid);
+  result.scanlines = mesh.cells[1] * mesh.cells[2];
   const auto append_empty = [&](std::int64_t rows) {
     for (; rows > 0; --rows) result.shape.append_row({});
   };
@@ -238,8 +268,8 @@ Digitization scan_convert(const FixedMesh& mesh, const Grid& grid, std::int64_t 
     });
     for (std::int64_t z = begin; z < end; ++z) {
       const Slice& slice = converted[static_cast<std::size_t>(z - begin)];
-      if (slice.defective > 0 && result.defective_scanlines == 0) result.one_defective = {slice.one_defective, z};
       result.defective_scanlines += slice.defective;
+      result.winding_voxels += slice.winding_voxels;
       result.overlapping = result.overlapping || slice.overlapping;
       append_empty(margin);
       std::uint32_t from = 0;

@@ -31,14 +31,22 @@ struct Progress {
 
 struct Digitization {
   VoxelShape shape;
-  std::int64_t defective_scanlines = 0;         ///< whose winding number (evenodd: mod 2) does not return to 0
-  std::array<std::int64_t, 2> one_defective{};  ///< y, z of the first of them, counted from the box
-  bool overlapping = false;                     ///< some voxel has a winding number beyond -1, 0, 1
+  std::int64_t scanlines = 0;            ///< of the box
+  std::int64_t defective_scanlines = 0;  ///< whose crossings alone do not decide: boundary edges have a say
+  std::int64_t winding_voxels = 0;       ///< foreground on these
+  bool overlapping = false;              ///< some voxel has a winding number beyond -1, 0, 1
 };
 
+class WindingNumber;
+
+/// What is inside, of the crossings counted from -x.
+enum class Inside { nonzero, odd };
+
 /// Gauss digitization; see the definition for how ties are decided. `grid` must be that of the result: `margin` empty
-/// voxels around mesh.cells. The shape is not meaningful when there are defective scanlines.
-Digitization scan_convert(const FixedMesh& mesh, const Grid& grid, std::int64_t margin, FillRule fill,
-                          const Progress& progress);
+/// voxels around mesh.cells. Without `winding`, crossings must return to 0 (odd: to an even number) on every scanline:
+/// the boundary of the surface must be empty (odd: mod 2). With it (that of the same faces), any surface will do:
+/// crossings are corrected by what the boundary adds.
+Digitization scan_convert(const FixedMesh& mesh, const Grid& grid, std::int64_t margin, Inside inside,
+                          const WindingNumber* winding, const Progress& progress);
 
 }  // namespace quench::detail

@@ -155,6 +155,7 @@ detail::SurfaceAnalysis detail::analyze_surface(const TriangleMesh& mesh) {
   }
 
   SurfaceAnalysis result;
+  result.degenerate_faces = static_cast<std::int64_t>(mesh.triangles.size() - faces.size());
   UnionFind fans(3 * faces.size()), parts(mesh.points.size());
   std::int64_t edges = 0;
   bool manifold = true;
@@ -171,7 +172,10 @@ detail::SurfaceAnalysis detail::analyze_surface(const TriangleMesh& mesh) {
       const auto after = std::find_if(e, to, [&](const Side& s) { return s.high != e->high; });
       const std::span<const Side> around(e, after);
       parts.unite(low, e->high);
-      if (around.size() == 1 && ++result.boundary_edges == 1) result.one_boundary_edge = {low, e->high};
+      const auto up = std::count_if(around.begin(), around.end(), [&](const Side& s) { return fan.upward(s); });
+      result.boundary_edges += around.size() == 1;
+      result.odd_edges += around.size() % 2 != 0;
+      result.unbalanced_edges += 2 * static_cast<std::size_t>(up) != around.size();
       const bool regular = around.size() == 2 && fan.upward(around[0]) != fan.upward(around[1]);
       manifold = manifold && regular;
       const auto wedges = around.size() > 2 ? fan.wedges(low, around) : std::vector<std::array<Side, 2>>{};

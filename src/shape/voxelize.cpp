@@ -11,6 +11,9 @@
 #include "quench/topology.h"
 #include "shape/scan_conversion.h"
 #include "shape/surface_analysis.h"
+#include "shape/surface_edges.h"
+#include "shape/surface_repair.h"
+#include "shape/winding_number.h"
 
 namespace quench {
 namespace {
@@ -26,8 +29,6 @@ void check(const VoxelizeOptions& options) {
     throw Error(ErrorCode::usage,
                 fmt::format("the margin {} is not possible; it takes 0 to {} voxels", options.margin, largest_margin));
 }
-
-std::string text(const Vec3& p) { return fmt::format("({:.6g}, {:.6g}, {:.6g})", p[0], p[1], p[2]); }
 
 struct Box {
   Vec3 low, high;
@@ -64,28 +65,20 @@ Box bounding_box(const TriangleMesh& mesh) {
 }
 
 /// A mesh that passed all checks which do not depend on the resolution.
-struct ClosedMesh {
+struct CheckedMesh {
   const TriangleMesh& mesh;
-  SurfaceTopology surface;
+  detail::SurfaceAnalysis analysis;
   Box box;
 };
 
-ClosedMesh closed_mesh(const TriangleMesh& mesh) {
+CheckedMesh checked_mesh(const TriangleMesh& mesh) {
   const Box box = bounding_box(mesh);
-  const detail::SurfaceAnalysis analysis = detail::analyze_surface(mesh);
-  if (analysis.boundary_edges > 0)
-    throw Error(ErrorCode::input,
-                fmt::format("the mesh is not closed: {} of its edges {} one face only, for example that from {} to {}; "
-                            "close its holes first",
-                            analysis.boundary_edges, analysis.boundary_edges == 1 ? "has" : "have",
-                            text(mesh.points[analysis.one_boundary_edge[0]]),
-                            text(mesh.points[analysis.one_boundary_edge[1]])));
-  return {mesh, analysis.topology, box};
+  return {mesh, detail::analyze_surface(mesh), box};
 }
 
-detail::FixedMesh fixed_mesh(const ClosedMesh& closed, std::int64_t resolution) {
+detail::FixedMesh fixed_mesh(const CheckedMesh& checked, std::int64_t resolution) {
   detail::FixedMesh fixed;
-  const Box& box = closed.box;
+  const Box& box = checked.box;
   const double scale = std::ldexp(static_cast<double>(resolution), detail::fraction_bits);
   const auto fix = [&](const Vec3& p) {
     detail::FixedPoint q{};
@@ -93,10 +86,10 @@ detail::FixedMesh fixed_mesh(const ClosedMesh& closed, std::int64_t resolution) 
       q[static_cast<std::size_t>(a)] = std::llround((p[a] - box.low[a]) / box.longest_side * scale);
     return q;
   };
-  fixed.triangles = closed.mesh.triangles;
-  fixed.points.resize(closed.mesh.points.size());  // points no triangle uses stay 0: they may be anywhere
-  for (const auto& triangle : closed.mesh.triangles)
-    for (const std::uint32_t p : triangle) fixed.points[p] = fix(closed.mesh.points[p]);
+  fixed.triangles = checked.mesh.triangles;
+  fixed.points.resize(checked.mesh.points.size());  // points no triangle uses stay 0: they may be anywhere
+  for (const auto& triangle : checked.mesh.triangles)
+    for (const std::uint32_t p : triangle) fixed.points[p] = fix(checked.mesh.points[p]);
   const detail::FixedPoint extent = fix(box.high);
   for (std::size_t a = 0; a < 3; ++a)
     fixed.cells[a] = std::max<std::int64_t>(
@@ -131,61 +124,167 @@ std::string difference(const VoxelShape& shape, const SurfaceTopology& surface) 
       counted(voxels.betti[1], "tunnel", "tunnels"), parts, counted(genus, "tunnel", "tunnels"));
 }
 
+/// The rule, and the faces it is asked of.
+struct Choice {
+  FillRule fill;
+  std::string reason;
+  bool robust = false;  ///< `repaired` is used, with the winding number
+  detail::RepairedSurface repaired;
+};
+
+Choice choose(const detail::FixedMesh& fixed, const detail::SurfaceAnalysis& analysis, FillRule asked) {
+  Choice choice{asked, {}, false, {}};
+  const bool sound = analysis.unbalanced_edges == 0;
+  choice.robust = asked == FillRule::winding || asked == FillRule::automatic ||
+                  (asked == FillRule::nonzero && !sound) || (asked == FillRule::evenodd && analysis.odd_edges > 0);
+  if (!choice.robust) return choice;
+  choice.repaired = detail::repair_orientation(fixed.points, detail::weld(fixed.points, fixed.triangles));
+  if (asked != FillRule::automatic) return choice;
+  if (sound && choice.repaired.flipped_components == 0) {
+    choice.fill = FillRule::nonzero;
+    choice.reason = "the surface is closed and consistently oriented";
+    choice.robust = false;
+  } else if (sound) {
+    choice.fill = FillRule::winding;
+    choice.reason = fmt::format("{} of the closed surface {} inward without lying in another part",
+                                counted(choice.repaired.flipped_components, "part", "parts"),
+                                choice.repaired.flipped_components == 1 ? "faces" : "face");
+  } else if (analysis.odd_edges == 0 && !detail::boundary_chain(fixed.points.size(), choice.repaired.faces).empty()) {
+    choice.fill = FillRule::evenodd;
+    choice.reason = "every edge has an even number of faces, but these cannot be oriented consistently";
+    choice.robust = false;
+  } else {
+    choice.fill = FillRule::winding;
+    choice.reason = analysis.odd_edges == 0 ? "the surface is closed but not consistently oriented"
+                                            : fmt::format("the surface is not closed: {}",
+                                                          counted(analysis.odd_edges, "edge has an odd number of faces",
+                                                                  "edges have an odd number of faces"));
+  }
+  return choice;
+}
+
 /// The shape may be empty.
-Voxelization digitize(const ClosedMesh& closed, const VoxelizeOptions& options, const detail::Progress& progress) {
-  const detail::FixedMesh fixed = fixed_mesh(closed, options.resolution);
-  const double h = closed.box.longest_side / static_cast<double>(options.resolution);
+Voxelization digitize(const CheckedMesh& checked, const VoxelizeOptions& options, const detail::Progress& progress) {
+  detail::FixedMesh fixed = fixed_mesh(checked, options.resolution);
+  const double h = checked.box.longest_side / static_cast<double>(options.resolution);
   Grid grid;
   for (std::size_t a = 0; a < 3; ++a) grid.dims[a] = fixed.cells[a] + 2 * options.margin;
   grid.spacing = Vec3::Constant(h);
-  grid.origin = closed.box.low + Vec3::Constant((0.5 - static_cast<double>(options.margin)) * h);
-  detail::Digitization digitization = detail::scan_convert(fixed, grid, options.margin, options.fill, progress);
-  if (digitization.defective_scanlines > 0) {
-    const auto [y, z] = digitization.one_defective;
-    throw Error(
-        ErrorCode::input,
-        fmt::format("the mesh is not closed and oriented: along {} (for example at y = {:.6g}, z = {:.6g}) the winding "
-                    "number does not return to 0; repair it first{}",
-                    counted(digitization.defective_scanlines, "scanline", "scanlines"),
-                    closed.box.low[1] + (static_cast<double>(y) + 0.5) * h,
-                    closed.box.low[2] + (static_cast<double>(z) + 0.5) * h,
-                    options.fill == FillRule::nonzero ? " or use --fill evenodd, which ignores orientation" : ""));
+  grid.origin = checked.box.low + Vec3::Constant((0.5 - static_cast<double>(options.margin)) * h);
+  const Choice choice = choose(fixed, checked.analysis, options.fill);
+  std::optional<detail::WindingNumber> winding;
+  if (choice.robust) {
+    fixed.triangles = choice.repaired.faces;
+    winding.emplace(fixed.points, fixed.triangles);
   }
+  const auto inside = choice.fill == FillRule::evenodd ? detail::Inside::odd : detail::Inside::nonzero;
+  detail::Digitization digitization =
+      detail::scan_convert(fixed, grid, options.margin, inside, winding ? &*winding : nullptr, progress);
   Voxelization result;
   result.shape = std::move(digitization.shape);
-  result.longest_side = closed.box.longest_side;
-  result.surface = closed.surface;
-  result.topology_difference = difference(result.shape, closed.surface);
-  // The surfaces of several parts do not tell the topology of their union when they overlap.
+  result.longest_side = checked.box.longest_side;
+  result.surface = checked.analysis.topology;
+  result.fill = choice.fill;
+  result.fill_reason = choice.reason;
+  SurfaceDefects& defects = result.defects;
+  defects.open_edges = checked.analysis.boundary_edges;
+  defects.unbalanced_edges = checked.analysis.unbalanced_edges;
+  defects.degenerate_faces = checked.analysis.degenerate_faces;
+  defects.duplicate_faces = choice.robust ? choice.repaired.duplicate_faces : 0;
+  defects.flipped_faces = choice.robust ? choice.repaired.flipped_faces : 0;
+  defects.filled_holes = choice.robust ? choice.repaired.filled_holes : 0;
+  defects.flipped_components = choice.robust ? choice.repaired.flipped_components : 0;
+  defects.scanlines = digitization.scanlines;
+  defects.defective_scanlines = digitization.defective_scanlines;
+  if (const std::int64_t voxels = result.shape.voxel_count(); voxels > 0)
+    defects.winding_share = static_cast<double>(digitization.winding_voxels) / static_cast<double>(voxels);
+  const bool closed =
+      choice.fill == FillRule::evenodd ? checked.analysis.odd_edges == 0 : checked.analysis.unbalanced_edges == 0;
+  result.sound = closed && defects.flipped_faces == 0;
+  // The surfaces of several parts do not tell the topology of their union when they overlap, a defective one nothing.
+  result.topology_known = result.sound;
+  if (!result.topology_known) return result;
+  result.topology_difference = difference(result.shape, result.surface);
   result.topology_known =
-      result.topology_difference.empty() || !digitization.overlapping || closed.surface.components == 1;
+      result.topology_difference.empty() || !digitization.overlapping || result.surface.components == 1;
   if (!result.topology_known) result.topology_difference.clear();
   result.topology_changed = !result.topology_difference.empty();
   return result;
 }
 
 Voxelization not_empty(Voxelization result, std::int64_t resolution) {
-  if (result.shape.empty())
+  if (!result.shape.empty()) return result;
+  if (result.sound)
     throw Error(
         ErrorCode::input,
         fmt::format("the mesh encloses no voxel centre at resolution {}; it encloses nothing, or is so thin that "
                     "it needs a higher --resolution",
                     resolution));
-  return result;
+  throw Error(
+      ErrorCode::input,
+      fmt::format("the mesh is not closed ({}) and encloses nothing: no voxel centre has a winding number above "
+                  "1/2 at resolution {}; close its holes, or give a higher --resolution if it is thin",
+                  result.defects.open_edges > 0
+                      ? counted(result.defects.open_edges, "edge with one face only", "edges with one face only")
+                      : "its faces do not agree on an inside",
+                  resolution));
 }
 
 }  // namespace
 
+std::string defects_text(const Voxelization& v) {
+  if (v.sound) return {};
+  const SurfaceDefects& d = v.defects;
+  std::string found;
+  const auto add = [&](std::int64_t n, const char* one, const char* many) {
+    if (n > 0) found += (found.empty() ? "" : ", ") + counted(n, one, many);
+  };
+  add(d.open_edges, "open edge", "open edges");
+  add(d.duplicate_faces, "duplicate face left out", "duplicate faces left out");
+  add(d.flipped_faces, "face turned", "faces turned");
+  add(d.filled_holes, "hole smaller than a voxel filled", "holes smaller than a voxel filled");
+  add(d.flipped_components, "part turned as a whole", "parts turned as a whole");
+  if (found.empty()) found = counted(d.unbalanced_edges, "edge", "edges") + " whose faces do not agree";
+  const char* what = d.open_edges > 0         ? "is not closed"
+                     : d.unbalanced_edges > 0 ? "is not consistently oriented"
+                                              : "has parts that face inward";
+  if (d.defective_scanlines == 0)
+    return fmt::format("the mesh {} ({}); every scanline is decided by its crossings", what, found);
+  return fmt::format("the mesh {} ({}); the winding number decides {} of {}, with {:.2g}% of the shape's voxels", what,
+                     found, d.defective_scanlines, counted(d.scanlines, "scanline", "scanlines"),
+                     100 * d.winding_share);
+}
+
+std::string_view fill_name(FillRule rule) {
+  switch (rule) {
+    case FillRule::nonzero:
+      return "nonzero";
+    case FillRule::evenodd:
+      return "evenodd";
+    case FillRule::winding:
+      return "winding";
+    case FillRule::automatic:
+      break;
+  }
+  return "auto";
+}
+
+std::optional<FillRule> fill_of(std::string_view name) {
+  for (const FillRule rule : {FillRule::nonzero, FillRule::evenodd, FillRule::winding, FillRule::automatic})
+    if (fill_name(rule) == name) return rule;
+  return std::nullopt;
+}
+
 Voxelization voxelize(const TriangleMesh& mesh, const VoxelizeOptions& options, Context* context) {
   check(options);
-  return not_empty(digitize(closed_mesh(mesh), options, {context, 0, 1}), options.resolution);
+  return not_empty(digitize(checked_mesh(mesh), options, {context, 0, 1}), options.resolution);
 }
 
 Voxelization voxelize_auto(const TriangleMesh& mesh, VoxelizeOptions options, Context* context) {
   constexpr std::array<std::int64_t, 5> resolutions{128, 256, 512, 1024, 2048};
   options.resolution = resolutions.front();
   check(options);
-  const ClosedMesh closed = closed_mesh(mesh);
+  const CheckedMesh checked = checked_mesh(mesh);
   Voxelization result;
   std::optional<Topology> coarser;  // of overlapping parts, whose own topology is not known
   double done = 0;
@@ -193,7 +292,7 @@ Voxelization voxelize_auto(const TriangleMesh& mesh, VoxelizeOptions options, Co
     options.resolution = resolution;
     const double end = resolution == resolutions.back() ? 1 : (done + 1) / 2;
     result = {};  // frees the coarser one first
-    result = digitize(closed, options, {context, done, end});
+    result = digitize(checked, options, {context, done, end});
     done = end;
     if (result.shape.empty()) continue;
     if (result.topology_known) {

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+#include "quench/geometry.h"
+
+/// Ways to spoil a closed mesh, for tests and for the table of docs/defective_meshes.md.
+namespace quench::testing_damage {
+
+struct Damage {
+  std::string_view name;
+  TriangleMesh (*apply)(const TriangleMesh& clean, std::uint64_t seed);
+  /// Largest symmetric difference of the voxels / voxels of the clean shape, of a mesh of at least 2000 faces at
+  /// resolution 48 or more.
+  double limit;
+  bool exact;  ///< no point moves and nothing stays open: the voxels must be the same
+};
+
+const std::vector<Damage>& damages();
+
+/// With a box 3 % larger than that of `clean`, by faces without area: meshes of one box have the same voxel lattice.
+TriangleMesh pinned(TriangleMesh mesh, const TriangleMesh& clean);
+
+}  // namespace quench::testing_damage
