@@ -47,6 +47,8 @@ std::vector<std::uint32_t> collect_edges(const Polytopes& polytopes, CellComplex
 // The six edges (i, j) of a tetrahedron and the other two corners (k, l), (i, j, k, l) an even permutation.
 constexpr std::uint8_t kEdge[6][4] = {{0, 1, 2, 3}, {0, 2, 3, 1}, {0, 3, 1, 2},
                                       {1, 2, 0, 3}, {1, 3, 2, 0}, {2, 3, 0, 1}};
+// Bits of the edges of the facet opposite to each corner.
+constexpr std::uint8_t kFacetEdges[4] = {0b111000, 0b100110, 0b010101, 0b001011};
 constexpr std::uint8_t kEdgeOf[4][4] = {{0, 0, 1, 2}, {0, 0, 3, 4}, {1, 3, 0, 5}, {2, 4, 5, 0}};
 
 // Faces in the order they are found.
@@ -65,8 +67,13 @@ class FaceCollector {
       : polytopes_(polytopes), first_(first), last_(last), done_(done) {}
 
   RawFaces run() {
-    std::fill(done_.begin() + static_cast<std::ptrdiff_t>(first_), done_.begin() + static_cast<std::ptrdiff_t>(last_),
-              std::uint8_t{0});
+    for (std::size_t t = first_; t < last_; ++t) {
+      // Edges on the boundary of O have no face; most of them are found here.
+      const auto& neighbour = polytopes_.tetrahedra[t].neighbour;
+      std::uint32_t boundary = 0;
+      for (std::size_t i = 0; i < 4; ++i) boundary |= neighbour[i] == kNone ? kFacetEdges[i] : 0u;
+      done_[t] = static_cast<std::uint8_t>(boundary);
+    }
     for (std::size_t t = first_; t < last_; ++t)
       for (std::uint32_t e = 0; e < 6; ++e)
         if (!(done_[t] >> e & 1)) walk_around(static_cast<std::uint32_t>(t), e);
