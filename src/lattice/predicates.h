@@ -65,51 +65,15 @@ class Predicates {
 
   /// Positive when p lies strictly inside the ball through the corners of the positively oriented (a, b, c, d),
   /// 0 when on its sphere.
-  int in_sphere(const Point& a, const Point& b, const Point& c, const Point& d, const Point& p) const {
-    const std::int32_t iax = a.x - p.x, iay = a.y - p.y, iaz = a.z - p.z, ibx = b.x - p.x, iby = b.y - p.y,
-                       ibz = b.z - p.z, icx = c.x - p.x, icy = c.y - p.y, icz = c.z - p.z, idx = d.x - p.x,
-                       idy = d.y - p.y, idz = d.z - p.z;
-    const double ax = iax, ay = iay, az = iaz, bx = ibx, by = iby, bz = ibz, cx = icx, cy = icy, cz = icz, dx = idx,
-                 dy = idy, dz = idz;
-    const double det = determinant<double>(ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz, real_weight_);
-    // The limits are powers of two, so one OR over the magnitudes tells whether all differences are below them.
-    const auto magnitude = [](std::int32_t v) { return static_cast<std::uint32_t>(v ^ (v >> 31)); };
-    const std::uint32_t all = magnitude(iax) | magnitude(iay) | magnitude(iaz) | magnitude(ibx) | magnitude(iby) |
-                              magnitude(ibz) | magnitude(icx) | magnitude(icy) | magnitude(icz) | magnitude(idx) |
-                              magnitude(idy) | magnitude(idz);
-    if (all < double_limit_) return (det > 0) - (det < 0);
-    if (all >= int64_limit_) {
-      const double m = static_cast<double>(all) + 1;  // at least the largest difference
-      const double bound = filter_ * m * m * m * m * m;
-      if (det > bound) return 1;
-      if (det < -bound) return -1;
-      // Differences D along an axis of weight w obey D <= 2^23 and w D^2 <= 2^46 (delaunay.cpp), so
-      // |det| <= 4 * (lift <= 3 * 2^46) * (minor <= 6 * 2^69) < 2^122.
-      return exact<Int128>(a, b, c, d, p);
-    }
-    return exact<std::int64_t>(a, b, c, d, p);
-  }
+  int in_sphere(const Point& a, const Point& b, const Point& c, const Point& d, const Point& p) const;
 
   const std::array<std::int64_t, 3>& weights() const { return weight_; }
 
  private:
-  template <class T, class W>
-  static T determinant(T ax, T ay, T az, T bx, T by, T bz, T cx, T cy, T cz, T dx, T dy, T dz,
-                       const std::array<W, 3>& w) {
-    const T ab = ax * by - bx * ay, bc = bx * cy - cx * by, cd = cx * dy - dx * cy;
-    const T da = dx * ay - ax * dy, ac = ax * cy - cx * ay, bd = bx * dy - dx * by;
-    const T abc = az * bc - bz * ac + cz * ab, bcd = bz * cd - cz * bd + dz * bc;
-    const T cda = cz * da + dz * ac + az * cd, dab = dz * ab + az * bd + bz * da;
-    const auto lift = [&w](T x, T y, T z) { return T(w[0]) * (x * x) + T(w[1]) * (y * y) + T(w[2]) * (z * z); };
-    return (lift(cx, cy, cz) * dab - lift(dx, dy, dz) * abc) + (lift(ax, ay, az) * bcd - lift(bx, by, bz) * cda);
-  }
-
+  int in_sphere_far(const Point& a, const Point& b, const Point& c, const Point& d, const Point& p,
+                    std::uint32_t largest) const;
   template <class T>
-  int exact(const Point& a, const Point& b, const Point& c, const Point& d, const Point& p) const {
-    const T v = determinant<T>(a.x - p.x, a.y - p.y, a.z - p.z, b.x - p.x, b.y - p.y, b.z - p.z, c.x - p.x, c.y - p.y,
-                               c.z - p.z, d.x - p.x, d.y - p.y, d.z - p.z, weight_);
-    return (v > 0) - (v < 0);
-  }
+  int exact(const Point& a, const Point& b, const Point& c, const Point& d, const Point& p) const;
 
   std::array<std::int64_t, 3> weight_{};
   std::array<double, 3> real_weight_{};
