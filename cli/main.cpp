@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <exception>
 #include <new>
+#include <string_view>
 
 #include "program.h"
 #include "quench/error.h"
@@ -34,6 +35,13 @@ int main(int argc, char** argv) {
   } catch (const std::bad_alloc&) {
     std::fprintf(stderr, "quench: out of memory; use a lower --resolution or close other programs\n");
   } catch (const std::exception& error) {
+    // What TBB says when the system has no memory or no room for another thread.
+    if (std::string_view(error.what()).starts_with("pthread_create")) {
+      std::fprintf(stderr,
+                   "quench: a thread cannot be started: out of memory, or too many processes; use --threads 1 or close "
+                   "other programs\n");
+      return static_cast<int>(quench::ErrorCode::failed);
+    }
     std::fprintf(stderr, "quench: unexpected: %s\n", error.what());
   }
   return static_cast<int>(quench::ErrorCode::failed);
