@@ -48,7 +48,7 @@ struct SurfaceDefects {
   std::int64_t degenerate_faces = 0;     ///< two corners at one place; left out
   std::int64_t duplicate_faces = 0;      ///< left out by the repair
   std::int64_t flipped_faces = 0;        ///< turned by the repair
-  std::int64_t filled_holes = 0;         ///< smaller than a voxel, closed by the repair
+  std::int64_t filled_holes = 0;         ///< small ones, closed by the repair
   std::int64_t flipped_components = 0;   ///< closed parts turned as a whole
   std::int64_t scanlines = 0;            ///< of the mesh's box
   std::int64_t defective_scanlines = 0;  ///< whose crossings alone do not decide: the generalized winding number does

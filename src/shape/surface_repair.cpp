@@ -217,6 +217,18 @@ class Repair {
     }
   }
 
+  /// A 32nd of the longest side, from 1 to 16 voxels.
+  std::int64_t widest_hole() const {
+    std::int64_t longest = 0;
+    for (std::size_t a = 0; a < 3; ++a) {
+      const auto by_axis = [a](const FixedPoint& p, const FixedPoint& q) { return p[a] < q[a]; };
+      const auto [low, high] = std::minmax_element(points_.begin(), points_.end(), by_axis);
+      if (low != points_.end()) longest = std::max(longest, (*high)[a] - (*low)[a]);
+    }
+    constexpr std::int64_t voxel = std::int64_t{1} << fraction_bits;
+    return std::clamp(longest / 32, voxel, 16 * voxel);
+  }
+
   void fill_small_holes() {
     const std::vector<BoundaryEdge> chain = boundary_chain(points_.size(), faces_);
     if (chain.empty()) return;
@@ -227,33 +239,51 @@ class Repair {
           const auto size = static_cast<std::uint32_t>(patch.faces.size());
           patch_size[p] = patch_size[p] == 0 ? size : std::min(patch_size[p], size);
         }
-    std::vector<std::uint32_t> next(points_.size(), none);
-    std::vector<char> branching(points_.size(), 0);
-    std::vector<char> entered(points_.size(), 0);
-    for (const BoundaryEdge& e : chain) {
-      if (next[e.from] != none || entered[e.to] || e.times > 1) branching[e.from] = branching[e.to] = 1;
-      next[e.from] = e.to;
-      entered[e.to] = 1;
+    // Where holes share points, any cycles will do: together their fans have the same boundary.
+    std::vector<std::uint32_t> begin(points_.size() + 1, 0), out(chain.size());
+    for (const BoundaryEdge& e : chain) ++begin[e.from + 1];
+    for (std::size_t p = 0; p < points_.size(); ++p) begin[p + 1] += begin[p];
+    {
+      std::vector<std::uint32_t> place(begin.begin(), begin.end() - 1);
+      for (std::uint32_t e = 0; e < chain.size(); ++e) out[place[chain[e].from]++] = e;
     }
-    std::vector<std::uint32_t> loop;
-    for (const BoundaryEdge& e : chain) {
-      loop.clear();
-      std::uint32_t p = e.from;
-      bool small = true;
-      do {
-        small = next[p] != none && !branching[p] && loop.size() < most_hole_edges;
-        if (small) loop.push_back(p);
-        for (std::size_t a = 0; a < 3 && small; ++a)
-          small = std::abs(points_[p][a] - points_[e.from][a]) < (std::int64_t{1} << fraction_bits);
-        p = next[p];
-      } while (small && p != e.from);
-      if (!small || loop.size() < 3) continue;
-      small = std::all_of(loop.begin(), loop.end(), [&](std::uint32_t q) { return patch_size[q] > 4 * loop.size(); });
-      if (!small) continue;
-      for (std::size_t i = 2; i < loop.size(); ++i) faces_.push_back({loop[0], loop[i], loop[i - 1]});
-      for (const std::uint32_t q : loop) next[q] = none;
-      ++result_.filled_holes;
+    std::vector<char> used(chain.size(), 0);
+    for (std::size_t e = 0; e < chain.size(); ++e) used[e] = chain[e].times > 1;
+    const std::int64_t widest = widest_hole();
+    std::vector<std::uint32_t> path, loop;  // edges, points
+    for (std::uint32_t start = 0; start < chain.size(); ++start) {
+      path.clear();
+      for (std::uint32_t p = chain[start].from; path.size() <= most_hole_edges;) {
+        const auto on_path =
+            std::find_if(path.begin(), path.end(), [&](std::uint32_t e) { return chain[e].from == p; });
+        if (on_path != path.end()) {  // a cycle
+          loop.clear();
+          for (auto e = on_path; e != path.end(); ++e) loop.push_back(chain[*e].from);
+          for (auto e = on_path; e != path.end(); ++e) used[*e] = 1;
+          path.erase(on_path, path.end());
+          if (loop.size() <= most_hole_edges) fill_if_small(loop, widest, patch_size);
+        }
+        std::uint32_t next = none;
+        for (std::uint32_t i = begin[p]; i < begin[p + 1] && next == none; ++i)
+          if (!used[out[i]]) next = out[i];
+        if (next == none) break;
+        path.push_back(next);
+        p = chain[next].to;
+      }
     }
+  }
+
+  void fill_if_small(const std::vector<std::uint32_t>& loop, std::int64_t widest,
+                     const std::vector<std::uint32_t>& patch_size) {
+    const FixedPoint& first = points_[loop[0]];
+    const bool small = loop.size() >= 3 && std::all_of(loop.begin(), loop.end(), [&](std::uint32_t q) {
+                         for (std::size_t a = 0; a < 3; ++a)
+                           if (std::abs(points_[q][a] - first[a]) >= widest) return false;
+                         return patch_size[q] > 4 * loop.size();
+                       });
+    if (!small) return;
+    for (std::size_t i = 2; i < loop.size(); ++i) faces_.push_back({loop[0], loop[i], loop[i - 1]});
+    ++result_.filled_holes;
   }
 
   /// Whether points of `inner` are inside `patch`, by the sum of solid angles.

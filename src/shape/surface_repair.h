@@ -14,7 +14,7 @@ struct RepairedSurface {
   std::vector<Triangle> faces;          ///< welded
   std::int64_t duplicate_faces = 0;     ///< left out: the same three corners, either way around
   std::int64_t flipped_faces = 0;       ///< turned around, to agree with the faces around them
-  std::int64_t filled_holes = 0;        ///< smaller than a voxel: closed by a fan
+  std::int64_t filled_holes = 0;        ///< small ones, closed by a fan
   std::int64_t flipped_components = 0;  ///< nearly closed parts turned around as a whole (their faces are counted too)
 };
 
@@ -22,10 +22,12 @@ struct RepairedSurface {
 ///   - of faces that lie there both ways around, one or none, whichever leaves fewer edges with an odd number of faces;
 ///   - a patch keeps the orientation of most of its area. Where less than 70 % agree, that says nothing: the patch is
 ///     turned outward, or inward where it lies inside an odd number of others (a cavity);
-///   - a nearly closed patch that faces the other way than the whole is turned, unless it may be a cavity: inside the box of another one.
-/// Holes smaller than a voxel, with few edges and in a patch of many faces, are closed by a fan: there may be a great
-/// many of them, and what happens inside of a voxel cannot be told. Other holes stay: the winding number closes them.
-/// O(n log n), about 100 bytes per face.
+///   - a nearly closed patch that faces the other way than the whole is turned, unless it may be a cavity: inside the
+///   box of another one.
+/// Holes of at most a 32nd of the longest side (from 1 to 16 voxels), with few edges and in a patch of many faces, are
+/// closed by a fan: there may be a great many of them, each would cost time all along its scanlines, and a fan is what
+/// was there when a face is missing. Other holes stay: the winding number closes them. O(n log n), about 100 bytes per
+/// face.
 RepairedSurface repair_orientation(std::span<const FixedPoint> points, std::span<const Triangle> welded);
 
 }  // namespace quench::detail

@@ -242,7 +242,7 @@ std::string defects_text(const Voxelization& v) {
   add(d.open_edges, "open edge", "open edges");
   add(d.duplicate_faces, "duplicate face left out", "duplicate faces left out");
   add(d.flipped_faces, "face turned", "faces turned");
-  add(d.filled_holes, "hole smaller than a voxel filled", "holes smaller than a voxel filled");
+  add(d.filled_holes, "small hole filled", "small holes filled");
   add(d.flipped_components, "part turned as a whole", "parts turned as a whole");
   if (found.empty()) found = counted(d.unbalanced_edges, "edge", "edges") + " whose faces do not agree";
   const char* what = d.open_edges > 0         ? "is not closed"
