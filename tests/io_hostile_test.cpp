@@ -202,6 +202,8 @@ TEST(Hostile, FoundByFuzzing) {
   refused("npy", small_files::npy("|u1\n\nu1", false, "2, 2, 2", "12345678"), "|u1??u1");
   refused("vol", "X: 2\1\nY: 2\nZ: 2\n.\n12345678", "2?");
   refused("vtp", "<VTKFile type=\"Poly&#10;Data\"/>", "Poly?Data");
+  // One less than the smallest integer.
+  refused("ma", "-9223372036854775808 1 1\nv 0 0 0 1\ne 0 1\n", "negative");
 }
 
 TEST(Hostile, PiecesRemovedRepeatedAndSwapped) {

@@ -14,6 +14,7 @@ PolyData read_ma(const FileText& file) {
   const std::int64_t vertices = words.integer("the number of vertices");
   const std::int64_t edges = words.integer_on_line("the number of edges");
   const std::int64_t faces = words.integer_on_line("the number of faces");
+  if (vertices < 0 || edges < 0 || faces < 0) words.fail("a number of vertices, edges or faces is negative");
   PolyData data;
   std::vector<double> radii;
   std::vector<std::uint32_t> corners;
