@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <utility>
 
 #include "lattice/insertion.h"
 #include "quench/context.h"
@@ -36,8 +37,11 @@ class Delaunay {
   const HugeVector<Point>& points() const { return triangulation_.points; }
   /// Dead slots have corner[0] == kNone.
   const RawHugeVector<Tetrahedron>& tetrahedra() const { return triangulation_.tetrahedra; }
+  /// Hand the arrays over; the rest of this object must not be used then.
+  HugeVector<Point> take_points() { return std::move(triangulation_.points); }
+  RawHugeVector<Tetrahedron> take_tetrahedra() { return std::move(triangulation_.tetrahedra); }
   const Predicates& predicates() const { return triangulation_.predicates; }
-  bool touches_box(const Tetrahedron& t) const {
+  static bool touches_box(const Tetrahedron& t) {
     return std::min({t.corner[0], t.corner[1], t.corner[2], t.corner[3]}) < kBoxPoints;
   }
 

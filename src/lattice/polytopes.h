@@ -26,8 +26,10 @@ struct Polytopes {
 
 /// Merges the cospherical tetrahedra inside O; consumes the triangulation to free its memory early. The polytopes do
 /// not depend on the triangulation, the order of tetrahedra does. Linear time up to small sorts, on all threads.
+/// `range`: sites a thread works on at a time; nothing depends on it but speed.
 Polytopes polytopes_inside(const VoxelShape& shape, std::unique_ptr<Delaunay> delaunay,
-                           std::span<const LatticePoint> sites, Context* context);
+                           std::span<const LatticePoint> sites, Context* context,
+                           std::size_t range = std::size_t{1} << 15);
 
 /// Turns counts[i + 1] = size of bucket i into offsets; throws Error(failed) when they outgrow 32 bits.
 void prefix_sum(std::vector<std::uint32_t>& counts);
