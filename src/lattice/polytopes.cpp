@@ -60,8 +60,8 @@ class Components {
 
 class Merger {
  public:
-  Merger(const VoxelShape& shape, std::span<const LatticePoint> sites, Context* context)
-      : shape_(shape), sites_(sites), context_(context) {}
+  Merger(const Keep& keep, std::span<const LatticePoint> sites, Context* context)
+      : keep_(keep), sites_(sites), context_(context) {}
 
   Polytopes run(std::unique_ptr<Delaunay> delaunay) {
     const Predicates predicates = delaunay->predicates();
@@ -73,21 +73,7 @@ class Merger {
   }
 
  private:
-  // The boundary faces and edges of O are Delaunay (Yan 2018, Thm. 2.4.1), so a tetrahedron is inside O or outside as
-  // a whole, and the voxel that contains its centroid tells. A centroid between voxels needs no care: it is not on the
-  // boundary of O, so all voxels around it agree.
-  bool inside(const Delaunay& delaunay, const Tetrahedron& t) const {
-    std::int64_t x = 0, y = 0, z = 0;
-    for (std::uint32_t c : t.corner) {
-      const Point& p = delaunay.points()[c];
-      x += p.x;
-      y += p.y;
-      z += p.z;
-    }
-    return shape_.contains(x >> 2, y >> 2, z >> 2);
-  }
-
-  // Keeps the tetrahedra inside O, by counting in the order of their smallest corners.
+  // Keeps what is wanted, by counting in the order of their smallest corners.
   void sort_inside(const Delaunay& delaunay) {
     const auto& old = delaunay.tetrahedra();
     const auto& points = delaunay.points();
@@ -98,7 +84,7 @@ class Merger {
       const auto [first, last] = part_of(old.size(), chunk, chunks);
       for (std::size_t t = first; t < last; ++t) {
         place[t] = kNone;
-        if (old[t].corner[0] == kNone || delaunay.touches_box(old[t]) || !inside(delaunay, old[t])) continue;
+        if (old[t].corner[0] == kNone || delaunay.touches_box(old[t]) || !keep_(delaunay, old[t])) continue;
         for (const std::uint32_t c : old[t].corner) place[t] = std::min(place[t], points[c].site);
         std::atomic_ref<std::uint32_t>(begin_[place[t] + 1]).fetch_add(1, std::memory_order_relaxed);
       }
@@ -250,7 +236,7 @@ class Merger {
     });
   }
 
-  const VoxelShape& shape_;
+  const Keep& keep_;
   std::span<const LatticePoint> sites_;
   Context* context_;
   Polytopes result_;
@@ -260,9 +246,27 @@ class Merger {
 
 }  // namespace
 
+Polytopes polytopes_of(const Keep& keep, std::unique_ptr<Delaunay> delaunay, std::span<const LatticePoint> sites,
+                       Context* context) {
+  return Merger(keep, sites, context).run(std::move(delaunay));
+}
+
 Polytopes polytopes_inside(const VoxelShape& shape, std::unique_ptr<Delaunay> delaunay,
                            std::span<const LatticePoint> sites, Context* context) {
-  return Merger(shape, sites, context).run(std::move(delaunay));
+  // The boundary faces and edges of O are Delaunay (Yan 2018, Thm. 2.4.1), so a tetrahedron is inside O or outside as
+  // a whole, and the voxel that contains its centroid tells. A centroid between voxels needs no care: it is not on the
+  // boundary of O, so all voxels around it agree.
+  const auto inside = [&shape](const Delaunay& triangulation, const Tetrahedron& t) {
+    std::int64_t x = 0, y = 0, z = 0;
+    for (std::uint32_t c : t.corner) {
+      const Point& p = triangulation.points()[c];
+      x += p.x;
+      y += p.y;
+      z += p.z;
+    }
+    return shape.contains(x >> 2, y >> 2, z >> 2);
+  };
+  return polytopes_of(inside, std::move(delaunay), sites, context);
 }
 
 }  // namespace quench::lattice

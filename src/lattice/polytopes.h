@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -28,6 +29,14 @@ struct Polytopes {
 /// not depend on the triangulation, the order of tetrahedra does. Linear time up to small sorts, on all threads.
 Polytopes polytopes_inside(const VoxelShape& shape, std::unique_ptr<Delaunay> delaunay,
                            std::span<const LatticePoint> sites, Context* context);
+
+/// Whether a tetrahedron without box points belongs to the complex that is wanted. Called by many threads.
+using Keep = std::function<bool(const Delaunay&, const Tetrahedron&)>;
+
+/// The same for the tetrahedra that `keep` chooses. Those across a facet that are not kept are kNone, and cospherical
+/// tetrahedra are merged where kept ones join them.
+Polytopes polytopes_of(const Keep& keep, std::unique_ptr<Delaunay> delaunay, std::span<const LatticePoint> sites,
+                       Context* context);
 
 /// Turns counts[i + 1] = size of bucket i into offsets; throws Error(failed) when they outgrow 32 bits.
 void prefix_sum(std::vector<std::uint32_t>& counts);
