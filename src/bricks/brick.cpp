@@ -64,10 +64,12 @@ class Worker {
 
   BrickPart run() {
     const auto [low, high] = brick_.grid.region(brick_.index);
-    const auto inside = [this](const Delaunay& d, const Tetrahedron& t) { return leads_into_shape(d, t); };
-    polytopes_ =
-        lattice::polytopes_of(inside, std::make_unique<Delaunay>(brick_.points, brick_.spacing, low, high, context_),
-                              brick_.points, context_);
+    auto delaunay = std::make_unique<Delaunay>(brick_.points, brick_.spacing, low, high, context_);
+    const std::vector<std::uint8_t> selected = select(*delaunay);
+    const auto keep = [&selected](const Delaunay& d, const Tetrahedron& t) {
+      return selected[static_cast<std::size_t>(&t - d.tetrahedra().data())] != 0;
+    };
+    polytopes_ = lattice::polytopes_of(keep, std::move(delaunay), brick_.points, context_);
     certify();
     find_finished();
     collect_vertices();
@@ -95,6 +97,37 @@ class Worker {
     direction[1] -= std::int64_t{4} * p.y;
     direction[2] -= std::int64_t{4} * p.z;
     return leads_inside(brick_.octants[p.site], direction);
+  }
+
+  // The tetrahedra inside O at sites of this brick, and those of the cells they are part of. The rest is of no use.
+  std::vector<std::uint8_t> select(const Delaunay& delaunay) const {
+    const auto& tetrahedra = delaunay.tetrahedra();
+    const auto& points = delaunay.points();
+    std::vector<std::uint8_t> selected(tetrahedra.size(), 0);
+    std::vector<std::uint32_t> border;
+    for (std::uint32_t t = 0; t < tetrahedra.size(); ++t) {
+      const Tetrahedron& tetrahedron = tetrahedra[t];
+      if (tetrahedron.corner[0] == kNone || delaunay.touches_box(tetrahedron)) continue;
+      std::uint32_t own = 0;
+      for (const std::uint32_t c : tetrahedron.corner) own += brick_.role[points[c].site] == Role::own;
+      if (own == 0 || !leads_into_shape(delaunay, tetrahedron)) continue;
+      selected[t] = 1;
+      if (own == 1) border.push_back(t);  // with more, every neighbour has an own corner too
+    }
+    while (!border.empty()) {
+      const Tetrahedron& t = tetrahedra[border.back()];
+      border.pop_back();
+      for (const std::uint32_t across : t.neighbour) {
+        const std::uint32_t n = across >> 2;  // no neighbour is on the hull: it does not touch the box
+        if (selected[n] || delaunay.touches_box(tetrahedra[n]) || !leads_into_shape(delaunay, tetrahedra[n])) continue;
+        if (delaunay.predicates().in_sphere(points[t.corner[0]], points[t.corner[1]], points[t.corner[2]],
+                                            points[t.corner[3]], points[tetrahedra[n].corner[across & 3]]) != 0)
+          continue;
+        selected[n] = 1;
+        border.push_back(n);
+      }
+    }
+    return selected;
   }
 
   std::span<const std::uint32_t> sites_of(std::size_t p) const {
