@@ -9,9 +9,16 @@
 #include "bricks/octants.h"
 #include "quench/context.h"
 
-/// The voxel core brick by brick: a brick knows all sites in its region and nothing else, and finds all cells around
-/// those of its sites whose cells are certain. See docs/lattice_delaunay.md for the proof that these are the cells of
-/// the whole, each found once.
+/// The voxel core brick by brick: a brick knows all sites of its round in its region and nothing else, and finds all
+/// cells around those of its sites whose cells are certain. Why these are the cells of the whole, each found once
+/// (docs/lattice_delaunay.md has it at length):
+///
+/// Invariant: every cell inside O with an unfinished site has all its sites among those of the round, so it is a cell
+/// of their Delaunay complex. A cell whose ball lies in the region is one of that complex, with all its sites; seen
+/// from an unfinished corner it leads into O only if it is a cell of the whole, since those fill O there. A site is
+/// finished when such cells close up around it; then it has no others, and every cell is found where its smallest site
+/// is finished, which happens once. A cell that has finished and unfinished sites was certain in the brick that
+/// finished the former; it is kept in `known`, and the next round has all its sites: the invariant again.
 namespace quench::bricks {
 
 /// What a brick is to do with a site.
