@@ -32,6 +32,9 @@ namespace quench::lattice {
 class Delaunay {
  public:
   Delaunay(std::span<const LatticePoint> sites, const std::array<std::int64_t, 3>& spacing, Context* context);
+  /// The box encloses all points from `low` to `high`, between which all sites lie: it is as far away from them.
+  Delaunay(std::span<const LatticePoint> sites, const std::array<std::int64_t, 3>& spacing, const LatticePoint& low,
+           const LatticePoint& high, Context* context);
 
   static constexpr std::uint32_t kBoxPoints = 8;
   const HugeVector<Point>& points() const { return triangulation_.points; }
@@ -54,6 +57,8 @@ class Delaunay {
     std::array<std::int64_t, 3> low, high;
     std::int64_t extent;
   };
+  static Box enclosing_box(const LatticePoint& low, const LatticePoint& high,
+                           const std::array<std::int64_t, 3>& spacing);
   static Box enclosing_box(std::span<const LatticePoint> sites, const std::array<std::int64_t, 3>& spacing);
   Delaunay(std::span<const LatticePoint> sites, const std::array<std::int64_t, 3>& spacing, const Box& box,
            Context* context);

@@ -30,9 +30,9 @@ constexpr std::size_t kPiece = std::size_t{1} << 19;  // tetrahedra squeezed tog
 
 class Merger {
  public:
-  Merger(const VoxelShape& shape, std::span<const LatticePoint> sites, const Predicates& predicates, std::size_t range,
+  Merger(const Keep& keep, std::span<const LatticePoint> sites, const Predicates& predicates, std::size_t range,
          Context* context)
-      : shape_(shape), sites_(sites), predicates_(predicates), range_(range), context_(context) {}
+      : keep_(keep), sites_(sites), predicates_(predicates), range_(range), context_(context) {}
 
   Polytopes run(std::unique_ptr<Delaunay> delaunay) {
     sort_inside(*delaunay);
@@ -42,23 +42,9 @@ class Merger {
   }
 
  private:
-  // The boundary faces and edges of O are Delaunay (Yan 2018, Thm. 2.4.1), so a tetrahedron is inside O or outside as
-  // a whole, and the voxel that contains its centroid tells. A centroid between voxels needs no care: it is not on the
-  // boundary of O, so all voxels around it agree.
-  bool inside(const Delaunay& delaunay, const Tetrahedron& t) const {
-    std::int64_t x = 0, y = 0, z = 0;
-    for (std::uint32_t c : t.corner) {
-      const Point& p = delaunay.points()[c];
-      x += p.x;
-      y += p.y;
-      z += p.z;
-    }
-    return shape_.contains(x >> 2, y >> 2, z >> 2);
-  }
-
-  // Keeps the tetrahedra inside O, by counting in the order of their smallest corners. First each piece of the old
-  // array is squeezed to its own front and the rest of its memory given back, so that the triangulation and its inner
-  // half are never there at once.
+  // Keeps what is wanted, by counting in the order of their smallest corners. First each piece of the old
+  // array is squeezed to its own front and the rest of its memory given back, so that the triangulation and what is
+  // kept of it are never there at once.
   void sort_inside(Delaunay& delaunay) {
     RawHugeVector<Tetrahedron> old = delaunay.take_tetrahedra();
     RawHugeVector<std::uint32_t> place(old.size());  // first the rank among those with one smallest corner, then of all
@@ -75,7 +61,8 @@ class Merger {
         if (t + kAhead < piece_end(piece))
           for (const std::uint32_t c : old[t + kAhead].corner)
             if (c != kNone) prefetch(&points[c]);
-        if (old[t].corner[0] == kNone || Delaunay::touches_box(old[t]) || !inside(delaunay, old[t])) continue;
+        if (old[t].corner[0] == kNone || Delaunay::touches_box(old[t]) || !keep_(static_cast<std::uint32_t>(t), old[t]))
+          continue;
         Tetrahedron moved = old[t];
         for (std::uint32_t& c : moved.corner) c = points[c].site;
         place[t] = std::atomic_ref<std::uint32_t>(begin_[smallest(moved) + 1]).fetch_add(1, std::memory_order_relaxed);
@@ -235,7 +222,7 @@ class Merger {
     });
   }
 
-  const VoxelShape& shape_;
+  const Keep& keep_;
   std::span<const LatticePoint> sites_;
   const Predicates predicates_;
   const std::size_t range_;
@@ -246,9 +233,27 @@ class Merger {
 
 }  // namespace
 
+Polytopes polytopes_of(const Keep& keep, std::unique_ptr<Delaunay> delaunay, std::span<const LatticePoint> sites,
+                       Context* context, std::size_t range) {
+  return Merger(keep, sites, delaunay->predicates(), range, context).run(std::move(delaunay));
+}
+
 Polytopes polytopes_inside(const VoxelShape& shape, std::unique_ptr<Delaunay> delaunay,
                            std::span<const LatticePoint> sites, Context* context, std::size_t range) {
-  return Merger(shape, sites, delaunay->predicates(), range, context).run(std::move(delaunay));
+  // The boundary faces and edges of O are Delaunay (Yan 2018, Thm. 2.4.1), so a tetrahedron is inside O or outside as
+  // a whole, and the voxel that contains its centroid tells. A centroid between voxels needs no care: it is not on the
+  // boundary of O, so all voxels around it agree.
+  const auto inside = [&shape, &points = delaunay->points()](std::uint32_t, const Tetrahedron& t) {
+    std::int64_t x = 0, y = 0, z = 0;
+    for (std::uint32_t c : t.corner) {
+      const Point& p = points[c];
+      x += p.x;
+      y += p.y;
+      z += p.z;
+    }
+    return shape.contains(x >> 2, y >> 2, z >> 2);
+  };
+  return polytopes_of(inside, std::move(delaunay), sites, context, range);
 }
 
 }  // namespace quench::lattice
