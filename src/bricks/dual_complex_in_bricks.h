@@ -20,7 +20,7 @@ struct BrickSize {
 /// How the work is divided; the result does not depend on it.
 struct BrickPlan {
   std::vector<BrickSize> rounds;  ///< what is left after them is done at once
-  std::size_t at_once = 100000;   ///< sites that are not worth dividing; 0: always take all rounds
+  std::size_t at_once = 20000;    ///< sites that are not worth dividing; 0: always take all rounds
 };
 
 /// Bricks with few sites beside the whole, and large beside their halos: the sites in a halo are triangulated again.
