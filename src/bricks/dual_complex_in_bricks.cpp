@@ -186,6 +186,14 @@ class Rounds {
 
 }  // namespace
 
+BrickPlan plan_for(const VoxelShape& shape) {
+  const auto& dims = shape.grid().dims;
+  const std::int64_t longest = *std::max_element(dims.begin(), dims.end());
+  const std::int64_t size =
+      std::max(std::clamp<std::int64_t>(longest / 2, 64, 512), std::min<std::int64_t>(longest / 8, 1024));
+  return {.rounds = {{size, 16}, {4 * size, size / 2}}};
+}
+
 lattice::DualComplex dual_complex_in_bricks(const VoxelShape& shape, std::span<const LatticePoint> sites,
                                             const std::array<std::int64_t, 3>& spacing, const BrickPlan& plan,
                                             Context* context) {

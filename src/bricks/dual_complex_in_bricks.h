@@ -19,9 +19,12 @@ struct BrickSize {
 
 /// How the work is divided; the result does not depend on it.
 struct BrickPlan {
-  std::vector<BrickSize> rounds{{256, 32}, {1024, 128}};  ///< what is left after them is done at once
-  std::size_t at_once = 100000;  ///< sites that are not worth dividing; 0: always take all rounds
+  std::vector<BrickSize> rounds;  ///< what is left after them is done at once
+  std::size_t at_once = 20000;    ///< sites that are not worth dividing; 0: always take all rounds
 };
+
+/// Bricks with few sites beside the whole, and large beside their halos: the sites in a halo are triangulated again.
+BrickPlan plan_for(const VoxelShape& shape);
 
 /// The same as lattice::dual_complex, array for array, in memory that is bounded by the result, one brick per thread
 /// and the sites that no brick can finish. Bricks run in parallel. Throws Error(failed) when the result outgrows 32-bit

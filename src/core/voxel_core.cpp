@@ -160,10 +160,11 @@ static MedialAxis compute(const VoxelShape& shape, const CoreOptions& options, C
   axis.grid = shape.grid();
   axis.sites = boundary_vertices(shape);
   checkpoint(context, "delaunay", 0);
-  DualComplex dual = options.in_bricks ? bricks::dual_complex_in_bricks(shape, axis.sites, spacing, {}, context)
-                                       : lattice::dual_complex(
-                                             shape, std::make_unique<lattice::Delaunay>(axis.sites, spacing, context),
-                                             axis.sites, context);
+  DualComplex dual =
+      options.in_bricks
+          ? bricks::dual_complex_in_bricks(shape, axis.sites, spacing, bricks::plan_for(shape), context)
+          : lattice::dual_complex(shape, std::make_unique<lattice::Delaunay>(axis.sites, spacing, context), axis.sites,
+                                  context);
 
   axis.complex = std::move(dual.complex);
   axis.points.resize(axis.complex.vertex_count);
@@ -192,8 +193,6 @@ MedialAxis voxel_core(const VoxelShape& shape, const CoreOptions& options, Conte
   return arena.execute([&] { return compute(shape, options, context); });
 }
 
-std::int64_t predicted_core_bytes_in_bricks(std::int64_t sites) {
-  return sites * 300 + (std::int64_t{128} << 20);  // and a brick per thread
-}
+std::int64_t predicted_core_bytes_in_bricks(std::int64_t sites) { return sites * 350 + (std::int64_t{64} << 20); }
 
 }  // namespace quench
