@@ -136,7 +136,8 @@ void load_mesh(const ShapeOptions& options, Session& session, LoadedShape& loade
                              {"flipped_components", v.defects.flipped_components},
                              {"scanlines", v.defects.scanlines},
                              {"defective_scanlines", v.defects.defective_scanlines},
-                             {"winding_share", v.defects.winding_share}};
+                             {"winding_share", v.defects.winding_share},
+                             {"doubtful_share", v.defects.doubtful_share}};
   loaded.parameters["resolution"] = resolution;
   loaded.parameters["fill"] = options.fill;
   if (options.keep_mesh) loaded.mesh = std::move(mesh);
@@ -223,7 +224,8 @@ void add_shape_options(CLI::App& app, ShapeOptions& o) {
       ->type_name("RULE")
       ->check(one_of({"nonzero", "evenodd", "winding", "auto"}))
       ->capture_default_str()
-      ->group(group);
+      ->group(group)
+      ->each([&o](const std::string&) { o.fill_given = true; });
   app.add_option("--threshold", o.foreground.threshold, "Volume: the shape is the voxels of at least this value")
       ->type_name("T")
       ->group(group);
@@ -335,7 +337,7 @@ void take_parameters(ShapeOptions& options, const PolyData& result) {
   const auto has = [&](const char* name, auto check) { return p.contains(name) && (p[name].*check)(); };
   if (!options.resolution_given && has("resolution", &Json::is_number_integer))
     options.resolution = std::to_string(p["resolution"].get<std::int64_t>());
-  if (options.fill == "nonzero" && has("fill", &Json::is_string)) options.fill = p["fill"].get<std::string>();
+  if (!options.fill_given && has("fill", &Json::is_string)) options.fill = p["fill"].get<std::string>();
   ForegroundOptions& f = options.foreground;
   if (!f.threshold && !f.label) {
     if (has("threshold", &Json::is_number)) f.threshold = p["threshold"].get<double>();

@@ -97,7 +97,7 @@ TEST(WindingNumber, BlocksAgreeWithTheirVoxels) {
     const WindingNumber winding(fixed.points, fixed.faces);
     std::vector<std::vector<OffsetStep>> rows;
     for (std::int64_t z = 0; z < n; z += 5) {
-      winding.offsets(z, {n, n, n}, rows);
+      winding.offsets(z, {n, n, n}, crossings_of_slice({fixed.points, winding.caps(), {n, n, n}}, z), rows);
       ASSERT_EQ(rows.size(), static_cast<std::size_t>(n));
       for (std::int64_t y = 0; y < n; ++y) {
         const auto& row = rows[static_cast<std::size_t>(y)];
@@ -142,7 +142,7 @@ TEST(WindingNumber, EdgesOnCentresAreDecidedAsCrossingsAre) {
   std::vector<std::vector<OffsetStep>> rows;
   const WindingNumber winding(fixed.points, fixed.faces);
   for (std::int64_t z = 0; z < 9; ++z) {
-    winding.offsets(z, {9, 9, 9}, rows);
+    winding.offsets(z, {9, 9, 9}, crossings_of_slice({fixed.points, winding.caps(), {9, 9, 9}}, z), rows);
     for (const auto& row : rows)
       for (const OffsetStep& s : row) EXPECT_LE(std::abs(s.offset), 1);
   }
