@@ -168,21 +168,35 @@ double WindingNumber::cluster_angle(const Node& node, const Vector& r) {
          (node.sum.x * r.x + node.sum.y * r.y + node.sum.z * r.z + m[0][0] + m[1][1] + m[2][2] - 3 * along / r2);
 }
 
-// The gradient is the field of a current around the cap. Currents in a side of two caps cancel when both are looked at;
-// the other one may be part of a cluster only where the side is short compared with its distance.
-double WindingNumber::slope_of(const Cap& cap, const Vector& p, double within) {
-  double slope = 0;
+// The gradient is the field of a current around the cap (Biot-Savart). Its change is bounded by the distance of the
+// sides. Currents in a side of two caps cancel when both are looked at; the other one may be part of a cluster only
+// where the side is short compared with its distance.
+void WindingNumber::add_gradient(const Cap& cap, const Vector& p, double within, Slope& slope) {
   for (std::size_t i = 0; i < 3; ++i) {
     const Vector &from = cap.at[i], &to = cap.at[(i + 1) % 3];
-    const Vector a{from.x - p.x, from.y - p.y, from.z - p.z}, ab{to.x - from.x, to.y - from.y, to.z - from.z};
+    const Vector a{from.x - p.x, from.y - p.y, from.z - p.z}, b{to.x - p.x, to.y - p.y, to.z - p.z};
+    const Vector ab{b.x - a.x, b.y - a.y, b.z - a.z};
     const double length2 = ab.x * ab.x + ab.y * ab.y + ab.z * ab.z, length = std::sqrt(length2);
     const double t = length2 > 0 ? std::clamp(-(a.x * ab.x + a.y * ab.y + a.z * ab.z) / length2, 0.0, 1.0) : 0.0;
     const double near = std::sqrt(squared(a.x + t * ab.x) + squared(a.y + t * ab.y) + squared(a.z + t * ab.z)) - within;
-    if (!cap.boundary[i] && (near <= 0 || length > 2 * far / (1 - far) * near)) continue;
-    if (near <= 0) return std::numeric_limits<double>::infinity();
-    slope += std::min(length / squared(near), 2 / near);
+    const bool cancels = !cap.boundary[i] && (near <= 0 || length > 2 * far / (1 - far) * near);
+    if (!cancels) {
+      if (near <= 0) {
+        slope.bend = std::numeric_limits<double>::infinity();
+        return;
+      }
+      slope.bend += 3 * std::min(length / near, 1.0) / squared(near);
+    }
+    const double la = std::sqrt(a.x * a.x + a.y * a.y + a.z * a.z), lb = std::sqrt(b.x * b.x + b.y * b.y + b.z * b.z);
+    const double product = la * lb, sum = product + a.x * b.x + a.y * b.y + a.z * b.z;
+    if (!(sum > 1e-12 * product)) {  // on the side itself
+      slope.bend = std::numeric_limits<double>::infinity();
+      return;
+    }
+    const double field = (la + lb) / (product * sum);
+    slope.x += field * (a.y * b.z - a.z * b.y);
+    slope.y += field * (a.z * b.x - a.x * b.z);
   }
-  return slope;
 }
 
 bool WindingNumber::meets(const Cap& cap, const Vector& p, double hx, double hy) {
@@ -216,7 +230,8 @@ void WindingNumber::refine(const Block& block, Field field, std::size_t list, st
   field.angle += field.along_x * (p.x - field.at.x) + field.along_y * (p.y - field.at.y);
   field.at = p;
   const std::size_t end = pool.size();
-  double angle = 0, slope = 0;  // of what stays in the list
+  double angle = 0;  // of what stays in the list
+  Slope slope;
   bool decided = true, met = false;
   std::array<std::uint32_t, 128> stack;
   for (std::size_t i = list; i < end; ++i) {
@@ -247,25 +262,31 @@ void WindingNumber::refine(const Block& block, Field field, std::size_t list, st
       if (!decided) continue;
       if (separate) {
         angle += cluster_angle(node, r);
-        const double near = away - h;
-        slope += std::min(2 * node.area / (squared(near - node.radius) * (near - node.radius)),
-                          (2 * node.sum_norm + 9 * node.moment_norm / near) / (near * near * near));
+        if (h == 0) continue;
+        const double near = away - h, cubed = 1 / (away * away * away);
+        const double along = 3 * (node.sum.x * r.x + node.sum.y * r.y + node.sum.z * r.z) / (away * away);
+        slope.x += cubed * (along * r.x - node.sum.x);
+        slope.y += cubed * (along * r.y - node.sum.y);
+        slope.error += 9 * node.moment_norm / squared(squared(near));
+        slope.bend += 6 * node.area / squared(squared(near - node.radius));
       } else if (node.right == 0) {
         for (std::uint32_t k = node.begin; k < node.end; ++k) {
           angle += cap_angle(caps_[k], voxel, p);
           if (h == 0) continue;
-          slope += slope_of(caps_[k], p, h);
+          add_gradient(caps_[k], p, h, slope);
           met = met || (hy > 0 && meets(caps_[k], p, hx, hy));
         }
       } else {
         decided = false;
       }
-      if (met || slope * h > sphere / 2) decided = false;
+      if (met || slope.bend * h * h > sphere) decided = false;
     }
   }
   const double W = (field.angle + angle) / sphere;
   if (h > 0 && decided) {
-    const double reach = std::abs(field.along_x) * hx + std::abs(field.along_y) * hy + slope * h;
+    slope.x += field.along_x;
+    slope.y += field.along_y;
+    const double reach = std::abs(slope.x) * hx + std::abs(slope.y) * hy + slope.error * h + slope.bend * h * h / 2;
     decided = std::abs(W - std::nearbyint(W)) + reach / sphere < 0.5;
   }
   if (decided || h == 0) {

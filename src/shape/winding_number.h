@@ -91,6 +91,11 @@ class WindingNumber {
     std::array<std::int64_t, 3> middle() const { return {(x0 + x1) / 2, (y0 + y1) / 2, z}; }
   };
   struct Field;
+  struct Slope {
+    double x = 0, y = 0;  ///< gradient of 4 pi W within the slice
+    double error = 0;     ///< of that
+    double bend = 0;      ///< bound of its own derivatives in the block
+  };
   using Take = std::function<void(const Block&, double W)>;
 
   std::uint32_t build(std::uint32_t begin, std::uint32_t end);
@@ -99,8 +104,8 @@ class WindingNumber {
   double cap_angle(const Cap& cap, const std::array<std::int64_t, 3>& voxel, const Vector& p) const;
   static double strip_angle(const Vector& a, const Vector& b, const Vector& p);
   static double cluster_angle(const Node& node, const Vector& r);
-  /// Bound of the gradient of 4 pi W of a cap, as a part of the sum over all, within a distance from p.
-  static double slope_of(const Cap& cap, const Vector& p, double within);
+  /// Adds the gradient of 4 pi W of a cap at p, and how much it can change within a distance.
+  static void add_gradient(const Cap& cap, const Vector& p, double within, Slope& slope);
   /// Whether the cap meets the box of half sides hx, hy, 0 around p, roughly.
   static bool meets(const Cap& cap, const Vector& p, double hx, double hy);
   /// Calls `take` for blocks in which the rounded W is that of its middle, but for crossings of caps. `pool` from
