@@ -313,6 +313,13 @@ LoadedShape load_shape(const ShapeOptions& options, Session& session) {
   session.say(fmt::format("shape: {} x {} x {} voxels of {:.6g} x {:.6g} x {:.6g}, {} inside; {}", grid.dims[0],
                           grid.dims[1], grid.dims[2], grid.spacing[0], grid.spacing[1], grid.spacing[2],
                           loaded.shape.voxel_count(), topology_text(loaded.topology)));
+  // What the surface says, where it does not tell the topology of the solid.
+  if (loaded.kind == "mesh" && !loaded.topology_changed)
+    if (const auto parts = loaded.input["components"].get<std::int64_t>(); loaded.topology.betti[0] > parts)
+      session.say(fmt::format(
+          "warning: the shape has {}, the surface of the mesh {}: what is thinner than a voxel breaks or is lost; a "
+          "higher --resolution may help, --min-component N drops specks",
+          counted(loaded.topology.betti[0], "component", "components"), parts));
   if (loaded.kind == "volume" && loaded.topology.betti[0] > 100)
     session.say(
         fmt::format("note: the volume has {} components; --min-component N drops specks", loaded.topology.betti[0]));

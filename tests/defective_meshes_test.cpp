@@ -4,8 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -248,6 +250,28 @@ TEST(DefectiveMeshes, WhatEnclosesNothingIsRefusedInOneSentence) {
   TriangleMesh frame;
   testing_meshes::add_frame(frame, 5);
   EXPECT_NE(message(frame).find("encloses nothing"), std::string::npos);
+}
+
+// A bent sheet encloses nothing, but has a layer with |w| > 1/2 on its hollow side: it says that this is a guess.
+TEST(DefectiveMeshes, ABentSheetIsCalledAGuess) {
+  TriangleMesh sheet;
+  constexpr std::uint32_t n = 24;
+  for (std::uint32_t i = 0; i <= n; ++i) {
+    const double angle = std::numbers::pi * i / n;  // half of a tube
+    for (const double y : {-3.0, 3.0}) sheet.points.emplace_back(std::cos(angle), y, std::sin(angle));
+    if (i == n) break;
+    sheet.triangles.push_back({2 * i, 2 * i + 1, 2 * i + 2});
+    sheet.triangles.push_back({2 * i + 2, 2 * i + 1, 2 * i + 3});
+  }
+  const Voxelization v = voxelize(sheet, {.resolution = 60});
+  EXPECT_GT(v.defects.doubtful_share, 0.5);
+  EXPECT_NE(defects_text(v).find("are a guess"), std::string::npos) << defects_text(v);
+  TriangleMesh box;
+  testing_meshes::add_box(box, {0, 0, 0}, {24, 24, 24});
+  box.triangles.pop_back();
+  const Voxelization open = voxelize(box, {.resolution = 24});
+  EXPECT_LT(open.defects.doubtful_share, 0.3);
+  EXPECT_EQ(defects_text(open).find("guess"), std::string::npos) << defects_text(open);
 }
 
 TEST(FillRule, NamesAreThoseOfTheProgram) {

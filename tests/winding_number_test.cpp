@@ -11,6 +11,7 @@
 #include "damage.h"
 #include "quench/sample.h"
 #include "random_meshes.h"
+#include "shape/surface_caps.h"
 #include "shape/surface_edges.h"
 #include "shape/surface_repair.h"
 
@@ -71,6 +72,23 @@ TEST(WindingNumber, AddsUpToWholeCrossings) {
     }
   }
   EXPECT_GT(worst, 1e-9) << "no cluster was ever taken as a whole";
+}
+
+TEST(WindingNumber, CapsCloseEverySurface) {
+  const TriangleMesh clean = make_sample("torus", {.noise = 0, .seed = 1, .branches = 60, .detail = 0.15}).mesh;
+  for (const auto& damage : testing_damage::damages()) {
+    const Fixed fixed(damage.apply(clean, 6), 24);
+    const std::vector<BoundaryEdge> chain = boundary_chain(fixed.points.size(), fixed.faces);
+    std::int64_t edges = 0, told = 0;
+    for (const BoundaryEdge& e : chain) edges += e.times;
+    std::vector<Triangle> closed = fixed.faces;
+    for (const CapTriangle& cap : close_boundary(fixed.points.size(), fixed.faces)) {
+      closed.push_back(cap.corners);
+      for (const bool boundary : cap.boundary) told += boundary;
+    }
+    EXPECT_EQ(told, edges) << damage.name;
+    EXPECT_TRUE(boundary_chain(fixed.points.size(), closed).empty()) << damage.name;
+  }
 }
 
 TEST(WindingNumber, OfAnOpenBoxIsTheSolidAngle) {
