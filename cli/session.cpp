@@ -12,6 +12,8 @@
 #include <cstdio>
 #include <cstring>
 
+#include "quench/output_group.h"
+
 namespace quench::program {
 namespace {
 
@@ -19,8 +21,14 @@ namespace {
 std::atomic<Context*> interrupted_context{nullptr};
 
 void interrupt(int signal) {
+  static std::atomic<bool> again{false};
+  if (again.exchange(true)) {  // a second Ctrl-C ends at once
+    io::remove_temporary_files();
+    std::signal(signal, SIG_DFL);
+    std::raise(signal);
+    return;
+  }
   if (Context* context = interrupted_context.load()) context->cancel();
-  std::signal(signal, SIG_DFL);  // a second Ctrl-C ends at once
 }
 
 // An ignored signal stays ignored: nohup, and shells that start programs in the background.

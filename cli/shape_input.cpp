@@ -136,7 +136,8 @@ void load_mesh(const ShapeOptions& options, Session& session, LoadedShape& loade
                              {"flipped_components", v.defects.flipped_components},
                              {"scanlines", v.defects.scanlines},
                              {"defective_scanlines", v.defects.defective_scanlines},
-                             {"winding_share", v.defects.winding_share}};
+                             {"winding_share", v.defects.winding_share},
+                             {"doubtful_share", v.defects.doubtful_share}};
   loaded.parameters["resolution"] = resolution;
   loaded.parameters["fill"] = options.fill;
   if (options.keep_mesh) loaded.mesh = std::move(mesh);
@@ -223,7 +224,8 @@ void add_shape_options(CLI::App& app, ShapeOptions& o) {
       ->type_name("RULE")
       ->check(one_of({"nonzero", "evenodd", "winding", "auto"}))
       ->capture_default_str()
-      ->group(group);
+      ->group(group)
+      ->each([&o](const std::string&) { o.fill_given = true; });
   app.add_option("--threshold", o.foreground.threshold, "Volume: the shape is the voxels of at least this value")
       ->type_name("T")
       ->group(group);
@@ -313,6 +315,13 @@ LoadedShape load_shape(const ShapeOptions& options, Session& session) {
   session.say(fmt::format("shape: {} x {} x {} voxels of {:.6g} x {:.6g} x {:.6g}, {} inside; {}", grid.dims[0],
                           grid.dims[1], grid.dims[2], grid.spacing[0], grid.spacing[1], grid.spacing[2],
                           loaded.shape.voxel_count(), topology_text(loaded.topology)));
+  // What the surface says, where it does not tell the topology of the solid.
+  if (loaded.kind == "mesh" && !loaded.topology_changed)
+    if (const auto parts = loaded.input["components"].get<std::int64_t>(); loaded.topology.betti[0] > parts)
+      session.say(fmt::format(
+          "warning: the shape has {}, the surface of the mesh {}: what is thinner than a voxel breaks or is lost; a "
+          "higher --resolution may help, --min-component N drops specks",
+          counted(loaded.topology.betti[0], "component", "components"), parts));
   if (loaded.kind == "volume" && loaded.topology.betti[0] > 100)
     session.say(
         fmt::format("note: the volume has {} components; --min-component N drops specks", loaded.topology.betti[0]));
@@ -337,7 +346,7 @@ void take_parameters(ShapeOptions& options, const PolyData& result) {
   const auto has = [&](const char* name, auto check) { return p.contains(name) && (p[name].*check)(); };
   if (!options.resolution_given && has("resolution", &Json::is_number_integer))
     options.resolution = std::to_string(p["resolution"].get<std::int64_t>());
-  if (options.fill == "nonzero" && has("fill", &Json::is_string)) options.fill = p["fill"].get<std::string>();
+  if (!options.fill_given && has("fill", &Json::is_string)) options.fill = p["fill"].get<std::string>();
   ForegroundOptions& f = options.foreground;
   if (!f.threshold && !f.label) {
     if (has("threshold", &Json::is_number)) f.threshold = p["threshold"].get<double>();

@@ -20,6 +20,7 @@ struct ShapeOptions {
   std::string resolution = "256";
   bool resolution_given = false;
   std::string fill = "nonzero";
+  bool fill_given = false;
   std::string spacing;
   ForegroundOptions foreground;
   int subdivide = 1;

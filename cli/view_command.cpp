@@ -83,8 +83,9 @@ void check_options(const Options& o) {
     if (!fs::exists(file, ignored)) throw Error(ErrorCode::failed, fmt::format("'{}' does not exist", file));
   if (!o.shape.file.empty())
     check_shape_options(o.shape);
-  else if (o.shape.foreground.threshold || o.shape.foreground.label || o.shape.resolution_given)
-    throw Error(ErrorCode::usage, "--threshold, --label and --resolution say how --shape is read; give --shape too");
+  else if (o.shape.foreground.threshold || o.shape.foreground.label || o.shape.resolution_given || o.shape.fill_given)
+    throw Error(ErrorCode::usage,
+                "--threshold, --label, --resolution and --fill say how --shape is read; give --shape too");
 }
 
 [[noreturn]] void refuse_shape(const std::string& file) {
@@ -157,6 +158,13 @@ Action add_view(CLI::App& app) {
       ->type_name("N")
       ->group(shape)
       ->each([o](const std::string&) { o->shape.resolution_given = true; });
+  app.add_option("--fill", o->shape.fill,
+                 "What is inside of a --shape that is a mesh: 'nonzero', 'evenodd', 'winding' or 'auto' [default: what "
+                 "FILE says, else nonzero]")
+      ->type_name("RULE")
+      ->check(one_of({"nonzero", "evenodd", "winding", "auto"}))
+      ->group(shape)
+      ->each([o](const std::string&) { o->shape.fill_given = true; });
   app.add_option("--threshold", o->shape.foreground.threshold,
                  "--shape is a volume: its voxels of at least this value [default: what FILE says]")
       ->type_name("T")

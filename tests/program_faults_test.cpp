@@ -158,6 +158,17 @@ TEST_F(Faults, AnInterruptAtEveryCall) {
   });
 }
 
+TEST_F(Faults, ASecondInterruptAtEveryCall) {
+  sweep("interrupt twice", [](const Outcome& outcome, const std::string& call, std::size_t replaced, std::size_t,
+                              std::size_t temporaries) {
+    EXPECT_EQ(outcome.code, 128 + SIGINT);
+    if (call != "rename") {
+      EXPECT_EQ(replaced, 0u);
+    }
+    EXPECT_EQ(temporaries, 0u);
+  });
+}
+
 TEST_F(Faults, KilledAtEveryCall) {
   sweep("kill", [](const Outcome& outcome, const std::string& call, std::size_t replaced, std::size_t, std::size_t) {
     EXPECT_EQ(outcome.code, 128 + SIGKILL);

@@ -119,6 +119,29 @@ TEST_F(ViewProgram, AShapeIsReadAsTheFileSays) {
   EXPECT_EQ(p.meta["sites_to_world"].size(), 12u);
 }
 
+TEST_F(ViewProgram, AMeshIsFilledAsTheFileOrTheUserSays) {
+  REQUIRE_PAGE();
+  // Two boxes, one in the other: together they are solid or hollow.
+  std::string off = "OFF\n16 24 0\n";
+  for (const int size : {6, 2})
+    for (int c = 0; c < 8; ++c)
+      off += fmt::format("{} {} {}\n", c & 1 ? size : -size, c & 2 ? size : -size, c & 4 ? size : -size);
+  for (const int b : {0, 8})
+    for (const char* face : {"021", "123", "456", "657", "014", "415", "263", "367", "042", "246", "153", "357"})
+      off += fmt::format("3 {} {} {}\n", b + face[0] - '0', b + face[1] - '0', b + face[2] - '0');
+  folder.write("boxes.off", off);
+  works({"core", "boxes.off", "--resolution", "12", "--fill", "evenodd", "-o", "hollow.vtp"});
+  const auto sites = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{"view", "hollow.vtp", "--shape", "boxes.off", "-o", "page.html", "--overwrite"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    works(arguments);
+    return page("page.html")["shape/sites"].size();
+  };
+  const std::size_t hollow = sites({}), solid = sites({"--fill", "nonzero"});
+  EXPECT_GT(hollow, solid);
+  refuses(2, {"--fill", "--shape"}, {"view", "hollow.vtp", "--fill", "winding", "-o", "other.html"});
+}
+
 TEST_F(ViewProgram, BudgetsAndNotes) {
   REQUIRE_PAGE();
   make_core();

@@ -119,6 +119,11 @@ TEST_F(ThroughItk, RefusesWhatIsNoScalarVolume) {
                                           "space directions: (1,0,0) (0.1,1,0) (0,0,1)\nspace origin: (0,0,0)\n",
                                           "a")),
           "not perpendicular");
+  refusal(folder.write("tiny.nrrd", nrrd("type: uint8\ndimension: 3\nspace dimension: 3\nsizes: 1 1 1\n"
+                                         "space directions: (1e-300,0,0) (0,1e-300,0) (0,0,1e-300)\nspace origin: "
+                                         "(0,0,0)\n",
+                                         "a")),
+          "no direction of axis 0");
   refusal(folder.write("rgb.nrrd", nrrd("type: uint8\ndimension: 4\nspace dimension: 3\nsizes: 3 1 1 1\nkinds: "
                                         "RGB-color domain domain domain\nspace directions: none (1,0,0) (0,1,0) "
                                         "(0,0,1)\nspace origin: (0,0,0)\n",

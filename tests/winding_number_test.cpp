@@ -11,6 +11,7 @@
 #include "damage.h"
 #include "quench/sample.h"
 #include "random_meshes.h"
+#include "shape/surface_caps.h"
 #include "shape/surface_edges.h"
 #include "shape/surface_repair.h"
 
@@ -73,6 +74,23 @@ TEST(WindingNumber, AddsUpToWholeCrossings) {
   EXPECT_GT(worst, 1e-9) << "no cluster was ever taken as a whole";
 }
 
+TEST(WindingNumber, CapsCloseEverySurface) {
+  const TriangleMesh clean = make_sample("torus", {.noise = 0, .seed = 1, .branches = 60, .detail = 0.15}).mesh;
+  for (const auto& damage : testing_damage::damages()) {
+    const Fixed fixed(damage.apply(clean, 6), 24);
+    const std::vector<BoundaryEdge> chain = boundary_chain(fixed.points.size(), fixed.faces);
+    std::int64_t edges = 0, told = 0;
+    for (const BoundaryEdge& e : chain) edges += e.times;
+    std::vector<Triangle> closed = fixed.faces;
+    for (const CapTriangle& cap : close_boundary(fixed.points.size(), fixed.faces)) {
+      closed.push_back(cap.corners);
+      for (const bool boundary : cap.boundary) told += boundary;
+    }
+    EXPECT_EQ(told, edges) << damage.name;
+    EXPECT_TRUE(boundary_chain(fixed.points.size(), closed).empty()) << damage.name;
+  }
+}
+
 TEST(WindingNumber, OfAnOpenBoxIsTheSolidAngle) {
   TriangleMesh mesh;
   testing_meshes::add_box(mesh, {0, 0, 0}, {8, 8, 8});
@@ -97,7 +115,7 @@ TEST(WindingNumber, BlocksAgreeWithTheirVoxels) {
     const WindingNumber winding(fixed.points, fixed.faces);
     std::vector<std::vector<OffsetStep>> rows;
     for (std::int64_t z = 0; z < n; z += 5) {
-      winding.offsets(z, {n, n, n}, rows);
+      winding.offsets(z, {n, n, n}, crossings_of_slice({fixed.points, winding.caps(), {n, n, n}}, z), rows);
       ASSERT_EQ(rows.size(), static_cast<std::size_t>(n));
       for (std::int64_t y = 0; y < n; ++y) {
         const auto& row = rows[static_cast<std::size_t>(y)];
@@ -142,7 +160,7 @@ TEST(WindingNumber, EdgesOnCentresAreDecidedAsCrossingsAre) {
   std::vector<std::vector<OffsetStep>> rows;
   const WindingNumber winding(fixed.points, fixed.faces);
   for (std::int64_t z = 0; z < 9; ++z) {
-    winding.offsets(z, {9, 9, 9}, rows);
+    winding.offsets(z, {9, 9, 9}, crossings_of_slice({fixed.points, winding.caps(), {9, 9, 9}}, z), rows);
     for (const auto& row : rows)
       for (const OffsetStep& s : row) EXPECT_LE(std::abs(s.offset), 1);
   }

@@ -28,8 +28,13 @@ class OutputGroup {
   friend struct PostponedRename;
   struct Pending {
     std::filesystem::path temporary, target, name;
+    int place;  // of the name of the temporary file, for remove_temporary_files()
   };
   std::vector<Pending> pending_;
 };
+
+/// Removes the temporary files of all outputs that are not in place yet, of up to 64. For handlers of signals that end
+/// the process at once: it neither allocates nor waits, and outputs being written are lost.
+void remove_temporary_files() noexcept;
 
 }  // namespace quench::io

@@ -53,6 +53,7 @@ struct SurfaceDefects {
   std::int64_t scanlines = 0;            ///< of the mesh's box
   std::int64_t defective_scanlines = 0;  ///< whose crossings alone do not decide: the generalized winding number does
   double winding_share = 0;              ///< share of the shape's voxels on these
+  double doubtful_share = 0;  ///< share of the shape's voxels with |w| below 3/4 (of some thousand samples): guesses
 };
 
 struct Voxelization {

@@ -176,6 +176,12 @@ Grid grid_of(const ImageIO& io, const std::filesystem::path& file) {
     const std::vector<double> column = io.GetDirection(a);
     for (unsigned row = 0; row < 3; ++row)
       grid.direction(row, a) = row < used && row < column.size() ? column[row] : row == a;
+    // The libraries make the direction from the vector of a step, dividing by its length.
+    if (!(grid.direction.col(a).norm() > 0.5))
+      refuse(
+          fmt::format("has no direction of axis {}: the step between its voxels is 0 or too small for double "
+                      "precision; correct the header",
+                      a));
     if (grid.spacing[a] < 0) {  // some writers put a reflection there
       grid.spacing[a] = -grid.spacing[a];
       grid.direction.col(a) *= -1;

@@ -2,8 +2,10 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <array>
 #include <atomic>
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <system_error>
@@ -43,24 +45,50 @@ void write_to(const fs::path& target, const fs::path& file, const std::function<
 
 thread_local OutputGroup* open_group = nullptr;
 
+// Names of temporary files, for a handler of signals: it may neither allocate nor lock. Whoever takes a name out of its
+// place owns it.
+std::array<std::atomic<char*>, 64> remembered{};
+static_assert(std::atomic<char*>::is_always_lock_free);
+
+/// The place of the name; none, when all are taken.
+int remember(const fs::path& path) {
+  char* name = ::strdup(path.c_str());
+  for (std::size_t i = 0; name && i < remembered.size(); ++i)
+    if (char* empty = nullptr; remembered[i].compare_exchange_strong(empty, name)) return static_cast<int>(i);
+  std::free(name);
+  return -1;
+}
+
+void forget(int place) {
+  if (place >= 0) std::free(remembered[static_cast<std::size_t>(place)].exchange(nullptr));
+}
+
 /// Removes a file at the end of its scope unless it has been renamed.
 struct Temporary {
   fs::path path;
+  int place;
   bool renamed = false;
-  explicit Temporary(fs::path where) : path(std::move(where)) {}
+  explicit Temporary(fs::path where) : path(std::move(where)), place(remember(path)) {}
   Temporary(const Temporary&) = delete;
   Temporary& operator=(const Temporary&) = delete;
   ~Temporary() {
+    if (renamed) return;
     std::error_code ignored;
-    if (!renamed) fs::remove(path, ignored);
+    fs::remove(path, ignored);
+    forget(place);
   }
 };
 
 }  // namespace
 
+void remove_temporary_files() noexcept {
+  for (auto& place : remembered)
+    if (const char* name = place.exchange(nullptr)) ::unlink(name);
+}
+
 struct PostponedRename {
-  static void add(OutputGroup& group, fs::path temporary, fs::path target, fs::path name) {
-    group.pending_.push_back({std::move(temporary), std::move(target), std::move(name)});
+  static void add(OutputGroup& group, fs::path temporary, fs::path target, fs::path name, int place) {
+    group.pending_.push_back({std::move(temporary), std::move(target), std::move(name), place});
   }
 };
 
@@ -72,7 +100,10 @@ OutputGroup::OutputGroup() {
 OutputGroup::~OutputGroup() {
   open_group = nullptr;
   std::error_code ignored;
-  for (const Pending& file : pending_) fs::remove(file.temporary, ignored);
+  for (const Pending& file : pending_) {
+    fs::remove(file.temporary, ignored);
+    forget(file.place);
+  }
 }
 
 void OutputGroup::commit() {
@@ -81,6 +112,7 @@ void OutputGroup::commit() {
     std::error_code error;
     fs::rename(file.temporary, file.target, error);
     if (error) cannot_write(file.name, error.message());
+    forget(file.place);
     pending_.erase(pending_.begin());
   }
 }
@@ -113,7 +145,7 @@ void write_atomically(const fs::path& file, const std::function<void(std::ostrea
   write_to(temporary.path, file, body);
   if (fs::exists(status)) fs::permissions(temporary.path, status.permissions(), ignored);
   if (open_group) {
-    PostponedRename::add(*open_group, temporary.path, target, file);
+    PostponedRename::add(*open_group, temporary.path, target, file, temporary.place);
     temporary.renamed = true;
     return;
   }
@@ -121,6 +153,7 @@ void write_atomically(const fs::path& file, const std::function<void(std::ostrea
   fs::rename(temporary.path, target, error);
   if (error) cannot_write(file, error.message());
   temporary.renamed = true;
+  forget(temporary.place);
 }
 
 }  // namespace quench::io

@@ -110,14 +110,18 @@ std::uint64_t pack(std::int64_t y, std::int64_t x, bool leaving) {
 struct Slice {
   std::vector<Run> runs;
   std::vector<std::uint32_t> row_end;  ///< per scanline of the box: end of its runs
-  std::int64_t defective = 0, winding_voxels = 0;
+  std::int64_t defective = 0, winding_voxels = 0, sampled = 0, doubtful = 0;
   bool overlapping = false;
 };
 
 class Converter {
  public:
-  Converter(const FixedMesh& mesh, std::int64_t margin, Inside inside, const WindingNumber* winding)
-      : mesh_(mesh), margin_(margin), inside_(inside), winding_(winding) {}
+  /// The triangles of `mesh` from `faces` on are the caps of `winding`.
+  Converter(const FixedMesh& mesh, std::size_t faces, std::int64_t margin, Inside inside, const WindingNumber* winding)
+      : mesh_(mesh), faces_(faces), margin_(margin), inside_(inside), winding_(winding) {
+    constexpr std::int64_t samples = 1 << 13;
+    stride_ = std::max<std::int64_t>(1, mesh.cells[0] * mesh.cells[1] * mesh.cells[2] / samples);
+  }
 
   std::array<std::int64_t, 2> slices_of(std::uint32_t triangle) const {
     const auto& [a, b, c] = mesh_.triangles[triangle];
@@ -125,22 +129,35 @@ class Converter {
     return {first_centre_from(low), first_centre_from(high)};
   }
 
+  CapCrossings crossings(std::int64_t z) const {
+    std::vector<std::uint64_t> list;
+    for (std::uint32_t t = 0; t < mesh_.triangles.size(); ++t) cross(t, centre(z), list);
+    return summed(list);
+  }
+
   Slice convert(std::int64_t z, std::span<const std::uint32_t> triangles) const {
-    std::vector<std::uint64_t> crossings;
-    for (const std::uint32_t t : triangles) cross(t, centre(z), crossings);
+    std::vector<std::uint64_t> crossings, of_caps;
+    for (const std::uint32_t t : triangles) cross(t, centre(z), t < faces_ ? crossings : of_caps);
     std::sort(crossings.begin(), crossings.end());
     std::vector<std::vector<OffsetStep>> offsets;
-    if (winding_) winding_->offsets(z, mesh_.cells, offsets);
+    CapCrossings cap_crossings;
+    if (winding_) {
+      cap_crossings = summed(of_caps);
+      winding_->offsets(z, mesh_.cells, cap_crossings, offsets);
+    }
     Slice slice;
     slice.row_end.reserve(static_cast<std::size_t>(mesh_.cells[1]));
     auto at = crossings.begin();
     for (std::int64_t y = 0; y < mesh_.cells[1]; ++y) {
       const auto begin = at;
       while (at != crossings.end() && static_cast<std::int64_t>(*at >> 33) == y) ++at;
-      if (winding_)
+      if (winding_) {
+        const std::size_t runs_before = slice.runs.size();
         fill_row({begin, at}, offsets[static_cast<std::size_t>(y)], slice);
-      else if (at != begin)
+        if (!winding_->closed()) look_at_samples({begin, at}, cap_crossings, y, z, runs_before, slice);
+      } else if (at != begin) {
         fill_row({begin, at}, slice);
+      }
       slice.row_end.push_back(static_cast<std::uint32_t>(slice.runs.size()));
     }
     return slice;
@@ -162,6 +179,21 @@ class Converter {
     const FacePlane plane(*p[0], *p[1], *p[2], Z);
     for (std::int64_t j = first; j < last; ++j)
       crossings.push_back(pack(j, plane.first_voxel(centre(j)), plane.leaving()));
+  }
+
+  CapCrossings summed(std::vector<std::uint64_t>& crossings) const {
+    std::sort(crossings.begin(), crossings.end());
+    CapCrossings result;
+    auto at = crossings.begin();
+    for (std::int64_t y = 0; y < mesh_.cells[1]; ++y) {
+      result.row_begin.push_back(static_cast<std::uint32_t>(result.steps.size()));
+      for (std::int32_t sum = 0; at != crossings.end() && static_cast<std::int64_t>(*at >> 33) == y; ++at) {
+        sum += *at & 1 ? -1 : 1;
+        result.steps.push_back({static_cast<std::int32_t>(voxel(*at)), sum});
+      }
+    }
+    result.row_begin.push_back(static_cast<std::uint32_t>(result.steps.size()));
+    return result;
   }
 
   static std::int64_t voxel(std::uint64_t crossing) { return static_cast<std::int64_t>(crossing >> 1 & 0xffffffffu); }
@@ -197,6 +229,24 @@ class Converter {
       slice.winding_voxels += slice.runs[i].end - slice.runs[i].begin;
   }
 
+  /// How far from 1/2 the winding number of the row's foreground is, at every stride-th voxel of the box.
+  void look_at_samples(std::span<const std::uint64_t> crossings, const CapCrossings& of_caps, std::int64_t y,
+                       std::int64_t z, std::size_t first_run, Slice& slice) const {
+    const std::int64_t row = (z * mesh_.cells[1] + y) * mesh_.cells[0];
+    std::size_t c = 0;
+    std::int64_t winding = 0;
+    for (std::size_t i = first_run; i < slice.runs.size(); ++i) {
+      const std::int64_t begin = slice.runs[i].begin - margin_, end = slice.runs[i].end - margin_;
+      for (std::int64_t x = (row + begin + stride_ - 1) / stride_ * stride_ - row; x < end; x += stride_) {
+        for (; c < crossings.size() && voxel(crossings[c]) <= x; ++c) winding += crossings[c] & 1 ? -1 : 1;
+        const double w = std::abs(static_cast<double>(winding + of_caps.until(x, y)) - winding_->caps_angle(x, y, z));
+        const double certain = inside_ == Inside::odd ? 1 - std::abs(std::remainder(w - 1, 2)) : w;
+        ++slice.sampled;
+        slice.doubtful += certain < 0.75;
+      }
+    }
+  }
+
   void fill(std::int64_t begin, std::int64_t end, std::int64_t winding, Slice& slice) const {
     if (begin == end || (inside_ == Inside::odd ? winding % 2 == 0 : winding == 0)) return;
     slice.runs.push_back({static_cast<std::int32_t>(begin + margin_), static_cast<std::int32_t>(end + margin_)});
@@ -204,19 +254,49 @@ class Converter {
   }
 
   const FixedMesh& mesh_;
+  std::size_t faces_;
   std::int64_t margin_;
   Inside inside_;
   const WindingNumber* winding_;
+  std::int64_t stride_;  ///< of samples
 };
 
 }  // namespace
 
+int crossings_until(const FixedPoint& a, const FixedPoint& b, const FixedPoint& c,
+                    const std::array<std::int64_t, 3>& voxel) {
+  const std::int64_t Z = centre(voxel[2]);
+  const std::array<const FixedPoint*, 3> p{&a, &b, &c};
+  std::array<std::int64_t, 2> y{};
+  std::size_t spanning = 0;
+  for (std::size_t i = 0; i < 3; ++i)
+    if (((*p[i])[2] <= Z) != ((*p[(i + 1) % 3])[2] <= Z)) y[spanning++] = first_scanline(p[i], p[(i + 1) % 3], Z);
+  const auto [first, last] = std::minmax(y[0], y[1]);
+  if (voxel[1] < first || voxel[1] >= last) return 0;
+  const FacePlane plane(a, b, c, Z);
+  if (voxel[0] < plane.first_voxel(centre(voxel[1]))) return 0;
+  return plane.leaving() ? -1 : 1;
+}
+
+CapCrossings crossings_of_slice(const FixedMesh& mesh, std::int64_t z) {
+  return Converter(mesh, mesh.triangles.size(), 0, Inside::nonzero, nullptr).crossings(z);
+}
+
 // A sweep along z in batches of slices. Memory: 4 bytes per triangle that reaches into the batch and slice it spans, 8
 // per crossing of the batch, and the result; never all crossings at once.
-Digitization scan_convert(const FixedMesh& mesh, const Grid& grid, std::int64_t margin, Inside inside,
+Digitization scan_convert(const FixedMesh& given, const Grid& grid, std::int64_t margin, Inside inside,
                           const WindingNumber* winding, const Progress& progress) {
   constexpr std::int64_t batch_size = 32;
-  const Converter converter(mesh, margin, inside, winding);
+  FixedMesh closed;
+  std::vector<std::array<std::uint32_t, 3>> with_caps;
+  const bool capped = winding && !winding->closed();
+  if (capped) {
+    with_caps.assign(given.triangles.begin(), given.triangles.end());
+    with_caps.insert(with_caps.end(), winding->caps().begin(), winding->caps().end());
+    closed = {given.points, with_caps, given.cells};
+  }
+  const FixedMesh& mesh = capped ? closed : given;
+  const Converter converter(mesh, given.triangles.size(), margin, inside, winding);
   const std::int64_t slices = mesh.cells[2];
 
   // Triangles by the batch they enter: count, prefix, fill.
@@ -270,6 +350,8 @@ Digitization scan_convert(const FixedMesh& mesh, const Grid& grid, std::int64_t 
       const Slice& slice = converted[static_cast<std::size_t>(z - begin)];
       result.defective_scanlines += slice.defective;
       result.winding_voxels += slice.winding_voxels;
+      result.sampled += slice.sampled;
+      result.doubtful += slice.doubtful;
       result.overlapping = result.overlapping || slice.overlapping;
       append_empty(margin);
       std::uint32_t from = 0;

@@ -31,16 +31,25 @@ struct Progress {
 
 struct Digitization {
   VoxelShape shape;
-  std::int64_t scanlines = 0;            ///< of the box
-  std::int64_t defective_scanlines = 0;  ///< whose crossings alone do not decide: boundary edges have a say
-  std::int64_t winding_voxels = 0;       ///< foreground on these
-  bool overlapping = false;              ///< some voxel has a winding number beyond -1, 0, 1
+  std::int64_t scanlines = 0;              ///< of the box
+  std::int64_t defective_scanlines = 0;    ///< whose crossings alone do not decide: boundary edges have a say
+  std::int64_t winding_voxels = 0;         ///< foreground on these
+  std::int64_t sampled = 0, doubtful = 0;  ///< foreground looked at; |w| below 3/4, or as far from an odd number
+  bool overlapping = false;                ///< some voxel has a winding number beyond -1, 0, 1
 };
 
 class WindingNumber;
 
 /// What is inside, of the crossings counted from -x.
 enum class Inside { nonzero, odd };
+
+/// Signed crossings of one face on the scanline from -x to the centre of a voxel: -1, 0 or 1.
+int crossings_until(const FixedPoint& a, const FixedPoint& b, const FixedPoint& c,
+                    const std::array<std::int64_t, 3>& voxel);
+
+struct CapCrossings;
+/// Signed crossings of all faces with the scanlines of the slice z.
+CapCrossings crossings_of_slice(const FixedMesh& mesh, std::int64_t z);
 
 /// Gauss digitization; see the definition for how ties are decided. `grid` must be that of the result: `margin` empty
 /// voxels around mesh.cells. Without `winding`, crossings must return to 0 (odd: to an even number) on every scanline:

@@ -198,6 +198,8 @@ Voxelization digitize(const CheckedMesh& checked, const VoxelizeOptions& options
   defects.defective_scanlines = digitization.defective_scanlines;
   if (const std::int64_t voxels = result.shape.voxel_count(); voxels > 0)
     defects.winding_share = static_cast<double>(digitization.winding_voxels) / static_cast<double>(voxels);
+  if (digitization.sampled > 0)
+    defects.doubtful_share = static_cast<double>(digitization.doubtful) / static_cast<double>(digitization.sampled);
   const bool closed =
       choice.fill == FillRule::evenodd ? checked.analysis.odd_edges == 0 : checked.analysis.unbalanced_edges == 0;
   result.sound = closed && defects.flipped_faces == 0;
@@ -250,9 +252,16 @@ std::string defects_text(const Voxelization& v) {
                                               : "has parts that face inward";
   if (d.defective_scanlines == 0)
     return fmt::format("the mesh {} ({}); every scanline is decided by its crossings", what, found);
-  return fmt::format("the mesh {} ({}); the winding number decides {} of {}, with {:.2g}% of the shape's voxels", what,
-                     found, d.defective_scanlines, counted(d.scanlines, "scanline", "scanlines"),
-                     100 * d.winding_share);
+  std::string text =
+      fmt::format("the mesh {} ({}); the winding number decides {} of {}, with {:.2g}% of the shape's voxels", what,
+                  found, d.defective_scanlines, counted(d.scanlines, "scanline", "scanlines"), 100 * d.winding_share);
+  constexpr double much = 0.3;
+  if (d.doubtful_share > much)
+    text += fmt::format(
+        "; {:.2g}% of the voxels are a guess (winding number below 3/4): large parts of the surface are missing, or it "
+        "is a sheet that encloses nothing",
+        100 * d.doubtful_share);
+  return text;
 }
 
 std::string_view fill_name(FillRule rule) {

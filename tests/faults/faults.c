@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Preloaded into the program: the QUENCH_FAULT_AT-th call that writes a file (open for writing, write, close, rename)
 // goes wrong. QUENCH_FAULT says how: "full" (it and all later ones fail as on a full disk), "once" (it alone fails),
-// "kill" or "interrupt" (a signal arrives). When it happens, the name of the call goes into the file QUENCH_FAULT_MARK.
+// "kill", "interrupt" or "interrupt twice" (signals arrive). When it happens, the name of the call goes into the file QUENCH_FAULT_MARK.
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <errno.h>
@@ -39,8 +39,9 @@ static int goes_wrong(const char* call) {
     close(mark);
   }
   if (strcmp(how, "kill") == 0) raise(SIGKILL);
-  if (strcmp(how, "interrupt") == 0) {
+  if (strncmp(how, "interrupt", 9) == 0) {
     raise(SIGINT);
+    if (strcmp(how, "interrupt twice") == 0) raise(SIGINT);
     return 0;
   }
   return 1;
