@@ -95,6 +95,7 @@ void Labels::start_edges() {
 inline void Labels::label(std::uint32_t state, double t) {
   const bool push = !(status_[state] & burned) || status_[state] & queued || t < time_[state] - tolerance_;
   time_[state] = t;
+  status_[state] &= static_cast<unsigned char>(~floor);  // raised before, it may be too early again
   if (!push) return;
   status_[state] |= queued;
   queue_.push(t, state);
