@@ -17,7 +17,7 @@ enum class LambdaRule {
 
 struct CoreOptions {
   LambdaRule rule = LambdaRule::coface;
-  bool in_bricks = false;  ///< work on parts of the shape one after the other: less memory, the same result
+  bool in_bricks = false;  ///< work on parts of the shape one after the other: less memory, the same result, slower
 };
 
 /// The voxel core: the part of the Voronoi diagram of the boundary vertices of O whose dual Delaunay cells meet O

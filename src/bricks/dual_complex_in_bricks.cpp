@@ -58,8 +58,9 @@ class Rounds {
   void work_on_all(const BrickGrid& grid, double begin, double end) {
     if (grid.whole()) {  // on all threads
       Context inner;
-      inner.progress = [&](std::string_view, double fraction) {
-        checkpoint(context_, "delaunay", begin + (end - begin) * 0.99 * fraction);
+      inner.progress = [&](std::string_view stage, double fraction) {
+        const double done = stage == "delaunay" ? 0.5 * fraction : 0.5 + 0.49 * fraction;
+        checkpoint(context_, "delaunay", begin + (end - begin) * done);
       };
       std::vector<BrickPart> part(1);
       part[0] = work(brick({0, 0, 0}, grid), &inner);

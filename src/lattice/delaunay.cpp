@@ -57,12 +57,11 @@ Delaunay::Delaunay(std::span<const LatticePoint> sites, const std::array<std::in
 Delaunay::Delaunay(std::span<const LatticePoint> sites, const std::array<std::int64_t, 3>& spacing, const Box& box,
                    Context* context)
     : triangulation_(spacing, box.extent) {
-  // 4 * tetrahedron must fit 32 bits; there are fewer than 7 tetrahedra per site on every shape met.
-  if (sites.size() > (std::size_t{1} << 30) / 7)
+  if (sites.size() > kMostSites)
     throw Error(ErrorCode::failed,
                 fmt::format("{} boundary vertices are more than this version can triangulate at once "
                             "({}); use a lower resolution",
-                            sites.size(), (1u << 30) / 7));
+                            sites.size(), kMostSites));
   const std::vector<std::uint32_t> order = insertion_order(sites);
   auto& points = triangulation_.points;
   points.reserve(sites.size() + kBoxPoints);

@@ -37,6 +37,8 @@ class Delaunay {
            const LatticePoint& high, Context* context);
 
   static constexpr std::uint32_t kBoxPoints = 8;
+  /// 4 * tetrahedron must fit 32 bits; there are fewer than 7 tetrahedra per site on every shape met.
+  static constexpr std::size_t kMostSites = (std::size_t{1} << 30) / 7;
   const HugeVector<Point>& points() const { return triangulation_.points; }
   /// Dead slots have corner[0] == kNone.
   const RawHugeVector<Tetrahedron>& tetrahedra() const { return triangulation_.tetrahedra; }
