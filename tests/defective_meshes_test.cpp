@@ -132,8 +132,10 @@ TEST(DefectiveMeshes, EveryClosedMeshOfTheData) {
       continue;  // encloses nothing
     }
     expect_robust_is_the_same(mesh, 40, name);
-    // Branches of the vessel are thinner than the holes: pieces of them are gone.
-    if (std::getenv("QUENCH_TEST_FULL")) expect_limits(mesh, 48, name, name == "vessel.off" ? 2 : 1);
+    // Branches of the vessel are thinner than the holes: pieces of them are gone. A flat face of the fandisk lies so
+    // near to a layer of centres that moved points decide on the layer.
+    const bool wider = name == "vessel.off" || name == "fandisk.off";
+    if (std::getenv("QUENCH_TEST_FULL")) expect_limits(mesh, 48, name, wider ? 2 : 1);
     ++compared;
   }
   EXPECT_GT(compared, 0);
