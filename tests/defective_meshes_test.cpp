@@ -76,8 +76,7 @@ void expect_limits(const TriangleMesh& clean, std::int64_t resolution, const std
     EXPECT_EQ(v.sound, defects_text(v).empty()) << where;
     if (difference > 0) {
       EXPECT_FALSE(v.sound) << where;
-      // A tip may be cut off where it is thin: the hole is small and filled, and crossings decide.
-      EXPECT_GT(v.defects.winding_share + static_cast<double>(v.defects.filled_holes), 0) << where;
+      EXPECT_GT(v.defects.unbalanced_edges, 0) << where;
     }
   }
 }
