@@ -6,6 +6,9 @@
 // whose erosion thickness exceeds a voxel (of a core of Quench; else --unit, or the default spacing), against a run by
 // segments at a tenth of the default (--fine).
 #include <fmt/format.h>
+#if defined(__GLIBC__)
+#include <malloc.h>
+#endif
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -66,10 +69,14 @@ double peak_bytes() {
   return static_cast<double>(usage.ru_maxrss) * 1024;
 }
 
-// Peak memory of one burn above what was there before, measured in a process of its own.
+// Peak memory of one burn above what was there before, measured in a process of its own. What reading the file has left
+// free goes back to the system first: else the burn would use it again, and it would not be counted.
 double burn_bytes(const Axis& axis, const BurnOptions& options) {
   int pipes[2];
   if (pipe(pipes) != 0) return 0;
+#if defined(__GLIBC__)
+  malloc_trim(0);
+#endif
   const pid_t child = fork();
   if (child == 0) {
     const double before = peak_bytes();

@@ -55,11 +55,19 @@ CorePipelineResult compute_core(const LoadedShape& loaded, const CorePipelineOpt
   const bool automatic = options.lambda == "auto";
 
   const std::int64_t sites = count_boundary_vertices(loaded.shape);
-  session.check_memory(predicted_core_bytes(sites),
-                       fmt::format("the medial axis of a shape with {} boundary vertices", sites));
-  session.detail(fmt::format("{} boundary vertices, about {} of memory at the peak", sites,
-                             bytes_text(predicted_core_bytes(sites))));
   CheckedCoreOptions core_options;
+  std::int64_t bytes = predicted_core_bytes(sites);
+  std::string what = fmt::format("the medial axis of a shape with {} boundary vertices", sites);
+  if (bytes > session.memory_limit() && predicted_core_bytes_in_bricks(sites) < bytes) {
+    core_options.in_bricks = true;
+    what += fmt::format(", in bricks ({} at once),", bytes_text(bytes));
+    bytes = predicted_core_bytes_in_bricks(sites);
+  }
+  session.check_memory(bytes, what);
+  if (core_options.in_bricks)
+    session.say(fmt::format("{} boundary vertices are worked on in bricks: about {} of memory instead of {}", sites,
+                            bytes_text(bytes), bytes_text(predicted_core_bytes(sites))));
+  session.detail(fmt::format("{} boundary vertices, about {} of memory at the peak", sites, bytes_text(bytes)));
   if (!automatic) core_options.lambda = parse_length(options.lambda, "--lambda").resolve(loaded.longest_side, smallest);
   core_options.rule = options.rule == "ball" ? LambdaRule::ball : LambdaRule::coface;
   core_options.full = options.full;
@@ -87,6 +95,7 @@ CorePipelineResult compute_core(const LoadedShape& loaded, const CorePipelineOpt
                      {"betti", loaded.topology.betti},
                      {"voxelization_changed_topology", topology_changed_of(loaded)}};
   report["core"] = axis_section(core.vertices, core.edges, core.faces, core.topology, core.whole);
+  report["core"]["in_bricks"] = core.options.in_bricks;
   report["pruned"] = {{"lambda", std::isfinite(lambda) ? Json(lambda) : Json("inf")}};
   report["pruned"].update(
       axis_section(core.kept_vertices, core.kept_edges, core.kept_faces, core.topology, core.reconstructed));

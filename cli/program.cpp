@@ -48,7 +48,7 @@ void add_common(CLI::App& app, CommonOptions& options, unsigned common) {
       ->capture_default_str()
       ->group(group);
   app.add_option("--memory-limit", options.memory_limit,
-                 "Refuse to start what needs more, e.g. 8G [default: the memory that is free]")
+                 "Work in bricks or refuse to start what needs more, e.g. 8G [default: the memory that is free]")
       ->type_name("BYTES")
       ->group(group);
   if (common & answers_json)

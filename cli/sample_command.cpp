@@ -36,16 +36,6 @@ void write_truth(const std::string& file, const std::vector<RootBranch>& branche
   io::write_atomically(file, [&](std::ostream& out) { out << truth.dump(1) << '\n'; });
 }
 
-PolyData poly_data_of(const TriangleMesh& mesh) {
-  PolyData data;
-  data.points = mesh.points;
-  for (const auto& t : mesh.triangles) {
-    data.poly_corners.insert(data.poly_corners.end(), t.begin(), t.end());
-    data.poly_offsets.push_back(static_cast<std::uint32_t>(data.poly_corners.size()));
-  }
-  return data;
-}
-
 /// Triangles grow with the square of the detail, and a root has about a thousand per branch.
 void check_sample_memory(const std::string& name, const SampleOptions& options, const Session& session) {
   const double triangles =
@@ -125,7 +115,7 @@ Action add_sample(CLI::App& app) {
       io::write_volume(o->output, v.shape, &session.context);
       lines.push_back(fmt::format("{}: {} voxels inside", o->output, v.shape.voxel_count()));
     } else {
-      io::write_poly_data(o->output, poly_data_of(sample.mesh));
+      io::write_poly_data(o->output, to_poly_data(sample.mesh));
       lines.push_back(fmt::format("{}: {} vertices, {} triangles", o->output, sample.mesh.points.size(),
                                   sample.mesh.triangles.size()));
     }

@@ -128,9 +128,13 @@ void Session::check_not_inputs(const std::vector<std::filesystem::path>& outputs
   for (const auto& output : outputs) check_no_input(output, inputs);
 }
 
+std::int64_t Session::memory_limit() const {
+  return options.memory_limit.empty() ? available_memory() : parse_bytes(options.memory_limit);
+}
+
 void Session::check_memory(std::int64_t bytes, const std::string& what, const std::string& remedy) const {
   const bool limited = !options.memory_limit.empty();
-  const std::int64_t limit = limited ? parse_bytes(options.memory_limit) : available_memory();
+  const std::int64_t limit = memory_limit();
   if (bytes <= limit) return;
   throw Error(ErrorCode::failed,
               fmt::format("{} needs about {} of memory, and {} {}; use {}{}", what, bytes_text(bytes),

@@ -44,6 +44,8 @@ class Session {
                         const std::vector<std::filesystem::path>& inputs) const;
   /// The file of --json, for commands that write nothing else (check_output() includes it).
   void check_report(const std::vector<std::filesystem::path>& inputs) const;
+  /// --memory-limit or, without one, the memory that is free.
+  std::int64_t memory_limit() const;
   /// Throws Error(failed) with figures when `bytes` exceed --memory-limit or, without one, the memory that is free.
   void check_memory(std::int64_t bytes, const std::string& what,
                     const std::string& remedy = "a lower --resolution") const;

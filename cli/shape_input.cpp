@@ -294,9 +294,11 @@ LoadedShape load_shape(const ShapeOptions& options, Session& session) {
     const double parts = static_cast<double>(options.subdivide) * options.subdivide;
     double bytes = parts * (static_cast<double>(coarse.dims[1]) * static_cast<double>(coarse.dims[2]) * 4 +
                             static_cast<double>(loaded.shape.runs().size()) * 20);
-    if (options.core_follows)
-      bytes = std::max(bytes, static_cast<double>(predicted_core_bytes(static_cast<std::int64_t>(
-                                  parts * static_cast<double>(count_boundary_vertices(loaded.shape))))));
+    if (options.core_follows) {
+      const auto sites = static_cast<std::int64_t>(parts * static_cast<double>(count_boundary_vertices(loaded.shape)));
+      bytes = std::max(
+          bytes, static_cast<double>(std::min(predicted_core_bytes(sites), predicted_core_bytes_in_bricks(sites))));
+    }
     session.check_memory(static_cast<std::int64_t>(std::min(bytes, 0x1p62)),
                          fmt::format("--subdivide {}", options.subdivide));
     loaded.shape = subdivide(loaded.shape, options.subdivide);

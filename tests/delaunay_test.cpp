@@ -89,6 +89,29 @@ TEST(Delaunay, LargeCavities) {
   }
 }
 
+// Ranges of few sites: most polytopes have tetrahedra in several.
+TEST(Polytopes, DoNotDependOnRanges) {
+  for (std::uint64_t seed = 0; seed < 300; ++seed) {
+    const VoxelShape shape =
+        seed == 0 ? testing_shapes::box_shape(9, 9, 9) : testing_shapes::random_shape(seed, 10, seed % 3 == 0);
+    const auto sites = boundary_vertices(shape);
+    const auto polytopes = [&](std::size_t range) {
+      auto delaunay = std::make_unique<Delaunay>(sites, integer_spacing(shape.grid()), nullptr);
+      return polytopes_inside(shape, std::move(delaunay), sites, nullptr, range);
+    };
+    const Polytopes whole = polytopes(sites.size());
+    for (const std::size_t range : {std::size_t{1}, std::size_t{3}, std::size_t{17}}) {
+      const Polytopes parts = polytopes(range);
+      ASSERT_EQ(parts.sites, whole.sites) << "seed " << seed;
+      ASSERT_EQ(parts.site_offsets, whole.site_offsets) << "seed " << seed;
+      ASSERT_EQ(parts.member_offsets, whole.member_offsets) << "seed " << seed;
+      for (std::uint32_t p = 0; p < parts.count(); ++p)
+        for (std::uint32_t m = parts.member_offsets[p]; m < parts.member_offsets[p + 1]; ++m)
+          ASSERT_EQ(parts.polytope_of[parts.members[m]], p) << "seed " << seed;
+    }
+  }
+}
+
 // The fast paths against plain 128-bit evaluation, on points around ties at every magnitude.
 TEST(Predicates, FilteredSignsAreExact) {
   std::mt19937_64 random(7);
@@ -123,6 +146,8 @@ TEST(Predicates, FilteredSignsAreExact) {
       }
       const int expected = (det > 0) - (det < 0);
       ASSERT_EQ(predicates.in_sphere(p[0], p[1], p[2], p[3], p[4]), expected) << "range " << range;
+      ASSERT_EQ(predicates.on_sphere(predicates.sphere(p[0], p[1], p[2], p[3]), p[4]), expected == 0)
+          << "range " << range;
       ties += expected == 0;
     }
     EXPECT_GT(ties, 1000);

@@ -145,6 +145,22 @@ TEST_F(Refusals, TooLittleMemory) {
   refuses(1, {"--memory-limit"}, {"run", "box.ply", "--memory-limit", "1M", "-o", "folder"});
 }
 
+// Between what is needed at once and in bricks, the program works in bricks and says so; below, it names both figures.
+TEST_F(Refusals, BricksWhenMemoryIsShort) {
+  works({"sample", "box", "-o", "box.ply"});
+  const std::vector<std::string> core{"core",   "box.ply",     "--resolution", "512",   "--json",
+                                      "r.json", "--overwrite", "-o",           "a.vtp", "--memory-limit"};
+  const auto with = [&](const char* limit) {
+    std::vector<std::string> words = core;
+    words.emplace_back(limit);
+    return words;
+  };
+  const Outcome outcome = works(with("360M"));
+  EXPECT_NE(outcome.err.find("in bricks: about"), std::string::npos) << outcome.err;
+  EXPECT_NE(bytes("r.json").find("\"in_bricks\": true"), std::string::npos);
+  refuses(1, {"in bricks", "at once", "--resolution"}, with("100M"));
+}
+
 TEST_F(Refusals, DiskFull) {
   works({"sample", "torus", "-o", "torus.ply", "--detail", "0.2"});
   folder.write("old.vtp", "precious");

@@ -27,7 +27,8 @@ void require_topology(const Topology& got, const Topology& wanted, const char* w
 struct CheckedCoreOptions {
   std::optional<double> lambda;  ///< world units; none: auto_lambda()
   LambdaRule rule = LambdaRule::coface;
-  bool full = false;  ///< also the cells below lambda
+  bool full = false;       ///< also the cells below lambda
+  bool in_bricks = false;  ///< as CoreOptions::in_bricks
 };
 
 /// A pruned (or, `full`, whole) voxel core with what was found on the way.

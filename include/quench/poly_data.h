@@ -50,4 +50,7 @@ const DataArray* find_array(const std::vector<DataArray>& arrays, std::string_vi
 /// The polygons as triangle fans; isolated points and lines are left out.
 TriangleMesh to_triangle_mesh(const PolyData& data);
 
+/// The triangles as polygons, without arrays.
+PolyData to_poly_data(const TriangleMesh& mesh);
+
 }  // namespace quench

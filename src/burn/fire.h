@@ -23,12 +23,12 @@ struct Site {
   std::uint32_t edge_of(std::uint32_t state) const { return links.edge_of[state - vertex_states()]; }
   /// For the state of an inserted node: its place on the edge, from 1.
   std::uint32_t place_of(std::uint32_t state, std::uint32_t edge) const {
-    return (state - network.state_base[edge]) / network.sectors_of(edge) + 1;
+    return (state - links.edges[edge].state_base) / links.edges[edge].sectors() + 1;
   }
   double radius_inside(std::uint32_t edge, std::uint32_t place) const {
     const auto [a, b] = complex.edges[edge];
     return radius_inside_edge(radius[a], radius[b], network.length[edge],
-                              static_cast<double>(place) / network.pieces[edge], rule);
+                              static_cast<double>(place) / links.edges[edge].pieces, rule);
   }
   double radius_of(std::uint32_t state) const {
     if (is_vertex(state)) return radius[links.vertex_of[state]];
@@ -75,28 +75,33 @@ class Labels {
   double time(std::uint32_t s) const { return time_[s]; }
   bool is_burned(std::uint32_t s) const { return status_[s] & burned; }
   bool is_open(std::uint32_t s) const { return status_[s] & open; }
-  std::uint32_t through(std::uint32_t s) const { return origin_[s].through; }
-  const Source& source(std::uint32_t s) const { return origin_[s].source; }
+  std::uint32_t through(std::uint32_t s) const { return through_[s]; }
+  const Source& source(std::uint32_t s) const { return source_[s - site_.vertex_states()]; }
 
   /// The end: times, and a flag per state that burned because the others of its link had.
   void release(Times& times, std::vector<char>& opened);
 
  private:
-  struct Origin {
-    Source source;
-    std::uint32_t through;
-  };
+  void start_vertices();
+  void start_edges();
+  void prefetch_radius() const;
   void lower_time(std::uint32_t state, double t, std::uint32_t through, const Source& source);
+  void label(std::uint32_t state, double t);
   void label(std::uint32_t state, double t, std::uint32_t through, const Source& source);
   void lower_vertex(std::uint32_t state, double t, std::uint32_t through);
-  void lower_seam(std::uint32_t state, std::uint32_t edge, double t, std::uint32_t through, const Source& source);
+  bool is_parallel(std::uint32_t first, std::uint32_t count) const;
+  void lower_seam(std::uint32_t state, double t, std::uint32_t through, const Source& source);
 
   const Site& site_;
   double tolerance_;
   bool clamp_;
   LabelQueue queue_;
-  Times time_, arrival_;
-  lattice::HugeVector<Origin> origin_;  // of the segments only
+  Times time_;
+  Times arrival_;  // of the states of Links::arrivals
+  // Of the segments only: the polygon a front came through, and for inserted nodes (vertices are sources themselves)
+  // its source.
+  lattice::HugeVector<std::uint32_t> through_;
+  lattice::HugeVector<Source> source_;
   lattice::HugeVector<unsigned char> status_;
   std::vector<char> removed_;  // scratch
   SectorTimes sector_times_;

@@ -17,13 +17,12 @@ struct End {
   double field(double p) const { return source_time + std::sqrt((p - x) * (p - x) + y * y); }
 };
 
-End end_of(const Labels& labels, const PolygonView& view, std::uint32_t i, std::uint32_t k, double at) {
-  const Polygons::Side& side = view.side(i);
-  const std::uint32_t state = view.state(i, k);
+End end_of(const Labels& labels, const PolygonView& view, const Polygons::Side& side, std::uint32_t state, bool vertex,
+           double at) {
   End end{};
   end.at = at;
   end.time = labels.time(state);
-  end.vertex = k == 0 || k == side.pieces;
+  end.vertex = vertex;
   end.through = labels.through(state);
   end.from_inside = end.through == view.face;
   if (end.vertex) return end;
@@ -39,7 +38,9 @@ Ray ray(double source_x, double depth, double at) { return {true, at - source_x,
 
 class Builder {
  public:
-  Builder(const End& left, const End& right) : left_(left), right_(right) {}
+  Builder(const End& left, const End& right) : left_(left), right_(right) {
+    result_.start = std::min(left.time, right.time);
+  }
 
   void emit(const End& of, double from, double to) {
     result_.front[result_.count++] = {of.x, of.y, of.source_time, from, to};
@@ -132,10 +133,12 @@ class Builder {
 SegmentFronts segment_fronts(const Site& site, const Labels& labels, const PolygonView& view, std::uint32_t i,
                              std::uint32_t k, double tolerance) {
   const Polygons::Side& side = view.side(i);
+  const std::uint32_t from = view.state(i, k), to = view.state(i, k + 1);
+  if (labels.through(from) == view.face && labels.through(to) == view.face) return {};  // a
   const double w = side.spacing();
-  const End left = end_of(labels, view, i, k, w * k), right = end_of(labels, view, i, k + 1, w * (k + 1));
+  const End left = end_of(labels, view, side, from, k == 0, w * k),
+            right = end_of(labels, view, side, to, k + 1 == side.pieces, w * (k + 1));
   Builder build(left, right);
-  if (left.from_inside && right.from_inside) return build.result();  // a
 
   const double eps = 2 * tolerance;
   // On a seam two fronts can be compared when they came from one sheet, or one of them from this one.

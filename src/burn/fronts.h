@@ -25,7 +25,8 @@ struct Ray {
 struct SegmentFronts {
   int count = 0;
   Front front[2];
-  Ray left, right;  ///< at the node of smaller and of larger k
+  double start = 0;  ///< where there are fronts: the earlier time of the two nodes
+  Ray left, right;   ///< at the node of smaller and of larger k
 };
 
 /// BURNING.md, segment(e, [n1, n2], f): cases a to d. `k`, `k + 1` are the nodes; both must have burned.

@@ -28,7 +28,11 @@ class Link {
   void detach(std::uint32_t sector);
   std::span<const Links::Ends> ends_;
   std::span<char> removed_;
-  std::vector<std::uint32_t> degree_, sectors_xor_;  // per direction; with degree 1 the xor is the only sector
+  struct Direction {
+    std::uint32_t degree, sectors_xor;  // with degree 1 the xor is the only sector
+  };
+  std::vector<Direction> directions_;  // count_ of them are of this link
+  std::uint32_t count_ = 0;
   std::vector<std::uint32_t> free_, group_;
 };
 

@@ -8,24 +8,42 @@
 #include <cmath>
 #include <numeric>
 
+#include "burn/reserve_huge.h"
 #include "complex/pockets.h"
 #include "complex/union_find.h"
+#include "parallel.h"
 #include "quench/error.h"
 
 namespace quench::burning {
 namespace {
 
+template <class T>
+void resize_huge(std::vector<T>& vector, std::size_t count, T value = {}) {
+  reserve_huge(vector, count);
+  vector.assign(count, value);
+}
+
+// Calls body(first, last) for parts of [0, count) on all threads.
+template <class Body>
+void for_all(std::size_t count, const Body& body) {
+  const std::size_t chunks = chunks_for(count, std::size_t{1} << 14);
+  for_chunks(chunks, nullptr, {}, 0, 0, [&](std::size_t chunk) {
+    const auto [first, last] = part_of(count, chunk, chunks);
+    body(static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(last));
+  });
+}
+
 void list_sides(const CellComplex& complex, BurnNetwork& network) {
   const std::size_t corners = complex.face_vertices.size(), edges = complex.edges.size();
-  network.corner_face.resize(corners);
+  resize_huge(network.corner_face, corners);
   for (std::uint32_t f = 0; f < complex.face_count(); ++f)
     std::fill(network.corner_face.begin() + complex.face_offsets[f],
               network.corner_face.begin() + complex.face_offsets[f + 1], f);
-  network.side_offsets.assign(edges + 1, 0);
+  resize_huge(network.side_offsets, edges + 1);
   for (const std::uint32_t e : complex.face_edges) ++network.side_offsets[e + 1];
   std::partial_sum(network.side_offsets.begin(), network.side_offsets.end(), network.side_offsets.begin());
-  network.side_list.resize(corners);
-  network.side_rank.resize(corners);
+  resize_huge(network.side_list, corners);
+  resize_huge(network.side_rank, corners);
   std::vector<std::uint32_t> filled(edges, 0);
   for (std::uint32_t c = 0; c < corners; ++c) {
     const std::uint32_t e = complex.face_edges[c];
@@ -46,9 +64,9 @@ void split_edges(const CellComplex& complex, BurnNetwork& network, Propagation p
     for (std::uint32_t e = 0; e < edges; ++e)
       if (degree(network, e) > 2)
         for (const std::uint32_t v : complex.edges[e]) at_seam[v] = 1;
-  network.pieces.resize(edges);
-  network.node_base.resize(edges + 1);
-  network.state_base.resize(edges + 1);
+  resize_huge(network.pieces, edges);
+  resize_huge(network.node_base, edges + 1);
+  resize_huge(network.state_base, edges + 1);
   std::uint64_t nodes = complex.vertex_count, states = network.vertex_base.back();
   for (std::uint32_t e = 0; e < edges; ++e) {
     network.node_base[e] = static_cast<std::uint32_t>(nodes);
@@ -110,6 +128,51 @@ bool lay_flat(std::span<const std::uint32_t> corners, std::span<const Vec3> poin
   return flat;
 }
 
+void lay_sides(const CellComplex& complex, std::span<const Vec3> points, const BurnNetwork& network, std::uint32_t f,
+               std::vector<std::array<double, 2>>& plane, Polygons& polygons) {
+  const auto corners = complex.corners(f);
+  polygons.flat[f] = lay_flat(corners, points, plane);
+  for (std::uint32_t i = 0; i < corners.size(); ++i) {
+    const std::uint32_t c = complex.face_offsets[f] + i, e = complex.face_edges[c];
+    const auto &from = plane[i], &to = plane[i + 1 == corners.size() ? 0 : i + 1];
+    Polygons::Side& side = polygons.sides[c];
+    side.x = from[0];
+    side.y = from[1];
+    side.pieces = network.pieces[e] & 0x7FFFFFFFu;
+    side.dx = (to[0] - from[0]) / side.pieces;
+    side.dy = (to[1] - from[1]) / side.pieces;
+    side.length = network.length[e];
+    side.edge = e;
+    side.forward = complex.edges[e][0] == corners[i];
+    side.corner_state = network.corner_state[c];
+    side.state_base = network.state_base[e];
+    side.sectors = network.sectors_of(e);
+    side.rank = side.sectors > 1 ? network.side_rank[c] : 0;
+  }
+}
+
+// The ends of a vertex' sectors; `directions`: its singular edges, as they are met.
+void end_sectors(const CellComplex& complex, const BurnNetwork& network, std::uint32_t v,
+                 std::vector<std::uint32_t>& directions, Links& links) {
+  directions.clear();
+  for (std::uint32_t s = network.vertex_base[v]; s < network.vertex_base[v + 1]; ++s)
+    for (std::uint32_t i = links.corner_offsets[s]; i < links.corner_offsets[s + 1]; ++i) {
+      const std::uint32_t c = links.corner_list[i], f = network.corner_face[c];
+      const std::uint32_t before = c == complex.face_offsets[f] ? complex.face_offsets[f + 1] - 1 : c - 1;
+      for (const std::uint32_t e : {complex.face_edges[c], complex.face_edges[before]}) {
+        if (degree(network, e) == 2) continue;
+        std::uint32_t id = 0;
+        if (!links.edges[e].pocket) {
+          const auto found = std::find(directions.begin(), directions.end(), e);
+          id = static_cast<std::uint32_t>(found - directions.begin()) + 1;
+          if (found == directions.end()) directions.push_back(e);
+        }
+        auto& ends = links.ends[s];
+        (ends.a == kNone ? ends.a : ends.b) = id;
+      }
+    }
+}
+
 }  // namespace
 
 void number_sectors(const CellComplex& complex, BurnNetwork& network) {
@@ -130,11 +193,11 @@ void number_sectors(const CellComplex& complex, BurnNetwork& network) {
     same.unite(next[c], aligned ? next[d] : d);
   }
   // A set's root is its smallest corner: sectors of a vertex are numbered in the order of their first corners.
-  network.vertex_base.assign(std::size_t{complex.vertex_count} + 1, 0);
+  resize_huge(network.vertex_base, std::size_t{complex.vertex_count} + 1);
   for (std::uint32_t c = 0; c < corners; ++c)
     if (same.find(c) == c) ++network.vertex_base[complex.face_vertices[c] + 1];
   std::partial_sum(network.vertex_base.begin(), network.vertex_base.end(), network.vertex_base.begin());
-  network.corner_state.resize(corners);
+  resize_huge(network.corner_state, corners);
   std::vector<std::uint32_t> filled(complex.vertex_count, 0);
   for (std::uint32_t c = 0; c < corners; ++c) {
     const std::uint32_t root = same.find(c), v = complex.face_vertices[c];
@@ -146,8 +209,11 @@ BurnNetwork make_network(const CellComplex& complex, std::span<const Vec3> point
                          Propagation propagation) {
   BurnNetwork network;
   network.omega = omega;
-  network.length.reserve(complex.edges.size());
-  for (const auto& e : complex.edges) network.length.push_back((points[e[1]] - points[e[0]]).norm());
+  resize_huge(network.length, complex.edges.size());
+  for_all(complex.edges.size(), [&](std::uint32_t first, std::uint32_t last) {
+    for (std::uint32_t e = first; e < last; ++e)
+      network.length[e] = (points[complex.edges[e][1]] - points[complex.edges[e][0]]).norm();
+  });
   list_sides(complex, network);
   number_sectors(complex, network);
   network.pocket = faces_in_pockets(complex);
@@ -159,41 +225,23 @@ Polygons make_polygons(const CellComplex& complex, std::span<const Vec3> points,
   Polygons polygons;
   polygons.sides.resize(complex.face_vertices.size());
   polygons.flat.resize(complex.face_count());
-  std::vector<std::array<double, 2>> plane;
-  for (std::uint32_t f = 0; f < complex.face_count(); ++f) {
-    const auto corners = complex.corners(f);
-    polygons.flat[f] = lay_flat(corners, points, plane);
-    for (std::uint32_t i = 0; i < corners.size(); ++i) {
-      const std::uint32_t c = complex.face_offsets[f] + i, e = complex.face_edges[c];
-      const auto &from = plane[i], &to = plane[i + 1 == corners.size() ? 0 : i + 1];
-      Polygons::Side& side = polygons.sides[c];
-      side.x = from[0];
-      side.y = from[1];
-      side.pieces = network.pieces[e] & 0x7FFFFFFFu;
-      side.dx = (to[0] - from[0]) / side.pieces;
-      side.dy = (to[1] - from[1]) / side.pieces;
-      side.length = network.length[e];
-      side.edge = e;
-      side.forward = complex.edges[e][0] == corners[i];
-      side.corner_state = network.corner_state[c];
-      side.state_base = network.state_base[e];
-      side.sectors = network.sectors_of(e);
-      side.rank = side.sectors > 1 ? network.side_rank[c] : 0;
-    }
-  }
+  for_all(complex.face_count(), [&](std::uint32_t first, std::uint32_t last) {
+    std::vector<std::array<double, 2>> plane;
+    for (std::uint32_t f = first; f < last; ++f) lay_sides(complex, points, network, f, plane, polygons);
+  });
   return polygons;
 }
 
 Links make_links(const CellComplex& complex, const BurnNetwork& network) {
   Links links;
   const std::uint32_t states = network.vertex_base.back();
-  links.vertex_of.resize(states);
+  resize_huge(links.vertex_of, states);
   for (std::uint32_t v = 0; v < complex.vertex_count; ++v)
     for (std::uint32_t s = network.vertex_base[v]; s < network.vertex_base[v + 1]; ++s) links.vertex_of[s] = v;
-  links.corner_offsets.assign(std::size_t{states} + 1, 0);
+  resize_huge(links.corner_offsets, std::size_t{states} + 1);
   for (const std::uint32_t s : network.corner_state) ++links.corner_offsets[s + 1];
   std::partial_sum(links.corner_offsets.begin(), links.corner_offsets.end(), links.corner_offsets.begin());
-  links.corner_list.resize(network.corner_state.size());
+  resize_huge(links.corner_list, network.corner_state.size());
   std::vector<std::uint32_t> filled(states, 0);
   for (std::uint32_t c = 0; c < network.corner_state.size(); ++c) {
     const std::uint32_t s = network.corner_state[c];
@@ -201,46 +249,35 @@ Links make_links(const CellComplex& complex, const BurnNetwork& network) {
   }
   links.edge_of.resize(network.state_count() - states);
   links.edges.resize(complex.edges.size());
-  for (std::uint32_t e = 0; e < complex.edges.size(); ++e) {
-    std::fill(links.edge_of.begin() + (network.state_base[e] - states),
-              links.edge_of.begin() + (network.state_base[e + 1] - states), e);
-    auto& edge = links.edges[e];
-    edge = {};
-    edge.state_base = network.state_base[e];
-    edge.pieces = network.pieces[e];
-    edge.sectors = network.sectors_of(e);
-    edge.first_side = network.side_offsets[e];
-    edge.degree = degree(network, e);
-    const auto sides = network.sides_of(e);
-    for (std::size_t i = 0; i < sides.size(); ++i) {
-      if (i < 2) {
-        edge.corner[i] = sides[i];
-        edge.face[i] = network.corner_face[sides[i]];
+  for_all(complex.edges.size(), [&](std::uint32_t first, std::uint32_t last) {
+    for (std::uint32_t e = first; e < last; ++e) {
+      std::fill(links.edge_of.begin() + (network.state_base[e] - states),
+                links.edge_of.begin() + (network.state_base[e + 1] - states), e);
+      auto& edge = links.edges[e];
+      edge = {};
+      edge.state_base = network.state_base[e];
+      edge.pieces = network.pieces[e];
+      edge.first_side = network.side_offsets[e];
+      edge.degree = degree(network, e) & 0x7FFFFFFFu;
+      const auto sides = network.sides_of(e);
+      for (std::size_t i = 0; i < sides.size(); ++i) {
+        if (i < 2) edge.corner[i] = sides[i];
+        if (i < 2 && edge.degree <= 2) edge.face[i] = network.corner_face[sides[i]];
+        if (network.pocket[network.corner_face[sides[i]]]) edge.pocket = 1;
       }
-      if (network.pocket[network.corner_face[sides[i]]]) edge.pocket = true;
     }
-  }
-  links.ends.assign(states, {kNone, kNone});
-  std::vector<std::uint32_t> directions;  // singular edges at the vertex, as they are met
-  for (std::uint32_t v = 0; v < complex.vertex_count; ++v) {
-    directions.clear();
-    for (std::uint32_t s = network.vertex_base[v]; s < network.vertex_base[v + 1]; ++s)
-      for (std::uint32_t i = links.corner_offsets[s]; i < links.corner_offsets[s + 1]; ++i) {
-        const std::uint32_t c = links.corner_list[i], f = network.corner_face[c];
-        const std::uint32_t before = c == complex.face_offsets[f] ? complex.face_offsets[f + 1] - 1 : c - 1;
-        for (const std::uint32_t e : {complex.face_edges[c], complex.face_edges[before]}) {
-          if (degree(network, e) == 2) continue;
-          std::uint32_t id = 0;
-          if (!links.edges[e].pocket) {
-            const auto found = std::find(directions.begin(), directions.end(), e);
-            id = static_cast<std::uint32_t>(found - directions.begin()) + 1;
-            if (found == directions.end()) directions.push_back(e);
-          }
-          auto& ends = links.ends[s];
-          (ends.a == kNone ? ends.a : ends.b) = id;
-        }
-      }
-  }
+  });
+  links.arrivals = states;
+  for (std::uint32_t e = 0; e < complex.edges.size(); ++e)
+    if (links.edges[e].degree > 2) {
+      links.edges[e].first_arrival = links.arrivals;
+      links.arrivals += network.state_base[e + 1] - network.state_base[e];
+    }
+  resize_huge(links.ends, states, {kNone, kNone});
+  for_all(complex.vertex_count, [&](std::uint32_t first, std::uint32_t last) {
+    std::vector<std::uint32_t> directions;
+    for (std::uint32_t v = first; v < last; ++v) end_sectors(complex, network, v, directions, links);
+  });
   return links;
 }
 

@@ -46,13 +46,21 @@ struct Links {
   std::vector<std::uint32_t> corner_offsets;   ///< vertex states + 1, into
   std::vector<std::uint32_t> corner_list;      ///< the corners of each vertex state's sector, ascending
   lattice::HugeVector<std::uint32_t> edge_of;  ///< per state of an inserted node, from vertex_base.back()
-  /// What the fire asks of an edge, in one place in memory.
-  struct Edge {
-    std::uint32_t state_base, pieces, sectors, first_side, degree;
-    std::uint32_t corner[2], face[2];  ///< the first two of its sides, and their polygons
-    bool pocket;                       ///< some polygon at it is in a pocket
+  /// What the fire asks of an edge, in half a line of memory.
+  struct alignas(32) Edge {
+    std::uint32_t state_base, pieces, first_side;
+    std::uint32_t degree : 31, pocket : 1;  ///< polygons at it; some of them is in a pocket
+    std::uint32_t corner[2];                ///< the first two of its sides
+    union {
+      std::uint32_t face[2];        ///< with at most two polygons: those
+      std::uint32_t first_arrival;  ///< with more: place of its first state among the states of `arrivals`
+    };
+
+    std::uint32_t sectors() const { return degree > 2 ? degree : degree > 0; }
   };
   lattice::HugeVector<Edge> edges;
+  /// States whose times may differ from the arrival of fire: those of vertices, then those inside seams.
+  std::uint32_t arrivals = 0;
 };
 Links make_links(const CellComplex& complex, const BurnNetwork& network);
 

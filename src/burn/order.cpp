@@ -49,7 +49,8 @@ class Sequence {
     LabelQueue::Entry entry;
     const auto stale = [&](const LabelQueue::Entry& e) { return (status_[e.id] & kDone) != 0; };
     const double states = static_cast<double>(time_.size());
-    for (std::uint64_t popped = 0; queue_.pop(entry, stale);) {
+    const auto fetch = [&](std::uint32_t s) { prefetch(&status_[s]); };
+    for (std::uint64_t popped = 0; queue_.pop(entry, stale, fetch);) {
       prefetch_ahead(queue_, site_, done_time_.data());
       queue_.peek(12, [&](std::uint32_t s) { prefetch(&status_[s]); });
       if (stale(entry)) continue;
@@ -129,7 +130,7 @@ class Sequence {
     }
     if (!find_parent(state)) return;
     leave(state);
-    const std::uint32_t e = site_.edge_of(state), sectors = site_.links.edges[e].sectors;
+    const std::uint32_t e = site_.edge_of(state), sectors = site_.links.edges[e].sectors();
     std::uint32_t last = kNone;
     if (sectors > 1 && !site_.links.edges[e].pocket) {  // the last sheet goes with the last but one
       const std::uint32_t first = state - (state - site_.network.state_base[e]) % sectors;

@@ -93,9 +93,9 @@ void for_each_place(const Site& site, std::uint32_t state, const Wanted& wanted,
     const std::uint32_t i = c - site.complex.face_offsets[f];
     visit(view, Place{i, view.side(i).along_edge(along)});
   };
-  if (edge.sectors > 1) {
-    const std::uint32_t c = site.network.side_list[edge.first_side + from_base % edge.sectors];
-    visit_side(c, site.network.corner_face[c], from_base / edge.sectors + 1);
+  if (edge.degree > 2) {
+    const std::uint32_t c = site.network.side_list[edge.first_side + from_base % edge.degree];
+    visit_side(c, site.network.corner_face[c], from_base / edge.degree + 1);
   } else {
     for (std::uint32_t r = 0; r < edge.degree; ++r) visit_side(edge.corner[r], edge.face[r], from_base + 1);
   }

@@ -30,7 +30,7 @@ void prefetch_ahead(const LabelQueue& queue, const Site& site, const Value* per_
       for (std::uint32_t i = first; i < end; ++i) visit(links.corner_list[i]);
     } else {
       const auto& edge = links.edges[site.edge_of(state)];
-      for (std::uint32_t r = 0; r < std::min(edge.degree, 2u); ++r) visit(edge.corner[r]);
+      for (std::uint32_t r = 0; r < std::min<std::uint32_t>(edge.degree, 2); ++r) visit(edge.corner[r]);
     }
   };
   const auto& sides = site.polygons.sides;

@@ -29,6 +29,9 @@ struct Linear {
   double at0, step;
 };
 
+// Whether f(k) > 0 for all k in [0, beyond]: told without division, which is enough for most sides.
+bool is_positive(const Linear& f, double beyond) { return f.at0 > 0 && f.at0 > -f.step * beyond; }
+
 // The range of integers k in [low, high] with f(k) <= 0, kept in low and high as real numbers.
 void clip(const Linear& f, double& low, double& high) {
   if (f.step > 0) {
@@ -38,6 +41,37 @@ void clip(const Linear& f, double& low, double& high) {
   } else if (f.at0 > 0) {
     high = -1;
   }
+}
+
+// Integers k in [first, last], first >= 1.
+struct Range {
+  std::uint32_t first, last;
+  bool is_empty() const { return first > last; }
+};
+constexpr Range kEmpty{1, 0};
+
+// max(range.first, ceil(low)) and min(range.last, floor(high)) for low >= 0. Plain conversions: without SSE 4.1 ceil
+// and floor are long.
+Range within(const Range& range, double low, double high) {
+  Range result = range;
+  if (!(low <= range.last) || !(high >= range.first)) return kEmpty;
+  if (low > range.first) {
+    result.first = static_cast<std::uint32_t>(low);
+    result.first += result.first < low;
+  }
+  if (high < range.last) result.last = static_cast<std::uint32_t>(high);
+  return result;
+}
+// max(range.first, ceil(low) - 1) and min(range.last, floor(high) + 1) for low >= 0.
+Range around(const Range& range, double low, double high) {
+  Range result = range;
+  if (!(low <= range.last + 1.0) || !(high >= range.first - 1.0)) return kEmpty;
+  if (low > range.first + 1.0) {
+    result.first = static_cast<std::uint32_t>(low);
+    result.first -= !(result.first < low);
+  }
+  if (high < range.last - 1.0) result.last = static_cast<std::uint32_t>(high) + 1;
+  return result;
 }
 
 class Segments {
@@ -87,7 +121,7 @@ class Segments {
     if (!labels_.is_burned(view.state(i, neighbour))) return false;
     fronts = segment_fronts(site_, labels_, view, i, k, tolerance_);
     if (fronts.count == 0) return true;
-    const double start = std::min(labels_.time(view.state(i, k)), labels_.time(view.state(i, k + 1)));
+    const double start = fronts.start;
     for (int front = 0; front < fronts.count; ++front) send(view, i, fronts.front[front], start);
     return true;
   }
@@ -107,29 +141,34 @@ class Segments {
   // on either side.
   void node_arcs(const PolygonView& view, const Place& place, double t, const Ray& left, const Ray& right) {
     const Point here = view.at(place.side, place.k);
-    const bool clipped = left.known || right.known;
-    const Frame frame(view.side(clipped ? place.side : 0));
+    const auto send_to = [&](std::uint32_t i, const Range& range) {
+      view.nodes(i, range.first, range.last, [&](std::uint32_t k, std::uint32_t target) {
+        if (labels_.time(target) > t) lower(view, i, k, target, t + distance(view.at(i, k), here), here, t, view.face);
+      });
+    };
+    if (!left.known && !right.known) {
+      for_each_far_side(view, place, [&](std::uint32_t i, std::uint32_t first, std::uint32_t last) {
+        send_to(i, {first, last});
+      });
+      return;
+    }
+    const Frame frame(view.side(place.side));
     for_each_far_side(view, place, [&](std::uint32_t i, std::uint32_t first, std::uint32_t last) {
       const Polygons::Side& far = view.side(i);
-      double low = first, high = last;
-      if (clipped) {
-        const double x = (far.x - here.x) * frame.along.x + (far.y - here.y) * frame.along.y,
-                     y = (far.y - here.y) * frame.along.x - (far.x - here.x) * frame.along.y,
-                     dx = far.dx * frame.along.x + far.dy * frame.along.y,
-                     dy = far.dy * frame.along.x - far.dx * frame.along.y;
-        low = 0;
-        high = far.pieces;
-        if (left.known) clip({left.x * y - left.y * x, left.x * dy - left.y * dx}, low, high);
-        if (right.known) clip({right.y * x - right.x * y, right.y * dx - right.x * dy}, low, high);
-        low = std::max<double>(first, std::ceil(low) - 1);
-        high = std::min<double>(last, std::floor(high) + 1);
-      }
-      if (!(low <= high)) return;
-      view.nodes(i, static_cast<std::uint32_t>(low), static_cast<std::uint32_t>(high),
-                 [&](std::uint32_t k, std::uint32_t target) {
-                   if (labels_.time(target) > t)
-                     lower(view, i, k, target, t + distance(view.at(i, k), here), here, t, view.face);
-                 });
+      const double x = (far.x - here.x) * frame.along.x + (far.y - here.y) * frame.along.y,
+                   y = (far.y - here.y) * frame.along.x - (far.x - here.x) * frame.along.y,
+                   dx = far.dx * frame.along.x + far.dy * frame.along.y,
+                   dy = far.dy * frame.along.x - far.dx * frame.along.y;
+      const Linear beside_left{left.x * y - left.y * x, left.x * dy - left.y * dx},
+          beside_right{right.y * x - right.x * y, right.y * dx - right.x * dy};
+      const double beyond = last + 2.0;
+      if ((left.known && is_positive(beside_left, beyond)) || (right.known && is_positive(beside_right, beyond)))
+        return;
+      double low = 0, high = far.pieces;
+      if (left.known) clip(beside_left, low, high);
+      if (right.known) clip(beside_right, low, high);
+      const Range range = around({first, last}, low, high);
+      if (!range.is_empty()) send_to(i, range);
     });
   }
 
@@ -145,18 +184,20 @@ class Segments {
                    y = (far.y - source.y) * frame.along.x - (far.x - source.x) * frame.along.y,
                    dx = far.dx * frame.along.x + far.dy * frame.along.y,
                    dy = far.dy * frame.along.x - far.dx * frame.along.y;
+      const Linear before{from * y - front.depth * x, from * dy - front.depth * dx},
+          after{front.depth * x - to * y, front.depth * dx - to * dy};
+      const double beyond = last + 1.0;
+      if (is_positive(before, beyond) || is_positive(after, beyond)) return;
       double low = 0, high = far.pieces;
-      clip({from * y - front.depth * x, from * dy - front.depth * dx}, low, high);
-      clip({front.depth * x - to * y, front.depth * dx - to * dy}, low, high);
-      low = std::max<double>(first, std::ceil(low - 1e-9));
-      high = std::min<double>(last, std::floor(high + 1e-9));
-      if (!(low <= high)) return;
-      view.nodes(i, static_cast<std::uint32_t>(low), static_cast<std::uint32_t>(high),
-                 [&](std::uint32_t k, std::uint32_t target) {
-                   if (!(labels_.time(target) > start)) return;
-                   const double t = front.time + distance(view.at(i, k), source);
-                   if (t >= start) lower(view, i, k, target, t, source, front.time, view.face);
-                 });
+      clip(before, low, high);
+      clip(after, low, high);
+      const Range range = within({first, last}, low - 1e-9, high + 1e-9);
+      if (range.is_empty()) return;
+      view.nodes(i, range.first, range.last, [&](std::uint32_t k, std::uint32_t target) {
+        if (!(labels_.time(target) > start)) return;
+        const double t = front.time + distance(view.at(i, k), source);
+        if (t >= start) lower(view, i, k, target, t, source, front.time, view.face);
+      });
     });
   }
 

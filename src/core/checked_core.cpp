@@ -35,7 +35,7 @@ CheckedCore checked_core(const VoxelShape& shape, const Topology& wanted, double
   result.options = options;
   result.longest_side = longest_side;
   result.topology = wanted;
-  MedialAxis core = voxel_core(shape, {.rule = options.rule}, context);
+  MedialAxis core = voxel_core(shape, {.rule = options.rule, .in_bricks = options.in_bricks}, context);
   prune_levels(core, context);
   const Reconstruction reconstruction(shape, core, Reconstruction::kSamples, context);
   result.lambda =

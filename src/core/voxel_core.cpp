@@ -10,6 +10,7 @@
 #include <cmath>
 #include <memory>
 
+#include "bricks/dual_complex_in_bricks.h"
 #include "core/enclosing_ball.h"
 #include "lattice/cells.h"
 #include "lattice/delaunay.h"
@@ -159,8 +160,11 @@ static MedialAxis compute(const VoxelShape& shape, const CoreOptions& options, C
   axis.grid = shape.grid();
   axis.sites = boundary_vertices(shape);
   checkpoint(context, "delaunay", 0);
-  auto delaunay = std::make_unique<lattice::Delaunay>(axis.sites, spacing, context);
-  DualComplex dual = lattice::dual_complex(shape, std::move(delaunay), axis.sites, context);
+  DualComplex dual =
+      options.in_bricks
+          ? bricks::dual_complex_in_bricks(shape, axis.sites, spacing, bricks::plan_for(shape), context)
+          : lattice::dual_complex(shape, std::make_unique<lattice::Delaunay>(axis.sites, spacing, context), axis.sites,
+                                  context);
 
   axis.complex = std::move(dual.complex);
   axis.points.resize(axis.complex.vertex_count);
@@ -188,5 +192,7 @@ MedialAxis voxel_core(const VoxelShape& shape, const CoreOptions& options, Conte
   tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);
   return arena.execute([&] { return compute(shape, options, context); });
 }
+
+std::int64_t predicted_core_bytes_in_bricks(std::int64_t sites) { return sites * 350 + (std::int64_t{64} << 20); }
 
 }  // namespace quench

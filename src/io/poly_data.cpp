@@ -62,4 +62,16 @@ TriangleMesh to_triangle_mesh(const PolyData& data) {
   return mesh;
 }
 
+PolyData to_poly_data(const TriangleMesh& mesh) {
+  PolyData data;
+  data.points = mesh.points;
+  data.poly_corners.reserve(3 * mesh.triangles.size());
+  data.poly_offsets.reserve(mesh.triangles.size() + 1);
+  for (const auto& t : mesh.triangles) {
+    data.poly_corners.insert(data.poly_corners.end(), t.begin(), t.end());
+    data.poly_offsets.push_back(static_cast<std::uint32_t>(data.poly_corners.size()));
+  }
+  return data;
+}
+
 }  // namespace quench

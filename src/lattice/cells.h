@@ -34,4 +34,9 @@ struct DualComplex {
 DualComplex dual_complex(const VoxelShape& shape, std::unique_ptr<Delaunay> delaunay,
                          std::span<const LatticePoint> sites, Context* context);
 
+/// The edge between two vertices. `edge_begin`: per vertex the first edge whose smaller end it is. Throws
+/// Error(invariant) when there is none.
+std::uint32_t edge_between(const CellComplex& complex, const std::vector<std::uint32_t>& edge_begin, std::uint32_t u,
+                           std::uint32_t v);
+
 }  // namespace quench::lattice

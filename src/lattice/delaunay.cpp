@@ -21,28 +21,38 @@ constexpr std::uint32_t kBatch = 1 << 16;  // points per thread between two look
 
 }  // namespace
 
-Delaunay::Box Delaunay::enclosing_box(std::span<const LatticePoint> sites, const std::array<std::int64_t, 3>& spacing) {
+Delaunay::Box Delaunay::enclosing_box(const LatticePoint& low, const LatticePoint& high,
+                                      const std::array<std::int64_t, 3>& spacing) {
   Box box{{0, 0, 0}, {0, 0, 0}, 0};
   std::array<std::int64_t, 3> sorted = spacing;
   std::sort(sorted.begin(), sorted.end());
   const double poke = 0.5 * std::sqrt(static_cast<double>(sorted[1] * sorted[1] + sorted[2] * sorted[2]));
   for (int a = 0; a < 3; ++a) {
-    box.low[a] = box.high[a] = sites[0][a];
-    for (const auto& s : sites) {
-      box.low[a] = std::min<std::int64_t>(box.low[a], s[a]);
-      box.high[a] = std::max<std::int64_t>(box.high[a], s[a]);
-    }
     // spacing * voxels <= 2^20 on every axis, so poke < 2^20 and spacing * (difference of box corners) < 2^23.
     const auto margin = static_cast<std::int64_t>(std::ceil(poke / static_cast<double>(spacing[a]))) + 2;
-    box.low[a] -= margin;
-    box.high[a] += margin;
+    box.low[a] = low[a] - margin;
+    box.high[a] = high[a] + margin;
     box.extent = std::max(box.extent, box.high[a] - box.low[a]);
   }
   return box;
 }
 
+Delaunay::Box Delaunay::enclosing_box(std::span<const LatticePoint> sites, const std::array<std::int64_t, 3>& spacing) {
+  LatticePoint low = sites[0], high = sites[0];
+  for (const auto& s : sites)
+    for (int a = 0; a < 3; ++a) {
+      low[a] = std::min(low[a], s[a]);
+      high[a] = std::max(high[a], s[a]);
+    }
+  return enclosing_box(low, high, spacing);
+}
+
 Delaunay::Delaunay(std::span<const LatticePoint> sites, const std::array<std::int64_t, 3>& spacing, Context* context)
     : Delaunay(sites, spacing, enclosing_box(sites, spacing), context) {}
+
+Delaunay::Delaunay(std::span<const LatticePoint> sites, const std::array<std::int64_t, 3>& spacing,
+                   const LatticePoint& low, const LatticePoint& high, Context* context)
+    : Delaunay(sites, spacing, enclosing_box(low, high, spacing), context) {}
 
 Delaunay::Delaunay(std::span<const LatticePoint> sites, const std::array<std::int64_t, 3>& spacing, const Box& box,
                    Context* context)

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <utility>
 
 #include "lattice/insertion.h"
 #include "quench/context.h"
@@ -31,13 +32,19 @@ namespace quench::lattice {
 class Delaunay {
  public:
   Delaunay(std::span<const LatticePoint> sites, const std::array<std::int64_t, 3>& spacing, Context* context);
+  /// The box encloses all points from `low` to `high`, between which all sites lie: it is as far away from them.
+  Delaunay(std::span<const LatticePoint> sites, const std::array<std::int64_t, 3>& spacing, const LatticePoint& low,
+           const LatticePoint& high, Context* context);
 
   static constexpr std::uint32_t kBoxPoints = 8;
   const HugeVector<Point>& points() const { return triangulation_.points; }
   /// Dead slots have corner[0] == kNone.
   const RawHugeVector<Tetrahedron>& tetrahedra() const { return triangulation_.tetrahedra; }
+  /// Hand the arrays over; the rest of this object must not be used then.
+  HugeVector<Point> take_points() { return std::move(triangulation_.points); }
+  RawHugeVector<Tetrahedron> take_tetrahedra() { return std::move(triangulation_.tetrahedra); }
   const Predicates& predicates() const { return triangulation_.predicates; }
-  bool touches_box(const Tetrahedron& t) const {
+  static bool touches_box(const Tetrahedron& t) {
     return std::min({t.corner[0], t.corner[1], t.corner[2], t.corner[3]}) < kBoxPoints;
   }
 
@@ -50,6 +57,8 @@ class Delaunay {
     std::array<std::int64_t, 3> low, high;
     std::int64_t extent;
   };
+  static Box enclosing_box(const LatticePoint& low, const LatticePoint& high,
+                           const std::array<std::int64_t, 3>& spacing);
   static Box enclosing_box(std::span<const LatticePoint> sites, const std::array<std::int64_t, 3>& spacing);
   Delaunay(std::span<const LatticePoint> sites, const std::array<std::int64_t, 3>& spacing, const Box& box,
            Context* context);

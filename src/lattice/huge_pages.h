@@ -58,6 +58,20 @@ struct HugePageAllocator {
   }
 };
 
+/// Gives the memory of elements that nobody will read again back to the system, in whole pages; they still belong to
+/// their array, with any values. `array` must be the start of an array from HugePageAllocator, `count` its size.
+template <class T>
+void release_elements(T* array, std::size_t count, std::size_t first, std::size_t last) {
+#if defined(__linux__)
+  constexpr std::size_t kPage = HugePageAllocator<T>::kPage;
+  if (count * sizeof(T) < 4 * kPage) return;
+  const std::size_t begin = (first * sizeof(T) + kPage - 1) / kPage * kPage, end = last * sizeof(T) / kPage * kPage;
+  if (begin < end) madvise(reinterpret_cast<char*>(array) + begin, end - begin, MADV_DONTNEED);
+#else
+  static_cast<void>(array), static_cast<void>(count), static_cast<void>(first), static_cast<void>(last);
+#endif
+}
+
 template <class T>
 using HugeVector = std::vector<T, HugePageAllocator<T>>;
 template <class T>

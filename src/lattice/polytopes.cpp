@@ -25,170 +25,148 @@ void prefix_sum(std::vector<std::uint32_t>& counts) {
 
 namespace {
 
-constexpr std::uint32_t kAhead = 8;  // tetrahedra whose neighbours are fetched early
-
-// Components of tetrahedra, named by their smallest member; many threads may unite at once. Parents are never larger
-// than their children, so finding ends.
-class Components {
- public:
-  explicit Components(RawHugeVector<std::uint32_t>& parent) : parent_(parent) {}
-
-  std::uint32_t find(std::uint32_t t) {
-    for (;;) {
-      const std::uint32_t up = at(t).load(std::memory_order_relaxed);
-      if (up == t) return t;
-      const std::uint32_t top = at(up).load(std::memory_order_relaxed);
-      if (top == up) return up;
-      at(t).store(top, std::memory_order_relaxed);  // whatever others do meanwhile, top is above t
-      t = top;
-    }
-  }
-  void unite(std::uint32_t a, std::uint32_t b) {
-    for (;;) {
-      a = find(a);
-      b = find(b);
-      if (a == b) return;
-      if (a > b) std::swap(a, b);
-      if (at(b).compare_exchange_weak(b, a, std::memory_order_relaxed)) return;
-    }
-  }
-
- private:
-  std::atomic_ref<std::uint32_t> at(std::uint32_t t) { return std::atomic_ref<std::uint32_t>(parent_[t]); }
-  RawHugeVector<std::uint32_t>& parent_;
-};
+constexpr std::uint32_t kAhead = 8;                   // tetrahedra whose neighbours are fetched early
+constexpr std::size_t kPiece = std::size_t{1} << 19;  // tetrahedra squeezed together: whole pages
 
 class Merger {
  public:
-  Merger(const VoxelShape& shape, std::span<const LatticePoint> sites, Context* context)
-      : shape_(shape), sites_(sites), context_(context) {}
+  Merger(const Keep& keep, std::span<const LatticePoint> sites, const Predicates& predicates, std::size_t range,
+         Context* context)
+      : keep_(keep), sites_(sites), predicates_(predicates), range_(range), context_(context) {}
 
   Polytopes run(std::unique_ptr<Delaunay> delaunay) {
-    const Predicates predicates = delaunay->predicates();
     sort_inside(*delaunay);
     delaunay.reset();
-    unite_cospherical(predicates);
     collect();
     return std::move(result_);
   }
 
  private:
-  // The boundary faces and edges of O are Delaunay (Yan 2018, Thm. 2.4.1), so a tetrahedron is inside O or outside as
-  // a whole, and the voxel that contains its centroid tells. A centroid between voxels needs no care: it is not on the
-  // boundary of O, so all voxels around it agree.
-  bool inside(const Delaunay& delaunay, const Tetrahedron& t) const {
-    std::int64_t x = 0, y = 0, z = 0;
-    for (std::uint32_t c : t.corner) {
-      const Point& p = delaunay.points()[c];
-      x += p.x;
-      y += p.y;
-      z += p.z;
-    }
-    return shape_.contains(x >> 2, y >> 2, z >> 2);
-  }
-
-  // Keeps the tetrahedra inside O, by counting in the order of their smallest corners.
-  void sort_inside(const Delaunay& delaunay) {
-    const auto& old = delaunay.tetrahedra();
-    const auto& points = delaunay.points();
-    const std::size_t chunks = chunks_for(old.size());
-    RawHugeVector<std::uint32_t> place(old.size());  // first the smallest corner, then the new number
+  // Keeps what is wanted, by counting in the order of their smallest corners. First each piece of the old
+  // array is squeezed to its own front and the rest of its memory given back, so that the triangulation and what is
+  // kept of it are never there at once.
+  void sort_inside(Delaunay& delaunay) {
+    RawHugeVector<Tetrahedron> old = delaunay.take_tetrahedra();
+    RawHugeVector<std::uint32_t> place(old.size());  // first the rank among those with one smallest corner, then of all
+    const auto smallest = [](const Tetrahedron& t) { return *std::min_element(t.corner.begin(), t.corner.end()); };
     begin_.assign(sites_.size() + 1, 0);
-    for_chunks(chunks, context_, "merge", 0, 0.15, [&](std::size_t chunk) {
-      const auto [first, last] = part_of(old.size(), chunk, chunks);
-      for (std::size_t t = first; t < last; ++t) {
+    const std::size_t pieces = chunks_for(old.size(), kPiece);
+    const auto piece_end = [&](std::size_t piece) { return std::min(old.size(), (piece + 1) * kPiece); };
+    std::vector<std::size_t> kept_end(pieces);
+    const HugeVector<Point>& points = delaunay.points();
+    for_chunks(pieces, context_, "merge", 0, 0.15, [&](std::size_t piece) {
+      std::size_t kept = piece * kPiece;
+      for (std::size_t t = piece * kPiece; t < piece_end(piece); ++t) {
         place[t] = kNone;
-        if (old[t].corner[0] == kNone || delaunay.touches_box(old[t]) || !inside(delaunay, old[t])) continue;
-        for (const std::uint32_t c : old[t].corner) place[t] = std::min(place[t], points[c].site);
-        std::atomic_ref<std::uint32_t>(begin_[place[t] + 1]).fetch_add(1, std::memory_order_relaxed);
+        if (t + kAhead < piece_end(piece))
+          for (const std::uint32_t c : old[t + kAhead].corner)
+            if (c != kNone) prefetch(&points[c]);
+        if (old[t].corner[0] == kNone || Delaunay::touches_box(old[t]) || !keep_(static_cast<std::uint32_t>(t), old[t]))
+          continue;
+        Tetrahedron moved = old[t];
+        for (std::uint32_t& c : moved.corner) c = points[c].site;
+        place[t] = std::atomic_ref<std::uint32_t>(begin_[smallest(moved) + 1]).fetch_add(1, std::memory_order_relaxed);
+        old[kept++] = moved;
       }
+      kept_end[piece] = kept;
+      release_elements(old.data(), old.size(), kept, piece_end(piece));
     });
+    delaunay.take_points();
     prefix_sum(begin_);
-    std::vector<std::uint32_t> next(begin_.begin(), begin_.end() - 1);
-    for_chunks(chunks, context_, "merge", 0.15, 0.2, [&](std::size_t chunk) {
-      const auto [first, last] = part_of(old.size(), chunk, chunks);
-      for (std::size_t t = first; t < last; ++t)
-        if (place[t] != kNone)
-          place[t] = std::atomic_ref<std::uint32_t>(next[place[t]]).fetch_add(1, std::memory_order_relaxed);
+    for_chunks(pieces, context_, "merge", 0.15, 0.2, [&](std::size_t piece) {
+      std::size_t from = piece * kPiece;
+      for (std::size_t t = piece * kPiece; t < piece_end(piece); ++t)
+        if (place[t] != kNone) place[t] += begin_[smallest(old[from++])];
     });
     result_.tetrahedra.resize(begin_.back());
-    for_chunks(chunks, context_, "merge", 0.2, 0.3, [&](std::size_t chunk) {
-      const auto [first, last] = part_of(old.size(), chunk, chunks);
-      for (std::size_t t = first; t < last; ++t) {
-        if (t + kAhead < last && place[t + kAhead] != kNone) {
-          prefetch(&result_.tetrahedra[place[t + kAhead]]);
-          for (const std::uint32_t n : old[t + kAhead].neighbour) prefetch(&place[n >> 2]);
-        }
+    for_chunks(pieces, context_, "merge", 0.2, 0.3, [&](std::size_t piece) {
+      std::size_t from = piece * kPiece;
+      for (std::size_t t = piece * kPiece; t < piece_end(piece); ++t) {
         if (place[t] == kNone) continue;
-        Tetrahedron moved = old[t];  // no neighbour is on the hull: it does not touch the box
-        for (std::uint32_t& c : moved.corner) c = points[c].site;
+        if (from + kAhead < kept_end[piece])
+          for (const std::uint32_t n : old[from + kAhead].neighbour) prefetch(&place[n >> 2]);
+        Tetrahedron moved = old[from++];  // no neighbour is on the hull: it does not touch the box
         for (std::uint32_t& n : moved.neighbour) n = place[n >> 2] == kNone ? kNone : 4 * place[n >> 2] + (n & 3);
         result_.tetrahedra[place[t]] = moved;
       }
+      release_elements(old.data(), old.size(), piece * kPiece, piece_end(piece));
     });
   }
 
   Point point(std::uint32_t site) const { return {sites_[site][0], sites_[site][1], sites_[site][2], site}; }
 
-  void unite_cospherical(const Predicates& predicates) {
-    const auto& tetrahedra = result_.tetrahedra;
-    root_.resize(tetrahedra.size());
-    const std::size_t chunks = chunks_for(tetrahedra.size());
-    for_chunks(chunks, context_, "merge", 0.3, 0.31, [&](std::size_t chunk) {
-      const auto [first, last] = part_of(tetrahedra.size(), chunk, chunks);
-      for (std::size_t t = first; t < last; ++t) root_[t] = static_cast<std::uint32_t>(t);
-    });
-    Components components(root_);
-    for_chunks(chunks, context_, "merge", 0.31, 0.5, [&](std::size_t chunk) {
-      const auto [first, last] = part_of(tetrahedra.size(), chunk, chunks);
-      for (std::size_t t = first; t < last; ++t) {
-        const Tetrahedron& tet = tetrahedra[t];
-        for (const std::uint32_t neighbour : tet.neighbour) {
-          const std::uint32_t n = neighbour >> 2;
-          if (neighbour == kNone || n < t) continue;
-          if (predicates.in_sphere(point(tet.corner[0]), point(tet.corner[1]), point(tet.corner[2]),
-                                   point(tet.corner[3]), point(tetrahedra[n].corner[neighbour & 3])) == 0)
-            components.unite(static_cast<std::uint32_t>(t), n);
-        }
-      }
-    });
-    for_chunks(chunks, context_, "merge", 0.5, 0.53, [&](std::size_t chunk) {
-      const auto [first, last] = part_of(tetrahedra.size(), chunk, chunks);
-      for (std::size_t t = first; t < last; ++t) {
-        const std::uint32_t root = components.find(static_cast<std::uint32_t>(t));
-        std::atomic_ref<std::uint32_t>(root_[t]).store(root, std::memory_order_relaxed);
-      }
-    });
-  }
-
-  // Polytopes whose smallest corners lie in one range of sites: no polytope is in two ranges, since its root has its
-  // smallest corner.
+  // Polytopes whose smallest corners lie in one range of sites: no polytope is in two ranges.
   struct Part {
     std::vector<std::uint32_t> site_offsets{0}, sites, member_offsets{0}, members;
   };
 
-  void flood(std::uint32_t root, Part& part) {
-    const auto& tetrahedra = result_.tetrahedra;
-    std::size_t next = part.members.size();
-    const std::size_t first = part.sites.size();
-    part.members.push_back(root);
-    result_.polytope_of[root] = root;
-    for (; next < part.members.size(); ++next) {
-      const Tetrahedron& t = tetrahedra[part.members[next]];
-      part.sites.insert(part.sites.end(), t.corner.begin(), t.corner.end());
-      for (const std::uint32_t neighbour : t.neighbour) {
-        const std::uint32_t n = neighbour >> 2;
-        if (neighbour == kNone || root_[n] != root || result_.polytope_of[n] == root) continue;
-        result_.polytope_of[n] = root;
-        part.members.push_back(n);
-      }
+  // Finds the polytopes of one range of tetrahedra, [first, last). Ranges are worked on at the same time, so only
+  // tetrahedra of the own range are marked; the few others of a polytope are remembered in a list. A polytope belongs
+  // to the range of its first tetrahedron, which has its smallest corner; another range that comes upon it drops it.
+  class Flood {
+   public:
+    Flood(Merger& merger, std::uint32_t first, std::uint32_t last) : merger_(merger), first_(first), last_(last) {}
+
+    Part run() {
+      auto& mark = merger_.result_.polytope_of;
+      std::fill(mark.begin() + first_, mark.begin() + last_, kNone);
+      for (std::uint32_t t = first_; t < last_; ++t)
+        if (mark[t] == kNone) flood(t);
+      return std::move(part_);
     }
-    const auto begin = part.sites.begin() + static_cast<std::ptrdiff_t>(first);
-    std::sort(begin, part.sites.end());
-    part.sites.erase(std::unique(begin, part.sites.end()), part.sites.end());
-    part.site_offsets.push_back(static_cast<std::uint32_t>(part.sites.size()));
-    part.member_offsets.push_back(static_cast<std::uint32_t>(part.members.size()));
-  }
+
+   private:
+    bool visit(std::uint32_t t) {  // true the first time
+      if (t >= first_ && t < last_) {
+        merger_.result_.polytope_of[t] = t;
+        return true;  // marked ones do not come here
+      }
+      if (std::find(elsewhere_.begin(), elsewhere_.end(), t) != elsewhere_.end()) return false;
+      elsewhere_.push_back(t);
+      return true;
+    }
+
+    // All tetrahedra of a polytope have one sphere, so that of the first tells who belongs to it.
+    void flood(std::uint32_t start) {
+      const auto& tetrahedra = merger_.result_.tetrahedra;
+      auto& members = part_.members;
+      const std::size_t first_member = members.size(), first_site = part_.sites.size();
+      const auto& c = tetrahedra[start].corner;
+      const Predicates::Sphere sphere = merger_.predicates_.sphere(merger_.point(c[0]), merger_.point(c[1]),
+                                                                   merger_.point(c[2]), merger_.point(c[3]));
+      elsewhere_.clear();
+      bool earlier = false;
+      visit(start);
+      members.push_back(start);
+      for (std::size_t next = first_member; next < members.size(); ++next) {
+        const Tetrahedron& t = tetrahedra[members[next]];
+        part_.sites.insert(part_.sites.end(), t.corner.begin(), t.corner.end());
+        for (const std::uint32_t neighbour : t.neighbour) {
+          const std::uint32_t n = neighbour >> 2;
+          if (neighbour == kNone || (n >= first_ && n < last_ && merger_.result_.polytope_of[n] != kNone)) continue;
+          if (!merger_.predicates_.on_sphere(sphere, merger_.point(tetrahedra[n].corner[neighbour & 3]))) continue;
+          if (!visit(n)) continue;
+          members.push_back(n);
+          earlier = earlier || n < first_;
+        }
+      }
+      if (earlier) {
+        members.resize(first_member);
+        part_.sites.resize(first_site);
+        return;
+      }
+      const auto begin = part_.sites.begin() + static_cast<std::ptrdiff_t>(first_site);
+      std::sort(begin, part_.sites.end());
+      part_.sites.erase(std::unique(begin, part_.sites.end()), part_.sites.end());
+      part_.site_offsets.push_back(static_cast<std::uint32_t>(part_.sites.size()));
+      part_.member_offsets.push_back(static_cast<std::uint32_t>(members.size()));
+    }
+
+    Merger& merger_;
+    const std::uint32_t first_, last_;
+    std::vector<std::uint32_t> elsewhere_;  // tetrahedra of this polytope outside [first_, last_)
+    Part part_;
+  };
 
   // The polytopes of a part come by smallest corner; among equal ones the whole lists decide.
   static std::vector<std::uint32_t> sorted(const Part& part) {
@@ -210,18 +188,12 @@ class Merger {
 
   void collect() {
     result_.polytope_of.resize(result_.tetrahedra.size());
-    const std::size_t chunks = chunks_for(sites_.size(), std::size_t{1} << 13);
+    const std::size_t chunks = chunks_for(sites_.size(), range_);
     std::vector<Part> parts(chunks);
-    for_chunks(chunks, context_, "merge", 0.53, 0.55, [&](std::size_t chunk) {
+    for_chunks(chunks, context_, "merge", 0.3, 0.65, [&](std::size_t chunk) {
       const auto [first, last] = part_of(sites_.size(), chunk, chunks);
-      std::fill(result_.polytope_of.begin() + begin_[first], result_.polytope_of.begin() + begin_[last], kNone);
+      parts[chunk] = Flood(*this, begin_[first], begin_[last]).run();
     });
-    for_chunks(chunks, context_, "merge", 0.55, 0.65, [&](std::size_t chunk) {
-      const auto [first, last] = part_of(sites_.size(), chunk, chunks);
-      for (std::uint32_t t = begin_[first]; t < begin_[last]; ++t)
-        if (root_[t] == t) flood(t, parts[chunk]);
-    });
-    RawHugeVector<std::uint32_t>().swap(root_);
     std::vector<std::size_t> polytopes(chunks + 1, 0), corners(chunks + 1, 0), members(chunks + 1, 0);
     for (std::size_t c = 0; c < chunks; ++c) {
       polytopes[c + 1] = polytopes[c] + parts[c].site_offsets.size() - 1;
@@ -250,19 +222,38 @@ class Merger {
     });
   }
 
-  const VoxelShape& shape_;
+  const Keep& keep_;
   std::span<const LatticePoint> sites_;
+  const Predicates predicates_;
+  const std::size_t range_;
   Context* context_;
   Polytopes result_;
-  std::vector<std::uint32_t> begin_;   // per site: the first tetrahedron whose smallest corner it is
-  RawHugeVector<std::uint32_t> root_;  // per tetrahedron: the smallest one of its polytope
+  std::vector<std::uint32_t> begin_;  // per site: the first tetrahedron whose smallest corner it is
 };
 
 }  // namespace
 
+Polytopes polytopes_of(const Keep& keep, std::unique_ptr<Delaunay> delaunay, std::span<const LatticePoint> sites,
+                       Context* context, std::size_t range) {
+  return Merger(keep, sites, delaunay->predicates(), range, context).run(std::move(delaunay));
+}
+
 Polytopes polytopes_inside(const VoxelShape& shape, std::unique_ptr<Delaunay> delaunay,
-                           std::span<const LatticePoint> sites, Context* context) {
-  return Merger(shape, sites, context).run(std::move(delaunay));
+                           std::span<const LatticePoint> sites, Context* context, std::size_t range) {
+  // The boundary faces and edges of O are Delaunay (Yan 2018, Thm. 2.4.1), so a tetrahedron is inside O or outside as
+  // a whole, and the voxel that contains its centroid tells. A centroid between voxels needs no care: it is not on the
+  // boundary of O, so all voxels around it agree.
+  const auto inside = [&shape, &points = delaunay->points()](std::uint32_t, const Tetrahedron& t) {
+    std::int64_t x = 0, y = 0, z = 0;
+    for (std::uint32_t c : t.corner) {
+      const Point& p = points[c];
+      x += p.x;
+      y += p.y;
+      z += p.z;
+    }
+    return shape.contains(x >> 2, y >> 2, z >> 2);
+  };
+  return polytopes_of(inside, std::move(delaunay), sites, context, range);
 }
 
 }  // namespace quench::lattice

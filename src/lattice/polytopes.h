@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -26,8 +27,19 @@ struct Polytopes {
 
 /// Merges the cospherical tetrahedra inside O; consumes the triangulation to free its memory early. The polytopes do
 /// not depend on the triangulation, the order of tetrahedra does. Linear time up to small sorts, on all threads.
+/// `range`: sites a thread works on at a time; nothing depends on it but speed.
 Polytopes polytopes_inside(const VoxelShape& shape, std::unique_ptr<Delaunay> delaunay,
-                           std::span<const LatticePoint> sites, Context* context);
+                           std::span<const LatticePoint> sites, Context* context,
+                           std::size_t range = std::size_t{1} << 15);
+
+/// Whether a tetrahedron without box points, by its slot and its corners, belongs to the complex that is wanted. Called
+/// by many threads.
+using Keep = std::function<bool(std::uint32_t slot, const Tetrahedron&)>;
+
+/// The same for the tetrahedra that `keep` chooses. Those across a facet that are not kept are kNone, and cospherical
+/// tetrahedra are merged where kept ones join them.
+Polytopes polytopes_of(const Keep& keep, std::unique_ptr<Delaunay> delaunay, std::span<const LatticePoint> sites,
+                       Context* context, std::size_t range = std::size_t{1} << 15);
 
 /// Turns counts[i + 1] = size of bucket i into offsets; throws Error(failed) when they outgrow 32 bits.
 void prefix_sum(std::vector<std::uint32_t>& counts);

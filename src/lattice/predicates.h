@@ -67,6 +67,17 @@ class Predicates {
   /// 0 when on its sphere.
   int in_sphere(const Point& a, const Point& b, const Point& c, const Point& d, const Point& p) const;
 
+  /// The sphere of a tetrahedron, for several points: its equation d * lift(q) = n . q in differences q to a corner.
+  struct Sphere {
+    std::array<double, 3> n;
+    double d;
+    std::array<Point, 4> corners;
+    std::uint32_t largest;  ///< no difference of corners to the first is larger
+  };
+  Sphere sphere(const Point& a, const Point& b, const Point& c, const Point& d) const;
+  /// Whether p lies on it: as in_sphere() == 0, but much cheaper from the second point on.
+  bool on_sphere(const Sphere& sphere, const Point& p) const;
+
   const std::array<std::int64_t, 3>& weights() const { return weight_; }
 
  private:
@@ -81,5 +92,45 @@ class Predicates {
   double filter_ = 0;
   bool wide_ = false;
 };
+
+// With corners b, c, d relative to a, the weighted centre is n / (2 d), where d = det(b, c, d) and n = lift(b) c x d +
+// lift(c) d x b + lift(d) b x c. For differences up to D, |d| <= 6 D^3 and |n_i| <= 6 sum D^4.
+inline Predicates::Sphere Predicates::sphere(const Point& a, const Point& b, const Point& c, const Point& d) const {
+  Sphere s{{}, 0, {a, b, c, d}, 0};
+  std::uint32_t largest = 0;
+  std::array<double, 3> x, y, z, lift;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Point& p = s.corners[i + 1];
+    const std::int32_t dx = p.x - a.x, dy = p.y - a.y, dz = p.z - a.z;
+    largest |= static_cast<std::uint32_t>((dx ^ dx >> 31) | (dy ^ dy >> 31) | (dz ^ dz >> 31));
+    x[i] = dx, y[i] = dy, z[i] = dz;
+    lift[i] = real_weight_[0] * (x[i] * x[i]) + real_weight_[1] * (y[i] * y[i]) + real_weight_[2] * (z[i] * z[i]);
+  }
+  s.largest = largest;
+  s.n = {0, 0, 0};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::size_t j = (i + 1) % 3, k = (i + 2) % 3;
+    const double cross_x = y[j] * z[k] - z[j] * y[k], cross_y = z[j] * x[k] - x[j] * z[k],
+                 cross_z = x[j] * y[k] - y[j] * x[k];
+    s.n[0] += lift[i] * cross_x;
+    s.n[1] += lift[i] * cross_y;
+    s.n[2] += lift[i] * cross_z;
+    if (i == 0) s.d = x[0] * cross_x + y[0] * cross_y + z[0] * cross_z;
+  }
+  return s;
+}
+
+// |d * lift(q)| <= 6 sum D^5 and |n . q| <= 18 sum D^5: together the bound of the in-sphere test, and the same limit.
+inline bool Predicates::on_sphere(const Sphere& sphere, const Point& p) const {
+  const Point& a = sphere.corners[0];
+  const std::int32_t dx = p.x - a.x, dy = p.y - a.y, dz = p.z - a.z;
+  const auto size = static_cast<std::uint32_t>((dx ^ dx >> 31) | (dy ^ dy >> 31) | (dz ^ dz >> 31));
+  if ((size | sphere.largest) < double_limit_) {
+    const double x = dx, y = dy, z = dz;
+    const double lift = real_weight_[0] * (x * x) + real_weight_[1] * (y * y) + real_weight_[2] * (z * z);
+    return sphere.d * lift == sphere.n[0] * x + sphere.n[1] * y + sphere.n[2] * z;
+  }
+  return in_sphere(a, sphere.corners[1], sphere.corners[2], sphere.corners[3], p) == 0;
+}
 
 }  // namespace quench::lattice

@@ -39,16 +39,6 @@ std::size_t add_triangles(Page& page, const PolyData& surface, const char* what,
   return triangle_count(drawn);
 }
 
-PolyData as_poly_data(const TriangleMesh& mesh) {
-  PolyData data;
-  data.points = mesh.points;
-  for (const auto& t : mesh.triangles) {
-    data.poly_corners.insert(data.poly_corners.end(), t.begin(), t.end());
-    data.poly_offsets.push_back(static_cast<std::uint32_t>(data.poly_corners.size()));
-  }
-  return data;
-}
-
 /// Rows of the boundary vertices by their coordinates.
 class Corners {
  public:
@@ -136,12 +126,12 @@ TriangleMesh smoothed_boundary(const VoxelShape& shape, int iterations) {
 }
 
 std::size_t add_surface(Page& page, const TriangleMesh& mesh, std::size_t max_triangles) {
-  return add_triangles(page, as_poly_data(mesh), "shape's surface", max_triangles);
+  return add_triangles(page, to_poly_data(mesh), "shape's surface", max_triangles);
 }
 
 std::size_t add_surface(Page& page, const VoxelShape& shape, std::size_t max_triangles) {
   page.notes.emplace_back("The surface of the shape is that of its voxels, smoothed by half a voxel at most");
-  return add_triangles(page, as_poly_data(smoothed_boundary(shape, 4)), "voxel shape's surface", max_triangles);
+  return add_triangles(page, to_poly_data(smoothed_boundary(shape, 4)), "voxel shape's surface", max_triangles);
 }
 
 void add_sites(Page& page, const VoxelShape& shape) {

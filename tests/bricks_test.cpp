@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+#include <tbb/task_arena.h>
+
+#include <filesystem>
+#include <memory>
+
+#include "bricks/dual_complex_in_bricks.h"
+#include "lattice/cells.h"
+#include "quench/io.h"
+#include "quench/sample.h"
+#include "quench/voxel_core.h"
+#include "quench/voxelize.h"
+#include "random_shapes.h"
+
+namespace quench::bricks {
+namespace {
+
+using lattice::DualComplex;
+
+void expect_same(const DualComplex& a, const DualComplex& b, const std::string& where) {
+  ASSERT_EQ(a.complex.vertex_count, b.complex.vertex_count) << where;
+  ASSERT_TRUE(a.vertex_site_offsets == b.vertex_site_offsets && a.vertex_sites == b.vertex_sites) << where;
+  ASSERT_EQ(a.complex.edges.size(), b.complex.edges.size()) << where;
+  ASSERT_TRUE(a.complex.edges == b.complex.edges) << where;
+  ASSERT_EQ(a.complex.face_count(), b.complex.face_count()) << where;
+  ASSERT_TRUE(a.face_sites == b.face_sites) << where;
+  ASSERT_TRUE(a.complex.face_offsets == b.complex.face_offsets) << where;
+  ASSERT_TRUE(a.complex.face_vertices == b.complex.face_vertices) << where;
+  ASSERT_TRUE(a.complex.face_edges == b.complex.face_edges) << where;
+}
+
+// Bricks far smaller than cells, halos that miss most balls, rounds that do not fit each other, everything left to the
+// end. `at_once` = 0: even one site is divided.
+const std::vector<BrickPlan> kPlans{
+    {{{3, 2}, {6, 4}}, 0}, {{{4, 3}}, 0}, {{{2, 1}, {3, 1}, {4, 1}}, 0}, {{{5, 1}, {3, 6}, {4, 1}}, 0}, {{}, 0}};
+
+DualComplex at_once(const VoxelShape& shape, std::span<const LatticePoint> sites) {
+  return lattice::dual_complex(
+      shape, std::make_unique<lattice::Delaunay>(sites, integer_spacing(shape.grid()), nullptr), sites, nullptr);
+}
+
+void expect_same_in_bricks(const VoxelShape& shape, std::span<const BrickPlan> plans, int threads,
+                           const std::string& where) {
+  const auto sites = boundary_vertices(shape);
+  const DualComplex whole = at_once(shape, sites);
+  for (std::size_t p = 0; p < plans.size(); ++p) {
+    const std::string what = where + ", plan " + std::to_string(p) + ", threads " + std::to_string(threads);
+    try {
+      tbb::task_arena arena(threads);
+      const DualComplex parts = arena.execute(
+          [&] { return dual_complex_in_bricks(shape, sites, integer_spacing(shape.grid()), plans[p], nullptr); });
+      expect_same(parts, whole, what);
+    } catch (const std::exception& e) {
+      FAIL() << what << ": " << e.what();
+    }
+  }
+}
+
+// Each shape with one of the plans.
+void expect_random_shapes_same(std::uint64_t first, std::uint64_t last, int largest, bool anisotropic, int threads) {
+  for (std::uint64_t seed = first; seed < last; ++seed)
+    expect_same_in_bricks(testing_shapes::random_shape(seed, largest, anisotropic),
+                          std::span(kPlans).subspan(seed / 4 % kPlans.size(), 1), threads,
+                          "seed " + std::to_string(seed));
+}
+
+TEST(Bricks, RandomShapesAreTheSameInBricks) {
+  expect_random_shapes_same(0, 800, 8, false, 1);
+  expect_random_shapes_same(10000, 10040, 14, false, 1);
+}
+
+TEST(Bricks, AnisotropicShapesAreTheSameInBricks) {
+  expect_random_shapes_same(0, 400, 8, true, 1);
+  for (const Vec3& spacing : {Vec3(0.782, 0.782, 5), Vec3(1, 1000, 1)})
+    for (std::uint64_t seed = 0; seed < 20; ++seed) {
+      const VoxelShape unit = testing_shapes::random_shape(seed, 9);
+      Grid grid = unit.grid();
+      grid.spacing = spacing;
+      expect_same_in_bricks(
+          testing_shapes::from_predicate(grid, [&](int x, int y, int z) { return unit.contains(x, y, z); }), kPlans, 1,
+          "skew spacing, seed " + std::to_string(seed));
+    }
+}
+
+TEST(Bricks, ThreadsDoNotMatter) {
+  const tbb::global_control control(tbb::global_control::max_allowed_parallelism, 4);
+  expect_random_shapes_same(20000, 20100, 9, false, 4);
+}
+
+// Cells larger than any region, and sites with nothing but such cells.
+TEST(Bricks, HugeCells) {
+  const std::vector<BrickPlan> plans{{{{3, 2}, {6, 4}}, 0}, {{{4, 3}, {10, 12}}, 0}};
+  expect_same_in_bricks(testing_shapes::box_shape(1, 1, 1), plans, 1, "voxel");
+  expect_same_in_bricks(testing_shapes::box_shape(1, 1, 1, 0), plans, 1, "voxel without margin");
+  expect_same_in_bricks(testing_shapes::box_shape(20, 20, 20), plans, 1, "cube");
+  expect_same_in_bricks(testing_shapes::box_shape(24, 17, 2), plans, 1, "flat box");
+  expect_same_in_bricks(testing_shapes::box_shape(1, 2, 70), plans, 1, "bar");
+  Grid grid;
+  grid.dims = {26, 26, 26};
+  const auto shells = [&](double inner, double outer, double tube) {
+    return testing_shapes::from_predicate(grid, [=](int x, int y, int z) {
+      const double a = x - 12.5, b = y - 12.5, c = z - 12.5, squared = a * a + b * b + c * c;
+      return (squared < outer * outer && squared >= inner * inner) || (tube > 0 && a * a + b * b < tube * tube);
+    });
+  };
+  expect_same_in_bricks(shells(0, 12, 0), plans, 1, "ball");
+  expect_same_in_bricks(shells(9, 12, 0), plans, 1, "hollow ball");
+  expect_same_in_bricks(shells(9, 12, 2.5), plans, 1, "hollow ball with an axle");
+}
+
+// Empty bricks between parts far apart.
+TEST(Bricks, FarApart) {
+  Grid grid;
+  grid.dims = {40000, 3, 3};
+  VoxelShape shape(grid);
+  for (int z = 0; z < 3; ++z)
+    for (int y = 0; y < 3; ++y) {
+      const std::vector<quench::Run> runs{{0, 2 + y}, {20000, 20001}, {39990 + z, 40000}};
+      shape.append_row(runs);
+    }
+  expect_same_in_bricks(shape, std::vector<BrickPlan>{{{{2, 2}, {100, 50}}, 0}, {{{64, 8}}, 0}}, 1, "far apart");
+}
+
+// Walls that meet along edges and in points: sites with several components of O around them, on both sides of walls.
+TEST(Bricks, TouchingWalls) {
+  Grid grid;
+  grid.dims = {13, 13, 13};
+  for (int rule = 0; rule < 4; ++rule)
+    expect_same_in_bricks(testing_shapes::from_predicate(grid,
+                                                         [rule](int x, int y, int z) {
+                                                           const int a = x / 3, b = y / 3, c = z / 3;
+                                                           if (rule == 0) return (a + b + c) % 2 == 0;
+                                                           if (rule == 1) return (a + b) % 2 == 0;
+                                                           if (rule == 2) return x % 4 != 1 || (y + z) % 5 == 0;
+                                                           return (x + y + z) % 2 == 0;
+                                                         }),
+                          kPlans, 1, "rule " + std::to_string(rule));
+}
+
+TEST(Bricks, MeshesAreTheSameInBricks) {
+  for (const char* name : {"torus", "rippled-box", "plate-with-holes", "hollow-sphere"})
+    expect_same_in_bricks(voxelize(make_sample(name).mesh, {.resolution = 64}).shape,
+                          std::vector<BrickPlan>{{{{16, 4}, {32, 12}}, 0}}, 2, name);
+  const auto file = std::filesystem::path(QUENCH_DATA) / "meshes/armadillo.off";
+  if (!std::filesystem::exists(file)) GTEST_SKIP() << "no test data";
+  const TriangleMesh mesh = to_triangle_mesh(io::read_poly_data(file));
+  expect_same_in_bricks(voxelize(mesh, {.resolution = 128}).shape,
+                        std::vector<BrickPlan>{{{{16, 6}, {40, 20}}, 0}, {{{48, 8}}, 0}}, 2, "armadillo");
+}
+
+// The core of the library, with everything that follows from the complex.
+TEST(Bricks, TheCoreIsTheSame) {
+  const VoxelShape shape = voxelize(make_sample("torus").mesh, {.resolution = 160}).shape;
+  const MedialAxis whole = voxel_core(shape), parts = voxel_core(shape, {.in_bricks = true});
+  EXPECT_TRUE(whole.points == parts.points && whole.radius == parts.radius);
+  EXPECT_TRUE(whole.vertex_lambda == parts.vertex_lambda && whole.edge_lambda == parts.edge_lambda);
+  EXPECT_TRUE(whole.face_lambda == parts.face_lambda && whole.face_sites == parts.face_sites);
+  EXPECT_TRUE(whole.complex.face_edges == parts.complex.face_edges);
+}
+
+TEST(Bricks, StopsWhenAsked) {
+  const VoxelShape shape = testing_shapes::box_shape(20, 20, 20);
+  const auto sites = boundary_vertices(shape);
+  Context context;
+  context.progress = [&](std::string_view, double fraction) {
+    if (fraction > 0) context.cancel();
+  };
+  EXPECT_THROW(dual_complex_in_bricks(shape, sites, {1, 1, 1}, {{{4, 2}}, 0}, &context), Error);
+}
+
+}  // namespace
+}  // namespace quench::bricks
