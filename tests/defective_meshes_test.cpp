@@ -76,8 +76,7 @@ void expect_limits(const TriangleMesh& clean, std::int64_t resolution, const std
     EXPECT_EQ(v.sound, defects_text(v).empty()) << where;
     if (difference > 0) {
       EXPECT_FALSE(v.sound) << where;
-      // A tip may be cut off where it is thin: the hole is small and filled, and crossings decide.
-      EXPECT_GT(v.defects.winding_share + static_cast<double>(v.defects.filled_holes), 0) << where;
+      EXPECT_GT(v.defects.unbalanced_edges, 0) << where;
     }
   }
 }
@@ -132,8 +131,10 @@ TEST(DefectiveMeshes, EveryClosedMeshOfTheData) {
       continue;  // encloses nothing
     }
     expect_robust_is_the_same(mesh, 40, name);
-    // Branches of the vessel are thinner than the holes: pieces of them are gone.
-    if (std::getenv("QUENCH_TEST_FULL")) expect_limits(mesh, 48, name, name == "vessel.off" ? 2 : 1);
+    // Branches of the vessel are thinner than the holes: pieces of them are gone. A flat face of the fandisk lies so
+    // near to a layer of centres that moved points decide on the layer.
+    const bool wider = name == "vessel.off" || name == "fandisk.off";
+    if (std::getenv("QUENCH_TEST_FULL")) expect_limits(mesh, 48, name, wider ? 2 : 1);
     ++compared;
   }
   EXPECT_GT(compared, 0);
