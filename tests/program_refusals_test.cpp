@@ -155,7 +155,7 @@ TEST_F(Refusals, BricksWhenMemoryIsShort) {
     words.emplace_back(limit);
     return words;
   };
-  const Outcome outcome = works(with("360M"));
+  const Outcome outcome = works(with("370M"));
   EXPECT_NE(outcome.err.find("in bricks: about"), std::string::npos) << outcome.err;
   EXPECT_NE(bytes("r.json").find("\"in_bricks\": true"), std::string::npos);
   refuses(1, {"in bricks", "at once", "--resolution"}, with("100M"));

@@ -193,6 +193,6 @@ MedialAxis voxel_core(const VoxelShape& shape, const CoreOptions& options, Conte
   return arena.execute([&] { return compute(shape, options, context); });
 }
 
-std::int64_t predicted_core_bytes_in_bricks(std::int64_t sites) { return sites * 350 + (std::int64_t{64} << 20); }
+std::int64_t predicted_core_bytes_in_bricks(std::int64_t sites) { return sites * 380 + (std::int64_t{64} << 20); }
 
 }  // namespace quench
