@@ -167,7 +167,7 @@ TEST_P(DefectiveMeshes, BecomeTheirShapes) {
   const TriangleMesh mesh = read(known.name);
   for (const FillRule fill : {FillRule::nonzero, FillRule::automatic}) {
     VoxelizeOptions options;
-    options.resolution = 64;
+    options.resolution = 96;
     options.fill = fill;
     const Voxelization v = voxelize(mesh, options);
     v.shape.validate();
