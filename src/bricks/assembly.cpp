@@ -1,28 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bricks/assembly.h"
 
-#if defined(__GLIBC__)
-#include <malloc.h>
-#endif
-
 #include <algorithm>
 #include <atomic>
 
 #include "lattice/polytopes.h"
 #include "parallel.h"
 #include "quench/error.h"
+#include "return_memory.h"
 
 namespace quench::bricks {
 namespace {
 
 using lattice::prefix_sum;
-
-// Bricks leave much freed memory behind in the heaps of their threads, between what their parts still hold.
-void return_free_memory() {
-#if defined(__GLIBC__)
-  malloc_trim(0);
-#endif
-}
 
 template <class T>
 void release(std::vector<T>& values) {

@@ -15,6 +15,7 @@
 #include "lattice/cells.h"
 #include "lattice/delaunay.h"
 #include "parallel.h"
+#include "return_memory.h"
 
 namespace quench {
 namespace {
@@ -166,6 +167,7 @@ static MedialAxis compute(const VoxelShape& shape, const CoreOptions& options, C
           : lattice::dual_complex(shape, std::make_unique<lattice::Delaunay>(axis.sites, spacing, context), axis.sites,
                                   context);
 
+  return_free_memory();
   axis.complex = std::move(dual.complex);
   axis.points.resize(axis.complex.vertex_count);
   axis.radius.resize(axis.complex.vertex_count);

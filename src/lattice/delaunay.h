@@ -28,7 +28,7 @@ namespace quench::lattice {
 /// Several threads insert at once (insertion.h); the complex does not depend on it, the triangulation of cospherical
 /// sets and the numbers of tetrahedra do.
 ///
-/// About 225 bytes per site.
+/// About 220 bytes per site.
 class Delaunay {
  public:
   Delaunay(std::span<const LatticePoint> sites, const std::array<std::int64_t, 3>& spacing, Context* context);
