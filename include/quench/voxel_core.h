@@ -25,7 +25,7 @@ struct CoreOptions {
 /// duplicate faces. It has the topology of O (Thm. 2.4.3) and lies strictly inside O (Thm. 2.4.5).
 ///
 /// Cells are ordered by the lattice coordinates of their sites, so the result does not depend on threads, translation
-/// or padding. About 360 bytes per site at the peak, in bricks 250. Throws Error(input) for an empty shape or one whose
+/// or padding. About 265 bytes per site at the peak, in bricks 250. Throws Error(input) for an empty shape or one whose
 /// spacing has no integer proportion, Error(failed) when an index outgrows 32 bits.
 MedialAxis voxel_core(const VoxelShape& shape, const CoreOptions& options = {}, Context* context = nullptr);
 
