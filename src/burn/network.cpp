@@ -8,7 +8,6 @@
 #include <cmath>
 #include <numeric>
 
-#include "burn/reserve_huge.h"
 #include "complex/pockets.h"
 #include "complex/union_find.h"
 #include "parallel.h"
@@ -16,12 +15,6 @@
 
 namespace quench::burning {
 namespace {
-
-template <class T>
-void resize_huge(std::vector<T>& vector, std::size_t count, T value = {}) {
-  reserve_huge(vector, count);
-  vector.assign(count, value);
-}
 
 // Calls body(first, last) for parts of [0, count) on all threads.
 template <class Body>
@@ -35,15 +28,15 @@ void for_all(std::size_t count, const Body& body) {
 
 void list_sides(const CellComplex& complex, BurnNetwork& network) {
   const std::size_t corners = complex.face_vertices.size(), edges = complex.edges.size();
-  resize_huge(network.corner_face, corners);
+  network.corner_face.resize(corners);
   for (std::uint32_t f = 0; f < complex.face_count(); ++f)
     std::fill(network.corner_face.begin() + complex.face_offsets[f],
               network.corner_face.begin() + complex.face_offsets[f + 1], f);
-  resize_huge(network.side_offsets, edges + 1);
+  network.side_offsets.assign(edges + 1, 0);
   for (const std::uint32_t e : complex.face_edges) ++network.side_offsets[e + 1];
   std::partial_sum(network.side_offsets.begin(), network.side_offsets.end(), network.side_offsets.begin());
-  resize_huge(network.side_list, corners);
-  resize_huge(network.side_rank, corners);
+  network.side_list.resize(corners);
+  network.side_rank.resize(corners);
   std::vector<std::uint32_t> filled(edges, 0);
   for (std::uint32_t c = 0; c < corners; ++c) {
     const std::uint32_t e = complex.face_edges[c];
@@ -64,9 +57,9 @@ void split_edges(const CellComplex& complex, BurnNetwork& network, Propagation p
     for (std::uint32_t e = 0; e < edges; ++e)
       if (degree(network, e) > 2)
         for (const std::uint32_t v : complex.edges[e]) at_seam[v] = 1;
-  resize_huge(network.pieces, edges);
-  resize_huge(network.node_base, edges + 1);
-  resize_huge(network.state_base, edges + 1);
+  network.pieces.resize(edges);
+  network.node_base.resize(edges + 1);
+  network.state_base.resize(edges + 1);
   std::uint64_t nodes = complex.vertex_count, states = network.vertex_base.back();
   for (std::uint32_t e = 0; e < edges; ++e) {
     network.node_base[e] = static_cast<std::uint32_t>(nodes);
@@ -193,11 +186,11 @@ void number_sectors(const CellComplex& complex, BurnNetwork& network) {
     same.unite(next[c], aligned ? next[d] : d);
   }
   // A set's root is its smallest corner: sectors of a vertex are numbered in the order of their first corners.
-  resize_huge(network.vertex_base, std::size_t{complex.vertex_count} + 1);
+  network.vertex_base.assign(std::size_t{complex.vertex_count} + 1, 0);
   for (std::uint32_t c = 0; c < corners; ++c)
     if (same.find(c) == c) ++network.vertex_base[complex.face_vertices[c] + 1];
   std::partial_sum(network.vertex_base.begin(), network.vertex_base.end(), network.vertex_base.begin());
-  resize_huge(network.corner_state, corners);
+  network.corner_state.resize(corners);
   std::vector<std::uint32_t> filled(complex.vertex_count, 0);
   for (std::uint32_t c = 0; c < corners; ++c) {
     const std::uint32_t root = same.find(c), v = complex.face_vertices[c];
@@ -209,7 +202,7 @@ BurnNetwork make_network(const CellComplex& complex, std::span<const Vec3> point
                          Propagation propagation) {
   BurnNetwork network;
   network.omega = omega;
-  resize_huge(network.length, complex.edges.size());
+  network.length.resize(complex.edges.size());
   for_all(complex.edges.size(), [&](std::uint32_t first, std::uint32_t last) {
     for (std::uint32_t e = first; e < last; ++e)
       network.length[e] = (points[complex.edges[e][1]] - points[complex.edges[e][0]]).norm();
@@ -235,13 +228,13 @@ Polygons make_polygons(const CellComplex& complex, std::span<const Vec3> points,
 Links make_links(const CellComplex& complex, const BurnNetwork& network) {
   Links links;
   const std::uint32_t states = network.vertex_base.back();
-  resize_huge(links.vertex_of, states);
+  links.vertex_of.resize(states);
   for (std::uint32_t v = 0; v < complex.vertex_count; ++v)
     for (std::uint32_t s = network.vertex_base[v]; s < network.vertex_base[v + 1]; ++s) links.vertex_of[s] = v;
-  resize_huge(links.corner_offsets, std::size_t{states} + 1);
+  links.corner_offsets.assign(std::size_t{states} + 1, 0);
   for (const std::uint32_t s : network.corner_state) ++links.corner_offsets[s + 1];
   std::partial_sum(links.corner_offsets.begin(), links.corner_offsets.end(), links.corner_offsets.begin());
-  resize_huge(links.corner_list, network.corner_state.size());
+  links.corner_list.resize(network.corner_state.size());
   std::vector<std::uint32_t> filled(states, 0);
   for (std::uint32_t c = 0; c < network.corner_state.size(); ++c) {
     const std::uint32_t s = network.corner_state[c];
@@ -273,7 +266,7 @@ Links make_links(const CellComplex& complex, const BurnNetwork& network) {
       links.edges[e].first_arrival = links.arrivals;
       links.arrivals += network.state_base[e + 1] - network.state_base[e];
     }
-  resize_huge(links.ends, states, {kNone, kNone});
+  links.ends.assign(states, {kNone, kNone});
   for_all(complex.vertex_count, [&](std::uint32_t first, std::uint32_t last) {
     std::vector<std::uint32_t> directions;
     for (std::uint32_t v = first; v < last; ++v) end_sectors(complex, network, v, directions, links);
