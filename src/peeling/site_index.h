@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "quench/geometry.h"
+
+namespace quench::peeling {
+
+/// Finds the sites in small boxes of the lattice: blocks of 4^3 lattice points as one word each, and blocks of 16^3
+/// above them. Some 6 bytes per site and 4 per block of 16^3.
+class SiteIndex {
+ public:
+  /// `sites`: in order of z, y, x, coordinates not negative. O(sites).
+  explicit SiteIndex(std::span<const LatticePoint> sites);
+
+  /// visit(x, y, z, site) for all sites from `low` to `high`, both included, in no order that matters.
+  template <class Visit>
+  void each_in_box(LatticePoint low, LatticePoint high, Visit&& visit) const {
+    for (std::size_t a = 0; a < 3; ++a) {
+      low[a] = std::max(low[a], 0);
+      high[a] = std::min(high[a], last_[a]);
+      if (low[a] > high[a]) return;
+    }
+    for (std::int32_t bz = low[2] >> 2; bz <= high[2] >> 2; ++bz) {
+      const std::uint64_t in_z = range(bz, low[2], high[2], 16);
+      for (std::int32_t by = low[1] >> 2; by <= high[1] >> 2; ++by) {
+        const std::uint64_t in_yz = in_z & range(by, low[1], high[1], 4) * 0x0001000100010001ull;
+        for (std::int32_t bx = low[0] >> 2; bx <= high[0] >> 2; ++bx) {
+          const Block* block = find(bx, by, bz);
+          if (!block) continue;
+          for (std::uint64_t found = block->mask & in_yz & range(bx, low[0], high[0], 1) * 0x1111111111111111ull; found;
+               found &= found - 1) {
+            const int bit = std::countr_zero(found);
+            const std::uint64_t before = block->mask >> (bit & ~3) & ((1ull << (bit & 3)) - 1);
+            visit(4 * bx + (bit & 3), 4 * by + (bit >> 2 & 3), 4 * bz + (bit >> 4),
+                  block->first[bit >> 2] + static_cast<std::uint32_t>(std::popcount(before)));
+          }
+        }
+      }
+    }
+  }
+
+ private:
+  struct Block {
+    std::uint64_t mask = 0;                    // bit x + 4 y + 16 z
+    std::array<std::uint32_t, 16> first = {};  // per y + 4 z: the site of the lowest bit of its four
+  };
+  static constexpr std::uint32_t kEmpty = std::numeric_limits<std::uint32_t>::max();
+
+  // Which of the four places of block `b` lie in [low, high], as fields of `width` bits that are all set.
+  static std::uint64_t range(std::int32_t b, std::int32_t low, std::int32_t high, int width) {
+    const int from = std::max(low - 4 * b, 0) * width, count = (std::min(high - 4 * b, 3) + 1) * width - from;
+    return (count == 64 ? ~0ull : (1ull << count) - 1) << from;
+  }
+  const Block* find(std::int32_t bx, std::int32_t by, std::int32_t bz) const {
+    const std::uint32_t group =
+        groups_[static_cast<std::size_t>(bx >> 2) +
+                dims_[0] * (static_cast<std::size_t>(by >> 2) + dims_[1] * static_cast<std::size_t>(bz >> 2))];
+    if (group == kEmpty) return nullptr;
+    const std::uint32_t block = slots_[64 * std::size_t{group} + slot(bx, by, bz)];
+    return block == kEmpty ? nullptr : &blocks_[block];
+  }
+  static std::size_t slot(std::int32_t bx, std::int32_t by, std::int32_t bz) {
+    return static_cast<std::size_t>((bx & 3) | (by & 3) << 2 | (bz & 3) << 4);
+  }
+
+  LatticePoint last_{-1, -1, -1};
+  std::array<std::size_t, 3> dims_{};
+  std::vector<std::uint32_t> groups_;  // per 16^3: a group of 64 slots
+  std::vector<std::uint32_t> slots_;   // per 4^3 of an occupied group: its block
+  std::vector<Block> blocks_;
+};
+
+}  // namespace quench::peeling

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "peeling/wrapping.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace quench::peeling {
+
+using lattice::Point;
+
+Wrapping::Wrapping(std::span<const LatticePoint> sites, const std::array<std::int64_t, 3>& spacing,
+                   const lattice::Predicates& predicates, const SiteIndex& index, double reach)
+    : sites_(sites), predicates_(predicates), index_(index), reach_(reach) {
+  for (std::size_t i = 0; i < 3; ++i) spacing_[i] = static_cast<double>(spacing[i]);
+}
+
+// The balls through a, b, c whose other points of interest lie above the plane grow with the height of their centres:
+// what they have above it, the largest one has too. Only a box to search in, so rounding is kept out by a margin.
+bool Wrapping::limit_box(const Point& a, const Point& b, const Point& c, Box& box) const {
+  std::array<double, 3> u, v;
+  const std::array<std::int32_t, 3> pa{a.x, a.y, a.z}, pb{b.x, b.y, b.z}, pc{c.x, c.y, c.z};
+  for (std::size_t i = 0; i < 3; ++i) {
+    u[i] = (pb[i] - pa[i]) * spacing_[i];
+    v[i] = (pc[i] - pa[i]) * spacing_[i];
+  }
+  const auto dot = [](const auto& p, const auto& q) { return p[0] * q[0] + p[1] * q[1] + p[2] * q[2]; };
+  const auto cross = [](const auto& p, const auto& q) {
+    return std::array<double, 3>{p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]};
+  };
+  const auto n = cross(u, v);
+  const double nn = dot(n, n), uu = dot(u, u), vv = dot(v, v);
+  std::array<double, 3> w;
+  for (std::size_t i = 0; i < 3; ++i) w[i] = uu * v[i] - vv * u[i];
+  std::array<double, 3> centre = cross(w, n);  // of the circle, relative to a
+  for (double& x : centre) x /= 2 * nn;
+  const double rest = reach_ * reach_ - dot(centre, centre);
+  if (rest < 0) return false;
+  const double rise = std::sqrt(rest / nn);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double middle = pa[i] + (centre[i] + rise * n[i]) / spacing_[i], half = reach_ / spacing_[i] + 1e-6;
+    box.low[i] = static_cast<std::int32_t>(std::ceil(middle - half));
+    box.high[i] = static_cast<std::int32_t>(std::floor(middle + half));
+  }
+  return true;
+}
+
+bool Wrapping::cell_across(std::span<const std::uint32_t> facet, std::vector<std::uint32_t>& cell) {
+  const auto point = [&](std::uint32_t s) { return Point{sites_[s][0], sites_[s][1], sites_[s][2], s}; };
+  const Point a = point(facet[0]), b = point(facet[1]), c = point(facet[2]);
+  Box box;
+  if (!limit_box(a, b, c, box)) return false;
+  // Differences below 2^15 (peeling.cpp sees to it): everything here fits 64 bits.
+  const std::int64_t bx = b.x - a.x, by = b.y - a.y, bz = b.z - a.z, cx = c.x - a.x, cy = c.y - a.y, cz = c.z - a.z;
+  const std::int64_t nx = by * cz - bz * cy, ny = bz * cx - bx * cz, nz = bx * cy - by * cx;
+  candidates_.clear();
+  lattice::Predicates::Sphere ball;
+  index_.each_in_box(box.low, box.high, [&](std::int32_t x, std::int32_t y, std::int32_t z, std::uint32_t site) {
+    if (nx * (x - a.x) + ny * (y - a.y) + nz * (z - a.z) <= 0) return;
+    const Point p{x, y, z, site};
+    if (!candidates_.empty()) {
+      const int side = predicates_.side(ball, p);
+      if (side < 0) return;
+      candidates_.push_back(p);
+      if (side == 0) return;
+    } else {
+      candidates_.push_back(p);
+    }
+    ball = predicates_.sphere(a, b, c, p);
+  });
+  if (candidates_.empty() || predicates_.radius(ball) > reach_) return false;
+  cell.assign(facet.begin(), facet.end());
+  for (const Point& p : candidates_)
+    if (predicates_.on_sphere(ball, p)) cell.push_back(p.site);
+  std::sort(cell.begin(), cell.end());
+  return true;
+}
+
+}  // namespace quench::peeling

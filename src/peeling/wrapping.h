@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "lattice/predicates.h"
+#include "peeling/site_index.h"
+
+namespace quench::peeling {
+
+/// Gift wrapping among the sites nearby: finds the cell across a facet by shrinking a ball. One per thread.
+class Wrapping {
+ public:
+  /// `reach`: largest radius of a ball that is looked for, in units of the integer spacing.
+  Wrapping(std::span<const LatticePoint> sites, const std::array<std::int64_t, 3>& spacing,
+           const lattice::Predicates& predicates, const SiteIndex& index, double reach);
+
+  /// `facet`: the sites of a facet of the Delaunay complex, counter-clockwise seen from the side that is asked for.
+  /// Puts the sites of the cell there into `cell`, ascending, and returns true; false where its ball is larger than
+  /// the reach. The sites of a facet all lie on the plane of the cell, so those on its ball and above the plane are the
+  /// others. O(sites in the box of a ball of radius `reach`).
+  bool cell_across(std::span<const std::uint32_t> facet, std::vector<std::uint32_t>& cell);
+
+ private:
+  struct Box {
+    LatticePoint low, high;
+  };
+  bool limit_box(const lattice::Point& a, const lattice::Point& b, const lattice::Point& c, Box& box) const;
+
+  std::span<const LatticePoint> sites_;
+  std::array<double, 3> spacing_;
+  const lattice::Predicates& predicates_;
+  const SiteIndex& index_;
+  double reach_;
+  std::vector<lattice::Point> candidates_;
+};
+
+}  // namespace quench::peeling
