@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <atomic>
 #include <memory>
+#include <numeric>
+#include <utility>
 
 #include "lattice/delaunay.h"
 #include "lattice/polytopes.h"
@@ -16,49 +18,86 @@ namespace quench::peeling {
 namespace {
 
 using lattice::Delaunay;
-using lattice::Point;
 using lattice::Polytopes;
 using lattice::Tetrahedron;
 
-// Open facets by the corners that can be the smallest of one of their triangles: all but the two largest.
+// Open facets by their triangles. A triangle is found by its smallest corner; sites are numbered as suits the user.
 class OpenIndex {
  public:
-  OpenIndex(const OpenFacets& open, std::size_t sites) : open_(open), begin_(sites + 1, 0) {
-    std::vector<std::uint32_t> sorted;
-    const auto each = [&](const auto& visit) {
-      for (std::uint32_t f = 0; f < open.count(); ++f) {
-        sorted.assign(open[f].begin(), open[f].end());
-        std::sort(sorted.begin(), sorted.end());
-        for (std::size_t i = 0; i + 2 < sorted.size(); ++i) visit(sorted[i], f);
-      }
-    };
-    each([&](std::uint32_t site, std::uint32_t) { ++begin_[site + 1]; });
+  struct Found {
+    std::uint32_t facet;  ///< kNone: none
+    bool turns;           ///< the triangle runs counter-clockwise seen from the side that is not known
+  };
+
+  OpenIndex(const OpenFacets& open, std::vector<std::uint32_t> number) : open_(open), number_(std::move(number)) {
+    begin_.assign(number_.size() + 1, 0);
+    each_entry([&](std::uint32_t site, const Entry&) { ++begin_[site + 1]; });
     lattice::prefix_sum(begin_);
-    facets_.resize(begin_.back());
+    entries_.resize(begin_.back());
     std::vector<std::uint32_t> next(begin_.begin(), begin_.end() - 1);
-    each([&](std::uint32_t site, std::uint32_t f) { facets_[next[site]++] = f; });
+    each_entry([&](std::uint32_t site, const Entry& entry) { entries_[next[site]++] = entry; });
   }
 
-  // The open facet that the triangle is a part of; kNone: none.
-  std::uint32_t find(std::uint32_t a, std::uint32_t b, std::uint32_t c) const {
-    if (a > b) std::swap(a, b);
-    if (b > c) std::swap(b, c);
-    if (a > b) std::swap(a, b);
+  Found find(std::uint32_t a, std::uint32_t b, std::uint32_t c) const {
+    bool even = true;
+    const auto order = [&even](std::uint32_t& i, std::uint32_t& j) {
+      if (i < j) return;
+      std::swap(i, j);
+      even = !even;
+    };
+    order(a, b);
+    order(b, c);
+    order(a, b);
     for (std::uint32_t i = begin_[a]; i < begin_[a + 1]; ++i) {
-      const auto corners = open_[facets_[i]];
-      bool has_b = false, has_c = false;
-      for (const std::uint32_t corner : corners) {
-        has_b |= corner == b;
-        has_c |= corner == c;
-      }
-      if (has_b && has_c) return facets_[i];
+      const Entry& entry = entries_[i];
+      if (entry.second == b && entry.third == c) return {entry.facet >> 1, (entry.facet & 1) == even};
+      if (entry.second != kNone) continue;
+      const auto corners = open_[entry.facet];
+      std::size_t at[3] = {corners.size(), corners.size(), corners.size()};
+      for (std::size_t k = 0; k < corners.size(); ++k)
+        for (std::size_t j = 0; j < 3; ++j)
+          if (number_[corners[k]] == (j == 0 ? a : j == 1 ? b : c)) at[j] = k;
+      if (at[1] == corners.size() || at[2] == corners.size()) continue;
+      return {entry.facet, ((at[0] < at[1]) + (at[1] < at[2]) + (at[2] < at[0]) == 2) == even};
     }
-    return kNone;
+    return {kNone, false};
   }
 
  private:
+  // A triangle: its larger corners, and 2 * facet + 1 where (smallest, second, third) runs counter-clockwise. For
+  // facets of many corners `second` is kNone, and the triangle's corners are looked up in the facet.
+  struct Entry {
+    std::uint32_t second, third, facet;
+  };
+  static constexpr std::size_t kFew = 6;
+
+  template <class Visit>
+  void each_entry(const Visit& visit) const {
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> sorted;  // corners and their places in the cycle
+    for (std::uint32_t f = 0; f < open_.count(); ++f) {
+      sorted.clear();
+      for (const std::uint32_t s : open_[f]) sorted.emplace_back(number_[s], sorted.size());
+      std::sort(sorted.begin(), sorted.end());
+      for (std::size_t i = 0; i + 2 < sorted.size(); ++i) {
+        if (sorted.size() > kFew) {
+          visit(sorted[i].first, Entry{kNone, kNone, f});
+          continue;
+        }
+        for (std::size_t j = i + 1; j + 1 < sorted.size(); ++j)
+          for (std::size_t k = j + 1; k < sorted.size(); ++k) {
+            const bool turns = (sorted[i].second < sorted[j].second) + (sorted[j].second < sorted[k].second) +
+                                   (sorted[k].second < sorted[i].second) ==
+                               2;
+            visit(sorted[i].first, Entry{sorted[j].first, sorted[k].first, 2 * f + turns});
+          }
+      }
+    }
+  }
+
   const OpenFacets& open_;
-  std::vector<std::uint32_t> begin_, facets_;
+  std::vector<std::uint32_t> number_;  // per site
+  std::vector<std::uint32_t> begin_;
+  std::vector<Entry> entries_;
 };
 
 class Remainder {
@@ -77,12 +116,13 @@ class Remainder {
         high[a] = std::max(high[a], s[a]);
       }
     auto delaunay = std::make_unique<Delaunay>(sites_, spacing_, low, high, context_);
-    const OpenIndex index(open_, sites_.size());
-    const std::vector<std::uint8_t> mark = flood(*delaunay, index);
+    const std::vector<std::uint8_t> mark = flood(*delaunay);
     const Polytopes polytopes =
         lattice::polytopes_of([&](std::uint32_t t, const Tetrahedron&) { return (mark[t] & kKept) != 0; },
                               std::move(delaunay), sites_, context_);
-    take(polytopes, index);
+    std::vector<std::uint32_t> same(sites_.size());
+    std::iota(same.begin(), same.end(), 0u);
+    take(polytopes, OpenIndex(open_, std::move(same)));
   }
 
  private:
@@ -101,9 +141,14 @@ class Remainder {
     for (std::uint32_t& s : open_.corners) s = rank[s];
   }
 
-  std::vector<std::uint8_t> flood(const Delaunay& delaunay, const OpenIndex& index) const {
+  // Which tetrahedra belong to missing cells.
+  std::vector<std::uint8_t> flood(const Delaunay& delaunay) const {
     const auto& tetrahedra = delaunay.tetrahedra();
     const auto& points = delaunay.points();
+    std::vector<std::uint32_t> place(sites_.size());
+    for (std::uint32_t p = Delaunay::kBoxPoints; p < points.size(); ++p)
+      place[points[p].site] = p - Delaunay::kBoxPoints;
+    const OpenIndex index(open_, std::move(place));  // by points, since tetrahedra lie in memory as points do
     std::vector<std::uint8_t> mark(tetrahedra.size(), 0);
     const std::size_t chunks = chunks_for(tetrahedra.size());
     std::vector<std::vector<std::uint32_t>> seeds(chunks);
@@ -114,15 +159,12 @@ class Remainder {
         if (corner[0] == kNone || Delaunay::touches_box(tetrahedra[t])) continue;
         for (std::uint32_t i = 0; i < 4; ++i) {
           const auto& f = lattice::kFacet[i];
-          const std::uint32_t open =
-              index.find(points[corner[f[0]]].site, points[corner[f[1]]].site, points[corner[f[2]]].site);
-          if (open == kNone) continue;
+          const auto open = index.find(corner[f[0]] - Delaunay::kBoxPoints, corner[f[1]] - Delaunay::kBoxPoints,
+                                       corner[f[2]] - Delaunay::kBoxPoints);
+          if (open.facet == kNone) continue;
           mark[t] = static_cast<std::uint8_t>(mark[t] | 1u << i);
-          if (mark[t] & kKept) continue;
-          const auto corners = open_[open];
-          if (delaunay.predicates().orientation(point(corners[0]), point(corners[1]), point(corners[2]),
-                                                points[corner[i]]) < 0)
-            continue;
+          // Seen from outside the tetrahedron its facets run counter-clockwise, so from inside they do not.
+          if (open.turns || mark[t] & kKept) continue;
           mark[t] |= kKept;
           seeds[chunk].push_back(static_cast<std::uint32_t>(t));
         }
@@ -148,8 +190,6 @@ class Remainder {
     return mark;
   }
 
-  Point point(std::uint32_t s) const { return {sites_[s][0], sites_[s][1], sites_[s][2], s}; }
-
   // Cells of a range of polytopes; neighbours are numbered from `base` on.
   class Taker {
    public:
@@ -171,6 +211,10 @@ class Remainder {
     void take(std::uint32_t p) {
       const std::span<const std::uint32_t> corners(polytopes_.sites.data() + polytopes_.site_offsets[p],
                                                    polytopes_.sites.data() + polytopes_.site_offsets[p + 1]);
+      if (corners.size() == 4) {
+        take_tetrahedron(p, polytopes_.tetrahedra[polytopes_.members[polytopes_.member_offsets[p]]], corners);
+        return;
+      }
       triangles_.clear();
       for (std::uint32_t m = polytopes_.member_offsets[p]; m < polytopes_.member_offsets[p + 1]; ++m) {
         const Tetrahedron& t = polytopes_.tetrahedra[polytopes_.members[m]];
@@ -179,7 +223,7 @@ class Remainder {
           const std::array<std::uint32_t, 3> sites{t.corner[f[0]], t.corner[f[1]], t.corner[f[2]]};
           std::uint32_t key;
           if (t.neighbour[i] == kNone) {
-            key = index_.find(sites[0], sites[1], sites[2]);
+            key = index_.find(sites[0], sites[1], sites[2]).facet;
             if (key == kNone) throw Error(ErrorCode::invariant, "a facet of the voxel core's dual stays open");
             key |= kOpenBit;
           } else {
@@ -209,6 +253,30 @@ class Remainder {
       for (std::uint32_t f = 0; f < facets_.size(); ++f) {
         const std::uint32_t key = facets_.tag(f);
         neighbours[f] = key & kOpenBit ? remainder_.close(key & ~kOpenBit, base_ + p) : base_ + key;
+      }
+    }
+
+    // Its hull is known by the permutation that sorts its corners, and the order of its facets with it.
+    void take_tetrahedron(std::uint32_t p, const Tetrahedron& t, std::span<const std::uint32_t> corners) {
+      std::array<std::uint32_t, 4> at{0, 1, 2, 3};
+      std::size_t inversions = 0;
+      for (std::size_t i = 0; i < 4; ++i)
+        for (std::size_t j = i + 1; j < 4; ++j) inversions += t.corner[i] > t.corner[j];
+      std::sort(at.begin(), at.end(), [&](std::uint32_t i, std::uint32_t j) { return t.corner[i] < t.corner[j]; });
+      names_.clear();
+      for (const std::uint32_t s : corners) names_.push_back(remainder_.names_[s]);
+      const std::uint32_t cell = cells_.add(names_, Hulls::kTetrahedron[inversions & 1], 4);
+      const auto neighbours = cells_.neighbours_of(cell);
+      for (std::size_t i = 0; i < 4; ++i) {
+        const std::uint32_t n = t.neighbour[at[i]];
+        if (n != kNone) {
+          neighbours[i] = base_ + polytopes_.polytope_of[n >> 2];
+          continue;
+        }
+        const auto& f = lattice::kFacet[at[i]];
+        const std::uint32_t open = index_.find(t.corner[f[0]], t.corner[f[1]], t.corner[f[2]]).facet;
+        if (open == kNone) throw Error(ErrorCode::invariant, "a facet of the voxel core's dual stays open");
+        neighbours[i] = remainder_.close(open, base_ + p);
       }
     }
 

@@ -38,9 +38,10 @@ class SiteIndex {
           for (std::uint64_t found = block->mask & in_yz & range(bx, low[0], high[0], 1) * 0x1111111111111111ull; found;
                found &= found - 1) {
             const int bit = std::countr_zero(found);
+            constexpr std::uint8_t kCount[8] = {0, 1, 1, 2, 1, 2, 2, 3};
             const std::uint64_t before = block->mask >> (bit & ~3) & ((1ull << (bit & 3)) - 1);
             visit(4 * bx + (bit & 3), 4 * by + (bit >> 2 & 3), 4 * bz + (bit >> 4),
-                  block->first[bit >> 2] + static_cast<std::uint32_t>(std::popcount(before)));
+                  block->first[bit >> 2] + kCount[before]);
           }
         }
       }

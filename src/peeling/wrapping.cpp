@@ -14,8 +14,9 @@ Wrapping::Wrapping(std::span<const LatticePoint> sites, const std::array<std::in
   for (std::size_t i = 0; i < 3; ++i) spacing_[i] = static_cast<double>(spacing[i]);
 }
 
-// The balls through a, b, c whose other points of interest lie above the plane grow with the height of their centres:
-// what they have above it, the largest one has too. Only a box to search in, so rounding is kept out by a margin.
+// Above the plane of a, b, c the balls through them grow with the height of their centres: what any of them has there,
+// the largest one has too. The box encloses its part above the plane. Only a box to search in: rounding is kept out by
+// a margin.
 bool Wrapping::limit_box(const Point& a, const Point& b, const Point& c, Box& box) const {
   std::array<double, 3> u, v;
   const std::array<std::int32_t, 3> pa{a.x, a.y, a.z}, pb{b.x, b.y, b.z}, pc{c.x, c.y, c.z};
@@ -35,11 +36,18 @@ bool Wrapping::limit_box(const Point& a, const Point& b, const Point& c, Box& bo
   for (double& x : centre) x /= 2 * nn;
   const double rest = reach_ * reach_ - dot(centre, centre);
   if (rest < 0) return false;
-  const double rise = std::sqrt(rest / nn);
+  const double height = std::sqrt(rest), circle = std::sqrt(dot(centre, centre)), length = std::sqrt(nn);
   for (std::size_t i = 0; i < 3; ++i) {
-    const double middle = pa[i] + (centre[i] + rise * n[i]) / spacing_[i], half = reach_ / spacing_[i] + 1e-6;
-    box.low[i] = static_cast<std::int32_t>(std::ceil(middle - half));
-    box.high[i] = static_cast<std::int32_t>(std::floor(middle + half));
+    const double up = n[i] / length;  // of the unit normal
+    const double middle = pa[i] + (centre[i] + height * up) / spacing_[i], half = reach_ / spacing_[i] + 1e-6;
+    // Where the plane cuts off the outermost point of the ball along this axis, the circle has the outermost one.
+    const double rim = pa[i] + centre[i] / spacing_[i];
+    const double wide = circle * std::sqrt(std::max(0.0, 1 - up * up)) / spacing_[i] + 1e-6;
+    box.low[i] = static_cast<std::int32_t>(std::ceil(reach_ * up > height ? rim - wide : middle - half));
+    box.high[i] = static_cast<std::int32_t>(std::floor(-reach_ * up > height ? rim + wide : middle + half));
+    const bool level = n[(i + 1) % 3] == 0 && n[(i + 2) % 3] == 0;  // products of integers: exact
+    if (level && n[i] > 0) box.low[i] = pa[i] + 1;
+    if (level && n[i] < 0) box.high[i] = pa[i] - 1;
   }
   return true;
 }
