@@ -20,7 +20,8 @@ class SiteIndex {
   /// `sites`: in order of z, y, x, coordinates not negative. O(sites).
   explicit SiteIndex(std::span<const LatticePoint> sites);
 
-  /// visit(x, y, z, site) for all sites from `low` to `high`, both included, in no order that matters.
+  /// visit(x, y, z, name) for all sites from `low` to `high`, both included, in no order that matters; site(name) is
+  /// their number, which few callers want of all.
   template <class Visit>
   void each_in_box(LatticePoint low, LatticePoint high, Visit&& visit) const {
     for (std::size_t a = 0; a < 3; ++a) {
@@ -32,20 +33,36 @@ class SiteIndex {
       const std::uint64_t in_z = range(bz, low[2], high[2], 16);
       for (std::int32_t by = low[1] >> 2; by <= high[1] >> 2; ++by) {
         const std::uint64_t in_yz = in_z & range(by, low[1], high[1], 4) * 0x0001000100010001ull;
+        const std::uint32_t* group = nullptr;
         for (std::int32_t bx = low[0] >> 2; bx <= high[0] >> 2; ++bx) {
-          const Block* block = find(bx, by, bz);
-          if (!block) continue;
-          for (std::uint64_t found = block->mask & in_yz & range(bx, low[0], high[0], 1) * 0x1111111111111111ull; found;
-               found &= found - 1) {
+          if (!group || (bx & 3) == 0) {
+            group = find_group(bx, by, bz);
+            if (!group) {
+              bx |= 3;
+              continue;
+            }
+          }
+          const std::uint32_t number = group[slot(bx, by, bz)];
+          if (number == kEmpty) continue;
+          std::uint64_t found = blocks_[number].mask & in_yz;
+          if (4 * bx < low[0] || 4 * bx + 3 > high[0]) found &= range(bx, low[0], high[0], 1) * 0x1111111111111111ull;
+          for (; found; found &= found - 1) {
             const int bit = std::countr_zero(found);
-            constexpr std::uint8_t kCount[8] = {0, 1, 1, 2, 1, 2, 2, 3};
-            const std::uint64_t before = block->mask >> (bit & ~3) & ((1ull << (bit & 3)) - 1);
-            visit(4 * bx + (bit & 3), 4 * by + (bit >> 2 & 3), 4 * bz + (bit >> 4),
-                  block->first[bit >> 2] + kCount[before]);
+            visit(4 * bx + (bit & 3), 4 * by + (bit >> 2 & 3), 4 * bz + (bit >> 4), Name{number, bit});
           }
         }
       }
     }
+  }
+  struct Name {
+    std::uint32_t block;
+    int bit;
+  };
+  std::uint32_t site(const Name& name) const {
+    constexpr std::uint8_t kCount[8] = {0, 1, 1, 2, 1, 2, 2, 3};
+    const Block& block = blocks_[name.block];
+    const std::uint64_t before = block.mask >> (name.bit & ~3) & ((1ull << (name.bit & 3)) - 1);
+    return block.first[static_cast<std::size_t>(name.bit >> 2)] + kCount[before];
   }
 
  private:
@@ -60,13 +77,11 @@ class SiteIndex {
     const int from = std::max(low - 4 * b, 0) * width, count = (std::min(high - 4 * b, 3) + 1) * width - from;
     return (count == 64 ? ~0ull : (1ull << count) - 1) << from;
   }
-  const Block* find(std::int32_t bx, std::int32_t by, std::int32_t bz) const {
+  const std::uint32_t* find_group(std::int32_t bx, std::int32_t by, std::int32_t bz) const {
     const std::uint32_t group =
         groups_[static_cast<std::size_t>(bx >> 2) +
                 dims_[0] * (static_cast<std::size_t>(by >> 2) + dims_[1] * static_cast<std::size_t>(bz >> 2))];
-    if (group == kEmpty) return nullptr;
-    const std::uint32_t block = slots_[64 * std::size_t{group} + slot(bx, by, bz)];
-    return block == kEmpty ? nullptr : &blocks_[block];
+    return group == kEmpty ? nullptr : slots_.data() + 64 * std::size_t{group};
   }
   static std::size_t slot(std::int32_t bx, std::int32_t by, std::int32_t bz) {
     return static_cast<std::size_t>((bx & 3) | (by & 3) << 2 | (bz & 3) << 4);

@@ -15,9 +15,8 @@ Wrapping::Wrapping(std::span<const LatticePoint> sites, const std::array<std::in
 }
 
 // Above the plane of a, b, c the balls through them grow with the height of their centres: what any of them has there,
-// the largest one has too. The box encloses its part above the plane. Only a box to search in: rounding is kept out by
-// a margin.
-bool Wrapping::limit_box(const Point& a, const Point& b, const Point& c, Box& box) const {
+// the largest one has too. It only bounds the search: rounding is kept out by margins.
+bool Wrapping::limit(const Point& a, const Point& b, const Point& c, Limit& limit) const {
   std::array<double, 3> u, v;
   const std::array<std::int32_t, 3> pa{a.x, a.y, a.z}, pb{b.x, b.y, b.z}, pc{c.x, c.y, c.z};
   for (std::size_t i = 0; i < 3; ++i) {
@@ -36,18 +35,21 @@ bool Wrapping::limit_box(const Point& a, const Point& b, const Point& c, Box& bo
   for (double& x : centre) x /= 2 * nn;
   const double rest = reach_ * reach_ - dot(centre, centre);
   if (rest < 0) return false;
+  limit.level = false;
   const double height = std::sqrt(rest), circle = std::sqrt(dot(centre, centre)), length = std::sqrt(nn);
   for (std::size_t i = 0; i < 3; ++i) {
     const double up = n[i] / length;  // of the unit normal
-    const double middle = pa[i] + (centre[i] + height * up) / spacing_[i], half = reach_ / spacing_[i] + 1e-6;
+    limit.centre[i] = centre[i] + height * up;
+    const double middle = pa[i] + limit.centre[i] / spacing_[i], half = reach_ / spacing_[i] + 1e-6;
     // Where the plane cuts off the outermost point of the ball along this axis, the circle has the outermost one.
     const double rim = pa[i] + centre[i] / spacing_[i];
     const double wide = circle * std::sqrt(std::max(0.0, 1 - up * up)) / spacing_[i] + 1e-6;
-    box.low[i] = static_cast<std::int32_t>(std::ceil(reach_ * up > height ? rim - wide : middle - half));
-    box.high[i] = static_cast<std::int32_t>(std::floor(-reach_ * up > height ? rim + wide : middle + half));
+    limit.low[i] = static_cast<std::int32_t>(std::ceil(reach_ * up > height ? rim - wide : middle - half));
+    limit.high[i] = static_cast<std::int32_t>(std::floor(-reach_ * up > height ? rim + wide : middle + half));
     const bool level = n[(i + 1) % 3] == 0 && n[(i + 2) % 3] == 0;  // products of integers: exact
-    if (level && n[i] > 0) box.low[i] = pa[i] + 1;
-    if (level && n[i] < 0) box.high[i] = pa[i] - 1;
+    limit.level = limit.level || level;
+    if (level && n[i] > 0) limit.low[i] = pa[i] + 1;
+    if (level && n[i] < 0) limit.high[i] = pa[i] - 1;
   }
   return true;
 }
@@ -55,30 +57,31 @@ bool Wrapping::limit_box(const Point& a, const Point& b, const Point& c, Box& bo
 bool Wrapping::cell_across(std::span<const std::uint32_t> facet, std::vector<std::uint32_t>& cell) {
   const auto point = [&](std::uint32_t s) { return Point{sites_[s][0], sites_[s][1], sites_[s][2], s}; };
   const Point a = point(facet[0]), b = point(facet[1]), c = point(facet[2]);
-  Box box;
-  if (!limit_box(a, b, c, box)) return false;
+  Limit bound;
+  if (!limit(a, b, c, bound)) return false;
   // Differences below 2^15 (peeling.cpp sees to it): everything here fits 64 bits.
   const std::int64_t bx = b.x - a.x, by = b.y - a.y, bz = b.z - a.z, cx = c.x - a.x, cy = c.y - a.y, cz = c.z - a.z;
   const std::int64_t nx = by * cz - bz * cy, ny = bz * cx - bx * cz, nz = bx * cy - by * cx;
+  const double reach = reach_ * reach_ * (1 + 1e-9) + 1e-6;
   candidates_.clear();
   lattice::Predicates::Sphere ball;
-  index_.each_in_box(box.low, box.high, [&](std::int32_t x, std::int32_t y, std::int32_t z, std::uint32_t site) {
-    if (nx * (x - a.x) + ny * (y - a.y) + nz * (z - a.z) <= 0) return;
-    const Point p{x, y, z, site};
-    if (!candidates_.empty()) {
-      const int side = predicates_.side(ball, p);
-      if (side < 0) return;
-      candidates_.push_back(p);
-      if (side == 0) return;
-    } else {
-      candidates_.push_back(p);
-    }
-    ball = predicates_.sphere(a, b, c, p);
-  });
+  index_.each_in_box(bound.low, bound.high,
+                     [&](std::int32_t x, std::int32_t y, std::int32_t z, const SiteIndex::Name& name) {
+                       const std::int32_t dx = x - a.x, dy = y - a.y, dz = z - a.z;
+                       if (!bound.level && nx * dx + ny * dy + nz * dz <= 0) return;
+                       const double ox = dx * spacing_[0] - bound.centre[0], oy = dy * spacing_[1] - bound.centre[1],
+                                    oz = dz * spacing_[2] - bound.centre[2];
+                       if (ox * ox + oy * oy + oz * oz > reach) return;
+                       const Point p{x, y, z, 0};
+                       const int side = candidates_.empty() ? 1 : predicates_.side(ball, p);
+                       if (side < 0) return;
+                       candidates_.emplace_back(p, name);
+                       if (side > 0) ball = predicates_.sphere(a, b, c, p);
+                     });
   if (candidates_.empty() || predicates_.radius(ball) > reach_) return false;
   cell.assign(facet.begin(), facet.end());
-  for (const Point& p : candidates_)
-    if (predicates_.on_sphere(ball, p)) cell.push_back(p.site);
+  for (const auto& [p, name] : candidates_)
+    if (predicates_.on_sphere(ball, p)) cell.push_back(index_.site(name));
   std::sort(cell.begin(), cell.end());
   return true;
 }

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "lattice/predicates.h"
@@ -25,17 +26,20 @@ class Wrapping {
   bool cell_across(std::span<const std::uint32_t> facet, std::vector<std::uint32_t>& cell);
 
  private:
-  struct Box {
+  // The largest ball through a facet: its part above the facet's plane lies in the box.
+  struct Limit {
     LatticePoint low, high;
+    std::array<double, 3> centre;  // in units of the integer spacing, relative to the first corner
+    bool level;                    // the plane is one of the lattice, and the box lies above it
   };
-  bool limit_box(const lattice::Point& a, const lattice::Point& b, const lattice::Point& c, Box& box) const;
+  bool limit(const lattice::Point& a, const lattice::Point& b, const lattice::Point& c, Limit& limit) const;
 
   std::span<const LatticePoint> sites_;
   std::array<double, 3> spacing_;
   const lattice::Predicates& predicates_;
   const SiteIndex& index_;
   double reach_;
-  std::vector<lattice::Point> candidates_;
+  std::vector<std::pair<lattice::Point, SiteIndex::Name>> candidates_;
 };
 
 }  // namespace quench::peeling
