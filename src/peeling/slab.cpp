@@ -156,15 +156,19 @@ class Slab {
       const FacetTable::Owner owner = waiting_.back();
       waiting_.pop_back();
       if (!is_open(owner)) continue;
+      std::uint32_t behind = kNone;
       if (owner.cell & kSquare) {
         const Square& square = squares_[owner.cell & ~kSquare];
         facet_.assign(square.begin(), square.end());
       } else {
         facet_.clear();
+        const auto sites = cells_.sites_of(owner.cell);
         for (const std::uint32_t corner : hulls_[cells_.hull[owner.cell]].corners_of(owner.facet))
-          facet_.push_back(cells_.sites_of(owner.cell)[corner]);
+          facet_.push_back(sites[corner]);
+        behind =
+            *std::ranges::find_if(sites, [&](std::uint32_t s) { return std::ranges::find(facet_, s) == facet_.end(); });
       }
-      if (!wrapping_->cell_across(facet_, found_)) continue;
+      if (!wrapping_->cell_across(facet_, behind, found_)) continue;
       // The table has the sites of a range of layers only; what lies beyond belongs to other slabs.
       if (found_.front() < low_ || found_.back() >= high_ || found_.size() > HullFinder::kMostCorners) continue;
       points_.clear();
