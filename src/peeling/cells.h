@@ -42,6 +42,8 @@ struct Cells {
     neighbour_begin.push_back(static_cast<std::uint32_t>(neighbours.size()));
     return count() - 1;
   }
+  /// Room for so many in all. Memory that is not written costs nothing.
+  void reserve(std::size_t cells, std::size_t corners, std::size_t facets);
   /// Appends the cells of a part whose neighbours are numbered from `shift` on.
   void append(const Cells& part, std::uint32_t shift);
 };

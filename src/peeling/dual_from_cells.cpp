@@ -100,6 +100,9 @@ class RingWalker {
   RingWalker(const Cells& cells, const Hulls& hulls) : cells_(cells), hulls_(hulls) {}
 
   RawFaces run(std::size_t first, std::size_t last) {
+    faces_.sites.reserve((last - first) * 5 / 4);
+    faces_.offsets.reserve((last - first) * 5 / 4);
+    faces_.corners.reserve((last - first) * 6);
     for (std::size_t c = first; c < last; ++c) {
       const auto cell = static_cast<std::uint32_t>(c);
       const Hull& hull = hulls_[cells_.hull[c]];

@@ -28,6 +28,15 @@ OpenFacets join(std::vector<SlabPart>& parts, const Hulls& hulls, std::size_t si
   std::vector<Loose> loose(begin.back());
   {
     std::vector<std::uint32_t> next(begin.begin(), begin.end() - 1);
+    std::size_t count = 0, corners = 0, facets = 0;
+    for (const SlabPart& part : parts) {
+      count += part.cells.count();
+      corners += part.cells.sites.size();
+      facets += part.cells.neighbours.size();
+    }
+    // Room for the cells that are missing, too: shapes have up to 1.3 cells per site with 5 corners and facets each.
+    cells.reserve(std::max(count, site_count * 4 / 3), std::max(corners, site_count * 13 / 2),
+                  std::max(facets, site_count * 7));
     for (std::uint32_t p = 0; p < parts.size(); ++p) {
       const std::uint32_t shift = cells.count();
       for (const LooseFacet& f : parts[p].loose)

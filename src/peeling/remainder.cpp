@@ -141,6 +141,10 @@ class Remainder {
     for (std::uint32_t& s : open_.corners) s = rank[s];
   }
 
+  [[noreturn]] static void leaves_shape() {
+    throw Error(ErrorCode::invariant, "a cell of the voxel core reaches out of the shape");
+  }
+
   // Which tetrahedra belong to missing cells.
   std::vector<std::uint8_t> flood(const Delaunay& delaunay) const {
     const auto& tetrahedra = delaunay.tetrahedra();
@@ -152,21 +156,30 @@ class Remainder {
     std::vector<std::uint8_t> mark(tetrahedra.size(), 0);
     const std::size_t chunks = chunks_for(tetrahedra.size());
     std::vector<std::vector<std::uint32_t>> seeds(chunks);
+    const auto set = [&](std::uint32_t t, std::uint32_t bits) {
+      return std::atomic_ref<std::uint8_t>(mark[t]).fetch_or(static_cast<std::uint8_t>(bits),
+                                                             std::memory_order_relaxed);
+    };
     for_chunks(chunks, context_, "merge", 0, 0.1, [&](std::size_t chunk) {
       const auto [first, last] = part_of(tetrahedra.size(), chunk, chunks);
       for (std::size_t t = first; t < last; ++t) {
         const auto& corner = tetrahedra[t].corner;
         if (corner[0] == kNone || Delaunay::touches_box(tetrahedra[t])) continue;
         for (std::uint32_t i = 0; i < 4; ++i) {
+          const std::uint32_t neighbour = tetrahedra[t].neighbour[i], n = neighbour >> 2;
+          // One of the two looks; n may touch the box, and then does not.
+          if (n < t && !Delaunay::touches_box(tetrahedra[n])) continue;
           const auto& f = lattice::kFacet[i];
           const auto open = index.find(corner[f[0]] - Delaunay::kBoxPoints, corner[f[1]] - Delaunay::kBoxPoints,
                                        corner[f[2]] - Delaunay::kBoxPoints);
           if (open.facet == kNone) continue;
-          mark[t] = static_cast<std::uint8_t>(mark[t] | 1u << i);
-          // Seen from outside the tetrahedron its facets run counter-clockwise, so from inside they do not.
-          if (open.turns || mark[t] & kKept) continue;
-          mark[t] |= kKept;
-          seeds[chunk].push_back(static_cast<std::uint32_t>(t));
+          // Seen from outside a tetrahedron its facets run counter-clockwise, so from inside they do not.
+          const auto me = static_cast<std::uint32_t>(t), inner = open.turns ? n : me;
+          if (inner != me && Delaunay::touches_box(tetrahedra[n])) leaves_shape();
+          set(me, 1u << i);
+          set(n, 1u << (neighbour & 3));
+          if (set(inner, kKept) & kKept) continue;
+          seeds[chunk].push_back(inner);
         }
       }
     });
@@ -181,8 +194,7 @@ class Remainder {
       for (std::uint32_t i = 0; i < 4; ++i) {
         const std::uint32_t n = tetrahedra[t].neighbour[i] >> 2;
         if (mark[t] >> i & 1 || mark[n] & kKept) continue;
-        if (Delaunay::touches_box(tetrahedra[n]))
-          throw Error(ErrorCode::invariant, "a cell of the voxel core reaches out of the shape");
+        if (Delaunay::touches_box(tetrahedra[n])) leaves_shape();
         mark[n] |= kKept;
         stack.push_back(n);
       }

@@ -24,7 +24,7 @@ class FacetTable {
   struct Owner {
     std::uint32_t cell, facet;
   };
-  explicit FacetTable(std::size_t sites) : head_(sites, kNone) {}
+  explicit FacetTable(std::size_t sites) : head_(sites, kNone) { entries_.reserve(2 * sites); }
 
   // Takes the facet out of the table and returns who left it there; where nobody did, leaves it for `owner`, and
   // returns kNone. Names count from the first site of the slab.
@@ -73,7 +73,10 @@ class Slab {
         low_(first_site(begin - input.layers())),
         high_(first_site(end + input.layers())),
         table_(high_ - low_),
-        cubes_(input.shape, input.sites, begin - input.layers(), end + input.layers(), hulls) {}
+        cubes_(input.shape, input.sites, begin - input.layers(), end + input.layers(), hulls) {
+    const std::size_t sites = high_ - low_;
+    cells_.reserve(sites, 5 * sites, 5 * sites);
+  }
 
   SlabPart run() {
     cubes_.each([&](const UnitCube& cube) { take(cube); });
