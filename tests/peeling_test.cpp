@@ -16,8 +16,11 @@
 namespace quench::peeling {
 namespace {
 
+Options always(double reach, std::int32_t layers) { return {reach, layers, 0, 0}; }
+
 // Unit cubes only, balls of every size, slabs thinner than the balls, everything peeled away.
-const std::vector<Options> kOptions{{3, 0}, {0, 0}, {1, 1}, {1.5, 3}, {2, 2}, {4, 1}, {30, 0}, {30, 2}};
+const std::vector<Options> kOptions{always(3, 0), always(0, 0), always(1, 1),  always(1.5, 3),
+                                    always(2, 2), always(4, 1), always(30, 0), always(30, 2)};
 
 void expect_same_peeled(const VoxelShape& shape, std::span<const Options> options, int threads,
                         const std::string& where) {
@@ -88,13 +91,20 @@ TEST(Peeling, FarApartAndTouching) {
 }
 
 TEST(Peeling, MeshesAreTheSame) {
-  const std::vector<Options> options{{}, {2, 20}};
+  const std::vector<Options> options{{}, always(2, 20)};
   for (const char* name : {"torus", "rippled-box", "plate-with-holes", "hollow-sphere"})
     expect_same_peeled(voxelize(make_sample(name).mesh, {.resolution = 96}).shape, options, 2, name);
   const auto file = std::filesystem::path(QUENCH_DATA) / "meshes/armadillo.off";
   if (!std::filesystem::exists(file)) GTEST_SKIP() << "no test data";
   const TriangleMesh mesh = to_triangle_mesh(io::read_poly_data(file));
   expect_same_peeled(voxelize(mesh, {.resolution = 128}).shape, options, 2, "armadillo");
+}
+
+// Flat boundaries, where little is peeled, by the choices of the program.
+TEST(Peeling, FlatShapesAreTheSame) {
+  const std::vector<Options> options{{}, {3, 0, 0.125, 0}, {3, 8, 0.02, 0.02}};
+  for (const char* name : {"box", "rippled-box", "fin-on-board"})
+    expect_same_peeled(voxelize(make_sample(name).mesh, {.resolution = 64}).shape, options, 2, name);
 }
 
 TEST(Peeling, StopsWhenAsked) {

@@ -161,7 +161,7 @@ static MedialAxis compute(const VoxelShape& shape, const CoreOptions& options, C
   MedialAxis axis;
   axis.grid = shape.grid();
   axis.sites = boundary_vertices(shape);
-  checkpoint(context, "delaunay", 0);
+  checkpoint(context, "peel", 0);
   DualComplex dual =
       options.in_bricks || axis.sites.size() > lattice::Delaunay::kMostSites
           ? bricks::dual_complex_in_bricks(shape, axis.sites, spacing, bricks::plan_for(shape), context)

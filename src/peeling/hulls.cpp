@@ -139,7 +139,7 @@ std::uint32_t HullFinder::compute(std::span<const lattice::Point> points) {
       for (std::uint32_t c = b + 1; c < count; ++c) {
         bool above = false, below = false, smallest = true;
         in_plane.assign({a, b, c});
-        for (std::uint32_t d = 0; d < count; ++d) {
+        for (std::uint32_t d = 0; d < count && !(above && below) && smallest; ++d) {
           if (d == a || d == b || d == c) continue;
           const auto s = side(a, b, c, d);
           above |= s > 0;
@@ -149,9 +149,8 @@ std::uint32_t HullFinder::compute(std::span<const lattice::Point> points) {
             in_plane.push_back(d);
           }
         }
-        if (above && below) continue;
+        if ((above && below) || !smallest) continue;
         if (!above && !below) return kNone;
-        if (!smallest) continue;
         // Counter-clockwise from outside: the corner next to a is the one that has all others on its left, seen from a
         // point off the plane.
         const std::uint32_t off = [&] {

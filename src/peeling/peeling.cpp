@@ -4,6 +4,7 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <memory>
 #include <optional>
 
 #include "lattice/polytopes.h"
@@ -93,7 +94,7 @@ lattice::DualComplex dual_complex(const VoxelShape& shape, std::span<const Latti
   {
     std::optional<SiteIndex> index(std::in_place, sites);
     const lattice::Predicates predicates(spacing, extent);
-    const Input input{shape, sites, spacing, predicates, *index, reach};
+    const Input input{shape, sites, spacing, predicates, *index, reach, options.least_cubes};
     const std::int32_t low = sites.front()[2], high = sites.back()[2] + 1;
     std::int32_t layers = options.layers;
     if (layers == 0) {
@@ -108,6 +109,12 @@ lattice::DualComplex dual_complex(const VoxelShape& shape, std::span<const Latti
       parts[slab] = peel_slab(input, begin, std::min(begin + layers, high), hulls);
     });
     index.reset();
+    std::size_t peeled = 0;
+    for (const SlabPart& part : parts) peeled += part.cells.count();
+    if (static_cast<double>(peeled) < options.least_cells * static_cast<double>(sites.size())) {
+      parts.clear();
+      return lattice::dual_complex(shape, std::make_unique<lattice::Delaunay>(sites, spacing, context), sites, context);
+    }
     open = join(parts, hulls, sites.size(), cells, context);
   }
   add_remainder(sites, spacing, std::move(open), hulls, cells, context);

@@ -16,6 +16,10 @@ namespace quench::peeling {
 struct Options {
   double reach = 3;         ///< largest ball that is looked for nearby, in voxels of the largest spacing; 0: unit cubes
   std::int32_t layers = 0;  ///< of a slab; 0: as suits the threads
+  /// Where there are fewer cells of unit cubes per site the boundary is flat, and no others are looked for nearby.
+  double least_cubes = 0.125;
+  /// With fewer peeled cells per site it is not worth while, and all sites are triangulated (algorithm A).
+  double least_cells = 0.25;
 };
 
 /// The same as lattice::dual_complex(), array for array. On all threads of the arena; about 260 bytes per site.

@@ -80,7 +80,7 @@ class Slab {
 
   SlabPart run() {
     cubes_.each([&](const UnitCube& cube) { take(cube); });
-    if (input_.reach > 0) wrap();
+    if (input_.reach > 0 && cells_.count() >= input_.least_cubes * (high_ - low_)) wrap();
     return own();
   }
 

@@ -20,7 +20,8 @@ struct Input {
   std::array<std::int64_t, 3> spacing;  ///< integer spacing
   const lattice::Predicates& predicates;
   const SiteIndex& index;
-  double reach;  ///< balls up to this radius are looked for, in units of the integer spacing; 0: unit cubes only
+  double reach;        ///< balls up to this radius are looked for, in units of the integer spacing; 0: unit cubes only
+  double least_cubes;  ///< with fewer cells of unit cubes per site, unit cubes only
 
   /// No cell of a ball that is looked for extends further along z, in layers.
   std::int32_t layers() const;
