@@ -43,7 +43,7 @@ def test_progress_is_reported_to_a_function():
     seen = []
     axis = quench.medial_axis(blobs(30), progress=lambda stage, fraction: seen.append((stage, fraction)))
     axis.skeleton()
-    assert {'foreground', 'delaunay', 'burn', 'curves'} <= {stage for stage, _ in seen}
+    assert {'foreground', 'peel', 'burn', 'curves'} <= {stage for stage, _ in seen}
     assert all(0 <= fraction <= 1 for _, fraction in seen)
     main = []
     quench.skeletonize(blobs(31), progress=lambda stage, fraction: main.append(threading.current_thread()))
@@ -65,7 +65,7 @@ def test_progress_on_the_terminal(with_tqdm):
     hide = '' if with_tqdm else 'import sys; sys.modules["tqdm"] = None\n'
     code = hide + 'import numpy, quench; quench.medial_axis(numpy.ones((40, 40, 40), bool), progress=True).skeleton()'
     done = subprocess.run([sys.executable, '-c', code], capture_output=True, text=True)
-    assert done.returncode == 0 and 'delaunay' in done.stderr and done.stdout == ''
+    assert done.returncode == 0 and 'peel' in done.stderr and done.stdout == ''
 
 
 def test_silence():

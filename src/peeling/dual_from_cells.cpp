@@ -120,6 +120,10 @@ class RingWalker {
   }
 
  private:
+  [[noreturn]] static void does_not_close() {
+    throw Error(ErrorCode::invariant, "the cells around an edge of the voxel core's dual are no ring");
+  }
+
   // A side from a to b of a facet, seen from outside its cell, has the facet on its left: crossing it leads
   // counter-clockwise around the direction from a to b.
   void walk(std::uint32_t start, std::uint32_t side, std::uint32_t a, std::uint32_t b) {
@@ -133,9 +137,12 @@ class RingWalker {
       const auto sites = cells_.sites_of(next);
       // Two cells share one facet; in it the edge runs from b to a.
       std::uint32_t facet = 0;
-      while (neighbours[facet] != cell) ++facet;
+      while (facet < neighbours.size() && neighbours[facet] != cell) ++facet;
+      if (facet == neighbours.size()) does_not_close();
       std::uint32_t from_b = hull.facet_begin[facet];
-      while (sites[hull.from[from_b]] != b) ++from_b;
+      const std::uint32_t end = hull.facet_begin[facet + 1];
+      while (from_b < end && sites[hull.from[from_b]] != b) ++from_b;
+      if (from_b == end || ring_.size() > cells_.count()) does_not_close();
       side = hull.mate[from_b];
       ring_.push_back(next);
       cell = next;
