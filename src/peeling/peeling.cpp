@@ -98,8 +98,8 @@ lattice::DualComplex dual_complex(const VoxelShape& shape, std::span<const Latti
     const std::int32_t low = sites.front()[2], high = sites.back()[2] + 1;
     std::int32_t layers = options.layers;
     if (layers == 0) {
-      // Slabs overlap; a few for each thread, but thick ones.
-      const std::int32_t wanted = 4 * std::max(1, tbb::this_task_arena::max_concurrency());
+      // Slabs overlap: one for one thread, else a few for each, but thick ones.
+      const std::int32_t threads = tbb::this_task_arena::max_concurrency(), wanted = threads > 1 ? 4 * threads : 1;
       layers = std::max((high - low + wanted - 1) / wanted, 8 * input.layers());
     }
     const auto slabs = static_cast<std::size_t>((high - low + layers - 1) / layers);
