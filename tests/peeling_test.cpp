@@ -16,7 +16,7 @@
 namespace quench::peeling {
 namespace {
 
-Options always(double reach, std::int32_t layers) { return {reach, layers, 0, 0}; }
+Options always(double reach, std::int32_t layers) { return {reach, layers, 0, 0, std::size_t{1} << 40}; }
 
 // Unit cubes only, balls of every size, slabs thinner than the balls, everything peeled away.
 const std::vector<Options> kOptions{always(3, 0), always(0, 0), always(1, 1),  always(1.5, 3),
@@ -86,6 +86,8 @@ TEST(Peeling, HugeCells) {
 
 TEST(Peeling, FarApartAndTouching) {
   expect_same_peeled(testing_duals::far_apart(40000), std::span(kOptions).first(3), 1, "far apart");
+  const std::vector<Options> no_room{{3, 0, 0, 0, 0}};  // a grid too large for its sites
+  expect_same_peeled(testing_duals::far_apart(40000), no_room, 1, "far apart in a huge grid");
   for (int rule = 0; rule < testing_duals::kWallRules; ++rule)
     expect_same_peeled(testing_duals::touching_walls(rule), kOptions, 1, "rule " + std::to_string(rule));
 }
@@ -102,7 +104,7 @@ TEST(Peeling, MeshesAreTheSame) {
 
 // Flat boundaries, where little is peeled, by the choices of the program.
 TEST(Peeling, FlatShapesAreTheSame) {
-  const std::vector<Options> options{{}, {3, 0, 0.125, 0}, {3, 8, 0.02, 0.02}};
+  const std::vector<Options> options{{}, {3, 0, 0.125, 0}, {3, 8, 0.02, 0.02}, {3, 0, 0, 0, 0}};
   for (const char* name : {"box", "rippled-box", "fin-on-board"})
     expect_same_peeled(voxelize(make_sample(name).mesh, {.resolution = 64}).shape, options, 2, name);
 }

@@ -88,6 +88,10 @@ lattice::DualComplex dual_complex(const VoxelShape& shape, std::span<const Latti
   // With very different spacings a ball of a few of the largest holds too many sites to try them one by one.
   const double reach = largest <= 3 * least ? options.reach * static_cast<double>(largest) : 0;
   const std::int64_t extent = *std::ranges::max_element(shape.grid().dims) + 2;
+  const auto triangulate_all = [&] {
+    return lattice::dual_complex(shape, std::make_unique<lattice::Delaunay>(sites, spacing, context), sites, context);
+  };
+  if (SiteIndex::groups(shape.grid().dims) > 4 * sites.size() + options.spare_groups) return triangulate_all();
   Hulls hulls;
   Cells cells;
   OpenFacets open;
@@ -113,7 +117,7 @@ lattice::DualComplex dual_complex(const VoxelShape& shape, std::span<const Latti
     for (const SlabPart& part : parts) peeled += part.cells.count();
     if (static_cast<double>(peeled) < options.least_cells * static_cast<double>(sites.size())) {
       parts.clear();
-      return lattice::dual_complex(shape, std::make_unique<lattice::Delaunay>(sites, spacing, context), sites, context);
+      return triangulate_all();
     }
     open = join(parts, hulls, sites.size(), cells, context);
   }

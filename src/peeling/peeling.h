@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 
@@ -20,6 +21,9 @@ struct Options {
   double least_cubes = 0.125;
   /// With fewer peeled cells per site it is not worth while, and all sites are triangulated (algorithm A).
   double least_cells = 0.25;
+  /// Nor for a few sites in a huge grid, whose index would be larger than they are: blocks of 16^3 voxels of the grid
+  /// beyond four per site.
+  std::size_t spare_groups = std::size_t{1} << 21;
 };
 
 /// The same as lattice::dual_complex(), array for array. On all threads of the arena; about 260 bytes per site.

@@ -17,6 +17,12 @@ namespace quench::peeling {
 /// above them. Some 6 bytes per site and 4 per block of 16^3.
 class SiteIndex {
  public:
+  /// Blocks of 16^3 of the lattice points of a grid.
+  static std::size_t groups(const std::array<std::int64_t, 3>& dims) {
+    std::size_t groups = 1;
+    for (const std::int64_t d : dims) groups *= static_cast<std::size_t>(d / 16 + 1);
+    return groups;
+  }
   /// `sites`: in order of z, y, x, coordinates not negative. O(sites).
   explicit SiteIndex(std::span<const LatticePoint> sites);
 
