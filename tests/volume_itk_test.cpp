@@ -124,6 +124,18 @@ TEST_F(ThroughItk, RefusesWhatIsNoScalarVolume) {
                                          "(0,0,0)\n",
                                          "a")),
           "no direction of axis 0");
+  for (const char* steps : {"(1e300,0,0) (0,1e300,0) (0,0,1e300)", "(1,0,0) (0,-1e200,0) (0,0,1)"})
+    refusal(folder.write("huge.nrrd", nrrd("type: uint8\ndimension: 3\nspace dimension: 3\nsizes: 1 1 1\n"
+                                           "space directions: " +
+                                               std::string(steps) + "\nspace origin: (0,0,0)\n",
+                                           "a")),
+            "too large for double precision");
+  EXPECT_EQ(io::read_volume(folder.write("large.nrrd", nrrd("type: uint8\ndimension: 3\nspace dimension: 3\n"
+                                                            "sizes: 1 1 1\nspace directions: (1e100,0,0) (0,1e100,0) "
+                                                            "(0,0,1e100)\nspace origin: (0,0,0)\n",
+                                                            "a")))
+                .grid.spacing,
+            Vec3::Constant(1e100));
   refusal(folder.write("rgb.nrrd", nrrd("type: uint8\ndimension: 4\nspace dimension: 3\nsizes: 3 1 1 1\nkinds: "
                                         "RGB-color domain domain domain\nspace directions: none (1,0,0) (0,1,0) "
                                         "(0,0,1)\nspace origin: (0,0,0)\n",

@@ -17,6 +17,7 @@
 #include <cctype>
 #include <cmath>
 #include <cstdarg>
+#include <cstdlib>
 #include <fstream>
 #include <iostream>
 #include <memory>
@@ -45,6 +46,8 @@ itk::SmartPointer<ImageIO> image_io(const std::string& extension) {
   if (extension == ".mrc" || extension == ".map") return as_base(itk::MRCImageIO::New());
   return as_base(itk::TIFFImageIO::New());
 }
+
+bool is_nrrd(const std::string& extension) { return extension == ".nrrd" || extension == ".nhdr"; }
 
 bool is_tiff(const std::string& extension) { return extension == ".tif" || extension == ".tiff"; }
 
@@ -108,6 +111,28 @@ void check_nifti_header(const std::filesystem::path& file) {
   if (!little && !big) refuse("it does not begin as one");
   const int axes = little ? header[40] | header[41] << 8 : header[41] | header[40] << 8;
   if (axes < 1 || axes > 7) refuse(fmt::format("it claims {} axes", axes));
+}
+
+// Where the squares of a step overflow, the NRRD library silently takes 1 for its length. The header has been parsed
+// before, so it ends.
+void check_nrrd_header(const std::filesystem::path& file) {
+  constexpr double largest = 1e150;
+  std::ifstream in(file, std::ios::binary);
+  for (std::string line; std::getline(in, line) && !line.empty() && line != "\r";) {
+    std::transform(line.begin(), line.end(), line.begin(),
+                   [](char c) { return c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c; });
+    if (!line.starts_with("space directions:")) continue;
+    for (const char* at = line.c_str() + line.find(':') + 1; *at != 0;) {
+      char* end = nullptr;
+      const double step = std::strtod(at, &end);
+      if (end != at && !(std::abs(step) <= largest) && !std::isnan(step))  // nan may stand for an unknown step
+        throw Error(ErrorCode::input,
+                    fmt::format("'{}' has steps between voxels that are too large for double precision; correct the "
+                                "space directions in its header",
+                                file.string()));
+      at = end != at ? end : at + 1;
+    }
+  }
 }
 
 // MetaIO and VNL report to std::cerr what they also return, and doubts about matrices. Text of other threads is lost
@@ -316,6 +341,7 @@ Volume read_itk(const std::filesystem::path& file, Context* context) {
   if (extension.starts_with(".nii")) check_nifti_header(file);
   if (is_tiff(extension)) silence_libtiff();
   try_apart(file, extension, true);
+  if (is_nrrd(extension)) check_nrrd_header(file);
   const QuietCerr quiet;
   return refusing(file, [&] {
     const auto io = image_io(extension);
@@ -346,6 +372,7 @@ std::optional<ItkHeader> itk_header(const std::filesystem::path& file, Context* 
   itk::Object::SetGlobalWarningDisplay(false);
   checkpoint(context, "read", 0);
   try_apart(file, extension, false);
+  if (is_nrrd(extension)) check_nrrd_header(file);
   const QuietCerr quiet;
   return refusing(file, [&]() -> std::optional<ItkHeader> {
     const auto io = image_io(extension);
