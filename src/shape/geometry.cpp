@@ -31,7 +31,7 @@ std::array<std::int64_t, 3> integer_spacing(const Grid& grid) {
                     s[0], s[1], s[2], shortest, longest));
   // Positions of vertices are doubles: beyond this, neighbours would fall together.
   constexpr double farthest = 1e12;
-  if (const double distance = grid.origin.cwiseAbs().maxCoeff(); !(distance <= farthest * smallest))
+  if (const double distance = grid.origin.norm(); !(distance <= farthest * smallest))
     throw Error(ErrorCode::input,
                 fmt::format("the shape lies {:g} from the origin of its coordinates, where double precision does not "
                             "tell voxels of {:g} apart; move it nearer",
