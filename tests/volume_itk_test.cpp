@@ -154,6 +154,30 @@ TEST_F(ThroughItk, RefusesWhatIsNoScalarVolume) {
   EXPECT_EQ(bytes_in(one), (std::vector<std::uint8_t>{'a', 'b'}));
 }
 
+TEST_F(ThroughItk, PackedMetaImagesAreWholeOrRefused) {
+  std::string samples(27, '\0');
+  samples[13] = 7;
+  const std::string packed = deflated(samples);
+  for (const bool own : {true, false}) {
+    folder.write("block.zraw", packed);
+    const auto image = [&](const std::string& size, const std::string& dims = "3 3 3") {
+      const std::string fields = "ObjectType = Image\nNDims = 3\nCompressedData = True\n" + size + "DimSize = " + dims +
+                                 "\nElementType = MET_UCHAR\nElementDataFile = ";
+      return own ? folder.write("p.mha", fields + "LOCAL\n" + packed) : folder.write("p.mhd", fields + "block.zraw\n");
+    };
+    const auto claims = [](const std::string& size) { return "CompressedDataSize = " + size + "\n"; };
+    const std::string size = std::to_string(packed.size());
+    EXPECT_EQ(bytes_in(io::read_volume(image(claims(size)))),
+              std::vector<std::uint8_t>(samples.begin(), samples.end()));
+    for (const char* wrong : {"-15", "0", "-1e300", "1000000000000", "99999999999999999999999", "nan", "x"})
+      refusal(image(claims(wrong)), "damaged or");
+    for (std::size_t less = 1; less + 4 < packed.size();
+         ++less)  // without the sum of bytes at the end nothing is missing
+      refusal(image(claims(std::to_string(less))), "damaged or");
+    refusal(image(claims(size), "3 3 4"), "27 of 36 bytes");
+  }
+}
+
 TEST_F(ThroughItk, RefusesHostileAndTruncatedFiles) {
   testing::internal::CaptureStderr();
   const std::string fields = "type: uint8\ndimension: 3\nspacings: 1 1 1\n";
