@@ -114,7 +114,7 @@ void write_report(const std::string& file, Json report, Session& session) {
     return std::round(sum * 1e4) / 1e4;
   };
   report["seconds"] = {{"voxelize", of({"read", "foreground", "components", "cavities", "voxelize"})},
-                       {"delaunay", of({"delaunay"})},
+                       {"delaunay", of({"peel", "delaunay"})},
                        {"core", of({"merge", "core"})},
                        {"prune", of({"prune", "reconstruct"})},
                        {"burn", of({"burn"})},

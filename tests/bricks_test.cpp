@@ -4,47 +4,31 @@
 #include <tbb/task_arena.h>
 
 #include <filesystem>
-#include <memory>
 
 #include "bricks/dual_complex_in_bricks.h"
-#include "lattice/cells.h"
 #include "quench/io.h"
 #include "quench/sample.h"
 #include "quench/voxel_core.h"
 #include "quench/voxelize.h"
 #include "random_shapes.h"
+#include "same_dual.h"
 
 namespace quench::bricks {
 namespace {
 
 using lattice::DualComplex;
 
-void expect_same(const DualComplex& a, const DualComplex& b, const std::string& where) {
-  ASSERT_EQ(a.complex.vertex_count, b.complex.vertex_count) << where;
-  ASSERT_TRUE(a.vertex_site_offsets == b.vertex_site_offsets && a.vertex_sites == b.vertex_sites) << where;
-  ASSERT_EQ(a.complex.edges.size(), b.complex.edges.size()) << where;
-  ASSERT_TRUE(a.complex.edges == b.complex.edges) << where;
-  ASSERT_EQ(a.complex.face_count(), b.complex.face_count()) << where;
-  ASSERT_TRUE(a.face_sites == b.face_sites) << where;
-  ASSERT_TRUE(a.complex.face_offsets == b.complex.face_offsets) << where;
-  ASSERT_TRUE(a.complex.face_vertices == b.complex.face_vertices) << where;
-  ASSERT_TRUE(a.complex.face_edges == b.complex.face_edges) << where;
-}
+using testing_duals::expect_same;
 
 // Bricks far smaller than cells, halos that miss most balls, rounds that do not fit each other, everything left to the
 // end. `at_once` = 0: even one site is divided.
 const std::vector<BrickPlan> kPlans{
     {{{3, 2}, {6, 4}}, 0}, {{{4, 3}}, 0}, {{{2, 1}, {3, 1}, {4, 1}}, 0}, {{{5, 1}, {3, 6}, {4, 1}}, 0}, {{}, 0}};
 
-DualComplex at_once(const VoxelShape& shape, std::span<const LatticePoint> sites) {
-  return lattice::dual_complex(
-      shape, std::make_unique<lattice::Delaunay>(sites, integer_spacing(shape.grid()), nullptr), sites, nullptr);
-}
-
 void expect_same_in_bricks(const VoxelShape& shape, std::span<const BrickPlan> plans, int threads,
                            const std::string& where) {
   const auto sites = boundary_vertices(shape);
-  const DualComplex whole = at_once(shape, sites);
+  const DualComplex whole = testing_duals::by_triangulation(shape, sites);
   for (std::size_t p = 0; p < plans.size(); ++p) {
     const std::string what = where + ", plan " + std::to_string(p) + ", threads " + std::to_string(threads);
     try {
@@ -97,46 +81,19 @@ TEST(Bricks, HugeCells) {
   expect_same_in_bricks(testing_shapes::box_shape(20, 20, 20), plans, 1, "cube");
   expect_same_in_bricks(testing_shapes::box_shape(24, 17, 2), plans, 1, "flat box");
   expect_same_in_bricks(testing_shapes::box_shape(1, 2, 70), plans, 1, "bar");
-  Grid grid;
-  grid.dims = {26, 26, 26};
-  const auto shells = [&](double inner, double outer, double tube) {
-    return testing_shapes::from_predicate(grid, [=](int x, int y, int z) {
-      const double a = x - 12.5, b = y - 12.5, c = z - 12.5, squared = a * a + b * b + c * c;
-      return (squared < outer * outer && squared >= inner * inner) || (tube > 0 && a * a + b * b < tube * tube);
-    });
-  };
-  expect_same_in_bricks(shells(0, 12, 0), plans, 1, "ball");
-  expect_same_in_bricks(shells(9, 12, 0), plans, 1, "hollow ball");
-  expect_same_in_bricks(shells(9, 12, 2.5), plans, 1, "hollow ball with an axle");
+  expect_same_in_bricks(testing_duals::shells(0, 12, 0), plans, 1, "ball");
+  expect_same_in_bricks(testing_duals::shells(9, 12, 0), plans, 1, "hollow ball");
+  expect_same_in_bricks(testing_duals::shells(9, 12, 2.5), plans, 1, "hollow ball with an axle");
 }
 
 // Empty bricks between parts far apart.
 TEST(Bricks, FarApart) {
-  Grid grid;
-  grid.dims = {40000, 3, 3};
-  VoxelShape shape(grid);
-  for (int z = 0; z < 3; ++z)
-    for (int y = 0; y < 3; ++y) {
-      const std::vector<quench::Run> runs{{0, 2 + y}, {20000, 20001}, {39990 + z, 40000}};
-      shape.append_row(runs);
-    }
-  expect_same_in_bricks(shape, std::vector<BrickPlan>{{{{2, 2}, {100, 50}}, 0}, {{{64, 8}}, 0}}, 1, "far apart");
+  expect_same_in_bricks(testing_duals::far_apart(40000), std::vector<BrickPlan>{{{{2, 2}, {100, 50}}, 0}, {{{64, 8}}, 0}}, 1, "far apart");
 }
 
-// Walls that meet along edges and in points: sites with several components of O around them, on both sides of walls.
 TEST(Bricks, TouchingWalls) {
-  Grid grid;
-  grid.dims = {13, 13, 13};
-  for (int rule = 0; rule < 4; ++rule)
-    expect_same_in_bricks(testing_shapes::from_predicate(grid,
-                                                         [rule](int x, int y, int z) {
-                                                           const int a = x / 3, b = y / 3, c = z / 3;
-                                                           if (rule == 0) return (a + b + c) % 2 == 0;
-                                                           if (rule == 1) return (a + b) % 2 == 0;
-                                                           if (rule == 2) return x % 4 != 1 || (y + z) % 5 == 0;
-                                                           return (x + y + z) % 2 == 0;
-                                                         }),
-                          kPlans, 1, "rule " + std::to_string(rule));
+  for (int rule = 0; rule < testing_duals::kWallRules; ++rule)
+    expect_same_in_bricks(testing_duals::touching_walls(rule), kPlans, 1, "rule " + std::to_string(rule));
 }
 
 TEST(Bricks, MeshesAreTheSameInBricks) {

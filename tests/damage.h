@@ -14,9 +14,14 @@ struct Damage {
   std::string_view name;
   TriangleMesh (*apply)(const TriangleMesh& clean, std::uint64_t seed);
   /// Largest symmetric difference of the voxels / voxels of the clean shape, of a mesh of at least 2000 faces at
-  /// resolution 48 or more.
+  /// resolution 48 or more; or what `otherwise` allows, when that is more.
   double limit;
   bool exact;  ///< no point moves and nothing stays open: the voxels must be the same
+  enum class Otherwise {
+    nothing,
+    missing,  ///< what the missing part of the surface encloses (share_behind_missing_faces())
+    moved     ///< a tenth of the boundary vertices
+  } otherwise = Otherwise::nothing;
 };
 
 const std::vector<Damage>& damages();

@@ -12,6 +12,7 @@
 #include "quench/sample.h"
 #include "quench/voxelize.h"
 #include "random_shapes.h"
+#include "same_dual.h"
 
 namespace quench::lattice {
 namespace {
@@ -52,16 +53,8 @@ TEST(Delaunay, IsDelaunayAndItsInsideTilesLargerShapes) {
 }
 
 TEST(Delaunay, WideCoordinatesAndSkewSpacingAreExact) {
-  // Two small shapes at opposite ends of a grid as long as the limits allow.
-  Grid grid;
-  grid.dims = {500000, 3, 3};
-  VoxelShape far(grid);
-  for (int z = 0; z < 3; ++z)
-    for (int y = 0; y < 3; ++y) {
-      const std::vector<quench::Run> runs{{0, 2 + y}, {499990 + z, 500000}};
-      far.append_row(runs);
-    }
-  expect_tiles(far, "far apart");
+  // Small parts at opposite ends of a grid as long as the limits allow.
+  expect_tiles(testing_duals::far_apart(500000), "far apart");
   Grid skew;
   skew.dims = {9, 8, 7};
   skew.spacing = {1, 1000, 1};

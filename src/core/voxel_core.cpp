@@ -15,6 +15,7 @@
 #include "lattice/cells.h"
 #include "lattice/delaunay.h"
 #include "parallel.h"
+#include "peeling/peeling.h"
 #include "return_memory.h"
 
 namespace quench {
@@ -160,12 +161,11 @@ static MedialAxis compute(const VoxelShape& shape, const CoreOptions& options, C
   MedialAxis axis;
   axis.grid = shape.grid();
   axis.sites = boundary_vertices(shape);
-  checkpoint(context, "delaunay", 0);
+  checkpoint(context, "peel", 0);
   DualComplex dual =
       options.in_bricks || axis.sites.size() > lattice::Delaunay::kMostSites
           ? bricks::dual_complex_in_bricks(shape, axis.sites, spacing, bricks::plan_for(shape), context)
-          : lattice::dual_complex(shape, std::make_unique<lattice::Delaunay>(axis.sites, spacing, context), axis.sites,
-                                  context);
+          : peeling::dual_complex(shape, axis.sites, spacing, {}, context);
 
   return_free_memory();
   axis.complex = std::move(dual.complex);

@@ -5,7 +5,6 @@
 #include <atomic>
 
 #include "lattice/polytopes.h"
-#include "lattice/rings.h"
 #include "parallel.h"
 
 namespace quench::lattice {
@@ -43,7 +42,8 @@ std::vector<std::uint32_t> collect_edges(const Polytopes& polytopes, CellComplex
   return begin;
 }
 
-// Sorts the faces by their sites and looks up their edges.
+}  // namespace
+
 void store_faces(const std::vector<RawFaces>& raw, std::size_t site_count, const std::vector<std::uint32_t>& edge_begin,
                  DualComplex& dual, Context* context) {
   struct Name {
@@ -100,8 +100,6 @@ void store_faces(const std::vector<RawFaces>& raw, std::size_t site_count, const
     }
   });
 }
-
-}  // namespace
 
 std::uint32_t edge_between(const CellComplex& complex, const std::vector<std::uint32_t>& edge_begin, std::uint32_t u,
                            std::uint32_t v) {

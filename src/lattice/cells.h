@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "lattice/delaunay.h"
+#include "lattice/rings.h"
 #include "quench/complex.h"
 #include "quench/voxel_shape.h"
 
@@ -33,6 +34,11 @@ struct DualComplex {
 /// Consumes the triangulation to free its memory early. Linear time up to small sorts, on all threads.
 DualComplex dual_complex(const VoxelShape& shape, std::unique_ptr<Delaunay> delaunay,
                          std::span<const LatticePoint> sites, Context* context);
+
+/// Puts faces into a complex whose vertices and edges are there: sorts them by their sites and looks up their edges.
+/// `edge_begin`: per vertex the first edge whose smaller end it is.
+void store_faces(const std::vector<RawFaces>& raw, std::size_t site_count, const std::vector<std::uint32_t>& edge_begin,
+                 DualComplex& dual, Context* context);
 
 /// The edge between two vertices. `edge_begin`: per vertex the first edge whose smaller end it is. Throws
 /// Error(invariant) when there is none.

@@ -76,7 +76,15 @@ class Predicates {
   };
   Sphere sphere(const Point& a, const Point& b, const Point& c, const Point& d) const;
   /// Whether p lies on it: as in_sphere() == 0, but much cheaper from the second point on.
-  bool on_sphere(const Sphere& sphere, const Point& p) const;
+  bool on_sphere(const Sphere& sphere, const Point& p) const { return side(sphere, p) == 0; }
+  /// As in_sphere(), for a sphere of positively oriented corners.
+  int side(const Sphere& sphere, const Point& p) const;
+  /// Rounded, in units of the integer spacing.
+  double radius(const Sphere& sphere) const {
+    double squared = 0;
+    for (std::size_t i = 0; i < 3; ++i) squared += sphere.n[i] * sphere.n[i] / real_weight_[i];
+    return 0.5 * std::sqrt(squared) / std::abs(sphere.d);
+  }
 
   const std::array<std::int64_t, 3>& weights() const { return weight_; }
 
@@ -121,16 +129,17 @@ inline Predicates::Sphere Predicates::sphere(const Point& a, const Point& b, con
 }
 
 // |d * lift(q)| <= 6 sum D^5 and |n . q| <= 18 sum D^5: together the bound of the in-sphere test, and the same limit.
-inline bool Predicates::on_sphere(const Sphere& sphere, const Point& p) const {
+inline int Predicates::side(const Sphere& sphere, const Point& p) const {
   const Point& a = sphere.corners[0];
   const std::int32_t dx = p.x - a.x, dy = p.y - a.y, dz = p.z - a.z;
   const auto size = static_cast<std::uint32_t>((dx ^ dx >> 31) | (dy ^ dy >> 31) | (dz ^ dz >> 31));
   if ((size | sphere.largest) < double_limit_) {
     const double x = dx, y = dy, z = dz;
     const double lift = real_weight_[0] * (x * x) + real_weight_[1] * (y * y) + real_weight_[2] * (z * z);
-    return sphere.d * lift == sphere.n[0] * x + sphere.n[1] * y + sphere.n[2] * z;
+    const double left = sphere.d * lift, right = sphere.n[0] * x + sphere.n[1] * y + sphere.n[2] * z;
+    return (left < right) - (left > right);
   }
-  return in_sphere(a, sphere.corners[1], sphere.corners[2], sphere.corners[3], p) == 0;
+  return in_sphere(a, sphere.corners[1], sphere.corners[2], sphere.corners[3], p);
 }
 
 }  // namespace quench::lattice

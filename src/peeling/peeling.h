@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "lattice/cells.h"
+#include "quench/voxel_shape.h"
+
+/// Algorithm C (docs/peeling.md): most cells of the dual complex are small and lie along the boundary. They are found
+/// one by one among the sites nearby, without a triangulation; what is left inside is triangulated with the few sites
+/// that still have missing cells.
+namespace quench::peeling {
+
+struct Options {
+  double reach = 3;         ///< largest ball that is looked for nearby, in voxels of the largest spacing; 0: unit cubes
+  std::int32_t layers = 0;  ///< of a slab; 0: as suits the threads
+  /// Where there are fewer cells of unit cubes per site the boundary is flat, and no others are looked for nearby.
+  double least_cubes = 0.125;
+  /// With fewer peeled cells per site it is not worth while, and all sites are triangulated (algorithm A).
+  double least_cells = 0.25;
+};
+
+/// The same as lattice::dual_complex(), array for array. On all threads of the arena; about 260 bytes per site.
+lattice::DualComplex dual_complex(const VoxelShape& shape, std::span<const LatticePoint> sites,
+                                  const std::array<std::int64_t, 3>& spacing, const Options& options, Context* context);
+
+}  // namespace quench::peeling

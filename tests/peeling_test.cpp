@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "peeling/peeling.h"
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+#include <tbb/task_arena.h>
+
+#include <filesystem>
+
+#include "quench/io.h"
+#include "quench/sample.h"
+#include "quench/voxelize.h"
+#include "random_shapes.h"
+#include "same_dual.h"
+
+namespace quench::peeling {
+namespace {
+
+Options always(double reach, std::int32_t layers) { return {reach, layers, 0, 0}; }
+
+// Unit cubes only, balls of every size, slabs thinner than the balls, everything peeled away.
+const std::vector<Options> kOptions{always(3, 0), always(0, 0), always(1, 1),  always(1.5, 3),
+                                    always(2, 2), always(4, 1), always(30, 0), always(30, 2)};
+
+void expect_same_peeled(const VoxelShape& shape, std::span<const Options> options, int threads,
+                        const std::string& where) {
+  const auto sites = boundary_vertices(shape);
+  const auto expected = testing_duals::by_triangulation(shape, sites);
+  for (const Options& o : options) {
+    const std::string what = where + ", reach " + std::to_string(o.reach) + ", layers " + std::to_string(o.layers);
+    try {
+      tbb::task_arena arena(threads);
+      const auto peeled =
+          arena.execute([&] { return dual_complex(shape, sites, integer_spacing(shape.grid()), o, nullptr); });
+      testing_duals::expect_same(peeled, expected, what);
+    } catch (const std::exception& e) {
+      FAIL() << what << ": " << e.what();
+    }
+    if (testing::Test::HasFatalFailure()) return;
+  }
+}
+
+// Each shape in one of the ways.
+void expect_random_shapes_same(std::uint64_t first, std::uint64_t last, int largest, bool anisotropic, int threads) {
+  for (std::uint64_t seed = first; seed < last && !testing::Test::HasFatalFailure(); ++seed)
+    expect_same_peeled(testing_shapes::random_shape(seed, largest, anisotropic),
+                       std::span(kOptions).subspan(seed / 4 % kOptions.size(), 1), threads,
+                       "seed " + std::to_string(seed));
+}
+
+TEST(Peeling, RandomShapesAreTheSame) {
+  expect_random_shapes_same(0, 1600, 8, false, 1);
+  expect_random_shapes_same(10000, 10200, 14, false, 1);
+}
+
+TEST(Peeling, AnisotropicShapesAreTheSame) {
+  expect_random_shapes_same(0, 800, 8, true, 1);
+  for (const Vec3& spacing : {Vec3(0.782, 0.782, 5), Vec3(0.782, 1.1, 0.9), Vec3(1, 1000, 1)})
+    for (std::uint64_t seed = 0; seed < 20; ++seed) {
+      const VoxelShape unit = testing_shapes::random_shape(seed, 9);
+      Grid grid = unit.grid();
+      grid.spacing = spacing;
+      expect_same_peeled(
+          testing_shapes::from_predicate(grid, [&](int x, int y, int z) { return unit.contains(x, y, z); }), kOptions,
+          1, "skew spacing, seed " + std::to_string(seed));
+    }
+}
+
+TEST(Peeling, ThreadsDoNotMatter) {
+  const tbb::global_control control(tbb::global_control::max_allowed_parallelism, 4);
+  expect_random_shapes_same(20000, 20200, 9, false, 4);
+}
+
+TEST(Peeling, HugeCells) {
+  using testing_shapes::box_shape;
+  expect_same_peeled(box_shape(1, 1, 1), kOptions, 1, "voxel");
+  expect_same_peeled(box_shape(1, 1, 1, 0), kOptions, 1, "voxel without margin");
+  expect_same_peeled(box_shape(20, 20, 20), kOptions, 1, "cube");
+  expect_same_peeled(box_shape(24, 17, 2), kOptions, 1, "flat box");
+  expect_same_peeled(box_shape(1, 2, 70), kOptions, 1, "bar");
+  expect_same_peeled(box_shape(70, 1, 1), kOptions, 1, "bar along x");
+  expect_same_peeled(testing_duals::shells(0, 12, 0), kOptions, 1, "ball");
+  expect_same_peeled(testing_duals::shells(9, 12, 0), kOptions, 1, "hollow ball");
+  expect_same_peeled(testing_duals::shells(9, 12, 2.5), kOptions, 1, "hollow ball with an axle");
+}
+
+TEST(Peeling, FarApartAndTouching) {
+  expect_same_peeled(testing_duals::far_apart(40000), std::span(kOptions).first(3), 1, "far apart");
+  for (int rule = 0; rule < testing_duals::kWallRules; ++rule)
+    expect_same_peeled(testing_duals::touching_walls(rule), kOptions, 1, "rule " + std::to_string(rule));
+}
+
+TEST(Peeling, MeshesAreTheSame) {
+  const std::vector<Options> options{{}, always(2, 20)};
+  for (const char* name : {"torus", "rippled-box", "plate-with-holes", "hollow-sphere"})
+    expect_same_peeled(voxelize(make_sample(name).mesh, {.resolution = 96}).shape, options, 2, name);
+  const auto file = std::filesystem::path(QUENCH_DATA) / "meshes/armadillo.off";
+  if (!std::filesystem::exists(file)) GTEST_SKIP() << "no test data";
+  const TriangleMesh mesh = to_triangle_mesh(io::read_poly_data(file));
+  expect_same_peeled(voxelize(mesh, {.resolution = 128}).shape, options, 2, "armadillo");
+}
+
+// Flat boundaries, where little is peeled, by the choices of the program.
+TEST(Peeling, FlatShapesAreTheSame) {
+  const std::vector<Options> options{{}, {3, 0, 0.125, 0}, {3, 8, 0.02, 0.02}};
+  for (const char* name : {"box", "rippled-box", "fin-on-board"})
+    expect_same_peeled(voxelize(make_sample(name).mesh, {.resolution = 64}).shape, options, 2, name);
+}
+
+TEST(Peeling, StopsWhenAsked) {
+  const VoxelShape shape = testing_shapes::box_shape(20, 20, 20);
+  const auto sites = boundary_vertices(shape);
+  Context context;
+  context.progress = [&](std::string_view, double fraction) {
+    if (fraction > 0) context.cancel();
+  };
+  EXPECT_THROW(dual_complex(shape, sites, {1, 1, 1}, {}, &context), Error);
+}
+
+}  // namespace
+}  // namespace quench::peeling
