@@ -7,5 +7,5 @@ endif()
 execute_process(COMMAND ${CMAKE_NM} -D ${tbb_library} OUTPUT_VARIABLE symbols ERROR_QUIET)
 if(NOT symbols MATCHES "__tsan_init")
   message(WARNING "${tbb_library} is not built with the thread sanitizer: there will be hundreds of false reports. "
-                  "Run scripts/tsan-tbb and configure anew.")
+                  "Run scripts/tsan-tbb and configure with --fresh.")
 endif()
