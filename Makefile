@@ -38,6 +38,7 @@ test-full: test
 	QUENCH_TEST_FULL=1 ctest --test-dir $(BUILD) -j 1 --output-on-failure --timeout 7200
 	cmake --preset asan && cmake --build build/asan -j $(JOBS)
 	ctest --test-dir build/asan -j $(JOBS) --output-on-failure --timeout 3600
+	scripts/tsan-tbb
 	cmake --preset tsan && cmake --build build/tsan -j $(JOBS)
 	ctest --test-dir build/tsan -j $(JOBS) --output-on-failure --timeout 3600
 

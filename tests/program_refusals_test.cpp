@@ -113,6 +113,18 @@ TEST_F(Refusals, VolumesWithoutAShape) {
   refuses(3, {"'float.npy'", "label 1", "1.5"}, {"core", "float.npy", "--label", "1", "-o", "a.vtp"});
 }
 
+TEST_F(Refusals, LengthsBeyondDoublePrecision) {
+  const auto tetrahedron = [](const std::string& x0, const std::string& x1, const std::string& side) {
+    return "OFF\n4 4 0\n" + x0 + " 0 0\n" + x1 + " 0 0\n" + x0 + " " + side + " 0\n" + x0 + " 0 " + side +
+           "\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
+  };
+  folder.write("small.off", tetrahedron("0", "1e-32", "1e-32"));
+  folder.write("far.off", tetrahedron("1e15", "1000000000001024", "1024"));
+  refuses(3, {"1e-30 to 1e+30", "--spacing"}, {"core", "box.npy", "--spacing", "1e200,1e200,1e200", "-o", "a.vtp"});
+  refuses(3, {"1e-30 to 1e+30", "scale the mesh"}, {"core", "small.off", "--resolution", "4", "-o", "a.vtp"});
+  refuses(3, {"1e+15", "move it nearer"}, {"core", "far.off", "--resolution", "8", "-o", "a.vtp"});
+}
+
 TEST_F(Refusals, Outputs) {
   works({"core", "box.npy", "-o", "old.vtp"});
   folder.write("old.vtp", "precious");

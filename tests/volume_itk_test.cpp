@@ -124,6 +124,18 @@ TEST_F(ThroughItk, RefusesWhatIsNoScalarVolume) {
                                          "(0,0,0)\n",
                                          "a")),
           "no direction of axis 0");
+  for (const char* steps : {"(1e300,0,0) (0,1e300,0) (0,0,1e300)", "(1,0,0) (0,-1e200,0) (0,0,1)"})
+    refusal(folder.write("huge.nrrd", nrrd("type: uint8\ndimension: 3\nspace dimension: 3\nsizes: 1 1 1\n"
+                                           "space directions: " +
+                                               std::string(steps) + "\nspace origin: (0,0,0)\n",
+                                           "a")),
+            "too large for double precision");
+  EXPECT_EQ(io::read_volume(folder.write("large.nrrd", nrrd("type: uint8\ndimension: 3\nspace dimension: 3\n"
+                                                            "sizes: 1 1 1\nspace directions: (1e100,0,0) (0,1e100,0) "
+                                                            "(0,0,1e100)\nspace origin: (0,0,0)\n",
+                                                            "a")))
+                .grid.spacing,
+            Vec3::Constant(1e100));
   refusal(folder.write("rgb.nrrd", nrrd("type: uint8\ndimension: 4\nspace dimension: 3\nsizes: 3 1 1 1\nkinds: "
                                         "RGB-color domain domain domain\nspace directions: none (1,0,0) (0,1,0) "
                                         "(0,0,1)\nspace origin: (0,0,0)\n",
@@ -140,6 +152,30 @@ TEST_F(ThroughItk, RefusesWhatIsNoScalarVolume) {
       io::read_volume(folder.write("one.mha", mha("NDims = 4\nDimSize = 2 1 1 1\nElementType = MET_UCHAR\n", "ab")));
   EXPECT_EQ(one.grid.dims, (std::array<std::int64_t, 3>{2, 1, 1}));
   EXPECT_EQ(bytes_in(one), (std::vector<std::uint8_t>{'a', 'b'}));
+}
+
+TEST_F(ThroughItk, PackedMetaImagesAreWholeOrRefused) {
+  std::string samples(27, '\0');
+  samples[13] = 7;
+  const std::string packed = deflated(samples);
+  for (const bool own : {true, false}) {
+    folder.write("block.zraw", packed);
+    const auto image = [&](const std::string& size, const std::string& dims = "3 3 3") {
+      const std::string fields = "ObjectType = Image\nNDims = 3\nCompressedData = True\n" + size + "DimSize = " + dims +
+                                 "\nElementType = MET_UCHAR\nElementDataFile = ";
+      return own ? folder.write("p.mha", fields + "LOCAL\n" + packed) : folder.write("p.mhd", fields + "block.zraw\n");
+    };
+    const auto claims = [](const std::string& size) { return "CompressedDataSize = " + size + "\n"; };
+    const std::string size = std::to_string(packed.size());
+    EXPECT_EQ(bytes_in(io::read_volume(image(claims(size)))),
+              std::vector<std::uint8_t>(samples.begin(), samples.end()));
+    for (const char* wrong : {"-15", "0", "-1e300", "1000000000000", "99999999999999999999999", "nan", "x"})
+      refusal(image(claims(wrong)), "damaged or");
+    // Samples can be whole without the last bytes.
+    for (std::size_t less = 1; less + 8 < packed.size(); ++less)
+      refusal(image(claims(std::to_string(less))), "damaged or");
+    refusal(image(claims(size), "3 3 4"), "27 of 36 bytes");
+  }
 }
 
 TEST_F(ThroughItk, RefusesHostileAndTruncatedFiles) {

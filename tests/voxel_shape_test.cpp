@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <random>
 
 #include "quench/error.h"
@@ -75,6 +76,37 @@ TEST(IntegerSpacing, FindsTheSmallestTriple) {
   EXPECT_EQ(integer_spacing(grid), (std::array<std::int64_t, 3>{1, 1, 1}));
   grid.spacing = {1, 1.4142135623730951, 3.14159265358979};
   EXPECT_THROW(integer_spacing(grid), Error);
+}
+
+TEST(IntegerSpacing, IsOfLengthsThatCanBeComputedWith) {
+  Grid grid;
+  grid.dims = {3, 3, 3};
+  const auto expect_refusal = [&](const std::string& part) {
+    try {
+      integer_spacing(grid);
+      ADD_FAILURE() << grid.spacing.transpose() << "; " << grid.origin.transpose();
+    } catch (const Error& e) {
+      EXPECT_EQ(e.code(), ErrorCode::input);
+      EXPECT_NE(std::string(e.what()).find(part), std::string::npos) << e.what();
+    }
+  };
+  for (const double length : {1e-29, 1e29}) {
+    grid.spacing.setConstant(length);
+    EXPECT_EQ(integer_spacing(grid), (std::array<std::int64_t, 3>{1, 1, 1})) << length;
+  }
+  for (const double length : {1e-31, 1e-300, 1e31, 1e300}) {
+    grid.spacing.setConstant(length);
+    expect_refusal("beyond what can be computed with");
+  }
+  grid.spacing = {1e-3, 1e-3, 2e-3};
+  for (const double far : {5e6, -9e8}) {
+    grid.origin = {0, far, 0};
+    EXPECT_EQ(integer_spacing(grid), (std::array<std::int64_t, 3>{1, 1, 2})) << far;
+  }
+  for (const double far : {-2e9, 1e300, HUGE_VAL, std::nan("")}) {
+    grid.origin = {0, far, 0};
+    expect_refusal("move it nearer");
+  }
 }
 
 TEST(Length, ReadsEveryUnitAndRefusesTheRest) {

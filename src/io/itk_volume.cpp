@@ -17,6 +17,7 @@
 #include <cctype>
 #include <cmath>
 #include <cstdarg>
+#include <cstdlib>
 #include <fstream>
 #include <iostream>
 #include <memory>
@@ -45,6 +46,8 @@ itk::SmartPointer<ImageIO> image_io(const std::string& extension) {
   if (extension == ".mrc" || extension == ".map") return as_base(itk::MRCImageIO::New());
   return as_base(itk::TIFFImageIO::New());
 }
+
+bool is_nrrd(const std::string& extension) { return extension == ".nrrd" || extension == ".nhdr"; }
 
 bool is_tiff(const std::string& extension) { return extension == ".tif" || extension == ".tiff"; }
 
@@ -108,6 +111,28 @@ void check_nifti_header(const std::filesystem::path& file) {
   if (!little && !big) refuse("it does not begin as one");
   const int axes = little ? header[40] | header[41] << 8 : header[41] | header[40] << 8;
   if (axes < 1 || axes > 7) refuse(fmt::format("it claims {} axes", axes));
+}
+
+// Where the squares of a step overflow, the NRRD library silently takes 1 for its length. The header has been parsed
+// before, so it ends.
+void check_nrrd_header(const std::filesystem::path& file) {
+  constexpr double largest = 1e150;
+  std::ifstream in(file, std::ios::binary);
+  for (std::string line; std::getline(in, line) && !line.empty() && line != "\r";) {
+    std::transform(line.begin(), line.end(), line.begin(),
+                   [](char c) { return c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c; });
+    if (!line.starts_with("space directions:")) continue;
+    for (const char* at = line.c_str() + line.find(':') + 1; *at != 0;) {
+      char* end = nullptr;
+      const double step = std::strtod(at, &end);
+      if (end != at && !(std::abs(step) <= largest) && !std::isnan(step))  // nan may stand for an unknown step
+        throw Error(ErrorCode::input,
+                    fmt::format("'{}' has steps between voxels that are too large for double precision; correct the "
+                                "space directions in its header",
+                                file.string()));
+      at = end != at ? end : at + 1;
+    }
+  }
 }
 
 // MetaIO and VNL report to std::cerr what they also return, and doubts about matrices. Text of other threads is lost
@@ -197,11 +222,93 @@ Grid grid_of(const ImageIO& io, const std::filesystem::path& file) {
   return grid;
 }
 
+/// Where the samples of a MetaImage are.
+struct MetaSamples {
+  bool own = false;                   ///< in the file itself, as one block
+  std::filesystem::path block;        ///< the file that has them as one block; empty: in several
+  std::streamoff begin = 0;           ///< in `block`
+  bool packed = false;                ///< by zlib
+  std::optional<double> packed_size;  ///< as the header says
+};
+
+MetaSamples meta_samples(const std::filesystem::path& file) {
+  MetaSamples result;
+  std::ifstream in(file, std::ios::binary);
+  std::string line;
+  for (int lines = 0; lines < 1000 && std::getline(in, line); ++lines) {
+    const auto separator = line.find_first_of("=:");
+    if (separator == std::string::npos) continue;
+    const auto name_end = line.find_last_not_of(" \t", separator - 1);
+    const std::string name = separator == 0 || name_end == std::string::npos ? "" : line.substr(0, name_end + 1);
+    const auto begin = line.find_first_not_of(" \t", separator + 1);
+    const std::string value =
+        begin == std::string::npos ? "" : line.substr(begin, line.find_last_not_of(" \t\r") + 1 - begin);
+    if (name == "CompressedData")
+      result.packed = !value.empty() && (value[0] == 'T' || value[0] == 't' || value[0] == '1');
+    if (name == "CompressedDataSize") result.packed_size = std::strtod(value.c_str(), nullptr);
+    if (name != "ElementDataFile") continue;
+    const std::string where = value.substr(0, 5);
+    result.own = where == "LOCAL" || where == "Local" || where == "local";
+    if (result.own) {
+      result.block = file;
+      result.begin = in.tellg();
+    } else if (where.substr(0, 4) != "LIST" && value.find('%') == std::string::npos) {
+      result.block = file.parent_path() / value;
+    }
+    break;
+  }
+  return result;
+}
+
+/// The library takes what it can get of damaged compressed samples for all of them, and any size for that of a buffer.
+void check_packed_meta(const std::filesystem::path& file, std::uint64_t bytes) {
+  const MetaSamples samples = meta_samples(file);
+  std::error_code unknown;
+  const std::uint64_t size = std::filesystem::file_size(samples.block, unknown);
+  if (!samples.packed || unknown) return;
+  const auto there = static_cast<double>(size) - static_cast<double>(samples.begin);
+  const double packed = samples.packed_size.value_or(there);
+  if (!(packed > 0 && packed <= there))
+    throw Error(ErrorCode::input, fmt::format("'{}' claims {} bytes of compressed samples and has {}; it is damaged or "
+                                              "incomplete",
+                                              file.string(), packed, there));
+  std::ifstream in(samples.block, std::ios::binary);
+  in.seekg(samples.begin);
+  constexpr int either_header = 15 + 32;
+  z_stream z{};
+  if (inflateInit2(&z, either_header) != Z_OK) throw std::bad_alloc();
+  const std::unique_ptr<z_stream, int (*)(z_stream*)> end(&z, inflateEnd);
+  std::vector<unsigned char> from(1 << 18), to(1 << 18);
+  auto left = static_cast<std::uint64_t>(packed);
+  std::uint64_t got = 0;
+  for (int state = Z_OK; state == Z_OK && got < bytes;) {
+    if (z.avail_in == 0) {
+      const auto part = std::min<std::uint64_t>(left, from.size());
+      in.read(reinterpret_cast<char*>(from.data()), static_cast<std::streamsize>(part));
+      z.next_in = from.data();
+      z.avail_in = static_cast<unsigned>(in.gcount());
+      left -= part;
+    }
+    z.next_out = to.data();
+    z.avail_out = static_cast<unsigned>(to.size());
+    state = inflate(&z, Z_NO_FLUSH);  // Z_BUF_ERROR where nothing is left to read
+    got += to.size() - z.avail_out;
+  }
+  if (got < bytes)
+    throw Error(ErrorCode::input,
+                fmt::format("'{}' is damaged or incomplete: its compressed samples end after {} of {} "
+                            "bytes",
+                            file.string(), got, bytes));
+}
+
+bool is_meta(const std::string& extension) { return extension == ".mha" || extension == ".mhd"; }
+
 template <class T>
 std::vector<T> read_samples(ImageIO& io, const std::filesystem::path& file, const std::string& extension,
                             const Grid& grid, Context* context) {
   const std::uint64_t count = checked_sample_count(file, grid.dims, sizeof(T), bytes_available(file, extension));
   check_read_memory(file, count * sizeof(T), context);
+  if (is_meta(extension)) check_packed_meta(file, count * sizeof(T));
   const unsigned axes = io.GetNumberOfDimensions();
   itk::ImageIORegion region(axes);
   for (unsigned a = 0; a < axes; ++a) {
@@ -252,25 +359,12 @@ Volume::Samples read_typed(ImageIO& io, const std::filesystem::path& file, const
   }
 }
 
-/// Whether the samples of a MetaImage are in the file itself, as one block.
-bool has_own_samples(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  std::string line;
-  for (int lines = 0; lines < 1000 && std::getline(in, line); ++lines) {
-    if (!line.starts_with("ElementDataFile")) continue;
-    const auto value = line.find_first_not_of(" \t", line.find('=') + 1);
-    return line.find('=') != std::string::npos && value != std::string::npos &&
-           (line.substr(value, 5) == "LOCAL" || line.substr(value, 5) == "Local" || line.substr(value, 5) == "local");
-  }
-  return false;
-}
-
 /// On some damaged headers the libraries behind ITK abort, divide by zero or compute without end; a process of its own
 /// tries it first. `samples`: also those of a MetaImage that names files, whose list is a part of the header. TIFF
 /// headers have no such arithmetic, and a folder has thousands of them.
 void try_apart(const std::filesystem::path& file, const std::string& extension, bool samples) {
   if (is_tiff(extension)) return;
-  const bool all = samples && (extension == ".mha" || extension == ".mhd") && !has_own_samples(file);
+  const bool all = samples && is_meta(extension) && !meta_samples(file).own;
   ApartLimits limits;
   if (all) {
     limits.bytes += available_memory();  // check_read_memory() is what limits it then
@@ -316,6 +410,7 @@ Volume read_itk(const std::filesystem::path& file, Context* context) {
   if (extension.starts_with(".nii")) check_nifti_header(file);
   if (is_tiff(extension)) silence_libtiff();
   try_apart(file, extension, true);
+  if (is_nrrd(extension)) check_nrrd_header(file);
   const QuietCerr quiet;
   return refusing(file, [&] {
     const auto io = image_io(extension);
@@ -346,6 +441,7 @@ std::optional<ItkHeader> itk_header(const std::filesystem::path& file, Context* 
   itk::Object::SetGlobalWarningDisplay(false);
   checkpoint(context, "read", 0);
   try_apart(file, extension, false);
+  if (is_nrrd(extension)) check_nrrd_header(file);
   const QuietCerr quiet;
   return refusing(file, [&]() -> std::optional<ItkHeader> {
     const auto io = image_io(extension);
@@ -364,7 +460,13 @@ std::optional<ItkHeader> itk_header(const std::filesystem::path& file, Context* 
     if (known == std::end(types)) return {};
     header.type = known->second;
     header.sample_size = io->GetComponentSize();
-    if (io->CanStreamRead() && (extension != ".mha" || has_own_samples(file)))
+    if (is_meta(extension)) {
+      const auto& dims = header.grid.dims;
+      const std::uint64_t count =
+          checked_sample_count(file, dims, header.sample_size, bytes_available(file, extension));
+      check_packed_meta(file, count * header.sample_size);
+    }
+    if (io->CanStreamRead() && (extension != ".mha" || meta_samples(file).own))
       header.next_slice = [io, file, z = std::int64_t{0}](std::span<std::byte> slice) mutable {
         itk::ImageIORegion region(3);
         for (unsigned a = 0; a < 2; ++a) {

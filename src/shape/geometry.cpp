@@ -21,6 +21,21 @@ std::array<std::int64_t, 3> integer_spacing(const Grid& grid) {
   if (!(smallest > 0) || !std::isfinite(s.maxCoeff()))
     throw Error(ErrorCode::input,
                 fmt::format("the spacing {} x {} x {} is not positive; give --spacing", s[0], s[1], s[2]));
+  // Squares of lengths are needed in double precision, and lambda is kept in single precision.
+  constexpr double shortest = 1e-30, longest = 1e30;
+  if (smallest < shortest || s.maxCoeff() > longest)
+    throw Error(
+        ErrorCode::input,
+        fmt::format("voxels of {} x {} x {} are beyond what can be computed with, {:g} to {:g}; scale the mesh, "
+                    "or give the volume another --spacing",
+                    s[0], s[1], s[2], shortest, longest));
+  // Positions of vertices are doubles: beyond this, neighbours would fall together.
+  constexpr double farthest = 1e12;
+  if (const double distance = grid.origin.norm(); !(distance <= farthest * smallest))
+    throw Error(ErrorCode::input,
+                fmt::format("the shape lies {:g} from the origin of its coordinates, where double precision does not "
+                            "tell voxels of {:g} apart; move it nearer",
+                            distance, smallest));
   for (std::int64_t m = 1; m <= limit; ++m) {
     std::array<std::int64_t, 3> multiple{};
     bool matches = true, fits = true;
