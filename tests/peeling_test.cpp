@@ -49,12 +49,12 @@ void expect_random_shapes_same(std::uint64_t first, std::uint64_t last, int larg
 }
 
 TEST(Peeling, RandomShapesAreTheSame) {
-  expect_random_shapes_same(0, 1600, 8, false, 1);
-  expect_random_shapes_same(10000, 10200, 14, false, 1);
+  expect_random_shapes_same(0, 1000, 8, false, 1);
+  expect_random_shapes_same(10000, 10100, 14, false, 1);
 }
 
 TEST(Peeling, AnisotropicShapesAreTheSame) {
-  expect_random_shapes_same(0, 800, 8, true, 1);
+  expect_random_shapes_same(0, 500, 8, true, 1);
   for (const Vec3& spacing : {Vec3(0.782, 0.782, 5), Vec3(0.782, 1.1, 0.9), Vec3(1, 1000, 1)})
     for (std::uint64_t seed = 0; seed < 20; ++seed) {
       const VoxelShape unit = testing_shapes::random_shape(seed, 9);
@@ -75,7 +75,7 @@ TEST(Peeling, HugeCells) {
   using testing_shapes::box_shape;
   expect_same_peeled(box_shape(1, 1, 1), kOptions, 1, "voxel");
   expect_same_peeled(box_shape(1, 1, 1, 0), kOptions, 1, "voxel without margin");
-  expect_same_peeled(box_shape(20, 20, 20), kOptions, 1, "cube");
+  expect_same_peeled(box_shape(20, 20, 20), std::span(kOptions).first(7), 1, "cube");
   expect_same_peeled(box_shape(24, 17, 2), kOptions, 1, "flat box");
   expect_same_peeled(box_shape(1, 2, 70), kOptions, 1, "bar");
   expect_same_peeled(box_shape(70, 1, 1), kOptions, 1, "bar along x");
