@@ -1,11 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "complex/thinning.h"
 
+#include <tbb/task_arena.h>
+
 #include <algorithm>
+#include <atomic>
+#include <cmath>
 #include <limits>
 #include <vector>
 
 #include "bucket_queue.h"
+#include "parallel.h"
 #include "prefetch.h"
 
 namespace quench {
@@ -14,143 +19,229 @@ namespace {
 // A simple pair is known by its free cell, the edge or vertex whose only larger cell is the other half. Pairs go in the
 // order of their keys, then of the dimension of the free cell, then of its index.
 constexpr std::uint64_t kEdgeIsFree = std::uint64_t{1} << 32;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// The number of live larger cells at a cell, and their XOR: with number 1 that is the only one.
-struct Cofaces {
-  std::uint32_t count = 0, sum = 0;
-  void add(std::uint32_t cell) { ++count, sum ^= cell; }
-  void remove(std::uint32_t cell) { --count, sum ^= cell; }
+// The live larger cells at a cell, as the sum of 2^32 + index: below 2^32 there is none, below 2^33 one, which the low
+// half names. Sums may be made in any order, by several threads.
+class Cofaces {
+ public:
+  void add(std::uint32_t cell, bool shared) {
+    if (shared)
+      std::atomic_ref<std::uint64_t>(sum_).fetch_add(one(cell), std::memory_order_relaxed);
+    else
+      sum_ += one(cell);
+  }
+  void remove(std::uint32_t cell) { sum_ -= one(cell); }
+  bool none() const { return sum_ == 0; }
+  bool single() const { return sum_ >> 32 == 1; }
+  std::uint32_t only() const { return static_cast<std::uint32_t>(sum_); }
+
+ private:
+  static std::uint64_t one(std::uint32_t cell) { return std::uint64_t{1} << 32 | cell; }
+  std::uint64_t sum_ = 0;
+};
+
+// An edge or vertex. A cell that has gone has no cofaces, and needs its value no more: in its place is the level, with
+// the sign bit set (values are not negative), so that one look at memory tells all.
+struct Cell {
+  Cofaces cofaces;
+  double value = 0;
+
+  void go(double level) { value = -level; }
+  double level() const { return std::signbit(value) ? -value : kInfinity; }
 };
 
 class Thinning {
  public:
   Thinning(const CellComplex& complex, std::span<const double> vertex, std::span<const double> edge,
-           std::span<const double> face)
+           std::span<const double> face, Context* context, std::string_view stage)
       : complex_(complex),
-        vertex_(vertex),
-        edge_(edge),
         face_(face),
-        faces_(complex.edges.size()),
-        edges_(complex.vertex_count),
+        context_(context),
+        stage_(stage),
+        edges_(complex.edges.size()),
+        vertices_(complex.vertex_count),
+        face_level_(complex.face_count(), kInfinity),
         // Keys are not negative, and few are far above their mean.
         queue_(0, mean(edge) / 512) {
-    constexpr double infinity = std::numeric_limits<double>::infinity();
-    level.vertex.assign(complex.vertex_count, infinity);
-    level.edge.assign(complex.edges.size(), infinity);
-    level.face.assign(complex.face_count(), infinity);
-    for (std::uint32_t f = 0; f < complex.face_count(); ++f)
-      for (std::uint32_t e : complex.sides(f)) faces_[e].add(f);
-    for (std::uint32_t e = 0; e < complex.edges.size(); ++e)
-      for (std::uint32_t v : complex.edges[e]) edges_[v].add(e);
-    for (std::uint32_t e = 0; e < complex.edges.size(); ++e) offer_edge(e);
-    for (std::uint32_t v = 0; v < complex.vertex_count; ++v) offer_vertex(v);
+    count_cofaces(vertex, edge);
+    for (std::uint32_t e = 0; e < edges_.size(); ++e) offer_edge(e);
+    for (std::uint32_t v = 0; v < vertices_.size(); ++v) offer_vertex(v);
   }
 
-  void run(Context* context, std::string_view stage) {
+  void run() {
     const auto total = static_cast<double>(complex_.edges.size() + 1);
     std::size_t removed = 0;
-    double running = -std::numeric_limits<double>::infinity();
+    double running = -kInfinity;
     // Those whose free cell is no longer free were overtaken.
     const auto stale = [this](const Queue::Entry& pair) { return !still_simple(pair.id); };
-    for (Queue::Entry pair{}; queue_.pop(pair, stale);) {
+    const auto fetch = [this](std::uint64_t pair) {
+      const auto free = static_cast<std::uint32_t>(pair);
+      prefetch(pair & kEdgeIsFree ? &edges_[free] : &vertices_[free]);
+    };
+    for (Queue::Entry pair{}; queue_.pop(pair, stale, fetch);) {
       prefetch_ahead();
       if (!still_simple(pair.id)) continue;
-      if ((++removed & 0xFFFF) == 0) checkpoint(context, stage, std::min(1.0, static_cast<double>(removed) / total));
+      if ((++removed & 0xFFFF) == 0) checkpoint(context_, stage_, std::min(1.0, static_cast<double>(removed) / total));
       running = std::max(running, pair.key);
       const auto free = static_cast<std::uint32_t>(pair.id);
       if (pair.id & kEdgeIsFree)
-        remove_face(faces_[free].sum, free, running);
+        remove_face(edges_[free].cofaces.only(), free, running);
       else
-        remove_edge(edges_[free].sum, free, running);
+        remove_edge(vertices_[free].cofaces.only(), free, running);
     }
-    checkpoint(context, stage, 1);
+    checkpoint(context_, stage_, 1);
   }
 
-  CellValues level;
+  CellValues levels() && {
+    queue_ = Queue(0, 0);
+    CellValues level;
+    level.vertex = levels_of(vertices_);
+    level.edge = levels_of(edges_);
+    level.face = std::move(face_level_);
+    return level;
+  }
 
  private:
   static double mean(std::span<const double> values) {
     double sum = 0;
     std::size_t count = 0;
     for (const double v : values)
-      if (v < std::numeric_limits<double>::infinity()) {
+      if (v < kInfinity) {
         sum += v;
         ++count;
       }
     return count == 0 ? 0 : sum / static_cast<double>(count);
   }
-  static bool alive(double cell_level) { return cell_level == std::numeric_limits<double>::infinity(); }
+
+  template <class Body>
+  static void for_all(std::size_t count, const Body& body) {
+    const std::size_t chunks = chunks_for(count);
+    tbb::parallel_for(std::size_t{0}, chunks, [&](std::size_t chunk) {
+      const auto [first, last] = part_of(count, chunk, chunks);
+      for (std::size_t i = first; i < last; ++i) body(static_cast<std::uint32_t>(i));
+    });
+  }
+
+  static std::vector<double> levels_of(std::vector<Cell>& cells) {
+    std::vector<double> level(cells.size());
+    for_all(cells.size(), [&](std::uint32_t i) { level[i] = cells[i].level(); });
+    std::vector<Cell>().swap(cells);
+    return level;
+  }
+
+  void count_cofaces(std::span<const double> vertex, std::span<const double> edge) {
+    for_all(edges_.size(), [&](std::uint32_t e) { edges_[e].value = edge[e] + 0.0; });  // no -0
+    for_all(vertices_.size(), [&](std::uint32_t v) { vertices_[v].value = vertex[v] + 0.0; });
+    const bool shared = tbb::this_task_arena::max_concurrency() > 1;
+    std::atomic<bool> edges_decide{true};
+    for_all(face_level_.size(), [&](std::uint32_t f) {
+      bool below = true;
+      for (const std::uint32_t e : complex_.sides(f)) {
+        edges_[e].cofaces.add(f, shared);
+        below = below && face_[f] <= edges_[e].value;
+      }
+      if (!below) edges_decide.store(false, std::memory_order_relaxed);
+    });
+    edges_decide_ = edges_decide;
+    for_all(edges_.size(), [&](std::uint32_t e) {
+      for (const std::uint32_t v : complex_.edges[e]) vertices_[v].cofaces.add(e, shared);
+    });
+  }
 
   void offer(double key, std::uint64_t pair) {
-    if (key < std::numeric_limits<double>::infinity()) queue_.push(key, pair);
+    if (key < kInfinity) queue_.push(key, pair);
   }
   void offer_edge(std::uint32_t e) {
-    if (faces_[e].count == 1) offer(std::max(face_[faces_[e].sum], edge_[e]), kEdgeIsFree | e);
+    const Cell& edge = edges_[e];
+    if (!edge.cofaces.single()) return;
+    offer(edges_decide_ ? edge.value : std::max(face_[edge.cofaces.only()], edge.value), kEdgeIsFree | e);
   }
   void offer_vertex(std::uint32_t v) {
-    const std::uint32_t e = edges_[v].sum;
-    if (edges_[v].count == 1 && faces_[e].count == 0) offer(std::max(edge_[e], vertex_[v]), v);
+    const Cell& vertex = vertices_[v];
+    if (!vertex.cofaces.single()) return;
+    const Cell& edge = edges_[vertex.cofaces.only()];
+    if (edge.cofaces.none()) offer(std::max(edge.value, vertex.value), v);
   }
 
-  bool still_simple(std::uint64_t pair) const {
+  // Cells that have gone have no cofaces.
+  bool still_simple(std::uint64_t pair) const { return cofaces_of(pair).single(); }
+  Cofaces cofaces_of(std::uint64_t pair) const {
     const auto free = static_cast<std::uint32_t>(pair);
-    if (pair & kEdgeIsFree) return faces_[free].count == 1 && alive(level.edge[free]);
-    return edges_[free].count == 1 && alive(level.vertex[free]);
+    return pair & kEdgeIsFree ? edges_[free].cofaces : vertices_[free].cofaces;
   }
 
-  // Waiting for memory is most of the cost: what the next pairs need is fetched in two steps.
+  // Waiting for memory is most of the cost: what the next pairs need is fetched step by step.
   void prefetch_ahead() const {
-    queue_.peek(12, [this](std::uint64_t pair) {
+    queue_.peek(20, [this](std::uint64_t pair) {
       const auto free = static_cast<std::uint32_t>(pair);
       if (pair & kEdgeIsFree) {
-        prefetch(&faces_[free]);
-        prefetch(&level.edge[free]);
+        prefetch(&edges_[free]);
         prefetch(&complex_.edges[free]);
       } else {
-        prefetch(&edges_[free]);
+        prefetch(&vertices_[free]);
       }
     });
-    queue_.peek(8, [this](std::uint64_t pair) {
-      const auto free = static_cast<std::uint32_t>(pair);
-      if (!(pair & kEdgeIsFree) || faces_[free].count != 1) return;
-      prefetch(&complex_.face_offsets[faces_[free].sum]);
-      prefetch(&level.face[faces_[free].sum]);
-      for (const std::uint32_t v : complex_.edges[free]) prefetch(&edges_[v]);
+    queue_.peek(15, [this](std::uint64_t pair) {
+      const Cofaces cofaces = cofaces_of(pair);
+      if (!cofaces.single()) return;
+      if (pair & kEdgeIsFree) {
+        prefetch(&complex_.face_offsets[cofaces.only()]);
+        prefetch(&face_level_[cofaces.only()]);
+        for (const std::uint32_t v : complex_.edges[static_cast<std::uint32_t>(pair)]) prefetch(&vertices_[v]);
+      } else {
+        prefetch(&edges_[cofaces.only()]);
+        prefetch(&complex_.edges[cofaces.only()]);
+      }
     });
-    queue_.peek(4, [this](std::uint64_t pair) {
-      const auto free = static_cast<std::uint32_t>(pair);
-      if ((pair & kEdgeIsFree) && faces_[free].count == 1)
-        for (const std::uint32_t e : complex_.sides(faces_[free].sum)) prefetch(&faces_[e]);
+    queue_.peek(10, [this](std::uint64_t pair) {
+      const Cofaces cofaces = cofaces_of(pair);
+      if (!cofaces.single()) return;
+      if (pair & kEdgeIsFree)
+        prefetch(&complex_.face_edges[complex_.face_offsets[cofaces.only()]]);
+      else
+        for (const std::uint32_t v : complex_.edges[cofaces.only()]) prefetch(&vertices_[v]);
+    });
+    queue_.peek(5, [this](std::uint64_t pair) {
+      const Cofaces cofaces = cofaces_of(pair);
+      if ((pair & kEdgeIsFree) && cofaces.single())
+        for (const std::uint32_t e : complex_.sides(cofaces.only())) prefetch(&edges_[e]);
     });
   }
 
   void remove_face(std::uint32_t f, std::uint32_t e, double at) {
-    level.face[f] = level.edge[e] = at;
-    for (std::uint32_t s : complex_.sides(f)) {
-      faces_[s].remove(f);
+    face_level_[f] = at;
+    for (const std::uint32_t s : complex_.sides(f)) {
+      edges_[s].cofaces.remove(f);
       if (s == e) continue;
-      offer_edge(s);
-      if (faces_[s].count == 0)
-        for (std::uint32_t v : complex_.edges[s]) offer_vertex(v);
+      if (edges_[s].cofaces.none())
+        for (const std::uint32_t v : complex_.edges[s]) offer_vertex(v);
+      else
+        offer_edge(s);
     }
-    for (std::uint32_t v : complex_.edges[e]) {
-      edges_[v].remove(e);
+    edges_[e].go(at);
+    for (const std::uint32_t v : complex_.edges[e]) {
+      vertices_[v].cofaces.remove(e);
       offer_vertex(v);
     }
   }
 
   void remove_edge(std::uint32_t e, std::uint32_t v, double at) {
-    level.edge[e] = level.vertex[v] = at;
     const std::uint32_t other = complex_.edges[e][0] == v ? complex_.edges[e][1] : complex_.edges[e][0];
-    edges_[v].remove(e);
-    edges_[other].remove(e);
+    edges_[e].go(at);
+    vertices_[v].cofaces.remove(e);
+    vertices_[v].go(at);
+    vertices_[other].cofaces.remove(e);
     offer_vertex(other);
   }
 
   const CellComplex& complex_;
-  std::span<const double> vertex_, edge_, face_;
-  std::vector<Cofaces> faces_;  // per edge
-  std::vector<Cofaces> edges_;  // per vertex
+  std::span<const double> face_;
+  Context* context_;
+  std::string_view stage_;
+  std::vector<Cell> edges_, vertices_;
+  std::vector<double> face_level_;
+  bool edges_decide_ = false;  // no face has a larger value than an edge of it, so keys are those of edges
   using Queue = BucketQueue<std::uint64_t>;
   Queue queue_;
 };
@@ -159,9 +250,9 @@ class Thinning {
 
 CellValues thin(const CellComplex& complex, std::span<const double> vertex_value, std::span<const double> edge_value,
                 std::span<const double> face_value, Context* context, std::string_view stage) {
-  Thinning thinning(complex, vertex_value, edge_value, face_value);
-  thinning.run(context, stage);
-  return std::move(thinning.level);
+  Thinning thinning(complex, vertex_value, edge_value, face_value, context, stage);
+  thinning.run();
+  return std::move(thinning).levels();
 }
 
 }  // namespace quench

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <tbb/parallel_sort.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <utility>
 
 #include "parallel.h"
 #include "prefetch.h"
@@ -26,6 +28,17 @@ class BallCover {
   }
 
   bool all_taken() const { return nodes_.empty() || nodes_[0].count == 0; }
+  bool half_taken() const { return !nodes_.empty() && 2 * std::size_t{nodes_[0].count} < points_.size(); }
+  // The same of the points that are left, whose boxes fit again; appends the values of the others.
+  BallCover of_the_rest(std::vector<double>& values) const {
+    std::vector<Vec3> rest;
+    for (std::size_t i = 0; i < points_.size(); ++i)
+      if (value[i] == kNever)
+        rest.push_back(points_[i]);
+      else
+        values.push_back(value[i]);
+    return BallCover(std::move(rest));
+  }
   void take(const Vec3& center, double squared_radius, double with) {
     if (!all_taken()) take(0, center, squared_radius, with);
   }
@@ -125,40 +138,92 @@ std::vector<Vec3> sampled_centres(const VoxelShape& shape, std::size_t count) {
   return centres;
 }
 
+struct Ball {
+  double level;
+  float radius;
+  std::uint32_t vertex;
+};
+
+double level(const MedialAxis& axis, std::size_t vertex) {
+  return axis.vertex_level.empty() ? std::numeric_limits<double>::infinity() : axis.vertex_level[vertex];
+}
+
+// The vertices, highest level first, so that the first ball to contain a centre is the last to go. Counting by the
+// leading bits of the level does most of the sorting, since half of all balls have one of a few levels. Where there are
+// not too many of a level large balls come first: they take most centres, which saves time.
+std::vector<std::uint32_t> by_level(const MedialAxis& axis) {
+  const std::size_t count = axis.points.size(), chunks = chunks_for(count);
+  const auto level_of = [&axis](std::size_t v) { return level(axis, v); };
+  const auto for_all = [&](const auto& body) {
+    tbb::parallel_for(std::size_t{0}, chunks, [&](std::size_t chunk) {
+      const auto [first, last] = part_of(count, chunk, chunks);
+      for (std::size_t v = first; v < last; ++v) body(chunk, v);
+    });
+  };
+  // Numbers that are not negative have the order of their bits.
+  const auto bits_of = [&](std::size_t v) { return std::bit_cast<std::uint64_t>(level_of(v) + 0.0); };
+  struct Range {
+    std::uint64_t low = ~std::uint64_t{0}, high = 0;
+  };
+  std::vector<Range> ranges(chunks);
+  for_all([&](std::size_t chunk, std::size_t v) {
+    if (level_of(v) == std::numeric_limits<double>::infinity()) return;
+    ranges[chunk].low = std::min(ranges[chunk].low, bits_of(v));
+    ranges[chunk].high = std::max(ranges[chunk].high, bits_of(v));
+  });
+  Range range;
+  for (const Range& r : ranges) range = {std::min(range.low, r.low), std::max(range.high, r.high)};
+  constexpr std::uint64_t kBuckets = std::uint64_t{1} << 14;
+  int shift = 0;
+  while (range.high >= range.low && (range.high - range.low) >> shift >= kBuckets - 1) ++shift;
+  const auto bucket_of = [&](std::size_t v) {  // infinity is bucket 0
+    return std::min(((range.high - bits_of(v)) >> shift) + 1, kBuckets) % kBuckets;
+  };
+
+  std::vector<std::uint32_t> place(chunks * kBuckets, 0), begin, order(count);
+  for_all([&](std::size_t chunk, std::size_t v) { ++place[chunk * kBuckets + bucket_of(v)]; });
+  std::uint32_t sum = 0;
+  for (std::size_t bucket = 0; bucket < kBuckets; ++bucket) {
+    begin.push_back(sum);
+    for (std::size_t chunk = 0; chunk < chunks; ++chunk) sum += std::exchange(place[chunk * kBuckets + bucket], sum);
+  }
+  begin.push_back(sum);
+  for_all([&](std::size_t chunk, std::size_t v) {
+    order[place[chunk * kBuckets + bucket_of(v)]++] = static_cast<std::uint32_t>(v);
+  });
+  tbb::parallel_for(std::size_t{0}, std::size_t{kBuckets}, [&](std::size_t bucket) {
+    const auto first = order.begin() + begin[bucket], last = order.begin() + begin[bucket + 1];
+    const auto same = [&](std::uint32_t v) { return level_of(v) == level_of(*first); };
+    if (last - first > 4096 && std::all_of(first, last, same)) return;
+    std::sort(first, last, [&](std::uint32_t a, std::uint32_t b) {
+      if (level_of(a) != level_of(b)) return level_of(a) > level_of(b);
+      return axis.radius[a] != axis.radius[b] ? axis.radius[a] > axis.radius[b] : a < b;
+    });
+  });
+  return order;
+}
+
 }  // namespace
 
 Reconstruction::Reconstruction(const VoxelShape& shape, const MedialAxis& axis, std::size_t samples, Context* context) {
-  // Highest level first, so that the first ball to contain a centre is the last to go; large balls first for speed.
-  struct Ball {
-    double level;
-    float radius;
-    std::uint32_t vertex;
-    bool operator<(const Ball& other) const {
-      if (level != other.level) return level > other.level;
-      return radius != other.radius ? radius > other.radius : vertex < other.vertex;
-    }
-  };
-  std::vector<Ball> order(axis.points.size());
-  for (std::uint32_t v = 0; v < order.size(); ++v) {
-    const double level = axis.vertex_level.empty() ? std::numeric_limits<double>::infinity() : axis.vertex_level[v];
-    order[v] = {level, static_cast<float>(axis.radius[v]), v};
-  }
-  tbb::parallel_sort(order.begin(), order.end());
+  const std::vector<std::uint32_t> order = by_level(axis);
   checkpoint(context, "reconstruct", 0.1);
 
   // Each slab of centres meets all balls in their order, a block at a time; blocks are copied first, since looking a
   // ball up costs more than seeing that it is far away.
   const std::vector<Vec3> centres = sampled_centres(shape, samples);
-  constexpr std::size_t kSlabs = 16, kBlock = std::size_t{1} << 17;
+  const auto threads = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
+  const std::size_t slab_count = threads == 1 ? 1 : 4 * threads;
+  constexpr std::size_t kBlock = std::size_t{1} << 17;
   std::vector<BallCover> slabs;
-  for (std::size_t s = 0; s < kSlabs; ++s) {
-    const auto [first, last] = part_of(centres.size(), s, kSlabs);
+  for (std::size_t s = 0; s < slab_count; ++s) {
+    const auto [first, last] = part_of(centres.size(), s, slab_count);
     slabs.emplace_back(std::vector<Vec3>(centres.begin() + static_cast<std::ptrdiff_t>(first),
                                          centres.begin() + static_cast<std::ptrdiff_t>(last)));
   }
   struct Placed {
     Vec3 centre;
-    double squared_radius;
+    double squared_radius, level;
   };
   std::vector<Placed> block;
   const auto all_taken = [&] {
@@ -173,18 +238,20 @@ Reconstruction::Reconstruction(const VoxelShape& shape, const MedialAxis& axis, 
       const auto [first, last] = part_of(count, chunk, chunks);
       for (std::size_t i = first; i < last; ++i) {
         if (begin + i + 8 < order.size()) {
-          prefetch(&axis.points[order[begin + i + 8].vertex]);
-          prefetch(&axis.radius[order[begin + i + 8].vertex]);
+          prefetch(&axis.points[order[begin + i + 8]]);
+          prefetch(&axis.radius[order[begin + i + 8]]);
         }
-        const std::uint32_t v = order[begin + i].vertex;
+        const std::uint32_t v = order[begin + i];
         const double radius = axis.radius[v] * (1 + 1e-9);  // a centre on the sphere counts
-        block[i] = {axis.points[v], radius * radius};
+        block[i] = {axis.points[v], radius * radius, level(axis, v)};
       }
     });
-    for_chunks(kSlabs, context, "reconstruct", done, done, [&](std::size_t s) {
+    for_chunks(slab_count, context, "reconstruct", done, done, [&](std::size_t s) {
       for (std::size_t i = 0; i < count && !slabs[s].all_taken(); ++i)
-        slabs[s].take(block[i].centre, block[i].squared_radius, order[begin + i].level);
+        slabs[s].take(block[i].centre, block[i].squared_radius, block[i].level);
     });
+    for (BallCover& slab : slabs)
+      if (slab.half_taken()) slab = slab.of_the_rest(covered_until_);
   }
   for (const BallCover& slab : slabs) covered_until_.insert(covered_until_.end(), slab.value.begin(), slab.value.end());
   std::sort(covered_until_.begin(), covered_until_.end());
