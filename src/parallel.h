@@ -2,6 +2,7 @@
 #pragma once
 
 #include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
 #include <atomic>
 #include <cstddef>
@@ -32,6 +33,19 @@ void for_chunks(std::size_t chunks, Context* context, std::string_view stage, do
     done.fetch_add(1, std::memory_order_relaxed);
   });
   checkpoint(context, stage, end);
+}
+
+/// Whether more than one thread may be at work, in the arena of the caller.
+inline bool several_threads() { return tbb::this_task_arena::max_concurrency() > 1; }
+
+/// Adds to a counter and returns what it was before; `shared`: other threads may add at the same time. Without them a
+/// locked instruction would be a waste.
+template <class T>
+T fetch_add(T& counter, T by, bool shared) {
+  if (shared) return std::atomic_ref<T>(counter).fetch_add(by, std::memory_order_relaxed);
+  const T old = counter;
+  counter += by;
+  return old;
 }
 
 /// The chunk-th of `chunks` nearly equal parts of [0, count).

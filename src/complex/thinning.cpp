@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "complex/thinning.h"
 
-#include <tbb/task_arena.h>
-
 #include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <vector>
 
 #include "bucket_queue.h"
@@ -25,12 +24,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // half names. Sums may be made in any order, by several threads.
 class Cofaces {
  public:
-  void add(std::uint32_t cell, bool shared) {
-    if (shared)
-      std::atomic_ref<std::uint64_t>(sum_).fetch_add(one(cell), std::memory_order_relaxed);
-    else
-      sum_ += one(cell);
-  }
+  void add(std::uint32_t cell, bool shared) { fetch_add(sum_, one(cell), shared); }
   void remove(std::uint32_t cell) { sum_ -= one(cell); }
   bool none() const { return sum_ == 0; }
   bool single() const { return sum_ >> 32 == 1; }
@@ -38,15 +32,19 @@ class Cofaces {
 
  private:
   static std::uint64_t one(std::uint32_t cell) { return std::uint64_t{1} << 32 | cell; }
-  std::uint64_t sum_ = 0;
+  std::uint64_t sum_;
 };
 
 // An edge or vertex. A cell that has gone has no cofaces, and needs its value no more: in its place is the level, with
 // the sign bit set (values are not negative), so that one look at memory tells all.
 struct Cell {
   Cofaces cofaces;
-  double value = 0;
+  double value;
 
+  void begin(double its_value) {
+    cofaces = Cofaces{};
+    value = its_value + 0.0;  // no -0
+  }
   void go(double level) { value = -level; }
   double level() const { return std::signbit(value) ? -value : kInfinity; }
 };
@@ -65,8 +63,8 @@ class Thinning {
         // Keys are not negative, and few are far above their mean.
         queue_(0, mean(edge) / 512) {
     count_cofaces(vertex, edge);
-    for (std::uint32_t e = 0; e < edges_.size(); ++e) offer_edge(e);
-    for (std::uint32_t v = 0; v < vertices_.size(); ++v) offer_vertex(v);
+    offer_all(edges_.size(), [this](std::uint32_t e) { return pair_of_edge(e); });
+    offer_all(vertices_.size(), [this](std::uint32_t v) { return pair_of_vertex(v); });
   }
 
   void run() {
@@ -103,6 +101,21 @@ class Thinning {
   }
 
  private:
+  using Queue = BucketQueue<std::uint64_t>;
+
+  // An array that the threads fill, so that each of them has its share of the page faults.
+  class Cells {
+   public:
+    explicit Cells(std::size_t size) : size_(size), cells_(std::make_unique_for_overwrite<Cell[]>(size)) {}
+    std::size_t size() const { return size_; }
+    Cell& operator[](std::size_t i) { return cells_[i]; }
+    const Cell& operator[](std::size_t i) const { return cells_[i]; }
+
+   private:
+    std::size_t size_;
+    std::unique_ptr<Cell[]> cells_;
+  };
+
   static double mean(std::span<const double> values) {
     double sum = 0;
     std::size_t count = 0;
@@ -123,17 +136,17 @@ class Thinning {
     });
   }
 
-  static std::vector<double> levels_of(std::vector<Cell>& cells) {
+  static std::vector<double> levels_of(Cells& cells) {
     std::vector<double> level(cells.size());
     for_all(cells.size(), [&](std::uint32_t i) { level[i] = cells[i].level(); });
-    std::vector<Cell>().swap(cells);
+    cells = Cells(0);
     return level;
   }
 
   void count_cofaces(std::span<const double> vertex, std::span<const double> edge) {
-    for_all(edges_.size(), [&](std::uint32_t e) { edges_[e].value = edge[e] + 0.0; });  // no -0
-    for_all(vertices_.size(), [&](std::uint32_t v) { vertices_[v].value = vertex[v] + 0.0; });
-    const bool shared = tbb::this_task_arena::max_concurrency() > 1;
+    for_all(edges_.size(), [&](std::uint32_t e) { edges_[e].begin(edge[e]); });
+    for_all(vertices_.size(), [&](std::uint32_t v) { vertices_[v].begin(vertex[v]); });
+    const bool shared = several_threads();
     std::atomic<bool> edges_decide{true};
     for_all(face_level_.size(), [&](std::uint32_t f) {
       bool below = true;
@@ -149,19 +162,37 @@ class Thinning {
     });
   }
 
-  void offer(double key, std::uint64_t pair) {
-    if (key < kInfinity) queue_.push(key, pair);
-  }
-  void offer_edge(std::uint32_t e) {
+  // The pair whose free cell it is; of infinite key where there is none that can go.
+  Queue::Entry pair_of_edge(std::uint32_t e) const {
     const Cell& edge = edges_[e];
-    if (!edge.cofaces.single()) return;
-    offer(edges_decide_ ? edge.value : std::max(face_[edge.cofaces.only()], edge.value), kEdgeIsFree | e);
+    if (!edge.cofaces.single()) return {kInfinity, 0};
+    return {edges_decide_ ? edge.value : std::max(face_[edge.cofaces.only()], edge.value), kEdgeIsFree | e};
   }
-  void offer_vertex(std::uint32_t v) {
+  Queue::Entry pair_of_vertex(std::uint32_t v) const {
     const Cell& vertex = vertices_[v];
-    if (!vertex.cofaces.single()) return;
+    if (!vertex.cofaces.single()) return {kInfinity, 0};
     const Cell& edge = edges_[vertex.cofaces.only()];
-    if (edge.cofaces.none()) offer(std::max(edge.value, vertex.value), v);
+    return {edge.cofaces.none() ? std::max(edge.value, vertex.value) : kInfinity, v};
+  }
+  void offer(const Queue::Entry& pair) {
+    if (pair.key < kInfinity) queue_.push(pair.key, pair.id);
+  }
+  void offer_edge(std::uint32_t e) { offer(pair_of_edge(e)); }
+  void offer_vertex(std::uint32_t v) { offer(pair_of_vertex(v)); }
+
+  // Looking through all cells is for all threads; the queue belongs to one.
+  template <class PairOf>
+  void offer_all(std::size_t count, const PairOf& pair_of) {
+    const std::size_t chunks = chunks_for(count);
+    std::vector<std::vector<Queue::Entry>> found(chunks);
+    tbb::parallel_for(std::size_t{0}, chunks, [&](std::size_t chunk) {
+      const auto [first, last] = part_of(count, chunk, chunks);
+      for (std::size_t i = first; i < last; ++i)
+        if (const Queue::Entry pair = pair_of(static_cast<std::uint32_t>(i)); pair.key < kInfinity)
+          found[chunk].push_back(pair);
+    });
+    for (const auto& pairs : found)
+      for (const Queue::Entry& pair : pairs) queue_.push(pair.key, pair.id);
   }
 
   // Cells that have gone have no cofaces.
@@ -239,10 +270,9 @@ class Thinning {
   std::span<const double> face_;
   Context* context_;
   std::string_view stage_;
-  std::vector<Cell> edges_, vertices_;
+  Cells edges_, vertices_;
   std::vector<double> face_level_;
   bool edges_decide_ = false;  // no face has a larger value than an edge of it, so keys are those of edges
-  using Queue = BucketQueue<std::uint64_t>;
   Queue queue_;
 };
 

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <tbb/parallel_invoke.h>
+#include <tbb/task_arena.h>
+
 #include <algorithm>
 
 #include "quench/error.h"
@@ -36,11 +39,15 @@ CheckedCore checked_core(const VoxelShape& shape, const Topology& wanted, double
   result.longest_side = longest_side;
   result.topology = wanted;
   MedialAxis core = voxel_core(shape, {.rule = options.rule, .in_bricks = options.in_bricks}, context);
-  prune_levels(core, context);
+  // Thinning runs on one thread for the most part: another one has the time to check the topology. Isolated, since who
+  // waits for a part of the thinning should not begin with that.
+  Topology found;
+  tbb::parallel_invoke([&] { tbb::this_task_arena::isolate([&] { prune_levels(core, context); }); },
+                       [&] { found = topology(core.complex); });
   const Reconstruction reconstruction(shape, core, Reconstruction::kSamples, context);
   result.lambda =
       options.lambda ? *options.lambda : auto_lambda(reconstruction, longest_side, shape.grid().spacing.minCoeff());
-  require_topology(topology(core.complex), wanted, "voxel core", "shape");
+  require_topology(found, wanted, "voxel core", "shape");
   checkpoint(context, "topology", 0.5);
   result.vertices = core.complex.vertex_count;
   result.edges = core.complex.edges.size();

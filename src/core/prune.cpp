@@ -2,6 +2,8 @@
 // Yan 2018, sec. 2.6 step 3, for every lambda at once.
 #include "quench/prune.h"
 
+#include <tbb/parallel_invoke.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -44,32 +46,41 @@ std::vector<T> select(const std::vector<T>& values, const std::vector<std::uint3
 MedialAxis pruned(const MedialAxis& axis, double lambda) {
   const double threshold = lambda * (1 - 1e-12);
   std::vector<std::uint32_t> vertex, edge, face;
-  const std::uint32_t vertices = renumber(axis.vertex_level, threshold, vertex);
-  const std::uint32_t edges = renumber(axis.edge_level, threshold, edge);
-  const std::uint32_t faces = renumber(axis.face_level, threshold, face);
+  std::uint32_t vertices = 0, edges = 0, faces = 0;
+  tbb::parallel_invoke([&] { edges = renumber(axis.edge_level, threshold, edge); },
+                       [&] { faces = renumber(axis.face_level, threshold, face); },
+                       [&] { vertices = renumber(axis.vertex_level, threshold, vertex); });
 
   MedialAxis result;
   result.grid = axis.grid;
-  result.points = select(axis.points, vertex, vertices);
-  result.radius = select(axis.radius, vertex, vertices);
-  result.vertex_lambda = select(axis.vertex_lambda, vertex, vertices);
-  result.vertex_level = select(axis.vertex_level, vertex, vertices);
-  result.edge_lambda = select(axis.edge_lambda, edge, edges);
-  result.edge_level = select(axis.edge_level, edge, edges);
-  result.face_lambda = select(axis.face_lambda, face, faces);
-  result.face_level = select(axis.face_level, face, faces);
-  result.face_sites = select(axis.face_sites, face, faces);
-
   result.complex.vertex_count = vertices;
-  result.complex.edges = select(axis.complex.edges, edge, edges);
-  for (auto& ends : result.complex.edges)
-    for (auto& v : ends) v = vertex[v];
-  for (std::size_t f = 0; f < axis.complex.face_count(); ++f) {
-    if (face[f] == kDropped) continue;
-    for (std::uint32_t v : axis.complex.corners(f)) result.complex.face_vertices.push_back(vertex[v]);
-    for (std::uint32_t e : axis.complex.sides(f)) result.complex.face_edges.push_back(edge[e]);
-    result.complex.face_offsets.push_back(static_cast<std::uint32_t>(result.complex.face_vertices.size()));
-  }
+  tbb::parallel_invoke(
+      [&] {
+        result.points = select(axis.points, vertex, vertices);
+        result.radius = select(axis.radius, vertex, vertices);
+        result.vertex_lambda = select(axis.vertex_lambda, vertex, vertices);
+        result.vertex_level = select(axis.vertex_level, vertex, vertices);
+      },
+      [&] {
+        result.edge_lambda = select(axis.edge_lambda, edge, edges);
+        result.edge_level = select(axis.edge_level, edge, edges);
+        result.complex.edges = select(axis.complex.edges, edge, edges);
+        for (auto& ends : result.complex.edges)
+          for (auto& v : ends) v = vertex[v];
+      },
+      [&] {
+        result.face_lambda = select(axis.face_lambda, face, faces);
+        result.face_level = select(axis.face_level, face, faces);
+        result.face_sites = select(axis.face_sites, face, faces);
+      },
+      [&] {
+        for (std::size_t f = 0; f < axis.complex.face_count(); ++f) {
+          if (face[f] == kDropped) continue;
+          for (std::uint32_t v : axis.complex.corners(f)) result.complex.face_vertices.push_back(vertex[v]);
+          for (std::uint32_t e : axis.complex.sides(f)) result.complex.face_edges.push_back(edge[e]);
+          result.complex.face_offsets.push_back(static_cast<std::uint32_t>(result.complex.face_vertices.size()));
+        }
+      });
 
   if (!axis.sites.empty()) {
     std::vector<std::uint32_t> site(axis.sites.size(), kDropped);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lattice/cells.h"
 
+#include <tbb/parallel_invoke.h>
+
 #include <algorithm>
 #include <atomic>
 
@@ -66,8 +68,7 @@ void store_faces(const std::vector<RawFaces>& raw, std::size_t site_count, const
     });
   }
   CellComplex& complex = dual.complex;
-  complex.face_offsets.assign(count + 1, 0);
-  dual.face_sites.resize(count);
+  tbb::parallel_invoke([&] { complex.face_offsets.assign(count + 1, 0); }, [&] { dual.face_sites.resize(count); });
   const std::size_t chunks = chunks_for(site_count);
   for_chunks(chunks, context, "merge", 0.92, 0.94, [&](std::size_t chunk) {
     const auto [first, last] = part_of(site_count, chunk, chunks);
@@ -83,8 +84,8 @@ void store_faces(const std::vector<RawFaces>& raw, std::size_t site_count, const
     }
   });
   prefix_sum(complex.face_offsets);
-  complex.face_vertices.resize(complex.face_offsets.back());
-  complex.face_edges.resize(complex.face_offsets.back());
+  tbb::parallel_invoke([&] { complex.face_vertices.resize(complex.face_offsets.back()); },
+                       [&] { complex.face_edges.resize(complex.face_offsets.back()); });
   for_chunks(chunks, context, "merge", 0.94, 1, [&](std::size_t chunk) {
     const auto [first, last] = part_of(count, chunk, chunks);
     for (std::size_t f = first; f < last; ++f) {

@@ -42,10 +42,11 @@ struct Cells {
     neighbour_begin.push_back(static_cast<std::uint32_t>(neighbours.size()));
     return count() - 1;
   }
-  /// Room for so many in all. Memory that is not written costs nothing.
-  void reserve(std::size_t cells, std::size_t corners, std::size_t facets);
-  /// Appends the cells of a part whose neighbours are numbered from `shift` on.
-  void append(const Cells& part, std::uint32_t shift);
+  /// Room for all cells of a shape with so many sites. Memory that is not written costs nothing.
+  void reserve_for(std::size_t site_count);
+  /// Appends the cells of all parts, which it consumes. Neighbours are numbered per part, or already as they will be.
+  enum class Numbers { per_part, final };
+  void append(std::vector<Cells>& parts, Numbers numbers);
 };
 
 /// The three smallest sites of a facet tell it from all others: its sites lie on one circle, so no three of them on a

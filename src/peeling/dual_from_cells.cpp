@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "peeling/dual_from_cells.h"
 
+#include <tbb/parallel_invoke.h>
+
 #include <algorithm>
 #include <atomic>
 
@@ -50,10 +52,15 @@ Cells sorted(Cells cells, std::size_t site_count, Context* context) {
       }
     }
   });
-  lattice::prefix_sum(result.site_begin);
-  lattice::prefix_sum(result.neighbour_begin);
-  result.sites.resize(result.site_begin.back());
-  result.neighbours.resize(result.neighbour_begin.back());
+  tbb::parallel_invoke(
+      [&] {
+        lattice::prefix_sum(result.site_begin);
+        result.sites.resize(result.site_begin.back());
+      },
+      [&] {
+        lattice::prefix_sum(result.neighbour_begin);
+        result.neighbours.resize(result.neighbour_begin.back());
+      });
   for_chunks(chunks, context, "merge", 0.78, 0.8, [&](std::size_t chunk) {
     const auto [begin, end] = part_of(count, chunk, chunks);
     for (std::size_t r = begin; r < end; ++r) {

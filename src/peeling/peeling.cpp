@@ -22,61 +22,82 @@ OpenFacets join(std::vector<SlabPart>& parts, const Hulls& hulls, std::size_t si
   struct Loose {
     std::uint32_t second, third, cell, facet, part;
   };
+  const bool shared = several_threads();
   std::vector<std::uint32_t> begin(site_count + 1, 0);
-  for (const SlabPart& part : parts)
-    for (const LooseFacet& f : part.loose) ++begin[f.name[0] + 1];
+  tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t p) {
+    for (const LooseFacet& f : parts[p].loose) fetch_add(begin[f.name[0] + 1], 1u, shared);
+  });
   lattice::prefix_sum(begin);
   std::vector<Loose> loose(begin.back());
+  std::vector<Cells> found;
+  std::vector<std::uint32_t> shift{0};
+  for (SlabPart& part : parts) {
+    shift.push_back(shift.back() + part.cells.count());
+    found.push_back(std::move(part.cells));
+  }
   {
     std::vector<std::uint32_t> next(begin.begin(), begin.end() - 1);
-    std::size_t count = 0, corners = 0, facets = 0;
-    for (const SlabPart& part : parts) {
-      count += part.cells.count();
-      corners += part.cells.sites.size();
-      facets += part.cells.neighbours.size();
-    }
-    // Room for the cells that are missing, too: shapes have up to 1.3 cells per site with 5 corners and facets each.
-    cells.reserve(std::max(count, site_count * 4 / 3), std::max(corners, site_count * 13 / 2),
-                  std::max(facets, site_count * 7));
-    for (std::uint32_t p = 0; p < parts.size(); ++p) {
-      const std::uint32_t shift = cells.count();
+    tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t p) {
       for (const LooseFacet& f : parts[p].loose)
-        loose[next[f.name[0]]++] = {f.name[1], f.name[2], f.cell == kNone ? kNone : f.cell + shift, f.facet, p};
+        loose[fetch_add(next[f.name[0]], 1u, shared)] = {
+            f.name[1], f.name[2], f.cell == kNone ? kNone : f.cell + shift[p], f.facet, static_cast<std::uint32_t>(p)};
       std::vector<LooseFacet>().swap(parts[p].loose);
-      cells.append(parts[p].cells, shift);
-      parts[p].cells = {};
-    }
+    });
   }
+  if (parts.size() > 1) cells.reserve_for(site_count);
+  cells.append(found, Cells::Numbers::per_part);
+
   const auto link = [&](const Loose& f, const Loose& other) {
     if (f.cell != kNone) cells.neighbours_of(f.cell)[f.facet] = other.cell == kNone ? kBoundary : other.cell;
   };
-  OpenFacets open;
-  for (std::size_t s = 0; s < site_count; ++s) {
-    if ((s & 0xFFFFF) == 0) checkpoint(context, "peel", 1);
-    const auto first = loose.begin() + begin[s], last = loose.begin() + begin[s + 1];
-    for (auto f = first; f != last; ++f) {
-      if (f->second == kNone) continue;  // has been a partner
-      const auto partner = std::find_if(
-          f + 1, last, [&](const Loose& other) { return other.second == f->second && other.third == f->third; });
-      if (partner != last) {
-        link(*f, *partner);
-        link(*partner, *f);
-        partner->second = kNone;
-        continue;
+  const std::size_t chunks = chunks_for(site_count);
+  std::vector<OpenFacets> open(chunks);
+  for_chunks(chunks, context, "peel", 1, 1, [&](std::size_t chunk) {
+    const auto [begin_site, end_site] = part_of(site_count, chunk, chunks);
+    std::vector<std::uint32_t> corners;
+    for (std::size_t s = begin_site; s < end_site; ++s) {
+      const auto first = loose.begin() + begin[s], last = loose.begin() + begin[s + 1];
+      for (auto f = first; f != last; ++f) {
+        if (f->second == kNone) continue;  // has been a partner
+        const auto partner = std::find_if(
+            f + 1, last, [&](const Loose& other) { return other.second == f->second && other.third == f->third; });
+        if (partner != last) {
+          link(*f, *partner);
+          link(*partner, *f);
+          partner->second = kNone;
+          continue;
+        }
+        if (f->cell == kNone) {
+          open[chunk].add(parts[f->part].squares[f->facet], f->cell, f->facet);
+        } else {
+          const auto sites = cells.sites_of(f->cell);
+          corners.clear();
+          for (const std::uint32_t c : hulls[cells.hull[f->cell]].corners_of(f->facet)) corners.push_back(sites[c]);
+          open[chunk].add(corners, f->cell, f->facet);
+        }
       }
-      if (f->cell == kNone) {
-        const Square& square = parts[f->part].squares[f->facet];
-        open.corners.insert(open.corners.end(), square.begin(), square.end());
-      } else {
-        const auto sites = cells.sites_of(f->cell);
-        for (const std::uint32_t c : hulls[cells.hull[f->cell]].corners_of(f->facet)) open.corners.push_back(sites[c]);
-      }
-      open.begin.push_back(static_cast<std::uint32_t>(open.corners.size()));
-      open.cell.push_back(f->cell);
-      open.facet.push_back(f->facet);
     }
+  });
+  return joined(open);
+}
+
+// The first layer of each slab, and the end of the last. `layers`: of a slab; 0: one slab for each thread, with about
+// as many sites, since slabs overlap (with four for each, two threads had an eighth more to do, and one of them
+// waited).
+std::vector<std::int32_t> slab_limits(const Input& input, std::int32_t layers) {
+  const auto& sites = input.sites;
+  const std::int32_t end = sites.back()[2] + 1;
+  std::vector<std::int32_t> limits{sites.front()[2]};
+  const auto wanted = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
+  for (std::size_t slab = 1;; ++slab) {
+    std::int32_t next = limits.back() + layers;
+    if (layers == 0)
+      next = slab < wanted ? std::max(limits.back() + 8 * input.layers(), sites[sites.size() / wanted * slab][2]) : end;
+    if (next >= end || (layers == 0 && end - next < 8 * input.layers())) break;
+    limits.push_back(next);
   }
-  return open;
+  limits.push_back(end);
+  return limits;
 }
 
 }  // namespace
@@ -99,19 +120,10 @@ lattice::DualComplex dual_complex(const VoxelShape& shape, std::span<const Latti
     std::optional<SiteIndex> index(std::in_place, sites);
     const lattice::Predicates predicates(spacing, extent);
     const Input input{shape, sites, spacing, predicates, *index, reach, options.least_cubes};
-    const std::int32_t low = sites.front()[2], high = sites.back()[2] + 1;
-    std::int32_t layers = options.layers;
-    if (layers == 0) {
-      // Slabs overlap: one for one thread, else a few for each, but thick ones.
-      const std::int32_t threads = tbb::this_task_arena::max_concurrency(), wanted = threads > 1 ? 4 * threads : 1;
-      layers = std::max((high - low + wanted - 1) / wanted, 8 * input.layers());
-    }
-    const auto slabs = static_cast<std::size_t>((high - low + layers - 1) / layers);
-    std::vector<SlabPart> parts(slabs);
-    for_chunks(slabs, context, "peel", 0, 1, [&](std::size_t slab) {
-      const auto begin = low + static_cast<std::int32_t>(slab) * layers;
-      parts[slab] = peel_slab(input, begin, std::min(begin + layers, high), hulls);
-    });
+    const std::vector<std::int32_t> limits = slab_limits(input, options.layers);
+    std::vector<SlabPart> parts(limits.size() - 1);
+    for_chunks(parts.size(), context, "peel", 0, 1,
+               [&](std::size_t slab) { parts[slab] = peel_slab(input, limits[slab], limits[slab + 1], hulls); });
     index.reset();
     std::size_t peeled = 0;
     for (const SlabPart& part : parts) peeled += part.cells.count();

@@ -30,12 +30,13 @@ class OpenIndex {
   };
 
   OpenIndex(const OpenFacets& open, std::vector<std::uint32_t> number) : open_(open), number_(std::move(number)) {
+    const bool shared = several_threads();
     begin_.assign(number_.size() + 1, 0);
-    each_entry([&](std::uint32_t site, const Entry&) { ++begin_[site + 1]; });
+    each_entry([&](std::uint32_t site, const Entry&) { fetch_add(begin_[site + 1], 1u, shared); });
     lattice::prefix_sum(begin_);
     entries_.resize(begin_.back());
     std::vector<std::uint32_t> next(begin_.begin(), begin_.end() - 1);
-    each_entry([&](std::uint32_t site, const Entry& entry) { entries_[next[site]++] = entry; });
+    each_entry([&](std::uint32_t site, const Entry& entry) { entries_[fetch_add(next[site], 1u, shared)] = entry; });
   }
 
   Found find(std::uint32_t a, std::uint32_t b, std::uint32_t c) const {
@@ -73,8 +74,16 @@ class OpenIndex {
 
   template <class Visit>
   void each_entry(const Visit& visit) const {
+    const std::size_t chunks = chunks_for(open_.count());
+    tbb::parallel_for(std::size_t{0}, chunks, [&](std::size_t chunk) {
+      const auto [first, last] = part_of(open_.count(), chunk, chunks);
+      each_entry(first, last, visit);
+    });
+  }
+  template <class Visit>
+  void each_entry(std::size_t first, std::size_t last, const Visit& visit) const {
     std::vector<std::pair<std::uint32_t, std::uint32_t>> sorted;  // corners and their places in the cycle
-    for (std::uint32_t f = 0; f < open_.count(); ++f) {
+    for (auto f = static_cast<std::uint32_t>(first); f < last; ++f) {
       sorted.clear();
       for (const std::uint32_t s : open_[f]) sorted.emplace_back(number_[s], sorted.size());
       std::sort(sorted.begin(), sorted.end());
@@ -130,15 +139,26 @@ class Remainder {
 
   // The unfinished sites; from here on they are numbered among themselves, in the same order.
   void choose_sites() {
-    std::vector<std::uint32_t> rank(all_.size(), 0);
-    for (const std::uint32_t s : open_.corners) rank[s] = 1;
-    for (std::uint32_t s = 0; s < all_.size(); ++s)
-      if (rank[s]) {
-        rank[s] = static_cast<std::uint32_t>(sites_.size());
-        sites_.push_back(all_[s]);
-        names_.push_back(s);
-      }
-    for (std::uint32_t& s : open_.corners) s = rank[s];
+    std::vector<std::uint32_t> rank(all_.size() + 1, 0);
+    const auto in_chunks = [&](std::size_t count, const auto& body) {
+      const std::size_t chunks = chunks_for(count);
+      for_chunks(chunks, context_, "peel", 1, 1, [&](std::size_t chunk) {
+        const auto [first, last] = part_of(count, chunk, chunks);
+        for (std::size_t i = first; i < last; ++i) body(i);
+      });
+    };
+    in_chunks(open_.corners.size(), [&](std::size_t i) {
+      std::atomic_ref<std::uint32_t>(rank[open_.corners[i] + 1]).store(1, std::memory_order_relaxed);
+    });
+    lattice::prefix_sum(rank);
+    sites_.resize(rank.back());
+    names_.resize(rank.back());
+    in_chunks(all_.size(), [&](std::size_t s) {
+      if (rank[s + 1] == rank[s]) return;
+      sites_[rank[s]] = all_[s];
+      names_[rank[s]] = static_cast<std::uint32_t>(s);
+    });
+    in_chunks(open_.corners.size(), [&](std::size_t i) { open_.corners[i] = rank[open_.corners[i]]; });
   }
 
   [[noreturn]] static void leaves_shape() {
@@ -150,15 +170,25 @@ class Remainder {
     const auto& tetrahedra = delaunay.tetrahedra();
     const auto& points = delaunay.points();
     std::vector<std::uint32_t> place(sites_.size());
-    for (std::uint32_t p = Delaunay::kBoxPoints; p < points.size(); ++p)
-      place[points[p].site] = p - Delaunay::kBoxPoints;
+    const std::size_t point_chunks = chunks_for(sites_.size());
+    tbb::parallel_for(std::size_t{0}, point_chunks, [&](std::size_t chunk) {
+      const auto [first, last] = part_of(sites_.size(), chunk, point_chunks);
+      for (std::size_t p = first; p < last; ++p)
+        place[points[p + Delaunay::kBoxPoints].site] = static_cast<std::uint32_t>(p);
+    });
     const OpenIndex index(open_, std::move(place));  // by points, since tetrahedra lie in memory as points do
     std::vector<std::uint8_t> mark(tetrahedra.size(), 0);
     const std::size_t chunks = chunks_for(tetrahedra.size());
     std::vector<std::vector<std::uint32_t>> seeds(chunks);
+    const bool shared = several_threads();
+    // Sets bits of a mark and returns what it was before.
     const auto set = [&](std::uint32_t t, std::uint32_t bits) {
-      return std::atomic_ref<std::uint8_t>(mark[t]).fetch_or(static_cast<std::uint8_t>(bits),
-                                                             std::memory_order_relaxed);
+      const auto more = static_cast<std::uint8_t>(bits);
+      if (shared) return std::atomic_ref<std::uint8_t>(mark[t]).fetch_or(more, std::memory_order_relaxed);
+      return std::exchange(mark[t], static_cast<std::uint8_t>(mark[t] | more));
+    };
+    const auto get = [&](std::uint32_t t) {
+      return std::atomic_ref<std::uint8_t>(mark[t]).load(std::memory_order_relaxed);
     };
     for_chunks(chunks, context_, "merge", 0, 0.1, [&](std::size_t chunk) {
       const auto [first, last] = part_of(tetrahedra.size(), chunk, chunks);
@@ -183,22 +213,21 @@ class Remainder {
         }
       }
     });
-    std::vector<std::uint32_t> stack;
-    for (auto& some : seeds) {
-      stack.insert(stack.end(), some.begin(), some.end());
-      std::vector<std::uint32_t>().swap(some);
-    }
-    while (!stack.empty()) {
-      const std::uint32_t t = stack.back();
-      stack.pop_back();
-      for (std::uint32_t i = 0; i < 4; ++i) {
-        const std::uint32_t n = tetrahedra[t].neighbour[i] >> 2;
-        if (mark[t] >> i & 1 || mark[n] & kKept) continue;
-        if (Delaunay::touches_box(tetrahedra[n])) leaves_shape();
-        mark[n] |= kKept;
-        stack.push_back(n);
+    // Facets are all marked by now; who keeps a tetrahedron first goes on from there.
+    for_chunks(chunks, context_, "merge", 0.1, 0.12, [&](std::size_t chunk) {
+      std::vector<std::uint32_t> stack = std::move(seeds[chunk]);
+      while (!stack.empty()) {
+        const std::uint32_t t = stack.back();
+        stack.pop_back();
+        const std::uint32_t open = get(t);
+        for (std::uint32_t i = 0; i < 4; ++i) {
+          const std::uint32_t n = tetrahedra[t].neighbour[i] >> 2;
+          if (open >> i & 1 || get(n) & kKept) continue;
+          if (Delaunay::touches_box(tetrahedra[n])) leaves_shape();
+          if (!(set(n, kKept) & kKept)) stack.push_back(n);
+        }
       }
-    }
+    });
     return mark;
   }
 
@@ -355,10 +384,7 @@ class Remainder {
     if (closed_ != open_.count())
       throw Error(ErrorCode::invariant, fmt::format("{} of {} open facets of the voxel core's dual were closed",
                                                     closed_.load(), open_.count()));
-    for (Cells& part : parts) {
-      cells_.append(part, 0);
-      part = {};
-    }
+    cells_.append(parts, Cells::Numbers::final);
   }
 
   std::span<const LatticePoint> all_;
@@ -373,6 +399,20 @@ class Remainder {
 };
 
 }  // namespace
+
+OpenFacets joined(std::vector<OpenFacets>& parts) {
+  OpenFacets all;
+  for (OpenFacets& part : parts) {
+    const auto shift = static_cast<std::uint32_t>(all.corners.size());
+    lattice::check_index(all.corners.size() + part.corners.size());
+    for (std::size_t i = 1; i < part.begin.size(); ++i) all.begin.push_back(shift + part.begin[i]);
+    all.corners.insert(all.corners.end(), part.corners.begin(), part.corners.end());
+    all.cell.insert(all.cell.end(), part.cell.begin(), part.cell.end());
+    all.facet.insert(all.facet.end(), part.facet.begin(), part.facet.end());
+    part = {};
+  }
+  return all;
+}
 
 void add_remainder(std::span<const LatticePoint> sites, const std::array<std::int64_t, 3>& spacing, OpenFacets open,
                    Hulls& hulls, Cells& cells, Context* context) {

@@ -20,7 +20,16 @@ struct OpenFacets {
   std::span<const std::uint32_t> operator[](std::uint32_t f) const {
     return {corners.data() + begin[f], corners.data() + begin[f + 1]};
   }
+  void add(std::span<const std::uint32_t> its_corners, std::uint32_t its_cell, std::uint32_t its_facet) {
+    corners.insert(corners.end(), its_corners.begin(), its_corners.end());
+    begin.push_back(static_cast<std::uint32_t>(corners.size()));
+    cell.push_back(its_cell);
+    facet.push_back(its_facet);
+  }
 };
+
+/// One list of many, which it consumes.
+OpenFacets joined(std::vector<OpenFacets>& parts);
 
 /// Adds all cells that are still missing, and closes the open facets.
 ///

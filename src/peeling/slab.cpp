@@ -74,8 +74,7 @@ class Slab {
         high_(first_site(end + input.layers())),
         table_(high_ - low_),
         cubes_(input.shape, input.sites, begin - input.layers(), end + input.layers(), hulls) {
-    const std::size_t sites = high_ - low_;
-    cells_.reserve(sites, 5 * sites, 5 * sites);
+    cells_.reserve_for(high_ - low_);
   }
 
   SlabPart run() {
