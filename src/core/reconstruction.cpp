@@ -194,7 +194,7 @@ std::vector<std::uint32_t> by_level(const MedialAxis& axis) {
   tbb::parallel_for(std::size_t{0}, std::size_t{kBuckets}, [&](std::size_t bucket) {
     const auto first = order.begin() + begin[bucket], last = order.begin() + begin[bucket + 1];
     const auto same = [&](std::uint32_t v) { return level_of(v) == level_of(*first); };
-    if (last - first > 4096 && std::all_of(first, last, same)) return;
+    if (last - first > 1024 && std::all_of(first, last, same)) return;
     std::sort(first, last, [&](std::uint32_t a, std::uint32_t b) {
       if (level_of(a) != level_of(b)) return level_of(a) > level_of(b);
       return axis.radius[a] != axis.radius[b] ? axis.radius[a] > axis.radius[b] : a < b;
