@@ -25,7 +25,7 @@ struct CellValues {
 /// Values are not negative; cells of infinite value never go. Parallel edges and faces that meet an edge twice are
 /// legal (such an edge is not free).
 ///
-/// O(n log n); 8 bytes per vertex and edge and 16 per queued pair.
+/// O(n log n), one thread but for counting; 16 bytes per vertex and edge, 8 per face and 16 per queued pair.
 CellValues thin(const CellComplex& complex, std::span<const double> vertex_value, std::span<const double> edge_value,
                 std::span<const double> face_value, Context* context, std::string_view stage);
 
