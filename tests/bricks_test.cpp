@@ -42,12 +42,11 @@ void expect_same_in_bricks(const VoxelShape& shape, std::span<const BrickPlan> p
   }
 }
 
-// Each shape with one of the plans.
 void expect_random_shapes_same(std::uint64_t first, std::uint64_t last, int largest, bool anisotropic, int threads) {
-  for (std::uint64_t seed = first; seed < last; ++seed)
-    expect_same_in_bricks(testing_shapes::random_shape(seed, largest, anisotropic),
-                          std::span(kPlans).subspan(seed / 4 % kPlans.size(), 1), threads,
-                          "seed " + std::to_string(seed));
+  testing_duals::for_random_shapes(first, last, largest, anisotropic, kPlans,
+                                   [=](const VoxelShape& shape, auto ways, const std::string& where) {
+                                     expect_same_in_bricks(shape, ways, threads, where);
+                                   });
 }
 
 TEST(Bricks, RandomShapesAreTheSameInBricks) {
@@ -57,15 +56,10 @@ TEST(Bricks, RandomShapesAreTheSameInBricks) {
 
 TEST(Bricks, AnisotropicShapesAreTheSameInBricks) {
   expect_random_shapes_same(0, 400, 8, true, 1);
-  for (const Vec3& spacing : {Vec3(0.782, 0.782, 5), Vec3(1, 1000, 1)})
-    for (std::uint64_t seed = 0; seed < 20; ++seed) {
-      const VoxelShape unit = testing_shapes::random_shape(seed, 9);
-      Grid grid = unit.grid();
-      grid.spacing = spacing;
-      expect_same_in_bricks(
-          testing_shapes::from_predicate(grid, [&](int x, int y, int z) { return unit.contains(x, y, z); }), kPlans, 1,
-          "skew spacing, seed " + std::to_string(seed));
-    }
+  testing_duals::for_spacings({Vec3(0.782, 0.782, 5), Vec3(1, 1000, 1)}, kPlans,
+                              [](const VoxelShape& shape, auto ways, const std::string& where) {
+                                expect_same_in_bricks(shape, ways, 1, where);
+                              });
 }
 
 TEST(Bricks, ThreadsDoNotMatter) {
@@ -88,7 +82,8 @@ TEST(Bricks, HugeCells) {
 
 // Empty bricks between parts far apart.
 TEST(Bricks, FarApart) {
-  expect_same_in_bricks(testing_duals::far_apart(40000), std::vector<BrickPlan>{{{{2, 2}, {100, 50}}, 0}, {{{64, 8}}, 0}}, 1, "far apart");
+  expect_same_in_bricks(testing_duals::far_apart(40000),
+                        std::vector<BrickPlan>{{{{2, 2}, {100, 50}}, 0}, {{{64, 8}}, 0}}, 1, "far apart");
 }
 
 TEST(Bricks, TouchingWalls) {

@@ -5,6 +5,7 @@
 #include <tbb/global_control.h>
 #include <tbb/task_arena.h>
 
+#include <cstdlib>
 #include <filesystem>
 
 #include "quench/io.h"
@@ -40,12 +41,11 @@ void expect_same_peeled(const VoxelShape& shape, std::span<const Options> option
   }
 }
 
-// Each shape in one of the ways.
 void expect_random_shapes_same(std::uint64_t first, std::uint64_t last, int largest, bool anisotropic, int threads) {
-  for (std::uint64_t seed = first; seed < last && !testing::Test::HasFatalFailure(); ++seed)
-    expect_same_peeled(testing_shapes::random_shape(seed, largest, anisotropic),
-                       std::span(kOptions).subspan(seed / 4 % kOptions.size(), 1), threads,
-                       "seed " + std::to_string(seed));
+  testing_duals::for_random_shapes(first, last, largest, anisotropic, kOptions,
+                                   [=](const VoxelShape& shape, auto ways, const std::string& where) {
+                                     expect_same_peeled(shape, ways, threads, where);
+                                   });
 }
 
 TEST(Peeling, RandomShapesAreTheSame) {
@@ -55,20 +55,23 @@ TEST(Peeling, RandomShapesAreTheSame) {
 
 TEST(Peeling, AnisotropicShapesAreTheSame) {
   expect_random_shapes_same(0, 500, 8, true, 1);
-  for (const Vec3& spacing : {Vec3(0.782, 0.782, 5), Vec3(0.782, 1.1, 0.9), Vec3(1, 1000, 1)})
-    for (std::uint64_t seed = 0; seed < 20; ++seed) {
-      const VoxelShape unit = testing_shapes::random_shape(seed, 9);
-      Grid grid = unit.grid();
-      grid.spacing = spacing;
-      expect_same_peeled(
-          testing_shapes::from_predicate(grid, [&](int x, int y, int z) { return unit.contains(x, y, z); }), kOptions,
-          1, "skew spacing, seed " + std::to_string(seed));
-    }
+  testing_duals::for_spacings(
+      {Vec3(0.782, 0.782, 5), Vec3(0.782, 1.1, 0.9), Vec3(1, 1000, 1)}, kOptions,
+      [](const VoxelShape& shape, auto ways, const std::string& where) { expect_same_peeled(shape, ways, 1, where); });
 }
 
 TEST(Peeling, ThreadsDoNotMatter) {
   const tbb::global_control control(tbb::global_control::max_allowed_parallelism, 4);
   expect_random_shapes_same(20000, 20200, 9, false, 4);
+  // High enough for a slab for each thread, with more sites at its foot.
+  Grid grid;
+  grid.dims = {20, 20, 300};
+  const VoxelShape tower = testing_shapes::from_predicate(grid, [](int x, int y, int z) {
+    const unsigned noise = (static_cast<unsigned>(x + 20 * (y + 20 * z)) * 2654435761u) >> 24;
+    const int half = z < 50 ? 9 : 4;
+    return std::abs(x - 10) < half && std::abs(y - 10) < half && noise % 7 != 0;
+  });
+  expect_same_peeled(tower, std::vector<Options>{always(3, 0), always(1.5, 0)}, 4, "tower");
 }
 
 TEST(Peeling, HugeCells) {

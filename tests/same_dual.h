@@ -30,6 +30,29 @@ inline void expect_same(const lattice::DualComplex& a, const lattice::DualComple
   ASSERT_TRUE(a.complex.face_edges == b.complex.face_edges) << where;
 }
 
+/// Calls expect(shape, options, where) for random shapes of the seeds in [first, last), each with one of the `ways` to
+/// the complex.
+template <class Ways, class Expect>
+void for_random_shapes(std::uint64_t first, std::uint64_t last, int largest, bool anisotropic, const Ways& ways,
+                       const Expect& expect) {
+  for (std::uint64_t seed = first; seed < last && !testing::Test::HasFatalFailure(); ++seed)
+    expect(testing_shapes::random_shape(seed, largest, anisotropic),
+           std::span(ways).subspan(seed / 4 % std::size(ways), 1), "seed " + std::to_string(seed));
+}
+
+/// The same for shapes with these spacings, each with all ways.
+template <class Ways, class Expect>
+void for_spacings(std::initializer_list<Vec3> spacings, const Ways& ways, const Expect& expect) {
+  for (const Vec3& spacing : spacings)
+    for (std::uint64_t seed = 0; seed < 20 && !testing::Test::HasFatalFailure(); ++seed) {
+      const VoxelShape unit = testing_shapes::random_shape(seed, 9);
+      Grid grid = unit.grid();
+      grid.spacing = spacing;
+      expect(testing_shapes::from_predicate(grid, [&](int x, int y, int z) { return unit.contains(x, y, z); }),
+             std::span(ways), "skew spacing, seed " + std::to_string(seed));
+    }
+}
+
 /// Walls that meet along edges and in points: sites with several components of O around them, on both sides of walls.
 inline VoxelShape touching_walls(int rule) {
   Grid grid;
