@@ -34,9 +34,9 @@ std::size_t add_core(Page& page, const MedialAxis& axis, const std::vector<DataA
   if (floor.level > *page.lambda_floor) {
     page.lambda_floor = floor.level;
     page.notes.push_back(fmt::format(
-        "The core is shown from lambda = {} on, {} of its {} faces; thinner parts are left out of this "
+        "The core is shown from lambda {} on, {} of its {} faces; thinner parts are left out of this "
         "page (--max-triangles)",
-        length_text(page, floor.level), count_text(cells.faces.size()), count_text(axis.complex.face_count())));
+        floor_text(page, floor.level), count_text(cells.faces.size()), count_text(axis.complex.face_count())));
   }
   return floor.triangles;
 }

@@ -127,6 +127,10 @@ std::string count_text(std::size_t count) {
   return std::to_string(count);
 }
 
+std::string floor_text(const Page& page, double floor) {
+  return floor < std::numeric_limits<float>::min() ? "> 0" : "= " + length_text(page, floor);
+}
+
 std::string length_text(const Page& page, double length) {
   return fmt::format("{:.4g}{}{}", length, page.unit.empty() ? "" : " ", page.unit);
 }

@@ -89,5 +89,7 @@ std::size_t triangle_count(const PolyData& data);
 std::string count_text(std::size_t count);
 /// A length in a sentence: "0.31 mm".
 std::string length_text(const Page& page, double length);
+/// What a page shows begins there: "= 0.31 mm", or "> 0" for the smallest number above it.
+std::string floor_text(const Page& page, double floor);
 
 }  // namespace quench

@@ -219,14 +219,14 @@ std::size_t add_skeleton(Page& page, const SkeletonFamily& family, std::size_t m
   page.theta1_floor = theta1_floor;
   if (floor.level > 0)
     page.notes.push_back(
-        fmt::format("The skeleton's sheets are shown from theta2 = {} on, {} of their {} parts; what goes before is "
+        fmt::format("The skeleton's sheets are shown from theta2 {} on, {} of their {} parts; what goes before is "
                     "left out of this page (--max-triangles)",
-                    length_text(page, floor.level), count_text(cells.faces.size()), count_text(c.face_count())));
+                    floor_text(page, floor.level), count_text(cells.faces.size()), count_text(c.face_count())));
   if (theta1_floor > 0)
     page.notes.push_back(
-        fmt::format("The skeleton's curves are shown from theta1 = {} on, {} of {} pieces off the sheets; what goes "
+        fmt::format("The skeleton's curves are shown from theta1 {} on, {} of {} pieces off the sheets; what goes "
                     "before is left out of this page (--max-triangles)",
-                    length_text(page, theta1_floor), count_text(curves_shown), count_text(free_curves)));
+                    floor_text(page, theta1_floor), count_text(curves_shown), count_text(free_curves)));
   const auto raise = [&](std::optional<double>& start, double least, const char* name) {
     if (!start || *start >= least) return;
     page.notes.push_back(
