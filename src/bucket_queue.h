@@ -32,7 +32,8 @@ class BucketQueue {
     const double place = std::min((key - origin_) * scale_, kMostBuckets);
     const std::size_t bucket = place > 0 ? static_cast<std::size_t>(place) : 0;
     if (bucket < next_) {
-      push_late({key, id});
+      late_.push_back({key, id});
+      std::push_heap(late_.begin(), late_.end(), std::greater<>());
       return;
     }
     if (bucket >= buckets_.size()) buckets_.resize(bucket + 1, {kNoChunk, kChunk});
@@ -49,24 +50,19 @@ class BucketQueue {
   /// some time before, to prefetch what `stale` reads.
   template <class Stale, class Fetch>
   bool pop(Entry& entry, const Stale& stale, const Fetch& fetch) {
-    while (cursor_ == segment_.size() && late_.empty()) {
-      if (segments_done_ * kSegment >= open_.size()) {
-        if (next_ == buckets_.size()) return false;
-        open_.clear();
-        collect(buckets_[next_++], stale, fetch);
-        tbb::parallel_sort(open_.begin(), open_.end());
-        segments_done_ = 0;
-        if (pending_.size() * kSegment < open_.size()) pending_.resize(open_.size() / kSegment + 1);
-        if (open_.empty()) continue;
-      }
-      next_segment();
+    while (cursor_ == open_.size() && late_.empty()) {
+      if (next_ == buckets_.size()) return false;
+      open_.clear();
+      collect(buckets_[next_++], stale, fetch);
+      tbb::parallel_sort(open_.begin(), open_.end());
+      cursor_ = 0;
     }
-    if (!late_.empty() && (cursor_ == segment_.size() || late_.front() < segment_[cursor_])) {
+    if (!late_.empty() && (cursor_ == open_.size() || late_.front() < open_[cursor_])) {
       std::pop_heap(late_.begin(), late_.end(), std::greater<>());
       entry = late_.back();
       late_.pop_back();
     } else {
-      entry = segment_[cursor_++];
+      entry = open_[cursor_++];
     }
     return true;
   }
@@ -78,7 +74,7 @@ class BucketQueue {
   /// Calls visit(id) for the entry that is likely to be popped after `ahead` others, if it is known.
   template <class Visit>
   void peek(std::size_t ahead, const Visit& visit) const {
-    if (cursor_ + ahead < segment_.size()) visit(segment_[cursor_ + ahead].id);
+    if (cursor_ + ahead < open_.size()) visit(open_[cursor_ + ahead].id);
   }
 
  private:
@@ -92,36 +88,6 @@ class BucketQueue {
   struct Chunks {
     std::array<Entry, std::size_t{kChunk} * kChunksAtOnce> entries;
   };
-
-  // An open bucket is worked through in segments. What comes in for a later one waits there unsorted: many equal keys
-  // make a large bucket, and a heap over half of it would be slow and tell nothing about what comes next.
-  static constexpr std::size_t kSegment = 1024;
-
-  void push_late(const Entry& entry) {
-    if (segments_done_ * kSegment >= open_.size() || entry < open_[segments_done_ * kSegment]) {
-      late_.push_back(entry);
-      std::push_heap(late_.begin(), late_.end(), std::greater<>());
-      return;
-    }
-    // The last segment that does not begin after it.
-    std::size_t low = segments_done_, high = (open_.size() - 1) / kSegment + 1;
-    while (high - low > 1) {
-      const std::size_t middle = low + (high - low) / 2;
-      (entry < open_[middle * kSegment] ? high : low) = middle;
-    }
-    pending_[low].push_back(entry);
-  }
-
-  void next_segment() {
-    const std::size_t begin = segments_done_ * kSegment, end = std::min(begin + kSegment, open_.size());
-    std::vector<Entry>& pending = pending_[segments_done_++];
-    std::sort(pending.begin(), pending.end());
-    segment_.resize(end - begin + pending.size());
-    std::merge(open_.begin() + static_cast<std::ptrdiff_t>(begin), open_.begin() + static_cast<std::ptrdiff_t>(end),
-               pending.begin(), pending.end(), segment_.begin());
-    pending.clear();
-    cursor_ = 0;
-  }
 
   Entry* entries_of(std::uint32_t chunk) {
     return chunks_[chunk / kChunksAtOnce]->entries.data() + std::size_t{chunk % kChunksAtOnce} * kChunk;
@@ -161,16 +127,13 @@ class BucketQueue {
   }
 
   double origin_, scale_;
-  std::size_t next_ = 0;           // first bucket that is not open yet
-  std::size_t segments_done_ = 0;  // segments of the open bucket up to the current one
-  std::size_t cursor_ = 0;         // in segment_
+  std::size_t next_ = 0;    // first bucket that is not open yet
+  std::size_t cursor_ = 0;  // in open_
   std::vector<Bucket> buckets_;
   std::vector<std::unique_ptr<Chunks>> chunks_;
   std::vector<std::uint32_t> next_chunk_;  // of each chunk, in its bucket or among the free ones
   std::uint32_t free_ = kNoChunk;
-  std::vector<Entry> open_;                  // the open bucket, sorted
-  std::vector<std::vector<Entry>> pending_;  // per segment of it
-  std::vector<Entry> segment_, late_;        // the current segment, and a heap of what came in for it since
+  std::vector<Entry> open_, late_;
 };
 
 }  // namespace quench

@@ -57,4 +57,14 @@ inline std::pair<std::size_t, std::size_t> part_of(std::size_t count, std::size_
 /// As many chunks as keep threads busy without cost, of some `size` elements each.
 inline std::size_t chunks_for(std::size_t count, std::size_t size = std::size_t{1} << 16) { return count / size + 1; }
 
+/// Calls body(i) for every i in [0, count), in chunks on the threads of the arena.
+template <class Body>
+void for_indices(std::size_t count, const Body& body) {
+  const std::size_t chunks = chunks_for(count);
+  tbb::parallel_for(std::size_t{0}, chunks, [&](std::size_t chunk) {
+    const auto [first, last] = part_of(count, chunk, chunks);
+    for (std::size_t i = first; i < last; ++i) body(i);
+  });
+}
+
 }  // namespace quench

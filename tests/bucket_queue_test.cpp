@@ -11,8 +11,8 @@ namespace {
 
 using Queue = BucketQueue<std::uint32_t>;
 
-// Pushes and pops at random beside a heap. Few keys, so that buckets hold thousands of equal ones, which are worked on
-// in segments while more come in for all of them.
+// Pushes and pops at random beside a heap. Few keys, so that buckets hold thousands of equal ones while
+// more come in.
 TEST(BucketQueue, PopsLikeAHeap) {
   for (std::uint32_t seed = 0; seed < 40; ++seed) {
     std::mt19937 random(seed);

@@ -150,7 +150,7 @@ TEST(Prune, ThousandsOfEqualKeysGoInOrder) {
     for (const double lambda : axis.edge_lambda) ++edges_of[lambda];
     std::size_t most = 0;
     for (const auto& [lambda, edges] : edges_of) most = std::max(most, edges);
-    ASSERT_GT(most, 4000u);  // several segments of a bucket
+    ASSERT_GT(most, 4000u);
     const CellValues expected = thinned_with_a_heap(axis);
     for (int threads : {1, 4}) {
       tbb::task_arena(threads).execute([&] { prune_levels(axis); });

@@ -127,38 +127,29 @@ class Thinning {
     return count == 0 ? 0 : sum / static_cast<double>(count);
   }
 
-  template <class Body>
-  static void for_all(std::size_t count, const Body& body) {
-    const std::size_t chunks = chunks_for(count);
-    tbb::parallel_for(std::size_t{0}, chunks, [&](std::size_t chunk) {
-      const auto [first, last] = part_of(count, chunk, chunks);
-      for (std::size_t i = first; i < last; ++i) body(static_cast<std::uint32_t>(i));
-    });
-  }
-
   static std::vector<double> levels_of(Cells& cells) {
     std::vector<double> level(cells.size());
-    for_all(cells.size(), [&](std::uint32_t i) { level[i] = cells[i].level(); });
+    for_indices(cells.size(), [&](std::size_t i) { level[i] = cells[i].level(); });
     cells = Cells(0);
     return level;
   }
 
   void count_cofaces(std::span<const double> vertex, std::span<const double> edge) {
-    for_all(edges_.size(), [&](std::uint32_t e) { edges_[e].begin(edge[e]); });
-    for_all(vertices_.size(), [&](std::uint32_t v) { vertices_[v].begin(vertex[v]); });
+    for_indices(edges_.size(), [&](std::size_t e) { edges_[e].begin(edge[e]); });
+    for_indices(vertices_.size(), [&](std::size_t v) { vertices_[v].begin(vertex[v]); });
     const bool shared = several_threads();
     std::atomic<bool> edges_decide{true};
-    for_all(face_level_.size(), [&](std::uint32_t f) {
+    for_indices(face_level_.size(), [&](std::size_t f) {
       bool below = true;
       for (const std::uint32_t e : complex_.sides(f)) {
-        edges_[e].cofaces.add(f, shared);
+        edges_[e].cofaces.add(static_cast<std::uint32_t>(f), shared);
         below = below && face_[f] <= edges_[e].value;
       }
       if (!below) edges_decide.store(false, std::memory_order_relaxed);
     });
     edges_decide_ = edges_decide;
-    for_all(edges_.size(), [&](std::uint32_t e) {
-      for (const std::uint32_t v : complex_.edges[e]) vertices_[v].cofaces.add(e, shared);
+    for_indices(edges_.size(), [&](std::size_t e) {
+      for (const std::uint32_t v : complex_.edges[e]) vertices_[v].cofaces.add(static_cast<std::uint32_t>(e), shared);
     });
   }
 

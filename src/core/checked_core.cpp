@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
-
 #include <tbb/parallel_invoke.h>
 #include <tbb/task_arena.h>
 

@@ -140,25 +140,18 @@ class Remainder {
   // The unfinished sites; from here on they are numbered among themselves, in the same order.
   void choose_sites() {
     std::vector<std::uint32_t> rank(all_.size() + 1, 0);
-    const auto in_chunks = [&](std::size_t count, const auto& body) {
-      const std::size_t chunks = chunks_for(count);
-      for_chunks(chunks, context_, "peel", 1, 1, [&](std::size_t chunk) {
-        const auto [first, last] = part_of(count, chunk, chunks);
-        for (std::size_t i = first; i < last; ++i) body(i);
-      });
-    };
-    in_chunks(open_.corners.size(), [&](std::size_t i) {
+    for_indices(open_.corners.size(), [&](std::size_t i) {
       std::atomic_ref<std::uint32_t>(rank[open_.corners[i] + 1]).store(1, std::memory_order_relaxed);
     });
     lattice::prefix_sum(rank);
     sites_.resize(rank.back());
     names_.resize(rank.back());
-    in_chunks(all_.size(), [&](std::size_t s) {
+    for_indices(all_.size(), [&](std::size_t s) {
       if (rank[s + 1] == rank[s]) return;
       sites_[rank[s]] = all_[s];
       names_[rank[s]] = static_cast<std::uint32_t>(s);
     });
-    in_chunks(open_.corners.size(), [&](std::size_t i) { open_.corners[i] = rank[open_.corners[i]]; });
+    for_indices(open_.corners.size(), [&](std::size_t i) { open_.corners[i] = rank[open_.corners[i]]; });
   }
 
   [[noreturn]] static void leaves_shape() {
@@ -170,12 +163,8 @@ class Remainder {
     const auto& tetrahedra = delaunay.tetrahedra();
     const auto& points = delaunay.points();
     std::vector<std::uint32_t> place(sites_.size());
-    const std::size_t point_chunks = chunks_for(sites_.size());
-    tbb::parallel_for(std::size_t{0}, point_chunks, [&](std::size_t chunk) {
-      const auto [first, last] = part_of(sites_.size(), chunk, point_chunks);
-      for (std::size_t p = first; p < last; ++p)
-        place[points[p + Delaunay::kBoxPoints].site] = static_cast<std::uint32_t>(p);
-    });
+    for_indices(sites_.size(),
+                [&](std::size_t p) { place[points[p + Delaunay::kBoxPoints].site] = static_cast<std::uint32_t>(p); });
     const OpenIndex index(open_, std::move(place));  // by points, since tetrahedra lie in memory as points do
     std::vector<std::uint8_t> mark(tetrahedra.size(), 0);
     const std::size_t chunks = chunks_for(tetrahedra.size());
