@@ -3,9 +3,7 @@
 
 #include <fmt/format.h>
 
-#include <iterator>
 #include <ostream>
-#include <utility>
 
 namespace quench::io {
 
@@ -19,7 +17,7 @@ class TextOut {
 
   template <class... Args>
   void print(fmt::format_string<Args...> format, Args&&... args) {
-    fmt::format_to(std::back_inserter(buffer_), format, std::forward<Args>(args)...);
+    append(format, fmt::make_format_args(args...));
     if (buffer_.size() > 1 << 16) flush();
   }
   /// Must be called at the end: a destructor could not report errors.
@@ -29,6 +27,9 @@ class TextOut {
   }
 
  private:
+  // Not in the template: all of fmt would be compiled again in every file that prints.
+  void append(fmt::string_view format, fmt::format_args args);
+
   std::ostream& out_;
   fmt::memory_buffer buffer_;
 };
