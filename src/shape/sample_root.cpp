@@ -34,10 +34,10 @@ Vec3 any_normal(const Vec3& d) {
 // The smallest rotation from one direction to another. Eigen's FromTwoVectors is the same, but compiles a singular value
 // decomposition for opposite ones.
 Eigen::Quaterniond rotation(const Vec3& from, const Vec3& to) {
-  const double c = from.dot(to);
-  const double s = std::sqrt(2 * (1 + c));
+  const Vec3 a = from.normalized(), b = to.normalized();
+  const double s = std::sqrt((1 + b.dot(a)) * 2);
   if (!(s > 1e-6)) return Eigen::Quaterniond(Eigen::AngleAxisd(pi, any_normal(from)));
-  const Vec3 axis = from.cross(to) / s;
+  const Vec3 axis = a.cross(b) * (1 / s);
   return {0.5 * s, axis[0], axis[1], axis[2]};
 }
 
