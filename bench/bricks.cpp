@@ -3,36 +3,24 @@
 // thread, wall time otherwise) and growth of the peak of memory per site, one child process each.
 //   bench_bricks MESH RESOLUTION THREADS [SIZE:HALO,SIZE:HALO... | whole]...
 #include <fmt/format.h>
-#include <sys/resource.h>
 #include <sys/wait.h>
 #include <tbb/global_control.h>
 #include <unistd.h>
 
-#include <chrono>
 #include <cstdio>
 #include <cstdlib>
-#include <ctime>
 #include <memory>
 #include <string>
 
 #include "bricks/dual_complex_in_bricks.h"
 #include "lattice/cells.h"
+#include "measure.h"
 #include "quench/io.h"
 #include "quench/voxelize.h"
 
 namespace {
 
-double peak() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return static_cast<double>(usage.ru_maxrss) * 1024;
-}
-double seconds(bool cpu) {
-  if (!cpu) return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-  timespec t{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
+double seconds(bool cpu) { return cpu ? cpu_seconds() : wall_seconds(); }
 
 quench::bricks::BrickPlan parse(const std::string& text) {
   quench::bricks::BrickPlan plan;
@@ -52,7 +40,7 @@ void run(const quench::VoxelShape& shape, const std::string& plan, int threads) 
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
   const auto sites = boundary_vertices(shape);
   const auto spacing = integer_spacing(shape.grid());
-  const double before = peak(), start = seconds(threads == 1);
+  const double before = peak_bytes(), start = seconds(threads == 1);
   double last = start, divided = 0;
   Context context;
   context.progress = [&](std::string_view stage, double) {
@@ -68,7 +56,7 @@ void run(const quench::VoxelShape& shape, const std::string& plan, int threads) 
   fmt::print(
       "{:<24} {:>9} sites {:8.2f} s {:6.2f} us/site ({:.2f} before merging)  {:5.0f} bytes/site  {} vertices, {} "
       "faces\n",
-      plan, sites.size(), spent, 1e6 * spent / count, 1e6 * divided / count, (peak() - before) / count,
+      plan, sites.size(), spent, 1e6 * spent / count, 1e6 * divided / count, (peak_bytes() - before) / count,
       dual.complex.vertex_count, dual.complex.face_count());
   std::fflush(stdout);
 }

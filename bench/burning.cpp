@@ -9,7 +9,6 @@
 #if defined(__GLIBC__)
 #include <malloc.h>
 #endif
-#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -17,10 +16,10 @@
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
-#include <ctime>
 #include <string>
 #include <vector>
 
+#include "measure.h"
 #include "quench/burn.h"
 #include "quench/io.h"
 #include "quench/medial_axis.h"
@@ -56,17 +55,6 @@ Axis read_axis(const std::string& file, const std::string& radii) {
   const std::vector<double> all = array->numbers();
   for (const std::uint32_t p : point_of) axis.radius.push_back(all[p]);
   return axis;
-}
-
-double cpu_seconds() {
-  timespec t{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
-double peak_bytes() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return static_cast<double>(usage.ru_maxrss) * 1024;
 }
 
 // Peak memory of one burn above what was there before, measured in a process of its own. What reading the file has left

@@ -3,18 +3,16 @@
 // runs on one thread (other loads of the machine disturb it less), wall time otherwise.
 //   bench_core MESH [RESOLUTION [THREADS [RUNS]]]
 #include <fmt/format.h>
-#include <sys/resource.h>
 #include <tbb/global_control.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cstdlib>
-#include <ctime>
 #include <filesystem>
 #include <map>
 #include <string>
 #include <vector>
 
+#include "measure.h"
 #include "quench/io.h"
 #include "quench/medial_axis.h"
 #include "quench/prune.h"
@@ -24,20 +22,6 @@
 
 namespace {
 
-double cpu_seconds() {
-  timespec t{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
-double peak() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return static_cast<double>(usage.ru_maxrss) * 1024;
-}
-double wall_seconds() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
 // Time since the last report belongs to the stage that reports now.
 class StageClock {
  public:
@@ -46,12 +30,12 @@ class StageClock {
       const double now = now_();
       seconds[std::string(stage)] += now - last_;
       last_ = now;
-      peak_bytes[std::string(stage)] = peak();
+      peaks[std::string(stage)] = peak_bytes();
     };
   }
   quench::Context context;
   std::map<std::string, double> seconds;
-  std::map<std::string, double> peak_bytes;  // of the process, until the end of the stage
+  std::map<std::string, double> peaks;  // bytes of the process, until the end of the stage
 
  private:
   double (*now_)();
@@ -59,7 +43,7 @@ class StageClock {
 };
 
 struct Cost {
-  std::map<std::string, double> seconds, peak_bytes;
+  std::map<std::string, double> seconds, peaks;
 };
 
 Cost run(const quench::TriangleMesh& mesh, std::int64_t resolution, bool one_thread, std::size_t& sites) {
@@ -82,7 +66,7 @@ Cost run(const quench::TriangleMesh& mesh, std::int64_t resolution, bool one_thr
   io::write_poly_data(file, to_poly_data(kept));
   std::filesystem::remove(file);
   checkpoint(context, "write", 1);
-  return {clock.seconds, clock.peak_bytes};
+  return {clock.seconds, clock.peaks};
 }
 
 }  // namespace
@@ -103,7 +87,7 @@ int main(int argc, char** argv) {
   for (int r = 0; r < runs; ++r) {
     double total = 0;
     const Cost cost = run(mesh, resolution, threads == 1, sites);
-    if (r == 0) peaks = cost.peak_bytes;  // later runs begin at the peak of the first
+    if (r == 0) peaks = cost.peaks;  // later runs begin at the peak of the first
     for (const auto& [stage, seconds] : cost.seconds) {
       all[stage].push_back(seconds);
       total += seconds;
@@ -115,7 +99,7 @@ int main(int argc, char** argv) {
   for (auto& [stage, seconds] : all) {
     std::nth_element(seconds.begin(), seconds.begin() + runs / 2, seconds.end());
     const double median = seconds[static_cast<std::size_t>(runs / 2)];
-    const double bytes = stage == "total" ? peak() : peaks[stage];
+    const double bytes = stage == "total" ? peak_bytes() : peaks[stage];
     fmt::print("  {:<12} {:8.3f} s {:8.3f} us/site   peak so far {:6.0f} bytes/site\n", stage, median,
                median * 1e6 / static_cast<double>(sites), bytes / static_cast<double>(sites));
   }

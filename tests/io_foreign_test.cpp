@@ -13,6 +13,7 @@
 #include <random>
 #include <thread>
 
+#include "data.h"
 #include "foreign_files.h"
 #include "io/apart.h"
 #include "poly_samples.h"
@@ -109,9 +110,7 @@ void survive(std::size_t count, const std::function<std::string(std::size_t)>& a
 }
 
 TEST(Foreign, DamagedVolumes) {
-#ifndef QUENCH_TESTS_HAVE_ITK
-  GTEST_SKIP() << "built without ITK";
-#endif
+  REQUIRE_ITK();
   for (const auto& file : foreign_files::volumes()) {
     const Folder folder;
     const auto path = folder / file.name;

@@ -5,6 +5,7 @@
 
 #include "data.h"
 #include "program.h"
+#include "program_arrays.h"
 #include "quench/io.h"
 #include "quench/medial_axis.h"
 
@@ -17,23 +18,7 @@ using quench::PolyData;
 
 namespace {
 
-bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
-
-std::vector<double> numbers(const std::vector<DataArray>& arrays, const char* name) {
-  const DataArray* array = find_array(arrays, name);
-  EXPECT_TRUE(array) << name;
-  return array ? array->numbers() : std::vector<double>();
-}
 std::vector<double> of_points(const PolyData& data, const char* name) { return numbers(data.point_data, name); }
-double field(const PolyData& data, const char* name) {
-  const std::vector<double> values = numbers(data.field_data, name);
-  return values.empty() ? NAN : values.front();
-}
-std::string text_field(const PolyData& data, const char* name) {
-  const DataArray* array = find_array(data.field_data, name);
-  const auto* text = array ? std::get_if<std::vector<std::string>>(&array->values) : nullptr;
-  return text && !text->empty() ? text->front() : "";
-}
 
 // What holds of every burned file: a value per vertex, finite, BT = ET + R, not before the shape burns.
 void expect_sound(const PolyData& data) {

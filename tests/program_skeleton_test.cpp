@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "program.h"
+#include "program_arrays.h"
 #include "quench/io.h"
 #include "quench/medial_axis.h"
 #include "quench/topology.h"
@@ -18,23 +19,6 @@ using quench::PolyData;
 using quench::Topology;
 
 namespace {
-
-bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
-
-std::vector<double> numbers(const std::vector<DataArray>& arrays, const char* name) {
-  const DataArray* array = find_array(arrays, name);
-  EXPECT_TRUE(array) << name;
-  return array ? array->numbers() : std::vector<double>();
-}
-double field(const PolyData& data, const char* name) {
-  const std::vector<double> values = numbers(data.field_data, name);
-  return values.empty() ? NAN : values.front();
-}
-std::string text_field(const PolyData& data, const char* name) {
-  const DataArray* array = find_array(data.field_data, name);
-  const auto* text = array ? std::get_if<std::vector<std::string>>(&array->values) : nullptr;
-  return text && !text->empty() ? text->front() : "";
-}
 
 // Of a report's section: the text between its name and the end of its object.
 std::string section(const std::string& report, const std::string& name) {

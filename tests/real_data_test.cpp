@@ -22,12 +22,6 @@
 namespace quench {
 namespace {
 
-#ifndef QUENCH_TESTS_HAVE_ITK
-#define REQUIRE_ITK() GTEST_SKIP() << "built without ITK"
-#else
-#define REQUIRE_ITK() static_cast<void>(0)
-#endif
-
 struct ExpectedCore {
   const char* file;
   double threshold;

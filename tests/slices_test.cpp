@@ -4,7 +4,6 @@
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
-#include <zlib.h>
 
 #include <algorithm>
 #include <cstring>
@@ -14,31 +13,14 @@
 #include "data.h"
 #include "quench/error.h"
 #include "random_shapes.h"
+#include "small_files.h"
 #include "temporary_folder.h"
 #include "tiff_bytes.h"
 
 namespace quench {
 namespace {
 
-#ifndef QUENCH_TESTS_HAVE_ITK
-#define REQUIRE_ITK() GTEST_SKIP() << "built without ITK"
-#else
-#define REQUIRE_ITK() static_cast<void>(0)
-#endif
-
-std::string gzipped(const std::string& data) {
-  z_stream z{};
-  deflateInit2(&z, 6, Z_DEFLATED, 15 + 16, 8, Z_DEFAULT_STRATEGY);
-  std::string out(deflateBound(&z, data.size()) + 100, '\0');
-  z.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(data.data()));
-  z.avail_in = static_cast<uInt>(data.size());
-  z.next_out = reinterpret_cast<Bytef*>(out.data());
-  z.avail_out = static_cast<uInt>(out.size());
-  deflate(&z, Z_FINISH);
-  out.resize(z.total_out);
-  deflateEnd(&z);
-  return out;
-}
+std::string gzipped(const std::string& data) { return small_files::deflated(data, 15 + 16); }
 
 // 5 x 4 x 3 samples of two bytes, most of them different.
 std::string samples(bool big_endian) {

@@ -19,18 +19,6 @@
 namespace quench {
 namespace {
 
-bool itk_is_missing() {
-  const TemporaryFolder folder;
-  try {
-    io::read_volume(folder.write("x.nrrd", "no"));
-  } catch (const Error& e) {
-    return e.code() == ErrorCode::usage;
-  }
-  return false;
-}
-#define REQUIRE_ITK() \
-  if (itk_is_missing()) GTEST_SKIP() << "built without ITK"
-
 // Every voxel of the grid, with a margin of one background voxel, labelled by flood fill.
 struct Dense {
   std::array<int, 3> dims{};

@@ -7,7 +7,6 @@
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <fmt/format.h>
 #include <malloc.h>
-#include <sys/resource.h>
 #include <sys/wait.h>
 #include <tbb/global_control.h>
 #include <unistd.h>
@@ -15,13 +14,13 @@
 #include <algorithm>
 #include <array>
 #include <cstdlib>
-#include <ctime>
 #include <exception>
 #include <filesystem>
 #include <functional>
 #include <string>
 #include <vector>
 
+#include "../measure.h"
 #include "lattice/delaunay.h"
 #include "quench/io.h"
 #include "quench/sample.h"
@@ -34,17 +33,6 @@ struct Cost {
   double microseconds = 0, bytes = 0;  // of all sites
   std::uint64_t cells = 0;             // tetrahedra, or vertices of the core: a sign that the work was done
 };
-
-double cpu_seconds() {
-  timespec t{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
-double peak_bytes() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return static_cast<double>(usage.ru_maxrss) * 1024;
-}
 
 Cost in_child(const std::function<std::uint64_t()>& method) {
   std::array<int, 2> ends{};

@@ -10,6 +10,7 @@ import numpy as np
 from . import _core, _export
 from ._common import (Certificate, Length, Path, Progress, Spacing, Topology, ending, error, file_name, length, listening,
                       whole)
+from ._complex import Complex
 from ._inputs import Cut, shape_of
 from ._skeleton import Skeleton
 
@@ -91,7 +92,7 @@ def medial_axis(image_or_mesh: Any, *, spacing: Spacing = None, threshold: Optio
     return MedialAxis(core, threads, progress)
 
 
-class MedialAxis:
+class MedialAxis(Complex):
     """A medial axis: vertices with radii, edges and polygons; made by :func:`medial_axis` or :func:`read`.
 
     Arrays are views of the result: not copied, read-only, and alive as long as anybody holds one.
@@ -129,30 +130,6 @@ class MedialAxis:
         self._core = core
         self._threads = threads
         self._progress = progress
-
-    def __repr__(self) -> str:
-        return (f'MedialAxis of {len(self.vertices)} vertices, {len(self.edges)} edges, '
-                f'{len(self.polygons[0]) - 1} polygons')
-
-    @cached_property
-    def vertices(self) -> np.ndarray:
-        return np.asarray(self._core.vertices)
-
-    @cached_property
-    def radius(self) -> np.ndarray:
-        return np.asarray(self._core.radius)
-
-    @cached_property
-    def edges(self) -> np.ndarray:
-        return np.asarray(self._core.edges)
-
-    @cached_property
-    def edge_degree(self) -> np.ndarray:
-        return np.bincount(np.asarray(self._core.polygon_edges), minlength=len(self.edges))
-
-    @cached_property
-    def polygons(self) -> Tuple[np.ndarray, np.ndarray]:
-        return np.asarray(self._core.polygon_offsets), np.asarray(self._core.polygon_corners)
 
     @cached_property
     def _fans(self) -> Tuple[np.ndarray, np.ndarray]:

@@ -11,6 +11,7 @@ import numpy as np
 from . import _core, _export
 from ._common import (Certificate, Length, Path, Progress, Spacing, Topology, ending, error, file_name, is_path, length,
                       listening, spacing_of, whole)
+from ._complex import Complex
 
 if TYPE_CHECKING:
     from ._axis import MedialAxis
@@ -134,13 +135,13 @@ class Graph:
         return None
 
 
-class Skeleton:
+class Skeleton(Complex):
     """A skeleton of sheets and curves with the topology of its shape; made by :meth:`MedialAxis.skeleton`.
 
     Attributes
     ----------
     vertices, radius : arrays
-        Of the whole skeleton, as `edges` and `polygons`, see :class:`MedialAxis`.
+        Of the whole skeleton, as `edges`, `edge_degree` and `polygons`, see :class:`MedialAxis`.
     sheets : Sheets
     curves : Curves
     theta2, theta1 : float
@@ -153,26 +154,6 @@ class Skeleton:
     def __init__(self, core: '_core.Skeleton', axis: Optional['MedialAxis'] = None):
         self._core = core
         self.axis = axis
-
-    def __repr__(self) -> str:
-        return (f'Skeleton of {len(self.vertices)} vertices, {len(self.edges)} edges, '
-                f'{len(self.polygons[0]) - 1} polygons')
-
-    @cached_property
-    def vertices(self) -> np.ndarray:
-        return np.asarray(self._core.vertices)
-
-    @cached_property
-    def radius(self) -> np.ndarray:
-        return np.asarray(self._core.radius)
-
-    @cached_property
-    def edges(self) -> np.ndarray:
-        return np.asarray(self._core.edges)
-
-    @cached_property
-    def polygons(self):
-        return np.asarray(self._core.polygon_offsets), np.asarray(self._core.polygon_corners)
 
     @property
     def theta2(self) -> float:
@@ -207,8 +188,7 @@ class Skeleton:
 
     @cached_property
     def curves(self) -> Curves:
-        degree = np.bincount(np.asarray(self._core.polygon_edges), minlength=len(self.edges))
-        chosen = degree == 0
+        chosen = self.edge_degree == 0
         lonely = np.bincount(self.edges.ravel(), minlength=len(self.vertices)) == 0
         used = np.unique(np.concatenate([self.edges[chosen].ravel(), np.flatnonzero(lonely)])).astype(np.int64)
         edges = np.searchsorted(used, self.edges[chosen]).astype(np.int32)
