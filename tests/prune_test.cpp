@@ -161,6 +161,19 @@ TEST(Prune, ThousandsOfEqualKeysGoInOrder) {
   }
 }
 
+// Two triangles with a common edge, one of value 0: its outer edges go with it, whatever the sign of the 0.
+TEST(Prune, NegativeZeroIsZero) {
+  const CellComplex complex{
+      4, {{0, 1}, {0, 2}, {1, 2}, {1, 3}, {2, 3}}, {0, 3, 6}, {0, 1, 2, 1, 3, 2}, {0, 2, 1, 3, 4, 2}};
+  for (const double zero : {0.0, -0.0}) {
+    const std::vector<double> face{zero, 1}, edge(5, zero), vertex(4, zero);
+    const CellValues level = thin(complex, vertex, edge, face, nullptr, "");
+    EXPECT_EQ(level.face, (std::vector<double>{0, 1}));
+    EXPECT_EQ(level.edge, (std::vector<double>{0, 0, 1, 1, 1}));
+    EXPECT_EQ(level.vertex, (std::vector<double>{0, 1, 1, std::numeric_limits<double>::infinity()}));
+  }
+}
+
 // A legal pruning: closed, holds {lambda(cell) >= lambda}, has the topology of the shape, no removable pair below
 // lambda.
 void expect_legal(const MedialAxis& axis, double lambda, const Topology& wanted, const std::string& where) {

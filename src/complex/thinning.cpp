@@ -45,7 +45,7 @@ struct Cell {
     cofaces = Cofaces{};
     value = its_value + 0.0;  // no -0
   }
-  void go(double level) { value = -level; }
+  void go(double level) { value = -std::abs(level); }  // also of -0
   double level() const { return std::signbit(value) ? -value : kInfinity; }
 };
 
