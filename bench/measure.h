@@ -6,7 +6,7 @@
 #include <chrono>
 #include <ctime>
 
-/// Of the process, on all threads.
+/// Processor time of the process, on all threads.
 inline double cpu_seconds() {
   timespec t{};
   clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
@@ -15,7 +15,7 @@ inline double cpu_seconds() {
 inline double wall_seconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
-/// Of memory of the process so far.
+/// Most memory the process has had so far.
 inline double peak_bytes() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);

@@ -31,16 +31,6 @@ Vec3 any_normal(const Vec3& d) {
   return d.cross(axis).normalized();
 }
 
-// The smallest rotation from one direction to another. Eigen's FromTwoVectors is the same, but compiles a singular value
-// decomposition for opposite ones.
-Eigen::Quaterniond rotation(const Vec3& from, const Vec3& to) {
-  const Vec3 a = from.normalized(), b = to.normalized();
-  const double s = std::sqrt((1 + b.dot(a)) * 2);
-  if (!(s > 1e-6)) return Eigen::Quaterniond(Eigen::AngleAxisd(pi, any_normal(from)));
-  const Vec3 axis = a.cross(b) * (1 / s);
-  return {0.5 * s, axis[0], axis[1], axis[2]};
-}
-
 // A smooth wandering line: the turn is noise with memory, so that it has no kinks, plus gravitropism.
 void grow(RootBranch& branch, Vec3 point, Vec3 direction, double length, double base, const Habit& habit,
           Random& random) {
@@ -78,7 +68,7 @@ void append_branch(TriangleMesh& mesh, const RootBranch& branch, double detail) 
   }
   for (std::size_t i = 0; i < count; ++i) {
     const Vec3 next = tangent(i);
-    normal = rotation(along, next) * normal;
+    normal = Eigen::Quaterniond::FromTwoVectors(along, next) * normal;
     normal = (normal - normal.dot(next) * next).normalized();
     along = next;
     rings.push_back({branch.points[i], normal, along.cross(normal), branch.radius[i]});

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The page in a browser against the program: for results of `quench run`, what the page shows for a slider is what the
-// program computes; all shapes with QUENCH_TEST_FULL=1. node sets.test.mjs QUENCH VIEWER_FOLDER; exit code 77 where there
-// is no browser to look with.
+// program computes. node sets.test.mjs QUENCH VIEWER_FOLDER; exit code 77 where there is no browser to look with.
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
 import { existsSync, mkdtempSync, readFileSync, rmSync } from "node:fs";
@@ -65,17 +64,15 @@ const close = (found, expected, tolerance, what) =>
   assert.ok(Math.abs(found - expected) <= tolerance, `${what}: the page has ${found}, the program ${expected}`);
 
 // `loops`: curves that never burn have no exits for their duals, which the page then draws a little differently.
-const full = Boolean(process.env.QUENCH_TEST_FULL);
-const allShapes = [
-  { name: "fin-on-board", resolution: 48, slow: true },
-  { name: "ellipsoid", resolution: 40, slow: true },
+const shapes = [
+  { name: "fin-on-board", resolution: 48 },
+  { name: "ellipsoid", resolution: 40 },
   { name: "root", resolution: 64, sample: ["--branches", "6"] },
-  { name: "four-blobs", resolution: 48, slow: true },
+  { name: "four-blobs", resolution: 48 },
   { name: "torus", resolution: 40, loops: true },
   { name: "plate-with-holes", resolution: 48, loops: true },
   { name: "fin-on-board", resolution: 48, options: ["--max-triangles", "6000"] },
 ];
-const shapes = allShapes.filter((shape) => full || !shape.slow);
 
 let failure = null, browser;
 let compared = 0;
