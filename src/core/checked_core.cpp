@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
-#include <tbb/parallel_invoke.h>
 #include <tbb/task_arena.h>
+#include <tbb/task_group.h>
 
 #include <algorithm>
 
@@ -38,11 +38,20 @@ CheckedCore checked_core(const VoxelShape& shape, const Topology& wanted, double
   result.longest_side = longest_side;
   result.topology = wanted;
   MedialAxis core = voxel_core(shape, {.rule = options.rule, .in_bricks = options.in_bricks}, context);
-  // Thinning runs on one thread for the most part: another one has the time to check the topology. Isolated, since who
-  // waits for a part of the thinning should not begin with that.
+  // Thinning runs on one thread for the most part: another one has the time to check the topology. It is the task, so
+  // that thinning stays on the calling thread, which alone tells of progress; isolated, since who waits for a part of
+  // the thinning should not begin with the topology.
   Topology found;
-  tbb::parallel_invoke([&] { tbb::this_task_arena::isolate([&] { prune_levels(core, context); }); },
-                       [&] { found = topology(core.complex); });
+  tbb::task_group beside;
+  beside.run([&] { found = topology(core.complex); });
+  try {
+    tbb::this_task_arena::isolate([&] { prune_levels(core, context); });
+  } catch (...) {
+    beside.cancel();
+    beside.wait();
+    throw;
+  }
+  beside.wait();
   const Reconstruction reconstruction(shape, core, Reconstruction::kSamples, context);
   result.lambda =
       options.lambda ? *options.lambda : auto_lambda(reconstruction, longest_side, shape.grid().spacing.minCoeff());

@@ -26,7 +26,7 @@ struct Options {
   std::size_t spare_groups = std::size_t{1} << 21;
 };
 
-/// The same as lattice::dual_complex(), array for array. On all threads of the arena; about 260 bytes per site.
+/// The same as lattice::dual_complex(), array for array. On all threads of the arena; about 230 bytes per site.
 lattice::DualComplex dual_complex(const VoxelShape& shape, std::span<const LatticePoint> sites,
                                   const std::array<std::int64_t, 3>& spacing, const Options& options, Context* context);
 
