@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "measure.h"
@@ -59,11 +60,11 @@ Cost run(const quench::TriangleMesh& mesh, std::int64_t resolution, bool one_thr
   const double lambda = auto_lambda(reconstruction, v.longest_side, v.shape.grid().spacing[0]);
   checkpoint(context, "reconstruct", 1);
   topology(core.complex);
-  const MedialAxis kept = pruned(core, lambda);
+  MedialAxis kept = pruned(std::move(core), lambda);
   topology(kept.complex);
   checkpoint(context, "topology", 1);
   const auto file = std::filesystem::temp_directory_path() / "quench_bench.vtp";
-  io::write_poly_data(file, to_poly_data(kept));
+  io::write_poly_data(file, to_poly_data(std::move(kept)));
   std::filesystem::remove(file);
   checkpoint(context, "write", 1);
   return {clock.seconds, clock.peaks};

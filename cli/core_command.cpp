@@ -46,12 +46,12 @@ Action add_core(CLI::App& app) {
     io::check_writable_format(o->output);
     check_core_options(o->core);
     const LoadedShape loaded = load_shape(o->shape, session);
-    const CorePipelineResult result = compute_core(loaded, o->core, session);
+    CorePipelineResult result = compute_core(loaded, o->core, session);
     io::OutputGroup outputs;
-    io::write_poly_data(o->output, result.data);
+    io::write_poly_data(o->output, core_file(std::move(result), loaded));
     session.finished("write");
     write_report(outputs, result.report, session);
-    say_written(session, o->output, session.options.report == "-" ? "" : session.options.report, result, loaded);
+    say_written(session, o->output, session.options.report == "-" ? "" : session.options.report, result.core, loaded);
     return 0;
   };
 }
@@ -114,14 +114,16 @@ Action add_run(CLI::App& app) {
     const auto resolve = [&](const std::string& text, const std::string& option) {
       return parse_length(text, option).resolve(loaded.longest_side, loaded.shape.grid().spacing.minCoeff());
     };
-    Burning burning = compute_burning(result.axis, true, o->burn, true, resolve, result.report, session);
-    add_burning(result.data, burning);
+    const MedialAxis& axis = result.core.axis;
+    PolyData data = core_file(result, loaded);
+    Burning burning = compute_burning(axis, true, o->burn, true, resolve, result.report, session);
+    add_burning(data, burning);
     if (with_page) {
-      builder.page.lambda = field_number(result.data, "lambda");
+      builder.page.lambda = field_number(data, "lambda");
       builder.page.burning = burning.options;
       builder.page.theta2 = resolve(o->skeleton.theta2, "--theta2");
       builder.page.theta1 = resolve(o->skeleton.theta1, "--theta1");
-      builder.add_core(result.axis, result.data.point_data, true);
+      builder.add_core(axis, data.point_data, true);
       session.finished("page");
     }
     const auto add_to_page = [&](const SkeletonFamily& family) {
@@ -130,7 +132,7 @@ Action add_run(CLI::App& app) {
       session.finished("page");
     };
     const CheckedSkeleton skeleton =
-        compute_skeleton(result.axis, std::move(burning), o->skeleton, loaded.shape.grid().spacing.minCoeff(), resolve,
+        compute_skeleton(axis, std::move(burning), o->skeleton, loaded.shape.grid().spacing.minCoeff(), resolve,
                          result.report, session, add_to_page);
     fs::create_directories(o->folder, error);
     if (error)
@@ -146,8 +148,8 @@ Action add_run(CLI::App& app) {
     parameters["resample"] = o->skeleton.resample;
     result.report["skeleton"]["reconstructed"] = reconstructed_share(loaded.shape, skeleton.skeleton, &session.context);
     io::OutputGroup outputs;
-    io::write_poly_data(core, result.data);
-    io::write_poly_data(skeleton_vtp, skeleton_file(skeleton.skeleton, skeleton.topology, result.data));
+    io::write_poly_data(core, data);
+    io::write_poly_data(skeleton_vtp, skeleton_file(skeleton.skeleton, skeleton.topology, data));
     write_graph(skeleton.measured, {swc, {}, csv}, o->skeleton, &loaded.shape, loaded.shape.grid().spacing,
                 loaded.units, resolve, result.report, session);
     session.finished("write");
@@ -155,7 +157,7 @@ Action add_run(CLI::App& app) {
     session.finished("page");
     write_report(report.string(), result.report, session);
     write_report(outputs, result.report, session);
-    say_written(session, core.string(), report.string(), result, loaded);
+    say_written(session, core.string(), report.string(), result.core, loaded);
     const CellComplex& c = skeleton.skeleton.complex;
     session.say(
         fmt::format("{}: {} vertices, {} edges, {} faces, {} branches; topology as that of the shape; also {} and {}",

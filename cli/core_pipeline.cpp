@@ -7,7 +7,6 @@
 
 #include "option_checks.h"
 #include "quench/io.h"
-#include "quench/pipeline.h"
 
 namespace quench::program {
 namespace {
@@ -99,10 +98,16 @@ CorePipelineResult compute_core(const LoadedShape& loaded, const CorePipelineOpt
   report["pruned"] = {{"lambda", std::isfinite(lambda) ? Json(lambda) : Json("inf")}};
   report["pruned"].update(
       axis_section(core.kept_vertices, core.kept_edges, core.kept_faces, core.topology, core.reconstructed));
-
-  result.data = core_file(core, loaded.units, json_text(report["parameters"]));
-  result.axis = std::move(core.axis);
+  result.core = std::move(core);
   return result;
+}
+
+PolyData core_file(const CorePipelineResult& result, const LoadedShape& loaded) {
+  return core_file(result.core, loaded.units, json_text(result.report["parameters"]));
+}
+
+PolyData core_file(CorePipelineResult&& result, const LoadedShape& loaded) {
+  return core_file(std::move(result.core), loaded.units, json_text(result.report["parameters"]));
 }
 
 void write_report(const std::string& file, Json report, Session& session) {
@@ -145,17 +150,18 @@ std::string json_text(const Json& value, int indent) {
   return value.dump(indent, ' ', false, Json::error_handler_t::replace);
 }
 
-void say_written(Session& session, const std::string& axis, const std::string& report, const CorePipelineResult& result,
+void say_written(Session& session, const std::string& axis, const std::string& report, const CheckedCore& core,
                  const LoadedShape& loaded) {
   std::string stages;
   for (const auto& [stage, seconds] : session.seconds())
     stages += fmt::format("{}{} {:.2f} s", stages.empty() ? "" : ", ", stage, seconds);
   session.detail(fmt::format("{}; {} of memory at the peak", stages, bytes_text(Session::peak_bytes())));
-  const CellComplex& c = result.axis.complex;
-  session.say(fmt::format(
-      "{}: {} vertices, {} edges, {} faces; topology as that of the shape; lengths in {}; {:.1f} s{}", axis,
-      c.vertex_count, c.edges.size(), c.face_count(), loaded.units.empty() ? "the input's units" : loaded.units,
-      session.total_seconds(), report.empty() ? "" : fmt::format("; report in {}", report)));
+  const bool full = core.options.full;
+  session.say(
+      fmt::format("{}: {} vertices, {} edges, {} faces; topology as that of the shape; lengths in {}; {:.1f} s{}", axis,
+                  full ? core.vertices : core.kept_vertices, full ? core.edges : core.kept_edges,
+                  full ? core.faces : core.kept_faces, loaded.units.empty() ? "the input's units" : loaded.units,
+                  session.total_seconds(), report.empty() ? "" : fmt::format("; report in {}", report)));
 }
 
 }  // namespace quench::program

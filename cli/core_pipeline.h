@@ -5,8 +5,8 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "quench/medial_axis.h"
 #include "quench/output_group.h"
+#include "quench/pipeline.h"
 #include "session.h"
 #include "shape_input.h"
 
@@ -22,10 +22,9 @@ void add_core_options(CLI::App& app, CorePipelineOptions& options);
 /// Throws Error(usage) for an option that cannot be, before anything is read.
 void check_core_options(const CorePipelineOptions& options);
 
-/// The pruned (or, with --full, whole) core of a shape, ready to be written, and the report of all stages so far.
+/// The pruned (or, with --full, whole) core of a shape, and the report of all stages so far.
 struct CorePipelineResult {
-  MedialAxis axis;
-  PolyData data;  ///< the axis with all arrays and FieldData
+  CheckedCore core;
   nlohmann::ordered_json report;
 };
 
@@ -43,8 +42,13 @@ void write_report(io::OutputGroup& outputs, const nlohmann::ordered_json& report
 /// JSON as text; bytes that are no UTF-8 (names of files may be anything) are replaced.
 std::string json_text(const nlohmann::ordered_json& value, int indent = -1);
 
+/// The core as a file, with the parameters of the report. As core_file(), from a core that is not needed any more in
+/// its memory.
+PolyData core_file(const CorePipelineResult& result, const LoadedShape& loaded);
+PolyData core_file(CorePipelineResult&& result, const LoadedShape& loaded);
+
 /// One line on what was written where, in which units. `report` may be empty.
-void say_written(Session& session, const std::string& axis, const std::string& report, const CorePipelineResult& result,
+void say_written(Session& session, const std::string& axis, const std::string& report, const CheckedCore& core,
                  const LoadedShape& loaded);
 
 }  // namespace quench::program

@@ -2,6 +2,7 @@
 #include "program.h"
 
 #include <fmt/format.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <cstring>
@@ -139,8 +140,10 @@ int run(int argc, char** argv) {
     app.parse(argc, argv);
     common.command = command_line(argc, argv);
     Session session(common);
+    const int threads = session.options.threads;
+    tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);  // where several_threads() looks
     for (const auto& [sub, action] : actions)
-      if (sub->parsed()) result = action(session);
+      if (sub->parsed()) arena.execute([&, &act = action] { result = act(session); });
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() != 0) throw Error(ErrorCode::usage, usage_sentence(error, app));
     app.exit(error);  // --help, --version

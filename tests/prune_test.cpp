@@ -228,6 +228,36 @@ TEST(Prune, PruningAPruningGivesTheSame) {
   }
 }
 
+void expect_same(const PolyData& a, const PolyData& b, const std::string& where) {
+  ASSERT_EQ(a.points, b.points) << where;
+  ASSERT_EQ(a.verts, b.verts) << where;
+  ASSERT_EQ(a.lines, b.lines) << where;
+  ASSERT_EQ(a.poly_offsets, b.poly_offsets) << where;
+  ASSERT_EQ(a.poly_corners, b.poly_corners) << where;
+  for (const auto arrays : {&PolyData::point_data, &PolyData::cell_data, &PolyData::field_data}) {
+    ASSERT_EQ((a.*arrays).size(), (b.*arrays).size()) << where;
+    for (std::size_t i = 0; i < (a.*arrays).size(); ++i) {
+      ASSERT_EQ((a.*arrays)[i].name, (b.*arrays)[i].name) << where;
+      ASSERT_EQ((a.*arrays)[i].values, (b.*arrays)[i].values) << where << ", " << (a.*arrays)[i].name;
+    }
+  }
+}
+
+TEST(Prune, InTheMemoryOfTheAxisPruningAndFileAreTheSame) {
+  for (std::uint64_t seed = 0; seed < 200; ++seed) {
+    const MedialAxis axis = core_with_levels(testing_shapes::random_shape(seed, 10, seed % 3 == 2));
+    for (const double lambda : {0.0, 0.75, 1.3, 2.5, kInfinity}) {
+      const std::string where = "seed " + std::to_string(seed) + " lambda " + std::to_string(lambda);
+      const MedialAxis copied = pruned(axis, lambda);
+      MedialAxis taken = axis;
+      taken = pruned(std::move(taken), lambda);
+      ASSERT_NO_THROW(taken.complex.validate()) << where;
+      ASSERT_EQ(taken.complex.face_edges, copied.complex.face_edges) << where;
+      expect_same(to_poly_data(std::move(taken)), to_poly_data(copied), where);
+    }
+  }
+}
+
 TEST(Prune, AllCollapsesToAPointInABallAndToALoopInATorus) {
   Grid grid;
   grid.dims = {24, 24, 12};

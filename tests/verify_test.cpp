@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "quench/verify.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
@@ -128,6 +129,32 @@ TEST(Verify, PassesInAnyWorld) {
     return x > 0 && x < 9 && y > 0 && y < 7 && z > 0 && z < 6 && (x < 4 || y < 5) && (z != 3 || x != 4);
   });
   expect_passes(shape, Intact(shape).data, "0.782 x 0.782 x 5");
+}
+
+VoxelShape moved_to(const VoxelShape& shape, const Vec3& origin) {
+  Grid grid = shape.grid();
+  grid.origin = origin;
+  return testing_shapes::from_predicate(grid, [&](int x, int y, int z) { return shape.contains(x, y, z); });
+}
+
+// As in surveys, where centimetres are given in metres from the equator: doubles are some 1e-6 voxels apart.
+TEST(Verify, PassesFarFromTheOriginWherePositionsAreRounded) {
+  for (const double far : {1e8, 1e10})
+    for (std::uint64_t seed = 0; seed < 40; ++seed) {
+      const VoxelShape near = testing_shapes::random_shape(seed, 9, seed % 3 == 0);
+      const VoxelShape shape = moved_to(near, {0.77 * far, 0.31 * far, -0.93 * far});
+      expect_passes(shape, Intact(shape).data, fmt::format("seed {} at {}", seed, far));
+    }
+}
+
+TEST(Verify, CatchesAMovedVertexFarFromTheOrigin) {
+  Intact intact(moved_to(block(), {0.77e9, 0.31e9, -0.93e9}));
+  EXPECT_TRUE(failed(verify(intact.shape, intact.data)).empty());
+  for (const Vec3& step : {Vec3(1e-3, 0, 0), Vec3(0, 1e-4, 1e-4)}) {
+    PolyData moved = intact.data;
+    moved.points[moved.points.size() / 3] += step;
+    EXPECT_TRUE(failed(verify(intact.shape, moved)).count("Voronoi cells"));
+  }
 }
 
 TEST(Verify, PassesSolidAndHollowBlocks) {

@@ -39,6 +39,8 @@ inline constexpr double kInfiniteLevelInFiles = 3.4e38;
 /// with no face or with a level above that of its faces, a vertex cell likewise, so that the closure of the cells with
 /// lambda_level >= t is the pruning for t, for every t.
 PolyData to_poly_data(const MedialAxis& axis);
+/// The same of an axis that is not needed any more and is empty afterwards.
+PolyData to_poly_data(MedialAxis&& axis);
 
 /// The closure of the cells of a file as a complex on the points of the file that some cell uses; `point_of[v]` is the
 /// row of vertex v. Lines and vertex cells that are part of a larger cell are merged with it.

@@ -19,6 +19,8 @@ void prune_levels(MedialAxis& axis, Context* context = nullptr);
 /// relative below lambda count as equal, so that a length given as a multiple of the voxel size does not depend on
 /// rounding.
 MedialAxis pruned(const MedialAxis& axis, double lambda);
+/// The same in the memory of an axis that is not needed any more.
+MedialAxis pruned(MedialAxis&& axis, double lambda);
 
 /// For a sample of the voxel centres of the shape (all of them when few): up to which lambda a ball of the pruning
 /// still contains the centre.

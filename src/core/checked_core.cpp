@@ -4,6 +4,7 @@
 #include <tbb/task_group.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "quench/error.h"
 #include "quench/pipeline.h"
@@ -63,7 +64,7 @@ CheckedCore checked_core(const VoxelShape& shape, const Topology& wanted, double
   result.whole = reconstruction.share(0);
   result.reconstructed = reconstruction.share(result.lambda);
 
-  MedialAxis kept = pruned(core, result.lambda);
+  MedialAxis kept = options.full ? pruned(core, result.lambda) : pruned(std::move(core), result.lambda);
   require_topology(topology(kept.complex), wanted, "pruned core", "shape");
   checkpoint(context, "topology", 1);
   result.kept_vertices = kept.complex.vertex_count;
@@ -73,8 +74,9 @@ CheckedCore checked_core(const VoxelShape& shape, const Topology& wanted, double
   return result;
 }
 
-PolyData core_file(const CheckedCore& core, const std::string& units, const std::string& parameters) {
-  PolyData data = to_poly_data(core.axis);
+namespace {
+
+PolyData core_file(PolyData data, const CheckedCore& core, const std::string& units, const std::string& parameters) {
   const bool full = core.options.full;
   const double lambda = std::min(core.lambda, kInfiniteLevelInFiles);
   const Topology& t = core.topology;
@@ -90,6 +92,16 @@ PolyData core_file(const CheckedCore& core, const std::string& units, const std:
   add_field(data, "parameters", parameters);
   add_field(data, "version", std::string(QUENCH_VERSION));
   return data;
+}
+
+}  // namespace
+
+PolyData core_file(const CheckedCore& core, const std::string& units, const std::string& parameters) {
+  return core_file(to_poly_data(core.axis), core, units, parameters);
+}
+
+PolyData core_file(CheckedCore&& core, const std::string& units, const std::string& parameters) {
+  return core_file(to_poly_data(std::move(core.axis)), core, units, parameters);
 }
 
 }  // namespace quench

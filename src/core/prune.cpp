@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "complex/thinning.h"
 
@@ -31,19 +32,51 @@ std::uint32_t renumber(const std::vector<double>& level, double threshold, std::
   return kept;
 }
 
+// The values that are kept, in order. `from` and `to` may be the same.
 template <class T>
-std::vector<T> select(const std::vector<T>& values, const std::vector<std::uint32_t>& index, std::size_t kept) {
-  std::vector<T> result;
-  if (values.empty()) return result;
-  result.reserve(kept);
-  for (std::size_t i = 0; i < values.size(); ++i)
-    if (index[i] != kDropped) result.push_back(values[i]);
-  return result;
+void select(const std::vector<T>& from, const std::vector<std::uint32_t>& index, std::size_t kept, std::vector<T>& to) {
+  if (from.empty()) return;
+  if (&to != &from) to.resize(kept);
+  for (std::size_t i = 0; i < index.size(); ++i)
+    if (index[i] != kDropped) to[index[i]] = from[i];
+  to.resize(kept);
+  to.shrink_to_fit();
 }
 
-}  // namespace
+// As above, for corners and sides of faces at once.
+void select_faces(const CellComplex& from, const std::vector<std::uint32_t>& vertex,
+                  const std::vector<std::uint32_t>& edge, const std::vector<std::uint32_t>& face, std::size_t kept,
+                  CellComplex& to) {
+  std::size_t corners = 0;
+  for (std::size_t f = 0; f < face.size(); ++f)
+    if (face[f] != kDropped) corners += from.face_offsets[f + 1] - from.face_offsets[f];
+  if (&to != &from) {
+    to.face_offsets.resize(kept + 1);
+    to.face_vertices.resize(corners);
+    to.face_edges.resize(corners);
+  }
+  std::uint32_t begin = 0, next = 0;
+  for (std::size_t f = 0; f < face.size(); ++f) {
+    const std::uint32_t end = from.face_offsets[f + 1];  // before the offset of a kept face takes its place
+    if (face[f] != kDropped) {
+      for (std::uint32_t i = begin; i < end; ++i, ++next) {
+        to.face_vertices[next] = vertex[from.face_vertices[i]];
+        to.face_edges[next] = edge[from.face_edges[i]];
+      }
+      to.face_offsets[face[f] + 1] = next;
+    }
+    begin = end;
+  }
+  to.face_offsets.resize(kept + 1);
+  to.face_offsets.shrink_to_fit();
+  to.face_vertices.resize(corners);
+  to.face_vertices.shrink_to_fit();
+  to.face_edges.resize(corners);
+  to.face_edges.shrink_to_fit();
+}
 
-MedialAxis pruned(const MedialAxis& axis, double lambda) {
+// `axis` and `result` may be the same.
+void prune(const MedialAxis& axis, double lambda, MedialAxis& result) {
   const double threshold = lambda * (1 - 1e-12);
   std::vector<std::uint32_t> vertex, edge, face;
   std::uint32_t vertices = 0, edges = 0, faces = 0;
@@ -51,50 +84,52 @@ MedialAxis pruned(const MedialAxis& axis, double lambda) {
                        [&] { faces = renumber(axis.face_level, threshold, face); },
                        [&] { vertices = renumber(axis.vertex_level, threshold, vertex); });
 
-  MedialAxis result;
   result.grid = axis.grid;
   result.complex.vertex_count = vertices;
   tbb::parallel_invoke(
       [&] {
-        result.points = select(axis.points, vertex, vertices);
-        result.radius = select(axis.radius, vertex, vertices);
-        result.vertex_lambda = select(axis.vertex_lambda, vertex, vertices);
-        result.vertex_level = select(axis.vertex_level, vertex, vertices);
+        select(axis.points, vertex, vertices, result.points);
+        select(axis.radius, vertex, vertices, result.radius);
+        select(axis.vertex_lambda, vertex, vertices, result.vertex_lambda);
+        select(axis.vertex_level, vertex, vertices, result.vertex_level);
       },
       [&] {
-        result.edge_lambda = select(axis.edge_lambda, edge, edges);
-        result.edge_level = select(axis.edge_level, edge, edges);
-        result.complex.edges = select(axis.complex.edges, edge, edges);
+        select(axis.edge_lambda, edge, edges, result.edge_lambda);
+        select(axis.edge_level, edge, edges, result.edge_level);
+        select(axis.complex.edges, edge, edges, result.complex.edges);
         for (auto& ends : result.complex.edges)
           for (auto& v : ends) v = vertex[v];
       },
       [&] {
-        result.face_lambda = select(axis.face_lambda, face, faces);
-        result.face_level = select(axis.face_level, face, faces);
-        result.face_sites = select(axis.face_sites, face, faces);
+        select(axis.face_lambda, face, faces, result.face_lambda);
+        select(axis.face_level, face, faces, result.face_level);
+        select(axis.face_sites, face, faces, result.face_sites);
       },
-      [&] {
-        for (std::size_t f = 0; f < axis.complex.face_count(); ++f) {
-          if (face[f] == kDropped) continue;
-          for (std::uint32_t v : axis.complex.corners(f)) result.complex.face_vertices.push_back(vertex[v]);
-          for (std::uint32_t e : axis.complex.sides(f)) result.complex.face_edges.push_back(edge[e]);
-          result.complex.face_offsets.push_back(static_cast<std::uint32_t>(result.complex.face_vertices.size()));
-        }
-      });
+      [&] { select_faces(axis.complex, vertex, edge, face, faces, result.complex); });
 
-  if (!axis.sites.empty()) {
-    std::vector<std::uint32_t> site(axis.sites.size(), kDropped);
-    for (const auto& pair : result.face_sites)
-      for (std::uint32_t s : pair) site[s] = 0;
-    for (std::size_t s = 0; s < site.size(); ++s)
-      if (site[s] != kDropped) {
-        site[s] = static_cast<std::uint32_t>(result.sites.size());
-        result.sites.push_back(axis.sites[s]);
-      }
-    for (auto& pair : result.face_sites)
-      for (std::uint32_t& s : pair) s = site[s];
-  }
+  if (axis.sites.empty()) return;
+  std::vector<std::uint32_t> site(axis.sites.size(), kDropped);
+  for (const auto& pair : result.face_sites)
+    for (const std::uint32_t s : pair) site[s] = 0;
+  std::uint32_t sites = 0;
+  for (std::uint32_t& s : site)
+    if (s != kDropped) s = sites++;
+  select(axis.sites, site, sites, result.sites);
+  for (auto& pair : result.face_sites)
+    for (std::uint32_t& s : pair) s = site[s];
+}
+
+}  // namespace
+
+MedialAxis pruned(const MedialAxis& axis, double lambda) {
+  MedialAxis result;
+  prune(axis, lambda, result);
   return result;
+}
+
+MedialAxis pruned(MedialAxis&& axis, double lambda) {
+  prune(axis, lambda, axis);
+  return std::move(axis);
 }
 
 }  // namespace quench

@@ -162,10 +162,9 @@ static MedialAxis compute(const VoxelShape& shape, const CoreOptions& options, C
   axis.grid = shape.grid();
   axis.sites = boundary_vertices(shape);
   checkpoint(context, "peel", 0);
-  DualComplex dual =
-      options.in_bricks || axis.sites.size() > lattice::Delaunay::kMostSites
-          ? bricks::dual_complex_in_bricks(shape, axis.sites, spacing, bricks::plan_for(shape), context)
-          : peeling::dual_complex(shape, axis.sites, spacing, {}, context);
+  DualComplex dual = options.in_bricks || axis.sites.size() > lattice::Delaunay::kMostSites
+                         ? bricks::dual_complex_in_bricks(shape, axis.sites, spacing, bricks::plan_for(shape), context)
+                         : peeling::dual_complex(shape, axis.sites, spacing, {}, context);
 
   return_free_memory();
   axis.complex = std::move(dual.complex);

@@ -72,7 +72,8 @@ PolyData read_scene(const std::string& file) {
     for (unsigned c = node->mNumChildren; c > 0; --c)
       open.emplace_back(node->mChildren[c - 1], place * node->mChildren[c - 1]->mTransformation);
   }
-  if (data.points.empty()) throw Error(ErrorCode::input, fmt::format("'{}' has no mesh; export it again with faces", file));
+  if (data.points.empty())
+    throw Error(ErrorCode::input, fmt::format("'{}' has no mesh; export it again with faces", file));
   return data;
 }
 

@@ -6,6 +6,7 @@
 #include <limits>
 #include <numbers>
 #include <numeric>
+#include <utility>
 
 #include "complex/union_find.h"
 #include "quench/error.h"
@@ -80,29 +81,16 @@ std::vector<std::int32_t> components_of(const CellComplex& complex) {
   return component;
 }
 
-}  // namespace
-
-PolyData to_poly_data(const MedialAxis& axis) {
+// What may be taken from an axis that is not needed any more is moved, after what is computed from it.
+template <class Axis>
+PolyData poly_data_of(Axis&& axis) {
   const CellComplex& complex = axis.complex;
   const WrittenCells cells = cells_to_write(axis);
   PolyData data;
-  data.points = axis.points;
   data.verts = cells.vertices;
   for (std::uint32_t e : cells.edges) data.lines.push_back(complex.edges[e]);
-  data.poly_offsets = complex.face_offsets;
-  data.poly_corners = complex.face_vertices;
-
-  data.point_data.push_back({"radius", 1, axis.radius});
-  if (!axis.vertex_lambda.empty()) data.point_data.push_back({"lambda", 1, axis.vertex_lambda});
 
   const bool measured = !axis.vertex_lambda.empty();
-  if (measured) {
-    std::vector<float> angle(complex.vertex_count);
-    for (std::uint32_t v = 0; v < complex.vertex_count; ++v)
-      angle[v] = static_cast<float>(object_angle(axis.vertex_lambda[v], axis.radius[v]));
-    data.point_data.push_back({"object_angle", 1, std::move(angle)});
-  }
-
   const std::vector<std::int32_t> component_of = components_of(complex);
   std::vector<std::uint8_t> kind;
   std::vector<std::int32_t> component, site_a, site_b;
@@ -149,6 +137,30 @@ PolyData to_poly_data(const MedialAxis& axis) {
       for (int c = 0; c < 3; ++c) rows.push_back(g.direction(r, c));
     data.field_data.push_back({"direction", 9, std::move(rows)});
   }
+  std::vector<float> angle;
+  if (measured) {
+    angle.resize(complex.vertex_count);
+    for (std::uint32_t v = 0; v < complex.vertex_count; ++v)
+      angle[v] = static_cast<float>(object_angle(axis.vertex_lambda[v], axis.radius[v]));
+  }
+  data.points = std::forward<Axis>(axis).points;
+  data.poly_offsets = std::forward<Axis>(axis).complex.face_offsets;
+  data.poly_corners = std::forward<Axis>(axis).complex.face_vertices;
+  data.point_data.push_back({"radius", 1, std::forward<Axis>(axis).radius});
+  if (measured) {
+    data.point_data.push_back({"lambda", 1, std::forward<Axis>(axis).vertex_lambda});
+    data.point_data.push_back({"object_angle", 1, std::move(angle)});
+  }
+  return data;
+}
+
+}  // namespace
+
+PolyData to_poly_data(const MedialAxis& axis) { return poly_data_of(axis); }
+
+PolyData to_poly_data(MedialAxis&& axis) {
+  PolyData data = poly_data_of(std::move(axis));
+  axis = {};
   return data;
 }
 

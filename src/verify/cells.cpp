@@ -47,10 +47,17 @@ std::optional<std::array<std::uint32_t, 2>> first_close(const std::vector<Vec3>&
   return std::nullopt;
 }
 
-// What is wrong with the polygon's geometry; empty when nothing is. Cells of Voronoi diagrams are convex; what is left of
-// one in a skeleton need not be, but its boundary goes around it once.
-std::string polygon_defect(const std::vector<Vec3>& corners, double tiny, bool convex) {
+// What is wrong with the polygon's geometry; empty when nothing is. Cells of Voronoi diagrams are convex; what is left
+// of one in a skeleton need not be, but its boundary goes around it once. A corner may be off by `rounding`: what is
+// not larger than a few times that is taken as right, since nothing can be told of it.
+std::string polygon_defect(std::vector<Vec3> corners, double tiny, double rounding, bool convex) {
+  const double unsure = 16 * rounding;
+  corners.erase(std::unique(corners.begin(), corners.end(),
+                            [&](const Vec3& p, const Vec3& q) { return (p - q).norm() <= unsure; }),
+                corners.end());
+  while (corners.size() > 1 && (corners.front() - corners.back()).norm() <= unsure) corners.pop_back();
   const std::size_t n = corners.size();
+  if (n < 3) return {};
   Vec3 centre = Vec3::Zero();
   for (const Vec3& p : corners) centre += p / static_cast<double>(n);
   double size = 0;
@@ -61,14 +68,17 @@ std::string polygon_defect(const std::vector<Vec3>& corners, double tiny, bool c
   }
   const double twice_area = normal.norm();
   if (twice_area <= tiny * size) return "has no area";
+  if (twice_area <= unsure * size) return {};
   normal /= twice_area;
   double turned = 0;
   for (std::size_t i = 0; i < n; ++i) {
     const double height = std::abs(normal.dot(corners[i] - centre));
-    if (height > flatness * size + tiny) return fmt::format("is not plane: off by {:.3g} at size {:.3g}", height, size);
+    if (height > flatness * size + tiny + unsure)
+      return fmt::format("is not plane: off by {:.3g} at size {:.3g}", height, size);
     const Vec3 in = corners[i] - corners[(i + n - 1) % n], out = corners[(i + 1) % n] - corners[i];
     const double turn = normal.dot(in.cross(out));
-    if (convex && turn < -(flatness * in.norm() * out.norm() + tiny * (in.norm() + out.norm()))) return "is not convex";
+    if (convex && turn < -(flatness * in.norm() * out.norm() + (tiny + unsure) * (in.norm() + out.norm())))
+      return "is not convex";
     turned += std::atan2(turn, in.dot(out));
   }
   if (turned > 3 * std::numbers::pi || turned < std::numbers::pi) return "winds around itself";
@@ -123,7 +133,7 @@ Check check_cells(const Result& result) {
   for (std::size_t f = 0; f < complex.face_count(); ++f) {
     corners.clear();
     for (std::uint32_t v : complex.corners(f)) corners.push_back(result.scaled[v]);
-    const std::string defect = polygon_defect(corners, tiny, result.stage != "skeleton");
+    const std::string defect = polygon_defect(corners, tiny, result.rounding, result.stage != "skeleton");
     if (defect.empty()) continue;
     check.detail = fmt::format("{} {}", result.describe_face(f), defect);
     return check;

@@ -106,11 +106,12 @@ Vec3 Sphere::centre() const {
   return c;
 }
 
-Ids voronoi_vertex(const Sites& sites, const Vec3& x, double tolerance) {
-  const double squared = sites.tree().nearest_squared(x);
+Ids voronoi_vertex(const Sites& sites, const Vec3& x, double rounding) {
+  const double squared = sites.tree().nearest_squared(x), radius = std::sqrt(squared);
+  const double off =
+      1e-7 * radius + 2 * rounding;  // of the centre; of the distances no more, of a difference twice that
   std::vector<std::pair<double, std::uint32_t>> near;
-  // Twice the tolerance in distance, twice that in its square, and room for rounding.
-  sites.tree().visit_within(x, squared * (1 + 5 * tolerance) + 1e-9, [&](std::uint32_t s, const Box& box) {
+  sites.tree().visit_within(x, squared + 5 * radius * off + 1e-9, [&](std::uint32_t s, const Box& box) {
     near.push_back({box.squared_distance(x), s});
     return true;
   });
@@ -123,7 +124,7 @@ Ids voronoi_vertex(const Sites& sites, const Vec3& x, double tolerance) {
   if (sphere.determinant == 0) return {};
   if (!empty_of(sphere, candidates, sites)) sphere = nearest_empty_sphere(candidates, sites, x);
   if (sphere.determinant == 0) return {};
-  if ((sphere.centre() - x).norm() > tolerance * std::sqrt(squared) + 1e-9) return {};
+  if ((sphere.centre() - x).norm() > off + 1e-9) return {};
   Ids on_sphere;
   for (std::uint32_t s : candidates)
     if (sphere.side(sites.scaled()[s]) == 0) on_sphere.push_back(s);
@@ -139,7 +140,7 @@ void VertexSites::prepare(const std::vector<std::uint32_t>& vertices, Context* c
       missing.push_back(v);
     }
   first_failure(missing.size(), context, "verify: nearest sites", [&](std::size_t i) {
-    sets_[missing[i]] = voronoi_vertex(sites_, result_.scaled[missing[i]]);
+    sets_[missing[i]] = voronoi_vertex(sites_, result_.scaled[missing[i]], result_.rounding);
     return true;
   });
 }

@@ -43,9 +43,9 @@ struct Sphere {
   Vec3 centre() const;
 };
 
-/// All sites on the empty sphere whose centre is x, to `tolerance` relative to its radius: the Voronoi vertex x. Empty
+/// All sites on the empty sphere whose centre is x, to 1e-7 of its radius and `rounding`: the Voronoi vertex x. Empty
 /// when there is no such sphere (x is no Voronoi vertex). Candidates are found in floating point, decided in integers.
-Ids voronoi_vertex(const Sites& sites, const Vec3& scaled, double tolerance = 1e-7);
+Ids voronoi_vertex(const Sites& sites, const Vec3& scaled, double rounding);
 
 /// Site sets of the vertices of a result, computed on demand.
 class VertexSites {

@@ -49,12 +49,19 @@ std::vector<Box> boundary_faces(const VoxelShape& shape, const std::array<std::i
   return faces;
 }
 
-// The points of the boundary nearest to x, equal distances within 1e-9; different points are 1e-6 apart.
-std::vector<Vec3> nearest_points(const BoxTree& faces, const Vec3& x, double squared) {
+// What counts as equal: distances within 1e-9, points 1e-6 apart, and what a point can be off by `rounding`.
+double at_most(double distance, double rounding) {
+  const double reach = distance * (1 + 1e-9) + 4 * rounding;
+  return reach * reach;
+}
+double apart(double rounding) { return 1e-6 + 4 * rounding; }
+
+// The points of the boundary nearest to x.
+std::vector<Vec3> nearest_points(const BoxTree& faces, const Vec3& x, double distance, double rounding) {
   std::vector<Vec3> points;
-  faces.visit_within(x, squared * (1 + 2e-9), [&](std::uint32_t, const Box& box) {
+  faces.visit_within(x, at_most(distance, rounding), [&](std::uint32_t, const Box& box) {
     const Vec3 p = box.nearest_point(x);
-    if (std::none_of(points.begin(), points.end(), [&](const Vec3& q) { return (p - q).norm() < 1e-6; }))
+    if (std::none_of(points.begin(), points.end(), [&](const Vec3& q) { return (p - q).norm() < apart(rounding); }))
       points.push_back(p);
     return points.size() < 2;
   });
@@ -63,17 +70,16 @@ std::vector<Vec3> nearest_points(const BoxTree& faces, const Vec3& x, double squ
 
 enum class Outcome { holds, not_on_a_face, fails };
 
-Outcome test(const BoxTree& faces, const Vec3& x, double beta) {
-  const double squared = faces.nearest_squared(x);
-  const std::vector<Vec3> points = nearest_points(faces, x, squared);
+Outcome test(const BoxTree& faces, const Vec3& x, double beta, double rounding) {
+  const double distance = std::sqrt(faces.nearest_squared(x));
+  const std::vector<Vec3> points = nearest_points(faces, x, distance, rounding);
   if (points.size() != 1) return Outcome::holds;
-  const Vec3 direction = (x - points[0]) / std::sqrt(squared);
+  const Vec3 direction = (x - points[0]) / distance;
   if (direction.cwiseAbs().maxCoeff() < 1 - 1e-12) return Outcome::not_on_a_face;  // nearest point on an edge
   // Any other boundary point at most as far as p from the moved point.
-  const double reach = std::sqrt(squared) + beta;
   const Vec3 moved = x + beta * direction;
-  const bool only_p = faces.visit_within(moved, reach * reach * (1 + 2e-9), [&](std::uint32_t, const Box& box) {
-    return (box.nearest_point(moved) - points[0]).norm() < 1e-6;
+  const bool only_p = faces.visit_within(moved, at_most(distance + beta, rounding), [&](std::uint32_t, const Box& box) {
+    return (box.nearest_point(moved) - points[0]).norm() < apart(rounding);
   });
   return only_p ? Outcome::fails : Outcome::holds;
 }
@@ -97,7 +103,7 @@ Check check_proximity(const Result& result, std::size_t samples, Context* contex
   const BoxTree faces(boundary_faces(result.shape, result.scale));
   std::atomic<std::size_t> skipped{0};
   const std::size_t bad = first_failure(points.size(), context, "verify: proximity", [&](std::size_t i) {
-    const Outcome outcome = test(faces, points[i], beta);
+    const Outcome outcome = test(faces, points[i], beta, result.rounding);
     if (outcome == Outcome::not_on_a_face) skipped.fetch_add(1, std::memory_order_relaxed);
     return outcome != Outcome::fails;
   });

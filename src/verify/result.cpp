@@ -70,6 +70,10 @@ Result::Result(const VoxelShape& voxels, const PolyData& file, const VerifyOptio
       Vec3(static_cast<double>(scale[0]), static_cast<double>(scale[1]), static_cast<double>(scale[2])));
   unit = units[0];
   slack = units.maxCoeff() / units.minCoeff() - 1;
+  // A product and a sum per axis, each rounded, on the way to the file, and as many on the way back.
+  double farthest = shape.grid().origin.cwiseAbs().maxCoeff();
+  for (std::uint32_t row : rows) farthest = std::max(farthest, data.points[row].cwiseAbs().maxCoeff());
+  rounding = 4 * std::numeric_limits<double>::epsilon() * farthest / unit;
   for (std::uint32_t row : rows) {
     lattice.push_back(shape.grid().lattice(data.points[row]));
     scaled.push_back(lattice.back().cwiseProduct(

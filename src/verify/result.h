@@ -34,6 +34,9 @@ struct Result {
   std::array<std::int64_t, 3> scale{1, 1, 1};  ///< integer_spacing
   double unit = 1;                             ///< world length of one scaled unit
   double slack = 0;  ///< relative error of the integer spacing: no length can be expected to be more exact
+  /// How far a scaled coordinate can be off because the file's is a double: much, in voxels, for a small shape far from
+  /// the origin of its coordinates.
+  double rounding = 0;
   std::vector<Vec3> lattice, scaled;  ///< vertices in lattice coordinates, and these times `scale`
 
   std::vector<double> radius, vertex_lambda;

@@ -42,7 +42,8 @@ Check check_radii(const Result& result, const Sites& sites, Context* context) {
   };
   const std::size_t bad = first_failure(vertices.size(), context, "verify: radii", [&](std::size_t i) {
     const double expected = distance(vertices[i]);
-    return std::abs(result.radius[vertices[i]] - expected) <= (radius_tolerance + result.slack) * expected;
+    return std::abs(result.radius[vertices[i]] - expected) <=
+           (radius_tolerance + result.slack) * expected + 4 * result.rounding * result.unit;
   });
   check.passed = bad == vertices.size();
   check.detail = check.passed ? fmt::format("{} of {} vertices have the distance to the nearest boundary vertex",
