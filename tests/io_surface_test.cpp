@@ -28,6 +28,21 @@ void append_bytes(std::string& bytes, T value, bool big = false) {
   bytes.append(raw, sizeof value);
 }
 
+TEST(Files, EmptyOnesAreSaidToBe) {
+  const auto expect_empty = [](const std::string& name, const std::string& sentence) {
+    EXPECT_TRUE(sentence.ends_with(name + "' is empty")) << sentence;
+  };
+  for (const std::string name : {"a.ply", "a.obj", "a.off", "a.stl", "a.vtp", "a.ma"})
+    expect_empty(name, refusal(name, ""));
+  const Folder folder;
+  for (const std::string name : {"a.npy", "a.vol", "a.sof", "a.png", "a.nrrd", "a.nii.gz", "a.mha", "a.mrc", "a.tif"}) {
+    write_bytes(folder / name, "");
+    std::string sentence;
+    EXPECT_EQ(code_of([&] { io::read_volume(folder / name); }, &sentence), ErrorCode::input) << name;
+    expect_empty(name, sentence);
+  }
+}
+
 // --- PLY -----------------------------------------------------------------------------------------------------------
 
 TEST(Ply, TextWithEveryPart) {

@@ -70,6 +70,7 @@ FileText load_file(const std::filesystem::path& file) {
     text.bytes.append(block.data(), static_cast<std::size_t>(in.gcount()));
   }
   if (in.bad()) throw Error(ErrorCode::failed, fmt::format("cannot read '{}': {}", text.name, std::strerror(errno)));
+  if (text.bytes.empty()) throw Error(ErrorCode::input, fmt::format("'{}' is empty", text.name));
   return text;
 }
 

@@ -16,13 +16,12 @@ std::int64_t read_vertex_count(Words& words) {
   std::string_view keyword = words.next();
   std::int64_t count = 0;
   if (parse_integer(keyword, count)) return count;
-  const std::string_view full = keyword;
   if (keyword.starts_with("ST")) keyword.remove_prefix(2);
   if (keyword.starts_with("C")) keyword.remove_prefix(1);
   if (keyword.starts_with("N")) keyword.remove_prefix(1);
   if (keyword == "4OFF" || keyword == "nOFF" || keyword == "4nOFF")
     words.fail(fmt::format("{} files have points that are not three-dimensional", keyword));
-  if (keyword != "OFF") words.fail(full.empty() ? "an OFF file is not empty" : "an OFF file begins with 'OFF'");
+  if (keyword != "OFF") words.fail("an OFF file begins with 'OFF'");
   const std::string_view next = words.next();
   if (next == "BINARY") words.fail("binary OFF files are not supported; convert it to PLY");
   if (!parse_integer(next, count)) words.fail("the number of vertices is missing");

@@ -24,8 +24,7 @@ Volume read_by_extension(const std::filesystem::path& file, Context* context) {
   if (extension == ".png") return read_png(file, context);
   for (const char* known : {".nrrd", ".nhdr", ".mha", ".mhd", ".nii", ".nii.gz", ".mrc", ".map", ".tif", ".tiff"})
     if (extension == known) {
-      const InputFile probe(file);  // "cannot be opened" in the same words for every format
-      if (probe.size == 0) throw Error(ErrorCode::input, fmt::format("'{}' is empty", file.string()));
+      const InputFile probe(file);  // "cannot be opened", "is empty" in the same words for every format
       return read_itk(file, context);
     }
   throw Error(ErrorCode::usage,
@@ -42,8 +41,10 @@ InputFile::InputFile(const std::filesystem::path& file) : stream(file, std::ios:
     throw Error(ErrorCode::failed,
                 fmt::format("'{}' cannot be opened; check the name and the permissions", file.string()));
   stream.seekg(0, std::ios::end);
-  size = static_cast<std::uint64_t>(std::max<std::streamoff>(0, stream.tellg()));
+  const std::streamoff end = stream.tellg();
+  size = static_cast<std::uint64_t>(std::max<std::streamoff>(0, end));
   stream.seekg(0);
+  if (end == 0) throw Error(ErrorCode::input, fmt::format("'{}' is empty", file.string()));
 }
 
 std::string volume_extension(const std::filesystem::path& file) {
