@@ -194,7 +194,7 @@ TEST(Npy, RefusesWhatIsNoVolume) {
   const auto refused = [&](const std::string& bytes, const std::string& part) {
     expect_error(folder.write("bad.npy", bytes), ErrorCode::input, part);
   };
-  refused("", "NUMPY");
+  refused("", "is empty");
   refused("PK\3\4 something else", "NUMPY");
   refused(npy("<c8", false, "(1,1,1)", std::string(8, 'x')), "<c8");
   refused(npy("|O", false, "(1,1,1)", "x"), "plain numbers");
