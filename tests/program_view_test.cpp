@@ -188,6 +188,7 @@ TEST_F(ViewProgram, RefusalsNameTheWayOut) {
   refuses(2, {"--camera"}, {"view", "core.vtp", "--camera", "1,2,3"});
   refuses(2, {"--size"}, {"view", "core.vtp", "--png", "a.png", "--size", "100"});
   refuses(2, {"--png", ".png"}, {"view", "core.vtp", "--png", "a.jpg"});
+  refuses(2, {"--png a.png"}, {"view", "core.vtp", "-o", "a.png"});
   refuses(2, {"--theta2"}, {"view", "core.vtp", "--theta2", "-1"});
   refuses(2, {"--max-triangles"}, {"view", "core.vtp", "--max-triangles", "10"});
   refuses(2, {"--shape"}, {"view", "core.vtp", "--threshold", "1"});
