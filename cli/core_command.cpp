@@ -48,7 +48,8 @@ Action add_core(CLI::App& app) {
     const LoadedShape loaded = load_shape(o->shape, session);
     CorePipelineResult result = compute_core(loaded, o->core, session);
     io::OutputGroup outputs;
-    io::write_poly_data(o->output, core_file(std::move(result), loaded));
+    io::write_poly_data(o->output,
+                        core_file(std::move(result.core), loaded.units, json_text(result.report["parameters"])));
     session.finished("write");
     write_report(outputs, result.report, session);
     say_written(session, o->output, session.options.report == "-" ? "" : session.options.report, result.core, loaded);
@@ -115,7 +116,7 @@ Action add_run(CLI::App& app) {
       return parse_length(text, option).resolve(loaded.longest_side, loaded.shape.grid().spacing.minCoeff());
     };
     const MedialAxis& axis = result.core.axis;
-    PolyData data = core_file(result, loaded);
+    PolyData data = core_file(result.core, loaded.units, json_text(result.report["parameters"]));
     Burning burning = compute_burning(axis, true, o->burn, true, resolve, result.report, session);
     add_burning(data, burning);
     if (with_page) {

@@ -102,14 +102,6 @@ CorePipelineResult compute_core(const LoadedShape& loaded, const CorePipelineOpt
   return result;
 }
 
-PolyData core_file(const CorePipelineResult& result, const LoadedShape& loaded) {
-  return core_file(result.core, loaded.units, json_text(result.report["parameters"]));
-}
-
-PolyData core_file(CorePipelineResult&& result, const LoadedShape& loaded) {
-  return core_file(std::move(result.core), loaded.units, json_text(result.report["parameters"]));
-}
-
 void write_report(const std::string& file, Json report, Session& session) {
   const auto& spent = session.seconds();
   const auto of = [&](std::initializer_list<const char*> stages) {

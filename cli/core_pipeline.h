@@ -42,11 +42,6 @@ void write_report(io::OutputGroup& outputs, const nlohmann::ordered_json& report
 /// JSON as text; bytes that are no UTF-8 (names of files may be anything) are replaced.
 std::string json_text(const nlohmann::ordered_json& value, int indent = -1);
 
-/// The core as a file, with the parameters of the report. As core_file(), from a core that is not needed any more in
-/// its memory.
-PolyData core_file(const CorePipelineResult& result, const LoadedShape& loaded);
-PolyData core_file(CorePipelineResult&& result, const LoadedShape& loaded);
-
 /// One line on what was written where, in which units. `report` may be empty.
 void say_written(Session& session, const std::string& axis, const std::string& report, const CheckedCore& core,
                  const LoadedShape& loaded);
