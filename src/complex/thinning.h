@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -15,6 +16,12 @@ struct CellValues {
   std::vector<double> vertex, edge, face;
 };
 
+/// What the levels do not depend on.
+struct ThinningOptions {
+  std::size_t slabs = 0;  ///< parts of the complex that are thinned at once; 0: one for each thread, if it is large
+  double most_crossing = 0.5;  ///< of the pairs, in components that cross slabs: a smaller bound is tried above
+};
+
 /// Topology-preserving thinning by simple pairs: (face, edge in no other face) and (edge in no face, vertex in no other
 /// edge). Pairs go in the order of (key, dimension, index of the larger cell, index of the smaller cell), where the key
 /// is the larger value of the two cells; equal keys are decided by the index, which is the tie policy of every
@@ -25,8 +32,10 @@ struct CellValues {
 /// Values are not negative; cells of infinite value never go. Parallel edges and faces that meet an edge twice are
 /// legal (such an edge is not free).
 ///
-/// O(n log n), one thread but for counting; 16 bytes per vertex and edge, 8 per face and 16 per queued pair.
+/// O(n log n), on all threads (thinning_in_slabs.h); 16 bytes per vertex and edge, 8 per face and 16 per queued pair,
+/// and in slabs 4 per vertex and edge and 16 per pair that is simple at one time.
 CellValues thin(const CellComplex& complex, std::span<const double> vertex_value, std::span<const double> edge_value,
-                std::span<const double> face_value, Context* context, std::string_view stage);
+                std::span<const double> face_value, Context* context, std::string_view stage,
+                const ThinningOptions& options = {});
 
 }  // namespace quench

@@ -30,6 +30,9 @@ class UnionFind {
     --sets_;
     return true;
   }
+  /// Begins anew with element i by itself. The elements of its set must all be begun anew before they are asked for;
+  /// count() is lost.
+  void reset(std::uint32_t i) { parent_[i] = i; }
   /// Number of sets.
   std::int64_t count() const { return sets_; }
 

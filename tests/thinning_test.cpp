@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: Apache-2.0
+// Thinning in slabs against thinning by one queue, which prune_test.cpp compares with the naive one.
+#include "complex/thinning.h"
+
+#include <gtest/gtest.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <numeric>
+#include <random>
+#include <vector>
+
+#include "quench/prune.h"
+#include "quench/voxel_core.h"
+#include "random_shapes.h"
+
+namespace quench {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+struct Input {
+  CellComplex complex;
+  CellValues value;
+};
+
+Input core_of(const VoxelShape& shape, LambdaRule rule) {
+  MedialAxis axis = voxel_core(shape, {.rule = rule});
+  return {std::move(axis.complex),
+          {std::move(axis.vertex_lambda), std::move(axis.edge_lambda), std::move(axis.face_lambda)}};
+}
+
+CellValues thinned(const Input& input, const ThinningOptions& options) {
+  return thin(input.complex, input.value.vertex, input.value.edge, input.value.face, nullptr, "", options);
+}
+
+void expect_same_levels(const Input& input) {
+  const CellValues expected = thinned(input, {.slabs = 1});
+  for (const std::size_t slabs : {2, 3, 5})
+    for (const double most_crossing : {0.5, 1.0}) {
+      const CellValues level = thinned(input, {slabs, most_crossing});
+      ASSERT_EQ(level.vertex, expected.vertex) << slabs << " slabs";
+      ASSERT_EQ(level.edge, expected.edge) << slabs << " slabs";
+      ASSERT_EQ(level.face, expected.face) << slabs << " slabs";
+    }
+}
+
+// Other numbers for all cells: neighbours are in different slabs as a rule.
+Input shuffled(const Input& input, std::mt19937_64& random) {
+  const CellComplex& from = input.complex;
+  const auto order = [&random](std::size_t count) {
+    std::vector<std::uint32_t> place(count);
+    std::iota(place.begin(), place.end(), 0u);
+    std::shuffle(place.begin(), place.end(), random);
+    return place;
+  };
+  const auto moved = [](const std::vector<double>& values, const std::vector<std::uint32_t>& place) {
+    std::vector<double> result(values.size());
+    for (std::size_t i = 0; i < values.size(); ++i) result[place[i]] = values[i];
+    return result;
+  };
+  const auto vertex = order(from.vertex_count), edge = order(from.edges.size()), face = order(from.face_count());
+  Input result;
+  result.value = {moved(input.value.vertex, vertex), moved(input.value.edge, edge), moved(input.value.face, face)};
+  CellComplex& to = result.complex;
+  to.vertex_count = from.vertex_count;
+  to.edges.resize(from.edges.size());
+  for (std::size_t e = 0; e < edge.size(); ++e) {
+    const std::uint32_t a = vertex[from.edges[e][0]], b = vertex[from.edges[e][1]];
+    to.edges[edge[e]] = {std::min(a, b), std::max(a, b)};
+  }
+  std::vector<std::uint32_t> old(face.size());
+  for (std::uint32_t f = 0; f < face.size(); ++f) old[face[f]] = f;
+  for (const std::uint32_t f : old) {
+    for (const std::uint32_t v : from.corners(f)) to.face_vertices.push_back(vertex[v]);
+    for (const std::uint32_t e : from.sides(f)) to.face_edges.push_back(edge[e]);
+    to.face_offsets.push_back(static_cast<std::uint32_t>(to.face_vertices.size()));
+  }
+  to.validate();
+  return result;
+}
+
+TEST(ThinningInSlabs, GivesTheLevelsOfOneQueue) {
+  for (std::uint64_t seed = 0; seed < 1000; ++seed) {
+    SCOPED_TRACE(seed);
+    expect_same_levels(core_of(testing_shapes::random_shape(seed, seed % 8 ? 10 : 20),
+                               seed % 2 ? LambdaRule::ball : LambdaRule::coface));
+    if (HasFatalFailure()) return;
+  }
+}
+
+TEST(ThinningInSlabs, WhateverTheNumbersOfCells) {
+  for (std::uint64_t seed = 0; seed < 300; ++seed) {
+    SCOPED_TRACE(seed);
+    std::mt19937_64 random(seed);
+    expect_same_levels(shuffled(core_of(testing_shapes::random_shape(seed, 12), LambdaRule::coface), random));
+    if (HasFatalFailure()) return;
+  }
+}
+
+// Values that have nothing to do with each other: few and many different ones, 0, and cells that never go.
+TEST(ThinningInSlabs, WhateverTheValues) {
+  for (std::uint64_t seed = 0; seed < 600; ++seed) {
+    SCOPED_TRACE(seed);
+    std::mt19937_64 random(seed);
+    Input input = core_of(testing_shapes::random_shape(seed, 12), LambdaRule::coface);
+    const std::uint64_t different = seed % 3 == 0 ? 3 : seed % 3 == 1 ? 20 : 1'000'000'000;
+    for (auto* values : {&input.value.vertex, &input.value.edge, &input.value.face})
+      for (double& value : *values) value = random() % 64 == 0 ? kInfinity : static_cast<double>(random() % different);
+    expect_same_levels(input);
+    if (HasFatalFailure()) return;
+  }
+}
+
+TEST(ThinningInSlabs, NothingAndLittle) {
+  const std::vector<std::array<std::uint32_t, 2>> edge{{0, 1}};
+  expect_same_levels({});
+  expect_same_levels({make_complex(1, {}, {0}, {}), {{1}, {}, {}}});
+  expect_same_levels({make_complex(2, edge, {0}, {}), {{1, 1}, {1}, {}}});
+  expect_same_levels({make_complex(2, edge, {0}, {}), {{1, 1}, {kInfinity}, {}}});
+}
+
+VoxelShape two_balls(int side) {
+  Grid grid;
+  grid.dims = {side, side, 2 * side};
+  return testing_shapes::from_predicate(grid, [side](int x, int y, int z) {
+    const double half = 0.5 * side;
+    const double dx = x + 0.5 - half, dy = y + 0.5 - half, dz = z % side + 0.5 - half, bump = 0.02 * ((x * y + z) % 9);
+    return dx * dx + dy * dy + dz * dz < (0.46 - 0.1 * bump) * side * (0.46 - 0.1 * bump) * side ||
+           (dx * dx + dy * dy < 9 && z > half && z < 3 * half);
+  });
+}
+
+// Large enough to be thinned in slabs without being asked.
+TEST(ThinningInSlabs, ManyThreadsGiveTheLevelsOfOne) {
+  MedialAxis axis = voxel_core(two_balls(112));
+  ASSERT_GT(axis.complex.edges.size(), std::size_t{1} << 18);
+  tbb::task_arena(1).execute([&] { prune_levels(axis); });
+  const MedialAxis one = axis;
+  for (const int threads : {2, 4}) {
+    tbb::task_arena(threads).execute([&] { prune_levels(axis); });
+    EXPECT_EQ(axis.vertex_level, one.vertex_level);
+    EXPECT_EQ(axis.edge_level, one.edge_level);
+    EXPECT_EQ(axis.face_level, one.face_level);
+  }
+}
+
+TEST(ThinningInSlabs, ProgressGrowsAndCancelStopsIt) {
+  MedialAxis axis = voxel_core(two_balls(112));
+  Context context;
+  std::vector<double> told;
+  context.progress = [&](std::string_view, double fraction) { told.push_back(fraction); };
+  tbb::task_arena(3).execute([&] { prune_levels(axis, &context); });
+  EXPECT_TRUE(std::is_sorted(told.begin(), told.end()));
+  EXPECT_EQ(told.back(), 1);
+  const std::size_t steps = told.size();
+  ASSERT_GE(steps, 3u);
+  context.progress = [&](std::string_view, double) { context.cancel(); };
+  try {
+    tbb::task_arena(3).execute([&] { prune_levels(axis, &context); });
+    FAIL() << "not cancelled";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::cancelled);
+  }
+}
+
+}  // namespace
+}  // namespace quench
