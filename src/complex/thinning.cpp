@@ -2,7 +2,6 @@
 #include "complex/thinning.h"
 
 #include <tbb/parallel_for.h>
-#include <tbb/parallel_invoke.h>
 
 #include <algorithm>
 #include <atomic>
@@ -78,17 +77,20 @@ CellValues thin(const CellComplex& complex, std::span<const double> vertex_value
   double bound = 0;
   if (slabs > 1) bound = thin_in_slabs(cells, slabs, options.most_crossing, width, step);
   tell();
-  Removal removal(cells, bound, width, kNever, false);
-  offer_all(
-      cells.edges.size(), [&](std::uint32_t e) { return cells.pair_of_edge(e); }, removal);
-  offer_all(
-      cells.vertices.size(), [&](std::uint32_t v) { return cells.pair_of_vertex(v); }, removal);
-  removal.run(step);
+  {
+    Removal removal(cells, bound, width, kNever, false);
+    offer_all(
+        cells.edges.size(), [&](std::uint32_t e) { return cells.pair_of_edge(e); }, removal);
+    offer_all(
+        cells.vertices.size(), [&](std::uint32_t v) { return cells.pair_of_vertex(v); }, removal);
+    removal.run(step);
+  }
   checkpoint(context, stage, 1);
 
   CellValues level;
   level.face = std::move(cells.face_level);
-  tbb::parallel_invoke([&] { level.vertex = levels_of(cells.vertices); }, [&] { level.edge = levels_of(cells.edges); });
+  level.vertex = levels_of(cells.vertices);
+  level.edge = levels_of(cells.edges);
   return level;
 }
 

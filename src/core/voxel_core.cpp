@@ -3,6 +3,7 @@
 #include "quench/voxel_core.h"
 
 #include <fmt/format.h>
+#include <tbb/parallel_invoke.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
@@ -82,9 +83,12 @@ class Lambda {
 
   void compute(LambdaRule rule, Context* context) {
     const CellComplex& complex = axis_.complex;
-    axis_.face_lambda.resize(complex.face_count());
-    axis_.edge_lambda.assign(complex.edges.size(), -1);
-    axis_.vertex_lambda.assign(complex.vertex_count, -1);
+    tbb::parallel_invoke(
+        [&] {
+          axis_.face_lambda.resize(complex.face_count());
+          axis_.vertex_lambda.assign(complex.vertex_count, -1);
+        },
+        [&] { axis_.edge_lambda.assign(complex.edges.size(), -1); });
     const std::size_t chunks = chunks_for(complex.edges.size());
     for_chunks(chunks, context, "core", 0.5, 0.7, [&](std::size_t chunk) {
       const auto [first, last] = part_of(complex.face_count(), chunk, chunks);
@@ -168,8 +172,8 @@ static MedialAxis compute(const VoxelShape& shape, const CoreOptions& options, C
 
   return_free_memory();
   axis.complex = std::move(dual.complex);
-  axis.points.resize(axis.complex.vertex_count);
-  axis.radius.resize(axis.complex.vertex_count);
+  tbb::parallel_invoke([&] { axis.points.resize(axis.complex.vertex_count); },
+                       [&] { axis.radius.resize(axis.complex.vertex_count); });
   const std::size_t chunks = chunks_for(axis.complex.vertex_count, std::size_t{1} << 13);
   for_chunks(chunks, context, "core", 0, 0.5, [&](std::size_t chunk) {
     const auto [first, last] = part_of(axis.complex.vertex_count, chunk, chunks);

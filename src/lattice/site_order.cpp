@@ -7,6 +7,8 @@
 #include <bit>
 #include <limits>
 
+#include "parallel.h"
+
 namespace quench::lattice {
 namespace {
 
@@ -64,17 +66,17 @@ std::vector<std::uint32_t> insertion_order(std::span<const LatticePoint> sites) 
   // sites.
   const int rounds = std::clamp(static_cast<int>(std::bit_width(sites.size())) - 10, 0, 15);
   std::vector<Entry> entries(sites.size());
-  for (std::size_t i = 0; i < sites.size(); ++i) {
+  for_indices(sites.size(), [&](std::size_t i) {
     const int before_last = std::min(std::countr_zero(hash(i) | 1ull << 60), rounds);
     const std::array<std::uint32_t, 3> x{static_cast<std::uint32_t>(sites[i][0] - low[0]),
                                          static_cast<std::uint32_t>(sites[i][1] - low[1]),
                                          static_cast<std::uint32_t>(sites[i][2] - low[2])};
     entries[i] = {static_cast<std::uint64_t>(rounds - before_last) << 60 | hilbert_key(x, bits),
                   static_cast<std::uint32_t>(i)};
-  }
+  });
   tbb::parallel_sort(entries.begin(), entries.end());
   std::vector<std::uint32_t> order(sites.size());
-  for (std::size_t i = 0; i < sites.size(); ++i) order[i] = entries[i].index;
+  for_indices(sites.size(), [&](std::size_t i) { order[i] = entries[i].index; });
   return order;
 }
 

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <numeric>
+#include <vector>
 
+#include "parallel.h"
 #include "quench/voxel_shape.h"
 
 namespace quench {
@@ -9,12 +12,13 @@ namespace {
 
 // A lattice point (x, y, z) touches the voxels x-1 and x of the scanlines (y-1, z-1), (y, z-1), (y-1, z), (y, z).
 // Between two ends of runs the four scanlines have one 4-bit mask of foreground; the point is a site exactly when the
-// masks left and right of it are not both empty or both full. Visits maximal intervals [begin, end) of sites along x.
+// masks left and right of it are not both empty or both full. Visits maximal intervals [begin, end) of sites along x,
+// in layers [first, last).
 template <class Visit>
-void each_interval(const VoxelShape& shape, Visit&& visit) {
+void each_interval(const VoxelShape& shape, std::int64_t first, std::int64_t last, Visit&& visit) {
   const auto& dims = shape.grid().dims;
   std::vector<std::int64_t> events;  // x * 4 + scanline: each event toggles one bit of the mask
-  for (std::int64_t z = 0; z <= dims[2]; ++z)
+  for (std::int64_t z = first; z < last; ++z)
     for (std::int64_t y = 0; y <= dims[1]; ++y) {
       events.clear();
       for (int s = 0; s < 4; ++s)
@@ -35,22 +39,49 @@ void each_interval(const VoxelShape& shape, Visit&& visit) {
     }
 }
 
+constexpr std::size_t kLayers = 16;  // of a chunk
+
+// Calls body(chunk, first layer, last layer + 1) for all layers of lattice points.
+template <class Body>
+void each_chunk(const VoxelShape& shape, const Body& body) {
+  const auto layers = static_cast<std::size_t>(shape.grid().dims[2] + 1);
+  const std::size_t chunks = chunks_for(layers, kLayers);
+  tbb::parallel_for(std::size_t{0}, chunks, [&](std::size_t chunk) {
+    const auto [first, last] = part_of(layers, chunk, chunks);
+    body(chunk, static_cast<std::int64_t>(first), static_cast<std::int64_t>(last));
+  });
+}
+
+std::vector<std::size_t> sites_of_chunks(const VoxelShape& shape) {
+  std::vector<std::size_t> count(chunks_for(static_cast<std::size_t>(shape.grid().dims[2] + 1), kLayers));
+  each_chunk(shape, [&](std::size_t chunk, std::int64_t first, std::int64_t last) {
+    std::int64_t sites = 0;
+    each_interval(shape, first, last,
+                  [&](std::int64_t begin, std::int64_t end, std::int64_t, std::int64_t) { sites += end - begin; });
+    count[chunk] = static_cast<std::size_t>(sites);
+  });
+  return count;
+}
+
 }  // namespace
 
 std::vector<LatticePoint> boundary_vertices(const VoxelShape& shape) {
-  std::vector<LatticePoint> sites;
-  sites.reserve(static_cast<std::size_t>(count_boundary_vertices(shape)));
-  each_interval(shape, [&](std::int64_t begin, std::int64_t end, std::int64_t y, std::int64_t z) {
-    for (std::int64_t x = begin; x < end; ++x)
-      sites.push_back({static_cast<std::int32_t>(x), static_cast<std::int32_t>(y), static_cast<std::int32_t>(z)});
+  std::vector<std::size_t> place = sites_of_chunks(shape);
+  std::vector<LatticePoint> sites(std::reduce(place.begin(), place.end()));
+  std::exclusive_scan(place.begin(), place.end(), place.begin(), std::size_t{0});
+  each_chunk(shape, [&](std::size_t chunk, std::int64_t first, std::int64_t last) {
+    auto site = sites.begin() + static_cast<std::ptrdiff_t>(place[chunk]);
+    each_interval(shape, first, last, [&](std::int64_t begin, std::int64_t end, std::int64_t y, std::int64_t z) {
+      for (std::int64_t x = begin; x < end; ++x)
+        *site++ = {static_cast<std::int32_t>(x), static_cast<std::int32_t>(y), static_cast<std::int32_t>(z)};
+    });
   });
   return sites;
 }
 
 std::int64_t count_boundary_vertices(const VoxelShape& shape) {
-  std::int64_t count = 0;
-  each_interval(shape, [&](std::int64_t begin, std::int64_t end, std::int64_t, std::int64_t) { count += end - begin; });
-  return count;
+  const std::vector<std::size_t> count = sites_of_chunks(shape);
+  return static_cast<std::int64_t>(std::reduce(count.begin(), count.end()));
 }
 
 }  // namespace quench
