@@ -153,9 +153,9 @@ std::vector<double> sample_of(const LiveCells& cells) {
 
 double thin_in_slabs(LiveCells& cells, std::size_t count, double most_crossing, double width,
                      const std::function<bool(std::size_t)>& step) {
-  // Closer bounds have smaller components, which cross fewer slabs, but each costs a look at all cells. The last tenth
-  // of the values is not worth it.
-  constexpr double kShare = 0.25, kLeastShare = 0.1, kLast = 0.1;
+  // Closer bounds have smaller components, which cross fewer slabs, but each costs a look at all cells. The last cells
+  // are not worth it.
+  constexpr double kShare = 0.25, kLeastShare = 0.1, kLast = 0.15;
   const std::vector<double> values = sample_of(cells);
   const auto all = static_cast<double>(values.size());
   std::vector<Slab> slabs = make_slabs(cells, count);
