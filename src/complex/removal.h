@@ -13,7 +13,7 @@ namespace quench {
 /// those that their removal lays free.
 ///
 /// Several may work on the same cells at a time, each on components of its own (thinning_in_slabs.h): cells of the
-/// bound or more, which they share, lose cofaces and are not looked at otherwise.
+/// bound or more, which they share, lose cofaces, and only their values are read.
 class Removal {
  public:
   /// `width`: of the queue's buckets.

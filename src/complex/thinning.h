@@ -23,17 +23,17 @@ struct ThinningOptions {
 };
 
 /// Topology-preserving thinning by simple pairs: (face, edge in no other face) and (edge in no face, vertex in no other
-/// edge). Pairs go in the order of (key, dimension, index of the larger cell, index of the smaller cell), where the key
-/// is the larger value of the two cells; equal keys are decided by the index, which is the tie policy of every
-/// thinning. The level of a cell is the running maximum of the keys when it went, infinity if it never goes. So {level
+/// edge). Pairs go in the order of (key, dimension, index of the free cell, which is the smaller one), where the key is
+/// the larger value of the two cells; equal keys are decided by the index, which is the tie policy of every thinning.
+/// The level of a cell is the running maximum of the keys when it went, infinity if it never goes. So {level
 /// >= t} is a closed subcomplex with the topology of the whole, in which no pair of key < t is left; the family is
 /// nested.
 ///
 /// Values are not negative; cells of infinite value never go. Parallel edges and faces that meet an edge twice are
 /// legal (such an edge is not free).
 ///
-/// O(n log n), on all threads (thinning_in_slabs.h); 16 bytes per vertex and edge, 8 per face and 16 per queued pair,
-/// and in slabs 4 per vertex and edge and 16 per pair that is simple at one time.
+/// O(n log n); 16 bytes per vertex and edge, 8 per face and 16 per queued pair, and more in slabs
+/// (thinning_in_slabs.h), which are all that uses several threads after the start.
 CellValues thin(const CellComplex& complex, std::span<const double> vertex_value, std::span<const double> edge_value,
                 std::span<const double> face_value, Context* context, std::string_view stage,
                 const ThinningOptions& options = {});

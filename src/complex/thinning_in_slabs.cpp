@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cmath>
 #include <limits>
 #include <vector>
 
@@ -139,12 +138,13 @@ std::vector<Slab> make_slabs(const LiveCells& cells, std::size_t count) {
   return slabs;
 }
 
-// Finite values of edges, sorted: some thousands, from everywhere.
+// Finite values of the cells that decide the keys, sorted: some thousands, from everywhere.
 std::vector<double> sample_of(const LiveCells& cells) {
   std::vector<double> sample;
-  const std::size_t stride = cells.edges.size() / 4096 + 1;
-  for (std::size_t e = 0; e < cells.edges.size(); e += stride)
-    if (cells.edges[e].value < kNever) sample.push_back(cells.edges[e].value);
+  const std::size_t count = cells.edges_decide ? cells.edges.size() : cells.face_value.size();
+  for (std::size_t i = 0; i < count; i += count / 4096 + 1)
+    if (const double value = cells.edges_decide ? cells.edges[i].value : cells.face_value[i]; value < kNever)
+      sample.push_back(value);
   std::sort(sample.begin(), sample.end());
   return sample;
 }
@@ -161,9 +161,9 @@ double thin_in_slabs(LiveCells& cells, std::size_t count, double most_crossing, 
   std::vector<Slab> slabs = make_slabs(cells, count);
   double done = 0, share = kShare;  // of the values that are not below `done`
   for (auto left = all; left > kLast * all;) {
-    // Above that value, 0 too, and a little more, since equal values may be rounded differently.
+    // A little above that value, since equal ones may be rounded differently; and above 0.
     const double value = values[static_cast<std::size_t>(all - left + share * left)];
-    const double bound = std::nextafter(value * (1 + 1e-9), kNever);
+    const double bound = std::max(value * (1 + 1e-9), std::numeric_limits<double>::min());
     tbb::parallel_for(std::size_t{0}, count, [&](std::size_t s) { slabs[s].scan(bound); });
     tbb::parallel_for(std::size_t{0}, count, [&](std::size_t s) { slabs[s].part(slabs); });
     std::size_t inside = 0, crossing = 0;
@@ -186,11 +186,18 @@ double thin_in_slabs(LiveCells& cells, std::size_t count, double most_crossing, 
         for (const Slab& slab : slabs) offer(slab.crossing());
       else
         offer(slabs[task - 1].inside());
-      if (!removal.run(step)) stopped = true;
+      try {
+        if (!removal.run([&](std::size_t pairs) { return !stopped && step(pairs); })) stopped = true;
+      } catch (...) {  // the others need not go on
+        stopped = true;
+        throw;
+      }
     });
     if (stopped) break;
     done = bound;
-    left = static_cast<double>(values.end() - std::lower_bound(values.begin(), values.end(), bound));
+    const auto left_now = static_cast<double>(values.end() - std::lower_bound(values.begin(), values.end(), bound));
+    if (!(left_now < left)) break;  // values too small for a factor
+    left = left_now;
     share = std::min(kShare, 2 * share);
   }
   return done;

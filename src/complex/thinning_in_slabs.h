@@ -28,8 +28,9 @@ namespace quench {
 ///
 /// `most_crossing`: share of pairs in components that cross slabs, above which a smaller bound is tried, and after some
 /// tries none. `width`: of the buckets of queues. `step(pairs)` is called now and then on the thread that removed so
-/// many pairs; false: stop. O(n log n) for each of some ten bounds; 4 bytes per vertex and edge for components, 16 per
-/// pair that is simple at a bound.
+/// many pairs; false: stop. For each of some ten bounds O(n log n), and O(links between slabs) in every slab; 4 bytes
+/// per vertex and edge for components, 16 per pair that is simple at a bound, up to 16 per link between slabs: for
+/// complexes whose indices are near in space for cells that are near.
 double thin_in_slabs(LiveCells& cells, std::size_t slabs, double most_crossing, double width,
                      const std::function<bool(std::size_t pairs)>& step);
 
