@@ -33,7 +33,7 @@ struct ThinningOptions {
 /// legal (such an edge is not free).
 ///
 /// O(n log n); 16 bytes per vertex and edge, 8 per face and 16 per queued pair, and more in slabs
-/// (thinning_in_slabs.h), which are all that uses several threads after the start.
+/// (thinning_in_slabs.h), which is how several threads remove pairs.
 CellValues thin(const CellComplex& complex, std::span<const double> vertex_value, std::span<const double> edge_value,
                 std::span<const double> face_value, Context* context, std::string_view stage,
                 const ThinningOptions& options = {});
