@@ -4,6 +4,7 @@
 #include "bucket_queue.h"
 #include "burn/link.h"
 #include "burn/network.h"
+#include "burn/window_queue.h"
 
 namespace quench::burning {
 
@@ -84,7 +85,6 @@ class Labels {
  private:
   void start_vertices();
   void start_edges();
-  void prefetch_radius() const;
   void lower_time(std::uint32_t state, double t, std::uint32_t through, const Source& source);
   void label(std::uint32_t state, double t);
   void label(std::uint32_t state, double t, std::uint32_t through, const Source& source);
@@ -95,7 +95,7 @@ class Labels {
   const Site& site_;
   double tolerance_;
   bool clamp_;
-  LabelQueue queue_;
+  WindowQueue queue_;
   Times time_;
   Times arrival_;  // of the states of Links::arrivals
   // Of the segments only: the polygon a front came through, and for inserted nodes (vertices are sources themselves)

@@ -1,14 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 
+#include "burn/blocks.h"
 #include "burn/fire.h"
-#include "burn/prefetch_ahead.h"
+#include "prefetch.h"
 #include "quench/error.h"
 
 namespace quench::burning {
 namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
+
+// What fire reads of so many states is a megabyte or two. Wider windows let more of a block's work be done in one turn,
+// but more of it is done again when fire comes in from other blocks. Measured: within 5 % for half or twice of either.
+constexpr std::uint64_t kStatesPerBlock = 8192;
+constexpr double kWindow = 4;  // spacings
 
 // Parallel sectors: each burns when fire arrives in it, but the latest when one sheet is left besides it, with the
 // second latest. Ties: the higher rank counts as later.
@@ -35,7 +41,7 @@ Labels::Labels(const Site& site, double tolerance, bool clamp, bool sources)
       tolerance_(tolerance),
       clamp_(clamp),
       queue_(site.radius.empty() ? 0 : *std::min_element(site.radius.begin(), site.radius.end()),
-             site.network.omega / 32) {
+             kWindow * site.network.omega, make_blocks(site.complex, site.points, site.network, kStatesPerBlock)) {
   const std::uint32_t states = site.network.state_count();
   time_.assign(states, kNever);
   arrival_.assign(site.links.arrivals, kNever);
@@ -171,44 +177,18 @@ void Labels::lower_seam(std::uint32_t state, double t, std::uint32_t through, co
         : label(first + last, arrival[second], through_[first + second], Source(this->source(first + second)));
 }
 
-// What radius_of reads, in two steps, as prefetch_ahead.
-inline void Labels::prefetch_radius() const {
-  queue_.peek(6, [&](std::uint32_t s) {
-    if (site_.is_vertex(s)) {
-      prefetch(&site_.links.vertex_of[s]);
-      return;
-    }
-    const std::uint32_t e = site_.edge_of(s);
-    prefetch(&site_.complex.edges[e]);
-    prefetch(&site_.network.length[e]);
-  });
-  queue_.peek(3, [&](std::uint32_t s) {
-    if (site_.is_vertex(s)) {
-      prefetch(&site_.radius[site_.links.vertex_of[s]]);
-      return;
-    }
-    for (const std::uint32_t v : site_.complex.edges[site_.edge_of(s)]) prefetch(&site_.radius[v]);
-  });
-}
-
 bool Labels::next(std::uint32_t& state, bool& again) {
-  const auto stale = [&](const LabelQueue::Entry& e) { return !(status_[e.id] & queued) || e.key > time_[e.id]; };
-  LabelQueue::Entry entry;
+  const auto stale = [&](const WindowQueue::Entry& e) {
+    return !(status_[e.state] & queued) || e.time > time_[e.state];
+  };
+  WindowQueue::Entry entry;
   const auto fetch = [&](std::uint32_t s) {
     prefetch(&status_[s]);
     prefetch(&time_[s]);
   };
   while (queue_.pop(entry, stale, fetch)) {
-    prefetch_ahead(queue_, site_, time_.data());
-    prefetch_radius();
-    queue_.peek(12, [&](std::uint32_t s) {
-      prefetch(&status_[s]);
-      if (through_.empty()) return;
-      prefetch(&through_[s]);
-      if (!site_.is_vertex(s)) prefetch(&source_[s - site_.vertex_states()]);
-    });
     if (stale(entry)) continue;
-    state = entry.id;
+    state = entry.state;
     // Nothing burns before its own ball is gone: fronts of segments can be early by a fraction of the spacing. A radius
     // by the linear rule is no such bound.
     if (clamp_ && !(status_[state] & (open | floor)) && (site_.is_vertex(state) || site_.rule == RadiusRule::exact)) {
@@ -230,7 +210,7 @@ bool Labels::next(std::uint32_t& state, bool& again) {
 void Labels::release(Times& times, std::vector<char>& opened) {
   lattice::HugeVector<std::uint32_t>().swap(through_);
   lattice::HugeVector<Source>().swap(source_);
-  queue_ = LabelQueue(0, 0);
+  queue_ = WindowQueue(0, 0, {});
   opened.assign(time_.size(), 0);
   const auto set = [&](std::uint32_t s, double arrival) {
     opened[s] = (status_[s] & several) && !(status_[s] & open) && time_[s] < arrival;
