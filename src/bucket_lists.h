@@ -15,6 +15,7 @@ template <class Entry>
 class BucketLists {
  public:
   std::size_t size() const { return buckets_.size(); }  ///< one more than the largest bucket ever put into
+  bool is_empty(std::size_t bucket) const { return bucket >= size() || buckets_[bucket].chunk == kNoChunk; }
 
   void put(std::size_t bucket, const Entry& entry) {
     if (bucket >= buckets_.size()) buckets_.resize(bucket + 1, {kNoChunk, kChunk});
@@ -28,14 +29,14 @@ class BucketLists {
   }
 
   /// Empties a bucket: calls visit(entry) for each of its entries, and fetch(entry) some time before, to prefetch what
-  /// `visit` reads. Neither may put anything into these lists.
+  /// `visit` reads. `visit` may put entries into these lists.
   template <class Fetch, class Visit>
   void take(std::size_t bucket, const Fetch& fetch, const Visit& visit) {
+    if (is_empty(bucket)) return;
     const Bucket from = buckets_[bucket];
     buckets_[bucket] = {kNoChunk, kChunk};
     std::uint32_t filled = from.filled;
-    if (from.chunk != kNoChunk)
-      for (std::uint32_t i = 0; i < filled; ++i) fetch(entries_of(from.chunk)[i]);
+    for (std::uint32_t i = 0; i < filled; ++i) fetch(entries_of(from.chunk)[i]);
     for (std::uint32_t chunk = from.chunk; chunk != kNoChunk;) {
       const std::uint32_t next = next_chunk_[chunk];
       const Entry* entry = entries_of(chunk);

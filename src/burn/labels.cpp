@@ -53,7 +53,7 @@ Labels::Labels(const Site& site, double tolerance, bool clamp, bool sources)
   start_vertices();
   start_edges();
   for (std::uint32_t s = 0; s < states; ++s)
-    if (status_[s] & queued) queue_.push(time_[s], s);
+    if (status_[s] & queued) queue_.push(s, time_[s]);
 }
 
 void Labels::start_vertices() {
@@ -99,12 +99,15 @@ void Labels::start_edges() {
 }
 
 inline void Labels::label(std::uint32_t state, double t) {
-  const bool push = !(status_[state] & burned) || status_[state] & queued || t < time_[state] - tolerance_;
+  const double before = time_[state];
   time_[state] = t;
   status_[state] &= static_cast<unsigned char>(~floor);  // raised before, it may be too early again
-  if (!push) return;
-  status_[state] |= queued;
-  queue_.push(t, state);
+  if (status_[state] & queued) {
+    queue_.lower(state, before, t);
+  } else if (!(status_[state] & burned) || t < before - tolerance_) {
+    status_[state] |= queued;
+    queue_.push(state, t);
+  }
 }
 
 inline void Labels::label(std::uint32_t state, double t, std::uint32_t through, const Source& source) {
@@ -178,16 +181,13 @@ void Labels::lower_seam(std::uint32_t state, double t, std::uint32_t through, co
 }
 
 bool Labels::next(std::uint32_t& state, bool& again) {
-  const auto stale = [&](const WindowQueue::Entry& e) {
-    return !(status_[e.state] & queued) || e.time > time_[e.state];
-  };
-  WindowQueue::Entry entry;
+  const auto time_of = [&](std::uint32_t s) { return status_[s] & queued ? time_[s] : kNever; };
   const auto fetch = [&](std::uint32_t s) {
     prefetch(&status_[s]);
     prefetch(&time_[s]);
   };
-  while (queue_.pop(entry, stale, fetch)) {
-    if (stale(entry)) continue;
+  for (WindowQueue::Entry entry{}; queue_.pop(entry, time_of, fetch);) {
+    if (entry.time != time_of(entry.state)) continue;  // overtaken
     state = entry.state;
     // Nothing burns before its own ball is gone: fronts of segments can be early by a fraction of the spacing. A radius
     // by the linear rule is no such bound.
@@ -196,7 +196,7 @@ bool Labels::next(std::uint32_t& state, bool& again) {
       if (time_[state] < least) {
         time_[state] = least;
         status_[state] |= floor;
-        queue_.push(least, state);
+        queue_.push(state, least);
         continue;
       }
     }

@@ -24,7 +24,9 @@ struct Blocks {
 /// Windows of time open one after the other; in a window the blocks take turns. A block's turn lasts until it has
 /// nothing left in the window, in the order of (time, state); what it sends to another block waits for that one's turn,
 /// in the same window if it has to. With one block, this is the order of (time, state). The order depends on what is
-/// pushed only, so results are reproducible. Entries overtaken by a smaller time are the caller's to drop.
+/// pushed only, so results are reproducible.
+///
+/// What waits is a list of states: a time that drops within its window, as most do, costs nothing.
 class WindowQueue {
  public:
   struct Entry {
@@ -36,63 +38,82 @@ class WindowQueue {
   };
 
   WindowQueue(double origin, double width, Blocks blocks)
-      : origin_(origin), scale_(width > 0 ? 1 / width : 0), blocks_(std::move(blocks)), waiting_(blocks_.count) {}
+      : origin_(origin), scale_(width > 0 ? 1 / width : 0), blocks_(std::move(blocks)) {}
 
-  void push(double time, std::uint32_t state) {
-    // Times far beyond the others share the last window, which costs time only.
-    const double place = std::min((time - origin_) * scale_, kMostWindows);
-    const std::size_t window = place > 0 ? static_cast<std::size_t>(place) : 0;
-    if (window < next_)
-      wait({time, state});
+  /// Queues a state that is not queued, or has been popped.
+  void push(std::uint32_t state, double time) {
+    if (const std::size_t window = window_of(time); window >= next_)
+      lists_.put(blocks_.count + window, state);
     else
-      windows_.put(window, {time, state});
+      join(state, time, false);
+  }
+  /// Moves a state that is queued with time `before` to an earlier time.
+  void lower(std::uint32_t state, double before, double time) {
+    const std::size_t from = window_of(before), window = window_of(time);
+    if (window < next_)
+      join(state, time, from < next_);
+    else if (window != from)
+      lists_.put(blocks_.count + window, state);
   }
 
-  /// False when empty. `stale(entry)` entries are dropped when their window opens; `fetch(state)` is called for each
-  /// some time before, to prefetch what `stale` reads.
-  template <class Stale, class Fetch>
-  bool pop(Entry& entry, const Stale& stale, const Fetch& fetch) {
-    while (waiting_[turn_].empty()) {
+  /// The next state; false when empty. A state whose time has dropped may come again: entries with another time than
+  /// the state's, and those of states popped since they were queued, are the caller's to drop. `time_of(state)` is
+  /// asked for when a block's turn begins, infinite for a state that is not queued any more, and `fetch(state)` is
+  /// called some time before, to prefetch what it reads.
+  template <class TimeOf, class Fetch>
+  bool pop(Entry& entry, const TimeOf& time_of, const Fetch& fetch) {
+    while (heap_.empty()) {
       if (waits_ == 0) {
-        if (next_ == windows_.size()) return false;
-        turn_ = kNobody;
-        windows_.take(
-            next_++, [&](const Entry& e) { fetch(e.state); },
-            [&](const Entry& e) {
-              if (!stale(e)) wait(e);
-            });
+        if (blocks_.count + next_ >= lists_.size()) return false;
+        lists_.take(
+            blocks_.count + next_++, [](std::uint32_t) {}, [&](std::uint32_t s) { wait(blocks_.of_state[s], s); });
         turn_ = 0;
       } else {
         turn_ = turn_ + 1 == blocks_.count ? 0 : turn_ + 1;
       }
-      std::make_heap(waiting_[turn_].begin(), waiting_[turn_].end(), std::greater<>());
+      lists_.take(turn_, fetch, [&](std::uint32_t s) {
+        --waits_;
+        if (const double time = time_of(s); window_of(time) < next_) heap_.push_back({time, s});
+      });
+      std::make_heap(heap_.begin(), heap_.end(), std::greater<>());
     }
-    std::vector<Entry>& heap = waiting_[turn_];
-    std::pop_heap(heap.begin(), heap.end(), std::greater<>());
-    entry = heap.back();
-    heap.pop_back();
-    --waits_;
+    std::pop_heap(heap_.begin(), heap_.end(), std::greater<>());
+    entry = heap_.back();
+    heap_.pop_back();
     return true;
   }
 
  private:
+  // Times far beyond the others share the last window, which costs time only.
   static constexpr double kMostWindows = 1 << 20;
-  static constexpr std::uint32_t kNobody = ~std::uint32_t{0};
+  std::size_t window_of(double time) const {
+    const double place = std::min((time - origin_) * scale_, kMostWindows);
+    return place > 0 ? static_cast<std::size_t>(place) : 0;
+  }
 
-  void wait(const Entry& entry) {
-    const std::uint32_t block = blocks_.of_state[entry.state];
-    waiting_[block].push_back(entry);
+  // Into a window that is open. Where the block's turn is still to come, `waits` already is enough.
+  void join(std::uint32_t state, double time, bool waits) {
+    const std::uint32_t block = blocks_.of_state[state];
+    if (block == turn_) {
+      heap_.push_back({time, state});
+      std::push_heap(heap_.begin(), heap_.end(), std::greater<>());
+    } else if (!waits) {
+      wait(block, state);
+    }
+  }
+  void wait(std::uint32_t block, std::uint32_t state) {
+    lists_.put(block, state);
     ++waits_;
-    if (block == turn_) std::push_heap(waiting_[block].begin(), waiting_[block].end(), std::greater<>());
   }
 
   double origin_, scale_;
   Blocks blocks_;
-  BucketLists<Entry> windows_;
-  std::size_t next_ = 0;                     // first window that is not open yet
-  std::vector<std::vector<Entry>> waiting_;  // per block, in the open windows; a heap for the one whose turn it is
-  std::size_t waits_ = 0;                    // in all blocks
+  BucketLists<std::uint32_t>
+      lists_;              // per block the states that wait for its turn in the open windows; then per window
+  std::size_t next_ = 0;   // first window that is not open yet
+  std::size_t waits_ = 0;  // states in the lists of blocks
   std::uint32_t turn_ = 0;
+  std::vector<Entry> heap_;  // of the block whose turn it is
 };
 
 }  // namespace quench::burning
