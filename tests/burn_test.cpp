@@ -10,6 +10,7 @@
 #include <string>
 
 #include "brute_force_burn.h"
+#include "burn/fire.h"
 #include "burn_shapes.h"
 #include "quench/error.h"
 #include "quench/prune.h"
@@ -192,6 +193,39 @@ TEST(Burn, ByNodesIsSound) {
     const double omega = some_omega(seed / 5);
     expect_sound(input, burn(input, omega, Propagation::nodes), 1e-9, name_of(seed, omega));
   }
+}
+
+// Of a few states each, so that fire comes in from other blocks all the time.
+TEST(Burn, BlocksInTurns) {
+  int compared = 0;
+  double sum = 0;
+  for (std::uint64_t seed = 0; seed < 3000 && !testing::Test::HasFatalFailure(); ++seed) {
+    const BurnInput input = random_input(seed);
+    const double omega = some_omega(seed / 5);
+    const burning::Turns turns{1 + seed % 3 * 4, std::array{0.25, 4.0, 1e9}[seed / 3 % 3]};
+    const std::string where = name_of(seed, omega) + ", blocks of " + std::to_string(turns.states);
+    const auto burn_both = [&](Propagation propagation) {
+      const BurnOptions options{.omega = omega, .propagation = propagation, .radius = input.rule};
+      return std::pair(burn(input.complex, input.points, input.radius, options),
+                       burning::burn_in_turns(input.complex, input.points, input.radius, options, turns, nullptr));
+    };
+    const auto [nodes, nodes_in_turns] = burn_both(Propagation::nodes);
+    ASSERT_EQ(nodes_in_turns.state_time, nodes.state_time) << where;  // the least of sums, whatever came first
+    expect_sound(input, nodes_in_turns, 1e-9, where);
+    const auto [segments, in_turns] = burn_both(Propagation::segments);
+    expect_sound(input, in_turns, 2 * std::min(1e-3, 2e-3 * omega), where);
+    for (std::size_t v = 0; v < input.points.size(); ++v) {
+      ASSERT_EQ(std::isinf(in_turns.burn_time[v]), std::isinf(segments.burn_time[v])) << where;
+      if (std::isinf(in_turns.burn_time[v])) continue;
+      // Where fronts meet, which label stays can depend on what came first: by less than segments are off there anyway.
+      const double change = std::abs(in_turns.burn_time[v] - segments.burn_time[v]) / omega;
+      ASSERT_LT(change, 0.25) << where << " vertex " << v;
+      sum += change;
+      ++compared;
+    }
+  }
+  EXPECT_GT(compared, 30000);
+  EXPECT_LT(sum / compared, 1e-4);
 }
 
 // Tolerance of label correction: min(1e-3, 2e-3 w); each label may be late by it once.

@@ -73,6 +73,11 @@ double radius_inside_edge(double r0, double r1, double length, double t, RadiusR
 
 Burning burn(const CellComplex& complex, std::span<const Vec3> points, std::span<const double> radius,
              const BurnOptions& options, Context* context) {
+  return burn_in_turns(complex, points, radius, options, {}, context);
+}
+
+Burning burning::burn_in_turns(const CellComplex& complex, std::span<const Vec3> points, std::span<const double> radius,
+                               const BurnOptions& options, const Turns& turns, Context* context) {
   check_input(complex, points, radius, options);
   checkpoint(context, "burn", 0);
   Burning result;
@@ -93,7 +98,7 @@ Burning burn(const CellComplex& complex, std::span<const Vec3> points, std::span
     const bool segments = options.propagation == Propagation::segments;
     // Labels of the segments are corrected; without a tolerance nodes would burn again for every rounding.
     const double tolerance = segments ? std::min(2e-3 * result.options.omega, 6e-4 * mean) : 0;
-    Labels labels(site, tolerance, segments, segments);
+    Labels labels(site, turns, tolerance, segments, segments);
     if (segments)
       propagate_by_segments(site, labels, tolerance, context);
     else

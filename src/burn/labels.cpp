@@ -11,11 +11,6 @@ namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
-// What fire reads of so many states is a megabyte or two. Wider windows let more of a block's work be done in one turn,
-// but more of it is done again when fire comes in from other blocks. Measured: within 5 % for half or twice of either.
-constexpr std::uint64_t kStatesPerBlock = 8192;
-constexpr double kWindow = 4;  // spacings
-
 // Parallel sectors: each burns when fire arrives in it, but the latest when one sheet is left besides it, with the
 // second latest. Ties: the higher rank counts as later.
 struct Latest {
@@ -36,12 +31,12 @@ Latest latest_of(const double* arrival, std::uint32_t count) {
 
 }  // namespace
 
-Labels::Labels(const Site& site, double tolerance, bool clamp, bool sources)
+Labels::Labels(const Site& site, const Turns& turns, double tolerance, bool clamp, bool sources)
     : site_(site),
       tolerance_(tolerance),
       clamp_(clamp),
       queue_(site.radius.empty() ? 0 : *std::min_element(site.radius.begin(), site.radius.end()),
-             kWindow * site.network.omega, make_blocks(site.complex, site.points, site.network, kStatesPerBlock)) {
+             turns.window * site.network.omega, make_blocks(site.complex, site.points, site.network, turns.states)) {
   const std::uint32_t states = site.network.state_count();
   time_.assign(states, kNever);
   arrival_.assign(site.links.arrivals, kNever);

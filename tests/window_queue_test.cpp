@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "burn/window_queue.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <queue>
+#include <random>
+
+#include "burn/blocks.h"
+#include "burn/network.h"
+#include "burn_shapes.h"
+
+namespace quench::burning {
+namespace {
+
+constexpr double kNever = std::numeric_limits<double>::infinity();
+
+Blocks blocks_of(std::uint32_t states, std::uint32_t count, std::mt19937& random) {
+  Blocks blocks;
+  blocks.count = count;
+  for (std::uint32_t s = 0; s < states; ++s) blocks.of_state.push_back(static_cast<std::uint16_t>(random() % count));
+  return blocks;
+}
+
+// The caller's side, as label correction uses the queue.
+struct Label {
+  double time = kNever;
+  bool queued = false;
+};
+struct Labels {
+  WindowQueue queue;
+  std::vector<Label> labels;
+
+  double time_of(std::uint32_t s) const { return labels[s].queued ? labels[s].time : kNever; }
+  void set(std::uint32_t s, double time) {
+    Label& label = labels[s];
+    if (label.queued)
+      queue.lower(s, label.time, time);
+    else
+      queue.push(s, time);
+    label = {time, true};
+  }
+  bool next(WindowQueue::Entry& entry) {
+    while (queue.pop(
+        entry, [&](std::uint32_t s) { return time_of(s); }, [](std::uint32_t) {}))
+      if (entry.time == time_of(entry.state)) {
+        labels[entry.state].queued = false;
+        return true;
+      }
+    return false;
+  }
+};
+
+// States are queued, lowered and popped at random; each comes with its last time, and nothing is left behind.
+TEST(WindowQueue, EveryStateComesWithItsLastTime) {
+  for (std::uint32_t seed = 0; seed < 200; ++seed) {
+    std::mt19937 random(seed);
+    const std::uint32_t states = 1 + random() % 300, count = 1 + random() % 9;
+    const double width = std::array{0.01, 0.7, 1000.0}[seed % 3];
+    Labels labels{WindowQueue(0, width, blocks_of(states, count, random)), std::vector<Label>(states)};
+    std::size_t queued = 0, popped = 0;
+    double now = 0;
+    for (int step = 0; step < 5000; ++step) {
+      if (random() % 3) {
+        const std::uint32_t s = random() % states;
+        // As fire does: later than what was popped last, or a little before it where labels are corrected.
+        const double time = now + (random() % 100) * 0.02 - (random() % 10 == 0 ? 0.3 : 0);
+        if (labels.labels[s].queued && !(time < labels.labels[s].time)) continue;
+        queued += !labels.labels[s].queued;
+        labels.set(s, time);
+        continue;
+      }
+      const std::vector<Label> before = labels.labels;
+      WindowQueue::Entry entry{};
+      if (!labels.next(entry)) {
+        ASSERT_EQ(queued, popped) << "seed " << seed;
+        continue;
+      }
+      ++popped;
+      ASSERT_TRUE(before[entry.state].queued);
+      ASSERT_EQ(before[entry.state].time, entry.time);
+      now = entry.time;
+    }
+    for (WindowQueue::Entry entry{}; labels.next(entry); ++popped)
+      ASSERT_EQ(labels.labels[entry.state].time, entry.time);
+    ASSERT_EQ(queued, popped) << "seed " << seed;
+    for (const Label& label : labels.labels) ASSERT_FALSE(label.queued);
+  }
+}
+
+TEST(WindowQueue, OneBlockComesInTheOrderOfTime) {
+  for (std::uint32_t seed = 0; seed < 50; ++seed) {
+    std::mt19937 random(seed);
+    const std::uint32_t states = 500;
+    Labels labels{WindowQueue(1, 0.3, blocks_of(states, 1, random)), std::vector<Label>(states)};
+    for (std::uint32_t s = 0; s < states; ++s) labels.set(s, 1 + random() % 50 * 0.1);
+    WindowQueue::Entry entry{}, last{0, 0};
+    for (std::size_t popped = 0; labels.next(entry); ++popped) {
+      ASSERT_TRUE(entry > last) << "seed " << seed;
+      last = entry;
+      // Later than this one: queued or not.
+      const std::uint32_t s = random() % states;
+      const double time = entry.time + random() % 20 * 0.1 + 0.01;
+      if (popped < 2000 && (!labels.labels[s].queued || time < labels.labels[s].time)) labels.set(s, time);
+    }
+  }
+}
+
+// In a window a block's turn lasts until it has nothing left; the next window opens when no block has.
+TEST(WindowQueue, BlocksTakeTurnsInAWindow) {
+  Blocks blocks;
+  blocks.count = 3;
+  blocks.of_state = {0, 1, 2, 0, 1, 2};
+  Labels labels{WindowQueue(0, 10, blocks), std::vector<Label>(6)};
+  for (std::uint32_t s = 0; s < 6; ++s) labels.set(s, 9 - s);  // all in the first window
+  std::vector<std::uint32_t> order;
+  for (WindowQueue::Entry entry{}; labels.next(entry);) {
+    order.push_back(entry.state);
+    if (order.size() == 3) {  // in the turn of block 1
+      labels.set(1, 3);       // lowered, of this block
+      labels.set(2, 2);       // lowered, of one whose turn comes
+      labels.set(0, 9.5);     // once more, of one whose turn is over
+      labels.set(3, 12);      // in the next window
+    }
+  }
+  EXPECT_EQ(order, (std::vector<std::uint32_t>{3, 0, 4, 1, 2, 5, 0, 3}));
+}
+
+TEST(Blocks, AreOfTheirSizeAndOfStatesThatLieTogether) {
+  testing_complexes::Random random(1);
+  testing_complexes::Builder b;
+  testing_complexes::jittered_sheet(b, Vec3(-3, 7, 1), Vec3(80, 0, 5), Vec3(0, 60, 0), 80, 60, random);
+  testing_complexes::BurnInput input = b.input([](const Vec3&) { return 1.0; });
+  const BurnNetwork network = make_network(input.complex, input.points, 0.4, Propagation::segments);
+  const Blocks blocks = make_blocks(input.complex, input.points, network, 600);
+  ASSERT_EQ(blocks.of_state.size(), network.state_count());
+  std::vector<std::size_t> states(blocks.count, 0);
+  for (const std::uint16_t block : blocks.of_state) {
+    ASSERT_LT(block, blocks.count);
+    ++states[block];
+  }
+  EXPECT_EQ(blocks.count, (network.state_count() - 1) / 600 + 1);
+  for (std::size_t i = 0; i + 1 < states.size(); ++i) EXPECT_NEAR(static_cast<double>(states[i]), 600, 60) << i;
+  std::vector<Vec3> low(blocks.count, Vec3::Constant(kNever)), high(blocks.count, Vec3::Constant(-kNever));
+  for (std::uint32_t v = 0; v < input.points.size(); ++v) {
+    const std::uint16_t block = blocks.of_state[network.vertex_base[v]];
+    low[block] = low[block].cwiseMin(input.points[v]);
+    high[block] = high[block].cwiseMax(input.points[v]);
+  }
+  double extent = 0;
+  for (std::size_t i = 0; i < blocks.count; ++i) extent += (high[i] - low[i]).norm() / blocks.count;
+  EXPECT_LT(extent, 25);  // of a sheet of 100 units, divided into about 80
+  for (std::uint32_t e = 0; e < input.complex.edges.size(); ++e)
+    for (std::uint32_t s = network.state_base[e]; s < network.state_base[e + 1]; ++s)
+      ASSERT_EQ(blocks.of_state[s], blocks.of_state[network.vertex_base[input.complex.edges[e][0]]]);
+
+  const Blocks one = make_blocks(input.complex, input.points, network, 1u << 30);
+  EXPECT_EQ(one.count, 1u);
+}
+
+// More blocks than can be numbered are not made; points that coincide are of one.
+TEST(Blocks, ManyAndOne) {
+  testing_complexes::Random random(1);
+  testing_complexes::Builder b;
+  testing_complexes::jittered_sheet(b, Vec3(0, 0, 0), Vec3(60, 0, 0), Vec3(0, 60, 0), 60, 60, random);
+  testing_complexes::BurnInput input = b.input([](const Vec3&) { return 1.0; });
+  const BurnNetwork network = make_network(input.complex, input.points, 0.03, Propagation::segments);
+  ASSERT_GT(network.state_count(), 1u << 16);
+  const Blocks many = make_blocks(input.complex, input.points, network, 1);
+  EXPECT_LE(many.count, 1u << 16);
+  EXPECT_GT(many.count, 1u << 14);
+  for (const std::uint16_t block : many.of_state) ASSERT_LT(block, many.count);
+  for (Vec3& p : input.points) p = Vec3(1, 2, 3);
+  const Blocks same = make_blocks(input.complex, input.points, network, 100);
+  for (const std::uint16_t block : same.of_state) ASSERT_EQ(block, 0);
+}
+
+}  // namespace
+}  // namespace quench::burning
