@@ -27,6 +27,13 @@ class BucketQueue {
 
   BucketQueue(double origin, double width) : origin_(origin), scale_(width > 0 ? 1 / width : 0) {}
 
+  /// For an empty queue: other keys, from about `origin` on.
+  void restart(double origin) {
+    origin_ = origin;
+    next_ = cursor_ = 0;
+    open_.clear();
+  }
+
   void push(double key, Id id) {
     // Keys far beyond the others share the last bucket, which only costs a larger one to sort.
     const double place = std::min((key - origin_) * scale_, kMostBuckets);

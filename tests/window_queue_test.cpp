@@ -44,8 +44,8 @@ struct Labels {
   bool next(WindowQueue::Entry& entry) {
     while (queue.pop(
         entry, [&](std::uint32_t s) { return time_of(s); }, [](std::uint32_t) {}))
-      if (entry.time == time_of(entry.state)) {
-        labels[entry.state].queued = false;
+      if (entry.key == time_of(entry.id)) {
+        labels[entry.id].queued = false;
         return true;
       }
     return false;
@@ -78,12 +78,11 @@ TEST(WindowQueue, EveryStateComesWithItsLastTime) {
         continue;
       }
       ++popped;
-      ASSERT_TRUE(before[entry.state].queued);
-      ASSERT_EQ(before[entry.state].time, entry.time);
-      now = entry.time;
+      ASSERT_TRUE(before[entry.id].queued);
+      ASSERT_EQ(before[entry.id].time, entry.key);
+      now = entry.key;
     }
-    for (WindowQueue::Entry entry{}; labels.next(entry); ++popped)
-      ASSERT_EQ(labels.labels[entry.state].time, entry.time);
+    for (WindowQueue::Entry entry{}; labels.next(entry); ++popped) ASSERT_EQ(labels.labels[entry.id].time, entry.key);
     ASSERT_EQ(queued, popped) << "seed " << seed;
     for (const Label& label : labels.labels) ASSERT_FALSE(label.queued);
   }
@@ -97,11 +96,11 @@ TEST(WindowQueue, OneBlockComesInTheOrderOfTime) {
     for (std::uint32_t s = 0; s < states; ++s) labels.set(s, 1 + random() % 50 * 0.1);
     WindowQueue::Entry entry{}, last{0, 0};
     for (std::size_t popped = 0; labels.next(entry); ++popped) {
-      ASSERT_TRUE(entry > last) << "seed " << seed;
+      ASSERT_TRUE(last < entry) << "seed " << seed;
       last = entry;
       // Later than this one: queued or not.
       const std::uint32_t s = random() % states;
-      const double time = entry.time + random() % 20 * 0.1 + 0.01;
+      const double time = entry.key + random() % 20 * 0.1 + 0.01;
       if (popped < 2000 && (!labels.labels[s].queued || time < labels.labels[s].time)) labels.set(s, time);
     }
   }
@@ -116,7 +115,7 @@ TEST(WindowQueue, BlocksTakeTurnsInAWindow) {
   for (std::uint32_t s = 0; s < 6; ++s) labels.set(s, 9 - s);  // all in the first window
   std::vector<std::uint32_t> order;
   for (WindowQueue::Entry entry{}; labels.next(entry);) {
-    order.push_back(entry.state);
+    order.push_back(entry.id);
     if (order.size() == 3) {  // in the turn of block 1
       labels.set(1, 3);       // lowered, of this block
       labels.set(2, 2);       // lowered, of one whose turn comes

@@ -3,11 +3,11 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <functional>
 #include <utility>
 #include <vector>
 
 #include "bucket_lists.h"
+#include "bucket_queue.h"
 
 namespace quench::burning {
 
@@ -29,16 +29,15 @@ struct Blocks {
 /// What waits is a list of states: a time that drops within its window, as most do, costs nothing.
 class WindowQueue {
  public:
-  struct Entry {
-    double time;
-    std::uint32_t state;
-    friend bool operator>(const Entry& a, const Entry& b) {
-      return a.time != b.time ? a.time > b.time : a.state > b.state;
-    }
-  };
+  using Turn = BucketQueue<std::uint32_t>;
+  using Entry = Turn::Entry;  ///< key: the time, id: the state
 
   WindowQueue(double origin, double width, Blocks blocks)
-      : origin_(origin), scale_(width > 0 ? 1 / width : 0), blocks_(std::move(blocks)) {}
+      : origin_(origin),
+        width_(width),
+        scale_(width > 0 ? 1 / width : 0),
+        blocks_(std::move(blocks)),
+        turn_(origin, width / kParts) {}
 
   /// Queues a state that is not queued, or has been popped.
   void push(std::uint32_t state, double time) {
@@ -57,33 +56,31 @@ class WindowQueue {
   }
 
   /// The next state; false when empty. A state whose time has dropped may come again: entries with another time than
-  /// the state's, and those of states popped since they were queued, are the caller's to drop. `time_of(state)` is
-  /// asked for when a block's turn begins, infinite for a state that is not queued any more, and `fetch(state)` is
-  /// called some time before, to prefetch what it reads.
+  /// `time_of(state)`, which is infinite for a state that is not queued any more, are the caller's to drop.
+  /// `fetch(state)` is called some time before `time_of`, to prefetch what it reads.
   template <class TimeOf, class Fetch>
   bool pop(Entry& entry, const TimeOf& time_of, const Fetch& fetch) {
-    while (heap_.empty()) {
+    const auto overtaken = [&](const Entry& e) { return e.key != time_of(e.id); };
+    while (!turn_.pop(entry, overtaken)) {
       if (waits_ == 0) {
         if (blocks_.count + next_ >= lists_.size()) return false;
         lists_.take(
             blocks_.count + next_++, [](std::uint32_t) {}, [&](std::uint32_t s) { wait(blocks_.of_state[s], s); });
-        turn_ = 0;
+        block_ = 0;
       } else {
-        turn_ = turn_ + 1 == blocks_.count ? 0 : turn_ + 1;
+        block_ = block_ + 1 == blocks_.count ? 0 : block_ + 1;
       }
-      lists_.take(turn_, fetch, [&](std::uint32_t s) {
+      turn_.restart(origin_ + static_cast<double>(next_ - 1) * width_);
+      lists_.take(block_, fetch, [&](std::uint32_t s) {
         --waits_;
-        if (const double time = time_of(s); window_of(time) < next_) heap_.push_back({time, s});
+        if (const double time = time_of(s); window_of(time) < next_) turn_.push(time, s);
       });
-      std::make_heap(heap_.begin(), heap_.end(), std::greater<>());
     }
-    std::pop_heap(heap_.begin(), heap_.end(), std::greater<>());
-    entry = heap_.back();
-    heap_.pop_back();
     return true;
   }
 
  private:
+  static constexpr int kParts = 32;  // buckets of a turn: of ten states or so each
   // Times far beyond the others share the last window, which costs time only.
   static constexpr double kMostWindows = 1 << 20;
   std::size_t window_of(double time) const {
@@ -94,9 +91,8 @@ class WindowQueue {
   // Into a window that is open. Where the block's turn is still to come, `waits` already is enough.
   void join(std::uint32_t state, double time, bool waits) {
     const std::uint32_t block = blocks_.of_state[state];
-    if (block == turn_) {
-      heap_.push_back({time, state});
-      std::push_heap(heap_.begin(), heap_.end(), std::greater<>());
+    if (block == block_) {
+      turn_.push(time, state);
     } else if (!waits) {
       wait(block, state);
     }
@@ -106,14 +102,14 @@ class WindowQueue {
     ++waits_;
   }
 
-  double origin_, scale_;
+  double origin_, width_, scale_;
   Blocks blocks_;
-  BucketLists<std::uint32_t>
-      lists_;              // per block the states that wait for its turn in the open windows; then per window
-  std::size_t next_ = 0;   // first window that is not open yet
-  std::size_t waits_ = 0;  // states in the lists of blocks
-  std::uint32_t turn_ = 0;
-  std::vector<Entry> heap_;  // of the block whose turn it is
+  // Of states: per block what waits for its turn in the open windows; then one per window.
+  BucketLists<std::uint32_t> lists_;
+  std::size_t next_ = 0;     // first window that is not open yet
+  std::size_t waits_ = 0;    // states in the lists of blocks
+  std::uint32_t block_ = 0;  // whose turn it is
+  Turn turn_;
 };
 
 }  // namespace quench::burning
