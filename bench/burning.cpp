@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Burning a medial axis: error of erosion thickness against time, by nodes and by segments, one thread.
 //   bench_burn AXIS [--radii FILE.r] [--linear] [--no-nodes] [--times-only] [--spacing W]... [--fine W]
-//   [--unit U]
+//   [--unit U] [--turns STATES WINDOW]...
 // Spacings are multiples of the default one (default: 2 1 0.5 0.25); errors are mean relative errors over the vertices
 // whose erosion thickness exceeds a voxel (of a core of Quench; else --unit, or the default spacing), against a run by
-// segments at a tenth of the default (--fine).
+// segments at a tenth of the default (--fine). --turns adds a run by segments with other blocks and windows (in node
+// spacings) than the program's, and prints the ratio of its time to theirs: 1e12 0.125 is the order of time.
 #include <fmt/format.h>
 #if defined(__GLIBC__)
 #include <malloc.h>
@@ -16,9 +17,11 @@
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "burn/fire.h"
 #include "measure.h"
 #include "quench/burn.h"
 #include "quench/io.h"
@@ -59,7 +62,7 @@ Axis read_axis(const std::string& file, const std::string& radii) {
 
 // Peak memory of one burn above what was there before, measured in a process of its own. What reading the file has left
 // free goes back to the system first: else the burn would use it again, and it would not be counted.
-double burn_bytes(const Axis& axis, const BurnOptions& options) {
+double burn_bytes(const Axis& axis, const BurnOptions& options, const burning::Turns& turns) {
   int pipes[2];
   if (pipe(pipes) != 0) return 0;
 #if defined(__GLIBC__)
@@ -68,7 +71,7 @@ double burn_bytes(const Axis& axis, const BurnOptions& options) {
   const pid_t child = fork();
   if (child == 0) {
     const double before = peak_bytes();
-    burn(axis.complex, axis.points, axis.radius, options);
+    burn_in_turns(axis.complex, axis.points, axis.radius, options, turns, nullptr);
     const double grown = peak_bytes() - before;
     if (write(pipes[1], &grown, sizeof grown) < 0) _exit(1);
     _exit(0);
@@ -86,6 +89,7 @@ double burn_bytes(const Axis& axis, const BurnOptions& options) {
 int main(int argc, char** argv) {
   std::string file, radii;
   std::vector<double> spacings;
+  std::vector<burning::Turns> others;
   double fine = 0.1, unit_given = 0;
   BurnOptions options;
   bool nodes = true;
@@ -99,7 +103,10 @@ int main(int argc, char** argv) {
       fine = std::atof(argv[++i]);
     else if (word == "--unit" && i + 1 < argc)
       unit_given = std::atof(argv[++i]);
-    else if (word == "--linear")
+    else if (word == "--turns" && i + 2 < argc) {
+      const auto states = static_cast<std::uint64_t>(std::atof(argv[++i]));
+      others.push_back({states, std::atof(argv[++i])});
+    } else if (word == "--linear")
       options.radius = RadiusRule::linear;
     else if (word == "--times-only")
       options.parents = false;
@@ -111,7 +118,7 @@ int main(int argc, char** argv) {
   if (file.empty()) {
     fmt::print(stderr,
                "usage: bench_burn AXIS [--radii FILE.r] [--linear] [--no-nodes] [--times-only] [--spacing W]... "
-               "[--fine W] [--unit U]\n");
+               "[--fine W] [--unit U] [--turns STATES WINDOW]...\n");
     return 2;
   }
   if (spacings.empty()) spacings = {2, 1, 0.5, 0.25};
@@ -122,6 +129,7 @@ int main(int argc, char** argv) {
   struct Run {
     Propagation by;
     double spacing, bytes;
+    std::optional<burning::Turns> other;  // turns than the program's
   };
   std::vector<Run> runs;
   for (const double w : spacings)
@@ -129,7 +137,10 @@ int main(int argc, char** argv) {
       if (by == Propagation::nodes && !nodes) continue;
       options.propagation = by;
       options.omega = base * w;
-      runs.push_back({by, base * w, burn_bytes(axis, options)});  // before anything else grows
+      runs.push_back({by, base * w, burn_bytes(axis, options, {}), std::nullopt});  // before anything else grows
+      if (by == Propagation::segments)
+        for (const burning::Turns& turns : others)
+          runs.push_back({by, base * w, burn_bytes(axis, options, turns), turns});
     }
   options.propagation = Propagation::segments;
   options.omega = base * fine;
@@ -139,17 +150,26 @@ int main(int argc, char** argv) {
   fmt::print("| spacing | by | nodes | s | us/node | B/node | mean error of ET | at most {:.3g} above, below |\n",
              unit);
   fmt::print("|---|---|---|---|---|---|---|---|\n");
-  for (const auto& [by, spacing, bytes] : runs) {
+  for (const auto& [by, spacing, bytes, other] : runs) {
     options.propagation = by;
     options.omega = spacing;
-    std::vector<double> seconds;
+    std::vector<double> seconds, ratios;
     Burning result;
-    for (int run = 0; run < 3; ++run) {
+    const auto timed = [&](const burning::Turns& turns) {
       const double start = cpu_seconds();
-      result = burn(axis.complex, axis.points, axis.radius, options);
-      seconds.push_back(cpu_seconds() - start);
+      result = burn_in_turns(axis.complex, axis.points, axis.radius, options, turns, nullptr);
+      return cpu_seconds() - start;
+    };
+    for (int run = 0; run < 3; ++run) {
+      const double ours = other ? timed({}) : 0;
+      seconds.push_back(timed(other.value_or(burning::Turns{})));
+      ratios.push_back(seconds.back() / ours);
     }
     std::sort(seconds.begin(), seconds.end());
+    std::sort(ratios.begin(), ratios.end());
+    std::string name = by == Propagation::nodes ? "nodes" : "segments";
+    if (other)
+      name += fmt::format(", turns of {} states, {:g} spacings: {:.2f} x", other->states, other->window, ratios[1]);
     double error = 0, above = 0, below = 0;
     std::size_t count = 0;
     for (std::size_t v = 0; v < axis.radius.size(); ++v) {
@@ -162,10 +182,9 @@ int main(int argc, char** argv) {
       ++count;
     }
     const double n = result.network.node_count();
-    fmt::print("| {:.4g} | {} | {} | {:.3f} | {:.2f} | {:.0f} | {:.3f}% | {:.3f}, {:.3f} |\n", options.omega,
-               by == Propagation::nodes ? "nodes" : "segments", result.network.node_count(), seconds[1],
-               seconds[1] / n * 1e6, bytes / n, count ? 100 * error / static_cast<double>(count) : 0, above / unit,
-               below / unit);
+    fmt::print("| {:.4g} | {} | {} | {:.3f} | {:.2f} | {:.0f} | {:.3f}% | {:.3f}, {:.3f} |\n", options.omega, name,
+               result.network.node_count(), seconds[1], seconds[1] / n * 1e6, bytes / n,
+               count ? 100 * error / static_cast<double>(count) : 0, above / unit, below / unit);
     std::fflush(stdout);
   }
   return 0;

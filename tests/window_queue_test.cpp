@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <limits>
-#include <queue>
 #include <random>
+#include <utility>
 
 #include "burn/blocks.h"
 #include "burn/network.h"
@@ -24,15 +24,19 @@ Blocks blocks_of(std::uint32_t states, std::uint32_t count, std::mt19937& random
 }
 
 // The caller's side, as label correction uses the queue.
-struct Label {
-  double time = kNever;
-  bool queued = false;
-};
 struct Labels {
+  struct Label {
+    double time = kNever;
+    bool queued = false;
+  };
   WindowQueue queue;
   std::vector<Label> labels;
 
+  Labels(double origin, double width, const Blocks& blocks)
+      : queue(origin, width, blocks), labels(blocks.of_state.size()) {}
+
   double time_of(std::uint32_t s) const { return labels[s].queued ? labels[s].time : kNever; }
+  bool later(std::uint32_t a, std::uint32_t b) const { return std::pair(time_of(a), a) > std::pair(time_of(b), b); }
   void set(std::uint32_t s, double time) {
     Label& label = labels[s];
     if (label.queued)
@@ -41,68 +45,51 @@ struct Labels {
       queue.push(s, time);
     label = {time, true};
   }
-  bool next(WindowQueue::Entry& entry) {
-    while (queue.pop(
-        entry, [&](std::uint32_t s) { return time_of(s); }, [](std::uint32_t) {}))
-      if (entry.key == time_of(entry.id)) {
-        labels[entry.id].queued = false;
-        return true;
-      }
-    return false;
+  bool pop(std::uint32_t& state) {
+    return queue.pop(
+        state, [&](std::uint32_t s) { return time_of(s); }, [](std::uint32_t) {});
   }
 };
 
-// States are queued, lowered and popped at random; each comes with its last time, and nothing is left behind.
-TEST(WindowQueue, EveryStateComesWithItsLastTime) {
-  for (std::uint32_t seed = 0; seed < 200; ++seed) {
+// States are queued, lowered and popped at random: each comes once for every time it was queued, as the first of its
+// block, and nothing is left behind.
+TEST(WindowQueue, StatesComeAsTheFirstOfTheirBlock) {
+  for (std::uint32_t seed = 0; seed < 300; ++seed) {
     std::mt19937 random(seed);
-    const std::uint32_t states = 1 + random() % 300, count = 1 + random() % 9;
-    const double width = std::array{0.01, 0.7, 1000.0}[seed % 3];
-    Labels labels{WindowQueue(0, width, blocks_of(states, count, random)), std::vector<Label>(states)};
-    std::size_t queued = 0, popped = 0;
+    const std::uint32_t states = 1 + random() % 200, count = seed % 4 == 0 ? 1 : 1 + random() % 9;
+    const Blocks blocks = blocks_of(states, count, random);
+    Labels labels(0, std::array{0.01, 0.7, 1000.0}[seed % 3], blocks);
+    std::size_t queued = 0;
     double now = 0;
+    const auto pop = [&] {
+      std::uint32_t state = 0;
+      if (!labels.pop(state)) {
+        ASSERT_EQ(queued, 0u) << "seed " << seed;
+        return;
+      }
+      ASSERT_TRUE(labels.labels[state].queued) << "seed " << seed;
+      for (std::uint32_t s = 0; s < states; ++s)
+        if (labels.labels[s].queued && blocks.of_state[s] == blocks.of_state[state]) {
+          ASSERT_FALSE(labels.later(state, s)) << "seed " << seed << ": " << s << " before " << state;
+        }
+      now = labels.labels[state].time;
+      labels.labels[state].queued = false;
+      --queued;
+    };
     for (int step = 0; step < 5000; ++step) {
-      if (random() % 3) {
-        const std::uint32_t s = random() % states;
-        // As fire does: later than what was popped last, or a little before it where labels are corrected.
-        const double time = now + (random() % 100) * 0.02 - (random() % 10 == 0 ? 0.3 : 0);
-        if (labels.labels[s].queued && !(time < labels.labels[s].time)) continue;
-        queued += !labels.labels[s].queued;
-        labels.set(s, time);
+      if (random() % 3 == 0) {
+        ASSERT_NO_FATAL_FAILURE(pop());
         continue;
       }
-      const std::vector<Label> before = labels.labels;
-      WindowQueue::Entry entry{};
-      if (!labels.next(entry)) {
-        ASSERT_EQ(queued, popped) << "seed " << seed;
-        continue;
-      }
-      ++popped;
-      ASSERT_TRUE(before[entry.id].queued);
-      ASSERT_EQ(before[entry.id].time, entry.key);
-      now = entry.key;
-    }
-    for (WindowQueue::Entry entry{}; labels.next(entry); ++popped) ASSERT_EQ(labels.labels[entry.id].time, entry.key);
-    ASSERT_EQ(queued, popped) << "seed " << seed;
-    for (const Label& label : labels.labels) ASSERT_FALSE(label.queued);
-  }
-}
-
-TEST(WindowQueue, OneBlockComesInTheOrderOfTime) {
-  for (std::uint32_t seed = 0; seed < 50; ++seed) {
-    std::mt19937 random(seed);
-    const std::uint32_t states = 500;
-    Labels labels{WindowQueue(1, 0.3, blocks_of(states, 1, random)), std::vector<Label>(states)};
-    for (std::uint32_t s = 0; s < states; ++s) labels.set(s, 1 + random() % 50 * 0.1);
-    WindowQueue::Entry entry{}, last{0, 0};
-    for (std::size_t popped = 0; labels.next(entry); ++popped) {
-      ASSERT_TRUE(last < entry) << "seed " << seed;
-      last = entry;
-      // Later than this one: queued or not.
       const std::uint32_t s = random() % states;
-      const double time = entry.key + random() % 20 * 0.1 + 0.01;
-      if (popped < 2000 && (!labels.labels[s].queued || time < labels.labels[s].time)) labels.set(s, time);
+      // As fire does: later than what was popped last, or a little before it where labels are corrected.
+      const double time = now + (random() % 100) * 0.02 - (random() % 10 == 0 ? 0.3 : 0);
+      if (labels.labels[s].queued && !(time < labels.labels[s].time)) continue;
+      queued += !labels.labels[s].queued;
+      labels.set(s, time);
     }
+    while (queued > 0) ASSERT_NO_FATAL_FAILURE(pop());
+    ASSERT_NO_FATAL_FAILURE(pop());
   }
 }
 
@@ -111,11 +98,12 @@ TEST(WindowQueue, BlocksTakeTurnsInAWindow) {
   Blocks blocks;
   blocks.count = 3;
   blocks.of_state = {0, 1, 2, 0, 1, 2};
-  Labels labels{WindowQueue(0, 10, blocks), std::vector<Label>(6)};
+  Labels labels(0, 10, blocks);
   for (std::uint32_t s = 0; s < 6; ++s) labels.set(s, 9 - s);  // all in the first window
   std::vector<std::uint32_t> order;
-  for (WindowQueue::Entry entry{}; labels.next(entry);) {
-    order.push_back(entry.id);
+  for (std::uint32_t state = 0; labels.pop(state);) {
+    labels.labels[state].queued = false;
+    order.push_back(state);
     if (order.size() == 3) {  // in the turn of block 1
       labels.set(1, 3);       // lowered, of this block
       labels.set(2, 2);       // lowered, of one whose turn comes

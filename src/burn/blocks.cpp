@@ -28,7 +28,7 @@ std::vector<std::uint32_t> cells_of(std::span<const Vec3> points) {
     high = high.cwiseMax(p);
   }
   const double size = (high - low).maxCoeff();
-  if (!(size > 0)) return cells;
+  if (!(size > 0) || std::isinf(size)) return cells;
   for (std::size_t v = 0; v < points.size(); ++v) {
     std::array<std::uint32_t, 3> at{};
     for (int axis = 0; axis < 3; ++axis)

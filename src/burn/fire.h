@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "bucket_queue.h"
 #include "burn/link.h"
 #include "burn/network.h"
 #include "burn/window_queue.h"
@@ -40,14 +39,13 @@ struct Site {
 
 /// How many states take turns together, and for how long (see WindowQueue). What fire reads of so many states is a
 /// megabyte or two. In wider windows more of a block's work is done in one turn, but more of it is done again when fire
-/// comes in from other blocks. Measured: within 10 % for half or twice of either.
+/// comes in from other blocks. Measured in docs/performance.md, "Burning".
 struct Turns {
   std::uint64_t states = 8192;
   double window = 4;  ///< spacings of nodes
 };
 
 /// One number per state, accessed at random.
-using LabelQueue = BucketQueue<std::uint32_t>;  // of states, by time
 using Times = lattice::HugeVector<double>;
 
 /// Where a front came from: its field is `time` + distance to the point (x, y) in the frame of the label's own edge, x
@@ -115,7 +113,8 @@ class Labels {
   SectorTimes sector_times_;
 };
 
-/// burn() with the turns of its blocks, which times depend on within the tolerance.
+/// burn() with other turns. By nodes they change nothing; by segments, where fronts meet, times by a small part of the
+/// spacing.
 Burning burn_in_turns(const CellComplex& complex, std::span<const Vec3> points, std::span<const double> radius,
                       const BurnOptions& options, const Turns& turns, Context* context);
 

@@ -181,9 +181,7 @@ bool Labels::next(std::uint32_t& state, bool& again) {
     prefetch(&status_[s]);
     prefetch(&time_[s]);
   };
-  for (WindowQueue::Entry entry{}; queue_.pop(entry, time_of, fetch);) {
-    if (entry.key != time_of(entry.id)) continue;  // overtaken
-    state = entry.id;
+  while (queue_.pop(state, time_of, fetch)) {
     // Nothing burns before its own ball is gone: fronts of segments can be early by a fraction of the spacing. A radius
     // by the linear rule is no such bound.
     if (clamp_ && !(status_[state] & (open | floor)) && (site_.is_vertex(state) || site_.rule == RadiusRule::exact)) {

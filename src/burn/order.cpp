@@ -46,12 +46,12 @@ class Sequence {
 
   void run(Context* context) {
     start();
-    LabelQueue::Entry entry;
-    const auto stale = [&](const LabelQueue::Entry& e) { return (status_[e.id] & kDone) != 0; };
+    StateQueue::Entry entry;
+    const auto stale = [&](const StateQueue::Entry& e) { return (status_[e.id] & kDone) != 0; };
     const double states = static_cast<double>(time_.size());
     const auto fetch = [&](std::uint32_t s) { prefetch(&status_[s]); };
     for (std::uint64_t popped = 0; queue_.pop(entry, stale, fetch);) {
-      prefetch_ahead(queue_, site_, done_time_.data());
+      prefetch_ahead(queue_, site_, done_time_);
       queue_.peek(12, [&](std::uint32_t s) { prefetch(&status_[s]); });
       if (stale(entry)) continue;
       if (popped++ % 4096 == 0)
@@ -312,7 +312,7 @@ class Sequence {
   std::vector<std::uint64_t> chord_base_;
   std::vector<char> offers_again_;  // per polygon: some of its states wait
   lattice::HugeVector<Chord> chords_;
-  LabelQueue queue_;
+  StateQueue queue_;
   Link link_;
   std::vector<char> removed_;
   std::vector<std::uint32_t> stripped_;

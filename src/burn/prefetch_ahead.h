@@ -6,11 +6,11 @@
 
 namespace quench::burning {
 
-/// Fire jumps through memory in the order of time, and waiting for memory is most of its cost. The queue knows what
-/// comes next, so what each state needs is fetched in three steps ahead of it, each using what the one before brought:
-/// from the state to its edge, to the sides of its polygons, to the times of their nodes.
-template <class Value>
-void prefetch_ahead(const LabelQueue& queue, const Site& site, const Value* per_state) {
+/// The burn sequence jumps through memory in the order of time, and waiting for memory is most of its cost. The queue
+/// knows what comes next, so what each state needs is fetched in three steps ahead of it, each using what the one
+/// before brought: from the state to its edge, to the sides of its polygons, to the times of their nodes.
+inline void prefetch_ahead(const StateQueue& queue, const Site& site, const Times& times) {
+  const double* per_state = times.data();
   const auto& links = site.links;
   queue.peek(12, [&](std::uint32_t state) {
     prefetch(per_state + state);

@@ -17,6 +17,8 @@ struct Blocks {
   std::uint32_t count = 1;
 };
 
+using StateQueue = BucketQueue<std::uint32_t>;  ///< of states, by time
+
 /// A queue of states by time for label correction, which may take states out of order at a price: those of one block
 /// after those of another, within a window of time. States in the order of time alone lie all over a shape, and waiting
 /// for memory was half of the cost of burning.
@@ -29,9 +31,6 @@ struct Blocks {
 /// What waits is a list of states: a time that drops within its window, as most do, costs nothing.
 class WindowQueue {
  public:
-  using Turn = BucketQueue<std::uint32_t>;
-  using Entry = Turn::Entry;  ///< key: the time, id: the state
-
   WindowQueue(double origin, double width, Blocks blocks)
       : origin_(origin),
         width_(width),
@@ -55,28 +54,19 @@ class WindowQueue {
       lists_.put(blocks_.count + window, state);
   }
 
-  /// The next state; false when empty. A state whose time has dropped may come again: entries with another time than
-  /// `time_of(state)`, which is infinite for a state that is not queued any more, are the caller's to drop.
-  /// `fetch(state)` is called some time before `time_of`, to prefetch what it reads.
+  /// The next state; false when empty. `time_of(state)` is its time, infinite when it is not queued any more;
+  /// `fetch(state)` is called some time before, to prefetch what that reads.
   template <class TimeOf, class Fetch>
-  bool pop(Entry& entry, const TimeOf& time_of, const Fetch& fetch) {
-    const auto overtaken = [&](const Entry& e) { return e.key != time_of(e.id); };
-    while (!turn_.pop(entry, overtaken)) {
-      if (waits_ == 0) {
-        if (blocks_.count + next_ >= lists_.size()) return false;
-        lists_.take(
-            blocks_.count + next_++, [](std::uint32_t) {}, [&](std::uint32_t s) { wait(blocks_.of_state[s], s); });
-        block_ = 0;
-      } else {
-        block_ = block_ + 1 == blocks_.count ? 0 : block_ + 1;
-      }
-      turn_.restart(origin_ + static_cast<double>(next_ - 1) * width_);
-      lists_.take(block_, fetch, [&](std::uint32_t s) {
-        --waits_;
-        if (const double time = time_of(s); window_of(time) < next_) turn_.push(time, s);
-      });
-    }
-    return true;
+  bool pop(std::uint32_t& state, const TimeOf& time_of, const Fetch& fetch) {
+    const auto overtaken = [&](const StateQueue::Entry& e) { return e.key != time_of(e.id); };
+    do {
+      for (StateQueue::Entry entry{}; turn_.pop(entry, overtaken);)
+        if (!overtaken(entry)) {
+          state = entry.id;
+          return true;
+        }
+    } while (next_turn(time_of, fetch));
+    return false;
   }
 
  private:
@@ -88,14 +78,32 @@ class WindowQueue {
     return place > 0 ? static_cast<std::size_t>(place) : 0;
   }
 
+  // False when nothing is left.
+  template <class TimeOf, class Fetch>
+  bool next_turn(const TimeOf& time_of, const Fetch& fetch) {
+    if (waits_ > 0) {
+      block_ = block_ + 1 == blocks_.count ? 0 : block_ + 1;
+    } else {
+      if (blocks_.count + next_ >= lists_.size()) return false;
+      lists_.take(
+          blocks_.count + next_++, [](std::uint32_t) {}, [&](std::uint32_t s) { wait(blocks_.of_state[s], s); });
+      block_ = 0;
+    }
+    turn_.restart(origin_ + static_cast<double>(next_ - 1) * width_);
+    lists_.take(block_, fetch, [&](std::uint32_t s) {
+      --waits_;
+      if (const double time = time_of(s); window_of(time) < next_) turn_.push(time, s);
+    });
+    return true;
+  }
+
   // Into a window that is open. Where the block's turn is still to come, `waits` already is enough.
   void join(std::uint32_t state, double time, bool waits) {
     const std::uint32_t block = blocks_.of_state[state];
-    if (block == block_) {
+    if (block == block_)
       turn_.push(time, state);
-    } else if (!waits) {
+    else if (!waits)
       wait(block, state);
-    }
   }
   void wait(std::uint32_t block, std::uint32_t state) {
     lists_.put(block, state);
@@ -109,7 +117,7 @@ class WindowQueue {
   std::size_t next_ = 0;     // first window that is not open yet
   std::size_t waits_ = 0;    // states in the lists of blocks
   std::uint32_t block_ = 0;  // whose turn it is
-  Turn turn_;
+  StateQueue turn_;
 };
 
 }  // namespace quench::burning
