@@ -6,8 +6,8 @@
 
 namespace quench::burning {
 
-/// Parts space along a Z-order curve into blocks of about `states` states each (as few as 2^16 blocks allow), an edge's
-/// with those of its first vertex. O(vertices + edges).
+/// Parts space along a Z-order curve into blocks of about `states` states each, or more where 2^15 blocks would not do.
+/// The states of an edge are of the block of its first vertex. O(vertices + edges).
 Blocks make_blocks(const CellComplex& complex, std::span<const Vec3> points, const BurnNetwork& network,
                    std::uint64_t states);
 
