@@ -9,6 +9,7 @@
 #include <limits>
 #include <string_view>
 
+#include "io/float16.h"
 #include "io/volume_formats.h"
 #include "io/words.h"
 #include "quench/error.h"
@@ -122,19 +123,6 @@ class DictionaryParser {
   const std::filesystem::path& file_;
   std::size_t at_ = 0;
 };
-
-float from_half(std::uint16_t bits) {
-  const int exponent = bits >> 10 & 31;
-  const int mantissa = bits & 1023;
-  float value;
-  if (exponent == 31)
-    value = mantissa ? std::numeric_limits<float>::quiet_NaN() : std::numeric_limits<float>::infinity();
-  else if (exponent == 0)
-    value = std::ldexp(static_cast<float>(mantissa), -24);
-  else
-    value = std::ldexp(static_cast<float>(mantissa + 1024), exponent - 25);
-  return bits & 0x8000 ? -value : value;
-}
 
 template <class T>
 std::vector<T> read_samples(InputFile& in, const std::filesystem::path& file, std::uint64_t count, bool swap,

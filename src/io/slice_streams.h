@@ -17,9 +17,8 @@ SliceStream open_slice_folder(const std::filesystem::path& folder);
 /// some of them) and where Quench was built without libtiff.
 std::optional<SliceStream> open_tiff_pages(const std::filesystem::path& file, Context* context);
 
-/// NRRD with its samples in the same file, raw or gzip; uncompressed MetaImage and MRC. Nothing for other files and
-/// where Quench was built without ITK.
-std::optional<SliceStream> open_itk_slices(const std::filesystem::path& file, Context* context);
+/// All slices of a stream as a volume.
+Volume read_stream(const SliceStream& stream, const std::filesystem::path& file, Context* context);
 
 /// "... its data end in slice 3 of 40".
 [[noreturn]] void slices_end_early(const std::filesystem::path& file, std::int64_t slice, std::int64_t slices);

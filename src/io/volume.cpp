@@ -6,6 +6,8 @@
 #include <limits>
 #include <new>
 
+#include "io/slice_streams.h"
+#include "io/stored_volume.h"
 #include "io/volume_formats.h"
 #include "quench/error.h"
 #include "quench/io.h"
@@ -22,11 +24,12 @@ Volume read_by_extension(const std::filesystem::path& file, Context* context) {
   if (extension == ".vol") return read_vol(file, context);
   if (extension == ".sof") return read_sof(file, context);
   if (extension == ".png") return read_png(file, context);
-  for (const char* known : {".nrrd", ".nhdr", ".mha", ".mhd", ".nii", ".nii.gz", ".mrc", ".map", ".tif", ".tiff"})
-    if (extension == known) {
-      const InputFile probe(file);  // "cannot be opened", "is empty" in the same words for every format
-      return read_itk(file, context);
-    }
+  if (extension == ".tif" || extension == ".tiff") {
+    auto stream = open_tiff_pages(file, context);
+    if (!stream) throw Error(ErrorCode::input, fmt::format("'{}' is not a TIFF stack", file.string()));
+    return read_stream(*stream, file, context);
+  }
+  if (is_stored_volume(extension)) return read_stream(open_stored(file, context), file, context);
   throw Error(ErrorCode::usage,
               fmt::format("'{}' is not a volume by its extension; volumes are .nrrd .nhdr .mha .mhd .nii .nii.gz .mrc "
                           ".map .tif .tiff .png .npy .vol .sof or a folder of PNG or TIFF slices",

@@ -31,10 +31,6 @@ Volume read_sof(const std::filesystem::path& file, Context* context);
 /// inch are no distance of slices.
 Volume read_png(const std::filesystem::path& file, Context* context);
 
-/// NRRD, MetaImage, NIfTI, MRC and TIFF (all pages) through ITK, by extension. Where Quench was built without ITK,
-/// Error(usage) that says so.
-Volume read_itk(const std::filesystem::path& file, Context* context);
-
 /// The PNG or TIFF files of a folder in natural order (2 before 10), one slice each. Spacing 1.
 Volume read_slices(const std::filesystem::path& folder, Context* context);
 

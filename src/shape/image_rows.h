@@ -6,6 +6,7 @@
 #include <type_traits>
 
 #include "quench/image.h"
+#include "shape/sample_type.h"
 
 namespace quench {
 
@@ -43,28 +44,7 @@ class Samples {
 /// Calls `visit` with the samples of a view in their type.
 template <class Visit>
 auto with_samples(const ImageView& image, const Visit& visit) {
-  switch (image.type) {
-    case SampleType::uint8:
-      return visit(Samples<std::uint8_t>(image));
-    case SampleType::int8:
-      return visit(Samples<std::int8_t>(image));
-    case SampleType::uint16:
-      return visit(Samples<std::uint16_t>(image));
-    case SampleType::int16:
-      return visit(Samples<std::int16_t>(image));
-    case SampleType::uint32:
-      return visit(Samples<std::uint32_t>(image));
-    case SampleType::int32:
-      return visit(Samples<std::int32_t>(image));
-    case SampleType::uint64:
-      return visit(Samples<std::uint64_t>(image));
-    case SampleType::int64:
-      return visit(Samples<std::int64_t>(image));
-    case SampleType::float32:
-      return visit(Samples<float>(image));
-    default:
-      return visit(Samples<double>(image));
-  }
+  return with_sample_type(image.type, [&]<class T>(T) { return visit(Samples<T>(image)); });
 }
 
 }  // namespace quench

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "io/data_files.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <fstream>
+
+#include "io/words.h"
+
+namespace quench::io {
+namespace {
+
+/// "slice%03d.raw" and 7: "slice007.raw". Nothing where there is not exactly one %d.
+std::optional<std::string> numbered(const std::string& pattern, std::int64_t number) {
+  std::string name;
+  bool found = false;
+  for (std::size_t at = 0; at < pattern.size(); ++at) {
+    if (pattern[at] != '%') {
+      name.push_back(pattern[at]);
+      continue;
+    }
+    if (pattern.substr(at, 2) == "%%") {
+      name.push_back(pattern[at++]);
+      continue;
+    }
+    const std::size_t end = pattern.find_first_not_of("0123456789", at + 1);
+    if (found || end == std::string::npos || (pattern[end] != 'd' && pattern[end] != 'i' && pattern[end] != 'u'))
+      return {};
+    const std::string digits = pattern.substr(at + 1, end - at - 1);
+    std::int64_t width = 0;
+    if (!digits.empty() && (!parse_integer(digits, width) || width > 32)) return {};
+    const auto places = static_cast<int>(width);
+    name += digits.starts_with('0') ? fmt::format("{:0{}}", number, places) : fmt::format("{:{}}", number, places);
+    found = true;
+    at = end;
+  }
+  if (!found) return {};
+  return name;
+}
+
+std::uint64_t size_of_file(const std::filesystem::path& file) {
+  std::error_code error;
+  const std::uintmax_t size =
+      std::filesystem::is_regular_file(file, error) ? std::filesystem::file_size(file, error) : 0;
+  return error ? 0 : size;
+}
+
+}  // namespace
+
+std::vector<SampleBlock> named_data_files(const std::filesystem::path& file, const std::string& value,
+                                          const std::vector<std::string>& list, const char* field) {
+  std::vector<std::string> names;
+  const auto words = words_of(value);
+  if (words.empty()) refuse_volume(file, fmt::format("its field '{}' is empty", field));
+  const auto shown = [&] { return plain(value.substr(0, 80)); };
+  if (lower(words[0]) == "list") {
+    names = list;
+  } else if (words.size() >= 3 && words[0].find('%') != std::string_view::npos) {
+    std::int64_t first = 0, last = 0, step = 1;
+    const bool numbers = parse_integer(words[1], first) && parse_integer(words[2], last) &&
+                         (words.size() < 4 || parse_integer(words[3], step));
+    constexpr std::int64_t largest = 1'000'000'000;
+    if (!numbers || step == 0 || std::max(std::abs(first), std::abs(last)) > largest || std::abs(step) > largest ||
+        (last - first) / step >= static_cast<std::int64_t>(most_data_files))
+      refuse_volume(file, fmt::format("its field '{}' is '{}', which does not number files", field, shown()));
+    for (std::int64_t n = first; step > 0 ? n <= last : n >= last; n += step) {
+      const auto name = numbered(std::string(words[0]), n);
+      if (!name)
+        refuse_volume(file, fmt::format("its field '{}' is '{}', which does not number files", field, shown()));
+      names.push_back(*name);
+    }
+  } else {
+    names.push_back(value);
+  }
+  if (names.empty()) refuse_volume(file, fmt::format("its field '{}' names no files", field));
+  std::vector<SampleBlock> blocks;
+  for (const std::string& name : names) {
+    const std::filesystem::path path(name);
+    blocks.push_back({path.is_absolute() ? path : file.parent_path() / path, 0, 0, {}});
+  }
+  return blocks;
+}
+
+std::uint64_t after_lines(const std::filesystem::path& file, std::uint64_t begin, std::int64_t lines) {
+  if (size_of_file(file) == 0) return begin;
+  std::ifstream in(file, std::ios::binary);
+  in.seekg(static_cast<std::streamoff>(begin));
+  std::vector<char> block(1 << 16);
+  std::uint64_t at = begin;
+  while (in) {
+    in.read(block.data(), static_cast<std::streamsize>(block.size()));
+    for (std::streamsize i = 0; i < in.gcount(); ++i, ++at)
+      if (block[static_cast<std::size_t>(i)] == '\n' && --lines == 0) return at + 1;
+  }
+  return at;
+}
+
+std::uint64_t before_the_end(const std::filesystem::path& file, std::uint64_t bytes) {
+  const std::uint64_t size = size_of_file(file);
+  return size >= bytes ? size - bytes : size + 1;
+}
+
+}  // namespace quench::io

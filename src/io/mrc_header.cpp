@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: Apache-2.0
+// MRC files and CCP4 maps (MRC2014, Cheng et al. 2015, J. Struct. Biol. 192). Lengths are in angstroms.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+
+#include "io/stored_volume.h"
+#include "io/volume_formats.h"
+#include "quench/error.h"
+
+namespace quench::io {
+namespace {
+
+constexpr std::size_t header_size = 1024;
+
+/// Words of four bytes, numbered from 1 as in the definition of the format.
+class MrcWords {
+ public:
+  explicit MrcWords(const std::filesystem::path& file) {
+    InputFile in(file);
+    in.stream.read(reinterpret_cast<char*>(bytes_.data()), static_cast<std::streamsize>(header_size));
+    if (!in.stream) refuse_volume(file, "it is shorter than a header; it is damaged or incomplete");
+    const unsigned char stamp = bytes_[212];
+    const bool native_little = std::endian::native == std::endian::little;
+    if (stamp == 0x44 || stamp == 0x11) {
+      swapped_ = (stamp == 0x44) != native_little;
+    } else {  // older files have no stamp
+      const auto sound = [&] {
+        const std::int32_t mode = integer(4), first = integer(17);
+        return integer(1) > 0 && mode >= 0 && mode <= 101 && first >= 0 && first <= 3;
+      };
+      swapped_ = !sound();
+      if (swapped_ && !sound()) refuse_volume(file, "it does not begin as an MRC file");
+    }
+  }
+  std::int32_t integer(std::size_t word) const { return at<std::int32_t>(word); }
+  double real(std::size_t word) const { return decimal(at<float>(word)); }
+  bool swapped() const { return swapped_; }
+
+ private:
+  template <class T>
+  T at(std::size_t word) const {
+    std::array<unsigned char, sizeof(T)> raw;
+    std::copy_n(bytes_.begin() + static_cast<std::ptrdiff_t>(4 * (word - 1)), sizeof(T), raw.begin());
+    if (swapped_) std::reverse(raw.begin(), raw.end());
+    return std::bit_cast<T>(raw);
+  }
+  std::array<unsigned char, header_size> bytes_{};
+  bool swapped_ = false;
+};
+
+void set_type(const std::filesystem::path& file, const MrcWords& words, StoredVolume& volume) {
+  // IMOD wrote bytes without sign before the standard said that they have one; its files say which.
+  constexpr std::int32_t imod = 1146047817, bytes_are_signed = 1;
+  const bool unsigned_bytes = words.integer(39) == imod && (words.integer(40) & bytes_are_signed) == 0;
+  switch (words.integer(4)) {
+    case 0:
+      volume.type.type = unsigned_bytes ? SampleType::uint8 : SampleType::int8;
+      return;
+    case 1:
+      volume.type.type = SampleType::int16;
+      return;
+    case 2:
+      volume.type.type = SampleType::float32;
+      return;
+    case 6:
+      volume.type.type = SampleType::uint16;
+      return;
+    case 12:
+      volume.type = {SampleType::float32, true};
+      return;
+    case 3:
+    case 4:
+      refuse_volume(file, "its samples are complex numbers, a transform; convert it to real values");
+    default:
+      refuse_volume(file,
+                    fmt::format("its mode is {}, which is not one of 0, 1, 2, 6 and 12; convert it to one of them",
+                                words.integer(4)));
+  }
+}
+
+/// MAPC, MAPR, MAPS: which axis the columns, rows and sections are. All 0 in older files.
+std::array<int, 3> axes_of(const std::filesystem::path& file, const MrcWords& words) {
+  std::array<int, 3> axes{words.integer(17), words.integer(18), words.integer(19)};
+  if (axes == std::array{0, 0, 0}) return {0, 1, 2};
+  std::array<int, 3> sorted = axes;
+  std::sort(sorted.begin(), sorted.end());
+  if (sorted != std::array{1, 2, 3})
+    refuse_volume(file, fmt::format("its axes (MAPC, MAPR, MAPS) are {}, {}, {}, which is not an order of 1, 2, 3",
+                                    axes[0], axes[1], axes[2]));
+  for (int& axis : axes) --axis;
+  return axes;
+}
+
+void set_grid(const std::filesystem::path& file, const MrcWords& words, StoredVolume& volume) {
+  Grid& grid = volume.grid;
+  volume.axes = axes_of(file, words);
+  Vec3 start = Vec3::Zero();
+  for (std::size_t a = 0; a < 3; ++a) {
+    grid.dims[static_cast<std::size_t>(volume.axes[a])] = words.integer(1 + a);
+    start[volume.axes[a]] = words.integer(5 + a);
+  }
+  for (std::size_t a = 0; a < 3; ++a)
+    if (const double angle = words.real(14 + a); angle != 0 && !(std::abs(angle - 90) <= 1e-3))
+      refuse_volume(file,
+                    fmt::format("its cell has the angles {:.6g}, {:.6g} and {:.6g}, and a voxel grid has right ones; "
+                                "resample it to a rectangular grid",
+                                words.real(14), words.real(15), words.real(16)));
+  Mat3 steps = Mat3::Identity();
+  bool sized = true;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const double cell = words.real(11 + a);
+    const std::int32_t intervals = words.integer(8 + a);
+    sized = sized && cell != 0 && intervals > 0;
+    if (sized) steps(static_cast<int>(a), static_cast<int>(a)) = cell / intervals;
+  }
+  if (sized) {
+    set_steps(file, steps, "cell size", grid);
+    volume.spacing_source = "the cell of the header";
+    volume.units = "angstrom";
+  }
+  if (const std::int32_t group = words.integer(23);
+      group >= 401 && group <= 630 && words.integer(10) > 0 && words.integer(3) > words.integer(10))
+    refuse_volume(file, fmt::format("it is a stack of {} volumes; save the one you mean on its own",
+                                    words.integer(3) / words.integer(10)));
+  // ORIGIN is the place of voxel 0; maps of crystals leave it 0 and count voxels from the cell's origin.
+  const Vec3 origin(words.real(50), words.real(51), words.real(52));
+  grid.origin = origin.isZero() ? Vec3(grid.direction * start.cwiseProduct(grid.spacing)) : origin;
+}
+
+}  // namespace
+
+StoredVolume mrc_header(const std::filesystem::path& file) {
+  const MrcWords words(file);
+  StoredVolume volume;
+  set_type(file, words, volume);
+  set_grid(file, words, volume);
+  volume.swapped = words.swapped();
+  const std::int32_t extended = words.integer(24);
+  if (extended < 0) refuse_volume(file, fmt::format("its extended header has {} bytes (NSYMBT)", extended));
+  volume.blocks.push_back({file, header_size + static_cast<std::uint64_t>(extended), 0, {}});
+  return volume;
+}
+
+}  // namespace quench::io
