@@ -39,6 +39,12 @@ std::optional<std::string> numbered(const std::string& pattern, std::int64_t num
   return name;
 }
 
+/// "2D" as "2".
+std::string_view without_d(std::string_view word) {
+  if (word.size() > 1 && (word.back() == 'D' || word.back() == 'd')) word.remove_suffix(1);
+  return word;
+}
+
 std::uint64_t size_of_file(const std::filesystem::path& file) {
   std::error_code error;
   const std::uintmax_t size =
@@ -49,12 +55,20 @@ std::uint64_t size_of_file(const std::filesystem::path& file) {
 }  // namespace
 
 std::vector<SampleBlock> named_data_files(const std::filesystem::path& file, const std::string& value,
-                                          const std::vector<std::string>& list, const char* field) {
+                                          const std::vector<std::string>& list, std::size_t axes, const char* field) {
   std::vector<std::string> names;
   const auto words = words_of(value);
   if (words.empty()) refuse_volume(file, fmt::format("its field '{}' is empty", field));
   const auto shown = [&] { return plain(value.substr(0, 80)); };
+  const auto check_axes = [&](std::size_t place) {
+    std::int64_t each = 1;
+    if (words.size() > place + 1 || (words.size() > place && !parse_integer(without_d(words[place]), each)) ||
+        each < 1 || each > static_cast<std::int64_t>(axes))
+      refuse_volume(file, fmt::format("its field '{}' is '{}'; the files of an image of {} axes have 1 to {} axes",
+                                      field, shown(), axes, axes));
+  };
   if (lower(words[0]) == "list") {
+    check_axes(1);
     names = list;
   } else if (words.size() >= 3 && words[0].find('%') != std::string_view::npos) {
     std::int64_t first = 0, last = 0, step = 1;
@@ -70,6 +84,7 @@ std::vector<SampleBlock> named_data_files(const std::filesystem::path& file, con
         refuse_volume(file, fmt::format("its field '{}' is '{}', which does not number files", field, shown()));
       names.push_back(*name);
     }
+    check_axes(4);
   } else {
     names.push_back(value);
   }

@@ -11,11 +11,11 @@ namespace quench::io {
 
 inline constexpr std::size_t most_data_files = 100'000;
 
-/// What stands behind `field` in the header `file`: a name, "LIST ..." (then the names are `list`), or "pattern first
-/// last step ..." with one %d of printf (also %03d). Names are relative to the folder of the header. The files need not
-/// exist. Throws Error(input) for what is none of these.
+/// What stands behind `field` in the header `file` of an image of `axes` axes: a name, "LIST [axes of each]" (then the
+/// names are `list`), or "pattern first last step [axes of each]" with one %d of printf (also %03d). Names are relative
+/// to the folder of the header. The files need not exist. Throws Error(input) for what is none of these.
 std::vector<SampleBlock> named_data_files(const std::filesystem::path& file, const std::string& value,
-                                          const std::vector<std::string>& list, const char* field);
+                                          const std::vector<std::string>& list, std::size_t axes, const char* field);
 
 /// The place in a file after `lines` lines from `begin` on; its end where it has fewer.
 std::uint64_t after_lines(const std::filesystem::path& file, std::uint64_t begin, std::int64_t lines);

@@ -95,7 +95,9 @@ class MetaHeader {
 };
 
 void MetaHeader::set_grid(StoredVolume& volume) const {
-  const std::int64_t axes = integer("NDims", 3);
+  if (const std::string* object = field({"ObjectType"}); object && *object != "Image")
+    refuse(fmt::format("it is an object of type '{}', not an image", shown(*object)));
+  const std::int64_t axes = integer("NDims", 0);
   if (axes < 1 || axes > 10) refuse(fmt::format("it has {} axes; a volume has three", axes));
   const auto n = static_cast<std::size_t>(axes);
   const std::string* sizes = field({"DimSize"});
@@ -173,7 +175,11 @@ void MetaHeader::set_blocks(StoredVolume& volume, Context* context) {
   else
     volume.blocks =
         named_data_files(file_, where, lower(where).starts_with("list") ? rest_of_lines() : std::vector<std::string>(),
-                         "ElementDataFile");
+                         static_cast<std::size_t>(integer("NDims", 0)), "ElementDataFile");
+  std::error_code error;
+  for (const SampleBlock& block : volume.blocks)
+    if (!own && std::filesystem::equivalent(block.file, file_, error))
+      refuse("it names itself for its samples (ElementDataFile), which is LOCAL for a file that has both");
 
   double bytes = static_cast<double>(volume.type.size()) / static_cast<double>(volume.blocks.size());
   for (const std::int64_t side : volume.grid.dims) bytes *= static_cast<double>(side);
@@ -187,14 +193,13 @@ void MetaHeader::set_blocks(StoredVolume& volume, Context* context) {
   }
   // The size is a hint: what follows it in the file is there, and the data have an end of their own.
   if (const std::string* text = field({"CompressedDataSize"}); text && packed && volume.blocks.size() == 1) {
-    std::error_code error;
     const auto size = static_cast<double>(std::filesystem::file_size(volume.blocks[0].file, error));
     const double there = error ? 0 : size - static_cast<double>(volume.blocks[0].begin);
     double claimed = 0;
-    if (!parse_number(*text, claimed) || !(claimed > 0) || claimed > there)
+    if (!parse_number(*text, claimed) || !(claimed >= 0) || claimed > there)
       refuse(fmt::format("it claims '{}' bytes of compressed samples and has {}; it is damaged or incomplete",
                          shown(*text), std::max(0.0, there)));
-    if (claimed < there)
+    if (claimed > 0 && claimed < there)
       note(context, fmt::format("'{}' says that its compressed samples have {} bytes, and {} are there; all are read",
                                 file_.string(), claimed, there));
   }

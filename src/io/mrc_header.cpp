@@ -109,16 +109,16 @@ void set_grid(const std::filesystem::path& file, const MrcWords& words, StoredVo
                     fmt::format("its cell has the angles {:.6g}, {:.6g} and {:.6g}, and a voxel grid has right ones; "
                                 "resample it to a rectangular grid",
                                 words.real(14), words.real(15), words.real(16)));
-  Mat3 steps = Mat3::Identity();
-  bool sized = true;
-  for (std::size_t a = 0; a < 3; ++a) {
-    const double cell = words.real(11 + a);
-    const std::int32_t intervals = words.integer(8 + a);
-    sized = sized && cell != 0 && intervals > 0;
-    if (sized) steps(static_cast<int>(a), static_cast<int>(a)) = cell / intervals;
-  }
+  // The cell and its number of intervals; all 0 in files that do not say.
+  const Vec3 cell(words.real(11), words.real(12), words.real(13));
+  const Vec3 intervals(words.integer(8), words.integer(9), words.integer(10));
+  const bool sized = !cell.isZero(0) && !intervals.isZero(0);
+  if (sized && !(cell.minCoeff() > 0 && intervals.minCoeff() > 0))
+    refuse_volume(file, fmt::format("its cell of {:.6g} x {:.6g} x {:.6g} angstroms in {} x {} x {} intervals does not "
+                                    "give the size of a voxel; correct its header",
+                                    cell[0], cell[1], cell[2], intervals[0], intervals[1], intervals[2]));
   if (sized) {
-    set_steps(file, steps, "cell size", grid);
+    set_steps(file, cell.cwiseQuotient(intervals).asDiagonal(), "cell size", grid);
     volume.spacing_source = "the cell of the header";
     volume.units = "angstrom";
   }
@@ -128,7 +128,7 @@ void set_grid(const std::filesystem::path& file, const MrcWords& words, StoredVo
                                     words.integer(3) / words.integer(10)));
   // ORIGIN is the place of voxel 0; maps of crystals leave it 0 and count voxels from the cell's origin.
   const Vec3 origin(words.real(50), words.real(51), words.real(52));
-  grid.origin = origin.isZero() ? Vec3(grid.direction * start.cwiseProduct(grid.spacing)) : origin;
+  grid.origin = origin.isZero(0) ? Vec3(grid.direction * start.cwiseProduct(grid.spacing)) : origin;
 }
 
 }  // namespace

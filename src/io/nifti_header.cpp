@@ -220,7 +220,10 @@ void set_grid(const std::filesystem::path& file, const Nifti& n, StoredVolume& v
     if (a < 3) {
       grid.dims[a] = n.dim[a + 1];
       const double size = std::abs(n.pixdim[a + 1]);
-      spacing[static_cast<int>(a)] = size > 0 && std::isfinite(size) ? size : 1;
+      if (!std::isfinite(size))
+        refuse_volume(file,
+                      fmt::format("the size of its voxels along axis {} is {} (pixdim); correct its header", a, size));
+      spacing[static_cast<int>(a)] = size > 0 ? size : 1;  // 0: not known
     } else if (n.dim[a + 1] != 1) {
       refuse_volume(file,
                     fmt::format("it is an image of {} dimensions with {} volumes; save the one you mean on its own",

@@ -212,6 +212,9 @@ void NrrdHeader::read_directions() {
     if (name.ends_with("-time")) {
       space_dimension_ = 4;
       name.resize(name.size() - 5);
+    } else if (name.size() == 4 && name.back() == 't') {  // RAST, LAST, LPST
+      space_dimension_ = 4;
+      name.pop_back();
     }
     // "left-posterior-superior" or "lps": where the axes point to.
     if (std::count(name.begin(), name.end(), '-') == 2 && !name.starts_with("3d-")) {
@@ -329,8 +332,8 @@ void NrrdHeader::set_geometry(StoredVolume& volume) const {
         std::all_of(axes_.begin(), axes_.end(), [&](const Axis& axis) { return axis.unit == axes_[0].unit; }))
       volume.units = plain(axes_[0].unit);
   }
-  if (origin)
-    grid.origin = lps(vector(*origin, "space origin")).unaryExpr([](double x) { return std::isnan(x) ? 0 : x; });
+  if (origin) grid.origin = lps(vector(*origin, "space origin"));
+  if (!grid.origin.allFinite()) refuse("its origin is not a point; correct the 'space origin' in its header");
   if (anatomical_) volume.space = "LPS";
 }
 
@@ -385,7 +388,7 @@ void NrrdHeader::set_samples(StoredVolume& volume) {
   const std::int64_t bytes =
       skip("byteskip", volume.encoding == Encoding::raw ? std::numeric_limits<std::int64_t>::min() / 2 : 0);
   if (const std::string* data = field("datafile")) {
-    volume.blocks = named_data_files(file_, *data, list_, "data file");
+    volume.blocks = named_data_files(file_, *data, list_, axes_.size(), "data file");
   } else {
     if (at_end_) refuse("its header does not end with an empty line; it is damaged or incomplete");
     volume.blocks.push_back(
@@ -404,8 +407,8 @@ void NrrdHeader::set_samples(StoredVolume& volume) {
     else if (bytes >= 0)
       block.begin += static_cast<std::uint64_t>(bytes);
     else  // from the end: -1 for samples that end with the file
-      block.begin =
-          before_the_end(block.file, samples / volume.blocks.size() + static_cast<std::uint64_t>(-(bytes + 1)));
+      block.begin = std::max(block.begin, before_the_end(block.file, samples / volume.blocks.size() +
+                                                                         static_cast<std::uint64_t>(-(bytes + 1))));
   }
 }
 

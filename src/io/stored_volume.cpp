@@ -52,7 +52,7 @@ std::uint64_t least_bytes(Encoding encoding, std::uint64_t samples, std::uint64_
     case Encoding::raw:
       return bytes;
     case Encoding::deflate:
-      return bytes / deflate_limit;
+      return bytes / deflate_limit + 1;
     case Encoding::text:
       return 2 * samples - 1;
     case Encoding::hex:
@@ -74,14 +74,16 @@ std::uint64_t checked_share(const std::filesystem::path& file, const StoredVolum
   for (const SampleBlock& block : volume.blocks) {
     const std::uint64_t there = size_of_block(block);
     const std::uint64_t needed = least_bytes(volume.encoding, share, share * volume.type.size());
-    if (there < needed && block.file != file) {
-      std::error_code error;
+    std::error_code error;
+    if (block.file != file) {
       if (!std::filesystem::exists(block.file, error))
         refuse_volume(file,
                       fmt::format("its samples are in '{}', which does not exist; put it there", block.file.string()));
-      refuse_volume(file, fmt::format("its samples are in '{}', which has {} bytes for them where {} are needed; it is "
-                                      "damaged or incomplete, or the header is wrong",
-                                      block.file.string(), there, needed));
+      if (there < needed)
+        refuse_volume(file,
+                      fmt::format("its samples are in '{}', which has {} bytes for them where {} are needed; it is "
+                                  "damaged or incomplete, or the header is wrong",
+                                  block.file.string(), there, needed));
     }
     if (there < needed) checked_sample_count(file, dims, volume.type.size(), there);
     if (there < needed) refuse_volume(file, "it is too short for its samples; it is damaged or incomplete");
@@ -167,7 +169,7 @@ class StoredSamples {
       T sample;
       std::memcpy(&sample, samples.data() + i * sizeof(T), sizeof(T));
       const double scaled = volume_.slope * static_cast<double>(value(sample)) + volume_.intercept;
-      const auto single = to_float(scaled);
+      const float single = std::isfinite(scaled) ? to_float(scaled) : static_cast<float>(scaled);
       if (as_float)
         std::memcpy(out.data() + i * sizeof single, &single, sizeof single);
       else
@@ -239,8 +241,8 @@ void refuse_volume(const std::filesystem::path& file, const std::string& why) {
 }
 
 void set_steps(const std::filesystem::path& file, const Mat3& steps, std::string_view where, Grid& grid) {
-  // Squares of steps are needed in double precision.
-  constexpr double shortest = 1e-150, longest = 1e150;
+  // What integer_spacing() can take: squares of lengths are needed in double precision.
+  constexpr double shortest = 1e-30, longest = 1e30;
   // Largest deviation of D^T D from the identity that is taken for rounding: 1/20 voxel at the end of 500.
   constexpr double shear_tolerance = 1e-4;
   for (int a = 0; a < 3; ++a) {
