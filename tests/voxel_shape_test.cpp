@@ -67,6 +67,35 @@ TEST(VoxelShape, SubdivideKeepsTheWorld) {
   EXPECT_NEAR(fine.longest_side(), shape.longest_side(), 1e-12);
 }
 
+// Spacings as scanners write them: single precision, and lengths of columns of a matrix.
+TEST(IntegerSpacing, NoiseOfScannersIsRounded) {
+  const std::vector<std::pair<Vec3, std::array<std::int64_t, 3>>> scans{
+      {{0.520832896232605, 0.5208337306976318, 0.6500001549720764}, {384, 384, 136}},
+      {{0.9375000596046448, 0.9375, 1.5000009536743164}, {256, 256, 124}},
+      {{0.48828125, 0.4882808327674866, 0.5000000596046448}, {512, 512, 301}},
+      {{0.7031249403953552, 0.7031250596046448, 3.000001907348633}, {512, 512, 60}},
+      {{0.8203125, 0.8203125, 1.2500006}, {512, 512, 220}},
+      {{1.0000003576278687, 0.9999998211860657, 0.9999999403953552}, {240, 256, 176}}};
+  for (const auto& [spacing, dims] : scans) {
+    Grid grid;
+    grid.dims = dims;
+    grid.spacing = spacing;
+    double moved = 0;
+    grid.spacing = nearest_integer_spacing(grid, &moved);
+    EXPECT_NO_THROW(integer_spacing(grid));
+    EXPECT_LE(moved, 1e-2);
+    for (int a = 0; a < 3; ++a) EXPECT_NEAR(grid.spacing[a] / spacing[a], 1, 1e-5);
+    // The same again changes nothing more.
+    EXPECT_EQ(nearest_integer_spacing(grid, &moved), grid.spacing);
+    EXPECT_EQ(moved, 0);
+  }
+  Grid odd;
+  odd.dims = {512, 512, 512};
+  odd.spacing = {1, 1.0003333, 1.77777};
+  EXPECT_EQ(nearest_integer_spacing(odd), odd.spacing);
+  EXPECT_THROW(integer_spacing(odd), Error);
+}
+
 TEST(IntegerSpacing, FindsTheSmallestTriple) {
   Grid grid;
   grid.dims = {384, 320, 89};

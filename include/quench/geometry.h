@@ -44,6 +44,11 @@ struct Grid {
 /// Throws Error(input) naming --spacing when there are none.
 std::array<std::int64_t, 3> integer_spacing(const Grid& grid);
 
+/// The spacing of `grid`, or the nearest one that integer_spacing() takes where only noise of single precision stands
+/// against it, as in files of scanners: at most 1e-5 of every step away, or 1e-4 voxel over the whole grid. Where none
+/// is as near, the spacing stays, and integer_spacing() says so. `moved`: how far the farthest voxel moves, in voxels.
+Vec3 nearest_integer_spacing(const Grid& grid, double* moved = nullptr);
+
 /// A length given by a user: `0.02` or `2%` is a fraction of the longest side of the shape's box, `12vox` a multiple
 /// of the smallest spacing, `3.5abs` a world length, `inf` infinite.
 struct Length {

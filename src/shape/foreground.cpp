@@ -204,6 +204,19 @@ VoxelShape foreground_of(const Samples<T>& samples, const ForegroundOptions& opt
   return shape;
 }
 
+/// The grid of an image with a spacing that can be computed with.
+Grid grid_of_shape(const Grid& image, Context* context) {
+  Grid grid = image;
+  double moved = 0;
+  grid.spacing = nearest_integer_spacing(image, &moved);
+  if (moved > 0)
+    note(context, fmt::format("the spacing {} x {} x {} is taken as {:.9g} x {:.9g} x {:.9g}, which has an integer "
+                              "proportion; no voxel moves by more than {:.2g} of its size",
+                              image.spacing[0], image.spacing[1], image.spacing[2], grid.spacing[0], grid.spacing[1],
+                              grid.spacing[2], moved));
+  return grid;
+}
+
 template <class T>
 VoxelShape foreground_of(const SliceStream& image, const ForegroundOptions& options, Context* context) {
   const Rule<T> rule = rule_for<T>(options);
@@ -211,7 +224,7 @@ VoxelShape foreground_of(const SliceStream& image, const ForegroundOptions& opti
   const auto& dims = image.grid.dims;
   const auto nx = static_cast<std::size_t>(dims[0]);
   std::vector<T> slice(nx * static_cast<std::size_t>(dims[1]));
-  VoxelShape shape(image.grid);
+  VoxelShape shape(grid_of_shape(image.grid, context));
   std::vector<Run> runs;
   Values<T> values;
   for (std::int64_t z = 0; z < dims[2]; ++z) {
@@ -242,8 +255,10 @@ void check(const ForegroundOptions& options) {
 VoxelShape foreground(const ImageView& image, const ForegroundOptions& options, ForegroundReport* report,
                       Context* context) {
   check(options);
+  ImageView rounded = image;
+  rounded.grid = grid_of_shape(image.grid, context);
   const VoxelShape shape =
-      with_samples(image, [&](const auto& samples) { return foreground_of(samples, options, context); });
+      with_samples(rounded, [&](const auto& samples) { return foreground_of(samples, options, context); });
   return clean(shape, options, report, context);
 }
 

@@ -8,14 +8,58 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <optional>
 
 #include "quench/error.h"
 
 namespace quench {
 
-std::array<std::int64_t, 3> integer_spacing(const Grid& grid) {
-  constexpr double tolerance = 1e-6;
+namespace {
+
+constexpr double rounding = 1e-6;  // relative: what integer_spacing() takes for equal
+
+/// The smallest integers proportional to the spacing, up to a relative tolerance per axis, that fit the grid.
+std::optional<std::array<std::int64_t, 3>> proportion_of(const Grid& grid, const Vec3& tolerance) {
   constexpr std::int64_t limit = std::int64_t{1} << 20;
+  const Vec3& s = grid.spacing;
+  const double smallest = s.minCoeff();
+  for (std::int64_t m = 1; m <= limit; ++m) {
+    std::array<std::int64_t, 3> multiple{};
+    bool matches = true;
+    for (int a = 0; a < 3; ++a) {
+      const double wanted = s[a] / smallest * static_cast<double>(m);
+      if (wanted * static_cast<double>(std::max<std::int64_t>(grid.dims[a], 1)) > static_cast<double>(limit) + 0.5)
+        return {};
+      multiple[a] = std::llround(wanted);
+      if (std::abs(wanted - static_cast<double>(multiple[a])) > tolerance[a] * wanted) matches = false;
+    }
+    if (matches) return multiple;
+  }
+  return {};
+}
+
+}  // namespace
+
+Vec3 nearest_integer_spacing(const Grid& grid, double* moved) {
+  const Vec3& s = grid.spacing;
+  if (moved) *moved = 0;
+  if (!s.allFinite() || !(s.minCoeff() > 0) || proportion_of(grid, Vec3::Constant(rounding))) return s;
+  constexpr double noise = 1e-5, over_the_grid = 1e-4;
+  Vec3 sides, tolerance;
+  for (int a = 0; a < 3; ++a) {
+    sides[a] = static_cast<double>(std::max<std::int64_t>(grid.dims[static_cast<std::size_t>(a)], 1));
+    tolerance[a] = std::max(noise, over_the_grid / sides[a]);
+  }
+  const auto proportion = proportion_of(grid, tolerance);
+  if (!proportion) return s;
+  const Vec3 multiples = Vec3((*proportion)[0], (*proportion)[1], (*proportion)[2]);
+  const Vec3 unit = s.cwiseQuotient(multiples);
+  const Vec3 nearest = multiples * (unit.minCoeff() / 2 + unit.maxCoeff() / 2);
+  if (moved) *moved = ((nearest - s).cwiseAbs().cwiseQuotient(s)).cwiseProduct(sides).maxCoeff();
+  return nearest;
+}
+
+std::array<std::int64_t, 3> integer_spacing(const Grid& grid) {
   const Vec3& s = grid.spacing;
   const double smallest = s.minCoeff();
   if (!(smallest > 0) || !std::isfinite(s.maxCoeff()))
@@ -36,21 +80,7 @@ std::array<std::int64_t, 3> integer_spacing(const Grid& grid) {
                 fmt::format("the shape lies {:g} from the origin of its coordinates, where double precision does not "
                             "tell voxels of {:g} apart; move it nearer",
                             distance, smallest));
-  for (std::int64_t m = 1; m <= limit; ++m) {
-    std::array<std::int64_t, 3> multiple{};
-    bool matches = true, fits = true;
-    for (int a = 0; a < 3; ++a) {
-      const double wanted = s[a] / smallest * static_cast<double>(m);
-      if (wanted * static_cast<double>(std::max<std::int64_t>(grid.dims[a], 1)) > static_cast<double>(limit) + 0.5) {
-        fits = false;
-        break;
-      }
-      multiple[a] = std::llround(wanted);
-      if (std::abs(wanted - static_cast<double>(multiple[a])) > tolerance * wanted) matches = false;
-    }
-    if (!fits) break;
-    if (matches) return multiple;
-  }
+  if (const auto proportion = proportion_of(grid, Vec3::Constant(rounding))) return *proportion;
   throw Error(
       ErrorCode::input,
       fmt::format("the spacing {} x {} x {} with {} x {} x {} voxels has no integer proportion within 2^20; give a "

@@ -86,6 +86,7 @@ VoxelShape LabelRuns::shape(const Grid& image) const {
     }
   }
   Grid grid = image;
+  grid.spacing = nearest_integer_spacing(image);
   Vec3 corner;
   for (std::size_t a = 0; a < 3; ++a) {
     grid.dims[a] = high[a] - low[a];
