@@ -1,14 +1,28 @@
 // SPDX-License-Identifier: Apache-2.0
-// A reader of volumes: QUENCH_FUZZ_READER names it. With QUENCH_FUZZ_PNG the checksums are made right first: they would
-// hide everything behind them.
+// A reader of volumes: QUENCH_FUZZ_READER names it, or QUENCH_FUZZ_EXTENSION a format whose headers say where the
+// samples are. With QUENCH_FUZZ_PNG the checksums are made right first: they would hide everything behind them.
+#include "io/slice_streams.h"
+#include "io/stored_volume.h"
 #include "io/volume_formats.h"
 #include "memory_file.h"
 #include "quench/context.h"
 #include "small_files.h"
 
+#ifndef QUENCH_FUZZ_EXTENSION
+#define QUENCH_FUZZ_EXTENSION ".bin"
+#endif
+#ifndef QUENCH_FUZZ_READER
+#define QUENCH_FUZZ_READER read_stored
+namespace quench::io {
+static Volume read_stored(const std::filesystem::path& file, Context* context) {
+  return read_stream(open_stored(file, context), file, context);
+}
+}  // namespace quench::io
+#endif
+
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace quench;
-  static const fuzz::MemoryFile file(".bin");
+  static const fuzz::MemoryFile file(QUENCH_FUZZ_EXTENSION);
 #ifdef QUENCH_FUZZ_PNG
   std::string mended(reinterpret_cast<const char*>(data), size);
   small_files::mend_checksums(mended);

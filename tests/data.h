@@ -10,9 +10,3 @@ inline std::filesystem::path data_file(const char* name) { return std::filesyste
 
 #define REQUIRE_DATA(name) \
   if (!std::filesystem::exists(data_file(name))) GTEST_SKIP() << "no real data beside the checkout: " << name
-
-#ifndef QUENCH_TESTS_HAVE_ITK
-#define REQUIRE_ITK() GTEST_SKIP() << "built without ITK"
-#else
-#define REQUIRE_ITK() static_cast<void>(0)
-#endif

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Damaged files of the formats that ITK and Assimp read: whatever the libraries do on them (exceptions, crashes,
+// Damaged files of the formats that Assimp reads: whatever the library does on them (exceptions, crashes,
 // endless reading), reading gives valid data or one sentence.
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -14,7 +14,6 @@
 #include <thread>
 
 #include "data.h"
-#include "foreign_files.h"
 #include "io/apart.h"
 #include "poly_samples.h"
 #include "quench/slices.h"
@@ -107,36 +106,6 @@ void survive(std::size_t count, const std::function<std::string(std::size_t)>& a
                                           : std::string(shared->text));
   }
   munmap(shared, sizeof(Shared));
-}
-
-TEST(Foreign, DamagedVolumes) {
-  REQUIRE_ITK();
-  for (const auto& file : foreign_files::volumes()) {
-    const Folder folder;
-    const auto path = folder / file.name;
-    if (!file.beside.empty()) write_bytes(folder / file.beside, file.bytes_beside);
-    if (file.name == "slices.mhd")
-      for (int z = 1; z <= 3; ++z) write_bytes(folder / ("slice" + std::to_string(z) + ".raw"), std::string(9, '\1'));
-    const auto read = [&] {
-      ForegroundOptions options;
-      options.threshold = 1;
-      if (const auto slices = io::open_slices(path)) {
-        EXPECT_GT(foreground(*slices, options).voxel_count(), 0);
-      } else {
-        foreground(io::read_volume(path), options);
-      }
-    };
-    write_bytes(path, file.bytes);
-    EXPECT_NO_THROW(read()) << file.name;
-    const std::vector<Damage> list = damages(file.bytes, 100);
-    survive(
-        list.size(),
-        [&](std::size_t i) {
-          write_bytes(path, list[i].bytes);
-          return complaint(read);
-        },
-        [&](std::size_t i) { return file.name + ", " + list[i].how; });
-  }
 }
 
 #ifdef QUENCH_TESTS_HAVE_ASSIMP

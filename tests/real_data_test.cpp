@@ -38,7 +38,6 @@ TEST_P(ExpectedCores, SizesAndTopologyAreExact) {
   const ExpectedCore& expected = GetParam();
   REQUIRE_DATA(expected.file);
   const std::string name = expected.file;
-  if (!name.ends_with(".vol")) REQUIRE_ITK();
   const VoxelShape shape =
       foreground(io::read_volume(data_file(expected.file)), {.threshold = expected.threshold, .label = {}});
   EXPECT_EQ(shape.voxel_count(), expected.voxels);
@@ -78,7 +77,6 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST(Bunny7, PruningGivesThePublishedVerticesAndRadii) {
   REQUIRE_DATA("references/bunny7.nrrd");
-  REQUIRE_ITK();
   const VoxelShape shape = foreground(io::read_volume(data_file("references/bunny7.nrrd")), {});
   MedialAxis core = voxel_core(shape);
   prune_levels(core);
@@ -142,7 +140,6 @@ void expect_main_job(const VoxelShape& shape, double longest_side, const std::st
 
 TEST(Torso, AnisotropicSpacing) {
   REQUIRE_DATA("volumes/torsoLabel.nii.gz");
-  REQUIRE_ITK();
   const VoxelShape shape =
       foreground(io::read_volume(data_file("volumes/torsoLabel.nii.gz")), {.threshold = {}, .label = 5});
   EXPECT_EQ(integer_spacing(shape.grid()), (std::array<std::int64_t, 3>{391, 391, 2500}));

@@ -60,7 +60,6 @@ void expect_as_whole(const std::filesystem::path& file, const ForegroundOptions&
 }
 
 TEST(Slices, NrrdOfEitherEncodingAndByteOrder) {
-  REQUIRE_ITK();
   const TemporaryFolder folder;
   for (const bool big : {false, true}) {
     const auto raw = folder.write("raw.nrrd", header("raw", big) + samples(big));
@@ -75,7 +74,6 @@ TEST(Slices, NrrdOfEitherEncodingAndByteOrder) {
 }
 
 TEST(Slices, WhatIsNotSimpleIsReadWhole) {
-  REQUIRE_ITK();
   const TemporaryFolder folder;
   folder.write("data.raw", samples(false));
   std::string text = header("raw", false);
@@ -87,7 +85,6 @@ TEST(Slices, WhatIsNotSimpleIsReadWhole) {
 }
 
 TEST(Slices, MetaImageAndMrc) {
-  REQUIRE_ITK();
   const TemporaryFolder folder;
   const std::string meta =
       "ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = False\nElementSpacing = 0.5 2 1\n"
@@ -105,7 +102,6 @@ std::vector<std::string> pages_of(const std::string& samples, std::size_t bytes)
 }
 
 TEST(Slices, PagesOfTiff) {
-  REQUIRE_ITK();
   const TemporaryFolder folder;
   for (const bool big : {false, true}) {
     const auto pages = pages_of(samples(big), 40);
@@ -133,7 +129,6 @@ TEST(Slices, PagesOfTiff) {
 }
 
 TEST(Slices, FoldersOfSlices) {
-  REQUIRE_ITK();
   const TemporaryFolder folder;
   const auto pages = pages_of(samples(false), 40);
   for (std::size_t z = 0; z < pages.size(); ++z)
@@ -153,7 +148,6 @@ TEST(Slices, FoldersOfSlices) {
 }
 
 TEST(Slices, EveryTruncationOfTiffIsRefusedOrComplete) {
-  REQUIRE_ITK();
   const TemporaryFolder folder;
   const std::string all = testing_tiff::tiff(5, 4, pages_of(samples(false), 40), {.bits = 16});
   for (std::size_t kept = 0; kept < all.size(); ++kept) {
@@ -172,7 +166,6 @@ TEST(Slices, EveryTruncationOfTiffIsRefusedOrComplete) {
 }
 
 TEST(Slices, RealAndWrittenVolumes) {
-  REQUIRE_ITK();
   const TemporaryFolder folder;
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
     const VoxelShape shape = testing_shapes::random_shape(seed, 9);
@@ -185,7 +178,6 @@ TEST(Slices, RealAndWrittenVolumes) {
 
 // Whatever is wrong is one sentence, and the same as for a whole volume where both can tell.
 TEST(Slices, EveryTruncationIsRefused) {
-  REQUIRE_ITK();
   const TemporaryFolder folder;
   for (const char* encoding : {"raw", "gzip"}) {
     const std::string body = std::string(encoding) == "raw" ? samples(false) : gzipped(samples(false));
@@ -208,7 +200,6 @@ TEST(Slices, EveryTruncationIsRefused) {
 }
 
 TEST(Slices, SentencesAreThoseOfWholeVolumes) {
-  REQUIRE_ITK();
   const TemporaryFolder folder;
   const auto file = folder.write("v.nrrd", header("raw", false) + samples(false));
   for (const ForegroundOptions& options : {ForegroundOptions{}, ForegroundOptions{.threshold = 2000, .label = {}},

@@ -14,7 +14,8 @@ namespace quench::small_files {
 
 struct SmallFile {
   std::string name;    ///< with the extension of its format
-  std::string format;  ///< ply, obj, off, stl, vtp, ma, radii, npy, vol, sof, png or nrrd
+  std::string format;  ///< ply, obj, off, stl, vtp, ma, radii, npy, vol, sof, png,
+                       ///< nrrd, mha, nii or mrc
   std::string bytes;
 };
 
@@ -167,6 +168,56 @@ inline std::string nrrd(const std::string& encoding, const std::string& endian, 
          "\n\n" + (encoding == "gzip" ? deflated(samples, 15 + 16) : samples);
 }
 
+/// 3 x 3 x 3 voxels, the middle one 1.
+inline std::string middle() {
+  std::string bytes(27, '\0');
+  bytes[13] = '\1';
+  return bytes;
+}
+
+inline std::string meta(const std::string& more, const std::string& data_file) {
+  return "ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = False\n" + more +
+         "TransformMatrix = 1 0 0 0 1 0 0 0 1\nOffset = 0 0 0\nElementSpacing = 1 1 1\nDimSize = 3 3 3\n"
+         "ElementType = MET_UCHAR\nElementDataFile = " +
+         data_file + "\n";
+}
+
+inline std::string placed_nrrd(const std::string& encoding, const std::string& more = "") {
+  return "NRRD0004\ntype: uint8\ndimension: 3\nspace: left-posterior-superior\nsizes: 3 3 3\nspace directions: (1,0,0) "
+         "(0,1,0) (0,0,1)\nkinds: domain domain domain\nendian: little\nencoding: " +
+         encoding + "\nspace origin: (0,0,0)\n" + more + "\n";
+}
+
+inline std::string nifti() {
+  std::string bytes(352, '\0');
+  const auto put = [&](std::size_t at, const std::string& part) { bytes.replace(at, part.size(), part); };
+  const std::string one = number(one_as_float, 4);
+  put(0, number(348, 4));
+  for (std::size_t a = 0; a < 8; ++a) put(40 + 2 * a, number(a > 0 && a < 4 ? 3 : a ? 1 : 3, 2));
+  put(70, number(2, 2));  // uint8
+  put(72, number(8, 2));
+  for (std::size_t a = 0; a < 8; ++a) put(76 + 4 * a, one);
+  put(108, number(0x43B00000, 4));  // 352
+  put(112, one);
+  put(123, "\2");  // mm
+  put(254, number(1, 2));
+  for (std::size_t a = 0; a < 3; ++a) put(280 + 20 * a, one);
+  put(344, std::string("n+1\0", 4));
+  return bytes + middle();
+}
+
+inline std::string mrc() {
+  std::string bytes(1024, '\0');
+  const auto put = [&](std::size_t word, std::uint64_t value) { bytes.replace(4 * word, 4, number(value, 4)); };
+  for (const std::size_t word : {0, 1, 2, 7, 8, 9}) put(word, 3);
+  for (const std::size_t word : {10, 11, 12}) put(word, 0x40400000);  // 3
+  for (const std::size_t word : {13, 14, 15}) put(word, 0x42B40000);  // 90 degrees
+  for (const std::size_t word : {16, 17, 18}) put(word, word - 15);
+  bytes.replace(208, 4, "MAP ");
+  bytes.replace(212, 4, std::string("DA\0\0", 4));
+  return bytes + middle();
+}
+
 inline std::vector<SmallFile> all() {
   const std::string bytes8 = "\1\2\3\4\5\6\7\1", bytes16 = bytes8 + bytes8;
   return {
@@ -202,6 +253,17 @@ inline std::vector<SmallFile> all() {
       {"woven.png", "png", png(2, 2, 4, 0, true, std::string("\0\x10\0\x20\0\x34", 6))},
       {"raw.nrrd", "nrrd", nrrd("raw", "little", bytes16)},
       {"gzip.nrrd", "nrrd", nrrd("gzip", "big", bytes16)},
+      {"placed.nrrd", "nrrd", placed_nrrd("raw") + middle()},
+      {"text.nrrd", "nrrd", nrrd("text", "little", "1 2 3 4 5 6 7 8\n")},
+      {"hex.nrrd", "nrrd", nrrd("hex", "little", "0001000200030004000500060007ABcd\n")},
+      {"plain.mha", "mha", meta("", "LOCAL") + middle()},
+      {"packed.mha", "mha",
+       meta("CompressedData = True\nCompressedDataSize = " + std::to_string(deflated(middle()).size()) + "\n",
+            "LOCAL") +
+           deflated(middle())},
+      {"plain.nii", "nii", nifti()},
+      {"packed.nii.gz", "nii", deflated(nifti(), 15 + 16)},
+      {"plain.mrc", "mrc", mrc()},
   };
 }
 

@@ -289,7 +289,6 @@ TEST(RealVolumes, CountsOfVol) {
 
 TEST(RealVolumes, CountsThroughItk) {
   REQUIRE_DATA("volumes/maize_root_ct.nrrd");
-  REQUIRE_ITK();
   expect_counts("volumes/maize_root_ct.nrrd", 14, 638866, 2048);
   expect_counts("volumes/maize_root_ct.nrrd", 20, 189697, 3116);
   expect_counts("volumes/emd_5625.map", 1.991, 10609, 5);
@@ -299,7 +298,6 @@ TEST(RealVolumes, CountsThroughItk) {
 
 TEST(RealVolumes, SpacingAndOriginAreKept) {
   REQUIRE_DATA("volumes/torsoLabel.nii.gz");
-  REQUIRE_ITK();
   const Volume torso = io::read_volume(data_file("volumes/torsoLabel.nii.gz"));
   EXPECT_EQ(torso.grid.dims, (std::array<std::int64_t, 3>{384, 320, 89}));
   EXPECT_LT((torso.grid.spacing - Vec3(0.782, 0.782, 5)).cwiseAbs().maxCoeff(), 1e-3);
