@@ -78,7 +78,7 @@ std::string outcome(const std::string& how, const std::string& file) {
 }  // namespace
 
 int main() {
-  constexpr unsigned patience = 20;  // seconds per file: what never ends is ended by SIGALRM, and seen as a crash
+  constexpr unsigned patience = 5;  // seconds per file: what never ends is ended by SIGALRM, and seen as a crash
   for (std::string how, file; std::cin >> how && std::getline(std::cin >> std::ws, file);) {
     alarm(patience);
     std::cout << outcome(how, file) << std::endl;  // flushed: the lines before a crash count

@@ -68,7 +68,8 @@ def numbers(values) -> str:
 
 
 def volume(kind: str, dims=DIMS, finite: bool = False) -> np.ndarray:
-    """Distinct samples with the extremes of their type; no byte of the last one is zero, so that a missing end shows."""
+    """Distinct samples (as far as there are so many) with the extremes of their type; no byte of the last one is zero, so
+    that a missing end shows."""
     dtype = np.dtype(kind)
     count = int(np.prod(dims))
     random = np.random.default_rng(dtype.num * 1000 + count)
@@ -76,11 +77,11 @@ def volume(kind: str, dims=DIMS, finite: bool = False) -> np.ndarray:
         info = np.iinfo(dtype)
         special = {0, 1, info.min, info.max, info.max - 1} | ({-1} if dtype.kind == 'i' else {2})
         chosen = set(special)
-        while len(chosen) < count:
+        while len(chosen) < min(count, 2**(8 * dtype.itemsize)):
             bits = int(random.integers(3, dtype.itemsize * 8 + 1))
             chosen.add(max(info.min, min(info.max, int.from_bytes(random.bytes(8), 'little') % 2**bits
                                          + (info.min if random.random() < 0.3 else 0))))
-        flat = np.array(sorted(chosen)[:count] if count < len(chosen) else list(chosen), dtype=dtype)
+        flat = np.resize(np.array(sorted(chosen), dtype=dtype), count)
     else:
         info = np.finfo(dtype)
         special = [0.0, 1.0, -1.0, info.max, -info.max, info.tiny, float(info.tiny) / 4, 0.1]

@@ -2,8 +2,6 @@
 """NPY (numpy.lib.format). In C order the last axis of the array is x, in Fortran order the first."""
 import struct
 
-import numpy as np
-
 from .cases import DIMS, INTEGERS, TYPES, Grid, case, claims, damaged, raw, volume
 
 

@@ -6,7 +6,7 @@ import zlib
 
 import numpy as np
 
-from .cases import DIMS, ORIGIN, SPACING, TYPES, Grid, case, claims, damaged, raw, rotation, slices, volume
+from .cases import ORIGIN, SPACING, TYPES, Grid, case, claims, damaged, raw, rotation, slices, volume
 
 NAMES = {
     'int8': ['signed char', 'int8', 'int8_t'],

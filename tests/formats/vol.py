@@ -2,8 +2,6 @@
 """The .vol of DGtal and Simplevol: a header as text, raw samples (version 2) or zlib ones (version 3)."""
 import zlib
 
-import numpy as np
-
 from .cases import DIMS, Grid, case, claims, damaged, raw, volume
 
 
