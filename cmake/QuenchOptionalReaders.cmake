@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-# ITK and Assimp are confined to one source file each; without them a stub says what is missing. QUENCH_WITH_ITK and
-# QUENCH_WITH_ASSIMP tell the installed package what a static library needs.
+# Libraries of single formats; without them a sentence says what is missing. QUENCH_WITH_ITK, _ASSIMP and _TIFF tell the
+# installed package what a static library needs.
 set(QUENCH_ITK_COMPONENTS ITKCommon ITKIOImageBase ITKIONRRD ITKIONIFTI ITKIOMeta ITKIOMRC ITKIOTIFF)
 set(QUENCH_WITH_ITK OFF)
 set(QUENCH_WITH_ASSIMP OFF)
@@ -24,7 +24,7 @@ if(QUENCH_ITK)
     set(QUENCH_WITH_ITK ON)
     target_compile_definitions(quench PRIVATE QUENCH_HAS_ITK)
   else()
-    message(STATUS "ITK not found, or not for this compiler: NRRD, NIfTI, MetaImage, MRC and TIFF volumes will not be read")
+    message(STATUS "ITK not found, or not for this compiler: NRRD, NIfTI, MetaImage and MRC volumes will not be read")
   endif()
 endif()
 if(QUENCH_ASSIMP)
@@ -39,10 +39,13 @@ if(QUENCH_ASSIMP)
   endif()
 endif()
 
-# TIFF stacks page by page; without libtiff ITK reads them whole.
 find_package(TIFF QUIET)
-if(TIFF_FOUND AND QUENCH_WITH_ITK)
+set(QUENCH_WITH_TIFF OFF)
+if(TIFF_FOUND)
   target_include_directories(quench SYSTEM PRIVATE ${TIFF_INCLUDE_DIRS})
-  target_link_libraries(quench PRIVATE ${TIFF_LIBRARIES})
+  target_link_libraries(quench PRIVATE TIFF::TIFF)
+  set(QUENCH_WITH_TIFF ON)
   target_compile_definitions(quench PRIVATE QUENCH_HAS_TIFF)
+else()
+  message(STATUS "libtiff not found: TIFF volumes will not be read")
 endif()

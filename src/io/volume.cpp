@@ -6,6 +6,7 @@
 #include <limits>
 #include <new>
 
+#include "io/slice_streams.h"
 #include "io/volume_formats.h"
 #include "quench/error.h"
 #include "quench/io.h"
@@ -22,7 +23,8 @@ Volume read_by_extension(const std::filesystem::path& file, Context* context) {
   if (extension == ".vol") return read_vol(file, context);
   if (extension == ".sof") return read_sof(file, context);
   if (extension == ".png") return read_png(file, context);
-  for (const char* known : {".nrrd", ".nhdr", ".mha", ".mhd", ".nii", ".nii.gz", ".mrc", ".map", ".tif", ".tiff"})
+  if (extension == ".tif" || extension == ".tiff") return read_stream(open_tiff(file, context), file, context);
+  for (const char* known : {".nrrd", ".nhdr", ".mha", ".mhd", ".nii", ".nii.gz", ".mrc", ".map"})
     if (extension == known) {
       const InputFile probe(file);  // "cannot be opened", "is empty" in the same words for every format
       return read_itk(file, context);
