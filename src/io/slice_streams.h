@@ -27,6 +27,9 @@ SliceStream open_slice_folder(const std::filesystem::path& folder);
 /// built without libtiff.
 SliceStream open_tiff(const std::filesystem::path& file, Context* context);
 
+/// In bytes.
+std::size_t sample_size(SampleType type);
+
 /// All slices of a stream, whose file is named in errors.
 Volume read_stream(const SliceStream& stream, const std::filesystem::path& file, Context* context);
 

@@ -16,6 +16,23 @@ void slices_end_early(const std::filesystem::path& file, std::int64_t slice, std
                                             file.string(), slice + 1, slices));
 }
 
+std::size_t sample_size(SampleType type) {
+  switch (type) {
+    case SampleType::uint8:
+    case SampleType::int8:
+      return 1;
+    case SampleType::uint16:
+    case SampleType::int16:
+      return 2;
+    case SampleType::uint32:
+    case SampleType::int32:
+    case SampleType::float32:
+      return 4;
+    default:
+      return 8;
+  }
+}
+
 namespace {
 
 template <std::size_t... i>
@@ -36,9 +53,7 @@ Volume read_stream(const SliceStream& stream, const std::filesystem::path& file,
   const auto& dims = stream.grid.dims;
   const auto side = [&](std::size_t a) { return static_cast<std::size_t>(dims[a]); };
   const std::size_t slice = side(0) * side(1);
-  const std::size_t size =
-      std::visit([](const auto& s) { return sizeof(s[0]); },
-                 samples_of(stream.type, 0, std::make_index_sequence<std::variant_size_v<Volume::Samples>>()));
+  const std::size_t size = sample_size(stream.type);
   check_read_memory(file, slice * side(2) * size, context);
   volume.samples =
       samples_of(stream.type, slice * side(2), std::make_index_sequence<std::variant_size_v<Volume::Samples>>());

@@ -15,23 +15,6 @@
 namespace quench::io {
 namespace {
 
-std::size_t sample_size(SampleType type) {
-  switch (type) {
-    case SampleType::uint8:
-    case SampleType::int8:
-      return 1;
-    case SampleType::uint16:
-    case SampleType::int16:
-      return 2;
-    case SampleType::uint32:
-    case SampleType::int32:
-    case SampleType::float32:
-      return 4;
-    default:
-      return 8;
-  }
-}
-
 std::string kind_text(const TiffLayout& l) {
   const bool real = l.format == SAMPLEFORMAT_IEEEFP, is_signed = l.format == SAMPLEFORMAT_INT;
   return fmt::format("{} x {}{} pixels of {}{}{}", l.width, l.height, l.depth == 1 ? "" : fmt::format(" x {}", l.depth),

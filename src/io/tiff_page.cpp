@@ -121,6 +121,13 @@ std::uint64_t largest_ratio(std::uint16_t compression) {
   }
 }
 
+/// Whether the decoder needs no size of a strip or tile beside that of its output.
+bool decodes_any_size(std::uint16_t compression) {
+  return compression == COMPRESSION_NONE || compression == COMPRESSION_LZW || compression == COMPRESSION_PACKBITS ||
+         compression == COMPRESSION_DEFLATE || compression == COMPRESSION_ADOBE_DEFLATE ||
+         compression == COMPRESSION_LZMA || compression == COMPRESSION_ZSTD;
+}
+
 template <class T>
 void invert(std::span<std::byte> samples, T white) {
   for (std::size_t i = 0; i + sizeof(T) <= samples.size(); i += sizeof(T)) {
@@ -189,7 +196,7 @@ TiffPage::TiffPage(const TiffFile& file, std::size_t index, std::int64_t memory)
   tiff_.reset(TIFFClientOpen(file.path().c_str(), mode, source_.get(), Source::read, Source::write, Source::seek,
                              Source::close, Source::size, nullptr, nullptr));
 #endif
-  if (!tiff_) refuse_damaged();
+  if (!tiff_ || !messages_->first_error.empty()) refuse_damaged();
 }
 
 std::string TiffPage::name() const {
@@ -298,7 +305,7 @@ std::optional<std::uint64_t> TiffPage::raw_planes(const TiffLayout& layout, std:
 
 std::uint32_t TiffPage::planes_together(const TiffLayout& layout) const {
   if (!is_tiled()) return 1;
-  return std::clamp(field<std::uint32_t>(tiff_.get(), TIFFTAG_TILEDEPTH, 1), 1u, std::max(1u, layout.depth));
+  return std::clamp(tile_depth(), 1u, std::max(1u, layout.depth));
 }
 
 std::uint64_t TiffPage::buffer_bytes(const TiffLayout& layout) const {
@@ -312,13 +319,33 @@ std::uint64_t TiffPage::buffer_bytes(const TiffLayout& layout) const {
   }
   const auto width = field<std::uint32_t>(t, TIFFTAG_TILEWIDTH, 0),
              height = field<std::uint32_t>(t, TIFFTAG_TILELENGTH, 0);
-  const std::uint64_t row = TIFFTileRowSize64(t), bytes = TIFFTileSize64(t);
-  const bool sound = width > 0 && height > 0 && row == (std::uint64_t{width} * layout.bits + 7) / 8 && bytes > 0 &&
-                     bytes / row / height == field<std::uint32_t>(t, TIFFTAG_TILEDEPTH, 1) &&
+  const std::uint64_t row = TIFFTileRowSize64(t), plane = TIFFTileSize64(t), depth = tile_depth();
+  const bool sound = width > 0 && height > 0 && depth > 0 && row == (std::uint64_t{width} * layout.bits + 7) / 8 &&
+                     plane > 0 && plane / height == row && plane <= std::numeric_limits<std::int64_t>::max() / depth &&
                      (width >= layout.width || std::uint64_t{width} * layout.bits % 8 == 0);
+  const std::uint64_t bytes = sound ? plane * depth : 0;
   if (!sound || bytes / std::max(1u, 8u / layout.bits) / largest_ratio(layout.compression) > file_.size())
     refuse("contradicts itself about the size of its tiles; it is damaged");
+  if (depth > 1 && !decodes_any_size(layout.compression))
+    refuse(
+        fmt::format("has tiles of {} planes in a compression that is not read for them (Compression {}); save it "
+                    "without compression",
+                    depth, layout.compression));
   return bytes;
+}
+
+std::uint32_t TiffPage::tile_depth() const { return field<std::uint32_t>(tiff_.get(), TIFFTAG_TILEDEPTH, 1); }
+
+bool TiffPage::read_tile(std::uint32_t tile) {
+  TIFF* t = tiff_.get();
+  const auto size = static_cast<tmsize_t>(tile_.size());
+  if (tile_depth() == 1) return TIFFReadEncodedTile(t, tile, tile_.data(), size) == size;
+  // libtiff counts the tiles of a volume, but takes each for one plane deep.
+  const std::uint64_t at = TIFFGetStrileOffset(t, tile), stored = TIFFGetStrileByteCount(t, tile);
+  if (at >= file_.size() || stored == 0 || stored > file_.size() - at) return false;
+  packed_.resize(stored);
+  return file_.read(at, packed_) == stored &&
+         TIFFReadFromUserBuffer(t, tile, packed_.data(), static_cast<tmsize_t>(stored), tile_.data(), size) == 1;
 }
 
 void TiffPage::check_decoded(const TiffLayout& layout, bool whole) const {
@@ -346,13 +373,12 @@ void TiffPage::read_tiles(const TiffLayout& layout, std::uint32_t first, std::sp
              height = field<std::uint32_t>(t, TIFFTAG_TILELENGTH, 0);
   const std::uint64_t tile_row = TIFFTileRowSize64(t), row = layout.row_bytes(), plane = layout.plane_bytes();
   const auto planes = static_cast<std::uint32_t>(out.size() / plane);
-  tile_.resize(TIFFTileSize64(t));
-  const auto size = static_cast<tmsize_t>(tile_.size());
+  tile_.resize(TIFFTileSize64(t) * tile_depth());
   for (std::uint64_t y0 = 0; y0 < layout.height; y0 += height)
     for (std::uint64_t x0 = 0; x0 < layout.width; x0 += width) {
       const std::uint32_t tile =
           TIFFComputeTile(t, static_cast<std::uint32_t>(x0), static_cast<std::uint32_t>(y0), first, 0);
-      check_decoded(layout, TIFFReadEncodedTile(t, tile, tile_.data(), size) == size);
+      check_decoded(layout, read_tile(tile));
       const std::uint64_t left = x0 * layout.bits / 8, bytes = std::min(tile_row, row - left);
       const std::uint64_t rows = std::min<std::uint64_t>(height, layout.height - y0);
       for (std::uint64_t z = 0; z < planes; ++z)

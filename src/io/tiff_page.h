@@ -74,6 +74,8 @@ class TiffPage {
   [[noreturn]] void refuse_damaged() const;
   void check_one_value(const TiffLayout& layout, std::uint16_t samples) const;
   void read_strips(const TiffLayout& layout, std::span<std::byte> out);
+  std::uint32_t tile_depth() const;
+  bool read_tile(std::uint32_t tile);  ///< into tile_
   void read_tiles(const TiffLayout& layout, std::uint32_t first, std::span<std::byte> out);
   void to_values(const TiffLayout& layout, std::span<const std::byte> stored, std::span<std::byte> out) const;
   /// A warning is as good as an error where the decoder goes on with what it has.
@@ -85,7 +87,7 @@ class TiffPage {
   std::unique_ptr<Messages> messages_;
   std::unique_ptr<Source, void (*)(Source*)> source_;
   std::unique_ptr<TIFF, void (*)(TIFF*)> tiff_;
-  std::vector<std::byte> tile_;
+  std::vector<std::byte> tile_, packed_;
 };
 
 }  // namespace quench::io
