@@ -187,7 +187,7 @@ inline std::vector<SmallFile> tiff_files() {
       {"pages.tif", name, tiff(4, 2, {page, page})},
       {"big.tif", name, tiff(2, 2, {page}, {.bits = 16, .format = 2, .big_endian = true, .big_tiff = true})},
       {"half.tif", name, tiff(4, 2, {halves}, {.bits = 16, .format = 3})},
-      {"packed.tif", name, tiff(5, 2, {page}, {.bits = 12, .photometric = 0, .big_endian = true})},
+      {"packed.tif", name, tiff(5, 2, {page + page}, {.bits = 12, .photometric = 0, .big_endian = true})},
       {"palette.tif", name,
        tiff(4, 2, {page}, {.bits = 1, .photometric = 3, .tags = {little.shorts(320, {0, 9, 0, 9, 0, 9})}})},
       {"imagej.tif", name,

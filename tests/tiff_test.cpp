@@ -11,6 +11,7 @@
 #include "quench/error.h"
 #include "quench/io.h"
 #include "quench/slices.h"
+#include "quench/voxel_shape.h"
 #include "small_files.h"
 #include "temporary_folder.h"
 #include "tiff_bytes.h"
@@ -562,6 +563,31 @@ TEST_F(Tiff, HandlersOfTheProgramStay) {
 }
 #endif
 
+// Read in slices, a file gives the shape that it gives read whole.
+TEST_F(Tiff, SlicesGiveTheShapeOfTheWhole) {
+  std::mt19937 random(7);
+  for (int round = 0; round < 20; ++round) {
+    std::vector<std::string> pages(5);
+    for (std::string& page : pages)
+      for (int i = 0; i < 30; ++i) page += static_cast<char>(random() % 4);
+    const auto file = folder.write(fmt::format("{}.tiff", round), tiff(6, 5, pages));
+    const auto slices = io::open_slices(file, {.spacing = Vec3(1, 1, 4)});
+    ASSERT_TRUE(slices);
+    EXPECT_EQ(slices->grid.spacing, Vec3(1, 1, 4));
+    for (const ForegroundOptions& options :
+         {ForegroundOptions{.threshold = 2, .label = {}}, ForegroundOptions{.threshold = {}, .label = 3}}) {
+      const VoxelShape a = foreground(*io::open_slices(file), options), b = foreground(io::read_volume(file), options);
+      EXPECT_EQ(a.grid().dims, (Dims{6, 5, 5}));
+      ASSERT_EQ(a.voxel_count(), b.voxel_count());
+      for (std::int64_t z = 0; z < 5; ++z)
+        for (std::int64_t y = 0; y < 5; ++y)
+          ASSERT_TRUE(std::ranges::equal(a.row(y, z), b.row(y, z), [](const quench::Run& p, const quench::Run& q) {
+            return p.begin == q.begin && p.end == q.end;
+          }));
+    }
+  }
+}
+
 TEST_F(Tiff, SlicesOfAFolder) {
   const TemporaryFolder slices;
   for (int z = 0; z < 12; ++z)
@@ -572,8 +598,22 @@ TEST_F(Tiff, SlicesOfAFolder) {
   EXPECT_EQ(v.grid.spacing, Vec3(1, 1, 1));
   EXPECT_EQ(v.units, "");
   for (std::size_t z = 0; z < 12; ++z) EXPECT_EQ(std::get<std::vector<std::uint8_t>>(v.samples)[2 * z], 'a' + z);
-  slices.write("s3.tif", tiff(2, 1, {"ab", "cd"}));
-  EXPECT_THROW(io::read_volume(slices.path()), Error);
+  const auto opened = io::open_slices(slices.path(), {.spacing = Vec3(1, 1, 4)});
+  ASSERT_TRUE(opened);
+  EXPECT_EQ(opened->grid.spacing, Vec3(1, 1, 4));
+  EXPECT_EQ(foreground(*opened, {.threshold = 'c', .label = {}}).voxel_count(), 20);
+  for (const std::string& other : {tiff(1, 2, {"ab"}), tiff(2, 1, {"abcd"}, {.bits = 16}), tiff(2, 1, {"ab", "cd"})}) {
+    slices.write("s3.tif", other);
+    for (const bool whole : {false, true}) try {
+        if (whole)
+          io::read_volume(slices.path());
+        else
+          foreground(*io::open_slices(slices.path()), {.threshold = 'c', .label = {}});
+        ADD_FAILURE() << "another slice was taken";
+      } catch (const Error& e) {
+        EXPECT_NE(std::string(e.what()).find("s3.tif"), std::string::npos) << e.what();
+      }
+  }
 }
 
 // libtiff writes what it compresses; files by hand are above.

@@ -210,6 +210,7 @@ void TiffPage::refuse(const std::string& what) const {
 
 void TiffPage::refuse_damaged() const {
   std::string reason = messages_->first_error;
+  if (reason.find("4294967295") != reason.npos) reason.clear();  // libtiff's "no row": it says nothing to a user
   while (!reason.empty() && (reason.back() == '.' || reason.back() == ' ')) reason.pop_back();
   refuse("is damaged or incomplete" + (reason.empty() ? "" : ": libtiff says '" + reason + "'"));
 }
@@ -356,6 +357,22 @@ void TiffPage::check_decoded(const TiffLayout& layout, bool whole) const {
   if (!whole || !messages_->first_error.empty() || (goes_on && messages_->warned)) refuse_damaged();
 }
 
+// The JBIG library takes memory for the size its data claim, and ends the program when it gets none.
+void TiffPage::check_jbig(const TiffLayout& layout, std::uint32_t piece, std::uint32_t width,
+                          std::uint32_t height) const {
+  if (layout.compression != COMPRESSION_JBIG) return;
+  std::array<std::uint8_t, 20> header{};
+  file_.read(TIFFGetStrileOffset(tiff_.get(), piece), std::as_writable_bytes(std::span(header)));
+  if (field<std::uint16_t>(tiff_.get(), TIFFTAG_FILLORDER, FILLORDER_MSB2LSB) == FILLORDER_MSB2LSB)
+    TIFFReverseBits(header.data(), header.size());  // libtiff writes it so
+  const auto number = [&](std::size_t at) {
+    return std::uint32_t{header[at]} << 24 | std::uint32_t{header[at + 1]} << 16 | std::uint32_t{header[at + 2]} << 8 |
+           header[at + 3];
+  };
+  if (header[2] != 1 || number(4) != width || number(8) != height)
+    refuse("is damaged or incomplete: its compressed samples are of another size");
+}
+
 void TiffPage::read_strips(const TiffLayout& layout, std::span<std::byte> out) {
   const std::uint32_t rows =
       std::min(field<std::uint32_t>(tiff_.get(), TIFFTAG_ROWSPERSTRIP, layout.height), layout.height);
@@ -363,6 +380,7 @@ void TiffPage::read_strips(const TiffLayout& layout, std::span<std::byte> out) {
   for (std::uint32_t s = 0; s * strip < out.size(); ++s) {
     const auto part = out.subspan(s * strip, std::min(strip, out.size() - s * strip));
     const auto size = static_cast<tmsize_t>(part.size());
+    check_jbig(layout, s, layout.width, static_cast<std::uint32_t>(part.size() / layout.row_bytes()));
     check_decoded(layout, TIFFReadEncodedStrip(tiff_.get(), s, part.data(), size) == size);
   }
 }
@@ -378,6 +396,7 @@ void TiffPage::read_tiles(const TiffLayout& layout, std::uint32_t first, std::sp
     for (std::uint64_t x0 = 0; x0 < layout.width; x0 += width) {
       const std::uint32_t tile =
           TIFFComputeTile(t, static_cast<std::uint32_t>(x0), static_cast<std::uint32_t>(y0), first, 0);
+      check_jbig(layout, tile, width, height);
       check_decoded(layout, read_tile(tile));
       const std::uint64_t left = x0 * layout.bits / 8, bytes = std::min(tile_row, row - left);
       const std::uint64_t rows = std::min<std::uint64_t>(height, layout.height - y0);

@@ -73,6 +73,7 @@ class TiffPage {
   [[noreturn]] void refuse(const std::string& what) const;
   [[noreturn]] void refuse_damaged() const;
   void check_one_value(const TiffLayout& layout, std::uint16_t samples) const;
+  void check_jbig(const TiffLayout& layout, std::uint32_t piece, std::uint32_t width, std::uint32_t height) const;
   void read_strips(const TiffLayout& layout, std::span<std::byte> out);
   std::uint32_t tile_depth() const;
   bool read_tile(std::uint32_t tile);  ///< into tile_
