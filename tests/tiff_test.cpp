@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <fstream>
 #include <random>
 
 #include "quench/error.h"
@@ -412,6 +413,10 @@ TEST_F(Tiff, ResolutionWithoutADistanceOfSlices) {
     EXPECT_EQ(v.spacing_source, "");
     EXPECT_EQ(notes.find("no distance of slices") != std::string::npos, unit != 1) << notes;
   }
+  Context context;
+  context.note = [](const std::string& sentence) { ADD_FAILURE() << "the spacing is given: " << sentence; };
+  EXPECT_EQ(io::read_volume(folder / "t.tif", {.spacing = Vec3(1, 2, 3)}, &context).grid.spacing, Vec3(1, 2, 3));
+  ASSERT_TRUE(io::open_slices(folder / "t.tif", {.spacing = Vec3(1, 2, 3)}, &context));
   read(with(254, 127, 1, 2));
   EXPECT_NE(notes.find("0.1 x 0.2 mm"), std::string::npos) << notes;
   for (const auto& [numerator, denominator] : {std::pair<std::uint32_t, std::uint32_t>{0, 1}, {1, 0}, {0, 0}}) {
@@ -682,6 +687,32 @@ TEST_F(Tiff, EveryCompressionOfLibtiff) {
         EXPECT_EQ(e.code(), ErrorCode::input) << e.what();
       }
     }
+  }
+}
+
+// The library of JBIG takes memory for the size that its data claim, and ends the program where there is none.
+TEST_F(Tiff, SizesInsideJbigAreChecked) {
+  if (TIFFIsCODECConfigured(COMPRESSION_JBIG) == 0) GTEST_SKIP() << "libtiff without JBIG";
+  const auto file = folder / "j.tif";
+  TIFF* out = TIFFOpen(file.c_str(), "w");
+  ASSERT_TRUE(out);
+  for (const std::uint32_t tag : {TIFFTAG_IMAGEWIDTH, TIFFTAG_IMAGELENGTH, TIFFTAG_ROWSPERSTRIP})
+    TIFFSetField(out, tag, 16);
+  for (const auto& [tag, value] : {std::pair{TIFFTAG_BITSPERSAMPLE, 1},
+                                   {TIFFTAG_SAMPLESPERPIXEL, 1},
+                                   {TIFFTAG_PHOTOMETRIC, PHOTOMETRIC_MINISBLACK},
+                                   {TIFFTAG_COMPRESSION, COMPRESSION_JBIG}})
+    TIFFSetField(out, static_cast<std::uint32_t>(tag), value);
+  std::string samples(32, '\x5a');
+  ASSERT_GT(TIFFWriteEncodedStrip(out, 0, samples.data(), 32), 0);
+  TIFFClose(out);
+  std::ifstream in(file, std::ios::binary);
+  const std::string bytes((std::istreambuf_iterator<char>(in)), {});
+  EXPECT_EQ(read(bytes).grid.dims, (Dims{16, 16, 1}));
+  for (const std::size_t at : {2u, 4u, 5u, 8u}) {  // planes, width, height
+    std::string other = bytes;
+    other[8 + at] = '\x7f';
+    refused(other, "of another size");
   }
 }
 

@@ -23,9 +23,9 @@ SliceStream open_slice_folder(const std::filesystem::path& folder);
 /// - pages that do not lie upright (Orientation) are turned.
 ///
 /// Smaller copies of pages and masks are left out (note), all other pages must be alike. The spacing is that of the
-/// description of ImageJ or OME; without a distance of slices it is 1 (note). Throws Error(usage) where Quench was
-/// built without libtiff.
-SliceStream open_tiff(const std::filesystem::path& file, Context* context);
+/// description of ImageJ or OME; without a distance of slices it is 1 (note, unless `spacing_is_given`). Throws
+/// Error(usage) where Quench was built without libtiff.
+SliceStream open_tiff(const std::filesystem::path& file, Context* context, bool spacing_is_given = false);
 
 /// In bytes.
 std::size_t sample_size(SampleType type);

@@ -77,7 +77,7 @@ std::optional<SliceStream> open_slices(const std::filesystem::path& file, const 
   if (std::filesystem::is_directory(file, error))
     stream = open_slice_folder(file);
   else if (extension == ".tif" || extension == ".tiff")
-    stream = open_tiff(file, context);
+    stream = open_tiff(file, context, options.spacing.has_value());
   else
     stream = open_itk_slices(file, context);
   if (stream) apply_spacing(file, options, stream->grid);

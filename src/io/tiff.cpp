@@ -33,7 +33,7 @@ class TiffVolume {
     find_slices();
   }
 
-  SliceStream stream() const {
+  SliceStream stream(bool spacing_is_given) const {
     SliceStream stream;
     const auto& l = layout_;
     stream.grid.dims = {l.transposed() ? l.height : l.width, l.transposed() ? l.width : l.height, slices_};
@@ -44,7 +44,7 @@ class TiffVolume {
     stream.grid.spacing = calibration.spacing;
     stream.units = calibration.units;
     stream.spacing_source = calibration.source;
-    if (!calibration.note.empty()) say(calibration.note);
+    if (!calibration.note.empty() && !spacing_is_given) say(calibration.note);
     return stream;
   }
 
@@ -197,9 +197,9 @@ class TiffVolume {
 
 }  // namespace
 
-SliceStream open_tiff(const std::filesystem::path& file, Context* context) {
+SliceStream open_tiff(const std::filesystem::path& file, Context* context, bool spacing_is_given) {
   const auto volume = std::make_shared<TiffVolume>(file, context);
-  SliceStream stream = volume->stream();
+  SliceStream stream = volume->stream(spacing_is_given);
   stream.next = [volume](std::span<std::byte> out) { volume->next(out); };
   return stream;
 }
@@ -208,7 +208,7 @@ SliceStream open_tiff(const std::filesystem::path& file, Context* context) {
 #else
 namespace quench::io {
 
-SliceStream open_tiff(const std::filesystem::path& file, Context*) {
+SliceStream open_tiff(const std::filesystem::path& file, Context*, bool) {
   throw Error(ErrorCode::usage, fmt::format("'{}' cannot be read: TIFF needs a Quench built with libtiff "
                                             "(libtiff-dev); convert it to NRRD or .npy, or rebuild",
                                             file.string()));
