@@ -31,7 +31,7 @@ Volume read_sof(const std::filesystem::path& file, Context* context);
 /// inch are no distance of slices.
 Volume read_png(const std::filesystem::path& file, Context* context);
 
-/// NRRD, MetaImage, NIfTI, MRC and TIFF (all pages) through ITK, by extension. Where Quench was built without ITK,
+/// NRRD, MetaImage, NIfTI and MRC through ITK, by extension. Where Quench was built without ITK,
 /// Error(usage) that says so.
 Volume read_itk(const std::filesystem::path& file, Context* context);
 

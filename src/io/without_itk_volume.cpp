@@ -10,7 +10,7 @@ namespace quench::io {
 
 Volume read_itk(const std::filesystem::path& file, Context*) {
   throw Error(ErrorCode::usage,
-              fmt::format("'{}' cannot be read: NRRD, MetaImage, NIfTI, MRC and TIFF need a Quench built with ITK "
+              fmt::format("'{}' cannot be read: NRRD, MetaImage, NIfTI and MRC need a Quench built with ITK "
                           "(libinsighttoolkit5-dev); convert it to .npy or .vol, or rebuild",
                           file.string()));
 }
