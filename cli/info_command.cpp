@@ -13,6 +13,7 @@
 #include "quench/medial_axis.h"
 #include "quench/topology.h"
 #include "quench/voxelize.h"
+#include "shape_input.h"
 
 namespace quench::program {
 namespace {
@@ -148,11 +149,13 @@ Json volume_info(const std::string& file, Session& session) {
   const Grid& g = volume.grid;
   info["dims"] = g.dims;
   info["spacing"] = {g.spacing[0], g.spacing[1], g.spacing[2]};
+  if (!volume.spacing_source.empty()) info["spacing_source"] = volume.spacing_source;
   info["origin"] = {g.origin[0], g.origin[1], g.origin[2]};
   info["direction"] = Json::array();
   for (int r = 0; r < 3; ++r)
     for (int c = 0; c < 3; ++c) info["direction"].push_back(g.direction(r, c));
   if (!volume.units.empty()) info["units"] = volume.units;
+  say_picture(file, g, session);
   std::visit(
       [&](const auto& samples) {
         using T = typename std::decay_t<decltype(samples)>::value_type;

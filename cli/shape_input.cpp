@@ -143,6 +143,29 @@ void load_mesh(const ShapeOptions& options, Session& session, LoadedShape& loade
   if (options.keep_mesh) loaded.mesh = std::move(mesh);
 }
 
+/// In lower case.
+std::string extension_of(const std::string& file) {
+  std::string extension = std::filesystem::path(file).extension().string();
+  for (char& c : extension)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return extension;
+}
+
+bool is_tiff(const std::string& file) { return extension_of(file) == ".tif" || extension_of(file) == ".tiff"; }
+
+/// What a volume says of itself, for the report; on screen where the format has no field for it.
+void take_origin(const ShapeOptions& options, const Grid& grid, const std::string& units, const std::string& source,
+                 Session& session, LoadedShape& loaded) {
+  loaded.units = units;
+  if (!units.empty()) loaded.input["units"] = units;
+  loaded.input["spacing"] = {grid.spacing[0], grid.spacing[1], grid.spacing[2]};
+  const std::string from = options.spacing.empty() ? source : "--spacing";
+  if (!from.empty()) loaded.input["spacing_source"] = from;
+  if (options.spacing.empty() && !source.empty() && is_tiff(options.file))
+    session.say(fmt::format("note: spacing {} from {}", spacing_text(grid, units), source));
+  say_picture(options.file, grid, session);
+}
+
 void load_volume(const ShapeOptions& options, Session& session, LoadedShape& loaded) {
   if (options.resolution_given) session.say("note: --resolution is for meshes and is ignored for a volume");
   ForegroundOptions foreground_options = options.foreground;
@@ -160,17 +183,16 @@ void load_volume(const ShapeOptions& options, Session& session, LoadedShape& loa
     }
   };
   if (const auto slices = io::open_slices(options.file, read_options, &session.context)) {
-    loaded.units = slices->units;
+    take_origin(options, slices->grid, slices->units, slices->spacing_source, session, loaded);
     told([&] { return foreground(*slices, foreground_options, nullptr, &session.context); });
   } else {
     const Volume volume = io::read_volume(options.file, read_options, &session.context);
     checkpoint(&session.context, "read", 1);
-    loaded.units = volume.units;
+    take_origin(options, volume.grid, volume.units, volume.spacing_source, session, loaded);
     told([&] { return foreground(volume, foreground_options, nullptr, &session.context); });
   }
   checkpoint(&session.context, "voxelize", 1);
   loaded.longest_side = loaded.shape.longest_side();
-  if (!loaded.units.empty()) loaded.input["units"] = loaded.units;
   if (options.foreground.threshold) loaded.parameters["threshold"] = *options.foreground.threshold;
   if (options.foreground.label) loaded.parameters["label"] = *options.foreground.label;
   if (options.foreground.invert) loaded.parameters["invert"] = true;
@@ -200,6 +222,22 @@ void clean_as_asked(const ShapeOptions& options, Session& session, LoadedShape& 
 }
 
 }  // namespace
+
+std::string spacing_text(const Grid& grid, const std::string& units) {
+  return fmt::format("{:.6g} x {:.6g} x {:.6g}{}{}", grid.spacing[0], grid.spacing[1], grid.spacing[2],
+                     units.empty() ? "" : " ", units);
+}
+
+void say_picture(const std::string& file, const Grid& grid, Session& session) {
+  std::error_code ignored;
+  if (grid.dims[2] != 1 ||
+      !(extension_of(file) == ".png" || is_tiff(file) || std::filesystem::is_directory(file, ignored)))
+    return;
+  session.say(
+      fmt::format("note: '{}' is one picture of {} x {} pixels; it is taken as a slab one voxel thick, whose radii are "
+                  "about half a voxel; for a 3D shape give a folder of slices or a stack",
+                  file, grid.dims[0], grid.dims[1]));
+}
 
 void add_shape_options(CLI::App& app, ShapeOptions& o) {
   app.add_option("SHAPE", o.file,

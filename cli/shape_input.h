@@ -48,6 +48,13 @@ struct LoadedShape {
 /// Reads SHAPE; says what the user should know (assumptions, warnings).
 LoadedShape load_shape(const ShapeOptions& options, Session& session);
 
+/// Says that a volume is one picture (PNG, TIFF, a folder with one of them), where it is: a slab one voxel thick is
+/// seldom what was meant.
+void say_picture(const std::string& file, const Grid& grid, Session& session);
+
+/// "0.5 x 0.5 x 2 um": the sides of a voxel.
+std::string spacing_text(const Grid& grid, const std::string& units);
+
 /// Options not given on the command line are taken from the FieldData `parameters` of a result file.
 void take_parameters(ShapeOptions& options, const PolyData& result);
 

@@ -8,6 +8,9 @@
 #include "quench/io.h"
 #include "quench/sample.h"
 #include "small_files.h"
+#ifdef QUENCH_HAS_TIFF
+#include <tiffio.h>
+#endif
 
 namespace {
 
@@ -29,6 +32,33 @@ quench::PolyData as_axis(const quench::TriangleMesh& mesh) {
   return data;
 }
 
+#ifdef QUENCH_HAS_TIFF
+/// A small grey TIFF in every compression of libtiff.
+void write_compressed_tiffs(const std::filesystem::path& folder) {
+  for (const std::uint16_t compression :
+       {COMPRESSION_CCITTRLE, COMPRESSION_CCITTFAX3, COMPRESSION_CCITTFAX4, COMPRESSION_LZW, COMPRESSION_JPEG,
+        COMPRESSION_PACKBITS, COMPRESSION_PIXARLOG, COMPRESSION_ADOBE_DEFLATE, COMPRESSION_JBIG, COMPRESSION_LERC,
+        COMPRESSION_LZMA, COMPRESSION_ZSTD}) {
+    if (TIFFIsCODECConfigured(compression) == 0) continue;
+    constexpr std::uint32_t side = 16;
+    const bool bilevel = compression == COMPRESSION_JBIG || compression < COMPRESSION_LZW;
+    const auto file = folder / ("compression" + std::to_string(compression) + ".tif");
+    TIFF* out = TIFFOpen(file.c_str(), "w");
+    if (!out) throw std::runtime_error("a TIFF file cannot be written");
+    for (const std::uint32_t tag : {TIFFTAG_IMAGEWIDTH, TIFFTAG_IMAGELENGTH, TIFFTAG_ROWSPERSTRIP})
+      TIFFSetField(out, tag, side);
+    TIFFSetField(out, TIFFTAG_BITSPERSAMPLE, bilevel ? 1 : 8);
+    TIFFSetField(out, TIFFTAG_SAMPLESPERPIXEL, 1);
+    TIFFSetField(out, TIFFTAG_PHOTOMETRIC, PHOTOMETRIC_MINISBLACK);
+    TIFFSetField(out, TIFFTAG_COMPRESSION, compression);
+    std::string samples;
+    for (std::uint32_t i = 0; i < side * side / (bilevel ? 8 : 1); ++i) samples += static_cast<char>(i * i / 3);
+    TIFFWriteEncodedStrip(out, 0, samples.data(), static_cast<tmsize_t>(samples.size()));
+    TIFFClose(out);
+  }
+}
+#endif
+
 }  // namespace
 
 int main(int argc, char** argv) try {
@@ -46,6 +76,9 @@ int main(int argc, char** argv) try {
     for (const char* format : {"ply", "obj", "vtp", "ma"})
       quench::io::write_poly_data(folder / format / (name + "." + format), as_axis(made.mesh));
   }
+#ifdef QUENCH_HAS_TIFF
+  write_compressed_tiffs(folder / "tiff");
+#endif
   return 0;
 } catch (const std::exception& error) {
   return std::fprintf(stderr, "%s\n", error.what()), 1;

@@ -118,9 +118,6 @@ class SkeletonsOfVolumes : public testing::TestWithParam<VolumeCase> {};
 TEST_P(SkeletonsOfVolumes, HaveTheTopologyOfTheShape) {
   const auto& [file, threshold] = GetParam();
   REQUIRE_DATA(file);
-#ifndef QUENCH_TESTS_HAVE_ITK
-  if (!std::string(file).ends_with(".vol")) GTEST_SKIP() << "built without ITK";
-#endif
   const VoxelShape shape = foreground(io::read_volume(data_file(file)), {.threshold = threshold, .label = {}});
   expect_skeletons(shape, shape.longest_side(), file);
 }

@@ -15,7 +15,6 @@
 #include "random_shapes.h"
 #include "small_files.h"
 #include "temporary_folder.h"
-#include "tiff_bytes.h"
 
 namespace quench {
 namespace {
@@ -92,77 +91,6 @@ TEST(Slices, MetaImageAndMrc) {
   expect_as_whole(folder.write("a.mha", meta + samples(false)), {.threshold = 300, .label = {}});
   REQUIRE_DATA("volumes/emd_5625.map");
   expect_as_whole(data_file("volumes/emd_5625.map"), {.threshold = 1.991, .label = {}});
-}
-
-// The pages of `samples`, which hold `bytes` per page.
-std::vector<std::string> pages_of(const std::string& samples, std::size_t bytes) {
-  std::vector<std::string> pages;
-  for (std::size_t at = 0; at < samples.size(); at += bytes) pages.push_back(samples.substr(at, bytes));
-  return pages;
-}
-
-TEST(Slices, PagesOfTiff) {
-  const TemporaryFolder folder;
-  for (const bool big : {false, true}) {
-    const auto pages = pages_of(samples(big), 40);
-    const auto file = folder.write("stack.tif", testing_tiff::tiff(5, 4, pages, {.bits = 16, .big_endian = big}));
-    for (const double threshold : {1.0, 300.0, 900.0}) expect_as_whole(file, {.threshold = threshold, .label = {}});
-    expect_as_whole(
-        folder.write("signed.tif", testing_tiff::tiff(5, 4, pages, {.bits = 16, .format = 2, .big_endian = big})),
-        {.threshold = 300, .label = {}});
-    expect_as_whole(
-        folder.write("one.tiff", testing_tiff::tiff(5, 12, {samples(big)}, {.bits = 16, .big_endian = big})),
-        {.threshold = 300, .label = {}});
-  }
-  std::string reals;
-  for (int i = 0; i < 60; ++i) {
-    const float v = static_cast<float>(i % 7) * 0.25f;
-    reals.append(reinterpret_cast<const char*>(&v), sizeof v);
-  }
-  expect_as_whole(folder.write("f.tif", testing_tiff::tiff(5, 4, pages_of(reals, 80), {.bits = 32, .format = 3})),
-                  {.threshold = 0.6, .label = {}});
-  const auto bytes = pages_of(samples(false).substr(0, 60), 20);
-  expect_as_whole(folder.write("b.tif", testing_tiff::tiff(5, 4, bytes)), {.threshold = {}, .label = 3});
-  // White is 0: ITK's business.
-  EXPECT_FALSE(io::open_slices(folder.write("w.tif", testing_tiff::tiff(5, 4, bytes, {.photometric = 0}))));
-  EXPECT_FALSE(io::open_slices(folder.write("x.tif", "no TIFF")));
-}
-
-TEST(Slices, FoldersOfSlices) {
-  const TemporaryFolder folder;
-  const auto pages = pages_of(samples(false), 40);
-  for (std::size_t z = 0; z < pages.size(); ++z)
-    folder.write(fmt::format("s{}.tif", 9 + z), testing_tiff::tiff(5, 4, {pages[z]}, {.bits = 16}));
-  expect_as_whole(folder.path(), {.threshold = 300, .label = {}});
-  const auto slices = io::open_slices(folder.path(), {.spacing = Vec3(1, 1, 4)});
-  ASSERT_TRUE(slices);
-  EXPECT_EQ(slices->grid.spacing, Vec3(1, 1, 4));
-  EXPECT_EQ(slices->grid.dims[2], 3);
-  folder.write("s20.tif", testing_tiff::tiff(4, 5, {pages[0]}, {.bits = 16}));
-  try {
-    foreground(*io::open_slices(folder.path()), {.threshold = 300, .label = {}});
-    ADD_FAILURE() << "a slice of another size was taken";
-  } catch (const Error& e) {
-    EXPECT_NE(std::string(e.what()).find("s20.tif"), std::string::npos) << e.what();
-  }
-}
-
-TEST(Slices, EveryTruncationOfTiffIsRefusedOrComplete) {
-  const TemporaryFolder folder;
-  const std::string all = testing_tiff::tiff(5, 4, pages_of(samples(false), 40), {.bits = 16});
-  for (std::size_t kept = 0; kept < all.size(); ++kept) {
-    const auto file = folder.write("t.tif", all.substr(0, kept));
-    try {
-      const auto slices = io::open_slices(file);
-      if (!slices) continue;  // read_volume() refuses it, or not
-      foreground(*slices, {.threshold = 1, .label = {}});
-      // libtiff does not tell a directory that is cut off from the last one; samples that are missing it does.
-      EXPECT_LT(slices->grid.dims[2], 3) << kept;
-    } catch (const Error& e) {
-      EXPECT_EQ(e.code(), ErrorCode::input);
-      EXPECT_NE(std::string(e.what()).find("t.tif"), std::string::npos) << e.what();
-    }
-  }
 }
 
 TEST(Slices, RealAndWrittenVolumes) {

@@ -8,14 +8,15 @@
 #include <string>
 #include <vector>
 
-/// A tiny valid file of every format Quench reads by itself: what the tests damage and the fuzz targets begin with.
-/// Each shows another part of its reader.
+#include "tiff_bytes.h"
+
+/// A tiny valid file of every format Quench reads in its own process: what the tests damage and the fuzz targets begin
+/// with. Each shows another part of its reader.
 namespace quench::small_files {
 
 struct SmallFile {
   std::string name;    ///< with the extension of its format
-  std::string format;  ///< ply, obj, off, stl, vtp, ma, radii, npy, vol, sof, png,
-                       ///< nrrd, mha, nii or mrc
+  std::string format;  ///< ply, obj, off, stl, vtp, ma, radii, npy, vol, sof, png, nrrd, mha, nii, mrc or tiff
   std::string bytes;
 };
 
@@ -216,11 +217,41 @@ inline std::string mrc() {
   bytes.replace(208, 4, "MAP ");
   bytes.replace(212, 4, std::string("DA\0\0", 4));
   return bytes + middle();
+/// Two pages, a page in tiles, a volume in tiles, a palette, and descriptions of other programs.
+inline std::vector<SmallFile> tiff_files() {
+  using namespace testing_tiff;
+  const std::string page = "\1\2\3\4\5\6\7\1", halves(16, '\x3c'), name = "tiff";
+  const TiffBytes little, big(true);
+  TiffBytes tiled(false, true), volume(true), mixed;
+  tiled.page(3, 2, {std::string(256, 'x')}, {.tile = {16, 16}, .tags = {tiled.shorts(274, {6})}});
+  volume.page(2, 2, {deflated(std::string(512, 'y'))}, {.compression = 8, .tile = {16, 16, 2}, .depth = 2});
+  mixed.page(4, 2, {page}, {});
+  mixed.page(1, 1, {page}, {.tags = {mixed.longs(254, {1})}});
+  mixed.page(4, 2, {deflated(page)}, {.photometric = 0, .compression = 8});
+  const std::string ome =
+      "<OME><Image><Pixels SizeZ=\"2\" SizeC=\"1\" PhysicalSizeX=\"1\" PhysicalSizeY=\"2\" PhysicalSizeZ=\"3\" "
+      "PhysicalSizeZUnit=\"nm\"/></Image></OME>";
+  return {
+      {"pages.tif", name, tiff(4, 2, {page, page})},
+      {"big.tif", name, tiff(2, 2, {page}, {.bits = 16, .format = 2, .big_endian = true, .big_tiff = true})},
+      {"half.tif", name, tiff(4, 2, {halves}, {.bits = 16, .format = 3})},
+      {"packed.tif", name, tiff(5, 2, {page + page}, {.bits = 12, .photometric = 0, .big_endian = true})},
+      {"palette.tif", name,
+       tiff(4, 2, {page}, {.bits = 1, .photometric = 3, .tags = {little.shorts(320, {0, 9, 0, 9, 0, 9})}})},
+      {"imagej.tif", name,
+       tiff(4, 1, {page}, {.tags = imagej_tags("ImageJ=1\nimages=2\nunit=um\nspacing=2\n", 2000000)})},
+      {"ome.tif", name, tiff(4, 2, {page, page}, {.tags = {TiffBytes::text(270, ome)}})},
+      {"shaped.tif", name,
+       tiff(4, 2, {page}, {.tags = {TiffBytes::text(270, "{\"shape\": [1, 2, 4], \"axes\": \"ZYX\"}")}})},
+      {"tiled.tif", name, tiled.file()},
+      {"volume.tif", name, volume.file()},
+      {"mixed.tif", name, mixed.file()},
+  };
 }
 
 inline std::vector<SmallFile> all() {
   const std::string bytes8 = "\1\2\3\4\5\6\7\1", bytes16 = bytes8 + bytes8;
-  return {
+  std::vector<SmallFile> files{
       {"little.ply", "ply", binary_ply(false)},
       {"big.ply", "ply", binary_ply(true)},
       {"text.ply", "ply",
@@ -265,6 +296,8 @@ inline std::vector<SmallFile> all() {
       {"packed.nii.gz", "nii", deflated(nifti(), 15 + 16)},
       {"plain.mrc", "mrc", mrc()},
   };
+  for (SmallFile& file : tiff_files()) files.push_back(std::move(file));
+  return files;
 }
 
 }  // namespace quench::small_files

@@ -30,7 +30,7 @@ VoxelShape foreground(const SliceStream& image, const ForegroundOptions& options
 namespace io {
 
 /// A volume as slices where its format allows it: NRRD with its samples in the same file, raw or gzip; uncompressed
-/// MetaImage and MRC; pages of a TIFF file; folders of PNG or TIFF slices. Nothing for other files: read_volume() reads
+/// MetaImage and MRC; TIFF; folders of PNG or TIFF slices. Nothing for other files: read_volume() reads
 /// them whole. Throws as read_volume() does.
 std::optional<SliceStream> open_slices(const std::filesystem::path& file, const VolumeReadOptions& options = {},
                                        Context* context = nullptr);

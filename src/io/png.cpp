@@ -30,6 +30,16 @@ struct Png {
   std::vector<unsigned char> packed;         // all IDAT chunks
 };
 
+[[noreturn]] void refuse_picture(const std::filesystem::path& file, const Png& png, const char* kind) {
+  throw Error(
+      ErrorCode::input,
+      fmt::format(
+          "'{}' is {} picture of {} x {} pixels, and Quench needs one value per voxel; convert it to grey "
+          "values, e.g. with 'convert IN.png -colorspace Gray -alpha off OUT.png' (one picture is one slice: for "
+          "a 3D shape give a folder of slices)",
+          file.string(), kind, png.width, png.height));
+}
+
 void read_header(Png& png, const unsigned char* data, const std::filesystem::path& file) {
   png.width = big_endian(data);
   png.height = big_endian(data + 4);
@@ -37,11 +47,9 @@ void read_header(Png& png, const unsigned char* data, const std::filesystem::pat
   png.colour = data[9];
   png.interlaced = data[12] == 1;
   if (data[10] != 0 || data[11] != 0 || data[12] > 1) refuse(file, "its compression is not known");
-  if (png.colour != 0 && png.colour != 3)
-    refuse(file, fmt::format("it has {} values per pixel where one is needed; convert it to grey values",
-                             png.colour == 2   ? 3
-                             : png.colour == 4 ? 2
-                                               : 4));
+  if (png.colour == 2 || png.colour == 4 || png.colour == 6)
+    refuse_picture(file, png, png.colour == 2 ? "an RGB" : png.colour == 4 ? "a grey and transparent" : "an RGBA");
+  if (png.colour != 0 && png.colour != 3) refuse(file, fmt::format("its colour type {} is not known", png.colour));
   const int d = png.depth;
   if (d != 1 && d != 2 && d != 4 && d != 8 && !(d == 16 && png.colour == 0))
     refuse(file, fmt::format("{} bits per sample are not possible", d));
@@ -68,7 +76,7 @@ Png read_chunks(const std::filesystem::path& file) {
     } else if (type == "PLTE") {
       for (std::uint32_t i = 0; i + 2 < length; i += 3) {
         if (png.colour == 3 && (data[i] != data[i + 1] || data[i] != data[i + 2]))
-          refuse(file, "it has colours where grey values are needed; convert it to grey values");
+          refuse_picture(file, png, "a colour (palette)");
         png.grey_of_index.push_back(data[i]);
       }
     } else if (type == "IDAT") {

@@ -94,7 +94,11 @@ class SliceFolder {
 
  private:
   static Volume read(const std::filesystem::path& file) {
-    Volume slice = volume_extension(file) == ".png" ? read_png(file, nullptr) : read_volume(file);
+    Volume slice = volume_extension(file) == ".png" ? read_png(file, nullptr)
+                                                    : read_stream(open_tiff(file, nullptr), file, nullptr);
+    slice.grid.spacing = Vec3::Ones();
+    slice.units.clear();
+    slice.spacing_source.clear();
     if (slice.grid.dims[2] != 1)
       throw Error(ErrorCode::input, fmt::format("'{}' has {} pages where one slice is needed; read it on its own",
                                                 file.string(), slice.grid.dims[2]));

@@ -13,11 +13,21 @@ namespace quench::io {
 /// The PNG or TIFF files of a folder. Throws as read_slices() does.
 SliceStream open_slice_folder(const std::filesystem::path& folder);
 
-/// The pages of a TIFF file: grey, 8 to 64 bits, in strips, all pages alike. Nothing for other files (read_itk() reads
-/// some of them) and where Quench was built without libtiff.
-std::optional<SliceStream> open_tiff_pages(const std::filesystem::path& file, Context* context);
+/// A TIFF file: its pages, the planes of its page (ImageDepth), or the pictures behind its only page as ImageJ writes
+/// them beyond 4 GB. One value per voxel, unsigned, signed or floating point:
+///
+/// - samples of 1, 2 and 4 bits are scaled to 255, as in PNG; of 9 to 15 bits they are kept as uint16, halves as
+/// float32;
+/// - where 0 is white, unsigned values are inverted (note);
+/// - a palette of greys gives the greys, any other the indices of its colours (note);
+/// - pages that do not lie upright (Orientation) are turned.
+///
+/// Smaller copies of pages and masks are left out (note), all other pages must be alike. The spacing is that of the
+/// description of ImageJ or OME; without a distance of slices it is 1 (note, unless `spacing_is_given`). Throws
+/// Error(usage) where Quench was built without libtiff.
+SliceStream open_tiff(const std::filesystem::path& file, Context* context, bool spacing_is_given = false);
 
-/// All slices of a stream as a volume.
+/// All slices of a stream, whose file is named in errors.
 Volume read_stream(const SliceStream& stream, const std::filesystem::path& file, Context* context);
 
 /// "... its data end in slice 3 of 40".

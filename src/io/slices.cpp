@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <utility>
+
 #include "io/slice_streams.h"
 #include "io/stored_volume.h"
 #include "io/volume_formats.h"
@@ -46,7 +48,7 @@ std::optional<SliceStream> open_slices(const std::filesystem::path& file, const 
   if (std::filesystem::is_directory(file, error))
     stream = open_slice_folder(file);
   else if (extension == ".tif" || extension == ".tiff")
-    stream = open_tiff_pages(file, context);
+    stream = open_tiff(file, context, options.spacing.has_value());
   else if (is_stored_volume(extension))
     stream = open_stored(file, context);
   if (stream) apply_spacing(file, options, stream->grid);

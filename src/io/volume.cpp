@@ -16,7 +16,7 @@
 namespace quench::io {
 namespace {
 
-Volume read_by_extension(const std::filesystem::path& file, Context* context) {
+Volume read_by_extension(const std::filesystem::path& file, bool spacing_is_given, Context* context) {
   std::error_code ignored;
   if (std::filesystem::is_directory(file, ignored)) return read_slices(file, context);
   const std::string extension = volume_extension(file);
@@ -24,11 +24,8 @@ Volume read_by_extension(const std::filesystem::path& file, Context* context) {
   if (extension == ".vol") return read_vol(file, context);
   if (extension == ".sof") return read_sof(file, context);
   if (extension == ".png") return read_png(file, context);
-  if (extension == ".tif" || extension == ".tiff") {
-    auto stream = open_tiff_pages(file, context);
-    if (!stream) throw Error(ErrorCode::input, fmt::format("'{}' is not a TIFF stack", file.string()));
-    return read_stream(*stream, file, context);
-  }
+  if (extension == ".tif" || extension == ".tiff")
+    return read_stream(open_tiff(file, context, spacing_is_given), file, context);
   if (is_stored_volume(extension)) return read_stream(open_stored(file, context), file, context);
   throw Error(ErrorCode::usage,
               fmt::format("'{}' is not a volume by its extension; volumes are .nrrd .nhdr .mha .mhd .nii .nii.gz .mrc "
@@ -119,7 +116,7 @@ Volume read_volume(const std::filesystem::path& file, const VolumeReadOptions& o
   }
   Volume volume;
   try {
-    volume = read_by_extension(file, context);
+    volume = read_by_extension(file, options.spacing.has_value(), context);
   } catch (const std::bad_alloc&) {
     throw Error(ErrorCode::failed,
                 fmt::format("'{}' does not fit into memory; crop it or lower its resolution", file.string()));

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+/// The chain of directories (pages) of a TIFF file, followed without libtiff: TIFFReadDirectory() ends in the same way
+/// at the last directory and at a damaged one.
+namespace quench::io {
+
+/// A TIFF file, open for reading at any place.
+class TiffFile {
+ public:
+  /// Reads the header and follows the chain. Throws Error(failed) when the file cannot be opened, and Error(input) when
+  /// it is not TIFF or when its chain leaves the file, ends in the middle of a directory or returns to one before.
+  explicit TiffFile(const std::filesystem::path& file);
+  TiffFile(const TiffFile&) = delete;
+  TiffFile& operator=(const TiffFile&) = delete;
+  ~TiffFile();
+
+  const std::filesystem::path& path() const { return path_; }
+  std::uint64_t size() const { return size_; }
+  bool big_endian() const { return big_endian_; }
+  bool big_tiff() const { return big_tiff_; }  ///< offsets of 8 bytes
+  /// Where the directories begin, in the order of the chain; at least one.
+  const std::vector<std::uint64_t>& directories() const { return directories_; }
+
+  /// Fills `out` from byte `at` on, as far as the file goes; the number of bytes read.
+  std::size_t read(std::uint64_t at, std::span<std::byte> out) const;
+
+  /// The numerator and denominator of an unsigned rational tag, as they are stored.
+  struct Rational {
+    std::uint32_t numerator = 0, denominator = 0;
+  };
+  std::optional<Rational> rational(std::uint64_t directory, std::uint16_t tag) const;
+
+ private:
+  std::uint64_t number(const std::byte* bytes, std::size_t size) const;
+  std::optional<std::uint64_t> number_at(std::uint64_t at, std::size_t size) const;
+  std::uint64_t next_directory(std::uint64_t directory, std::size_t index) const;
+  void follow_chain();
+
+  std::filesystem::path path_;
+  int descriptor_ = -1;
+  std::uint64_t size_ = 0;
+  bool big_endian_ = false, big_tiff_ = false;
+  std::vector<std::uint64_t> directories_;
+};
+
+}  // namespace quench::io
