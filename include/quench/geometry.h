@@ -24,7 +24,7 @@ struct TriangleMesh {
 };
 
 /// A box of voxels in the world: x = origin + direction * (spacing o (lattice - 1/2)). `origin` is the centre of voxel
-/// 0, as in NRRD, NIfTI, MetaImage, MRC and ITK; `direction` is orthonormal (reflections allowed).
+/// 0, as in NRRD, NIfTI, MetaImage and MRC; `direction` is orthonormal (reflections allowed).
 struct Grid {
   std::array<std::int64_t, 3> dims{0, 0, 0};  ///< voxels along x, y, z; x runs fastest in arrays
   Vec3 spacing{1, 1, 1};

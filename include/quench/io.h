@@ -24,7 +24,7 @@
 ///   .r   (x y z r per vertex)                  with --radii x
 ///   .csv (one row per vertex)                              x
 ///   .fbx .dae .3ds .gltf ... (Assimp)   x
-///   .nrrd .nhdr .mha .mhd .nii .nii.gz .mrc .map (ITK)                 x
+///   .nrrd .nhdr .mha .mhd .nii .nii.gz .mrc .map                       x
 ///   .tif, a folder of TIFF slices (libtiff)                            x
 ///   .npy  .vol (DGtal)  .sof  .png, a folder of PNG slices             x
 ///   .nrrd (gzip)                                                                  x
