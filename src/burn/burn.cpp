@@ -3,10 +3,12 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
 #include "burn/fire.h"
+#include "parallel.h"
 #include "quench/error.h"
 
 namespace quench {
@@ -71,14 +73,8 @@ double radius_inside_edge(double r0, double r1, double length, double t, RadiusR
   return std::sqrt(std::max(0.0, (1 - t) * r0 * r0 + t * r1 * r1 - t * (1 - t) * length * length));
 }
 
-Burning burn(const CellComplex& complex, std::span<const Vec3> points, std::span<const double> radius,
-             const BurnOptions& options, Context* context) {
-  return burn_in_turns(complex, points, radius, options, {}, context);
-}
-
-Burning burning::burn_in_turns(const CellComplex& complex, std::span<const Vec3> points, std::span<const double> radius,
-                               const BurnOptions& options, const Turns& turns, Context* context) {
-  check_input(complex, points, radius, options);
+static Burning burned(const CellComplex& complex, std::span<const Vec3> points, std::span<const double> radius,
+                      const BurnOptions& options, const Turns& turns, Context* context) {
   checkpoint(context, "burn", 0);
   Burning result;
   result.options = options;
@@ -88,8 +84,9 @@ Burning burning::burn_in_turns(const CellComplex& complex, std::span<const Vec3>
   result.network = make_network(complex, points, result.options.omega, options.propagation);
   const Links links = make_links(complex, result.network);
   const Polygons polygons = make_polygons(complex, points, result.network);
-  double scale = 0;
-  for (const Vec3& p : points) scale = std::max(scale, (p - points[0]).norm());
+  Eigen::AlignedBox3d box;
+  for (const Vec3& p : points) box.extend(p);
+  const double scale = points.empty() ? 0 : box.diagonal().norm();
   const Site site{complex, points, radius, result.network, links, polygons, options.radius, scale};
 
   std::vector<char> opened;
@@ -98,7 +95,7 @@ Burning burning::burn_in_turns(const CellComplex& complex, std::span<const Vec3>
     const bool segments = options.propagation == Propagation::segments;
     // Labels of the segments are corrected; without a tolerance nodes would burn again for every rounding.
     const double tolerance = segments ? std::min(2e-3 * result.options.omega, 6e-4 * mean) : 0;
-    Labels labels(site, turns, tolerance, segments, segments);
+    Labels labels(site, turns, tolerance, segments);
     if (segments)
       propagate_by_segments(site, labels, tolerance, context);
     else
@@ -122,6 +119,17 @@ Burning burning::burn_in_turns(const CellComplex& complex, std::span<const Vec3>
   }
   checkpoint(context, "burn", 1);
   return result;
+}
+
+Burning burn(const CellComplex& complex, std::span<const Vec3> points, std::span<const double> radius,
+             const BurnOptions& options, Context* context) {
+  return burn_in_turns(complex, points, radius, options, {}, context);
+}
+
+Burning burning::burn_in_turns(const CellComplex& complex, std::span<const Vec3> points, std::span<const double> radius,
+                               const BurnOptions& options, const Turns& turns, Context* context) {
+  check_input(complex, points, radius, options);
+  return in_arena(context, [&] { return burned(complex, points, radius, options, turns, context); });
 }
 
 }  // namespace quench
