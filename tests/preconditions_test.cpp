@@ -100,6 +100,10 @@ TEST(Preconditions, LevelsAndLambdasAreThereForAllCells) {
   expect_refused([&] { add_core(page, wrong, {}, 1000); }, "level");
   expect_refused([&] { to_poly_data(wrong); }, "level");
   wrong = axis;
+  wrong.face_level.back() = kNan;
+  expect_refused([&] { add_core(page, wrong, {}, 1000); }, "level");
+  expect_refused([&] { add_core(page, axis, {{"short", 1, std::vector<double>{1}}}, 1000); }, "'short'");
+  wrong = axis;
   wrong.radius.pop_back();
   expect_refused([&] { to_poly_data(wrong); }, "radius");
 }
@@ -127,6 +131,12 @@ TEST(Preconditions, LevelsOfAnotherAxisAreNotTaken) {
   for (DataArray& array : shorter.cell_data)
     if (array.name == "lambda_level") array.values = std::vector<double>(1, 1.0);
   expect_unchanged(shorter);
+  for (const double level : {kNan, -1.0}) {
+    PolyData no_levels = with([](PolyData&) {});
+    for (DataArray& array : no_levels.cell_data)
+      if (array.name == "lambda_level") std::get<std::vector<double>>(array.values).back() = level;
+    expect_unchanged(no_levels);
+  }
   MedialAxis read = medial_axis_of(data);
   EXPECT_TRUE(take_levels(read, with([](PolyData&) {})));
 }

@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
@@ -84,9 +83,8 @@ static Burning burned(const CellComplex& complex, std::span<const Vec3> points, 
   result.network = make_network(complex, points, result.options.omega, options.propagation);
   const Links links = make_links(complex, result.network);
   const Polygons polygons = make_polygons(complex, points, result.network);
-  Eigen::AlignedBox3d box;
-  for (const Vec3& p : points) box.extend(p);
-  const double scale = points.empty() ? 0 : box.diagonal().norm();
+  double scale = 0;
+  for (const Vec3& p : points) scale = std::max(scale, (p - points[0]).norm());
   const Site site{complex, points, radius, result.network, links, polygons, options.radius, scale};
 
   std::vector<char> opened;

@@ -16,7 +16,7 @@ struct Site {
   const Links& links;
   const Polygons& polygons;
   RadiusRule rule;
-  double scale;  ///< diagonal of the bounding box
+  double scale;  ///< the farthest of the points from the first: at least half the diameter of all
 
   std::uint32_t vertex_states() const { return network.vertex_base.back(); }
   bool is_vertex(std::uint32_t state) const { return state < vertex_states(); }

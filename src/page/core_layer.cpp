@@ -9,6 +9,11 @@
 namespace quench {
 namespace {
 
+// FacesByLevel sorts and compares them.
+bool are_levels(const std::vector<double>& levels) {
+  return std::ranges::all_of(levels, [](double level) { return level >= 0; });
+}
+
 // pruned() counts levels within 1e-12 below lambda as equal.
 std::vector<float> comparable(const std::vector<double>& levels) {
   std::vector<float> floats;
@@ -22,7 +27,8 @@ std::vector<float> comparable(const std::vector<double>& levels) {
 std::size_t add_core(Page& page, const MedialAxis& axis, const std::vector<DataArray>& measures,
                      std::size_t max_triangles) {
   if (axis.face_level.size() != axis.complex.face_count() || axis.edge_level.size() != axis.complex.edges.size() ||
-      axis.vertex_level.size() != axis.complex.vertex_count)
+      axis.vertex_level.size() != axis.complex.vertex_count || !are_levels(axis.face_level) ||
+      !are_levels(axis.edge_level) || !are_levels(axis.vertex_level))
     throw Error(ErrorCode::usage, "a page shows a medial axis with a level for each of its cells; see prune_levels()");
   LayerCells cells;
   cells.face_level = comparable(axis.face_level);
@@ -54,6 +60,7 @@ bool take_levels(MedialAxis& axis, const PolyData& data) {
   for (const auto& [a, b] : data.lines)
     if (a == b) return false;
   std::vector<double> level = array->numbers();
+  if (!are_levels(level)) return false;
   for (double& x : level)
     if (x >= kInfiniteLevelInFiles) x = std::numeric_limits<double>::infinity();
   // A cell that is not written has the largest level of those it is a side of (to_poly_data).
