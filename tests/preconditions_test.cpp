@@ -3,10 +3,13 @@
 // behaviour, an endless loop or a wrong result.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "quench/burn.h"
@@ -149,6 +152,11 @@ TEST(Preconditions, ThresholdsAndPointsAreNumbers) {
   expect_refused([&] { extract(family, kNan, 1); }, "theta2");
   expect_refused([&] { extract(family, 1, kNan); }, "theta1");
   expect_refused([&] { extract(family, 1, 1, {.parts = false, .tips = kNan}); }, "tips");
+
+  std::vector<Vec3> points = axis.points;
+  points.pop_back();
+  EXPECT_THROW(predicted_burn_bytes(axis.complex, points, {.omega = 1}), Error);
+  EXPECT_THROW(default_omega(axis.complex, points), Error);
 
   CurveGraph graph = curve_graph(extract(family, kInfinity, 0));
   ASSERT_FALSE(graph.branches.empty());

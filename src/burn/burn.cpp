@@ -15,6 +15,12 @@ namespace {
 
 using namespace burning;
 
+void check_points(const CellComplex& complex, std::span<const Vec3> points) {
+  if (points.size() != complex.vertex_count)
+    throw Error(ErrorCode::input,
+                fmt::format("the medial axis has {} vertices, but {} points", complex.vertex_count, points.size()));
+}
+
 // Of the edges that polygons have; of all if there are no polygons.
 double mean_edge(const CellComplex& complex, std::span<const Vec3> points) {
   std::vector<char> used(complex.edges.size(), complex.face_count() == 0);
@@ -49,12 +55,14 @@ void check_input(const CellComplex& complex, std::span<const Vec3> points, std::
 }  // namespace
 
 double default_omega(const CellComplex& complex, std::span<const Vec3> points) {
+  check_points(complex, points);
   const bool triangles = complex.face_vertices.size() == 3 * complex.face_count();
   return (triangles ? 0.35 : 0.5) * mean_edge(complex, points);
 }
 
 std::int64_t predicted_burn_bytes(const CellComplex& complex, std::span<const Vec3> points,
                                   const BurnOptions& options) {
+  check_points(complex, points);
   const double omega = options.omega > 0 ? options.omega : default_omega(complex, points);
   double nodes = complex.vertex_count;
   for (const auto& e : complex.edges) {

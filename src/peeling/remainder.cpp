@@ -205,7 +205,8 @@ class Remainder {
     // Facets are all marked by now; who keeps a tetrahedron first goes on from there.
     for_chunks(chunks, context_, "merge", 0.1, 0.12, [&](std::size_t chunk) {
       std::vector<std::uint32_t> stack = std::move(seeds[chunk]);
-      while (!stack.empty()) {
+      for (std::size_t step = 1; !stack.empty(); ++step) {
+        if (step % 0x10000 == 0 && context_ && context_->cancelled()) return;  // for_chunks() throws
         const std::uint32_t t = stack.back();
         stack.pop_back();
         const std::uint32_t open = get(t);
