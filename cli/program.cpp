@@ -141,7 +141,7 @@ int run(int argc, char** argv) {
     common.command = command_line(argc, argv);
     Session session(common);
     const int threads = session.options.threads;
-    tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);  // where several_threads() looks
+    tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);  // for what takes no context
     for (const auto& [sub, action] : actions)
       if (sub->parsed()) arena.execute([&, &act = action] { result = act(session); });
   } catch (const CLI::ParseError& error) {

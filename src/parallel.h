@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cstddef>
 #include <string_view>
@@ -13,6 +15,20 @@
 #include "quench/context.h"
 
 namespace quench {
+
+/// Runs `work` on as many threads as the context asks for, without a wish on those of the caller. Every public function
+/// that takes a context and works in parallel goes through it. Nested calls with the same context stay in one arena, so
+/// that for_chunks() always finds the calling thread in it. Of an arena larger than what TBB may use it would complain
+/// on stderr.
+template <class Work>
+auto in_arena(const Context* context, const Work& work) {
+  if (!context || context->threads <= 0) return work();
+  const auto allowed = tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
+  const int threads = static_cast<int>(std::min(static_cast<std::size_t>(context->threads), allowed));
+  if (threads == tbb::this_task_arena::max_concurrency()) return work();
+  tbb::task_arena arena(threads);
+  return arena.execute(work);
+}
 
 /// Runs body(chunk) for every chunk in [0, chunks) on the threads of the arena. Every chunk asks first whether the
 /// caller wants to stop. Progress of the stage, from `begin` to `end`, is told by the calling thread only, which works

@@ -3,7 +3,10 @@
 #include <tbb/global_control.h>
 #include <tbb/task_arena.h>
 
+#include <algorithm>
 #include <filesystem>
+#include <string_view>
+#include <vector>
 
 #include "bricks/dual_complex_in_bricks.h"
 #include "quench/io.h"
@@ -120,6 +123,38 @@ TEST(Bricks, StopsWhenAsked) {
     if (fraction > 0) context.cancel();
   };
   EXPECT_THROW(dual_complex_in_bricks(shape, sites, {1, 1, 1}, {{{4, 2}}, 0}, &context), Error);
+}
+
+// A brick can take minutes: inside of it progress is told and cancel is seen.
+TEST(Bricks, StopsInTheMiddleOfABrick) {
+  const VoxelShape shape = testing_shapes::box_shape(20, 20, 20);
+  const auto sites = boundary_vertices(shape);
+  const auto fractions_until = [&](std::size_t last) {
+    std::vector<double> fractions;
+    Context context;
+    context.progress = [&](std::string_view stage, double fraction) {
+      if (stage != "delaunay") return;
+      fractions.push_back(fraction);
+      if (fractions.size() == last) context.cancel();
+    };
+    const BrickPlan eight{{{12, 2}}, 0};  // bricks in the first round
+    const auto compute = [&] { dual_complex_in_bricks(shape, sites, {1, 1, 1}, eight, &context); };
+    tbb::task_arena(1).execute([&] {
+      if (last == 0)
+        compute();
+      else
+        EXPECT_THROW(compute(), Error);
+    });
+    return fractions;
+  };
+  const std::vector<double> all = fractions_until(0);
+  EXPECT_TRUE(std::is_sorted(all.begin(), all.end()));
+  EXPECT_EQ(all.back(), 1);
+  // Between the beginnings of two bricks, 0.7 / 8 apart.
+  const auto inside = std::find_if(all.begin(), all.end(), [](double f) { return f > 0.01 && f < 0.7 / 8 - 0.01; });
+  ASSERT_NE(inside, all.end());
+  const auto calls = static_cast<std::size_t>(inside - all.begin()) + 1;
+  EXPECT_EQ(fractions_until(calls).size(), calls);
 }
 
 }  // namespace

@@ -4,11 +4,13 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <memory>
 
 #include "lattice/polytopes.h"
+#include "lattice/site_order.h"
 #include "quench/sample.h"
 #include "quench/voxelize.h"
 #include "random_shapes.h"
@@ -83,6 +85,24 @@ TEST(Delaunay, LargeCavities) {
 }
 
 // Ranges of few sites: most polytopes have tetrahedra in several.
+// Lattice points of the longest grid go up to 2^20 and need 21 bits: the last one must not move others' rounds.
+TEST(InsertionOrder, EveryRoundHasSitesFromBothEndsOfTheLongestGrid) {
+  std::vector<LatticePoint> sites;
+  for (std::int32_t z = 0; z < 128; ++z)
+    for (std::int32_t y = 0; y < 128; ++y)
+      for (const std::int32_t x : {0, 1 << 20}) sites.push_back({x, y, z});
+  const std::vector<std::uint32_t> order = insertion_order(sites);
+  std::vector<std::uint32_t> sorted = order;
+  std::sort(sorted.begin(), sorted.end());
+  for (std::uint32_t i = 0; i < sorted.size(); ++i) ASSERT_EQ(sorted[i], i);
+  for (std::size_t begin = 0, end = 1024; end <= order.size(); begin = end, end *= 2) {
+    const auto far = std::count_if(order.begin() + static_cast<std::ptrdiff_t>(begin),
+                                   order.begin() + static_cast<std::ptrdiff_t>(end),
+                                   [&](std::uint32_t i) { return sites[i][0] > 0; });
+    EXPECT_NEAR(static_cast<double>(far) / static_cast<double>(end - begin), 0.5, 0.2) << begin;
+  }
+}
+
 TEST(Polytopes, DoNotDependOnRanges) {
   for (std::uint64_t seed = 0; seed < 300; ++seed) {
     const VoxelShape shape =

@@ -135,9 +135,9 @@ TEST(Metamorphic, PaddingAndTranslationChangeNothing) {
 TEST(Metamorphic, NumberOfThreadsAndRepetitionChangeNothing) {
   const VoxelShape shapes[] = {testing_shapes::random_shape(3, 40), testing_shapes::box_shape(90, 80, 3),
                                voxelize(make_sample("bumpy-sphere").mesh, {.resolution = 80}).shape};
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, 8);
   for (const VoxelShape& shape : shapes) {
     const auto with_threads = [&](int n) {
-      const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(n));
       Context context;
       context.threads = n;
       MedialAxis core = voxel_core(shape, {}, &context);

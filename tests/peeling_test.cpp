@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <filesystem>
 
+#include "peeling/remainder.h"
 #include "quench/io.h"
 #include "quench/sample.h"
 #include "quench/voxelize.h"
@@ -120,6 +121,41 @@ TEST(Peeling, StopsWhenAsked) {
     if (fraction > 0) context.cancel();
   };
   EXPECT_THROW(dual_complex(shape, sites, {1, 1, 1}, {}, &context), Error);
+}
+
+// Two voxels side by side, none of whose cells have been peeled. A facet that two cells close hides one that none does
+// from a count of all.
+TEST(Peeling, EveryOpenFacetIsClosedByOneCell) {
+  std::vector<LatticePoint> sites;
+  for (std::int32_t z = 0; z < 2; ++z)
+    for (std::int32_t y = 0; y < 2; ++y)
+      for (std::int32_t x = 0; x < 3; ++x) sites.push_back({x, y, z});
+  const auto add = [](OpenFacets& open, const std::vector<std::uint32_t>& corners) { open.add(corners, kNone, 0); };
+  const auto close = [&](OpenFacets open) {
+    Hulls hulls;
+    Cells cells;
+    add_remainder(sites, {1, 1, 1}, std::move(open), hulls, cells, nullptr);
+    return cells.count();
+  };
+  OpenFacets common;  // all squares but the two below, counter-clockwise seen from inside
+  for (const std::uint32_t x : {0u, 1u}) {
+    add(common, {6 + x, 9 + x, 10 + x, 7 + x});  // above
+    add(common, {x, x + 6, x + 7, x + 1});       // in front
+    add(common, {3 + x, 4 + x, 10 + x, 9 + x});  // behind
+  }
+  add(common, {0, 3, 9, 6});
+  add(common, {2, 8, 11, 5});
+  OpenFacets right = common;
+  add(right, {0, 1, 4, 3});
+  add(right, {1, 2, 5, 4});
+  EXPECT_EQ(close(right), 2u);
+  OpenFacets wrong = common;
+  add(wrong, {0, 1, 2, 5, 4, 3});  // the two squares below as one facet: two cells close it
+  add(wrong, {0, 5, 8});           // no facet of any cell: nobody closes it
+  EXPECT_THROW(close(wrong), Error);
+  OpenFacets idle = right;
+  add(idle, {0, 5, 8});
+  EXPECT_THROW(close(idle), Error);
 }
 
 }  // namespace

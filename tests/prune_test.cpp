@@ -10,9 +10,13 @@
 #include <map>
 #include <optional>
 #include <set>
+#include <string>
 #include <tuple>
+#include <utility>
+#include <vector>
 
 #include "complex/thinning.h"
+#include "quench/error.h"
 #include "quench/topology.h"
 #include "quench/verify.h"
 #include "quench/voxel_core.h"
@@ -428,6 +432,45 @@ TEST(AutoLambda, KeepsThinShapesAndCleansThickOnes) {
     return a * a + b * b + c * c < 32 * 32;
   });
   EXPECT_GT(of(ball), 0.5);
+}
+
+// Thresholds of cells without levels mean nothing: an empty axis would be a wrong answer.
+TEST(Prune, NeedsLevels) {
+  const VoxelShape shape = testing_shapes::box_shape(6, 5, 4);
+  const MedialAxis whole = core_with_levels(shape);
+  const auto expect_refused = [](const auto& use) {
+    try {
+      use();
+      ADD_FAILURE() << "taken without levels";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::usage);
+      EXPECT_NE(std::string(error.what()).find("prune_levels()"), std::string::npos) << error.what();
+    }
+  };
+  MedialAxis none = voxel_core(shape), one_short = whole;
+  one_short.face_level.pop_back();
+  for (const MedialAxis& axis : {none, one_short}) {
+    expect_refused([&] { static_cast<void>(pruned(axis, 1)); });
+    expect_refused([&] { static_cast<void>(pruned(MedialAxis(axis), 1)); });
+  }
+  expect_refused([&] { Reconstruction(shape, none); });
+  EXPECT_EQ(pruned(MedialAxis(), 1).complex.vertex_count, 0u);
+}
+
+TEST(AutoLambda, RefusesLengthsThatAreNone) {
+  const VoxelShape shape = testing_shapes::box_shape(6, 5, 4);
+  const Reconstruction reconstruction(shape, core_with_levels(shape));
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  for (const auto& [side, spacing] : std::vector<std::pair<double, double>>{
+           {8, 0}, {8, -1}, {8, nan}, {8, kInfinity}, {nan, 1}, {kInfinity, 1}, {-8, 1}}) {
+    try {
+      auto_lambda(reconstruction, side, spacing);
+      ADD_FAILURE() << side << " " << spacing;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::usage);
+    }
+  }
+  EXPECT_EQ(auto_lambda(reconstruction, 0, 1), 0);
 }
 
 }  // namespace

@@ -18,7 +18,8 @@ struct CellComplex {
   std::vector<std::uint32_t> face_vertices;         ///< corners of each face in cyclic order
   std::vector<std::uint32_t> face_edges;            ///< face_edges[i] joins face_vertices[i] and the next corner
 
-  std::size_t face_count() const { return face_offsets.size() - 1; }
+  /// 0 also of a complex that was moved away.
+  std::size_t face_count() const { return face_offsets.empty() ? 0 : face_offsets.size() - 1; }
   std::span<const std::uint32_t> corners(std::size_t face) const {
     return {face_vertices.data() + face_offsets[face], face_vertices.data() + face_offsets[face + 1]};
   }

@@ -18,7 +18,9 @@ namespace quench {
 /// called from one thread at a time; the fraction grows within a pass of a stage and ends at 1.
 class Context {
  public:
-  int threads = 0;                                                        ///< 0: all processors
+  /// How many threads every function that takes a context works on, at most as many as TBB may use; 0: those of the
+  /// caller's task arena, all processors outside of any. What takes no context always works in the caller's arena.
+  int threads = 0;
   std::function<void(std::string_view stage, double fraction)> progress;  ///< may be empty
   std::function<void(const std::string& sentence)> note;  ///< what the caller should know, e.g. warnings
   std::int64_t memory_limit = 0;  ///< bytes that readers may take for a file; 0: the memory that is free

@@ -22,7 +22,7 @@ struct MedialAxis {
   std::vector<double> radius;  ///< per vertex: distance to its nearest sites
 
   std::vector<double> vertex_lambda, edge_lambda, face_lambda;  ///< SPEC: half the distance of the two sites for a face
-  std::vector<double> vertex_level, edge_level, face_level;     ///< empty before prune()
+  std::vector<double> vertex_level, edge_level, face_level;     ///< empty before prune_levels()
 
   std::vector<std::array<std::uint32_t, 2>> face_sites;  ///< the two nearest sites of each face, smaller row first
   std::vector<LatticePoint> sites;                       ///< boundary vertices of the voxel shape that faces refer to
@@ -37,7 +37,8 @@ inline constexpr double kInfiniteLevelInFiles = 3.4e38;
 /// arrays `sites` and the grid. The object angle is that between the directions from the cell's centre to the two
 /// nearest boundary points its lambda stands for, in degrees: 2 asin(lambda / radius). A line is written for an edge
 /// with no face or with a level above that of its faces, a vertex cell likewise, so that the closure of the cells with
-/// lambda_level >= t is the pruning for t, for every t.
+/// lambda_level >= t is the pruning for t, for every t. Throws Error(usage) when lambdas or levels are there for some
+/// cells only.
 PolyData to_poly_data(const MedialAxis& axis);
 /// The same of an axis that is not needed any more and is empty afterwards.
 PolyData to_poly_data(MedialAxis&& axis);

@@ -62,7 +62,8 @@ inline constexpr std::size_t kPageTriangles = 1'000'000;
 
 /// The layer `core`: a medial axis with its levels, and measures of its vertices (arrays of one component; where
 /// `unburned` is 1, burn_time and erosion_thickness are infinite). More than `max_triangles`: the smallest lambda is
-/// found at which the rest fits, and what is below is left out. Returns the number of triangles.
+/// found at which the rest fits, and what is below is left out. Returns the number of triangles. Throws Error(usage)
+/// for an axis without levels.
 std::size_t add_core(Page& page, const MedialAxis& axis, const std::vector<DataArray>& measures,
                      std::size_t max_triangles);
 
@@ -91,7 +92,7 @@ void add_sites(Page& page, const VoxelShape& shape);
 void add_samples(Page& page, const VoxelShape& shape, std::size_t count = 20000);
 
 /// The levels of the cells of an axis from the cell array `lambda_level` of the file it was read from. False, and the
-/// axis unchanged, when there is none or cells were mended in reading.
+/// axis unchanged, when there is none, cells were mended in reading, or the axis is that of another file.
 bool take_levels(MedialAxis& axis, const PolyData& data);
 
 /// The page with the program `page_program` around it: an HTML file. Written atomically. Throws Error(failed) when

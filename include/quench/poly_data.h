@@ -38,7 +38,7 @@ struct PolyData {
   std::vector<std::uint32_t> poly_corners;
   std::vector<DataArray> point_data, cell_data, field_data;
 
-  std::size_t poly_count() const { return poly_offsets.size() - 1; }
+  std::size_t poly_count() const { return poly_offsets.empty() ? 0 : poly_offsets.size() - 1; }
   std::size_t cell_count() const { return verts.size() + lines.size() + poly_count(); }
   /// Throws Error(invariant) naming the first relation that does not hold (index ranges, offsets, array lengths).
   void validate() const;

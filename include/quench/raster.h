@@ -21,11 +21,12 @@ struct MaskView {
 /// Sets the voxels a complex runs through to 1: those of its isolated vertices, and of samples of its edges and
 /// polygons no further than a third of a voxel apart, so that what is connected is 26-connected. Voxels of a complex
 /// inside a voxel shape are voxels of the shape. What is outside the mask is left out. `grid` places voxels; its dims
-/// are not looked at.
+/// are not looked at. Throws Error(usage) for a vertex more than 2^21 voxels away.
 void mark_cells(const CellComplex& complex, std::span<const Vec3> points, const Grid& grid, const MaskView& mask,
                 Context* context = nullptr);
 
 /// Sets the voxels whose centres lie in a ball to 1. O(sum of squared radii in voxels), in parallel; deterministic.
+/// Balls whose centre or radius is no number have no voxels.
 void mark_balls(std::span<const Vec3> centres, std::span<const double> radius, const Grid& grid, const MaskView& mask,
                 Context* context = nullptr);
 

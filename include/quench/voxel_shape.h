@@ -65,8 +65,8 @@ std::int64_t count_boundary_vertices(const VoxelShape& shape);
 /// The shape with every voxel split into factor^3 voxels (Yan 2018, Figs. 2.3, 2.4).
 VoxelShape subdivide(const VoxelShape& shape, int factor);
 
-/// Whether the segment between two points of the world lies in the shape: every voxel it passes is foreground. O(voxels
-/// passed * log runs).
+/// Whether the segment between two points of the world lies in the shape: every voxel it passes is foreground. False
+/// when an end is not finite. O(voxels passed * log runs).
 bool contains_segment(const VoxelShape& shape, const Vec3& a, const Vec3& b);
 
 }  // namespace quench

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 #include <pybind11/stl.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <atomic>
 #include <condition_variable>
 #include <exception>
+#include <functional>
 #include <map>
 #include <mutex>
 #include <numeric>
@@ -64,6 +66,19 @@ std::shared_ptr<SkeletonValue> skeleton_of(VoxelShape voxels, const Grid& image,
   return result;
 }
 
+/// Runs `work` on `count` threads, the calling one among them; on fewer where the system has no more of them. `work`
+/// must not throw.
+void work_together(std::size_t count, const std::function<void()>& work) {
+  std::vector<std::thread> others;
+  try {
+    others.reserve(count);
+    while (others.size() + 1 < count) others.emplace_back(work);
+  } catch (const std::exception&) {  // those that were started suffice
+  }
+  work();
+  for (std::thread& thread : others) thread.join();
+}
+
 using Results = std::vector<std::shared_ptr<SkeletonValue>>;
 
 Results skeletons_of(std::vector<LabelRuns>& labels, const Grid& image, const std::string& units, const Wish& wish,
@@ -83,6 +98,7 @@ Results skeletons_of(std::vector<LabelRuns>& labels, const Grid& image, const st
   std::atomic<std::size_t> next{0};
   std::atomic<bool> failed{false};
   const auto work = [&] {
+    tbb::task_arena alone(1);  // also for what takes no context
     for (std::size_t i; (i = next++) < order.size() && !failed && !context.cancelled();) {
       LabelRuns& label = labels[order[i]];
       const auto weight = static_cast<double>(label.pieces.size());
@@ -103,7 +119,8 @@ Results skeletons_of(std::vector<LabelRuns>& labels, const Grid& image, const st
         bytes = predicted_bytes(voxels);
         gate.enter(bytes);
         entered = true;
-        results[order[i]] = skeleton_of(std::move(voxels), image, units, label.label, wish, own);
+        results[order[i]] =
+            alone.execute([&] { return skeleton_of(std::move(voxels), image, units, label.label, wish, own); });
       } catch (const Error& error) {
         failures[order[i]] =
             std::make_exception_ptr(Error(error.code(), fmt::format("label {}: {}", label.label, error.what())));
@@ -120,10 +137,7 @@ Results skeletons_of(std::vector<LabelRuns>& labels, const Grid& image, const st
   };
   const std::size_t wanted = context.threads > 0 ? static_cast<std::size_t>(context.threads)
                                                  : std::max(1u, std::thread::hardware_concurrency());
-  std::vector<std::thread> workers;
-  for (std::size_t t = 1; t < std::min(wanted, labels.size()); ++t) workers.emplace_back(work);
-  work();
-  for (std::thread& w : workers) w.join();
+  work_together(std::min(wanted, labels.size()), work);
   if (context.cancelled()) throw Error(ErrorCode::cancelled, "cancelled");
   for (const std::exception_ptr& failure : failures) {
     if (!failure) continue;

@@ -2,8 +2,10 @@
 #include "run.h"
 
 #include <fmt/format.h>
+#include <tbb/global_control.h>
 #include <tbb/task_arena.h>
 
+#include <algorithm>
 #include <chrono>
 #include <condition_variable>
 #include <exception>
@@ -56,7 +58,10 @@ void run_cancellable(const py::object& listener, int threads, const std::functio
   std::exception_ptr failure;
   std::thread worker([&] {
     try {
-      tbb::task_arena arena(context.threads > 0 ? context.threads : tbb::task_arena::automatic);
+      // For what takes no context: pruning, files, pages. TBB complains on stderr of more threads than it may have.
+      const auto most = tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
+      const int threads_of_tbb = std::min(context.threads, static_cast<int>(most));
+      tbb::task_arena arena(threads_of_tbb > 0 ? threads_of_tbb : tbb::task_arena::automatic);
       arena.execute([&] { work(context); });
     } catch (...) {
       failure = std::current_exception();

@@ -2,6 +2,7 @@
 """Long calls: progress, Ctrl-C, other threads, package hygiene."""
 import inspect
 import os
+import resource
 import signal
 import subprocess
 import sys
@@ -37,6 +38,33 @@ def test_ctrl_c_stops_labels():
     with pytest.raises(KeyboardInterrupt):
         quench.skeletonize(image, lambda_=0)
         time.sleep(20)
+
+
+def test_labels_are_done_by_the_threads_there_are():
+    """Stacks of half a gigabyte in two and a half of addresses: the fourth or fifth thread cannot be started."""
+    code = """
+import resource, quench
+import numpy as np
+image = np.kron(np.arange(1, 28).reshape(3, 3, 3), np.ones((4, 4, 4), int))
+wanted = quench.skeletonize(image, threads=1)
+with open('/proc/self/statm') as file:
+    used = int(file.read().split()[0]) * resource.getpagesize()
+resource.setrlimit(resource.RLIMIT_AS, (used + (5 << 29), resource.getrlimit(resource.RLIMIT_AS)[1]))
+found = quench.skeletonize(image, threads=16)
+print(len(found), all(np.array_equal(found[k].vertices, wanted[k].vertices) for k in wanted))
+"""
+    most = resource.getrlimit(resource.RLIMIT_STACK)[1]
+    if most != resource.RLIM_INFINITY and most < 1 << 29:
+        pytest.skip('stacks of this size are not allowed')
+    done = subprocess.run([sys.executable, '-c', code], capture_output=True, text=True,
+                          preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_STACK, (1 << 29, most)))
+    assert (done.returncode, done.stdout) == (0, '27 True\n'), done.stderr
+
+
+def test_more_threads_than_processors_are_silent():
+    code = 'import numpy, quench; quench.medial_axis(numpy.ones((30, 30, 30), bool), threads=200).skeleton()'
+    done = subprocess.run([sys.executable, '-c', code], capture_output=True, text=True)
+    assert (done.returncode, done.stdout, done.stderr) == (0, '', '')
 
 
 def test_progress_is_reported_to_a_function():

@@ -4,7 +4,10 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <string_view>
+#include <thread>
 
 #include "bricks/assembly.h"
 #include "bricks/brick.h"
@@ -55,12 +58,16 @@ class Rounds {
   std::uint32_t rank(std::size_t i) const { return first_ ? static_cast<std::uint32_t>(i) : known_sites_[i]; }
   const LatticePoint& site(std::size_t i) const { return sites_[rank(i)]; }
 
+  // Of the work on a brick.
+  static double share_of(std::string_view stage, double fraction) {
+    return stage == "delaunay" ? 0.5 * fraction : 0.5 + 0.49 * fraction;
+  }
+
   void work_on_all(const BrickGrid& grid, double begin, double end) {
     if (grid.whole()) {  // on all threads
       Context inner;
       inner.progress = [&](std::string_view stage, double fraction) {
-        const double done = stage == "delaunay" ? 0.5 * fraction : 0.5 + 0.49 * fraction;
-        checkpoint(context_, "delaunay", begin + (end - begin) * done);
+        checkpoint(context_, "delaunay", begin + (end - begin) * share_of(stage, fraction));
       };
       std::vector<BrickPart> part(1);
       part[0] = work(brick({0, 0, 0}, grid), &inner);
@@ -74,12 +81,28 @@ class Rounds {
     const std::vector<BrickIndex> bricks = grid.occupied(first_ ? sites_.size() : left.size(),
                                                          [&](std::size_t i) { return sites_[first_ ? i : left[i]]; });
     std::vector<BrickPart> parts(bricks.size());
-    for_chunks(bricks.size(), context_, "delaunay", begin, end, [&](std::size_t b) {
+    const auto caller = std::this_thread::get_id();
+    std::atomic<std::size_t> done{0};
+    const auto progress = [&](double more) {
+      return begin + (end - begin) * (static_cast<double>(done.load()) + more) / static_cast<double>(bricks.size());
+    };
+    for_chunks(bricks.size(), nullptr, {}, 0, 1, [&](std::size_t b) {
+      // A brick takes long: cancel is seen inside it. Progress is told by the calling thread only.
+      Context inner;
+      inner.progress = [&](std::string_view stage, double fraction) {
+        if (std::this_thread::get_id() == caller)
+          checkpoint(context_, "delaunay", progress(share_of(stage, fraction)));
+        else if (context_ && context_->cancelled())
+          throw Error(ErrorCode::cancelled, "cancelled");
+      };
+      checkpoint(&inner, "delaunay", 0);
       // A brick is the work of one thread, which must not begin another one in the middle of it.
-      tbb::task_arena(1).execute([&] { parts[b] = work(brick(bricks[b], grid), nullptr); });
+      tbb::task_arena(1).execute([&] { parts[b] = work(brick(bricks[b], grid), &inner); });
+      done.fetch_add(1);
       for (const std::uint32_t s : parts[b].finished) finished_now_[s] = 1;
       std::vector<std::uint32_t>().swap(parts[b].finished);
     });
+    checkpoint(context_, "delaunay", end);
     take(parts);
   }
 

@@ -7,12 +7,19 @@
 #include <cmath>
 
 #include "burn/fire.h"
+#include "parallel.h"
 #include "quench/error.h"
 
 namespace quench {
 namespace {
 
 using namespace burning;
+
+void check_points(const CellComplex& complex, std::span<const Vec3> points) {
+  if (points.size() != complex.vertex_count)
+    throw Error(ErrorCode::input,
+                fmt::format("the medial axis has {} vertices, but {} points", complex.vertex_count, points.size()));
+}
 
 // Of the edges that polygons have; of all if there are no polygons.
 double mean_edge(const CellComplex& complex, std::span<const Vec3> points) {
@@ -48,12 +55,14 @@ void check_input(const CellComplex& complex, std::span<const Vec3> points, std::
 }  // namespace
 
 double default_omega(const CellComplex& complex, std::span<const Vec3> points) {
+  check_points(complex, points);
   const bool triangles = complex.face_vertices.size() == 3 * complex.face_count();
   return (triangles ? 0.35 : 0.5) * mean_edge(complex, points);
 }
 
 std::int64_t predicted_burn_bytes(const CellComplex& complex, std::span<const Vec3> points,
                                   const BurnOptions& options) {
+  check_points(complex, points);
   const double omega = options.omega > 0 ? options.omega : default_omega(complex, points);
   double nodes = complex.vertex_count;
   for (const auto& e : complex.edges) {
@@ -71,14 +80,8 @@ double radius_inside_edge(double r0, double r1, double length, double t, RadiusR
   return std::sqrt(std::max(0.0, (1 - t) * r0 * r0 + t * r1 * r1 - t * (1 - t) * length * length));
 }
 
-Burning burn(const CellComplex& complex, std::span<const Vec3> points, std::span<const double> radius,
-             const BurnOptions& options, Context* context) {
-  return burn_in_turns(complex, points, radius, options, {}, context);
-}
-
-Burning burning::burn_in_turns(const CellComplex& complex, std::span<const Vec3> points, std::span<const double> radius,
-                               const BurnOptions& options, const Turns& turns, Context* context) {
-  check_input(complex, points, radius, options);
+static Burning burned(const CellComplex& complex, std::span<const Vec3> points, std::span<const double> radius,
+                      const BurnOptions& options, const Turns& turns, Context* context) {
   checkpoint(context, "burn", 0);
   Burning result;
   result.options = options;
@@ -98,7 +101,7 @@ Burning burning::burn_in_turns(const CellComplex& complex, std::span<const Vec3>
     const bool segments = options.propagation == Propagation::segments;
     // Labels of the segments are corrected; without a tolerance nodes would burn again for every rounding.
     const double tolerance = segments ? std::min(2e-3 * result.options.omega, 6e-4 * mean) : 0;
-    Labels labels(site, turns, tolerance, segments, segments);
+    Labels labels(site, turns, tolerance, segments);
     if (segments)
       propagate_by_segments(site, labels, tolerance, context);
     else
@@ -122,6 +125,17 @@ Burning burning::burn_in_turns(const CellComplex& complex, std::span<const Vec3>
   }
   checkpoint(context, "burn", 1);
   return result;
+}
+
+Burning burn(const CellComplex& complex, std::span<const Vec3> points, std::span<const double> radius,
+             const BurnOptions& options, Context* context) {
+  return burn_in_turns(complex, points, radius, options, {}, context);
+}
+
+Burning burning::burn_in_turns(const CellComplex& complex, std::span<const Vec3> points, std::span<const double> radius,
+                               const BurnOptions& options, const Turns& turns, Context* context) {
+  check_input(complex, points, radius, options);
+  return in_arena(context, [&] { return burned(complex, points, radius, options, turns, context); });
 }
 
 }  // namespace quench

@@ -16,7 +16,7 @@ struct Site {
   const Links& links;
   const Polygons& polygons;
   RadiusRule rule;
-  double scale;  ///< diagonal of the bounding box
+  double scale;  ///< the farthest of the points from the first: at least half the diameter of all
 
   std::uint32_t vertex_states() const { return network.vertex_base.back(); }
   bool is_vertex(std::uint32_t state) const { return state < vertex_states(); }
@@ -68,8 +68,8 @@ class Labels {
   };
 
   /// Open sectors are labelled with the radius and queued, pockets set aside. `tolerance`: by how much the time of a
-  /// burned state must drop to burn it again; `clamp`: no time below the radius; `sources`: keep the sources of fronts.
-  Labels(const Site& site, const Turns& turns, double tolerance, bool clamp, bool sources);
+  /// burned state must drop to burn it again; `segments`: keep the sources of fronts, and no time below the radius.
+  Labels(const Site& site, const Turns& turns, double tolerance, bool segments);
 
   /// Fire of time t arrives at a state through polygon `through`, from `source` (ignored at vertices, which are sources
   /// themselves). Recomputes the times of the node's sectors and queues those that drop.
@@ -100,7 +100,7 @@ class Labels {
 
   const Site& site_;
   double tolerance_;
-  bool clamp_;
+  bool segments_;
   WindowQueue queue_;
   Times time_;
   Times arrival_;  // of the states of Links::arrivals

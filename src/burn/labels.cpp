@@ -31,17 +31,17 @@ Latest latest_of(const double* arrival, std::uint32_t count) {
 
 }  // namespace
 
-Labels::Labels(const Site& site, const Turns& turns, double tolerance, bool clamp, bool sources)
+Labels::Labels(const Site& site, const Turns& turns, double tolerance, bool segments)
     : site_(site),
       tolerance_(tolerance),
-      clamp_(clamp),
+      segments_(segments),
       queue_(site.radius.empty() ? 0 : *std::min_element(site.radius.begin(), site.radius.end()),
              turns.window * site.network.omega, make_blocks(site.complex, site.points, site.network, turns.states)) {
   const std::uint32_t states = site.network.state_count();
   time_.assign(states, kNever);
   arrival_.assign(site.links.arrivals, kNever);
   status_.assign(states, 0);
-  if (sources) {
+  if (segments) {
     through_.assign(states, kNone);
     source_.assign(states - site.vertex_states(), kUnknownSource);
   }
@@ -184,7 +184,8 @@ bool Labels::next(std::uint32_t& state, bool& again) {
   while (queue_.pop(state, time_of, fetch)) {
     // Nothing burns before its own ball is gone: fronts of segments can be early by a fraction of the spacing. A radius
     // by the linear rule is no such bound.
-    if (clamp_ && !(status_[state] & (open | floor)) && (site_.is_vertex(state) || site_.rule == RadiusRule::exact)) {
+    if (segments_ && !(status_[state] & (open | floor)) &&
+        (site_.is_vertex(state) || site_.rule == RadiusRule::exact)) {
       const double least = site_.radius_of(state);
       if (time_[state] < least) {
         time_[state] = least;

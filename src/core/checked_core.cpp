@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "parallel.h"
 #include "quench/error.h"
 #include "quench/pipeline.h"
 #include "quench/prune.h"
@@ -20,20 +21,8 @@ void add_field(PolyData& data, const char* name, double value) {
   data.field_data.push_back({name, 1, std::vector<double>{value}});
 }
 
-}  // namespace
-
-void require_topology(const Topology& got, const Topology& wanted, const char* what, const char* whose) {
-  if (got == wanted) return;
-  throw Error(
-      ErrorCode::invariant,
-      fmt::format("the topology of the {} (Betti numbers {}, {}, {}) is not that of the {} ({}, {}, {}); this is "
-                  "a bug in Quench, please report it with the input",
-                  what, got.betti[0], got.betti[1], got.betti[2], whose, wanted.betti[0], wanted.betti[1],
-                  wanted.betti[2]));
-}
-
-CheckedCore checked_core(const VoxelShape& shape, const Topology& wanted, double longest_side,
-                         const CheckedCoreOptions& options, Context* context) {
+CheckedCore made_core(const VoxelShape& shape, const Topology& wanted, double longest_side,
+                      const CheckedCoreOptions& options, Context* context) {
   CheckedCore result;
   result.options = options;
   result.longest_side = longest_side;
@@ -72,6 +61,23 @@ CheckedCore checked_core(const VoxelShape& shape, const Topology& wanted, double
   result.kept_faces = kept.complex.face_count();
   result.axis = options.full ? std::move(core) : std::move(kept);
   return result;
+}
+
+}  // namespace
+
+void require_topology(const Topology& got, const Topology& wanted, const char* what, const char* whose) {
+  if (got == wanted) return;
+  throw Error(
+      ErrorCode::invariant,
+      fmt::format("the topology of the {} (Betti numbers {}, {}, {}) is not that of the {} ({}, {}, {}); this is "
+                  "a bug in Quench, please report it with the input",
+                  what, got.betti[0], got.betti[1], got.betti[2], whose, wanted.betti[0], wanted.betti[1],
+                  wanted.betti[2]));
+}
+
+CheckedCore checked_core(const VoxelShape& shape, const Topology& wanted, double longest_side,
+                         const CheckedCoreOptions& options, Context* context) {
+  return in_arena(context, [&] { return made_core(shape, wanted, longest_side, options, context); });
 }
 
 namespace {

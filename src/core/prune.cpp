@@ -10,11 +10,42 @@
 #include <utility>
 
 #include "complex/thinning.h"
+#include "parallel.h"
+#include "quench/error.h"
 
 namespace quench {
 
+namespace {
+
+// Whether there is a value for each cell.
+bool complete(const CellComplex& complex, const std::vector<double>& vertex, const std::vector<double>& edge,
+              const std::vector<double>& face) {
+  return vertex.size() == complex.vertex_count && edge.size() == complex.edges.size() &&
+         face.size() == complex.face_count();
+}
+
+void require_lambdas(const MedialAxis& axis) {
+  if (!complete(axis.complex, axis.vertex_lambda, axis.edge_lambda, axis.face_lambda))
+    throw Error(ErrorCode::usage,
+                "the medial axis has no lambda for each of its cells; voxel_core() makes one that has");
+  for (const auto* lambdas : {&axis.vertex_lambda, &axis.edge_lambda, &axis.face_lambda})
+    if (!std::ranges::all_of(*lambdas, [](double lambda) { return lambda >= 0; }))
+      throw Error(ErrorCode::usage, "a cell of the medial axis has a lambda that is negative or no number");
+}
+
+void require_levels(const MedialAxis& axis) {
+  if (!complete(axis.complex, axis.vertex_level, axis.edge_level, axis.face_level))
+    throw Error(ErrorCode::usage,
+                "the medial axis has no level for each of its cells; give it levels by prune_levels() first");
+}
+
+}  // namespace
+
 void prune_levels(MedialAxis& axis, Context* context) {
-  CellValues level = thin(axis.complex, axis.vertex_lambda, axis.edge_lambda, axis.face_lambda, context, "prune");
+  require_lambdas(axis);
+  CellValues level = in_arena(context, [&] {
+    return thin(axis.complex, axis.vertex_lambda, axis.edge_lambda, axis.face_lambda, context, "prune");
+  });
   axis.vertex_level = std::move(level.vertex);
   axis.edge_level = std::move(level.edge);
   axis.face_level = std::move(level.face);
@@ -77,6 +108,8 @@ void select_faces(const CellComplex& from, const std::vector<std::uint32_t>& ver
 
 // `axis` and `result` may be the same.
 void prune(const MedialAxis& axis, double lambda, MedialAxis& result) {
+  require_levels(axis);
+  if (std::isnan(lambda)) throw Error(ErrorCode::usage, "a pruning needs a lambda; it is no number");
   const double threshold = lambda * (1 - 1e-12);
   std::vector<std::uint32_t> vertex, edge, face;
   std::uint32_t vertices = 0, edges = 0, faces = 0;

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
@@ -10,6 +11,7 @@
 
 #include "parallel.h"
 #include "prefetch.h"
+#include "quench/error.h"
 #include "quench/prune.h"
 
 namespace quench {
@@ -22,10 +24,12 @@ constexpr double kNever = -1;
 class BallCover {
  public:
   explicit BallCover(std::vector<Vec3> points)
-      : points_(std::move(points)), left_(points_.size()), value(points_.size(), kNever) {
+      : value(points.size(), kNever), points_(std::move(points)), left_(points_.size()) {
     std::iota(left_.begin(), left_.end(), 0u);
     if (!points_.empty()) build(0, static_cast<std::uint32_t>(points_.size()));
   }
+
+  std::vector<double> value;  ///< per point: of the ball that took it, or kNever
 
   bool all_taken() const { return nodes_.empty() || nodes_[0].count == 0; }
   bool half_taken() const { return !nodes_.empty() && 2 * std::size_t{nodes_[0].count} < points_.size(); }
@@ -103,9 +107,6 @@ class BallCover {
   std::vector<Vec3> points_;
   std::vector<std::uint32_t> left_;  // point indices in leaf order; the taken ones at the end of each leaf
   std::vector<Node> nodes_;
-
- public:
-  std::vector<double> value;
 };
 
 // `count` voxel centres, one hashed position in each of `count` equal parts of the list of voxels.
@@ -115,10 +116,11 @@ std::vector<Vec3> sampled_centres(const VoxelShape& shape, std::size_t count) {
   count = static_cast<std::size_t>(std::min<std::uint64_t>(count, voxels));
   centres.reserve(count);
   const auto wanted = [&](std::size_t i) {
-    const auto begin = static_cast<std::uint64_t>(static_cast<unsigned long long>(
-        static_cast<double>(i) * static_cast<double>(voxels) / static_cast<double>(count)));
-    const auto end = static_cast<std::uint64_t>(static_cast<unsigned long long>(
-        static_cast<double>(i + 1) * static_cast<double>(voxels) / static_cast<double>(count)));
+    const auto part = [&](std::size_t k) {
+      return static_cast<std::uint64_t>(static_cast<double>(k) * static_cast<double>(voxels) /
+                                        static_cast<double>(count));
+    };
+    const std::uint64_t begin = part(i), end = part(i + 1);
     const std::uint64_t hash = (i + 1) * 0x9E3779B97F4A7C15ull >> 16;
     return begin + hash % std::max<std::uint64_t>(end - begin, 1);
   };
@@ -138,22 +140,12 @@ std::vector<Vec3> sampled_centres(const VoxelShape& shape, std::size_t count) {
   return centres;
 }
 
-struct Ball {
-  double level;
-  float radius;
-  std::uint32_t vertex;
-};
-
-double level(const MedialAxis& axis, std::size_t vertex) {
-  return axis.vertex_level.empty() ? std::numeric_limits<double>::infinity() : axis.vertex_level[vertex];
-}
-
 // The vertices, highest level first, so that the first ball to contain a centre is the last to go. Counting by the
 // leading bits of the level does most of the sorting, since half of all balls have one of a few levels. Where there are
 // not too many of a level large balls come first: they take most centres, which saves time.
 std::vector<std::uint32_t> by_level(const MedialAxis& axis) {
   const std::size_t count = axis.points.size(), chunks = chunks_for(count);
-  const auto level_of = [&axis](std::size_t v) { return level(axis, v); };
+  const auto level_of = [&axis](std::size_t v) { return axis.vertex_level[v]; };
   const auto for_all = [&](const auto& body) {
     tbb::parallel_for(std::size_t{0}, chunks, [&](std::size_t chunk) {
       const auto [first, last] = part_of(count, chunk, chunks);
@@ -203,9 +195,10 @@ std::vector<std::uint32_t> by_level(const MedialAxis& axis) {
   return order;
 }
 
-}  // namespace
-
-Reconstruction::Reconstruction(const VoxelShape& shape, const MedialAxis& axis, std::size_t samples, Context* context) {
+// For each of the sampled centres, in ascending order: up to which lambda a ball covers it.
+std::vector<double> covered_until(const VoxelShape& shape, const MedialAxis& axis, std::size_t samples,
+                                  Context* context) {
+  std::vector<double> covered;
   const std::vector<std::uint32_t> order = by_level(axis);
   checkpoint(context, "reconstruct", 0.1);
 
@@ -243,7 +236,7 @@ Reconstruction::Reconstruction(const VoxelShape& shape, const MedialAxis& axis, 
         }
         const std::uint32_t v = order[begin + i];
         const double radius = axis.radius[v] * (1 + 1e-9);  // a centre on the sphere counts
-        block[i] = {axis.points[v], radius * radius, level(axis, v)};
+        block[i] = {axis.points[v], radius * radius, axis.vertex_level[v]};
       }
     });
     for_chunks(slab_count, context, "reconstruct", done, done, [&](std::size_t s) {
@@ -251,11 +244,23 @@ Reconstruction::Reconstruction(const VoxelShape& shape, const MedialAxis& axis, 
         slabs[s].take(block[i].centre, block[i].squared_radius, block[i].level);
     });
     for (BallCover& slab : slabs)
-      if (slab.half_taken()) slab = slab.of_the_rest(covered_until_);
+      if (slab.half_taken()) slab = slab.of_the_rest(covered);
   }
-  for (const BallCover& slab : slabs) covered_until_.insert(covered_until_.end(), slab.value.begin(), slab.value.end());
-  std::sort(covered_until_.begin(), covered_until_.end());
+  for (const BallCover& slab : slabs) covered.insert(covered.end(), slab.value.begin(), slab.value.end());
+  std::sort(covered.begin(), covered.end());
   checkpoint(context, "reconstruct", 1);
+  return covered;
+}
+
+}  // namespace
+
+Reconstruction::Reconstruction(const VoxelShape& shape, const MedialAxis& axis, std::size_t samples, Context* context) {
+  if (axis.radius.size() != axis.points.size() || axis.vertex_level.size() != axis.points.size())
+    throw Error(ErrorCode::usage,
+                fmt::format("the medial axis has {} vertices, but {} radii and {} levels; give it levels by "
+                            "prune_levels() first",
+                            axis.points.size(), axis.radius.size(), axis.vertex_level.size()));
+  covered_until_ = in_arena(context, [&] { return covered_until(shape, axis, samples, context); });
 }
 
 double Reconstruction::share(double lambda) const {
@@ -266,6 +271,12 @@ double Reconstruction::share(double lambda) const {
 }
 
 double auto_lambda(const Reconstruction& reconstruction, double longest_side, double smallest_spacing) {
+  if (!(smallest_spacing > 0) || !std::isfinite(smallest_spacing) || !(longest_side >= 0) ||
+      !std::isfinite(longest_side))
+    throw Error(ErrorCode::usage,
+                fmt::format("a lambda cannot be chosen for a longest side of {} and a spacing of {}; both must be "
+                            "finite, and the spacing above 0",
+                            longest_side, smallest_spacing));
   for (int step = 0;; ++step) {
     const double lambda = 0.02 * longest_side * std::pow(0.5, 0.5 * step);
     if (lambda < 0.5 * smallest_spacing) return 0;

@@ -4,7 +4,6 @@
 
 #include <fmt/format.h>
 #include <tbb/parallel_invoke.h>
-#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <atomic>
@@ -193,9 +192,7 @@ static MedialAxis compute(const VoxelShape& shape, const CoreOptions& options, C
 }
 
 MedialAxis voxel_core(const VoxelShape& shape, const CoreOptions& options, Context* context) {
-  const int threads = context ? context->threads : 0;
-  tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);
-  return arena.execute([&] { return compute(shape, options, context); });
+  return in_arena(context, [&] { return compute(shape, options, context); });
 }
 
 std::int64_t predicted_core_bytes_in_bricks(std::int64_t sites) { return sites * 380 + (std::int64_t{64} << 20); }

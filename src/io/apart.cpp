@@ -32,7 +32,9 @@ std::int64_t address_space_now() {
   return pages * sysconf(_SC_PAGESIZE);
 }
 
-void limit(__rlimit_resource_t resource, std::int64_t amount) {
+using Resource = decltype(RLIMIT_CORE);  // an enumeration of glibc, an int elsewhere
+
+void limit(Resource resource, std::int64_t amount) {
   rlimit both{};
   if (getrlimit(resource, &both) != 0) return;
   both.rlim_cur = std::min(static_cast<rlim_t>(amount), both.rlim_max);

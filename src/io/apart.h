@@ -19,7 +19,8 @@ struct ApartLimits {
 /// thrown by `read` is thrown here; bytes beyond `limits` and other exceptions are Error(input) too.
 ///
 /// `read` runs in a copy of this process with one thread: it must not wait for others, nor touch what they may have
-/// locked.
+/// locked. It allocates, which needs an allocator that works in the child of a process with threads: that of glibc
+/// does.
 std::string read_apart(const std::filesystem::path& file, const std::function<std::string()>& read,
                        const ApartLimits& limits = {});
 

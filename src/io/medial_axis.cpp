@@ -56,6 +56,21 @@ DataArray cell_array(const char* name, const WrittenCells& cells, const std::vec
   return {name, 1, std::move(values)};
 }
 
+// One of the two sites of each face, -1 for other cells. 32 bits, unless that makes an index negative.
+DataArray site_array(const char* name, const WrittenCells& cells, const MedialAxis& axis, std::size_t which) {
+  const std::size_t others = cells.vertices.size() + cells.edges.size(), faces = axis.complex.face_count();
+  const bool known = axis.face_sites.size() == faces && !axis.sites.empty();
+  const auto array = [&](auto none) -> DataArray {
+    std::vector<decltype(none)> values(others + faces, none);
+    for (std::size_t f = 0; known && f < faces; ++f)
+      values[others + f] = static_cast<decltype(none)>(axis.face_sites[f][which]);
+    return {name, 1, std::move(values)};
+  };
+  constexpr auto kMost = static_cast<std::uint32_t>(std::numeric_limits<std::int32_t>::max());
+  const bool fits = std::ranges::all_of(axis.face_sites, [&](const auto& sites) { return sites[which] <= kMost; });
+  return fits ? array(std::int32_t{-1}) : array(std::int64_t{-1});
+}
+
 // Angle at a point of radius r between nearest boundary points that are 2 lambda apart, in degrees.
 double object_angle(double lambda, double r) {
   return r > 0 ? 2 * std::asin(std::min(1.0, lambda / r)) * (180 / std::numbers::pi) : 180;
@@ -81,9 +96,27 @@ std::vector<std::int32_t> components_of(const CellComplex& complex) {
   return component;
 }
 
+// Values per cell are there for all cells or for none.
+void check_sizes(const MedialAxis& axis) {
+  const CellComplex& complex = axis.complex;
+  const auto whole = [&](const std::vector<double>& vertex, const std::vector<double>& edge,
+                         const std::vector<double>& face) {
+    return (vertex.empty() && edge.empty() && face.empty()) ||
+           (vertex.size() == complex.vertex_count && edge.size() == complex.edges.size() &&
+            face.size() == complex.face_count());
+  };
+  if (axis.points.size() != complex.vertex_count || axis.radius.size() != complex.vertex_count ||
+      !whole(axis.vertex_lambda, axis.edge_lambda, axis.face_lambda) ||
+      !whole(axis.vertex_level, axis.edge_level, axis.face_level))
+    throw Error(ErrorCode::usage,
+                "a medial axis needs a point and a radius for each vertex, and a lambda and a level "
+                "for all cells or for none");
+}
+
 // What may be taken from an axis that is not needed any more is moved, after what is computed from it.
 template <class Axis>
 PolyData poly_data_of(Axis&& axis) {
+  check_sizes(axis);
   const CellComplex& complex = axis.complex;
   const WrittenCells cells = cells_to_write(axis);
   PolyData data;
@@ -93,19 +126,14 @@ PolyData poly_data_of(Axis&& axis) {
   const bool measured = !axis.vertex_lambda.empty();
   const std::vector<std::int32_t> component_of = components_of(complex);
   std::vector<std::uint8_t> kind;
-  std::vector<std::int32_t> component, site_a, site_b;
-  const auto add = [&](std::uint8_t k, std::uint32_t vertex, std::int32_t a, std::int32_t b) {
+  std::vector<std::int32_t> component;
+  const auto add = [&](std::uint8_t k, std::uint32_t vertex) {
     kind.push_back(k);
     component.push_back(component_of[vertex]);
-    site_a.push_back(a);
-    site_b.push_back(b);
   };
-  for (std::uint32_t v : cells.vertices) add(cells.vertex_has_edge[v] ? 0 : 2, v, -1, -1);
-  for (std::uint32_t e : cells.edges) add(cells.edge_has_face[e] ? 0 : 1, complex.edges[e][0], -1, -1);
-  const bool sites = axis.face_sites.size() == complex.face_count() && !axis.sites.empty();
-  for (std::size_t f = 0; f < complex.face_count(); ++f)
-    add(0, complex.corners(f)[0], sites ? static_cast<std::int32_t>(axis.face_sites[f][0]) : -1,
-        sites ? static_cast<std::int32_t>(axis.face_sites[f][1]) : -1);
+  for (std::uint32_t v : cells.vertices) add(cells.vertex_has_edge[v] ? 0 : 2, v);
+  for (std::uint32_t e : cells.edges) add(cells.edge_has_face[e] ? 0 : 1, complex.edges[e][0]);
+  for (std::size_t f = 0; f < complex.face_count(); ++f) add(0, complex.corners(f)[0]);
   data.cell_data.push_back({"kind", 1, std::move(kind)});
   data.cell_data.push_back({"component", 1, std::move(component)});
   if (!axis.face_lambda.empty() || !axis.vertex_lambda.empty())
@@ -122,8 +150,8 @@ PolyData poly_data_of(Axis&& axis) {
     for (const std::uint32_t e : cells.edges) add_angle(complex.edges[e], axis.edge_lambda[e]);
     for (std::size_t f = 0; f < complex.face_count(); ++f) add_angle(complex.corners(f), axis.face_lambda[f]);
     data.cell_data.push_back({"object_angle", 1, std::move(angle)});
-    data.cell_data.push_back({"site_a", 1, std::move(site_a)});
-    data.cell_data.push_back({"site_b", 1, std::move(site_b)});
+    data.cell_data.push_back(site_array("site_a", cells, axis, 0));
+    data.cell_data.push_back(site_array("site_b", cells, axis, 1));
     std::vector<std::int32_t> triples;
     triples.reserve(axis.sites.size() * 3);
     for (const LatticePoint& s : axis.sites) triples.insert(triples.end(), s.begin(), s.end());

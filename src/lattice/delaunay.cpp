@@ -8,8 +8,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
 #include <memory>
 #include <thread>
+#include <vector>
 
 #include "lattice/site_order.h"
 
@@ -28,7 +30,9 @@ Delaunay::Box Delaunay::enclosing_box(const LatticePoint& low, const LatticePoin
   std::sort(sorted.begin(), sorted.end());
   const double poke = 0.5 * std::sqrt(static_cast<double>(sorted[1] * sorted[1] + sorted[2] * sorted[2]));
   for (int a = 0; a < 3; ++a) {
-    // spacing * voxels <= 2^20 on every axis, so poke < 2^20 and spacing * (difference of box corners) < 2^23.
+    // spacing * voxels <= 2^20 on every axis, so poke < 0.71 * 2^20 and spacing * margin < poke + 3 * spacing. The
+    // difference D of the box's corners then obeys spacing * D < (1 + 2 * 3.71) * 2^20, so its square is below 2^47,
+    // and D < (1 + 2 * 0.71) * 2^20 / spacing + 6 < 2^22.
     const auto margin = static_cast<std::int64_t>(std::ceil(poke / static_cast<double>(spacing[a]))) + 2;
     box.low[a] = low[a] - margin;
     box.high[a] = high[a] + margin;
@@ -115,44 +119,101 @@ void Delaunay::insert_all(Context* context) {
   checkpoint(context, "delaunay", 1);
 }
 
-// Each thread has a stretch of the Hilbert curve of its own, so that they seldom meet.
-void Delaunay::insert_together(std::uint32_t begin, std::uint32_t end, std::uint32_t workers, Context* context) {
-  if (begin == end) return;
+namespace {
+
+// Points that threads insert at once, each a stretch of its own.
+class Team {
+ public:
+  Team(Triangulation& triangulation, std::uint32_t workers, Context* context)
+      : triangulation_(triangulation), context_(context), caller_(std::this_thread::get_id()) {
+    for (std::uint32_t w = 0; w < workers; ++w)
+      workers_.push_back(std::make_unique<Worker>(Worker{Inserter<true>(triangulation_, w), {}, {}}));
+  }
+
+  // Inserts the points from `first` on, but for those that find no slots, which are appended to `left`. `total`: where
+  // progress ends.
+  void insert(std::uint32_t first, std::uint32_t count, std::uint32_t total, std::vector<std::uint32_t>& left) {
+    const auto workers = static_cast<std::uint32_t>(workers_.size());
+    const auto at = [&](std::uint32_t i) {
+      return first + static_cast<std::uint32_t>(std::uint64_t{count} * i / workers);
+    };
+    tbb::parallel_for(std::uint32_t{0}, workers, [&](std::uint32_t w) {
+      try {
+        work(*workers_[w], at(w), at(w + 1), [&](double share) { return (first + count * share) / total; });
+      } catch (...) {
+        // What this worker owned stays owned: the others must not wait for it. Nor must TBB, which would keep the
+        // exception until they have ended.
+        if (!triangulation_.abandoned.exchange(true)) failure_ = std::current_exception();
+      }
+    });
+    if (triangulation_.abandoned) std::rethrow_exception(failure_);
+    for (const auto& worker : workers_) {
+      left.insert(left.end(), worker->left.begin(), worker->left.end());
+      worker->left.clear();
+    }
+  }
+
+ private:
+  using Outcome = Inserter<true>::Outcome;
   struct Worker {
     Inserter<true> inserter;
     std::vector<std::uint32_t> later, left;  // points near another worker; points without slots
   };
-  std::vector<std::unique_ptr<Worker>> list;
-  for (std::uint32_t w = 0; w < workers; ++w)
-    list.push_back(std::make_unique<Worker>(Worker{Inserter<true>(triangulation_, w), {}, {}}));
+
+  // `progress(share)`: where the stage is when this share of the points has been inserted.
+  template <class Progress>
+  void work(Worker& worker, std::uint32_t begin, std::uint32_t end, const Progress& progress) {
+    for (std::uint32_t p = begin; p < end; ++p) {
+      if (triangulation_.abandoned.load(std::memory_order_relaxed)) return;
+      if (((p - begin) & 0x3FF) == 0) look_up(progress(static_cast<double>(p - begin) / (end - begin)));
+      if (insert(worker, p) == Outcome::busy) worker.later.push_back(p);
+    }
+    for (const std::uint32_t p : worker.later)
+      while (insert(worker, p) == Outcome::busy) {
+        if (triangulation_.abandoned.load(std::memory_order_relaxed)) return;
+        look_up(progress(1));
+        std::this_thread::yield();
+      }
+    worker.later.clear();
+  }
+
+  static Outcome insert(Worker& worker, std::uint32_t p) {
+    const Outcome outcome = worker.inserter.insert(p);
+    if (outcome == Outcome::full) worker.left.push_back(p);
+    return outcome;
+  }
+
+  // Every worker asks whether the caller wants to stop; the calling thread tells of progress, too.
+  void look_up(double progress) const {
+    if (std::this_thread::get_id() == caller_)
+      checkpoint(context_, "delaunay", progress);
+    else if (context_ && context_->cancelled())
+      throw Error(ErrorCode::cancelled, "cancelled");
+  }
+
+  Triangulation& triangulation_;
+  Context* context_;
+  const std::thread::id caller_;
+  std::vector<std::unique_ptr<Worker>> workers_;
+  std::exception_ptr failure_;  // the first one, of whoever abandoned the triangulation
+};
+
+}  // namespace
+
+// Each thread has a stretch of the Hilbert curve of its own, so that they seldom meet.
+void Delaunay::insert_together(std::uint32_t begin, std::uint32_t end, std::uint32_t workers, Context* context) {
+  if (begin == end) return;
+  Team team(triangulation_, workers, context);
   Inserter<false> alone(triangulation_, workers);
+  std::vector<std::uint32_t> left;
   for (std::uint32_t first = begin; first < end;) {
-    checkpoint(context, "delaunay", static_cast<double>(first) / end);
     const std::uint32_t batch = std::min(end - first, workers * kBatch);
     triangulation_.grow(triangulation_.used + std::size_t{8} * batch);
     triangulation_.settled = triangulation_.used;
-    tbb::parallel_for(std::uint32_t{0}, workers, [&](std::uint32_t w) {
-      using Outcome = Inserter<true>::Outcome;
-      Worker& worker = *list[w];
-      const auto at = [&](std::uint32_t i) {
-        return first + static_cast<std::uint32_t>(std::uint64_t{batch} * i / workers);
-      };
-      const auto insert = [&](std::uint32_t p) {
-        const Outcome outcome = worker.inserter.insert(p);
-        if (outcome == Outcome::full) worker.left.push_back(p);
-        return outcome;
-      };
-      for (std::uint32_t p = at(w); p < at(w + 1); ++p)
-        if (insert(p) == Outcome::busy) worker.later.push_back(p);
-      for (const std::uint32_t p : worker.later)
-        while (insert(p) == Outcome::busy) std::this_thread::yield();
-      worker.later.clear();
-    });
+    team.insert(first, batch, end, left);
     first += batch;
-    for (const auto& worker : list) {
-      for (const std::uint32_t p : worker->left) alone.insert(p);
-      worker->left.clear();
-    }
+    for (const std::uint32_t p : left) alone.insert(p);
+    left.clear();
   }
 }
 

@@ -226,8 +226,8 @@ bool Inserter<kShared>::collect_slots() {
     const std::uint32_t t = free_.back();
     free_.pop_back();
     if constexpr (kShared)
-      while (!claim(t)) {  // a stray walk holds it for a moment
-      }
+      while (!claim(t))  // a stray walk holds it for a moment
+        if (triangulation_.abandoned.load(std::memory_order_relaxed)) return false;
     facets_[f].tetrahedron = t;
   }
   return true;

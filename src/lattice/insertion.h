@@ -35,6 +35,9 @@ struct Triangulation {
   RawHugeVector<std::uint8_t> owner;      ///< per slot: 0 free, else a mark of the inserter that holds it
   std::atomic<std::uint32_t> used{0};
   std::uint32_t settled = 0;  ///< below it all slots have been written, when inserters are at work together
+  /// An inserter has failed and holds what it owned for ever: nobody may wait for it. The triangulation is of no use
+  /// then.
+  std::atomic<bool> abandoned{false};
 
   bool conflicts(std::uint32_t tetrahedron, const Point& p) const {
     const auto& c = tetrahedra[tetrahedron].corner;
@@ -129,7 +132,8 @@ class Inserter {
         random_(number + 1) {}
 
   /// `busy`: another inserter is at work near the point, nothing was changed; `full`: no slots are left, nothing was
-  /// changed (shared only).
+  /// changed (shared only). Once the triangulation is abandoned the outcome means nothing, but it comes. An exception
+  /// (std::bad_alloc) leaves what the inserter owns as it is: the triangulation must be abandoned then.
   Outcome insert(std::uint32_t p);
 
  private:

@@ -84,8 +84,8 @@ int Predicates::exact(const Point& a, const Point& b, const Point& c, const Poin
 int Predicates::in_sphere_far(const Point& a, const Point& b, const Point& c, const Point& d, const Point& p,
                               std::uint32_t largest) const {
   if (largest < int64_limit_) return exact<std::int64_t>(a, b, c, d, p);
-  // Differences D along an axis of weight w obey D <= 2^23 and w D^2 <= 2^46 (delaunay.cpp), so
-  // |det| <= 4 * (lift <= 3 * 2^46) * (minor <= 6 * 2^69) < 2^122.
+  // Differences D along an axis of weight w obey D < 2^22 and w D^2 < 2^47 (delaunay.cpp), so
+  // |det| <= 4 * (lift < 3 * 2^47) * (minor < 6 * 2^66) < 2^120.
   return exact<Int128>(a, b, c, d, p);
 }
 

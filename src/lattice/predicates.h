@@ -34,7 +34,7 @@ inline T orientation_determinant(const Point& a, const Point& b, const Point& c,
 
 class Predicates {
  public:
-  /// `spacing`: integer spacing; `extent`: largest difference of coordinates that will be met, at most 2^23.
+  /// `spacing`: integer spacing; `extent`: largest difference of coordinates that will be met, below 2^22.
   Predicates(const std::array<std::int64_t, 3>& spacing, std::int64_t extent)
       : wide_(extent > (std::int64_t{1} << 20)) {
     double sum = 0;

@@ -12,8 +12,10 @@
 namespace quench::lattice {
 namespace {
 
+constexpr int kHilbertBits = 20;  // of a coordinate: 3 * 20 bits of a key, and 4 for the round above them
+
 // Skilling 2004: transforms coordinates to the transposed Hilbert index, then interleaves its bits.
-// `bits` per axis, at least 1: lattice coordinates fit 20 (geometry.h: at most 2^20 voxels per axis).
+// `bits` per axis, 1 to kHilbertBits.
 std::uint64_t hilbert_key(std::array<std::uint32_t, 3> x, int bits) {
   for (std::uint32_t q = 1u << (bits - 1); q > 1; q >>= 1) {
     const std::uint32_t p = q - 1;
@@ -61,17 +63,19 @@ std::vector<std::uint32_t> insertion_order(std::span<const LatticePoint> sites) 
   std::uint32_t all = 1;  // at least one bit per axis
   for (const auto& s : sites)
     for (int a = 0; a < 3; ++a) all |= static_cast<std::uint32_t>(s[a] - low[a]);
-  const int bits = std::bit_width(all);
+  // Lattice points go from 0 to 2^20, one bit too many: on the longest of grids neighbours share a key.
+  const int shift = std::max(0, static_cast<int>(std::bit_width(all)) - kHilbertBits);
+  const int bits = static_cast<int>(std::bit_width(all)) - shift;
   // A site enters in the last round with probability 1/2, in the one before with 1/4, ...; the first has some 1000
   // sites.
   const int rounds = std::clamp(static_cast<int>(std::bit_width(sites.size())) - 10, 0, 15);
   std::vector<Entry> entries(sites.size());
   for_indices(sites.size(), [&](std::size_t i) {
     const int before_last = std::min(std::countr_zero(hash(i) | 1ull << 60), rounds);
-    const std::array<std::uint32_t, 3> x{static_cast<std::uint32_t>(sites[i][0] - low[0]),
-                                         static_cast<std::uint32_t>(sites[i][1] - low[1]),
-                                         static_cast<std::uint32_t>(sites[i][2] - low[2])};
-    entries[i] = {static_cast<std::uint64_t>(rounds - before_last) << 60 | hilbert_key(x, bits),
+    const std::array<std::uint32_t, 3> x{static_cast<std::uint32_t>(sites[i][0] - low[0]) >> shift,
+                                         static_cast<std::uint32_t>(sites[i][1] - low[1]) >> shift,
+                                         static_cast<std::uint32_t>(sites[i][2] - low[2]) >> shift};
+    entries[i] = {static_cast<std::uint64_t>(rounds - before_last) << 3 * kHilbertBits | hilbert_key(x, bits),
                   static_cast<std::uint32_t>(i)};
   });
   tbb::parallel_sort(entries.begin(), entries.end());

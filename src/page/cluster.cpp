@@ -17,8 +17,8 @@ std::vector<std::uint32_t> leaders(const std::vector<Vec3>& points, const Vec3& 
   for (std::uint32_t v = 0; v < points.size(); ++v) {
     std::uint64_t key = 0;
     for (int a = 0; a < 3; ++a) {
-      const double cell = std::clamp((points[v][a] - low[a]) / side, 0.0, 2097151.0);
-      key = key << 21 | static_cast<std::uint64_t>(cell);
+      const double cell = (points[v][a] - low[a]) / side;  // no number where all points are one, or a point is none
+      key = key << 21 | static_cast<std::uint64_t>(cell > 0 ? std::min(cell, 2097151.0) : 0);
     }
     leader[v] = first.emplace(key, v).first->second;
   }

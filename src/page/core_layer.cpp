@@ -4,9 +4,15 @@
 #include <algorithm>
 
 #include "layer.h"
+#include "quench/error.h"
 
 namespace quench {
 namespace {
+
+// FacesByLevel sorts and compares them.
+bool are_levels(const std::vector<double>& levels) {
+  return std::ranges::all_of(levels, [](double level) { return level >= 0; });
+}
 
 // pruned() counts levels within 1e-12 below lambda as equal.
 std::vector<float> comparable(const std::vector<double>& levels) {
@@ -20,6 +26,10 @@ std::vector<float> comparable(const std::vector<double>& levels) {
 
 std::size_t add_core(Page& page, const MedialAxis& axis, const std::vector<DataArray>& measures,
                      std::size_t max_triangles) {
+  if (axis.face_level.size() != axis.complex.face_count() || axis.edge_level.size() != axis.complex.edges.size() ||
+      axis.vertex_level.size() != axis.complex.vertex_count || !are_levels(axis.face_level) ||
+      !are_levels(axis.edge_level) || !are_levels(axis.vertex_level))
+    throw Error(ErrorCode::usage, "a page shows a medial axis with a level for each of its cells; see prune_levels()");
   LayerCells cells;
   cells.face_level = comparable(axis.face_level);
   cells.edge_level = comparable(axis.edge_level);
@@ -44,10 +54,13 @@ std::size_t add_core(Page& page, const MedialAxis& axis, const std::vector<DataA
 bool take_levels(MedialAxis& axis, const PolyData& data) {
   const DataArray* array = find_array(data.cell_data, "lambda_level");
   const CellComplex& c = axis.complex;
-  if (!array || array->components != 1 || c.face_count() != data.poly_count()) return false;
+  if (!array || array->components != 1 || array->size() != data.cell_count() || c.face_count() != data.poly_count())
+    return false;
+  if (std::ranges::any_of(data.verts, [&](std::uint32_t v) { return v >= c.vertex_count; })) return false;
   for (const auto& [a, b] : data.lines)
     if (a == b) return false;
   std::vector<double> level = array->numbers();
+  if (!are_levels(level)) return false;
   for (double& x : level)
     if (x >= kInfiniteLevelInFiles) x = std::numeric_limits<double>::infinity();
   // A cell that is not written has the largest level of those it is a side of (to_poly_data).
@@ -57,8 +70,9 @@ bool take_levels(MedialAxis& axis, const PolyData& data) {
   for (std::size_t l = 0; l < data.lines.size(); ++l) {
     const std::array<std::uint32_t, 2> ends{std::min(data.lines[l][0], data.lines[l][1]),
                                             std::max(data.lines[l][0], data.lines[l][1])};
-    const auto at = std::lower_bound(c.edges.begin(), c.edges.end(), ends) - c.edges.begin();
-    raise(edge[static_cast<std::size_t>(at)], level[lines + l]);
+    const auto at = std::lower_bound(c.edges.begin(), c.edges.end(), ends);
+    if (at == c.edges.end() || *at != ends) return false;
+    raise(edge[static_cast<std::size_t>(at - c.edges.begin())], level[lines + l]);
   }
   for (std::size_t f = 0; f < c.face_count(); ++f)
     for (const std::uint32_t e : c.sides(f)) raise(edge[e], level[polys + f]);

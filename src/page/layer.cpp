@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <bit>
 
+#include "quench/error.h"
+
 namespace quench {
 
 const PageArray* Page::find(std::string_view name) const {
@@ -83,6 +85,10 @@ void add_measures(Page& page, const std::string& layer, const std::vector<DataAr
     if (array.name == "burn_time" || array.name == "erosion_thickness") flag = &unburned;
     if (array.name == "curve_burn_time" || array.name == "curve_erosion_thickness") flag = &curve_unburned;
     const std::vector<double> values = array.numbers();
+    const std::size_t last = row_of.empty() ? rows.vertex.size() : *std::max_element(row_of.begin(), row_of.end()) + 1;
+    if (values.size() < last)
+      throw Error(ErrorCode::usage, fmt::format("the measure '{}' of a page has {} values for {} vertices", array.name,
+                                                values.size(), last));
     add_measure(page, layer, array.name, rows, [&](std::uint32_t v) {
       const std::uint32_t row = row_of.empty() ? v : row_of[v];
       if (flag && row < flag->size() && (*flag)[row] != 0) return std::numeric_limits<double>::infinity();

@@ -205,7 +205,8 @@ class Remainder {
     // Facets are all marked by now; who keeps a tetrahedron first goes on from there.
     for_chunks(chunks, context_, "merge", 0.1, 0.12, [&](std::size_t chunk) {
       std::vector<std::uint32_t> stack = std::move(seeds[chunk]);
-      while (!stack.empty()) {
+      for (std::size_t step = 1; !stack.empty(); ++step) {
+        if (step % 0x10000 == 0 && context_ && context_->cancelled()) return;  // for_chunks() throws
         const std::uint32_t t = stack.back();
         stack.pop_back();
         const std::uint32_t open = get(t);
@@ -355,7 +356,8 @@ class Remainder {
 
   // What the cell `by` has behind the open facet, which is closed now: each by one cell.
   std::uint32_t close(std::uint32_t facet, std::uint32_t by) {
-    closed_.fetch_add(1, std::memory_order_relaxed);
+    if (std::atomic_ref<std::uint8_t>(closed_[facet]).exchange(1, std::memory_order_relaxed))
+      throw Error(ErrorCode::invariant, fmt::format("open facet {} of the voxel core's dual was closed twice", facet));
     const std::uint32_t cell = open_.cell[facet];
     if (cell == kNone) return kBoundary;
     cells_.neighbours_of(cell)[open_.facet[facet]] = by;
@@ -366,13 +368,14 @@ class Remainder {
     const std::uint32_t base = cells_.count();
     const std::size_t chunks = chunks_for(polytopes.count());
     std::vector<Cells> parts(chunks);
+    closed_.assign(open_.count(), 0);
     for_chunks(chunks, context_, "merge", 0.7, 0.75, [&](std::size_t chunk) {
       const auto [first, last] = part_of(polytopes.count(), chunk, chunks);
       parts[chunk] = Taker(*this, polytopes, index, base).run(first, last);
     });
-    if (closed_ != open_.count())
-      throw Error(ErrorCode::invariant, fmt::format("{} of {} open facets of the voxel core's dual were closed",
-                                                    closed_.load(), open_.count()));
+    if (const auto never = std::find(closed_.begin(), closed_.end(), 0); never != closed_.end())
+      throw Error(ErrorCode::invariant,
+                  fmt::format("open facet {} of the voxel core's dual was not closed", never - closed_.begin()));
     cells_.append(parts, Cells::Numbers::final);
   }
 
@@ -384,7 +387,7 @@ class Remainder {
   Context* context_;
   std::vector<LatticePoint> sites_;
   std::vector<std::uint32_t> names_;  // among all sites
-  std::atomic<std::size_t> closed_{0};
+  std::vector<std::uint8_t> closed_;  // per open facet
 };
 
 }  // namespace

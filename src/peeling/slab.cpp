@@ -219,6 +219,7 @@ class Slab {
           n = mine ? kBoundary : kOpen;
           if (!mine) loose(sites, c, f);
         } else {
+          static_assert(kOpen == kNone, "a neighbour that was dropped is as open as one that was never found");
           if (n != kOpen) n = number[n];
           if (n == kNone) loose(sites, c, f);
         }

@@ -1,15 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "quench/raster.h"
 
-#include <tbb/parallel_for.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <vector>
 
+#include "parallel.h"
+#include "quench/error.h"
+
 namespace quench {
 namespace {
+
+// Voxels from the first one to a vertex of a complex: twice what a grid may have along an axis.
+constexpr double kFar = 0x1p21;
 
 class Marker {
  public:
@@ -56,7 +62,13 @@ void mark_cells(const CellComplex& complex, std::span<const Vec3> points, const 
                 Context* context) {
   const Marker marker(grid, mask);
   std::vector<Vec3> lattice(points.size());
-  for (std::size_t p = 0; p < points.size(); ++p) lattice[p] = marker.lattice(points[p]);
+  for (std::size_t p = 0; p < points.size(); ++p) {
+    lattice[p] = marker.lattice(points[p]);
+    if (!(lattice[p].cwiseAbs().maxCoeff() < kFar) || !lattice[p].allFinite())
+      throw Error(ErrorCode::usage, fmt::format("vertex {} lies more than 2^21 voxels away from the grid, or nowhere; "
+                                                "give the grid the complex belongs to",
+                                                p));
+  }
   for (const Vec3& p : lattice) marker.mark(p);
   std::vector<char> has_face(complex.edges.size(), 0);
   for (const std::uint32_t e : complex.face_edges) has_face[e] = 1;
@@ -93,7 +105,8 @@ void mark_balls(std::span<const Vec3> centres, std::span<const double> radius, c
   // Balls of each slab, so that every slab is written by one thread and looks at its own balls only.
   std::vector<std::vector<std::uint32_t>> members(static_cast<std::size_t>(slabs));
   const auto clipped = [](double value, std::int64_t least, std::int64_t most) {
-    return static_cast<std::int64_t>(std::clamp(value, static_cast<double>(least), static_cast<double>(most)));
+    if (!(value > static_cast<double>(least))) return least;  // also where it is no number
+    return static_cast<std::int64_t>(std::min(value, static_cast<double>(std::max(least, most))));
   };
   for (std::uint32_t b = 0; b < balls.size(); ++b) {
     const std::int64_t first = clipped(std::ceil(balls[b].far - balls[b].reach), 0, mask.dims[far]);
@@ -101,8 +114,7 @@ void mark_balls(std::span<const Vec3> centres, std::span<const double> radius, c
     for (std::int64_t s = first / kSlab; first <= last && s <= last / kSlab; ++s)
       members[static_cast<std::size_t>(s)].push_back(b);
   }
-  checkpoint(context, "reconstruct", 0);
-  tbb::parallel_for(std::int64_t{0}, slabs, [&](std::int64_t s) {
+  const auto fill = [&](std::int64_t s) {
     if (context && context->cancelled()) return;
     const std::int64_t begin = s * kSlab, end = std::min(begin + kSlab, mask.dims[far]);
     for (const std::uint32_t b : members[static_cast<std::size_t>(s)]) {
@@ -132,8 +144,12 @@ void mark_balls(std::span<const Vec3> centres, std::span<const double> radius, c
         }
       }
     }
+  };
+  in_arena(context, [&] {
+    checkpoint(context, "reconstruct", 0);
+    tbb::parallel_for(std::int64_t{0}, slabs, fill);
+    checkpoint(context, "reconstruct", 1);
   });
-  checkpoint(context, "reconstruct", 1);
 }
 
 }  // namespace quench

@@ -3,7 +3,6 @@
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <cmath>
@@ -323,8 +322,6 @@ Digitization scan_convert(const FixedMesh& given, const Grid& grid, std::int64_t
     for (; rows > 0; --rows) result.shape.append_row({});
   };
   append_empty(margin * grid.dims[1]);
-  tbb::task_arena arena(progress.context && progress.context->threads > 0 ? progress.context->threads
-                                                                          : tbb::task_arena::automatic);
   std::vector<std::uint32_t> active;
   std::vector<std::vector<std::uint32_t>> crossing(batch_size);  // triangles of each slice of the batch
   std::vector<Slice> converted(batch_size);
@@ -340,11 +337,9 @@ Digitization scan_convert(const FixedMesh& given, const Grid& grid, std::int64_t
         crossing[static_cast<std::size_t>(z - begin)].push_back(t);
       return last <= end;
     });
-    arena.execute([&] {
-      tbb::parallel_for(std::int64_t{0}, end - begin, [&](std::int64_t i) {
-        const auto s = static_cast<std::size_t>(i);
-        converted[s] = converter.convert(begin + i, crossing[s]);
-      });
+    tbb::parallel_for(std::int64_t{0}, end - begin, [&](std::int64_t i) {
+      const auto s = static_cast<std::size_t>(i);
+      converted[s] = converter.convert(begin + i, crossing[s]);
     });
     for (std::int64_t z = begin; z < end; ++z) {
       const Slice& slice = converted[static_cast<std::size_t>(z - begin)];

@@ -114,7 +114,10 @@ bool contains_segment(const VoxelShape& shape, const Vec3& a, const Vec3& b) {
     return local.cwiseQuotient(grid.spacing) + Vec3::Constant(0.5);
   };
   const Vec3 from = lattice(a), to = lattice(b), way = to - from;
-  if (!from.allFinite() || !to.allFinite()) return false;
+  // An end outside the grid lies in no foreground voxel; what lies inside can be told as an integer.
+  for (int i = 0; i < 3; ++i)
+    for (const double end : {from[i], to[i]})
+      if (!(end >= 0 && end < static_cast<double>(grid.dims[static_cast<std::size_t>(i)]))) return false;
   std::array<std::int64_t, 3> voxel, step;
   Vec3 next, each;  // parameters of the next crossing and between crossings, per axis
   std::int64_t crossings = 0;

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <optional>
 
+#include "parallel.h"
 #include "quench/error.h"
 #include "quench/topology.h"
 #include "shape/scan_conversion.h"
@@ -284,12 +285,9 @@ std::optional<FillRule> fill_of(std::string_view name) {
   return std::nullopt;
 }
 
-Voxelization voxelize(const TriangleMesh& mesh, const VoxelizeOptions& options, Context* context) {
-  check(options);
-  return not_empty(digitize(checked_mesh(mesh), options, {context, 0, 1}), options.resolution);
-}
+namespace {
 
-Voxelization voxelize_auto(const TriangleMesh& mesh, VoxelizeOptions options, Context* context) {
+Voxelization voxelized_automatically(const TriangleMesh& mesh, VoxelizeOptions options, Context* context) {
   constexpr std::array<std::int64_t, 5> resolutions{128, 256, 512, 1024, 2048};
   options.resolution = resolutions.front();
   check(options);
@@ -314,6 +312,19 @@ Voxelization voxelize_auto(const TriangleMesh& mesh, VoxelizeOptions options, Co
   }
   checkpoint(context, "voxelize", 1);
   return not_empty(std::move(result), options.resolution);
+}
+
+}  // namespace
+
+Voxelization voxelize(const TriangleMesh& mesh, const VoxelizeOptions& options, Context* context) {
+  check(options);
+  return in_arena(context, [&] {
+    return not_empty(digitize(checked_mesh(mesh), options, {context, 0, 1}), options.resolution);
+  });
+}
+
+Voxelization voxelize_auto(const TriangleMesh& mesh, VoxelizeOptions options, Context* context) {
+  return in_arena(context, [&] { return voxelized_automatically(mesh, options, context); });
 }
 
 }  // namespace quench

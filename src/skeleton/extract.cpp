@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "quench/error.h"
 #include "quench/skeleton.h"
 
 namespace quench {
@@ -417,6 +418,8 @@ class Writer {
 }  // namespace
 
 Skeleton extract(const SkeletonFamily& family, double theta2, double theta1, const ExtractOptions& options) {
+  if (std::isnan(theta2) || std::isnan(theta1) || std::isnan(options.tips))
+    throw Error(ErrorCode::usage, "a skeleton needs theta2, theta1 and tips that are numbers");
   const Member member = member_of(family, theta2, theta1, options.tips);
   Skeleton skeleton = Writer(family, member, options.parts).run();
   skeleton.theta2 = theta2;

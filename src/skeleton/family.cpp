@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "complex/thinning.h"
+#include "parallel.h"
 #include "quench/skeleton.h"
 
 namespace quench {
@@ -19,9 +20,7 @@ std::vector<char> on_pockets(const RefinedAxis& axis, std::span<const double> fa
   return pocket;
 }
 
-}  // namespace
-
-SkeletonFamily skeletons(RefinedAxis refined, Context* context) {
+SkeletonFamily family_of(RefinedAxis refined, Context* context) {
   SkeletonFamily family;
   const std::size_t edges = refined.complex.edges.size(), vertices = refined.complex.vertex_count;
   // Sheets: what is not of the curves goes at once when it is free, polygons by increasing thickness.
@@ -63,6 +62,12 @@ SkeletonFamily skeletons(RefinedAxis refined, Context* context) {
   family.face_sheet_level = std::move(sheet.face);
   family.refined = std::move(refined);
   return family;
+}
+
+}  // namespace
+
+SkeletonFamily skeletons(RefinedAxis refined, Context* context) {
+  return in_arena(context, [&] { return family_of(std::move(refined), context); });
 }
 
 }  // namespace quench

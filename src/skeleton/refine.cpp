@@ -7,6 +7,7 @@
 #include "burn/curve_fire.h"
 #include "burn/polygon_view.h"
 #include "complex/union_find.h"
+#include "parallel.h"
 #include "quench/error.h"
 #include "quench/skeleton.h"
 
@@ -486,12 +487,8 @@ void burn_network(RefinedAxis& axis, Context* context) {
   axis.medial_point = std::move(second.last);
 }
 
-}  // namespace
-
-RefinedAxis quench_curves(const CellComplex& complex, std::span<const Vec3> points, std::span<const double> radius,
-                          const Burning& burning, Context* context) {
-  if (burning.parent.size() != burning.state_time.size() || burning.burn_time.size() != complex.vertex_count)
-    throw Error(ErrorCode::usage, "medial curves need a burning of the same axis with BurnOptions::parents");
+RefinedAxis refined(const CellComplex& complex, std::span<const Vec3> points, std::span<const double> radius,
+                    const Burning& burning, Context* context) {
   const Links links = make_links(complex, burning.network);
   const Polygons polygons = make_polygons(complex, points, burning.network);
   const Site site{complex, points, radius, burning.network, links, polygons, burning.options.radius, 0};
@@ -499,6 +496,15 @@ RefinedAxis quench_curves(const CellComplex& complex, std::span<const Vec3> poin
   burn_network(axis, context);
   checkpoint(context, "curves", 1);
   return axis;
+}
+
+}  // namespace
+
+RefinedAxis quench_curves(const CellComplex& complex, std::span<const Vec3> points, std::span<const double> radius,
+                          const Burning& burning, Context* context) {
+  if (burning.parent.size() != burning.state_time.size() || burning.burn_time.size() != complex.vertex_count)
+    throw Error(ErrorCode::usage, "medial curves need a burning of the same axis with BurnOptions::parents");
+  return in_arena(context, [&] { return refined(complex, points, radius, burning, context); });
 }
 
 }  // namespace quench

@@ -244,6 +244,10 @@ CurveGraph smoothed(const CurveGraph& graph, const SmoothOptions& options) {
   const auto is_length = [](double value) { return std::isfinite(value) && value >= 0; };
   if (options.iterations < 0 || !is_length(options.spacing) || !is_length(options.gap))
     throw Error(ErrorCode::usage, "smoothing takes a number of iterations, a spacing and a gap of 0 or more");
+  for (const CurveGraph::Branch& branch : graph.branches)
+    if (branch.radius.size() != branch.points.size() ||
+        !std::ranges::all_of(branch.points, [](const Vec3& x) { return x.allFinite(); }))
+      throw Error(ErrorCode::usage, "a branch to smooth needs points with finite coordinates and a radius for each");
   if (options.iterations == 0 && options.spacing == 0) return graph;
   return Smoother(graph, options).run();
 }

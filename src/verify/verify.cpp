@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "quench/verify.h"
 
-#include <tbb/task_arena.h>
-
 #include <algorithm>
 
+#include "parallel.h"
 #include "quench/error.h"
 #include "verify/checks.h"
 
@@ -76,10 +75,7 @@ bool Certificate::passed() const {
 
 Certificate verify(const VoxelShape& shape, const PolyData& result, const VerifyOptions& options, Context* context) {
   if (shape.empty()) throw Error(ErrorCode::input, "the shape to verify against has no voxels");
-  tbb::task_arena arena(context && context->threads > 0 ? context->threads : tbb::task_arena::automatic);
-  Certificate certificate;
-  arena.execute([&] { certificate = examine(shape, result, options, context); });
-  return certificate;
+  return in_arena(context, [&] { return examine(shape, result, options, context); });
 }
 
 }  // namespace quench
