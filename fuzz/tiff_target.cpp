@@ -5,6 +5,7 @@
 #include "io/slice_streams.h"
 #include "memory_file.h"
 #include "quench/context.h"
+#include "shape/sample_type.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace quench;

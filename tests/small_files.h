@@ -217,6 +217,8 @@ inline std::string mrc() {
   bytes.replace(208, 4, "MAP ");
   bytes.replace(212, 4, std::string("DA\0\0", 4));
   return bytes + middle();
+}
+
 /// Two pages, a page in tiles, a volume in tiles, a palette, and descriptions of other programs.
 inline std::vector<SmallFile> tiff_files() {
   using namespace testing_tiff;

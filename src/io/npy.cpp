@@ -160,19 +160,6 @@ std::array<std::int64_t, 3> dims_of(const std::filesystem::path& file, const Hea
 
 }  // namespace
 
-float from_half(std::uint16_t bits) {
-  const int exponent = bits >> 10 & 31;
-  const int mantissa = bits & 1023;
-  float value;
-  if (exponent == 31)
-    value = mantissa ? std::numeric_limits<float>::quiet_NaN() : std::numeric_limits<float>::infinity();
-  else if (exponent == 0)
-    value = std::ldexp(static_cast<float>(mantissa), -24);
-  else
-    value = std::ldexp(static_cast<float>(mantissa + 1024), exponent - 25);
-  return bits & 0x8000 ? -value : value;
-}
-
 Volume read_npy(const std::filesystem::path& file, Context* context) {
   InputFile in(file);
   std::array<unsigned char, 12> start{};

@@ -10,6 +10,7 @@
 #include <cstring>
 #include <limits>
 
+#include "io/float16.h"
 #include "io/volume_formats.h"
 #include "quench/error.h"
 

@@ -59,9 +59,6 @@ void check_read_memory(const std::filesystem::path& file, std::uint64_t bytes, c
 /// deflate cannot shrink by more than this factor; what a compressed file promises beyond it is not there.
 inline constexpr std::uint64_t deflate_limit = 1032;
 
-/// The value of a 16-bit floating-point number.
-float from_half(std::uint16_t bits);
-
 /// Reverses the bytes of every sample.
 template <class T>
 void swap_bytes(std::vector<T>& samples) {
