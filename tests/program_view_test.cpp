@@ -216,9 +216,17 @@ TEST_F(ViewProgram, AnInterruptLeavesNothing) {
   REQUIRE_PAGE();
   folder.write("v.npy", npy_box(60, 50, 40, 2));
   works({"core", "v.npy", "--lambda", "0", "-o", "core.vtp"});
+  const std::string core = bytes("core.vtp");
+  const auto fifo = make_fifo("given.vtp");
   const auto before = files();
-  const pid_t child = start({"view", "core.vtp", "--omega", "0.05vox"});
-  usleep(300'000);
+  const pid_t child = start({"view", "given.vtp", "--omega", "0.05vox"});
+  const int to = open_to_write(fifo);
+  for (std::size_t sent = 0; sent < core.size();) {
+    const ssize_t now = write(to, core.data() + sent, core.size() - sent);
+    ASSERT_GT(now, 0);
+    sent += static_cast<std::size_t>(now);
+  }
+  close(to);  // it has all it needs, and burning takes seconds
   kill(child, SIGINT);
   const Outcome outcome = wait(child);
   EXPECT_EQ(outcome.code, 130) << outcome.err;
