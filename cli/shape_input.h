@@ -48,8 +48,9 @@ struct LoadedShape {
 /// Reads SHAPE; says what the user should know (assumptions, warnings).
 LoadedShape load_shape(const ShapeOptions& options, Session& session);
 
-/// Options not given on the command line are taken from the FieldData `parameters` of a result file.
-void take_parameters(ShapeOptions& options, const PolyData& result);
+/// Options not given on the command line are taken from the FieldData `parameters` of the result in `file`. Throws
+/// Error(input) naming the file and the parameter when it cannot be.
+void take_parameters(ShapeOptions& options, const PolyData& result, const std::string& file);
 
 /// The voxelizer needs up to four numbers per scanline and two runs: throws Error(failed) before any is made when there
 /// is no memory for them.

@@ -101,7 +101,7 @@ TEST(WriteAtomically, KeepsThePermissions) {
     ASSERT_EQ(chmod((folder / "a").c_str(), mode), 0);
     io::write_atomically(folder / "a", [&](std::ostream& out) {
       out << "new";
-      for (const auto& entry : std::filesystem::directory_iterator(folder.path)) {
+      for (const auto& entry : std::filesystem::directory_iterator(folder / "")) {
         const auto now = static_cast<mode_t>(entry.status().permissions());
         EXPECT_EQ(now & ~mode, 0u) << entry.path();
       }
@@ -121,7 +121,7 @@ TEST(WriteAtomically, TemporaryNamesCannotBeGuessed) {
   for (int i = 0; i < 100; ++i)
     io::write_atomically(folder / "a", [&](std::ostream& out) {
       out << "new";
-      for (const auto& entry : std::filesystem::directory_iterator(folder.path))
+      for (const auto& entry : std::filesystem::directory_iterator(folder / ""))
         if (entry.path().extension() == ".tmp") names.insert(entry.path().filename().string());
     });
   EXPECT_EQ(names.size(), 100u);
