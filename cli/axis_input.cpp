@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "field_checks.h"
+#include "quench/axis_fields.h"
 #include "quench/extent.h"
 #include "quench/io.h"
 
@@ -107,7 +107,7 @@ LoadedAxis load_axis(const AxisOptions& options, Session& session) {
 LoadedAxis make_axis(const AxisOptions& options, PolyData&& data, Session& session) {
   LoadedAxis loaded;
   loaded.data = std::move(data);
-  drop_unusable_fields(loaded.data, options.file, session);
+  drop_unusable_fields(loaded.data, options.file, &session.context);
   if (!options.radii.empty()) {
     std::erase_if(loaded.data.point_data, [](const DataArray& a) { return a.name == "radius"; });
     loaded.data.point_data.insert(loaded.data.point_data.begin(),

@@ -6,12 +6,12 @@
 #include "axis_input.h"
 #include "burn_pipeline.h"
 #include "core_pipeline.h"
-#include "field_checks.h"
 #include "option_checks.h"
 #include "page_pipeline.h"
 #include "page_program.h"
 #include "picture.h"
 #include "program.h"
+#include "quench/axis_fields.h"
 #include "quench/io.h"
 #include "quench/voxelize.h"
 #include "skeleton_pipeline.h"
@@ -266,7 +266,7 @@ Action add_view(CLI::App& app) {
     }
     std::string lambda_state;
     if (!still_file.empty()) {
-      drop_unusable_fields(still, still_file, session);
+      drop_unusable_fields(still, still_file, &session.context);
       page.files.emplace_back(field_text(still, "stage") == "skeleton" ? "skeleton" : "still", still_file);
       if (page.unit.empty()) page.unit = field_text(still, "units").value_or("");
       if (page.side == 0) page.side = field_number(still, "longest_side").value_or((high - low).maxCoeff());

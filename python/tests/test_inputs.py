@@ -84,6 +84,29 @@ def test_corners_that_are_no_whole_numbers(faces):
     assert caught.value.code == 3
 
 
+def test_fields_of_a_file_that_cannot_be(tmp_path):
+    def field(name, *values):
+        return f'<DataArray type="Float64" Name="{name}" NumberOfTuples="{len(values)}" format="ascii">' \
+               f'{" ".join(map(str, values))}</DataArray>'
+    text = ('<VTKFile type="PolyData" version="1.0" byte_order="LittleEndian"><PolyData><FieldData>'
+            + field('longest_side', -5) + field('spacing', 1, 0, 1) + '</FieldData>'
+            '<Piece NumberOfPoints="3" NumberOfPolys="1"><Points><DataArray type="Float64" NumberOfComponents="3" '
+            'format="ascii">0 0 0 3 0 0 0 1 0</DataArray></Points><PointData><DataArray type="Float64" Name="radius" '
+            'format="ascii">1 1 {}</DataArray></PointData><Polys><DataArray type="Int32" Name="connectivity" '
+            'format="ascii">0 1 2</DataArray><DataArray type="Int32" Name="offsets" format="ascii">3</DataArray></Polys>'
+            '</Piece></PolyData></VTKFile>')
+    (tmp_path / 'a.vtp').write_text(text.format('1'))
+    with pytest.warns(UserWarning) as told:
+        axis = quench.read(tmp_path / 'a.vtp')
+    sentences = ' '.join(str(warning.message) for warning in told)
+    assert "'longest_side' of" in sentences and "'spacing' of" in sentences and 'a.vtp' in sentences
+    assert axis.longest_side == 3
+    (tmp_path / 'b.vtp').write_text(text.format('1e308'))
+    with pytest.raises(quench.Error, match='vertex 2') as caught:
+        quench.read(tmp_path / 'b.vtp')
+    assert caught.value.code == 3
+
+
 def test_arguments_of_the_other_kind():
     with pytest.raises(quench.Error, match='for images') as caught:
         quench.medial_axis(box(), spacing=2)

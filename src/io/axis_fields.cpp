@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "field_checks.h"
+#include "quench/axis_fields.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -12,7 +12,7 @@
 
 #include "quench/extent.h"
 
-namespace quench::program {
+namespace quench {
 namespace {
 
 bool is_length(double value) { return value > 0 && value <= kLargestLength; }
@@ -57,12 +57,12 @@ std::optional<std::string> fault_of(const DataArray& array) {
 
 }  // namespace
 
-void drop_unusable_fields(PolyData& data, const std::string& file, Session& session) {
+void drop_unusable_fields(PolyData& data, const std::string& file, Context* context) {
   std::erase_if(data.field_data, [&](const DataArray& array) {
     const std::optional<std::string> fault = fault_of(array);
-    if (fault) session.say(fmt::format("note: the field '{}' of '{}' {}, and is ignored", array.name, file, *fault));
+    if (fault) note(context, fmt::format("the field '{}' of '{}' {}, and is ignored", array.name, file, *fault));
     return fault.has_value();
   });
 }
 
-}  // namespace quench::program
+}  // namespace quench
