@@ -259,6 +259,29 @@ TEST_F(ViewProgram, APictureNeedsABrowserThatDraws) {
   }
 }
 
+// The browser is ended and its folder removed, although nobody waits for the picture any more.
+TEST_F(ViewProgram, AnInterruptedPictureLeavesNothing) {
+  REQUIRE_PAGE();
+  make_core();
+  const auto started = make_fifo("started");
+  chmod(folder.write("browser", "#!/bin/sh\necho $$ > '" + started.string() + "'\nexec tail -f /dev/null\n").c_str(),
+        0755);
+  const TemporaryFolder temporary;
+  const Environment browser("QUENCH_CHROMIUM", (folder / "browser").string());
+  const Environment place("TMPDIR", temporary.path().string());
+  for (const int signal : {SIGINT, SIGTERM}) {
+    const auto before = files();
+    const pid_t child = start({"view", "core.vtp", "--png", "a.png"});
+    const pid_t drawing = std::stoi(bytes_of(started));
+    kill(child, signal);
+    const Outcome outcome = wait(child);
+    EXPECT_EQ(outcome.code, 130) << outcome.err;
+    EXPECT_TRUE(std::filesystem::is_empty(temporary.path()));
+    EXPECT_NE(kill(drawing, 0), 0) << "the browser still runs";
+    EXPECT_EQ(files(), before);
+  }
+}
+
 TEST_F(ViewProgram, Pictures) {
   REQUIRE_PAGE();
   if (chromium().empty()) GTEST_SKIP() << "there is no Chromium to draw with";
