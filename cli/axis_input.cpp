@@ -3,9 +3,7 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-
+#include "quench/axis_fields.h"
 #include "quench/extent.h"
 #include "quench/io.h"
 
@@ -80,7 +78,7 @@ PolyData read_axis_file(const std::string& file, Session& session) {
   // The bytes of the file and what is made of them; a compressed one says what it holds when it is opened.
   if (const auto size = std::filesystem::file_size(file, ignored); !ignored)
     session.check_memory(static_cast<std::int64_t>(2 * size), fmt::format("reading '{}'", file), "a smaller file");
-  return io::read_poly_data(file);
+  return io::read_poly_data(file, &session.context);
 }
 
 namespace {
@@ -109,18 +107,15 @@ LoadedAxis load_axis(const AxisOptions& options, Session& session) {
 LoadedAxis make_axis(const AxisOptions& options, PolyData&& data, Session& session) {
   LoadedAxis loaded;
   loaded.data = std::move(data);
+  drop_unusable_fields(loaded.data, options.file, &session.context);
   if (!options.radii.empty()) {
     std::erase_if(loaded.data.point_data, [](const DataArray& a) { return a.name == "radius"; });
     loaded.data.point_data.insert(loaded.data.point_data.begin(),
-                                  {"radius", 1, io::read_radii(options.radii, loaded.data.points)});
+                                  {"radius", 1, io::read_radii(options.radii, loaded.data.points, &session.context)});
   }
   AxisRepair repair;
   try {
     loaded.axis = medial_axis_of(loaded.data, &repair);
-    for (std::size_t v = 0; v < loaded.axis.radius.size(); ++v)
-      if (const double r = loaded.axis.radius[v]; !(std::isfinite(r) && r >= 0))
-        throw Error(ErrorCode::input,
-                    fmt::format("the radius of vertex {} is {}; radii are finite and not negative", v, r));
   } catch (const Error& error) {
     throw Error(error.code(), fmt::format("'{}': {}", options.file, error.what()));
   }
@@ -133,8 +128,8 @@ LoadedAxis make_axis(const AxisOptions& options, PolyData&& data, Session& sessi
                     repair.degenerate, options.file, repair.duplicate));
   if (const DataArray* spacing = find_array(loaded.data.field_data, "spacing")) {
     const std::vector<double> sizes = spacing->numbers();
-    if (sizes.size() == 3) loaded.spacing = {sizes[0], sizes[1], sizes[2]};
-    if (!sizes.empty()) loaded.voxel = std::max(0.0, *std::min_element(sizes.begin(), sizes.end()));
+    loaded.spacing = {sizes[0], sizes[1], sizes[2]};
+    loaded.voxel = loaded.spacing.minCoeff();
   }
   loaded.longest_side = field_number(loaded.data, "longest_side").value_or(0);
   if (!options.shape.empty()) measure_shape(options, session, loaded);

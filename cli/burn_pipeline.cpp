@@ -43,7 +43,7 @@ void check_burn_options(const BurnPipelineOptions& options) {
 }
 
 void take_burn_parameters(BurnPipelineOptions& options, const PolyData& burned) {
-  if (const auto omega = field_number(burned, "omega"); options.omega == "auto" && omega && *omega > 0)
+  if (const auto omega = field_number(burned, "omega"); options.omega == "auto" && omega)
     options.omega = fmt::format("{}abs", *omega);
   if (const auto name = field_text(burned, "propagation"); options.propagation == "auto" && name)
     options.propagation = *name;

@@ -30,7 +30,8 @@ Action add_convert(CLI::App& app) {
     checkpoint(&session.context, "read", 1);
     if (!o->radii.empty()) {
       std::erase_if(data.point_data, [](const DataArray& a) { return a.name == "radius"; });
-      data.point_data.insert(data.point_data.begin(), {"radius", 1, io::read_radii(o->radii, data.points)});
+      data.point_data.insert(data.point_data.begin(),
+                             {"radius", 1, io::read_radii(o->radii, data.points, &session.context)});
     }
     const std::string extension = CLI::detail::to_lower(std::filesystem::path(o->output).extension().string());
     if ((extension == ".ma" || extension == ".r") && !find_array(data.point_data, "radius"))

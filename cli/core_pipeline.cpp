@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <ostream>
 
 #include "option_checks.h"
@@ -55,18 +56,20 @@ CorePipelineResult compute_core(const LoadedShape& loaded, const CorePipelineOpt
 
   const std::int64_t sites = count_boundary_vertices(loaded.shape);
   CheckedCoreOptions core_options;
-  std::int64_t bytes = predicted_core_bytes(sites);
+  // --memory-limit is for all the program holds; what is free is beside what it holds.
+  const std::int64_t held = held_memory(), counted = session.options.memory_limit.empty() ? 0 : held;
+  const std::int64_t at_once = predicted_core_bytes(loaded.shape),
+                     in_bricks = predicted_core_bytes_in_bricks(loaded.shape);
+  core_options.in_bricks = counted + at_once > session.memory_limit() && in_bricks < at_once;
+  const std::int64_t bytes = core_options.in_bricks ? in_bricks : at_once;
   std::string what = fmt::format("the medial axis of a shape with {} boundary vertices", sites);
-  if (bytes > session.memory_limit() && predicted_core_bytes_in_bricks(sites) < bytes) {
-    core_options.in_bricks = true;
-    what += fmt::format(", in bricks ({} at once),", bytes_text(bytes));
-    bytes = predicted_core_bytes_in_bricks(sites);
-  }
-  session.check_memory(bytes, what);
+  if (core_options.in_bricks) what += fmt::format(", in bricks ({} at once),", bytes_text(counted + at_once));
+  session.check_memory(counted + bytes, what);
   if (core_options.in_bricks)
     session.say(fmt::format("{} boundary vertices are worked on in bricks: about {} of memory instead of {}", sites,
-                            bytes_text(bytes), bytes_text(predicted_core_bytes(sites))));
-  session.detail(fmt::format("{} boundary vertices, about {} of memory at the peak", sites, bytes_text(bytes)));
+                            bytes_text(held + bytes), bytes_text(held + at_once)));
+  const std::int64_t predicted = std::max(held + bytes, Session::peak_bytes());
+  session.detail(fmt::format("{} boundary vertices, about {} of memory at the peak", sites, bytes_text(predicted)));
   if (!automatic) core_options.lambda = parse_length(options.lambda, "--lambda").resolve(loaded.longest_side, smallest);
   core_options.rule = options.rule == "ball" ? LambdaRule::ball : LambdaRule::coface;
   core_options.full = options.full;
@@ -95,6 +98,7 @@ CorePipelineResult compute_core(const LoadedShape& loaded, const CorePipelineOpt
                      {"voxelization_changed_topology", topology_changed_of(loaded)}};
   report["core"] = axis_section(core.vertices, core.edges, core.faces, core.topology, core.whole);
   report["core"]["in_bricks"] = core.options.in_bricks;
+  report["core"]["predicted_bytes"] = predicted;
   report["pruned"] = {{"lambda", std::isfinite(lambda) ? Json(lambda) : Json("inf")}};
   report["pruned"].update(
       axis_section(core.kept_vertices, core.kept_edges, core.kept_faces, core.topology, core.reconstructed));

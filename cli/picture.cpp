@@ -75,7 +75,10 @@ bool run(std::vector<std::string> words, Session& session) {
   sigaddset(&ignored_here, SIGPIPE);
   sigaddset(&ignored_here, SIGXFSZ);
   posix_spawnattr_setsigdefault(&attributes, &ignored_here);
-  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGDEF);
+  sigset_t none_blocked;
+  sigemptyset(&none_blocked);
+  posix_spawnattr_setsigmask(&attributes, &none_blocked);
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETSIGMASK);
   posix_spawnattr_setpgroup(&attributes, 0);
   pid_t child = 0;
   const int error = posix_spawn(&child, argv[0], &files, &attributes, argv.data(), environ);

@@ -10,6 +10,7 @@ namespace quench::program {
 
 /// A folder of its own, removed at the end.
 struct TemporaryFolder {
+  TidiesUp tidies;
   std::filesystem::path path;
   TemporaryFolder();
   TemporaryFolder(const TemporaryFolder&) = delete;

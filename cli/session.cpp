@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <cerrno>
 #include <charconv>
-#include <csignal>
 #include <cstdio>
 #include <cstring>
 
@@ -16,25 +15,6 @@
 
 namespace quench::program {
 namespace {
-
-// The handler may only touch lock-free atomics; Context::cancel is one store.
-std::atomic<Context*> interrupted_context{nullptr};
-
-void interrupt(int signal) {
-  static std::atomic<bool> again{false};
-  if (again.exchange(true)) {  // a second Ctrl-C ends at once
-    io::remove_temporary_files();
-    std::signal(signal, SIG_DFL);
-    std::raise(signal);
-    return;
-  }
-  if (Context* context = interrupted_context.load()) context->cancel();
-}
-
-// An ignored signal stays ignored: nohup, and shells that start programs in the background.
-void interrupt_at(int signal) {
-  if (std::signal(signal, interrupt) == SIG_IGN) std::signal(signal, SIG_IGN);
-}
 
 std::int64_t parse_bytes(const std::string& text) {
   double value = 0;
@@ -69,9 +49,11 @@ void check_one_output(const std::filesystem::path& output, const std::vector<std
   check_no_input(output, inputs);
   if (fs::is_directory(output, ignored))
     throw Error(ErrorCode::usage, fmt::format("the output '{}' is a folder; give a file name", name));
-  if (fs::exists(output, ignored) && !overwrite)
+  // A link is there also when what it points to is not.
+  if (fs::exists(fs::symlink_status(output, ignored)) && !overwrite)
     throw Error(ErrorCode::usage, fmt::format("'{}' exists; give --overwrite to replace it", name));
-  const fs::path folder = output.has_parent_path() ? output.parent_path() : fs::path(".");
+  const fs::path target = io::place_of_output(output);
+  const fs::path folder = target.has_parent_path() ? target.parent_path() : fs::path(".");
   if (!fs::is_directory(folder, ignored))
     throw Error(ErrorCode::failed,
                 fmt::format("cannot write '{}': the folder '{}' does not exist; make it first", name, folder.string()));
@@ -100,14 +82,10 @@ Session::Session(const CommonOptions& o) : options(o) {
   terminal_ = isatty(STDERR_FILENO) != 0;
   context.progress = [this](std::string_view stage, double fraction) { progress(stage, fraction); };
   context.note = [this](const std::string& sentence) { say("note: " + sentence); };
-  interrupted_context = &context;
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) interrupt_at(signal);
+  interrupts_.emplace(context);
 }
 
-Session::~Session() {
-  interrupted_context = nullptr;
-  clear_line();
-}
+Session::~Session() { clear_line(); }
 
 void Session::check_output(const std::filesystem::path& output,
                            const std::vector<std::filesystem::path>& inputs) const {

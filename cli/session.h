@@ -7,10 +7,12 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "interrupts.h"
 #include "quench/context.h"
 #include "quench/memory.h"
 
@@ -72,6 +74,7 @@ class Session {
   std::string stage_, ended_stage_;
   bool terminal_ = false, line_open_ = false;
   std::map<std::string, double> seconds_;
+  std::optional<Interrupts> interrupts_;
   std::unique_ptr<tbb::global_control> thread_limit_;
 };
 

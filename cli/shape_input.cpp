@@ -5,6 +5,7 @@
 
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <string_view>
 #include <vector>
 
@@ -84,7 +85,7 @@ std::string topology_text(const Topology& t) {
 }
 
 void load_mesh(const ShapeOptions& options, Session& session, LoadedShape& loaded) {
-  const PolyData data = io::read_poly_data(options.file);
+  const PolyData data = io::read_poly_data(options.file, &session.context);
   TriangleMesh mesh = to_triangle_mesh(data);
   if (mesh.triangles.empty())
     throw Error(ErrorCode::input, fmt::format("'{}' holds no faces; a shape needs a closed surface", options.file));
@@ -378,26 +379,71 @@ std::string parameters_of(const PolyData& result) {
   return text && !text->empty() ? text->front() : std::string();
 }
 
-void take_parameters(ShapeOptions& options, const PolyData& result) {
-  const Json p = Json::parse(parameters_of(result), nullptr, false);
-  if (p.is_discarded() || !p.is_object()) return;
-  const auto has = [&](const char* name, auto check) { return p.contains(name) && (p[name].*check)(); };
-  if (!options.resolution_given && has("resolution", &Json::is_number_integer))
-    options.resolution = std::to_string(p["resolution"].get<std::int64_t>());
-  if (!options.fill_given && has("fill", &Json::is_string)) options.fill = p["fill"].get<std::string>();
-  ForegroundOptions& f = options.foreground;
-  if (!f.threshold && !f.label) {
-    if (has("threshold", &Json::is_number)) f.threshold = p["threshold"].get<double>();
-    if (has("label", &Json::is_number_integer)) f.label = p["label"].get<std::int64_t>();
+namespace {
+
+/// The parameters of a result, as its file says them.
+class Parameters {
+ public:
+  Parameters(const std::string& text, const std::string& file)
+      : json_(Json::parse(text, nullptr, false)), file_(file) {}
+
+  /// The value of a parameter that the file has, if it is of the type and `possible`.
+  template <class T, class Possible>
+  std::optional<T> get(const char* name, bool (Json::*of_type)() const, const Possible& possible) const {
+    if (!json_.is_object() || !json_.contains(name)) return {};
+    const Json& value = json_[name];
+    if ((value.*of_type)())
+      if (const T taken = value.get<T>(); possible(taken)) return taken;
+    throw Error(ErrorCode::input,
+                fmt::format("'{}' says in its field 'parameters' that it was made with {} = {}, which cannot be; the "
+                            "file was changed, compute it again",
+                            file_, name, value.dump(-1, ' ', true, Json::error_handler_t::replace).substr(0, 40)));
   }
-  if (options.spacing.empty() && has("spacing", &Json::is_string)) options.spacing = p["spacing"].get<std::string>();
-  if (has("invert", &Json::is_boolean)) f.invert |= p["invert"].get<bool>();
-  if (has("largest_component", &Json::is_boolean)) f.largest_component |= p["largest_component"].get<bool>();
-  if (f.min_component == 0 && has("min_component", &Json::is_number_integer))
-    f.min_component = p["min_component"].get<std::int64_t>();
-  if (has("fill_cavities", &Json::is_boolean)) f.fill_cavities |= p["fill_cavities"].get<bool>();
-  if (options.subdivide == 1 && has("subdivide", &Json::is_number_integer))
-    options.subdivide = p["subdivide"].get<int>();
+  std::optional<std::int64_t> whole(const char* name, std::int64_t least, std::int64_t most) const {
+    return get<std::int64_t>(name, &Json::is_number_integer,
+                             [&](std::int64_t value) { return value >= least && value <= most; });
+  }
+  bool flag(const char* name) const {
+    return get<bool>(name, &Json::is_boolean, [](bool) { return true; }).value_or(false);
+  }
+
+ private:
+  Json json_;
+  const std::string& file_;
+};
+
+bool is_spacing(const std::string& text) {
+  try {
+    return parse_spacing(text).has_value();
+  } catch (const Error&) {
+    return false;
+  }
+}
+
+}  // namespace
+
+void take_parameters(ShapeOptions& options, const PolyData& result, const std::string& file) {
+  constexpr std::int64_t most = std::numeric_limits<std::int64_t>::max();
+  const Parameters p(parameters_of(result), file);
+  if (const auto n = p.whole("resolution", 1, 16384); n && !options.resolution_given)
+    options.resolution = std::to_string(*n);
+  const auto is_rule = [](const std::string& name) { return name == "auto" || fill_of(name); };
+  if (const auto rule = p.get<std::string>("fill", &Json::is_string, is_rule); rule && !options.fill_given)
+    options.fill = *rule;
+  ForegroundOptions& f = options.foreground;
+  const auto threshold = p.get<double>("threshold", &Json::is_number, [](double t) { return std::isfinite(t); });
+  const auto label = p.whole("label", -most - 1, most);
+  if (!f.threshold && !f.label) {
+    f.threshold = threshold;
+    f.label = label;
+  }
+  if (const auto size = p.get<std::string>("spacing", &Json::is_string, is_spacing); size && options.spacing.empty())
+    options.spacing = *size;
+  f.invert |= p.flag("invert");
+  f.largest_component |= p.flag("largest_component");
+  f.fill_cavities |= p.flag("fill_cavities");
+  if (const auto n = p.whole("min_component", 0, most); n && f.min_component == 0) f.min_component = *n;
+  if (const auto n = p.whole("subdivide", 1, 64); n && options.subdivide == 1) options.subdivide = static_cast<int>(*n);
 }
 
 }  // namespace quench::program

@@ -55,8 +55,9 @@ void say_picture(const std::string& file, const Grid& grid, Session& session);
 /// "0.5 x 0.5 x 2 um": the sides of a voxel.
 std::string spacing_text(const Grid& grid, const std::string& units);
 
-/// Options not given on the command line are taken from the FieldData `parameters` of a result file.
-void take_parameters(ShapeOptions& options, const PolyData& result);
+/// Options not given on the command line are taken from the FieldData `parameters` of the result in `file`. Throws
+/// Error(input) naming the file and the parameter when it cannot be.
+void take_parameters(ShapeOptions& options, const PolyData& result, const std::string& file);
 
 /// The voxelizer needs up to four numbers per scanline and two runs: throws Error(failed) before any is made when there
 /// is no memory for them.

@@ -59,11 +59,11 @@ Action add_verify(CLI::App& app) {
       const std::string parameters = parameters_of(data);
       if (r == 0 || parameters != made_with) {  // results of one run share their shape
         ShapeOptions shape = o->shape;
-        take_parameters(shape, data);
+        take_parameters(shape, data, file);
         loaded = load_shape(shape, session);
         made_with = parameters;
         const std::int64_t sites = count_boundary_vertices(loaded.shape);
-        session.check_memory(predicted_core_bytes(sites),  // verifying takes no more than computing
+        session.check_memory(predicted_core_bytes(loaded.shape),  // verifying takes no more than computing
                              fmt::format("verifying a shape with {} boundary vertices", sites));
       }
       VerifyOptions options;

@@ -11,6 +11,7 @@
 #include "page_program.h"
 #include "picture.h"
 #include "program.h"
+#include "quench/axis_fields.h"
 #include "quench/io.h"
 #include "quench/voxelize.h"
 #include "skeleton_pipeline.h"
@@ -255,7 +256,7 @@ Action add_view(CLI::App& app) {
       throw Error(ErrorCode::input, fmt::format("'{}' has coordinates that are not finite", first.string()));
     builder.set_origin(low, high);
     if (!o->shape.file.empty()) {
-      take_parameters(o->shape, axis_file.empty() ? still : axis);
+      take_parameters(o->shape, axis_file.empty() ? still : axis, axis_file.empty() ? still_file : axis_file);
       o->shape.keep_mesh = true;
       o->shape.core_follows = false;
       LoadedShape loaded = load_shape(o->shape, session);
@@ -265,6 +266,7 @@ Action add_view(CLI::App& app) {
     }
     std::string lambda_state;
     if (!still_file.empty()) {
+      drop_unusable_fields(still, still_file, &session.context);
       page.files.emplace_back(field_text(still, "stage") == "skeleton" ? "skeleton" : "still", still_file);
       if (page.unit.empty()) page.unit = field_text(still, "units").value_or("");
       if (page.side == 0) page.side = field_number(still, "longest_side").value_or((high - low).maxCoeff());

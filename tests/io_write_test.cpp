@@ -2,12 +2,15 @@
 // Kinds of files, atomic writing, and round trips of PolyData through each output format.
 #include <gtest/gtest.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 
 #include <cmath>
 #include <csignal>
 #include <limits>
+#include <set>
 
 #include "poly_samples.h"
+#include "quench/output_group.h"
 
 namespace quench {
 namespace {
@@ -73,6 +76,78 @@ TEST(WriteAtomically, ReplacesTheFileBehindALink) {
   io::write_atomically(folder / "link", [](std::ostream& out) { out << "new"; });
   EXPECT_TRUE(std::filesystem::is_symlink(folder / "link"));
   EXPECT_EQ(bytes_of(folder / "target"), "new");
+}
+
+TEST(WriteAtomically, MakesTheFileALinkPointsTo) {
+  const Folder folder;
+  std::filesystem::create_directory(folder / "real");
+  std::filesystem::create_symlink("real/b", folder / "a");  // relative to the folder of the link
+  std::filesystem::create_symlink("a", folder / "first");
+  EXPECT_EQ(io::place_of_output(folder / "first"), folder / "real/b");
+  io::write_atomically(folder / "first", [](std::ostream& out) { out << "new"; });
+  EXPECT_EQ(bytes_of(folder / "real/b"), "new");
+  EXPECT_TRUE(std::filesystem::is_symlink(folder / "a"));
+  EXPECT_TRUE(std::filesystem::is_symlink(folder / "first"));
+  EXPECT_EQ(folder.entries(), 3u);
+  std::filesystem::create_symlink("round", folder / "round");
+  EXPECT_EQ(code_of([&] { io::write_atomically(folder / "round", [](std::ostream&) {}); }), ErrorCode::failed);
+}
+
+// Who may read the old file may read the new one, nobody else at any time; and it does not act for its owner.
+TEST(WriteAtomically, KeepsThePermissions) {
+  const Folder folder;
+  for (const mode_t mode : {0600, 0640, 0444, 0666, 04755, 02777}) {
+    write_bytes(folder / "a", "old");
+    ASSERT_EQ(chmod((folder / "a").c_str(), mode), 0);
+    io::write_atomically(folder / "a", [&](std::ostream& out) {
+      out << "new";
+      for (const auto& entry : std::filesystem::directory_iterator(folder / "")) {
+        const auto now = static_cast<mode_t>(entry.status().permissions());
+        EXPECT_EQ(now & ~mode, 0u) << entry.path();
+      }
+    });
+    EXPECT_EQ(static_cast<mode_t>(std::filesystem::status(folder / "a").permissions()), mode & 0777);
+    std::filesystem::remove(folder / "a");
+  }
+  const mode_t before = umask(027);
+  io::write_atomically(folder / "fresh", [](std::ostream& out) { out << "new"; });
+  umask(before);
+  EXPECT_EQ(static_cast<mode_t>(std::filesystem::status(folder / "fresh").permissions()), 0640u);
+}
+
+TEST(WriteAtomically, TemporaryNamesCannotBeGuessed) {
+  const Folder folder;
+  std::set<std::string> names;
+  for (int i = 0; i < 100; ++i)
+    io::write_atomically(folder / "a", [&](std::ostream& out) {
+      out << "new";
+      for (const auto& entry : std::filesystem::directory_iterator(folder / ""))
+        if (entry.path().extension() == ".tmp") names.insert(entry.path().filename().string());
+    });
+  EXPECT_EQ(names.size(), 100u);
+  std::set<std::string> ends;  // numbers in a row would share their beginning or their end
+  for (const std::string& name : names) {
+    EXPECT_EQ(name.size(), std::string(".quench-0123456789abcdef.tmp").size()) << name;
+    ends.insert(name.substr(8, 8));
+    ends.insert(name.substr(16, 8));
+  }
+  EXPECT_GT(ends.size(), 195u);
+}
+
+TEST(WriteAtomically, LargePiecesAndManySmallOnes) {
+  const Folder folder;
+  std::string expected;
+  io::write_atomically(folder / "a", [&](std::ostream& out) {
+    for (std::size_t i = 0; i < 5; ++i) {
+      const std::string piece(i * 700'001, static_cast<char>('a' + i));
+      out << piece;
+      out.put('-');
+      expected += piece + '-';
+      for (int n = 0; n < 1000; ++n) out << n;
+      for (int n = 0; n < 1000; ++n) expected += std::to_string(n);
+    }
+  });
+  EXPECT_TRUE(bytes_of(folder / "a") == expected);
 }
 
 TEST(WriteAtomically, SaysWhatIsWrongWithTheFolder) {

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -20,6 +21,25 @@
 
 /// Runs the real program in a folder of its own and looks at what it says, returns and leaves behind.
 namespace quench::testing_program {
+
+/// A program that runs and whose stderr is listened to.
+struct Running {
+  pid_t child = -1;
+  int err = -1;  ///< descriptor
+  std::string heard;
+
+  /// Returns when the program has said this.
+  void until_it_says(const std::string& text) {
+    while (heard.find(text) == std::string::npos)
+      if (!listen()) FAIL() << "it ended without '" << text << "':\n" << heard;
+  }
+  bool listen() {
+    char block[4096];
+    const ssize_t got = read(err, block, sizeof block);
+    if (got > 0) heard.append(block, static_cast<std::size_t>(got));
+    return got > 0;
+  }
+};
 
 struct Outcome {
   int code = -1;  ///< exit code, or 128 + the signal that ended it
@@ -50,7 +70,7 @@ class ProgramTest : public testing::Test {
     // Between fork and exec only what is safe in a signal handler.
     const int in_fd = open("/dev/null", O_RDONLY);
     const int out_fd = open(out.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
-    const int err_fd = open(err.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+    const int err_fd = err_to_ >= 0 ? err_to_ : open(err.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
     const rlimit limit{largest_file, largest_file};
     if (chdir(cwd.c_str()) != 0 || dup2(in_fd, 0) < 0 || dup2(out_fd, 1) < 0 || dup2(err_fd, 2) < 0) _exit(127);
     if (before_start) before_start();
@@ -58,6 +78,34 @@ class ProgramTest : public testing::Test {
     execv(argv[0], argv.data());
     _exit(127);
   }
+
+  /// The same, to be listened to.
+  Running start_and_listen(const std::vector<std::string>& arguments) {
+    int ends[2];
+    EXPECT_EQ(pipe2(ends, O_CLOEXEC), 0);
+    err_to_ = ends[1];
+    const pid_t child = start(arguments);
+    err_to_ = -1;
+    close(ends[1]);
+    return {child, ends[0], {}};
+  }
+
+  Outcome wait(Running& running) {
+    while (running.listen()) {
+    }
+    close(running.err);
+    Outcome outcome = wait(running.child);
+    outcome.err = running.heard;
+    return outcome;
+  }
+
+  /// A pipe with a name: what opens it to read waits until somebody opens it to write, and the other way round.
+  std::filesystem::path make_fifo(const std::string& name) {
+    EXPECT_EQ(mkfifo((folder / name).c_str(), 0600), 0);
+    return folder / name;
+  }
+  /// Opens a FIFO to write, as soon as somebody reads it.
+  static int open_to_write(const std::filesystem::path& fifo) { return open(fifo.c_str(), O_WRONLY | O_CLOEXEC); }
 
   Outcome wait(pid_t child) {
     int status = 0;
@@ -115,6 +163,9 @@ class ProgramTest : public testing::Test {
   }
   bool exists(const std::string& name) const { return std::filesystem::exists(folder / name); }
   std::string bytes(const std::string& name) const { return bytes_of(folder / name); }
+
+ private:
+  int err_to_ = -1;  // stderr of the next program that is started
 };
 
 /// An NPY file of bytes; nx runs fastest.

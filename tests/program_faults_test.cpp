@@ -6,6 +6,7 @@
 #include <csignal>
 #include <cstdlib>
 #include <map>
+#include <nlohmann/json.hpp>
 
 #include "program.h"
 
@@ -72,11 +73,19 @@ class Faults : public ProgramTest {
     for (const std::string& name : command.outputs) folder.write(name, kOld);
   }
 
-  bool is_whole(const std::string& name, const std::string& content, const std::string& expected) const {
-    const bool has_times = name.ends_with(".json") || name.ends_with(".html");
-    if (!has_times) return content == expected;
-    return content.size() > expected.size() / 2 &&
-           content.substr(content.size() - 3) == expected.substr(expected.size() - 3);
+  /// A report, without what differs from run to run.
+  static nlohmann::json report_of(const std::string& content) {
+    nlohmann::json report = nlohmann::json::parse(content, nullptr, false);
+    for (const char* measured : {"seconds", "peak_bytes"})
+      if (report.is_object()) report.erase(measured);
+    if (report.is_object() && report.contains("core")) report["core"].erase("predicted_bytes");
+    return report;
+  }
+
+  static bool is_whole(const std::string& name, const std::string& content, const std::string& expected) {
+    if (!name.ends_with(".json")) return content == expected;
+    const nlohmann::json report = report_of(content);
+    return !report.is_discarded() && report == report_of(expected) && content.back() == '\n';
   }
 
   /// Runs the command with a fault at every call in turn, until it is past the last one, and hands each outcome to
@@ -142,7 +151,7 @@ TEST_F(Faults, AFullDiskAtEveryCall) {
     EXPECT_EQ(outcome.code, 1);
     expect_one_sentence(outcome);
     EXPECT_NE(outcome.err.find("cannot write '"), std::string::npos) << outcome.err;
-    if (call != "rename") {
+    if (call != "rename" && call != "flush folder") {
       EXPECT_EQ(replaced, 0u) << "an output was replaced though another could not be written";
     }
     EXPECT_EQ(temporaries, 0u);
@@ -162,7 +171,7 @@ TEST_F(Faults, ASecondInterruptAtEveryCall) {
   sweep("interrupt twice", [](const Outcome& outcome, const std::string& call, std::size_t replaced, std::size_t,
                               std::size_t temporaries) {
     EXPECT_EQ(outcome.code, 128 + SIGINT);
-    if (call != "rename") {
+    if (call != "rename" && call != "flush folder") {
       EXPECT_EQ(replaced, 0u);
     }
     EXPECT_EQ(temporaries, 0u);
@@ -172,7 +181,7 @@ TEST_F(Faults, ASecondInterruptAtEveryCall) {
 TEST_F(Faults, KilledAtEveryCall) {
   sweep("kill", [](const Outcome& outcome, const std::string& call, std::size_t replaced, std::size_t, std::size_t) {
     EXPECT_EQ(outcome.code, 128 + SIGKILL);
-    if (call != "rename") {
+    if (call != "rename" && call != "flush folder") {
       EXPECT_EQ(replaced, 0u);
     }
   });
@@ -300,25 +309,6 @@ TEST_F(Faults, AFolderWithoutPermission) {
   if (quench({"--version"}).code != 0) GTEST_SKIP() << "another user cannot run the program";
   refuses(1, {"cannot write 'closed/o.vtp'", "not writable"}, {"core", "box.npy", "-o", "closed/o.vtp"});
   refuses(1, {"cannot write to 'closed/new'", "not writable"}, {"run", "box.npy", "-o", "closed/new"});
-}
-
-TEST_F(Faults, IgnoredSignalsStayIgnored) {
-  before_start = [] { std::signal(SIGHUP, SIG_IGN); };  // nohup
-  works({"sample", "bumpy-sphere", "--detail", "0.3", "-o", "s.ply"});
-  const pid_t child = start({"core", "s.ply", "--resolution", "128", "-o", "o.vtp"});
-  usleep(200000);
-  kill(child, SIGHUP);
-  EXPECT_EQ(wait(child).code, 0);
-}
-
-TEST_F(Faults, AClosedTerminalIsAnInterrupt) {
-  works({"sample", "bumpy-sphere", "--detail", "0.3", "-o", "s.ply"});
-  const auto before = files();
-  const pid_t child = start({"core", "s.ply", "--resolution", "512", "--memory-limit", "100G", "-o", "o.vtp"});
-  usleep(500000);
-  kill(child, SIGHUP);
-  EXPECT_EQ(wait(child).code, 130);
-  EXPECT_EQ(files(), before);
 }
 
 }  // namespace

@@ -216,9 +216,17 @@ TEST_F(ViewProgram, AnInterruptLeavesNothing) {
   REQUIRE_PAGE();
   folder.write("v.npy", npy_box(60, 50, 40, 2));
   works({"core", "v.npy", "--lambda", "0", "-o", "core.vtp"});
+  const std::string core = bytes("core.vtp");
+  const auto fifo = make_fifo("given.vtp");
   const auto before = files();
-  const pid_t child = start({"view", "core.vtp", "--omega", "0.05vox"});
-  usleep(300'000);
+  const pid_t child = start({"view", "given.vtp", "--omega", "0.05vox"});
+  const int to = open_to_write(fifo);
+  for (std::size_t sent = 0; sent < core.size();) {
+    const ssize_t now = write(to, core.data() + sent, core.size() - sent);
+    ASSERT_GT(now, 0);
+    sent += static_cast<std::size_t>(now);
+  }
+  close(to);  // it has all it needs, and burning takes seconds
   kill(child, SIGINT);
   const Outcome outcome = wait(child);
   EXPECT_EQ(outcome.code, 130) << outcome.err;
@@ -248,6 +256,29 @@ TEST_F(ViewProgram, APictureNeedsABrowserThatDraws) {
     chmod(folder.write("browser", text).c_str(), 0755);
     const Environment broken("QUENCH_CHROMIUM", (folder / "browser").string());
     refuses(1, {"did not draw"}, {"view", "core.vtp", "--png", "a.png", "--quiet"});
+  }
+}
+
+// The browser is ended and its folder removed, although nobody waits for the picture any more.
+TEST_F(ViewProgram, AnInterruptedPictureLeavesNothing) {
+  REQUIRE_PAGE();
+  make_core();
+  const auto started = make_fifo("started");
+  chmod(folder.write("browser", "#!/bin/sh\necho $$ > '" + started.string() + "'\nexec tail -f /dev/null\n").c_str(),
+        0755);
+  const TemporaryFolder temporary;
+  const Environment browser("QUENCH_CHROMIUM", (folder / "browser").string());
+  const Environment place("TMPDIR", temporary.path().string());
+  for (const int signal : {SIGINT, SIGTERM}) {
+    const auto before = files();
+    const pid_t child = start({"view", "core.vtp", "--png", "a.png"});
+    const pid_t drawing = std::stoi(bytes_of(started));
+    kill(child, signal);
+    const Outcome outcome = wait(child);
+    EXPECT_EQ(outcome.code, 130) << outcome.err;
+    EXPECT_TRUE(std::filesystem::is_empty(temporary.path()));
+    EXPECT_NE(kill(drawing, 0), 0) << "the browser still runs";
+    EXPECT_EQ(files(), before);
   }
 }
 

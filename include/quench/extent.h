@@ -7,6 +7,9 @@
 
 namespace quench {
 
+/// The largest coordinate or radius of a medial axis: squares and sums of squares of what is larger may be no numbers.
+inline constexpr double kLargestLength = 1e150;
+
 /// The longest side of the box around the points; 0 for none.
 inline double longest_side_of(std::span<const Vec3> points) {
   if (points.empty()) return 0;

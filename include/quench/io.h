@@ -32,8 +32,9 @@
 /// Curve graphs (.swc, .graphml, .csv) are written by the functions of quench/curve_graph.h.
 ///
 /// Every reader throws Error(failed) when the file cannot be opened and Error(input) when its content cannot be used,
-/// naming the file and, where there is one, the line or byte. Every writer writes a temporary file in the same folder
-/// and renames it: an interrupted run leaves no half file and does not harm an existing one.
+/// naming the file and, where there is one, the line or byte. Every writer writes a temporary file in the same folder,
+/// waits until it is on the disk and renames it: neither an interrupted run nor a power cut leaves a half file or harms
+/// an existing one.
 namespace quench::io {
 
 enum class Kind { surface, volume, unknown };
@@ -42,8 +43,10 @@ enum class Kind { surface, volume, unknown };
 Kind kind_of(const std::filesystem::path& file);
 
 /// .ply .obj .off .stl .vtp .ma and, where built with Assimp, its formats. Arrays the format carries are kept by name
-/// (`radius` and `quality` of PLY, r of .ma, all arrays of VTP). STL corners are welded by exact position.
-PolyData read_poly_data(const std::filesystem::path& file);
+/// (`radius` and `quality` of PLY, r of .ma, all arrays of VTP). STL corners are welded by exact position. What a
+/// format calls a face is by its number of corners a point (1), a line (2) or a polygon, in every format alike; one
+/// without corners is refused. `context` bounds the memory.
+PolyData read_poly_data(const std::filesystem::path& file, Context* context = nullptr);
 
 /// .vtp .ply .obj .ma .r .csv. PLY carries `quality` (= `radius` unless `quality_array` names another point array) and
 /// colours; formats that cannot carry an array leave it out.
@@ -56,7 +59,8 @@ void check_writable_format(const std::filesystem::path& file);
 
 /// Values of a .r file for the given points: matched by nearest point, at most 1e-3 of the longest side away, else
 /// Error(input).
-std::vector<double> read_radii(const std::filesystem::path& file, const std::vector<Vec3>& points);
+std::vector<double> read_radii(const std::filesystem::path& file, const std::vector<Vec3>& points,
+                               Context* context = nullptr);
 
 /// `spacing` overrides what the file says (formats without spacing: 1).
 struct VolumeReadOptions {
@@ -68,8 +72,10 @@ Volume read_volume(const std::filesystem::path& file, const VolumeReadOptions& o
 /// NRRD, uint8 0/1, gzip, with spacing, origin and direction; streamed, never dense in memory.
 void write_volume(const std::filesystem::path& file, const VoxelShape& shape, Context* context = nullptr);
 
-/// Writes through `body` to a temporary file beside `file`, then renames it over `file`. On an exception the temporary
-/// file is removed and `file` is as it was. Throws Error(failed) when writing fails (e.g. disk full).
+/// Writes through `body` to a temporary file beside `file`, of a name nobody can guess and with the permissions of the
+/// file it replaces, flushes it to the disk and renames it over `file`. What a link names is replaced, not the link. On
+/// an exception the temporary file is removed and `file` is as it was. Throws Error(failed) when writing fails (e.g.
+/// disk full).
 void write_atomically(const std::filesystem::path& file, const std::function<void(std::ostream&)>& body);
 
 }  // namespace quench::io

@@ -9,6 +9,10 @@ namespace quench {
 /// Memory that is free now, in bytes, with what the system can free at once.
 std::int64_t available_memory();
 
+/// Memory this process holds now, in bytes, once it has given back what it does not use; 0 where the system does not
+/// say.
+std::int64_t held_memory();
+
 /// "3.5 GB", "81 MB".
 std::string bytes_text(std::int64_t bytes);
 

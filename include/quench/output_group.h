@@ -37,4 +37,19 @@ class OutputGroup {
 /// the process at once: it neither allocates nor waits, and outputs being written are lost.
 void remove_temporary_files() noexcept;
 
+/// How far a process is with its outputs.
+enum class Outputs {
+  untouched,      ///< every file is as it was
+  being_renamed,  ///< those of a group appear just now, one after the other
+  in_place        ///< a group has been committed
+};
+
+/// For who is about to end the process without waiting for its threads: from now on no output is renamed, and
+/// committing or writing one throws Error(cancelled). Not while outputs are being renamed, which takes no time worth
+/// mentioning: then it changes nothing, says so, and may be asked again.
+Outputs stop_outputs() noexcept;
+
+/// The file that writing to `file` replaces or makes: the one at the end of its links, which need not exist.
+std::filesystem::path place_of_output(const std::filesystem::path& file);
+
 }  // namespace quench::io

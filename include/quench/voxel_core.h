@@ -29,9 +29,16 @@ struct CoreOptions {
 /// spacing has no integer proportion, Error(failed) when an index outgrows 32 bits.
 MedialAxis voxel_core(const VoxelShape& shape, const CoreOptions& options = {}, Context* context = nullptr);
 
-/// Predicted peak of memory, in bytes, from boundary vertices to a pruned core.
-inline std::int64_t predicted_core_bytes(std::int64_t sites) { return sites * 450 + (std::int64_t{32} << 20); }
-/// The same with CoreOptions::in_bricks.
+/// Predicted growth of memory, in bytes, from a voxel shape to its checked and pruned core (checked_core()) and its
+/// file, beside what the process holds before, on the threads of the arena. Usually 0 to 15 % more than it takes for
+/// shapes of more than 50,000 boundary vertices; what was measured stands in docs/robustness.md. Shapes with flat walls
+/// and ones a voxel thick need less than others.
+std::int64_t predicted_core_bytes(const VoxelShape& shape);
+/// The most for so many boundary vertices.
+std::int64_t predicted_core_bytes(std::int64_t sites);
+/// The same with CoreOptions::in_bricks, which takes less for shapes with flat walls only.
+std::int64_t predicted_core_bytes_in_bricks(const VoxelShape& shape);
+/// The least for so many boundary vertices.
 std::int64_t predicted_core_bytes_in_bricks(std::int64_t sites);
 
 }  // namespace quench

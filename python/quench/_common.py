@@ -83,14 +83,26 @@ def length(value: Length, argument: str) -> str:
     return text
 
 
+def reals(value: Any, what: str) -> np.ndarray:
+    """An array of real numbers as doubles, or an Error: numpy would drop imaginary parts and read numbers in texts."""
+    try:
+        array = np.asarray(value)
+        if array.dtype.kind in 'biufO':  # objects: fractions, decimals
+            return array.astype(np.float64, copy=False)
+        reason = f'they are of type {array.dtype}'
+    except (TypeError, ValueError, OverflowError) as failure:
+        reason = str(failure)
+    raise error(3, f'{what} are no real numbers: {reason}') from None
+
+
 def spacing_of(spacing: Spacing) -> Optional[Tuple[float, float, float]]:
     """Three positive numbers, or None."""
     if spacing is None:
         return None
     try:
-        values = np.broadcast_to(np.asarray(spacing, dtype=np.float64), 3) if np.ndim(spacing) == 0 else \
-            np.asarray(spacing, dtype=np.float64)
-    except (TypeError, ValueError):
+        values = reals(spacing, 'voxel sizes')
+        values = np.broadcast_to(values, 3) if values.ndim == 0 else values
+    except Error:
         values = np.zeros(0)
     if values.shape != (3,) or not np.all(np.isfinite(values)) or not np.all(values > 0):
         raise error(2, f'spacing={spacing!r} is not a voxel size; give one positive number or three, one per axis')

@@ -10,7 +10,7 @@ from typing import Any, Dict, List, Optional, Tuple, Union
 import numpy as np
 
 from . import _core
-from ._common import Error, Path, Progress, Spacing, error, file_name, is_path, listening, spacing_of, whole
+from ._common import Error, Path, Progress, Spacing, error, file_name, is_path, listening, reals, spacing_of, whole
 
 
 @dataclass
@@ -94,11 +94,11 @@ def image_array(value: Any) -> np.ndarray:
 
 def mesh_arrays(vertices: Any, faces: Any) -> Tuple[np.ndarray, np.ndarray]:
     """Vertices as (V, 3) doubles, faces as (F, 3) int64; polygons become triangle fans."""
+    points = reals(vertices, 'the vertices of the mesh')
     try:
-        points = np.asarray(vertices, dtype=np.float64)
         corners = np.asarray(faces)
     except (TypeError, ValueError) as reason:
-        raise error(3, f'the vertices and faces of the mesh are no arrays of numbers: {reason}') from reason
+        raise error(3, f'the faces of the mesh are no array of numbers: {reason}') from reason
     if points.ndim != 2 or points.shape[1] != 3:
         raise error(3, f'the vertices have the shape {points.shape}; a mesh has (V, 3)')
     if corners.dtype.kind not in 'iu':
@@ -107,6 +107,11 @@ def mesh_arrays(vertices: Any, faces: Any) -> Tuple[np.ndarray, np.ndarray]:
         corners = _padded(corners)
     if corners.ndim != 2 or corners.shape[1] < 3:
         raise error(3, f'the faces have the shape {corners.shape}; a mesh has (F, 3)')
+    outside = (corners < 0) | (corners >= len(points))
+    if outside.any():
+        face = int(np.argmax(outside.any(axis=1)))
+        corner = int(corners[face][outside[face]][0])
+        raise error(3, f'face {face} names vertex {corner}, and there are {len(points)} vertices, from 0 on')
     corners = corners.astype(np.int64, copy=False)
     if corners.shape[1] > 3:
         corners = np.concatenate([corners[:, [0, i - 1, i]] for i in range(2, corners.shape[1])])
@@ -122,7 +127,7 @@ def _padded(flat: np.ndarray) -> np.ndarray:
             raise error(3, 'the faces are a list of numbers that is no list of counts and corners; a mesh has (F, 3)')
         triangles.extend((flat[at + 1], flat[at + i - 1], flat[at + i]) for i in range(3, n + 1))
         at += n + 1
-    return np.array(triangles, dtype=np.int64).reshape(-1, 3)
+    return np.array(triangles, dtype=flat.dtype).reshape(-1, 3)
 
 
 def as_mesh(value: Any) -> Optional[Tuple[Any, Any]]:

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "quench/axis_fields.h"
 #include "quench/error.h"
 #include "quench/extent.h"
 #include "quench/io.h"
@@ -22,19 +23,16 @@ std::vector<double> numbers_of(const PolyData& data, const char* name) {
   return array->numbers();
 }
 
-std::shared_ptr<Axis> axis_of_file(PolyData data) {
+std::shared_ptr<Axis> axis_of_file(PolyData data, const std::string& file, Context& context) {
+  drop_unusable_fields(data, file, &context);
   auto result = std::make_shared<Axis>();
   result->core.axis = medial_axis_of(data);
   const MedialAxis& axis = result->core.axis;
   if (axis.points.empty()) throw Error(ErrorCode::input, "the medial axis is empty");
-  for (std::size_t v = 0; v < axis.radius.size(); ++v)
-    if (const double r = axis.radius[v]; !(std::isfinite(r) && r >= 0))
-      throw Error(ErrorCode::input,
-                  fmt::format("the radius of vertex {} is {}; radii are finite and not negative", v, r));
   const std::vector<double> side = numbers_of(data, "longest_side"), spacing = numbers_of(data, "spacing");
   const std::vector<double> share = numbers_of(data, "reconstructed"), lambda = numbers_of(data, "lambda");
-  result->core.longest_side = !side.empty() && side[0] > 0 ? side[0] : longest_side_of(axis.points);
-  if (spacing.size() == 3) result->spacing = {spacing[0], spacing[1], spacing[2]};
+  result->core.longest_side = side.empty() ? longest_side_of(axis.points) : side[0];
+  if (!spacing.empty()) result->spacing = {spacing[0], spacing[1], spacing[2]};
   result->core.reconstructed = share.empty() ? std::nan("") : share[0];
   result->core.lambda = lambda.empty() ? 0 : lambda[0];
   const DataArray* sites = find_array(data.field_data, "sites");
@@ -184,15 +182,16 @@ void bind_axes(py::module_& m) {
       TriangleMesh mesh;
       std::shared_ptr<Axis> axis;
     };
-    Read read = run(py::none(), 0, [&](Context&) {
+    Read read = run(py::none(), 0, [&](Context& context) {
       Read r;
-      r.data = io::read_poly_data(file);
+      r.data = io::read_poly_data(file, &context);
       if (!radii.empty()) {
         std::erase_if(r.data.point_data, [](const DataArray& a) { return a.name == "radius"; });
-        r.data.point_data.insert(r.data.point_data.begin(), {"radius", 1, io::read_radii(radii, r.data.points)});
+        r.data.point_data.insert(r.data.point_data.begin(),
+                                 {"radius", 1, io::read_radii(radii, r.data.points, &context)});
       }
       if (find_array(r.data.point_data, "radius"))
-        r.axis = axis_of_file(std::move(r.data));
+        r.axis = axis_of_file(std::move(r.data), file, context);
       else
         r.mesh = to_triangle_mesh(r.data);
       return r;

@@ -49,7 +49,8 @@ std::shared_ptr<Axis> compute_axis(std::shared_ptr<Shape> shape, const std::stri
     options.lambda = parse_length(lambda, "lambda_").resolve(shape->longest_side, shape->smallest());
   options.rule = ball_rule ? LambdaRule::ball : LambdaRule::coface;
   const std::int64_t sites = count_boundary_vertices(shape->voxels);
-  const std::int64_t at_once = predicted_core_bytes(sites), in_bricks = predicted_core_bytes_in_bricks(sites);
+  const std::int64_t at_once = predicted_core_bytes(shape->voxels),
+                     in_bricks = predicted_core_bytes_in_bricks(shape->voxels);
   options.in_bricks = at_once > available_memory() && in_bricks < at_once;
   require_memory(options.in_bricks ? in_bricks : at_once,
                  fmt::format("the medial axis of a shape with {} boundary vertices", sites),

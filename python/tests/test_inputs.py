@@ -57,13 +57,64 @@ def test_meshes_that_are_none(bad, word):
     assert caught.value.code == 3
 
 
+@pytest.mark.parametrize('vertices', [
+    np.eye(3) + 1j, np.eye(3).astype(np.complex64), [[0, 0, 1j], [1, 0, 0], [0, 1, 0]], np.eye(3).astype(str),
+    np.eye(3).astype('datetime64[s]'), [[0, 0, 0], [1, 0], [0, 1, 0]], [['a', 0, 0], [1, 0, 0], [0, 1, 0]]])
+@pytest.mark.filterwarnings('error')
+def test_vertices_that_are_no_real_numbers(vertices):
+    with pytest.raises(quench.Error, match='the vertices of the mesh are no real numbers') as caught:
+        quench.medial_axis((vertices, [[0, 1, 2]]), resolution=20)
+    assert caught.value.code == 3
+
+
+@pytest.mark.parametrize('faces, vertex', [
+    (np.array([[0, 1, 2], [0, 1, 2**64 - 1]], np.uint64), 2**64 - 1), (np.array([[0, 1, 2], [0, 2**63, 1]], np.uint64), 2**63),
+    (np.array([[0, 1, 2], [-2**31, 1, 2]], np.int32), -2**31), (np.array([[0, 1, 2], [0, 2**32, 1]]), 2**32),
+    (np.array([3, 0, 1, 2, 3, 0, 1, 2**63 + 5], np.uint64), 2**63 + 5), ([[0, 1, 2, 3], [0, 1, 2, 7]], 3)])
+def test_corners_beyond_the_vertices(faces, vertex):
+    with pytest.raises(quench.Error, match=f'names vertex {vertex}, and there are 3 vertices') as caught:
+        quench.medial_axis((np.eye(3), faces), resolution=20)
+    assert caught.value.code == 3
+
+
+@pytest.mark.parametrize('faces', [[[0, 1, 2.5]], [[0, 1, 1j]], [['0', '1', '2']], [[True, False, True]]])
+def test_corners_that_are_no_whole_numbers(faces):
+    with pytest.raises(quench.Error, match='faces are of type') as caught:
+        quench.medial_axis((np.eye(3), faces), resolution=20)
+    assert caught.value.code == 3
+
+
+def test_fields_of_a_file_that_cannot_be(tmp_path):
+    def field(name, *values):
+        return f'<DataArray type="Float64" Name="{name}" NumberOfTuples="{len(values)}" format="ascii">' \
+               f'{" ".join(map(str, values))}</DataArray>'
+    text = ('<VTKFile type="PolyData" version="1.0" byte_order="LittleEndian"><PolyData><FieldData>'
+            + field('longest_side', -5) + field('spacing', 1, 0, 1) + '</FieldData>'
+            '<Piece NumberOfPoints="3" NumberOfPolys="1"><Points><DataArray type="Float64" NumberOfComponents="3" '
+            'format="ascii">0 0 0 3 0 0 0 1 0</DataArray></Points><PointData><DataArray type="Float64" Name="radius" '
+            'format="ascii">1 1 {}</DataArray></PointData><Polys><DataArray type="Int32" Name="connectivity" '
+            'format="ascii">0 1 2</DataArray><DataArray type="Int32" Name="offsets" format="ascii">3</DataArray></Polys>'
+            '</Piece></PolyData></VTKFile>')
+    (tmp_path / 'a.vtp').write_text(text.format('1'))
+    with pytest.warns(UserWarning) as told:
+        axis = quench.read(tmp_path / 'a.vtp')
+    sentences = ' '.join(str(warning.message) for warning in told)
+    assert "'longest_side' of" in sentences and "'spacing' of" in sentences and 'a.vtp' in sentences
+    assert axis.longest_side == 3
+    (tmp_path / 'b.vtp').write_text(text.format('1e308'))
+    with pytest.raises(quench.Error, match='vertex 2') as caught:
+        quench.read(tmp_path / 'b.vtp')
+    assert caught.value.code == 3
+
+
 def test_arguments_of_the_other_kind():
     with pytest.raises(quench.Error, match='for images') as caught:
         quench.medial_axis(box(), spacing=2)
     assert caught.value.code == 2
 
 
-@pytest.mark.parametrize('spacing', [0, -1, math.nan, math.inf, (1, 2), (1, 2, 3, 4), 'x', (1, 0, 1), [[1, 2, 3]]])
+@pytest.mark.parametrize('spacing', [0, -1, math.nan, math.inf, (1, 2), (1, 2, 3, 4), 'x', (1, 0, 1), [[1, 2, 3]],
+                                     1 + 1j, np.array([1, 1, 1 + 1j]), ('1', '1', '1')])
 def test_spacings_that_are_none(spacing):
     with pytest.raises(quench.Error, match='voxel size') as caught:
         quench.medial_axis(bent_tube(), spacing=spacing)

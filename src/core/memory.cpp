@@ -6,6 +6,8 @@
 
 #include <fstream>
 
+#include "return_memory.h"
+
 namespace quench {
 
 std::int64_t available_memory() {
@@ -17,6 +19,13 @@ std::int64_t available_memory() {
     if (key == "MemAvailable:") return value * 1024;
   }
   return static_cast<std::int64_t>(sysconf(_SC_PHYS_PAGES)) * sysconf(_SC_PAGESIZE);
+}
+
+std::int64_t held_memory() {
+  return_free_memory();
+  std::int64_t all = 0, resident = 0;
+  std::ifstream("/proc/self/statm") >> all >> resident;
+  return resident * sysconf(_SC_PAGESIZE);
 }
 
 std::string bytes_text(std::int64_t bytes) {

@@ -17,6 +17,7 @@
 #include "parallel.h"
 #include "peeling/peeling.h"
 #include "return_memory.h"
+#include "shape/boundary_count.h"
 
 namespace quench {
 namespace {
@@ -195,6 +196,40 @@ MedialAxis voxel_core(const VoxelShape& shape, const CoreOptions& options, Conte
   return in_arena(context, [&] { return compute(shape, options, context); });
 }
 
-std::int64_t predicted_core_bytes_in_bricks(std::int64_t sites) { return sites * 380 + (std::int64_t{64} << 20); }
+namespace {
+
+// Measured on 24 shapes, docs/robustness.md; several threads have buffers of their own.
+constexpr double kBytesPerSite = 314, kBytesPerSiteInBricks = 345, kFewestBytesPerSiteInBricks = 222;
+
+std::int64_t core_bytes(double per_site, double sites) {
+  constexpr double always = 6 << 20, of_threads = 6 << 20, of_threads_per_site = 8;
+  return static_cast<std::int64_t>(always + per_site * sites +
+                                   (several_threads() ? of_threads + of_threads_per_site * sites : 0));
+}
+
+}  // namespace
+
+std::int64_t predicted_core_bytes(const VoxelShape& shape) {
+  const BoundaryCount count = count_boundary(shape);
+  if (count.sites == 0) return predicted_core_bytes(0);
+  // Opposite flat walls share vertices of the core, and a wall of one voxel has few of them.
+  const auto sites = static_cast<double>(count.sites);
+  const double flat = static_cast<double>(count.flat) / sites;
+  const double thickness = static_cast<double>(shape.voxel_count()) / sites;
+  return core_bytes(std::min({kBytesPerSite, 380 - 115 * flat, 100 + 140 * thickness}), sites);
+}
+
+std::int64_t predicted_core_bytes(std::int64_t sites) { return core_bytes(kBytesPerSite, static_cast<double>(sites)); }
+
+std::int64_t predicted_core_bytes_in_bricks(const VoxelShape& shape) {
+  const BoundaryCount count = count_boundary(shape);
+  if (count.sites == 0) return predicted_core_bytes_in_bricks(0);
+  const auto sites = static_cast<double>(count.sites);
+  return core_bytes(std::min(kBytesPerSiteInBricks, 450 - 230 * static_cast<double>(count.flat) / sites), sites);
+}
+
+std::int64_t predicted_core_bytes_in_bricks(std::int64_t sites) {
+  return core_bytes(kFewestBytesPerSiteInBricks, static_cast<double>(sites));
+}
 
 }  // namespace quench

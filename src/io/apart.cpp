@@ -58,6 +58,9 @@ void send(int pipe, std::string_view bytes) {
                         std::int64_t file_size) {
   for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGPIPE, SIGSEGV, SIGABRT, SIGFPE, SIGBUS, SIGILL})
     std::signal(signal, SIG_DFL);
+  sigset_t none_blocked;
+  sigemptyset(&none_blocked);
+  sigprocmask(SIG_SETMASK, &none_blocked, nullptr);
   prctl(PR_SET_PDEATHSIG, static_cast<unsigned long>(SIGKILL));  // variadic: of the type it reads
   if (getppid() != parent) _exit(1);
   if (const int nothing = open("/dev/null", O_RDWR); nothing >= 0)

@@ -9,6 +9,7 @@
 #include <limits>
 
 #include "formats.h"
+#include "quench/memory.h"
 
 namespace quench::io {
 namespace {
@@ -55,7 +56,24 @@ Kind kind_of(const std::filesystem::path& file) {
   return Kind::unknown;
 }
 
-FileText load_file(const std::filesystem::path& file) {
+namespace {
+
+/// Before `more` bytes are taken beside the `held` ones.
+void check_text_memory(const std::string& name, std::size_t held, std::size_t more, const Context* context) {
+  if (more < std::size_t{1} << 24) return;  // asking the system takes longer than reading this
+  const bool limited = context && context->memory_limit > 0;
+  const std::int64_t limit = limited ? context->memory_limit : available_memory();
+  const std::size_t needed = limited ? held + more : more;
+  if (needed <= static_cast<std::size_t>(limit)) return;
+  throw Error(ErrorCode::failed,
+              fmt::format("reading '{}' needs more than {} of memory, all that {}; give a smaller file, and one that "
+                          "ends",
+                          name, bytes_text(limit), limited ? "is allowed" : "is free"));
+}
+
+}  // namespace
+
+FileText load_file(const std::filesystem::path& file, Context* context) {
   FileText text{file.string(), {}};
   std::error_code ignored;
   if (std::filesystem::is_directory(file, ignored))
@@ -63,25 +81,32 @@ FileText load_file(const std::filesystem::path& file) {
   errno = 0;
   std::ifstream in(file, std::ios::binary);
   if (!in) throw Error(ErrorCode::failed, fmt::format("cannot open '{}': {}", text.name, std::strerror(errno)));
-  if (const auto size = std::filesystem::file_size(file, ignored); !ignored) text.bytes.reserve(size);
+  if (const auto size = std::filesystem::file_size(file, ignored); !ignored) {
+    check_text_memory(text.name, 0, size, context);
+    text.bytes.reserve(size);
+  }
   // The size is a hint only: pipes have none, and a file may grow.
   for (std::array<char, 1 << 16> block; in;) {
+    if (context && context->cancelled()) throw Error(ErrorCode::cancelled, "cancelled");
     in.read(block.data(), block.size());
-    text.bytes.append(block.data(), static_cast<std::size_t>(in.gcount()));
+    const auto got = static_cast<std::size_t>(in.gcount());
+    if (text.bytes.size() + got > text.bytes.capacity())
+      check_text_memory(text.name, text.bytes.capacity(), 2 * text.bytes.capacity(), context);
+    text.bytes.append(block.data(), got);
   }
   if (in.bad()) throw Error(ErrorCode::failed, fmt::format("cannot read '{}': {}", text.name, std::strerror(errno)));
   if (text.bytes.empty()) throw Error(ErrorCode::input, fmt::format("'{}' is empty", text.name));
   return text;
 }
 
-PolyData read_poly_data(const std::filesystem::path& file) {
+PolyData read_poly_data(const std::filesystem::path& file, Context* context) {
   const std::string extension = lower_extension(file);
-  if (extension == ".ply") return read_ply(load_file(file));
-  if (extension == ".obj") return read_obj(load_file(file));
-  if (extension == ".off") return read_off(load_file(file));
-  if (extension == ".stl") return read_stl(load_file(file));
-  if (extension == ".vtp") return read_vtp(load_file(file));
-  if (extension == ".ma") return read_ma(load_file(file));
+  if (extension == ".ply") return read_ply(load_file(file, context));
+  if (extension == ".obj") return read_obj(load_file(file, context));
+  if (extension == ".off") return read_off(load_file(file, context));
+  if (extension == ".stl") return read_stl(load_file(file, context));
+  if (extension == ".vtp") return read_vtp(load_file(file, context));
+  if (extension == ".ma") return read_ma(load_file(file, context));
   if (among(assimp_extensions, extension)) {
 #ifdef QUENCH_HAS_ASSIMP
     return read_with_assimp(file);

@@ -18,8 +18,9 @@ struct FileText {
   std::string bytes;
 };
 
-/// Throws Error(failed) when the file cannot be opened or read.
-FileText load_file(const std::filesystem::path& file);
+/// Throws Error(failed) when the file cannot be opened or read, or when it takes more memory than the context allows
+/// or, where that says nothing, than is free: a device may have no end.
+FileText load_file(const std::filesystem::path& file, Context* context);
 
 /// The extension in lower case, with its dot.
 std::string lower_extension(const std::filesystem::path& file);
@@ -40,7 +41,8 @@ void write_r(std::ostream& out, const PolyData& data);
 void write_csv(std::ostream& out, const PolyData& data);
 void write_vtp(std::ostream& out, const PolyData& data);
 
-/// A cell by its number of corners: one is an isolated point, two a line, more a polygon. Throws Error(input) naming
+/// A cell by its number of corners, the rule of all formats for what they call a face: one is an isolated point, two a
+/// line, more a polygon. Readers refuse a face without corners. Throws Error(input) naming
 /// the file when the corners outgrow 32-bit offsets.
 void add_cell(PolyData& data, std::span<const std::uint32_t> corners, const std::string& file);
 

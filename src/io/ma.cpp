@@ -18,6 +18,7 @@ PolyData read_ma(const FileText& file) {
   PolyData data;
   std::vector<double> radii;
   std::vector<std::uint32_t> corners;
+  std::int64_t found_edges = 0, found_faces = 0;
   while (words.next_line()) {
     const std::string_view keyword = words.next_on_line();
     if (keyword == "v") {
@@ -34,18 +35,18 @@ PolyData read_ma(const FileText& file) {
           words.fail(fmt::format("a corner is no vertex number between 0 and {}", vertices - 1));
         corners.push_back(static_cast<std::uint32_t>(index));
       }
-      if (edge ? corners.size() != 2 : corners.size() < 3)
+      if (edge ? corners.size() != 2 : corners.empty())
         words.fail(fmt::format("{} has {} corners", edge ? "an edge" : "a face", corners.size()));
       add_cell(data, corners, file.name);
+      ++(edge ? found_edges : found_faces);
     } else {
       words.fail("a line begins with none of v, e and f");
     }
   }
-  if (static_cast<std::size_t>(vertices) != data.points.size() ||
-      static_cast<std::size_t>(edges) != data.lines.size() || static_cast<std::size_t>(faces) != data.poly_count())
+  if (static_cast<std::size_t>(vertices) != data.points.size() || edges != found_edges || faces != found_faces)
     throw Error(ErrorCode::input,
                 fmt::format("'{}' announces {} vertices, {} edges and {} faces, and has {}, {} and {}", file.name,
-                            vertices, edges, faces, data.points.size(), data.lines.size(), data.poly_count()));
+                            vertices, edges, faces, data.points.size(), found_edges, found_faces));
   data.point_data.push_back({"radius", 1, std::move(radii)});
   add_isolated_points(data);
   return data;

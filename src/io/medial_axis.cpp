@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "quench/medial_axis.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -10,6 +12,7 @@
 
 #include "complex/union_find.h"
 #include "quench/error.h"
+#include "quench/extent.h"
 
 namespace quench {
 namespace {
@@ -258,6 +261,23 @@ std::size_t drop_duplicates(std::vector<std::uint32_t>& offsets, std::vector<std
 
 }  // namespace
 
+namespace {
+
+void check_lengths(const MedialAxis& axis) {
+  for (std::size_t v = 0; v < axis.points.size(); ++v) {
+    const double r = axis.radius[v], farthest = axis.points[v].cwiseAbs().maxCoeff();
+    if (!(r >= 0 && r <= kLargestLength))
+      throw Error(ErrorCode::input,
+                  fmt::format("the radius of vertex {} is {}; radii are numbers from 0 to {}", v, r, kLargestLength));
+    if (!(farthest <= kLargestLength))
+      throw Error(ErrorCode::input,
+                  fmt::format("vertex {} is {} from 0 along an axis; coordinates are numbers up to {}", v, farthest,
+                              kLargestLength));
+  }
+}
+
+}  // namespace
+
 MedialAxis medial_axis_of(const PolyData& data, AxisRepair* repair) {
   AxisRepair mended;
   const DataArray* radius = find_array(data.point_data, "radius");
@@ -266,6 +286,7 @@ MedialAxis medial_axis_of(const PolyData& data, AxisRepair* repair) {
   MedialAxis axis;
   axis.points = data.points;
   axis.radius = radius->numbers();
+  check_lengths(axis);
   std::vector<std::array<std::uint32_t, 2>> lines;
   for (const auto& line : data.lines)
     if (line[0] != line[1])

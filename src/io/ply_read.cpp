@@ -354,10 +354,11 @@ class Reader {
           continue;
         }
         const std::size_t size = numbers_.list_size(property);
-        if (size < 3) numbers_.fail(fmt::format("face {} has {} corners", f, size));
+        if (size == 0) numbers_.fail(fmt::format("face {} has no corners", f));
         corners.clear();
         for (std::size_t c = 0; c < size; ++c) corners.push_back(numbers_.vertex(property.type, vertices_));
         add_cell(data_, corners, name_);
+        (size == 1 ? vert_rows_ : size == 2 ? line_rows_ : poly_rows_).push_back({false, f});
       }
   }
 
@@ -373,39 +374,53 @@ class Reader {
           keep(element.properties[p], array_of[p], edge_arrays_);
       }
       data_.lines.push_back(ends);
+      line_rows_.push_back({true, e});
     }
   }
 
-  /// Cell arrays have a row for each edge, then for each face: what only one of them has is 0 for the other.
+  /// Where the row of a cell comes from: an edge or a face of the file.
+  struct Row {
+    bool edge;
+    std::size_t number;
+  };
+
+  /// Cell arrays have a row for each cell: what only edges or only faces have is 0 for the others.
   void join_cell_arrays() {
+    std::vector<Row> rows = std::move(vert_rows_);
+    rows.insert(rows.end(), line_rows_.begin(), line_rows_.end());
+    rows.insert(rows.end(), poly_rows_.begin(), poly_rows_.end());
     for (DataArray& edge : edge_arrays_) {
-      const DataArray* face = find_array(face_arrays_, edge.name);
+      DataArray* face = nullptr;
+      for (DataArray& other : face_arrays_)
+        if (other.name == edge.name) face = &other;
       if (face && face->values.index() != edge.values.index()) {
-        std::vector<double> all = edge.numbers(), more = face->numbers();
-        all.insert(all.end(), more.begin(), more.end());
-        edge.values = std::move(all);
-      } else {
-        std::visit(
-            [&](auto& values) {
-              if (face) {
-                const auto& more = std::get<std::decay_t<decltype(values)>>(face->values);
-                values.insert(values.end(), more.begin(), more.end());
-              }
-              values.resize(data_.cell_count());
-            },
-            edge.values);
+        edge.values = edge.numbers();
+        face->values = face->numbers();
       }
-      data_.cell_data.push_back(std::move(edge));
+      data_.cell_data.push_back(joined(rows, &edge, face));
     }
-    for (DataArray& face : face_arrays_) {
-      if (find_array(data_.cell_data, face.name)) continue;
-      std::visit(
-          [&](auto& values) {
-            values.insert(values.begin(), data_.lines.size(), typename std::decay_t<decltype(values)>::value_type());
-          },
-          face.values);
-      data_.cell_data.push_back(std::move(face));
-    }
+    for (const DataArray& face : face_arrays_)
+      if (!find_array(edge_arrays_, face.name)) data_.cell_data.push_back(joined(rows, nullptr, &face));
+  }
+
+  /// Of an array of edges and one of faces of the same type, or of one of them.
+  static DataArray joined(const std::vector<Row>& rows, const DataArray* edge, const DataArray* face) {
+    const DataArray& one = edge ? *edge : *face;
+    DataArray result{one.name, 1, {}};
+    std::visit(
+        [&](const auto& like) {
+          using Values = std::decay_t<decltype(like)>;
+          Values values;
+          values.reserve(rows.size());
+          for (const Row& row : rows)
+            if (const DataArray* from = row.edge ? edge : face)
+              values.push_back(std::get<Values>(from->values)[row.number]);
+            else
+              values.emplace_back();
+          result.values = std::move(values);
+        },
+        one.values);
+    return result;
   }
 
   const Header& header_;
@@ -414,6 +429,7 @@ class Reader {
   std::size_t vertices_ = 0;
   PolyData data_;
   std::vector<DataArray> edge_arrays_, face_arrays_;
+  std::vector<Row> vert_rows_, line_rows_, poly_rows_;
 };
 
 }  // namespace

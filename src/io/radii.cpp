@@ -72,8 +72,8 @@ class KdTree {
 
 }  // namespace
 
-std::vector<double> read_radii(const std::filesystem::path& path, const std::vector<Vec3>& points) {
-  const FileText file = load_file(path);
+std::vector<double> read_radii(const std::filesystem::path& path, const std::vector<Vec3>& points, Context* context) {
+  const FileText file = load_file(path, context);
   Words words(file.bytes, file.name);
   const std::int64_t count = words.integer("the number of radii");
   std::vector<Vec3> places;

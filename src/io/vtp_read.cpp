@@ -254,10 +254,11 @@ class Cells {
     });
     // VTK counts the rows of cell data in the order verts, lines, polys, strips.
     each("Polys", "NumberOfPolys", [&](std::span<const std::uint32_t> corners) {
-      if (corners.size() < 3) document_.fail(fmt::format("a polygon has {} corners", corners.size()));
+      if (corners.empty()) document_.fail("a polygon has no corners");
       add(corners);
     });
     each("Strips", "NumberOfStrips", [&](std::span<const std::uint32_t> corners) {
+      if (corners.size() == 1 || corners.size() == 2) add(corners);
       for (std::size_t c = 2; c < corners.size(); ++c) {
         // Every second triangle of a strip runs the other way round.
         const std::array<std::uint32_t, 3> triangle{corners[c - 2], corners[c % 2 ? c : c - 1],

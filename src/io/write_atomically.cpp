@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <array>
@@ -7,10 +8,11 @@
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
-#include <fstream>
+#include <map>
+#include <random>
 #include <system_error>
-#include <vector>
 
+#include "file_out.h"
 #include "quench/io.h"
 #include "quench/output_group.h"
 
@@ -25,22 +27,46 @@ namespace fs = std::filesystem;
 
 std::string reason_of(int error) { return error ? std::strerror(error) : "the system gives no reason"; }
 
-/// Writes and closes `target`; errors are told about `file`.
-void write_to(const fs::path& target, const fs::path& file, const std::function<void(std::ostream&)>& body) {
-  std::vector<char> buffer(1 << 20);
-  std::ofstream out;
-  out.rdbuf()->pubsetbuf(buffer.data(), static_cast<std::streamsize>(buffer.size()));
-  errno = 0;
-  out.open(target, std::ios::binary | std::ios::trunc);
-  if (!out) cannot_write(file, reason_of(errno));
-  errno = 0;
-  body(out);
-  // A body does not look at the stream: once it has failed, later output is lost and errno still has the reason.
-  if (!out) cannot_write(file, reason_of(errno));
-  out.flush();
-  if (!out) cannot_write(file, reason_of(errno));
+/// Lets `body` write, and waits until the disk has it; errors are told about `file`.
+void write_to(FileOut& out, const fs::path& file, const std::function<void(std::ostream&)>& body) {
+  if (out.error()) cannot_write(file, reason_of(out.error()));
+  body(out.stream());
+  // A body does not look at the stream: once it has failed, later output is lost and the reason is kept.
+  out.flush_to_disk();
   out.close();
-  if (!out) cannot_write(file, reason_of(errno));
+  if (out.error() || !out.stream()) cannot_write(file, reason_of(out.error()));
+}
+
+/// Renaming, and the end of the program by somebody who does not wait: how many threads rename just now, or `kStopped`.
+constexpr unsigned kStopped = ~0u;
+std::atomic<unsigned> renaming{0};
+std::atomic<bool> in_place{false};
+static_assert(std::atomic<unsigned>::is_always_lock_free);
+
+/// For its lifetime stop_outputs() has to wait.
+struct Renaming {
+  Renaming() {
+    unsigned now = renaming.load();
+    do {
+      if (now == kStopped) throw Error(ErrorCode::cancelled, "cancelled");
+    } while (!renaming.compare_exchange_weak(now, now + 1));
+  }
+  Renaming(const Renaming&) = delete;
+  Renaming& operator=(const Renaming&) = delete;
+  ~Renaming() { --renaming; }
+};
+
+void rename_to(const fs::path& temporary, const fs::path& target, const fs::path& file) {
+  std::error_code error;
+  fs::rename(temporary, target, error);
+  if (error) cannot_write(file, error.message());
+}
+
+fs::path folder_of(const fs::path& file) { return file.has_parent_path() ? file.parent_path() : fs::path("."); }
+
+void flush_folder(const fs::path& folder, const fs::path& file) {
+  if (const int error = flush_folder_to_disk(folder))
+    cannot_write(file, fmt::format("it is there, but its folder cannot be flushed to the disk: {}", reason_of(error)));
 }
 
 thread_local OutputGroup* open_group = nullptr;
@@ -63,20 +89,34 @@ void forget(int place) {
   if (place >= 0) std::free(remembered[static_cast<std::size_t>(place)].exchange(nullptr));
 }
 
-/// Removes a file at the end of its scope unless it has been renamed.
-struct Temporary {
-  fs::path path;
-  int place;
-  bool renamed = false;
-  explicit Temporary(fs::path where) : path(std::move(where)), place(remember(path)) {}
+/// A file of a new name beside the output; removed at the end of its scope unless it has been renamed.
+class Temporary {
+ public:
+  /// `out.error()` says why when there is none.
+  Temporary(const fs::path& folder, mode_t permissions, FileOut& out) {
+    std::random_device random;  // nobody can be there first, with a link to a file of ours
+    for (int tries = 0; tries < 100; ++tries) {
+      path = folder / fmt::format(".quench-{:08x}{:08x}.tmp", random(), random());
+      place = remember(path);
+      out.create(path, permissions);
+      if (!out.error()) return;
+      forget(place);
+      place = -1;
+      if (out.error() != EEXIST) return;
+    }
+  }
   Temporary(const Temporary&) = delete;
   Temporary& operator=(const Temporary&) = delete;
   ~Temporary() {
-    if (renamed) return;
+    if (kept) return;
     std::error_code ignored;
-    fs::remove(path, ignored);
+    if (place >= 0) fs::remove(path, ignored);
     forget(place);
   }
+
+  fs::path path;
+  int place = -1;
+  bool kept = false;
 };
 
 }  // namespace
@@ -84,6 +124,12 @@ struct Temporary {
 void remove_temporary_files() noexcept {
   for (auto& place : remembered)
     if (const char* name = place.exchange(nullptr)) ::unlink(name);
+}
+
+Outputs stop_outputs() noexcept {
+  unsigned none = 0;
+  if (!renaming.compare_exchange_strong(none, kStopped) && none != kStopped) return Outputs::being_renamed;
+  return in_place ? Outputs::in_place : Outputs::untouched;
 }
 
 struct PostponedRename {
@@ -107,14 +153,16 @@ OutputGroup::~OutputGroup() {
 }
 
 void OutputGroup::commit() {
-  while (!pending_.empty()) {
+  if (pending_.empty()) return;
+  std::map<fs::path, fs::path> folders;  // with a file to be named when one fails
+  for (const Renaming all; !pending_.empty(); pending_.erase(pending_.begin())) {
     const Pending& file = pending_.front();
-    std::error_code error;
-    fs::rename(file.temporary, file.target, error);
-    if (error) cannot_write(file.name, error.message());
+    rename_to(file.temporary, file.target, file.name);
+    in_place = true;
+    folders.emplace(folder_of(file.target), file.name);
     forget(file.place);
-    pending_.erase(pending_.begin());
   }
+  for (const auto& [folder, file] : folders) flush_folder(folder, file);
 }
 
 std::uintmax_t OutputGroup::size_of(const fs::path& file) const {
@@ -126,34 +174,54 @@ std::uintmax_t OutputGroup::size_of(const fs::path& file) const {
   return error ? 0 : size;
 }
 
-void write_atomically(const fs::path& file, const std::function<void(std::ostream&)>& body) {
-  std::error_code ignored;
-  const fs::file_status status = fs::status(file, ignored);
-  if (fs::is_directory(status)) cannot_write(file, "it is a folder; name a file in it");
-  // A pipe or a device (/dev/stdout) takes bytes and must not be replaced.
-  if (fs::exists(status) && !fs::is_regular_file(status)) return write_to(file, file, body);
-  // The file behind a link is replaced, not the link.
-  fs::path target = fs::is_symlink(file, ignored) ? fs::weakly_canonical(file, ignored) : file;
-  if (target.empty()) target = file;
-  const fs::path folder = target.has_parent_path() ? target.parent_path() : fs::path(".");
-  if (!fs::exists(folder, ignored))
-    cannot_write(file, fmt::format("the folder '{}' does not exist; create it first", folder.string()));
-  if (!fs::is_directory(folder, ignored)) cannot_write(file, fmt::format("'{}' is not a folder", folder.string()));
+fs::path place_of_output(const fs::path& file) {
+  constexpr int kMostLinks = 40;  // as many as Linux follows
+  fs::path target = file;
+  std::error_code error;
+  for (int links = 0; links < kMostLinks && fs::is_symlink(target, error); ++links) {
+    const fs::path next = fs::read_symlink(target, error);
+    if (error) return file;
+    target = next.is_absolute() ? next : target.parent_path() / next;
+  }
+  return target;
+}
 
-  static std::atomic<unsigned> count{0};
-  Temporary temporary(folder / fmt::format(".quench-{}-{}.tmp", ::getpid(), count++));
-  write_to(temporary.path, file, body);
-  if (fs::exists(status)) fs::permissions(temporary.path, status.permissions(), ignored);
+void write_atomically(const fs::path& file, const std::function<void(std::ostream&)>& body) {
+  std::error_code error;
+  const fs::file_status status = fs::status(file, error);
+  if (error && error != std::errc::no_such_file_or_directory && !fs::status_known(status))
+    cannot_write(file, error.message());
+  if (fs::is_directory(status)) cannot_write(file, "it is a folder; name a file in it");
+  FileOut out;
+  // A pipe or a device (/dev/stdout) takes bytes and must not be replaced.
+  if (fs::exists(status) && !fs::is_regular_file(status)) {
+    out.open(file);
+    return write_to(out, file, body);
+  }
+  const fs::path target = place_of_output(file), folder = folder_of(target);
+  if (!fs::exists(folder, error))
+    cannot_write(file, fmt::format("the folder '{}' does not exist; create it first", folder.string()));
+  if (!fs::is_directory(folder, error)) cannot_write(file, fmt::format("'{}' is not a folder", folder.string()));
+
+  // Those of the file that is replaced, never more on the way there. Without the bits that let others act for its
+  // owner: the new file is owned by who writes it.
+  const bool replaces = fs::exists(status);
+  const auto permissions = static_cast<mode_t>(replaces ? status.permissions() & fs::perms::all : fs::perms(0666));
+  Temporary temporary(folder, permissions, out);
+  if (replaces && !out.error()) out.set_permissions(permissions);
+  write_to(out, file, body);
   if (open_group) {
     PostponedRename::add(*open_group, temporary.path, target, file, temporary.place);
-    temporary.renamed = true;
+    temporary.kept = true;
     return;
   }
-  std::error_code error;
-  fs::rename(temporary.path, target, error);
-  if (error) cannot_write(file, error.message());
-  temporary.renamed = true;
-  forget(temporary.place);
+  {
+    const Renaming one;
+    rename_to(temporary.path, target, file);
+    temporary.kept = true;
+    forget(temporary.place);
+  }
+  flush_folder(folder, file);
 }
 
 }  // namespace quench::io

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <numeric>
 #include <vector>
 
+#include "boundary_count.h"
 #include "parallel.h"
 #include "quench/voxel_shape.h"
 
@@ -10,10 +10,13 @@ namespace quench {
 
 namespace {
 
+// Two scanlines of four that are neighbours in y or in z.
+bool is_half(unsigned mask) { return mask == 3 || mask == 12 || mask == 5 || mask == 10; }
+
 // A lattice point (x, y, z) touches the voxels x-1 and x of the scanlines (y-1, z-1), (y, z-1), (y-1, z), (y, z).
 // Between two ends of runs the four scanlines have one 4-bit mask of foreground; the point is a site exactly when the
-// masks left and right of it are not both empty or both full. Visits maximal intervals [begin, end) of sites along x,
-// in layers [first, last).
+// masks left and right of it are not both empty or both full. Visits intervals [begin, end) of sites along x, in layers
+// [first, last), each with whether its sites are flat: the voxels inside are those on one side of a plane.
 template <class Visit>
 void each_interval(const VoxelShape& shape, std::int64_t first, std::int64_t last, Visit&& visit) {
   const auto& dims = shape.grid().dims;
@@ -31,9 +34,10 @@ void each_interval(const VoxelShape& shape, std::int64_t first, std::int64_t las
       std::int64_t next = 0;  // first point not yet decided
       for (std::size_t e = 0; e < events.size();) {
         const std::int64_t x = events[e] >> 2;
-        if (mask != 0 && mask != 15 && next < x) visit(next, x, y, z);
+        if (mask != 0 && mask != 15 && next < x) visit(next, x, y, z, is_half(mask));
+        const unsigned before = mask;
         for (; e < events.size() && events[e] >> 2 == x; ++e) mask ^= 1u << (events[e] & 3);
-        visit(x, x + 1, y, z);
+        visit(x, x + 1, y, z, (before == 0 && mask == 15) || (before == 15 && mask == 0));
         next = x + 1;
       }
     }
@@ -52,13 +56,15 @@ void each_chunk(const VoxelShape& shape, const Body& body) {
   });
 }
 
-std::vector<std::size_t> sites_of_chunks(const VoxelShape& shape) {
-  std::vector<std::size_t> count(chunks_for(static_cast<std::size_t>(shape.grid().dims[2] + 1), kLayers));
+std::vector<BoundaryCount> counts_of_chunks(const VoxelShape& shape) {
+  std::vector<BoundaryCount> count(chunks_for(static_cast<std::size_t>(shape.grid().dims[2] + 1), kLayers));
   each_chunk(shape, [&](std::size_t chunk, std::int64_t first, std::int64_t last) {
-    std::int64_t sites = 0;
-    each_interval(shape, first, last,
-                  [&](std::int64_t begin, std::int64_t end, std::int64_t, std::int64_t) { sites += end - begin; });
-    count[chunk] = static_cast<std::size_t>(sites);
+    BoundaryCount own;
+    each_interval(shape, first, last, [&](std::int64_t begin, std::int64_t end, std::int64_t, std::int64_t, bool flat) {
+      own.sites += end - begin;
+      if (flat) own.flat += end - begin;
+    });
+    count[chunk] = own;
   });
   return count;
 }
@@ -66,12 +72,13 @@ std::vector<std::size_t> sites_of_chunks(const VoxelShape& shape) {
 }  // namespace
 
 std::vector<LatticePoint> boundary_vertices(const VoxelShape& shape) {
-  std::vector<std::size_t> place = sites_of_chunks(shape);
-  std::vector<LatticePoint> sites(std::reduce(place.begin(), place.end()));
-  std::exclusive_scan(place.begin(), place.end(), place.begin(), std::size_t{0});
+  std::vector<std::size_t> place{0};  // of the first site of a chunk, and their number
+  for (const BoundaryCount& count : counts_of_chunks(shape))
+    place.push_back(place.back() + static_cast<std::size_t>(count.sites));
+  std::vector<LatticePoint> sites(place.back());
   each_chunk(shape, [&](std::size_t chunk, std::int64_t first, std::int64_t last) {
     auto site = sites.begin() + static_cast<std::ptrdiff_t>(place[chunk]);
-    each_interval(shape, first, last, [&](std::int64_t begin, std::int64_t end, std::int64_t y, std::int64_t z) {
+    each_interval(shape, first, last, [&](std::int64_t begin, std::int64_t end, std::int64_t y, std::int64_t z, bool) {
       for (std::int64_t x = begin; x < end; ++x)
         *site++ = {static_cast<std::int32_t>(x), static_cast<std::int32_t>(y), static_cast<std::int32_t>(z)};
     });
@@ -79,9 +86,15 @@ std::vector<LatticePoint> boundary_vertices(const VoxelShape& shape) {
   return sites;
 }
 
-std::int64_t count_boundary_vertices(const VoxelShape& shape) {
-  const std::vector<std::size_t> count = sites_of_chunks(shape);
-  return static_cast<std::int64_t>(std::reduce(count.begin(), count.end()));
+BoundaryCount count_boundary(const VoxelShape& shape) {
+  BoundaryCount all;
+  for (const BoundaryCount& count : counts_of_chunks(shape)) {
+    all.sites += count.sites;
+    all.flat += count.flat;
+  }
+  return all;
 }
+
+std::int64_t count_boundary_vertices(const VoxelShape& shape) { return count_boundary(shape).sites; }
 
 }  // namespace quench

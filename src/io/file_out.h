@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <sys/types.h>
+
+#include <filesystem>
+#include <ostream>
+#include <streambuf>
+#include <vector>
+
+namespace quench::io {
+
+/// A file that is written from its beginning. Unlike std::ofstream it can refuse a file that is there, give a new one
+/// its permissions from the first byte on, and wait until the disk has it. Once a call has failed, error() is its
+/// errno and all further output is lost.
+class FileOut : private std::streambuf {
+ public:
+  FileOut() = default;
+  FileOut(const FileOut&) = delete;
+  FileOut& operator=(const FileOut&) = delete;
+  ~FileOut() override { close(); }
+
+  /// Creates the file; error() is EEXIST when there is one of this name, a link included.
+  void create(const std::filesystem::path& file, mode_t permissions);
+  /// Writes into a file that is there, e.g. a pipe or a device.
+  void open(const std::filesystem::path& file);
+  /// Exactly these, whatever the umask is. A file system without permissions is left as it is.
+  void set_permissions(mode_t permissions);
+  std::ostream& stream() { return stream_; }
+  /// Hands all output to the system, and waits until it is on the disk. Where files cannot be waited for, it returns.
+  void flush_to_disk();
+  void close();
+  int error() const { return error_; }
+
+ private:
+  int_type overflow(int_type c) override;
+  std::streamsize xsputn(const char* bytes, std::streamsize count) override;
+  int sync() override;
+  void opened(int descriptor);
+  bool send(const char* bytes, std::size_t count);
+  bool empty_buffer();
+
+  int descriptor_ = -1, error_ = 0;
+  std::vector<char> buffer_;
+  std::ostream stream_{this};
+};
+
+/// Waits until the names in a folder are on the disk, as far as the system can tell: 0 or an errno.
+int flush_folder_to_disk(const std::filesystem::path& folder);
+
+}  // namespace quench::io
