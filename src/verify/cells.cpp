@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <ranges>
 
 #include "verify/checks.h"
 
@@ -88,8 +89,13 @@ std::string polygon_defect(std::vector<Vec3> corners, double tiny, double roundi
 }  // namespace
 
 Check check_cells(const Result& result) {
-  Check check{"no duplicate or degenerate cell", false, {}};
+  Check check{"no duplicate or degenerate cell", false, {}, {}};
   const CellComplex& complex = result.complex;
+  if (result.rows.size() != result.data.points.size()) {
+    const auto skipped = std::mismatch(result.rows.begin(), result.rows.end(), std::views::iota(0u).begin());
+    check.detail = fmt::format("point {} belongs to no cell", skipped.first - result.rows.begin());
+    return check;
+  }
   const double tiny = same_place * static_cast<double>(*std::min_element(result.scale.begin(), result.scale.end()));
 
   for (std::uint32_t f = 0; f < complex.face_count(); ++f) {

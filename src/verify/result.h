@@ -49,12 +49,18 @@ struct Result {
   bool ball_rule = false;
   double lambda = 0;
   bool lambda_given = false;
+  bool lambda_of_file = false;  ///< it is what the file says
 
   std::string describe_vertex(std::uint32_t vertex) const;
   std::string describe_edge(std::uint32_t edge) const;
   std::string describe_face(std::size_t face) const;
   Vec3 centroid(std::size_t face) const;  ///< of the corners, scaled
 };
+
+/// The numbers of an array of one number per row; empty when there is none of that name.
+std::vector<double> numbers_or_empty(const std::vector<DataArray>& arrays, std::string_view name);
+/// The first text of an array; empty when there is none of that name.
+std::string text_or_empty(const std::vector<DataArray>& arrays, std::string_view name);
 
 /// At most `limit` indices below `count`, taken evenly.
 std::vector<std::uint32_t> sample(std::size_t count, std::size_t limit);
@@ -79,7 +85,12 @@ std::size_t first_failure(std::size_t count, Context* context, std::string_view 
 }
 
 inline Check not_checked(std::string name, const std::string& why) {
-  return {std::move(name), true, "not checked: " + why};
+  return {std::move(name), true, "not checked: " + why, {}};
+}
+/// Says that the check is about the array.
+void cover(Check& check, std::string_view array);
+inline Check failed(std::string name, std::string counterexample) {
+  return {std::move(name), false, std::move(counterexample), {}};
 }
 
 }  // namespace quench::verification

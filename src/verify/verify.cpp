@@ -40,7 +40,11 @@ Certificate examine(const VoxelShape& shape, const PolyData& data, const VerifyO
   Certificate certificate;
   const std::string defect = structural_defect(data);
   if (!defect.empty()) {
-    certificate.checks.push_back({"no duplicate or degenerate cell", false, defect});
+    certificate.checks.push_back(failed("no duplicate or degenerate cell", defect));
+    return certificate;
+  }
+  if (const std::string wrong = array_defect(data); !wrong.empty()) {
+    certificate.checks.push_back(failed("arrays", wrong));
     return certificate;
   }
   const Result result(shape, data, options);
@@ -62,8 +66,16 @@ Certificate examine(const VoxelShape& shape, const PolyData& data, const VerifyO
     for (const char* name : {"Voronoi cells", "lambda", "legal pruning", "proximity bound"})
       add(not_checked(name, why + ", this is a property of voxel cores"));
   }
-  add(check_levels(result));
-  add(check_reconstruction(result, options.samples, context));
+  add(check_levels(result, sites, vertex_sites, context));
+  add(check_sites(result, sites));
+  add(check_angles(result));
+  add(check_kinds(result));
+  add(check_burning(result));
+  add(check_skeleton_levels(result));
+  add(check_reconstruction(result, context));
+  add(check_fields(result, options));
+  certificate.not_checked = unchecked_arrays(data, certificate.checks);
+  add(arrays_left(certificate.not_checked));
   checkpoint(context, "verify", 1);
   return certificate;
 }
