@@ -61,7 +61,7 @@ const std::vector<Known>& known_field_numbers() {
                                          {"reconstructed", 1, {}, nothing_to_compare},
                                          {"euler", 1, {}, nothing_to_compare},
                                          {"betti", 3, {}, nothing_to_compare},
-                                         {"omega", 1, {}, of_the_axis},
+                                         {"omega", 1, {}, "only that it gives the number of nodes is checked"},
                                          {"burn_nodes", 1, {}, of_the_axis},
                                          {"max_burn_time", 1, {}, nothing_to_compare},
                                          {"theta2", 1, {}, "only bounds are checked: levels are of the medial axis"},
