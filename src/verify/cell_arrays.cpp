@@ -200,10 +200,10 @@ Check check_sites(const Result& result, const Sites& sites) {
     };
     const Vec3 s = scaled(p), t = scaled(q);
     for (const std::uint32_t v : result.complex.corners(f)) {
-      const double r = result.radius[v] / result.unit,
-                   unsure = r * (1e-5 + result.slack) + 4 * result.rounding;  // as for radii
+      const double r = result.radius[v] / result.unit;
       for (const Vec3& site : {s, t})
-        if (!(std::abs((result.scaled[v] - site).norm() - r) <= unsure))
+        if (const double distance = (result.scaled[v] - site).norm();  // to the tolerance of radii
+            !(std::abs(distance - r) <= distance * (1e-5 + result.slack) + 4 * result.rounding))
           return failed(name, fmt::format("{} is not at the distance of its radius from a site of {}",
                                           result.describe_vertex(v), result.describe_face(f)));
     }
