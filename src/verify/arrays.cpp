@@ -16,6 +16,7 @@ constexpr const char* told = "told, not computed";
 constexpr const char* shape_only = "the voxels alone do not tell";
 constexpr const char* bounds_only = "only bounds are checked: the fire is not burned again";
 constexpr const char* of_the_axis = "it is of the medial axis, which the file does not hold";
+constexpr const char* no_stage = "the file does not say what it is";
 constexpr const char* nothing_to_compare = "the file has nothing to compare it with";
 
 /// An array that the format defines: how many numbers a field array has (0: any), the words a text may be (none: any),
@@ -26,8 +27,6 @@ struct Known {
   std::vector<std::string> words;
   const char* reason;
 };
-
-enum class Form { numbers, text };
 
 const std::vector<const char*>& known_point_arrays() {
   static const std::vector<const char*> names{"radius",          "lambda",         "object_angle",
@@ -119,7 +118,7 @@ std::string defect_of_fields(const std::vector<DataArray>& arrays) {
 }
 
 // Why an array is in no check.
-std::string reason_for(const char* of, const std::string& name) {
+std::string reason_for(const char* of, const std::string& name, bool stage_known) {
   if (of == std::string("field")) {
     for (const auto* known : {&known_field_numbers(), &known_field_texts()})
       for (const Known& array : *known)
@@ -130,7 +129,7 @@ std::string reason_for(const char* of, const std::string& name) {
   if (name == "sheet_level" || name == "curve_level") return "only bounds are checked: levels are of the medial axis";
   const auto& known = of == std::string("point") ? known_point_arrays() : known_cell_arrays();
   const bool is_known = std::find(known.begin(), known.end(), name) != known.end();
-  return is_known ? nothing_to_compare : "unknown here";
+  return !is_known ? "unknown here" : stage_known ? nothing_to_compare : no_stage;
 }
 
 }  // namespace
@@ -150,11 +149,12 @@ std::string array_defect(const PolyData& data) {
 std::vector<UncheckedArray> unchecked_arrays(const PolyData& data, const std::vector<Check>& checks) {
   std::set<std::string> checked;
   for (const Check& check : checks) checked.insert(check.arrays.begin(), check.arrays.end());
+  const bool stage_known = find_array(data.field_data, "stage") != nullptr;
   std::vector<UncheckedArray> left;
   const auto list = [&](const std::vector<DataArray>& arrays, const char* of) {
     for (const DataArray& array : arrays)
       if (const std::string name = fmt::format("{} {}", of, array.name); !checked.contains(name))
-        left.push_back({name, reason_for(of, array.name)});
+        left.push_back({name, reason_for(of, array.name, stage_known)});
   };
   list(data.point_data, "point");
   list(data.cell_data, "cell");

@@ -22,7 +22,6 @@ struct Measure {
   std::vector<double> value, infinite;
   double largest = 0;  ///< of the finite ones
 
-  // `infinite` of another measure, where it has no flags of its own.
   Measure(const Result& result, const char* values, const char* flags) {
     const std::vector<double> all = numbers_or_empty(result.data.point_data, values),
                               flag = numbers_or_empty(result.data.point_data, flags);
@@ -40,25 +39,22 @@ struct Measure {
 
 // The vertices of faces that are left when faces with an edge of their own are taken away, again and again.
 std::vector<char> pocket_vertices(const CellComplex& complex) {
-  std::vector<std::vector<std::uint32_t>> faces(complex.edges.size());
+  std::vector<Cofaces> faces(complex.edges.size());
   for (std::uint32_t f = 0; f < complex.face_count(); ++f)
-    for (const std::uint32_t e : complex.sides(f)) faces[e].push_back(f);
+    for (const std::uint32_t e : complex.sides(f)) faces[e].add(f);
   std::vector<char> there(complex.face_count(), 1);
-  for (bool changed = true; changed;) {
-    std::vector<std::uint32_t> open;
-    for (std::uint32_t e = 0; e < faces.size(); ++e)
-      if (faces[e].size() == 1) open.push_back(e);
-    changed = !open.empty();
-    while (!open.empty()) {
-      const std::uint32_t e = open.back();
-      open.pop_back();
-      if (faces[e].size() != 1) continue;
-      const std::uint32_t f = faces[e][0];
-      there[f] = 0;
-      for (const std::uint32_t side : complex.sides(f)) {
-        std::erase(faces[side], f);
-        if (faces[side].size() == 1) open.push_back(side);
-      }
+  std::vector<std::uint32_t> open;
+  for (std::uint32_t e = 0; e < faces.size(); ++e)
+    if (faces[e].count == 1) open.push_back(e);
+  while (!open.empty()) {
+    const std::uint32_t e = open.back();
+    open.pop_back();
+    if (faces[e].count != 1) continue;
+    const std::uint32_t f = faces[e].only();
+    there[f] = 0;
+    for (const std::uint32_t side : complex.sides(f)) {
+      faces[side].remove(f);
+      if (faces[side].count == 1) open.push_back(side);
     }
   }
   std::vector<char> pocket(complex.vertex_count, 0);
@@ -75,22 +71,24 @@ Star star_of(const Result& result, std::uint32_t v) {
   const CellComplex& complex = result.complex;
   const std::uint32_t first = result.vertex_face_offsets[v], last = result.vertex_face_offsets[v + 1];
   if (first == last) return Star::no_polygons;
-  std::map<std::uint32_t, std::vector<std::uint32_t>> faces_at;  // edge at v: polygons at it
+  std::vector<std::array<std::uint32_t, 2>> sides;  // edge at v, polygon at it
   for (std::uint32_t i = first; i < last; ++i)
     for (const std::uint32_t e : complex.sides(result.vertex_faces[i]))
-      if (complex.edges[e][0] == v || complex.edges[e][1] == v) faces_at[e].push_back(result.vertex_faces[i]);
+      if (complex.edges[e][0] == v || complex.edges[e][1] == v) sides.push_back({e, result.vertex_faces[i]});
+  std::sort(sides.begin(), sides.end());
   std::size_t free_edges = 0;
-  for (const auto& [e, faces] : faces_at) {
-    if (faces.size() > 2) return Star::other;
-    free_edges += faces.size() == 1;
+  for (const auto& [e, f] : sides) {
+    if (result.edge_faces_count[e] > 2) return Star::other;
+    free_edges += result.edge_faces_count[e] == 1;
   }
   // From polygon to polygon over the edges at v, as far as it goes.
   std::vector<std::uint32_t> reached{result.vertex_faces[first]};
-  for (std::size_t i = 0; i < reached.size(); ++i)
-    for (const auto& [e, faces] : faces_at)
-      if (std::find(faces.begin(), faces.end(), reached[i]) != faces.end())
-        for (const std::uint32_t f : faces)
-          if (std::find(reached.begin(), reached.end(), f) == reached.end()) reached.push_back(f);
+  for (std::size_t r = 0; r < reached.size(); ++r)
+    for (std::size_t i = 1; i < sides.size(); ++i) {
+      if (sides[i][0] != sides[i - 1][0]) continue;
+      for (const auto& [from, to] : {std::pair{sides[i - 1][1], sides[i][1]}, std::pair{sides[i][1], sides[i - 1][1]}})
+        if (from == reached[r] && std::find(reached.begin(), reached.end(), to) == reached.end()) reached.push_back(to);
+    }
   if (reached.size() != last - first) return Star::other;
   return free_edges > 0 ? Star::half_disk : Star::disk;
 }
@@ -195,7 +193,6 @@ std::string wrong_curves(const Result& result, const Measure& time, Check& check
                          result.describe_vertex(static_cast<std::uint32_t>(v)), curve.infinite[v]);
     curve.largest = std::max(curve.largest, curve.infinite[v] != 0 ? 0 : curve.value[v]);
   }
-  Measure burned = thickness;
   std::vector<double> from = time.value;
   for (std::size_t v = 0; v < from.size(); ++v)
     if (time.infinite[v] != 0 && curve.infinite[v] == 0) {
@@ -204,7 +201,7 @@ std::string wrong_curves(const Result& result, const Measure& time, Check& check
                            result.describe_vertex(static_cast<std::uint32_t>(v)), thickness.value[v]);
       from[v] = curve.value[v];
     }
-  std::string wrong = wrong_thickness(result, "curve_erosion_thickness", burned, curve, from);
+  std::string wrong = wrong_thickness(result, "curve_erosion_thickness", thickness, curve, from);
   if (wrong.empty()) cover(check, "point curve_erosion_thickness");
   return wrong;
 }

@@ -131,14 +131,6 @@ class Replay {
     std::uint32_t index;
     auto operator<=>(const Cell&) const = default;
   };
-  /// Live larger cells at a cell; the sum of their indices is the only one when there is one.
-  struct Cofaces {
-    std::uint32_t count = 0;
-    std::uint64_t sum = 0;
-    void add(std::uint32_t i) { ++count, sum += i; }
-    void remove(std::uint32_t i) { --count, sum -= i; }
-    std::uint32_t only() const { return static_cast<std::uint32_t>(sum); }
-  };
   struct Pair {
     double key;
     bool edge_is_free;

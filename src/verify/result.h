@@ -62,6 +62,15 @@ std::vector<double> numbers_or_empty(const std::vector<DataArray>& arrays, std::
 /// The first text of an array; empty when there is none of that name.
 std::string text_or_empty(const std::vector<DataArray>& arrays, std::string_view name);
 
+/// The larger cells at a cell that are still there: the sum of their indices is the only one when there is one.
+struct Cofaces {
+  std::uint32_t count = 0;
+  std::uint64_t sum = 0;
+  void add(std::uint32_t i) { ++count, sum += i; }
+  void remove(std::uint32_t i) { --count, sum -= i; }
+  std::uint32_t only() const { return static_cast<std::uint32_t>(sum); }
+};
+
 /// At most `limit` indices below `count`, taken evenly.
 std::vector<std::uint32_t> sample(std::size_t count, std::size_t limit);
 
