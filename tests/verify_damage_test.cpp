@@ -262,6 +262,21 @@ TEST(VerifyDamage, ChangesOfEveryArrayAreNoticed) {
   EXPECT_GT(tried, 2000);
 }
 
+// Another program may use the names as it likes: without a stage nothing is taken from them, and that is said.
+TEST(VerifyDamage, ArraysOfOtherProgramsAreNamed) {
+  const VoxelShape shape = plate();
+  PolyData foreign = core_of(shape, {.lambda = 0.0});
+  const std::size_t cells = foreign.cell_count();
+  foreign.cell_data = {{"kind", 1, std::vector<double>(cells, 7)}, {"component", 1, std::vector<double>(cells, -1)}};
+  foreign.field_data = {{"betti", 1, std::vector<std::string>{"none"}},
+                        {"sites", 3, std::vector<std::string>{"a", "b", "c"}},
+                        {"euler", 1, std::vector<double>{17}}};
+  const Certificate certificate = verify(shape, foreign);
+  EXPECT_TRUE(certificate.passed()) << text(certificate);
+  for (const char* name : {"cell kind", "cell component", "field betti", "field sites", "field euler"})
+    EXPECT_TRUE(left_out(certificate).contains(name)) << name;
+}
+
 TEST(VerifyDamage, AMovedPointIsNoticed) {
   for (const Result& result : results()) {
     // Of a skeleton only that the radius is right, the polygons plane and all inside.

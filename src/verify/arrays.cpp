@@ -78,8 +78,6 @@ const std::vector<Known>& known_field_texts() {
   return arrays;
 }
 
-bool is_text(const DataArray& array) { return std::holds_alternative<std::vector<std::string>>(array.values); }
-
 std::string repeated_name(const std::vector<DataArray>& arrays, const char* of) {
   std::set<std::string> names;
   for (const DataArray& array : arrays)
@@ -90,7 +88,7 @@ std::string repeated_name(const std::vector<DataArray>& arrays, const char* of) 
 std::string defect_of_rows(const std::vector<DataArray>& arrays, const std::vector<const char*>& known,
                            const char* of) {
   for (const char* name : known)
-    if (const DataArray* array = find_array(arrays, name); array && (is_text(*array) || array->components != 1))
+    if (const DataArray* array = find_array(arrays, name); array && (!has_numbers(*array) || array->components != 1))
       return fmt::format("the {} array '{}' is not one number per {}", of, name, of);
   return {};
 }
@@ -99,7 +97,8 @@ std::string defect_of_fields(const std::vector<DataArray>& arrays) {
   for (const Known& known : known_field_numbers()) {
     const DataArray* array = find_array(arrays, known.name);
     if (!array) continue;
-    if (is_text(*array)) return fmt::format("the field array '{}' holds text where numbers are needed", known.name);
+    if (!has_numbers(*array))
+      return fmt::format("the field array '{}' holds text where numbers are needed", known.name);
     if (known.numbers > 0 && array->size() != known.numbers)
       return fmt::format("the field array '{}' has {} numbers instead of {}", known.name, array->size(), known.numbers);
   }
@@ -108,7 +107,8 @@ std::string defect_of_fields(const std::vector<DataArray>& arrays) {
   for (const Known& known : known_field_texts()) {
     const DataArray* array = find_array(arrays, known.name);
     if (!array) continue;
-    if (!is_text(*array) || array->size() != 1) return fmt::format("the field array '{}' is not one text", known.name);
+    if (has_numbers(*array) || array->size() != 1)
+      return fmt::format("the field array '{}' is not one text", known.name);
     const std::string word = text_or_empty(arrays, known.name);
     if (!known.words.empty() && std::find(known.words.begin(), known.words.end(), word) == known.words.end())
       return fmt::format("the field array '{}' is '{}'; it can be '{}' or '{}'", known.name, word, known.words[0],
@@ -118,7 +118,9 @@ std::string defect_of_fields(const std::vector<DataArray>& arrays) {
 }
 
 // Why an array is in no check.
-std::string reason_for(const char* of, const std::string& name, bool stage_known) {
+std::string reason_for(const char* of, const std::string& name, const std::string& stage) {
+  if (stage.empty()) return no_stage;
+  if (stage == "core" && of == std::string("field") && name == "lambda") return "another lambda was given";
   if (of == std::string("field")) {
     for (const auto* known : {&known_field_numbers(), &known_field_texts()})
       for (const Known& array : *known)
@@ -129,7 +131,7 @@ std::string reason_for(const char* of, const std::string& name, bool stage_known
   if (name == "sheet_level" || name == "curve_level") return "only bounds are checked: levels are of the medial axis";
   const auto& known = of == std::string("point") ? known_point_arrays() : known_cell_arrays();
   const bool is_known = std::find(known.begin(), known.end(), name) != known.end();
-  return !is_known ? "unknown here" : stage_known ? nothing_to_compare : no_stage;
+  return is_known ? nothing_to_compare : "unknown here";
 }
 
 }  // namespace
@@ -149,12 +151,12 @@ std::string array_defect(const PolyData& data) {
 std::vector<UncheckedArray> unchecked_arrays(const PolyData& data, const std::vector<Check>& checks) {
   std::set<std::string> checked;
   for (const Check& check : checks) checked.insert(check.arrays.begin(), check.arrays.end());
-  const bool stage_known = find_array(data.field_data, "stage") != nullptr;
+  const std::string stage = text_or_empty(data.field_data, "stage");
   std::vector<UncheckedArray> left;
   const auto list = [&](const std::vector<DataArray>& arrays, const char* of) {
     for (const DataArray& array : arrays)
       if (const std::string name = fmt::format("{} {}", of, array.name); !checked.contains(name))
-        left.push_back({name, reason_for(of, array.name, stage_known)});
+        left.push_back({name, reason_for(of, array.name, stage)});
   };
   list(data.point_data, "point");
   list(data.cell_data, "cell");

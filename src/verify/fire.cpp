@@ -228,13 +228,13 @@ Check check_burning(const Result& result) {
   std::size_t bounded_vertices = 0;
   if (wrong.empty() && result.stage == "skeleton")
     wrong = wrong_curves(result, time, check);
-  else if (wrong.empty())
+  else if (wrong.empty() && result.stage == "core")  // radii of other programs need not be distances
     wrong = wrong_time(result, time, bounded_vertices);
   if (wrong.empty() && result.stage != "skeleton") wrong = wrong_network(result, time, check);
   if (!wrong.empty()) return failed(name, std::move(wrong));
   check.detail = fmt::format("erosion thickness is burn time less radius at {} points, {} on closed pockets",
                              result.rows.size(), pockets);
-  if (result.stage != "skeleton")
+  if (result.stage == "core")
     check.detail += fmt::format("; {} burn when fire from around them must be there at the latest", bounded_vertices);
   return check;
 }

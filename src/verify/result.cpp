@@ -10,10 +10,11 @@
 
 namespace quench::verification {
 
+bool has_numbers(const DataArray& array) { return !std::holds_alternative<std::vector<std::string>>(array.values); }
+
 std::vector<double> numbers_or_empty(const std::vector<DataArray>& arrays, std::string_view name) {
   const DataArray* array = find_array(arrays, name);
-  const bool numbers = array && !std::holds_alternative<std::vector<std::string>>(array->values);
-  return numbers && array->components == 1 ? array->numbers() : std::vector<double>{};
+  return array && has_numbers(*array) && array->components == 1 ? array->numbers() : std::vector<double>{};
 }
 
 std::string text_or_empty(const std::vector<DataArray>& arrays, std::string_view name) {
@@ -95,7 +96,7 @@ Result::Result(const VoxelShape& voxels, const PolyData& file, const VerifyOptio
   const std::vector<double> a = numbers_or_empty(data.cell_data, "site_a");
   const std::vector<double> b = numbers_or_empty(data.cell_data, "site_b");
   const DataArray* sites = find_array(data.field_data, "sites");
-  if (!a.empty() && !b.empty() && sites && sites->components == 3) {
+  if (!a.empty() && !b.empty() && sites && sites->components == 3 && has_numbers(*sites)) {
     const std::vector<double> xyz = sites->numbers();
     const auto site = [&](double row) {
       LatticePoint p{-1, -1, -1};  // never a site: no voxel is at negative coordinates

@@ -57,6 +57,8 @@ struct Result {
   Vec3 centroid(std::size_t face) const;  ///< of the corners, scaled
 };
 
+/// False for texts.
+bool has_numbers(const DataArray& array);
 /// The numbers of an array of one number per row; empty when there is none of that name.
 std::vector<double> numbers_or_empty(const std::vector<DataArray>& arrays, std::string_view name);
 /// The first text of an array; empty when there is none of that name.

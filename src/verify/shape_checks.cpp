@@ -58,7 +58,7 @@ Check check_topology(const Result& result) {
   // What the file says of it.
   const auto claims = [&](const char* array, const std::vector<std::int64_t>& counted) {
     const DataArray* found = find_array(result.data.field_data, array);
-    if (!found || !check.passed) return;
+    if (!found || !check.passed || result.stage.empty()) return;
     const std::vector<double> written = found->numbers();
     if (std::equal(written.begin(), written.end(), counted.begin(), counted.end(),
                    [](double x, std::int64_t n) { return x == static_cast<double>(n); })) {
