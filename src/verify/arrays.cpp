@@ -60,7 +60,7 @@ const std::vector<Known>& known_field_numbers() {
                                          {"reconstructed", 1, {}, nothing_to_compare},
                                          {"euler", 1, {}, nothing_to_compare},
                                          {"betti", 3, {}, nothing_to_compare},
-                                         {"omega", 1, {}, "only that it gives the number of nodes is checked"},
+                                         {"omega", 1, {}, of_the_axis},
                                          {"burn_nodes", 1, {}, of_the_axis},
                                          {"max_burn_time", 1, {}, nothing_to_compare},
                                          {"theta2", 1, {}, "only bounds are checked: levels are of the medial axis"},
@@ -118,8 +118,11 @@ std::string defect_of_fields(const std::vector<DataArray>& arrays) {
 }
 
 // Why an array is in no check.
-std::string reason_for(const char* of, const std::string& name, const std::string& stage) {
+std::string reason_for(const char* of, const std::string& name, const PolyData& data) {
+  const std::string stage = text_or_empty(data.field_data, "stage");
   if (stage.empty()) return no_stage;
+  if (of == std::string("field") && name == "omega" && find_array(data.field_data, "burn_nodes"))
+    return "only that it gives burn_nodes is checked";
   if (stage == "core" && of == std::string("field") && name == "lambda") return "another lambda was given";
   if (of == std::string("field")) {
     for (const auto* known : {&known_field_numbers(), &known_field_texts()})
@@ -151,12 +154,11 @@ std::string array_defect(const PolyData& data) {
 std::vector<UncheckedArray> unchecked_arrays(const PolyData& data, const std::vector<Check>& checks) {
   std::set<std::string> checked;
   for (const Check& check : checks) checked.insert(check.arrays.begin(), check.arrays.end());
-  const std::string stage = text_or_empty(data.field_data, "stage");
   std::vector<UncheckedArray> left;
   const auto list = [&](const std::vector<DataArray>& arrays, const char* of) {
     for (const DataArray& array : arrays)
       if (const std::string name = fmt::format("{} {}", of, array.name); !checked.contains(name))
-        left.push_back({name, reason_for(of, array.name, stage)});
+        left.push_back({name, reason_for(of, array.name, data)});
   };
   list(data.point_data, "point");
   list(data.cell_data, "cell");

@@ -14,7 +14,7 @@ namespace quench::verification {
 namespace {
 
 constexpr double never = std::numeric_limits<double>::infinity();
-constexpr double rounding_of_keys = 1e-9;  // values computed in two ways agree to some 1e-15
+constexpr double rounding_of_keys = 1e-9;  // relative; values computed in two ways agree to some 1e-15
 
 /// Lambda and level of all cells, also of those that the file does not write.
 struct Levels {
@@ -85,6 +85,7 @@ class Replay {
       : result_(result),
         complex_(result.complex),
         levels_(levels),
+        rounding_(rounding_of_keys + (result.ball_rule ? 2 * result.slack : 0)),
         edge_faces_(complex_.edges.size()),
         vertex_edges_(complex_.vertex_count),
         face_gone_(complex_.face_count(), 0),
@@ -141,7 +142,7 @@ class Replay {
   std::string below_value() const {
     const auto first = [&](const std::vector<double>& value, const std::vector<double>& level, int dimension) {
       for (std::uint32_t i = 0; i < value.size(); ++i)
-        if (!(level[i] >= value[i] * (1 - rounding_of_keys)))
+        if (!(level[i] >= value[i] * (1 - rounding_)))
           return fmt::format("{} has level {:.9g}, below its own lambda {:.9g}", describe(dimension, i), level[i],
                              value[i]);
       return std::string{};
@@ -168,7 +169,7 @@ class Replay {
   // The simple pair that should have gone below the level; empty when there is none.
   std::string overdue(double level) {
     while (!pairs_.empty() && !simple(pairs_.top().edge_is_free, pairs_.top().free)) pairs_.pop();
-    if (pairs_.empty() || pairs_.top().key >= level * (1 - rounding_of_keys)) return {};
+    if (pairs_.empty() || pairs_.top().key >= level * (1 - rounding_)) return {};
     const Pair& pair = pairs_.top();
     const std::uint32_t other = pair.edge_is_free ? edge_faces_[pair.free].only() : vertex_edges_[pair.free].only();
     return fmt::format("{} could have gone with {} at lambda {:.9g}, and is still there at level {:.9g}",
@@ -234,6 +235,7 @@ class Replay {
   const Result& result_;
   const CellComplex& complex_;
   const Levels& levels_;
+  const double rounding_;  // relative, of values computed here against those of the file
   std::vector<Cofaces> edge_faces_, vertex_edges_;
   std::vector<char> face_gone_, edge_gone_, vertex_gone_;
   std::priority_queue<Pair> pairs_;
