@@ -60,12 +60,15 @@ Certificate examine(const VoxelShape& shape, const PolyData& data, const VerifyO
     add(check_voronoi(result, sites, vertex_sites, options.samples, context));
     add(check_lambda(result, sites, vertex_sites, options.samples, context));
     add(check_pruning(result, sites, vertex_sites, options.samples, context));
-    add(check_proximity(result, options.samples, context));
   } else {
     const std::string why = result.stage.empty() ? "no FieldData 'stage'" : "the stage is '" + result.stage + "'";
-    for (const char* name : {"Voronoi cells", "lambda", "legal pruning", "proximity bound"})
+    for (const char* name : {"Voronoi cells", "lambda", "legal pruning"})
       add(not_checked(name, why + ", this is a property of voxel cores"));
   }
+  if (result.stage.empty())
+    add(not_checked("proximity bound", "no FieldData 'stage', this is a property of voxel cores and parts of them"));
+  else
+    add(check_proximity(result, options.samples, context));
   add(check_levels(result, sites, vertex_sites, context));
   add(check_sites(result, sites));
   add(check_angles(result));
