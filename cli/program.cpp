@@ -38,7 +38,7 @@ constexpr Command kCommands[] = {
     {"info", "Says what a file is", "quench info axis.vtp", answers_json, add_info},
     {"convert", "Writes a mesh or a medial axis in another format", "quench convert axis.vtp axis.ma", writes,
      add_convert},
-    {"verify", "Proves a result against its shape, or prints what is wrong", "quench verify ct.nrrd axis.vtp",
+    {"verify", "Checks a result against its shape, or prints what is wrong", "quench verify ct.nrrd axis.vtp",
      computes | writes | reports, add_verify},
 };
 

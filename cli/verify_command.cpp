@@ -68,6 +68,7 @@ Action add_verify(CLI::App& app) {
       }
       VerifyOptions options;
       options.samples = o->samples;
+      options.longest_side = loaded.longest_side;
       if (!o->lambda.empty())
         options.lambda =
             parse_length(o->lambda, "--lambda").resolve(loaded.longest_side, loaded.shape.grid().spacing.minCoeff());
@@ -80,7 +81,11 @@ Action add_verify(CLI::App& app) {
                                                                      : "ok  ",
                            check.name, check.detail));
         section[check.name] = {{"passed", check.passed}, {"detail", check.detail}};
+        if (!check.arrays.empty()) section[check.name]["arrays"] = check.arrays;
       }
+      auto& left = section["not_checked"] = nlohmann::ordered_json::array();
+      for (const UncheckedArray& array : certificate.not_checked)
+        left.push_back({{"array", array.array}, {"reason", array.reason}});
       answer(fmt::format("{}: {}\n", file, certificate.passed() ? "verified" : "NOT verified"));
       passed = passed && certificate.passed();
     }

@@ -171,27 +171,9 @@ class Builder {
             }
             if (!after) std::reverse(square.begin(), square.end());
             boundary_squares_.insert(sorted(square));
+            for (std::size_t i = 0; i < 4; ++i) boundary_edges_.insert(sorted({square[i], square[(i + 1) % 4]}));
             open_.push_back(square);
           }
-  }
-
-  bool is_boundary_edge(std::uint32_t a, std::uint32_t b) const {
-    const LatticePoint &p = core_.sites[a], &q = core_.sites[b];
-    int length = 0;
-    std::size_t axis = 0;
-    for (std::size_t i = 0; i < 3; ++i) {
-      length += std::abs(p[i] - q[i]);
-      if (p[i] != q[i]) axis = i;
-    }
-    if (length != 1) return false;
-    int inside = 0;
-    for (int c = 0; c < 4; ++c) {
-      LatticePoint voxel{std::min(p[0], q[0]), std::min(p[1], q[1]), std::min(p[2], q[2])};
-      voxel[(axis + 1) % 3] -= c & 1;
-      voxel[(axis + 2) % 3] -= c >> 1;
-      inside += shape_.contains(voxel[0], voxel[1], voxel[2]);
-    }
-    return inside != 0 && inside != 4;
   }
 
   // Finds the polytope on the side of the facet that its normal points to.
@@ -351,7 +333,7 @@ class Builder {
         const auto e = edge_at.find(sorted(f));
         for (std::size_t i = 0; i < f.size(); ++i) {
           const std::uint32_t p = f[i], q = f[(i + 1) % f.size()];
-          if (is_boundary_edge(p, q)) continue;
+          if (boundary_edges_.count(sorted({p, q}))) continue;
           require(e != edge_at.end(), "a boundary square has an inner side");
           around[{std::min(p, q), std::max(p, q)}].insert(e->second);
         }
@@ -430,6 +412,7 @@ class Builder {
   std::int64_t extent_ = 0;
   std::map<LatticePoint, std::uint32_t> site_at_;
   std::set<Ids> boundary_squares_;  // as sorted sites
+  std::set<Ids> boundary_edges_;    // the sides of these
   std::map<Ids, std::uint32_t> cell_at_;
   std::map<Ids, Ids> facet_cells_;  // sorted sites of a facet: polytopes on its inner sides
   std::deque<Ids> open_;            // facets with their normals towards a side not yet looked at

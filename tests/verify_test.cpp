@@ -218,7 +218,7 @@ TEST(Verify, CatchesAWrongRadius) {
   Intact intact(block());
   values<double>(intact.data.point_data, "radius")[7] *= 1 + 3e-5;
   const Certificate certificate = verify(intact.shape, intact.data);
-  EXPECT_EQ(failed(certificate), Names{"radii"}) << text(certificate);
+  EXPECT_EQ(failed(certificate), (Names{"radii", "sites of polygons"})) << text(certificate);
   EXPECT_NE(detail(certificate, "radii").find("point 7 at ("), std::string::npos);
 }
 
@@ -333,16 +333,16 @@ TEST(Verify, CatchesAWrongSite) {
   auto& site_a = values<std::int32_t>(intact.data.cell_data, "site_a");
   site_a.back() = (site_a.back() + 1) % static_cast<std::int32_t>(intact.core.sites.size());
   const Certificate certificate = verify(intact.shape, intact.data);
-  EXPECT_EQ(failed(certificate), Names{"Voronoi cells"}) << text(certificate);
+  EXPECT_EQ(failed(certificate), (Names{"Voronoi cells", "sites of polygons"})) << text(certificate);
   site_a.back() = 1 << 30;
-  EXPECT_EQ(failed(verify(intact.shape, intact.data)), Names{"Voronoi cells"});
+  EXPECT_EQ(failed(verify(intact.shape, intact.data)), (Names{"Voronoi cells", "sites of polygons"}));
 }
 
 TEST(Verify, CatchesAWrongLambda) {
   const Intact intact(block());
   PolyData cell = intact.data, point = intact.data, rule = intact.data;
   values<double>(cell.cell_data, "lambda").back() *= 1 + 1e-5;
-  EXPECT_EQ(failed(verify(intact.shape, cell)), Names{"lambda"});
+  EXPECT_EQ(failed(verify(intact.shape, cell)), (Names{"lambda", "sites of polygons"}));
   values<double>(point.point_data, "lambda")[3] *= 1 - 1e-5;
   EXPECT_EQ(failed(verify(intact.shape, point)), Names{"lambda"});
   values<std::string>(rule.field_data, "lambda_rule")[0] = "ball";
@@ -352,7 +352,9 @@ TEST(Verify, CatchesAWrongLambda) {
 TEST(Verify, CatchesALevelBelowLambda) {
   Intact intact(block());
   intact.data.cell_data.push_back({"lambda_level", 1, std::vector<double>(intact.data.cell_count(), 3.4e38)});
-  EXPECT_EQ(failed(verify(intact.shape, intact.data)), Names{});
+  const Certificate nothing_goes = verify(intact.shape, intact.data);
+  EXPECT_EQ(failed(nothing_goes), Names{"nested levels"});
+  EXPECT_NE(detail(nothing_goes, "nested levels").find("could have gone"), std::string::npos);
   values<double>(intact.data.cell_data, "lambda_level")[0] = 0.5;
   values<double>(intact.data.field_data, "lambda")[0] = 0.6;
   EXPECT_TRUE(failed(verify(intact.shape, intact.data)).count("nested levels"));
@@ -412,11 +414,27 @@ TEST(Verify, AcceptsLinesAndVertsThatRepeatEdgesAndCorners) {
   for (DataArray& array : data.cell_data) std::visit([](auto& v) { v.insert(v.begin(), 2, v.front()); }, array.values);
   values<double>(data.cell_data, "lambda")[0] = intact.core.cells[edge.cells[0]].lambda;
   values<double>(data.cell_data, "lambda")[1] = edge.lambda;
+  for (const char* site : {"site_a", "site_b"})
+    for (const std::size_t row : {0, 1}) values<std::int32_t>(data.cell_data, site)[row] = -1;
   data.verts.insert(data.verts.begin(), edge.cells[0]);
   data.lines.insert(data.lines.begin(), {edge.cells[0], edge.cells[1]});
-  data.points.push_back(Vec3(-100, 0, 0));  // used by no cell
-  for (DataArray& array : data.point_data) std::get<std::vector<double>>(array.values).push_back(0);
   expect_passes(intact.shape, data, "repeated cells");
+}
+
+TEST(Verify, CatchesAPointOfNoCell) {
+  Intact intact(block());
+  const std::size_t middle = intact.data.points.size() / 2;
+  intact.data.points.insert(intact.data.points.begin() + static_cast<std::ptrdiff_t>(middle), Vec3(5, 4, 3));
+  for (DataArray& array : intact.data.point_data) {
+    auto& v = std::get<std::vector<double>>(array.values);
+    v.insert(v.begin() + static_cast<std::ptrdiff_t>(middle), 1);
+  }
+  for (auto& corner : intact.data.poly_corners) corner += corner >= middle;
+  for (auto& line : intact.data.lines)
+    for (auto& end : line) end += end >= middle;
+  const Certificate certificate = verify(intact.shape, intact.data);
+  EXPECT_EQ(failed(certificate), Names{"no duplicate or degenerate cell"}) << text(certificate);
+  EXPECT_EQ(detail(certificate, "no duplicate or degenerate cell"), fmt::format("point {} belongs to no cell", middle));
 }
 
 TEST(Verify, FailsWithoutCrashingOnWildNumbers) {
@@ -426,7 +444,7 @@ TEST(Verify, FailsWithoutCrashingOnWildNumbers) {
     point.points[5][1] = wild;
     EXPECT_FALSE(verify(intact.shape, point).passed()) << wild;
     values<double>(radius.point_data, "radius")[5] = wild;
-    EXPECT_EQ(failed(verify(intact.shape, radius)), Names{"radii"}) << wild;
+    EXPECT_EQ(failed(verify(intact.shape, radius)), (Names{"radii", "sites of polygons"})) << wild;
     values<double>(lambda.field_data, "lambda")[0] = wild;
     EXPECT_EQ(failed(verify(intact.shape, lambda)), Names{"legal pruning"}) << wild;
   }

@@ -16,21 +16,33 @@ struct Check {
   std::string name;  ///< e.g. "euler and Betti numbers"
   bool passed = false;
   std::string detail;  ///< figures when it passed, the first counterexample when it did not
+  /// What of the file it is about, as "point radius", "cell kind" or "field betti". Cells and points are always.
+  std::vector<std::string> arrays{};
+};
+
+/// An array of the file whose values no check can tell from others.
+struct UncheckedArray {
+  std::string array;   ///< as in Check
+  std::string reason;  ///< e.g. "only bounds are checked"
 };
 
 struct Certificate {
   std::vector<Check> checks;
+  /// Every array of the file is in one of the checks or here; the last check has the same in one sentence.
+  std::vector<UncheckedArray> not_checked;
   bool passed() const;
 };
 
 struct VerifyOptions {
   std::optional<double> lambda;  ///< world units; default: the result's FieldData, else 0
   std::size_t samples = 20000;   ///< cells per sampled check
+  std::optional<double> longest_side =
+      std::nullopt;  ///< of what the voxel shape was made of; without it that array is not checked
 };
 
-/// Proves a result against its shape (SPEC 9), by code of its own: it shares the voxel shape, integer_spacing,
-/// make_complex and the topology functions with the code that made the result. `result` is what a file holds: complex
-/// by points, verts, lines and polys, point array `radius`.
+/// Verifies a result against its shape (SPEC 9), by code of its own. What is checked in full, what on a sample, and
+/// which code is shared with what made the result: docs/guarantees.md, "What is checked, and by whom". `result` is what
+/// a file holds: complex by points, verts, lines and polys, point array `radius`.
 Certificate verify(const VoxelShape& shape, const PolyData& result, const VerifyOptions& options = {},
                    Context* context = nullptr);
 

@@ -295,7 +295,7 @@ class MedialAxis(Complex):
         return mask
 
     def verify(self, samples: int = 20000) -> Certificate:
-        """Proves the result against its shape by code of its own: topology, thinness, radii, distances.
+        """Checks the result against its shape by code of its own; what it cannot tell is in the last line of the certificate.
 
         Examples
         --------

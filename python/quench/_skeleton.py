@@ -277,7 +277,7 @@ class Skeleton(Complex):
         return mask
 
     def verify(self, samples: int = 20000) -> Certificate:
-        """Proves the skeleton against its shape, see :meth:`MedialAxis.verify`."""
+        """Checks the skeleton against its shape, see :meth:`MedialAxis.verify`."""
         return Certificate(self._core.verify(whole(samples, 'samples', 1), None, 0))
 
     def save(self, path: Path, *, quality: str = 'radius', root: Optional[Sequence[float]] = None) -> None:

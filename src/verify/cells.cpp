@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <ranges>
 
 #include "verify/checks.h"
 
@@ -48,10 +49,15 @@ std::optional<std::array<std::uint32_t, 2>> first_close(const std::vector<Vec3>&
 }
 
 // What is wrong with the polygon's geometry; empty when nothing is. Cells of Voronoi diagrams are convex; what is left
-// of one in a skeleton need not be, but its boundary goes around it once. A corner may be off by `rounding`: what is
-// not larger than a few times that is taken as right, since nothing can be told of it.
+// of one in a skeleton need not be, but its boundary goes around it once.
+//
+// A coordinate may be off by `rounding`, a corner by less than twice that, and one that is left out because it is next
+// to another moves by up to 16 times that. Twice the area is the length of the sum of c[i] x c[i + 1]; moving c[i] by d
+// changes it by d x (c[i + 1] - c[i - 1]), and so by at most |d| times the size. What can be due to that is taken as
+// right, since nothing can be told of it; only what is a defect for every position that a corner can have had is one.
 std::string polygon_defect(std::vector<Vec3> corners, double tiny, double rounding, bool convex) {
   const double unsure = 16 * rounding;
+  const auto given = static_cast<double>(corners.size());
   corners.erase(std::unique(corners.begin(), corners.end(),
                             [&](const Vec3& p, const Vec3& q) { return (p - q).norm() <= unsure; }),
                 corners.end());
@@ -67,8 +73,10 @@ std::string polygon_defect(std::vector<Vec3> corners, double tiny, double roundi
     normal += (corners[i] - centre).cross(corners[(i + 1) % n] - centre);
   }
   const double twice_area = normal.norm();
-  if (twice_area <= tiny * size) return "has no area";
-  if (twice_area <= unsure * size) return {};
+  const double left_out = given - static_cast<double>(n),
+               off = 2 * static_cast<double>(n) * rounding + left_out * unsure;
+  if (twice_area + off * size <= tiny * size) return "has no area";
+  if (twice_area <= given * unsure * size) return {};  // not even which way it turns at a thin end
   normal /= twice_area;
   double turned = 0;
   for (std::size_t i = 0; i < n; ++i) {
@@ -88,9 +96,16 @@ std::string polygon_defect(std::vector<Vec3> corners, double tiny, double roundi
 }  // namespace
 
 Check check_cells(const Result& result) {
-  Check check{"no duplicate or degenerate cell", false, {}};
+  Check check{"no duplicate or degenerate cell", false, {}, {}};
   const CellComplex& complex = result.complex;
+  if (result.rows.size() != result.data.points.size()) {
+    const auto skipped = std::mismatch(result.rows.begin(), result.rows.end(), std::views::iota(0u).begin());
+    check.detail = fmt::format("point {} belongs to no cell", skipped.first - result.rows.begin());
+    return check;
+  }
   const double tiny = same_place * static_cast<double>(*std::min_element(result.scale.begin(), result.scale.end()));
+  // Points that are that near are so wherever rounding has taken them from: each may be off by less than twice it.
+  const double surely_tiny = tiny - 4 * result.rounding;
 
   for (std::uint32_t f = 0; f < complex.face_count(); ++f) {
     std::vector<std::uint32_t> corners(complex.corners(f).begin(), complex.corners(f).end());
@@ -100,7 +115,7 @@ Check check_cells(const Result& result) {
     return check;
   }
   for (std::uint32_t e = 0; e < complex.edges.size(); ++e)
-    if ((result.scaled[complex.edges[e][0]] - result.scaled[complex.edges[e][1]]).norm() <= tiny) {
+    if ((result.scaled[complex.edges[e][0]] - result.scaled[complex.edges[e][1]]).norm() <= surely_tiny) {
       check.detail = result.describe_edge(e) + " has length 0";
       return check;
     }
@@ -124,7 +139,7 @@ Check check_cells(const Result& result) {
                                result.describe_face((*twice)[0]));
     return check;
   }
-  if (const auto close = first_close(result.scaled, tiny)) {
+  if (const auto close = surely_tiny > 0 ? first_close(result.scaled, surely_tiny) : std::nullopt) {
     check.detail = fmt::format("{} and {} are at the same place", result.describe_vertex((*close)[0]),
                                result.describe_vertex((*close)[1]));
     return check;

@@ -29,10 +29,32 @@ Check check_pruning(const Result& result, const Sites& sites, VertexSites& verte
 /// Distance to the true medial axis (SPEC 1, 9).
 Check check_proximity(const Result& result, std::size_t samples, Context* context);
 
-/// Levels of written cells are at least lambda.
-Check check_levels(const Result& result);
+/// The array `lambda_level`: that a thinning by simple pairs in the order of their keys can give these levels.
+Check check_levels(const Result& result, const Sites& sites, VertexSites& vertex_sites, Context* context);
 
-/// Share of the voxel centres in the balls of the vertices; a figure, never a failure.
-Check check_reconstruction(const Result& result, std::size_t samples, Context* context);
+/// Share of the sampled voxel centres in the balls of the vertices against the array `reconstructed`.
+Check check_reconstruction(const Result& result, Context* context);
+
+/// What is wrong with the form of arrays whose names the format defines: numbers or text, how many; two of one name, a
+/// word that is none of the known ones. Empty when nothing is.
+std::string array_defect(const PolyData& data);
+
+/// The arrays `kind` and `component`.
+Check check_kinds(const Result& result);
+/// Field arrays that tell of the shape: the grid and, where it is given, the longest side; `lambda_chosen`.
+Check check_fields(const Result& result, const VerifyOptions& options);
+/// The arrays `sites`, `site_a` and `site_b` of all polygons, and their lambda as half the distance of the two.
+Check check_sites(const Result& result, const Sites& sites);
+/// The arrays `object_angle`.
+Check check_angles(const Result& result);
+/// Burn times and erosion thickness of points: what holds between them and the complex.
+Check check_burning(const Result& result);
+/// Levels and thickness of the cells of a skeleton: bounds, and what is the same in every skeleton.
+Check check_skeleton_levels(const Result& result);
+
+/// The arrays of the file that none of the checks is about, with the reason.
+std::vector<UncheckedArray> unchecked_arrays(const PolyData& data, const std::vector<Check>& checks);
+/// The sentence about them.
+Check arrays_left(const std::vector<UncheckedArray>& arrays);
 
 }  // namespace quench::verification

@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "quench/medial_axis.h"
-#include "quench/topology.h"
 #include "verify/checks.h"
 
 namespace quench::verification {
@@ -135,7 +133,7 @@ std::string completeness(const Result& result, const Values& values, VertexSites
 
 Check check_lambda(const Result& result, const Sites& sites, VertexSites& vertex_sites, std::size_t samples,
                    Context* context) {
-  Check check{"lambda", false, {}};
+  Check check{"lambda", false, {}, {}};
   if (result.vertex_lambda.empty() && result.cell_lambda.empty()) return not_checked(check.name, "no array 'lambda'");
   const CellComplex& complex = result.complex;
   std::vector<std::uint32_t> vertices, lines, faces, needed;
@@ -182,9 +180,13 @@ Check check_lambda(const Result& result, const Sites& sites, VertexSites& vertex
           vertices, [&](std::uint32_t v) { return result.vertex_lambda[v]; },
           [&](std::uint32_t v) { return values.vertex(v); },
           [&](std::uint32_t v) { return result.describe_vertex(v); });
-  if (check.passed)
-    check.detail = fmt::format("{} vertices, {} lines, {} polygons as their sites give them, rule {}", vertices.size(),
-                               lines.size(), faces.size(), result.ball_rule ? "ball" : "coface");
+  if (!check.passed) return check;
+  check.detail = fmt::format("{} of {} vertices, {} of {} lines, {} of {} polygons as their sites give them, rule {}",
+                             vertices.size(), result.rows.size(), lines.size(), result.line_edges.size(), faces.size(),
+                             complex.face_count(), result.ball_rule ? "ball" : "coface");
+  if (!result.vertex_lambda.empty()) cover(check, "point lambda");
+  if (!result.cell_lambda.empty()) cover(check, "cell lambda");
+  cover(check, "field lambda_rule");
   return check;
 }
 
@@ -207,7 +209,7 @@ static std::vector<std::uint32_t> vertices_to_complete(const Result& result, std
 
 Check check_pruning(const Result& result, const Sites& sites, VertexSites& vertex_sites, std::size_t samples,
                     Context* context) {
-  Check check{"legal pruning", false, {}};
+  Check check{"legal pruning", false, {}, {}};
   if (!(result.lambda >= 0)) {
     check.detail = fmt::format("lambda {} is no pruning radius", result.lambda);
     return check;
@@ -219,62 +221,12 @@ Check check_pruning(const Result& result, const Sites& sites, VertexSites& verte
   check.detail = completeness(result, values, vertex_sites, vertices, context);
   if (!check.detail.empty()) return check;
   check.passed = true;
+  if (result.lambda_of_file) cover(check, "field lambda");
   check.detail = fmt::format(
       "lambda {:.9g}{}: no simple pair below it is left, all core cells of at least lambda at {} of {} vertices are "
       "there",
       result.lambda, result.lambda_given ? "" : " (the file has no FieldData 'lambda')", vertices.size(),
       result.rows.size());
-  return check;
-}
-
-// The cells of at least a level must have the topology of the shape, at the quartiles of the levels and at infinity;
-// the sentence about the first level where they have not, else empty.
-static std::string broken_level(const Result& result, const std::vector<double>& levels) {
-  if (result.stage != "core") return {};
-  const Topology wanted = topology(result.shape);
-  std::vector<double> sorted = levels;
-  std::sort(sorted.begin(), sorted.end());
-  for (const double t : {sorted[sorted.size() / 4], sorted[sorted.size() / 2], sorted[sorted.size() * 3 / 4], 3.3e38}) {
-    PolyData kept;
-    kept.points = result.data.points;
-    std::size_t cell = 0;
-    for (std::uint32_t v : result.data.verts)
-      if (levels[cell++] >= t) kept.verts.push_back(v);
-    for (const auto& line : result.data.lines)
-      if (levels[cell++] >= t) kept.lines.push_back(line);
-    for (std::size_t p = 0; p < result.data.poly_count(); ++p) {
-      if (!(levels[cell++] >= t)) continue;
-      for (std::uint32_t c = result.data.poly_offsets[p]; c < result.data.poly_offsets[p + 1]; ++c)
-        kept.poly_corners.push_back(result.data.poly_corners[c]);
-      kept.poly_offsets.push_back(static_cast<std::uint32_t>(kept.poly_corners.size()));
-    }
-    const Topology got = topology(complex_of(kept));
-    if (got != wanted)
-      return fmt::format("the cells of level {:.9g} and above have Betti numbers {} {} {}, the shape {} {} {}", t,
-                         got.betti[0], got.betti[1], got.betti[2], wanted.betti[0], wanted.betti[1], wanted.betti[2]);
-  }
-  return {};
-}
-
-Check check_levels(const Result& result) {
-  Check check{"nested levels", false, {}};
-  const DataArray* array = find_array(result.data.cell_data, "lambda_level");
-  if (!array) return not_checked(check.name, "no array 'lambda_level'");
-  const std::vector<double> levels = array->numbers();
-  // Infinite levels are written as the largest float. Not a number is below everything.
-  const auto below = [&](double level) { return !(level >= result.lambda * (1 - 1e-9)) && !(level > 3e38); };
-  const auto bad = std::find_if(levels.begin(), levels.end(), below);
-  check.passed = bad == levels.end();
-  if (!check.passed)
-    check.detail =
-        fmt::format("cell {} has level {:.9g}, below lambda {:.9g}", bad - levels.begin(), *bad, result.lambda);
-  else if (levels.empty())
-    check.detail = "no cells";
-  else if (const std::string broken = broken_level(result, levels); !broken.empty())
-    check = {check.name, false, broken};
-  else
-    check.detail = fmt::format("lowest level {:.9g} of {} cells, lambda {:.9g}",
-                               *std::min_element(levels.begin(), levels.end()), levels.size(), result.lambda);
   return check;
 }
 

@@ -10,11 +10,11 @@
 
 namespace quench::verification {
 
-namespace {
+bool has_numbers(const DataArray& array) { return !std::holds_alternative<std::vector<std::string>>(array.values); }
 
 std::vector<double> numbers_or_empty(const std::vector<DataArray>& arrays, std::string_view name) {
   const DataArray* array = find_array(arrays, name);
-  return array && array->components == 1 ? array->numbers() : std::vector<double>{};
+  return array && has_numbers(*array) && array->components == 1 ? array->numbers() : std::vector<double>{};
 }
 
 std::string text_or_empty(const std::vector<DataArray>& arrays, std::string_view name) {
@@ -23,6 +23,8 @@ std::string text_or_empty(const std::vector<DataArray>& arrays, std::string_view
   const auto* text = std::get_if<std::vector<std::string>>(&array->values);
   return text && !text->empty() ? text->front() : std::string{};
 }
+
+namespace {
 
 // Inverts a relation given as (from, to) pairs, from ascending order of `to`.
 template <class Each>
@@ -94,7 +96,7 @@ Result::Result(const VoxelShape& voxels, const PolyData& file, const VerifyOptio
   const std::vector<double> a = numbers_or_empty(data.cell_data, "site_a");
   const std::vector<double> b = numbers_or_empty(data.cell_data, "site_b");
   const DataArray* sites = find_array(data.field_data, "sites");
-  if (!a.empty() && !b.empty() && sites && sites->components == 3) {
+  if (!a.empty() && !b.empty() && sites && sites->components == 3 && has_numbers(*sites)) {
     const std::vector<double> xyz = sites->numbers();
     const auto site = [&](double row) {
       LatticePoint p{-1, -1, -1};  // never a site: no voxel is at negative coordinates
@@ -123,6 +125,7 @@ Result::Result(const VoxelShape& voxels, const PolyData& file, const VerifyOptio
   const std::vector<double> threshold = numbers_or_empty(data.field_data, "lambda");
   lambda_given = options.lambda || !threshold.empty();
   lambda = options.lambda ? *options.lambda : threshold.empty() ? 0 : threshold[0];
+  lambda_of_file = !threshold.empty() && threshold[0] == lambda;
 }
 
 std::string Result::describe_vertex(std::uint32_t vertex) const {
@@ -144,6 +147,8 @@ Vec3 Result::centroid(std::size_t face) const {
   for (std::uint32_t v : complex.corners(face)) sum += scaled[v];
   return sum / static_cast<double>(complex.corners(face).size());
 }
+
+void cover(Check& check, std::string_view array) { check.arrays.emplace_back(array); }
 
 std::vector<std::uint32_t> sample(std::size_t count, std::size_t limit) {
   const std::size_t taken = std::min(count, limit);

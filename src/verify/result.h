@@ -49,11 +49,28 @@ struct Result {
   bool ball_rule = false;
   double lambda = 0;
   bool lambda_given = false;
+  bool lambda_of_file = false;  ///< it is what the file says
 
   std::string describe_vertex(std::uint32_t vertex) const;
   std::string describe_edge(std::uint32_t edge) const;
   std::string describe_face(std::size_t face) const;
   Vec3 centroid(std::size_t face) const;  ///< of the corners, scaled
+};
+
+/// False for texts.
+bool has_numbers(const DataArray& array);
+/// The numbers of an array of one number per row; empty when there is none of that name.
+std::vector<double> numbers_or_empty(const std::vector<DataArray>& arrays, std::string_view name);
+/// The first text of an array; empty when there is none of that name.
+std::string text_or_empty(const std::vector<DataArray>& arrays, std::string_view name);
+
+/// The larger cells at a cell that are still there: the sum of their indices is the only one when there is one.
+struct Cofaces {
+  std::uint32_t count = 0;
+  std::uint64_t sum = 0;
+  void add(std::uint32_t i) { ++count, sum += i; }
+  void remove(std::uint32_t i) { --count, sum -= i; }
+  std::uint32_t only() const { return static_cast<std::uint32_t>(sum); }
 };
 
 /// At most `limit` indices below `count`, taken evenly.
@@ -79,7 +96,12 @@ std::size_t first_failure(std::size_t count, Context* context, std::string_view 
 }
 
 inline Check not_checked(std::string name, const std::string& why) {
-  return {std::move(name), true, "not checked: " + why};
+  return {std::move(name), true, "not checked: " + why, {}};
+}
+/// Says that the check is about the array.
+void cover(Check& check, std::string_view array);
+inline Check failed(std::string name, std::string counterexample) {
+  return {std::move(name), false, std::move(counterexample), {}};
 }
 
 }  // namespace quench::verification

@@ -39,7 +39,11 @@ Certificate examine(const VoxelShape& shape, const PolyData& data, const VerifyO
   Certificate certificate;
   const std::string defect = structural_defect(data);
   if (!defect.empty()) {
-    certificate.checks.push_back({"no duplicate or degenerate cell", false, defect});
+    certificate.checks.push_back(failed("no duplicate or degenerate cell", defect));
+    return certificate;
+  }
+  if (const std::string wrong = array_defect(data); !wrong.empty()) {
+    certificate.checks.push_back(failed("arrays", wrong));
     return certificate;
   }
   const Result result(shape, data, options);
@@ -55,14 +59,25 @@ Certificate examine(const VoxelShape& shape, const PolyData& data, const VerifyO
     add(check_voronoi(result, sites, vertex_sites, options.samples, context));
     add(check_lambda(result, sites, vertex_sites, options.samples, context));
     add(check_pruning(result, sites, vertex_sites, options.samples, context));
-    add(check_proximity(result, options.samples, context));
   } else {
     const std::string why = result.stage.empty() ? "no FieldData 'stage'" : "the stage is '" + result.stage + "'";
-    for (const char* name : {"Voronoi cells", "lambda", "legal pruning", "proximity bound"})
+    for (const char* name : {"Voronoi cells", "lambda", "legal pruning"})
       add(not_checked(name, why + ", this is a property of voxel cores"));
   }
-  add(check_levels(result));
-  add(check_reconstruction(result, options.samples, context));
+  if (result.stage.empty())
+    add(not_checked("proximity bound", "no FieldData 'stage', this is a property of voxel cores and parts of them"));
+  else
+    add(check_proximity(result, options.samples, context));
+  add(check_levels(result, sites, vertex_sites, context));
+  add(check_sites(result, sites));
+  add(check_angles(result));
+  add(check_kinds(result));
+  add(check_burning(result));
+  add(check_skeleton_levels(result));
+  add(check_reconstruction(result, context));
+  add(check_fields(result, options));
+  certificate.not_checked = unchecked_arrays(data, certificate.checks);
+  add(arrays_left(certificate.not_checked));
   checkpoint(context, "verify", 1);
   return certificate;
 }

@@ -31,7 +31,8 @@ std::optional<std::array<std::uint32_t, 2>> first_repeated(const std::vector<std
 }  // namespace
 
 Check check_radii(const Result& result, const Sites& sites, Context* context) {
-  Check check{"radii", false, {}};
+  Check check{"radii", false, {}, {}};
+  cover(check, "point radius");
   if (result.radius.empty()) {
     check.detail = "the point array 'radius' is missing";
     return check;
@@ -56,7 +57,7 @@ Check check_radii(const Result& result, const Sites& sites, Context* context) {
 
 Check check_voronoi(const Result& result, const Sites& sites, VertexSites& vertex_sites, std::size_t samples,
                     Context* context) {
-  Check check{"Voronoi cells", false, {}};
+  Check check{"Voronoi cells", false, {}, {}};
   const CellComplex& complex = result.complex;
   const std::vector<std::uint32_t> vertices = sample(result.rows.size(), samples),
                                    edges = sample(complex.edges.size(), samples),

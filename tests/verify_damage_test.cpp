@@ -1,0 +1,315 @@
+// SPDX-License-Identifier: Apache-2.0
+// Every array of a result is changed in many ways: `verify` must notice, or have said that it does not check the array.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <set>
+#include <string>
+#include <type_traits>
+#include <variant>
+#include <vector>
+
+#include "quench/burn.h"
+#include "quench/pipeline.h"
+#include "quench/skeleton.h"
+#include "quench/topology.h"
+#include "quench/verify.h"
+#include "random_shapes.h"
+
+namespace quench {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+struct Result {
+  std::string name;
+  VoxelShape shape;
+  PolyData data;
+};
+
+VerifyOptions options_for(const VoxelShape& shape) {
+  VerifyOptions options;
+  options.longest_side = shape.longest_side();
+  return options;
+}
+
+// Voxels of 1 x 2 x 1: a plate with a hole, a tower and a pair of loose voxels.
+VoxelShape plate() {
+  Grid grid;
+  grid.dims = {12, 7, 6};
+  grid.spacing = {1, 2, 1};
+  grid.origin = {3, -4, 5};
+  return testing_shapes::from_predicate(grid, [](int x, int y, int z) {
+    const bool body = x >= 1 && x < 8 && y >= 1 && y < 6 && z >= 1 && z < 4;
+    const bool hole = x >= 3 && x < 4 && y >= 3 && y < 4;
+    const bool tower = x >= 5 && x < 8 && y >= 2 && y < 4 && z >= 1 && z < 6;
+    const bool loose = x >= 9 && x < 11 && y == 4 && z == 2;
+    return (body && !hole) || tower || loose;
+  });
+}
+
+// A cavity makes a closed pocket, on which a fin stands.
+VoxelShape hollow() {
+  Grid grid;
+  grid.dims = {12, 8, 7};
+  return testing_shapes::from_predicate(grid, [](int x, int y, int z) {
+    const bool in = x >= 1 && x < 7 && y >= 1 && y < 7 && z >= 1 && z < 6;
+    const bool cavity = x >= 3 && x < 5 && y >= 3 && y < 5 && z >= 3 && z < 4;
+    const bool fin = x >= 7 && x < 11 && y >= 2 && y < 6 && z >= 2 && z < 5;
+    return (in && !cavity) || fin;
+  });
+}
+
+PolyData core_of(const VoxelShape& shape, const CheckedCoreOptions& options) {
+  return core_file(checked_core(shape, topology(shape), shape.longest_side(), options), "mm", "{}");
+}
+
+PolyData burned(PolyData data, const BurnOptions& options = {}) {
+  const MedialAxis axis = medial_axis_of(data);
+  add_burning(data, burn(axis.complex, axis.points, axis.radius, options));
+  return data;
+}
+
+PolyData skeleton_of(const VoxelShape& shape, double theta2, double theta1, bool parts) {
+  const PolyData core = burned(core_of(shape, {.lambda = 0.0}));
+  const MedialAxis axis = medial_axis_of(core);
+  const Burning burning = burn(axis.complex, axis.points, axis.radius, {});
+  const SkeletonFamily family = skeletons(quench_curves(axis.complex, axis.points, axis.radius, burning));
+  const CheckedSkeleton checked =
+      checked_skeleton(family, topology(shape), {.theta2 = theta2, .theta1 = theta1, .parts = parts});
+  return skeleton_file(checked.skeleton, checked.topology, core);
+}
+
+std::vector<Result> results() {
+  std::vector<Result> all;
+  for (const auto& [name, shape] : {std::pair{"plate", plate()}, std::pair{"hollow", hollow()}}) {
+    const auto add = [&, n = std::string(name), s = shape](const char* what, PolyData data) {
+      all.push_back({n + " " + what, s, std::move(data)});
+    };
+    const bool is_plate = name == std::string("plate");
+    if (is_plate) add("core", core_of(shape, {.lambda = 1.2}));
+    if (is_plate) add("full core", core_of(shape, {.lambda = 1.2, .full = true}));
+    add("core by balls", core_of(shape, {.lambda = 1.1, .rule = LambdaRule::ball, .full = !is_plate}));
+    add("burned core",
+        burned(core_of(shape, {.lambda = 1.2}),
+               {.omega = is_plate ? 0 : 0.3, .propagation = is_plate ? Propagation::segments : Propagation::nodes}));
+    add("skeleton", skeleton_of(shape, 0.3, 0.2, false));
+    if (!is_plate) add("skeleton in parts", skeleton_of(shape, 0.5, 0, true));
+    if (is_plate) add("curves", skeleton_of(shape, kInfinity, 0, false));
+    add("curves that topology needs", skeleton_of(shape, kInfinity, kInfinity, false));
+  }
+  return all;
+}
+
+std::string text(const Certificate& certificate) {
+  std::string all;
+  for (const Check& check : certificate.checks)
+    all += (check.passed ? "  ok   " : "  FAIL ") + check.name + ": " + check.detail + "\n";
+  return all;
+}
+
+std::set<std::string> left_out(const Certificate& certificate) {
+  std::set<std::string> names;
+  for (const UncheckedArray& array : certificate.not_checked) names.insert(array.array);
+  return names;
+}
+
+struct Arrays {
+  const char* of;
+  std::vector<DataArray> PolyData::*list;
+};
+constexpr Arrays kArrays[]{
+    {"point", &PolyData::point_data}, {"cell", &PolyData::cell_data}, {"field", &PolyData::field_data}};
+
+// A change of one number, or of two for an exchange.
+struct Damage {
+  const char* name;
+  std::function<double(double)> change;  // none: exchange with the next number that differs
+};
+const std::vector<Damage>& damages() {
+  static const std::vector<Damage> all{
+      {"half", [](double x) { return 0.5 * x; }},     {"times 1.5", [](double x) { return 1.5 * x; }},
+      {"plus 1", [](double x) { return x + 1; }},     {"negative", [](double x) { return -x; }},
+      {"zero", [](double) { return 0.0; }},           {"not a number", [](double) { return std::nan(""); }},
+      {"infinite", [](double) { return kInfinity; }}, {"exchanged", nullptr}};
+  return all;
+}
+
+// Changes numbers [first, last); false when nothing is different afterwards.
+template <class T>
+bool damage(std::vector<T>& values, std::size_t first, std::size_t last, const Damage& how) {
+  if (!how.change) {
+    for (std::size_t i = first + 1; i < values.size(); ++i)
+      if (const double a = static_cast<double>(values[i]), b = static_cast<double>(values[first]);
+          std::abs(a - b) > 1e-3 * std::max(std::abs(a), 1e-3)) {  // more than rounding
+        std::swap(values[i], values[first]);
+        return true;
+      }
+    return false;
+  }
+  bool changed = false;
+  for (std::size_t i = first; i < last; ++i) {
+    const double value = how.change(static_cast<double>(values[i]));
+    T stored{};
+    if constexpr (std::is_floating_point_v<T>) {
+      stored = static_cast<T>(value);
+    } else {
+      if (!std::isfinite(value) || std::is_unsigned_v<T> != (value >= 0 && std::is_unsigned_v<T>)) continue;
+      stored = static_cast<T>(value);
+    }
+    changed = changed || !(stored == values[i]);
+    values[i] = stored;
+  }
+  return changed;
+}
+
+class EveryArray {
+ public:
+  explicit EveryArray(const Result& result) : result_(result) {}
+
+  void damage_each() {
+    for (const Arrays& arrays : kArrays)
+      for (std::size_t a = 0; a < (result_.data.*arrays.list).size(); ++a)
+        std::visit([&](const auto& values) { damage_array(arrays, a, values); }, (result_.data.*arrays.list)[a].values);
+  }
+  int tried() const { return tried_; }
+
+ private:
+  void damage_array(const Arrays& arrays, std::size_t a, const std::vector<std::string>& words) {
+    for (const char* word : {"", "no such word", "core", "skeleton", "coface", "ball"})
+      if (word != words[0]) expect_noticed(arrays, a, std::vector<std::string>{word}, fmt::format("'{}'", word));
+  }
+  template <class T>
+  void damage_array(const Arrays& arrays, std::size_t a, const std::vector<T>& values) {
+    for (const Damage& how : damages())
+      for (const bool one : {true, false}) {
+        std::vector<T> changed = values;
+        const std::size_t first = one ? random(values.size()) : 0;
+        if (values.empty() || !damage(changed, first, one ? first + 1 : values.size(), how)) continue;
+        expect_noticed(arrays, a, changed, fmt::format("{}, {}", how.name, one ? fmt::format("row {}", first) : "all"));
+      }
+  }
+
+  void expect_noticed(const Arrays& arrays, std::size_t a, DataArray::Values values, const std::string& how) {
+    PolyData data = result_.data;
+    DataArray& array = (data.*arrays.list)[a];
+    array.values = std::move(values);
+    ++tried_;
+    const Certificate certificate = verify(result_.shape, data, options_for(result_.shape));
+    const bool said = left_out(certificate).contains(fmt::format("{} {}", arrays.of, array.name));
+    EXPECT_TRUE(!certificate.passed() || said)
+        << result_.name << ": " << arrays.of << " array " << array.name << ", " << how;
+  }
+
+  std::size_t random(std::size_t below) {
+    state_ = state_ * 6364136223846793005ull + 1442695040888963407ull;
+    return static_cast<std::size_t>(state_ >> 33) % std::max<std::size_t>(below, 1);
+  }
+
+  const Result& result_;
+  std::uint64_t state_ = 1;
+  int tried_ = 0;
+};
+
+TEST(VerifyDamage, UnchangedResultsPassAndEveryArrayIsNamed) {
+  for (const Result& result : results()) {
+    const Certificate certificate = verify(result.shape, result.data, options_for(result.shape));
+    EXPECT_TRUE(certificate.passed()) << result.name << "\n" << text(certificate);
+    std::multiset<std::string> named, all;
+    for (const Check& check : certificate.checks) named.insert(check.arrays.begin(), check.arrays.end());
+    for (const std::string& name : left_out(certificate)) {
+      EXPECT_FALSE(named.contains(name)) << name << " is said to be checked and not to be";
+      EXPECT_NE(certificate.checks.back().detail.find(name), std::string::npos);
+      named.insert(name);
+    }
+    for (const Arrays& arrays : kArrays)
+      for (const DataArray& array : result.data.*arrays.list) {
+        all.insert(fmt::format("{} {}", arrays.of, array.name));
+        EXPECT_TRUE(named.contains(fmt::format("{} {}", arrays.of, array.name))) << result.name << " " << array.name;
+      }
+    EXPECT_EQ(std::set(named.begin(), named.end()), std::set(all.begin(), all.end())) << result.name;
+  }
+}
+
+// What no check can tell may grow only on purpose.
+TEST(VerifyDamage, OnlyTheseArraysAreLeftOut) {
+  const std::set<std::string> of_cores{"point burn_time",   "field omega",  "field propagation",
+                                       "field radius_rule", "field units",  "field lambda_chosen",
+                                       "field parameters",  "field version"};
+  std::set<std::string> of_skeletons = of_cores;
+  of_skeletons.insert({"point curve_burn_time", "point curve_unburned", "cell erosion_thickness",
+                       "cell curve_erosion_thickness", "cell sheet_level", "cell curve_level", "field theta2",
+                       "field theta1", "field lambda"});
+  for (const Result& result : results()) {
+    const Certificate certificate = verify(result.shape, result.data, options_for(result.shape));
+    const bool core = find_array(result.data.cell_data, "lambda_level") != nullptr;
+    for (const std::string& name : left_out(certificate))
+      EXPECT_TRUE((core ? of_cores : of_skeletons).contains(name)) << result.name << ": " << name;
+  }
+}
+
+TEST(VerifyDamage, ChangesOfEveryArrayAreNoticed) {
+  int tried = 0;
+  for (const Result& result : results()) {
+    EveryArray arrays(result);
+    arrays.damage_each();
+    tried += arrays.tried();
+  }
+  EXPECT_GT(tried, 2000);
+}
+
+// Another program may use the names as it likes: without a stage nothing is taken from them, and that is said.
+TEST(VerifyDamage, ArraysOfOtherProgramsAreNamed) {
+  const VoxelShape shape = plate();
+  PolyData foreign = core_of(shape, {.lambda = 0.0});
+  const std::size_t cells = foreign.cell_count();
+  foreign.cell_data = {{"kind", 1, std::vector<double>(cells, 7)}, {"component", 1, std::vector<double>(cells, -1)}};
+  foreign.field_data = {{"betti", 1, std::vector<std::string>{"none"}},
+                        {"sites", 3, std::vector<std::string>{"a", "b", "c"}},
+                        {"euler", 1, std::vector<double>{17}}};
+  const Certificate certificate = verify(shape, foreign);
+  EXPECT_TRUE(certificate.passed()) << text(certificate);
+  for (const char* name : {"cell kind", "cell component", "field betti", "field sites", "field euler"})
+    EXPECT_TRUE(left_out(certificate).contains(name)) << name;
+}
+
+TEST(VerifyDamage, AMovedPointIsNoticed) {
+  for (const Result& result : results()) {
+    // Of a skeleton only that the radius is right, the polygons plane and all inside.
+    const bool core = find_array(result.data.cell_data, "lambda_level") != nullptr;
+    for (const Vec3& step : {Vec3(core ? 1e-3 : 0.5, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, core ? -1e-4 : -1)}) {
+      PolyData moved = result.data;
+      moved.points[moved.points.size() / 2] += step;
+      EXPECT_FALSE(verify(result.shape, moved, options_for(result.shape)).passed()) << result.name;
+    }
+  }
+}
+
+TEST(VerifyDamage, ArraysOfWrongFormAreNoticed) {
+  const VoxelShape shape = plate();
+  const PolyData core = core_of(shape, {.lambda = 0.0});
+  const auto fails = [&](const PolyData& data) {
+    const Certificate certificate = verify(shape, data);
+    EXPECT_FALSE(certificate.passed());
+    return text(certificate);
+  };
+  PolyData twice = core;
+  twice.point_data.push_back(twice.point_data.front());
+  EXPECT_NE(fails(twice).find("two point arrays 'radius'"), std::string::npos);
+  for (const char* name : {"betti", "euler", "sites", "dims", "reconstructed", "lambda"}) {
+    PolyData text_for_numbers = core, too_many = core;
+    for (DataArray& array : text_for_numbers.field_data)
+      if (array.name == name) array.values = std::vector<std::string>{"1 0 0"};
+    EXPECT_NE(fails(text_for_numbers).find(name), std::string::npos);
+    for (DataArray& array : too_many.field_data)
+      if (array.name == name) std::visit([](auto& values) { values.push_back(values.back()); }, array.values);
+    EXPECT_NE(fails(too_many).find(name), std::string::npos);
+  }
+}
+
+}  // namespace
+}  // namespace quench
