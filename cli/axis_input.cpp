@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "option_checks.h"
+#include "quench/counted.h"
 #include "quench/extent.h"
 #include "quench/io.h"
 
@@ -32,12 +34,10 @@ void add_axis_options(CLI::App& app, AxisOptions& o) {
          "the bounding box of AXIS]")
       ->type_name("FILE")
       ->group(group);
-  app.add_option("--threshold", o.threshold, "--shape is a volume: its voxels of at least this value")
+  add_threshold(app, o.threshold, "--shape is a volume: its voxels of at least this value")
       ->type_name("T")
       ->group(group);
-  app.add_option("--label", o.label, "--shape is a volume: its voxels of exactly this value")
-      ->type_name("K")
-      ->group(group);
+  add_label(app, o.label, "--shape is a volume: its voxels of exactly this value")->type_name("K")->group(group);
 }
 
 void check_axis_options(const AxisOptions& options) {
@@ -128,9 +128,9 @@ LoadedAxis make_axis(const AxisOptions& options, PolyData&& data, Session& sessi
   checkpoint(&session.context, "read", 1);
   if (repair.degenerate + repair.duplicate > 0)
     session.say(
-        fmt::format("note: {} cells of {} repeat a corner (what is left of them is kept), {} polygons are there "
+        fmt::format("note: in '{}', {} with a repeated corner (what is left of them is kept) and {} that are there "
                     "twice (counted once)",
-                    repair.degenerate, options.file, repair.duplicate));
+                    options.file, counted(repair.degenerate, "cell"), counted(repair.duplicate, "polygon")));
   if (const DataArray* spacing = find_array(loaded.data.field_data, "spacing")) {
     const std::vector<double> sizes = spacing->numbers();
     if (sizes.size() == 3) loaded.spacing = {sizes[0], sizes[1], sizes[2]};

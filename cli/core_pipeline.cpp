@@ -6,6 +6,7 @@
 #include <ostream>
 
 #include "option_checks.h"
+#include "quench/counted.h"
 #include "quench/io.h"
 
 namespace quench::program {
@@ -56,13 +57,15 @@ CorePipelineResult compute_core(const LoadedShape& loaded, const CorePipelineOpt
   const std::int64_t sites = count_boundary_vertices(loaded.shape);
   CheckedCoreOptions core_options;
   std::int64_t bytes = predicted_core_bytes(sites);
-  std::string what = fmt::format("the medial axis of a shape with {} boundary vertices", sites);
+  std::string what =
+      fmt::format("the medial axis of a shape with {}", counted(sites, "boundary vertex", "boundary vertices"));
   if (bytes > session.memory_limit() && predicted_core_bytes_in_bricks(sites) < bytes) {
     core_options.in_bricks = true;
     what += fmt::format(", in bricks ({} at once),", bytes_text(bytes));
     bytes = predicted_core_bytes_in_bricks(sites);
   }
-  session.check_memory(bytes, what);
+  session.check_memory(bytes, what,
+                       loaded.kind == "mesh" ? "a lower --resolution" : "a smaller or coarser volume, or a part of it");
   if (core_options.in_bricks)
     session.say(fmt::format("{} boundary vertices are worked on in bricks: about {} of memory instead of {}", sites,
                             bytes_text(bytes), bytes_text(predicted_core_bytes(sites))));
@@ -138,6 +141,11 @@ void write_report(io::OutputGroup& outputs, const Json& report, Session& session
   if (file == "-") write_report(file, report, session);
 }
 
+std::string cells_text(std::size_t vertices, std::size_t edges, std::size_t faces) {
+  return fmt::format("{}, {}, {}", counted(vertices, "vertex", "vertices"), counted(edges, "edge"),
+                     counted(faces, "face"));
+}
+
 std::string json_text(const Json& value, int indent) {
   return value.dump(indent, ' ', false, Json::error_handler_t::replace);
 }
@@ -149,11 +157,11 @@ void say_written(Session& session, const std::string& axis, const std::string& r
     stages += fmt::format("{}{} {:.2f} s", stages.empty() ? "" : ", ", stage, seconds);
   session.detail(fmt::format("{}; {} of memory at the peak", stages, bytes_text(Session::peak_bytes())));
   const bool full = core.options.full;
-  session.say(
-      fmt::format("{}: {} vertices, {} edges, {} faces; topology as that of the shape; lengths in {}; {:.1f} s{}", axis,
-                  full ? core.vertices : core.kept_vertices, full ? core.edges : core.kept_edges,
-                  full ? core.faces : core.kept_faces, loaded.units.empty() ? "the input's units" : loaded.units,
-                  session.total_seconds(), report.empty() ? "" : fmt::format("; report in {}", report)));
+  session.say(fmt::format("{}: {}; topology as that of the shape; lengths in {}; {:.1f} s{}", axis,
+                          cells_text(full ? core.vertices : core.kept_vertices, full ? core.edges : core.kept_edges,
+                                     full ? core.faces : core.kept_faces),
+                          loaded.units.empty() ? "the input's units" : loaded.units, session.total_seconds(),
+                          report.empty() ? "" : fmt::format("; report in {}", report)));
 }
 
 }  // namespace quench::program

@@ -32,6 +32,9 @@ void add_shape_options(CLI::App& app, ShapeOptions& options);
 /// Throws the Error of an option that cannot be or of a file that is not there, before anything is read.
 void check_shape_options(const ShapeOptions& options);
 
+/// Throws the Error of a file whose name does not say what it holds.
+[[noreturn]] void refuse_unknown_kind(const std::string& file);
+
 /// A shape ready for the main job.
 struct LoadedShape {
   VoxelShape shape;

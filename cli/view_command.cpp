@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
-#include <charconv>
-
 #include "axis_input.h"
 #include "burn_pipeline.h"
 #include "core_pipeline.h"
@@ -11,6 +9,7 @@
 #include "page_program.h"
 #include "picture.h"
 #include "program.h"
+#include "quench/counted.h"
 #include "quench/io.h"
 #include "quench/voxelize.h"
 #include "skeleton_pipeline.h"
@@ -31,19 +30,6 @@ struct Options {
   std::string output, png, size = "1600x1000";
 };
 
-std::vector<double> numbers_in(const std::string& text, char separator) {
-  std::vector<double> numbers;
-  for (std::size_t begin = 0; begin <= text.size();) {
-    const std::size_t end = std::min(text.find(separator, begin), text.size());
-    double value = 0;
-    const auto [stop, error] = std::from_chars(text.data() + begin, text.data() + end, value);
-    if (error != std::errc() || stop != text.data() + end || !std::isfinite(value)) return {};
-    numbers.push_back(value);
-    begin = end + 1;
-  }
-  return numbers;
-}
-
 Picture picture_of(const Options& o) {
   Picture picture;
   const std::vector<double> size = numbers_in(o.size, 'x');
@@ -55,8 +41,8 @@ Picture picture_of(const Options& o) {
   return picture;
 }
 
-// A value in the address of the page: what is no letter, digit or one of -._~, is written as its number.
-std::string escaped(const std::string& value) {
+// A value in the address of the page: what is not a letter, a digit or one of -._~, is written as its number.
+std::string in_address(const std::string& value) {
   std::string text;
   for (const char c : value) {
     const bool plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
@@ -167,12 +153,12 @@ Action add_view(CLI::App& app) {
       ->check(one_of({"nonzero", "evenodd", "winding", "auto"}))
       ->group(shape)
       ->each([o](const std::string&) { o->shape.fill_given = true; });
-  app.add_option("--threshold", o->shape.foreground.threshold,
-                 "--shape is a volume: its voxels of at least this value [default: what FILE says]")
+  add_threshold(app, o->shape.foreground.threshold,
+                "--shape is a volume: its voxels of at least this value [default: what FILE says]")
       ->type_name("T")
       ->group(shape);
-  app.add_option("--label", o->shape.foreground.label,
-                 "--shape is a volume: its voxels of exactly this value [default: what FILE says]")
+  add_label(app, o->shape.foreground.label,
+            "--shape is a volume: its voxels of exactly this value [default: what FILE says]")
       ->type_name("K")
       ->group(shape);
   const auto start = "What the page starts with";
@@ -220,6 +206,8 @@ Action add_view(CLI::App& app) {
     if (!o->output.empty() && o->output == o->png)
       throw Error(ErrorCode::usage, fmt::format("two outputs are named '{}'; give them different names", o->png));
     const fs::path chromium = o->png.empty() ? fs::path() : find_chromium();
+    std::optional<TemporaryFolder> folder;
+    if (!o->png.empty()) folder.emplace();
 
     std::string axis_file, still_file;
     PolyData axis, still;
@@ -290,7 +278,7 @@ Action add_view(CLI::App& app) {
                                                 o->color, layer, names));
     }
     const auto add = [&](const char* name, const std::string& value) {
-      if (!value.empty()) page.state += fmt::format("{}{}={}", page.state.empty() ? "" : "&", name, escaped(value));
+      if (!value.empty()) page.state += fmt::format("{}{}={}", page.state.empty() ? "" : "&", name, in_address(value));
     };
     add("layer", o->layer);
     add("color", o->color);
@@ -298,8 +286,7 @@ Action add_view(CLI::App& app) {
     add("camera", o->camera);
     if (o->dark) add("dark", "1");
 
-    std::optional<TemporaryFolder> folder;
-    if (!o->png.empty()) write_page(folder.emplace().path / "page.html", page, page_program());
+    if (folder) write_page(folder->path / "page.html", page, page_program());
     io::OutputGroup outputs;
     if (!o->output.empty()) {
       builder.write(o->output, report, outputs);
@@ -317,9 +304,9 @@ Action add_view(CLI::App& app) {
     for (const std::string& file : {o->output, o->png})
       if (!file.empty()) {
         std::error_code ignored;
-        session.say(fmt::format("{}: {}, {} triangles; {:.1f} s", file,
+        session.say(fmt::format("{}: {}, {}; {:.1f} s", file,
                                 bytes_text(static_cast<std::int64_t>(fs::file_size(file, ignored))),
-                                builder.triangles(), session.total_seconds()));
+                                counted(builder.triangles(), "triangle"), session.total_seconds()));
       }
     return 0;
   };
