@@ -128,8 +128,7 @@ LoadedAxis make_axis(const AxisOptions& options, PolyData&& data, Session& sessi
   checkpoint(&session.context, "read", 1);
   if (repair.degenerate + repair.duplicate > 0)
     session.say(
-        fmt::format("note: in '{}', {} with a repeated corner (what is left of them is kept) and {} that are there "
-                    "twice (counted once)",
+        fmt::format("note: '{}' has {} with a repeated corner (the rest of it is kept) and {} twice (counted once)",
                     options.file, counted(repair.degenerate, "cell"), counted(repair.duplicate, "polygon")));
   if (const DataArray* spacing = find_array(loaded.data.field_data, "spacing")) {
     const std::vector<double> sizes = spacing->numbers();

@@ -47,7 +47,7 @@ void refuse_empty_values(CLI::App& app) {
       [](std::string& value) { return value.empty() ? "has an empty value; give one or leave it out" : std::string(); },
       "");
   for (CLI::Option* option : app.get_options())
-    if (option->get_items_expected_max() > 0) option->check(check);
+    if (option->get_items_expected_max() > 0) option->transform(check);  // before its own checks
 }
 
 template <class T>

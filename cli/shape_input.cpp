@@ -30,7 +30,8 @@ std::optional<Vec3> parse_spacing(const std::string& text) {
   return Vec3(values[0], values[1], values[2]);
 }
 
-/// Nothing for 'auto'.
+}  // namespace
+
 std::optional<std::int64_t> parse_resolution(const std::string& text) {
   if (text == "auto") return std::nullopt;
   std::int64_t value = 0;
@@ -39,8 +40,6 @@ std::optional<std::int64_t> parse_resolution(const std::string& text) {
                 fmt::format("--resolution '{}' is not a whole number from 1 to 16384 or 'auto'", text));
   return value;
 }
-
-}  // namespace
 
 void check_voxelization_memory(const TriangleMesh& mesh, std::int64_t resolution, const Session& session) {
   Vec3 low = mesh.points[mesh.triangles[0][0]], high = low;
@@ -203,7 +202,10 @@ void add_shape_options(CLI::App& app, ShapeOptions& o) {
       ->type_name("N")
       ->capture_default_str()
       ->group(group)
-      ->each([&o](const std::string&) { o.resolution_given = true; });
+      ->each([&o](const std::string& text) {
+        parse_resolution(text);
+        o.resolution_given = true;
+      });
   app.add_option(
          "--fill", o.fill,
          "Mesh: overlapping and nested parts are united ('nonzero') or alternate between inside and outside "

@@ -66,6 +66,13 @@ void add_skeleton_options(CLI::App& app, SkeletonPipelineOptions& o) {
                  "SWC: the root of its component is the node nearest to this point [default: the thickest]")
       ->type_name("X,Y,Z")
       ->group(group);
+  app.add_option(
+         "--swc-type", o.swc_type,
+         "SWC: the type of every sample, a number or 'soma', 'axon', 'dendrite', 'apical-dendrite', 'custom' ...; "
+         "programs for neurons refuse 0")
+      ->type_name("TYPE")
+      ->capture_default_str()
+      ->group(group);
 }
 
 void check_skeleton_options(const SkeletonPipelineOptions& options) {
@@ -75,6 +82,7 @@ void check_skeleton_options(const SkeletonPipelineOptions& options) {
     throw Error(ErrorCode::usage,
                 "--resample 'inf' is not a distance between points; give a length, or 0 for the points as they come");
   root_of(options);
+  io::swc_type_of(options.swc_type, "--swc-type");
 }
 
 CheckedSkeleton compute_skeleton(const MedialAxis& axis, Burning&& burning, const SkeletonPipelineOptions& options,
@@ -128,13 +136,18 @@ void write_graph(const Skeleton& skeleton, const GraphFiles& files, const Skelet
   section["sheets"] = graph.sheets;
   section["radius_offset"] = 0.5 * voxel.minCoeff();
   if (!files.swc.empty()) {
-    const io::SwcReport swc = io::write_swc(files.swc, graph, {root_of(options), 0, units});
+    const int type = io::swc_type_of(options.swc_type, "--swc-type");
+    const io::SwcReport swc = io::write_swc(files.swc, graph, {root_of(options), type, units});
     Json cuts = Json::array();
     for (const auto& cut : swc.cuts)
       cuts.push_back({{"branch", cut.branch},
                       {"from", {cut.from[0], cut.from[1], cut.from[2]}},
                       {"to", {cut.to[0], cut.to[1], cut.to[2]}}});
-    section["swc"] = {{"trees", swc.trees}, {"samples", swc.samples}, {"sheet_links", swc.sheet_links}, {"cuts", cuts}};
+    section["swc"] = {{"type", type},
+                      {"trees", swc.trees},
+                      {"samples", swc.samples},
+                      {"sheet_links", swc.sheet_links},
+                      {"cuts", cuts}};
     if (!swc.cuts.empty())
       session.say(fmt::format("note: {} {} cut in {}, as SWC holds trees only; the header of the file lists where",
                               counted(swc.cuts.size(), "loop"), swc.cuts.size() == 1 ? "is" : "are",

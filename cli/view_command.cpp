@@ -66,14 +66,14 @@ void check_options(const Options& o) {
   if (!o.lambda.empty()) parse_length(o.lambda, "--lambda");
   check_burn_options(o.burn);
   check_skeleton_options(o.skeleton);
+  if (o.shape.file.empty() &&
+      (o.shape.foreground.threshold || o.shape.foreground.label || o.shape.resolution_given || o.shape.fill_given))
+    throw Error(ErrorCode::usage,
+                "--threshold, --label, --resolution and --fill say how --shape is read; give --shape too");
   std::error_code ignored;
   for (const std::string& file : o.files)
     if (!fs::exists(file, ignored)) throw Error(ErrorCode::failed, fmt::format("'{}' does not exist", file));
-  if (!o.shape.file.empty())
-    check_shape_options(o.shape);
-  else if (o.shape.foreground.threshold || o.shape.foreground.label || o.shape.resolution_given || o.shape.fill_given)
-    throw Error(ErrorCode::usage,
-                "--threshold, --label, --resolution and --fill say how --shape is read; give --shape too");
+  if (!o.shape.file.empty()) check_shape_options(o.shape);
 }
 
 [[noreturn]] void refuse_shape(const std::string& file) {
@@ -145,7 +145,10 @@ Action add_view(CLI::App& app) {
   app.add_option("--resolution", o->shape.resolution, "Of a --shape that is a mesh [default: what FILE says, else 256]")
       ->type_name("N")
       ->group(shape)
-      ->each([o](const std::string&) { o->shape.resolution_given = true; });
+      ->each([o](const std::string& text) {
+        parse_resolution(text);
+        o->shape.resolution_given = true;
+      });
   app.add_option("--fill", o->shape.fill,
                  "What is inside of a --shape that is a mesh: 'nonzero', 'evenodd', 'winding' or 'auto' [default: what "
                  "FILE says, else nonzero]")

@@ -117,7 +117,7 @@ def test_cleaning():
     fine = quench.medial_axis(image, subdivide=2, lambda_=0)
     assert fine.topology.betti == (2, 0, 1) and fine.vertices.max() < 28
     assert fine.reconstruct().shape == image.shape
-    with pytest.raises(quench.Error, match='exclude'):
+    with pytest.raises(quench.Error, match='cannot be combined'):
         quench.medial_axis(image, threshold=1, label=1)
 
 
