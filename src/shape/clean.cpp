@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "complex/union_find.h"
+#include "quench/counted.h"
 #include "quench/error.h"
 #include "quench/volume.h"
 
@@ -81,8 +82,8 @@ VoxelShape drop_components(const VoxelShape& shape, const ForegroundOptions& opt
       report.voxels_removed += voxels[i];
     }
   if (report.voxels_removed == shape.voxel_count())
-    throw Error(ErrorCode::input, fmt::format("--min-component {} leaves nothing: the largest component has {} voxels",
-                                              options.min_component, voxels[largest]));
+    throw Error(ErrorCode::input, fmt::format("--min-component {} leaves nothing: the largest component has {}",
+                                              options.min_component, counted(voxels[largest], "voxel")));
   if (report.components_removed == 0) return shape;
   return filtered(shape, [&](std::uint32_t run) { return keep(sets.find(run)); });
 }
