@@ -158,7 +158,8 @@ TEST(Foreground, WithoutRuleTheImageMustHaveTwoValues) {
   message(ErrorCode::usage, [] { foreground(line<std::uint8_t>({5, 1, 3}), {}); });
   message(ErrorCode::usage, [] { foreground(line<std::uint8_t>({1, 5, 3}), {}); });
   EXPECT_TRUE(has(message(ErrorCode::input, [] { foreground(line<std::uint8_t>({0, 0}), {}); }), "from 0 to 0"));
-  EXPECT_TRUE(has(message(ErrorCode::input, [] { foreground(line<double>({std::nan("")}), {}); }), "no values but NaN"));
+  EXPECT_TRUE(
+      has(message(ErrorCode::input, [] { foreground(line<double>({std::nan("")}), {}); }), "no values but NaN"));
 }
 
 TEST(Foreground, RefusesContradictions) {
