@@ -263,6 +263,20 @@ TEST_F(Options, TheShareThatCleaningDrops) {
   EXPECT_EQ(speck.err.find("warning"), std::string::npos) << speck.err;
 }
 
+TEST_F(Options, SentencesThatHelp) {
+  const std::string header("\0\0\0\rIHDR\0\0\0\1\0\0\0\1\b\0\0\0\0", 21), checksum(4, '\0');
+  folder.write("bad.png", "\x89PNG\r\n\x1a\n" + header + checksum + std::string(12, '\0'));
+  refuses(3, {"'bad.png'", "checksum of the block at byte 8 is wrong", "copy it again"}, {"info", "bad.png"});
+  folder.write("short.off", "OFF\n4294967299 1 0\n0 0 0\n");
+  refuses(3, {"4294967299 vertices and 1 face are announced"}, {"info", "short.off"});
+  folder.write("cube.off", cube_off());
+  refuses(2, {"--lambda '-1' is negative"}, {"core", "cube.off", "-o", "a.vtp", "--lambda", "-1"});
+  folder.write("a.docx", "text");
+  refuses(3, {"'a.docx' has the unknown file type '.docx'", ".nrrd"}, {"info", "a.docx"});
+  folder.write("plain", "text");
+  refuses(3, {"'plain' has no file type in its name"}, {"core", "plain", "-o", "a.vtp"});
+}
+
 TEST_F(Options, AmountsOfMemory) {
   EXPECT_EQ(quench::bytes_text(0), "0 bytes");
   EXPECT_EQ(quench::bytes_text(1), "1 byte");
