@@ -121,7 +121,7 @@ def main():
     def quench(*arguments):
         subprocess.run([options.quench, *map(str, arguments), '--quiet', '--threads', '1'], check=True)
 
-    quench('run', options.mesh, '--resolution', options.resolution, '-o', folder)
+    quench('run', options.mesh, '--resolution', options.resolution, '-o', folder, '--overwrite')
     side = json.loads((folder / 'report.json').read_text())['input']['longest_side']
     print(f"| theta2 \\ theta1 | {' | '.join(THETA1)} |\n|---|" + '---|' * len(THETA1))
     cells = []

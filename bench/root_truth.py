@@ -308,7 +308,8 @@ def main():
                 quench('sample', 'root', '--seed', seed, '--branches', branches, '-o', mesh)
             folder = options.work / f'{mesh.stem}-{resolution}-{options.floor}'
             if not (folder / 'report.json').exists():
-                quench('run', mesh, '--resolution', resolution, '--lambda', options.floor, '-o', folder)
+                quench('run', mesh, '--resolution', resolution, '--lambda', options.floor, '-o', folder,
+                       '--overwrite')
             report = json.loads((folder / 'report.json').read_text())
             voxel = report['shape']['spacing'][0]
             truth = Truth(mesh.with_suffix('.json'), voxel)

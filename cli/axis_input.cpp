@@ -3,7 +3,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+
+#include "option_checks.h"
 #include "quench/axis_fields.h"
+#include "quench/counted.h"
 #include "quench/extent.h"
 #include "quench/io.h"
 
@@ -30,12 +35,10 @@ void add_axis_options(CLI::App& app, AxisOptions& o) {
          "the bounding box of AXIS]")
       ->type_name("FILE")
       ->group(group);
-  app.add_option("--threshold", o.threshold, "--shape is a volume: its voxels of at least this value")
+  add_threshold(app, o.threshold, "--shape is a volume: its voxels of at least this value")
       ->type_name("T")
       ->group(group);
-  app.add_option("--label", o.label, "--shape is a volume: its voxels of exactly this value")
-      ->type_name("K")
-      ->group(group);
+  add_label(app, o.label, "--shape is a volume: its voxels of exactly this value")->type_name("K")->group(group);
 }
 
 void check_axis_options(const AxisOptions& options) {
@@ -123,9 +126,8 @@ LoadedAxis make_axis(const AxisOptions& options, PolyData&& data, Session& sessi
   checkpoint(&session.context, "read", 1);
   if (repair.degenerate + repair.duplicate > 0)
     session.say(
-        fmt::format("note: {} cells of {} repeat a corner (what is left of them is kept), {} polygons are there "
-                    "twice (counted once)",
-                    repair.degenerate, options.file, repair.duplicate));
+        fmt::format("note: '{}' has {} with a repeated corner (the rest of it is kept) and {} twice (counted once)",
+                    options.file, counted(repair.degenerate, "cell"), counted(repair.duplicate, "polygon")));
   if (const DataArray* spacing = find_array(loaded.data.field_data, "spacing")) {
     const std::vector<double> sizes = spacing->numbers();
     loaded.spacing = {sizes[0], sizes[1], sizes[2]};

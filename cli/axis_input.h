@@ -17,7 +17,7 @@ namespace quench::program {
 /// How a file becomes a medial axis: the options AXIS arguments share.
 struct AxisOptions {
   std::string file, radii, shape;
-  std::optional<double> threshold;
+  std::optional<Threshold> threshold;
   std::optional<std::int64_t> label;
   std::vector<std::filesystem::path> inputs() const;
 };

@@ -5,6 +5,7 @@
 
 #include "axis_input.h"
 #include "option_checks.h"
+#include "quench/counted.h"
 #include "quench/geometry.h"
 
 namespace quench::program {
@@ -39,7 +40,7 @@ void check_burn_options(const BurnPipelineOptions& options) {
   if (!(omega.value > 0) || std::isinf(omega.value))
     throw Error(
         ErrorCode::usage,
-        fmt::format("--omega {} is no distance between nodes; give a length above 0, or 'auto'", options.omega));
+        fmt::format("--omega '{}' is not a distance between nodes; give a length above 0, or 'auto'", options.omega));
 }
 
 void take_burn_parameters(BurnPipelineOptions& options, const PolyData& burned) {
@@ -66,9 +67,10 @@ Burning compute_burning(const MedialAxis& axis, bool voxel_core, const BurnPipel
                              burning.options.omega, burning.max_burn_time));
   if (burning.unburned > 0)
     session.say(
-        fmt::format("note: {} of {} vertices lie on closed pockets, where no fire comes: their burn time is "
-                    "infinite (array 'unburned')",
-                    burning.unburned, axis.complex.vertex_count));
+        fmt::format("note: {} of {} {} on closed pockets, where no fire comes: the burn time there is infinite (array "
+                    "'unburned')",
+                    burning.unburned, counted(axis.complex.vertex_count, "vertex", "vertices"),
+                    burning.unburned == 1 ? "lies" : "lie"));
   report["burn"] = {{"omega", burning.options.omega},
                     {"nodes", burning.network.node_count()},
                     {"unburned", burning.unburned},

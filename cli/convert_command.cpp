@@ -3,6 +3,7 @@
 
 #include "axis_input.h"
 #include "program.h"
+#include "quench/counted.h"
 #include "quench/io.h"
 
 namespace quench::program {
@@ -39,8 +40,8 @@ Action add_convert(CLI::App& app) {
                                                 o->input, extension));
     io::write_poly_data(o->output, data, {o->quality});
     session.finished("write");
-    session.say(fmt::format("{}: {} points, {} lines, {} polygons", o->output, data.points.size(), data.lines.size(),
-                            data.poly_count()));
+    session.say(fmt::format("{}: {}, {}, {}", o->output, counted(data.points.size(), "point"),
+                            counted(data.lines.size(), "line"), counted(data.poly_count(), "polygon")));
     return 0;
   };
 }

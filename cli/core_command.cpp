@@ -2,29 +2,34 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <cerrno>
+#include <cstring>
+
 #include "axis_input.h"
 #include "burn_pipeline.h"
 #include "core_pipeline.h"
 #include "page_pipeline.h"
 #include "program.h"
+#include "quench/counted.h"
 #include "quench/io.h"
 #include "skeleton_pipeline.h"
 
 namespace quench::program {
 namespace {
 
-/// The folder exists or can be made: told before a long computation, and made after it.
+/// The folder exists or can be created: told before a long computation, and created after it.
 void check_folder(const std::string& folder) {
   namespace fs = std::filesystem;
   std::error_code error;
-  if (folder.empty()) throw Error(ErrorCode::usage, "the name of the output folder is empty; give -o a name");
+  check_name_length(fs::path(folder) / "skeleton.swc");
   fs::path existing = fs::absolute(folder, error);
   while (!fs::exists(existing, error) && existing.has_relative_path()) existing = existing.parent_path();
   if (!fs::is_directory(existing, error))
-    throw Error(ErrorCode::usage, fmt::format("'{}' exists and is no folder; give -o another name", existing.string()));
-  if (access(existing.c_str(), W_OK) != 0)
-    throw Error(ErrorCode::failed,
-                fmt::format("cannot write to '{}': the folder '{}' is not writable", folder, existing.string()));
+    throw Error(ErrorCode::usage,
+                fmt::format("'{}' exists and is not a folder; give -o another name", existing.string()));
+  if (access(existing.c_str(), W_OK | X_OK) != 0)
+    throw Error(ErrorCode::failed, fmt::format("cannot write to '{}': the folder '{}' is not writable: {}", folder,
+                                               existing.string(), std::strerror(errno)));
 }
 
 }  // namespace
@@ -76,8 +81,7 @@ Action add_run(CLI::App& app) {
   app.add_flag("--no-view", o->no_view, "Do not write view.html, the interactive page")->group("Page");
   app.add_option(
          "-o,--output", o->folder,
-         "Folder for core.vtp, skeleton.vtp, skeleton.swc, branches.csv, report.json and view.html (made if absent; "
-         "these files are replaced)")
+         "Folder for core.vtp, skeleton.vtp, skeleton.swc, branches.csv, report.json and view.html; created if absent")
       ->type_name("DIR")
       ->required();
   return [o](Session& session) {
@@ -86,15 +90,13 @@ Action add_run(CLI::App& app) {
     const fs::path skeleton_vtp = folder / "skeleton.vtp", swc = folder / "skeleton.swc", csv = folder / "branches.csv";
     const fs::path view = folder / "view.html";
     const bool with_page = !o->no_view && has_page_program();
+    std::vector<fs::path> outputs_of_run{core, skeleton_vtp, swc, csv, report};
+    if (with_page) outputs_of_run.push_back(view);
     check_folder(o->folder);
-    session.check_not_inputs({core, skeleton_vtp, swc, csv, report, view}, {o->shape.file});
-    session.check_report({o->shape.file});
     std::error_code error;
-    for (const fs::path& file : {core, skeleton_vtp, swc, csv, view})
-      if (!session.options.report.empty() &&
-          fs::weakly_canonical(session.options.report, error) == fs::weakly_canonical(file, error))
-        throw Error(ErrorCode::usage,
-                    fmt::format("--json {} is where a result goes; give another name", session.options.report));
+    if (fs::exists(folder, error))
+      for (const fs::path& file : outputs_of_run) session.check_output(file, {o->shape.file});
+    session.check_report({o->shape.file});
     check_core_options(o->core);
     check_burn_options(o->burn);
     check_skeleton_options(o->skeleton);
@@ -137,7 +139,7 @@ Action add_run(CLI::App& app) {
                          result.report, session, add_to_page);
     fs::create_directories(o->folder, error);
     if (error)
-      throw Error(ErrorCode::failed, fmt::format("the folder '{}' cannot be made: {}", o->folder, error.message()));
+      throw Error(ErrorCode::failed, fmt::format("the folder '{}' cannot be created: {}", o->folder, error.message()));
     auto& parameters = result.report["parameters"];
     parameters["omega"] = o->burn.omega;
     parameters["propagation"] = o->burn.propagation;
@@ -160,10 +162,10 @@ Action add_run(CLI::App& app) {
     write_report(outputs, result.report, session);
     say_written(session, core.string(), report.string(), result.core, loaded);
     const CellComplex& c = skeleton.skeleton.complex;
-    session.say(
-        fmt::format("{}: {} vertices, {} edges, {} faces, {} branches; topology as that of the shape; also {} and {}",
-                    skeleton_vtp.string(), c.vertex_count, c.edges.size(), c.face_count(),
-                    result.report["skeleton"]["branches"].get<std::size_t>(), swc.string(), csv.string()));
+    session.say(fmt::format("{}: {}, {}; topology as that of the shape; also {} and {}", skeleton_vtp.string(),
+                            cells_text(c.vertex_count, c.edges.size(), c.face_count()),
+                            counted(result.report["skeleton"]["branches"].get<std::size_t>(), "branch", "branches"),
+                            swc.string(), csv.string()));
     if (with_page) session.say(fmt::format("{}: the interactive page; open it in a browser", view.string()));
     return 0;
   };

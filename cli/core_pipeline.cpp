@@ -7,6 +7,7 @@
 #include <ostream>
 
 #include "option_checks.h"
+#include "quench/counted.h"
 #include "quench/io.h"
 
 namespace quench::program {
@@ -57,14 +58,16 @@ CorePipelineResult compute_core(const LoadedShape& loaded, const CorePipelineOpt
   const std::int64_t sites = count_boundary_vertices(loaded.shape);
   CheckedCoreOptions core_options;
   // --memory-limit is for all the program holds; what is free is beside what it holds.
-  const std::int64_t held = held_memory(), counted = session.options.memory_limit.empty() ? 0 : held;
+  const std::int64_t held = held_memory(), before = session.options.memory_limit.empty() ? 0 : held;
   const std::int64_t at_once = predicted_core_bytes(loaded.shape),
                      in_bricks = predicted_core_bytes_in_bricks(loaded.shape);
-  core_options.in_bricks = counted + at_once > session.memory_limit() && in_bricks < at_once;
+  core_options.in_bricks = before + at_once > session.memory_limit() && in_bricks < at_once;
   const std::int64_t bytes = core_options.in_bricks ? in_bricks : at_once;
-  std::string what = fmt::format("the medial axis of a shape with {} boundary vertices", sites);
-  if (core_options.in_bricks) what += fmt::format(", in bricks ({} at once),", bytes_text(counted + at_once));
-  session.check_memory(counted + bytes, what);
+  std::string what =
+      fmt::format("the medial axis of a shape with {}", counted(sites, "boundary vertex", "boundary vertices"));
+  if (core_options.in_bricks) what += fmt::format(", in bricks ({} at once),", bytes_text(before + at_once));
+  session.check_memory(before + bytes, what,
+                       loaded.kind == "mesh" ? "a lower --resolution" : "a smaller or coarser volume, or a part of it");
   if (core_options.in_bricks)
     session.say(fmt::format("{} boundary vertices are worked on in bricks: about {} of memory instead of {}", sites,
                             bytes_text(held + bytes), bytes_text(held + at_once)));
@@ -142,6 +145,11 @@ void write_report(io::OutputGroup& outputs, const Json& report, Session& session
   if (file == "-") write_report(file, report, session);
 }
 
+std::string cells_text(std::size_t vertices, std::size_t edges, std::size_t faces) {
+  return fmt::format("{}, {}, {}", counted(vertices, "vertex", "vertices"), counted(edges, "edge"),
+                     counted(faces, "face"));
+}
+
 std::string json_text(const Json& value, int indent) {
   return value.dump(indent, ' ', false, Json::error_handler_t::replace);
 }
@@ -153,11 +161,11 @@ void say_written(Session& session, const std::string& axis, const std::string& r
     stages += fmt::format("{}{} {:.2f} s", stages.empty() ? "" : ", ", stage, seconds);
   session.detail(fmt::format("{}; {} of memory at the peak", stages, bytes_text(Session::peak_bytes())));
   const bool full = core.options.full;
-  session.say(
-      fmt::format("{}: {} vertices, {} edges, {} faces; topology as that of the shape; lengths in {}; {:.1f} s{}", axis,
-                  full ? core.vertices : core.kept_vertices, full ? core.edges : core.kept_edges,
-                  full ? core.faces : core.kept_faces, loaded.units.empty() ? "the input's units" : loaded.units,
-                  session.total_seconds(), report.empty() ? "" : fmt::format("; report in {}", report)));
+  session.say(fmt::format("{}: {}; topology as that of the shape; lengths in {}; {:.1f} s{}", axis,
+                          cells_text(full ? core.vertices : core.kept_vertices, full ? core.edges : core.kept_edges,
+                                     full ? core.faces : core.kept_faces),
+                          loaded.units.empty() ? "the input's units" : loaded.units, session.total_seconds(),
+                          report.empty() ? "" : fmt::format("; report in {}", report)));
 }
 
 }  // namespace quench::program

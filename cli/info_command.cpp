@@ -8,6 +8,7 @@
 
 #include "axis_input.h"
 #include "core_pipeline.h"
+#include "printable.h"
 #include "program.h"
 #include "quench/io.h"
 #include "quench/medial_axis.h"
@@ -180,12 +181,9 @@ bool is_short(const Json& value) {
          std::none_of(value.begin(), value.end(), [](const Json& entry) { return entry.is_object(); });
 }
 
-// Control characters of a foreign file must not reach a terminal as such: JSON escapes them.
+// Control characters of a foreign file must not reach a terminal as such.
 std::string plain(const Json& value) {
-  if (!value.is_string()) return json_text(value);
-  const auto text = value.get<std::string>();
-  const bool printable = std::none_of(text.begin(), text.end(), [](char c) { return (c >= 0 && c < ' ') || c == 127; });
-  return printable ? text : json_text(value);
+  return printable(value.is_string() ? value.get<std::string>() : json_text(value));
 }
 
 /// "key: value" lines; small objects, such as an array's type and range, on one line.
@@ -193,10 +191,10 @@ std::string text_of(const Json& object, int indent) {
   std::string text;
   for (const auto& [key, entry] : object.items()) {
     if (entry.is_object() && entry.empty()) continue;
-    text += fmt::format("{:{}}{}:", "", indent, key);
+    text += fmt::format("{:{}}{}:", "", indent, printable(key));
     if (indent > 0 && is_short(entry)) {
       for (const auto& [name, value] : entry.items())
-        text += fmt::format("{} {} {}", &value == &entry.front() ? "" : ",", name, plain(value));
+        text += fmt::format("{} {} {}", &value == &entry.front() ? "" : ",", printable(name), plain(value));
       text += '\n';
     } else if (entry.is_object()) {
       text += '\n' + text_of(entry, indent + 2);
@@ -221,8 +219,7 @@ Action add_info(CLI::App& app) {
       throw Error(ErrorCode::failed, fmt::format("'{}' does not exist", o->file));
     Json info = {{"file", o->file}};
     const io::Kind kind = io::kind_of(o->file);
-    if (kind == io::Kind::unknown)
-      throw Error(ErrorCode::input, fmt::format("'{}' is of no kind Quench knows by its name", o->file));
+    if (kind == io::Kind::unknown) refuse_unknown_kind(o->file);
     info.update(kind == io::Kind::volume ? volume_info(o->file, session) : surface_info(o->file, session));
     session.answer(session.options.report.empty() ? text_of(info, 0) : json_text(info, 2) + "\n");
     return 0;

@@ -6,8 +6,10 @@
 #include <cstdio>
 #include <exception>
 #include <new>
+#include <string>
 #include <string_view>
 
+#include "printable.h"
 #include "program.h"
 #include "quench/error.h"
 
@@ -20,6 +22,10 @@ void keep_standard_streams() {
     if (fcntl(fd, F_GETFD) == -1 && open("/dev/null", O_RDWR) != fd) return;
 }
 
+void complain(const std::string& sentence) {
+  std::fprintf(stderr, "quench: %s\n", quench::program::printable(sentence).c_str());
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -30,19 +36,19 @@ int main(int argc, char** argv) {
     return quench::program::run(argc, argv);
   } catch (const quench::Error& error) {
     const bool interrupted = error.code() == quench::ErrorCode::cancelled;
-    std::fprintf(stderr, "quench: %s\n", interrupted ? "interrupted; nothing was written" : error.what());
+    complain(interrupted ? "interrupted; nothing was written" : error.what());
     return static_cast<int>(error.code());
   } catch (const std::bad_alloc&) {
-    std::fprintf(stderr, "quench: out of memory; use a lower --resolution or close other programs\n");
+    complain(
+        "out of memory; give the program a smaller shape (for a mesh: a lower --resolution) or close other programs");
   } catch (const std::exception& error) {
     // What TBB says when the system has no memory or no room for another thread.
     if (std::string_view(error.what()).starts_with("pthread_create")) {
-      std::fprintf(stderr,
-                   "quench: a thread cannot be started: out of memory, or too many processes; use --threads 1 or close "
-                   "other programs\n");
+      complain(
+          "a thread cannot be started: out of memory, or too many processes; use --threads 1 or close other programs");
       return static_cast<int>(quench::ErrorCode::failed);
     }
-    std::fprintf(stderr, "quench: unexpected: %s\n", error.what());
+    complain(std::string("unexpected: ") + error.what());
   }
   return static_cast<int>(quench::ErrorCode::failed);
 }

@@ -1,43 +1,51 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
 #include <CLI/CLI.hpp>
-#include <algorithm>
-#include <charconv>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
-/// Checks of option values: as those of CLI11, without their additions to the help text.
+#include "quench/volume.h"
+
+/// Values of options as text: what is refused, and how numbers are read. Every number of the command line is read here
+/// or by parse_length(): decimal, all of the text, never rounded into its range.
 namespace quench::program {
 
-inline CLI::Validator one_of(std::vector<std::string> names) {
-  return CLI::Validator(
-      [names](std::string& value) {
-        if (std::find(names.begin(), names.end(), value) != names.end()) return std::string();
-        return fmt::format("'{}' is none of {}", value, fmt::join(names, ", "));
-      },
-      "");
-}
+CLI::Validator one_of(std::vector<std::string> names);
 
-inline CLI::Validator within(double least, double most) {
-  return CLI::Validator(
-      [=](std::string& text) {
-        double value = 0;
-        const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-        if (error == std::errc() && end == text.data() + text.size() && value >= least && value <= most)
-          return std::string();
-        return fmt::format("'{}' is not from {} to {}", text, least, most);
-      },
-      "");
-}
+/// Every option and argument of the command refuses an empty value.
+void refuse_empty_values(CLI::App& app);
 
-inline CLI::Validator at_least_zero() {
-  return CLI::Validator(
-      [](std::string& text) { return text.starts_with('-') ? fmt::format("'{}' is negative", text) : std::string(); },
-      "");
-}
+/// Whether all of the text is a decimal number of the type; no plus sign, no blanks.
+template <class T>
+bool is_number(std::string_view text, T& value);
+
+/// `text` as a number from least to most; infinite ones are none. Throws Error(usage), naming the option.
+template <class T>
+T number_of(const std::string& option, const std::string& text, T least = std::numeric_limits<T>::lowest(),
+            T most = std::numeric_limits<T>::max());
+
+/// Numbers separated by `separator`; empty when one of them is not a finite number.
+std::vector<double> numbers_in(std::string_view text, char separator);
+
+/// A whole number that a double would round stays one.
+Threshold threshold_of(const std::string& option, const std::string& text);
+
+/// An option with one value, which `parse` turns into what it means.
+CLI::Option* add_parsed(CLI::App& app, const std::string& name, const std::string& help,
+                        std::function<void(const std::string& option, const std::string& text)> parse,
+                        std::function<std::string()> default_text = {});
+
+/// An option that is a number from least to most.
+template <class T>
+CLI::Option* add_number(CLI::App& app, const std::string& name, T& value, const std::string& help,
+                        T least = std::numeric_limits<T>::lowest(), T most = std::numeric_limits<T>::max());
+CLI::Option* add_label(CLI::App& app, std::optional<std::int64_t>& label, const std::string& help);
+CLI::Option* add_threshold(CLI::App& app, std::optional<Threshold>& threshold, const std::string& help);
 
 }  // namespace quench::program

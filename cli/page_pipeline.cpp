@@ -5,15 +5,18 @@
 
 #include <algorithm>
 
+#include "option_checks.h"
 #include "page_program.h"
 
 namespace quench::program {
 
 void add_page_options(CLI::App& app, PageOptions& o) {
-  app.add_option("--max-triangles", o.max_triangles,
-                 "The page: at most so many triangles; larger results are simplified for display, and the page says so")
+  add_number<std::size_t>(
+      app, "--max-triangles", o.max_triangles,
+      "The page: at most so many triangles, 1000 to 50000000; larger results are simplified for display, and the page "
+      "says so",
+      1000, 50'000'000)
       ->type_name("N")
-      ->check(CLI::Range(std::size_t{1000}, std::size_t{50'000'000}).description(""))
       ->capture_default_str()
       ->group("Page");
 }

@@ -8,7 +8,9 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <chrono>
+#include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <iterator>
@@ -113,9 +115,15 @@ std::string bytes_of(const fs::path& file) {
 }  // namespace
 
 TemporaryFolder::TemporaryFolder() {
-  std::string name = (fs::temp_directory_path() / "quench-picture-XXXXXX").string();
+  const char* const given = std::getenv("TMPDIR");
+  const fs::path folder = given && *given ? given : "/tmp";
+  std::string name = (folder / "quench-picture-XXXXXX").string();
   if (!mkdtemp(name.data()))
-    throw Error(ErrorCode::failed, fmt::format("no temporary folder can be made: {}", std::strerror(errno)));
+    throw Error(
+        ErrorCode::failed,
+        fmt::format("--png needs room for temporary files, and the folder '{}' cannot be used for them: {}; set "
+                    "TMPDIR to a folder that can be written",
+                    folder.string(), std::strerror(errno)));
   path = name;
 }
 
@@ -128,7 +136,10 @@ fs::path find_chromium() {
   if (const char* const given = std::getenv("QUENCH_CHROMIUM"); given && *given) {
     const fs::path found = on_path(given);
     if (!found.empty()) return found;
-    throw Error(ErrorCode::failed, fmt::format("QUENCH_CHROMIUM is '{}', which is no program", given));
+    throw Error(
+        ErrorCode::failed,
+        fmt::format("QUENCH_CHROMIUM is '{}', which is not a program that can be run; name Chromium or Google Chrome",
+                    given));
   }
   for (const char* name : {"chromium", "chromium-browser", "google-chrome", "google-chrome-stable"})
     if (const fs::path found = on_path(name); !found.empty()) return found;
@@ -159,7 +170,9 @@ void take_picture(const fs::path& chromium, const fs::path& page, const fs::path
   if (!ended || bytes.size() < 100 || !bytes.starts_with("\x89PNG") ||
       number(16) != static_cast<std::uint32_t>(picture.width) ||
       number(20) != static_cast<std::uint32_t>(picture.height))
-    throw Error(ErrorCode::failed, fmt::format("'{}' did not draw the page: no picture was made", chromium.string()));
+    throw Error(ErrorCode::failed, fmt::format("'{}' did not draw the page; name another Chromium or Google Chrome in "
+                                               "QUENCH_CHROMIUM, or open the page written by -o in a browser",
+                                               chromium.string()));
   io::write_atomically(png, [&](std::ostream& out) { out << bytes; });
 }
 

@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <cstring>
 
+#include "option_checks.h"
+
 namespace quench::program {
 namespace {
 
@@ -44,7 +46,8 @@ constexpr Command kCommands[] = {
 
 void add_common(CLI::App& app, CommonOptions& options, unsigned common) {
   const auto group = "Common";
-  app.add_option("--threads", options.threads, "Threads; 0: all processors")
+  add_number(app, "--threads", options.threads, "Threads, up to 256; 0: all processors", 0,
+             256)  // a thread costs memory even when it has no processor
       ->type_name("N")
       ->capture_default_str()
       ->group(group);
@@ -72,6 +75,66 @@ std::string names_of_commands() {
   return names;
 }
 
+/// How many letters must be changed, added, removed or swapped with their neighbour to make one word the other.
+std::size_t distance_of(std::string_view a, std::string_view b) {
+  std::vector<std::vector<std::size_t>> d(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
+  for (std::size_t i = 0; i <= a.size(); ++i)
+    for (std::size_t j = 0; j <= b.size(); ++j) {
+      d[i][j] = i + j;
+      if (i == 0 || j == 0) continue;
+      d[i][j] = std::min({d[i - 1][j] + 1, d[i][j - 1] + 1, d[i - 1][j - 1] + (a[i - 1] != b[j - 1])});
+      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
+        d[i][j] = std::min(d[i][j], d[i - 2][j - 2] + 1);
+    }
+  return d[a.size()][b.size()];
+}
+
+/// The name that was meant; empty when none is near.
+std::string nearest_name(const std::string& word, const std::vector<std::string>& names) {
+  std::size_t least = std::max<std::size_t>(1, word.size() / 3) + 1;
+  std::string best;
+  if (word.size() > 64) return {};
+  for (const std::string& name : names)
+    if (const std::size_t distance = distance_of(word, name); distance < least) {
+      least = distance;
+      best = name;
+    }
+  return best;
+}
+
+std::string unknown_command(const std::string& word) {
+  std::vector<std::string> names;
+  for (const Command& command : kCommands) names.emplace_back(command.name);
+  const std::string meant = nearest_name(word, names);
+  return fmt::format("unknown command '{}'; {}", word,
+                     meant.empty() ? "commands are " + names_of_commands() : fmt::format("did you mean '{}'?", meant));
+}
+
+std::string unknown_option(const std::string& word, const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : app.get_options())
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  const std::string meant = nearest_name(word.substr(0, word.find('=')), names);
+  return fmt::format("there is no option {}{}", word, meant.empty() ? "" : fmt::format("; did you mean {}?", meant));
+}
+
+/// What CLI11 takes for something else: "--json=" for "--json", whose value is then the next word, and "-o=file" for a
+/// file named "=file".
+void refuse_misread_words(int argc, char** argv) {
+  for (int i = 1; i < argc; ++i) {
+    const std::string_view word = argv[i];
+    if (word == "--") return;
+    const std::size_t equals = word.find('=');
+    if (!word.starts_with('-') || equals == std::string_view::npos) continue;
+    const std::string_view name = word.substr(0, equals);
+    if (name.starts_with("--") && name.size() > 2 && equals + 1 == word.size())
+      throw Error(ErrorCode::usage, fmt::format("{} has an empty value; give one or leave the option out", name));
+    if (name.size() == 2 && name[1] != '-')
+      throw Error(ErrorCode::usage,
+                  fmt::format("'{}': after {} the value follows without '=', or as the next word", word, name));
+  }
+}
+
 /// One sentence on what is wrong with the command line.
 std::string usage_sentence(const CLI::ParseError& error, const CLI::App& app) {
   const auto used = app.get_subcommands();
@@ -80,9 +143,11 @@ std::string usage_sentence(const CLI::ParseError& error, const CLI::App& app) {
   const auto option = std::find_if(left.begin(), left.end(),
                                    [](const std::string& word) { return word.starts_with('-') && word != "-"; });
   const std::string help = used.empty() ? "quench --help" : fmt::format("quench {} --help", at.get_name());
-  if (option != left.end()) return fmt::format("there is no option {}; see {}", *option, help);
-  if (used.empty() && !left.empty())
-    return fmt::format("there is no command '{}'; there are {}; see {}", left.front(), names_of_commands(), help);
+  const auto with_help = [&](const std::string& sentence) {
+    return fmt::format("{}{} see {}", sentence, sentence.ends_with('?') ? "" : ";", help);
+  };
+  if (used.empty() && !left.empty() && !left.front().starts_with('-')) return with_help(unknown_command(left.front()));
+  if (option != left.end()) return with_help(unknown_option(*option, at));
   if (used.empty()) return fmt::format("give a command: {}; see {}", names_of_commands(), help);
   if (!left.empty()) return fmt::format("'{}' is one argument too many; see {}", left.front(), help);
   std::string what = error.what();
@@ -93,8 +158,12 @@ std::string usage_sentence(const CLI::ParseError& error, const CLI::App& app) {
                        what.substr(equals + 3));
   } else if (const std::size_t colon = what.find(": 1 required "); colon != std::string::npos) {
     what = what.substr(0, colon) + " needs a value";
+  } else if (const std::size_t many = what.find(": At Most 1 required"); many != std::string::npos) {
+    what = what.substr(0, many) + " is given more than once";
+  } else if (dynamic_cast<const CLI::ValidationError*>(&error)) {  // ours, behind the name of the option
+    what.replace(what.find(": "), 2, " ");
   }
-  std::replace(what.begin(), what.end(), '\n', ' ');
+
   return fmt::format("{}; see {}", what, help);
 }
 
@@ -134,8 +203,10 @@ int run(int argc, char** argv) {
     sub->footer(fmt::format("Example:\n  {}", command.example));
     actions.emplace_back(sub, command.add(*sub));
     add_common(*sub, common, command.common);
+    refuse_empty_values(*sub);
   }
   int result = 0;
+  refuse_misread_words(argc, argv);
   try {
     app.parse(argc, argv);
     common.command = command_line(argc, argv);

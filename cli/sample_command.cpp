@@ -6,6 +6,7 @@
 
 #include "option_checks.h"
 #include "program.h"
+#include "quench/counted.h"
 #include "quench/io.h"
 #include "quench/output_group.h"
 #include "quench/sample.h"
@@ -75,24 +76,23 @@ Action add_sample(CLI::App& app) {
                  "A mesh (.ply .obj .vtp) or a volume (.nrrd); root also writes FILE.json, its true branches")
       ->type_name("FILE")
       ->required();
-  app.add_option("--seed", o->sample.seed, "root: another seed, another root")->type_name("N")->capture_default_str();
-  app.add_option("--branches", o->sample.branches, "root: number of branches, 1 to 100000")
+  add_number(app, "--seed", o->sample.seed, "root: another seed, another root")->type_name("N")->capture_default_str();
+  add_number(app, "--branches", o->sample.branches, "root: number of branches, 1 to 100000", 1, 100000)
       ->type_name("N")
-      ->check(within(1, 100000))
       ->capture_default_str();
-  app.add_option("--noise", o->sample.noise,
-                 "rippled-box, bumpy-sphere: height of the ripples or bumps as a fraction of the longest side, up to "
-                 "0.1; 0: the shape's own")
+  add_number(app, "--noise", o->sample.noise,
+             "rippled-box, bumpy-sphere: height of the ripples or bumps as a fraction of the longest side, up to "
+             "0.1; 0: the shape's own",
+             0.0, 0.1)
       ->type_name("FRACTION")
-      ->check(within(0, 0.1))
       ->capture_default_str();
-  app.add_option("--detail", o->sample.detail, "Multiplies the number of triangles along each direction, 0.01 to 16")
+  add_number(app, "--detail", o->sample.detail, "Multiplies the number of triangles along each direction, 0.01 to 16",
+             0.01, 16.0)
       ->type_name("FACTOR")
-      ->check(within(0.01, 16))
       ->capture_default_str();
-  app.add_option("--resolution", o->resolution, "Volumes: voxels along the longest side, 1 to 16384")
+  add_number<std::int64_t>(app, "--resolution", o->resolution, "Volumes: voxels along the longest side, 1 to 16384", 1,
+                           16384)
       ->type_name("N")
-      ->check(within(1, 16384))
       ->capture_default_str();
   return [o](Session& session) {
     namespace fs = std::filesystem;
@@ -113,7 +113,7 @@ Action add_sample(CLI::App& app) {
       check_voxelization_memory(sample.mesh, o->resolution, session);
       const Voxelization v = voxelize(sample.mesh, {.resolution = o->resolution}, &session.context);
       io::write_volume(o->output, v.shape, &session.context);
-      lines.push_back(fmt::format("{}: {} voxels inside", o->output, v.shape.voxel_count()));
+      lines.push_back(fmt::format("{}: {} inside", o->output, counted(v.shape.voxel_count(), "voxel")));
     } else {
       io::write_poly_data(o->output, to_poly_data(sample.mesh));
       lines.push_back(fmt::format("{}: {} vertices, {} triangles", o->output, sample.mesh.points.size(),
@@ -121,7 +121,8 @@ Action add_sample(CLI::App& app) {
     }
     if (!sample.branches.empty()) {
       write_truth(truth.string(), sample.branches);
-      lines.push_back(fmt::format("{}: the {} true branches", truth.string(), sample.branches.size()));
+      lines.push_back(
+          fmt::format("{}: {}", truth.string(), counted(sample.branches.size(), "true branch", "true branches")));
     }
     outputs.commit();
     for (const std::string& line : lines) session.say(line);

@@ -8,9 +8,11 @@
 #include <algorithm>
 #include <cerrno>
 #include <charconv>
+#include <climits>
 #include <cstdio>
 #include <cstring>
 
+#include "printable.h"
 #include "quench/output_group.h"
 
 namespace quench::program {
@@ -49,20 +51,49 @@ void check_one_output(const std::filesystem::path& output, const std::vector<std
   check_no_input(output, inputs);
   if (fs::is_directory(output, ignored))
     throw Error(ErrorCode::usage, fmt::format("the output '{}' is a folder; give a file name", name));
+  const fs::file_status status = fs::status(output, ignored);
   // A link is there also when what it points to is not.
   if (fs::exists(fs::symlink_status(output, ignored)) && !overwrite)
     throw Error(ErrorCode::usage, fmt::format("'{}' exists; give --overwrite to replace it", name));
+  const auto cannot = [&](const std::string& reason) {
+    throw Error(ErrorCode::failed, fmt::format("cannot write '{}': {}", name, reason));
+  };
+  if (fs::exists(status) && !fs::is_regular_file(status)) {  // a pipe or a device is written to, not replaced
+    if (access(output.c_str(), W_OK) != 0) cannot(std::strerror(errno));
+    return;
+  }
   const fs::path target = io::place_of_output(output);
   const fs::path folder = target.has_parent_path() ? target.parent_path() : fs::path(".");
-  if (!fs::is_directory(folder, ignored))
-    throw Error(ErrorCode::failed,
-                fmt::format("cannot write '{}': the folder '{}' does not exist; make it first", name, folder.string()));
-  if (access(folder.c_str(), W_OK) != 0)
-    throw Error(ErrorCode::failed,
-                fmt::format("cannot write '{}': the folder '{}' is not writable", name, folder.string()));
+  check_name_length(output);
+  if (!fs::exists(folder, ignored))
+    cannot(fmt::format("the folder '{}' does not exist; create it first", folder.string()));
+  if (!fs::is_directory(folder, ignored)) cannot(fmt::format("'{}' is not a folder", folder.string()));
+  if (access(folder.c_str(), W_OK | X_OK) != 0)
+    cannot(fmt::format("the folder '{}' is not writable: {}", folder.string(), std::strerror(errno)));
 }
 
 }  // namespace
+
+bool is_same_place(const std::filesystem::path& a, const std::filesystem::path& b) {
+  namespace fs = std::filesystem;
+  std::error_code ignored;
+  return fs::weakly_canonical(fs::absolute(a, ignored), ignored) ==
+         fs::weakly_canonical(fs::absolute(b, ignored), ignored);
+}
+
+void check_name_length(const std::filesystem::path& output) {
+  namespace fs = std::filesystem;
+  std::error_code ignored;
+  fs::path existing = fs::absolute(output, ignored);
+  const bool whole = existing.native().size() < PATH_MAX;
+  while (existing.has_relative_path() && !fs::exists(existing, ignored)) existing = existing.parent_path();
+  const long most = pathconf(existing.c_str(), _PC_NAME_MAX);
+  for (const fs::path& part : output)
+    if (!whole || (most > 0 && part.native().size() > static_cast<std::size_t>(most)))
+      throw Error(ErrorCode::usage,
+                  fmt::format("cannot write '{}': the name is too long for this file system; give a shorter one",
+                              output.string()));
+}
 
 void finish_results() {
   if (std::fflush(stdout) != 0 || std::ferror(stdout))
@@ -71,10 +102,7 @@ void finish_results() {
 }
 
 Session::Session(const CommonOptions& o) : options(o) {
-  if (options.threads < 0)
-    throw Error(ErrorCode::usage, fmt::format("--threads {} is negative; give 0 for all processors", options.threads));
   if (!options.memory_limit.empty()) context.memory_limit = parse_bytes(options.memory_limit);
-  options.threads = std::min(options.threads, 256);  // a thread costs memory even when it has no processor
   context.threads = options.threads;
   if (options.threads > 0)
     thread_limit_ = std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism,
@@ -89,21 +117,16 @@ Session::~Session() { clear_line(); }
 
 void Session::check_output(const std::filesystem::path& output,
                            const std::vector<std::filesystem::path>& inputs) const {
-  namespace fs = std::filesystem;
   check_one_output(output, inputs, options.overwrite);
   check_report(inputs);
-  if (!options.report.empty() &&
-      fs::absolute(options.report).lexically_normal() == fs::absolute(output).lexically_normal())
-    throw Error(ErrorCode::usage, fmt::format("--json and -o name the same file '{}'", options.report));
+  if (!options.report.empty() && options.report != "-" && is_same_place(options.report, output))
+    throw Error(
+        ErrorCode::usage,
+        fmt::format("--json names the same file as another output, '{}'; give it another name", options.report));
 }
 
 void Session::check_report(const std::vector<std::filesystem::path>& inputs) const {
   if (!options.report.empty() && options.report != "-") check_one_output(options.report, inputs, options.overwrite);
-}
-
-void Session::check_not_inputs(const std::vector<std::filesystem::path>& outputs,
-                               const std::vector<std::filesystem::path>& inputs) const {
-  for (const auto& output : outputs) check_no_input(output, inputs);
 }
 
 std::int64_t Session::memory_limit() const {
@@ -126,8 +149,10 @@ void Session::complain(const std::string& text) const { std::fwrite(text.data(),
 void Session::say(const std::string& line) {
   if (options.quiet) return;
   clear_line();
-  complain(line + "\n");
+  complain(printable(line) + "\n");
 }
+
+void Session::answer_line(const std::string& line) { answer(printable(line) + "\n"); }
 
 void Session::answer(const std::string& text) {
   clear_line();

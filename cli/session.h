@@ -41,21 +41,20 @@ class Session {
   /// Refuses, before any work is done, an output that exists (unless --overwrite), that is an input, or whose folder
   /// cannot be written. Also the file of --json.
   void check_output(const std::filesystem::path& output, const std::vector<std::filesystem::path>& inputs) const;
-  /// The same for outputs that are always replaced: refuses those that are an input only.
-  void check_not_inputs(const std::vector<std::filesystem::path>& outputs,
-                        const std::vector<std::filesystem::path>& inputs) const;
   /// The file of --json, for commands that write nothing else (check_output() includes it).
   void check_report(const std::vector<std::filesystem::path>& inputs) const;
   /// --memory-limit or, without one, the memory that is free.
   std::int64_t memory_limit() const;
   /// Throws Error(failed) with figures when `bytes` exceed --memory-limit or, without one, the memory that is free.
-  void check_memory(std::int64_t bytes, const std::string& what,
-                    const std::string& remedy = "a lower --resolution") const;
+  /// `remedy` is what the user can do about it, behind "use ".
+  void check_memory(std::int64_t bytes, const std::string& what, const std::string& remedy) const;
   /// What the caller asked for, on stdout; progress is cleared first. Throws Error(failed) when it cannot be written.
   void answer(const std::string& text);
+  /// One line of it, in which names and texts of files may stand: made printable, and ended.
+  void answer_line(const std::string& line);
   /// The time since the last report belongs to `stage`. Unlike checkpoint() never throws: for work that is done.
   void finished(std::string_view stage);
-  /// A line on stderr: notes always, unless --quiet; details with --verbose only.
+  /// A line on stderr, made printable: notes always, unless --quiet; details with --verbose only.
   void say(const std::string& line);
   void detail(const std::string& line);
 
@@ -77,6 +76,11 @@ class Session {
   std::optional<Interrupts> interrupts_;
   std::unique_ptr<tbb::global_control> thread_limit_;
 };
+
+/// Whether two paths name one file, which need not exist.
+bool is_same_place(const std::filesystem::path& a, const std::filesystem::path& b);
+/// Throws Error(usage) when the system has no room for such a name.
+void check_name_length(const std::filesystem::path& output);
 
 /// Throws Error(failed) unless all answers have reached stdout (e.g. its disk is full).
 void finish_results();

@@ -3,13 +3,14 @@
 
 #include <fmt/format.h>
 
-#include <charconv>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <string_view>
 #include <vector>
 
 #include "option_checks.h"
+#include "quench/counted.h"
 #include "quench/io.h"
 #include "quench/slices.h"
 #include "quench/voxel_core.h"
@@ -20,44 +21,26 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// All of `text` as a number.
-template <class T>
-bool parse(std::string_view text, T& value) {
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return error == std::errc() && end == text.data() + text.size();
-}
-
 std::optional<Vec3> parse_spacing(const std::string& text) {
   if (text.empty()) return std::nullopt;
-  std::vector<double> values;
-  for (std::size_t begin = 0, end = 0; end != std::string::npos; begin = end + 1) {
-    end = text.find(',', begin);
-    double value = 0;
-    const std::string_view part = std::string_view(text).substr(begin, end == std::string::npos ? end : end - begin);
-    if (!parse(part, value) || !(value > 0) || !std::isfinite(value)) {
-      values.clear();
-      break;
-    }
-    values.push_back(value);
-  }
+  std::vector<double> values = numbers_in(text, ',');
   if (values.size() == 1) values.resize(3, values[0]);
-  if (values.size() != 3)
+  if (values.size() != 3 || !std::all_of(values.begin(), values.end(), [](double v) { return v > 0; }))
     throw Error(ErrorCode::usage,
                 fmt::format("--spacing '{}' is not a voxel size; give one positive number or three as x,y,z", text));
   return Vec3(values[0], values[1], values[2]);
 }
 
-/// Nothing for 'auto'.
+}  // namespace
+
 std::optional<std::int64_t> parse_resolution(const std::string& text) {
   if (text == "auto") return std::nullopt;
   std::int64_t value = 0;
-  if (!parse(text, value) || value < 1 || value > 16384)
+  if (!is_number(text, value) || value < 1 || value > 16384)
     throw Error(ErrorCode::usage,
                 fmt::format("--resolution '{}' is not a whole number from 1 to 16384 or 'auto'", text));
   return value;
 }
-
-}  // namespace
 
 void check_voxelization_memory(const TriangleMesh& mesh, std::int64_t resolution, const Session& session) {
   Vec3 low = mesh.points[mesh.triangles[0][0]], high = low;
@@ -70,18 +53,15 @@ void check_voxelization_memory(const TriangleMesh& mesh, std::int64_t resolution
   const Vec3 sides = (high - low) / (high - low).maxCoeff() * static_cast<double>(resolution) + Vec3::Constant(3);
   const double bytes = 32 * sides[1] * sides[2];
   if (std::isfinite(bytes))
-    session.check_memory(static_cast<std::int64_t>(bytes), fmt::format("the voxel shape at resolution {}", resolution));
+    session.check_memory(static_cast<std::int64_t>(bytes), fmt::format("the voxel shape at resolution {}", resolution),
+                         "a lower --resolution");
 }
 
 namespace {
 
-std::string counted(std::int64_t n, const char* one, const char* many) {
-  return fmt::format("{} {}", n, n == 1 ? one : many);
-}
-
 std::string topology_text(const Topology& t) {
-  return fmt::format("{}, {}, {}", counted(t.betti[0], "component", "components"),
-                     counted(t.betti[1], "tunnel", "tunnels"), counted(t.betti[2], "cavity", "cavities"));
+  return fmt::format("{}, {}, {}", counted(t.betti[0], "component"), counted(t.betti[1], "tunnel"),
+                     counted(t.betti[2], "cavity", "cavities"));
 }
 
 void load_mesh(const ShapeOptions& options, Session& session, LoadedShape& loaded) {
@@ -194,10 +174,19 @@ void load_volume(const ShapeOptions& options, Session& session, LoadedShape& loa
   }
   checkpoint(&session.context, "voxelize", 1);
   loaded.longest_side = loaded.shape.longest_side();
-  if (options.foreground.threshold) loaded.parameters["threshold"] = *options.foreground.threshold;
+  if (options.foreground.threshold)
+    std::visit([&](auto t) { loaded.parameters["threshold"] = t; }, *options.foreground.threshold);
   if (options.foreground.label) loaded.parameters["label"] = *options.foreground.label;
   if (options.foreground.invert) loaded.parameters["invert"] = true;
   if (!options.spacing.empty()) loaded.parameters["spacing"] = options.spacing;
+}
+
+void say_cleaned(const ForegroundReport& report, Session& session) {
+  session.say(fmt::format(
+      "cleaned: {} of {} dropped ({} of the shape), {} of {} filled", counted(report.components_removed, "component"),
+      counted(report.voxels_removed, "voxel"), percent_text(report.voxels_removed, report.voxels_before),
+      counted(report.cavities_filled, "cavity", "cavities"), counted(report.voxels_filled, "voxel")));
+  if (const std::string much = much_dropped(report); !much.empty()) session.say("warning: " + much);
 }
 
 void clean_as_asked(const ShapeOptions& options, Session& session, LoadedShape& loaded) {
@@ -209,10 +198,9 @@ void clean_as_asked(const ShapeOptions& options, Session& session, LoadedShape& 
   only.invert = false;
   ForegroundReport report;
   loaded.shape = clean(loaded.shape, only, &report, &session.context);
-  session.say(fmt::format("cleaned: {} components of {} voxels dropped, {} cavities of {} voxels filled",
-                          report.components_removed, report.voxels_removed, report.cavities_filled,
-                          report.voxels_filled));
-  loaded.input["cleaned"] = {{"components_removed", report.components_removed},
+  say_cleaned(report, session);
+  loaded.input["cleaned"] = {{"voxels_before", report.voxels_before},
+                             {"components_removed", report.components_removed},
                              {"voxels_removed", report.voxels_removed},
                              {"cavities_filled", report.cavities_filled},
                              {"voxels_filled", report.voxels_filled}};
@@ -253,7 +241,10 @@ void add_shape_options(CLI::App& app, ShapeOptions& o) {
       ->type_name("N")
       ->capture_default_str()
       ->group(group)
-      ->each([&o](const std::string&) { o.resolution_given = true; });
+      ->each([&o](const std::string& text) {
+        parse_resolution(text);
+        o.resolution_given = true;
+      });
   app.add_option(
          "--fill", o.fill,
          "Mesh: overlapping and nested parts are united ('nonzero') or alternate between inside and outside "
@@ -265,10 +256,10 @@ void add_shape_options(CLI::App& app, ShapeOptions& o) {
       ->capture_default_str()
       ->group(group)
       ->each([&o](const std::string&) { o.fill_given = true; });
-  app.add_option("--threshold", o.foreground.threshold, "Volume: the shape is the voxels of at least this value")
+  add_threshold(app, o.foreground.threshold, "Volume: the shape is the voxels of at least this value")
       ->type_name("T")
       ->group(group);
-  app.add_option("--label", o.foreground.label, "Volume: the shape is the voxels of exactly this value (0 too)")
+  add_label(app, o.foreground.label, "Volume: the shape is the voxels of exactly this value (0 too)")
       ->type_name("K")
       ->group(group);
   app.add_option("--spacing", o.spacing, "Volume: voxel size x,y,z (or one number), instead of the file's")
@@ -277,46 +268,49 @@ void add_shape_options(CLI::App& app, ShapeOptions& o) {
   app.add_flag("--invert", o.foreground.invert, "Volume: the shape is all other voxels of the image")->group(group);
   app.add_flag("--largest-component", o.foreground.largest_component, "Keep the largest connected part only")
       ->group(group);
-  app.add_option("--min-component", o.foreground.min_component, "Drop connected parts of fewer voxels")
+  add_number<std::int64_t>(app, "--min-component", o.foreground.min_component, "Drop connected parts of fewer voxels",
+                           0)
       ->type_name("N")
-      ->check(at_least_zero())
       ->group(group);
   app.add_flag("--fill-cavities", o.foreground.fill_cavities, "Fill cavities that are closed all around")->group(group);
-  app.add_option("--subdivide", o.subdivide, "Split every voxel into K x K x K, K from 1 to 64")
+  add_number(app, "--subdivide", o.subdivide, "Split every voxel into K x K x K, K from 1 to 64", 1, 64)
       ->type_name("K")
-      ->check(within(1, 64))
       ->capture_default_str()
       ->group(group);
 }
 
 void check_shape_options(const ShapeOptions& options) {
   if (options.foreground.threshold && options.foreground.label)
-    throw Error(ErrorCode::usage, "--threshold and --label exclude each other; give one of them");
-  if (options.foreground.threshold && std::isnan(*options.foreground.threshold))
-    throw Error(ErrorCode::usage, "--threshold is not a number");
+    throw Error(ErrorCode::usage, "--threshold and --label cannot be combined; give one of them");
   parse_resolution(options.resolution);
   parse_spacing(options.spacing);
   std::error_code ignored;
   if (!std::filesystem::exists(options.file, ignored))
     throw Error(ErrorCode::failed, fmt::format("'{}' does not exist", options.file));
   if (io::kind_of(options.file) != io::Kind::unknown) return;
-  if (std::filesystem::is_directory(options.file, ignored))
-    throw Error(
-        ErrorCode::input,
-        fmt::format("the folder '{}' holds no PNG or TIFF slices; give a file or a folder of slices", options.file));
+  refuse_unknown_kind(options.file);
+}
+
+void refuse_unknown_kind(const std::string& file) {
+  std::error_code ignored;
+  if (std::filesystem::is_directory(file, ignored))
+    throw Error(ErrorCode::input,
+                fmt::format("the folder '{}' holds no PNG or TIFF slices; give a file or a folder of slices", file));
+  const std::string type = std::filesystem::path(file).extension().string();
   throw Error(
       ErrorCode::input,
-      fmt::format(
-          "'{}' is of no kind Quench knows by its name; meshes end in e.g. .ply, .obj, .off, .stl, volumes in .nrrd, "
-          ".nii.gz, .mha, .map, .vol, .npy, .tif",
-          options.file));
+      fmt::format("'{}' has {}; meshes end in e.g. .ply, .obj, .off, .stl, volumes in .nrrd, .nii.gz, .mha, .map, "
+                  ".vol, .npy, .tif",
+                  file, type.empty() ? "no file type in its name" : fmt::format("the unknown file type '{}'", type)));
 }
 
 LoadedShape load_shape(const ShapeOptions& options, Session& session) {
   check_shape_options(options);
   std::error_code ignored;
   const auto size = std::filesystem::file_size(options.file, ignored);
-  if (!ignored) session.check_memory(static_cast<std::int64_t>(2 * size), fmt::format("reading '{}'", options.file));
+  if (!ignored)
+    session.check_memory(static_cast<std::int64_t>(2 * size), fmt::format("reading '{}'", options.file),
+                         "a smaller file");
   LoadedShape loaded;
   loaded.input["file"] = options.file;
   const io::Kind kind = io::kind_of(options.file);
@@ -339,7 +333,7 @@ LoadedShape load_shape(const ShapeOptions& options, Session& session) {
           bytes, static_cast<double>(std::min(predicted_core_bytes(sites), predicted_core_bytes_in_bricks(sites))));
     }
     session.check_memory(static_cast<std::int64_t>(std::min(bytes, 0x1p62)),
-                         fmt::format("--subdivide {}", options.subdivide));
+                         fmt::format("--subdivide {}", options.subdivide), "a smaller factor");
     loaded.shape = subdivide(loaded.shape, options.subdivide);
     loaded.parameters["subdivide"] = options.subdivide;
   }
@@ -360,7 +354,7 @@ LoadedShape load_shape(const ShapeOptions& options, Session& session) {
       session.say(fmt::format(
           "warning: the shape has {}, the surface of the mesh {}: what is thinner than a voxel breaks or is lost; a "
           "higher --resolution may help, --min-component N drops specks",
-          counted(loaded.topology.betti[0], "component", "components"), parts));
+          counted(loaded.topology.betti[0], "component"), parts));
   if (loaded.kind == "volume" && loaded.topology.betti[0] > 100)
     session.say(
         fmt::format("note: the volume has {} components; --min-component N drops specks", loaded.topology.betti[0]));
@@ -403,6 +397,15 @@ class Parameters {
     return get<std::int64_t>(name, &Json::is_number_integer,
                              [&](std::int64_t value) { return value >= least && value <= most; });
   }
+  std::optional<Threshold> threshold() const {
+    const auto value = get<Json>("threshold", &Json::is_number, [](const Json& number) {
+      return !number.is_number_float() || std::isfinite(number.get<double>());
+    });
+    if (!value) return {};
+    if (value->is_number_unsigned()) return value->get<std::uint64_t>();
+    if (value->is_number_integer()) return value->get<std::int64_t>();
+    return value->get<double>();
+  }
   bool flag(const char* name) const {
     return get<bool>(name, &Json::is_boolean, [](bool) { return true; }).value_or(false);
   }
@@ -431,7 +434,7 @@ void take_parameters(ShapeOptions& options, const PolyData& result, const std::s
   if (const auto rule = p.get<std::string>("fill", &Json::is_string, is_rule); rule && !options.fill_given)
     options.fill = *rule;
   ForegroundOptions& f = options.foreground;
-  const auto threshold = p.get<double>("threshold", &Json::is_number, [](double t) { return std::isfinite(t); });
+  const auto threshold = p.threshold();
   const auto label = p.whole("label", -most - 1, most);
   if (!f.threshold && !f.label) {
     f.threshold = threshold;

@@ -28,9 +28,15 @@ struct ShapeOptions {
   bool core_follows = true;  ///< its memory counts too when the shape is subdivided
 };
 
+/// Nothing for 'auto'. Throws Error(usage) for what is not a resolution.
+std::optional<std::int64_t> parse_resolution(const std::string& text);
+
 void add_shape_options(CLI::App& app, ShapeOptions& options);
 /// Throws the Error of an option that cannot be or of a file that is not there, before anything is read.
 void check_shape_options(const ShapeOptions& options);
+
+/// Throws the Error of a file whose name does not say what it holds.
+[[noreturn]] void refuse_unknown_kind(const std::string& file);
 
 /// A shape ready for the main job.
 struct LoadedShape {

@@ -12,12 +12,9 @@ namespace quench::program {
 namespace {
 
 void check_distinct(const std::vector<std::string>& files) {
-  std::error_code ignored;
   for (std::size_t i = 0; i < files.size(); ++i)
     for (std::size_t j = 0; j < i; ++j)
-      if (!files[i].empty() && !files[j].empty() &&
-          std::filesystem::weakly_canonical(std::filesystem::absolute(files[i], ignored), ignored) ==
-              std::filesystem::weakly_canonical(std::filesystem::absolute(files[j], ignored), ignored))
+      if (!files[i].empty() && !files[j].empty() && is_same_place(files[i], files[j]))
         throw Error(ErrorCode::usage, fmt::format("two outputs are named '{}'; give them different names", files[i]));
 }
 
@@ -44,7 +41,7 @@ Action add_skeleton(CLI::App& app) {
   return [o](Session& session) {
     for (const std::string& file : {o->output, o->swc, o->graphml, o->csv})
       if (!file.empty()) session.check_output(file, o->axis.inputs());
-    check_distinct({o->output, o->swc, o->graphml, o->csv, session.options.report});
+    check_distinct({o->output, o->swc, o->graphml, o->csv});
     io::check_writable_format(o->output);
     check_burn_options(o->burn);
     check_skeleton_options(o->skeleton);
@@ -71,8 +68,8 @@ Action add_skeleton(CLI::App& app) {
     session.finished("write");
     write_report(outputs, report, session);
     const CellComplex& c = result.skeleton.complex;
-    session.say(fmt::format("{}: {} vertices, {} edges, {} faces; {:.1f} s", o->output, c.vertex_count, c.edges.size(),
-                            c.face_count(), session.total_seconds()));
+    session.say(fmt::format("{}: {}; {:.1f} s", o->output, cells_text(c.vertex_count, c.edges.size(), c.face_count()),
+                            session.total_seconds()));
     return 0;
   };
 }

@@ -3,10 +3,9 @@
 
 #include <fmt/format.h>
 
-#include <charconv>
-
 #include "core_pipeline.h"
 #include "option_checks.h"
+#include "quench/counted.h"
 #include "quench/curve_graph.h"
 
 namespace quench::program {
@@ -26,18 +25,10 @@ Json section(const CellComplex& complex, const Topology& topology) {
 
 std::optional<Vec3> root_of(const SkeletonPipelineOptions& options) {
   if (options.root.empty()) return {};
-  Vec3 point;
-  std::size_t at = 0;
-  for (int a = 0; a < 3; ++a) {
-    const std::size_t comma = a < 2 ? options.root.find(',', at) : options.root.size();
-    const char* begin = options.root.data() + at;
-    const char* end = options.root.data() + std::min(comma, options.root.size());
-    const auto [stop, error] = std::from_chars(begin, end, point[a]);
-    if (comma == std::string::npos || error != std::errc() || stop != end || !std::isfinite(point[a]))
-      throw Error(ErrorCode::usage, fmt::format("--root '{}' is no point; give three numbers: x,y,z", options.root));
-    at = comma + 1;
-  }
-  return point;
+  const std::vector<double> numbers = numbers_in(options.root, ',');
+  if (numbers.size() != 3)
+    throw Error(ErrorCode::usage, fmt::format("--root '{}' is not a point; give three numbers: x,y,z", options.root));
+  return Vec3(numbers[0], numbers[1], numbers[2]);
 }
 
 }  // namespace
@@ -55,9 +46,9 @@ void add_skeleton_options(CLI::App& app, SkeletonPipelineOptions& o) {
       ->type_name("LENGTH")
       ->capture_default_str()
       ->group(group);
-  app.add_option("--smooth", o.smooth, "Times the curves of the graph files are smoothed; they stay inside the shape")
+  add_number(app, "--smooth", o.smooth,
+             "Passes of smoothing over the curves of the graph files, 0 to 10000; they stay inside the shape", 0, 10000)
       ->type_name("N")
-      ->check(within(0, 10000))
       ->capture_default_str()
       ->group(group);
   app.add_option("--resample", o.resample, "Distance of points along curves in the graph files; 0: as they come")
@@ -75,6 +66,13 @@ void add_skeleton_options(CLI::App& app, SkeletonPipelineOptions& o) {
                  "SWC: the root of its component is the node nearest to this point [default: the thickest]")
       ->type_name("X,Y,Z")
       ->group(group);
+  app.add_option(
+         "--swc-type", o.swc_type,
+         "SWC: the type of every sample, a number or 'soma', 'axon', 'dendrite', 'apical-dendrite', 'custom' ...; "
+         "programs for neurons refuse 0")
+      ->type_name("TYPE")
+      ->capture_default_str()
+      ->group(group);
 }
 
 void check_skeleton_options(const SkeletonPipelineOptions& options) {
@@ -82,8 +80,9 @@ void check_skeleton_options(const SkeletonPipelineOptions& options) {
   parse_length(options.theta1, "--theta1");
   if (std::isinf(parse_length(options.resample, "--resample").value))
     throw Error(ErrorCode::usage,
-                "--resample inf is no distance between points; give a length, or 0 for the points as they come");
+                "--resample 'inf' is not a distance between points; give a length, or 0 for the points as they come");
   root_of(options);
+  io::swc_type_of(options.swc_type, "--swc-type");
 }
 
 CheckedSkeleton compute_skeleton(const MedialAxis& axis, Burning&& burning, const SkeletonPipelineOptions& options,
@@ -137,17 +136,22 @@ void write_graph(const Skeleton& skeleton, const GraphFiles& files, const Skelet
   section["sheets"] = graph.sheets;
   section["radius_offset"] = 0.5 * voxel.minCoeff();
   if (!files.swc.empty()) {
-    const io::SwcReport swc = io::write_swc(files.swc, graph, {root_of(options), 0, units});
+    const int type = io::swc_type_of(options.swc_type, "--swc-type");
+    const io::SwcReport swc = io::write_swc(files.swc, graph, {root_of(options), type, units});
     Json cuts = Json::array();
     for (const auto& cut : swc.cuts)
       cuts.push_back({{"branch", cut.branch},
                       {"from", {cut.from[0], cut.from[1], cut.from[2]}},
                       {"to", {cut.to[0], cut.to[1], cut.to[2]}}});
-    section["swc"] = {{"trees", swc.trees}, {"samples", swc.samples}, {"sheet_links", swc.sheet_links}, {"cuts", cuts}};
+    section["swc"] = {{"type", type},
+                      {"trees", swc.trees},
+                      {"samples", swc.samples},
+                      {"sheet_links", swc.sheet_links},
+                      {"cuts", cuts}};
     if (!swc.cuts.empty())
-      session.say(
-          fmt::format("note: {} loops are cut in {}, as SWC holds trees only; the cuts are listed in its header",
-                      swc.cuts.size(), files.swc.string()));
+      session.say(fmt::format("note: {} {} cut in {}, as SWC holds trees only; the header of the file lists where",
+                              counted(swc.cuts.size(), "loop"), swc.cuts.size() == 1 ? "is" : "are",
+                              files.swc.string()));
   }
   if (!graph.sheet_only.empty())
     session.say(

@@ -28,6 +28,7 @@ struct SkeletonPipelineOptions {
   std::string resample = "0";
   std::string tips = "full";  ///< of the graph files: grown back, or "pruned" as in the skeleton
   std::string root;           ///< x,y,z or empty
+  std::string swc_type = "dendrite";
 };
 
 /// Files of the curves; empty names are not written.

@@ -5,7 +5,9 @@
 
 #include "axis_input.h"
 #include "core_pipeline.h"
+#include "option_checks.h"
 #include "program.h"
+#include "quench/counted.h"
 #include "quench/io.h"
 #include "quench/verify.h"
 #include "quench/voxel_core.h"
@@ -30,17 +32,21 @@ Action add_verify(CLI::App& app) {
                  "The radius RESULT was pruned with, as in 'core' [default: what RESULT says, else 0]")
       ->type_name("LENGTH");
   app.add_flag("--core", o->core, "Check RESULT as an exact voxel core even if it does not say that it is one");
-  app.add_option("--samples", o->samples, "How many cells the sampled checks look at")
+  add_number(app, "--samples", o->samples, "How many cells the sampled checks look at")
       ->type_name("N")
       ->capture_default_str();
   return [o](Session& session) {
     session.check_report({o->shape.file});
     for (const std::string& file : o->results) session.check_report({file});
     check_shape_options(o->shape);
+    std::error_code ignored;
+    for (const std::string& file : o->results)
+      if (!std::filesystem::exists(file, ignored))
+        throw Error(ErrorCode::failed, fmt::format("'{}' does not exist", file));
     if (!o->lambda.empty()) parse_length(o->lambda, "--lambda");
     const bool only_json = session.options.report == "-";
     const auto answer = [&](const std::string& line) {
-      if (!only_json) session.answer(line);
+      if (!only_json) session.answer_line(line);
     };
     nlohmann::ordered_json report;
     bool passed = true;
@@ -63,8 +69,10 @@ Action add_verify(CLI::App& app) {
         loaded = load_shape(shape, session);
         made_with = parameters;
         const std::int64_t sites = count_boundary_vertices(loaded.shape);
-        session.check_memory(predicted_core_bytes(loaded.shape),  // verifying takes no more than computing
-                             fmt::format("verifying a shape with {} boundary vertices", sites));
+        session.check_memory(
+            predicted_core_bytes(loaded.shape),  // verifying takes no more than computing
+            fmt::format("verifying a shape with {}", counted(sites, "boundary vertex", "boundary vertices")),
+            "a result of a smaller or coarser shape");
       }
       VerifyOptions options;
       options.samples = o->samples;
@@ -75,7 +83,7 @@ Action add_verify(CLI::App& app) {
       const Certificate certificate = verify(loaded.shape, data, options, &session.context);
       auto& section = report[file] = nlohmann::ordered_json::object();
       for (const Check& check : certificate.checks) {
-        answer(fmt::format("{}: {} {}: {}\n", file,
+        answer(fmt::format("{}: {} {}: {}", file,
                            !check.passed                             ? "FAIL"
                            : check.detail.starts_with("not checked") ? "-   "
                                                                      : "ok  ",
@@ -86,7 +94,7 @@ Action add_verify(CLI::App& app) {
       auto& left = section["not_checked"] = nlohmann::ordered_json::array();
       for (const UncheckedArray& array : certificate.not_checked)
         left.push_back({{"array", array.array}, {"reason", array.reason}});
-      answer(fmt::format("{}: {}\n", file, certificate.passed() ? "verified" : "NOT verified"));
+      answer(fmt::format("{}: {}", file, certificate.passed() ? "verified" : "NOT verified"));
       passed = passed && certificate.passed();
     }
     if (!session.options.report.empty()) {

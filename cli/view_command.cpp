@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
-#include <charconv>
-
 #include "axis_input.h"
 #include "burn_pipeline.h"
 #include "core_pipeline.h"
@@ -12,6 +10,7 @@
 #include "picture.h"
 #include "program.h"
 #include "quench/axis_fields.h"
+#include "quench/counted.h"
 #include "quench/io.h"
 #include "quench/voxelize.h"
 #include "skeleton_pipeline.h"
@@ -32,19 +31,6 @@ struct Options {
   std::string output, png, size = "1600x1000";
 };
 
-std::vector<double> numbers_in(const std::string& text, char separator) {
-  std::vector<double> numbers;
-  for (std::size_t begin = 0; begin <= text.size();) {
-    const std::size_t end = std::min(text.find(separator, begin), text.size());
-    double value = 0;
-    const auto [stop, error] = std::from_chars(text.data() + begin, text.data() + end, value);
-    if (error != std::errc() || stop != text.data() + end || !std::isfinite(value)) return {};
-    numbers.push_back(value);
-    begin = end + 1;
-  }
-  return numbers;
-}
-
 Picture picture_of(const Options& o) {
   Picture picture;
   const std::vector<double> size = numbers_in(o.size, 'x');
@@ -56,8 +42,8 @@ Picture picture_of(const Options& o) {
   return picture;
 }
 
-// A value in the address of the page: what is no letter, digit or one of -._~, is written as its number.
-std::string escaped(const std::string& value) {
+// A value in the address of the page: what is not a letter, a digit or one of -._~, is written as its number.
+std::string in_address(const std::string& value) {
   std::string text;
   for (const char c : value) {
     const bool plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
@@ -81,14 +67,14 @@ void check_options(const Options& o) {
   if (!o.lambda.empty()) parse_length(o.lambda, "--lambda");
   check_burn_options(o.burn);
   check_skeleton_options(o.skeleton);
+  if (o.shape.file.empty() &&
+      (o.shape.foreground.threshold || o.shape.foreground.label || o.shape.resolution_given || o.shape.fill_given))
+    throw Error(ErrorCode::usage,
+                "--threshold, --label, --resolution and --fill say how --shape is read; give --shape too");
   std::error_code ignored;
   for (const std::string& file : o.files)
     if (!fs::exists(file, ignored)) throw Error(ErrorCode::failed, fmt::format("'{}' does not exist", file));
-  if (!o.shape.file.empty())
-    check_shape_options(o.shape);
-  else if (o.shape.foreground.threshold || o.shape.foreground.label || o.shape.resolution_given || o.shape.fill_given)
-    throw Error(ErrorCode::usage,
-                "--threshold, --label, --resolution and --fill say how --shape is read; give --shape too");
+  if (!o.shape.file.empty()) check_shape_options(o.shape);
 }
 
 [[noreturn]] void refuse_shape(const std::string& file) {
@@ -160,7 +146,10 @@ Action add_view(CLI::App& app) {
   app.add_option("--resolution", o->shape.resolution, "Of a --shape that is a mesh [default: what FILE says, else 256]")
       ->type_name("N")
       ->group(shape)
-      ->each([o](const std::string&) { o->shape.resolution_given = true; });
+      ->each([o](const std::string& text) {
+        parse_resolution(text);
+        o->shape.resolution_given = true;
+      });
   app.add_option("--fill", o->shape.fill,
                  "What is inside of a --shape that is a mesh: 'nonzero', 'evenodd', 'winding' or 'auto' [default: what "
                  "FILE says, else nonzero]")
@@ -168,12 +157,12 @@ Action add_view(CLI::App& app) {
       ->check(one_of({"nonzero", "evenodd", "winding", "auto"}))
       ->group(shape)
       ->each([o](const std::string&) { o->shape.fill_given = true; });
-  app.add_option("--threshold", o->shape.foreground.threshold,
-                 "--shape is a volume: its voxels of at least this value [default: what FILE says]")
+  add_threshold(app, o->shape.foreground.threshold,
+                "--shape is a volume: its voxels of at least this value [default: what FILE says]")
       ->type_name("T")
       ->group(shape);
-  app.add_option("--label", o->shape.foreground.label,
-                 "--shape is a volume: its voxels of exactly this value [default: what FILE says]")
+  add_label(app, o->shape.foreground.label,
+            "--shape is a volume: its voxels of exactly this value [default: what FILE says]")
       ->type_name("K")
       ->group(shape);
   const auto start = "What the page starts with";
@@ -221,6 +210,8 @@ Action add_view(CLI::App& app) {
     if (!o->output.empty() && o->output == o->png)
       throw Error(ErrorCode::usage, fmt::format("two outputs are named '{}'; give them different names", o->png));
     const fs::path chromium = o->png.empty() ? fs::path() : find_chromium();
+    std::optional<TemporaryFolder> folder;
+    if (!o->png.empty()) folder.emplace();
 
     std::string axis_file, still_file;
     PolyData axis, still;
@@ -292,7 +283,7 @@ Action add_view(CLI::App& app) {
                                                 o->color, layer, names));
     }
     const auto add = [&](const char* name, const std::string& value) {
-      if (!value.empty()) page.state += fmt::format("{}{}={}", page.state.empty() ? "" : "&", name, escaped(value));
+      if (!value.empty()) page.state += fmt::format("{}{}={}", page.state.empty() ? "" : "&", name, in_address(value));
     };
     add("layer", o->layer);
     add("color", o->color);
@@ -300,8 +291,7 @@ Action add_view(CLI::App& app) {
     add("camera", o->camera);
     if (o->dark) add("dark", "1");
 
-    std::optional<TemporaryFolder> folder;
-    if (!o->png.empty()) write_page(folder.emplace().path / "page.html", page, page_program());
+    if (folder) write_page(folder->path / "page.html", page, page_program());
     io::OutputGroup outputs;
     if (!o->output.empty()) {
       builder.write(o->output, report, outputs);
@@ -319,9 +309,9 @@ Action add_view(CLI::App& app) {
     for (const std::string& file : {o->output, o->png})
       if (!file.empty()) {
         std::error_code ignored;
-        session.say(fmt::format("{}: {}, {} triangles; {:.1f} s", file,
+        session.say(fmt::format("{}: {}, {}; {:.1f} s", file,
                                 bytes_text(static_cast<std::int64_t>(fs::file_size(file, ignored))),
-                                builder.triangles(), session.total_seconds()));
+                                counted(builder.triangles(), "triangle"), session.total_seconds()));
       }
     return 0;
   };

@@ -3,6 +3,7 @@
 
 #include "core_pipeline.h"
 #include "program.h"
+#include "quench/counted.h"
 #include "quench/io.h"
 
 namespace quench::program {
@@ -43,8 +44,8 @@ Action add_voxelize(CLI::App& app) {
                          {"voxelization_changed_topology", topology_changed_of(loaded)}};
     }
     write_report(outputs, report, session);
-    session.say(
-        fmt::format("{}: {} voxels inside; {:.1f} s", o->output, loaded.shape.voxel_count(), session.total_seconds()));
+    session.say(fmt::format("{}: {} inside; {:.1f} s", o->output, counted(loaded.shape.voxel_count(), "voxel"),
+                            session.total_seconds()));
     return 0;
   };
 }

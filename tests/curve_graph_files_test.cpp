@@ -189,6 +189,15 @@ TEST(Swc, ASheetWithoutCurvesGetsASentence) {
   EXPECT_EQ(swc_of(curve_graph(skeleton_of(cells))).first.samples.size(), 1u);
 }
 
+TEST(Swc, TypesByNumberAndName) {
+  EXPECT_EQ(io::SwcOptions().type, 3);
+  EXPECT_EQ(io::swc_type_of("undefined", "type"), 0);
+  EXPECT_EQ(io::swc_type_of("dendrite", "type"), io::swc_type_of("basal-dendrite", "type"));
+  EXPECT_EQ(io::swc_type_of("010", "type"), 10);
+  for (const char* text : {"", "-1", "256", "99999999999", "3 ", "Soma"})
+    EXPECT_THROW(io::swc_type_of(text, "type"), Error) << text;
+}
+
 TEST(Swc, RefusesWhatCannotBe) {
   const TemporaryFolder folder;
   EXPECT_THROW(io::write_swc(folder / "a.swc", {}, {.root = {}, .type = -1, .units = ""}), Error);

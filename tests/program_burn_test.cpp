@@ -303,8 +303,8 @@ TEST_F(Burn, DefectiveTriangles) {
   folder.write("s.ply", square_ply(3, "4 4 0\n5 4 0\n9 9 9\n", 5, again + needle + point + "3 24 25 26\n" + again));
   folder.write("s.r", square_radii("5 4 0 1\n9 9 9 2\n", 2));
   const auto outcome = burn({"s.ply", "--radii", "s.r", "-o", "out.vtp"});
-  EXPECT_TRUE(has(outcome.err, "note: 2 cells of s.ply repeat a corner")) << outcome.err;
-  EXPECT_TRUE(has(outcome.err, "2 polygons are there twice")) << outcome.err;
+  EXPECT_TRUE(has(outcome.err, "note: 's.ply' has 2 cells with a repeated corner")) << outcome.err;
+  EXPECT_TRUE(has(outcome.err, "2 polygons twice")) << outcome.err;
   const PolyData data = read("out.vtp");
   expect_sound(data);
   ASSERT_EQ(data.points.size(), kPoints + 3u);
@@ -364,7 +364,7 @@ TEST_F(Burn, RunBurnsTheCore) {
   EXPECT_EQ(of_points(read("burned.vtp"), "burn_time"), of_points(data, "burn_time"));
   EXPECT_TRUE(has(works({"verify", "s.ply", "dir/core.vtp"}).out, ": verified\n"));
   works({"run", "s.ply", "--resolution", "24", "-o", "dir", "--omega", "0.2vox", "--propagation", "nodes", "--radius",
-         "linear"});
+         "linear", "--overwrite"});
   const PolyData other = read("dir/core.vtp");
   EXPECT_NEAR(field(other, "omega"), 0.2 * 2 / 24, 1e-12);
   EXPECT_EQ(text_field(other, "propagation"), "nodes");

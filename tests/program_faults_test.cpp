@@ -56,8 +56,7 @@ class Faults : public ProgramTest {
       for (Command& command : list)
         if (command.arguments[0] == "run") command.outputs.push_back("view.html");
     }
-    for (Command& command : list)
-      if (command.arguments[0] != "run") command.arguments.push_back("--overwrite");
+    for (Command& command : list) command.arguments.push_back("--overwrite");
     return list;
   }
 

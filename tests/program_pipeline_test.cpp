@@ -86,8 +86,8 @@ class ProgramPipeline : public ProgramTest {
       for (const std::string& word : *words) line += word + " ";
     SCOPED_TRACE("seed " + std::to_string(seed) + ": " + line + "--threads " + threads[0] + " and " + threads[1]);
     for (const int run : {0, 1}) {
-      std::vector<std::string> words{"run",     "-o",        run == 0 ? "a" : "b", "--no-view",
-                                     "--quiet", "--threads", threads[run]};
+      std::vector<std::string> words{"run",     "-o",          run == 0 ? "a" : "b", "--no-view",
+                                     "--quiet", "--overwrite", "--threads",          threads[run]};
       words.insert(words.end(), shape.begin(), shape.end());
       words.insert(words.end(), options.begin(), options.end());
       const Outcome outcome = quench(words);

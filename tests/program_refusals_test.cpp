@@ -18,7 +18,12 @@ class Refusals : public ProgramTest {
 
 TEST_F(Refusals, CommandLines) {
   refuses(2, {"run, sample, voxelize, core, burn, skeleton, view, info, convert, verify"}, {});
-  refuses(2, {"'cores'", "run, sample"}, {"cores"});
+  refuses(2, {"'cores'", "did you mean 'core'?"}, {"cores"});
+  refuses(2, {"'runn'", "did you mean 'run'?"}, {"runn", "cube.off", "-o", "a"});
+  refuses(2, {"'thicken'", "run, sample"}, {"thicken", "--fast"});
+  refuses(2, {"--resoluton", "did you mean --resolution?"}, {"core", "cube.off", "--resoluton", "9", "-o", "a.vtp"});
+  refuses(2, {"--label is given more than once"}, {"core", "grey.npy", "--label", "1", "--label", "2", "-o", "a.vtp"});
+  refuses(2, {"'-o=a.vtp'", "without '='"}, {"core", "cube.off", "-o=a.vtp"});
   refuses(2, {"--fast"}, {"--fast"});
   refuses(2, {"--fast", "quench core --help"}, {"core", "cube.off", "--fast", "3", "-o", "a.vtp"});
   refuses(2, {"'more'"}, {"core", "cube.off", "more", "-o", "a.vtp"});
@@ -110,7 +115,7 @@ TEST_F(Refusals, VolumesWithoutAShape) {
   refuses(3, {"'grey.npy'", "9", "from 1 to 3"}, {"core", "grey.npy", "--label", "9", "-o", "a.vtp"});
   refuses(3, {"'zero.npy'"}, {"core", "zero.npy", "-o", "a.vtp"});
   folder.write("float.npy", npy(2, 1, 1, std::string("\0\0\0\0\0\0\xc0\x3f", 8), "<f4"));  // 0 and 1.5
-  refuses(3, {"'float.npy'", "label 1", "1.5"}, {"core", "float.npy", "--label", "1", "-o", "a.vtp"});
+  refuses(3, {"'float.npy'", "value 1", "1.5"}, {"core", "float.npy", "--label", "1", "-o", "a.vtp"});
 }
 
 TEST_F(Refusals, LengthsBeyondDoublePrecision) {
@@ -140,7 +145,7 @@ TEST_F(Refusals, Outputs) {
   refuses(2, {"'a.xyz'", ".vtp"}, {"core", "not even read.npy", "-o", "a.xyz"});
   refuses(2, {"'a.npy'", ".nrrd"}, {"voxelize", "box.npy", "-o", "a.npy"});
   refuses(2, {"'a.off'"}, {"sample", "box", "-o", "a.off"});
-  refuses(2, {"file", "no folder"}, {"run", "box.npy", "-o", "file"});
+  refuses(2, {"file", "not a folder"}, {"run", "box.npy", "-o", "file"});
   refuses(2, {"empty"}, {"core", "box.npy", "-o", ""});
   works({"run", "cube.off", "--resolution", "8", "-o", "mine"});
   refuses(2, {"input itself"}, {"run", "mine/core.vtp", "-o", "mine"});

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <set>
 #include <sstream>
 
 #include "program.h"
@@ -39,7 +40,7 @@ std::string betti_in(const std::string& text) {
 struct Sample {
   std::array<double, 3> point;
   double radius;
-  long parent;
+  long parent, type;
 };
 std::vector<Sample> swc_rows(const std::string& text) {
   std::vector<Sample> rows;
@@ -47,9 +48,9 @@ std::vector<Sample> swc_rows(const std::string& text) {
   for (std::string line; std::getline(lines, line);) {
     if (line.starts_with('#')) continue;
     std::istringstream row(line);
-    long id = 0, type = 0;
+    long id = 0;
     Sample s{};
-    row >> id >> type >> s.point[0] >> s.point[1] >> s.point[2] >> s.radius >> s.parent;
+    row >> id >> s.type >> s.point[0] >> s.point[1] >> s.point[2] >> s.radius >> s.parent;
     EXPECT_TRUE(row) << line;
     EXPECT_EQ(id, static_cast<long>(rows.size()) + 1);
     EXPECT_LT(s.parent, id);
@@ -263,6 +264,30 @@ TEST_F(SkeletonProgram, GraphFiles) {
   EXPECT_NEAR(length, number_in(report, "curve_length"), 2);  // all but the cut
 }
 
+// Programs for neurons refuse the type 0.
+TEST_F(SkeletonProgram, TypesOfSwcSamples) {
+  make_core();
+  const auto types = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> words{"core.vtp", "--theta2", "inf", "-o", "a.vtp", "--swc", "a.swc", "--overwrite"};
+    words.insert(words.end(), more.begin(), more.end());
+    skeleton(words);
+    std::set<long> found;
+    for (const Sample& s : swc_rows(bytes("a.swc"))) found.insert(s.type);
+    return found;
+  };
+  EXPECT_EQ(types({}), std::set<long>{3});
+  EXPECT_TRUE(has(bytes("a.swc"), "# type of every sample: 3 (dendrite)")) << bytes("a.swc").substr(0, 400);
+  EXPECT_EQ(types({"--swc-type", "7"}), std::set<long>{7});
+  EXPECT_EQ(types({"--swc-type", "18"}), std::set<long>{18});
+  EXPECT_EQ(types({"--swc-type", "0"}), std::set<long>{0});
+  for (const auto& [name, number] : {std::pair{"soma", 1L}, std::pair{"axon", 2L}, std::pair{"basal-dendrite", 3L},
+                                     std::pair{"apical-dendrite", 4L}, std::pair{"custom", 5L}})
+    EXPECT_EQ(types({"--swc-type", name}), std::set<long>{number}) << name;
+  for (const char* type : {"-1", "256", "1.5", "0x3", "twig"})
+    refuses_skeleton(2, {fmt::format("--swc-type '{}' is not", type), "soma, axon"},
+                     {"core.vtp", "-o", "b.vtp", "--swc", "b.swc", "--swc-type", type});
+}
+
 TEST_F(SkeletonProgram, RootSmoothingAndResampling) {
   make_core();
   const auto swc = [&](std::vector<std::string> more) {
@@ -377,7 +402,7 @@ TEST_F(SkeletonProgram, RunWritesAllFiles) {
   EXPECT_EQ(line_count(bytes("a/branches.csv")), number_in(section(report, "skeleton"), "branches") + 1);
   // Again, with another number of threads: the same bytes. And by the commands one after the other.
   works({"run", "s.ply", "--resolution", "48", "-o", "b", "--threads", "1", "--quiet"});
-  works({"run", "s.ply", "--resolution", "48", "-o", "b", "--threads", "2", "--quiet"});
+  works({"run", "s.ply", "--resolution", "48", "-o", "b", "--threads", "2", "--quiet", "--overwrite"});
   skeleton({"a/core.vtp", "-o", "s.vtp"});  // (its graph files are smoothed without the shape)
   for (const char* file : {"core.vtp", "skeleton.vtp", "skeleton.swc", "branches.csv"})
     EXPECT_EQ(bytes(std::string("a/") + file), bytes(std::string("b/") + file)) << file;

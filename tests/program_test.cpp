@@ -113,7 +113,7 @@ TEST_F(Program, RunWritesAxisAndReport) {
                              "vertices", "edges",    "faces", "reconstructed", "lambda",
                              "voxelize", "delaunay", "prune", "write",         "total"})
     EXPECT_TRUE(has(report, fmt::format("\n    \"{}\": ", member))) << member;
-  works({"run", "a shape.ply", "--resolution", "24", "-o", "new/my result", "--quiet"});  // its own files are replaced
+  works({"run", "a shape.ply", "--resolution", "24", "-o", "new/my result", "--overwrite", "--quiet"});
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder / "new/my result"), {}),
             5 + exists("new/my result/view.html"));  // where the page is built in
   EXPECT_TRUE(has(works({"verify", "a shape.ply", "new/my result/core.vtp"}).out, ": verified\n"));
@@ -305,7 +305,7 @@ TEST_F(Program, VolumesAtTheLimits) {
     return text;
   };
   verified("nan.npy", npy(4, 1, 1, doubles({nan, 2, infinite, -infinite}), "<f8"), {"--threshold", "1"});
-  refuses(3, {"no numbers"},
+  refuses(3, {"no values but NaN"},
           {"core", (folder.write("none.npy", npy(2, 1, 1, doubles({nan, nan}), "<f8")), "none.npy"), "--threshold", "1",
            "-o", "a.vtp"});
   const auto integers = [](std::initializer_list<std::int64_t> values) {

@@ -143,7 +143,7 @@ TEST(Foreground, LabelIsExactForEveryType) {
   ForegroundOptions options;
   options.label = 256;
   const auto what = message(ErrorCode::input, [&] { foreground(line<std::uint8_t>({0, 255}), options); });
-  EXPECT_TRUE(has(what, "label 256") && has(what, "from 0 to 255")) << what;
+  EXPECT_TRUE(has(what, "value 256") && has(what, "from 0 to 255")) << what;
   options.label = big;
   message(ErrorCode::input, [&] { foreground(line<double>({static_cast<double>(big)}), options); });
 }
@@ -158,7 +158,8 @@ TEST(Foreground, WithoutRuleTheImageMustHaveTwoValues) {
   message(ErrorCode::usage, [] { foreground(line<std::uint8_t>({5, 1, 3}), {}); });
   message(ErrorCode::usage, [] { foreground(line<std::uint8_t>({1, 5, 3}), {}); });
   EXPECT_TRUE(has(message(ErrorCode::input, [] { foreground(line<std::uint8_t>({0, 0}), {}); }), "from 0 to 0"));
-  EXPECT_TRUE(has(message(ErrorCode::input, [] { foreground(line<double>({std::nan("")}), {}); }), "no numbers"));
+  EXPECT_TRUE(
+      has(message(ErrorCode::input, [] { foreground(line<double>({std::nan("")}), {}); }), "no values but NaN"));
 }
 
 TEST(Foreground, RefusesContradictions) {
@@ -172,7 +173,7 @@ TEST(Foreground, RefusesContradictions) {
   ForegroundOptions high;
   high.threshold = 300;
   const auto what = message(ErrorCode::input, [&] { foreground(line<std::uint8_t>({3, 90}), high); });
-  EXPECT_TRUE(has(what, ">= 300") && has(what, "from 3 to 90")) << what;
+  EXPECT_TRUE(has(what, "at least 300") && has(what, "from 3 to 90")) << what;
   ForegroundOptions inverted;
   inverted.invert = true;
   EXPECT_EQ(pattern(foreground(line<std::uint8_t>({0, 1, 0}), inverted)), "#.#");
@@ -200,7 +201,11 @@ TEST(Clean, LargestComponentEqualsFloodFill) {
     result.validate();
     EXPECT_TRUE(same(result, dense.shape(shape.grid()))) << "seed " << seed;
     EXPECT_EQ(report.components_removed, static_cast<std::int64_t>(components) - 1);
+    EXPECT_EQ(report.voxels_before, shape.voxel_count());
     EXPECT_EQ(report.voxels_removed, shape.voxel_count() - result.voxel_count());
+    EXPECT_EQ(much_dropped(report).empty(),
+              20 * report.voxels_removed < std::max<std::int64_t>(report.voxels_before, 1))
+        << "seed " << seed;
   }
 }
 
@@ -260,11 +265,63 @@ TEST(Clean, FillCavitiesEqualsFloodFill) {
   EXPECT_GT(cavities_seen, 50);
 }
 
+TEST(Clean, SharesInPercent) {
+  EXPECT_EQ(percent_text(0, 10), "0%");
+  EXPECT_EQ(percent_text(1, 100000), "0.001%");
+  EXPECT_EQ(percent_text(36, 100), "36%");
+  EXPECT_EQ(percent_text(99999, 100000), "more than 99%");
+  EXPECT_EQ(percent_text(7, 7), "100%");
+}
+
 TEST(Clean, WithoutRequestChangesNothing) {
   const VoxelShape shape = testing_shapes::random_shape(4);
   ForegroundReport report;
   EXPECT_TRUE(same(clean(shape, {}, &report), shape));
   EXPECT_EQ(report.components_removed + report.voxels_removed + report.cavities_filled + report.voxels_filled, 0);
+}
+
+// Whole thresholds stay exact where a double rounds them, for samples of every type.
+template <class T>
+std::int64_t count_at_least(const std::vector<T>& samples, const Threshold& threshold) {
+  Volume volume;
+  volume.grid.dims = {static_cast<std::int64_t>(samples.size()), 1, 1};
+  volume.samples = samples;
+  ForegroundOptions options;
+  options.threshold = threshold;
+  try {
+    return foreground(volume, options).voxel_count();
+  } catch (const Error&) {
+    return 0;
+  }
+}
+
+TEST(Foreground, WholeThresholdsAreExact) {
+  constexpr std::int64_t odd = (std::int64_t{1} << 53) + 1;
+  constexpr std::int64_t low = std::numeric_limits<std::int64_t>::min(),
+                         high = std::numeric_limits<std::int64_t>::max();
+  const std::vector<std::int64_t> wide{low, -odd, odd - 1, odd, high};
+  EXPECT_EQ(count_at_least(wide, low), 5);
+  EXPECT_EQ(count_at_least(wide, low + 1), 4);
+  EXPECT_EQ(count_at_least(wide, -odd), 4);
+  EXPECT_EQ(count_at_least(wide, 1 - odd), 3);
+  EXPECT_EQ(count_at_least(wide, odd), 2);
+  EXPECT_EQ(count_at_least(wide, high), 1);
+  EXPECT_EQ(count_at_least(wide, static_cast<std::uint64_t>(high) + 1), 0);
+  const std::vector<std::uint64_t> natural{0, std::uint64_t{1} << 63, ~std::uint64_t{0}};
+  EXPECT_EQ(count_at_least(natural, low), 3);
+  EXPECT_EQ(count_at_least(natural, std::int64_t{1}), 2);
+  EXPECT_EQ(count_at_least(natural, ~std::uint64_t{0}), 1);
+  const std::vector<std::uint8_t> bytes{0, 7, 255};
+  EXPECT_EQ(count_at_least(bytes, std::int64_t{255}), 1);
+  EXPECT_EQ(count_at_least(bytes, std::int64_t{256}), 0);
+  EXPECT_EQ(count_at_least(bytes, std::int64_t{-1}), 3);
+  const std::vector<double> doubles{0x1p53, 0x1p53 + 2, 0x1p64, -HUGE_VAL};
+  EXPECT_EQ(count_at_least(doubles, odd), 2);
+  EXPECT_EQ(count_at_least(doubles, ~std::uint64_t{0}), 1);
+  const std::vector<float> floats{0x1p53F, 0x1p54F, 16777218.F, 0x1p63F};
+  EXPECT_EQ(count_at_least(floats, std::int64_t{16777217}), 4);
+  EXPECT_EQ(count_at_least(floats, odd), 2);
+  EXPECT_EQ(count_at_least(floats, high), 1);
 }
 
 // Real data: the counts of the volume table of the data's README and of references/expected_core_sizes.tsv.

@@ -6,6 +6,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "quench/geometry.h"
@@ -85,10 +86,18 @@ CurveGraph smoothed(const CurveGraph& graph, const SmoothOptions& options);
 
 namespace io {
 
+constexpr int kSwcDendrite = 3;
+
+/// The structure identifier of SWC for a number from 0 to 255 or a name: undefined, soma, axon, dendrite (or
+/// basal-dendrite), apical-dendrite, custom, neurite, glia. Throws Error(usage), naming `what`.
+int swc_type_of(std::string_view text, std::string_view what);
+
 struct SwcOptions {
   /// The node nearest to this point is the root of its component. All others (and all without it): the thickest node.
   std::optional<Vec3> root;
-  int type = 0;       ///< structure identifier of every sample: 0 undefined, as a shape is not known to be a neuron
+  /// Structure identifier of every sample. It says nothing that was found out: the default is what every program takes
+  /// (MorphIO and NeuroM refuse 0, undefined, and some others all but 1 to 4).
+  int type = kSwcDendrite;
   std::string units;  ///< for the header; empty: not said
 };
 

@@ -13,7 +13,7 @@ std::int64_t available_memory();
 /// say.
 std::int64_t held_memory();
 
-/// "3.5 GB", "81 MB".
+/// "3.5 GB", "81 MB", "1.0 KB", "12 bytes".
 std::string bytes_text(std::int64_t bytes);
 
 }  // namespace quench

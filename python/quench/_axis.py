@@ -84,7 +84,7 @@ def medial_axis(image_or_mesh: Any, *, spacing: Spacing = None, threshold: Optio
     if lambda_ != 'auto' or not isinstance(lambda_, str):
         lambda_ = length(lambda_, 'lambda_')
     if lambda_rule not in ('coface', 'ball'):
-        raise error(2, f"lambda_rule={lambda_rule!r} is none of 'coface', 'ball'")
+        raise error(2, f"lambda_rule={lambda_rule!r} is not one of 'coface', 'ball'")
     cut = Cut(threshold, label, invert, largest_component, min_component, fill_cavities, subdivide)
     shape = shape_of(image_or_mesh, spacing, resolution, fill, cut, threads, progress)
     with listening(progress) as listener:
@@ -233,7 +233,7 @@ class MedialAxis(Complex):
             return 0.0
         distance = self._core.resolve(length(omega, 'omega'), 'omega')
         if not 0 < distance < np.inf:
-            raise error(2, f'omega={omega!r} is no distance between nodes; give a length above 0, or None')
+            raise error(2, f'omega={omega!r} is not a distance between nodes; give a length above 0, or None')
         return distance
 
     def skeleton(self, theta2: Length = 0.03, theta1: Length = 0.02, *, omega: Optional[Length] = None) -> Skeleton:

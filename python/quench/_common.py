@@ -77,7 +77,7 @@ def length(value: Length, argument: str) -> str:
     elif isinstance(value, numbers.Real) and not isinstance(value, (bool, np.bool_)):
         text = 'inf' if math.isinf(value) and value > 0 else repr(float(value))
     else:
-        raise error(2, f'{argument}={value!r} is no length; give a fraction of the longest side (0.02 or "2%"), "2.5vox", '
+        raise error(2, f'{argument}={value!r} is not a length; give a fraction of the longest side (0.02 or "2%"), "2.5vox", '
                        '"3.5abs" or "inf"')
     _core.check_length(text, argument)
     return text
@@ -116,7 +116,7 @@ def whole(value: Any, argument: str, least: int = 0) -> int:
         if number != value:
             raise ValueError
     except (TypeError, ValueError, OverflowError):
-        raise error(2, f'{argument}={value!r} is no whole number') from None
+        raise error(2, f'{argument}={value!r} is not a whole number') from None
     if number < least:
         raise error(2, f'{argument}={value!r} is less than {least}')
     return number

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import numbers
 import os
 from dataclasses import dataclass, field
 from typing import Any, Dict, List, Optional, Tuple, Union
@@ -78,13 +79,13 @@ def image_array(value: Any) -> np.ndarray:
     try:
         array = np.asarray(value)
     except Exception as reason:
-        raise error(3, f'{type(value).__name__} is no image: {reason}') from reason
+        raise error(3, f'{type(value).__name__} is not an image: {reason}') from reason
     if array.ndim != 3:
         raise error(3, f'the image has {array.ndim} dimensions; an image of a shape has 3')
     if array.size == 0:
         raise error(3, f'the image of shape {array.shape} holds no voxels')
     if array.dtype.kind not in 'biuf' or array.dtype.itemsize > 8:
-        raise error(3, f'samples of type {array.dtype} are no values of an image; give bool, integer or float samples')
+        raise error(3, f'samples of type {array.dtype} are not values of an image; give bool, integer or float samples')
     if array.dtype == np.float16:
         array = array.astype(np.float32)
     if not array.dtype.isnative:
@@ -98,7 +99,7 @@ def mesh_arrays(vertices: Any, faces: Any) -> Tuple[np.ndarray, np.ndarray]:
     try:
         corners = np.asarray(faces)
     except (TypeError, ValueError) as reason:
-        raise error(3, f'the faces of the mesh are no array of numbers: {reason}') from reason
+        raise error(3, f'the faces of the mesh are not an array of numbers: {reason}') from reason
     if points.ndim != 2 or points.shape[1] != 3:
         raise error(3, f'the vertices have the shape {points.shape}; a mesh has (V, 3)')
     if corners.dtype.kind not in 'iu':
@@ -124,7 +125,7 @@ def _padded(flat: np.ndarray) -> np.ndarray:
     while at < len(flat):
         n = int(flat[at])
         if n < 0 or at + n >= len(flat):
-            raise error(3, 'the faces are a list of numbers that is no list of counts and corners; a mesh has (F, 3)')
+            raise error(3, 'the faces are a list of numbers that is not one of counts and corners; a mesh has (F, 3)')
         triangles.extend((flat[at + 1], flat[at + i - 1], flat[at + i]) for i in range(3, n + 1))
         at += n + 1
     return np.array(triangles, dtype=flat.dtype).reshape(-1, 3)
@@ -141,6 +142,18 @@ def as_mesh(value: Any) -> Optional[Tuple[Any, Any]]:
     return None
 
 
+def _threshold(value: Any) -> Union[int, float]:
+    """A float, or the whole number itself where a float would round it."""
+    try:
+        if isinstance(value, numbers.Integral) and abs(int(value)) > 2**53:
+            if not -2**63 <= int(value) < 2**64:
+                raise error(2, f'threshold={value} does not fit into 64 bits')
+            return int(value)
+        return float(value)
+    except (TypeError, ValueError, OverflowError):
+        raise error(2, f'threshold={value!r} is not a number') from None
+
+
 @dataclass
 class Cut:
     """Which voxels are the shape, and of which size: the keyword arguments of medial_axis()."""
@@ -155,11 +168,8 @@ class Cut:
 
     def core(self) -> '_core.Cut':
         if self.threshold is not None and self.label is not None:
-            raise error(2, 'threshold and label exclude each other; give one of them')
-        try:
-            threshold = None if self.threshold is None else float(self.threshold)
-        except (TypeError, ValueError):
-            raise error(2, f'threshold={self.threshold!r} is no number') from None
+            raise error(2, 'threshold and label cannot be combined; give one of them')
+        threshold = None if self.threshold is None else _threshold(self.threshold)
         label = None if self.label is None else whole(self.label, 'label', -2**63)
         if label is not None and label >= 2**63:
             raise error(2, f'label={label} does not fit into 64 bits with a sign')
@@ -172,7 +182,7 @@ class Cut:
         said = {name: value for name, value in vars(self).items() if value != getattr(Cut, name)}
         for name in ('threshold', 'label', 'min_component', 'subdivide'):
             if name in said:
-                said[name] = float(said[name]) if name == 'threshold' else int(said[name])
+                said[name] = _threshold(said[name]) if name == 'threshold' else int(said[name])
         return json.dumps({**said, **more})
 
 
@@ -209,7 +219,7 @@ def _shape(source, size, resolution, fill, cut, core_cut, threads, listener):
     if cut.threshold is not None or cut.label is not None or cut.invert or size is not None:
         raise error(2, 'threshold, label, invert and spacing are for images; this is a mesh')
     if fill not in ('nonzero', 'evenodd', 'winding', 'auto'):
-        raise error(2, f"fill={fill!r} is none of 'nonzero', 'evenodd', 'winding', 'auto'")
+        raise error(2, f"fill={fill!r} is not one of 'nonzero', 'evenodd', 'winding', 'auto'")
     vertices, faces = mesh_arrays(*mesh)
     wanted = None if resolution == 'auto' else whole(resolution, 'resolution')
     said = {'fill': fill} if wanted is None else {'fill': fill, 'resolution': wanted}
@@ -251,10 +261,10 @@ def read(path: Path, *, spacing: Spacing = None, radii: Optional[Path] = None):
     if kind == 'volume':
         return Volume(_core.read_image(file_name(path), spacing_of(spacing), None, 0))
     if kind != 'surface':
-        raise error(3, f"'{named}' is of no kind Quench knows by its name; meshes end in e.g. .ply, .obj, .off, .stl, "
+        raise error(3, f"'{named}' has a file type Quench does not know; meshes end in e.g. .ply, .obj, .off, .stl, "
                        'volumes in .nrrd, .nii.gz, .mha, .map, .vol, .npy, .tif')
     if spacing is not None:
-        raise error(2, f"spacing is for images; '{named}' is none")
+        raise error(2, f"spacing is for images; '{named}' is not one")
     found = _core.read_surface(file_name(path), b'' if radii is None else file_name(radii))
     if isinstance(found, tuple):
         return Mesh(np.asarray(found[0]), np.asarray(found[1]))

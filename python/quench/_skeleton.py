@@ -117,10 +117,12 @@ class Graph:
             graph.add_edge(row.pop('from'), row.pop('to'), key=b, path=path, radii=radii, **row)
         return graph
 
-    def save(self, path: Path, *, root: Optional[Sequence[float]] = None) -> Optional[Dict[str, int]]:
+    def save(self, path: Path, *, root: Optional[Sequence[float]] = None,
+             swc_type: Union[int, str] = 'dendrite') -> Optional[Dict[str, int]]:
         """Writes .csv (a row per branch), .graphml or .swc (trees; loops are cut and listed in the header).
 
-        Of SWC, `root` is a place: the node next to it is the root of its tree. Returns what the file holds:
+        Of SWC, `root` is a place: the node next to it is the root of its tree; `swc_type` the type of every sample, a number
+        or a name ("soma", "axon", "dendrite", "apical-dendrite", "custom" ...). Returns what the file holds:
         ``trees samples sheet_links cuts``.
         """
         name = file_name(path)
@@ -129,9 +131,9 @@ class Graph:
         elif ending(path) == '.graphml':
             self._core.write_graphml(name)
         elif ending(path) == '.swc':
-            return self._core.write_swc(name, None if root is None else [float(x) for x in root])
+            return self._core.write_swc(name, None if root is None else [float(x) for x in root], str(swc_type))
         else:
-            raise error(2, f"'{ending(path)}' is no format of a graph; name the file .csv, .graphml or .swc")
+            raise error(2, f"'{ending(path)}' is not a format of graphs; name the file .csv, .graphml or .swc")
         return None
 
 
@@ -204,14 +206,14 @@ class Skeleton(Complex):
         Parameters
         ----------
         smooth : int
-            Times the zigzag of voxels is smoothed; branches stay inside the shape.
+            Passes of smoothing over the zigzag of voxels; branches stay inside the shape.
         resample : length
             Distance of points along branches; 0: as they come.
         tips : "full" or "pruned"
             "pruned": the ends as in `curves`.
         """
         if tips not in ('full', 'pruned'):
-            raise error(2, f"tips={tips!r} is none of 'full', 'pruned'")
+            raise error(2, f"tips={tips!r} is not one of 'full', 'pruned'")
         return Graph(self._core.graph(whole(smooth, 'smooth'), length(resample, 'resample'), tips == 'pruned', None))
 
     @cached_property
@@ -280,7 +282,8 @@ class Skeleton(Complex):
         """Checks the skeleton against its shape, see :meth:`MedialAxis.verify`."""
         return Certificate(self._core.verify(whole(samples, 'samples', 1), None, 0))
 
-    def save(self, path: Path, *, quality: str = 'radius', root: Optional[Sequence[float]] = None) -> None:
+    def save(self, path: Path, *, quality: str = 'radius', root: Optional[Sequence[float]] = None,
+             swc_type: Union[int, str] = 'dendrite') -> None:
         """Writes a file, over an existing one; an interrupted call leaves none half written.
 
         Parameters
@@ -292,6 +295,9 @@ class Skeleton(Complex):
             Of PLY: the array that MeshLab shows as quality.
         root : three floats, optional
             Of SWC: the node next to this place is the root of its tree. Default: the thickest.
+        swc_type : int or str
+            Of SWC: the type of every sample, a number or "soma", "axon", "dendrite", "apical-dendrite", "custom" ...;
+            programs for neurons refuse 0.
         """
         kind = ending(path)
         if kind == '.html':
@@ -299,7 +305,7 @@ class Skeleton(Complex):
         elif kind == '.png':
             _export.save_picture(self, path)
         elif kind in ('.swc', '.graphml', '.csv'):
-            self._graph.save(path, root=root)
+            self._graph.save(path, root=root, swc_type=swc_type)
         else:
             self._core.save(file_name(path), quality)
 
@@ -346,7 +352,7 @@ def skeletonize(image: Any, /, *, spacing: Spacing = None, labels: Union[str, It
         image = read(image, spacing=spacing)
         spacing = None
         if not isinstance(image, Volume):
-            raise error(3, 'a label image is a volume, and this file is none')
+            raise error(3, 'a label image is a volume, and this file is not one')
     size = spacing_of(spacing)
     if not isinstance(lambda_, str) or lambda_ != 'auto':
         lambda_ = length(lambda_, 'lambda_')

@@ -30,7 +30,7 @@ SampleType sample_type(const py::buffer_info& held) {
       default:
         break;
     }
-  throw Error(ErrorCode::input, fmt::format("samples of the buffer format '{}' are no numbers of an image; give bool, "
+  throw Error(ErrorCode::input, fmt::format("samples of the buffer format '{}' are not numbers of an image; give bool, "
                                             "integer or float samples",
                                             held.format));
 }

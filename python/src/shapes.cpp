@@ -39,7 +39,9 @@ py::buffer_info info(const Image& image) {
 std::shared_ptr<Shape> cut_out(const ImageView& image, const Cut& cut, const std::string& units,
                                const std::string& parameters, Context& context) {
   Shape shape;
-  shape.voxels = foreground(image, cut.foreground(), nullptr, &context);
+  ForegroundReport report;
+  shape.voxels = foreground(image, cut.foreground(), &report, &context);
+  if (const std::string much = much_dropped(report); !much.empty()) note(&context, much);
   shape.image = image.grid;
   shape.units = units;
   shape.parameters = parameters;
@@ -78,7 +80,9 @@ std::shared_ptr<Shape> shape_of_mesh(const py::buffer& points, const py::buffer&
     if (v.topology_changed) note(&context, "voxelization changed the topology: " + v.topology_difference);
     Shape shape;
     shape.longest_side = v.longest_side;
-    shape.voxels = clean(v.shape, cut.foreground(), nullptr, &context);
+    ForegroundReport report;
+    shape.voxels = clean(v.shape, cut.foreground(), &report, &context);
+    if (const std::string much = much_dropped(report); !much.empty()) note(&context, much);
     shape.image = shape.voxels.grid();
     shape.parameters = parameters;
     return finished(std::move(shape), cut);
@@ -133,7 +137,7 @@ void bind_shapes(py::module_& m) {
                              })
       .def_property_readonly("units", [](const Image& i) { return i.volume->units; });
   py::class_<Cut>(m, "Cut").def(
-      py::init([](std::optional<double> threshold, std::optional<std::int64_t> label, bool invert, bool largest,
+      py::init([](std::optional<Threshold> threshold, std::optional<std::int64_t> label, bool invert, bool largest,
                   std::int64_t min_component, bool fill,
                   int subdivide) { return Cut{threshold, label, invert, largest, fill, min_component, subdivide}; }),
       py::arg("threshold"), py::arg("label"), py::arg("invert"), py::arg("largest_component"), py::arg("min_component"),

@@ -34,7 +34,7 @@ std::shared_ptr<GraphValue> graph_of(const Pointer& s, int smooth, const std::st
   options.resample = s->axis->resolve(resample, "resample");
   if (std::isinf(options.resample))
     throw Error(ErrorCode::usage,
-                "resample=inf is no distance between points; give a length, or 0 for the points as they come");
+                "resample=inf is not a distance between points; give a length, or 0 for the points as they come");
   if (s->axis->shape) options.shape = &s->axis->shape->voxels;
   if (s->axis->voxel_core) options.voxel = s->axis->spacing;
   auto result = std::make_shared<GraphValue>();
@@ -93,9 +93,10 @@ py::list paths_of(const std::shared_ptr<GraphValue>& g) {
   return result;
 }
 
-py::dict write_swc_file(const GraphValue& g, const std::string& file,
-                        const std::optional<std::array<double, 3>>& root) {
+py::dict write_swc_file(const GraphValue& g, const std::string& file, const std::optional<std::array<double, 3>>& root,
+                        const std::string& type) {
   io::SwcOptions options;
+  options.type = io::swc_type_of(type, "swc_type");
   if (root) options.root = Vec3((*root)[0], (*root)[1], (*root)[2]);
   if (const auto& shape = g.skeleton->axis->shape) options.units = shape->units;
   const io::SwcReport report = io::write_swc(file, g.graph, options);
@@ -179,8 +180,8 @@ void bind_skeletons(py::module_& m) {
       .def_property_readonly("components", [](const Graph& g) { return g->graph.components; })
       .def_property_readonly("sheets", [](const Graph& g) { return g->graph.sheets; })
       .def_property_readonly("sheet_only", [](const Graph& g) { return g->graph.sheet_only; })
-      .def("write_swc", [](const Graph& g, const std::string& file,
-                           const std::optional<std::array<double, 3>>& root) { return write_swc_file(*g, file, root); })
+      .def("write_swc", [](const Graph& g, const std::string& file, const std::optional<std::array<double, 3>>& root,
+                           const std::string& type) { return write_swc_file(*g, file, root, type); })
       .def("write_graphml", [](const Graph& g, const std::string& file) { io::write_graphml(file, g->graph); })
       .def("write_csv", [](const Graph& g, const std::string& file) { io::write_branches(file, g->graph); });
   py::list kinds;

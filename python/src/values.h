@@ -67,7 +67,7 @@ struct GraphValue {
 
 /// How a shape is cut out of an image: arguments of medial_axis().
 struct Cut {
-  std::optional<double> threshold;
+  std::optional<Threshold> threshold;
   std::optional<std::int64_t> label;
   bool invert = false, largest_component = false, fill_cavities = false;
   std::int64_t min_component = 0;

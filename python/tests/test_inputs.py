@@ -168,8 +168,35 @@ def test_cleaning():
     fine = quench.medial_axis(image, subdivide=2, lambda_=0)
     assert fine.topology.betti == (2, 0, 1) and fine.vertices.max() < 28
     assert fine.reconstruct().shape == image.shape
-    with pytest.raises(quench.Error, match='exclude'):
+    with pytest.raises(quench.Error, match='cannot be combined'):
         quench.medial_axis(image, threshold=1, label=1)
+    with pytest.warns(UserWarning, match='took 20% of the shape'):
+        quench.medial_axis(blobs_of(80, 20), largest_component=True)
+    with warnings.catch_warnings():
+        warnings.simplefilter('error')
+        quench.medial_axis(blobs_of(98, 2), largest_component=True)
+
+
+def blobs_of(*sizes):
+    """Bars of so many voxels, apart."""
+    image = np.zeros((2 * len(sizes) + 1, 3, max(sizes) + 2), bool)
+    for i, size in enumerate(sizes):
+        image[2 * i + 1, 1, 1:size + 1] = True
+    return image
+
+
+def test_whole_thresholds_are_exact():
+    odd = 2**53 + 1  # no float
+    for dtype, values in ((np.int64, (odd - 1, odd)), (np.uint64, (2**64 - 2, 2**64 - 1))):
+        image = np.array(values, dtype).reshape(2, 1, 1)
+        for least, voxels in zip(values, (2, 1)):
+            for threshold in (least, dtype(least)):
+                assert len(quench.medial_axis(image, threshold=threshold, lambda_=0).vertices) == voxels
+        axis = quench.medial_axis(image, threshold=values[1], lambda_=0)
+        assert axis.verify()
+    for wrong in (2**64, -2**64, 10**400, 'high', [1]):
+        with pytest.raises(quench.Error, match='threshold='):
+            quench.medial_axis(image, threshold=wrong)
 
 
 def test_files_and_arrays_say_the_same(tmp_path):

@@ -98,6 +98,13 @@ def test_graph_as_table_networkx_and_file(tmp_path):
     report = graph.save(tmp_path / 'b.swc', root=(0, 0, 0))
     samples = [line for line in (tmp_path / 'b.swc').read_text().splitlines() if line and line[0] != '#']
     assert report['samples'] == len(samples) and report['cuts'] == loops
+    assert {line.split()[1] for line in samples} == {'3'}  # programs for neurons refuse 0
+    for given, number in (('axon', '2'), (7, '7'), (np.int64(5), '5')):
+        skeleton.save(tmp_path / 'b.swc', swc_type=given)
+        assert {line.split()[1] for line in (tmp_path / 'b.swc').read_text().splitlines() if line[0] != '#'} == {number}
+    for wrong in ('twig', -1, 2.5, 256, True):
+        with pytest.raises(quench.Error, match='swc_type'):
+            skeleton.save(tmp_path / 'b.swc', swc_type=wrong)
     pruned = skeleton.graph(tips='pruned', smooth=0, resample='1vox')
     assert len(pruned.branches['length']) > 0
     with pytest.raises(quench.Error, match='tips'):

@@ -29,9 +29,14 @@ std::int64_t held_memory() {
 }
 
 std::string bytes_text(std::int64_t bytes) {
-  const bool giga = bytes >= std::int64_t{1} << 30;
-  const double amount = static_cast<double>(bytes) / (giga ? 0x1p30 : 0x1p20);
-  return fmt::format("{:.{}f} {}", amount, amount < 10 ? 1 : 0, giga ? "GB" : "MB");
+  const double amount = static_cast<double>(bytes);
+  const auto in = [&](double unit, const char* name) {
+    return fmt::format("{:.{}f} {}", amount / unit, amount < 10 * unit ? 1 : 0, name);
+  };
+  if (amount >= 0x1p30) return in(0x1p30, "GB");
+  if (amount >= 0x1p20) return in(0x1p20, "MB");
+  if (amount >= 0x1p10) return in(0x1p10, "KB");
+  return fmt::format("{} byte{}", bytes, bytes == 1 ? "" : "s");
 }
 
 }  // namespace quench

@@ -123,7 +123,7 @@ PolyData read_with_assimp(const std::filesystem::path& path) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error))
     throw Error(ErrorCode::failed,
-                fmt::format("cannot open '{}': {}", file, error ? error.message() : std::string("it is no file")));
+                fmt::format("cannot open '{}': {}", file, error ? error.message() : std::string("it is not a file")));
   // On a damaged file Assimp may crash or read endlessly.
   return unpacked(read_apart(path, [&] { return packed(read_scene(file)); }));
 }

@@ -117,7 +117,7 @@ PolyData read_poly_data(const std::filesystem::path& file, Context* context) {
 #endif
   }
   throw Error(ErrorCode::input,
-              fmt::format("cannot read '{}': '{}' is no extension of a mesh or medial axis; use .ply .obj .off .stl "
+              fmt::format("cannot read '{}': '{}' is not a file type of meshes or medial axes; use .ply .obj .off .stl "
                           ".vtp or .ma",
                           file.string(), extension));
 }
@@ -141,7 +141,7 @@ Writer writer_of(const std::filesystem::path& file) {
   if (extension == ".csv")
     return [](std::ostream& out, const PolyData& data, const WriteOptions&) { write_csv(out, data); };
   throw Error(ErrorCode::usage,
-              fmt::format("cannot write '{}': '{}' is no output format; use .vtp .ply .obj .ma .r or .csv",
+              fmt::format("cannot write '{}': '{}' is not a file type Quench writes; use .vtp .ply .obj .ma .r or .csv",
                           file.string(), extension));
 }
 

@@ -32,7 +32,7 @@ PolyData read_ma(const FileText& file) {
       for (std::string_view word = words.next_on_line(); !word.empty(); word = words.next_on_line()) {
         std::int64_t index = 0;
         if (!parse_integer(word, index) || index < 0 || index >= vertices || index > 0xFFFFFFFE)
-          words.fail(fmt::format("a corner is no vertex number between 0 and {}", vertices - 1));
+          words.fail(fmt::format("a corner is not a vertex number between 0 and {}", vertices - 1));
         corners.push_back(static_cast<std::uint32_t>(index));
       }
       if (edge ? corners.size() != 2 : corners.empty())

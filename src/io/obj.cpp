@@ -18,7 +18,7 @@ class References {
     corners.clear();
     for (std::string_view word = words.next_on_line(); !word.empty(); word = words.next_on_line()) {
       std::int64_t index = 0;
-      if (!parse_integer(word.substr(0, word.find('/')), index)) words.fail("a corner is no vertex number");
+      if (!parse_integer(word.substr(0, word.find('/')), index)) words.fail("a corner is not a vertex number");
       if (index < 0) index += static_cast<std::int64_t>(vertices) + 1;
       if (index < 1 || index > 0xFFFFFFFE)
         words.fail(fmt::format("a corner refers to vertex {} (the first is 1)", index));

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "formats.h"
+#include "quench/counted.h"
 #include "words.h"
 
 /// Geomview's OFF: an optional keyword [ST][C][N]OFF, the counts of vertices, faces and edges, one line per vertex (x y
@@ -38,7 +39,8 @@ PolyData read_off(const FileText& file) {
   // A vertex takes 6 bytes of text and a face 4, perhaps without the last line end.
   if (static_cast<std::size_t>(vertices) > words.remaining() / 5 ||
       static_cast<std::size_t>(faces) > words.remaining() / 3)
-    words.fail(fmt::format("{} vertices and {} faces are announced, more than the file can hold", vertices, faces));
+    words.fail(fmt::format("{} and {} are announced, more than the file can hold",
+                           counted(vertices, "vertex", "vertices"), counted(faces, "face")));
 
   PolyData data;
   data.points.reserve(static_cast<std::size_t>(vertices));

@@ -60,7 +60,7 @@ Type read_type(Words& words) {
   const std::string_view word = words.next_on_line();
   for (const TypeName& known : type_names)
     if (known.name == word) return known.type;
-  words.fail("a property has no type that PLY knows");
+  words.fail("the type of a property is not one of PLY's");
 }
 
 Property read_property(Words& words) {
@@ -92,7 +92,7 @@ Header read_header(const FileText& file) {
       else if (name == "binary_big_endian")
         header.encoding = Encoding::big;
       else
-        words.fail("the format is none of ascii, binary_little_endian and binary_big_endian");
+        words.fail("the format is not one of ascii, binary_little_endian and binary_big_endian");
       format_known = true;
     } else if (keyword == "element") {
       Element element;
@@ -205,7 +205,7 @@ class Numbers {
     constexpr double high[] = {127, 255, 32767, 65535, 2147483647, 4294967295.0};
     const auto t = static_cast<std::size_t>(type);
     if (!(value >= low[t] && value <= high[t] && value == std::floor(value)))
-      fail(fmt::format("{} is no {} as the header says", value, type_names[2 * t].name));
+      fail(fmt::format("{} does not fit the type {} the header says", value, type_names[2 * t].name));
   }
 
   const FileText& file_;

@@ -69,7 +69,8 @@ Png read_chunks(const std::filesystem::path& file) {
     const unsigned char* data = &bytes[at + 8];
     const auto type = std::string_view(reinterpret_cast<const char*>(&bytes[at + 4]), 4);
     if (crc32(0, &bytes[at + 4], length + 4) != big_endian(data + length))
-      refuse(file, fmt::format("the block at byte {} is damaged", at));
+      refuse(file,
+             fmt::format("the checksum of the block at byte {} is wrong: the file is damaged; copy it again", at));
     if ((at == 8) != (type == "IHDR") || (at == 8 && length != 13)) refuse(file, "its header is missing or repeated");
     if (type == "IHDR") {
       read_header(png, data, file);
@@ -133,7 +134,8 @@ std::vector<T> decode(const Png& png, const std::filesystem::path& file, std::ui
   std::vector<unsigned char> raw(expected);
   uLongf got = raw.size();
   const int result = uncompress(raw.data(), &got, png.packed.data(), png.packed.size());
-  if ((result != Z_OK && result != Z_BUF_ERROR) || got != expected) refuse(file, "its pixels are damaged");
+  if ((result != Z_OK && result != Z_BUF_ERROR) || got != expected)
+    refuse(file, "its compressed pixels are damaged; copy it again");
 
   std::vector<T> samples(count);
   const int scale = png.depth < 8 && png.colour == 0 ? 255 / ((1 << png.depth) - 1) : 1;

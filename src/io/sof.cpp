@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "io/volume_formats.h"
+#include "quench/counted.h"
 #include "quench/error.h"
 
 namespace quench::io {
@@ -103,9 +104,9 @@ Volume read_sof(const std::filesystem::path& file, Context* context) {
     }
   });
   if (contradictions)
-    note(context, fmt::format("'{}': neighbouring cells of the octree contradict each other at {} corners; the later "
+    note(context, fmt::format("'{}': neighbouring cells of the octree contradict each other at {}; the later "
                               "one was taken",
-                              file.string(), contradictions));
+                              file.string(), counted(contradictions, "corner")));
   checkpoint(context, "read", 1);
   volume.samples = std::move(inside);
   return volume;

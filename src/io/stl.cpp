@@ -40,7 +40,7 @@ PolyData read_binary(const FileText& file) {
     throw Error(ErrorCode::input, fmt::format("'{}' {}", file.name, what));
   };
   if (file.bytes.size() < header_bytes)
-    fail(fmt::format("is no STL file: it has {} bytes and does not begin with 'solid'", file.bytes.size()));
+    fail(fmt::format("is not an STL file: it has {} bytes and does not begin with 'solid'", file.bytes.size()));
   const std::size_t triangles = triangle_count(file.bytes);
   if (triangles > (file.bytes.size() - header_bytes) / triangle_bytes)
     fail(fmt::format("is incomplete: it announces {} triangles and has {} bytes", triangles, file.bytes.size()));

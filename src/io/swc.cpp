@@ -1,9 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <limits>
 #include <span>
+#include <string_view>
 #include <tuple>
+#include <utility>
 
 #include "complex/union_find.h"
 #include "quench/curve_graph.h"
@@ -15,6 +20,23 @@
 /// readers take comments only there.
 namespace quench::io {
 namespace {
+
+// Of SWC and SWC+. The first name of a number is the one that files say.
+constexpr std::array<std::pair<std::string_view, int>, 9> type_names{{{"undefined", 0},
+                                                                      {"soma", 1},
+                                                                      {"axon", 2},
+                                                                      {"dendrite", kSwcDendrite},
+                                                                      {"basal-dendrite", kSwcDendrite},
+                                                                      {"apical-dendrite", 4},
+                                                                      {"custom", 5},
+                                                                      {"neurite", 6},
+                                                                      {"glia", 7}}};
+
+std::string type_text(int type) {
+  for (const auto& [name, number] : type_names)
+    if (number == type) return fmt::format("{} ({})", type, name);
+  return fmt::format("{}", type);
+}
 
 struct Row {
   Vec3 point;
@@ -72,6 +94,8 @@ class Trees {
                  rows_[id - 1].parent);
     for (std::uint32_t component : graph_.sheet_only)
       text.print("# component {} is a sheet without curves and has no tree here\n", component);
+    text.print("# type of every sample: {}; it is a label, not something that was found out\n",
+               type_text(options.type));
     text.print("# id type x y z radius parent\n");
     for (std::size_t i = 0; i < rows_.size(); ++i) {
       const Row& row = rows_[i];
@@ -237,6 +261,19 @@ class Trees {
 };
 
 }  // namespace
+
+int swc_type_of(std::string_view text, std::string_view what) {
+  for (const auto& [name, number] : type_names)
+    if (text == name) return number;
+  int type = -1;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), type);
+  if (error == std::errc() && end == text.data() + text.size() && type >= 0 && type <= 255) return type;
+  std::string names;
+  for (const auto& [name, number] : type_names) names += fmt::format("{}{}", names.empty() ? "" : ", ", name);
+  throw Error(
+      ErrorCode::usage,
+      fmt::format("{} '{}' is not a type of SWC samples; give a number from 0 to 255 or one of {}", what, text, names));
+}
 
 SwcReport write_swc(const std::filesystem::path& file, const CurveGraph& graph, const SwcOptions& options) {
   if (options.type < 0)

@@ -79,7 +79,9 @@ void inflate_into(InputFile& in, const std::filesystem::path& file, unsigned cha
     checkpoint(context, "read", static_cast<double>(done) / static_cast<double>(size));
     in.stream.read(input.data(), static_cast<std::streamsize>(input.size()));
     const auto got = in.stream.gcount();
-    if (got <= 0) refuse(file, fmt::format("the compressed samples end after {} of {} bytes", done, size));
+    if (got <= 0)
+      refuse(file, fmt::format("the compressed samples end after {} of {} bytes: the file is incomplete; copy it again",
+                               done, size));
     z.next_in = reinterpret_cast<unsigned char*>(input.data());
     z.avail_in = static_cast<unsigned>(got);
     while (z.avail_in > 0 && done < size && !ended) {
@@ -91,10 +93,13 @@ void inflate_into(InputFile& in, const std::filesystem::path& file, unsigned cha
       if (result == Z_STREAM_END)
         ended = true;
       else if (result != Z_OK && result != Z_BUF_ERROR)
-        refuse(file, fmt::format("the compressed samples are damaged after {} of {} bytes", done, size));
+        refuse(file,
+               fmt::format("the compressed samples are damaged after {} of {} bytes; copy the file again", done, size));
     }
   }
-  if (done < size) refuse(file, fmt::format("the compressed samples end after {} of {} bytes", done, size));
+  if (done < size)
+    refuse(file, fmt::format("the compressed samples end after {} of {} bytes: the file is incomplete; copy it again",
+                             done, size));
   checkpoint(context, "read", 1);
 }
 

@@ -47,7 +47,7 @@ class Source {
 
   /// `count` bytes; in base64 a run of its own.
   std::string take(std::uint64_t count) {
-    if (count > remaining()) fail("is incomplete");
+    if (count > remaining()) fail("is incomplete; copy the file again");
     if (!format_.base64) {
       at_ += count;
       return std::string(stored_.substr(at_ - count, count));
@@ -76,7 +76,7 @@ class Source {
     std::uint32_t bits = 0;
     int digits = 0, missing = 0;
     while (digits + missing < 4) {
-      if (at_ == stored_.size()) fail("is incomplete");
+      if (at_ == stored_.size()) fail("is incomplete; copy the file again");
       const char c = stored_[at_++];
       if (c == ' ' || c == '\n' || c == '\r' || c == '\t') continue;
       const int digit = base64_digit(c);
@@ -104,7 +104,7 @@ std::string decode_whole(Source& source) {
   const std::uint64_t size = source.word(source.take(source.word_size()), 0);
   // Header and data are one run of base64.
   source.return_to(start);
-  if (size > source.remaining()) source.fail("is incomplete");
+  if (size > source.remaining()) source.fail("is incomplete; copy the file again");
   std::string bytes = source.take(source.word_size() + size);
   bytes.erase(0, source.word_size());
   return bytes;
@@ -115,20 +115,22 @@ std::string decode_compressed(Source& source) {
   const std::uint64_t blocks = source.word(source.take(source.word_size()), 0);
   if (blocks == 0) return {};
   source.return_to(start);
-  if (blocks > source.remaining() / source.word_size()) source.fail("is incomplete");
+  if (blocks > source.remaining() / source.word_size()) source.fail("is incomplete; copy the file again");
   const std::string header = source.take((3 + blocks) * source.word_size());
   const std::uint64_t full = source.word(header, 1), last = source.word(header, 2);
   std::uint64_t stored_bytes = 0;
   for (std::uint64_t b = 0; b < blocks; ++b) {
     const std::uint64_t size = source.word(header, 3 + b);
-    if (size > source.remaining() || stored_bytes + size > source.remaining()) source.fail("is incomplete");
+    if (size > source.remaining() || stored_bytes + size > source.remaining())
+      source.fail("is incomplete; copy the file again");
     stored_bytes += size;
   }
   // The size of a full block is nominal where there is one block only.
   const std::uint64_t limit = stored_bytes * largest_expansion;
-  if (last > full || (blocks > 1 && full > limit / (blocks - 1))) source.fail("has a damaged block header");
+  if (last > full || (blocks > 1 && full > limit / (blocks - 1)))
+    source.fail("has a damaged block header; copy the file again");
   const std::uint64_t size = (blocks - 1) * full + (last ? last : full);
-  if (size > limit) source.fail("has a damaged block header");
+  if (size > limit) source.fail("has a damaged block header; copy the file again");
 
   constexpr std::uint64_t much = std::uint64_t{1} << 28;  // asking the system takes longer than unpacking less
   if (size > much && size > static_cast<std::uint64_t>(available_memory()))
@@ -144,7 +146,7 @@ std::string decode_compressed(Source& source) {
     uLongf written = to_size;
     const int result = ::uncompress(reinterpret_cast<Bytef*>(bytes.data() + b * full), &written,
                                     reinterpret_cast<const Bytef*>(stored.data() + from), from_size);
-    if (result != Z_OK || written != to_size) source.fail("has a damaged zlib block");
+    if (result != Z_OK || written != to_size) source.fail("has a damaged zlib block; copy the file again");
     from += from_size;
   }
   return bytes;

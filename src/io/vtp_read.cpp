@@ -50,7 +50,7 @@ void load(const FileText& file, Document& document) {
     document.fail(fmt::format("the XML is incomplete or damaged at byte {}: {}", result.offset, result.description()));
 
   const pugi::xml_node root = document.xml.child("VTKFile");
-  if (!root) document.fail("this is no VTK XML file");
+  if (!root) document.fail("this is not a VTK XML file");
   const std::string type = root.attribute("type").value(), order = root.attribute("byte_order").value(),
                     headers = root.attribute("header_type").as_string("UInt32"),
                     compressor = root.attribute("compressor").value();
@@ -85,13 +85,13 @@ std::vector<Kept> numbers_from_text(const std::string& text, const Document& doc
   for (std::string_view word = words.next(); !word.empty(); word = words.next()) {
     if constexpr (std::is_floating_point_v<Kept>) {
       double value = 0;
-      if (!parse_number(word, value)) document.fail(what + " has text that is no number");
+      if (!parse_number(word, value)) document.fail(what + " has text that is not a number");
       values.push_back(std::is_same_v<Kept, double> || !std::isfinite(value) ? static_cast<Kept>(value)
                                                                              : static_cast<Kept>(to_float(value)));
     } else {
       std::int64_t value = 0;
       if (!parse_integer(word, value) || !std::in_range<Kept>(value))
-        document.fail(what + " has text that is no integer in the range of its type");
+        document.fail(what + " has text that is not a whole number in the range of its type");
       values.push_back(static_cast<Kept>(value));
     }
   }

@@ -139,14 +139,14 @@ std::string_view Words::rest_of_line() {
 double Words::as_number(std::string_view word, const char* what) const {
   double value = 0;
   if (word.empty()) fail(fmt::format("{} is missing", what));
-  if (!parse_number(word, value)) fail(fmt::format("{} is '{}', which is no number", what, shown(word)));
+  if (!parse_number(word, value)) fail(fmt::format("{} is '{}', which is not a number", what, shown(word)));
   return value;
 }
 
 std::int64_t Words::as_integer(std::string_view word, const char* what) const {
   std::int64_t value = 0;
   if (word.empty()) fail(fmt::format("{} is missing", what));
-  if (!parse_integer(word, value)) fail(fmt::format("{} is '{}', which is no integer", what, shown(word)));
+  if (!parse_integer(word, value)) fail(fmt::format("{} is '{}', which is not a whole number", what, shown(word)));
   return value;
 }
 

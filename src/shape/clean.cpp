@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "complex/union_find.h"
+#include "quench/counted.h"
 #include "quench/error.h"
 #include "quench/volume.h"
 
@@ -81,8 +82,8 @@ VoxelShape drop_components(const VoxelShape& shape, const ForegroundOptions& opt
       report.voxels_removed += voxels[i];
     }
   if (report.voxels_removed == shape.voxel_count())
-    throw Error(ErrorCode::input, fmt::format("--min-component {} leaves nothing: the largest component has {} voxels",
-                                              options.min_component, voxels[largest]));
+    throw Error(ErrorCode::input, fmt::format("--min-component {} leaves nothing: the largest component has {}",
+                                              options.min_component, counted(voxels[largest], "voxel")));
   if (report.components_removed == 0) return shape;
   return filtered(shape, [&](std::uint32_t run) { return keep(sets.find(run)); });
 }
@@ -150,9 +151,26 @@ VoxelShape fill_cavities(const VoxelShape& shape, ForegroundReport& report, Cont
 
 }  // namespace
 
+std::string percent_text(std::int64_t part, std::int64_t whole) {
+  if (part == 0) return "0%";
+  const double percent = 100 * static_cast<double>(part) / static_cast<double>(whole);
+  if (percent >= 99 && part < whole) return "more than 99%";
+  return percent >= 1 ? fmt::format("{:.0f}%", percent) : fmt::format("{:.1g}%", percent);
+}
+
+std::string much_dropped(const ForegroundReport& report) {
+  constexpr std::int64_t much = 20;  // one in so many voxels
+  if (report.voxels_removed == 0 || report.voxels_removed * much < report.voxels_before) return {};
+  return fmt::format(
+      "dropping components took {} of the shape; if that was not meant, a lower threshold or a higher "
+      "resolution may connect them, and a minimal number of voxels drops specks only",
+      percent_text(report.voxels_removed, report.voxels_before));
+}
+
 VoxelShape clean(const VoxelShape& shape, const ForegroundOptions& options, ForegroundReport* report,
                  Context* context) {
   ForegroundReport changed;
+  changed.voxels_before = shape.voxel_count();
   VoxelShape result = shape;
   if (!shape.empty() && (options.largest_component || options.min_component > 1))
     result = drop_components(result, options, changed, context);

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <concepts>
 #include <functional>
 #include <limits>
 #include <span>
@@ -39,7 +40,7 @@ struct Rule {
   }
 };
 
-// value >= t with t rounded up to the samples' type; the comparison is exact for every integer type.
+// The least sample >= t; exact for every type, as t is rounded up to the samples'.
 template <class T>
 Rule<T> at_least(double t) {
   using Kind = typename Rule<T>::Kind;
@@ -51,6 +52,22 @@ Rule<T> at_least(double t) {
   } else {
     T value = static_cast<T>(t);
     if (static_cast<double>(value) < t) value = std::nextafter(value, std::numeric_limits<T>::infinity());
+    return {Kind::at_least, value};
+  }
+}
+
+template <class T, std::integral Whole>
+Rule<T> at_least(Whole t) {
+  using Kind = typename Rule<T>::Kind;
+  if constexpr (std::is_integral_v<T>) {
+    if (std::cmp_greater(t, std::numeric_limits<T>::max())) return {Kind::none, {}};
+    if (std::cmp_less_equal(t, std::numeric_limits<T>::min())) return {Kind::all, {}};
+    return {Kind::at_least, static_cast<T>(t)};
+  } else {
+    T value = static_cast<T>(t);
+    // A value that has grown beyond the whole numbers is not below t.
+    const bool above = value >= std::ldexp(T{1}, std::numeric_limits<Whole>::digits);
+    if (!above && static_cast<Whole>(value) < t) value = std::nextafter(value, std::numeric_limits<T>::infinity());
     return {Kind::at_least, value};
   }
 }
@@ -97,7 +114,7 @@ struct Values {
   }
   bool at_most_two() const { return !third && !(not_a_number && least != largest); }
   std::string text() const {
-    if (!any) return "it has no numbers";
+    if (!any) return "it has no values but NaN";
     return fmt::format("its values range from {} to {}", +least, +largest);
   }
 
@@ -116,23 +133,23 @@ template <class T>
 // Without threshold and label the image must have at most two values: to be checked by the caller.
 template <class T>
 Rule<T> rule_for(const ForegroundOptions& options) {
-  if (options.threshold) return at_least<T>(*options.threshold);
+  if (options.threshold) return std::visit([](auto t) { return at_least<T>(t); }, *options.threshold);
   if (options.label) return equal_to<T>(*options.label);
   return {Rule<T>::Kind::non_zero, {}};
 }
 
 std::string describe(const ForegroundOptions& options) {
-  std::string text = options.threshold ? fmt::format("a value >= {}", *options.threshold)
-                     : options.label   ? fmt::format("the label {}", *options.label)
-                                       : std::string("a non-zero value");
-  return options.invert ? text + ", inverted," : text;
+  std::string text = options.threshold ? std::visit([](auto t) { return fmt::format("a value of at least {}", t); },
+                                                    *options.threshold)
+                     : options.label   ? fmt::format("the value {}", *options.label)
+                                       : std::string("a value other than 0");
+  return options.invert ? "anything but " + text + " (inverted)" : text;
 }
 
 template <class T>
 [[noreturn]] void refuse_nothing(const ForegroundOptions& options, const Values<T>& values) {
-  throw Error(ErrorCode::input,
-              fmt::format("no voxel of the image is foreground by {}: {}; give another --threshold or --label",
-                          describe(options), values.text()));
+  throw Error(ErrorCode::input, fmt::format("no voxel of the image has {}: {}; give another --threshold or --label",
+                                            describe(options), values.text()));
 }
 
 // The runs of one scanline; `inside(x)` says what is foreground.
@@ -246,8 +263,9 @@ VoxelShape foreground_of(const SliceStream& image, const ForegroundOptions& opti
 
 void check(const ForegroundOptions& options) {
   if (options.threshold && options.label)
-    throw Error(ErrorCode::usage, "--threshold and --label exclude each other; give one of them");
-  if (options.threshold && std::isnan(*options.threshold)) throw Error(ErrorCode::usage, "--threshold is not a number");
+    throw Error(ErrorCode::usage, "--threshold and --label cannot be combined; give one of them");
+  const double* threshold = options.threshold ? std::get_if<double>(&*options.threshold) : nullptr;
+  if (threshold && std::isnan(*threshold)) throw Error(ErrorCode::usage, "--threshold is not a number");
 }
 
 }  // namespace

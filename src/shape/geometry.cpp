@@ -108,6 +108,8 @@ Length parse_length(std::string_view text, std::string_view what) {
                     what, text));
   };
   if (text == "inf") return {std::numeric_limits<double>::infinity(), Length::Unit::absolute};
+  if (text.size() > 1 && text[0] == '-' && ((text[1] >= '0' && text[1] <= '9') || text[1] == '.'))
+    throw Error(ErrorCode::usage, fmt::format("{} '{}' is negative; a length is 0 or more", what, text));
   double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc() || !(value >= 0) || !std::isfinite(value)) return refuse();

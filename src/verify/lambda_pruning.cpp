@@ -211,7 +211,7 @@ Check check_pruning(const Result& result, const Sites& sites, VertexSites& verte
                     Context* context) {
   Check check{"legal pruning", false, {}, {}};
   if (!(result.lambda >= 0)) {
-    check.detail = fmt::format("lambda {} is no pruning radius", result.lambda);
+    check.detail = fmt::format("lambda {} is not a pruning radius", result.lambda);
     return check;
   }
   const Values values(result, sites, vertex_sites);

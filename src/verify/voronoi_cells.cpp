@@ -79,7 +79,7 @@ Check check_voronoi(const Result& result, const Sites& sites, VertexSites& verte
     const std::size_t common = edge_sites(result, vertex_sites, e).size();
     // The common sites of two different spheres lie on a circle: three of them span a plane.
     if (common < 3 || vertex_sites.at(ends[0]) == vertex_sites.at(ends[1])) {
-      check.detail = fmt::format("{} is no Voronoi edge: its ends share {} nearest boundary vertices",
+      check.detail = fmt::format("{} is not a Voronoi edge: its ends share {} nearest boundary vertices",
                                  result.describe_edge(e), common);
       return check;
     }
@@ -87,7 +87,7 @@ Check check_voronoi(const Result& result, const Sites& sites, VertexSites& verte
   for (std::uint32_t f : faces) {
     const Ids common = face_sites(result, vertex_sites, f);
     if (common.size() != 2) {
-      check.detail = fmt::format("{} is no Voronoi face: its corners share {} nearest boundary vertices",
+      check.detail = fmt::format("{} is not a Voronoi face: its corners share {} nearest boundary vertices",
                                  result.describe_face(f), common.size());
       return check;
     }
