@@ -267,6 +267,19 @@ TEST_F(Tiff, VolumesInOnePage) {
   deep.page(20, 18, packed, {.compression = 8, .tile = {16, 16, 2}, .depth = 5});
   EXPECT_EQ(samples<std::uint8_t>(deep.file()), expected);
   refused(deep.file().substr(0, deep.file().size() - 9), "damaged or incomplete");
+  for (const bool compressed : {false, true})  // the strips of all planes, one after the other
+    for (const std::uint32_t rows : {5u, 18u}) {
+      std::vector<std::string> strips;
+      for (const std::string& plane : planes)
+        for (std::size_t at = 0; at < plane.size(); at += rows * 20) {
+          strips.push_back(plane.substr(at, rows * 20));
+          if (compressed) strips.back() = small_files::deflated(strips.back());
+        }
+      TiffBytes file;
+      file.page(20, 18, strips, {.compression = compressed ? 8u : 1u, .rows_per_strip = rows, .depth = 5});
+      EXPECT_EQ(samples<std::uint8_t>(file.file()), expected) << compressed << rows;
+      refused(file.file().substr(0, file.file().size() - 9), "damaged or incomplete");
+    }
   EXPECT_EQ(samples<std::uint8_t>(tiff(20, 18, {all}, {.depth = 5})), expected);
   refused(tiff(20, 18, {small_files::deflated(all)}, {.compression = 8, .depth = 5}), "5 planes in strips");
   refused(tiff(20, 18, {all.substr(1)}, {.depth = 5}), "t.tif");
