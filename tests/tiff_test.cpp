@@ -14,76 +14,14 @@
 #include "quench/slices.h"
 #include "quench/voxel_shape.h"
 #include "small_files.h"
-#include "temporary_folder.h"
-#include "tiff_bytes.h"
+#include "tiff_fixture.h"
 #ifdef QUENCH_TESTS_HAVE_TIFF
 #include <tiffio.h>
 
 namespace quench {
 namespace {
 
-using testing_tiff::imagej_tags;
-using testing_tiff::tiff;
-using testing_tiff::TiffBytes;
-using testing_tiff::TiffOptions;
-using testing_tiff::TiffTag;
-using Dims = std::array<std::int64_t, 3>;
-
-class Tiff : public testing::Test {
- protected:
-  Volume read(const std::string& bytes) {
-    notes.clear();
-    Context context;
-    context.note = [this](const std::string& sentence) { notes += sentence + "\n"; };
-    std::filesystem::remove(folder / "t.tif");  // much faster than to write over it
-    return io::read_volume(folder.write("t.tif", bytes), {}, &context);
-  }
-  template <class T>
-  std::vector<T> samples(const std::string& bytes) {
-    return std::get<std::vector<T>>(read(bytes).samples);
-  }
-  /// The sentence, which has `part` and the name of the file.
-  std::string refused(const std::string& bytes, const std::string& part) {
-    try {
-      read(bytes);
-      ADD_FAILURE() << "was read; expected: " << part;
-      return {};
-    } catch (const Error& e) {
-      const std::string what = e.what();
-      EXPECT_EQ(e.code(), ErrorCode::input) << what;
-      EXPECT_NE(what.find(part), std::string::npos) << what;
-      EXPECT_NE(what.find("t.tif"), std::string::npos) << what;
-      for (const char c : what) EXPECT_TRUE(c >= ' ' && c <= '~') << what;
-      return what;
-    }
-  }
-  /// Whether reading ends in a volume or in a sentence.
-  std::optional<Volume> read_or_refuse(const std::string& bytes) {
-    try {
-      return read(bytes);
-    } catch (const Error& e) {
-      EXPECT_TRUE(e.code() == ErrorCode::input || e.code() == ErrorCode::failed) << e.what();
-      EXPECT_NE(std::string(e.what()).find("t.tif"), std::string::npos) << e.what();
-      return {};
-    }
-  }
-
-  const TemporaryFolder folder;
-  std::string notes;
-};
-
-/// The bytes of values in one byte order.
-template <class T>
-std::string bytes_of(const std::vector<T>& values, bool big_endian) {
-  std::string bytes;
-  for (const T value : values) {
-    std::string one(sizeof(T), '\0');
-    std::memcpy(one.data(), &value, sizeof(T));
-    if (big_endian) std::reverse(one.begin(), one.end());
-    bytes += one;
-  }
-  return bytes;
-}
+using namespace testing_tiff;
 
 /// Rows of `width` bytes cut into tiles, filled up with rubbish at the edges.
 std::vector<std::string> tiles(const std::vector<std::string>& planes, std::size_t row, std::size_t tile_row,
@@ -267,6 +205,19 @@ TEST_F(Tiff, VolumesInOnePage) {
   deep.page(20, 18, packed, {.compression = 8, .tile = {16, 16, 2}, .depth = 5});
   EXPECT_EQ(samples<std::uint8_t>(deep.file()), expected);
   refused(deep.file().substr(0, deep.file().size() - 9), "damaged or incomplete");
+  for (const bool compressed : {false, true})  // the strips of all planes, one after the other
+    for (const std::uint32_t rows : {5u, 18u}) {
+      std::vector<std::string> strips;
+      for (const std::string& plane : planes)
+        for (std::size_t at = 0; at < plane.size(); at += rows * 20) {
+          strips.push_back(plane.substr(at, rows * 20));
+          if (compressed) strips.back() = small_files::deflated(strips.back());
+        }
+      TiffBytes file;
+      file.page(20, 18, strips, {.compression = compressed ? 8u : 1u, .rows_per_strip = rows, .depth = 5});
+      EXPECT_EQ(samples<std::uint8_t>(file.file()), expected) << compressed << rows;
+      refused(file.file().substr(0, file.file().size() - 9), "damaged or incomplete");
+    }
   EXPECT_EQ(samples<std::uint8_t>(tiff(20, 18, {all}, {.depth = 5})), expected);
   refused(tiff(20, 18, {small_files::deflated(all)}, {.compression = 8, .depth = 5}), "5 planes in strips");
   refused(tiff(20, 18, {all.substr(1)}, {.depth = 5}), "t.tif");
@@ -396,153 +347,6 @@ TEST_F(Tiff, EveryChangedByteEndsInAVolumeOrASentence) {
         }
       }
   EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
-}
-
-// A stack with a resolution tag crashed (ImageJ, tifffile and most microscopes write one).
-TEST_F(Tiff, ResolutionWithoutADistanceOfSlices) {
-  const TiffBytes b;
-  const auto with = [&](std::uint32_t x, std::uint32_t y, std::uint32_t denominator, std::uint32_t unit) {
-    const std::string page(20, 'a');
-    return tiff(5, 4, {page, page},
-                {.tags = {b.rational(282, x, denominator), b.rational(283, y, denominator), b.shorts(296, {unit})}});
-  };
-  for (const std::uint32_t unit : {1u, 2u, 3u}) {
-    const Volume v = read(with(300, 300, 1, unit));
-    EXPECT_EQ(v.grid.spacing, Vec3(1, 1, 1));
-    EXPECT_EQ(v.units, "");
-    EXPECT_EQ(v.spacing_source, "");
-    EXPECT_EQ(notes.find("no distance of slices") != std::string::npos, unit != 1) << notes;
-  }
-  Context context;
-  context.note = [](const std::string& sentence) { ADD_FAILURE() << "the spacing is given: " << sentence; };
-  EXPECT_EQ(io::read_volume(folder / "t.tif", {.spacing = Vec3(1, 2, 3)}, &context).grid.spacing, Vec3(1, 2, 3));
-  ASSERT_TRUE(io::open_slices(folder / "t.tif", {.spacing = Vec3(1, 2, 3)}, &context));
-  read(with(254, 127, 1, 2));
-  EXPECT_NE(notes.find("0.1 x 0.2 mm"), std::string::npos) << notes;
-  for (const auto& [numerator, denominator] : {std::pair<std::uint32_t, std::uint32_t>{0, 1}, {1, 0}, {0, 0}}) {
-    EXPECT_EQ(read(with(numerator, numerator, denominator, 2)).grid.spacing, Vec3(1, 1, 1));
-    EXPECT_NE(notes.find("not positive"), std::string::npos) << notes;
-  }
-}
-
-TEST_F(Tiff, SpacingOfImageJ) {
-  const std::string page(20, 'a');
-  const auto read_with = [&](const std::string& description, std::uint32_t per_unit, int pages = 2) {
-    return read(tiff(5, 4, std::vector<std::string>(static_cast<std::size_t>(pages), page),
-                     {.tags = imagej_tags("ImageJ=1.53c\n" + description, per_unit)}));
-  };
-  for (const char* unit : {"micron", "um", "\\u00B5m", "\xC2\xB5m", "\xB5m", "microns"}) {
-    const Volume v = read_with(fmt::format("images=2\nslices=2\nunit={}\nspacing=2.0\nloop=false\n", unit), 2000000);
-    EXPECT_EQ(v.grid.spacing, Vec3(0.5, 0.5, 2)) << unit;
-    EXPECT_EQ(v.units, "um") << unit;
-    EXPECT_EQ(v.spacing_source, "the ImageJ description");
-    EXPECT_EQ(notes, "");
-  }
-  EXPECT_EQ(read_with("images=2\nunit=mm\nspacing=-0.2", 15384615).grid.spacing, Vec3(0.065, 0.065, 0.2));
-  EXPECT_EQ(read_with("images=2\nunit=inch\nspacing=0.1", 10000000).grid.spacing, Vec3(2.54, 2.54, 2.54));
-  EXPECT_EQ(read_with("images=2\nunit=inch\nspacing=0.1", 10000000).units, "mm");
-  EXPECT_EQ(read_with("images=2\nunit=cm\nspacing=1e-1", 10000000).units, "cm");
-  EXPECT_TRUE(read_with("images=2\nunit=um\nzunit=nm\nspacing=300", 10000000).grid.spacing.isApprox(Vec3(.1, .1, .3)));
-  // Sizes without a unit of length are proportions.
-  EXPECT_EQ(read_with("images=2\nunit=pixel\nspacing=3", 1000000).grid.spacing, Vec3(1, 1, 3));
-  EXPECT_EQ(read_with("images=2\nunit=pixel\nspacing=3", 1000000).units, "");
-  // ImageJ leaves out a distance of 1.
-  const Volume one = read_with("images=2\nunit=micron", 5000000);
-  EXPECT_EQ(one.grid.spacing, Vec3(0.2, 0.2, 1));
-  EXPECT_NE(one.spacing_source.find("ImageJ takes 1 um"), std::string::npos) << one.spacing_source;
-  EXPECT_EQ(read_with("images=2\nunit=inch", 300000000).grid.spacing, Vec3(1, 1, 1));
-  EXPECT_NE(notes.find("no distance of slices"), std::string::npos) << notes;
-  EXPECT_EQ(read_with("unit=micron", 5000000, 1).grid.spacing, Vec3(1, 1, 1));
-  for (const char* spacing : {"nan", "inf"}) {
-    EXPECT_EQ(read_with(fmt::format("images=2\nunit=um\nspacing={}", spacing), 2000000).grid.spacing, Vec3(1, 1, 1));
-    EXPECT_NE(notes.find("not positive and finite"), std::string::npos) << notes;
-  }
-  for (const char* spacing : {"0", "x", "1e-400"})  // not given
-    EXPECT_EQ(read_with(fmt::format("images=2\nunit=um\nspacing={}", spacing), 2000000).grid.spacing,
-              Vec3(0.5, 0.5, 1));
-  EXPECT_EQ(read_with("images=2\nunit=um\nspacing=2", 0).grid.spacing, Vec3(1, 1, 1));
-  EXPECT_NE(notes.find("not positive and finite"), std::string::npos) << notes;
-}
-
-std::string ome(const std::string& attributes) {
-  return "<?xml version=\"1.0\" encoding=\"UTF-8\"?><OME xmlns=\"http://www.openmicroscopy.org/Schemas/OME/2016-06\">"
-         "<Image ID=\"Image:0\"><Pixels DimensionOrder=\"XYZCT\" " +
-         attributes + "><Channel/></Pixels></Image></OME>";
-}
-
-TEST_F(Tiff, SpacingOfOme) {
-  const std::string page(20, 'a');
-  const auto read_with = [&](const std::string& attributes) {
-    return read(tiff(5, 4, {page, page}, {.tags = {TiffBytes::text(270, ome(attributes))}}));
-  };
-  const std::string sizes = "SizeX=\"5\" SizeY=\"4\" SizeZ=\"2\" SizeC=\"1\" SizeT=\"1\" ";
-  const Volume v = read_with(sizes + "PhysicalSizeX=\"0.25\" PhysicalSizeY=\"0.5\" PhysicalSizeZ=\"2\"");
-  EXPECT_EQ(v.grid.spacing, Vec3(0.25, 0.5, 2));
-  EXPECT_EQ(v.units, "um");
-  EXPECT_EQ(v.spacing_source, "the OME-XML description");
-  EXPECT_EQ(notes, "");
-  const Volume other = read_with(sizes +
-                                 "PhysicalSizeX=\"250\" PhysicalSizeXUnit=\"nm\" PhysicalSizeY=\"250\" "
-                                 "PhysicalSizeYUnit=\"nm\" PhysicalSizeZ=\"2\" PhysicalSizeZUnit=\"\xC2\xB5m\"");
-  EXPECT_TRUE(other.grid.spacing.isApprox(Vec3(250, 250, 2000)));
-  EXPECT_EQ(other.units, "nm");
-  EXPECT_EQ(read_with(sizes + "PhysicalSizeX=\"0.25\" PhysicalSizeY=\"0.25\"").grid.spacing, Vec3(1, 1, 1));
-  EXPECT_NE(notes.find("0.25 x 0.25 um, but no distance of slices"), std::string::npos) << notes;
-  for (const char* bad : {"0", "-1", "nan", "inf", "", "x"}) {
-    EXPECT_EQ(read_with(sizes + "PhysicalSizeX=\"1\" PhysicalSizeY=\"1\" PhysicalSizeZ=\"" + bad + "\"").grid.spacing,
-              Vec3(1, 1, 1))
-        << bad;
-    EXPECT_NE(notes.find("not positive and finite"), std::string::npos) << notes;
-  }
-  EXPECT_EQ(read_with(sizes + "PhysicalSizeX=\"1\" PhysicalSizeY=\"1\" PhysicalSizeZ=\"2\" "
-                              "PhysicalSizeZUnit=\"reference frame\"")
-                .units,
-            "");
-  read_with("SizeZ=\"7\"");
-  EXPECT_NE(notes.find("2 slices, and 7 pictures"), std::string::npos) << notes;
-  read(tiff(5, 4, {page}, {.tags = {TiffBytes::text(270, "<OME><Image")}}));
-}
-
-TEST_F(Tiff, SeveralVolumesInOneFileAreRefused) {
-  const std::string page(20, 'a');
-  const auto with = [&](const std::string& description, std::size_t pages = 4) {
-    return tiff(5, 4, std::vector<std::string>(pages, page), {.tags = {TiffBytes::text(270, description)}});
-  };
-  EXPECT_NE(refused(with("ImageJ=1\nimages=4\nchannels=2\nslices=2\nhyperstack=true"), "2 channels").find("Split"),
-            std::string::npos);
-  refused(with("ImageJ=1\nimages=4\nframes=4"), "4 points in time");
-  refused(with(ome("SizeZ=\"2\" SizeC=\"2\" SizeT=\"1\"")), "2 channels");
-  refused(with(ome("SizeZ=\"2\" SizeC=\"1\" SizeT=\"2\"")), "2 points in time");
-  refused(with("<OME><Image><Pixels/></Image><Image><Pixels/></Image></OME>"), "2 images");
-  refused(with("{\"shape\": [2, 2, 4, 5]}"), "2 images");
-  refused(with("{\"shape\": [2, 2, 4, 5], \"axes\": \"CZYX\"}"), "2 channels");
-  refused(with("{\"shape\": [4, 4, 5], \"axes\": \"TYX\"}"), "4 points in time");
-  EXPECT_EQ(read(with("{\"shape\": [4, 4, 5]}")).grid.dims[2], 4);
-  EXPECT_EQ(read(with("{\"shape\": [1, 4, 4, 5]}")).grid.dims[2], 4);
-  // One page of a set whose description is of the set.
-  EXPECT_EQ(read(with(ome("SizeZ=\"2\" SizeC=\"2\" SizeT=\"1\""), 1)).grid.dims[2], 1);
-}
-
-// What ImageJ writes beyond 4 GB: one directory, all pictures behind it.
-TEST_F(Tiff, PicturesBehindTheOnlyDirectory) {
-  std::vector<std::uint16_t> values;
-  for (int i = 0; i < 20 * 6; ++i) values.push_back(static_cast<std::uint16_t>(i * 300));
-  for (const bool big : {false, true}) {
-    const std::string all = bytes_of(values, big), page = all.substr(0, 40);
-    for (const std::string& description : {std::string("ImageJ=1.53c\nimages=6\nslices=6\n"),
-                                           std::string("{\"shape\": [6, 4, 5], \"truncated\": true}")}) {
-      const TiffOptions o{.bits = 16, .big_endian = big, .tags = {TiffBytes::text(270, description)}};
-      const std::string file = tiff(5, 4, {page}, o) + all.substr(40);
-      const Volume v = read(file);
-      EXPECT_EQ(v.grid.dims, (Dims{5, 4, 6}));
-      EXPECT_EQ(std::get<std::vector<std::uint16_t>>(v.samples), values);
-      EXPECT_EQ(notes, "");
-      refused(file.substr(0, file.size() - 1), "6 pictures");
-    }
-    const TiffOptions packed{
-        .bits = 16, .big_endian = big, .compression = 8, .tags = {TiffBytes::text(270, "ImageJ=1.53c\nimages=6\n")}};
-    refused(tiff(5, 4, {small_files::deflated(page)}, packed) + all, "holds fewer");
-  }
 }
 
 TEST_F(Tiff, ClaimsBeyondTheFileAreRefusedBeforeMemoryIsTaken) {

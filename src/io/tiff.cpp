@@ -103,9 +103,11 @@ class TiffVolume {
         refuse(
             fmt::format("has {} volumes of {} slices; save the one you mean on its own", pages_.size(), layout_.depth));
       raw_at_ = page.raw_planes(layout_, layout_.depth, true);
-      if (!raw_at_ && page.planes_together(layout_) == 1 && !page.is_tiled())
-        refuse(fmt::format("has a page of {} planes in strips, which is not read; save it as one page per slice",
-                           layout_.depth));
+      if (!raw_at_ && !page.is_tiled() && !page.lists_strips_of_planes(layout_))
+        refuse(
+            fmt::format("has a page of {} planes in strips, but does not list all strips; it is damaged, or save it "
+                        "as one page per slice",
+                        layout_.depth));
     } else if (description_.images > slices_ && file_.directories().size() == 1 && description_.one_directory) {
       raw_at_ = page.raw_planes(layout_, static_cast<std::uint64_t>(description_.images), false);
       if (!raw_at_)

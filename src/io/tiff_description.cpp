@@ -200,7 +200,7 @@ TiffCalibration of_ome(const TiffDescription& d, const TiffResolution& resolutio
 }
 
 // As ImageJ's FileOpener: the unit of the description is that of the resolution tags, a missing size is 1, and 72 dots
-// per inch are no calibration.
+// per inch are not a calibration.
 TiffCalibration of_imagej(const TiffDescription& d, TiffResolution resolution, std::int64_t slices) {
   constexpr double screen = 1.0 / 72;
   if (!d.unit && resolution.unit == "inch" && resolution.x == screen) resolution = {1.0, 1.0, ""};

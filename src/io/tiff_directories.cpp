@@ -89,22 +89,42 @@ void TiffFile::follow_chain() {
     throw Error(ErrorCode::input, fmt::format("'{}' is damaged or incomplete: it has no pages", path_.string()));
 }
 
-std::optional<TiffFile::Rational> TiffFile::rational(std::uint64_t directory, std::uint16_t tag) const {
-  constexpr std::uint64_t rational_type = 5;
-  const std::size_t count_size = big_tiff_ ? 8 : 2, entry_size = big_tiff_ ? 20 : 12;
+std::optional<TiffFile::Entry> TiffFile::entry(std::uint64_t directory, std::uint16_t tag) const {
+  constexpr std::array<std::uint8_t, 18> sizes{0, 1, 1, 2, 4, 8, 1, 1, 2, 4, 8, 4, 8, 4, 0, 0, 8, 8};  // by type
+  const std::size_t count_size = big_tiff_ ? 8 : 2, entry_size = big_tiff_ ? 20 : 12, offset_size = big_tiff_ ? 8 : 4;
   const std::uint64_t entries = number_at(directory, count_size).value_or(0);  // follow_chain() has checked it
   for (std::uint64_t i = 0; i < entries; ++i) {
-    std::array<std::byte, 20> entry{};
+    std::array<std::byte, 20> bytes{};
     const std::uint64_t at = directory + count_size + i * entry_size;
-    if (read(at, std::span(entry).first(entry_size)) != entry_size) return {};
-    if (number(&entry[0], 2) != tag) continue;
-    if (number(&entry[2], 2) != rational_type || number(&entry[4], big_tiff_ ? 8 : 4) != 1) return {};
-    const std::uint64_t value = big_tiff_ ? at + 12 : number(&entry[8], 4);
-    const auto numerator = number_at(value, 4), denominator = number_at(value + 4, 4);
-    if (!numerator || !denominator) return {};
-    return Rational{static_cast<std::uint32_t>(*numerator), static_cast<std::uint32_t>(*denominator)};
+    if (read(at, std::span(bytes).first(entry_size)) != entry_size) return {};
+    if (number(&bytes[0], 2) != tag) continue;
+    Entry found{number(&bytes[2], 2), number(&bytes[4], offset_size), 0};
+    if (found.type >= sizes.size() || found.count > size_) return {};
+    const bool inside = found.count * sizes[found.type] <= offset_size;
+    found.values = inside ? at + 4 + offset_size : number(&bytes[4 + offset_size], offset_size);
+    return found;
   }
   return {};
+}
+
+std::optional<TiffFile::Rational> TiffFile::rational(std::uint64_t directory, std::uint16_t tag) const {
+  constexpr std::uint64_t rational_type = 5;
+  const auto found = entry(directory, tag);
+  if (!found || found->type != rational_type || found->count != 1) return {};
+  const auto numerator = number_at(found->values, 4), denominator = number_at(found->values + 4, 4);
+  if (!numerator || !denominator) return {};
+  return Rational{static_cast<std::uint32_t>(*numerator), static_cast<std::uint32_t>(*denominator)};
+}
+
+std::vector<std::uint64_t> TiffFile::numbers(std::uint64_t directory, std::uint16_t tag) const {
+  const auto found = entry(directory, tag);
+  const std::size_t size = !found ? 0 : found->type == 3 ? 2 : found->type == 4 ? 4 : found->type == 16 ? 8 : 0;
+  if (size == 0 || found->count > size_ / size || found->values > size_) return {};
+  std::vector<std::byte> bytes(found->count * size);
+  if (read(found->values, bytes) != bytes.size()) return {};
+  std::vector<std::uint64_t> values(found->count);
+  for (std::size_t i = 0; i < values.size(); ++i) values[i] = number(&bytes[i * size], size);
+  return values;
 }
 
 }  // namespace quench::io

@@ -37,10 +37,17 @@ class TiffFile {
     std::uint32_t numerator = 0, denominator = 0;
   };
   std::optional<Rational> rational(std::uint64_t directory, std::uint16_t tag) const;
+  /// All values of a tag of unsigned integers; empty where there is none.
+  std::vector<std::uint64_t> numbers(std::uint64_t directory, std::uint16_t tag) const;
 
  private:
   std::uint64_t number(const std::byte* bytes, std::size_t size) const;
   std::optional<std::uint64_t> number_at(std::uint64_t at, std::size_t size) const;
+  struct Entry {
+    std::uint64_t type, count;
+    std::uint64_t values;  // where they are
+  };
+  std::optional<Entry> entry(std::uint64_t directory, std::uint16_t tag) const;
   std::uint64_t next_directory(std::uint64_t directory, std::size_t index) const;
   void follow_chain();
 

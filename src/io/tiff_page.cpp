@@ -168,8 +168,9 @@ TiffPage::TiffPage(const TiffFile& file, std::size_t index, std::int64_t memory)
   for (std::size_t i = 0; i < size; ++i)
     source_->start.push_back(
         static_cast<std::byte>(file.directories()[index] >> 8 * (file.big_endian() ? size - 1 - i : i) & 0xFF));
-  constexpr const char* mode = "rm";  // no memory mapping: a file cut while it is read is a short read, not a signal
-#if TIFFLIB_VERSION >= 20221213       // 4.5.0: handlers of one open file; those of the process are not touched
+  // No memory mapping (a file cut while it is read is a short read, not a signal), strips as the file has them.
+  constexpr const char* mode = "rmc";
+#if TIFFLIB_VERSION >= 20221213  // 4.5.0: handlers of one open file; those of the process are not touched
   const auto error = [](TIFF*, void* data, const char*, const char* format, std::va_list arguments) -> int {
     auto& messages = *static_cast<Messages*>(data);
     if (!messages.first_error.empty()) return 1;
@@ -338,16 +339,20 @@ std::uint64_t TiffPage::buffer_bytes(const TiffLayout& layout) const {
 
 std::uint32_t TiffPage::tile_depth() const { return field<std::uint32_t>(tiff_.get(), TIFFTAG_TILEDEPTH, 1); }
 
+bool TiffPage::decode(std::uint32_t piece, std::uint64_t at, std::uint64_t size, std::span<std::byte> out) {
+  if (at >= file_.size() || size == 0 || size > file_.size() - at) return false;
+  packed_.resize(size);
+  return file_.read(at, packed_) == size &&
+         TIFFReadFromUserBuffer(tiff_.get(), piece, packed_.data(), static_cast<tmsize_t>(size), out.data(),
+                                static_cast<tmsize_t>(out.size())) == 1;
+}
+
 bool TiffPage::read_tile(std::uint32_t tile) {
   TIFF* t = tiff_.get();
   const auto size = static_cast<tmsize_t>(tile_.size());
   if (tile_depth() == 1) return TIFFReadEncodedTile(t, tile, tile_.data(), size) == size;
   // libtiff counts the tiles of a volume, but takes each for one plane deep.
-  const std::uint64_t at = TIFFGetStrileOffset(t, tile), stored = TIFFGetStrileByteCount(t, tile);
-  if (at >= file_.size() || stored == 0 || stored > file_.size() - at) return false;
-  packed_.resize(stored);
-  return file_.read(at, packed_) == stored &&
-         TIFFReadFromUserBuffer(t, tile, packed_.data(), static_cast<tmsize_t>(stored), tile_.data(), size) == 1;
+  return decode(tile, TIFFGetStrileOffset(t, tile), TIFFGetStrileByteCount(t, tile), tile_);
 }
 
 void TiffPage::check_decoded(const TiffLayout& layout, bool whole) const {
@@ -359,16 +364,15 @@ void TiffPage::check_decoded(const TiffLayout& layout, bool whole) const {
 }
 
 // The JBIG library takes memory for the size its data claim, and ends the program when it gets none.
-void TiffPage::check_jbig(const TiffLayout& layout, std::uint32_t piece, std::uint32_t width,
-                          std::uint32_t height) const {
+void TiffPage::check_jbig(const TiffLayout& layout, std::uint64_t at, std::uint32_t width, std::uint32_t height) const {
   if (layout.compression != COMPRESSION_JBIG) return;
   std::array<std::uint8_t, 20> header{};
-  file_.read(TIFFGetStrileOffset(tiff_.get(), piece), std::as_writable_bytes(std::span(header)));
+  file_.read(at, std::as_writable_bytes(std::span(header)));
   if (field<std::uint16_t>(tiff_.get(), TIFFTAG_FILLORDER, FILLORDER_MSB2LSB) == FILLORDER_MSB2LSB)
     TIFFReverseBits(header.data(), header.size());  // libtiff writes it so
-  const auto number = [&](std::size_t at) {
-    return std::uint32_t{header[at]} << 24 | std::uint32_t{header[at + 1]} << 16 | std::uint32_t{header[at + 2]} << 8 |
-           header[at + 3];
+  const auto number = [&](std::size_t i) {
+    return std::uint32_t{header[i]} << 24 | std::uint32_t{header[i + 1]} << 16 | std::uint32_t{header[i + 2]} << 8 |
+           header[i + 3];
   };
   if (header[2] != 1 || number(4) != width || number(8) != height)
     refuse("is damaged or incomplete: its compressed samples are of another size");
@@ -381,8 +385,34 @@ void TiffPage::read_strips(const TiffLayout& layout, std::span<std::byte> out) {
   for (std::uint32_t s = 0; s * strip < out.size(); ++s) {
     const auto part = out.subspan(s * strip, std::min(strip, out.size() - s * strip));
     const auto size = static_cast<tmsize_t>(part.size());
-    check_jbig(layout, s, layout.width, static_cast<std::uint32_t>(part.size() / layout.row_bytes()));
+    check_jbig(layout, TIFFGetStrileOffset(tiff_.get(), s), layout.width,
+               static_cast<std::uint32_t>(part.size() / layout.row_bytes()));
     check_decoded(layout, TIFFReadEncodedStrip(tiff_.get(), s, part.data(), size) == size);
+  }
+}
+
+bool TiffPage::lists_strips_of_planes(const TiffLayout& layout) const {
+  const auto& directory = file_.directories()[index_];
+  const std::uint64_t strips = std::uint64_t{TIFFNumberOfStrips(tiff_.get())} * layout.depth;
+  return !is_tiled() && file_.numbers(directory, TIFFTAG_STRIPOFFSETS).size() == strips &&
+         file_.numbers(directory, TIFFTAG_STRIPBYTECOUNTS).size() == strips;
+}
+
+// libtiff knows the strips of the first plane only.
+void TiffPage::read_strips_of_plane(const TiffLayout& layout, std::uint32_t plane, std::span<std::byte> out) {
+  if (strip_offsets_.empty()) {
+    strip_offsets_ = file_.numbers(file_.directories()[index_], TIFFTAG_STRIPOFFSETS);
+    strip_sizes_ = file_.numbers(file_.directories()[index_], TIFFTAG_STRIPBYTECOUNTS);
+  }
+  const std::uint32_t rows =
+      std::min(field<std::uint32_t>(tiff_.get(), TIFFTAG_ROWSPERSTRIP, layout.height), layout.height);
+  const std::uint64_t strip = rows * layout.row_bytes();
+  const std::size_t first = std::size_t{plane} * TIFFNumberOfStrips(tiff_.get());
+  for (std::uint32_t s = 0; s * strip < out.size(); ++s) {
+    const auto part = out.subspan(s * strip, std::min(strip, out.size() - s * strip));
+    const std::uint64_t at = strip_offsets_.at(first + s);
+    check_jbig(layout, at, layout.width, static_cast<std::uint32_t>(part.size() / layout.row_bytes()));
+    check_decoded(layout, decode(s, at, strip_sizes_.at(first + s), part));
   }
 }
 
@@ -397,7 +427,7 @@ void TiffPage::read_tiles(const TiffLayout& layout, std::uint32_t first, std::sp
     for (std::uint64_t x0 = 0; x0 < layout.width; x0 += width) {
       const std::uint32_t tile =
           TIFFComputeTile(t, static_cast<std::uint32_t>(x0), static_cast<std::uint32_t>(y0), first, 0);
-      check_jbig(layout, tile, width, height);
+      check_jbig(layout, TIFFGetStrileOffset(t, tile), width, height);
       check_decoded(layout, read_tile(tile));
       const std::uint64_t left = x0 * layout.bits / 8, bytes = std::min(tile_row, row - left);
       const std::uint64_t rows = std::min<std::uint64_t>(height, layout.height - y0);
@@ -409,7 +439,12 @@ void TiffPage::read_tiles(const TiffLayout& layout, std::uint32_t first, std::sp
 
 void TiffPage::read_planes(const TiffLayout& layout, std::uint32_t first, std::span<std::byte> out) {
   *messages_ = {};  // what concerned the directory
-  is_tiled() ? read_tiles(layout, first, out) : read_strips(layout, out);
+  if (is_tiled())
+    read_tiles(layout, first, out);
+  else if (layout.depth > 1)
+    read_strips_of_plane(layout, first, out);
+  else
+    read_strips(layout, out);
 }
 
 std::optional<std::vector<std::uint16_t>> TiffPage::grey_palette(const TiffLayout& layout) const {

@@ -48,6 +48,8 @@ class TiffPage {
   /// Where the samples of `planes` planes lie one after the other, uncompressed, counted by the file itself; nothing
   /// where they are not.
   std::optional<std::uint64_t> raw_planes(const TiffLayout& layout, std::uint64_t planes, bool counted) const;
+  /// Whether a page of several planes lists the strips of all.
+  bool lists_strips_of_planes(const TiffLayout& layout) const;
   bool is_tiled() const { return TIFFIsTiled(tiff_.get()) != 0; }
   /// Planes that are stored together: the depth of a tile.
   std::uint32_t planes_together(const TiffLayout& layout) const;
@@ -73,7 +75,10 @@ class TiffPage {
   [[noreturn]] void refuse(const std::string& what) const;
   [[noreturn]] void refuse_damaged() const;
   void check_one_value(const TiffLayout& layout, std::uint16_t samples) const;
-  void check_jbig(const TiffLayout& layout, std::uint32_t piece, std::uint32_t width, std::uint32_t height) const;
+  void check_jbig(const TiffLayout& layout, std::uint64_t at, std::uint32_t width, std::uint32_t height) const;
+  /// Decodes `size` bytes of the file at `at` as strip or tile `piece`.
+  bool decode(std::uint32_t piece, std::uint64_t at, std::uint64_t size, std::span<std::byte> out);
+  void read_strips_of_plane(const TiffLayout& layout, std::uint32_t plane, std::span<std::byte> out);
   void read_strips(const TiffLayout& layout, std::span<std::byte> out);
   std::uint32_t tile_depth() const;
   bool read_tile(std::uint32_t tile);  ///< into tile_
@@ -89,6 +94,7 @@ class TiffPage {
   std::unique_ptr<Source, void (*)(Source*)> source_;
   std::unique_ptr<TIFF, void (*)(TIFF*)> tiff_;
   std::vector<std::byte> tile_, packed_;
+  std::vector<std::uint64_t> strip_offsets_, strip_sizes_;  // of all planes
 };
 
 }  // namespace quench::io
