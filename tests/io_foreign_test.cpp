@@ -3,8 +3,6 @@
 // endless reading), reading gives valid data or one sentence.
 #include <gtest/gtest.h>
 #include <signal.h>
-#include <sys/mman.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <functional>
@@ -16,7 +14,6 @@
 #include "data.h"
 #include "io/apart.h"
 #include "poly_samples.h"
-#include "quench/slices.h"
 #include "quench/volume.h"
 #ifdef QUENCH_TESTS_HAVE_ASSIMP
 #include <assimp/mesh.h>
@@ -71,41 +68,6 @@ std::string complaint(const std::function<void()>& action) {
     return std::string("another exception: ") + error.what();
   }
   return {};
-}
-
-/// Does `attempt` for every number below `count` in child processes, so that a crash or an endless loop is told as such
-/// and the rest goes on.
-void survive(std::size_t count, const std::function<std::string(std::size_t)>& attempt,
-             const std::function<std::string(std::size_t)>& name) {
-  struct Shared {
-    std::size_t at;
-    char text[1000];
-  };
-  auto* shared =
-      static_cast<Shared*>(mmap(nullptr, sizeof(Shared), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0));
-  ASSERT_NE(shared, MAP_FAILED);
-  int failures = 0;
-  for (shared->at = 0; shared->at < count && failures < 5; ++shared->at) {
-    const pid_t child = fork();
-    if (child == 0) {
-      for (; shared->at < count; ++shared->at) {
-        alarm(20);
-        const std::string wrong = attempt(shared->at);
-        if (wrong.empty()) continue;
-        std::snprintf(shared->text, sizeof shared->text, "%s", wrong.c_str());
-        _exit(1);
-      }
-      _exit(0);
-    }
-    int status = 0;
-    ASSERT_EQ(waitpid(child, &status, 0), child);
-    if (WIFEXITED(status) && WEXITSTATUS(status) == 0) break;
-    ++failures;
-    ADD_FAILURE() << name(shared->at) << ": "
-                  << (WIFSIGNALED(status) ? std::string("ended by signal ") + strsignal(WTERMSIG(status))
-                                          : std::string(shared->text));
-  }
-  munmap(shared, sizeof(Shared));
 }
 
 #ifdef QUENCH_TESTS_HAVE_ASSIMP

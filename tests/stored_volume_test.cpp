@@ -293,6 +293,7 @@ TEST(Png, ReadsTheSilhouettes) {
 }
 
 TEST(StoredVolume, WrittenShapesComeBack) {
+  const TemporaryFolder folder;
   for (std::uint64_t seed = 0; seed < 40; ++seed) {
     const VoxelShape random = testing_shapes::random_shape(seed, 12, true);
     Grid grid = random.grid();
@@ -300,7 +301,7 @@ TEST(StoredVolume, WrittenShapesComeBack) {
     if (seed % 2) grid.direction << 0, -1, 0, 1, 0, 0, 0, 0, -1;
     const VoxelShape shape =
         testing_shapes::from_predicate(grid, [&](int x, int y, int z) { return random.contains(x, y, z); });
-    const auto file = folder / "w.nrrd";
+    const auto file = folder.path() / "w.nrrd";
     io::write_volume(file, shape);
     const Volume volume = io::read_volume(file);
     EXPECT_EQ(volume.grid.spacing, grid.spacing);
