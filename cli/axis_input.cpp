@@ -139,7 +139,7 @@ LoadedAxis make_axis(const AxisOptions& options, PolyData&& data, Session& sessi
   // A voxel core of ours names the boundary vertices its radii are distances to.
   if (const DataArray* sites = find_array(loaded.data.field_data, "sites"); sites && sites->components == 3)
     loaded.voxel_core = true;
-  loaded.units = field_text(loaded.data, "units").value_or("");
+  loaded.coordinates = {field_text(loaded.data, "units").value_or(""), field_text(loaded.data, "SPACE").value_or("")};
   const CellComplex& c = loaded.axis.complex;
   loaded.input = {{"file", options.file},    {"kind", "medial axis"},   {"vertices", c.vertex_count},
                   {"edges", c.edges.size()}, {"faces", c.face_count()}, {"longest_side", loaded.longest_side}};

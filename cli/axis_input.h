@@ -33,7 +33,7 @@ struct LoadedAxis {
   double voxel = 0;             ///< smallest spacing of the voxel shape; 0 where nothing tells
   Vec3 spacing = Vec3::Zero();  ///< of the voxel shape, where the file says so
   bool voxel_core = false;      ///< of Quench: the radius between vertices follows from theirs
-  std::string units;            ///< of world coordinates, where the file says so
+  Coordinates coordinates;      ///< where the file says so
   nlohmann::ordered_json input;
 
   /// World length of an option. Throws Error(usage) for voxels where there are none.

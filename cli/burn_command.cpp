@@ -51,7 +51,8 @@ Action add_burn(CLI::App& app) {
     session.finished("write");
     write_report(outputs, report, session);
     session.say(fmt::format("{}: burn time up to {:.6g}{}; {:.1f} s", o->output, burning.max_burn_time,
-                            loaded.units.empty() ? "" : " " + loaded.units, session.total_seconds()));
+                            loaded.coordinates.units.empty() ? "" : " " + loaded.coordinates.units,
+                            session.total_seconds()));
     return 0;
   };
 }

@@ -54,7 +54,7 @@ Action add_core(CLI::App& app) {
     CorePipelineResult result = compute_core(loaded, o->core, session);
     io::OutputGroup outputs;
     io::write_poly_data(o->output,
-                        core_file(std::move(result.core), loaded.units, json_text(result.report["parameters"])));
+                        core_file(std::move(result.core), loaded.coordinates, json_text(result.report["parameters"])));
     session.finished("write");
     write_report(outputs, result.report, session);
     say_written(session, o->output, session.options.report == "-" ? "" : session.options.report, result.core, loaded);
@@ -118,7 +118,7 @@ Action add_run(CLI::App& app) {
       return parse_length(text, option).resolve(loaded.longest_side, loaded.shape.grid().spacing.minCoeff());
     };
     const MedialAxis& axis = result.core.axis;
-    PolyData data = core_file(result.core, loaded.units, json_text(result.report["parameters"]));
+    PolyData data = core_file(result.core, loaded.coordinates, json_text(result.report["parameters"]));
     Burning burning = compute_burning(axis, true, o->burn, true, resolve, result.report, session);
     add_burning(data, burning);
     if (with_page) {
@@ -154,7 +154,7 @@ Action add_run(CLI::App& app) {
     io::write_poly_data(core, data);
     io::write_poly_data(skeleton_vtp, skeleton_file(skeleton.skeleton, skeleton.topology, data));
     write_graph(skeleton.measured, {swc, {}, csv}, o->skeleton, &loaded.shape, loaded.shape.grid().spacing,
-                loaded.units, resolve, result.report, session);
+                loaded.coordinates, resolve, result.report, session);
     session.finished("write");
     if (with_page) builder.write(view, result.report, outputs);
     session.finished("page");

@@ -164,8 +164,8 @@ void say_written(Session& session, const std::string& axis, const std::string& r
   session.say(fmt::format("{}: {}; topology as that of the shape; lengths in {}; {:.1f} s{}", axis,
                           cells_text(full ? core.vertices : core.kept_vertices, full ? core.edges : core.kept_edges,
                                      full ? core.faces : core.kept_faces),
-                          loaded.units.empty() ? "the input's units" : loaded.units, session.total_seconds(),
-                          report.empty() ? "" : fmt::format("; report in {}", report)));
+                          loaded.coordinates.units.empty() ? "the input's units" : loaded.coordinates.units,
+                          session.total_seconds(), report.empty() ? "" : fmt::format("; report in {}", report)));
 }
 
 }  // namespace quench::program

@@ -155,7 +155,8 @@ Json volume_info(const std::string& file, Session& session) {
   info["direction"] = Json::array();
   for (int r = 0; r < 3; ++r)
     for (int c = 0; c < 3; ++c) info["direction"].push_back(g.direction(r, c));
-  if (!volume.units.empty()) info["units"] = volume.units;
+  if (!volume.coordinates.units.empty()) info["units"] = volume.coordinates.units;
+  if (!volume.coordinates.space.empty()) info["space"] = volume.coordinates.space;
   say_picture(file, g, session);
   std::visit(
       [&](const auto& samples) {

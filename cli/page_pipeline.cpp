@@ -52,7 +52,7 @@ void PageBuilder::set_origin(const Vec3& low, const Vec3& high) {
 void PageBuilder::add_shape(LoadedShape& loaded, const ShapeOptions& options) {
   page.side = loaded.longest_side;
   page.voxel = loaded.shape.grid().spacing.minCoeff();
-  page.unit = loaded.units;
+  page.unit = loaded.coordinates.units;
   page.topology = loaded.topology;
   const ForegroundOptions& f = options.foreground;
   const bool cleaned = f.largest_component || f.min_component > 0 || f.fill_cavities;

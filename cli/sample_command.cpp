@@ -112,7 +112,7 @@ Action add_sample(CLI::App& app) {
     if (volume) {
       check_voxelization_memory(sample.mesh, o->resolution, session);
       const Voxelization v = voxelize(sample.mesh, {.resolution = o->resolution}, &session.context);
-      io::write_volume(o->output, v.shape, &session.context);
+      io::write_volume(o->output, v.shape, {}, &session.context);
       lines.push_back(fmt::format("{}: {} inside", o->output, counted(v.shape.voxel_count(), "voxel")));
     } else {
       io::write_poly_data(o->output, to_poly_data(sample.mesh));

@@ -135,15 +135,16 @@ std::string extension_of(const std::string& file) {
 bool is_tiff(const std::string& file) { return extension_of(file) == ".tif" || extension_of(file) == ".tiff"; }
 
 /// What a volume says of itself, for the report; on screen where the format has no field for it.
-void take_origin(const ShapeOptions& options, const Grid& grid, const std::string& units, const std::string& source,
-                 Session& session, LoadedShape& loaded) {
-  loaded.units = units;
-  if (!units.empty()) loaded.input["units"] = units;
+void take_origin(const ShapeOptions& options, const Grid& grid, const Coordinates& coordinates,
+                 const std::string& source, Session& session, LoadedShape& loaded) {
+  loaded.coordinates = coordinates;
+  if (!coordinates.units.empty()) loaded.input["units"] = coordinates.units;
+  if (!coordinates.space.empty()) loaded.input["space"] = coordinates.space;
   loaded.input["spacing"] = {grid.spacing[0], grid.spacing[1], grid.spacing[2]};
   const std::string from = options.spacing.empty() ? source : "--spacing";
   if (!from.empty()) loaded.input["spacing_source"] = from;
   if (options.spacing.empty() && !source.empty() && is_tiff(options.file))
-    session.say(fmt::format("note: spacing {} from {}", spacing_text(grid, units), source));
+    session.say(fmt::format("note: spacing {} from {}", spacing_text(grid, coordinates.units), source));
   say_picture(options.file, grid, session);
 }
 
@@ -164,12 +165,12 @@ void load_volume(const ShapeOptions& options, Session& session, LoadedShape& loa
     }
   };
   if (const auto slices = io::open_slices(options.file, read_options, &session.context)) {
-    take_origin(options, slices->grid, slices->units, slices->spacing_source, session, loaded);
+    take_origin(options, slices->grid, slices->coordinates, slices->spacing_source, session, loaded);
     told([&] { return foreground(*slices, foreground_options, nullptr, &session.context); });
   } else {
     const Volume volume = io::read_volume(options.file, read_options, &session.context);
     checkpoint(&session.context, "read", 1);
-    take_origin(options, volume.grid, volume.units, volume.spacing_source, session, loaded);
+    take_origin(options, volume.grid, volume.coordinates, volume.spacing_source, session, loaded);
     told([&] { return foreground(volume, foreground_options, nullptr, &session.context); });
   }
   checkpoint(&session.context, "voxelize", 1);

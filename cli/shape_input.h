@@ -43,7 +43,7 @@ struct LoadedShape {
   VoxelShape shape;
   double longest_side = 0;               ///< what plain-number lengths refer to, world units
   std::string kind;                      ///< "mesh" or "volume"
-  std::string units;                     ///< of world coordinates, where the file says so
+  Coordinates coordinates;               ///< where the file says so
   nlohmann::ordered_json input;          ///< the report's section `input`
   nlohmann::ordered_json parameters;     ///< what made the voxel shape of the file
   std::optional<bool> topology_changed;  ///< by voxelization; none for volumes and meshes with overlapping parts

@@ -64,7 +64,7 @@ Action add_skeleton(CLI::App& app) {
     io::OutputGroup outputs;
     io::write_poly_data(o->output, skeleton_file(result.skeleton, result.topology, loaded.data));
     write_graph(result.measured, {o->swc, o->graphml, o->csv}, o->skeleton, nullptr,
-                loaded.voxel_core ? loaded.spacing : Vec3(Vec3::Zero()), loaded.units, resolve, report, session);
+                loaded.voxel_core ? loaded.spacing : Vec3(Vec3::Zero()), loaded.coordinates, resolve, report, session);
     session.finished("write");
     write_report(outputs, report, session);
     const CellComplex& c = result.skeleton.complex;

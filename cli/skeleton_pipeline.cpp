@@ -116,7 +116,7 @@ CheckedSkeleton compute_skeleton(const MedialAxis& axis, Burning&& burning, cons
 }
 
 void write_graph(const Skeleton& skeleton, const GraphFiles& files, const SkeletonPipelineOptions& options,
-                 const VoxelShape* shape, const Vec3& voxel, const std::string& units,
+                 const VoxelShape* shape, const Vec3& voxel, const Coordinates& coordinates,
                  const std::function<double(const std::string&, const std::string&)>& resolve, Json& report,
                  Session& session) {
   const CurveGraph graph =
@@ -137,7 +137,7 @@ void write_graph(const Skeleton& skeleton, const GraphFiles& files, const Skelet
   section["radius_offset"] = 0.5 * voxel.minCoeff();
   if (!files.swc.empty()) {
     const int type = io::swc_type_of(options.swc_type, "--swc-type");
-    const io::SwcReport swc = io::write_swc(files.swc, graph, {root_of(options), type, units});
+    const io::SwcReport swc = io::write_swc(files.swc, graph, {root_of(options), type, coordinates});
     Json cuts = Json::array();
     for (const auto& cut : swc.cuts)
       cuts.push_back({{"branch", cut.branch},
@@ -158,7 +158,7 @@ void write_graph(const Skeleton& skeleton, const GraphFiles& files, const Skelet
         fmt::format("note: components that are sheets without curves: {}; the graph files hold nothing of them (a "
                     "larger --theta2, or inf, turns sheets into curves)",
                     graph.sheet_only.size()));
-  if (!files.graphml.empty()) io::write_graphml(files.graphml, graph);
+  if (!files.graphml.empty()) io::write_graphml(files.graphml, graph, coordinates);
   if (!files.csv.empty()) io::write_branches(files.csv, graph);
 }
 

@@ -54,7 +54,7 @@ CheckedSkeleton compute_skeleton(const MedialAxis& axis, Burning&& burning, cons
 /// Radii then get half a voxel more: of the corners of a staircase the nearest lies that far inside the surface it
 /// stands for.
 void write_graph(const Skeleton& skeleton, const GraphFiles& files, const SkeletonPipelineOptions& options,
-                 const VoxelShape* shape, const Vec3& spacing, const std::string& units,
+                 const VoxelShape* shape, const Vec3& spacing, const Coordinates& coordinates,
                  const std::function<double(const std::string&, const std::string&)>& resolve,
                  nlohmann::ordered_json& report, Session& session);
 

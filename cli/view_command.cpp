@@ -106,7 +106,7 @@ void add_axis(const Options& o, const std::string& file, PolyData&& data, PageBu
   LoadedAxis loaded = make_axis(axis_options, std::move(data), session);
   if (page.side == 0 || field_number(loaded.data, "longest_side")) page.side = loaded.longest_side;
   if (loaded.voxel > 0) page.voxel = loaded.voxel;
-  if (page.unit.empty()) page.unit = loaded.units;
+  if (page.unit.empty()) page.unit = loaded.coordinates.units;
   const auto resolve = [&](const std::string& text, const std::string& option) { return loaded.resolve(text, option); };
   page.theta2 = resolve(o.skeleton.theta2, "--theta2");
   page.theta1 = resolve(o.skeleton.theta1, "--theta1");

@@ -28,7 +28,7 @@ Action add_voxelize(CLI::App& app) {
     check_volume_format(o->output);
     const LoadedShape loaded = load_shape(o->shape, session);
     io::OutputGroup outputs;
-    io::write_volume(o->output, loaded.shape, &session.context);
+    io::write_volume(o->output, loaded.shape, loaded.coordinates, &session.context);
     session.finished("write");
     nlohmann::ordered_json report;
     if (!session.options.report.empty()) {

@@ -94,7 +94,8 @@ TEST(Swc, ATreeFromItsThickestNode) {
   cells.path({0, 1, 2});
   cells.path({1, 3});
   cells.path({1, 4, 5});
-  const auto [swc, report] = swc_of(curve_graph(skeleton_of(cells)), {.root = {}, .type = 3, .units = "mm\n9"});
+  const auto [swc, report] = swc_of(curve_graph(skeleton_of(cells)),
+                                    {.root = {}, .type = 3, .coordinates = {.units = "mm\n9", .space = "LPS"}});
   EXPECT_EQ(report.trees, 1u);
   EXPECT_TRUE(report.cuts.empty());
   ASSERT_EQ(swc.samples.size(), 6u);
@@ -105,6 +106,7 @@ TEST(Swc, ATreeFromItsThickestNode) {
   EXPECT_EQ(swc.samples[0].radius, 3);
   EXPECT_EQ(swc.samples[1].point, Vec3(1, 0, 0));
   EXPECT_EQ(swc.lines_with("units: mm 9"), 1);
+  EXPECT_EQ(swc.lines_with("SPACE: LPS"), 1);
   EXPECT_EQ(report.roots, std::vector<std::uint32_t>{2});
 }
 
@@ -113,7 +115,7 @@ TEST(Swc, TheRootIsTheNodeNearestToAPointInItsComponentOnly) {
   cells.path({cells.add(0, 0, 0, 1), cells.add(4, 0, 0, 2)});
   cells.path({cells.add(0, 9, 0, 1), cells.add(4, 9, 0, 2)});
   const CurveGraph graph = curve_graph(skeleton_of(cells));
-  const auto [swc, report] = swc_of(graph, {.root = Vec3(-1, 6, 0), .type = 0, .units = ""});
+  const auto [swc, report] = swc_of(graph, {.root = Vec3(-1, 6, 0), .type = 0, .coordinates = {}});
   ASSERT_EQ(swc.roots(), 2);
   EXPECT_EQ(swc.samples[0].point, Vec3(4, 0, 0));
   EXPECT_EQ(swc.samples[2].point, Vec3(0, 9, 0));
@@ -200,8 +202,8 @@ TEST(Swc, TypesByNumberAndName) {
 
 TEST(Swc, RefusesWhatCannotBe) {
   const TemporaryFolder folder;
-  EXPECT_THROW(io::write_swc(folder / "a.swc", {}, {.root = {}, .type = -1, .units = ""}), Error);
-  EXPECT_THROW(io::write_swc(folder / "a.swc", {}, {.root = Vec3(0, 0, NAN), .type = 0, .units = ""}), Error);
+  EXPECT_THROW(io::write_swc(folder / "a.swc", {}, {.root = {}, .type = -1, .coordinates = {}}), Error);
+  EXPECT_THROW(io::write_swc(folder / "a.swc", {}, {.root = Vec3(0, 0, NAN), .type = 0, .coordinates = {}}), Error);
   EXPECT_THROW(io::write_swc(folder / "no" / "a.swc", {}), Error);
   EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the program says of pictures and of TIFF stacks, whose spacing is in no header of the format.
 #include "program.h"
+#include "quench/io.h"
 #include "small_files.h"
 
 using namespace quench;
@@ -38,6 +39,40 @@ TEST_F(Pictures, OnePictureIsASlabAndSaidToBeOne) {
     if (std::string(command) == "core") arguments.insert(arguments.end(), {"-o", "c.vtp"});
     refuses(3, {"'rgb.png' is an RGB picture of 1 x 1 pixels", "one value per voxel", "convert"}, arguments);
   }
+}
+
+// RAS in the file: everything that is written is in LPS, and says so where its format has a place.
+TEST_F(Pictures, FilesSayTheirSpace) {
+  std::string samples(6 * 6 * 6, '\1');
+  folder.write(
+      "v.nrrd",
+      "NRRD0004\ntype: uint8\ndimension: 3\nspace: right-anterior-superior\nsizes: 6 6 6\n"
+      "space directions: (1,0,0) (0,1,0) (0,0,2)\nspace origin: (10,20,30)\nspace units: \"mm\" \"mm\" \"mm\"\n"
+      "encoding: raw\n\n" +
+          samples);
+  works({"voxelize", "v.nrrd", "-o", "w.nrrd"});
+  const std::string written = bytes("w.nrrd");
+  for (const char* words :
+       {"space: left-posterior-superior\n", "space origin: (-10,-20,30)", "space units: \"mm\" \"mm\" \"mm\""})
+    EXPECT_NE(written.find(words), std::string::npos) << words;
+  works({"run", "v.nrrd", "-o", "out", "--no-view"});
+  for (const char* file : {"out/core.vtp", "out/skeleton.vtp"}) {
+    const PolyData data = io::read_poly_data(folder.path() / file);
+    const DataArray* space = find_array(data.field_data, "SPACE");
+    ASSERT_TRUE(space) << file;
+    EXPECT_EQ(std::get<std::vector<std::string>>(space->values), std::vector<std::string>{"LPS"});
+  }
+  EXPECT_NE(bytes("out/skeleton.swc").find("# SPACE: LPS\n"), std::string::npos);
+  EXPECT_NE(bytes("out/report.json").find("\"space\": \"LPS\""), std::string::npos);
+  works({"skeleton", "out/core.vtp", "-o", "s.ply", "--graphml", "s.graphml"});
+  EXPECT_NE(bytes("s.ply").find("comment SPACE=LPS\n"), std::string::npos);
+  EXPECT_NE(bytes("s.graphml").find("<data key=\"space\">LPS</data>"), std::string::npos);
+  works({"convert", "out/core.vtp", "c.obj"});
+  EXPECT_NE(bytes("c.obj").find("# SPACE=LPS\n"), std::string::npos);
+  works({"verify", "v.nrrd", "out/core.vtp", "out/skeleton.vtp"});
+  works({"core", "w.nrrd", "-o", "again.vtp"});  // of the same place
+  EXPECT_EQ(io::read_poly_data(folder.path() / "again.vtp").points,
+            io::read_poly_data(folder.path() / "out/core.vtp").points);
 }
 
 #ifdef QUENCH_TESTS_HAVE_TIFF

@@ -39,8 +39,8 @@ std::string line_about(const auto& image, SampleType type, std::span<const std::
   for (const Vec3& v : {g.spacing, g.origin}) line += fmt::format(" {:.17g} {:.17g} {:.17g}", v[0], v[1], v[2]);
   for (int row = 0; row < 3; ++row)
     line += fmt::format(" {:.17g} {:.17g} {:.17g}", g.direction(row, 0), g.direction(row, 1), g.direction(row, 2));
-  return line + fmt::format(" {} {} {} {}", word(image.units), word(image.space), word(image.spacing_source),
-                            hexadecimal(samples));
+  return line + fmt::format(" {} {} {} {}", word(image.coordinates.units), word(image.coordinates.space),
+                            word(image.spacing_source), hexadecimal(samples));
 }
 
 std::string whole(const std::string& file) {

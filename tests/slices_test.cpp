@@ -72,15 +72,16 @@ TEST(Slices, NrrdOfEitherEncodingAndByteOrder) {
   }
 }
 
-TEST(Slices, WhatIsNotSimpleIsReadWhole) {
+TEST(Slices, DetachedAndTextSamples) {
   const TemporaryFolder folder;
   folder.write("data.raw", samples(false));
   std::string text = header("raw", false);
   text.insert(text.find("encoding"), "data file: data.raw\n");
-  EXPECT_FALSE(io::open_slices(folder.write("detached.nrrd", text)));
-  EXPECT_FALSE(io::open_slices(folder.write("text.npy", "x")));
+  expect_as_whole(folder.write("detached.nrrd", text), {.threshold = 300., .label = {}});
   text = header("ascii", false);
-  EXPECT_FALSE(io::open_slices(folder.write("ascii.nrrd", text + "1 2 3\n")));
+  for (int i = 0; i < 60; ++i) text += std::to_string(i * 17 % 1000) + (i % 7 ? " " : "\n");
+  expect_as_whole(folder.write("ascii.nrrd", text), {.threshold = 300., .label = {}});
+  EXPECT_FALSE(io::open_slices(folder.write("text.npy", "x")));  // read whole
 }
 
 TEST(Slices, MetaImageAndMrc) {

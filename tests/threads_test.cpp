@@ -61,7 +61,7 @@ TEST(Threads, EveryStageKeepsToThoseOfItsContext) {
   const RefinedAxis refined = quench_curves(complex, core.axis.points, core.axis.radius, burning);
   const SkeletonFamily family = skeletons(refined);
   const Skeleton skeleton = extract(family, 2, 2);
-  const PolyData file = core_file(core, "", "");
+  const PolyData file = core_file(core, {}, "");
   std::vector<std::uint8_t> mask(
       static_cast<std::size_t>(shape.grid().dims[0] * shape.grid().dims[1] * shape.grid().dims[2]));
   const MaskView view{

@@ -26,7 +26,7 @@ TEST_F(Tiff, ResolutionWithoutADistanceOfSlices) {
   for (const std::uint32_t unit : {1u, 2u, 3u}) {
     const Volume v = read(with(300, 300, 1, unit));
     EXPECT_EQ(v.grid.spacing, Vec3(1, 1, 1));
-    EXPECT_EQ(v.units, "");
+    EXPECT_EQ(v.coordinates.units, "");
     EXPECT_EQ(v.spacing_source, "");
     EXPECT_EQ(notes.find("no distance of slices") != std::string::npos, unit != 1) << notes;
   }
@@ -51,18 +51,18 @@ TEST_F(Tiff, SpacingOfImageJ) {
   for (const char* unit : {"micron", "um", "\\u00B5m", "\xC2\xB5m", "\xB5m", "microns"}) {
     const Volume v = read_with(fmt::format("images=2\nslices=2\nunit={}\nspacing=2.0\nloop=false\n", unit), 2000000);
     EXPECT_EQ(v.grid.spacing, Vec3(0.5, 0.5, 2)) << unit;
-    EXPECT_EQ(v.units, "um") << unit;
+    EXPECT_EQ(v.coordinates.units, "um") << unit;
     EXPECT_EQ(v.spacing_source, "the ImageJ description");
     EXPECT_EQ(notes, "");
   }
   EXPECT_EQ(read_with("images=2\nunit=mm\nspacing=-0.2", 15384615).grid.spacing, Vec3(0.065, 0.065, 0.2));
   EXPECT_EQ(read_with("images=2\nunit=inch\nspacing=0.1", 10000000).grid.spacing, Vec3(2.54, 2.54, 2.54));
-  EXPECT_EQ(read_with("images=2\nunit=inch\nspacing=0.1", 10000000).units, "mm");
-  EXPECT_EQ(read_with("images=2\nunit=cm\nspacing=1e-1", 10000000).units, "cm");
+  EXPECT_EQ(read_with("images=2\nunit=inch\nspacing=0.1", 10000000).coordinates.units, "mm");
+  EXPECT_EQ(read_with("images=2\nunit=cm\nspacing=1e-1", 10000000).coordinates.units, "cm");
   EXPECT_TRUE(read_with("images=2\nunit=um\nzunit=nm\nspacing=300", 10000000).grid.spacing.isApprox(Vec3(.1, .1, .3)));
   // Sizes without a unit of length are proportions.
   EXPECT_EQ(read_with("images=2\nunit=pixel\nspacing=3", 1000000).grid.spacing, Vec3(1, 1, 3));
-  EXPECT_EQ(read_with("images=2\nunit=pixel\nspacing=3", 1000000).units, "");
+  EXPECT_EQ(read_with("images=2\nunit=pixel\nspacing=3", 1000000).coordinates.units, "");
   // ImageJ leaves out a distance of 1.
   const Volume one = read_with("images=2\nunit=micron", 5000000);
   EXPECT_EQ(one.grid.spacing, Vec3(0.2, 0.2, 1));
@@ -95,14 +95,14 @@ TEST_F(Tiff, SpacingOfOme) {
   const std::string sizes = "SizeX=\"5\" SizeY=\"4\" SizeZ=\"2\" SizeC=\"1\" SizeT=\"1\" ";
   const Volume v = read_with(sizes + "PhysicalSizeX=\"0.25\" PhysicalSizeY=\"0.5\" PhysicalSizeZ=\"2\"");
   EXPECT_EQ(v.grid.spacing, Vec3(0.25, 0.5, 2));
-  EXPECT_EQ(v.units, "um");
+  EXPECT_EQ(v.coordinates.units, "um");
   EXPECT_EQ(v.spacing_source, "the OME-XML description");
   EXPECT_EQ(notes, "");
   const Volume other = read_with(sizes +
                                  "PhysicalSizeX=\"250\" PhysicalSizeXUnit=\"nm\" PhysicalSizeY=\"250\" "
                                  "PhysicalSizeYUnit=\"nm\" PhysicalSizeZ=\"2\" PhysicalSizeZUnit=\"\xC2\xB5m\"");
   EXPECT_TRUE(other.grid.spacing.isApprox(Vec3(250, 250, 2000)));
-  EXPECT_EQ(other.units, "nm");
+  EXPECT_EQ(other.coordinates.units, "nm");
   EXPECT_EQ(read_with(sizes + "PhysicalSizeX=\"0.25\" PhysicalSizeY=\"0.25\"").grid.spacing, Vec3(1, 1, 1));
   EXPECT_NE(notes.find("0.25 x 0.25 um, but no distance of slices"), std::string::npos) << notes;
   for (const char* bad : {"0", "-1", "nan", "inf", "", "x"}) {
@@ -113,7 +113,7 @@ TEST_F(Tiff, SpacingOfOme) {
   }
   EXPECT_EQ(read_with(sizes + "PhysicalSizeX=\"1\" PhysicalSizeY=\"1\" PhysicalSizeZ=\"2\" "
                               "PhysicalSizeZUnit=\"reference frame\"")
-                .units,
+                .coordinates.units,
             "");
   read_with("SizeZ=\"7\"");
   EXPECT_NE(notes.find("2 slices, and 7 pictures"), std::string::npos) << notes;

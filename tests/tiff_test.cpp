@@ -405,7 +405,7 @@ TEST_F(Tiff, SlicesOfAFolder) {
   const Volume v = io::read_volume(slices.path());
   EXPECT_EQ(v.grid.dims, (Dims{2, 1, 12}));
   EXPECT_EQ(v.grid.spacing, Vec3(1, 1, 1));
-  EXPECT_EQ(v.units, "");
+  EXPECT_EQ(v.coordinates.units, "");
   for (std::size_t z = 0; z < 12; ++z) EXPECT_EQ(std::get<std::vector<std::uint8_t>>(v.samples)[2 * z], 'a' + z);
   const auto opened = io::open_slices(slices.path(), {.spacing = Vec3(1, 1, 4)});
   ASSERT_TRUE(opened);

@@ -65,7 +65,7 @@ VoxelShape hollow() {
 }
 
 PolyData core_of(const VoxelShape& shape, const CheckedCoreOptions& options) {
-  return core_file(checked_core(shape, topology(shape), shape.longest_side(), options), "mm", "{}");
+  return core_file(checked_core(shape, topology(shape), shape.longest_side(), options), {"mm", "LPS"}, "{}");
 }
 
 PolyData burned(PolyData data, const BurnOptions& options = {}) {
@@ -237,9 +237,9 @@ TEST(VerifyDamage, UnchangedResultsPassAndEveryArrayIsNamed) {
 
 // What no check can tell may grow only on purpose.
 TEST(VerifyDamage, OnlyTheseArraysAreLeftOut) {
-  const std::set<std::string> of_cores{"point burn_time",   "field omega",  "field propagation",
-                                       "field radius_rule", "field units",  "field lambda_chosen",
-                                       "field parameters",  "field version"};
+  const std::set<std::string> of_cores{"point burn_time",   "field omega",   "field propagation",
+                                       "field radius_rule", "field units",   "field lambda_chosen",
+                                       "field parameters",  "field version", "field SPACE"};
   std::set<std::string> of_skeletons = of_cores;
   of_skeletons.insert({"point curve_burn_time", "point curve_unburned", "cell erosion_thickness",
                        "cell curve_erosion_thickness", "cell sheet_level", "cell curve_level", "field theta2",

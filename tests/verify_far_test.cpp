@@ -37,7 +37,7 @@ Computed compute(const VoxelShape& shape) {
   const double voxel = shape.grid().spacing.minCoeff();
   const Topology wanted = topology(shape);
   Computed computed;
-  computed.core = core_file(checked_core(shape, wanted, shape.longest_side(), {.lambda = 0.8 * voxel}), "", "{}");
+  computed.core = core_file(checked_core(shape, wanted, shape.longest_side(), {.lambda = 0.8 * voxel}), {}, "{}");
   const MedialAxis axis = medial_axis_of(computed.core);
   const Burning burning = burn(axis.complex, axis.points, axis.radius, {});
   add_burning(computed.core, burning);

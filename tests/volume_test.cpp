@@ -358,7 +358,7 @@ TEST(RealVolumes, SpacingAndOriginAreKept) {
   const Volume torso = io::read_volume(data_file("volumes/torsoLabel.nii.gz"));
   EXPECT_EQ(torso.grid.dims, (std::array<std::int64_t, 3>{384, 320, 89}));
   EXPECT_LT((torso.grid.spacing - Vec3(0.782, 0.782, 5)).cwiseAbs().maxCoeff(), 1e-3);
-  EXPECT_EQ(torso.units, "mm");
+  EXPECT_EQ(torso.coordinates.units, "mm");
   EXPECT_NO_THROW(integer_spacing(torso.grid));
   EXPECT_LT((torso.grid.direction.transpose() * torso.grid.direction - Mat3::Identity()).norm(), 1e-14);
   EXPECT_TRUE(std::holds_alternative<std::vector<std::uint8_t>>(torso.samples));

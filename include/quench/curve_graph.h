@@ -98,7 +98,7 @@ struct SwcOptions {
   /// Structure identifier of every sample. It says nothing that was found out: the default is what every program takes
   /// (MorphIO and NeuroM refuse 0, undefined, and some others all but 1 to 4).
   int type = kSwcDendrite;
-  std::string units;  ///< for the header; empty: not said
+  Coordinates coordinates;  ///< for the header
 };
 
 /// What an SWC file does not say in its rows.
@@ -123,7 +123,7 @@ SwcReport write_swc(const std::filesystem::path& file, const CurveGraph& graph, 
 
 /// GraphML, undirected: nodes n0, n1 ... with x, y, z, radius, kind, component, degree, sheet (-1: none); edges b0, b1
 /// ... with component, length, mean_radius, min_radius, max_radius, thickness, tortuosity. `Infinity` where infinite.
-void write_graphml(const std::filesystem::path& file, const CurveGraph& graph);
+void write_graphml(const std::filesystem::path& file, const CurveGraph& graph, const Coordinates& coordinates = {});
 
 /// CSV, one row per branch: branch, from, to, component, from_x .. from_z, to_x .. to_z, from_kind, to_kind, length,
 /// mean_radius, min_radius, max_radius, thickness, tortuosity. `inf` where infinite.

@@ -39,6 +39,12 @@ struct Grid {
   }
 };
 
+/// What a file says of its world coordinates beside the numbers; empty: nothing.
+struct Coordinates {
+  std::string units;  ///< of lengths, e.g. "mm"
+  std::string space;  ///< "LPS" where x, y, z are known to grow to the left, back and head of a body
+};
+
 /// The smallest integers proportional to `spacing` to 1e-6 relative, such that dims[i] * result[i] <= 2^20: the
 /// coordinates in which all combinatorial decisions are exact (e.g. 0.782 x 0.782 x 5 gives 391 : 391 : 2500).
 /// Throws Error(input) naming --spacing when there are none.

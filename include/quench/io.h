@@ -70,7 +70,8 @@ Volume read_volume(const std::filesystem::path& file, const VolumeReadOptions& o
                    Context* context = nullptr);
 
 /// NRRD, uint8 0/1, gzip, with spacing, origin and direction; streamed, never dense in memory.
-void write_volume(const std::filesystem::path& file, const VoxelShape& shape, Context* context = nullptr);
+void write_volume(const std::filesystem::path& file, const VoxelShape& shape, const Coordinates& coordinates = {},
+                  Context* context = nullptr);
 
 /// Writes through `body` to a temporary file beside `file`, of a name nobody can guess and with the permissions of the
 /// file it replaces, flushes it to the disk and renames it over `file`. What a link names is replaced, not the link. On

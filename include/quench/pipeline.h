@@ -50,10 +50,11 @@ CheckedCore checked_core(const VoxelShape& shape, const Topology& wanted, double
                          const CheckedCoreOptions& options = {}, Context* context = nullptr);
 
 /// The axis as a file: cells and arrays (SPEC 10), and as field data stage, lambda, longest_side, reconstructed,
-/// topology, units, version and `parameters`, the JSON text from which `quench verify` takes how the shape was made.
-PolyData core_file(const CheckedCore& core, const std::string& units, const std::string& parameters);
+/// topology, units, space, version and `parameters`, the JSON text from which `quench verify` takes how the shape was
+/// made.
+PolyData core_file(const CheckedCore& core, const Coordinates& coordinates, const std::string& parameters);
 /// The same where the axis is not needed any more: it is empty afterwards, the rest of `core` as it was.
-PolyData core_file(CheckedCore&& core, const std::string& units, const std::string& parameters);
+PolyData core_file(CheckedCore&& core, const Coordinates& coordinates, const std::string& parameters);
 
 struct CheckedSkeletonOptions {
   double theta2 = 0, theta1 = 0;                          ///< world units, may be infinite

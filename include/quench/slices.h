@@ -17,7 +17,8 @@ namespace quench {
 struct SliceStream {
   Grid grid;
   SampleType type = SampleType::uint8;
-  std::string units, spacing_source, space;  ///< as of a Volume
+  Coordinates coordinates;
+  std::string spacing_source;  ///< as of a Volume
   /// Fills in the next slice, z ascending: dims[0] * dims[1] samples, x fastest, in the byte order of the machine.
   /// Throws Error(input) when the data end early.
   std::function<void(std::span<std::byte> slice)> next;

@@ -21,10 +21,9 @@ struct Volume {
                    std::vector<std::uint64_t>, std::vector<std::int64_t>, std::vector<float>, std::vector<double>>;
   Grid grid;
   Samples samples;
-  std::string units;           ///< of the spacing, where the file says so (e.g. "mm"), else empty
+  Coordinates coordinates;
   std::string spacing_source;  ///< what the spacing was taken from, e.g. "the ImageJ description"; empty: the file
                                ///< does not say one, and it is 1
-  std::string space;           ///< "LPS" where the world axes are known to be left, posterior, superior; else empty
 };
 
 /// A bound of samples. Whole numbers stay exact: 64-bit samples have values that a double rounds.

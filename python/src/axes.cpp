@@ -154,7 +154,7 @@ void bind_axes(py::module_& m) {
              VerifyOptions options;
              options.samples = samples;
              const Certificate certificate = run(listener, threads, [&](Context& context) {
-               return verify(shape.voxels, core_file(a->core, shape.units, shape.parameters), options, &context);
+               return verify(shape.voxels, core_file(a->core, shape.coordinates, shape.parameters), options, &context);
              });
              return checks_of(certificate);
            })

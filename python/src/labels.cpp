@@ -50,12 +50,12 @@ class Gate {
 };
 
 // From the voxels of one label to its skeleton; everything between is dropped.
-std::shared_ptr<SkeletonValue> skeleton_of(VoxelShape voxels, const Grid& image, const std::string& units,
+std::shared_ptr<SkeletonValue> skeleton_of(VoxelShape voxels, const Grid& image, const Coordinates& coordinates,
                                            std::int64_t label, const Wish& wish, Context& context) {
   Shape shape;
   shape.voxels = std::move(voxels);
   shape.image = image;
-  shape.units = units;
+  shape.coordinates = coordinates;
   shape.parameters = fmt::format("{{\"label\": {}}}", label);
   auto axis = compute_axis(finished(std::move(shape), Cut{}), wish.lambda, false, context);
   const auto fire = compute_fire(*axis, 0, true, nullptr, context);
@@ -81,8 +81,8 @@ void work_together(std::size_t count, const std::function<void()>& work) {
 
 using Results = std::vector<std::shared_ptr<SkeletonValue>>;
 
-Results skeletons_of(std::vector<LabelRuns>& labels, const Grid& image, const std::string& units, const Wish& wish,
-                     Context& context) {
+Results skeletons_of(std::vector<LabelRuns>& labels, const Grid& image, const Coordinates& coordinates,
+                     const Wish& wish, Context& context) {
   Results results(labels.size());
   std::vector<std::exception_ptr> failures(labels.size());
   // Large ones first, so that none is left alone at the end. Every label is worked on by one thread and alone in its
@@ -120,7 +120,7 @@ Results skeletons_of(std::vector<LabelRuns>& labels, const Grid& image, const st
         gate.enter(bytes);
         entered = true;
         results[order[i]] =
-            alone.execute([&] { return skeleton_of(std::move(voxels), image, units, label.label, wish, own); });
+            alone.execute([&] { return skeleton_of(std::move(voxels), image, coordinates, label.label, wish, own); });
       } catch (const Error& error) {
         failures[order[i]] =
             std::make_exception_ptr(Error(error.code(), fmt::format("label {}: {}", label.label, error.what())));
@@ -150,7 +150,7 @@ Results skeletons_of(std::vector<LabelRuns>& labels, const Grid& image, const st
   return results;
 }
 
-py::list skeletonize(const ImageView& image, const std::string& units,
+py::list skeletonize(const ImageView& image, const Coordinates& coordinates,
                      const std::optional<std::vector<std::int64_t>>& chosen, const Wish& wish,
                      const py::object& listener, int threads) {
   std::vector<LabelRuns> labels;
@@ -166,7 +166,7 @@ py::list skeletonize(const ImageView& image, const std::string& units,
     } else {
       labels = label_runs(image, nullptr, &context);
     }
-    results = skeletons_of(labels, image.grid, units, wish, context);
+    results = skeletons_of(labels, image.grid, coordinates, wish, context);
   });
   py::list list;
   for (std::size_t i = 0; i < labels.size(); ++i) list.append(py::make_tuple(labels[i].label, results[i]));
@@ -182,14 +182,14 @@ void bind_labels(py::module_& m) {
                                 const std::string& lambda, const std::string& theta2, const std::string& theta1,
                                 const py::object& listener, int threads) {
     const py::buffer_info held = array.request();
-    return skeletonize(image_of(held, grid_of(held, spacing)), "", labels, {lambda, theta2, theta1}, listener, threads);
+    return skeletonize(image_of(held, grid_of(held, spacing)), {}, labels, {lambda, theta2, theta1}, listener, threads);
   });
   m.def("skeletonize_image",
         [](const Image& image, const std::optional<Triple>& spacing, const Labels& labels, const std::string& lambda,
            const std::string& theta2, const std::string& theta1, const py::object& listener, int threads) {
           ImageView view = view_of(*image.volume);
           if (spacing) view.grid.spacing = {(*spacing)[0], (*spacing)[1], (*spacing)[2]};
-          return skeletonize(view, image.volume->units, labels, {lambda, theta2, theta1}, listener, threads);
+          return skeletonize(view, image.volume->coordinates, labels, {lambda, theta2, theta1}, listener, threads);
         });
 }
 

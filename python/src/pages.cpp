@@ -39,7 +39,7 @@ Builder begin(const Axis& axis, const std::vector<Vec3>& points, const std::stri
   if (std::max(low.cwiseAbs().maxCoeff(), high.cwiseAbs().maxCoeff()) > 16 * (high - low).maxCoeff())
     b.page.origin = (0.5 * (low + high)).array().round();
   if (axis.shape) {
-    b.page.unit = axis.shape->units;
+    b.page.unit = axis.shape->coordinates.units;
     b.take(add_surface(b.page, axis.shape->voxels, b.left / 5));
     add_sites(b.page, axis.shape->voxels);
     add_samples(b.page, axis.shape->voxels);

@@ -36,14 +36,14 @@ py::buffer_info info(const Image& image) {
       image.volume->samples);
 }
 
-std::shared_ptr<Shape> cut_out(const ImageView& image, const Cut& cut, const std::string& units,
+std::shared_ptr<Shape> cut_out(const ImageView& image, const Cut& cut, const Coordinates& coordinates,
                                const std::string& parameters, Context& context) {
   Shape shape;
   ForegroundReport report;
   shape.voxels = foreground(image, cut.foreground(), &report, &context);
   if (const std::string much = much_dropped(report); !much.empty()) note(&context, much);
   shape.image = image.grid;
-  shape.units = units;
+  shape.coordinates = coordinates;
   shape.parameters = parameters;
   return finished(std::move(shape), cut);
 }
@@ -52,7 +52,7 @@ std::shared_ptr<Shape> shape_of_array(const py::buffer& array, const Triple& spa
                                       const std::string& parameters, const py::object& listener, int threads) {
   const py::buffer_info held = array.request();
   const ImageView image = image_of(held, grid_of(held, spacing));
-  return run(listener, threads, [&](Context& context) { return cut_out(image, cut, "", parameters, context); });
+  return run(listener, threads, [&](Context& context) { return cut_out(image, cut, {}, parameters, context); });
 }
 
 std::shared_ptr<Shape> shape_of_image(const Image& image, const std::optional<Triple>& spacing, const Cut& cut,
@@ -60,7 +60,7 @@ std::shared_ptr<Shape> shape_of_image(const Image& image, const std::optional<Tr
   ImageView view = view_of(*image.volume);
   if (spacing) view.grid.spacing = {(*spacing)[0], (*spacing)[1], (*spacing)[2]};
   return run(listener, threads,
-             [&](Context& context) { return cut_out(view, cut, image.volume->units, parameters, context); });
+             [&](Context& context) { return cut_out(view, cut, image.volume->coordinates, parameters, context); });
 }
 
 std::shared_ptr<Shape> shape_of_mesh(const py::buffer& points, const py::buffer& triangles,
@@ -93,7 +93,7 @@ std::shared_ptr<Shape> shape_of_mesh(const py::buffer& points, const py::buffer&
 Image image_of_shape(const Shape& shape) {
   auto volume = std::make_shared<Volume>();
   volume->grid = shape.voxels.grid();
-  volume->units = shape.units;
+  volume->coordinates = shape.coordinates;
   const auto& dims = volume->grid.dims;
   std::vector<std::uint8_t> samples(static_cast<std::size_t>(dims[0] * dims[1] * dims[2]), 0);
   auto row = samples.begin();
@@ -135,7 +135,7 @@ void bind_shapes(py::module_& m) {
                                const Mat3& d = i.volume->grid.direction;
                                return std::array<Triple, 3>{triple(d.row(0)), triple(d.row(1)), triple(d.row(2))};
                              })
-      .def_property_readonly("units", [](const Image& i) { return i.volume->units; });
+      .def_property_readonly("units", [](const Image& i) { return i.volume->coordinates.units; });
   py::class_<Cut>(m, "Cut").def(
       py::init([](std::optional<Threshold> threshold, std::optional<std::int64_t> label, bool invert, bool largest,
                   std::int64_t min_component, bool fill,

@@ -98,7 +98,7 @@ py::dict write_swc_file(const GraphValue& g, const std::string& file, const std:
   io::SwcOptions options;
   options.type = io::swc_type_of(type, "swc_type");
   if (root) options.root = Vec3((*root)[0], (*root)[1], (*root)[2]);
-  if (const auto& shape = g.skeleton->axis->shape) options.units = shape->units;
+  if (const auto& shape = g.skeleton->axis->shape) options.coordinates = shape->coordinates;
   const io::SwcReport report = io::write_swc(file, g.graph, options);
   py::dict result;
   result["trees"] = report.trees;

@@ -22,7 +22,7 @@ double Axis::resolve(const std::string& text, const std::string& argument) const
 }
 
 PolyData Axis::data(const Fire* with) const {
-  PolyData result = file ? *file : core_file(core, shape->units, shape->parameters);
+  PolyData result = file ? *file : core_file(core, shape->coordinates, shape->parameters);
   if (with) add_burning(result, with->burning);
   return result;
 }

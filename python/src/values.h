@@ -25,7 +25,7 @@ struct Shape {
   VoxelShape voxels;
   Grid image;               ///< voxels that to_volume() and reconstruct() refer to
   double longest_side = 0;  ///< what plain-number lengths refer to
-  std::string units;
+  Coordinates coordinates;
   std::string parameters;  ///< JSON text: how the voxels follow from the input
   Topology topology;
 

@@ -82,7 +82,7 @@ CheckedCore checked_core(const VoxelShape& shape, const Topology& wanted, double
 
 namespace {
 
-PolyData core_file(PolyData data, const CheckedCore& core, const std::string& units, const std::string& parameters) {
+PolyData core_file(PolyData data, const CheckedCore& core, const Coordinates& coordinates, const std::string& parameters) {
   const bool full = core.options.full;
   const double lambda = std::min(core.lambda, kInfiniteLevelInFiles);
   const Topology& t = core.topology;
@@ -94,7 +94,8 @@ PolyData core_file(PolyData data, const CheckedCore& core, const std::string& un
   add_field(data, "reconstructed", full ? core.whole : core.reconstructed);
   data.field_data.push_back({"euler", 1, std::vector<std::int64_t>{t.euler}});
   data.field_data.push_back({"betti", 3, std::vector<std::int64_t>(t.betti.begin(), t.betti.end())});
-  add_field(data, "units", units);
+  add_field(data, "units", coordinates.units);
+  if (!coordinates.space.empty()) add_field(data, "SPACE", coordinates.space);  // the name Slicer looks for
   add_field(data, "parameters", parameters);
   add_field(data, "version", std::string(QUENCH_VERSION));
   return data;
@@ -102,12 +103,12 @@ PolyData core_file(PolyData data, const CheckedCore& core, const std::string& un
 
 }  // namespace
 
-PolyData core_file(const CheckedCore& core, const std::string& units, const std::string& parameters) {
-  return core_file(to_poly_data(core.axis), core, units, parameters);
+PolyData core_file(const CheckedCore& core, const Coordinates& coordinates, const std::string& parameters) {
+  return core_file(to_poly_data(core.axis), core, coordinates, parameters);
 }
 
-PolyData core_file(CheckedCore&& core, const std::string& units, const std::string& parameters) {
-  return core_file(to_poly_data(std::move(core.axis)), core, units, parameters);
+PolyData core_file(CheckedCore&& core, const Coordinates& coordinates, const std::string& parameters) {
+  return core_file(to_poly_data(std::move(core.axis)), core, coordinates, parameters);
 }
 
 }  // namespace quench

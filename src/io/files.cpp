@@ -194,6 +194,12 @@ std::vector<double> required_radii(const PolyData& data, const char* format) {
   return radius->numbers();
 }
 
+std::string space_comment(const PolyData& data) {
+  const DataArray* array = find_array(data.field_data, "SPACE");
+  const auto* text = array ? std::get_if<std::vector<std::string>>(&array->values) : nullptr;
+  return text && text->size() == 1 && text->front() == "LPS" ? "SPACE=LPS" : std::string();
+}
+
 float to_float(double value) {
   constexpr double largest = std::numeric_limits<float>::max();
   return static_cast<float>(value > largest ? largest : value < -largest ? -largest : value);

@@ -53,6 +53,9 @@ void add_isolated_points(PolyData& data);
 /// The values of the point array `radius`; throws Error(input) naming the format that needs them.
 std::vector<double> required_radii(const PolyData& data, const char* format);
 
+/// "SPACE=LPS" where the data say so, for a comment of a format without a place for it; Slicer reads it there.
+std::string space_comment(const PolyData& data);
+
 /// A float that an out-of-range double becomes without undefined behaviour: the largest finite one.
 float to_float(double value);
 

@@ -5,6 +5,7 @@
 #include "quench/curve_graph.h"
 #include "quench/io.h"
 #include "text_out.h"
+#include "words.h"
 
 /// A curve graph for networkx, igraph, Gephi and their like.
 namespace quench::io {
@@ -15,6 +16,12 @@ std::string number(double value) {
   return std::isinf(value) ? (value < 0 ? "-Infinity" : "Infinity") : fmt::format("{}", value);
 }
 
+std::string in_xml(const std::string& text) {
+  std::string result;
+  for (const char c : plain(text)) result += c == '<' ? "&lt;" : c == '&' ? "&amp;" : std::string(1, c);
+  return result;
+}
+
 template <class Value>
 void print_data(TextOut& text, const char* key, const Value& value) {
   text.print("<data key=\"{}\">{}</data>", key, value);
@@ -22,7 +29,7 @@ void print_data(TextOut& text, const char* key, const Value& value) {
 
 }  // namespace
 
-void write_graphml(const std::filesystem::path& file, const CurveGraph& graph) {
+void write_graphml(const std::filesystem::path& file, const CurveGraph& graph, const Coordinates& coordinates) {
   write_atomically(file, [&](std::ostream& out) {
     TextOut text(out);
     text.print(
@@ -43,7 +50,13 @@ void write_graphml(const std::filesystem::path& file, const CurveGraph& graph) {
     key("branch_component", "edge", "component", "long");
     for (const char* name : {"length", "mean_radius", "min_radius", "max_radius", "thickness", "tortuosity"})
       key(name, "edge", name, "double");
+    const std::pair<const char*, const std::string&> known[] = {{"units", coordinates.units},
+                                                                {"space", coordinates.space}};
+    for (const auto& [name, value] : known)
+      if (!value.empty()) key(name, "graph", name, "string");
     text.print("  <graph id=\"curves\" edgedefault=\"undirected\">\n");
+    for (const auto& [name, value] : known)
+      if (!value.empty()) text.print("    <data key=\"{}\">{}</data>\n", name, in_xml(value));
     for (std::size_t n = 0; n < graph.nodes.size(); ++n) {
       const CurveGraph::Node& node = graph.nodes[n];
       text.print("    <node id=\"n{}\">", n);

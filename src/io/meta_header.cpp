@@ -133,8 +133,8 @@ void MetaHeader::set_grid(StoredVolume& volume) const {
   set_steps(file_, steps, "ElementSpacing and TransformMatrix", grid);
   for (std::size_t a = 0; a < used && !spacing.empty(); ++a)  // to the last bit
     grid.spacing[static_cast<int>(a)] = std::abs(spacing[a]);
-  if (const std::string* unit = field({"DistanceUnits"}); unit && *unit != "?") volume.units = shown(*unit);
-  volume.space = "LPS";
+  if (const std::string* unit = field({"DistanceUnits"}); unit && *unit != "?") volume.coordinates.units = shown(*unit);
+  volume.coordinates.space = "LPS";
 }
 
 void MetaHeader::set_type(StoredVolume& volume) const {

@@ -120,7 +120,7 @@ void set_grid(const std::filesystem::path& file, const MrcWords& words, StoredVo
   if (sized) {
     set_steps(file, cell.cwiseQuotient(intervals).asDiagonal(), "cell size", grid);
     volume.spacing_source = "the cell of the header";
-    volume.units = "angstrom";
+    volume.coordinates.units = "angstrom";
   }
   if (const std::int32_t group = words.integer(23);
       group >= 401 && group <= 630 && words.integer(10) > 0 && words.integer(3) > words.integer(10))

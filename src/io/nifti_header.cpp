@@ -248,7 +248,7 @@ void set_grid(const std::filesystem::path& file, const Nifti& n, StoredVolume& v
   if (oriented) {
     placement.steps.topRows<2>() *= -1;  // right-anterior to left-posterior
     placement.origin.head<2>() *= -1;
-    volume.space = "LPS";
+    volume.coordinates.space = "LPS";
   }
   set_steps(file, placement.steps, n.sform_code > 0 ? "sform" : n.qform_code > 0 ? "qform" : "pixdim", grid);
   grid.origin = placement.origin;
@@ -259,7 +259,7 @@ void set_grid(const std::filesystem::path& file, const Nifti& n, StoredVolume& v
   const double millimetres = unit == 1 ? 1000 : unit == 3 ? 0.001 : 1;
   grid.spacing *= millimetres;
   grid.origin *= millimetres;
-  volume.units = "mm";
+  volume.coordinates.units = "mm";
   volume.spacing_source = placement.source;
 }
 

@@ -313,7 +313,7 @@ void NrrdHeader::set_geometry(StoredVolume& volume) const {
     if (!unknown) volume.spacing_source = "the space directions of the header";
     const std::string* units = field("spaceunits");
     const auto texts = units ? quoted(*units) : std::vector<std::string>();
-    if (texts.size() >= 3 && texts[0] == texts[1] && texts[1] == texts[2]) volume.units = plain(texts[0]);
+    if (texts.size() >= 3 && texts[0] == texts[1] && texts[1] == texts[2]) volume.coordinates.units = plain(texts[0]);
   } else {
     for (std::size_t a = 0; a < axes_.size(); ++a) {
       const Axis& axis = axes_[a];
@@ -330,11 +330,11 @@ void NrrdHeader::set_geometry(StoredVolume& volume) const {
     }
     if (!axes_[0].unit.empty() &&
         std::all_of(axes_.begin(), axes_.end(), [&](const Axis& axis) { return axis.unit == axes_[0].unit; }))
-      volume.units = plain(axes_[0].unit);
+      volume.coordinates.units = plain(axes_[0].unit);
   }
   if (origin) grid.origin = lps(vector(*origin, "space origin"));
   if (!grid.origin.allFinite()) refuse("its origin is not a point; correct the 'space origin' in its header");
-  if (anatomical_) volume.space = "LPS";
+  if (anatomical_) volume.coordinates.space = "LPS";
 }
 
 std::optional<SampleType> nrrd_type(const std::string& name) {

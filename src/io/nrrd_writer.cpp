@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <zlib.h>
 
+#include <algorithm>
 #include <cstring>
 #include <ostream>
 #include <vector>
@@ -54,14 +55,24 @@ std::string vector_text(const Vec3& v) {
   return fmt::format("({},{},{})", 0.0 + v[0], 0.0 + v[1], 0.0 + v[2]);
 }
 
+/// In quotation marks, where nothing in it ends them or the line.
+std::string quoted(const std::string& text) {
+  const bool ends = std::any_of(text.begin(), text.end(), [](char c) { return c == '"' || c == '\n' || c == '\r'; });
+  return text.empty() || ends ? std::string() : '"' + text + '"';
+}
+
 }  // namespace
 
-void write_volume(const std::filesystem::path& file, const VoxelShape& shape, Context* context) {
+void write_volume(const std::filesystem::path& file, const VoxelShape& shape, const Coordinates& coordinates,
+                  Context* context) {
   const Grid& grid = shape.grid();
   write_atomically(file, [&](std::ostream& out) {
-    out << "NRRD0004\n# voxel shape: 1 inside, 0 outside\ntype: uint8\ndimension: 3\nspace dimension: 3\n"
+    out << "NRRD0004\n# voxel shape: 1 inside, 0 outside\ntype: uint8\ndimension: 3\n"
+        << (coordinates.space == "LPS" ? "space: left-posterior-superior\n" : "space dimension: 3\n")
         << fmt::format("sizes: {} {} {}\n", grid.dims[0], grid.dims[1], grid.dims[2]) << "space directions:";
     for (int a = 0; a < 3; ++a) out << ' ' << vector_text(grid.direction.col(a) * grid.spacing[a]);
+    if (const std::string unit = quoted(coordinates.units); !unit.empty())
+      out << "\nspace units: " << unit << ' ' << unit << ' ' << unit;
     out << "\nkinds: domain domain domain\nencoding: gzip\nspace origin: " << vector_text(grid.origin) << "\n\n";
     GzipWriter gzip(out);
     std::vector<unsigned char> row(static_cast<std::size_t>(grid.dims[0]));

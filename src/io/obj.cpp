@@ -78,6 +78,7 @@ void write_obj(std::ostream& out, const PolyData& data) {
   TextOut text(out);
   text.print("# Quench {}: {} vertices, {} points, {} lines, {} faces\n", QUENCH_VERSION, data.points.size(),
              data.verts.size(), data.lines.size(), data.poly_count());
+  if (const std::string space = space_comment(data); !space.empty()) text.print("# {}\n", space);
   for (const Vec3& p : data.points) text.print("v {} {} {}\n", p[0], p[1], p[2]);
   for (std::uint64_t v : data.verts) text.print("p {}\n", v + 1);
   for (const auto& line : data.lines) text.print("l {} {}\n", std::uint64_t{line[0]} + 1, std::uint64_t{line[1]} + 1);

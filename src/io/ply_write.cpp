@@ -122,8 +122,9 @@ void write_ply(std::ostream& out, const PolyData& data, const WriteOptions& opti
     most_corners = std::max<std::size_t>(most_corners, data.poly_offsets[f + 1] - data.poly_offsets[f]);
 
   TextOut header(out);
-  header.print("ply\nformat binary_little_endian 1.0\ncomment Quench {}\nelement vertex {}\n", QUENCH_VERSION,
-               data.points.size());
+  header.print("ply\nformat binary_little_endian 1.0\ncomment Quench {}\n", QUENCH_VERSION);
+  if (const std::string space = space_comment(data); !space.empty()) header.print("comment {}\n", space);
+  header.print("element vertex {}\n", data.points.size());
   header.print("property double x\nproperty double y\nproperty double z\n");
   for (const Column& column : columns)
     header.print("property {} {}\n",

@@ -25,7 +25,7 @@ class BlockBytes {
  public:
   explicit BlockBytes(const SampleBlock& block)
       : in_(block.file, std::ios::binary), left_(block.size.value_or(std::numeric_limits<std::uint64_t>::max())) {
-    if (!in_) throw Error(ErrorCode::failed, fmt::format("'{}' cannot be opened", block.file.string()));
+    if (!in_) throw Error(ErrorCode::failed, fmt::format("'{}' cannot be opened", plain(block.file.string())));
     in_.seekg(static_cast<std::streamoff>(block.begin));
   }
   /// As many bytes as there are, up to the size of `out`.

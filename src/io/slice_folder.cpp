@@ -97,7 +97,7 @@ class SliceFolder {
     Volume slice = volume_extension(file) == ".png" ? read_png(file, nullptr)
                                                     : read_stream(open_tiff(file, nullptr), file, nullptr);
     slice.grid.spacing = Vec3::Ones();
-    slice.units.clear();
+    slice.coordinates = {};
     slice.spacing_source.clear();
     if (slice.grid.dims[2] != 1)
       throw Error(ErrorCode::input, fmt::format("'{}' has {} pages where one slice is needed; read it on its own",
@@ -144,7 +144,7 @@ SliceStream open_slice_folder(const std::filesystem::path& folder) {
   SliceStream stream;
   stream.grid = slices->first().grid;
   stream.grid.dims[2] = static_cast<std::int64_t>(slices->count());
-  stream.units = slices->first().units;
+  stream.coordinates = slices->first().coordinates;
   stream.type = view_of(slices->first()).type;
   stream.next = [slices](std::span<std::byte> out) {
     const Volume slice = slices->next();

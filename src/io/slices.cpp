@@ -21,9 +21,8 @@ void slices_end_early(const std::filesystem::path& file, std::int64_t slice, std
 Volume read_stream(const SliceStream& stream, const std::filesystem::path& file, Context* context) {
   Volume volume;
   volume.grid = stream.grid;
-  volume.units = stream.units;
+  volume.coordinates = stream.coordinates;
   volume.spacing_source = stream.spacing_source;
-  volume.space = stream.space;
   const auto& dims = stream.grid.dims;
   const auto slice = static_cast<std::size_t>(dims[0]) * static_cast<std::size_t>(dims[1]);
   const auto slices = static_cast<std::size_t>(dims[2]);

@@ -77,13 +77,13 @@ std::uint64_t checked_share(const std::filesystem::path& file, const StoredVolum
     std::error_code error;
     if (block.file != file) {
       if (!std::filesystem::exists(block.file, error))
-        refuse_volume(file,
-                      fmt::format("its samples are in '{}', which does not exist; put it there", block.file.string()));
+        refuse_volume(file, fmt::format("its samples are in '{}', which does not exist; put it there",
+                                        plain(block.file.string())));
       if (there < needed)
         refuse_volume(file,
                       fmt::format("its samples are in '{}', which has {} bytes for them where {} are needed; it is "
                                   "damaged or incomplete, or the header is wrong",
-                                  block.file.string(), there, needed));
+                                  plain(block.file.string()), there, needed));
     }
     if (there < needed) checked_sample_count(file, dims, volume.type.size(), there);
     if (there < needed) refuse_volume(file, "it is too short for its samples; it is damaged or incomplete");
@@ -152,7 +152,7 @@ class StoredSamples {
                       fmt::format("its compressed samples are damaged or incomplete{}; copy or download it again",
                                   volume_.blocks[block_ - 1].file == file_
                                       ? std::string()
-                                      : fmt::format(" (in '{}')", volume_.blocks[block_ - 1].file.string())));
+                                      : fmt::format(" (in '{}')", plain(volume_.blocks[block_ - 1].file.string()))));
       out = out.subspan(part.size());
     }
   }
@@ -197,9 +197,8 @@ SliceStream open_stored(const std::filesystem::path& file, const StoredVolume& v
   SliceStream stream;
   stream.grid = volume.grid;
   stream.type = type_in_memory(volume);
-  stream.units = volume.units;
   stream.spacing_source = volume.spacing_source;
-  stream.space = volume.space;
+  stream.coordinates = volume.coordinates;
   const auto& dims = volume.grid.dims;
   const std::size_t value_size = size_of(stream.type);
   const auto slice = static_cast<std::uint64_t>(dims[0]) * static_cast<std::uint64_t>(dims[1]);
@@ -249,10 +248,10 @@ void set_steps(const std::filesystem::path& file, const Mat3& steps, std::string
     const Vec3 step = steps.col(a);
     const double length = step.allFinite() ? step.stableNorm() : 0;
     if (!(length >= shortest && length <= longest))
-      refuse_volume(file,
-                    fmt::format("its step between voxels along axis {} is ({:.6g}, {:.6g}, {:.6g}), which is not a "
-                                "direction; correct the {} in its header, or save the volume again",
-                                a, step[0], step[1], step[2], where));
+      refuse_volume(
+          file, fmt::format("its step between voxels along axis {} is ({:.6g}, {:.6g}, {:.6g}), whose length is not "
+                            "from {:g} to {:g}; correct the {} in its header, or save the volume again",
+                            a, step[0], step[1], step[2], shortest, longest, where));
     grid.spacing[a] = length;
     grid.direction.col(a) = step / length;
   }

@@ -37,7 +37,8 @@ enum class Encoding { raw, deflate, text, hex };  ///< deflate: gzip (also sever
 /// What the header of a volume says.
 struct StoredVolume {
   Grid grid;
-  std::string units, spacing_source, space;
+  Coordinates coordinates;
+  std::string spacing_source;
   StoredType type;
   bool swapped = false;  ///< the byte order is not the one of this machine
   Encoding encoding = Encoding::raw;

@@ -76,12 +76,13 @@ class Trees {
     TextOut text(out);
     text.print("# Quench {}: trees {}, samples {}, loops cut {}\n", QUENCH_VERSION, report_.trees, report_.samples,
                report_.cuts.size());
-    if (!options.units.empty()) {
-      std::string units = options.units;
+    const auto say = [&](const char* what, std::string value) {
       std::replace_if(
-          units.begin(), units.end(), [](char c) { return c == '\n' || c == '\r'; }, ' ');
-      text.print("# units: {}\n", units);
-    }
+          value.begin(), value.end(), [](char c) { return c == '\n' || c == '\r'; }, ' ');
+      if (!value.empty()) text.print("# {}: {}\n", what, value);
+    };
+    say("units", options.coordinates.units);
+    say("SPACE", options.coordinates.space);
     for (std::size_t t = 0; t < report_.roots.size(); ++t)
       text.print("# component {}: root is sample {}\n", graph_.nodes[report_.roots[t]].component, root_ids_[t]);
     for (const SwcReport::Cut& cut : report_.cuts) {

@@ -43,7 +43,7 @@ class TiffVolume {
     if (l.transposed()) std::swap(resolution.x, resolution.y);
     const TiffCalibration calibration = tiff_calibration(description_, resolution, slices_);
     stream.grid.spacing = calibration.spacing;
-    stream.units = calibration.units;
+    stream.coordinates.units = calibration.units;
     stream.spacing_source = calibration.source;
     if (!calibration.note.empty() && !spacing_is_given) say(calibration.note);
     return stream;

@@ -22,7 +22,7 @@ CheckedSkeleton checked_skeleton(const SkeletonFamily& family, const Topology& w
 PolyData skeleton_file(const Skeleton& skeleton, const Topology& topology, const PolyData& from) {
   PolyData data = to_poly_data(skeleton);
   for (const char* name : {"dims", "spacing", "origin", "direction", "longest_side", "lambda", "lambda_chosen", "omega",
-                           "propagation", "radius_rule", "units", "parameters"})
+                           "propagation", "radius_rule", "units", "SPACE", "parameters"})
     if (const DataArray* array = find_array(from.field_data, name)) data.field_data.push_back(*array);
   const auto put = [&](const char* name, DataArray::Values values, int components = 1) {
     data.field_data.push_back({name, components, std::move(values)});

@@ -73,6 +73,7 @@ const std::vector<Known>& known_field_texts() {
                                          {"propagation", 1, {"segments", "nodes"}, told},
                                          {"radius_rule", 1, {"exact", "linear"}, told},
                                          {"units", 1, {}, told},
+                                         {"SPACE", 1, {}, told},
                                          {"parameters", 1, {}, "the shape was made with them"},
                                          {"version", 1, {}, told}};
   return arrays;
