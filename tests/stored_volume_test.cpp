@@ -123,11 +123,11 @@ TEST(StoredVolume, RefusesWhatIsNoScalarVolume) {
                                            "a")),
             "not from 1e-30 to 1e+30");
   EXPECT_EQ(io::read_volume(folder.write("large.nrrd", nrrd("type: uint8\ndimension: 3\nspace dimension: 3\n"
-                                                            "sizes: 1 1 1\nspace directions: (1e30,0,0) (0,1e30,0) "
-                                                            "(0,0,1e30)\nspace origin: (0,0,0)\n",
+                                                            "sizes: 1 1 1\nspace directions: (1e29,0,0) (0,1e29,0) "
+                                                            "(0,0,1e29)\nspace origin: (0,0,0)\n",
                                                             "a")))
                 .grid.spacing,
-            Vec3::Constant(1e30));
+            Vec3::Constant(1e29));
   refusal(folder.write("rgb.nrrd", nrrd("type: uint8\ndimension: 4\nspace dimension: 3\nsizes: 3 1 1 1\nkinds: "
                                         "RGB-color domain domain domain\nspace directions: none (1,0,0) (0,1,0) "
                                         "(0,0,1)\nspace origin: (0,0,0)\n",

@@ -179,8 +179,13 @@ TiffPage::TiffPage(const TiffFile& file, std::size_t index, std::int64_t memory)
     for (const char* c = text; *c; ++c) messages.first_error += *c >= ' ' && *c <= '~' ? *c : '?';
     return 1;
   };
-  const auto warning = [](TIFF*, void* data, const char*, const char*, std::va_list) -> int {
-    static_cast<Messages*>(data)->warned = true;
+  const auto warning = [](TIFF*, void* data, const char*, const char* format, std::va_list arguments) -> int {
+    auto& messages = *static_cast<Messages*>(data);
+    messages.warned = true;
+    char text[300];
+    if (std::vsnprintf(text, sizeof text, format, arguments) < 0) return 1;
+    for (const char* piece : {"StripByteCounts", "StripOffsets", "TileByteCounts", "TileOffsets", "tile"})
+      messages.mended = messages.mended || std::string_view(text).find(piece) != std::string_view::npos;
     return 1;
   };
   const std::unique_ptr<TIFFOpenOptions, void (*)(TIFFOpenOptions*)> options(TIFFOpenOptionsAlloc(),
@@ -199,6 +204,8 @@ TiffPage::TiffPage(const TiffFile& file, std::size_t index, std::int64_t memory)
                              Source::close, Source::size, nullptr, nullptr));
 #endif
   if (!tiff_ || !messages_->first_error.empty()) refuse_damaged();
+  if (messages_->mended)
+    refuse("is wrong about where its strips or tiles are, or how long; it is damaged or incomplete");
 }
 
 std::string TiffPage::name() const {
@@ -311,8 +318,19 @@ std::uint32_t TiffPage::planes_together(const TiffLayout& layout) const {
   return std::clamp(tile_depth(), 1u, std::max(1u, layout.depth));
 }
 
+/// Strips and tiles begin behind the header of the file.
+void TiffPage::check_pieces() const {
+  const std::uint64_t header = file_.big_tiff() ? 16 : 8;
+  TIFF* t = tiff_.get();
+  const std::uint32_t pieces = is_tiled() ? TIFFNumberOfTiles(t) : TIFFNumberOfStrips(t);
+  for (std::uint32_t p = 0; p < pieces; ++p)
+    if (TIFFGetStrileOffset(t, p) < header && TIFFGetStrileByteCount(t, p) > 0)
+      refuse("has samples inside the header of the file; it is damaged");
+}
+
 std::uint64_t TiffPage::buffer_bytes(const TiffLayout& layout) const {
   TIFF* t = tiff_.get();
+  check_pieces();
   if (!is_tiled()) {
     const std::uint32_t rows = std::min(field<std::uint32_t>(t, TIFFTAG_ROWSPERSTRIP, layout.height), layout.height);
     if (rows == 0 || TIFFScanlineSize64(t) != layout.row_bytes() ||

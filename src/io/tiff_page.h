@@ -71,9 +71,11 @@ class TiffPage {
   struct Messages {
     std::string first_error;
     bool warned = false;
+    bool mended = false;  ///< libtiff guessed where or how long strips or tiles are
   };
   [[noreturn]] void refuse(const std::string& what) const;
   [[noreturn]] void refuse_damaged() const;
+  void check_pieces() const;
   void check_one_value(const TiffLayout& layout, std::uint16_t samples) const;
   void check_jbig(const TiffLayout& layout, std::uint64_t at, std::uint32_t width, std::uint32_t height) const;
   /// Decodes `size` bytes of the file at `at` as strip or tile `piece`.

@@ -313,14 +313,16 @@ def forms():
     # White is 0: turned over, or refused.
     found.append(case('white is 0', stack(samples, photometric=0), 'v.tif', Grid(255 - samples), refusable=True))
     for orientation, turned in ((2, samples[::-1]), (3, samples[::-1, ::-1]), (4, samples[:, ::-1]), (5, samples.transpose(1, 0, 2)),
-                                (6, None), (7, None), (8, None)):
-        rights = [Grid(turned)] if turned is not None else []
-        found.append(case(f'orientation {orientation}', stack(samples, tags={274: (SHORT, [orientation])}), 'v.tif', *rights, refusable=True))
+                                (6, samples[:, ::-1].transpose(1, 0, 2)), (7, samples[::-1, ::-1].transpose(1, 0, 2)),
+                                (8, samples[::-1].transpose(1, 0, 2))):
+        found.append(case(f'orientation {orientation}', stack(samples, tags={274: (SHORT, [orientation])}), 'v.tif', Grid(turned),
+                          refusable=True))
     greys = [v * 257 for v in range(256)] * 3
     found.append(case('palette of greys', stack(samples, photometric=3, tags={320: (SHORT, greys)}), 'v.tif', right, refusable=True))
     colours = [v * 257 for v in range(256)] * 2 + [v * 100 for v in range(256)]
-    found.append(case('palette of colours', stack(samples, photometric=3, tags={320: (SHORT, colours)}), 'v.tif'))
-    found.append(case('palette missing', stack(samples, photometric=3), 'v.tif'))
+    # The indices of the colours, as ImageJ saves labels, or refused.
+    found.append(case('palette of colours', stack(samples, photometric=3, tags={320: (SHORT, colours)}), 'v.tif', right, refusable=True))
+    found.append(case('palette missing', stack(samples, photometric=3), 'v.tif', right, refusable=True))
     rgb = {277: (SHORT, [3]), 258: (SHORT, [8, 8, 8]), 262: (SHORT, [2]), 257: (LONG, [1])}
     found.append(case('RGB', stack(samples, tags=rgb), 'v.tif'))
     alpha = {277: (SHORT, [2]), 258: (SHORT, [8, 8]), 338: (SHORT, [2]), 257: (LONG, [2])}
