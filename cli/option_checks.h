@@ -12,8 +12,8 @@
 
 #include "quench/volume.h"
 
-/// Values of options as text: what is refused, and how numbers are read. Every number of the command line is read here
-/// or by parse_length(): decimal, all of the text, never rounded into its range.
+/// Values of options as text: what is refused, and how numbers are read. Numbers are read here, lengths by
+/// parse_length(), amounts of memory by the session: decimal, all of the text, never rounded into its range.
 namespace quench::program {
 
 CLI::Validator one_of(std::vector<std::string> names);

@@ -43,7 +43,7 @@ std::optional<std::int64_t> parse_resolution(const std::string& text) {
 }
 
 void check_voxelization_memory(const TriangleMesh& mesh, std::int64_t resolution, const Session& session) {
-  Vec3 low = mesh.points[mesh.triangles[0][0]], high = low;
+  Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
   for (const auto& triangle : mesh.triangles)
     for (const std::uint32_t p : triangle) {
       if (p >= mesh.points.size()) return;  // the voxelizer has the sentence for it
@@ -309,7 +309,8 @@ LoadedShape load_shape(const ShapeOptions& options, Session& session) {
   check_shape_options(options);
   std::error_code ignored;
   const auto size = std::filesystem::file_size(options.file, ignored);
-  if (!ignored)
+  if (!ignored &&
+      io::kind_of(options.file) == io::Kind::surface)  // volumes are read slice by slice, or check it themselves
     session.check_memory(static_cast<std::int64_t>(2 * size), fmt::format("reading '{}'", options.file),
                          "a smaller file");
   LoadedShape loaded;
@@ -395,8 +396,12 @@ class Parameters {
                             file_, name, value.dump(-1, ' ', true, Json::error_handler_t::replace).substr(0, 40)));
   }
   std::optional<std::int64_t> whole(const char* name, std::int64_t least, std::int64_t most) const {
-    return get<std::int64_t>(name, &Json::is_number_integer,
-                             [&](std::int64_t value) { return value >= least && value <= most; });
+    const auto value = get<Json>(name, &Json::is_number_integer, [&](const Json& number) {
+      const bool beyond = number.is_number_unsigned() && number.get<std::uint64_t>() > std::uint64_t{INT64_MAX};
+      return !beyond && number.get<std::int64_t>() >= least && number.get<std::int64_t>() <= most;
+    });
+    if (!value) return {};
+    return value->get<std::int64_t>();
   }
   std::optional<Threshold> threshold() const {
     const auto value = get<Json>("threshold", &Json::is_number, [](const Json& number) {

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# Assimp and libtiff are confined to one source file each; without them a sentence says what is missing.
+# Optional libraries of single formats; without them a sentence says what is missing.
 # QUENCH_WITH_ASSIMP and QUENCH_WITH_TIFF tell the installed package what a static library needs.
 set(QUENCH_WITH_ASSIMP OFF)
 set(QUENCH_WITH_TIFF OFF)

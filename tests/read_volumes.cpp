@@ -10,6 +10,7 @@
 
 #include "quench/error.h"
 #include "quench/slices.h"
+#include "shape/sample_type.h"
 
 namespace {
 
@@ -53,10 +54,8 @@ std::string whole(const std::string& file) {
 std::string by_slices(const std::string& file) {
   const auto stream = io::open_slices(file);
   if (!stream) return "whole only";
-  constexpr std::array<std::size_t, 10> sizes{1, 1, 2, 2, 4, 4, 8, 8, 4, 8};
   const auto& dims = stream->grid.dims;
-  const std::size_t slice =
-      static_cast<std::size_t>(dims[0] * dims[1]) * sizes.at(static_cast<std::size_t>(stream->type));
+  const std::size_t slice = static_cast<std::size_t>(dims[0] * dims[1]) * size_of(stream->type);
   std::vector<std::byte> all, one(slice);
   for (std::int64_t z = 0; z < dims[2]; ++z) {
     stream->next(one);
@@ -78,7 +77,7 @@ std::string outcome(const std::string& how, const std::string& file) {
 }  // namespace
 
 int main() {
-  constexpr unsigned patience = 5;  // seconds per file: what never ends is ended by SIGALRM, and seen as a crash
+  constexpr unsigned patience = 120;  // seconds per file: what never ends is ended by SIGALRM, and seen as a crash
   for (std::string how, file; std::cin >> how && std::getline(std::cin >> std::ws, file);) {
     alarm(patience);
     std::cout << outcome(how, file) << std::endl;  // flushed: the lines before a crash count

@@ -2,6 +2,7 @@
 // NRRD, MetaImage, NIfTI and MRC, slice folders, and the NRRD writer. The files are written by hand.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <zlib.h>
 
 #include <Eigen/LU>
@@ -209,6 +210,73 @@ TEST(StoredVolume, RefusesTruncatedRealFiles) {
       refusal(folder.write(file, bytes.substr(0, static_cast<std::size_t>(part * static_cast<double>(bytes.size())))),
               "");
   }
+}
+
+// A file of any size may be called a header.
+TEST(StoredVolume, LinesOfHeadersEnd) {
+  const TemporaryFolder folder;
+  const std::string line(std::size_t{3} << 20, 'x');
+  for (const char* name : {"a.nrrd", "a.mha"}) refusal(folder.write(name, line), "");
+  refusal(folder.write("b.nrrd", "NRRD0004\n# " + line), "longer than a megabyte");
+  refusal(folder.write("b.mha", "ObjectType = Image\nComment = " + line), "longer than a megabyte");
+  refusal(folder.write("c.nhdr",
+                       "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 1 1 1\nencoding: raw\ndata file: LIST\n" + line),
+          "longer than a megabyte");
+}
+
+TEST(StoredVolume, PipesAreRefusedBeforeTheyAreOpened) {
+  const TemporaryFolder folder;
+  for (const char* name : {"p.nrrd", "p.mha", "p.nii", "p.mrc", "p.npy", "p.vol", "p.sof", "p.png", "p.tif"}) {
+    const auto file = folder.path() / name;
+    ASSERT_EQ(mkfifo(file.c_str(), 0600), 0);
+    refusal(file, "not a regular file");
+  }
+}
+
+// From the beginning of the file, as MetaIO takes it.
+TEST(StoredVolume, HeaderSizeOfAMetaImageWithItsOwnSamples) {
+  const TemporaryFolder folder;
+  const auto image = [](int size) {
+    return fmt::format(
+        "ObjectType = Image\nNDims = 3\nHeaderSize = {:4}\nDimSize = 2 1 1\nElementType = MET_UCHAR\n"
+        "ElementDataFile = LOCAL\n",
+        size);
+  };
+  const int header = static_cast<int>(image(0).size());
+  const auto read = [&](int size) { return io::read_volume(folder.write("h.mha", image(size) + "abcd")); };
+  EXPECT_EQ(bytes_in(read(0)), (std::vector<std::uint8_t>{'a', 'b'}));
+  EXPECT_EQ(bytes_in(read(header)), (std::vector<std::uint8_t>{'a', 'b'}));
+  EXPECT_EQ(bytes_in(read(header + 1)), (std::vector<std::uint8_t>{'b', 'c'}));
+  EXPECT_EQ(bytes_in(read(-1)), (std::vector<std::uint8_t>{'c', 'd'}));
+  refusal(folder.write("h.mha", image(header - 1) + "abcd"), "HeaderSize");
+}
+
+// Scaled samples stay different from each other.
+TEST(StoredVolume, ScaledSamplesAreToldApart) {
+  const TemporaryFolder folder;
+  const auto nifti = [&](float slope, float intercept, std::uint8_t unit) {
+    std::string bytes(352, '\0');
+    const auto put = [&](std::size_t at, const auto& value) {
+      bytes.replace(at, sizeof value, reinterpret_cast<const char*>(&value), sizeof value);
+    };
+    put(0, std::int32_t{348});
+    for (std::size_t a = 0; a < 8; ++a) put(40 + 2 * a, static_cast<std::int16_t>(a == 0 ? 3 : a == 1 ? 2 : 1));
+    put(70, std::int16_t{4});
+    put(72, std::int16_t{16});
+    for (std::size_t a = 0; a < 8; ++a) put(76 + 4 * a, 1.0f);
+    put(108, 352.0f);
+    put(112, slope);
+    put(116, intercept);
+    put(123, unit);
+    bytes.replace(344, 3, "n+1");
+    return io::read_volume(folder.write("s.nii", bytes + std::string("\1\0\2\0", 4)));
+  };
+  EXPECT_EQ(std::get<std::vector<float>>(nifti(0.5f, -1, 2).samples), (std::vector<float>{-0.5f, 0}));
+  EXPECT_EQ(std::get<std::vector<double>>(nifti(1, 1e9f, 2).samples), (std::vector<double>{1000000001, 1000000002}));
+  EXPECT_EQ(nifti(1, 0, 2).coordinates.units, "mm");
+  EXPECT_EQ(nifti(1, 0, 3).coordinates.units, "mm");
+  EXPECT_EQ(nifti(1, 0, 3).grid.spacing, Vec3::Constant(0.001));
+  EXPECT_EQ(nifti(1, 0, 0).coordinates.units, "");
 }
 
 TEST(StoredVolume, DetachedHeaders) {

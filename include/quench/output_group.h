@@ -41,7 +41,7 @@ void remove_temporary_files() noexcept;
 enum class Outputs {
   untouched,      ///< every file is as it was
   being_renamed,  ///< those of a group appear just now, one after the other
-  in_place        ///< a group has been committed
+  in_place        ///< outputs have been put in their places
 };
 
 /// For who is about to end the process without waiting for its threads: from now on no output is renamed, and

@@ -12,7 +12,7 @@ namespace quench {
 /// Computes the level of every cell: topology-preserving thinning by simple pairs (face, free edge) or (edge, free
 /// vertex) in the order (larger lambda of the pair, dimension, index); the level of a cell is the running maximum of
 /// the keys when it went, infinite when it never goes. The pruning for any lambda is { level >= lambda } (Yan 2018,
-/// sec. 2.6 step 3; SPEC 4). O(n log n). Throws Error(usage) unless there is a lambda of 0 or more for every cell.
+/// sec. 2.6 step 3). O(n log n). Throws Error(usage) unless there is a lambda of 0 or more for every cell.
 void prune_levels(MedialAxis& axis, Context* context = nullptr);
 
 /// The pruning { level >= lambda } as a medial axis of its own (levels kept, unused sites dropped). Levels within 1e-12
@@ -39,7 +39,7 @@ class Reconstruction {
 };
 
 /// `--lambda auto`: the largest of 0.02*side / sqrt(2)^k not below half the smallest spacing, then 0, at which
-/// share(lambda) >= 0.98 (SPEC 4). Throws Error(usage) unless the spacing is above 0 and both are finite.
+/// share(lambda) >= 0.98. Throws Error(usage) unless the spacing is above 0 and both are finite.
 double auto_lambda(const Reconstruction& reconstruction, double longest_side, double smallest_spacing);
 
 }  // namespace quench

@@ -40,7 +40,7 @@ struct VerifyOptions {
       std::nullopt;  ///< of what the voxel shape was made of; without it that array is not checked
 };
 
-/// Verifies a result against its shape (SPEC 9), by code of its own. What is checked in full, what on a sample, and
+/// Verifies a result against its shape, by code of its own. What is checked in full, what on a sample, and
 /// which code is shared with what made the result: docs/guarantees.md, "What is checked, and by whom". `result` is what
 /// a file holds: complex by points, verts, lines and polys, point array `radius`.
 Certificate verify(const VoxelShape& shape, const PolyData& result, const VerifyOptions& options = {},

@@ -87,12 +87,13 @@ def reals(value: Any, what: str) -> np.ndarray:
     """An array of real numbers as doubles, or an Error: numpy would drop imaginary parts and read numbers in texts."""
     try:
         array = np.asarray(value)
-        if array.dtype.kind in 'biufO':  # objects: fractions, decimals
+        texts = array.dtype.kind == 'O' and any(isinstance(x, (str, bytes)) for x in array.flat)
+        if array.dtype.kind in 'biufO' and not texts:  # objects: fractions, decimals
             return array.astype(np.float64, copy=False)
-        reason = f'they are of type {array.dtype}'
+        reason = 'there are texts among them' if texts else f'they are of type {array.dtype}'
     except (TypeError, ValueError, OverflowError) as failure:
         reason = str(failure)
-    raise error(3, f'{what} are no real numbers: {reason}') from None
+    raise error(3, f'{what} are not real numbers: {reason}') from None
 
 
 def spacing_of(spacing: Spacing) -> Optional[Tuple[float, float, float]]:

@@ -98,7 +98,7 @@ py::dict write_swc_file(const GraphValue& g, const std::string& file, const std:
   io::SwcOptions options;
   options.type = io::swc_type_of(type, "swc_type");
   if (root) options.root = Vec3((*root)[0], (*root)[1], (*root)[2]);
-  if (const auto& shape = g.skeleton->axis->shape) options.coordinates = shape->coordinates;
+  options.coordinates = g.skeleton->axis->coordinates();
   const io::SwcReport report = io::write_swc(file, g.graph, options);
   py::dict result;
   result["trees"] = report.trees;
@@ -182,7 +182,10 @@ void bind_skeletons(py::module_& m) {
       .def_property_readonly("sheet_only", [](const Graph& g) { return g->graph.sheet_only; })
       .def("write_swc", [](const Graph& g, const std::string& file, const std::optional<std::array<double, 3>>& root,
                            const std::string& type) { return write_swc_file(*g, file, root, type); })
-      .def("write_graphml", [](const Graph& g, const std::string& file) { io::write_graphml(file, g->graph); })
+      .def("write_graphml",
+           [](const Graph& g, const std::string& file) {
+             io::write_graphml(file, g->graph, g->skeleton->axis->coordinates());
+           })
       .def("write_csv", [](const Graph& g, const std::string& file) { io::write_branches(file, g->graph); });
   py::list kinds;
   for (int k = 0; k < 5; ++k) kinds.append(name_of(static_cast<CurveGraph::NodeKind>(k)));

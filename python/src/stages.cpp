@@ -21,6 +21,16 @@ double Axis::resolve(const std::string& text, const std::string& argument) const
   return length.resolve(core.longest_side, voxel);
 }
 
+Coordinates Axis::coordinates() const {
+  if (shape) return shape->coordinates;
+  const auto text = [&](const char* name) -> std::string {
+    const DataArray* array = file ? find_array(file->field_data, name) : nullptr;
+    const auto* texts = array ? std::get_if<std::vector<std::string>>(&array->values) : nullptr;
+    return texts && texts->size() == 1 ? texts->front() : std::string();
+  };
+  return {text("units"), text("SPACE")};
+}
+
 PolyData Axis::data(const Fire* with) const {
   PolyData result = file ? *file : core_file(core, shape->coordinates, shape->parameters);
   if (with) add_burning(result, with->burning);

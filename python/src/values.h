@@ -49,6 +49,8 @@ struct Axis {
   const MedialAxis& axis() const { return core.axis; }
   /// World units of a length as in SPEC 1.
   double resolve(const std::string& text, const std::string& argument) const;
+  /// Of the shape, or as the file says.
+  Coordinates coordinates() const;
   /// The axis as a file, with what a fire says, if any.
   PolyData data(const Fire* with) const;
 };

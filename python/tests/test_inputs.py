@@ -62,7 +62,7 @@ def test_meshes_that_are_none(bad, word):
     np.eye(3).astype('datetime64[s]'), [[0, 0, 0], [1, 0], [0, 1, 0]], [['a', 0, 0], [1, 0, 0], [0, 1, 0]]])
 @pytest.mark.filterwarnings('error')
 def test_vertices_that_are_no_real_numbers(vertices):
-    with pytest.raises(quench.Error, match='the vertices of the mesh are no real numbers') as caught:
+    with pytest.raises(quench.Error, match='the vertices of the mesh are not real numbers') as caught:
         quench.medial_axis((vertices, [[0, 1, 2]]), resolution=20)
     assert caught.value.code == 3
 

@@ -82,7 +82,8 @@ CheckedCore checked_core(const VoxelShape& shape, const Topology& wanted, double
 
 namespace {
 
-PolyData core_file(PolyData data, const CheckedCore& core, const Coordinates& coordinates, const std::string& parameters) {
+PolyData core_file(PolyData data, const CheckedCore& core, const Coordinates& coordinates,
+                   const std::string& parameters) {
   const bool full = core.options.full;
   const double lambda = std::min(core.lambda, kInfiniteLevelInFiles);
   const Topology& t = core.topology;

@@ -45,14 +45,14 @@ std::string_view without_d(std::string_view word) {
   return word;
 }
 
+}  // namespace
+
 std::uint64_t size_of_file(const std::filesystem::path& file) {
   std::error_code error;
-  const std::uintmax_t size =
-      std::filesystem::is_regular_file(file, error) ? std::filesystem::file_size(file, error) : 0;
+  if (!std::filesystem::is_regular_file(file, error)) return 0;
+  const std::uintmax_t size = std::filesystem::file_size(file, error);
   return error ? 0 : size;
 }
-
-}  // namespace
 
 std::vector<SampleBlock> named_data_files(const std::filesystem::path& file, const std::string& value,
                                           const std::vector<std::string>& list, std::size_t axes, const char* field) {

@@ -17,6 +17,9 @@ inline constexpr std::size_t most_data_files = 100'000;
 std::vector<SampleBlock> named_data_files(const std::filesystem::path& file, const std::string& value,
                                           const std::vector<std::string>& list, std::size_t axes, const char* field);
 
+/// 0 for what is not a regular file or is not there.
+std::uint64_t size_of_file(const std::filesystem::path& file);
+
 /// The place in a file after `lines` lines from `begin` on; its end where it has fewer.
 std::uint64_t after_lines(const std::filesystem::path& file, std::uint64_t begin, std::int64_t lines);
 

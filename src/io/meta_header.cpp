@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <fstream>
 #include <map>
 
 #include "io/data_files.h"
@@ -24,13 +23,14 @@ class MetaHeader {
     constexpr int most_lines = 1000;
     std::string line;
     int lines = 0;
-    for (; lines < most_lines && !fields_.contains("ElementDataFile") && std::getline(input_.stream, line); ++lines)
+    for (; lines < most_lines && !fields_.contains("ElementDataFile") && next_header_line(input_.stream, file_, line);
+         ++lines)
       parse(line);
     if (!fields_.contains("ElementDataFile"))
       refuse(
           "its header does not say where the samples are (ElementDataFile); it is not a MetaImage, or it is damaged");
-    begin_ = input_.stream.eof() ? input_.size
-                                 : static_cast<std::uint64_t>(static_cast<std::streamoff>(input_.stream.tellg()));
+    begin_ =
+        !input_.stream ? input_.size : static_cast<std::uint64_t>(static_cast<std::streamoff>(input_.stream.tellg()));
   }
 
   StoredVolume volume(Context* context);
@@ -159,7 +159,7 @@ void MetaHeader::set_type(StoredVolume& volume) const {
 
 std::vector<std::string> MetaHeader::rest_of_lines() {
   std::vector<std::string> names;
-  for (std::string line; names.size() <= most_data_files && std::getline(input_.stream, line);)
+  for (std::string line; names.size() <= most_data_files && next_header_line(input_.stream, file_, line);)
     if (const auto name = trimmed(line); !name.empty()) names.emplace_back(name);
   return names;
 }
@@ -186,7 +186,9 @@ void MetaHeader::set_blocks(StoredVolume& volume, Context* context) {
   const std::int64_t header = integer("HeaderSize", 0);
   if (header < -1) refuse(fmt::format("its field HeaderSize is {}", header));
   for (SampleBlock& block : volume.blocks) {
-    if (header > 0) block.begin += static_cast<std::uint64_t>(header);
+    if (header > 0 && own && static_cast<std::uint64_t>(header) < begin_)
+      refuse(fmt::format("its field HeaderSize is {}, inside the header of {} bytes", header, begin_));
+    if (header > 0) block.begin = static_cast<std::uint64_t>(header);  // from the beginning of the file
     // The samples end with the file.
     if (header == -1 && binary && !packed && bytes >= 0 && bytes < 0x1p62)
       block.begin = std::max(block.begin, before_the_end(block.file, static_cast<std::uint64_t>(bytes)));

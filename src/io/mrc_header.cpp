@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <cstring>
 
+#include "io/header_bytes.h"
 #include "io/stored_volume.h"
 #include "io/volume_formats.h"
 #include "quench/error.h"
@@ -21,35 +21,26 @@ class MrcWords {
  public:
   explicit MrcWords(const std::filesystem::path& file) {
     InputFile in(file);
-    in.stream.read(reinterpret_cast<char*>(bytes_.data()), static_cast<std::streamsize>(header_size));
+    std::vector<unsigned char> bytes(header_size);
+    in.stream.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(header_size));
     if (!in.stream) refuse_volume(file, "it is shorter than a header; it is damaged or incomplete");
-    const unsigned char stamp = bytes_[212];
-    const bool native_little = std::endian::native == std::endian::little;
-    if (stamp == 0x44 || stamp == 0x11) {
-      swapped_ = (stamp == 0x44) != native_little;
-    } else {  // older files have no stamp
-      const auto sound = [&] {
-        const std::int32_t mode = integer(4), first = integer(17);
-        return integer(1) > 0 && mode >= 0 && mode <= 101 && first >= 0 && first <= 3;
-      };
-      swapped_ = !sound();
-      if (swapped_ && !sound()) refuse_volume(file, "it does not begin as an MRC file");
-    }
+    const unsigned char stamp = bytes[212];
+    const bool little = stamp != 0x11, stamped = stamp == 0x44 || stamp == 0x11;
+    bytes_ = HeaderBytes(std::move(bytes), little != (std::endian::native == std::endian::little));
+    if (stamped || sound()) return;
+    bytes_.swap();  // older files have no stamp
+    if (!sound()) refuse_volume(file, "it does not begin as an MRC file");
   }
-  std::int32_t integer(std::size_t word) const { return at<std::int32_t>(word); }
-  double real(std::size_t word) const { return decimal(at<float>(word)); }
-  bool swapped() const { return swapped_; }
+  std::int32_t integer(std::size_t word) const { return bytes_.at<std::int32_t>(4 * (word - 1)); }
+  double real(std::size_t word) const { return decimal(bytes_.at<float>(4 * (word - 1))); }
+  bool swapped() const { return bytes_.swapped(); }
 
  private:
-  template <class T>
-  T at(std::size_t word) const {
-    std::array<unsigned char, sizeof(T)> raw;
-    std::copy_n(bytes_.begin() + static_cast<std::ptrdiff_t>(4 * (word - 1)), sizeof(T), raw.begin());
-    if (swapped_) std::reverse(raw.begin(), raw.end());
-    return std::bit_cast<T>(raw);
+  bool sound() const {
+    const std::int32_t mode = integer(4), first = integer(17);
+    return integer(1) > 0 && mode >= 0 && mode <= 101 && first >= 0 && first <= 3;
   }
-  std::array<unsigned char, header_size> bytes_{};
-  bool swapped_ = false;
+  HeaderBytes bytes_;
 };
 
 void set_type(const std::filesystem::path& file, const MrcWords& words, StoredVolume& volume) {

@@ -10,29 +10,13 @@
 #include <cstring>
 #include <memory>
 
+#include "io/header_bytes.h"
 #include "io/stored_volume.h"
 #include "io/volume_formats.h"
 #include "quench/error.h"
 
 namespace quench::io {
 namespace {
-
-/// Numbers at fixed places of a header, in its byte order.
-class HeaderBytes {
- public:
-  HeaderBytes(std::vector<unsigned char> bytes, bool swapped) : bytes_(std::move(bytes)), swapped_(swapped) {}
-  template <class T>
-  T at(std::size_t place) const {
-    std::array<unsigned char, sizeof(T)> raw;
-    std::copy_n(bytes_.begin() + static_cast<std::ptrdiff_t>(place), sizeof(T), raw.begin());
-    if (swapped_) std::reverse(raw.begin(), raw.end());
-    return std::bit_cast<T>(raw);
-  }
-
- private:
-  std::vector<unsigned char> bytes_;
-  bool swapped_;
-};
 
 /// What both versions say.
 struct Nifti {
@@ -119,40 +103,15 @@ Nifti read_header(const std::filesystem::path& file) {
 }
 
 void set_type(const std::filesystem::path& file, const Nifti& n, StoredVolume& volume) {
-  switch (n.datatype) {
-    case 2:
-      volume.type.type = SampleType::uint8;
+  constexpr std::pair<int, SampleType> types[] = {
+      {2, SampleType::uint8},    {4, SampleType::int16},    {8, SampleType::int32},    {16, SampleType::float32},
+      {64, SampleType::float64}, {256, SampleType::int8},   {512, SampleType::uint16}, {768, SampleType::uint32},
+      {1024, SampleType::int64}, {1280, SampleType::uint64}};
+  for (const auto& [code, type] : types)
+    if (code == n.datatype) {
+      volume.type.type = type;
       return;
-    case 4:
-      volume.type.type = SampleType::int16;
-      return;
-    case 8:
-      volume.type.type = SampleType::int32;
-      return;
-    case 16:
-      volume.type.type = SampleType::float32;
-      return;
-    case 64:
-      volume.type.type = SampleType::float64;
-      return;
-    case 256:
-      volume.type.type = SampleType::int8;
-      return;
-    case 512:
-      volume.type.type = SampleType::uint16;
-      return;
-    case 768:
-      volume.type.type = SampleType::uint32;
-      return;
-    case 1024:
-      volume.type.type = SampleType::int64;
-      return;
-    case 1280:
-      volume.type.type = SampleType::uint64;
-      return;
-    default:
-      break;
-  }
+    }
   const char* name = n.datatype == 128                                              ? "colours (RGB)"
                      : n.datatype == 2304                                           ? "colours (RGBA)"
                      : n.datatype == 32 || n.datatype == 1792 || n.datatype == 2048 ? "complex numbers"
@@ -259,7 +218,7 @@ void set_grid(const std::filesystem::path& file, const Nifti& n, StoredVolume& v
   const double millimetres = unit == 1 ? 1000 : unit == 3 ? 0.001 : 1;
   grid.spacing *= millimetres;
   grid.origin *= millimetres;
-  volume.coordinates.units = "mm";
+  if (unit >= 1 && unit <= 3) volume.coordinates.units = "mm";
   volume.spacing_source = placement.source;
 }
 

@@ -3,9 +3,10 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <bit>
 #include <cmath>
-#include <fstream>
+#include <limits>
 #include <map>
 
 #include "io/data_files.h"
@@ -32,8 +33,8 @@ class NrrdHeader {
  public:
   explicit NrrdHeader(const std::filesystem::path& file) : file_(file), input_(file) {
     std::string line;
-    if (!std::getline(input_.stream, line) || !line.starts_with("NRRD000") || line.size() < 8 || line[7] < '1' ||
-        line[7] > '5')
+    if (!next_header_line(input_.stream, file_, line) || !line.starts_with("NRRD000") || line.size() < 8 ||
+        line[7] < '1' || line[7] > '5')
       refuse("it does not begin with NRRD0001 to NRRD0005");
     while (next_line(line)) parse(line);
     check();
@@ -46,13 +47,10 @@ class NrrdHeader {
 
   /// False at the empty line that ends the header and at the end of the file.
   bool next_line(std::string& line) {
-    constexpr std::size_t longest = 1 << 20;
-    if (!std::getline(input_.stream, line)) {
+    if (!next_header_line(input_.stream, file_, line)) {
       at_end_ = true;
       return false;
     }
-    if (line.size() > longest) refuse("a line of its header is longer than a megabyte; it is not a header");
-    if (!line.empty() && line.back() == '\r') line.pop_back();
     return !line.empty();
   }
 
@@ -86,7 +84,7 @@ class NrrdHeader {
   // The names of the data files stand in the rest of the header, one per line.
   void read_list() {
     std::string line;
-    while (std::getline(input_.stream, line)) {
+    while (next_header_line(input_.stream, file_, line)) {
       const std::string_view name = trimmed(line);
       if (!name.empty()) list_.emplace_back(name);
       if (list_.size() > most_data_files) refuse("it names more than 100,000 data files");

@@ -6,12 +6,14 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <cstring>
 #include <fstream>
 #include <limits>
 #include <type_traits>
 #include <vector>
 
+#include "io/formats.h"
 #include "io/volume_formats.h"
 #include "io/words.h"
 #include "quench/error.h"
@@ -192,7 +194,12 @@ class TextSource : public SampleSource {
   T parse(const std::string& word) {
     if constexpr (std::is_floating_point_v<T>) {
       double value = 0;
-      if (parse_number(word, value)) return static_cast<T>(value);
+      if (parse_number(word, value)) {
+        if constexpr (std::is_same_v<T, float>)
+          return std::isfinite(value) ? to_float(value) : static_cast<float>(value);
+        else
+          return value;
+      }
     } else {
       const char* begin = word.data() + (word[0] == '+' ? 1 : 0);
       const char* end = word.data() + word.size();

@@ -9,9 +9,11 @@
 #include <charconv>
 #include <cmath>
 #include <cstring>
+#include <istream>
 #include <limits>
 #include <memory>
 
+#include "io/data_files.h"
 #include "io/float16.h"
 #include "io/formats.h"
 #include "io/sample_source.h"
@@ -24,24 +26,20 @@
 namespace quench::io {
 namespace {
 
-/// What the samples become: halves a float; scaled ones a float where it holds every stored value, else a double.
+/// What the samples become: halves a float; scaled ones a float where it tells all stored values apart, else a double.
 SampleType type_in_memory(const StoredVolume& volume) {
-  if (volume.type.half) return SampleType::float32;
-  if (!volume.scaled()) return volume.type.type;
-  const bool small = volume.type.size() <= 2 || volume.type.type == SampleType::float32;
-  return small ? SampleType::float32 : SampleType::float64;
-}
-
-std::uint64_t bytes_in_file(const std::filesystem::path& file) {
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(file, error) || error) return 0;
-  const std::uint64_t size = std::filesystem::file_size(file, error);
-  return error ? 0 : size;
+  if (!volume.scaled()) return volume.type.half ? SampleType::float32 : volume.type.type;
+  const bool real = volume.type.half || volume.type.type == SampleType::float32;
+  if (real) return volume.intercept == 0 ? SampleType::float32 : SampleType::float64;
+  // Integers of up to 16 bits: a step of theirs is more than the last bit of the largest value.
+  constexpr double values = 0x1p16, precision = 0x1p23;
+  const bool fine = std::abs(volume.intercept) + std::abs(volume.slope) * values < std::abs(volume.slope) * precision;
+  return volume.type.size() <= 2 && fine ? SampleType::float32 : SampleType::float64;
 }
 
 /// Bytes of a block in its file.
 std::uint64_t size_of_block(const SampleBlock& block) {
-  const std::uint64_t all = bytes_in_file(block.file);
+  const std::uint64_t all = size_of_file(block.file);
   const std::uint64_t there = all > block.begin ? all - block.begin : 0;
   return block.size ? std::min(*block.size, there) : there;
 }
@@ -208,7 +206,8 @@ SliceStream open_stored(const std::filesystem::path& file, const StoredVolume& v
     stream.next = [samples](std::span<std::byte> out) { samples->next(out); };
     return stream;
   }
-  check_read_memory(file, slice * static_cast<std::uint64_t>(dims[2]) * value_size, context);
+  // All of it here, and again where the caller keeps all slices.
+  check_read_memory(file, slice * static_cast<std::uint64_t>(dims[2]) * value_size * 2, context);
   stream.next = [samples, value_size, all = std::vector<std::byte>(),
                  at = std::size_t{0}](std::span<std::byte> out) mutable {
     if (at == 0) all = samples->sorted(value_size);
@@ -242,8 +241,6 @@ void refuse_volume(const std::filesystem::path& file, const std::string& why) {
 void set_steps(const std::filesystem::path& file, const Mat3& steps, std::string_view where, Grid& grid) {
   // What integer_spacing() can take: squares of lengths are needed in double precision.
   constexpr double shortest = 1e-30, longest = 1e30;
-  // Largest deviation of D^T D from the identity that is taken for rounding: 1/20 voxel at the end of 500.
-  constexpr double shear_tolerance = 1e-4;
   for (int a = 0; a < 3; ++a) {
     const Vec3 step = steps.col(a);
     const double length = step.allFinite() ? step.stableNorm() : 0;
@@ -265,6 +262,21 @@ void set_steps(const std::filesystem::path& file, const Mat3& steps, std::string
     const Eigen::JacobiSVD<Mat3> svd(grid.direction, Eigen::ComputeFullU | Eigen::ComputeFullV);
     grid.direction = svd.matrixU() * svd.matrixV().transpose();
   }
+}
+
+bool next_header_line(std::istream& in, const std::filesystem::path& file, std::string& line) {
+  constexpr std::size_t longest = std::size_t{1} << 20;
+  line.clear();
+  for (int c = in.get(); c != std::istream::traits_type::eof(); c = in.get()) {
+    if (c == '\n') {
+      if (!line.empty() && line.back() == '\r') line.pop_back();
+      return true;
+    }
+    line.push_back(static_cast<char>(c));
+    if (line.size() > longest)
+      refuse_volume(file, "a line of its header is longer than a megabyte; it is not a header");
+  }
+  return !line.empty();
 }
 
 double decimal(float value) {

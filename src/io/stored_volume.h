@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <iosfwd>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -68,10 +69,17 @@ SliceStream open_stored(const std::filesystem::path& file, Context* context);
 
 [[noreturn]] void refuse_volume(const std::filesystem::path& file, const std::string& why);
 
+/// Largest cosine between two axes that is taken for rounding: 1/20 voxel at the end of 500.
+inline constexpr double shear_tolerance = 1e-4;
+
 /// Fills in spacing and direction from the steps between neighbouring voxels along x, y and z in the world. Throws
 /// Error(input) where a step is 0, not finite or beyond double precision and where steps are not perpendicular (up to
 /// rounding: 1/20 voxel at the end of 500). `where`: what of the header is to be corrected.
 void set_steps(const std::filesystem::path& file, const Mat3& steps, std::string_view where, Grid& grid);
+
+/// The next line of a header without its line end; false at the end of the file. Throws Error(input) where it is longer
+/// than a megabyte, as in what is not a header.
+bool next_header_line(std::istream& in, const std::filesystem::path& file, std::string& line);
 
 /// The shortest decimal number that a float stands for: 0.782, where its value is 0.78200000524.
 double decimal(float value);

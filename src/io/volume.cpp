@@ -35,7 +35,18 @@ Volume read_by_extension(const std::filesystem::path& file, bool spacing_is_give
 
 }  // namespace
 
-InputFile::InputFile(const std::filesystem::path& file) : stream(file, std::ios::binary) {
+void check_regular_file(const std::filesystem::path& file) {
+  std::error_code error;
+  const auto status = std::filesystem::status(file, error);
+  if (error || std::filesystem::is_regular_file(status) || std::filesystem::is_directory(status)) return;
+  throw Error(
+      ErrorCode::input,
+      fmt::format("'{}' is not a regular file (it is a pipe or a device); save it to disk first", file.string()));
+}
+
+InputFile::InputFile(const std::filesystem::path& file) {
+  check_regular_file(file);  // before it is opened: a pipe would wait for its writer
+  stream.open(file, std::ios::binary);
   std::error_code error;
   if (!stream || std::filesystem::is_directory(file, error))
     throw Error(ErrorCode::failed,

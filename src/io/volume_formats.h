@@ -40,7 +40,10 @@ void apply_spacing(const std::filesystem::path& file, const VolumeReadOptions& o
 /// In lower case, `.nii.gz` as one.
 std::string volume_extension(const std::filesystem::path& file);
 
-/// An open file and its size in bytes (0 for a pipe). Throws Error(failed), and Error(input) when it is empty.
+/// Throws Error(input) for a pipe or a device: volumes are read from places in a file.
+void check_regular_file(const std::filesystem::path& file);
+
+/// An open file and its size in bytes. Throws Error(failed), and Error(input) when it is empty.
 struct InputFile {
   explicit InputFile(const std::filesystem::path& file);
   std::ifstream stream;

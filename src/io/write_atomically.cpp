@@ -96,10 +96,12 @@ class Temporary {
   Temporary(const fs::path& folder, mode_t permissions, FileOut& out) {
     std::random_device random;  // nobody can be there first, with a link to a file of ours
     for (int tries = 0; tries < 100; ++tries) {
+      if (renaming == kStopped) throw Error(ErrorCode::cancelled, "cancelled");  // nobody would remove it
       path = folder / fmt::format(".quench-{:08x}{:08x}.tmp", random(), random());
       place = remember(path);
       out.create(path, permissions);
-      if (!out.error()) return;
+      created = !out.error();
+      if (created) return;
       forget(place);
       place = -1;
       if (out.error() != EEXIST) return;
@@ -110,13 +112,13 @@ class Temporary {
   ~Temporary() {
     if (kept) return;
     std::error_code ignored;
-    if (place >= 0) fs::remove(path, ignored);
+    if (created) fs::remove(path, ignored);
     forget(place);
   }
 
   fs::path path;
-  int place = -1;
-  bool kept = false;
+  int place = -1;  ///< of its name among those remembered; none where all are taken
+  bool created = false, kept = false;
 };
 
 }  // namespace
@@ -218,6 +220,7 @@ void write_atomically(const fs::path& file, const std::function<void(std::ostrea
   {
     const Renaming one;
     rename_to(temporary.path, target, file);
+    in_place = true;
     temporary.kept = true;
     forget(temporary.place);
   }

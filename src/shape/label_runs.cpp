@@ -85,14 +85,15 @@ VoxelShape LabelRuns::shape(const Grid& image) const {
       high[a] = std::max(high[a], end[a]);
     }
   }
-  Grid grid = image;
-  grid.spacing = nearest_integer_spacing(image);
+  Grid whole = image;  // rounded as a whole, so that all labels lie on one lattice
+  whole.spacing = nearest_integer_spacing(image);
+  Grid grid = whole;
   Vec3 corner;
   for (std::size_t a = 0; a < 3; ++a) {
     grid.dims[a] = high[a] - low[a];
     corner[static_cast<Eigen::Index>(a)] = static_cast<double>(low[a]) + 0.5;
   }
-  grid.origin = image.world(corner);
+  grid.origin = whole.world(corner);
   std::vector<Piece> sorted = pieces;
   std::sort(sorted.begin(), sorted.end());
   VoxelShape result(grid);
