@@ -4,6 +4,7 @@
 
 #include <cstring>
 #include <memory>
+#include <set>
 
 #include "io/slice_streams.h"
 #include "io/volume_formats.h"
@@ -54,10 +55,15 @@ std::vector<std::filesystem::path> slice_files(const std::filesystem::path& fold
   return files;
 }
 
-// The slices of a folder, one after the other; all of one size and type.
+// The slices of a folder, one after the other; all of one size and type, with or without colours.
 class SliceFolder {
  public:
-  explicit SliceFolder(const std::filesystem::path& folder) : files_(slice_files(folder)) {
+  SliceFolder(const std::filesystem::path& folder, Context* context, bool spacing_is_given)
+      : files_(slice_files(folder)), context_(context), spacing_is_given_(spacing_is_given) {
+    if (context) of_slices_.memory_limit = context->memory_limit;
+    of_slices_.progress = [context](std::string_view, double) {
+      if (context && context->cancelled()) throw Error(ErrorCode::cancelled, "cancelled");
+    };
     if (files_.empty())
       throw Error(ErrorCode::input,
                   fmt::format("the folder '{}' holds no PNG or TIFF slices; give a volume file or a folder of slices",
@@ -68,6 +74,8 @@ class SliceFolder {
                     fmt::format("the folder '{}' holds PNG and TIFF files; keep the slices of one stack in it",
                                 folder.string()));
     first_ = read(files_.front());
+    index_ = first_.samples.index();
+    dims_ = first_.grid.dims;
   }
 
   std::size_t count() const { return files_.size(); }
@@ -76,11 +84,7 @@ class SliceFolder {
 
   Volume next() {
     const std::filesystem::path& file = files_.at(z_++);
-    if (z_ == 1) {
-      index_ = first_.samples.index();
-      dims_ = first_.grid.dims;
-      return std::move(first_);
-    }
+    if (z_ == 1) return std::move(first_);
     Volume slice = read(file);
     if (slice.grid.dims != dims_)
       throw Error(ErrorCode::input,
@@ -93,9 +97,11 @@ class SliceFolder {
   }
 
  private:
-  static Volume read(const std::filesystem::path& file) {
-    Volume slice = volume_extension(file) == ".png" ? read_png(file, nullptr)
-                                                    : read_stream(open_tiff(file, nullptr), file, nullptr);
+  Volume read(const std::filesystem::path& file) {
+    checkpoint(&of_slices_, "read", 0);
+    check_regular_file(file);
+    of_slices_.note = [this, &file](const std::string& sentence) { note_once(file, sentence); };
+    Volume slice = volume_extension(file) == ".png" ? read_png(file, &of_slices_) : read_tiff(file);
     slice.grid.spacing = Vec3::Ones();
     slice.coordinates = {};
     slice.spacing_source.clear();
@@ -105,7 +111,31 @@ class SliceFolder {
     return slice;
   }
 
+  Volume read_tiff(const std::filesystem::path& file) {
+    const bool is_first = &file == &files_.front();
+    // The spacing of the stack is that of no slice: one note is enough, even where the sizes of pixels differ.
+    const TiffStream stream = open_tiff(file, &of_slices_, spacing_is_given_ || !is_first);
+    if (is_first) colour_indices_ = stream.colour_indices;
+    if (stream.colour_indices != colour_indices_)
+      throw Error(ErrorCode::input,
+                  fmt::format("slice '{}' has {}, the slices before it {}; convert all slices to grey values",
+                              file.string(), stream.colour_indices ? "a palette of colours" : "grey values",
+                              stream.colour_indices ? "grey values" : "a palette of colours"));
+    return read_stream(stream, file, &of_slices_);
+  }
+
+  /// A note begins with the name of the slice.
+  void note_once(const std::filesystem::path& file, const std::string& sentence) {
+    const std::string name = fmt::format("'{}'", file.string());
+    if (said_.insert(sentence.starts_with(name) ? sentence.substr(name.size()) : sentence).second)
+      note(context_, sentence + "; said once for all slices");
+  }
+
   std::vector<std::filesystem::path> files_;
+  Context* context_;
+  Context of_slices_;  // the limit of the caller, whose progress is that of the stack
+  bool spacing_is_given_, colour_indices_ = false;
+  std::set<std::string> said_;
   Volume first_;
   std::size_t z_ = 0, index_ = 0;
   std::array<std::int64_t, 3> dims_{};
@@ -113,8 +143,8 @@ class SliceFolder {
 
 }  // namespace
 
-Volume read_slices(const std::filesystem::path& folder, Context* context) {
-  SliceFolder slices(folder);
+Volume read_slices(const std::filesystem::path& folder, Context* context, bool spacing_is_given) {
+  SliceFolder slices(folder, context, spacing_is_given);
   Volume volume;
   for (std::size_t z = 0; z < slices.count(); ++z) {
     checkpoint(context, "read", static_cast<double>(z) / static_cast<double>(slices.count()));
@@ -139,8 +169,8 @@ Volume read_slices(const std::filesystem::path& folder, Context* context) {
   return volume;
 }
 
-SliceStream open_slice_folder(const std::filesystem::path& folder) {
-  const auto slices = std::make_shared<SliceFolder>(folder);
+SliceStream open_slice_folder(const std::filesystem::path& folder, Context* context, bool spacing_is_given) {
+  const auto slices = std::make_shared<SliceFolder>(folder, context, spacing_is_given);
   SliceStream stream;
   stream.grid = slices->first().grid;
   stream.grid.dims[2] = static_cast<std::int64_t>(slices->count());

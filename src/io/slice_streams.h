@@ -10,8 +10,12 @@
 /// there, not here.
 namespace quench::io {
 
-/// The PNG or TIFF files of a folder. Throws as read_slices() does.
-SliceStream open_slice_folder(const std::filesystem::path& folder);
+/// The PNG or TIFF files of a folder. Notes and throws as read_slices() does.
+SliceStream open_slice_folder(const std::filesystem::path& folder, Context* context, bool spacing_is_given = false);
+
+struct TiffStream : SliceStream {
+  bool colour_indices = false;  ///< the values are indices of colours
+};
 
 /// A TIFF file: its pages, the planes of its page (ImageDepth), or the pictures behind its only page as ImageJ writes
 /// them beyond 4 GB. One value per voxel, unsigned, signed or floating point:
@@ -25,7 +29,7 @@ SliceStream open_slice_folder(const std::filesystem::path& folder);
 /// Smaller copies of pages and masks are left out (note), all other pages must be alike. The spacing is that of the
 /// description of ImageJ or OME; without a distance of slices it is 1 (note, unless `spacing_is_given`). Throws
 /// Error(usage) where Quench was built without libtiff.
-SliceStream open_tiff(const std::filesystem::path& file, Context* context, bool spacing_is_given = false);
+TiffStream open_tiff(const std::filesystem::path& file, Context* context, bool spacing_is_given = false);
 
 /// All slices of a stream, whose file is named in errors.
 Volume read_stream(const SliceStream& stream, const std::filesystem::path& file, Context* context);

@@ -45,7 +45,7 @@ std::optional<SliceStream> open_slices(const std::filesystem::path& file, const 
   std::error_code error;
   const std::string extension = volume_extension(file);
   if (std::filesystem::is_directory(file, error))
-    stream = open_slice_folder(file);
+    stream = open_slice_folder(file, context, options.spacing.has_value());
   else if (extension == ".tif" || extension == ".tiff")
     stream = open_tiff(file, context, options.spacing.has_value());
   else if (is_stored_volume(extension))

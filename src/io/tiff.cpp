@@ -9,6 +9,7 @@
 
 #ifdef QUENCH_HAS_TIFF
 #include <algorithm>
+#include <bit>
 
 #include "io/tiff_page.h"
 #include "quench/memory.h"
@@ -27,18 +28,19 @@ std::string kind_text(const TiffLayout& l) {
 
 class TiffVolume {
  public:
-  TiffVolume(const std::filesystem::path& path, Context* context) : file_(path), context_(context) {
+  TiffVolume(const std::filesystem::path& path, Context* context) : file_(path, context), context_(context) {
     const bool limited = context && context->memory_limit > 0;
     memory_ = limited ? context->memory_limit : available_memory();
     find_pages();
     find_slices();
   }
 
-  SliceStream stream(bool spacing_is_given) const {
-    SliceStream stream;
+  TiffStream stream(bool spacing_is_given) const {
+    TiffStream stream;
     const auto& l = layout_;
     stream.grid.dims = {l.transposed() ? l.height : l.width, l.transposed() ? l.width : l.height, slices_};
     stream.type = l.type;
+    stream.colour_indices = l.colour_indices;
     TiffResolution resolution = resolution_;
     if (l.transposed()) std::swap(resolution.x, resolution.y);
     const TiffCalibration calibration = tiff_calibration(description_, resolution, slices_);
@@ -142,20 +144,29 @@ class TiffVolume {
   }
 
   void check_size(const TiffPage& page) {
-    const std::uint64_t size = size_of(layout_.type), sample_bytes = layout_.samples() * size;
+    const std::uint64_t size = size_of(layout_.type);
     constexpr int fax = 20;  // a blank line of a fax page takes one bit
     const std::uint64_t available = file_.size() >> (63 - fax) ? ~std::uint64_t{0} : file_.size() << fax;
     checked_sample_count(file_.path(), {layout_.width, layout_.height, slices_}, size, available);
-    const std::uint64_t stored = layout_.plane_bytes() * page.planes_together(layout_);
-    const std::uint64_t turned = layout_.orientation == ORIENTATION_TOPLEFT ? 0 : sample_bytes;
-    const std::uint64_t buffer = raw_at_ ? 0 : page.buffer_bytes(layout_);
-    check_read_memory(file_.path(), sample_bytes + stored + turned + buffer, context_);
+    check_memory(page, layout_);
+  }
+
+  /// What a slice of this page takes; a page that takes no more than one before it is not looked at twice.
+  void check_memory(const TiffPage& page, const TiffLayout& layout) {
+    const std::uint64_t sample_bytes = layout.samples() * size_of(layout.type);
+    const std::uint64_t stored = layout.plane_bytes() * page.planes_together(layout);
+    const std::uint64_t turned = layout.orientation == ORIENTATION_TOPLEFT ? 0 : sample_bytes;
+    const std::uint64_t buffer = raw_at_ ? 0 : page.buffer_bytes(layout);
+    const std::uint64_t bytes = sample_bytes + stored + turned + buffer;
+    if (bytes <= checked_bytes_) return;
+    check_read_memory(file_.path(), bytes, context_);
+    checked_bytes_ = bytes;
   }
 
   void next_page(std::span<std::byte> out) {
     TiffPage page(file_, pages_.at(static_cast<std::size_t>(z_)), memory_);
-    const TiffLayout layout = page.layout();  // packed or inverted in its own way
-    page.buffer_bytes(layout);
+    const TiffLayout layout = page.layout();  // packed, cut into tiles or turned in its own way
+    check_memory(page, layout);
     stored_.resize(layout.plane_bytes());
     page.read_planes(layout, 0, stored_);
     page.convert(layout, stored_, out);
@@ -178,6 +189,8 @@ class TiffVolume {
     stored_.resize(layout_.plane_bytes());
     if (file_.read(*raw_at_ + static_cast<std::uint64_t>(z_) * stored_.size(), stored_) != stored_.size())
       slices_end_early(file_.path(), z_, slices_);
+    if (layout_.lowest_bit_first)
+      TIFFReverseBits(reinterpret_cast<std::uint8_t*>(stored_.data()), static_cast<tmsize_t>(stored_.size()));
     const std::size_t size = layout_.bits / 8u;
     if (file_.big_endian() != (std::endian::native == std::endian::big))
       for (auto at = stored_.begin(); at < stored_.end(); at += static_cast<std::ptrdiff_t>(size))
@@ -193,6 +206,7 @@ class TiffVolume {
   TiffDescription description_;
   TiffResolution resolution_;
   std::int64_t slices_ = 0, z_ = 0;
+  std::uint64_t checked_bytes_ = 0;      // the most that a page was found to take
   std::optional<std::uint64_t> raw_at_;  // slices are bytes of the file from here on
   std::unique_ptr<TiffPage> page_;       // where it has all slices
   std::vector<std::byte> stored_;
@@ -200,9 +214,9 @@ class TiffVolume {
 
 }  // namespace
 
-SliceStream open_tiff(const std::filesystem::path& file, Context* context, bool spacing_is_given) {
+TiffStream open_tiff(const std::filesystem::path& file, Context* context, bool spacing_is_given) {
   const auto volume = std::make_shared<TiffVolume>(file, context);
-  SliceStream stream = volume->stream(spacing_is_given);
+  TiffStream stream = volume->stream(spacing_is_given);
   stream.next = [volume](std::span<std::byte> out) { volume->next(out); };
   return stream;
 }
@@ -211,8 +225,8 @@ SliceStream open_tiff(const std::filesystem::path& file, Context* context, bool 
 #else
 namespace quench::io {
 
-SliceStream open_tiff(const std::filesystem::path& file, Context*, bool) {
-  throw Error(ErrorCode::usage, fmt::format("'{}' cannot be read: TIFF needs a Quench built with libtiff "
+TiffStream open_tiff(const std::filesystem::path& file, Context*, bool) {
+  throw Error(ErrorCode::usage, fmt::format("'{}' cannot be read: TIFF needs a Quench built with libtiff 4.5 or newer "
                                             "(libtiff-dev); convert it to NRRD or .npy, or rebuild",
                                             file.string()));
 }

@@ -4,38 +4,30 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <pugixml.hpp>
 #include <string_view>
 #include <vector>
 
+#include "io/stored_volume.h"
+#include "io/words.h"
+
 namespace quench::io {
 namespace {
 
-std::string_view trimmed(std::string_view text) {
-  constexpr std::string_view space = " \t\r\n";
-  const auto begin = text.find_first_not_of(space);
-  return begin == text.npos ? std::string_view() : text.substr(begin, text.find_last_not_of(space) + 1 - begin);
-}
-
-/// All of `text` as a number.
-template <class T>
-std::optional<T> number(std::string_view text) {
-  text = trimmed(text);
-  T value{};
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size()) return {};
-  return value;
-}
-
 /// A count; 1 for what is not one.
-std::int64_t count(std::string_view text) { return std::max<std::int64_t>(1, number<std::int64_t>(text).value_or(1)); }
+std::int64_t count(std::string_view text) {
+  std::int64_t value = 1;
+  return parse_integer(trimmed(text), value) ? std::max<std::int64_t>(1, value) : 1;
+}
 
 bool usable(double length) { return std::isfinite(length) && length > 0; }
 
 /// A text that is there but not a number gives a size that cannot be used.
-double length(std::string_view text) { return number<double>(text).value_or(0); }
+double length(std::string_view text) {
+  double value = 0;
+  return parse_number(trimmed(text), value) ? value : 0;
+}
 
 // ImageJ writes "key=value" lines; all pictures have the size of the first.
 void read_imagej(std::string_view text, TiffDescription& d) {
@@ -73,8 +65,8 @@ void read_ome(const pugi::xml_document& document, TiffDescription& d) {
       if (local(pixels) != "Pixels") continue;
       d.channels = count(pixels.attribute("SizeC").value());
       d.times = count(pixels.attribute("SizeT").value());
-      if (const auto z = number<std::int64_t>(pixels.attribute("SizeZ").value()))
-        d.images = std::max<std::int64_t>(1, *z);
+      if (std::int64_t z = 0; parse_integer(trimmed(pixels.attribute("SizeZ").value()), z))
+        d.images = std::max<std::int64_t>(1, z);
       for (std::size_t a = 0; a < 3; ++a) {
         const std::string name = std::string("PhysicalSize") + "XYZ"[a];
         if (const pugi::xml_attribute size = pixels.attribute(name.c_str()))

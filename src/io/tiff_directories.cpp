@@ -15,13 +15,15 @@
 
 namespace quench::io {
 
-TiffFile::TiffFile(const std::filesystem::path& file) : path_(file), size_(InputFile(file).size) {
+TiffFile::TiffFile(const std::filesystem::path& file, Context* context) : path_(file) {
+  check_regular_file(file);
+  size_ = InputFile(file).size;
   descriptor_ = open(file.c_str(), O_RDONLY | O_CLOEXEC);
   if (descriptor_ < 0)
     throw Error(ErrorCode::failed,
                 fmt::format("'{}' cannot be opened; check the name and the permissions", file.string()));
   try {
-    follow_chain();
+    follow_chain(context);
   } catch (...) {
     close(descriptor_);
     throw;
@@ -64,7 +66,8 @@ std::uint64_t TiffFile::next_directory(std::uint64_t directory, std::size_t inde
                           path_.string(), index + 1, directory, size_));
 }
 
-void TiffFile::follow_chain() {
+void TiffFile::follow_chain(Context* context) {
+  constexpr std::size_t most = 1000000;  // pages; far more than the slices of any volume
   std::array<std::byte, 16> header{};
   const std::size_t got = read(0, header);
   const auto letter = [&](std::size_t i) { return std::to_integer<char>(header[i]); };
@@ -76,6 +79,11 @@ void TiffFile::follow_chain() {
     throw Error(ErrorCode::input, fmt::format("'{}' cannot be read as TIFF: it does not begin as one", path_.string()));
   std::unordered_set<std::uint64_t> seen;
   for (std::uint64_t at = big_tiff_ ? number(&header[8], 8) : number(&header[4], 4); at != 0;) {
+    checkpoint(context, "read", 0);
+    if (directories_.size() == most)
+      throw Error(
+          ErrorCode::input,
+          fmt::format("'{}' has more than {} pages; it is damaged, or save it in several files", path_.string(), most));
     if (!seen.insert(at).second)
       throw Error(ErrorCode::input,
                   fmt::format("'{}' is damaged: the directory after page {} is that of page {} again", path_.string(),

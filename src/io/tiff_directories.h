@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "quench/context.h"
+
 /// The chain of directories (pages) of a TIFF file, followed without libtiff: TIFFReadDirectory() ends in the same way
 /// at the last directory and at a damaged one.
 namespace quench::io {
@@ -16,8 +18,9 @@ namespace quench::io {
 class TiffFile {
  public:
   /// Reads the header and follows the chain. Throws Error(failed) when the file cannot be opened, and Error(input) when
-  /// it is not TIFF or when its chain leaves the file, ends in the middle of a directory or returns to one before.
-  explicit TiffFile(const std::filesystem::path& file);
+  /// it is not TIFF or when its chain leaves the file, ends in the middle of a directory, returns to one before or has
+  /// more than a million. `context` is not kept.
+  TiffFile(const std::filesystem::path& file, Context* context);
   TiffFile(const TiffFile&) = delete;
   TiffFile& operator=(const TiffFile&) = delete;
   ~TiffFile();
@@ -49,7 +52,7 @@ class TiffFile {
   };
   std::optional<Entry> entry(std::uint64_t directory, std::uint16_t tag) const;
   std::uint64_t next_directory(std::uint64_t directory, std::size_t index) const;
-  void follow_chain();
+  void follow_chain(Context* context);
 
   std::filesystem::path path_;
   int descriptor_ = -1;

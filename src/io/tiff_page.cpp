@@ -9,10 +9,12 @@
 #include <cstdio>
 #include <cstring>
 #include <limits>
+#include <new>
 
 #include "io/float16.h"
 #include "io/volume_formats.h"
 #include "quench/error.h"
+#include "shape/sample_type.h"
 
 namespace quench::io {
 
@@ -129,16 +131,6 @@ bool decodes_any_size(std::uint16_t compression) {
          compression == COMPRESSION_LZMA || compression == COMPRESSION_ZSTD;
 }
 
-template <class T>
-void invert(std::span<std::byte> samples, T white) {
-  for (std::size_t i = 0; i + sizeof(T) <= samples.size(); i += sizeof(T)) {
-    T value;
-    std::memcpy(&value, &samples[i], sizeof(T));
-    value = static_cast<T>(white - value);
-    std::memcpy(&samples[i], &value, sizeof(T));
-  }
-}
-
 // From columns i and rows j as stored to the picture upright (TIFF 6.0, Orientation).
 template <std::size_t size>
 void turn_upright(const TiffLayout& layout, std::span<const std::byte> stored, std::span<std::byte> out) {
@@ -170,7 +162,7 @@ TiffPage::TiffPage(const TiffFile& file, std::size_t index, std::int64_t memory)
         static_cast<std::byte>(file.directories()[index] >> 8 * (file.big_endian() ? size - 1 - i : i) & 0xFF));
   // No memory mapping (a file cut while it is read is a short read, not a signal), strips as the file has them.
   constexpr const char* mode = "rmc";
-#if TIFFLIB_VERSION >= 20221213  // 4.5.0: handlers of one open file; those of the process are not touched
+  // Handlers of one open file (libtiff 4.5); those of the process are not touched.
   const auto error = [](TIFF*, void* data, const char*, const char* format, std::va_list arguments) -> int {
     auto& messages = *static_cast<Messages*>(data);
     if (!messages.first_error.empty()) return 1;
@@ -196,13 +188,6 @@ TiffPage::TiffPage(const TiffFile& file, std::size_t index, std::int64_t memory)
   TIFFOpenOptionsSetMaxSingleMemAlloc(options.get(), memory);
   tiff_.reset(TIFFClientOpenExt(file.path().c_str(), mode, source_.get(), Source::read, Source::write, Source::seek,
                                 Source::close, Source::size, nullptr, nullptr, options.get()));
-#else
-  static_cast<void>(memory);
-  TIFFSetErrorHandler(nullptr);
-  TIFFSetWarningHandler(nullptr);
-  tiff_.reset(TIFFClientOpen(file.path().c_str(), mode, source_.get(), Source::read, Source::write, Source::seek,
-                             Source::close, Source::size, nullptr, nullptr));
-#endif
   if (!tiff_ || !messages_->first_error.empty()) refuse_damaged();
   if (messages_->mended)
     refuse("is wrong about where its strips or tiles are, or how long; it is damaged or incomplete");
@@ -251,6 +236,7 @@ TiffLayout TiffPage::layout() const {
                    l.compression == COMPRESSION_CCITTFAX3 || l.compression == COMPRESSION_CCITTFAX4;
   l.photometric = field<std::uint16_t>(t, TIFFTAG_PHOTOMETRIC, fax ? PHOTOMETRIC_MINISWHITE : PHOTOMETRIC_MINISBLACK);
   l.orientation = field(t, TIFFTAG_ORIENTATION, l.orientation);
+  l.lowest_bit_first = field<std::uint16_t>(t, TIFFTAG_FILLORDER, FILLORDER_MSB2LSB) == FILLORDER_LSB2MSB;
   check_one_value(l, field<std::uint16_t>(t, TIFFTAG_SAMPLESPERPIXEL, 1));
   const std::optional<SampleType> type = sample_type(l.bits, l.format);
   if (!type)
@@ -386,8 +372,7 @@ void TiffPage::check_jbig(const TiffLayout& layout, std::uint64_t at, std::uint3
   if (layout.compression != COMPRESSION_JBIG) return;
   std::array<std::uint8_t, 20> header{};
   file_.read(at, std::as_writable_bytes(std::span(header)));
-  if (field<std::uint16_t>(tiff_.get(), TIFFTAG_FILLORDER, FILLORDER_MSB2LSB) == FILLORDER_MSB2LSB)
-    TIFFReverseBits(header.data(), header.size());  // libtiff writes it so
+  if (!layout.lowest_bit_first) TIFFReverseBits(header.data(), header.size());  // libtiff writes it so
   const auto number = [&](std::size_t i) {
     return std::uint32_t{header[i]} << 24 | std::uint32_t{header[i + 1]} << 16 | std::uint32_t{header[i + 2]} << 8 |
            header[i + 3];
@@ -471,7 +456,9 @@ std::optional<std::vector<std::uint16_t>> TiffPage::grey_palette(const TiffLayou
   const std::size_t size = std::size_t{1} << layout.bits;
   std::vector<std::uint16_t> greys(red, red + size);
   if (!std::equal(greys.begin(), greys.end(), green) || !std::equal(greys.begin(), greys.end(), blue)) return {};
-  if (layout.type == SampleType::uint8)
+  // Values of 16 bits; many writers give 8, as libtiff's own tools take into account.
+  const bool wide = std::any_of(greys.begin(), greys.end(), [](std::uint16_t grey) { return grey > 255; });
+  if (wide && layout.type == SampleType::uint8)
     for (std::uint16_t& grey : greys) grey >>= 8;
   return greys;
 }
@@ -480,6 +467,12 @@ void TiffPage::to_values(const TiffLayout& layout, std::span<const std::byte> st
   const std::uint64_t w = layout.width, row = layout.row_bytes();
   const bool palette = layout.photometric == PHOTOMETRIC_PALETTE, white = layout.photometric == PHOTOMETRIC_MINISWHITE;
   const auto greys = palette ? grey_palette(layout) : std::nullopt;
+  if (layout.bits == 8 * size_of(layout.type) && !greys) {
+    std::memcpy(out.data(), stored.data(), out.size());
+    if (white && layout.format != SAMPLEFORMAT_INT && layout.format != SAMPLEFORMAT_IEEEFP)
+      for (std::byte& byte : out) byte = ~byte;  // the highest value minus this one, whatever its size
+    return;
+  }
   const auto each = [&]<class T>(T, const auto& value_of) {
     for (std::uint64_t y = 0; y < layout.height; ++y)
       for (std::uint64_t x = 0; x < w; ++x) {
@@ -493,30 +486,26 @@ void TiffPage::to_values(const TiffLayout& layout, std::span<const std::byte> st
     for (std::uint64_t b = first; b <= last; ++b) three = three << 8 | std::to_integer<std::uint32_t>(at[b]);
     return three >> ((last + 1) * 8 - (x + 1) * bits) & ((1u << bits) - 1);
   };
-  const std::uint32_t highest = layout.bits <= 16 ? (1u << layout.bits) - 1 : 0;
-  if (layout.format == SAMPLEFORMAT_IEEEFP && layout.bits == 16) {
+  const std::uint32_t highest = (1u << layout.bits) - 1;
+  if (layout.format == SAMPLEFORMAT_IEEEFP) {  // halves
     each(float{}, [](const std::byte* at, std::uint64_t x) {
       std::uint16_t half;
       std::memcpy(&half, at + 2 * x, 2);
       return from_half(half);
     });
   } else if (layout.type == SampleType::uint8) {
-    const std::uint32_t scale = layout.bits < 8 && !palette ? 255 / highest : 1;
+    const std::uint32_t scale = palette ? 1 : 255 / highest;
     each(std::uint8_t{}, [&](const std::byte* at, std::uint64_t x) {
       const std::uint32_t value = bits_at(at, x);
       return greys ? (*greys)[value] : (white ? highest - value : value) * scale;
     });
-  } else if (layout.type == SampleType::uint16) {
+  } else {
     each(std::uint16_t{}, [&](const std::byte* at, std::uint64_t x) {
       std::uint16_t whole = 0;  // in the byte order of the machine, which samples of other sizes are not
       if (layout.bits == 16) std::memcpy(&whole, at + 2 * x, 2);
       const std::uint32_t value = layout.bits == 16 ? whole : bits_at(at, x);
       return greys ? (*greys)[value] : white ? highest - value : value;
     });
-  } else {
-    std::memcpy(out.data(), stored.data(), out.size());
-    if (white && layout.type == SampleType::uint32) invert(out, std::numeric_limits<std::uint32_t>::max());
-    if (white && layout.type == SampleType::uint64) invert(out, std::numeric_limits<std::uint64_t>::max());
   }
 }
 

@@ -24,6 +24,7 @@ struct TiffLayout {
   std::uint16_t bits = 1, format = SAMPLEFORMAT_UINT, photometric = PHOTOMETRIC_MINISBLACK, compression = 0;
   std::uint16_t orientation = ORIENTATION_TOPLEFT;
   SampleType type = SampleType::uint8;  ///< of the values it becomes
+  bool lowest_bit_first = false;        ///< in each byte of the file (FillOrder 2)
   bool colour_indices = false;          ///< of a palette that holds more than greys
 
   bool transposed() const { return orientation >= ORIENTATION_LEFTTOP && orientation <= ORIENTATION_LEFTBOT; }
@@ -46,7 +47,7 @@ class TiffPage {
   std::string description() const;
   TiffResolution resolution() const;
   /// Where the samples of `planes` planes lie one after the other, uncompressed, counted by the file itself; nothing
-  /// where they are not.
+  /// where they are not. What is read there has the bytes and bits in the order of the file.
   std::optional<std::uint64_t> raw_planes(const TiffLayout& layout, std::uint64_t planes, bool counted) const;
   /// Whether a page of several planes lists the strips of all.
   bool lists_strips_of_planes(const TiffLayout& layout) const;

@@ -18,7 +18,7 @@ namespace {
 
 Volume read_by_extension(const std::filesystem::path& file, bool spacing_is_given, Context* context) {
   std::error_code ignored;
-  if (std::filesystem::is_directory(file, ignored)) return read_slices(file, context);
+  if (std::filesystem::is_directory(file, ignored)) return read_slices(file, context, spacing_is_given);
   const std::string extension = volume_extension(file);
   if (extension == ".npy") return read_npy(file, context);
   if (extension == ".vol") return read_vol(file, context);
@@ -56,6 +56,15 @@ InputFile::InputFile(const std::filesystem::path& file) {
   size = static_cast<std::uint64_t>(std::max<std::streamoff>(0, end));
   stream.seekg(0);
   if (end == 0) throw Error(ErrorCode::input, fmt::format("'{}' is empty", file.string()));
+}
+
+void check_regular_file(const std::filesystem::path& file) {
+  std::error_code ignored;
+  const auto type = std::filesystem::status(file, ignored).type();
+  using enum std::filesystem::file_type;
+  if (type == fifo || type == socket || type == character || type == block)
+    throw Error(ErrorCode::input,
+                fmt::format("'{}' is not a regular file (a pipe or a device); save it to disk first", file.string()));
 }
 
 std::string volume_extension(const std::filesystem::path& file) {

@@ -31,11 +31,17 @@ Volume read_sof(const std::filesystem::path& file, Context* context);
 /// inch are no distance of slices.
 Volume read_png(const std::filesystem::path& file, Context* context);
 
-/// The PNG or TIFF files of a folder in natural order (2 before 10), one slice each. Spacing 1.
-Volume read_slices(const std::filesystem::path& folder, Context* context);
+/// The PNG or TIFF files of a folder in natural order (2 before 10), one slice each, all of one size and type and with
+/// or without colours. Spacing 1. What several slices have to be noted for is noted once; TIFF slices whose pixels have
+/// a size are a note unless `spacing_is_given`.
+Volume read_slices(const std::filesystem::path& folder, Context* context, bool spacing_is_given = false);
 
 /// Replaces the spacing as asked and checks it and the origin.
 void apply_spacing(const std::filesystem::path& file, const VolumeReadOptions& options, Grid& grid);
+
+/// Throws Error(input) for a pipe or a device, which would be waited for or has no end. Directories and files that are
+/// not there pass.
+void check_regular_file(const std::filesystem::path& file);
 
 /// In lower case, `.nii.gz` as one.
 std::string volume_extension(const std::filesystem::path& file);
