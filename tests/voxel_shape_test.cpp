@@ -89,9 +89,20 @@ TEST(IntegerSpacing, NoiseOfScannersIsRounded) {
     EXPECT_EQ(nearest_integer_spacing(grid, &moved), grid.spacing);
     EXPECT_EQ(moved, 0);
   }
+  // Rounded by hand: the nearest proportion that fits.
+  for (const Vec3& spacing : {Vec3(0.52083, 0.52084, 0.65), Vec3(1, 1, 1.0001), Vec3(1, 1.00002, 1)}) {
+    Grid rounded;
+    rounded.dims = {384, 384, 136};
+    rounded.spacing = spacing;
+    double moved = 0;
+    rounded.spacing = nearest_integer_spacing(rounded, &moved);
+    EXPECT_NO_THROW(integer_spacing(rounded));
+    EXPECT_GT(moved, 0);
+    EXPECT_LT(moved, 0.05);
+  }
   Grid odd;
-  odd.dims = {512, 512, 512};
-  odd.spacing = {1, 1.0003333, 1.77777};
+  odd.dims = {4096, 4096, 4096};
+  odd.spacing = {1, 1.0013333, 1.77777};
   EXPECT_EQ(nearest_integer_spacing(odd), odd.spacing);
   EXPECT_THROW(integer_spacing(odd), Error);
 }

@@ -42,7 +42,9 @@ struct Grid {
 /// What a file says of its world coordinates beside the numbers; empty: nothing.
 struct Coordinates {
   std::string units;  ///< of lengths, e.g. "mm"
-  std::string space;  ///< "LPS" where x, y, z are known to grow to the left, back and head of a body
+  std::string
+      space;  ///< "LPS" where x, y, z are known to grow to the left, back and head of a body; other spaces of NRRD
+              ///< ("scanner-xyz", "3d-right-handed", "3d-left-handed") by their names
 };
 
 /// The smallest integers proportional to `spacing` to 1e-6 relative, such that dims[i] * result[i] <= 2^20: the
@@ -50,9 +52,10 @@ struct Coordinates {
 /// Throws Error(input) naming --spacing when there are none.
 std::array<std::int64_t, 3> integer_spacing(const Grid& grid);
 
-/// The spacing of `grid`, or the nearest one that integer_spacing() takes where only noise of single precision stands
-/// against it, as in files of scanners: at most 1e-5 of every step away, or 1e-4 voxel over the whole grid. Where none
-/// is as near, the spacing stays, and integer_spacing() says so. `moved`: how far the farthest voxel moves, in voxels.
+/// The spacing of `grid`, or a near one that integer_spacing() takes: the smallest integers within the noise of single
+/// precision (1e-5 of every step, or 1e-4 voxel over the whole grid), as in files of scanners, else the integers that
+/// move the farthest voxel least, if by less than a twentieth of its size. Where there are none the spacing stays, and
+/// integer_spacing() says so. `moved`: how far the farthest voxel moves, in voxels.
 Vec3 nearest_integer_spacing(const Grid& grid, double* moved = nullptr);
 
 /// A length given by a user: `0.02` or `2%` is a fraction of the longest side of the shape's box, `12vox` a multiple

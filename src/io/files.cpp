@@ -78,6 +78,8 @@ FileText load_file(const std::filesystem::path& file, Context* context) {
   std::error_code ignored;
   if (std::filesystem::is_directory(file, ignored))
     throw Error(ErrorCode::failed, fmt::format("cannot read '{}': it is a folder, not a file", text.name));
+  if (std::filesystem::is_character_file(file, ignored))
+    throw Error(ErrorCode::input, fmt::format("'{}' is a device, not a file", text.name));
   errno = 0;
   std::ifstream in(file, std::ios::binary);
   if (!in) throw Error(ErrorCode::failed, fmt::format("cannot open '{}': {}", text.name, std::strerror(errno)));

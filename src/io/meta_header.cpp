@@ -60,7 +60,10 @@ class MetaHeader {
   bool flag(std::initializer_list<const char*> names, bool otherwise) const {
     const std::string* text = field(names);
     if (!text || text->empty()) return otherwise;
-    return (*text)[0] == 'T' || (*text)[0] == 't' || (*text)[0] == '1';
+    const char first = (*text)[0];
+    if (std::string_view("TtFf10").find(first) == std::string_view::npos)
+      refuse(fmt::format("its field {} is '{}', neither True nor False", *names.begin(), shown(*text)));
+    return first == 'T' || first == 't' || first == '1';
   }
   std::int64_t integer(const char* name, std::int64_t otherwise) const {
     const std::string* text = field({name});
@@ -199,7 +202,7 @@ void MetaHeader::set_blocks(StoredVolume& volume, Context* context) {
     const double there = error ? 0 : size - static_cast<double>(volume.blocks[0].begin);
     double claimed = 0;
     if (!parse_number(*text, claimed) || !(claimed >= 0) || claimed > there)
-      refuse(fmt::format("it claims '{}' bytes of compressed samples and has {}; it is damaged or incomplete",
+      refuse(fmt::format("it claims {} bytes of compressed samples and has {}; it is damaged or incomplete",
                          shown(*text), std::max(0.0, there)));
     if (claimed > 0 && claimed < there)
       note(context, fmt::format("'{}' says that its compressed samples have {} bytes, and {} are there; all are read",

@@ -79,6 +79,10 @@ Nifti read_header(const std::filesystem::path& file) {
   if (!gz) throw Error(ErrorCode::failed, fmt::format("'{}' cannot be opened", file.string()));
   std::vector<unsigned char> bytes(size_2);
   const int got = gzread(gz.get(), bytes.data(), size_2);
+  int state = Z_OK;
+  gzerror(gz.get(), &state);
+  if (got < 0 || state == Z_DATA_ERROR)
+    refuse_volume(file, "its compressed data are damaged; copy or download it again");
   if (got < static_cast<int>(size_1)) refuse_volume(file, "it is shorter than a header; it is damaged or incomplete");
   std::int32_t size = 0;
   std::memcpy(&size, bytes.data(), sizeof size);

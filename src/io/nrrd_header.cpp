@@ -135,6 +135,7 @@ class NrrdHeader {
   std::size_t space_dimension_ = 0;
   Vec3 to_lps_ = Vec3::Ones();  ///< signs from the file's space
   bool anatomical_ = false;
+  std::string space_;  ///< where it is not anatomical
 };
 
 void NrrdHeader::check() {
@@ -225,8 +226,13 @@ void NrrdHeader::read_directions() {
       anatomical_ = positive[a].find(name[a]) != std::string_view::npos;
       to_lps_[static_cast<int>(a)] = name[a] == positive[a][1] ? -1 : 1;
     }
-    if (!anatomical_) {
+    // Spacings alone do not say how the axes lie in the space.
+    if (anatomical_ && !field("spacedirections")) {
+      anatomical_ = false;
       to_lps_.setOnes();
+    } else if (!anatomical_) {
+      to_lps_.setOnes();
+      space_ = name;
       if (name != "scanner-xyz" && name != "3d-right-handed" && name != "3d-left-handed")
         refuse(fmt::format("its field 'space' is '{}', which is not a space of the format", shown(*space)));
     }
@@ -332,7 +338,7 @@ void NrrdHeader::set_geometry(StoredVolume& volume) const {
   }
   if (origin) grid.origin = lps(vector(*origin, "space origin"));
   if (!grid.origin.allFinite()) refuse("its origin is not a point; correct the 'space origin' in its header");
-  if (anatomical_) volume.coordinates.space = "LPS";
+  volume.coordinates.space = anatomical_ ? "LPS" : space_;
 }
 
 std::optional<SampleType> nrrd_type(const std::string& name) {

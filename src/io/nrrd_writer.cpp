@@ -55,6 +55,14 @@ std::string vector_text(const Vec3& v) {
   return fmt::format("({},{},{})", 0.0 + v[0], 0.0 + v[1], 0.0 + v[2]);
 }
 
+/// The space of the format that a reader may have found.
+std::string space_line(const std::string& space) {
+  if (space == "LPS") return "space: left-posterior-superior\n";
+  for (const char* other : {"scanner-xyz", "3d-right-handed", "3d-left-handed"})
+    if (space == other) return fmt::format("space: {}\n", other);
+  return "space dimension: 3\n";
+}
+
 /// In quotation marks, where nothing in it ends them or the line.
 std::string quoted(const std::string& text) {
   const bool ends = std::any_of(text.begin(), text.end(), [](char c) { return c == '"' || c == '\n' || c == '\r'; });
@@ -68,8 +76,8 @@ void write_volume(const std::filesystem::path& file, const VoxelShape& shape, co
   const Grid& grid = shape.grid();
   write_atomically(file, [&](std::ostream& out) {
     out << "NRRD0004\n# voxel shape: 1 inside, 0 outside\ntype: uint8\ndimension: 3\n"
-        << (coordinates.space == "LPS" ? "space: left-posterior-superior\n" : "space dimension: 3\n")
-        << fmt::format("sizes: {} {} {}\n", grid.dims[0], grid.dims[1], grid.dims[2]) << "space directions:";
+        << space_line(coordinates.space) << fmt::format("sizes: {} {} {}\n", grid.dims[0], grid.dims[1], grid.dims[2])
+        << "space directions:";
     for (int a = 0; a < 3; ++a) out << ' ' << vector_text(grid.direction.col(a) * grid.spacing[a]);
     if (const std::string unit = quoted(coordinates.units); !unit.empty())
       out << "\nspace units: " << unit << ' ' << unit << ' ' << unit;

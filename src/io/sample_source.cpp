@@ -76,6 +76,8 @@ class InflateSource : public SampleSource {
     return true;
   }
 
+  bool damaged() const override { return damaged_; }
+
   /// Reads on to the checksum, through what may follow the samples.
   bool ends_well() override {
     std::vector<std::byte> nowhere(from_.size());
@@ -104,6 +106,7 @@ class InflateSource : public SampleSource {
     if (!more_bytes()) return false;
     const int state = inflate(&z_, Z_NO_FLUSH);
     at_end_ = state == Z_STREAM_END;
+    damaged_ = damaged_ || state == Z_DATA_ERROR || state == Z_NEED_DICT;
     return state == Z_OK || state == Z_STREAM_END || state == Z_BUF_ERROR;
   }
   bool more_bytes() {
@@ -117,6 +120,7 @@ class InflateSource : public SampleSource {
   std::uint64_t skip_;
   z_stream z_{};
   bool at_end_ = false;  ///< of a member
+  bool damaged_ = false;
   std::vector<std::byte> from_ = std::vector<std::byte>(1 << 18);
 };
 

@@ -99,7 +99,6 @@ class SliceFolder {
  private:
   Volume read(const std::filesystem::path& file) {
     checkpoint(&of_slices_, "read", 0);
-    check_regular_file(file);
     of_slices_.note = [this, &file](const std::string& sentence) { note_once(file, sentence); };
     Volume slice = volume_extension(file) == ".png" ? read_png(file, &of_slices_) : read_tiff(file);
     slice.grid.spacing = Vec3::Ones();

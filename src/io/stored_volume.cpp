@@ -143,16 +143,22 @@ class StoredSamples {
         left_ = share_;
       }
       const auto part = out.first(static_cast<std::size_t>(std::min<std::uint64_t>(out.size(), left_)));
-      if (!source_->read(part)) slices_end_early(file_, slice_, stored_[2]);
+      if (!source_->read(part)) {
+        if (source_->damaged()) refuse_damaged();
+        slices_end_early(file_, slice_, stored_[2]);
+      }
       left_ -= part.size();
-      if (left_ == 0 && !source_->ends_well())
-        refuse_volume(file_,
-                      fmt::format("its compressed samples are damaged or incomplete{}; copy or download it again",
-                                  volume_.blocks[block_ - 1].file == file_
-                                      ? std::string()
-                                      : fmt::format(" (in '{}')", plain(volume_.blocks[block_ - 1].file.string()))));
+      if (left_ == 0 && !source_->ends_well()) refuse_damaged();
       out = out.subspan(part.size());
     }
+  }
+
+  [[noreturn]] void refuse_damaged() const {
+    const std::filesystem::path& file = volume_.blocks[block_ - 1].file;
+    refuse_volume(file_,
+                  fmt::format("its compressed samples{} are damaged or incomplete (they do not end with their right "
+                              "checksum); copy or download it again",
+                              file == file_ ? "" : fmt::format(", in '{}',", plain(file.string()))));
   }
 
   void convert(std::span<const std::byte> samples, std::span<std::byte> out, std::size_t count) const {

@@ -18,24 +18,52 @@ namespace {
 
 constexpr double rounding = 1e-6;  // relative: what integer_spacing() takes for equal
 
-/// The smallest integers proportional to the spacing, up to a relative tolerance per axis, that fit the grid.
-std::optional<std::array<std::int64_t, 3>> proportion_of(const Grid& grid, const Vec3& tolerance) {
+/// How far integers in proportion m to the smallest step are from the spacing.
+struct Proportion {
+  std::array<std::int64_t, 3> multiples{};
+  Vec3 error;  ///< relative, per axis
+};
+
+/// Calls `visit` with the nearest integers for m = 1, 2, ... as long as they fit the grid and it returns true.
+template <class Visit>
+void each_proportion(const Grid& grid, const Visit& visit) {
   constexpr std::int64_t limit = std::int64_t{1} << 20;
   const Vec3& s = grid.spacing;
   const double smallest = s.minCoeff();
   for (std::int64_t m = 1; m <= limit; ++m) {
-    std::array<std::int64_t, 3> multiple{};
-    bool matches = true;
+    Proportion p;
     for (int a = 0; a < 3; ++a) {
       const double wanted = s[a] / smallest * static_cast<double>(m);
       if (wanted * static_cast<double>(std::max<std::int64_t>(grid.dims[a], 1)) > static_cast<double>(limit) + 0.5)
-        return {};
-      multiple[a] = std::llround(wanted);
-      if (std::abs(wanted - static_cast<double>(multiple[a])) > tolerance[a] * wanted) matches = false;
+        return;
+      p.multiples[a] = std::llround(wanted);
+      p.error[a] = std::abs(wanted - static_cast<double>(p.multiples[a])) / wanted;
     }
-    if (matches) return multiple;
+    if (!visit(p)) return;
   }
-  return {};
+}
+
+/// The smallest integers in proportion to the spacing, up to a relative tolerance per axis.
+std::optional<std::array<std::int64_t, 3>> proportion_of(const Grid& grid, const Vec3& tolerance) {
+  std::optional<std::array<std::int64_t, 3>> result;
+  each_proportion(grid, [&](const Proportion& p) {
+    if ((p.error.array() <= tolerance.array()).all()) result = p.multiples;
+    return !result;
+  });
+  return result;
+}
+
+/// The integers that move the farthest voxel least, up to `most` voxels.
+std::optional<std::array<std::int64_t, 3>> nearest_proportion(const Grid& grid, const Vec3& sides, double most) {
+  std::optional<std::array<std::int64_t, 3>> result;
+  each_proportion(grid, [&](const Proportion& p) {
+    if (const double moved = p.error.cwiseProduct(sides).maxCoeff(); moved < most) {
+      most = moved;
+      result = p.multiples;
+    }
+    return true;
+  });
+  return result;
 }
 
 }  // namespace
@@ -44,13 +72,15 @@ Vec3 nearest_integer_spacing(const Grid& grid, double* moved) {
   const Vec3& s = grid.spacing;
   if (moved) *moved = 0;
   if (!s.allFinite() || !(s.minCoeff() > 0) || proportion_of(grid, Vec3::Constant(rounding))) return s;
-  constexpr double noise = 1e-5, over_the_grid = 1e-4;
+  // The noise of single precision goes first: small integers tell what was meant.
+  constexpr double noise = 1e-5, over_the_grid = 1e-4, most = 0.05;
   Vec3 sides, tolerance;
   for (int a = 0; a < 3; ++a) {
     sides[a] = static_cast<double>(std::max<std::int64_t>(grid.dims[static_cast<std::size_t>(a)], 1));
     tolerance[a] = std::max(noise, over_the_grid / sides[a]);
   }
-  const auto proportion = proportion_of(grid, tolerance);
+  auto proportion = proportion_of(grid, tolerance);
+  if (!proportion) proportion = nearest_proportion(grid, sides, most);
   if (!proportion) return s;
   const Vec3 multiples = Vec3((*proportion)[0], (*proportion)[1], (*proportion)[2]);
   const Vec3 unit = s.cwiseQuotient(multiples);
@@ -76,15 +106,16 @@ std::array<std::int64_t, 3> integer_spacing(const Grid& grid) {
   // Positions of vertices are doubles: beyond this, neighbours would fall together.
   constexpr double farthest = 1e12;
   if (const double distance = grid.origin.norm(); !(distance <= farthest * smallest))
-    throw Error(ErrorCode::input,
-                fmt::format("the shape lies {:g} from the origin of its coordinates, where double precision does not "
-                            "tell voxels of {:g} apart; move it nearer",
-                            distance, smallest));
+    throw Error(
+        ErrorCode::input,
+        fmt::format("the shape lies {:g} from the origin of its coordinates, more than 10^12 of its voxels of {:g}, "
+                    "which is too far for exact results; move it nearer",
+                    distance, smallest));
   if (const auto proportion = proportion_of(grid, Vec3::Constant(rounding))) return *proportion;
   throw Error(
       ErrorCode::input,
-      fmt::format("the spacing {} x {} x {} with {} x {} x {} voxels has no integer proportion within 2^20; give a "
-                  "rounder one with --spacing x,y,z",
+      fmt::format("the spacing {} x {} x {} with {} x {} x {} voxels is not in a proportion of whole numbers, up to "
+                  "a twentieth of a voxel over the grid; give one that is, such as 1,1,2, with --spacing",
                   s[0], s[1], s[2], grid.dims[0], grid.dims[1], grid.dims[2]));
 }
 
