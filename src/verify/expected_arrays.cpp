@@ -3,7 +3,9 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <iterator>
 #include <span>
+#include <string_view>
 
 #include "verify/checks.h"
 
@@ -114,7 +116,7 @@ Check check_expected(const Result& result, const VerifyOptions& options) {
     if (array.needed &&
         !(options.lambda && std::string_view(array.of) == "field" && array.name == std::string("lambda")))
       needed.push_back(fmt::format("{} {}", array.of, array.name));
-  if (needed.empty()) return {name, true, fmt::format("all that a {} cannot do without", result.stage), {}};
+  if (needed.empty()) return {name, true, fmt::format("the file has what a {} needs", result.stage), {}};
   const std::string list = fmt::format("{}", fmt::join(needed, ", "));
   if (!options.format_holds_all)
     return not_checked(name, "the file does not have what a " + result.stage + " needs: " + list);
