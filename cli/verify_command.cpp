@@ -55,7 +55,8 @@ Action add_verify(CLI::App& app) {
     for (std::size_t r = 0; r < o->results.size(); ++r) {
       const std::string& file = o->results[r];
       PolyData data = read_axis_file(file, session);
-      if (!find_array(data.field_data, "stage")) {  // other formats and programs do not say what they hold
+      const bool says_stage = find_array(data.field_data, "stage") != nullptr;
+      if (!says_stage) {  // other formats and programs do not say what they hold
         if (o->core)
           data.field_data.push_back({"stage", 1, std::vector<std::string>{"core"}});
         else if (!o->lambda.empty())
@@ -77,6 +78,7 @@ Action add_verify(CLI::App& app) {
       VerifyOptions options;
       options.samples = o->samples;
       options.longest_side = loaded.longest_side;
+      options.format_holds_all = says_stage;  // only VTP holds it, and with it every other array
       if (!o->lambda.empty())
         options.lambda =
             parse_length(o->lambda, "--lambda").resolve(loaded.longest_side, loaded.shape.grid().spacing.minCoeff());
@@ -94,6 +96,7 @@ Action add_verify(CLI::App& app) {
       auto& left = section["not_checked"] = nlohmann::ordered_json::array();
       for (const UncheckedArray& array : certificate.not_checked)
         left.push_back({{"array", array.array}, {"reason", array.reason}});
+      section["absent"] = certificate.absent;
       answer(fmt::format("{}: {}", file, certificate.passed() ? "verified" : "NOT verified"));
       passed = passed && certificate.passed();
     }

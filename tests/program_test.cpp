@@ -195,6 +195,19 @@ TEST_F(Program, VerifyFindsSabotage) {
   EXPECT_EQ(quench({"verify", "box.ply", "a.ply", "--resolution", "20", "--lambda", "1vox", "--core"}).code, 4)
       << "more than that was pruned";
 
+  PolyData less = read("a.vtp");
+  std::erase_if(less.field_data, [](const auto& array) { return array.name == "betti"; });
+  quench::io::write_poly_data(folder / "less.vtp", less);
+  const auto listed = works({"verify", "box.ply", "less.vtp", "--json", "less.json"});
+  EXPECT_TRUE(has(listed.out, "not in the file: field betti")) << listed.out;
+  EXPECT_TRUE(has(bytes("less.json"), "\"absent\": [\n      \"field betti\"\n    ]")) << bytes("less.json");
+  EXPECT_TRUE(has(foreign.out, "not in the file: field stage\n")) << foreign.out;
+  std::erase_if(less.field_data, [](const auto& array) { return array.name == "dims"; });
+  quench::io::write_poly_data(folder / "less.vtp", less);
+  const auto lacking = quench({"verify", "box.ply", "less.vtp"});
+  EXPECT_EQ(lacking.code, 4);
+  EXPECT_TRUE(has(lacking.out, "less.vtp: FAIL arrays: missing: field dims;")) << lacking.out;
+
   PolyData broken = read("a.vtp");
   broken.poly_corners.erase(broken.poly_corners.begin(), broken.poly_corners.begin() + broken.poly_offsets[1]);
   const std::uint32_t removed = broken.poly_offsets[1];

@@ -235,6 +235,114 @@ TEST(VerifyDamage, UnchangedResultsPassAndEveryArrayIsNamed) {
   }
 }
 
+// What Quench writes for a stage and is not there is named, and what the stage needs is a failure.
+TEST(VerifyDamage, EveryArrayThatIsRemovedIsNoticedOrListed) {
+  const std::set<std::string> needed{"point radius",
+                                     "field dims",
+                                     "field spacing",
+                                     "field origin",
+                                     "field direction",
+                                     "field sites",
+                                     "cell lambda_level",
+                                     "cell site_a",
+                                     "cell site_b",
+                                     "field theta2",
+                                     "field theta1",
+                                     "cell sheet_level",
+                                     "cell curve_level",
+                                     "cell erosion_thickness",
+                                     "cell curve_erosion_thickness"};
+  const std::set<std::string> needed_of_cores{"field lambda", "field lambda_rule", "point lambda", "cell lambda"};
+  for (const Result& result : results()) {
+    VerifyOptions whole = options_for(result.shape);
+    whole.format_holds_all = true;
+    const Certificate unchanged = verify(result.shape, result.data, whole);
+    EXPECT_TRUE(unchanged.passed() && unchanged.absent.empty()) << result.name << "\n" << text(unchanged);
+    const bool core = find_array(result.data.cell_data, "lambda_level") != nullptr;
+    for (const Arrays& arrays : kArrays)
+      for (std::size_t a = 0; a < (result.data.*arrays.list).size(); ++a) {
+        PolyData data = result.data;
+        const std::string name = fmt::format("{} {}", arrays.of, (data.*arrays.list)[a].name);
+        if (name == "field SPACE") continue;  // only where it is known
+        (data.*arrays.list).erase((data.*arrays.list).begin() + static_cast<std::ptrdiff_t>(a));
+        const Certificate certificate = verify(result.shape, data, whole);
+        EXPECT_EQ(certificate.absent, std::vector<std::string>{name}) << result.name << "\n" << text(certificate);
+        EXPECT_NE(certificate.checks.back().detail.find("not in the file: " + name), std::string::npos) << result.name;
+        const bool fails = needed.contains(name) || (core && needed_of_cores.contains(name));
+        EXPECT_EQ(certificate.passed(), !fails) << result.name << " without " << name << "\n" << text(certificate);
+        const Check& check = certificate.checks.front();
+        EXPECT_EQ(check.name, "arrays");
+        EXPECT_EQ(check.detail.find("missing: " + name + ";") == 0, fails) << check.detail;
+        // A format that does not hold all of them: only what contradicts the cells is a failure.
+        if (name.starts_with("field ") && !name.starts_with("field theta") && name != "field lambda" &&
+            name != "field lambda_rule") {
+          const Certificate of_part = verify(result.shape, data, options_for(result.shape));
+          EXPECT_TRUE(of_part.passed()) << result.name << " without " << name << "\n" << text(of_part);
+          EXPECT_EQ(of_part.absent, certificate.absent);
+        }
+      }
+  }
+}
+
+// A skeleton of another program's medial axis has no lattice to be placed on.
+TEST(VerifyDamage, SkeletonsOfOtherProgramsNeedNoLattice) {
+  const VoxelShape shape = plate();
+  PolyData foreign = skeleton_of(shape, 0.3, 0.2, false);
+  std::erase_if(foreign.field_data, [](const DataArray& array) {
+    for (const char* name :
+         {"dims", "origin", "direction", "longest_side", "lambda", "lambda_chosen", "units", "parameters"})
+      if (array.name == name) return true;
+    return false;
+  });
+  VerifyOptions options = options_for(shape);
+  options.format_holds_all = true;
+  const Certificate certificate = verify(shape, foreign, options);
+  EXPECT_TRUE(certificate.passed()) << text(certificate);
+  EXPECT_TRUE(certificate.absent.empty());
+}
+
+TEST(VerifyDamage, NegativeLengthsAreNoticed) {
+  for (const Result& result : results())
+    for (const char* name : {"theta2", "theta1", "lambda", "lambda_chosen", "longest_side", "omega", "max_burn_time"})
+      for (const double value : {-1.99, std::nan("")}) {
+        PolyData data = result.data;
+        bool changed = false;
+        for (DataArray& array : data.field_data)
+          if (array.name == name) array.values = std::vector<double>{value}, changed = true;
+        if (!changed) continue;
+        const Certificate certificate = verify(result.shape, data, options_for(result.shape));
+        EXPECT_FALSE(certificate.passed()) << result.name << ": " << name << " " << value;
+        EXPECT_NE(text(certificate).find(fmt::format("'{}'", name)), std::string::npos) << text(certificate);
+      }
+}
+
+TEST(VerifyDamage, ThetasBeyondInfinityAreNoticed) {
+  for (const char* name : {"theta2", "theta1"}) {
+    PolyData curves = skeleton_of(plate(), kInfinity, kInfinity, false);
+    for (DataArray& array : curves.field_data)
+      if (array.name == name) array.values = std::vector<double>{1e300};
+    const Certificate certificate = verify(plate(), curves, options_for(plate()));
+    EXPECT_FALSE(certificate.passed()) << name;
+    EXPECT_NE(text(certificate).find("FAIL skeleton levels"), std::string::npos) << text(certificate);
+  }
+}
+
+// Lengths along an edge to such a point are counted in no loop.
+TEST(VerifyDamage, PointsFarOutsideTheGridEndAtOnce) {
+  for (const Result& result : results())
+    for (const double x : {1e17, -1e17, 1e300, kInfinity, -kInfinity, std::nan("")})
+      for (int axis = 0; axis < 3; ++axis) {
+        PolyData data = result.data;
+        data.points[data.points.size() / 2][axis] = x;
+        const Certificate certificate = verify(result.shape, data, options_for(result.shape));
+        ASSERT_EQ(certificate.checks.size(), 1u) << result.name << " " << x;
+        EXPECT_FALSE(certificate.passed());
+        EXPECT_NE(text(certificate).find(std::isfinite(x) ? "is outside the grid of the shape" : "is not finite"),
+                  std::string::npos)
+            << text(certificate);
+      }
+}
+
 // What no check can tell may grow only on purpose.
 TEST(VerifyDamage, OnlyTheseArraysAreLeftOut) {
   const std::set<std::string> of_cores{"point burn_time",   "field omega",   "field propagation",

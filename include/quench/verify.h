@@ -30,6 +30,9 @@ struct Certificate {
   std::vector<Check> checks;
   /// Every array of the file is in one of the checks or here; the last check has the same in one sentence.
   std::vector<UncheckedArray> not_checked;
+  /// Arrays that Quench writes for the stage of the file and that the file does not have, as in Check; of a file
+  /// without one, "field stage". The last check has them in its sentence, too.
+  std::vector<std::string> absent;
   bool passed() const;
 };
 
@@ -38,6 +41,9 @@ struct VerifyOptions {
   std::size_t samples = 20000;   ///< cells per sampled check
   std::optional<double> longest_side =
       std::nullopt;  ///< of what the voxel shape was made of; without it that array is not checked
+  /// The result was written in full and in a format that holds all arrays (VTP): one that its stage cannot be checked
+  /// without must be there. Otherwise those that are absent are only named.
+  bool format_holds_all = false;
 };
 
 /// Verifies a result against its shape, by code of its own. What is checked in full, what on a sample, and

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <map>
@@ -102,6 +103,9 @@ std::string defect_of_fields(const std::vector<DataArray>& arrays) {
       return fmt::format("the field array '{}' holds text where numbers are needed", known.name);
     if (known.numbers > 0 && array->size() != known.numbers)
       return fmt::format("the field array '{}' has {} numbers instead of {}", known.name, array->size(), known.numbers);
+    if (known.numbers != 1 || known.name == std::string_view("euler")) continue;  // that can be negative
+    if (const double number = array->numbers()[0]; !(number >= 0))
+      return fmt::format("the field array '{}' is {:.9g}, which can only be 0 or more", known.name, number);
   }
   if (const DataArray* sites = find_array(arrays, "sites"); sites && (sites->components != 3 || sites->size() % 3 != 0))
     return "the field array 'sites' is not of three numbers per site";
@@ -167,8 +171,10 @@ std::vector<UncheckedArray> unchecked_arrays(const PolyData& data, const std::ve
   return left;
 }
 
-Check arrays_left(const std::vector<UncheckedArray>& arrays) {
-  if (arrays.empty()) return {"other arrays", true, "there are none", {}};
+Check arrays_left(const std::vector<UncheckedArray>& arrays, const std::vector<std::string>& absent) {
+  const std::string name = "other arrays";
+  const std::string missing = absent.empty() ? "" : fmt::format("not in the file: {}", fmt::join(absent, ", "));
+  if (arrays.empty()) return {name, true, absent.empty() ? "there are none" : missing, {}};
   std::vector<std::string> reasons;
   std::map<std::string, std::string> names;
   for (const auto& [array, reason] : arrays) {
@@ -179,7 +185,7 @@ Check arrays_left(const std::vector<UncheckedArray>& arrays) {
   std::string text;
   for (const std::string& reason : reasons)
     text += fmt::format("{}{} ({})", text.empty() ? "" : "; ", names[reason], reason);
-  return not_checked("other arrays", text);
+  return not_checked(name, missing.empty() ? text : text + "; " + missing);
 }
 
 }  // namespace quench::verification

@@ -14,24 +14,6 @@ namespace {
 
 constexpr double single = 1e-6;  // relative, of what is stored in single precision
 
-// Components numbered by their first vertices, from the edges alone.
-std::vector<std::uint32_t> components(const CellComplex& complex) {
-  std::vector<std::uint32_t> parent(complex.vertex_count);
-  std::iota(parent.begin(), parent.end(), 0u);
-  const auto root = [&](std::uint32_t v) {
-    while (parent[v] != v) v = parent[v] = parent[parent[v]];
-    return v;
-  };
-  for (const auto& [a, b] : complex.edges) {
-    const std::uint32_t p = root(a), q = root(b);
-    parent[std::max(p, q)] = std::min(p, q);
-  }
-  std::vector<std::uint32_t> number(complex.vertex_count);
-  std::uint32_t count = 0;
-  for (std::uint32_t v = 0; v < number.size(); ++v) number[v] = root(v) == v ? count++ : number[root(v)];
-  return number;
-}
-
 // Calls visit(row, dimension, a vertex of the cell) for every cell of the file until it returns false.
 template <class Visit>
 void for_cells(const Result& result, const Visit& visit) {
@@ -87,6 +69,23 @@ bool is_angle(double written, double lambda, double squared, double unsure) {
 }
 
 }  // namespace
+
+std::vector<std::uint32_t> components(const CellComplex& complex) {
+  std::vector<std::uint32_t> parent(complex.vertex_count);
+  std::iota(parent.begin(), parent.end(), 0u);
+  const auto root = [&](std::uint32_t v) {
+    while (parent[v] != v) v = parent[v] = parent[parent[v]];
+    return v;
+  };
+  for (const auto& [a, b] : complex.edges) {
+    const std::uint32_t p = root(a), q = root(b);
+    parent[std::max(p, q)] = std::min(p, q);
+  }
+  std::vector<std::uint32_t> number(complex.vertex_count);
+  std::uint32_t count = 0;
+  for (std::uint32_t v = 0; v < number.size(); ++v) number[v] = root(v) == v ? count++ : number[root(v)];
+  return number;
+}
 
 Check check_kinds(const Result& result) {
   const std::string name = "kinds and components";

@@ -148,7 +148,7 @@ Check check_cells(const Result& result) {
   for (std::size_t f = 0; f < complex.face_count(); ++f) {
     corners.clear();
     for (std::uint32_t v : complex.corners(f)) corners.push_back(result.scaled[v]);
-    const std::string defect = polygon_defect(corners, tiny, result.rounding, result.stage != "skeleton");
+    const std::string defect = polygon_defect(corners, tiny, result.rounding, result.stage == "core");
     if (defect.empty()) continue;
     check.detail = fmt::format("{} {}", result.describe_face(f), defect);
     return check;

@@ -39,6 +39,8 @@ Check check_reconstruction(const Result& result, Context* context);
 /// word that is none of the known ones. Empty when nothing is.
 std::string array_defect(const PolyData& data);
 
+/// Per vertex the number of its component, counted by their first vertices.
+std::vector<std::uint32_t> components(const CellComplex& complex);
 /// The arrays `kind` and `component`.
 Check check_kinds(const Result& result);
 /// Field arrays that tell of the shape: the grid and, where it is given, the longest side; `lambda_chosen`.
@@ -54,7 +56,11 @@ Check check_skeleton_levels(const Result& result);
 
 /// The arrays of the file that none of the checks is about, with the reason.
 std::vector<UncheckedArray> unchecked_arrays(const PolyData& data, const std::vector<Check>& checks);
-/// The sentence about them.
-Check arrays_left(const std::vector<UncheckedArray>& arrays);
+/// What the stage of the file has and the file has not, as in Certificate::absent.
+std::vector<std::string> absent_arrays(const Result& result);
+/// Of these, the arrays without which the file cannot be checked as what it claims to be.
+Check check_expected(const Result& result, const VerifyOptions& options);
+/// The sentence about what is not checked and what is not there.
+Check arrays_left(const std::vector<UncheckedArray>& arrays, const std::vector<std::string>& absent);
 
 }  // namespace quench::verification

@@ -252,6 +252,11 @@ Check check_skeleton_levels(const Result& result) {
   const std::size_t rows = result.data.cell_count();
   if (theta2.size() != 1 || theta1.size() != 1)
     return failed(name, "the stage is 'skeleton', but there are no field arrays 'theta2' and 'theta1'");
+  for (const double theta : {theta2[0], theta1[0]})
+    if (!(theta >= 0 && theta <= kInfiniteLevelInFiles))
+      return failed(name,
+                    fmt::format("theta2 {:.9g} and theta1 {:.9g} are not negative, and 3.4e38 stands for infinity",
+                                theta2[0], theta1[0]));
   for (const auto* array : {&sheet, &curve, &thickness, &curve_thickness})
     if (array->size() != rows) return not_checked(name, "cell arrays of levels or thickness are missing");
   const double most = rows == 0 ? 0 : *std::max_element(curve_thickness.begin(), curve_thickness.end());
@@ -281,15 +286,15 @@ Check check_skeleton_levels(const Result& result) {
       return wrong(row, "a curve stays at least as long as its thickness");
   }
   // Free ends of curves of less than theta1 are gone, but for the point of each component that burns last.
-  std::map<double, std::size_t> free_ends;  // by component
-  const std::vector<double> component = numbers_or_empty(cells, "component");
-  for (std::size_t row = line_row; row < face_row && component.size() == rows; ++row) {
+  std::map<std::uint32_t, std::size_t> free_ends;  // by component
+  const std::vector<std::uint32_t> component = components(result.complex);
+  for (std::size_t row = line_row; row < face_row; ++row) {
     const std::uint32_t e = result.line_edges[row - line_row];
     const auto& ends = result.complex.edges[e];
     const bool is_free = std::any_of(ends.begin(), ends.end(), [&](std::uint32_t v) {
       return result.vertex_edge_offsets[v + 1] - result.vertex_edge_offsets[v] == 1;
     });
-    if (is_free && curve_thickness[row] < theta1[0] * (1 - 1e-9) && ++free_ends[component[row]] > 1)
+    if (is_free && curve_thickness[row] < theta1[0] * (1 - 1e-9) && ++free_ends[component[ends[0]]] > 1)
       return wrong(row, "it is a free end below theta1");
   }
   Check check{name, true, {}, {}};

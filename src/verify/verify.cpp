@@ -35,6 +35,17 @@ std::string structural_defect(const PolyData& data) {
   return {};
 }
 
+// The first vertex that is more than a voxel outside the grid; empty when none is. Sizes and tolerances of the checks
+// are those of points of the shape: they would take long, or for ever, where coordinates are of any size.
+std::string vertex_off_grid(const Result& result) {
+  const auto& dims = result.shape.grid().dims;
+  for (std::uint32_t v = 0; v < result.lattice.size(); ++v)
+    for (std::size_t a = 0; a < 3; ++a)
+      if (const double x = result.lattice[v][static_cast<int>(a)]; !(x >= -1 && x <= static_cast<double>(dims[a]) + 1))
+        return result.describe_vertex(v) + " is outside the grid of the shape; nothing else is checked";
+  return {};
+}
+
 Certificate examine(const VoxelShape& shape, const PolyData& data, const VerifyOptions& options, Context* context) {
   Certificate certificate;
   const std::string defect = structural_defect(data);
@@ -47,10 +58,15 @@ Certificate examine(const VoxelShape& shape, const PolyData& data, const VerifyO
     return certificate;
   }
   const Result result(shape, data, options);
+  if (const std::string far = vertex_off_grid(result); !far.empty()) {
+    certificate.checks.push_back(failed("inside the shape", far));
+    return certificate;
+  }
   const Sites sites(shape);
   VertexSites vertex_sites(result, sites);
   const auto add = [&](Check check) { certificate.checks.push_back(std::move(check)); };
 
+  add(check_expected(result, options));
   add(check_cells(result));
   add(check_topology(result));
   add(check_enclosure(result, context));
@@ -77,7 +93,8 @@ Certificate examine(const VoxelShape& shape, const PolyData& data, const VerifyO
   add(check_reconstruction(result, context));
   add(check_fields(result, options));
   certificate.not_checked = unchecked_arrays(data, certificate.checks);
-  add(arrays_left(certificate.not_checked));
+  certificate.absent = absent_arrays(result);
+  add(arrays_left(certificate.not_checked, certificate.absent));
   checkpoint(context, "verify", 1);
   return certificate;
 }
