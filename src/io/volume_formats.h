@@ -46,9 +46,6 @@ void check_regular_file(const std::filesystem::path& file);
 /// In lower case, `.nii.gz` as one.
 std::string volume_extension(const std::filesystem::path& file);
 
-/// Throws Error(input) for a pipe or a device: volumes are read from places in a file.
-void check_regular_file(const std::filesystem::path& file);
-
 /// An open file and its size in bytes. Throws Error(failed), and Error(input) when it is empty.
 struct InputFile {
   explicit InputFile(const std::filesystem::path& file);
