@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the descriptions of ImageJ, OME and tifffile and the resolution tags of a TIFF file say of its volume.
+// What the descriptions of ImageJ, OME and tifffile and the tags of a TIFF file say of its volume, and what is said of
+// them.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -34,8 +35,14 @@ TEST_F(Tiff, ResolutionWithoutADistanceOfSlices) {
   context.note = [](const std::string& sentence) { ADD_FAILURE() << "the spacing is given: " << sentence; };
   EXPECT_EQ(io::read_volume(folder / "t.tif", {.spacing = Vec3(1, 2, 3)}, &context).grid.spacing, Vec3(1, 2, 3));
   ASSERT_TRUE(io::open_slices(folder / "t.tif", {.spacing = Vec3(1, 2, 3)}, &context));
+  // Pixels that are not squares are meant so: their sizes are ready to be given.
   read(with(254, 127, 1, 2));
-  EXPECT_NE(notes.find("0.1 x 0.2 mm"), std::string::npos) << notes;
+  EXPECT_NE(notes.find("gives a size of pixels, 0.1 x 0.2 mm, but no distance of slices; the spacing is taken as 1 x 1 "
+                       "x 1; give --spacing 0.1,0.2,Z,"),
+            std::string::npos)
+      << notes;
+  read(with(3000, 3001, 1, 3));
+  EXPECT_EQ(notes.find(",Z"), std::string::npos) << notes;
   for (const auto& [numerator, denominator] : {std::pair<std::uint32_t, std::uint32_t>{0, 1}, {1, 0}, {0, 0}}) {
     EXPECT_EQ(read(with(numerator, numerator, denominator, 2)).grid.spacing, Vec3(1, 1, 1));
     EXPECT_NE(notes.find("not positive"), std::string::npos) << notes;
@@ -115,9 +122,61 @@ TEST_F(Tiff, SpacingOfOme) {
                               "PhysicalSizeZUnit=\"reference frame\"")
                 .coordinates.units,
             "");
-  read_with("SizeZ=\"7\"");
-  EXPECT_NE(notes.find("2 slices, and 7 pictures"), std::string::npos) << notes;
+  EXPECT_EQ(read_with(sizes + "PhysicalSizeZ=\"2\"").grid.spacing, Vec3(1, 1, 1));
+  EXPECT_NE(notes.find("gives a distance of slices (2 um) but no size of pixels; the spacing is taken as 1 x 1 x 1"),
+            std::string::npos)
+      << notes;
+  EXPECT_EQ(read_with(sizes + "PhysicalSizeZ=\"2\" PhysicalSizeY=\"500\" PhysicalSizeYUnit=\"nm\"").grid.spacing,
+            Vec3(1, 1, 1));
+  EXPECT_NE(notes.find("gives a size of pixels along y only (500 nm);"), std::string::npos) << notes;
+  read_with(sizes + "PhysicalSizeZ=\"0\"");
+  EXPECT_NE(notes.find("not positive and finite"), std::string::npos) << notes;
   read(tiff(5, 4, {page}, {.tags = {TiffBytes::text(270, "<OME><Image")}}));
+}
+
+TEST_F(Tiff, AStackShorterThanItsDescriptionIsRefused) {
+  const auto with = [&](const std::string& description, std::size_t pages) {
+    return tiff(5, 4, std::vector<std::string>(pages, std::string(20, 'a')),
+                {.tags = {TiffBytes::text(270, description)}});
+  };
+  const char* incomplete = "; it is incomplete, or its description is of another stack: save it again";
+  for (const std::size_t pages : {1, 6})
+    refused(with("ImageJ=1.53c\nimages=12\nslices=12\n", pages),
+            fmt::format("says in its ImageJ description that it has 12 slices and holds {}{}", pages, incomplete));
+  for (const std::size_t pages : {1, 12})
+    refused(with(ome("SizeZ=\"24\" SizeC=\"1\" SizeT=\"1\""), pages),
+            fmt::format("says in its OME-XML description that it has 24 slices and holds {}{}", pages, incomplete));
+  refused(with("{\"shape\": [4, 4, 5]}", 3), "says in its tifffile description that it has 4 slices and holds 3");
+  const auto files = [](const std::string& second) {
+    return "<OME><Image><Pixels SizeZ=\"4\"><TiffData IFD=\"0\"><UUID FileName=\"a.tif\">u</UUID></TiffData><TiffData "
+           "IFD=\"1\"><UUID FileName=\"" +
+           second + "\">v</UUID></TiffData></Pixels></Image></OME>";
+  };
+  refused(with(files("b.tif"), 2), "holds 2; the others are in other files of the data set, which are not read");
+  refused(with(files("a.tif"), 2), incomplete);
+  // A longer one is whole.
+  EXPECT_EQ(read(with("ImageJ=1.53c\nimages=2\nslices=2\n", 3)).grid.dims[2], 3);
+  EXPECT_NE(notes.find("has 3 slices, and its ImageJ description says 2; all are taken"), std::string::npos) << notes;
+  // A slice in a folder may have the description of the whole stack.
+  const TemporaryFolder slices;
+  for (const char* name : {"1.tif", "2.tif"}) slices.write(name, with(ome("SizeZ=\"2\" SizeC=\"1\""), 1));
+  EXPECT_EQ(io::read_volume(slices.path()).grid.dims[2], 2);
+  EXPECT_TRUE(io::open_slices(slices.path()));
+}
+
+TEST_F(Tiff, PagesWhereZeroIsWhiteAreNamed) {
+  const auto with = [&](const std::vector<std::uint32_t>& photometric) {
+    TiffBytes file;
+    for (const std::uint32_t one : photometric) file.page(1, 1, {"a"}, {.photometric = one});
+    read(file.file());
+    return notes;
+  };
+  const std::string name = "'" + (folder / "t.tif").string() + "'";
+  EXPECT_EQ(with({1, 1, 0}), "page 3 of " + name + " says that 0 is white; its values are inverted\n");
+  EXPECT_EQ(with({1, 0, 1, 0}),
+            "2 pages of " + name + ", the first of them page 2, say that 0 is white; their values are inverted\n");
+  EXPECT_EQ(with({0, 0}),
+            name + " says that 0 is white: its values are inverted, so that bright voxels have high values\n");
 }
 
 TEST_F(Tiff, SeveralVolumesInOneFileAreRefused) {
@@ -137,7 +196,7 @@ TEST_F(Tiff, SeveralVolumesInOneFileAreRefused) {
   EXPECT_EQ(read(with("{\"shape\": [4, 4, 5]}")).grid.dims[2], 4);
   EXPECT_EQ(read(with("{\"shape\": [1, 4, 4, 5]}")).grid.dims[2], 4);
   // One page of a set whose description is of the set.
-  EXPECT_EQ(read(with(ome("SizeZ=\"2\" SizeC=\"2\" SizeT=\"1\""), 1)).grid.dims[2], 1);
+  EXPECT_EQ(read(with(ome("SizeZ=\"1\" SizeC=\"2\" SizeT=\"1\""), 1)).grid.dims[2], 1);
 }
 
 // What ImageJ writes beyond 4 GB: one directory, all pictures behind it.
@@ -154,11 +213,11 @@ TEST_F(Tiff, PicturesBehindTheOnlyDirectory) {
       EXPECT_EQ(v.grid.dims, (Dims{5, 4, 6}));
       EXPECT_EQ(std::get<std::vector<std::uint16_t>>(v.samples), values);
       EXPECT_EQ(notes, "");
-      refused(file.substr(0, file.size() - 1), "6 pictures");
+      refused(file.substr(0, file.size() - 1), "6 slices");
     }
     const TiffOptions packed{
         .bits = 16, .big_endian = big, .compression = 8, .tags = {TiffBytes::text(270, "ImageJ=1.53c\nimages=6\n")}};
-    refused(tiff(5, 4, {small_files::deflated(page)}, packed) + all, "holds fewer");
+    refused(tiff(5, 4, {small_files::deflated(page)}, packed) + all, "holds 1;");
   }
 }
 

@@ -266,7 +266,12 @@ TEST_F(Tiff, AccessoryPagesAreLeftOut) {
   const Volume v = read(file.file());
   EXPECT_EQ(v.grid.dims, (Dims{3, 2, 2}));
   EXPECT_EQ(std::get<std::vector<std::uint8_t>>(v.samples)[6], 'g');
-  EXPECT_NE(notes.find("4 pages, of which 2"), std::string::npos) << notes;
+  EXPECT_NE(notes.find("4 pages, of which 2 are reduced copies or masks of others"), std::string::npos) << notes;
+  TiffBytes two;
+  two.page(1, 1, {"x"}, {});
+  two.page(1, 1, {"x"}, {.tags = {two.longs(254, {1})}});
+  read(two.file());
+  EXPECT_NE(notes.find("2 pages, of which 1 is a reduced copy or mask of another"), std::string::npos) << notes;
   refused(tiff(1, 1, {"x"}, {.tags = {reduced}}), "only reduced copies");
 }
 

@@ -62,7 +62,9 @@ void check_writable_format(const std::filesystem::path& file);
 std::vector<double> read_radii(const std::filesystem::path& file, const std::vector<Vec3>& points,
                                Context* context = nullptr);
 
-/// `spacing` overrides what the file says (formats without spacing: 1).
+/// `spacing` overrides what the file says (formats without spacing: 1). A folder is read in natural order (2 before
+/// 10), one slice per file; numbered slices of which a number is missing or there twice, or with another file among
+/// them, are refused with Error(input).
 struct VolumeReadOptions {
   std::optional<Vec3> spacing;
 };

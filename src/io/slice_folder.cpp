@@ -6,6 +6,7 @@
 #include <memory>
 #include <set>
 
+#include "io/slice_numbers.h"
 #include "io/slice_streams.h"
 #include "io/volume_formats.h"
 #include "quench/error.h"
@@ -73,6 +74,7 @@ class SliceFolder {
         throw Error(ErrorCode::input,
                     fmt::format("the folder '{}' holds PNG and TIFF files; keep the slices of one stack in it",
                                 folder.string()));
+    check_slice_numbers(folder, files_);
     first_ = read(files_.front());
     index_ = first_.samples.index();
     dims_ = first_.grid.dims;
@@ -113,7 +115,7 @@ class SliceFolder {
   Volume read_tiff(const std::filesystem::path& file) {
     const bool is_first = &file == &files_.front();
     // The spacing of the stack is that of no slice: one note is enough, even where the sizes of pixels differ.
-    const TiffStream stream = open_tiff(file, &of_slices_, spacing_is_given_ || !is_first);
+    const TiffStream stream = open_tiff(file, &of_slices_, spacing_is_given_ || !is_first, true);
     if (is_first) colour_indices_ = stream.colour_indices;
     if (stream.colour_indices != colour_indices_)
       throw Error(ErrorCode::input,

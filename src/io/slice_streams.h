@@ -28,8 +28,10 @@ struct TiffStream : SliceStream {
 ///
 /// Smaller copies of pages and masks are left out (note), all other pages must be alike. The spacing is that of the
 /// description of ImageJ or OME; without a distance of slices it is 1 (note, unless `spacing_is_given`). Throws
-/// Error(usage) where Quench was built without libtiff.
-TiffStream open_tiff(const std::filesystem::path& file, Context* context, bool spacing_is_given = false);
+/// Error(input) where there are fewer slices than the description says, but for the only page of a slice `of_a_folder`,
+/// whose description may be that of the whole stack; Error(usage) where Quench was built without libtiff.
+TiffStream open_tiff(const std::filesystem::path& file, Context* context, bool spacing_is_given = false,
+                     bool of_a_folder = false);
 
 /// All slices of a stream, whose file is named in errors.
 Volume read_stream(const SliceStream& stream, const std::filesystem::path& file, Context* context);

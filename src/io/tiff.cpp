@@ -12,6 +12,7 @@
 #include <bit>
 
 #include "io/tiff_page.h"
+#include "quench/counted.h"
 #include "quench/memory.h"
 
 namespace quench::io {
@@ -28,7 +29,8 @@ std::string kind_text(const TiffLayout& l) {
 
 class TiffVolume {
  public:
-  TiffVolume(const std::filesystem::path& path, Context* context) : file_(path, context), context_(context) {
+  TiffVolume(const std::filesystem::path& path, Context* context, bool of_a_folder)
+      : file_(path, context), context_(context), of_a_folder_(of_a_folder) {
     const bool limited = context && context->memory_limit > 0;
     memory_ = limited ? context->memory_limit : available_memory();
     find_pages();
@@ -70,14 +72,15 @@ class TiffVolume {
   // All pages but reduced copies and masks; they are alike.
   void find_pages() {
     const std::size_t count = file_.directories().size();
-    bool white_is_zero = false;
+    std::vector<std::size_t> white_is_zero;
     for (std::size_t i = 0; i < count; ++i) {
       checkpoint(context_, "read", 0);
       const TiffPage page(file_, i, memory_);
       if (page.is_accessory()) continue;
       const TiffLayout layout = page.layout();
-      white_is_zero |= layout.photometric == PHOTOMETRIC_MINISWHITE && layout.format != SAMPLEFORMAT_INT &&
-                       layout.format != SAMPLEFORMAT_IEEEFP;
+      if (layout.photometric == PHOTOMETRIC_MINISWHITE && layout.format != SAMPLEFORMAT_INT &&
+          layout.format != SAMPLEFORMAT_IEEEFP)
+        white_is_zero.push_back(i);
       if (pages_.empty()) {
         layout_ = layout;
         description_ = tiff_description(page.description());
@@ -90,10 +93,24 @@ class TiffVolume {
     }
     if (pages_.empty()) refuse("has only reduced copies or masks of other pictures");
     if (pages_.size() < count)
-      say(fmt::format("has {} pages, of which {} are reduced copies or masks of others and left out", count,
-                      count - pages_.size()));
-    if (white_is_zero) say("says that 0 is white: its values are inverted, so that bright voxels have high values");
+      say(fmt::format("has {} pages, of which {} and left out", count,
+                      counted(count - pages_.size(), "is a reduced copy or mask of another",
+                              "are reduced copies or masks of others")));
+    say_inverted(white_is_zero);
     if (layout_.colour_indices) say("has a palette of colours: the indices of the colours are taken as values");
+  }
+
+  void say_inverted(const std::vector<std::size_t>& pages) const {
+    if (pages.empty()) return;
+    if (pages.size() == pages_.size())
+      say("says that 0 is white: its values are inverted, so that bright voxels have high values");
+    else if (pages.size() == 1)
+      note(context_, fmt::format("page {} of '{}' says that 0 is white; its values are inverted", pages.front() + 1,
+                                 file_.path().string()));
+    else
+      note(context_,
+           fmt::format("{} of '{}', the first of them page {}, say that 0 is white; their values are inverted",
+                       counted(pages.size(), "page"), file_.path().string(), pages.front() + 1));
   }
 
   void find_slices() {
@@ -112,17 +129,23 @@ class TiffVolume {
                         layout_.depth));
     } else if (description_.images > slices_ && file_.directories().size() == 1 && description_.one_directory) {
       raw_at_ = page.raw_planes(layout_, static_cast<std::uint64_t>(description_.images), false);
-      if (!raw_at_)
-        refuse(
-            fmt::format("has {} pictures by its {} and holds fewer; it is incomplete, or a part of a stack: save that "
-                        "part as a file of its own again",
-                        description_.images, description_.name));
-      slices_ = description_.images;
+      if (raw_at_) slices_ = description_.images;
     }
-    if (description_.images > 0 && description_.images != slices_ && slices_ > 1)
-      say(fmt::format("has {} slices, and {} pictures by its {}; the slices are taken", slices_, description_.images,
-                      description_.name));
+    compare_with_description();
     check_size(page);
+  }
+
+  // A stack that is longer than its description is whole.
+  void compare_with_description() const {
+    const TiffDescription& d = description_;
+    const bool one_of_a_set = of_a_folder_ && slices_ == 1 && !d.one_directory;
+    if (d.images == 0 || d.images == slices_ || one_of_a_set) return;
+    if (d.images < slices_)
+      return say(fmt::format("has {}, and its {} says {}; all are taken", counted(slices_, "slice"), d.name, d.images));
+    refuse(fmt::format("says in its {} that it has {} slices and holds {}; {}", d.name, d.images, slices_,
+                       d.several_files ? "the others are in other files of the data set, which are not read: save the "
+                                         "stack as one file"
+                                       : "it is incomplete, or its description is of another stack: save it again"));
   }
 
   void check_description() const {
@@ -200,6 +223,7 @@ class TiffVolume {
 
   TiffFile file_;
   Context* context_;
+  bool of_a_folder_;  // one of its slices
   std::int64_t memory_ = 0;
   std::vector<std::size_t> pages_;  // indices of directories
   TiffLayout layout_;               // of the first page
@@ -214,8 +238,8 @@ class TiffVolume {
 
 }  // namespace
 
-TiffStream open_tiff(const std::filesystem::path& file, Context* context, bool spacing_is_given) {
-  const auto volume = std::make_shared<TiffVolume>(file, context);
+TiffStream open_tiff(const std::filesystem::path& file, Context* context, bool spacing_is_given, bool of_a_folder) {
+  const auto volume = std::make_shared<TiffVolume>(file, context, of_a_folder);
   TiffStream stream = volume->stream(spacing_is_given);
   stream.next = [volume](std::span<std::byte> out) { volume->next(out); };
   return stream;
@@ -225,7 +249,7 @@ TiffStream open_tiff(const std::filesystem::path& file, Context* context, bool s
 #else
 namespace quench::io {
 
-TiffStream open_tiff(const std::filesystem::path& file, Context*, bool) {
+TiffStream open_tiff(const std::filesystem::path& file, Context*, bool, bool) {
   throw Error(ErrorCode::usage, fmt::format("'{}' cannot be read: TIFF needs a Quench built with libtiff 4.5 or newer "
                                             "(libtiff-dev); convert it to NRRD or .npy, or rebuild",
                                             file.string()));

@@ -51,6 +51,18 @@ void read_imagej(std::string_view text, TiffDescription& d) {
   if (d.size[2]) d.size[2]->unit = z_unit.value_or(d.unit.value_or(""));
 }
 
+/// Whether the planes of an image are in files of more than one name.
+bool several_files(const pugi::xml_node& pixels) {
+  std::string_view first;
+  for (const pugi::xml_node data : pixels.children())
+    for (const pugi::xml_node uuid : data.children()) {
+      const std::string_view name = uuid.attribute("FileName").value();
+      if (!first.empty() && !name.empty() && name != first) return true;
+      if (first.empty()) first = name;
+    }
+  return false;
+}
+
 void read_ome(const pugi::xml_document& document, TiffDescription& d) {
   const auto local = [](const pugi::xml_node& node) {
     const std::string_view name = node.name();
@@ -67,6 +79,7 @@ void read_ome(const pugi::xml_document& document, TiffDescription& d) {
       d.times = count(pixels.attribute("SizeT").value());
       if (std::int64_t z = 0; parse_integer(trimmed(pixels.attribute("SizeZ").value()), z))
         d.images = std::max<std::int64_t>(1, z);
+      d.several_files = several_files(pixels);
       for (std::size_t a = 0; a < 3; ++a) {
         const std::string name = std::string("PhysicalSize") + "XYZ"[a];
         if (const pugi::xml_attribute size = pixels.attribute(name.c_str()))
@@ -157,13 +170,24 @@ std::optional<TiffCalibration> in_one_unit(const std::array<TiffLength, 3>& size
   return result;
 }
 
-std::string lengths(double x, double y, const std::string& unit) {
+/// "0.1 x 0.2 mm"
+std::string lengths(std::initializer_list<double> values, const std::string& unit) {
   const Unit known = known_unit(unit);
-  return fmt::format("{:.6g} x {:.6g}{}{}", x * known.factor, y * known.factor, known.name.empty() ? "" : " ",
-                     known.name);
+  std::string text;
+  for (const double value : values) text += fmt::format("{}{:.6g}", text.empty() ? "" : " x ", value * known.factor);
+  return known.name.empty() ? text : text + " " + known.name;
 }
 
 constexpr const char* taken_as_one = "the spacing is taken as 1 x 1 x 1 (change it with --spacing)";
+
+/// Pixels that are not squares are meant so, unlike dots per inch: their sizes are put ready.
+std::string change_of_spacing(double x, double y, const std::string& unit) {
+  constexpr double rounding = 0.01;
+  if (std::abs(x - y) <= rounding * std::max(x, y)) return taken_as_one;
+  const double factor = known_unit(unit).factor;
+  return fmt::format("the spacing is taken as 1 x 1 x 1; give --spacing {:.6g},{:.6g},Z, where Z is that distance",
+                     x * factor, y * factor);
+}
 
 TiffCalibration without_spacing(const std::optional<double>& x, const std::optional<double>& y,
                                 const std::string& unit) {
@@ -171,8 +195,8 @@ TiffCalibration without_spacing(const std::optional<double>& x, const std::optio
   if ((x && !usable(*x)) || (y && !usable(*y)))
     result.note = fmt::format("gives a size of pixels that is not positive and finite; {}", taken_as_one);
   else if (x && y && (known_unit(unit).metres > 0 || *x != *y))
-    result.note =
-        fmt::format("gives a size of pixels, {}, but no distance of slices; {}", lengths(*x, *y, unit), taken_as_one);
+    result.note = fmt::format("gives a size of pixels, {}, but no distance of slices; {}", lengths({*x, *y}, unit),
+                              change_of_spacing(*x, *y, unit));
   return result;
 }
 
@@ -183,10 +207,25 @@ TiffCalibration contradictory() {
   return result;
 }
 
+/// OME with some of the sizes, but not those of x and y.
+TiffCalibration without_pixels(const TiffDescription& d) {
+  const auto& [x, y, z] = d.size;
+  for (const auto& size : {x, y, z})
+    if (size && !usable(size->value)) return contradictory();
+  const auto text = [](const TiffLength& size) { return lengths({size.value}, size.unit); };
+  TiffCalibration result;
+  if (x || y)
+    result.note =
+        fmt::format("gives a size of pixels along {} only ({}); {}", x ? "x" : "y", text(x ? *x : *y), taken_as_one);
+  else
+    result.note = fmt::format("gives a distance of slices ({}) but no size of pixels; {}", text(*z), taken_as_one);
+  return result;
+}
+
 TiffCalibration of_ome(const TiffDescription& d, const TiffResolution& resolution) {
   const auto& size = d.size;
   if (!size[0] && !size[1] && !size[2]) return without_spacing(resolution.x, resolution.y, resolution.unit);
-  if (!size[0] || !size[1]) return contradictory();
+  if (!size[0] || !size[1]) return without_pixels(d);
   if (!size[2]) return without_spacing(size[0]->value, size[1]->value, size[0]->unit);
   return in_one_unit({*size[0], *size[1], *size[2]}).value_or(contradictory());
 }

@@ -24,6 +24,7 @@ struct TiffDescription {
   std::int64_t images = 0;  ///< how many pictures the file has by it; 0: it does not say
   std::int64_t channels = 1, times = 1, volumes = 1;
   bool one_directory = false;                     ///< the directories of all pictures but the first are left out
+  bool several_files = false;                     ///< the pictures are in several files
   std::optional<std::string> unit;                ///< ImageJ: what the resolution tags count in
   std::array<std::optional<TiffLength>, 3> size;  ///< of a voxel in x, y, z (ImageJ: z only)
 };

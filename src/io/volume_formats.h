@@ -32,8 +32,8 @@ Volume read_sof(const std::filesystem::path& file, Context* context);
 Volume read_png(const std::filesystem::path& file, Context* context);
 
 /// The PNG or TIFF files of a folder in natural order (2 before 10), one slice each, all of one size and type and with
-/// or without colours. Spacing 1. What several slices have to be noted for is noted once; TIFF slices whose pixels have
-/// a size are a note unless `spacing_is_given`.
+/// or without colours; numbered slices are complete (check_slice_numbers()). Spacing 1. What several slices have to be
+/// noted for is noted once; TIFF slices whose pixels have a size are a note unless `spacing_is_given`.
 Volume read_slices(const std::filesystem::path& folder, Context* context, bool spacing_is_given = false);
 
 /// Replaces the spacing as asked and checks it and the origin.

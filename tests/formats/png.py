@@ -104,6 +104,14 @@ def cases():
         refused[f'colour type {colour}'] = png(samples[:, :, 1], colour=colour, body=body)
     for name, data in refused.items():
         found.append(case(f'{name} in a folder', {**first, '1.png': data}, '.'))
+    # Numbered slices are complete; free names are taken in their order.
+    long = volume('uint8', (5, 4, 12))
+    numbered = folder(long, 'img_{:04}.png')
+    found.append(case('a slice is missing', {name: data for name, data in numbered.items() if '0006' not in name}, '.'))
+    found.append(case('a number twice', {**numbered, 'img_6.png': numbered['img_0006.png']}, '.'))
+    found.append(case('a preview among the slices', {**numbered, 'preview.png': numbered['img_0006.png']}, '.'))
+    found.append(case('numbers in steps of 5', {f's{5 * z}.png': png(long[:, :, z]) for z in range(12)}, '.', Grid(long)))
+    found.append(case('free names', {f'{name}.png': png(samples[:, :, z]) for z, name in enumerate(('a', 'b7', 'c'))}, '.', right))
     found.append(case('a folder of PNG and TIFF', {**first, 'x.tif': b'II*\0'}, '.'))
     whole = filtered(packed_rows(samples[:, :, 0], 8), 8, 0)
     flat = Grid(samples[:, :, :1])

@@ -253,6 +253,9 @@ def places():
                           refusable=True))
     # Six pages that are no six slices.
     six = volume('uint8', (5, 4, 6))
+    for images in (5, 12):  # a stack longer than its description is whole
+        found.append(case(f'ImageJ, {images} images on 6 pages', stack(six, first_tags=description(f'ImageJ=1.53t\nimages={images}\n')),
+                          'v.tif', *([Grid(six)] if images == 5 else [])))
     for what in ('channels=2\nslices=3', 'frames=2\nslices=3', 'channels=2\nslices=3\nhyperstack=true', 'frames=6', 'channels=6'):
         text = f'ImageJ=1.53t\nimages=6\n{what}\n'
         found.append(case('ImageJ ' + what.replace('\n', ' '), stack(six, first_tags=description(text)), 'v.tif',
@@ -273,6 +276,9 @@ def places():
             tags = {**description(ome.format('XYZCT', 3, 1, 1, text)), **resolution((72, 1), (72, 1), 2)}
             found.append(case(f'OME{name} {order}', stack(samples, order, first_tags=tags), 'v.ome.tif', right, by_program=order == '<'))
     found.append(case('OME without sizes', stack(samples, first_tags=description(ome.format('XYZCT', 3, 1, 1, ''))), 'v.ome.tif', anywhere))
+    found.append(case('OME, 24 slices on 3 pages', stack(samples, first_tags=description(ome.format('XYZCT', 24, 1, 1, ''))), 'v.ome.tif'))
+    found.append(case('folder of slices with the OME of their stack', {
+        f's{z}.ome.tif': stack(samples[:, :, z:z + 1], tags=description(ome.format('XYZCT', 3, 1, 1, sizes))) for z in range(3)}, '.', anywhere))
     found.append(case('OME, damaged', stack(samples, first_tags=description(ome.format('XYZCT', 3, 1, 1, sizes)[:250])), 'v.ome.tif', anywhere,
                       refusable=True))
     for z, c, t in ((3, 2, 1), (3, 1, 2), (1, 6, 1)):
