@@ -58,15 +58,6 @@ InputFile::InputFile(const std::filesystem::path& file) {
   if (end == 0) throw Error(ErrorCode::input, fmt::format("'{}' is empty", file.string()));
 }
 
-void check_regular_file(const std::filesystem::path& file) {
-  std::error_code ignored;
-  const auto type = std::filesystem::status(file, ignored).type();
-  using enum std::filesystem::file_type;
-  if (type == fifo || type == socket || type == character || type == block)
-    throw Error(ErrorCode::input,
-                fmt::format("'{}' is not a regular file (a pipe or a device); save it to disk first", file.string()));
-}
-
 std::string volume_extension(const std::filesystem::path& file) {
   std::string name = file.filename().string();
   for (char& c : name) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
