@@ -64,14 +64,14 @@ std::array<std::int64_t, 3> integer_spacing(const Grid& grid) {
   const double smallest = s.minCoeff();
   if (!(smallest > 0) || !std::isfinite(s.maxCoeff()))
     throw Error(ErrorCode::input,
-                fmt::format("the spacing {} x {} x {} is not positive; give --spacing", s[0], s[1], s[2]));
+                fmt::format("the spacing {} x {} x {} is not positive; give another", s[0], s[1], s[2]));
   // Squares of lengths are needed in double precision, and lambda is kept in single precision.
   constexpr double shortest = 1e-30, longest = 1e30;
   if (smallest < shortest || s.maxCoeff() > longest)
     throw Error(
         ErrorCode::input,
         fmt::format("voxels of {} x {} x {} are beyond what can be computed with, {:g} to {:g}; scale the mesh, "
-                    "or give the volume another --spacing",
+                    "or give the volume another spacing",
                     s[0], s[1], s[2], shortest, longest));
   // Positions of vertices are doubles: beyond this, neighbours would fall together.
   constexpr double farthest = 1e12;
@@ -84,7 +84,7 @@ std::array<std::int64_t, 3> integer_spacing(const Grid& grid) {
   throw Error(
       ErrorCode::input,
       fmt::format("the spacing {} x {} x {} with {} x {} x {} voxels has no integer proportion within 2^20; give a "
-                  "rounder one with --spacing x,y,z",
+                  "rounder one",
                   s[0], s[1], s[2], grid.dims[0], grid.dims[1], grid.dims[2]));
 }
 
