@@ -88,7 +88,7 @@ TEST_F(Options, AnOptionIsNotTheValueOfAnother) {
     for (const Option& option : options_in(works({line[0], "--help"}).out)) {
       if (option.positional || !option.value) continue;
       ++values;
-      const std::string short_one = line[0] == "info" || line[0] == "verify" ? "-h" : "-o";
+      const std::string short_one = line[0] == "info" || line[0] == "verify" || line[0] == "convert" ? "-h" : "-o";
       for (const std::string& next : {option.name, std::string("--quiet"), short_one})
         refuses(2, {option.name + " needs a value ('" + next + "' is an option)"},
                 with(line, {option.name, next, "1"}));

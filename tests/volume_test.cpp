@@ -170,8 +170,8 @@ TEST(Foreground, RefusesContradictions) {
   message(ErrorCode::usage, [&] { foreground(line<std::uint8_t>({0, 1}), both); });
   ForegroundOptions nan;
   nan.threshold = std::nan("");
-  const auto what = message(ErrorCode::usage, [&] { foreground(line<std::uint8_t>({0, 1}), nan); });
-  EXPECT_EQ(what, "the threshold is not a number");
+  EXPECT_EQ(message(ErrorCode::usage, [&] { foreground(line<std::uint8_t>({0, 1}), nan); }),
+            "the threshold is not a number");
   ForegroundOptions high;
   high.threshold = 300;
   const auto what = message(ErrorCode::input, [&] { foreground(line<std::uint8_t>({3, 90}), high); });
