@@ -80,7 +80,8 @@ T number_of(const std::string& option, const std::string& text, T least, T most)
     T unlimited{};
     const auto result = std::from_chars(text.data(), text.data() + text.size(), unlimited);
     // Not rounded to 0 or to infinity: no sample would be compared with what was given.
-    if (result.ec == std::errc::result_out_of_range && range.empty())
+    const bool number = result.ptr == text.data() + text.size();
+    if (number && result.ec == std::errc::result_out_of_range && range.empty())
       throw Error(ErrorCode::usage,
                   fmt::format("{} '{}' is beyond the range of numbers (up to 1.8e308, down to 5e-324)", option, text));
     refuse(option, text, "a number" + range);

@@ -134,6 +134,7 @@ TEST_F(Options, NumbersAreDecimalAndInRange) {
           {"core", "s.off", "-o", "o.vtp", "--label", "9223372036854775808"});
   refuses(2, {"--threshold '1e-400' is beyond the range of numbers (up to 1.8e308, down to 5e-324)"},
           {"core", "s.off", "-o", "o.vtp", "--threshold", "1e-400"});
+  refuses(2, {"--threshold '1e309x' is not a number"}, {"core", "s.off", "-o", "o.vtp", "--threshold", "1e309x"});
   refuses(2, {"--threads '257' is not a whole number from 0 to 256"},
           {"core", "s.off", "-o", "o.vtp", "--threads", "257"});
   refuses(2, {"--seed", "from 0 to 18446744073709551615"}, {"sample", "root", "-o", "o.ply", "--seed", "-1"});
