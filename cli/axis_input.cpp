@@ -80,7 +80,7 @@ PolyData read_axis_file(const std::string& file, Session& session) {
   std::error_code ignored;
   // The bytes of the file and what is made of them; a compressed one says what it holds when it is opened.
   if (const auto size = std::filesystem::file_size(file, ignored); !ignored)
-    session.check_memory(static_cast<std::int64_t>(2 * size), fmt::format("reading '{}'", file), "a smaller file");
+    session.check_memory(static_cast<std::int64_t>(2 * size), fmt::format("reading '{}'", file), {"a smaller file"});
   return io::read_poly_data(file, &session.context);
 }
 

@@ -61,7 +61,8 @@ Burning compute_burning(const MedialAxis& axis, bool voxel_core, const BurnPipel
   burn_options.parents = parents;
   burn_options.omega = options.omega == "auto" ? 0 : resolve(options.omega, "--omega");
   session.check_memory(predicted_burn_bytes(axis.complex, axis.points, burn_options),
-                       fmt::format("burning with --omega {}", options.omega), "a larger --omega or --lambda");
+                       fmt::format("burning with --omega {}", options.omega),
+                       {"a larger --omega", "a larger --lambda"});
   Burning burning = burn(axis.complex, axis.points, axis.radius, burn_options, &session.context);
   session.detail(fmt::format("burned on {} nodes, {:.4g} apart; longest burn time {:.6g}", burning.network.node_count(),
                              burning.options.omega, burning.max_burn_time));

@@ -22,7 +22,7 @@ Action add_convert(CLI::App& app) {
   return [o](Session& session) {
     std::vector<std::filesystem::path> inputs{o->input};
     if (!o->radii.empty()) inputs.emplace_back(o->radii);
-    session.check_output(o->output, inputs);
+    session.check_output(o->output, inputs, "B");
     io::check_writable_format(o->output);
     if (io::kind_of(o->input) == io::Kind::volume)
       throw Error(ErrorCode::usage,

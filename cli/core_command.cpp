@@ -22,14 +22,16 @@ void check_folder(const std::string& folder) {
   namespace fs = std::filesystem;
   std::error_code error;
   check_name_length(fs::path(folder) / "skeleton.swc");
-  fs::path existing = fs::absolute(folder, error);
-  while (!fs::exists(existing, error) && existing.has_relative_path()) existing = existing.parent_path();
+  const fs::path whole = fs::absolute(folder, error);
+  fs::path existing = whole;
+  for (; !fs::exists(existing, error) && existing.has_relative_path(); existing = existing.parent_path())
+    if (fs::is_symlink(existing, error)) check_link(existing == whole ? fs::path(folder) : existing, "-o");
   if (!fs::is_directory(existing, error))
     throw Error(ErrorCode::usage,
                 fmt::format("'{}' exists and is not a folder; give -o another name", existing.string()));
-  if (access(existing.c_str(), W_OK | X_OK) != 0)
+  if (const int reason = creation_error(existing))
     throw Error(ErrorCode::failed, fmt::format("cannot write to '{}': the folder '{}' is not writable: {}", folder,
-                                               existing.string(), std::strerror(errno)));
+                                               existing.string(), std::strerror(reason)));
 }
 
 }  // namespace

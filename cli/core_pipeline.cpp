@@ -67,7 +67,8 @@ CorePipelineResult compute_core(const LoadedShape& loaded, const CorePipelineOpt
       fmt::format("the medial axis of a shape with {}", counted(sites, "boundary vertex", "boundary vertices"));
   if (core_options.in_bricks) what += fmt::format(", in bricks ({} at once),", bytes_text(before + at_once));
   session.check_memory(before + bytes, what,
-                       loaded.kind == "mesh" ? "a lower --resolution" : "a smaller or coarser volume, or a part of it");
+                       loaded.kind == "mesh" ? std::vector<std::string>{"a lower --resolution"}
+                                             : std::vector<std::string>{"a smaller or coarser volume", "a part of it"});
   if (core_options.in_bricks)
     session.say(fmt::format("{} boundary vertices are worked on in bricks: about {} of memory instead of {}", sites,
                             bytes_text(held + bytes), bytes_text(held + at_once)));

@@ -42,12 +42,21 @@ CLI::Validator one_of(std::vector<std::string> names) {
       "");
 }
 
+std::string empty_value_text(const CLI::Option& option) {
+  if (!option.get_required()) return "has an empty value; give one or leave it out";
+  const std::string type = option.get_type_name();
+  return fmt::format("is empty; give the name of a {}", type == "DIR"                 ? "folder"
+                                                        : option.get_name() == "NAME" ? "sample"
+                                                                                      : "file");
+}
+
 void refuse_empty_values(CLI::App& app) {
-  const CLI::Validator check(
-      [](std::string& value) { return value.empty() ? "has an empty value; give one or leave it out" : std::string(); },
-      "");
-  for (CLI::Option* option : app.get_options())
-    if (option->get_items_expected_max() > 0) option->transform(check);  // before its own checks
+  for (CLI::Option* option : app.get_options()) {
+    if (option->get_items_expected_max() == 0) continue;
+    const std::string text = empty_value_text(*option);
+    option->transform(CLI::Validator([text](std::string& value) { return value.empty() ? text : std::string(); },
+                                     ""));  // before its own checks
+  }
 }
 
 template <class T>
@@ -70,7 +79,11 @@ T number_of(const std::string& option, const std::string& text, T least, T most)
   } else {
     T unlimited{};
     const auto result = std::from_chars(text.data(), text.data() + text.size(), unlimited);
-    if (result.ec == std::errc::result_out_of_range && range.empty()) range = " of up to 308 digits";
+    // Not rounded to 0 or to infinity: no sample would be compared with what was given.
+    const bool number = result.ptr == text.data() + text.size();
+    if (number && result.ec == std::errc::result_out_of_range && range.empty())
+      throw Error(ErrorCode::usage,
+                  fmt::format("{} '{}' is beyond the range of numbers (up to 1.8e308, down to 5e-324)", option, text));
     refuse(option, text, "a number" + range);
   }
 }
@@ -87,13 +100,52 @@ std::vector<double> numbers_in(std::string_view text, char separator) {
   return numbers;
 }
 
+namespace {
+
+/// The least whole number that is not below the decimal `text`, of which `nearest`, from 2^52 to 2^64 or from -2^64 to
+/// -2^52, is the nearest double: nothing lies between the two in samples of any type, as doubles of this size are
+/// whole. Nothing where it needs more than 64 bits.
+std::optional<Threshold> least_whole(std::string_view text, double nearest) {
+  const std::size_t begin = nearest < 0 ? 1 : 0, end = std::min(text.find_first_of("eE"), text.size());
+  std::int64_t exponent = 0;
+  if (end < text.size()) {
+    std::string_view power = text.substr(end + 1);
+    if (power.starts_with('+')) power.remove_prefix(1);
+    if (!is_number(power, exponent)) return {};
+  }
+  std::string digits(text.substr(begin, end - begin));
+  const std::size_t point = std::min(digits.find('.'), digits.size());
+  if (point < digits.size()) digits.erase(point, 1);
+  // The first digits, up to 20 behind any zeros, are before the point: `nearest` says how large the number is.
+  const std::size_t zeros = digits.find_first_not_of('0');
+  const auto before = static_cast<std::size_t>(static_cast<std::int64_t>(point - zeros) + exponent);
+  digits.erase(0, zeros);
+  const bool fraction = digits.size() > before && digits.find_first_not_of('0', before) != std::string::npos;
+  digits.resize(before, '0');
+  std::uint64_t whole = 0;
+  if (!is_number(digits, whole)) return {};
+  if (nearest > 0) {
+    if (fraction && whole == std::numeric_limits<std::uint64_t>::max()) return {};
+    whole += fraction ? 1 : 0;
+    return whole <= std::uint64_t{INT64_MAX} ? Threshold(static_cast<std::int64_t>(whole)) : Threshold(whole);
+  }
+  if (whole > std::uint64_t{INT64_MAX}) return {};
+  return Threshold(-static_cast<std::int64_t>(whole));
+}
+
+}  // namespace
+
 Threshold threshold_of(const std::string& option, const std::string& text) {
   constexpr std::int64_t exact = std::int64_t{1} << 53;  // up to here doubles hold every whole number
   std::int64_t whole = 0;
   std::uint64_t large = 0;
   if (is_number(text, whole) && (whole < -exact || whole > exact)) return whole;
   if (is_number(text, large) && large > static_cast<std::uint64_t>(exact)) return large;
-  return number_of<double>(option, text);
+  const double nearest = number_of<double>(option, text);
+  if (const double size = std::abs(nearest);
+      size >= 0x1p52 && size <= 0x1p64 && text.find_first_of(".eE") != std::string::npos)
+    if (const auto least = least_whole(text, nearest)) return *least;
+  return nearest;
 }
 
 CLI::Option* add_parsed(CLI::App& app, const std::string& name, const std::string& help,

@@ -18,6 +18,9 @@ namespace quench::program {
 
 CLI::Validator one_of(std::vector<std::string> names);
 
+/// What is said of the empty value of an option, behind its name.
+std::string empty_value_text(const CLI::Option& option);
+
 /// Every option and argument of the command refuses an empty value.
 void refuse_empty_values(CLI::App& app);
 
@@ -33,7 +36,8 @@ T number_of(const std::string& option, const std::string& text, T least = std::n
 /// Numbers separated by `separator`; empty when one of them is not a finite number.
 std::vector<double> numbers_in(std::string_view text, char separator);
 
-/// A whole number that a double would round stays one.
+/// A whole number that a double would round stays one; so does the least one that is not below a fraction which a
+/// double would round to a whole number, where doubles are whole numbers anyway (from 2^52).
 Threshold threshold_of(const std::string& option, const std::string& text);
 
 /// An option with one value, which `parse` turns into what it means.

@@ -118,20 +118,56 @@ std::string unknown_option(const std::string& word, const CLI::App& app) {
   return fmt::format("there is no option {}{}", word, meant.empty() ? "" : fmt::format("; did you mean {}?", meant));
 }
 
-/// What CLI11 takes for something else: "--json=" for "--json", whose value is then the next word, and "-o=file" for a
-/// file named "=file".
-void refuse_misread_words(int argc, char** argv) {
+/// Whether a word is an option rather than a value: "--" and what follows it, the short options of the command. "-" is
+/// stdout, and negative numbers are values.
+bool is_option(const CLI::App& command, const std::string& word) {
+  return word.starts_with("--") || (word.size() == 2 && word[0] == '-' && command.get_option_no_throw(word));
+}
+
+/// After an option that takes a value: CLI11 takes the next word for it even when that is an option, too.
+void refuse_option_as_value(const CLI::App& command, const std::string& option, const std::string& value) {
+  if (!is_option(command, value)) return;
+  const bool known = command.get_option_no_throw(value.substr(0, value.find('='))) != nullptr;
+  throw Error(ErrorCode::usage, fmt::format("{} needs a value ('{}' {})", option, value,
+                                            known           ? "is an option"
+                                            : value == "--" ? "ends the options"
+                                                            : "begins as an option does"));
+}
+
+/// A word of the form "name=value" that CLI11 reads otherwise: "--json=" as "--json", whose value is then the next
+/// word, and "-o=file" as a file named "=file".
+void refuse_misread_equals(const CLI::App& command, const std::string& word, std::size_t equals) {
+  const std::string name = word.substr(0, equals);
+  if (name.starts_with("--") && name.size() > 2 && equals + 1 == word.size()) {
+    const CLI::Option* option = command.get_option_no_throw(name);
+    throw Error(ErrorCode::usage,
+                option ? fmt::format("{} {}", name, empty_value_text(*option))
+                       : fmt::format("{}; see quench {} --help", unknown_option(name, command), command.get_name()));
+  }
+  if (name.size() == 2 && name[1] != '-')
+    throw Error(ErrorCode::usage,
+                fmt::format("'{}': after {} the value follows without '=', or as the next word", word, name));
+}
+
+/// What CLI11 would take for something else than was meant.
+void refuse_misread_words(const CLI::App& app, int argc, char** argv) {
+  const CLI::App* command = nullptr;
   for (int i = 1; i < argc; ++i) {
-    const std::string_view word = argv[i];
+    const std::string word = argv[i];
     if (word == "--") return;
-    const std::size_t equals = word.find('=');
-    if (!word.starts_with('-') || equals == std::string_view::npos) continue;
-    const std::string_view name = word.substr(0, equals);
-    if (name.starts_with("--") && name.size() > 2 && equals + 1 == word.size())
-      throw Error(ErrorCode::usage, fmt::format("{} has an empty value; give one or leave the option out", name));
-    if (name.size() == 2 && name[1] != '-')
-      throw Error(ErrorCode::usage,
-                  fmt::format("'{}': after {} the value follows without '=', or as the next word", word, name));
+    if (!command && !word.starts_with('-')) {
+      const auto named = app.get_subcommands([&](const CLI::App* sub) { return sub->get_name() == word; });
+      if (named.empty()) return;
+      command = named.front();
+    } else if (word.starts_with('-')) {
+      const CLI::App& at = command ? *command : app;
+      if (const std::size_t equals = word.find('='); equals != std::string::npos) {
+        refuse_misread_equals(at, word, equals);
+      } else if (const CLI::Option* option = at.get_option_no_throw(word);
+                 option && option->get_items_expected_max() > 0 && i + 1 < argc) {
+        refuse_option_as_value(at, word, argv[++i]);
+      }
+    }
   }
 }
 
@@ -206,7 +242,7 @@ int run(int argc, char** argv) {
     refuse_empty_values(*sub);
   }
   int result = 0;
-  refuse_misread_words(argc, argv);
+  refuse_misread_words(app, argc, argv);
   try {
     app.parse(argc, argv);
     common.command = command_line(argc, argv);

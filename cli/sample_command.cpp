@@ -49,7 +49,7 @@ void check_sample_memory(const std::string& name, const SampleOptions& options, 
   constexpr double bytes = 80;  // the mesh, and the copy that is written
   session.check_memory(static_cast<std::int64_t>(triangles * bytes),
                        fmt::format("a sample of about {:.0f} triangles", triangles),
-                       "a smaller --detail or fewer --branches");
+                       {"a smaller --detail", "fewer --branches"});
 }
 
 void check_mesh_format(const std::filesystem::path& output) {

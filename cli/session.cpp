@@ -2,6 +2,7 @@
 #include "session.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -10,6 +11,7 @@
 #include <charconv>
 #include <climits>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 
 #include "printable.h"
@@ -34,24 +36,29 @@ std::int64_t parse_bytes(const std::string& text) {
   return static_cast<std::int64_t>(value * factor);
 }
 
-void check_no_input(const std::filesystem::path& output, const std::vector<std::filesystem::path>& inputs) {
+void check_no_input(const std::filesystem::path& output, const std::vector<std::filesystem::path>& inputs,
+                    const std::string& option) {
   std::error_code ignored;
   for (const auto& input : inputs)
     if (std::filesystem::equivalent(output, input, ignored))
       throw Error(ErrorCode::usage,
-                  fmt::format("the output '{}' is the input itself; give -o another name", output.string()));
+                  fmt::format("the output '{}' is the input itself; give {} another name", output.string(), option));
 }
 
 void check_one_output(const std::filesystem::path& output, const std::vector<std::filesystem::path>& inputs,
-                      bool overwrite) {
+                      const std::string& option, bool overwrite) {
   namespace fs = std::filesystem;
   std::error_code ignored;
   const std::string name = output.string();
-  if (name.empty()) throw Error(ErrorCode::usage, "the name of the output is empty; give -o a file name");
-  check_no_input(output, inputs);
+  if (name.empty())
+    throw Error(ErrorCode::usage, fmt::format("the name of the output is empty; give {} a file name", option));
+  check_no_input(output, inputs, option);
   if (fs::is_directory(output, ignored))
     throw Error(ErrorCode::usage, fmt::format("the output '{}' is a folder; give a file name", name));
-  const fs::file_status status = fs::status(output, ignored);
+  std::error_code unknown;
+  const fs::file_status status = fs::status(output, unknown);
+  if (unknown == std::errc::too_many_symbolic_link_levels && fs::is_symlink(output, ignored))
+    check_link(output, option);
   // A link is there also when what it points to is not.
   if (fs::exists(fs::symlink_status(output, ignored)) && !overwrite)
     throw Error(ErrorCode::usage, fmt::format("'{}' exists; give --overwrite to replace it", name));
@@ -68,8 +75,8 @@ void check_one_output(const std::filesystem::path& output, const std::vector<std
   if (!fs::exists(folder, ignored))
     cannot(fmt::format("the folder '{}' does not exist; create it first", folder.string()));
   if (!fs::is_directory(folder, ignored)) cannot(fmt::format("'{}' is not a folder", folder.string()));
-  if (access(folder.c_str(), W_OK | X_OK) != 0)
-    cannot(fmt::format("the folder '{}' is not writable: {}", folder.string(), std::strerror(errno)));
+  if (const int error = creation_error(folder))
+    cannot(fmt::format("the folder '{}' is not writable: {}", folder.string(), std::strerror(error)));
 }
 
 }  // namespace
@@ -79,6 +86,27 @@ bool is_same_place(const std::filesystem::path& a, const std::filesystem::path& 
   std::error_code ignored;
   return fs::weakly_canonical(fs::absolute(a, ignored), ignored) ==
          fs::weakly_canonical(fs::absolute(b, ignored), ignored);
+}
+
+void check_link(const std::filesystem::path& link, const std::string& option) {
+  namespace fs = std::filesystem;
+  std::error_code error, ignored;
+  if (!fs::is_symlink(link, ignored) || fs::exists(link, error)) return;
+  if (error == std::errc::too_many_symbolic_link_levels)
+    throw Error(ErrorCode::usage,
+                fmt::format("'{}' is a link that leads to itself; give {} another name", link.string(), option));
+  throw Error(ErrorCode::usage,
+              fmt::format("'{}' is a link to '{}', which does not exist; create that folder or give {} another name",
+                          link.string(), fs::read_symlink(link, ignored).string(), option));
+}
+
+int creation_error(const std::filesystem::path& folder) {
+  std::string name = (folder / ".quench-XXXXXX").string();
+  const int file = mkstemp(name.data());
+  if (file < 0) return errno;
+  close(file);
+  unlink(name.c_str());
+  return 0;
 }
 
 void check_name_length(const std::filesystem::path& output) {
@@ -115,9 +143,9 @@ Session::Session(const CommonOptions& o) : options(o) {
 
 Session::~Session() { clear_line(); }
 
-void Session::check_output(const std::filesystem::path& output,
-                           const std::vector<std::filesystem::path>& inputs) const {
-  check_one_output(output, inputs, options.overwrite);
+void Session::check_output(const std::filesystem::path& output, const std::vector<std::filesystem::path>& inputs,
+                           const std::string& option) const {
+  check_one_output(output, inputs, option, options.overwrite);
   check_report(inputs);
   if (!options.report.empty() && options.report != "-" && is_same_place(options.report, output))
     throw Error(
@@ -126,21 +154,24 @@ void Session::check_output(const std::filesystem::path& output,
 }
 
 void Session::check_report(const std::vector<std::filesystem::path>& inputs) const {
-  if (!options.report.empty() && options.report != "-") check_one_output(options.report, inputs, options.overwrite);
+  if (!options.report.empty() && options.report != "-")
+    check_one_output(options.report, inputs, "--json", options.overwrite);
 }
 
 std::int64_t Session::memory_limit() const {
   return options.memory_limit.empty() ? available_memory() : parse_bytes(options.memory_limit);
 }
 
-void Session::check_memory(std::int64_t bytes, const std::string& what, const std::string& remedy) const {
+void Session::check_memory(std::int64_t bytes, const std::string& what,
+                           const std::vector<std::string>& remedies) const {
   const bool limited = !options.memory_limit.empty();
   const std::int64_t limit = memory_limit();
   if (bytes <= limit) return;
   throw Error(ErrorCode::failed,
-              fmt::format("{} needs about {} of memory, and {} {}; use {}{}", what, bytes_text(bytes),
-                          bytes_text(limit), limited ? "are allowed by --memory-limit" : "are free", remedy,
-                          limited ? " or a larger --memory-limit" : ", or --memory-limit to try all the same"));
+              fmt::format("{} needs about {} of memory, and {} {}; use {}{} {}", what, bytes_text(bytes),
+                          bytes_text(limit), limited ? "are allowed by --memory-limit" : "are free",
+                          fmt::join(remedies, ", "), limited && remedies.size() == 1 ? " or" : ", or",
+                          limited ? "a larger --memory-limit" : "--memory-limit to try all the same"));
 }
 
 // Straight to the stream: nobody can be told when stderr itself fails, and the result does not depend on it.

@@ -39,15 +39,16 @@ class Session {
   CommonOptions options;
 
   /// Refuses, before any work is done, an output that exists (unless --overwrite), that is an input, or whose folder
-  /// cannot be written. Also the file of --json.
-  void check_output(const std::filesystem::path& output, const std::vector<std::filesystem::path>& inputs) const;
+  /// cannot be written. `option` is what names it. Also the file of --json.
+  void check_output(const std::filesystem::path& output, const std::vector<std::filesystem::path>& inputs,
+                    const std::string& option = "-o") const;
   /// The file of --json, for commands that write nothing else (check_output() includes it).
   void check_report(const std::vector<std::filesystem::path>& inputs) const;
   /// --memory-limit or, without one, the memory that is free.
   std::int64_t memory_limit() const;
   /// Throws Error(failed) with figures when `bytes` exceed --memory-limit or, without one, the memory that is free.
-  /// `remedy` is what the user can do about it, behind "use ".
-  void check_memory(std::int64_t bytes, const std::string& what, const std::string& remedy) const;
+  /// `remedies` are what the user can do about it, behind "use ".
+  void check_memory(std::int64_t bytes, const std::string& what, const std::vector<std::string>& remedies) const;
   /// What the caller asked for, on stdout; progress is cleared first. Throws Error(failed) when it cannot be written.
   void answer(const std::string& text);
   /// One line of it, in which names and texts of files may stand: made printable, and ended.
@@ -79,6 +80,11 @@ class Session {
 
 /// Whether two paths name one file, which need not exist.
 bool is_same_place(const std::filesystem::path& a, const std::filesystem::path& b);
+/// Throws Error(usage) for a link that leads to itself or to what does not exist. `option` is what names it.
+void check_link(const std::filesystem::path& link, const std::string& option);
+/// The error number of creating a file in the folder, which is then removed; 0: it can be done. The permissions say
+/// too little: some file systems (/proc) take no files.
+int creation_error(const std::filesystem::path& folder);
 /// Throws Error(usage) when the system has no room for such a name.
 void check_name_length(const std::filesystem::path& output);
 

@@ -2,6 +2,7 @@
 #include "shape_input.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -54,7 +55,7 @@ void check_voxelization_memory(const TriangleMesh& mesh, std::int64_t resolution
   const double bytes = 32 * sides[1] * sides[2];
   if (std::isfinite(bytes))
     session.check_memory(static_cast<std::int64_t>(bytes), fmt::format("the voxel shape at resolution {}", resolution),
-                         "a lower --resolution");
+                         {"a lower --resolution"});
 }
 
 namespace {
@@ -64,15 +65,38 @@ std::string topology_text(const Topology& t) {
                      counted(t.betti[2], "cavity", "cavities"));
 }
 
+/// The options that are for volumes, as far as they are set.
+std::vector<std::string> options_for_volumes(const ShapeOptions& options) {
+  const ForegroundOptions& f = options.foreground;
+  std::vector<std::string> names;
+  if (f.threshold) names.emplace_back("--threshold");
+  if (f.label) names.emplace_back("--label");
+  if (f.invert) names.emplace_back("--invert");
+  if (!options.spacing.empty()) names.emplace_back("--spacing");
+  return names;
+}
+
+/// Of a mesh: which options have no effect, given on the command line or recorded in a result.
+void say_ignored(const ShapeOptions& options, Session& session) {
+  const auto say = [&](const std::vector<std::string>& names, const std::string& recorded) {
+    if (names.empty()) return;
+    const bool one = names.size() == 1;
+    session.say(fmt::format("note: {}{} {} for volumes and {} ignored for a mesh", fmt::join(names, ", "), recorded,
+                            one ? "is" : "are", one ? "is" : "are"));
+  };
+  std::vector<std::string> given = options_for_volumes(options);
+  for (const std::string& name : options.recorded) std::erase(given, name);
+  say(given, "");
+  say(options.recorded, fmt::format(" (recorded in '{}')", options.recorded_in));
+}
+
 void load_mesh(const ShapeOptions& options, Session& session, LoadedShape& loaded) {
   const PolyData data = io::read_poly_data(options.file, &session.context);
   TriangleMesh mesh = to_triangle_mesh(data);
   if (mesh.triangles.empty())
     throw Error(ErrorCode::input, fmt::format("'{}' holds no faces; a shape needs a closed surface", options.file));
   checkpoint(&session.context, "read", 1);
-  const ForegroundOptions& f = options.foreground;
-  if (f.threshold || f.label || f.invert || !options.spacing.empty())
-    session.say("note: --threshold, --label, --invert and --spacing are for volumes and are ignored for a mesh");
+  say_ignored(options, session);
   VoxelizeOptions voxelize_options;
   voxelize_options.fill = fill_of(options.fill).value_or(FillRule::nonzero);
   const std::optional<std::int64_t> wanted = parse_resolution(options.resolution);
@@ -161,7 +185,8 @@ void load_volume(const ShapeOptions& options, Session& session, LoadedShape& loa
       if (error.code() == ErrorCode::failed || error.code() == ErrorCode::cancelled ||
           std::string_view(error.what()).find(options.file) != std::string_view::npos)
         throw;
-      throw Error(error.code(), fmt::format("'{}': {}", options.file, error.what()));
+      throw Error(error.code(), fmt::format("'{}': {}{}", options.file, error.what(),
+                                            error.code() == ErrorCode::usage ? " by --threshold or --label" : ""));
     }
   };
   if (const auto slices = io::open_slices(options.file, read_options, &session.context)) {
@@ -297,7 +322,11 @@ void refuse_unknown_kind(const std::string& file) {
   if (std::filesystem::is_directory(file, ignored))
     throw Error(ErrorCode::input,
                 fmt::format("the folder '{}' holds no PNG or TIFF slices; give a file or a folder of slices", file));
-  const std::string type = std::filesystem::path(file).extension().string();
+  const std::string type = std::filesystem::path(file).extension().string(), lower = extension_of(file);
+  if (lower == ".hdr" || lower == ".img")
+    throw Error(ErrorCode::input, fmt::format("'{}' has the unknown file type '{}'; a pair .hdr/.img is not read; save "
+                                              "it as one .nii file",
+                                              file, type));
   throw Error(
       ErrorCode::input,
       fmt::format("'{}' has {}; meshes end in e.g. .ply, .obj, .off, .stl, volumes in .nrrd, .nii.gz, .mha, .map, "
@@ -312,7 +341,7 @@ LoadedShape load_shape(const ShapeOptions& options, Session& session) {
   if (!ignored &&
       io::kind_of(options.file) == io::Kind::surface)  // volumes are read slice by slice, or check it themselves
     session.check_memory(static_cast<std::int64_t>(2 * size), fmt::format("reading '{}'", options.file),
-                         "a smaller file");
+                         {"a smaller file"});
   LoadedShape loaded;
   loaded.input["file"] = options.file;
   const io::Kind kind = io::kind_of(options.file);
@@ -335,7 +364,7 @@ LoadedShape load_shape(const ShapeOptions& options, Session& session) {
           bytes, static_cast<double>(std::min(predicted_core_bytes(sites), predicted_core_bytes_in_bricks(sites))));
     }
     session.check_memory(static_cast<std::int64_t>(std::min(bytes, 0x1p62)),
-                         fmt::format("--subdivide {}", options.subdivide), "a smaller factor");
+                         fmt::format("--subdivide {}", options.subdivide), {"a smaller factor"});
     loaded.shape = subdivide(loaded.shape, options.subdivide);
     loaded.parameters["subdivide"] = options.subdivide;
   }
@@ -440,6 +469,7 @@ void take_parameters(ShapeOptions& options, const PolyData& result, const std::s
   if (const auto rule = p.get<std::string>("fill", &Json::is_string, is_rule); rule && !options.fill_given)
     options.fill = *rule;
   ForegroundOptions& f = options.foreground;
+  const std::vector<std::string> given = options_for_volumes(options);
   const auto threshold = p.threshold();
   const auto label = p.whole("label", -most - 1, most);
   if (!f.threshold && !f.label) {
@@ -449,6 +479,9 @@ void take_parameters(ShapeOptions& options, const PolyData& result, const std::s
   if (const auto size = p.get<std::string>("spacing", &Json::is_string, is_spacing); size && options.spacing.empty())
     options.spacing = *size;
   f.invert |= p.flag("invert");
+  options.recorded = options_for_volumes(options);
+  for (const std::string& name : given) std::erase(options.recorded, name);
+  options.recorded_in = file;
   f.largest_component |= p.flag("largest_component");
   f.fill_cavities |= p.flag("fill_cavities");
   if (const auto n = p.whole("min_component", 0, most); n && f.min_component == 0) f.min_component = *n;

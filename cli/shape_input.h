@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "quench/poly_data.h"
 #include "quench/topology.h"
@@ -23,6 +24,8 @@ struct ShapeOptions {
   bool fill_given = false;
   std::string spacing;
   ForegroundOptions foreground;
+  std::vector<std::string> recorded;  ///< of the options for volumes, those that take_parameters() has set
+  std::string recorded_in;            ///< the file they are from
   int subdivide = 1;
   bool keep_mesh = false;    ///< LoadedShape::mesh is wanted
   bool core_follows = true;  ///< its memory counts too when the shape is subdivided

@@ -39,8 +39,10 @@ Action add_skeleton(CLI::App& app) {
   app.add_option("--csv", o->csv, "Also write a table of branches: length, radii, tortuosity ...")->type_name("FILE");
   app.add_option("-o,--output", o->output, "The skeleton: .vtp .ply .obj .csv")->type_name("FILE")->required();
   return [o](Session& session) {
-    for (const std::string& file : {o->output, o->swc, o->graphml, o->csv})
-      if (!file.empty()) session.check_output(file, o->axis.inputs());
+    const std::pair<const char*, const std::string&> outputs_by_option[] = {
+        {"-o", o->output}, {"--swc", o->swc}, {"--graphml", o->graphml}, {"--csv", o->csv}};
+    for (const auto& [option, file] : outputs_by_option)
+      if (!file.empty()) session.check_output(file, o->axis.inputs(), option);
     check_distinct({o->output, o->swc, o->graphml, o->csv});
     io::check_writable_format(o->output);
     check_burn_options(o->burn);

@@ -94,7 +94,7 @@ CheckedSkeleton compute_skeleton(const MedialAxis& axis, Burning&& burning, cons
   const Topology wanted = topology(axis.complex);
   checkpoint(&session.context, "topology", 0.3);
   session.check_memory(predicted_skeleton_bytes(burning.network), "the curves of this axis",
-                       "a larger --omega or --lambda");
+                       {"a larger --omega", "a larger --lambda"});
   RefinedAxis refined = quench_curves(axis.complex, axis.points, axis.radius, burning, &session.context);
   burning = Burning();
   const SkeletonFamily family = skeletons(std::move(refined), &session.context);

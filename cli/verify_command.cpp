@@ -73,7 +73,7 @@ Action add_verify(CLI::App& app) {
         session.check_memory(
             predicted_core_bytes(loaded.shape),  // verifying takes no more than computing
             fmt::format("verifying a shape with {}", counted(sites, "boundary vertex", "boundary vertices")),
-            "a result of a smaller or coarser shape");
+            {"a result of a smaller or coarser shape"});
       }
       VerifyOptions options;
       options.samples = o->samples;

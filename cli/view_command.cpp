@@ -205,8 +205,8 @@ Action add_view(CLI::App& app) {
     if (o->output.empty() && o->png.empty()) o->output = fs::path(first).replace_extension(".html").string();
     std::vector<fs::path> inputs(o->files.begin(), o->files.end());
     if (!o->shape.file.empty()) inputs.emplace_back(o->shape.file);
-    for (const std::string& file : {o->output, o->png})
-      if (!file.empty()) session.check_output(file, inputs);
+    if (!o->output.empty()) session.check_output(o->output, inputs);
+    if (!o->png.empty()) session.check_output(o->png, inputs, "--png");
     if (!o->output.empty() && o->output == o->png)
       throw Error(ErrorCode::usage, fmt::format("two outputs are named '{}'; give them different names", o->png));
     const fs::path chromium = o->png.empty() ? fs::path() : find_chromium();

@@ -63,17 +63,49 @@ TEST_F(Options, EmptyValuesAreRefused) {
       if (option.positional) {
         std::vector<std::string> empty = line;
         empty.at(++positional).clear();
-        refuses(2, {option.name, "empty"}, empty);
+        refuses(2, {option.name + " is empty; give the name of a " + (option.name == "NAME" ? "sample" : "file")},
+                empty);
         continue;
       }
-      refuses(2, {option.name, "empty"}, with(line, {option.name + "="}));
+      const bool required = option.name == "--output" && line[0] != "view";
+      const std::string text = !required          ? " has an empty value; give one or leave it out"
+                               : line[0] == "run" ? " is empty; give the name of a folder"
+                                                  : " is empty; give the name of a file";
+      refuses(2, {option.name + text}, with(line, {option.name + "="}));
       if (!option.value) continue;
       ++values;
-      refuses(2, {option.name, "empty"}, with(line, {option.name, ""}));
+      // Those that are given already are only refused as given twice.
+      refuses(2, {option.name + text}, required ? with({line[0], line[1]}, {"-o", ""}) : with(line, {option.name, ""}));
     }
     EXPECT_EQ(positional, line[0] == "convert" || line[0] == "verify" ? 2u : 1u) << line[0];
   }
   EXPECT_GT(values, 80u) << "the help text is read wrong";
+}
+
+TEST_F(Options, AnOptionIsNotTheValueOfAnother) {
+  std::size_t values = 0;
+  for (const auto& line : command_lines()) {
+    for (const Option& option : options_in(works({line[0], "--help"}).out)) {
+      if (option.positional || !option.value) continue;
+      ++values;
+      const std::string short_one = line[0] == "info" || line[0] == "verify" || line[0] == "convert" ? "-h" : "-o";
+      for (const std::string& next : {option.name, std::string("--quiet"), short_one})
+        refuses(2, {option.name + " needs a value ('" + next + "' is an option)"},
+                with(line, {option.name, next, "1"}));
+    }
+  }
+  EXPECT_GT(values, 80u);
+  for (const char* next : {"--threads=1", "--quiet", "-h"})
+    refuses(2, {std::string("--json needs a value ('") + next + "' is an option)"}, {"core", "s.off", "--json", next});
+  refuses(2, {"--json needs a value ('--odd' begins as an option does)"}, {"core", "s.off", "--json", "--odd"});
+  refuses(2, {"--json needs a value ('--' ends the options)"}, {"core", "s.off", "--json", "--", "o.vtp"});
+  refuses(2, {"-o needs a value ('--quiet' is an option)"}, {"run", "s.off", "-o", "--quiet"});
+  refuses(2, {"--nonsense", "no option"}, {"core", "s.off", "-o", "o.vtp", "--nonsense="});
+  // What begins with a dash and is a value.
+  folder.write("v.npy", npy_box(3, 4, 5, 1));
+  EXPECT_TRUE(works({"core", "v.npy", "--threshold", "-1", "--output=--o.vtp", "--json", "-"}).out.starts_with("{"));
+  EXPECT_TRUE(exists("--o.vtp"));
+  works({"info", "--", "--o.vtp"});
 }
 
 TEST_F(Options, NumbersAreDecimalAndInRange) {
@@ -84,7 +116,9 @@ TEST_F(Options, NumbersAreDecimalAndInRange) {
   for (const auto& line : command_lines())
     for (const Option& option : options_in(works({line[0], "--help"}).out)) {
       const auto refuse = [&](const std::string& value) {
-        refuses(2, {option.name + " '" + value + "' is not"}, with(line, {option.name, value}));
+        const bool beyond = value == "1e400" && option.name == "--threshold";
+        refuses(2, {option.name + " '" + value + "' is " + (beyond ? "beyond the range of numbers" : "not")},
+                with(line, {option.name, value}));
       };
       const auto among = [&](const auto& list) {
         return std::find(list.begin(), list.end(), option.name) != list.end();
@@ -98,11 +132,36 @@ TEST_F(Options, NumbersAreDecimalAndInRange) {
   EXPECT_GT(found, 40u);
   refuses(2, {"--label", "from -9223372036854775808 to 9223372036854775807"},
           {"core", "s.off", "-o", "o.vtp", "--label", "9223372036854775808"});
+  refuses(2, {"--threshold '1e-400' is beyond the range of numbers (up to 1.8e308, down to 5e-324)"},
+          {"core", "s.off", "-o", "o.vtp", "--threshold", "1e-400"});
+  refuses(2, {"--threshold '1e309x' is not a number"}, {"core", "s.off", "-o", "o.vtp", "--threshold", "1e309x"});
   refuses(2, {"--threads '257' is not a whole number from 0 to 256"},
           {"core", "s.off", "-o", "o.vtp", "--threads", "257"});
   refuses(2, {"--seed", "from 0 to 18446744073709551615"}, {"sample", "root", "-o", "o.ply", "--seed", "-1"});
   refuses(2, {"--smooth '-3' is not a whole number from 0 to 10000"}, {"run", "s.off", "-o", "out", "--smooth", "-3"});
   refuses(2, {"--fill 'odd' is not one of nonzero, evenodd"}, {"core", "s.off", "-o", "o.vtp", "--fill", "odd"});
+}
+
+// Of a mesh: what was given, and what a result of a volume says.
+TEST_F(Options, OptionsForVolumesThatAMeshIgnores) {
+  folder.write("cube.off", cube_off());
+  folder.write("v.npy", npy(3, 1, 1, "\1\2\3"));
+  const auto notes = [&](const std::vector<std::string>& line) {
+    const std::string err = quench(line).err;
+    std::string list;
+    for (std::size_t at = 0; (at = err.find("note: --", at)) != std::string::npos; ++at)
+      list += err.substr(at, err.find('\n', at) - at) + "|";
+    return list;
+  };
+  const std::vector<std::string> voxelize{"voxelize", "cube.off", "--resolution", "4", "-o", "o.nrrd", "--overwrite"};
+  EXPECT_EQ(notes(voxelize), "");
+  EXPECT_EQ(notes(with(voxelize, {"--invert"})), "note: --invert is for volumes and is ignored for a mesh|");
+  EXPECT_EQ(notes(with(voxelize, {"--label", "1", "--spacing", "2"})),
+            "note: --label, --spacing are for volumes and are ignored for a mesh|");
+  works({"core", "v.npy", "--threshold", "2", "-o", "c.vtp"});
+  const std::vector<std::string> verify{"verify", "cube.off", "c.vtp", "--resolution", "4"};
+  EXPECT_EQ(notes(verify), "note: --threshold (recorded in 'c.vtp') is for volumes and is ignored for a mesh|");
+  EXPECT_EQ(notes(with(verify, {"--threshold", "7"})), "note: --threshold is for volumes and is ignored for a mesh|");
 }
 
 template <class T>
@@ -127,6 +186,17 @@ TEST_F(Options, LargeWholeThresholdsAreExact) {
   EXPECT_EQ(voxels("i.npy", "--threshold", std::to_string(odd - 1)), 2);
   EXPECT_EQ(voxels("i.npy", "--threshold", std::to_string(-odd)), 3);
   EXPECT_EQ(voxels("i.npy", "--threshold", std::to_string(1 - odd)), 2);
+  for (const char* above : {"9007199254740992.5", "9007199254740992.000000000000000000001", "9.0071992547409921e15",
+                            "900719925474099300e-2", "0.00009007199254740993E+20"})
+    EXPECT_EQ(voxels("i.npy", "--threshold", above), 1) << above;
+  for (const char* at : {"9007199254740992.0", "9.007199254740992e15", "9007199254740991.5", "900719925474099100.1e-2"})
+    EXPECT_EQ(voxels("i.npy", "--threshold", at), 2) << at;
+  for (const char* below : {"-9007199254740993.5", "-9007199254740993.0", "-9.1e15"})
+    EXPECT_EQ(voxels("i.npy", "--threshold", below), 3) << below;
+  EXPECT_EQ(voxels("i.npy", "--threshold", "-9007199254740992.5"), 2);
+  EXPECT_EQ(voxels("u.npy", "--threshold", "18446744073709551614.5"), 1);
+  EXPECT_EQ(voxels("u.npy", "--threshold", "1.8446744073709551614e19"), 2);
+  refuses(3, {"'u.npy'"}, {"voxelize", "u.npy", "--threshold", "18446744073709551615.5", "-o", "no.nrrd"});
   EXPECT_EQ(voxels("u.npy", "--threshold", "18446744073709551615"), 1);
   EXPECT_EQ(voxels("u.npy", "--threshold", "18446744073709551614"), 2);
   EXPECT_EQ(voxels("o.npy", "--label", "010"), 1);  // ten
@@ -274,6 +344,15 @@ TEST_F(Options, SentencesThatHelp) {
   folder.write("a.docx", "text");
   refuses(3, {"'a.docx' has the unknown file type '.docx'", ".nrrd"}, {"info", "a.docx"});
   folder.write("plain", "text");
+  for (const char* half : {"pair.hdr", "pair.IMG"}) {
+    folder.write(half, "text");
+    refuses(3, {std::string("'") + half + "' has the unknown file type", "pair .hdr/.img", ".nii"}, {"info", half});
+  }
+  folder.write("type.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty flaot x\nend_header\n0\n");
+  refuses(3, {"'type.ply', line 4: the type of a property is 'flaot', which is not one of PLY's"},
+          {"info", "type.ply"});
+  folder.write("short.vol", "Version: 2\nX: 4\nY: 4\nZ: 4\nVoxel-Size: 1\n.\nabc");
+  refuses(3, {"'short.vol'", "4 x 4 x 4 voxels of 1 byte but"}, {"info", "short.vol"});
   refuses(3, {"'plain' has no file type in its name"}, {"core", "plain", "-o", "a.vtp"});
 }
 
@@ -285,7 +364,8 @@ TEST_F(Options, AmountsOfMemory) {
   EXPECT_EQ(quench::bytes_text(3 << 19), "1.5 MB");
   EXPECT_EQ(quench::bytes_text(std::int64_t{5} << 30), "5.0 GB");
   folder.write("v.npy", npy_box(3, 4, 5, 1));
-  refuses(1, {"coarser volume", "1.0 KB"}, {"core", "v.npy", "-o", "a.vtp", "--memory-limit", "1K"});
+  refuses(1, {"use a smaller or coarser volume, a part of it, or a larger --memory-limit", "1.0 KB"},
+          {"core", "v.npy", "-o", "a.vtp", "--memory-limit", "1K"});
 }
 
 }  // namespace

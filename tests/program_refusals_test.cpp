@@ -125,7 +125,8 @@ TEST_F(Refusals, LengthsBeyondDoublePrecision) {
   };
   folder.write("small.off", tetrahedron("0", "1e-32", "1e-32"));
   folder.write("far.off", tetrahedron("1e15", "1000000000001024", "1024"));
-  refuses(3, {"1e-30 to 1e+30", "--spacing"}, {"core", "box.npy", "--spacing", "1e200,1e200,1e200", "-o", "a.vtp"});
+  refuses(3, {"1e-30 to 1e+30", "another spacing"},
+          {"core", "box.npy", "--spacing", "1e200,1e200,1e200", "-o", "a.vtp"});
   refuses(3, {"1e-30 to 1e+30", "scale the mesh"}, {"core", "small.off", "--resolution", "4", "-o", "a.vtp"});
   refuses(3, {"1e+15", "move it nearer"}, {"core", "far.off", "--resolution", "8", "-o", "a.vtp"});
 }
@@ -138,8 +139,13 @@ TEST_F(Refusals, Outputs) {
   refuses(2, {"'old.vtp'", "--overwrite"}, {"core", "box.npy", "-o", "old.vtp"});
   refuses(2, {"'old.vtp'", "--overwrite"}, {"core", "box.npy", "-o", "a.vtp", "--json", "old.vtp"});
   refuses(2, {"same file"}, {"core", "box.npy", "-o", "a.vtp", "--json", "./a.vtp"});
-  refuses(2, {"input itself"}, {"convert", "cube.off", "./cube.off", "--overwrite"});
-  refuses(2, {"input itself"}, {"voxelize", "box.npy", "-o", "box.npy", "--overwrite"});
+  refuses(2, {"input itself; give B another name"}, {"convert", "cube.off", "./cube.off", "--overwrite"});
+  refuses(2, {"input itself; give -o another name"}, {"voxelize", "box.npy", "-o", "box.npy", "--overwrite"});
+  refuses(2, {"input itself; give --json another name"},
+          {"voxelize", "box.npy", "-o", "a.nrrd", "--json", "box.npy", "--overwrite"});
+  for (const char* option : {"--swc", "--graphml", "--csv", "--json"})
+    refuses(2, {std::string("'old.vtp' is the input itself; give ") + option + " another name"},
+            {"skeleton", "old.vtp", "-o", "a.vtp", option, "old.vtp", "--overwrite"});
   refuses(2, {"'dir'", "folder"}, {"core", "box.npy", "-o", "dir", "--overwrite"});
   refuses(1, {"'no'", "does not exist"}, {"core", "box.npy", "-o", "no/a.vtp"});
   refuses(2, {"'a.xyz'", ".vtp"}, {"core", "not even read.npy", "-o", "a.xyz"});
@@ -166,6 +172,37 @@ TEST_F(Refusals, DanglingLinks) {
   EXPECT_TRUE(bytes("later.vtp").starts_with("<?xml"));
   std::filesystem::create_symlink("nowhere/later.vtp", folder / "lost.vtp");
   refuses(1, {"'lost.vtp'", "nowhere", "does not exist"}, {"core", "box.npy", "-o", "lost.vtp", "--overwrite"});
+}
+
+// Before the input is even read.
+TEST_F(Refusals, LinksThatLeadNowhere) {
+  folder.write("bad.npy", "not even read");
+  std::filesystem::create_symlink("gone", folder / "link");
+  refuses(2, {"'link' is a link to 'gone', which does not exist; create that folder or give -o another name"},
+          {"run", "bad.npy", "-o", "link"});
+  for (const char* below : {"link/", "link/sub", "link/sub/sub"})
+    refuses(2, {"link' is a link to 'gone', which does not exist"}, {"run", "bad.npy", "-o", below});
+  std::filesystem::create_symlink("loop.vtp", folder / "loop.vtp");
+  for (const char* option : {"-o", "--json"}) {
+    const bool report = std::string(option) == "--json";
+    const std::string text = std::string("'loop.vtp' is a link that leads to itself; give ") + option + " another name";
+    std::vector<std::string> line{"core", "bad.npy", option, "loop.vtp"};
+    if (report) line.insert(line.end(), {"-o", "a.vtp"});
+    refuses(2, {text}, line);
+    line.emplace_back("--overwrite");
+    refuses(2, {text}, line);
+  }
+  refuses(2, {"'loop.vtp' is a link that leads to itself"}, {"run", "bad.npy", "-o", "loop.vtp"});
+}
+
+// Root may write by the permissions, and cannot.
+TEST_F(Refusals, FoldersThatTakeNoFiles) {
+  if (!std::filesystem::exists("/proc/self")) GTEST_SKIP() << "there is no /proc";
+  folder.write("bad.npy", "not even read");
+  refuses(1, {"cannot write '/proc/a.vtp': the folder '/proc' is not writable"},
+          {"core", "bad.npy", "-o", "/proc/a.vtp"});
+  refuses(1, {"cannot write to '/proc/out': the folder '/proc' is not writable"},
+          {"run", "bad.npy", "-o", "/proc/out"});
 }
 
 TEST_F(Refusals, TooLittleMemory) {

@@ -143,7 +143,8 @@ TEST(Foreground, LabelIsExactForEveryType) {
   ForegroundOptions options;
   options.label = 256;
   const auto what = message(ErrorCode::input, [&] { foreground(line<std::uint8_t>({0, 255}), options); });
-  EXPECT_TRUE(has(what, "value 256") && has(what, "from 0 to 255")) << what;
+  EXPECT_TRUE(has(what, "value 256") && has(what, "from 0 to 255") && has(what, "give another threshold or label"))
+      << what;
   options.label = big;
   message(ErrorCode::input, [&] { foreground(line<double>({static_cast<double>(big)}), options); });
 }
@@ -154,7 +155,7 @@ TEST(Foreground, WithoutRuleTheImageMustHaveTwoValues) {
   EXPECT_EQ(pattern(foreground(line<float>({-1, 0, -1}), {})), "#.#");
   EXPECT_EQ(pattern(foreground(line<std::int16_t>({3, 5, 3}), {})), "###");
   const auto three = message(ErrorCode::usage, [] { foreground(line<std::uint8_t>({0, 1, 2}), {}); });
-  EXPECT_TRUE(has(three, "--threshold") && has(three, "--label") && has(three, "from 0 to 2")) << three;
+  EXPECT_TRUE(has(three, "give a threshold T") && has(three, "a label K") && has(three, "from 0 to 2")) << three;
   message(ErrorCode::usage, [] { foreground(line<std::uint8_t>({5, 1, 3}), {}); });
   message(ErrorCode::usage, [] { foreground(line<std::uint8_t>({1, 5, 3}), {}); });
   EXPECT_TRUE(has(message(ErrorCode::input, [] { foreground(line<std::uint8_t>({0, 0}), {}); }), "from 0 to 0"));
@@ -169,7 +170,11 @@ TEST(Foreground, RefusesContradictions) {
   message(ErrorCode::usage, [&] { foreground(line<std::uint8_t>({0, 1}), both); });
   ForegroundOptions nan;
   nan.threshold = std::nan("");
-  message(ErrorCode::usage, [&] { foreground(line<std::uint8_t>({0, 1}), nan); });
+  EXPECT_EQ(message(ErrorCode::usage,
+                    [&] {
+                      foreground(line<std::uint8_t>({0, 1}), nan);
+                    }),
+            "the threshold is not a number");
   ForegroundOptions high;
   high.threshold = 300;
   const auto what = message(ErrorCode::input, [&] { foreground(line<std::uint8_t>({3, 90}), high); });
@@ -226,7 +231,7 @@ TEST(Clean, MinComponentEqualsFloodFill) {
     options.min_component = least;
     ForegroundReport report;
     if (kept == 0) {
-      EXPECT_TRUE(has(message(ErrorCode::input, [&] { clean(shape, options); }), "--min-component"));
+      EXPECT_TRUE(has(message(ErrorCode::input, [&] { clean(shape, options); }), "dropping components of fewer than"));
       continue;
     }
     EXPECT_TRUE(same(clean(shape, options, &report), dense.shape(shape.grid()))) << "seed " << seed;

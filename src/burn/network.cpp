@@ -73,7 +73,7 @@ void split_edges(const CellComplex& complex, BurnNetwork& network, Propagation p
     if (!(static_cast<double>(states) + more * std::max(1u, network.sectors_of(e)) < 4294967295.0) ||
         !(pieces < 2147483647.0) || !(static_cast<double>(nodes) + more < 4294967295.0))
       throw Error(ErrorCode::failed, fmt::format("burning with a spacing of {:.6g} needs more than 2^32 nodes; use a "
-                                                 "larger --omega",
+                                                 "larger omega",
                                                  network.omega));
     network.pieces[e] = static_cast<std::uint32_t>(pieces);
     nodes += network.pieces[e] - 1;

@@ -60,7 +60,7 @@ Type read_type(Words& words) {
   const std::string_view word = words.next_on_line();
   for (const TypeName& known : type_names)
     if (known.name == word) return known.type;
-  words.fail("the type of a property is not one of PLY's");
+  words.fail(fmt::format("the type of a property is '{}', which is not one of PLY's", word.substr(0, 40)));
 }
 
 Property read_property(Words& words) {

@@ -9,6 +9,7 @@
 #include "io/slice_streams.h"
 #include "io/stored_volume.h"
 #include "io/volume_formats.h"
+#include "quench/counted.h"
 #include "quench/error.h"
 #include "quench/io.h"
 #include "quench/memory.h"
@@ -78,8 +79,8 @@ std::uint64_t checked_sample_count(const std::filesystem::path& file, const std:
     bytes *= static_cast<double>(side);
   }
   const auto claim = [&] {
-    return fmt::format("'{}' claims {} x {} x {} voxels of {} bytes", file.string(), dims[0], dims[1], dims[2],
-                       bytes_per_sample);
+    return fmt::format("'{}' claims {} x {} x {} voxels of {}", file.string(), dims[0], dims[1], dims[2],
+                       counted(bytes_per_sample, "byte"));
   };
   if (bytes > most) throw Error(ErrorCode::input, claim() + ", more than any memory; the header is damaged");
   const auto count =
@@ -107,14 +108,14 @@ void apply_spacing(const std::filesystem::path& file, const VolumeReadOptions& o
   if (options.spacing) {
     const Vec3& s = *options.spacing;
     if (!positive(s))
-      throw Error(ErrorCode::usage, fmt::format("--spacing {},{},{} must be three positive numbers", s[0], s[1], s[2]));
+      throw Error(ErrorCode::usage,
+                  fmt::format("the spacing {},{},{} must be three positive numbers", s[0], s[1], s[2]));
     grid.spacing = s;
   }
   const Vec3& s = grid.spacing;
   if (!positive(s))
-    throw Error(ErrorCode::input,
-                fmt::format("'{}' has the spacing {} x {} x {}, which is not positive; give --spacing", file.string(),
-                            s[0], s[1], s[2]));
+    throw Error(ErrorCode::input, fmt::format("'{}' has the spacing {} x {} x {}, which is not positive; give another",
+                                              file.string(), s[0], s[1], s[2]));
   if (!grid.origin.allFinite())
     throw Error(ErrorCode::input,
                 fmt::format("the origin of '{}' is not a point; its header is damaged", file.string()));

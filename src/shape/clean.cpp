@@ -82,8 +82,9 @@ VoxelShape drop_components(const VoxelShape& shape, const ForegroundOptions& opt
       report.voxels_removed += voxels[i];
     }
   if (report.voxels_removed == shape.voxel_count())
-    throw Error(ErrorCode::input, fmt::format("--min-component {} leaves nothing: the largest component has {}",
-                                              options.min_component, counted(voxels[largest], "voxel")));
+    throw Error(ErrorCode::input,
+                fmt::format("dropping components of fewer than {} voxels leaves nothing: the largest component has {}",
+                            options.min_component, counted(voxels[largest], "voxel")));
   if (report.components_removed == 0) return shape;
   return filtered(shape, [&](std::uint32_t run) { return keep(sets.find(run)); });
 }

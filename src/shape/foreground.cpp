@@ -126,7 +126,7 @@ template <class T>
 [[noreturn]] void refuse_many_values(const Values<T>& values) {
   throw Error(ErrorCode::usage,
               fmt::format("the image has more than two values, so it is not clear what the shape is ({}); give "
-                          "--threshold T (value >= T) or --label K (value = K)",
+                          "a threshold T (value >= T) or a label K (value = K)",
                           values.text()));
 }
 
@@ -148,7 +148,7 @@ std::string describe(const ForegroundOptions& options) {
 
 template <class T>
 [[noreturn]] void refuse_nothing(const ForegroundOptions& options, const Values<T>& values) {
-  throw Error(ErrorCode::input, fmt::format("no voxel of the image has {}: {}; give another --threshold or --label",
+  throw Error(ErrorCode::input, fmt::format("no voxel of the image has {}: {}; give another threshold or label",
                                             describe(options), values.text()));
 }
 
@@ -263,9 +263,9 @@ VoxelShape foreground_of(const SliceStream& image, const ForegroundOptions& opti
 
 void check(const ForegroundOptions& options) {
   if (options.threshold && options.label)
-    throw Error(ErrorCode::usage, "--threshold and --label cannot be combined; give one of them");
+    throw Error(ErrorCode::usage, "a threshold and a label cannot be combined; give one of them");
   const double* threshold = options.threshold ? std::get_if<double>(&*options.threshold) : nullptr;
-  if (threshold && std::isnan(*threshold)) throw Error(ErrorCode::usage, "--threshold is not a number");
+  if (threshold && std::isnan(*threshold)) throw Error(ErrorCode::usage, "the threshold is not a number");
 }
 
 }  // namespace

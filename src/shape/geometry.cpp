@@ -94,14 +94,14 @@ std::array<std::int64_t, 3> integer_spacing(const Grid& grid) {
   const double smallest = s.minCoeff();
   if (!(smallest > 0) || !std::isfinite(s.maxCoeff()))
     throw Error(ErrorCode::input,
-                fmt::format("the spacing {} x {} x {} is not positive; give --spacing", s[0], s[1], s[2]));
+                fmt::format("the spacing {} x {} x {} is not positive; give another", s[0], s[1], s[2]));
   // Squares of lengths are needed in double precision, and lambda is kept in single precision.
   constexpr double shortest = 1e-30, longest = 1e30;
   if (smallest < shortest || s.maxCoeff() > longest)
     throw Error(
         ErrorCode::input,
         fmt::format("voxels of {} x {} x {} are beyond what can be computed with, {:g} to {:g}; scale the mesh, "
-                    "or give the volume another --spacing",
+                    "or give the volume another spacing",
                     s[0], s[1], s[2], shortest, longest));
   // Positions of vertices are doubles: beyond this, neighbours would fall together.
   constexpr double farthest = 1e12;
@@ -115,7 +115,7 @@ std::array<std::int64_t, 3> integer_spacing(const Grid& grid) {
   throw Error(
       ErrorCode::input,
       fmt::format("the spacing {} x {} x {} with {} x {} x {} voxels is not in a proportion of whole numbers, up to "
-                  "a twentieth of a voxel over the grid; give one that is, such as 1,1,2, with --spacing",
+                  "a twentieth of a voxel over the grid; give one that is, such as 1 x 1 x 2",
                   s[0], s[1], s[2], grid.dims[0], grid.dims[1], grid.dims[2]));
 }
 

@@ -53,11 +53,12 @@ const std::vector<SampleInfo>& samples() {
 
 Sample make_sample(std::string_view name, const SampleOptions& options) {
   if (!(options.noise >= 0 && options.noise <= 0.1))
-    throw Error(ErrorCode::usage, fmt::format("--noise {} is not a fraction of the side from 0 to 0.1", options.noise));
+    throw Error(ErrorCode::usage,
+                fmt::format("the noise {} is not a fraction of the side from 0 to 0.1", options.noise));
   if (!(options.detail > 0 && options.detail <= 16))
-    throw Error(ErrorCode::usage, fmt::format("--detail {} is not above 0 and at most 16", options.detail));
+    throw Error(ErrorCode::usage, fmt::format("the detail {} is not above 0 and at most 16", options.detail));
   if (options.branches < 1 || options.branches > 100000)
-    throw Error(ErrorCode::usage, fmt::format("--branches {} is not from 1 to 100000", options.branches));
+    throw Error(ErrorCode::usage, fmt::format("the number of branches {} is not from 1 to 100000", options.branches));
   for (const Entry& entry : entries)
     if (entry.info.name == name) return entry.make(options);
   std::string names;

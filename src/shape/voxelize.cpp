@@ -24,7 +24,7 @@ constexpr std::int64_t largest_margin = 16384;
 
 void check(const VoxelizeOptions& options) {
   if (options.resolution < 1 || options.resolution > largest_resolution)
-    throw Error(ErrorCode::usage, fmt::format("the resolution {} is not possible; give --resolution from 1 to {}",
+    throw Error(ErrorCode::usage, fmt::format("the resolution {} is not possible; give one from 1 to {}",
                                               options.resolution, largest_resolution));
   if (options.margin < 0 || options.margin > largest_margin)
     throw Error(ErrorCode::usage,
@@ -110,7 +110,7 @@ std::string difference(const VoxelShape& shape, const SurfaceTopology& surface) 
     if (voxels.euler == surface.euler) return {};
     return fmt::format(
         "the voxel shape has Euler characteristic {}, the solid of the mesh {}; the mesh is not a 2-manifold, so parts "
-        "may touch; a higher --resolution may help",
+        "may touch; a higher resolution may help",
         voxels.euler, surface.euler);
   }
   if (voxels.euler == surface.euler && voxels.betti[0] + voxels.betti[2] == surface.components &&
@@ -119,10 +119,10 @@ std::string difference(const VoxelShape& shape, const SurfaceTopology& surface) 
   const std::string parts = surface.components == 1
                                 ? "1 component, no cavity"
                                 : fmt::format("{} components and cavities together", surface.components);
-  return fmt::format(
-      "the voxel shape has {}, {} and {}, the solid of the mesh {} and {}; a higher --resolution may help",
-      counted(voxels.betti[0], "component", "components"), counted(voxels.betti[2], "cavity", "cavities"),
-      counted(voxels.betti[1], "tunnel", "tunnels"), parts, counted(genus, "tunnel", "tunnels"));
+  return fmt::format("the voxel shape has {}, {} and {}, the solid of the mesh {} and {}; a higher resolution may help",
+                     counted(voxels.betti[0], "component", "components"),
+                     counted(voxels.betti[2], "cavity", "cavities"), counted(voxels.betti[1], "tunnel", "tunnels"),
+                     parts, counted(genus, "tunnel", "tunnels"));
 }
 
 /// The rule, and the faces it is asked of.
@@ -221,12 +221,12 @@ Voxelization not_empty(Voxelization result, std::int64_t resolution) {
     throw Error(
         ErrorCode::input,
         fmt::format("the mesh encloses no voxel centre at resolution {}; it encloses nothing, or is so thin that "
-                    "it needs a higher --resolution",
+                    "it needs a higher resolution",
                     resolution));
   throw Error(
       ErrorCode::input,
       fmt::format("the mesh is not closed ({}) and encloses nothing: no voxel centre has a winding number above "
-                  "1/2 at resolution {}; close its holes, or give a higher --resolution if it is thin",
+                  "1/2 at resolution {}; close its holes, or give a higher resolution if it is thin",
                   result.defects.open_edges > 0
                       ? counted(result.defects.open_edges, "edge with one face only", "edges with one face only")
                       : "its faces do not agree on an inside",

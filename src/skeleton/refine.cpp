@@ -90,8 +90,8 @@ class Refinement {
     for (const std::uint32_t e : m.face_edges) most += 4 * std::uint64_t{net_.pieces[e]};
     if (most >= kNone)
       throw Error(ErrorCode::failed,
-                  "the medial curves of this axis have more than 2^32 parts; use a larger --omega or "
-                  "--lambda");
+                  "the medial curves of this axis have more than 2^32 parts; use a larger omega or "
+                  "lambda");
     out_.doors = static_cast<std::uint32_t>(doors);
     door_base_.back() = out_.doors;
     const std::size_t vertices = out_.nodes + doors;
