@@ -13,6 +13,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <fstream>
 
 #include "printable.h"
 #include "quench/output_group.h"
@@ -199,6 +200,11 @@ void Session::detail(const std::string& line) {
 double Session::total_seconds() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
 
 std::int64_t Session::peak_bytes() {
+  // Not that of getrusage(), which begins with the peak of the process that started this one.
+  std::ifstream status("/proc/self/status");
+  for (std::string word; status >> word;)
+    if (word == "VmHWM:")
+      if (std::int64_t kilobytes = 0; status >> kilobytes) return kilobytes * 1024;
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
   return static_cast<std::int64_t>(usage.ru_maxrss) * 1024;

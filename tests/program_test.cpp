@@ -332,7 +332,7 @@ TEST_F(Program, VolumesAtTheLimits) {
   refuses(3, {"'constant.npy'", "from 0 to 0"}, {"core", "constant.npy", "-o", "a.vtp"});
   folder.write("huge.npy", npy(100000, 100000, 100000, "0123456789"));
   refuses(3, {"'huge.npy'", "too short"}, {"core", "huge.npy", "-o", "a.vtp"});
-  refuses(3, {"integer proportion"}, {"core", "full.npy", "--spacing", "1e-30,1,1e30", "-o", "a.vtp"});
+  refuses(3, {"proportion of whole numbers"}, {"core", "full.npy", "--spacing", "1e-30,1,1e30", "-o", "a.vtp"});
 }
 
 // Enough edges for three threads to thin slabs of their own (2^16 each, src/complex/thinning.cpp).
