@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# make demo       install packages, build, run the main job on a built-in shape
+# make demo       install packages, build the program, run the main job on a built-in shape
 # make test       install packages, build and run the tests (at most 15 minutes on 2 cores)
 # make test-full  also: address, undefined-behaviour and thread sanitizers, all real data at resolution 512
 # make soak       random shapes and options through the program for SOAK_SECONDS (600), from seed SOAK_SEED (the time)
@@ -13,7 +13,10 @@ FUZZ_SECONDS ?= 60
 
 .PHONY: demo test test-full soak fuzz bench build format clean
 demo: deps
-	@$(MAKE) --no-print-directory build
+	@echo "Building the program and its page only, some minutes on two processors ('make test' builds the rest) ..."
+	cmake --preset release
+	cmake --build $(BUILD) -j $(JOBS) --target quench_program
+	@echo "Computing the medial axis, skeleton and page of a built-in shape ..."
 	@rm -rf demo && mkdir demo
 	$(BUILD)/quench sample fin-on-board -o demo/fin-on-board.ply
 	$(BUILD)/quench run demo/fin-on-board.ply -o demo/fin-on-board

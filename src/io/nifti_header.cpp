@@ -214,7 +214,7 @@ void set_grid(const std::filesystem::path& file, const Nifti& n, StoredVolume& v
     volume.coordinates.space = "LPS";
   }
   set_steps(file, placement.steps, n.sform_code > 0 ? "sform" : n.qform_code > 0 ? "qform" : "pixdim", grid);
-  grid.origin = placement.origin;
+  grid.origin = placement.origin + Vec3::Zero();  // 0 for -0
   // Single precision and the product of a matrix leave noise in the lengths of steps; pixdim has the same without.
   for (int a = 0; a < 3; ++a)
     if (std::abs(grid.spacing[a] - spacing[a]) <= 1e-5 * spacing[a]) grid.spacing[a] = spacing[a];

@@ -256,7 +256,7 @@ void set_steps(const std::filesystem::path& file, const Mat3& steps, std::string
                             "from {:g} to {:g}; correct the {} in its header, or save the volume again",
                             a, step[0], step[1], step[2], shortest, longest, where));
     grid.spacing[a] = length;
-    grid.direction.col(a) = step / length;
+    grid.direction.col(a) = step / length + Vec3::Zero();  // 0 for -0
   }
   const double shear = (grid.direction.transpose() * grid.direction - Mat3::Identity()).cwiseAbs().maxCoeff();
   if (!(shear <= shear_tolerance))
