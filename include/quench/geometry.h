@@ -44,7 +44,7 @@ struct Coordinates {
   std::string units;  ///< of lengths, e.g. "mm"
   std::string
       space;  ///< "LPS" where x, y, z are known to grow to the left, back and head of a body; other spaces of NRRD
-              ///< ("scanner-xyz", "3d-right-handed", "3d-left-handed") by their names
+              ///< ("scanner-xyz", "3D-right-handed", "3D-left-handed") by their names
 };
 
 /// The smallest integers proportional to `spacing` to 1e-6 relative, such that dims[i] * result[i] <= 2^20: the

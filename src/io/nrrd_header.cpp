@@ -232,7 +232,7 @@ void NrrdHeader::read_directions() {
       to_lps_.setOnes();
     } else if (!anatomical_) {
       to_lps_.setOnes();
-      space_ = name;
+      space_ = name.starts_with("3d") ? "3D" + name.substr(2) : name;  // as the format writes it
       if (name != "scanner-xyz" && name != "3d-right-handed" && name != "3d-left-handed")
         refuse(fmt::format("its field 'space' is '{}', which is not a space of the format", shown(*space)));
     }

@@ -58,7 +58,7 @@ std::string vector_text(const Vec3& v) {
 /// The space of the format that a reader may have found.
 std::string space_line(const std::string& space) {
   if (space == "LPS") return "space: left-posterior-superior\n";
-  for (const char* other : {"scanner-xyz", "3d-right-handed", "3d-left-handed"})
+  for (const char* other : {"scanner-xyz", "3D-right-handed", "3D-left-handed"})
     if (space == other) return fmt::format("space: {}\n", other);
   return "space dimension: 3\n";
 }

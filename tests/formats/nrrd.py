@@ -169,7 +169,7 @@ def places():
                         space_origin='(10,20,30,7)', space_directions=in_time)
         unnamed = Grid(samples, SPACING, ORIGIN, matrix, space=('-',))
         for space in ('scanner-xyz', '3D-right-handed', '3D-left-handed'):
-            add(f'space: {space}, {what}', Grid(samples, SPACING, ORIGIN, matrix, space=(space.lower(),)), space=space, **where)
+            add(f'space: {space}, {what}', Grid(samples, SPACING, ORIGIN, matrix, space=(space,)), space=space, **where)
         add(f'space dimension: 3, {what}', unnamed, **{'space_dimension': 3, **where})
     units = Grid(samples, SPACING, ORIGIN, units=('mm', '-'))
     straight = dict(space='LPS', spacings=None, space_directions=vectors(np.diag(SPACING)))
