@@ -9,7 +9,7 @@
 
 namespace quench::program {
 
-/// Parses the command line and runs the subcommand; returns the exit code (DESIGN: 0 ok, 1 failed, 2 usage, 3 input,
+/// Parses the command line and runs the subcommand; returns the exit code (0 ok, 1 failed, 2 usage, 3 input,
 /// 4 invariant, 130 interrupted).
 int run(int argc, char** argv);
 

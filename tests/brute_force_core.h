@@ -30,7 +30,7 @@ struct Cell {
   std::array<Wide, 3> numerator{};  ///< exact centre in scaled lattice coordinates: numerator / denominator,
   Wide denominator = 1;             ///< positive, in lowest terms
   Vec3 position{0, 0, 0};           ///< centre, world
-  double radius = 0, lambda = 0;    ///< world units; lambda by the rule `coface` of SPEC 3
+  double radius = 0, lambda = 0;    ///< world units; lambda by the rule `coface`
   double lambda_ball = 0;           ///< smallest ball enclosing the sites (rule `ball`)
   std::vector<Ids> facets;          ///< of the polytope, counterclockwise seen from outside
 };
@@ -365,7 +365,7 @@ class Builder {
     return std::sqrt(static_cast<double>(dot(d, d)));
   }
 
-  // SPEC 3: the largest lambda of the cells around it; the smallest enclosing ball where there are none.
+  // The largest lambda of the cells around it; the smallest enclosing ball where there are none.
   void compute_lambda() {
     for (Edge& e : core_.edges) e.lambda_ball = smallest_ball(e.sites);
     for (Cell& c : core_.cells) c.lambda_ball = std::min(smallest_ball(c.sites), c.radius);

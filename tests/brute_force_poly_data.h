@@ -21,7 +21,7 @@ inline Kept keep_all(const Core& core) {
           std::vector<char>(core.faces.size(), 1)};
 }
 
-/// Removes simple pairs of which both cells are below lambda, in any order, until none is left (SPEC 4).
+/// Removes simple pairs of which both cells are below lambda, in any order, until none is left.
 inline Kept pruned(const Core& core, double lambda, bool ball_rule = false) {
   Kept kept = keep_all(core);
   const auto value = [&](const auto& cell) { return ball_rule ? cell.lambda_ball : cell.lambda; };
@@ -59,7 +59,7 @@ inline Kept pruned(const Core& core, double lambda, bool ball_rule = false) {
   return kept;
 }
 
-/// Polygons, edges without polygon as lines, cells without edge as vertex cells, with the arrays of SPEC 10.
+/// Polygons, edges without polygon as lines, cells without edge as vertex cells, with the arrays of docs/voxel_core.md.
 inline PolyData poly_data(const Core& core, const Kept& kept, double lambda = 0, bool ball_rule = false) {
   PolyData data;
   const auto value = [&](const auto& cell) { return ball_rule ? cell.lambda_ball : cell.lambda; };

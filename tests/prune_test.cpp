@@ -27,7 +27,7 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// Thinning as SPEC 4 words it, without any clever structure: look at all pairs, take the first, start again.
+// Thinning as it is defined, without any clever structure: look at all pairs, take the first, start again.
 class NaiveThinning {
  public:
   explicit NaiveThinning(const MedialAxis& axis) : axis_(axis), complex_(axis.complex) {

@@ -120,7 +120,7 @@ TEST(VoxelCore, OneVoxelIsAPointAndAThinBarIsALine) {
 }
 
 TEST(VoxelCore, LambdaOfCosphericalEdgesUnderBothRules) {
-  // SPEC 3: the 2x2xn bar has 0.71 under the default rule and 1 under the dissertation's.
+  // The 2x2xn bar has 0.71 under the default rule and 1 under the dissertation's.
   const VoxelShape bar = testing_shapes::box_shape(2, 2, 9);
   const auto middle = [&](const MedialAxis& axis) {
     double value = 0;

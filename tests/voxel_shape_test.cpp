@@ -13,7 +13,7 @@
 namespace quench {
 namespace {
 
-// Straight from the definition in SPEC 1.
+// Straight from the definition of boundary vertices.
 std::vector<LatticePoint> sites_by_definition(const VoxelShape& shape) {
   std::vector<LatticePoint> sites;
   const auto& d = shape.grid().dims;

@@ -35,7 +35,7 @@ struct BurnOptions {
 inline constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
 /// Where fire is tracked: nodes on the edges of a complex, and in the link of each node its sectors (Yan 2018, sec.
-/// 3.4.1; SPEC 5).
+/// 3.4.1; docs/burning.md).
 ///
 /// Nodes are the vertices, then the points that split every edge of a polygon into `pieces[e]` equal parts no longer
 /// than `omega` (to 1e-12), edge by edge from the first end to the second; edges of no polygon are not split. A *state*
@@ -83,9 +83,9 @@ struct Burning {
   std::uint32_t unburned = 0;              ///< vertices with infinite burn time
 };
 
-/// Burns a complex of convex polygons with a radius per vertex (Yan 2018, ch. 3, with the sector propagation of SPEC 5
-/// in place of Algorithm 1): fire starts on the free edges at the time of the radius, runs with unit speed, dies at a
-/// seam while two or more sheets are left, and goes on in the last one.
+/// Burns a complex of convex polygons with a radius per vertex (Yan 2018, ch. 3, with times per sector of a
+/// link, see docs/burning.md, in place of Algorithm 1): fire starts on the free edges at the time of the radius, runs
+/// with unit speed, dies at a seam while two or more sheets are left, and goes on in the last one.
 ///
 /// Deterministic. Near O(n log n) in nodes for polygons of few nodes; about 160 bytes per node, up to 300
 /// where most of the axis is noise. Polygons flatter than

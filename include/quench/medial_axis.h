@@ -21,7 +21,7 @@ struct MedialAxis {
   std::vector<Vec3> points;    ///< per vertex
   std::vector<double> radius;  ///< per vertex: distance to its nearest sites
 
-  std::vector<double> vertex_lambda, edge_lambda, face_lambda;  ///< SPEC: half the distance of the two sites for a face
+  std::vector<double> vertex_lambda, edge_lambda, face_lambda;  ///< of a face: half the distance of its sites
   std::vector<double> vertex_level, edge_level, face_level;     ///< empty before prune_levels()
 
   std::vector<std::array<std::uint32_t, 2>> face_sites;  ///< the two nearest sites of each face, smaller row first

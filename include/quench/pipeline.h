@@ -49,9 +49,9 @@ struct CheckedCore {
 CheckedCore checked_core(const VoxelShape& shape, const Topology& wanted, double longest_side,
                          const CheckedCoreOptions& options = {}, Context* context = nullptr);
 
-/// The axis as a file: cells and arrays (SPEC 10), and as field data stage, lambda, longest_side, reconstructed,
-/// topology, units, space, version and `parameters`, the JSON text from which `quench verify` takes how the shape was
-/// made.
+/// The axis as a file: cells and arrays (docs/voxel_core.md), and as field data stage, lambda, longest_side,
+/// reconstructed, topology, units, space, version and `parameters`, the JSON text from which `quench verify` takes how
+/// the shape was made.
 PolyData core_file(const CheckedCore& core, const Coordinates& coordinates, const std::string& parameters);
 /// The same where the axis is not needed any more: it is empty afterwards, the rest of `core` as it was.
 PolyData core_file(CheckedCore&& core, const Coordinates& coordinates, const std::string& parameters);

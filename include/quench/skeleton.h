@@ -15,8 +15,8 @@
 
 namespace quench {
 
-/// A burned medial axis M cut up so that its medial curves are part of it (Yan 2018, sec. 3.4.4; SPEC 6, 7): the
-/// complex K. It covers M exactly and has its topology; it collapses onto the medial curves and the closed pockets.
+/// A burned medial axis M cut up so that its medial curves are part of it (Yan 2018, sec. 3.4.4; docs/skeletons.md):
+/// the complex K. It covers M exactly and has its topology; it collapses onto the medial curves and the closed pockets.
 ///
 /// The prime arcs of the fire cut every polygon into regions. The medial curves are the dual network: a *region dual*
 /// in each region, a *door* on every segment between neighbouring nodes, an edge between the two unless fire ran along
@@ -29,8 +29,9 @@ struct RefinedAxis {
   CellComplex complex;
   std::vector<Vec3> points;
   std::vector<double> radius;
-  std::vector<double> burn_time;  ///< per vertex: of M at nodes; on the medial curves as in SPEC 6; infinite at pockets
-  std::uint32_t original = 0;     ///< vertices of M, the first nodes
+  std::vector<double>
+      burn_time;  ///< per vertex: of M at nodes; on the medial curves that of their own fire; infinite at pockets
+  std::uint32_t original = 0;  ///< vertices of M, the first nodes
   std::uint32_t nodes = 0, doors = 0;
 
   std::vector<char> curve_edge;           ///< per edge: part of the medial curves
@@ -83,7 +84,7 @@ struct ExtractOptions {
 };
 Skeleton extract(const SkeletonFamily& family, double theta2, double theta1, const ExtractOptions& options = {});
 
-/// The skeleton as cells and arrays of a file (SPEC 10). A line is a curve, a vertex cell an isolated vertex.
+/// The skeleton as cells and arrays of a file (docs/skeletons.md). A line is a curve, a vertex cell an isolated vertex.
 PolyData to_poly_data(const Skeleton& skeleton);
 
 }  // namespace quench

@@ -29,7 +29,7 @@ struct Volume {
 /// A bound of samples. Whole numbers stay exact: 64-bit samples have values that a double rounds.
 using Threshold = std::variant<double, std::int64_t, std::uint64_t>;
 
-/// Which voxels of an image are the shape (SPEC 2). Exactly one of threshold and label may be set; with neither, the
+/// Which voxels of an image are the shape. At most one of threshold and label may be set; with neither, the
 /// foreground is the non-zero voxels of an image that has at most two values, and any other image is Error(usage) that
 /// names both options.
 struct ForegroundOptions {

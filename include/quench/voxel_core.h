@@ -9,7 +9,7 @@
 
 namespace quench {
 
-/// How lambda of edges and vertices follows from their sites (SPEC 3).
+/// How lambda of edges and vertices follows from their sites (docs/voxel_core.md).
 enum class LambdaRule {
   coface,  ///< the largest lambda of the faces and edges around the cell: the rule behind the published results
   ball     ///< radius of the smallest ball enclosing the cell's own sites: the dissertation's definition

@@ -12,7 +12,7 @@
 
 namespace quench {
 
-/// How the winding number w decides inside (SPEC 2). Of a surface with a boundary (holes, parts that face the wrong
+/// How the winding number w decides inside. Of a surface with a boundary (holes, parts that face the wrong
 /// way), w is the generalized winding number (Jacobson 2013), a real number.
 enum class FillRule {
   nonzero,   ///< |w| > 1/2; faces are taken as they are when the surface is closed and oriented, else repaired first

@@ -16,7 +16,7 @@ from . import _core
 from ._core import Error
 
 Error.code = 1  # of errors raised without one
-Length = Union[float, str]  # SPEC 1: 0.02 and "2%" of the longest side, "2.5vox", "3.5abs", "inf"
+Length = Union[float, str]  # 0.02 and "2%" of the longest side, "2.5vox", "3.5abs", "inf"
 Path = Union[str, 'os.PathLike[str]']
 Spacing = Union[float, Sequence[float], None]
 Progress = Union[bool, Callable[[str, float], Any], None]

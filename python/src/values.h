@@ -47,7 +47,7 @@ struct Axis {
   std::shared_ptr<const Fire> fire;  ///< the last one; under the interpreter's lock
 
   const MedialAxis& axis() const { return core.axis; }
-  /// World units of a length as in SPEC 1.
+  /// World units of a length such as "0.02" or "2.5vox".
   double resolve(const std::string& text, const std::string& argument) const;
   /// Of the shape, or as the file says.
   Coordinates coordinates() const;

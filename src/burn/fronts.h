@@ -29,7 +29,14 @@ struct SegmentFronts {
   Ray left, right;   ///< at the node of smaller and of larger k
 };
 
-/// BURNING.md, segment(e, [n1, n2], f): cases a to d. `k`, `k + 1` are the nodes; both must have burned.
+/// What the segment between nodes `k` and `k + 1` of a side sends into the polygon; both must have burned. With the
+/// field of a node's source (its time plus the distance to it): a. both nodes were reached through this polygon:
+/// nothing; b. both sources are known: one of them where its field gives the time of the other node, too, else both,
+/// each on the
+///    part where its field is smaller; what came through the polygon is not sent back;
+/// c. one node is a vertex of the mesh, which has no source: that of the other, on the whole segment where its field
+///    gives the vertex' time, else on the part that it reaches before the vertex does;
+/// d. otherwise, or on what c leaves: the source that both times agree with; none where fire runs along the side.
 SegmentFronts segment_fronts(const Site& site, const Labels& labels, const PolygonView& view, std::uint32_t side,
                              std::uint32_t k, double tolerance);
 

@@ -8,7 +8,7 @@
 
 namespace quench::burning {
 
-/// The link of one vertex: a graph whose edges are sectors, whose vertices are singular directions (SPEC 5). A sector
+/// The link of one vertex: a graph whose edges are sectors, whose vertices are singular directions. A sector
 /// on which a direction hangs alone has a free end and burns by itself; direction 0 is a pocket and never free.
 class Link {
  public:

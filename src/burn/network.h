@@ -37,7 +37,7 @@ Polygons make_polygons(const CellComplex& complex, std::span<const Vec3> points,
 /// A network with what else the fire needs to find its way: from states to their place, and the link of every vertex.
 struct Links {
   /// Ends of each vertex state's sector among the singular directions of its vertex, numbered per vertex from 1; 0 is
-  /// the contracted pocket (SPEC 5), kNone for a closed loop.
+  /// the contracted pocket, kNone for a closed loop.
   struct Ends {
     std::uint32_t a, b;
   };

@@ -34,7 +34,8 @@ void intersect(Runs a, Runs b, std::vector<Run>& result) {
 
 /// Euler characteristic. Along a scanline an interval of n voxels has n - 1 adjacent pairs, so it counts 1, and the
 /// same holds for the intervals in which two or four neighbouring scanlines are full (pairs and x-squares, squares and
-/// cubes). The sum of SPEC 1 is therefore: runs - common intervals of two scanlines + common intervals of four.
+/// cubes). The alternating sum of cubes, squares, edges and vertices
+/// is therefore: runs - common intervals of two scanlines + common intervals of four.
 std::int64_t euler_characteristic(const VoxelShape& shape) {
   const auto& dims = shape.grid().dims;
   std::int64_t euler = static_cast<std::int64_t>(shape.runs().size());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The signed octree in which the authors of voxel cores publish their shapes (SPEC 10): int32 n, a power of 2, then the
+// The signed octree in which the authors of voxel cores publish their shapes: int32 n, a power of 2, then the
 // nodes in pre-order. A cell of size s at (x, y, z) has its corners at x and x+s, and so on; corners are voxel centres.
 #include <fmt/format.h>
 

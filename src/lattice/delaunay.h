@@ -11,7 +11,7 @@
 
 namespace quench::lattice {
 
-/// Exact incremental Delaunay triangulation of lattice points (algorithm A of the performance notes): Bowyer-Watson
+/// Exact incremental Delaunay triangulation of lattice points: Bowyer-Watson
 /// with walks, in rounds along a Hilbert curve.
 ///
 /// The sites are enclosed by a box of 8 extra points (the first 8 of `points`), so there is no infinite vertex. The box

@@ -15,7 +15,7 @@ std::vector<Ids> hull_facets(const Sites& sites, const Ids& cospherical);
 /// Cocircular sites as the corners of their convex polygon, in cyclic order.
 Ids convex_cycle(const Sites& sites, const Ids& cocircular);
 
-/// Recomputes lambda (SPEC 3) from site sets alone, in world units.
+/// Recomputes lambda from site sets alone, in world units.
 class LambdaOfSites {
  public:
   LambdaOfSites(const VoxelShape& shape, const Sites& sites, double unit, bool ball_rule)
