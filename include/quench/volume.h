@@ -30,8 +30,7 @@ struct Volume {
 using Threshold = std::variant<double, std::int64_t, std::uint64_t>;
 
 /// Which voxels of an image are the shape. At most one of threshold and label may be set; with neither, the
-/// foreground is the non-zero voxels of an image that has at most two values, and any other image is Error(usage) that
-/// names both options.
+/// foreground is the non-zero voxels of an image that has at most two values, and any other image is Error(usage).
 struct ForegroundOptions {
   std::optional<Threshold> threshold;  ///< foreground: value >= threshold (NaN is background)
   std::optional<std::int64_t> label;   ///< foreground: value == label, 0 included
