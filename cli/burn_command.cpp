@@ -4,6 +4,7 @@
 #include "axis_input.h"
 #include "burn_pipeline.h"
 #include "core_pipeline.h"
+#include "option_checks.h"
 #include "program.h"
 #include "quench/io.h"
 
@@ -12,7 +13,7 @@ namespace {
 
 void check_holds_arrays(const std::string& file) {
   io::check_writable_format(file);
-  const std::string extension = CLI::detail::to_lower(std::filesystem::path(file).extension().string());
+  const std::string extension = extension_of(file);
   if (extension == ".vtp" || extension == ".ply" || extension == ".csv") return;
   throw Error(ErrorCode::usage,
               fmt::format("{} files cannot hold burn times; name '{}' .vtp, .ply or .csv", extension, file));

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include "axis_input.h"
+#include "option_checks.h"
 #include "program.h"
 #include "quench/counted.h"
 #include "quench/io.h"
@@ -34,7 +35,7 @@ Action add_convert(CLI::App& app) {
       data.point_data.insert(data.point_data.begin(),
                              {"radius", 1, io::read_radii(o->radii, data.points, &session.context)});
     }
-    const std::string extension = CLI::detail::to_lower(std::filesystem::path(o->output).extension().string());
+    const std::string extension = extension_of(o->output);
     if ((extension == ".ma" || extension == ".r") && !find_array(data.point_data, "radius"))
       throw Error(ErrorCode::input, fmt::format("'{}' has no radius per vertex, which {} needs; give --radii FILE.r",
                                                 o->input, extension));

@@ -190,4 +190,6 @@ QUENCH_NUMBER(std::uint64_t)
 QUENCH_NUMBER(double)
 #undef QUENCH_NUMBER
 
+std::string extension_of(const std::filesystem::path& file) { return CLI::detail::to_lower(file.extension().string()); }
+
 }  // namespace quench::program

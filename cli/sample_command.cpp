@@ -53,7 +53,7 @@ void check_sample_memory(const std::string& name, const SampleOptions& options, 
 }
 
 void check_mesh_format(const std::filesystem::path& output) {
-  const std::string extension = CLI::detail::to_lower(output.extension().string());
+  const std::string extension = extension_of(output);
   for (const char* known : {".ply", ".obj", ".vtp"})
     if (extension == known) return;
   throw Error(ErrorCode::usage,

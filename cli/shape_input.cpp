@@ -148,14 +148,6 @@ void load_mesh(const ShapeOptions& options, Session& session, LoadedShape& loade
   if (options.keep_mesh) loaded.mesh = std::move(mesh);
 }
 
-/// In lower case.
-std::string extension_of(const std::string& file) {
-  std::string extension = std::filesystem::path(file).extension().string();
-  for (char& c : extension)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  return extension;
-}
-
 bool is_tiff(const std::string& file) { return extension_of(file) == ".tif" || extension_of(file) == ".tiff"; }
 
 /// What a volume says of itself, for the report; on screen where the format has no field for it.

@@ -59,9 +59,9 @@ void check_options(const Options& o) {
     throw Error(
         ErrorCode::usage,
         fmt::format("--camera '{}' is not nine numbers px,py,pz,tx,ty,tz,ux,uy,uz: position, target, up", o.camera));
-  if (CLI::detail::to_lower(fs::path(o.output).extension().string()) == ".png")
+  if (extension_of(o.output) == ".png")
     throw Error(ErrorCode::usage, fmt::format("-o is the page, in HTML; for a picture give --png {}", o.output));
-  if (!o.png.empty() && !CLI::detail::to_lower(fs::path(o.png).extension().string()).ends_with(".png"))
+  if (!o.png.empty() && !(extension_of(o.png) == ".png"))
     throw Error(ErrorCode::usage, fmt::format("--png writes PNG; name '{}' .png", o.png));
   picture_of(o);
   if (!o.lambda.empty()) parse_length(o.lambda, "--lambda");

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include "core_pipeline.h"
+#include "option_checks.h"
 #include "program.h"
 #include "quench/counted.h"
 #include "quench/io.h"
@@ -9,8 +10,7 @@
 namespace quench::program {
 
 void check_volume_format(const std::filesystem::path& output) {
-  const std::string extension = output.extension().string();
-  if (CLI::detail::to_lower(extension) != ".nrrd")
+  if (extension_of(output) != ".nrrd")
     throw Error(ErrorCode::usage, fmt::format("cannot write '{}': volumes are written as .nrrd", output.string()));
 }
 

@@ -224,6 +224,19 @@ TEST(StoredVolume, LinesOfHeadersEnd) {
           "longer than a megabyte");
 }
 
+TEST(StoredVolume, DataFilesThatAreNotFiles) {
+  const TemporaryFolder folder;
+  std::filesystem::create_directory(folder.path() / "folder");
+  ASSERT_EQ(mkfifo((folder.path() / "fifo").c_str(), 0600), 0);
+  const auto nhdr = [&](const std::string& data) {
+    return folder.write("a.nhdr",
+                        "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 1 2 2\nencoding: raw\ndata file: " + data + "\n");
+  };
+  for (const char* name : {"folder", "fifo"}) refusal(nhdr(name), "not a regular file");
+  refusal(nhdr("none.raw"), "does not exist; put it there");
+  refusal(nhdr("my slice%02d.raw 0 1 1"), "no other blanks");
+}
+
 TEST(StoredVolume, PipesAreRefusedBeforeTheyAreOpened) {
   const TemporaryFolder folder;
   for (const char* name : {"p.nrrd", "p.mha", "p.nii", "p.mrc", "p.npy", "p.vol", "p.sof", "p.png", "p.tif"}) {

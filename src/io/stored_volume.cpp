@@ -75,8 +75,15 @@ std::uint64_t checked_share(const std::filesystem::path& file, const StoredVolum
     std::error_code error;
     if (block.file != file) {
       if (!std::filesystem::exists(block.file, error))
-        refuse_volume(file, fmt::format("its samples are in '{}', which does not exist; put it there",
-                                        plain(block.file.string())));
+        refuse_volume(
+            file,
+            fmt::format("its samples are in '{}', which does not exist; put it there{}", plain(block.file.string()),
+                        block.file.string().find('%') == std::string::npos
+                            ? ""
+                            : " (a pattern with a number, such as s%03d.raw 1 9 1, has no other blanks)"));
+      if (!std::filesystem::is_regular_file(block.file, error))
+        refuse_volume(file,
+                      fmt::format("its samples are in '{}', which is not a regular file", plain(block.file.string())));
       if (there < needed)
         refuse_volume(file,
                       fmt::format("its samples are in '{}', which has {} bytes for them where {} are needed; it is "
