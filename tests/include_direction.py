@@ -1,0 +1,120 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Checks the structure of the code: `include_direction.py [ROOT]`.
+
+Every include points down the floors of docs/architecture.md, the namespace of a file is that of its folder, no two
+files of src/ have the same name in different rooms, and no modules of the Python package import each other in a
+circle.
+"""
+import ast
+import pathlib
+import re
+import sys
+
+# What each room of src/ may include, beside itself. A public header belongs to the room that implements it.
+ROOMS = {
+    'base': '',
+    'complex': 'base',
+    'record': 'base',
+    'shape': 'base complex',
+    'voxelization': 'base complex shape',
+    'samples': 'base',
+    'delaunay': 'base',
+    'dual': 'base complex shape delaunay',
+    'axis': 'base complex record shape dual',
+    'burning': 'base complex record axis',
+    'skeleton': 'base complex record axis burning',
+    'graph': 'base shape skeleton',
+    'io': 'base record shape graph',
+    'page': 'base complex record shape axis burning skeleton io',
+    'pipeline': 'base complex record shape voxelization axis burning skeleton graph io page',
+    'verification': 'base complex record shape',
+}
+PUBLIC = {'error': 'base', 'context': 'base', 'geometry': 'base', 'voxelize': 'voxelization', 'burn': 'burning', 'verify': 'verification'}
+FRONT_ENDS = {'cli': 'cli', 'python/src': 'python'}  # public headers, base/ and their own files
+
+
+def includes(file):
+    return re.findall(r'^#include "([^"]+)"', file.read_text(), re.M)
+
+
+def room_of(include):
+    """The room of an included file: of a public header the one that implements it."""
+    folder, name = include.split('/', 1) if '/' in include else ('', include)
+    return PUBLIC.get(name[:-2], name[:-2]) if folder == 'quench' else folder
+
+
+def forwards(header):
+    return 'deprecated: ' in header.read_text()
+
+
+def wrong_includes(root):
+    public = root / 'include/quench'
+    for file in sorted([*public.glob('*.h'), *root.glob('src/**/*.h'), *root.glob('src/**/*.cpp')]):
+        own = PUBLIC.get(file.stem, file.stem) if file.parent == public else file.relative_to(root / 'src').parts[0]
+        if file.parent == public and (own == 'quench' or forwards(file)):
+            continue
+        if own not in ROOMS:
+            yield f'{file.relative_to(root)}: its room is not known to {__file__}'
+            continue
+        for include in includes(file):
+            room = room_of(include)
+            if include.startswith('quench/') and (room == 'quench' or forwards(root / 'include' / include)):
+                yield f'{file.relative_to(root)}: {include} is for users of the library; include what it stands for'
+            elif '/' not in include:
+                yield f'{file.relative_to(root)}: write "{include}" with its folder'
+            elif file.parent == public and not include.startswith('quench/'):
+                yield f'{file.relative_to(root)}: {include} is not public'
+            elif room != own and room not in ROOMS[own].split():
+                yield f'{file.relative_to(root)}: {include} is not below src/{own}'
+    for folder in FRONT_ENDS:
+        for file in sorted([*root.glob(f'{folder}/*.h'), *root.glob(f'{folder}/*.cpp')]):
+            for include in includes(file):
+                if '/' in include and not include.startswith(('quench/', 'base/')):
+                    yield f'{file.relative_to(root)}: {include} is not public'
+
+
+def wrong_names(root):
+    """Namespaces that are not those of the folder, and names of files that two rooms have."""
+    places = {}
+    for file in sorted([*root.glob('src/**/*.h'), *root.glob('src/**/*.cpp')]):
+        parts = file.relative_to(root / 'src').parts[:-1]
+        allowed = {'quench', *('quench::' + '::'.join(parts[:i + 1]) for i in range(len(parts)))}
+        for name in re.findall(r'^namespace ([\w:]+) \{', file.read_text(), re.M):
+            if name not in allowed:
+                yield f'{file.relative_to(root)}: the namespace {name} is not that of its folder'
+        if places.setdefault(file.name, parts) != parts:
+            yield f'{file.relative_to(root)}: src/{"/".join(places[file.name])} has a file of that name too'
+
+
+def circles(package):
+    """Modules of the package that import each other, functions included."""
+    imports = {}
+    for file in sorted(package.glob('*.py')):
+        found = set()
+        for node in ast.walk(ast.parse(file.read_text())):
+            if isinstance(node, ast.ImportFrom) and node.level == 1:
+                found |= {node.module} if node.module else {alias.name for alias in node.names}
+        imports[file.stem] = {name for name in found if (package / f'{name}.py').exists()}
+    done = set()
+
+    def visit(name, path):
+        if name in path:
+            yield 'python: a circle of imports: ' + ' -> '.join([*path[path.index(name):], name])
+        elif name not in done:
+            for other in sorted(imports[name]):
+                yield from visit(other, [*path, name])
+            done.add(name)
+    for name in imports:
+        yield from visit(name, [])
+
+
+def main():
+    root = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else pathlib.Path(__file__).parent.parent)
+    wrong = [*wrong_includes(root), *wrong_names(root), *circles(root / 'python/quench')]
+    print('\n'.join(wrong) or 'every include points down')
+    return bool(wrong)
+
+
+if __name__ == '__main__':
+    sys.exit(main())
