@@ -9,9 +9,9 @@
 #include "lattice/cells.h"
 #include "quench/voxel_shape.h"
 
-/// Algorithm C (docs/peeling.md): most cells of the dual complex are small and lie along the boundary. They are found
-/// one by one among the sites nearby, without a triangulation; what is left inside is triangulated with the few sites
-/// that still have missing cells.
+/// Algorithm C (docs/algorithms/peeling.md): most cells of the dual complex are small and lie along the boundary. They
+/// are found one by one among the sites nearby, without a triangulation; what is left inside is triangulated with the
+/// few sites that still have missing cells.
 namespace quench::peeling {
 
 struct Options {
