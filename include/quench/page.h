@@ -19,6 +19,7 @@
 #include "quench/topology.h"
 #include "quench/voxel_shape.h"
 
+/// @file
 /// The interactive page of a result: one HTML file with the data inside (viewer/FORMAT.md is its format).
 namespace quench {
 

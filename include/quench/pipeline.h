@@ -16,6 +16,7 @@
 #include "quench/voxel_core.h"
 #include "quench/voxel_shape.h"
 
+/// @file
 /// The stages in a row, each promise checked on the way, and their results as files: what the program and the Python
 /// module have in common.
 namespace quench {
