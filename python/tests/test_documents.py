@@ -3,6 +3,8 @@
 import glob
 import os
 import re
+import shutil
+import subprocess
 
 import numpy as np
 import pytest
@@ -90,3 +92,27 @@ def test_options_exist():
                     unknown.update(f'{path}: {option}' for option in re.findall(r'(?<![\w-])--[a-z][a-z0-9-]+', line)
                                    if option not in known)
     assert not unknown
+
+
+def test_cpp_snippets_compile(tmp_path):
+    """Blocks without main() are the body of a function that has a mesh, a shape, a medial axis and a length."""
+    compiler = shutil.which('c++')
+    if not compiler or not shutil.which('pkg-config'):
+        pytest.skip('needs a compiler and pkg-config')
+    code = '#include <cstdio>\n#include <limits>\n'
+    for header in sorted(glob.glob(os.path.join(ROOT, 'include', 'quench', '*.h'))):
+        code += f'#include "quench/{os.path.basename(header)}"\n'
+    for document in ('README.md', 'docs/user/cpp.md'):
+        with open(os.path.join(ROOT, document), encoding='utf-8') as file:
+            for block in re.findall(r'(?ms)^```cpp\n(.*?)^```', file.read()):
+                if 'int main()' not in block:
+                    block = ('{\n' + block + '}\n')
+                    known = [f'const quench::{kind}& {name}' for kind, name in
+                             (('TriangleMesh', 'mesh'), ('VoxelShape', 'shape'), ('MedialAxis', 'axis'))
+                             if not re.search(rf'\b{name}\b(?: =|\{{)', block)]
+                    block = f'void snippet_{len(code)}({", ".join([*known, "double side"])})\n{block}'
+                code += block.replace('int main()', f'int main_{len(code)}()')
+    (tmp_path / 'snippets.cpp').write_text(code)
+    flags = subprocess.run(['pkg-config', '--cflags', 'eigen3'], capture_output=True, text=True, check=True).stdout.split()
+    subprocess.run([compiler, '-std=c++20', '-fsyntax-only', '-I', os.path.join(ROOT, 'include'), *flags,
+                    str(tmp_path / 'snippets.cpp')], check=True)
