@@ -31,7 +31,9 @@ def outline(panel, core, stroke=GREY, width=1.4):
 def voxelization():
     figure = Figure(900, 360)
     angle = np.linspace(0, 2 * np.pi, 90)
-    contour = np.array([(7 + 6.1 * np.cos(t), 4.9 + 4.4 * np.sin(t) - 3.4 * np.exp(-((t - 1.75) / 0.36) ** 2)) for t in angle])
+    contour = np.array(
+        [(7 + 6.1 * np.cos(t), 4.9 + 4.4 * np.sin(t) - 3.4 * np.exp(-(((t - 1.75) / 0.36) ** 2))) for t in angle]
+    )
     panel = figure.panel(30, 310, 27)
     for x in range(14):
         for y in range(10):
@@ -99,10 +101,16 @@ def small_shape():
 def delaunay():
     figure = Figure(920, 330)
     random = np.random.default_rng(5)
-    points = np.array([(x + 0.62 * (random.random() - 0.5), y + 0.62 * (random.random() - 0.5)) for x in range(5) for y in range(5)])
+    points = np.array(
+        [(x + 0.62 * (random.random() - 0.5), y + 0.62 * (random.random() - 0.5)) for x in range(5) for y in range(5)]
+    )
     p = np.array([2.15, 1.9])
     triangulation = Delaunay(points)
-    conflicts = [t for t in triangulation.simplices if np.linalg.norm(circumcircle(*points[t])[0] - p) < circumcircle(*points[t])[1]]
+    conflicts = [
+        t
+        for t in triangulation.simplices
+        if np.linalg.norm(circumcircle(*points[t])[0] - p) < circumcircle(*points[t])[1]
+    ]
     edges = {}
     for t in conflicts:
         for k in range(3):
@@ -115,7 +123,12 @@ def delaunay():
             conflict = any((t == c).all() for c in conflicts)
             if conflict and number == 1:
                 continue
-            panel.polygon([points[i] for i in t], fill=SAND if conflict else 'none', stroke=ORANGE if conflict else LIGHT, width=1.2)
+            panel.polygon(
+                [points[i] for i in t],
+                fill=SAND if conflict else 'none',
+                stroke=ORANGE if conflict else LIGHT,
+                width=1.2,
+            )
         if number == 0:
             for t in conflicts:
                 panel.circle(*circumcircle(*points[t]), stroke=ORANGE, width=0.8, dash='4 3')
@@ -136,7 +149,13 @@ def delaunay():
         for k in range(3):
             a, b = sorted((int(t[k]), int(t[(k + 1) % 3])))
             real = (a, b) in core.cells_at
-            panel.line(core.sites[a], core.sites[b], stroke=BLUE if real else ORANGE, width=1.2 if real else 1.0, dash=None if real else '3 3')
+            panel.line(
+                core.sites[a],
+                core.sites[b],
+                stroke=BLUE if real else ORANGE,
+                width=1.2 if real else 1.0,
+                dash=None if real else '3 3',
+            )
     for s in core.sites:
         panel.dot(s, 2.3)
     figure.text(774, 320, 'merged: one polygon per circumcircle', size=13)
@@ -158,13 +177,20 @@ def voxel_core():
     figure.text(165, 275, 'pixels, sites and the whole core', size=13)
     # One edge with its two sites.
     length = [np.linalg.norm(core.centre[a] - core.centre[b]) for a, b in core.edges]
-    e = max((k for k in range(len(core.edges)) if 3 < core.edge_lambda[k] < 5 and core.centre[core.edges[k][0]][0] < 16), key=lambda k: length[k])
+    e = max(
+        (k for k in range(len(core.edges)) if 3 < core.edge_lambda[k] < 5 and core.centre[core.edges[k][0]][0] < 16),
+        key=lambda k: length[k],
+    )
     middle = (core.centre[core.edges[e][0]] + core.centre[core.edges[e][1]]) / 2
     sites = [core.sites[i] for i in core.sites_of[e]]
     panel = figure.panel(470, 130, 15.5, origin=tuple(middle))
     panel.circle(middle, float(np.linalg.norm(sites[0] - middle)), fill=SAND, opacity=0.5, stroke=ORANGE, width=1)
     box = (middle[0] - 7.4, middle[0] + 7.4, middle[1] - 7.9, middle[1] + 7.3)
-    shown = [k for k, (a, b) in enumerate(core.edges) if all(box[0] < core.centre[v][0] < box[1] and box[2] < core.centre[v][1] < box[3] for v in (a, b))]
+    shown = [
+        k
+        for k, (a, b) in enumerate(core.edges)
+        if all(box[0] < core.centre[v][0] < box[1] and box[2] < core.centre[v][1] < box[3] for v in (a, b))
+    ]
     for k in shown:
         panel.line(core.centre[core.edges[k][0]], core.centre[core.edges[k][1]], stroke=SKY, width=1.4)
     panel.line(core.centre[core.edges[e][0]], core.centre[core.edges[e][1]], stroke=BLUE, width=4)
@@ -196,7 +222,12 @@ def peeling():
     for number, corners in enumerate(core.cells):
         kind = 0 if core.radius[number] < 0.72 else 1 if core.radius[number] <= 3 else 2
         known[number] = kind
-        panel.polygon([core.sites[i] for i in corners], fill=('#4d83bd', SKY, '#fdf3e1')[kind], stroke='#ffffff' if kind < 2 else '#e8c88f', width=0.9)
+        panel.polygon(
+            [core.sites[i] for i in corners],
+            fill=('#4d83bd', SKY, '#fdf3e1')[kind],
+            stroke='#ffffff' if kind < 2 else '#e8c88f',
+            width=0.9,
+        )
     unmatched = set()
     for edge, numbers in core.cells_at.items():
         kinds = [known[n] for n in numbers]
@@ -205,7 +236,9 @@ def peeling():
             unmatched.update(edge)
     for number, s in enumerate(core.sites):
         panel.dot(s, 3.2 if number in unmatched else 1.8, fill=RED if number in unmatched else GREY)
-    for k, (fill, text) in enumerate((('#4d83bd', 'corners of one pixel'), (SKY, 'wrapped: circle ≤ 3 pixels'), ('#fdf3e1', 'remainder'))):
+    for k, (fill, text) in enumerate(
+        (('#4d83bd', 'corners of one pixel'), (SKY, 'wrapped: circle ≤ 3 pixels'), ('#fdf3e1', 'remainder'))
+    ):
         panel.rectangle((1 + 7.3 * k + (k == 2), -1.6), (1.8 + 7.3 * k + (k == 2), -0.9), fill=fill, stroke=LIGHT)
         panel.text((2.1 + 7.3 * k + (k == 2), -1.5), text, anchor='start', size=12)
     panel.dot((21.4, -1.25), 3.4, fill=RED)
@@ -218,7 +251,14 @@ def bricks():
     core = PlaneCore(whale())
     panel = figure.panel(20, 318, 16)
     low, high, halo = (8, 1), (18, 11), 3
-    panel.rectangle((low[0] - halo, low[1] - halo + 1), (high[0] + halo, high[1] + halo), fill='#f7f9fb', stroke=BLUE, dash='6 4', width=1.4)
+    panel.rectangle(
+        (low[0] - halo, low[1] - halo + 1),
+        (high[0] + halo, high[1] + halo),
+        fill='#f7f9fb',
+        stroke=BLUE,
+        dash='6 4',
+        width=1.4,
+    )
     for x in (-2, 8, 18, 28):
         panel.line((x, -1), (x, 19), stroke=LIGHT, width=1)
     for y in (1, 11):
@@ -231,8 +271,13 @@ def bricks():
         c, r = core.centre[n], core.radius[n]
         return region[0] <= c[0] - r and region[1] <= c[1] - r and c[0] + r <= region[2] and c[1] + r <= region[3]
 
-    good = max((n for n in range(len(core.cells)) if fits(n) and 12 < core.centre[n][0] < 17), key=lambda n: core.radius[n] if core.radius[n] < 4 else 0)
-    bad = max((n for n in range(len(core.cells)) if not fits(n) and 8 < core.centre[n][0] < 13), key=lambda n: core.radius[n])
+    good = max(
+        (n for n in range(len(core.cells)) if fits(n) and 12 < core.centre[n][0] < 17),
+        key=lambda n: core.radius[n] if core.radius[n] < 4 else 0,
+    )
+    bad = max(
+        (n for n in range(len(core.cells)) if not fits(n) and 8 < core.centre[n][0] < 13), key=lambda n: core.radius[n]
+    )
     for n, fill, stroke in ((bad, SAND, ORANGE), (good, MINT, GREEN)):
         panel.circle(core.centre[n], core.radius[n], stroke=stroke, width=1.4, dash='5 4')
         panel.polygon([core.sites[i] for i in core.cells[n]], fill=fill, stroke=stroke, width=1.4)

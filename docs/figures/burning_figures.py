@@ -12,7 +12,7 @@ def burning():
     panel = figure.panel(40, 85, 44)
     half = 0.55
     x = np.linspace(0, 9, 181)
-    bump = half + 0.5 * np.exp(-((x - 3.2) / 0.33) ** 2)
+    bump = half + 0.5 * np.exp(-(((x - 3.2) / 0.33) ** 2))
     shape = [(0, half)] + [(float(a), float(b)) for a, b in zip(x, bump)] + [(9, half), (9, -half), (0, -half)]
     panel.polygon(shape, fill=PALE, stroke=GREY, width=1.5)
     panel.line((half, 0), (9 - half, 0), stroke=BLUE, width=2.6)
@@ -176,7 +176,9 @@ def burning_fronts():
 
     panel = scene(2, 0, ('b', 'two sources: fronts meet at c'))
     left, right = (-0.95, -1.1), (1.2, -1.25)
-    cut = next(x for x in np.linspace(n1[0], n2[0], 2000) if math.dist(left, (x, base_y)) >= math.dist(right, (x, base_y)))
+    cut = next(
+        x for x in np.linspace(n1[0], n2[0], 2000) if math.dist(left, (x, base_y)) >= math.dist(right, (x, base_y))
+    )
     fan(panel, left, n1[0], cut, BLUE, SKY)
     fan(panel, right, cut, n2[0], ORANGE, SAND)
     panel.text(left, 'S1', dx=-10, dy=4, anchor='end', fill=BLUE, size=14, style='italic')
@@ -214,18 +216,28 @@ def burning_fronts():
     low, high = n1[0], n2[0]
     ends = []
     for x in (high, low):
-        length = next(s for s in np.linspace(0.05, 8, 4000) if inside_contour((x + slope * s, h * s), corners + corners[:1]) < 0.5)
+        length = next(
+            s for s in np.linspace(0.05, 8, 4000) if inside_contour((x + slope * s, h * s), corners + corners[:1]) < 0.5
+        )
         ends.append((x + slope * length, h * length))
-    panel.polygon([(low, 0), (high, 0), ends[0], corners[2], ends[1]] if ends[0][0] > corners[2][0] > ends[1][0] else [(low, 0), (high, 0), *ends],
-                  fill=MINT, opacity=0.8)
+    panel.polygon(
+        [(low, 0), (high, 0), ends[0], corners[2], ends[1]]
+        if ends[0][0] > corners[2][0] > ends[1][0]
+        else [(low, 0), (high, 0), *ends],
+        fill=MINT,
+        opacity=0.8,
+    )
     for x in np.linspace(low, high, 4):
         panel.arrow((x - slope * 1.2, -h * 1.2), (x - slope * 0.08, -h * 0.08), stroke=GREEN, width=1.1)
     for s in np.linspace(0.5, 3.5, 7):
         a, b = (low + slope * s, h * s), (low + slope * s, h * s)
         a = (low + slope * s, h * s)
         normal = (h, -slope)
-        line = [q for q in ((a[0] + normal[0] * k, a[1] + normal[1] * k) for k in np.linspace(-1, 3, 300))
-                if q[1] > 0 and low <= q[0] - slope * q[1] / h <= high and inside_contour(q, corners + corners[:1]) > 0.5]
+        line = [
+            q
+            for q in ((a[0] + normal[0] * k, a[1] + normal[1] * k) for k in np.linspace(-1, 3, 300))
+            if q[1] > 0 and low <= q[0] - slope * q[1] / h <= high and inside_contour(q, corners + corners[:1]) > 0.5
+        ]
         if len(line) > 1:
             panel.path([line[0], line[-1]], stroke=GREEN, width=0.8)
     finish(panel, [(far_source, low, high, GREEN)])
@@ -242,7 +254,15 @@ def skeletons():
     regions = [
         [((0, 3), (0, 4)), ((0, 4), (1, 4))],
         [((0, 2), (0, 3)), ((1, 4), (2, 4))],
-        [((0, 0), (0, 1)), ((0, 1), (0, 2)), ((2, 4), (3, 4)), ((3, 4), (4, 4)), ((4, 4), (4, 3)), ((4, 3), (4, 2)), ((0, 0), (1, 0))],
+        [
+            ((0, 0), (0, 1)),
+            ((0, 1), (0, 2)),
+            ((2, 4), (3, 4)),
+            ((3, 4), (4, 4)),
+            ((4, 4), (4, 3)),
+            ((4, 3), (4, 2)),
+            ((0, 0), (1, 0)),
+        ],
         [((1, 0), (2, 0)), ((4, 2), (4, 1))],
         [((2, 0), (3, 0)), ((3, 0), (4, 0)), ((4, 0), (4, 1))],
     ]
@@ -268,7 +288,9 @@ def skeletons():
     def sheet(x, title, curves):
         panel = figure.panel(x, 240, 46)
         w, h = 5.4, 3.2
-        panel.rectangle((0, 0), (w, h), fill=SKY if curves else PALE, stroke=BLUE if curves else LIGHT, width=1.2, opacity=0.6)
+        panel.rectangle(
+            (0, 0), (w, h), fill=SKY if curves else PALE, stroke=BLUE if curves else LIGHT, width=1.2, opacity=0.6
+        )
         left, right = (h / 2, h / 2), (w - h / 2, h / 2)
         return panel, w, h, left, right, title
 
@@ -304,13 +326,24 @@ def curve_graph():
     sheet = [(5.2, 1.0), (8.0, 0.6), (9.0, 3.0), (6.3, 3.6)]
     panel.polygon(sheet, fill=SKY, stroke=BLUE, opacity=0.7)
     a, b, c, d = (0.4, 5.6), (2.3, 3.7), (0.6, 1.4), (5.55, 2.2)
-    wave = [(b[0] + (d[0] - b[0]) * t, b[1] + (d[1] - b[1]) * t + 0.35 * math.sin(math.pi * 2 * t)) for t in np.linspace(0, 1, 30)]
+    wave = [
+        (b[0] + (d[0] - b[0]) * t, b[1] + (d[1] - b[1]) * t + 0.35 * math.sin(math.pi * 2 * t))
+        for t in np.linspace(0, 1, 30)
+    ]
     for path in ([a, (1.0, 4.7), b], [c, (1.3, 2.9), b], wave, [(7.6, 3.31), (8.3, 4.6), (8.0, 5.9)]):
         panel.path(path, stroke=RED, width=2.4)
     ring = [(4.6 + 0.8 * math.cos(t), 5.4 + 0.65 * math.sin(t)) for t in np.linspace(0, 2 * math.pi, 40)]
     panel.path(ring, stroke=RED, width=2.4)
-    for p, name, dx, dy in ((a, 'end', 14, -2), (b, 'junction', 12, -8), (c, 'end', 14, 6), (d, 'sheet', 20, 18), ((7.6, 3.31), 'sheet', 16, -6),
-                            ((8.0, 5.9), 'end', 14, 0), (ring[0], 'loop', 12, -4), ((3.2, 0.9), 'isolated', 12, 5)):
+    for p, name, dx, dy in (
+        (a, 'end', 14, -2),
+        (b, 'junction', 12, -8),
+        (c, 'end', 14, 6),
+        (d, 'sheet', 20, 18),
+        ((7.6, 3.31), 'sheet', 16, -6),
+        ((8.0, 5.9), 'end', 14, 0),
+        (ring[0], 'loop', 12, -4),
+        ((3.2, 0.9), 'isolated', 12, 5),
+    ):
         panel.dot(p, 5, fill=INK, stroke='#ffffff')
         panel.text(p, name, dx=dx, dy=dy, anchor='start', size=13)
     figure.text(220, 318, 'kinds of nodes', size=13)
@@ -320,7 +353,9 @@ def curve_graph():
         thick = 2 + 5 * abs(math.sin(math.pi * (k - 5) / 24))
         if k == 5:
             panel.line(p, q, stroke=GREY, width=1.4, dash='3 4')
-            panel.text(between(p, q, 0.5), 'cut: the thinnest segment', dx=8, dy=-10, anchor='start', size=12, fill=GREY)
+            panel.text(
+                between(p, q, 0.5), 'cut: the thinnest segment', dx=8, dy=-10, anchor='start', size=12, fill=GREY
+            )
         else:
             panel.line(p, q, stroke=RED, width=thick)
         panel.dot(p, 2.6)

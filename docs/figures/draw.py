@@ -37,7 +37,12 @@ def stages():
             for z in (0, c):
                 for k in range(4):
                     m = (k + 1) % 4
-                    quad = [projected(*ends[k], z), projected(*ends[m], z), projected(*middle[m]), projected(*middle[k])]
+                    quad = [
+                        projected(*ends[k], z),
+                        projected(*ends[m], z),
+                        projected(*middle[m]),
+                        projected(*middle[k]),
+                    ]
                     panel.polygon(quad, fill=SKY, stroke=BLUE, width=0.7, opacity=0.35)
             panel.polygon([projected(*p) for p in middle], fill=BLUE, stroke=BLUE, opacity=0.75)
         if i in (2, 3):
@@ -74,15 +79,71 @@ def verification():
         for k, line in enumerate(lines):
             figure.text(x + w / 2, y + 48 + 19 * k, line, size=12)
 
-    box(20, 20, 270, 135, 'the program', ['triangulation, peeling, bricks', 'centres, radii, λ, thinning', 'burning, curves, skeletons', 'graph'], '#eef4fa', BLUE)
-    box(315, 20, 270, 135, 'quench verify', ['nearest sites, hulls, circumspheres', 'λ, thinning by keys', 'enclosure, proximity, closed pockets', 'bounds of burn times and levels'], '#edf7f0', GREEN)
-    box(610, 20, 270, 135, 'brute force of the tests', ['all empty balls of small shapes', 'burning by definition', 'signed tetrahedra for voxels', 'closed forms'], '#fdf3e1', ORANGE)
-    box(20, 180, 565, 66, 'shared by program and verify', ['readers, table of arrays, make_complex(), topology(), cleaning of voxels, voxelization'], PALE, GREY)
-    box(20, 266, 860, 66, 'shared by all three', ['the voxel shape, boundary_vertices(), integer_spacing()'], PALE, GREY)
+    box(
+        20,
+        20,
+        270,
+        135,
+        'the program',
+        ['triangulation, peeling, bricks', 'centres, radii, λ, thinning', 'burning, curves, skeletons', 'graph'],
+        '#eef4fa',
+        BLUE,
+    )
+    box(
+        315,
+        20,
+        270,
+        135,
+        'quench verify',
+        [
+            'nearest sites, hulls, circumspheres',
+            'λ, thinning by keys',
+            'enclosure, proximity, closed pockets',
+            'bounds of burn times and levels',
+        ],
+        '#edf7f0',
+        GREEN,
+    )
+    box(
+        610,
+        20,
+        270,
+        135,
+        'brute force of the tests',
+        ['all empty balls of small shapes', 'burning by definition', 'signed tetrahedra for voxels', 'closed forms'],
+        '#fdf3e1',
+        ORANGE,
+    )
+    box(
+        20,
+        180,
+        565,
+        66,
+        'shared by program and verify',
+        ['readers, table of arrays, make_complex(), topology(), cleaning of voxels, voxelization'],
+        PALE,
+        GREY,
+    )
+    box(
+        20, 266, 860, 66, 'shared by all three', ['the voxel shape, boundary_vertices(), integer_spacing()'], PALE, GREY
+    )
     figure.save('verification.svg')
 
 
-FIGURES = [stages, voxelization, delaunay, voxel_core, peeling, bricks, burning, burning_links, burning_fronts, skeletons, curve_graph, verification]
+FIGURES = [
+    stages,
+    voxelization,
+    delaunay,
+    voxel_core,
+    peeling,
+    bricks,
+    burning,
+    burning_links,
+    burning_fronts,
+    skeletons,
+    curve_graph,
+    verification,
+]
 
 if __name__ == '__main__':
     for draw in FIGURES:

@@ -9,8 +9,11 @@ class PlaneCore:
 
     def __init__(self, inside):
         self.inside = np.pad(inside, 1)  # pixel (x, y) of the shape is self.inside[x + 1, y + 1]
-        corners = sum(self.inside[dx:dx + inside.shape[0] + 1, dy:dy + inside.shape[1] + 1].astype(int)
-                      for dx in (0, 1) for dy in (0, 1))
+        corners = sum(
+            self.inside[dx : dx + inside.shape[0] + 1, dy : dy + inside.shape[1] + 1].astype(int)
+            for dx in (0, 1)
+            for dy in (0, 1)
+        )
         self.sites = np.argwhere((corners > 0) & (corners < 4))
         delaunay = Delaunay(self.sites)
         self.triangles = [t for t in delaunay.simplices if self.contains(self.sites[t].mean(axis=0))]
@@ -18,7 +21,9 @@ class PlaneCore:
 
     def contains(self, p):
         x, y = int(np.floor(p[0])), int(np.floor(p[1]))
-        return 0 <= x + 1 < self.inside.shape[0] and 0 <= y + 1 < self.inside.shape[1] and bool(self.inside[x + 1, y + 1])
+        return (
+            0 <= x + 1 < self.inside.shape[0] and 0 <= y + 1 < self.inside.shape[1] and bool(self.inside[x + 1, y + 1])
+        )
 
     def _merge(self):
         cells = {}
@@ -54,7 +59,9 @@ class PlaneCore:
             at[a].add(e), at[b].add(e)
         level, running = np.full(len(self.edges), np.inf), 0.0
         while True:
-            pairs = [(max(self.edge_lambda[e], value[v]), e, v) for v in range(len(at)) if len(at[v]) == 1 for e in at[v]]
+            pairs = [
+                (max(self.edge_lambda[e], value[v]), e, v) for v in range(len(at)) if len(at[v]) == 1 for e in at[v]
+            ]
             if not pairs:
                 return level
             key, e, _ = min(pairs)

@@ -12,8 +12,13 @@ SAND, MINT = '#fbe3bf', '#cfe9d8'
 
 def _style(fill=None, stroke=None, width=1.0, dash=None, opacity=None):
     """Attributes that differ from those of the whole drawing."""
-    values = {'fill': fill, 'stroke': stroke, 'stroke-width': None if width == 1 else f'{width:g}', 'stroke-dasharray': dash,
-              'fill-opacity': None if opacity is None else f'{opacity:g}'}
+    values = {
+        'fill': fill,
+        'stroke': stroke,
+        'stroke-width': None if width == 1 else f'{width:g}',
+        'stroke-dasharray': dash,
+        'fill-opacity': None if opacity is None else f'{opacity:g}',
+    }
     return ' '.join(f'{name}="{value}"' for name, value in values.items() if value)
 
 
@@ -29,8 +34,14 @@ class Figure:
 
     def text(self, x, y, text, size=13, anchor='middle', fill=INK, weight='normal', style='normal'):
         text = str(text).replace('&', '&amp;').replace('<', '&lt;')
-        looks = ''.join(f' {name}="{value}"' for name, value in (('font-weight', weight), ('font-style', style)) if value != 'normal')
-        self.items.append(f'<text x="{x:.1f}" y="{y:.1f}" font-size="{size:g}" text-anchor="{anchor}" fill="{fill}"{looks}>{text}</text>')
+        looks = ''.join(
+            f' {name}="{value}"'
+            for name, value in (('font-weight', weight), ('font-style', style))
+            if value != 'normal'
+        )
+        self.items.append(
+            f'<text x="{x:.1f}" y="{y:.1f}" font-size="{size:g}" text-anchor="{anchor}" fill="{fill}"{looks}>{text}</text>'
+        )
 
     def save(self, name):
         body = '\n'.join(self.items)
@@ -38,7 +49,9 @@ class Figure:
             f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {self.width} {self.height}" width="{self.width}" '
             f'height="{self.height}" font-family="DejaVu Sans, Helvetica, Arial, sans-serif" fill="none" '
             'stroke-linejoin="round" stroke-linecap="round">\n'
-            f'<rect width="{self.width}" height="{self.height}" fill="#ffffff"/>\n{body}\n</svg>\n', encoding='utf-8')
+            f'<rect width="{self.width}" height="{self.height}" fill="#ffffff"/>\n{body}\n</svg>\n',
+            encoding='utf-8',
+        )
 
 
 class Panel:
@@ -70,22 +83,30 @@ class Panel:
 
     def dot(self, centre, pixels=3.0, fill=INK, stroke=None, width=1.0):
         x, y = self.at(centre)
-        self.figure.items.append(f'<circle cx="{x:.1f}" cy="{y:.1f}" r="{pixels:g}" {_style(fill=fill, stroke=stroke, width=width)}/>')
+        self.figure.items.append(
+            f'<circle cx="{x:.1f}" cy="{y:.1f}" r="{pixels:g}" {_style(fill=fill, stroke=stroke, width=width)}/>'
+        )
 
     def square(self, centre, pixels=3.0, fill=INK, stroke=None):
         x, y = self.at(centre)
-        self.figure.items.append(f'<rect x="{x - pixels:.1f}" y="{y - pixels:.1f}" width="{2 * pixels:g}" height="{2 * pixels:g}" '
-                                 f'{_style(fill=fill, stroke=stroke)}/>')
+        self.figure.items.append(
+            f'<rect x="{x - pixels:.1f}" y="{y - pixels:.1f}" width="{2 * pixels:g}" height="{2 * pixels:g}" '
+            f'{_style(fill=fill, stroke=stroke)}/>'
+        )
 
     def arrow(self, a, b, stroke=INK, width=1.5, head=7, dash=None):
         (x0, y0), (x1, y1) = self.at(a), self.at(b)
         length = max(1e-9, ((x1 - x0) ** 2 + (y1 - y0) ** 2) ** 0.5)
         dx, dy = (x1 - x0) / length, (y1 - y0) / length
         bx, by = x1 - head * dx, y1 - head * dy
-        self.figure.items.append(f'<line x1="{x0:.1f}" y1="{y0:.1f}" x2="{bx:.1f}" y2="{by:.1f}" {_style(stroke=stroke, width=width, dash=dash)}/>')
+        self.figure.items.append(
+            f'<line x1="{x0:.1f}" y1="{y0:.1f}" x2="{bx:.1f}" y2="{by:.1f}" {_style(stroke=stroke, width=width, dash=dash)}/>'
+        )
         side = head * 0.45
-        self.figure.items.append(f'<polygon points="{x1:.1f},{y1:.1f} {bx - side * dy:.1f},{by + side * dx:.1f} '
-                                 f'{bx + side * dy:.1f},{by - side * dx:.1f}" {_style(fill=stroke)}/>')
+        self.figure.items.append(
+            f'<polygon points="{x1:.1f},{y1:.1f} {bx - side * dy:.1f},{by + side * dx:.1f} '
+            f'{bx + side * dy:.1f},{by - side * dx:.1f}" {_style(fill=stroke)}/>'
+        )
 
     def text(self, p, text, dx=0, dy=0, **style):
         x, y = self.at(p)
