@@ -71,7 +71,7 @@ int main(int argc, char** argv) {
   for (int i = 4; i < argc; ++i) {
     const pid_t child = fork();
     if (child == 0) {
-      const quench::TriangleMesh mesh = quench::to_triangle_mesh(quench::io::read_poly_data(argv[1]));
+      const quench::TriangleMesh mesh = quench::to_triangle_mesh(quench::io::read_record(argv[1]));
       run(quench::voxelize(mesh, {.resolution = std::atoll(argv[2])}).shape, argv[i], std::atoi(argv[3]));
       std::_Exit(0);
     }

@@ -21,11 +21,11 @@
 #include <string>
 #include <vector>
 
-#include "burn/fire.h"
+#include "burning/fire.h"
 #include "measure.h"
+#include "quench/axis.h"
 #include "quench/burn.h"
 #include "quench/io.h"
-#include "quench/medial_axis.h"
 
 namespace {
 
@@ -39,7 +39,7 @@ struct Axis {
 };
 
 Axis read_axis(const std::string& file, const std::string& radii) {
-  const PolyData data = io::read_poly_data(file);
+  const Record data = io::read_record(file);
   Axis axis;
   std::vector<std::uint32_t> point_of;
   axis.complex = complex_of(data, &point_of);

@@ -14,11 +14,9 @@
 #include <vector>
 
 #include "measure.h"
+#include "quench/axis.h"
 #include "quench/io.h"
-#include "quench/medial_axis.h"
-#include "quench/prune.h"
-#include "quench/topology.h"
-#include "quench/voxel_core.h"
+#include "quench/shape.h"
 #include "quench/voxelize.h"
 
 namespace {
@@ -64,7 +62,7 @@ Cost run(const quench::TriangleMesh& mesh, std::int64_t resolution, bool one_thr
   topology(kept.complex);
   checkpoint(context, "topology", 1);
   const auto file = std::filesystem::temp_directory_path() / "quench_bench.vtp";
-  io::write_poly_data(file, to_poly_data(std::move(kept)));
+  io::write_record(file, to_record(std::move(kept)));
   std::filesystem::remove(file);
   checkpoint(context, "write", 1);
   return {clock.seconds, clock.peaks};
@@ -81,7 +79,7 @@ int main(int argc, char** argv) {
   const int threads = argc > 3 ? std::atoi(argv[3]) : 1;
   const int runs = argc > 4 ? std::atoi(argv[4]) : 5;
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
-  const quench::TriangleMesh mesh = quench::to_triangle_mesh(quench::io::read_poly_data(argv[1]));
+  const quench::TriangleMesh mesh = quench::to_triangle_mesh(quench::io::read_record(argv[1]));
   std::map<std::string, std::vector<double>> all;
   std::map<std::string, double> peaks;
   std::size_t sites = 1;

@@ -12,7 +12,7 @@
 #include "damage.h"
 #include "quench/error.h"
 #include "quench/io.h"
-#include "quench/sample.h"
+#include "quench/samples.h"
 #include "quench/voxelize.h"
 #include "voxel_difference.h"
 
@@ -22,9 +22,9 @@ int main(int argc, char** argv) {
   options.resolution = argc > 1 ? std::atoll(argv[1]) : 128;
   std::vector<std::pair<std::string, TriangleMesh>> meshes;
   for (int i = 2; i < argc; ++i)
-    meshes.emplace_back(std::filesystem::path(argv[i]).stem().string(), to_triangle_mesh(io::read_poly_data(argv[i])));
+    meshes.emplace_back(std::filesystem::path(argv[i]).stem().string(), to_triangle_mesh(io::read_record(argv[i])));
   if (meshes.empty())
-    for (const SampleInfo& s : samples()) meshes.emplace_back(std::string(s.name), make_sample(s.name).mesh);
+    for (const SampleInfo& s : built_in_samples()) meshes.emplace_back(std::string(s.name), make_sample(s.name).mesh);
   fmt::print("| mesh | damage | outcome | difference | voxels by winding number | s |\n|---|---|---|---|---|---|\n");
   for (const auto& [name, clean] : meshes) {
     const Voxelization whole = voxelize(testing_damage::pinned(clean, clean), options);

@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/text.h"
 #include "option_checks.h"
-#include "quench/axis_fields.h"
-#include "quench/counted.h"
-#include "quench/extent.h"
+#include "quench/axis.h"
+#include "quench/geometry.h"
 #include "quench/io.h"
 
 namespace quench::program {
@@ -53,13 +53,13 @@ void check_axis_options(const AxisOptions& options) {
     throw Error(ErrorCode::usage, "--threshold and --label say which voxels of --shape are meant; give --shape too");
 }
 
-std::optional<double> field_number(const PolyData& data, const char* name) {
+std::optional<double> field_number(const Record& data, const char* name) {
   const DataArray* array = find_array(data.field_data, name);
   if (!array || array->size() == 0 || std::holds_alternative<std::vector<std::string>>(array->values)) return {};
   return array->numbers().front();
 }
 
-std::optional<std::string> field_text(const PolyData& data, const char* name) {
+std::optional<std::string> field_text(const Record& data, const char* name) {
   const DataArray* array = find_array(data.field_data, name);
   if (!array) return {};
   const auto* text = std::get_if<std::vector<std::string>>(&array->values);
@@ -76,12 +76,12 @@ double LoadedAxis::resolve(const std::string& text, const std::string& option) c
   return length.resolve(longest_side, voxel);
 }
 
-PolyData read_axis_file(const std::string& file, Session& session) {
+Record read_axis_file(const std::string& file, Session& session) {
   std::error_code ignored;
   // The bytes of the file and what is made of them; a compressed one says what it holds when it is opened.
   if (const auto size = std::filesystem::file_size(file, ignored); !ignored)
     session.check_memory(static_cast<std::int64_t>(2 * size), fmt::format("reading '{}'", file), {"a smaller file"});
-  return io::read_poly_data(file, &session.context);
+  return io::read_record(file, &session.context);
 }
 
 namespace {
@@ -107,7 +107,7 @@ LoadedAxis load_axis(const AxisOptions& options, Session& session) {
   return make_axis(options, read_axis_file(options.file, session), session);
 }
 
-LoadedAxis make_axis(const AxisOptions& options, PolyData&& data, Session& session) {
+LoadedAxis make_axis(const AxisOptions& options, Record&& data, Session& session) {
   LoadedAxis loaded;
   loaded.data = std::move(data);
   drop_unusable_fields(loaded.data, options.file, &session.context);
@@ -125,9 +125,9 @@ LoadedAxis make_axis(const AxisOptions& options, PolyData&& data, Session& sessi
   if (loaded.axis.points.empty()) throw Error(ErrorCode::input, fmt::format("'{}' is empty", options.file));
   checkpoint(&session.context, "read", 1);
   if (repair.degenerate + repair.duplicate > 0)
-    session.say(
-        fmt::format("note: '{}' has {} with a repeated corner (the rest of it is kept) and {} twice (counted once)",
-                    options.file, counted(repair.degenerate, "cell"), counted(repair.duplicate, "polygon")));
+    session.say(fmt::format(
+        "note: '{}' has {} with a repeated corner (the rest of it is kept) and {} twice (counted once)", options.file,
+        base::counted(repair.degenerate, "cell"), base::counted(repair.duplicate, "polygon")));
   if (const DataArray* spacing = find_array(loaded.data.field_data, "spacing")) {
     const std::vector<double> sizes = spacing->numbers();
     loaded.spacing = {sizes[0], sizes[1], sizes[2]};

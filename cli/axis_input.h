@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "quench/axis.h"
 #include "quench/geometry.h"
-#include "quench/medial_axis.h"
 #include "session.h"
 #include "shape_input.h"
 
@@ -28,7 +28,7 @@ void check_axis_options(const AxisOptions& options);
 /// A medial axis ready for burning. Vertex v of the axis is row v of the file.
 struct LoadedAxis {
   MedialAxis axis;
-  PolyData data;                ///< the file, with all its arrays
+  Record data;                  ///< the file, with all its arrays
   double longest_side = 0;      ///< what plain-number lengths refer to, world units
   double voxel = 0;             ///< smallest spacing of the voxel shape; 0 where nothing tells
   Vec3 spacing = Vec3::Zero();  ///< of the voxel shape, where the file says so
@@ -42,12 +42,12 @@ struct LoadedAxis {
 
 LoadedAxis load_axis(const AxisOptions& options, Session& session);
 /// Of a file that has been read.
-LoadedAxis make_axis(const AxisOptions& options, PolyData&& data, Session& session);
+LoadedAxis make_axis(const AxisOptions& options, Record&& data, Session& session);
 /// The file of an axis, if there is memory for it.
-PolyData read_axis_file(const std::string& file, Session& session);
+Record read_axis_file(const std::string& file, Session& session);
 
 /// The first value of a field array of a file, if it is there.
-std::optional<double> field_number(const PolyData& data, const char* name);
-std::optional<std::string> field_text(const PolyData& data, const char* name);
+std::optional<double> field_number(const Record& data, const char* name);
+std::optional<std::string> field_text(const Record& data, const char* name);
 
 }  // namespace quench::program

@@ -48,7 +48,7 @@ Action add_burn(CLI::App& app) {
         session);
     add_burning(loaded.data, burning);
     io::OutputGroup outputs;
-    io::write_poly_data(o->output, loaded.data, {"erosion_thickness"});
+    io::write_record(o->output, loaded.data, {"erosion_thickness"});
     session.finished("write");
     write_report(outputs, report, session);
     session.say(fmt::format("{}: burn time up to {:.6g}{}; {:.1f} s", o->output, burning.max_burn_time,

@@ -4,8 +4,8 @@
 #include <fmt/format.h>
 
 #include "axis_input.h"
+#include "base/text.h"
 #include "option_checks.h"
-#include "quench/counted.h"
 #include "quench/geometry.h"
 
 namespace quench::program {
@@ -43,7 +43,7 @@ void check_burn_options(const BurnPipelineOptions& options) {
         fmt::format("--omega '{}' is not a distance between nodes; give a length above 0, or 'auto'", options.omega));
 }
 
-void take_burn_parameters(BurnPipelineOptions& options, const PolyData& burned) {
+void take_burn_parameters(BurnPipelineOptions& options, const Record& burned) {
   if (const auto omega = field_number(burned, "omega"); options.omega == "auto" && omega)
     options.omega = fmt::format("{}abs", *omega);
   if (const auto name = field_text(burned, "propagation"); options.propagation == "auto" && name)
@@ -70,7 +70,7 @@ Burning compute_burning(const MedialAxis& axis, bool voxel_core, const BurnPipel
     session.say(
         fmt::format("note: {} of {} {} on closed pockets, where no fire comes: the burn time there is infinite (array "
                     "'unburned')",
-                    burning.unburned, counted(axis.complex.vertex_count, "vertex", "vertices"),
+                    burning.unburned, base::counted(axis.complex.vertex_count, "vertex", "vertices"),
                     burning.unburned == 1 ? "lies" : "lie"));
   report["burn"] = {{"omega", burning.options.omega},
                     {"nodes", burning.network.node_count()},

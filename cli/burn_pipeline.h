@@ -6,9 +6,9 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "quench/axis.h"
 #include "quench/burn.h"
-#include "quench/medial_axis.h"
-#include "quench/poly_data.h"
+#include "quench/record.h"
 #include "session.h"
 
 namespace quench::program {
@@ -24,7 +24,7 @@ void add_burn_options(CLI::App& app, BurnPipelineOptions& options);
 void check_burn_options(const BurnPipelineOptions& options);
 
 /// Options not given on the command line are taken from the FieldData of a burned file.
-void take_burn_parameters(BurnPipelineOptions& options, const PolyData& burned);
+void take_burn_parameters(BurnPipelineOptions& options, const Record& burned);
 
 /// Burns an axis (`voxel_core`: one of Quench, whose radii are exact); `resolve(text, option)` turns a length into
 /// world units. Checks memory first, says what is left unburned, and adds the section `burn` to the report. `parents`:

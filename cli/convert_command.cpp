@@ -2,9 +2,9 @@
 #include <fmt/format.h>
 
 #include "axis_input.h"
+#include "base/text.h"
 #include "option_checks.h"
 #include "program.h"
-#include "quench/counted.h"
 #include "quench/io.h"
 
 namespace quench::program {
@@ -28,7 +28,7 @@ Action add_convert(CLI::App& app) {
     if (io::kind_of(o->input) == io::Kind::volume)
       throw Error(ErrorCode::usage,
                   fmt::format("'{}' is a volume; 'quench voxelize' writes its voxel shape", o->input));
-    PolyData data = read_axis_file(o->input, session);
+    Record data = read_axis_file(o->input, session);
     checkpoint(&session.context, "read", 1);
     if (!o->radii.empty()) {
       std::erase_if(data.point_data, [](const DataArray& a) { return a.name == "radius"; });
@@ -39,10 +39,10 @@ Action add_convert(CLI::App& app) {
     if ((extension == ".ma" || extension == ".r") && !find_array(data.point_data, "radius"))
       throw Error(ErrorCode::input, fmt::format("'{}' has no radius per vertex, which {} needs; give --radii FILE.r",
                                                 o->input, extension));
-    io::write_poly_data(o->output, data, {o->quality});
+    io::write_record(o->output, data, {o->quality});
     session.finished("write");
-    session.say(fmt::format("{}: {}, {}, {}", o->output, counted(data.points.size(), "point"),
-                            counted(data.lines.size(), "line"), counted(data.poly_count(), "polygon")));
+    session.say(fmt::format("{}: {}, {}, {}", o->output, base::counted(data.points.size(), "point"),
+                            base::counted(data.lines.size(), "line"), base::counted(data.poly_count(), "polygon")));
     return 0;
   };
 }

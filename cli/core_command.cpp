@@ -6,11 +6,11 @@
 #include <cstring>
 
 #include "axis_input.h"
+#include "base/text.h"
 #include "burn_pipeline.h"
 #include "core_pipeline.h"
 #include "page_pipeline.h"
 #include "program.h"
-#include "quench/counted.h"
 #include "quench/io.h"
 #include "skeleton_pipeline.h"
 
@@ -55,8 +55,8 @@ Action add_core(CLI::App& app) {
     const LoadedShape loaded = load_shape(o->shape, session);
     CorePipelineResult result = compute_core(loaded, o->core, session);
     io::OutputGroup outputs;
-    io::write_poly_data(o->output,
-                        core_file(std::move(result.core), loaded.coordinates, json_text(result.report["parameters"])));
+    io::write_record(o->output,
+                     core_file(std::move(result.core), loaded.coordinates, json_text(result.report["parameters"])));
     session.finished("write");
     write_report(outputs, result.report, session);
     say_written(session, o->output, session.options.report == "-" ? "" : session.options.report, result.core, loaded);
@@ -120,7 +120,7 @@ Action add_run(CLI::App& app) {
       return parse_length(text, option).resolve(loaded.longest_side, loaded.shape.grid().spacing.minCoeff());
     };
     const MedialAxis& axis = result.core.axis;
-    PolyData data = core_file(result.core, loaded.coordinates, json_text(result.report["parameters"]));
+    Record data = core_file(result.core, loaded.coordinates, json_text(result.report["parameters"]));
     Burning burning = compute_burning(axis, true, o->burn, true, resolve, result.report, session);
     add_burning(data, burning);
     if (with_page) {
@@ -153,8 +153,8 @@ Action add_run(CLI::App& app) {
     parameters["resample"] = o->skeleton.resample;
     result.report["skeleton"]["reconstructed"] = reconstructed_share(loaded.shape, skeleton.skeleton, &session.context);
     io::OutputGroup outputs;
-    io::write_poly_data(core, data);
-    io::write_poly_data(skeleton_vtp, skeleton_file(skeleton.skeleton, skeleton.topology, data));
+    io::write_record(core, data);
+    io::write_record(skeleton_vtp, skeleton_file(skeleton.skeleton, skeleton.topology, data));
     write_graph(skeleton.measured, {swc, {}, csv}, o->skeleton, &loaded.shape, loaded.shape.grid().spacing,
                 loaded.coordinates, resolve, result.report, session);
     session.finished("write");
@@ -164,10 +164,11 @@ Action add_run(CLI::App& app) {
     write_report(outputs, result.report, session);
     say_written(session, core.string(), report.string(), result.core, loaded);
     const CellComplex& c = skeleton.skeleton.complex;
-    session.say(fmt::format("{}: {}, {}; topology as that of the shape; also {} and {}", skeleton_vtp.string(),
-                            cells_text(c.vertex_count, c.edges.size(), c.face_count()),
-                            counted(result.report["skeleton"]["branches"].get<std::size_t>(), "branch", "branches"),
-                            swc.string(), csv.string()));
+    session.say(
+        fmt::format("{}: {}, {}; topology as that of the shape; also {} and {}", skeleton_vtp.string(),
+                    cells_text(c.vertex_count, c.edges.size(), c.face_count()),
+                    base::counted(result.report["skeleton"]["branches"].get<std::size_t>(), "branch", "branches"),
+                    swc.string(), csv.string()));
     if (with_page) session.say(fmt::format("{}: the interactive page; open it in a browser", view.string()));
     return 0;
   };

@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <ostream>
 
+#include "base/text.h"
 #include "option_checks.h"
-#include "quench/counted.h"
 #include "quench/io.h"
 
 namespace quench::program {
@@ -58,22 +58,23 @@ CorePipelineResult compute_core(const LoadedShape& loaded, const CorePipelineOpt
   const std::int64_t sites = count_boundary_vertices(loaded.shape);
   CheckedCoreOptions core_options;
   // --memory-limit is for all the program holds; what is free is beside what it holds.
-  const std::int64_t held = held_memory(), before = session.options.memory_limit.empty() ? 0 : held;
+  const std::int64_t held = base::held_memory(), before = session.options.memory_limit.empty() ? 0 : held;
   const std::int64_t at_once = predicted_core_bytes(loaded.shape),
                      in_bricks = predicted_core_bytes_in_bricks(loaded.shape);
   core_options.in_bricks = before + at_once > session.memory_limit() && in_bricks < at_once;
   const std::int64_t bytes = core_options.in_bricks ? in_bricks : at_once;
   std::string what =
-      fmt::format("the medial axis of a shape with {}", counted(sites, "boundary vertex", "boundary vertices"));
-  if (core_options.in_bricks) what += fmt::format(", in bricks ({} at once),", bytes_text(before + at_once));
+      fmt::format("the medial axis of a shape with {}", base::counted(sites, "boundary vertex", "boundary vertices"));
+  if (core_options.in_bricks) what += fmt::format(", in bricks ({} at once),", base::bytes_text(before + at_once));
   session.check_memory(before + bytes, what,
                        loaded.kind == "mesh" ? std::vector<std::string>{"a lower --resolution"}
                                              : std::vector<std::string>{"a smaller or coarser volume", "a part of it"});
   if (core_options.in_bricks)
     session.say(fmt::format("{} boundary vertices are worked on in bricks: about {} of memory instead of {}", sites,
-                            bytes_text(held + bytes), bytes_text(held + at_once)));
+                            base::bytes_text(held + bytes), base::bytes_text(held + at_once)));
   const std::int64_t predicted = std::max(held + bytes, Session::peak_bytes());
-  session.detail(fmt::format("{} boundary vertices, about {} of memory at the peak", sites, bytes_text(predicted)));
+  session.detail(
+      fmt::format("{} boundary vertices, about {} of memory at the peak", sites, base::bytes_text(predicted)));
   if (!automatic) core_options.lambda = parse_length(options.lambda, "--lambda").resolve(loaded.longest_side, smallest);
   core_options.rule = options.rule == "ball" ? LambdaRule::ball : LambdaRule::coface;
   core_options.full = options.full;
@@ -147,8 +148,8 @@ void write_report(io::OutputGroup& outputs, const Json& report, Session& session
 }
 
 std::string cells_text(std::size_t vertices, std::size_t edges, std::size_t faces) {
-  return fmt::format("{}, {}, {}", counted(vertices, "vertex", "vertices"), counted(edges, "edge"),
-                     counted(faces, "face"));
+  return fmt::format("{}, {}, {}", base::counted(vertices, "vertex", "vertices"), base::counted(edges, "edge"),
+                     base::counted(faces, "face"));
 }
 
 std::string json_text(const Json& value, int indent) {
@@ -160,7 +161,7 @@ void say_written(Session& session, const std::string& axis, const std::string& r
   std::string stages;
   for (const auto& [stage, seconds] : session.seconds())
     stages += fmt::format("{}{} {:.2f} s", stages.empty() ? "" : ", ", stage, seconds);
-  session.detail(fmt::format("{}; {} of memory at the peak", stages, bytes_text(Session::peak_bytes())));
+  session.detail(fmt::format("{}; {} of memory at the peak", stages, base::bytes_text(Session::peak_bytes())));
   const bool full = core.options.full;
   session.say(fmt::format("{}: {}; topology as that of the shape; lengths in {}; {:.1f} s{}", axis,
                           cells_text(full ? core.vertices : core.kept_vertices, full ? core.edges : core.kept_edges,

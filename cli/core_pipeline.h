@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "quench/output_group.h"
+#include "quench/io.h"
 #include "quench/pipeline.h"
 #include "session.h"
 #include "shape_input.h"

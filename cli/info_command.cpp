@@ -10,9 +10,9 @@
 #include "core_pipeline.h"
 #include "printable.h"
 #include "program.h"
+#include "quench/axis.h"
 #include "quench/io.h"
-#include "quench/medial_axis.h"
-#include "quench/topology.h"
+#include "quench/shape.h"
 #include "quench/voxelize.h"
 #include "shape_input.h"
 
@@ -105,7 +105,7 @@ Json arrays_info(const std::vector<DataArray>& arrays) {
 }
 
 Json surface_info(const std::string& file, Session& session) {
-  const PolyData data = read_axis_file(file, session);
+  const Record data = read_axis_file(file, session);
   Json info;
   const bool axis = find_array(data.point_data, "radius") || !data.lines.empty() || data.poly_count() == 0;
   info["kind"] = axis ? "medial axis" : "mesh";

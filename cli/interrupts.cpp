@@ -12,7 +12,7 @@
 #include <mutex>
 #include <string_view>
 
-#include "quench/output_group.h"
+#include "quench/io.h"
 
 namespace quench::program {
 namespace {

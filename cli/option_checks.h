@@ -11,7 +11,7 @@
 #include <string_view>
 #include <vector>
 
-#include "quench/volume.h"
+#include "quench/shape.h"
 
 /// Values of options as text: what is refused, and how numbers are read. Numbers are read here, lengths by
 /// parse_length(), amounts of memory by the session: decimal, all of the text, never rounded into its range.

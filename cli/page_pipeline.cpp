@@ -72,7 +72,7 @@ void PageBuilder::add_core(const MedialAxis& axis, const std::vector<DataArray>&
 
 void PageBuilder::add_skeleton(const SkeletonFamily& family) { take(quench::add_skeleton(page, family, left_)); }
 
-void PageBuilder::add_still(const PolyData& data) { take(quench::add_still(page, data, left_)); }
+void PageBuilder::add_still(const Record& data) { take(quench::add_still(page, data, left_)); }
 
 void PageBuilder::write(const std::filesystem::path& file, nlohmann::ordered_json& report,
                         const io::OutputGroup& outputs) const {

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "quench/output_group.h"
+#include "quench/io.h"
 #include "quench/page.h"
 #include "session.h"
 #include "shape_input.h"
@@ -38,7 +38,7 @@ class PageBuilder {
   /// `skeleton_follows`: leaves most of the triangles to it.
   void add_core(const MedialAxis& axis, const std::vector<DataArray>& measures, bool skeleton_follows);
   void add_skeleton(const SkeletonFamily& family);
-  void add_still(const PolyData& data);
+  void add_still(const Record& data);
   /// For shapes far from zero: before anything is added.
   void set_origin(const Vec3& low, const Vec3& high);
 

@@ -4,12 +4,11 @@
 #include <nlohmann/json.hpp>
 #include <ostream>
 
+#include "base/text.h"
 #include "option_checks.h"
 #include "program.h"
-#include "quench/counted.h"
 #include "quench/io.h"
-#include "quench/output_group.h"
-#include "quench/sample.h"
+#include "quench/samples.h"
 #include "quench/voxelize.h"
 #include "shape_input.h"
 
@@ -70,7 +69,7 @@ Action add_sample(CLI::App& app) {
   };
   auto o = std::make_shared<Options>();
   std::string names;
-  for (const SampleInfo& info : samples()) names += fmt::format("\n  {:<18}{}", info.name, info.description);
+  for (const SampleInfo& info : built_in_samples()) names += fmt::format("\n  {:<18}{}", info.name, info.description);
   app.add_option("NAME", o->name, "The shape:" + names)->type_name("")->required();
   app.add_option("-o,--output", o->output,
                  "A mesh (.ply .obj .vtp) or a volume (.nrrd); root also writes FILE.json, its true branches")
@@ -113,16 +112,16 @@ Action add_sample(CLI::App& app) {
       check_voxelization_memory(sample.mesh, o->resolution, session);
       const Voxelization v = voxelize(sample.mesh, {.resolution = o->resolution}, &session.context);
       io::write_volume(o->output, v.shape, {}, &session.context);
-      lines.push_back(fmt::format("{}: {} inside", o->output, counted(v.shape.voxel_count(), "voxel")));
+      lines.push_back(fmt::format("{}: {} inside", o->output, base::counted(v.shape.voxel_count(), "voxel")));
     } else {
-      io::write_poly_data(o->output, to_poly_data(sample.mesh));
+      io::write_record(o->output, to_record(sample.mesh));
       lines.push_back(fmt::format("{}: {} vertices, {} triangles", o->output, sample.mesh.points.size(),
                                   sample.mesh.triangles.size()));
     }
     if (!sample.branches.empty()) {
       write_truth(truth.string(), sample.branches);
       lines.push_back(
-          fmt::format("{}: {}", truth.string(), counted(sample.branches.size(), "true branch", "true branches")));
+          fmt::format("{}: {}", truth.string(), base::counted(sample.branches.size(), "true branch", "true branches")));
     }
     outputs.commit();
     for (const std::string& line : lines) session.say(line);

@@ -16,7 +16,7 @@
 #include <fstream>
 
 #include "printable.h"
-#include "quench/output_group.h"
+#include "quench/io.h"
 
 namespace quench::program {
 namespace {
@@ -160,7 +160,7 @@ void Session::check_report(const std::vector<std::filesystem::path>& inputs) con
 }
 
 std::int64_t Session::memory_limit() const {
-  return options.memory_limit.empty() ? available_memory() : parse_bytes(options.memory_limit);
+  return options.memory_limit.empty() ? base::available_memory() : parse_bytes(options.memory_limit);
 }
 
 void Session::check_memory(std::int64_t bytes, const std::string& what,
@@ -169,8 +169,8 @@ void Session::check_memory(std::int64_t bytes, const std::string& what,
   const std::int64_t limit = memory_limit();
   if (bytes <= limit) return;
   throw Error(ErrorCode::failed,
-              fmt::format("{} needs about {} of memory, and {} {}; use {}{} {}", what, bytes_text(bytes),
-                          bytes_text(limit), limited ? "are allowed by --memory-limit" : "are free",
+              fmt::format("{} needs about {} of memory, and {} {}; use {}{} {}", what, base::bytes_text(bytes),
+                          base::bytes_text(limit), limited ? "are allowed by --memory-limit" : "are free",
                           fmt::join(remedies, ", "), limited && remedies.size() == 1 ? " or" : ", or",
                           limited ? "a larger --memory-limit" : "--memory-limit to try all the same"));
 }

@@ -12,9 +12,9 @@
 #include <string_view>
 #include <vector>
 
+#include "base/memory.h"
 #include "interrupts.h"
 #include "quench/context.h"
-#include "quench/memory.h"
 
 namespace quench::program {
 

@@ -10,11 +10,11 @@
 #include <string_view>
 #include <vector>
 
+#include "base/text.h"
 #include "option_checks.h"
-#include "quench/counted.h"
+#include "quench/axis.h"
 #include "quench/io.h"
-#include "quench/slices.h"
-#include "quench/voxel_core.h"
+#include "quench/shape.h"
 #include "quench/voxelize.h"
 
 namespace quench::program {
@@ -61,8 +61,8 @@ void check_voxelization_memory(const TriangleMesh& mesh, std::int64_t resolution
 namespace {
 
 std::string topology_text(const Topology& t) {
-  return fmt::format("{}, {}, {}", counted(t.betti[0], "component"), counted(t.betti[1], "tunnel"),
-                     counted(t.betti[2], "cavity", "cavities"));
+  return fmt::format("{}, {}, {}", base::counted(t.betti[0], "component"), base::counted(t.betti[1], "tunnel"),
+                     base::counted(t.betti[2], "cavity", "cavities"));
 }
 
 /// The options that are for volumes, as far as they are set.
@@ -91,7 +91,7 @@ void say_ignored(const ShapeOptions& options, Session& session) {
 }
 
 void load_mesh(const ShapeOptions& options, Session& session, LoadedShape& loaded) {
-  const PolyData data = io::read_poly_data(options.file, &session.context);
+  const Record data = io::read_record(options.file, &session.context);
   TriangleMesh mesh = to_triangle_mesh(data);
   if (mesh.triangles.empty())
     throw Error(ErrorCode::input, fmt::format("'{}' holds no faces; a shape needs a closed surface", options.file));
@@ -201,9 +201,10 @@ void load_volume(const ShapeOptions& options, Session& session, LoadedShape& loa
 
 void say_cleaned(const ForegroundReport& report, Session& session) {
   session.say(fmt::format(
-      "cleaned: {} of {} dropped ({} of the shape), {} of {} filled", counted(report.components_removed, "component"),
-      counted(report.voxels_removed, "voxel"), percent_text(report.voxels_removed, report.voxels_before),
-      counted(report.cavities_filled, "cavity", "cavities"), counted(report.voxels_filled, "voxel")));
+      "cleaned: {} of {} dropped ({} of the shape), {} of {} filled",
+      base::counted(report.components_removed, "component"), base::counted(report.voxels_removed, "voxel"),
+      percent_text(report.voxels_removed, report.voxels_before),
+      base::counted(report.cavities_filled, "cavity", "cavities"), base::counted(report.voxels_filled, "voxel")));
   if (const std::string much = much_dropped(report); !much.empty()) session.say("warning: " + much);
 }
 
@@ -377,7 +378,7 @@ LoadedShape load_shape(const ShapeOptions& options, Session& session) {
       session.say(fmt::format(
           "warning: the shape has {}, the surface of the mesh {}: what is thinner than a voxel breaks or is lost; a "
           "higher --resolution may help, --min-component N drops specks",
-          counted(loaded.topology.betti[0], "component"), parts));
+          base::counted(loaded.topology.betti[0], "component"), parts));
   if (loaded.kind == "volume" && loaded.topology.betti[0] > 100)
     session.say(
         fmt::format("note: the volume has {} components; --min-component N drops specks", loaded.topology.betti[0]));
@@ -389,7 +390,7 @@ nlohmann::ordered_json topology_changed_of(const LoadedShape& loaded) {
   return loaded.kind == "volume" ? Json(false) : Json(nullptr);
 }
 
-std::string parameters_of(const PolyData& result) {
+std::string parameters_of(const Record& result) {
   const DataArray* array = find_array(result.field_data, "parameters");
   if (!array) return {};
   const auto* text = std::get_if<std::vector<std::string>>(&array->values);
@@ -452,7 +453,7 @@ bool is_spacing(const std::string& text) {
 
 }  // namespace
 
-void take_parameters(ShapeOptions& options, const PolyData& result, const std::string& file) {
+void take_parameters(ShapeOptions& options, const Record& result, const std::string& file) {
   constexpr std::int64_t most = std::numeric_limits<std::int64_t>::max();
   const Parameters p(parameters_of(result), file);
   if (const auto n = p.whole("resolution", 1, 16384); n && !options.resolution_given)

@@ -7,10 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "quench/poly_data.h"
-#include "quench/topology.h"
-#include "quench/volume.h"
-#include "quench/voxel_shape.h"
+#include "quench/record.h"
+#include "quench/shape.h"
 #include "session.h"
 
 namespace quench::program {
@@ -66,7 +64,7 @@ std::string spacing_text(const Grid& grid, const std::string& units);
 
 /// Options not given on the command line are taken from the FieldData `parameters` of the result in `file`. Throws
 /// Error(input) naming the file and the parameter when it cannot be.
-void take_parameters(ShapeOptions& options, const PolyData& result, const std::string& file);
+void take_parameters(ShapeOptions& options, const Record& result, const std::string& file);
 
 /// The voxelizer needs up to four numbers per scanline and two runs: throws Error(failed) before any is made when there
 /// is no memory for them.
@@ -76,6 +74,6 @@ void check_voxelization_memory(const TriangleMesh& mesh, std::int64_t resolution
 nlohmann::ordered_json topology_changed_of(const LoadedShape& loaded);
 
 /// FieldData `parameters` holds this as JSON text.
-std::string parameters_of(const PolyData& result);
+std::string parameters_of(const Record& result);
 
 }  // namespace quench::program

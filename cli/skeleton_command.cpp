@@ -64,7 +64,7 @@ Action add_skeleton(CLI::App& app) {
     const CheckedSkeleton result =
         compute_skeleton(loaded.axis, std::move(burning), o->skeleton, finest, resolve, report, session);
     io::OutputGroup outputs;
-    io::write_poly_data(o->output, skeleton_file(result.skeleton, result.topology, loaded.data));
+    io::write_record(o->output, skeleton_file(result.skeleton, result.topology, loaded.data));
     write_graph(result.measured, {o->swc, o->graphml, o->csv}, o->skeleton, nullptr,
                 loaded.voxel_core ? loaded.spacing : Vec3(Vec3::Zero()), loaded.coordinates, resolve, report, session);
     session.finished("write");

@@ -3,10 +3,10 @@
 
 #include <fmt/format.h>
 
+#include "base/text.h"
 #include "core_pipeline.h"
 #include "option_checks.h"
-#include "quench/counted.h"
-#include "quench/curve_graph.h"
+#include "quench/graph.h"
 
 namespace quench::program {
 namespace {
@@ -150,7 +150,7 @@ void write_graph(const Skeleton& skeleton, const GraphFiles& files, const Skelet
                       {"cuts", cuts}};
     if (!swc.cuts.empty())
       session.say(fmt::format("note: {} {} cut in {}, as SWC holds trees only; the header of the file lists where",
-                              counted(swc.cuts.size(), "loop"), swc.cuts.size() == 1 ? "is" : "are",
+                              base::counted(swc.cuts.size(), "loop"), swc.cuts.size() == 1 ? "is" : "are",
                               files.swc.string()));
   }
   if (!graph.sheet_only.empty())

@@ -8,14 +8,13 @@
 #include <optional>
 #include <string>
 
+#include "quench/axis.h"
 #include "quench/burn.h"
-#include "quench/curve_graph.h"
-#include "quench/medial_axis.h"
+#include "quench/graph.h"
 #include "quench/pipeline.h"
-#include "quench/poly_data.h"
+#include "quench/record.h"
+#include "quench/shape.h"
 #include "quench/skeleton.h"
-#include "quench/topology.h"
-#include "quench/voxel_shape.h"
 #include "session.h"
 
 namespace quench::program {

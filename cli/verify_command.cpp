@@ -4,13 +4,13 @@
 #include <nlohmann/json.hpp>
 
 #include "axis_input.h"
+#include "base/text.h"
 #include "core_pipeline.h"
 #include "option_checks.h"
 #include "program.h"
-#include "quench/counted.h"
+#include "quench/axis.h"
 #include "quench/io.h"
 #include "quench/verify.h"
-#include "quench/voxel_core.h"
 
 namespace quench::program {
 
@@ -54,7 +54,7 @@ Action add_verify(CLI::App& app) {
     LoadedShape loaded;
     for (std::size_t r = 0; r < o->results.size(); ++r) {
       const std::string& file = o->results[r];
-      PolyData data = read_axis_file(file, session);
+      Record data = read_axis_file(file, session);
       const bool says_stage = find_array(data.field_data, "stage") != nullptr;
       if (!says_stage) {  // other formats and programs do not say what they hold
         if (o->core)
@@ -72,7 +72,7 @@ Action add_verify(CLI::App& app) {
         const std::int64_t sites = count_boundary_vertices(loaded.shape);
         session.check_memory(
             predicted_core_bytes(loaded.shape),  // verifying takes no more than computing
-            fmt::format("verifying a shape with {}", counted(sites, "boundary vertex", "boundary vertices")),
+            fmt::format("verifying a shape with {}", base::counted(sites, "boundary vertex", "boundary vertices")),
             {"a result of a smaller or coarser shape"});
       }
       VerifyOptions options;

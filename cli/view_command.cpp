@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include "axis_input.h"
+#include "base/text.h"
 #include "burn_pipeline.h"
 #include "core_pipeline.h"
 #include "option_checks.h"
@@ -9,8 +10,7 @@
 #include "page_program.h"
 #include "picture.h"
 #include "program.h"
-#include "quench/axis_fields.h"
-#include "quench/counted.h"
+#include "quench/axis.h"
 #include "quench/io.h"
 #include "quench/voxelize.h"
 #include "skeleton_pipeline.h"
@@ -85,20 +85,20 @@ void check_options(const Options& o) {
 }
 
 // A surface without any measure that encloses something is a shape.
-bool is_closed_mesh(const PolyData& data) {
+bool is_closed_mesh(const Record& data) {
   if (data.poly_count() == 0 || !data.lines.empty() || find_array(data.point_data, "radius")) return false;
   const SurfaceTopology surface = surface_topology(to_triangle_mesh(data));
   return surface.manifold && surface.boundary_edges == 0;
 }
 
 // A medial axis with the levels of a core, or one that was burned: what there is a family of skeletons of.
-bool is_axis(const PolyData& data) {
+bool is_axis(const Record& data) {
   if (!find_array(data.point_data, "radius")) return false;
   const std::string stage = field_text(data, "stage").value_or("");
   return stage == "core" || (stage.empty() && field_number(data, "omega"));
 }
 
-void add_axis(const Options& o, const std::string& file, PolyData&& data, PageBuilder& builder,
+void add_axis(const Options& o, const std::string& file, Record&& data, PageBuilder& builder,
               nlohmann::ordered_json& report, std::string& lambda_state, Session& session) {
   Page& page = builder.page;
   AxisOptions axis_options;
@@ -214,10 +214,10 @@ Action add_view(CLI::App& app) {
     if (!o->png.empty()) folder.emplace();
 
     std::string axis_file, still_file;
-    PolyData axis, still;
+    Record axis, still;
     for (const std::string& file : o->files) {
       if (io::kind_of(file) == io::Kind::volume) refuse_shape(file);
-      PolyData data = read_axis_file(file, session);
+      Record data = read_axis_file(file, session);
       if (data.points.empty()) throw Error(ErrorCode::input, fmt::format("'{}' is empty", file));
       if (is_closed_mesh(data)) refuse_shape(file);
       const bool computed = is_axis(data);
@@ -238,7 +238,7 @@ Action add_view(CLI::App& app) {
     if (!o->shape.file.empty()) report["input"]["shape"] = o->shape.file;
     page.title = title_of(first);
     Vec3 low = Vec3::Constant(1e300), high = -low;
-    for (const PolyData* data : {&axis, &still})
+    for (const Record* data : {&axis, &still})
       for (const Vec3& p : data->points) {
         low = low.cwiseMin(p);
         high = high.cwiseMax(p);
@@ -310,8 +310,8 @@ Action add_view(CLI::App& app) {
       if (!file.empty()) {
         std::error_code ignored;
         session.say(fmt::format("{}: {}, {}; {:.1f} s", file,
-                                bytes_text(static_cast<std::int64_t>(fs::file_size(file, ignored))),
-                                counted(builder.triangles(), "triangle"), session.total_seconds()));
+                                base::bytes_text(static_cast<std::int64_t>(fs::file_size(file, ignored))),
+                                base::counted(builder.triangles(), "triangle"), session.total_seconds()));
       }
     return 0;
   };

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include "base/text.h"
 #include "core_pipeline.h"
 #include "option_checks.h"
 #include "program.h"
-#include "quench/counted.h"
 #include "quench/io.h"
 
 namespace quench::program {
@@ -44,7 +44,7 @@ Action add_voxelize(CLI::App& app) {
                          {"voxelization_changed_topology", topology_changed_of(loaded)}};
     }
     write_report(outputs, report, session);
-    session.say(fmt::format("{}: {} inside; {:.1f} s", o->output, counted(loaded.shape.voxel_count(), "voxel"),
+    session.say(fmt::format("{}: {} inside; {:.1f} s", o->output, base::counted(loaded.shape.voxel_count(), "voxel"),
                             session.total_seconds()));
     return 0;
   };

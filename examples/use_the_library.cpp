@@ -3,12 +3,10 @@
 #include <cstdio>
 #include <exception>
 
+#include "quench/axis.h"
 #include "quench/io.h"
-#include "quench/medial_axis.h"
-#include "quench/prune.h"
-#include "quench/sample.h"
-#include "quench/topology.h"
-#include "quench/voxel_core.h"
+#include "quench/samples.h"
+#include "quench/shape.h"
 #include "quench/voxelize.h"
 
 int main(int argc, char** argv) {
@@ -17,13 +15,13 @@ int main(int argc, char** argv) {
     return 2;
   }
   try {
-    // Or: quench::to_triangle_mesh(quench::io::read_poly_data("part.off"))
+    // Or: quench::to_triangle_mesh(quench::io::read_record("part.off"))
     const quench::TriangleMesh mesh = quench::make_sample("fin-on-board").mesh;
     const quench::Voxelization voxels = quench::voxelize(mesh, {.resolution = 128});
     quench::MedialAxis core = quench::voxel_core(voxels.shape);
     quench::prune_levels(core);
     const quench::MedialAxis axis = quench::pruned(core, 0.02 * voxels.longest_side);
-    quench::io::write_poly_data(argv[1], quench::to_poly_data(axis));
+    quench::io::write_record(argv[1], quench::to_record(axis));
     const bool same = quench::topology(axis.complex) == quench::topology(voxels.shape);
     std::printf("%u vertices; topology %s\n", axis.complex.vertex_count, same ? "kept" : "lost");
     return same ? 0 : 4;

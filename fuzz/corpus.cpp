@@ -6,7 +6,7 @@
 #include <fstream>
 
 #include "quench/io.h"
-#include "quench/sample.h"
+#include "quench/samples.h"
 #include "small_files.h"
 #ifdef QUENCH_HAS_TIFF
 #include <tiffio.h>
@@ -14,8 +14,8 @@
 
 namespace {
 
-quench::PolyData as_axis(const quench::TriangleMesh& mesh) {
-  quench::PolyData data;
+quench::Record as_axis(const quench::TriangleMesh& mesh) {
+  quench::Record data;
   data.points = mesh.points;
   std::vector<double> radius(mesh.points.size(), 0.25);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -69,12 +69,12 @@ int main(int argc, char** argv) try {
     fs::create_directories(folder / file.format);
     std::ofstream(folder / file.format / file.name, std::ios::binary) << file.bytes;
   }
-  for (const auto& sample : quench::samples()) {
+  for (const auto& sample : quench::built_in_samples()) {
     const std::string name(sample.name);
     const auto made = quench::make_sample(name, {.noise = 0, .seed = 1, .branches = 1, .detail = 0.05});
     if (made.mesh.triangles.size() > 300) continue;  // small inputs make fast targets
     for (const char* format : {"ply", "obj", "vtp", "ma"})
-      quench::io::write_poly_data(folder / format / (name + "." + format), as_axis(made.mesh));
+      quench::io::write_record(folder / format / (name + "." + format), as_axis(made.mesh));
   }
 #ifdef QUENCH_HAS_TIFF
   write_compressed_tiffs(folder / "tiff");

@@ -3,14 +3,14 @@
 // what the program makes of it.
 #include <sstream>
 
-#include "io/formats.h"
-#include "quench/medial_axis.h"
+#include "io/common/formats.h"
+#include "quench/axis.h"
 #include "target.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace quench;
   fuzz::reads_or_refuses([&] {
-    const PolyData read = io::QUENCH_FUZZ_READER({"file", std::string(reinterpret_cast<const char*>(data), size)});
+    const Record read = io::QUENCH_FUZZ_READER({"file", std::string(reinterpret_cast<const char*>(data), size)});
     try {
       read.validate();
     } catch (const Error&) {
@@ -23,7 +23,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     if (size % 16 == 0) {  // takes ten times as long as reading
       std::ostringstream xml;
       io::write_vtp(xml, read);
-      const PolyData again = io::read_vtp({"again", std::move(xml).str()});
+      const Record again = io::read_vtp({"again", std::move(xml).str()});
       if (again.points != read.points || again.lines != read.lines || again.poly_corners != read.poly_corners)
         fuzz::defect("written as VTP and read again, the data differ");
     }

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // A reader of volumes: QUENCH_FUZZ_READER names it, or QUENCH_FUZZ_EXTENSION a format whose headers say where the
 // samples are. With QUENCH_FUZZ_PNG the checksums are made right first: they would hide everything behind them.
-#include "io/slice_streams.h"
-#include "io/stored_volume.h"
-#include "io/volume_formats.h"
+#include "io/volume/slice_streams.h"
+#include "io/volume/stored_volume.h"
+#include "io/volume/volume_formats.h"
 #include "memory_file.h"
 #include "quench/context.h"
 #include "small_files.h"

@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "bricks/dual_complex_in_bricks.h"
+#include "quench/axis.h"
 #include "quench/io.h"
-#include "quench/sample.h"
-#include "quench/voxel_core.h"
+#include "quench/samples.h"
 #include "quench/voxelize.h"
 #include "random_shapes.h"
 #include "same_dual.h"
@@ -100,7 +100,7 @@ TEST(Bricks, MeshesAreTheSameInBricks) {
                           std::vector<BrickPlan>{{{{16, 4}, {32, 12}}, 0}}, 2, name);
   const auto file = std::filesystem::path(QUENCH_DATA) / "meshes/armadillo.off";
   if (!std::filesystem::exists(file)) GTEST_SKIP() << "no test data";
-  const TriangleMesh mesh = to_triangle_mesh(io::read_poly_data(file));
+  const TriangleMesh mesh = to_triangle_mesh(io::read_record(file));
   expect_same_in_bricks(voxelize(mesh, {.resolution = 128}).shape,
                         std::vector<BrickPlan>{{{{16, 6}, {40, 20}}, 0}, {{{48, 8}}, 0}}, 2, "armadillo");
 }

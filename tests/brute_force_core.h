@@ -14,7 +14,7 @@
 #include <utility>
 #include <vector>
 
-#include "quench/voxel_shape.h"
+#include "quench/shape.h"
 
 /// The voxel core of a small shape straight from its definition, as an oracle: Delaunay polytopes are found one by one
 /// across facets by trying all sites, all decisions are made on exact integers. O(facets * sites) and a few hundred

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "brute_force_core.h"
-#include "quench/poly_data.h"
+#include "quench/record.h"
 
 /// Prunings of a brute-force core by the plainest possible thinning, and as what a result file holds.
 namespace quench::brute_force {
@@ -60,8 +60,8 @@ inline Kept pruned(const Core& core, double lambda, bool ball_rule = false) {
 }
 
 /// Polygons, edges without polygon as lines, cells without edge as vertex cells, with the arrays of docs/user/files.md.
-inline PolyData poly_data(const Core& core, const Kept& kept, double lambda = 0, bool ball_rule = false) {
-  PolyData data;
+inline Record record(const Core& core, const Kept& kept, double lambda = 0, bool ball_rule = false) {
+  Record data;
   const auto value = [&](const auto& cell) { return ball_rule ? cell.lambda_ball : cell.lambda; };
   std::vector<std::uint32_t> row(core.cells.size());
   std::vector<double> radius, point_lambda;
@@ -116,6 +116,6 @@ inline PolyData poly_data(const Core& core, const Kept& kept, double lambda = 0,
   return data;
 }
 
-inline PolyData poly_data(const Core& core) { return poly_data(core, keep_all(core)); }
+inline Record record(const Core& core) { return record(core, keep_all(core)); }
 
 }  // namespace quench::brute_force

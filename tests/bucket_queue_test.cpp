@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bucket_queue.h"
+#include "base/bucket_queue.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 namespace quench {
 namespace {
 
-using Queue = BucketQueue<std::uint32_t>;
+using Queue = base::BucketQueue<std::uint32_t>;
 
 // Pushes and pops at random beside a heap. Few keys, so that buckets hold thousands of equal ones while
 // more come in.

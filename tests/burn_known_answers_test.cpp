@@ -11,12 +11,10 @@
 #include "brute_force_burn.h"
 #include "burn_shapes.h"
 #include "data.h"
+#include "quench/axis.h"
 #include "quench/burn.h"
 #include "quench/io.h"
-#include "quench/medial_axis.h"
-#include "quench/prune.h"
-#include "quench/topology.h"
-#include "quench/voxel_core.h"
+#include "quench/shape.h"
 #include "random_shapes.h"
 
 namespace quench {
@@ -273,7 +271,7 @@ struct AuthorsBunny {
   std::array<std::vector<double>, 2> burn_time;
 
   AuthorsBunny() {
-    const PolyData mesh = io::read_poly_data(data_file("references/bunny7_lambda0.025.ply"));
+    const Record mesh = io::read_record(data_file("references/bunny7_lambda0.025.ply"));
     std::vector<std::uint32_t> row;
     complex = complex_of(mesh, &row);
     std::ifstream table(data_file("references/bunny7_burn.tsv"));

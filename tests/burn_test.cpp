@@ -11,12 +11,11 @@
 #include <string>
 
 #include "brute_force_burn.h"
-#include "burn/fire.h"
 #include "burn_shapes.h"
+#include "burning/fire.h"
+#include "quench/axis.h"
 #include "quench/error.h"
-#include "quench/prune.h"
-#include "quench/sample.h"
-#include "quench/voxel_core.h"
+#include "quench/samples.h"
 #include "random_shapes.h"
 
 namespace quench {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "quench/error.h"
-#include "quench/topology.h"
+#include "quench/shape.h"
 
 namespace quench {
 namespace {

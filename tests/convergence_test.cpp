@@ -7,9 +7,8 @@
 #include <limits>
 
 #include "one_sided_distance.h"
-#include "quench/prune.h"
-#include "quench/sample.h"
-#include "quench/voxel_core.h"
+#include "quench/axis.h"
+#include "quench/samples.h"
 #include "quench/voxelize.h"
 #include "smooth_shapes.h"
 #include "voxelization_distance.h"

@@ -9,8 +9,8 @@
 #include <tuple>
 
 #include "hand_built_skeletons.h"
-#include "quench/curve_graph.h"
 #include "quench/error.h"
+#include "quench/graph.h"
 #include "temporary_folder.h"
 
 namespace quench {

@@ -6,13 +6,12 @@
 #include <map>
 #include <numbers>
 
+#include "graph/segment_contacts.h"
 #include "hand_built_skeletons.h"
-#include "quench/curve_graph.h"
+#include "quench/axis.h"
 #include "quench/error.h"
-#include "quench/prune.h"
-#include "quench/voxel_core.h"
+#include "quench/graph.h"
 #include "random_shapes.h"
-#include "skeleton/segment_contacts.h"
 
 namespace quench {
 namespace {
@@ -23,7 +22,7 @@ using testing_skeletons::skeleton_of;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// Least distance of two segments by bisection of both parameters: the distance is convex in them.
-double brute_distance(const NamedSegment& s, const NamedSegment& t) {
+double brute_distance(const graph::NamedSegment& s, const graph::NamedSegment& t) {
   const auto distance = [&](double a, double b) { return ((1 - a) * s.a + a * s.b - (1 - b) * t.a - b * t.b).norm(); };
   const auto search = [](const auto& f) {
     double low = 0, high = 1;
@@ -41,8 +40,8 @@ TEST(SegmentContacts, DistancesEqualThoseBySearch) {
   const auto coordinate = [&] { return static_cast<double>(random() % 7); };  // parallel, touching, degenerate ones
   for (int i = 0; i < 400; ++i) {
     const auto point = [&] { return Vec3(coordinate(), coordinate(), i % 2 ? coordinate() : 0.0); };
-    const NamedSegment s{point(), point(), {0, 1}}, t{point(), point(), {2, 3}};
-    ASSERT_NEAR(segment_distance(s.a, s.b, t.a, t.b), brute_distance(s, t), 1e-6) << i;
+    const graph::NamedSegment s{point(), point(), {0, 1}}, t{point(), point(), {2, 3}};
+    ASSERT_NEAR(graph::segment_distance(s.a, s.b, t.a, t.b), brute_distance(s, t), 1e-6) << i;
   }
 }
 
@@ -50,7 +49,7 @@ TEST(SegmentContacts, TheGridFindsAllPairs) {
   for (std::uint64_t seed = 0; seed < 300; ++seed) {
     std::mt19937_64 random(seed);
     const auto unit = [&] { return static_cast<double>(random() >> 11) * 0x1p-53; };
-    std::vector<NamedSegment> segments;
+    std::vector<graph::NamedSegment> segments;
     std::vector<Vec3> points;
     for (int i = 0; i < 40; ++i) {
       const Vec3 corner(10 * unit(), 10 * unit(), seed % 2 ? unit() : 0.0);
@@ -64,8 +63,8 @@ TEST(SegmentContacts, TheGridFindsAllPairs) {
     std::set<std::pair<std::uint32_t, std::uint32_t>> wanted, found;
     for (std::uint32_t i = 0; i < segments.size(); ++i)
       for (std::uint32_t j = i + 1; j < segments.size(); ++j)
-        if (in_contact(segments[i], segments[j], tolerance)) wanted.insert({i, j});
-    for_each_contact(
+        if (graph::in_contact(segments[i], segments[j], tolerance)) wanted.insert({i, j});
+    graph::for_each_contact(
         segments, tolerance, [](auto, auto) { return true; },
         [&](auto i, auto j) {
           found.insert({i, j});
@@ -76,18 +75,18 @@ TEST(SegmentContacts, TheGridFindsAllPairs) {
 
 TEST(SegmentContacts, AtACommonEndOnlyOverlapsCount) {
   const auto contact = [](const Vec3& a, const Vec3& b) {
-    return in_contact({{0, 0, 0}, a, {0, 1}}, {b, {0, 0, 0}, {2, 0}}, 1e-12);
+    return graph::in_contact({{0, 0, 0}, a, {0, 1}}, {b, {0, 0, 0}, {2, 0}}, 1e-12);
   };
   EXPECT_FALSE(contact({1, 0, 0}, {0, 1, 0}));
   EXPECT_FALSE(contact({1, 0, 0}, {-1, 0, 0}));
   EXPECT_TRUE(contact({1, 0, 0}, {2, 0, 0}));
   EXPECT_TRUE(contact({3, 0, 0}, {2, 0, 0}));
-  EXPECT_TRUE(in_contact({{0, 0, 0}, {1, 0, 0}, {0, 1}}, {{1, 0, 0}, {0, 0, 0}, {1, 0}}, 0));
+  EXPECT_TRUE(graph::in_contact({{0, 0, 0}, {1, 0, 0}, {0, 1}}, {{1, 0, 0}, {0, 0, 0}, {1, 0}}, 0));
 }
 
 /// Pairs of segments in contact, all against all.
 std::size_t contacts(const CurveGraph& graph) {
-  std::vector<NamedSegment> segments;
+  std::vector<graph::NamedSegment> segments;
   std::uint64_t name = graph.nodes.size();
   for (const auto& branch : graph.branches)
     for (std::size_t i = 1; i < branch.points.size(); ++i) {
@@ -97,7 +96,7 @@ std::size_t contacts(const CurveGraph& graph) {
     }
   std::size_t count = 0;
   for (std::size_t i = 0; i < segments.size(); ++i)
-    for (std::size_t j = i + 1; j < segments.size(); ++j) count += in_contact(segments[i], segments[j], 0);
+    for (std::size_t j = i + 1; j < segments.size(); ++j) count += graph::in_contact(segments[i], segments[j], 0);
   return count;
 }
 
@@ -172,7 +171,7 @@ VoxelShape random_rings(std::uint64_t seed) {
   return testing_shapes::from_predicate(grid, [&](int x, int y, int z) {
     const Vec3 p(x + 0.5, y + 0.5, z + 0.5);
     return std::any_of(sticks.begin(), sticks.end(),
-                       [&](const auto& stick) { return segment_distance(p, p, stick[0], stick[1]) < thick; });
+                       [&](const auto& stick) { return graph::segment_distance(p, p, stick[0], stick[1]) < thick; });
   });
 }
 

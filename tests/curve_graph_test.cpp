@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "quench/curve_graph.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -9,7 +7,8 @@
 #include <tuple>
 
 #include "hand_built_skeletons.h"
-#include "quench/topology.h"
+#include "quench/graph.h"
+#include "quench/shape.h"
 
 namespace quench {
 namespace {

@@ -8,7 +8,7 @@
 #include <set>
 
 #include "damage.h"
-#include "quench/voxel_shape.h"
+#include "quench/shape.h"
 
 /// How much of a shape a damage can take, whoever repairs it.
 namespace quench::testing_damage {

@@ -14,14 +14,12 @@
 #include "damage.h"
 #include "damage_limits.h"
 #include "data.h"
+#include "quench/axis.h"
 #include "quench/error.h"
 #include "quench/io.h"
-#include "quench/medial_axis.h"
-#include "quench/prune.h"
-#include "quench/sample.h"
-#include "quench/topology.h"
+#include "quench/samples.h"
+#include "quench/shape.h"
 #include "quench/verify.h"
-#include "quench/voxel_core.h"
 #include "quench/voxelize.h"
 #include "random_meshes.h"
 #include "voxel_difference.h"
@@ -93,7 +91,7 @@ void expect_limits(const TriangleMesh& clean, std::int64_t resolution, const std
 }
 
 TEST(DefectiveMeshes, ClosedOnesAreTheSameWithTheRobustPath) {
-  for (const SampleInfo& s : samples())
+  for (const SampleInfo& s : built_in_samples())
     expect_robust_is_the_same(sample(s.name), s.name == "bars" ? 160 : 40, std::string(s.name));
 }
 
@@ -134,7 +132,7 @@ TEST(DefectiveMeshes, EveryClosedMeshOfTheData) {
   for (const auto& entry : std::filesystem::directory_iterator(data_file("meshes"))) {
     const std::string name = entry.path().filename().string();
     if (!entry.is_regular_file() || io::kind_of(entry.path()) != io::Kind::surface) continue;
-    const TriangleMesh mesh = to_triangle_mesh(io::read_poly_data(entry.path()));
+    const TriangleMesh mesh = to_triangle_mesh(io::read_record(entry.path()));
     if (mesh.triangles.size() < 2000 || mesh.triangles.size() > 500000) continue;
     try {
       if (!voxelize(mesh, {.resolution = 40}).sound) continue;
@@ -175,7 +173,7 @@ TEST(DefectiveMeshes, CoresOfDamagedShapesVerify) {
     ASSERT_EQ(topology(core.complex), topology(v.shape)) << name;
     prune_levels(core);
     const double lambda = 0.02 * v.longest_side;
-    PolyData data = to_poly_data(pruned(core, lambda));
+    Record data = to_record(pruned(core, lambda));
     data.field_data.push_back({"stage", 1, std::vector<std::string>{"core"}});
     for (const Check& check : verify(v.shape, data, {.lambda = lambda, .samples = 2000}).checks)
       EXPECT_TRUE(check.passed) << name << ": " << check.name << ": " << check.detail;

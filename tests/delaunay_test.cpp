@@ -11,7 +11,7 @@
 
 #include "lattice/polytopes.h"
 #include "lattice/site_order.h"
-#include "quench/sample.h"
+#include "quench/samples.h"
 #include "quench/voxelize.h"
 #include "random_shapes.h"
 #include "same_dual.h"

@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "quench/image.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <map>
 #include <random>
 
+#include "quench/axis.h"
 #include "quench/error.h"
-#include "quench/raster.h"
+#include "quench/shape.h"
 
 namespace quench {
 namespace {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include "quench/axis.h"
 #include "quench/error.h"
 #include "quench/io.h"
-#include "quench/medial_axis.h"
 #include "temporary_folder.h"
 
 // One rule in all formats for what they call a face: with one corner it is a point, with two a line.
@@ -17,11 +17,9 @@ class Faces : public testing::Test {
  protected:
   TemporaryFolder folder;
 
-  PolyData read(const std::string& name, const std::string& text) {
-    return io::read_poly_data(folder.write(name, text));
-  }
+  Record read(const std::string& name, const std::string& text) { return io::read_record(folder.write(name, text)); }
   /// Three points; a point, a line and a triangle, in whatever order the file has them.
-  void expect_one_of_each(const PolyData& data) {
+  void expect_one_of_each(const Record& data) {
     EXPECT_EQ(data.points.size(), 3u);
     EXPECT_EQ(data.verts, (Corners{2}));
     EXPECT_EQ(data.lines, (std::vector<std::array<std::uint32_t, 2>>{{0, 1}}));
@@ -73,7 +71,7 @@ TEST_F(Faces, PlyWithValuesPerCell) {
   const std::string faces_first = ply_head + faces + edges + "end_header\n" + ply_points + face_rows + edge_row;
   const std::string edges_first = ply_head + edges + faces + "end_header\n" + ply_points + edge_row + face_rows;
   for (const bool first : {false, true}) {
-    const PolyData data = read("c.ply", first ? faces_first : edges_first);
+    const Record data = read("c.ply", first ? faces_first : edges_first);
     ASSERT_NO_THROW(data.validate());
     ASSERT_EQ(data.lines.size(), 2u);
     const std::size_t own = data.lines[0] == std::array<std::uint32_t, 2>{1, 2} ? 0 : 1;  // the edge of the file
@@ -99,7 +97,7 @@ std::string vtp(const std::string& polys, const std::string& offsets, int count)
 }
 
 TEST_F(Faces, Vtp) {
-  const PolyData data = read("a.vtp", vtp("2 0 1 2 0 1", "1 4 6", 3));
+  const Record data = read("a.vtp", vtp("2 0 1 2 0 1", "1 4 6", 3));
   expect_one_of_each(data);
   EXPECT_EQ(find_array(data.cell_data, "a")->numbers(), (std::vector<double>{10, 12, 11}));
   expect_refused("b.vtp", vtp("2 0 1 2 0 1", "1 4 4", 3));
@@ -107,7 +105,7 @@ TEST_F(Faces, Vtp) {
 
 TEST_F(Faces, Ma) {
   const std::string points = "v 0 0 0 1\nv 1 0 0 1\nv 0 1 0 1\n";
-  const PolyData data = read("a.ma", "3 0 3\n" + points + "f 2\nf 0 1 2\nf 0 1\n");
+  const Record data = read("a.ma", "3 0 3\n" + points + "f 2\nf 0 1 2\nf 0 1\n");
   expect_one_of_each(data);
   EXPECT_EQ(medial_axis_of(data).complex.face_count(), 1u);
   expect_refused("b.ma", "3 0 3\n" + points + "f\nf 0 1 2\nf 0 1\n");
@@ -124,7 +122,7 @@ TEST_F(Faces, ThroughAssimp) {
            ",\"componentType\":5126,\"type\":\"VEC3\",\"count\":" + std::to_string(count) +
            ",\"min\":[0,0,0],\"max\":[1,1,0]}";
   };
-  const PolyData data =
+  const Record data =
       read("a.gltf",
            "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0,1,2]}],"
            "\"nodes\":[{\"mesh\":0},{\"mesh\":1},{\"mesh\":2}],\"meshes\":[" +

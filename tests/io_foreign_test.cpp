@@ -12,9 +12,9 @@
 #include <thread>
 
 #include "data.h"
-#include "io/apart.h"
+#include "io/common/apart.h"
 #include "poly_samples.h"
-#include "quench/volume.h"
+#include "quench/shape.h"
 #ifdef QUENCH_TESTS_HAVE_ASSIMP
 #include <assimp/mesh.h>
 #include <assimp/scene.h>
@@ -127,7 +127,7 @@ TEST(Foreign, DamagedMeshes) {
   for (const auto& [name, valid] : meshes()) {
     has_3mf = has_3mf || name.ends_with(".3mf");
     const auto path = folder / name;
-    const auto read = [&] { io::read_poly_data(path).validate(); };
+    const auto read = [&] { io::read_record(path).validate(); };
     write_bytes(path, valid);
     try {
       read();

@@ -13,10 +13,10 @@
 #include <numeric>
 #include <random>
 
-#include "io/formats.h"
-#include "io/slice_streams.h"
-#include "io/stored_volume.h"
-#include "io/volume_formats.h"
+#include "io/common/formats.h"
+#include "io/volume/slice_streams.h"
+#include "io/volume/stored_volume.h"
+#include "io/volume/volume_formats.h"
 #include "poly_samples.h"
 #include "small_files.h"
 
@@ -68,7 +68,7 @@ const Folder& folder() {
   return made;
 }
 
-template <PolyData (*reader)(const io::FileText&)>
+template <Record (*reader)(const io::FileText&)>
 void read_poly(const std::string& bytes) {
   reader({"file", bytes}).validate();
 }
@@ -124,13 +124,13 @@ std::function<void(const std::string&)> reader_of(const std::string& format) {
 
 std::vector<SmallFile> files() {
   std::vector<SmallFile> list = small_files::all();
-  PolyData data = testing_files::mixed_sample();
+  Record data = testing_files::mixed_sample();
   data.point_data.resize(2);
   data.cell_data.resize(1);
   data.field_data.resize(2);
   for (const char* format : {"ply", "obj", "vtp", "ma"}) {
     const std::string name = std::string("written.") + format;
-    io::write_poly_data(folder() / name, data);
+    io::write_record(folder() / name, data);
     list.push_back({name, format, testing_files::bytes_of(folder() / name)});
   }
 #ifndef QUENCH_TESTS_HAVE_TIFF

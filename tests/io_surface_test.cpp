@@ -46,17 +46,17 @@ TEST(Files, EmptyOnesAreSaidToBe) {
 // --- PLY -----------------------------------------------------------------------------------------------------------
 
 TEST(Ply, TextWithEveryPart) {
-  const PolyData data = read_bytes("a.ply",
-                                   "ply\r\nformat ascii 1.0\r\ncomment x y\r\nobj_info z\r\nelement vertex 4\r\n"
-                                   "property uchar red\r\nproperty float x\r\nproperty double y\r\nproperty int z\r\n"
-                                   "property list uchar float extra\r\nproperty double radius\r\n"
-                                   "element material 2\r\nproperty int a\r\nproperty list int int b\r\n"
-                                   "element edge 1\r\nproperty int vertex1\r\nproperty int vertex2\r\n"
-                                   "property uint level\r\nproperty int mark\r\n"
-                                   "element face 2\r\nproperty short mark\r\nproperty list uchar uint vertex_index\r\n"
-                                   "property float lambda\r\nelement nothing 4000000000\r\nend_header\r\n"
-                                   "9 0.1 2 3 2 0.5 0.5 1.5\r\n8 1 0 0 0 2.5\r\n7 0 1 0 0 3.5\r\n6 0 0 1 0 4.5\r\n"
-                                   "1 0\r\n2 2 5 6\r\n3 2 4000000000 -7\r\n5 3 0 1 2 0.25\r\n6 4 0 1 2 3 0.5\r\n");
+  const Record data = read_bytes("a.ply",
+                                 "ply\r\nformat ascii 1.0\r\ncomment x y\r\nobj_info z\r\nelement vertex 4\r\n"
+                                 "property uchar red\r\nproperty float x\r\nproperty double y\r\nproperty int z\r\n"
+                                 "property list uchar float extra\r\nproperty double radius\r\n"
+                                 "element material 2\r\nproperty int a\r\nproperty list int int b\r\n"
+                                 "element edge 1\r\nproperty int vertex1\r\nproperty int vertex2\r\n"
+                                 "property uint level\r\nproperty int mark\r\n"
+                                 "element face 2\r\nproperty short mark\r\nproperty list uchar uint vertex_index\r\n"
+                                 "property float lambda\r\nelement nothing 4000000000\r\nend_header\r\n"
+                                 "9 0.1 2 3 2 0.5 0.5 1.5\r\n8 1 0 0 0 2.5\r\n7 0 1 0 0 3.5\r\n6 0 0 1 0 4.5\r\n"
+                                 "1 0\r\n2 2 5 6\r\n3 2 4000000000 -7\r\n5 3 0 1 2 0.25\r\n6 4 0 1 2 3 0.5\r\n");
   ASSERT_EQ(data.points.size(), 4u);
   EXPECT_EQ(data.points[0], Vec3(0.1, 2, 3));
   EXPECT_EQ(values_of<std::uint8_t>(data.point_data, "red"), (std::vector<std::uint8_t>{9, 8, 7, 6}));
@@ -87,7 +87,7 @@ TEST(Ply, BinaryOfBothOrdersAndAllTypes) {
     }
     append_bytes<std::uint16_t>(bytes, 3, big);
     for (std::int16_t c : {2, 1, 0}) append_bytes(bytes, c, big);
-    const PolyData data = read_bytes("a.ply", bytes);
+    const Record data = read_bytes("a.ply", bytes);
     EXPECT_EQ(data.points[2], Vec3(-102, 202, -30002)) << big;
     EXPECT_EQ(values_of<std::int32_t>(data.point_data, "a")[0], 60000);
     EXPECT_EQ(values_of<std::int32_t>(data.point_data, "b")[0], -2000000000);
@@ -140,8 +140,8 @@ TEST(Vtp, PiecesAreJoinedWithTheirCellData) {
            array("Int32", "connectivity", "1") + array("UInt8", "offsets", "1") + "</Verts><Lines>" +
            array("UInt64", "connectivity", "0 1") + array("Int64", "offsets", "2") + "</Lines></Piece>";
   };
-  const PolyData data = read_bytes("a.vtp", "<VTKFile type='PolyData'><PolyData>" + piece("1 -2", "1 2") +
-                                                piece("3 4", "3 nan") + "</PolyData></VTKFile>");
+  const Record data = read_bytes("a.vtp", "<VTKFile type='PolyData'><PolyData>" + piece("1 -2", "1 2") +
+                                              piece("3 4", "3 nan") + "</PolyData></VTKFile>");
   EXPECT_EQ(data.points.size(), 4u);
   EXPECT_EQ(data.verts, (std::vector<std::uint32_t>{1, 3}));
   EXPECT_EQ(data.lines, (std::vector<std::array<std::uint32_t, 2>>{{0, 1}, {2, 3}}));
@@ -169,11 +169,11 @@ TEST(Vtp, Refusals) {
 // --- OBJ, OFF, STL, MA ---------------------------------------------------------------------------------------------
 
 TEST(Obj, Dialects) {
-  const PolyData data = read_bytes("a.obj",
-                                   "\xEF\xBB\xBF# comment\nmtllib x.mtl\no thing\nv 0 0 0\nv 1 0 0 1.0\n"
-                                   "v 0 1 0 0.5 0.5 0.5\r\nvn 0 0 1\nvt 0 0\nf 1/1/1 2//1 3/1 # triangle\n"
-                                   "f -3 -2 -1\nv\t+1e0  .5 -2.\nf 1 2 \\\n 4\\\r\n 3\nl 1/1 2 3 4\nf 1 2\nf 4\np 2 3\n"
-                                   "f 5 6 7\nv 5 5 5\nv 6 6 6\nv 7 7 7\nusemtl y\ns off\n");
+  const Record data = read_bytes("a.obj",
+                                 "\xEF\xBB\xBF# comment\nmtllib x.mtl\no thing\nv 0 0 0\nv 1 0 0 1.0\n"
+                                 "v 0 1 0 0.5 0.5 0.5\r\nvn 0 0 1\nvt 0 0\nf 1/1/1 2//1 3/1 # triangle\n"
+                                 "f -3 -2 -1\nv\t+1e0  .5 -2.\nf 1 2 \\\n 4\\\r\n 3\nl 1/1 2 3 4\nf 1 2\nf 4\np 2 3\n"
+                                 "f 5 6 7\nv 5 5 5\nv 6 6 6\nv 7 7 7\nusemtl y\ns off\n");
   EXPECT_EQ(data.points.size(), 7u);
   EXPECT_EQ(data.points[3], Vec3(1, 0.5, -2));
   EXPECT_EQ(data.poly_offsets, (std::vector<std::uint32_t>{0, 3, 6, 10, 13}));
@@ -195,7 +195,7 @@ TEST(Obj, Refusals) {
 TEST(Off, Dialects) {
   const std::string body = "0 0 0\n1 0 0\n0 1 0\n1 1 0\n";
   for (const char* head : {"OFF\n4 2 0\n", "OFF 4 2 0\n", "# c\nOFF # c\n\n# c\n4 2 5\n", "4 2 0\n", "OFF\n4 2\n"}) {
-    const PolyData data = read_bytes("a.off", head + body + "3 0 1 2\n\n# c\n4 0 1 3 2 255 0 0 # colour\n");
+    const Record data = read_bytes("a.off", head + body + "3 0 1 2\n\n# c\n4 0 1 3 2 255 0 0 # colour\n");
     EXPECT_EQ(data.points.size(), 4u) << head;
     EXPECT_EQ(data.poly_corners, (std::vector<std::uint32_t>{0, 1, 2, 0, 1, 3, 2})) << head;
   }
@@ -203,7 +203,7 @@ TEST(Off, Dialects) {
     EXPECT_EQ(read_bytes("a.off", std::string(head) + "\n3 1 0\n0 0 0 1 2 3 4\n1 0 0 1 2 3 4\n0 1 0 1 2 3 4\n3 0 1 2\n")
                   .points[2],
               Vec3(0, 1, 0));
-  const PolyData mixed = read_bytes("a.off", "OFF 3 3 0\n0 0 0\n1 0 0\n0 1 0\n1 2\n3 0 1 2\n2 0 1");
+  const Record mixed = read_bytes("a.off", "OFF 3 3 0\n0 0 0\n1 0 0\n0 1 0\n1 2\n3 0 1 2\n2 0 1");
   EXPECT_EQ(mixed.verts, (std::vector<std::uint32_t>{2}));
   EXPECT_EQ(mixed.lines.size(), 1u);
 }
@@ -230,9 +230,9 @@ std::string binary_stl(const std::string& head, const std::vector<float>& number
 }
 
 TEST(Stl, BinaryAndTextWeldToTheSame) {
-  const PolyData binary = read_bytes("a.stl", binary_stl("solid but binary", {0, 0, 0, 1, 0, 0, 0, 1, 0,  //
-                                                                              1, 0, 0, 1, 1, 0, -0.0f, 1, 0}));
-  const PolyData text = read_bytes(
+  const Record binary = read_bytes("a.stl", binary_stl("solid but binary", {0, 0, 0, 1, 0, 0, 0, 1, 0,  //
+                                                                            1, 0, 0, 1, 1, 0, -0.0f, 1, 0}));
+  const Record text = read_bytes(
       "a.STL",
       "SOLID a name\n facet normal 0 0 nan\n  outer loop\n   vertex 0 0 0\n   vertex 1 0 0\n   VERTEX 0 1 0\n"
       "  endloop\n endfacet\nfacet\nouter loop\nvertex 1 0 0\nvertex 1 1 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid "
@@ -261,9 +261,9 @@ TEST(Stl, Refusals) {
 }
 
 TEST(Ma, Dialects) {
-  const PolyData data = read_bytes("a.ma",
-                                   "# c\n4 2 2\nv 0 0 0 1\nv 1 0 0 2 0\nv 0 1 0 3\nv 0 0 1 4\ne 0 1\ne 3 2\n"
-                                   "f 0 1 2\nf 0 1 2 3\n");
+  const Record data = read_bytes("a.ma",
+                                 "# c\n4 2 2\nv 0 0 0 1\nv 1 0 0 2 0\nv 0 1 0 3\nv 0 0 1 4\ne 0 1\ne 3 2\n"
+                                 "f 0 1 2\nf 0 1 2 3\n");
   EXPECT_EQ(data.lines.size(), 2u);
   EXPECT_EQ(data.poly_corners.size(), 7u);
   EXPECT_EQ(values_of<double>(data.point_data, "radius"), (std::vector<double>{1, 2, 3, 4}));
@@ -307,9 +307,9 @@ TEST(Assimp, ReadsWeldedMeshes) {
       " 3;3,4,5;;\n}\n";
   const Folder folder;
   write_bytes(folder / "a.x", text);
-  PolyData data;
+  Record data;
   try {
-    data = io::read_poly_data(folder / "a.x");
+    data = io::read_record(folder / "a.x");
   } catch (const Error& error) {
     if (std::string(error.what()).find("without Assimp") == std::string::npos) FAIL() << error.what();
     GTEST_SKIP() << error.what();
@@ -328,7 +328,7 @@ class RealMeshes : public testing::TestWithParam<RealMesh> {};
 
 TEST_P(RealMeshes, HaveTheirCounts) {
   REQUIRE_DATA(GetParam().name);
-  const PolyData data = io::read_poly_data(data_file(GetParam().name));
+  const Record data = io::read_record(data_file(GetParam().name));
   data.validate();
   EXPECT_EQ(data.points.size(), GetParam().points);
   EXPECT_EQ(data.poly_count(), GetParam().faces);
@@ -349,7 +349,7 @@ INSTANTIATE_TEST_SUITE_P(
 TEST(RealRadii, PublishedRadiiMatchThePublishedVertices) {
   REQUIRE_DATA("references/bunny7_lambda0.025.ply");
   REQUIRE_DATA("references/bunny7_burn.tsv");
-  const PolyData data = io::read_poly_data(data_file("references/bunny7_lambda0.025.ply"));
+  const Record data = io::read_record(data_file("references/bunny7_lambda0.025.ply"));
   const std::vector<double> radii = io::read_radii(data_file("references/bunny7_lambda0.025.r"), data.points);
   ASSERT_EQ(radii.size(), 14353u);
   // The burn table has the radii in the order of the mesh.

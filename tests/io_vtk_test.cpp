@@ -67,7 +67,7 @@ std::string describe(const char* kind, const std::vector<DataArray>& arrays) {
 }
 
 /// What vtk_roundtrip.py prints about this data.
-std::string describe(const PolyData& data) {
+std::string describe(const Record& data) {
   std::string text = fmt::format("errors 0\ncounts {} {} {} {} 0\n", data.points.size(), data.verts.size(),
                                  data.lines.size(), data.poly_count());
   for (const Vec3& p : data.points) text += fmt::format("point {:.17g} {:.17g} {:.17g}\n", p[0], p[1], p[2]);
@@ -86,10 +86,10 @@ std::string describe(const PolyData& data) {
 
 TEST(Vtk, ReadsWhatWeWrite) {
   REQUIRE_VTK();
-  PolyData data = mixed_sample();
+  Record data = mixed_sample();
   std::erase_if(data.field_data, [](const DataArray& array) { return array.size() == 0; });
   const Folder folder;
-  io::write_poly_data(folder / "a.vtp", data);
+  io::write_record(folder / "a.vtp", data);
   int status = 0;
   const std::string seen = run_vtk("describe '" + (folder / "a.vtp").string() + "'", status);
   EXPECT_EQ(status, 0);
@@ -98,7 +98,7 @@ TEST(Vtk, ReadsWhatWeWrite) {
 
 TEST(Vtk, ReadsLargeFilesOfManyBlocks) {
   REQUIRE_VTK();
-  PolyData data;
+  Record data;
   std::vector<double> radius;
   for (int i = 0; i < 40000; ++i) {
     data.points.emplace_back(i * 0.1, i % 7, i % 11);
@@ -107,7 +107,7 @@ TEST(Vtk, ReadsLargeFilesOfManyBlocks) {
   }
   data.point_data = {{"radius", 1, radius}};
   const Folder folder;
-  io::write_poly_data(folder / "a.vtp", data);
+  io::write_record(folder / "a.vtp", data);
   int status = 0;
   EXPECT_EQ(run_vtk("describe '" + (folder / "a.vtp").string() + "'", status), describe(data));
   EXPECT_EQ(status, 0);
@@ -122,7 +122,7 @@ void expect_array(const std::vector<DataArray>& arrays, const char* name, const 
 }
 
 /// The sample() of vtk_roundtrip.py: vertex cells, lines and strips of several points are split, with their cell data.
-void expect_vtk_sample(const PolyData& data, bool ascii) {
+void expect_vtk_sample(const Record& data, bool ascii) {
   data.validate();
   ASSERT_EQ(data.points.size(), 6u);
   for (int i = 0; i < 6; ++i)
@@ -159,15 +159,15 @@ TEST(Vtk, FilesOfEveryEncodingAreRead) {
       for (int wide : {0, 1}) {
         const std::string name = fmt::format("{}_{}_{}.vtp", mode, compressed, wide);
         SCOPED_TRACE(name);
-        expect_vtk_sample(io::read_poly_data(folder / name), std::string(mode) == "ascii");
+        expect_vtk_sample(io::read_record(folder / name), std::string(mode) == "ascii");
       }
-  const PolyData pieces = io::read_poly_data(folder / "pieces.vtp");
+  const Record pieces = io::read_record(folder / "pieces.vtp");
   pieces.validate();
   // The plane does not divide itself: VTK writes it whole as each of the two pieces.
   EXPECT_EQ(pieces.points.size(), 24u);
   EXPECT_EQ(pieces.poly_count(), 12u);
   try {
-    io::read_poly_data(folder / "big_endian.vtp");
+    io::read_record(folder / "big_endian.vtp");
     ADD_FAILURE() << "big endian was read";
   } catch (const Error& error) {
     EXPECT_NE(std::string(error.what()).find("byte order"), std::string::npos) << error.what();

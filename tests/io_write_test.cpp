@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Kinds of files, atomic writing, and round trips of PolyData through each output format.
+// Kinds of files, atomic writing, and round trips of Record through each output format.
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
@@ -10,7 +10,7 @@
 #include <set>
 
 #include "poly_samples.h"
-#include "quench/output_group.h"
+#include "quench/io.h"
 
 namespace quench {
 namespace {
@@ -24,11 +24,11 @@ using testing_files::mixed_sample;
 using testing_files::values_of;
 using testing_files::write_bytes;
 
-PolyData round_trip(const PolyData& data, const std::string& name, const io::WriteOptions& options = {}) {
+Record round_trip(const Record& data, const std::string& name, const io::WriteOptions& options = {}) {
   const Folder folder;
-  io::write_poly_data(folder / name, data, options);
+  io::write_record(folder / name, data, options);
   EXPECT_EQ(folder.entries(), 1u) << "a temporary file is left";
-  PolyData read = io::read_poly_data(folder / name);
+  Record read = io::read_record(folder / name);
   read.validate();
   return read;
 }
@@ -193,23 +193,23 @@ TEST(WriteAtomically, AFileThatMayNotGrowIsAnErrorAndLeavesNothing) {
 
 TEST(Read, MissingFilesFoldersAndUnknownFormatsAreNamed) {
   const Folder folder;
-  EXPECT_EQ(code_of([&] { io::read_poly_data(folder / "none.ply"); }), ErrorCode::failed);
+  EXPECT_EQ(code_of([&] { io::read_record(folder / "none.ply"); }), ErrorCode::failed);
   std::filesystem::create_directories(folder / "folder.ply");
-  EXPECT_EQ(code_of([&] { io::read_poly_data(folder / "folder.ply"); }), ErrorCode::failed);
-  EXPECT_EQ(code_of([&] { io::read_poly_data(folder / "a.txt"); }), ErrorCode::input);
-  EXPECT_EQ(code_of([&] { io::write_poly_data(folder / "a.off", {}); }), ErrorCode::usage);
+  EXPECT_EQ(code_of([&] { io::read_record(folder / "folder.ply"); }), ErrorCode::failed);
+  EXPECT_EQ(code_of([&] { io::read_record(folder / "a.txt"); }), ErrorCode::input);
+  EXPECT_EQ(code_of([&] { io::write_record(folder / "a.off", {}); }), ErrorCode::usage);
 }
 
 // --- round trips ---------------------------------------------------------------------------------------------------
 
 TEST(RoundTrip, VtpCarriesEverything) {
-  const PolyData data = mixed_sample();
+  const Record data = mixed_sample();
   data.validate();
   expect_same(data, round_trip(data, "a.vtp"));
 }
 
 TEST(RoundTrip, VtpKeepsNonFiniteAndExtremeNumbers) {
-  PolyData data = mixed_sample();
+  Record data = mixed_sample();
   auto& radius = std::get<std::vector<double>>(data.point_data[0].values);
   radius[0] = std::numeric_limits<double>::infinity();
   radius[1] = std::numeric_limits<double>::denorm_min();
@@ -222,7 +222,7 @@ TEST(RoundTrip, VtpKeepsNonFiniteAndExtremeNumbers) {
 TEST(RoundTrip, VtpOfNothing) { expect_same({}, round_trip({}, "a.vtp")); }
 
 TEST(RoundTrip, VtpOfSeveralCompressedBlocks) {
-  PolyData data;
+  Record data;
   std::vector<double> radius;
   for (int i = 0; i < 100000; ++i) {
     data.points.emplace_back(std::sin(i), std::cos(3.0 * i), i);
@@ -238,14 +238,14 @@ TEST(RoundTrip, VtpOfSeveralCompressedBlocks) {
 
 TEST(RoundTrip, VtpHasTheSameBytesEveryTime) {
   const Folder folder;
-  io::write_poly_data(folder / "a.vtp", mixed_sample());
-  io::write_poly_data(folder / "b.vtp", mixed_sample());
+  io::write_record(folder / "a.vtp", mixed_sample());
+  io::write_record(folder / "b.vtp", mixed_sample());
   EXPECT_EQ(bytes_of(folder / "a.vtp"), bytes_of(folder / "b.vtp"));
 }
 
 TEST(RoundTrip, PlyCarriesCellsAndSingleArrays) {
-  const PolyData data = mixed_sample();
-  const PolyData read = round_trip(data, "a.ply");
+  const Record data = mixed_sample();
+  const Record read = round_trip(data, "a.ply");
   expect_same_cells(data, read);
   EXPECT_EQ(values_of<double>(read.point_data, "radius"), values_of<double>(data.point_data, "radius"));
   EXPECT_EQ(values_of<float>(read.point_data, "burn_time"), values_of<float>(data.point_data, "burn_time"));
@@ -258,19 +258,19 @@ TEST(RoundTrip, PlyCarriesCellsAndSingleArrays) {
 }
 
 TEST(RoundTrip, PlyQualityOfAnotherArray) {
-  const PolyData data = mixed_sample();
-  const PolyData read = round_trip(data, "a.ply", {.quality_array = "burn_time"});
+  const Record data = mixed_sample();
+  const Record read = round_trip(data, "a.ply", {.quality_array = "burn_time"});
   EXPECT_EQ(values_of<float>(read.point_data, "quality"), values_of<float>(data.point_data, "burn_time"));
   EXPECT_EQ(code_of([&] { round_trip(data, "a.ply", {.quality_array = "nothing"}); }), ErrorCode::usage);
 }
 
 TEST(RoundTrip, PlyReadsItselfTwiceTheSame) {
-  const PolyData once = round_trip(mixed_sample(), "a.ply");
+  const Record once = round_trip(mixed_sample(), "a.ply");
   expect_same(once, round_trip(once, "a.ply"));
 }
 
 TEST(RoundTrip, PlyOfLongFaces) {
-  PolyData data;
+  Record data;
   for (std::uint32_t i = 0; i < 300; ++i) {
     data.points.emplace_back(i, 0, 0);
     data.poly_corners.push_back(i);
@@ -280,15 +280,15 @@ TEST(RoundTrip, PlyOfLongFaces) {
 }
 
 TEST(RoundTrip, ObjCarriesAllCells) {
-  const PolyData data = mixed_sample();
-  const PolyData read = round_trip(data, "a.obj");
+  const Record data = mixed_sample();
+  const Record read = round_trip(data, "a.obj");
   expect_same_cells(data, read);
   EXPECT_EQ(data.verts, read.verts);
 }
 
 TEST(RoundTrip, MaCarriesRadii) {
-  const PolyData data = mixed_sample();
-  const PolyData read = round_trip(data, "a.ma");
+  const Record data = mixed_sample();
+  const Record read = round_trip(data, "a.ma");
   EXPECT_EQ(data.points, read.points);
   EXPECT_EQ(data.lines, read.lines);
   EXPECT_EQ(to_triangle_mesh(data).triangles, to_triangle_mesh(read).triangles);  // .ma has triangles only
@@ -298,10 +298,10 @@ TEST(RoundTrip, MaCarriesRadii) {
 }
 
 TEST(RoundTrip, RadiiOfAnRFile) {
-  PolyData data = mixed_sample();
+  Record data = mixed_sample();
   for (std::size_t i = 0; i < data.points.size(); ++i) data.points[i][2] = static_cast<double>(i * i);
   const Folder folder;
-  io::write_poly_data(folder / "a.r", data);
+  io::write_record(folder / "a.r", data);
   auto radii = values_of<double>(data.point_data, "radius");
   EXPECT_EQ(io::read_radii(folder / "a.r", data.points), radii);
   std::vector<Vec3> shifted(data.points.rbegin(), data.points.rend());
@@ -313,13 +313,13 @@ TEST(RoundTrip, RadiiOfAnRFile) {
 }
 
 TEST(Write, CsvHasARowPerVertex) {
-  PolyData data;
+  Record data;
   data.points = {{0.1, 2, -3}, {1e-300, 0, 1.0 / 3}};
   data.point_data = {{"radius", 1, std::vector<double>{0.5, 1e22}},
                      {"a,b", 2, std::vector<float>{0.1f, 2, 3, 4}},
                      {"flag", 1, std::vector<std::uint8_t>{7, 65}}};
   const Folder folder;
-  io::write_poly_data(folder / "a.csv", data);
+  io::write_record(folder / "a.csv", data);
   EXPECT_EQ(bytes_of(folder / "a.csv"),
             "x,y,z,radius,\"a,b_0\",\"a,b_1\",flag\n0.1,2,-3,0.5,0.1,2,7\n1e-300,0,0.3333333333333333,1e+22,3,4,65\n");
 }

@@ -8,10 +8,9 @@
 #include <cmath>
 #include <set>
 
-#include "quench/prune.h"
-#include "quench/sample.h"
-#include "quench/topology.h"
-#include "quench/voxel_core.h"
+#include "quench/axis.h"
+#include "quench/samples.h"
+#include "quench/shape.h"
 #include "quench/voxelize.h"
 #include "random_shapes.h"
 

@@ -9,7 +9,7 @@
 #include <numeric>
 #include <vector>
 
-#include "quench/medial_axis.h"
+#include "quench/axis.h"
 #include "smooth_shapes.h"
 
 /// Both halves of a Hausdorff distance, with a bound on the error instead of a sampling density.

@@ -9,9 +9,8 @@
 #include <random>
 
 #include "page_reader.h"
+#include "quench/axis.h"
 #include "quench/error.h"
-#include "quench/prune.h"
-#include "quench/voxel_core.h"
 #include "random_complexes.h"
 #include "random_shapes.h"
 #include "temporary_folder.h"
@@ -268,7 +267,7 @@ TEST(Page, CoreSetsAreThePruningsForEverySliderAboveTheFloor) {
     for (const std::size_t budget : {all, all / 2, all / 10}) {
       SCOPED_TRACE(testing::Message() << "seed " << seed << " budget " << budget << " of " << all);
       Page page;
-      const std::size_t shown = add_core(page, axis, to_poly_data(axis).point_data, budget);
+      const std::size_t shown = add_core(page, axis, to_record(axis).point_data, budget);
       with_floor += *page.lambda_floor > 0;
       const Family of_page = family_of(page, "core");
       std::size_t never = 0;
@@ -302,14 +301,14 @@ TEST(Page, LevelsOfAFileAreThoseOfTheAxis) {
   for (std::uint64_t seed = 0; seed < 100; ++seed) {
     MedialAxis axis = voxel_core(testing_shapes::random_shape(seed, 10));
     prune_levels(axis);
-    const PolyData data = to_poly_data(axis);
+    const Record data = to_record(axis);
     MedialAxis read = medial_axis_of(data);
     ASSERT_EQ(read.complex.edges, axis.complex.edges);
     ASSERT_TRUE(take_levels(read, data));
     ASSERT_EQ(read.vertex_level, axis.vertex_level) << "seed " << seed;
     ASSERT_EQ(read.edge_level, axis.edge_level) << "seed " << seed;
     ASSERT_EQ(read.face_level, axis.face_level) << "seed " << seed;
-    PolyData without = data;
+    Record without = data;
     std::erase_if(without.cell_data, [](const DataArray& a) { return a.name == "lambda_level"; });
     ASSERT_FALSE(take_levels(read, without));
   }
@@ -470,7 +469,7 @@ TEST(Page, SitesAndSamplesAreThoseOfTheShape) {
 }
 
 TEST(Page, FilesOfOtherKindsAreShownAsTheyAre) {
-  PolyData data;
+  Record data;
   data.points = {{1e6, 0, 0}, {1e6 + 1, 0, 0}, {1e6, 1, 0}, {1e6 + 2, 2, 0}, {1e6 + 3, 0, 0.25}};
   data.verts = {4};
   data.lines = {{2, 3}, {1, 1}};
@@ -492,7 +491,7 @@ TEST(Page, FilesOfOtherKindsAreShownAsTheyAre) {
 }
 
 TEST(Page, LargeFilesOfOtherKindsAreSimplified) {
-  PolyData data;
+  Record data;
   constexpr std::uint32_t n = 100;
   for (std::uint32_t i = 0; i < n; ++i)
     for (std::uint32_t j = 0; j < n; ++j) data.points.emplace_back(i, j, 0);

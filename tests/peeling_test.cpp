@@ -10,7 +10,7 @@
 
 #include "peeling/remainder.h"
 #include "quench/io.h"
-#include "quench/sample.h"
+#include "quench/samples.h"
 #include "quench/voxelize.h"
 #include "random_shapes.h"
 #include "same_dual.h"
@@ -102,7 +102,7 @@ TEST(Peeling, MeshesAreTheSame) {
     expect_same_peeled(voxelize(make_sample(name).mesh, {.resolution = 96}).shape, options, 2, name);
   const auto file = std::filesystem::path(QUENCH_DATA) / "meshes/armadillo.off";
   if (!std::filesystem::exists(file)) GTEST_SKIP() << "no test data";
-  const TriangleMesh mesh = to_triangle_mesh(io::read_poly_data(file));
+  const TriangleMesh mesh = to_triangle_mesh(io::read_record(file));
   expect_same_peeled(voxelize(mesh, {.resolution = 128}).shape, options, 2, "armadillo");
 }
 

@@ -12,9 +12,9 @@
 
 #include "quench/error.h"
 #include "quench/io.h"
-#include "quench/poly_data.h"
+#include "quench/record.h"
 
-/// Small PolyData and files for the tests of readers and writers.
+/// Small Record and files for the tests of readers and writers.
 namespace quench::testing_files {
 
 /// A folder of the test, removed with everything in it.
@@ -50,16 +50,16 @@ inline std::string bytes_of(const std::filesystem::path& file) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-/// What read_poly_data makes of a file of that name and content.
-inline PolyData read_bytes(const std::string& name, const std::string& bytes) {
+/// What read_record makes of a file of that name and content.
+inline Record read_bytes(const std::string& name, const std::string& bytes) {
   const Folder folder;
   write_bytes(folder / name, bytes);
-  PolyData data = io::read_poly_data(folder / name);
+  Record data = io::read_record(folder / name);
   data.validate();
   return data;
 }
 
-/// The sentence read_poly_data refuses a file with; fails the test when it does not, or not as an input error.
+/// The sentence read_record refuses a file with; fails the test when it does not, or not as an input error.
 inline std::string refusal(const std::string& name, const std::string& bytes) {
   try {
     read_bytes(name, bytes);
@@ -96,8 +96,8 @@ std::vector<T> values_of(const std::vector<DataArray>& arrays, const char* name)
 }
 
 /// Points, lines and polygons of 3 to 7 corners with arrays of every type, and field data with strings.
-inline PolyData mixed_sample() {
-  PolyData data;
+inline Record mixed_sample() {
+  Record data;
   for (int i = 0; i < 12; ++i) data.points.emplace_back(i / 3.0, -1e-9 * i, i % 2 ? 1e300 : -0.1 * i);
   data.verts = {11, 0};
   data.lines = {{0, 1}, {10, 11}, {3, 2}};
@@ -144,14 +144,14 @@ inline void expect_same_arrays(const std::vector<DataArray>& a, const std::vecto
   }
 }
 
-inline void expect_same_cells(const PolyData& a, const PolyData& b) {
+inline void expect_same_cells(const Record& a, const Record& b) {
   EXPECT_EQ(a.points, b.points);
   EXPECT_EQ(a.lines, b.lines);
   EXPECT_EQ(a.poly_offsets, b.poly_offsets);
   EXPECT_EQ(a.poly_corners, b.poly_corners);
 }
 
-inline void expect_same(const PolyData& a, const PolyData& b) {
+inline void expect_same(const Record& a, const Record& b) {
   expect_same_cells(a, b);
   EXPECT_EQ(a.verts, b.verts);
   expect_same_arrays(a.point_data, b.point_data);

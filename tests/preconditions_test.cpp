@@ -12,15 +12,12 @@
 #include <variant>
 #include <vector>
 
+#include "quench/axis.h"
 #include "quench/burn.h"
-#include "quench/curve_graph.h"
 #include "quench/error.h"
-#include "quench/medial_axis.h"
+#include "quench/graph.h"
 #include "quench/page.h"
-#include "quench/prune.h"
-#include "quench/raster.h"
 #include "quench/skeleton.h"
-#include "quench/voxel_core.h"
 #include "random_shapes.h"
 
 namespace quench {
@@ -66,7 +63,7 @@ TEST(Preconditions, AComplexThatWasMovedAwayIsEmpty) {
   EXPECT_GT(taken.face_count(), 0u);
   EXPECT_EQ(axis.complex.face_count(), 0u);  // NOLINT: what is left is what is asked
   MedialAxis written = axis_with_levels();
-  EXPECT_GT(to_poly_data(std::move(written)).poly_count(), 0u);
+  EXPECT_GT(to_record(std::move(written)).poly_count(), 0u);
   EXPECT_EQ(written.complex.face_count(), 0u);  // NOLINT: as above
 }
 
@@ -91,7 +88,7 @@ TEST(Preconditions, LevelsAndLambdasAreThereForAllCells) {
   MedialAxis wrong = axis;
   wrong.edge_lambda.pop_back();
   expect_refused([&] { prune_levels(wrong); }, "lambda");
-  expect_refused([&] { to_poly_data(wrong); }, "lambda");
+  expect_refused([&] { to_record(wrong); }, "lambda");
   for (const double lambda : {-1.0, kNan}) {
     wrong = axis;
     wrong.face_lambda.back() = lambda;
@@ -101,47 +98,47 @@ TEST(Preconditions, LevelsAndLambdasAreThereForAllCells) {
   wrong.vertex_level.clear();
   Page page;
   expect_refused([&] { add_core(page, wrong, {}, 1000); }, "level");
-  expect_refused([&] { to_poly_data(wrong); }, "level");
+  expect_refused([&] { to_record(wrong); }, "level");
   wrong = axis;
   wrong.face_level.back() = kNan;
   expect_refused([&] { add_core(page, wrong, {}, 1000); }, "level");
   expect_refused([&] { add_core(page, axis, {{"short", 1, std::vector<double>{1}}}, 1000); }, "'short'");
   wrong = axis;
   wrong.radius.pop_back();
-  expect_refused([&] { to_poly_data(wrong); }, "radius");
+  expect_refused([&] { to_record(wrong); }, "radius");
 }
 
 TEST(Preconditions, LevelsOfAnotherAxisAreNotTaken) {
   const MedialAxis axis = axis_with_levels();
-  PolyData data = to_poly_data(axis);
-  const auto expect_unchanged = [&](const PolyData& other) {
+  Record data = to_record(axis);
+  const auto expect_unchanged = [&](const Record& other) {
     MedialAxis read = medial_axis_of(data);
     EXPECT_FALSE(take_levels(read, other));
     EXPECT_TRUE(read.vertex_level.empty() && read.edge_level.empty() && read.face_level.empty());
   };
   const auto with = [&](const auto& change) {
-    PolyData other = data;
+    Record other = data;
     change(other);
     for (DataArray& array : other.cell_data)
       if (array.name == "lambda_level") array.values = std::vector<double>(other.cell_count(), 1.0);
     return other;
   };
   const auto last = static_cast<std::uint32_t>(data.points.size() - 1);
-  expect_unchanged(with([&](PolyData& d) { d.lines.push_back({0, last + 1}); }));
-  expect_unchanged(with([&](PolyData& d) { d.lines.push_back({last, last + 7}); }));
-  expect_unchanged(with([&](PolyData& d) { d.verts.push_back(last + 1); }));
-  PolyData shorter = with([](PolyData&) {});
+  expect_unchanged(with([&](Record& d) { d.lines.push_back({0, last + 1}); }));
+  expect_unchanged(with([&](Record& d) { d.lines.push_back({last, last + 7}); }));
+  expect_unchanged(with([&](Record& d) { d.verts.push_back(last + 1); }));
+  Record shorter = with([](Record&) {});
   for (DataArray& array : shorter.cell_data)
     if (array.name == "lambda_level") array.values = std::vector<double>(1, 1.0);
   expect_unchanged(shorter);
   for (const double level : {kNan, -1.0}) {
-    PolyData no_levels = with([](PolyData&) {});
+    Record no_levels = with([](Record&) {});
     for (DataArray& array : no_levels.cell_data)
       if (array.name == "lambda_level") std::get<std::vector<double>>(array.values).back() = level;
     expect_unchanged(no_levels);
   }
   MedialAxis read = medial_axis_of(data);
-  EXPECT_TRUE(take_levels(read, with([](PolyData&) {})));
+  EXPECT_TRUE(take_levels(read, with([](Record&) {})));
 }
 
 TEST(Preconditions, ThresholdsAndPointsAreNumbers) {
@@ -172,7 +169,7 @@ TEST(Preconditions, ThresholdsAndPointsAreNumbers) {
 // Bricks allow 2^32 sites: more than 32 bits with a sign hold.
 TEST(Preconditions, SitesBeyondTwoBillionAreWrittenAsTheyAre) {
   MedialAxis axis = axis_with_levels();
-  const auto written = [&](const char* name) { return *find_array(to_poly_data(axis).cell_data, name); };
+  const auto written = [&](const char* name) { return *find_array(to_record(axis).cell_data, name); };
   EXPECT_TRUE(std::holds_alternative<std::vector<std::int32_t>>(written("site_b").values));
   axis.face_sites.back()[1] = 3'000'000'000;
   EXPECT_EQ(written("site_b").numbers().back(), 3e9);

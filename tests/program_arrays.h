@@ -8,7 +8,7 @@
 #include <variant>
 #include <vector>
 
-#include "quench/poly_data.h"
+#include "quench/record.h"
 
 /// What tests of the program ask of the texts and files it writes.
 namespace quench::testing_program {
@@ -20,11 +20,11 @@ inline std::vector<double> numbers(const std::vector<DataArray>& arrays, const c
   EXPECT_TRUE(array) << name;
   return array ? array->numbers() : std::vector<double>();
 }
-inline double field(const PolyData& data, const char* name) {
+inline double field(const Record& data, const char* name) {
   const std::vector<double> values = numbers(data.field_data, name);
   return values.empty() ? NAN : values.front();
 }
-inline std::string text_field(const PolyData& data, const char* name) {
+inline std::string text_field(const Record& data, const char* name) {
   const DataArray* array = find_array(data.field_data, name);
   const auto* text = array ? std::get_if<std::vector<std::string>>(&array->values) : nullptr;
   return text && !text->empty() ? text->front() : "";

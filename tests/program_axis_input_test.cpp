@@ -14,7 +14,7 @@
 
 using namespace quench::testing_program;
 using quench::DataArray;
-using quench::PolyData;
+using quench::Record;
 
 namespace {
 
@@ -25,16 +25,16 @@ class AxisInput : public ProgramTest {
   void SetUp() override {
     folder.write("box.npy", npy_box(5, 4, 3, 1));
     works({"core", "box.npy", "--lambda", "0", "-o", "core.vtp"});
-    core_ = quench::io::read_poly_data(folder / "core.vtp");
+    core_ = quench::io::read_record(folder / "core.vtp");
   }
 
-  void write_changed(const std::string& name, const std::function<void(PolyData&)>& change) {
-    PolyData data = core_;
+  void write_changed(const std::string& name, const std::function<void(Record&)>& change) {
+    Record data = core_;
     change(data);
-    quench::io::write_poly_data(folder / name, data);
+    quench::io::write_record(folder / name, data);
   }
   void write_with_field(const std::string& name, const DataArray& field) {
-    write_changed(name, [&](PolyData& data) {
+    write_changed(name, [&](Record& data) {
       std::erase_if(data.field_data, [&](const DataArray& array) { return array.name == field.name; });
       data.field_data.push_back(field);
     });
@@ -45,23 +45,23 @@ class AxisInput : public ProgramTest {
       {"burn", "bad.vtp", "-o", "o.ply"},
       {"skeleton", "bad.vtp", "--swc", "o.swc", "-o", "o.vtp"},
   };
-  PolyData core_;
+  Record core_;
 };
 
 TEST_F(AxisInput, RadiiAndCoordinatesBeyondWhatCanBeSquared) {
   for (const double large : {1e308, 1e200, 1.1e150, kInfinite, -1.0, std::nan("")}) {
-    write_changed("bad.vtp", [&](PolyData& data) {
+    write_changed("bad.vtp", [&](Record& data) {
       for (DataArray& array : data.point_data)
         if (array.name == "radius") std::get<std::vector<double>>(array.values)[3] = large;
     });
     for (const auto& command : commands) refuses(3, {"'bad.vtp'", "vertex 3", fmt::format("{}", large)}, command);
   }
   for (const double large : {1e308, -1e200}) {
-    write_changed("bad.vtp", [&](PolyData& data) { data.points[3][1] = large; });
+    write_changed("bad.vtp", [&](Record& data) { data.points[3][1] = large; });
     for (const auto& command : commands)
       refuses(3, {"'bad.vtp'", "vertex 3", fmt::format("{}", std::abs(large))}, command);
   }
-  write_changed("radii.r", [](PolyData&) {});
+  write_changed("radii.r", [](Record&) {});
   std::string radii = bytes("radii.r");
   radii.replace(radii.rfind(' ') + 1, std::string::npos, "1e308\n");
   folder.write("radii.r", radii);

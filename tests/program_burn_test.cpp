@@ -6,22 +6,22 @@
 #include "data.h"
 #include "program.h"
 #include "program_arrays.h"
+#include "quench/axis.h"
 #include "quench/io.h"
-#include "quench/medial_axis.h"
 
 // `quench burn`, and the burning part of `quench run`.
 
 using namespace quench::testing_program;
 using quench::DataArray;
 using quench::find_array;
-using quench::PolyData;
+using quench::Record;
 
 namespace {
 
-std::vector<double> of_points(const PolyData& data, const char* name) { return numbers(data.point_data, name); }
+std::vector<double> of_points(const Record& data, const char* name) { return numbers(data.point_data, name); }
 
 // What holds of every burned file: a value per vertex, finite, BT = ET + R, not before the shape burns.
-void expect_sound(const PolyData& data) {
+void expect_sound(const Record& data) {
   const auto bt = of_points(data, "burn_time"), et = of_points(data, "erosion_thickness"),
              radius = of_points(data, "radius"), unburned = of_points(data, "unburned");
   ASSERT_EQ(bt.size(), data.points.size());
@@ -101,8 +101,8 @@ std::string square_ma(const std::string& more_vertices, int vertices, const std:
 
 class Burn : public ProgramTest {
  protected:
-  PolyData read(const std::string& name) const {
-    PolyData data = quench::io::read_poly_data(folder / name);
+  Record read(const std::string& name) const {
+    Record data = quench::io::read_record(folder / name);
     data.validate();
     return data;
   }
@@ -129,7 +129,7 @@ TEST_F(Burn, HelpNamesIt) {
 TEST_F(Burn, AddsArraysAndKeepsTheRest) {
   make_core();
   EXPECT_TRUE(has(burn({"core.vtp", "-o", "burned.vtp"}).err, "burned.vtp: burn time up to "));
-  const PolyData before = read("core.vtp"), after = read("burned.vtp");
+  const Record before = read("core.vtp"), after = read("burned.vtp");
   expect_sound(after);
   EXPECT_EQ(before.points, after.points);
   EXPECT_EQ(before.verts, after.verts);
@@ -195,7 +195,7 @@ TEST_F(Burn, ForeignFormats) {
     std::vector<std::string> arguments{file, "-o", "out.vtp", "--overwrite"};
     if (std::string(file) != "s.ma") arguments.insert(arguments.end(), {"--radii", "s.r"});
     burn(arguments);
-    const PolyData data = read("out.vtp");
+    const Record data = read("out.vtp");
     expect_sound(data);
     ASSERT_EQ(data.points.size(), static_cast<std::size_t>(kPoints));
     EXPECT_EQ(data.poly_count(), static_cast<std::size_t>(kTriangles));
@@ -238,7 +238,7 @@ TEST_F(Burn, RadiusAndPropagation) {
   make_core();
   const auto run = [&](const std::string& option, const std::string& value) {
     burn({"core.vtp", "-o", "out.vtp", "--overwrite", "--omega", "0.5vox", option, value});
-    const PolyData data = read("out.vtp");
+    const Record data = read("out.vtp");
     EXPECT_EQ(text_field(data, option == "--radius" ? "radius_rule" : "propagation"),
               value == "auto" ? "exact" : value);
     const auto bt = of_points(data, "burn_time");
@@ -264,7 +264,7 @@ TEST_F(Burn, ClosedPocket) {
   const auto outcome = burn({"core.vtp", "-o", "burned.vtp", "--json", "report.json"});
   EXPECT_TRUE(has(outcome.err, "note: ") && has(outcome.err, "closed pocket") && has(outcome.err, "'unburned'"))
       << outcome.err;
-  const PolyData data = read("burned.vtp");
+  const Record data = read("burned.vtp");
   expect_sound(data);
   const auto unburned = of_points(data, "unburned"), et = of_points(data, "erosion_thickness"),
              bt = of_points(data, "burn_time");
@@ -289,7 +289,7 @@ TEST_F(Burn, ClosedPocket) {
 TEST_F(Burn, NothingButAPocket) {
   folder.write("t.ma", "4 0 4\nv 0 0 0 1\nv 1 0 0 1\nv 0 1 0 1\nv 0 0 1 1\nf 0 1 2\nf 0 1 3\nf 0 2 3\nf 1 2 3\n");
   EXPECT_TRUE(has(burn({"t.ma", "-o", "out.vtp"}).err, "4 of 4"));
-  const PolyData data = read("out.vtp");
+  const Record data = read("out.vtp");
   EXPECT_EQ(of_points(data, "unburned"), std::vector<double>(4, 1));
   EXPECT_EQ(of_points(data, "burn_time"), std::vector<double>(4, 0));
   EXPECT_EQ(of_points(data, "erosion_thickness"), std::vector<double>(4, 0));
@@ -305,7 +305,7 @@ TEST_F(Burn, DefectiveTriangles) {
   const auto outcome = burn({"s.ply", "--radii", "s.r", "-o", "out.vtp"});
   EXPECT_TRUE(has(outcome.err, "note: 's.ply' has 2 cells with a repeated corner")) << outcome.err;
   EXPECT_TRUE(has(outcome.err, "2 polygons twice")) << outcome.err;
-  const PolyData data = read("out.vtp");
+  const Record data = read("out.vtp");
   expect_sound(data);
   ASSERT_EQ(data.points.size(), kPoints + 3u);
   const auto et = of_points(data, "erosion_thickness"), bt = of_points(data, "burn_time");
@@ -330,7 +330,7 @@ TEST_F(Burn, PartsOfDimensionOneAndZero) {
   folder.write("s.ma", square_ma("v 5 5 0 0.5\nv 6 6 0 0.7\nv 9 9 0 0.2\nv 9 9 1 0.3\nv 7 7 7 0.4\n", 5,
                                  "e 24 25\ne 25 26\ne 27 28\n", 3));
   burn({"s.ma", "-o", "out.vtp"});
-  const PolyData data = read("out.vtp");
+  const Record data = read("out.vtp");
   expect_sound(data);
   const auto et = of_points(data, "erosion_thickness"), radius = of_points(data, "radius"),
              bt = of_points(data, "burn_time");
@@ -348,7 +348,7 @@ TEST_F(Burn, PartsOfDimensionOneAndZero) {
 TEST_F(Burn, RunBurnsTheCore) {
   works({"sample", "box", "-o", "s.ply"});
   works({"run", "s.ply", "--resolution", "24", "-o", "dir"});
-  const PolyData data = read("dir/core.vtp");
+  const Record data = read("dir/core.vtp");
   expect_sound(data);
   const std::string report = bytes("dir/report.json");
   const std::size_t begin = report.find("\n  \"burn\": {"), end = report.find("\n  }", begin);
@@ -365,7 +365,7 @@ TEST_F(Burn, RunBurnsTheCore) {
   EXPECT_TRUE(has(works({"verify", "s.ply", "dir/core.vtp"}).out, ": verified\n"));
   works({"run", "s.ply", "--resolution", "24", "-o", "dir", "--omega", "0.2vox", "--propagation", "nodes", "--radius",
          "linear", "--overwrite"});
-  const PolyData other = read("dir/core.vtp");
+  const Record other = read("dir/core.vtp");
   EXPECT_NEAR(field(other, "omega"), 0.2 * 2 / 24, 1e-12);
   EXPECT_EQ(text_field(other, "propagation"), "nodes");
   EXPECT_EQ(text_field(other, "radius_rule"), "linear");
@@ -427,7 +427,7 @@ TEST_F(Burn, RealMedialAxisOfOthers) {
   REQUIRE_DATA("references/bunny7_lambda0.025.r");
   burn({data_file("references/bunny7_lambda0.025.ply"), "--radii", data_file("references/bunny7_lambda0.025.r"), "-o",
         "bunny.ply"});
-  const PolyData data = read("bunny.ply");
+  const Record data = read("bunny.ply");
   EXPECT_EQ(data.points.size(), 14353u);
   EXPECT_EQ(data.poly_count(), 27318u);
   const auto bt = of_points(data, "burn_time");

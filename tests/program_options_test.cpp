@@ -4,8 +4,8 @@
 #include <cstring>
 #include <sstream>
 
+#include "base/memory.h"
 #include "program.h"
-#include "quench/memory.h"
 
 // What options may be, what sentences look like, and which outputs are refused before any work.
 

@@ -57,7 +57,7 @@ TEST_F(Pictures, FilesSayTheirSpace) {
     EXPECT_NE(written.find(words), std::string::npos) << words;
   works({"run", "v.nrrd", "-o", "out", "--no-view"});
   for (const char* file : {"out/core.vtp", "out/skeleton.vtp"}) {
-    const PolyData data = io::read_poly_data(folder.path() / file);
+    const Record data = io::read_record(folder.path() / file);
     const DataArray* space = find_array(data.field_data, "SPACE");
     ASSERT_TRUE(space) << file;
     EXPECT_EQ(std::get<std::vector<std::string>>(space->values), std::vector<std::string>{"LPS"});
@@ -71,8 +71,8 @@ TEST_F(Pictures, FilesSayTheirSpace) {
   EXPECT_NE(bytes("c.obj").find("# SPACE=LPS\n"), std::string::npos);
   works({"verify", "v.nrrd", "out/core.vtp", "out/skeleton.vtp"});
   works({"core", "w.nrrd", "-o", "again.vtp"});  // of the same place
-  EXPECT_EQ(io::read_poly_data(folder.path() / "again.vtp").points,
-            io::read_poly_data(folder.path() / "out/core.vtp").points);
+  EXPECT_EQ(io::read_record(folder.path() / "again.vtp").points,
+            io::read_record(folder.path() / "out/core.vtp").points);
 }
 
 #ifdef QUENCH_TESTS_HAVE_TIFF

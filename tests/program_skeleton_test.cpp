@@ -7,16 +7,16 @@
 
 #include "program.h"
 #include "program_arrays.h"
+#include "quench/axis.h"
 #include "quench/io.h"
-#include "quench/medial_axis.h"
-#include "quench/topology.h"
+#include "quench/shape.h"
 
 // `quench skeleton`, and the skeleton part of `quench run`.
 
 using namespace quench::testing_program;
 using quench::DataArray;
 using quench::find_array;
-using quench::PolyData;
+using quench::Record;
 using quench::Topology;
 
 namespace {
@@ -70,8 +70,8 @@ std::size_t count(const std::string& text, const std::string& word) {
 
 class SkeletonProgram : public ProgramTest {
  protected:
-  PolyData read(const std::string& name) const {
-    PolyData data = quench::io::read_poly_data(folder / name);
+  Record read(const std::string& name) const {
+    Record data = quench::io::read_record(folder / name);
     data.validate();
     return data;
   }
@@ -125,7 +125,7 @@ TEST_F(SkeletonProgram, RepeatsTheBurnOfTheFile) {
   make_core();
   works({"burn", "core.vtp", "-o", "burned.vtp", "--omega", "0.3vox", "--propagation", "nodes", "--radius", "linear"});
   skeleton({"burned.vtp", "-o", "a.vtp"});
-  const PolyData data = read("a.vtp");
+  const Record data = read("a.vtp");
   EXPECT_DOUBLE_EQ(field(data, "omega"), 0.3);
   EXPECT_EQ(text_field(data, "propagation"), "nodes");
   EXPECT_EQ(text_field(data, "radius_rule"), "linear");
@@ -146,7 +146,7 @@ TEST_F(SkeletonProgram, FamilyKeepsTheTopology) {
     for (const char* theta1 : {"0", "0.02", "3abs", "inf"}) {
       SCOPED_TRACE(fmt::format("{} {}", theta2, theta1));
       skeleton({"core.vtp", "-o", "a.vtp", "--theta2", theta2, "--theta1", theta1, "--json", "a.json", "--overwrite"});
-      const PolyData data = read("a.vtp");
+      const Record data = read("a.vtp");
       const Topology found = quench::topology(quench::complex_of(data));
       EXPECT_EQ(found, wanted);
       EXPECT_EQ(numbers(data.field_data, "euler"), std::vector<double>{static_cast<double>(wanted.euler)});
@@ -178,7 +178,7 @@ TEST_F(SkeletonProgram, ParametersNest) {
   make_core();
   const auto size = [&](const char* theta2, const char* theta1) {
     skeleton({"core.vtp", "-o", "a.vtp", "--theta2", theta2, "--theta1", theta1, "--overwrite"});
-    const PolyData data = read("a.vtp");
+    const Record data = read("a.vtp");
     return std::pair(data.poly_count(), data.lines.size());
   };
   EXPECT_GE(size("0", "0").first, size("0.05", "0").first);
@@ -191,7 +191,7 @@ TEST_F(SkeletonProgram, ParametersNest) {
 TEST_F(SkeletonProgram, ArraysAndFields) {
   make_core();
   skeleton({"core.vtp", "-o", "a.vtp"});
-  const PolyData data = read("a.vtp");
+  const Record data = read("a.vtp");
   for (const char* name : {"radius", "burn_time", "erosion_thickness", "curve_burn_time", "curve_erosion_thickness",
                            "unburned", "curve_unburned"}) {
     const auto values = numbers(data.point_data, name);
@@ -321,13 +321,13 @@ TEST_F(SkeletonProgram, FullHasItsOwnPartsAndLevels) {
   make_core();
   skeleton({"core.vtp", "--theta2", "0", "-o", "a.vtp"});
   skeleton({"core.vtp", "--theta2", "0", "--full", "-o", "b.vtp"});
-  const PolyData merged = read("a.vtp"), full = read("b.vtp");
+  const Record merged = read("a.vtp"), full = read("b.vtp");
   EXPECT_GT(full.poly_count(), merged.poly_count());
   EXPECT_EQ(topology_of("a.vtp"), topology_of("b.vtp"));
   // The levels of the full file pick the faces of any larger theta2.
   const double theta2 = 1.0;
   skeleton({"core.vtp", "--theta2", "1abs", "--full", "-o", "c.vtp"});
-  const PolyData larger = read("c.vtp");
+  const Record larger = read("c.vtp");
   std::size_t kept = 0;
   const auto level = numbers(full.cell_data, "sheet_level");
   for (std::size_t c = level.size() - full.poly_count(); c < level.size(); ++c) kept += level[c] >= theta2;

@@ -3,28 +3,28 @@
 
 #include <fmt/format.h>
 
+#include "quench/axis.h"
 #include "quench/io.h"
-#include "quench/medial_axis.h"
-#include "quench/sample.h"
-#include "quench/topology.h"
+#include "quench/samples.h"
+#include "quench/shape.h"
 
 using namespace quench::testing_program;
 using quench::find_array;
-using quench::PolyData;
+using quench::Record;
 
 namespace {
 
 class Program : public ProgramTest {
  protected:
-  PolyData read(const std::string& name) const {
-    PolyData data = quench::io::read_poly_data(folder / name);
+  Record read(const std::string& name) const {
+    Record data = quench::io::read_record(folder / name);
     data.validate();
     return data;
   }
   quench::Volume volume(const std::string& name) const { return quench::io::read_volume(folder / name); }
 };
 
-std::vector<double> radii(const PolyData& data) {
+std::vector<double> radii(const Record& data) {
   const auto* array = find_array(data.point_data, "radius");
   return array ? array->numbers() : std::vector<double>();
 }
@@ -45,7 +45,7 @@ TEST_F(Program, HelpAndVersion) {
 }
 
 TEST_F(Program, SamplesAsMeshAndVolume) {
-  for (const auto& info : quench::samples()) {
+  for (const auto& info : quench::built_in_samples()) {
     const std::string name(info.name);
     works({"sample", name, "-o", name + ".ply", "--detail", "0.2"});
     const int resolution = name == "bars" ? 64 : 24;  // bars are thin
@@ -81,11 +81,11 @@ TEST_F(Program, CoreInEveryFormat) {
     EXPECT_EQ(outcome.out, "");
     EXPECT_TRUE(has(outcome.err, file)) << outcome.err;
   }
-  const PolyData vtp = read("a.vtp");
+  const Record vtp = read("a.vtp");
   const auto topology = quench::topology(quench::complex_of(vtp));
   EXPECT_EQ(topology.euler, 1);
   for (const char* file : {"a.ply", "a.obj", "a.ma"}) {
-    const PolyData other = read(file);
+    const Record other = read(file);
     EXPECT_EQ(other.points.size(), vtp.points.size()) << file;
     EXPECT_EQ(quench::topology(quench::complex_of(other)), topology) << file;
   }
@@ -164,7 +164,7 @@ TEST_F(Program, ConvertKeepsVerticesAndRadii) {
   works({"convert", "a.vtp", "b.ma"});
   works({"convert", "b.ma", "c.vtp"});
   works({"convert", "c.vtp", "d.ply"});
-  const PolyData a = read("a.vtp"), c = read("c.vtp");
+  const Record a = read("a.vtp"), c = read("c.vtp");
   EXPECT_EQ(a.points, c.points);
   EXPECT_EQ(radii(a), radii(c));
   EXPECT_EQ(quench::topology(quench::complex_of(a)), quench::topology(quench::complex_of(c)));
@@ -195,26 +195,26 @@ TEST_F(Program, VerifyFindsSabotage) {
   EXPECT_EQ(quench({"verify", "box.ply", "a.ply", "--resolution", "20", "--lambda", "1vox", "--core"}).code, 4)
       << "more than that was pruned";
 
-  PolyData less = read("a.vtp");
+  Record less = read("a.vtp");
   std::erase_if(less.field_data, [](const auto& array) { return array.name == "betti"; });
-  quench::io::write_poly_data(folder / "less.vtp", less);
+  quench::io::write_record(folder / "less.vtp", less);
   const auto listed = works({"verify", "box.ply", "less.vtp", "--json", "less.json"});
   EXPECT_TRUE(has(listed.out, "not in the file: field betti")) << listed.out;
   EXPECT_TRUE(has(bytes("less.json"), "\"absent\": [\n      \"field betti\"\n    ]")) << bytes("less.json");
   EXPECT_TRUE(has(foreign.out, "not in the file: field stage\n")) << foreign.out;
   std::erase_if(less.field_data, [](const auto& array) { return array.name == "dims"; });
-  quench::io::write_poly_data(folder / "less.vtp", less);
+  quench::io::write_record(folder / "less.vtp", less);
   const auto lacking = quench({"verify", "box.ply", "less.vtp"});
   EXPECT_EQ(lacking.code, 4);
   EXPECT_TRUE(has(lacking.out, "less.vtp: FAIL arrays: missing: field dims;")) << lacking.out;
 
-  PolyData broken = read("a.vtp");
+  Record broken = read("a.vtp");
   broken.poly_corners.erase(broken.poly_corners.begin(), broken.poly_corners.begin() + broken.poly_offsets[1]);
   const std::uint32_t removed = broken.poly_offsets[1];
   broken.poly_offsets.erase(broken.poly_offsets.begin());
   for (auto& offset : broken.poly_offsets) offset -= removed;
   broken.cell_data.clear();
-  quench::io::write_poly_data(folder / "hole.vtp", broken);
+  quench::io::write_record(folder / "hole.vtp", broken);
   const auto hole = quench({"verify", "box.ply", "a.vtp", "hole.vtp"});
   EXPECT_EQ(hole.code, 4);
   EXPECT_TRUE(has(hole.out, "a.vtp: verified\n") && has(hole.out, "hole.vtp: NOT verified\n") &&

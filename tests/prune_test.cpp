@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "quench/prune.h"
-
 #include <gtest/gtest.h>
 #include <tbb/task_arena.h>
 
@@ -16,10 +14,10 @@
 #include <vector>
 
 #include "complex/thinning.h"
+#include "quench/axis.h"
 #include "quench/error.h"
-#include "quench/topology.h"
+#include "quench/shape.h"
 #include "quench/verify.h"
-#include "quench/voxel_core.h"
 #include "random_shapes.h"
 
 namespace quench {
@@ -97,11 +95,11 @@ VoxelShape roof(int side) {
 }
 
 // The same order with a plain heap of all pairs, whose simplicity is looked up in lists.
-CellValues thinned_with_a_heap(const MedialAxis& axis) {
+complex::CellValues thinned_with_a_heap(const MedialAxis& axis) {
   const CellComplex& complex = axis.complex;
-  CellValues level{std::vector<double>(complex.vertex_count, kInfinity),
-                   std::vector<double>(complex.edges.size(), kInfinity),
-                   std::vector<double>(complex.face_count(), kInfinity)};
+  complex::CellValues level{std::vector<double>(complex.vertex_count, kInfinity),
+                            std::vector<double>(complex.edges.size(), kInfinity),
+                            std::vector<double>(complex.face_count(), kInfinity)};
   std::vector<std::set<std::uint32_t>> faces(complex.edges.size()), edges(complex.vertex_count);
   for (std::uint32_t f = 0; f < complex.face_count(); ++f)
     for (std::uint32_t e : complex.sides(f)) faces[e].insert(f);
@@ -155,7 +153,7 @@ TEST(Prune, ThousandsOfEqualKeysGoInOrder) {
     std::size_t most = 0;
     for (const auto& [lambda, edges] : edges_of) most = std::max(most, edges);
     ASSERT_GT(most, 4000u);
-    const CellValues expected = thinned_with_a_heap(axis);
+    const complex::CellValues expected = thinned_with_a_heap(axis);
     for (int threads : {1, 4}) {
       tbb::task_arena(threads).execute([&] { prune_levels(axis); });
       EXPECT_EQ(axis.vertex_level, expected.vertex);
@@ -171,7 +169,7 @@ TEST(Prune, NegativeZeroIsZero) {
       4, {{0, 1}, {0, 2}, {1, 2}, {1, 3}, {2, 3}}, {0, 3, 6}, {0, 1, 2, 1, 3, 2}, {0, 2, 1, 3, 4, 2}};
   for (const double zero : {0.0, -0.0}) {
     const std::vector<double> face{zero, 1}, edge(5, zero), vertex(4, zero);
-    const CellValues level = thin(complex, vertex, edge, face, nullptr, "");
+    const complex::CellValues level = complex::thin(complex, vertex, edge, face, nullptr, "");
     EXPECT_EQ(level.face, (std::vector<double>{0, 1}));
     EXPECT_EQ(level.edge, (std::vector<double>{0, 0, 1, 1, 1}));
     EXPECT_EQ(level.vertex, (std::vector<double>{0, 1, 1, std::numeric_limits<double>::infinity()}));
@@ -232,13 +230,13 @@ TEST(Prune, PruningAPruningGivesTheSame) {
   }
 }
 
-void expect_same(const PolyData& a, const PolyData& b, const std::string& where) {
+void expect_same(const Record& a, const Record& b, const std::string& where) {
   ASSERT_EQ(a.points, b.points) << where;
   ASSERT_EQ(a.verts, b.verts) << where;
   ASSERT_EQ(a.lines, b.lines) << where;
   ASSERT_EQ(a.poly_offsets, b.poly_offsets) << where;
   ASSERT_EQ(a.poly_corners, b.poly_corners) << where;
-  for (const auto arrays : {&PolyData::point_data, &PolyData::cell_data, &PolyData::field_data}) {
+  for (const auto arrays : {&Record::point_data, &Record::cell_data, &Record::field_data}) {
     ASSERT_EQ((a.*arrays).size(), (b.*arrays).size()) << where;
     for (std::size_t i = 0; i < (a.*arrays).size(); ++i) {
       ASSERT_EQ((a.*arrays)[i].name, (b.*arrays)[i].name) << where;
@@ -257,7 +255,7 @@ TEST(Prune, InTheMemoryOfTheAxisPruningAndFileAreTheSame) {
       taken = pruned(std::move(taken), lambda);
       ASSERT_NO_THROW(taken.complex.validate()) << where;
       ASSERT_EQ(taken.complex.face_edges, copied.complex.face_edges) << where;
-      expect_same(to_poly_data(std::move(taken)), to_poly_data(copied), where);
+      expect_same(to_record(std::move(taken)), to_record(copied), where);
     }
   }
 }
@@ -281,11 +279,11 @@ TEST(Prune, AllCollapsesToAPointInABallAndToALoopInATorus) {
 TEST(Prune, TheCellsOfAFileAtEveryLevelAreThePruning) {
   for (std::uint64_t seed = 0; seed < 60; ++seed) {
     const MedialAxis axis = core_with_levels(testing_shapes::random_shape(seed, 10));
-    const PolyData data = to_poly_data(axis);
+    const Record data = to_record(axis);
     ASSERT_NO_THROW(data.validate());
     const std::vector<double> level = find_array(data.cell_data, "lambda_level")->numbers();
     for (double t : {0.8, 1.2, 2.0, 1e30}) {
-      PolyData kept;
+      Record kept;
       kept.points = data.points;
       std::size_t cell = 0;
       for (std::uint32_t v : data.verts)
@@ -311,7 +309,7 @@ TEST(Prune, EveryPruningPassesTheIndependentVerifier) {
     const VoxelShape shape = testing_shapes::random_shape(seed, 10, seed % 4 == 3);
     const MedialAxis axis = core_with_levels(shape);
     for (double lambda : {0.0, 0.9, 2.0}) {
-      PolyData data = to_poly_data(pruned(axis, lambda));
+      Record data = to_record(pruned(axis, lambda));
       data.field_data.push_back({"stage", 1, std::vector<std::string>{"core"}});
       const Certificate certificate = verify(shape, data, {.lambda = lambda});
       for (const Check& check : certificate.checks)
@@ -320,15 +318,15 @@ TEST(Prune, EveryPruningPassesTheIndependentVerifier) {
   }
 }
 
-PolyData result_of(const MedialAxis& axis, const VoxelShape& shape, double lambda) {
-  PolyData data = to_poly_data(pruned(axis, lambda));
+Record result_of(const MedialAxis& axis, const VoxelShape& shape, double lambda) {
+  Record data = to_record(pruned(axis, lambda));
   data.field_data.push_back({"stage", 1, std::vector<std::string>{"core"}});
   data.field_data.push_back({"lambda", 1, std::vector<double>{lambda}});
   data.field_data.push_back({"reconstructed", 1, std::vector<double>{Reconstruction(shape, axis).share(lambda)}});
   return data;
 }
 
-std::set<std::string> failed_checks(const VoxelShape& shape, const PolyData& data) {
+std::set<std::string> failed_checks(const VoxelShape& shape, const Record& data) {
   std::set<std::string> names;
   for (const Check& check : verify(shape, data).checks)
     if (!check.passed) names.insert(check.name);
@@ -345,9 +343,9 @@ TEST(Verify, CatchesAPartThatHungOnAThinBridge) {
            (y == 10 && z == 10 && x > 10 && x < 50);
   });
   const MedialAxis axis = core_with_levels(shape);
-  const PolyData whole = result_of(axis, shape, 2);
+  const Record whole = result_of(axis, shape, 2);
   ASSERT_EQ(failed_checks(shape, whole), std::set<std::string>{});
-  PolyData half = whole;
+  Record half = whole;
   half.cell_data.clear();
   const auto keep = [&](std::uint32_t v) { return whole.points[v][0] < 24; };
   std::erase_if(half.verts, [&](std::uint32_t v) { return !keep(v); });
@@ -378,7 +376,7 @@ TEST(Verify, CatchesAPartThatHungOnAThinBridge) {
 TEST(Verify, CatchesLevelsThatAreNoFamilyOfPrunings) {
   const VoxelShape shape = testing_shapes::random_shape(5, 12);
   const MedialAxis axis = core_with_levels(shape);
-  PolyData data = result_of(axis, shape, 0);
+  Record data = result_of(axis, shape, 0);
   ASSERT_EQ(failed_checks(shape, data), std::set<std::string>{});
   for (DataArray& array : data.cell_data)
     if (array.name == "lambda_level") {

@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-#include "quench/voxel_shape.h"
+#include "quench/shape.h"
 
 /// Small random voxel shapes, the same for the same seed: noise, blobs, unions of boxes and balls, blobs with salt.
 namespace quench::testing_shapes {

@@ -9,7 +9,8 @@
 #include <string>
 
 #include "quench/error.h"
-#include "quench/slices.h"
+#include "quench/io.h"
+#include "quench/shape.h"
 #include "shape/sample_type.h"
 
 namespace {
@@ -55,7 +56,7 @@ std::string by_slices(const std::string& file) {
   const auto stream = io::open_slices(file);
   if (!stream) return "whole only";
   const auto& dims = stream->grid.dims;
-  const std::size_t slice = static_cast<std::size_t>(dims[0] * dims[1]) * size_of(stream->type);
+  const std::size_t slice = static_cast<std::size_t>(dims[0] * dims[1]) * shape::size_of(stream->type);
   std::vector<std::byte> all, one(slice);
   for (std::int64_t z = 0; z < dims[2]; ++z) {
     stream->next(one);

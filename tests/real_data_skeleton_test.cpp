@@ -9,14 +9,12 @@
 #include <string>
 
 #include "data.h"
+#include "quench/axis.h"
 #include "quench/burn.h"
-#include "quench/curve_graph.h"
+#include "quench/graph.h"
 #include "quench/io.h"
-#include "quench/medial_axis.h"
-#include "quench/prune.h"
+#include "quench/shape.h"
 #include "quench/skeleton.h"
-#include "quench/topology.h"
-#include "quench/voxel_core.h"
 #include "quench/voxelize.h"
 
 namespace quench {
@@ -99,7 +97,7 @@ TEST_P(SkeletonsOfMeshes, HaveTheTopologyOfTheShape) {
   REQUIRE_DATA(name.c_str());
   const std::int64_t resolution = std::getenv("QUENCH_TEST_FULL") ? 512 : 64;
   const Voxelization v =
-      voxelize(to_triangle_mesh(io::read_poly_data(data_file(name.c_str()))), {.resolution = resolution});
+      voxelize(to_triangle_mesh(io::read_record(data_file(name.c_str()))), {.resolution = resolution});
   expect_skeletons(v.shape, v.longest_side, name);
 }
 

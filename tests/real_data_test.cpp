@@ -11,12 +11,10 @@
 #include <vector>
 
 #include "data.h"
+#include "quench/axis.h"
 #include "quench/io.h"
-#include "quench/medial_axis.h"
-#include "quench/prune.h"
-#include "quench/topology.h"
+#include "quench/shape.h"
 #include "quench/verify.h"
-#include "quench/voxel_core.h"
 #include "quench/voxelize.h"
 
 namespace quench {
@@ -130,7 +128,7 @@ void expect_main_job(const VoxelShape& shape, double longest_side, const std::st
   for (double l : {lambda, 0.025 * longest_side}) {
     const MedialAxis kept = pruned(core, l);
     ASSERT_NO_THROW(kept.complex.validate()) << where;
-    PolyData data = to_poly_data(kept);
+    Record data = to_record(kept);
     data.field_data.push_back({"stage", 1, std::vector<std::string>{"core"}});
     const Certificate certificate = verify(shape, data, {.lambda = l, .samples = 5000});
     for (const Check& check : certificate.checks)
@@ -152,7 +150,7 @@ TEST_P(RealMeshes, MainJob) {
   const std::string name = std::string("meshes/") + GetParam();
   REQUIRE_DATA(name.c_str());
   const std::int64_t resolution = std::getenv("QUENCH_TEST_FULL") ? 512 : 96;
-  const TriangleMesh mesh = to_triangle_mesh(io::read_poly_data(data_file(name.c_str())));
+  const TriangleMesh mesh = to_triangle_mesh(io::read_record(data_file(name.c_str())));
   const Voxelization v = voxelize(mesh, {.resolution = resolution});
   expect_main_job(v.shape, v.longest_side, name);
 }

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "quench/sample.h"
-
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
@@ -12,6 +10,7 @@
 #include <numeric>
 
 #include "quench/error.h"
+#include "quench/samples.h"
 
 namespace quench {
 namespace {
@@ -80,7 +79,7 @@ TEST(Sample, EveryShapeIsClosedAndOutward) {
       {"hollow-sphere", {2, 4}}, {"bead-pack", {1728, 2 * 1728}},
       {"rough-plate", {1, 2}},   {"bars", {3, 6}},
   };
-  for (const SampleInfo& info : samples()) {
+  for (const SampleInfo& info : built_in_samples()) {
     if (info.name == "root") continue;
     ASSERT_TRUE(expected.contains(info.name)) << info.name;
     EXPECT_FALSE(info.description.empty());
@@ -149,7 +148,7 @@ TEST(Sample, NoiseChangesWhatHasSome) {
 }
 
 TEST(Sample, IsDeterministic) {
-  for (const SampleInfo& info : samples()) {
+  for (const SampleInfo& info : built_in_samples()) {
     SampleOptions options;
     options.detail = 0.3;
     const Sample a = make_sample(info.name, options), b = make_sample(info.name, options);
@@ -170,7 +169,7 @@ TEST(Sample, RefusesWhatCannotBe) {
     return {};
   };
   const std::string what = refused("teapot", {});
-  for (const SampleInfo& info : samples()) EXPECT_NE(what.find(info.name), std::string::npos) << what;
+  for (const SampleInfo& info : built_in_samples()) EXPECT_NE(what.find(info.name), std::string::npos) << what;
   SampleOptions options;
   options.branches = 0;
   refused("root", options);

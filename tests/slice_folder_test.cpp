@@ -6,7 +6,7 @@
 
 #include "quench/error.h"
 #include "quench/io.h"
-#include "quench/slices.h"
+#include "quench/shape.h"
 #include "small_files.h"
 #include "temporary_folder.h"
 

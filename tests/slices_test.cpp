@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // Volumes read slice by slice give the shape that volumes read whole give.
-#include "quench/slices.h"
-
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -12,6 +10,8 @@
 
 #include "data.h"
 #include "quench/error.h"
+#include "quench/io.h"
+#include "quench/shape.h"
 #include "random_shapes.h"
 #include "small_files.h"
 #include "temporary_folder.h"

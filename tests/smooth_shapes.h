@@ -11,8 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "quench/topology.h"
-#include "quench/voxel_shape.h"
+#include "quench/shape.h"
 
 /// Smooth shapes whose reach and lambda-medial axis are known in closed form: the truth that voxel cores converge to
 /// (Yan 2018, sec. 2.5). They are the samples `ellipsoid` and `torus` without their tessellation.

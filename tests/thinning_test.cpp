@@ -12,8 +12,7 @@
 #include <random>
 #include <vector>
 
-#include "quench/prune.h"
-#include "quench/voxel_core.h"
+#include "quench/axis.h"
 #include "random_shapes.h"
 
 namespace quench {
@@ -23,7 +22,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 struct Input {
   CellComplex complex;
-  CellValues value;
+  complex::CellValues value;
 };
 
 Input core_of(const VoxelShape& shape, LambdaRule rule) {
@@ -32,15 +31,15 @@ Input core_of(const VoxelShape& shape, LambdaRule rule) {
           {std::move(axis.vertex_lambda), std::move(axis.edge_lambda), std::move(axis.face_lambda)}};
 }
 
-CellValues thinned(const Input& input, const ThinningOptions& options) {
-  return thin(input.complex, input.value.vertex, input.value.edge, input.value.face, nullptr, "", options);
+complex::CellValues thinned(const Input& input, const complex::ThinningOptions& options) {
+  return complex::thin(input.complex, input.value.vertex, input.value.edge, input.value.face, nullptr, "", options);
 }
 
 void expect_same_levels(const Input& input) {
-  const CellValues expected = thinned(input, {.slabs = 1});
+  const complex::CellValues expected = thinned(input, {.slabs = 1});
   for (const std::size_t slabs : {2, 3, 5})
     for (const double most_crossing : {0.5, 1.0}) {
-      const CellValues level = thinned(input, {slabs, most_crossing});
+      const complex::CellValues level = thinned(input, {slabs, most_crossing});
       ASSERT_EQ(level.vertex, expected.vertex) << slabs << " slabs";
       ASSERT_EQ(level.edge, expected.edge) << slabs << " slabs";
       ASSERT_EQ(level.face, expected.face) << slabs << " slabs";
@@ -148,7 +147,7 @@ TEST(ThinningInSlabs, WhateverTheComplex) {
     fill(input.value.face, complex.face_count());
     expect_same_levels(input);
     if (HasFatalFailure()) return;
-    const CellValues level = thinned(input, {.slabs = 2});
+    const complex::CellValues level = thinned(input, {.slabs = 2});
     removed += static_cast<std::size_t>(
         std::count_if(level.face.begin(), level.face.end(), [](double l) { return l < kInfinity; }));
   }

@@ -12,14 +12,12 @@
 #include <string>
 #include <vector>
 
+#include "quench/axis.h"
 #include "quench/burn.h"
 #include "quench/pipeline.h"
-#include "quench/prune.h"
-#include "quench/raster.h"
-#include "quench/sample.h"
+#include "quench/samples.h"
 #include "quench/skeleton.h"
 #include "quench/verify.h"
-#include "quench/voxel_core.h"
 #include "quench/voxelize.h"
 
 namespace quench {
@@ -61,7 +59,7 @@ TEST(Threads, EveryStageKeepsToThoseOfItsContext) {
   const RefinedAxis refined = quench_curves(complex, core.axis.points, core.axis.radius, burning);
   const SkeletonFamily family = skeletons(refined);
   const Skeleton skeleton = extract(family, 2, 2);
-  const PolyData file = core_file(core, {}, "");
+  const Record file = core_file(core, {}, "");
   std::vector<std::uint8_t> mask(
       static_cast<std::size_t>(shape.grid().dims[0] * shape.grid().dims[1] * shape.grid().dims[2]));
   const MaskView view{

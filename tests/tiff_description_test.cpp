@@ -6,7 +6,7 @@
 
 #include "quench/error.h"
 #include "quench/io.h"
-#include "quench/slices.h"
+#include "quench/shape.h"
 #include "small_files.h"
 #include "tiff_fixture.h"
 #ifdef QUENCH_TESTS_HAVE_TIFF

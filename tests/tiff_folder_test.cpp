@@ -6,8 +6,7 @@
 
 #include "quench/error.h"
 #include "quench/io.h"
-#include "quench/slices.h"
-#include "quench/voxel_shape.h"
+#include "quench/shape.h"
 #include "temporary_folder.h"
 #include "tiff_bytes.h"
 

@@ -15,8 +15,8 @@
 
 #include "quench/burn.h"
 #include "quench/pipeline.h"
+#include "quench/shape.h"
 #include "quench/skeleton.h"
-#include "quench/topology.h"
 #include "quench/verify.h"
 #include "random_shapes.h"
 
@@ -28,7 +28,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 struct Result {
   std::string name;
   VoxelShape shape;
-  PolyData data;
+  Record data;
 };
 
 VerifyOptions options_for(const VoxelShape& shape) {
@@ -64,18 +64,18 @@ VoxelShape hollow() {
   });
 }
 
-PolyData core_of(const VoxelShape& shape, const CheckedCoreOptions& options) {
+Record core_of(const VoxelShape& shape, const CheckedCoreOptions& options) {
   return core_file(checked_core(shape, topology(shape), shape.longest_side(), options), {"mm", "LPS"}, "{}");
 }
 
-PolyData burned(PolyData data, const BurnOptions& options = {}) {
+Record burned(Record data, const BurnOptions& options = {}) {
   const MedialAxis axis = medial_axis_of(data);
   add_burning(data, burn(axis.complex, axis.points, axis.radius, options));
   return data;
 }
 
-PolyData skeleton_of(const VoxelShape& shape, double theta2, double theta1, bool parts) {
-  const PolyData core = burned(core_of(shape, {.lambda = 0.0}));
+Record skeleton_of(const VoxelShape& shape, double theta2, double theta1, bool parts) {
+  const Record core = burned(core_of(shape, {.lambda = 0.0}));
   const MedialAxis axis = medial_axis_of(core);
   const Burning burning = burn(axis.complex, axis.points, axis.radius, {});
   const SkeletonFamily family = skeletons(quench_curves(axis.complex, axis.points, axis.radius, burning));
@@ -87,7 +87,7 @@ PolyData skeleton_of(const VoxelShape& shape, double theta2, double theta1, bool
 std::vector<Result> results() {
   std::vector<Result> all;
   for (const auto& [name, shape] : {std::pair{"plate", plate()}, std::pair{"hollow", hollow()}}) {
-    const auto add = [&, n = std::string(name), s = shape](const char* what, PolyData data) {
+    const auto add = [&, n = std::string(name), s = shape](const char* what, Record data) {
       all.push_back({n + " " + what, s, std::move(data)});
     };
     const bool is_plate = name == std::string("plate");
@@ -120,10 +120,10 @@ std::set<std::string> left_out(const Certificate& certificate) {
 
 struct Arrays {
   const char* of;
-  std::vector<DataArray> PolyData::*list;
+  std::vector<DataArray> Record::*list;
 };
 constexpr Arrays kArrays[]{
-    {"point", &PolyData::point_data}, {"cell", &PolyData::cell_data}, {"field", &PolyData::field_data}};
+    {"point", &Record::point_data}, {"cell", &Record::cell_data}, {"field", &Record::field_data}};
 
 // A change of one number, or of two for an exchange.
 struct Damage {
@@ -195,7 +195,7 @@ class EveryArray {
   }
 
   void expect_noticed(const Arrays& arrays, std::size_t a, DataArray::Values values, const std::string& how) {
-    PolyData data = result_.data;
+    Record data = result_.data;
     DataArray& array = (data.*arrays.list)[a];
     array.values = std::move(values);
     ++tried_;
@@ -261,7 +261,7 @@ TEST(VerifyDamage, EveryArrayThatIsRemovedIsNoticedOrListed) {
     const bool core = find_array(result.data.cell_data, "lambda_level") != nullptr;
     for (const Arrays& arrays : kArrays)
       for (std::size_t a = 0; a < (result.data.*arrays.list).size(); ++a) {
-        PolyData data = result.data;
+        Record data = result.data;
         const std::string name = fmt::format("{} {}", arrays.of, (data.*arrays.list)[a].name);
         if (name == "field SPACE") continue;  // only where it is known
         (data.*arrays.list).erase((data.*arrays.list).begin() + static_cast<std::ptrdiff_t>(a));
@@ -287,7 +287,7 @@ TEST(VerifyDamage, EveryArrayThatIsRemovedIsNoticedOrListed) {
 // A skeleton of another program's medial axis has no lattice to be placed on.
 TEST(VerifyDamage, SkeletonsOfOtherProgramsNeedNoLattice) {
   const VoxelShape shape = plate();
-  PolyData foreign = skeleton_of(shape, 0.3, 0.2, false);
+  Record foreign = skeleton_of(shape, 0.3, 0.2, false);
   std::erase_if(foreign.field_data, [](const DataArray& array) {
     for (const char* name :
          {"dims", "origin", "direction", "longest_side", "lambda", "lambda_chosen", "units", "parameters"})
@@ -305,7 +305,7 @@ TEST(VerifyDamage, NegativeLengthsAreNoticed) {
   for (const Result& result : results())
     for (const char* name : {"theta2", "theta1", "lambda", "lambda_chosen", "longest_side", "omega", "max_burn_time"})
       for (const double value : {-1.99, std::nan("")}) {
-        PolyData data = result.data;
+        Record data = result.data;
         bool changed = false;
         for (DataArray& array : data.field_data)
           if (array.name == name) array.values = std::vector<double>{value}, changed = true;
@@ -318,7 +318,7 @@ TEST(VerifyDamage, NegativeLengthsAreNoticed) {
 
 TEST(VerifyDamage, ThetasBeyondInfinityAreNoticed) {
   for (const char* name : {"theta2", "theta1"}) {
-    PolyData curves = skeleton_of(plate(), kInfinity, kInfinity, false);
+    Record curves = skeleton_of(plate(), kInfinity, kInfinity, false);
     for (DataArray& array : curves.field_data)
       if (array.name == name) array.values = std::vector<double>{1e300};
     const Certificate certificate = verify(plate(), curves, options_for(plate()));
@@ -332,7 +332,7 @@ TEST(VerifyDamage, PointsFarOutsideTheGridEndAtOnce) {
   for (const Result& result : results())
     for (const double x : {1e17, -1e17, 1e300, kInfinity, -kInfinity, std::nan("")})
       for (int axis = 0; axis < 3; ++axis) {
-        PolyData data = result.data;
+        Record data = result.data;
         data.points[data.points.size() / 2][axis] = x;
         const Certificate certificate = verify(result.shape, data, options_for(result.shape));
         ASSERT_EQ(certificate.checks.size(), 1u) << result.name << " " << x;
@@ -373,7 +373,7 @@ TEST(VerifyDamage, ChangesOfEveryArrayAreNoticed) {
 // Another program may use the names as it likes: without a stage nothing is taken from them, and that is said.
 TEST(VerifyDamage, ArraysOfOtherProgramsAreNamed) {
   const VoxelShape shape = plate();
-  PolyData foreign = core_of(shape, {.lambda = 0.0});
+  Record foreign = core_of(shape, {.lambda = 0.0});
   const std::size_t cells = foreign.cell_count();
   foreign.cell_data = {{"kind", 1, std::vector<double>(cells, 7)}, {"component", 1, std::vector<double>(cells, -1)}};
   foreign.field_data = {{"betti", 1, std::vector<std::string>{"none"}},
@@ -390,7 +390,7 @@ TEST(VerifyDamage, AMovedPointIsNoticed) {
     // Of a skeleton only that the radius is right, the polygons plane and all inside.
     const bool core = find_array(result.data.cell_data, "lambda_level") != nullptr;
     for (const Vec3& step : {Vec3(core ? 1e-3 : 0.5, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, core ? -1e-4 : -1)}) {
-      PolyData moved = result.data;
+      Record moved = result.data;
       moved.points[moved.points.size() / 2] += step;
       EXPECT_FALSE(verify(result.shape, moved, options_for(result.shape)).passed()) << result.name;
     }
@@ -399,17 +399,17 @@ TEST(VerifyDamage, AMovedPointIsNoticed) {
 
 TEST(VerifyDamage, ArraysOfWrongFormAreNoticed) {
   const VoxelShape shape = plate();
-  const PolyData core = core_of(shape, {.lambda = 0.0});
-  const auto fails = [&](const PolyData& data) {
+  const Record core = core_of(shape, {.lambda = 0.0});
+  const auto fails = [&](const Record& data) {
     const Certificate certificate = verify(shape, data);
     EXPECT_FALSE(certificate.passed());
     return text(certificate);
   };
-  PolyData twice = core;
+  Record twice = core;
   twice.point_data.push_back(twice.point_data.front());
   EXPECT_NE(fails(twice).find("two point arrays 'radius'"), std::string::npos);
   for (const char* name : {"betti", "euler", "sites", "dims", "reconstructed", "lambda"}) {
-    PolyData text_for_numbers = core, too_many = core;
+    Record text_for_numbers = core, too_many = core;
     for (DataArray& array : text_for_numbers.field_data)
       if (array.name == name) array.values = std::vector<std::string>{"1 0 0"};
     EXPECT_NE(fails(text_for_numbers).find(name), std::string::npos);

@@ -11,8 +11,8 @@
 
 #include "quench/burn.h"
 #include "quench/pipeline.h"
+#include "quench/shape.h"
 #include "quench/skeleton.h"
-#include "quench/topology.h"
 #include "quench/verify.h"
 #include "random_shapes.h"
 
@@ -29,8 +29,8 @@ VoxelShape at(const VoxelShape& shape, const Vec3& origin, const Vec3& spacing) 
 }
 
 struct Computed {
-  PolyData core;
-  std::vector<PolyData> skeletons;
+  Record core;
+  std::vector<Record> skeletons;
 };
 
 Computed compute(const VoxelShape& shape) {
@@ -51,7 +51,7 @@ Computed compute(const VoxelShape& shape) {
   return computed;
 }
 
-std::string failures(const VoxelShape& shape, const PolyData& data) {
+std::string failures(const VoxelShape& shape, const Record& data) {
   std::string all;
   for (const Check& check : verify(shape, data).checks)
     if (!check.passed) all += check.name + ": " + check.detail + "\n";
@@ -83,8 +83,8 @@ TEST_P(AtDistance, AMovedVertexIsFound) {
   const VoxelShape shape = at(testing_shapes::box_shape(9, 7, 5), {0.6 * far, -0.7 * far, 0.3 * far}, {1, 1, 1});
   const Computed computed = compute(shape);
   const double step = 1e-3 + 4e-14 * far;
-  for (const PolyData* data : {&computed.core, &computed.skeletons[0]}) {
-    PolyData moved = *data;
+  for (const Record* data : {&computed.core, &computed.skeletons[0]}) {
+    Record moved = *data;
     moved.points[moved.points.size() / 3] += Vec3(step, 0.7 * step, 0.3 * step);
     EXPECT_NE(failures(shape, moved), "");
   }
@@ -94,7 +94,7 @@ TEST_P(AtDistance, AMovedVertexIsFound) {
 TEST(FarFromTheOrigin, APolygonWithoutAreaIsFoundWhereItCanBe) {
   for (const double far : {0.0, 1e3, 1e5}) {
     const VoxelShape shape = at(testing_shapes::box_shape(9, 7, 5), {far, far, far}, {1, 1, 1});
-    PolyData flat = compute(shape).skeletons[0];
+    Record flat = compute(shape).skeletons[0];
     const auto middle = static_cast<std::uint32_t>(flat.points.size());
     const std::uint32_t a = flat.poly_corners[0], b = flat.poly_corners[1];
     flat.points.push_back(0.5 * (flat.points[a] + flat.points[b]));

@@ -73,22 +73,21 @@ VoxelShape hollow() {
 }
 
 struct Intact {
-  explicit Intact(const VoxelShape& s)
-      : shape(s), core(brute_force::voxel_core(s)), data(brute_force::poly_data(core)) {}
+  explicit Intact(const VoxelShape& s) : shape(s), core(brute_force::voxel_core(s)), data(brute_force::record(core)) {}
   VoxelShape shape;
   brute_force::Core core;
-  PolyData data;
+  Record data;
 };
 
 // The file without one polygon; edges it does not share stay as lines, with their lambda, unless `drop` names one.
-PolyData without_face(const Intact& intact, std::size_t face, std::int64_t drop_edge = -1) {
+Record without_face(const Intact& intact, std::size_t face, std::int64_t drop_edge = -1) {
   brute_force::Kept kept = brute_force::keep_all(intact.core);
   kept.faces[face] = 0;
   if (drop_edge >= 0) kept.edges[static_cast<std::size_t>(drop_edge)] = 0;
-  return brute_force::poly_data(intact.core, kept);
+  return brute_force::record(intact.core, kept);
 }
 
-void expect_passes(const VoxelShape& shape, const PolyData& data, const std::string& where) {
+void expect_passes(const VoxelShape& shape, const Record& data, const std::string& where) {
   const Certificate certificate = verify(shape, data);
   EXPECT_EQ(failed(certificate), Names{}) << where << "\n" << text(certificate);
 }
@@ -99,7 +98,7 @@ TEST(Verify, PassesIntactCoresOfRandomShapes) {
       const VoxelShape shape = testing_shapes::random_shape(seed, 9, anisotropic == 1);
       const brute_force::Core core = brute_force::voxel_core(shape);
       const std::string where = "seed " + std::to_string(seed) + (anisotropic ? " anisotropic" : "");
-      expect_passes(shape, brute_force::poly_data(core), where);
+      expect_passes(shape, brute_force::record(core), where);
     }
 }
 
@@ -114,7 +113,7 @@ TEST(Verify, PassesPruningsByBothRules) {
     if (!core.faces.empty()) thresholds.push_back(core.faces[core.faces.size() / 2].lambda);
     for (const double lambda : thresholds)
       for (const bool ball : {false, true})
-        expect_passes(shape, brute_force::poly_data(core, brute_force::pruned(core, lambda, ball), lambda, ball),
+        expect_passes(shape, brute_force::record(core, brute_force::pruned(core, lambda, ball), lambda, ball),
                       "seed " + std::to_string(seed) + " lambda " + std::to_string(lambda) + (ball ? " ball" : ""));
   }
 }
@@ -151,7 +150,7 @@ TEST(Verify, CatchesAMovedVertexFarFromTheOrigin) {
   Intact intact(moved_to(block(), {0.77e9, 0.31e9, -0.93e9}));
   EXPECT_TRUE(failed(verify(intact.shape, intact.data)).empty());
   for (const Vec3& step : {Vec3(1e-3, 0, 0), Vec3(0, 1e-4, 1e-4)}) {
-    PolyData moved = intact.data;
+    Record moved = intact.data;
     moved.points[moved.points.size() / 3] += step;
     EXPECT_TRUE(failed(verify(intact.shape, moved)).count("Voronoi cells"));
   }
@@ -193,7 +192,7 @@ TEST(Verify, CatchesAFaceDeletedWithItsFreeEdge) {
 TEST(Verify, CatchesAMovedVertex) {
   Intact intact(block());
   for (const Vec3& step : {Vec3(1e-3, 0, 0), Vec3(0, 1e-5, 1e-5)}) {
-    PolyData moved = intact.data;
+    Record moved = intact.data;
     moved.points[moved.points.size() / 3] += step;
     const Names names = failed(verify(intact.shape, moved));
     EXPECT_TRUE(names.count("Voronoi cells"));
@@ -224,7 +223,7 @@ TEST(Verify, CatchesAWrongRadius) {
 
 TEST(Verify, CatchesDuplicatedCells) {
   const Intact intact(block());
-  const auto copy_rows = [](PolyData& data, std::size_t row, std::size_t at) {
+  const auto copy_rows = [](Record& data, std::size_t row, std::size_t at) {
     for (DataArray& array : data.cell_data)
       std::visit(
           [&](auto& v) {
@@ -233,7 +232,7 @@ TEST(Verify, CatchesDuplicatedCells) {
           },
           array.values);
   };
-  PolyData polygon = intact.data;
+  Record polygon = intact.data;
   const std::vector<std::uint32_t> corners(polygon.poly_corners.begin(),
                                            polygon.poly_corners.begin() + polygon.poly_offsets[1]);
   polygon.poly_corners.insert(polygon.poly_corners.end(), corners.rbegin(), corners.rend());
@@ -242,14 +241,14 @@ TEST(Verify, CatchesDuplicatedCells) {
   EXPECT_TRUE(failed(verify(intact.shape, polygon)).count("no duplicate or degenerate cell"));
 
   const Intact bar(testing_shapes::box_shape(1, 1, 4));
-  PolyData line = bar.data;
+  Record line = bar.data;
   ASSERT_FALSE(line.lines.empty());
   line.lines.push_back({line.lines[0][1], line.lines[0][0]});
   copy_rows(line, line.verts.size(), line.verts.size());
   EXPECT_EQ(failed(verify(bar.shape, line)), Names{"no duplicate or degenerate cell"});
 
   const Intact voxel(testing_shapes::box_shape(1, 1, 1));
-  PolyData point = voxel.data;
+  Record point = voxel.data;
   point.points.push_back(point.points[0]);
   for (DataArray& array : point.point_data) {
     auto& v = std::get<std::vector<double>>(array.values);
@@ -262,16 +261,16 @@ TEST(Verify, CatchesDuplicatedCells) {
 
 TEST(Verify, CatchesDegenerateCells) {
   const Intact intact(block());
-  PolyData bent = intact.data;
+  Record bent = intact.data;
   bent.points[bent.poly_corners[0]] += Vec3(1e-4, 2e-4, 3e-4);
   EXPECT_TRUE(failed(verify(intact.shape, bent)).count("Voronoi cells"));
-  PolyData repeated = intact.data;
+  Record repeated = intact.data;
   repeated.poly_corners[1] = repeated.poly_corners[0];
   EXPECT_EQ(failed(verify(intact.shape, repeated)), Names{"no duplicate or degenerate cell"});
-  PolyData outside = intact.data;
+  Record outside = intact.data;
   outside.poly_corners[0] = static_cast<std::uint32_t>(outside.points.size());
   EXPECT_EQ(failed(verify(intact.shape, outside)), Names{"no duplicate or degenerate cell"});
-  PolyData crossed = intact.data;
+  Record crossed = intact.data;
   for (std::size_t f = 0; f < crossed.poly_count(); ++f)
     if (crossed.poly_offsets[f + 1] - crossed.poly_offsets[f] >= 4) {
       std::swap(crossed.poly_corners[crossed.poly_offsets[f]], crossed.poly_corners[crossed.poly_offsets[f] + 1]);
@@ -285,7 +284,7 @@ TEST(Verify, CatchesAFilledOrOpenedPocket) {
   // Opened: one polygon of the pocket is gone.
   EXPECT_TRUE(failed(verify(intact.shape, without_face(intact, 0))).count("euler and Betti numbers"));
   // Divided: a tent over one polygon makes a second pocket.
-  PolyData tent = intact.data;
+  Record tent = intact.data;
   const std::uint32_t n = tent.poly_offsets[1];
   Vec3 apex = Vec3::Zero();
   for (std::uint32_t i = 0; i < n; ++i) apex += tent.points[tent.poly_corners[i]] / n;
@@ -307,23 +306,23 @@ TEST(Verify, CatchesACellThatCouldHaveBeenPruned) {
   const Intact intact(block());
   const double lambda = 1.3;
   const brute_force::Kept kept = brute_force::pruned(intact.core, lambda);
-  expect_passes(intact.shape, brute_force::poly_data(intact.core, kept, lambda), "pruned");
+  expect_passes(intact.shape, brute_force::record(intact.core, kept, lambda), "pruned");
   // The unpruned core, a pruning at another lambda, and one cell too many all claim to be pruned at 1.3.
   for (const auto& wrong : {brute_force::keep_all(intact.core), brute_force::pruned(intact.core, 0.8)}) {
-    const Certificate certificate = verify(intact.shape, brute_force::poly_data(intact.core, wrong, lambda));
+    const Certificate certificate = verify(intact.shape, brute_force::record(intact.core, wrong, lambda));
     EXPECT_EQ(failed(certificate), Names{"legal pruning"}) << text(certificate);
     EXPECT_NE(detail(certificate, "legal pruning").find("could still be pruned"), std::string::npos);
   }
   VerifyOptions options;
   options.lambda = 1.6;  // overrides the file
-  EXPECT_EQ(failed(verify(intact.shape, brute_force::poly_data(intact.core, kept, lambda), options)),
+  EXPECT_EQ(failed(verify(intact.shape, brute_force::record(intact.core, kept, lambda), options)),
             Names{"legal pruning"});
 }
 
 TEST(Verify, CatchesAPruningThatWentTooFar) {
   const Intact intact(block());
   const brute_force::Kept kept = brute_force::pruned(intact.core, 1.9);
-  const Certificate certificate = verify(intact.shape, brute_force::poly_data(intact.core, kept, 1.3));
+  const Certificate certificate = verify(intact.shape, brute_force::record(intact.core, kept, 1.3));
   EXPECT_EQ(failed(certificate), Names{"legal pruning"}) << text(certificate);
   EXPECT_NE(detail(certificate, "legal pruning").find("missing"), std::string::npos);
 }
@@ -340,7 +339,7 @@ TEST(Verify, CatchesAWrongSite) {
 
 TEST(Verify, CatchesAWrongLambda) {
   const Intact intact(block());
-  PolyData cell = intact.data, point = intact.data, rule = intact.data;
+  Record cell = intact.data, point = intact.data, rule = intact.data;
   values<double>(cell.cell_data, "lambda").back() *= 1 + 1e-5;
   EXPECT_EQ(failed(verify(intact.shape, cell)), (Names{"lambda", "sites of polygons"}));
   values<double>(point.point_data, "lambda")[3] *= 1 - 1e-5;
@@ -366,7 +365,7 @@ TEST(Verify, CatchesWhatLeavesTheShape) {
   grid.dims = {7, 4, 4};
   const VoxelShape u = testing_shapes::from_predicate(
       grid, [](int x, int y, int z) { return y > 0 && y < 3 && z > 0 && (x < 2 || x > 4 || z == 1) && z < 4; });
-  PolyData line;
+  Record line;
   line.points = {u.grid().world(Vec3(1, 2, 3)), u.grid().world(Vec3(6, 2, 3))};
   line.lines = {{0, 1}};
   line.point_data = {{"radius", 1, std::vector<double>{1, 1}}};
@@ -378,7 +377,7 @@ TEST(Verify, CatchesWhatLeavesTheShape) {
 
 TEST(Verify, CatchesAPointFarFromTheMedialAxis) {
   const VoxelShape shape = testing_shapes::box_shape(8, 8, 8);
-  PolyData point;
+  Record point;
   point.points = {shape.grid().world(Vec3(4.5, 5.5, 2.0))};
   point.verts = {0};
   point.point_data = {{"radius", 1, std::vector<double>{std::sqrt(1.5)}}};
@@ -409,7 +408,7 @@ TEST(Verify, SaysWhatItCouldNotCheck) {
 TEST(Verify, AcceptsLinesAndVertsThatRepeatEdgesAndCorners) {
   Intact intact(block());
   // A file for a slider: a line that is also an edge of polygons, a vertex cell that is also an end of lines.
-  PolyData data = intact.data;
+  Record data = intact.data;
   const auto& edge = intact.core.edges[intact.core.faces[0].edges[0]];
   for (DataArray& array : data.cell_data) std::visit([](auto& v) { v.insert(v.begin(), 2, v.front()); }, array.values);
   values<double>(data.cell_data, "lambda")[0] = intact.core.cells[edge.cells[0]].lambda;
@@ -440,7 +439,7 @@ TEST(Verify, CatchesAPointOfNoCell) {
 TEST(Verify, FailsWithoutCrashingOnWildNumbers) {
   const Intact intact(block());
   for (const double wild : {std::nan(""), HUGE_VAL, -1e300, 1e300}) {
-    PolyData point = intact.data, radius = intact.data, lambda = intact.data;
+    Record point = intact.data, radius = intact.data, lambda = intact.data;
     point.points[5][1] = wild;
     EXPECT_FALSE(verify(intact.shape, point).passed()) << wild;
     values<double>(radius.point_data, "radius")[5] = wild;
@@ -448,7 +447,7 @@ TEST(Verify, FailsWithoutCrashingOnWildNumbers) {
     values<double>(lambda.field_data, "lambda")[0] = wild;
     EXPECT_EQ(failed(verify(intact.shape, lambda)), Names{wild > 0 ? "legal pruning" : "arrays"}) << wild;
   }
-  EXPECT_FALSE(verify(intact.shape, PolyData{}).passed());
+  EXPECT_FALSE(verify(intact.shape, Record{}).passed());
 }
 
 TEST(Verify, StopsWhenCancelled) {

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "quench/volume.h"
-
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <zlib.h>
@@ -13,6 +11,7 @@
 #include "data.h"
 #include "quench/error.h"
 #include "quench/io.h"
+#include "quench/shape.h"
 #include "random_shapes.h"
 #include "temporary_folder.h"
 

@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "quench/voxel_core.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 
 #include "brute_force_core.h"
-#include "quench/prune.h"
-#include "quench/topology.h"
+#include "quench/axis.h"
+#include "quench/shape.h"
 #include "random_shapes.h"
 
 namespace quench {

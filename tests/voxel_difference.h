@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "quench/voxel_shape.h"
+#include "quench/shape.h"
 
 namespace quench {
 

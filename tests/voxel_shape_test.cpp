@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "quench/voxel_shape.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -8,6 +6,7 @@
 #include <random>
 
 #include "quench/error.h"
+#include "quench/shape.h"
 #include "random_shapes.h"
 
 namespace quench {

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "quench/topology.h"
+#include "quench/shape.h"
 #include "random_shapes.h"
 
 namespace quench {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "smooth_shapes.h"
-#include "verify/box_tree.h"
+#include "verification/box_tree.h"
 
 namespace quench::smooth {
 

@@ -9,8 +9,7 @@
 
 #include "data.h"
 #include "quench/error.h"
-#include "quench/topology.h"
-#include "quench/volume.h"
+#include "quench/shape.h"
 #include "quench/voxelize.h"
 
 // Real meshes, read here by the least that serves (files of known form; triangles only).

@@ -9,7 +9,7 @@
 #include <set>
 
 #include "quench/error.h"
-#include "quench/topology.h"
+#include "quench/shape.h"
 #include "random_meshes.h"
 
 namespace quench {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The hierarchical winding number against the sum of solid angles of all faces (Jacobson 2013).
-#include "shape/winding_number.h"
+#include "voxelization/winding_number.h"
 
 #include <gtest/gtest.h>
 
@@ -9,13 +9,13 @@
 #include <numbers>
 
 #include "damage.h"
-#include "quench/sample.h"
+#include "quench/samples.h"
 #include "random_meshes.h"
-#include "shape/surface_caps.h"
-#include "shape/surface_edges.h"
-#include "shape/surface_repair.h"
+#include "voxelization/surface_caps.h"
+#include "voxelization/surface_edges.h"
+#include "voxelization/surface_repair.h"
 
-namespace quench::detail {
+namespace quench::voxelization {
 namespace {
 
 /// As voxelize() makes it: the box of the mesh from 0 to resolution.
@@ -192,4 +192,4 @@ TEST(RepairOrientation, TurnsWhatDisagreesAndKeepsCavities) {
 }
 
 }  // namespace
-}  // namespace quench::detail
+}  // namespace quench::voxelization

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "burn/window_queue.h"
+#include "burning/window_queue.h"
 
 #include <gtest/gtest.h>
 
@@ -7,9 +7,9 @@
 #include <random>
 #include <utility>
 
-#include "burn/blocks.h"
-#include "burn/network.h"
 #include "burn_shapes.h"
+#include "burning/blocks.h"
+#include "burning/network.h"
 
 namespace quench::burning {
 namespace {

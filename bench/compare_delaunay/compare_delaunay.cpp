@@ -22,9 +22,9 @@
 
 #include "../measure.h"
 #include "lattice/delaunay.h"
+#include "quench/axis.h"
 #include "quench/io.h"
-#include "quench/sample.h"
-#include "quench/voxel_core.h"
+#include "quench/samples.h"
 #include "quench/voxelize.h"
 
 namespace {
@@ -81,7 +81,7 @@ std::uint64_t run_lattice(const std::vector<quench::LatticePoint>& sites, const 
 }
 
 quench::TriangleMesh read(const std::string& name) {
-  if (std::filesystem::exists(name)) return quench::to_triangle_mesh(quench::io::read_poly_data(name));
+  if (std::filesystem::exists(name)) return quench::to_triangle_mesh(quench::io::read_record(name));
   return quench::make_sample(name).mesh;
 }
 

@@ -9,7 +9,7 @@
 #include "quench/complex.h"
 #include "quench/context.h"
 #include "quench/geometry.h"
-#include "quench/poly_data.h"
+#include "quench/record.h"
 
 namespace quench {
 
@@ -104,7 +104,7 @@ std::int64_t predicted_burn_bytes(const CellComplex& complex, std::span<const Ve
 /// Adds the result to the file the axis came from (vertex v is row v): point arrays `burn_time`, `erosion_thickness`,
 /// `unburned` (1 where infinite; the largest finite value is written there), field arrays `omega`, `propagation`,
 /// `radius_rule`, `burn_nodes`, `max_burn_time`. Arrays of these names are replaced.
-void add_burning(PolyData& data, const Burning& burning);
+void add_burning(Record& data, const Burning& burning);
 
 /// Radius at a node inside an edge, `t` from the first end in [0, 1]; linear where the ends cannot share a nearest
 /// point (|R0 - R1| > L or L > R0 + R1).

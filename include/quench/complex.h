@@ -38,4 +38,15 @@ struct CellComplex {
 CellComplex make_complex(std::uint32_t vertex_count, std::span<const std::array<std::uint32_t, 2>> edges,
                          std::vector<std::uint32_t> face_offsets, std::vector<std::uint32_t> face_vertices);
 
+/// Euler characteristic and Betti numbers (components, independent loops, cavities), over Z/2.
+struct Topology {
+  std::int64_t euler = 0;
+  std::array<std::int64_t, 3> betti{0, 0, 0};
+  friend bool operator==(const Topology&, const Topology&) = default;
+};
+
+/// Topology of a closed complex: euler = V - E + F; b2 = dimension of the Z/2 2-cycles, computed on what is left after
+/// collapsing free faces. Near-linear unless closed pockets share many non-manifold edges.
+Topology topology(const CellComplex& complex);
+
 }  // namespace quench

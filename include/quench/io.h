@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <iosfwd>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "quench/context.h"
-#include "quench/poly_data.h"
-#include "quench/volume.h"
-#include "quench/voxel_shape.h"
+#include "quench/record.h"
+#include "quench/shape.h"
 
 /// Files. The extension chooses the format:
 ///
@@ -46,14 +47,14 @@ Kind kind_of(const std::filesystem::path& file);
 /// (`radius` and `quality` of PLY, r of .ma, all arrays of VTP). STL corners are welded by exact position. What a
 /// format calls a face is by its number of corners a point (1), a line (2) or a polygon, in every format alike; one
 /// without corners is refused. `context` bounds the memory.
-PolyData read_poly_data(const std::filesystem::path& file, Context* context = nullptr);
+Record read_record(const std::filesystem::path& file, Context* context = nullptr);
 
 /// .vtp .ply .obj .ma .r .csv. PLY carries `quality` (= `radius` unless `quality_array` names another point array) and
 /// colours; formats that cannot carry an array leave it out.
 struct WriteOptions {
   std::string quality_array = "radius";
 };
-void write_poly_data(const std::filesystem::path& file, const PolyData& data, const WriteOptions& options = {});
+void write_record(const std::filesystem::path& file, const Record& data, const WriteOptions& options = {});
 /// Throws Error(usage) when the extension is none of those: to be told before a long computation, not after.
 void check_writable_format(const std::filesystem::path& file);
 
@@ -80,5 +81,56 @@ void write_volume(const std::filesystem::path& file, const VoxelShape& shape, co
 /// an exception the temporary file is removed and `file` is as it was. Throws Error(failed) when writing fails (e.g.
 /// disk full).
 void write_atomically(const std::filesystem::path& file, const std::function<void(std::ostream&)>& body);
+
+/// A volume as slices where its format allows it: NRRD with its samples in the same file, raw or gzip; uncompressed
+/// MetaImage and MRC; TIFF; folders of PNG or TIFF slices. Nothing for other files: read_volume() reads
+/// them whole. Throws as read_volume() does.
+std::optional<SliceStream> open_slices(const std::filesystem::path& file, const VolumeReadOptions& options = {},
+                                       Context* context = nullptr);
+
+/// Files that appear together. While a group lives, what its thread writes through write_atomically() (every writer of
+/// the library does) stays in temporary files beside the real ones; commit() renames them all. Without commit(), e.g.
+/// on an exception, they are removed, and every file is as it was. Groups do not nest.
+class OutputGroup {
+ public:
+  OutputGroup();
+  OutputGroup(const OutputGroup&) = delete;
+  OutputGroup& operator=(const OutputGroup&) = delete;
+  ~OutputGroup();
+
+  /// Throws Error(failed) at the first file that cannot be renamed, naming it; files written before it are complete and
+  /// in place, later ones as they were.
+  void commit();
+
+  /// Bytes of a file written in this group, or of the file of that name; 0 when there is none.
+  std::uintmax_t size_of(const std::filesystem::path& file) const;
+
+ private:
+  friend struct PostponedRename;
+  struct Pending {
+    std::filesystem::path temporary, target, name;
+    int place;  // of the name of the temporary file, for remove_temporary_files()
+  };
+  std::vector<Pending> pending_;
+};
+
+/// Removes the temporary files of all outputs that are not in place yet, of up to 64. For handlers of signals that end
+/// the process at once: it neither allocates nor waits, and outputs being written are lost.
+void remove_temporary_files() noexcept;
+
+/// How far a process is with its outputs.
+enum class Outputs {
+  untouched,      ///< every file is as it was
+  being_renamed,  ///< those of a group appear just now, one after the other
+  in_place        ///< outputs have been put in their places
+};
+
+/// For who is about to end the process without waiting for its threads: from now on no output is renamed, and
+/// committing or writing one throws Error(cancelled). Not while outputs are being renamed, which takes no time worth
+/// mentioning: then it changes nothing, says so, and may be asked again.
+Outputs stop_outputs() noexcept;
+
+/// The file that writing to `file` replaces or makes: the one at the end of its links, which need not exist.
+std::filesystem::path place_of_output(const std::filesystem::path& file);
 
 }  // namespace quench::io

@@ -11,13 +11,12 @@
 #include <variant>
 #include <vector>
 
+#include "quench/axis.h"
 #include "quench/burn.h"
 #include "quench/geometry.h"
-#include "quench/medial_axis.h"
-#include "quench/poly_data.h"
+#include "quench/record.h"
+#include "quench/shape.h"
 #include "quench/skeleton.h"
-#include "quench/topology.h"
-#include "quench/voxel_shape.h"
 
 /// @file
 /// The interactive page of a result: one HTML file with the data inside (viewer/FORMAT.md is its format).
@@ -74,7 +73,7 @@ std::size_t add_core(Page& page, const MedialAxis& axis, const std::vector<DataA
 std::size_t add_skeleton(Page& page, const SkeletonFamily& family, std::size_t max_triangles);
 
 /// The layer `still`: cells without levels. What does not fit is simplified by clustering vertices.
-std::size_t add_still(Page& page, const PolyData& data, std::size_t max_triangles);
+std::size_t add_still(Page& page, const Record& data, std::size_t max_triangles);
 
 /// The surface of the shape: a mesh, or the boundary of a voxel shape, whose corners are smoothed by up to half a voxel
 /// for display. What does not fit is simplified by clustering vertices.
@@ -94,7 +93,7 @@ void add_samples(Page& page, const VoxelShape& shape, std::size_t count = 20000)
 
 /// The levels of the cells of an axis from the cell array `lambda_level` of the file it was read from. False, and the
 /// axis unchanged, when there is none, cells were mended in reading, or the axis is that of another file.
-bool take_levels(MedialAxis& axis, const PolyData& data);
+bool take_levels(MedialAxis& axis, const Record& data);
 
 /// The page with the program `page_program` around it: an HTML file. Written atomically. Throws Error(failed) when
 /// writing fails or the page outgrows what a browser can hold, Error(invariant) when the program has no place for it.

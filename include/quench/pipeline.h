@@ -6,15 +6,13 @@
 #include <optional>
 #include <string>
 
+#include "quench/axis.h"
 #include "quench/burn.h"
 #include "quench/context.h"
-#include "quench/curve_graph.h"
-#include "quench/medial_axis.h"
-#include "quench/poly_data.h"
+#include "quench/graph.h"
+#include "quench/record.h"
+#include "quench/shape.h"
 #include "quench/skeleton.h"
-#include "quench/topology.h"
-#include "quench/voxel_core.h"
-#include "quench/voxel_shape.h"
 
 /// @file
 /// The stages in a row, each promise checked on the way, and their results as files: what the program and the Python
@@ -53,9 +51,9 @@ CheckedCore checked_core(const VoxelShape& shape, const Topology& wanted, double
 /// The axis as a file: cells and arrays (docs/user/files.md), and as field data stage, lambda, longest_side,
 /// reconstructed, topology, units, space, version and `parameters`, the JSON text from which `quench verify` takes how
 /// the shape was made.
-PolyData core_file(const CheckedCore& core, const Coordinates& coordinates, const std::string& parameters);
+Record core_file(const CheckedCore& core, const Coordinates& coordinates, const std::string& parameters);
 /// The same where the axis is not needed any more: it is empty afterwards, the rest of `core` as it was.
-PolyData core_file(CheckedCore&& core, const Coordinates& coordinates, const std::string& parameters);
+Record core_file(CheckedCore&& core, const Coordinates& coordinates, const std::string& parameters);
 
 struct CheckedSkeletonOptions {
   double theta2 = 0, theta1 = 0;                          ///< world units, may be infinite
@@ -74,7 +72,7 @@ CheckedSkeleton checked_skeleton(const SkeletonFamily& family, const Topology& w
                                  const CheckedSkeletonOptions& options, Context* context = nullptr);
 
 /// The skeleton as a file: its cells and arrays, and what the file `from` of its axis says of shape and burning.
-PolyData skeleton_file(const Skeleton& skeleton, const Topology& topology, const PolyData& from);
+Record skeleton_file(const Skeleton& skeleton, const Topology& topology, const Record& from);
 
 /// Share of the shape's (sampled) voxel centres in the balls of a skeleton's vertices.
 double reconstructed_share(const VoxelShape& shape, const Skeleton& skeleton, Context* context = nullptr);

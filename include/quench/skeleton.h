@@ -6,12 +6,12 @@
 #include <span>
 #include <vector>
 
+#include "quench/axis.h"
 #include "quench/burn.h"
 #include "quench/complex.h"
 #include "quench/context.h"
 #include "quench/geometry.h"
-#include "quench/medial_axis.h"
-#include "quench/poly_data.h"
+#include "quench/record.h"
 
 namespace quench {
 
@@ -87,6 +87,6 @@ Skeleton extract(const SkeletonFamily& family, double theta2, double theta1, con
 
 /// The skeleton as cells and arrays of a file (docs/algorithms/skeletons.md). A line is a curve, a vertex cell an
 /// isolated vertex.
-PolyData to_poly_data(const Skeleton& skeleton);
+Record to_record(const Skeleton& skeleton);
 
 }  // namespace quench

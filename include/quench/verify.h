@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "quench/context.h"
-#include "quench/poly_data.h"
-#include "quench/voxel_shape.h"
+#include "quench/record.h"
+#include "quench/shape.h"
 
 namespace quench {
 
@@ -49,7 +49,7 @@ struct VerifyOptions {
 /// Verifies a result against its shape, by code of its own. What is checked in full, what on a sample, and
 /// which code is shared with what made the result: docs/user/guarantees.md, "What is checked, and by whom". `result` is
 /// what a file holds: complex by points, verts, lines and polys, point array `radius`.
-Certificate verify(const VoxelShape& shape, const PolyData& result, const VerifyOptions& options = {},
+Certificate verify(const VoxelShape& shape, const Record& result, const VerifyOptions& options = {},
                    Context* context = nullptr);
 
 }  // namespace quench

@@ -8,7 +8,7 @@
 
 #include "quench/context.h"
 #include "quench/geometry.h"
-#include "quench/voxel_shape.h"
+#include "quench/shape.h"
 
 namespace quench {
 

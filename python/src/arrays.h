@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "quench/geometry.h"
-#include "quench/image.h"
+#include "quench/shape.h"
 
 namespace quench::python {
 

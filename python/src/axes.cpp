@@ -4,12 +4,10 @@
 
 #include <cmath>
 
-#include "quench/axis_fields.h"
+#include "quench/axis.h"
 #include "quench/error.h"
-#include "quench/extent.h"
+#include "quench/geometry.h"
 #include "quench/io.h"
-#include "quench/prune.h"
-#include "quench/raster.h"
 #include "quench/verify.h"
 #include "rasters.h"
 #include "values.h"
@@ -17,13 +15,13 @@
 namespace quench::python {
 namespace {
 
-std::vector<double> numbers_of(const PolyData& data, const char* name) {
+std::vector<double> numbers_of(const Record& data, const char* name) {
   const DataArray* array = find_array(data.field_data, name);
   if (!array || std::holds_alternative<std::vector<std::string>>(array->values)) return {};
   return array->numbers();
 }
 
-std::shared_ptr<Axis> axis_of_file(PolyData data, const std::string& file, Context& context) {
+std::shared_ptr<Axis> axis_of_file(Record data, const std::string& file, Context& context) {
   drop_unusable_fields(data, file, &context);
   auto result = std::make_shared<Axis>();
   result->core.axis = medial_axis_of(data);
@@ -165,7 +163,7 @@ void bind_axes(py::module_& m) {
       .def("save", [](const Pointer& a, const std::string& file, const std::string& quality) {
         const auto fire = a->fire;
         run(py::none(), 0, [&](Context&) {
-          io::write_poly_data(file, a->data(fire.get()), {quality});
+          io::write_record(file, a->data(fire.get()), {quality});
           return 0;
         });
       });
@@ -178,13 +176,13 @@ void bind_axes(py::module_& m) {
   // A mesh as (vertices, triangles), or a medial axis where the file has radii.
   m.def("read_surface", [](const std::string& file, const std::string& radii) -> py::object {
     struct Read {
-      PolyData data;
+      Record data;
       TriangleMesh mesh;
       std::shared_ptr<Axis> axis;
     };
     Read read = run(py::none(), 0, [&](Context& context) {
       Read r;
-      r.data = io::read_poly_data(file, &context);
+      r.data = io::read_record(file, &context);
       if (!radii.empty()) {
         std::erase_if(r.data.point_data, [](const DataArray& a) { return a.name == "radius"; });
         r.data.point_data.insert(r.data.point_data.begin(),

@@ -14,8 +14,8 @@
 #include <thread>
 #include <unordered_set>
 
+#include "base/memory.h"
 #include "quench/error.h"
-#include "quench/memory.h"
 #include "values.h"
 
 namespace quench::python {
@@ -94,7 +94,7 @@ Results skeletons_of(std::vector<LabelRuns>& labels, const Grid& image, const Co
   double total = 0, done = 0;
   for (const LabelRuns& l : labels) total += static_cast<double>(l.pieces.size());
   std::mutex telling;  // progress and notes come from one thread at a time
-  Gate gate(available_memory() / 10 * 9);
+  Gate gate(base::available_memory() / 10 * 9);
   std::atomic<std::size_t> next{0};
   std::atomic<bool> failed{false};
   const auto work = [&] {

@@ -74,7 +74,7 @@ void write_axis(const Axis& axis, const Fire& fire, const std::optional<std::pai
 }
 
 void write_skeleton(const SkeletonValue& s, const std::string& file) {
-  const PolyData data = skeleton_file(s.checked.skeleton, s.checked.topology, s.about);
+  const Record data = skeleton_file(s.checked.skeleton, s.checked.topology, s.about);
   Builder b = begin(*s.axis, data.points, file);
   b.page.theta2 = s.checked.skeleton.theta2;
   b.page.theta1 = s.checked.skeleton.theta1;

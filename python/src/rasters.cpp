@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "rasters.h"
 
-#include "quench/raster.h"
+#include "quench/axis.h"
 #include "run.h"
 
 namespace quench::python {

@@ -14,8 +14,8 @@
 #include <thread>
 #include <vector>
 
+#include "base/memory.h"
 #include "quench/error.h"
-#include "quench/memory.h"
 
 namespace quench::python {
 namespace {
@@ -100,10 +100,10 @@ void run_cancellable(const py::object& listener, int threads, const std::functio
 }
 
 void require_memory(std::int64_t bytes, const std::string& what, const std::string& remedy) {
-  const std::int64_t free = available_memory();
+  const std::int64_t free = base::available_memory();
   if (bytes <= free) return;
   throw Error(ErrorCode::failed, fmt::format("{} needs about {} of memory, and {} are free; use {}", what,
-                                             bytes_text(bytes), bytes_text(free), remedy));
+                                             base::bytes_text(bytes), base::bytes_text(free), remedy));
 }
 
 void bind_errors(py::module_& m) {

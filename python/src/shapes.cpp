@@ -6,7 +6,7 @@
 
 #include "quench/error.h"
 #include "quench/io.h"
-#include "quench/sample.h"
+#include "quench/samples.h"
 #include "quench/voxelize.h"
 #include "values.h"
 
@@ -165,7 +165,7 @@ void bind_shapes(py::module_& m) {
   m.def("sample", &sample_named);
   m.def("samples", [] {
     py::dict result;
-    for (const SampleInfo& s : samples()) result[py::str(std::string(s.name))] = std::string(s.description);
+    for (const SampleInfo& s : built_in_samples()) result[py::str(std::string(s.name))] = std::string(s.description);
     return result;
   });
 }

@@ -23,7 +23,7 @@ const Shape& shape_of(const SkeletonValue& s) {
   return *s.axis->shape;
 }
 
-PolyData file_of(const SkeletonValue& s) { return skeleton_file(s.checked.skeleton, s.checked.topology, s.about); }
+Record file_of(const SkeletonValue& s) { return skeleton_file(s.checked.skeleton, s.checked.topology, s.about); }
 
 std::shared_ptr<GraphValue> graph_of(const Pointer& s, int smooth, const std::string& resample, bool pruned_tips,
                                      const py::object& listener) {
@@ -168,7 +168,7 @@ void bind_skeletons(py::module_& m) {
       .def("graph", &graph_of)
       .def("save", [](const Pointer& s, const std::string& file, const std::string& quality) {
         run(py::none(), 0, [&](Context&) {
-          io::write_poly_data(file, file_of(*s), {quality});
+          io::write_record(file, file_of(*s), {quality});
           return 0;
         });
       });

@@ -3,9 +3,9 @@
 
 #include <cmath>
 
+#include "base/memory.h"
+#include "quench/axis.h"
 #include "quench/error.h"
-#include "quench/memory.h"
-#include "quench/prune.h"
 #include "quench/voxelize.h"
 #include "values.h"
 
@@ -31,8 +31,8 @@ Coordinates Axis::coordinates() const {
   return {text("units"), text("SPACE")};
 }
 
-PolyData Axis::data(const Fire* with) const {
-  PolyData result = file ? *file : core_file(core, shape->coordinates, shape->parameters);
+Record Axis::data(const Fire* with) const {
+  Record result = file ? *file : core_file(core, shape->coordinates, shape->parameters);
   if (with) add_burning(result, with->burning);
   return result;
 }
@@ -61,7 +61,7 @@ std::shared_ptr<Axis> compute_axis(std::shared_ptr<Shape> shape, const std::stri
   const std::int64_t sites = count_boundary_vertices(shape->voxels);
   const std::int64_t at_once = predicted_core_bytes(shape->voxels),
                      in_bricks = predicted_core_bytes_in_bricks(shape->voxels);
-  options.in_bricks = at_once > available_memory() && in_bricks < at_once;
+  options.in_bricks = at_once > base::available_memory() && in_bricks < at_once;
   require_memory(options.in_bricks ? in_bricks : at_once,
                  fmt::format("the medial axis of a shape with {} boundary vertices", sites),
                  "a lower resolution, or a part of the image");

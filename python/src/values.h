@@ -10,7 +10,7 @@
 
 #include "arrays.h"
 #include "quench/pipeline.h"
-#include "quench/volume.h"
+#include "quench/shape.h"
 #include "run.h"
 
 namespace quench::python {
@@ -41,7 +41,7 @@ struct Fire {
 struct Axis {
   std::shared_ptr<Shape> shape;      ///< none for an axis from a file
   CheckedCore core;                  ///< of an axis from a file: axis, longest_side, topology
-  std::optional<PolyData> file;      ///< of an axis from a file
+  std::optional<Record> file;        ///< of an axis from a file
   Vec3 spacing = Vec3::Zero();       ///< of its voxels, 0 where unknown
   bool voxel_core = true;            ///< radii are distances to points that neighbours share
   std::shared_ptr<const Fire> fire;  ///< the last one; under the interpreter's lock
@@ -52,14 +52,14 @@ struct Axis {
   /// Of the shape, or as the file says.
   Coordinates coordinates() const;
   /// The axis as a file, with what a fire says, if any.
-  PolyData data(const Fire* with) const;
+  Record data(const Fire* with) const;
 };
 
 struct SkeletonValue {
   std::shared_ptr<Axis> axis;  ///< of skeletonize(): without its cells
   bool has_axis = true;
   CheckedSkeleton checked;
-  PolyData about;  ///< FieldData of the file of the axis, for files of the skeleton
+  Record about;  ///< FieldData of the file of the axis, for files of the skeleton
 };
 
 struct GraphValue {

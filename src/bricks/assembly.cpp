@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <atomic>
 
+#include "base/parallel.h"
+#include "base/return_memory.h"
 #include "lattice/polytopes.h"
-#include "parallel.h"
 #include "quench/error.h"
-#include "return_memory.h"
 
 namespace quench::bricks {
 namespace {
@@ -38,7 +38,7 @@ class Assembly {
   void place_vertices() {
     first_vertex_.assign(site_count_ + 1, 0);
     number_.resize(parts_.size());
-    for_chunks(parts_.size(), context_, "merge", 0, 0.05, [&](std::size_t i) {
+    base::for_chunks(parts_.size(), context_, "merge", 0, 0.05, [&](std::size_t i) {
       const SiteLists& vertices = parts_[i].vertices;
       for (std::size_t v = 0; v < vertices.count(); ++v) ++first_vertex_[vertices.sites[vertices.offsets[v]] + 1];
     });
@@ -46,7 +46,7 @@ class Assembly {
     dual_.complex.vertex_count = first_vertex_.back();
     auto& offsets = dual_.vertex_site_offsets;
     offsets.assign(std::size_t{first_vertex_.back()} + 1, 0);
-    for_chunks(parts_.size(), context_, "merge", 0.05, 0.1, [&](std::size_t i) {
+    base::for_chunks(parts_.size(), context_, "merge", 0.05, 0.1, [&](std::size_t i) {
       const SiteLists& vertices = parts_[i].vertices;
       std::vector<std::uint32_t>& number = number_[i];
       number.resize(vertices.count() + parts_[i].elsewhere.size());
@@ -59,7 +59,7 @@ class Assembly {
     });
     prefix_sum(offsets);
     dual_.vertex_sites.resize(offsets.back());
-    for_chunks(parts_.size(), context_, "merge", 0.1, 0.2, [&](std::size_t i) {
+    base::for_chunks(parts_.size(), context_, "merge", 0.1, 0.2, [&](std::size_t i) {
       SiteLists vertices = std::move(parts_[i].vertices);
       parts_[i].vertices = {};
       for (std::size_t v = 0; v < vertices.count(); ++v)
@@ -71,7 +71,7 @@ class Assembly {
   // Numbers of the vertices that a part knows by four of their sites. Four sites that span space have one sphere, so
   // one vertex.
   void resolve() {
-    for_chunks(parts_.size(), context_, "merge", 0.2, 0.3, [&](std::size_t i) {
+    base::for_chunks(parts_.size(), context_, "merge", 0.2, 0.3, [&](std::size_t i) {
       std::size_t next = number_[i].size() - parts_[i].elsewhere.size();
       for (const auto& key : parts_[i].elsewhere) {
         std::uint32_t v = first_vertex_[key[0]];
@@ -92,7 +92,7 @@ class Assembly {
   void place_edges() {
     auto& edges = dual_.complex.edges;
     edge_begin_.assign(std::size_t{dual_.complex.vertex_count} + 1, 0);
-    for_chunks(parts_.size(), context_, "merge", 0.3, 0.35, [&](std::size_t i) {
+    base::for_chunks(parts_.size(), context_, "merge", 0.3, 0.35, [&](std::size_t i) {
       for (auto& edge : parts_[i].edges) {
         for (std::uint32_t& v : edge) v = number_[i][v];
         if (edge[0] > edge[1]) std::swap(edge[0], edge[1]);
@@ -103,15 +103,15 @@ class Assembly {
     edges.resize(edge_begin_.back());
     {
       std::vector<std::uint32_t> next(edge_begin_.begin(), edge_begin_.end() - 1);
-      for_chunks(parts_.size(), context_, "merge", 0.35, 0.4, [&](std::size_t i) {
+      base::for_chunks(parts_.size(), context_, "merge", 0.35, 0.4, [&](std::size_t i) {
         for (const auto& edge : parts_[i].edges)
           edges[std::atomic_ref<std::uint32_t>(next[edge[0]]).fetch_add(1, std::memory_order_relaxed)] = edge;
         release(parts_[i].edges);
       });
     }
-    const std::size_t chunks = chunks_for(dual_.complex.vertex_count);
-    for_chunks(chunks, context_, "merge", 0.4, 0.5, [&](std::size_t chunk) {
-      const auto [first, last] = part_of(dual_.complex.vertex_count, chunk, chunks);
+    const std::size_t chunks = base::chunks_for(dual_.complex.vertex_count);
+    base::for_chunks(chunks, context_, "merge", 0.4, 0.5, [&](std::size_t chunk) {
+      const auto [first, last] = base::part_of(dual_.complex.vertex_count, chunk, chunks);
       for (std::size_t v = first; v < last; ++v) {
         const auto begin = edges.begin() + edge_begin_[v], end = edges.begin() + edge_begin_[v + 1];
         std::sort(begin, end);
@@ -125,7 +125,7 @@ class Assembly {
   void place_faces() {
     CellComplex& complex = dual_.complex;
     std::vector<std::uint32_t> first_face(site_count_ + 1, 0);
-    for_chunks(parts_.size(), context_, "merge", 0.5, 0.55, [&](std::size_t i) {
+    base::for_chunks(parts_.size(), context_, "merge", 0.5, 0.55, [&](std::size_t i) {
       for (const auto& sites : parts_[i].face_sites) ++first_face[sites[0] + 1];
     });
     prefix_sum(first_face);
@@ -138,7 +138,7 @@ class Assembly {
         visit(f, place);
       }
     };
-    for_chunks(parts_.size(), context_, "merge", 0.55, 0.6, [&](std::size_t i) {
+    base::for_chunks(parts_.size(), context_, "merge", 0.55, 0.6, [&](std::size_t i) {
       const BrickPart& part = parts_[i];
       each_face(i, [&](std::size_t f, std::size_t place) {
         dual_.face_sites[place] = part.face_sites[f];
@@ -147,7 +147,7 @@ class Assembly {
     });
     prefix_sum(complex.face_offsets);
     complex.face_vertices.resize(complex.face_offsets.back());
-    for_chunks(parts_.size(), context_, "merge", 0.6, 0.7, [&](std::size_t i) {
+    base::for_chunks(parts_.size(), context_, "merge", 0.6, 0.7, [&](std::size_t i) {
       BrickPart& part = parts_[i];
       each_face(i, [&](std::size_t f, std::size_t place) {
         std::uint32_t corner = complex.face_offsets[place];
@@ -163,9 +163,9 @@ class Assembly {
   void find_sides() {
     CellComplex& complex = dual_.complex;
     complex.face_edges.resize(complex.face_vertices.size());
-    const std::size_t chunks = chunks_for(complex.face_count());
-    for_chunks(chunks, context_, "merge", 0.7, 1, [&](std::size_t chunk) {
-      const auto [first, last] = part_of(complex.face_count(), chunk, chunks);
+    const std::size_t chunks = base::chunks_for(complex.face_count());
+    base::for_chunks(chunks, context_, "merge", 0.7, 1, [&](std::size_t chunk) {
+      const auto [first, last] = base::part_of(complex.face_count(), chunk, chunks);
       for (std::size_t f = first; f < last; ++f) {
         const auto corners = complex.corners(f);
         for (std::size_t i = 0; i < corners.size(); ++i)
@@ -187,9 +187,9 @@ class Assembly {
 }  // namespace
 
 lattice::DualComplex assemble(std::vector<BrickPart> parts, std::size_t site_count, Context* context) {
-  return_free_memory();
+  base::return_free_memory();
   lattice::DualComplex dual = Assembly(std::move(parts), site_count, context).run();
-  return_free_memory();
+  base::return_free_memory();
   return dual;
 }
 

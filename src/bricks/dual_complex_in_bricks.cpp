@@ -9,10 +9,10 @@
 #include <string_view>
 #include <thread>
 
+#include "base/parallel.h"
 #include "bricks/assembly.h"
 #include "bricks/brick.h"
 #include "lattice/polytopes.h"
-#include "parallel.h"
 
 namespace quench::bricks {
 namespace {
@@ -86,7 +86,7 @@ class Rounds {
     const auto progress = [&](double more) {
       return begin + (end - begin) * (static_cast<double>(done.load()) + more) / static_cast<double>(bricks.size());
     };
-    for_chunks(bricks.size(), nullptr, {}, 0, 1, [&](std::size_t b) {
+    base::for_chunks(bricks.size(), nullptr, {}, 0, 1, [&](std::size_t b) {
       // A brick takes long: cancel is seen inside it. Progress is told by the calling thread only.
       Context inner;
       inner.progress = [&](std::string_view stage, double fraction) {

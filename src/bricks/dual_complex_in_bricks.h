@@ -8,7 +8,7 @@
 
 #include "lattice/cells.h"
 #include "quench/context.h"
-#include "quench/voxel_shape.h"
+#include "quench/shape.h"
 
 namespace quench::bricks {
 

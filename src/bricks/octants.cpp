@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "parallel.h"
+#include "base/parallel.h"
 
 namespace quench::bricks {
 namespace {
@@ -59,9 +59,9 @@ Squares square_at(const LatticePoint& at, const LatticePoint& p, const LatticePo
 
 std::vector<Octants> octants_of(const VoxelShape& shape, std::span<const LatticePoint> sites, Context* context) {
   std::vector<Octants> octants(sites.size());
-  const std::size_t chunks = chunks_for(sites.size());
-  for_chunks(chunks, context, "delaunay", 0, 0, [&](std::size_t chunk) {
-    const auto [first, last] = part_of(sites.size(), chunk, chunks);
+  const std::size_t chunks = base::chunks_for(sites.size());
+  base::for_chunks(chunks, context, "delaunay", 0, 0, [&](std::size_t chunk) {
+    const auto [first, last] = base::part_of(sites.size(), chunk, chunks);
     for (std::size_t begin = first, end = first; begin < last; begin = end) {
       const std::int32_t y = sites[begin][1], z = sites[begin][2];
       while (end < last && sites[end][1] == y && sites[end][2] == z) ++end;

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "quench/context.h"
-#include "quench/voxel_shape.h"
+#include "quench/shape.h"
 
 /// What the shape looks like at a site: all that a brick needs to know of it.
 namespace quench::bricks {

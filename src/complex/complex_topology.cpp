@@ -2,9 +2,9 @@
 #include <algorithm>
 #include <numeric>
 
+#include "base/union_find.h"
 #include "complex/pockets.h"
-#include "complex/union_find.h"
-#include "quench/topology.h"
+#include "quench/complex.h"
 
 namespace quench {
 namespace {
@@ -14,7 +14,7 @@ constexpr std::uint32_t kNoFace = 0xFFFFFFFFu;
 // Dimension of the space of 0/1 vectors x over `unknowns` variables with, per equation, an even number of ones among
 // the variables listed (each once). Equations of one or two variables fix or merge variables; Gauss does the rest.
 std::int64_t solution_dimension(std::vector<std::vector<std::uint32_t>> equations, std::size_t unknowns) {
-  UnionFind same(unknowns);
+  base::UnionFind same(unknowns);
   std::vector<char> zero(unknowns, 0);
   const auto reduce = [&](std::vector<std::uint32_t>& equation) {
     for (std::uint32_t& x : equation) x = same.find(x);
@@ -71,7 +71,7 @@ std::int64_t solution_dimension(std::vector<std::vector<std::uint32_t>> equation
 // b2 over Z/2: a 2-cycle has an even number of faces at every edge. Across an edge of two faces it has both or none, so
 // the unknowns are the sheets between non-manifold edges, and each of those gives one equation.
 std::int64_t second_betti(const CellComplex& complex) {
-  const std::vector<char> alive = faces_in_pockets(complex);
+  const std::vector<char> alive = complex::faces_in_pockets(complex);
   std::vector<std::uint32_t> offsets(complex.edges.size() + 1, 0);
   for (std::uint32_t f = 0; f < complex.face_count(); ++f)
     if (alive[f])
@@ -83,7 +83,7 @@ std::int64_t second_betti(const CellComplex& complex) {
     if (alive[f])
       for (std::uint32_t e : complex.sides(f)) faces[next[e]++] = f;
 
-  UnionFind sheets(complex.face_count());
+  base::UnionFind sheets(complex.face_count());
   for (std::size_t e = 0; e + 1 < offsets.size(); ++e)
     if (offsets[e + 1] - offsets[e] == 2) sheets.unite(faces[offsets[e]], faces[offsets[e] + 1]);
   std::vector<std::uint32_t> sheet_of(complex.face_count(), kNoFace);
@@ -109,7 +109,7 @@ Topology topology(const CellComplex& complex) {
   Topology t;
   t.euler = static_cast<std::int64_t>(complex.vertex_count) - static_cast<std::int64_t>(complex.edges.size()) +
             static_cast<std::int64_t>(complex.face_count());
-  UnionFind components(complex.vertex_count);
+  base::UnionFind components(complex.vertex_count);
   t.betti[0] = complex.vertex_count;
   for (const auto& e : complex.edges) t.betti[0] -= components.unite(e[0], e[1]);
   t.betti[2] = second_betti(complex);

@@ -3,7 +3,7 @@
 
 #include <atomic>
 
-namespace quench {
+namespace quench::complex {
 
 LiveCells::LiveCells(const CellComplex& of, std::span<const double> vertex, std::span<const double> edge,
                      std::span<const double> face)
@@ -12,11 +12,11 @@ LiveCells::LiveCells(const CellComplex& of, std::span<const double> vertex, std:
       edges(of.edges.size()),
       vertices(of.vertex_count),
       face_level(of.face_count(), kNever) {
-  for_indices(edges.size(), [&](std::size_t e) { edges[e].begin(edge[e]); });
-  for_indices(vertices.size(), [&](std::size_t v) { vertices[v].begin(vertex[v]); });
-  const bool shared = several_threads();
+  base::for_indices(edges.size(), [&](std::size_t e) { edges[e].begin(edge[e]); });
+  base::for_indices(vertices.size(), [&](std::size_t v) { vertices[v].begin(vertex[v]); });
+  const bool shared = base::several_threads();
   std::atomic<bool> decide{true};
-  for_indices(face_level.size(), [&](std::size_t f) {
+  base::for_indices(face_level.size(), [&](std::size_t f) {
     bool at_most = true;
     for (const std::uint32_t e : complex.sides(f)) {
       edges[e].cofaces.add(static_cast<std::uint32_t>(f), shared);
@@ -25,9 +25,9 @@ LiveCells::LiveCells(const CellComplex& of, std::span<const double> vertex, std:
     if (!at_most) decide.store(false, std::memory_order_relaxed);
   });
   edges_decide = decide;
-  for_indices(edges.size(), [&](std::size_t e) {
+  base::for_indices(edges.size(), [&](std::size_t e) {
     for (const std::uint32_t v : complex.edges[e]) vertices[v].cofaces.add(static_cast<std::uint32_t>(e), shared);
   });
 }
 
-}  // namespace quench
+}  // namespace quench::complex

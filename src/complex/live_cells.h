@@ -10,15 +10,15 @@
 #include <span>
 #include <vector>
 
-#include "bucket_queue.h"
-#include "parallel.h"
+#include "base/bucket_queue.h"
+#include "base/parallel.h"
 #include "quench/complex.h"
 
-namespace quench {
+namespace quench::complex {
 
 /// A simple pair is known by its free cell, the edge or vertex whose only larger cell is the other half. Pairs go in
 /// the order of their keys, then of the dimension of the free cell, then of its index.
-using PairQueue = BucketQueue<std::uint64_t>;
+using PairQueue = base::BucketQueue<std::uint64_t>;
 inline constexpr std::uint64_t kEdgeIsFree = std::uint64_t{1} << 32;
 inline constexpr double kNever = std::numeric_limits<double>::infinity();
 
@@ -26,8 +26,8 @@ inline constexpr double kNever = std::numeric_limits<double>::infinity();
 /// half names. Sums may be made in any order, by several threads.
 class Cofaces {
  public:
-  void add(std::uint32_t cell, bool shared) { fetch_add(sum_, one(cell), shared); }
-  void remove(std::uint32_t cell, bool shared = false) { fetch_add(sum_, -one(cell), shared); }
+  void add(std::uint32_t cell, bool shared) { base::fetch_add(sum_, one(cell), shared); }
+  void remove(std::uint32_t cell, bool shared = false) { base::fetch_add(sum_, -one(cell), shared); }
   bool none() const { return sum_ == 0; }
   bool single() const { return sum_ >> 32 == 1; }
   std::uint32_t only() const { return static_cast<std::uint32_t>(sum_); }
@@ -97,4 +97,4 @@ class LiveCells {
   bool edges_decide = false;       ///< no face has a larger value than an edge of it: keys are those of edges
 };
 
-}  // namespace quench
+}  // namespace quench::complex

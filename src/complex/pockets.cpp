@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "complex/pockets.h"
 
-namespace quench {
+namespace quench::complex {
 
 std::vector<char> faces_in_pockets(const CellComplex& complex) {
   std::vector<std::uint32_t> degree(complex.edges.size(), 0), faces_xor(complex.edges.size(), 0);
@@ -29,4 +29,4 @@ std::vector<char> faces_in_pockets(const CellComplex& complex) {
   return alive;
 }
 
-}  // namespace quench
+}  // namespace quench::complex

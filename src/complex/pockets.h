@@ -5,11 +5,11 @@
 
 #include "quench/complex.h"
 
-namespace quench {
+namespace quench::complex {
 
 /// One flag per face: whether it is left after removing, repeatedly, every face with an edge of its own. What is left
 /// is the maximal subcomplex without free edges (the 2-core): every 2-cycle lies in it, and fire never gets there.
 /// O(n).
 std::vector<char> faces_in_pockets(const CellComplex& complex);
 
-}  // namespace quench
+}  // namespace quench::complex

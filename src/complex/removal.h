@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <cstdint>
 
+#include "base/prefetch.h"
 #include "complex/live_cells.h"
-#include "prefetch.h"
 
-namespace quench {
+namespace quench::complex {
 
 /// Removes simple pairs of keys below a bound, in order, until none is left: of the pairs that were offered, and of
 /// those that their removal lays free.
@@ -33,7 +33,7 @@ class Removal {
     const auto stale = [this](const PairQueue::Entry& pair) { return !still_simple(pair.id); };
     const auto fetch = [this](std::uint64_t pair) {
       const auto free = static_cast<std::uint32_t>(pair);
-      prefetch(pair & kEdgeIsFree ? &cells_.edges[free] : &cells_.vertices[free]);
+      base::prefetch(pair & kEdgeIsFree ? &cells_.edges[free] : &cells_.vertices[free]);
     };
     for (PairQueue::Entry pair{}; queue_.pop(pair, stale, fetch);) {
       prefetch_ahead();
@@ -112,36 +112,37 @@ class Removal {
     queue_.peek(20, [&](std::uint64_t pair) {
       const auto free = static_cast<std::uint32_t>(pair);
       if (pair & kEdgeIsFree) {
-        prefetch(&cells_.edges[free]);
-        prefetch(&complex.edges[free]);
+        base::prefetch(&cells_.edges[free]);
+        base::prefetch(&complex.edges[free]);
       } else {
-        prefetch(&cells_.vertices[free]);
+        base::prefetch(&cells_.vertices[free]);
       }
     });
     queue_.peek(15, [&](std::uint64_t pair) {
       const Cofaces cofaces = cofaces_of(pair);
       if (!cofaces.single()) return;
       if (pair & kEdgeIsFree) {
-        prefetch(&complex.face_offsets[cofaces.only()]);
-        prefetch(&cells_.face_level[cofaces.only()]);
-        for (const std::uint32_t v : complex.edges[static_cast<std::uint32_t>(pair)]) prefetch(&cells_.vertices[v]);
+        base::prefetch(&complex.face_offsets[cofaces.only()]);
+        base::prefetch(&cells_.face_level[cofaces.only()]);
+        for (const std::uint32_t v : complex.edges[static_cast<std::uint32_t>(pair)])
+          base::prefetch(&cells_.vertices[v]);
       } else {
-        prefetch(&cells_.edges[cofaces.only()]);
-        prefetch(&complex.edges[cofaces.only()]);
+        base::prefetch(&cells_.edges[cofaces.only()]);
+        base::prefetch(&complex.edges[cofaces.only()]);
       }
     });
     queue_.peek(10, [&](std::uint64_t pair) {
       const Cofaces cofaces = cofaces_of(pair);
       if (!cofaces.single()) return;
       if (pair & kEdgeIsFree)
-        prefetch(&complex.face_edges[complex.face_offsets[cofaces.only()]]);
+        base::prefetch(&complex.face_edges[complex.face_offsets[cofaces.only()]]);
       else
-        for (const std::uint32_t v : complex.edges[cofaces.only()]) prefetch(&cells_.vertices[v]);
+        for (const std::uint32_t v : complex.edges[cofaces.only()]) base::prefetch(&cells_.vertices[v]);
     });
     queue_.peek(5, [&](std::uint64_t pair) {
       const Cofaces cofaces = cofaces_of(pair);
       if ((pair & kEdgeIsFree) && cofaces.single())
-        for (const std::uint32_t e : complex.sides(cofaces.only())) prefetch(&cells_.edges[e]);
+        for (const std::uint32_t e : complex.sides(cofaces.only())) base::prefetch(&cells_.edges[e]);
     });
   }
 
@@ -151,4 +152,4 @@ class Removal {
   PairQueue queue_;
 };
 
-}  // namespace quench
+}  // namespace quench::complex

@@ -8,12 +8,12 @@
 #include <thread>
 #include <utility>
 
+#include "base/parallel.h"
 #include "complex/live_cells.h"
 #include "complex/removal.h"
 #include "complex/thinning_in_slabs.h"
-#include "parallel.h"
 
-namespace quench {
+namespace quench::complex {
 namespace {
 
 constexpr std::size_t kEdgesOfASlab = std::size_t{1} << 16;  // fewer are not worth a thread
@@ -32,10 +32,10 @@ double mean(std::span<const double> values) {
 // Looking through all cells is for all threads; the queue belongs to one.
 template <class PairOf>
 void offer_all(std::size_t count, const PairOf& pair_of, Removal& removal) {
-  const std::size_t chunks = chunks_for(count);
+  const std::size_t chunks = base::chunks_for(count);
   std::vector<std::vector<PairQueue::Entry>> found(chunks);
   tbb::parallel_for(std::size_t{0}, chunks, [&](std::size_t chunk) {
-    const auto [first, last] = part_of(count, chunk, chunks);
+    const auto [first, last] = base::part_of(count, chunk, chunks);
     for (std::size_t i = first; i < last; ++i)
       if (const PairQueue::Entry pair = pair_of(static_cast<std::uint32_t>(i)); pair.key < kNever)
         found[chunk].push_back(pair);
@@ -46,7 +46,7 @@ void offer_all(std::size_t count, const PairOf& pair_of, Removal& removal) {
 
 std::vector<double> levels_of(LiveCells::Array& cells) {
   std::vector<double> level(cells.size());
-  for_indices(cells.size(), [&](std::size_t i) { level[i] = cells[i].level(); });
+  base::for_indices(cells.size(), [&](std::size_t i) { level[i] = cells[i].level(); });
   cells = LiveCells::Array(0);
   return level;
 }
@@ -94,4 +94,4 @@ CellValues thin(const CellComplex& complex, std::span<const double> vertex_value
   return level;
 }
 
-}  // namespace quench
+}  // namespace quench::complex

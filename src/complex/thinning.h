@@ -9,7 +9,7 @@
 #include "quench/complex.h"
 #include "quench/context.h"
 
-namespace quench {
+namespace quench::complex {
 
 /// One value per cell, by dimension.
 struct CellValues {
@@ -38,4 +38,4 @@ CellValues thin(const CellComplex& complex, std::span<const double> vertex_value
                 std::span<const double> face_value, Context* context, std::string_view stage,
                 const ThinningOptions& options = {});
 
-}  // namespace quench
+}  // namespace quench::complex

@@ -8,10 +8,10 @@
 #include <limits>
 #include <vector>
 
+#include "base/union_find.h"
 #include "complex/removal.h"
-#include "complex/union_find.h"
 
-namespace quench {
+namespace quench::complex {
 namespace {
 
 struct Range {
@@ -103,7 +103,7 @@ class Slab {
 
   const LiveCells& cells_;
   Range vertices_, edges_, faces_;
-  UnionFind pieces_;                  // of vertices and edges; faces link their sides
+  base::UnionFind pieces_;            // of vertices and edges; faces link their sides
   std::vector<bool> crosses_;         // by root
   std::vector<std::uint64_t> links_;  // both ends of links between slabs
   std::vector<PairQueue::Entry> pairs_;
@@ -118,7 +118,7 @@ std::vector<Slab> make_slabs(const LiveCells& cells, std::size_t count) {
   std::size_t v = 0, e = 0, f = 0;
   for (std::size_t s = 0; s < count; ++s) {
     std::size_t v_end = complex.vertex_count, f_end = complex.face_count();
-    const std::size_t e_end = part_of(complex.edges.size(), s, count).second;
+    const std::size_t e_end = base::part_of(complex.edges.size(), s, count).second;
     if (e_end < complex.edges.size()) {
       v_end = std::max<std::size_t>(v, complex.edges[e_end][0]);
       std::size_t high = f_end;
@@ -203,4 +203,4 @@ double thin_in_slabs(LiveCells& cells, std::size_t count, double most_crossing, 
   return done;
 }
 
-}  // namespace quench
+}  // namespace quench::complex

@@ -6,7 +6,7 @@
 
 #include "complex/live_cells.h"
 
-namespace quench {
+namespace quench::complex {
 
 /// Removes the simple pairs of keys below a bound, which grows step by step, in ranges of indices ("slabs") at once,
 /// one for each thread. The levels are those of thinning by one queue. Returns the last bound: no pair of a smaller key
@@ -34,4 +34,4 @@ namespace quench {
 double thin_in_slabs(LiveCells& cells, std::size_t slabs, double most_crossing, double width,
                      const std::function<bool(std::size_t pairs)>& step);
 
-}  // namespace quench
+}  // namespace quench::complex

@@ -6,18 +6,18 @@
 #include <algorithm>
 #include <utility>
 
-#include "parallel.h"
+#include "base/parallel.h"
+#include "quench/axis.h"
 #include "quench/error.h"
 #include "quench/pipeline.h"
-#include "quench/prune.h"
 
 namespace quench {
 namespace {
 
-void add_field(PolyData& data, const char* name, std::string text) {
+void add_field(Record& data, const char* name, std::string text) {
   data.field_data.push_back({name, 1, std::vector<std::string>{std::move(text)}});
 }
-void add_field(PolyData& data, const char* name, double value) {
+void add_field(Record& data, const char* name, double value) {
   data.field_data.push_back({name, 1, std::vector<double>{value}});
 }
 
@@ -77,13 +77,12 @@ void require_topology(const Topology& got, const Topology& wanted, const char* w
 
 CheckedCore checked_core(const VoxelShape& shape, const Topology& wanted, double longest_side,
                          const CheckedCoreOptions& options, Context* context) {
-  return in_arena(context, [&] { return made_core(shape, wanted, longest_side, options, context); });
+  return base::in_arena(context, [&] { return made_core(shape, wanted, longest_side, options, context); });
 }
 
 namespace {
 
-PolyData core_file(PolyData data, const CheckedCore& core, const Coordinates& coordinates,
-                   const std::string& parameters) {
+Record core_file(Record data, const CheckedCore& core, const Coordinates& coordinates, const std::string& parameters) {
   const bool full = core.options.full;
   const double lambda = std::min(core.lambda, kInfiniteLevelInFiles);
   const Topology& t = core.topology;
@@ -104,12 +103,12 @@ PolyData core_file(PolyData data, const CheckedCore& core, const Coordinates& co
 
 }  // namespace
 
-PolyData core_file(const CheckedCore& core, const Coordinates& coordinates, const std::string& parameters) {
-  return core_file(to_poly_data(core.axis), core, coordinates, parameters);
+Record core_file(const CheckedCore& core, const Coordinates& coordinates, const std::string& parameters) {
+  return core_file(to_record(core.axis), core, coordinates, parameters);
 }
 
-PolyData core_file(CheckedCore&& core, const Coordinates& coordinates, const std::string& parameters) {
-  return core_file(to_poly_data(std::move(core.axis)), core, coordinates, parameters);
+Record core_file(CheckedCore&& core, const Coordinates& coordinates, const std::string& parameters) {
+  return core_file(to_record(std::move(core.axis)), core, coordinates, parameters);
 }
 
 }  // namespace quench

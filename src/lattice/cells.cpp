@@ -6,19 +6,19 @@
 #include <algorithm>
 #include <atomic>
 
+#include "base/parallel.h"
 #include "lattice/polytopes.h"
-#include "parallel.h"
 
 namespace quench::lattice {
 namespace {
 
 // Pairs of polytopes that share a facet, sorted. Returns per polytope the first edge whose smaller end it is.
 std::vector<std::uint32_t> collect_edges(const Polytopes& polytopes, CellComplex& complex, Context* context) {
-  const std::size_t chunks = chunks_for(polytopes.count());
+  const std::size_t chunks = base::chunks_for(polytopes.count());
   std::vector<std::vector<std::uint32_t>> upper(chunks);  // the larger ends
   std::vector<std::uint32_t> begin(std::size_t{polytopes.count()} + 1, 0);
-  for_chunks(chunks, context, "merge", 0.7, 0.75, [&](std::size_t chunk) {
-    const auto [first, last] = part_of(polytopes.count(), chunk, chunks);
+  base::for_chunks(chunks, context, "merge", 0.7, 0.75, [&](std::size_t chunk) {
+    const auto [first, last] = base::part_of(polytopes.count(), chunk, chunks);
     std::vector<std::uint32_t>& ends = upper[chunk];
     for (std::size_t p = first; p < last; ++p) {
       const auto before = static_cast<std::ptrdiff_t>(ends.size());
@@ -33,8 +33,8 @@ std::vector<std::uint32_t> collect_edges(const Polytopes& polytopes, CellComplex
   });
   prefix_sum(begin);
   complex.edges.resize(begin.back());
-  for_chunks(chunks, context, "merge", 0.75, 0.76, [&](std::size_t chunk) {
-    const auto [first, last] = part_of(polytopes.count(), chunk, chunks);
+  base::for_chunks(chunks, context, "merge", 0.75, 0.76, [&](std::size_t chunk) {
+    const auto [first, last] = base::part_of(polytopes.count(), chunk, chunks);
     std::size_t next = 0;
     for (std::size_t p = first; p < last; ++p)
       for (std::uint32_t e = begin[p]; e < begin[p + 1]; ++e)
@@ -52,7 +52,7 @@ void store_faces(const std::vector<RawFaces>& raw, std::size_t site_count, const
     std::uint32_t list, face;
   };
   std::vector<std::uint32_t> bucket(site_count + 1, 0);
-  for_chunks(raw.size(), context, "merge", 0.9, 0.91, [&](std::size_t list) {
+  base::for_chunks(raw.size(), context, "merge", 0.9, 0.91, [&](std::size_t list) {
     for (const auto& s : raw[list].sites)
       std::atomic_ref<std::uint32_t>(bucket[s[0] + 1]).fetch_add(1, std::memory_order_relaxed);
   });
@@ -61,7 +61,7 @@ void store_faces(const std::vector<RawFaces>& raw, std::size_t site_count, const
   std::vector<Name> order(count);
   {
     std::vector<std::uint32_t> next(bucket.begin(), bucket.end() - 1);
-    for_chunks(raw.size(), context, "merge", 0.91, 0.92, [&](std::size_t list) {
+    base::for_chunks(raw.size(), context, "merge", 0.91, 0.92, [&](std::size_t list) {
       for (std::uint32_t f = 0; f < raw[list].sites.size(); ++f)
         order[std::atomic_ref<std::uint32_t>(next[raw[list].sites[f][0]]).fetch_add(1, std::memory_order_relaxed)] = {
             static_cast<std::uint32_t>(list), f};
@@ -69,9 +69,9 @@ void store_faces(const std::vector<RawFaces>& raw, std::size_t site_count, const
   }
   CellComplex& complex = dual.complex;
   tbb::parallel_invoke([&] { complex.face_offsets.assign(count + 1, 0); }, [&] { dual.face_sites.resize(count); });
-  const std::size_t chunks = chunks_for(site_count);
-  for_chunks(chunks, context, "merge", 0.92, 0.94, [&](std::size_t chunk) {
-    const auto [first, last] = part_of(site_count, chunk, chunks);
+  const std::size_t chunks = base::chunks_for(site_count);
+  base::for_chunks(chunks, context, "merge", 0.92, 0.94, [&](std::size_t chunk) {
+    const auto [first, last] = base::part_of(site_count, chunk, chunks);
     for (std::size_t s = first; s < last; ++s) {
       std::sort(order.begin() + bucket[s], order.begin() + bucket[s + 1], [&](const Name& a, const Name& b) {
         return raw[a.list].sites[a.face][1] < raw[b.list].sites[b.face][1];
@@ -86,8 +86,8 @@ void store_faces(const std::vector<RawFaces>& raw, std::size_t site_count, const
   prefix_sum(complex.face_offsets);
   tbb::parallel_invoke([&] { complex.face_vertices.resize(complex.face_offsets.back()); },
                        [&] { complex.face_edges.resize(complex.face_offsets.back()); });
-  for_chunks(chunks, context, "merge", 0.94, 1, [&](std::size_t chunk) {
-    const auto [first, last] = part_of(count, chunk, chunks);
+  base::for_chunks(chunks, context, "merge", 0.94, 1, [&](std::size_t chunk) {
+    const auto [first, last] = base::part_of(count, chunk, chunks);
     for (std::size_t f = first; f < last; ++f) {
       const RawFaces& faces = raw[order[f].list];
       const std::span<const std::uint32_t> corners(faces.corners.data() + faces.offsets[order[f].face],

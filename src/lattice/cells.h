@@ -10,7 +10,7 @@
 #include "lattice/delaunay.h"
 #include "lattice/rings.h"
 #include "quench/complex.h"
-#include "quench/voxel_shape.h"
+#include "quench/shape.h"
 
 namespace quench::lattice {
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <bit>
 
-#include "prefetch.h"
+#include "base/prefetch.h"
 #include "quench/error.h"
 
 namespace quench::lattice {
@@ -180,8 +180,8 @@ bool Inserter<kShared>::find_cavity(const Point& point, std::uint32_t start) {
             mark_conflict(n);
             for (const std::uint32_t around : tri.tetrahedra[n].neighbour)
               if (around != kNone) {
-                prefetch(&tri.tetrahedra[around >> 2]);
-                prefetch(&tri.owner[around >> 2]);
+                base::prefetch(&tri.tetrahedra[around >> 2]);
+                base::prefetch(&tri.owner[around >> 2]);
               }
             cavity_names_.push_back(names_across(t, names, tri.tetrahedra[n], outside & 3));
             mark = conflict_;

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <atomic>
 
-#include "parallel.h"
-#include "prefetch.h"
+#include "base/parallel.h"
+#include "base/prefetch.h"
 
 namespace quench::lattice {
 
@@ -50,17 +50,17 @@ class Merger {
     RawHugeVector<std::uint32_t> place(old.size());  // first the rank among those with one smallest corner, then of all
     const auto smallest = [](const Tetrahedron& t) { return *std::min_element(t.corner.begin(), t.corner.end()); };
     begin_.assign(sites_.size() + 1, 0);
-    const std::size_t pieces = chunks_for(old.size(), kPiece);
+    const std::size_t pieces = base::chunks_for(old.size(), kPiece);
     const auto piece_end = [&](std::size_t piece) { return std::min(old.size(), (piece + 1) * kPiece); };
     std::vector<std::size_t> kept_end(pieces);
     const HugeVector<Point>& points = delaunay.points();
-    for_chunks(pieces, context_, "merge", 0, 0.15, [&](std::size_t piece) {
+    base::for_chunks(pieces, context_, "merge", 0, 0.15, [&](std::size_t piece) {
       std::size_t kept = piece * kPiece;
       for (std::size_t t = piece * kPiece; t < piece_end(piece); ++t) {
         place[t] = kNone;
         if (t + kAhead < piece_end(piece))
           for (const std::uint32_t c : old[t + kAhead].corner)
-            if (c != kNone) prefetch(&points[c]);
+            if (c != kNone) base::prefetch(&points[c]);
         if (old[t].corner[0] == kNone || Delaunay::touches_box(old[t]) || !keep_(static_cast<std::uint32_t>(t), old[t]))
           continue;
         Tetrahedron moved = old[t];
@@ -73,18 +73,18 @@ class Merger {
     });
     delaunay.take_points();
     prefix_sum(begin_);
-    for_chunks(pieces, context_, "merge", 0.15, 0.2, [&](std::size_t piece) {
+    base::for_chunks(pieces, context_, "merge", 0.15, 0.2, [&](std::size_t piece) {
       std::size_t from = piece * kPiece;
       for (std::size_t t = piece * kPiece; t < piece_end(piece); ++t)
         if (place[t] != kNone) place[t] += begin_[smallest(old[from++])];
     });
     result_.tetrahedra.resize(begin_.back());
-    for_chunks(pieces, context_, "merge", 0.2, 0.3, [&](std::size_t piece) {
+    base::for_chunks(pieces, context_, "merge", 0.2, 0.3, [&](std::size_t piece) {
       std::size_t from = piece * kPiece;
       for (std::size_t t = piece * kPiece; t < piece_end(piece); ++t) {
         if (place[t] == kNone) continue;
         if (from + kAhead < kept_end[piece])
-          for (const std::uint32_t n : old[from + kAhead].neighbour) prefetch(&place[n >> 2]);
+          for (const std::uint32_t n : old[from + kAhead].neighbour) base::prefetch(&place[n >> 2]);
         Tetrahedron moved = old[from++];  // no neighbour is on the hull: it does not touch the box
         for (std::uint32_t& n : moved.neighbour) n = place[n >> 2] == kNone ? kNone : 4 * place[n >> 2] + (n & 3);
         result_.tetrahedra[place[t]] = moved;
@@ -188,10 +188,10 @@ class Merger {
 
   void collect() {
     result_.polytope_of.resize(result_.tetrahedra.size());
-    const std::size_t chunks = chunks_for(sites_.size(), range_);
+    const std::size_t chunks = base::chunks_for(sites_.size(), range_);
     std::vector<Part> parts(chunks);
-    for_chunks(chunks, context_, "merge", 0.3, 0.65, [&](std::size_t chunk) {
-      const auto [first, last] = part_of(sites_.size(), chunk, chunks);
+    base::for_chunks(chunks, context_, "merge", 0.3, 0.65, [&](std::size_t chunk) {
+      const auto [first, last] = base::part_of(sites_.size(), chunk, chunks);
       parts[chunk] = Flood(*this, begin_[first], begin_[last]).run();
     });
     std::vector<std::size_t> polytopes(chunks + 1, 0), corners(chunks + 1, 0), members(chunks + 1, 0);
@@ -205,7 +205,7 @@ class Merger {
     result_.member_offsets.resize(polytopes.back() + 1);
     result_.sites.resize(corners.back());
     result_.members.resize(members.back());
-    for_chunks(chunks, context_, "merge", 0.65, 0.7, [&](std::size_t chunk) {
+    base::for_chunks(chunks, context_, "merge", 0.65, 0.7, [&](std::size_t chunk) {
       Part part = std::move(parts[chunk]);
       std::size_t rank = polytopes[chunk], corner = corners[chunk], member = members[chunk];
       for (const std::uint32_t p : sorted(part)) {

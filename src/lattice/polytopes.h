@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "lattice/delaunay.h"
-#include "quench/voxel_shape.h"
+#include "quench/shape.h"
 
 namespace quench::lattice {
 

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "parallel.h"
+#include "base/parallel.h"
 
 namespace quench::lattice {
 namespace {
@@ -106,11 +106,11 @@ std::vector<RawFaces> collect_faces(const Polytopes& polytopes, std::span<const 
   // Few chunks: edges between them are walked around once in each.
   const std::size_t count = polytopes.tetrahedra.size();
   const std::size_t chunks = std::min<std::size_t>(
-      chunks_for(count), 4 * static_cast<std::size_t>(std::max(1, tbb::this_task_arena::max_concurrency())));
+      base::chunks_for(count), 4 * static_cast<std::size_t>(std::max(1, tbb::this_task_arena::max_concurrency())));
   RawHugeVector<std::uint8_t> done(count);
   std::vector<RawFaces> faces(chunks);
-  for_chunks(chunks, context, "merge", 0.76, 0.9, [&](std::size_t chunk) {
-    const auto [first, last] = part_of(count, chunk, chunks);
+  base::for_chunks(chunks, context, "merge", 0.76, 0.9, [&](std::size_t chunk) {
+    const auto [first, last] = base::part_of(count, chunk, chunks);
     faces[chunk] = FaceCollector(polytopes, wanted, first, last, done).run();
   });
   return faces;

@@ -7,7 +7,7 @@
 #include <bit>
 #include <limits>
 
-#include "parallel.h"
+#include "base/parallel.h"
 
 namespace quench::lattice {
 namespace {
@@ -70,7 +70,7 @@ std::vector<std::uint32_t> insertion_order(std::span<const LatticePoint> sites) 
   // sites.
   const int rounds = std::clamp(static_cast<int>(std::bit_width(sites.size())) - 10, 0, 15);
   std::vector<Entry> entries(sites.size());
-  for_indices(sites.size(), [&](std::size_t i) {
+  base::for_indices(sites.size(), [&](std::size_t i) {
     const int before_last = std::min(std::countr_zero(hash(i) | 1ull << 60), rounds);
     const std::array<std::uint32_t, 3> x{static_cast<std::uint32_t>(sites[i][0] - low[0]) >> shift,
                                          static_cast<std::uint32_t>(sites[i][1] - low[1]) >> shift,
@@ -80,7 +80,7 @@ std::vector<std::uint32_t> insertion_order(std::span<const LatticePoint> sites) 
   });
   tbb::parallel_sort(entries.begin(), entries.end());
   std::vector<std::uint32_t> order(sites.size());
-  for_indices(sites.size(), [&](std::size_t i) { order[i] = entries[i].index; });
+  base::for_indices(sites.size(), [&](std::size_t i) { order[i] = entries[i].index; });
   return order;
 }
 

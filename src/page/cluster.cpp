@@ -4,9 +4,9 @@
 #include <array>
 #include <unordered_map>
 
-#include "layer.h"
+#include "page/layer.h"
 
-namespace quench {
+namespace quench::page {
 namespace {
 
 /// The first vertex of every cube of side `side` stands for it.
@@ -26,8 +26,7 @@ std::vector<std::uint32_t> leaders(const std::vector<Vec3>& points, const Vec3& 
 }
 
 /// The triangles of the polygons that keep three distinct corners, each once.
-std::vector<std::array<std::uint32_t, 3>> triangles_left(const PolyData& data,
-                                                         const std::vector<std::uint32_t>& leader) {
+std::vector<std::array<std::uint32_t, 3>> triangles_left(const Record& data, const std::vector<std::uint32_t>& leader) {
   std::vector<std::array<std::uint32_t, 3>> left;
   for (std::size_t p = 0; p < data.poly_count(); ++p) {
     const std::uint32_t begin = data.poly_offsets[p], end = data.poly_offsets[p + 1];
@@ -46,7 +45,7 @@ std::vector<std::array<std::uint32_t, 3>> triangles_left(const PolyData& data,
 
 }  // namespace
 
-PolyData clustered(const PolyData& data, std::size_t max_triangles, std::vector<std::uint32_t>& kept) {
+Record clustered(const Record& data, std::size_t max_triangles, std::vector<std::uint32_t>& kept) {
   Vec3 low = Vec3::Zero(), high = Vec3::Zero();
   if (!data.points.empty()) low = high = data.points[0];
   for (const Vec3& p : data.points) {
@@ -75,7 +74,7 @@ PolyData clustered(const PolyData& data, std::size_t max_triangles, std::vector<
   }
   if (triangles.size() > max_triangles) triangles.clear();  // boxes that are not numbers
 
-  PolyData result;
+  Record result;
   std::vector<std::uint32_t> number(data.points.size(), kNone);
   kept.clear();
   for (std::uint32_t v = 0; v < leader.size(); ++v)
@@ -101,4 +100,4 @@ PolyData clustered(const PolyData& data, std::size_t max_triangles, std::vector<
   return result;
 }
 
-}  // namespace quench
+}  // namespace quench::page

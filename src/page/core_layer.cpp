@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "layer.h"
+#include "page/layer.h"
 #include "quench/error.h"
 
 namespace quench {
@@ -18,7 +18,7 @@ bool are_levels(const std::vector<double>& levels) {
 std::vector<float> comparable(const std::vector<double>& levels) {
   std::vector<float> floats;
   floats.reserve(levels.size());
-  for (const double level : levels) floats.push_back(rounded_down(level / (1 - 1e-12)));
+  for (const double level : levels) floats.push_back(page::rounded_down(level / (1 - 1e-12)));
   return floats;
 }
 
@@ -30,28 +30,29 @@ std::size_t add_core(Page& page, const MedialAxis& axis, const std::vector<DataA
       axis.vertex_level.size() != axis.complex.vertex_count || !are_levels(axis.face_level) ||
       !are_levels(axis.edge_level) || !are_levels(axis.vertex_level))
     throw Error(ErrorCode::usage, "a page shows a medial axis with a level for each of its cells; see prune_levels()");
-  LayerCells cells;
+  page::LayerCells cells;
   cells.face_level = comparable(axis.face_level);
   cells.edge_level = comparable(axis.edge_level);
   cells.vertex_level = comparable(axis.vertex_level);
-  Floor floor = FacesByLevel(axis.complex, cells.face_level).within(max_triangles);
+  page::Floor floor = page::FacesByLevel(axis.complex, cells.face_level).within(max_triangles);
   cells.faces = std::move(floor.faces);
   for (const float level : cells.edge_level) cells.edge.push_back(level >= floor.level);
   for (const float level : cells.vertex_level) cells.vertex.push_back(level >= floor.level);
-  const LayerRows rows = add_layer(page, "core", axis.complex, axis.points, cells);
-  add_measures(page, "core", measures, rows, {});
-  page.lambda_floor = page.lambda ? static_cast<double>(rounded_down(*page.lambda)) : 0;
+  const page::LayerRows rows = page::add_layer(page, "core", axis.complex, axis.points, cells);
+  page::add_measures(page, "core", measures, rows, {});
+  page.lambda_floor = page.lambda ? static_cast<double>(page::rounded_down(*page.lambda)) : 0;
   if (floor.level > *page.lambda_floor) {
     page.lambda_floor = floor.level;
-    page.notes.push_back(fmt::format(
-        "The core is shown from lambda {} on, {} of its {} faces; thinner parts are left out of this "
-        "page (--max-triangles)",
-        floor_text(page, floor.level), count_text(cells.faces.size()), count_text(axis.complex.face_count())));
+    page.notes.push_back(
+        fmt::format("The core is shown from lambda {} on, {} of its {} faces; thinner parts are left out of this "
+                    "page (--max-triangles)",
+                    page::floor_text(page, floor.level), page::count_text(cells.faces.size()),
+                    page::count_text(axis.complex.face_count())));
   }
   return floor.triangles;
 }
 
-bool take_levels(MedialAxis& axis, const PolyData& data) {
+bool take_levels(MedialAxis& axis, const Record& data) {
   const DataArray* array = find_array(data.cell_data, "lambda_level");
   const CellComplex& c = axis.complex;
   if (!array || array->components != 1 || array->size() != data.cell_count() || c.face_count() != data.poly_count())
@@ -63,7 +64,7 @@ bool take_levels(MedialAxis& axis, const PolyData& data) {
   if (!are_levels(level)) return false;
   for (double& x : level)
     if (x >= kInfiniteLevelInFiles) x = std::numeric_limits<double>::infinity();
-  // A cell that is not written has the largest level of those it is a side of (to_poly_data).
+  // A cell that is not written has the largest level of those it is a side of (to_record).
   std::vector<double> vertex(c.vertex_count, 0), edge(c.edges.size(), 0);
   const auto raise = [](double& value, double by) { value = std::max(value, by); };
   const std::size_t lines = data.verts.size(), polys = lines + data.lines.size();

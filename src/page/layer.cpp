@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "layer.h"
+#include "page/layer.h"
 
 #include <fmt/format.h>
 
@@ -8,13 +8,7 @@
 
 #include "quench/error.h"
 
-namespace quench {
-
-const PageArray* Page::find(std::string_view name) const {
-  for (const PageArray& array : arrays)
-    if (array.name == name) return &array;
-  return nullptr;
-}
+namespace quench::page {
 
 void widen(Page& page, std::span<const Vec3> points) {
   if (points.empty()) return;
@@ -141,4 +135,4 @@ std::string length_text(const Page& page, double length) {
   return fmt::format("{:.4g}{}{}", length, page.unit.empty() ? "" : " ", page.unit);
 }
 
-}  // namespace quench
+}  // namespace quench::page

@@ -10,7 +10,7 @@
 
 #include "quench/page.h"
 
-namespace quench {
+namespace quench::page {
 
 /// The largest float not above `value`. With levels rounded down, `level >= x` is the same for the level and for its
 /// float, for every x that is a float.
@@ -81,9 +81,9 @@ class FacesByLevel {
 
 /// Merges the vertices of each cube of a grid, as fine as `max_triangles` allows; for display only. Cells that become
 /// smaller or double go; `kept`: the vertex each new one stands at.
-PolyData clustered(const PolyData& data, std::size_t max_triangles, std::vector<std::uint32_t>& kept);
+Record clustered(const Record& data, std::size_t max_triangles, std::vector<std::uint32_t>& kept);
 
-std::size_t triangle_count(const PolyData& data);
+std::size_t triangle_count(const Record& data);
 
 /// "1.5 million", "120,000": a count in a sentence.
 std::string count_text(std::size_t count);
@@ -92,4 +92,4 @@ std::string length_text(const Page& page, double length);
 /// What a page shows begins there: "= 0.31 mm", or "> 0" for the smallest number above it.
 std::string floor_text(const Page& page, double floor);
 
-}  // namespace quench
+}  // namespace quench::page

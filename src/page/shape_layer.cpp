@@ -5,23 +5,23 @@
 #include <algorithm>
 #include <random>
 
-#include "layer.h"
+#include "page/layer.h"
 
 namespace quench {
 namespace {
 
-std::size_t add_triangles(Page& page, const PolyData& surface, const char* what, std::size_t max_triangles) {
-  const std::size_t given = triangle_count(surface);
-  PolyData fewer;
+std::size_t add_triangles(Page& page, const Record& surface, const char* what, std::size_t max_triangles) {
+  const std::size_t given = page::triangle_count(surface);
+  Record fewer;
   if (given > max_triangles) {
     std::vector<std::uint32_t> ignored;
-    fewer = clustered(surface, max_triangles, ignored);
+    fewer = page::clustered(surface, max_triangles, ignored);
     page.notes.push_back(
         fmt::format("Of the {} triangles of the {} {} are drawn: vertices close to each other are "
                     "merged in this page (--max-triangles)",
-                    count_text(given), what, count_text(triangle_count(fewer))));
+                    page::count_text(given), what, page::count_text(page::triangle_count(fewer))));
   }
-  const PolyData& drawn = given > max_triangles ? fewer : surface;
+  const Record& drawn = given > max_triangles ? fewer : surface;
   std::vector<std::uint32_t> number(drawn.points.size(), kNone), corners;
   std::vector<float> places;
   std::vector<Vec3> shown;
@@ -33,10 +33,10 @@ std::size_t add_triangles(Page& page, const PolyData& surface, const char* what,
     }
     corners.push_back(number[v]);
   }
-  widen(page, shown);
+  page::widen(page, shown);
   page.arrays.push_back({"shape/points", 3, std::move(places)});
   page.arrays.push_back({"shape/triangles", 3, std::move(corners)});
-  return triangle_count(drawn);
+  return page::triangle_count(drawn);
 }
 
 /// Rows of the boundary vertices by their coordinates.
@@ -126,12 +126,12 @@ TriangleMesh smoothed_boundary(const VoxelShape& shape, int iterations) {
 }
 
 std::size_t add_surface(Page& page, const TriangleMesh& mesh, std::size_t max_triangles) {
-  return add_triangles(page, to_poly_data(mesh), "shape's surface", max_triangles);
+  return add_triangles(page, to_record(mesh), "shape's surface", max_triangles);
 }
 
 std::size_t add_surface(Page& page, const VoxelShape& shape, std::size_t max_triangles) {
   page.notes.emplace_back("The surface of the shape is that of its voxels, smoothed by half a voxel at most");
-  return add_triangles(page, to_poly_data(smoothed_boundary(shape, 4)), "voxel shape's surface", max_triangles);
+  return add_triangles(page, to_record(smoothed_boundary(shape, 4)), "voxel shape's surface", max_triangles);
 }
 
 void add_sites(Page& page, const VoxelShape& shape) {
@@ -142,7 +142,7 @@ void add_sites(Page& page, const VoxelShape& shape) {
     page.notes.push_back(
         fmt::format("The shape has {} boundary vertices, too many for a page: where balls touch the "
                     "boundary is not shown",
-                    count_text(static_cast<std::size_t>(count))));
+                    page::count_text(static_cast<std::size_t>(count))));
     return;
   }
   std::vector<std::uint16_t> sites;

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <array>
 
-#include "layer.h"
+#include "page/layer.h"
 
 namespace quench {
 namespace {
@@ -14,7 +14,7 @@ constexpr double kNever = std::numeric_limits<double>::infinity();
 std::vector<float> comparable(const std::vector<double>& levels) {
   std::vector<float> floats;
   floats.reserve(levels.size());
-  for (const double level : levels) floats.push_back(rounded_down(level));
+  for (const double level : levels) floats.push_back(page::rounded_down(level));
   return floats;
 }
 
@@ -59,7 +59,7 @@ std::vector<std::uint32_t> drawn_at(const SkeletonFamily& family) {
 /// The curves off the sheets at the floor of theta2, and what the pruning for a theta1 leaves of them.
 class CurvePruning {
  public:
-  CurvePruning(const SkeletonFamily& family, const LayerCells& cells, const std::vector<char>& on_face)
+  CurvePruning(const SkeletonFamily& family, const page::LayerCells& cells, const std::vector<char>& on_face)
       : k_(family.refined), degree_(k_.complex.vertex_count, 0), edges_xor_(degree_.size(), 0) {
     thickness_.assign(k_.complex.edges.size(), std::numeric_limits<float>::infinity());
     for (std::uint32_t e = 0; e < thickness_.size(); ++e) {
@@ -70,7 +70,7 @@ class CurvePruning {
       }
       if (!k_.curve_edge[e] || on_face[e]) continue;
       ++free_curves_;
-      thickness_[e] = rounded_down(family.thickness_of(e));
+      thickness_[e] = page::rounded_down(family.thickness_of(e));
       if (std::isfinite(thickness_[e])) steps_.push_back(thickness_[e]);
     }
     std::sort(steps_.begin(), steps_.end());
@@ -78,7 +78,7 @@ class CurvePruning {
   }
 
   /// How many curves are left; takes what is pruned off `cells`. Fixed keys: any order gives the same.
-  std::size_t left(float theta1, LayerCells* cells = nullptr) const {
+  std::size_t left(float theta1, page::LayerCells* cells = nullptr) const {
     std::vector<std::uint32_t> degree = degree_, edges_xor = edges_xor_, stack;
     std::size_t count = free_curves_;
     const auto offer = [&](std::uint32_t v) {
@@ -148,13 +148,13 @@ class CurvePruning {
 std::size_t add_skeleton(Page& page, const SkeletonFamily& family, std::size_t max_triangles) {
   const RefinedAxis& k = family.refined;
   const CellComplex& c = k.complex;
-  LayerCells cells;
+  page::LayerCells cells;
   cells.face_level = comparable(family.face_sheet_level);
   cells.edge_level = comparable(family.edge_sheet_level);
   cells.vertex_level = comparable(family.vertex_sheet_level);
 
-  const FacesByLevel by_level(c, cells.face_level);
-  Floor floor = by_level.within(max_triangles);
+  const page::FacesByLevel by_level(c, cells.face_level);
+  page::Floor floor = by_level.within(max_triangles);
   std::vector<char> on_face;
   std::size_t free_curves = 0;
   const auto look_at_curves = [&] {
@@ -184,7 +184,7 @@ std::size_t add_skeleton(Page& page, const SkeletonFamily& family, std::size_t m
   const std::vector<std::uint32_t> at = drawn_at(family);
   std::vector<Vec3> points(at.size());
   for (std::size_t v = 0; v < at.size(); ++v) points[v] = k.points[at[v]];
-  const LayerRows rows = add_layer(page, "skeleton", c, points, cells);
+  const page::LayerRows rows = page::add_layer(page, "skeleton", c, points, cells);
   const auto add = [&](const char* name, PageArray::Values values) {
     page.arrays.push_back({std::string("skeleton/") + name, 1, std::move(values)});
   };
@@ -194,7 +194,7 @@ std::size_t add_skeleton(Page& page, const SkeletonFamily& family, std::size_t m
     if (k.curve_edge[e] && rows.edge[e] != kNone) {
       curve_edges.push_back(rows.edge[e]);
       thickness.push_back(e < 2 * k.doors ? std::numeric_limits<float>::infinity()
-                                          : rounded_down(family.thickness_of(e)));
+                                          : page::rounded_down(family.thickness_of(e)));
     }
   for (std::uint32_t v = 0; v < c.vertex_count; ++v)
     if (k.medial_point[v] && rows.vertex[v] != kNone) medial_points.push_back(rows.vertex[v]);
@@ -204,7 +204,7 @@ std::size_t add_skeleton(Page& page, const SkeletonFamily& family, std::size_t m
 
   constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
   const auto measure = [&](const char* name, auto&& value) {
-    add_measure(page, "skeleton", name, rows, [&](std::uint32_t v) { return value(at[v]); });
+    page::add_measure(page, "skeleton", name, rows, [&](std::uint32_t v) { return value(at[v]); });
   };
   measure("radius", [&](std::uint32_t v) { return k.radius[v]; });
   measure("burn_time", [&](std::uint32_t v) { return k.burn_time[v]; });
@@ -218,19 +218,19 @@ std::size_t add_skeleton(Page& page, const SkeletonFamily& family, std::size_t m
   page.theta2_floor = floor.level;
   page.theta1_floor = theta1_floor;
   if (floor.level > 0)
-    page.notes.push_back(
-        fmt::format("The skeleton's sheets are shown from theta2 {} on, {} of their {} parts; what goes before is "
-                    "left out of this page (--max-triangles)",
-                    floor_text(page, floor.level), count_text(cells.faces.size()), count_text(c.face_count())));
+    page.notes.push_back(fmt::format(
+        "The skeleton's sheets are shown from theta2 {} on, {} of their {} parts; what goes before is "
+        "left out of this page (--max-triangles)",
+        page::floor_text(page, floor.level), page::count_text(cells.faces.size()), page::count_text(c.face_count())));
   if (theta1_floor > 0)
-    page.notes.push_back(
-        fmt::format("The skeleton's curves are shown from theta1 {} on, {} of {} pieces off the sheets; what goes "
-                    "before is left out of this page (--max-triangles)",
-                    floor_text(page, theta1_floor), count_text(curves_shown), count_text(free_curves)));
+    page.notes.push_back(fmt::format(
+        "The skeleton's curves are shown from theta1 {} on, {} of {} pieces off the sheets; what goes "
+        "before is left out of this page (--max-triangles)",
+        page::floor_text(page, theta1_floor), page::count_text(curves_shown), page::count_text(free_curves)));
   const auto raise = [&](std::optional<double>& start, double least, const char* name) {
     if (!start || *start >= least) return;
-    page.notes.push_back(
-        fmt::format("{} starts at {} instead of {}", name, length_text(page, least), length_text(page, *start)));
+    page.notes.push_back(fmt::format("{} starts at {} instead of {}", name, page::length_text(page, least),
+                                     page::length_text(page, *start)));
     start = least;
   };
   raise(page.theta2, *page.theta2_floor, "theta2");

@@ -4,14 +4,14 @@
 #include <algorithm>
 #include <array>
 
-#include "layer.h"
+#include "page/layer.h"
 
 namespace quench {
 namespace {
 
 /// The cells as a complex on all points: corners that repeat the one before are left out, and a polygon of which fewer
 /// than three are left is a line or a point.
-CellComplex complex_to_draw(const PolyData& data) {
+CellComplex complex_to_draw(const Record& data) {
   std::vector<std::array<std::uint32_t, 2>> lines;
   for (const auto& line : data.lines)
     if (line[0] != line[1]) lines.push_back(line);
@@ -32,7 +32,7 @@ CellComplex complex_to_draw(const PolyData& data) {
 
 }  // namespace
 
-std::size_t triangle_count(const PolyData& data) {
+std::size_t page::triangle_count(const Record& data) {
   std::size_t count = 0;
   for (std::size_t p = 0; p < data.poly_count(); ++p) {
     const std::uint32_t corners = data.poly_offsets[p + 1] - data.poly_offsets[p];
@@ -41,27 +41,27 @@ std::size_t triangle_count(const PolyData& data) {
   return count;
 }
 
-std::size_t add_still(Page& page, const PolyData& data, std::size_t max_triangles) {
-  const std::size_t given = triangle_count(data);
+std::size_t add_still(Page& page, const Record& data, std::size_t max_triangles) {
+  const std::size_t given = page::triangle_count(data);
   const bool simplify = given > max_triangles;
   std::vector<std::uint32_t> row_of;
-  PolyData fewer;
+  Record fewer;
   if (simplify) {
-    fewer = clustered(data, max_triangles, row_of);
+    fewer = page::clustered(data, max_triangles, row_of);
     page.notes.push_back(
         fmt::format("Of its {} triangles {} are drawn: vertices close to each other are merged in "
                     "this page (--max-triangles)",
-                    count_text(given), count_text(triangle_count(fewer))));
+                    page::count_text(given), page::count_text(page::triangle_count(fewer))));
   }
-  const PolyData& drawn = simplify ? fewer : data;
+  const Record& drawn = simplify ? fewer : data;
   const CellComplex complex = complex_to_draw(drawn);
-  LayerCells cells;
+  page::LayerCells cells;
   for (std::uint32_t f = 0; f < complex.face_count(); ++f) cells.faces.push_back(f);
   cells.edge.assign(complex.edges.size(), 1);
   cells.vertex.assign(complex.vertex_count, 1);
-  const LayerRows rows = add_layer(page, "still", complex, drawn.points, cells);
-  add_measures(page, "still", data.point_data, rows, row_of);
-  return triangle_count(drawn);
+  const page::LayerRows rows = page::add_layer(page, "still", complex, drawn.points, cells);
+  page::add_measures(page, "still", data.point_data, rows, row_of);
+  return page::triangle_count(drawn);
 }
 
 }  // namespace quench

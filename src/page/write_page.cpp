@@ -8,7 +8,7 @@
 #include <cmath>
 #include <ostream>
 
-#include "layer.h"
+#include "page/layer.h"
 #include "quench/error.h"
 #include "quench/io.h"
 
@@ -80,7 +80,7 @@ std::string meta_of(const Page& page) {
   put("high", list({page.high.data(), 3}));
   if (page.origin != Vec3::Zero()) put("origin", list({page.origin.data(), 3}));
   const auto put_length = [&](const char* name, const std::optional<double>& length) {
-    if (length) put(name, number(rounded_down(*length)));
+    if (length) put(name, number(page::rounded_down(*length)));
   };
   put_length("lambda", page.lambda);
   if (page.burning)
@@ -198,6 +198,12 @@ std::pair<std::size_t, std::size_t> place_of_data(std::string_view program) {
 }
 
 }  // namespace
+
+const PageArray* Page::find(std::string_view name) const {
+  for (const PageArray& array : arrays)
+    if (array.name == name) return &array;
+  return nullptr;
+}
 
 void write_page(const std::filesystem::path& file, const Page& page, std::string_view page_program) {
   const auto [begin, end] = place_of_data(page_program);

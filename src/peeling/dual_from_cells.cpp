@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <atomic>
 
+#include "base/parallel.h"
 #include "lattice/polytopes.h"
-#include "parallel.h"
 #include "quench/error.h"
 
 namespace quench::peeling {
@@ -18,17 +18,17 @@ using lattice::RawFaces;
 // Sorts the cells by their site lists.
 Cells sorted(Cells cells, std::size_t site_count, Context* context) {
   const std::size_t count = cells.count();
-  const std::size_t chunks = chunks_for(count);
+  const std::size_t chunks = base::chunks_for(count);
   std::vector<std::uint32_t> first(site_count + 1, 0), order(count), rank(count);
-  for_chunks(chunks, context, "merge", 0.75, 0.76, [&](std::size_t chunk) {
-    const auto [begin, end] = part_of(count, chunk, chunks);
+  base::for_chunks(chunks, context, "merge", 0.75, 0.76, [&](std::size_t chunk) {
+    const auto [begin, end] = base::part_of(count, chunk, chunks);
     for (std::size_t c = begin; c < end; ++c)
       rank[c] = std::atomic_ref<std::uint32_t>(first[cells.sites[cells.site_begin[c]] + 1])
                     .fetch_add(1, std::memory_order_relaxed);
   });
   lattice::prefix_sum(first);
-  for_chunks(chunks, context, "merge", 0.76, 0.77, [&](std::size_t chunk) {
-    const auto [begin, end] = part_of(count, chunk, chunks);
+  base::for_chunks(chunks, context, "merge", 0.76, 0.77, [&](std::size_t chunk) {
+    const auto [begin, end] = base::part_of(count, chunk, chunks);
     for (std::size_t c = begin; c < end; ++c)
       order[first[cells.sites[cells.site_begin[c]]] + rank[c]] = static_cast<std::uint32_t>(c);
   });
@@ -36,9 +36,9 @@ Cells sorted(Cells cells, std::size_t site_count, Context* context) {
   result.site_begin.resize(count + 1);
   result.neighbour_begin.resize(count + 1);
   result.hull.resize(count);
-  const std::size_t site_chunks = chunks_for(site_count);
-  for_chunks(site_chunks, context, "merge", 0.77, 0.78, [&](std::size_t chunk) {
-    const auto [begin, end] = part_of(site_count, chunk, site_chunks);
+  const std::size_t site_chunks = base::chunks_for(site_count);
+  base::for_chunks(site_chunks, context, "merge", 0.77, 0.78, [&](std::size_t chunk) {
+    const auto [begin, end] = base::part_of(site_count, chunk, site_chunks);
     for (std::size_t s = begin; s < end; ++s) {
       if (first[s + 1] - first[s] > 1)
         std::sort(order.begin() + first[s], order.begin() + first[s + 1], [&](std::uint32_t a, std::uint32_t b) {
@@ -61,8 +61,8 @@ Cells sorted(Cells cells, std::size_t site_count, Context* context) {
         lattice::prefix_sum(result.neighbour_begin);
         result.neighbours.resize(result.neighbour_begin.back());
       });
-  for_chunks(chunks, context, "merge", 0.78, 0.8, [&](std::size_t chunk) {
-    const auto [begin, end] = part_of(count, chunk, chunks);
+  base::for_chunks(chunks, context, "merge", 0.78, 0.8, [&](std::size_t chunk) {
+    const auto [begin, end] = base::part_of(count, chunk, chunks);
     for (std::size_t r = begin; r < end; ++r) {
       std::ranges::copy(cells.sites_of(order[r]), result.sites.begin() + result.site_begin[r]);
       std::uint32_t at = result.neighbour_begin[r];
@@ -77,20 +77,20 @@ Cells sorted(Cells cells, std::size_t site_count, Context* context) {
 
 // Pairs of cells that share a facet, sorted. Returns per cell the first edge whose smaller end it is.
 std::vector<std::uint32_t> collect_edges(const Cells& cells, CellComplex& complex, Context* context) {
-  const std::size_t chunks = chunks_for(cells.count());
+  const std::size_t chunks = base::chunks_for(cells.count());
   std::vector<std::uint32_t> begin(std::size_t{cells.count()} + 1, 0);
   const auto above = [&](std::size_t c, const auto& visit) {
     for (const std::uint32_t n : cells.neighbours_of(static_cast<std::uint32_t>(c)))
       if (n != kBoundary && n > c) visit(n);
   };
-  for_chunks(chunks, context, "merge", 0.8, 0.81, [&](std::size_t chunk) {
-    const auto [first, last] = part_of(cells.count(), chunk, chunks);
+  base::for_chunks(chunks, context, "merge", 0.8, 0.81, [&](std::size_t chunk) {
+    const auto [first, last] = base::part_of(cells.count(), chunk, chunks);
     for (std::size_t c = first; c < last; ++c) above(c, [&](std::uint32_t) { ++begin[c + 1]; });
   });
   lattice::prefix_sum(begin);
   complex.edges.resize(begin.back());
-  for_chunks(chunks, context, "merge", 0.81, 0.83, [&](std::size_t chunk) {
-    const auto [first, last] = part_of(cells.count(), chunk, chunks);
+  base::for_chunks(chunks, context, "merge", 0.81, 0.83, [&](std::size_t chunk) {
+    const auto [first, last] = base::part_of(cells.count(), chunk, chunks);
     for (std::size_t c = first; c < last; ++c) {
       std::uint32_t e = begin[c];
       above(c, [&](std::uint32_t n) { complex.edges[e++] = {static_cast<std::uint32_t>(c), n}; });
@@ -173,10 +173,10 @@ lattice::DualComplex dual_from_cells(Cells cells, const Hulls& hulls, std::size_
   lattice::DualComplex dual;
   dual.complex.vertex_count = cells.count();
   const std::vector<std::uint32_t> edge_begin = collect_edges(cells, dual.complex, context);
-  const std::size_t chunks = chunks_for(cells.count());
+  const std::size_t chunks = base::chunks_for(cells.count());
   std::vector<RawFaces> faces(chunks);
-  for_chunks(chunks, context, "merge", 0.83, 0.9, [&](std::size_t chunk) {
-    const auto [first, last] = part_of(cells.count(), chunk, chunks);
+  base::for_chunks(chunks, context, "merge", 0.83, 0.9, [&](std::size_t chunk) {
+    const auto [first, last] = base::part_of(cells.count(), chunk, chunks);
     faces[chunk] = RingWalker(cells, hulls).run(first, last);
   });
   dual.vertex_site_offsets = std::move(cells.site_begin);

@@ -7,8 +7,8 @@
 #include <memory>
 #include <optional>
 
+#include "base/parallel.h"
 #include "lattice/polytopes.h"
-#include "parallel.h"
 #include "peeling/dual_from_cells.h"
 #include "peeling/remainder.h"
 #include "peeling/slab.h"
@@ -22,10 +22,10 @@ OpenFacets join(std::vector<SlabPart>& parts, const Hulls& hulls, std::size_t si
   struct Loose {
     std::uint32_t second, third, cell, facet, part;
   };
-  const bool shared = several_threads();
+  const bool shared = base::several_threads();
   std::vector<std::uint32_t> begin(site_count + 1, 0);
   tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t p) {
-    for (const LooseFacet& f : parts[p].loose) fetch_add(begin[f.name[0] + 1], 1u, shared);
+    for (const LooseFacet& f : parts[p].loose) base::fetch_add(begin[f.name[0] + 1], 1u, shared);
   });
   lattice::prefix_sum(begin);
   std::vector<Loose> loose(begin.back());
@@ -39,7 +39,7 @@ OpenFacets join(std::vector<SlabPart>& parts, const Hulls& hulls, std::size_t si
     std::vector<std::uint32_t> next(begin.begin(), begin.end() - 1);
     tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t p) {
       for (const LooseFacet& f : parts[p].loose)
-        loose[fetch_add(next[f.name[0]], 1u, shared)] = {
+        loose[base::fetch_add(next[f.name[0]], 1u, shared)] = {
             f.name[1], f.name[2], f.cell == kNone ? kNone : f.cell + shift[p], f.facet, static_cast<std::uint32_t>(p)};
       std::vector<LooseFacet>().swap(parts[p].loose);
     });
@@ -50,10 +50,10 @@ OpenFacets join(std::vector<SlabPart>& parts, const Hulls& hulls, std::size_t si
   const auto link = [&](const Loose& f, const Loose& other) {
     if (f.cell != kNone) cells.neighbours_of(f.cell)[f.facet] = other.cell == kNone ? kBoundary : other.cell;
   };
-  const std::size_t chunks = chunks_for(site_count);
+  const std::size_t chunks = base::chunks_for(site_count);
   std::vector<OpenFacets> open(chunks);
-  for_chunks(chunks, context, "peel", 1, 1, [&](std::size_t chunk) {
-    const auto [begin_site, end_site] = part_of(site_count, chunk, chunks);
+  base::for_chunks(chunks, context, "peel", 1, 1, [&](std::size_t chunk) {
+    const auto [begin_site, end_site] = base::part_of(site_count, chunk, chunks);
     std::vector<std::uint32_t> corners;
     for (std::size_t s = begin_site; s < end_site; ++s) {
       const auto first = loose.begin() + begin[s], last = loose.begin() + begin[s + 1];
@@ -122,8 +122,8 @@ lattice::DualComplex dual_complex(const VoxelShape& shape, std::span<const Latti
     const Input input{shape, sites, spacing, predicates, *index, reach, options.least_cubes};
     const std::vector<std::int32_t> limits = slab_limits(input, options.layers);
     std::vector<SlabPart> parts(limits.size() - 1);
-    for_chunks(parts.size(), context, "peel", 0, 1,
-               [&](std::size_t slab) { parts[slab] = peel_slab(input, limits[slab], limits[slab + 1], hulls); });
+    base::for_chunks(parts.size(), context, "peel", 0, 1,
+                     [&](std::size_t slab) { parts[slab] = peel_slab(input, limits[slab], limits[slab + 1], hulls); });
     index.reset();
     std::size_t peeled = 0;
     for (const SlabPart& part : parts) peeled += part.cells.count();

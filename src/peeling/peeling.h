@@ -7,7 +7,7 @@
 #include <span>
 
 #include "lattice/cells.h"
-#include "quench/voxel_shape.h"
+#include "quench/shape.h"
 
 /// Peeling (docs/algorithms/peeling.md): most cells of the dual complex are small and lie along the boundary. They
 /// are found one by one among the sites nearby, without a triangulation; what is left inside is triangulated with the

@@ -9,9 +9,9 @@
 #include <numeric>
 #include <utility>
 
+#include "base/parallel.h"
 #include "lattice/delaunay.h"
 #include "lattice/polytopes.h"
-#include "parallel.h"
 #include "quench/error.h"
 
 namespace quench::peeling {
@@ -30,13 +30,14 @@ class OpenIndex {
   };
 
   OpenIndex(const OpenFacets& open, std::vector<std::uint32_t> number) : open_(open), number_(std::move(number)) {
-    const bool shared = several_threads();
+    const bool shared = base::several_threads();
     begin_.assign(number_.size() + 1, 0);
-    each_entry([&](std::uint32_t site, const Entry&) { fetch_add(begin_[site + 1], 1u, shared); });
+    each_entry([&](std::uint32_t site, const Entry&) { base::fetch_add(begin_[site + 1], 1u, shared); });
     lattice::prefix_sum(begin_);
     entries_.resize(begin_.back());
     std::vector<std::uint32_t> next(begin_.begin(), begin_.end() - 1);
-    each_entry([&](std::uint32_t site, const Entry& entry) { entries_[fetch_add(next[site], 1u, shared)] = entry; });
+    each_entry(
+        [&](std::uint32_t site, const Entry& entry) { entries_[base::fetch_add(next[site], 1u, shared)] = entry; });
   }
 
   Found find(std::uint32_t a, std::uint32_t b, std::uint32_t c) const {
@@ -74,9 +75,9 @@ class OpenIndex {
 
   template <class Visit>
   void each_entry(const Visit& visit) const {
-    const std::size_t chunks = chunks_for(open_.count());
+    const std::size_t chunks = base::chunks_for(open_.count());
     tbb::parallel_for(std::size_t{0}, chunks, [&](std::size_t chunk) {
-      const auto [first, last] = part_of(open_.count(), chunk, chunks);
+      const auto [first, last] = base::part_of(open_.count(), chunk, chunks);
       each_entry(first, last, visit);
     });
   }
@@ -140,18 +141,18 @@ class Remainder {
   // The unfinished sites; from here on they are numbered among themselves, in the same order.
   void choose_sites() {
     std::vector<std::uint32_t> rank(all_.size() + 1, 0);
-    for_indices(open_.corners.size(), [&](std::size_t i) {
+    base::for_indices(open_.corners.size(), [&](std::size_t i) {
       std::atomic_ref<std::uint32_t>(rank[open_.corners[i] + 1]).store(1, std::memory_order_relaxed);
     });
     lattice::prefix_sum(rank);
     sites_.resize(rank.back());
     names_.resize(rank.back());
-    for_indices(all_.size(), [&](std::size_t s) {
+    base::for_indices(all_.size(), [&](std::size_t s) {
       if (rank[s + 1] == rank[s]) return;
       sites_[rank[s]] = all_[s];
       names_[rank[s]] = static_cast<std::uint32_t>(s);
     });
-    for_indices(open_.corners.size(), [&](std::size_t i) { open_.corners[i] = rank[open_.corners[i]]; });
+    base::for_indices(open_.corners.size(), [&](std::size_t i) { open_.corners[i] = rank[open_.corners[i]]; });
   }
 
   [[noreturn]] static void leaves_shape() {
@@ -163,13 +164,14 @@ class Remainder {
     const auto& tetrahedra = delaunay.tetrahedra();
     const auto& points = delaunay.points();
     std::vector<std::uint32_t> place(sites_.size());
-    for_indices(sites_.size(),
-                [&](std::size_t p) { place[points[p + Delaunay::kBoxPoints].site] = static_cast<std::uint32_t>(p); });
+    base::for_indices(sites_.size(), [&](std::size_t p) {
+      place[points[p + Delaunay::kBoxPoints].site] = static_cast<std::uint32_t>(p);
+    });
     const OpenIndex index(open_, std::move(place));  // by points, since tetrahedra lie in memory as points do
     std::vector<std::uint8_t> mark(tetrahedra.size(), 0);
-    const std::size_t chunks = chunks_for(tetrahedra.size());
+    const std::size_t chunks = base::chunks_for(tetrahedra.size());
     std::vector<std::vector<std::uint32_t>> seeds(chunks);
-    const bool shared = several_threads();
+    const bool shared = base::several_threads();
     // Sets bits of a mark and returns what it was before.
     const auto set = [&](std::uint32_t t, std::uint32_t bits) {
       const auto more = static_cast<std::uint8_t>(bits);
@@ -179,8 +181,8 @@ class Remainder {
     const auto get = [&](std::uint32_t t) {
       return std::atomic_ref<std::uint8_t>(mark[t]).load(std::memory_order_relaxed);
     };
-    for_chunks(chunks, context_, "merge", 0, 0.1, [&](std::size_t chunk) {
-      const auto [first, last] = part_of(tetrahedra.size(), chunk, chunks);
+    base::for_chunks(chunks, context_, "merge", 0, 0.1, [&](std::size_t chunk) {
+      const auto [first, last] = base::part_of(tetrahedra.size(), chunk, chunks);
       for (std::size_t t = first; t < last; ++t) {
         const auto& corner = tetrahedra[t].corner;
         if (corner[0] == kNone || Delaunay::touches_box(tetrahedra[t])) continue;
@@ -203,7 +205,7 @@ class Remainder {
       }
     });
     // Facets are all marked by now; who keeps a tetrahedron first goes on from there.
-    for_chunks(chunks, context_, "merge", 0.1, 0.12, [&](std::size_t chunk) {
+    base::for_chunks(chunks, context_, "merge", 0.1, 0.12, [&](std::size_t chunk) {
       std::vector<std::uint32_t> stack = std::move(seeds[chunk]);
       for (std::size_t step = 1; !stack.empty(); ++step) {
         if (step % 0x10000 == 0 && context_ && context_->cancelled()) return;  // for_chunks() throws
@@ -366,11 +368,11 @@ class Remainder {
 
   void take(const Polytopes& polytopes, const OpenIndex& index) {
     const std::uint32_t base = cells_.count();
-    const std::size_t chunks = chunks_for(polytopes.count());
+    const std::size_t chunks = base::chunks_for(polytopes.count());
     std::vector<Cells> parts(chunks);
     closed_.assign(open_.count(), 0);
-    for_chunks(chunks, context_, "merge", 0.7, 0.75, [&](std::size_t chunk) {
-      const auto [first, last] = part_of(polytopes.count(), chunk, chunks);
+    base::for_chunks(chunks, context_, "merge", 0.7, 0.75, [&](std::size_t chunk) {
+      const auto [first, last] = base::part_of(polytopes.count(), chunk, chunks);
       parts[chunk] = Taker(*this, polytopes, index, base).run(first, last);
     });
     if (const auto never = std::find(closed_.begin(), closed_.end(), 0); never != closed_.end())

@@ -9,7 +9,7 @@
 #include "lattice/predicates.h"
 #include "peeling/cells.h"
 #include "peeling/site_index.h"
-#include "quench/voxel_shape.h"
+#include "quench/shape.h"
 
 namespace quench::peeling {
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "peeling/cells.h"
-#include "quench/voxel_shape.h"
+#include "quench/shape.h"
 
 namespace quench::peeling {
 

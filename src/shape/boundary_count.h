@@ -3,9 +3,9 @@
 
 #include <cstdint>
 
-#include "quench/voxel_shape.h"
+#include "quench/shape.h"
 
-namespace quench {
+namespace quench::shape {
 
 /// Boundary vertices of a shape, and how many of them are flat: of the eight voxels around, those inside are the four
 /// on one side of a lattice plane.
@@ -14,4 +14,4 @@ struct BoundaryCount {
 };
 BoundaryCount count_boundary(const VoxelShape& shape);
 
-}  // namespace quench
+}  // namespace quench::shape

@@ -2,9 +2,9 @@
 #include <algorithm>
 #include <vector>
 
-#include "boundary_count.h"
-#include "parallel.h"
-#include "quench/voxel_shape.h"
+#include "base/parallel.h"
+#include "quench/shape.h"
+#include "shape/boundary_count.h"
 
 namespace quench {
 
@@ -49,17 +49,18 @@ constexpr std::size_t kLayers = 16;  // of a chunk
 template <class Body>
 void each_chunk(const VoxelShape& shape, const Body& body) {
   const auto layers = static_cast<std::size_t>(shape.grid().dims[2] + 1);
-  const std::size_t chunks = chunks_for(layers, kLayers);
+  const std::size_t chunks = base::chunks_for(layers, kLayers);
   tbb::parallel_for(std::size_t{0}, chunks, [&](std::size_t chunk) {
-    const auto [first, last] = part_of(layers, chunk, chunks);
+    const auto [first, last] = base::part_of(layers, chunk, chunks);
     body(chunk, static_cast<std::int64_t>(first), static_cast<std::int64_t>(last));
   });
 }
 
-std::vector<BoundaryCount> counts_of_chunks(const VoxelShape& shape) {
-  std::vector<BoundaryCount> count(chunks_for(static_cast<std::size_t>(shape.grid().dims[2] + 1), kLayers));
+std::vector<shape::BoundaryCount> counts_of_chunks(const VoxelShape& shape) {
+  std::vector<shape::BoundaryCount> count(
+      base::chunks_for(static_cast<std::size_t>(shape.grid().dims[2] + 1), kLayers));
   each_chunk(shape, [&](std::size_t chunk, std::int64_t first, std::int64_t last) {
-    BoundaryCount own;
+    shape::BoundaryCount own;
     each_interval(shape, first, last, [&](std::int64_t begin, std::int64_t end, std::int64_t, std::int64_t, bool flat) {
       own.sites += end - begin;
       if (flat) own.flat += end - begin;
@@ -73,7 +74,7 @@ std::vector<BoundaryCount> counts_of_chunks(const VoxelShape& shape) {
 
 std::vector<LatticePoint> boundary_vertices(const VoxelShape& shape) {
   std::vector<std::size_t> place{0};  // of the first site of a chunk, and their number
-  for (const BoundaryCount& count : counts_of_chunks(shape))
+  for (const shape::BoundaryCount& count : counts_of_chunks(shape))
     place.push_back(place.back() + static_cast<std::size_t>(count.sites));
   std::vector<LatticePoint> sites(place.back());
   each_chunk(shape, [&](std::size_t chunk, std::int64_t first, std::int64_t last) {
@@ -86,15 +87,15 @@ std::vector<LatticePoint> boundary_vertices(const VoxelShape& shape) {
   return sites;
 }
 
-BoundaryCount count_boundary(const VoxelShape& shape) {
-  BoundaryCount all;
-  for (const BoundaryCount& count : counts_of_chunks(shape)) {
+shape::BoundaryCount shape::count_boundary(const VoxelShape& shape) {
+  shape::BoundaryCount all;
+  for (const shape::BoundaryCount& count : counts_of_chunks(shape)) {
     all.sites += count.sites;
     all.flat += count.flat;
   }
   return all;
 }
 
-std::int64_t count_boundary_vertices(const VoxelShape& shape) { return count_boundary(shape).sites; }
+std::int64_t count_boundary_vertices(const VoxelShape& shape) { return shape::count_boundary(shape).sites; }
 
 }  // namespace quench

@@ -6,10 +6,10 @@
 #include <limits>
 #include <numeric>
 
-#include "complex/union_find.h"
-#include "quench/counted.h"
+#include "base/text.h"
+#include "base/union_find.h"
 #include "quench/error.h"
-#include "quench/volume.h"
+#include "quench/shape.h"
 
 namespace quench {
 namespace {
@@ -29,8 +29,8 @@ void each_row(const VoxelShape& shape, Context* context, std::string_view stage,
 }
 
 // 6-connected components: runs of neighbouring scanlines that overlap.
-UnionFind components_of(const VoxelShape& shape, Context* context) {
-  UnionFind sets(shape.runs().size());
+base::UnionFind components_of(const VoxelShape& shape, Context* context) {
+  base::UnionFind sets(shape.runs().size());
   const auto connect = [&](std::span<const Run> a, std::span<const Run> b) {
     for (std::size_t i = 0, j = 0; i < a.size() && j < b.size();) {
       if (a[i].begin < b[j].end && b[j].begin < a[i].end)
@@ -67,7 +67,7 @@ VoxelShape filtered(const VoxelShape& shape, const Keep& keep) {
 
 VoxelShape drop_components(const VoxelShape& shape, const ForegroundOptions& options, ForegroundReport& report,
                            Context* context) {
-  UnionFind sets = components_of(shape, context);
+  base::UnionFind sets = components_of(shape, context);
   const auto runs = shape.runs();
   std::vector<std::int64_t> voxels(runs.size(), 0);
   for (std::uint32_t i = 0; i < runs.size(); ++i) voxels[sets.find(i)] += runs[i].end - runs[i].begin;
@@ -84,7 +84,7 @@ VoxelShape drop_components(const VoxelShape& shape, const ForegroundOptions& opt
   if (report.voxels_removed == shape.voxel_count())
     throw Error(ErrorCode::input,
                 fmt::format("dropping components of fewer than {} voxels leaves nothing: the largest component has {}",
-                            options.min_component, counted(voxels[largest], "voxel")));
+                            options.min_component, base::counted(voxels[largest], "voxel")));
   if (report.components_removed == 0) return shape;
   return filtered(shape, [&](std::uint32_t run) { return keep(sets.find(run)); });
 }
@@ -108,7 +108,7 @@ struct Gaps {
 VoxelShape fill_cavities(const VoxelShape& shape, ForegroundReport& report, Context* context) {
   const auto runs = shape.runs();
   const auto outside = static_cast<std::uint32_t>(runs.size());
-  UnionFind sets(runs.size() + 1);
+  base::UnionFind sets(runs.size() + 1);
   const auto gaps = [&](std::int64_t y, std::int64_t z) {
     const auto row = shape.row(y, z);
     return Gaps{row, row.empty() ? 0 : first_index(shape, row), outside};

@@ -10,9 +10,7 @@
 #include <utility>
 
 #include "quench/error.h"
-#include "quench/image.h"
-#include "quench/slices.h"
-#include "quench/volume.h"
+#include "quench/shape.h"
 #include "shape/image_rows.h"
 
 namespace quench {
@@ -92,7 +90,7 @@ struct Values {
   bool any = false;
 
   explicit Values() = default;
-  explicit Values(const Samples<T>& samples) {
+  explicit Values(const shape::Samples<T>& samples) {
     const auto [far, middle, near] = samples.order();
     const auto& dims = samples.grid().dims;
     std::array<std::int64_t, 3> at{};
@@ -167,7 +165,7 @@ void append_runs(VoxelShape& shape, std::vector<Run>& runs, const Inside& inside
 }
 
 template <class T>
-VoxelShape scan_along_x(const Samples<T>& samples, const Rule<T>& rule, bool invert, Context* context) {
+VoxelShape scan_along_x(const shape::Samples<T>& samples, const Rule<T>& rule, bool invert, Context* context) {
   const auto& dims = samples.grid().dims;
   VoxelShape shape(samples.grid());
   std::vector<Run> runs;
@@ -182,7 +180,7 @@ VoxelShape scan_along_x(const Samples<T>& samples, const Rule<T>& rule, bool inv
 // Where x is not the closest axis in memory, 64 slices are read together, each in the order of memory, into one bit
 // per voxel: cache lines are read once.
 template <class T>
-VoxelShape scan_slabs(const Samples<T>& samples, const Rule<T>& rule, bool invert, Context* context) {
+VoxelShape scan_slabs(const shape::Samples<T>& samples, const Rule<T>& rule, bool invert, Context* context) {
   const auto& dims = samples.grid().dims;
   VoxelShape shape(samples.grid());
   std::vector<Run> runs;
@@ -209,7 +207,7 @@ VoxelShape scan_slabs(const Samples<T>& samples, const Rule<T>& rule, bool inver
 }
 
 template <class T>
-VoxelShape foreground_of(const Samples<T>& samples, const ForegroundOptions& options, Context* context) {
+VoxelShape foreground_of(const shape::Samples<T>& samples, const ForegroundOptions& options, Context* context) {
   const Rule<T> rule = rule_for<T>(options);
   if (!options.threshold && !options.label)
     if (const Values<T> values(samples); !values.at_most_two()) refuse_many_values(values);
@@ -276,7 +274,7 @@ VoxelShape foreground(const ImageView& image, const ForegroundOptions& options, 
   ImageView rounded = image;
   rounded.grid = grid_of_shape(image.grid, context);
   const VoxelShape shape =
-      with_samples(rounded, [&](const auto& samples) { return foreground_of(samples, options, context); });
+      shape::with_samples(rounded, [&](const auto& samples) { return foreground_of(samples, options, context); });
   return clean(shape, options, report, context);
 }
 
@@ -284,8 +282,8 @@ VoxelShape foreground(const SliceStream& image, const ForegroundOptions& options
                       Context* context) {
   check(options);
   const ImageView type_only{image.grid, image.type, nullptr, {0, 0, 0}};
-  const VoxelShape shape =
-      with_samples(type_only, [&]<class T>(const Samples<T>&) { return foreground_of<T>(image, options, context); });
+  const VoxelShape shape = shape::with_samples(
+      type_only, [&]<class T>(const shape::Samples<T>&) { return foreground_of<T>(image, options, context); });
   return clean(shape, options, report, context);
 }
 

@@ -5,10 +5,10 @@
 #include <cstring>
 #include <type_traits>
 
-#include "quench/image.h"
+#include "quench/shape.h"
 #include "shape/sample_type.h"
 
-namespace quench {
+namespace quench::shape {
 
 /// The samples of a view in one type. They need not be aligned.
 template <class T>
@@ -47,4 +47,4 @@ auto with_samples(const ImageView& image, const Visit& visit) {
   return with_sample_type(image.type, [&]<class T>(T) { return visit(Samples<T>(image)); });
 }
 
-}  // namespace quench
+}  // namespace quench::shape

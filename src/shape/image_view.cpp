@@ -2,8 +2,7 @@
 #include <fmt/format.h>
 
 #include "quench/error.h"
-#include "quench/image.h"
-#include "quench/volume.h"
+#include "quench/shape.h"
 
 namespace quench {
 

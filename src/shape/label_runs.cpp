@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "quench/error.h"
-#include "quench/image.h"
+#include "quench/shape.h"
 #include "shape/image_rows.h"
 
 namespace quench {
@@ -18,7 +18,7 @@ namespace {
 constexpr std::int64_t kTile = 64;
 
 template <class T>
-std::vector<LabelRuns> runs_of(const Samples<T>& samples, const std::function<bool(std::int64_t)>& wanted,
+std::vector<LabelRuns> runs_of(const shape::Samples<T>& samples, const std::function<bool(std::int64_t)>& wanted,
                                Context* context) {
   if constexpr (!std::is_integral_v<T>) {
     throw Error(ErrorCode::input, "the image holds no labels: its values are floating-point numbers; give integers");
@@ -112,7 +112,7 @@ VoxelShape LabelRuns::shape(const Grid& image) const {
 
 std::vector<LabelRuns> label_runs(const ImageView& image, const std::function<bool(std::int64_t)>& wanted,
                                   Context* context) {
-  return with_samples(image, [&](const auto& samples) { return runs_of(samples, wanted, context); });
+  return shape::with_samples(image, [&](const auto& samples) { return runs_of(samples, wanted, context); });
 }
 
 }  // namespace quench

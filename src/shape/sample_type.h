@@ -3,9 +3,9 @@
 
 #include <cstdint>
 
-#include "quench/image.h"
+#include "quench/shape.h"
 
-namespace quench {
+namespace quench::shape {
 
 /// Calls `visit` with a value of the C++ type behind a sample type.
 template <class Visit>
@@ -38,4 +38,4 @@ inline std::size_t size_of(SampleType type) {
   return with_sample_type(type, [](auto value) { return sizeof value; });
 }
 
-}  // namespace quench
+}  // namespace quench::shape

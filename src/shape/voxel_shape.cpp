@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "quench/voxel_shape.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,6 +6,7 @@
 #include <limits>
 
 #include "quench/error.h"
+#include "quench/shape.h"
 
 namespace quench {
 

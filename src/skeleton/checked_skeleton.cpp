@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 
+#include "quench/axis.h"
 #include "quench/pipeline.h"
-#include "quench/prune.h"
 
 namespace quench {
 
@@ -19,8 +19,8 @@ CheckedSkeleton checked_skeleton(const SkeletonFamily& family, const Topology& w
   return result;
 }
 
-PolyData skeleton_file(const Skeleton& skeleton, const Topology& topology, const PolyData& from) {
-  PolyData data = to_poly_data(skeleton);
+Record skeleton_file(const Skeleton& skeleton, const Topology& topology, const Record& from) {
+  Record data = to_record(skeleton);
   for (const char* name : {"dims", "spacing", "origin", "direction", "longest_side", "lambda", "lambda_chosen", "omega",
                            "propagation", "radius_rule", "units", "SPACE", "parameters"})
     if (const DataArray* array = find_array(from.field_data, name)) data.field_data.push_back(*array);

@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "base/parallel.h"
 #include "complex/thinning.h"
-#include "parallel.h"
 #include "quench/skeleton.h"
 
 namespace quench {
@@ -28,9 +28,9 @@ SkeletonFamily family_of(RefinedAxis refined, Context* context) {
   for (std::size_t e = 0; e < edges; ++e) edge_value[e] = refined.curve_edge[e] ? kNever : 0;
   for (std::size_t v = 0; v < vertices; ++v) vertex_value[v] = refined.curve_vertex[v] ? kNever : 0;
   // Doors are numbered after all nodes, so that components would cross slabs everywhere.
-  const ThinningOptions at_once{.slabs = 1};
-  CellValues sheet =
-      thin(refined.complex, vertex_value, edge_value, refined.face_thickness, context, "skeleton", at_once);
+  const complex::ThinningOptions at_once{.slabs = 1};
+  complex::CellValues sheet =
+      complex::thin(refined.complex, vertex_value, edge_value, refined.face_thickness, context, "skeleton", at_once);
 
   // Curves on their own: what is left without any sheets, pockets standing for fixed points.
   const std::vector<char> pocket = on_pockets(refined, sheet.face);
@@ -54,7 +54,7 @@ SkeletonFamily family_of(RefinedAxis refined, Context* context) {
     edge_of.push_back(e);
   }
   for (std::size_t v = 0; v < vertices; ++v) vertex_value[v] = refined.medial_point[v] || pocket[v] ? kNever : 0;
-  const CellValues curve = thin(graph, vertex_value, graph_value, {}, context, "skeleton", at_once);
+  const complex::CellValues curve = complex::thin(graph, vertex_value, graph_value, {}, context, "skeleton", at_once);
   for (std::size_t i = 0; i < edge_of.size(); ++i) family.curve_level[edge_of[i] - halves] = curve.edge[i];
 
   family.vertex_sheet_level = std::move(sheet.vertex);
@@ -67,7 +67,7 @@ SkeletonFamily family_of(RefinedAxis refined, Context* context) {
 }  // namespace
 
 SkeletonFamily skeletons(RefinedAxis refined, Context* context) {
-  return in_arena(context, [&] { return family_of(std::move(refined), context); });
+  return base::in_arena(context, [&] { return family_of(std::move(refined), context); });
 }
 
 }  // namespace quench

@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "burn/curve_fire.h"
-#include "burn/polygon_view.h"
-#include "complex/union_find.h"
-#include "parallel.h"
+#include "base/parallel.h"
+#include "base/union_find.h"
+#include "burning/curve_fire.h"
+#include "burning/polygon_view.h"
 #include "quench/error.h"
 #include "quench/skeleton.h"
 
@@ -158,7 +158,7 @@ class Refinement {
       for (std::uint32_t s = first; s < first + count; ++s)
         if (site_.links.ends[s].a != kNone)
           directions = std::max({directions, site_.links.ends[s].a + 1, site_.links.ends[s].b + 1});
-      UnionFind sets(directions + count);
+      base::UnionFind sets(directions + count);
       bool pocket = false;
       for (std::uint32_t s = 0; s < count; ++s) {
         const auto [a, b] = site_.links.ends[first + s];
@@ -504,7 +504,7 @@ RefinedAxis quench_curves(const CellComplex& complex, std::span<const Vec3> poin
                           const Burning& burning, Context* context) {
   if (burning.parent.size() != burning.state_time.size() || burning.burn_time.size() != complex.vertex_count)
     throw Error(ErrorCode::usage, "medial curves need a burning of the same axis with BurnOptions::parents");
-  return in_arena(context, [&] { return refined(complex, points, radius, burning, context); });
+  return base::in_arena(context, [&] { return refined(complex, points, radius, burning, context); });
 }
 
 }  // namespace quench

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cstdio>
 
-#include "quench/prune.h"
-#include "quench/sample.h"
-#include "quench/topology.h"
-#include "quench/voxel_core.h"
+#include "quench/axis.h"
+#include "quench/samples.h"
+#include "quench/shape.h"
+#include "quench/axis.h"
 #include "quench/voxelize.h"
 
 int main() {

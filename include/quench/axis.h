@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "quench/complex.h"
+#include "quench/context.h"
+#include "quench/geometry.h"
+#include "quench/record.h"
+#include "quench/shape.h"
+
+namespace quench {
+
+/// A medial axis: a complex in the world with a radius per vertex. The voxel core fills every member; a foreign medial
+/// axis has points, radius and complex only.
+///
+/// Lengths (radius, lambda, level) are in world units. The level of a cell is the largest pruning threshold it
+/// survives: the pruning for lambda is { level >= lambda }; infinite where topology needs the cell at any lambda.
+struct MedialAxis {
+  CellComplex complex;
+  std::vector<Vec3> points;    ///< per vertex
+  std::vector<double> radius;  ///< per vertex: distance to its nearest sites
+
+  std::vector<double> vertex_lambda, edge_lambda, face_lambda;  ///< of a face: half the distance of its sites
+  std::vector<double> vertex_level, edge_level, face_level;     ///< empty before prune_levels()
+
+  std::vector<std::array<std::uint32_t, 2>> face_sites;  ///< the two nearest sites of each face, smaller row first
+  std::vector<LatticePoint> sites;                       ///< boundary vertices of the voxel shape that faces refer to
+  Grid grid;                                             ///< transform of lattice coordinates
+};
+
+/// How an infinite level is written to files: colour ranges of viewers break on inf.
+inline constexpr double kInfiniteLevelInFiles = 3.4e38;
+
+/// The axis as cells and arrays for a file: point arrays `radius`, `lambda`, `object_angle`; cell arrays `kind` (0 part
+/// of a sheet, 1 curve, 2 point), `component`, `lambda`, `lambda_level`, `object_angle`, `site_a`, `site_b`; field
+/// arrays `sites` and the grid. The object angle is that between the directions from the cell's centre to the two
+/// nearest boundary points its lambda stands for, in degrees: 2 asin(lambda / radius). A line is written for an edge
+/// with no face or with a level above that of its faces, a vertex cell likewise, so that the closure of the cells with
+/// lambda_level >= t is the pruning for t, for every t. Throws Error(usage) when lambdas or levels are there for some
+/// cells only.
+Record to_record(const MedialAxis& axis);
+/// The same of an axis that is not needed any more and is empty afterwards.
+Record to_record(MedialAxis&& axis);
+
+/// The closure of the cells of a file as a complex on the points of the file that some cell uses; `point_of[v]` is the
+/// row of vertex v. Lines and vertex cells that are part of a larger cell are merged with it.
+CellComplex complex_of(const Record& data, std::vector<std::uint32_t>* point_of = nullptr);
+
+/// What medial_axis_of() had to mend, in cells of the file.
+struct AxisRepair {
+  std::size_t degenerate = 0;  ///< polygons or lines that repeat a corner: what is left of them is kept
+  std::size_t duplicate = 0;   ///< polygons with the corners of an earlier one: dropped
+};
+
+/// A medial axis, ours or foreign, as read from a file: complex, points and radius (of the point array `radius`).
+/// Points that no cell uses are isolated vertices. Vertex v is row v of the file. Throws Error(input) when there is no
+/// radius.
+MedialAxis medial_axis_of(const Record& data, AxisRepair* repair = nullptr);
+
+/// How lambda of edges and vertices follows from their sites (docs/algorithms/voxel_core.md).
+enum class LambdaRule {
+  coface,  ///< the largest lambda of the faces and edges around the cell: the rule behind the published results
+  ball     ///< radius of the smallest ball enclosing the cell's own sites: the dissertation's definition
+};
+
+struct CoreOptions {
+  LambdaRule rule = LambdaRule::coface;
+  bool in_bricks = false;  ///< work on parts of the shape one after the other: less memory, the same result, slower
+};
+
+/// The voxel core: the part of the Voronoi diagram of the boundary vertices of O whose dual Delaunay cells meet O
+/// (Yan 2018, Def. 2.4.1). Exact: maximal cospherical sets of sites are one vertex; no zero-length edges, zero-area or
+/// duplicate faces. It has the topology of O (Thm. 2.4.3) and lies strictly inside O (Thm. 2.4.5).
+///
+/// Cells are ordered by the lattice coordinates of their sites, so the result does not depend on threads, translation
+/// or padding. About 265 bytes per site at the peak, in bricks 250. Throws Error(input) for an empty shape or one whose
+/// spacing has no integer proportion, Error(failed) when an index outgrows 32 bits.
+MedialAxis voxel_core(const VoxelShape& shape, const CoreOptions& options = {}, Context* context = nullptr);
+
+/// Predicted growth of memory, in bytes, from a voxel shape to its checked and pruned core (checked_core()) and its
+/// file, beside what the process holds before, on the threads of the arena. Usually 0 to 15 % more than it takes for
+/// shapes of more than 50,000 boundary vertices; what was measured stands in notes/robustness.md. Shapes with flat
+/// walls and ones a voxel thick need less than others.
+std::int64_t predicted_core_bytes(const VoxelShape& shape);
+/// The most for so many boundary vertices.
+std::int64_t predicted_core_bytes(std::int64_t sites);
+/// The same with CoreOptions::in_bricks, which takes less for shapes with flat walls only.
+std::int64_t predicted_core_bytes_in_bricks(const VoxelShape& shape);
+/// The least for so many boundary vertices.
+std::int64_t predicted_core_bytes_in_bricks(std::int64_t sites);
+
+/// Computes the level of every cell: topology-preserving thinning by simple pairs (face, free edge) or (edge, free
+/// vertex) in the order (larger lambda of the pair, dimension, index); the level of a cell is the running maximum of
+/// the keys when it went, infinite when it never goes. The pruning for any lambda is { level >= lambda } (Yan 2018,
+/// sec. 2.6 step 3). O(n log n). Throws Error(usage) unless there is a lambda of 0 or more for every cell.
+void prune_levels(MedialAxis& axis, Context* context = nullptr);
+
+/// The pruning { level >= lambda } as a medial axis of its own (levels kept, unused sites dropped). Levels within 1e-12
+/// relative below lambda count as equal, so that a length given as a multiple of the voxel size does not depend on
+/// rounding. Throws Error(usage) for an axis without levels (see prune_levels()) and a lambda that is no number.
+MedialAxis pruned(const MedialAxis& axis, double lambda);
+/// The same in the memory of an axis that is not needed any more.
+MedialAxis pruned(MedialAxis&& axis, double lambda);
+
+/// For a sample of the voxel centres of the shape (all of them when few): up to which lambda a ball of the pruning
+/// still contains the centre.
+class Reconstruction {
+ public:
+  static constexpr std::size_t kSamples = 20000;  // a share of 98% is then known to 0.1%
+  /// Deterministic; `samples` centres are taken evenly through the shape. Throws Error(usage) when a vertex of the axis
+  /// has no radius or no level.
+  Reconstruction(const VoxelShape& shape, const MedialAxis& axis, std::size_t samples = kSamples,
+                 Context* context = nullptr);
+  /// Share of the sampled centres inside the union of the balls of { level >= lambda }; in [0, 1].
+  double share(double lambda) const;
+
+ private:
+  std::vector<double> covered_until_;  // sorted: largest lambda at which each centre is still covered
+};
+
+/// `--lambda auto`: the largest of 0.02*side / sqrt(2)^k not below half the smallest spacing, then 0, at which
+/// share(lambda) >= 0.98. Throws Error(usage) unless the spacing is above 0 and both are finite.
+double auto_lambda(const Reconstruction& reconstruction, double longest_side, double smallest_spacing);
+
+/// A mask that somebody else owns: byte (x, y, z) is `strides[0]*x + strides[1]*y + strides[2]*z` after `data`.
+struct MaskView {
+  std::array<std::int64_t, 3> dims{0, 0, 0};
+  std::array<std::int64_t, 3> strides{0, 0, 0};
+  std::uint8_t* data = nullptr;
+};
+
+/// Sets the voxels a complex runs through to 1: those of its isolated vertices, and of samples of its edges and
+/// polygons no further than a third of a voxel apart, so that what is connected is 26-connected. Voxels of a complex
+/// inside a voxel shape are voxels of the shape. What is outside the mask is left out. `grid` places voxels; its dims
+/// are not looked at. Throws Error(usage) for a vertex more than 2^21 voxels away.
+void mark_cells(const CellComplex& complex, std::span<const Vec3> points, const Grid& grid, const MaskView& mask,
+                Context* context = nullptr);
+
+/// Sets the voxels whose centres lie in a ball to 1. O(sum of squared radii in voxels), in parallel; deterministic.
+/// Balls whose centre or radius is no number have no voxels.
+void mark_balls(std::span<const Vec3> centres, std::span<const double> radius, const Grid& grid, const MaskView& mask,
+                Context* context = nullptr);
+
+/// Takes out of the data of a medial axis the field arrays that a number or a name would be taken from but that hold
+/// something else (an omega that is infinite, a spacing of two numbers), each with a note that names `file` and the
+/// field.
+void drop_unusable_fields(Record& data, const std::string& file, Context* context = nullptr);
+
+}  // namespace quench

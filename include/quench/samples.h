@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "quench/geometry.h"
+
+namespace quench {
+
+/// One branch of the `root` sample: a polyline with a radius per point, from its parent to its tip.
+struct RootBranch {
+  std::int32_t parent = -1;       ///< index of the branch it grows from; -1 for the main root
+  std::int32_t parent_point = 0;  ///< index of the point of the parent it starts at
+  std::vector<Vec3> points;
+  std::vector<double> radius;
+  double length() const;
+};
+
+struct SampleOptions {
+  double noise = 0;        ///< height of ripples and bumps, fraction of the longest side; 0: the shape's own
+  std::uint64_t seed = 1;  ///< `root`, `bead-pack`, `rough-plate`: another seed, another shape
+  int branches = 60;       ///< `root`: number of branches
+  double detail = 1;       ///< multiplies the number of triangles along each direction
+};
+
+struct Sample {
+  TriangleMesh mesh;                 ///< closed; parts may overlap (inside is winding number != 0)
+  std::vector<RootBranch> branches;  ///< `root` only: the truth
+};
+
+/// Names and one-line descriptions of the built-in shapes, in the order of --help.
+struct SampleInfo {
+  std::string_view name;
+  std::string_view description;
+};
+const std::vector<SampleInfo>& built_in_samples();
+
+/// A built-in shape as a closed mesh. Deterministic on one machine. Throws Error(usage) listing the names when there is
+/// no such shape.
+Sample make_sample(std::string_view name, const SampleOptions& options = {});
+
+}  // namespace quench

@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: Apache-2.0
+// Yan 2018, sec. 2.4 and 2.6 step 2.
+#include <fmt/format.h>
+#include <tbb/parallel_invoke.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <memory>
+
+#include "axis/enclosing_ball.h"
+#include "base/parallel.h"
+#include "base/return_memory.h"
+#include "bricks/dual_complex_in_bricks.h"
+#include "lattice/cells.h"
+#include "lattice/delaunay.h"
+#include "peeling/peeling.h"
+#include "quench/axis.h"
+#include "shape/boundary_count.h"
+
+namespace quench {
+namespace {
+
+using lattice::DualComplex;
+using lattice::Int128;
+
+// Centre of the sphere through the sites, relative to the first, in units of the integer spacing, and squared radius.
+struct Sphere {
+  Vec3 offset;
+  double squared_radius;
+};
+
+// The sites span space. Four of them are chosen by rank alone (the first, the first different, the first not on their
+// line, the first not in their plane), so that rounding does not depend on how the cospherical set was triangulated.
+// Integers: scaled differences < 2^21, cross products < 2^43, determinant and numerators < 2^87.
+Sphere circumsphere(std::span<const std::uint32_t> ids, std::span<const LatticePoint> sites,
+                    const std::array<std::int64_t, 3>& spacing) {
+  using Int3 = std::array<std::int64_t, 3>;
+  const LatticePoint& o = sites[ids[0]];
+  const auto relative = [&](std::uint32_t id) {
+    Int3 d;
+    for (int a = 0; a < 3; ++a) d[a] = (sites[id][a] - o[a]) * spacing[a];
+    return d;
+  };
+  const auto cross = [](const Int3& a, const Int3& b) {
+    return Int3{a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+  };
+  const Int3 b = relative(ids[1]);
+  std::size_t i = 2;
+  Int3 c{}, normal{};
+  for (; i < ids.size(); ++i) {
+    c = relative(ids[i]);
+    normal = cross(b, c);
+    if (normal != Int3{}) break;
+  }
+  Int3 d{};
+  Int128 volume = 0;
+  for (++i; i < ids.size() && volume == 0; ++i) {
+    d = relative(ids[i]);
+    volume = 0;
+    for (int a = 0; a < 3; ++a) volume += static_cast<Int128>(normal[a]) * d[a];
+  }
+  if (volume == 0) throw Error(ErrorCode::invariant, "a vertex of the voxel core has sites in one plane");
+  const auto square = [](const Int3& v) { return v[0] * v[0] + v[1] * v[1] + v[2] * v[2]; };
+  const Int3 cd = cross(c, d), db = cross(d, b);
+  Sphere sphere;
+  // x.b = b^2/2, x.c = c^2/2, x.d = d^2/2.
+  for (int a = 0; a < 3; ++a) {
+    const Int128 numerator = static_cast<Int128>(square(b)) * cd[a] + static_cast<Int128>(square(c)) * db[a] +
+                             static_cast<Int128>(square(d)) * normal[a];
+    sphere.offset[a] = static_cast<double>(numerator) / (2 * static_cast<double>(volume));
+  }
+  sphere.squared_radius = sphere.offset.squaredNorm();
+  return sphere;
+}
+
+class Lambda {
+ public:
+  Lambda(MedialAxis& axis, const DualComplex& dual, std::span<const LatticePoint> sites,
+         const std::array<std::int64_t, 3>& spacing, double unit)
+      : axis_(axis), dual_(dual), sites_(sites), spacing_(spacing), unit_(unit) {}
+
+  void compute(LambdaRule rule, Context* context) {
+    const CellComplex& complex = axis_.complex;
+    tbb::parallel_invoke(
+        [&] {
+          axis_.face_lambda.resize(complex.face_count());
+          axis_.vertex_lambda.assign(complex.vertex_count, -1);
+        },
+        [&] { axis_.edge_lambda.assign(complex.edges.size(), -1); });
+    const std::size_t chunks = base::chunks_for(complex.edges.size());
+    base::for_chunks(chunks, context, "core", 0.5, 0.7, [&](std::size_t chunk) {
+      const auto [first, last] = base::part_of(complex.face_count(), chunk, chunks);
+      for (std::size_t f = first; f < last; ++f) {
+        const auto& [a, b] = dual_.face_sites[f];
+        double squared = 0;
+        for (int i = 0; i < 3; ++i) {
+          const auto d = static_cast<double>((sites_[a][i] - sites_[b][i]) * spacing_[i]);
+          squared += d * d;  // below 2^46: exact, and so is the order of the roots
+        }
+        axis_.face_lambda[f] = 0.5 * std::sqrt(squared) * unit_;
+        for (std::uint32_t e : complex.sides(f)) raise(axis_.edge_lambda[e], axis_.face_lambda[f]);
+      }
+    });
+    base::for_chunks(chunks, context, "core", 0.7, 0.9, [&](std::size_t chunk) {
+      const auto [first, last] = base::part_of(complex.edges.size(), chunk, chunks);
+      std::vector<std::uint32_t> shared;
+      for (std::size_t e = first; e < last; ++e) {
+        const auto& [u, v] = complex.edges[e];
+        if (rule == LambdaRule::ball || axis_.edge_lambda[e] < 0) {
+          shared.clear();
+          const auto su = dual_.sites_of(u), sv = dual_.sites_of(v);
+          std::set_intersection(su.begin(), su.end(), sv.begin(), sv.end(), std::back_inserter(shared));
+          // The maximum only mends rounding: the ball of an edge encloses the sites of its faces.
+          axis_.edge_lambda[e] = std::max(axis_.edge_lambda[e], ball(shared));
+        }
+        for (std::uint32_t w : {u, v}) raise(axis_.vertex_lambda[w], axis_.edge_lambda[e]);
+      }
+    });
+    base::for_chunks(chunks, context, "core", 0.9, 1, [&](std::size_t chunk) {
+      const auto [first, last] = base::part_of(complex.vertex_count, chunk, chunks);
+      for (std::size_t v = first; v < last; ++v)
+        if (rule == LambdaRule::ball || axis_.vertex_lambda[v] < 0)
+          axis_.vertex_lambda[v] =
+              std::max(axis_.vertex_lambda[v], ball(dual_.sites_of(static_cast<std::uint32_t>(v))));
+    });
+  }
+
+ private:
+  // A maximum does not depend on who comes first.
+  static void raise(double& place, double value) {
+    const std::atomic_ref<double> shared(place);
+    double old = shared.load(std::memory_order_relaxed);
+    while (old < value && !shared.compare_exchange_weak(old, value, std::memory_order_relaxed)) {
+    }
+  }
+
+  double ball(std::span<const std::uint32_t> ids) const {
+    std::vector<Vec3> points;
+    const LatticePoint& o = sites_[ids[0]];
+    for (std::uint32_t id : ids) {
+      Vec3 p;
+      for (int a = 0; a < 3; ++a) p[a] = static_cast<double>((sites_[id][a] - o[a]) * spacing_[a]);
+      points.push_back(p);
+    }
+    return std::sqrt(axis::enclosing_ball_squared_radius(points)) * unit_;
+  }
+
+  MedialAxis& axis_;
+  const DualComplex& dual_;
+  std::span<const LatticePoint> sites_;
+  const std::array<std::int64_t, 3>& spacing_;
+  double unit_;
+};
+
+}  // namespace
+
+static MedialAxis compute(const VoxelShape& shape, const CoreOptions& options, Context* context) {
+  if (shape.empty()) throw Error(ErrorCode::input, "the voxel shape is empty; there is no medial axis to compute");
+  const auto spacing = integer_spacing(shape.grid());
+  const double unit =
+      shape.grid().spacing.minCoeff() / static_cast<double>(*std::min_element(spacing.begin(), spacing.end()));
+
+  MedialAxis axis;
+  axis.grid = shape.grid();
+  axis.sites = boundary_vertices(shape);
+  checkpoint(context, "peel", 0);
+  DualComplex dual = options.in_bricks || axis.sites.size() > lattice::Delaunay::kMostSites
+                         ? bricks::dual_complex_in_bricks(shape, axis.sites, spacing, bricks::plan_for(shape), context)
+                         : peeling::dual_complex(shape, axis.sites, spacing, {}, context);
+
+  base::return_free_memory();
+  axis.complex = std::move(dual.complex);
+  tbb::parallel_invoke([&] { axis.points.resize(axis.complex.vertex_count); },
+                       [&] { axis.radius.resize(axis.complex.vertex_count); });
+  const std::size_t chunks = base::chunks_for(axis.complex.vertex_count, std::size_t{1} << 13);
+  base::for_chunks(chunks, context, "core", 0, 0.5, [&](std::size_t chunk) {
+    const auto [first, last] = base::part_of(axis.complex.vertex_count, chunk, chunks);
+    for (std::size_t v = first; v < last; ++v) {
+      const auto ids = dual.sites_of(static_cast<std::uint32_t>(v));
+      const Sphere sphere = circumsphere(ids, axis.sites, spacing);
+      Vec3 lattice;
+      for (int a = 0; a < 3; ++a)
+        lattice[a] = axis.sites[ids[0]][a] + sphere.offset[a] / static_cast<double>(spacing[a]);
+      axis.points[v] = axis.grid.world(lattice);
+      axis.radius[v] = std::sqrt(sphere.squared_radius) * unit;
+    }
+  });
+  Lambda(axis, dual, axis.sites, spacing, unit).compute(options.rule, context);
+  axis.face_sites = std::move(dual.face_sites);
+  return axis;
+}
+
+MedialAxis voxel_core(const VoxelShape& shape, const CoreOptions& options, Context* context) {
+  return base::in_arena(context, [&] { return compute(shape, options, context); });
+}
+
+namespace {
+
+// Measured on 24 shapes, notes/robustness.md; several threads have buffers of their own.
+constexpr double kBytesPerSite = 314, kBytesPerSiteInBricks = 345, kFewestBytesPerSiteInBricks = 222;
+
+std::int64_t core_bytes(double per_site, double sites) {
+  constexpr double always = 6 << 20, of_threads = 6 << 20, of_threads_per_site = 8;
+  return static_cast<std::int64_t>(always + per_site * sites +
+                                   (base::several_threads() ? of_threads + of_threads_per_site * sites : 0));
+}
+
+}  // namespace
+
+std::int64_t predicted_core_bytes(const VoxelShape& shape) {
+  const shape::BoundaryCount count = shape::count_boundary(shape);
+  if (count.sites == 0) return predicted_core_bytes(0);
+  // Opposite flat walls share vertices of the core, and a wall of one voxel has few of them.
+  const auto sites = static_cast<double>(count.sites);
+  const double flat = static_cast<double>(count.flat) / sites;
+  const double thickness = static_cast<double>(shape.voxel_count()) / sites;
+  return core_bytes(std::min({kBytesPerSite, 380 - 115 * flat, 100 + 140 * thickness}), sites);
+}
+
+std::int64_t predicted_core_bytes(std::int64_t sites) { return core_bytes(kBytesPerSite, static_cast<double>(sites)); }
+
+std::int64_t predicted_core_bytes_in_bricks(const VoxelShape& shape) {
+  const shape::BoundaryCount count = shape::count_boundary(shape);
+  if (count.sites == 0) return predicted_core_bytes_in_bricks(0);
+  const auto sites = static_cast<double>(count.sites);
+  return core_bytes(std::min(kBytesPerSiteInBricks, 450 - 230 * static_cast<double>(count.flat) / sites), sites);
+}
+
+std::int64_t predicted_core_bytes_in_bricks(std::int64_t sites) {
+  return core_bytes(kFewestBytesPerSiteInBricks, static_cast<double>(sites));
+}
+
+}  // namespace quench

@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "quench/burn.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/parallel.h"
+#include "burning/fire.h"
+#include "quench/error.h"
+
+namespace quench {
+namespace {
+
+using namespace burning;
+
+void check_points(const CellComplex& complex, std::span<const Vec3> points) {
+  if (points.size() != complex.vertex_count)
+    throw Error(ErrorCode::input,
+                fmt::format("the medial axis has {} vertices, but {} points", complex.vertex_count, points.size()));
+}
+
+// Of the edges that polygons have; of all if there are no polygons.
+double mean_edge(const CellComplex& complex, std::span<const Vec3> points) {
+  std::vector<char> used(complex.edges.size(), complex.face_count() == 0);
+  for (const std::uint32_t e : complex.face_edges) used[e] = 1;
+  double sum = 0;
+  std::size_t count = 0;
+  for (std::size_t e = 0; e < used.size(); ++e)
+    if (used[e]) {
+      sum += (points[complex.edges[e][1]] - points[complex.edges[e][0]]).norm();
+      ++count;
+    }
+  return count == 0 ? 0 : sum / static_cast<double>(count);
+}
+
+void check_input(const CellComplex& complex, std::span<const Vec3> points, std::span<const double> radius,
+                 const BurnOptions& options) {
+  if (points.size() != complex.vertex_count || radius.size() != complex.vertex_count)
+    throw Error(ErrorCode::input, fmt::format("the medial axis has {} vertices, but {} points and {} radii",
+                                              complex.vertex_count, points.size(), radius.size()));
+  for (std::size_t v = 0; v < radius.size(); ++v) {
+    if (!(radius[v] >= 0) || std::isinf(radius[v]))
+      throw Error(ErrorCode::input,
+                  fmt::format("the radius of vertex {} is {}; a medial axis needs a finite radius that "
+                              "is not negative at every vertex",
+                              v, radius[v]));
+    if (!points[v].allFinite()) throw Error(ErrorCode::input, fmt::format("vertex {} has no finite coordinates", v));
+  }
+  if (!(options.omega >= 0) || std::isinf(options.omega))
+    throw Error(ErrorCode::usage, fmt::format("a node spacing of {} cannot be; give a length above 0", options.omega));
+}
+
+}  // namespace
+
+double default_omega(const CellComplex& complex, std::span<const Vec3> points) {
+  check_points(complex, points);
+  const bool triangles = complex.face_vertices.size() == 3 * complex.face_count();
+  return (triangles ? 0.35 : 0.5) * mean_edge(complex, points);
+}
+
+std::int64_t predicted_burn_bytes(const CellComplex& complex, std::span<const Vec3> points,
+                                  const BurnOptions& options) {
+  check_points(complex, points);
+  const double omega = options.omega > 0 ? options.omega : default_omega(complex, points);
+  double nodes = complex.vertex_count;
+  for (const auto& e : complex.edges) {
+    const double pieces = omega > 0 ? (points[e[1]] - points[e[0]]).norm() / omega : 1;
+    nodes += std::max(0.0, std::ceil(pieces) - 1);
+  }
+  const double bytes = 300 * nodes +  // 160 on smooth cores, up to 300 on cores of noise
+                       40.0 * static_cast<double>(complex.face_vertices.size());
+  return static_cast<std::int64_t>(std::min(bytes, 0x1p62));
+}
+
+double radius_inside_edge(double r0, double r1, double length, double t, RadiusRule rule) {
+  const double linear = (1 - t) * r0 + t * r1;
+  if (rule == RadiusRule::linear || std::abs(r0 - r1) > length || length > r0 + r1) return linear;
+  return std::sqrt(std::max(0.0, (1 - t) * r0 * r0 + t * r1 * r1 - t * (1 - t) * length * length));
+}
+
+static Burning burned(const CellComplex& complex, std::span<const Vec3> points, std::span<const double> radius,
+                      const BurnOptions& options, const Turns& turns, Context* context) {
+  checkpoint(context, "burn", 0);
+  Burning result;
+  result.options = options;
+  const double mean = mean_edge(complex, points);
+  if (result.options.omega == 0) result.options.omega = default_omega(complex, points);
+  if (result.options.omega == 0) result.options.omega = 1;  // no edges of any length: any spacing will do
+  result.network = make_network(complex, points, result.options.omega, options.propagation);
+  const Links links = make_links(complex, result.network);
+  const Polygons polygons = make_polygons(complex, points, result.network);
+  double scale = 0;
+  for (const Vec3& p : points) scale = std::max(scale, (p - points[0]).norm());
+  const Site site{complex, points, radius, result.network, links, polygons, options.radius, scale};
+
+  std::vector<char> opened;
+  Times times;
+  {
+    const bool segments = options.propagation == Propagation::segments;
+    // Labels of the segments are corrected; without a tolerance nodes would burn again for every rounding.
+    const double tolerance = segments ? std::min(2e-3 * result.options.omega, 6e-4 * mean) : 0;
+    Labels labels(site, turns, tolerance, segments);
+    if (segments)
+      propagate_by_segments(site, labels, tolerance, context);
+    else
+      propagate_by_nodes(site, labels, context);
+    labels.release(times, opened);
+  }
+  if (options.parents) order_pass(site, opened, times, result, context);
+
+  result.state_time.assign(times.begin(), times.end());
+  result.burn_time.assign(radius.begin(), radius.end());
+  result.erosion_thickness.resize(radius.size());
+  for (std::uint32_t v = 0; v < complex.vertex_count; ++v) {
+    double& time = result.burn_time[v];
+    for (std::uint32_t s = result.network.vertex_base[v]; s < result.network.vertex_base[v + 1]; ++s)
+      time = std::max(time, result.state_time[s]);
+    result.erosion_thickness[v] = time - radius[v];
+    if (std::isinf(time))
+      ++result.unburned;
+    else
+      result.max_burn_time = std::max(result.max_burn_time, time);
+  }
+  checkpoint(context, "burn", 1);
+  return result;
+}
+
+Burning burn(const CellComplex& complex, std::span<const Vec3> points, std::span<const double> radius,
+             const BurnOptions& options, Context* context) {
+  return burn_in_turns(complex, points, radius, options, {}, context);
+}
+
+Burning burning::burn_in_turns(const CellComplex& complex, std::span<const Vec3> points, std::span<const double> radius,
+                               const BurnOptions& options, const Turns& turns, Context* context) {
+  check_input(complex, points, radius, options);
+  return base::in_arena(context, [&] { return burned(complex, points, radius, options, turns, context); });
+}
+
+}  // namespace quench

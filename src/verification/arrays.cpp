@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <map>
+#include <set>
+#include <span>
+
+#include "verification/checks.h"
+
+namespace quench::verification {
+
+namespace {
+
+constexpr const char* told = "told, not computed";
+constexpr const char* shape_only = "the voxels alone do not tell";
+constexpr const char* bounds_only = "only bounds are checked: the fire is not burned again";
+constexpr const char* of_the_axis = "it is of the medial axis, which the file does not hold";
+constexpr const char* no_stage = "the file does not say what it is";
+constexpr const char* nothing_to_compare = "the file has nothing to compare it with";
+
+/// An array that the format defines: how many numbers a field array has (0: any), the words a text may be (none: any),
+/// and why no check may be about it.
+struct Known {
+  const char* name;
+  std::size_t numbers;
+  std::vector<std::string> words;
+  const char* reason;
+};
+
+const std::vector<const char*>& known_point_arrays() {
+  static const std::vector<const char*> names{"radius",          "lambda",         "object_angle",
+                                              "burn_time",       "unburned",       "erosion_thickness",
+                                              "curve_burn_time", "curve_unburned", "curve_erosion_thickness"};
+  return names;
+}
+const std::vector<const char*>& known_cell_arrays() {
+  static const std::vector<const char*> names{"kind",
+                                              "component",
+                                              "lambda",
+                                              "site_a",
+                                              "site_b",
+                                              "lambda_level",
+                                              "object_angle",
+                                              "sheet_level",
+                                              "curve_level",
+                                              "erosion_thickness",
+                                              "curve_erosion_thickness"};
+  return names;
+}
+const std::vector<Known>& known_field_numbers() {
+  static const std::vector<Known> arrays{{"sites", 0, {}, nothing_to_compare},
+                                         {"dims", 3, {}, nothing_to_compare},
+                                         {"spacing", 3, {}, nothing_to_compare},
+                                         {"origin", 3, {}, nothing_to_compare},
+                                         {"direction", 9, {}, nothing_to_compare},
+                                         {"lambda", 1, {}, of_the_axis},
+                                         {"lambda_chosen", 1, {}, "a choice that these cells do not depend on"},
+                                         {"longest_side", 1, {}, shape_only},
+                                         {"reconstructed", 1, {}, nothing_to_compare},
+                                         {"euler", 1, {}, nothing_to_compare},
+                                         {"betti", 3, {}, nothing_to_compare},
+                                         {"omega", 1, {}, of_the_axis},
+                                         {"burn_nodes", 1, {}, of_the_axis},
+                                         {"max_burn_time", 1, {}, nothing_to_compare},
+                                         {"theta2", 1, {}, "only bounds are checked: levels are of the medial axis"},
+                                         {"theta1", 1, {}, "only bounds are checked: levels are of the medial axis"}};
+  return arrays;
+}
+const std::vector<Known>& known_field_texts() {
+  static const std::vector<Known> arrays{{"stage", 1, {"core", "skeleton"}, nothing_to_compare},
+                                         {"lambda_rule", 1, {"coface", "ball"}, nothing_to_compare},
+                                         {"propagation", 1, {"segments", "nodes"}, told},
+                                         {"radius_rule", 1, {"exact", "linear"}, told},
+                                         {"units", 1, {}, told},
+                                         {"SPACE", 1, {}, told},
+                                         {"parameters", 1, {}, "the shape was made with them"},
+                                         {"version", 1, {}, told}};
+  return arrays;
+}
+
+std::string repeated_name(const std::vector<DataArray>& arrays, const char* of) {
+  std::set<std::string> names;
+  for (const DataArray& array : arrays)
+    if (!names.insert(array.name).second) return fmt::format("there are two {} arrays '{}'", of, array.name);
+  return {};
+}
+
+std::string defect_of_rows(const std::vector<DataArray>& arrays, const std::vector<const char*>& known,
+                           const char* of) {
+  for (const char* name : known)
+    if (const DataArray* array = find_array(arrays, name); array && (!has_numbers(*array) || array->components != 1))
+      return fmt::format("the {} array '{}' is not one number per {}", of, name, of);
+  return {};
+}
+
+std::string defect_of_fields(const std::vector<DataArray>& arrays) {
+  for (const Known& known : known_field_numbers()) {
+    const DataArray* array = find_array(arrays, known.name);
+    if (!array) continue;
+    if (!has_numbers(*array))
+      return fmt::format("the field array '{}' holds text where numbers are needed", known.name);
+    if (known.numbers > 0 && array->size() != known.numbers)
+      return fmt::format("the field array '{}' has {} numbers instead of {}", known.name, array->size(), known.numbers);
+    if (known.numbers != 1 || known.name == std::string_view("euler")) continue;  // that can be negative
+    if (const double number = array->numbers()[0]; !(number >= 0))
+      return fmt::format("the field array '{}' is {:.9g}, which can only be 0 or more", known.name, number);
+  }
+  if (const DataArray* sites = find_array(arrays, "sites"); sites && (sites->components != 3 || sites->size() % 3 != 0))
+    return "the field array 'sites' is not of three numbers per site";
+  for (const Known& known : known_field_texts()) {
+    const DataArray* array = find_array(arrays, known.name);
+    if (!array) continue;
+    if (has_numbers(*array) || array->size() != 1)
+      return fmt::format("the field array '{}' is not one text", known.name);
+    const std::string word = text_or_empty(arrays, known.name);
+    if (!known.words.empty() && std::find(known.words.begin(), known.words.end(), word) == known.words.end())
+      return fmt::format("the field array '{}' is '{}'; it can be '{}' or '{}'", known.name, word, known.words[0],
+                         known.words[1]);
+  }
+  return {};
+}
+
+// Why an array is in no check.
+std::string reason_for(const char* of, const std::string& name, const Record& data) {
+  const std::string stage = text_or_empty(data.field_data, "stage");
+  if (stage.empty()) return no_stage;
+  if (of == std::string("field") && name == "omega" && find_array(data.field_data, "burn_nodes"))
+    return "only that it gives burn_nodes is checked";
+  if (stage == "core" && of == std::string("field") && name == "lambda") return "another lambda was given";
+  if (of == std::string("field")) {
+    for (const auto* known : {&known_field_numbers(), &known_field_texts()})
+      for (const Known& array : *known)
+        if (array.name == name) return array.reason;
+    return "unknown here";
+  }
+  if (name.find("burn") != std::string::npos || name.find("erosion") != std::string::npos) return bounds_only;
+  if (name == "sheet_level" || name == "curve_level") return "only bounds are checked: levels are of the medial axis";
+  const auto& known = of == std::string("point") ? known_point_arrays() : known_cell_arrays();
+  const bool is_known = std::find(known.begin(), known.end(), name) != known.end();
+  return is_known ? nothing_to_compare : "unknown here";
+}
+
+}  // namespace
+
+std::string array_defect(const Record& data) {
+  std::string defect = repeated_name(data.point_data, "point");
+  if (defect.empty()) defect = repeated_name(data.cell_data, "cell");
+  if (defect.empty()) defect = repeated_name(data.field_data, "field");
+  if (defect.empty() && find_array(data.field_data, "stage")) {  // other programs may use the names as they like
+    defect = defect_of_rows(data.point_data, known_point_arrays(), "point");
+    if (defect.empty()) defect = defect_of_rows(data.cell_data, known_cell_arrays(), "cell");
+    if (defect.empty()) defect = defect_of_fields(data.field_data);
+  }
+  return defect;
+}
+
+std::vector<UncheckedArray> unchecked_arrays(const Record& data, const std::vector<Check>& checks) {
+  std::set<std::string> checked;
+  for (const Check& check : checks) checked.insert(check.arrays.begin(), check.arrays.end());
+  std::vector<UncheckedArray> left;
+  const auto list = [&](const std::vector<DataArray>& arrays, const char* of) {
+    for (const DataArray& array : arrays)
+      if (const std::string name = fmt::format("{} {}", of, array.name); !checked.contains(name))
+        left.push_back({name, reason_for(of, array.name, data)});
+  };
+  list(data.point_data, "point");
+  list(data.cell_data, "cell");
+  list(data.field_data, "field");
+  return left;
+}
+
+Check arrays_left(const std::vector<UncheckedArray>& arrays, const std::vector<std::string>& absent) {
+  const std::string name = "other arrays";
+  const std::string missing = absent.empty() ? "" : fmt::format("not in the file: {}", fmt::join(absent, ", "));
+  if (arrays.empty()) return {name, true, absent.empty() ? "there are none" : missing, {}};
+  std::vector<std::string> reasons;
+  std::map<std::string, std::string> names;
+  for (const auto& [array, reason] : arrays) {
+    std::string& list = names[reason];
+    if (list.empty()) reasons.push_back(reason);
+    list += (list.empty() ? "" : ", ") + array;
+  }
+  std::string text;
+  for (const std::string& reason : reasons)
+    text += fmt::format("{}{} ({})", text.empty() ? "" : "; ", names[reason], reason);
+  return not_checked(name, missing.empty() ? text : text + "; " + missing);
+}
+
+}  // namespace quench::verification

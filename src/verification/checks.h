@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "verification/nearest_sites.h"
+#include "verification/polytope.h"
+#include "verification/result.h"
+
+namespace quench::verification {
+
+/// No two cells are the same, none is degenerate; polygons are plane and convex.
+Check check_cells(const Result& result);
+
+/// Euler characteristic and Betti numbers of the result are those of the shape.
+Check check_topology(const Result& result);
+
+/// Every cell lies in the open shape.
+Check check_enclosure(const Result& result, Context* context);
+
+/// The arrays `lambda` against LambdaOfSites.
+Check check_lambda(const Result& result, const Sites& sites, VertexSites& vertex_sites, std::size_t samples,
+                   Context* context);
+
+/// No simple pair below lambda is left, and every core cell of at least lambda around the sampled vertices is there.
+Check check_pruning(const Result& result, const Sites& sites, VertexSites& vertex_sites, std::size_t samples,
+                    Context* context);
+
+/// The proximity bound: distance to the true medial axis (docs/user/guarantees.md).
+Check check_proximity(const Result& result, std::size_t samples, Context* context);
+
+/// The array `lambda_level`: that a thinning by simple pairs in the order of their keys can give these levels.
+Check check_levels(const Result& result, const Sites& sites, VertexSites& vertex_sites, Context* context);
+
+/// Share of the sampled voxel centres in the balls of the vertices against the array `reconstructed`.
+Check check_reconstruction(const Result& result, Context* context);
+
+/// What is wrong with the form of arrays whose names the format defines: numbers or text, how many; two of one name, a
+/// word that is none of the known ones. Empty when nothing is.
+std::string array_defect(const Record& data);
+
+/// Per vertex the number of its component, counted by their first vertices.
+std::vector<std::uint32_t> components(const CellComplex& complex);
+/// The arrays `kind` and `component`.
+Check check_kinds(const Result& result);
+/// Field arrays that tell of the shape: the grid and, where it is given, the longest side; `lambda_chosen`.
+Check check_fields(const Result& result, const VerifyOptions& options);
+/// The arrays `sites`, `site_a` and `site_b` of all polygons, and their lambda as half the distance of the two.
+Check check_sites(const Result& result, const Sites& sites);
+/// The arrays `object_angle`.
+Check check_angles(const Result& result);
+/// Burn times and erosion thickness of points: what holds between them and the complex.
+Check check_burning(const Result& result);
+/// Levels and thickness of the cells of a skeleton: bounds, and what is the same in every skeleton.
+Check check_skeleton_levels(const Result& result);
+
+/// The arrays of the file that none of the checks is about, with the reason.
+std::vector<UncheckedArray> unchecked_arrays(const Record& data, const std::vector<Check>& checks);
+/// What the stage of the file has and the file has not, as in Certificate::absent.
+std::vector<std::string> absent_arrays(const Result& result);
+/// Of these, the arrays without which the file cannot be checked as what it claims to be.
+Check check_expected(const Result& result, const VerifyOptions& options);
+/// The sentence about what is not checked and what is not there.
+Check arrays_left(const std::vector<UncheckedArray>& arrays, const std::vector<std::string>& absent);
+
+}  // namespace quench::verification

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <iterator>
+#include <span>
+#include <string_view>
+
+#include "verification/checks.h"
+
+namespace quench::verification {
+
+namespace {
+
+/// An array that Quench writes into files of a stage.
+struct Expected {
+  const char* of;  ///< "point", "cell" or "field"
+  const char* name;
+  bool needed;  ///< without it the file cannot be placed, or checked as what it claims to be
+};
+
+constexpr Expected kOfCores[]{
+    {"point", "radius", true},        {"point", "lambda", true},         {"point", "object_angle", false},
+    {"cell", "kind", false},          {"cell", "component", false},      {"cell", "lambda", true},
+    {"cell", "lambda_level", true},   {"cell", "object_angle", false},   {"cell", "site_a", true},
+    {"cell", "site_b", true},         {"field", "sites", true},          {"field", "dims", true},
+    {"field", "spacing", true},       {"field", "origin", true},         {"field", "direction", true},
+    {"field", "lambda", true},        {"field", "lambda_rule", true},    {"field", "lambda_chosen", false},
+    {"field", "longest_side", false}, {"field", "reconstructed", false}, {"field", "euler", false},
+    {"field", "betti", false},        {"field", "units", false},         {"field", "parameters", false},
+    {"field", "version", false}};
+
+// Of cores once they are burned: when there is one of them, all are expected.
+constexpr Expected kOfBurning[]{{"point", "burn_time", false},   {"point", "erosion_thickness", false},
+                                {"point", "unburned", false},    {"field", "omega", false},
+                                {"field", "propagation", false}, {"field", "radius_rule", false},
+                                {"field", "burn_nodes", false},  {"field", "max_burn_time", false}};
+
+constexpr Expected kOfSkeletons[]{{"point", "radius", true},
+                                  {"point", "burn_time", false},
+                                  {"point", "erosion_thickness", false},
+                                  {"point", "unburned", false},
+                                  {"point", "curve_burn_time", false},
+                                  {"point", "curve_erosion_thickness", false},
+                                  {"point", "curve_unburned", false},
+                                  {"cell", "kind", false},
+                                  {"cell", "component", false},
+                                  {"cell", "sheet_level", true},
+                                  {"cell", "curve_level", true},
+                                  {"cell", "erosion_thickness", true},
+                                  {"cell", "curve_erosion_thickness", true},
+                                  {"field", "theta2", true},
+                                  {"field", "theta1", true},
+                                  {"field", "omega", false},
+                                  {"field", "propagation", false},
+                                  {"field", "radius_rule", false},
+                                  {"field", "euler", false},
+                                  {"field", "betti", false},
+                                  {"field", "version", false}};
+
+// Skeletons have these from their core; one of a medial axis of another program has none of them.
+constexpr Expected kOfSkeletonsOfCores[]{
+    {"field", "dims", true},           {"field", "spacing", true},       {"field", "origin", true},
+    {"field", "direction", true},      {"field", "longest_side", false}, {"field", "lambda", false},
+    {"field", "lambda_chosen", false}, {"field", "units", false},        {"field", "parameters", false}};
+
+// By which they are known: other programs may give a medial axis a spacing and an origin.
+constexpr Expected kOnlyOfCores[]{
+    {"field", "dims", true}, {"field", "lambda_chosen", false}, {"field", "parameters", false}};
+
+bool is_there(const Record& data, const Expected& array) {
+  const std::string_view of = array.of;
+  const auto& arrays = of == "point" ? data.point_data : of == "cell" ? data.cell_data : data.field_data;
+  return find_array(arrays, array.name) != nullptr;
+}
+
+// Those of `arrays` that are not there are added to `absent`.
+void look_for(std::span<const Expected> arrays, const Record& data, std::vector<Expected>& absent) {
+  std::copy_if(arrays.begin(), arrays.end(), std::back_inserter(absent),
+               [&](const Expected& array) { return !is_there(data, array); });
+}
+
+bool has_one_of(std::span<const Expected> arrays, const Record& data) {
+  return std::any_of(arrays.begin(), arrays.end(), [&](const Expected& array) { return is_there(data, array); });
+}
+
+std::vector<Expected> absent_of(const Result& result) {
+  const Record& data = result.data;
+  std::vector<Expected> absent;
+  if (result.stage == "core") {
+    look_for(kOfCores, data, absent);
+    if (has_one_of(kOfBurning, data)) look_for(kOfBurning, data, absent);
+  } else if (result.stage == "skeleton") {
+    look_for(kOfSkeletons, data, absent);
+    if (has_one_of(kOnlyOfCores, data)) look_for(kOfSkeletonsOfCores, data, absent);
+  } else {
+    absent.push_back({"field", "stage", false});
+  }
+  return absent;
+}
+
+}  // namespace
+
+std::vector<std::string> absent_arrays(const Result& result) {
+  std::vector<std::string> names;
+  for (const Expected& array : absent_of(result)) names.push_back(fmt::format("{} {}", array.of, array.name));
+  return names;
+}
+
+Check check_expected(const Result& result, const VerifyOptions& options) {
+  const std::string name = "arrays";
+  if (result.stage.empty()) return not_checked(name, "no FieldData 'stage'");
+  std::vector<std::string> needed;
+  for (const Expected& array : absent_of(result))
+    if (array.needed &&
+        !(options.lambda && std::string_view(array.of) == "field" && array.name == std::string("lambda")))
+      needed.push_back(fmt::format("{} {}", array.of, array.name));
+  if (needed.empty()) return {name, true, fmt::format("the file has what a {} needs", result.stage), {}};
+  const std::string list = fmt::format("{}", fmt::join(needed, ", "));
+  if (!options.format_holds_all)
+    return not_checked(name, "the file does not have what a " + result.stage + " needs: " + list);
+  return failed(name, fmt::format("missing: {}; a {} cannot be checked without, write it again from its input", list,
+                                  result.stage));
+}
+
+}  // namespace quench::verification

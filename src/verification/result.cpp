@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "verification/result.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "quench/error.h"
+
+namespace quench::verification {
+
+bool has_numbers(const DataArray& array) { return !std::holds_alternative<std::vector<std::string>>(array.values); }
+
+std::vector<double> numbers_or_empty(const std::vector<DataArray>& arrays, std::string_view name) {
+  const DataArray* array = find_array(arrays, name);
+  return array && has_numbers(*array) && array->components == 1 ? array->numbers() : std::vector<double>{};
+}
+
+std::string text_or_empty(const std::vector<DataArray>& arrays, std::string_view name) {
+  const DataArray* array = find_array(arrays, name);
+  if (!array) return {};
+  const auto* text = std::get_if<std::vector<std::string>>(&array->values);
+  return text && !text->empty() ? text->front() : std::string{};
+}
+
+namespace {
+
+// Inverts a relation given as (from, to) pairs, from ascending order of `to`.
+template <class Each>
+void invert(std::uint32_t count, std::vector<std::uint32_t>& offsets, std::vector<std::uint32_t>& values,
+            const Each& each) {
+  offsets.assign(count + std::size_t{1}, 0);
+  each([&](std::uint32_t from, std::uint32_t) { ++offsets[from + 1]; });
+  for (std::size_t i = 0; i < count; ++i) offsets[i + 1] += offsets[i];
+  values.resize(offsets.back());
+  std::vector<std::uint32_t> next(offsets.begin(), offsets.end() - 1);
+  each([&](std::uint32_t from, std::uint32_t to) { values[next[from]++] = to; });
+}
+
+}  // namespace
+
+Result::Result(const VoxelShape& voxels, const Record& file, const VerifyOptions& options) : shape(voxels), data(file) {
+  constexpr std::uint32_t unused = std::numeric_limits<std::uint32_t>::max();
+  std::vector<std::uint32_t> vertex_of(data.points.size(), unused);
+  for (std::uint32_t v : data.verts) vertex_of[v] = 0;
+  for (const auto& line : data.lines) vertex_of[line[0]] = vertex_of[line[1]] = 0;
+  for (std::uint32_t v : data.poly_corners) vertex_of[v] = 0;
+  for (std::uint32_t p = 0; p < vertex_of.size(); ++p)
+    if (vertex_of[p] != unused) {
+      vertex_of[p] = static_cast<std::uint32_t>(rows.size());
+      rows.push_back(p);
+    }
+  const auto vertex_count = static_cast<std::uint32_t>(rows.size());
+
+  std::vector<std::array<std::uint32_t, 2>> lines;
+  for (const auto& line : data.lines) {
+    const std::uint32_t a = vertex_of[line[0]], b = vertex_of[line[1]];
+    lines.push_back({std::min(a, b), std::max(a, b)});
+  }
+  std::vector<std::uint32_t> corners;
+  for (std::uint32_t v : data.poly_corners) corners.push_back(vertex_of[v]);
+  complex = make_complex(vertex_count, lines, data.poly_offsets, std::move(corners));
+  for (const auto& line : lines)
+    line_edges.push_back(static_cast<std::uint32_t>(std::lower_bound(complex.edges.begin(), complex.edges.end(), line) -
+                                                    complex.edges.begin()));
+  for (std::uint32_t v : data.verts) vert_vertices.push_back(vertex_of[v]);
+
+  scale = integer_spacing(shape.grid());
+  const Vec3 units = shape.grid().spacing.cwiseQuotient(
+      Vec3(static_cast<double>(scale[0]), static_cast<double>(scale[1]), static_cast<double>(scale[2])));
+  unit = units[0];
+  slack = units.maxCoeff() / units.minCoeff() - 1;
+  // A product and a sum per axis, each rounded, on the way to the file, and as many on the way back.
+  double farthest = shape.grid().origin.cwiseAbs().maxCoeff();
+  for (std::uint32_t row : rows) farthest = std::max(farthest, data.points[row].cwiseAbs().maxCoeff());
+  rounding = 4 * std::numeric_limits<double>::epsilon() * farthest / unit;
+  for (std::uint32_t row : rows) {
+    lattice.push_back(shape.grid().lattice(data.points[row]));
+    scaled.push_back(lattice.back().cwiseProduct(
+        Vec3(static_cast<double>(scale[0]), static_cast<double>(scale[1]), static_cast<double>(scale[2]))));
+  }
+
+  const auto per_vertex = [&](std::string_view name) {
+    const std::vector<double> all = numbers_or_empty(data.point_data, name);
+    std::vector<double> kept;
+    if (!all.empty())
+      for (std::uint32_t row : rows) kept.push_back(all[row]);
+    return kept;
+  };
+  radius = per_vertex("radius");
+  vertex_lambda = per_vertex("lambda");
+  cell_lambda = numbers_or_empty(data.cell_data, "lambda");
+
+  const std::vector<double> a = numbers_or_empty(data.cell_data, "site_a");
+  const std::vector<double> b = numbers_or_empty(data.cell_data, "site_b");
+  const DataArray* sites = find_array(data.field_data, "sites");
+  if (!a.empty() && !b.empty() && sites && sites->components == 3 && has_numbers(*sites)) {
+    const std::vector<double> xyz = sites->numbers();
+    const auto site = [&](double row) {
+      LatticePoint p{-1, -1, -1};  // never a site: no voxel is at negative coordinates
+      if (row >= 0 && 3 * row + 2 < static_cast<double>(xyz.size()))
+        for (std::size_t i = 0; i < 3; ++i) p[i] = bounded(xyz[3 * static_cast<std::size_t>(row) + i]);
+      return p;
+    };
+    const std::size_t first = data.verts.size() + data.lines.size();
+    for (std::size_t f = 0; f < complex.face_count(); ++f)
+      face_sites.push_back({site(a[first + f]), site(b[first + f])});
+  }
+
+  edge_faces_count.assign(complex.edges.size(), 0);
+  for (std::uint32_t e : complex.face_edges) ++edge_faces_count[e];
+  invert(vertex_count, vertex_edge_offsets, vertex_edges, [&](const auto& put) {
+    for (std::uint32_t e = 0; e < complex.edges.size(); ++e)
+      for (std::uint32_t v : complex.edges[e]) put(v, e);
+  });
+  invert(vertex_count, vertex_face_offsets, vertex_faces, [&](const auto& put) {
+    for (std::uint32_t f = 0; f < complex.face_count(); ++f)
+      for (std::uint32_t v : complex.corners(f)) put(v, f);
+  });
+
+  stage = text_or_empty(data.field_data, "stage");
+  ball_rule = text_or_empty(data.field_data, "lambda_rule") == "ball";
+  const std::vector<double> threshold = numbers_or_empty(data.field_data, "lambda");
+  lambda_given = options.lambda || !threshold.empty();
+  lambda = options.lambda ? *options.lambda : threshold.empty() ? 0 : threshold[0];
+  lambda_of_file = !threshold.empty() && threshold[0] == lambda;
+}
+
+std::string Result::describe_vertex(std::uint32_t vertex) const {
+  const Vec3& p = data.points[rows[vertex]];
+  return fmt::format("point {} at ({:.9g}, {:.9g}, {:.9g})", rows[vertex], p[0], p[1], p[2]);
+}
+
+std::string Result::describe_edge(std::uint32_t edge) const {
+  return fmt::format("edge from {} to {}", describe_vertex(complex.edges[edge][0]),
+                     describe_vertex(complex.edges[edge][1]));
+}
+
+std::string Result::describe_face(std::size_t face) const {
+  return fmt::format("polygon {} with {}", face, describe_vertex(complex.corners(face)[0]));
+}
+
+Vec3 Result::centroid(std::size_t face) const {
+  Vec3 sum = Vec3::Zero();
+  for (std::uint32_t v : complex.corners(face)) sum += scaled[v];
+  return sum / static_cast<double>(complex.corners(face).size());
+}
+
+void cover(Check& check, std::string_view array) { check.arrays.emplace_back(array); }
+
+std::vector<std::uint32_t> sample(std::size_t count, std::size_t limit) {
+  const std::size_t taken = std::min(count, limit);
+  std::vector<std::uint32_t> indices(taken);
+  for (std::size_t i = 0; i < taken; ++i)
+    indices[i] =
+        static_cast<std::uint32_t>(static_cast<double>(i) * static_cast<double>(count) / static_cast<double>(taken));
+  return indices;
+}
+
+}  // namespace quench::verification

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "quench/verify.h"
+
+#include <algorithm>
+
+#include "base/parallel.h"
+#include "quench/error.h"
+#include "verification/checks.h"
+
+namespace quench {
+
+namespace {
+
+using namespace verification;
+
+// Why the file does not even describe a complex; empty when it does.
+std::string structural_defect(const Record& data) {
+  try {
+    data.validate();
+  } catch (const Error& error) {
+    return error.what();
+  }
+  for (std::size_t l = 0; l < data.lines.size(); ++l)
+    if (data.lines[l][0] == data.lines[l][1])
+      return "line " + std::to_string(l) + " joins point " + std::to_string(data.lines[l][0]) + " to itself";
+  for (std::size_t f = 0; f < data.poly_count(); ++f) {
+    std::vector<std::uint32_t> corners(data.poly_corners.begin() + data.poly_offsets[f],
+                                       data.poly_corners.begin() + data.poly_offsets[f + 1]);
+    std::sort(corners.begin(), corners.end());
+    if (corners.size() < 3 || std::adjacent_find(corners.begin(), corners.end()) != corners.end())
+      return "polygon " + std::to_string(f) + " has fewer than three different corners or repeats one";
+  }
+  for (std::size_t p = 0; p < data.points.size(); ++p)
+    if (!data.points[p].allFinite()) return "point " + std::to_string(p) + " is not finite";
+  return {};
+}
+
+// The first vertex that is more than a voxel outside the grid; empty when none is. Sizes and tolerances of the checks
+// are those of points of the shape: they would take long, or for ever, where coordinates are of any size.
+std::string vertex_off_grid(const Result& result) {
+  const auto& dims = result.shape.grid().dims;
+  for (std::uint32_t v = 0; v < result.lattice.size(); ++v)
+    for (std::size_t a = 0; a < 3; ++a)
+      if (const double x = result.lattice[v][static_cast<int>(a)]; !(x >= -1 && x <= static_cast<double>(dims[a]) + 1))
+        return result.describe_vertex(v) + " is outside the grid of the shape; nothing else is checked";
+  return {};
+}
+
+Certificate examine(const VoxelShape& shape, const Record& data, const VerifyOptions& options, Context* context) {
+  Certificate certificate;
+  const std::string defect = structural_defect(data);
+  if (!defect.empty()) {
+    certificate.checks.push_back(failed("no duplicate or degenerate cell", defect));
+    return certificate;
+  }
+  if (const std::string wrong = array_defect(data); !wrong.empty()) {
+    certificate.checks.push_back(failed("arrays", wrong));
+    return certificate;
+  }
+  const Result result(shape, data, options);
+  if (const std::string far = vertex_off_grid(result); !far.empty()) {
+    certificate.checks.push_back(failed("inside the shape", far));
+    return certificate;
+  }
+  const Sites sites(shape);
+  VertexSites vertex_sites(result, sites);
+  const auto add = [&](Check check) { certificate.checks.push_back(std::move(check)); };
+
+  add(check_expected(result, options));
+  add(check_cells(result));
+  add(check_topology(result));
+  add(check_enclosure(result, context));
+  add(check_radii(result, sites, context));
+  if (result.stage == "core") {
+    add(check_voronoi(result, sites, vertex_sites, options.samples, context));
+    add(check_lambda(result, sites, vertex_sites, options.samples, context));
+    add(check_pruning(result, sites, vertex_sites, options.samples, context));
+  } else {
+    const std::string why = result.stage.empty() ? "no FieldData 'stage'" : "the stage is '" + result.stage + "'";
+    for (const char* name : {"Voronoi cells", "lambda", "legal pruning"})
+      add(not_checked(name, why + ", this is a property of voxel cores"));
+  }
+  if (result.stage.empty())
+    add(not_checked("proximity bound", "no FieldData 'stage', this is a property of voxel cores and parts of them"));
+  else
+    add(check_proximity(result, options.samples, context));
+  add(check_levels(result, sites, vertex_sites, context));
+  add(check_sites(result, sites));
+  add(check_angles(result));
+  add(check_kinds(result));
+  add(check_burning(result));
+  add(check_skeleton_levels(result));
+  add(check_reconstruction(result, context));
+  add(check_fields(result, options));
+  certificate.not_checked = unchecked_arrays(data, certificate.checks);
+  certificate.absent = absent_arrays(result);
+  add(arrays_left(certificate.not_checked, certificate.absent));
+  checkpoint(context, "verify", 1);
+  return certificate;
+}
+
+}  // namespace
+
+bool Certificate::passed() const {
+  return std::all_of(checks.begin(), checks.end(), [](const Check& check) { return check.passed; });
+}
+
+Certificate verify(const VoxelShape& shape, const Record& result, const VerifyOptions& options, Context* context) {
+  if (shape.empty()) throw Error(ErrorCode::input, "the shape to verify against has no voxels");
+  return base::in_arena(context, [&] { return examine(shape, result, options, context); });
+}
+
+}  // namespace quench

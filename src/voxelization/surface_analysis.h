@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "quench/voxelize.h"
+
+namespace quench::voxelization {
+
+/// Combinatorics of a surface after welding its vertices by exact position (-0 equals 0).
+struct SurfaceAnalysis {
+  SurfaceTopology topology;
+  std::int64_t boundary_edges = 0;    ///< edges with exactly one non-degenerate face
+  std::int64_t odd_edges = 0;         ///< with an odd number of them; 0: every scanline has an even number of crossings
+  std::int64_t unbalanced_edges = 0;  ///< not as many in one direction as in the other; 0: every scanline returns to 0
+  std::int64_t degenerate_faces = 0;  ///< with two corners at the same place
+};
+
+/// Throws Error(input) when a triangle refers to a point that does not exist, Error(failed) above 2^32 corners.
+SurfaceAnalysis analyze_surface(const TriangleMesh& mesh);
+
+/// Throws the Error(input) for a triangle that refers to a point which does not exist.
+[[noreturn]] void refuse_corner(const TriangleMesh& mesh, std::size_t triangle, std::uint32_t point);
+
+}  // namespace quench::voxelization
