@@ -4,6 +4,7 @@
 # make test-full  also: address, undefined-behaviour and thread sanitizers, all real data at resolution 512
 # make soak       random shapes and options through the program for SOAK_SECONDS (600), from seed SOAK_SEED (the time)
 # make fuzz       every own reader fuzzed with Clang for FUZZ_SECONDS (60) each
+# make docs       install packages for it, build the documentation as a site in build/site
 # make bench      time and memory per boundary vertex
 # make format     clang-format over the sources
 JOBS ?= $(shell nproc)
@@ -11,7 +12,7 @@ BUILD := build/release
 
 FUZZ_SECONDS ?= 60
 
-.PHONY: demo test test-full soak fuzz bench build format clean
+.PHONY: demo test test-full soak fuzz docs bench build format clean
 demo: deps
 	@echo "Building the program and its page only, some minutes on two processors ('make test' builds the rest) ..."
 	cmake --preset release
@@ -53,6 +54,10 @@ fuzz:
 	cmake --preset fuzz
 	cmake --build --preset fuzz -j $(JOBS)
 	fuzz/run build/fuzz $(FUZZ_SECONDS)
+
+docs:
+	@scripts/install-deps --docs
+	scripts/make-docs
 
 bench: build
 	bench/run $(BUILD)

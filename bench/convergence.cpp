@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // How fast voxel cores approach the medial axes of smooth shapes (Yan 2018, Thms. 2.5.1 to 2.5.4, Fig. 2.9), as the
-// Markdown tables of docs/convergence.md.
+// Markdown tables of notes/convergence.md.
 //   bench_convergence voxels|topology|axis|mesh|blobs [LARGEST_RESOLUTION]
 #include <fmt/format.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The table of docs/defective_meshes.md: every damage of every mesh, and how far its voxels are from the clean ones.
+// The table of notes/defective_meshes.md: every damage of every mesh, and how far its voxels are from the clean ones.
 //   bench_defects RESOLUTION [MESH...]      without MESH: the built-in shapes
 #include <fmt/format.h>
 

@@ -5,7 +5,7 @@
 usage: compare_measures.py [MESH] [--resolution N] [--keep SHARE] [-o FOLDER]
 
 Radius, lambda, object angle and erosion thickness are thresholded so that each keeps the same share of the area; what is kept
-is drawn and its connected pieces are counted. Needs numpy and matplotlib. (docs/significance.md compares further.)"""
+is drawn and its connected pieces are counted. Needs numpy and matplotlib. (notes/significance.md compares further.)"""
 import argparse
 import pathlib
 

@@ -59,7 +59,7 @@ inline Kept pruned(const Core& core, double lambda, bool ball_rule = false) {
   return kept;
 }
 
-/// Polygons, edges without polygon as lines, cells without edge as vertex cells, with the arrays of docs/voxel_core.md.
+/// Polygons, edges without polygon as lines, cells without edge as vertex cells, with the arrays of docs/user/files.md.
 inline Record record(const Core& core, const Kept& kept, double lambda = 0, bool ball_rule = false) {
   Record data;
   const auto value = [&](const auto& cell) { return ball_rule ? cell.lambda_ball : cell.lambda; };

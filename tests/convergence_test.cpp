@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Theorems 2.5.1 to 2.5.4 of Yan 2018 at low resolution, on solids with known reach and medial axis. The tables of
-// docs/convergence.md go further (bench_convergence).
+// notes/convergence.md go further (bench_convergence).
 #include <gtest/gtest.h>
 
 #include <cmath>

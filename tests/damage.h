@@ -7,7 +7,7 @@
 
 #include "quench/geometry.h"
 
-/// Ways to spoil a closed mesh, for tests and for the table of docs/defective_meshes.md.
+/// Ways to spoil a closed mesh, for tests and for the table of notes/defective_meshes.md.
 namespace quench::testing_damage {
 
 struct Damage {

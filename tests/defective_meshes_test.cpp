@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // QUENCH_TEST_FULL=1 spoils every closed mesh of the data too. Clean meshes, spoiled in many ways, give about the
-// voxels of the clean ones (docs/defective_meshes.md).
+// voxels of the clean ones (notes/defective_meshes.md).
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -10,7 +10,7 @@
 #include "lattice/cells.h"
 #include "random_shapes.h"
 
-/// For tests of other ways to the dual complex: the triangulation of all sites at once (algorithm A) is the oracle.
+/// For tests of other ways to the dual complex: the triangulation of all sites at once is the oracle.
 namespace quench::testing_duals {
 
 inline lattice::DualComplex by_triangulation(const VoxelShape& shape, std::span<const LatticePoint> sites) {

@@ -63,7 +63,7 @@ struct AxisRepair {
 /// radius.
 MedialAxis medial_axis_of(const Record& data, AxisRepair* repair = nullptr);
 
-/// How lambda of edges and vertices follows from their sites (docs/voxel_core.md).
+/// How lambda of edges and vertices follows from their sites (docs/algorithms/voxel_core.md).
 enum class LambdaRule {
   coface,  ///< the largest lambda of the faces and edges around the cell: the rule behind the published results
   ball     ///< radius of the smallest ball enclosing the cell's own sites: the dissertation's definition
@@ -85,8 +85,8 @@ MedialAxis voxel_core(const VoxelShape& shape, const CoreOptions& options = {}, 
 
 /// Predicted growth of memory, in bytes, from a voxel shape to its checked and pruned core (checked_core()) and its
 /// file, beside what the process holds before, on the threads of the arena. Usually 0 to 15 % more than it takes for
-/// shapes of more than 50,000 boundary vertices; what was measured stands in docs/robustness.md. Shapes with flat walls
-/// and ones a voxel thick need less than others.
+/// shapes of more than 50,000 boundary vertices; what was measured stands in notes/robustness.md. Shapes with flat
+/// walls and ones a voxel thick need less than others.
 std::int64_t predicted_core_bytes(const VoxelShape& shape);
 /// The most for so many boundary vertices.
 std::int64_t predicted_core_bytes(std::int64_t sites);

@@ -35,7 +35,7 @@ struct BurnOptions {
 inline constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
 /// Where fire is tracked: nodes on the edges of a complex, and in the link of each node its sectors (Yan 2018, sec.
-/// 3.4.1; docs/burning.md).
+/// 3.4.1; docs/algorithms/burning.md).
 ///
 /// Nodes are the vertices, then the points that split every edge of a polygon into `pieces[e]` equal parts no longer
 /// than `omega` (to 1e-12), edge by edge from the first end to the second; edges of no polygon are not split. A *state*
@@ -84,8 +84,8 @@ struct Burning {
 };
 
 /// Burns a complex of convex polygons with a radius per vertex (Yan 2018, ch. 3, with times per sector of a
-/// link, see docs/burning.md, in place of Algorithm 1): fire starts on the free edges at the time of the radius, runs
-/// with unit speed, dies at a seam while two or more sheets are left, and goes on in the last one.
+/// link, see docs/algorithms/burning.md, in place of Algorithm 1): fire starts on the free edges at the time of the
+/// radius, runs with unit speed, dies at a seam while two or more sheets are left, and goes on in the last one.
 ///
 /// Deterministic. Near O(n log n) in nodes for polygons of few nodes; about 160 bytes per node, up to 300
 /// where most of the axis is noise. Polygons flatter than
@@ -95,7 +95,7 @@ Burning burn(const CellComplex& complex, std::span<const Vec3> points, std::span
              const BurnOptions& options = {}, Context* context = nullptr);
 
 /// The spacing of nodes that `burn` takes where none is given: 0.35 of the mean edge for triangles, whose diagonals are
-/// long, 0.5 for other polygons. The mean error of erosion thickness is then 0.2 to 0.4% (docs/burning.md).
+/// long, 0.5 for other polygons. The mean error of erosion thickness is then 0.2 to 0.4% (docs/algorithms/burning.md).
 double default_omega(const CellComplex& complex, std::span<const Vec3> points);
 
 /// Predicted peak of memory of burn(), in bytes, without that of its input.

@@ -118,7 +118,7 @@ struct SwcReport {
 /// Writes the graph as an SWC file, one tree per component: `id type x y z radius parent`, ids 1 .. n, parents before
 /// children, the parent of a root is -1. Every loop is cut at its thinnest place: one segment is left out, all points
 /// stay. Nodes on one patch of sheets are joined to the thickest of them by straight links, so that what is connected
-/// stays connected. Cuts, links and components without a tree are listed in the header. See docs/curve_graph.md.
+/// stays connected. Cuts, links and components without a tree are listed in the header. See docs/user/files.md.
 SwcReport write_swc(const std::filesystem::path& file, const CurveGraph& graph, const SwcOptions& options = {});
 
 /// GraphML, undirected: nodes n0, n1 ... with x, y, z, radius, kind, component, degree, sheet (-1: none); edges b0, b1

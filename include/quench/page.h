@@ -18,6 +18,7 @@
 #include "quench/shape.h"
 #include "quench/skeleton.h"
 
+/// @file
 /// The interactive page of a result: one HTML file with the data inside (viewer/FORMAT.md is its format).
 namespace quench {
 

@@ -14,6 +14,7 @@
 #include "quench/shape.h"
 #include "quench/skeleton.h"
 
+/// @file
 /// The stages in a row, each promise checked on the way, and their results as files: what the program and the Python
 /// module have in common.
 namespace quench {
@@ -47,7 +48,7 @@ struct CheckedCore {
 CheckedCore checked_core(const VoxelShape& shape, const Topology& wanted, double longest_side,
                          const CheckedCoreOptions& options = {}, Context* context = nullptr);
 
-/// The axis as a file: cells and arrays (docs/voxel_core.md), and as field data stage, lambda, longest_side,
+/// The axis as a file: cells and arrays (docs/user/files.md), and as field data stage, lambda, longest_side,
 /// reconstructed, topology, units, space, version and `parameters`, the JSON text from which `quench verify` takes how
 /// the shape was made.
 Record core_file(const CheckedCore& core, const Coordinates& coordinates, const std::string& parameters);

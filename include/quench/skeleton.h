@@ -15,8 +15,9 @@
 
 namespace quench {
 
-/// A burned medial axis M cut up so that its medial curves are part of it (Yan 2018, sec. 3.4.4; docs/skeletons.md):
-/// the complex K. It covers M exactly and has its topology; it collapses onto the medial curves and the closed pockets.
+/// A burned medial axis M cut up so that its medial curves are part of it (Yan 2018, sec. 3.4.4;
+/// docs/algorithms/skeletons.md): the complex K. It covers M exactly and has its topology; it collapses onto the medial
+/// curves and the closed pockets.
 ///
 /// The prime arcs of the fire cut every polygon into regions. The medial curves are the dual network: a *region dual*
 /// in each region, a *door* on every segment between neighbouring nodes, an edge between the two unless fire ran along
@@ -84,7 +85,8 @@ struct ExtractOptions {
 };
 Skeleton extract(const SkeletonFamily& family, double theta2, double theta1, const ExtractOptions& options = {});
 
-/// The skeleton as cells and arrays of a file (docs/skeletons.md). A line is a curve, a vertex cell an isolated vertex.
+/// The skeleton as cells and arrays of a file (docs/algorithms/skeletons.md). A line is a curve, a vertex cell an
+/// isolated vertex.
 Record to_record(const Skeleton& skeleton);
 
 }  // namespace quench

@@ -47,8 +47,8 @@ struct VerifyOptions {
 };
 
 /// Verifies a result against its shape, by code of its own. What is checked in full, what on a sample, and
-/// which code is shared with what made the result: docs/guarantees.md, "What is checked, and by whom". `result` is what
-/// a file holds: complex by points, verts, lines and polys, point array `radius`.
+/// which code is shared with what made the result: docs/user/guarantees.md, "What is checked, and by whom". `result` is
+/// what a file holds: complex by points, verts, lines and polys, point array `radius`.
 Certificate verify(const VoxelShape& shape, const Record& result, const VerifyOptions& options = {},
                    Context* context = nullptr);
 

@@ -84,7 +84,7 @@ std::optional<FillRule> fill_of(std::string_view name);
 ///
 /// A defective mesh (edges with one face, or faces of both directions that do not balance) is repaired: duplicates left
 /// out, faces turned to agree. What its crossings then do not decide, the generalized winding number does, inside the
-/// box of the mesh; see `defects` and docs/defective_meshes.md.
+/// box of the mesh; see `defects` and docs/user/defective_meshes.md.
 ///
 /// Throws Error(input): no triangle, non-finite or flat box, or a mesh that encloses no voxel centre. Error(usage):
 /// resolution or margin out of range.

@@ -45,9 +45,10 @@ def medial_axis(image_or_mesh: Any, *, spacing: Spacing = None, threshold: Optio
     subdivide : int
         Splits every voxel into subdivide ** 3.
     fill : "nonzero", "evenodd", "winding" or "auto"
-        Of meshes: overlapping and nested parts are united, or alternate between inside and outside; docs/defective_meshes.md.
+        Of meshes: overlapping and nested parts are united, or alternate between inside and outside
+        (docs/user/defective_meshes.md).
     lambda_rule : "coface" or "ball"
-        See docs/voxel_core.md.
+        See docs/user/parameters.md.
     threads : int
         0: all processors. The result is the same for any number.
     progress : bool or callable

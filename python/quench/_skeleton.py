@@ -201,7 +201,7 @@ class Skeleton(Complex):
 
         Pruning takes about θ1 off every branch, also of those that stay; for measuring they grow back to their tips.
         Radii are half a voxel larger than those of `curves`, which are distances to the corners of voxels
-        (docs/curve_graph.md).
+        (docs/user/files.md).
 
         Parameters
         ----------

@@ -1,7 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the documents tell people to write works."""
+import glob
 import os
 import re
+import shutil
+import subprocess
 
 import numpy as np
 import pytest
@@ -24,7 +27,7 @@ def root_file(tmp_path, monkeypatch):
     return tmp_path
 
 
-@pytest.mark.parametrize('document', ['README.md', 'docs/python.md'])
+@pytest.mark.parametrize('document', ['README.md', 'docs/user/python.md'])
 def test_the_five_lines(document, root_file):
     pytest.importorskip('matplotlib')
     with open(os.path.join(ROOT, document), encoding='utf-8') as file:
@@ -37,8 +40,79 @@ def test_the_five_lines(document, root_file):
 
 def test_the_tour_of_results():
     pytest.importorskip('networkx')
-    with open(os.path.join(ROOT, 'docs/python.md'), encoding='utf-8') as file:
+    with open(os.path.join(ROOT, 'docs/user/python.md'), encoding='utf-8') as file:
         blocks = re.findall(r'```python\n(.*?)```', file.read(), re.S)
     image = np.zeros((30, 20, 12), bool)
     image[2:-2, 2:-2, 2:-2] = True
-    exec(compile(blocks[1], 'docs/python.md', 'exec'), {'quench': quench, 'image': image})
+    exec(compile(blocks[1], 'docs/user/python.md', 'exec'), {'quench': quench, 'image': image})
+
+
+def pages():
+    """Every page of the project, by its path from the root, with its text without blocks of code."""
+    for pattern in ('*.md', 'docs/**/*.md', 'notes/*.md', 'examples/*.md', 'viewer/*.md'):
+        for file in glob.glob(os.path.join(ROOT, pattern), recursive=True):
+            with open(file, encoding='utf-8') as page:
+                yield os.path.relpath(file, ROOT), re.sub(r'(?ms)^```.*?^```', '', page.read())
+
+
+def anchor(heading):
+    text = re.sub(r'\[([^\]]*)\]\([^)]*\)', r'\1', heading).strip().lower()
+    return re.sub(r'[^\w\- ]', '', text).replace(' ', '-')
+
+
+def test_links_lead_somewhere():
+    anchors = {path: {anchor(h) for h in re.findall(r'(?m)^#+ (.*)$', text)} for path, text in pages()}
+    assert len(anchors) > 30
+    broken = []
+    for path, text in pages():
+        for target in re.findall(r'\]\(([^)\s]+)\)', text):
+            if re.match(r'[a-z]+:', target):
+                continue
+            file, _, place = target.partition('#')
+            found = os.path.normpath(os.path.join(os.path.dirname(path), file)) if file else path
+            if not os.path.isfile(os.path.join(ROOT, found)) or (place and place not in anchors.get(found, ())):
+                broken.append(f'{path}: {target}')
+    assert not broken
+
+
+def test_options_exist():
+    """Options that the pages for users name are options of the program or of a script of the project."""
+    known = ''
+    for pattern in ('cli/*.cpp', 'cli/*.h', 'scripts/*', 'bench/*.py', 'tests/*.py', 'examples/*.py'):
+        for file in glob.glob(os.path.join(ROOT, pattern)):
+            with open(file, encoding='utf-8') as source:
+                known += source.read()
+    unknown = set()
+    for path, _ in pages():
+        if not path.startswith(('README', 'docs/user', 'docs/algorithms', 'docs/glossary', 'docs/gallery', 'examples')):
+            continue
+        with open(os.path.join(ROOT, path), encoding='utf-8') as page:
+            for line in page:
+                if not re.search(r'\b(cmake|ctest|pip|venv)\b', line):
+                    unknown.update(f'{path}: {option}' for option in re.findall(r'(?<![\w-])--[a-z][a-z0-9-]+', line)
+                                   if option not in known)
+    assert not unknown
+
+
+def test_cpp_snippets_compile(tmp_path):
+    """Blocks without main() are the body of a function that has a mesh, a shape, a medial axis and a length."""
+    compiler = shutil.which('c++')
+    if not compiler or not shutil.which('pkg-config'):
+        pytest.skip('needs a compiler and pkg-config')
+    code = '#include <cstdio>\n#include <limits>\n'
+    for header in sorted(glob.glob(os.path.join(ROOT, 'include', 'quench', '*.h'))):
+        code += f'#include "quench/{os.path.basename(header)}"\n'
+    for document in ('README.md', 'docs/user/cpp.md'):
+        with open(os.path.join(ROOT, document), encoding='utf-8') as file:
+            for block in re.findall(r'(?ms)^```cpp\n(.*?)^```', file.read()):
+                if 'int main()' not in block:
+                    block = ('{\n' + block + '}\n')
+                    known = [f'const quench::{kind}& {name}' for kind, name in
+                             (('TriangleMesh', 'mesh'), ('VoxelShape', 'shape'), ('MedialAxis', 'axis'))
+                             if not re.search(rf'\b{name}\b(?: =|\{{)', block)]
+                    block = f'void snippet_{len(code)}({", ".join([*known, "double side"])})\n{block}'
+                code += block.replace('int main()', f'int main_{len(code)}()')
+    (tmp_path / 'snippets.cpp').write_text(code)
+    flags = subprocess.run(['pkg-config', '--cflags', 'eigen3'], capture_output=True, text=True, check=True).stdout.split()
+    subprocess.run([compiler, '-std=c++20', '-fsyntax-only', '-I', os.path.join(ROOT, 'include'), *flags,
+                    str(tmp_path / 'snippets.cpp')], check=True)

@@ -197,7 +197,7 @@ MedialAxis voxel_core(const VoxelShape& shape, const CoreOptions& options, Conte
 
 namespace {
 
-// Measured on 24 shapes, docs/robustness.md; several threads have buffers of their own.
+// Measured on 24 shapes, notes/robustness.md; several threads have buffers of their own.
 constexpr double kBytesPerSite = 314, kBytesPerSiteInBricks = 345, kFewestBytesPerSiteInBricks = 222;
 
 std::int64_t core_bytes(double per_site, double sites) {

@@ -11,7 +11,7 @@
 
 /// The voxel core brick by brick: a brick knows all sites of its round in its region and nothing else, and finds all
 /// cells around those of its sites whose cells are certain. Why these are the cells of the whole, each found once
-/// (docs/lattice_delaunay.md has it at length):
+/// (docs/algorithms/bricks.md has it at length):
 ///
 /// Invariant: every cell inside O with an unfinished site has all its sites among those of the round, so it is a cell
 /// of their Delaunay complex. A cell whose ball lies in the region is one of that complex, with all its sites; seen

@@ -39,7 +39,7 @@ struct Site {
 
 /// How many states take turns together, and for how long (see WindowQueue). What fire reads of so many states is a
 /// megabyte or two. In wider windows more of a block's work is done in one turn, but more of it is done again when fire
-/// comes in from other blocks. Measured in docs/performance.md, "Burning".
+/// comes in from other blocks. Measured in notes/performance.md, "Burning".
 struct Turns {
   std::uint64_t states = 8192;
   double window = 4;  ///< spacings of nodes

@@ -9,9 +9,9 @@
 #include "lattice/cells.h"
 #include "quench/shape.h"
 
-/// Algorithm C (docs/peeling.md): most cells of the dual complex are small and lie along the boundary. They are found
-/// one by one among the sites nearby, without a triangulation; what is left inside is triangulated with the few sites
-/// that still have missing cells.
+/// Peeling (docs/algorithms/peeling.md): most cells of the dual complex are small and lie along the boundary. They
+/// are found one by one among the sites nearby, without a triangulation; what is left inside is triangulated with the
+/// few sites that still have missing cells.
 namespace quench::peeling {
 
 struct Options {
@@ -19,7 +19,7 @@ struct Options {
   std::int32_t layers = 0;  ///< of a slab; 0: as suits the threads
   /// Where there are fewer cells of unit cubes per site the boundary is flat, and no others are looked for nearby.
   double least_cubes = 0.125;
-  /// With fewer peeled cells per site it is not worth while, and all sites are triangulated (algorithm A).
+  /// With fewer peeled cells per site it is not worth while, and all sites are triangulated.
   double least_cells = 0.25;
   /// Nor for a few sites in a huge grid, whose index would be larger than they are: blocks of 16^3 voxels of the grid
   /// beyond four per site.

@@ -26,7 +26,7 @@ Check check_lambda(const Result& result, const Sites& sites, VertexSites& vertex
 Check check_pruning(const Result& result, const Sites& sites, VertexSites& vertex_sites, std::size_t samples,
                     Context* context);
 
-/// The proximity bound: distance to the true medial axis (docs/guarantees.md).
+/// The proximity bound: distance to the true medial axis (docs/user/guarantees.md).
 Check check_proximity(const Result& result, std::size_t samples, Context* context);
 
 /// The array `lambda_level`: that a thinning by simple pairs in the order of their keys can give these levels.
