@@ -140,7 +140,7 @@ def run_format(name, options, folder):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    build = os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', 'build', 'release')
+    build = os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..', 'build', 'release')
     parser.add_argument('--reader', default=os.path.join(build, 'tests', 'read_volumes'))
     parser.add_argument('--program', default=os.path.join(build, 'quench'))
     parser.add_argument('--format', nargs='+', choices=FORMATS, default=FORMATS)
