@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <cstdio>
+#include <quench/quench.h>
 
-#include "quench/axis.h"
-#include "quench/samples.h"
-#include "quench/shape.h"
-#include "quench/axis.h"
-#include "quench/voxelize.h"
+#include <cstdio>
+#include <string>
+
+bool old_names_work();
 
 int main() {
   const auto shape = quench::voxelize(quench::make_sample("torus").mesh, {.resolution = 48}).shape;
@@ -14,5 +13,8 @@ int main() {
   const quench::MedialAxis kept = quench::pruned(axis, 2 * shape.grid().spacing[0]);
   const bool same = quench::topology(kept.complex) == quench::topology(shape);
   std::printf("%u vertices, topology %s\n", kept.complex.vertex_count, same ? "kept" : "lost");
-  return same ? 0 : 1;
+  const std::string version = std::to_string(QUENCH_VERSION_MAJOR) + "." + std::to_string(QUENCH_VERSION_MINOR) + "." +
+                              std::to_string(QUENCH_VERSION_PATCH);
+  if (version != PACKAGE_VERSION) std::printf("the header says %s, the package %s\n", version.c_str(), PACKAGE_VERSION);
+  return same && version == PACKAGE_VERSION && old_names_work() ? 0 : 1;
 }
