@@ -3,9 +3,9 @@
 
 #include <string_view>
 
-namespace quench::program {
+namespace quench::pipeline {
 
 /// The program of the interactive page, an HTML file without data. Empty where Quench was built without it.
 std::string_view page_program();
 
-}  // namespace quench::program
+}  // namespace quench::pipeline
