@@ -46,7 +46,7 @@ struct Turns {
 };
 
 /// One number per state, accessed at random.
-using Times = lattice::HugeVector<double>;
+using Times = base::HugeVector<double>;
 
 /// Where a front came from: its field is `time` + distance to the point (x, y) in the frame of the label's own edge, x
 /// along the edge from its first vertex, y >= 0 the distance from the edge's line, on whichever side.
@@ -106,9 +106,9 @@ class Labels {
   Times arrival_;  // of the states of Links::arrivals
   // Of the segments only: the polygon a front came through, and for inserted nodes (vertices are sources themselves)
   // its source.
-  lattice::HugeVector<std::uint32_t> through_;
-  lattice::HugeVector<Source> source_;
-  lattice::HugeVector<unsigned char> status_;
+  base::HugeVector<std::uint32_t> through_;
+  base::HugeVector<Source> source_;
+  base::HugeVector<unsigned char> status_;
   std::vector<char> removed_;  // scratch
   SectorTimes sector_times_;
 };

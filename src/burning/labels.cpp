@@ -202,8 +202,8 @@ bool Labels::next(std::uint32_t& state, bool& again) {
 }
 
 void Labels::release(Times& times, std::vector<char>& opened) {
-  lattice::HugeVector<std::uint32_t>().swap(through_);
-  lattice::HugeVector<Source>().swap(source_);
+  base::HugeVector<std::uint32_t>().swap(through_);
+  base::HugeVector<Source>().swap(source_);
   queue_ = WindowQueue(0, 0, {});
   opened.assign(time_.size(), 0);
   const auto set = [&](std::uint32_t s, double arrival) {

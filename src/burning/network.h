@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "lattice/huge_pages.h"
+#include "base/huge_pages.h"
 #include "quench/burn.h"
 
 namespace quench::burning {
@@ -26,8 +26,8 @@ struct Polygons {
     /// Place of node k counted from the edge's first vertex.
     std::uint32_t along_edge(std::uint32_t k) const { return forward ? k : pieces - k; }
   };
-  lattice::HugeVector<Side> sides;  ///< per corner
-  std::vector<char> flat;           ///< per face: flat, convex and with an area; fronts can be unfolded into it
+  base::HugeVector<Side> sides;  ///< per corner
+  std::vector<char> flat;        ///< per face: flat, convex and with an area; fronts can be unfolded into it
 };
 
 BurnNetwork make_network(const CellComplex& complex, std::span<const Vec3> points, double omega,
@@ -41,11 +41,11 @@ struct Links {
   struct Ends {
     std::uint32_t a, b;
   };
-  std::vector<Ends> ends;                      ///< per vertex state
-  std::vector<std::uint32_t> vertex_of;        ///< per vertex state
-  std::vector<std::uint32_t> corner_offsets;   ///< vertex states + 1, into
-  std::vector<std::uint32_t> corner_list;      ///< the corners of each vertex state's sector, ascending
-  lattice::HugeVector<std::uint32_t> edge_of;  ///< per state of an inserted node, from vertex_base.back()
+  std::vector<Ends> ends;                     ///< per vertex state
+  std::vector<std::uint32_t> vertex_of;       ///< per vertex state
+  std::vector<std::uint32_t> corner_offsets;  ///< vertex states + 1, into
+  std::vector<std::uint32_t> corner_list;     ///< the corners of each vertex state's sector, ascending
+  base::HugeVector<std::uint32_t> edge_of;    ///< per state of an inserted node, from vertex_base.back()
   /// What the fire asks of an edge, in half a line of memory.
   struct alignas(32) Edge {
     std::uint32_t state_base, pieces, first_side;
@@ -58,7 +58,7 @@ struct Links {
 
     std::uint32_t sectors() const { return degree > 2 ? degree : degree > 0; }
   };
-  lattice::HugeVector<Edge> edges;
+  base::HugeVector<Edge> edges;
   /// States whose times may differ from the arrival of fire: those of vertices, then those inside seams.
   std::uint32_t arrivals = 0;
 };

@@ -306,12 +306,12 @@ class Sequence {
   std::vector<std::uint32_t>& parent_;
   std::vector<std::uint32_t>&parent_face_, &rank_;
   std::uint32_t removed_count_ = 0;
-  lattice::HugeVector<unsigned char> status_;
+  base::HugeVector<unsigned char> status_;
   Times done_time_;                       // of states in the sequence
   std::vector<std::uint64_t> unoffered_;  // per polygon
   std::vector<std::uint64_t> chord_base_;
   std::vector<char> offers_again_;  // per polygon: some of its states wait
-  lattice::HugeVector<Chord> chords_;
+  base::HugeVector<Chord> chords_;
   StateQueue queue_;
   Link link_;
   std::vector<char> removed_;

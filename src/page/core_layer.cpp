@@ -47,7 +47,7 @@ std::size_t add_core(Page& page, const MedialAxis& axis, const std::vector<DataA
         fmt::format("The core is shown from lambda {} on, {} of its {} faces; thinner parts are left out of this "
                     "page{}",
                     page::floor_text(page, floor.level), page::count_text(cells.faces.size()),
-                    page::count_text(axis.complex.face_count()), limit_text(page)));
+                    page::count_text(axis.complex.face_count()), page::limit_text(page)));
   }
   return floor.triangles;
 }

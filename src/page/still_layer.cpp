@@ -51,7 +51,7 @@ std::size_t add_still(Page& page, const Record& data, std::size_t max_triangles)
     page.notes.push_back(
         fmt::format("Of its {} triangles {} are drawn: vertices close to each other are merged in "
                     "this page{}",
-                    page::count_text(given), page::count_text(page::triangle_count(fewer)), limit_text(page)));
+                    page::count_text(given), page::count_text(page::triangle_count(fewer)), page::limit_text(page)));
   }
   const Record& drawn = simplify ? fewer : data;
   const CellComplex complex = complex_to_draw(drawn);
