@@ -357,12 +357,12 @@ TEST_F(Options, SentencesThatHelp) {
 }
 
 TEST_F(Options, AmountsOfMemory) {
-  EXPECT_EQ(quench::bytes_text(0), "0 bytes");
-  EXPECT_EQ(quench::bytes_text(1), "1 byte");
-  EXPECT_EQ(quench::bytes_text(1500), "1.5 KB");
-  EXPECT_EQ(quench::bytes_text(52 << 10), "52 KB");
-  EXPECT_EQ(quench::bytes_text(3 << 19), "1.5 MB");
-  EXPECT_EQ(quench::bytes_text(std::int64_t{5} << 30), "5.0 GB");
+  EXPECT_EQ(quench::base::bytes_text(0), "0 bytes");
+  EXPECT_EQ(quench::base::bytes_text(1), "1 byte");
+  EXPECT_EQ(quench::base::bytes_text(1500), "1.5 KB");
+  EXPECT_EQ(quench::base::bytes_text(52 << 10), "52 KB");
+  EXPECT_EQ(quench::base::bytes_text(3 << 19), "1.5 MB");
+  EXPECT_EQ(quench::base::bytes_text(std::int64_t{5} << 30), "5.0 GB");
   folder.write("v.npy", npy_box(3, 4, 5, 1));
   refuses(1, {"use a smaller or coarser volume, a part of it, or a larger --memory-limit", "1.0 KB"},
           {"core", "v.npy", "-o", "a.vtp", "--memory-limit", "1K"});

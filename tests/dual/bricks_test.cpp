@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "dual/bricks/rounds.h"
-#include "oracles/dual_of_triangulation.h"
+#include "dual_of_triangulation.h"
 #include "quench/axis.h"
 #include "quench/io.h"
 #include "quench/samples.h"

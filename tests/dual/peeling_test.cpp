@@ -8,7 +8,7 @@
 
 #include "dual/peel/peel.h"
 #include "dual/peel/remainder.h"
-#include "oracles/dual_of_triangulation.h"
+#include "dual_of_triangulation.h"
 #include "quench/io.h"
 #include "quench/samples.h"
 #include "quench/voxelize.h"
