@@ -57,7 +57,7 @@ Record core_file(CheckedCore&& core, const Coordinates& coordinates, const std::
 struct CheckedSkeletonOptions {
   double theta2 = 0, theta1 = 0;                          ///< world units, may be infinite
   bool parts = false;                                     ///< as ExtractOptions::parts
-  double tips = std::numeric_limits<double>::infinity();  ///< of `measured`, as ExtractOptions::tips
+  double tips = std::numeric_limits<double>::infinity();  ///< of `measured`, as ExtractOptions::regrow_tips_above
 };
 
 struct CheckedSkeleton {

@@ -77,10 +77,10 @@ struct Skeleton {
 
 struct ExtractOptions {
   bool parts = false;  ///< every part of a polygon is a face of its own; else polygons that are whole are one face
-  /// Pruning takes about theta1 off every branch, also of those that stay. With `tips` finite, every free end that
-  /// stays grows back along the curve that would have stayed longest, as far as its thickness is at least `tips`. The
-  /// family remains nested and topology is not touched.
-  double tips = std::numeric_limits<double>::infinity();
+  /// Pruning takes about theta1 off every branch, also of those that stay. Where this thickness is finite, every free
+  /// end grows back along the pruned curve of the largest level, as far as the thickness is at least this. The family
+  /// remains nested, and topology does not change.
+  double regrow_tips_above = std::numeric_limits<double>::infinity();
 };
 Skeleton extract(const SkeletonFamily& family, double theta2, double theta1, const ExtractOptions& options = {});
 

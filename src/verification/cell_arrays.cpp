@@ -29,7 +29,7 @@ void for_cells(const Result& result, const Visit& visit) {
 std::string wrong_kind(const Result& result, const std::vector<double>& kind) {
   std::string wrong;
   for_cells(result, [&](std::size_t row, int dimension, std::uint32_t v) {
-    const bool has_larger = dimension == 0 ? result.vertex_edge_offsets[v + 1] > result.vertex_edge_offsets[v]
+    const bool has_larger = dimension == 0 ? !result.vertex_edges[v].empty()
                             : dimension == 1
                                 ? result.edge_faces_count[result.line_edges[row - result.vert_vertices.size()]] > 0
                                 : false;

@@ -69,12 +69,12 @@ enum class Star { no_polygons, disk, half_disk, other };
 
 Star star_of(const Result& result, std::uint32_t v) {
   const CellComplex& complex = result.complex;
-  const std::uint32_t first = result.vertex_face_offsets[v], last = result.vertex_face_offsets[v + 1];
-  if (first == last) return Star::no_polygons;
+  const auto faces = result.vertex_faces[v];
+  if (faces.empty()) return Star::no_polygons;
   std::vector<std::array<std::uint32_t, 2>> sides;  // edge at v, polygon at it
-  for (std::uint32_t i = first; i < last; ++i)
-    for (const std::uint32_t e : complex.sides(result.vertex_faces[i]))
-      if (complex.edges[e][0] == v || complex.edges[e][1] == v) sides.push_back({e, result.vertex_faces[i]});
+  for (const std::uint32_t f : faces)
+    for (const std::uint32_t e : complex.sides(f))
+      if (complex.edges[e][0] == v || complex.edges[e][1] == v) sides.push_back({e, f});
   std::sort(sides.begin(), sides.end());
   std::size_t free_edges = 0;
   for (const auto& [e, f] : sides) {
@@ -82,14 +82,14 @@ Star star_of(const Result& result, std::uint32_t v) {
     free_edges += result.edge_faces_count[e] == 1;
   }
   // From polygon to polygon over the edges at v, as far as it goes.
-  std::vector<std::uint32_t> reached{result.vertex_faces[first]};
+  std::vector<std::uint32_t> reached{faces[0]};
   for (std::size_t r = 0; r < reached.size(); ++r)
     for (std::size_t i = 1; i < sides.size(); ++i) {
       if (sides[i][0] != sides[i - 1][0]) continue;
       for (const auto& [from, to] : {std::pair{sides[i - 1][1], sides[i][1]}, std::pair{sides[i][1], sides[i - 1][1]}})
         if (from == reached[r] && std::find(reached.begin(), reached.end(), to) == reached.end()) reached.push_back(to);
     }
-  if (reached.size() != last - first) return Star::other;
+  if (reached.size() != faces.size()) return Star::other;
   return free_edges > 0 ? Star::half_disk : Star::disk;
 }
 
@@ -108,8 +108,7 @@ std::string wrong_time(const Result& result, const Measure& time, std::size_t& b
     double latest = r * (1 + single);
     if (star == Star::disk) {
       latest = std::numeric_limits<double>::infinity();
-      for (std::uint32_t i = result.vertex_edge_offsets[v]; i < result.vertex_edge_offsets[v + 1]; ++i) {
-        const std::uint32_t e = result.vertex_edges[i];
+      for (const std::uint32_t e : result.vertex_edges[v]) {
         const std::uint32_t other = complex.edges[e][0] == v ? complex.edges[e][1] : complex.edges[e][0];
         if (result.edge_faces_count[e] == 0 || time.infinite[other] != 0) continue;
         const double length = (result.data.points[result.rows[v]] - result.data.points[result.rows[other]]).norm();
@@ -291,9 +290,8 @@ Check check_skeleton_levels(const Result& result) {
   for (std::size_t row = line_row; row < face_row; ++row) {
     const std::uint32_t e = result.line_edges[row - line_row];
     const auto& ends = result.complex.edges[e];
-    const bool is_free = std::any_of(ends.begin(), ends.end(), [&](std::uint32_t v) {
-      return result.vertex_edge_offsets[v + 1] - result.vertex_edge_offsets[v] == 1;
-    });
+    const bool is_free =
+        std::any_of(ends.begin(), ends.end(), [&](std::uint32_t v) { return result.vertex_edges[v].size() == 1; });
     if (is_free && curve_thickness[row] < theta1[0] * (1 - 1e-9) && ++free_ends[component[ends[0]]] > 1)
       return wrong(row, "it is a free end below theta1");
   }

@@ -139,9 +139,8 @@ void VertexSites::prepare(const std::vector<std::uint32_t>& vertices, Context* c
       known_[v] = 1;
       missing.push_back(v);
     }
-  first_failure(missing.size(), context, "verify: nearest sites", [&](std::size_t i) {
+  for_indices(missing.size(), context, "verify: nearest sites", [&](std::size_t i) {
     sets_[missing[i]] = voronoi_vertex(sites_, result_.scaled[missing[i]], result_.rounding);
-    return true;
   });
 }
 

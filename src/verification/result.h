@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "base/csr.h"
 #include "quench/complex.h"
 #include "quench/record.h"
 #include "quench/shape.h"
@@ -43,7 +44,7 @@ struct Result {
   std::vector<double> cell_lambda;                      ///< rows of the file: verts, lines, polys
   std::vector<std::array<LatticePoint, 2>> face_sites;  ///< as the file says
   std::vector<std::uint32_t> edge_faces_count;          ///< polygons at each edge
-  std::vector<std::uint32_t> vertex_edge_offsets, vertex_edges, vertex_face_offsets, vertex_faces;  ///< incidence
+  base::Csr<std::uint32_t> vertex_edges, vertex_faces;  ///< edges and polygons at each vertex
 
   std::string stage;  ///< empty: none given
   bool ball_rule = false;
@@ -55,6 +56,12 @@ struct Result {
   std::string describe_edge(std::uint32_t edge) const;
   std::string describe_face(std::size_t face) const;
   Vec3 centroid(std::size_t face) const;  ///< of the corners, scaled
+
+ private:
+  void parse_cells();
+  void parse_arrays(const VerifyOptions& options);
+  void recover_lattice();
+  void invert_incidences();
 };
 
 /// False for texts.
@@ -93,6 +100,15 @@ std::size_t first_failure(std::size_t count, Context* context, std::string_view 
     if (first.load() != end) return first.load();
   }
   return count;
+}
+
+/// Calls body(i) for every index below `count`, in parallel.
+template <class Body>
+void for_indices(std::size_t count, Context* context, std::string_view stage, const Body& body) {
+  first_failure(count, context, stage, [&](std::size_t i) {
+    body(i);
+    return true;
+  });
 }
 
 inline Check not_checked(std::string name, const std::string& why) {

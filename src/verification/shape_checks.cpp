@@ -173,7 +173,7 @@ Check check_reconstruction(const Result& result, Context* context) {
   const BoxTree tree(std::move(balls));
   const std::vector<Vec3> centres = centres_of_share(result);
   std::atomic<std::size_t> surely{0}, perhaps{0};
-  first_failure(centres.size(), context, "verify: reconstruction", [&](std::size_t i) {
+  for_indices(centres.size(), context, "verify: reconstruction", [&](std::size_t i) {
     bool touched = false;
     const bool outside = tree.visit_within(centres[i], 0, [&](std::uint32_t v, const Box&) {
       const double r = reach(v), distance = (centres[i] - result.scaled[v]).norm();
@@ -182,7 +182,6 @@ Check check_reconstruction(const Result& result, Context* context) {
     });
     if (!outside) surely.fetch_add(1, std::memory_order_relaxed);
     if (!outside || touched) perhaps.fetch_add(1, std::memory_order_relaxed);
-    return true;
   });
   const double count = static_cast<double>(std::max<std::size_t>(centres.size(), 1));
   const auto share = [&](std::size_t covered) { return static_cast<double>(covered) / count; };
@@ -190,7 +189,7 @@ Check check_reconstruction(const Result& result, Context* context) {
               true,
               fmt::format("{:.4f} of {} sampled voxel centres are inside the balls", share(surely), centres.size()),
               {}};
-  // A part that hangs on a bridge of cells below lambda can be missing without any other trace.
+  // A part of the axis beyond a bridge of cells below lambda may be missing, and nothing else would show it.
   const std::vector<double> claimed = numbers_or_empty(result.data.field_data, "reconstructed");
   if (claimed.size() != 1 || result.stage != "core") return check;
   const double covered = std::round(claimed[0] * count);

@@ -12,7 +12,7 @@
 namespace quench::voxelization {
 
 /// Fixed point: one voxel is 2^20.
-inline constexpr int fraction_bits = 20;
+inline constexpr int kFractionBits = 20;
 using FixedPoint = std::array<std::int64_t, 3>;
 
 /// A mesh in voxel units relative to the minimum of its bounding box. Coordinates are from 0 to cells * 2^20.

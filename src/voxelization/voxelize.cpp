@@ -81,7 +81,7 @@ CheckedMesh checked_mesh(const TriangleMesh& mesh) {
 voxelization::FixedMesh fixed_mesh(const CheckedMesh& checked, std::int64_t resolution) {
   voxelization::FixedMesh fixed;
   const Box& box = checked.box;
-  const double scale = std::ldexp(static_cast<double>(resolution), voxelization::fraction_bits);
+  const double scale = std::ldexp(static_cast<double>(resolution), voxelization::kFractionBits);
   const auto fix = [&](const Vec3& p) {
     voxelization::FixedPoint q{};
     for (int a = 0; a < 3; ++a)
@@ -95,7 +95,7 @@ voxelization::FixedMesh fixed_mesh(const CheckedMesh& checked, std::int64_t reso
   const voxelization::FixedPoint extent = fix(box.high);
   for (std::size_t a = 0; a < 3; ++a)
     fixed.cells[a] = std::max<std::int64_t>(
-        1, (extent[a] + (std::int64_t{1} << voxelization::fraction_bits) - 1) >> voxelization::fraction_bits);
+        1, (extent[a] + (std::int64_t{1} << voxelization::kFractionBits) - 1) >> voxelization::kFractionBits);
   return fixed;
 }
 

@@ -24,7 +24,7 @@ double length_plus_x(double x, double rho2, double length) { return x >= 0 ? len
 
 /// The sign of ay * bz - az * by for the scanline shifted as scan_conversion.cpp shifts it: y by more than z.
 double exact_sign(double ay, double az, double by, double bz) {
-  const auto fixed = [](double v) { return static_cast<__int128>(std::llround(std::ldexp(v, fraction_bits))); };
+  const auto fixed = [](double v) { return static_cast<__int128>(std::llround(std::ldexp(v, kFractionBits))); };
   const __int128 d = fixed(ay) * fixed(bz) - fixed(az) * fixed(by);
   if (d != 0) return d > 0 ? 1 : -1;
   if (az != bz) return az > bz ? 1 : -1;
@@ -44,7 +44,7 @@ WindingNumber::WindingNumber(std::span<const FixedPoint> points, std::span<const
     : points_(points) {
   const auto in_voxels = [&](std::uint32_t p) {
     const FixedPoint& q = points[p];
-    const auto voxels = [](std::int64_t v) { return std::ldexp(static_cast<double>(v), -fraction_bits); };
+    const auto voxels = [](std::int64_t v) { return std::ldexp(static_cast<double>(v), -kFractionBits); };
     return Vector{voxels(q[0]), voxels(q[1]), voxels(q[2])};
   };
   for (const CapTriangle& t : close_boundary(points.size(), faces)) {

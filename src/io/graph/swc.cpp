@@ -10,6 +10,7 @@
 #include <tuple>
 #include <utility>
 
+#include "base/csr.h"
 #include "base/union_find.h"
 #include "io/common/text_out.h"
 #include "quench/error.h"
@@ -125,8 +126,8 @@ class Trees {
       if (nodes[n].sheet != kNone && hub[nodes[n].sheet] != n) {
         const std::uint32_t middle = hub[nodes[n].sheet];
         sets_.unite(n, middle);
-        ways_.push_back({n, kNone, false, middle});
-        ways_.push_back({middle, kNone, false, n});
+        sheet_ways_.push_back({n, kNone, false, middle});
+        sheet_ways_.push_back({middle, kNone, false, n});
       }
   }
 
@@ -158,16 +159,15 @@ class Trees {
   }
 
   void list_ways() {
-    for (std::uint32_t b = 0; b < graph_.branches.size(); ++b) {
-      ways_.push_back({graph_.branches[b].from, b, false, kNone});
-      ways_.push_back({graph_.branches[b].to, b, true, kNone});
-    }
-    std::sort(ways_.begin(), ways_.end(), [](const Way& a, const Way& b) {
-      return std::tie(a.node, a.branch, a.backwards, a.linked) < std::tie(b.node, b.branch, b.backwards, b.linked);
+    ways_ = base::Csr<Way>::group(graph_.nodes.size(), [&](const auto& emit) {
+      for (const Way& way : sheet_ways_) emit(way.node, way);
+      for (std::uint32_t b = 0; b < graph_.branches.size(); ++b) {
+        emit(graph_.branches[b].from, {graph_.branches[b].from, b, false, kNone});
+        emit(graph_.branches[b].to, {graph_.branches[b].to, b, true, kNone});
+      }
     });
-    first_way_.assign(graph_.nodes.size() + 1, 0);
-    for (const Way& way : ways_) ++first_way_[way.node + 1];
-    for (std::size_t n = 0; n < graph_.nodes.size(); ++n) first_way_[n + 1] += first_way_[n];
+    for (std::size_t n = 0; n < graph_.nodes.size(); ++n)
+      std::ranges::sort(ways_[n], {}, [](const Way& w) { return std::tie(w.branch, w.backwards, w.linked); });
   }
 
   /// One per tree, in the order of the trees' first nodes.
@@ -223,8 +223,7 @@ class Trees {
       const std::uint64_t id = add_row(graph_.nodes[n].point, graph_.nodes[n].radius, parent);
       if (from && from->branch == kNone) links_.push_back(id);
       const std::size_t bottom = stack.size();
-      for (std::size_t w = first_way_[n]; w < first_way_[n + 1]; ++w) {
-        const Way& way = ways_[w];
+      for (const Way& way : ways_[n]) {
         const bool cut = way.branch != kNone && cut_[way.branch] != kNone;
         const bool back = from && (way.branch == kNone ? from->branch == kNone && way.linked == from->node
                                                        : way.branch == from->branch);
@@ -254,8 +253,8 @@ class Trees {
   base::UnionFind sets_;
   std::vector<std::uint32_t> cut_;                     ///< per branch: the segment left out, or kNone
   std::vector<std::array<std::uint64_t, 2>> cut_ids_;  ///< per cut branch: the samples on both sides of the cut
-  std::vector<Way> ways_;                              ///< by node
-  std::vector<std::size_t> first_way_;
+  std::vector<Way> sheet_ways_;                        ///< straight links, from both their ends
+  base::Csr<Way> ways_;                                ///< per node: all ways out of it
   std::vector<Row> rows_;
   std::vector<std::uint64_t> links_, root_ids_;
   SwcReport report_;
