@@ -90,7 +90,9 @@ class WindingNumber {
     std::int64_t x0, x1, y0, y1, z;
     std::array<std::int64_t, 3> middle() const { return {(x0 + x1) / 2, (y0 + y1) / 2, z}; }
   };
+  struct Middle;
   struct Field;
+  struct Near;
   struct Slope {
     double x = 0, y = 0;  ///< gradient of 4 pi W within the slice
     double error = 0;     ///< of that
@@ -108,8 +110,14 @@ class WindingNumber {
   static void add_gradient(const Cap& cap, const Vector& p, double within, Slope& slope);
   /// Whether the cap meets the box of half sides hx, hy, 0 around p, roughly.
   static bool meets(const Cap& cap, const Vector& p, double hx, double hy);
-  /// Calls `take` for blocks in which the rounded W is that of its middle, but for crossings of caps. `pool` from
-  /// `list` on: clusters to look at.
+  void accumulate(std::uint32_t cluster, const Middle& block, Field& field, Near& near,
+                  std::vector<std::uint32_t>& pool) const;
+  static void add_to_field(const Node& node, const Vector& r, const Middle& block, Field& field);
+  void add_near(const Node& node, const Vector& r, double away, bool separate, const Middle& block, Near& near) const;
+  static double error_bound(const Middle& block, const Field& field, const Slope& slope);
+  static std::array<Block, 2> split(const Block& block, bool met);
+  /// Calls `take` for blocks in which W, rounded, is that of the middle but for crossings of caps. The clusters to look
+  /// at are those of `pool` from `list` on.
   void refine(const Block& block, Field field, std::size_t list, std::vector<std::uint32_t>& pool,
               const Take& take) const;
 
