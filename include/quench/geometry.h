@@ -77,7 +77,7 @@ struct Length {
 /// Throws Error(usage) naming `what` when the text is not a non-negative length.
 Length parse_length(std::string_view text, std::string_view what);
 
-/// The largest coordinate or radius of a medial axis: squares and sums of squares of what is larger may be no numbers.
+/// The largest coordinate or radius of a medial axis: squares and sums of squares of larger numbers may overflow.
 inline constexpr double kLargestLength = 1e150;
 
 /// The longest side of the box around the points; 0 for none.

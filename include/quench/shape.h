@@ -165,7 +165,7 @@ struct LabelRuns {
 };
 
 /// The voxels of every label that `wanted` takes (all but 0 without it), in one pass, by ascending label: 16 bytes per
-/// run of equal values. Throws Error(input) for samples that are no integers.
+/// run of equal values. Throws Error(input) for samples that are not integers.
 std::vector<LabelRuns> label_runs(const ImageView& image, const std::function<bool(std::int64_t)>& wanted = nullptr,
                                   Context* context = nullptr);
 

@@ -80,7 +80,7 @@ class FacesByLevel {
 };
 
 /// Merges the vertices of each cube of a grid, as fine as `max_triangles` allows; for display only. Cells that become
-/// smaller or double go; `kept`: the vertex each new one stands at.
+/// degenerate or duplicate are left out; `kept`: per new vertex one of the old ones it stands for.
 Record clustered(const Record& data, std::size_t max_triangles, std::vector<std::uint32_t>& kept);
 
 std::size_t triangle_count(const Record& data);

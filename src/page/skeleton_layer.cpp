@@ -77,7 +77,7 @@ class CurvePruning {
     steps_.erase(std::unique(steps_.begin(), steps_.end()), steps_.end());
   }
 
-  /// How many curves are left; takes what is pruned off `cells`. Fixed keys: any order gives the same.
+  /// How many curves are left; removes from `cells` what is pruned. Fixed keys: any order gives the same.
   std::size_t left(float theta1, page::LayerCells* cells = nullptr) const {
     std::vector<std::uint32_t> degree = degree_, edges_xor = edges_xor_, stack;
     std::size_t count = free_curves_;
@@ -102,8 +102,8 @@ class CurvePruning {
     return count;
   }
 
-  /// A theta1 that leaves at most `most` curves, and nine tenths of that or as many as there can be; where what never
-  /// goes is more, that at which the rest is gone. Sets change only just above a thickness.
+  /// A theta1 that leaves at most `most` curves, and at least nine tenths of that if such a theta1 exists; where more
+  /// are never pruned, the one that prunes all others. The set of curves changes only just above a thickness.
   float floor(std::size_t most) const {
     const auto above = [&](std::size_t i) { return std::nextafter(steps_[i], std::numeric_limits<float>::infinity()); };
     std::size_t low = 0, high = steps_.size();  // the step is in [low, high)
@@ -121,7 +121,7 @@ class CurvePruning {
  private:
   const RefinedAxis& k_;
   std::vector<std::uint32_t> degree_, edges_xor_;
-  std::vector<float> thickness_;  ///< infinite where an edge is no curve, or on a sheet
+  std::vector<float> thickness_;  ///< per edge; infinite where it is not a curve or is on a sheet
   std::vector<float> steps_;
   std::size_t free_curves_ = 0;
 };
@@ -160,7 +160,8 @@ void add_curves(Page& page, const SkeletonFamily& family, const page::LayerRows&
 }
 
 /// The measures of the vertices, each at the place `at` where it is drawn.
-void add_vertex_measures(Page& page, const RefinedAxis& k, const std::vector<std::uint32_t>& at, const page::LayerRows& rows) {
+void add_vertex_measures(Page& page, const RefinedAxis& k, const std::vector<std::uint32_t>& at,
+                         const page::LayerRows& rows) {
   constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
   const auto add = [&](const char* name, const auto& value) {
     page::add_measure(page, "skeleton", name, rows, [&](std::uint32_t v) { return value(at[v]); });
@@ -178,9 +179,9 @@ void add_vertex_measures(Page& page, const RefinedAxis& k, const std::vector<std
 }  // namespace
 
 // Why floors are harmless. Let L(t) = {sheet level >= t} with the curves, and P(X, s) what is left of a subcomplex X
-// after the pruning for theta1 = s: as long as some vertex v that is no medial point is in one edge e of X only, e is a
-// curve, no side of a face of X, and thickness(e) < s, the pair (v, e) goes. Such a pair of X is one of every
-// subcomplex of X that has e: fewer cells are around v and e there. (*)
+// after the pruning for theta1 = s: as long as some vertex v that is not a medial point is in one edge e of X only, e
+// is a curve, not a side of a face of X, and thickness(e) < s, the pair (v, e) is removed. Such a pair of X is one of
+// every subcomplex of X that has e: fewer cells are around v and e there. (*)
 //
 // 1. P(X, s) does not depend on the order (a pair that could go can still go after others went).
 // 2. Nested: P(L(t'), s') is part of P(L(t), s) for t' >= t, s' >= s. Let Y = P(L(t'), s'), part of L(t') and so of

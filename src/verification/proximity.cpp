@@ -49,7 +49,7 @@ std::vector<Box> boundary_faces(const VoxelShape& shape, const std::array<std::i
   return faces;
 }
 
-// What counts as equal: distances within 1e-9, points 1e-6 apart, and what a point can be off by `rounding`.
+// Tolerances: 1e-9 of distances, 1e-6 of positions, and the effect of `rounding`.
 double at_most(double distance, double rounding) {
   const double reach = distance * (1 + 1e-9) + 4 * rounding;
   return reach * reach;

@@ -205,7 +205,7 @@ class Converter {
     }
   }
 
-  /// The same where the boundary of the surface adds to the winding number, also where there is no crossing at all.
+  /// The same where the boundary of the surface contributes to the winding number, even without any crossing.
   void fill_row(std::span<const std::uint64_t> crossings, std::span<const OffsetStep> offsets, Slice& slice) const {
     const std::size_t runs_before = slice.runs.size();
     std::int64_t winding = 0, at = 0;

@@ -31,11 +31,12 @@ struct Progress {
 
 struct Digitization {
   VoxelShape shape;
-  std::int64_t scanlines = 0;              ///< of the box
-  std::int64_t defective_scanlines = 0;    ///< whose crossings alone do not decide: boundary edges have a say
-  std::int64_t winding_voxels = 0;         ///< foreground on these
-  std::int64_t sampled = 0, doubtful = 0;  ///< foreground looked at; |w| below 3/4, or as far from an odd number
-  bool overlapping = false;                ///< some voxel has a winding number beyond -1, 0, 1
+  std::int64_t scanlines = 0;            ///< of the box
+  std::int64_t defective_scanlines = 0;  ///< whose crossings alone do not decide: boundary edges contribute
+  std::int64_t winding_voxels = 0;       ///< foreground on these
+  std::int64_t sampled = 0,
+               doubtful = 0;  ///< sampled foreground; of that with |w| below 3/4, or as far from an odd number
+  bool overlapping = false;   ///< some voxel has a winding number beyond -1, 0, 1
 };
 
 class WindingNumber;

@@ -20,16 +20,16 @@
 namespace quench {
 namespace {
 
-constexpr std::int64_t largest_resolution = 16384;  // the bounds of scan_conversion.cpp rest on it
-constexpr std::int64_t largest_margin = 16384;
+constexpr std::int64_t kLargestResolution = 16384;  // the bounds of scan_conversion.cpp rest on it
+constexpr std::int64_t kLargestMargin = 16384;
 
 void check(const VoxelizeOptions& options) {
-  if (options.resolution < 1 || options.resolution > largest_resolution)
+  if (options.resolution < 1 || options.resolution > kLargestResolution)
     throw Error(ErrorCode::usage, fmt::format("the resolution {} is not possible; give one from 1 to {}",
-                                              options.resolution, largest_resolution));
-  if (options.margin < 0 || options.margin > largest_margin)
+                                              options.resolution, kLargestResolution));
+  if (options.margin < 0 || options.margin > kLargestMargin)
     throw Error(ErrorCode::usage,
-                fmt::format("the margin {} is not possible; it takes 0 to {} voxels", options.margin, largest_margin));
+                fmt::format("the margin {} is not possible; it takes 0 to {} voxels", options.margin, kLargestMargin));
 }
 
 struct Box {
@@ -39,8 +39,7 @@ struct Box {
 
 /// Box of the points that triangles use.
 Box bounding_box(const TriangleMesh& mesh) {
-  if (mesh.triangles.empty())
-    throw Error(ErrorCode::input, "the mesh has no triangles; a closed surface is needed to make voxels of");
+  if (mesh.triangles.empty()) throw Error(ErrorCode::input, "the mesh has no triangles; a closed surface is needed");
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
     for (const std::uint32_t p : mesh.triangles[t])
       if (p >= mesh.points.size()) voxelization::refuse_corner(mesh, t, p);
@@ -256,8 +255,8 @@ std::string defects_text(const Voxelization& v) {
   std::string text = fmt::format(
       "the mesh {} ({}); the winding number decides {} of {}, with {:.2g}% of the shape's voxels", what, found,
       d.defective_scanlines, base::counted(d.scanlines, "scanline", "scanlines"), 100 * d.winding_share);
-  constexpr double much = 0.3;
-  if (d.doubtful_share > much)
+  constexpr double kMuch = 0.3;
+  if (d.doubtful_share > kMuch)
     text += fmt::format(
         "; {:.2g}% of the voxels are a guess (winding number below 3/4): large parts of the surface are missing, or it "
         "is a sheet that encloses nothing",
@@ -288,16 +287,16 @@ std::optional<FillRule> fill_of(std::string_view name) {
 namespace {
 
 Voxelization voxelized_automatically(const TriangleMesh& mesh, VoxelizeOptions options, Context* context) {
-  constexpr std::array<std::int64_t, 5> resolutions{128, 256, 512, 1024, 2048};
-  options.resolution = resolutions.front();
+  constexpr std::array<std::int64_t, 5> kResolutions{128, 256, 512, 1024, 2048};
+  options.resolution = kResolutions.front();
   check(options);
   const CheckedMesh checked = checked_mesh(mesh);
   Voxelization result;
   std::optional<Topology> coarser;  // of overlapping parts, whose own topology is not known
   double done = 0;
-  for (const std::int64_t resolution : resolutions) {
+  for (const std::int64_t resolution : kResolutions) {
     options.resolution = resolution;
-    const double end = resolution == resolutions.back() ? 1 : (done + 1) / 2;
+    const double end = resolution == kResolutions.back() ? 1 : (done + 1) / 2;
     result = {};  // frees the coarser one first
     result = digitize(checked, options, {context, done, end});
     done = end;

@@ -170,8 +170,8 @@ double WindingNumber::cluster_angle(const Node& node, const Vector& r) {
 }
 
 // The gradient is the field of a current around the cap (Biot-Savart). Its change is bounded by the distance of the
-// sides. Currents in a side of two caps cancel when both are looked at; the other one may be part of a cluster only
-// where the side is short compared with its distance.
+// sides. Currents in a side of two caps cancel when both are evaluated exactly; the other one may be part of a cluster
+// only where the side is short compared with its distance.
 void WindingNumber::add_gradient(const Cap& cap, const Vector& p, double within, Slope& slope) {
   for (std::size_t i = 0; i < 3; ++i) {
     const Vector &from = cap.at[i], &to = cap.at[(i + 1) % 3];
@@ -236,7 +236,7 @@ struct WindingNumber::Field {
   }
 };
 
-// Clusters near a block, at its middle; the parts of the block look at them again.
+// Clusters near a block, evaluated at its middle, and again for the parts of the block.
 struct WindingNumber::Near {
   double angle = 0;
   Slope slope;
@@ -244,8 +244,8 @@ struct WindingNumber::Near {
   bool met = false;     // a cap meets the block
 };
 
-// A cluster goes into the field when both it and the block are small compared with their distance, and is opened when
-// it is larger than the block; else it goes into the list of the block's parts, the end of `pool`.
+// Adds a cluster to the field when both it and the block are small compared with their distance, and opens it when it
+// is larger than the block; else it is appended to `pool`, the list of the parts of the block.
 void WindingNumber::accumulate(std::uint32_t cluster, const Middle& block, Field& field, Near& near,
                                std::vector<std::uint32_t>& pool) const {
   std::array<std::uint32_t, 128> stack;
@@ -339,7 +339,7 @@ void WindingNumber::refine(const Block& block, Field field, std::size_t list, st
   }
   for (const Block& part : split(block, near.met)) {
     const std::size_t mine = pool.size();
-    // The part looks at a list that ends where its own begins.
+    // The list of a part must end where the part begins its own.
     for (std::size_t i = end; i < mine; ++i) pool.push_back(pool[i]);
     refine(part, field, mine, pool, take);
     pool.resize(mine);

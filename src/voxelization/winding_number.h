@@ -116,8 +116,8 @@ class WindingNumber {
   void add_near(const Node& node, const Vector& r, double away, bool separate, const Middle& block, Near& near) const;
   static double error_bound(const Middle& block, const Field& field, const Slope& slope);
   static std::array<Block, 2> split(const Block& block, bool met);
-  /// Calls `take` for blocks in which W, rounded, is that of the middle but for crossings of caps. The clusters to look
-  /// at are those of `pool` from `list` on.
+  /// Calls `take` for blocks in which W, rounded, is that of the middle but for crossings of caps. The clusters to
+  /// evaluate are those of `pool` from `list` on.
   void refine(const Block& block, Field field, std::size_t list, std::vector<std::uint32_t>& pool,
               const Take& take) const;
 

@@ -17,13 +17,13 @@
 #include "quench/graph.h"
 #include "quench/io.h"
 
-/// A curve graph as trees of samples. What SWC cannot say (loops, sheets) is in the header, in front of all rows: some
-/// readers take comments only there.
+/// A curve graph as trees of samples. What SWC cannot express (loops, sheets) is in the header, before all rows: some
+/// readers accept comments only there.
 namespace quench::io {
 namespace {
 
-// Of SWC and SWC+. The first name of a number is the one that files say.
-constexpr std::array<std::pair<std::string_view, int>, 9> type_names{{{"undefined", 0},
+// Sample types of SWC and SWC+. Files contain the first name of a number.
+constexpr std::array<std::pair<std::string_view, int>, 9> kTypeNames{{{"undefined", 0},
                                                                       {"soma", 1},
                                                                       {"axon", 2},
                                                                       {"dendrite", kSwcDendrite},
@@ -34,7 +34,7 @@ constexpr std::array<std::pair<std::string_view, int>, 9> type_names{{{"undefine
                                                                       {"glia", 7}}};
 
 std::string type_text(int type) {
-  for (const auto& [name, number] : type_names)
+  for (const auto& [name, number] : kTypeNames)
     if (number == type) return fmt::format("{} ({})", type, name);
   return fmt::format("{}", type);
 }
@@ -45,7 +45,7 @@ struct Row {
   std::uint64_t parent;  ///< id, or 0
 };
 
-/// A way out of a node: a branch from its first or last point, or a straight link to another node of the same sheet.
+/// A way out of a node: a branch, from its first or last point, or a straight link to another node of the same sheet.
 struct Way {
   std::uint32_t node = 0, branch = kNone;
   bool backwards = false;
@@ -144,7 +144,7 @@ class Trees {
       if (!sets_.unite(graph_.branches[b].from, graph_.branches[b].to)) cut_[b] = thinnest_segment(graph_.branches[b]);
   }
 
-  /// Ties: the nearest to the middle.
+  /// Of equally thin ones the nearest to the middle.
   static std::uint32_t thinnest_segment(const CurveGraph::Branch& branch) {
     const auto segments = static_cast<std::uint32_t>(branch.points.size() - 1);
     const auto key = [&](std::uint32_t i) {
@@ -198,7 +198,7 @@ class Trees {
     return rows_.size();
   }
 
-  /// The points of a branch behind its first, seen along `way`, up to the cut or to before the last.
+  /// Adds the points of a branch, in the direction of `way`, from the second one up to the cut or to the last but one.
   std::uint64_t add_inner_points(const Way& way, std::uint64_t parent) {
     const CurveGraph::Branch& branch = graph_.branches[way.branch];
     const std::size_t last = branch.points.size() - 1, cut = cut_[way.branch];
@@ -212,7 +212,7 @@ class Trees {
     return parent;
   }
 
-  /// Depth first: the samples of a branch follow each other.
+  /// Adds the rows of a tree depth first: the samples of a branch follow each other.
   void grow(std::uint32_t root) {
     struct Visit {
       Way way;
@@ -263,13 +263,13 @@ class Trees {
 }  // namespace
 
 int swc_type_of(std::string_view text, std::string_view what) {
-  for (const auto& [name, number] : type_names)
+  for (const auto& [name, number] : kTypeNames)
     if (text == name) return number;
   int type = -1;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), type);
   if (error == std::errc() && end == text.data() + text.size() && type >= 0 && type <= 255) return type;
   std::string names;
-  for (const auto& [name, number] : type_names) names += fmt::format("{}{}", names.empty() ? "" : ", ", name);
+  for (const auto& [name, number] : kTypeNames) names += fmt::format("{}{}", names.empty() ? "" : ", ", name);
   throw Error(
       ErrorCode::usage,
       fmt::format("{} '{}' is not a type of SWC samples; give a number from 0 to 255 or one of {}", what, text, names));

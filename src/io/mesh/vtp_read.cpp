@@ -20,7 +20,7 @@
 namespace quench::io {
 namespace {
 
-/// The XML of a file, and the bytes behind it that are no XML.
+/// The XML of a file, and the bytes after it that are not XML.
 struct Document {
   std::string name;
   pugi::xml_document xml;
@@ -70,7 +70,7 @@ void load(const FileText& file, Document& document) {
 
 template <class Stored, class Kept>
 DataArray::Values from_bytes(std::string_view bytes, const Document& document, const std::string& what) {
-  if (bytes.size() % sizeof(Stored) != 0) document.fail(what + " does not consist of whole numbers");
+  if (bytes.size() % sizeof(Stored) != 0) document.fail(what + " ends within a number");
   std::vector<Kept> values(bytes.size() / sizeof(Stored));
   for (std::size_t i = 0; i < values.size(); ++i) {
     Stored value;
@@ -149,10 +149,10 @@ std::string bytes_of(const Document& document, const pugi::xml_node& node, const
   const std::string where = fmt::format("'{}': {}", document.name, base::plain(what));
   if (format == "appended") {
     const unsigned long long offset = node.attribute("offset").as_ullong();
-    if (offset > document.appended.size()) document.fail(what + " lies behind the end of the file");
+    if (offset > document.appended.size()) document.fail(what + " lies beyond the end of the file");
     return decode_blocks(document.appended.substr(offset), document.format, where);
   }
-  if (format != "binary") document.fail(fmt::format("{} has the format '{}', which VTK does not know", what, format));
+  if (format != "binary") document.fail(fmt::format("{} has the unknown format '{}'", what, format));
   BlockFormat block = document.format;
   block.base64 = true;
   const std::string_view text = node.text().get();
@@ -322,7 +322,7 @@ Record read_piece(const Document& document, const pugi::xml_node& piece) {
   return data;
 }
 
-/// Puts the rows of `more` behind those of the arrays of the same name and type; drops the arrays only one side has.
+/// Appends the rows of `more` to the arrays of the same name and type; drops the arrays that only one side has.
 void join(std::vector<DataArray>& arrays, const std::vector<DataArray>& more) {
   std::vector<DataArray> joined;
   for (DataArray& array : arrays) {
