@@ -67,7 +67,7 @@ class GraphBuilder {
         emit(v, {u, e});
       }
     });
-    // By neighbour, so that the order of edges does not show.
+    // By neighbour, so that the result does not depend on the order of edges.
     for (std::uint32_t v = 0; v < complex_.vertex_count; ++v)
       std::ranges::sort(steps_[v], {}, [](const Step& s) { return std::tie(s.vertex, s.edge); });
   }
@@ -174,7 +174,7 @@ void graph::measure(CurveGraph::Branch& branch) {
   const auto [least, most] = std::minmax_element(branch.radius.begin(), branch.radius.end());
   branch.min_radius = *least;
   branch.max_radius = *most;
-  // Rounding must not carry the mean outside.
+  // Rounding must not move the mean out of the range.
   branch.mean_radius = branch.length > 0 ? std::clamp(weighted / branch.length, *least, *most) : *least;
   const double apart = (branch.points.back() - branch.points.front()).norm();
   branch.tortuosity = apart > 0 ? std::max(1.0, branch.length / apart) : kInfinity;

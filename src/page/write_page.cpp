@@ -15,7 +15,7 @@
 namespace quench {
 namespace {
 
-// A browser has no strings of more than 2^29 - 24 characters.
+// Strings of a browser have at most 2^29 - 24 characters.
 constexpr std::size_t kMostCharacters = (std::size_t{1} << 29) - 24;
 constexpr std::size_t kBlock = std::size_t{1} << 20;
 
@@ -188,7 +188,7 @@ std::string base64(std::string_view bytes) {
   return out;
 }
 
-/// Where the data goes: in place of the comment made for it, else right after the opening body tag.
+/// Where the data is inserted: in place of the comment made for it, else right after the opening body tag.
 std::pair<std::size_t, std::size_t> place_of_data(std::string_view program) {
   constexpr std::string_view kMarker = "<!--quench-data-->";
   if (const std::size_t at = program.find(kMarker); at != std::string_view::npos) return {at, at + kMarker.size()};

@@ -65,7 +65,7 @@ Sample rippled_box(const SampleOptions& options) {
                         const double x = kWidth * (static_cast<double>(p[0]) / nx - 0.5);
                         const double y = kDepth * (static_cast<double>(p[1]) / ny - 0.5);
                         const double u = static_cast<double>(p[2]) / nz - 0.5;
-                        // The ripples end at the edges, which stay straight; the two faces are out of step.
+                        // The ripples end at the edges, which stay straight; those of the two faces are out of phase.
                         const double fade = std::sin(kPi * p[0] / nx) * std::sin(kPi * p[1] / ny);
                         const double phase = u > 0 ? 0 : 1.3;
                         const double wave = std::sin(13 * x + phase) * std::cos(11 * y + 2 * phase);

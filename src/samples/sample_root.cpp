@@ -31,7 +31,7 @@ Vec3 any_normal(const Vec3& d) {
   return d.cross(axis).normalized();
 }
 
-// A smooth wandering line: the turn is noise with memory, so that it has no kinks, plus gravitropism.
+// A smooth random path: its turns are correlated noise, so that it has no kinks, plus gravitropism.
 void grow(RootBranch& branch, Vec3 point, Vec3 direction, double length, double base, const Habit& habit,
           Random& random) {
   const int steps = std::max(3, static_cast<int>(std::lround(length / habit.step)));

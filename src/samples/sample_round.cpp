@@ -93,7 +93,7 @@ Sample four_blobs(const SampleOptions& options) {
     append_tube(mesh, rings, scaled(200, options.detail, 8));
     return mesh;
   };
-  // Bridges of 2.3 voxels at resolution 256: there they hold, at 128 they need not.
+  // Bridges of 2.3 voxels at resolution 256, where they are connected; at 128 they may not be.
   const double side = ring(kAlong[3], 0).centre[0] + kBall[3] - (ring(kAlong[0], 0).centre[0] - kBall[0]);
   return {mesh_for(0.5 * 2.3 / 256 * side), {}};
 }

@@ -11,7 +11,7 @@
 namespace quench {
 namespace {
 
-// A shape with the runs for which `keep(global index of the run)`.
+// The runs for which keep(index among all runs).
 template <class Keep>
 VoxelShape filtered(const VoxelShape& shape, const Keep& keep) {
   VoxelShape result(shape.grid());

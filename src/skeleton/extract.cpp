@@ -99,9 +99,9 @@ Member member_of(const SkeletonFamily& family, double theta2, double theta1, dou
 
 // How the cells of a member are written.
 struct Outline {
-  std::vector<char> whole;         // per polygon of M: no part is missing; one face, and nothing of its inside
-  std::vector<char> inside_whole;  // per edge of K: in the inside of such a polygon
-  std::vector<char> kept;          // per node and door: a vertex; elsewhere the halves of segments are strung together
+  std::vector<char> whole;           // per polygon of M: no part is missing; one face, and nothing of its inside
+  std::vector<char> inside_whole;    // per edge of K: in the inside of such a polygon
+  std::vector<char> kept;            // per vertex of K: written; halves of segments are joined where it is not
   std::vector<std::uint32_t> drawn;  // per vertex of K: the one in whose place it is written
 };
 
@@ -120,8 +120,8 @@ void find_whole_polygons(const RefinedAxis& k, const Member& member, bool parts,
         if (!is_half(k, e)) outline.inside_whole[e] = 1;
 }
 
-// Vertices of M; nodes inside edges and doors where anything but whole polygons meets the edge, or parts of the edge
-// are missing; vertices without any edge.
+// Kept are the vertices of M, nodes inside edges and doors where anything but whole polygons meets the edge or parts of
+// the edge are missing, and vertices without any edge.
 void find_kept_vertices(const RefinedAxis& k, const Member& member, Outline& outline) {
   const CellComplex& c = k.complex;
   std::vector<char>& kept = outline.kept;
@@ -168,9 +168,8 @@ void draw_duals_at_doors(const RefinedAxis& k, const Member& member, Outline& ou
   for (std::uint32_t v = first_dual; v < drawn.size(); ++v)
     if (const std::uint32_t e = k.exit[v]; e != kNone && member.edge[e] && member.vertex[v])
       drawn[v] = other_end(k, e, v);
-  // On curves that never burn nothing exits: a dual inside such a curve goes to the door that burns last on the
-  // sheet, so that it runs on the edges of the sheet's fire and not to and fro between them and the middles of
-  // polygons.
+  // Duals of curves that never burn have no exit: inside such a curve they are drawn at the door that burns last on the
+  // sheet, so that the curve does not zigzag between doors and the middles of polygons.
   std::vector<std::uint32_t> curves(drawn.size(), 0), door(drawn.size(), kNone);
   for (std::uint32_t e = 2 * k.doors; e < k.complex.edges.size(); ++e) {
     const auto [a, v] = k.complex.edges[e];
@@ -180,7 +179,7 @@ void draw_duals_at_doors(const RefinedAxis& k, const Member& member, Outline& ou
   }
   for (std::uint32_t v = first_dual; v < drawn.size(); ++v)
     if (member.vertex[v] && drawn[v] == v && curves[v] == 2) drawn[v] = door[v];
-  // But not where a part of a sheet would be pressed flat: between doors of one side of its polygon.
+  // But not where a part of a sheet would have no area: between doors of one side of its polygon.
   for (std::size_t f = 0; f < k.complex.face_count(); ++f) {
     if (!member.face[f] || outline.whole[k.polygon_of[f]]) continue;
     const auto corners = k.complex.corners(f);
@@ -197,7 +196,7 @@ Outline outline_of(const RefinedAxis& k, const Member& member, bool parts) {
   return outline;
 }
 
-// The cells of a skeleton by number, before edges with the same ends are told apart.
+// The cells of a skeleton, in which several edges may have the same ends.
 struct Cells {
   struct Edge {
     std::array<std::uint32_t, 2> ends;
@@ -252,7 +251,7 @@ class CellBuilder {
     return static_cast<std::uint32_t>(cells_.edges.size() - 1);
   }
 
-  // Halves come edge by edge of M, in order along it: they are strung together between vertices that are written.
+  // Halves come edge by edge of M, in order along it: they are joined between vertices that are written.
   void add_halves() {
     std::vector<std::uint32_t> stretch;
     std::uint32_t stretch_start = kNone;
@@ -386,7 +385,7 @@ Skeleton skeleton_of(const RefinedAxis& k, const Cells& cells) {
   const std::vector<std::uint32_t> middle = middles(cells.edges, static_cast<std::uint32_t>(cells.vertices.size()));
   fill_vertices(k, cells, middle, out);
   std::vector<std::array<std::uint32_t, 2>> edges;
-  std::vector<std::uint32_t> of;  // per edge: of which one of `cells`
+  std::vector<std::uint32_t> of;  // per edge: the one of `cells` it is, or is a half of
   for (std::uint32_t e = 0; e < cells.edges.size(); ++e) {
     const auto [a, b] = cells.edges[e].ends;
     if (middle[e] == kNone) {

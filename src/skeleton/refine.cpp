@@ -87,7 +87,7 @@ class Refinement {
       door_base_[e] = static_cast<std::uint32_t>(doors);
       if (net_.side_offsets[e + 1] > net_.side_offsets[e]) doors += net_.pieces[e];
     }
-    // Regions are fewer than the nodes on the boundaries of all polygons, and with them everything else.
+    // There are fewer regions, and so fewer of all other cells, than four per node on the boundaries of all polygons.
     std::uint64_t most = out_.nodes + doors;
     for (const std::uint32_t e : m.face_edges) most += 4 * std::uint64_t{net_.pieces[e]};
     if (most >= kNone)
@@ -118,8 +118,8 @@ class Refinement {
     out_.curve_edge.assign(out_.complex.edges.size(), 0);
     out_.curve_vertex.assign(vertices, 0);
   }
-  // Mean time of a segment's nodes in each polygon's sector; the last polygon's does not count, as the last sheet burns
-  // with the last but one. On a rim the radius, on a pocket never.
+  // The second largest over the polygons of the mean time of the segment's nodes in the polygon's sector: the last
+  // sheet burns together with the last but one. The radius on a rim, infinite on a pocket.
   double door_time(std::span<const std::uint32_t> sides, std::uint32_t j) {
     if (sides.size() == 1) return out_.radius.back();
     times_.clear();
@@ -261,12 +261,12 @@ class Refinement {
   };
   struct Arc {
     bool segment;
-    std::uint32_t index;  // place of its first node; chord
+    std::uint32_t index;  // of a segment the place of its first node, else that of the chord
   };
   struct Region {
     std::vector<std::uint32_t> places;  // nodes of its boundary in order
     std::vector<Arc> arcs;              // arcs[i] leads from places[i] on
-    std::uint32_t chord = kNone;        // that closes it; kNone for the outermost
+    std::uint32_t chord = kNone;        // the chord that closes the region; kNone for the outermost
   };
   // From the region dual to a node of the region's boundary, or to the door of the arc that leads on from it.
   struct Spoke {
@@ -353,7 +353,7 @@ class Refinement {
       radius += out_.radius[node];
       squares += out_.radius[node] * out_.radius[node] - (out_.points[node] - centre).squaredNorm();
     }
-    // The squared distance to a shared nearest point is that of the nodes, on average, less their spread.
+    // The squared distance to a shared nearest point is the mean of those of the nodes minus their variance.
     radius = site_.rule == RadiusRule::exact ? std::sqrt(std::max(0.0, squares / static_cast<double>(m)))
                                              : radius / static_cast<double>(m);
     out_.points.push_back(centre);

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "quench/context.h"
-#include "verification/box_tree.h"
+#include "verification/bvh.h"
 #include "verification/result.h"
 
 namespace quench::verification {
@@ -22,12 +22,12 @@ class Sites {
 
   const std::vector<LatticePoint>& lattice() const { return lattice_; }
   const std::vector<Point>& scaled() const { return scaled_; }
-  const BoxTree& tree() const { return tree_; }
+  const Bvh& tree() const { return tree_; }
 
  private:
   std::vector<LatticePoint> lattice_;  // in order of z, y, x
   std::vector<Point> scaled_;
-  BoxTree tree_;
+  Bvh tree_;
 };
 
 /// Sphere through four sites, exact: with s = p - origin, determinant |s|^2 - linear . s is negative inside. The centre

@@ -170,7 +170,7 @@ Check check_reconstruction(const Result& result, Context* context) {
     }
     balls.push_back(box);
   }
-  const BoxTree tree(std::move(balls));
+  const Bvh tree(std::move(balls));
   const std::vector<Vec3> centres = centres_of_share(result);
   std::atomic<std::size_t> surely{0}, perhaps{0};
   for_indices(centres.size(), context, "verify: reconstruction", [&](std::size_t i) {

@@ -17,8 +17,8 @@
 //   - On that slice the edge is at y*(Z + e3); a centre lies beyond it when Y + e2 > y*(Z + e3), that is, when
 //     Y >= y*(Z), since the slope times e3 is smaller than e2. The number depends on the edge alone, not on the face
 //     or its orientation: neighbouring faces agree on which of them a scanline meets. An edge with both ends on one
-//     side of Z + e3 is not met, in particular none parallel to y; a vertex is never met.
-//   - A face that projects to a line is met by no scanline: its two spanning edges have the same y*.
+//     side of Z + e3 is not met, in particular none that is parallel to y; a vertex is never met.
+//   - A face that projects to a line is not met by any scanline: its two spanning edges have the same y*.
 //   - On its scanline a face is at x*(Y + e2, Z + e3); a centre lies beyond it when X >= x*(Y, Z), since both slopes
 //     times their shifts are smaller than e1.
 // The crossings of a closed mesh along a scanline therefore always have the sum 0: it cannot leak.
@@ -105,7 +105,7 @@ std::uint64_t pack(std::int64_t y, std::int64_t x, bool leaving) {
   return static_cast<std::uint64_t>(y) << 33 | static_cast<std::uint64_t>(x) << 1 | (leaving ? 1u : 0u);
 }
 
-/// What one slice of the shape becomes.
+/// One slice of the shape.
 struct Slice {
   std::vector<Run> runs;
   std::vector<std::uint32_t> row_end;  ///< per scanline of the box: end of its runs
@@ -153,7 +153,7 @@ class Converter {
       if (winding_) {
         const std::size_t runs_before = slice.runs.size();
         fill_row({begin, at}, offsets[static_cast<std::size_t>(y)], slice);
-        if (!winding_->closed()) look_at_samples({begin, at}, cap_crossings, y, z, runs_before, slice);
+        if (!winding_->closed()) count_samples({begin, at}, cap_crossings, y, z, runs_before, slice);
       } else if (at != begin) {
         fill_row({begin, at}, slice);
       }
@@ -228,9 +228,10 @@ class Converter {
       slice.winding_voxels += slice.runs[i].end - slice.runs[i].begin;
   }
 
-  /// How far from 1/2 the winding number of the row's foreground is, at every stride-th voxel of the box.
-  void look_at_samples(std::span<const std::uint64_t> crossings, const CapCrossings& of_caps, std::int64_t y,
-                       std::int64_t z, std::size_t first_run, Slice& slice) const {
+  /// Counts the sampled foreground voxels of a row, every stride-th of the box, and those with a doubtful winding
+  /// number.
+  void count_samples(std::span<const std::uint64_t> crossings, const CapCrossings& of_caps, std::int64_t y,
+                     std::int64_t z, std::size_t first_run, Slice& slice) const {
     const std::int64_t row = (z * mesh_.cells[1] + y) * mesh_.cells[0];
     std::size_t c = 0;
     std::int64_t winding = 0;
@@ -283,7 +284,7 @@ CapCrossings crossings_of_slice(const FixedMesh& mesh, std::int64_t z) {
 
 namespace {
 
-/// Puts the slices of a box together to a shape, with `margin` empty voxels around them.
+/// Assembles the slices of a box into a shape, with `margin` empty voxels around them.
 class Collector {
  public:
   Collector(const Grid& grid, const std::array<std::int64_t, 3>& cells, std::int64_t margin) : margin_(margin) {

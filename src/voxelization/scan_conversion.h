@@ -41,7 +41,7 @@ struct Digitization {
 
 class WindingNumber;
 
-/// What is inside, of the crossings counted from -x.
+/// Which winding numbers, counted from -x, are inside.
 enum class Inside { nonzero, odd };
 
 /// Signed crossings of one face on the scanline from -x to the centre of a voxel: -1, 0 or 1.
@@ -54,8 +54,8 @@ CapCrossings crossings_of_slice(const FixedMesh& mesh, std::int64_t z);
 
 /// Gauss digitization; see the definition for how ties are decided. `grid` must be that of the result: `margin` empty
 /// voxels around mesh.cells. Without `winding`, crossings must return to 0 (odd: to an even number) on every scanline:
-/// the boundary of the surface must be empty (odd: mod 2). With it (that of the same faces), any surface will do:
-/// crossings are corrected by what the boundary adds.
+/// the boundary of the surface must be empty (odd: mod 2). With it (that of the same faces), any surface is
+/// allowed: the contribution of its boundary corrects the crossings.
 Digitization scan_convert(const FixedMesh& mesh, const Grid& grid, std::int64_t margin, Inside inside,
                           const WindingNumber* winding, const Progress& progress);
 

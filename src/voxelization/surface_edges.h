@@ -14,8 +14,9 @@ namespace quench::voxelization {
 
 using Triangle = std::array<std::uint32_t, 3>;
 
-/// The triangles with the first point at the same position for every corner, so that equal positions are equal numbers.
-/// Keeps their order; those with two equal corners are left in. O(n log n).
+/// The triangles with every corner replaced by the first point at the same position, so that equal positions have equal
+/// numbers.
+/// Keeps their order, and those with two equal corners. O(n log n).
 std::vector<Triangle> weld(std::span<const FixedPoint> points, std::span<const Triangle> triangles);
 
 /// A side of a face.

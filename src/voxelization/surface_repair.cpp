@@ -16,7 +16,7 @@ constexpr double kClearMajority =
     0.7;                               // of a patch's area must agree on its orientation, or the orientation is ignored
 constexpr double kNearlyClosed = 0.1;  // largest sum of area vectors / area of a patch that counts as closed
 constexpr std::size_t kMostHoleEdges = 24;
-constexpr std::size_t kMostNested = 64;  // patches looked at for nesting: the largest ones
+constexpr std::size_t kMostNested = 64;  // only the largest patches are tested for nesting
 
 class Repair {
  public:
@@ -54,9 +54,9 @@ class Repair {
     return (point(faces_[f][1]) - a).cross(point(faces_[f][2]) - a);
   }
 
-  /// Of faces with the same three corners the first one; where they lie there both ways around, one or none of them.
+  /// Keeps the first of the faces with the same three corners; one or none of them where both orientations occur.
   void take_one_of_each(std::span<const Triangle> welded) {
-    std::vector<std::uint32_t> kept, doubtful;  // doubtful: both ways around
+    std::vector<std::uint32_t> kept, doubtful;  // doubtful: in both orientations
     for_equal_faces(welded, [&](std::span<const std::uint32_t> equal) {
       const bool one_way = std::ranges::all_of(
           equal, [&](std::uint32_t f) { return is_even(welded[f]) == is_even(welded[equal.front()]); });
@@ -70,7 +70,7 @@ class Repair {
     if (!doubtful.empty()) drop_doubtful(kept.size());
   }
 
-  /// An even permutation of its sorted corners.
+  /// Whether the corners are an even permutation of the sorted ones.
   static bool is_even(const Triangle& t) { return (t[0] < t[1]) + (t[1] < t[2]) + (t[2] < t[0]) == 2; }
 
   /// Calls visit(faces) for all faces with the same three corners, ascending. Degenerate faces are left out.
@@ -172,7 +172,7 @@ class Repair {
         patch.high = patch.high.cwiseMax(point(corner));
       }
     }
-    // Relative to the middle of its box: what a hole lacks then counts least.
+    // Relative to the middle of its box: this makes the error of a hole smallest.
     patch.volume += patch.sum.dot(origin - (patch.low + patch.high) / 2);
   }
 
@@ -304,7 +304,7 @@ class Repair {
 
   std::span<const FixedPoint> points_;
   std::vector<Triangle> faces_;
-  std::vector<std::uint32_t> other_;  // per side: the one side across its edge
+  std::vector<std::uint32_t> other_;  // per side: the opposite one, where its edge has exactly two; else kNone
   std::vector<char> turned_;
   std::vector<Patch> patches_;
   RepairedSurface result_;

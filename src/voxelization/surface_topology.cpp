@@ -55,7 +55,7 @@ std::vector<Triangle> welded_faces(const TriangleMesh& mesh) {
 
 std::uint32_t next_corner(std::uint32_t side) { return side % 3 == 2 ? side - 2 : side + 1; }
 
-/// The faces around one edge, and what they say about the surface there.
+/// The faces around the edges of a surface.
 class EdgeFan {
  public:
   EdgeFan(const TriangleMesh& mesh, const std::vector<Triangle>& faces, bool inward)

@@ -20,7 +20,7 @@
 namespace quench {
 namespace {
 
-constexpr std::int64_t kLargestResolution = 16384;  // the bounds of scan_conversion.cpp rest on it
+constexpr std::int64_t kLargestResolution = 16384;  // the bounds in scan_conversion.cpp depend on it
 constexpr std::int64_t kLargestMargin = 16384;
 
 void check(const VoxelizeOptions& options) {
@@ -98,7 +98,7 @@ voxelization::FixedMesh fixed_mesh(const CheckedMesh& checked, std::int64_t reso
   return fixed;
 }
 
-/// A sentence when the solid of the mesh has another topology than the shape, else empty.
+/// A sentence when the topology of the solid of the mesh differs from that of the shape, else empty.
 std::string difference(const VoxelShape& shape, const SurfaceTopology& surface) {
   const Topology voxels = topology(shape);
   const std::int64_t genus = surface.components - surface.euler;
@@ -121,7 +121,7 @@ std::string difference(const VoxelShape& shape, const SurfaceTopology& surface) 
       base::counted(voxels.betti[1], "tunnel", "tunnels"), parts, base::counted(genus, "tunnel", "tunnels"));
 }
 
-/// The rule, and the faces it is asked of.
+/// The fill rule, and the faces it is applied to.
 struct Choice {
   FillRule fill;
   std::string reason;
@@ -203,7 +203,7 @@ Voxelization digitize(const CheckedMesh& checked, const VoxelizeOptions& options
   const bool closed =
       choice.fill == FillRule::evenodd ? checked.analysis.odd_edges == 0 : checked.analysis.unbalanced_edges == 0;
   result.sound = closed && defects.flipped_faces == 0;
-  // The surfaces of several parts do not tell the topology of their union when they overlap, a defective one nothing.
+  // The topology of the union of parts does not follow from their surfaces when they overlap, nor from a defective one.
   result.topology_known = result.sound;
   if (!result.topology_known) return result;
   result.topology_difference = difference(result.shape, result.surface);

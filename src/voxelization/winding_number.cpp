@@ -72,7 +72,7 @@ std::uint32_t WindingNumber::build(std::uint32_t begin, std::uint32_t end) {
     std::array<double, 3> low, high;
     low.fill(std::numeric_limits<double>::infinity());
     high.fill(-std::numeric_limits<double>::infinity());
-    const auto middle = [](const Cap& cap) {  // thrice the middle
+    const auto middle = [](const Cap& cap) {  // times 3
       const auto& [a, b, c] = cap.at;
       return std::array<double, 3>{a.x + b.x + c.x, a.y + b.y + c.y, a.z + b.z + c.z};
     };
@@ -124,7 +124,7 @@ void WindingNumber::summarize(Node& node) const {
 }
 
 // Van Oosterom and Strackee 1983. In the plane of the cap, on its inside or its rim, the sign is that for the shifted
-// centre of the voxel: the crossing of the cap, less what the strips from its sides to +x tell of the surface's g.
+// centre of the voxel: the crossing of the cap and the angles of the strips from its sides to +x.
 double WindingNumber::cap_angle(const Cap& cap, const std::array<std::int64_t, 3>& voxel, const Vector& p) const {
   const auto& [va, vb, vc] = cap.at;
   const Vector a{va.x - p.x, va.y - p.y, va.z - p.z}, b{vb.x - p.x, vb.y - p.y, vb.z - p.z},
@@ -150,7 +150,7 @@ double WindingNumber::strip_angle(const Vector& a, const Vector& b, const Vector
       az * bz;
   double sine = ay * bz - az * by;
   if (cosine <= 0 && std::abs(sine) <= 0x1p-49 * (std::abs(ay * bz) + std::abs(az * by))) {
-    const double sign = exact_sign(ay, az, by, bz);  // only here it decides on a whole turn
+    const double sign = exact_sign(ay, az, by, bz);  // only here the sign decides between 2 pi and -2 pi
     if (sign == 0) return 0;
     sine = std::copysign(sine, sign);
   }

@@ -29,7 +29,7 @@ struct CapCrossings {
   std::int32_t until(std::int64_t x, std::int64_t y) const;
 };
 
-/// The generalized winding number w (Jacobson 2013) of any set of triangles, as what a scanline needs of it.
+/// The part of the generalized winding number w (Jacobson 2013) of any set of triangles that scan conversion needs.
 ///
 /// The boundary of the surface (with multiplicity: what is left when edges of opposite direction cancel) is a set of
 /// closed paths. Each is closed by a cap of triangles, whatever the path: the faces and the caps together have no
@@ -39,7 +39,7 @@ struct CapCrossings {
 ///     w(p) = R(p) - g(p),   g = W - C.
 ///
 /// g is 0 for a closed surface, depends on boundary edges alone (not on how they are capped), and has no jump along a
-/// scanline: R has them all, and R is exact. Of an integer R, |w| > 1/2 says R != round(g). So this class finds
+/// scanline: R has them all, and R is exact. For an integer R, |w| > 1/2 means R != round(g). So this class finds
 /// round(g), and voxels at the surface are as exact as in a closed mesh.
 ///
 /// W is summed over a tree of caps (Barill 2018): exact for those nearby, the first two moments of clusters that are
@@ -95,8 +95,8 @@ class WindingNumber {
   struct Near;
   struct Slope {
     double x = 0, y = 0;  ///< gradient of 4 pi W within the slice
-    double error = 0;     ///< of that
-    double bend = 0;      ///< bound of its own derivatives in the block
+    double error = 0;     ///< bound of the error of x and y
+    double bend = 0;      ///< bound of the derivatives of the gradient in the block
   };
   using Take = std::function<void(const Block&, double W)>;
 

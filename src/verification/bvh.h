@@ -26,10 +26,10 @@ struct Box {
   double squared_distance(const Vec3& x) const { return (x - nearest_point(x)).squaredNorm(); }
 };
 
-/// Hierarchy of boxes by median cuts, for nearest-box and range queries. Build O(n log n), 60 bytes per box.
-class BoxTree {
+/// A bounding volume hierarchy by median cuts, for nearest-box and range queries. Build O(n log n), 60 bytes per box.
+class Bvh {
  public:
-  explicit BoxTree(std::vector<Box> boxes) : boxes_(std::move(boxes)), order_(boxes_.size()) {
+  explicit Bvh(std::vector<Box> boxes) : boxes_(std::move(boxes)), order_(boxes_.size()) {
     std::iota(order_.begin(), order_.end(), 0u);
     if (!boxes_.empty()) build(0, static_cast<std::uint32_t>(boxes_.size()));
     std::vector<Box> sorted(boxes_.size());
