@@ -15,8 +15,9 @@
 namespace quench::base {
 
 /// The indices 0 .. count - 1 by descending key (0 or more, infinite allowed); equal keys by before(a, b), then by
-/// index; more than `most_ties` of one key by index only. Made for keys of which many are equal: counting by their
-/// leading bits does most of the sorting. On the threads of the arena; the result does not depend on their number.
+/// index; more than `most_ties` of one key may be left in the order of indices. Made for keys of which many are equal:
+/// counting by their leading bits does most of the sorting. On the threads of the arena; the result does not depend on
+/// their number.
 template <class Key, class Before>
 std::vector<std::uint32_t> sorted_by_key_descending(std::size_t count, std::ptrdiff_t most_ties, const Key& key,
                                                     const Before& before) {
