@@ -10,7 +10,7 @@
 namespace quench::samples {
 namespace {
 
-constexpr double kPi = std::numbers::kPi;
+constexpr double kPi = std::numbers::pi;
 
 // Coordinates from `begin` to `end` in `count` equal steps, the ends exact, appended without the first.
 void append_steps(std::vector<double>& coordinates, double end, int count) {

@@ -10,7 +10,7 @@
 namespace quench::samples {
 namespace {
 
-constexpr double kPi = std::numbers::kPi;
+constexpr double kPi = std::numbers::pi;
 
 /// How branches of one order grow.
 struct Habit {

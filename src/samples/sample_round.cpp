@@ -8,7 +8,7 @@
 namespace quench::samples {
 namespace {
 
-constexpr double kPi = std::numbers::kPi;
+constexpr double kPi = std::numbers::pi;
 
 }  // namespace
 

@@ -177,7 +177,7 @@ Check check_sites(const Result& result, const Sites& sites) {
     rows.push_back({bounded(xyz[i]), bounded(xyz[i + 1]), bounded(xyz[i + 2])});
   for (std::size_t i = 0; i < rows.size(); ++i) {
     if (!std::binary_search(sites.lattice().begin(), sites.lattice().end(), rows[i], before))
-      return failed(name, fmt::format("site {} is ({}, {}, {}), which is not a boundary vertex of the shape", i,
+      return failed(name, fmt::format("site {} is ({}, {}, {}), which is no boundary vertex of the shape", i,
                                       rows[i][0], rows[i][1], rows[i][2]));
     if (i > 0 && !before(rows[i - 1], rows[i]))
       return failed(name, fmt::format("sites {} and {} are not in the order of z, y, x", i - 1, i));

@@ -70,7 +70,7 @@ Check check_voronoi(const Result& result, const Sites& sites, VertexSites& verte
   for (std::uint32_t v : needed)
     if (vertex_sites.at(v).empty()) {
       check.detail =
-          fmt::format("{} is not the centre of an empty sphere through four affinely independent boundary vertices",
+          fmt::format("{} is not the centre of an empty sphere through four boundary vertices that span space",
                       result.describe_vertex(v));
       return check;
     }
