@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <limits>
 #include <span>
 #include <vector>
 
@@ -31,8 +30,6 @@ struct BurnOptions {
   RadiusRule radius = RadiusRule::exact;
   bool parents = true;  ///< also find the burn sequence: parents of prime sectors, which medial curves need
 };
-
-inline constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
 /// Where fire is tracked: nodes on the edges of a complex, and in the link of each node its sectors (Yan 2018, sec.
 /// 3.4.1; docs/algorithms/burning.md).

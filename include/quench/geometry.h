@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <string>
 #include <vector>
@@ -12,6 +13,9 @@ namespace quench {
 
 using Vec3 = Eigen::Vector3d;
 using Mat3 = Eigen::Matrix3d;
+
+/// No vertex, edge, face or other element, where an index of one stands.
+inline constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
 /// A point of the voxel lattice. Voxel (i,j,k) is the box [i,i+1] x [j,j+1] x [k,k+1] in lattice coordinates, so its
 /// centre is at (i+1/2, j+1/2, k+1/2).
@@ -58,7 +62,7 @@ std::array<std::int64_t, 3> integer_spacing(const Grid& grid);
 /// integer_spacing() says so. `moved`: how far the farthest voxel moves, in voxels.
 Vec3 nearest_integer_spacing(const Grid& grid, double* moved = nullptr);
 
-/// The largest coordinate or radius of a medial axis: squares and sums of squares of what is larger may be no numbers.
+/// The largest coordinate or radius of a medial axis: squares and sums of squares of larger numbers may overflow.
 inline constexpr double kLargestLength = 1e150;
 
 /// The longest side of the box around the points; 0 for none.

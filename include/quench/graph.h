@@ -14,8 +14,8 @@
 
 namespace quench {
 
-/// The curve part of a skeleton as a graph: what plant and neuro labs measure on. Sheets are not part of it; where
-/// curves meet one, the node says which.
+/// The curve part of a skeleton as a graph: what plant and neuro labs measure on. Sheets are not part of it; a node
+/// where curves meet a sheet says which.
 struct CurveGraph {
   enum class NodeKind : std::uint8_t { end, junction, sheet, loop, isolated };
   struct Node {
@@ -56,13 +56,13 @@ CurveGraph curve_graph(const Skeleton& skeleton);
 
 /// How smoothed() moves and resamples branches. All lengths in world units.
 struct SmoothOptions {
-  int iterations = 0;  ///< times every point moves half way to the chord of its neighbours; 0: no smoothing
+  int iterations = 0;  ///< passes in which every point moves half way to the chord of its neighbours; 0: no smoothing
   double spacing = 0;  ///< distance between points along a branch after resampling; 0: no resampling
   /// Radii are distances to the corners of voxels, not to the faces between them: half the largest diagonal of a voxel
   /// face, boundary_gap(). 0 where radii are distances to the boundary itself.
   double gap = 0;
   /// Whether a segment lies inside the shape, where that is known: decides in place of the bound below, which is coarse
-  /// for curves about a voxel thick. New radii are then those of the old course, interpolated.
+  /// for curves about a voxel thick. New radii are then those of the old polyline, interpolated.
   std::function<bool(const Vec3&, const Vec3&)> inside = nullptr;
 };
 
@@ -74,11 +74,11 @@ double boundary_gap(const Vec3& spacing);
 /// - every new segment lies in the union of the balls of its branch, and in the shape: the square of the distance to
 ///   the boundary minus |x|^2 is concave, so a point averaged from others, x = sum w_j x_j, is at least
 ///   sqrt(sum w_j (r_j^2 - |x_j - x|^2)) away from the boundary. Wherever that is not above `gap` all along a new
-///   segment, the old course is kept;
+///   segment, the old polyline is kept;
 /// - that bound is the new radius: never more than the true one;
 /// - no point of the input moves further than half its radius by smoothing;
 /// - branches touch neither themselves nor each other but at common nodes: one that would is smoothed but not
-///   resampled, or left as it was. (The final course is looked at, not the way there; sheets are not looked at.)
+///   resampled, or left as it was. (Only the final polylines are compared, and not with sheets.)
 /// Closed branches get three segments at least, and no branch more than 64 points for each it had, plus 1024. Lengths,
 /// radii and tortuosity are computed anew, ET_MC is kept. Deterministic. Throws Error(usage) for negative or infinite
 /// options.
@@ -95,8 +95,8 @@ int swc_type_of(std::string_view text, std::string_view what);
 struct SwcOptions {
   /// The node nearest to this point is the root of its component. All others (and all without it): the thickest node.
   std::optional<Vec3> root;
-  /// Structure identifier of every sample. It says nothing that was found out: the default is what every program takes
-  /// (MorphIO and NeuroM refuse 0, undefined, and some others all but 1 to 4).
+  /// Structure identifier of every sample: a label, not a result. The default is one that every program accepts (MorphIO
+  /// and NeuroM refuse 0, undefined, and some others all but 1 to 4).
   int type = kSwcDendrite;
   Coordinates coordinates;  ///< for the header
 };
@@ -111,7 +111,7 @@ struct SwcReport {
   std::vector<Cut> cuts;             ///< as many as the graph has independent loops, by branch
   std::uint32_t trees = 0;           ///< components with a node
   std::uint64_t samples = 0;         ///< rows
-  std::uint64_t sheet_links = 0;     ///< rows whose way to their parent is a straight line across a sheet, not a curve
+  std::uint64_t sheet_links = 0;     ///< rows joined to their parent by a straight line across a sheet, not by a curve
   std::vector<std::uint32_t> roots;  ///< per tree: the node
 };
 

@@ -30,7 +30,7 @@
 ///   .npy  .vol (DGtal)  .sof  .png, a folder of PNG slices             x
 ///   .nrrd (gzip)                                                                  x
 ///
-/// Curve graphs (.swc, .graphml, .csv) are written by the functions of quench/curve_graph.h.
+/// Curve graphs (.swc, .graphml, .csv) are written by the functions of quench/graph.h.
 ///
 /// Every reader throws Error(failed) when the file cannot be opened and Error(input) when its content cannot be used,
 /// naming the file and, where there is one, the line or byte. Every writer writes a temporary file in the same folder,
@@ -45,8 +45,8 @@ Kind kind_of(const std::filesystem::path& file);
 
 /// .ply .obj .off .stl .vtp .ma and, where built with Assimp, its formats. Arrays the format carries are kept by name
 /// (`radius` and `quality` of PLY, r of .ma, all arrays of VTP). STL corners are welded by exact position. What a
-/// format calls a face is by its number of corners a point (1), a line (2) or a polygon, in every format alike; one
-/// without corners is refused. `context` bounds the memory.
+/// format calls a face becomes a point, a line or a polygon by its number of corners (1, 2, more) in every format; a
+/// face without corners is an error. `context` bounds the memory.
 Record read_record(const std::filesystem::path& file, Context* context = nullptr);
 
 /// .vtp .ply .obj .ma .r .csv. PLY carries `quality` (= `radius` unless `quality_array` names another point array) and
@@ -55,7 +55,7 @@ struct WriteOptions {
   std::string quality_array = "radius";
 };
 void write_record(const std::filesystem::path& file, const Record& data, const WriteOptions& options = {});
-/// Throws Error(usage) when the extension is none of those: to be told before a long computation, not after.
+/// Throws Error(usage) for any other extension: to be called before a long computation.
 void check_writable_format(const std::filesystem::path& file);
 
 /// Values of a .r file for the given points: matched by nearest point, at most 1e-3 of the longest side away, else
@@ -64,8 +64,8 @@ std::vector<double> read_radii(const std::filesystem::path& file, const std::vec
                                Context* context = nullptr);
 
 /// `spacing` overrides what the file says (formats without spacing: 1). A folder is read in natural order (2 before
-/// 10), one slice per file; numbered slices of which a number is missing or there twice, or with another file among
-/// them, are refused with Error(input).
+/// 10), one slice per file; numbered slices with a number missing or occurring twice, or with another file among
+/// them, are Error(input).
 struct VolumeReadOptions {
   std::optional<Vec3> spacing;
 };
@@ -76,10 +76,10 @@ Volume read_volume(const std::filesystem::path& file, const VolumeReadOptions& o
 void write_volume(const std::filesystem::path& file, const VoxelShape& shape, const Coordinates& coordinates = {},
                   Context* context = nullptr);
 
-/// Writes through `body` to a temporary file beside `file`, of a name nobody can guess and with the permissions of the
-/// file it replaces, flushes it to the disk and renames it over `file`. What a link names is replaced, not the link. On
-/// an exception the temporary file is removed and `file` is as it was. Throws Error(failed) when writing fails (e.g.
-/// disk full).
+/// Writes through `body` to a temporary file beside `file`, of a name that cannot be guessed and with the permissions
+/// of the file it replaces, flushes it to the disk and renames it over `file`. What a link names is replaced, not the
+/// link. On an exception the temporary file is removed and `file` is as it was. Throws Error(failed) when writing fails
+/// (e.g. disk full).
 void write_atomically(const std::filesystem::path& file, const std::function<void(std::ostream&)>& body);
 
 /// A volume as slices where its format allows it: NRRD with its samples in the same file, raw or gzip; uncompressed
@@ -118,16 +118,16 @@ class OutputGroup {
 /// the process at once: it neither allocates nor waits, and outputs being written are lost.
 void remove_temporary_files() noexcept;
 
-/// How far a process is with its outputs.
+/// Which outputs of a process have replaced their files.
 enum class Outputs {
   untouched,      ///< every file is as it was
-  being_renamed,  ///< those of a group appear just now, one after the other
-  in_place        ///< outputs have been put in their places
+  being_renamed,  ///< the files of a group are just being replaced, one after the other
+  in_place        ///< some outputs have replaced their files
 };
 
-/// For who is about to end the process without waiting for its threads: from now on no output is renamed, and
-/// committing or writing one throws Error(cancelled). Not while outputs are being renamed, which takes no time worth
-/// mentioning: then it changes nothing, says so, and may be asked again.
+/// To be called before the process is ended without waiting for its threads: from now on no output is renamed, and
+/// committing or writing one throws Error(cancelled). While outputs are being renamed, which is short, it changes
+/// nothing and returns being_renamed; call it again then.
 Outputs stop_outputs() noexcept;
 
 /// The file that writing to `file` replaces or makes: the one at the end of its links, which need not exist.

@@ -74,7 +74,8 @@ std::size_t add_core(Page& page, const MedialAxis& axis, const std::vector<DataA
 /// them. Region duals lie on their exit doors, as in skeletons that are written. Returns the number of triangles.
 std::size_t add_skeleton(Page& page, const SkeletonFamily& family, std::size_t max_triangles);
 
-/// The layer `still`: cells without levels. What does not fit is simplified by clustering vertices.
+/// The layer `still`: cells without levels; degenerate ones are mended. What does not fit is simplified by clustering
+/// vertices.
 std::size_t add_still(Page& page, const Record& data, std::size_t max_triangles);
 
 /// The surface of the shape: a mesh, or the boundary of a voxel shape, whose corners are smoothed by up to half a voxel
@@ -89,8 +90,8 @@ TriangleMesh smoothed_boundary(const VoxelShape& shape, int iterations);
 /// or their coordinates outgrow 16 bits.
 void add_sites(Page& page, const VoxelShape& shape);
 
-/// `count` places uniformly distributed in the shape (every voxel has the same share of them): the share of them
-/// inside balls is the share of the volume. Deterministic.
+/// `count` points uniformly distributed in the shape (every voxel has the same share of them): the share of them inside
+/// balls is the share of the volume. Deterministic.
 void add_samples(Page& page, const VoxelShape& shape, std::size_t count = 20000);
 
 /// The levels of the cells of an axis from the cell array `lambda_level` of the file it was read from. False, and the

@@ -109,7 +109,7 @@ struct ForegroundOptions {
   bool fill_cavities = false;          ///< fill 26-connected background components that do not reach outside the box
 };
 
-/// What was changed on request, for the report.
+/// What cleaning has changed.
 struct ForegroundReport {
   std::int64_t voxels_before = 0;  ///< of the shape, before anything was dropped or filled
   std::int64_t components_removed = 0;
@@ -120,7 +120,7 @@ struct ForegroundReport {
 
 /// "36%", "0.02%": at least one digit that is not 0, and 100% only of everything.
 std::string percent_text(std::int64_t part, std::int64_t whole);
-/// A warning, when dropping components took so much of the shape that it may not have been meant; empty otherwise.
+/// A warning, when dropping components took so much of the shape that this may be a mistake; empty otherwise.
 std::string much_dropped(const ForegroundReport& report);
 
 /// The foreground of an image as a voxel shape on the image's grid. Applied in the order invert, components, cavities.
@@ -165,7 +165,7 @@ struct LabelRuns {
 };
 
 /// The voxels of every label that `wanted` takes (all but 0 without it), in one pass, by ascending label: 16 bytes per
-/// run of equal values. Throws Error(input) for samples that are no integers.
+/// run of equal values. Throws Error(input) for samples that are not integers.
 std::vector<LabelRuns> label_runs(const ImageView& image, const std::function<bool(std::int64_t)>& wanted = nullptr,
                                   Context* context = nullptr);
 

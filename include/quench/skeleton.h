@@ -56,7 +56,7 @@ RefinedAxis quench_curves(const CellComplex& complex, std::span<const Vec3> poin
 struct SkeletonFamily {
   RefinedAxis refined;
   std::vector<double> vertex_sheet_level, edge_sheet_level, face_sheet_level;  ///< infinite on curves and pockets
-  /// Per edge from 2 * doors on (the halves before are no curves): ET_MC, the smaller of its ends', infinite where it
+  /// Per edge from 2 * doors on (the halves before are not curves): ET_MC, the smaller of its ends', infinite where it
   /// never burns; and the theta1 up to which it stays when no sheets are left.
   std::vector<double> curve_thickness, curve_level;
   double thickness_of(std::uint32_t edge) const { return curve_thickness[edge - 2 * std::size_t{refined.doors}]; }
@@ -71,17 +71,17 @@ struct Skeleton {
   CellComplex complex;  ///< edges without face are curves
   std::vector<Vec3> points;
   std::vector<double> radius, burn_time, curve_burn_time;  ///< per vertex; infinite where no fire comes
-  std::vector<char> on_curve;                              ///< per vertex: the two measures of curves mean something
+  std::vector<char> on_curve;                              ///< per vertex: the two measures of curves are defined
   std::vector<double> edge_thickness, edge_level;          ///< per edge: ET_MC and curve level; NaN where not a curve
   std::vector<double> face_thickness, face_level;          ///< per face: erosion thickness and sheet level
 };
 
 struct ExtractOptions {
   bool parts = false;  ///< every part of a polygon is a face of its own; else polygons that are whole are one face
-  /// Pruning takes about theta1 off every branch, also of those that stay. With `tips` finite, every free end that
-  /// stays grows back along the curve that would have stayed longest, as far as its thickness is at least `tips`. The
-  /// family remains nested and topology is not touched.
-  double tips = std::numeric_limits<double>::infinity();
+  /// Pruning takes about theta1 off every branch, also of those that stay. Where this thickness is finite, every free
+  /// end grows back along the pruned curve of the largest level, as far as the thickness is at least this. The family
+  /// remains nested, and topology does not change.
+  double regrow_tips_above = std::numeric_limits<double>::infinity();
 };
 Skeleton extract(const SkeletonFamily& family, double theta2, double theta1, const ExtractOptions& options = {});
 

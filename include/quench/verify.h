@@ -16,11 +16,11 @@ struct Check {
   std::string name;  ///< e.g. "euler and Betti numbers"
   bool passed = false;
   std::string detail;  ///< figures when it passed, the first counterexample when it did not
-  /// What of the file it is about, as "point radius", "cell kind" or "field betti". Cells and points are always.
+  /// The arrays of the file it covers, as "point radius", "cell kind" or "field betti".
   std::vector<std::string> arrays{};
 };
 
-/// An array of the file whose values no check can tell from others.
+/// An array of the file that no check covers.
 struct UncheckedArray {
   std::string array;   ///< as in Check
   std::string reason;  ///< e.g. "only bounds are checked"
@@ -41,8 +41,8 @@ struct VerifyOptions {
   std::size_t samples = 20000;   ///< cells per sampled check
   std::optional<double> longest_side =
       std::nullopt;  ///< of what the voxel shape was made of; without it that array is not checked
-  /// The result was written in full and in a format that holds all arrays (VTP): one that its stage cannot be checked
-  /// without must be there. Otherwise those that are absent are only named.
+  /// The result was written in full and in a format that holds all arrays (VTP): it is an error when an array is absent
+  /// without which its stage cannot be checked. Otherwise absent arrays are only named.
   bool format_holds_all = false;
 };
 

@@ -18,7 +18,7 @@ enum class FillRule {
   nonzero,   ///< |w| > 1/2; faces are taken as they are when the surface is closed and oriented, else repaired first
   evenodd,   ///< w rounded is odd; faces may point either way as long as every edge has an even number of them
   winding,   ///< |w| > 1/2; faces are always repaired first
-  automatic  ///< one of these, with a sentence why
+  automatic  ///< one of these; fill_reason says why
 };
 
 struct VoxelizeOptions {
@@ -41,7 +41,7 @@ struct SurfaceTopology {
 /// Welds by position, leaves out degenerate faces and unreferenced vertices. O(n log n).
 SurfaceTopology surface_topology(const TriangleMesh& mesh);
 
-/// What was found wrong with a mesh, and what was done.
+/// Defects of a mesh, and what the repair did.
 struct SurfaceDefects {
   std::int64_t open_edges = 0;           ///< with one face only
   std::int64_t unbalanced_edges = 0;     ///< with more faces along it in one direction than in the other; 0 when sound
@@ -51,7 +51,7 @@ struct SurfaceDefects {
   std::int64_t filled_holes = 0;         ///< small ones, closed by the repair
   std::int64_t flipped_components = 0;   ///< closed parts turned as a whole
   std::int64_t scanlines = 0;            ///< of the mesh's box
-  std::int64_t defective_scanlines = 0;  ///< whose crossings alone do not decide: the generalized winding number does
+  std::int64_t defective_scanlines = 0;  ///< decided by the generalized winding number, not by crossings alone
   double winding_share = 0;              ///< share of the shape's voxels on these
   double doubtful_share = 0;  ///< share of the shape's voxels with |w| below 3/4 (of some thousand samples): guesses
 };
@@ -60,16 +60,16 @@ struct Voxelization {
   VoxelShape shape;
   double longest_side = 0;  ///< of the mesh's bounding box, world units: what plain-number lengths refer to
   SurfaceTopology surface;
-  bool topology_known = true;       ///< false when parts overlap or the mesh is defective: it does not tell the solid's
-  bool topology_changed = false;    ///< shape and surface disagree
-  std::string topology_difference;  ///< a sentence, empty when they agree
+  bool topology_known = true;         ///< false when parts overlap or the mesh is defective
+  bool topology_changed = false;      ///< shape and surface disagree
+  std::string topology_difference;    ///< a sentence, empty when they agree
   FillRule fill = FillRule::nonzero;  ///< the rule used: what `automatic` chose
   std::string fill_reason;            ///< why, when it was `automatic`: a clause
   bool sound = true;                  ///< crossings decided everything: the digitization is exact
   SurfaceDefects defects;
 };
 
-/// A sentence on what was wrong with the mesh and how it became a shape; empty when it was sound.
+/// A sentence on the defects of the mesh and how they were handled; empty when it was sound.
 std::string defects_text(const Voxelization& voxelization);
 
 /// "nonzero", "evenodd", "winding" or "auto".

@@ -41,7 +41,7 @@ std::optional<std::string> fault_of(const DataArray& array) {
     if (array.name == field.name) {
       const bool usable = texts && texts->size() == 1 && std::ranges::count(field.allowed, texts->front()) > 0;
       if (usable) return {};
-      return fmt::format("is none of {}", fmt::join(field.allowed, ", "));
+      return fmt::format("is not one of {}", fmt::join(field.allowed, ", "));
     }
   for (const NumberField& field : kNumbers)
     if (array.name == field.name) {

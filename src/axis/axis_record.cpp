@@ -12,6 +12,7 @@
 #include "quench/axis.h"
 #include "quench/error.h"
 #include "quench/geometry.h"
+#include "record/mended_cells.h"
 
 namespace quench {
 namespace {
@@ -287,35 +288,11 @@ MedialAxis medial_axis_of(const Record& data, AxisRepair* repair) {
   axis.points = data.points;
   axis.radius = radius->numbers();
   check_lengths(axis);
-  std::vector<std::array<std::uint32_t, 2>> lines;
-  for (const auto& line : data.lines)
-    if (line[0] != line[1])
-      lines.push_back(line);
-    else
-      ++mended.degenerate;
-  // A polygon that repeats a corner: without the repetitions it is a smaller polygon, a line or a point. One that comes
-  // back to a corner later is taken apart into its sides: nothing tells where its area is.
-  std::vector<std::uint32_t> offsets{0}, corners, own;
-  for (std::size_t f = 0; f < data.poly_count(); ++f) {
-    own.assign(data.poly_corners.begin() + data.poly_offsets[f], data.poly_corners.begin() + data.poly_offsets[f + 1]);
-    const std::size_t given = own.size();
-    own.erase(std::unique(own.begin(), own.end()), own.end());
-    while (own.size() > 1 && own.front() == own.back()) own.pop_back();
-    std::vector<std::uint32_t> distinct = own;
-    std::sort(distinct.begin(), distinct.end());
-    const bool returns = std::adjacent_find(distinct.begin(), distinct.end()) != distinct.end();
-    if (own.size() != given || own.size() < 3 || returns) ++mended.degenerate;
-    if (own.size() >= 3 && !returns) {
-      corners.insert(corners.end(), own.begin(), own.end());
-      offsets.push_back(static_cast<std::uint32_t>(corners.size()));
-    } else {
-      for (std::size_t i = 0; i < own.size(); ++i)
-        if (const std::uint32_t a = own[i], b = own[(i + 1) % own.size()]; a != b) lines.push_back({a, b});
-    }
-  }
-  mended.duplicate = drop_duplicates(offsets, corners);
-  axis.complex =
-      make_complex(static_cast<std::uint32_t>(data.points.size()), lines, std::move(offsets), std::move(corners));
+  record::MendedCells cells = record::mended_cells(data);
+  mended.degenerate = cells.degenerate;
+  mended.duplicate = drop_duplicates(cells.offsets, cells.corners);
+  axis.complex = make_complex(static_cast<std::uint32_t>(data.points.size()), cells.lines, std::move(cells.offsets),
+                              std::move(cells.corners));
   if (repair) *repair = mended;
   return axis;
 }

@@ -104,7 +104,7 @@ void mark_balls(std::span<const Vec3> centres, std::span<const double> radius, c
   // Balls of each slab, so that every slab is written by one thread and looks at its own balls only.
   std::vector<std::vector<std::uint32_t>> members(static_cast<std::size_t>(slabs));
   const auto clipped = [](double value, std::int64_t least, std::int64_t most) {
-    if (!(value > static_cast<double>(least))) return least;  // also where it is no number
+    if (!(value > static_cast<double>(least))) return least;  // also for NaN
     return static_cast<std::int64_t>(std::min(value, static_cast<double>(std::max(least, most))));
   };
   for (std::uint32_t b = 0; b < balls.size(); ++b) {

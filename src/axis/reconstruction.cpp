@@ -3,7 +3,6 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -11,40 +10,41 @@
 
 #include "base/parallel.h"
 #include "base/prefetch.h"
+#include "base/sorted_by_key.h"
 #include "quench/axis.h"
 #include "quench/error.h"
 
 namespace quench {
 namespace {
 
-constexpr double kNever = -1;
+constexpr double kNotCovered = -1;
 
-// A kd-tree over points from which balls take away what they contain. Every point is taken once, and empty subtrees are
-// skipped, so n points cost O(n log n) in all and a ball that takes nothing costs little.
+// A kd-tree over points that balls cover one after the other. Every point is covered once, and subtrees without others
+// are skipped, so n points cost O(n log n) in all and a ball that covers nothing costs little.
 class BallCover {
  public:
   explicit BallCover(std::vector<Vec3> points)
-      : value(points.size(), kNever), points_(std::move(points)), left_(points_.size()) {
+      : value(points.size(), kNotCovered), points_(std::move(points)), left_(points_.size()) {
     std::iota(left_.begin(), left_.end(), 0u);
     if (!points_.empty()) build(0, static_cast<std::uint32_t>(points_.size()));
   }
 
-  std::vector<double> value;  ///< per point: of the ball that took it, or kNever
+  std::vector<double> value;  ///< per point: of the first ball that contained it, or kNotCovered
 
-  bool all_taken() const { return nodes_.empty() || nodes_[0].count == 0; }
-  bool half_taken() const { return !nodes_.empty() && 2 * std::size_t{nodes_[0].count} < points_.size(); }
-  // The same of the points that are left, whose boxes fit again; appends the values of the others.
-  BallCover of_the_rest(std::vector<double>& values) const {
+  bool all_covered() const { return nodes_.empty() || nodes_[0].count == 0; }
+  bool mostly_covered() const { return !nodes_.empty() && 2 * std::size_t{nodes_[0].count} < points_.size(); }
+  // A tree of the points that are not covered, whose boxes are tight again; appends the values of the others.
+  BallCover rebuilt_without_covered(std::vector<double>& values) const {
     std::vector<Vec3> rest;
     for (std::size_t i = 0; i < points_.size(); ++i)
-      if (value[i] == kNever)
+      if (value[i] == kNotCovered)
         rest.push_back(points_[i]);
       else
         values.push_back(value[i]);
     return BallCover(std::move(rest));
   }
-  void take(const Vec3& center, double squared_radius, double with) {
-    if (!all_taken()) take(0, center, squared_radius, with);
+  void cover(const Vec3& center, double squared_radius, double level) {
+    if (!all_covered()) cover(0, center, squared_radius, level);
   }
 
  private:
@@ -81,31 +81,32 @@ class BallCover {
     fill(children + 1, middle, end);
   }
 
-  std::uint32_t take(std::uint32_t index, const Vec3& center, double squared_radius, double with) {
+  std::uint32_t cover(std::uint32_t index, const Vec3& center, double squared_radius, double level) {
     Node& node = nodes_[index];
     if (node.count == 0) return 0;
     const Vec3 nearest = center.cwiseMax(node.low).cwiseMin(node.high);
     if ((nearest - center).squaredNorm() > squared_radius) return 0;
-    std::uint32_t taken = 0;
+    std::uint32_t covered = 0;
     if (node.children) {
-      taken = take(node.children, center, squared_radius, with) + take(node.children + 1, center, squared_radius, with);
+      covered =
+          cover(node.children, center, squared_radius, level) + cover(node.children + 1, center, squared_radius, level);
     } else {
-      for (std::uint32_t i = node.begin; i < node.begin + node.count - taken;) {
+      for (std::uint32_t i = node.begin; i < node.begin + node.count - covered;) {
         if ((points_[left_[i]] - center).squaredNorm() <= squared_radius) {
-          value[left_[i]] = with;
-          ++taken;
-          std::swap(left_[i], left_[node.begin + node.count - taken]);
+          value[left_[i]] = level;
+          ++covered;
+          std::swap(left_[i], left_[node.begin + node.count - covered]);
         } else {
           ++i;
         }
       }
     }
-    node.count -= taken;
-    return taken;
+    node.count -= covered;
+    return covered;
   }
 
   std::vector<Vec3> points_;
-  std::vector<std::uint32_t> left_;  // point indices in leaf order; the taken ones at the end of each leaf
+  std::vector<std::uint32_t> left_;  // point indices in leaf order; the covered ones at the end of each leaf
   std::vector<Node> nodes_;
 };
 
@@ -140,59 +141,12 @@ std::vector<Vec3> sampled_centres(const VoxelShape& shape, std::size_t count) {
   return centres;
 }
 
-// The vertices, highest level first, so that the first ball to contain a centre is the last to go. Counting by the
-// leading bits of the level does most of the sorting, since half of all balls have one of a few levels. Where there are
-// not too many of a level large balls come first: they take most centres, which saves time.
+// The vertices, highest level first, so that the first ball to contain a centre is the last to go. Where there are not
+// too many of a level large balls come first: they cover most centres, which saves time.
 std::vector<std::uint32_t> by_level(const MedialAxis& axis) {
-  const std::size_t count = axis.points.size(), chunks = base::chunks_for(count);
-  const auto level_of = [&axis](std::size_t v) { return axis.vertex_level[v]; };
-  const auto for_all = [&](const auto& body) {
-    tbb::parallel_for(std::size_t{0}, chunks, [&](std::size_t chunk) {
-      const auto [first, last] = base::part_of(count, chunk, chunks);
-      for (std::size_t v = first; v < last; ++v) body(chunk, v);
-    });
-  };
-  // Numbers that are not negative have the order of their bits.
-  const auto bits_of = [&](std::size_t v) { return std::bit_cast<std::uint64_t>(level_of(v) + 0.0); };
-  struct Range {
-    std::uint64_t low = ~std::uint64_t{0}, high = 0;
-  };
-  std::vector<Range> ranges(chunks);
-  for_all([&](std::size_t chunk, std::size_t v) {
-    if (level_of(v) == std::numeric_limits<double>::infinity()) return;
-    ranges[chunk].low = std::min(ranges[chunk].low, bits_of(v));
-    ranges[chunk].high = std::max(ranges[chunk].high, bits_of(v));
-  });
-  Range range;
-  for (const Range& r : ranges) range = {std::min(range.low, r.low), std::max(range.high, r.high)};
-  constexpr std::uint64_t kBuckets = std::uint64_t{1} << 14;
-  int shift = 0;
-  while (range.high >= range.low && (range.high - range.low) >> shift >= kBuckets - 1) ++shift;
-  const auto bucket_of = [&](std::size_t v) {  // infinity is bucket 0
-    return std::min(((range.high - bits_of(v)) >> shift) + 1, kBuckets) % kBuckets;
-  };
-
-  std::vector<std::uint32_t> place(chunks * kBuckets, 0), begin, order(count);
-  for_all([&](std::size_t chunk, std::size_t v) { ++place[chunk * kBuckets + bucket_of(v)]; });
-  std::uint32_t sum = 0;
-  for (std::size_t bucket = 0; bucket < kBuckets; ++bucket) {
-    begin.push_back(sum);
-    for (std::size_t chunk = 0; chunk < chunks; ++chunk) sum += std::exchange(place[chunk * kBuckets + bucket], sum);
-  }
-  begin.push_back(sum);
-  for_all([&](std::size_t chunk, std::size_t v) {
-    order[place[chunk * kBuckets + bucket_of(v)]++] = static_cast<std::uint32_t>(v);
-  });
-  tbb::parallel_for(std::size_t{0}, std::size_t{kBuckets}, [&](std::size_t bucket) {
-    const auto first = order.begin() + begin[bucket], last = order.begin() + begin[bucket + 1];
-    const auto same = [&](std::uint32_t v) { return level_of(v) == level_of(*first); };
-    if (last - first > 1024 && std::all_of(first, last, same)) return;
-    std::sort(first, last, [&](std::uint32_t a, std::uint32_t b) {
-      if (level_of(a) != level_of(b)) return level_of(a) > level_of(b);
-      return axis.radius[a] != axis.radius[b] ? axis.radius[a] > axis.radius[b] : a < b;
-    });
-  });
-  return order;
+  return base::sorted_by_key_descending(
+      axis.points.size(), 1024, [&](std::size_t v) { return axis.vertex_level[v]; },
+      [&](std::uint32_t a, std::uint32_t b) { return axis.radius[a] > axis.radius[b]; });
 }
 
 // For each of the sampled centres, in ascending order: up to which lambda a ball covers it.
@@ -219,10 +173,10 @@ std::vector<double> covered_until(const VoxelShape& shape, const MedialAxis& axi
     double squared_radius, level;
   };
   std::vector<Placed> block;
-  const auto all_taken = [&] {
-    return std::all_of(slabs.begin(), slabs.end(), [](const BallCover& slab) { return slab.all_taken(); });
+  const auto all_covered = [&] {
+    return std::all_of(slabs.begin(), slabs.end(), [](const BallCover& slab) { return slab.all_covered(); });
   };
-  for (std::size_t begin = 0; begin < order.size() && !all_taken(); begin += kBlock) {
+  for (std::size_t begin = 0; begin < order.size() && !all_covered(); begin += kBlock) {
     const std::size_t count = std::min(kBlock, order.size() - begin);
     const double done = 0.1 + 0.9 * static_cast<double>(begin) / static_cast<double>(order.size());
     block.resize(count);
@@ -240,11 +194,11 @@ std::vector<double> covered_until(const VoxelShape& shape, const MedialAxis& axi
       }
     });
     base::for_chunks(slab_count, context, "reconstruct", done, done, [&](std::size_t s) {
-      for (std::size_t i = 0; i < count && !slabs[s].all_taken(); ++i)
-        slabs[s].take(block[i].centre, block[i].squared_radius, block[i].level);
+      for (std::size_t i = 0; i < count && !slabs[s].all_covered(); ++i)
+        slabs[s].cover(block[i].centre, block[i].squared_radius, block[i].level);
     });
     for (BallCover& slab : slabs)
-      if (slab.half_taken()) slab = slab.of_the_rest(covered);
+      if (slab.mostly_covered()) slab = slab.rebuilt_without_covered(covered);
   }
   for (const BallCover& slab : slabs) covered.insert(covered.end(), slab.value.begin(), slab.value.end());
   std::sort(covered.begin(), covered.end());

@@ -4,6 +4,7 @@
 #include <limits>
 #include <tuple>
 
+#include "base/csr.h"
 #include "base/union_find.h"
 #include "graph/branch_measures.h"
 #include "quench/graph.h"
@@ -51,32 +52,24 @@ class GraphBuilder {
   }
 
  private:
-  std::span<const Step> steps(std::uint32_t v) const {
-    return {steps_.data() + offsets_[v], steps_.data() + offsets_[v + 1]};
-  }
+  std::span<const Step> steps(std::uint32_t v) const { return steps_[v]; }
 
   void find_curves() {
     for (std::uint32_t e : complex_.face_edges) is_curve_[e] = 0;
     for (std::uint32_t v : complex_.face_vertices) on_sheet_[v] = 1;
-    offsets_.assign(std::size_t{complex_.vertex_count} + 1, 0);
-    for (std::size_t e = 0; e < complex_.edges.size(); ++e)
-      for (std::uint32_t v : complex_.edges[e]) {
-        has_edge_[v] = 1;
-        offsets_[v + 1] += is_curve_[e] ? 1 : 0;
+    for (const auto& ends : complex_.edges)
+      for (std::uint32_t v : ends) has_edge_[v] = 1;
+    steps_ = base::Csr<Step>::group(complex_.vertex_count, [&](const auto& emit) {
+      for (std::uint32_t e = 0; e < complex_.edges.size(); ++e) {
+        if (!is_curve_[e]) continue;
+        const auto [u, v] = complex_.edges[e];
+        emit(u, {v, e});
+        emit(v, {u, e});
       }
-    for (std::size_t v = 0; v < complex_.vertex_count; ++v) offsets_[v + 1] += offsets_[v];
-    steps_.resize(offsets_.back());
-    std::vector<std::uint32_t> next(offsets_.begin(), offsets_.end() - 1);
-    for (std::uint32_t e = 0; e < complex_.edges.size(); ++e) {
-      if (!is_curve_[e]) continue;
-      const auto [u, v] = complex_.edges[e];
-      steps_[next[u]++] = {v, e};
-      steps_[next[v]++] = {u, e};
-    }
-    // By neighbour, so that the order of edges does not show.
+    });
+    // By neighbour, so that the result does not depend on the order of edges.
     for (std::uint32_t v = 0; v < complex_.vertex_count; ++v)
-      std::sort(steps_.begin() + offsets_[v], steps_.begin() + offsets_[v + 1],
-                [](const Step& a, const Step& b) { return std::tie(a.vertex, a.edge) < std::tie(b.vertex, b.edge); });
+      std::ranges::sort(steps_[v], {}, [](const Step& s) { return std::tie(s.vertex, s.edge); });
   }
 
   void number_components() {
@@ -162,8 +155,7 @@ class GraphBuilder {
   const Skeleton& skeleton_;
   const CellComplex& complex_;
   std::vector<char> is_curve_, on_sheet_, has_edge_;
-  std::vector<std::uint32_t> offsets_;  ///< of the curve edges at each vertex in steps_
-  std::vector<Step> steps_;
+  base::Csr<Step> steps_;                                ///< per vertex: the curve edges at it
   std::vector<std::uint32_t> component_, patch_, node_;  ///< per vertex; node_: kNone where not a node
   std::vector<char> walked_;
   CurveGraph graph_;
@@ -182,7 +174,7 @@ void graph::measure(CurveGraph::Branch& branch) {
   const auto [least, most] = std::minmax_element(branch.radius.begin(), branch.radius.end());
   branch.min_radius = *least;
   branch.max_radius = *most;
-  // Rounding must not carry the mean outside.
+  // Rounding must not move the mean out of the range.
   branch.mean_radius = branch.length > 0 ? std::clamp(weighted / branch.length, *least, *most) : *least;
   const double apart = (branch.points.back() - branch.points.front()).norm();
   branch.tortuosity = apart > 0 ? std::max(1.0, branch.length / apart) : kInfinity;

@@ -13,8 +13,8 @@ namespace quench::graph {
 /// Least distance of two segments a0 a1 and b0 b1, of length zero allowed.
 double segment_distance(const Vec3& a0, const Vec3& a1, const Vec3& b0, const Vec3& b1);
 
-/// A segment between two points that are told apart by `ends`, not by position: two segments with an end in common may
-/// meet there and nowhere else.
+/// A segment whose end points are identified by `ends`, not by position: two segments with an end in common may meet
+/// there and nowhere else.
 struct NamedSegment {
   Vec3 a, b;
   std::array<std::uint64_t, 2> ends;

@@ -13,7 +13,7 @@
 namespace quench {
 namespace {
 
-/// Relative margin of every comparison that a promise hangs on.
+/// Relative margin of every comparison that a promise depends on.
 constexpr double kMargin = 1e-9;
 
 /// A point and the square of its bound; negative where averaging has lost it.
@@ -45,8 +45,8 @@ std::vector<Ball> balls_of(const CurveGraph::Branch& branch) {
   return balls;
 }
 
-/// The largest bound of a point that follows from the old course near its place there: the bound of any point, less the
-/// way from it.
+/// The largest bound at x that follows from the old polyline near its point `place`: the bound of a point there, less
+/// the distance to it.
 double bound_from(const std::vector<Ball>& old, std::size_t place, const Vec3& x) {
   constexpr std::size_t kReach = 8;
   double best = 0;
@@ -60,26 +60,27 @@ double bound_from(const std::vector<Ball>& old, std::size_t place, const Vec3& x
   return best * (1 - kMargin);
 }
 
-/// `iterations` times half way to the middle of the neighbours. (The point of the chord that keeps the ratio of the two
-/// segments would draw near points ever nearer.)
+/// The inner points, moved half way to the middle of their neighbours `iterations` times. (Towards the point of the
+/// chord that keeps the ratio of the two segments, points that are close together would come closer with each
+/// iteration.)
 std::vector<Ball> moved(const std::vector<Ball>& old, const SmoothOptions& options) {
   std::vector<Ball> now = old, next = old;
   for (int i = 0; i < options.iterations; ++i) {
     for (std::size_t p = 1; p + 1 < now.size(); ++p) {
       Ball ball = average(now[p], average(now[p - 1], now[p + 1], 0.5), 0.5);
-      // Not beyond half of the point's own ball.
+      // At most half the radius of the point's own ball.
       const double way = (ball.x - old[p].x).norm(), most = (1 - kMargin) * std::sqrt(old[p].r2) / 2;
       if (way > most) ball = average(old[p], ball, most / way);
       next[p] = ball;
     }
     now.swap(next);
   }
-  // Averaging many times loses more than one comparison with the old course.
+  // Averaging many times loses more than one comparison with the old polyline.
   for (std::size_t p = 1; p + 1 < now.size(); ++p) {
     const double other = bound_from(old, p, now[p].x);
     now[p].r2 = std::max(now[p].r2, other * other);
   }
-  // Points beside a segment that could leave the shape go back to where they were, until there is none. Segments
+  // Ends of segments that could leave the shape go back to where they were, until there is no such segment. Segments
   // between two points that went back, or never moved, are old ones.
   std::vector<char> back(now.size(), 0);
   back.front() = back.back() = 1;
@@ -120,7 +121,7 @@ std::vector<Ball> resampled(const std::vector<Ball>& line, bool closed, const Sm
     const double piece = at[next + 1] - at[next];
     Ball sample = line.back();
     if (k < pieces) {
-      // Where nothing is known of the distance between two points, none is put there.
+      // No sample on a segment along which the distance to the boundary is not known.
       if (!options.inside && !is_inside(line[next], line[next + 1], 0)) continue;
       sample = average(line[next], line[next + 1], piece > 0 ? std::clamp((goal - at[next]) / piece, 0.0, 1.0) : 0.0);
     }
@@ -134,10 +135,10 @@ std::vector<Ball> resampled(const std::vector<Ball>& line, bool closed, const Sm
   return result;
 }
 
-/// What is done to a branch, from all to nothing.
-enum class Treatment : std::uint8_t { smooth_and_resample, smooth_only, none };
+/// How a branch is processed, from the most to the least.
+enum class Processing : std::uint8_t { smooth_and_resample, smooth_only, none };
 
-/// Radii of the old course at the same share of the length.
+/// Radii of the old polyline at the same fraction of the length.
 void interpolate_radii(const CurveGraph::Branch& old, CurveGraph::Branch& branch) {
   const auto arc = [](const std::vector<Vec3>& points) {
     std::vector<double> at(points.size(), 0);
@@ -155,11 +156,11 @@ void interpolate_radii(const CurveGraph::Branch& old, CurveGraph::Branch& branch
   }
 }
 
-CurveGraph::Branch treated(const CurveGraph::Branch& old, Treatment treatment, const SmoothOptions& options) {
-  if (treatment == Treatment::none || old.points.size() < 2) return old;
+CurveGraph::Branch processed(const CurveGraph::Branch& old, Processing processing, const SmoothOptions& options) {
+  if (processing == Processing::none || old.points.size() < 2) return old;
   std::vector<Ball> line = balls_of(old);
   if (options.iterations > 0) line = moved(line, options);
-  if (options.spacing > 0 && treatment == Treatment::smooth_and_resample)
+  if (options.spacing > 0 && processing == Processing::smooth_and_resample)
     line = resampled(line, old.from == old.to, options);
   CurveGraph::Branch branch = old;
   branch.points.clear();
@@ -179,26 +180,27 @@ CurveGraph::Branch treated(const CurveGraph::Branch& old, Treatment treatment, c
 class Smoother {
  public:
   Smoother(const CurveGraph& graph, const SmoothOptions& options)
-      : old_(graph), options_(options), graph_(graph), treatment_(graph.branches.size()) {}
+      : old_(graph), options_(options), graph_(graph), processing_(graph.branches.size()) {}
 
   CurveGraph run() {
-    for (std::size_t b = 0; b < treatment_.size(); ++b) treat(b, Treatment::smooth_and_resample);
+    for (std::size_t b = 0; b < processing_.size(); ++b) process(b, Processing::smooth_and_resample);
     for (std::vector<char> bad = touching(); std::find(bad.begin(), bad.end(), 1) != bad.end(); bad = touching())
       for (std::size_t b = 0; b < bad.size(); ++b)
         if (bad[b])
-          treat(b, treatment_[b] == Treatment::smooth_and_resample && options_.iterations > 0 && options_.spacing > 0
-                       ? Treatment::smooth_only
-                       : Treatment::none);
+          process(b,
+                  processing_[b] == Processing::smooth_and_resample && options_.iterations > 0 && options_.spacing > 0
+                      ? Processing::smooth_only
+                      : Processing::none);
     return std::move(graph_);
   }
 
  private:
-  void treat(std::size_t b, Treatment treatment) {
-    treatment_[b] = treatment;
-    graph_.branches[b] = treated(old_.branches[b], treatment, options_);
+  void process(std::size_t b, Processing processing) {
+    processing_[b] = processing;
+    graph_.branches[b] = processed(old_.branches[b], processing, options_);
   }
 
-  /// Branches that touch one, or themselves, and are not yet what they were.
+  /// Branches that touch another one, or themselves, and are not left as they were.
   std::vector<char> touching() const {
     std::vector<graph::NamedSegment> segments;
     std::vector<std::uint32_t> branch_of;
@@ -216,7 +218,7 @@ class Smoother {
       }
     }
     std::vector<char> bad(graph_.branches.size(), 0);
-    const auto is_new = [&](std::uint32_t b) { return treatment_[b] != Treatment::none; };
+    const auto is_new = [&](std::uint32_t b) { return processing_[b] != Processing::none; };
     graph::for_each_contact(
         segments, 1e-12 * largest,
         [&](std::uint32_t i, std::uint32_t j) { return is_new(branch_of[i]) || is_new(branch_of[j]); },
@@ -230,7 +232,7 @@ class Smoother {
   const CurveGraph& old_;
   const SmoothOptions& options_;
   CurveGraph graph_;
-  std::vector<Treatment> treatment_;
+  std::vector<Processing> processing_;
 };
 
 }  // namespace

@@ -9,7 +9,7 @@
 namespace quench::page {
 namespace {
 
-/// The first vertex of every cube of side `side` stands for it.
+/// Per vertex the first vertex in the same cube of side `side`.
 std::vector<std::uint32_t> leaders(const std::vector<Vec3>& points, const Vec3& low, double side) {
   std::unordered_map<std::uint64_t, std::uint32_t> first;
   first.reserve(points.size());
@@ -17,7 +17,7 @@ std::vector<std::uint32_t> leaders(const std::vector<Vec3>& points, const Vec3& 
   for (std::uint32_t v = 0; v < points.size(); ++v) {
     std::uint64_t key = 0;
     for (int a = 0; a < 3; ++a) {
-      const double cell = (points[v][a] - low[a]) / side;  // no number where all points are one, or a point is none
+      const double cell = (points[v][a] - low[a]) / side;  // NaN where all points are equal, or a point is not finite
       key = key << 21 | static_cast<std::uint64_t>(cell > 0 ? std::min(cell, 2097151.0) : 0);
     }
     leader[v] = first.emplace(key, v).first->second;
@@ -25,7 +25,7 @@ std::vector<std::uint32_t> leaders(const std::vector<Vec3>& points, const Vec3& 
   return leader;
 }
 
-/// The triangles of the polygons that keep three distinct corners, each once.
+/// The triangles that keep three distinct corners when vertices are replaced by their leaders, each once.
 std::vector<std::array<std::uint32_t, 3>> triangles_left(const Record& data, const std::vector<std::uint32_t>& leader) {
   std::vector<std::array<std::uint32_t, 3>> left;
   for (std::size_t p = 0; p < data.poly_count(); ++p) {
@@ -61,7 +61,8 @@ Record clustered(const Record& data, std::size_t max_triangles, std::vector<std:
       area += 0.5 * (b - a).cross(c - a).norm();
     }
   }
-  // A surface passes about area / side^2 cubes, with two triangles each; then what was found says how far to go.
+  // A surface passes through about area / side^2 cubes, with two triangles each. If there are more, the side grows with
+  // the excess.
   const double budget = static_cast<double>(std::max<std::size_t>(max_triangles, 1)), box = (high - low).maxCoeff();
   double side = std::max(std::sqrt(2 * area / budget), box * 1e-6);
   std::vector<std::uint32_t> leader;

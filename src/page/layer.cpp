@@ -106,7 +106,7 @@ Floor FacesByLevel::within(std::size_t budget) const {
   Floor floor;
   std::size_t kept = 0;
   while (kept < order_.size()) {
-    // Faces of one level stay or go together; those that never go stay in any case.
+    // Faces of one level are kept or left out together; those of infinite level are always kept.
     const float level = level_[order_[kept]];
     std::size_t end = kept, more = 0;
     for (; end < order_.size() && level_[order_[end]] == level; ++end) more += complex_.corners(order_[end]).size() - 2;

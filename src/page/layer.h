@@ -28,7 +28,7 @@ struct LayerCells {
   std::vector<float> face_level, edge_level, vertex_level;  ///< per cell of the complex
 };
 
-/// Where vertices and edges went: row in the arrays of the layer, or kNone.
+/// Rows of the vertices and edges in the arrays of the layer, or kNone.
 struct LayerRows {
   std::vector<std::uint32_t> vertex, edge;
 };
@@ -37,7 +37,7 @@ struct LayerRows {
 LayerRows add_layer(Page& page, const std::string& layer, const CellComplex& complex, std::span<const Vec3> points,
                     const LayerCells& cells);
 
-/// A measure to colour by and to read off: rounded to 17 bits (5 digits), which saves a quarter of its place.
+/// The value of a measure: rounded to 17 bits (5 digits), which saves a quarter of its memory.
 inline float measure_of(double value) {
   const auto nearest = static_cast<float>(value);
   if (!std::isfinite(nearest)) return nearest;
@@ -80,7 +80,7 @@ class FacesByLevel {
 };
 
 /// Merges the vertices of each cube of a grid, as fine as `max_triangles` allows; for display only. Cells that become
-/// smaller or double go; `kept`: the vertex each new one stands at.
+/// degenerate or duplicate are left out; `kept`: per new vertex one of the old ones it stands for.
 Record clustered(const Record& data, std::size_t max_triangles, std::vector<std::uint32_t>& kept);
 
 std::size_t triangle_count(const Record& data);

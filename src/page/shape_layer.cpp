@@ -100,7 +100,7 @@ TriangleMesh smoothed_boundary(const VoxelShape& shape, int iterations) {
   for (const LatticePoint& p : corners.sites()) start.emplace_back(p[0], p[1], p[2]);
   std::vector<Vec3> place = start;
   std::vector<double> neighbours(start.size());
-  // To the mean of the neighbours, in the lattice: staircases become slopes, and no corner leaves its surroundings.
+  // Each corner moves to the mean of its neighbours, in lattice coordinates, by at most half a voxel per axis.
   for (int i = 0; i < iterations; ++i) {
     sum.assign(place.size(), Vec3::Zero());
     std::fill(neighbours.begin(), neighbours.end(), 0);

@@ -77,7 +77,7 @@ class CurvePruning {
     steps_.erase(std::unique(steps_.begin(), steps_.end()), steps_.end());
   }
 
-  /// How many curves are left; takes what is pruned off `cells`. Fixed keys: any order gives the same.
+  /// How many curves are left; removes from `cells` what is pruned. Fixed keys: any order gives the same.
   std::size_t left(float theta1, page::LayerCells* cells = nullptr) const {
     std::vector<std::uint32_t> degree = degree_, edges_xor = edges_xor_, stack;
     std::size_t count = free_curves_;
@@ -102,8 +102,8 @@ class CurvePruning {
     return count;
   }
 
-  /// A theta1 that leaves at most `most` curves, and nine tenths of that or as many as there can be; where what never
-  /// goes is more, that at which the rest is gone. Sets change only just above a thickness.
+  /// A theta1 that leaves at most `most` curves, and at least nine tenths of that if such a theta1 exists; where more
+  /// are never pruned, the one that prunes all others. The set of curves changes only just above a thickness.
   float floor(std::size_t most) const {
     const auto above = [&](std::size_t i) { return std::nextafter(steps_[i], std::numeric_limits<float>::infinity()); };
     std::size_t low = 0, high = steps_.size();  // the step is in [low, high)
@@ -121,17 +121,67 @@ class CurvePruning {
  private:
   const RefinedAxis& k_;
   std::vector<std::uint32_t> degree_, edges_xor_;
-  std::vector<float> thickness_;  ///< infinite where an edge is no curve, or on a sheet
+  std::vector<float> thickness_;  ///< per edge; infinite where it is not a curve or is on a sheet
   std::vector<float> steps_;
   std::size_t free_curves_ = 0;
 };
 
+/// The sheets that a budget of triangles leaves, and the curves off these.
+struct Sheets {
+  page::Floor floor;
+  std::vector<char> on_face;  ///< per edge: a side of a face that is left
+  std::size_t free_curves = 0;
+};
+
+Sheets sheets_within(const RefinedAxis& k, const page::FacesByLevel& by_level, std::size_t budget) {
+  Sheets sheets{by_level.within(budget), std::vector<char>(k.complex.edges.size(), 0), 0};
+  for (const std::uint32_t f : sheets.floor.faces)
+    for (const std::uint32_t e : k.complex.sides(f)) sheets.on_face[e] = 1;
+  for (std::size_t e = 0; e < k.curve_edge.size(); ++e) sheets.free_curves += k.curve_edge[e] && !sheets.on_face[e];
+  return sheets;
+}
+
+/// Which rows are curves and medial points, and the thickness of the curves.
+void add_curves(Page& page, const SkeletonFamily& family, const page::LayerRows& rows) {
+  const RefinedAxis& k = family.refined;
+  std::vector<std::uint32_t> edges, medial_points;
+  std::vector<float> thickness;
+  for (std::uint32_t e = 0; e < k.curve_edge.size(); ++e)
+    if (k.curve_edge[e] && rows.edge[e] != kNone) {
+      edges.push_back(rows.edge[e]);
+      thickness.push_back(e < 2 * k.doors ? std::numeric_limits<float>::infinity()
+                                          : page::rounded_down(family.thickness_of(e)));
+    }
+  for (std::uint32_t v = 0; v < k.medial_point.size(); ++v)
+    if (k.medial_point[v] && rows.vertex[v] != kNone) medial_points.push_back(rows.vertex[v]);
+  page.arrays.push_back({"skeleton/curve_edges", 1, std::move(edges)});
+  page.arrays.push_back({"skeleton/curve_thickness", 1, std::move(thickness)});
+  page.arrays.push_back({"skeleton/medial_points", 1, std::move(medial_points)});
+}
+
+/// The measures of the vertices, each at the place `at` where it is drawn.
+void add_vertex_measures(Page& page, const RefinedAxis& k, const std::vector<std::uint32_t>& at,
+                         const page::LayerRows& rows) {
+  constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
+  const auto add = [&](const char* name, const auto& value) {
+    page::add_measure(page, "skeleton", name, rows, [&](std::uint32_t v) { return value(at[v]); });
+  };
+  add("radius", [&](std::uint32_t v) { return k.radius[v]; });
+  add("burn_time", [&](std::uint32_t v) { return k.burn_time[v]; });
+  add("erosion_thickness", [&](std::uint32_t v) { return std::max(0.0, k.burn_time[v] - k.radius[v]); });
+  add("curve_burn_time", [&](std::uint32_t v) { return k.curve_vertex[v] ? k.curve_burn_time[v] : kNothing; });
+  add("curve_erosion_thickness", [&](std::uint32_t v) {
+    if (!k.curve_vertex[v]) return kNothing;
+    return std::isinf(k.curve_burn_time[v]) ? kNever : std::max(0.0, k.curve_burn_time[v] - k.burn_time[v]);
+  });
+}
+
 }  // namespace
 
 // Why floors are harmless. Let L(t) = {sheet level >= t} with the curves, and P(X, s) what is left of a subcomplex X
-// after the pruning for theta1 = s: as long as some vertex v that is no medial point is in one edge e of X only, e is a
-// curve, no side of a face of X, and thickness(e) < s, the pair (v, e) goes. Such a pair of X is one of every
-// subcomplex of X that has e: fewer cells are around v and e there. (*)
+// after the pruning for theta1 = s: as long as some vertex v that is not a medial point is in one edge e of X only, e
+// is a curve, not a side of a face of X, and thickness(e) < s, the pair (v, e) is removed. Such a pair of X is one of
+// every subcomplex of X that has e: fewer cells are around v and e there. (*)
 //
 // 1. P(X, s) does not depend on the order (a pair that could go can still go after others went).
 // 2. Nested: P(L(t'), s') is part of P(L(t), s) for t' >= t, s' >= s. Let Y = P(L(t'), s'), part of L(t') and so of
@@ -154,28 +204,18 @@ std::size_t add_skeleton(Page& page, const SkeletonFamily& family, std::size_t m
   cells.vertex_level = comparable(family.vertex_sheet_level);
 
   const page::FacesByLevel by_level(c, cells.face_level);
-  page::Floor floor = by_level.within(max_triangles);
-  std::vector<char> on_face;
-  std::size_t free_curves = 0;
-  const auto look_at_curves = [&] {
-    on_face.assign(c.edges.size(), 0);
-    for (const std::uint32_t f : floor.faces)
-      for (const std::uint32_t e : c.sides(f)) on_face[e] = 1;
-    free_curves = 0;
-    for (std::size_t e = 0; e < c.edges.size(); ++e) free_curves += k.curve_edge[e] && !on_face[e];
-  };
-  look_at_curves();
-  if (floor.triangles + free_curves > max_triangles) {
-    floor = by_level.within(max_triangles / 5 * 4);
-    look_at_curves();
-  }
+  Sheets sheets = sheets_within(k, by_level, max_triangles);
+  if (sheets.floor.triangles + sheets.free_curves > max_triangles)
+    sheets = sheets_within(k, by_level, max_triangles / 5 * 4);
+  page::Floor& floor = sheets.floor;
+  const std::size_t free_curves = sheets.free_curves;
   for (const float level : cells.edge_level) cells.edge.push_back(level >= floor.level);
   for (const float level : cells.vertex_level) cells.vertex.push_back(level >= floor.level);
 
   float theta1_floor = 0;
   std::size_t curves_shown = free_curves;
   if (floor.triangles + free_curves > max_triangles) {
-    const CurvePruning pruning(family, cells, on_face);
+    const CurvePruning pruning(family, cells, sheets.on_face);
     theta1_floor = pruning.floor(max_triangles - std::min(max_triangles, floor.triangles));
     curves_shown = pruning.left(theta1_floor, &cells);
   }
@@ -185,35 +225,8 @@ std::size_t add_skeleton(Page& page, const SkeletonFamily& family, std::size_t m
   std::vector<Vec3> points(at.size());
   for (std::size_t v = 0; v < at.size(); ++v) points[v] = k.points[at[v]];
   const page::LayerRows rows = page::add_layer(page, "skeleton", c, points, cells);
-  const auto add = [&](const char* name, PageArray::Values values) {
-    page.arrays.push_back({std::string("skeleton/") + name, 1, std::move(values)});
-  };
-  std::vector<std::uint32_t> curve_edges, medial_points;
-  std::vector<float> thickness;
-  for (std::uint32_t e = 0; e < c.edges.size(); ++e)
-    if (k.curve_edge[e] && rows.edge[e] != kNone) {
-      curve_edges.push_back(rows.edge[e]);
-      thickness.push_back(e < 2 * k.doors ? std::numeric_limits<float>::infinity()
-                                          : page::rounded_down(family.thickness_of(e)));
-    }
-  for (std::uint32_t v = 0; v < c.vertex_count; ++v)
-    if (k.medial_point[v] && rows.vertex[v] != kNone) medial_points.push_back(rows.vertex[v]);
-  add("curve_edges", std::move(curve_edges));
-  add("curve_thickness", std::move(thickness));
-  add("medial_points", std::move(medial_points));
-
-  constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
-  const auto measure = [&](const char* name, auto&& value) {
-    page::add_measure(page, "skeleton", name, rows, [&](std::uint32_t v) { return value(at[v]); });
-  };
-  measure("radius", [&](std::uint32_t v) { return k.radius[v]; });
-  measure("burn_time", [&](std::uint32_t v) { return k.burn_time[v]; });
-  measure("erosion_thickness", [&](std::uint32_t v) { return std::max(0.0, k.burn_time[v] - k.radius[v]); });
-  measure("curve_burn_time", [&](std::uint32_t v) { return k.curve_vertex[v] ? k.curve_burn_time[v] : kNothing; });
-  measure("curve_erosion_thickness", [&](std::uint32_t v) {
-    if (!k.curve_vertex[v]) return kNothing;
-    return std::isinf(k.curve_burn_time[v]) ? kNever : std::max(0.0, k.curve_burn_time[v] - k.burn_time[v]);
-  });
+  add_curves(page, family, rows);
+  add_vertex_measures(page, k, at, rows);
 
   page.theta2_floor = floor.level;
   page.theta1_floor = theta1_floor;

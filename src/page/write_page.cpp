@@ -15,12 +15,12 @@
 namespace quench {
 namespace {
 
-// A browser has no strings of more than 2^29 - 24 characters.
+// Strings of a browser have at most 2^29 - 24 characters.
 constexpr std::size_t kMostCharacters = (std::size_t{1} << 29) - 24;
 constexpr std::size_t kBlock = std::size_t{1} << 20;
 
-/// A piece of text as JSON that is safe inside a script element: `<` is written as its number, bytes that are no UTF-8
-/// as the replacement character.
+/// A piece of text as JSON that is safe inside a script element: `<` is written as its number, bytes that are not
+/// UTF-8 as the replacement character.
 std::string json_string(std::string_view text) {
   std::string out = "\"";
   for (std::size_t i = 0; i < text.size();) {
@@ -53,8 +53,8 @@ std::string list(std::span<const double> values) {
 }
 
 const char* type_of(const PageArray& array) {
-  constexpr std::array names{"f32", "u32", "u16", "u8"};
-  return names[array.values.index()];
+  constexpr std::array kNames{"f32", "u32", "u16", "u8"};
+  return kNames[array.values.index()];
 }
 
 std::string_view bytes_of(const PageArray& array) {
@@ -173,25 +173,25 @@ std::string zipped(const Page& page) {
 }
 
 std::string base64(std::string_view bytes) {
-  constexpr std::string_view digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
   std::string out((bytes.size() + 2) / 3 * 4, '=');
   for (std::size_t i = 0, o = 0; i < bytes.size(); i += 3, o += 4) {
     const auto at = [&](std::size_t k) -> std::uint32_t {
       return k < bytes.size() ? static_cast<unsigned char>(bytes[k]) : 0;
     };
     const std::uint32_t word = at(i) << 16 | at(i + 1) << 8 | at(i + 2);
-    out[o] = digits[word >> 18];
-    out[o + 1] = digits[word >> 12 & 63];
-    if (i + 1 < bytes.size()) out[o + 2] = digits[word >> 6 & 63];
-    if (i + 2 < bytes.size()) out[o + 3] = digits[word & 63];
+    out[o] = kDigits[word >> 18];
+    out[o + 1] = kDigits[word >> 12 & 63];
+    if (i + 1 < bytes.size()) out[o + 2] = kDigits[word >> 6 & 63];
+    if (i + 2 < bytes.size()) out[o + 3] = kDigits[word & 63];
   }
   return out;
 }
 
-/// Where the data goes: in place of the comment made for it, else right after the opening body tag.
+/// Where the data is inserted: in place of the comment made for it, else right after the opening body tag.
 std::pair<std::size_t, std::size_t> place_of_data(std::string_view program) {
-  constexpr std::string_view marker = "<!--quench-data-->";
-  if (const std::size_t at = program.find(marker); at != std::string_view::npos) return {at, at + marker.size()};
+  constexpr std::string_view kMarker = "<!--quench-data-->";
+  if (const std::size_t at = program.find(kMarker); at != std::string_view::npos) return {at, at + kMarker.size()};
   if (const std::size_t body = program.find("<body"); body != std::string_view::npos)
     if (const std::size_t end = program.find('>', body); end != std::string_view::npos) return {end + 1, end + 1};
   throw Error(ErrorCode::invariant, "the program of the page has no body to put the data in");

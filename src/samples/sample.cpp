@@ -17,7 +17,7 @@ struct Entry {
   Sample (*make)(const SampleOptions&);
 };
 
-constexpr std::array<Entry, 13> entries{{
+constexpr std::array<Entry, 13> kEntries{{
     {{"ellipsoid", "ellipsoid with semi-axes 1, 0.7, 0.4", ""}, ellipsoid},
     {{"torus", "torus, radii 1 and 0.35: one handle", ""}, torus},
     {{"box", "box with sides 2, 1.4, 1: the textbook medial axis", ""}, box},
@@ -44,7 +44,7 @@ double RootBranch::length() const {
 const std::vector<SampleInfo>& built_in_samples() {
   static const std::vector<SampleInfo> list = [] {
     std::vector<SampleInfo> infos;
-    for (const Entry& entry : entries) infos.push_back(entry.info);
+    for (const Entry& entry : kEntries) infos.push_back(entry.info);
     return infos;
   }();
   return list;
@@ -59,10 +59,10 @@ Sample make_sample(std::string_view name, const SampleOptions& options) {
   if (options.branches < 1 || options.branches > 100000)
     throw Error(ErrorCode::usage, fmt::format("branches '{}' is not a number from 1 to 100000", options.branches),
                 "branches");
-  for (const Entry& entry : entries)
+  for (const Entry& entry : kEntries)
     if (entry.info.name == name) return entry.make(options);
   std::string names;
-  for (const Entry& entry : entries) names += (names.empty() ? "" : ", ") + std::string(entry.info.name);
+  for (const Entry& entry : kEntries) names += (names.empty() ? "" : ", ") + std::string(entry.info.name);
   throw Error(ErrorCode::usage, fmt::format("there is no sample '{}'; there are {}", name, names));
 }
 

@@ -7,13 +7,13 @@ namespace quench::samples {
 // A grain pack, as in a porous rock: beads on a jittered cubic lattice, each large enough to overlap its neighbours, so
 // that grains and pores are both connected.
 Sample bead_pack(const SampleOptions& options) {
-  constexpr int side = 12;
+  constexpr int kSide = 12;
   Random random(options.seed);
   const TriangleMesh bead = sphere(scaled(6, options.detail, 2), [](const Vec3& d) { return d; });
   Sample sample;
-  for (int k = 0; k < side; ++k)
-    for (int j = 0; j < side; ++j)
-      for (int i = 0; i < side; ++i) {
+  for (int k = 0; k < kSide; ++k)
+    for (int j = 0; j < kSide; ++j)
+      for (int i = 0; i < kSide; ++i) {
         Vec3 centre(i, j, k);
         for (int a = 0; a < 3; ++a) centre[a] += random.between(-0.12, 0.12);
         const double radius = random.between(0.54, 0.62);
@@ -28,13 +28,13 @@ Sample bead_pack(const SampleOptions& options) {
 Sample rough_plate(const SampleOptions& options) {
   const double height = 2 * (options.noise > 0 ? options.noise : 0.01);
   const int along = scaled(200, options.detail, 2), across = scaled(140, options.detail, 2);
-  constexpr double half_thickness = 0.06;
-  const double most = std::min(height, 0.9 * half_thickness);  // the faces never meet
+  constexpr double kHalfThickness = 0.06;
+  const double most = std::min(height, 0.9 * kHalfThickness);  // the faces never meet
   const auto place = [&](const LatticePoint& p) {
     const auto name = (static_cast<std::uint64_t>(p[2]) * 4096 + static_cast<std::uint64_t>(p[1])) * 4096 +
                       static_cast<std::uint64_t>(p[0]);
     const double noise = Random(options.seed * 0x100000000ull + name).between(-most, most);
-    return Vec3(-1 + 2.0 * p[0] / along, -0.7 + 1.4 * p[1] / across, (p[2] == 0 ? -1 : 1) * half_thickness + noise);
+    return Vec3(-1 + 2.0 * p[0] / along, -0.7 + 1.4 * p[1] / across, (p[2] == 0 ? -1 : 1) * kHalfThickness + noise);
   };
   return {box_surface({along, across, 1}, place), {}};
 }

@@ -10,7 +10,7 @@
 namespace quench::samples {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+constexpr double kPi = std::numbers::pi;
 
 // Coordinates from `begin` to `end` in `count` equal steps, the ends exact, appended without the first.
 void append_steps(std::vector<double>& coordinates, double end, int count) {
@@ -57,19 +57,19 @@ Sample box(const SampleOptions& options) {
 }
 
 Sample rippled_box(const SampleOptions& options) {
-  constexpr double width = 2, depth = 1.4, height = 0.6;
-  const double amplitude = width * (options.noise > 0 ? options.noise : 0.006);
+  constexpr double kWidth = 2, kDepth = 1.4, kHeight = 0.6;
+  const double amplitude = kWidth * (options.noise > 0 ? options.noise : 0.006);
   const int nx = scaled(300, options.detail, 4), ny = scaled(210, options.detail, 4), nz = scaled(4, options.detail, 1);
   return {box_surface({nx, ny, nz},
                       [&](const LatticePoint& p) {
-                        const double x = width * (static_cast<double>(p[0]) / nx - 0.5);
-                        const double y = depth * (static_cast<double>(p[1]) / ny - 0.5);
+                        const double x = kWidth * (static_cast<double>(p[0]) / nx - 0.5);
+                        const double y = kDepth * (static_cast<double>(p[1]) / ny - 0.5);
                         const double u = static_cast<double>(p[2]) / nz - 0.5;
-                        // The ripples end at the edges, which stay straight; the two faces are out of step.
-                        const double fade = std::sin(pi * p[0] / nx) * std::sin(pi * p[1] / ny);
+                        // The ripples end at the edges, which stay straight; those of the two faces are out of phase.
+                        const double fade = std::sin(kPi * p[0] / nx) * std::sin(kPi * p[1] / ny);
                         const double phase = u > 0 ? 0 : 1.3;
                         const double wave = std::sin(13 * x + phase) * std::cos(11 * y + 2 * phase);
-                        return Vec3(x, y, height * u + 2 * std::abs(u) * amplitude * fade * wave);
+                        return Vec3(x, y, kHeight * u + 2 * std::abs(u) * amplitude * fade * wave);
                       }),
           {}};
 }
@@ -97,7 +97,7 @@ Sample fin_on_board(const SampleOptions& options) {
                            z[static_cast<std::size_t>(p[2])]);
                 if (p[2] == 1) {  // the low bump, a raised cosine, beside the fin
                   const double r = std::hypot(place[0] - 0.6, place[1] - 0.1) / 0.32;
-                  if (r < 1) place[2] += 0.06 * 0.5 * (1 + std::cos(pi * r));
+                  if (r < 1) place[2] += 0.06 * 0.5 * (1 + std::cos(kPi * r));
                 }
                 return place;
               }),
@@ -106,20 +106,20 @@ Sample fin_on_board(const SampleOptions& options) {
 
 // Square tiles, each a ring of quads between its border and a round hole.
 Sample plate_with_holes(const SampleOptions& options) {
-  constexpr int columns = 3, rows = 2;
-  constexpr double tile = 2.0 / columns, hole = 0.2, half_thickness = 0.05;
+  constexpr int kColumns = 3, kRows = 2;
+  constexpr double kTile = 2.0 / kColumns, kHole = 0.2, kHalfThickness = 0.05;
   const int side = scaled(48, options.detail, 2), layers = scaled(8, options.detail, 1);
   std::vector<Eigen::Vector2d> points;
   std::vector<std::array<std::uint32_t, 3>> triangles;
   std::map<std::pair<int, int>, std::uint32_t> border;  // shared by neighbouring tiles
   const auto border_point = [&](int i, int j) {
     const auto [it, added] = border.emplace(std::pair(i, j), static_cast<std::uint32_t>(points.size()));
-    if (added) points.emplace_back(tile * i / side - 0.5 * tile * columns, tile * j / side - 0.5 * tile * rows);
+    if (added) points.emplace_back(kTile * i / side - 0.5 * kTile * kColumns, kTile * j / side - 0.5 * kTile * kRows);
     return it->second;
   };
-  for (int row = 0; row < rows; ++row)
-    for (int column = 0; column < columns; ++column) {
-      const Eigen::Vector2d centre(tile * (column + 0.5 * (1 - columns)), tile * (row + 0.5 * (1 - rows)));
+  for (int row = 0; row < kRows; ++row)
+    for (int column = 0; column < kColumns; ++column) {
+      const Eigen::Vector2d centre(kTile * (column + 0.5 * (1 - kColumns)), kTile * (row + 0.5 * (1 - kRows)));
       std::vector<std::uint32_t> outer, inner;
       for (int k = 0; k < 4 * side; ++k) {  // counter-clockwise from the lower left corner
         const int edge = k / side, t = k % side;
@@ -130,8 +130,8 @@ Sample plate_with_holes(const SampleOptions& options) {
       for (int layer = 1; layer <= layers; ++layer) {
         inner.clear();
         for (int k = 0; k < 4 * side; ++k) {
-          const double angle = 2 * pi * k / (4 * side) - 0.75 * pi;
-          const Eigen::Vector2d circle = centre + hole * Eigen::Vector2d(std::cos(angle), std::sin(angle));
+          const double angle = 2 * kPi * k / (4 * side) - 0.75 * kPi;
+          const Eigen::Vector2d circle = centre + kHole * Eigen::Vector2d(std::cos(angle), std::sin(angle));
           const double t = static_cast<double>(layer) / layers;
           const int edge = k / side, s = k % side;
           const int i = edge == 0 ? s : edge == 1 ? side : edge == 2 ? side - s : 0;
@@ -148,7 +148,7 @@ Sample plate_with_holes(const SampleOptions& options) {
         outer = inner;
       }
     }
-  return {extruded(points, triangles, half_thickness), {}};
+  return {extruded(points, triangles, kHalfThickness), {}};
 }
 
 }  // namespace quench::samples

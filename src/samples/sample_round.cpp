@@ -8,7 +8,7 @@
 namespace quench::samples {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+constexpr double kPi = std::numbers::pi;
 
 }  // namespace
 
@@ -25,20 +25,20 @@ Sample hollow_sphere(const SampleOptions& options) {
 }
 
 Sample bumpy_sphere(const SampleOptions& options) {
-  constexpr int bumps = 60;
+  constexpr int kBumps = 60;
   const double height = 2 * (options.noise > 0 ? options.noise : 0.015);
-  constexpr double width = 0.11;  // standard deviation of a bump, as an angle
+  constexpr double kWidth = 0.11;  // standard deviation of a bump, as an angle
   // Directions of a golden spiral: evenly spread, without a pole.
   std::vector<Vec3> centres;
-  for (int i = 0; i < bumps; ++i) {
-    const double z = 1 - (2 * i + 1.0) / bumps, angle = i * pi * (3 - std::sqrt(5.0));
+  for (int i = 0; i < kBumps; ++i) {
+    const double z = 1 - (2 * i + 1.0) / kBumps, angle = i * kPi * (3 - std::sqrt(5.0));
     const double r = std::sqrt(1 - z * z);
     centres.emplace_back(r * std::cos(angle), r * std::sin(angle), z);
   }
   return {sphere(scaled(180, options.detail, 2),
                  [&](const Vec3& d) {
                    double radius = 1;
-                   for (const Vec3& c : centres) radius += height * std::exp((d.dot(c) - 1) / (width * width));
+                   for (const Vec3& c : centres) radius += height * std::exp((d.dot(c) - 1) / (kWidth * kWidth));
                    return Vec3(radius * d);
                  }),
           {}};
@@ -52,7 +52,7 @@ Sample torus(const SampleOptions& options) {
   TriangleMesh& mesh = sample.mesh;
   for (std::uint32_t i = 0; i < nu; ++i)
     for (std::uint32_t j = 0; j < nv; ++j) {
-      const double u = 2 * pi * i / nu, v = 2 * pi * j / nv;
+      const double u = 2 * kPi * i / nu, v = 2 * kPi * j / nv;
       const double rho = R + r * std::cos(v);
       mesh.points.emplace_back(rho * std::cos(u), rho * std::sin(u), r * std::sin(v));
       const auto at = [&](std::uint32_t a, std::uint32_t b) { return a % nu * nv + b % nv; };
@@ -64,37 +64,37 @@ Sample torus(const SampleOptions& options) {
 
 // Four balls on an arc, joined by bridges: a tube along the arc whose radius is that of the balls or of the bridge.
 Sample four_blobs(const SampleOptions& options) {
-  constexpr double bend = 1.6;  // radius of the arc
-  constexpr std::array<double, 4> ball{0.30, 0.24, 0.27, 0.21};
-  constexpr std::array<double, 4> along{-1.02, -0.34, 0.36, 1.0};  // arc lengths of their centres
+  constexpr double kBend = 1.6;  // radius of the arc
+  constexpr std::array<double, 4> kBall{0.30, 0.24, 0.27, 0.21};
+  constexpr std::array<double, 4> kAlong{-1.02, -0.34, 0.36, 1.0};  // arc lengths of their centres
   const auto ring = [&](double s, double radius) {
-    const double a = s / bend;
-    return Ring{Vec3(bend * std::sin(a), bend * (std::cos(a) - 1), 0), Vec3(std::sin(a), std::cos(a), 0), Vec3(0, 0, 1),
-                radius};
+    const double a = s / kBend;
+    return Ring{Vec3(kBend * std::sin(a), kBend * (std::cos(a) - 1), 0), Vec3(std::sin(a), std::cos(a), 0),
+                Vec3(0, 0, 1), radius};
   };
   const auto mesh_for = [&](double bridge) {
     std::vector<Ring> rings;
     const int arc = scaled(150, options.detail, 6), straight = scaled(60, options.detail, 2);
     for (std::size_t b = 0; b < 4; ++b) {
       // Angle from the pole behind: whole half circle, less where a bridge begins.
-      const double cut = std::asin(bridge / ball[b]);
-      const double from = b == 0 ? 0 : cut, to = b == 3 ? pi : pi - cut;
+      const double cut = std::asin(bridge / kBall[b]);
+      const double from = b == 0 ? 0 : cut, to = b == 3 ? kPi : kPi - cut;
       for (int i = 0; i <= arc; ++i) {
         const double angle = from + (to - from) * i / arc;
         const bool pole = (b == 0 && i == 0) || (b == 3 && i == arc);
-        rings.push_back(ring(along[b] - ball[b] * std::cos(angle), pole ? 0 : ball[b] * std::sin(angle)));
+        rings.push_back(ring(kAlong[b] - kBall[b] * std::cos(angle), pole ? 0 : kBall[b] * std::sin(angle)));
       }
       if (b == 3) break;
-      const double begin = along[b] + ball[b] * std::cos(cut);
-      const double end = along[b + 1] - ball[b + 1] * std::cos(std::asin(bridge / ball[b + 1]));
+      const double begin = kAlong[b] + kBall[b] * std::cos(cut);
+      const double end = kAlong[b + 1] - kBall[b + 1] * std::cos(std::asin(bridge / kBall[b + 1]));
       for (int i = 1; i < straight; ++i) rings.push_back(ring(begin + (end - begin) * i / straight, bridge));
     }
     TriangleMesh mesh;
     append_tube(mesh, rings, scaled(200, options.detail, 8));
     return mesh;
   };
-  // Bridges of 2.3 voxels at resolution 256: there they hold, at 128 they need not.
-  const double side = ring(along[3], 0).centre[0] + ball[3] - (ring(along[0], 0).centre[0] - ball[0]);
+  // Bridges of 2.3 voxels at resolution 256, where they are connected; at 128 they may not be.
+  const double side = ring(kAlong[3], 0).centre[0] + kBall[3] - (ring(kAlong[0], 0).centre[0] - kBall[0]);
   return {mesh_for(0.5 * 2.3 / 256 * side), {}};
 }
 

@@ -16,7 +16,7 @@
 namespace quench {
 namespace {
 
-// What decides whether a sample is foreground, in the type of the samples, so that 64-bit labels stay exact.
+// Decides whether a sample is foreground, in the type of the samples, so that 64-bit labels stay exact.
 template <class T>
 struct Rule {
   enum class Kind { none, all, at_least, equal, non_zero } kind = Kind::none;
@@ -63,7 +63,7 @@ Rule<T> at_least(Whole t) {
     return {Kind::at_least, static_cast<T>(t)};
   } else {
     T value = static_cast<T>(t);
-    // A value that has grown beyond the whole numbers is not below t.
+    // A value that was rounded up beyond the range of Whole is not below t.
     const bool above = value >= std::ldexp(T{1}, std::numeric_limits<Whole>::digits);
     if (!above && static_cast<Whole>(value) < t) value = std::nextafter(value, std::numeric_limits<T>::infinity());
     return {Kind::at_least, value};
@@ -222,7 +222,7 @@ VoxelShape foreground_of(const shape::Samples<T>& samples, const ForegroundOptio
   return shape;
 }
 
-/// The grid of an image with a spacing that can be computed with.
+/// The grid of an image, with a spacing of integer proportion where that is near.
 Grid grid_of_shape(const Grid& image, Context* context) {
   Grid grid = image;
   double moved = 0;
@@ -248,7 +248,7 @@ VoxelShape foreground_of(const SliceStream& image, const ForegroundOptions& opti
   for (std::int64_t z = 0; z < dims[2]; ++z) {
     checkpoint(context, "read", static_cast<double>(z) / static_cast<double>(dims[2]));
     image.next(std::as_writable_bytes(std::span(slice)));
-    // With a rule the values are only for the sentence that says why nothing is left.
+    // With a threshold or label the values are needed only for the error that nothing is foreground.
     if (!chosen || shape.empty())
       for (const T v : slice) values.add(v);
     for (std::int64_t y = 0; y < dims[1]; ++y) {

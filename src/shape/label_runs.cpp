@@ -24,7 +24,7 @@ std::vector<LabelRuns> runs_of(const shape::Samples<T>& samples, const std::func
     throw Error(ErrorCode::input, "the image holds no labels: its values are floating-point numbers; give integers");
   } else {
     const auto& dims = samples.grid().dims;
-    std::unordered_map<T, std::size_t> place;  // of a label in `found`; -1: not wanted
+    std::unordered_map<T, std::size_t> place;  // per label its index in `found`, or kUnwanted
     constexpr auto kUnwanted = static_cast<std::size_t>(-1);
     std::vector<LabelRuns> found;
     const auto place_of = [&](T value) {

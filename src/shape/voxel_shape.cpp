@@ -84,7 +84,7 @@ void VoxelShape::validate() const {
 }
 
 VoxelShape subdivide(const VoxelShape& shape, int factor) {
-  if (factor < 1) throw Error(ErrorCode::usage, "voxels are subdivided by a whole number from 1", "subdivide");
+  if (factor < 1) throw Error(ErrorCode::usage, "voxels are subdivided by a whole number of 1 or more", "subdivide");
   Grid grid = shape.grid();
   // The corner of the grid stays where it is: lattice 0 is half a voxel before the centre of voxel 0.
   const Vec3 corner = grid.world(Vec3::Zero());
@@ -113,7 +113,7 @@ bool contains_segment(const VoxelShape& shape, const Vec3& a, const Vec3& b) {
     return local.cwiseQuotient(grid.spacing) + Vec3::Constant(0.5);
   };
   const Vec3 from = lattice(a), to = lattice(b), way = to - from;
-  // An end outside the grid lies in no foreground voxel; what lies inside can be told as an integer.
+  // An end outside the grid is not in a foreground voxel; coordinates inside fit an integer.
   for (int i = 0; i < 3; ++i)
     for (const double end : {from[i], to[i]})
       if (!(end >= 0 && end < static_cast<double>(grid.dims[static_cast<std::size_t>(i)]))) return false;

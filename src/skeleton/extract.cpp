@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
+#include "base/csr.h"
 #include "quench/error.h"
 #include "quench/skeleton.h"
 
@@ -11,39 +13,40 @@ namespace quench {
 namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
+constexpr double kNotACurve = std::numeric_limits<double>::quiet_NaN();
+
+std::uint32_t other_end(const RefinedAxis& k, std::uint32_t edge, std::uint32_t vertex) {
+  const auto [a, b] = k.complex.edges[edge];
+  return a == vertex ? b : a;
+}
 
 // The cells of K that a member of the family has.
 struct Member {
   std::vector<char> vertex, edge, face;
 };
 
-// Free ends of curves grow back into what was pruned beyond them. All of that hangs on them alone.
-void grow_tips(const SkeletonFamily& family, double tips, const std::vector<std::uint32_t>& left, Member& member) {
+// Lets the free ends of curves grow back along curves that were pruned. What grows back is a path that begins at a free
+// end, so topology does not change.
+void grow_tips(const SkeletonFamily& family, double from_thickness, const std::vector<std::uint32_t>& left,
+               Member& member) {
   const RefinedAxis& k = family.refined;
   const auto edges = static_cast<std::uint32_t>(k.complex.edges.size());
-  std::vector<std::uint32_t> offsets(std::size_t{k.complex.vertex_count} + 1, 0), list;
-  const auto is_pruned = [&](std::uint32_t e) { return k.curve_edge[e] && !member.edge[e]; };
-  for (std::uint32_t e = 2 * k.doors; e < edges; ++e)
-    if (is_pruned(e))
-      for (const std::uint32_t v : k.complex.edges[e]) ++offsets[v + 1];
-  for (std::size_t v = 0; v < k.complex.vertex_count; ++v) offsets[v + 1] += offsets[v];
-  list.resize(offsets.back());
-  std::vector<std::uint32_t> next(offsets.begin(), offsets.end() - 1);
-  for (std::uint32_t e = 2 * k.doors; e < edges; ++e)
-    if (is_pruned(e))
-      for (const std::uint32_t v : k.complex.edges[e]) list[next[v]++] = e;
+  const auto pruned = base::Csr<std::uint32_t>::group(k.complex.vertex_count, [&](const auto& emit) {
+    for (std::uint32_t e = 2 * k.doors; e < edges; ++e)
+      if (k.curve_edge[e] && !member.edge[e])
+        for (const std::uint32_t v : k.complex.edges[e]) emit(v, e);
+  });
   for (std::uint32_t end = 0; end < left.size(); ++end) {
     if (left[end] != 1 || !member.vertex[end]) continue;
     for (std::uint32_t v = end;;) {
       std::uint32_t best = kNone;  // ties: the smaller index
-      for (std::uint32_t i = offsets[v]; i < offsets[v + 1]; ++i) {
-        const std::uint32_t e = list[i];
-        if (member.edge[e] || family.thickness_of(e) < tips) continue;
+      for (const std::uint32_t e : pruned[v]) {
+        if (member.edge[e] || family.thickness_of(e) < from_thickness) continue;
         if (best == kNone || family.level_of(e) > family.level_of(best)) best = e;
       }
       if (best == kNone) break;
       member.edge[best] = 1;
-      v = k.complex.edges[best][0] == v ? k.complex.edges[best][1] : k.complex.edges[best][0];
+      v = other_end(k, best, v);
       member.vertex[v] = 1;
     }
   }
@@ -94,334 +97,337 @@ Member member_of(const SkeletonFamily& family, double theta2, double theta1, dou
   return member;
 }
 
-class Writer {
- public:
-  Writer(const SkeletonFamily& family, const Member& member, bool parts)
-      : family_(family), k_(family.refined), member_(member), parts_(parts) {}
+// How the cells of a member are written.
+struct Outline {
+  std::vector<char> whole;           // per polygon of M: no part is missing; one face, and nothing of its inside
+  std::vector<char> inside_whole;    // per edge of K: in the inside of such a polygon
+  std::vector<char> kept;            // per vertex of K: written; halves of segments are joined where it is not
+  std::vector<std::uint32_t> drawn;  // per vertex of K: the one in whose place it is written
+};
 
-  Skeleton run() {
-    find_whole_polygons();
-    find_inner_vertices();
-    number_vertices();
-    list_edges();
-    list_faces();
-    split_parallel_edges();
-    finish();
-    return std::move(out_);
+bool is_half(const RefinedAxis& k, std::uint32_t e) { return e < 2 * k.doors; }
+
+void find_whole_polygons(const RefinedAxis& k, const Member& member, bool parts, Outline& outline) {
+  const std::uint32_t polygons =
+      k.polygon_of.empty() ? 0 : *std::max_element(k.polygon_of.begin(), k.polygon_of.end()) + 1;
+  outline.whole.assign(polygons, !parts);
+  for (std::size_t f = 0; f < k.polygon_of.size(); ++f)
+    if (!member.face[f]) outline.whole[k.polygon_of[f]] = 0;
+  outline.inside_whole.assign(k.complex.edges.size(), 0);
+  for (std::size_t f = 0; f < k.polygon_of.size(); ++f)
+    if (outline.whole[k.polygon_of[f]])
+      for (const std::uint32_t e : k.complex.sides(f))
+        if (!is_half(k, e)) outline.inside_whole[e] = 1;
+}
+
+// Kept are the vertices of M, nodes inside edges and doors where anything but whole polygons meets the edge or parts of
+// the edge are missing, and vertices without any edge.
+void find_kept_vertices(const RefinedAxis& k, const Member& member, Outline& outline) {
+  const CellComplex& c = k.complex;
+  std::vector<char>& kept = outline.kept;
+  kept.assign(c.vertex_count, 0);
+  std::vector<char> on_face(c.edges.size(), 0), has_edge(c.vertex_count, 0);
+  for (std::size_t f = 0; f < c.face_count(); ++f) {
+    if (!member.face[f]) continue;
+    for (const std::uint32_t e : c.sides(f)) on_face[e] = 1;
+    if (!outline.whole[k.polygon_of[f]])
+      for (const std::uint32_t v : c.corners(f)) kept[v] = 1;
   }
-
- private:
-  using Path = std::vector<std::uint32_t>;
-
-  bool is_half(std::uint32_t e) const { return e < 2 * k_.doors; }
-
-  // Polygons of M of which no part is missing; their insides are not written.
-  void find_whole_polygons() {
-    const std::uint32_t polygons =
-        k_.polygon_of.empty() ? 0 : *std::max_element(k_.polygon_of.begin(), k_.polygon_of.end()) + 1;
-    whole_.assign(polygons, !parts_);
-    for (std::size_t f = 0; f < k_.polygon_of.size(); ++f)
-      if (!member_.face[f]) whole_[k_.polygon_of[f]] = 0;
-    inside_whole_.assign(k_.complex.edges.size(), 0);
-    for (std::size_t f = 0; f < k_.polygon_of.size(); ++f)
-      if (whole_[k_.polygon_of[f]])
-        for (const std::uint32_t e : k_.complex.sides(f))
-          if (!is_half(e)) inside_whole_[e] = 1;
-  }
-
-  // Nodes inside edges and doors are written where anything but whole polygons meets the edge, or parts of the edge are
-  // missing; elsewhere the halves of its segments are strung together.
-  void find_inner_vertices() {
-    const CellComplex& c = k_.complex;
-    needed_.assign(c.vertex_count, 0);
-    for (std::uint32_t e = 0; e < c.edges.size(); ++e)
-      if (member_.edge[e] && !is_half(e) && !inside_whole_[e])
-        for (const std::uint32_t v : c.edges[e]) needed_[v] = 1;
-    for (std::size_t f = 0; f < c.face_count(); ++f)
-      if (member_.face[f] && !whole_[k_.polygon_of[f]])
-        for (const std::uint32_t v : c.corners(f)) needed_[v] = 1;
-    // Ends of stretches, and stretches without face: every vertex of them.
-    std::vector<std::uint32_t> halves(c.vertex_count, 0);
-    std::vector<char> on_whole(c.edges.size(), 0);
-    for (std::size_t f = 0; f < c.face_count(); ++f)
-      if (member_.face[f])
-        for (const std::uint32_t e : c.sides(f)) on_whole[e] = 1;
-    for (std::uint32_t e = 0; e < 2 * k_.doors; ++e)
-      if (member_.edge[e]) {
-        for (const std::uint32_t v : c.edges[e]) {
-          ++halves[v];
-          if (!on_whole[e]) needed_[v] = 1;
-        }
-      }
-    // What is left inside whole polygons is not written; a vertex without any edge is.
-    std::vector<char> has_edge(c.vertex_count, 0);
-    for (std::uint32_t e = 0; e < c.edges.size(); ++e)
-      if (member_.edge[e])
-        for (const std::uint32_t v : c.edges[e]) has_edge[v] = 1;
-    for (std::uint32_t v = 0; v < c.vertex_count; ++v)
-      if (member_.vertex[v] && ((halves[v] > 0 && halves[v] != 2) || !has_edge[v])) needed_[v] = 1;
-  }
-
-  void number_vertices() {
-    original_ = k_.original;
-    map_.resize(k_.complex.vertex_count);
-    for (std::uint32_t v = 0; v < map_.size(); ++v) map_[v] = v;
-    // Region duals are written merged into their exit doors.
-    for (std::uint32_t v = k_.nodes + k_.doors; v < map_.size(); ++v) {
-      const std::uint32_t e = k_.exit[v];
-      if (e == kNone || !member_.edge[e] || !member_.vertex[v]) continue;
-      map_[v] = k_.complex.edges[e][0] == v ? k_.complex.edges[e][1] : k_.complex.edges[e][0];
+  std::vector<std::uint32_t> halves(c.vertex_count, 0);
+  for (std::uint32_t e = 0; e < c.edges.size(); ++e) {
+    if (!member.edge[e]) continue;
+    for (const std::uint32_t v : c.edges[e]) {
+      has_edge[v] = 1;
+      halves[v] += is_half(k, e);
+      if (is_half(k, e) ? !on_face[e] : !outline.inside_whole[e]) kept[v] = 1;
     }
-    // On curves that never burn nothing exits: a dual inside such a curve goes to the door that burns last on the
-    // sheet, so that it runs on the edges of the sheet's fire and not to and fro between them and the middles of
-    // polygons.
-    std::vector<std::uint32_t> curves(map_.size(), 0), door(map_.size(), kNone);
-    for (std::uint32_t e = 2 * k_.doors; e < k_.complex.edges.size(); ++e) {
-      const auto [a, v] = k_.complex.edges[e];
-      if (!member_.edge[e] || !k_.curve_edge[e] || v < k_.nodes + k_.doors) continue;
-      ++curves[v];
-      if (door[v] == kNone || k_.burn_time[a] > k_.burn_time[door[v]]) door[v] = a;
-    }
-    for (std::uint32_t v = k_.nodes + k_.doors; v < map_.size(); ++v)
-      if (member_.vertex[v] && map_[v] == v && curves[v] == 2) map_[v] = door[v];
-    // But not where a part of a sheet would be pressed flat: between doors of one side of its polygon.
-    for (std::size_t f = 0; f < k_.complex.face_count(); ++f) {
-      if (!member_.face[f] || whole_[k_.polygon_of[f]]) continue;
-      const auto corners = k_.complex.corners(f);
-      if (map_[corners[0]] != corners[0] && !has_area(corners)) map_[corners[0]] = corners[0];
-    }
-    number_.assign(map_.size(), kNone);
   }
-  bool has_area(std::span<const std::uint32_t> corners) const {
-    const Vec3 origin = k_.points[map_[corners[0]]];
-    Vec3 area = Vec3::Zero();
-    double size = 0;
-    for (std::size_t i = 1; i < corners.size(); ++i) {
-      const Vec3 b = k_.points[corners[i]] - origin;
-      size = std::max(size, b.squaredNorm());
-      if (i > 1) area += (k_.points[corners[i - 1]] - origin).cross(b);
-    }
-    return area.norm() > 1e-9 * size;
+  for (std::uint32_t v = 0; v < c.vertex_count; ++v) {
+    const bool stretch_ends = halves[v] > 0 && halves[v] != 2;
+    kept[v] = member.vertex[v] && (v < k.original || kept[v] || stretch_ends || !has_edge[v]);
   }
-  bool is_written(std::uint32_t v) const {
-    if (!member_.vertex[v]) return false;
-    if (v < original_) return true;
-    return needed_[v] != 0;
-  }
-  std::uint32_t number(std::uint32_t v) {
-    v = map_[v];
-    if (number_[v] == kNone) {
-      number_[v] = add_vertex(k_.points[v], k_.radius[v], k_.burn_time[v], k_.curve_burn_time[v], k_.curve_vertex[v]);
-    }
-    return number_[v];
-  }
-  std::uint32_t add_vertex(const Vec3& point, double radius, double burn, double curve, bool on_curve) {
-    out_.points.push_back(point);
-    out_.radius.push_back(radius);
-    out_.burn_time.push_back(burn);
-    out_.curve_burn_time.push_back(curve);
-    out_.on_curve.push_back(on_curve);
-    return static_cast<std::uint32_t>(out_.points.size() - 1);
-  }
+}
 
+bool has_area(const RefinedAxis& k, const Vec3& origin, std::span<const std::uint32_t> corners) {
+  Vec3 area = Vec3::Zero();
+  double size = 0;
+  for (std::size_t i = 1; i < corners.size(); ++i) {
+    const Vec3 b = k.points[corners[i]] - origin;
+    size = std::max(size, b.squaredNorm());
+    if (i > 1) area += (k.points[corners[i - 1]] - origin).cross(b);
+  }
+  return area.norm() > 1e-9 * size;
+}
+
+void draw_duals_at_doors(const RefinedAxis& k, const Member& member, Outline& outline) {
+  std::vector<std::uint32_t>& drawn = outline.drawn;
+  drawn.resize(k.complex.vertex_count);
+  std::iota(drawn.begin(), drawn.end(), 0u);
+  // Region duals are written merged into their exit doors.
+  const std::uint32_t first_dual = k.nodes + k.doors;
+  for (std::uint32_t v = first_dual; v < drawn.size(); ++v)
+    if (const std::uint32_t e = k.exit[v]; e != kNone && member.edge[e] && member.vertex[v])
+      drawn[v] = other_end(k, e, v);
+  // Duals of curves that never burn have no exit: inside such a curve they are drawn at the door that burns last on the
+  // sheet, so that the curve does not zigzag between doors and the middles of polygons.
+  std::vector<std::uint32_t> curves(drawn.size(), 0), door(drawn.size(), kNone);
+  for (std::uint32_t e = 2 * k.doors; e < k.complex.edges.size(); ++e) {
+    const auto [a, v] = k.complex.edges[e];
+    if (!member.edge[e] || !k.curve_edge[e] || v < first_dual) continue;
+    ++curves[v];
+    if (door[v] == kNone || k.burn_time[a] > k.burn_time[door[v]]) door[v] = a;
+  }
+  for (std::uint32_t v = first_dual; v < drawn.size(); ++v)
+    if (member.vertex[v] && drawn[v] == v && curves[v] == 2) drawn[v] = door[v];
+  // But not where a part of a sheet would have no area: between doors of one side of its polygon.
+  for (std::size_t f = 0; f < k.complex.face_count(); ++f) {
+    if (!member.face[f] || outline.whole[k.polygon_of[f]]) continue;
+    const auto corners = k.complex.corners(f);
+    std::uint32_t& at = drawn[corners[0]];
+    if (at != corners[0] && !has_area(k, k.points[at], corners)) at = corners[0];
+  }
+}
+
+Outline outline_of(const RefinedAxis& k, const Member& member, bool parts) {
+  Outline outline;
+  find_whole_polygons(k, member, parts, outline);
+  find_kept_vertices(k, member, outline);
+  draw_duals_at_doors(k, member, outline);
+  return outline;
+}
+
+// The cells of a skeleton, in which several edges may have the same ends.
+struct Cells {
   struct Edge {
     std::array<std::uint32_t, 2> ends;
     double thickness, level;
     bool mesh;  // lies on an edge of M
   };
+  struct Face {
+    std::vector<std::uint32_t> corners, sides;
+    double thickness, level;
+  };
+  std::vector<std::uint32_t> vertices;  // of K
+  std::vector<Edge> edges;
+  std::vector<Face> faces;
+};
+
+class CellBuilder {
+ public:
+  CellBuilder(const SkeletonFamily& family, const Member& member, const Outline& outline)
+      : family_(family),
+        k_(family.refined),
+        member_(member),
+        outline_(outline),
+        number_(k_.complex.vertex_count, kNone),
+        edge_(k_.complex.edges.size(), kNone) {
+    for (std::uint32_t v = 0; v < number_.size(); ++v)
+      if (outline.kept[v]) number(v);
+    add_halves();
+    for (std::uint32_t e = 2 * k_.doors; e < edge_.size(); ++e) {
+      if (!member.edge[e] || outline.inside_whole[e]) continue;
+      const std::uint32_t a = number(k_.complex.edges[e][0]), b = number(k_.complex.edges[e][1]);
+      if (a != b) edge_[e] = add_edge(a, b, e, false);
+    }
+    add_faces();
+  }
+  Cells take() { return std::move(cells_); }
+
+ private:
+  std::uint32_t number(std::uint32_t v) {
+    std::uint32_t& known = number_[outline_.drawn[v]];
+    if (known == kNone) {
+      known = static_cast<std::uint32_t>(cells_.vertices.size());
+      cells_.vertices.push_back(outline_.drawn[v]);
+    }
+    return known;
+  }
   std::uint32_t add_edge(std::uint32_t a, std::uint32_t b, std::uint32_t of, bool mesh) {
     const bool curve = of != kNone && k_.curve_edge[of];
-    edges_.push_back({{std::min(a, b), std::max(a, b)},
-                      curve ? family_.thickness_of(of) : std::numeric_limits<double>::quiet_NaN(),
-                      curve ? family_.level_of(of) : std::numeric_limits<double>::quiet_NaN(),
-                      mesh});
-    return static_cast<std::uint32_t>(edges_.size() - 1);
+    cells_.edges.push_back({{std::min(a, b), std::max(a, b)},
+                            curve ? family_.thickness_of(of) : kNotACurve,
+                            curve ? family_.level_of(of) : kNotACurve,
+                            mesh});
+    return static_cast<std::uint32_t>(cells_.edges.size() - 1);
   }
 
-  // edge_[e]: the written edge that edge e of K is, or is a stretch of.
-  void list_edges() {
-    const CellComplex& c = k_.complex;
-    for (std::uint32_t v = 0; v < c.vertex_count; ++v)
-      if (is_written(v)) number(v);
-    edge_.assign(c.edges.size(), kNone);
-    // Halves come edge by edge of M, in order along it: string them together between written vertices.
-    for (std::uint32_t d = 0; d < k_.doors; ++d)
-      for (std::uint32_t e = 2 * d; e < 2 * d + 2; ++e) {
-        if (!member_.edge[e]) continue;
-        // The half's end nearer to the edge's start: the node for the first half, the door for the second.
-        const std::uint32_t start = c.edges[e][e % 2 == 0 ? 0 : 1], end = c.edges[e][e % 2 == 0 ? 1 : 0];
-        if (is_written(start)) stretch_start_ = start;
-        pending_.push_back(e);
-        if (!is_written(end)) continue;
-        const std::uint32_t written = add_edge(number(stretch_start_), number(end), kNone, true);
-        for (const std::uint32_t p : pending_) edge_[p] = written;
-        pending_.clear();
-      }
-    for (std::uint32_t e = 2 * k_.doors; e < c.edges.size(); ++e) {
-      if (!member_.edge[e] || inside_whole_[e]) continue;
-      const std::uint32_t a = number(c.edges[e][0]), b = number(c.edges[e][1]);
-      if (a != b) edge_[e] = add_edge(a, b, e, false);
+  // Halves come edge by edge of M, in order along it: they are joined between vertices that are written.
+  void add_halves() {
+    std::vector<std::uint32_t> stretch;
+    std::uint32_t stretch_start = kNone;
+    for (std::uint32_t e = 0; e < 2 * k_.doors; ++e) {
+      if (!member_.edge[e]) continue;
+      // The first half of a segment runs from the node to the door, the second one from the door to the node.
+      const std::uint32_t start = k_.complex.edges[e][e % 2], end = k_.complex.edges[e][1 - e % 2];
+      if (outline_.kept[start]) stretch_start = start;
+      stretch.push_back(e);
+      if (!outline_.kept[end]) continue;
+      const std::uint32_t written = add_edge(number(stretch_start), number(end), kNone, true);
+      for (const std::uint32_t half : stretch) edge_[half] = written;
+      stretch.clear();
     }
   }
 
-  struct Face {
-    Path corners, sides;
-    double thickness, level;
-  };
-
-  void list_faces() {
-    const CellComplex& c = k_.complex;
-    for (std::size_t f = 0; f < c.face_count();) {
-      const std::uint32_t polygon = k_.polygon_of[f];
-      std::size_t end = f;
-      while (end < c.face_count() && k_.polygon_of[end] == polygon) ++end;
-      if (whole_[polygon]) {
-        whole_face(f, end);
+  void add_faces() {
+    const std::size_t faces = k_.complex.face_count();
+    for (std::size_t f = 0, end = 0; f < faces; f = end) {
+      while (end < faces && k_.polygon_of[end] == k_.polygon_of[f]) ++end;
+      if (outline_.whole[k_.polygon_of[f]]) {
+        add_whole_polygon(f, end);
       } else {
         for (std::size_t part = f; part < end; ++part)
           if (member_.face[part]) add_part(part);
       }
-      f = end;
     }
   }
 
   // The outline of a whole polygon: the sides of its parts that are not shared by two of them.
-  void whole_face(std::size_t begin, std::size_t end) {
-    Face face{{}, {}, 0, kNever};
-    next_.clear();
+  void add_whole_polygon(std::size_t begin, std::size_t end) {
+    Cells::Face face{{}, {}, 0, kNever};
+    after_.clear();
     for (std::size_t f = begin; f < end; ++f) {
       face.thickness = std::max(face.thickness, k_.face_thickness[f]);
       face.level = std::min(face.level, family_.face_sheet_level[f]);
       const auto corners = k_.complex.corners(f);
       const auto sides = k_.complex.sides(f);
       for (std::size_t i = 0; i < corners.size(); ++i)
-        if (is_half(sides[i])) next_.push_back({corners[i], corners[(i + 1) % corners.size()], sides[i]});
+        if (is_half(k_, sides[i])) after_.push_back({corners[i], corners[(i + 1) % corners.size()], sides[i]});
     }
-    std::sort(next_.begin(), next_.end());
-    std::uint32_t at = next_.front()[0];
-    for (std::size_t step = 0; step < next_.size(); ++step) {
-      const auto found = std::lower_bound(next_.begin(), next_.end(), std::array<std::uint32_t, 3>{at, 0, 0});
-      const auto [from, to, half] = *found;
-      const std::uint32_t side = edge_[half];
-      if (is_written(from)) {
-        face.corners.push_back(number_[map_[from]]);
-        face.sides.push_back(side);
+    std::sort(after_.begin(), after_.end());
+    std::uint32_t at = after_.front()[0];
+    for (std::size_t step = 0; step < after_.size(); ++step) {
+      const auto [from, to, half] =
+          *std::lower_bound(after_.begin(), after_.end(), std::array<std::uint32_t, 3>{at, 0, 0});
+      if (outline_.kept[from]) {
+        face.corners.push_back(number(from));
+        face.sides.push_back(edge_[half]);
       }
       at = to;
     }
-    faces_.push_back(std::move(face));
+    cells_.faces.push_back(std::move(face));
   }
 
   void add_part(std::size_t f) {
-    Face face{{}, {}, k_.face_thickness[f], family_.face_sheet_level[f]};
+    Cells::Face face{{}, {}, k_.face_thickness[f], family_.face_sheet_level[f]};
     const auto corners = k_.complex.corners(f);
     const auto sides = k_.complex.sides(f);
     for (std::size_t i = 0; i < corners.size(); ++i) {
-      if (edge_[sides[i]] == kNone) continue;  // merged away
+      if (edge_[sides[i]] == kNone) continue;  // its ends are written as one vertex
       face.corners.push_back(number(corners[i]));
       face.sides.push_back(edge_[sides[i]]);
     }
-    // One that still meets its spoke twice comes back to its corner: a fan around its first corner, the dual.
-    Path sorted = face.corners;
+    std::vector<std::uint32_t> sorted = face.corners;
     std::sort(sorted.begin(), sorted.end());
     if (std::adjacent_find(sorted.begin(), sorted.end()) == sorted.end()) {
-      faces_.push_back(std::move(face));
+      cells_.faces.push_back(std::move(face));
       return;
     }
+    // A part that meets its spoke twice comes back to a corner: it is written as a fan around its first one, the dual.
     std::uint32_t before = face.sides.front();
     const std::size_t n = face.corners.size();
     for (std::size_t i = 1; i + 1 < n; ++i) {
       const std::uint32_t after =
           i + 2 == n ? face.sides.back() : add_edge(face.corners[0], face.corners[i + 1], kNone, false);
-      faces_.push_back({{face.corners[0], face.corners[i], face.corners[i + 1]},
-                        {before, face.sides[i], after},
-                        face.thickness,
-                        face.level});
+      cells_.faces.push_back({{face.corners[0], face.corners[i], face.corners[i + 1]},
+                              {before, face.sides[i], after},
+                              face.thickness,
+                              face.level});
       before = after;
-    }
-  }
-
-  // Edges of K between the same two vertices become paths: all but one get a vertex in the middle.
-  void split_parallel_edges() {
-    std::vector<std::uint32_t> order(edges_.size());
-    for (std::uint32_t e = 0; e < order.size(); ++e) order[e] = e;
-    std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
-      if (edges_[a].ends != edges_[b].ends) return edges_[a].ends < edges_[b].ends;
-      return edges_[a].mesh != edges_[b].mesh ? edges_[a].mesh : a < b;
-    });
-    middle_.assign(edges_.size(), kNone);
-    for (std::size_t i = 1; i < order.size(); ++i) {
-      const Edge& e = edges_[order[i]];
-      if (e.ends != edges_[order[i - 1]].ends) continue;
-      const auto [a, b] = e.ends;
-      middle_[order[i]] =
-          add_vertex(0.5 * (out_.points[a] + out_.points[b]), 0.5 * (out_.radius[a] + out_.radius[b]),
-                     0.5 * (out_.burn_time[a] + out_.burn_time[b]),
-                     0.5 * (out_.curve_burn_time[a] + out_.curve_burn_time[b]), out_.on_curve[a] && out_.on_curve[b]);
-    }
-  }
-
-  void finish() {
-    CellComplex& c = out_.complex;
-    c.vertex_count = static_cast<std::uint32_t>(out_.points.size());
-    std::vector<std::array<std::uint32_t, 2>> pieces;
-    std::vector<double> thickness, level;
-    for (std::uint32_t e = 0; e < edges_.size(); ++e) {
-      const auto add = [&](std::uint32_t a, std::uint32_t b) {
-        pieces.push_back({std::min(a, b), std::max(a, b)});
-        thickness.push_back(edges_[e].thickness);
-        level.push_back(edges_[e].level);
-      };
-      if (middle_[e] == kNone) {
-        add(edges_[e].ends[0], edges_[e].ends[1]);
-      } else {
-        add(edges_[e].ends[0], middle_[e]);
-        add(edges_[e].ends[1], middle_[e]);
-      }
-    }
-    std::vector<std::uint32_t> offsets{0}, corners;
-    for (const Face& face : faces_) {
-      for (std::size_t i = 0; i < face.corners.size(); ++i) {
-        corners.push_back(face.corners[i]);
-        if (middle_[face.sides[i]] != kNone) corners.push_back(middle_[face.sides[i]]);
-      }
-      offsets.push_back(static_cast<std::uint32_t>(corners.size()));
-      out_.face_thickness.push_back(face.thickness);
-      out_.face_level.push_back(face.level);
-    }
-    c = make_complex(c.vertex_count, pieces, std::move(offsets), std::move(corners));
-    out_.edge_thickness.assign(c.edges.size(), std::numeric_limits<double>::quiet_NaN());
-    out_.edge_level = out_.edge_thickness;
-    for (std::size_t i = 0; i < pieces.size(); ++i) {
-      const auto at =
-          static_cast<std::size_t>(std::lower_bound(c.edges.begin(), c.edges.end(), pieces[i]) - c.edges.begin());
-      out_.edge_thickness[at] = thickness[i];
-      out_.edge_level[at] = level[i];
     }
   }
 
   const SkeletonFamily& family_;
   const RefinedAxis& k_;
   const Member& member_;
-  bool parts_;
-  Skeleton out_;
-  std::uint32_t original_ = 0;
-  std::vector<char> whole_, inside_whole_, needed_;
-  std::vector<std::uint32_t> map_, number_, edge_, middle_;
-  std::vector<Edge> edges_;
-  std::vector<Face> faces_;
-  std::vector<std::uint32_t> pending_;
-  std::uint32_t stretch_start_ = kNone;
-  std::vector<std::array<std::uint32_t, 3>> next_;
+  const Outline& outline_;
+  std::vector<std::uint32_t> number_;  // per vertex of K; kNone where it has none (yet)
+  std::vector<std::uint32_t> edge_;    // per edge of K: the written edge it is, or is a stretch of
+  Cells cells_;
+  std::vector<std::array<std::uint32_t, 3>> after_;  // halves around a whole polygon: from, to, half
 };
+
+// Edges between the same two vertices become paths: all but one get a vertex in the middle, numbered from `first` on;
+// kNone for edges without.
+std::vector<std::uint32_t> middles(const std::vector<Cells::Edge>& edges, std::uint32_t first) {
+  std::vector<std::uint32_t> order(edges.size()), middle(edges.size(), kNone);
+  std::iota(order.begin(), order.end(), 0u);
+  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+    if (edges[a].ends != edges[b].ends) return edges[a].ends < edges[b].ends;
+    return edges[a].mesh != edges[b].mesh ? edges[a].mesh : a < b;
+  });
+  for (std::size_t i = 1; i < order.size(); ++i)
+    if (edges[order[i]].ends == edges[order[i - 1]].ends) middle[order[i]] = first++;
+  return middle;
+}
+
+void fill_vertices(const RefinedAxis& k, const Cells& cells, const std::vector<std::uint32_t>& middle, Skeleton& out) {
+  std::vector<std::array<std::uint32_t, 2>> halved;  // ends of the edges with a middle, by the middle
+  for (std::size_t e = 0; e < middle.size(); ++e) {
+    if (middle[e] == kNone) continue;
+    const std::size_t row = middle[e] - cells.vertices.size();
+    halved.resize(std::max(halved.size(), row + 1));
+    halved[row] = cells.edges[e].ends;
+  }
+  const auto fill = [&](auto& values, const auto& of_k, const auto& mean) {
+    for (const std::uint32_t v : cells.vertices) values.push_back(of_k[v]);
+    for (const auto& [a, b] : halved) values.push_back(mean(values[a], values[b]));
+  };
+  const auto half_way = [](double a, double b) { return 0.5 * (a + b); };
+  fill(out.points, k.points, [](const Vec3& a, const Vec3& b) -> Vec3 { return 0.5 * (a + b); });
+  fill(out.radius, k.radius, half_way);
+  fill(out.burn_time, k.burn_time, half_way);
+  fill(out.curve_burn_time, k.curve_burn_time, half_way);
+  fill(out.on_curve, k.curve_vertex, [](char a, char b) { return a && b; });
+}
+
+Skeleton skeleton_of(const RefinedAxis& k, const Cells& cells) {
+  Skeleton out;
+  const std::vector<std::uint32_t> middle = middles(cells.edges, static_cast<std::uint32_t>(cells.vertices.size()));
+  fill_vertices(k, cells, middle, out);
+  std::vector<std::array<std::uint32_t, 2>> edges;
+  std::vector<std::uint32_t> of;  // per edge: the one of `cells` it is, or is a half of
+  for (std::uint32_t e = 0; e < cells.edges.size(); ++e) {
+    const auto [a, b] = cells.edges[e].ends;
+    if (middle[e] == kNone) {
+      edges.push_back({a, b});
+    } else {
+      edges.push_back({a, middle[e]});
+      edges.push_back({b, middle[e]});
+    }
+    of.resize(edges.size(), e);
+  }
+  std::vector<std::uint32_t> offsets{0}, corners;
+  for (const Cells::Face& face : cells.faces) {
+    for (std::size_t i = 0; i < face.corners.size(); ++i) {
+      corners.push_back(face.corners[i]);
+      if (middle[face.sides[i]] != kNone) corners.push_back(middle[face.sides[i]]);
+    }
+    offsets.push_back(static_cast<std::uint32_t>(corners.size()));
+    out.face_thickness.push_back(face.thickness);
+    out.face_level.push_back(face.level);
+  }
+  out.complex =
+      make_complex(static_cast<std::uint32_t>(out.points.size()), edges, std::move(offsets), std::move(corners));
+  const auto& sorted = out.complex.edges;
+  out.edge_thickness.assign(sorted.size(), kNotACurve);
+  out.edge_level.assign(sorted.size(), kNotACurve);
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    const auto at = static_cast<std::size_t>(std::lower_bound(sorted.begin(), sorted.end(), edges[i]) - sorted.begin());
+    out.edge_thickness[at] = cells.edges[of[i]].thickness;
+    out.edge_level[at] = cells.edges[of[i]].level;
+  }
+  return out;
+}
 
 }  // namespace
 
 Skeleton extract(const SkeletonFamily& family, double theta2, double theta1, const ExtractOptions& options) {
-  if (std::isnan(theta2) || std::isnan(theta1) || std::isnan(options.tips))
-    throw Error(ErrorCode::usage, "a skeleton needs theta2, theta1 and tips that are numbers");
-  const Member member = member_of(family, theta2, theta1, options.tips);
-  Skeleton skeleton = Writer(family, member, options.parts).run();
+  if (std::isnan(theta2) || std::isnan(theta1) || std::isnan(options.regrow_tips_above))
+    throw Error(ErrorCode::usage, "theta2, theta1 and regrow_tips_above of a skeleton must be numbers");
+  const RefinedAxis& k = family.refined;
+  const Member member = member_of(family, theta2, theta1, options.regrow_tips_above);
+  const Outline outline = outline_of(k, member, options.parts);
+  Skeleton skeleton = skeleton_of(k, CellBuilder(family, member, outline).take());
   skeleton.theta2 = theta2;
   skeleton.theta1 = theta1;
   return skeleton;

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
-// Vertices of closed pockets: curves that end there are tied.
+// Vertices of closed pockets: curves that end there are not free.
 std::vector<char> on_pockets(const RefinedAxis& axis, std::span<const double> face_level) {
   std::vector<char> pocket(axis.complex.vertex_count, 0);
   for (std::size_t f = 0; f < face_level.size(); ++f)
@@ -23,7 +23,7 @@ std::vector<char> on_pockets(const RefinedAxis& axis, std::span<const double> fa
 SkeletonFamily family_of(RefinedAxis refined, Context* context) {
   SkeletonFamily family;
   const std::size_t edges = refined.complex.edges.size(), vertices = refined.complex.vertex_count;
-  // Sheets: what is not of the curves goes at once when it is free, polygons by increasing thickness.
+  // Sheets: polygons are collapsed by increasing thickness, edges and vertices off the curves as soon as they are free.
   std::vector<double> edge_value(edges), vertex_value(vertices);
   for (std::size_t e = 0; e < edges; ++e) edge_value[e] = refined.curve_edge[e] ? kNever : 0;
   for (std::size_t v = 0; v < vertices; ++v) vertex_value[v] = refined.curve_vertex[v] ? kNever : 0;
@@ -32,7 +32,7 @@ SkeletonFamily family_of(RefinedAxis refined, Context* context) {
   complex::CellValues sheet =
       complex::thin(refined.complex, vertex_value, edge_value, refined.face_thickness, context, "skeleton", at_once);
 
-  // Curves on their own: what is left without any sheets, pockets standing for fixed points.
+  // Curves on their own: what is left without any sheets; their ends on pockets are fixed.
   const std::vector<char> pocket = on_pockets(refined, sheet.face);
   const std::size_t halves = 2 * std::size_t{refined.doors};  // never part of the curves
   family.curve_thickness.assign(edges - halves, 0);

@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
+#include "base/csr.h"
 #include "base/parallel.h"
 #include "base/union_find.h"
 #include "burning/curve_fire.h"
@@ -26,7 +28,7 @@ class Refinement {
     place_nodes();
     place_doors();
     keep_nodes();
-    list_chords();
+    count_primes();
     for (std::uint32_t f = 0; f < site_.complex.face_count(); ++f) {
       if (f % 4096 == 0) checkpoint(context, "curves", 0.6 * f / static_cast<double>(site_.complex.face_count()));
       cut(f);
@@ -85,7 +87,7 @@ class Refinement {
       door_base_[e] = static_cast<std::uint32_t>(doors);
       if (net_.side_offsets[e + 1] > net_.side_offsets[e]) doors += net_.pieces[e];
     }
-    // Regions are fewer than the nodes on the boundaries of all polygons, and with them everything else.
+    // There are fewer regions, and so fewer of all other cells, than four per node on the boundaries of all polygons.
     std::uint64_t most = out_.nodes + doors;
     for (const std::uint32_t e : m.face_edges) most += 4 * std::uint64_t{net_.pieces[e]};
     if (most >= kNone)
@@ -116,8 +118,8 @@ class Refinement {
     out_.curve_edge.assign(out_.complex.edges.size(), 0);
     out_.curve_vertex.assign(vertices, 0);
   }
-  // Mean time of a segment's nodes in each polygon's sector; the last polygon's does not count, as the last sheet burns
-  // with the last but one. On a rim the radius, on a pocket never.
+  // The second largest over the polygons of the mean time of the segment's nodes in the polygon's sector: the last
+  // sheet burns together with the last but one. The radius on a rim, infinite on a pocket.
   double door_time(std::span<const std::uint32_t> sides, std::uint32_t j) {
     if (sides.size() == 1) return out_.radius.back();
     times_.clear();
@@ -134,7 +136,7 @@ class Refinement {
     return times_[times_.size() - 2];
   }
 
-  // A vertex whose link falls apart is kept, with an edge to one region of every component without pocket: a region in
+  // A vertex that splits its link is kept, with an edge to one region of every component without pocket: a region in
   // the sector that burned last there. Lone edges and isolated vertices are part of the curves as they are.
   void keep_nodes() {
     const CellComplex& m = site_.complex;
@@ -144,63 +146,72 @@ class Refinement {
         for (const std::uint32_t v : m.edges[e]) ++lone[v];
         add_edge(m.edges[e][0], m.edges[e][1], true);
       }
-    kept_offsets_.assign(m.face_count() + std::size_t{1}, 0);
     std::vector<std::pair<std::uint32_t, std::uint32_t>> kept;  // polygon, vertex
     for (std::uint32_t v = 0; v < m.vertex_count; ++v) {
-      const std::uint32_t first = net_.vertex_base[v], count = net_.vertex_base[v + 1] - first;
-      if (count + lone[v] == 0) out_.curve_vertex[v] = 1;
-      if (count == 0 || (count == 1 && lone[v] == 0)) {
-        check_primes(v, first, count, count);
+      if (net_.vertex_base[v + 1] - net_.vertex_base[v] == 1 && lone[v] == 0) {  // nearly all of them
+        check_primes(v, 1);
         continue;
       }
-      // Components of the link: sectors joined by singular directions; all pockets are in that of direction 0.
-      std::uint32_t directions = 1;
-      for (std::uint32_t s = first; s < first + count; ++s)
-        if (site_.links.ends[s].a != kNone)
-          directions = std::max({directions, site_.links.ends[s].a + 1, site_.links.ends[s].b + 1});
-      base::UnionFind sets(directions + count);
-      bool pocket = false;
-      for (std::uint32_t s = 0; s < count; ++s) {
-        const auto [a, b] = site_.links.ends[first + s];
-        if (is_pocket(first + s)) {
-          pocket = true;
-          sets.unite(0, directions + s);
-        }
-        if (a == kNone) continue;
-        sets.unite(a, directions + s);
-        sets.unite(b, directions + s);
-      }
-      std::vector<std::pair<std::uint32_t, std::uint32_t>> last;  // component, state that left its link last
-      for (std::uint32_t s = 0; s < count; ++s) {
-        const std::uint32_t set = sets.find(directions + s);
-        if (pocket && set == sets.find(0)) continue;
-        const auto found = std::find_if(last.begin(), last.end(), [&](const auto& l) { return l.first == set; });
-        if (found == last.end())
-          last.push_back({set, first + s});
-        else if (burning_.rank[first + s] > burning_.rank[found->second])
-          found->second = first + s;
-      }
-      check_primes(v, first, count, static_cast<std::uint32_t>(last.size() + pocket));
-      if (last.size() + pocket + lone[v] == 1) continue;
-      for (const auto& [set, state] : last)
-        kept.push_back({net_.corner_face[site_.links.corner_list[site_.links.corner_offsets[state]]], v});
+      const LinkParts link = parts_of_link(v);
+      const std::size_t parts = link.last.size() + link.pocket;
+      check_primes(v, parts);
+      if (parts + lone[v] == 0) out_.curve_vertex[v] = 1;
+      if (parts + lone[v] <= 1) continue;
+      for (const std::uint32_t state : link.last) kept.push_back({polygon_at(state), v});
     }
-    std::sort(kept.begin(), kept.end());
-    for (const auto& [f, v] : kept) {
-      ++kept_offsets_[f + 1];
-      kept_list_.push_back(v);
+    kept_ = base::Csr<std::uint32_t>::group(m.face_count(), [&](const auto& emit) {
+      for (const auto& [f, v] : kept) emit(f, v);
+    });
+  }
+  // The components of the link of a vertex. All pockets are in one.
+  struct LinkParts {
+    std::vector<std::uint32_t> last;  // per component without pocket: the state that left the link last
+    bool pocket = false;
+  };
+  LinkParts parts_of_link(std::uint32_t v) const {
+    LinkParts parts;
+    const std::uint32_t first = net_.vertex_base[v], count = net_.vertex_base[v + 1] - first;
+    // Sectors are joined by singular directions, pockets by direction 0.
+    std::uint32_t directions = 1;
+    for (std::uint32_t s = first; s < first + count; ++s)
+      if (site_.links.ends[s].a != kNone)
+        directions = std::max({directions, site_.links.ends[s].a + 1, site_.links.ends[s].b + 1});
+    base::UnionFind sets(directions + count);
+    for (std::uint32_t s = 0; s < count; ++s) {
+      const auto [a, b] = site_.links.ends[first + s];
+      if (is_pocket(first + s)) {
+        parts.pocket = true;
+        sets.unite(0, directions + s);
+      }
+      if (a == kNone) continue;
+      sets.unite(a, directions + s);
+      sets.unite(b, directions + s);
     }
-    for (std::size_t f = 0; f < m.face_count(); ++f) kept_offsets_[f + 1] += kept_offsets_[f];
+    std::vector<std::uint32_t> set_of;  // per component in `parts.last`
+    for (std::uint32_t s = 0; s < count; ++s) {
+      const std::uint32_t set = sets.find(directions + s);
+      if (parts.pocket && set == sets.find(0)) continue;
+      const auto at = static_cast<std::size_t>(std::find(set_of.begin(), set_of.end(), set) - set_of.begin());
+      if (at == set_of.size()) {
+        set_of.push_back(set);
+        parts.last.push_back(first + s);
+      } else if (burning_.rank[first + s] > burning_.rank[parts.last[at]]) {
+        parts.last[at] = first + s;
+      }
+    }
+    return parts;
   }
-  bool is_pocket(std::uint32_t vertex_state) const {
-    return net_.pocket[net_.corner_face[site_.links.corner_list[site_.links.corner_offsets[vertex_state]]]];
+  // Of the polygons of a vertex's sector the first one.
+  std::uint32_t polygon_at(std::uint32_t state) const {
+    return net_.corner_face[site_.links.corner_list[site_.links.corner_offsets[state]]];
   }
-  // The prime arcs of a vertex are as many as the independent cycles of its link with pockets contracted: the topology
-  // of the curves hangs on it.
-  void check_primes(std::uint32_t v, std::uint32_t first, std::uint32_t count, std::uint32_t components) const {
-    std::int64_t primes = 0, cycles = components;
+  bool is_pocket(std::uint32_t state) const { return net_.pocket[polygon_at(state)]; }
+  // A vertex has as many prime arcs as its link has independent cycles, with pockets contracted: otherwise the curves
+  // would have another topology than the axis.
+  void check_primes(std::uint32_t v, std::size_t components) const {
+    std::int64_t primes = 0, cycles = static_cast<std::int64_t>(components);
     std::vector<std::uint32_t> met;
-    for (std::uint32_t s = first; s < first + count; ++s) {
+    for (std::uint32_t s = net_.vertex_base[v]; s < net_.vertex_base[v + 1]; ++s) {
       primes += burning_.parent[s] != kNone;
       const auto [a, b] = site_.links.ends[s];
       if (is_pocket(s)) {
@@ -221,17 +232,17 @@ class Refinement {
                               v, primes, cycles));
   }
 
-  // States grouped by the polygon their prime arc runs in.
-  void list_chords() {
+  // Counts the prime arcs of every polygon, and reserves what cutting it along them takes.
+  void count_primes() {
     const std::size_t faces = site_.complex.face_count();
-    prime_offsets_.assign(faces + 1, 0);
+    primes_.assign(faces, 0);
     for (const std::uint32_t f : burning_.parent_face)
-      if (f != kNone) ++prime_offsets_[f + 1];
-    for (std::size_t f = 0; f < faces; ++f) prime_offsets_[f + 1] += prime_offsets_[f];
+      if (f != kNone) ++primes_[f];
     // Nearly exact bounds of what comes, so that no array is copied while it grows.
-    std::size_t segments = kept_list_.size();
+    std::size_t segments = kept_.items().size();
     for (const std::uint32_t e : site_.complex.face_edges) segments += net_.pieces[e];
-    const std::size_t chords = prime_offsets_[faces], regions = chords + faces;
+    const auto chords = std::accumulate(primes_.begin(), primes_.end(), std::size_t{0});
+    const std::size_t regions = chords + faces;
     out_.points.reserve(out_.points.size() + regions);
     out_.radius.reserve(out_.points.capacity());
     out_.burn_time.reserve(out_.points.capacity());
@@ -250,16 +261,17 @@ class Refinement {
   };
   struct Arc {
     bool segment;
-    std::uint32_t index;  // place of its first node; chord
+    std::uint32_t index;  // of a segment the place of its first node, else that of the chord
   };
   struct Region {
     std::vector<std::uint32_t> places;  // nodes of its boundary in order
     std::vector<Arc> arcs;              // arcs[i] leads from places[i] on
-    std::uint32_t chord = kNone;        // that closes it; kNone for the outermost
+    std::uint32_t chord = kNone;        // the chord that closes the region; kNone for the outermost
   };
+  // From the region dual to a node of the region's boundary, or to the door of the arc that leads on from it.
   struct Spoke {
-    std::uint32_t place, edge;  // place in the region's boundary
-    bool door;                  // on the arc that starts there, else on the node
+    std::uint32_t place, edge;  // index into `places` and `arcs` of the region; edge of K
+    bool to_door;
   };
 
   // Cuts a polygon along its prime arcs into regions, and each region along its spokes.
@@ -278,7 +290,7 @@ class Refinement {
     const auto n = static_cast<std::uint32_t>(node_.size());
     prime_segment_.assign(n, 0);
     chords_.clear();
-    std::uint32_t left = prime_offsets_[f + 1] - prime_offsets_[f];
+    std::uint32_t left = primes_[f];
     for (std::uint32_t p = 0; p < n && left > 0; ++p) {
       if (burning_.parent_face[state_[p]] != f) continue;
       --left;
@@ -295,7 +307,7 @@ class Refinement {
     for (Chord& c : chords_) c.edge = add_edge(node_[c.from], node_[c.to], false);
     std::sort(chords_.begin(), chords_.end(),
               [](const Chord& a, const Chord& b) { return a.from != b.from ? a.from < b.from : a.to > b.to; });
-    kept_here_.assign(kept_list_.begin() + kept_offsets_[f], kept_list_.begin() + kept_offsets_[f + 1]);
+    kept_here_.assign(kept_[f].begin(), kept_[f].end());
     open(kNone);
     std::size_t next = 0;
     for (std::uint32_t p = 0; p < n; ++p) {
@@ -341,7 +353,7 @@ class Refinement {
       radius += out_.radius[node];
       squares += out_.radius[node] * out_.radius[node] - (out_.points[node] - centre).squaredNorm();
     }
-    // The squared distance to a shared nearest point is that of the nodes, on average, less their spread.
+    // The squared distance to a shared nearest point is the mean of those of the nodes minus their variance.
     radius = site_.rule == RadiusRule::exact ? std::sqrt(std::max(0.0, squares / static_cast<double>(m)))
                                              : radius / static_cast<double>(m);
     out_.points.push_back(centre);
@@ -369,6 +381,8 @@ class Refinement {
 
   double thickness(std::uint32_t v, double time) const { return std::max(0.0, time - out_.radius[v]); }
 
+  // The polygon between two neighbouring spokes of a region; they may be the same one, all around the region.
+
   void add_face(std::uint32_t f, const Region& region, std::uint32_t dual, const Spoke& from, const Spoke& to) {
     CellComplex& k = out_.complex;
     const std::size_t m = region.places.size();
@@ -388,17 +402,17 @@ class Refinement {
     };
     corner(dual, from.edge);
     std::size_t i = from.place;
-    if (from.door) {
+    if (from.to_door) {
       const std::uint32_t p = region.arcs[i].index;
       corner(door_[p], half(p, true));
       door_thickness(p);
       i = i + 1 == m ? 0 : i + 1;
     }
-    // Nodes from i on; `from` and `to` may be the same spoke, all around the region.
-    for (bool first = true;; first = false) {
+    // The node that `from` goes to is passed, not reached, where the walk starts.
+    for (bool at_start = !from.to_door;; at_start = false) {
       const std::uint32_t p = region.places[i], node = node_[p];
       thick = std::max(thick, thickness(node, burning_.state_time[state_[p]]));
-      if (i == to.place && !to.door && (!first || from.door || from.edge != to.edge) && !(first && !from.door)) {
+      if (i == to.place && !to.to_door && !at_start) {
         corner(node, to.edge);
         break;
       }
@@ -408,7 +422,7 @@ class Refinement {
       } else {
         corner(node, half(arc.index, false));
         door_thickness(arc.index);
-        if (i == to.place && to.door) {
+        if (i == to.place && to.to_door) {
           corner(door_[arc.index], to.edge);
           break;
         }
@@ -444,7 +458,8 @@ class Refinement {
   RefinedAxis out_;
   std::vector<std::uint32_t> door_base_;
   std::vector<double> times_;
-  std::vector<std::uint32_t> kept_offsets_, kept_list_, prime_offsets_;
+  base::Csr<std::uint32_t> kept_;      // per polygon: vertices with a spoke in it
+  std::vector<std::uint32_t> primes_;  // per polygon: prime arcs in it
   // Of the polygon being cut: nodes, states and doors by place, chords, regions.
   std::vector<std::uint32_t> node_, state_, door_, kept_here_;
   std::vector<char> prime_segment_;

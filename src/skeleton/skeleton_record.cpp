@@ -42,7 +42,7 @@ Record to_record(const Skeleton& s) {
   for (std::uint32_t e = 0; e < c.edges.size(); ++e) {
     if (has_face[e]) continue;
     data.lines.push_back(c.edges[e]);
-    // A line that is no part of the medial curves is what topology needs of a sheet.
+    // A line that is not part of the medial curves is what topology needs of a sheet.
     const bool curve = !std::isnan(s.edge_thickness[e]);
     add(1, c.edges[e][0], kNever, curve ? s.edge_level[e] : kNever, 0, curve ? s.edge_thickness[e] : kNever);
   }
@@ -54,7 +54,7 @@ Record to_record(const Skeleton& s) {
   std::vector<double> et(s.points.size()), curve_time(s.points.size()), curve_et(s.points.size());
   for (std::size_t v = 0; v < et.size(); ++v) {
     et[v] = std::max(0.0, s.burn_time[v] - s.radius[v]);
-    // Off the curves the measures of curves say nothing; the time of the sheet keeps them continuous.
+    // Off the curves the measures of curves are not defined; the time of the sheet keeps them continuous.
     curve_time[v] = s.on_curve[v] ? s.curve_burn_time[v] : s.burn_time[v];
     curve_et[v] = s.on_curve[v] && std::isinf(s.curve_burn_time[v]) ? kNever
                   : s.on_curve[v] ? std::max(0.0, s.curve_burn_time[v] - s.burn_time[v])

@@ -13,12 +13,12 @@ namespace quench::verification {
 
 namespace {
 
-constexpr const char* told = "told, not computed";
-constexpr const char* shape_only = "the voxels alone do not tell";
-constexpr const char* bounds_only = "only bounds are checked: the fire is not burned again";
-constexpr const char* of_the_axis = "it is of the medial axis, which the file does not hold";
-constexpr const char* no_stage = "the file does not say what it is";
-constexpr const char* nothing_to_compare = "the file has nothing to compare it with";
+constexpr const char* kTold = "told, not computed";
+constexpr const char* kShapeOnly = "the voxels alone do not tell";
+constexpr const char* kBoundsOnly = "only bounds are checked: the fire is not burned again";
+constexpr const char* kOfTheAxis = "it is of the medial axis, which the file does not hold";
+constexpr const char* kNoStage = "the file does not say what it is";
+constexpr const char* kNothingToCompare = "the file has nothing to compare it with";
 
 /// An array that the format defines: how many numbers a field array has (0: any), the words a text may be (none: any),
 /// and why no check may be about it.
@@ -50,33 +50,33 @@ const std::vector<const char*>& known_cell_arrays() {
   return names;
 }
 const std::vector<Known>& known_field_numbers() {
-  static const std::vector<Known> arrays{{"sites", 0, {}, nothing_to_compare},
-                                         {"dims", 3, {}, nothing_to_compare},
-                                         {"spacing", 3, {}, nothing_to_compare},
-                                         {"origin", 3, {}, nothing_to_compare},
-                                         {"direction", 9, {}, nothing_to_compare},
-                                         {"lambda", 1, {}, of_the_axis},
+  static const std::vector<Known> arrays{{"sites", 0, {}, kNothingToCompare},
+                                         {"dims", 3, {}, kNothingToCompare},
+                                         {"spacing", 3, {}, kNothingToCompare},
+                                         {"origin", 3, {}, kNothingToCompare},
+                                         {"direction", 9, {}, kNothingToCompare},
+                                         {"lambda", 1, {}, kOfTheAxis},
                                          {"lambda_chosen", 1, {}, "a choice that these cells do not depend on"},
-                                         {"longest_side", 1, {}, shape_only},
-                                         {"reconstructed", 1, {}, nothing_to_compare},
-                                         {"euler", 1, {}, nothing_to_compare},
-                                         {"betti", 3, {}, nothing_to_compare},
-                                         {"omega", 1, {}, of_the_axis},
-                                         {"burn_nodes", 1, {}, of_the_axis},
-                                         {"max_burn_time", 1, {}, nothing_to_compare},
+                                         {"longest_side", 1, {}, kShapeOnly},
+                                         {"reconstructed", 1, {}, kNothingToCompare},
+                                         {"euler", 1, {}, kNothingToCompare},
+                                         {"betti", 3, {}, kNothingToCompare},
+                                         {"omega", 1, {}, kOfTheAxis},
+                                         {"burn_nodes", 1, {}, kOfTheAxis},
+                                         {"max_burn_time", 1, {}, kNothingToCompare},
                                          {"theta2", 1, {}, "only bounds are checked: levels are of the medial axis"},
                                          {"theta1", 1, {}, "only bounds are checked: levels are of the medial axis"}};
   return arrays;
 }
 const std::vector<Known>& known_field_texts() {
-  static const std::vector<Known> arrays{{"stage", 1, {"core", "skeleton"}, nothing_to_compare},
-                                         {"lambda_rule", 1, {"coface", "ball"}, nothing_to_compare},
-                                         {"propagation", 1, {"segments", "nodes"}, told},
-                                         {"radius_rule", 1, {"exact", "linear"}, told},
-                                         {"units", 1, {}, told},
-                                         {"SPACE", 1, {}, told},
+  static const std::vector<Known> arrays{{"stage", 1, {"core", "skeleton"}, kNothingToCompare},
+                                         {"lambda_rule", 1, {"coface", "ball"}, kNothingToCompare},
+                                         {"propagation", 1, {"segments", "nodes"}, kTold},
+                                         {"radius_rule", 1, {"exact", "linear"}, kTold},
+                                         {"units", 1, {}, kTold},
+                                         {"SPACE", 1, {}, kTold},
                                          {"parameters", 1, {}, "the shape was made with them"},
-                                         {"version", 1, {}, told}};
+                                         {"version", 1, {}, kTold}};
   return arrays;
 }
 
@@ -125,7 +125,7 @@ std::string defect_of_fields(const std::vector<DataArray>& arrays) {
 // Why an array is in no check.
 std::string reason_for(const char* of, const std::string& name, const Record& data) {
   const std::string stage = text_or_empty(data.field_data, "stage");
-  if (stage.empty()) return no_stage;
+  if (stage.empty()) return kNoStage;
   if (of == std::string("field") && name == "omega" && find_array(data.field_data, "burn_nodes"))
     return "only that it gives burn_nodes is checked";
   if (stage == "core" && of == std::string("field") && name == "lambda") return "another lambda was given";
@@ -135,11 +135,11 @@ std::string reason_for(const char* of, const std::string& name, const Record& da
         if (array.name == name) return array.reason;
     return "unknown here";
   }
-  if (name.find("burn") != std::string::npos || name.find("erosion") != std::string::npos) return bounds_only;
+  if (name.find("burn") != std::string::npos || name.find("erosion") != std::string::npos) return kBoundsOnly;
   if (name == "sheet_level" || name == "curve_level") return "only bounds are checked: levels are of the medial axis";
   const auto& known = of == std::string("point") ? known_point_arrays() : known_cell_arrays();
   const bool is_known = std::find(known.begin(), known.end(), name) != known.end();
-  return is_known ? nothing_to_compare : "unknown here";
+  return is_known ? kNothingToCompare : "unknown here";
 }
 
 }  // namespace

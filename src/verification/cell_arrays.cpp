@@ -12,7 +12,7 @@ namespace quench::verification {
 
 namespace {
 
-constexpr double single = 1e-6;  // relative, of what is stored in single precision
+constexpr double kSingle = 1e-6;  // relative, of what is stored in single precision
 
 // Calls visit(row, dimension, a vertex of the cell) for every cell of the file until it returns false.
 template <class Visit>
@@ -29,7 +29,7 @@ void for_cells(const Result& result, const Visit& visit) {
 std::string wrong_kind(const Result& result, const std::vector<double>& kind) {
   std::string wrong;
   for_cells(result, [&](std::size_t row, int dimension, std::uint32_t v) {
-    const bool has_larger = dimension == 0 ? result.vertex_edge_offsets[v + 1] > result.vertex_edge_offsets[v]
+    const bool has_larger = dimension == 0 ? !result.vertex_edges[v].empty()
                             : dimension == 1
                                 ? result.edge_faces_count[result.line_edges[row - result.vert_vertices.size()]] > 0
                                 : false;
@@ -65,7 +65,7 @@ double angle(double lambda, double squared_radius) {
 // Whether the angle is that of lambda and a squared distance that may be off by `unsure`.
 bool is_angle(double written, double lambda, double squared, double unsure) {
   const double least = angle(lambda, squared + unsure), most = angle(lambda, squared - unsure);
-  return written >= least * (1 - single) - 1e-9 && written <= most * (1 + single) + 1e-9;
+  return written >= least * (1 - kSingle) - 1e-9 && written <= most * (1 + kSingle) + 1e-9;
 }
 
 }  // namespace
@@ -92,7 +92,7 @@ Check check_kinds(const Result& result) {
   const std::vector<double> kind = numbers_or_empty(result.data.cell_data, "kind"),
                             component = numbers_or_empty(result.data.cell_data, "component");
   if (result.stage.empty())
-    return not_checked(name, "no FieldData 'stage'");  // another program's may mean other things
+    return not_checked(name, "no FieldData 'stage'");  // arrays of another program may mean something else
   Check check{name, true, {}, {}};
   if (find_array(result.data.cell_data, "kind")) {
     if (std::string wrong = wrong_kind(result, kind); !wrong.empty()) return failed(name, std::move(wrong));
@@ -117,7 +117,7 @@ Check check_angles(const Result& result) {
   if (!point.empty() && !result.vertex_lambda.empty()) {
     for (std::uint32_t v = 0; v < result.rows.size(); ++v) {
       const double r = result.radius[v], squared = r * r;
-      if (is_angle(point[result.rows[v]], result.vertex_lambda[v], squared, single * squared)) continue;
+      if (is_angle(point[result.rows[v]], result.vertex_lambda[v], squared, kSingle * squared)) continue;
       return failed(name, fmt::format("{} has an object angle of {:.9g}; lambda {:.9g} and radius {:.9g} give {:.9g}",
                                       result.describe_vertex(v), point[result.rows[v]], result.vertex_lambda[v], r,
                                       angle(result.vertex_lambda[v], squared)));
@@ -146,7 +146,7 @@ Check check_angles(const Result& result) {
         squared += (r * r - (result.scaled[c] - centre).squaredNorm()) / n;
         size = std::max({size, r, (result.scaled[c] - centre).norm()});
       }
-      const double unsure = size * (size * (single + 4 * result.slack) + 8 * n * result.rounding);
+      const double unsure = size * (size * (kSingle + 4 * result.slack) + 8 * n * result.rounding);
       const double lambda = result.cell_lambda[row] / result.unit;
       if (!is_angle(cell[row], lambda, squared, unsure))
         wrong = fmt::format("cell {} has an object angle of {:.9g}; lambda and radii give {:.9g}", row, cell[row],
@@ -185,8 +185,8 @@ Check check_sites(const Result& result, const Sites& sites) {
   const std::size_t first = result.vert_vertices.size() + result.line_edges.size();
   for (std::size_t row = 0; row < first; ++row)
     if (a[row] != -1 || b[row] != -1)
-      return failed(name, fmt::format("cell {} is no polygon and has the sites {:.9g} and {:.9g} instead of -1", row,
-                                      a[row], b[row]));
+      return failed(name, fmt::format("cell {} is not a polygon, but has the sites {:.9g} and {:.9g} instead of -1",
+                                      row, a[row], b[row]));
   std::vector<char> named(rows.size(), 0);
   for (std::size_t f = 0; f < result.complex.face_count(); ++f) {
     const double p = a[first + f], q = b[first + f];
@@ -210,14 +210,14 @@ Check check_sites(const Result& result, const Sites& sites) {
     }
     const double half = 0.5 * result.unit * (s - t).norm();
     if (!result.cell_lambda.empty() &&
-        !(std::abs(result.cell_lambda[first + f] - half) <= (single + result.slack) * half))
+        !(std::abs(result.cell_lambda[first + f] - half) <= (kSingle + result.slack) * half))
       return failed(name, fmt::format("{} has lambda {:.9g}, half the distance of its sites is {:.9g}",
                                       result.describe_face(f), result.cell_lambda[first + f], half));
   }
   // All boundary vertices, or those of polygons only.
   const auto unused = std::find(named.begin(), named.end(), 0);
   if (rows.size() != sites.lattice().size() && unused != named.end())
-    return failed(name, fmt::format("site {} is of no polygon", unused - named.begin()));
+    return failed(name, fmt::format("site {} does not belong to a polygon", unused - named.begin()));
   Check check{name, true, {}, {}};
   for (const char* covered : {"cell site_a", "cell site_b", "field sites"}) cover(check, covered);
   check.detail = fmt::format("{} boundary vertices; the two of each of {} polygons are at the radius from its corners",
@@ -231,7 +231,7 @@ Check check_fields(const Result& result, const VerifyOptions& options) {
   const Grid& grid = result.shape.grid();
   Check check{name, true, {}, {}};
   std::string wrong;
-  // To the last bits, which text may have lost.
+  // Up to the last bits, which text may have lost.
   const auto compare = [&](const char* array, const std::vector<double>& expected, double length) {
     const DataArray* found = find_array(result.data.field_data, array);
     if (!found || !wrong.empty()) return;
@@ -251,7 +251,7 @@ Check check_fields(const Result& result, const VerifyOptions& options) {
     for (int c = 0; c < 3; ++c) direction.push_back(grid.direction(r, c));
   compare("direction", direction, 1);
   if (options.longest_side) compare("longest_side", {*options.longest_side}, *options.longest_side);
-  // Where nothing was pruned the lambda that was chosen says nothing of the cells (AxisOptions::full).
+  // Where nothing was pruned, the cells do not depend on the lambda that was chosen.
   const std::vector<double> pruned_at = numbers_or_empty(result.data.field_data, "lambda");
   if (result.stage == "core" && !pruned_at.empty() && pruned_at[0] > 0)
     compare("lambda_chosen", pruned_at, pruned_at[0]);

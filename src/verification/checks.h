@@ -35,32 +35,32 @@ Check check_levels(const Result& result, const Sites& sites, VertexSites& vertex
 /// Share of the sampled voxel centres in the balls of the vertices against the array `reconstructed`.
 Check check_reconstruction(const Result& result, Context* context);
 
-/// What is wrong with the form of arrays whose names the format defines: numbers or text, how many; two of one name, a
-/// word that is none of the known ones. Empty when nothing is.
+/// What is wrong with the form of arrays whose names the format defines: text for numbers or the reverse, their number,
+/// two arrays of one name, an unknown word. Empty when nothing is.
 std::string array_defect(const Record& data);
 
-/// Per vertex the number of its component, counted by their first vertices.
+/// Per vertex the number of its component; components are numbered in the order of their first vertices.
 std::vector<std::uint32_t> components(const CellComplex& complex);
 /// The arrays `kind` and `component`.
 Check check_kinds(const Result& result);
-/// Field arrays that tell of the shape: the grid and, where it is given, the longest side; `lambda_chosen`.
+/// Field arrays about the shape: the grid and, where it is given, the longest side; `lambda_chosen`.
 Check check_fields(const Result& result, const VerifyOptions& options);
-/// The arrays `sites`, `site_a` and `site_b` of all polygons, and their lambda as half the distance of the two.
+/// The arrays `sites`, `site_a` and `site_b` of all polygons, and their lambda as half the distance of their two sites.
 Check check_sites(const Result& result, const Sites& sites);
 /// The arrays `object_angle`.
 Check check_angles(const Result& result);
-/// Burn times and erosion thickness of points: what holds between them and the complex.
+/// Burn times and erosion thickness of points: relations among them and with the complex.
 Check check_burning(const Result& result);
-/// Levels and thickness of the cells of a skeleton: bounds, and what is the same in every skeleton.
+/// Levels and thickness of the cells of a skeleton: bounds, and what holds in every skeleton.
 Check check_skeleton_levels(const Result& result);
 
 /// The arrays of the file that none of the checks is about, with the reason.
 std::vector<UncheckedArray> unchecked_arrays(const Record& data, const std::vector<Check>& checks);
-/// What the stage of the file has and the file has not, as in Certificate::absent.
+/// Arrays that a file of its stage should have and this one has not, as in Certificate::absent.
 std::vector<std::string> absent_arrays(const Result& result);
-/// Of these, the arrays without which the file cannot be checked as what it claims to be.
+/// Of the absent arrays, those without which the file cannot be checked as a result of its stage.
 Check check_expected(const Result& result, const VerifyOptions& options);
-/// The sentence about what is not checked and what is not there.
+/// The sentence about arrays that are not checked and arrays that are absent.
 Check arrays_left(const std::vector<UncheckedArray>& arrays, const std::vector<std::string>& absent);
 
 }  // namespace quench::verification

@@ -65,7 +65,7 @@ constexpr Expected kOfSkeletonsOfCores[]{
     {"field", "direction", true},      {"field", "longest_side", false}, {"field", "lambda", false},
     {"field", "lambda_chosen", false}, {"field", "units", false},        {"field", "parameters", false}};
 
-// By which they are known: other programs may give a medial axis a spacing and an origin.
+// Arrays by which a skeleton of a core is recognized: other programs may give a medial axis a spacing and an origin.
 constexpr Expected kOnlyOfCores[]{
     {"field", "dims", true}, {"field", "lambda_chosen", false}, {"field", "parameters", false}};
 
@@ -75,7 +75,7 @@ bool is_there(const Record& data, const Expected& array) {
   return find_array(arrays, array.name) != nullptr;
 }
 
-// Those of `arrays` that are not there are added to `absent`.
+// Adds those of `arrays` that the file does not have to `absent`.
 void look_for(std::span<const Expected> arrays, const Record& data, std::vector<Expected>& absent) {
   std::copy_if(arrays.begin(), arrays.end(), std::back_inserter(absent),
                [&](const Expected& array) { return !is_there(data, array); });

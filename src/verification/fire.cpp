@@ -8,14 +8,13 @@
 #include "quench/axis.h"
 #include "verification/checks.h"
 
-/// What can be told of burn times without burning again. The verifier has no fire of its own: it looks at what holds
-/// between the arrays, and at bounds.
+/// What can be checked of burn times without burning again: relations among the arrays, and bounds.
 namespace quench::verification {
 
 namespace {
 
-constexpr double single = 1e-6;         // relative, of what some files store in single precision
-constexpr double off_by_labels = 0.01;  // of a length: burning corrects times that are off by more than 0.002 of it
+constexpr double kSingle = 1e-6;       // relative, of what some files store in single precision
+constexpr double kOffByLabels = 0.01;  // of a length: burning corrects times that are off by more than 0.002 of it
 
 /// Flags and values of a point array that may be infinite: 1, and the largest finite value, where it is.
 struct Measure {
@@ -34,10 +33,11 @@ struct Measure {
   }
   bool known() const { return !value.empty(); }
   /// Whether the value stands for infinity.
-  bool stands_for_infinity(std::size_t v) const { return std::abs(value[v] - largest) <= single * largest; }
+  bool stands_for_infinity(std::size_t v) const { return std::abs(value[v] - largest) <= kSingle * largest; }
 };
 
-// The vertices of faces that are left when faces with an edge of their own are taken away, again and again.
+// The vertices of closed pockets: of the faces that are left when faces with a free edge are removed until there is
+// none.
 std::vector<char> pocket_vertices(const CellComplex& complex) {
   std::vector<Cofaces> faces(complex.edges.size());
   for (std::uint32_t f = 0; f < complex.face_count(); ++f)
@@ -69,51 +69,50 @@ enum class Star { no_polygons, disk, half_disk, other };
 
 Star star_of(const Result& result, std::uint32_t v) {
   const CellComplex& complex = result.complex;
-  const std::uint32_t first = result.vertex_face_offsets[v], last = result.vertex_face_offsets[v + 1];
-  if (first == last) return Star::no_polygons;
+  const auto faces = result.vertex_faces[v];
+  if (faces.empty()) return Star::no_polygons;
   std::vector<std::array<std::uint32_t, 2>> sides;  // edge at v, polygon at it
-  for (std::uint32_t i = first; i < last; ++i)
-    for (const std::uint32_t e : complex.sides(result.vertex_faces[i]))
-      if (complex.edges[e][0] == v || complex.edges[e][1] == v) sides.push_back({e, result.vertex_faces[i]});
+  for (const std::uint32_t f : faces)
+    for (const std::uint32_t e : complex.sides(f))
+      if (complex.edges[e][0] == v || complex.edges[e][1] == v) sides.push_back({e, f});
   std::sort(sides.begin(), sides.end());
   std::size_t free_edges = 0;
   for (const auto& [e, f] : sides) {
     if (result.edge_faces_count[e] > 2) return Star::other;
     free_edges += result.edge_faces_count[e] == 1;
   }
-  // From polygon to polygon over the edges at v, as far as it goes.
-  std::vector<std::uint32_t> reached{result.vertex_faces[first]};
+  // All polygons that are reached from the first one across edges at v.
+  std::vector<std::uint32_t> reached{faces[0]};
   for (std::size_t r = 0; r < reached.size(); ++r)
     for (std::size_t i = 1; i < sides.size(); ++i) {
       if (sides[i][0] != sides[i - 1][0]) continue;
       for (const auto& [from, to] : {std::pair{sides[i - 1][1], sides[i][1]}, std::pair{sides[i][1], sides[i - 1][1]}})
         if (from == reached[r] && std::find(reached.begin(), reached.end(), to) == reached.end()) reached.push_back(to);
     }
-  if (reached.size() != last - first) return Star::other;
+  if (reached.size() != faces.size()) return Star::other;
   return free_edges > 0 ? Star::half_disk : Star::disk;
 }
 
-// Where the sheet around a vertex is one, fire that has burned a neighbour comes along the edge between; at the rim of
-// a sheet it starts. Vertices of lines alone do not burn.
+// Where the star of a vertex is a disk, fire that has burned a neighbour comes along the edge between them; at the rim
+// of a sheet it starts.
 std::string wrong_time(const Result& result, const Measure& time, std::size_t& bounded_vertices) {
   const CellComplex& complex = result.complex;
   for (std::uint32_t v = 0; v < complex.vertex_count; ++v) {
     if (time.infinite[v] != 0) continue;
     const double r = result.radius[v];
-    if (!(time.value[v] >= r * (1 - single)))
+    if (!(time.value[v] >= r * (1 - kSingle)))
       return fmt::format("{} burns at {:.9g}, before its radius {:.9g}", result.describe_vertex(v), time.value[v], r);
     const Star star = star_of(result, v);
     if (star == Star::other) continue;
     ++bounded_vertices;
-    double latest = r * (1 + single);
+    double latest = r * (1 + kSingle);
     if (star == Star::disk) {
       latest = std::numeric_limits<double>::infinity();
-      for (std::uint32_t i = result.vertex_edge_offsets[v]; i < result.vertex_edge_offsets[v + 1]; ++i) {
-        const std::uint32_t e = result.vertex_edges[i];
+      for (const std::uint32_t e : result.vertex_edges[v]) {
         const std::uint32_t other = complex.edges[e][0] == v ? complex.edges[e][1] : complex.edges[e][0];
         if (result.edge_faces_count[e] == 0 || time.infinite[other] != 0) continue;
         const double length = (result.data.points[result.rows[v]] - result.data.points[result.rows[other]]).norm();
-        latest = std::min(latest, time.value[other] * (1 + single) + length * (1 + off_by_labels) +
+        latest = std::min(latest, time.value[other] * (1 + kSingle) + length * (1 + kOffByLabels) +
                                       4 * result.rounding * result.unit);
       }
     }
@@ -157,14 +156,15 @@ std::string wrong_network(const Result& result, const Measure& time, Check& chec
     cover(check, "field burn_nodes");
   }
   if (most.size() == 1) {
-    if (!(std::abs(most[0] - time.largest) <= single * time.largest))
+    if (!(std::abs(most[0] - time.largest) <= kSingle * time.largest))
       return fmt::format("max_burn_time is {:.9g}, the largest is {:.9g}", most[0], time.largest);
     cover(check, "field max_burn_time");
   }
   return {};
 }
 
-// One array is another less a third, not negative; where the first is infinite it has its largest finite value.
+// That an array is the difference of two others, or 0 where that is negative; where it is infinite, its value is the
+// largest finite one.
 std::string wrong_thickness(const Result& result, const char* name, const Measure& thickness, const Measure& time,
                             const std::vector<double>& from) {
   for (std::uint32_t v = 0; v < result.rows.size(); ++v) {
@@ -175,7 +175,7 @@ std::string wrong_thickness(const Result& result, const char* name, const Measur
       continue;
     }
     const double expected = std::max(0.0, time.value[v] - from[v]);
-    if (!(std::abs(written - expected) <= single * std::max(time.value[v], from[v])))
+    if (!(std::abs(written - expected) <= kSingle * std::max(time.value[v], from[v])))
       return fmt::format("{} has {} {:.9g}; {:.9g} less {:.9g} is {:.9g}", result.describe_vertex(v), name, written,
                          time.value[v], from[v], expected);
   }
@@ -266,34 +266,33 @@ Check check_skeleton_levels(const Result& result) {
                                     "curve_erosion_thickness {:.9g}: {}",
                                     row, sheet[row], curve[row], thickness[row], curve_thickness[row], what));
   };
-  constexpr double infinite = kInfiniteLevelInFiles;
+  constexpr double kInfinite = kInfiniteLevelInFiles;
   for (std::size_t row = 0; row < rows; ++row) {
     if (!(thickness[row] >= 0 && curve_thickness[row] >= 0 && sheet[row] >= 0 && curve[row] >= 0 &&
-          sheet[row] <= infinite && curve[row] <= infinite))
+          sheet[row] <= kInfinite && curve[row] <= kInfinite))
       return wrong(row, "they are not negative, and 3.4e38 stands for infinity");
     if (row >= face_row) {
-      if (curve[row] != infinite || curve_thickness[row] != 0) return wrong(row, "polygons have none of curves");
+      if (curve[row] != kInfinite || curve_thickness[row] != 0) return wrong(row, "polygons have none of curves");
       if (!(sheet[row] >= theta2[0] * (1 - 1e-9))) return wrong(row, "its sheet_level is below theta2");
       continue;
     }
-    if (sheet[row] != infinite || thickness[row] != 0) return wrong(row, "only polygons have those of sheets");
+    if (sheet[row] != kInfinite || thickness[row] != 0) return wrong(row, "only polygons have those of sheets");
     if (row < line_row) {
-      if (curve[row] != infinite || curve_thickness[row] != 0) return wrong(row, "points have none of curves");
+      if (curve[row] != kInfinite || curve_thickness[row] != 0) return wrong(row, "points have none of curves");
       continue;
     }
     // What never burns has the largest finite value.
     if (curve_thickness[row] < most && !(curve[row] >= curve_thickness[row] * (1 - 1e-9)))
       return wrong(row, "a curve stays at least as long as its thickness");
   }
-  // Free ends of curves of less than theta1 are gone, but for the point of each component that burns last.
+  // Free ends of curves below theta1 are pruned, but for the point of each component that burns last.
   std::map<std::uint32_t, std::size_t> free_ends;  // by component
   const std::vector<std::uint32_t> component = components(result.complex);
   for (std::size_t row = line_row; row < face_row; ++row) {
     const std::uint32_t e = result.line_edges[row - line_row];
     const auto& ends = result.complex.edges[e];
-    const bool is_free = std::any_of(ends.begin(), ends.end(), [&](std::uint32_t v) {
-      return result.vertex_edge_offsets[v + 1] - result.vertex_edge_offsets[v] == 1;
-    });
+    const bool is_free =
+        std::any_of(ends.begin(), ends.end(), [&](std::uint32_t v) { return result.vertex_edges[v].size() == 1; });
     if (is_free && curve_thickness[row] < theta1[0] * (1 - 1e-9) && ++free_ends[component[ends[0]]] > 1)
       return wrong(row, "it is a free end below theta1");
   }

@@ -53,8 +53,8 @@ std::string legality(const Result& result, const Values& values, VertexSites& ve
         free_edges.push_back(e);
       }
   for (std::uint32_t v = 0; v < result.rows.size(); ++v) {
-    if (result.vertex_edge_offsets[v + 1] - result.vertex_edge_offsets[v] != 1) continue;
-    const std::uint32_t e = result.vertex_edges[result.vertex_edge_offsets[v]];
+    if (result.vertex_edges[v].size() != 1) continue;
+    const std::uint32_t e = result.vertex_edges[v][0];
     if (result.edge_faces_count[e] != 0) continue;
     free_vertices.push_back(v);
     free_lines.push_back(e);
@@ -88,15 +88,11 @@ std::string completeness(const Result& result, const Values& values, VertexSites
   const CellComplex& complex = result.complex;
   // Rounding of lengths only: a cell of exactly lambda must be there.
   const double least = result.lambda * (1 + (result.slack > 1e-13 ? result.slack : -5e-13));
-  const auto incident = [](const auto& offsets, const auto& cells, std::uint32_t v) {
-    return std::span<const std::uint32_t>(cells.data() + offsets[v], cells.data() + offsets[v + 1]);
-  };
-  const auto edges_at = [&](std::uint32_t v) { return incident(result.vertex_edge_offsets, result.vertex_edges, v); };
-  const auto faces_at = [&](std::uint32_t v) { return incident(result.vertex_face_offsets, result.vertex_faces, v); };
   std::vector<std::uint32_t> needed = vertices;
   for (std::uint32_t v : vertices) {
-    for (std::uint32_t e : edges_at(v)) needed.insert(needed.end(), complex.edges[e].begin(), complex.edges[e].end());
-    for (std::uint32_t f : faces_at(v))
+    for (std::uint32_t e : result.vertex_edges[v])
+      needed.insert(needed.end(), complex.edges[e].begin(), complex.edges[e].end());
+    for (std::uint32_t f : result.vertex_faces[v])
       needed.insert(needed.end(), complex.corners(f).begin(), complex.corners(f).end());
   }
   vertex_sites.prepare(needed, context);
@@ -104,8 +100,8 @@ std::string completeness(const Result& result, const Values& values, VertexSites
   const auto missing = [&](std::uint32_t v) -> std::string {
     const std::vector<Ids> facets = hull_facets(values.sites, vertex_sites.at(v));
     std::vector<Ids> edges, faces;
-    for (std::uint32_t e : edges_at(v)) edges.push_back(edge_sites(result, vertex_sites, e));
-    for (std::uint32_t f : faces_at(v)) faces.push_back(face_sites(result, vertex_sites, f));
+    for (std::uint32_t e : result.vertex_edges[v]) edges.push_back(edge_sites(result, vertex_sites, e));
+    for (std::uint32_t f : result.vertex_faces[v]) faces.push_back(face_sites(result, vertex_sites, f));
     for (const Ids& facet : facets) {
       if (!values.of.is_boundary_square(facet) && values.of.edge(facet) >= least) {
         Ids set = facet;

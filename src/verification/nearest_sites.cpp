@@ -38,7 +38,7 @@ bool empty_of(const Sphere& sphere, const Ids& candidates, const Sites& sites) {
                       [&](std::uint32_t s) { return sphere.side(sites.scaled()[s]) < 0; });
 }
 
-// The sphere through the four nearest candidates that span space.
+// The sphere through the four nearest candidates that are affinely independent.
 Sphere sphere_of_nearest(const Ids& candidates, const Sites& sites) {
   const auto& at = sites.scaled();
   const auto line = difference(at[candidates[1]], at[candidates[0]]);
@@ -54,8 +54,8 @@ Sphere sphere_of_nearest(const Ids& candidates, const Sites& sites) {
   return {};
 }
 
-// Several Voronoi vertices may lie nearer to each other than the tolerance: the nearest to x of all empty spheres
-// through four of the nearest candidates.
+// Several Voronoi vertices may be closer to each other than the tolerance: of all empty spheres through four of the
+// nearest candidates the one whose centre is nearest to x.
 Sphere nearest_empty_sphere(const Ids& candidates, const Sites& sites, const Vec3& x) {
   const auto& at = sites.scaled();
   const std::size_t n = std::min<std::size_t>(candidates.size(), 14);
@@ -139,9 +139,8 @@ void VertexSites::prepare(const std::vector<std::uint32_t>& vertices, Context* c
       known_[v] = 1;
       missing.push_back(v);
     }
-  first_failure(missing.size(), context, "verify: nearest sites", [&](std::size_t i) {
+  for_indices(missing.size(), context, "verify: nearest sites", [&](std::size_t i) {
     sets_[missing[i]] = voronoi_vertex(sites_, result_.scaled[missing[i]], result_.rounding);
-    return true;
   });
 }
 

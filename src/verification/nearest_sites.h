@@ -6,13 +6,13 @@
 #include <vector>
 
 #include "quench/context.h"
-#include "verification/box_tree.h"
+#include "verification/bvh.h"
 #include "verification/result.h"
 
 namespace quench::verification {
 
 __extension__ typedef __int128 Wide;
-using Ids = std::vector<std::uint32_t>;     ///< of sites; ascending unless they are said to be a cycle
+using Ids = std::vector<std::uint32_t>;     ///< of sites; ascending unless they are documented to be a cycle
 using Point = std::array<std::int64_t, 3>;  ///< scaled lattice coordinates; below 2^20 (integer_spacing)
 
 /// The boundary vertices of the shape with a tree over them.
@@ -22,12 +22,12 @@ class Sites {
 
   const std::vector<LatticePoint>& lattice() const { return lattice_; }
   const std::vector<Point>& scaled() const { return scaled_; }
-  const BoxTree& tree() const { return tree_; }
+  const Bvh& tree() const { return tree_; }
 
  private:
   std::vector<LatticePoint> lattice_;  // in order of z, y, x
   std::vector<Point> scaled_;
-  BoxTree tree_;
+  Bvh tree_;
 };
 
 /// Sphere through four sites, exact: with s = p - origin, determinant |s|^2 - linear . s is negative inside. The centre
@@ -44,7 +44,8 @@ struct Sphere {
 };
 
 /// All sites on the empty sphere whose centre is x, to 1e-7 of its radius and `rounding`: the Voronoi vertex x. Empty
-/// when there is no such sphere (x is no Voronoi vertex). Candidates are found in floating point, decided in integers.
+/// when there is no such sphere (x is not a Voronoi vertex). Candidates are found in floating point, decided in
+/// integers.
 Ids voronoi_vertex(const Sites& sites, const Vec3& scaled, double rounding);
 
 /// Site sets of the vertices of a result, computed on demand.
@@ -54,7 +55,7 @@ class VertexSites {
       : result_(result), sites_(sites), sets_(result.rows.size()), known_(result.rows.size(), 0) {}
 
   void prepare(const std::vector<std::uint32_t>& vertices, Context* context);
-  /// Of a prepared vertex; empty when it is no Voronoi vertex.
+  /// The sites of a prepared vertex; empty when it is not a Voronoi vertex.
   const Ids& at(std::uint32_t vertex) const { return sets_[vertex]; }
 
  private:

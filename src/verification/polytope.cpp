@@ -170,7 +170,8 @@ double LambdaOfSites::ball_of_circle(const Ids& cycle) const {
   return unit_ * u.norm() * v.norm() * (u - v).norm() / (2 * u.cross(v).norm());
 }
 
-// As above: the centre of the sphere, or the nearest point of the facets, whose balls are the larger the nearer.
+// For a polytope: the centre of its sphere or, outside of the hull, the nearest point of the facets. The nearer a facet
+// is to the centre of the sphere, the larger is its ball.
 double LambdaOfSites::ball_of_sphere(const Ids& cospherical, const std::vector<Ids>& facets) const {
   const auto& at = sites_.scaled();
   Sphere sphere;

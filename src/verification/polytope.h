@@ -8,8 +8,8 @@
 namespace quench::verification {
 
 /// The convex hull of cospherical sites: the Delaunay polytope of a Voronoi vertex. Every site is a corner, a facet is
-/// the cycle of all its sites, counterclockwise seen from outside. Exact; O(sites * hull edges). Empty when the sites
-/// do not span space.
+/// the cycle of all its sites, counterclockwise seen from outside. Exact; O(sites * hull edges). Empty when the
+/// sites are coplanar.
 std::vector<Ids> hull_facets(const Sites& sites, const Ids& cospherical);
 
 /// Cocircular sites as the corners of their convex polygon, in cyclic order.

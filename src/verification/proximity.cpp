@@ -49,7 +49,7 @@ std::vector<Box> boundary_faces(const VoxelShape& shape, const std::array<std::i
   return faces;
 }
 
-// What counts as equal: distances within 1e-9, points 1e-6 apart, and what a point can be off by `rounding`.
+// Tolerances: 1e-9 of distances, 1e-6 of positions, and the effect of `rounding`.
 double at_most(double distance, double rounding) {
   const double reach = distance * (1 + 1e-9) + 4 * rounding;
   return reach * reach;
@@ -57,7 +57,7 @@ double at_most(double distance, double rounding) {
 double apart(double rounding) { return 1e-6 + 4 * rounding; }
 
 // The points of the boundary nearest to x.
-std::vector<Vec3> nearest_points(const BoxTree& faces, const Vec3& x, double distance, double rounding) {
+std::vector<Vec3> nearest_points(const Bvh& faces, const Vec3& x, double distance, double rounding) {
   std::vector<Vec3> points;
   faces.visit_within(x, at_most(distance, rounding), [&](std::uint32_t, const Box& box) {
     const Vec3 p = box.nearest_point(x);
@@ -70,7 +70,7 @@ std::vector<Vec3> nearest_points(const BoxTree& faces, const Vec3& x, double dis
 
 enum class Outcome { holds, not_on_a_face, fails };
 
-Outcome test(const BoxTree& faces, const Vec3& x, double beta, double rounding) {
+Outcome test(const Bvh& faces, const Vec3& x, double beta, double rounding) {
   const double distance = std::sqrt(faces.nearest_squared(x));
   const std::vector<Vec3> points = nearest_points(faces, x, distance, rounding);
   if (points.size() != 1) return Outcome::holds;
@@ -100,7 +100,7 @@ Check check_proximity(const Result& result, std::size_t samples, Context* contex
     points.push_back((result.scaled[complex.edges[e][0]] + result.scaled[complex.edges[e][1]]) / 2);
   for (std::uint32_t f : sample(complex.face_count(), share)) points.push_back(result.centroid(f));
 
-  const BoxTree faces(boundary_faces(result.shape, result.scale));
+  const Bvh faces(boundary_faces(result.shape, result.scale));
   std::atomic<std::size_t> skipped{0};
   const std::size_t bad = first_failure(points.size(), context, "verify: proximity", [&](std::size_t i) {
     const Outcome outcome = test(faces, points[i], beta, result.rounding);

@@ -24,34 +24,23 @@ std::string text_or_empty(const std::vector<DataArray>& arrays, std::string_view
   return text && !text->empty() ? text->front() : std::string{};
 }
 
-namespace {
-
-// Inverts a relation given as (from, to) pairs, from ascending order of `to`.
-template <class Each>
-void invert(std::uint32_t count, std::vector<std::uint32_t>& offsets, std::vector<std::uint32_t>& values,
-            const Each& each) {
-  offsets.assign(count + std::size_t{1}, 0);
-  each([&](std::uint32_t from, std::uint32_t) { ++offsets[from + 1]; });
-  for (std::size_t i = 0; i < count; ++i) offsets[i + 1] += offsets[i];
-  values.resize(offsets.back());
-  std::vector<std::uint32_t> next(offsets.begin(), offsets.end() - 1);
-  each([&](std::uint32_t from, std::uint32_t to) { values[next[from]++] = to; });
+Result::Result(const VoxelShape& voxels, const Record& file, const VerifyOptions& options) : shape(voxels), data(file) {
+  parse_cells();
+  parse_arrays(options);
+  recover_lattice();
+  invert_incidences();
 }
 
-}  // namespace
-
-Result::Result(const VoxelShape& voxels, const Record& file, const VerifyOptions& options) : shape(voxels), data(file) {
-  constexpr std::uint32_t unused = std::numeric_limits<std::uint32_t>::max();
-  std::vector<std::uint32_t> vertex_of(data.points.size(), unused);
+void Result::parse_cells() {
+  std::vector<std::uint32_t> vertex_of(data.points.size(), kNone);
   for (std::uint32_t v : data.verts) vertex_of[v] = 0;
   for (const auto& line : data.lines) vertex_of[line[0]] = vertex_of[line[1]] = 0;
   for (std::uint32_t v : data.poly_corners) vertex_of[v] = 0;
   for (std::uint32_t p = 0; p < vertex_of.size(); ++p)
-    if (vertex_of[p] != unused) {
+    if (vertex_of[p] != kNone) {
       vertex_of[p] = static_cast<std::uint32_t>(rows.size());
       rows.push_back(p);
     }
-  const auto vertex_count = static_cast<std::uint32_t>(rows.size());
 
   std::vector<std::array<std::uint32_t, 2>> lines;
   for (const auto& line : data.lines) {
@@ -60,27 +49,14 @@ Result::Result(const VoxelShape& voxels, const Record& file, const VerifyOptions
   }
   std::vector<std::uint32_t> corners;
   for (std::uint32_t v : data.poly_corners) corners.push_back(vertex_of[v]);
-  complex = make_complex(vertex_count, lines, data.poly_offsets, std::move(corners));
+  complex = make_complex(static_cast<std::uint32_t>(rows.size()), lines, data.poly_offsets, std::move(corners));
   for (const auto& line : lines)
     line_edges.push_back(static_cast<std::uint32_t>(std::lower_bound(complex.edges.begin(), complex.edges.end(), line) -
                                                     complex.edges.begin()));
   for (std::uint32_t v : data.verts) vert_vertices.push_back(vertex_of[v]);
+}
 
-  scale = integer_spacing(shape.grid());
-  const Vec3 units = shape.grid().spacing.cwiseQuotient(
-      Vec3(static_cast<double>(scale[0]), static_cast<double>(scale[1]), static_cast<double>(scale[2])));
-  unit = units[0];
-  slack = units.maxCoeff() / units.minCoeff() - 1;
-  // A product and a sum per axis, each rounded, on the way to the file, and as many on the way back.
-  double farthest = shape.grid().origin.cwiseAbs().maxCoeff();
-  for (std::uint32_t row : rows) farthest = std::max(farthest, data.points[row].cwiseAbs().maxCoeff());
-  rounding = 4 * std::numeric_limits<double>::epsilon() * farthest / unit;
-  for (std::uint32_t row : rows) {
-    lattice.push_back(shape.grid().lattice(data.points[row]));
-    scaled.push_back(lattice.back().cwiseProduct(
-        Vec3(static_cast<double>(scale[0]), static_cast<double>(scale[1]), static_cast<double>(scale[2]))));
-  }
-
+void Result::parse_arrays(const VerifyOptions& options) {
   const auto per_vertex = [&](std::string_view name) {
     const std::vector<double> all = numbers_or_empty(data.point_data, name);
     std::vector<double> kept;
@@ -108,23 +84,41 @@ Result::Result(const VoxelShape& voxels, const Record& file, const VerifyOptions
       face_sites.push_back({site(a[first + f]), site(b[first + f])});
   }
 
-  edge_faces_count.assign(complex.edges.size(), 0);
-  for (std::uint32_t e : complex.face_edges) ++edge_faces_count[e];
-  invert(vertex_count, vertex_edge_offsets, vertex_edges, [&](const auto& put) {
-    for (std::uint32_t e = 0; e < complex.edges.size(); ++e)
-      for (std::uint32_t v : complex.edges[e]) put(v, e);
-  });
-  invert(vertex_count, vertex_face_offsets, vertex_faces, [&](const auto& put) {
-    for (std::uint32_t f = 0; f < complex.face_count(); ++f)
-      for (std::uint32_t v : complex.corners(f)) put(v, f);
-  });
-
   stage = text_or_empty(data.field_data, "stage");
   ball_rule = text_or_empty(data.field_data, "lambda_rule") == "ball";
   const std::vector<double> threshold = numbers_or_empty(data.field_data, "lambda");
   lambda_given = options.lambda || !threshold.empty();
   lambda = options.lambda ? *options.lambda : threshold.empty() ? 0 : threshold[0];
   lambda_of_file = !threshold.empty() && threshold[0] == lambda;
+}
+
+void Result::recover_lattice() {
+  scale = integer_spacing(shape.grid());
+  const Vec3 steps(static_cast<double>(scale[0]), static_cast<double>(scale[1]), static_cast<double>(scale[2]));
+  const Vec3 units = shape.grid().spacing.cwiseQuotient(steps);
+  unit = units[0];
+  slack = units.maxCoeff() / units.minCoeff() - 1;
+  // A product and a sum per axis, each rounded, on the way to the file, and as many on the way back.
+  double farthest = shape.grid().origin.cwiseAbs().maxCoeff();
+  for (std::uint32_t row : rows) farthest = std::max(farthest, data.points[row].cwiseAbs().maxCoeff());
+  rounding = 4 * std::numeric_limits<double>::epsilon() * farthest / unit;
+  for (std::uint32_t row : rows) {
+    lattice.push_back(shape.grid().lattice(data.points[row]));
+    scaled.push_back(lattice.back().cwiseProduct(steps));
+  }
+}
+
+void Result::invert_incidences() {
+  edge_faces_count.assign(complex.edges.size(), 0);
+  for (std::uint32_t e : complex.face_edges) ++edge_faces_count[e];
+  vertex_edges = base::Csr<std::uint32_t>::group(rows.size(), [&](const auto& emit) {
+    for (std::uint32_t e = 0; e < complex.edges.size(); ++e)
+      for (std::uint32_t v : complex.edges[e]) emit(v, e);
+  });
+  vertex_faces = base::Csr<std::uint32_t>::group(rows.size(), [&](const auto& emit) {
+    for (std::uint32_t f = 0; f < complex.face_count(); ++f)
+      for (std::uint32_t v : complex.corners(f)) emit(v, f);
+  });
 }
 
 std::string Result::describe_vertex(std::uint32_t vertex) const {

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "base/csr.h"
 #include "quench/complex.h"
 #include "quench/record.h"
 #include "quench/shape.h"
@@ -20,7 +21,7 @@ inline std::int32_t bounded(double value) {
   return value >= -0x1p30 && value <= 0x1p30 ? static_cast<std::int32_t>(value) : -1;
 }
 
-/// A result file as what it claims to be: a complex with measures. Arrays that the file does not have are empty.
+/// A result file read as a complex with measures. Arrays that the file does not have are empty.
 struct Result {
   Result(const VoxelShape& voxels, const Record& file, const VerifyOptions& options);
 
@@ -33,9 +34,9 @@ struct Result {
 
   std::array<std::int64_t, 3> scale{1, 1, 1};  ///< integer_spacing
   double unit = 1;                             ///< world length of one scaled unit
-  double slack = 0;  ///< relative error of the integer spacing: no length can be expected to be more exact
-  /// How far a scaled coordinate can be off because the file's is a double: much, in voxels, for a small shape far from
-  /// the origin of its coordinates.
+  double slack = 0;                            ///< relative error of the integer spacing, and so of every length
+  /// Largest error of a scaled coordinate that comes from the coordinates of the file being doubles: much, in voxels,
+  /// for a small shape far from the origin.
   double rounding = 0;
   std::vector<Vec3> lattice, scaled;  ///< vertices in lattice coordinates, and these times `scale`
 
@@ -43,28 +44,34 @@ struct Result {
   std::vector<double> cell_lambda;                      ///< rows of the file: verts, lines, polys
   std::vector<std::array<LatticePoint, 2>> face_sites;  ///< as the file says
   std::vector<std::uint32_t> edge_faces_count;          ///< polygons at each edge
-  std::vector<std::uint32_t> vertex_edge_offsets, vertex_edges, vertex_face_offsets, vertex_faces;  ///< incidence
+  base::Csr<std::uint32_t> vertex_edges, vertex_faces;  ///< edges and polygons at each vertex
 
   std::string stage;  ///< empty: none given
   bool ball_rule = false;
   double lambda = 0;
   bool lambda_given = false;
-  bool lambda_of_file = false;  ///< it is what the file says
+  bool lambda_of_file = false;  ///< it is that of the file
 
   std::string describe_vertex(std::uint32_t vertex) const;
   std::string describe_edge(std::uint32_t edge) const;
   std::string describe_face(std::size_t face) const;
   Vec3 centroid(std::size_t face) const;  ///< of the corners, scaled
+
+ private:
+  void parse_cells();
+  void parse_arrays(const VerifyOptions& options);
+  void recover_lattice();
+  void invert_incidences();
 };
 
-/// False for texts.
+/// False for an array of strings.
 bool has_numbers(const DataArray& array);
 /// The numbers of an array of one number per row; empty when there is none of that name.
 std::vector<double> numbers_or_empty(const std::vector<DataArray>& arrays, std::string_view name);
-/// The first text of an array; empty when there is none of that name.
+/// The first string of an array; empty when there is none of that name.
 std::string text_or_empty(const std::vector<DataArray>& arrays, std::string_view name);
 
-/// The larger cells at a cell that are still there: the sum of their indices is the only one when there is one.
+/// The cofaces of a cell that are left; when only one is, the sum of their indices is its index.
 struct Cofaces {
   std::uint32_t count = 0;
   std::uint64_t sum = 0;
@@ -79,10 +86,10 @@ std::vector<std::uint32_t> sample(std::size_t count, std::size_t limit);
 /// The smallest index below `count` for which `holds` is false, or `count`. In parallel; `holds` must be thread-safe.
 template <class Holds>
 std::size_t first_failure(std::size_t count, Context* context, std::string_view stage, const Holds& holds) {
-  constexpr std::size_t block = 1 << 15;
-  for (std::size_t begin = 0; begin < count; begin += block) {
+  constexpr std::size_t kBlock = 1 << 15;
+  for (std::size_t begin = 0; begin < count; begin += kBlock) {
     checkpoint(context, stage, static_cast<double>(begin) / static_cast<double>(count));
-    const std::size_t end = std::min(count, begin + block);
+    const std::size_t end = std::min(count, begin + kBlock);
     std::atomic<std::size_t> first{end};
     tbb::parallel_for(begin, end, [&](std::size_t i) {
       if (i >= first.load(std::memory_order_relaxed) || holds(i)) return;
@@ -95,10 +102,19 @@ std::size_t first_failure(std::size_t count, Context* context, std::string_view 
   return count;
 }
 
+/// Calls body(i) for every index below `count`, in parallel.
+template <class Body>
+void for_indices(std::size_t count, Context* context, std::string_view stage, const Body& body) {
+  first_failure(count, context, stage, [&](std::size_t i) {
+    body(i);
+    return true;
+  });
+}
+
 inline Check not_checked(std::string name, const std::string& why) {
   return {std::move(name), true, "not checked: " + why, {}};
 }
-/// Says that the check is about the array.
+/// Notes that a check covers an array.
 void cover(Check& check, std::string_view array);
 inline Check failed(std::string name, std::string counterexample) {
   return {std::move(name), false, std::move(counterexample), {}};

@@ -55,7 +55,7 @@ Check check_topology(const Result& result) {
   const Topology shape = topology(result.shape), complex = topology(result.complex);
   Check check{"euler and Betti numbers", shape == complex, describe(shape), {}};
   if (!check.passed) check.detail = fmt::format("shape: {}; result: {}", describe(shape), describe(complex));
-  // What the file says of it.
+  // The field arrays of the file.
   const auto claims = [&](const char* array, const std::vector<std::int64_t>& counted) {
     const DataArray* found = find_array(result.data.field_data, array);
     if (!found || !check.passed || result.stage.empty()) return;
@@ -112,11 +112,11 @@ Check check_enclosure(const Result& result, Context* context) {
 
 namespace {
 
-constexpr std::size_t share_samples = 20000;  // of which the array `reconstructed` is the share
+constexpr std::size_t kShareSamples = 20000;  // of which the array `reconstructed` is the share
 
-// The voxel centres of which the share in the balls is taken, scaled: the voxels, in the order of z, y, x, fall into as
-// many equal parts as there are samples, and of part i the one of index (i + 1) * 2^64 / golden ratio, its upper 48
-// bits, modulo the size of the part is taken.
+// The sampled voxel centres, scaled. The voxels, in the order of z, y, x, are divided into as many equal parts as there
+// are samples; of part i the voxel is taken whose index in the part is the upper 48 bits of (i + 1) * 2^64 / golden
+// ratio, modulo the size of the part.
 std::vector<Vec3> centres_of_share(const Result& result) {
   struct Stretch {
     std::uint64_t end;  // voxels up to here
@@ -132,7 +132,7 @@ std::vector<Vec3> centres_of_share(const Result& result) {
         voxels += static_cast<std::uint64_t>(run.end - run.begin);
         stretches.push_back({voxels, y, z, &run});
       }
-  const std::uint64_t count = std::min<std::uint64_t>(share_samples, voxels);
+  const std::uint64_t count = std::min<std::uint64_t>(kShareSamples, voxels);
   const auto part = [&](std::uint64_t i) {
     return static_cast<std::uint64_t>(static_cast<double>(i) * static_cast<double>(voxels) /
                                       static_cast<double>(count));
@@ -156,8 +156,8 @@ std::vector<Vec3> centres_of_share(const Result& result) {
 Check check_reconstruction(const Result& result, Context* context) {
   const std::string name = "reconstructed";
   if (result.radius.empty()) return not_checked(name, "no array 'radius'");
-  // A centre on a ball's sphere counts: the radius is taken 1e-9 larger. What is nearer to that than rounding may count
-  // or not.
+  // A centre on the sphere of a ball counts: the radius is taken 1e-9 larger. A centre that is closer to that than the
+  // rounding error may count or not.
   const auto unsure = [&](double r) { return r * (1e-10 + 2 * result.slack) + 4 * result.rounding; };
   const auto reach = [&](std::size_t v) { return result.radius[v] / result.unit * (1 + 1e-9); };
   std::vector<Box> balls;
@@ -170,10 +170,10 @@ Check check_reconstruction(const Result& result, Context* context) {
     }
     balls.push_back(box);
   }
-  const BoxTree tree(std::move(balls));
+  const Bvh tree(std::move(balls));
   const std::vector<Vec3> centres = centres_of_share(result);
   std::atomic<std::size_t> surely{0}, perhaps{0};
-  first_failure(centres.size(), context, "verify: reconstruction", [&](std::size_t i) {
+  for_indices(centres.size(), context, "verify: reconstruction", [&](std::size_t i) {
     bool touched = false;
     const bool outside = tree.visit_within(centres[i], 0, [&](std::uint32_t v, const Box&) {
       const double r = reach(v), distance = (centres[i] - result.scaled[v]).norm();
@@ -182,7 +182,6 @@ Check check_reconstruction(const Result& result, Context* context) {
     });
     if (!outside) surely.fetch_add(1, std::memory_order_relaxed);
     if (!outside || touched) perhaps.fetch_add(1, std::memory_order_relaxed);
-    return true;
   });
   const double count = static_cast<double>(std::max<std::size_t>(centres.size(), 1));
   const auto share = [&](std::size_t covered) { return static_cast<double>(covered) / count; };
@@ -190,7 +189,7 @@ Check check_reconstruction(const Result& result, Context* context) {
               true,
               fmt::format("{:.4f} of {} sampled voxel centres are inside the balls", share(surely), centres.size()),
               {}};
-  // A part that hangs on a bridge of cells below lambda can be missing without any other trace.
+  // A part of the axis beyond a bridge of cells below lambda may be missing, and nothing else would show it.
   const std::vector<double> claimed = numbers_or_empty(result.data.field_data, "reconstructed");
   if (claimed.size() != 1 || result.stage != "core") return check;
   const double covered = std::round(claimed[0] * count);

@@ -13,7 +13,7 @@ namespace {
 
 using namespace verification;
 
-// Why the file does not even describe a complex; empty when it does.
+// Why the file does not describe a complex; empty when it does.
 std::string structural_defect(const Record& data) {
   try {
     data.validate();

@@ -13,8 +13,8 @@ namespace quench::verification {
 
 namespace {
 
-constexpr double same_place = 1e-9;  // of the smallest spacing
-constexpr double flatness = 1e-6;    // of the size of a polygon
+constexpr double kSamePlace = 1e-9;  // of the smallest spacing
+constexpr double kFlatness = 1e-6;   // of the size of a polygon
 
 // The first two indices with equal keys.
 template <class Key>
@@ -53,8 +53,8 @@ std::optional<std::array<std::uint32_t, 2>> first_close(const std::vector<Vec3>&
 //
 // A coordinate may be off by `rounding`, a corner by less than twice that, and one that is left out because it is next
 // to another moves by up to 16 times that. Twice the area is the length of the sum of c[i] x c[i + 1]; moving c[i] by d
-// changes it by d x (c[i + 1] - c[i - 1]), and so by at most |d| times the size. What can be due to that is taken as
-// right, since nothing can be told of it; only what is a defect for every position that a corner can have had is one.
+// changes it by d x (c[i + 1] - c[i - 1]), and so by at most |d| times the size. A polygon counts as a defect only if
+// it is one for all positions that the corners can have had before rounding.
 std::string polygon_defect(std::vector<Vec3> corners, double tiny, double rounding, bool convex) {
   const double unsure = 16 * rounding;
   const auto given = static_cast<double>(corners.size());
@@ -81,11 +81,11 @@ std::string polygon_defect(std::vector<Vec3> corners, double tiny, double roundi
   double turned = 0;
   for (std::size_t i = 0; i < n; ++i) {
     const double height = std::abs(normal.dot(corners[i] - centre));
-    if (height > flatness * size + tiny + unsure)
+    if (height > kFlatness * size + tiny + unsure)
       return fmt::format("is not plane: off by {:.3g} at size {:.3g}", height, size);
     const Vec3 in = corners[i] - corners[(i + n - 1) % n], out = corners[(i + 1) % n] - corners[i];
     const double turn = normal.dot(in.cross(out));
-    if (convex && turn < -(flatness * in.norm() * out.norm() + (tiny + unsure) * (in.norm() + out.norm())))
+    if (convex && turn < -(kFlatness * in.norm() * out.norm() + (tiny + unsure) * (in.norm() + out.norm())))
       return "is not convex";
     turned += std::atan2(turn, in.dot(out));
   }
@@ -103,8 +103,8 @@ Check check_cells(const Result& result) {
     check.detail = fmt::format("point {} belongs to no cell", skipped.first - result.rows.begin());
     return check;
   }
-  const double tiny = same_place * static_cast<double>(*std::min_element(result.scale.begin(), result.scale.end()));
-  // Points that are that near are so wherever rounding has taken them from: each may be off by less than twice it.
+  const double tiny = kSamePlace * static_cast<double>(*std::min_element(result.scale.begin(), result.scale.end()));
+  // The distance is below what rounding can add: each point may be off by less than twice `rounding`.
   const double surely_tiny = tiny - 4 * result.rounding;
 
   for (std::uint32_t f = 0; f < complex.face_count(); ++f) {

@@ -10,8 +10,8 @@ namespace quench::verification {
 
 namespace {
 
-constexpr std::size_t all_radii_up_to = 2'000'000;
-constexpr double radius_tolerance = 1e-5;
+constexpr std::size_t kAllRadiiUpTo = 2'000'000;
+constexpr double kRadiusTolerance = 1e-5;
 
 std::string describe(const LatticePoint& p) { return fmt::format("({}, {}, {})", p[0], p[1], p[2]); }
 
@@ -37,14 +37,14 @@ Check check_radii(const Result& result, const Sites& sites, Context* context) {
     check.detail = "the point array 'radius' is missing";
     return check;
   }
-  const std::vector<std::uint32_t> vertices = sample(result.rows.size(), all_radii_up_to);
+  const std::vector<std::uint32_t> vertices = sample(result.rows.size(), kAllRadiiUpTo);
   const auto distance = [&](std::uint32_t v) {
     return result.unit * std::sqrt(sites.tree().nearest_squared(result.scaled[v]));
   };
   const std::size_t bad = first_failure(vertices.size(), context, "verify: radii", [&](std::size_t i) {
     const double expected = distance(vertices[i]);
     return std::abs(result.radius[vertices[i]] - expected) <=
-           (radius_tolerance + result.slack) * expected + 4 * result.rounding * result.unit;
+           (kRadiusTolerance + result.slack) * expected + 4 * result.rounding * result.unit;
   });
   check.passed = bad == vertices.size();
   check.detail = check.passed ? fmt::format("{} of {} vertices have the distance to the nearest boundary vertex",

@@ -6,8 +6,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
+#include "base/csr.h"
 #include "voxelization/winding_number.h"
 
 // Where ties are decided. The centre c of every voxel is shifted by (e1, e2, e3), with e1 infinitely larger than e2 and
@@ -17,8 +17,8 @@
 //   - On that slice the edge is at y*(Z + e3); a centre lies beyond it when Y + e2 > y*(Z + e3), that is, when
 //     Y >= y*(Z), since the slope times e3 is smaller than e2. The number depends on the edge alone, not on the face
 //     or its orientation: neighbouring faces agree on which of them a scanline meets. An edge with both ends on one
-//     side of Z + e3 is not met, in particular none parallel to y; a vertex is never met.
-//   - A face that projects to a line is met by no scanline: its two spanning edges have the same y*.
+//     side of Z + e3 is not met, in particular none that is parallel to y; a vertex is never met.
+//   - A face that projects to a line is not met by any scanline: its two spanning edges have the same y*.
 //   - On its scanline a face is at x*(Y + e2, Z + e3); a centre lies beyond it when X >= x*(Y, Z), since both slopes
 //     times their shifts are smaller than e1.
 // The crossings of a closed mesh along a scanline therefore always have the sum 0: it cannot leak.
@@ -31,12 +31,12 @@ namespace {
 
 using Int128 = __int128;
 
-constexpr std::int64_t unit = std::int64_t{1} << fraction_bits;
-constexpr std::int64_t half = unit / 2;
+constexpr std::int64_t kUnit = std::int64_t{1} << kFractionBits;
+constexpr std::int64_t kHalf = kUnit / 2;
 
 /// The smallest i whose centre i + 1/2 is at or beyond v, |v| < 2^62. (>> rounds down, also negative numbers.)
-std::int64_t first_centre_from(std::int64_t v) { return (v - half + unit - 1) >> fraction_bits; }
-std::int64_t centre(std::int64_t i) { return i * unit + half; }
+std::int64_t first_centre_from(std::int64_t v) { return (v - kHalf + kUnit - 1) >> kFractionBits; }
+std::int64_t centre(std::int64_t i) { return i * kUnit + kHalf; }
 
 template <class Integer>
 Integer quotient_up(Integer n, Integer d) {  // d > 0
@@ -48,8 +48,8 @@ Integer quotient_up(Integer n, Integer d) {  // d > 0
 std::int64_t first_scanline(const FixedPoint* a, const FixedPoint* b, std::int64_t Z) {
   if ((*a)[2] > (*b)[2]) std::swap(a, b);
   const std::int64_t dy = (*b)[1] - (*a)[1], dz = (*b)[2] - (*a)[2], t = Z - (*a)[2];  // 0 <= t < dz
-  constexpr std::int64_t small = std::int64_t{1} << 31;                                // products < 2^62
-  const std::int64_t step = dz < small && dy < small && -dy < small
+  constexpr std::int64_t kSmall = std::int64_t{1} << 31;                               // products < 2^62
+  const std::int64_t step = dz < kSmall && dy < kSmall && -dy < kSmall
                                 ? quotient_up(dy * t, dz)
                                 : static_cast<std::int64_t>(quotient_up<Int128>(Int128{dy} * t, dz));  // |step| <= |dy|
   return first_centre_from((*a)[1] + step);
@@ -73,10 +73,10 @@ class FacePlane {
     at_slice_ = (leaving_ ? -nz : nz) * (Z - a[2]);
     // In double, v = x* - x0 - 1/2 in voxels, for centres inside the face's box. Each term has at most 5 roundings of
     // relative size 2^-53, the sums 3 more of what they add; `error_` allows 2^-49 of the sum of all magnitudes.
-    const double scale = 1.0 / (static_cast<double>(nx_) * static_cast<double>(unit));
+    const double scale = 1.0 / (static_cast<double>(nx_) * static_cast<double>(kUnit));
     slope_ = static_cast<double>(ny_) * scale;
     base_ = static_cast<double>(at_slice_) * scale;
-    offset_ = static_cast<double>(x0_ - half) / static_cast<double>(unit);
+    offset_ = static_cast<double>(x0_ - kHalf) / static_cast<double>(kUnit);
     const double reach = static_cast<double>(std::max({std::abs(b[1] - a[1]), std::abs(c[1] - a[1]), std::int64_t{1}}));
     error_ = 0x1p-49 * (std::abs(slope_) * reach + std::abs(base_) + std::abs(offset_) + 1);
   }
@@ -105,7 +105,7 @@ std::uint64_t pack(std::int64_t y, std::int64_t x, bool leaving) {
   return static_cast<std::uint64_t>(y) << 33 | static_cast<std::uint64_t>(x) << 1 | (leaving ? 1u : 0u);
 }
 
-/// What one slice of the shape becomes.
+/// One slice of the shape.
 struct Slice {
   std::vector<Run> runs;
   std::vector<std::uint32_t> row_end;  ///< per scanline of the box: end of its runs
@@ -118,8 +118,8 @@ class Converter {
   /// The triangles of `mesh` from `faces` on are the caps of `winding`.
   Converter(const FixedMesh& mesh, std::size_t faces, std::int64_t margin, Inside inside, const WindingNumber* winding)
       : mesh_(mesh), faces_(faces), margin_(margin), inside_(inside), winding_(winding) {
-    constexpr std::int64_t samples = 1 << 13;
-    stride_ = std::max<std::int64_t>(1, mesh.cells[0] * mesh.cells[1] * mesh.cells[2] / samples);
+    constexpr std::int64_t kSamples = 1 << 13;
+    stride_ = std::max<std::int64_t>(1, mesh.cells[0] * mesh.cells[1] * mesh.cells[2] / kSamples);
   }
 
   std::array<std::int64_t, 2> slices_of(std::uint32_t triangle) const {
@@ -153,7 +153,7 @@ class Converter {
       if (winding_) {
         const std::size_t runs_before = slice.runs.size();
         fill_row({begin, at}, offsets[static_cast<std::size_t>(y)], slice);
-        if (!winding_->closed()) look_at_samples({begin, at}, cap_crossings, y, z, runs_before, slice);
+        if (!winding_->closed()) count_samples({begin, at}, cap_crossings, y, z, runs_before, slice);
       } else if (at != begin) {
         fill_row({begin, at}, slice);
       }
@@ -205,7 +205,7 @@ class Converter {
     }
   }
 
-  /// The same where the boundary of the surface adds to the winding number, also where there is no crossing at all.
+  /// The same where the boundary of the surface contributes to the winding number, even without any crossing.
   void fill_row(std::span<const std::uint64_t> crossings, std::span<const OffsetStep> offsets, Slice& slice) const {
     const std::size_t runs_before = slice.runs.size();
     std::int64_t winding = 0, at = 0;
@@ -228,9 +228,10 @@ class Converter {
       slice.winding_voxels += slice.runs[i].end - slice.runs[i].begin;
   }
 
-  /// How far from 1/2 the winding number of the row's foreground is, at every stride-th voxel of the box.
-  void look_at_samples(std::span<const std::uint64_t> crossings, const CapCrossings& of_caps, std::int64_t y,
-                       std::int64_t z, std::size_t first_run, Slice& slice) const {
+  /// Counts the sampled foreground voxels of a row, every stride-th of the box, and those with a doubtful winding
+  /// number.
+  void count_samples(std::span<const std::uint64_t> crossings, const CapCrossings& of_caps, std::int64_t y,
+                     std::int64_t z, std::size_t first_run, Slice& slice) const {
     const std::int64_t row = (z * mesh_.cells[1] + y) * mesh_.cells[0];
     std::size_t c = 0;
     std::int64_t winding = 0;
@@ -281,11 +282,50 @@ CapCrossings crossings_of_slice(const FixedMesh& mesh, std::int64_t z) {
   return Converter(mesh, mesh.triangles.size(), 0, Inside::nonzero, nullptr).crossings(z);
 }
 
+namespace {
+
+/// Assembles the slices of a box into a shape, with `margin` empty voxels around them.
+class Collector {
+ public:
+  Collector(const Grid& grid, const std::array<std::int64_t, 3>& cells, std::int64_t margin) : margin_(margin) {
+    result_.shape = VoxelShape(grid);
+    result_.scanlines = cells[1] * cells[2];
+    append_empty(margin_ * grid.dims[1]);
+  }
+  void append(const Slice& slice) {
+    result_.defective_scanlines += slice.defective;
+    result_.winding_voxels += slice.winding_voxels;
+    result_.sampled += slice.sampled;
+    result_.doubtful += slice.doubtful;
+    result_.overlapping = result_.overlapping || slice.overlapping;
+    append_empty(margin_);
+    std::uint32_t from = 0;
+    for (const std::uint32_t to : slice.row_end) {
+      result_.shape.append_row(std::span(slice.runs).subspan(from, to - from));
+      from = to;
+    }
+    append_empty(margin_);
+  }
+  Digitization finish() {
+    append_empty(margin_ * result_.shape.grid().dims[1]);
+    return std::move(result_);
+  }
+
+ private:
+  void append_empty(std::int64_t rows) {
+    for (; rows > 0; --rows) result_.shape.append_row({});
+  }
+  std::int64_t margin_;
+  Digitization result_;
+};
+
+}  // namespace
+
 // A sweep along z in batches of slices. Memory: 4 bytes per triangle that reaches into the batch and slice it spans, 8
 // per crossing of the batch, and the result; never all crossings at once.
 Digitization scan_convert(const FixedMesh& given, const Grid& grid, std::int64_t margin, Inside inside,
                           const WindingNumber* winding, const Progress& progress) {
-  constexpr std::int64_t batch_size = 32;
+  constexpr std::int64_t kBatch = 32;
   FixedMesh closed;
   std::vector<std::array<std::uint32_t, 3>> with_caps;
   const bool capped = winding && !winding->closed();
@@ -297,39 +337,22 @@ Digitization scan_convert(const FixedMesh& given, const Grid& grid, std::int64_t
   const FixedMesh& mesh = capped ? closed : given;
   const Converter converter(mesh, given.triangles.size(), margin, inside, winding);
   const std::int64_t slices = mesh.cells[2];
-
-  // Triangles by the batch they enter: count, prefix, fill.
-  const auto batches = static_cast<std::size_t>((slices + batch_size - 1) / batch_size);
-  std::vector<std::uint32_t> entry(batches + 1, 0);
-  const auto for_each_entry = [&](const auto& visit) {
+  const auto batches = static_cast<std::size_t>((slices + kBatch - 1) / kBatch);
+  const auto entering = base::Csr<std::uint32_t>::group(batches, [&](const auto& emit) {
     for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
       const auto [first, last] = converter.slices_of(t);
-      if (first < last) visit(static_cast<std::size_t>(first / batch_size), t);
+      if (first < last) emit(static_cast<std::size_t>(first / kBatch), t);
     }
-  };
-  for_each_entry([&](std::size_t batch, std::uint32_t) { ++entry[batch + 1]; });
-  std::partial_sum(entry.begin(), entry.end(), entry.begin());
-  std::vector<std::uint32_t> entering(entry.back());
-  {
-    std::vector<std::uint32_t> next(entry.begin(), entry.end() - 1);
-    for_each_entry([&](std::size_t batch, std::uint32_t t) { entering[next[batch]++] = t; });
-  }
+  });
 
-  Digitization result;
-  result.shape = VoxelShape(grid);
-  result.scanlines = mesh.cells[1] * mesh.cells[2];
-  const auto append_empty = [&](std::int64_t rows) {
-    for (; rows > 0; --rows) result.shape.append_row({});
-  };
-  append_empty(margin * grid.dims[1]);
+  Collector collector(grid, mesh.cells, margin);
   std::vector<std::uint32_t> active;
-  std::vector<std::vector<std::uint32_t>> crossing(batch_size);  // triangles of each slice of the batch
-  std::vector<Slice> converted(batch_size);
+  std::vector<std::vector<std::uint32_t>> crossing(kBatch);  // triangles of each slice of the batch
+  std::vector<Slice> converted(kBatch);
   for (std::size_t batch = 0; batch < batches; ++batch) {
     progress(static_cast<double>(batch) / static_cast<double>(batches));
-    const std::int64_t begin = static_cast<std::int64_t>(batch) * batch_size;
-    const std::int64_t end = std::min(begin + batch_size, slices);
-    active.insert(active.end(), entering.begin() + entry[batch], entering.begin() + entry[batch + 1]);
+    const std::int64_t begin = static_cast<std::int64_t>(batch) * kBatch, end = std::min(begin + kBatch, slices);
+    active.insert(active.end(), entering[batch].begin(), entering[batch].end());
     for (auto& triangles : crossing) triangles.clear();
     std::erase_if(active, [&](std::uint32_t t) {
       const auto [first, last] = converter.slices_of(t);
@@ -341,25 +364,10 @@ Digitization scan_convert(const FixedMesh& given, const Grid& grid, std::int64_t
       const auto s = static_cast<std::size_t>(i);
       converted[s] = converter.convert(begin + i, crossing[s]);
     });
-    for (std::int64_t z = begin; z < end; ++z) {
-      const Slice& slice = converted[static_cast<std::size_t>(z - begin)];
-      result.defective_scanlines += slice.defective;
-      result.winding_voxels += slice.winding_voxels;
-      result.sampled += slice.sampled;
-      result.doubtful += slice.doubtful;
-      result.overlapping = result.overlapping || slice.overlapping;
-      append_empty(margin);
-      std::uint32_t from = 0;
-      for (const std::uint32_t to : slice.row_end) {
-        result.shape.append_row(std::span(slice.runs).subspan(from, to - from));
-        from = to;
-      }
-      append_empty(margin);
-    }
+    for (std::int64_t i = 0; i < end - begin; ++i) collector.append(converted[static_cast<std::size_t>(i)]);
   }
-  append_empty(margin * grid.dims[1]);
   progress(1);
-  return result;
+  return collector.finish();
 }
 
 }  // namespace quench::voxelization

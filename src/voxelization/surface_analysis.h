@@ -12,9 +12,10 @@ namespace quench::voxelization {
 /// Combinatorics of a surface after welding its vertices by exact position (-0 equals 0).
 struct SurfaceAnalysis {
   SurfaceTopology topology;
-  std::int64_t boundary_edges = 0;    ///< edges with exactly one non-degenerate face
-  std::int64_t odd_edges = 0;         ///< with an odd number of them; 0: every scanline has an even number of crossings
-  std::int64_t unbalanced_edges = 0;  ///< not as many in one direction as in the other; 0: every scanline returns to 0
+  std::int64_t boundary_edges = 0;  ///< edges with exactly one non-degenerate face
+  std::int64_t odd_edges = 0;  ///< edges with an odd number of faces; 0: every scanline has an even number of crossings
+  std::int64_t unbalanced_edges =
+      0;  ///< edges with more faces in one direction than in the other; 0: all winding numbers return to 0
   std::int64_t degenerate_faces = 0;  ///< with two corners at the same place
 };
 

@@ -1,12 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "voxelization/surface_caps.h"
 
-#include <limits>
-
 namespace quench::voxelization {
 namespace {
-
-constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
 
 /// Closes a path that runs along the faces' sides from each point to the next, and from the last to the first.
 class PathCap {
@@ -35,35 +31,31 @@ std::vector<CapTriangle> close_boundary(std::size_t points, std::span<const Tria
   std::vector<CapTriangle> caps;
   std::vector<BoundaryEdge> chain = boundary_chain(points, welded);
   if (chain.empty()) return caps;
-  std::vector<std::uint32_t> begin(points + 1, 0), out(chain.size());
-  for (const BoundaryEdge& e : chain) ++begin[e.from + 1];
-  std::partial_sum(begin.begin(), begin.end(), begin.begin());
-  std::vector<std::uint32_t> next(begin.begin(), begin.end() - 1);
-  for (std::uint32_t e = 0; e < chain.size(); ++e) out[next[chain[e].from]++] = e;
-  next.assign(begin.begin(), begin.end() - 1);  // from here on: the first edge of a point that is left
+  const auto out = edges_from(points, chain);
+  std::vector<std::uint32_t> next(points, 0);  // per point: of its edges the first one that is left
   const auto leave = [&](std::uint32_t p) {
     std::uint32_t& at = next[p];
-    while (at < begin[p + 1] && chain[out[at]].times == 0) ++at;
-    if (at == begin[p + 1]) return none;
-    --chain[out[at]].times;
-    return chain[out[at]].to;
+    while (at < out[p].size() && chain[out[p][at]].times == 0) ++at;
+    if (at == out[p].size()) return kNone;
+    --chain[out[p][at]].times;
+    return chain[out[p][at]].to;
   };
-  std::vector<std::uint32_t> path, place(points, none);  // of the points on the path
+  std::vector<std::uint32_t> path, place(points, kNone);  // of the points on the path
   for (const BoundaryEdge& e : chain)
     while (e.times > 0) {
       // As many edges enter a point as leave it: the walk ends where it began. What it closes on its way is cut off.
-      for (std::uint32_t p = e.from; p != none; p = leave(p)) {
-        if (place[p] != none) {
+      for (std::uint32_t p = e.from; p != kNone; p = leave(p)) {
+        if (place[p] != kNone) {
           const std::size_t start = place[p];
           PathCap(std::span<const std::uint32_t>(path).subspan(start), caps);
-          for (std::size_t i = start; i < path.size(); ++i) place[path[i]] = none;
+          for (std::size_t i = start; i < path.size(); ++i) place[path[i]] = kNone;
           path.resize(start);
           if (path.empty() && e.times == 0) break;
         }
         place[p] = static_cast<std::uint32_t>(path.size());
         path.push_back(p);
       }
-      for (const std::uint32_t p : path) place[p] = none;
+      for (const std::uint32_t p : path) place[p] = kNone;
       path.clear();
     }
   return caps;

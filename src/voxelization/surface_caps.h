@@ -17,9 +17,9 @@ struct CapTriangle {
   std::array<bool, 3> boundary;
 };
 
-/// Triangles whose boundary is that of the faces, the other way around: both together are closed. The boundary is cut
-/// into closed paths without repeated points, and each of these is halved again and again, so that triangles are small
-/// near it. Their shape means nothing. At most one triangle per boundary edge; O(n log n).
+/// Triangles whose boundary is that of the faces in the opposite direction: both together are closed. The boundary is
+/// cut into closed paths without repeated points, and each of these is halved again and again, so that triangles are
+/// small near it. Their shape does not matter. At most one triangle per boundary edge; O(n log n).
 std::vector<CapTriangle> close_boundary(std::size_t points, std::span<const Triangle> welded);
 
 }  // namespace quench::voxelization

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "voxelization/surface_edges.h"
 
+#include <numeric>
+
 namespace quench::voxelization {
 
 std::vector<Triangle> weld(std::span<const FixedPoint> points, std::span<const Triangle> triangles) {
@@ -20,11 +22,17 @@ std::vector<BoundaryEdge> boundary_chain(std::size_t points, std::span<const Tri
   std::vector<BoundaryEdge> chain;
   for_each_edge(points, faces, [&](std::uint32_t low, std::uint32_t high, std::span<const FaceSide> sides) {
     std::int32_t times = 0;
-    for (const FaceSide& s : sides) times += s.upward ? 1 : -1;
+    for (const FaceSide& s : sides) times += is_upward(faces, s.side) ? 1 : -1;
     if (times > 0) chain.push_back({low, high, times});
     if (times < 0) chain.push_back({high, low, -times});
   });
   return chain;
+}
+
+base::Csr<std::uint32_t> edges_from(std::size_t points, std::span<const BoundaryEdge> chain) {
+  return base::Csr<std::uint32_t>::group(points, [&](const auto& emit) {
+    for (std::uint32_t e = 0; e < chain.size(); ++e) emit(chain[e].from, e);
+  });
 }
 
 }  // namespace quench::voxelization

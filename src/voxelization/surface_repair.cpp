@@ -4,7 +4,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <numeric>
 
@@ -13,11 +12,11 @@
 namespace quench::voxelization {
 namespace {
 
-constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
-constexpr double clear_majority = 0.7;  // of a patch's area, that its orientation means something
-constexpr double nearly_closed = 0.1;   // largest sum of area vectors / area
-constexpr std::size_t most_hole_edges = 24;
-constexpr std::size_t most_nested = 64;  // patches looked at for nesting: the largest ones
+constexpr double kClearMajority =
+    0.7;                               // of a patch's area must agree on its orientation, or the orientation is ignored
+constexpr double kNearlyClosed = 0.1;  // largest sum of area vectors / area of a patch that counts as closed
+constexpr std::size_t kMostHoleEdges = 24;
+constexpr std::size_t kMostNested = 64;  // only the largest patches are tested for nesting
 
 class Repair {
  public:
@@ -42,28 +41,45 @@ class Repair {
     double area = 0, turned_area = 0, volume = 0;
     Vec3 sum = Vec3::Zero();  // of area vectors, as oriented now
     Vec3 low = Vec3::Zero(), high = Vec3::Zero();
-    bool closed() const { return sum.norm() < nearly_closed * area; }
+    bool closed() const { return sum.norm() < kNearlyClosed * area; }
   };
 
   Vec3 point(std::uint32_t p) const {
     const FixedPoint& q = points_[p];
     return Vec3(static_cast<double>(q[0]), static_cast<double>(q[1]), static_cast<double>(q[2])) *
-           std::ldexp(1.0, -fraction_bits);
+           std::ldexp(1.0, -kFractionBits);
   }
   Vec3 twice_area(std::uint32_t f) const {  // as it was in the file
     const Vec3 a = point(faces_[f][0]);
     return (point(faces_[f][1]) - a).cross(point(faces_[f][2]) - a);
   }
 
+  /// Keeps the first of the faces with the same three corners; one or none of them where both orientations occur.
   void take_one_of_each(std::span<const Triangle> welded) {
+    std::vector<std::uint32_t> kept, doubtful;  // doubtful: in both orientations
+    for_equal_faces(welded, [&](std::span<const std::uint32_t> equal) {
+      const bool one_way = std::ranges::all_of(
+          equal, [&](std::uint32_t f) { return is_even(welded[f]) == is_even(welded[equal.front()]); });
+      (one_way ? kept : doubtful).push_back(equal.front());
+      result_.duplicate_faces += static_cast<std::int64_t>(equal.size()) - 1;
+    });
+    for (auto* faces : {&kept, &doubtful}) {
+      std::sort(faces->begin(), faces->end());
+      for (const std::uint32_t f : *faces) faces_.push_back(welded[f]);
+    }
+    if (!doubtful.empty()) drop_doubtful(kept.size());
+  }
+
+  /// Whether the corners are an even permutation of the sorted ones.
+  static bool is_even(const Triangle& t) { return (t[0] < t[1]) + (t[1] < t[2]) + (t[2] < t[0]) == 2; }
+
+  /// Calls visit(faces) for all faces with the same three corners, ascending. Degenerate faces are left out.
+  template <class Visit>
+  static void for_equal_faces(std::span<const Triangle> welded, const Visit& visit) {
     const auto corners = [&](std::uint32_t f) {
       Triangle t = welded[f];
       std::sort(t.begin(), t.end());
       return t;
-    };
-    const auto even = [&](std::uint32_t f) {  // an even permutation of its sorted corners
-      const Triangle& t = welded[f];
-      return (t[0] < t[1]) + (t[1] < t[2]) + (t[2] < t[0]) == 2;
     };
     std::vector<std::uint32_t> order;
     for (std::uint32_t f = 0; f < welded.size(); ++f)
@@ -72,60 +88,50 @@ class Repair {
       const Triangle a = corners(f), b = corners(g);
       return a != b ? a < b : f < g;
     });
-    std::vector<std::uint32_t> kept, doubtful;  // of equal faces the first; doubtful: both ways around
     for (auto f = order.begin(); f != order.end();) {
       const auto after = std::find_if(f, order.end(), [&](std::uint32_t g) { return corners(g) != corners(*f); });
-      const bool one_way = std::all_of(f, after, [&](std::uint32_t g) { return even(g) == even(*f); });
-      (one_way ? kept : doubtful).push_back(*f);
-      result_.duplicate_faces += after - f - 1;
+      visit(std::span<const std::uint32_t>(f, after));
       f = after;
     }
-    std::sort(kept.begin(), kept.end());
-    for (const std::uint32_t f : kept) faces_.push_back(welded[f]);
-    if (doubtful.empty()) return;
-    std::sort(doubtful.begin(), doubtful.end());
-    for (const std::uint32_t f : doubtful) faces_.push_back(welded[f]);
+  }
+
+  /// Of the faces from `sure` on keeps those that leave fewer edges with an odd number of faces: a face is taken or
+  /// left out anew as long as that makes them fewer.
+  void drop_doubtful(std::size_t sure) {
     std::vector<std::uint32_t> edge(3 * faces_.size());
     std::vector<char> odd;
     for_each_edge(points_.size(), faces_, [&](std::uint32_t, std::uint32_t, std::span<const FaceSide> sides) {
       char parity = 0;
       for (const FaceSide& s : sides) {
         edge[s.side] = static_cast<std::uint32_t>(odd.size());
-        parity ^= s.side / 3 < kept.size() ? 1 : 0;
+        parity ^= s.side / 3 < sure ? 1 : 0;
       }
       odd.push_back(parity);
     });
-    std::vector<char> chosen(doubtful.size(), 0);
+    std::vector<char> chosen(faces_.size(), 0);
     for (bool changed = true; changed;) {
       changed = false;
-      for (std::size_t i = 0; i < doubtful.size(); ++i) {
-        const std::uint32_t* sides = &edge[3 * (kept.size() + i)];
+      for (std::size_t f = sure; f < faces_.size(); ++f) {
+        const std::uint32_t* sides = &edge[3 * f];
         if (odd[sides[0]] + odd[sides[1]] + odd[sides[2]] < 2) continue;
         for (std::size_t k = 0; k < 3; ++k) odd[sides[k]] ^= 1;
-        chosen[i] ^= 1;
+        chosen[f] ^= 1;
         changed = true;
       }
     }
-    std::size_t end = kept.size();
-    for (std::size_t i = 0; i < doubtful.size(); ++i)
-      if (chosen[i])
-        faces_[end++] = faces_[kept.size() + i];
-      else
-        ++result_.duplicate_faces;
+    std::size_t end = sure;
+    for (std::size_t f = sure; f < faces_.size(); ++f)
+      if (chosen[f]) faces_[end++] = faces_[f];
+    result_.duplicate_faces += static_cast<std::int64_t>(faces_.size() - end);
     faces_.resize(end);
   }
 
   void link() {
-    other_.assign(3 * faces_.size(), none);
+    other_.assign(3 * faces_.size(), kNone);
     for_each_edge(points_.size(), faces_, [&](std::uint32_t, std::uint32_t, std::span<const FaceSide> sides) {
       if (sides.size() != 2) return;
       for (std::size_t i = 0; i < 2; ++i) other_[sides[i].side] = sides[1 - i].side;
     });
-  }
-
-  bool upward(std::uint32_t side) const {
-    const Triangle& t = faces_[side / 3];
-    return t[side % 3] < t[(side + 1) % 3];
   }
 
   void find_patches() {
@@ -140,9 +146,9 @@ class Repair {
         const std::uint32_t f = patch.faces[at];
         for (std::uint32_t i = 0; i < 3; ++i) {
           const std::uint32_t other = other_[3 * f + i];
-          if (other == none || seen[other / 3]) continue;
+          if (other == kNone || seen[other / 3]) continue;
           seen[other / 3] = 1;
-          const bool agree = upward(3 * f + i) != upward(other);
+          const bool agree = is_upward(faces_, 3 * f + i) != is_upward(faces_, other);
           turned_[other / 3] = static_cast<char>(turned_[f] ^ (agree ? 0 : 1));
           patch.faces.push_back(other / 3);
         }
@@ -166,7 +172,7 @@ class Repair {
         patch.high = patch.high.cwiseMax(point(corner));
       }
     }
-    // Relative to the middle of its box: what a hole lacks then counts least.
+    // Relative to the middle of its box: this makes the error of a hole smallest.
     patch.volume += patch.sum.dot(origin - (patch.low + patch.high) / 2);
   }
 
@@ -185,7 +191,7 @@ class Repair {
       Patch& patch = patches_[i];
       measure(patch);
       if (patch.turned_area > patch.area / 2) turn(patch);
-      unclear[i] = patch.turned_area > (1 - clear_majority) * patch.area;
+      unclear[i] = patch.turned_area > (1 - kClearMajority) * patch.area;
       if (!patch.closed()) continue;
       large.push_back(i);
       if (!unclear[i]) volume += patch.volume;
@@ -197,7 +203,7 @@ class Repair {
     std::stable_sort(large.begin(), large.end(), [&](std::size_t i, std::size_t j) {
       return std::abs(patches_[i].volume) > std::abs(patches_[j].volume);
     });
-    const std::span<const std::size_t> outer = std::span(large).first(std::min(large.size(), most_nested));
+    const std::span<const std::size_t> outer = std::span(large).first(std::min(large.size(), kMostNested));
     const auto in_box = [&](const Patch& inner, const Patch& patch) {
       return (inner.low.array() > patch.low.array()).all() && (inner.high.array() < patch.high.array()).all();
     };
@@ -225,8 +231,8 @@ class Repair {
       const auto [low, high] = std::minmax_element(points_.begin(), points_.end(), by_axis);
       if (low != points_.end()) longest = std::max(longest, (*high)[a] - (*low)[a]);
     }
-    constexpr std::int64_t voxel = std::int64_t{1} << fraction_bits;
-    return std::clamp(longest / 32, voxel, 16 * voxel);
+    constexpr std::int64_t kVoxel = std::int64_t{1} << kFractionBits;
+    return std::clamp(longest / 32, kVoxel, 16 * kVoxel);
   }
 
   void fill_small_holes() {
@@ -240,20 +246,14 @@ class Repair {
           patch_size[p] = patch_size[p] == 0 ? size : std::min(patch_size[p], size);
         }
     // Where holes share points, any cycles will do: together their fans have the same boundary.
-    std::vector<std::uint32_t> begin(points_.size() + 1, 0), out(chain.size());
-    for (const BoundaryEdge& e : chain) ++begin[e.from + 1];
-    for (std::size_t p = 0; p < points_.size(); ++p) begin[p + 1] += begin[p];
-    {
-      std::vector<std::uint32_t> place(begin.begin(), begin.end() - 1);
-      for (std::uint32_t e = 0; e < chain.size(); ++e) out[place[chain[e].from]++] = e;
-    }
+    const auto out = edges_from(points_.size(), chain);
     std::vector<char> used(chain.size(), 0);
     for (std::size_t e = 0; e < chain.size(); ++e) used[e] = chain[e].times > 1;
     const std::int64_t widest = widest_hole();
     std::vector<std::uint32_t> path, loop;  // edges, points
     for (std::uint32_t start = 0; start < chain.size(); ++start) {
       path.clear();
-      for (std::uint32_t p = chain[start].from; path.size() <= most_hole_edges;) {
+      for (std::uint32_t p = chain[start].from; path.size() <= kMostHoleEdges;) {
         const auto on_path =
             std::find_if(path.begin(), path.end(), [&](std::uint32_t e) { return chain[e].from == p; });
         if (on_path != path.end()) {  // a cycle
@@ -261,14 +261,12 @@ class Repair {
           for (auto e = on_path; e != path.end(); ++e) loop.push_back(chain[*e].from);
           for (auto e = on_path; e != path.end(); ++e) used[*e] = 1;
           path.erase(on_path, path.end());
-          if (loop.size() <= most_hole_edges) fill_if_small(loop, widest, patch_size);
+          if (loop.size() <= kMostHoleEdges) fill_if_small(loop, widest, patch_size);
         }
-        std::uint32_t next = none;
-        for (std::uint32_t i = begin[p]; i < begin[p + 1] && next == none; ++i)
-          if (!used[out[i]]) next = out[i];
-        if (next == none) break;
-        path.push_back(next);
-        p = chain[next].to;
+        const auto next = std::find_if(out[p].begin(), out[p].end(), [&](std::uint32_t e) { return !used[e]; });
+        if (next == out[p].end()) break;
+        path.push_back(*next);
+        p = chain[*next].to;
       }
     }
   }
@@ -288,9 +286,9 @@ class Repair {
 
   /// Whether points of `inner` are inside `patch`, by the sum of solid angles.
   bool inside(const Patch& inner, const Patch& patch) const {
-    constexpr std::size_t samples = 5;
-    for (std::size_t k = 0; k < samples; ++k) {
-      const Vec3 p = point(faces_[inner.faces[inner.faces.size() * k / samples]][0]);
+    constexpr std::size_t kSamples = 5;
+    for (std::size_t k = 0; k < kSamples; ++k) {
+      const Vec3 p = point(faces_[inner.faces[inner.faces.size() * k / kSamples]][0]);
       double angle = 0;
       for (const std::uint32_t f : patch.faces) {
         const Vec3 a = point(faces_[f][0]) - p, b = point(faces_[f][1]) - p, c = point(faces_[f][2]) - p;
@@ -306,7 +304,7 @@ class Repair {
 
   std::span<const FixedPoint> points_;
   std::vector<Triangle> faces_;
-  std::vector<std::uint32_t> other_;  // per side: the one side across its edge
+  std::vector<std::uint32_t> other_;  // per side: the opposite one, where its edge has exactly two; else kNone
   std::vector<char> turned_;
   std::vector<Patch> patches_;
   RepairedSurface result_;

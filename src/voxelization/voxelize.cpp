@@ -20,18 +20,18 @@
 namespace quench {
 namespace {
 
-constexpr std::int64_t largest_resolution = 16384;  // the bounds of scan_conversion.cpp rest on it
-constexpr std::int64_t largest_margin = 16384;
+constexpr std::int64_t kLargestResolution = 16384;  // the bounds in scan_conversion.cpp depend on it
+constexpr std::int64_t kLargestMargin = 16384;
 
 void check(const VoxelizeOptions& options) {
-  if (options.resolution < 1 || options.resolution > largest_resolution)
+  if (options.resolution < 1 || options.resolution > kLargestResolution)
     throw Error(
         ErrorCode::usage,
-        fmt::format("resolution '{}' is not a whole number from 1 to {}", options.resolution, largest_resolution),
+        fmt::format("resolution '{}' is not a whole number from 1 to {}", options.resolution, kLargestResolution),
         "resolution");
-  if (options.margin < 0 || options.margin > largest_margin)
+  if (options.margin < 0 || options.margin > kLargestMargin)
     throw Error(ErrorCode::usage,
-                fmt::format("the margin {} is not possible; it takes 0 to {} voxels", options.margin, largest_margin));
+                fmt::format("the margin {} is not possible; it takes 0 to {} voxels", options.margin, kLargestMargin));
 }
 
 struct Box {
@@ -41,8 +41,7 @@ struct Box {
 
 /// Box of the points that triangles use.
 Box bounding_box(const TriangleMesh& mesh) {
-  if (mesh.triangles.empty())
-    throw Error(ErrorCode::input, "the mesh has no triangles; a closed surface is needed to make voxels of");
+  if (mesh.triangles.empty()) throw Error(ErrorCode::input, "the mesh has no triangles; a closed surface is needed");
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
     for (const std::uint32_t p : mesh.triangles[t])
       if (p >= mesh.points.size()) voxelization::refuse_corner(mesh, t, p);
@@ -83,7 +82,7 @@ CheckedMesh checked_mesh(const TriangleMesh& mesh) {
 voxelization::FixedMesh fixed_mesh(const CheckedMesh& checked, std::int64_t resolution) {
   voxelization::FixedMesh fixed;
   const Box& box = checked.box;
-  const double scale = std::ldexp(static_cast<double>(resolution), voxelization::fraction_bits);
+  const double scale = std::ldexp(static_cast<double>(resolution), voxelization::kFractionBits);
   const auto fix = [&](const Vec3& p) {
     voxelization::FixedPoint q{};
     for (int a = 0; a < 3; ++a)
@@ -97,11 +96,11 @@ voxelization::FixedMesh fixed_mesh(const CheckedMesh& checked, std::int64_t reso
   const voxelization::FixedPoint extent = fix(box.high);
   for (std::size_t a = 0; a < 3; ++a)
     fixed.cells[a] = std::max<std::int64_t>(
-        1, (extent[a] + (std::int64_t{1} << voxelization::fraction_bits) - 1) >> voxelization::fraction_bits);
+        1, (extent[a] + (std::int64_t{1} << voxelization::kFractionBits) - 1) >> voxelization::kFractionBits);
   return fixed;
 }
 
-/// A sentence when the solid of the mesh has another topology than the shape, else empty.
+/// A sentence when the topology of the solid of the mesh differs from that of the shape, else empty.
 std::string difference(const VoxelShape& shape, const SurfaceTopology& surface) {
   const Topology voxels = topology(shape);
   const std::int64_t genus = surface.components - surface.euler;
@@ -124,7 +123,7 @@ std::string difference(const VoxelShape& shape, const SurfaceTopology& surface) 
       base::counted(voxels.betti[1], "tunnel", "tunnels"), parts, base::counted(genus, "tunnel", "tunnels"));
 }
 
-/// The rule, and the faces it is asked of.
+/// The fill rule, and the faces it is applied to.
 struct Choice {
   FillRule fill;
   std::string reason;
@@ -206,7 +205,7 @@ Voxelization digitize(const CheckedMesh& checked, const VoxelizeOptions& options
   const bool closed =
       choice.fill == FillRule::evenodd ? checked.analysis.odd_edges == 0 : checked.analysis.unbalanced_edges == 0;
   result.sound = closed && defects.flipped_faces == 0;
-  // The surfaces of several parts do not tell the topology of their union when they overlap, a defective one nothing.
+  // The topology of the union of parts does not follow from their surfaces when they overlap, nor from a defective one.
   result.topology_known = result.sound;
   if (!result.topology_known) return result;
   result.topology_difference = difference(result.shape, result.surface);
@@ -260,8 +259,8 @@ std::string defects_text(const Voxelization& v) {
   std::string text = fmt::format(
       "the mesh {} ({}); the winding number decides {} of {}, with {:.2g}% of the shape's voxels", what, found,
       d.defective_scanlines, base::counted(d.scanlines, "scanline", "scanlines"), 100 * d.winding_share);
-  constexpr double much = 0.3;
-  if (d.doubtful_share > much)
+  constexpr double kMuch = 0.3;
+  if (d.doubtful_share > kMuch)
     text += fmt::format(
         "; {:.2g}% of the voxels are a guess (winding number below 3/4): large parts of the surface are missing, or it "
         "is a sheet that encloses nothing",
@@ -292,16 +291,16 @@ std::optional<FillRule> fill_of(std::string_view name) {
 namespace {
 
 Voxelization voxelized_automatically(const TriangleMesh& mesh, VoxelizeOptions options, Context* context) {
-  constexpr std::array<std::int64_t, 5> resolutions{128, 256, 512, 1024, 2048};
-  options.resolution = resolutions.front();
+  constexpr std::array<std::int64_t, 5> kResolutions{128, 256, 512, 1024, 2048};
+  options.resolution = kResolutions.front();
   check(options);
   const CheckedMesh checked = checked_mesh(mesh);
   Voxelization result;
   std::optional<Topology> coarser;  // of overlapping parts, whose own topology is not known
   double done = 0;
-  for (const std::int64_t resolution : resolutions) {
+  for (const std::int64_t resolution : kResolutions) {
     options.resolution = resolution;
-    const double end = resolution == resolutions.back() ? 1 : (done + 1) / 2;
+    const double end = resolution == kResolutions.back() ? 1 : (done + 1) / 2;
     result = {};  // frees the coarser one first
     result = digitize(checked, options, {context, done, end});
     done = end;

@@ -12,10 +12,11 @@
 namespace quench::voxelization {
 namespace {
 
-constexpr std::uint32_t leaf_size = 4;
-constexpr double far = 0.3;      // a cluster is seen as its moments when its radius is below this share of its distance
-constexpr double linear = 0.25;  // the same for a block in which its angle is taken as linear
-constexpr double sphere = 4 * std::numbers::pi;
+constexpr std::uint32_t kLeaf = 4;
+// The moments of a cluster stand for it when its radius is below this share of its distance; its angle is taken as
+// linear in blocks of a radius below that share of it.
+constexpr double kFar = 0.3, kLinear = 0.25;
+constexpr double kSphere = 4 * std::numbers::pi;
 
 double squared(double v) { return v * v; }
 
@@ -24,7 +25,7 @@ double length_plus_x(double x, double rho2, double length) { return x >= 0 ? len
 
 /// The sign of ay * bz - az * by for the scanline shifted as scan_conversion.cpp shifts it: y by more than z.
 double exact_sign(double ay, double az, double by, double bz) {
-  const auto fixed = [](double v) { return static_cast<__int128>(std::llround(std::ldexp(v, fraction_bits))); };
+  const auto fixed = [](double v) { return static_cast<__int128>(std::llround(std::ldexp(v, kFractionBits))); };
   const __int128 d = fixed(ay) * fixed(bz) - fixed(az) * fixed(by);
   if (d != 0) return d > 0 ? 1 : -1;
   if (az != bz) return az > bz ? 1 : -1;
@@ -44,7 +45,7 @@ WindingNumber::WindingNumber(std::span<const FixedPoint> points, std::span<const
     : points_(points) {
   const auto in_voxels = [&](std::uint32_t p) {
     const FixedPoint& q = points[p];
-    const auto voxels = [](std::int64_t v) { return std::ldexp(static_cast<double>(v), -fraction_bits); };
+    const auto voxels = [](std::int64_t v) { return std::ldexp(static_cast<double>(v), -kFractionBits); };
     return Vector{voxels(q[0]), voxels(q[1]), voxels(q[2])};
   };
   for (const CapTriangle& t : close_boundary(points.size(), faces)) {
@@ -67,11 +68,11 @@ std::uint32_t WindingNumber::build(std::uint32_t begin, std::uint32_t end) {
   nodes_.emplace_back();
   nodes_[index].begin = begin;
   nodes_[index].end = end;
-  if (end - begin > leaf_size) {
+  if (end - begin > kLeaf) {
     std::array<double, 3> low, high;
     low.fill(std::numeric_limits<double>::infinity());
     high.fill(-std::numeric_limits<double>::infinity());
-    const auto middle = [](const Cap& cap) {  // thrice the middle
+    const auto middle = [](const Cap& cap) {  // times 3
       const auto& [a, b, c] = cap.at;
       return std::array<double, 3>{a.x + b.x + c.x, a.y + b.y + c.y, a.z + b.z + c.z};
     };
@@ -123,7 +124,7 @@ void WindingNumber::summarize(Node& node) const {
 }
 
 // Van Oosterom and Strackee 1983. In the plane of the cap, on its inside or its rim, the sign is that for the shifted
-// centre of the voxel: the crossing of the cap, less what the strips from its sides to +x tell of the surface's g.
+// centre of the voxel: the crossing of the cap and the angles of the strips from its sides to +x.
 double WindingNumber::cap_angle(const Cap& cap, const std::array<std::int64_t, 3>& voxel, const Vector& p) const {
   const auto& [va, vb, vc] = cap.at;
   const Vector a{va.x - p.x, va.y - p.y, va.z - p.z}, b{vb.x - p.x, vb.y - p.y, vb.z - p.z},
@@ -132,11 +133,11 @@ double WindingNumber::cap_angle(const Cap& cap, const std::array<std::int64_t, 3
   const double la = std::sqrt(dot(a, a)), lb = std::sqrt(dot(b, b)), lc = std::sqrt(dot(c, c));
   const double sine = 2 * dot(a, cap.area);  // a . (b - a) x (c - a)
   const double cosine = la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb;
-  const double none = 0x1p-36 * (la * lb * lc + lb * lc + lc * la + la * lb);
-  if (cosine > none || std::abs(sine) > none) return 2 * std::atan2(sine, cosine);
+  const double tiny = 0x1p-36 * (la * lb * lc + lb * lc + lc * la + la * lb);
+  if (cosine > tiny || std::abs(sine) > tiny) return 2 * std::atan2(sine, cosine);
   const double crossing =
       crossings_until(points_[cap.corners[0]], points_[cap.corners[1]], points_[cap.corners[2]], voxel);
-  return sphere * crossing + strip_angle(va, vb, p) + strip_angle(vb, vc, p) + strip_angle(vc, va, p);
+  return kSphere * crossing + strip_angle(va, vb, p) + strip_angle(vb, vc, p) + strip_angle(vc, va, p);
 }
 
 // The strip of a side, seen from p, is the spherical triangle of a, b and +x.
@@ -149,7 +150,7 @@ double WindingNumber::strip_angle(const Vector& a, const Vector& b, const Vector
       az * bz;
   double sine = ay * bz - az * by;
   if (cosine <= 0 && std::abs(sine) <= 0x1p-49 * (std::abs(ay * bz) + std::abs(az * by))) {
-    const double sign = exact_sign(ay, az, by, bz);  // only here it decides on a whole turn
+    const double sign = exact_sign(ay, az, by, bz);  // only here the sign decides between 2 pi and -2 pi
     if (sign == 0) return 0;
     sine = std::copysign(sine, sign);
   }
@@ -169,8 +170,8 @@ double WindingNumber::cluster_angle(const Node& node, const Vector& r) {
 }
 
 // The gradient is the field of a current around the cap (Biot-Savart). Its change is bounded by the distance of the
-// sides. Currents in a side of two caps cancel when both are looked at; the other one may be part of a cluster only
-// where the side is short compared with its distance.
+// sides. Currents in a side of two caps cancel when both are evaluated exactly; the other one may be part of a cluster
+// only where the side is short compared with its distance.
 void WindingNumber::add_gradient(const Cap& cap, const Vector& p, double within, Slope& slope) {
   for (std::size_t i = 0; i < 3; ++i) {
     const Vector &from = cap.at[i], &to = cap.at[(i + 1) % 3];
@@ -179,7 +180,7 @@ void WindingNumber::add_gradient(const Cap& cap, const Vector& p, double within,
     const double length2 = ab.x * ab.x + ab.y * ab.y + ab.z * ab.z, length = std::sqrt(length2);
     const double t = length2 > 0 ? std::clamp(-(a.x * ab.x + a.y * ab.y + a.z * ab.z) / length2, 0.0, 1.0) : 0.0;
     const double near = std::sqrt(squared(a.x + t * ab.x) + squared(a.y + t * ab.y) + squared(a.z + t * ab.z)) - within;
-    const bool cancels = !cap.boundary[i] && (near <= 0 || length > 2 * far / (1 - far) * near);
+    const bool cancels = !cap.boundary[i] && (near <= 0 || length > 2 * kFar / (1 - kFar) * near);
     if (!cancels) {
       if (near <= 0) {
         slope.bend = std::numeric_limits<double>::infinity();
@@ -209,101 +210,136 @@ bool WindingNumber::meets(const Cap& cap, const Vector& p, double hx, double hy)
   return std::abs(from_plane) <= (1 + 1e-9) * (std::abs(cap.area.x) * hx + std::abs(cap.area.y) * hy) + 1e-9;
 }
 
-// What a block inherits from the one around it: the sum of clusters far from that one, as a linear function, and the
-// clusters still to look at, at the end of `pool`.
+// The middle of a block, and half the sides of a box around it with the centres of all its voxels.
+struct WindingNumber::Middle {
+  explicit Middle(const Block& block)
+      : voxel(block.middle()),
+        hx(static_cast<double>(voxel[0] - block.x0)),
+        hy(static_cast<double>(voxel[1] - block.y0)),
+        h(std::hypot(hx, hy)) {
+    const auto centre = [](std::int64_t i) { return static_cast<double>(i) + 0.5; };
+    p = {centre(voxel[0]), centre(voxel[1]), centre(voxel[2])};
+  }
+  std::array<std::int64_t, 3> voxel;
+  Vector p;
+  double hx, hy, h;
+};
+
+// Clusters far from a block, as one linear function, which the parts of the block inherit.
 struct WindingNumber::Field {
   Vector at;
   double angle = 0, along_x = 0, along_y = 0;
+
+  void move_to(const Vector& p) {
+    angle += along_x * (p.x - at.x) + along_y * (p.y - at.y);
+    at = p;
+  }
 };
 
-// Blocks are within one slice. A cluster goes into the linear function when both it and the block are small compared
-// with their distance, and is opened when it is larger than the block; else the children of the block look at it.
-// Where a cap meets the block, W jumps in it, but g does not along x: such a block must be a row.
-void WindingNumber::refine(const Block& block, Field field, std::size_t list, std::vector<std::uint32_t>& pool,
-                           const Take& take) const {
-  const auto voxel = block.middle();
-  const auto centre = [](std::int64_t i) { return static_cast<double>(i) + 0.5; };
-  const Vector p{centre(voxel[0]), centre(voxel[1]), centre(voxel[2])};
-  // Half extents of a box around p with all centres of the block.
-  const auto hx = static_cast<double>(voxel[0] - block.x0), hy = static_cast<double>(voxel[1] - block.y0);
-  const double h = std::hypot(hx, hy);
-  field.angle += field.along_x * (p.x - field.at.x) + field.along_y * (p.y - field.at.y);
-  field.at = p;
-  const std::size_t end = pool.size();
-  double angle = 0;  // of what stays in the list
+// Clusters near a block, evaluated at its middle, and again for the parts of the block.
+struct WindingNumber::Near {
+  double angle = 0;
   Slope slope;
-  bool decided = true, met = false;
+  bool decided = true;  // the slope is known and not too steep
+  bool met = false;     // a cap meets the block
+};
+
+// Adds a cluster to the field when both it and the block are small compared with their distance, and opens it when it
+// is larger than the block; else it is appended to `pool`, the list of the parts of the block.
+void WindingNumber::accumulate(std::uint32_t cluster, const Middle& block, Field& field, Near& near,
+                               std::vector<std::uint32_t>& pool) const {
   std::array<std::uint32_t, 128> stack;
-  for (std::size_t i = list; i < end; ++i) {
-    std::size_t depth = 0;
-    stack[depth++] = pool[i];
-    while (depth > 0) {
-      const std::uint32_t index = stack[--depth];
-      const Node& node = nodes_[index];
-      const Vector r{node.centre.x - p.x, node.centre.y - p.y, node.centre.z - p.z};
-      const double away = std::sqrt(r.x * r.x + r.y * r.y + r.z * r.z);
-      const bool separate = node.radius < far * (away - h);
-      if (separate && h <= linear * away) {
-        field.angle += cluster_angle(node, r);
-        if (hx > 0)
-          field.along_x +=
-              (cluster_angle(node, {r.x - hx, r.y, r.z}) - cluster_angle(node, {r.x + hx, r.y, r.z})) / (2 * hx);
-        if (hy > 0)
-          field.along_y +=
-              (cluster_angle(node, {r.x, r.y - hy, r.z}) - cluster_angle(node, {r.x, r.y + hy, r.z})) / (2 * hy);
-        continue;
-      }
-      if (node.right != 0 && node.radius > h / 2) {
-        stack[depth++] = node.right;
-        stack[depth++] = index + 1;
-        continue;
-      }
+  std::size_t depth = 0;
+  stack[depth++] = cluster;
+  while (depth > 0) {
+    const std::uint32_t index = stack[--depth];
+    const Node& node = nodes_[index];
+    const Vector r{node.centre.x - block.p.x, node.centre.y - block.p.y, node.centre.z - block.p.z};
+    const double away = std::sqrt(r.x * r.x + r.y * r.y + r.z * r.z);
+    const bool separate = node.radius < kFar * (away - block.h);
+    if (separate && block.h <= kLinear * away) {
+      add_to_field(node, r, block, field);
+    } else if (node.right != 0 && node.radius > block.h / 2) {
+      stack[depth++] = node.right;
+      stack[depth++] = index + 1;
+    } else {
       pool.push_back(index);
-      if (!decided) continue;
-      if (separate) {
-        angle += cluster_angle(node, r);
-        if (h == 0) continue;
-        const double near = away - h, cubed = 1 / (away * away * away);
-        const double along = 3 * (node.sum.x * r.x + node.sum.y * r.y + node.sum.z * r.z) / (away * away);
-        slope.x += cubed * (along * r.x - node.sum.x);
-        slope.y += cubed * (along * r.y - node.sum.y);
-        slope.error += 9 * node.moment_norm / squared(squared(near));
-        slope.bend += 6 * node.area / squared(squared(near - node.radius));
-      } else if (node.right == 0) {
-        for (std::uint32_t k = node.begin; k < node.end; ++k) {
-          angle += cap_angle(caps_[k], voxel, p);
-          if (h == 0) continue;
-          add_gradient(caps_[k], p, h, slope);
-          met = met || (hy > 0 && meets(caps_[k], p, hx, hy));
-        }
-      } else {
-        decided = false;
-      }
-      if (met || slope.bend * h * h > sphere) decided = false;
+      if (near.decided) add_near(node, r, away, separate, block, near);
     }
   }
-  const double W = (field.angle + angle) / sphere;
-  if (h > 0 && decided) {
-    slope.x += field.along_x;
-    slope.y += field.along_y;
-    const double reach = std::abs(slope.x) * hx + std::abs(slope.y) * hy + slope.error * h + slope.bend * h * h / 2;
-    decided = std::abs(W - std::nearbyint(W)) + reach / sphere < 0.5;
+}
+
+void WindingNumber::add_to_field(const Node& node, const Vector& r, const Middle& block, Field& field) {
+  const double hx = block.hx, hy = block.hy;
+  field.angle += cluster_angle(node, r);
+  if (hx > 0)
+    field.along_x += (cluster_angle(node, {r.x - hx, r.y, r.z}) - cluster_angle(node, {r.x + hx, r.y, r.z})) / (2 * hx);
+  if (hy > 0)
+    field.along_y += (cluster_angle(node, {r.x, r.y - hy, r.z}) - cluster_angle(node, {r.x, r.y + hy, r.z})) / (2 * hy);
+}
+
+void WindingNumber::add_near(const Node& node, const Vector& r, double away, bool separate, const Middle& block,
+                             Near& near) const {
+  Slope& slope = near.slope;
+  if (separate) {
+    near.angle += cluster_angle(node, r);
+    if (block.h == 0) return;
+    const double gap = away - block.h, cubed = 1 / (away * away * away);
+    const double along = 3 * (node.sum.x * r.x + node.sum.y * r.y + node.sum.z * r.z) / (away * away);
+    slope.x += cubed * (along * r.x - node.sum.x);
+    slope.y += cubed * (along * r.y - node.sum.y);
+    slope.error += 9 * node.moment_norm / squared(squared(gap));
+    slope.bend += 6 * node.area / squared(squared(gap - node.radius));
+  } else if (node.right == 0) {
+    for (std::uint32_t k = node.begin; k < node.end; ++k) {
+      near.angle += cap_angle(caps_[k], block.voxel, block.p);
+      if (block.h == 0) continue;
+      add_gradient(caps_[k], block.p, block.h, slope);
+      near.met = near.met || (block.hy > 0 && meets(caps_[k], block.p, block.hx, block.hy));
+    }
+  } else {
+    near.decided = false;
   }
-  if (decided || h == 0) {
-    take(block, W);
-    pool.resize(end);
-    return;
-  }
-  // Along the longer side, but soon into rows at a cap. Lower x first: rows are filled from left to right.
+  if (near.met || slope.bend * block.h * block.h > kSphere) near.decided = false;
+}
+
+// How far W can be from its value at the middle, anywhere in the block.
+double WindingNumber::error_bound(const Middle& block, const Field& field, const Slope& slope) {
+  const double reach = std::abs(slope.x + field.along_x) * block.hx + std::abs(slope.y + field.along_y) * block.hy +
+                       slope.error * block.h + slope.bend * block.h * block.h / 2;
+  return reach / kSphere;
+}
+
+// Along the longer side, but soon into rows at a cap. Lower x first: rows are filled from left to right.
+std::array<WindingNumber::Block, 2> WindingNumber::split(const Block& block, bool met) {
   const std::int64_t nx = block.x1 - block.x0, ny = block.y1 - block.y0;
   Block low = block, high = block;
   if (ny > 1 && (ny >= nx || (met && nx <= 16)))
     low.y1 = high.y0 = block.y0 + ny / 2;
   else
     low.x1 = high.x0 = block.x0 + nx / 2;
-  for (const Block& part : {low, high}) {
+  return {low, high};
+}
+
+// Blocks are within one slice. Where a cap meets the block, W jumps in it, but g does not along x: such a block must be
+// a row.
+void WindingNumber::refine(const Block& block, Field field, std::size_t list, std::vector<std::uint32_t>& pool,
+                           const Take& take) const {
+  const Middle middle(block);
+  field.move_to(middle.p);
+  const std::size_t end = pool.size();
+  Near near;
+  for (std::size_t i = list; i < end; ++i) accumulate(pool[i], middle, field, near, pool);
+  const double W = (field.angle + near.angle) / kSphere;
+  if (middle.h == 0 ||
+      (near.decided && std::abs(W - std::nearbyint(W)) + error_bound(middle, field, near.slope) < 0.5)) {
+    take(block, W);
+    pool.resize(end);
+    return;
+  }
+  for (const Block& part : split(block, near.met)) {
     const std::size_t mine = pool.size();
-    // The part looks at a list that ends where its own begins.
+    // The list of a part must end where the part begins its own.
     for (std::size_t i = end; i < mine; ++i) pool.push_back(pool[i]);
     refine(part, field, mine, pool, take);
     pool.resize(mine);

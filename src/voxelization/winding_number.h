@@ -29,7 +29,7 @@ struct CapCrossings {
   std::int32_t until(std::int64_t x, std::int64_t y) const;
 };
 
-/// The generalized winding number w (Jacobson 2013) of any set of triangles, as what a scanline needs of it.
+/// The part of the generalized winding number w (Jacobson 2013) of any set of triangles that scan conversion needs.
 ///
 /// The boundary of the surface (with multiplicity: what is left when edges of opposite direction cancel) is a set of
 /// closed paths. Each is closed by a cap of triangles, whatever the path: the faces and the caps together have no
@@ -39,7 +39,7 @@ struct CapCrossings {
 ///     w(p) = R(p) - g(p),   g = W - C.
 ///
 /// g is 0 for a closed surface, depends on boundary edges alone (not on how they are capped), and has no jump along a
-/// scanline: R has them all, and R is exact. Of an integer R, |w| > 1/2 says R != round(g). So this class finds
+/// scanline: R has them all, and R is exact. For an integer R, |w| > 1/2 means R != round(g). So this class finds
 /// round(g), and voxels at the surface are as exact as in a closed mesh.
 ///
 /// W is summed over a tree of caps (Barill 2018): exact for those nearby, the first two moments of clusters that are
@@ -90,11 +90,13 @@ class WindingNumber {
     std::int64_t x0, x1, y0, y1, z;
     std::array<std::int64_t, 3> middle() const { return {(x0 + x1) / 2, (y0 + y1) / 2, z}; }
   };
+  struct Middle;
   struct Field;
+  struct Near;
   struct Slope {
     double x = 0, y = 0;  ///< gradient of 4 pi W within the slice
-    double error = 0;     ///< of that
-    double bend = 0;      ///< bound of its own derivatives in the block
+    double error = 0;     ///< bound of the error of x and y
+    double bend = 0;      ///< bound of the derivatives of the gradient in the block
   };
   using Take = std::function<void(const Block&, double W)>;
 
@@ -108,8 +110,14 @@ class WindingNumber {
   static void add_gradient(const Cap& cap, const Vector& p, double within, Slope& slope);
   /// Whether the cap meets the box of half sides hx, hy, 0 around p, roughly.
   static bool meets(const Cap& cap, const Vector& p, double hx, double hy);
-  /// Calls `take` for blocks in which the rounded W is that of its middle, but for crossings of caps. `pool` from
-  /// `list` on: clusters to look at.
+  void accumulate(std::uint32_t cluster, const Middle& block, Field& field, Near& near,
+                  std::vector<std::uint32_t>& pool) const;
+  static void add_to_field(const Node& node, const Vector& r, const Middle& block, Field& field);
+  void add_near(const Node& node, const Vector& r, double away, bool separate, const Middle& block, Near& near) const;
+  static double error_bound(const Middle& block, const Field& field, const Slope& slope);
+  static std::array<Block, 2> split(const Block& block, bool met);
+  /// Calls `take` for blocks in which W, rounded, is that of the middle but for crossings of caps. The clusters to
+  /// evaluate are those of `pool` from `list` on.
   void refine(const Block& block, Field field, std::size_t list, std::vector<std::uint32_t>& pool,
               const Take& take) const;
 

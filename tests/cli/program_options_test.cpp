@@ -338,7 +338,7 @@ TEST_F(Options, SentencesThatHelp) {
   folder.write("bad.png", "\x89PNG\r\n\x1a\n" + header + checksum + std::string(12, '\0'));
   refuses(3, {"'bad.png'", "checksum of the block at byte 8 is wrong", "copy it again"}, {"info", "bad.png"});
   folder.write("short.off", "OFF\n4294967299 1 0\n0 0 0\n");
-  refuses(3, {"4294967299 vertices and 1 face are announced"}, {"info", "short.off"});
+  refuses(3, {"4294967299 vertices and 1 face are declared"}, {"info", "short.off"});
   folder.write("cube.off", cube_off());
   refuses(2, {"--lambda '-1' is negative"}, {"core", "cube.off", "-o", "a.vtp", "--lambda", "-1"});
   folder.write("a.docx", "text");
@@ -349,8 +349,7 @@ TEST_F(Options, SentencesThatHelp) {
     refuses(3, {std::string("'") + half + "' has the unknown file type", "pair .hdr/.img", ".nii"}, {"info", half});
   }
   folder.write("type.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty flaot x\nend_header\n0\n");
-  refuses(3, {"'type.ply', line 4: the type of a property is 'flaot', which is not one of PLY's"},
-          {"info", "type.ply"});
+  refuses(3, {"'type.ply', line 4: 'flaot' is not a type of PLY properties"}, {"info", "type.ply"});
   folder.write("short.vol", "Version: 2\nX: 4\nY: 4\nZ: 4\nVoxel-Size: 1\n.\nabc");
   refuses(3, {"'short.vol'", "4 x 4 x 4 voxels of 1 byte but"}, {"info", "short.vol"});
   refuses(3, {"'plain' has no file type in its name"}, {"core", "plain", "-o", "a.vtp"});

@@ -78,12 +78,11 @@ TEST(SliceFolder, AMissingSliceIsNamed) {
 }
 
 TEST(SliceFolder, ANumberThatIsThereTwiceIsNamed) {
-  EXPECT_EQ(
-      refused(with(numbered(0, 11, -1), {"img_6.png"})),
-      "the slices in 'F' are numbered, and number 6 is there twice, as 'img_0006.png' and 'img_6.png'; move one of "
-      "them out of the folder, or renumber the slices");
-  EXPECT_NE(refused({"s00.png", "s0.png"}).find("number 0 is there twice"), std::string::npos);
-  EXPECT_NE(refused({"s1.png", "s2.png", "s2.PNG"}).find("number 2 is there twice"), std::string::npos);
+  EXPECT_EQ(refused(with(numbered(0, 11, -1), {"img_6.png"})),
+            "the slices in 'F' are numbered, and number 6 occurs twice, as 'img_0006.png' and 'img_6.png'; move one of "
+            "them out of the folder, or renumber the slices");
+  EXPECT_NE(refused({"s00.png", "s0.png"}).find("number 0 occurs twice"), std::string::npos);
+  EXPECT_NE(refused({"s1.png", "s2.png", "s2.PNG"}).find("number 2 occurs twice"), std::string::npos);
 }
 
 TEST(SliceFolder, AFileThatIsNotNumberedAsTheOthersIsNamed) {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "smooth_shapes.h"
-#include "verification/box_tree.h"
+#include "verification/bvh.h"
 
 namespace quench::smooth {
 
@@ -49,7 +49,7 @@ inline VoxelizationDistances voxelization_distances(const Solid& solid, const Vo
     d.voxels_to_solid = std::max(d.voxels_to_solid, signed_distance);
     sites.push_back({p, p});
   }
-  const verification::BoxTree nearest_site(std::move(sites));
+  const verification::Bvh nearest_site(std::move(sites));
   for (const SurfacePoint& s : surface_sample(solid, samples)) {
     d.surface_to_vertices = std::max(d.surface_to_vertices, nearest_site.nearest_squared(grid.lattice(s.point)));
     for (const double below : {0.0, 0.3, 0.6})

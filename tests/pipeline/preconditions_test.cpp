@@ -148,7 +148,7 @@ TEST(Preconditions, ThresholdsAndPointsAreNumbers) {
   const SkeletonFamily family = skeletons(quench_curves(axis.complex, axis.points, axis.radius, burning));
   expect_refused([&] { extract(family, kNan, 1); }, "theta2");
   expect_refused([&] { extract(family, 1, kNan); }, "theta1");
-  expect_refused([&] { extract(family, 1, 1, {.parts = false, .tips = kNan}); }, "tips");
+  expect_refused([&] { extract(family, 1, 1, {.parts = false, .regrow_tips_above = kNan}); }, "tips");
 
   std::vector<Vec3> points = axis.points;
   points.pop_back();

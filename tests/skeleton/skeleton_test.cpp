@@ -123,7 +123,7 @@ TEST(Skeleton, EveryMemberHasTheTopologyOfTheAxis) {
     for (const double theta2 : {0.0, 0.1, 0.5, 1.5, kInfinity})
       for (const double theta1 : {0.0, 0.2, 1.0, kInfinity})
         for (const bool parts : {false, true}) {
-          const Skeleton skeleton = extract(family, theta2, theta1, {.parts = parts, .tips = kInfinity});
+          const Skeleton skeleton = extract(family, theta2, theta1, {.parts = parts, .regrow_tips_above = kInfinity});
           skeleton.complex.validate();
           ASSERT_EQ(topology(skeleton.complex), wanted)
               << "theta2 " << theta2 << " theta1 " << theta1 << " parts " << parts;
@@ -184,7 +184,7 @@ TEST(Skeleton, LinearCurvePruningIsGreedyPruning) {
         const Cells cells = greedy(family, theta2, theta1, random);
         const Topology wanted = topology(part_of(family.refined.complex, cells.vertex, cells.edge, cells.face));
         ASSERT_EQ(wanted, topology(input.complex));
-        const Skeleton skeleton = extract(family, theta2, theta1, {.parts = true, .tips = kInfinity});
+        const Skeleton skeleton = extract(family, theta2, theta1, {.parts = true, .regrow_tips_above = kInfinity});
         double expected = 0, found = 0;  // total thickness of curves off the sheets
         std::vector<char> on_face(cells.edge.size(), 0), has_face(skeleton.complex.edges.size(), 0);
         for (std::size_t f = 0; f < cells.face.size(); ++f)
@@ -219,7 +219,7 @@ TEST(Skeleton, MembersAreNested) {
     const SkeletonFamily family = skeletons(refined(input, some_omega(seed), Propagation::segments));
     const auto places = [&](double theta2, double theta1) {
       std::vector<std::array<double, 3>> points;
-      for (const Vec3& p : extract(family, theta2, theta1, {.parts = true, .tips = kInfinity}).points)
+      for (const Vec3& p : extract(family, theta2, theta1, {.parts = true, .regrow_tips_above = kInfinity}).points)
         points.push_back({p[0], p[1], p[2]});
       std::sort(points.begin(), points.end());
       return points;
@@ -294,7 +294,7 @@ TEST(Skeleton, TipsGrowBack) {
     for (const double theta2 : {0.4, kInfinity})
       for (const double theta1 : {0.3, 1.0}) {
         const Skeleton cut = extract(family, theta2, theta1);
-        const Skeleton grown = extract(family, theta2, theta1, {.parts = false, .tips = 0.05});
+        const Skeleton grown = extract(family, theta2, theta1, {.parts = false, .regrow_tips_above = 0.05});
         grown.complex.validate();
         ASSERT_EQ(topology(grown.complex), topology(input.complex));
         // Not equal: what was pruned to an edge of length zero, written as a point, can grow at both ends.

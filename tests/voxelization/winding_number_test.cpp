@@ -29,7 +29,7 @@ struct Fixed {
       low = low.cwiseMin(p);
       high = high.cwiseMax(p);
     }
-    const double scale = std::ldexp(static_cast<double>(cells), fraction_bits) / (high - low).maxCoeff();
+    const double scale = std::ldexp(static_cast<double>(cells), kFractionBits) / (high - low).maxCoeff();
     for (const Vec3& p : mesh.points) {
       points.emplace_back();
       for (int a = 0; a < 3; ++a) points.back()[static_cast<std::size_t>(a)] = std::llround((p[a] - low[a]) * scale);
@@ -39,7 +39,7 @@ struct Fixed {
   Vec3 at(std::uint32_t p) const {
     return Vec3(static_cast<double>(points[p][0]), static_cast<double>(points[p][1]),
                 static_cast<double>(points[p][2])) *
-           std::ldexp(1.0, -fraction_bits);
+           std::ldexp(1.0, -kFractionBits);
   }
   double winding_number(const Vec3& p) const {
     double angle = 0;

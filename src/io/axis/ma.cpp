@@ -40,12 +40,12 @@ Record read_ma(const FileText& file) {
       add_cell(data, corners, file.name);
       ++(edge ? found_edges : found_faces);
     } else {
-      words.fail("a line begins with none of v, e and f");
+      words.fail("a line does not begin with v, e or f");
     }
   }
   if (static_cast<std::size_t>(vertices) != data.points.size() || edges != found_edges || faces != found_faces)
     throw Error(ErrorCode::input,
-                fmt::format("'{}' announces {} vertices, {} edges and {} faces, and has {}, {} and {}", file.name,
+                fmt::format("'{}' declares {} vertices, {} edges and {} faces, but has {}, {} and {}", file.name,
                             vertices, edges, faces, data.points.size(), found_edges, found_faces));
   data.point_data.push_back({"radius", 1, std::move(radii)});
   add_isolated_points(data);

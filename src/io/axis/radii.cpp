@@ -9,12 +9,13 @@
 #include "io/common/words.h"
 #include "io/mesh/weld.h"
 
-/// Radii beside a mesh: a count, then `x y z r` per line. The lines belong to vertices by position, not by order.
+/// Radii of the vertices of a mesh: a count, then `x y z r` per line. Lines belong to vertices by position, not by
+/// order.
 namespace quench::io {
 namespace {
 
 /// A balanced kd-tree: the middle of a range of `order` splits it along the range's longest axis. O(n log n) to build,
-/// O(log n) a query for points close to their partner.
+/// O(log n) per query for points close to one of the tree.
 class KdTree {
  public:
   explicit KdTree(const std::vector<Vec3>& points) : points_(points), order_(points.size()), axis_(points.size()) {
@@ -84,12 +85,12 @@ std::vector<double> read_radii(const std::filesystem::path& path, const std::vec
     const double x = words.coordinate_on_line("x"), y = words.coordinate_on_line("y"),
                  z = words.coordinate_on_line("z"), r = words.coordinate_on_line("the radius");
     if (r < 0) words.fail(fmt::format("the radius {} is negative", r));
-    // Repeated places would make every query near them visit them all; the first one counts.
+    // Repeated points would make every query near them visit them all; the first one counts.
     if (weld(Vec3(x, y, z), places) == radii.size()) radii.push_back(r);
     ++rows;
   }
   if (count < 0 || static_cast<std::size_t>(count) != rows)
-    throw Error(ErrorCode::input, fmt::format("'{}' announces {} radii and has {}", file.name, count, rows));
+    throw Error(ErrorCode::input, fmt::format("'{}' declares {} radii, but has {}", file.name, count, rows));
   std::vector<double> result;
   if (points.empty()) return result;
 

@@ -10,7 +10,7 @@
 namespace quench::io {
 namespace {
 
-/// fsync(); 0 also for what cannot be flushed: pipes, and file systems that do not offer it or are read only.
+/// fsync(); 0 also where it is not possible: pipes, file systems that do not support it or are read only.
 int flushed(int descriptor) {
   while (::fsync(descriptor) != 0) {
     if (errno == EINTR) continue;

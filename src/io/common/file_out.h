@@ -10,8 +10,8 @@
 
 namespace quench::io {
 
-/// A file that is written from its beginning. Unlike std::ofstream it can refuse a file that is there, give a new one
-/// its permissions from the first byte on, and wait until the disk has it. Once a call has failed, error() is its
+/// A file that is written from its beginning. Unlike std::ofstream it can refuse a file that exists, give a new one its
+/// permissions from the first byte on, and wait until the data are on the disk. Once a call has failed, error() is its
 /// errno and all further output is lost.
 class FileOut : private std::streambuf {
  public:
@@ -20,14 +20,15 @@ class FileOut : private std::streambuf {
   FileOut& operator=(const FileOut&) = delete;
   ~FileOut() override { close(); }
 
-  /// Creates the file; error() is EEXIST when there is one of this name, a link included.
+  /// Creates the file; error() is EEXIST when one of this name exists, a link included.
   void create(const std::filesystem::path& file, mode_t permissions);
-  /// Writes into a file that is there, e.g. a pipe or a device.
+  /// Writes into a file that exists, e.g. a pipe or a device.
   void open(const std::filesystem::path& file);
-  /// Exactly these, whatever the umask is. A file system without permissions is left as it is.
+  /// Exactly these permissions, whatever the umask is. File systems without permissions ignore them.
   void set_permissions(mode_t permissions);
   std::ostream& stream() { return stream_; }
-  /// Hands all output to the system, and waits until it is on the disk. Where files cannot be waited for, it returns.
+  /// Hands all output to the system, and waits until it is on the disk. Returns at once where the file cannot be
+  /// flushed.
   void flush_to_disk();
   void close();
   int error() const { return error_; }

@@ -14,16 +14,16 @@
 namespace quench::io {
 namespace {
 
-constexpr std::array surface_extensions{".ply", ".obj", ".off", ".stl", ".vtp", ".ma"};
+constexpr std::array kSurfaceExtensions{".ply", ".obj", ".off", ".stl", ".vtp", ".ma"};
 // What Assimp reads and people store meshes in. Listed here so that the kind of a file does not depend on how Quench
 // was built: without Assimp, reading explains what is missing.
-constexpr std::array assimp_extensions{".3ds", ".3mf", ".ac",  ".amf",     ".ase",  ".b3d",  ".blend", ".bvh",
+constexpr std::array kAssimpExtensions{".3ds", ".3mf", ".ac",  ".amf",     ".ase",  ".b3d",  ".blend", ".bvh",
                                        ".dae", ".dxf", ".fbx", ".glb",     ".gltf", ".iqm",  ".irr",   ".lwo",
                                        ".lws", ".md2", ".md3", ".md5mesh", ".mdl",  ".ms3d", ".nff",   ".ogex",
                                        ".q3d", ".smd", ".ter", ".wrl",     ".x",    ".x3d",  ".xgl",   ".zgl"};
-constexpr std::array volume_extensions{".nrrd", ".nhdr", ".mha", ".mhd", ".nii", ".mrc", ".map",
+constexpr std::array kVolumeExtensions{".nrrd", ".nhdr", ".mha", ".mhd", ".nii", ".mrc", ".map",
                                        ".tif",  ".tiff", ".png", ".npy", ".vol", ".sof"};
-constexpr std::array slice_extensions{".png", ".tif", ".tiff"};
+constexpr std::array kSliceExtensions{".png", ".tif", ".tiff"};
 
 bool among(const auto& list, const std::string& extension) {
   return std::find(list.begin(), list.end(), extension) != list.end();
@@ -47,18 +47,18 @@ Kind kind_of(const std::filesystem::path& file) {
   if (std::filesystem::is_directory(file, ignored)) {
     for (std::filesystem::directory_iterator entry(file, ignored), end; !ignored && entry != end;
          entry.increment(ignored))
-      if (among(slice_extensions, lower_extension(entry->path()))) return Kind::volume;
+      if (among(kSliceExtensions, lower_extension(entry->path()))) return Kind::volume;
     return Kind::unknown;
   }
   const std::string extension = lower_extension(file);
-  if (among(surface_extensions, extension) || among(assimp_extensions, extension)) return Kind::surface;
-  if (among(volume_extensions, extension) || ends_with_nii_gz(file)) return Kind::volume;
+  if (among(kSurfaceExtensions, extension) || among(kAssimpExtensions, extension)) return Kind::surface;
+  if (among(kVolumeExtensions, extension) || ends_with_nii_gz(file)) return Kind::volume;
   return Kind::unknown;
 }
 
 namespace {
 
-/// Before `more` bytes are taken beside the `held` ones.
+/// Throws when `more` bytes do not fit into memory beside the `held` ones.
 void check_text_memory(const std::string& name, std::size_t held, std::size_t more, const Context* context) {
   if (more < std::size_t{1} << 24) return;  // asking the system takes longer than reading this
   const bool limited = context && context->memory_limit > 0;
@@ -109,7 +109,7 @@ Record read_record(const std::filesystem::path& file, Context* context) {
   if (extension == ".stl") return read_stl(load_file(file, context));
   if (extension == ".vtp") return read_vtp(load_file(file, context));
   if (extension == ".ma") return read_ma(load_file(file, context));
-  if (among(assimp_extensions, extension)) {
+  if (among(kAssimpExtensions, extension)) {
 #ifdef QUENCH_HAS_ASSIMP
     return read_with_assimp(file);
 #else
@@ -202,8 +202,8 @@ std::string space_comment(const Record& data) {
 }
 
 float to_float(double value) {
-  constexpr double largest = std::numeric_limits<float>::max();
-  return static_cast<float>(value > largest ? largest : value < -largest ? -largest : value);
+  constexpr double kLargest = std::numeric_limits<float>::max();
+  return static_cast<float>(value > kLargest ? kLargest : value < -kLargest ? -kLargest : value);
 }
 
 }  // namespace quench::io

@@ -19,7 +19,7 @@ struct FileText {
 };
 
 /// Throws Error(failed) when the file cannot be opened or read, or when it takes more memory than the context allows
-/// or, where that says nothing, than is free: a device may have no end.
+/// or, without a limit there, than is free: a device may have no end.
 FileText load_file(const std::filesystem::path& file, Context* context);
 
 /// The extension in lower case, with its dot.
@@ -41,22 +41,22 @@ void write_r(std::ostream& out, const Record& data);
 void write_csv(std::ostream& out, const Record& data);
 void write_vtp(std::ostream& out, const Record& data);
 
-/// A cell by its number of corners, the rule of all formats for what they call a face: one is an isolated point, two a
-/// line, more a polygon. Readers refuse a face without corners. Throws Error(input) naming
+/// Adds a cell of the kind that its number of corners says, whatever the format calls it: one is an isolated point, two
+/// a line, more a polygon. Readers refuse a face without corners. Throws Error(input) naming
 /// the file when the corners outgrow 32-bit offsets.
 void add_cell(Record& data, std::span<const std::uint32_t> corners, const std::string& file);
 
-/// Makes every point that no cell uses a cell of its own, with zeros in cell arrays: in the formats of medial axes that
-/// have no cells for points, a lone point is a part of the axis.
+/// Adds an isolated point for every point that no cell uses, with zeros in cell arrays: in formats of medial axes
+/// without cells for points, such a point is a part of the axis.
 void add_isolated_points(Record& data);
 
 /// The values of the point array `radius`; throws Error(input) naming the format that needs them.
 std::vector<double> required_radii(const Record& data, const char* format);
 
-/// "SPACE=LPS" where the data say so, for a comment of a format without a place for it; Slicer reads it there.
+/// "SPACE=LPS" where the data say so, for a comment in formats without a field for it; Slicer reads it there.
 std::string space_comment(const Record& data);
 
-/// A float that an out-of-range double becomes without undefined behaviour: the largest finite one.
+/// The nearest float; for a double beyond their range the largest finite one (a cast would be undefined).
 float to_float(double value);
 
 }  // namespace quench::io

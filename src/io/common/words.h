@@ -30,10 +30,11 @@ class Words {
   std::string_view next_on_line();
   /// Goes to the next line that has a word; false at the end of the text.
   bool next_line();
-  /// The unread rest of the present line, without its line end; the line is read then.
+  /// Reads the rest of the present line, without its line end.
   std::string_view rest_of_line();
 
-  /// Any next word as a number; finite where `coordinate`, on the present line where it says so.
+  /// The next word as a number: of the present line for `on_line`, else of the text; `coordinate`: a finite one.
+  /// `what`: its name in errors.
   double number(const char* what);
   double coordinate_on_line(const char* what);
   double number_on_line(const char* what);

@@ -26,23 +26,23 @@ namespace fs = std::filesystem;
 
 std::string reason_of(int error) { return error ? std::strerror(error) : "the system gives no reason"; }
 
-/// Lets `body` write, and waits until the disk has it; errors are told about `file`.
+/// Lets `body` write, and waits until the disk has it. Errors name `file`.
 void write_to(FileOut& out, const fs::path& file, const std::function<void(std::ostream&)>& body) {
   if (out.error()) cannot_write(file, reason_of(out.error()));
   body(out.stream());
-  // A body does not look at the stream: once it has failed, later output is lost and the reason is kept.
+  // A body does not check the stream: once it has failed, later output is lost and the first reason is kept.
   out.flush_to_disk();
   out.close();
   if (out.error() || !out.stream()) cannot_write(file, reason_of(out.error()));
 }
 
-/// Renaming, and the end of the program by somebody who does not wait: how many threads rename just now, or `kStopped`.
+/// How many threads rename just now; `kStopped`: the program is about to end, and nothing may be renamed any more.
 constexpr unsigned kStopped = ~0u;
 std::atomic<unsigned> renaming{0};
 std::atomic<bool> in_place{false};
 static_assert(std::atomic<unsigned>::is_always_lock_free);
 
-/// For its lifetime stop_outputs() has to wait.
+/// While one exists, stop_outputs() waits.
 struct Renaming {
   Renaming() {
     unsigned now = renaming.load();
@@ -65,17 +65,18 @@ fs::path folder_of(const fs::path& file) { return file.has_parent_path() ? file.
 
 void flush_folder(const fs::path& folder, const fs::path& file) {
   if (const int error = flush_folder_to_disk(folder))
-    cannot_write(file, fmt::format("it is there, but its folder cannot be flushed to the disk: {}", reason_of(error)));
+    cannot_write(file,
+                 fmt::format("it is written, but its folder cannot be flushed to the disk: {}", reason_of(error)));
 }
 
 thread_local OutputGroup* open_group = nullptr;
 
-// Names of temporary files, for a handler of signals: it may neither allocate nor lock. Whoever takes a name out of its
-// place owns it.
+// Names of temporary files, for a signal handler, which may neither allocate nor lock. Who exchanges a name for null
+// owns it.
 std::array<std::atomic<char*>, 64> remembered{};
 static_assert(std::atomic<char*>::is_always_lock_free);
 
-/// The place of the name; none, when all are taken.
+/// Index of the name in `remembered`; -1 when it is full.
 int remember(const fs::path& path) {
   char* name = ::strdup(path.c_str());
   for (std::size_t i = 0; name && i < remembered.size(); ++i)
@@ -91,11 +92,11 @@ void forget(int place) {
 /// A file of a new name beside the output; removed at the end of its scope unless it has been renamed.
 class Temporary {
  public:
-  /// `out.error()` says why when there is none.
+  /// Where it cannot be created, `out.error()` says why.
   Temporary(const fs::path& folder, mode_t permissions, FileOut& out) {
-    std::random_device random;  // nobody can be there first, with a link to a file of ours
+    std::random_device random;  // no one can guess the name and put a link to another file there
     for (int tries = 0; tries < 100; ++tries) {
-      if (renaming == kStopped) throw Error(ErrorCode::cancelled, "cancelled");  // nobody would remove it
+      if (renaming == kStopped) throw Error(ErrorCode::cancelled, "cancelled");  // it would not be removed
       path = folder / fmt::format(".quench-{:08x}{:08x}.tmp", random(), random());
       place = remember(path);
       out.create(path, permissions);
@@ -116,7 +117,7 @@ class Temporary {
   }
 
   fs::path path;
-  int place = -1;  ///< of its name among those remembered; none where all are taken
+  int place = -1;  ///< index of the name in `remembered`, or -1
   bool created = false, kept = false;
 };
 
@@ -140,7 +141,7 @@ struct PostponedRename {
 };
 
 OutputGroup::OutputGroup() {
-  if (open_group) throw Error(ErrorCode::invariant, "a group of outputs is begun inside another");
+  if (open_group) throw Error(ErrorCode::invariant, "a group of outputs must not be begun inside another");
   open_group = this;
 }
 

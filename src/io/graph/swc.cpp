@@ -10,19 +10,20 @@
 #include <tuple>
 #include <utility>
 
+#include "base/csr.h"
 #include "base/union_find.h"
 #include "io/common/text_out.h"
 #include "quench/error.h"
 #include "quench/graph.h"
 #include "quench/io.h"
 
-/// A curve graph as trees of samples. What SWC cannot say (loops, sheets) is in the header, in front of all rows: some
-/// readers take comments only there.
+/// A curve graph as trees of samples. What SWC cannot express (loops, sheets) is in the header, before all rows: some
+/// readers accept comments only there.
 namespace quench::io {
 namespace {
 
-// Of SWC and SWC+. The first name of a number is the one that files say.
-constexpr std::array<std::pair<std::string_view, int>, 9> type_names{{{"undefined", 0},
+// Sample types of SWC and SWC+. Files contain the first name of a number.
+constexpr std::array<std::pair<std::string_view, int>, 9> kTypeNames{{{"undefined", 0},
                                                                       {"soma", 1},
                                                                       {"axon", 2},
                                                                       {"dendrite", kSwcDendrite},
@@ -33,7 +34,7 @@ constexpr std::array<std::pair<std::string_view, int>, 9> type_names{{{"undefine
                                                                       {"glia", 7}}};
 
 std::string type_text(int type) {
-  for (const auto& [name, number] : type_names)
+  for (const auto& [name, number] : kTypeNames)
     if (number == type) return fmt::format("{} ({})", type, name);
   return fmt::format("{}", type);
 }
@@ -44,7 +45,7 @@ struct Row {
   std::uint64_t parent;  ///< id, or 0
 };
 
-/// A way out of a node: a branch from its first or last point, or a straight link to another node of the same sheet.
+/// A way out of a node: a branch, from its first or last point, or a straight link to another node of the same sheet.
 struct Way {
   std::uint32_t node = 0, branch = kNone;
   bool backwards = false;
@@ -125,8 +126,8 @@ class Trees {
       if (nodes[n].sheet != kNone && hub[nodes[n].sheet] != n) {
         const std::uint32_t middle = hub[nodes[n].sheet];
         sets_.unite(n, middle);
-        ways_.push_back({n, kNone, false, middle});
-        ways_.push_back({middle, kNone, false, n});
+        sheet_ways_.push_back({n, kNone, false, middle});
+        sheet_ways_.push_back({middle, kNone, false, n});
       }
   }
 
@@ -143,7 +144,7 @@ class Trees {
       if (!sets_.unite(graph_.branches[b].from, graph_.branches[b].to)) cut_[b] = thinnest_segment(graph_.branches[b]);
   }
 
-  /// Ties: the nearest to the middle.
+  /// Of equally thin ones the nearest to the middle.
   static std::uint32_t thinnest_segment(const CurveGraph::Branch& branch) {
     const auto segments = static_cast<std::uint32_t>(branch.points.size() - 1);
     const auto key = [&](std::uint32_t i) {
@@ -158,16 +159,15 @@ class Trees {
   }
 
   void list_ways() {
-    for (std::uint32_t b = 0; b < graph_.branches.size(); ++b) {
-      ways_.push_back({graph_.branches[b].from, b, false, kNone});
-      ways_.push_back({graph_.branches[b].to, b, true, kNone});
-    }
-    std::sort(ways_.begin(), ways_.end(), [](const Way& a, const Way& b) {
-      return std::tie(a.node, a.branch, a.backwards, a.linked) < std::tie(b.node, b.branch, b.backwards, b.linked);
+    ways_ = base::Csr<Way>::group(graph_.nodes.size(), [&](const auto& emit) {
+      for (const Way& way : sheet_ways_) emit(way.node, way);
+      for (std::uint32_t b = 0; b < graph_.branches.size(); ++b) {
+        emit(graph_.branches[b].from, {graph_.branches[b].from, b, false, kNone});
+        emit(graph_.branches[b].to, {graph_.branches[b].to, b, true, kNone});
+      }
     });
-    first_way_.assign(graph_.nodes.size() + 1, 0);
-    for (const Way& way : ways_) ++first_way_[way.node + 1];
-    for (std::size_t n = 0; n < graph_.nodes.size(); ++n) first_way_[n + 1] += first_way_[n];
+    for (std::size_t n = 0; n < graph_.nodes.size(); ++n)
+      std::ranges::sort(ways_[n], {}, [](const Way& w) { return std::tie(w.branch, w.backwards, w.linked); });
   }
 
   /// One per tree, in the order of the trees' first nodes.
@@ -198,7 +198,7 @@ class Trees {
     return rows_.size();
   }
 
-  /// The points of a branch behind its first, seen along `way`, up to the cut or to before the last.
+  /// Adds the points of a branch, in the direction of `way`, from the second one up to the cut or to the last but one.
   std::uint64_t add_inner_points(const Way& way, std::uint64_t parent) {
     const CurveGraph::Branch& branch = graph_.branches[way.branch];
     const std::size_t last = branch.points.size() - 1, cut = cut_[way.branch];
@@ -212,7 +212,7 @@ class Trees {
     return parent;
   }
 
-  /// Depth first: the samples of a branch follow each other.
+  /// Adds the rows of a tree depth first: the samples of a branch follow each other.
   void grow(std::uint32_t root) {
     struct Visit {
       Way way;
@@ -223,8 +223,7 @@ class Trees {
       const std::uint64_t id = add_row(graph_.nodes[n].point, graph_.nodes[n].radius, parent);
       if (from && from->branch == kNone) links_.push_back(id);
       const std::size_t bottom = stack.size();
-      for (std::size_t w = first_way_[n]; w < first_way_[n + 1]; ++w) {
-        const Way& way = ways_[w];
+      for (const Way& way : ways_[n]) {
         const bool cut = way.branch != kNone && cut_[way.branch] != kNone;
         const bool back = from && (way.branch == kNone ? from->branch == kNone && way.linked == from->node
                                                        : way.branch == from->branch);
@@ -254,8 +253,8 @@ class Trees {
   base::UnionFind sets_;
   std::vector<std::uint32_t> cut_;                     ///< per branch: the segment left out, or kNone
   std::vector<std::array<std::uint64_t, 2>> cut_ids_;  ///< per cut branch: the samples on both sides of the cut
-  std::vector<Way> ways_;                              ///< by node
-  std::vector<std::size_t> first_way_;
+  std::vector<Way> sheet_ways_;                        ///< straight links, from both their ends
+  base::Csr<Way> ways_;                                ///< per node: all ways out of it
   std::vector<Row> rows_;
   std::vector<std::uint64_t> links_, root_ids_;
   SwcReport report_;
@@ -264,13 +263,13 @@ class Trees {
 }  // namespace
 
 int swc_type_of(std::string_view text, std::string_view what) {
-  for (const auto& [name, number] : type_names)
+  for (const auto& [name, number] : kTypeNames)
     if (text == name) return number;
   int type = -1;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), type);
   if (error == std::errc() && end == text.data() + text.size() && type >= 0 && type <= 255) return type;
   std::string names;
-  for (const auto& [name, number] : type_names) names += fmt::format("{}{}", names.empty() ? "" : ", ", name);
+  for (const auto& [name, number] : kTypeNames) names += fmt::format("{}{}", names.empty() ? "" : ", ", name);
   throw Error(
       ErrorCode::usage,
       fmt::format("{} '{}' is not a type of SWC samples; give a number from 0 to 255 or one of {}", what, text, names));

@@ -10,16 +10,16 @@
 #include <utility>
 #include <vector>
 
-#include "io/common/apart.h"
+#include "io/common/child_process.h"
 #include "io/common/formats.h"
 #include "io/mesh/weld.h"
 
-/// Meshes in the formats of other programs, through Assimp. It stores coordinates in single precision, and corners as
-/// often as normals or texture need: only positions are taken, and equal ones become one vertex.
+/// Meshes in the formats of other programs, through Assimp. It stores coordinates in single precision, and a vertex
+/// once for each of its normals or texture coordinates: only positions are taken, and equal ones become one vertex.
 namespace quench::io {
 namespace {
 
-/// Adds a mesh in the place where a node of the scene puts it.
+/// Adds a mesh, transformed as a node of the scene says.
 void add_mesh(const aiMesh& mesh, const aiMatrix4x4& place, const std::string& file, Weld& weld, Record& data) {
   std::vector<std::uint32_t> vertex(mesh.mNumVertices);
   for (unsigned v = 0; v < mesh.mNumVertices; ++v) {
@@ -29,7 +29,7 @@ void add_mesh(const aiMesh& mesh, const aiMatrix4x4& place, const std::string& f
       throw Error(ErrorCode::input, fmt::format("'{}': a coordinate of vertex {} is not finite", file, v));
     vertex[v] = weld(point, data.points);
   }
-  // A place that mirrors turns the faces inside out unless their corners are reversed.
+  // A reflection turns faces inside out unless their corners are reversed.
   const bool mirrored = aiMatrix3x3(place).Determinant() < 0;
   std::vector<std::uint32_t> corners;
   for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
@@ -77,7 +77,7 @@ Record read_scene(const std::string& file) {
   return data;
 }
 
-// A mesh as bytes, from the process that reads to the one that asked: every vector as its size and its memory.
+// A mesh as bytes, from the child process to its parent: every vector as its size and its memory.
 template <class Data, class Vector>
 void vectors(Data& data, const Vector& vector) {
   vector(data.points);
@@ -125,7 +125,7 @@ Record read_with_assimp(const std::filesystem::path& path) {
     throw Error(ErrorCode::failed,
                 fmt::format("cannot open '{}': {}", file, error ? error.message() : std::string("it is not a file")));
   // On a damaged file Assimp may crash or read endlessly.
-  return unpacked(read_apart(path, [&] { return packed(read_scene(file)); }));
+  return unpacked(read_in_child_process(path, [&] { return packed(read_scene(file)); }));
 }
 
 }  // namespace quench::io

@@ -15,7 +15,7 @@
 /// either byte order.
 ///
 /// Used: `vertex` (x, y, z; other properties become point arrays), `face` (the list vertex_indices or vertex_index) and
-/// `edge` (vertex1, vertex2), whose other properties become cell arrays. Other lists and elements are passed over.
+/// `edge` (vertex1, vertex2), whose other properties become cell arrays. Other lists and elements are skipped.
 namespace quench::io {
 namespace {
 
@@ -25,21 +25,21 @@ struct TypeName {
   std::string_view name;
   Type type;
 };
-constexpr TypeName type_names[] = {
+constexpr TypeName kTypeNames[] = {
     {"char", Type::int8},     {"int8", Type::int8},       {"uchar", Type::uint8},    {"uint8", Type::uint8},
     {"short", Type::int16},   {"int16", Type::int16},     {"ushort", Type::uint16},  {"uint16", Type::uint16},
     {"int", Type::int32},     {"int32", Type::int32},     {"uint", Type::uint32},    {"uint32", Type::uint32},
     {"float", Type::float32}, {"float32", Type::float32}, {"double", Type::float64}, {"float64", Type::float64}};
 
 std::size_t size_of(Type type) {
-  constexpr std::size_t sizes[] = {1, 1, 2, 2, 4, 4, 4, 8};
-  return sizes[static_cast<std::size_t>(type)];
+  constexpr std::size_t kSizes[] = {1, 1, 2, 2, 4, 4, 4, 8};
+  return kSizes[static_cast<std::size_t>(type)];
 }
 
 struct Property {
   std::string name;
   Type type = Type::int8;
-  std::optional<Type> count_type;  ///< of a list
+  std::optional<Type> count_type;  ///< of a list; nothing for a single number
 };
 
 struct Element {
@@ -59,9 +59,9 @@ struct Header {
 
 Type read_type(Words& words) {
   const std::string_view word = words.next_on_line();
-  for (const TypeName& known : type_names)
+  for (const TypeName& known : kTypeNames)
     if (known.name == word) return known.type;
-  words.fail(fmt::format("the type of a property is '{}', which is not one of PLY's", word.substr(0, 40)));
+  words.fail(fmt::format("'{}' is not a type of PLY properties", word.substr(0, 40)));
 }
 
 Property read_property(Words& words) {
@@ -102,23 +102,23 @@ Header read_header(const FileText& file) {
       if (count < 0) words.fail("the number of elements is negative");
       element.count = static_cast<std::size_t>(count);
       for (const Element& other : header.elements)
-        if (other.name == element.name) words.fail(fmt::format("a second element '{}'", element.name));
+        if (other.name == element.name) words.fail(fmt::format("there are two elements '{}'", element.name));
       header.elements.push_back(std::move(element));
     } else if (keyword == "property") {
-      if (header.elements.empty()) words.fail("a property comes before any element");
+      if (header.elements.empty()) words.fail("a property comes before the first element");
       Property property = read_property(words);
       auto& properties = header.elements.back().properties;
       for (const Property& other : properties)
-        if (other.name == property.name) words.fail(fmt::format("a second property '{}'", property.name));
+        if (other.name == property.name) words.fail(fmt::format("there are two properties '{}'", property.name));
       properties.push_back(std::move(property));
     } else if (keyword == "end_header") {
-      if (!format_known) words.fail("the header names no format");
+      if (!format_known) words.fail("the header does not give the format");
       words.rest_of_line();
       header.body = words.position();
       header.body_line = words.line();
       return header;
     } else if (keyword != "comment" && keyword != "obj_info") {
-      words.fail("a header line begins with none of format, comment, obj_info, element, property and end_header");
+      words.fail("a header line does not begin with format, comment, obj_info, element, property or end_header");
     }
   }
   words.fail("the file ends in its header");
@@ -170,7 +170,7 @@ class Numbers {
     const double size = next(*list.count_type);
     // Every member takes a byte at least, so a list cannot be longer than the rest of the file.
     if (!(size >= 0 && size <= static_cast<double>(remaining()) && size == std::floor(size)))
-      fail(fmt::format("a list announces {} members", size));
+      fail(fmt::format("a list declares {} members", size));
     return static_cast<std::size_t>(size);
   }
 
@@ -202,11 +202,11 @@ class Numbers {
 
   void check_range(Type type, double value) const {
     if (type == Type::float32 || type == Type::float64) return;
-    constexpr double low[] = {-128, 0, -32768, 0, -2147483648.0, 0};
-    constexpr double high[] = {127, 255, 32767, 65535, 2147483647, 4294967295.0};
+    constexpr double kLow[] = {-128, 0, -32768, 0, -2147483648.0, 0};
+    constexpr double kHigh[] = {127, 255, 32767, 65535, 2147483647, 4294967295.0};
     const auto t = static_cast<std::size_t>(type);
-    if (!(value >= low[t] && value <= high[t] && value == std::floor(value)))
-      fail(fmt::format("{} does not fit the type {} the header says", value, type_names[2 * t].name));
+    if (!(value >= kLow[t] && value <= kHigh[t] && value == std::floor(value)))
+      fail(fmt::format("{} does not fit the type {} that the header gives", value, kTypeNames[2 * t].name));
   }
 
   const FileText& file_;
@@ -267,7 +267,7 @@ class Reader {
       if ((element.properties.empty() || element.count == 0) && element.name != "vertex") continue;
       if (element.count > numbers_.remaining())
         numbers_.fail(
-            fmt::format("{} elements '{}' are announced, more than the file can hold", element.count, element.name));
+            fmt::format("{} elements '{}' are declared, more than the file can hold", element.count, element.name));
       if (element.name == "tristrips") numbers_.fail("triangle strips are not supported; save it with faces");
       if (element.name == "vertex") {
         read_vertices(element);
@@ -379,7 +379,7 @@ class Reader {
     }
   }
 
-  /// Where the row of a cell comes from: an edge or a face of the file.
+  /// The edge or face of the file that a cell comes from.
   struct Row {
     bool edge;
     std::size_t number;
@@ -404,7 +404,7 @@ class Reader {
       if (!find_array(edge_arrays_, face.name)) data_.cell_data.push_back(joined(rows, nullptr, &face));
   }
 
-  /// Of an array of edges and one of faces of the same type, or of one of them.
+  /// The cell array made of an array of edges and one of faces of the same type; one of them may be missing.
   static DataArray joined(const std::vector<Row>& rows, const DataArray* edge, const DataArray* face) {
     const DataArray& one = edge ? *edge : *face;
     DataArray result{one.name, 1, {}};

@@ -132,7 +132,7 @@ void write_ply(std::ostream& out, const Record& data, const WriteOptions& option
                  : column.type == Column::Type::single ? "float"
                                                        : "double",
                  column.name);
-  // Many programs know signed indices only; the bytes are the same.
+  // Many programs read signed indices only; the bytes are the same.
   const char* index = data.points.size() <= std::numeric_limits<std::int32_t>::max() ? "int" : "uint";
   if (!data.lines.empty())
     header.print("element edge {}\nproperty {} vertex1\nproperty {} vertex2\n", data.lines.size(), index, index);

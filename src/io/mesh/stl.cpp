@@ -14,9 +14,9 @@
 namespace quench::io {
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "binary files are read as the processor stores numbers");
+static_assert(std::endian::native == std::endian::little, "binary files are read in the byte order of the processor");
 
-constexpr std::size_t header_bytes = 84, triangle_bytes = 50;
+constexpr std::size_t kHeaderBytes = 84, kTriangleBytes = 50;
 
 std::uint32_t triangle_count(const std::string& bytes) {
   std::uint32_t count = 0;
@@ -26,7 +26,7 @@ std::uint32_t triangle_count(const std::string& bytes) {
 
 /// Binary files may begin with "solid" as well: the size decides first, then whether the beginning is text.
 bool is_binary(const std::string& bytes) {
-  if (bytes.size() >= header_bytes && bytes.size() == header_bytes + triangle_bytes * triangle_count(bytes))
+  if (bytes.size() >= kHeaderBytes && bytes.size() == kHeaderBytes + kTriangleBytes * triangle_count(bytes))
     return true;
   const std::string_view beginning = std::string_view(bytes).substr(0, 1024);
   if (beginning.find('\0') != std::string_view::npos) return true;
@@ -39,15 +39,15 @@ Record read_binary(const FileText& file) {
   const auto fail = [&](const std::string& what) {
     throw Error(ErrorCode::input, fmt::format("'{}' {}", file.name, what));
   };
-  if (file.bytes.size() < header_bytes)
+  if (file.bytes.size() < kHeaderBytes)
     fail(fmt::format("is not an STL file: it has {} bytes and does not begin with 'solid'", file.bytes.size()));
   const std::size_t triangles = triangle_count(file.bytes);
-  if (triangles > (file.bytes.size() - header_bytes) / triangle_bytes)
-    fail(fmt::format("is incomplete: it announces {} triangles and has {} bytes", triangles, file.bytes.size()));
+  if (triangles > (file.bytes.size() - kHeaderBytes) / kTriangleBytes)
+    fail(fmt::format("is incomplete: it declares {} triangles and has {} bytes", triangles, file.bytes.size()));
   Record data;
   Weld weld;
   for (std::size_t t = 0; t < triangles; ++t) {
-    const std::size_t start = header_bytes + triangle_bytes * t + 12;  // after the normal
+    const std::size_t start = kHeaderBytes + kTriangleBytes * t + 12;  // after the normal
     std::array<float, 9> numbers;
     std::memcpy(numbers.data(), file.bytes.data() + start, sizeof numbers);
     std::array<std::uint32_t, 3> corners;
@@ -92,7 +92,7 @@ Record read_text(const FileText& file) {
     } else if (keyword == "endsolid" && inside_solid && !inside_loop) {
       inside_solid = false;
     } else if ((keyword != "facet" && keyword != "endfacet") || !inside_solid || inside_loop) {
-      words.fail("this is not what a text STL file has here");
+      words.fail("this is not expected here in a text STL file");
     }
   }
   if (inside_solid) words.fail("the file ends without 'endsolid': it is incomplete");

@@ -18,12 +18,12 @@
 namespace quench::io {
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "numbers are stored as the processor has them");
+static_assert(std::endian::native == std::endian::little, "numbers are written in the byte order of the processor");
 
 /// Large enough to compress well, small enough to share among threads.
-constexpr std::size_t block_bytes = std::size_t{1} << 18;
+constexpr std::size_t kBlockBytes = std::size_t{1} << 18;
 /// zlib cannot expand a byte to more.
-constexpr std::uint64_t largest_expansion = 1040;
+constexpr std::uint64_t kLargestExpansion = 1040;
 
 int base64_digit(char c) {
   if (c >= 'A' && c <= 'Z') return c - 'A';
@@ -42,10 +42,10 @@ class Source {
     throw Error(ErrorCode::input, fmt::format("{} {}", what_, reason));
   }
 
-  /// At most this many bytes are left.
+  /// The most bytes that can be left.
   std::uint64_t remaining() const { return format_.base64 ? (stored_.size() - at_) / 4 * 3 : stored_.size() - at_; }
 
-  /// `count` bytes; in base64 a run of its own.
+  /// `count` bytes; in base64 they are encoded on their own.
   std::string take(std::uint64_t count) {
     if (count > remaining()) fail("is incomplete; copy the file again");
     if (!format_.base64) {
@@ -102,7 +102,7 @@ class Source {
 std::string decode_whole(Source& source) {
   const std::size_t start = source.place();
   const std::uint64_t size = source.word(source.take(source.word_size()), 0);
-  // Header and data are one run of base64.
+  // Header and data are encoded together.
   source.return_to(start);
   if (size > source.remaining()) source.fail("is incomplete; copy the file again");
   std::string bytes = source.take(source.word_size() + size);
@@ -126,14 +126,14 @@ std::string decode_compressed(Source& source) {
     stored_bytes += size;
   }
   // The size of a full block is nominal where there is one block only.
-  const std::uint64_t limit = stored_bytes * largest_expansion;
+  const std::uint64_t limit = stored_bytes * kLargestExpansion;
   if (last > full || (blocks > 1 && full > limit / (blocks - 1)))
     source.fail("has a damaged block header; copy the file again");
   const std::uint64_t size = (blocks - 1) * full + (last ? last : full);
   if (size > limit) source.fail("has a damaged block header; copy the file again");
 
-  constexpr std::uint64_t much = std::uint64_t{1} << 28;  // asking the system takes longer than unpacking less
-  if (size > much && size > static_cast<std::uint64_t>(base::available_memory()))
+  constexpr std::uint64_t kMuch = std::uint64_t{1} << 28;  // asking the system takes longer than unpacking less
+  if (size > kMuch && size > static_cast<std::uint64_t>(base::available_memory()))
     throw Error(ErrorCode::failed, fmt::format("{} needs {} of memory, and {} are free; use a smaller file",
                                                source.what(), base::bytes_text(static_cast<std::int64_t>(size)),
                                                base::bytes_text(base::available_memory())));
@@ -160,11 +160,11 @@ std::string decode_blocks(std::string_view stored, const BlockFormat& format, co
 }
 
 std::string encode_blocks(std::string_view bytes) {
-  const std::size_t blocks = (bytes.size() + block_bytes - 1) / block_bytes;
+  const std::size_t blocks = (bytes.size() + kBlockBytes - 1) / kBlockBytes;
   std::vector<std::string> compressed(blocks);
   std::vector<char> failed(blocks, 0);
   tbb::parallel_for(std::size_t{0}, blocks, [&](std::size_t b) {
-    const std::string_view part = bytes.substr(b * block_bytes, block_bytes);
+    const std::string_view part = bytes.substr(b * kBlockBytes, kBlockBytes);
     uLongf size = ::compressBound(part.size());
     compressed[b].resize(size);
     failed[b] = ::compress2(reinterpret_cast<Bytef*>(compressed[b].data()), &size,
@@ -179,8 +179,8 @@ std::string encode_blocks(std::string_view bytes) {
     stored.append(raw.data(), raw.size());
   };
   put(blocks);
-  put(block_bytes);
-  put(bytes.size() % block_bytes);
+  put(kBlockBytes);
+  put(bytes.size() % kBlockBytes);
   for (const std::string& block : compressed) put(block.size());
   for (const std::string& block : compressed) stored += block;
   return stored;

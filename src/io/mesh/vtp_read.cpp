@@ -20,7 +20,7 @@
 namespace quench::io {
 namespace {
 
-/// The XML of a file, and the bytes behind it that are no XML.
+/// The XML of a file, and the bytes after it that are not XML.
 struct Document {
   std::string name;
   pugi::xml_document xml;
@@ -69,11 +69,14 @@ void load(const FileText& file, Document& document) {
 }
 
 template <class Stored, class Kept>
-std::vector<Kept> numbers_from(std::string_view bytes) {
+DataArray::Values from_bytes(std::string_view bytes, const Document& document, const std::string& what) {
+  if (bytes.size() % sizeof(Stored) != 0) document.fail(what + " ends within a number");
   std::vector<Kept> values(bytes.size() / sizeof(Stored));
   for (std::size_t i = 0; i < values.size(); ++i) {
     Stored value;
     std::memcpy(&value, bytes.data() + i * sizeof value, sizeof value);
+    if constexpr (std::is_same_v<Stored, std::uint64_t>)
+      if (!std::in_range<Kept>(value)) document.fail(what + " has integers of 2^63 and more");
     values[i] = static_cast<Kept>(value);
   }
   return values;
@@ -99,7 +102,12 @@ std::vector<Kept> numbers_from_text(const std::string& text, const Document& doc
   return values;
 }
 
-std::vector<std::string> strings_from(std::string_view bytes) {
+template <class Kept>
+DataArray::Values from_text(const std::string& text, const Document& document, const std::string& what) {
+  return numbers_from_text<Kept>(text, document, what);
+}
+
+DataArray::Values strings_from_bytes(std::string_view bytes, const Document&, const std::string&) {
   std::vector<std::string> strings;
   while (!bytes.empty()) {
     const std::size_t end = std::min(bytes.find('\0'), bytes.size());
@@ -109,83 +117,60 @@ std::vector<std::string> strings_from(std::string_view bytes) {
   return strings;
 }
 
-/// One DataArray element. `values` is empty of meaning when the type is not one Record can carry: then false.
+/// From character codes; some writers have signed characters.
+DataArray::Values strings_from_text(const std::string& text, const Document& document, const std::string& what) {
+  std::string bytes;
+  for (std::int32_t code : numbers_from_text<std::int32_t>(text, document, what))
+    bytes += static_cast<char>(code & 0xFF);
+  return strings_from_bytes(bytes, document, what);
+}
+
+/// How the values of an array are read, by the type VTK gives it.
+struct ArrayType {
+  std::string_view name;
+  DataArray::Values (*text)(const std::string& text, const Document& document, const std::string& what);
+  DataArray::Values (*bytes)(std::string_view bytes, const Document& document, const std::string& what);
+};
+constexpr ArrayType kArrayTypes[] = {{"Float64", from_text<double>, from_bytes<double, double>},
+                                     {"Float32", from_text<float>, from_bytes<float, float>},
+                                     {"Int64", from_text<std::int64_t>, from_bytes<std::int64_t, std::int64_t>},
+                                     {"Int32", from_text<std::int32_t>, from_bytes<std::int32_t, std::int32_t>},
+                                     {"Int16", from_text<std::int32_t>, from_bytes<std::int16_t, std::int32_t>},
+                                     {"Int8", from_text<std::int32_t>, from_bytes<std::int8_t, std::int32_t>},
+                                     {"UInt64", from_text<std::int64_t>, from_bytes<std::uint64_t, std::int64_t>},
+                                     {"UInt32", from_text<std::int64_t>, from_bytes<std::uint32_t, std::int64_t>},
+                                     {"UInt16", from_text<std::int32_t>, from_bytes<std::uint16_t, std::int32_t>},
+                                     {"UInt8", from_text<std::uint8_t>, from_bytes<std::uint8_t, std::uint8_t>},
+                                     {"String", strings_from_text, strings_from_bytes}};
+
+/// The bytes of an array that is not written as text.
+std::string bytes_of(const Document& document, const pugi::xml_node& node, const std::string& format,
+                     const std::string& what) {
+  const std::string where = fmt::format("'{}': {}", document.name, base::plain(what));
+  if (format == "appended") {
+    const unsigned long long offset = node.attribute("offset").as_ullong();
+    if (offset > document.appended.size()) document.fail(what + " lies beyond the end of the file");
+    return decode_blocks(document.appended.substr(offset), document.format, where);
+  }
+  if (format != "binary") document.fail(fmt::format("{} has the unknown format '{}'", what, format));
+  BlockFormat block = document.format;
+  block.base64 = true;
+  const std::string_view text = node.text().get();
+  return text.empty() ? std::string() : decode_blocks(text, block, where);
+}
+
+/// One DataArray element. False, and no values, for a type that a Record cannot carry.
 bool read_array(const Document& document, const pugi::xml_node& node, DataArray& array) {
   array.name = node.attribute("Name").value();
   array.components = node.attribute("NumberOfComponents").as_int(1);
   const std::string what = fmt::format("the array '{}'", array.name);
-  const std::string type = node.attribute("type").value(), format = node.attribute("format").as_string("ascii");
+  const std::string_view name = node.attribute("type").value();
+  const std::string format = node.attribute("format").as_string("ascii");
   if (array.components < 1) document.fail(fmt::format("{} has {} components", what, array.components));
-  constexpr std::string_view known[] = {"Float64", "Float32", "Int64",  "Int32", "Int16", "Int8",
-                                        "UInt64",  "UInt32",  "UInt16", "UInt8", "String"};
-  if (std::find(std::begin(known), std::end(known), type) == std::end(known)) return false;
-
-  if (format == "ascii") {
-    const std::string text = node.text().get();
-    if (type == "Float64")
-      array.values = numbers_from_text<double>(text, document, what);
-    else if (type == "Float32")
-      array.values = numbers_from_text<float>(text, document, what);
-    else if (type == "Int64" || type == "UInt64" || type == "UInt32")
-      array.values = numbers_from_text<std::int64_t>(text, document, what);
-    else if (type == "Int32" || type == "Int16" || type == "Int8" || type == "UInt16")
-      array.values = numbers_from_text<std::int32_t>(text, document, what);
-    else if (type == "UInt8")
-      array.values = numbers_from_text<std::uint8_t>(text, document, what);
-    else {
-      // Character codes; some writers have signed characters.
-      std::string bytes;
-      for (std::int32_t code : numbers_from_text<std::int32_t>(text, document, what))
-        bytes += static_cast<char>(code & 0xFF);
-      array.values = strings_from(bytes);
-    }
-    return true;
-  }
-
-  std::string bytes;
-  const std::string where = fmt::format("'{}': {}", document.name, base::plain(what));
-  if (format == "appended") {
-    const unsigned long long offset = node.attribute("offset").as_ullong();
-    if (offset > document.appended.size()) document.fail(what + " lies behind the end of the file");
-    bytes = decode_blocks(document.appended.substr(offset), document.format, where);
-  } else if (format == "binary") {
-    BlockFormat block = document.format;
-    block.base64 = true;
-    const std::string_view text = node.text().get();
-    if (!text.empty()) bytes = decode_blocks(text, block, where);
-  } else {
-    document.fail(fmt::format("{} has the format '{}', which VTK does not know", what, format));
-  }
-  std::size_t size = 1;
-  if (type.ends_with("64")) size = 8;
-  if (type.ends_with("32")) size = 4;
-  if (type.ends_with("16")) size = 2;
-  if (bytes.size() % size != 0) document.fail(what + " does not consist of whole numbers");
-  if (type == "Float64")
-    array.values = numbers_from<double, double>(bytes);
-  else if (type == "Float32")
-    array.values = numbers_from<float, float>(bytes);
-  else if (type == "Int64")
-    array.values = numbers_from<std::int64_t, std::int64_t>(bytes);
-  else if (type == "UInt64") {
-    std::vector<std::int64_t> values = numbers_from<std::uint64_t, std::int64_t>(bytes);
-    if (std::any_of(values.begin(), values.end(), [](std::int64_t value) { return value < 0; }))
-      document.fail(what + " has integers of 2^63 and more");
-    array.values = std::move(values);
-  } else if (type == "UInt32")
-    array.values = numbers_from<std::uint32_t, std::int64_t>(bytes);
-  else if (type == "Int32")
-    array.values = numbers_from<std::int32_t, std::int32_t>(bytes);
-  else if (type == "Int16")
-    array.values = numbers_from<std::int16_t, std::int32_t>(bytes);
-  else if (type == "UInt16")
-    array.values = numbers_from<std::uint16_t, std::int32_t>(bytes);
-  else if (type == "Int8")
-    array.values = numbers_from<std::int8_t, std::int32_t>(bytes);
-  else if (type == "UInt8")
-    array.values = numbers_from<std::uint8_t, std::uint8_t>(bytes);
-  else
-    array.values = strings_from(bytes);
+  const auto type = std::ranges::find(kArrayTypes, name, &ArrayType::name);
+  if (type == std::end(kArrayTypes)) return false;
+  array.values = format == "ascii" ? type->text(node.text().get(), document, what)
+                                   : type->bytes(bytes_of(document, node, format, what), document, what);
   return true;
 }
 
@@ -337,7 +322,7 @@ Record read_piece(const Document& document, const pugi::xml_node& piece) {
   return data;
 }
 
-/// Puts the rows of `more` behind those of the arrays of the same name and type; drops the arrays only one side has.
+/// Appends the rows of `more` to the arrays of the same name and type; drops the arrays that only one side has.
 void join(std::vector<DataArray>& arrays, const std::vector<DataArray>& more) {
   std::vector<DataArray> joined;
   for (DataArray& array : arrays) {

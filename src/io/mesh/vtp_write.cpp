@@ -36,7 +36,7 @@ std::string_view bytes_of(const std::vector<T>& values) {
   return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)};
 }
 
-/// The XML so far, and the arrays it points into.
+/// The XML so far, and the bytes of the arrays it refers to.
 class Writer {
  public:
   Writer() {
@@ -53,17 +53,17 @@ class Writer {
   template <class T>
   void array(pugi::xml_node parent, const std::string& name, int components, const std::vector<T>& values,
              bool field = false) {
-    constexpr bool text = std::is_same_v<T, std::string>;
-    pugi::xml_node node = parent.append_child(text ? "Array" : "DataArray");
+    constexpr bool kText = std::is_same_v<T, std::string>;
+    pugi::xml_node node = parent.append_child(kText ? "Array" : "DataArray");
     node.append_attribute("type") = type_name<T>();
     node.append_attribute("Name") = name.c_str();
-    if (components != 1 || !text) node.append_attribute("NumberOfComponents") = components;
+    if (components != 1 || !kText) node.append_attribute("NumberOfComponents") = components;
     if (field)
       node.append_attribute("NumberOfTuples") =
           static_cast<unsigned long long>(values.size() / static_cast<std::size_t>(components));
     node.append_attribute("format") = "appended";
     node.append_attribute("offset") = static_cast<unsigned long long>(appended_.size());
-    if constexpr (text) {
+    if constexpr (kText) {
       // Strings end with a zero byte, so none can hold one.
       std::string joined;
       for (const std::string& value : values) joined.append(value.c_str()).push_back('\0');
@@ -147,8 +147,8 @@ void write_vtp(std::ostream& out, const Record& data) {
   for (const Vec3& p : data.points) coordinates.insert(coordinates.end(), {p[0], p[1], p[2]});
   writer.array(piece.append_child("Points"), "Points", 3, coordinates);
   // The smaller indices halve the time to compress; VTK reads both.
-  constexpr std::size_t largest = std::numeric_limits<std::int32_t>::max();
-  if (data.points.size() < largest && data.poly_corners.size() < largest && data.lines.size() < largest / 2)
+  constexpr std::size_t kLargest = std::numeric_limits<std::int32_t>::max();
+  if (data.points.size() < kLargest && data.poly_corners.size() < kLargest && data.lines.size() < kLargest / 2)
     write_cells<std::int32_t>(writer, piece, data);
   else
     write_cells<std::int64_t>(writer, piece, data);

@@ -8,8 +8,6 @@
 namespace quench::io {
 namespace {
 
-constexpr std::uint32_t empty = 0xFFFFFFFF;
-
 std::uint64_t hash(const Vec3& point) {
   std::uint64_t h = 0;
   for (int a = 0; a < 3; ++a) {
@@ -23,10 +21,10 @@ std::uint64_t hash(const Vec3& point) {
 }  // namespace
 
 void Weld::grow(const std::vector<Vec3>& points) {
-  slots_.assign(slots_.empty() ? 64 : 2 * slots_.size(), empty);
+  slots_.assign(slots_.empty() ? 64 : 2 * slots_.size(), kNone);
   for (std::uint32_t i = 0; i < points.size(); ++i) {
     std::size_t slot = hash(points[i]) & (slots_.size() - 1);
-    while (slots_[slot] != empty) slot = (slot + 1) & (slots_.size() - 1);
+    while (slots_[slot] != kNone) slot = (slot + 1) & (slots_.size() - 1);
     slots_[slot] = i;
   }
 }
@@ -34,9 +32,9 @@ void Weld::grow(const std::vector<Vec3>& points) {
 std::uint32_t Weld::operator()(const Vec3& point, std::vector<Vec3>& points) {
   if (2 * (points.size() + 1) > slots_.size()) grow(points);
   std::size_t slot = hash(point) & (slots_.size() - 1);
-  for (; slots_[slot] != empty; slot = (slot + 1) & (slots_.size() - 1))
+  for (; slots_[slot] != kNone; slot = (slot + 1) & (slots_.size() - 1))
     if (points[slots_[slot]] == point) return slots_[slot];
-  if (points.size() >= empty) throw Error(ErrorCode::input, "a mesh has more than 4,294,967,294 different corners");
+  if (points.size() >= kNone) throw Error(ErrorCode::input, "a mesh has more than 4,294,967,294 different corners");
   slots_[slot] = static_cast<std::uint32_t>(points.size());
   points.push_back(point);
   return slots_[slot];

@@ -12,7 +12,7 @@ namespace quench::io {
 /// per point; the coordinates must be finite.
 class Weld {
  public:
-  /// The number of `point` in `points`, which gets it appended when it is new.
+  /// The number of `point` in `points`; appends it when it is new.
   std::uint32_t operator()(const Vec3& point, std::vector<Vec3>& points);
 
  private:

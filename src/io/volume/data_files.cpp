@@ -75,9 +75,9 @@ std::vector<SampleBlock> named_data_files(const std::filesystem::path& file, con
     std::int64_t first = 0, last = 0, step = 1;
     const bool numbers = parse_integer(words[1], first) && parse_integer(words[2], last) &&
                          (words.size() < 4 || parse_integer(words[3], step));
-    constexpr std::int64_t largest = 1'000'000'000;
-    if (!numbers || step == 0 || std::max(std::abs(first), std::abs(last)) > largest || std::abs(step) > largest ||
-        (last - first) / step >= static_cast<std::int64_t>(most_data_files))
+    constexpr std::int64_t kLargest = 1'000'000'000;
+    if (!numbers || step == 0 || std::max(std::abs(first), std::abs(last)) > kLargest || std::abs(step) > kLargest ||
+        (last - first) / step >= static_cast<std::int64_t>(kMostDataFiles))
       refuse_volume(file, fmt::format("its field '{}' is '{}', which does not number files", field, shown()));
     for (std::int64_t n = first; step > 0 ? n <= last : n >= last; n += step) {
       const auto name = numbered(std::string(words[0]), n);
@@ -89,7 +89,7 @@ std::vector<SampleBlock> named_data_files(const std::filesystem::path& file, con
   } else {
     names.push_back(value);
   }
-  if (names.empty()) refuse_volume(file, fmt::format("its field '{}' names no files", field));
+  if (names.empty()) refuse_volume(file, fmt::format("its field '{}' does not name any files", field));
   std::vector<SampleBlock> blocks;
   for (const std::string& name : names) {
     const std::filesystem::path path(name);

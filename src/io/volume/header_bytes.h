@@ -9,13 +9,13 @@
 
 namespace quench::io {
 
-/// Numbers at fixed places of a binary header, in its byte order.
+/// Numbers at fixed positions of a binary header, in its byte order.
 class HeaderBytes {
  public:
   HeaderBytes() = default;
   HeaderBytes(std::vector<unsigned char> bytes, bool swapped) : bytes_(std::move(bytes)), swapped_(swapped) {}
 
-  /// `place`: bytes before it; there must be enough behind.
+  /// `place`: bytes before the number; the header must hold all of its bytes.
   template <class T>
   T at(std::size_t place) const {
     std::array<unsigned char, sizeof(T)> raw;

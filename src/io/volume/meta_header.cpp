@@ -21,10 +21,10 @@ namespace {
 class MetaHeader {
  public:
   explicit MetaHeader(const std::filesystem::path& file) : file_(file), input_(file) {
-    constexpr int most_lines = 1000;
+    constexpr int kMostLines = 1000;
     std::string line;
     int lines = 0;
-    for (; lines < most_lines && !fields_.contains("ElementDataFile") && next_header_line(input_.stream, file_, line);
+    for (; lines < kMostLines && !fields_.contains("ElementDataFile") && next_header_line(input_.stream, file_, line);
          ++lines)
       parse(line);
     if (!fields_.contains("ElementDataFile"))
@@ -52,7 +52,7 @@ class MetaHeader {
       refuse(fmt::format("its header has the field '{}' twice", shown(name)));
   }
 
-  /// The value of the first of the names that is there.
+  /// The value of the first of the names that the header has.
   const std::string* field(std::initializer_list<const char*> names) const {
     for (const char* name : names)
       if (const auto found = fields_.find(name); found != fields_.end()) return &found->second;
@@ -163,14 +163,14 @@ void MetaHeader::set_type(StoredVolume& volume) const {
 
 std::vector<std::string> MetaHeader::rest_of_lines() {
   std::vector<std::string> names;
-  for (std::string line; names.size() <= most_data_files && next_header_line(input_.stream, file_, line);)
+  for (std::string line; names.size() <= kMostDataFiles && next_header_line(input_.stream, file_, line);)
     if (const auto name = trimmed(line); !name.empty()) names.emplace_back(name);
   return names;
 }
 
 void MetaHeader::set_blocks(StoredVolume& volume, Context* context) {
   const bool binary = flag({"BinaryData"}, true), packed = flag({"CompressedData"}, false);
-  if (packed && !binary) refuse("its samples are compressed and text at once");
+  if (packed && !binary) refuse("its samples are both compressed and text");
   volume.encoding = packed ? Encoding::deflate : binary ? Encoding::raw : Encoding::text;
   const std::string& where = fields_.at("ElementDataFile");
   const bool own = where == "LOCAL" || where == "Local" || where == "local";
@@ -183,7 +183,7 @@ void MetaHeader::set_blocks(StoredVolume& volume, Context* context) {
   std::error_code error;
   for (const SampleBlock& block : volume.blocks)
     if (!own && std::filesystem::equivalent(block.file, file_, error))
-      refuse("it names itself for its samples (ElementDataFile), which is LOCAL for a file that has both");
+      refuse("it names itself as the file of its samples (ElementDataFile); a file that has both says LOCAL there");
 
   double bytes = static_cast<double>(volume.type.size()) / static_cast<double>(volume.blocks.size());
   for (const std::int64_t side : volume.grid.dims) bytes *= static_cast<double>(side);
@@ -197,13 +197,13 @@ void MetaHeader::set_blocks(StoredVolume& volume, Context* context) {
     if (header == -1 && binary && !packed && bytes >= 0 && bytes < 0x1p62)
       block.begin = std::max(block.begin, before_the_end(block.file, static_cast<std::uint64_t>(bytes)));
   }
-  // The size is a hint: what follows it in the file is there, and the data have an end of their own.
+  // The size is a hint: the file may hold more, and compressed data say where they end.
   if (const std::string* text = field({"CompressedDataSize"}); text && packed && volume.blocks.size() == 1) {
     const auto size = static_cast<double>(std::filesystem::file_size(volume.blocks[0].file, error));
     const double there = error ? 0 : size - static_cast<double>(volume.blocks[0].begin);
     double claimed = 0;
     if (!parse_number(*text, claimed) || !(claimed >= 0) || claimed > there)
-      refuse(fmt::format("it claims {} bytes of compressed samples and has {}; it is damaged or incomplete",
+      refuse(fmt::format("it declares {} bytes of compressed samples and has {}; it is damaged or incomplete",
                          shown(*text), std::max(0.0, there)));
     if (claimed > 0 && claimed < there)
       note(context, fmt::format("'{}' says that its compressed samples have {} bytes, and {} are there; all are read",

@@ -14,15 +14,15 @@
 namespace quench::io {
 namespace {
 
-constexpr std::size_t header_size = 1024;
+constexpr std::size_t kHeaderSize = 1024;
 
 /// Words of four bytes, numbered from 1 as in the definition of the format.
 class MrcWords {
  public:
   explicit MrcWords(const std::filesystem::path& file) {
     InputFile in(file);
-    std::vector<unsigned char> bytes(header_size);
-    in.stream.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(header_size));
+    std::vector<unsigned char> bytes(kHeaderSize);
+    in.stream.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(kHeaderSize));
     if (!in.stream) refuse_volume(file, "it is shorter than a header; it is damaged or incomplete");
     const unsigned char stamp = bytes[212];
     const bool little = stamp != 0x11, stamped = stamp == 0x44 || stamp == 0x11;
@@ -44,9 +44,9 @@ class MrcWords {
 };
 
 void set_type(const std::filesystem::path& file, const MrcWords& words, StoredVolume& volume) {
-  // IMOD wrote bytes without sign before the standard said that they have one; its files say which.
-  constexpr std::int32_t imod = 1146047817, bytes_are_signed = 1;
-  const bool unsigned_bytes = words.integer(39) == imod && (words.integer(40) & bytes_are_signed) == 0;
+  // IMOD wrote unsigned bytes before the standard said that they are signed; its files say which they are.
+  constexpr std::int32_t kImod = 1146047817, kBytesAreSigned = 1;
+  const bool unsigned_bytes = words.integer(39) == kImod && (words.integer(40) & kBytesAreSigned) == 0;
   switch (words.integer(4)) {
     case 0:
       volume.type.type = unsigned_bytes ? SampleType::uint8 : SampleType::int8;
@@ -68,8 +68,7 @@ void set_type(const std::filesystem::path& file, const MrcWords& words, StoredVo
       refuse_volume(file, "its samples are complex numbers, a transform; convert it to real values");
     default:
       refuse_volume(file,
-                    fmt::format("its mode is {}, which is not one of 0, 1, 2, 6 and 12; convert it to one of them",
-                                words.integer(4)));
+                    fmt::format("its mode is {}, not 0, 1, 2, 6 or 12; convert it to one of these", words.integer(4)));
   }
 }
 
@@ -80,8 +79,8 @@ std::array<int, 3> axes_of(const std::filesystem::path& file, const MrcWords& wo
   std::array<int, 3> sorted = axes;
   std::sort(sorted.begin(), sorted.end());
   if (sorted != std::array{1, 2, 3})
-    refuse_volume(file, fmt::format("its axes (MAPC, MAPR, MAPS) are {}, {}, {}, which is not an order of 1, 2, 3",
-                                    axes[0], axes[1], axes[2]));
+    refuse_volume(file, fmt::format("its axes (MAPC, MAPR, MAPS) are {}, {}, {}, not a permutation of 1, 2, 3", axes[0],
+                                    axes[1], axes[2]));
   for (int& axis : axes) --axis;
   return axes;
 }
@@ -96,10 +95,11 @@ void set_grid(const std::filesystem::path& file, const MrcWords& words, StoredVo
   }
   for (std::size_t a = 0; a < 3; ++a)
     if (const double angle = words.real(14 + a); angle != 0 && !(std::abs(angle - 90) <= 1e-3))
-      refuse_volume(file,
-                    fmt::format("its cell has the angles {:.6g}, {:.6g} and {:.6g}, and a voxel grid has right ones; "
-                                "resample it to a rectangular grid",
-                                words.real(14), words.real(15), words.real(16)));
+      refuse_volume(
+          file,
+          fmt::format("its cell has the angles {:.6g}, {:.6g} and {:.6g}, but those of a voxel grid are right angles; "
+                      "resample it to a rectangular grid",
+                      words.real(14), words.real(15), words.real(16)));
   // The cell and its number of intervals; all 0 in files that do not say.
   const Vec3 cell(words.real(11), words.real(12), words.real(13));
   const Vec3 intervals(words.integer(8), words.integer(9), words.integer(10));
@@ -117,7 +117,7 @@ void set_grid(const std::filesystem::path& file, const MrcWords& words, StoredVo
       group >= 401 && group <= 630 && words.integer(10) > 0 && words.integer(3) > words.integer(10))
     refuse_volume(file, fmt::format("it is a stack of {} volumes; save the one you mean on its own",
                                     words.integer(3) / words.integer(10)));
-  // ORIGIN is the place of voxel 0; maps of crystals leave it 0 and count voxels from the cell's origin.
+  // ORIGIN is the position of voxel 0; maps of crystals leave it 0 and count voxels from the origin of the cell.
   const Vec3 origin(words.real(50), words.real(51), words.real(52));
   grid.origin = origin.isZero(0) ? Vec3(grid.direction * start.cwiseProduct(grid.spacing)) : origin;
 }
@@ -132,7 +132,7 @@ StoredVolume mrc_header(const std::filesystem::path& file) {
   volume.swapped = words.swapped();
   const std::int32_t extended = words.integer(24);
   if (extended < 0) refuse_volume(file, fmt::format("its extended header has {} bytes (NSYMBT)", extended));
-  volume.blocks.push_back({file, header_size + static_cast<std::uint64_t>(extended), 0, {}});
+  volume.blocks.push_back({file, kHeaderSize + static_cast<std::uint64_t>(extended), 0, {}});
   return volume;
 }
 

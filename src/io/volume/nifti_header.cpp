@@ -18,7 +18,7 @@
 namespace quench::io {
 namespace {
 
-/// What both versions say.
+/// What the headers of both versions hold.
 struct Nifti {
   std::array<std::int64_t, 8> dim{};
   std::array<double, 8> pixdim{};
@@ -72,46 +72,46 @@ Nifti version_2(const HeaderBytes& h) {
   return n;
 }
 
-constexpr std::size_t size_1 = 348, size_2 = 540;
+constexpr std::size_t kSize1 = 348, kSize2 = 540;
 
 Nifti read_header(const std::filesystem::path& file) {
   const std::unique_ptr<gzFile_s, int (*)(gzFile)> gz(gzopen(file.c_str(), "rb"), gzclose);
   if (!gz) throw Error(ErrorCode::failed, fmt::format("'{}' cannot be opened", file.string()));
-  std::vector<unsigned char> bytes(size_2);
-  const int got = gzread(gz.get(), bytes.data(), size_2);
+  std::vector<unsigned char> bytes(kSize2);
+  const int got = gzread(gz.get(), bytes.data(), kSize2);
   int state = Z_OK;
   gzerror(gz.get(), &state);
   if (got < 0 || state == Z_DATA_ERROR)
     refuse_volume(file, "its compressed data are damaged; copy or download it again");
-  if (got < static_cast<int>(size_1)) refuse_volume(file, "it is shorter than a header; it is damaged or incomplete");
+  if (got < static_cast<int>(kSize1)) refuse_volume(file, "it is shorter than a header; it is damaged or incomplete");
   std::int32_t size = 0;
   std::memcpy(&size, bytes.data(), sizeof size);
   const auto swapped_size = static_cast<std::int32_t>(__builtin_bswap32(static_cast<std::uint32_t>(size)));
-  const bool one = size == size_1 || swapped_size == size_1, two = size == size_2 || swapped_size == size_2;
+  const bool one = size == kSize1 || swapped_size == kSize1, two = size == kSize2 || swapped_size == kSize2;
   if (!one && !two) refuse_volume(file, "it does not begin as a NIfTI file");
-  const bool swapped = swapped_size == size_1 || swapped_size == size_2;
+  const bool swapped = swapped_size == kSize1 || swapped_size == kSize2;
   const auto* magic = reinterpret_cast<const char*>(bytes.data()) + (one ? 344 : 4);
   if (std::string_view(magic, 3) == (one ? "ni1" : "ni2"))
     refuse_volume(file, "it is the header of a pair of files (.hdr, .img); save both as one file");
   if (std::string_view(magic, 3) != (one ? "n+1" : "n+2"))
     refuse_volume(
         file, "its header does not have the mark of a NIfTI file (an older ANALYZE file has none); save it as NIfTI");
-  if (two && got < static_cast<int>(size_2))
+  if (two && got < static_cast<int>(kSize2))
     refuse_volume(file, "it is shorter than a header; it is damaged or incomplete");
   const HeaderBytes header(std::move(bytes), swapped);
   Nifti n = one ? version_1(header) : version_2(header);
-  n.size = one ? size_1 : size_2;
+  n.size = one ? kSize1 : kSize2;
   n.swapped = swapped;
   n.packed = gzdirect(gz.get()) == 0;
   return n;
 }
 
 void set_type(const std::filesystem::path& file, const Nifti& n, StoredVolume& volume) {
-  constexpr std::pair<int, SampleType> types[] = {
+  constexpr std::pair<int, SampleType> kTypes[] = {
       {2, SampleType::uint8},    {4, SampleType::int16},    {8, SampleType::int32},    {16, SampleType::float32},
       {64, SampleType::float64}, {256, SampleType::int8},   {512, SampleType::uint16}, {768, SampleType::uint32},
       {1024, SampleType::int64}, {1280, SampleType::uint64}};
-  for (const auto& [code, type] : types)
+  for (const auto& [code, type] : kTypes)
     if (code == n.datatype) {
       volume.type.type = type;
       return;
@@ -126,7 +126,7 @@ void set_type(const std::filesystem::path& file, const Nifti& n, StoredVolume& v
                                   n.datatype));
 }
 
-/// Steps between voxels and the place of voxel 0, right-anterior-superior.
+/// Steps between voxels and the position of voxel 0, right-anterior-superior.
 struct Placement {
   Mat3 steps = Mat3::Identity();
   Vec3 origin = Vec3::Zero();
@@ -229,7 +229,7 @@ void set_grid(const std::filesystem::path& file, const Nifti& n, StoredVolume& v
 }  // namespace
 
 StoredVolume nifti_header(const std::filesystem::path& file, Context* context) {
-  const InputFile probe(file);  // its sentences for a file that cannot be opened or is empty
+  const InputFile probe(file);  // throws for a file that cannot be opened or is empty
   const Nifti n = read_header(file);
   StoredVolume volume;
   set_type(file, n, volume);
@@ -239,8 +239,8 @@ StoredVolume nifti_header(const std::filesystem::path& file, Context* context) {
     volume.slope = n.slope;
     volume.intercept = n.intercept;
   }
-  constexpr double farthest = 0x1p53;
-  if (!(n.vox_offset >= static_cast<double>(n.size) && n.vox_offset <= farthest) ||
+  constexpr double kFarthest = 0x1p53;
+  if (!(n.vox_offset >= static_cast<double>(n.size) && n.vox_offset <= kFarthest) ||
       n.vox_offset != std::floor(n.vox_offset))
     refuse_volume(file, fmt::format("its samples begin at byte {} (vox_offset), where its header has {} bytes",
                                     n.vox_offset, n.size));

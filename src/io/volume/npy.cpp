@@ -82,9 +82,9 @@ class DictionaryParser {
   std::string quoted() {
     skip_space();
     const char quote = at_ < text_.size() ? text_[at_] : '\0';
-    if (quote != '\'' && quote != '"') refuse(file_, fmt::format("a text is missing at byte {} of the header", at_));
+    if (quote != '\'' && quote != '"') refuse(file_, fmt::format("a string is missing at byte {} of the header", at_));
     const std::size_t end = text_.find(quote, at_ + 1);
-    if (end == std::string_view::npos) refuse(file_, "a text in the header does not end");
+    if (end == std::string_view::npos) refuse(file_, "a string in the header does not end");
     std::string value(text_.substr(at_ + 1, end - at_ - 1));
     at_ = end + 1;
     return value;
@@ -129,12 +129,12 @@ template <class T>
 std::vector<T> read_samples(InputFile& in, const std::filesystem::path& file, std::uint64_t count, bool swap,
                             Context* context) {
   std::vector<T> samples(count);
-  constexpr std::uint64_t block = 16 << 20;
+  constexpr std::uint64_t kBlock = 16 << 20;
   const std::uint64_t bytes = count * sizeof(T);
-  for (std::uint64_t at = 0; at < bytes; at += block) {
+  for (std::uint64_t at = 0; at < bytes; at += kBlock) {
     checkpoint(context, "read", static_cast<double>(at) / static_cast<double>(bytes));
     in.stream.read(reinterpret_cast<char*>(samples.data()) + at,
-                   static_cast<std::streamsize>(std::min(block, bytes - at)));
+                   static_cast<std::streamsize>(std::min(kBlock, bytes - at)));
     if (!in.stream) refuse(file, "the samples end too early");
   }
   if (swap && sizeof(T) > 1) swap_bytes(samples);
@@ -167,7 +167,8 @@ Volume read_npy(const std::filesystem::path& file, Context* context) {
   in.stream.read(reinterpret_cast<char*>(start.data()), 8);
   if (!in.stream || std::memcmp(start.data(), "\x93NUMPY", 6) != 0) refuse(file, "it does not begin with \\x93NUMPY");
   const int version = start[6];
-  if (version < 1 || version > 3) refuse(file, fmt::format("version {} is not known (1 to 3 are)", version));
+  if (version < 1 || version > 3)
+    refuse(file, fmt::format("version {} is unknown; versions 1 to 3 can be read", version));
   const int length_bytes = version == 1 ? 2 : 4;
   in.stream.read(reinterpret_cast<char*>(start.data()) + 8, length_bytes);
   if (!in.stream) refuse(file, "the header is incomplete");

@@ -19,7 +19,7 @@
 namespace quench::io {
 namespace {
 
-constexpr std::size_t most_axes = 16;  // of the format
+constexpr std::size_t kMostAxes = 16;  // of the format
 
 struct Axis {
   std::int64_t size = 0;
@@ -29,7 +29,7 @@ struct Axis {
   bool node = false;  ///< samples at the ends of the axis' range, not in the middle of cells
 };
 
-/// A header as it stands in the file.
+/// A header as it is in the file.
 class NrrdHeader {
  public:
   explicit NrrdHeader(const std::filesystem::path& file) : file_(file), input_(file) {
@@ -82,13 +82,13 @@ class NrrdHeader {
     refuse(fmt::format("its header has the unknown field '{}'", shown(line.substr(0, line.find(':')))));
   }
 
-  // The names of the data files stand in the rest of the header, one per line.
+  // The names of the data files are the rest of the header, one per line.
   void read_list() {
     std::string line;
     while (next_header_line(input_.stream, file_, line)) {
       const std::string_view name = trimmed(line);
       if (!name.empty()) list_.emplace_back(name);
-      if (list_.size() > most_data_files) refuse("it names more than 100,000 data files");
+      if (list_.size() > kMostDataFiles) refuse("it names more than 100,000 data files");
     }
     at_end_ = true;
   }
@@ -136,12 +136,12 @@ class NrrdHeader {
   std::size_t space_dimension_ = 0;
   Vec3 to_lps_ = Vec3::Ones();  ///< signs from the file's space
   bool anatomical_ = false;
-  std::string space_;  ///< where it is not anatomical
+  std::string space_;  ///< name of the space where it is not anatomical
 };
 
 void NrrdHeader::check() {
   const std::int64_t dimension = integer(required("dimension"), "dimension");
-  if (dimension < 1 || dimension > static_cast<std::int64_t>(most_axes))
+  if (dimension < 1 || dimension > static_cast<std::int64_t>(kMostAxes))
     refuse(fmt::format("it has {} axes; a volume has three", dimension));
   axes_.resize(static_cast<std::size_t>(dimension));
   const auto sizes = words_of(required("sizes"));
@@ -221,11 +221,11 @@ void NrrdHeader::read_directions() {
       const std::size_t second = name.find('-') + 1, third = name.find('-', second) + 1;
       name = {name[0], name[second], name[third]};
     }
-    constexpr std::array<std::string_view, 3> positive{"lr", "pa", "si"};
+    constexpr std::array<std::string_view, 3> kPositive{"lr", "pa", "si"};
     anatomical_ = name.size() == 3;
     for (std::size_t a = 0; a < 3 && anatomical_; ++a) {
-      anatomical_ = positive[a].find(name[a]) != std::string_view::npos;
-      to_lps_[static_cast<int>(a)] = name[a] == positive[a][1] ? -1 : 1;
+      anatomical_ = kPositive[a].find(name[a]) != std::string_view::npos;
+      to_lps_[static_cast<int>(a)] = name[a] == kPositive[a][1] ? -1 : 1;
     }
     // Spacings alone do not say how the axes lie in the space.
     if (anatomical_ && !field("spacedirections")) {

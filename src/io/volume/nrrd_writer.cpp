@@ -17,8 +17,8 @@ namespace {
 class GzipWriter {
  public:
   explicit GzipWriter(std::ostream& out) : out_(out), buffer_(1 << 18) {
-    constexpr int gzip = 15 + 16, memory = 8;
-    if (deflateInit2(&z_, 6, Z_DEFLATED, gzip, memory, Z_DEFAULT_STRATEGY) != Z_OK)
+    constexpr int kGzip = 15 + 16, kMemory = 8;
+    if (deflateInit2(&z_, 6, Z_DEFLATED, kGzip, kMemory, Z_DEFAULT_STRATEGY) != Z_OK)
       throw Error(ErrorCode::failed, "zlib cannot be started: out of memory");
   }
   GzipWriter(const GzipWriter&) = delete;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Grey PNG slices (PNG specification, 3rd edition). Our own reader because the usual library leaves by longjmp on a
-// damaged file; here a damaged file is an exception like any other.
+// Grey PNG slices (PNG specification, 3rd edition). Our own reader, because libpng leaves a damaged file by longjmp;
+// here it is an exception.
 #include <fmt/format.h>
 #include <zlib.h>
 
@@ -46,10 +46,10 @@ void read_header(Png& png, const unsigned char* data, const std::filesystem::pat
   png.depth = data[8];
   png.colour = data[9];
   png.interlaced = data[12] == 1;
-  if (data[10] != 0 || data[11] != 0 || data[12] > 1) refuse(file, "its compression is not known");
+  if (data[10] != 0 || data[11] != 0 || data[12] > 1) refuse(file, "its compression method is unknown");
   if (png.colour == 2 || png.colour == 4 || png.colour == 6)
     refuse_picture(file, png, png.colour == 2 ? "an RGB" : png.colour == 4 ? "a grey and transparent" : "an RGBA");
-  if (png.colour != 0 && png.colour != 3) refuse(file, fmt::format("its colour type {} is not known", png.colour));
+  if (png.colour != 0 && png.colour != 3) refuse(file, fmt::format("its colour type {} is unknown", png.colour));
   const int d = png.depth;
   if (d != 1 && d != 2 && d != 4 && d != 8 && !(d == 16 && png.colour == 0))
     refuse(file, fmt::format("{} bits per sample are not possible", d));
@@ -65,12 +65,12 @@ Png read_chunks(const std::filesystem::path& file) {
   for (std::size_t at = 8;;) {
     if (bytes.size() - at < 12) refuse(file, fmt::format("it is cut off at byte {}", bytes.size()));
     const std::uint32_t length = big_endian(&bytes[at]);
-    if (length > bytes.size() - at - 12) refuse(file, fmt::format("it is cut off in the block at byte {}", at));
+    if (length > bytes.size() - at - 12) refuse(file, fmt::format("it is cut off in the chunk at byte {}", at));
     const unsigned char* data = &bytes[at + 8];
     const auto type = std::string_view(reinterpret_cast<const char*>(&bytes[at + 4]), 4);
     if (crc32(0, &bytes[at + 4], length + 4) != big_endian(data + length))
       refuse(file,
-             fmt::format("the checksum of the block at byte {} is wrong: the file is damaged; copy it again", at));
+             fmt::format("the checksum of the chunk at byte {} is wrong: the file is damaged; copy it again", at));
     if ((at == 8) != (type == "IHDR") || (at == 8 && length != 13)) refuse(file, "its header is missing or repeated");
     if (type == "IHDR") {
       read_header(png, data, file);
@@ -85,7 +85,7 @@ Png read_chunks(const std::filesystem::path& file) {
     } else if (type == "IEND") {
       return png;
     } else if (!(type[0] & 0x20)) {
-      refuse(file, fmt::format("the necessary block at byte {} is not known", at));
+      refuse(file, fmt::format("the critical chunk at byte {} is unknown", at));
     }
     at += 12 + static_cast<std::size_t>(length);
   }
@@ -122,10 +122,10 @@ std::uint32_t steps(std::uint32_t size, std::uint32_t first, std::uint32_t step)
 
 template <class T>
 std::vector<T> decode(const Png& png, const std::filesystem::path& file, std::uint64_t count) {
-  static constexpr std::array<Pass, 1> whole{{{0, 0, 1, 1}}};
-  static constexpr std::array<Pass, 7> adam7{
+  static constexpr std::array<Pass, 1> kWhole{{{0, 0, 1, 1}}};
+  static constexpr std::array<Pass, 7> kAdam7{
       {{0, 0, 8, 8}, {4, 0, 8, 8}, {0, 4, 4, 8}, {2, 0, 4, 4}, {0, 2, 2, 4}, {1, 0, 2, 2}, {0, 1, 1, 2}}};
-  const std::span<const Pass> passes = png.interlaced ? std::span<const Pass>(adam7) : std::span<const Pass>(whole);
+  const std::span<const Pass> passes = png.interlaced ? std::span<const Pass>(kAdam7) : std::span<const Pass>(kWhole);
   const auto depth = static_cast<std::uint64_t>(png.depth);
   std::uint64_t expected = 0;
   for (const Pass& p : passes)
@@ -157,7 +157,7 @@ std::vector<T> decode(const Png& png, const std::filesystem::path& file, std::ui
         }
         if (png.colour == 3) {
           if (static_cast<std::size_t>(value) >= png.grey_of_index.size())
-            refuse(file, fmt::format("a pixel has colour {}, its palette ends before", value));
+            refuse(file, fmt::format("a pixel has colour {}, beyond the end of the palette", value));
           value = png.grey_of_index[static_cast<std::size_t>(value)];
         }
         out[p.x0 + c * p.dx] = static_cast<T>(value * scale);
@@ -175,7 +175,7 @@ Volume read_png(const std::filesystem::path& file, Context* context) {
   Volume volume;
   volume.grid.dims = {png.width, png.height, 1};
   // Eight pixels may share a byte of what was packed; rows begin with a byte of their own.
-  const std::uint64_t available = png.packed.size() * deflate_limit;
+  const std::uint64_t available = png.packed.size() * kDeflateLimit;
   const std::uint64_t count = checked_sample_count(file, volume.grid.dims, png.depth == 16 ? 2 : 1, available * 8);
   check_read_memory(file, count * (png.depth == 16 ? 4 : 2), context);  // also the filtered rows
   if (png.depth == 16)

@@ -57,9 +57,8 @@ class RawSource : public SampleSource {
 class InflateSource : public SampleSource {
  public:
   explicit InflateSource(const SampleBlock& block) : bytes_(block), skip_(block.skip) {
-    constexpr int gzip_or_zlib = 15 + 32;
-    if (inflateInit2(&z_, gzip_or_zlib) != Z_OK)
-      throw Error(ErrorCode::failed, "zlib cannot be started: out of memory");
+    constexpr int kGzipOrZlib = 15 + 32;
+    if (inflateInit2(&z_, kGzipOrZlib) != Z_OK) throw Error(ErrorCode::failed, "zlib cannot be started: out of memory");
   }
   InflateSource(const InflateSource&) = delete;
   InflateSource& operator=(const InflateSource&) = delete;
@@ -71,9 +70,9 @@ class InflateSource : public SampleSource {
       if (!inflate_into(nowhere)) return false;
       skip_ -= nowhere.size();
     }
-    constexpr std::size_t piece = std::size_t{1} << 30;  // what one call of zlib can be asked for
-    for (std::size_t done = 0; done < out.size(); done += piece)
-      if (!inflate_into(out.subspan(done, std::min(out.size() - done, piece)))) return false;
+    constexpr std::size_t kPiece = std::size_t{1} << 30;  // what one call of zlib can be asked for
+    for (std::size_t done = 0; done < out.size(); done += kPiece)
+      if (!inflate_into(out.subspan(done, std::min(out.size() - done, kPiece)))) return false;
     return true;
   }
 
@@ -187,11 +186,11 @@ class TextSource : public SampleSource {
 
  private:
   std::string next_word() {
-    constexpr std::size_t longest = 64;
+    constexpr std::size_t kLongest = 64;
     int c = characters_.next();
     while (is_blank(c) || c == ',') c = characters_.next();
     std::string word;
-    for (; c >= 0 && !is_blank(c) && c != ',' && word.size() <= longest; c = characters_.next())
+    for (; c >= 0 && !is_blank(c) && c != ',' && word.size() <= kLongest; c = characters_.next())
       word.push_back(static_cast<char>(c));
     ++count_;
     return word;

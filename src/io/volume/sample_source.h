@@ -15,10 +15,10 @@ class SampleSource {
   virtual ~SampleSource() = default;
   /// Fills `out`; false where the data end before, or are damaged.
   virtual bool read(std::span<std::byte> out) = 0;
-  /// After read() has failed: whether the data are damaged, and do not just end.
+  /// After read() has failed: whether the data are damaged rather than too short.
   virtual bool damaged() const { return false; }
-  /// To be asked after the last sample: false where what follows shows that the samples are damaged or incomplete (the
-  /// checksum of compressed data).
+  /// To be called after the last sample: false where what follows (the checksum of compressed data) shows that the
+  /// samples are damaged or incomplete.
   virtual bool ends_well() { return true; }
 };
 

@@ -94,7 +94,7 @@ class SliceFolder {
                               slice.grid.dims[0], slice.grid.dims[1], dims_[0], dims_[1]));
     if (slice.samples.index() != index_)
       throw Error(ErrorCode::input,
-                  fmt::format("slice '{}' has another sample type than the slices before it", file.string()));
+                  fmt::format("slice '{}' has a different sample type from the slices before it", file.string()));
     return slice;
   }
 

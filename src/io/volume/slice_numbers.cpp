@@ -14,8 +14,8 @@
 namespace quench::io {
 namespace {
 
-constexpr std::string_view digits = "0123456789";
-constexpr char the_number = '/';  // in a pattern; in no name
+constexpr std::string_view kDigits = "0123456789";
+constexpr char kTheNumber = '/';  // in a pattern; in no name
 
 struct Numbered {
   std::uint64_t number;
@@ -27,24 +27,24 @@ using Patterns = std::map<std::string, std::vector<Numbered>>;
 
 /// Adds a name once for each of its numbers; numbers beyond 18 digits are identifiers.
 void add_patterns(const std::string& name, std::size_t file, Patterns& patterns) {
-  constexpr std::size_t longest = 18;
+  constexpr std::size_t kLongest = 18;
   struct Digits {
     std::size_t begin, size;
   };
   std::string plain_name;  // without leading zeros
   std::vector<Digits> numbers;
   for (std::size_t at = 0; at < name.size();) {
-    const std::size_t begin = std::min(name.find_first_of(digits, at), name.size());
+    const std::size_t begin = std::min(name.find_first_of(kDigits, at), name.size());
     plain_name += name.substr(at, begin - at);
-    at = std::min(name.find_first_not_of(digits, begin), name.size());
+    at = std::min(name.find_first_not_of(kDigits, begin), name.size());
     if (at == begin) continue;
     const std::size_t first = std::min(name.find_first_not_of('0', begin), at - 1);
-    if (at - first <= longest) numbers.push_back({plain_name.size(), at - first});
+    if (at - first <= kLongest) numbers.push_back({plain_name.size(), at - first});
     plain_name += name.substr(first, at - first);
   }
   for (const auto& [begin, size] : numbers) {
     const std::uint64_t number = std::stoull(plain_name.substr(begin, size));
-    patterns[plain_name.substr(0, begin) + the_number + plain_name.substr(begin + size)].push_back({number, file});
+    patterns[plain_name.substr(0, begin) + kTheNumber + plain_name.substr(begin + size)].push_back({number, file});
   }
 }
 
@@ -83,7 +83,7 @@ void check_step(const std::filesystem::path& folder, const std::vector<Numbered>
     const Numbered &a = slices[i - 1], &b = slices[i];
     if (a.number == b.number)
       throw Error(ErrorCode::input,
-                  fmt::format("the slices in '{}' are numbered, and number {} is there twice, as '{}' "
+                  fmt::format("the slices in '{}' are numbered, and number {} occurs twice, as '{}' "
                               "and '{}'; move one of them out of the folder, or renumber the slices",
                               folder.string(), a.number, file_name(files[a.file]), file_name(files[b.file])));
     step = std::min(step, b.number - a.number);

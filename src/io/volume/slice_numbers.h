@@ -6,7 +6,7 @@
 
 namespace quench::io {
 
-/// Throws Error(input) where the names of the slices in `folder` show that one is missing, is there twice or does not
+/// Throws Error(input) where the names of the slices in `folder` show that one is missing, occurs twice or does not
 /// belong to them. Slices are numbered where more than half of them, and at least 3, or all have names that differ in
 /// one number only (without extension; leading zeros do not count): then all must have such a name, and the numbers a
 /// constant step, the smallest of their differences. Other names are free, and nothing is checked.

@@ -15,7 +15,7 @@ namespace {
 
 enum Node : unsigned char { internal = 0, empty = 1, leaf = 2 };
 
-constexpr std::int32_t largest_resolution = 2048;
+constexpr std::int32_t kLargestResolution = 2048;
 
 [[noreturn]] void refuse(const std::filesystem::path& file, const std::string& why) {
   throw Error(ErrorCode::input, fmt::format("'{}' cannot be read as .sof: {}", file.string(), why));
@@ -44,7 +44,8 @@ void each_cell(const std::vector<unsigned char>& bytes, std::int32_t n, const st
             {cell.x + (child >> 2 & 1) * half, cell.y + (child >> 1 & 1) * half, cell.z + (child & 1) * half, half});
       continue;
     }
-    if (type != empty && type != leaf) refuse(file, fmt::format("byte {} is {}, not a kind of node", at - 1, type));
+    if (type != empty && type != leaf)
+      refuse(file, fmt::format("byte {} is {}, which is not a node type", at - 1, type));
     if (at >= bytes.size()) refuse(file, fmt::format("the octree is cut off at byte {}", at));
     if (type == leaf && cell.size != 1)
       refuse(file, fmt::format("the leaf before byte {} has size {}; leaves must be of size 1", at, cell.size));
@@ -62,8 +63,8 @@ Volume read_sof(const std::filesystem::path& file, Context* context) {
   if (!in.stream || bytes.size() < 6) refuse(file, "it is too short");
   std::uint32_t resolution = 0;
   std::memcpy(&resolution, bytes.data(), 4);
-  if (!std::has_single_bit(resolution) || resolution > static_cast<std::uint32_t>(largest_resolution))
-    refuse(file, fmt::format("the resolution {} is not a power of 2 up to {}", resolution, largest_resolution));
+  if (!std::has_single_bit(resolution) || resolution > static_cast<std::uint32_t>(kLargestResolution))
+    refuse(file, fmt::format("the resolution {} is not a power of 2 up to {}", resolution, kLargestResolution));
   const auto n = static_cast<std::int32_t>(resolution);
 
   std::uint64_t leaves = 0;

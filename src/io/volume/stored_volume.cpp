@@ -33,8 +33,8 @@ SampleType type_in_memory(const StoredVolume& volume) {
   const bool real = volume.type.half || volume.type.type == SampleType::float32;
   if (real) return volume.intercept == 0 ? SampleType::float32 : SampleType::float64;
   // Integers of up to 16 bits: a step of theirs is more than the last bit of the largest value.
-  constexpr double values = 0x1p16, precision = 0x1p23;
-  const bool fine = std::abs(volume.intercept) + std::abs(volume.slope) * values < std::abs(volume.slope) * precision;
+  constexpr double kValues = 0x1p16, kPrecision = 0x1p23;
+  const bool fine = std::abs(volume.intercept) + std::abs(volume.slope) * kValues < std::abs(volume.slope) * kPrecision;
   return volume.type.size() <= 2 && fine ? SampleType::float32 : SampleType::float64;
 }
 
@@ -51,7 +51,7 @@ std::uint64_t least_bytes(Encoding encoding, std::uint64_t samples, std::uint64_
     case Encoding::raw:
       return bytes;
     case Encoding::deflate:
-      return bytes / deflate_limit + 1;
+      return bytes / kDeflateLimit + 1;
     case Encoding::text:
       return 2 * samples - 1;
     case Encoding::hex:
@@ -66,8 +66,9 @@ std::uint64_t checked_share(const std::filesystem::path& file, const StoredVolum
   const std::uint64_t count = checked_sample_count(file, dims, volume.type.size(), std::uint64_t{1} << 62);
   const std::uint64_t blocks = volume.blocks.size();
   if (blocks == 0 || count % blocks != 0)
-    refuse_volume(file, fmt::format("it names {} files for {} x {} x {} samples, which is not an equal share for each",
-                                    blocks, dims[0], dims[1], dims[2]));
+    refuse_volume(file,
+                  fmt::format("it names {} files for {} x {} x {} samples, which cannot be divided equally among them",
+                              blocks, dims[0], dims[1], dims[2]));
   const std::uint64_t share = count / blocks;
   std::uint64_t unread = 0;
   for (const SampleBlock& block : volume.blocks) {
@@ -163,10 +164,9 @@ class StoredSamples {
 
   [[noreturn]] void refuse_damaged() const {
     const std::filesystem::path& file = volume_.blocks[block_ - 1].file;
-    refuse_volume(file_,
-                  fmt::format("its compressed samples{} are damaged or incomplete (they do not end with their right "
-                              "checksum); copy or download it again",
-                              file == file_ ? "" : fmt::format(", in '{}',", base::plain(file.string()))));
+    refuse_volume(file_, fmt::format("its compressed samples{} are damaged or incomplete (their checksum is "
+                                     "wrong); copy or download it again",
+                                     file == file_ ? "" : fmt::format(", in '{}',", base::plain(file.string()))));
   }
 
   void convert(std::span<const std::byte> samples, std::span<std::byte> out, std::size_t count) const {
@@ -233,8 +233,8 @@ SliceStream open_stored(const std::filesystem::path& file, const StoredVolume& v
 }
 
 bool is_stored_volume(std::string_view extension) {
-  constexpr std::array known{".nrrd", ".nhdr", ".mha", ".mhd", ".nii", ".nii.gz", ".mrc", ".map"};
-  return std::find(known.begin(), known.end(), extension) != known.end();
+  constexpr std::array kKnown{".nrrd", ".nhdr", ".mha", ".mhd", ".nii", ".nii.gz", ".mrc", ".map"};
+  return std::find(kKnown.begin(), kKnown.end(), extension) != kKnown.end();
 }
 
 SliceStream open_stored(const std::filesystem::path& file, Context* context) {
@@ -254,20 +254,20 @@ void refuse_volume(const std::filesystem::path& file, const std::string& why) {
 
 void set_steps(const std::filesystem::path& file, const Mat3& steps, std::string_view where, Grid& grid) {
   // What integer_spacing() can take: squares of lengths are needed in double precision.
-  constexpr double shortest = 1e-30, longest = 1e30;
+  constexpr double kShortest = 1e-30, kLongest = 1e30;
   for (int a = 0; a < 3; ++a) {
     const Vec3 step = steps.col(a);
     const double length = step.allFinite() ? step.stableNorm() : 0;
-    if (!(length >= shortest && length <= longest))
+    if (!(length >= kShortest && length <= kLongest))
       refuse_volume(
           file, fmt::format("its step between voxels along axis {} is ({:.6g}, {:.6g}, {:.6g}), whose length is not "
                             "from {:g} to {:g}; correct the {} in its header, or save the volume again",
-                            a, step[0], step[1], step[2], shortest, longest, where));
+                            a, step[0], step[1], step[2], kShortest, kLongest, where));
     grid.spacing[a] = length;
     grid.direction.col(a) = step / length + Vec3::Zero();  // 0 for -0
   }
   const double shear = (grid.direction.transpose() * grid.direction - Mat3::Identity()).cwiseAbs().maxCoeff();
-  if (!(shear <= shear_tolerance))
+  if (!(shear <= kShearTolerance))
     refuse_volume(file,
                   fmt::format("its axes are not perpendicular (a sheared grid, by the {} in its header); resample "
                               "it to a rectangular grid",
@@ -279,7 +279,7 @@ void set_steps(const std::filesystem::path& file, const Mat3& steps, std::string
 }
 
 bool next_header_line(std::istream& in, const std::filesystem::path& file, std::string& line) {
-  constexpr std::size_t longest = std::size_t{1} << 20;
+  constexpr std::size_t kLongest = std::size_t{1} << 20;
   line.clear();
   for (int c = in.get(); c != std::istream::traits_type::eof(); c = in.get()) {
     if (c == '\n') {
@@ -287,7 +287,7 @@ bool next_header_line(std::istream& in, const std::filesystem::path& file, std::
       return true;
     }
     line.push_back(static_cast<char>(c));
-    if (line.size() > longest)
+    if (line.size() > kLongest)
       refuse_volume(file, "a line of its header is longer than a megabyte; it is not a header");
   }
   return !line.empty();
@@ -309,19 +309,19 @@ std::string lower(std::string_view text) {
 }
 
 std::string_view trimmed(std::string_view text) {
-  constexpr std::string_view blanks = " \t\r\n\v\f";
-  const auto begin = text.find_first_not_of(blanks);
+  constexpr std::string_view kBlanks = " \t\r\n\v\f";
+  const auto begin = text.find_first_not_of(kBlanks);
   if (begin == std::string_view::npos) return {};
-  return text.substr(begin, text.find_last_not_of(blanks) + 1 - begin);
+  return text.substr(begin, text.find_last_not_of(kBlanks) + 1 - begin);
 }
 
 std::vector<std::string_view> words_of(std::string_view text) {
-  constexpr std::string_view blanks = " \t\r\n\v\f";
+  constexpr std::string_view kBlanks = " \t\r\n\v\f";
   std::vector<std::string_view> words;
-  for (std::size_t at = text.find_first_not_of(blanks); at != std::string_view::npos;) {
-    const std::size_t end = std::min(text.find_first_of(blanks, at), text.size());
+  for (std::size_t at = text.find_first_not_of(kBlanks); at != std::string_view::npos;) {
+    const std::size_t end = std::min(text.find_first_of(kBlanks, at), text.size());
     words.push_back(text.substr(at, end - at));
-    at = text.find_first_not_of(blanks, end);
+    at = text.find_first_not_of(kBlanks, end);
   }
   return words;
 }

@@ -25,10 +25,10 @@ struct StoredType {
   std::size_t size() const;  ///< bytes of a stored sample
 };
 
-/// A stretch of a file that holds samples.
+/// A part of a file that holds samples.
 struct SampleBlock {
   std::filesystem::path file;
-  std::uint64_t begin = 0;            ///< bytes before it in the file
+  std::uint64_t begin = 0;            ///< offset in the file
   std::uint64_t skip = 0;             ///< bytes before the first sample in what is decompressed
   std::optional<std::uint64_t> size;  ///< bytes in the file that belong to it; nothing: up to the end of the file
 };
@@ -50,7 +50,7 @@ struct StoredVolume {
 };
 
 /// Each throws Error(failed) when the file cannot be opened and Error(input) when the header is damaged, contradicts
-/// itself or says something that a scalar volume on a rectangular grid cannot be. No samples are read.
+/// itself or describes anything but a scalar volume on a rectangular grid. No samples are read.
 StoredVolume nrrd_header(const std::filesystem::path& file);  ///< NRRD0001 to 0005, attached or detached
 StoredVolume meta_header(const std::filesystem::path& file, Context* context);   ///< MetaImage, attached or detached
 StoredVolume nifti_header(const std::filesystem::path& file, Context* context);  ///< NIfTI-1 and 2, .nii and .nii.gz
@@ -65,12 +65,12 @@ SliceStream open_stored(const std::filesystem::path& file, const StoredVolume& v
 bool is_stored_volume(std::string_view extension);
 SliceStream open_stored(const std::filesystem::path& file, Context* context);
 
-/// What headers share.
+/// Used by all headers.
 
 [[noreturn]] void refuse_volume(const std::filesystem::path& file, const std::string& why);
 
 /// Largest cosine between two axes that is taken for rounding: 1/20 voxel at the end of 500.
-inline constexpr double shear_tolerance = 1e-4;
+inline constexpr double kShearTolerance = 1e-4;
 
 /// Fills in spacing and direction from the steps between neighbouring voxels along x, y and z in the world. Throws
 /// Error(input) where a step is 0, not finite or beyond double precision and where steps are not perpendicular (up to

@@ -169,8 +169,8 @@ class TiffVolume {
 
   void check_size(const TiffPage& page) {
     const std::uint64_t size = shape::size_of(layout_.type);
-    constexpr int fax = 20;  // a blank line of a fax page takes one bit
-    const std::uint64_t available = file_.size() >> (63 - fax) ? ~std::uint64_t{0} : file_.size() << fax;
+    constexpr int kFax = 20;  // a blank line of a fax page takes one bit
+    const std::uint64_t available = file_.size() >> (63 - kFax) ? ~std::uint64_t{0} : file_.size() << kFax;
     checked_sample_count(file_.path(), {layout_.width, layout_.height, slices_}, size, available);
     check_memory(page, layout_);
   }

@@ -115,11 +115,11 @@ void read_shaped(std::string_view text, TiffDescription& d) {
   d.images = 1;
   std::string_view axes = json_value(text, "axes");
   if (axes.starts_with('"')) axes = axes.substr(1, axes.find('"', 1) - 1);
-  constexpr std::int64_t most = std::int64_t{1} << 31;
+  constexpr std::int64_t kMost = std::int64_t{1} << 31;
   for (std::size_t i = 0; i < shape.size(); ++i) {
     const char axis = axes.size() == shape.size() + 2 ? axes[i] : '?';
     std::int64_t& of = axis == 'C' ? d.channels : axis == 'T' ? d.times : i + 1 == shape.size() ? d.images : d.volumes;
-    of = std::min(of * std::min(shape[i], most), most);
+    of = std::min(of * std::min(shape[i], kMost), kMost);
   }
   if (json_value(text, "truncated").starts_with("true")) d.one_directory = true;
 }
@@ -178,12 +178,12 @@ std::string lengths(std::initializer_list<double> values, const std::string& uni
   return known.name.empty() ? text : text + " " + known.name;
 }
 
-constexpr const char* taken_as_one = "the spacing is taken as 1 x 1 x 1; give another one where that is wrong";
+constexpr const char* kTakenAsOne = "the spacing is taken as 1 x 1 x 1; give another one where that is wrong";
 
 /// Pixels that are not squares are meant so, unlike dots per inch: their sizes are put ready.
 std::string change_of_spacing(double x, double y, const std::string& unit) {
-  constexpr double rounding = 0.01;
-  if (std::abs(x - y) <= rounding * std::max(x, y)) return taken_as_one;
+  constexpr double kRounding = 0.01;
+  if (std::abs(x - y) <= kRounding * std::max(x, y)) return kTakenAsOne;
   const double factor = known_unit(unit).factor;
   return fmt::format("the spacing is taken as 1 x 1 x 1; give the spacing {:.6g},{:.6g},Z, where Z is that distance",
                      x * factor, y * factor);
@@ -193,7 +193,7 @@ TiffCalibration without_spacing(const std::optional<double>& x, const std::optio
                                 const std::string& unit) {
   TiffCalibration result;
   if ((x && !usable(*x)) || (y && !usable(*y)))
-    result.note = fmt::format("gives a size of pixels that is not positive and finite; {}", taken_as_one);
+    result.note = fmt::format("gives a size of pixels that is not positive and finite; {}", kTakenAsOne);
   else if (x && y && (known_unit(unit).metres > 0 || *x != *y))
     result.note = fmt::format("gives a size of pixels, {}, but no distance of slices; {}", lengths({*x, *y}, unit),
                               change_of_spacing(*x, *y, unit));
@@ -203,7 +203,7 @@ TiffCalibration without_spacing(const std::optional<double>& x, const std::optio
 TiffCalibration contradictory() {
   TiffCalibration result;
   result.note =
-      fmt::format("gives sizes of voxels that are not positive and finite or not in units of length; {}", taken_as_one);
+      fmt::format("gives sizes of voxels that are not positive and finite or not in units of length; {}", kTakenAsOne);
   return result;
 }
 
@@ -216,9 +216,9 @@ TiffCalibration without_pixels(const TiffDescription& d) {
   TiffCalibration result;
   if (x || y)
     result.note =
-        fmt::format("gives a size of pixels along {} only ({}); {}", x ? "x" : "y", text(x ? *x : *y), taken_as_one);
+        fmt::format("gives a size of pixels along {} only ({}); {}", x ? "x" : "y", text(x ? *x : *y), kTakenAsOne);
   else
-    result.note = fmt::format("gives a distance of slices ({}) but no size of pixels; {}", text(*z), taken_as_one);
+    result.note = fmt::format("gives a distance of slices ({}) but no size of pixels; {}", text(*z), kTakenAsOne);
   return result;
 }
 
@@ -233,8 +233,8 @@ TiffCalibration of_ome(const TiffDescription& d, const TiffResolution& resolutio
 // As ImageJ's FileOpener: the unit of the description is that of the resolution tags, a missing size is 1, and 72 dots
 // per inch are not a calibration.
 TiffCalibration of_imagej(const TiffDescription& d, TiffResolution resolution, std::int64_t slices) {
-  constexpr double screen = 1.0 / 72;
-  if (!d.unit && resolution.unit == "inch" && resolution.x == screen) resolution = {1.0, 1.0, ""};
+  constexpr double kScreen = 1.0 / 72;
+  if (!d.unit && resolution.unit == "inch" && resolution.x == kScreen) resolution = {1.0, 1.0, ""};
   const std::string unit = d.unit.value_or(resolution.unit);
   const double x = resolution.x.value_or(1), y = resolution.y.value_or(1);
   if (d.size[2]) {

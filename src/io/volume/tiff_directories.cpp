@@ -67,7 +67,7 @@ std::uint64_t TiffFile::next_directory(std::uint64_t directory, std::size_t inde
 }
 
 void TiffFile::follow_chain(Context* context) {
-  constexpr std::size_t most = 1000000;  // pages; far more than the slices of any volume
+  constexpr std::size_t kMost = 1000000;  // pages; far more than the slices of any volume
   std::array<std::byte, 16> header{};
   const std::size_t got = read(0, header);
   const auto letter = [&](std::size_t i) { return std::to_integer<char>(header[i]); };
@@ -80,10 +80,10 @@ void TiffFile::follow_chain(Context* context) {
   std::unordered_set<std::uint64_t> seen;
   for (std::uint64_t at = big_tiff_ ? number(&header[8], 8) : number(&header[4], 4); at != 0;) {
     checkpoint(context, "read", 0);
-    if (directories_.size() == most)
-      throw Error(
-          ErrorCode::input,
-          fmt::format("'{}' has more than {} pages; it is damaged, or save it in several files", path_.string(), most));
+    if (directories_.size() == kMost)
+      throw Error(ErrorCode::input,
+                  fmt::format("'{}' has more than {} pages; it is damaged, or save it in several files", path_.string(),
+                              kMost));
     if (!seen.insert(at).second)
       throw Error(ErrorCode::input,
                   fmt::format("'{}' is damaged: the directory after page {} is that of page {} again", path_.string(),
@@ -98,7 +98,7 @@ void TiffFile::follow_chain(Context* context) {
 }
 
 std::optional<TiffFile::Entry> TiffFile::entry(std::uint64_t directory, std::uint16_t tag) const {
-  constexpr std::array<std::uint8_t, 18> sizes{0, 1, 1, 2, 4, 8, 1, 1, 2, 4, 8, 4, 8, 4, 0, 0, 8, 8};  // by type
+  constexpr std::array<std::uint8_t, 18> kSizes{0, 1, 1, 2, 4, 8, 1, 1, 2, 4, 8, 4, 8, 4, 0, 0, 8, 8};  // by type
   const std::size_t count_size = big_tiff_ ? 8 : 2, entry_size = big_tiff_ ? 20 : 12, offset_size = big_tiff_ ? 8 : 4;
   const std::uint64_t entries = number_at(directory, count_size).value_or(0);  // follow_chain() has checked it
   for (std::uint64_t i = 0; i < entries; ++i) {
@@ -107,8 +107,8 @@ std::optional<TiffFile::Entry> TiffFile::entry(std::uint64_t directory, std::uin
     if (read(at, std::span(bytes).first(entry_size)) != entry_size) return {};
     if (number(&bytes[0], 2) != tag) continue;
     Entry found{number(&bytes[2], 2), number(&bytes[4], offset_size), 0};
-    if (found.type >= sizes.size() || found.count > size_) return {};
-    const bool inside = found.count * sizes[found.type] <= offset_size;
+    if (found.type >= kSizes.size() || found.count > size_) return {};
+    const bool inside = found.count * kSizes[found.type] <= offset_size;
     found.values = inside ? at + 4 + offset_size : number(&bytes[4 + offset_size], offset_size);
     return found;
   }
@@ -116,9 +116,9 @@ std::optional<TiffFile::Entry> TiffFile::entry(std::uint64_t directory, std::uin
 }
 
 std::optional<TiffFile::Rational> TiffFile::rational(std::uint64_t directory, std::uint16_t tag) const {
-  constexpr std::uint64_t rational_type = 5;
+  constexpr std::uint64_t kRationalType = 5;
   const auto found = entry(directory, tag);
-  if (!found || found->type != rational_type || found->count != 1) return {};
+  if (!found || found->type != kRationalType || found->count != 1) return {};
   const auto numerator = number_at(found->values, 4), denominator = number_at(found->values + 4, 4);
   if (!numerator || !denominator) return {};
   return Rational{static_cast<std::uint32_t>(*numerator), static_cast<std::uint32_t>(*denominator)};

@@ -10,8 +10,8 @@
 
 #include "quench/context.h"
 
-/// The chain of directories (pages) of a TIFF file, followed without libtiff: TIFFReadDirectory() ends in the same way
-/// at the last directory and at a damaged one.
+/// The chain of directories (pages) of a TIFF file, followed without libtiff, whose TIFFReadDirectory() does not tell
+/// the last directory from a damaged one.
 namespace quench::io {
 
 /// A TIFF file, open for reading at any place.

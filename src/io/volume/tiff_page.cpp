@@ -118,7 +118,7 @@ std::uint64_t largest_ratio(std::uint16_t compression) {
       return 64;
     case COMPRESSION_DEFLATE:
     case COMPRESSION_ADOBE_DEFLATE:
-      return deflate_limit;
+      return kDeflateLimit;
     default:
       return std::uint64_t{1} << 20;
   }
@@ -161,7 +161,7 @@ TiffPage::TiffPage(const TiffFile& file, std::size_t index, std::int64_t memory)
     source_->start.push_back(
         static_cast<std::byte>(file.directories()[index] >> 8 * (file.big_endian() ? size - 1 - i : i) & 0xFF));
   // No memory mapping (a file cut while it is read is a short read, not a signal), strips as the file has them.
-  constexpr const char* mode = "rmc";
+  constexpr const char* kMode = "rmc";
   // Handlers of one open file (libtiff 4.5); those of the process are not touched.
   const auto error = [](TIFF*, void* data, const char*, const char* format, std::va_list arguments) -> int {
     auto& messages = *static_cast<Messages*>(data);
@@ -186,7 +186,7 @@ TiffPage::TiffPage(const TiffFile& file, std::size_t index, std::int64_t memory)
   TIFFOpenOptionsSetErrorHandlerExtR(options.get(), error, messages_.get());
   TIFFOpenOptionsSetWarningHandlerExtR(options.get(), warning, messages_.get());
   TIFFOpenOptionsSetMaxSingleMemAlloc(options.get(), memory);
-  tiff_.reset(TIFFClientOpenExt(file.path().c_str(), mode, source_.get(), Source::read, Source::write, Source::seek,
+  tiff_.reset(TIFFClientOpenExt(file.path().c_str(), kMode, source_.get(), Source::read, Source::write, Source::seek,
                                 Source::close, Source::size, nullptr, nullptr, options.get()));
   if (!tiff_ || !messages_->first_error.empty()) refuse_damaged();
   if (messages_->mended)

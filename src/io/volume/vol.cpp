@@ -14,8 +14,8 @@
 namespace quench::io {
 namespace {
 
-constexpr int longest_header = 1000;  // lines
-constexpr std::uint64_t block = 1 << 20;
+constexpr int kLongestHeader = 1000;  // lines
+constexpr std::uint64_t kBlock = 1 << 20;
 
 [[noreturn]] void refuse(const std::filesystem::path& file, const std::string& why) {
   throw Error(ErrorCode::input, fmt::format("'{}' cannot be read as .vol: {}", file.string(), base::plain(why)));
@@ -41,7 +41,7 @@ Fields read_header(InputFile& in, const std::filesystem::path& file) {
     }
     line = trimmed(line);
     if (line == ".") return fields;
-    if (number > longest_header) refuse(file, "the header does not end with a line that is one dot");
+    if (number > kLongestHeader) refuse(file, "the header does not end with a line that is one dot");
     const auto colon = line.find(':');
     if (line.empty() || line[0] == '#') continue;
     if (colon == std::string::npos) refuse(file, fmt::format("line {} of the header is not 'key: value'", number));
@@ -74,7 +74,7 @@ void inflate_into(InputFile& in, const std::filesystem::path& file, unsigned cha
     ~Stream() { inflateEnd(this); }
   } z;
   if (inflateInit(&z) != Z_OK) throw Error(ErrorCode::failed, "zlib cannot be started: out of memory");
-  std::vector<char> input(block);
+  std::vector<char> input(kBlock);
   std::uint64_t done = 0;
   for (bool ended = false; !ended && done < size;) {
     checkpoint(context, "read", static_cast<double>(done) / static_cast<double>(size));
@@ -123,7 +123,7 @@ Volume read_vol(const std::filesystem::path& file, Context* context) {
   const std::uint64_t left = in.size - std::min(in.size, static_cast<std::uint64_t>(in.stream.tellg()));
   const auto read = [&]<class T>(T) {
     const std::uint64_t count =
-        checked_sample_count(file, volume.grid.dims, sizeof(T), compressed ? left * deflate_limit : left);
+        checked_sample_count(file, volume.grid.dims, sizeof(T), compressed ? left * kDeflateLimit : left);
     check_read_memory(file, count * sizeof(T), context);
     std::vector<T> samples(count);
     auto* out = reinterpret_cast<unsigned char*>(samples.data());

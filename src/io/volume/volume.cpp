@@ -69,20 +69,20 @@ std::string volume_extension(const std::filesystem::path& file) {
 std::uint64_t checked_sample_count(const std::filesystem::path& file, const std::array<std::int64_t, 3>& dims,
                                    std::uint64_t bytes_per_sample, std::uint64_t available) {
   // Voxel coordinates are 32-bit, and one past the last one is used.
-  constexpr std::int64_t longest = std::numeric_limits<std::int32_t>::max() - 1;
-  constexpr double most = 0x1p62;
+  constexpr std::int64_t kLongest = std::numeric_limits<std::int32_t>::max() - 1;
+  constexpr double kMost = 0x1p62;
   double bytes = static_cast<double>(bytes_per_sample);
   for (const std::int64_t side : dims) {
-    if (side < 1 || side > longest)
+    if (side < 1 || side > kLongest)
       throw Error(ErrorCode::input, fmt::format("'{}' claims {} x {} x {} voxels; every side must be from 1 to {}",
-                                                file.string(), dims[0], dims[1], dims[2], longest));
+                                                file.string(), dims[0], dims[1], dims[2], kLongest));
     bytes *= static_cast<double>(side);
   }
   const auto claim = [&] {
     return fmt::format("'{}' claims {} x {} x {} voxels of {}", file.string(), dims[0], dims[1], dims[2],
                        base::counted(bytes_per_sample, "byte"));
   };
-  if (bytes > most) throw Error(ErrorCode::input, claim() + ", more than any memory; the header is damaged");
+  if (bytes > kMost) throw Error(ErrorCode::input, claim() + ", more than any memory; the header is damaged");
   const auto count =
       static_cast<std::uint64_t>(dims[0]) * static_cast<std::uint64_t>(dims[1]) * static_cast<std::uint64_t>(dims[2]);
   if (count * bytes_per_sample > available)
@@ -91,9 +91,9 @@ std::uint64_t checked_sample_count(const std::filesystem::path& file, const std:
 }
 
 void check_read_memory(const std::filesystem::path& file, std::uint64_t bytes, const Context* context) {
-  constexpr std::uint64_t little = std::uint64_t{1} << 24;  // asking the system takes longer than reading this
+  constexpr std::uint64_t kLittle = std::uint64_t{1} << 24;  // asking the system takes longer than reading this
   const bool limited = context && context->memory_limit > 0;
-  if (!limited && bytes < little) return;
+  if (!limited && bytes < kLittle) return;
   const std::int64_t limit = limited ? context->memory_limit : base::available_memory();
   const auto needed = static_cast<std::int64_t>(std::min(bytes, std::uint64_t{1} << 62));
   if (needed > limit)

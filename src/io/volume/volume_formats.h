@@ -28,19 +28,19 @@ Volume read_vol(const std::filesystem::path& file, Context* context);
 Volume read_sof(const std::filesystem::path& file, Context* context);
 
 /// Grey PNG as one slice of uint8 (1, 2, 4 and 8 bits, scaled to 255; palettes of greys) or uint16. Spacing 1: dots per
-/// inch are no distance of slices.
+/// inch do not give a distance of slices.
 Volume read_png(const std::filesystem::path& file, Context* context);
 
 /// The PNG or TIFF files of a folder in natural order (2 before 10), one slice each, all of one size and type and with
-/// or without colours; numbered slices are complete (check_slice_numbers()). Spacing 1. What several slices have to be
-/// noted for is noted once; TIFF slices whose pixels have a size are a note unless `spacing_is_given`.
+/// or without colours; numbered slices must be complete (check_slice_numbers()). Spacing 1. A note on several slices is
+/// given once; TIFF slices whose pixels have a size are a note unless `spacing_is_given`.
 Volume read_slices(const std::filesystem::path& folder, Context* context, bool spacing_is_given = false);
 
 /// Replaces the spacing as asked and checks it and the origin.
 void apply_spacing(const std::filesystem::path& file, const VolumeReadOptions& options, Grid& grid);
 
-/// Throws Error(input) for a pipe or a device, which would be waited for or has no end. Directories and files that are
-/// not there pass.
+/// Throws Error(input) for a pipe or a device, which may block or have no end. Directories and files that do not exist
+/// pass.
 void check_regular_file(const std::filesystem::path& file);
 
 /// In lower case, `.nii.gz` as one.
@@ -53,7 +53,7 @@ struct InputFile {
   std::uint64_t size = 0;
 };
 
-/// The product of `dims`. Throws Error(input) when a side is not in [1, 2^31 - 2] or when `available` bytes cannot be
+/// The product of `dims`. Throws Error(input) when a side is not in [1, 2^31 - 2] or when `available` bytes cannot hold
 /// that many samples.
 std::uint64_t checked_sample_count(const std::filesystem::path& file, const std::array<std::int64_t, 3>& dims,
                                    std::uint64_t bytes_per_sample, std::uint64_t available);
@@ -63,7 +63,7 @@ std::uint64_t checked_sample_count(const std::filesystem::path& file, const std:
 void check_read_memory(const std::filesystem::path& file, std::uint64_t bytes, const Context* context);
 
 /// deflate cannot shrink by more than this factor; what a compressed file promises beyond it is not there.
-inline constexpr std::uint64_t deflate_limit = 1032;
+inline constexpr std::uint64_t kDeflateLimit = 1032;
 
 /// Reverses the bytes of every sample.
 template <class T>

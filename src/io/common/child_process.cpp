@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "io/common/apart.h"
+#include "io/common/child_process.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -24,7 +24,7 @@ namespace quench::io {
 namespace {
 
 // The first byte of an answer.
-constexpr char result = 'R', refusal = 'E', no_memory = 'M';
+constexpr char kResult = 'R', kRefusal = 'E', kNoMemory = 'M';
 
 std::int64_t address_space_now() {
   std::int64_t pages = 0;
@@ -41,7 +41,7 @@ void limit(Resource resource, std::int64_t amount) {
   setrlimit(resource, &both);
 }
 
-double seconds_for(const ApartLimits& limits, std::int64_t file_size) {
+double seconds_for(const SandboxLimits& limits, std::int64_t file_size) {
   return limits.seconds + 2e-6 * static_cast<double>(file_size);
 }
 
@@ -49,12 +49,12 @@ void send(int pipe, std::string_view bytes) {
   while (!bytes.empty()) {
     const ssize_t sent = write(pipe, bytes.data(), bytes.size());
     if (sent < 0 && errno == EINTR) continue;
-    if (sent <= 0) _exit(1);  // nobody listens any more
+    if (sent <= 0) _exit(1);  // the parent has closed its end
     bytes.remove_prefix(static_cast<std::size_t>(sent));
   }
 }
 
-[[noreturn]] void child(int pipe, pid_t parent, const std::function<std::string()>& read, const ApartLimits& limits,
+[[noreturn]] void child(int pipe, pid_t parent, const std::function<std::string()>& read, const SandboxLimits& limits,
                         std::int64_t file_size) {
   for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGPIPE, SIGSEGV, SIGABRT, SIGFPE, SIGBUS, SIGILL})
     std::signal(signal, SIG_DFL);
@@ -72,12 +72,12 @@ void send(int pipe, std::string_view bytes) {
   limit(RLIMIT_AS, address_space_now() + limits.bytes + 200 * file_size);
   try {
     const std::string bytes = read();
-    send(pipe, {&result, 1});
+    send(pipe, {&kResult, 1});
     send(pipe, bytes);
   } catch (const Error& error) {
-    send(pipe, refusal + std::string(1, static_cast<char>(error.code())) + error.what());
+    send(pipe, kRefusal + std::string(1, static_cast<char>(error.code())) + error.what());
   } catch (const std::bad_alloc&) {
-    send(pipe, {&no_memory, 1});
+    send(pipe, {&kNoMemory, 1});
   } catch (...) {
     _exit(1);
   }
@@ -97,7 +97,7 @@ struct Descriptor {
   }
 };
 
-/// A child that is waited for, and ended first when nobody did.
+/// A child process. Unless wait() was called, it is killed and waited for at the end of the scope.
 class Child {
  public:
   explicit Child(pid_t process) : process_(process) {}
@@ -123,8 +123,8 @@ class Child {
 
 }  // namespace
 
-std::string read_apart(const std::filesystem::path& file, const std::function<std::string()>& read,
-                       const ApartLimits& limits) {
+std::string read_in_child_process(const std::filesystem::path& file, const std::function<std::string()>& read,
+                                  const SandboxLimits& limits) {
   std::error_code unknown;
   const std::uintmax_t size = std::filesystem::file_size(file, unknown);
   const std::int64_t file_size = unknown ? 0 : static_cast<std::int64_t>(size);
@@ -147,7 +147,7 @@ std::string read_apart(const std::filesystem::path& file, const std::function<st
   std::string bytes;
   for (std::array<char, 1 << 16> block;;) {
     pollfd end{from.number, POLLIN, 0};
-    if (poll(&end, 1, 1000) <= 0) {  // its time may pass without work, when it waits for something
+    if (poll(&end, 1, 1000) <= 0) {  // a child that waits for something uses no processor time
       if (std::chrono::steady_clock::now() - start < patience) continue;
       waiting = false;
       break;
@@ -165,12 +165,13 @@ std::string read_apart(const std::filesystem::path& file, const std::function<st
   if (WIFSIGNALED(status)) {
     const int signal = WTERMSIG(status);
     if (signal == SIGINT || signal == SIGTERM || signal == SIGHUP) throw Error(ErrorCode::cancelled, "cancelled");
-    if (signal == SIGXCPU || signal == SIGKILL) refuse("reading it does not end; it is damaged");
-    refuse("its library fails on it; it is damaged");
+    if (signal == SIGXCPU || signal == SIGKILL) refuse("reading it takes too long; it is damaged");
+    refuse("the library that reads it fails; it is damaged");
   }
-  if (!bytes.empty() && bytes[0] == no_memory) refuse("it asks for more memory than a file of its size can need");
-  if (WEXITSTATUS(status) != 0 || bytes.empty()) refuse("its library fails on it; it is damaged");
-  if (bytes[0] == refusal && bytes.size() >= 2)
+  if (!bytes.empty() && bytes[0] == kNoMemory)
+    refuse("reading it needs more memory than a file of its size should; it is damaged");
+  if (WEXITSTATUS(status) != 0 || bytes.empty()) refuse("the library that reads it fails; it is damaged");
+  if (bytes[0] == kRefusal && bytes.size() >= 2)
     throw Error(static_cast<ErrorCode>(static_cast<unsigned char>(bytes[1])), bytes.substr(2));
   return bytes.erase(0, 1);
 }

@@ -26,10 +26,10 @@ struct Box {
   double squared_distance(const Vec3& x) const { return (x - nearest_point(x)).squaredNorm(); }
 };
 
-/// Hierarchy of boxes by median cuts, for nearest-box and range queries. Build O(n log n), 60 bytes per box.
-class BoxTree {
+/// A bounding volume hierarchy by median cuts, for nearest-box and range queries. Build O(n log n), 60 bytes per box.
+class Bvh {
  public:
-  explicit BoxTree(std::vector<Box> boxes) : boxes_(std::move(boxes)), order_(boxes_.size()) {
+  explicit Bvh(std::vector<Box> boxes) : boxes_(std::move(boxes)), order_(boxes_.size()) {
     std::iota(order_.begin(), order_.end(), 0u);
     if (!boxes_.empty()) build(0, static_cast<std::uint32_t>(boxes_.size()));
     std::vector<Box> sorted(boxes_.size());
@@ -56,7 +56,7 @@ class BoxTree {
     std::uint32_t begin, end;  // of the leaf's boxes; begin == end for an inner node
     std::uint32_t right = 0;   // the left child follows its parent
   };
-  static constexpr std::uint32_t leaf_size = 8;
+  static constexpr std::uint32_t kLeafSize = 8;
 
   void build(std::uint32_t begin, std::uint32_t end) {
     const std::size_t self = nodes_.size();
@@ -67,7 +67,7 @@ class BoxTree {
         box.high[a] = std::max(box.high[a], boxes_[order_[i]].high[a]);
       }
     nodes_.push_back({box, begin, end, 0});
-    if (end - begin <= leaf_size) return;
+    if (end - begin <= kLeafSize) return;
     std::size_t axis = 0;
     for (std::size_t a = 1; a < 3; ++a)
       if (box.high[a] - box.low[a] > box.high[axis] - box.low[axis]) axis = a;
