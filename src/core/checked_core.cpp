@@ -28,9 +28,9 @@ CheckedCore made_core(const VoxelShape& shape, const Topology& wanted, double lo
   result.longest_side = longest_side;
   result.topology = wanted;
   MedialAxis core = voxel_core(shape, {.rule = options.rule, .in_bricks = options.in_bricks}, context);
-  // Checking the topology is work for one thread, and thinning for all but at its end: together they keep two busy. The
-  // topology is the task, so that thinning stays on the calling thread, which alone tells of progress; isolated, since
-  // who waits for a part of the thinning should not begin with the topology.
+  // Checking the topology and thinning are work for one thread each: together they keep two busy. The topology is the
+  // task, so that thinning stays on the calling thread, which alone reports progress; isolated, so that a thread that
+  // waits for the initial pairs of the thinning does not begin with the topology.
   Topology found;
   tbb::task_group beside;
   beside.run([&] { found = topology(core.complex); });
