@@ -18,13 +18,6 @@ void add_burn_options(CLI::App& app, BurnPipelineOptions& o) {
       ->type_name("LENGTH")
       ->capture_default_str()
       ->group(group);
-  app.add_option("--propagation", o.propagation,
-                 "How fire crosses polygons: 'segments' (accurate) or 'nodes' (along straight arcs only; an upper "
-                 "bound, as in other programs); 'auto': segments, or what a burned AXIS says")
-      ->type_name("NAME")
-      ->check(one_of({"auto", "segments", "nodes"}))
-      ->capture_default_str()
-      ->group(group);
   app.add_option("--radius", o.radius,
                  "The radius between vertices: 'exact' where neighbours share a nearest boundary point, 'linear', or "
                  "'auto': exact for voxel cores of Quench, linear for others")
@@ -46,8 +39,7 @@ void check_burn_options(const BurnPipelineOptions& options) {
 void take_burn_parameters(BurnPipelineOptions& options, const Record& burned) {
   if (const auto omega = field_number(burned, "omega"); options.omega == "auto" && omega)
     options.omega = fmt::format("{}abs", *omega);
-  if (const auto name = field_text(burned, "propagation"); options.propagation == "auto" && name)
-    options.propagation = *name;
+  if (const auto name = field_text(burned, "propagation")) options.propagation = *name;
   if (const auto rule = field_text(burned, "radius_rule"); options.radius == "auto" && rule) options.radius = *rule;
 }
 
@@ -55,7 +47,6 @@ Burning compute_burning(const MedialAxis& axis, bool voxel_core, const BurnPipel
                         const std::function<double(const std::string&, const std::string&)>& resolve,
                         nlohmann::ordered_json& report, Session& session) {
   BurnOptions burn_options;
-  burn_options.propagation = options.propagation == "nodes" ? Propagation::nodes : Propagation::segments;
   const bool linear = options.radius == "linear" || (options.radius == "auto" && !voxel_core);
   burn_options.radius = linear ? RadiusRule::linear : RadiusRule::exact;
   burn_options.parents = parents;
@@ -64,7 +55,7 @@ Burning compute_burning(const MedialAxis& axis, bool voxel_core, const BurnPipel
                        fmt::format("burning with --omega {}", options.omega),
                        {"a larger --omega", "a larger --lambda"});
   Burning burning = burn(axis.complex, axis.points, axis.radius, burn_options, &session.context);
-  session.detail(fmt::format("burned on {} nodes, {:.4g} apart; longest burn time {:.6g}", burning.network.node_count(),
+  session.detail(fmt::format("burned on {} nodes, {:.4g} apart; longest burn time {:.6g}", burning.node_count,
                              burning.options.omega, burning.max_burn_time));
   if (burning.unburned > 0)
     session.say(
@@ -72,12 +63,9 @@ Burning compute_burning(const MedialAxis& axis, bool voxel_core, const BurnPipel
                     "'unburned')",
                     burning.unburned, base::counted(axis.complex.vertex_count, "vertex", "vertices"),
                     burning.unburned == 1 ? "lies" : "lie"));
-  report["burn"] = {{"omega", burning.options.omega},
-                    {"nodes", burning.network.node_count()},
-                    {"unburned", burning.unburned},
-                    {"max_burn_time", burning.max_burn_time},
-                    {"propagation", burn_options.propagation == Propagation::nodes ? "nodes" : "segments"},
-                    {"radius_rule", linear ? "linear" : "exact"}};
+  report["burn"] = {{"omega", burning.options.omega}, {"nodes", burning.node_count},
+                    {"unburned", burning.unburned},   {"max_burn_time", burning.max_burn_time},
+                    {"propagation", "segments"},      {"radius_rule", linear ? "linear" : "exact"}};
   return burning;
 }
 

@@ -15,7 +15,7 @@ namespace quench::program {
 
 struct BurnPipelineOptions {
   std::string omega = "auto";
-  std::string propagation = "auto";
+  std::string propagation = "auto";  ///< not an option: what reports say of how fire crosses polygons
   std::string radius = "auto";
 };
 

@@ -93,7 +93,7 @@ CheckedSkeleton compute_skeleton(const MedialAxis& axis, Burning&& burning, cons
   const double theta2 = resolve(options.theta2, "--theta2"), theta1 = resolve(options.theta1, "--theta1");
   const Topology wanted = topology(axis.complex);
   checkpoint(&session.context, "topology", 0.3);
-  session.check_memory(predicted_skeleton_bytes(burning.network), "the curves of this axis",
+  session.check_memory(predicted_skeleton_bytes(burning), "the curves of this axis",
                        {"a larger --omega", "a larger --lambda"});
   RefinedAxis refined = quench_curves(axis.complex, axis.points, axis.radius, burning, &session.context);
   burning = Burning();

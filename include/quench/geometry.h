@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <string>
 #include <string_view>
@@ -13,6 +14,9 @@ namespace quench {
 
 using Vec3 = Eigen::Vector3d;
 using Mat3 = Eigen::Matrix3d;
+
+/// No vertex, edge, face or other element, where an index of one stands.
+inline constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
 /// A point of the voxel lattice. Voxel (i,j,k) is the box [i,i+1] x [j,j+1] x [k,k+1] in lattice coordinates, so its
 /// centre is at (i+1/2, j+1/2, k+1/2).

@@ -89,6 +89,6 @@ struct GraphOptions {
 CurveGraph measured_graph(const Skeleton& skeleton, const GraphOptions& options = {});
 
 /// Memory that quench_curves() and skeletons() need for a burning, in bytes.
-std::int64_t predicted_skeleton_bytes(const BurnNetwork& network);
+std::int64_t predicted_skeleton_bytes(const Burning& burning);
 
 }  // namespace quench

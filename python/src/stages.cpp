@@ -93,17 +93,10 @@ std::shared_ptr<const Fire> compute_fire(const Axis& axis, double omega, bool fa
     fire->burning = burn(m.complex, m.points, m.radius, options, &context);
   }
   if (!family) return fire;
-  require_memory(predicted_skeleton_bytes(burning->network), "the curves of this medial axis",
-                 "a larger omega or lambda_");
+  require_memory(predicted_skeleton_bytes(*burning), "the curves of this medial axis", "a larger omega or lambda_");
   RefinedAxis refined = quench_curves(m.complex, m.points, m.radius, *burning, &context);
-  Burning light;
-  light.options = burning->options;
-  light.burn_time = burning->burn_time;
-  light.erosion_thickness = burning->erosion_thickness;
-  light.max_burn_time = burning->max_burn_time;
-  light.unburned = burning->unburned;
-  light.network.node_base = {burning->network.node_count()};
-  fire->burning = std::move(light);
+  if (same) fire->burning = *burning;
+  fire->burning.sectors.reset();
   fire->family = std::make_shared<const SkeletonFamily>(skeletons(std::move(refined), &context));
   return fire;
 }

@@ -5,11 +5,10 @@
 #include "base/union_find.h"
 #include "complex/pockets.h"
 #include "quench/complex.h"
+#include "quench/geometry.h"
 
 namespace quench {
 namespace {
-
-constexpr std::uint32_t kNoFace = 0xFFFFFFFFu;
 
 // Dimension of the space of 0/1 vectors x over `unknowns` variables with, per equation, an even number of ones among
 // the variables listed (each once). Equations of one or two variables fix or merge variables; Gauss does the rest.
@@ -86,7 +85,7 @@ std::int64_t second_betti(const CellComplex& complex) {
   base::UnionFind sheets(complex.face_count());
   for (std::size_t e = 0; e + 1 < offsets.size(); ++e)
     if (offsets[e + 1] - offsets[e] == 2) sheets.unite(faces[offsets[e]], faces[offsets[e] + 1]);
-  std::vector<std::uint32_t> sheet_of(complex.face_count(), kNoFace);
+  std::vector<std::uint32_t> sheet_of(complex.face_count(), kNone);
   std::uint32_t count = 0;
   for (std::uint32_t f = 0; f < complex.face_count(); ++f)
     if (alive[f] && sheets.find(f) == f) sheet_of[f] = count++;

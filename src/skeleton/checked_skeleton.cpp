@@ -61,8 +61,8 @@ CurveGraph measured_graph(const Skeleton& skeleton, const GraphOptions& options)
   return graph;
 }
 
-std::int64_t predicted_skeleton_bytes(const BurnNetwork& network) {
-  return 900 * std::int64_t{network.node_count()};  // 0.77 KB per node on the armadillo at 1024
+std::int64_t predicted_skeleton_bytes(const Burning& burning) {
+  return 900 * std::int64_t{burning.node_count};  // 0.77 KB per node on the armadillo at 1024
 }
 
 }  // namespace quench

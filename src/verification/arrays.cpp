@@ -71,7 +71,7 @@ const std::vector<Known>& known_field_numbers() {
 const std::vector<Known>& known_field_texts() {
   static const std::vector<Known> arrays{{"stage", 1, {"core", "skeleton"}, nothing_to_compare},
                                          {"lambda_rule", 1, {"coface", "ball"}, nothing_to_compare},
-                                         {"propagation", 1, {"segments", "nodes"}, told},
+                                         {"propagation", 1, {"segments"}, told},
                                          {"radius_rule", 1, {"exact", "linear"}, told},
                                          {"units", 1, {}, told},
                                          {"SPACE", 1, {}, told},

@@ -32,7 +32,7 @@ MedialAxis pruned_core(const VoxelShape& shape, double longest_side) {
 // Between the ends of an edge, fire takes at most its length and the radius changes by at most its length, so on the
 // manifold part of an axis erosion thickness is 2-Lipschitz (Yan 2018, sec. 3.3).
 void expect_lipschitz(const MedialAxis& axis, const Burning& burning, double voxel, const std::string& where) {
-  const BurnNetwork& network = burning.network;
+  const BurnNetwork& network = burning.sectors->network;
   for (std::uint32_t e = 0; e < axis.complex.edges.size(); ++e) {
     if (network.sides_of(e).size() > 2 || network.sides_of(e).empty()) continue;
     const auto [a, b] = axis.complex.edges[e];
