@@ -189,7 +189,7 @@ bool Labels::next(std::uint32_t& state, bool& again) {
 void Labels::release(Times& times, std::vector<char>& opened) {
   HugeVector<std::uint32_t>().swap(through_);
   HugeVector<Source>().swap(source_);
-  queue_ = LabelQueue(0, 0, {});
+  queue_ = LabelQueue();
   opened.assign(time_.size(), 0);
   const auto set = [&](std::uint32_t s, double arrival) {
     opened[s] = (status_[s] & several) && !(status_[s] & open) && time_[s] < arrival;

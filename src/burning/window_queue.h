@@ -31,6 +31,8 @@ using StateQueue = base::BucketQueue<std::uint32_t>;  ///< of states, by time
 /// Deferred states are stored without keys, so decreasing a label within its window needs no queue operation.
 class WindowQueue {
  public:
+  WindowQueue() : WindowQueue(0, 0, {}) {}
+  /// Times are about `origin` or later; `width`: of a window.
   WindowQueue(double origin, double width, Blocks blocks)
       : origin_(origin),
         width_(width),

@@ -57,7 +57,7 @@ std::vector<StatePair> matching_states(const CellComplex& complex, const BruteFo
     for (std::size_t n = expected.first_inserted[e]; n < expected.first_inserted[e + 1]; ++n)
       pairs.push_back({expected.state_at(n, expected.place_in_edge_link[c]),
                        network.state_base[e] + (n - expected.first_inserted[e]) * sectors +
-                           (sectors > 1 ? network.side_rank[c] : 0)});
+                           (sectors > 1 ? network.corner_rank[c] : 0)});
   }
   return pairs;
 }
@@ -183,7 +183,7 @@ void expect_sound(const BurnInput& input, const Burning& found, double tolerance
     ASSERT_EQ(found.sectors->parent[state] == kNone, found.sectors->parent_face[state] == kNone)
         << where << " state " << state;
     if (found.sectors->parent[state] == kNone) continue;
-    // In the burn sequence a bridge waits, and what could have been its child takes another parent, later than itself.
+    // A bridge is removed later than it burns, and a node whose parent it could have been gets one that burns later.
     ASSERT_LE(found.sectors->state_time[parent_state[state]],
               bridges ? kInfinity : found.sectors->state_time[state] + tolerance)
         << where << " state " << state;
@@ -217,14 +217,14 @@ TEST(Burn, AnyBlockSchedule) {
     };
     const auto [nodes, nodes_in_blocks] = burn_both(Propagation::nodes);
     ASSERT_EQ(nodes_in_blocks.sectors->state_time, nodes.sectors->state_time)
-        << where;  // the least of sums, whatever came first
+        << where;  // the least of sums, in any order
     expect_sound(input, nodes_in_blocks, 1e-9, where);
     const auto [segments, in_blocks] = burn_both(Propagation::segments);
     expect_sound(input, in_blocks, 2 * std::min(1e-3, 2e-3 * omega), where);
     for (std::size_t v = 0; v < input.points.size(); ++v) {
       ASSERT_EQ(std::isinf(in_blocks.burn_time[v]), std::isinf(segments.burn_time[v])) << where;
       if (std::isinf(in_blocks.burn_time[v])) continue;
-      // Where fronts meet, which label stays can depend on what came first: by less than segments are off there anyway.
+      // Where fronts meet, which label remains can depend on the order: by less than the error of segments there.
       const double change = std::abs(in_blocks.burn_time[v] - segments.burn_time[v]) / omega;
       ASSERT_LT(change, 0.25) << where << " vertex " << v;
       sum += change;
@@ -505,6 +505,14 @@ TEST(Burn, PolygonsOfManySides) {
         expect_sound(input, burn(input, 0.6, by), by == Propagation::nodes ? 1e-9 : 2e-3,
                      std::to_string(sides) + " sides, seam " + std::to_string(seam));
     }
+}
+
+TEST(Burn, AnAxisIsItsComplexPointsAndRadii) {
+  const MedialAxis axis = pruned_core(testing_shapes::box_shape(9, 7, 4), 0.6);
+  const Burning one = burn(axis, {.omega = 0.4}), other = burn(axis.complex, axis.points, axis.radius, {.omega = 0.4});
+  EXPECT_EQ(one.burn_time, other.burn_time);
+  EXPECT_EQ(one.node_count, other.node_count);
+  EXPECT_GT(one.node_count, axis.points.size());
 }
 
 TEST(Burn, RadiusInsideAnEdge) {

@@ -49,9 +49,9 @@ struct Labels {
   }
 };
 
-// States are queued, lowered and popped at random: each comes once for every time it was queued, as the first of its
-// block, and nothing is left behind.
-TEST(WindowQueue, StatesComeAsTheFirstOfTheirBlock) {
+// States are queued, lowered and popped at random: each is popped once for every time it was queued, as the first of
+// its block, and none is lost.
+TEST(WindowQueue, PopsTheFirstOfABlock) {
   for (std::uint32_t seed = 0; seed < 300; ++seed) {
     std::mt19937 random(seed);
     const std::uint32_t states = 1 + random() % 200, count = seed % 4 == 0 ? 1 : 1 + random() % 9;

@@ -88,7 +88,7 @@ TEST(Thinning, WhateverTheNumbersOfCells) {
   }
 }
 
-// Values that have nothing to do with each other: few and many different ones, 0, and cells that never go.
+// Values that have nothing to do with each other: few and many different ones, 0, and cells that are never removed.
 TEST(Thinning, WhateverTheValues) {
   for (std::uint64_t seed = 0; seed < 200; ++seed) {
     SCOPED_TRACE(seed);

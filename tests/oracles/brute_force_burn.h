@@ -91,7 +91,7 @@ class LinkSectors {
   }
 
   /// Times from arrivals; open sectors burn at the radius, none before `least`.
-  void times(double radius, double least, std::span<const double> arrival, std::span<double> time) const {
+  void times(double radius, std::span<const double> arrival, std::span<double> time, double least = 0) const {
     for (std::size_t s = 0; s < sets_.size(); ++s) {
       time[s] = std::numeric_limits<double>::infinity();
       if (pocket[s]) continue;
@@ -363,8 +363,8 @@ class BruteForceBurn {
       for (const Arc& arc : arcs) arrival[arc.to] = std::min(arrival[arc.to], last[arc.from] + arc.length);
       for (const Node& node : nodes) {
         const LinkSectors& link = links[node.link];
-        link.times(node.radius, node.least, std::span(arrival).subspan(node.first_state, link.size()),
-                   std::span(time).subspan(node.first_state, link.size()));
+        link.times(node.radius, std::span(arrival).subspan(node.first_state, link.size()),
+                   std::span(time).subspan(node.first_state, link.size()), node.least);
       }
     } while (time != last);
   }

@@ -28,7 +28,7 @@ RefinedAxis refined(const BurnInput& input, double omega) {
 double some_omega(std::uint64_t seed) { return std::array{0.3, 0.45, 0.8, 1.7, 20.0}[seed % 5]; }
 
 // The part of K with the given cells, as a complex of its own (vertices renumbered).
-CellComplex base::part_of(const CellComplex& k, const std::vector<char>& vertex, const std::vector<char>& edge,
+CellComplex part_of(const CellComplex& k, const std::vector<char>& vertex, const std::vector<char>& edge,
                           const std::vector<char>& face) {
   CellComplex part;
   std::vector<std::uint32_t> number(k.vertex_count, kNone), edge_number(k.edges.size(), kNone);
@@ -108,7 +108,7 @@ TEST(Skeleton, EveryMemberHasTheTopologyOfTheAxis) {
       vertex[v] = vertex[v] || k.curve_vertex[v];
       ASSERT_EQ(family.vertex_sheet_level[v] == kInfinity, vertex[v] != 0) << "the collapse is stuck at vertex " << v;
     }
-    ASSERT_EQ(topology(base::part_of(k.complex, vertex, edge, face)), wanted) << "the medial curves";
+    ASSERT_EQ(topology(part_of(k.complex, vertex, edge, face)), wanted) << "the medial curves";
 
     for (std::size_t e = 0; e < edge.size(); ++e)
       ASSERT_TRUE(!k.curve_edge[e] || family.thickness_of(static_cast<std::uint32_t>(e)) >= 0);
@@ -177,7 +177,7 @@ TEST(Skeleton, LinearCurvePruningIsGreedyPruning) {
     for (const double theta2 : {0.4, kInfinity})
       for (const double theta1 : {0.3, 1.0, kInfinity}) {
         const Cells cells = greedy(family, theta2, theta1, random);
-        const Topology wanted = topology(base::part_of(family.refined.complex, cells.vertex, cells.edge, cells.face));
+        const Topology wanted = topology(part_of(family.refined.complex, cells.vertex, cells.edge, cells.face));
         ASSERT_EQ(wanted, topology(input.complex));
         const Skeleton skeleton = extract(family, theta2, theta1, {.parts = true, .tips = kInfinity});
         double expected = 0, found = 0;  // total thickness of curves off the sheets
