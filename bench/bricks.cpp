@@ -9,11 +9,10 @@
 
 #include <cstdio>
 #include <cstdlib>
-#include <memory>
 #include <string>
 
-#include "bricks/dual_complex_in_bricks.h"
-#include "lattice/cells.h"
+#include "dual/bricks/rounds.h"
+#include "dual/peel/peel.h"
 #include "measure.h"
 #include "quench/io.h"
 #include "quench/voxelize.h"
@@ -22,8 +21,8 @@ namespace {
 
 double seconds(bool cpu) { return cpu ? cpu_seconds() : wall_seconds(); }
 
-quench::bricks::BrickPlan parse(const std::string& text) {
-  quench::bricks::BrickPlan plan;
+quench::dual::bricks::BrickPlan parse(const std::string& text) {
+  quench::dual::bricks::BrickPlan plan;
   plan.rounds.clear();
   for (const char* p = text.c_str(); *p;) {
     char* end = nullptr;
@@ -48,10 +47,9 @@ void run(const quench::VoxelShape& shape, const std::string& plan, int threads) 
     if (stage == "delaunay") divided += now - last;
     last = now;
   };
-  const lattice::DualComplex dual =
-      plan == "whole"
-          ? lattice::dual_complex(shape, std::make_unique<lattice::Delaunay>(sites, spacing, &context), sites, &context)
-          : bricks::dual_complex_in_bricks(shape, sites, spacing, parse(plan), &context);
+  const dual::DualComplex dual = plan == "whole"
+                                     ? dual::peel::dual_complex(shape, sites, spacing, {}, &context)
+                                     : dual::bricks::dual_complex(shape, sites, spacing, parse(plan), &context);
   const double spent = seconds(threads == 1) - start, count = static_cast<double>(sites.size());
   fmt::print(
       "{:<24} {:>9} sites {:8.2f} s {:6.2f} us/site ({:.2f} before merging)  {:5.0f} bytes/site  {} vertices, {} "

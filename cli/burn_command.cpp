@@ -2,11 +2,10 @@
 #include <fmt/format.h>
 
 #include "axis_input.h"
-#include "burn_pipeline.h"
-#include "core_pipeline.h"
 #include "option_checks.h"
 #include "program.h"
 #include "quench/io.h"
+#include "report.h"
 
 namespace quench::program {
 namespace {
@@ -23,13 +22,13 @@ void check_holds_arrays(const std::string& file) {
 
 Action add_burn(CLI::App& app) {
   struct Options {
-    AxisOptions axis;
-    BurnPipelineOptions burn;
+    AxisInput axis;
+    pipeline::BurningOptions burning;
     std::string output;
   };
   auto o = std::make_shared<Options>();
   add_axis_options(app, o->axis);
-  add_burn_options(app, o->burn);
+  add_burn_options(app, o->burning);
   app.add_option("-o,--output", o->output,
                  "AXIS with the point arrays burn_time, erosion_thickness, unburned: .vtp .ply .csv")
       ->type_name("FILE")
@@ -37,15 +36,13 @@ Action add_burn(CLI::App& app) {
   return [o](Session& session) {
     session.check_output(o->output, o->axis.inputs());
     check_holds_arrays(o->output);
-    check_burn_options(o->burn);
-    LoadedAxis loaded = load_axis(o->axis, session);
-    nlohmann::ordered_json report;
-    report["input"] = loaded.input;
-    report["parameters"] = {{"omega", o->burn.omega}, {"propagation", o->burn.propagation}, {"radius", o->burn.radius}};
-    const Burning burning = compute_burning(
-        loaded.axis, loaded.voxel_core, o->burn, false,
-        [&](const std::string& text, const std::string& option) { return loaded.resolve(text, option); }, report,
-        session);
+    pipeline::LoadedAxis loaded = load_axis(o->axis, session);
+    const Burning burning =
+        pipeline::burning_of(loaded.axis, loaded.voxel_core, o->burning, false, loaded.scale, &session.context);
+    const pipeline::BurnFigures burned = pipeline::figures_of(burning);
+    say_burned(burned, loaded.axis.points.size(), session);
+    Json report = {{"input", input_section(o->axis, loaded)}, {"parameters", parameters_section(o->burning)}};
+    add_burn_section(report, burned);
     add_burning(loaded.data, burning);
     io::OutputGroup outputs;
     io::write_record(o->output, loaded.data, {"erosion_thickness"});

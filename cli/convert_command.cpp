@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
-#include "axis_input.h"
 #include "base/text.h"
 #include "option_checks.h"
 #include "program.h"
 #include "quench/io.h"
+#include "quench/pipeline.h"
 
 namespace quench::program {
 
@@ -28,13 +28,9 @@ Action add_convert(CLI::App& app) {
     if (io::kind_of(o->input) == io::Kind::volume)
       throw Error(ErrorCode::usage,
                   fmt::format("'{}' is a volume; 'quench voxelize' writes its voxel shape", o->input));
-    Record data = read_axis_file(o->input, session);
+    Record data = pipeline::read_surface(o->input, &session.context);
     checkpoint(&session.context, "read", 1);
-    if (!o->radii.empty()) {
-      std::erase_if(data.point_data, [](const DataArray& a) { return a.name == "radius"; });
-      data.point_data.insert(data.point_data.begin(),
-                             {"radius", 1, io::read_radii(o->radii, data.points, &session.context)});
-    }
+    if (!o->radii.empty()) pipeline::take_radii(data, o->radii, &session.context);
     const std::string extension = extension_of(o->output);
     if ((extension == ".ma" || extension == ".r") && !find_array(data.point_data, "radius"))
       throw Error(ErrorCode::input, fmt::format("'{}' has no radius per vertex, which {} needs; give --radii FILE.r",

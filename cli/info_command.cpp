@@ -6,20 +6,17 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "axis_input.h"
-#include "core_pipeline.h"
 #include "printable.h"
 #include "program.h"
 #include "quench/axis.h"
 #include "quench/io.h"
 #include "quench/shape.h"
 #include "quench/voxelize.h"
+#include "report.h"
 #include "shape_input.h"
 
 namespace quench::program {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 template <class T>
 const char* type_name() {
@@ -105,7 +102,7 @@ Json arrays_info(const std::vector<DataArray>& arrays) {
 }
 
 Json surface_info(const std::string& file, Session& session) {
-  const Record data = read_axis_file(file, session);
+  const Record data = pipeline::read_surface(file, &session.context);
   Json info;
   const bool axis = find_array(data.point_data, "radius") || !data.lines.empty() || data.poly_count() == 0;
   info["kind"] = axis ? "medial axis" : "mesh";
@@ -215,12 +212,10 @@ Action add_info(CLI::App& app) {
   auto o = std::make_shared<Options>();
   app.add_option("FILE", o->file, "A mesh, a medial axis or a volume")->type_name("")->required();
   return [o](Session& session) {
-    std::error_code ignored;
-    if (!std::filesystem::exists(o->file, ignored))
-      throw Error(ErrorCode::failed, fmt::format("'{}' does not exist", o->file));
+    check_exists(o->file);
     Json info = {{"file", o->file}};
     const io::Kind kind = io::kind_of(o->file);
-    if (kind == io::Kind::unknown) refuse_unknown_kind(o->file);
+    if (kind == io::Kind::unknown) pipeline::refuse_unknown_kind(o->file);
     info.update(kind == io::Kind::volume ? volume_info(o->file, session) : surface_info(o->file, session));
     session.answer(session.options.report.empty() ? text_of(info, 0) : json_text(info, 2) + "\n");
     return 0;

@@ -222,6 +222,20 @@ std::string command_line(int argc, char** argv) {
   return line;
 }
 
+/// The sentence of an error with the option of this command for its field, where there is one: in place of the name the
+/// library has for it, or behind.
+std::string with_option(const Error& error, const CLI::App& command, const CommonOptions& common) {
+  const std::string sentence = error.what(), &field = error.field();
+  std::string option = "--" + field;
+  std::replace(option.begin(), option.end(), '_', '-');
+  if (field.empty() || !command.get_option_no_throw(option)) return sentence;
+  if (sentence.starts_with(field + " '")) return option + sentence.substr(field.size());
+  if (field == "memory_limit")
+    return sentence +
+           (common.memory_limit.empty() ? ", or --memory-limit to try all the same" : ", or a larger --memory-limit");
+  return fmt::format("{} [{}]", sentence, field == "threshold" ? "--threshold, --label" : option);
+}
+
 }  // namespace
 
 int run(int argc, char** argv) {
@@ -256,6 +270,9 @@ int run(int argc, char** argv) {
     app.exit(error);  // --help, --version
     std::cout.flush();
     if (!std::cout) throw Error(ErrorCode::failed, "cannot write to stdout");
+  } catch (const Error& error) {
+    const auto used = app.get_subcommands();
+    throw Error(error.code(), with_option(error, used.empty() ? app : *used.front(), common));
   }
   finish_results();
   return result;

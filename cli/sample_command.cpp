@@ -8,9 +8,9 @@
 #include "option_checks.h"
 #include "program.h"
 #include "quench/io.h"
+#include "quench/pipeline.h"
 #include "quench/samples.h"
 #include "quench/voxelize.h"
-#include "shape_input.h"
 
 namespace quench::program {
 namespace {
@@ -46,9 +46,17 @@ void check_sample_memory(const std::string& name, const SampleOptions& options, 
                             "numbered; use a smaller --detail or fewer --branches",
                             triangles));
   constexpr double bytes = 80;  // the mesh, and the copy that is written
-  session.check_memory(static_cast<std::int64_t>(triangles * bytes),
-                       fmt::format("a sample of about {:.0f} triangles", triangles),
-                       {"a smaller --detail", "fewer --branches"});
+  pipeline::require_memory(static_cast<std::int64_t>(triangles * bytes),
+                           fmt::format("a sample of about {:.0f} triangles", triangles),
+                           {"a smaller --detail", "fewer --branches"}, &session.context);
+}
+
+/// "branching root with known branches (--seed, --branches)"
+std::string description_of(const SampleInfo& info) {
+  if (info.options.empty()) return std::string(info.description);
+  std::string options = "--" + std::string(info.options);
+  for (std::size_t at = 0; (at = options.find(", ", at)) != std::string::npos; at += 2) options.insert(at + 2, "--");
+  return fmt::format("{} ({})", info.description, options);
 }
 
 void check_mesh_format(const std::filesystem::path& output) {
@@ -69,7 +77,8 @@ Action add_sample(CLI::App& app) {
   };
   auto o = std::make_shared<Options>();
   std::string names;
-  for (const SampleInfo& info : built_in_samples()) names += fmt::format("\n  {:<18}{}", info.name, info.description);
+  for (const SampleInfo& info : built_in_samples())
+    names += fmt::format("\n  {:<18}{}", info.name, description_of(info));
   app.add_option("NAME", o->name, "The shape:" + names)->type_name("")->required();
   app.add_option("-o,--output", o->output,
                  "A mesh (.ply .obj .vtp) or a volume (.nrrd); root also writes FILE.json, its true branches")
@@ -109,7 +118,7 @@ Action add_sample(CLI::App& app) {
     std::vector<std::string> lines;
     io::OutputGroup outputs;
     if (volume) {
-      check_voxelization_memory(sample.mesh, o->resolution, session);
+      pipeline::require_voxelization_memory(sample.mesh, o->resolution, &session.context);
       const Voxelization v = voxelize(sample.mesh, {.resolution = o->resolution}, &session.context);
       io::write_volume(o->output, v.shape, {}, &session.context);
       lines.push_back(fmt::format("{}: {} inside", o->output, base::counted(v.shape.voxel_count(), "voxel")));

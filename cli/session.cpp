@@ -2,7 +2,6 @@
 #include "session.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -157,22 +156,6 @@ void Session::check_output(const std::filesystem::path& output, const std::vecto
 void Session::check_report(const std::vector<std::filesystem::path>& inputs) const {
   if (!options.report.empty() && options.report != "-")
     check_one_output(options.report, inputs, "--json", options.overwrite);
-}
-
-std::int64_t Session::memory_limit() const {
-  return options.memory_limit.empty() ? base::available_memory() : parse_bytes(options.memory_limit);
-}
-
-void Session::check_memory(std::int64_t bytes, const std::string& what,
-                           const std::vector<std::string>& remedies) const {
-  const bool limited = !options.memory_limit.empty();
-  const std::int64_t limit = memory_limit();
-  if (bytes <= limit) return;
-  throw Error(ErrorCode::failed,
-              fmt::format("{} needs about {} of memory, and {} {}; use {}{} {}", what, base::bytes_text(bytes),
-                          base::bytes_text(limit), limited ? "are allowed by --memory-limit" : "are free",
-                          fmt::join(remedies, ", "), limited && remedies.size() == 1 ? " or" : ", or",
-                          limited ? "a larger --memory-limit" : "--memory-limit to try all the same"));
 }
 
 // Straight to the stream: nobody can be told when stderr itself fails, and the result does not depend on it.

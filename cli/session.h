@@ -44,11 +44,6 @@ class Session {
                     const std::string& option = "-o") const;
   /// The file of --json, for commands that write nothing else (check_output() includes it).
   void check_report(const std::vector<std::filesystem::path>& inputs) const;
-  /// --memory-limit or, without one, the memory that is free.
-  std::int64_t memory_limit() const;
-  /// Throws Error(failed) with figures when `bytes` exceed --memory-limit or, without one, the memory that is free.
-  /// `remedies` are what the user can do about it, behind "use ".
-  void check_memory(std::int64_t bytes, const std::string& what, const std::vector<std::string>& remedies) const;
   /// What the caller asked for, on stdout; progress is cleared first. Throws Error(failed) when it cannot be written.
   void answer(const std::string& text);
   /// One line of it, in which names and texts of files may stand: made printable, and ended.

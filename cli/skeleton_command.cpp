@@ -2,11 +2,9 @@
 #include <fmt/format.h>
 
 #include "axis_input.h"
-#include "burn_pipeline.h"
-#include "core_pipeline.h"
 #include "program.h"
 #include "quench/io.h"
-#include "skeleton_pipeline.h"
+#include "report.h"
 
 namespace quench::program {
 namespace {
@@ -22,16 +20,17 @@ void check_distinct(const std::vector<std::string>& files) {
 
 Action add_skeleton(CLI::App& app) {
   struct Options {
-    AxisOptions axis;
-    BurnPipelineOptions burn;
-    SkeletonPipelineOptions skeleton;
+    AxisInput axis;
+    pipeline::BurningOptions burning;
+    pipeline::SkeletonOptions skeleton;
+    GraphFileOptions graph;
     std::string output, swc, graphml, csv;
   };
   auto o = std::make_shared<Options>();
   add_axis_options(app, o->axis);
-  add_skeleton_options(app, o->skeleton);
-  add_burn_options(app, o->burn);
-  app.add_flag("--full", o->skeleton.full,
+  add_skeleton_options(app, o->skeleton, o->graph);
+  add_burn_options(app, o->burning);
+  app.add_flag("--full", o->skeleton.parts,
                "Write every part of a sheet with its own sheet_level, for any larger --theta2")
       ->group("Skeleton");
   app.add_option("--swc", o->swc, "Also write the curves as trees with radii")->type_name("FILE");
@@ -45,33 +44,36 @@ Action add_skeleton(CLI::App& app) {
       if (!file.empty()) session.check_output(file, o->axis.inputs(), option);
     check_distinct({o->output, o->swc, o->graphml, o->csv});
     io::check_writable_format(o->output);
-    check_burn_options(o->burn);
-    check_skeleton_options(o->skeleton);
-    LoadedAxis loaded = load_axis(o->axis, session);
-    const auto resolve = [&](const std::string& text, const std::string& option) {
-      return loaded.resolve(text, option);
+    pipeline::LoadedAxis loaded = load_axis(o->axis, session);
+    Context* context = &session.context;
+    pipeline::take_recorded(o->burning, loaded.data);
+    Json report = {{"input", input_section(o->axis, loaded)}, {"parameters", parameters_section(o->burning)}};
+    Json& parameters = report["parameters"];
+    parameters["theta2"] = pipeline::text_of(o->skeleton.theta2);
+    parameters["theta1"] = pipeline::text_of(o->skeleton.theta1);
+    parameters["smooth"] = o->graph.graph.smooth;
+    parameters["resample"] = pipeline::text_of(o->graph.graph.resample);
+
+    pipeline::RunOptions options;
+    options.burning = o->burning;
+    options.skeleton = o->skeleton;
+    options.on_burned = [&](const pipeline::BurnFigures& burned) {
+      say_burned(burned, loaded.axis.points.size(), session);
     };
-    nlohmann::ordered_json report;
-    report["input"] = loaded.input;
-    take_burn_parameters(o->burn, loaded.data);
-    report["parameters"] = {{"omega", o->burn.omega},          {"propagation", o->burn.propagation},
-                            {"radius", o->burn.radius},        {"theta2", o->skeleton.theta2},
-                            {"theta1", o->skeleton.theta1},    {"smooth", o->skeleton.smooth},
-                            {"resample", o->skeleton.resample}};
-    Burning burning = compute_burning(loaded.axis, loaded.voxel_core, o->burn, true, resolve, report, session);
-    add_burning(loaded.data, burning);
-    const double finest = loaded.voxel > 0 ? loaded.voxel : burning.options.omega;
-    const CheckedSkeleton result =
-        compute_skeleton(loaded.axis, std::move(burning), o->skeleton, finest, resolve, report, session);
+    const pipeline::AxisRun run = pipeline::run_axis(loaded.axis, std::move(loaded.data), loaded.voxel_core,
+                                                     topology(loaded.axis.complex), loaded.scale, options, context);
+    add_axis_sections(report, run);
+    pipeline::GraphOptions graph = o->graph.graph;
+    if (loaded.voxel_core) graph.voxel = loaded.spacing;
+
     io::OutputGroup outputs;
-    io::write_record(o->output, skeleton_file(result.skeleton, result.topology, loaded.data));
-    write_graph(result.measured, {o->swc, o->graphml, o->csv}, o->skeleton, nullptr,
-                loaded.voxel_core ? loaded.spacing : Vec3(Vec3::Zero()), loaded.coordinates, resolve, report, session);
+    io::write_record(o->output, pipeline::skeleton_file(run.skeleton, run.file));
+    write_graph(pipeline::measured_graph(run.skeleton.measured, graph, loaded.scale), {o->swc, o->graphml, o->csv},
+                o->graph, graph.voxel, loaded.coordinates, report, session);
     session.finished("write");
     write_report(outputs, report, session);
-    const CellComplex& c = result.skeleton.complex;
-    session.say(fmt::format("{}: {}; {:.1f} s", o->output, cells_text(c.vertex_count, c.edges.size(), c.face_count()),
-                            session.total_seconds()));
+    session.say(fmt::format("{}: {}; {:.1f} s", o->output,
+                            cells_text(pipeline::counts_of(run.skeleton.skeleton.complex)), session.total_seconds()));
     return 0;
   };
 }

@@ -3,14 +3,12 @@
 
 #include <nlohmann/json.hpp>
 
-#include "axis_input.h"
 #include "base/text.h"
-#include "core_pipeline.h"
 #include "option_checks.h"
 #include "program.h"
-#include "quench/axis.h"
-#include "quench/io.h"
 #include "quench/verify.h"
+#include "report.h"
+#include "shape_input.h"
 
 namespace quench::program {
 
@@ -18,7 +16,7 @@ Action add_verify(CLI::App& app) {
   struct Options {
     ShapeOptions shape;
     std::vector<std::string> results;
-    std::string lambda;
+    std::optional<pipeline::Length> lambda;
     std::size_t samples = 20000;
     bool core = false;
   };
@@ -28,8 +26,8 @@ Action add_verify(CLI::App& app) {
                  "What was computed of the shape (.vtp .ply). Options not given are taken from it")
       ->type_name("")
       ->required();
-  app.add_option("--lambda", o->lambda,
-                 "The radius RESULT was pruned with, as in 'core' [default: what RESULT says, else 0]")
+  add_parsed(app, "--lambda", "The radius RESULT was pruned with, as in 'core' [default: what RESULT says, else 0]",
+             [o](const std::string&, const std::string& text) { o->lambda = pipeline::parse_length(text, "lambda"); })
       ->type_name("LENGTH");
   app.add_flag("--core", o->core, "Check RESULT as an exact voxel core even if it does not say that it is one");
   add_number(app, "--samples", o->samples, "How many cells the sampled checks look at")
@@ -39,51 +37,45 @@ Action add_verify(CLI::App& app) {
     session.check_report({o->shape.file});
     for (const std::string& file : o->results) session.check_report({file});
     check_shape_options(o->shape);
-    std::error_code ignored;
-    for (const std::string& file : o->results)
-      if (!std::filesystem::exists(file, ignored))
-        throw Error(ErrorCode::failed, fmt::format("'{}' does not exist", file));
-    if (!o->lambda.empty()) parse_length(o->lambda, "--lambda");
+    for (const std::string& file : o->results) check_exists(file);
     const bool only_json = session.options.report == "-";
     const auto answer = [&](const std::string& line) {
       if (!only_json) session.answer_line(line);
     };
-    nlohmann::ordered_json report;
+    Json report;
     bool passed = true;
     std::string made_with;
-    LoadedShape loaded;
+    pipeline::LoadedShape loaded;
     for (std::size_t r = 0; r < o->results.size(); ++r) {
       const std::string& file = o->results[r];
-      Record data = read_axis_file(file, session);
+      Record data = pipeline::read_surface(file, &session.context);
       const bool says_stage = find_array(data.field_data, "stage") != nullptr;
       if (!says_stage) {  // other formats and programs do not say what they hold
         if (o->core)
           data.field_data.push_back({"stage", 1, std::vector<std::string>{"core"}});
-        else if (!o->lambda.empty())
+        else if (o->lambda)
           session.say(fmt::format(
               "note: {} does not say that it is a voxel core; --lambda has no effect without --core", file));
       }
-      const std::string parameters = parameters_of(data);
+      const std::string parameters = pipeline::parameters_of(data);
       if (r == 0 || parameters != made_with) {  // results of one run share their shape
         ShapeOptions shape = o->shape;
-        take_parameters(shape, data, file);
+        take_recorded(shape, data, file);
         loaded = load_shape(shape, session);
         made_with = parameters;
         const std::int64_t sites = count_boundary_vertices(loaded.shape);
-        session.check_memory(
+        pipeline::require_memory(
             predicted_core_bytes(loaded.shape),  // verifying takes no more than computing
             fmt::format("verifying a shape with {}", base::counted(sites, "boundary vertex", "boundary vertices")),
-            {"a result of a smaller or coarser shape"});
+            {"a result of a smaller or coarser shape"}, &session.context);
       }
       VerifyOptions options;
       options.samples = o->samples;
       options.longest_side = loaded.longest_side;
       options.format_holds_all = says_stage;  // only VTP holds it, and with it every other array
-      if (!o->lambda.empty())
-        options.lambda =
-            parse_length(o->lambda, "--lambda").resolve(loaded.longest_side, loaded.shape.grid().spacing.minCoeff());
+      if (o->lambda) options.lambda = loaded.scale().resolve(*o->lambda, "lambda");
       const Certificate certificate = verify(loaded.shape, data, options, &session.context);
-      auto& section = report[file] = nlohmann::ordered_json::object();
+      auto& section = report[file] = Json::object();
       for (const Check& check : certificate.checks) {
         answer(fmt::format("{}: {} {}: {}", file,
                            !check.passed                             ? "FAIL"
@@ -93,7 +85,7 @@ Action add_verify(CLI::App& app) {
         section[check.name] = {{"passed", check.passed}, {"detail", check.detail}};
         if (!check.arrays.empty()) section[check.name]["arrays"] = check.arrays;
       }
-      auto& left = section["not_checked"] = nlohmann::ordered_json::array();
+      auto& left = section["not_checked"] = Json::array();
       for (const UncheckedArray& array : certificate.not_checked)
         left.push_back({{"array", array.array}, {"reason", array.reason}});
       section["absent"] = certificate.absent;

@@ -1,19 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
-#include "axis_input.h"
+#include <algorithm>
+
 #include "base/text.h"
-#include "burn_pipeline.h"
-#include "core_pipeline.h"
 #include "option_checks.h"
-#include "page_pipeline.h"
-#include "page_program.h"
 #include "picture.h"
 #include "program.h"
 #include "quench/axis.h"
 #include "quench/io.h"
-#include "quench/voxelize.h"
-#include "skeleton_pipeline.h"
+#include "report.h"
+#include "shape_input.h"
 
 namespace quench::program {
 namespace {
@@ -23,10 +20,11 @@ namespace fs = std::filesystem;
 struct Options {
   std::vector<std::string> files;
   ShapeOptions shape;
-  BurnPipelineOptions burn;
-  SkeletonPipelineOptions skeleton;
-  PageOptions page;
-  std::string lambda, layer, color, camera, state;
+  pipeline::BurningOptions burning;
+  pipeline::SkeletonOptions skeleton;
+  std::optional<pipeline::Length> lambda;
+  std::size_t max_triangles = kPageTriangles;
+  std::string layer, color, camera;
   bool dark = false;
   std::string output, png, size = "1600x1000";
 };
@@ -54,7 +52,7 @@ std::string in_address(const std::string& value) {
 }
 
 void check_options(const Options& o) {
-  require_page_program();
+  pipeline::require_page_program();
   if (!o.camera.empty() && numbers_in(o.camera, ',').size() != 9)
     throw Error(
         ErrorCode::usage,
@@ -64,16 +62,11 @@ void check_options(const Options& o) {
   if (!o.png.empty() && !(extension_of(o.png) == ".png"))
     throw Error(ErrorCode::usage, fmt::format("--png writes PNG; name '{}' .png", o.png));
   picture_of(o);
-  if (!o.lambda.empty()) parse_length(o.lambda, "--lambda");
-  check_burn_options(o.burn);
-  check_skeleton_options(o.skeleton);
-  if (o.shape.file.empty() &&
-      (o.shape.foreground.threshold || o.shape.foreground.label || o.shape.resolution_given || o.shape.fill_given))
+  const pipeline::ShapeOptions& how = o.shape.how;
+  if (o.shape.file.empty() && (how.foreground.threshold || how.foreground.label || how.resolution || how.fill))
     throw Error(ErrorCode::usage,
                 "--threshold, --label, --resolution and --fill say how --shape is read; give --shape too");
-  std::error_code ignored;
-  for (const std::string& file : o.files)
-    if (!fs::exists(file, ignored)) throw Error(ErrorCode::failed, fmt::format("'{}' does not exist", file));
+  for (const std::string& file : o.files) check_exists(file);
   if (!o.shape.file.empty()) check_shape_options(o.shape);
 }
 
@@ -81,7 +74,7 @@ void check_options(const Options& o) {
   throw Error(ErrorCode::input,
               fmt::format("'{0}' is a shape, not a medial axis; 'quench run {0} -o {1}' computes one and writes its "
                           "page, {1}/view.html",
-                          file, title_of(file)));
+                          file, pipeline::title_of(file)));
 }
 
 // A surface without any measure that encloses something is a shape.
@@ -94,38 +87,193 @@ bool is_closed_mesh(const Record& data) {
 // A medial axis with the levels of a core, or one that was burned: what there is a family of skeletons of.
 bool is_axis(const Record& data) {
   if (!find_array(data.point_data, "radius")) return false;
-  const std::string stage = field_text(data, "stage").value_or("");
-  return stage == "core" || (stage.empty() && field_number(data, "omega"));
+  const std::string stage = pipeline::field_text(data, "stage").value_or("");
+  return stage == "core" || (stage.empty() && pipeline::field_number(data, "omega"));
 }
 
-void add_axis(const Options& o, const std::string& file, Record&& data, PageBuilder& builder,
-              nlohmann::ordered_json& report, std::string& lambda_state, Session& session) {
-  Page& page = builder.page;
-  AxisOptions axis_options;
-  axis_options.file = file;
-  LoadedAxis loaded = make_axis(axis_options, std::move(data), session);
-  if (page.side == 0 || field_number(loaded.data, "longest_side")) page.side = loaded.longest_side;
-  if (loaded.voxel > 0) page.voxel = loaded.voxel;
-  if (page.unit.empty()) page.unit = loaded.coordinates.units;
-  const auto resolve = [&](const std::string& text, const std::string& option) { return loaded.resolve(text, option); };
-  page.theta2 = resolve(o.skeleton.theta2, "--theta2");
-  page.theta1 = resolve(o.skeleton.theta1, "--theta1");
-  if (!o.lambda.empty()) lambda_state = fmt::format("{}", static_cast<float>(resolve(o.lambda, "--lambda")));
-  page.lambda = field_number(loaded.data, "lambda");
-  BurnPipelineOptions burn_options = o.burn;
-  take_burn_parameters(burn_options, loaded.data);
-  Burning burning = compute_burning(loaded.axis, loaded.voxel_core, burn_options, true, resolve, report, session);
-  add_burning(loaded.data, burning);
-  page.burning = burning.options;
-  if (take_levels(loaded.axis, loaded.data)) builder.add_core(loaded.axis, loaded.data.point_data, true);
+// --------------------------------------------------------------------------------------------------------------- plan
+
+/// What a page is made of, read and checked.
+struct Plan {
+  std::string axis_file, still_file;  ///< empty: there is none
+  Record axis, still;
+  Vec3 low = Vec3::Constant(1e300), high = Vec3::Constant(-1e300);  ///< box around both
+};
+
+void check_outputs(const Options& o, const Session& session) {
+  std::vector<fs::path> inputs(o.files.begin(), o.files.end());
+  if (!o.shape.file.empty()) inputs.emplace_back(o.shape.file);
+  if (!o.output.empty()) session.check_output(o.output, inputs);
+  if (!o.png.empty()) session.check_output(o.png, inputs, "--png");
+  if (!o.output.empty() && o.output == o.png)
+    throw Error(ErrorCode::usage, fmt::format("two outputs are named '{}'; give them different names", o.png));
+}
+
+Plan plan_page(const Options& o, Session& session) {
+  Plan plan;
+  for (const std::string& file : o.files) {
+    if (io::kind_of(file) == io::Kind::volume) refuse_shape(file);
+    Record data = pipeline::read_surface(file, &session.context);
+    if (data.points.empty()) throw Error(ErrorCode::input, fmt::format("'{}' is empty", file));
+    if (is_closed_mesh(data)) refuse_shape(file);
+    const bool computed = is_axis(data);
+    std::string& known = computed ? plan.axis_file : plan.still_file;
+    if (!known.empty())
+      throw Error(ErrorCode::usage,
+                  fmt::format("a page shows one {} only; write one page of '{}' and one of '{}'",
+                              computed ? "medial axis with its skeletons" : "other result", known, file));
+    known = file;
+    (computed ? plan.axis : plan.still) = std::move(data);
+  }
+  checkpoint(&session.context, "read", 1);
+  for (const Record* data : {&plan.axis, &plan.still})
+    for (const Vec3& p : data->points) {
+      plan.low = plan.low.cwiseMin(p);
+      plan.high = plan.high.cwiseMax(p);
+    }
+  if (!plan.low.allFinite() || !plan.high.allFinite())
+    throw Error(ErrorCode::input, fmt::format("'{}' has coordinates that are not finite", o.files.front()));
+  return plan;
+}
+
+// -------------------------------------------------------------------------------------------------------------- build
+
+void add_shape(const Options& o, const Plan& plan, pipeline::PageBuilder& builder, Session& session) {
+  ShapeOptions options = o.shape;
+  const bool of_axis = !plan.axis_file.empty();
+  take_recorded(options, of_axis ? plan.axis : plan.still, of_axis ? plan.axis_file : plan.still_file);
+  options.how.keep_mesh = true;
+  options.how.core_follows = false;
+  pipeline::LoadedShape shape = load_shape(options, session);
+  builder.add_shape(shape);
+  builder.page.files.emplace_back("shape", o.shape.file);
   session.finished("page");
-  const double finest = loaded.voxel > 0 ? loaded.voxel : burning.options.omega;
-  const CheckedSkeleton result = compute_skeleton(loaded.axis, std::move(burning), o.skeleton, finest, resolve, report,
-                                                  session, [&](const SkeletonFamily& family) {
-                                                    builder.add_skeleton(family);
-                                                    session.finished("page");
-                                                  });
-  if (!page.topology) page.topology = result.topology;
+}
+
+void add_still(Plan& plan, pipeline::PageBuilder& builder, Session& session) {
+  Page& page = builder.page;
+  drop_unusable_fields(plan.still, plan.still_file, &session.context);
+  const bool skeleton = pipeline::field_text(plan.still, "stage") == "skeleton";
+  page.files.emplace_back(skeleton ? "skeleton" : "still", plan.still_file);
+  if (page.unit.empty()) page.unit = pipeline::field_text(plan.still, "units").value_or("");
+  if (page.side == 0)
+    page.side = pipeline::field_number(plan.still, "longest_side").value_or((plan.high - plan.low).maxCoeff());
+  builder.add_still(plan.still);
+  session.finished("page");
+}
+
+/// The axis with all its skeletons. `lambda`: where the page starts, for its state.
+void add_axis(const Options& o, Plan& plan, pipeline::PageBuilder& builder, Json& report, std::string& lambda,
+              Session& session) {
+  Context* context = &session.context;
+  Page& page = builder.page;
+  page.files.emplace_back("core", plan.axis_file);
+  pipeline::LoadedAxis loaded = pipeline::axis_of(std::move(plan.axis), plan.axis_file, context);
+  const pipeline::Scale& scale = loaded.scale;
+  if (page.side == 0 || pipeline::field_number(loaded.data, "longest_side")) page.side = scale.longest_side;
+  if (scale.voxel > 0) page.voxel = scale.voxel;
+  if (page.unit.empty()) page.unit = loaded.coordinates.units;
+  if (o.lambda) lambda = fmt::format("{}", static_cast<float>(scale.resolve(*o.lambda, "lambda")));
+
+  pipeline::RunOptions options;
+  options.burning = o.burning;
+  options.skeleton = o.skeleton;
+  options.page = &builder;
+  pipeline::take_recorded(options.burning, loaded.data);
+  options.on_burned = [&](const pipeline::BurnFigures& burned) {
+    say_burned(burned, loaded.axis.points.size(), session);
+  };
+  take_levels(loaded.axis, loaded.data);  // where they are not known the axis itself is not shown
+  const pipeline::AxisRun run = pipeline::run_axis(loaded.axis, std::move(loaded.data), loaded.voxel_core,
+                                                   topology(loaded.axis.complex), scale, options, context);
+  add_axis_sections(report, run);
+  if (!page.topology) page.topology = run.skeleton.topology;
+}
+
+/// What the page starts with, in the form of its address; refuses what the page does not have.
+std::string state_of(const Options& o, const Page& page, bool has_axis, const std::string& lambda) {
+  if (!o.layer.empty() && !page.find(o.layer + "/points"))
+    throw Error(ErrorCode::usage, fmt::format("there is no layer '{}' in this page", o.layer));
+  const std::string layer = !o.layer.empty() ? o.layer : has_axis ? "skeleton" : "still";
+  const std::string prefix = layer + "/point/";
+  if (!o.color.empty() && o.color != "none" && !page.find(prefix + o.color)) {
+    std::string names;
+    for (const PageArray& array : page.arrays)
+      if (array.name.starts_with(prefix)) names += (names.empty() ? "" : ", ") + array.name.substr(prefix.size());
+    throw Error(ErrorCode::usage,
+                fmt::format("there is no array '{}' to colour the layer '{}' by; there are {}", o.color, layer, names));
+  }
+  std::string state;
+  const auto add = [&](const char* name, const std::string& value) {
+    if (!value.empty()) state += fmt::format("{}{}={}", state.empty() ? "" : "&", name, in_address(value));
+  };
+  add("layer", o.layer);
+  add("color", o.color);
+  add("lambda", lambda);
+  add("camera", o.camera);
+  if (o.dark) add("dark", "1");
+  return state;
+}
+
+pipeline::PageBuilder build_page(const Options& o, Plan& plan, Json& report, Session& session) {
+  pipeline::PageBuilder builder(o.max_triangles);
+  Page& page = builder.page;
+  page.command = session.options.command;
+  page.limit_name = "--max-triangles";
+  page.title = pipeline::title_of(o.files.front());
+  builder.set_origin(plan.low, plan.high);
+  std::string lambda;
+  if (!o.shape.file.empty()) add_shape(o, plan, builder, session);
+  if (!plan.still_file.empty()) add_still(plan, builder, session);
+  if (!plan.axis_file.empty()) add_axis(o, plan, builder, report, lambda, session);
+  if (!(page.side > 0)) page.side = std::max((plan.high - plan.low).maxCoeff(), 1e-30);
+  page.state = state_of(o, page, !plan.axis_file.empty(), lambda);
+  return builder;
+}
+
+// -------------------------------------------------------------------------------------------------------------- write
+
+void write_outputs(const Options& o, const pipeline::PageBuilder& builder, const fs::path& chromium,
+                   const std::optional<TemporaryFolder>& folder, Json& report, Session& session) {
+  if (folder) builder.write(folder->path / "page.html");
+  io::OutputGroup outputs;
+  if (!o.output.empty()) {
+    write_page(builder, o.output, report, outputs);
+    session.finished("page");
+  }
+  if (!o.png.empty()) {
+    session.finished("page");
+    Picture picture = picture_of(o);
+    picture.state = builder.page.state + (builder.page.state.empty() ? "" : "&") + "ui=0";
+    take_picture(chromium, folder->path / "page.html", o.png, picture, session);
+    session.finished("picture");
+  }
+  write_report(outputs, report, session);
+  for (const std::string& note : builder.page.notes) session.say("note: " + note);
+  for (const std::string& file : {o.output, o.png})
+    if (!file.empty()) {
+      std::error_code ignored;
+      session.say(fmt::format("{}: {}, {}; {:.1f} s", file,
+                              base::bytes_text(static_cast<std::int64_t>(fs::file_size(file, ignored))),
+                              base::counted(builder.triangles(), "triangle"), session.total_seconds()));
+    }
+}
+
+int view(Options& o, Session& session) {
+  check_options(o);
+  if (o.output.empty() && o.png.empty()) o.output = fs::path(o.files.front()).replace_extension(".html").string();
+  check_outputs(o, session);
+  const fs::path chromium = o.png.empty() ? fs::path() : find_chromium();
+  std::optional<TemporaryFolder> folder;
+  if (!o.png.empty()) folder.emplace();
+
+  Plan plan = plan_page(o, session);
+  Json report;
+  report["input"] = {{"files", o.files}};
+  if (!o.shape.file.empty()) report["input"]["shape"] = o.shape.file;
+  const pipeline::PageBuilder builder = build_page(o, plan, report, session);
+  write_outputs(o, builder, chromium, folder, report, session);
+  return 0;
 }
 
 }  // namespace
@@ -143,38 +291,24 @@ Action add_view(CLI::App& app) {
                  "they fill")
       ->type_name("FILE")
       ->group(shape);
-  app.add_option("--resolution", o->shape.resolution, "Of a --shape that is a mesh [default: what FILE says, else 256]")
-      ->type_name("N")
-      ->group(shape)
-      ->each([o](const std::string& text) {
-        parse_resolution(text);
-        o->shape.resolution_given = true;
-      });
-  app.add_option("--fill", o->shape.fill,
-                 "What is inside of a --shape that is a mesh: 'nonzero', 'evenodd', 'winding' or 'auto' [default: what "
-                 "FILE says, else nonzero]")
-      ->type_name("RULE")
-      ->check(one_of({"nonzero", "evenodd", "winding", "auto"}))
-      ->group(shape)
-      ->each([o](const std::string&) { o->shape.fill_given = true; });
-  add_threshold(app, o->shape.foreground.threshold,
+  add_resolution(app, o->shape, "Of a --shape that is a mesh [default: what FILE says, else 256]")->group(shape);
+  add_fill(app, o->shape,
+           "What is inside of a --shape that is a mesh: 'nonzero', 'evenodd', 'winding' or 'auto' [default: what "
+           "FILE says, else nonzero]")
+      ->group(shape);
+  add_threshold(app, o->shape.how.foreground.threshold,
                 "--shape is a volume: its voxels of at least this value [default: what FILE says]")
       ->type_name("T")
       ->group(shape);
-  add_label(app, o->shape.foreground.label,
+  add_label(app, o->shape.how.foreground.label,
             "--shape is a volume: its voxels of exactly this value [default: what FILE says]")
       ->type_name("K")
       ->group(shape);
   const auto start = "What the page starts with";
-  app.add_option("--theta2", o->skeleton.theta2, "Skeleton: erosion thickness below which sheets go")
-      ->type_name("LENGTH")
-      ->capture_default_str()
-      ->group(start);
-  app.add_option("--theta1", o->skeleton.theta1, "Skeleton: erosion thickness below which curves go")
-      ->type_name("LENGTH")
-      ->capture_default_str()
-      ->group(start);
-  app.add_option("--lambda", o->lambda, "Core: radius below which cells go [default: that of FILE]")
+  add_length(app, "--theta2", o->skeleton.theta2, "Skeleton: erosion thickness below which sheets go")->group(start);
+  add_length(app, "--theta1", o->skeleton.theta1, "Skeleton: erosion thickness below which curves go")->group(start);
+  add_parsed(app, "--lambda", "Core: radius below which cells go [default: that of FILE]",
+             [o](const std::string&, const std::string& text) { o->lambda = pipeline::parse_length(text, "lambda"); })
       ->type_name("LENGTH")
       ->group(start);
   app.add_option("--layer", o->layer, "'skeleton', 'core' or 'still' (a file of another kind)")
@@ -188,8 +322,8 @@ Action add_view(CLI::App& app) {
       ->type_name("NUMBERS")
       ->group(start);
   app.add_flag("--dark", o->dark, "On a dark ground")->group(start);
-  add_page_options(app, o->page);
-  add_burn_options(app, o->burn);
+  add_page_options(app, o->max_triangles);
+  add_burn_options(app, o->burning);
   app.add_option("-o,--output", o->output, "The page [default: FILE with .html, unless there is --png]")
       ->type_name("FILE");
   app.add_option("--png", o->png, "A picture of the page instead, drawn by Chromium without a window")
@@ -199,122 +333,7 @@ Action add_view(CLI::App& app) {
       ->type_name("WxH")
       ->capture_default_str()
       ->group("Picture");
-  return [o](Session& session) {
-    check_options(*o);
-    const fs::path first = o->files.front();
-    if (o->output.empty() && o->png.empty()) o->output = fs::path(first).replace_extension(".html").string();
-    std::vector<fs::path> inputs(o->files.begin(), o->files.end());
-    if (!o->shape.file.empty()) inputs.emplace_back(o->shape.file);
-    if (!o->output.empty()) session.check_output(o->output, inputs);
-    if (!o->png.empty()) session.check_output(o->png, inputs, "--png");
-    if (!o->output.empty() && o->output == o->png)
-      throw Error(ErrorCode::usage, fmt::format("two outputs are named '{}'; give them different names", o->png));
-    const fs::path chromium = o->png.empty() ? fs::path() : find_chromium();
-    std::optional<TemporaryFolder> folder;
-    if (!o->png.empty()) folder.emplace();
-
-    std::string axis_file, still_file;
-    Record axis, still;
-    for (const std::string& file : o->files) {
-      if (io::kind_of(file) == io::Kind::volume) refuse_shape(file);
-      Record data = read_axis_file(file, session);
-      if (data.points.empty()) throw Error(ErrorCode::input, fmt::format("'{}' is empty", file));
-      if (is_closed_mesh(data)) refuse_shape(file);
-      const bool computed = is_axis(data);
-      std::string& known = computed ? axis_file : still_file;
-      if (!known.empty())
-        throw Error(ErrorCode::usage,
-                    fmt::format("a page shows one {} only; write one page of '{}' and one of '{}'",
-                                computed ? "medial axis with its skeletons" : "other result", known, file));
-      known = file;
-      (computed ? axis : still) = std::move(data);
-    }
-    checkpoint(&session.context, "read", 1);
-
-    PageBuilder builder(o->page, session);
-    Page& page = builder.page;
-    nlohmann::ordered_json report;
-    report["input"] = {{"files", o->files}};
-    if (!o->shape.file.empty()) report["input"]["shape"] = o->shape.file;
-    page.title = title_of(first);
-    Vec3 low = Vec3::Constant(1e300), high = -low;
-    for (const Record* data : {&axis, &still})
-      for (const Vec3& p : data->points) {
-        low = low.cwiseMin(p);
-        high = high.cwiseMax(p);
-      }
-    if (!low.allFinite() || !high.allFinite())
-      throw Error(ErrorCode::input, fmt::format("'{}' has coordinates that are not finite", first.string()));
-    builder.set_origin(low, high);
-    if (!o->shape.file.empty()) {
-      take_parameters(o->shape, axis_file.empty() ? still : axis, axis_file.empty() ? still_file : axis_file);
-      o->shape.keep_mesh = true;
-      o->shape.core_follows = false;
-      LoadedShape loaded = load_shape(o->shape, session);
-      builder.add_shape(loaded, o->shape);
-      page.files.emplace_back("shape", o->shape.file);
-      session.finished("page");
-    }
-    std::string lambda_state;
-    if (!still_file.empty()) {
-      drop_unusable_fields(still, still_file, &session.context);
-      page.files.emplace_back(field_text(still, "stage") == "skeleton" ? "skeleton" : "still", still_file);
-      if (page.unit.empty()) page.unit = field_text(still, "units").value_or("");
-      if (page.side == 0) page.side = field_number(still, "longest_side").value_or((high - low).maxCoeff());
-      builder.add_still(still);
-      session.finished("page");
-    }
-    if (!axis_file.empty()) {
-      page.files.emplace_back("core", axis_file);
-      add_axis(*o, axis_file, std::move(axis), builder, report, lambda_state, session);
-    }
-    if (!(page.side > 0)) page.side = std::max((high - low).maxCoeff(), 1e-30);
-
-    const bool skeleton = !axis_file.empty();
-    if (!o->layer.empty() && !page.find(o->layer + "/points"))
-      throw Error(ErrorCode::usage, fmt::format("there is no layer '{}' in this page", o->layer));
-    const std::string layer = !o->layer.empty() ? o->layer : skeleton ? "skeleton" : "still";
-    if (!o->color.empty() && o->color != "none" && !page.find(layer + "/point/" + o->color)) {
-      std::string names;
-      for (const PageArray& array : page.arrays)
-        if (const std::string prefix = layer + "/point/"; array.name.starts_with(prefix))
-          names += (names.empty() ? "" : ", ") + array.name.substr(prefix.size());
-      throw Error(ErrorCode::usage, fmt::format("there is no array '{}' to colour the layer '{}' by; there are {}",
-                                                o->color, layer, names));
-    }
-    const auto add = [&](const char* name, const std::string& value) {
-      if (!value.empty()) page.state += fmt::format("{}{}={}", page.state.empty() ? "" : "&", name, in_address(value));
-    };
-    add("layer", o->layer);
-    add("color", o->color);
-    add("lambda", lambda_state);
-    add("camera", o->camera);
-    if (o->dark) add("dark", "1");
-
-    if (folder) write_page(folder->path / "page.html", page, page_program());
-    io::OutputGroup outputs;
-    if (!o->output.empty()) {
-      builder.write(o->output, report, outputs);
-      session.finished("page");
-    }
-    if (!o->png.empty()) {
-      session.finished("page");
-      Picture picture = picture_of(*o);
-      picture.state = page.state + (page.state.empty() ? "" : "&") + "ui=0";
-      take_picture(chromium, folder->path / "page.html", o->png, picture, session);
-      session.finished("picture");
-    }
-    write_report(outputs, report, session);
-    for (const std::string& note : page.notes) session.say("note: " + note);
-    for (const std::string& file : {o->output, o->png})
-      if (!file.empty()) {
-        std::error_code ignored;
-        session.say(fmt::format("{}: {}, {}; {:.1f} s", file,
-                                base::bytes_text(static_cast<std::int64_t>(fs::file_size(file, ignored))),
-                                base::counted(builder.triangles(), "triangle"), session.total_seconds()));
-      }
-    return 0;
-  };
+  return [o](Session& session) { return view(*o, session); };
 }
 
 }  // namespace quench::program

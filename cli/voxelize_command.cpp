@@ -2,10 +2,11 @@
 #include <fmt/format.h>
 
 #include "base/text.h"
-#include "core_pipeline.h"
 #include "option_checks.h"
 #include "program.h"
 #include "quench/io.h"
+#include "report.h"
+#include "shape_input.h"
 
 namespace quench::program {
 
@@ -21,27 +22,20 @@ Action add_voxelize(CLI::App& app) {
   };
   auto o = std::make_shared<Options>();
   add_shape_options(app, o->shape);
-  o->shape.core_follows = false;
+  o->shape.how.core_follows = false;
   app.add_option("-o,--output", o->output, "The volume: .nrrd, 1 inside and 0 outside")->type_name("FILE")->required();
   return [o](Session& session) {
     session.check_output(o->output, {o->shape.file});
     check_volume_format(o->output);
-    const LoadedShape loaded = load_shape(o->shape, session);
+    const pipeline::LoadedShape loaded = load_shape(o->shape, session);
     io::OutputGroup outputs;
     io::write_volume(o->output, loaded.shape, loaded.coordinates, &session.context);
     session.finished("write");
-    nlohmann::ordered_json report;
+    Json report;
     if (!session.options.report.empty()) {
-      report["input"] = loaded.input;
-      report["parameters"] = loaded.parameters;
-      const Grid& grid = loaded.shape.grid();
-      report["shape"] = {{"dims", grid.dims},
-                         {"spacing", {grid.spacing[0], grid.spacing[1], grid.spacing[2]}},
-                         {"voxels", loaded.shape.voxel_count()},
-                         {"sites", count_boundary_vertices(loaded.shape)},
-                         {"euler", loaded.topology.euler},
-                         {"betti", loaded.topology.betti},
-                         {"voxelization_changed_topology", topology_changed_of(loaded)}};
+      report["input"] = input_section(o->shape, loaded);
+      report["parameters"] = loaded.parameters.empty() ? Json() : Json::parse(loaded.parameters);
+      report["shape"] = shape_section(loaded);
     }
     write_report(outputs, report, session);
     session.say(fmt::format("{}: {} inside; {:.1f} s", o->output, base::counted(loaded.shape.voxel_count(), "voxel"),

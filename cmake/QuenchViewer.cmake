@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-# The interactive page (viewer/) is bundled into one HTML file and built into the program. That needs Node.js and npm;
-# without them the program is complete but for `quench view`. QUENCH_WITH_VIEWER tells which.
-set(QUENCH_VIEWER AUTO CACHE STRING "Build the interactive page into the program: ON, OFF or AUTO (if npm is there)")
+# The interactive page (viewer/) is bundled into one HTML file and built into the library, where the program or the
+# Python module is built. That needs Node.js and npm; without them all is complete but for pages. QUENCH_WITH_VIEWER
+# tells which.
+set(QUENCH_VIEWER AUTO CACHE STRING "Build the interactive page into the library: ON, OFF or AUTO (if npm is there)")
 set_property(CACHE QUENCH_VIEWER PROPERTY STRINGS AUTO ON OFF)
 set(QUENCH_WITH_VIEWER OFF)
 
@@ -44,7 +45,7 @@ function(quench_prepare_viewer reason)
   set(QUENCH_WITH_VIEWER ON PARENT_SCOPE)
 endfunction()
 
-if(QUENCH_VIEWER)
+if(QUENCH_VIEWER AND (QUENCH_PROGRAM OR QUENCH_WITH_PYTHON))
   quench_prepare_viewer(QUENCH_NO_VIEWER_REASON)
   if(NOT QUENCH_WITH_VIEWER)
     set(QUENCH_NO_VIEWER_TEXT "${QUENCH_NO_VIEWER_REASON}: the program is built without `quench view` and pages of results")
@@ -56,7 +57,7 @@ if(QUENCH_VIEWER)
   endif()
 endif()
 
-# Adds the page to a target as a source that defines quench::program::page_program().
+# Adds the page to a target as a source that defines quench::pipeline::page_program().
 function(quench_page_source target)
   set(viewer ${PROJECT_SOURCE_DIR}/viewer)
   set(folder ${PROJECT_BINARY_DIR}/viewer)
@@ -75,16 +76,10 @@ function(quench_page_source target)
   else()
     set(embedded ${folder}/no_page_program.cpp)  # of another name: else it would be newer than what it is made of
     file(CONFIGURE OUTPUT ${embedded} @ONLY CONTENT
-         "#include \"page_program.h\"\nnamespace quench::program {\nstd::string_view page_program() { return {}; }\n}\n")
+         "#include \"pipeline/page_program.h\"\nnamespace quench::pipeline {\nstd::string_view page_program() { return {}; }\n}\n")
   endif()
   target_sources(${target} PRIVATE ${embedded})
   set_source_files_properties(${embedded} PROPERTIES SKIP_PRECOMPILE_HEADERS ON)
 endfunction()
 
-# An object library of its own: the program and the Python module both link it, and the page is bundled once.
-add_library(quench_page_program OBJECT)
-target_compile_features(quench_page_program PUBLIC cxx_std_20)
-target_include_directories(quench_page_program PUBLIC ${PROJECT_SOURCE_DIR}/cli)
-set_target_properties(quench_page_program PROPERTIES POSITION_INDEPENDENT_CODE ON)
-quench_page_source(quench_page_program)
-quench_flags(quench_page_program)
+quench_page_source(quench)

@@ -17,11 +17,11 @@ const literal = (piece) => {
 const pieces = [];
 for (let i = 0; i < bytes.length; i += kPiece) pieces.push(literal(bytes.subarray(i, i + kPiece)));
 writeFileSync(source, `// Made by embed_page.mjs.
-#include "page_program.h"
+#include "pipeline/page_program.h"
 
 #include <string>
 
-namespace quench::program {
+namespace quench::pipeline {
 namespace {
 
 struct Piece {
@@ -43,5 +43,5 @@ std::string_view page_program() {
   return whole;
 }
 
-}  // namespace quench::program
+}  // namespace quench::pipeline
 `);

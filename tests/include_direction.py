@@ -19,9 +19,9 @@ ROOMS = {
     'shape': 'base complex',
     'voxelization': 'base complex shape',
     'samples': 'base',
-    'delaunay': 'base',
+    'delaunay': 'base shape',
     'dual': 'base complex shape delaunay',
-    'axis': 'base complex record shape dual',
+    'axis': 'base complex record shape delaunay dual',
     'burning': 'base complex record axis',
     'skeleton': 'base complex record axis burning',
     'graph': 'base shape skeleton',
@@ -88,11 +88,15 @@ def wrong_names(root):
 
 
 def circles(package):
-    """Modules of the package that import each other, functions included."""
+    """Modules of the package that import each other, functions included; what only annotations need is left out."""
     imports = {}
     for file in sorted(package.glob('*.py')):
         found = set()
-        for node in ast.walk(ast.parse(file.read_text())):
+        tree = ast.parse(file.read_text())
+        for node in ast.walk(tree):
+            if isinstance(node, ast.If) and isinstance(node.test, ast.Name) and node.test.id == 'TYPE_CHECKING':
+                node.body.clear()
+        for node in ast.walk(tree):
             if isinstance(node, ast.ImportFrom) and node.level == 1:
                 found |= {node.module} if node.module else {alias.name for alias in node.names}
         imports[file.stem] = {name for name in found if (package / f'{name}.py').exists()}

@@ -21,7 +21,7 @@
 #include <vector>
 
 #include "../measure.h"
-#include "lattice/delaunay.h"
+#include "delaunay/delaunay.h"
 #include "quench/axis.h"
 #include "quench/io.h"
 #include "quench/samples.h"
@@ -74,10 +74,10 @@ std::uint64_t run_cgal(const std::vector<quench::LatticePoint>& sites) {
 }
 
 std::uint64_t run_lattice(const std::vector<quench::LatticePoint>& sites, const quench::Grid& grid) {
-  const quench::lattice::Delaunay delaunay(sites, quench::integer_spacing(grid), nullptr);
+  const quench::delaunay::Delaunay delaunay(sites, quench::integer_spacing(grid), nullptr);
   return static_cast<std::uint64_t>(
       std::count_if(delaunay.tetrahedra().begin(), delaunay.tetrahedra().end(),
-                    [&](const auto& t) { return t.corner[0] != quench::lattice::kNone && !delaunay.touches_box(t); }));
+                    [&](const auto& t) { return t.corner[0] != quench::delaunay::kNone && !delaunay.touches_box(t); }));
 }
 
 quench::TriangleMesh read(const std::string& name) {

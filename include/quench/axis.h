@@ -83,9 +83,9 @@ struct CoreOptions {
 /// spacing has no integer proportion, Error(failed) when an index outgrows 32 bits.
 MedialAxis voxel_core(const VoxelShape& shape, const CoreOptions& options = {}, Context* context = nullptr);
 
-/// Predicted growth of memory, in bytes, from a voxel shape to its checked and pruned core (checked_core()) and its
-/// file, beside what the process holds before, on the threads of the arena. Usually 0 to 15 % more than it takes for
-/// shapes of more than 50,000 boundary vertices; what was measured stands in notes/robustness.md. Shapes with flat
+/// Predicted growth of memory, in bytes, from a voxel shape to its checked and pruned core (pipeline::core_of()) and
+/// its file, beside what the process holds before, on the threads of the arena. Usually 0 to 15 % more than it takes
+/// for shapes of more than 50,000 boundary vertices; what was measured stands in notes/robustness.md. Shapes with flat
 /// walls and ones a voxel thick need less than others.
 std::int64_t predicted_core_bytes(const VoxelShape& shape);
 /// The most for so many boundary vertices.
@@ -124,7 +124,7 @@ class Reconstruction {
   std::vector<double> covered_until_;  // sorted: largest lambda at which each centre is still covered
 };
 
-/// `--lambda auto`: the largest of 0.02*side / sqrt(2)^k not below half the smallest spacing, then 0, at which
+/// The automatic lambda: the largest of 0.02*side / sqrt(2)^k not below half the smallest spacing, then 0, at which
 /// share(lambda) >= 0.98. Throws Error(usage) unless the spacing is above 0 and both are finite.
 double auto_lambda(const Reconstruction& reconstruction, double longest_side, double smallest_spacing);
 

@@ -23,7 +23,7 @@ class Context {
   int threads = 0;
   std::function<void(std::string_view stage, double fraction)> progress;  ///< may be empty
   std::function<void(const std::string& sentence)> note;  ///< what the caller should know, e.g. warnings
-  std::int64_t memory_limit = 0;  ///< bytes that readers may take for a file; 0: the memory that is free
+  std::int64_t memory_limit = 0;                          ///< bytes a computation may hold; 0: the memory that is free
 
   void cancel() noexcept { cancelled_.store(true, std::memory_order_relaxed); }
   bool cancelled() const noexcept { return cancelled_.load(std::memory_order_relaxed); }

@@ -7,7 +7,6 @@
 #include <limits>
 #include <span>
 #include <string>
-#include <string_view>
 #include <vector>
 
 namespace quench {
@@ -54,7 +53,7 @@ struct Coordinates {
 
 /// The smallest integers proportional to `spacing` to 1e-6 relative, such that dims[i] * result[i] <= 2^20: the
 /// coordinates in which all combinatorial decisions are exact (e.g. 0.782 x 0.782 x 5 gives 391 : 391 : 2500).
-/// Throws Error(input) naming --spacing when there are none.
+/// Throws Error(input), field `spacing`, when there are none.
 std::array<std::int64_t, 3> integer_spacing(const Grid& grid);
 
 /// The spacing of `grid`, or a near one that integer_spacing() takes: the smallest integers within the noise of single
@@ -62,20 +61,6 @@ std::array<std::int64_t, 3> integer_spacing(const Grid& grid);
 /// move the farthest voxel least, if by less than a twentieth of its size. Where there are none the spacing stays, and
 /// integer_spacing() says so. `moved`: how far the farthest voxel moves, in voxels.
 Vec3 nearest_integer_spacing(const Grid& grid, double* moved = nullptr);
-
-/// A length given by a user: `0.02` or `2%` is a fraction of the longest side of the shape's box, `12vox` a multiple
-/// of the smallest spacing, `3.5abs` a world length, `inf` infinite.
-struct Length {
-  enum class Unit { fraction, voxels, absolute };
-  double value = 0;
-  Unit unit = Unit::fraction;
-
-  /// World length, for the longest side and the smallest spacing of a shape.
-  double resolve(double longest_side, double smallest_spacing) const;
-};
-
-/// Throws Error(usage) naming `what` when the text is not a non-negative length.
-Length parse_length(std::string_view text, std::string_view what);
 
 /// The largest coordinate or radius of a medial axis: squares and sums of squares of what is larger may be no numbers.
 inline constexpr double kLargestLength = 1e150;

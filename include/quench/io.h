@@ -22,7 +22,7 @@
 ///   .stl (ascii, binary)                x
 ///   .vtp (XML PolyData)                 x         x        x
 ///   .ma  (nV nE nF; v, e, f)                      x        x
-///   .r   (x y z r per vertex)                  with --radii x
+///   .r   (x y z r per vertex)                read_radii()  x
 ///   .csv (one row per vertex)                              x
 ///   .fbx .dae .3ds .gltf ... (Assimp)   x
 ///   .nrrd .nhdr .mha .mhd .nii .nii.gz .mrc .map                       x

@@ -43,6 +43,8 @@ struct Page {
   std::optional<Topology> topology;
   std::vector<std::pair<std::string, std::string>> files;  ///< what they are, their names: for the command line
 
+  std::string limit_name;  ///< what the front end calls the largest number of triangles, for the notes
+
   /// Taken off all coordinates before they are rounded to floats: to be set before anything is added, for shapes far
   /// from the zero of their coordinates.
   Vec3 origin = Vec3::Zero();

@@ -2,93 +2,379 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
 
 #include "quench/axis.h"
 #include "quench/burn.h"
 #include "quench/context.h"
 #include "quench/graph.h"
+#include "quench/page.h"
 #include "quench/record.h"
 #include "quench/shape.h"
 #include "quench/skeleton.h"
+#include "quench/voxelize.h"
 
 /// @file
-/// The stages in a row, each promise checked on the way, and their results as files: what the program and the Python
-/// module have in common.
-namespace quench {
+/// The stages in a row: input -> shape -> core -> pruning -> burning -> curves -> skeleton -> graph -> page, with the
+/// checks between them, lengths in the user's units, and a plan of memory before each stage. run() does all of it; its
+/// parts are functions of their own. The program and the Python module are front ends of this header.
+///
+/// Every function that takes a context works on its threads, reports progress, and tells notes.
+namespace quench::pipeline {
+
+// ------------------------------------------------------------------------------------------------------------ lengths
+
+/// A length as users give it, resolved when the shape is known.
+struct Length {
+  enum class Unit { fraction, voxels, absolute, infinite };
+  double value = 0;            ///< 0 or more; of no meaning where infinite
+  Unit unit = Unit::fraction;  ///< of the longest side; of the smallest spacing; world units
+  std::string text = {};       ///< as it was spelled: what records say; empty: text_of() spells it
+};
+
+/// A length in world units; may be infinite.
+inline Length world_length(double value) {
+  const bool infinite = value == std::numeric_limits<double>::infinity();
+  return {value, infinite ? Length::Unit::infinite : Length::Unit::absolute};
+}
+
+/// `0.02` and `2%` are fractions, `12vox` voxels, `3.5abs` world units, `inf` infinite. Throws Error(usage), `field`,
+/// when the text is not a non-negative length.
+Length parse_length(std::string_view text, std::string_view field);
+/// The same where "auto" is allowed too: then nothing.
+std::optional<Length> parse_length_or_auto(std::string_view text, std::string_view field);
+/// parse_length() reads it back.
+std::string text_of(const Length& length);
+/// "auto" for nothing.
+std::string text_of(const std::optional<Length>& length);
+
+/// What lengths refer to.
+struct Scale {
+  double longest_side = 0;  ///< of the mesh, or of the foreground of a volume
+  double voxel = 0;         ///< smallest spacing; 0 where there are no voxels
+
+  /// World length. Throws Error(usage), `field`, for voxels where there are none.
+  double resolve(const Length& length, std::string_view field) const;
+};
+
+// ------------------------------------------------------------------------------------------------------------- memory
+
+/// Throws Error(failed), field `memory_limit`, with figures when `bytes` exceed the limit of the context or, without
+/// one, the memory that is free. `remedies`: what the user can do about it, behind "use ".
+void require_memory(std::int64_t bytes, const std::string& what, const std::vector<std::string>& remedies,
+                    const Context* context);
+
+/// How the core of a shape fits into memory, in bytes.
+struct CorePlan {
+  std::int64_t sites = 0;    ///< boundary vertices
+  std::int64_t held = 0;     ///< by the process now; 0, not measured, of small shapes without a limit
+  std::int64_t at_once = 0;  ///< needed beside `held`
+  std::int64_t bricks = 0;   ///< the same in bricks
+  bool in_bricks = false;    ///< at once is too much, bricks need less
+  std::int64_t bytes() const { return in_bricks ? bricks : at_once; }
+};
+CorePlan plan_core(const VoxelShape& shape, const Context* context);
+
+/// Memory of the whole way from a shape to its skeletons, in bytes, by measured cases.
+std::int64_t predicted_run_bytes(const VoxelShape& shape);
+/// Memory that quench_curves() and skeletons() need for a burning, in bytes.
+std::int64_t predicted_skeleton_bytes(const Burning& burning);
+
+// -------------------------------------------------------------------------------------------------------------- shape
+
+inline constexpr std::int64_t kAutomaticResolution = 0;
+inline constexpr std::int64_t kLargestResolution = 16384;  ///< that voxelize() takes
+
+/// A voxel size as text, "x,y,z" or one number; nothing unless all are positive numbers.
+std::optional<Vec3> spacing_in(std::string_view text);
+
+/// How an input becomes a voxel shape. What is not given has the default of the stage or, in take_recorded(), the value
+/// of an earlier run.
+struct ShapeOptions {
+  std::optional<std::int64_t> resolution = {};  ///< meshes; default 256; or kAutomaticResolution
+  std::optional<FillRule> fill = {};            ///< meshes; default nonzero
+  std::optional<Vec3> spacing = {};             ///< volumes; default: what the file says
+  std::string spacing_text = {};                ///< as it was spelled, for the record; empty: spelled from `spacing`
+  ForegroundOptions foreground = {};            ///< threshold, label, invert: volumes
+  int subdivide = 1;                            ///< splits every voxel; 1 to 64
+  bool keep_mesh = false;                       ///< LoadedShape::mesh is wanted
+  bool core_follows = true;                     ///< its memory counts too when the shape is subdivided
+};
+
+/// A shape ready for the main job, and what was found on the way.
+struct LoadedShape {
+  VoxelShape shape;
+  Topology topology;
+  double longest_side = 0;  ///< what plain-number lengths refer to, world units
+  Grid image;               ///< voxels of the input, before they are subdivided
+  Coordinates coordinates;  ///< where the file says so
+  std::string parameters;   ///< JSON text: how the voxels follow from the input; empty: as it is
+
+  bool from_mesh = false;
+  std::size_t mesh_points = 0, mesh_triangles = 0;
+  std::optional<Voxelization> voxelization;  ///< of a mesh, without its shape
+  std::int64_t resolution = 0;               ///< of a mesh: that was used
+  std::optional<TriangleMesh> mesh;          ///< where it was asked for
+  std::string spacing_source;                ///< of a volume from a file: what its spacing was taken from
+  std::optional<ForegroundReport> cleaned;   ///< where cleaning was asked for
+
+  Scale scale() const { return {longest_side, shape.grid().spacing.minCoeff()}; }
+  /// Whether voxelization changed the topology; nothing where it cannot be told (overlapping parts, defects).
+  std::optional<bool> topology_changed() const;
+};
+
+/// Reads a mesh or a volume; volumes slice by slice where the format allows it. Throws Error(input), naming the file,
+/// when it cannot be used.
+LoadedShape load_shape(const std::filesystem::path& file, const ShapeOptions& options, Context* context = nullptr);
+/// The same of what is in memory.
+LoadedShape shape_of(TriangleMesh&& mesh, const ShapeOptions& options, Context* context = nullptr);
+LoadedShape shape_of(const ImageView& image, const Coordinates& coordinates, const ShapeOptions& options,
+                     Context* context = nullptr);
+/// Voxels that are given: subdivided as asked; `image` is the grid of the image they are from.
+LoadedShape shape_of(VoxelShape&& voxels, const Grid& image, const ShapeOptions& options, Context* context = nullptr);
+
+/// Throws Error(failed) when there is no memory to voxelize at a resolution.
+void require_voxelization_memory(const TriangleMesh& mesh, std::int64_t resolution, const Context* context);
+/// Throws Error(input) for a file whose name does not say what it holds.
+[[noreturn]] void refuse_unknown_kind(const std::filesystem::path& file);
+
+/// The JSON text `parameters` of a result; empty where there is none.
+std::string parameters_of(const Record& result);
+/// What is not given is taken from `parameters` of a result in `file`. Returns which of resolution, threshold, label,
+/// invert and spacing were taken. Throws Error(input) naming the file and the parameter when its value is invalid.
+std::vector<std::string> take_recorded(ShapeOptions& options, const Record& result, const std::string& file);
+
+// --------------------------------------------------------------------------------------------------------------- core
 
 /// Throws Error(invariant) with the Betti numbers of both unless the two agree: "the topology of the WHAT ... is not
 /// that of the WHOSE".
 void require_topology(const Topology& got, const Topology& wanted, const char* what, const char* whose);
 
-struct CheckedCoreOptions {
-  std::optional<double> lambda;  ///< world units; none: auto_lambda()
+struct CellCounts {
+  std::size_t vertices = 0, edges = 0, faces = 0;
+};
+inline CellCounts counts_of(const CellComplex& c) { return {c.vertex_count, c.edges.size(), c.face_count()}; }
+
+struct AxisOptions {
+  std::optional<Length> lambda = {};  ///< none: auto_lambda()
   LambdaRule rule = LambdaRule::coface;
-  bool full = false;       ///< also the cells below lambda
-  bool in_bricks = false;  ///< as CoreOptions::in_bricks
+  bool full = false;  ///< also the cells below lambda
 };
 
 /// A pruned (or, `full`, whole) voxel core with what was found on the way.
-struct CheckedCore {
+struct CoreResult {
   MedialAxis axis;
-  CheckedCoreOptions options;
-  double lambda = 0;                               ///< that was used or chosen, world units
-  double longest_side = 0;                         ///< what lengths refer to
-  Topology topology;                               ///< of shape, core and pruned core
-  double reconstructed = 0;                        ///< share of the shape in the balls of the pruned core
-  double whole = 0;                                ///< the same of the unpruned one
-  std::size_t vertices = 0, edges = 0, faces = 0;  ///< of the unpruned core
-  std::size_t kept_vertices = 0, kept_edges = 0, kept_faces = 0;  ///< of the pruned one
+  AxisOptions options;
+  CorePlan plan;
+  double lambda = 0;         ///< that was used or chosen, world units
+  double longest_side = 0;   ///< what lengths refer to
+  Topology topology;         ///< of shape, core and pruned core
+  double reconstructed = 0;  ///< share of the shape in the balls of the pruned core
+  double whole = 0;          ///< the same of the unpruned one
+  CellCounts all, kept;      ///< of the unpruned core, and of the pruned one
+  Coordinates coordinates;   ///< of the shape
+  std::string parameters;    ///< JSON text, those of the shape and of the core: what `quench verify` reads
 };
 
-/// Voxel core, levels, lambda, pruning, reconstruction. `wanted`: the topology of the shape, which core and pruning
-/// are checked against; throws Error(invariant) when they differ.
-CheckedCore checked_core(const VoxelShape& shape, const Topology& wanted, double longest_side,
-                         const CheckedCoreOptions& options = {}, Context* context = nullptr);
+/// Voxel core, levels, lambda, pruning, reconstruction, in as many parts as memory asks for. Notes a pruning whose
+/// balls hold less than 0.9 of the shape. Throws Error(failed), with figures, when there is not enough memory, and
+/// Error(invariant) when the topology of core or pruning is not that of the shape.
+CoreResult core_of(const LoadedShape& shape, const AxisOptions& options = {}, Context* context = nullptr);
 
-/// The axis as a file: cells and arrays (docs/user/files.md), and as field data stage, lambda, longest_side,
-/// reconstructed, topology, units, space, version and `parameters`, the JSON text from which `quench verify` takes how
-/// the shape was made.
-Record core_file(const CheckedCore& core, const Coordinates& coordinates, const std::string& parameters);
+/// The core of a shape for a larger lambda, without computing it anew. Throws Error(usage), field `lambda`, for a
+/// smaller one than it was pruned with.
+CoreResult pruned_further(const LoadedShape& shape, const CoreResult& core, const Length& lambda,
+                          Context* context = nullptr);
+
+/// The axis as a file: cells and arrays (docs/voxel_core.md), and as field data stage, lambda, longest_side,
+/// reconstructed, topology, units, space, version and `parameters`.
+Record core_file(const CoreResult& core);
 /// The same where the axis is not needed any more: it is empty afterwards, the rest of `core` as it was.
-Record core_file(CheckedCore&& core, const Coordinates& coordinates, const std::string& parameters);
+Record core_file(CoreResult&& core);
 
-struct CheckedSkeletonOptions {
-  double theta2 = 0, theta1 = 0;                          ///< world units, may be infinite
-  bool parts = false;                                     ///< as ExtractOptions::parts
-  double tips = std::numeric_limits<double>::infinity();  ///< of `measured`, as ExtractOptions::tips
+// ---------------------------------------------------------------------------------------------------- axis from a file
+
+/// The first value of a field array of a file, if it is there.
+std::optional<double> field_number(const Record& data, const char* name);
+std::optional<std::string> field_text(const Record& data, const char* name);
+
+/// A medial axis ready for burning. Vertex v of the axis is row v of the file.
+struct LoadedAxis {
+  MedialAxis axis;
+  Record data;                  ///< the file, with all its arrays
+  Scale scale;                  ///< what the file says, else the box of the axis and no voxels
+  Vec3 spacing = Vec3::Zero();  ///< of the voxel shape, where the file says so
+  bool voxel_core = false;      ///< of Quench: the radius between vertices follows from theirs
+  Coordinates coordinates;      ///< where the file says so
 };
 
-struct CheckedSkeleton {
+/// Reads a surface or an axis, if there is memory for it.
+Record read_surface(const std::filesystem::path& file, Context* context = nullptr);
+/// Puts the radii of a .r file in place of those of `data`.
+void take_radii(Record& data, const std::filesystem::path& radii, Context* context = nullptr);
+/// The axis in the data of `file`. Notes what was mended. Throws Error(input), naming the file, when it is empty or has
+/// no radii.
+LoadedAxis axis_of(Record&& data, const std::string& file, Context* context = nullptr);
+
+// ------------------------------------------------------------------------------------------------------------ burning
+
+std::string_view name_of(LambdaRule rule);  ///< "coface", "ball"
+std::string_view name_of(RadiusRule rule);  ///< "exact", "linear"
+/// The value of that name; nothing when there is none.
+std::optional<LambdaRule> lambda_rule_of(std::string_view name);
+std::optional<RadiusRule> radius_rule_of(std::string_view name);
+
+/// What is not given is automatic: half the mean edge; exact for voxel cores of Quench, else linear.
+struct BurningOptions {
+  std::optional<Length> omega = {};
+  std::optional<RadiusRule> radius = {};
+  bool recorded = false;  ///< take_recorded() has found a burning; reports say so
+};
+
+/// omega "auto" or a length above 0. Throws Error(usage), field `omega`, otherwise.
+std::optional<Length> parse_omega(std::string_view text);
+/// What is not given is taken from the field data of a burned file.
+void take_recorded(BurningOptions& options, const Record& burned);
+
+/// What reports say of a burning, which is used up by what follows.
+struct BurnFigures {
+  BurnOptions options;  ///< with the omega that was used
+  std::size_t nodes = 0;
+  double max_burn_time = 0;
+  std::uint32_t unburned = 0;
+};
+BurnFigures figures_of(const Burning& burning);
+
+/// burn() with its plan of memory. `parents`: for the curves.
+Burning burning_of(const MedialAxis& axis, bool voxel_core, const BurningOptions& options, bool parents,
+                   const Scale& scale, Context* context = nullptr);
+
+// ----------------------------------------------------------------------------------------------------------- skeleton
+
+struct FamilyResult {
+  SkeletonFamily family;
+  Topology topology;  ///< of the medial axis and of the curves
+  CellCounts curves;  ///< of the member with theta2 infinite and theta1 0
+};
+
+/// quench_curves() with its plan of memory.
+RefinedAxis curves_of(const MedialAxis& axis, const Burning& burning, Context* context = nullptr);
+/// Throws Error(invariant) when the topology of the curves is not `wanted`, that of the medial axis.
+FamilyResult family_of(RefinedAxis&& refined, const Topology& wanted, Context* context = nullptr);
+
+struct SkeletonOptions {
+  Length theta2{0.03}, theta1{0.02};
+  bool parts = false;     ///< as ExtractOptions::parts
+  bool full_tips = true;  ///< SkeletonResult::measured has its tips grown back
+};
+
+struct SkeletonResult {
   Skeleton skeleton;
-  Skeleton measured;  ///< the same with the tips of branches grown back: what lengths are measured on
+  Skeleton measured;  ///< what lengths are measured on: branches end where the shape does, not where pruning took them
   Topology topology;
 };
 
-/// One member of a family. Throws Error(invariant) when its topology is not `wanted`, that of the medial axis.
-CheckedSkeleton checked_skeleton(const SkeletonFamily& family, const Topology& wanted,
-                                 const CheckedSkeletonOptions& options, Context* context = nullptr);
+/// One member of a family. Tips are as thin as a voxel or, without voxels, as the nodes of the burning lie apart
+/// (`omega`). Throws Error(invariant) when its topology is not that of the medial axis.
+SkeletonResult skeleton_of(const FamilyResult& family, const SkeletonOptions& options, const Scale& scale, double omega,
+                           Context* context = nullptr);
 
 /// The skeleton as a file: its cells and arrays, and what the file `from` of its axis says of shape and burning.
-Record skeleton_file(const Skeleton& skeleton, const Topology& topology, const Record& from);
+Record skeleton_file(const SkeletonResult& skeleton, const Record& from);
 
 /// Share of the shape's (sampled) voxel centres in the balls of a skeleton's vertices.
 double reconstructed_share(const VoxelShape& shape, const Skeleton& skeleton, Context* context = nullptr);
 
+// -------------------------------------------------------------------------------------------------------------- graph
+
 struct GraphOptions {
-  int smooth = 10;                    ///< as SmoothOptions::iterations
-  double resample = 0;                ///< as SmoothOptions::spacing
+  int smooth = 10;                    ///< as SmoothOptions::iterations; 0 to 10000
+  Length resample = {};               ///< as SmoothOptions::spacing
   const VoxelShape* shape = nullptr;  ///< where it is known: segments are tested against its voxels
   Vec3 voxel = Vec3::Zero();          ///< spacing of the voxels; 0 for axes of other programs
 };
 
+/// A finite length. Throws Error(usage), field `resample`, otherwise.
+Length parse_resample(std::string_view text);
+
 /// The curves of a skeleton as a graph to measure on, smoothed as asked. Radii of a voxel core get half a voxel more:
-/// of the corners of a staircase the nearest lies that far inside the surface it stands for.
-CurveGraph measured_graph(const Skeleton& skeleton, const GraphOptions& options = {});
+/// of the corners of a staircase the nearest lies that far inside the surface it stands for. Throws Error(usage).
+CurveGraph measured_graph(const Skeleton& skeleton, const GraphOptions& options = {}, const Scale& scale = {});
 
-/// Memory that quench_curves() and skeletons() need for a burning, in bytes.
-std::int64_t predicted_skeleton_bytes(const Burning& burning);
+// --------------------------------------------------------------------------------------------------------------- page
 
-}  // namespace quench
+/// Whether this library has the interactive page built in.
+bool has_page_program();
+/// Throws Error(failed) unless it has.
+void require_page_program();
+
+/// A page while it grows: layers share the triangles, in the order in which they are added.
+class PageBuilder {
+ public:
+  explicit PageBuilder(std::size_t max_triangles = kPageTriangles);
+  Page page;
+
+  /// The box of what will be added, for shapes far from zero: before anything is added.
+  void set_origin(const Vec3& low, const Vec3& high);
+  /// Side, voxel, unit and topology; surface (of the kept mesh where it was not cleaned), boundary vertices and
+  /// samples. The mesh is used up.
+  void add_shape(LoadedShape& shape);
+  /// `skeleton_follows`: leaves most of the triangles to it. Cells without levels are there at every lambda.
+  void add_core(const MedialAxis& axis, const std::vector<DataArray>& measures, bool skeleton_follows);
+  void add_skeleton(const SkeletonFamily& family);
+  void add_still(const Record& data);
+
+  std::size_t triangles() const { return used_; }
+  void write(const std::filesystem::path& file) const;
+
+ private:
+  void take(std::size_t triangles);
+  std::size_t left_, used_ = 0;
+};
+
+/// "armadillo" of armadillo.off or armadillo/core.vtp.
+std::string title_of(const std::filesystem::path& file);
+
+// ---------------------------------------------------------------------------------------------------------------- run
+
+struct RunOptions {
+  AxisOptions axis = {};
+  BurningOptions burning = {};
+  SkeletonOptions skeleton = {};
+  GraphOptions graph = {};      ///< shape and voxel are filled in
+  PageBuilder* page = nullptr;  ///< where a page is wanted: layers are added to it, writing it is left to the caller
+  std::function<void(const CoreResult&)> on_core = {};     ///< called as soon as there is one
+  std::function<void(const BurnFigures&)> on_burned = {};  ///< the same
+};
+
+/// What follows from a medial axis.
+struct AxisRun {
+  Record file;  ///< of the axis, burned
+  BurnFigures burned;
+  CellCounts curves;  ///< as FamilyResult::curves
+  SkeletonResult skeleton;
+};
+
+/// Burning, curves and skeleton of an axis whose file is `file` and whose topology is `wanted`. The page gets the axis
+/// where it has levels.
+AxisRun run_axis(const MedialAxis& axis, Record&& file, bool voxel_core, const Topology& wanted, const Scale& scale,
+                 const RunOptions& options = {}, Context* context = nullptr);
+
+struct RunResult {
+  CoreResult core;
+  AxisRun axis;
+  double reconstructed = 0;  ///< share of the shape in the balls of the skeleton
+  CurveGraph graph;
+};
+
+/// All stages from a shape on. The mesh of the shape is used up by the page.
+RunResult run(LoadedShape& shape, const RunOptions& options = {}, Context* context = nullptr);
+
+}  // namespace quench::pipeline

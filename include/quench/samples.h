@@ -31,10 +31,11 @@ struct Sample {
   std::vector<RootBranch> branches;  ///< `root` only: the truth
 };
 
-/// Names and one-line descriptions of the built-in shapes, in the order of --help.
+/// Names and one-line descriptions of the built-in shapes, in the order of the list.
 struct SampleInfo {
   std::string_view name;
   std::string_view description;
+  std::string_view options;  ///< which of SampleOptions matter, beside detail, separated by ", "; empty: none
 };
 const std::vector<SampleInfo>& built_in_samples();
 

@@ -90,7 +90,7 @@ std::optional<FillRule> fill_of(std::string_view name);
 /// resolution or margin out of range.
 Voxelization voxelize(const TriangleMesh& mesh, const VoxelizeOptions& options = {}, Context* context = nullptr);
 
-/// `--resolution auto`: the smallest of 128, 256 ... 2048 at which the topology agrees; 2048 (with the difference
+/// The automatic resolution: the smallest of 128, 256 ... 2048 at which the topology agrees; 2048 (with the difference
 /// reported) when it never does. Where parts overlap, the first resolution with the topology of the one before it.
 Voxelization voxelize_auto(const TriangleMesh& mesh, VoxelizeOptions options = {}, Context* context = nullptr);
 

@@ -8,11 +8,11 @@
 >>> len(skeleton.branches()['length'])
 1
 """
-from ._axis import MedialAxis, medial_axis
+from ._axis import MedialAxis, medial_axis, read
 from ._common import Certificate, Topology
-from ._core import Error, __version__
-from ._inputs import Mesh, Volume, read, sample, samples, voxelize
+from ._core import Error, UsageError, __version__
+from ._inputs import Mesh, Volume, sample, samples, voxelize
 from ._skeleton import Curves, Graph, Sheets, Skeleton, skeletonize
 
-__all__ = ['Certificate', 'Curves', 'Error', 'Graph', 'MedialAxis', 'Mesh', 'Sheets', 'Skeleton', 'Topology', 'Volume',
-           '__version__', 'medial_axis', 'read', 'sample', 'samples', 'skeletonize', 'voxelize']
+__all__ = ['Certificate', 'Curves', 'Error', 'Graph', 'MedialAxis', 'Mesh', 'Sheets', 'Skeleton', 'Topology', 'UsageError',
+           'Volume', '__version__', 'medial_axis', 'read', 'sample', 'samples', 'skeletonize', 'voxelize']

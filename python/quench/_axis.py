@@ -8,10 +8,10 @@ from typing import Any, Optional, Sequence, Tuple, Union
 import numpy as np
 
 from . import _core, _export
-from ._common import (Certificate, Length, Path, Progress, Spacing, Topology, ending, error, file_name, length, listening,
-                      whole)
+from ._common import (Certificate, Length, Path, Progress, Spacing, Topology, calling, deprecated, ending, error, file_name,
+                      length, whole)
 from ._complex import Complex
-from ._inputs import Cut, shape_of
+from ._inputs import Cut, Mesh, Volume, read_file, shape_of
 from ._skeleton import Skeleton
 
 
@@ -85,18 +85,53 @@ def medial_axis(image_or_mesh: Any, *, spacing: Spacing = None, threshold: Optio
     if lambda_ != 'auto' or not isinstance(lambda_, str):
         lambda_ = length(lambda_, 'lambda_')
     if lambda_rule not in ('coface', 'ball'):
-        raise error(2, f"lambda_rule={lambda_rule!r} is not one of 'coface', 'ball'")
-    cut = Cut(threshold, label, invert, largest_component, min_component, fill_cavities, subdivide)
-    shape = shape_of(image_or_mesh, spacing, resolution, fill, cut, threads, progress)
-    with listening(progress) as listener:
-        core = _core.compute_axis(shape, lambda_, lambda_rule == 'ball', listener, whole(threads, 'threads'))
-    return MedialAxis(core, threads, progress)
+        raise error(2, f"lambda_rule={lambda_rule!r} is not one of 'coface', 'ball'", 'lambda_rule')
+    cut = Cut(threshold, label, invert, largest_component, min_component, fill_cavities, subdivide, spacing, resolution, fill)
+    shape = shape_of(image_or_mesh, cut, threads, progress)
+    with calling(threads, progress) as call:
+        return MedialAxis(_core.compute_axis(shape, lambda_, lambda_rule, *call), threads, progress)
+
+
+def read(path: Path, *, spacing: Spacing = None, radii: Optional[Path] = None, threads: int = 0,
+         progress: Progress = False) -> Union[Volume, Mesh, 'MedialAxis']:
+    """Reads a file: a volume, a mesh or a medial axis.
+
+    Parameters
+    ----------
+    path : str or path
+        Volumes: .nrrd .nii.gz .mha .mrc .tif .npy .vol, a folder of slices; meshes: .ply .obj .off .stl; medial axes of
+        Quench or another program: .vtp .ply .ma (a surface with a radius per vertex is taken for one).
+    spacing : float or three floats, optional
+        Size of voxels, instead of what the file says.
+    radii : str or path, optional
+        A .r file with the radii of the vertices of a medial axis, matched by position.
+    threads, progress
+        As in :func:`medial_axis`.
+
+    Returns
+    -------
+    Volume, Mesh or MedialAxis
+
+    Examples
+    --------
+    >>> import os, tempfile, quench
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     file = os.path.join(folder, 'bar.ply')
+    ...     quench.medial_axis(quench.sample('torus'), resolution=32).save(file)
+    ...     quench.read(file).topology.betti
+    (1, 1, 0)
+    """
+    with calling(threads, progress) as call:
+        found = read_file(path, spacing, radii, call)
+    return MedialAxis(found, threads, progress) if isinstance(found, _core.Axis) else found
 
 
 class MedialAxis(Complex):
     """A medial axis: vertices with radii, edges and polygons; made by :func:`medial_axis` or :func:`read`.
 
-    Arrays are views of the result: not copied, read-only, and alive as long as anybody holds one.
+    Arrays are views of the result: not copied, read-only, and alive as long as anybody holds one. What the result holds is
+    an attribute; what has to be computed, or takes arguments, is a method. Methods work on the threads, and show the
+    progress, that were asked for when the medial axis was made, unless they are told otherwise.
 
     Attributes
     ----------
@@ -113,11 +148,12 @@ class MedialAxis(Complex):
         The polygons as triangles.
     face_polygon : (F,) int32
         The polygon of each triangle.
-    lambda_level : (F,) float64
+    face_lambda_level : (F,) float64
         The largest λ up to which the polygon of each triangle stays; infinite where topology needs it. Also
         ``edge_lambda_level``, ``vertex_lambda_level``.
     face_lambda : (F,) float64
-        λ of the polygon of each triangle: half the distance of its two nearest boundary points.
+        λ of the polygon of each triangle: half the distance of its two nearest boundary points. Also ``edge_lambda``,
+        ``vertex_lambda``.
     lambda_ : float
         The λ it is pruned with, in the units of the coordinates.
     reconstructed : float
@@ -145,27 +181,40 @@ class MedialAxis(Complex):
     def face_polygon(self) -> np.ndarray:
         return self._fans[1]
 
-    def _level(self, which: int) -> np.ndarray:
+    def _measure(self, name: str, which: int) -> np.ndarray:
         if not self._core.has_levels:
             raise error(2, 'a medial axis from a file has no levels of λ here; they are the cell array lambda_level of the file')
-        return np.asarray(self._core.levels()[which])
+        return np.asarray(getattr(self._core, name)()[which])
 
     @cached_property
-    def lambda_level(self) -> np.ndarray:
-        return self._level(2)[self.face_polygon]
-
-    @cached_property
-    def face_lambda(self) -> np.ndarray:
-        self._level(2)
-        return np.asarray(self._core.lambdas()[2])[self.face_polygon]
+    def face_lambda_level(self) -> np.ndarray:
+        return self._measure('levels', 2)[self.face_polygon]
 
     @property
     def edge_lambda_level(self) -> np.ndarray:
-        return self._level(1)
+        return self._measure('levels', 1)
 
     @property
     def vertex_lambda_level(self) -> np.ndarray:
-        return self._level(0)
+        return self._measure('levels', 0)
+
+    @cached_property
+    def face_lambda(self) -> np.ndarray:
+        return self._measure('lambdas', 2)[self.face_polygon]
+
+    @property
+    def edge_lambda(self) -> np.ndarray:
+        return self._measure('lambdas', 1)
+
+    @property
+    def vertex_lambda(self) -> np.ndarray:
+        return self._measure('lambdas', 0)
+
+    @property
+    def lambda_level(self) -> np.ndarray:
+        """Deprecated: `face_lambda_level`."""
+        deprecated('lambda_level', 'face_lambda_level')
+        return self.face_lambda_level
 
     @property
     def lambda_(self) -> float:
@@ -181,9 +230,11 @@ class MedialAxis(Complex):
 
     @property
     def topology(self) -> Topology:
-        return Topology(*_betti(self._core.topology))
+        euler, betti = self._core.topology
+        return Topology(euler, tuple(betti))
 
-    def pruned(self, lambda_: Length) -> 'MedialAxis':
+    def pruned(self, lambda_: Length, *, threads: Optional[int] = None,
+               progress: Optional[Progress] = None) -> 'MedialAxis':
         """The same medial axis for a larger λ, without computing it anew.
 
         Examples
@@ -193,11 +244,11 @@ class MedialAxis(Complex):
         >>> len(full.pruned('2vox').vertices) < len(full.vertices)
         True
         """
-        with listening(self._progress) as listener:
-            return MedialAxis(self._core.pruned(length(lambda_, 'lambda_'), listener, self._threads), self._threads,
-                              self._progress)
+        with self._calling(threads, progress) as call:
+            return MedialAxis(self._core.pruned(length(lambda_, 'lambda_'), *call), self._threads, self._progress)
 
-    def erosion_thickness(self, omega: Optional[Length] = None) -> np.ndarray:
+    def erosion_thickness(self, omega: Optional[Length] = None, *, threads: Optional[int] = None,
+                          progress: Optional[Progress] = None) -> np.ndarray:
         """How much longer each vertex burns than its ball says: large in the middle of plates, 0 at rims.
 
         Parameters
@@ -219,25 +270,27 @@ class MedialAxis(Complex):
         >>> bool(17 < et.max() < 20)  # the fire needs half the width of the plate
         True
         """
-        return np.asarray(self._burn(omega)[1])
+        return np.asarray(self._burn(omega, threads, progress)[1])
 
-    def burn_time(self, omega: Optional[Length] = None) -> np.ndarray:
+    def burn_time(self, omega: Optional[Length] = None, *, threads: Optional[int] = None,
+                  progress: Optional[Progress] = None) -> np.ndarray:
         """When the fire that starts at the rims comes to each vertex: erosion thickness + radius."""
-        return np.asarray(self._burn(omega)[0])
+        return np.asarray(self._burn(omega, threads, progress)[0])
 
-    def _burn(self, omega: Optional[Length]):
-        with listening(self._progress) as listener:
-            return self._core.burn(self._omega(omega), listener, self._threads)
+    def _burn(self, omega: Optional[Length], threads: Optional[int], progress: Optional[Progress]) -> Tuple[Any, Any, float]:
+        with self._calling(threads, progress) as call:
+            return self._core.burn(self._omega(omega), *call)
 
     def _omega(self, omega: Optional[Length]) -> float:
         if omega is None or (isinstance(omega, str) and omega == 'auto'):
             return 0.0
         distance = self._core.resolve(length(omega, 'omega'), 'omega')
         if not 0 < distance < np.inf:
-            raise error(2, f'omega={omega!r} is not a distance between nodes; give a length above 0, or None')
+            raise error(2, f'omega={omega!r} is not a distance between nodes; give a length above 0, or None', 'omega')
         return distance
 
-    def skeleton(self, theta2: Length = 0.03, theta1: Length = 0.02, *, omega: Optional[Length] = None) -> Skeleton:
+    def skeleton(self, theta2: Length = 0.03, theta1: Length = 0.02, *, omega: Optional[Length] = None,
+                 threads: Optional[int] = None, progress: Optional[Progress] = None) -> Skeleton:
         """What of the medial axis matters: sheets of an erosion thickness of at least θ2, and curves of at least θ1.
 
         The first call burns the axis; others with the same omega take what it found (:meth:`forget` drops it).
@@ -265,16 +318,19 @@ class MedialAxis(Complex):
         >>> len(curves.vertices) == len(curves.edges)  # one closed curve
         True
         """
-        place = [self._core.resolve(length(value, name), name) for value, name in ((theta2, 'theta2'), (theta1, 'theta1'))]
+        thetas = length(theta2, 'theta2'), length(theta1, 'theta1')
+        for text, name in zip(thetas, ('theta2', 'theta1')):
+            self._core.resolve(text, name)  # refuses what the axis does not know before anything is burned
         distance = self._omega(omega)
-        with listening(self._progress) as listener:
-            return Skeleton(self._core.skeleton(*place, distance, listener, self._threads), self)
+        with self._calling(threads, progress) as call:
+            return Skeleton(self._core.skeleton(*thetas, distance, *call), self)
 
     def forget(self) -> None:
         """Drops what burning left behind: about 1 KB per vertex."""
         self._core.forget()
 
-    def reconstruct(self, shape: Optional[Sequence[int]] = None) -> np.ndarray:
+    def reconstruct(self, shape: Optional[Sequence[int]] = None, *, threads: Optional[int] = None,
+                    progress: Optional[Progress] = None) -> np.ndarray:
         """The union of the balls as a bool image: voxels whose centres are in one.
 
         Parameters
@@ -291,11 +347,12 @@ class MedialAxis(Complex):
         True
         """
         mask = _export.mask(self._core.shape, shape)
-        with listening(self._progress) as listener:
-            self._core.mark_balls(mask.view(np.uint8), listener, self._threads)
+        with self._calling(threads, progress) as call:
+            self._core.mark_balls(mask.view(np.uint8), *call)
         return mask
 
-    def verify(self, samples: int = 20000) -> Certificate:
+    def verify(self, samples: int = 20000, *, threads: Optional[int] = None,
+               progress: Optional[Progress] = None) -> Certificate:
         """Checks the result against its shape by code of its own; what it cannot tell is in the last line of the certificate.
 
         Examples
@@ -304,10 +361,11 @@ class MedialAxis(Complex):
         >>> bool(quench.medial_axis(np.ones((9, 8, 7), bool)).verify())
         True
         """
-        with listening(self._progress) as listener:
-            return Certificate(self._core.verify(whole(samples, 'samples', 1), listener, self._threads))
+        with self._calling(threads, progress) as call:
+            return Certificate(self._core.verify(whole(samples, 'samples', 1), *call))
 
-    def save(self, path: Path, *, quality: str = 'radius') -> None:
+    def save(self, path: Path, *, quality: str = 'radius', threads: Optional[int] = None,
+             progress: Optional[Progress] = None) -> None:
         """Writes a file, over an existing one; an interrupted call leaves none half written.
 
         Parameters
@@ -318,12 +376,14 @@ class MedialAxis(Complex):
         quality : str
             Of PLY: the array that MeshLab shows as quality.
         """
-        if ending(path) == '.html':
-            _export.save_page(self, path)
-        elif ending(path) == '.png':
+        if ending(path) == '.png':
             _export.save_picture(self, path)
-        else:
-            self._core.save(file_name(path), quality)
+            return
+        with self._calling(threads, progress) as call:
+            if ending(path) == '.html':
+                _core.page_of_axis(self._core, None, file_name(path), *call)
+            else:
+                self._core.save(file_name(path), quality, *call)
 
     def plot(self, ax: Any = None, **options: Any) -> Any:
         """Draws the faces with matplotlib, coloured by erosion thickness; returns the axes."""
@@ -336,7 +396,3 @@ class MedialAxis(Complex):
     def to_pyvista(self) -> Any:
         """A ``pyvista.PolyData`` of the faces and curves with ``radius``."""
         return _export.to_pyvista(self.vertices, self.faces, self.edges[self.edge_degree == 0], {'radius': self.radius})
-
-
-def _betti(found: Tuple[int, Sequence[int]]) -> Tuple[int, Tuple[int, int, int]]:
-    return found[0], tuple(found[1])

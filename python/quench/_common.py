@@ -2,39 +2,47 @@
 """What all parts of the package share: errors, lengths, files, progress."""
 from __future__ import annotations
 
+import importlib
 import math
 import numbers
 import os
 import sys
 import warnings
 from contextlib import contextmanager
-from typing import Any, Callable, Iterator, NamedTuple, Optional, Sequence, Tuple, Union
+from typing import Any, Callable, Iterator, NamedTuple, Optional, Sequence, Tuple, Type, Union
 
 import numpy as np
 
 from . import _core
-from ._core import Error
+from ._core import Error, UsageError
 
 Error.code = 1  # of errors raised without one
+Error.argument = None
 Length = Union[float, str]  # 0.02 and "2%" of the longest side, "2.5vox", "3.5abs", "inf"
 Path = Union[str, 'os.PathLike[str]']
 Spacing = Union[float, Sequence[float], None]
 Progress = Union[bool, Callable[[str, float], Any], None]
 
 
-def error(code: int, sentence: str) -> Error:
-    """An Error to raise: code 2 is an argument that cannot be, 3 an input that cannot be used."""
-    result = Error(sentence)
+def error(code: int, sentence: str, argument: Optional[str] = None) -> Error:
+    """An Error to raise: code 2 is an invalid argument (a UsageError), 3 an input that cannot be used."""
+    result = (UsageError if code == 2 else Error)(sentence)
     result.code = code
+    result.argument = argument
     return result
 
 
-def warn(sentence: str) -> None:
+def deprecated(old: str, new: str) -> None:
+    """Warns of a spelling that works for one more release."""
+    warn(f'{old} is deprecated; use {new}', DeprecationWarning)
+
+
+def warn(sentence: str, category: Type[Warning] = UserWarning) -> None:
     """A warning of the line outside this package that led to it."""
     level, frame = 1, sys._getframe(1)
     while frame is not None and frame.f_globals.get('__name__', '').startswith('quench.'):
         level, frame = level + 1, frame.f_back
-    warnings.warn(sentence, UserWarning, stacklevel=level + 1)
+    warnings.warn(sentence, category, stacklevel=level + 1)
 
 
 class Topology(NamedTuple):
@@ -71,15 +79,15 @@ class Certificate:
 
 
 def length(value: Length, argument: str) -> str:
-    """The text of a length; an Error when it is none."""
+    """The text of a length; an Error when it is not one."""
     if isinstance(value, str):
         text = value
     elif isinstance(value, numbers.Real) and not isinstance(value, (bool, np.bool_)):
         text = 'inf' if math.isinf(value) and value > 0 else repr(float(value))
     else:
         raise error(2, f'{argument}={value!r} is not a length; give a fraction of the longest side (0.02 or "2%"), "2.5vox", '
-                       '"3.5abs" or "inf"')
-    _core.check_length(text, argument)
+                       '"3.5abs" or "inf"', argument)
+    _core.check_length(text, argument.rstrip('_'))
     return text
 
 
@@ -106,7 +114,7 @@ def spacing_of(spacing: Spacing) -> Optional[Tuple[float, float, float]]:
     except Error:
         values = np.zeros(0)
     if values.shape != (3,) or not np.all(np.isfinite(values)) or not np.all(values > 0):
-        raise error(2, f'spacing={spacing!r} is not a voxel size; give one positive number or three, one per axis')
+        raise error(2, f'spacing={spacing!r} is not a voxel size; give one positive number or three, one per axis', 'spacing')
     return (float(values[0]), float(values[1]), float(values[2]))
 
 
@@ -117,9 +125,9 @@ def whole(value: Any, argument: str, least: int = 0) -> int:
         if number != value:
             raise ValueError
     except (TypeError, ValueError, OverflowError):
-        raise error(2, f'{argument}={value!r} is not a whole number') from None
+        raise error(2, f'{argument}={value!r} is not a whole number', argument) from None
     if number < least:
-        raise error(2, f'{argument}={value!r} is less than {least}')
+        raise error(2, f'{argument}={value!r} is less than {least}', argument)
     return number
 
 
@@ -184,9 +192,15 @@ def listening(progress: Progress) -> Iterator[Optional[Callable[[str, float], An
             shown.close()
 
 
+@contextmanager
+def calling(threads: int, progress: Progress) -> Iterator[Tuple[Optional[Callable[[str, float], Any]], int]]:
+    """The last two arguments of every long call of the core."""
+    with listening(progress) as listener:
+        yield listener, whole(threads, 'threads')
+
+
 def need(module: str, use: str) -> Any:
     """A package that is not required, or an Error that names it."""
-    import importlib
     try:
         return importlib.import_module(module)
     except ImportError as missing:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-from typing import Any
+from typing import Any, Optional
 
 __version__: str
 
@@ -8,5 +8,8 @@ class Error(RuntimeError):
     invariant failed.
     """
     code: int
+    argument: Optional[str]
+
+class UsageError(Error, ValueError): ...
 
 def __getattr__(name: str) -> Any: ...

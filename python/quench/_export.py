@@ -7,8 +7,7 @@ from typing import Any, Dict, Optional, Sequence
 
 import numpy as np
 
-from . import _core
-from ._common import Path, error, file_name, listening, need, whole
+from ._common import Path, error, need, whole
 
 
 def mask(voxel_shape: Any, wanted: Optional[Sequence[int]]) -> np.ndarray:
@@ -21,19 +20,6 @@ def mask(voxel_shape: Any, wanted: Optional[Sequence[int]]) -> np.ndarray:
     if len(sides) != 3:
         raise error(2, f'shape={tuple(wanted)!r} has {len(sides)} sides; an image has 3')
     return np.zeros(sides, dtype=bool)
-
-
-def save_page(result: Any, path: Path) -> None:
-    """An interactive page. The one place that writes pages."""
-    if not hasattr(result, 'sheets'):
-        with listening(result._progress) as listener:
-            _core.page_of_axis(result._core, None, file_name(path), listener, result._threads)
-    elif result.axis is None:  # of skeletonize(): what it is a part of is not kept
-        _core.page_of_skeleton(result._core, file_name(path))
-    else:
-        axis = result.axis
-        with listening(axis._progress) as listener:
-            _core.page_of_axis(axis._core, (result.theta2, result.theta1), file_name(path), listener, axis._threads)
 
 
 def to_trimesh(vertices: np.ndarray, faces: np.ndarray) -> Any:

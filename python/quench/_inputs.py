@@ -2,7 +2,6 @@
 """Images, meshes and files, and how they become voxel shapes."""
 from __future__ import annotations
 
-import json
 import numbers
 import os
 from dataclasses import dataclass, field
@@ -11,7 +10,7 @@ from typing import Any, Dict, List, Optional, Tuple, Union
 import numpy as np
 
 from . import _core
-from ._common import Error, Path, Progress, Spacing, error, file_name, is_path, listening, reals, spacing_of, whole
+from ._common import Error, Path, Progress, Spacing, calling, error, file_name, is_path, reals, spacing_of, whole
 
 
 @dataclass
@@ -147,11 +146,11 @@ def _threshold(value: Any) -> Union[int, float]:
     try:
         if isinstance(value, numbers.Integral) and abs(int(value)) > 2**53:
             if not -2**63 <= int(value) < 2**64:
-                raise error(2, f'threshold={value} does not fit into 64 bits')
+                raise error(2, f'threshold={value} does not fit into 64 bits', 'threshold')
             return int(value)
         return float(value)
     except (TypeError, ValueError, OverflowError):
-        raise error(2, f'threshold={value!r} is not a number') from None
+        raise error(2, f'threshold={value!r} is not a number', 'threshold') from None
 
 
 @dataclass
@@ -165,110 +164,82 @@ class Cut:
     min_component: int = 0
     fill_cavities: bool = False
     subdivide: int = 1
+    spacing: Spacing = None
+    resolution: Union[int, str] = 256
+    fill: str = 'nonzero'
 
-    def core(self) -> '_core.Cut':
+    def options(self) -> '_core.ShapeOptions':
+        """As the core takes them."""
         if self.threshold is not None and self.label is not None:
-            raise error(2, 'threshold and label cannot be combined; give one of them')
-        threshold = None if self.threshold is None else _threshold(self.threshold)
-        label = None if self.label is None else whole(self.label, 'label', -2**63)
-        if label is not None and label >= 2**63:
-            raise error(2, f'label={label} does not fit into 64 bits with a sign')
-        return _core.Cut(threshold, label, bool(self.invert), bool(self.largest_component),
-                         min(whole(self.min_component, 'min_component'), 2**62), bool(self.fill_cavities),
-                         min(whole(self.subdivide, 'subdivide'), 2**30))
+            raise error(2, 'threshold and label cannot be combined; give one of them', 'threshold')
+        if self.fill not in ('nonzero', 'evenodd', 'winding', 'auto'):
+            raise error(2, f"fill={self.fill!r} is not one of 'nonzero', 'evenodd', 'winding', 'auto'", 'fill')
+        return _core.ShapeOptions(
+            threshold=None if self.threshold is None else _threshold(self.threshold),
+            label=None if self.label is None else label_of(self.label), invert=bool(self.invert),
+            largest_component=bool(self.largest_component),
+            min_component=min(whole(self.min_component, 'min_component'), 2**62), fill_cavities=bool(self.fill_cavities),
+            subdivide=min(whole(self.subdivide, 'subdivide'), 2**30), spacing=spacing_of(self.spacing),
+            resolution=0 if self.resolution == 'auto' else min(whole(self.resolution, 'resolution', 1), 2**30),
+            fill=self.fill)
 
-    def parameters(self, **more: Any) -> str:
-        """As the program writes them into its files, so that `quench verify` can repeat them."""
-        said = {name: value for name, value in vars(self).items() if value != getattr(Cut, name)}
-        for name in ('threshold', 'label', 'min_component', 'subdivide'):
-            if name in said:
-                said[name] = _threshold(said[name]) if name == 'threshold' else int(said[name])
-        return json.dumps({**said, **more})
+    def for_images(self) -> bool:
+        """Whether something is given that means nothing for a mesh."""
+        return self.threshold is not None or self.label is not None or bool(self.invert) or self.spacing is not None
 
 
-def shape_of(source: Any, spacing: Spacing, resolution: Union[int, str], fill: str, cut: Cut, threads: int,
-             progress: Progress) -> '_core.Shape':
+def label_of(value: Any) -> int:
+    """A label that fits into 64 bits with a sign."""
+    label = whole(value, 'label', -2**63)
+    if label >= 2**63:
+        raise error(2, f'label={label} does not fit into 64 bits with a sign', 'label')
+    return label
+
+
+def shape_of(source: Any, cut: Cut, threads: int, progress: Progress) -> '_core.Shape':
     """The voxel shape of an image, a mesh or a file."""
-    size = spacing_of(spacing)
-    core_cut = cut.core()
-    with listening(progress) as listener:
-        if is_path(source):
-            named = os.fsdecode(source)
-            source = read(source, spacing=spacing)
-            if not isinstance(source, (Mesh, Volume)):
-                raise error(3, f"'{named}' is a medial axis already; quench.read() gives it")
-            try:
-                return _shape(source, size, resolution, fill, cut, core_cut, threads, listener)
-            except Error as reason:
-                if reason.code not in (2, 3):
-                    raise
-                raise error(reason.code, f"'{named}': {reason}") from None
-        return _shape(source, size, resolution, fill, cut, core_cut, threads, listener)
+    options = cut.options()
+    with calling(threads, progress) as call:
+        if not is_path(source):
+            return _shape(source, cut, options, call)
+        named = os.fsdecode(source)
+        found = read_file(source, cut.spacing, None, call)
+        if isinstance(found, _core.Axis):
+            raise error(3, f"'{named}' is a medial axis already; quench.read() gives it")
+        try:
+            return _shape(found, cut, options, call)
+        except Error as reason:
+            if reason.code not in (2, 3):
+                raise
+            raise error(reason.code, f"'{named}': {reason}", reason.argument) from None
 
 
-def _shape(source, size, resolution, fill, cut, core_cut, threads, listener):
-    threads = whole(threads, 'threads')
+def _shape(source: Any, cut: Cut, options: '_core.ShapeOptions', call: Tuple[Any, int]) -> '_core.Shape':
     if isinstance(source, Volume):
-        said = {} if size is None else {'spacing': ','.join(map(repr, size))}
-        return _core.shape_of_image(source._image, size, core_cut, cut.parameters(**said), listener, threads)
+        return _core.shape_of_image(source._image, options, *call)
     mesh = as_mesh(source)
     if mesh is None:
-        array = image_array(source)
-        said = {'spacing': ','.join(map(repr, size))} if size else {}
-        return _core.shape_of_array(array, size or (1.0, 1.0, 1.0), core_cut, cut.parameters(**said), listener, threads)
-    if cut.threshold is not None or cut.label is not None or cut.invert or size is not None:
+        return _core.shape_of_array(image_array(source), options, *call)
+    if cut.for_images():
         raise error(2, 'threshold, label, invert and spacing are for images; this is a mesh')
-    if fill not in ('nonzero', 'evenodd', 'winding', 'auto'):
-        raise error(2, f"fill={fill!r} is not one of 'nonzero', 'evenodd', 'winding', 'auto'")
-    vertices, faces = mesh_arrays(*mesh)
-    wanted = None if resolution == 'auto' else whole(resolution, 'resolution')
-    said = {'fill': fill} if wanted is None else {'fill': fill, 'resolution': wanted}
-    return _core.shape_of_mesh(vertices, faces, wanted, fill, core_cut, cut.parameters(**said), listener,
-                               threads)
+    return _core.shape_of_mesh(*mesh_arrays(*mesh), options, *call)
 
 
-def read(path: Path, *, spacing: Spacing = None, radii: Optional[Path] = None):
-    """Reads a file: a volume, a mesh or a medial axis.
-
-    Parameters
-    ----------
-    path : str or path
-        Volumes: .nrrd .nii.gz .mha .mrc .tif .npy .vol, a folder of slices; meshes: .ply .obj .off .stl; medial axes of
-        Quench or another program: .vtp .ply .ma (a surface with a radius per vertex is taken for one).
-    spacing : float or three floats, optional
-        Size of voxels, instead of what the file says.
-    radii : str or path, optional
-        A .r file with the radii of the vertices of a medial axis, matched by position.
-
-    Returns
-    -------
-    Volume, Mesh or MedialAxis
-
-    Examples
-    --------
-    >>> import os, tempfile, quench
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     file = os.path.join(folder, 'bar.ply')
-    ...     quench.medial_axis(quench.sample('torus'), resolution=32).save(file)
-    ...     quench.read(file).topology.betti
-    (1, 1, 0)
-    """
-    from ._axis import MedialAxis
+def read_file(path: Path, spacing: Spacing, radii: Optional[Path],
+              call: Tuple[Any, int]) -> Union[Mesh, Volume, '_core.Axis']:
+    """What a file holds; a medial axis as the core has it."""
     named = os.fsdecode(path)
     kind = _core.kind_of(file_name(path))
     if not os.path.exists(path):
         raise error(1, f"'{named}' does not exist")
     if kind == 'volume':
-        return Volume(_core.read_image(file_name(path), spacing_of(spacing), None, 0))
+        return Volume(_core.read_image(file_name(path), spacing_of(spacing), *call))
     if kind != 'surface':
-        raise error(3, f"'{named}' has a file type Quench does not know; meshes end in e.g. .ply, .obj, .off, .stl, "
-                       'volumes in .nrrd, .nii.gz, .mha, .map, .vol, .npy, .tif')
+        _core.refuse_unknown_kind(file_name(path))
     if spacing is not None:
-        raise error(2, f"spacing is for images; '{named}' is not one")
-    found = _core.read_surface(file_name(path), b'' if radii is None else file_name(radii))
-    if isinstance(found, tuple):
-        return Mesh(np.asarray(found[0]), np.asarray(found[1]))
-    return MedialAxis(found)
+        raise error(2, f"spacing is for images; '{named}' is not one", 'spacing')
+    found = _core.read_surface(file_name(path), b'' if radii is None else file_name(radii), *call)
+    return Mesh(np.asarray(found[0]), np.asarray(found[1])) if isinstance(found, tuple) else found
 
 
 def sample(name: str, *, noise: float = 0, seed: int = 1, branches: int = 60, detail: float = 1) -> Mesh:
@@ -337,4 +308,4 @@ def voxelize(mesh: Any, *, resolution: Union[int, str] = 256, fill: str = 'nonze
     >>> quench.voxelize(quench.sample('torus'), resolution=20).array.max()
     1
     """
-    return Volume(shape_of(mesh, None, resolution, fill, Cut(), threads, progress).image())
+    return Volume(shape_of(mesh, Cut(resolution=resolution, fill=fill), threads, progress).image())

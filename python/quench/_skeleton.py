@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING, Any, Dict, Iterable, List, Optional, Sequence,
 import numpy as np
 
 from . import _core, _export
-from ._common import (Certificate, Length, Path, Progress, Spacing, Topology, ending, error, file_name, is_path, length,
-                      listening, spacing_of, whole)
+from ._common import (Certificate, Length, Path, Progress, Spacing, Topology, calling, deprecated, ending, error, file_name,
+                      is_path, length, spacing_of, whole)
 from ._complex import Complex
+from ._inputs import Volume, image_array, label_of, read_file
 
 if TYPE_CHECKING:
     from ._axis import MedialAxis
@@ -156,6 +157,8 @@ class Skeleton(Complex):
     def __init__(self, core: '_core.Skeleton', axis: Optional['MedialAxis'] = None):
         self._core = core
         self.axis = axis
+        if axis is not None:
+            self._threads, self._progress = axis._threads, axis._progress
 
     @property
     def theta2(self) -> float:
@@ -170,10 +173,16 @@ class Skeleton(Complex):
         euler, betti = self._core.topology
         return Topology(euler, tuple(betti))
 
-    @cached_property
+    def reconstructed_share(self, *, threads: Optional[int] = None, progress: Optional[Progress] = None) -> float:
+        """Share of the shape that the balls fill (of a sample of voxels)."""
+        with self._calling(threads, progress) as call:
+            return self._core.reconstructed(*call)
+
+    @property
     def reconstructed(self) -> float:
-        """Share of the shape that the balls fill."""
-        return self._core.reconstructed()
+        """Deprecated: :meth:`reconstructed_share`."""
+        deprecated('Skeleton.reconstructed', 'reconstructed_share()')
+        return self.reconstructed_share()
 
     @cached_property
     def sheets(self) -> Sheets:
@@ -196,7 +205,8 @@ class Skeleton(Complex):
         edges = np.searchsorted(used, self.edges[chosen]).astype(np.int32)
         return Curves(self.vertices[used], edges, self.radius[used], np.asarray(self._core.edge_thickness)[chosen])
 
-    def graph(self, *, smooth: int = 10, resample: Length = 0, tips: str = 'full') -> Graph:
+    def graph(self, *, smooth: int = 10, resample: Length = 0, tips: str = 'full', threads: Optional[int] = None,
+              progress: Optional[Progress] = None) -> Graph:
         """The curves as nodes and branches with lengths and radii.
 
         Pruning takes about θ1 off every branch, also of those that stay; for measuring they grow back to their tips.
@@ -213,8 +223,10 @@ class Skeleton(Complex):
             "pruned": the ends as in `curves`.
         """
         if tips not in ('full', 'pruned'):
-            raise error(2, f"tips={tips!r} is not one of 'full', 'pruned'")
-        return Graph(self._core.graph(whole(smooth, 'smooth'), length(resample, 'resample'), tips == 'pruned', None))
+            raise error(2, f"tips={tips!r} is not one of 'full', 'pruned'", 'tips')
+        with self._calling(threads, progress) as call:
+            return Graph(self._core.graph(min(whole(smooth, 'smooth'), 2**30), length(resample, 'resample'),
+                                          tips == 'pruned', *call))
 
     @cached_property
     def _graph(self) -> Graph:
@@ -251,7 +263,8 @@ class Skeleton(Complex):
                                   curves.edges + len(sheets.vertices),
                                   {'radius': np.concatenate([sheets.radius, curves.radius])})
 
-    def to_volume(self, shape: Optional[Sequence[int]] = None) -> np.ndarray:
+    def to_volume(self, shape: Optional[Sequence[int]] = None, *, threads: Optional[int] = None,
+                  progress: Optional[Progress] = None) -> np.ndarray:
         """The voxels the skeleton runs through, as a bool image: connected (26) where the skeleton is.
 
         Parameters
@@ -269,21 +282,27 @@ class Skeleton(Complex):
         (False, True)
         """
         mask = _export.mask(self._core.axis_shape, shape)
-        self._core.mark_cells(mask.view(np.uint8), None, 0)
+        with self._calling(threads, progress) as call:
+            self._core.mark_cells(mask.view(np.uint8), *call)
         return mask
 
-    def reconstruct(self, shape: Optional[Sequence[int]] = None) -> np.ndarray:
+    def reconstruct(self, shape: Optional[Sequence[int]] = None, *, threads: Optional[int] = None,
+                    progress: Optional[Progress] = None) -> np.ndarray:
         """The union of the balls as a bool image, see :meth:`MedialAxis.reconstruct`."""
         mask = _export.mask(self._core.axis_shape, shape)
-        self._core.mark_balls(mask.view(np.uint8), None, 0)
+        with self._calling(threads, progress) as call:
+            self._core.mark_balls(mask.view(np.uint8), *call)
         return mask
 
-    def verify(self, samples: int = 20000) -> Certificate:
+    def verify(self, samples: int = 20000, *, threads: Optional[int] = None,
+               progress: Optional[Progress] = None) -> Certificate:
         """Checks the skeleton against its shape, see :meth:`MedialAxis.verify`."""
-        return Certificate(self._core.verify(whole(samples, 'samples', 1), None, 0))
+        with self._calling(threads, progress) as call:
+            return Certificate(self._core.verify(whole(samples, 'samples', 1), *call))
 
     def save(self, path: Path, *, quality: str = 'radius', root: Optional[Sequence[float]] = None,
-             swc_type: Union[int, str] = 'dendrite') -> None:
+             swc_type: Union[int, str] = 'dendrite', threads: Optional[int] = None,
+             progress: Optional[Progress] = None) -> None:
         """Writes a file, over an existing one; an interrupted call leaves none half written.
 
         Parameters
@@ -300,14 +319,18 @@ class Skeleton(Complex):
             programs for neurons refuse 0.
         """
         kind = ending(path)
-        if kind == '.html':
-            _export.save_page(self, path)
-        elif kind == '.png':
+        if kind == '.png':
             _export.save_picture(self, path)
         elif kind in ('.swc', '.graphml', '.csv'):
             self._graph.save(path, root=root, swc_type=swc_type)
         else:
-            self._core.save(file_name(path), quality)
+            with self._calling(threads, progress) as call:
+                if kind != '.html':
+                    self._core.save(file_name(path), quality, *call)
+                elif self.axis is None:  # of skeletonize(): what it is a part of is not kept
+                    _core.page_of_skeleton(self._core, file_name(path), *call)
+                else:
+                    _core.page_of_axis(self.axis._core, (self.theta2, self.theta1), file_name(path), *call)
 
     def plot(self, ax: Any = None, **options: Any) -> Any:
         """Draws curves, coloured by radius, and sheets with matplotlib; returns the axes."""
@@ -347,30 +370,25 @@ def skeletonize(image: Any, /, *, spacing: Spacing = None, labels: Union[str, It
     >>> {label: s.topology.betti for label, s in quench.skeletonize(image).items()}
     {3: (1, 0, 0), 7: (1, 0, 0)}
     """
-    from ._inputs import Volume, image_array, read
-    if is_path(image):
-        image = read(image, spacing=spacing)
-        spacing = None
-        if not isinstance(image, Volume):
-            raise error(3, 'a label image is a volume, and this file is not one')
-    size = spacing_of(spacing)
-    if not isinstance(lambda_, str) or lambda_ != 'auto':
-        lambda_ = length(lambda_, 'lambda_')
+    lambda_ = lambda_ if isinstance(lambda_, str) and lambda_ == 'auto' else length(lambda_, 'lambda_')
     wish = (lambda_, length(theta2, 'theta2'), length(theta1, 'theta1'))
     if isinstance(labels, str):
         if labels != 'all':
-            raise error(2, f"labels={labels!r} is neither 'all' nor a list of labels")
+            raise error(2, f"labels={labels!r} is neither 'all' nor a list of labels", 'labels')
         chosen = None
     else:
-        chosen = sorted({whole(label, 'label', -2**63) for label in labels})
-        if chosen and chosen[-1] >= 2**63:
-            raise error(2, f'label={chosen[-1]} does not fit into 64 bits with a sign')
-    with listening(progress) as listener:
+        chosen = sorted({label_of(label) for label in labels})
+    size = spacing_of(spacing)
+    with calling(threads, progress) as call:
+        if is_path(image):
+            image = read_file(image, spacing, None, call)
+            size = None
+            if not isinstance(image, Volume):
+                raise error(3, 'a label image is a volume, and this file is not one')
         if isinstance(image, Volume):
-            found = _core.skeletonize_image(image._image, size, chosen, *wish, listener, whole(threads, 'threads'))
+            found = _core.skeletonize_image(image._image, size, chosen, *wish, *call)
         else:
-            found = _core.skeletonize_array(image_array(image), size or (1.0, 1.0, 1.0), chosen, *wish, listener,
-                                            whole(threads, 'threads'))
+            found = _core.skeletonize_array(image_array(image), size or (1.0, 1.0, 1.0), chosen, *wish, *call)
     return {label: Skeleton(core) for label, core in found}
 
 

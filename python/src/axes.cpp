@@ -4,9 +4,7 @@
 
 #include <cmath>
 
-#include "quench/axis.h"
 #include "quench/error.h"
-#include "quench/geometry.h"
 #include "quench/io.h"
 #include "quench/verify.h"
 #include "rasters.h"
@@ -15,28 +13,18 @@
 namespace quench::python {
 namespace {
 
-std::vector<double> numbers_of(const Record& data, const char* name) {
-  const DataArray* array = find_array(data.field_data, name);
-  if (!array || std::holds_alternative<std::vector<std::string>>(array->values)) return {};
-  return array->numbers();
-}
-
 std::shared_ptr<Axis> axis_of_file(Record data, const std::string& file, Context& context) {
-  drop_unusable_fields(data, file, &context);
+  pipeline::LoadedAxis loaded = pipeline::axis_of(std::move(data), file, &context);
   auto result = std::make_shared<Axis>();
-  result->core.axis = medial_axis_of(data);
-  const MedialAxis& axis = result->core.axis;
-  if (axis.points.empty()) throw Error(ErrorCode::input, "the medial axis is empty");
-  const std::vector<double> side = numbers_of(data, "longest_side"), spacing = numbers_of(data, "spacing");
-  const std::vector<double> share = numbers_of(data, "reconstructed"), lambda = numbers_of(data, "lambda");
-  result->core.longest_side = side.empty() ? longest_side_of(axis.points) : side[0];
-  if (!spacing.empty()) result->spacing = {spacing[0], spacing[1], spacing[2]};
-  result->core.reconstructed = share.empty() ? std::nan("") : share[0];
-  result->core.lambda = lambda.empty() ? 0 : lambda[0];
-  const DataArray* sites = find_array(data.field_data, "sites");
-  result->voxel_core = sites && sites->components == 3;
-  result->core.topology = topology(axis.complex);
-  result->file = std::move(data);
+  result->core.axis = std::move(loaded.axis);
+  result->core.longest_side = loaded.scale.longest_side;
+  result->core.reconstructed = pipeline::field_number(loaded.data, "reconstructed").value_or(std::nan(""));
+  result->core.lambda = pipeline::field_number(loaded.data, "lambda").value_or(0);
+  result->core.topology = topology(result->axis().complex);
+  result->core.coordinates = loaded.coordinates;
+  result->spacing = loaded.spacing;
+  result->voxel_core = loaded.voxel_core;
+  result->file = std::move(loaded.data);
   return result;
 }
 
@@ -54,12 +42,6 @@ py::tuple fans(const CellComplex& complex) {
   return py::make_tuple(own(std::move(triangles)), own(std::move(polygon)));
 }
 
-py::list checks_of(const Certificate& certificate) {
-  py::list result;
-  for (const Check& check : certificate.checks) result.append(py::make_tuple(check.name, check.passed, check.detail));
-  return result;
-}
-
 const Shape& shape_of(const Axis& axis) {
   if (!axis.shape)
     throw Error(ErrorCode::usage,
@@ -68,29 +50,22 @@ const Shape& shape_of(const Axis& axis) {
   return *axis.shape;
 }
 
-std::shared_ptr<Axis> pruned_axis(const Axis& from, const std::string& text) {
+std::shared_ptr<Axis> pruned_axis(const Axis& from, const std::string& text, Context& context) {
   if (from.file) throw Error(ErrorCode::usage, "a medial axis from a file cannot be pruned; compute it again");
-  const double lambda = from.resolve(text, "lambda_");
-  if (lambda < from.core.lambda)
-    throw Error(ErrorCode::usage, fmt::format("lambda_={} is below {}, which the medial axis was pruned with already; "
-                                              "compute it with lambda_=0",
-                                              text, from.core.lambda));
   auto result = std::make_shared<Axis>();
   result->shape = from.shape;
+  result->core = pipeline::pruned_further(*from.shape, from.core, pipeline::parse_length(text, "lambda"), &context);
   result->spacing = from.spacing;
-  result->core = from.core;
-  result->core.axis = pruned(from.axis(), lambda);
-  result->core.options.lambda = result->core.lambda = lambda;
-  const CellComplex& c = result->axis().complex;
-  require_topology(topology(c), from.core.topology, "pruned core", "shape");
-  result->core.reconstructed = Reconstruction(from.shape->voxels, result->axis()).share(0);
-  result->core.kept_vertices = c.vertex_count;
-  result->core.kept_edges = c.edges.size();
-  result->core.kept_faces = c.face_count();
   return result;
 }
 
 }  // namespace
+
+py::list checks_of(const Certificate& certificate) {
+  py::list result;
+  for (const Check& check : certificate.checks) result.append(py::make_tuple(check.name, check.passed, check.detail));
+  return result;
+}
 
 void bind_axes(py::module_& m) {
   using Pointer = std::shared_ptr<Axis>;
@@ -127,7 +102,7 @@ void bind_axes(py::module_& m) {
       .def("resolve", &Axis::resolve)
       .def("pruned",
            [](const Pointer& a, const std::string& lambda, const py::object& listener, int threads) {
-             return run(listener, threads, [&](Context&) { return pruned_axis(*a, lambda); });
+             return run(listener, threads, [&](Context& c) { return pruned_axis(*a, lambda, c); });
            })
       .def("burn",
            [](const Pointer& a, double omega, const py::object& listener, int threads) {
@@ -138,12 +113,13 @@ void bind_axes(py::module_& m) {
                                    fire->burning.options.omega);
            })
       .def("skeleton",
-           [](const Pointer& a, double theta2, double theta1, double omega, const py::object& listener, int threads) {
+           [](const Pointer& a, const std::string& theta2, const std::string& theta1, double omega,
+              const py::object& listener, int threads) {
              const auto known = a->fire;
              const auto fire =
                  run(listener, threads, [&](Context& c) { return compute_fire(*a, omega, true, known, c); });
              a->fire = fire;
-             return run(listener, threads, [&](Context& c) { return compute_skeleton(a, *fire, theta2, theta1, c); });
+             return run(listener, threads, [&](Context& c) { return compute_skeleton(a, *fire, {theta2, theta1}, c); });
            })
       .def("forget", [](const Pointer& a) { a->fire.reset(); })
       .def("verify",
@@ -152,7 +128,7 @@ void bind_axes(py::module_& m) {
              VerifyOptions options;
              options.samples = samples;
              const Certificate certificate = run(listener, threads, [&](Context& context) {
-               return verify(shape.voxels, core_file(a->core, shape.coordinates, shape.parameters), options, &context);
+               return verify(shape.shape, a->data(nullptr), options, &context);
              });
              return checks_of(certificate);
            })
@@ -160,43 +136,41 @@ void bind_axes(py::module_& m) {
            [](const Pointer& a, const py::buffer& mask, const py::object& listener, int threads) {
              mark_balls_in(mask, a->axis().points, a->axis().radius, shape_of(*a).image, listener, threads);
            })
-      .def("save", [](const Pointer& a, const std::string& file, const std::string& quality) {
+      .def("save", [](const Pointer& a, const std::string& file, const std::string& quality, const py::object& listener,
+                      int threads) {
         const auto fire = a->fire;
-        run(py::none(), 0, [&](Context&) {
-          io::write_record(file, a->data(fire.get()), {quality});
-          return 0;
-        });
+        run_cancellable(listener, threads, [&](Context&) { io::write_record(file, a->data(fire.get()), {quality}); });
       });
-  m.def("compute_axis", [](const std::shared_ptr<Shape>& shape, const std::string& lambda, bool ball_rule,
+  m.def("compute_axis", [](const std::shared_ptr<Shape>& shape, const std::string& lambda, const std::string& rule,
                            const py::object& listener, int threads) {
-    return run(listener, threads, [&](Context& context) { return compute_axis(shape, lambda, ball_rule, context); });
+    pipeline::AxisOptions options;
+    options.lambda = pipeline::parse_length_or_auto(lambda, "lambda");
+    options.rule = pipeline::lambda_rule_of(rule).value_or(LambdaRule::coface);
+    return run(listener, threads, [&](Context& context) { return compute_axis(shape, options, context); });
   });
   m.def("check_writable", [](const std::string& file) { io::check_writable_format(file); });
-  m.def("check_length", [](const std::string& text, const std::string& argument) { parse_length(text, argument); });
+  m.def("check_length", [](const std::string& text, const std::string& field) { pipeline::parse_length(text, field); });
   // A mesh as (vertices, triangles), or a medial axis where the file has radii.
-  m.def("read_surface", [](const std::string& file, const std::string& radii) -> py::object {
-    struct Read {
-      Record data;
-      TriangleMesh mesh;
-      std::shared_ptr<Axis> axis;
-    };
-    Read read = run(py::none(), 0, [&](Context& context) {
-      Read r;
-      r.data = io::read_record(file, &context);
-      if (!radii.empty()) {
-        std::erase_if(r.data.point_data, [](const DataArray& a) { return a.name == "radius"; });
-        r.data.point_data.insert(r.data.point_data.begin(),
-                                 {"radius", 1, io::read_radii(radii, r.data.points, &context)});
-      }
-      if (find_array(r.data.point_data, "radius"))
-        r.axis = axis_of_file(std::move(r.data), file, context);
-      else
-        r.mesh = to_triangle_mesh(r.data);
-      return r;
-    });
-    if (read.axis) return py::cast(read.axis);
-    return py::make_tuple(own(std::move(read.mesh.points)), own(std::move(read.mesh.triangles)));
-  });
+  m.def("read_surface",
+        [](const std::string& file, const std::string& radii, const py::object& listener, int threads) -> py::object {
+          struct Read {
+            Record data;
+            TriangleMesh mesh;
+            std::shared_ptr<Axis> axis;
+          };
+          Read read = run(listener, threads, [&](Context& context) {
+            Read r;
+            r.data = pipeline::read_surface(file, &context);
+            if (!radii.empty()) pipeline::take_radii(r.data, radii, &context);
+            if (find_array(r.data.point_data, "radius"))
+              r.axis = axis_of_file(std::move(r.data), file, context);
+            else
+              r.mesh = to_triangle_mesh(r.data);
+            return r;
+          });
+          if (read.axis) return py::cast(read.axis);
+          return py::make_tuple(own(std::move(read.mesh.points)), own(std::move(read.mesh.triangles)));
+        });
 }
 
 }  // namespace quench::python

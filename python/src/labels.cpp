@@ -22,7 +22,8 @@ namespace quench::python {
 namespace {
 
 struct Wish {
-  std::string lambda, theta2, theta1;
+  std::string lambda;
+  Thetas thetas;
 };
 
 /// Lets as many labels in as their memory allows, one always.
@@ -52,15 +53,13 @@ class Gate {
 // From the voxels of one label to its skeleton; everything between is dropped.
 std::shared_ptr<SkeletonValue> skeleton_of(VoxelShape voxels, const Grid& image, const Coordinates& coordinates,
                                            std::int64_t label, const Wish& wish, Context& context) {
-  Shape shape;
-  shape.voxels = std::move(voxels);
-  shape.image = image;
-  shape.coordinates = coordinates;
-  shape.parameters = fmt::format("{{\"label\": {}}}", label);
-  auto axis = compute_axis(finished(std::move(shape), Cut{}), wish.lambda, false, context);
+  pipeline::ShapeOptions options;
+  options.foreground.label = label;
+  auto shape = std::make_shared<Shape>(pipeline::shape_of(std::move(voxels), image, options, &context));
+  shape->coordinates = coordinates;
+  auto axis = compute_axis(shape, {.lambda = pipeline::parse_length_or_auto(wish.lambda, "lambda")}, context);
   const auto fire = compute_fire(*axis, 0, true, nullptr, context);
-  auto result = compute_skeleton(axis, *fire, axis->resolve(wish.theta2, "theta2"),
-                                 axis->resolve(wish.theta1, "theta1"), context);
+  auto result = compute_skeleton(axis, *fire, wish.thetas, context);
   axis->core.axis = MedialAxis();
   result->has_axis = false;
   return result;
@@ -116,14 +115,14 @@ Results skeletons_of(std::vector<LabelRuns>& labels, const Grid& image, const Co
         };
         VoxelShape voxels = label.shape(image);
         label.pieces = {};
-        bytes = predicted_bytes(voxels);
+        bytes = pipeline::predicted_run_bytes(voxels);
         gate.enter(bytes);
         entered = true;
         results[order[i]] =
             alone.execute([&] { return skeleton_of(std::move(voxels), image, coordinates, label.label, wish, own); });
       } catch (const Error& error) {
-        failures[order[i]] =
-            std::make_exception_ptr(Error(error.code(), fmt::format("label {}: {}", label.label, error.what())));
+        failures[order[i]] = std::make_exception_ptr(
+            Error(error.code(), fmt::format("label {}: {}", label.label, error.what()), error.field()));
         failed = true;
       } catch (...) {
         failures[order[i]] = std::current_exception();
@@ -178,18 +177,19 @@ py::list skeletonize(const ImageView& image, const Coordinates& coordinates,
 void bind_labels(py::module_& m) {
   using Triple = std::array<double, 3>;
   using Labels = std::optional<std::vector<std::int64_t>>;
-  m.def("skeletonize_array", [](const py::buffer& array, const Triple& spacing, const Labels& labels,
-                                const std::string& lambda, const std::string& theta2, const std::string& theta1,
-                                const py::object& listener, int threads) {
-    const py::buffer_info held = array.request();
-    return skeletonize(image_of(held, grid_of(held, spacing)), {}, labels, {lambda, theta2, theta1}, listener, threads);
-  });
+  m.def("skeletonize_array",
+        [](const py::buffer& array, const Triple& spacing, const Labels& labels, const std::string& lambda,
+           const std::string& theta2, const std::string& theta1, const py::object& listener, int threads) {
+          const py::buffer_info held = array.request();
+          return skeletonize(image_of(held, grid_of(held, spacing)), {}, labels, {lambda, {theta2, theta1}}, listener,
+                             threads);
+        });
   m.def("skeletonize_image",
         [](const Image& image, const std::optional<Triple>& spacing, const Labels& labels, const std::string& lambda,
            const std::string& theta2, const std::string& theta1, const py::object& listener, int threads) {
           ImageView view = view_of(*image.volume);
           if (spacing) view.grid.spacing = {(*spacing)[0], (*spacing)[1], (*spacing)[2]};
-          return skeletonize(view, image.volume->coordinates, labels, {lambda, theta2, theta1}, listener, threads);
+          return skeletonize(view, image.volume->coordinates, labels, {lambda, {theta2, theta1}}, listener, threads);
         });
 }
 

@@ -14,7 +14,6 @@
 #include <thread>
 #include <vector>
 
-#include "base/memory.h"
 #include "quench/error.h"
 
 namespace quench::python {
@@ -40,7 +39,8 @@ void deliver(const py::object& listener, const std::vector<std::pair<std::string
 
 void run_cancellable(const py::object& listener, int threads, const std::function<void(Context&)>& work) {
   if (threads < 0)
-    throw Error(ErrorCode::usage, fmt::format("threads={} is negative; give 0 for all processors", threads));
+    throw Error(ErrorCode::usage, fmt::format("threads '{}' is negative; give 0 for all processors", threads),
+                "threads");
   Mailbox box;
   Context context;
   context.threads = std::min(threads, 256);
@@ -99,31 +99,51 @@ void run_cancellable(const py::object& listener, int threads, const std::functio
   if (failure) std::rethrow_exception(failure);
 }
 
-void require_memory(std::int64_t bytes, const std::string& what, const std::string& remedy) {
-  const std::int64_t free = base::available_memory();
-  if (bytes <= free) return;
-  throw Error(ErrorCode::failed, fmt::format("{} needs about {} of memory, and {} are free; use {}", what,
-                                             base::bytes_text(bytes), base::bytes_text(free), remedy));
+namespace {
+
+/// The keyword argument for a parameter of the library; empty where there is none.
+std::string argument_of(const std::string& field) {
+  if (field == "memory_limit" || field == "max_triangles") return {};
+  return field == "lambda" ? "lambda_" : field;
 }
 
+/// The sentence with the keyword: "lambda_='2mm' is not a length".
+std::string with_argument(const Error& error) {
+  const std::string sentence = error.what(), &field = error.field();
+  if (field.empty() || !sentence.starts_with(field + " '")) return sentence;
+  return argument_of(field) + "=" + sentence.substr(field.size() + 1);
+}
+
+}  // namespace
+
 void bind_errors(py::module_& m) {
-  static py::handle type;  // as long as the interpreter: translators are never taken back
+  static py::handle type, usage;  // as long as the interpreter: translators are never taken back
   type = PyErr_NewExceptionWithDoc(
       "quench.Error",
       "What Quench raises: one sentence that names the value or file, the reason and the way out.\n\n"
       "Attributes\n----------\ncode : int\n"
-      "    1 failed (files, memory), 2 usage (an argument that cannot be), 3 an input that cannot be used,\n"
-      "    4 a promised invariant does not hold (a bug in Quench), 130 cancelled.\n",
+      "    1 failed (files, memory), 2 usage (an invalid argument: a UsageError), 3 an input that cannot be used,\n"
+      "    4 a promised invariant does not hold (a bug in Quench), 130 cancelled.\n"
+      "argument : str or None\n"
+      "    The keyword argument that is wrong or would help, where there is one.\n",
       PyExc_RuntimeError, nullptr);
   if (!type) throw py::error_already_set();
+  const py::tuple bases = py::make_tuple(type, py::reinterpret_borrow<py::object>(PyExc_ValueError));
+  usage = PyErr_NewExceptionWithDoc("quench.UsageError", "An invalid argument: an Error of code 2, and a ValueError.\n",
+                                    bases.ptr(), nullptr);
+  if (!usage) throw py::error_already_set();
   m.attr("Error") = type;
+  m.attr("UsageError") = usage;
   py::register_exception_translator([](std::exception_ptr thrown) {
     try {
       if (thrown) std::rethrow_exception(thrown);
     } catch (const Error& error) {
-      py::object value = type(error.what());
+      const py::handle raised = error.code() == ErrorCode::usage ? usage : type;
+      py::object value = raised(with_argument(error));
       value.attr("code") = static_cast<int>(error.code());
-      PyErr_SetObject(type.ptr(), value.ptr());
+      const std::string argument = argument_of(error.field());
+      value.attr("argument") = argument.empty() ? py::object(py::none()) : py::str(argument);
+      PyErr_SetObject(raised.ptr(), value.ptr());
     }
   });
 }

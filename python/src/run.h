@@ -26,9 +26,6 @@ auto run(const py::object& listener, int threads, Work&& work) {
   return std::move(*result);
 }
 
-/// Throws Error(failed) with figures when `bytes` are more than is free.
-void require_memory(std::int64_t bytes, const std::string& what, const std::string& remedy);
-
 void bind_errors(py::module_& m);
 
 }  // namespace quench::python

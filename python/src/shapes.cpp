@@ -36,70 +36,69 @@ py::buffer_info info(const Image& image) {
       image.volume->samples);
 }
 
-std::shared_ptr<Shape> cut_out(const ImageView& image, const Cut& cut, const Coordinates& coordinates,
-                               const std::string& parameters, Context& context) {
-  Shape shape;
-  ForegroundReport report;
-  shape.voxels = foreground(image, cut.foreground(), &report, &context);
-  if (const std::string much = much_dropped(report); !much.empty()) note(&context, much);
-  shape.image = image.grid;
-  shape.coordinates = coordinates;
-  shape.parameters = parameters;
-  return finished(std::move(shape), cut);
-}
-
-std::shared_ptr<Shape> shape_of_array(const py::buffer& array, const Triple& spacing, const Cut& cut,
-                                      const std::string& parameters, const py::object& listener, int threads) {
-  const py::buffer_info held = array.request();
-  const ImageView image = image_of(held, grid_of(held, spacing));
-  return run(listener, threads, [&](Context& context) { return cut_out(image, cut, {}, parameters, context); });
-}
-
-std::shared_ptr<Shape> shape_of_image(const Image& image, const std::optional<Triple>& spacing, const Cut& cut,
-                                      const std::string& parameters, const py::object& listener, int threads) {
-  ImageView view = view_of(*image.volume);
-  if (spacing) view.grid.spacing = {(*spacing)[0], (*spacing)[1], (*spacing)[2]};
-  return run(listener, threads,
-             [&](Context& context) { return cut_out(view, cut, image.volume->coordinates, parameters, context); });
-}
-
-std::shared_ptr<Shape> shape_of_mesh(const py::buffer& points, const py::buffer& triangles,
-                                     const std::optional<std::int64_t>& resolution, const std::string& fill,
-                                     const Cut& cut, const std::string& parameters, const py::object& listener,
-                                     int threads) {
-  TriangleMesh mesh;
-  mesh.points = points_of(points);
-  mesh.triangles = triangles_of(triangles, mesh.points.size());
-  return run(listener, threads, [&](Context& context) {
-    VoxelizeOptions options;
-    options.fill = fill_of(fill).value_or(FillRule::nonzero);
-    if (resolution) options.resolution = *resolution;
-    Voxelization v = resolution ? voxelize(mesh, options, &context) : voxelize_auto(mesh, options, &context);
+/// What the caller should know of a shape, as notes.
+std::shared_ptr<Shape> noted(Shape&& shape, Context& context) {
+  if (shape.voxelization) {
+    const Voxelization& v = *shape.voxelization;
     if (!v.fill_reason.empty()) note(&context, "fill " + std::string(fill_name(v.fill)) + ": " + v.fill_reason);
     if (!v.sound) note(&context, defects_text(v));
     if (v.topology_changed) note(&context, "voxelization changed the topology: " + v.topology_difference);
-    Shape shape;
-    shape.longest_side = v.longest_side;
-    ForegroundReport report;
-    shape.voxels = clean(v.shape, cut.foreground(), &report, &context);
-    if (const std::string much = much_dropped(report); !much.empty()) note(&context, much);
-    shape.image = shape.voxels.grid();
-    shape.parameters = parameters;
-    return finished(std::move(shape), cut);
+  }
+  if (shape.cleaned)
+    if (const std::string much = much_dropped(*shape.cleaned); !much.empty()) note(&context, much);
+  return std::make_shared<Shape>(std::move(shape));
+}
+
+std::shared_ptr<Shape> shape_of_array(const py::buffer& array, const pipeline::ShapeOptions& options,
+                                      const py::object& listener, int threads) {
+  const py::buffer_info held = array.request();
+  const ImageView image = image_of(held, grid_of(held, {1, 1, 1}));
+  return run(listener, threads,
+             [&](Context& context) { return noted(pipeline::shape_of(image, {}, options, &context), context); });
+}
+
+std::shared_ptr<Shape> shape_of_image(const Image& image, const pipeline::ShapeOptions& options,
+                                      const py::object& listener, int threads) {
+  const Volume& volume = *image.volume;
+  return run(listener, threads, [&](Context& context) {
+    return noted(pipeline::shape_of(view_of(volume), volume.coordinates, options, &context), context);
   });
+}
+
+std::shared_ptr<Shape> shape_of_mesh(const py::buffer& points, const py::buffer& triangles,
+                                     const pipeline::ShapeOptions& options, const py::object& listener, int threads) {
+  TriangleMesh mesh;
+  mesh.points = points_of(points);
+  mesh.triangles = triangles_of(triangles, mesh.points.size());
+  return run(listener, threads,
+             [&](Context& context) { return noted(pipeline::shape_of(std::move(mesh), options, &context), context); });
+}
+
+pipeline::ShapeOptions shape_options(const std::optional<Threshold>& threshold,
+                                     const std::optional<std::int64_t>& label, bool invert, bool largest_component,
+                                     std::int64_t min_component, bool fill_cavities, int subdivide,
+                                     const std::optional<Triple>& spacing, std::int64_t resolution,
+                                     const std::string& fill) {
+  pipeline::ShapeOptions options;
+  options.foreground = {threshold, label, invert, largest_component, min_component, fill_cavities};
+  options.subdivide = subdivide;
+  if (spacing) options.spacing = Vec3((*spacing)[0], (*spacing)[1], (*spacing)[2]);
+  options.resolution = resolution;
+  options.fill = fill_of(fill);
+  return options;
 }
 
 // The voxels of a shape as an image of 0 and 1.
 Image image_of_shape(const Shape& shape) {
   auto volume = std::make_shared<Volume>();
-  volume->grid = shape.voxels.grid();
+  volume->grid = shape.shape.grid();
   volume->coordinates = shape.coordinates;
   const auto& dims = volume->grid.dims;
   std::vector<std::uint8_t> samples(static_cast<std::size_t>(dims[0] * dims[1] * dims[2]), 0);
   auto row = samples.begin();
   for (std::int64_t z = 0; z < dims[2]; ++z)
     for (std::int64_t y = 0; y < dims[1]; ++y, row += dims[0])
-      for (const Run& r : shape.voxels.row(y, z)) std::fill(row + r.begin, row + r.end, std::uint8_t{1});
+      for (const Run& r : shape.shape.row(y, z)) std::fill(row + r.begin, row + r.end, std::uint8_t{1});
   volume->samples = std::move(samples);
   return {volume};
 }
@@ -136,16 +135,14 @@ void bind_shapes(py::module_& m) {
                                return std::array<Triple, 3>{triple(d.row(0)), triple(d.row(1)), triple(d.row(2))};
                              })
       .def_property_readonly("units", [](const Image& i) { return i.volume->coordinates.units; });
-  py::class_<Cut>(m, "Cut").def(
-      py::init([](std::optional<Threshold> threshold, std::optional<std::int64_t> label, bool invert, bool largest,
-                  std::int64_t min_component, bool fill,
-                  int subdivide) { return Cut{threshold, label, invert, largest, fill, min_component, subdivide}; }),
-      py::arg("threshold"), py::arg("label"), py::arg("invert"), py::arg("largest_component"), py::arg("min_component"),
-      py::arg("fill_cavities"), py::arg("subdivide"));
+  py::class_<pipeline::ShapeOptions>(m, "ShapeOptions")
+      .def(py::init(&shape_options), py::kw_only(), py::arg("threshold"), py::arg("label"), py::arg("invert"),
+           py::arg("largest_component"), py::arg("min_component"), py::arg("fill_cavities"), py::arg("subdivide"),
+           py::arg("spacing"), py::arg("resolution"), py::arg("fill"));
   py::class_<Shape, std::shared_ptr<Shape>>(m, "Shape")
       .def_property_readonly("dims", [](const Shape& s) { return s.image.dims; })
-      .def_property_readonly("spacing", [](const Shape& s) { return triple(s.voxels.grid().spacing); })
-      .def_property_readonly("voxel_count", [](const Shape& s) { return s.voxels.voxel_count(); })
+      .def_property_readonly("spacing", [](const Shape& s) { return triple(s.shape.grid().spacing); })
+      .def_property_readonly("voxel_count", [](const Shape& s) { return s.shape.voxel_count(); })
       .def("image", &image_of_shape);
   m.def("shape_of_array", &shape_of_array);
   m.def("shape_of_image", &shape_of_image);
@@ -163,9 +160,14 @@ void bind_shapes(py::module_& m) {
     return kind == io::Kind::surface ? "surface" : kind == io::Kind::volume ? "volume" : "unknown";
   });
   m.def("sample", &sample_named);
+  m.def("refuse_unknown_kind", [](const std::string& file) { pipeline::refuse_unknown_kind(file); });
   m.def("samples", [] {
     py::dict result;
-    for (const SampleInfo& s : built_in_samples()) result[py::str(std::string(s.name))] = std::string(s.description);
+    for (const SampleInfo& s : built_in_samples()) {
+      std::string text(s.description);
+      if (!s.options.empty()) text += " (" + std::string(s.options) + ")";
+      result[py::str(std::string(s.name))] = text;
+    }
     return result;
   });
 }

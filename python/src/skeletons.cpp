@@ -23,24 +23,20 @@ const Shape& shape_of(const SkeletonValue& s) {
   return *s.axis->shape;
 }
 
-Record file_of(const SkeletonValue& s) { return skeleton_file(s.checked.skeleton, s.checked.topology, s.about); }
+Record file_of(const SkeletonValue& s) { return pipeline::skeleton_file(s.checked, s.about); }
 
 std::shared_ptr<GraphValue> graph_of(const Pointer& s, int smooth, const std::string& resample, bool pruned_tips,
-                                     const py::object& listener) {
-  if (smooth < 0 || smooth > 10000)
-    throw Error(ErrorCode::usage, fmt::format("smooth={} is not from 0 to 10000", smooth));
-  GraphOptions options;
+                                     const py::object& listener, int threads) {
+  pipeline::GraphOptions options;
   options.smooth = smooth;
-  options.resample = s->axis->resolve(resample, "resample");
-  if (std::isinf(options.resample))
-    throw Error(ErrorCode::usage,
-                "resample=inf is not a distance between points; give a length, or 0 for the points as they come");
-  if (s->axis->shape) options.shape = &s->axis->shape->voxels;
+  options.resample = pipeline::parse_resample(resample);
+  if (s->axis->shape) options.shape = &s->axis->shape->shape;
   if (s->axis->voxel_core) options.voxel = s->axis->spacing;
   auto result = std::make_shared<GraphValue>();
   result->skeleton = s;
   const Skeleton& from = pruned_tips ? s->checked.skeleton : s->checked.measured;
-  result->graph = run(listener, 0, [&](Context&) { return measured_graph(from, options); });
+  result->graph =
+      run(listener, threads, [&](Context&) { return pipeline::measured_graph(from, options, s->axis->scale()); });
   return result;
 }
 
@@ -98,7 +94,7 @@ py::dict write_swc_file(const GraphValue& g, const std::string& file, const std:
   io::SwcOptions options;
   options.type = io::swc_type_of(type, "swc_type");
   if (root) options.root = Vec3((*root)[0], (*root)[1], (*root)[2]);
-  options.coordinates = g.skeleton->axis->coordinates();
+  options.coordinates = g.skeleton->axis->core.coordinates;
   const io::SwcReport report = io::write_swc(file, g.graph, options);
   py::dict result;
   result["trees"] = report.trees;
@@ -138,10 +134,11 @@ void bind_skeletons(py::module_& m) {
           "topology",
           [](const Pointer& s) { return py::make_tuple(s->checked.topology.euler, s->checked.topology.betti); })
       .def("reconstructed",
-           [](const Pointer& s) {
+           [](const Pointer& s, const py::object& listener, int threads) {
              const Shape& shape = shape_of(*s);
-             return run(py::none(), 0,
-                        [&](Context& c) { return reconstructed_share(shape.voxels, s->checked.skeleton, &c); });
+             return run(listener, threads, [&](Context& c) {
+               return pipeline::reconstructed_share(shape.shape, s->checked.skeleton, &c);
+             });
            })
       .def("verify",
            [](const Pointer& s, std::size_t samples, const py::object& listener, int threads) {
@@ -149,11 +146,8 @@ void bind_skeletons(py::module_& m) {
              VerifyOptions options;
              options.samples = samples;
              const Certificate certificate =
-                 run(listener, threads, [&](Context& c) { return verify(shape.voxels, file_of(*s), options, &c); });
-             py::list result;
-             for (const Check& check : certificate.checks)
-               result.append(py::make_tuple(check.name, check.passed, check.detail));
-             return result;
+                 run(listener, threads, [&](Context& c) { return verify(shape.shape, file_of(*s), options, &c); });
+             return checks_of(certificate);
            })
       .def("mark_balls",
            [](const Pointer& s, const py::buffer& mask, const py::object& listener, int threads) {
@@ -166,11 +160,9 @@ void bind_skeletons(py::module_& m) {
              mark_cells_in(mask, k.complex, k.points, shape_of(*s).image, listener, threads);
            })
       .def("graph", &graph_of)
-      .def("save", [](const Pointer& s, const std::string& file, const std::string& quality) {
-        run(py::none(), 0, [&](Context&) {
-          io::write_record(file, file_of(*s), {quality});
-          return 0;
-        });
+      .def("save", [](const Pointer& s, const std::string& file, const std::string& quality, const py::object& listener,
+                      int threads) {
+        run_cancellable(listener, threads, [&](Context&) { io::write_record(file, file_of(*s), {quality}); });
       });
   using Graph = std::shared_ptr<GraphValue>;
   py::class_<GraphValue, Graph>(m, "Graph")
@@ -184,7 +176,7 @@ void bind_skeletons(py::module_& m) {
                            const std::string& type) { return write_swc_file(*g, file, root, type); })
       .def("write_graphml",
            [](const Graph& g, const std::string& file) {
-             io::write_graphml(file, g->graph, g->skeleton->axis->coordinates());
+             io::write_graphml(file, g->graph, g->skeleton->axis->core.coordinates);
            })
       .def("write_csv", [](const Graph& g, const std::string& file) { io::write_branches(file, g->graph); });
   py::list kinds;

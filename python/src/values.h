@@ -11,6 +11,7 @@
 #include "arrays.h"
 #include "quench/pipeline.h"
 #include "quench/shape.h"
+#include "quench/verify.h"
 #include "run.h"
 
 namespace quench::python {
@@ -20,37 +21,26 @@ struct Image {
   std::shared_ptr<const Volume> volume;
 };
 
-/// A voxel shape and the image it is cut from.
-struct Shape {
-  VoxelShape voxels;
-  Grid image;               ///< voxels that to_volume() and reconstruct() refer to
-  double longest_side = 0;  ///< what plain-number lengths refer to
-  Coordinates coordinates;
-  std::string parameters;  ///< JSON text: how the voxels follow from the input
-  Topology topology;
-
-  double smallest() const { return voxels.grid().spacing.minCoeff(); }
-};
+using Shape = pipeline::LoadedShape;
 
 /// A burned axis: what is left of it once the family of skeletons is made.
 struct Fire {
   Burning burning;  ///< without its states when `family` is there
-  std::shared_ptr<const SkeletonFamily> family;
+  std::shared_ptr<const pipeline::FamilyResult> family;
 };
 
 struct Axis {
   std::shared_ptr<Shape> shape;      ///< none for an axis from a file
-  CheckedCore core;                  ///< of an axis from a file: axis, longest_side, topology
+  pipeline::CoreResult core;         ///< of an axis from a file: axis, longest_side, topology, coordinates
   std::optional<Record> file;        ///< of an axis from a file
   Vec3 spacing = Vec3::Zero();       ///< of its voxels, 0 where unknown
   bool voxel_core = true;            ///< radii are distances to points that neighbours share
   std::shared_ptr<const Fire> fire;  ///< the last one; under the interpreter's lock
 
   const MedialAxis& axis() const { return core.axis; }
+  pipeline::Scale scale() const { return {core.longest_side, spacing.minCoeff()}; }
   /// World units of a length such as "0.02" or "2.5vox".
-  double resolve(const std::string& text, const std::string& argument) const;
-  /// Of the shape, or as the file says.
-  Coordinates coordinates() const;
+  double resolve(const std::string& text, const std::string& field) const;
   /// The axis as a file, with what a fire says, if any.
   Record data(const Fire* with) const;
 };
@@ -58,7 +48,7 @@ struct Axis {
 struct SkeletonValue {
   std::shared_ptr<Axis> axis;  ///< of skeletonize(): without its cells
   bool has_axis = true;
-  CheckedSkeleton checked;
+  pipeline::SkeletonResult checked;
   Record about;  ///< FieldData of the file of the axis, for files of the skeleton
 };
 
@@ -67,33 +57,22 @@ struct GraphValue {
   CurveGraph graph;
 };
 
-/// How a shape is cut out of an image: arguments of medial_axis().
-struct Cut {
-  std::optional<Threshold> threshold;
-  std::optional<std::int64_t> label;
-  bool invert = false, largest_component = false, fill_cavities = false;
-  std::int64_t min_component = 0;
-  int subdivide = 1;
-
-  ForegroundOptions foreground() const {
-    return {threshold, label, invert, largest_component, min_component, fill_cavities};
-  }
+/// Lengths as texts.
+struct Thetas {
+  std::string theta2, theta1;
 };
 
-/// Fills in what follows from the voxels.
-std::shared_ptr<Shape> finished(Shape shape, const Cut& cut);
-
-/// Core of a shape; lambda "auto" or a length.
-std::shared_ptr<Axis> compute_axis(std::shared_ptr<Shape> shape, const std::string& lambda, bool ball_rule,
+std::shared_ptr<Axis> compute_axis(std::shared_ptr<Shape> shape, const pipeline::AxisOptions& options,
                                    Context& context);
-/// Burns an axis and, if `family`, makes its skeletons; takes over what `known` has of the same omega.
+/// Burns an axis and, if `family`, makes its skeletons; takes over what `known` has of the same omega. omega 0:
+/// automatic.
 std::shared_ptr<const Fire> compute_fire(const Axis& axis, double omega, bool family,
                                          const std::shared_ptr<const Fire>& known, Context& context);
-std::shared_ptr<SkeletonValue> compute_skeleton(std::shared_ptr<Axis> axis, const Fire& fire, double theta2,
-                                                double theta1, Context& context);
+std::shared_ptr<SkeletonValue> compute_skeleton(std::shared_ptr<Axis> axis, const Fire& fire, const Thetas& thetas,
+                                                Context& context);
 
-/// Memory of the whole way from a shape to its skeletons, in bytes, by measured cases.
-std::int64_t predicted_bytes(const VoxelShape& shape);
+/// Rows (name, passed, detail).
+py::list checks_of(const Certificate& certificate);
 
 void bind_shapes(py::module_& m);
 void bind_axes(py::module_& m);

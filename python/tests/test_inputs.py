@@ -151,7 +151,7 @@ def test_pruning_later_is_pruning_at_once():
         assert same(full.pruned(given), quench.medial_axis(image, lambda_=given))
         kept = full.vertex_lambda_level >= quench.medial_axis(image, lambda_=given).lambda_
         assert kept.sum() == len(full.pruned(given).vertices)
-    assert len(full.lambda_level) == len(full.faces)
+    assert len(full.face_lambda_level) == len(full.faces)
     with pytest.raises(quench.Error, match='below'):
         full.pruned('2vox').pruned('1vox')
 
@@ -222,7 +222,7 @@ def test_what_is_written_is_read(tmp_path):
     back = quench.read(tmp_path / 'a.vtp')
     assert np.allclose(back.erosion_thickness(), axis.erosion_thickness(), atol=1e-4)
     assert len(back.skeleton('inf', '3vox').vertices) > 0
-    for call in (back.verify, back.reconstruct, lambda: back.pruned(1), lambda: back.lambda_level):
+    for call in (back.verify, back.reconstruct, lambda: back.pruned(1), lambda: back.face_lambda_level):
         with pytest.raises(quench.Error):
             call()
     with pytest.raises(quench.Error, match='medial axis already'):

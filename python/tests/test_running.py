@@ -177,3 +177,80 @@ def test_import_needs_numpy_only():
             'print(len(quench.medial_axis(numpy.ones((9, 9, 9), bool)).skeleton().vertices) > 0)')
     done = subprocess.run([sys.executable, '-c', code], capture_output=True, text=True)
     assert done.stdout == 'True\n', done.stderr
+
+
+def test_wrong_arguments_are_value_errors():
+    image = bent_tube()
+    axis = quench.medial_axis(image)
+    for call, argument in ((lambda: quench.medial_axis(image, lambda_='2mm'), 'lambda_'),
+                           (lambda: quench.medial_axis(image, lambda_=None), 'lambda_'),
+                           (lambda: quench.medial_axis(image, subdivide=65), 'subdivide'),
+                           (lambda: quench.medial_axis(image, threads=-1), 'threads'),
+                           (lambda: axis.skeleton(theta2='x'), 'theta2'),
+                           (lambda: axis.skeleton().graph(resample='inf'), 'resample'),
+                           (lambda: axis.skeleton().graph(smooth=20000), 'smooth'),
+                           (lambda: axis.erosion_thickness(omega=0), 'omega'),
+                           (lambda: quench.medial_axis(quench.sample('torus'), resolution=99999), 'resolution')):
+        with pytest.raises(ValueError) as caught:
+            call()
+        error = caught.value
+        assert isinstance(error, quench.UsageError) and isinstance(error, quench.Error), error
+        assert error.code == 2 and error.argument == argument and str(error).startswith(argument + '='), error
+    with pytest.raises(quench.Error) as caught:  # an input that cannot be used is not a wrong argument
+        quench.medial_axis(np.zeros((3, 3, 3), bool))
+    assert not isinstance(caught.value, ValueError) and caught.value.argument == 'threshold'
+
+
+def test_threads_and_progress_of_every_long_call(tmp_path):
+    axis = quench.medial_axis(bent_tube())
+    skeleton = axis.skeleton()
+    wanted = skeleton.to_volume()
+    for call in (axis.pruned, axis.erosion_thickness, axis.burn_time, axis.skeleton, axis.reconstruct, axis.verify,
+                 axis.save, skeleton.verify, skeleton.to_volume, skeleton.reconstruct, skeleton.graph,
+                 skeleton.reconstructed_share, skeleton.save, quench.medial_axis, quench.read, quench.voxelize,
+                 quench.skeletonize):
+        assert {'threads', 'progress'} <= set(inspect.signature(call).parameters), call
+    stages = []
+    for call in (axis.verify, axis.reconstruct, skeleton.verify, skeleton.reconstruct, skeleton.to_volume):
+        heard = []
+        call(threads=1, progress=lambda stage, fraction: heard.append(stage))
+        stages.append(bool(heard))
+        with pytest.raises(ValueError, match='threads'):
+            call(threads=-1)
+    assert stages[0] and stages[2], stages
+    assert np.array_equal(skeleton.to_volume(threads=2), wanted)
+
+
+def test_old_spellings_work_and_warn():
+    axis = quench.medial_axis(bent_tube())
+    skeleton = axis.skeleton()
+    with pytest.warns(DeprecationWarning, match='face_lambda_level'):
+        assert np.array_equal(axis.lambda_level, axis.face_lambda_level)
+    with pytest.warns(DeprecationWarning, match='reconstructed_share'):
+        assert skeleton.reconstructed == skeleton.reconstructed_share()
+    assert len(axis.edge_lambda) == len(axis.edges) and len(axis.vertex_lambda) == len(axis.vertices)
+
+
+def test_modules_are_imported_in_one_direction():
+    """No import of a module of the package inside a function, and none that leads back."""
+    import ast
+    folder = os.path.dirname(quench.__file__)
+    leads_to = {}
+    for name in os.listdir(folder):
+        if not name.endswith('.py'):
+            continue
+        with open(os.path.join(folder, name), encoding='utf-8') as file:
+            tree = ast.parse(file.read())
+        leads_to[name[:-3]] = set()
+        for node in tree.body:
+            if isinstance(node, ast.ImportFrom) and node.level == 1:
+                leads_to[name[:-3]] |= {node.module} if node.module else {alias.name for alias in node.names}
+        inside = [n for top in tree.body if isinstance(top, (ast.FunctionDef, ast.ClassDef)) for n in ast.walk(top)
+                  if isinstance(n, ast.ImportFrom) and n.level]
+        assert not inside, (name, [n.lineno for n in inside])
+    left = dict(leads_to)
+    while left:
+        free = [name for name, others in left.items() if not others & set(left)]
+        assert free, left
+        for name in free:
+            del left[name]

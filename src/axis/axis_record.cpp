@@ -281,7 +281,8 @@ MedialAxis medial_axis_of(const Record& data, AxisRepair* repair) {
   AxisRepair mended;
   const DataArray* radius = find_array(data.point_data, "radius");
   if (!radius || radius->components != 1)
-    throw Error(ErrorCode::input, "there is no radius per vertex (a point array 'radius'); give --radii FILE.r");
+    throw Error(ErrorCode::input, "there is no radius per vertex (a point array 'radius'); give a .r file of radii",
+                "radii");
   MedialAxis axis;
   axis.points = data.points;
   axis.radius = radius->numbers();

@@ -11,68 +11,18 @@
 #include "axis/enclosing_ball.h"
 #include "base/parallel.h"
 #include "base/return_memory.h"
-#include "bricks/dual_complex_in_bricks.h"
-#include "lattice/cells.h"
-#include "lattice/delaunay.h"
-#include "peeling/peeling.h"
+#include "delaunay/circumsphere.h"
+#include "delaunay/delaunay.h"
+#include "dual/bricks/rounds.h"
+#include "dual/dual_complex.h"
+#include "dual/peel/peel.h"
 #include "quench/axis.h"
 #include "shape/boundary_count.h"
 
 namespace quench {
 namespace {
 
-using lattice::DualComplex;
-using lattice::Int128;
-
-// Centre of the sphere through the sites, relative to the first, in units of the integer spacing, and squared radius.
-struct Sphere {
-  Vec3 offset;
-  double squared_radius;
-};
-
-// The sites span space. Four of them are chosen by rank alone (the first, the first different, the first not on their
-// line, the first not in their plane), so that rounding does not depend on how the cospherical set was triangulated.
-// Integers: scaled differences < 2^21, cross products < 2^43, determinant and numerators < 2^87.
-Sphere circumsphere(std::span<const std::uint32_t> ids, std::span<const LatticePoint> sites,
-                    const std::array<std::int64_t, 3>& spacing) {
-  using Int3 = std::array<std::int64_t, 3>;
-  const LatticePoint& o = sites[ids[0]];
-  const auto relative = [&](std::uint32_t id) {
-    Int3 d;
-    for (int a = 0; a < 3; ++a) d[a] = (sites[id][a] - o[a]) * spacing[a];
-    return d;
-  };
-  const auto cross = [](const Int3& a, const Int3& b) {
-    return Int3{a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-  };
-  const Int3 b = relative(ids[1]);
-  std::size_t i = 2;
-  Int3 c{}, normal{};
-  for (; i < ids.size(); ++i) {
-    c = relative(ids[i]);
-    normal = cross(b, c);
-    if (normal != Int3{}) break;
-  }
-  Int3 d{};
-  Int128 volume = 0;
-  for (++i; i < ids.size() && volume == 0; ++i) {
-    d = relative(ids[i]);
-    volume = 0;
-    for (int a = 0; a < 3; ++a) volume += static_cast<Int128>(normal[a]) * d[a];
-  }
-  if (volume == 0) throw Error(ErrorCode::invariant, "a vertex of the voxel core has sites in one plane");
-  const auto square = [](const Int3& v) { return v[0] * v[0] + v[1] * v[1] + v[2] * v[2]; };
-  const Int3 cd = cross(c, d), db = cross(d, b);
-  Sphere sphere;
-  // x.b = b^2/2, x.c = c^2/2, x.d = d^2/2.
-  for (int a = 0; a < 3; ++a) {
-    const Int128 numerator = static_cast<Int128>(square(b)) * cd[a] + static_cast<Int128>(square(c)) * db[a] +
-                             static_cast<Int128>(square(d)) * normal[a];
-    sphere.offset[a] = static_cast<double>(numerator) / (2 * static_cast<double>(volume));
-  }
-  sphere.squared_radius = sphere.offset.squaredNorm();
-  return sphere;
-}
+using dual::DualComplex;
 
 class Lambda {
  public:
@@ -165,9 +115,10 @@ static MedialAxis compute(const VoxelShape& shape, const CoreOptions& options, C
   axis.grid = shape.grid();
   axis.sites = boundary_vertices(shape);
   checkpoint(context, "peel", 0);
-  DualComplex dual = options.in_bricks || axis.sites.size() > lattice::Delaunay::kMostSites
-                         ? bricks::dual_complex_in_bricks(shape, axis.sites, spacing, bricks::plan_for(shape), context)
-                         : peeling::dual_complex(shape, axis.sites, spacing, {}, context);
+  DualComplex dual =
+      options.in_bricks || axis.sites.size() > delaunay::Delaunay::kMostSites
+          ? dual::bricks::dual_complex(shape, axis.sites, spacing, dual::bricks::plan_for(shape), context)
+          : dual::peel::dual_complex(shape, axis.sites, spacing, {}, context);
 
   base::return_free_memory();
   axis.complex = std::move(dual.complex);
@@ -178,7 +129,7 @@ static MedialAxis compute(const VoxelShape& shape, const CoreOptions& options, C
     const auto [first, last] = base::part_of(axis.complex.vertex_count, chunk, chunks);
     for (std::size_t v = first; v < last; ++v) {
       const auto ids = dual.sites_of(static_cast<std::uint32_t>(v));
-      const Sphere sphere = circumsphere(ids, axis.sites, spacing);
+      const delaunay::Circumsphere sphere = delaunay::circumsphere(ids, axis.sites, spacing);
       Vec3 lattice;
       for (int a = 0; a < 3; ++a)
         lattice[a] = axis.sites[ids[0]][a] + sphere.offset[a] / static_cast<double>(spacing[a]);

@@ -4,9 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
-#include <limits>
 #include <numeric>
 #include <optional>
 
@@ -94,7 +92,7 @@ std::array<std::int64_t, 3> integer_spacing(const Grid& grid) {
   const double smallest = s.minCoeff();
   if (!(smallest > 0) || !std::isfinite(s.maxCoeff()))
     throw Error(ErrorCode::input,
-                fmt::format("the spacing {} x {} x {} is not positive; give another", s[0], s[1], s[2]));
+                fmt::format("the spacing {} x {} x {} is not positive; give another", s[0], s[1], s[2]), "spacing");
   // Squares of lengths are needed in double precision, and lambda is kept in single precision.
   constexpr double shortest = 1e-30, longest = 1e30;
   if (smallest < shortest || s.maxCoeff() > longest)
@@ -102,7 +100,8 @@ std::array<std::int64_t, 3> integer_spacing(const Grid& grid) {
         ErrorCode::input,
         fmt::format("voxels of {} x {} x {} are beyond what can be computed with, {:g} to {:g}; scale the mesh, "
                     "or give the volume another spacing",
-                    s[0], s[1], s[2], shortest, longest));
+                    s[0], s[1], s[2], shortest, longest),
+        "spacing");
   // Positions of vertices are doubles: beyond this, neighbours would fall together.
   constexpr double farthest = 1e12;
   if (const double distance = grid.origin.norm(); !(distance <= farthest * smallest))
@@ -116,40 +115,8 @@ std::array<std::int64_t, 3> integer_spacing(const Grid& grid) {
       ErrorCode::input,
       fmt::format("the spacing {} x {} x {} with {} x {} x {} voxels is not in a proportion of whole numbers, up to "
                   "a twentieth of a voxel over the grid; give one that is, such as 1 x 1 x 2",
-                  s[0], s[1], s[2], grid.dims[0], grid.dims[1], grid.dims[2]));
-}
-
-double Length::resolve(double longest_side, double smallest_spacing) const {
-  switch (unit) {
-    case Unit::fraction:
-      return value * longest_side;
-    case Unit::voxels:
-      return value * smallest_spacing;
-    case Unit::absolute:
-      return value;
-  }
-  return value;
-}
-
-Length parse_length(std::string_view text, std::string_view what) {
-  const auto refuse = [&]() -> Length {
-    throw Error(
-        ErrorCode::usage,
-        fmt::format("{} '{}' is not a length; give a fraction (0.02 or 2%), voxels (12vox) or world units (3.5abs)",
-                    what, text));
-  };
-  if (text == "inf") return {std::numeric_limits<double>::infinity(), Length::Unit::absolute};
-  if (text.size() > 1 && text[0] == '-' && ((text[1] >= '0' && text[1] <= '9') || text[1] == '.'))
-    throw Error(ErrorCode::usage, fmt::format("{} '{}' is negative; a length is 0 or more", what, text));
-  double value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || !(value >= 0) || !std::isfinite(value)) return refuse();
-  const std::string_view unit(end, static_cast<std::size_t>(text.data() + text.size() - end));
-  if (unit.empty()) return {value, Length::Unit::fraction};
-  if (unit == "%") return {value / 100, Length::Unit::fraction};
-  if (unit == "vox") return {value, Length::Unit::voxels};
-  if (unit == "abs") return {value, Length::Unit::absolute};
-  return refuse();
+                  s[0], s[1], s[2], grid.dims[0], grid.dims[1], grid.dims[2]),
+      "spacing");
 }
 
 }  // namespace quench

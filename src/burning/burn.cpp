@@ -50,7 +50,7 @@ void check_input(const CellComplex& complex, std::span<const Vec3> points, std::
     if (!points[v].allFinite()) throw Error(ErrorCode::input, fmt::format("vertex {} has no finite coordinates", v));
   }
   if (!(options.omega >= 0) || std::isinf(options.omega))
-    throw Error(ErrorCode::usage, fmt::format("invalid node spacing {}; use a length above 0", options.omega));
+    throw Error(ErrorCode::usage, fmt::format("omega '{}' is not a length above 0", options.omega), "omega");
 }
 
 }  // namespace

@@ -8,13 +8,13 @@
 
 #include "base/constants.h"
 #include "base/csr.h"
-#include "lattice/huge_pages.h"
+#include "base/huge_pages.h"
 #include "quench/burn.h"
 
 namespace quench::burning {
 
+using base::HugeVector;
 using base::kNever;
-using lattice::HugeVector;
 
 /// Where fire is tracked: nodes on the edges of a complex, and the sectors of the link of each node (Yan 2018, sec.
 /// 3.4.1; docs/algorithms/burning.md).

@@ -45,9 +45,9 @@ std::size_t add_core(Page& page, const MedialAxis& axis, const std::vector<DataA
     page.lambda_floor = floor.level;
     page.notes.push_back(
         fmt::format("The core is shown from lambda {} on, {} of its {} faces; thinner parts are left out of this "
-                    "page (--max-triangles)",
+                    "page{}",
                     page::floor_text(page, floor.level), page::count_text(cells.faces.size()),
-                    page::count_text(axis.complex.face_count())));
+                    page::count_text(axis.complex.face_count()), page::limit_text(page)));
   }
   return floor.triangles;
 }

@@ -127,6 +127,10 @@ std::string count_text(std::size_t count) {
   return std::to_string(count);
 }
 
+std::string limit_text(const Page& page) {
+  return page.limit_name.empty() ? std::string() : fmt::format(" ({})", page.limit_name);
+}
+
 std::string floor_text(const Page& page, double floor) {
   return floor < std::numeric_limits<float>::min() ? "> 0" : "= " + length_text(page, floor);
 }

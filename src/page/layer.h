@@ -87,6 +87,9 @@ std::size_t triangle_count(const Record& data);
 
 /// "1.5 million", "120,000": a count in a sentence.
 std::string count_text(std::size_t count);
+
+/// " (NAME)", where the front end has a name for the limit.
+std::string limit_text(const Page& page);
 /// A length in a sentence: "0.31 mm".
 std::string length_text(const Page& page, double length);
 /// What a page shows begins there: "= 0.31 mm", or "> 0" for the smallest number above it.

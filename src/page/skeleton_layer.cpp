@@ -207,15 +207,17 @@ std::size_t add_skeleton(Page& page, const SkeletonFamily& family, std::size_t m
   page.theta2_floor = floor.level;
   page.theta1_floor = theta1_floor;
   if (floor.level > 0)
-    page.notes.push_back(fmt::format(
-        "The skeleton's sheets are shown from theta2 {} on, {} of their {} parts; what goes before is "
-        "left out of this page (--max-triangles)",
-        page::floor_text(page, floor.level), page::count_text(cells.faces.size()), page::count_text(c.face_count())));
+    page.notes.push_back(
+        fmt::format("The skeleton's sheets are shown from theta2 {} on, {} of their {} parts; what goes before is "
+                    "left out of this page{}",
+                    page::floor_text(page, floor.level), page::count_text(cells.faces.size()),
+                    page::count_text(c.face_count()), page::limit_text(page)));
   if (theta1_floor > 0)
-    page.notes.push_back(fmt::format(
-        "The skeleton's curves are shown from theta1 {} on, {} of {} pieces off the sheets; what goes "
-        "before is left out of this page (--max-triangles)",
-        page::floor_text(page, theta1_floor), page::count_text(curves_shown), page::count_text(free_curves)));
+    page.notes.push_back(
+        fmt::format("The skeleton's curves are shown from theta1 {} on, {} of {} pieces off the sheets; what goes "
+                    "before is left out of this page{}",
+                    page::floor_text(page, theta1_floor), page::count_text(curves_shown), page::count_text(free_curves),
+                    page::limit_text(page)));
   const auto raise = [&](std::optional<double>& start, double least, const char* name) {
     if (!start || *start >= least) return;
     page.notes.push_back(fmt::format("{} starts at {} instead of {}", name, page::length_text(page, least),

@@ -50,8 +50,8 @@ std::size_t add_still(Page& page, const Record& data, std::size_t max_triangles)
     fewer = page::clustered(data, max_triangles, row_of);
     page.notes.push_back(
         fmt::format("Of its {} triangles {} are drawn: vertices close to each other are merged in "
-                    "this page (--max-triangles)",
-                    page::count_text(given), page::count_text(page::triangle_count(fewer))));
+                    "this page{}",
+                    page::count_text(given), page::count_text(page::triangle_count(fewer)), page::limit_text(page)));
   }
   const Record& drawn = simplify ? fewer : data;
   const CellComplex complex = complex_to_draw(drawn);

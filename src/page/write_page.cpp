@@ -209,9 +209,10 @@ void write_page(const std::filesystem::path& file, const Page& page, std::string
   const auto [begin, end] = place_of_data(page_program);
   const std::string meta = meta_of(page), data = base64(zipped(page));
   if (data.size() > kMostCharacters)
-    throw Error(ErrorCode::failed,
-                fmt::format("the page '{}' would be larger than a browser can read; use a smaller --max-triangles",
-                            file.string()));
+    throw Error(
+        ErrorCode::failed,
+        fmt::format("the page '{}' would be larger than a browser can read; use fewer triangles", file.string()),
+        "max_triangles");
   io::write_atomically(file, [&](std::ostream& out) {
     out << page_program.substr(0, begin) << "<script type=\"application/json\" id=\"quench-meta\">" << meta
         << "</script>\n<script type=\"application/octet-stream\" id=\"quench-data\">" << data << "</script>"

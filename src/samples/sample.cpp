@@ -18,19 +18,19 @@ struct Entry {
 };
 
 constexpr std::array<Entry, 13> entries{{
-    {{"ellipsoid", "ellipsoid with semi-axes 1, 0.7, 0.4"}, ellipsoid},
-    {{"torus", "torus, radii 1 and 0.35: one handle"}, torus},
-    {{"box", "box with sides 2, 1.4, 1: the textbook medial axis"}, box},
-    {{"rippled-box", "flat box with small ripples on its large faces (--noise: their height)"}, rippled_box},
-    {{"bumpy-sphere", "unit sphere with 60 low bumps (--noise: their height)"}, bumpy_sphere},
-    {{"fin-on-board", "board with a thin fin and a low bump (Yan 2018, Fig. 3.4)"}, fin_on_board},
-    {{"four-blobs", "four blobs joined by bridges a few voxels thick (Yan 2018, Fig. 2.11)"}, four_blobs},
-    {{"plate-with-holes", "thin plate with six round holes: six handles"}, plate_with_holes},
-    {{"hollow-sphere", "ball with a spherical cavity"}, hollow_sphere},
-    {{"bead-pack", "1728 overlapping beads, a porous body (--seed)"}, bead_pack},
-    {{"rough-plate", "thin plate with noise on its large faces (--noise: its height, --seed)"}, rough_plate},
-    {{"bars", "three bars, up to 128 times as long as thick"}, bars},
-    {{"root", "branching root with known branches (--seed, --branches)"}, root},
+    {{"ellipsoid", "ellipsoid with semi-axes 1, 0.7, 0.4", ""}, ellipsoid},
+    {{"torus", "torus, radii 1 and 0.35: one handle", ""}, torus},
+    {{"box", "box with sides 2, 1.4, 1: the textbook medial axis", ""}, box},
+    {{"rippled-box", "flat box with small ripples on its large faces", "noise: their height"}, rippled_box},
+    {{"bumpy-sphere", "unit sphere with 60 low bumps", "noise: their height"}, bumpy_sphere},
+    {{"fin-on-board", "board with a thin fin and a low bump (Yan 2018, Fig. 3.4)", ""}, fin_on_board},
+    {{"four-blobs", "four blobs joined by bridges a few voxels thick (Yan 2018, Fig. 2.11)", ""}, four_blobs},
+    {{"plate-with-holes", "thin plate with six round holes: six handles", ""}, plate_with_holes},
+    {{"hollow-sphere", "ball with a spherical cavity", ""}, hollow_sphere},
+    {{"bead-pack", "1728 overlapping beads, a porous body", "seed"}, bead_pack},
+    {{"rough-plate", "thin plate with noise on its large faces", "noise: its height, seed"}, rough_plate},
+    {{"bars", "three bars, up to 128 times as long as thick", ""}, bars},
+    {{"root", "branching root with known branches", "seed, branches"}, root},
 }};
 
 }  // namespace
@@ -52,12 +52,13 @@ const std::vector<SampleInfo>& built_in_samples() {
 
 Sample make_sample(std::string_view name, const SampleOptions& options) {
   if (!(options.noise >= 0 && options.noise <= 0.1))
-    throw Error(ErrorCode::usage,
-                fmt::format("the noise {} is not a fraction of the side from 0 to 0.1", options.noise));
+    throw Error(ErrorCode::usage, fmt::format("noise '{}' is not a fraction of the side from 0 to 0.1", options.noise),
+                "noise");
   if (!(options.detail > 0 && options.detail <= 16))
-    throw Error(ErrorCode::usage, fmt::format("the detail {} is not above 0 and at most 16", options.detail));
+    throw Error(ErrorCode::usage, fmt::format("detail '{}' is not above 0 and at most 16", options.detail), "detail");
   if (options.branches < 1 || options.branches > 100000)
-    throw Error(ErrorCode::usage, fmt::format("the number of branches {} is not from 1 to 100000", options.branches));
+    throw Error(ErrorCode::usage, fmt::format("branches '{}' is not a number from 1 to 100000", options.branches),
+                "branches");
   for (const Entry& entry : entries)
     if (entry.info.name == name) return entry.make(options);
   std::string names;

@@ -125,7 +125,8 @@ template <class T>
   throw Error(ErrorCode::usage,
               fmt::format("the image has more than two values, so it is not clear what the shape is ({}); give "
                           "a threshold T (value >= T) or a label K (value = K)",
-                          values.text()));
+                          values.text()),
+              "threshold");
 }
 
 // Without threshold and label the image must have at most two values: to be checked by the caller.
@@ -146,8 +147,10 @@ std::string describe(const ForegroundOptions& options) {
 
 template <class T>
 [[noreturn]] void refuse_nothing(const ForegroundOptions& options, const Values<T>& values) {
-  throw Error(ErrorCode::input, fmt::format("no voxel of the image has {}: {}; give another threshold or label",
-                                            describe(options), values.text()));
+  throw Error(ErrorCode::input,
+              fmt::format("no voxel of the image has {}: {}; give another threshold or label", describe(options),
+                          values.text()),
+              "threshold");
 }
 
 // The runs of one scanline; `inside(x)` says what is foreground.

@@ -84,7 +84,7 @@ void VoxelShape::validate() const {
 }
 
 VoxelShape subdivide(const VoxelShape& shape, int factor) {
-  if (factor < 1) throw Error(ErrorCode::usage, "voxels are subdivided by a whole number from 1");
+  if (factor < 1) throw Error(ErrorCode::usage, "voxels are subdivided by a whole number from 1", "subdivide");
   Grid grid = shape.grid();
   // The corner of the grid stays where it is: lattice 0 is half a voxel before the centre of voxel 0.
   const Vec3 corner = grid.world(Vec3::Zero());
@@ -92,7 +92,7 @@ VoxelShape subdivide(const VoxelShape& shape, int factor) {
     grid.dims[a] *= factor;
     grid.spacing[a] /= factor;
     if (grid.dims[a] > std::numeric_limits<std::int32_t>::max() / 2)
-      throw Error(ErrorCode::usage, fmt::format("subdividing by {} makes the grid too large", factor));
+      throw Error(ErrorCode::usage, fmt::format("subdividing by {} makes the grid too large", factor), "subdivide");
   }
   grid.origin = corner + grid.direction * (grid.spacing * 0.5);
   VoxelShape result(grid);

@@ -251,7 +251,7 @@ Check check_fields(const Result& result, const VerifyOptions& options) {
     for (int c = 0; c < 3; ++c) direction.push_back(grid.direction(r, c));
   compare("direction", direction, 1);
   if (options.longest_side) compare("longest_side", {*options.longest_side}, *options.longest_side);
-  // Where nothing was pruned the lambda that was chosen says nothing of the cells ('--full').
+  // Where nothing was pruned the lambda that was chosen says nothing of the cells (AxisOptions::full).
   const std::vector<double> pruned_at = numbers_or_empty(result.data.field_data, "lambda");
   if (result.stage == "core" && !pruned_at.empty() && pruned_at[0] > 0)
     compare("lambda_chosen", pruned_at, pruned_at[0]);

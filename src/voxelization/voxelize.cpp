@@ -25,8 +25,10 @@ constexpr std::int64_t largest_margin = 16384;
 
 void check(const VoxelizeOptions& options) {
   if (options.resolution < 1 || options.resolution > largest_resolution)
-    throw Error(ErrorCode::usage, fmt::format("the resolution {} is not possible; give one from 1 to {}",
-                                              options.resolution, largest_resolution));
+    throw Error(
+        ErrorCode::usage,
+        fmt::format("resolution '{}' is not a whole number from 1 to {}", options.resolution, largest_resolution),
+        "resolution");
   if (options.margin < 0 || options.margin > largest_margin)
     throw Error(ErrorCode::usage,
                 fmt::format("the margin {} is not possible; it takes 0 to {} voxels", options.margin, largest_margin));
@@ -222,7 +224,8 @@ Voxelization not_empty(Voxelization result, std::int64_t resolution) {
         ErrorCode::input,
         fmt::format("the mesh encloses no voxel centre at resolution {}; it encloses nothing, or is so thin that "
                     "it needs a higher resolution",
-                    resolution));
+                    resolution),
+        "resolution");
   throw Error(
       ErrorCode::input,
       fmt::format("the mesh is not closed ({}) and encloses nothing: no voxel centre has a winding number above "
@@ -230,7 +233,8 @@ Voxelization not_empty(Voxelization result, std::int64_t resolution) {
                   result.defects.open_edges > 0
                       ? base::counted(result.defects.open_edges, "edge with one face only", "edges with one face only")
                       : "its faces do not agree on an inside",
-                  resolution));
+                  resolution),
+      "resolution");
 }
 
 }  // namespace

@@ -229,8 +229,7 @@ TEST_F(Burn, OmegaInAllUnits) {
   EXPECT_DOUBLE_EQ(field(read("out.vtp"), "omega"), 0.5);
   burn({"s.ma", "-o", "out.vtp", "--overwrite", "--omega", "0.5vox", "--shape", "v.npy"});
   EXPECT_DOUBLE_EQ(field(read("out.vtp"), "omega"), 0.5);
-  refuses(2, {"--omega", "0.5vox", "voxel size", "--shape", "abs"},
-          {"burn", "s.ma", "-o", "no.vtp", "--omega", "0.5vox"});
+  refuses(2, {"--omega '0.5vox'", "voxel size", "abs"}, {"burn", "s.ma", "-o", "no.vtp", "--omega", "0.5vox"});
 }
 
 TEST_F(Burn, RadiusRule) {

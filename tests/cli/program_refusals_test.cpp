@@ -208,7 +208,7 @@ TEST_F(Refusals, FoldersThatTakeNoFiles) {
 TEST_F(Refusals, TooLittleMemory) {
   works({"sample", "box", "-o", "box.ply"});
   refuses(1, {" MB of memory", "1.0 MB", "--memory-limit"}, {"core", "box.ply", "--memory-limit", "1M", "-o", "a.vtp"});
-  refuses(1, {"GB", "4.0 GB", "--resolution"},
+  refuses(1, {"GB", "4.0 GB", "a lower resolution, or a larger --memory-limit"},
           {"core", "box.ply", "--resolution", "4096", "--memory-limit", "4G", "-o", "a.vtp"});
   refuses(1, {"GB", "--memory-limit"}, {"core", "box.ply", "--subdivide", "64", "--memory-limit", "4G", "-o", "a.vtp"});
   refuses(1, {"--memory-limit"}, {"run", "box.ply", "--memory-limit", "1M", "-o", "folder"});
@@ -228,7 +228,7 @@ TEST_F(Refusals, BricksWhenMemoryIsShort) {
   const Outcome outcome = works(with("212M"));
   EXPECT_NE(outcome.err.find("in bricks: about"), std::string::npos) << outcome.err;
   EXPECT_NE(bytes("r.json").find("\"in_bricks\": true"), std::string::npos);
-  refuses(1, {"in bricks", "at once", "--resolution"}, with("100M"));
+  refuses(1, {"in bricks", "at once", "a lower resolution"}, with("100M"));
 }
 
 TEST_F(Refusals, DiskFull) {

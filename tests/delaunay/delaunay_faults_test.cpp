@@ -12,11 +12,11 @@
 #include <stdexcept>
 #include <vector>
 
+#include "delaunay/delaunay.h"
 #include "failing_memory.h"
-#include "lattice/delaunay.h"
 #include "quench/error.h"
 
-namespace quench::lattice {
+namespace quench::delaunay {
 namespace {
 
 constexpr int kThreads = 8;
@@ -105,4 +105,4 @@ TEST_F(Faults, ExceptionsComeOutAsTheyWere) {
 }
 
 }  // namespace
-}  // namespace quench::lattice
+}  // namespace quench::delaunay

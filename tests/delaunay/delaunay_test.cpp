@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "lattice/delaunay.h"
+#include "delaunay/delaunay.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -9,14 +9,14 @@
 #include <cstdlib>
 #include <memory>
 
-#include "lattice/polytopes.h"
-#include "lattice/site_order.h"
+#include "delaunay/polytopes.h"
+#include "delaunay/site_order.h"
 #include "quench/samples.h"
 #include "quench/voxelize.h"
 #include "random_shapes.h"
 #include "same_dual.h"
 
-namespace quench::lattice {
+namespace quench::delaunay {
 namespace {
 
 // Six times the volume, in lattice units, of the tetrahedra inside O: they must tile O exactly.
@@ -84,7 +84,6 @@ TEST(Delaunay, LargeCavities) {
   }
 }
 
-// Ranges of few sites: most polytopes have tetrahedra in several.
 // Lattice points of the longest grid go up to 2^20 and need 21 bits: the last one must not move others' rounds.
 TEST(InsertionOrder, EveryRoundHasSitesFromBothEndsOfTheLongestGrid) {
   std::vector<LatticePoint> sites;
@@ -103,6 +102,7 @@ TEST(InsertionOrder, EveryRoundHasSitesFromBothEndsOfTheLongestGrid) {
   }
 }
 
+// Ranges of few sites: most polytopes have tetrahedra in several.
 TEST(Polytopes, DoNotDependOnRanges) {
   for (std::uint64_t seed = 0; seed < 300; ++seed) {
     const VoxelShape shape =
@@ -168,4 +168,4 @@ TEST(Predicates, FilteredSignsAreExact) {
 }
 
 }  // namespace
-}  // namespace quench::lattice
+}  // namespace quench::delaunay

@@ -8,7 +8,8 @@
 #include <string_view>
 #include <vector>
 
-#include "bricks/dual_complex_in_bricks.h"
+#include "dual/bricks/rounds.h"
+#include "oracles/dual_of_triangulation.h"
 #include "quench/axis.h"
 #include "quench/io.h"
 #include "quench/samples.h"
@@ -16,10 +17,8 @@
 #include "random_shapes.h"
 #include "same_dual.h"
 
-namespace quench::bricks {
+namespace quench::dual::bricks {
 namespace {
-
-using lattice::DualComplex;
 
 using testing_duals::expect_same;
 
@@ -31,13 +30,13 @@ const std::vector<BrickPlan> kPlans{
 void expect_same_in_bricks(const VoxelShape& shape, std::span<const BrickPlan> plans, int threads,
                            const std::string& where) {
   const auto sites = boundary_vertices(shape);
-  const DualComplex whole = testing_duals::by_triangulation(shape, sites);
+  const DualComplex whole = oracles::dual_of_triangulation(shape, sites);
   for (std::size_t p = 0; p < plans.size(); ++p) {
     const std::string what = where + ", plan " + std::to_string(p) + ", threads " + std::to_string(threads);
     try {
       tbb::task_arena arena(threads);
-      const DualComplex parts = arena.execute(
-          [&] { return dual_complex_in_bricks(shape, sites, integer_spacing(shape.grid()), plans[p], nullptr); });
+      const DualComplex parts =
+          arena.execute([&] { return dual_complex(shape, sites, integer_spacing(shape.grid()), plans[p], nullptr); });
       expect_same(parts, whole, what);
     } catch (const std::exception& e) {
       FAIL() << what << ": " << e.what();
@@ -79,6 +78,7 @@ TEST(Bricks, HugeCells) {
   expect_same_in_bricks(testing_shapes::box_shape(24, 17, 2), plans, 1, "flat box");
   expect_same_in_bricks(testing_shapes::box_shape(1, 2, 70), plans, 1, "bar");
   expect_same_in_bricks(testing_duals::shells(0, 12, 0), plans, 1, "ball");
+  expect_same_in_bricks(testing_duals::shells(0, 7, 0), plans, 1, "96 sites on a sphere");
   expect_same_in_bricks(testing_duals::shells(9, 12, 0), plans, 1, "hollow ball");
   expect_same_in_bricks(testing_duals::shells(9, 12, 2.5), plans, 1, "hollow ball with an axle");
 }
@@ -122,7 +122,7 @@ TEST(Bricks, StopsWhenAsked) {
   context.progress = [&](std::string_view, double fraction) {
     if (fraction > 0) context.cancel();
   };
-  EXPECT_THROW(dual_complex_in_bricks(shape, sites, {1, 1, 1}, {{{4, 2}}, 0}, &context), Error);
+  EXPECT_THROW(dual_complex(shape, sites, {1, 1, 1}, {{{4, 2}}, 0}, &context), Error);
 }
 
 // A brick can take minutes: inside of it progress is told and cancel is seen.
@@ -138,7 +138,7 @@ TEST(Bricks, StopsInTheMiddleOfABrick) {
       if (fractions.size() == last) context.cancel();
     };
     const BrickPlan eight{{{12, 2}}, 0};  // bricks in the first round
-    const auto compute = [&] { dual_complex_in_bricks(shape, sites, {1, 1, 1}, eight, &context); };
+    const auto compute = [&] { dual_complex(shape, sites, {1, 1, 1}, eight, &context); };
     tbb::task_arena(1).execute([&] {
       if (last == 0)
         compute();
@@ -158,4 +158,4 @@ TEST(Bricks, StopsInTheMiddleOfABrick) {
 }
 
 }  // namespace
-}  // namespace quench::bricks
+}  // namespace quench::dual::bricks

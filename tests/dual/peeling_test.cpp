@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "peeling/peeling.h"
-
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 #include <tbb/task_arena.h>
@@ -8,14 +6,16 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "peeling/remainder.h"
+#include "dual/peel/peel.h"
+#include "dual/peel/remainder.h"
+#include "oracles/dual_of_triangulation.h"
 #include "quench/io.h"
 #include "quench/samples.h"
 #include "quench/voxelize.h"
 #include "random_shapes.h"
 #include "same_dual.h"
 
-namespace quench::peeling {
+namespace quench::dual::peel {
 namespace {
 
 Options always(double reach, std::int32_t layers) { return {reach, layers, 0, 0, std::size_t{1} << 40}; }
@@ -27,7 +27,7 @@ const std::vector<Options> kOptions{always(3, 0), always(0, 0), always(1, 1),  a
 void expect_same_peeled(const VoxelShape& shape, std::span<const Options> options, int threads,
                         const std::string& where) {
   const auto sites = boundary_vertices(shape);
-  const auto expected = testing_duals::by_triangulation(shape, sites);
+  const auto expected = oracles::dual_of_triangulation(shape, sites);
   for (const Options& o : options) {
     const std::string what = where + ", reach " + std::to_string(o.reach) + ", layers " + std::to_string(o.layers);
     try {
@@ -84,6 +84,7 @@ TEST(Peeling, HugeCells) {
   expect_same_peeled(box_shape(1, 2, 70), kOptions, 1, "bar");
   expect_same_peeled(box_shape(70, 1, 1), kOptions, 1, "bar along x");
   expect_same_peeled(testing_duals::shells(0, 12, 0), kOptions, 1, "ball");
+  expect_same_peeled(testing_duals::shells(0, 7, 0), kOptions, 1, "96 sites on a sphere");
   expect_same_peeled(testing_duals::shells(9, 12, 0), kOptions, 1, "hollow ball");
   expect_same_peeled(testing_duals::shells(9, 12, 2.5), kOptions, 1, "hollow ball with an axle");
 }
@@ -123,40 +124,45 @@ TEST(Peeling, StopsWhenAsked) {
   EXPECT_THROW(dual_complex(shape, sites, {1, 1, 1}, {}, &context), Error);
 }
 
-// Two voxels side by side, none of whose cells have been peeled. A facet that two cells close hides one that none does
-// from a count of all.
-TEST(Peeling, EveryOpenFacetIsClosedByOneCell) {
+// Two voxels side by side, none of whose polytopes have been peeled: every boundary square is unmatched.
+TEST(Peeling, EveryUnmatchedFacetIsClosedByOnePolytope) {
   std::vector<LatticePoint> sites;
   for (std::int32_t z = 0; z < 2; ++z)
     for (std::int32_t y = 0; y < 2; ++y)
       for (std::int32_t x = 0; x < 3; ++x) sites.push_back({x, y, z});
-  const auto add = [](OpenFacets& open, const std::vector<std::uint32_t>& corners) { open.add(corners, kNone, 0); };
-  const auto close = [&](OpenFacets open) {
-    Hulls hulls;
-    Cells cells;
-    add_remainder(sites, {1, 1, 1}, std::move(open), hulls, cells, nullptr);
-    return cells.count();
+  const auto add = [](CellsPart& part, const Square& square) {
+    Square sorted = square;
+    std::sort(sorted.begin(), sorted.end());
+    part.unmatched.push_back(
+        {{sorted[0], sorted[1], sorted[2]}, kNone, static_cast<std::uint32_t>(part.squares.size())});
+    part.squares.push_back(square);
   };
-  OpenFacets common;  // all squares but the two below, counter-clockwise seen from inside
+  const auto close = [&](CellsPart part) {
+    Hulls hulls;
+    add_remainder(sites, {1, 1, 1}, hulls, part, nullptr);
+    EXPECT_TRUE(part.unmatched.empty());
+    return part.cells.count();
+  };
+  CellsPart squares;  // counter-clockwise seen from inside
   for (const std::uint32_t x : {0u, 1u}) {
-    add(common, {6 + x, 9 + x, 10 + x, 7 + x});  // above
-    add(common, {x, x + 6, x + 7, x + 1});       // in front
-    add(common, {3 + x, 4 + x, 10 + x, 9 + x});  // behind
+    add(squares, {6 + x, 9 + x, 10 + x, 7 + x});  // above
+    add(squares, {x, x + 6, x + 7, x + 1});       // in front
+    add(squares, {3 + x, 4 + x, 10 + x, 9 + x});  // behind
+    add(squares, {x, 1 + x, 4 + x, 3 + x});       // below
   }
-  add(common, {0, 3, 9, 6});
-  add(common, {2, 8, 11, 5});
-  OpenFacets right = common;
-  add(right, {0, 1, 4, 3});
-  add(right, {1, 2, 5, 4});
-  EXPECT_EQ(close(right), 2u);
-  OpenFacets wrong = common;
-  add(wrong, {0, 1, 2, 5, 4, 3});  // the two squares below as one facet: two cells close it
-  add(wrong, {0, 5, 8});           // no facet of any cell: nobody closes it
-  EXPECT_THROW(close(wrong), Error);
-  OpenFacets idle = right;
-  add(idle, {0, 5, 8});
+  add(squares, {0, 3, 9, 6});
+  add(squares, {2, 8, 11, 5});
+  EXPECT_EQ(close(squares), 2u);
+  CellsPart idle = squares;
+  add(idle, {0, 5, 8, 3});  // not a facet of any polytope
   EXPECT_THROW(close(idle), Error);
+  CellsPart twice = squares;  // two polytopes would have to close one
+  add(twice, squares.squares.back());
+  EXPECT_THROW(close(twice), Error);
+  CellsPart holed = squares;
+  holed.unmatched.pop_back();
+  EXPECT_THROW(close(holed), Error);
 }
 
 }  // namespace
-}  // namespace quench::peeling
+}  // namespace quench::dual::peel

@@ -38,7 +38,7 @@ TEST_F(Tiff, ResolutionWithoutADistanceOfSlices) {
   // Pixels that are not squares are meant so: their sizes are ready to be given.
   read(with(254, 127, 1, 2));
   EXPECT_NE(notes.find("gives a size of pixels, 0.1 x 0.2 mm, but no distance of slices; the spacing is taken as 1 x 1 "
-                       "x 1; give --spacing 0.1,0.2,Z,"),
+                       "x 1; give the spacing 0.1,0.2,Z,"),
             std::string::npos)
       << notes;
   read(with(3000, 3001, 1, 3));

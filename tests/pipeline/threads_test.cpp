@@ -52,14 +52,14 @@ std::map<int, int> threads_seen(const Stage& stage, int threads) {
 TEST(Threads, EveryStageKeepsToThoseOfItsContext) {
   const TriangleMesh mesh = make_sample("bumpy-sphere").mesh;
   const VoxelShape shape = voxelize(mesh, {.resolution = 64}).shape;
-  const Topology wanted = topology(shape);
-  const CheckedCore core = checked_core(shape, wanted, shape.longest_side(), {.lambda = 2.0});
+  const pipeline::LoadedShape loaded = pipeline::shape_of(VoxelShape(shape), shape.grid(), {});
+  const pipeline::CoreResult core = pipeline::core_of(loaded, {.lambda = pipeline::world_length(2)});
   const CellComplex& complex = core.axis.complex;
   const Burning burning = burn(complex, core.axis.points, core.axis.radius);
   const RefinedAxis refined = quench_curves(complex, core.axis.points, core.axis.radius, burning);
   const SkeletonFamily family = skeletons(refined);
   const Skeleton skeleton = extract(family, 2, 2);
-  const Record file = core_file(core, {}, "");
+  const Record file = pipeline::core_file(core);
   std::vector<std::uint8_t> mask(
       static_cast<std::size_t>(shape.grid().dims[0] * shape.grid().dims[1] * shape.grid().dims[2]));
   const MaskView view{
@@ -76,11 +76,11 @@ TEST(Threads, EveryStageKeepsToThoseOfItsContext) {
          prune_levels(axis, c);
        }},
       {"Reconstruction", [&](Context* c) { Reconstruction(shape, core.axis, 20000, c); }},
-      {"checked_core", [&](Context* c) { checked_core(shape, wanted, shape.longest_side(), {}, c); }},
+      {"core_of", [&](Context* c) { pipeline::core_of(loaded, {}, c); }},
       {"burn", [&](Context* c) { burn(complex, core.axis.points, core.axis.radius, {}, c); }},
       {"quench_curves", [&](Context* c) { quench_curves(complex, core.axis.points, core.axis.radius, burning, c); }},
       {"skeletons", [&](Context* c) { skeletons(refined, c); }},
-      {"reconstructed_share", [&](Context* c) { reconstructed_share(shape, skeleton, c); }},
+      {"reconstructed_share", [&](Context* c) { pipeline::reconstructed_share(shape, skeleton, c); }},
       {"mark_balls", [&](Context* c) { mark_balls(core.axis.points, core.axis.radius, shape.grid(), view, c); }},
       {"verify", [&](Context* c) { verify(shape, file, {}, c); }},
   };

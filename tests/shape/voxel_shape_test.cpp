@@ -148,14 +148,5 @@ TEST(IntegerSpacing, IsOfLengthsThatCanBeComputedWith) {
   }
 }
 
-TEST(Length, ReadsEveryUnitAndRefusesTheRest) {
-  EXPECT_DOUBLE_EQ(parse_length("0.02", "--lambda").resolve(100, 0.5), 2);
-  EXPECT_DOUBLE_EQ(parse_length("2.5%", "--lambda").resolve(100, 0.5), 2.5);
-  EXPECT_DOUBLE_EQ(parse_length("12vox", "--lambda").resolve(100, 0.5), 6);
-  EXPECT_DOUBLE_EQ(parse_length("3.5abs", "--lambda").resolve(100, 0.5), 3.5);
-  for (const char* bad : {"", "x", "-1", "nan", "3 vox", "3voxels", "1e999", "%"})
-    EXPECT_THROW(parse_length(bad, "--lambda"), Error) << bad;
-}
-
 }  // namespace
 }  // namespace quench

@@ -3,22 +3,16 @@
 
 #include <gtest/gtest.h>
 
-#include <memory>
 #include <span>
 #include <string>
 
-#include "lattice/cells.h"
+#include "dual/dual_complex.h"
 #include "random_shapes.h"
 
-/// For tests of other ways to the dual complex: the triangulation of all sites at once is the oracle.
+/// For tests that compare ways to the dual complex.
 namespace quench::testing_duals {
 
-inline lattice::DualComplex by_triangulation(const VoxelShape& shape, std::span<const LatticePoint> sites) {
-  return lattice::dual_complex(
-      shape, std::make_unique<lattice::Delaunay>(sites, integer_spacing(shape.grid()), nullptr), sites, nullptr);
-}
-
-inline void expect_same(const lattice::DualComplex& a, const lattice::DualComplex& b, const std::string& where) {
+inline void expect_same(const dual::DualComplex& a, const dual::DualComplex& b, const std::string& where) {
   ASSERT_EQ(a.complex.vertex_count, b.complex.vertex_count) << where;
   ASSERT_TRUE(a.vertex_site_offsets == b.vertex_site_offsets && a.vertex_sites == b.vertex_sites) << where;
   ASSERT_EQ(a.complex.edges.size(), b.complex.edges.size()) << where;

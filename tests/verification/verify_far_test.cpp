@@ -35,18 +35,20 @@ struct Computed {
 
 Computed compute(const VoxelShape& shape) {
   const double voxel = shape.grid().spacing.minCoeff();
-  const Topology wanted = topology(shape);
   Computed computed;
-  computed.core = core_file(checked_core(shape, wanted, shape.longest_side(), {.lambda = 0.8 * voxel}), {}, "{}");
+  computed.core = pipeline::core_file(pipeline::core_of(pipeline::shape_of(VoxelShape(shape), shape.grid(), {}),
+                                                        {.lambda = pipeline::world_length(0.8 * voxel)}));
   const MedialAxis axis = medial_axis_of(computed.core);
   const Burning burning = burn(axis.complex, axis.points, axis.radius, {});
   add_burning(computed.core, burning);
-  const SkeletonFamily family = skeletons(quench_curves(axis.complex, axis.points, axis.radius, burning));
+  const pipeline::FamilyResult family =
+      pipeline::family_of(quench_curves(axis.complex, axis.points, axis.radius, burning), topology(shape));
   for (const double theta2 : {0.0, 0.3 * voxel, 1.5 * voxel, kInfinity})
     for (const bool parts : {false, true}) {
-      const CheckedSkeleton checked =
-          checked_skeleton(family, wanted, {.theta2 = theta2, .theta1 = 0.2 * voxel, .parts = parts});
-      computed.skeletons.push_back(skeleton_file(checked.skeleton, checked.topology, computed.core));
+      const pipeline::SkeletonOptions options{pipeline::world_length(theta2), pipeline::world_length(0.2 * voxel),
+                                              parts};
+      computed.skeletons.push_back(
+          pipeline::skeleton_file(pipeline::skeleton_of(family, options, {}, 0), computed.core));
     }
   return computed;
 }

@@ -178,14 +178,14 @@ std::string lengths(std::initializer_list<double> values, const std::string& uni
   return known.name.empty() ? text : text + " " + known.name;
 }
 
-constexpr const char* taken_as_one = "the spacing is taken as 1 x 1 x 1 (change it with --spacing)";
+constexpr const char* taken_as_one = "the spacing is taken as 1 x 1 x 1; give another one where that is wrong";
 
 /// Pixels that are not squares are meant so, unlike dots per inch: their sizes are put ready.
 std::string change_of_spacing(double x, double y, const std::string& unit) {
   constexpr double rounding = 0.01;
   if (std::abs(x - y) <= rounding * std::max(x, y)) return taken_as_one;
   const double factor = known_unit(unit).factor;
-  return fmt::format("the spacing is taken as 1 x 1 x 1; give --spacing {:.6g},{:.6g},Z, where Z is that distance",
+  return fmt::format("the spacing is taken as 1 x 1 x 1; give the spacing {:.6g},{:.6g},Z, where Z is that distance",
                      x * factor, y * factor);
 }
 

@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "report.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <ostream>
+
+#include "base/text.h"
+#include "quench/io.h"
+#include "shape_input.h"
+
+namespace quench::program {
+namespace {
+
+Json number(double value) { return std::isfinite(value) ? Json(value) : Json("inf"); }
+
+Json cells_section(const pipeline::CellCounts& cells, const Topology& topology) {
+  return {{"vertices", cells.vertices},
+          {"edges", cells.edges},
+          {"faces", cells.faces},
+          {"euler", topology.euler},
+          {"betti", topology.betti}};
+}
+
+double rounded(double seconds) { return std::round(seconds * 1e4) / 1e4; }
+
+std::int64_t predicted_bytes(const pipeline::CorePlan& plan) {
+  return std::max(plan.held + plan.bytes(), Session::peak_bytes());
+}
+
+}  // namespace
+
+void write_report(const std::string& file, Json report, Session& session) {
+  const auto& spent = session.seconds();
+  const auto of = [&](std::initializer_list<const char*> stages) {
+    double sum = 0;
+    for (const char* stage : stages)
+      if (const auto found = spent.find(stage); found != spent.end()) sum += found->second;
+    return rounded(sum);
+  };
+  report["seconds"] = {{"voxelize", of({"read", "foreground", "components", "cavities", "voxelize"})},
+                       {"delaunay", of({"peel", "delaunay"})},
+                       {"core", of({"merge", "core"})},
+                       {"prune", of({"prune", "reconstruct"})},
+                       {"burn", of({"burn"})},
+                       {"curves", of({"curves"})},
+                       {"skeleton", of({"skeleton"})},
+                       {"topology", of({"topology"})},
+                       {"page", of({"page", "picture"})},
+                       {"write", of({"write"})},
+                       {"total", rounded(session.total_seconds())}};
+  report["peak_bytes"] = Session::peak_bytes();
+  report["threads"] = session.options.threads;
+  report["version"] = QUENCH_VERSION;
+  const std::string text = json_text(report, 2) + "\n";
+  if (file == "-")
+    session.answer(text);
+  else
+    io::write_atomically(file, [&](std::ostream& out) { out << text; });
+}
+
+void write_report(io::OutputGroup& outputs, const Json& report, Session& session) {
+  const std::string& file = session.options.report;
+  if (!file.empty() && file != "-") write_report(file, report, session);
+  outputs.commit();
+  if (file == "-") write_report(file, report, session);
+}
+
+std::string json_text(const Json& value, int indent) {
+  return value.dump(indent, ' ', false, Json::error_handler_t::replace);
+}
+
+std::string cells_text(const pipeline::CellCounts& cells) {
+  return fmt::format("{}, {}, {}", base::counted(cells.vertices, "vertex", "vertices"),
+                     base::counted(cells.edges, "edge"), base::counted(cells.faces, "face"));
+}
+
+Json shape_section(const pipeline::LoadedShape& shape) {
+  const Grid& grid = shape.shape.grid();
+  const std::optional<bool> changed = shape.topology_changed();
+  return {{"dims", grid.dims},
+          {"spacing", {grid.spacing[0], grid.spacing[1], grid.spacing[2]}},
+          {"voxels", shape.shape.voxel_count()},
+          {"sites", count_boundary_vertices(shape.shape)},
+          {"euler", shape.topology.euler},
+          {"betti", shape.topology.betti},
+          {"voxelization_changed_topology", changed ? Json(*changed) : Json(nullptr)}};
+}
+
+void add_core_sections(Json& report, const pipeline::LoadedShape& shape, const pipeline::CoreResult& core) {
+  report["parameters"] = Json::parse(core.parameters);
+  report["shape"] = shape_section(shape);
+  report["core"] = cells_section(core.all, core.topology);
+  report["core"]["reconstructed"] = core.whole;
+  report["core"]["in_bricks"] = core.plan.in_bricks;
+  report["core"]["predicted_bytes"] = predicted_bytes(core.plan);
+  report["pruned"] = {{"lambda", number(core.lambda)}};
+  report["pruned"].update(cells_section(core.kept, core.topology));
+  report["pruned"]["reconstructed"] = core.reconstructed;
+}
+
+void say_core(const pipeline::LoadedShape& shape, const pipeline::CoreResult& core, Session& session) {
+  session.detail(fmt::format("{} boundary vertices, about {} of memory at the peak", core.plan.sites,
+                             base::bytes_text(predicted_bytes(core.plan))));
+  const double lambda = core.lambda;
+  if (!core.options.lambda)
+    session.say(fmt::format("lambda {:.6g} ({:.3g} voxels, {:.3g} of the longest side; chosen by auto)", lambda,
+                            lambda / shape.scale().voxel, lambda / shape.longest_side));
+}
+
+void say_written(Session& session, const std::string& axis, const std::string& report, const pipeline::CoreResult& core,
+                 const pipeline::LoadedShape& shape) {
+  std::string stages;
+  for (const auto& [stage, seconds] : session.seconds())
+    stages += fmt::format("{}{} {:.2f} s", stages.empty() ? "" : ", ", stage, seconds);
+  session.detail(fmt::format("{}; {} of memory at the peak", stages, base::bytes_text(Session::peak_bytes())));
+  session.say(fmt::format("{}: {}; topology as that of the shape; lengths in {}; {:.1f} s{}", axis,
+                          cells_text(core.options.full ? core.all : core.kept),
+                          shape.coordinates.units.empty() ? "the input's units" : shape.coordinates.units,
+                          session.total_seconds(), report.empty() ? "" : fmt::format("; report in {}", report)));
+}
+
+Json parameters_section(const pipeline::BurningOptions& options) {
+  const auto named = [](const auto& value) { return value ? std::string(pipeline::name_of(*value)) : "auto"; };
+  return {{"omega", pipeline::text_of(options.omega)},
+          {"propagation", options.recorded ? "segments" : "auto"},
+          {"radius", named(options.radius)}};
+}
+
+void add_burn_section(Json& report, const pipeline::BurnFigures& burned) {
+  report["burn"] = {{"omega", burned.options.omega}, {"nodes", burned.nodes},
+                    {"unburned", burned.unburned},   {"max_burn_time", burned.max_burn_time},
+                    {"propagation", "segments"},     {"radius_rule", pipeline::name_of(burned.options.radius)}};
+}
+
+void say_burned(const pipeline::BurnFigures& burned, std::size_t vertices, Session& session) {
+  session.detail(fmt::format("burned on {} nodes, {:.4g} apart; longest burn time {:.6g}", burned.nodes,
+                             burned.options.omega, burned.max_burn_time));
+  if (burned.unburned > 0)
+    session.say(fmt::format(
+        "note: {} of {} {} on closed pockets, where no fire comes: the burn time there is infinite (array "
+        "'unburned')",
+        burned.unburned, base::counted(vertices, "vertex", "vertices"), burned.unburned == 1 ? "lies" : "lie"));
+}
+
+void add_axis_sections(Json& report, const pipeline::AxisRun& run) {
+  const auto& [skeleton, measured, topology] = run.skeleton;
+  add_burn_section(report, run.burned);
+  report["curves"] = cells_section(run.curves, topology);
+  report["skeleton"] = {{"theta2", number(skeleton.theta2)}, {"theta1", number(skeleton.theta1)}};
+  report["skeleton"].update(cells_section(pipeline::counts_of(skeleton.complex), topology));
+}
+
+void write_graph(const CurveGraph& graph, const GraphFiles& files, const GraphFileOptions& options, const Vec3& voxel,
+                 const Coordinates& coordinates, Json& report, Session& session) {
+  Json& section = report["skeleton"];
+  double length = 0;
+  std::size_t ends = 0, junctions = 0;
+  for (const auto& b : graph.branches) length += b.length;
+  for (const auto& n : graph.nodes) {
+    ends += n.kind == CurveGraph::NodeKind::end;
+    junctions += n.kind == CurveGraph::NodeKind::junction;
+  }
+  section["branches"] = graph.branches.size();
+  section["ends"] = ends;
+  section["junctions"] = junctions;
+  section["curve_length"] = length;
+  section["sheets"] = graph.sheets;
+  section["radius_offset"] = 0.5 * voxel.minCoeff();
+  if (!files.swc.empty()) {
+    const int type = io::swc_type_of(options.swc_type, "--swc-type");
+    const io::SwcReport swc = io::write_swc(files.swc, graph, {options.root, type, coordinates});
+    Json cuts = Json::array();
+    for (const auto& cut : swc.cuts)
+      cuts.push_back({{"branch", cut.branch},
+                      {"from", {cut.from[0], cut.from[1], cut.from[2]}},
+                      {"to", {cut.to[0], cut.to[1], cut.to[2]}}});
+    section["swc"] = {{"type", type},
+                      {"trees", swc.trees},
+                      {"samples", swc.samples},
+                      {"sheet_links", swc.sheet_links},
+                      {"cuts", cuts}};
+    if (!swc.cuts.empty())
+      session.say(fmt::format("note: {} {} cut in {}, as SWC holds trees only; the header of the file lists where",
+                              base::counted(swc.cuts.size(), "loop"), swc.cuts.size() == 1 ? "is" : "are",
+                              files.swc.string()));
+  }
+  if (!graph.sheet_only.empty())
+    session.say(
+        fmt::format("note: components that are sheets without curves: {}; the graph files hold nothing of them (a "
+                    "larger --theta2, or inf, turns sheets into curves)",
+                    graph.sheet_only.size()));
+  if (!files.graphml.empty()) io::write_graphml(files.graphml, graph, coordinates);
+  if (!files.csv.empty()) io::write_branches(files.csv, graph);
+}
+
+void write_page(const pipeline::PageBuilder& builder, const std::filesystem::path& file, Json& report,
+                const io::OutputGroup& outputs) {
+  builder.write(file);
+  Json& section = report["page"];
+  section = {{"file", file.string()}, {"triangles", builder.triangles()}, {"notes", builder.page.notes}};
+  section["bytes"] = outputs.size_of(file);
+  const auto floor = [&](const char* name, const std::optional<double>& value) {
+    if (value) section["floor"][name] = *value;
+  };
+  floor("lambda", builder.page.lambda_floor);
+  floor("theta2", builder.page.theta2_floor);
+  floor("theta1", builder.page.theta1_floor);
+}
+
+}  // namespace quench::program

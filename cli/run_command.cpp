@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <cstring>
+
+#include "base/text.h"
+#include "program.h"
+#include "quench/io.h"
+#include "report.h"
+#include "shape_input.h"
+
+namespace quench::program {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Options {
+  ShapeOptions shape;
+  pipeline::RunOptions run;
+  GraphFileOptions graph;
+  std::size_t max_triangles = kPageTriangles;
+  bool no_view = false;
+  std::string folder;
+};
+
+/// The outputs of a run; `view` is empty where there is no page.
+struct Files {
+  explicit Files(const fs::path& folder, bool with_page)
+      : core(folder / "core.vtp"),
+        skeleton(folder / "skeleton.vtp"),
+        swc(folder / "skeleton.swc"),
+        csv(folder / "branches.csv"),
+        report(folder / "report.json"),
+        view(with_page ? folder / "view.html" : fs::path()) {}
+  fs::path core, skeleton, swc, csv, report, view;
+};
+
+/// The folder exists or can be created: told before a long computation, and created after it.
+void check_folder(const std::string& folder) {
+  std::error_code error;
+  check_name_length(fs::path(folder) / "skeleton.swc");
+  const fs::path whole = fs::absolute(folder, error);
+  fs::path existing = whole;
+  for (; !fs::exists(existing, error) && existing.has_relative_path(); existing = existing.parent_path())
+    if (fs::is_symlink(existing, error)) check_link(existing == whole ? fs::path(folder) : existing, "-o");
+  if (!fs::is_directory(existing, error))
+    throw Error(ErrorCode::usage,
+                fmt::format("'{}' exists and is not a folder; give -o another name", existing.string()));
+  if (const int reason = creation_error(existing))
+    throw Error(ErrorCode::failed, fmt::format("cannot write to '{}': the folder '{}' is not writable: {}", folder,
+                                               existing.string(), std::strerror(reason)));
+}
+
+void check_outputs(const Options& o, const Files& files, const Session& session) {
+  check_folder(o.folder);
+  std::error_code error;
+  if (fs::exists(o.folder, error))
+    for (const fs::path& file : {files.core, files.skeleton, files.swc, files.csv, files.report, files.view})
+      if (!file.empty()) session.check_output(file, {o.shape.file});
+  session.check_report({o.shape.file});
+}
+
+void create_folder(const std::string& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error)
+    throw Error(ErrorCode::failed, fmt::format("the folder '{}' cannot be created: {}", folder, error.message()));
+}
+
+Json report_of(const Options& o, const pipeline::LoadedShape& shape, const pipeline::RunResult& result) {
+  Json report = {{"input", input_section(o.shape, shape)}};
+  add_core_sections(report, shape, result.core);
+  add_axis_sections(report, result.axis);
+  Json& parameters = report["parameters"];
+  parameters.update(parameters_section(o.run.burning));
+  parameters["theta2"] = pipeline::text_of(o.run.skeleton.theta2);
+  parameters["theta1"] = pipeline::text_of(o.run.skeleton.theta1);
+  parameters["tips"] = o.run.skeleton.full_tips ? "full" : "pruned";
+  parameters["smooth"] = o.graph.graph.smooth;
+  parameters["resample"] = pipeline::text_of(o.graph.graph.resample);
+  report["skeleton"]["reconstructed"] = result.reconstructed;
+  return report;
+}
+
+int run_pipeline(const Options& o, Session& session) {
+  const Files files(o.folder, !o.no_view && pipeline::has_page_program());
+  check_outputs(o, files, session);
+  ShapeOptions how = o.shape;
+  how.how.keep_mesh = !files.view.empty();
+  pipeline::LoadedShape shape = load_shape(how, session);
+  pipeline::PageBuilder builder(o.max_triangles);
+  builder.page.command = session.options.command;
+  builder.page.limit_name = "--max-triangles";
+  builder.page.title = pipeline::title_of(o.shape.file);
+  builder.page.files = {{"core", files.core.string()}, {"skeleton", files.skeleton.string()}, {"shape", o.shape.file}};
+
+  pipeline::RunOptions options = o.run;
+  options.graph = o.graph.graph;
+  options.page = files.view.empty() ? nullptr : &builder;
+  std::size_t vertices = 0;
+  options.on_core = [&](const pipeline::CoreResult& core) {
+    vertices = core.axis.points.size();
+    say_core(shape, core, session);
+  };
+  options.on_burned = [&](const pipeline::BurnFigures& burned) { say_burned(burned, vertices, session); };
+  const pipeline::RunResult result = pipeline::run(shape, options, &session.context);
+
+  create_folder(o.folder);
+  Json report = report_of(o, shape, result);
+  io::OutputGroup outputs;
+  io::write_record(files.core, result.axis.file);
+  io::write_record(files.skeleton, pipeline::skeleton_file(result.axis.skeleton, result.axis.file));
+  write_graph(result.graph, {files.swc, {}, files.csv}, o.graph, shape.shape.grid().spacing, shape.coordinates, report,
+              session);
+  session.finished("write");
+  if (options.page) write_page(builder, files.view, report, outputs);
+  session.finished("page");
+  write_report(files.report.string(), report, session);
+  write_report(outputs, report, session);
+  say_written(session, files.core.string(), files.report.string(), result.core, shape);
+  session.say(fmt::format("{}: {}, {}; topology as that of the shape; also {} and {}", files.skeleton.string(),
+                          cells_text(pipeline::counts_of(result.axis.skeleton.skeleton.complex)),
+                          base::counted(result.graph.branches.size(), "branch", "branches"), files.swc.string(),
+                          files.csv.string()));
+  if (options.page) session.say(fmt::format("{}: the interactive page; open it in a browser", files.view.string()));
+  return 0;
+}
+
+}  // namespace
+
+Action add_run(CLI::App& app) {
+  auto o = std::make_shared<Options>();
+  add_shape_options(app, o->shape);
+  add_core_options(app, o->run.axis);
+  add_burn_options(app, o->run.burning);
+  add_skeleton_options(app, o->run.skeleton, o->graph);
+  add_page_options(app, o->max_triangles);
+  app.add_flag("--no-view", o->no_view, "Do not write view.html, the interactive page")->group("Page");
+  app.add_option(
+         "-o,--output", o->folder,
+         "Folder for core.vtp, skeleton.vtp, skeleton.swc, branches.csv, report.json and view.html; created if absent")
+      ->type_name("DIR")
+      ->required();
+  return [o](Session& session) { return run_pipeline(*o, session); };
+}
+
+}  // namespace quench::program

@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "stage_options.h"
+
+#include <fmt/format.h>
+
+#include "option_checks.h"
+#include "quench/error.h"
+
+namespace quench::program {
+namespace {
+
+/// The name of a parameter of the library: "theta2" of "--theta2".
+std::string field_of(const std::string& option) { return option.substr(2); }
+
+/// An option that is one of two names, or "auto" where the value may be missing.
+template <class Enum, class Value>
+CLI::Option* add_named(CLI::App& app, const std::string& name, Value& value, Enum first, Enum second,
+                       const std::string& help) {
+  constexpr bool may_be_auto = std::is_same_v<Value, std::optional<Enum>>;
+  std::vector<std::string> names{std::string(pipeline::name_of(first)), std::string(pipeline::name_of(second))};
+  if (may_be_auto) names.insert(names.begin(), "auto");
+  return add_parsed(
+             app, name, help,
+             [&value, first, second](const std::string&, const std::string& text) {
+               if (text == "auto")
+                 value = {};
+               else
+                 value = text == pipeline::name_of(second) ? second : first;
+             },
+             [&value] {
+               if constexpr (may_be_auto)
+                 return value ? std::string(pipeline::name_of(*value)) : std::string("auto");
+               else
+                 return std::string(pipeline::name_of(value));
+             })
+      ->type_name("RULE")
+      ->check(one_of(names))
+      ->capture_default_str();
+}
+
+}  // namespace
+
+CLI::Option* add_length(CLI::App& app, const std::string& name, pipeline::Length& length, const std::string& help) {
+  return add_parsed(
+             app, name, help,
+             [&length](const std::string& option, const std::string& text) {
+               length = pipeline::parse_length(text, field_of(option));
+             },
+             [&length] { return pipeline::text_of(length); })
+      ->type_name("LENGTH")
+      ->capture_default_str();
+}
+
+CLI::Option* add_length(CLI::App& app, const std::string& name, std::optional<pipeline::Length>& length,
+                        const std::string& help) {
+  return add_parsed(
+             app, name, help,
+             [&length](const std::string& option, const std::string& text) {
+               length = pipeline::parse_length_or_auto(text, field_of(option));
+             },
+             [&length] { return pipeline::text_of(length); })
+      ->type_name("LENGTH")
+      ->capture_default_str();
+}
+
+void add_core_options(CLI::App& app, pipeline::AxisOptions& o) {
+  const auto group = "Medial axis";
+  add_length(app, "--lambda", o.lambda,
+             "Drop what is thinner than this radius where the topology allows: a fraction of the longest side "
+             "(0.02 or 2%), 2.5vox, 3.5abs, inf, "
+             "0 (nothing), or 'auto': the largest from 0.02 down whose balls still fill 98% of the shape")
+      ->group(group);
+  add_named(app, "--lambda-rule", o.rule, LambdaRule::coface, LambdaRule::ball,
+            "The lambda of edges and vertices: 'coface', the largest of the faces around, or 'ball', the radius "
+            "of the smallest ball around "
+            "their nearest boundary points")
+      ->group(group);
+  app.add_flag("--full", o.full, "Write the cells below lambda too (each with its lambda_level)")->group(group);
+}
+
+void add_burn_options(CLI::App& app, pipeline::BurningOptions& o) {
+  const auto group = "Burning";
+  add_parsed(
+      app, "--omega",
+      "Distance of nodes along edges: a fraction of the longest side (0.005), 0.5vox, 2abs, or 'auto': half "
+      "the mean edge (0.35 for triangles), for an erosion thickness right to about 0.3%",
+      [&o](const std::string&, const std::string& text) { o.omega = pipeline::parse_omega(text); },
+      [&o] { return pipeline::text_of(o.omega); })
+      ->type_name("LENGTH")
+      ->capture_default_str()
+      ->group(group);
+  add_named(app, "--radius", o.radius, RadiusRule::exact, RadiusRule::linear,
+            "The radius between vertices: 'exact' where neighbours share a nearest boundary point, 'linear', or "
+            "'auto': exact for voxel cores of Quench, linear for others")
+      ->group(group);
+}
+
+void add_skeleton_options(CLI::App& app, pipeline::SkeletonOptions& o, GraphFileOptions& files) {
+  const auto group = "Skeleton";
+  add_length(app, "--theta2", o.theta2,
+             "Drop sheets of a smaller erosion thickness where the topology allows: a fraction of the longest side "
+             "(0.03 or 3%), 8vox, 3.5abs, 0 (nothing), inf (curves only)")
+      ->group(group);
+  add_length(app, "--theta1", o.theta1,
+             "Drop curves of a smaller erosion thickness from their free ends; inf: only what topology needs")
+      ->group(group);
+  add_number(app, "--smooth", files.graph.smooth,
+             "Passes of smoothing over the curves of the graph files, 0 to 10000; they stay inside the shape", 0, 10000)
+      ->type_name("N")
+      ->capture_default_str()
+      ->group(group);
+  add_parsed(
+      app, "--resample", "Distance of points along curves in the graph files; 0: as they come",
+      [&files](const std::string&, const std::string& text) { files.graph.resample = pipeline::parse_resample(text); },
+      [&files] { return pipeline::text_of(files.graph.resample); })
+      ->type_name("LENGTH")
+      ->capture_default_str()
+      ->group(group);
+  add_parsed(
+      app, "--tips",
+      "Graph files: pruning takes about theta1 off every branch; 'full' grows those that stay back to their "
+      "tips, 'pruned' leaves them as in the skeleton",
+      [&o](const std::string&, const std::string& text) { o.full_tips = text == "full"; },
+      [&o] { return std::string(o.full_tips ? "full" : "pruned"); })
+      ->type_name("RULE")
+      ->check(one_of({"full", "pruned"}))
+      ->capture_default_str()
+      ->group(group);
+  add_parsed(app, "--root", "SWC: the root of its component is the node nearest to this point [default: the thickest]",
+             [&files](const std::string&, const std::string& text) {
+               const std::vector<double> numbers = numbers_in(text, ',');
+               if (numbers.size() != 3)
+                 throw Error(ErrorCode::usage,
+                             fmt::format("--root '{}' is not a point; give three numbers: x,y,z", text));
+               files.root = Vec3(numbers[0], numbers[1], numbers[2]);
+             })
+      ->type_name("X,Y,Z")
+      ->group(group);
+  add_parsed(
+      app, "--swc-type",
+      "SWC: the type of every sample, a number or 'soma', 'axon', 'dendrite', 'apical-dendrite', 'custom' ...; "
+      "programs for neurons refuse 0",
+      [&files](const std::string& option, const std::string& text) {
+        io::swc_type_of(text, option);
+        files.swc_type = text;
+      },
+      [&files] { return files.swc_type; })
+      ->type_name("TYPE")
+      ->capture_default_str()
+      ->group(group);
+}
+
+void add_page_options(CLI::App& app, std::size_t& max_triangles) {
+  add_number<std::size_t>(
+      app, "--max-triangles", max_triangles,
+      "The page: at most so many triangles, 1000 to 50000000; larger results are simplified for display, and the page "
+      "says so",
+      1000, 50'000'000)
+      ->type_name("N")
+      ->capture_default_str()
+      ->group("Page");
+}
+
+}  // namespace quench::program

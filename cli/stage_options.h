@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <cstddef>
+#include <optional>
+#include <string>
+
+#include "quench/pipeline.h"
+
+/// The options of the stages, each a value of quench/pipeline.h.
+namespace quench::program {
+
+/// A length of its own, or one that may be "auto".
+CLI::Option* add_length(CLI::App& app, const std::string& name, pipeline::Length& length, const std::string& help);
+CLI::Option* add_length(CLI::App& app, const std::string& name, std::optional<pipeline::Length>& length,
+                        const std::string& help);
+
+void add_core_options(CLI::App& app, pipeline::AxisOptions& options);
+void add_burn_options(CLI::App& app, pipeline::BurningOptions& options);
+
+/// How the curves of a skeleton become a graph and its files.
+struct GraphFileOptions {
+  pipeline::GraphOptions graph;
+  std::optional<Vec3> root;  ///< none: the thickest node
+  std::string swc_type = "dendrite";
+};
+void add_skeleton_options(CLI::App& app, pipeline::SkeletonOptions& options, GraphFileOptions& graph);
+
+void add_page_options(CLI::App& app, std::size_t& max_triangles);
+
+}  // namespace quench::program

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "delaunay/predicates.h"
+#include "dual/cells.h"
+#include "dual/peel/site_index.h"
+#include "quench/shape.h"
+
+namespace quench::dual::peel {
+
+/// What all slabs read.
+struct Input {
+  const VoxelShape& shape;
+  std::span<const LatticePoint> sites;
+  std::array<std::int64_t, 3> spacing;  ///< integer spacing
+  const delaunay::Predicates& predicates;
+  const SiteIndex& index;
+  double reach;        ///< balls up to this radius are looked for, in units of the integer spacing; 0: unit cubes only
+  double least_cubes;  ///< with fewer polytopes of unit cubes per site, unit cubes only
+
+  /// No polytope of a ball that is looked for extends further along z, in layers.
+  std::int32_t layers() const;
+};
+
+/// Finds polytopes around the sites with layer z in [begin, end): first all of radius of a unit cube, from a table;
+/// then facet by facet those of balls up to `reach` that can be walked to from the boundary. They are polytopes of the
+/// whole complex, whatever the slab; some may be missing, and which ones depends on the slabs. The slab hands over
+/// those whose smallest site it has; facets and boundary squares whose other side it does not hand over are unmatched.
+CellsPart peel_slab(const Input& input, std::int32_t begin, std::int32_t end, Hulls& hulls);
+
+}  // namespace quench::dual::peel

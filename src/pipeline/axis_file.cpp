@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "base/text.h"
+#include "quench/axis.h"
+#include "quench/error.h"
+#include "quench/geometry.h"
+#include "quench/io.h"
+#include "quench/pipeline.h"
+
+namespace quench::pipeline {
+
+std::optional<double> field_number(const Record& data, const char* name) {
+  const DataArray* array = find_array(data.field_data, name);
+  if (!array || array->size() == 0 || std::holds_alternative<std::vector<std::string>>(array->values)) return {};
+  return array->numbers().front();
+}
+
+std::optional<std::string> field_text(const Record& data, const char* name) {
+  const DataArray* array = find_array(data.field_data, name);
+  if (!array) return {};
+  const auto* text = std::get_if<std::vector<std::string>>(&array->values);
+  if (!text || text->empty()) return {};
+  return text->front();
+}
+
+Record read_surface(const std::filesystem::path& file, Context* context) {
+  std::error_code ignored;
+  // The bytes of the file and what is made of them; a compressed one says what it holds when it is opened.
+  if (const auto size = std::filesystem::file_size(file, ignored); !ignored)
+    require_memory(static_cast<std::int64_t>(2 * size), fmt::format("reading '{}'", file.string()), {"a smaller file"},
+                   context);
+  return io::read_record(file, context);
+}
+
+void take_radii(Record& data, const std::filesystem::path& radii, Context* context) {
+  std::erase_if(data.point_data, [](const DataArray& a) { return a.name == "radius"; });
+  data.point_data.insert(data.point_data.begin(), {"radius", 1, io::read_radii(radii, data.points, context)});
+}
+
+LoadedAxis axis_of(Record&& data, const std::string& file, Context* context) {
+  LoadedAxis loaded;
+  loaded.data = std::move(data);
+  drop_unusable_fields(loaded.data, file, context);
+  AxisRepair repair;
+  try {
+    loaded.axis = medial_axis_of(loaded.data, &repair);
+  } catch (const Error& error) {
+    throw Error(error.code(), fmt::format("'{}': {}", file, error.what()), error.field());
+  }
+  if (loaded.axis.points.empty()) throw Error(ErrorCode::input, fmt::format("'{}' is empty", file));
+  checkpoint(context, "read", 1);
+  if (repair.degenerate + repair.duplicate > 0)
+    note(context,
+         fmt::format("'{}' has {} with a repeated corner (the rest of it is kept) and {} twice (counted once)", file,
+                     base::counted(repair.degenerate, "cell"), base::counted(repair.duplicate, "polygon")));
+  if (const DataArray* spacing = find_array(loaded.data.field_data, "spacing")) {
+    const std::vector<double> sizes = spacing->numbers();
+    loaded.spacing = {sizes[0], sizes[1], sizes[2]};
+    loaded.scale.voxel = loaded.spacing.minCoeff();
+  }
+  loaded.scale.longest_side = field_number(loaded.data, "longest_side").value_or(0);
+  if (!(loaded.scale.longest_side > 0)) loaded.scale.longest_side = longest_side_of(loaded.axis.points);
+  // A voxel core of ours names the boundary vertices its radii are distances to.
+  const DataArray* sites = find_array(loaded.data.field_data, "sites");
+  loaded.voxel_core = sites && sites->components == 3;
+  loaded.coordinates = {field_text(loaded.data, "units").value_or(""), field_text(loaded.data, "SPACE").value_or("")};
+  return loaded;
+}
+
+}  // namespace quench::pipeline

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/parameters.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "quench/error.h"
+#include "quench/pipeline.h"
+
+namespace quench::pipeline {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// The parameters of a result, as its file says them.
+class Recorded {
+ public:
+  Recorded(const std::string& text, const std::string& file) : json_(Json::parse(text, nullptr, false)), file_(file) {}
+
+  /// The value of a parameter that the file has, if it is of the type and `valid`.
+  template <class T, class Valid>
+  std::optional<T> get(const char* name, bool (Json::*of_type)() const, const Valid& valid) const {
+    if (!json_.is_object() || !json_.contains(name)) return {};
+    const Json& value = json_[name];
+    if ((value.*of_type)())
+      if (const T taken = value.get<T>(); valid(taken)) return taken;
+    throw Error(ErrorCode::input,
+                fmt::format("'{}' says in its field 'parameters' that it was made with {} = {}, which cannot be; the "
+                            "file was changed, compute it again",
+                            file_, name, value.dump(-1, ' ', true, Json::error_handler_t::replace).substr(0, 40)));
+  }
+  std::optional<std::int64_t> whole(const char* name, std::int64_t least, std::int64_t most) const {
+    const auto value = get<Json>(name, &Json::is_number_integer, [&](const Json& number) {
+      const bool beyond = number.is_number_unsigned() && number.get<std::uint64_t>() > std::uint64_t{INT64_MAX};
+      return !beyond && number.get<std::int64_t>() >= least && number.get<std::int64_t>() <= most;
+    });
+    if (!value) return {};
+    return value->get<std::int64_t>();
+  }
+  std::optional<Threshold> threshold() const {
+    const auto value = get<Json>("threshold", &Json::is_number, [](const Json& number) {
+      return !number.is_number_float() || std::isfinite(number.get<double>());
+    });
+    if (!value) return {};
+    if (value->is_number_unsigned()) return value->get<std::uint64_t>();
+    if (value->is_number_integer()) return value->get<std::int64_t>();
+    return value->get<double>();
+  }
+  bool flag(const char* name) const {
+    return get<bool>(name, &Json::is_boolean, [](bool) { return true; }).value_or(false);
+  }
+
+ private:
+  Json json_;
+  const std::string& file_;
+};
+
+}  // namespace
+
+std::string with_parameters(const std::string& text,
+                            std::initializer_list<std::pair<const char*, Parameter>> parameters) {
+  Json json = text.empty() ? Json::object() : Json::parse(text);
+  for (const auto& parameter : parameters)
+    std::visit([&](const auto& value) { json[parameter.first] = value; }, parameter.second);
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+std::string parameters_of(const Record& result) { return field_text(result, "parameters").value_or(""); }
+
+std::vector<std::string> take_recorded(ShapeOptions& options, const Record& result, const std::string& file) {
+  constexpr std::int64_t most = std::numeric_limits<std::int64_t>::max();
+  const std::string text = parameters_of(result);
+  const Recorded recorded(text, file);
+  std::vector<std::string> taken;
+  if (const auto n = recorded.whole("resolution", 1, kLargestResolution); n && !options.resolution) {
+    options.resolution = *n;
+    taken.emplace_back("resolution");
+  }
+  const auto is_rule = [](const std::string& name) { return fill_of(name).has_value(); };
+  if (const auto rule = recorded.get<std::string>("fill", &Json::is_string, is_rule); rule && !options.fill)
+    options.fill = fill_of(*rule);
+  ForegroundOptions& f = options.foreground;
+  const auto threshold = recorded.threshold();
+  const auto label = recorded.whole("label", -most - 1, most);
+  if (!f.threshold && !f.label) {
+    f.threshold = threshold;
+    f.label = label;
+    if (threshold) taken.emplace_back("threshold");
+    if (label) taken.emplace_back("label");
+  }
+  const bool invert = recorded.flag("invert");
+  if (invert && !f.invert) taken.emplace_back("invert");
+  f.invert |= invert;
+  const auto is_spacing = [](const std::string& size) { return spacing_in(size).has_value(); };
+  if (const auto size = recorded.get<std::string>("spacing", &Json::is_string, is_spacing); size && !options.spacing) {
+    options.spacing = spacing_in(*size);
+    options.spacing_text = *size;
+    taken.emplace_back("spacing");
+  }
+  f.largest_component |= recorded.flag("largest_component");
+  f.fill_cavities |= recorded.flag("fill_cavities");
+  if (const auto n = recorded.whole("min_component", 0, most); n && f.min_component == 0) f.min_component = *n;
+  if (const auto n = recorded.whole("subdivide", 1, 64); n && options.subdivide == 1)
+    options.subdivide = static_cast<int>(*n);
+  return taken;
+}
+
+}  // namespace quench::pipeline

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <utility>
+
+#include "quench/pipeline.h"
+
+namespace quench::pipeline {
+namespace {
+
+void add_axis(PageBuilder& builder, const MedialAxis& axis, const AxisRun& result, const Scale& scale,
+              const SkeletonOptions& options) {
+  builder.page.lambda = field_number(result.file, "lambda");
+  builder.page.burning = result.burned.options;
+  builder.page.theta2 = scale.resolve(options.theta2, "theta2");
+  builder.page.theta1 = scale.resolve(options.theta1, "theta1");
+  if (!axis.vertex_level.empty()) builder.add_core(axis, result.file.point_data, true);
+}
+
+/// The surface, and the origin that suits the whole grid.
+void add_shape(PageBuilder& builder, LoadedShape& shape) {
+  const Grid& grid = shape.shape.grid();
+  const Vec3 dims(static_cast<double>(grid.dims[0]), static_cast<double>(grid.dims[1]),
+                  static_cast<double>(grid.dims[2]));
+  builder.set_origin(grid.world(Vec3::Zero()), grid.world(dims));
+  builder.add_shape(shape);
+}
+
+}  // namespace
+
+AxisRun run_axis(const MedialAxis& axis, Record&& file, bool voxel_core, const Topology& wanted, const Scale& scale,
+                 const RunOptions& options, Context* context) {
+  AxisRun result;
+  result.file = std::move(file);
+  Burning burning = burning_of(axis, voxel_core, options.burning, true, scale, context);
+  result.burned = figures_of(burning);
+  if (options.on_burned) options.on_burned(result.burned);
+  add_burning(result.file, burning);
+  if (options.page) {
+    add_axis(*options.page, axis, result, scale, options.skeleton);
+    checkpoint(context, "page", 1);
+  }
+  RefinedAxis refined = curves_of(axis, burning, context);
+  burning = Burning();  // its memory is needed for the family
+  const FamilyResult family = family_of(std::move(refined), wanted, context);
+  result.curves = family.curves;
+  result.skeleton = skeleton_of(family, options.skeleton, scale, result.burned.options.omega, context);
+  if (options.page) {
+    options.page->add_skeleton(family.family);
+    checkpoint(context, "page", 1);
+  }
+  return result;
+}
+
+RunResult run(LoadedShape& shape, const RunOptions& options, Context* context) {
+  RunResult result;
+  if (options.page) {
+    add_shape(*options.page, shape);
+    checkpoint(context, "page", 1);
+  }
+  result.core = core_of(shape, options.axis, context);
+  if (options.on_core) options.on_core(result.core);
+  result.axis =
+      run_axis(result.core.axis, core_file(result.core), true, result.core.topology, shape.scale(), options, context);
+  const SkeletonResult& skeleton = result.axis.skeleton;
+  result.reconstructed = reconstructed_share(shape.shape, skeleton.skeleton, context);
+  GraphOptions graph = options.graph;
+  graph.shape = &shape.shape;
+  graph.voxel = shape.shape.grid().spacing;
+  result.graph = measured_graph(skeleton.measured, graph, shape.scale());
+  checkpoint(context, "skeleton", 1);
+  return result;
+}
+
+}  // namespace quench::pipeline

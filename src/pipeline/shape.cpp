@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "quench/shape.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+#include "base/parallel.h"
+#include "pipeline/parameters.h"
+#include "quench/error.h"
+#include "quench/io.h"
+#include "quench/pipeline.h"
+
+namespace quench::pipeline {
+namespace {
+
+/// Errors of the input in a file name the file.
+template <class Work>
+auto naming(const std::filesystem::path& file, const Work& work) {
+  try {
+    return work();
+  } catch (const Error& error) {
+    const std::string sentence = error.what();
+    if (error.code() == ErrorCode::failed || error.code() == ErrorCode::cancelled ||
+        sentence.find(file.string()) != std::string::npos)
+      throw;
+    throw Error(error.code(), fmt::format("'{}': {}", file.string(), sentence), error.field());
+  }
+}
+
+void record(LoadedShape& loaded, const char* name, const Parameter& value) {
+  loaded.parameters = with_parameters(loaded.parameters, {{name, value}});
+}
+
+/// Which voxels of an image are the shape, without what is done to them afterwards.
+ForegroundOptions only_voxels(ForegroundOptions options) {
+  options.largest_component = options.fill_cavities = false;
+  options.min_component = 0;
+  return options;
+}
+
+void record_volume(LoadedShape& loaded, const ShapeOptions& options) {
+  const ForegroundOptions& f = options.foreground;
+  if (f.threshold) std::visit([&](auto t) { record(loaded, "threshold", t); }, *f.threshold);
+  if (f.label) record(loaded, "label", *f.label);
+  if (f.invert) record(loaded, "invert", true);
+  if (!options.spacing) return;
+  const Vec3& s = *options.spacing;
+  record(loaded, "spacing",
+         options.spacing_text.empty() ? fmt::format("{},{},{}", s[0], s[1], s[2]) : options.spacing_text);
+}
+
+void clean_as_asked(LoadedShape& loaded, const ForegroundOptions& f, Context* context) {
+  if (!f.largest_component && f.min_component == 0 && !f.fill_cavities) return;
+  loaded.cleaned.emplace();
+  loaded.shape = clean(loaded.shape, f, &*loaded.cleaned, context);
+  if (f.largest_component) record(loaded, "largest_component", true);
+  if (f.min_component) record(loaded, "min_component", f.min_component);
+  if (f.fill_cavities) record(loaded, "fill_cavities", true);
+}
+
+void subdivide_as_asked(LoadedShape& loaded, const ShapeOptions& options, const Context* context) {
+  if (options.subdivide < 1 || options.subdivide > 64)
+    throw Error(ErrorCode::usage, fmt::format("subdivide '{}' is not a whole number from 1 to 64", options.subdivide),
+                "subdivide");
+  if (options.subdivide == 1) return;
+  // Two numbers per run and one per scanline, in vectors that grow; boundary vertices grow as the surface does.
+  const Grid& coarse = loaded.shape.grid();
+  const double parts = static_cast<double>(options.subdivide) * options.subdivide;
+  double bytes = parts * (static_cast<double>(coarse.dims[1]) * static_cast<double>(coarse.dims[2]) * 4 +
+                          static_cast<double>(loaded.shape.runs().size()) * 20);
+  if (options.core_follows) {
+    const auto sites = static_cast<std::int64_t>(parts * static_cast<double>(count_boundary_vertices(loaded.shape)));
+    bytes = std::max(bytes,
+                     static_cast<double>(std::min(predicted_core_bytes(sites), predicted_core_bytes_in_bricks(sites))));
+  }
+  require_memory(static_cast<std::int64_t>(std::min(bytes, 0x1p62)),
+                 fmt::format("splitting every voxel into {0} x {0} x {0}", options.subdivide), {"a smaller factor"},
+                 context);
+  loaded.shape = subdivide(loaded.shape, options.subdivide);
+  record(loaded, "subdivide", std::int64_t{options.subdivide});
+}
+
+/// What follows from the voxels of an input.
+LoadedShape finished(LoadedShape&& loaded, const ShapeOptions& options, Context* context) {
+  if (loaded.from_mesh) loaded.image = loaded.shape.grid();
+  clean_as_asked(loaded, options.foreground, context);
+  if (!loaded.from_mesh) loaded.longest_side = loaded.shape.longest_side();
+  base::in_arena(context, [&] { subdivide_as_asked(loaded, options, context); });
+  loaded.topology = topology(loaded.shape);
+  checkpoint(context, "voxelize", 1);
+  return std::move(loaded);
+}
+
+LoadedShape shape_of_file(const std::filesystem::path& file, const ShapeOptions& options, Context* context) {
+  LoadedShape loaded;
+  const io::VolumeReadOptions read_options{options.spacing};
+  const auto take = [&](const auto& image, const Grid& grid) {
+    loaded.image = grid;
+    loaded.coordinates = image.coordinates;
+    loaded.spacing_source = image.spacing_source;
+    loaded.shape = naming(file, [&] { return foreground(image, only_voxels(options.foreground), nullptr, context); });
+  };
+  if (const auto slices = io::open_slices(file, read_options, context)) {
+    take(*slices, slices->grid);
+  } else {
+    const Volume volume = io::read_volume(file, read_options, context);
+    checkpoint(context, "read", 1);
+    take(volume, volume.grid);
+  }
+  checkpoint(context, "voxelize", 1);
+  record_volume(loaded, options);
+  return finished(std::move(loaded), options, context);
+}
+
+}  // namespace
+
+std::optional<Vec3> spacing_in(std::string_view text) {
+  std::vector<double> sides;
+  for (const char *at = text.data(), *end = at + text.size();; ++at) {
+    double side = 0;
+    const auto [next, error] = std::from_chars(at, end, side);
+    if (error != std::errc() || !(side > 0) || !std::isfinite(side)) return {};
+    sides.push_back(side);
+    at = next;
+    if (at == end) break;
+    if (*at != ',') return {};
+  }
+  if (sides.size() == 1) sides.resize(3, sides[0]);
+  if (sides.size() != 3) return {};
+  return Vec3(sides[0], sides[1], sides[2]);
+}
+
+std::optional<bool> LoadedShape::topology_changed() const {
+  if (!from_mesh) return false;
+  if (!voxelization || !voxelization->topology_known) return {};
+  return voxelization->topology_changed;
+}
+
+void require_voxelization_memory(const TriangleMesh& mesh, std::int64_t resolution, const Context* context) {
+  if (resolution > kLargestResolution) return;  // the voxelizer has the sentence for it, as for bad triangles
+  Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
+  for (const auto& triangle : mesh.triangles)
+    for (const std::uint32_t p : triangle) {
+      if (p >= mesh.points.size()) return;
+      low = low.cwiseMin(mesh.points[p]);
+      high = high.cwiseMax(mesh.points[p]);
+    }
+  // Up to four numbers per scanline, and two runs.
+  const Vec3 sides = (high - low) / (high - low).maxCoeff() * static_cast<double>(resolution) + Vec3::Constant(3);
+  const double bytes = 32 * sides[1] * sides[2];
+  if (std::isfinite(bytes))
+    require_memory(static_cast<std::int64_t>(bytes), fmt::format("the voxel shape at resolution {}", resolution),
+                   {"a lower resolution"}, context);
+}
+
+void refuse_unknown_kind(const std::filesystem::path& file) {
+  std::error_code ignored;
+  if (std::filesystem::is_directory(file, ignored))
+    throw Error(
+        ErrorCode::input,
+        fmt::format("the folder '{}' holds no PNG or TIFF slices; give a file or a folder of slices", file.string()));
+  const std::string type = file.extension().string();
+  std::string lower = type;
+  for (char& c : lower)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  if (lower == ".hdr" || lower == ".img")
+    throw Error(ErrorCode::input, fmt::format("'{}' has the unknown file type '{}'; a pair .hdr/.img is not read; save "
+                                              "it as one .nii file",
+                                              file.string(), type));
+  throw Error(ErrorCode::input,
+              fmt::format("'{}' has {}; meshes end in e.g. .ply, .obj, .off, .stl, volumes in .nrrd, .nii.gz, .mha, "
+                          ".map, .vol, .npy, .tif",
+                          file.string(),
+                          type.empty() ? "no file type in its name" : fmt::format("the unknown file type '{}'", type)));
+}
+
+LoadedShape shape_of(TriangleMesh&& mesh, const ShapeOptions& options, Context* context) {
+  LoadedShape loaded;
+  loaded.from_mesh = true;
+  loaded.mesh_points = mesh.points.size();
+  loaded.mesh_triangles = mesh.triangles.size();
+  VoxelizeOptions voxelize_options;
+  voxelize_options.fill = options.fill.value_or(FillRule::nonzero);
+  voxelize_options.resolution = options.resolution.value_or(voxelize_options.resolution);
+  if (options.resolution == kAutomaticResolution) {
+    loaded.voxelization = voxelize_auto(mesh, voxelize_options, context);
+  } else {
+    require_voxelization_memory(mesh, voxelize_options.resolution, context);
+    loaded.voxelization = voxelize(mesh, voxelize_options, context);
+  }
+  loaded.shape = std::exchange(loaded.voxelization->shape, {});
+  loaded.longest_side = loaded.voxelization->longest_side;
+  loaded.resolution = std::llround(loaded.longest_side / loaded.shape.grid().spacing[0]);
+  record(loaded, "resolution", loaded.resolution);
+  record(loaded, "fill", std::string(fill_name(voxelize_options.fill)));
+  if (options.keep_mesh) loaded.mesh = std::move(mesh);
+  return finished(std::move(loaded), options, context);
+}
+
+LoadedShape shape_of(const ImageView& image, const Coordinates& coordinates, const ShapeOptions& options,
+                     Context* context) {
+  ImageView view = image;
+  if (options.spacing) view.grid.spacing = *options.spacing;
+  LoadedShape loaded;
+  loaded.shape = foreground(view, only_voxels(options.foreground), nullptr, context);
+  loaded.image = view.grid;
+  loaded.coordinates = coordinates;
+  record_volume(loaded, options);
+  return finished(std::move(loaded), options, context);
+}
+
+LoadedShape shape_of(VoxelShape&& voxels, const Grid& image, const ShapeOptions& options, Context* context) {
+  LoadedShape loaded;
+  loaded.shape = std::move(voxels);
+  loaded.image = image;
+  record_volume(loaded, options);
+  return finished(std::move(loaded), options, context);
+}
+
+LoadedShape load_shape(const std::filesystem::path& file, const ShapeOptions& options, Context* context) {
+  const io::Kind kind = io::kind_of(file);
+  if (kind == io::Kind::unknown) refuse_unknown_kind(file);
+  if (kind == io::Kind::volume) return shape_of_file(file, options, context);
+  TriangleMesh mesh = to_triangle_mesh(read_surface(file, context));
+  if (mesh.triangles.empty())
+    throw Error(ErrorCode::input, fmt::format("'{}' holds no faces; a shape needs a closed surface", file.string()));
+  checkpoint(context, "read", 1);
+  return naming(file, [&] { return shape_of(std::move(mesh), options, context); });
+}
+
+}  // namespace quench::pipeline

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "quench/axis.h"
+#include "quench/error.h"
+#include "quench/pipeline.h"
+
+namespace quench::pipeline {
+
+RefinedAxis curves_of(const MedialAxis& axis, const Burning& burning, Context* context) {
+  require_memory(predicted_skeleton_bytes(burning), "the curves of this medial axis",
+                 {"a larger omega", "a larger lambda"}, context);
+  return quench_curves(axis.complex, axis.points, axis.radius, burning, context);
+}
+
+FamilyResult family_of(RefinedAxis&& refined, const Topology& wanted, Context* context) {
+  FamilyResult result{skeletons(std::move(refined), context), wanted, {}};
+  const Skeleton curves = extract(result.family, std::numeric_limits<double>::infinity(), 0);
+  checkpoint(context, "curves", 1);
+  require_topology(topology(curves.complex), wanted, "medial curves", "medial axis");
+  result.curves = counts_of(curves.complex);
+  checkpoint(context, "topology", 0.6);
+  return result;
+}
+
+SkeletonResult skeleton_of(const FamilyResult& family, const SkeletonOptions& options, const Scale& scale, double omega,
+                           Context* context) {
+  constexpr double kNoTips = std::numeric_limits<double>::infinity();
+  const double theta2 = scale.resolve(options.theta2, "theta2"), theta1 = scale.resolve(options.theta1, "theta1");
+  const double tips = !options.full_tips ? kNoTips : scale.voxel > 0 ? scale.voxel : omega;
+  SkeletonResult result{extract(family.family, theta2, theta1, {options.parts, kNoTips}), {}, {}};
+  result.measured = extract(family.family, theta2, theta1, {false, tips});
+  checkpoint(context, "skeleton", 1);
+  result.topology = topology(result.skeleton.complex);
+  require_topology(result.topology, family.topology, "skeleton", "medial axis");
+  require_topology(topology(result.measured.complex), family.topology, "curve graph", "medial axis");
+  checkpoint(context, "topology", 1);
+  return result;
+}
+
+Record skeleton_file(const SkeletonResult& result, const Record& from) {
+  const Skeleton& skeleton = result.skeleton;
+  Record data = to_record(skeleton);
+  for (const char* name : {"dims", "spacing", "origin", "direction", "longest_side", "lambda", "lambda_chosen", "omega",
+                           "propagation", "radius_rule", "units", "SPACE", "parameters"})
+    if (const DataArray* array = find_array(from.field_data, name)) data.field_data.push_back(*array);
+  const auto put = [&](const char* name, DataArray::Values values, int components = 1) {
+    data.field_data.push_back({name, components, std::move(values)});
+  };
+  put("stage", std::vector<std::string>{"skeleton"});
+  put("theta2", std::vector<double>{std::min(skeleton.theta2, kInfiniteLevelInFiles)});
+  put("theta1", std::vector<double>{std::min(skeleton.theta1, kInfiniteLevelInFiles)});
+  put("euler", std::vector<std::int64_t>{result.topology.euler});
+  put("betti", std::vector<std::int64_t>(result.topology.betti.begin(), result.topology.betti.end()), 3);
+  put("version", std::vector<std::string>{QUENCH_VERSION});
+  return data;
+}
+
+double reconstructed_share(const VoxelShape& shape, const Skeleton& skeleton, Context* context) {
+  MedialAxis balls;
+  balls.complex.vertex_count = skeleton.complex.vertex_count;
+  balls.points = skeleton.points;
+  balls.radius = skeleton.radius;
+  balls.vertex_level.assign(skeleton.points.size(), std::numeric_limits<double>::infinity());
+  return Reconstruction(shape, balls, Reconstruction::kSamples, context).share(0);
+}
+
+CurveGraph measured_graph(const Skeleton& skeleton, const GraphOptions& options, const Scale& scale) {
+  if (options.smooth < 0 || options.smooth > 10000)
+    throw Error(ErrorCode::usage, fmt::format("smooth '{}' is not from 0 to 10000", options.smooth), "smooth");
+  SmoothOptions smoothing{options.smooth, scale.resolve(options.resample, "resample"), boundary_gap(options.voxel), {}};
+  if (const VoxelShape* shape = options.shape)
+    smoothing.inside = [shape](const Vec3& a, const Vec3& b) { return contains_segment(*shape, a, b); };
+  CurveGraph graph = smoothed(curve_graph(skeleton), smoothing);
+  const double more = 0.5 * options.voxel.minCoeff();
+  for (auto& node : graph.nodes) node.radius += more;
+  for (auto& branch : graph.branches) {
+    for (double& r : branch.radius) r += more;
+    branch.mean_radius += more;
+    branch.min_radius += more;
+    branch.max_radius += more;
+  }
+  return graph;
+}
+
+}  // namespace quench::pipeline
