@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Burning a medial axis: error of erosion thickness against time, by nodes and by segments, one thread.
-//   bench_burn AXIS [--radii FILE.r] [--linear] [--no-nodes] [--times-only] [--spacing W]... [--fine W]
-//   [--unit U] [--turns STATES WINDOW]...
+// Burning a medial axis: error of erosion thickness against time, one thread.
+//   bench_burn AXIS [--radii FILE.r] [--linear] [--times-only] [--spacing W]... [--fine W]
+//   [--unit U] [--schedule STATES WINDOW]...
 // Spacings are multiples of the default one (default: 2 1 0.5 0.25); errors are mean relative errors over the vertices
-// whose erosion thickness exceeds a voxel (of a core of Quench; else --unit, or the default spacing), against a run by
-// segments at a tenth of the default (--fine). --turns adds a run by segments with other blocks and windows (in node
-// spacings) than the program's, and prints the ratio of its time to theirs: 1e12 0.125 is the order of time.
+// whose erosion thickness exceeds a voxel (of a core of Quench; else --unit, or the default spacing), against a run at
+// a tenth of the default (--fine). --schedule adds a run with other blocks and windows (in node spacings) than the
+// program's, and prints the ratio of its time to theirs: 1e12 0.125 is the order of time.
 #include <fmt/format.h>
 #if defined(__GLIBC__)
 #include <malloc.h>
@@ -21,7 +21,7 @@
 #include <string>
 #include <vector>
 
-#include "burning/fire.h"
+#include "burning/burn_pass.h"
 #include "measure.h"
 #include "quench/axis.h"
 #include "quench/burn.h"
@@ -62,7 +62,7 @@ Axis read_axis(const std::string& file, const std::string& radii) {
 
 // Peak memory of one burn above what was there before, measured in a process of its own. What reading the file has left
 // free goes back to the system first: else the burn would use it again, and it would not be counted.
-double burn_bytes(const Axis& axis, const BurnOptions& options, const burning::Turns& turns) {
+double burn_bytes(const Axis& axis, const BurnOptions& options, const burning::BlockSchedule& schedule) {
   int pipes[2];
   if (pipe(pipes) != 0) return 0;
 #if defined(__GLIBC__)
@@ -71,7 +71,7 @@ double burn_bytes(const Axis& axis, const BurnOptions& options, const burning::T
   const pid_t child = fork();
   if (child == 0) {
     const double before = peak_bytes();
-    burn_in_turns(axis.complex, axis.points, axis.radius, options, turns, nullptr);
+    burn_scheduled(axis.complex, axis.points, axis.radius, options, schedule, nullptr);
     const double grown = peak_bytes() - before;
     if (write(pipes[1], &grown, sizeof grown) < 0) _exit(1);
     _exit(0);
@@ -89,10 +89,9 @@ double burn_bytes(const Axis& axis, const BurnOptions& options, const burning::T
 int main(int argc, char** argv) {
   std::string file, radii;
   std::vector<double> spacings;
-  std::vector<burning::Turns> others;
+  std::vector<burning::BlockSchedule> others;
   double fine = 0.1, unit_given = 0;
   BurnOptions options;
-  bool nodes = true;
   for (int i = 1; i < argc; ++i) {
     const std::string word = argv[i];
     if (word == "--radii" && i + 1 < argc)
@@ -103,22 +102,20 @@ int main(int argc, char** argv) {
       fine = std::atof(argv[++i]);
     else if (word == "--unit" && i + 1 < argc)
       unit_given = std::atof(argv[++i]);
-    else if (word == "--turns" && i + 2 < argc) {
+    else if (word == "--schedule" && i + 2 < argc) {
       const auto states = static_cast<std::uint64_t>(std::atof(argv[++i]));
       others.push_back({states, std::atof(argv[++i])});
     } else if (word == "--linear")
       options.radius = RadiusRule::linear;
     else if (word == "--times-only")
       options.parents = false;
-    else if (word == "--no-nodes")
-      nodes = false;
     else
       file = word;
   }
   if (file.empty()) {
     fmt::print(stderr,
-               "usage: bench_burn AXIS [--radii FILE.r] [--linear] [--no-nodes] [--times-only] [--spacing W]... "
-               "[--fine W] [--unit U] [--turns STATES WINDOW]...\n");
+               "usage: bench_burn AXIS [--radii FILE.r] [--linear] [--times-only] [--spacing W]... "
+               "[--fine W] [--unit U] [--schedule STATES WINDOW]...\n");
     return 2;
   }
   if (spacings.empty()) spacings = {2, 1, 0.5, 0.25};
@@ -127,49 +124,42 @@ int main(int argc, char** argv) {
                                                                        : axis.voxel > 0 ? axis.voxel
                                                                                         : base;
   struct Run {
-    Propagation by;
     double spacing, bytes;
-    std::optional<burning::Turns> other;  // turns than the program's
+    std::optional<burning::BlockSchedule> other;  // than the program's
   };
   std::vector<Run> runs;
-  for (const double w : spacings)
-    for (const Propagation by : {Propagation::nodes, Propagation::segments}) {
-      if (by == Propagation::nodes && !nodes) continue;
-      options.propagation = by;
-      options.omega = base * w;
-      runs.push_back({by, base * w, burn_bytes(axis, options, {}), std::nullopt});  // before anything else grows
-      if (by == Propagation::segments)
-        for (const burning::Turns& turns : others)
-          runs.push_back({by, base * w, burn_bytes(axis, options, turns), turns});
-    }
-  options.propagation = Propagation::segments;
+  for (const double w : spacings) {
+    options.omega = base * w;
+    runs.push_back({base * w, burn_bytes(axis, options, {}), std::nullopt});  // before anything else grows
+    for (const burning::BlockSchedule& schedule : others)
+      runs.push_back({base * w, burn_bytes(axis, options, schedule), schedule});
+  }
   options.omega = base * fine;
   const Burning truth = burn(axis.complex, axis.points, axis.radius, options);
   fmt::print("{} vertices, {} faces, default spacing {:.4g}\n\n", axis.complex.vertex_count, axis.complex.face_count(),
              base);
-  fmt::print("| spacing | by | nodes | s | us/node | B/node | mean error of ET | at most {:.3g} above, below |\n",
+  fmt::print("| spacing | schedule | nodes | s | us/node | B/node | mean error of ET | at most {:.3g} above, below |\n",
              unit);
   fmt::print("|---|---|---|---|---|---|---|---|\n");
-  for (const auto& [by, spacing, bytes, other] : runs) {
-    options.propagation = by;
+  for (const auto& [spacing, bytes, other] : runs) {
     options.omega = spacing;
     std::vector<double> seconds, ratios;
     Burning result;
-    const auto timed = [&](const burning::Turns& turns) {
+    const auto timed = [&](const burning::BlockSchedule& schedule) {
       const double start = cpu_seconds();
-      result = burn_in_turns(axis.complex, axis.points, axis.radius, options, turns, nullptr);
+      result = burn_scheduled(axis.complex, axis.points, axis.radius, options, schedule, nullptr);
       return cpu_seconds() - start;
     };
     for (int run = 0; run < 3; ++run) {
       const double ours = other ? timed({}) : 0;
-      seconds.push_back(timed(other.value_or(burning::Turns{})));
+      seconds.push_back(timed(other.value_or(burning::BlockSchedule{})));
       ratios.push_back(seconds.back() / ours);
     }
     std::sort(seconds.begin(), seconds.end());
     std::sort(ratios.begin(), ratios.end());
-    std::string name = by == Propagation::nodes ? "nodes" : "segments";
-    if (other)
-      name += fmt::format(", turns of {} states, {:g} spacings: {:.2f} x", other->states, other->window, ratios[1]);
+    const std::string name = other ? fmt::format("blocks of {} states, windows of {:g} spacings: {:.2f} x",
+                                                 other->states_per_block, other->window_width, ratios[1])
+                                   : "default";
     double error = 0, above = 0, below = 0;
     std::size_t count = 0;
     for (std::size_t v = 0; v < axis.radius.size(); ++v) {
@@ -181,9 +171,9 @@ int main(int argc, char** argv) {
       error += std::abs(got - et) / et;
       ++count;
     }
-    const double n = result.network.node_count();
+    const double n = result.node_count;
     fmt::print("| {:.4g} | {} | {} | {:.3f} | {:.2f} | {:.0f} | {:.3f}% | {:.3f}, {:.3f} |\n", options.omega, name,
-               result.network.node_count(), seconds[1], seconds[1] / n * 1e6, bytes / n,
+               result.node_count, seconds[1], seconds[1] / n * 1e6, bytes / n,
                count ? 100 * error / static_cast<double>(count) : 0, above / unit, below / unit);
     std::fflush(stdout);
   }

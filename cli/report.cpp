@@ -125,17 +125,14 @@ void say_written(Session& session, const std::string& axis, const std::string& r
 Json parameters_section(const pipeline::BurningOptions& options) {
   const auto named = [](const auto& value) { return value ? std::string(pipeline::name_of(*value)) : "auto"; };
   return {{"omega", pipeline::text_of(options.omega)},
-          {"propagation", named(options.propagation)},
+          {"propagation", options.recorded ? "segments" : "auto"},
           {"radius", named(options.radius)}};
 }
 
 void add_burn_section(Json& report, const pipeline::BurnFigures& burned) {
-  report["burn"] = {{"omega", burned.options.omega},
-                    {"nodes", burned.nodes},
-                    {"unburned", burned.unburned},
-                    {"max_burn_time", burned.max_burn_time},
-                    {"propagation", pipeline::name_of(burned.options.propagation)},
-                    {"radius_rule", pipeline::name_of(burned.options.radius)}};
+  report["burn"] = {{"omega", burned.options.omega}, {"nodes", burned.nodes},
+                    {"unburned", burned.unburned},   {"max_burn_time", burned.max_burn_time},
+                    {"propagation", "segments"},     {"radius_rule", pipeline::name_of(burned.options.radius)}};
 }
 
 void say_burned(const pipeline::BurnFigures& burned, std::size_t vertices, Session& session) {

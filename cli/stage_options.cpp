@@ -89,11 +89,6 @@ void add_burn_options(CLI::App& app, pipeline::BurningOptions& o) {
       ->type_name("LENGTH")
       ->capture_default_str()
       ->group(group);
-  add_named(app, "--propagation", o.propagation, Propagation::segments, Propagation::nodes,
-            "How fire crosses polygons: 'segments' (accurate) or 'nodes' (along straight arcs only; an upper "
-            "bound, as in other programs); 'auto': segments, or what a burned AXIS says")
-      ->type_name("NAME")
-      ->group(group);
   add_named(app, "--radius", o.radius, RadiusRule::exact, RadiusRule::linear,
             "The radius between vertices: 'exact' where neighbours share a nearest boundary point, 'linear', or "
             "'auto': exact for voxel cores of Quench, linear for others")

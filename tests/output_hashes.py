@@ -110,13 +110,13 @@ def step_cases():
 
 CORE_OPTIONS = ['--lambda 0', '--lambda 0.05', '--lambda 3%', '--lambda 2.5vox', '--lambda 0.1abs', '--lambda inf',
                 '--lambda-rule ball', '--full', '--full --lambda 1.5vox --lambda-rule ball']
-BURN_OPTIONS = ['--omega 0.005', '--omega 0.5vox', '--omega 0.04abs', '--propagation nodes', '--radius linear',
-                '--propagation nodes --radius linear --omega 0.01']
+BURN_OPTIONS = ['--omega 0.005', '--omega 0.5vox', '--omega 0.04abs', '--omega 2%', '--radius linear',
+                '--radius linear --omega 0.01']
 SKELETON_OPTIONS = ['--theta2 inf', '--theta2 0', '--theta2 8%', '--theta1 0', '--theta1 inf', '--theta1 2vox', '--full',
                     '--smooth 0', '--smooth 50 --resample 0.02', '--tips pruned', '--root 0,0,9 --swc-type axon',
-                    '--propagation nodes --theta2 inf', '--radius linear --theta2 0.05', '--omega 0.01']
+                    '--omega 0.02 --theta2 inf', '--radius linear --theta2 0.05', '--omega 0.01']
 VIEW_OPTIONS = ['--theta2 inf --theta1 0.1 --dark', '--layer core --color lambda --lambda 0.05', '--max-triangles 2000',
-                '--camera 1,2,3,0,0,0,0,0,1 --color radius', '--propagation nodes --omega 0.02']
+                '--camera 1,2,3,0,0,0,0,0,1 --color radius', '--omega 0.02']
 
 
 def numbered(command, options, output):
@@ -140,7 +140,7 @@ def option_cases():
     yield Case('options_run', [root, fin,
                                f'{run_root} --theta2 inf --tips pruned --smooth 0 --resample 0.01 --no-view -o curves',
                                f'{run_root} --lambda 1vox --root 0,0,1 --swc-type 7 --max-triangles 3000 -o small_page',
-                               f'{run_fin} --full --propagation nodes --radius linear --omega 0.01 -o nodes',
+                               f'{run_fin} --full --radius linear --omega 0.01 -o linear',
                                f'{run_fin} --lambda 2% --theta1 0 --theta2 5% --json report.json -o other'])
 
 

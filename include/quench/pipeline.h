@@ -85,7 +85,7 @@ CorePlan plan_core(const VoxelShape& shape, const Context* context);
 /// Memory of the whole way from a shape to its skeletons, in bytes, by measured cases.
 std::int64_t predicted_run_bytes(const VoxelShape& shape);
 /// Memory that quench_curves() and skeletons() need for a burning, in bytes.
-std::int64_t predicted_skeleton_bytes(const BurnNetwork& network);
+std::int64_t predicted_skeleton_bytes(const Burning& burning);
 
 // -------------------------------------------------------------------------------------------------------------- shape
 
@@ -226,18 +226,16 @@ LoadedAxis axis_of(Record&& data, const std::string& file, Context* context = nu
 // ------------------------------------------------------------------------------------------------------------ burning
 
 std::string_view name_of(LambdaRule rule);  ///< "coface", "ball"
-std::string_view name_of(Propagation way);  ///< "segments", "nodes"
 std::string_view name_of(RadiusRule rule);  ///< "exact", "linear"
 /// The value of that name; nothing when there is none.
 std::optional<LambdaRule> lambda_rule_of(std::string_view name);
-std::optional<Propagation> propagation_of(std::string_view name);
 std::optional<RadiusRule> radius_rule_of(std::string_view name);
 
-/// What is not given is automatic: half the mean edge; segments; exact for voxel cores of Quench, else linear.
+/// What is not given is automatic: half the mean edge; exact for voxel cores of Quench, else linear.
 struct BurningOptions {
   std::optional<Length> omega = {};
-  std::optional<Propagation> propagation = {};
   std::optional<RadiusRule> radius = {};
+  bool recorded = false;  ///< take_recorded() has found a burning; reports say so
 };
 
 /// omega "auto" or a length above 0. Throws Error(usage), field `omega`, otherwise.

@@ -22,22 +22,6 @@ std::shared_ptr<Axis> compute_axis(std::shared_ptr<Shape> shape, const pipeline:
   return result;
 }
 
-namespace {
-
-/// What results and files need of a burning whose family of skeletons is made.
-Burning without_states(const Burning& burning) {
-  Burning light;
-  light.options = burning.options;
-  light.burn_time = burning.burn_time;
-  light.erosion_thickness = burning.erosion_thickness;
-  light.max_burn_time = burning.max_burn_time;
-  light.unburned = burning.unburned;
-  light.network.node_base = {burning.network.node_count()};
-  return light;
-}
-
-}  // namespace
-
 std::shared_ptr<const Fire> compute_fire(const Axis& axis, double omega, bool family,
                                          const std::shared_ptr<const Fire>& known, Context& context) {
   const MedialAxis& m = axis.axis();
@@ -53,7 +37,8 @@ std::shared_ptr<const Fire> compute_fire(const Axis& axis, double omega, bool fa
   }
   if (!family) return fire;
   RefinedAxis refined = pipeline::curves_of(m, *burning, &context);
-  fire->burning = without_states(*burning);
+  if (same) fire->burning = *burning;
+  fire->burning.sectors.reset();  // what the curves needed, most of its memory
   fire->family = std::make_shared<const pipeline::FamilyResult>(
       pipeline::family_of(std::move(refined), axis.core.topology, &context));
   return fire;

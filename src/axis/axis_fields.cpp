@@ -30,9 +30,10 @@ constexpr NumberField kNumbers[] = {{"omega", 1, is_length, "a length"},
 
 struct NameField {
   const char* name;
-  std::string_view allowed[2];
+  std::span<const std::string_view> allowed;
 };
-constexpr NameField kNames[] = {{"propagation", {"segments", "nodes"}}, {"radius_rule", {"exact", "linear"}}};
+constexpr std::string_view kPropagations[] = {"segments"}, kRadiusRules[] = {"exact", "linear"};
+constexpr NameField kNames[] = {{"propagation", kPropagations}, {"radius_rule", kRadiusRules}};
 
 /// What is wrong with an array; nothing when it can be used.
 std::optional<std::string> fault_of(const DataArray& array) {

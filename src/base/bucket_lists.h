@@ -9,8 +9,9 @@
 
 namespace quench::base {
 
-/// Numbered buckets that entries are put into one by one and taken out of all at once: lists of chunks that are used
-/// again, so that memory follows what is held. (A vector per bucket has twice its size reserved, and copies.)
+/// Numbered buckets into which entries are put one by one and from which they are taken all at once: lists of chunks
+/// that are reused, so that memory is proportional to the entries held. (A vector per bucket would reserve twice its
+/// size, and copy.)
 template <class Entry>
 class BucketLists {
  public:
@@ -53,7 +54,7 @@ class BucketLists {
  private:
   static constexpr std::uint32_t kChunk = 16, kChunksAtOnce = 1024, kNoChunk = ~std::uint32_t{0};
   struct Bucket {
-    std::uint32_t chunk, filled;  // the newest chunk, which alone may be filled in part
+    std::uint32_t chunk, filled;  // the newest chunk and its number of entries; all older chunks are full
   };
   struct Chunks {
     std::array<Entry, std::size_t{kChunk} * kChunksAtOnce> entries;
@@ -78,7 +79,8 @@ class BucketLists {
 
   std::vector<Bucket> buckets_;
   std::vector<std::unique_ptr<Chunks>> chunks_;
-  std::vector<std::uint32_t> next_chunk_;  // of each chunk, in its bucket or among the free ones
+  std::vector<std::uint32_t>
+      next_chunk_;  // next_chunk_[c]: the chunk after c in its bucket or in the list of free ones
   std::uint32_t free_ = kNoChunk;
 };
 

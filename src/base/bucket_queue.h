@@ -12,9 +12,10 @@
 
 namespace quench::base {
 
-/// A priority queue of (key, id) for keys that mostly grow: buckets of equal width, sorted when they open, and a heap
-/// for entries that come in below the open bucket's end. Pops in the order of (key, id), whatever the order of pushes;
-/// so results are reproducible. Entries overtaken by a smaller key are the caller's to drop.
+/// A priority queue of (key, id) for keys that mostly grow: buckets of equal width, each sorted when the queue reaches
+/// it, and a heap for entries that are pushed below the end of the current bucket. Pops in the order of (key, id),
+/// whatever the order of pushes, so results are reproducible. A smaller key is pushed as a new entry; the caller
+/// recognizes the stale one.
 template <class Id>
 class BucketQueue {
  public:
@@ -46,8 +47,8 @@ class BucketQueue {
     buckets_.put(bucket, {key, id});
   }
 
-  /// False when empty. `stale(entry)` entries of a bucket are dropped when it opens; `fetch(id)` is called for each
-  /// some time before, to prefetch what `stale` reads.
+  /// False when empty. Entries for which stale(entry) holds are dropped when their bucket is sorted; fetch(id) is
+  /// called for each entry some time before, to prefetch what `stale` reads.
   template <class Stale, class Fetch>
   bool pop(Entry& entry, const Stale& stale, const Fetch& fetch) {
     while (cursor_ == open_.size() && late_.empty()) {
@@ -86,13 +87,14 @@ class BucketQueue {
 
  private:
   static constexpr double kMostBuckets = 1 << 20;
-  static constexpr std::size_t kWorthThreads = 1 << 14;  // of fewer, waking a thread costs more than it helps
+  static constexpr std::size_t kWorthThreads = 1 << 14;  // sorting fewer on several threads is slower than on one
 
   double origin_, scale_;
-  std::size_t next_ = 0;    // first bucket that is not open yet
-  std::size_t cursor_ = 0;  // in open_
+  std::size_t next_ = 0;    // the bucket after the current one
+  std::size_t cursor_ = 0;  // next entry of open_
   BucketLists<Entry> buckets_;
-  std::vector<Entry> open_, late_;
+  std::vector<Entry> open_;  // the current bucket, sorted
+  std::vector<Entry> late_;  // heap of entries pushed below its end
 };
 
 }  // namespace quench::base

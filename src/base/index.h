@@ -3,16 +3,14 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <vector>
 
 #include "quench/error.h"
+#include "quench/geometry.h"
 
 /// Indices of 32 bits: half the memory of 64, and enough for all that fits the memory of one machine.
 namespace quench::base {
 
-/// No element.
-inline constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
 /// Throws Error(failed) when a number of cells or corners outgrows 32-bit indices; the two largest have other meanings.
 inline void check_index(std::size_t count) {

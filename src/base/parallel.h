@@ -70,7 +70,7 @@ inline std::pair<std::size_t, std::size_t> part_of(std::size_t count, std::size_
   return {at(chunk), at(chunk + 1)};
 }
 
-/// As many chunks as keep threads busy without cost, of some `size` elements each.
+/// Number of chunks of about `size` elements; one task each.
 inline std::size_t chunks_for(std::size_t count, std::size_t size = std::size_t{1} << 16) { return count / size + 1; }
 
 /// Calls body(i) for every i in [0, count), in chunks on the threads of the arena.

@@ -7,7 +7,8 @@
 #include <cmath>
 
 #include "base/parallel.h"
-#include "burning/fire.h"
+#include "burning/burn_pass.h"
+#include "quench/axis.h"
 #include "quench/error.h"
 
 namespace quench {
@@ -80,62 +81,61 @@ double radius_inside_edge(double r0, double r1, double length, double t, RadiusR
   return std::sqrt(std::max(0.0, (1 - t) * r0 * r0 + t * r1 * r1 - t * (1 - t) * length * length));
 }
 
-static Burning burned(const CellComplex& complex, std::span<const Vec3> points, std::span<const double> radius,
-                      const BurnOptions& options, const Turns& turns, Context* context) {
-  checkpoint(context, "burn", 0);
+Burning burning::finish_burning(const BurnDomain& domain, Labels labels, std::shared_ptr<BurnedSectors> sectors,
+                                const BurnOptions& options, Context* context) {
   Burning result;
   result.options = options;
-  const double mean = mean_edge(complex, points);
-  if (result.options.omega == 0) result.options.omega = default_omega(complex, points);
-  if (result.options.omega == 0) result.options.omega = 1;  // no edges of any length: any spacing will do
-  result.network = make_network(complex, points, result.options.omega, options.propagation);
-  const Links links = make_links(complex, result.network);
-  const Polygons polygons = make_polygons(complex, points, result.network);
-  double scale = 0;
-  for (const Vec3& p : points) scale = std::max(scale, (p - points[0]).norm());
-  const Site site{complex, points, radius, result.network, links, polygons, options.radius, scale};
-
-  std::vector<char> opened;
   Times times;
-  {
-    const bool segments = options.propagation == Propagation::segments;
-    // Labels of the segments are corrected; without a tolerance nodes would burn again for every rounding.
-    const double tolerance = segments ? std::min(2e-3 * result.options.omega, 6e-4 * mean) : 0;
-    Labels labels(site, turns, tolerance, segments);
-    if (segments)
-      propagate_by_segments(site, labels, tolerance, context);
-    else
-      propagate_by_nodes(site, labels, context);
-    labels.release(times, opened);
-  }
-  if (options.parents) order_pass(site, opened, times, result, context);
+  std::vector<char> opened;
+  labels.release(times, opened);
+  if (options.parents) order_pass(domain, opened, times, *sectors, context);
 
-  result.state_time.assign(times.begin(), times.end());
-  result.burn_time.assign(radius.begin(), radius.end());
-  result.erosion_thickness.resize(radius.size());
-  for (std::uint32_t v = 0; v < complex.vertex_count; ++v) {
+  sectors->state_time.assign(times.begin(), times.end());
+  result.burn_time.assign(domain.radius.begin(), domain.radius.end());
+  result.erosion_thickness.resize(domain.radius.size());
+  for (std::uint32_t v = 0; v < domain.complex.vertex_count; ++v) {
     double& time = result.burn_time[v];
-    for (std::uint32_t s = result.network.vertex_base[v]; s < result.network.vertex_base[v + 1]; ++s)
-      time = std::max(time, result.state_time[s]);
-    result.erosion_thickness[v] = time - radius[v];
+    for (std::uint32_t s = domain.network.vertex_base[v]; s < domain.network.vertex_base[v + 1]; ++s)
+      time = std::max(time, times[s]);
+    result.erosion_thickness[v] = time - domain.radius[v];
     if (std::isinf(time))
       ++result.unburned;
     else
       result.max_burn_time = std::max(result.max_burn_time, time);
   }
+  result.node_count = domain.network.node_count();
+  result.sectors = std::move(sectors);
   checkpoint(context, "burn", 1);
   return result;
 }
 
-Burning burn(const CellComplex& complex, std::span<const Vec3> points, std::span<const double> radius,
-             const BurnOptions& options, Context* context) {
-  return burn_in_turns(complex, points, radius, options, {}, context);
+static Burning burned(const CellComplex& complex, std::span<const Vec3> points, std::span<const double> radius,
+                      BurnOptions options, const BlockSchedule& schedule, Context* context) {
+  checkpoint(context, "burn", 0);
+  if (options.omega == 0) options.omega = default_omega(complex, points);
+  if (options.omega == 0) options.omega = 1;  // all edges have length 0
+  auto sectors = std::make_shared<BurnedSectors>();
+  sectors->network = make_network(complex, points, options.omega);
+  const BurnDomain domain{complex, points, radius, sectors->network, options.radius};
+  Labels labels(domain, schedule, std::min(2e-3 * options.omega, 6e-4 * mean_edge(complex, points)));
+  propagate_by_segments(domain, labels, context);
+  return finish_burning(domain, std::move(labels), std::move(sectors), options, context);
 }
 
-Burning burning::burn_in_turns(const CellComplex& complex, std::span<const Vec3> points, std::span<const double> radius,
-                               const BurnOptions& options, const Turns& turns, Context* context) {
+Burning burning::burn_scheduled(const CellComplex& complex, std::span<const Vec3> points,
+                                std::span<const double> radius, const BurnOptions& options,
+                                const BlockSchedule& schedule, Context* context) {
   check_input(complex, points, radius, options);
-  return base::in_arena(context, [&] { return burned(complex, points, radius, options, turns, context); });
+  return base::in_arena(context, [&] { return burned(complex, points, radius, options, schedule, context); });
+}
+
+Burning burn(const CellComplex& complex, std::span<const Vec3> points, std::span<const double> radius,
+             const BurnOptions& options, Context* context) {
+  return burn_scheduled(complex, points, radius, options, {}, context);
+}
+
+Burning burn(const MedialAxis& axis, const BurnOptions& options, Context* context) {
+  return burn(axis.complex, axis.points, axis.radius, options, context);
 }
 
 }  // namespace quench

@@ -7,13 +7,14 @@
 namespace quench::burning {
 namespace {
 
-// A node's label in the frame of a side of the polygon.
+// The label of a node in the frame of a side of the polygon.
 struct End {
-  double at, time;     // place on the side, burn time
-  bool vertex, known;  // a mesh vertex; an inserted node whose source is known
-  bool from_inside;    // its front came through this polygon
+  double at, time;   // position on the side, burn time
+  bool vertex;       // it is a vertex of the complex
+  bool known;        // it is an inserted node whose source is known: the point (x, +-y), at source_time
+  bool from_inside;  // its front came through this polygon
   std::uint32_t through;
-  double x, y, source_time;  // the source, where known
+  double x, y, source_time;
   double field(double p) const { return source_time + std::sqrt((p - x) * (p - x) + y * y); }
 };
 
@@ -51,14 +52,14 @@ class Builder {
     result_.right = ray(x, depth, right_.at);
   }
 
-  // One source serves both nodes: that of the earlier one.
+  // Both nodes have the same source: take that of the earlier one.
   void one_source() {
     const End& of = left_.time <= right_.time ? left_ : right_;
     const End& used = of.from_inside ? (&of == &left_ ? right_ : left_) : of;
     emit_all(used.x, used.y, used.source_time);
   }
 
-  // Two fronts meet where their fields are equal. A side that came through the polygon is not sent back into it.
+  // Two fronts meet where their fields are equal. One that came through the polygon is not sent back into it.
   void two_fronts() {
     double a = left_.at, b = right_.at;
     for (int step = 0; step < 10; ++step) {
@@ -76,7 +77,7 @@ class Builder {
     }
   }
 
-  // A mesh vertex burned before the other node's front reached it: that front serves the part it is first in.
+  // A vertex burned before the front of the other node reached it: that front gets the part that it reaches first.
   void beside_vertex(const End& vertex, const End& other) {
     double a = vertex.at, b = other.at;
     for (int step = 0; step < 10; ++step) {
@@ -88,7 +89,7 @@ class Builder {
     (other.at > vertex.at ? result_.right : result_.left) = ray(other.x, other.y, other.at);
   }
 
-  // The source that both times agree with: where circles of these radii meet, or a plane wave where they miss.
+  // The intersection of the circles of radius t1 and t2 about the two nodes, or a plane wave where they do not meet.
   void virtual_source(bool plane, double far) {
     if (left_.from_inside && !left_.vertex) return;
     if (right_.from_inside && !right_.vertex) return;
@@ -130,8 +131,8 @@ class Builder {
 
 }  // namespace
 
-SegmentFronts segment_fronts(const Site& site, const Labels& labels, const PolygonView& view, std::uint32_t i,
-                             std::uint32_t k, double tolerance) {
+SegmentFronts segment_fronts(const BurnDomain& domain, const Labels& labels, const PolygonView& view, std::uint32_t i,
+                             std::uint32_t k, double far) {
   const Polygons::Side& side = view.side(i);
   const std::uint32_t from = view.state(i, k), to = view.state(i, k + 1);
   if (labels.through(from) == view.face && labels.through(to) == view.face) return {};  // a
@@ -140,8 +141,8 @@ SegmentFronts segment_fronts(const Site& site, const Labels& labels, const Polyg
             right = end_of(labels, view, side, to, k + 1 == side.pieces, w * (k + 1));
   Builder build(left, right);
 
-  const double eps = 2 * tolerance;
-  // On a seam two fronts can be compared when they came from one sheet, or one of them from this one.
+  const double eps = 2 * labels.tolerance();
+  // On a seam two fronts can be compared only if they came from the same sheet, or one of them from this one.
   const bool one_sheet = side.sectors <= 1 || left.through == right.through || left.from_inside || right.from_inside;
   if (left.known && right.known && one_sheet) {  // b
     const double at_right = left.field(right.at), at_left = right.field(left.at);
@@ -163,15 +164,14 @@ SegmentFronts segment_fronts(const Site& site, const Labels& labels, const Polyg
     }
     if (at_vertex > vertex.time) build.beside_vertex(vertex, other);
   }
-  // d. A rim whose radius is not the distance to one point sends plane waves.
-  const auto sides = site.network.sides_of(side.edge);
+  // d. A free edge whose radius is not the distance to one point sends plane waves.
   bool plane = false;
-  if (sides.size() == 1) {
-    const auto [a, b] = site.complex.edges[side.edge];
-    const double r0 = site.radius[a], r1 = site.radius[b];
-    plane = site.rule == RadiusRule::linear || std::abs(r0 - r1) > side.length || side.length > r0 + r1;
+  if (domain.network.degree(side.edge) == 1) {
+    const auto [a, b] = domain.complex.edges[side.edge];
+    const double r0 = domain.radius[a], r1 = domain.radius[b];
+    plane = domain.rule == RadiusRule::linear || std::abs(r0 - r1) > side.length || side.length > r0 + r1;
   }
-  build.virtual_source(plane, 1e7 * site.scale);
+  build.virtual_source(plane, far);
   return build.result();
 }
 

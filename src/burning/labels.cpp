@@ -1,18 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "burning/labels.h"
+
 #include <algorithm>
 
 #include "base/prefetch.h"
-#include "burning/blocks.h"
-#include "burning/fire.h"
-#include "quench/error.h"
 
 namespace quench::burning {
 namespace {
 
-constexpr double kNever = std::numeric_limits<double>::infinity();
-
-// Parallel sectors: each burns when fire arrives in it, but the latest when one sheet is left besides it, with the
-// second latest. Ties: the higher rank counts as later.
+// Parallel sectors: each burns when fire arrives in it, but the one of the latest arrival burns with that of the second
+// latest, since it is the last sheet then. Ties: the higher rank counts as later.
 struct Latest {
   std::uint32_t last, second;
 };
@@ -31,20 +28,14 @@ Latest latest_of(const double* arrival, std::uint32_t count) {
 
 }  // namespace
 
-Labels::Labels(const Site& site, const Turns& turns, double tolerance, bool segments)
-    : site_(site),
-      tolerance_(tolerance),
-      segments_(segments),
-      queue_(site.radius.empty() ? 0 : *std::min_element(site.radius.begin(), site.radius.end()),
-             turns.window * site.network.omega, make_blocks(site.complex, site.points, site.network, turns.states)) {
-  const std::uint32_t states = site.network.state_count();
+Labels::Labels(const BurnDomain& domain, const BlockSchedule& schedule, double tolerance)
+    : domain_(domain), tolerance_(tolerance), queue_(make_label_queue(domain, schedule)) {
+  const std::uint32_t states = domain.network.state_count();
   time_.assign(states, kNever);
-  arrival_.assign(site.links.arrivals, kNever);
+  arrival_.assign(domain.links.arrivals, kNever);
   status_.assign(states, 0);
-  if (segments) {
-    through_.assign(states, kNone);
-    source_.assign(states - site.vertex_states(), kUnknownSource);
-  }
+  through_.assign(states, kNone);
+  source_.assign(states - domain.vertex_states(), kUnknownSource);
   start_vertices();
   start_edges();
   for (std::uint32_t s = 0; s < states; ++s)
@@ -52,42 +43,41 @@ Labels::Labels(const Site& site, const Turns& turns, double tolerance, bool segm
 }
 
 void Labels::start_vertices() {
-  const BurnNetwork& network = site_.network;
+  const BurnNetwork& network = domain_.network;
   std::vector<std::uint32_t> stripped;
   Link link;
-  for (std::uint32_t v = 0; v < site_.complex.vertex_count; ++v) {
+  for (std::uint32_t v = 0; v < domain_.complex.vertex_count; ++v) {
     const std::uint32_t first = network.vertex_base[v], count = network.vertex_base[v + 1] - first;
     removed_.resize(count);
     for (std::uint32_t s = 0; s < count; ++s) {
-      const std::uint32_t c = site_.links.corner_list[site_.links.corner_offsets[first + s]];
-      removed_[s] = network.pocket[network.corner_face[c]];
+      removed_[s] = domain_.in_pocket(first + s);
       status_[first + s] = static_cast<unsigned char>((removed_[s] ? pocket : 0) | (count > 1 ? several : 0));
     }
-    if (count == 0 || (count == 1 && site_.links.ends[first].a == kNone)) continue;  // no free end
+    if (count == 0 || (count == 1 && domain_.links.ends[first].a == kNone)) continue;  // no free end
     stripped.clear();
-    link.reset({site_.links.ends.data() + first, count}, removed_);
+    link.reset({domain_.links.ends.data() + first, count}, removed_);
     link.strip(stripped);
     for (const std::uint32_t s : stripped) {
       status_[first + s] |= open | queued;
-      time_[first + s] = site_.radius[v];
+      time_[first + s] = domain_.radius[v];
     }
   }
 }
 
 void Labels::start_edges() {
-  const BurnNetwork& network = site_.network;
-  for (std::uint32_t e = 0; e < site_.complex.edges.size(); ++e) {
-    const auto sides = network.sides_of(e);
+  const BurnNetwork& network = domain_.network;
+  for (std::uint32_t e = 0; e < domain_.complex.edges.size(); ++e) {
+    const auto corners = network.face_corners_at(e);
     const std::uint32_t first = network.state_base[e], sectors = network.sectors_of(e);
     for (std::uint32_t i = 1; i < network.pieces[e]; ++i)
       for (std::uint32_t r = 0; r < sectors; ++r) {
         const std::uint32_t s = first + (i - 1) * sectors + r;
-        if (sectors > 1 && !site_.links.edges[e].pocket) status_[s] = several;
-        if (network.pocket[network.corner_face[sides[r]]]) {
+        if (sectors > 1 && !domain_.links.edges[e].pocket) status_[s] = several;
+        if (network.pocket[network.corner_face[corners[r]]]) {
           status_[s] = pocket;
-        } else if (sides.size() == 1) {
+        } else if (corners.size() == 1) {
           status_[s] = open | queued;
-          time_[s] = site_.radius_inside(e, i);
+          time_[s] = domain_.radius_inside(e, i);
         }
       }
   }
@@ -96,7 +86,7 @@ void Labels::start_edges() {
 inline void Labels::label(std::uint32_t state, double t) {
   const double before = time_[state];
   time_[state] = t;
-  status_[state] &= static_cast<unsigned char>(~floor);  // raised before, it may be too early again
+  status_[state] &= static_cast<unsigned char>(~at_radius);  // the new time may be below the radius
   if (status_[state] & queued) {
     queue_.lower(state, before, t);
   } else if (!(status_[state] & burned) || t < before - tolerance_) {
@@ -106,24 +96,22 @@ inline void Labels::label(std::uint32_t state, double t) {
 }
 
 inline void Labels::label(std::uint32_t state, double t, std::uint32_t through, const Source& source) {
-  if (!through_.empty()) {
-    through_[state] = through;
-    if (!site_.is_vertex(state)) source_[state - site_.vertex_states()] = source;
-  }
+  through_[state] = through;
+  if (!domain_.is_vertex(state)) source_[state - domain_.vertex_states()] = source;
   label(state, t);
 }
 
 void Labels::lower_time(std::uint32_t state, double t, std::uint32_t through, const Source& source) {
   if (!(status_[state] & several)) return label(state, t, through, source);
-  if (site_.is_vertex(state))
+  if (domain_.is_vertex(state))
     lower_vertex(state, t, through);
   else
     lower_seam(state, t, through, source);
 }
 
-// Whether all sectors of a vertex run between the same two directions, as along a seam, and none is in a pocket.
+// Whether all sectors of a vertex have the same two ends, as along a seam, and none is in a pocket.
 bool Labels::is_parallel(std::uint32_t first, std::uint32_t count) const {
-  const Links::Ends* ends = site_.links.ends.data() + first;
+  const Links::Ends* ends = domain_.links.ends.data() + first;
   const auto [a, b] = ends[0];
   if (a == kNone || a == 0 || b == 0 || a == b || count < 2) return false;
   for (std::uint32_t s = 0; s < count; ++s)
@@ -135,13 +123,13 @@ bool Labels::is_parallel(std::uint32_t first, std::uint32_t count) const {
 void Labels::lower_vertex(std::uint32_t state, double t, std::uint32_t through) {
   if (!(t < arrival_[state])) return;
   arrival_[state] = t;
-  const std::uint32_t v = site_.links.vertex_of[state];
-  const std::uint32_t first = site_.network.vertex_base[v], count = site_.network.vertex_base[v + 1] - first;
+  const std::uint32_t v = domain_.links.vertex_of[state];
+  const std::uint32_t first = domain_.network.vertex_base[v], count = domain_.network.vertex_base[v + 1] - first;
   const auto set = [&](std::uint32_t s, double time, std::uint32_t from) {
-    if (!through_.empty()) through_[s] = from;
+    through_[s] = from;
     label(s, time);
   };
-  if (is_parallel(first, count)) {  // the same as below, for most vertices
+  if (is_parallel(first, count)) {  // a short cut for most vertices
     const double* arrival = arrival_.data() + first;
     const auto [last, second] = latest_of(arrival, count);
     for (std::uint32_t s = 0; s < count; ++s) {
@@ -152,16 +140,16 @@ void Labels::lower_vertex(std::uint32_t state, double t, std::uint32_t through) 
   }
   removed_.resize(count);
   for (std::uint32_t s = 0; s < count; ++s) removed_[s] = (status_[first + s] & pocket) != 0;
-  const auto times = sector_times_({site_.links.ends.data() + first, count}, {arrival_.data() + first, count}, removed_,
-                                   site_.radius[v]);
+  const auto times = sector_times_({domain_.links.ends.data() + first, count}, {arrival_.data() + first, count},
+                                   removed_, domain_.radius[v]);
   for (std::uint32_t s = 0; s < count; ++s)
     if (times[s].time < time_[first + s])
       set(first + s, times[s].time, times[s].opened_by == state - first && first + s == state ? through : kNone);
 }
 
-// The front of the second latest goes on in the latest.
+// The front of the second latest sector continues in the latest.
 void Labels::lower_seam(std::uint32_t state, double t, std::uint32_t through, const Source& source) {
-  const Links::Edge& edge = site_.links.edges[site_.edge_of(state)];
+  const Links::Edge& edge = domain_.links.edges[domain_.edge_of(state)];
   const std::uint32_t place = state - edge.state_base, rank = place % edge.degree;
   double* arrival = arrival_.data() + edge.first_arrival + (place - rank);
   if (!(t < arrival[rank])) return;
@@ -170,9 +158,7 @@ void Labels::lower_seam(std::uint32_t state, double t, std::uint32_t through, co
   const std::uint32_t first = state - rank;
   if (rank != last) label(state, t, through, source);
   if (arrival[second] < time_[first + last])
-    through_.empty()
-        ? label(first + last, arrival[second])
-        : label(first + last, arrival[second], through_[first + second], Source(this->source(first + second)));
+    label(first + last, arrival[second], through_[first + second], Source(this->source(first + second)));
 }
 
 bool Labels::next(std::uint32_t& state, bool& again) {
@@ -182,14 +168,13 @@ bool Labels::next(std::uint32_t& state, bool& again) {
     base::prefetch(&time_[s]);
   };
   while (queue_.pop(state, time_of, fetch)) {
-    // Nothing burns before its own ball is gone: fronts of segments can be early by a fraction of the spacing. A radius
-    // by the linear rule is no such bound.
-    if (segments_ && !(status_[state] & (open | floor)) &&
-        (site_.is_vertex(state) || site_.rule == RadiusRule::exact)) {
-      const double least = site_.radius_of(state);
+    // No burn time is below the radius, but fronts of segments can be early by a fraction of the spacing. A radius
+    // interpolated by the linear rule is not such a bound.
+    if (!(status_[state] & (open | at_radius)) && (domain_.is_vertex(state) || domain_.rule == RadiusRule::exact)) {
+      const double least = domain_.radius_of(state);
       if (time_[state] < least) {
         time_[state] = least;
-        status_[state] |= floor;
+        status_[state] |= at_radius;
         queue_.push(state, least);
         continue;
       }
@@ -202,21 +187,22 @@ bool Labels::next(std::uint32_t& state, bool& again) {
 }
 
 void Labels::release(Times& times, std::vector<char>& opened) {
-  base::HugeVector<std::uint32_t>().swap(through_);
-  base::HugeVector<Source>().swap(source_);
-  queue_ = WindowQueue(0, 0, {});
+  HugeVector<std::uint32_t>().swap(through_);
+  HugeVector<Source>().swap(source_);
+  queue_ = LabelQueue();
   opened.assign(time_.size(), 0);
   const auto set = [&](std::uint32_t s, double arrival) {
     opened[s] = (status_[s] & several) && !(status_[s] & open) && time_[s] < arrival;
   };
-  for (std::uint32_t s = 0; s < site_.vertex_states(); ++s) set(s, arrival_[s]);
-  for (std::uint32_t e = 0; e < site_.links.edges.size(); ++e) {
-    const Links::Edge& edge = site_.links.edges[e];
+  for (std::uint32_t s = 0; s < domain_.vertex_states(); ++s) set(s, arrival_[s]);
+  for (std::uint32_t e = 0; e < domain_.links.edges.size(); ++e) {
+    const Links::Edge& edge = domain_.links.edges[e];
     if (edge.degree <= 2) continue;
-    const std::uint32_t first = edge.state_base, end = site_.network.state_base[e + 1];
+    const std::uint32_t first = edge.state_base, end = domain_.network.state_base[e + 1];
     for (std::uint32_t s = first; s < end; ++s) set(s, arrival_[edge.first_arrival + (s - first)]);
   }
   Times().swap(arrival_);
+  HugeVector<unsigned char>().swap(status_);
   times = std::move(time_);
 }
 

@@ -2,9 +2,26 @@
 #include "burning/link.h"
 
 #include <algorithm>
+#include <array>
 #include <numeric>
 
 namespace quench::burning {
+namespace {
+
+auto ends_of(std::span<const Links::Ends> ends) {
+  return [ends](std::uint32_t sector) { return std::array{ends[sector].a, ends[sector].b}; };
+}
+
+constexpr auto kIsFree = [](std::uint32_t direction, std::uint32_t) { return direction != 0; };
+
+auto note_in(std::vector<std::uint32_t>& stripped, std::span<char> removed) {
+  return [&stripped, removed](std::uint32_t, std::uint32_t sector) {
+    stripped.push_back(sector);
+    removed[sector] = 1;
+  };
+}
+
+}  // namespace
 
 void Link::reset(std::span<const Links::Ends> ends, std::span<char> removed) {
   ends_ = ends;
@@ -12,52 +29,28 @@ void Link::reset(std::span<const Links::Ends> ends, std::span<char> removed) {
   std::uint32_t directions = 1;
   for (const auto& e : ends)
     if (e.a != kNone) directions = std::max({directions, e.a + 1, e.b + 1});
-  count_ = directions;
-  if (directions_.size() < directions) directions_.resize(directions);
-  for (std::uint32_t d = 0; d < directions; ++d) directions_[d] = {0, 0};
+  directions_.reset(directions);
   for (std::uint32_t s = 0; s < ends.size(); ++s) {
     if (removed[s] || ends[s].a == kNone) continue;
-    for (const std::uint32_t d : {ends[s].a, ends[s].b}) {
-      ++directions_[d].degree;
-      directions_[d].sectors_xor ^= s;
-    }
-  }
-}
-
-void Link::detach(std::uint32_t sector) {
-  removed_[sector] = 1;
-  if (ends_[sector].a == kNone) return;
-  for (const std::uint32_t d : {ends_[sector].a, ends_[sector].b}) {
-    directions_[d].sectors_xor ^= sector;
-    if (--directions_[d].degree == 1 && d != 0) free_.push_back(d);
+    directions_.add(ends[s].a, s);
+    directions_.add(ends[s].b, s);
   }
 }
 
 void Link::remove(std::uint32_t sector, std::vector<std::uint32_t>& stripped) {
-  free_.clear();
-  detach(sector);
-  while (!free_.empty()) {
-    const std::uint32_t d = free_.back();
-    free_.pop_back();
-    if (directions_[d].degree != 1) continue;  // its last sector went from the other end
-    stripped.push_back(directions_[d].sectors_xor);
-    detach(directions_[d].sectors_xor);
-  }
+  removed_[sector] = 1;
+  if (ends_[sector].a == kNone) return;
+  directions_.remove(sector, ends_of(ends_), kIsFree, note_in(stripped, removed_));
 }
 
 void Link::strip(std::vector<std::uint32_t>& stripped) {
-  for (std::uint32_t d = 1; d < count_; ++d)
-    if (directions_[d].degree == 1) {
-      const std::uint32_t sector = directions_[d].sectors_xor;
-      stripped.push_back(sector);
-      remove(sector, stripped);
-    }
+  directions_.peel(ends_of(ends_), kIsFree, note_in(stripped, removed_));
 }
 
 bool Link::on_cycle(std::uint32_t sector) {
   const auto [from, to] = ends_[sector];
   if (from == to) return true;  // a closed loop, or a loop at one direction
-  group_.resize(count_);
+  group_.resize(directions_.vertex_count());
   std::iota(group_.begin(), group_.end(), 0u);
   const auto find = [&](std::uint32_t d) {
     while (group_[d] != d) d = group_[d] = group_[group_[d]];
@@ -71,7 +64,6 @@ bool Link::on_cycle(std::uint32_t sector) {
 std::span<const SectorTimes::Time> SectorTimes::operator()(std::span<const Links::Ends> ends,
                                                            std::span<const double> arrival,
                                                            std::span<const char> pocket, double radius) {
-  constexpr double kNever = std::numeric_limits<double>::infinity();
   times_.assign(ends.size(), {kNever, kNone});
   removed_.assign(pocket.begin(), pocket.end());
   link_.reset(ends, removed_);

@@ -4,49 +4,46 @@
 #include <span>
 #include <vector>
 
+#include "base/graph_peeler.h"
 #include "burning/network.h"
 
 namespace quench::burning {
 
-/// The link of one vertex: a graph whose edges are sectors, whose vertices are singular directions. A sector
-/// on which a direction hangs alone has a free end and burns by itself; direction 0 is a pocket and never free.
+/// The link of one vertex as a graph: its edges are sectors, its vertices singular directions. A link edge (sector)
+/// with an endpoint of degree 1 is free: it is removed at once. Direction 0 is the contracted pocket and never makes a
+/// sector free.
 class Link {
  public:
-  /// `removed[i]`: the sector is gone (burned, or part of the contracted pocket). Both spans must outlive the link.
-  Link(std::span<const Links::Ends> ends, std::span<char> removed) { reset(ends, removed); }
-  Link() = default;
+  /// `removed[i]`: sector i is not part of the link (burned, or part of the contracted pocket). Both spans must outlive
+  /// the use of the link.
   void reset(std::span<const Links::Ends> ends, std::span<char> removed);
 
-  /// Removes a sector, then every sector that has a free end; appends those to `stripped` in the order they go.
+  /// Removes a sector, then every sector that becomes free; appends those to `stripped` in the order of removal.
   void remove(std::uint32_t sector, std::vector<std::uint32_t>& stripped);
-  /// Removes every sector that has a free end.
+  /// Removes every sector that is free or becomes so.
   void strip(std::vector<std::uint32_t>& stripped);
-  /// Whether a sector that is left lies on a cycle of what is left; otherwise it is a bridge. O(k).
+  /// Whether a sector lies on a cycle of the link; otherwise it is a bridge. O(sectors).
   bool on_cycle(std::uint32_t sector);
 
  private:
-  void detach(std::uint32_t sector);
   std::span<const Links::Ends> ends_;
   std::span<char> removed_;
-  struct Direction {
-    std::uint32_t degree, sectors_xor;  // with degree 1 the xor is the only sector
-  };
-  std::vector<Direction> directions_;  // count_ of them are of this link
-  std::uint32_t count_ = 0;
-  std::vector<std::uint32_t> free_, group_;
+  base::GraphPeeler directions_;
+  std::vector<std::uint32_t> group_;
 };
 
-/// When each sector burns, from the arrivals of fire at each: open sectors at the radius before everything else; then
-/// by increasing arrival (ties: smaller index): what is still there goes, then what has a free end by now, at the same
-/// time. Monotone in every arrival. Pocket sectors never.
+/// When each sector of a link burns, from the arrivals of fire in them: free sectors at the radius, before everything
+/// else; then by increasing arrival (ties: smaller index) each sector that is left, and at the same time those that
+/// become free by its removal. Monotone in every arrival. Pocket sectors never burn.
 class SectorTimes {
  public:
   struct Time {
     double time;
-    std::uint32_t
-        opened_by;  ///< the sector that arrived; itself if this one did; kNone if open from the start or never
+    /// The sector whose arrival set the time: itself, or another by whose removal it became free. kNone if it was free
+    /// from the start, or never burns.
+    std::uint32_t opened_by;
   };
-  /// `pocket[i]` is lost. O(k log k).
+  /// The result is valid until the next call. O(k log k).
   std::span<const Time> operator()(std::span<const Links::Ends> ends, std::span<const double> arrival,
                                    std::span<const char> pocket, double radius);
 

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 #include "base/parallel.h"
 #include "base/union_find.h"
@@ -26,37 +27,27 @@ void for_all(std::size_t count, const Body& body) {
   });
 }
 
-void list_sides(const CellComplex& complex, BurnNetwork& network) {
+void list_corners(const CellComplex& complex, BurnNetwork& network) {
   const std::size_t corners = complex.face_vertices.size(), edges = complex.edges.size();
   network.corner_face.resize(corners);
   for (std::uint32_t f = 0; f < complex.face_count(); ++f)
     std::fill(network.corner_face.begin() + complex.face_offsets[f],
               network.corner_face.begin() + complex.face_offsets[f + 1], f);
-  network.side_offsets.assign(edges + 1, 0);
-  for (const std::uint32_t e : complex.face_edges) ++network.side_offsets[e + 1];
-  std::partial_sum(network.side_offsets.begin(), network.side_offsets.end(), network.side_offsets.begin());
-  network.side_list.resize(corners);
-  network.side_rank.resize(corners);
-  std::vector<std::uint32_t> filled(edges, 0);
-  for (std::uint32_t c = 0; c < corners; ++c) {
-    const std::uint32_t e = complex.face_edges[c];
-    network.side_rank[c] = filled[e];
-    network.side_list[network.side_offsets[e] + filled[e]++] = c;
-  }
+  network.edge_corners = base::Csr<std::uint32_t>::group(edges, [&](const auto& emit) {
+    for (std::uint32_t c = 0; c < corners; ++c) emit(complex.face_edges[c], c);
+  });
+  network.corner_rank.resize(corners);
+  for (std::uint32_t e = 0; e < edges; ++e)
+    for (std::uint32_t i = 0; i < network.degree(e); ++i) network.corner_rank[network.face_corners_at(e)[i]] = i;
 }
 
-std::uint32_t degree(const BurnNetwork& network, std::uint32_t e) {
-  return network.side_offsets[e + 1] - network.side_offsets[e];
-}
-
-// Seams get at least two pieces for the segments: near a seam the sheets' own times matter.
-void split_edges(const CellComplex& complex, BurnNetwork& network, Propagation propagation) {
+// Edges at the vertices of seams get at least two pieces: near a seam the times of the sheets differ.
+void split_edges(const CellComplex& complex, BurnNetwork& network) {
   const std::size_t edges = complex.edges.size();
   std::vector<char> at_seam(complex.vertex_count, 0);
-  if (propagation == Propagation::segments)
-    for (std::uint32_t e = 0; e < edges; ++e)
-      if (degree(network, e) > 2)
-        for (const std::uint32_t v : complex.edges[e]) at_seam[v] = 1;
+  for (std::uint32_t e = 0; e < edges; ++e)
+    if (network.degree(e) > 2)
+      for (const std::uint32_t v : complex.edges[e]) at_seam[v] = 1;
   network.pieces.resize(edges);
   network.node_base.resize(edges + 1);
   network.state_base.resize(edges + 1);
@@ -65,7 +56,7 @@ void split_edges(const CellComplex& complex, BurnNetwork& network, Propagation p
     network.node_base[e] = static_cast<std::uint32_t>(nodes);
     network.state_base[e] = static_cast<std::uint32_t>(states);
     double pieces = 1;
-    if (degree(network, e) > 0 && network.length[e] > 0) {
+    if (network.degree(e) > 0 && network.length[e] > 0) {
       pieces = std::max(1.0, std::ceil(network.length[e] / network.omega * (1 - 1e-12)));
       if (pieces < 2 && (at_seam[complex.edges[e][0]] || at_seam[complex.edges[e][1]])) pieces = 2;
     }
@@ -83,10 +74,10 @@ void split_edges(const CellComplex& complex, BurnNetwork& network, Propagation p
   network.state_base[edges] = static_cast<std::uint32_t>(states);
 }
 
-// Lays a polygon into the plane of its mean normal (Newell's); one of no area along its longest side. False unless it
-// is flat and convex with an area above rounding.
-bool lay_flat(std::span<const std::uint32_t> corners, std::span<const Vec3> points,
-              std::vector<std::array<double, 2>>& out) {
+// Projects a polygon on the plane of its mean normal (Newell's); one without area on the line of its longest side.
+// False unless it is flat and convex, with an area above rounding.
+bool unfold(std::span<const std::uint32_t> corners, std::span<const Vec3> points,
+            std::vector<std::array<double, 2>>& out) {
   const std::size_t n = corners.size();
   const Vec3 origin = points[corners[0]];
   Vec3 normal = Vec3::Zero(), u = Vec3::Zero();
@@ -121,10 +112,10 @@ bool lay_flat(std::span<const std::uint32_t> corners, std::span<const Vec3> poin
   return flat;
 }
 
-void lay_sides(const CellComplex& complex, std::span<const Vec3> points, const BurnNetwork& network, std::uint32_t f,
-               std::vector<std::array<double, 2>>& plane, Polygons& polygons) {
+void place_sides(const CellComplex& complex, std::span<const Vec3> points, const BurnNetwork& network, std::uint32_t f,
+                 std::vector<std::array<double, 2>>& plane, Polygons& polygons) {
   const auto corners = complex.corners(f);
-  polygons.flat[f] = lay_flat(corners, points, plane);
+  polygons.flat[f] = unfold(corners, points, plane);
   for (std::uint32_t i = 0; i < corners.size(); ++i) {
     const std::uint32_t c = complex.face_offsets[f] + i, e = complex.face_edges[c];
     const auto &from = plane[i], &to = plane[i + 1 == corners.size() ? 0 : i + 1];
@@ -140,20 +131,20 @@ void lay_sides(const CellComplex& complex, std::span<const Vec3> points, const B
     side.corner_state = network.corner_state[c];
     side.state_base = network.state_base[e];
     side.sectors = network.sectors_of(e);
-    side.rank = side.sectors > 1 ? network.side_rank[c] : 0;
+    side.rank = side.sectors > 1 ? network.corner_rank[c] : 0;
   }
 }
 
-// The ends of a vertex' sectors; `directions`: its singular edges, as they are met.
-void end_sectors(const CellComplex& complex, const BurnNetwork& network, std::uint32_t v,
-                 std::vector<std::uint32_t>& directions, Links& links) {
+// Finds the ends of the sectors of a vertex; `directions`: its singular edges, in the order in which they are found.
+void find_ends(const CellComplex& complex, const BurnNetwork& network, std::uint32_t v,
+               std::vector<std::uint32_t>& directions, Links& links) {
   directions.clear();
   for (std::uint32_t s = network.vertex_base[v]; s < network.vertex_base[v + 1]; ++s)
-    for (std::uint32_t i = links.corner_offsets[s]; i < links.corner_offsets[s + 1]; ++i) {
-      const std::uint32_t c = links.corner_list[i], f = network.corner_face[c];
+    for (const std::uint32_t c : std::as_const(links.corners)[s]) {
+      const std::uint32_t f = network.corner_face[c];
       const std::uint32_t before = c == complex.face_offsets[f] ? complex.face_offsets[f + 1] - 1 : c - 1;
       for (const std::uint32_t e : {complex.face_edges[c], complex.face_edges[before]}) {
-        if (degree(network, e) == 2) continue;
+        if (network.degree(e) == 2) continue;
         std::uint32_t id = 0;
         if (!links.edges[e].pocket) {
           const auto found = std::find(directions.begin(), directions.end(), e);
@@ -166,11 +157,9 @@ void end_sectors(const CellComplex& complex, const BurnNetwork& network, std::ui
     }
 }
 
-}  // namespace
-
+// Numbers the sectors of every vertex: vertex_base, corner_state. Corners that meet in an edge of exactly two polygons
+// are of one sector.
 void number_sectors(const CellComplex& complex, BurnNetwork& network) {
-  // Corners that meet in an edge of exactly two polygons are of one sector: a corner is joined with the next one around
-  // each end of its sides.
   const std::size_t corners = complex.face_vertices.size();
   base::UnionFind same(corners);
   std::vector<std::uint32_t> next(corners);
@@ -178,14 +167,13 @@ void number_sectors(const CellComplex& complex, BurnNetwork& network) {
     for (std::uint32_t c = complex.face_offsets[f]; c < complex.face_offsets[f + 1]; ++c)
       next[c] = c + 1 == complex.face_offsets[f + 1] ? complex.face_offsets[f] : c + 1;
   for (std::uint32_t e = 0; e < complex.edges.size(); ++e) {
-    if (degree(network, e) != 2) continue;
-    const std::uint32_t c = network.side_list[network.side_offsets[e]],
-                        d = network.side_list[network.side_offsets[e] + 1];
+    if (network.degree(e) != 2) continue;
+    const std::uint32_t c = network.face_corners_at(e)[0], d = network.face_corners_at(e)[1];
     const bool aligned = complex.face_vertices[c] == complex.face_vertices[d];
     same.unite(c, aligned ? d : next[d]);
     same.unite(next[c], aligned ? next[d] : d);
   }
-  // A set's root is its smallest corner: sectors of a vertex are numbered in the order of their first corners.
+  // The root of a set is its smallest corner: the sectors of a vertex are numbered in the order of their first corners.
   network.vertex_base.assign(std::size_t{complex.vertex_count} + 1, 0);
   for (std::uint32_t c = 0; c < corners; ++c)
     if (same.find(c) == c) ++network.vertex_base[complex.face_vertices[c] + 1];
@@ -198,8 +186,9 @@ void number_sectors(const CellComplex& complex, BurnNetwork& network) {
   }
 }
 
-BurnNetwork make_network(const CellComplex& complex, std::span<const Vec3> points, double omega,
-                         Propagation propagation) {
+}  // namespace
+
+BurnNetwork make_network(const CellComplex& complex, std::span<const Vec3> points, double omega) {
   BurnNetwork network;
   network.omega = omega;
   network.length.resize(complex.edges.size());
@@ -207,10 +196,10 @@ BurnNetwork make_network(const CellComplex& complex, std::span<const Vec3> point
     for (std::uint32_t e = first; e < last; ++e)
       network.length[e] = (points[complex.edges[e][1]] - points[complex.edges[e][0]]).norm();
   });
-  list_sides(complex, network);
+  list_corners(complex, network);
   number_sectors(complex, network);
   network.pocket = complex::faces_in_pockets(complex);
-  split_edges(complex, network, propagation);
+  split_edges(complex, network);
   return network;
 }
 
@@ -220,7 +209,7 @@ Polygons make_polygons(const CellComplex& complex, std::span<const Vec3> points,
   polygons.flat.resize(complex.face_count());
   for_all(complex.face_count(), [&](std::uint32_t first, std::uint32_t last) {
     std::vector<std::array<double, 2>> plane;
-    for (std::uint32_t f = first; f < last; ++f) lay_sides(complex, points, network, f, plane, polygons);
+    for (std::uint32_t f = first; f < last; ++f) place_sides(complex, points, network, f, plane, polygons);
   });
   return polygons;
 }
@@ -231,15 +220,9 @@ Links make_links(const CellComplex& complex, const BurnNetwork& network) {
   links.vertex_of.resize(states);
   for (std::uint32_t v = 0; v < complex.vertex_count; ++v)
     for (std::uint32_t s = network.vertex_base[v]; s < network.vertex_base[v + 1]; ++s) links.vertex_of[s] = v;
-  links.corner_offsets.assign(std::size_t{states} + 1, 0);
-  for (const std::uint32_t s : network.corner_state) ++links.corner_offsets[s + 1];
-  std::partial_sum(links.corner_offsets.begin(), links.corner_offsets.end(), links.corner_offsets.begin());
-  links.corner_list.resize(network.corner_state.size());
-  std::vector<std::uint32_t> filled(states, 0);
-  for (std::uint32_t c = 0; c < network.corner_state.size(); ++c) {
-    const std::uint32_t s = network.corner_state[c];
-    links.corner_list[links.corner_offsets[s] + filled[s]++] = c;
-  }
+  links.corners = base::Csr<std::uint32_t>::group(states, [&](const auto& emit) {
+    for (std::uint32_t c = 0; c < network.corner_state.size(); ++c) emit(network.corner_state[c], c);
+  });
   links.edge_of.resize(network.state_count() - states);
   links.edges.resize(complex.edges.size());
   for_all(complex.edges.size(), [&](std::uint32_t first, std::uint32_t last) {
@@ -250,13 +233,14 @@ Links make_links(const CellComplex& complex, const BurnNetwork& network) {
       edge = {};
       edge.state_base = network.state_base[e];
       edge.pieces = network.pieces[e];
-      edge.first_side = network.side_offsets[e];
-      edge.degree = degree(network, e) & 0x7FFFFFFFu;
-      const auto sides = network.sides_of(e);
-      for (std::size_t i = 0; i < sides.size(); ++i) {
-        if (i < 2) edge.corner[i] = sides[i];
-        if (i < 2 && edge.degree <= 2) edge.face[i] = network.corner_face[sides[i]];
-        if (network.pocket[network.corner_face[sides[i]]]) edge.pocket = 1;
+      edge.first_corner = network.edge_corners.offsets()[e];
+      edge.degree = network.degree(e) & 0x7FFFFFFFu;
+      const auto corners = network.face_corners_at(e);
+      for (std::size_t i = 0; i < corners.size(); ++i) {
+        const std::uint32_t f = network.corner_face[corners[i]];
+        if (i < 2) edge.corner[i] = corners[i];
+        if (i < 2 && edge.degree <= 2) edge.face[i] = f;
+        if (network.pocket[f]) edge.pocket = 1;
       }
     }
   });
@@ -269,7 +253,7 @@ Links make_links(const CellComplex& complex, const BurnNetwork& network) {
   links.ends.assign(states, {kNone, kNone});
   for_all(complex.vertex_count, [&](std::uint32_t first, std::uint32_t last) {
     std::vector<std::uint32_t> directions;
-    for (std::uint32_t v = first; v < last; ++v) end_sectors(complex, network, v, directions, links);
+    for (std::uint32_t v = first; v < last; ++v) find_ends(complex, network, v, directions, links);
   });
   return links;
 }

@@ -2,23 +2,23 @@
 #include <algorithm>
 #include <cmath>
 
-#include "burning/fire.h"
+#include "burning/burn_pass.h"
+#include "burning/link.h"
 #include "burning/polygon_view.h"
 #include "burning/prefetch_ahead.h"
+#include "burning/side_mask.h"
 #include "quench/error.h"
 
 namespace quench::burning {
 namespace {
 
-constexpr double kNever = std::numeric_limits<double>::infinity();
-
-// The burn sequence. A sector is *removed* from its node's link once, and from then on its node may be the parent of
-// others in its polygons. Keys are times of the burn pass, but never before a possible parent; a bridge waits until one
-// of its sides has opened.
+// The burn sequence: the order in which sectors are removed from the links of their nodes. Once its sector has been
+// removed, a node may be the parent of others in the polygons of that sector. The queue holds states with their times
+// of the burn pass, or that of the first possible parent if this is later.
 class Sequence {
  public:
-  Sequence(const Site& site, const std::vector<char>& opened, const Times& time, Burning& result)
-      : site_(site),
+  Sequence(const BurnDomain& domain, const std::vector<char>& opened, const Times& time, BurnedSectors& result)
+      : domain_(domain),
         opened_(opened),
         time_(time),
         parent_(result.parent),
@@ -26,14 +26,14 @@ class Sequence {
         rank_(result.rank),
         status_(time.size(), 0),
         done_time_(time.size(), kNever),
-        unoffered_(site.complex.face_count(), ~std::uint64_t{0}),
-        offers_again_(site.complex.face_count(), 0),
-        queue_(time.empty() ? 0 : *std::min_element(time.begin(), time.end()), site.network.omega / 32) {
-    chord_base_.reserve(site.complex.face_count() + 1);
+        unreached_(domain.complex.face_count(), SideMask::all()),
+        blocked_in_(domain.complex.face_count(), 0),
+        queue_(time.empty() ? 0 : *std::min_element(time.begin(), time.end()), domain.network.omega / 32) {
+    chord_base_.reserve(domain.complex.face_count() + 1);
     chord_base_.push_back(0);
-    for (std::uint32_t f = 0; f < site.complex.face_count(); ++f) {
+    for (std::uint32_t f = 0; f < domain.complex.face_count(); ++f) {
       std::uint64_t nodes = 0;
-      for (const std::uint32_t e : site.complex.sides(f)) nodes += site.network.pieces[e];
+      for (const std::uint32_t e : domain.complex.sides(f)) nodes += domain.network.pieces[e];
       chord_base_.push_back(chord_base_.back() + nodes);
     }
     chords_.assign(chord_base_.back(), {kNone, kNone});
@@ -51,7 +51,7 @@ class Sequence {
     const double states = static_cast<double>(time_.size());
     const auto fetch = [&](std::uint32_t s) { base::prefetch(&status_[s]); };
     for (std::uint64_t popped = 0; queue_.pop(entry, stale, fetch);) {
-      prefetch_ahead(queue_, site_, done_time_);
+      prefetch_ahead(queue_, domain_, done_time_);
       queue_.peek(12, [&](std::uint32_t s) { base::prefetch(&status_[s]); });
       if (stale(entry)) continue;
       if (popped++ % 4096 == 0)
@@ -67,141 +67,138 @@ class Sequence {
 
  private:
   enum : unsigned char {
-    kRemoved = 1,  // from the link
-    kDone = 2,     // in the sequence: may be a parent
-    kOffered = 4,  // in the queue
-    kBlocked = 8,  // popped, but no chord was free
+    kRemoved = 1,  // from its link
+    kDone = 2,     // its node may be a parent
+    kQueued = 4,   // has been in the queue
+    kBlocked = 8,  // popped, but every chord to a possible parent crossed another
     kPocket = 16,
   };
 
-  // Open sectors are gone from their links before everything else; they enter the sequence at their time.
+  // Free sectors are removed from their links before all others; their nodes may be parents from their times on.
   void start() {
     std::vector<std::uint32_t> stripped;
-    for (std::uint32_t v = 0; v < site_.complex.vertex_count; ++v) {
+    for (std::uint32_t v = 0; v < domain_.complex.vertex_count; ++v) {
       const std::uint32_t first = load_vertex(v);
       stripped.clear();
       link_.strip(stripped);
-      for (const std::uint32_t s : stripped) open(first + s);
+      for (const std::uint32_t s : stripped) start_from_free_sector(first + s);
     }
-    for (std::uint32_t e = 0; e < site_.complex.edges.size(); ++e)
-      if (site_.network.sides_of(e).size() == 1)
-        for (std::uint32_t s = site_.network.state_base[e]; s < site_.network.state_base[e + 1]; ++s) open(s);
+    for (std::uint32_t e = 0; e < domain_.complex.edges.size(); ++e)
+      if (domain_.network.degree(e) == 1)
+        for (std::uint32_t s = domain_.network.state_base[e]; s < domain_.network.state_base[e + 1]; ++s)
+          start_from_free_sector(s);
   }
-  void open(std::uint32_t state) {
-    status_[state] |= kOffered;
-    leave(state);
+  void start_from_free_sector(std::uint32_t state) {
+    status_[state] |= kQueued;
+    remove_from_link(state);
     queue_.push(time_[state], state);
   }
 
-  // The remaining link of a vertex into link_; returns the vertex' first state.
+  // Sets link_ to what is left of the link of a vertex; returns the first state of the vertex.
   std::uint32_t load_vertex(std::uint32_t v) {
-    const std::uint32_t first = site_.network.vertex_base[v], count = site_.network.vertex_base[v + 1] - first;
+    const std::uint32_t first = domain_.network.vertex_base[v], count = domain_.network.vertex_base[v + 1] - first;
     removed_.resize(count);
     for (std::uint32_t s = 0; s < count; ++s) removed_[s] = (status_[first + s] & (kRemoved | kPocket)) != 0;
-    link_.reset({site_.links.ends.data() + first, count}, removed_);
+    link_.reset({domain_.links.ends.data() + first, count}, removed_);
     return first;
   }
 
-  // From the link of its node.
-  void leave(std::uint32_t state) {
+  void remove_from_link(std::uint32_t state) {
     status_[state] |= kRemoved;
     rank_[state] = removed_count_++;
   }
 
   void burn(std::uint32_t state, double key) {
-    if (status_[state] & kRemoved) {  // an open sector
-      publish(state, key);
-      return;
-    }
-    if (site_.is_vertex(state)) {
-      const std::uint32_t first = load_vertex(site_.links.vertex_of[state]);
-      // A bridge never becomes prime: it goes when one of its sides has opened.
-      if (!link_.on_cycle(state - first)) return;
-      if (!find_parent(state)) return;
-      stripped_.clear();
-      link_.remove(state - first, stripped_);
-      leave(state);
-      publish(state, key);
-      for (const std::uint32_t s : stripped_) {
-        leave(first + s);
-        publish(first + s, key);
-      }
-      return;
-    }
-    if (!find_parent(state)) return;
-    leave(state);
-    const std::uint32_t e = site_.edge_of(state), sectors = site_.links.edges[e].sectors();
-    std::uint32_t last = kNone;
-    if (sectors > 1 && !site_.links.edges[e].pocket) {  // the last sheet goes with the last but one
-      const std::uint32_t first = state - (state - site_.network.state_base[e]) % sectors;
-      std::uint32_t left = 0;
-      for (std::uint32_t s = first; s < first + sectors; ++s)
-        if (!(status_[s] & kRemoved)) {
-          ++left;
-          last = s;
-        }
-      if (left != 1) last = kNone;
-    }
-    publish(state, key);
-    if (last == kNone) return;
-    leave(last);
-    publish(last, key);
+    if (status_[state] & kRemoved)  // a free sector
+      propagate_to_polygons(state, key);
+    else if (domain_.is_vertex(state))
+      burn_at_vertex(state, key);
+    else
+      burn_on_edge(state, key);
   }
 
-  // A removed sector offers the states that may have its node as parent. A state is offered once, by the first such
-  // node of its polygons; again only if it waits.
-  void publish(std::uint32_t state, double now) {
+  // A sector on a cycle of the link is prime: it is removed, then all that become free. A bridge never is prime: it is
+  // removed when it becomes free.
+  void burn_at_vertex(std::uint32_t state, double key) {
+    const std::uint32_t first = load_vertex(domain_.links.vertex_of[state]);
+    if (!link_.on_cycle(state - first) || !find_parent(state)) return;
+    stripped_.clear();
+    link_.remove(state - first, stripped_);
+    remove_from_link(state);
+    propagate_to_polygons(state, key);
+    for (const std::uint32_t s : stripped_) {
+      remove_from_link(first + s);
+      propagate_to_polygons(first + s, key);
+    }
+  }
+
+  void burn_on_edge(std::uint32_t state, double key) {
+    if (!find_parent(state)) return;
+    remove_from_link(state);
+    const std::uint32_t last = last_sector_beside(state);
+    propagate_to_polygons(state, key);
+    if (last == kNone) return;
+    remove_from_link(last);
+    propagate_to_polygons(last, key);
+  }
+  // The only sector that is left at the node of a removed state inside a seam: it is free now. kNone if there are more,
+  // or none.
+  std::uint32_t last_sector_beside(std::uint32_t state) const {
+    const std::uint32_t e = domain_.edge_of(state), sectors = domain_.links.edges[e].sectors();
+    if (sectors <= 1 || domain_.links.edges[e].pocket) return kNone;
+    const std::uint32_t first = state - (state - domain_.network.state_base[e]) % sectors;
+    std::uint32_t last = kNone;
+    for (std::uint32_t s = first; s < first + sectors; ++s) {
+      if (status_[s] & kRemoved) continue;
+      if (last != kNone) return kNone;
+      last = s;
+    }
+    return last;
+  }
+
+  // The node of a removed sector, as a parent of others.
+  struct Parent {
+    double now, time;  // time of the sequence; of the sector
+    Point at;
+  };
+
+  // Relaxes the states for which the node of the removed sector is a candidate parent. The first such node of its
+  // polygons queues a state; later ones need not look at it unless it is blocked.
+  void propagate_to_polygons(std::uint32_t state, double now) {
     status_[state] |= kDone;
     done_time_[state] = time_[state];
-    const auto wanted = [&](std::uint32_t f) { return unoffered_[f] != 0 || offers_again_[f]; };
-    for_each_place(site_, state, wanted, [&](const PolygonView& view, const Place& place) {
-      const std::uint32_t f = view.face, sides = view.side_count();
-      std::uint64_t& left = unoffered_[f];
-      const Offer from{now, time_[state], view.at(place.side, place.k)};
-      const auto offer_range = [&](std::uint32_t i, std::uint32_t first, std::uint32_t last) {
-        view.nodes(i, first, last, [&](std::uint32_t k, std::uint32_t s) { offer(s, from, view, i, k); });
-      };
+    const auto wanted = [&](std::uint32_t f) { return !unreached_[f].empty(); };
+    for_each_place(domain_, state, wanted, [&](const PolygonView& view, const Place& place) {
+      const Parent parent{now, time_[state], view.at(place.side, place.k)};
       for_each_edge_arc(view, place,
-                        [&](std::uint32_t i, std::uint32_t k) { offer(view.state(i, k), from, view, i, k); });
-      if (offers_again_[f] || sides > kMostTracked) {
-        for_each_far_side(view, place, offer_range);
-        return;
+                        [&](std::uint32_t i, std::uint32_t k) { relax(view.state(i, k), parent, view, i, k); });
+      // Face arcs lead to the nodes of all other sides; those of the node's own sides remain unreached.
+      const std::uint32_t i = place.side, before = view.before(i), after = view.after(i);
+      SideMask own = SideMask::none().with_side(i).with_corner(i).with_corner(after);
+      if (place.is_corner()) own = own.with_side(before).with_corner(before);
+      SideMask& unreached = unreached_[view.face];
+      for (std::uint32_t s = 0; s < view.side_count(); ++s) {
+        const bool on_before = place.is_corner() && s == before;
+        if (unreached.has_corner(s) && s != i && s != after && !on_before)
+          relax(view.side(s).corner_state, parent, view, s, 0);
+        const std::uint32_t pieces = view.side(s).pieces;
+        if (pieces > 1 && unreached.has_side(s) && s != i && !on_before)
+          view.nodes(s, 1, pieces - 1, [&](std::uint32_t k, std::uint32_t t) { relax(t, parent, view, s, k); });
       }
-      // Off the node's own sides everything; on them the two neighbours only.
-      const std::uint32_t i = place.side, before = view.before(i);
-      std::uint64_t own = side_bit(i) | corner_bit(i) | corner_bit(view.after(i));
-      if (place.is_corner()) own |= side_bit(before) | corner_bit(before);
-      const std::uint64_t offered = left & ~own;
-      for (std::uint32_t s = 0; s < sides; ++s) {
-        if (offered & corner_bit(s)) offer(view.side(s).corner_state, from, view, s, 0);
-        if (offered & side_bit(s) && view.side(s).pieces > 1) offer_range(s, 1, view.side(s).pieces - 1);
-      }
-      left &= own & all_bits(sides);
-      if (place.is_corner()) left &= ~corner_bit(i);
+      if (blocked_in_[view.face]) return;
+      unreached = unreached & own;
+      if (place.is_corner()) unreached = unreached.without_corner(i);
     });
   }
-  // What is not offered yet of a polygon: a bit for the inside of every side, a bit for every corner.
-  static constexpr std::size_t kMostTracked = 32;
-  static std::uint64_t side_bit(std::size_t i) { return std::uint64_t{1} << (i % kMostTracked); }
-  static std::uint64_t corner_bit(std::size_t i) { return std::uint64_t{1} << (i % kMostTracked + kMostTracked); }
 
-  static std::uint64_t all_bits(std::uint32_t sides) {
-    const std::uint64_t half = (std::uint64_t{1} << (sides % (kMostTracked + 1))) - 1;
-    return half | half << kMostTracked;
-  }
-
-  struct Offer {
-    double now, time;
-    Point from;
-  };
-  void offer(std::uint32_t state, const Offer& by, const PolygonView& view, std::uint32_t i, std::uint32_t k) {
+  void relax(std::uint32_t state, const Parent& parent, const PolygonView& view, std::uint32_t i, std::uint32_t k) {
     unsigned char& status = status_[state];
     if (status & (kRemoved | kPocket)) return;
-    if (status & kOffered && !(status & kBlocked)) return;
-    status = static_cast<unsigned char>((status | kOffered) & ~kBlocked);
-    double key = std::max(time_[state], by.now);
-    // It opened by itself in the burn pass and will here, unless it is on a cycle when fire arrives.
-    if (opened_[state]) key = std::max(key, by.time + distance(view.at(i, k), by.from));
+    if (status & kQueued && !(status & kBlocked)) return;
+    status = static_cast<unsigned char>((status | kQueued) & ~kBlocked);
+    double key = std::max(time_[state], parent.now);
+    // In the burn pass it burned because it became free. It will here, too, unless it is on a cycle when fire arrives.
+    if (opened_[state]) key = std::max(key, parent.time + distance(view.at(i, k), parent.at));
     queue_.push(key, state);
   }
 
@@ -211,9 +208,9 @@ class Sequence {
     std::uint32_t own_side, own_k;
   };
 
-  // The parent of a prime sector: among the nodes in the sequence the one from which fire would come first, whose chord
-  // crosses none drawn so far. Ties: the smaller face, then the first met along its sides from the node on. False, and
-  // the state is marked as waiting, when there is none.
+  // Finds the parent of a prime sector: among the nodes that may be parents the one from which fire would come first,
+  // of those whose chord crosses no earlier one. Ties: the smaller face, then the first along its sides from the node
+  // on. False, and the state is blocked, when there is none.
   bool find_parent(std::uint32_t state) {
     Candidate best{kNever, kNone, 0, 0, 0, 0};
     scan(state, true, [&](const Candidate& c) {
@@ -234,22 +231,25 @@ class Sequence {
     }
     if (best.face == kNone) {
       status_[state] |= kBlocked;
-      for_each_place(site_, state, [&](const PolygonView& view, const Place&) { offers_again_[view.face] = 1; });
+      for_each_place(domain_, state, [&](const PolygonView& view, const Place&) {
+        blocked_in_[view.face] = 1;
+        unreached_[view.face] = SideMask::all();
+      });
       return false;
     }
-    const PolygonView view(site_, best.face);
-    parent_[state] = node_of(view, best.side, best.k);
+    const PolygonView view(domain_, best.face);
+    parent_[state] = view.node(best.side, best.k);
     parent_face_[state] = best.face;
     draw(view, best);
     return true;
   }
 
-  // Calls visit(candidate), which returns the best value so far, for the nodes in the sequence that arcs of the state
-  // lead to. With `skip`, leaves out nodes that cannot be better: times change by no more than distance along a side.
+  // Calls visit(candidate), which returns the best value so far, for the possible parents to which arcs of the state's
+  // node lead. With `skip`, leaves out nodes that cannot be better: along a side, times change by at most the distance.
   template <class Visit>
   void scan(std::uint32_t state, bool skip, const Visit& visit) {
     double best = kNever;
-    for_each_place(site_, state, [&](const PolygonView& view, const Place& place) {
+    for_each_place(domain_, state, [&](const PolygonView& view, const Place& place) {
       const Point here = view.at(place.side, place.k);
       for_each_edge_arc(view, place, [&](std::uint32_t i, std::uint32_t k) {
         const double done = done_time_[view.state(i, k)];
@@ -272,21 +272,14 @@ class Sequence {
       });
     });
   }
-  std::uint32_t node_of(const PolygonView& view, std::uint32_t i, std::uint32_t k) const {
-    const Polygons::Side& side = view.side(i);
-    const std::uint32_t along = side.along_edge(k);
-    if (along == 0) return site_.complex.edges[side.edge][0];
-    if (along == side.pieces) return site_.complex.edges[side.edge][1];
-    return site_.network.node_base[side.edge] + along - 1;
-  }
 
-  // Chords of a polygon lie in its stretch of chords_, as many as it has nodes at most: each is of another node.
+  // The chords of a polygon are chords_[chord_base_[f]] up to the first unused one; at most one for each of its nodes.
   using Chord = std::array<std::uint32_t, 2>;
   bool crosses(const Candidate& c) const {
     std::size_t i = chord_base_[c.face];
     const std::size_t end = chord_base_[c.face + 1];
     if (i == end || chords_[i][0] == kNone) return false;
-    const PolygonView view(site_, c.face);
+    const PolygonView view(domain_, c.face);
     const std::uint32_t a = view.place(c.own_side, c.own_k), b = view.place(c.side, c.k);
     const std::uint32_t low = std::min(a, b), high = std::max(a, b);
     const auto side = [&](std::uint32_t p) { return p == low || p == high ? 0 : p > low && p < high ? 1 : -1; };
@@ -300,18 +293,17 @@ class Sequence {
     chords_[i] = {view.place(c.own_side, c.own_k), view.place(c.side, c.k)};
   }
 
-  const Site& site_;
+  const BurnDomain& domain_;
   const std::vector<char>& opened_;
   const Times& time_;
-  std::vector<std::uint32_t>& parent_;
-  std::vector<std::uint32_t>&parent_face_, &rank_;
+  std::vector<std::uint32_t>&parent_, &parent_face_, &rank_;
   std::uint32_t removed_count_ = 0;
-  base::HugeVector<unsigned char> status_;
-  Times done_time_;                       // of states in the sequence
-  std::vector<std::uint64_t> unoffered_;  // per polygon
+  HugeVector<unsigned char> status_;
+  Times done_time_;                  // of the states whose node may be a parent; else infinite
+  std::vector<SideMask> unreached_;  // per polygon: nodes to which no face arc of a possible parent leads so far
+  std::vector<char> blocked_in_;     // per polygon: it has a blocked state, and all of its nodes count as unreached
   std::vector<std::uint64_t> chord_base_;
-  std::vector<char> offers_again_;  // per polygon: some of its states wait
-  base::HugeVector<Chord> chords_;
+  HugeVector<Chord> chords_;
   StateQueue queue_;
   Link link_;
   std::vector<char> removed_;
@@ -321,9 +313,9 @@ class Sequence {
 
 }  // namespace
 
-void order_pass(const Site& site, const std::vector<char>& opened, const Times& time, Burning& result,
+void order_pass(const BurnDomain& domain, const std::vector<char>& opened, const Times& time, BurnedSectors& result,
                 Context* context) {
-  Sequence(site, opened, time, result).run(context);
+  Sequence(domain, opened, time, result).run(context);
 }
 
 }  // namespace quench::burning

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "burning/fire.h"
+#include "burning/domain.h"
 
 namespace quench::burning {
 
@@ -14,16 +14,17 @@ inline double distance(const Point& a, const Point& b) {
   return std::sqrt((a.x - b.x) * (a.x - b.x) + (a.y - b.y) * (a.y - b.y));
 }
 
-/// A polygon as the fire sees it: sides i with nodes k = 0 .. pieces, their positions in the polygon's plane and their
-/// states in the polygon's sectors.
+/// A polygon with its nodes: sides i with nodes k = 0 .. pieces, their positions in the polygon's plane, their states
+/// in the polygon's sectors and their numbers in the network.
 class PolygonView {
  public:
   using Side = Polygons::Side;
-  PolygonView(const Site& site, std::uint32_t f)
+  PolygonView(const BurnDomain& domain, std::uint32_t f)
       : face(f),
-        flat(site.polygons.flat[f]),
-        sides_(site.polygons.sides.data() + site.complex.face_offsets[f]),
-        count_(site.complex.face_offsets[f + 1] - site.complex.face_offsets[f]) {}
+        flat(domain.polygons.flat[f]),
+        domain_(domain),
+        sides_(domain.polygons.sides.data() + domain.complex.face_offsets[f]),
+        count_(domain.complex.face_offsets[f + 1] - domain.complex.face_offsets[f]) {}
 
   const std::uint32_t face;
   const bool flat;
@@ -39,6 +40,14 @@ class PolygonView {
     if (k == 0) return s.corner_state;
     if (k == s.pieces) return sides_[after(i)].corner_state;
     return s.state_base + (s.along_edge(k) - 1) * s.sectors + s.rank;
+  }
+  /// The number of a node in the network.
+  std::uint32_t node(std::uint32_t i, std::uint32_t k) const {
+    const Side& s = sides_[i];
+    const std::uint32_t along = s.along_edge(k);
+    if (along == 0) return domain_.complex.edges[s.edge][0];
+    if (along == s.pieces) return domain_.complex.edges[s.edge][1];
+    return domain_.network.node_base[s.edge] + along - 1;
   }
   /// Place of a node in the cycle of the polygon's nodes.
   std::uint32_t place(std::uint32_t i, std::uint32_t k) const {
@@ -64,49 +73,50 @@ class PolygonView {
   }
 
  private:
+  const BurnDomain& domain_;
   const Side* sides_;
   std::uint32_t count_;
 };
 
-/// Where a state's node lies on the boundary of a polygon: node k of a side, k < pieces. A corner is node 0 of the side
-/// that starts there.
+/// The place of a node on the boundary of a polygon: node k of a side, k < pieces. A corner is node 0 of the side that
+/// starts there.
 struct Place {
   std::uint32_t side, k;
   bool is_corner() const { return k == 0; }
 };
 
-/// Calls visit(view, place) for every polygon of a state's sector that is wanted(face).
+/// Calls visit(view, place of the node) for every polygon of a state's sector for which wanted(face).
 template <class Wanted, class Visit>
-void for_each_place(const Site& site, std::uint32_t state, const Wanted& wanted, const Visit& visit) {
-  if (site.is_vertex(state)) {
-    for (std::uint32_t i = site.links.corner_offsets[state]; i < site.links.corner_offsets[state + 1]; ++i) {
-      const std::uint32_t c = site.links.corner_list[i], f = site.network.corner_face[c];
-      if (wanted(f)) visit(PolygonView(site, f), Place{c - site.complex.face_offsets[f], 0});
+void for_each_place(const BurnDomain& domain, std::uint32_t state, const Wanted& wanted, const Visit& visit) {
+  if (domain.is_vertex(state)) {
+    for (const std::uint32_t c : domain.links.corners[state]) {
+      const std::uint32_t f = domain.network.corner_face[c];
+      if (wanted(f)) visit(PolygonView(domain, f), Place{c - domain.complex.face_offsets[f], 0});
     }
     return;
   }
-  const Links::Edge& edge = site.links.edges[site.edge_of(state)];
+  const Links::Edge& edge = domain.links.edges[domain.edge_of(state)];
   const std::uint32_t from_base = state - edge.state_base;
   const auto visit_side = [&](std::uint32_t c, std::uint32_t f, std::uint32_t along) {
     if (!wanted(f)) return;
-    const PolygonView view(site, f);
-    const std::uint32_t i = c - site.complex.face_offsets[f];
+    const PolygonView view(domain, f);
+    const std::uint32_t i = c - domain.complex.face_offsets[f];
     visit(view, Place{i, view.side(i).along_edge(along)});
   };
   if (edge.degree > 2) {
-    const std::uint32_t c = site.network.side_list[edge.first_side + from_base % edge.degree];
-    visit_side(c, site.network.corner_face[c], from_base / edge.degree + 1);
+    const std::uint32_t c = domain.network.edge_corners.items()[edge.first_corner + from_base % edge.degree];
+    visit_side(c, domain.network.corner_face[c], from_base / edge.degree + 1);
   } else {
     for (std::uint32_t r = 0; r < edge.degree; ++r) visit_side(edge.corner[r], edge.face[r], from_base + 1);
   }
 }
 template <class Visit>
-void for_each_place(const Site& site, std::uint32_t state, const Visit& visit) {
+void for_each_place(const BurnDomain& domain, std::uint32_t state, const Visit& visit) {
   for_each_place(
-      site, state, [](std::uint32_t) { return true; }, visit);
+      domain, state, [](std::uint32_t) { return true; }, visit);
 }
 
-/// Calls visit(side, k) for the two neighbours of a place on the polygon's boundary: the ends of its edge-arcs.
+/// Calls visit(side, k) for the two neighbours of a node on the polygon's boundary: the ends of its edge arcs.
 template <class Visit>
 void for_each_edge_arc(const PolygonView& view, const Place& place, const Visit& visit) {
   visit(place.side, place.k + 1);
@@ -118,11 +128,11 @@ void for_each_edge_arc(const PolygonView& view, const Place& place, const Visit&
   }
 }
 
-/// Calls visit(side, first, last) for the nodes first .. last of every side that face-arcs of a place end in: those on
+/// Calls visit(side, first, last) for the nodes first .. last of every side at which face arcs of a node end: those on
 /// none of its own sides. Each node once.
 template <class Visit>
 void for_each_far_side(const PolygonView& view, const Place& place, const Visit& visit) {
-  // From the side after the place's own to the one before; the last stops short of the place's own side.
+  // The sides after the node's own ones up to the one before them, of which the last node is on an own side.
   const std::uint32_t stop = place.is_corner() ? view.before(place.side) : place.side;
   for (std::uint32_t i = view.after(place.side); i != stop; i = view.after(i)) {
     const std::uint32_t pieces = view.side(i).pieces, last = view.after(i) == stop ? pieces - 1 : pieces;

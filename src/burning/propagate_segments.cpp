@@ -2,14 +2,14 @@
 #include <algorithm>
 #include <cmath>
 
-#include "burning/fire.h"
+#include "burning/burn_pass.h"
 #include "burning/fronts.h"
 #include "burning/polygon_view.h"
 
 namespace quench::burning {
 namespace {
 
-// Positions along and into a polygon from one of its sides. Polygons lie counterclockwise in their planes.
+// The frame of a side: x along it from its node 0, y into the polygon, whose cycle is counterclockwise.
 struct Frame {
   Point origin, along;
 
@@ -24,12 +24,12 @@ struct Frame {
   }
 };
 
-// A linear function of the node index on a side: what a node's place along and into another side's frame is.
+// A linear function of the index of a node on its side, as its coordinates in the frame of another side are.
 struct Linear {
   double at0, step;
 };
 
-// Whether f(k) > 0 for all k in [0, beyond]: told without division, which is enough for most sides.
+// Whether f(k) > 0 for all k in [0, beyond]: a test without division that is enough for most sides.
 bool is_positive(const Linear& f, double beyond) { return f.at0 > 0 && f.at0 > -f.step * beyond; }
 
 // The range of integers k in [low, high] with f(k) <= 0, kept in low and high as real numbers.
@@ -76,10 +76,14 @@ Range around(const Range& range, double low, double high) {
 
 class Segments {
  public:
-  Segments(const Site& site, Labels& labels, double tolerance) : site_(site), labels_(labels), tolerance_(tolerance) {}
+  Segments(const BurnDomain& domain, Labels& labels) : domain_(domain), labels_(labels) {
+    double farthest = 0;  // at least half the diameter of the points
+    for (const Vec3& p : domain.points) farthest = std::max(farthest, (p - domain.points[0]).norm());
+    far_ = 1e7 * farthest;
+  }
 
   void burn(std::uint32_t state, bool again) {
-    for_each_place(site_, state,
+    for_each_place(domain_, state,
                    [&](const PolygonView& view, const Place& place) { enter(view, state, place, again); });
   }
 
@@ -96,7 +100,7 @@ class Segments {
       return;
     }
     const bool came_through_here = !place.is_corner() && labels_.through(state) == view.face;
-    // The segments on either side of the node, each with a neighbour that may have burned.
+    // The segments on both sides of the node; they send fronts if the neighbour has burned.
     const std::uint32_t before = place.is_corner() ? view.before(place.side) : place.side;
     const std::uint32_t k_before = (place.is_corner() ? view.side(before).pieces : place.k) - 1;
     SegmentFronts next, previous;
@@ -110,35 +114,35 @@ class Segments {
       }
     }
     if (!again) return;
-    // Burned once more: the neighbours' fans have changed.
+    // The node has burned before: the rays of its neighbours have changed.
     if (has_next && place.k + 1 < view.side(place.side).pieces) fan(view, place.side, place.k + 1);
     if (has_previous && k_before > 0) fan(view, before, k_before);
   }
 
-  // The segment from node k on, if its other node `neighbour` has burned: sends its fronts.
+  // Sends the fronts of the segment from node k to k + 1 if `neighbour`, one of the two, has burned; else returns
+  // false.
   bool segment(const PolygonView& view, std::uint32_t i, std::uint32_t k, std::uint32_t neighbour,
                SegmentFronts& fronts) {
     if (!labels_.is_burned(view.state(i, neighbour))) return false;
-    fronts = segment_fronts(site_, labels_, view, i, k, tolerance_);
+    fronts = segment_fronts(domain_, labels_, view, i, k, far_);
     if (fronts.count == 0) return true;
     const double start = fronts.start;
     for (int front = 0; front < fronts.count; ++front) send(view, i, fronts.front[front], start);
     return true;
   }
 
-  // Node arcs of an inserted node that has burned, between its two segments.
+  // Sends the node arcs of an inserted node that has burned: those between the rays of its two segments.
   void fan(const PolygonView& view, std::uint32_t i, std::uint32_t k) {
     const std::uint32_t state = view.state(i, k);
     if (labels_.through(state) == view.face) return;
     Ray rays[2];
-    if (labels_.is_burned(view.state(i, k - 1)))
-      rays[0] = segment_fronts(site_, labels_, view, i, k - 1, tolerance_).right;
-    if (labels_.is_burned(view.state(i, k + 1))) rays[1] = segment_fronts(site_, labels_, view, i, k, tolerance_).left;
+    if (labels_.is_burned(view.state(i, k - 1))) rays[0] = segment_fronts(domain_, labels_, view, i, k - 1, far_).right;
+    if (labels_.is_burned(view.state(i, k + 1))) rays[1] = segment_fronts(domain_, labels_, view, i, k, far_).left;
     node_arcs(view, {i, k}, labels_.time(state), rays[0], rays[1]);
   }
 
-  // Fire along straight arcs to the far sides; only between the rays of the segments beside the node, and one node more
-  // on either side.
+  // Sends fire along straight arcs from a node to the far sides; where rays of its segments are known, only to the
+  // nodes between them and one more on either side.
   void node_arcs(const PolygonView& view, const Place& place, double t, const Ray& left, const Ray& right) {
     const Point here = view.at(place.side, place.k);
     const auto send_to = [&](std::uint32_t i, const Range& range) {
@@ -172,13 +176,13 @@ class Segments {
     });
   }
 
-  // A front through a window of a side, to all nodes it reaches in a straight line.
+  // Sends a front from a side to all nodes that it reaches in a straight line.
   void send(const PolygonView& view, std::uint32_t from_side, const Front& front, double start) {
     const Frame frame(view.side(from_side));
     const Point source = frame.world(front.x, -front.depth);
     const double from = front.from - front.x, to = front.to - front.x;
     for_each_far_side(view, {from_side, 1}, [&](std::uint32_t i, std::uint32_t first, std::uint32_t last) {
-      // A node (x, y) is lit when its line to the source crosses the window: linear in k.
+      // A node (x, y) is reached if its line to the source crosses [from, to]: two conditions linear in k.
       const Polygons::Side& far = view.side(i);
       const double x = (far.x - source.x) * frame.along.x + (far.y - source.y) * frame.along.y,
                    y = (far.y - source.y) * frame.along.x - (far.x - source.x) * frame.along.y,
@@ -214,18 +218,18 @@ class Segments {
     labels_.lower(state, t, through, {side.forward ? x : side.length - x, std::abs(frame.y(source)), source_time});
   }
 
-  const Site& site_;
+  const BurnDomain& domain_;
   Labels& labels_;
-  double tolerance_;
+  double far_;
 };
 
 }  // namespace
 
-void propagate_by_segments(const Site& site, Labels& labels, double tolerance, Context* context) {
-  Segments segments(site, labels, tolerance);
+void propagate_by_segments(const BurnDomain& domain, Labels& labels, Context* context) {
+  Segments segments(domain, labels);
   std::uint32_t state = 0;
   bool again = false;
-  const double states = site.network.state_count();
+  const double states = domain.network.state_count();
   for (std::uint64_t burned = 0; labels.next(state, again);) {
     if (burned++ % 4096 == 0) checkpoint(context, "burn", std::min(0.8, 0.6 * static_cast<double>(burned) / states));
     segments.burn(state, again);

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <numeric>
+#include <iterator>
 
+#include "base/csr.h"
 #include "base/union_find.h"
 #include "complex/pockets.h"
 #include "quench/complex.h"
+#include "quench/geometry.h"
 
 namespace quench {
 namespace {
-
-constexpr std::uint32_t kNoFace = 0xFFFFFFFFu;
 
 // Dimension of the space of 0/1 vectors x over `unknowns` variables with, per equation, an even number of ones among
 // the variables listed (each once). Equations of one or two variables fix or merge variables; Gauss does the rest.
@@ -72,29 +72,25 @@ std::int64_t solution_dimension(std::vector<std::vector<std::uint32_t>> equation
 // the unknowns are the sheets between non-manifold edges, and each of those gives one equation.
 std::int64_t second_betti(const CellComplex& complex) {
   const std::vector<char> alive = complex::faces_in_pockets(complex);
-  std::vector<std::uint32_t> offsets(complex.edges.size() + 1, 0);
-  for (std::uint32_t f = 0; f < complex.face_count(); ++f)
-    if (alive[f])
-      for (std::uint32_t e : complex.sides(f)) ++offsets[e + 1];
-  std::partial_sum(offsets.begin(), offsets.end(), offsets.begin());
-  if (offsets.back() == 0) return 0;
-  std::vector<std::uint32_t> faces(offsets.back()), next(offsets.begin(), offsets.end() - 1);
-  for (std::uint32_t f = 0; f < complex.face_count(); ++f)
-    if (alive[f])
-      for (std::uint32_t e : complex.sides(f)) faces[next[e]++] = f;
+  const auto faces = base::Csr<std::uint32_t>::group(complex.edges.size(), [&](const auto& emit) {
+    for (std::uint32_t f = 0; f < complex.face_count(); ++f)
+      if (alive[f])
+        for (const std::uint32_t e : complex.sides(f)) emit(e, f);
+  });
+  if (faces.items().empty()) return 0;
 
   base::UnionFind sheets(complex.face_count());
-  for (std::size_t e = 0; e + 1 < offsets.size(); ++e)
-    if (offsets[e + 1] - offsets[e] == 2) sheets.unite(faces[offsets[e]], faces[offsets[e] + 1]);
-  std::vector<std::uint32_t> sheet_of(complex.face_count(), kNoFace);
+  for (std::size_t e = 0; e < faces.rows(); ++e)
+    if (faces[e].size() == 2) sheets.unite(faces[e][0], faces[e][1]);
+  std::vector<std::uint32_t> sheet_of(complex.face_count(), kNone);
   std::uint32_t count = 0;
   for (std::uint32_t f = 0; f < complex.face_count(); ++f)
     if (alive[f] && sheets.find(f) == f) sheet_of[f] = count++;
   std::vector<std::vector<std::uint32_t>> equations;
-  for (std::size_t e = 0; e + 1 < offsets.size(); ++e) {
-    if (offsets[e + 1] - offsets[e] < 3) continue;
+  for (std::size_t e = 0; e < faces.rows(); ++e) {
+    if (faces[e].size() < 3) continue;
     std::vector<std::uint32_t> equation;
-    for (std::uint32_t i = offsets[e]; i < offsets[e + 1]; ++i) equation.push_back(sheet_of[sheets.find(faces[i])]);
+    for (const std::uint32_t f : faces[e]) equation.push_back(sheet_of[sheets.find(f)]);
     std::sort(equation.begin(), equation.end());
     equations.push_back(std::move(equation));
   }

@@ -3,6 +3,8 @@
 
 #include <atomic>
 
+#include "base/parallel.h"
+
 namespace quench::complex {
 
 LiveCells::LiveCells(const CellComplex& of, std::span<const double> vertex, std::span<const double> edge,
@@ -12,8 +14,8 @@ LiveCells::LiveCells(const CellComplex& of, std::span<const double> vertex, std:
       edges(of.edges.size()),
       vertices(of.vertex_count),
       face_level(of.face_count(), kNever) {
-  base::for_indices(edges.size(), [&](std::size_t e) { edges[e].begin(edge[e]); });
-  base::for_indices(vertices.size(), [&](std::size_t v) { vertices[v].begin(vertex[v]); });
+  base::for_indices(edges.size(), [&](std::size_t e) { edges[e].init(edge[e]); });
+  base::for_indices(vertices.size(), [&](std::size_t v) { vertices[v].init(vertex[v]); });
   const bool shared = base::several_threads();
   std::atomic<bool> decide{true};
   base::for_indices(face_level.size(), [&](std::size_t f) {

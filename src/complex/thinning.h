@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <cstddef>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -16,26 +15,18 @@ struct CellValues {
   std::vector<double> vertex, edge, face;
 };
 
-/// What the levels do not depend on.
-struct ThinningOptions {
-  std::size_t slabs = 0;  ///< parts of the complex that are thinned at once; 0: one for each thread, if it is large
-  double most_crossing = 0.5;  ///< of the pairs, in components that cross slabs: a smaller bound is tried above
-};
-
-/// Topology-preserving thinning by simple pairs: (face, edge in no other face) and (edge in no face, vertex in no other
-/// edge). Pairs go in the order of (key, dimension, index of the free cell, which is the smaller one), where the key is
-/// the larger value of the two cells; equal keys are decided by the index, which is the tie policy of every thinning.
-/// The level of a cell is the running maximum of the keys when it went, infinity if it never goes. So {level
-/// >= t} is a closed subcomplex with the topology of the whole, in which no pair of key < t is left; the family is
-/// nested.
+/// Topology-preserving thinning by simple pairs, which are elementary collapses: (face, edge in no other face) and
+/// (edge in no face, vertex in no other edge). The key of a pair is the larger value of its two cells. Pairs are
+/// collapsed in the order of (key, dimension, index of the free face, which is the smaller cell): this is the tie
+/// policy of every thinning. The level of a cell is the running maximum of the keys when it is removed, infinite if it
+/// never is. So {level >= t} is a closed subcomplex with the topology of the whole, in which no pair of key < t is
+/// left; the family is nested.
 ///
-/// Values are not negative; cells of infinite value never go. Parallel edges and faces that meet an edge twice are
-/// legal (such an edge is not free).
+/// Values must not be negative; cells of infinite value are never removed. Parallel edges and faces that meet an edge
+/// twice are legal (such an edge is not free).
 ///
-/// O(n log n); 16 bytes per vertex and edge, 8 per face and 16 per queued pair, and more in slabs
-/// (thinning_in_slabs.h), which is how several threads remove pairs.
+/// O(n log n); 16 bytes per vertex and edge, 8 per face and 16 per queued pair. Pairs are collapsed on one thread.
 CellValues thin(const CellComplex& complex, std::span<const double> vertex_value, std::span<const double> edge_value,
-                std::span<const double> face_value, Context* context, std::string_view stage,
-                const ThinningOptions& options = {});
+                std::span<const double> face_value, Context* context, std::string_view stage);
 
 }  // namespace quench::complex

@@ -12,7 +12,6 @@
 
 namespace quench::delaunay {
 
-using base::kNone;
 
 /// A tetrahedron of positive orientation. `neighbour[i]` lies across the facet opposite to corner i and is encoded as
 /// 4 * tetrahedron + the index of that facet there; kNone on the hull of the enclosing box. 32 bytes. A dead slot has

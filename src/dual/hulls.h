@@ -15,7 +15,6 @@
 
 namespace quench::dual {
 
-using base::kNone;
 
 /// The facets of a convex polytope by the ranks of its corners: what all polytopes with the same facets share. A
 /// half-edge is an edge of a facet, directed counter-clockwise seen from outside; its twin is the same edge of the

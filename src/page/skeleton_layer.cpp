@@ -3,13 +3,16 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 
+#include "base/constants.h"
+#include "base/graph_peeler.h"
 #include "page/layer.h"
 
 namespace quench {
 namespace {
 
-constexpr double kNever = std::numeric_limits<double>::infinity();
+using base::kNever;
 
 std::vector<float> comparable(const std::vector<double>& levels) {
   std::vector<float> floats;
@@ -60,14 +63,11 @@ std::vector<std::uint32_t> drawn_at(const SkeletonFamily& family) {
 class CurvePruning {
  public:
   CurvePruning(const SkeletonFamily& family, const page::LayerCells& cells, const std::vector<char>& on_face)
-      : k_(family.refined), degree_(k_.complex.vertex_count, 0), edges_xor_(degree_.size(), 0) {
+      : k_(family.refined), peeler_(k_.complex.vertex_count) {
     thickness_.assign(k_.complex.edges.size(), std::numeric_limits<float>::infinity());
     for (std::uint32_t e = 0; e < thickness_.size(); ++e) {
       if (!cells.edge[e]) continue;
-      for (const std::uint32_t v : k_.complex.edges[e]) {
-        ++degree_[v];
-        edges_xor_[v] ^= e;
-      }
+      for (const std::uint32_t v : k_.complex.edges[e]) peeler_.add(v, e);
       if (!k_.curve_edge[e] || on_face[e]) continue;
       ++free_curves_;
       thickness_[e] = page::rounded_down(family.thickness_of(e));
@@ -79,26 +79,15 @@ class CurvePruning {
 
   /// How many curves are left; removes from `cells` what is pruned. Fixed keys: any order gives the same.
   std::size_t left(float theta1, page::LayerCells* cells = nullptr) const {
-    std::vector<std::uint32_t> degree = degree_, edges_xor = edges_xor_, stack;
+    base::GraphPeeler peeler = peeler_;
     std::size_t count = free_curves_;
-    const auto offer = [&](std::uint32_t v) {
-      if (degree[v] == 1 && !k_.medial_point[v] && thickness_[edges_xor[v]] < theta1) stack.push_back(v);
-    };
-    for (std::uint32_t v = 0; v < degree.size(); ++v) offer(v);
-    while (!stack.empty()) {
-      const std::uint32_t v = stack.back();
-      stack.pop_back();
-      if (degree[v] != 1) continue;
-      const std::uint32_t e = edges_xor[v];
-      const auto [a, b] = k_.complex.edges[e];
-      const std::uint32_t other = a == v ? b : a;
-      degree[v] = 0;
-      --degree[other];
-      edges_xor[other] ^= e;
-      --count;
-      if (cells) cells->edge[e] = cells->vertex[v] = 0;
-      offer(other);
-    }
+    peeler.peel(
+        [&](std::uint32_t e) -> const auto& { return k_.complex.edges[e]; },
+        [&](std::uint32_t v, std::uint32_t e) { return !k_.medial_point[v] && thickness_[e] < theta1; },
+        [&](std::uint32_t v, std::uint32_t e) {
+          --count;
+          if (cells) cells->edge[e] = cells->vertex[v] = 0;
+        });
     return count;
   }
 
@@ -120,7 +109,7 @@ class CurvePruning {
 
  private:
   const RefinedAxis& k_;
-  std::vector<std::uint32_t> degree_, edges_xor_;
+  base::GraphPeeler peeler_;
   std::vector<float> thickness_;  ///< per edge; infinite where it is not a curve or is on a sheet
   std::vector<float> steps_;
   std::size_t free_curves_ = 0;

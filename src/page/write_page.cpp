@@ -84,9 +84,9 @@ std::string meta_of(const Page& page) {
   };
   put_length("lambda", page.lambda);
   if (page.burning)
-    put("burning", fmt::format(R"({{"omega": {}, "propagation": "{}", "radius": "{}"}})", number(page.burning->omega),
-                               page.burning->propagation == Propagation::nodes ? "nodes" : "segments",
-                               page.burning->radius == RadiusRule::linear ? "linear" : "exact"));
+    put("burning",
+        fmt::format(R"({{"omega": {}, "propagation": "segments", "radius": "{}"}})", number(page.burning->omega),
+                    page.burning->radius == RadiusRule::linear ? "linear" : "exact"));
   put_length("theta2", page.theta2);
   put_length("theta1", page.theta1);
   std::string floors;

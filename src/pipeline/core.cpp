@@ -33,9 +33,9 @@ CoreResult made_core(const LoadedShape& from, const AxisOptions& options, const 
   result.topology = from.topology;
   result.coordinates = from.coordinates;
   MedialAxis core = voxel_core(shape, {.rule = options.rule, .in_bricks = plan.in_bricks}, context);
-  // Checking the topology is work for one thread, and thinning for all but at its end: together they keep two busy. The
-  // topology is the task, so that thinning stays on the calling thread, which alone tells of progress; isolated, since
-  // who waits for a part of the thinning should not begin with the topology.
+  // Checking the topology and thinning are work for one thread each: together they keep two busy. The topology is the
+  // task, so that thinning stays on the calling thread, which alone reports progress; isolated, so that a thread that
+  // waits for the initial pairs of the thinning does not begin with the topology.
   Topology found;
   tbb::task_group beside;
   beside.run([&] { found = topology(core.complex); });

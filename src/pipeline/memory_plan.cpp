@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "base/memory.h"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "base/memory.h"
 #include "quench/error.h"
 #include "quench/pipeline.h"
 
@@ -47,8 +46,8 @@ std::int64_t predicted_run_bytes(const VoxelShape& shape) {
   return predicted_core_bytes(0) + 4500 * count_boundary_vertices(shape);
 }
 
-std::int64_t predicted_skeleton_bytes(const BurnNetwork& network) {
-  return 900 * std::int64_t{network.node_count()};  // 0.77 KB per node on the armadillo at 1024
+std::int64_t predicted_skeleton_bytes(const Burning& burning) {
+  return 900 * std::int64_t{burning.node_count};  // 0.77 KB per node on the armadillo at 1024
 }
 
 }  // namespace quench::pipeline

@@ -15,14 +15,10 @@ std::optional<Enum> named(std::string_view name, Enum a, Enum b) {
 }  // namespace
 
 std::string_view name_of(LambdaRule rule) { return rule == LambdaRule::ball ? "ball" : "coface"; }
-std::string_view name_of(Propagation way) { return way == Propagation::nodes ? "nodes" : "segments"; }
 std::string_view name_of(RadiusRule rule) { return rule == RadiusRule::linear ? "linear" : "exact"; }
 
 std::optional<LambdaRule> lambda_rule_of(std::string_view name) {
   return named(name, LambdaRule::coface, LambdaRule::ball);
-}
-std::optional<Propagation> propagation_of(std::string_view name) {
-  return named(name, Propagation::segments, Propagation::nodes);
 }
 std::optional<RadiusRule> radius_rule_of(std::string_view name) {
   return named(name, RadiusRule::exact, RadiusRule::linear);

@@ -10,7 +10,7 @@
 namespace quench::pipeline {
 
 RefinedAxis curves_of(const MedialAxis& axis, const Burning& burning, Context* context) {
-  require_memory(predicted_skeleton_bytes(burning.network), "the curves of this medial axis",
+  require_memory(predicted_skeleton_bytes(burning), "the curves of this medial axis",
                  {"a larger omega", "a larger lambda"}, context);
   return quench_curves(axis.complex, axis.points, axis.radius, burning, context);
 }

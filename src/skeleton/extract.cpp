@@ -5,14 +5,17 @@
 #include <limits>
 #include <numeric>
 
+#include "base/constants.h"
 #include "base/csr.h"
+#include "base/graph_peeler.h"
 #include "quench/error.h"
 #include "quench/skeleton.h"
 
 namespace quench {
 namespace {
 
-constexpr double kNever = std::numeric_limits<double>::infinity();
+using base::kNever;
+
 constexpr double kNotACurve = std::numeric_limits<double>::quiet_NaN();
 
 std::uint32_t other_end(const RefinedAxis& k, std::uint32_t edge, std::uint32_t vertex) {
@@ -27,8 +30,7 @@ struct Member {
 
 // Lets the free ends of curves grow back along curves that were pruned. What grows back is a path that begins at a free
 // end, so topology does not change.
-void grow_tips(const SkeletonFamily& family, double from_thickness, const std::vector<std::uint32_t>& left,
-               Member& member) {
+void grow_tips(const SkeletonFamily& family, double from_thickness, const base::GraphPeeler& left, Member& member) {
   const RefinedAxis& k = family.refined;
   const auto edges = static_cast<std::uint32_t>(k.complex.edges.size());
   const auto pruned = base::Csr<std::uint32_t>::group(k.complex.vertex_count, [&](const auto& emit) {
@@ -36,8 +38,8 @@ void grow_tips(const SkeletonFamily& family, double from_thickness, const std::v
       if (k.curve_edge[e] && !member.edge[e])
         for (const std::uint32_t v : k.complex.edges[e]) emit(v, e);
   });
-  for (std::uint32_t end = 0; end < left.size(); ++end) {
-    if (left[end] != 1 || !member.vertex[end]) continue;
+  for (std::uint32_t end = 0; end < left.vertex_count(); ++end) {
+    if (!left.edges_at(end).single() || !member.vertex[end]) continue;
     for (std::uint32_t v = end;;) {
       std::uint32_t best = kNone;  // ties: the smaller index
       for (const std::uint32_t e : pruned[v]) {
@@ -63,36 +65,21 @@ Member member_of(const SkeletonFamily& family, double theta2, double theta1, dou
   for (std::size_t e = 0; e < edges; ++e) member.edge[e] = family.edge_sheet_level[e] >= theta2;
   for (std::size_t f = 0; f < member.face.size(); ++f) member.face[f] = family.face_sheet_level[f] >= theta2;
 
-  // Curves: free edges below theta1 go. With fixed keys any order gives the same, so a stack will do.
+  // Curves: free edges of a thickness below theta1 are removed.
   std::vector<char> on_face(edges, 0);
   for (std::size_t f = 0; f < member.face.size(); ++f)
     if (member.face[f])
       for (const std::uint32_t e : k.complex.sides(f)) on_face[e] = 1;
-  std::vector<std::uint32_t> left(vertices, 0), edges_xor(vertices, 0), stack;
+  base::GraphPeeler left(vertices);
   for (std::uint32_t e = 0; e < edges; ++e)
     if (member.edge[e])
-      for (const std::uint32_t v : k.complex.edges[e]) {
-        ++left[v];
-        edges_xor[v] ^= e;
-      }
-  const auto offer = [&](std::uint32_t v) {
-    if (left[v] != 1 || k.medial_point[v]) return;
-    const std::uint32_t e = edges_xor[v];
-    if (k.curve_edge[e] && !on_face[e] && family.thickness_of(e) < theta1) stack.push_back(v);
-  };
-  for (std::uint32_t v = 0; v < vertices; ++v) offer(v);
-  while (!stack.empty()) {
-    const std::uint32_t v = stack.back();
-    stack.pop_back();
-    if (left[v] != 1) continue;
-    const std::uint32_t e = edges_xor[v],
-                        other = k.complex.edges[e][0] == v ? k.complex.edges[e][1] : k.complex.edges[e][0];
-    member.edge[e] = member.vertex[v] = 0;
-    left[v] = 0;
-    --left[other];
-    edges_xor[other] ^= e;
-    offer(other);
-  }
+      for (const std::uint32_t v : k.complex.edges[e]) left.add(v, e);
+  left.peel(
+      [&](std::uint32_t e) -> const auto& { return k.complex.edges[e]; },
+      [&](std::uint32_t v, std::uint32_t e) {
+        return !k.medial_point[v] && k.curve_edge[e] && !on_face[e] && family.thickness_of(e) < theta1;
+      },
+      [&](std::uint32_t v, std::uint32_t e) { member.edge[e] = member.vertex[v] = 0; });
   if (tips < kNever) grow_tips(family, tips, left, member);
   return member;
 }

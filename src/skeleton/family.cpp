@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <limits>
 
+#include "base/constants.h"
 #include "base/parallel.h"
 #include "complex/thinning.h"
 #include "quench/skeleton.h"
@@ -9,7 +9,7 @@
 namespace quench {
 namespace {
 
-constexpr double kNever = std::numeric_limits<double>::infinity();
+using base::kNever;
 
 // Vertices of closed pockets: curves that end there are not free.
 std::vector<char> on_pockets(const RefinedAxis& axis, std::span<const double> face_level) {
@@ -27,10 +27,8 @@ SkeletonFamily family_of(RefinedAxis refined, Context* context) {
   std::vector<double> edge_value(edges), vertex_value(vertices);
   for (std::size_t e = 0; e < edges; ++e) edge_value[e] = refined.curve_edge[e] ? kNever : 0;
   for (std::size_t v = 0; v < vertices; ++v) vertex_value[v] = refined.curve_vertex[v] ? kNever : 0;
-  // Doors are numbered after all nodes, so that components would cross slabs everywhere.
-  const complex::ThinningOptions at_once{.slabs = 1};
   complex::CellValues sheet =
-      complex::thin(refined.complex, vertex_value, edge_value, refined.face_thickness, context, "skeleton", at_once);
+      complex::thin(refined.complex, vertex_value, edge_value, refined.face_thickness, context, "skeleton");
 
   // Curves on their own: what is left without any sheets; their ends on pockets are fixed.
   const std::vector<char> pocket = on_pockets(refined, sheet.face);
@@ -54,7 +52,7 @@ SkeletonFamily family_of(RefinedAxis refined, Context* context) {
     edge_of.push_back(e);
   }
   for (std::size_t v = 0; v < vertices; ++v) vertex_value[v] = refined.medial_point[v] || pocket[v] ? kNever : 0;
-  const complex::CellValues curve = complex::thin(graph, vertex_value, graph_value, {}, context, "skeleton", at_once);
+  const complex::CellValues curve = complex::thin(graph, vertex_value, graph_value, {}, context, "skeleton");
   for (std::size_t i = 0; i < edge_of.size(); ++i) family.curve_level[edge_of[i] - halves] = curve.edge[i];
 
   family.vertex_sheet_level = std::move(sheet.vertex);

@@ -18,19 +18,20 @@ namespace {
 
 using namespace burning;
 
-constexpr double kNever = std::numeric_limits<double>::infinity();
-
 class Refinement {
  public:
-  Refinement(const Site& site, const Burning& burning) : site_(site), burning_(burning), net_(burning.network) {}
+  Refinement(const BurnDomain& domain, const Burning& burning)
+      : domain_(domain), burning_(*burning.sectors), net_(domain.network) {
+    out_.burn_time = burning.burn_time;
+  }
 
   RefinedAxis run(Context* context) {
     place_nodes();
     place_doors();
     keep_nodes();
     count_primes();
-    for (std::uint32_t f = 0; f < site_.complex.face_count(); ++f) {
-      if (f % 4096 == 0) checkpoint(context, "curves", 0.6 * f / static_cast<double>(site_.complex.face_count()));
+    for (std::uint32_t f = 0; f < domain_.complex.face_count(); ++f) {
+      if (f % 4096 == 0) checkpoint(context, "curves", 0.6 * f / static_cast<double>(domain_.complex.face_count()));
       cut(f);
     }
     out_.complex.vertex_count = static_cast<std::uint32_t>(out_.points.size());
@@ -41,13 +42,6 @@ class Refinement {
   std::uint32_t door_of(const Polygons::Side& side, std::uint32_t k) const {  // of the segment from node k to k + 1
     return out_.nodes + door_base_[side.edge] + (side.forward ? k : side.pieces - 1 - k);
   }
-  std::uint32_t node_of(const PolygonView& view, std::uint32_t i, std::uint32_t k) const {
-    const Polygons::Side& side = view.side(i);
-    const std::uint32_t along = side.along_edge(k);
-    if (along == 0) return site_.complex.edges[side.edge][0];
-    if (along == side.pieces) return site_.complex.edges[side.edge][1];
-    return net_.node_base[side.edge] + along - 1;
-  }
   std::uint32_t add_edge(std::uint32_t a, std::uint32_t b, bool curve) {
     out_.complex.edges.push_back({std::min(a, b), std::max(a, b)});
     out_.curve_edge.push_back(curve);
@@ -56,16 +50,15 @@ class Refinement {
   }
 
   void place_nodes() {
-    const CellComplex& m = site_.complex;
+    const CellComplex& m = domain_.complex;
     out_.original = m.vertex_count;
     out_.nodes = net_.node_count();
-    out_.points.assign(site_.points.begin(), site_.points.end());
-    out_.radius.assign(site_.radius.begin(), site_.radius.end());
-    out_.burn_time = burning_.burn_time;
+    out_.points.assign(domain_.points.begin(), domain_.points.end());
+    out_.radius.assign(domain_.radius.begin(), domain_.radius.end());
     for (std::uint32_t e = 0; e < m.edges.size(); ++e)
       for (std::uint32_t i = 1; i < net_.pieces[e]; ++i) {
         out_.points.push_back(on_edge(e, static_cast<double>(i) / net_.pieces[e]));
-        out_.radius.push_back(site_.radius_inside(e, i));
+        out_.radius.push_back(domain_.radius_inside(e, i));
         const std::uint32_t sectors = net_.sectors_of(e), first = net_.state_base[e] + (i - 1) * sectors;
         double time = out_.radius.back();
         for (std::uint32_t s = first; s < first + sectors; ++s) time = std::max(time, burning_.state_time[s]);
@@ -73,19 +66,19 @@ class Refinement {
       }
   }
   Vec3 on_edge(std::uint32_t e, double t) const {
-    const auto [a, b] = site_.complex.edges[e];
-    return site_.points[a] * (1 - t) + site_.points[b] * t;
+    const auto [a, b] = domain_.complex.edges[e];
+    return domain_.points[a] * (1 - t) + domain_.points[b] * t;
   }
 
   // Doors halve the segments of all edges that polygons have. Halves come first among the edges of K: 2d and 2d + 1 are
   // those of door d.
   void place_doors() {
-    const CellComplex& m = site_.complex;
+    const CellComplex& m = domain_.complex;
     door_base_.assign(m.edges.size() + 1, 0);
     std::uint64_t doors = 0;
     for (std::uint32_t e = 0; e < m.edges.size(); ++e) {
       door_base_[e] = static_cast<std::uint32_t>(doors);
-      if (net_.side_offsets[e + 1] > net_.side_offsets[e]) doors += net_.pieces[e];
+      if (net_.degree(e) > 0) doors += net_.pieces[e];
     }
     // There are fewer regions, and so fewer of all other cells, than four per node on the boundaries of all polygons.
     std::uint64_t most = out_.nodes + doors;
@@ -100,14 +93,15 @@ class Refinement {
     out_.points.reserve(vertices);
     out_.complex.edges.reserve(2 * doors);
     for (std::uint32_t e = 0; e < m.edges.size(); ++e) {
-      const auto sides = net_.sides_of(e);
+      const auto sides = net_.face_corners_at(e);
       if (sides.empty()) continue;
       const auto [a, b] = m.edges[e];
       for (std::uint32_t j = 0; j < net_.pieces[e]; ++j) {
         const double t = (j + 0.5) / net_.pieces[e];
         const auto door = static_cast<std::uint32_t>(out_.points.size());
         out_.points.push_back(on_edge(e, t));
-        out_.radius.push_back(radius_inside_edge(site_.radius[a], site_.radius[b], net_.length[e], t, site_.rule));
+        out_.radius.push_back(
+            radius_inside_edge(domain_.radius[a], domain_.radius[b], net_.length[e], t, domain_.rule));
         out_.burn_time.push_back(door_time(sides, j));
         const std::uint32_t before = j == 0 ? a : net_.node_base[e] + j - 1;
         const std::uint32_t behind = j + 1 == net_.pieces[e] ? b : net_.node_base[e] + j;
@@ -126,8 +120,8 @@ class Refinement {
     for (const std::uint32_t c : sides) {
       const std::uint32_t f = net_.corner_face[c];
       if (net_.pocket[f]) return kNever;
-      const PolygonView view(site_, f);
-      const std::uint32_t i = c - site_.complex.face_offsets[f];
+      const PolygonView view(domain_, f);
+      const std::uint32_t i = c - domain_.complex.face_offsets[f];
       const Polygons::Side& side = view.side(i);
       const std::uint32_t k = side.forward ? j : side.pieces - 1 - j;
       times_.push_back(0.5 * (burning_.state_time[view.state(i, k)] + burning_.state_time[view.state(i, k + 1)]));
@@ -139,10 +133,10 @@ class Refinement {
   // A vertex that splits its link is kept, with an edge to one region of every component without pocket: a region in
   // the sector that burned last there. Lone edges and isolated vertices are part of the curves as they are.
   void keep_nodes() {
-    const CellComplex& m = site_.complex;
+    const CellComplex& m = domain_.complex;
     std::vector<std::uint32_t> lone(m.vertex_count, 0);
     for (std::uint32_t e = 0; e < m.edges.size(); ++e)
-      if (net_.sides_of(e).empty()) {
+      if (net_.face_corners_at(e).empty()) {
         for (const std::uint32_t v : m.edges[e]) ++lone[v];
         add_edge(m.edges[e][0], m.edges[e][1], true);
       }
@@ -157,7 +151,7 @@ class Refinement {
       check_primes(v, parts);
       if (parts + lone[v] == 0) out_.curve_vertex[v] = 1;
       if (parts + lone[v] <= 1) continue;
-      for (const std::uint32_t state : link.last) kept.push_back({polygon_at(state), v});
+      for (const std::uint32_t state : link.last) kept.push_back({domain_.face_of(state), v});
     }
     kept_ = base::Csr<std::uint32_t>::group(m.face_count(), [&](const auto& emit) {
       for (const auto& [f, v] : kept) emit(f, v);
@@ -174,12 +168,12 @@ class Refinement {
     // Sectors are joined by singular directions, pockets by direction 0.
     std::uint32_t directions = 1;
     for (std::uint32_t s = first; s < first + count; ++s)
-      if (site_.links.ends[s].a != kNone)
-        directions = std::max({directions, site_.links.ends[s].a + 1, site_.links.ends[s].b + 1});
+      if (domain_.links.ends[s].a != kNone)
+        directions = std::max({directions, domain_.links.ends[s].a + 1, domain_.links.ends[s].b + 1});
     base::UnionFind sets(directions + count);
     for (std::uint32_t s = 0; s < count; ++s) {
-      const auto [a, b] = site_.links.ends[first + s];
-      if (is_pocket(first + s)) {
+      const auto [a, b] = domain_.links.ends[first + s];
+      if (domain_.in_pocket(first + s)) {
         parts.pocket = true;
         sets.unite(0, directions + s);
       }
@@ -201,11 +195,6 @@ class Refinement {
     }
     return parts;
   }
-  // Of the polygons of a vertex's sector the first one.
-  std::uint32_t polygon_at(std::uint32_t state) const {
-    return net_.corner_face[site_.links.corner_list[site_.links.corner_offsets[state]]];
-  }
-  bool is_pocket(std::uint32_t state) const { return net_.pocket[polygon_at(state)]; }
   // A vertex has as many prime arcs as its link has independent cycles, with pockets contracted: otherwise the curves
   // would have another topology than the axis.
   void check_primes(std::uint32_t v, std::size_t components) const {
@@ -213,8 +202,8 @@ class Refinement {
     std::vector<std::uint32_t> met;
     for (std::uint32_t s = net_.vertex_base[v]; s < net_.vertex_base[v + 1]; ++s) {
       primes += burning_.parent[s] != kNone;
-      const auto [a, b] = site_.links.ends[s];
-      if (is_pocket(s)) {
+      const auto [a, b] = domain_.links.ends[s];
+      if (domain_.in_pocket(s)) {
         met.push_back(0);
         continue;
       }
@@ -234,13 +223,13 @@ class Refinement {
 
   // Counts the prime arcs of every polygon, and reserves what cutting it along them takes.
   void count_primes() {
-    const std::size_t faces = site_.complex.face_count();
+    const std::size_t faces = domain_.complex.face_count();
     primes_.assign(faces, 0);
     for (const std::uint32_t f : burning_.parent_face)
       if (f != kNone) ++primes_[f];
     // Nearly exact bounds of what comes, so that no array is copied while it grows.
     std::size_t segments = kept_.items().size();
-    for (const std::uint32_t e : site_.complex.face_edges) segments += net_.pieces[e];
+    for (const std::uint32_t e : domain_.complex.face_edges) segments += net_.pieces[e];
     const auto chords = std::accumulate(primes_.begin(), primes_.end(), std::size_t{0});
     const std::size_t regions = chords + faces;
     out_.points.reserve(out_.points.size() + regions);
@@ -277,13 +266,13 @@ class Refinement {
   // Cuts a polygon along its prime arcs into regions, and each region along its spokes.
   void cut(std::uint32_t f) {
     if (net_.pocket[f]) return whole_pocket(f);
-    const PolygonView view(site_, f);
+    const PolygonView view(domain_, f);
     node_.clear();
     state_.clear();
     door_.clear();
     for (std::uint32_t i = 0; i < view.side_count(); ++i)
       for (std::uint32_t k = 0; k < view.side(i).pieces; ++k) {
-        node_.push_back(node_of(view, i, k));
+        node_.push_back(view.node(i, k));
         state_.push_back(view.state(i, k));
         door_.push_back(door_of(view.side(i), k));
       }
@@ -354,8 +343,8 @@ class Refinement {
       squares += out_.radius[node] * out_.radius[node] - (out_.points[node] - centre).squaredNorm();
     }
     // The squared distance to a shared nearest point is the mean of those of the nodes minus their variance.
-    radius = site_.rule == RadiusRule::exact ? std::sqrt(std::max(0.0, squares / static_cast<double>(m)))
-                                             : radius / static_cast<double>(m);
+    radius = domain_.rule == RadiusRule::exact ? std::sqrt(std::max(0.0, squares / static_cast<double>(m)))
+                                               : radius / static_cast<double>(m);
     out_.points.push_back(centre);
     out_.radius.push_back(radius);
     out_.burn_time.push_back(time / static_cast<double>(m));
@@ -440,11 +429,10 @@ class Refinement {
 
   // A polygon of a pocket stays whole; the nodes and doors of its edges are its corners.
   void whole_pocket(std::uint32_t f) {
-    const PolygonView view(site_, f);
+    const PolygonView view(domain_, f);
     for (std::uint32_t i = 0; i < view.side_count(); ++i)
       for (std::uint32_t k = 0; k < view.side(i).pieces; ++k) {
-        const std::uint32_t door = door_of(view.side(i), k), node = node_of(view, i, k),
-                            first = 2 * (door - out_.nodes);
+        const std::uint32_t door = door_of(view.side(i), k), node = view.node(i, k), first = 2 * (door - out_.nodes);
         const bool in_order = out_.complex.edges[first][0] == node;
         out_.complex.face_vertices.insert(out_.complex.face_vertices.end(), {node, door});
         out_.complex.face_edges.insert(out_.complex.face_edges.end(), {first + !in_order, first + in_order});
@@ -452,8 +440,8 @@ class Refinement {
     finish_face(f, kNever);
   }
 
-  const Site& site_;
-  const Burning& burning_;
+  const BurnDomain& domain_;
+  const BurnedSectors& burning_;
   const BurnNetwork& net_;
   RefinedAxis out_;
   std::vector<std::uint32_t> door_base_;
@@ -504,10 +492,11 @@ void burn_network(RefinedAxis& axis, Context* context) {
 
 RefinedAxis refined(const CellComplex& complex, std::span<const Vec3> points, std::span<const double> radius,
                     const Burning& burning, Context* context) {
-  const Links links = make_links(complex, burning.network);
-  const Polygons polygons = make_polygons(complex, points, burning.network);
-  const Site site{complex, points, radius, burning.network, links, polygons, burning.options.radius, 0};
-  RefinedAxis axis = Refinement(site, burning).run(context);
+  RefinedAxis axis;
+  {
+    const BurnDomain domain{complex, points, radius, burning.sectors->network, burning.options.radius};
+    axis = Refinement(domain, burning).run(context);
+  }
   burn_network(axis, context);
   checkpoint(context, "curves", 1);
   return axis;
@@ -517,7 +506,8 @@ RefinedAxis refined(const CellComplex& complex, std::span<const Vec3> points, st
 
 RefinedAxis quench_curves(const CellComplex& complex, std::span<const Vec3> points, std::span<const double> radius,
                           const Burning& burning, Context* context) {
-  if (burning.parent.size() != burning.state_time.size() || burning.burn_time.size() != complex.vertex_count)
+  if (!burning.sectors || burning.sectors->parent.size() != burning.sectors->state_time.size() ||
+      burning.burn_time.size() != complex.vertex_count)
     throw Error(ErrorCode::usage, "medial curves need a burning of the same axis with BurnOptions::parents");
   return base::in_arena(context, [&] { return refined(complex, points, radius, burning, context); });
 }

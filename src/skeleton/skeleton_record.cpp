@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/constants.h"
 #include "base/union_find.h"
 #include "quench/skeleton.h"
 #include "record/infinite.h"
@@ -33,7 +34,7 @@ Record to_record(const Skeleton& s) {
     thickness.push_back(et);
     curve_thickness.push_back(curve_et);
   };
-  constexpr double kNever = std::numeric_limits<double>::infinity();
+  using base::kNever;
   for (std::uint32_t v = 0; v < c.vertex_count; ++v) {
     if (has_edge[v]) continue;
     data.verts.push_back(v);

@@ -71,7 +71,7 @@ const std::vector<Known>& known_field_numbers() {
 const std::vector<Known>& known_field_texts() {
   static const std::vector<Known> arrays{{"stage", 1, {"core", "skeleton"}, kNothingToCompare},
                                          {"lambda_rule", 1, {"coface", "ball"}, kNothingToCompare},
-                                         {"propagation", 1, {"segments", "nodes"}, kTold},
+                                         {"propagation", 1, {"segments"}, kTold},
                                          {"radius_rule", 1, {"exact", "linear"}, kTold},
                                          {"units", 1, {}, kTold},
                                          {"SPACE", 1, {}, kTold},
@@ -116,8 +116,8 @@ std::string defect_of_fields(const std::vector<DataArray>& arrays) {
       return fmt::format("the field array '{}' is not one text", known.name);
     const std::string word = text_or_empty(arrays, known.name);
     if (!known.words.empty() && std::find(known.words.begin(), known.words.end(), word) == known.words.end())
-      return fmt::format("the field array '{}' is '{}'; it can be '{}' or '{}'", known.name, word, known.words[0],
-                         known.words[1]);
+      return fmt::format("the field array '{}' is '{}'; it can be '{}'", known.name, word,
+                         fmt::join(known.words, "' or '"));
   }
   return {};
 }

@@ -124,12 +124,12 @@ std::string wrong_time(const Result& result, const Measure& time, std::size_t& b
 }
 
 // Nodes of the network that a spacing gives, least and most: edges of polygons in equal parts, no longer than the
-// spacing to 1e-12, at seams two at least for 'segments'.
-std::array<double, 2> nodes_of(const Result& result, double omega, bool segments) {
+// spacing to 1e-12, two at least at seams.
+std::array<double, 2> nodes_of(const Result& result, double omega) {
   const CellComplex& complex = result.complex;
   std::vector<char> at_seam(complex.vertex_count, 0);
   for (std::uint32_t e = 0; e < complex.edges.size(); ++e)
-    if (segments && result.edge_faces_count[e] > 2)
+    if (result.edge_faces_count[e] > 2)
       for (const std::uint32_t v : complex.edges[e]) at_seam[v] = 1;
   std::array<double, 2> nodes{static_cast<double>(complex.vertex_count), static_cast<double>(complex.vertex_count)};
   for (std::uint32_t e = 0; e < complex.edges.size(); ++e) {
@@ -149,8 +149,7 @@ std::string wrong_network(const Result& result, const Measure& time, Check& chec
                             most = numbers_or_empty(result.data.field_data, "max_burn_time");
   if (omega.size() == 1 && nodes.size() == 1) {
     if (!(omega[0] > 0)) return fmt::format("omega {:.9g} is not a distance", omega[0]);
-    const auto [least, largest] =
-        nodes_of(result, omega[0], text_or_empty(result.data.field_data, "propagation") != "nodes");
+    const auto [least, largest] = nodes_of(result, omega[0]);
     if (!(nodes[0] >= least && nodes[0] <= largest))
       return fmt::format("burn_nodes is {:.12g}; edges cut by omega {:.9g} have {:.12g}", nodes[0], omega[0], least);
     cover(check, "field burn_nodes");

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "complex/thinning.h"
+#include "naive_thinning.h"
 #include "quench/axis.h"
 #include "quench/error.h"
 #include "quench/shape.h"
@@ -25,50 +26,6 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// Thinning as it is defined, without any clever structure: look at all pairs, take the first, start again.
-class NaiveThinning {
- public:
-  explicit NaiveThinning(const MedialAxis& axis) : axis_(axis), complex_(axis.complex) {
-    vertex.assign(complex_.vertex_count, kInfinity);
-    edge.assign(complex_.edges.size(), kInfinity);
-    face.assign(complex_.face_count(), kInfinity);
-    double running = -kInfinity;
-    while (const auto pair = first_pair()) {
-      const auto& [key, dimension, small, large] = *pair;
-      running = std::max(running, key);
-      (dimension == 1 ? face : edge)[large] = running;
-      (dimension == 1 ? edge : vertex)[small] = running;
-    }
-  }
-  std::vector<double> vertex, edge, face;
-
- private:
-  using Pair =
-      std::tuple<double, int, std::uint32_t, std::uint32_t>;  // key, dimension and index of the free cell, other
-  std::optional<Pair> first_pair() const {
-    std::vector<std::vector<std::uint32_t>> faces(edge.size()), edges(vertex.size());
-    for (std::uint32_t f = 0; f < face.size(); ++f)
-      if (face[f] == kInfinity)
-        for (std::uint32_t e : complex_.sides(f)) faces[e].push_back(f);
-    for (std::uint32_t e = 0; e < edge.size(); ++e)
-      if (edge[e] == kInfinity)
-        for (std::uint32_t v : complex_.edges[e]) edges[v].push_back(e);
-    std::optional<Pair> first;
-    const auto offer = [&first](const Pair& p) {
-      if (!first || p < *first) first = p;
-    };
-    for (std::uint32_t e = 0; e < edge.size(); ++e)
-      if (edge[e] == kInfinity && faces[e].size() == 1)
-        offer({std::max(axis_.edge_lambda[e], axis_.face_lambda[faces[e][0]]), 1, e, faces[e][0]});
-    for (std::uint32_t v = 0; v < vertex.size(); ++v)
-      if (vertex[v] == kInfinity && edges[v].size() == 1 && faces[edges[v][0]].empty())
-        offer({std::max(axis_.vertex_lambda[v], axis_.edge_lambda[edges[v][0]]), 0, v, edges[v][0]});
-    return first;
-  }
-  const MedialAxis& axis_;
-  const CellComplex& complex_;
-};
-
 MedialAxis core_with_levels(const VoxelShape& shape, LambdaRule rule = LambdaRule::coface) {
   MedialAxis axis = voxel_core(shape, {.rule = rule});
   prune_levels(axis);
@@ -79,7 +36,8 @@ TEST(Prune, LevelsEqualTheNaiveThinning) {
   for (std::uint64_t seed = 0; seed < 200; ++seed) {
     const MedialAxis axis =
         core_with_levels(testing_shapes::random_shape(seed, 6), seed % 2 ? LambdaRule::ball : LambdaRule::coface);
-    const NaiveThinning naive(axis);
+    const complex::CellValues lambda{axis.vertex_lambda, axis.edge_lambda, axis.face_lambda};
+    const testing_complexes::NaiveThinning naive(axis.complex, lambda);
     ASSERT_EQ(axis.vertex_level, naive.vertex) << "seed " << seed;
     ASSERT_EQ(axis.edge_level, naive.edge) << "seed " << seed;
     ASSERT_EQ(axis.face_level, naive.face) << "seed " << seed;

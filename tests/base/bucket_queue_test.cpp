@@ -45,7 +45,7 @@ TEST(BucketQueue, PopsLikeAHeap) {
   }
 }
 
-TEST(BucketQueue, OvertakenEntriesMayGoWhenABucketOpens) {
+TEST(BucketQueue, StaleEntriesAreDroppedWhenABucketOpens) {
   Queue queue(0, 1);
   for (std::uint32_t i = 0; i < 5000; ++i) queue.push(i % 10, i);
   std::size_t popped = 0, fetched = 0;

@@ -52,7 +52,7 @@ TEST(BruteForceBurn, IsNearTheClosedForms) {
   expect_near(tetrahedral_junction(10, 4), 0.5, 0.1, 0.2, "junction");
 }
 
-// The tip burns when both fans have come to it: one loop of its link does not open the other.
+// The tip burns when the fire of both fans has reached it: one loop of its link does not open the other.
 TEST(BruteForceBurn, PinchPointWaitsForBothFans) {
   Builder b;
   pyramid(b, {0, 0, 0}, 3, 4, 5);
@@ -78,7 +78,7 @@ TEST(BruteForceBurn, PocketsNeverBurnAndTheirFlapsDo) {
   for (std::uint32_t i : v) EXPECT_EQ(found.vertex_time[i], kInfinity);
   EXPECT_EQ(found.vertex_time[outer], 1);
   EXPECT_EQ(found.pocket, (std::vector<char>{1, 1, 1, 1, 1, 1, 1, 1, 0}));
-  // On the flap's glued side its own sector is a loop of its own, and burns when the fire comes.
+  // On the flap's glued side its sector is a loop, and burns when the fire arrives.
   for (std::size_t n = 6; n < found.nodes.size(); ++n) {
     const auto& link = found.links[found.nodes[n].link];
     for (std::size_t s = 0; s < link.size(); ++s) {
@@ -92,7 +92,7 @@ TEST(BruteForceBurn, SectorTimesOfLinks) {
   const testing_burn::LinkSectors junction({k4, std::vector<char>(6, 0)});
   EXPECT_EQ(junction.loops, 3);
   // A maximum spanning tree of the arrivals 1 to 6 is 6, 5, 3, so the node burns at 4, the largest outside. After 1 and
-  // 2 have gone, direction 0 hangs on the third sector alone.
+  // 2 are removed, the third sector is the only one at direction 0.
   std::vector<double> time(6);
   junction.times(0.5, std::vector<double>{1, 2, 3, 4, 5, 6}, time);
   EXPECT_EQ(time, (std::vector<double>{1, 2, 2, 4, 4, 4}));

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "brute_force_burn.h"
+#include "burn_by_nodes.h"
 #include "burn_shapes.h"
 #include "data.h"
 #include "quench/axis.h"
@@ -21,13 +22,14 @@ namespace quench {
 namespace {
 
 using namespace testing_complexes;
+using testing_burn::burn_by;
+using testing_burn::Propagation;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 const double kRoot2 = std::sqrt(2.0);
 
-Burning burn(const BurnInput& input, double omega, Propagation propagation) {
-  return burn(input.complex, input.points, input.radius,
-              {.omega = omega, .propagation = propagation, .radius = input.rule});
+Burning burn(const BurnInput& input, double omega, Propagation by) {
+  return burn_by(by, input.complex, input.points, input.radius, {.omega = omega, .radius = input.rule});
 }
 
 struct Errors {
@@ -139,10 +141,10 @@ TEST(BurnKnownAnswers, FireRunsOnBesideASeam) {
     for (std::size_t c = 0; c < known.input.complex.face_vertices.size(); ++c) {
       const std::uint32_t v = known.input.complex.face_vertices[c];
       if ((known.input.points[v] - Vec3(1, 0, 0)).norm() > 1e-9) continue;
-      const auto corners = known.input.complex.corners(found.network.corner_face[c]);
+      const auto corners = known.input.complex.corners(found.sectors->network.corner_face[c]);
       const bool outside = std::any_of(corners.begin(), corners.end(),
                                        [&](std::uint32_t w) { return known.input.points[w][0] > 1 + 1e-9; });
-      const double time = found.state_time[found.network.corner_state[c]];
+      const double time = found.sectors->state_time[found.sectors->network.corner_state[c]];
       if (outside) {
         EXPECT_NEAR(time, std::sqrt(26) + 3, 0.05);
       } else {
@@ -157,9 +159,9 @@ TEST(BurnKnownAnswers, TetrahedralJunction) {
   const KnownBurn known = tetrahedral_junction(10, 4);
   const Burning found = burn(known.input, 0.5, Propagation::segments);
   int primes = 0;
-  for (std::uint32_t s = found.network.vertex_base[0]; s < found.network.vertex_base[1]; ++s)
-    primes += found.parent[s] != kNone;
-  EXPECT_EQ(found.network.vertex_base[1], 6u);
+  for (std::uint32_t s = found.sectors->network.vertex_base[0]; s < found.sectors->network.vertex_base[1]; ++s)
+    primes += found.sectors->parent[s] != kNone;
+  EXPECT_EQ(found.sectors->network.vertex_base[1], 6u);
   EXPECT_EQ(primes, 3);  // loops of the complete graph on four rays
 }
 
@@ -191,12 +193,13 @@ TEST(BurnKnownAnswers, PinchPoint) {
   const BurnInput input = b.input([](const Vec3&) { return 1.0; });
   for (Propagation propagation : {Propagation::nodes, Propagation::segments}) {
     const Burning found = burn(input, 0.05, propagation);
-    const std::uint32_t tip = b.vertex({0, 0, 0}), s = found.network.vertex_base[tip];
-    ASSERT_EQ(found.network.vertex_base[tip + 1], s + 2);  // two sectors, neither opens the other
+    const std::uint32_t tip = b.vertex({0, 0, 0}), s = found.sectors->network.vertex_base[tip];
+    ASSERT_EQ(found.sectors->network.vertex_base[tip + 1], s + 2);  // two sectors, neither opens the other
     EXPECT_NEAR(found.burn_time[tip], 1 + pyramid_height(3, 4, 5), 1e-3);
-    EXPECT_NEAR(std::min(found.state_time[s], found.state_time[s + 1]), 1 + pyramid_height(-1, 2, 4), 1e-3);
-    EXPECT_NE(found.parent[s], kNone);
-    EXPECT_NE(found.parent[s + 1], kNone);
+    EXPECT_NEAR(std::min(found.sectors->state_time[s], found.sectors->state_time[s + 1]), 1 + pyramid_height(-1, 2, 4),
+                1e-3);
+    EXPECT_NE(found.sectors->parent[s], kNone);
+    EXPECT_NE(found.sectors->parent[s + 1], kNone);
   }
 }
 
@@ -229,8 +232,8 @@ TEST(BurnKnownAnswers, SphereWithAFlap) {
       }
     }
     for (std::size_t c = 0; c < input.complex.face_vertices.size(); ++c) {
-      EXPECT_EQ(found.state_time[found.network.corner_state[c]] == kInfinity,
-                found.network.pocket[found.network.corner_face[c]] != 0);
+      EXPECT_EQ(found.sectors->state_time[found.sectors->network.corner_state[c]] == kInfinity,
+                found.sectors->network.pocket[found.sectors->network.corner_face[c]] != 0);
     }
     EXPECT_LT(found.max_burn_time, 1 + 5);
   }
@@ -290,7 +293,7 @@ struct AuthorsBunny {
     }
   }
   Burning burned(double omega, Propagation propagation) const {
-    return burn(complex, points, radius, {.omega = omega, .propagation = propagation, .radius = RadiusRule::linear});
+    return burn_by(propagation, complex, points, radius, {.omega = omega, .radius = RadiusRule::linear});
   }
 };
 
@@ -335,10 +338,10 @@ TEST(BurnAuthorsBunny, ByNodesEqualsTheDefinition) {
   const testing_burn::BruteForceBurn oracle(bunny.complex, bunny.points, bunny.radius,
                                             testing_burn::pieces_for(bunny.complex, bunny.points, 0.575),
                                             RadiusRule::linear);
-  ASSERT_EQ(found.network.pieces, oracle.pieces);
+  ASSERT_EQ(found.sectors->network.pieces, oracle.pieces);
   EXPECT_EQ(found.unburned, 0u);
   for (std::size_t c = 0; c < bunny.complex.face_vertices.size(); ++c)
-    ASSERT_NEAR(found.state_time[found.network.corner_state[c]],
+    ASSERT_NEAR(found.sectors->state_time[found.sectors->network.corner_state[c]],
                 oracle.time[oracle.state_at(bunny.complex.face_vertices[c], oracle.place_in_link[c])], 1e-9);
   // Other nodes than theirs, so single vertices may be later by part of the spacing.
   const Difference d = difference(found.burn_time, bunny.burn_time[0]);

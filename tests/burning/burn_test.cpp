@@ -11,8 +11,9 @@
 #include <string>
 
 #include "brute_force_burn.h"
+#include "burn_by_nodes.h"
 #include "burn_shapes.h"
-#include "burning/fire.h"
+#include "burning/burn_pass.h"
 #include "quench/axis.h"
 #include "quench/error.h"
 #include "quench/samples.h"
@@ -22,13 +23,15 @@ namespace quench {
 namespace {
 
 using namespace testing_complexes;
+using burning::BurnNetwork;
 using testing_burn::BruteForceBurn;
+using testing_burn::burn_by;
+using testing_burn::Propagation;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-Burning burn(const BurnInput& input, double omega, Propagation propagation) {
-  return burn(input.complex, input.points, input.radius,
-              {.omega = omega, .propagation = propagation, .radius = input.rule});
+Burning burn(const BurnInput& input, double omega, Propagation by) {
+  return burn_by(by, input.complex, input.points, input.radius, {.omega = omega, .radius = input.rule});
 }
 
 /// None where a link has too many sectors for it.
@@ -54,7 +57,7 @@ std::vector<StatePair> matching_states(const CellComplex& complex, const BruteFo
     for (std::size_t n = expected.first_inserted[e]; n < expected.first_inserted[e + 1]; ++n)
       pairs.push_back({expected.state_at(n, expected.place_in_edge_link[c]),
                        network.state_base[e] + (n - expected.first_inserted[e]) * sectors +
-                           (sectors > 1 ? network.side_rank[c] : 0)});
+                           (sectors > 1 ? network.corner_rank[c] : 0)});
   }
   return pairs;
 }
@@ -79,23 +82,23 @@ TEST(Burn, ByNodesEqualsTheDefinition) {
     if (!expected) continue;
     ++compared;
     const Burning found = burn(input, omega, Propagation::nodes);
-    ASSERT_EQ(found.network.pieces, expected->pieces) << name_of(seed, omega);
-    ASSERT_EQ(found.network.node_count(), expected->nodes.size()) << name_of(seed, omega);
-    ASSERT_EQ(found.network.pocket, expected->pocket) << name_of(seed, omega);
+    ASSERT_EQ(found.sectors->network.pieces, expected->pieces) << name_of(seed, omega);
+    ASSERT_EQ(found.sectors->network.node_count(), expected->nodes.size()) << name_of(seed, omega);
+    ASSERT_EQ(found.sectors->network.pocket, expected->pocket) << name_of(seed, omega);
     for (std::size_t v = 0; v < input.points.size(); ++v) {
       EXPECT_TRUE(near(found.burn_time[v], expected->vertex_time[v], 1e-9))
           << name_of(seed, omega) << " vertex " << v << ": " << found.burn_time[v] << ", not "
           << expected->vertex_time[v];
     }
-    const auto pairs = matching_states(input.complex, *expected, found.network);
-    std::vector<char> seen(found.network.state_count(), 0);
+    const auto pairs = matching_states(input.complex, *expected, found.sectors->network);
+    std::vector<char> seen(found.sectors->network.state_count(), 0);
     for (const StatePair& s : pairs) {
       ASSERT_LT(s.found, seen.size());
       seen[s.found] = 1;
     }
     EXPECT_EQ(std::count(seen.begin(), seen.end(), 1), std::ssize(seen)) << name_of(seed, omega);
     for (const StatePair& s : pairs) {
-      const double time = expected->time[s.expected], mine = found.state_time[s.found];
+      const double time = expected->time[s.expected], mine = found.sectors->state_time[s.found];
       EXPECT_TRUE(near(mine, time, 1e-9))
           << name_of(seed, omega) << " state " << s.found << ": " << mine << ", not " << time;
     }
@@ -106,7 +109,7 @@ TEST(Burn, ByNodesEqualsTheDefinition) {
 // What every result must be, whatever the propagation. `tolerance` is that of label correction.
 void expect_sound(const BurnInput& input, const Burning& found, double tolerance, const std::string& where) {
   const CellComplex& complex = input.complex;
-  const BurnNetwork& network = found.network;
+  const BurnNetwork& network = found.sectors->network;
   const auto model = oracle(input, network.pieces);
   if (!model) return;
   const auto pairs = matching_states(complex, *model, network);
@@ -127,12 +130,12 @@ void expect_sound(const BurnInput& input, const Burning& found, double tolerance
       const std::size_t state = state_in_result[node.first_state + s];
       radius[state] = node.radius;
       never |= link.pocket[s];
-      primes += found.parent[state] != kNone;
-      last = std::max(last, found.state_time[state]);
-      ASSERT_EQ(found.state_time[state] == kInfinity, link.pocket[s] != 0) << where << " node " << n;
+      primes += found.sectors->parent[state] != kNone;
+      last = std::max(last, found.sectors->state_time[state]);
+      ASSERT_EQ(found.sectors->state_time[state] == kInfinity, link.pocket[s] != 0) << where << " node " << n;
       if (link.open[s]) {
-        ASSERT_NEAR(found.state_time[state], node.radius, 1e-12) << where << " node " << n;
-        ASSERT_EQ(found.parent[state], kNone) << where << " node " << n;
+        ASSERT_NEAR(found.sectors->state_time[state], node.radius, 1e-12) << where << " node " << n;
+        ASSERT_EQ(found.sectors->parent[state], kNone) << where << " node " << n;
       }
     }
     ASSERT_EQ(primes, link.loops) << where << " node " << n;
@@ -152,18 +155,18 @@ void expect_sound(const BurnInput& input, const Burning& found, double tolerance
     std::vector<std::array<std::size_t, 2>> chords;
     for (std::size_t i = 0; i < rim.size(); ++i) {
       const std::size_t state = state_in_result[rim[i].state];
-      const double time = found.state_time[state];
+      const double time = found.sectors->state_time[state];
       for (std::size_t j = 0; j < rim.size() && time < kInfinity; ++j) {
         if (!model->joined(f, i, j)) continue;
         const double arc = (model->nodes[rim[i].node].point - model->nodes[rim[j].node].point).norm();
-        const double other = found.state_time[state_in_result[rim[j].state]];
+        const double other = found.sectors->state_time[state_in_result[rim[j].state]];
         ASSERT_LE(time, std::max(radius[state], other + arc) + tolerance)
             << where << " face " << f << " nodes " << rim[j].node << " to " << rim[i].node;
       }
-      if (found.parent[state] == kNone || found.parent_face[state] != f) continue;
+      if (found.sectors->parent[state] == kNone || found.sectors->parent_face[state] != f) continue;
       // The state may have several corners in this polygon's rim only if they are one node.
       for (std::size_t j = 0; j < rim.size(); ++j) {
-        if (rim[j].node != found.parent[state]) continue;
+        if (rim[j].node != found.sectors->parent[state]) continue;
         ASSERT_TRUE(model->joined(f, i, j)) << where << " face " << f << ": a prime arc that is no arc";
         parent_state[state] = state_in_result[rim[j].state];
         chords.push_back({std::min(i, j), std::max(i, j)});
@@ -175,11 +178,14 @@ void expect_sound(const BurnInput& input, const Burning& found, double tolerance
                                               << "-" << b << " and " << c << "-" << d;
   }
   for (std::size_t state = 0; state < parent_state.size(); ++state) {
-    ASSERT_EQ(found.parent[state] == kNone, parent_state[state] == parent_state.size()) << where << " state " << state;
-    ASSERT_EQ(found.parent[state] == kNone, found.parent_face[state] == kNone) << where << " state " << state;
-    if (found.parent[state] == kNone) continue;
-    // In the burn sequence a bridge waits, and what could have been its child takes another parent, later than itself.
-    ASSERT_LE(found.state_time[parent_state[state]], bridges ? kInfinity : found.state_time[state] + tolerance)
+    ASSERT_EQ(found.sectors->parent[state] == kNone, parent_state[state] == parent_state.size())
+        << where << " state " << state;
+    ASSERT_EQ(found.sectors->parent[state] == kNone, found.sectors->parent_face[state] == kNone)
+        << where << " state " << state;
+    if (found.sectors->parent[state] == kNone) continue;
+    // A bridge is removed later than it burns, and a node whose parent it could have been gets one that burns later.
+    ASSERT_LE(found.sectors->state_time[parent_state[state]],
+              bridges ? kInfinity : found.sectors->state_time[state] + tolerance)
         << where << " state " << state;
     std::size_t steps = 0;
     for (std::size_t s = state; s < parent_state.size(); s = parent_state[s])
@@ -195,30 +201,31 @@ TEST(Burn, ByNodesIsSound) {
   }
 }
 
-// Of a few states each, so that fire comes in from other blocks all the time.
-TEST(Burn, BlocksInTurns) {
+// Blocks of a few states each, so that fire comes in from other blocks all the time.
+TEST(Burn, AnyBlockSchedule) {
   int compared = 0;
   double sum = 0;
   for (std::uint64_t seed = 0; seed < 3000 && !testing::Test::HasFatalFailure(); ++seed) {
     const BurnInput input = random_input(seed);
     const double omega = some_omega(seed / 5);
-    const burning::Turns turns{1 + seed % 3 * 4, std::array{0.25, 4.0, 1e9}[seed / 3 % 3]};
-    const std::string where = name_of(seed, omega) + ", blocks of " + std::to_string(turns.states);
-    const auto burn_both = [&](Propagation propagation) {
-      const BurnOptions options{.omega = omega, .propagation = propagation, .radius = input.rule};
-      return std::pair(burn(input.complex, input.points, input.radius, options),
-                       burning::burn_in_turns(input.complex, input.points, input.radius, options, turns, nullptr));
+    const burning::BlockSchedule schedule{1 + seed % 3 * 4, std::array{0.25, 4.0, 1e9}[seed / 3 % 3]};
+    const std::string where = name_of(seed, omega) + ", blocks of " + std::to_string(schedule.states_per_block);
+    const auto burn_both = [&](Propagation by) {
+      const BurnOptions options{.omega = omega, .radius = input.rule};
+      return std::pair(burn_by(by, input.complex, input.points, input.radius, options),
+                       burn_by(by, input.complex, input.points, input.radius, options, schedule));
     };
-    const auto [nodes, nodes_in_turns] = burn_both(Propagation::nodes);
-    ASSERT_EQ(nodes_in_turns.state_time, nodes.state_time) << where;  // the least of sums, whatever came first
-    expect_sound(input, nodes_in_turns, 1e-9, where);
-    const auto [segments, in_turns] = burn_both(Propagation::segments);
-    expect_sound(input, in_turns, 2 * std::min(1e-3, 2e-3 * omega), where);
+    const auto [nodes, nodes_in_blocks] = burn_both(Propagation::nodes);
+    ASSERT_EQ(nodes_in_blocks.sectors->state_time, nodes.sectors->state_time)
+        << where;  // the least of sums, in any order
+    expect_sound(input, nodes_in_blocks, 1e-9, where);
+    const auto [segments, in_blocks] = burn_both(Propagation::segments);
+    expect_sound(input, in_blocks, 2 * std::min(1e-3, 2e-3 * omega), where);
     for (std::size_t v = 0; v < input.points.size(); ++v) {
-      ASSERT_EQ(std::isinf(in_turns.burn_time[v]), std::isinf(segments.burn_time[v])) << where;
-      if (std::isinf(in_turns.burn_time[v])) continue;
-      // Where fronts meet, which label stays can depend on what came first: by less than segments are off there anyway.
-      const double change = std::abs(in_turns.burn_time[v] - segments.burn_time[v]) / omega;
+      ASSERT_EQ(std::isinf(in_blocks.burn_time[v]), std::isinf(segments.burn_time[v])) << where;
+      if (std::isinf(in_blocks.burn_time[v])) continue;
+      // Where fronts meet, which label remains can depend on the order: by less than the error of segments there.
+      const double change = std::abs(in_blocks.burn_time[v] - segments.burn_time[v]) / omega;
       ASSERT_LT(change, 0.25) << where << " vertex " << v;
       sum += change;
       ++compared;
@@ -248,17 +255,17 @@ TEST(Burn, SegmentsAreNotAboveNodes) {
     const BurnInput input = random_input(seed);
     const double omega = some_omega(seed / 7);
     const Burning found = burn(input, omega, Propagation::segments);
-    const auto nodes = oracle(input, found.network.pieces);
+    const auto nodes = oracle(input, found.sectors->network.pieces);
     if (!nodes) continue;
     const double tolerance = 2e-3 * std::min(omega, 1.0);
     for (std::size_t v = 0; v < input.points.size(); ++v)
       ASSERT_LE(found.burn_time[v], std::max(input.radius[v], nodes->vertex_time[v]) + tolerance)
           << name_of(seed, omega) << " vertex " << v;
-    const auto pairs = matching_states(input.complex, *nodes, found.network);
+    const auto pairs = matching_states(input.complex, *nodes, found.sectors->network);
     if (!input.consistent) continue;
     ++compared;
     for (const StatePair& s : pairs)
-      ASSERT_LE(found.state_time[s.found], nodes->time[s.expected] + tolerance)
+      ASSERT_LE(found.sectors->state_time[s.found], nodes->time[s.expected] + tolerance)
           << name_of(seed, omega) << " state " << s.found;
   }
   EXPECT_GT(compared, 1500);
@@ -273,7 +280,7 @@ TEST(Burn, ErosionThicknessIsNotNegative) {
     if (!input.consistent) continue;
     const Burning nodes = burn(input, omega, Propagation::nodes);
     for (double et : nodes.erosion_thickness) ASSERT_GE(et, -1e-12) << name_of(seed, omega);
-    const auto model = oracle(input, segments.network.pieces);
+    const auto model = oracle(input, segments.sectors->network.pieces);
     if (!model) continue;
     for (const auto& node : model->nodes)
       for (std::size_t s = 0; s < model->links[node.link].size(); ++s)
@@ -292,12 +299,12 @@ TEST(Burn, SameBitsOnAnyNumberOfThreads) {
     const Burning one = on(1);
     for (const int threads : {2, 3, 3}) {
       const Burning other = on(threads);
-      EXPECT_TRUE(one.state_time == other.state_time);
-      EXPECT_TRUE(one.parent == other.parent);
-      EXPECT_TRUE(one.parent_face == other.parent_face);
+      EXPECT_TRUE(one.sectors->state_time == other.sectors->state_time);
+      EXPECT_TRUE(one.sectors->parent == other.sectors->parent);
+      EXPECT_TRUE(one.sectors->parent_face == other.sectors->parent_face);
       EXPECT_TRUE(one.burn_time == other.burn_time);
       EXPECT_TRUE(one.erosion_thickness == other.erosion_thickness);
-      EXPECT_TRUE(one.network.pieces == other.network.pieces);
+      EXPECT_TRUE(one.sectors->network.pieces == other.sectors->network.pieces);
     }
   }
 }
@@ -310,7 +317,7 @@ TEST(Burn, MovesAndTurnsWithTheComplex) {
     for (Vec3& p : moved.points) p = Vec3(p[2], p[0], p[1]) + Vec3(17, -8, 3);
     for (Propagation propagation : {Propagation::nodes, Propagation::segments}) {
       const Burning one = burn(input, 0.4, propagation), two = burn(moved, 0.4, propagation);
-      ASSERT_EQ(one.network.pieces, two.network.pieces) << "seed " << seed;
+      ASSERT_EQ(one.sectors->network.pieces, two.sectors->network.pieces) << "seed " << seed;
       for (std::size_t v = 0; v < one.burn_time.size(); ++v) {
         if (one.burn_time[v] == kInfinity) {
           ASSERT_EQ(two.burn_time[v], kInfinity) << "seed " << seed;
@@ -338,7 +345,7 @@ TEST(Burn, ThirteenDiscsBurn) {
     for (Propagation propagation : {Propagation::nodes, Propagation::segments}) {
       const Burning found = burn(input, omega, propagation);
       EXPECT_EQ(found.unburned, 0u);
-      for (double t : found.state_time) EXPECT_LT(t, kInfinity);
+      for (double t : found.sectors->state_time) EXPECT_LT(t, kInfinity);
       expect_sound(input, found, 2e-3, "omega " + std::to_string(omega));
     }
 }
@@ -382,7 +389,7 @@ VoxelShape rippled_plate() {
 
 /// Erosion thickness at every node: the latest of its sectors less the radius.
 std::vector<double> node_thickness(const MedialAxis& axis, const Burning& found) {
-  const BurnNetwork& network = found.network;
+  const BurnNetwork& network = found.sectors->network;
   std::vector<double> et = found.erosion_thickness;
   for (std::size_t e = 0; e < axis.complex.edges.size(); ++e) {
     const auto [a, b] = axis.complex.edges[e];
@@ -390,7 +397,7 @@ std::vector<double> node_thickness(const MedialAxis& axis, const Burning& found)
     for (std::uint32_t i = 1; i < network.pieces[e]; ++i) {
       double time = 0;
       for (std::uint32_t s = 0; s < sectors; ++s)
-        time = std::max(time, found.state_time[network.state_base[e] + (i - 1) * sectors + s]);
+        time = std::max(time, found.sectors->state_time[network.state_base[e] + (i - 1) * sectors + s]);
       et.push_back(time - radius_inside_edge(axis.radius[a], axis.radius[b], network.length[e],
                                              static_cast<double>(i) / network.pieces[e], found.options.radius));
     }
@@ -405,8 +412,8 @@ TEST(Burn, MinimaOfErosionThicknessVanish) {
   std::vector<int> uses(axis.complex.edges.size(), 0);
   for (std::uint32_t e : axis.complex.face_edges) ++uses[e];
   const auto minima = [&](double omega, Propagation propagation) {
-    const Burning found = burn(axis.complex, axis.points, axis.radius,
-                               {.omega = omega, .propagation = propagation, .radius = RadiusRule::exact});
+    const Burning found =
+        burn_by(propagation, axis.complex, axis.points, axis.radius, {.omega = omega, .radius = RadiusRule::exact});
     for (double et : found.erosion_thickness) EXPECT_GE(et, -1e-12);
     const std::vector<double> et = node_thickness(axis, found);
     std::vector<double> lowest(et.size(), kInfinity);  // of the nodes around
@@ -414,7 +421,8 @@ TEST(Burn, MinimaOfErosionThicknessVanish) {
       const auto corners = axis.complex.corners(f);
       std::vector<std::uint32_t> around(corners.begin(), corners.end());
       for (std::uint32_t e : axis.complex.sides(f))
-        for (std::uint32_t n = found.network.node_base[e]; n < found.network.node_base[e + 1]; ++n) around.push_back(n);
+        for (std::uint32_t n = found.sectors->network.node_base[e]; n < found.sectors->network.node_base[e + 1]; ++n)
+          around.push_back(n);
       for (std::uint32_t v : around)
         for (std::uint32_t w : around)
           if (v != w) lowest[v] = std::min(lowest[v], et[w]);
@@ -422,9 +430,10 @@ TEST(Burn, MinimaOfErosionThicknessVanish) {
     for (std::size_t e = 0; e < uses.size(); ++e) {
       if (uses[e] >= 2) continue;
       for (std::uint32_t v : axis.complex.edges[e]) lowest[v] = 0;
-      for (std::uint32_t n = found.network.node_base[e]; n < found.network.node_base[e + 1]; ++n) lowest[n] = 0;
+      for (std::uint32_t n = found.sectors->network.node_base[e]; n < found.sectors->network.node_base[e + 1]; ++n)
+        lowest[n] = 0;
     }
-    EXPECT_EQ(et.size(), found.network.node_count());
+    EXPECT_EQ(et.size(), found.sectors->network.node_count());
     EXPECT_GT(std::count_if(lowest.begin(), lowest.end(), [](double l) { return l > 0; }), 900);
     int count = 0;
     for (std::size_t n = 0; n < et.size(); ++n) count += et[n] < lowest[n] - 1e-9;
@@ -468,14 +477,42 @@ TEST(Burn, MoreThan64SectorsAtAVertex) {
     const Burning found = burn(input, 0.25, propagation);
     const std::uint32_t v = b.vertex(middle);
     // Widths are 1, 1.04 .. 4.96; the second latest is 4.92, and the seam's ends are 6 away.
-    ASSERT_EQ(found.network.vertex_base[v + 1] - found.network.vertex_base[v], 100u);
+    ASSERT_EQ(found.sectors->network.vertex_base[v + 1] - found.sectors->network.vertex_base[v], 100u);
     EXPECT_NEAR(found.burn_time[v], 1 + 4.92, 1e-7);
     EXPECT_EQ(found.unburned, 0u);
     int primes = 0;
-    for (std::uint32_t s = found.network.vertex_base[v]; s < found.network.vertex_base[v + 1]; ++s)
-      primes += found.parent[s] != kNone;
+    for (std::uint32_t s = found.sectors->network.vertex_base[v]; s < found.sectors->network.vertex_base[v + 1]; ++s)
+      primes += found.sectors->parent[s] != kNone;
     EXPECT_EQ(primes, 99);
   }
+}
+
+// More sides than the order pass tells apart (SideMask), with flaps that make one of them, first or last, a seam.
+TEST(Burn, PolygonsOfManySides) {
+  for (const int sides : {30, 31, 32, 33, 64, 90})
+    for (const int seam : {0, sides - 1}) {
+      Builder b;
+      std::vector<Vec3> rim;
+      for (int i = 0; i < sides; ++i) {
+        const double angle = 2 * std::numbers::pi * i / sides;
+        rim.emplace_back(10 * std::cos(angle), 6 * std::sin(angle), 0);
+      }
+      b.face(rim);
+      const Vec3 p = rim[seam], q = rim[(seam + 1) % sides];
+      for (const Vec3& flap : {Vec3(0, 0, 3), Vec3(0, 0, -5)}) b.face({p, q, q + flap, p + flap});
+      const BurnInput input = b.input([](const Vec3& x) { return 1 + 0.1 * x[0] * x[0] / 10; });
+      for (Propagation by : {Propagation::nodes, Propagation::segments})
+        expect_sound(input, burn(input, 0.6, by), by == Propagation::nodes ? 1e-9 : 2e-3,
+                     std::to_string(sides) + " sides, seam " + std::to_string(seam));
+    }
+}
+
+TEST(Burn, AnAxisIsItsComplexPointsAndRadii) {
+  const MedialAxis axis = pruned_core(testing_shapes::box_shape(9, 7, 4), 0.6);
+  const Burning one = burn(axis, {.omega = 0.4}), other = burn(axis.complex, axis.points, axis.radius, {.omega = 0.4});
+  EXPECT_EQ(one.burn_time, other.burn_time);
+  EXPECT_EQ(one.node_count, other.node_count);
+  EXPECT_GT(one.node_count, axis.points.size());
 }
 
 TEST(Burn, RadiusInsideAnEdge) {

@@ -14,8 +14,6 @@
 namespace quench::burning {
 namespace {
 
-constexpr double kNever = std::numeric_limits<double>::infinity();
-
 Blocks blocks_of(std::uint32_t states, std::uint32_t count, std::mt19937& random) {
   Blocks blocks;
   blocks.count = count;
@@ -51,9 +49,9 @@ struct Labels {
   }
 };
 
-// States are queued, lowered and popped at random: each comes once for every time it was queued, as the first of its
-// block, and nothing is left behind.
-TEST(WindowQueue, StatesComeAsTheFirstOfTheirBlock) {
+// States are queued, lowered and popped at random: each is popped once for every time it was queued, as the first of
+// its block, and none is lost.
+TEST(WindowQueue, PopsTheFirstOfABlock) {
   for (std::uint32_t seed = 0; seed < 300; ++seed) {
     std::mt19937 random(seed);
     const std::uint32_t states = 1 + random() % 200, count = seed % 4 == 0 ? 1 : 1 + random() % 9;
@@ -82,7 +80,7 @@ TEST(WindowQueue, StatesComeAsTheFirstOfTheirBlock) {
         continue;
       }
       const std::uint32_t s = random() % states;
-      // As fire does: later than what was popped last, or a little before it where labels are corrected.
+      // As in burning: later than what was popped last, or a little before it where labels are corrected.
       const double time = now + (random() % 100) * 0.02 - (random() % 10 == 0 ? 0.3 : 0);
       if (labels.labels[s].queued && !(time < labels.labels[s].time)) continue;
       queued += !labels.labels[s].queued;
@@ -93,8 +91,8 @@ TEST(WindowQueue, StatesComeAsTheFirstOfTheirBlock) {
   }
 }
 
-// In a window a block's turn lasts until it has nothing left; the next window opens when no block has.
-TEST(WindowQueue, BlocksTakeTurnsInAWindow) {
+// Within a window a block pops all of its states before the next one; the next window comes when no block has any.
+TEST(WindowQueue, BlocksFollowEachOtherInAWindow) {
   Blocks blocks;
   blocks.count = 3;
   blocks.of_state = {0, 1, 2, 0, 1, 2};
@@ -104,10 +102,10 @@ TEST(WindowQueue, BlocksTakeTurnsInAWindow) {
   for (std::uint32_t state = 0; labels.pop(state);) {
     labels.labels[state].queued = false;
     order.push_back(state);
-    if (order.size() == 3) {  // in the turn of block 1
-      labels.set(1, 3);       // lowered, of this block
-      labels.set(2, 2);       // lowered, of one whose turn comes
-      labels.set(0, 9.5);     // once more, of one whose turn is over
+    if (order.size() == 3) {  // block 1 is active
+      labels.set(1, 3);       // lowered, of the active block
+      labels.set(2, 2);       // lowered, of a later block
+      labels.set(0, 9.5);     // queued again, of an earlier block
       labels.set(3, 12);      // in the next window
     }
   }
@@ -119,7 +117,7 @@ TEST(Blocks, AreOfTheirSizeAndOfStatesThatLieTogether) {
   testing_complexes::Builder b;
   testing_complexes::jittered_sheet(b, Vec3(-3, 7, 1), Vec3(80, 0, 5), Vec3(0, 60, 0), 80, 60, random);
   testing_complexes::BurnInput input = b.input([](const Vec3&) { return 1.0; });
-  const BurnNetwork network = make_network(input.complex, input.points, 0.4, Propagation::segments);
+  const BurnNetwork network = make_network(input.complex, input.points, 0.4);
   const Blocks blocks = make_blocks(input.complex, input.points, network, 600);
   ASSERT_EQ(blocks.of_state.size(), network.state_count());
   std::vector<std::size_t> states(blocks.count, 0);
@@ -152,7 +150,7 @@ TEST(Blocks, ManyAndOne) {
   testing_complexes::Builder b;
   testing_complexes::jittered_sheet(b, Vec3(0, 0, 0), Vec3(60, 0, 0), Vec3(0, 60, 0), 60, 60, random);
   testing_complexes::BurnInput input = b.input([](const Vec3&) { return 1.0; });
-  const BurnNetwork network = make_network(input.complex, input.points, 0.03, Propagation::segments);
+  const BurnNetwork network = make_network(input.complex, input.points, 0.03);
   ASSERT_GT(network.state_count(), 1u << 16);
   const Blocks many = make_blocks(input.complex, input.points, network, 1);
   EXPECT_LE(many.count, 1u << 16);

@@ -121,8 +121,7 @@ TEST_F(Burn, HelpNamesIt) {
   EXPECT_TRUE(has(works({"--help"}).out, "\n  burn "));
   const auto help = works({"burn", "--help"});
   EXPECT_TRUE(has(help.out, "Example:\n  quench burn ")) << help.out;
-  for (const char* part : {"--omega", "--radius", "--propagation", "--radii", "--shape"})
-    EXPECT_TRUE(has(help.out, part)) << part;
+  for (const char* part : {"--omega", "--radius", "--radii", "--shape"}) EXPECT_TRUE(has(help.out, part)) << part;
   for (const char* jargon : {"TEXT", "INT", "FLOAT", ":{"}) EXPECT_FALSE(has(help.out, jargon)) << jargon;
 }
 
@@ -233,24 +232,20 @@ TEST_F(Burn, OmegaInAllUnits) {
   refuses(2, {"--omega '0.5vox'", "voxel size", "abs"}, {"burn", "s.ma", "-o", "no.vtp", "--omega", "0.5vox"});
 }
 
-TEST_F(Burn, RadiusAndPropagation) {
+TEST_F(Burn, RadiusRule) {
   make_core();
-  const auto run = [&](const std::string& option, const std::string& value) {
-    burn({"core.vtp", "-o", "out.vtp", "--overwrite", "--omega", "0.5vox", option, value});
+  const auto run = [&](const std::string& rule) {
+    burn({"core.vtp", "-o", "out.vtp", "--overwrite", "--omega", "0.5vox", "--radius", rule});
     const Record data = read("out.vtp");
-    EXPECT_EQ(text_field(data, option == "--radius" ? "radius_rule" : "propagation"),
-              value == "auto" ? "exact" : value);
+    EXPECT_EQ(text_field(data, "radius_rule"), rule == "auto" ? "exact" : rule);
+    EXPECT_EQ(text_field(data, "propagation"), "segments");
     const auto bt = of_points(data, "burn_time");
     double sum = 0;
     for (const double t : bt) sum += t;
     return sum / static_cast<double>(bt.size());
   };
-  const double segments = run("--propagation", "segments"), nodes = run("--propagation", "nodes");
-  EXPECT_GT(nodes, segments + 1e-3);
-  EXPECT_LT(nodes, segments + 0.5);
-  const double exact = run("--radius", "exact"), linear = run("--radius", "linear");
-  EXPECT_EQ(exact, segments);
-  EXPECT_EQ(run("--radius", "auto"), exact);
+  const double exact = run("exact"), linear = run("linear");
+  EXPECT_EQ(run("auto"), exact);
   EXPECT_GT(linear, exact);  // the exact radius is never above the line between the ends
   folder.write("s.ma", square_ma("", 0, "", 0));
   burn({"s.ma", "-o", "out.vtp", "--overwrite", "--radius", "exact"});
@@ -362,11 +357,9 @@ TEST_F(Burn, RunBurnsTheCore) {
   burn({"core.vtp", "-o", "burned.vtp"});
   EXPECT_EQ(of_points(read("burned.vtp"), "burn_time"), of_points(data, "burn_time"));
   EXPECT_TRUE(has(works({"verify", "s.ply", "dir/core.vtp"}).out, ": verified\n"));
-  works({"run", "s.ply", "--resolution", "24", "-o", "dir", "--omega", "0.2vox", "--propagation", "nodes", "--radius",
-         "linear", "--overwrite"});
+  works({"run", "s.ply", "--resolution", "24", "-o", "dir", "--omega", "0.2vox", "--radius", "linear", "--overwrite"});
   const Record other = read("dir/core.vtp");
   EXPECT_NEAR(field(other, "omega"), 0.2 * 2 / 24, 1e-12);
-  EXPECT_EQ(text_field(other, "propagation"), "nodes");
   EXPECT_EQ(text_field(other, "radius_rule"), "linear");
 }
 
@@ -375,7 +368,7 @@ TEST_F(Burn, RefusesOptionsThatCannotBe) {
   for (const char* omega : {"0", "0vox", "-1", "-0.5vox", "nan", "inf", "abc", "1 vox", ""})
     refuses(2, {"--omega"}, {"burn", "core.vtp", "-o", "a.vtp", "--omega", omega});
   refuses(2, {"--radius", "exact"}, {"burn", "core.vtp", "-o", "a.vtp", "--radius", "round"});
-  refuses(2, {"--propagation", "segments"}, {"burn", "core.vtp", "-o", "a.vtp", "--propagation", "waves"});
+  refuses(2, {"--propagation"}, {"burn", "core.vtp", "-o", "a.vtp", "--propagation", "nodes"});
   refuses(2, {"--threshold", "--shape"}, {"burn", "core.vtp", "-o", "a.vtp", "--threshold", "3"});
   refuses(2, {"AXIS"}, {"burn", "-o", "a.vtp"});
   refuses(2, {"--output"}, {"burn", "core.vtp"});

@@ -64,7 +64,6 @@ class ProgramPipeline : public ProgramTest {
     add(2, "--lambda", {"0", "0.5vox", "1vox", "0.71vox", "3vox", "0.02", "10%", "inf"});
     add(4, "--lambda-rule", {"ball", "coface"});
     add(3, "--omega", {"0.5vox", "2vox", "5%"});
-    add(3, "--propagation", {"nodes", "segments"});
     add(5, "--radius", {"auto", "exact"});  // linear radii are not those of a voxel core, and verify says so
     add(2, "--theta2", {"0", "1vox", "3vox", "0.1", "inf"});
     add(2, "--theta1", {"0", "1vox", "0.1", "inf"});

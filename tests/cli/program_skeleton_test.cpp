@@ -123,18 +123,17 @@ TEST_F(SkeletonProgram, BurnsWhatIsUnburned) {
 
 TEST_F(SkeletonProgram, RepeatsTheBurnOfTheFile) {
   make_core();
-  works({"burn", "core.vtp", "-o", "burned.vtp", "--omega", "0.3vox", "--propagation", "nodes", "--radius", "linear"});
+  works({"burn", "core.vtp", "-o", "burned.vtp", "--omega", "0.3vox", "--radius", "linear"});
   skeleton({"burned.vtp", "-o", "a.vtp"});
   const Record data = read("a.vtp");
   EXPECT_DOUBLE_EQ(field(data, "omega"), 0.3);
-  EXPECT_EQ(text_field(data, "propagation"), "nodes");
   EXPECT_EQ(text_field(data, "radius_rule"), "linear");
-  skeleton({"core.vtp", "-o", "b.vtp", "--omega", "0.3vox", "--propagation", "nodes", "--radius", "linear"});
+  skeleton({"core.vtp", "-o", "b.vtp", "--omega", "0.3vox", "--radius", "linear"});
   EXPECT_EQ(numbers(read("b.vtp").point_data, "burn_time"), numbers(data.point_data, "burn_time"));
   EXPECT_EQ(numbers(read("b.vtp").cell_data, "curve_level"), numbers(data.cell_data, "curve_level"));
   // An option overrides what the file says.
-  skeleton({"burned.vtp", "-o", "c.vtp", "--propagation", "segments"});
-  EXPECT_EQ(text_field(read("c.vtp"), "propagation"), "segments");
+  skeleton({"burned.vtp", "-o", "c.vtp", "--radius", "exact"});
+  EXPECT_EQ(text_field(read("c.vtp"), "radius_rule"), "exact");
   EXPECT_DOUBLE_EQ(field(read("c.vtp"), "omega"), 0.3);
 }
 

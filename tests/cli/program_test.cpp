@@ -335,7 +335,7 @@ TEST_F(Program, VolumesAtTheLimits) {
   refuses(3, {"proportion of whole numbers"}, {"core", "full.npy", "--spacing", "1e-30,1,1e30", "-o", "a.vtp"});
 }
 
-// Enough edges for three threads to thin slabs of their own (2^16 each, src/complex/thinning.cpp).
+// Enough edges for several chunks of work on three threads (2^16 each, src/base/parallel.h).
 TEST_F(Program, SameBytesForAnyThreadsAndAgain) {
   works({"sample", "bumpy-sphere", "--detail", "0.3", "-o", "s.ply"});
   const auto core = [&](const std::string& threads, const std::string& name) {

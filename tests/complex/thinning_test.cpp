@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Thinning in slabs against thinning by one queue, which prune_test.cpp compares with the naive one.
+// Thinning of any complex with any values against the naive one; prune_test.cpp has that of voxel cores.
 #include "complex/thinning.h"
 
 #include <gtest/gtest.h>
@@ -12,6 +12,7 @@
 #include <random>
 #include <vector>
 
+#include "naive_thinning.h"
 #include "quench/axis.h"
 #include "random_shapes.h"
 
@@ -31,22 +32,19 @@ Input core_of(const VoxelShape& shape, LambdaRule rule) {
           {std::move(axis.vertex_lambda), std::move(axis.edge_lambda), std::move(axis.face_lambda)}};
 }
 
-complex::CellValues thinned(const Input& input, const complex::ThinningOptions& options) {
-  return complex::thin(input.complex, input.value.vertex, input.value.edge, input.value.face, nullptr, "", options);
+complex::CellValues thinned(const Input& input) {
+  return complex::thin(input.complex, input.value.vertex, input.value.edge, input.value.face, nullptr, "");
 }
 
-void expect_same_levels(const Input& input) {
-  const complex::CellValues expected = thinned(input, {.slabs = 1});
-  for (const std::size_t slabs : {2, 3, 5})
-    for (const double most_crossing : {0.5, 1.0}) {
-      const complex::CellValues level = thinned(input, {slabs, most_crossing});
-      ASSERT_EQ(level.vertex, expected.vertex) << slabs << " slabs";
-      ASSERT_EQ(level.edge, expected.edge) << slabs << " slabs";
-      ASSERT_EQ(level.face, expected.face) << slabs << " slabs";
-    }
+void expect_naive_levels(const Input& input) {
+  const testing_complexes::NaiveThinning expected(input.complex, input.value);
+  const complex::CellValues level = thinned(input);
+  ASSERT_EQ(level.vertex, expected.vertex);
+  ASSERT_EQ(level.edge, expected.edge);
+  ASSERT_EQ(level.face, expected.face);
 }
 
-// Other numbers for all cells: neighbours are in different slabs as a rule.
+// Other numbers for all cells.
 Input shuffled(const Input& input, std::mt19937_64& random) {
   const CellComplex& from = input.complex;
   const auto order = [&random](std::size_t count) {
@@ -81,41 +79,32 @@ Input shuffled(const Input& input, std::mt19937_64& random) {
   return result;
 }
 
-TEST(ThinningInSlabs, GivesTheLevelsOfOneQueue) {
-  for (std::uint64_t seed = 0; seed < 1000; ++seed) {
+TEST(Thinning, WhateverTheNumbersOfCells) {
+  for (std::uint64_t seed = 0; seed < 100; ++seed) {
     SCOPED_TRACE(seed);
-    expect_same_levels(core_of(testing_shapes::random_shape(seed, seed % 8 ? 10 : 20),
-                               seed % 2 ? LambdaRule::ball : LambdaRule::coface));
+    std::mt19937_64 random(seed);
+    expect_naive_levels(shuffled(core_of(testing_shapes::random_shape(seed, 6), LambdaRule::coface), random));
     if (HasFatalFailure()) return;
   }
 }
 
-TEST(ThinningInSlabs, WhateverTheNumbersOfCells) {
-  for (std::uint64_t seed = 0; seed < 300; ++seed) {
+// Values that have nothing to do with each other: few and many different ones, 0, and cells that are never removed.
+TEST(Thinning, WhateverTheValues) {
+  for (std::uint64_t seed = 0; seed < 200; ++seed) {
     SCOPED_TRACE(seed);
     std::mt19937_64 random(seed);
-    expect_same_levels(shuffled(core_of(testing_shapes::random_shape(seed, 12), LambdaRule::coface), random));
-    if (HasFatalFailure()) return;
-  }
-}
-
-// Values that have nothing to do with each other: few and many different ones, 0, and cells that never go.
-TEST(ThinningInSlabs, WhateverTheValues) {
-  for (std::uint64_t seed = 0; seed < 600; ++seed) {
-    SCOPED_TRACE(seed);
-    std::mt19937_64 random(seed);
-    Input input = core_of(testing_shapes::random_shape(seed, 12), LambdaRule::coface);
+    Input input = core_of(testing_shapes::random_shape(seed, 6), LambdaRule::coface);
     const std::uint64_t different = seed % 3 == 0 ? 3 : seed % 3 == 1 ? 20 : 1'000'000'000;
     for (auto* values : {&input.value.vertex, &input.value.edge, &input.value.face})
       for (double& value : *values) value = random() % 64 == 0 ? kInfinity : static_cast<double>(random() % different);
-    expect_same_levels(input);
+    expect_naive_levels(input);
     if (HasFatalFailure()) return;
   }
 }
 
 // Parallel edges, faces that meet an edge twice, edges of many faces and lone ones: what bounds what is at random, and
 // need not be anything in space.
-TEST(ThinningInSlabs, WhateverTheComplex) {
+TEST(Thinning, WhateverTheComplex) {
   std::size_t removed = 0;
   for (std::uint64_t seed = 0; seed < 3000; ++seed) {
     SCOPED_TRACE(seed);
@@ -145,21 +134,21 @@ TEST(ThinningInSlabs, WhateverTheComplex) {
     fill(input.value.vertex, complex.vertex_count);
     fill(input.value.edge, complex.edges.size());
     fill(input.value.face, complex.face_count());
-    expect_same_levels(input);
+    expect_naive_levels(input);
     if (HasFatalFailure()) return;
-    const complex::CellValues level = thinned(input, {.slabs = 2});
+    const complex::CellValues level = thinned(input);
     removed += static_cast<std::size_t>(
         std::count_if(level.face.begin(), level.face.end(), [](double l) { return l < kInfinity; }));
   }
   EXPECT_GT(removed, 3000u);
 }
 
-TEST(ThinningInSlabs, NothingAndLittle) {
+TEST(Thinning, NothingAndLittle) {
   const std::vector<std::array<std::uint32_t, 2>> edge{{0, 1}};
-  expect_same_levels({});
-  expect_same_levels({make_complex(1, {}, {0}, {}), {{1}, {}, {}}});
-  expect_same_levels({make_complex(2, edge, {0}, {}), {{1, 1}, {1}, {}}});
-  expect_same_levels({make_complex(2, edge, {0}, {}), {{1, 1}, {kInfinity}, {}}});
+  expect_naive_levels({});
+  expect_naive_levels({make_complex(1, {}, {0}, {}), {{1}, {}, {}}});
+  expect_naive_levels({make_complex(2, edge, {0}, {}), {{1, 1}, {1}, {}}});
+  expect_naive_levels({make_complex(2, edge, {0}, {}), {{1, 1}, {kInfinity}, {}}});
 }
 
 VoxelShape two_balls(int side) {
@@ -173,8 +162,8 @@ VoxelShape two_balls(int side) {
   });
 }
 
-// Large enough to be thinned in slabs without being asked.
-TEST(ThinningInSlabs, ManyThreadsGiveTheLevelsOfOne) {
+// Large enough for several chunks of edges.
+TEST(Thinning, ManyThreadsGiveTheLevelsOfOne) {
   MedialAxis axis = voxel_core(two_balls(112));
   ASSERT_GT(axis.complex.edges.size(), std::size_t{1} << 18);
   tbb::task_arena(1).execute([&] { prune_levels(axis); });
@@ -187,7 +176,7 @@ TEST(ThinningInSlabs, ManyThreadsGiveTheLevelsOfOne) {
   }
 }
 
-TEST(ThinningInSlabs, ProgressGrowsAndCancelStopsIt) {
+TEST(Thinning, ProgressGrowsAndCancelStopsIt) {
   MedialAxis axis = voxel_core(two_balls(112));
   Context context;
   std::vector<double> told;

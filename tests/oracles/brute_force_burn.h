@@ -18,9 +18,10 @@
 #include "quench/complex.h"
 
 /// Burn times by nodes straight from the definition: the least length of an exposing tree, as the fixed point of
-/// T(x, s) = min over sets E of sectors at x that let s burn (s in E, or s has a free end once E and all that then has
-/// a free end are gone) of the largest arrival in E. Own links, sectors and pockets; exponential in the sectors of a
-/// node, quadratic in the nodes of a polygon.
+/// T(x, s) = min over sets E of sectors at x that let s burn (s in E, or s is free once E and all that becomes free are
+/// removed) of the largest arrival in E, but no less than the radius of x where that is a distance to the surface (at
+/// vertices, and inside edges by the exact rule). Own links, sectors and pockets; exponential in the sectors of a node,
+/// quadratic in the nodes of a polygon.
 namespace quench::testing_burn {
 
 /// The polygons in closed pockets: no edge of theirs has only one of them.
@@ -89,8 +90,8 @@ class LinkSectors {
     count_loops();
   }
 
-  /// Times from arrivals; open sectors burn at the radius.
-  void times(double radius, std::span<const double> arrival, std::span<double> time) const {
+  /// Times from arrivals; open sectors burn at the radius, none before `least`.
+  void times(double radius, std::span<const double> arrival, std::span<double> time, double least = 0) const {
     for (std::size_t s = 0; s < sets_.size(); ++s) {
       time[s] = std::numeric_limits<double>::infinity();
       if (pocket[s]) continue;
@@ -98,7 +99,7 @@ class LinkSectors {
       for (const std::vector<int>& set : sets_[s]) {
         double latest = 0;
         for (int q : set) latest = std::max(latest, arrival[q]);
-        time[s] = std::min(time[s], latest);
+        time[s] = std::min(time[s], std::max(latest, least));
       }
     }
   }
@@ -214,11 +215,17 @@ inline double radius_on_edge(double r0, double r1, double length, double t, Radi
 }
 
 inline std::vector<std::uint32_t> pieces_for(const CellComplex& complex, std::span<const Vec3> points, double omega) {
-  std::vector<std::uint32_t> pieces(complex.edges.size(), 1);  // no fire runs along lone edges: they stay whole
-  for (std::uint32_t e : complex.face_edges) {
-    const double length = (points[complex.edges[e][0]] - points[complex.edges[e][1]]).norm();
+  std::vector<std::uint32_t> uses(complex.edges.size(), 0), pieces(complex.edges.size(), 1);
+  for (std::uint32_t e : complex.face_edges) ++uses[e];
+  std::set<std::uint32_t> at_seam;
+  for (std::size_t e = 0; e < uses.size(); ++e)
+    if (uses[e] > 2) at_seam.insert(complex.edges[e].begin(), complex.edges[e].end());
+  for (std::uint32_t e : complex.face_edges) {  // no fire runs along lone edges: they stay whole
+    const auto [a, b] = complex.edges[e];
+    const double length = (points[a] - points[b]).norm();
+    const std::uint32_t least = length > 0 && (at_seam.contains(a) || at_seam.contains(b)) ? 2 : 1;
     // A length that is a multiple of the spacing but for rounding counts as one.
-    pieces[e] = std::max(1u, static_cast<std::uint32_t>(std::ceil(length / omega * (1 - 1e-12))));
+    pieces[e] = std::max(least, static_cast<std::uint32_t>(std::ceil(length / omega * (1 - 1e-12))));
   }
   return pieces;
 }
@@ -229,6 +236,7 @@ class BruteForceBurn {
   struct Node {
     Vec3 point;
     double radius = 0;
+    double least = 0;             ///< the radius where it is a lower bound of times, else 0
     std::size_t link = 0;         ///< index in `links`
     std::size_t first_state = 0;  ///< states of a node follow each other, one per sector
   };
@@ -258,14 +266,14 @@ class BruteForceBurn {
         at_edge[sides[i]].in_pocket.push_back(pocket[f]);
       }
     }
-    const auto add = [&](const Vec3& point, double r, std::size_t link) {
-      nodes.push_back({point, r, link, state_count_});
+    const auto add = [&](const Vec3& point, double r, bool is_bound, std::size_t link) {
+      nodes.push_back({point, r, is_bound ? r : 0, link, state_count_});
       state_count_ += links[link].size();
       can_be_bridge.insert(can_be_bridge.end(), links[link].bridge.begin(), links[link].bridge.end());
     };
     for (std::size_t v = 0; v < complex.vertex_count; ++v) {
       links.emplace_back(at_vertex[v]);
-      add(points[v], radius[v], v);
+      add(points[v], radius[v], true, v);
     }
     for (std::size_t e = 0; e < complex.edges.size(); ++e) {
       links.emplace_back(at_edge[e]);
@@ -275,7 +283,7 @@ class BruteForceBurn {
       for (std::uint32_t i = 1; i < pieces[e]; ++i) {
         const double t = static_cast<double>(i) / pieces[e];
         add(points[a] + t * (points[b] - points[a]), radius_on_edge(radius[a], radius[b], length, t, rule),
-            complex.vertex_count + e);
+            rule == RadiusRule::exact, complex.vertex_count + e);
       }
     }
     first_inserted.push_back(nodes.size());
@@ -356,7 +364,7 @@ class BruteForceBurn {
       for (const Node& node : nodes) {
         const LinkSectors& link = links[node.link];
         link.times(node.radius, std::span(arrival).subspan(node.first_state, link.size()),
-                   std::span(time).subspan(node.first_state, link.size()));
+                   std::span(time).subspan(node.first_state, link.size()), node.least);
       }
     } while (time != last);
   }

@@ -325,7 +325,7 @@ TEST(Page, ArraysComeBackFromTheFile) {
   page.origin = {1e6, 0, -3};
   page.notes = {"One </SCRIPT>.", "Two."};
   page.files = {{"core", "a/core.vtp"}};
-  page.burning = BurnOptions{0.5, Propagation::nodes, RadiusRule::linear, true};
+  page.burning = BurnOptions{0.5, RadiusRule::linear, true};
   page.topology = Topology{-1, {1, 2, 0}};
   page.arrays = {{"a", 3, std::vector<float>{1, -2.5F, kInfinity}},
                  {"b", 1, std::vector<std::uint8_t>{1, 2, 255}},
@@ -346,7 +346,7 @@ TEST(Page, ArraysComeBackFromTheFile) {
   EXPECT_EQ(contents.meta["origin"], (std::vector<double>{1e6, 0, -3}));
   EXPECT_EQ(contents.meta["notes"].size(), 2u);
   EXPECT_EQ(contents.meta["files"]["core"], "a/core.vtp");
-  EXPECT_EQ(contents.meta["burning"]["propagation"], "nodes");
+  EXPECT_EQ(contents.meta["burning"]["radius"], "linear");
   EXPECT_EQ(contents.meta["topology"]["betti"], (std::vector<int>{1, 2, 0}));
   EXPECT_EQ(contents["a"], (std::vector<double>{1, -2.5, kInfinity}));
   EXPECT_EQ(contents["b"], (std::vector<double>{1, 2, 255}));

@@ -98,10 +98,8 @@ TEST(Lengths, SpacingsAreOneOrThreePositiveNumbers) {
 
 TEST(Names, AreReadBack) {
   for (const LambdaRule rule : {LambdaRule::coface, LambdaRule::ball}) EXPECT_EQ(lambda_rule_of(name_of(rule)), rule);
-  for (const Propagation way : {Propagation::segments, Propagation::nodes})
-    EXPECT_EQ(propagation_of(name_of(way)), way);
   for (const RadiusRule rule : {RadiusRule::exact, RadiusRule::linear}) EXPECT_EQ(radius_rule_of(name_of(rule)), rule);
-  EXPECT_FALSE(lambda_rule_of("exact") || propagation_of("") || radius_rule_of("auto"));
+  EXPECT_FALSE(lambda_rule_of("exact") || radius_rule_of("auto") || radius_rule_of(""));
 }
 
 // ------------------------------------------------------------------------------------------------------------- memory
@@ -218,7 +216,7 @@ TEST(Run, IsTheStagesCalledByHand) {
   EXPECT_EQ(result.axis.skeleton.skeleton.complex.edges, skeleton.complex.edges);
   EXPECT_EQ(result.axis.skeleton.topology, shape.topology);
   EXPECT_EQ(result.reconstructed, reconstructed_share(shape.shape, skeleton));
-  const CurveGraph graph = measured_graph(extract(family, 0.04 * side, 2 * voxel, {.tips = voxel}),
+  const CurveGraph graph = measured_graph(extract(family, 0.04 * side, 2 * voxel, {.regrow_tips_above = voxel}),
                                           {.smooth = 3, .shape = &shape.shape, .voxel = shape.shape.grid().spacing});
   ASSERT_EQ(result.graph.branches.size(), graph.branches.size());
   for (std::size_t b = 0; b < graph.branches.size(); ++b)
@@ -268,7 +266,7 @@ TEST(AxisOfFile, LengthsOfARecordedBurningAreTaken) {
   shape.coordinates = {"mm", "LPS"};
   const CoreResult core = core_of(shape);
   Record file = core_file(core);
-  const Burning burning = burning_of(core.axis, true, {.propagation = Propagation::nodes}, true, shape.scale());
+  const Burning burning = burning_of(core.axis, true, {}, true, shape.scale());
   add_burning(file, burning);
   const LoadedAxis axis = axis_of(Record(file), "core.vtp");
   EXPECT_TRUE(axis.voxel_core);
@@ -278,7 +276,7 @@ TEST(AxisOfFile, LengthsOfARecordedBurningAreTaken) {
   BurningOptions options;
   options.radius = RadiusRule::linear;
   take_recorded(options, axis.data);
-  EXPECT_EQ(options.propagation, Propagation::nodes);
+  EXPECT_TRUE(options.recorded);
   EXPECT_EQ(options.radius, RadiusRule::linear);
   EXPECT_EQ(axis.scale.resolve(*options.omega, "omega"), burning.options.omega);
 }

@@ -8,6 +8,7 @@
 #include <map>
 #include <string>
 
+#include "burning/network.h"
 #include "data.h"
 #include "quench/axis.h"
 #include "quench/burn.h"
@@ -31,16 +32,16 @@ MedialAxis pruned_core(const VoxelShape& shape, double longest_side) {
 
 // Between the ends of an edge, fire takes at most its length and the radius changes by at most its length, so on the
 // manifold part of an axis erosion thickness is 2-Lipschitz (Yan 2018, sec. 3.3).
-void expect_lipschitz(const MedialAxis& axis, const Burning& burning, double voxel, const std::string& where) {
-  const BurnNetwork& network = burning.network;
+void expect_lipschitz(const MedialAxis& axis, const Burning& fire, double voxel, const std::string& where) {
+  const burning::BurnNetwork& network = fire.sectors->network;
   for (std::uint32_t e = 0; e < axis.complex.edges.size(); ++e) {
-    if (network.sides_of(e).size() > 2 || network.sides_of(e).empty()) continue;
+    if (network.face_corners_at(e).size() > 2 || network.face_corners_at(e).empty()) continue;
     const auto [a, b] = axis.complex.edges[e];
     bool sheet = true;  // both ends have one sector: the burn time of a vertex is the latest of all
     for (const std::uint32_t v : {a, b}) sheet = sheet && network.vertex_base[v + 1] - network.vertex_base[v] == 1;
-    if (!sheet || !std::isfinite(burning.burn_time[a]) || !std::isfinite(burning.burn_time[b])) continue;
+    if (!sheet || !std::isfinite(fire.burn_time[a]) || !std::isfinite(fire.burn_time[b])) continue;
     const double length = (axis.points[a] - axis.points[b]).norm();
-    ASSERT_LE(std::abs(burning.erosion_thickness[a] - burning.erosion_thickness[b]), 2 * length + 1e-3 * voxel)
+    ASSERT_LE(std::abs(fire.erosion_thickness[a] - fire.erosion_thickness[b]), 2 * length + 1e-3 * voxel)
         << where << ": edge " << e;
   }
 }
@@ -68,7 +69,8 @@ void expect_skeletons(const VoxelShape& shape, double longest_side, const std::s
   };
   for (const Member& m : {Member{0.03, 0.02, kInfinity}, Member{0.03, 0.02, voxel}, Member{kInfinity, 0.02, voxel},
                           Member{kInfinity, kInfinity, kInfinity}, Member{0.005, 0.005, kInfinity}}) {
-    const Skeleton skeleton = extract(family, m.theta2 * longest_side, m.theta1 * longest_side, {false, m.tips});
+    const Skeleton skeleton =
+        extract(family, m.theta2 * longest_side, m.theta1 * longest_side, {.regrow_tips_above = m.tips});
     const std::string what = where + ", theta2 " + std::to_string(m.theta2) + ", theta1 " + std::to_string(m.theta1);
     ASSERT_NO_THROW(skeleton.complex.validate()) << what;
     EXPECT_EQ(topology(skeleton.complex), wanted) << what;

@@ -20,12 +20,8 @@ using testing_complexes::random_input;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-RefinedAxis refined(const BurnInput& input, double omega, Propagation propagation) {
-  BurnOptions options;
-  options.omega = omega;
-  options.propagation = propagation;
-  options.radius = input.rule;
-  const Burning burning = burn(input.complex, input.points, input.radius, options);
+RefinedAxis refined(const BurnInput& input, double omega) {
+  const Burning burning = burn(input.complex, input.points, input.radius, {.omega = omega, .radius = input.rule});
   return quench_curves(input.complex, input.points, input.radius, burning);
 }
 
@@ -89,8 +85,7 @@ TEST(Skeleton, EveryMemberHasTheTopologyOfTheAxis) {
     const BurnInput input = random_input(seed);
     const Topology wanted = topology(input.complex);
     const bool degenerate = has_flat_cell(input);
-    const auto propagation = seed % 2 ? Propagation::segments : Propagation::nodes;
-    const SkeletonFamily family = skeletons(refined(input, some_omega(seed / 2), propagation));
+    const SkeletonFamily family = skeletons(refined(input, some_omega(seed / 2)));
     const RefinedAxis& k = family.refined;
     expect_incident(k.complex);
     ASSERT_EQ(topology(k.complex), wanted) << "the refined axis";
@@ -178,7 +173,7 @@ TEST(Skeleton, LinearCurvePruningIsGreedyPruning) {
   for (std::uint64_t seed = 0; seed < 300; ++seed) {
     SCOPED_TRACE(seed);
     const BurnInput input = random_input(seed);
-    const SkeletonFamily family = skeletons(refined(input, some_omega(seed), Propagation::segments));
+    const SkeletonFamily family = skeletons(refined(input, some_omega(seed)));
     for (const double theta2 : {0.4, kInfinity})
       for (const double theta1 : {0.3, 1.0, kInfinity}) {
         const Cells cells = greedy(family, theta2, theta1, random);
@@ -216,7 +211,7 @@ TEST(Skeleton, MembersAreNested) {
   for (std::uint64_t seed = 0; seed < 300; ++seed) {
     SCOPED_TRACE(seed);
     const BurnInput input = random_input(seed);
-    const SkeletonFamily family = skeletons(refined(input, some_omega(seed), Propagation::segments));
+    const SkeletonFamily family = skeletons(refined(input, some_omega(seed)));
     const auto places = [&](double theta2, double theta1) {
       std::vector<std::array<double, 3>> points;
       for (const Vec3& p : extract(family, theta2, theta1, {.parts = true, .regrow_tips_above = kInfinity}).points)
@@ -252,7 +247,7 @@ TEST(Skeleton, CurveLevelsAreThoseOfThePruning) {
   for (std::uint64_t seed = 0; seed < 300; ++seed) {
     SCOPED_TRACE(seed);
     const BurnInput input = random_input(seed);
-    const SkeletonFamily family = skeletons(refined(input, some_omega(seed), Propagation::segments));
+    const SkeletonFamily family = skeletons(refined(input, some_omega(seed)));
     std::mt19937_64 random(seed);
     for (const double theta1 : {0.1, 0.5, 1.3}) {
       const Cells cells = greedy(family, kInfinity, theta1, random);
@@ -267,9 +262,7 @@ TEST(Skeleton, CurveLevelsAreThoseOfThePruning) {
 TEST(Skeleton, TwiceTheSame) {
   for (std::uint64_t seed = 0; seed < 100; ++seed) {
     const BurnInput input = random_input(seed);
-    const auto once = [&] {
-      return extract(skeletons(refined(input, some_omega(seed), Propagation::segments)), 0.3, 0.3);
-    };
+    const auto once = [&] { return extract(skeletons(refined(input, some_omega(seed))), 0.3, 0.3); };
     const Skeleton a = once(), b = once();
     ASSERT_EQ(a.points, b.points);
     ASSERT_EQ(a.complex.edges, b.complex.edges);
@@ -284,7 +277,7 @@ TEST(Skeleton, TipsGrowBack) {
   for (std::uint64_t seed = 0; seed < 500; ++seed) {
     SCOPED_TRACE(seed);
     const BurnInput input = random_input(seed);
-    const SkeletonFamily family = skeletons(refined(input, some_omega(seed), Propagation::segments));
+    const SkeletonFamily family = skeletons(refined(input, some_omega(seed)));
     const auto free_ends = [](const Skeleton& s) {
       std::vector<int> degree(s.points.size(), 0);
       for (const auto& e : s.complex.edges)

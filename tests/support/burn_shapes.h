@@ -125,9 +125,9 @@ inline KnownBurn l_sheet() {
   });
 }
 
-/// n equal triangles around an apex at the origin, rim vertices at height `up` and `down` by turns. Radius = distance
-/// to the first rim vertex s, so BT(x) = min over rim points y of |y - s| + geodesic(y, x); a geodesic is straight in
-/// the unrolled cone where it passes the apex by less than a half turn, else it goes through the apex.
+/// n equal triangles around an apex at the origin, rim vertices alternately at heights `up` and `down`. Radius =
+/// distance to the first rim vertex s, so BT(x) = min over rim points y of |y - s| + geodesic(y, x); a geodesic is
+/// straight in the unrolled cone where it passes the apex by less than a half turn, else it goes through the apex.
 inline KnownBurn cone(int n, double rim, double up, double down, int refine) {
   Random random(4);
   Builder b;
@@ -240,9 +240,9 @@ inline KnownBurn box_axis(double a, double b, double c, int n) {
 
 /// Fig. 3.5 with a square chimney of side 2 and height 20 on a plate [-5,5]^2, radius = distance to the site (-6,0,0)
 /// in the plate's plane. Where the line of sight to the site is free BT = R. Behind the chimney fire goes round two of
-/// its corners *beside* the seam; a fire that had to open the seam would wait for the chimney's, which takes more
-/// than 40. Inside the foot the fire comes over the chimney's top: the front wall, turned up from the site, is reached
-/// at sqrt(25 + 400) + 20 at the middle of its foot, and the centre one later.
+/// its corners *beside* the seam; a fire that had to open the seam could pass only after that of the chimney,
+/// which takes more than 40. Inside the foot the fire arrives over the top of the chimney: the front wall is reached at
+/// sqrt(25 + 400) + 20 at the middle of its foot, and the centre one later.
 inline KnownBurn chimney() {
   Random random(7);
   Builder b;

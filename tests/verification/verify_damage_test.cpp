@@ -98,9 +98,7 @@ std::vector<Result> results() {
     if (is_plate) add("core", core_of(shape, {.lambda = world_length(1.2)}));
     if (is_plate) add("full core", core_of(shape, {.lambda = world_length(1.2), .full = true}));
     add("core by balls", core_of(shape, {.lambda = world_length(1.1), .rule = LambdaRule::ball, .full = !is_plate}));
-    add("burned core",
-        burned(core_of(shape, {.lambda = world_length(1.2)}),
-               {.omega = is_plate ? 0 : 0.3, .propagation = is_plate ? Propagation::segments : Propagation::nodes}));
+    add("burned core", burned(core_of(shape, {.lambda = world_length(1.2)}), {.omega = is_plate ? 0 : 0.3}));
     add("skeleton", skeleton_of(shape, 0.3, 0.2, false));
     if (!is_plate) add("skeleton in parts", skeleton_of(shape, 0.5, 0, true));
     if (is_plate) add("curves", skeleton_of(shape, kInfinity, 0, false));
