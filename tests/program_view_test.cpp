@@ -82,6 +82,7 @@ TEST_F(ViewProgram, RunWritesAPageOfEverything) {
   EXPECT_EQ(p.meta["theta2"], static_cast<double>(0.03F));
   EXPECT_EQ(p.meta["burning"]["propagation"], "segments");
   EXPECT_EQ(p.meta["notes"], nlohmann::json::array());
+  EXPECT_EQ(p.meta["measures"], nlohmann::json::array({{{"name", "lambda"}, {"floor", p.meta["floor"]["lambda"]}}}));
   for (const char* name : {"core/points", "core/face_level", "core/point/burn_time", "core/point/lambda",
                            "skeleton/points", "skeleton/curve_edges", "skeleton/medial_points", "shape/points",
                            "shape/triangles", "shape/sites", "shape/samples"})

@@ -22,24 +22,23 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 struct Input {
   CellComplex complex;
-  complex::CellValues value;
+  CellValues value;
 };
 
 Input core_of(const VoxelShape& shape, LambdaRule rule) {
   MedialAxis axis = voxel_core(shape, {.rule = rule});
-  return {std::move(axis.complex),
-          {std::move(axis.vertex_lambda), std::move(axis.edge_lambda), std::move(axis.face_lambda)}};
+  return {std::move(axis.complex), std::move(axis.measure().value)};
 }
 
-complex::CellValues thinned(const Input& input, const complex::ThinningOptions& options) {
+CellValues thinned(const Input& input, const complex::ThinningOptions& options) {
   return complex::thin(input.complex, input.value.vertex, input.value.edge, input.value.face, nullptr, "", options);
 }
 
 void expect_same_levels(const Input& input) {
-  const complex::CellValues expected = thinned(input, {.slabs = 1});
+  const CellValues expected = thinned(input, {.slabs = 1});
   for (const std::size_t slabs : {2, 3, 5})
     for (const double most_crossing : {0.5, 1.0}) {
-      const complex::CellValues level = thinned(input, {slabs, most_crossing});
+      const CellValues level = thinned(input, {slabs, most_crossing});
       ASSERT_EQ(level.vertex, expected.vertex) << slabs << " slabs";
       ASSERT_EQ(level.edge, expected.edge) << slabs << " slabs";
       ASSERT_EQ(level.face, expected.face) << slabs << " slabs";
@@ -147,7 +146,7 @@ TEST(ThinningInSlabs, WhateverTheComplex) {
     fill(input.value.face, complex.face_count());
     expect_same_levels(input);
     if (HasFatalFailure()) return;
-    const complex::CellValues level = thinned(input, {.slabs = 2});
+    const CellValues level = thinned(input, {.slabs = 2});
     removed += static_cast<std::size_t>(
         std::count_if(level.face.begin(), level.face.end(), [](double l) { return l < kInfinity; }));
   }
@@ -181,9 +180,7 @@ TEST(ThinningInSlabs, ManyThreadsGiveTheLevelsOfOne) {
   const MedialAxis one = axis;
   for (const int threads : {2, 4}) {
     tbb::task_arena(threads).execute([&] { prune_levels(axis); });
-    EXPECT_EQ(axis.vertex_level, one.vertex_level);
-    EXPECT_EQ(axis.edge_level, one.edge_level);
-    EXPECT_EQ(axis.face_level, one.face_level);
+    EXPECT_TRUE(axis.measure().level == one.measure().level);
   }
 }
 

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <filesystem>
 #include <limits>
+#include <string>
+#include <utility>
 
 #include "page_program.h"
 #include "quench/error.h"
@@ -54,14 +56,16 @@ void write_axis(const Axis& axis, const Fire& fire, const std::optional<std::pai
   b.page.burning = fire.burning.options;
   MedialAxis leveled;  // an axis from a file has no levels: it is all there, at every lambda
   const MedialAxis* cells = &axis.axis();
-  if (cells->vertex_level.empty()) {
+  if (std::ranges::all_of(cells->measures, [](const Measure& m) { return m.level.empty(); })) {
     leveled.complex = cells->complex;
     leveled.points = cells->points;
     leveled.radius = cells->radius;
     constexpr double kAlways = std::numeric_limits<double>::infinity();
-    leveled.vertex_level.assign(cells->points.size(), kAlways);
-    leveled.edge_level.assign(cells->complex.edges.size(), kAlways);
-    leveled.face_level.assign(cells->complex.face_count(), kAlways);
+    Measure lambda{std::string(kLambda), {}, {}};
+    lambda.level.vertex.assign(cells->points.size(), kAlways);
+    lambda.level.edge.assign(cells->complex.edges.size(), kAlways);
+    lambda.level.face.assign(cells->complex.face_count(), kAlways);
+    leveled.measures.push_back(std::move(lambda));
     cells = &leveled;
   }
   b.take(add_core(b.page, *cells, axis.data(&fire).point_data, thetas ? b.left / 3 : b.left));

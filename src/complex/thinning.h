@@ -4,17 +4,11 @@
 #include <cstddef>
 #include <span>
 #include <string_view>
-#include <vector>
 
 #include "quench/complex.h"
 #include "quench/context.h"
 
 namespace quench::complex {
-
-/// One value per cell, by dimension.
-struct CellValues {
-  std::vector<double> vertex, edge, face;
-};
 
 /// What the levels do not depend on.
 struct ThinningOptions {

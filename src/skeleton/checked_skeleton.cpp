@@ -33,6 +33,7 @@ Record skeleton_file(const Skeleton& skeleton, const Topology& topology, const R
   put("euler", std::vector<std::int64_t>{topology.euler});
   put("betti", std::vector<std::int64_t>(topology.betti.begin(), topology.betti.end()), 3);
   put("version", std::vector<std::string>{QUENCH_VERSION});
+  put("format_version", std::vector<std::int64_t>{kFormatVersion});
   return data;
 }
 
@@ -41,7 +42,8 @@ double reconstructed_share(const VoxelShape& shape, const Skeleton& skeleton, Co
   balls.complex.vertex_count = skeleton.complex.vertex_count;
   balls.points = skeleton.points;
   balls.radius = skeleton.radius;
-  balls.vertex_level.assign(skeleton.points.size(), std::numeric_limits<double>::infinity());
+  const std::vector<double> always(skeleton.points.size(), std::numeric_limits<double>::infinity());
+  balls.measures = {{std::string(kLambda), {}, {always, {}, {}}}};
   return Reconstruction(shape, balls, Reconstruction::kSamples, context).share(0);
 }
 

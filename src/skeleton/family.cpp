@@ -29,7 +29,7 @@ SkeletonFamily family_of(RefinedAxis refined, Context* context) {
   for (std::size_t v = 0; v < vertices; ++v) vertex_value[v] = refined.curve_vertex[v] ? kNever : 0;
   // Doors are numbered after all nodes, so that components would cross slabs everywhere.
   const complex::ThinningOptions at_once{.slabs = 1};
-  complex::CellValues sheet =
+  CellValues sheet =
       complex::thin(refined.complex, vertex_value, edge_value, refined.face_thickness, context, "skeleton", at_once);
 
   // Curves on their own: what is left without any sheets, pockets standing for fixed points.
@@ -54,7 +54,7 @@ SkeletonFamily family_of(RefinedAxis refined, Context* context) {
     edge_of.push_back(e);
   }
   for (std::size_t v = 0; v < vertices; ++v) vertex_value[v] = refined.medial_point[v] || pocket[v] ? kNever : 0;
-  const complex::CellValues curve = complex::thin(graph, vertex_value, graph_value, {}, context, "skeleton", at_once);
+  const CellValues curve = complex::thin(graph, vertex_value, graph_value, {}, context, "skeleton", at_once);
   for (std::size_t i = 0; i < edge_of.size(); ++i) family.curve_level[edge_of[i] - halves] = curve.edge[i];
 
   family.vertex_sheet_level = std::move(sheet.vertex);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "quench/axis.h"
 #include "quench/error.h"
 
 namespace quench::verification {
@@ -18,10 +19,13 @@ std::vector<double> numbers_or_empty(const std::vector<DataArray>& arrays, std::
 }
 
 std::string text_or_empty(const std::vector<DataArray>& arrays, std::string_view name) {
+  const std::vector<std::string> texts = texts_or_empty(arrays, name);
+  return texts.empty() ? std::string{} : texts.front();
+}
+
+std::vector<std::string> texts_or_empty(const std::vector<DataArray>& arrays, std::string_view name) {
   const DataArray* array = find_array(arrays, name);
-  if (!array) return {};
-  const auto* text = std::get_if<std::vector<std::string>>(&array->values);
-  return text && !text->empty() ? text->front() : std::string{};
+  return array && !has_numbers(*array) ? std::get<std::vector<std::string>>(array->values) : std::vector<std::string>{};
 }
 
 namespace {
@@ -119,6 +123,8 @@ Result::Result(const VoxelShape& voxels, const Record& file, const VerifyOptions
       for (std::uint32_t v : complex.corners(f)) put(v, f);
   });
 
+  measures = texts_or_empty(data.field_data, "measures");
+  if (!find_array(data.field_data, "measures")) measures.emplace_back(kLambda);
   stage = text_or_empty(data.field_data, "stage");
   ball_rule = text_or_empty(data.field_data, "lambda_rule") == "ball";
   const std::vector<double> threshold = numbers_or_empty(data.field_data, "lambda");

@@ -45,7 +45,8 @@ struct Result {
   std::vector<std::uint32_t> edge_faces_count;          ///< polygons at each edge
   std::vector<std::uint32_t> vertex_edge_offsets, vertex_edges, vertex_face_offsets, vertex_faces;  ///< incidence
 
-  std::string stage;  ///< empty: none given
+  std::vector<std::string> measures;  ///< names; of a file that does not say: lambda
+  std::string stage;                  ///< empty: none given
   bool ball_rule = false;
   double lambda = 0;
   bool lambda_given = false;
@@ -63,6 +64,9 @@ bool has_numbers(const DataArray& array);
 std::vector<double> numbers_or_empty(const std::vector<DataArray>& arrays, std::string_view name);
 /// The first text of an array; empty when there is none of that name.
 std::string text_or_empty(const std::vector<DataArray>& arrays, std::string_view name);
+
+/// All texts of an array; empty when there is none of that name or it holds numbers.
+std::vector<std::string> texts_or_empty(const std::vector<DataArray>& arrays, std::string_view name);
 
 /// The larger cells at a cell that are still there: the sum of their indices is the only one when there is one.
 struct Cofaces {
