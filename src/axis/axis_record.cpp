@@ -38,21 +38,21 @@ std::vector<double> largest_of_faces(const CellComplex& complex, const std::vect
 // Marks the edges and vertices that do not follow from the larger cells around them.
 void mark_cells_to_write(const CellComplex& complex, const Measure& measure, std::vector<char>& vertex,
                          std::vector<char>& edge) {
+  const auto mark_edges = [&](const CellValues& values, const auto& differ) {
+    const std::vector<double> from_faces = largest_of_faces(complex, values.face);
+    for (std::size_t e = 0; e < complex.edges.size(); ++e)
+      if (differ(from_faces[e], values.edge[e])) edge[e] = 1;
+  };
   const CellValues& level = measure.level;
   if (!level.empty()) {
-    const std::vector<double> from_faces = largest_of_faces(complex, level.face);
+    mark_edges(level, std::less{});
     std::vector<double> from_edges(complex.vertex_count, -1);
-    for (std::size_t e = 0; e < complex.edges.size(); ++e) {
-      if (from_faces[e] < level.edge[e]) edge[e] = 1;
+    for (std::size_t e = 0; e < complex.edges.size(); ++e)
       for (std::uint32_t v : complex.edges[e]) from_edges[v] = std::max(from_edges[v], level.edge[e]);
-    }
     for (std::uint32_t v = 0; v < complex.vertex_count; ++v)
       if (from_edges[v] < level.vertex[v]) vertex[v] = 1;
   }
-  if (measure.name == kLambda || measure.value.empty()) return;
-  const std::vector<double> from_faces = largest_of_faces(complex, measure.value.face);
-  for (std::size_t e = 0; e < complex.edges.size(); ++e)
-    if (from_faces[e] != measure.value.edge[e]) edge[e] = 1;
+  if (measure.name != kLambda && !measure.value.empty()) mark_edges(measure.value, std::not_equal_to{});
 }
 
 WrittenCells cells_to_write(const MedialAxis& axis) {
@@ -137,8 +137,8 @@ void check_measures(const MedialAxis& axis) {
   const CellComplex& complex = axis.complex;
   if (axis.points.size() != complex.vertex_count || axis.radius.size() != complex.vertex_count)
     throw Error(ErrorCode::usage, "a medial axis needs a point and a radius for each vertex");
-  std::vector<std::string_view> names{"", "radius", "kind", "component", "site_a", "site_b"};
-  const auto take_name = [&](std::string_view name) {
+  std::vector<std::string> names{"", "radius", "kind", "component", "site_a", "site_b"};
+  const auto take_name = [&](const std::string& name) {
     if (std::ranges::find(names, name) != names.end())
       throw Error(
           ErrorCode::usage,
@@ -146,11 +146,9 @@ void check_measures(const MedialAxis& axis) {
                       name));
     names.push_back(name);
   };
-  std::vector<std::string> of_levels;
-  for (const Measure& m : axis.measures) of_levels.push_back(m.name + "_level");
-  for (const std::string& name : of_levels) take_name(name);
+  for (const Measure& m : axis.measures) take_name(m.name);
   for (const Measure& m : axis.measures) {
-    take_name(m.name);
+    take_name(m.name + "_level");
     for (const CellValues* values : {&m.value, &m.level})
       if (!values->empty() && !values->complete(complex))
         throw Error(ErrorCode::usage,

@@ -54,18 +54,18 @@ std::size_t add_core(Page& page, const MedialAxis& axis, const std::vector<DataA
   cells.edge.assign(c.edges.size(), 0);
   cells.vertex.assign(c.vertex_count, 0);
   std::vector<char> face(c.face_count(), 0);
-  const page::FacesByLevel in_order(c, cells.levels.front().face);
+  page::FacesByLevel in_order(c, cells.levels.front().face);
   for (const page::Levels& levels : cells.levels) {
     const std::size_t share = max_triangles / cells.levels.size();
     const bool first = &levels == &cells.levels.front();
-    const page::Floor floor = (first ? in_order : page::FacesByLevel(c, levels.face)).within(share);
+    const page::Floor floor = first ? in_order.within(share) : page::FacesByLevel(c, levels.face).within(share);
     for (const std::uint32_t f : floor.faces) face[f] = 1;
     for (std::size_t e = 0; e < levels.edge.size(); ++e) cells.edge[e] |= levels.edge[e] >= floor.level;
     for (std::size_t v = 0; v < levels.vertex.size(); ++v) cells.vertex[v] |= levels.vertex[v] >= floor.level;
     page.measures.push_back({levels.name, floor_of(page, levels.name, floor, c.face_count())});
     if (levels.name == kLambda) page.lambda_floor = page.measures.back().floor;
   }
-  cells.faces = in_order.order();
+  cells.faces = std::move(in_order).order();
   std::erase_if(cells.faces, [&](std::uint32_t f) { return !face[f]; });
   const page::LayerRows rows = page::add_layer(page, "core", c, axis.points, cells);
   page::add_measures(page, "core", point_data, rows, {});

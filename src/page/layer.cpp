@@ -27,39 +27,39 @@ LayerRows add_layer(Page& page, const std::string& layer, const CellComplex& com
   const auto add = [&](const std::string& name, int components, PageArray::Values values) {
     page.arrays.push_back({layer + "/" + name, components, std::move(values)});
   };
-  // Of the cells in the order of their rows.
-  const auto add_levels = [&](const std::string& array, std::vector<float> Levels::*of,
-                              const std::vector<std::uint32_t>& shown) {
+  const auto add_levels = [&](const std::string& array, std::vector<float> Levels::*of, const auto& each_shown) {
     for (const Levels& levels : cells.levels) {
       std::vector<float> values;
-      values.reserve(shown.size());
-      for (const std::uint32_t i : shown) values.push_back((levels.*of)[i]);
+      each_shown([&](std::uint32_t cell) { values.push_back((levels.*of)[cell]); });
       add(&levels == &cells.levels.front() ? array : array + "/" + levels.name, 1, std::move(values));
     }
   };
+  const auto each_with_row = [](const std::vector<std::uint32_t>& row) {
+    return [&row](const auto& visit) {
+      for (std::uint32_t cell = 0; cell < row.size(); ++cell)
+        if (row[cell] != kNone) visit(cell);
+    };
+  };
   std::vector<float> place;
-  std::vector<std::uint32_t> vertices, edges;
   std::vector<Vec3> shown;
   for (std::uint32_t v = 0, row = 0; v < complex.vertex_count; ++v) {
     if (!cells.vertex[v]) continue;
     rows.vertex[v] = row++;
-    vertices.push_back(v);
     shown.push_back(points[v]);
     for (int a = 0; a < 3; ++a) place.push_back(static_cast<float>(points[v][a] - page.origin[a]));
   }
   widen(page, shown);
   add("points", 3, std::move(place));
-  add_levels("vertex_level", &Levels::vertex, vertices);
+  add_levels("vertex_level", &Levels::vertex, each_with_row(rows.vertex));
 
   std::vector<std::uint32_t> ends;
   for (std::uint32_t e = 0, row = 0; e < complex.edges.size(); ++e) {
     if (!cells.edge[e]) continue;
     rows.edge[e] = row++;
-    edges.push_back(e);
     for (const std::uint32_t v : complex.edges[e]) ends.push_back(rows.vertex[v]);
   }
   add("edges", 2, std::move(ends));
-  add_levels("edge_level", &Levels::edge, edges);
+  add_levels("edge_level", &Levels::edge, each_with_row(rows.edge));
 
   std::vector<std::uint32_t> offsets{0}, corners, sides;
   for (const std::uint32_t f : cells.faces) {
@@ -70,7 +70,7 @@ LayerRows add_layer(Page& page, const std::string& layer, const CellComplex& com
   add("polygon_offsets", 1, std::move(offsets));
   add("polygon_corners", 1, std::move(corners));
   add("polygon_edges", 1, std::move(sides));
-  add_levels("face_level", &Levels::face, cells.faces);
+  add_levels("face_level", &Levels::face, [&](const auto& visit) { std::ranges::for_each(cells.faces, visit); });
   return rows;
 }
 

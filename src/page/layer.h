@@ -6,6 +6,7 @@
 #include <limits>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "quench/page.h"
@@ -79,7 +80,7 @@ class FacesByLevel {
  public:
   FacesByLevel(const CellComplex& complex, const std::vector<float>& face_level);
   Floor within(std::size_t budget) const;
-  const std::vector<std::uint32_t>& order() const { return order_; }
+  std::vector<std::uint32_t> order() && { return std::move(order_); }
 
  private:
   const CellComplex& complex_;
