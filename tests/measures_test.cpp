@@ -225,6 +225,25 @@ TEST(Measures, MisuseIsRefused) {
   expect_refused([&] { to_record(axis); }, "numbers");
 }
 
+TEST(Measures, FieldsOfALaterVersionAreNotedAndDropped) {
+  Record data = to_record(axis_with_two_measures(shape_of(5)));
+  Context context;
+  std::vector<std::string> notes;
+  context.note = [&](const std::string& sentence) { notes.push_back(sentence); };
+  drop_unusable_fields(data, "axis.vtp", &context);
+  EXPECT_TRUE(notes.empty());
+  for (DataArray& array : data.field_data) {
+    if (array.name == "format_version") array.values = std::vector<std::int64_t>{kFormatVersion + 1};
+    if (array.name == "measures") array.values = std::vector<double>{1};
+  }
+  drop_unusable_fields(data, "axis.vtp", &context);
+  ASSERT_EQ(notes.size(), 2u);
+  EXPECT_EQ(notes[0],
+            "the field 'format_version' of 'axis.vtp' is 3, not a version that is known here, and is ignored");
+  EXPECT_EQ(notes[1], "the field 'measures' of 'axis.vtp' is not text, and is ignored");
+  EXPECT_FALSE(find_array(data.field_data, "format_version") || find_array(data.field_data, "measures"));
+}
+
 // What `quench core --lambda 0 --full` wrote for five voxels before files had a version, as text.
 const char* const kVersion1 = R"(<VTKFile type="PolyData" version="1.0" byte_order="LittleEndian"><PolyData><FieldData>
 <DataArray type="Int32" Name="sites" NumberOfComponents="3" format="ascii">0 0 0 1 0 0 0 1 0 1 1 0 0 2 0 1 2 0 0 0 1 1

@@ -53,8 +53,10 @@ std::string spread(const Result& result, const std::vector<double>& level, Level
   return {};
 }
 
-// Values of a measure from the arrays of the file; empty where there are none. An edge that is no line of the file has
-// the largest value of its polygons: that is why it is not written, but for lambda (see below).
+// Values of a measure from the arrays of the file. An edge that is not a line of the file has the largest value of its
+// polygons. That is why it is not written, but for lambda: by the rule `coface` an edge has the largest lambda of its
+// polygons in the unpruned core. Those that are not in the file went below the file's lambda, so their lambda is below
+// it; so is that of a pair that could be taken for one of a larger key, and it is a counterexample either way.
 void take_values(const Result& result, const std::vector<double>& point, const std::vector<double>& cell, Levels& all) {
   const CellComplex& complex = result.complex;
   const std::size_t line_row = result.data.verts.size(), face_row = line_row + result.data.lines.size();
@@ -66,9 +68,7 @@ void take_values(const Result& result, const std::vector<double>& point, const s
   for (std::size_t l = 0; l < result.line_edges.size(); ++l) all.edge_value[result.line_edges[l]] = cell[line_row + l];
 }
 
-// By the rule `coface` an edge has the largest lambda of its faces in the unpruned core. Those that are not in the file
-// went below the file's lambda, so their lambda is below it; so is that of a pair that could be taken for one of a
-// larger key, and it is a counterexample either way.
+// Lambda by the rule `ball` of the edges that are not lines of the file, from their sites.
 void take_edge_lambdas(const Result& result, const Sites& sites, VertexSites& vertex_sites, Context* context,
                        Levels& all) {
   all.rounding += 2 * result.slack;
