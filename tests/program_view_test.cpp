@@ -107,6 +107,29 @@ TEST_F(ViewProgram, RunWritesAPageOfEverything) {
   EXPECT_FALSE(again.has("shape/points"));
 }
 
+TEST_F(ViewProgram, EveryMeasureOfTheFileHasItsSlider) {
+  REQUIRE_PAGE();
+  make_core();
+  quench::Record data = quench::io::read_record(folder / "core.vtp");
+  for (auto* arrays : {&data.point_data, &data.cell_data})
+    for (const char* name : {"lambda", "lambda_level"})
+      if (const quench::DataArray* array = find_array(*arrays, name)) {
+        quench::DataArray copy = *array;
+        copy.name.replace(0, 6, "mine");
+        arrays->push_back(std::move(copy));
+      }
+  for (quench::DataArray& array : data.field_data)
+    if (array.name == "measures") std::get<std::vector<std::string>>(array.values).emplace_back("mine");
+  quench::io::write_record(folder / "mine.vtp", data, {});
+  works({"view", "mine.vtp"});
+  const Contents p = page("mine.html");
+  ASSERT_EQ(p.meta["measures"].size(), 2u);
+  EXPECT_EQ(p.meta["measures"][1]["name"], "mine");
+  EXPECT_EQ(p["core/face_level/mine"], p["core/face_level"]);
+  EXPECT_EQ(p["core/point/mine"], p["core/point/lambda"]);
+  works({"verify", "v.npy", "mine.vtp"});
+}
+
 TEST_F(ViewProgram, AShapeIsReadAsTheFileSays) {
   REQUIRE_PAGE();
   make_core();

@@ -307,7 +307,7 @@ std::vector<Check> check_levels(const Result& result, const Sites& sites, Vertex
 }
 
 Check check_measures(const Result& result) {
-  const std::string name = "measures";
+  const std::string name = "format and measures";
   const Record& data = result.data;
   if (result.stage.empty()) return not_checked(name, "no FieldData 'stage'");
   Check check{name, true, {}, {}};
