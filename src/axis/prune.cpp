@@ -26,7 +26,7 @@ void require_values(const CellComplex& complex, const Measure& measure) {
   for (const auto* values : {&measure.value.vertex, &measure.value.edge, &measure.value.face})
     if (!std::ranges::all_of(*values, [](double value) { return value >= 0; }))
       throw Error(ErrorCode::usage,
-                  fmt::format("a cell of the medial axis has a {} that is negative or no number", measure.name));
+                  fmt::format("a cell of the medial axis has a {} that is negative or not a number", measure.name));
 }
 
 }  // namespace
@@ -114,7 +114,7 @@ void prune(const MedialAxis& axis, double at, std::string_view name, MedialAxis&
     throw Error(ErrorCode::usage, fmt::format("the medial axis has no level of {} for each of its cells; give it "
                                               "levels by prune_levels() first",
                                               name));
-  if (std::isnan(at)) throw Error(ErrorCode::usage, fmt::format("a pruning needs a {}; it is no number", name));
+  if (std::isnan(at)) throw Error(ErrorCode::usage, fmt::format("a pruning needs a {}; it is not a number", name));
   const double threshold = at * (1 - 1e-12);
   std::vector<std::uint32_t> vertex, edge, face;
   std::uint32_t vertices = 0, edges = 0, faces = 0;
