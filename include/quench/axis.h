@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "quench/complex.h"
@@ -16,34 +18,53 @@
 
 namespace quench {
 
+/// A significance measure of the cells of a medial axis. Its pruning for a threshold t is { level >= t }.
+struct Measure {
+  std::string name;  ///< what its arrays in files are called
+  CellValues value;  ///< 0 or more; empty where the axis was read from a file
+  CellValues level;  ///< the largest threshold whose pruning keeps the cell, infinite where topology needs the cell at
+                     ///< any threshold; empty before prune_levels()
+};
+
 /// A medial axis: a complex in the world with a radius per vertex. The voxel core fills every member; a foreign medial
-/// axis has points, radius and complex only.
-///
-/// Lengths (radius, lambda, level) are in world units. The level of a cell is the largest pruning threshold it
-/// survives: the pruning for lambda is { level >= lambda }; infinite where topology needs the cell at any lambda.
+/// axis has points, radius and complex only. Lengths are in world units.
 struct MedialAxis {
   CellComplex complex;
-  std::vector<Vec3> points;    ///< per vertex
-  std::vector<double> radius;  ///< per vertex: distance to its nearest sites
+  std::vector<Vec3> points;       ///< per vertex
+  std::vector<double> radius;     ///< per vertex: distance to its nearest sites
+  std::vector<Measure> measures;  ///< of different names; more may be added
 
-  std::vector<double> vertex_lambda, edge_lambda, face_lambda;  ///< of a face: half the distance of its sites
-  std::vector<double> vertex_level, edge_level, face_level;     ///< empty before prune_levels()
+  /// The measure of that name, or null.
+  const Measure* find_measure(std::string_view name) const;
+  /// The same; throws Error(usage) when there is none.
+  const Measure& measure(std::string_view name = kLambda) const;
+  Measure& measure(std::string_view name = kLambda);
+  /// Whether there are levels of any measure.
+  bool has_levels() const {
+    return std::ranges::any_of(measures, [](const Measure& m) { return !m.level.empty(); });
+  }
 
   std::vector<std::array<std::uint32_t, 2>> face_sites;  ///< the two nearest sites of each face, smaller row first
   std::vector<LatticePoint> sites;                       ///< boundary vertices of the voxel shape that faces refer to
   Grid grid;                                             ///< transform of lattice coordinates
 };
 
-/// How an infinite level is written to files: colour ranges of viewers break on inf.
-inline constexpr double kInfiniteLevelInFiles = 3.4e38;
+/// A measure that follows from others of the axis: "object_angle", which needs lambda, is the angle between the
+/// directions from the centre of a cell to the two nearest boundary points its lambda stands for, in degrees:
+/// 2 asin(lambda / radius). To be added to `measures` for a pruning by it. Throws Error(usage) for a name that is not
+/// known or when what it follows from is not there.
+Measure derived_measure(const MedialAxis& axis, std::string_view name);
+/// The names for which derived_measure() succeeds.
+std::vector<std::string> derived_measures(const MedialAxis& axis);
 
-/// The axis as cells and arrays for a file: point arrays `radius`, `lambda`, `object_angle`; cell arrays `kind` (0 part
-/// of a sheet, 1 curve, 2 point), `component`, `lambda`, `lambda_level`, `object_angle`, `site_a`, `site_b`; field
-/// arrays `sites` and the grid. The object angle is that between the directions from the cell's centre to the two
-/// nearest boundary points its lambda stands for, in degrees: 2 asin(lambda / radius). A line is written for an edge
-/// with no face or with a level above that of its faces, a vertex cell likewise, so that the closure of the cells with
-/// lambda_level >= t is the pruning for t, for every t. Throws Error(usage) when lambdas or levels are there for some
-/// cells only.
+/// The axis as cells and arrays for a file: point array `radius`; for each measure, and for the derived ones that are
+/// not among them, the point and cell array NAME (values) and the cell array `NAME_level`, where they are there; cell
+/// arrays `kind` (0 part of a sheet, 1 curve, 2 point), `component`, and where there is lambda `site_a`, `site_b`;
+/// field arrays `sites` and the grid, `format_version` and `measures` (their names). A line is written for an edge with
+/// no face or with a level above that of its faces, a vertex cell likewise, so that the closure of the cells with
+/// NAME_level >= t is the pruning for t, for every t. So it is for an edge whose value is not the largest of its faces,
+/// but for lambda, which the sites give. Throws Error(usage) when values or levels are there for some cells only, or
+/// when a measure has no name or that of another array.
 Record to_record(const MedialAxis& axis);
 /// The same of an axis that is not needed any more and is empty afterwards.
 Record to_record(MedialAxis&& axis);
@@ -62,6 +83,11 @@ struct AxisRepair {
 /// Points that no cell uses are isolated vertices. Vertex v is row v of the file. Throws Error(input) when there is no
 /// radius.
 MedialAxis medial_axis_of(const Record& data, AxisRepair* repair = nullptr);
+
+/// Gives an axis the levels of its cells (not the values) by the measures of the file it was read from: all in the
+/// field array `measures`, in a file without it lambda, that have a cell array `NAME_level`. False, and the axis
+/// unchanged, when there is none, cells were mended in reading, or the axis is that of another file.
+bool take_levels(MedialAxis& axis, const Record& data);
 
 /// How lambda of edges and vertices follows from their sites (docs/algorithms/voxel_core.md).
 enum class LambdaRule {
@@ -95,33 +121,37 @@ std::int64_t predicted_core_bytes_in_bricks(const VoxelShape& shape);
 /// The least for so many boundary vertices.
 std::int64_t predicted_core_bytes_in_bricks(std::int64_t sites);
 
-/// Computes the level of every cell: topology-preserving thinning by simple pairs (face, free edge) or (edge, free
-/// vertex) in the order (larger lambda of the pair, dimension, index); the level of a cell is the running maximum of
-/// the keys when it went, infinite when it never goes. The pruning for any lambda is { level >= lambda } (Yan 2018,
-/// sec. 2.6 step 3). O(n log n). Throws Error(usage) unless there is a lambda of 0 or more for every cell.
+/// Computes the level of every cell by a measure: topology-preserving thinning by simple pairs (face, free edge) or
+/// (edge, free vertex) in the order (larger value of the pair, dimension, index); the level of a cell is the running
+/// maximum of the keys when it went, infinite when it never goes. The pruning for any threshold t is { level >= t }
+/// (Yan 2018, sec. 2.6 step 3). O(n log n). Throws Error(usage) unless there is a value of 0 or more for every cell.
+void prune_levels(MedialAxis& axis, std::string_view measure, Context* context = nullptr);
+/// By lambda.
 void prune_levels(MedialAxis& axis, Context* context = nullptr);
 
-/// The pruning { level >= lambda } as a medial axis of its own (levels kept, unused sites dropped). Levels within 1e-12
-/// relative below lambda count as equal, so that a length given as a multiple of the voxel size does not depend on
-/// rounding. Throws Error(usage) for an axis without levels (see prune_levels()) and a lambda that is no number.
-MedialAxis pruned(const MedialAxis& axis, double lambda);
+/// The pruning { level >= threshold } by a measure as a medial axis of its own: with the levels of that measure and the
+/// values of all, without unused sites and the levels of other measures, which are those of the whole axis. Levels
+/// within 1e-12 relative below the threshold count as equal, so that a length given as a multiple of the voxel size
+/// does not depend on rounding. Throws Error(usage) for an axis without levels (see prune_levels()) and a threshold
+/// that is not a number.
+MedialAxis pruned(const MedialAxis& axis, double threshold, std::string_view measure = kLambda);
 /// The same in the memory of an axis that is not needed any more.
-MedialAxis pruned(MedialAxis&& axis, double lambda);
+MedialAxis pruned(MedialAxis&& axis, double threshold, std::string_view measure = kLambda);
 
-/// For a sample of the voxel centres of the shape (all of them when few): up to which lambda a ball of the pruning
-/// still contains the centre.
+/// For a sample of the voxel centres of the shape (all of them when few): up to which threshold a ball of the pruning
+/// by a measure still contains the centre.
 class Reconstruction {
  public:
   static constexpr std::size_t kSamples = 20000;  // a share of 98% is then known to 0.1%
   /// Deterministic; `samples` centres are taken evenly through the shape. Throws Error(usage) when a vertex of the axis
   /// has no radius or no level.
   Reconstruction(const VoxelShape& shape, const MedialAxis& axis, std::size_t samples = kSamples,
-                 Context* context = nullptr);
-  /// Share of the sampled centres inside the union of the balls of { level >= lambda }; in [0, 1].
-  double share(double lambda) const;
+                 Context* context = nullptr, std::string_view measure = kLambda);
+  /// Share of the sampled centres inside the union of the balls of { level >= threshold }; in [0, 1].
+  double share(double threshold) const;
 
  private:
-  std::vector<double> covered_until_;  // sorted: largest lambda at which each centre is still covered
+  std::vector<double> covered_until_;  // sorted: largest threshold at which each centre is still covered
 };
 
 /// The automatic lambda: the largest of 0.02*side / sqrt(2)^k not below half the smallest spacing, then 0, at which

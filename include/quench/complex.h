@@ -32,6 +32,19 @@ struct CellComplex {
   void validate() const;
 };
 
+/// One value per cell of a complex, by dimension.
+struct CellValues {
+  std::vector<double> vertex, edge, face;
+
+  bool empty() const { return vertex.empty() && edge.empty() && face.empty(); }
+  /// Whether there is a value for each cell.
+  bool complete(const CellComplex& complex) const {
+    return vertex.size() == complex.vertex_count && edge.size() == complex.edges.size() &&
+           face.size() == complex.face_count();
+  }
+  friend bool operator==(const CellValues&, const CellValues&) = default;
+};
+
 /// Builds the edge table of a complex given by corner cycles, extra edges and a vertex count. Repeated edges are
 /// merged; faces are kept as they are. Edges are sorted by their ends. O(n log n). Throws Error(input) when an index is
 /// out of range or a face has fewer than three corners.

@@ -95,8 +95,8 @@ int swc_type_of(std::string_view text, std::string_view what);
 struct SwcOptions {
   /// The node nearest to this point is the root of its component. All others (and all without it): the thickest node.
   std::optional<Vec3> root;
-  /// Structure identifier of every sample: a label, not a result. The default is one that every program accepts (MorphIO
-  /// and NeuroM refuse 0, undefined, and some others all but 1 to 4).
+  /// Structure identifier of every sample: a label, not a result. The default is one that every program accepts
+  /// (MorphIO and NeuroM refuse 0, undefined, and some others all but 1 to 4).
   int type = kSwcDendrite;
   Coordinates coordinates;  ///< for the header
 };

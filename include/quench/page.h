@@ -31,6 +31,12 @@ struct PageArray {
   Values values;
 };
 
+/// A measure by whose levels the layer `core` of a page can be pruned.
+struct PageMeasure {
+  std::string name;
+  double floor = 0;  ///< what its pruning keeps is complete from this threshold on
+};
+
 /// What a page holds. Lengths are in world units. Everything may be missing: an empty string, a zero, no value.
 struct Page {
   std::string title, program, command, unit;
@@ -50,6 +56,7 @@ struct Page {
   Vec3 origin = Vec3::Zero();
 
   /// Filled by the functions below. Cells below a floor are left out, what is above is complete.
+  std::vector<PageMeasure> measures;
   std::optional<double> lambda_floor, theta2_floor, theta1_floor;
   std::optional<std::array<double, 12>> sites_to_world;  ///< rows of a 3 x 4 matrix
   Vec3 low = Vec3::Zero(), high = Vec3::Zero();          ///< box around everything that was added
@@ -62,11 +69,12 @@ struct Page {
 /// The most triangles a page holds unless told otherwise: fluid on an ordinary laptop.
 inline constexpr std::size_t kPageTriangles = 1'000'000;
 
-/// The layer `core`: a medial axis with its levels, and measures of its vertices (arrays of one component; where
-/// `unburned` is 1, burn_time and erosion_thickness are infinite). More than `max_triangles`: the smallest lambda is
-/// found at which the rest fits, and what is below is left out. Returns the number of triangles. Throws Error(usage)
-/// for an axis without levels.
-std::size_t add_core(Page& page, const MedialAxis& axis, const std::vector<DataArray>& measures,
+/// The layer `core`: a medial axis with its levels by each measure that has some, and `point_data` of its vertices
+/// (arrays of one component; where `unburned` is 1, burn_time and erosion_thickness are infinite). More than
+/// `max_triangles`: the smallest threshold of each measure is found at which the rest fits into its share of them, and
+/// what is below all of these is left out. Returns the number of triangles. Throws Error(usage) for an axis without
+/// levels.
+std::size_t add_core(Page& page, const MedialAxis& axis, const std::vector<DataArray>& point_data,
                      std::size_t max_triangles);
 
 /// The layer `skeleton`: the refined axis with the levels of its family. What does not fit (a curve off the sheets
@@ -93,10 +101,6 @@ void add_sites(Page& page, const VoxelShape& shape);
 /// `count` points uniformly distributed in the shape (every voxel has the same share of them): the share of them inside
 /// balls is the share of the volume. Deterministic.
 void add_samples(Page& page, const VoxelShape& shape, std::size_t count = 20000);
-
-/// The levels of the cells of an axis from the cell array `lambda_level` of the file it was read from. False, and the
-/// axis unchanged, when there is none, cells were mended in reading, or the axis is that of another file.
-bool take_levels(MedialAxis& axis, const Record& data);
 
 /// The page with the program `page_program` around it: an HTML file. Written atomically. Throws Error(failed) when
 /// writing fails or the page outgrows what a browser can hold, Error(invariant) when the program has no place for it.

@@ -12,6 +12,16 @@
 
 namespace quench {
 
+/// Name of the measure that every voxel core has: of a face half the distance of its sites, in world units.
+inline constexpr std::string_view kLambda = "lambda";
+
+/// How an infinite level is written to files: colour ranges of viewers break on inf.
+inline constexpr double kInfiniteLevelInFiles = 3.4e38;
+
+/// The version of the arrays of files; files without the field array `format_version` are of version 1, whose only
+/// measure with levels is lambda.
+inline constexpr std::int64_t kFormatVersion = 2;
+
 /// A named array of a file: `values.size()` is rows * components. Strings are allowed in field data only.
 struct DataArray {
   using Values = std::variant<std::vector<double>, std::vector<float>, std::vector<std::int64_t>,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import cached_property
-from typing import Any, Optional, Sequence, Tuple, Union
+from typing import Any, Iterator, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
@@ -126,6 +126,38 @@ def read(path: Path, *, spacing: Spacing = None, radii: Optional[Path] = None, t
     return MedialAxis(found, threads, progress) if isinstance(found, _core.Axis) else found
 
 
+class Cells(NamedTuple):
+    """One value per cell, by dimension."""
+    vertices: np.ndarray
+    edges: np.ndarray
+    polygons: np.ndarray
+
+
+class Measure(NamedTuple):
+    """A significance measure of the cells of a medial axis."""
+    values: Optional[Cells]
+    levels: Optional[Cells]
+    """The largest threshold up to which a pruning by the measure keeps each cell; None where there is no such pruning."""
+
+
+class Measures(Mapping[str, Measure]):
+    """The measures of a medial axis by name; arrays are views, or computed when asked for."""
+
+    def __init__(self, core: '_core.Axis'):
+        self._core = core
+
+    def __getitem__(self, name: str) -> Measure:
+        if name not in self._core.measure_names():
+            raise KeyError(name)
+        return Measure(*(given and Cells(*map(np.asarray, given)) for given in self._core.measure(name)))
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._core.measure_names())
+
+    def __len__(self) -> int:
+        return len(self._core.measure_names())
+
+
 class MedialAxis(Complex):
     """A medial axis: vertices with radii, edges and polygons; made by :func:`medial_axis` or :func:`read`.
 
@@ -154,6 +186,9 @@ class MedialAxis(Complex):
     face_lambda : (F,) float64
         λ of the polygon of each triangle: half the distance of its two nearest boundary points. Also ``edge_lambda``,
         ``vertex_lambda``.
+    measures : mapping of names to (values, levels)
+        "lambda" and measures that follow from it, such as "object_angle": ``measures['lambda'].levels.polygons`` has a
+        level per polygon, ``.vertices`` and ``.edges`` per vertex and edge. Empty for an axis from a file.
     lambda_ : float
         The λ it is pruned with, in the units of the coordinates.
     reconstructed : float
@@ -181,34 +216,38 @@ class MedialAxis(Complex):
     def face_polygon(self) -> np.ndarray:
         return self._fans[1]
 
-    def _measure(self, name: str, which: int) -> np.ndarray:
-        if not self._core.has_levels:
+    @property
+    def measures(self) -> Measures:
+        return Measures(self._core)
+
+    def _lambda(self) -> Measure:
+        if 'lambda' not in self.measures:
             raise error(2, 'a medial axis from a file has no levels of λ here; they are the cell array lambda_level of the file')
-        return np.asarray(getattr(self._core, name)()[which])
+        return self.measures['lambda']
 
     @cached_property
     def face_lambda_level(self) -> np.ndarray:
-        return self._measure('levels', 2)[self.face_polygon]
+        return self._lambda().levels.polygons[self.face_polygon]
 
     @property
     def edge_lambda_level(self) -> np.ndarray:
-        return self._measure('levels', 1)
+        return self._lambda().levels.edges
 
     @property
     def vertex_lambda_level(self) -> np.ndarray:
-        return self._measure('levels', 0)
+        return self._lambda().levels.vertices
 
     @cached_property
     def face_lambda(self) -> np.ndarray:
-        return self._measure('lambdas', 2)[self.face_polygon]
+        return self._lambda().values.polygons[self.face_polygon]
 
     @property
     def edge_lambda(self) -> np.ndarray:
-        return self._measure('lambdas', 1)
+        return self._lambda().values.edges
 
     @property
     def vertex_lambda(self) -> np.ndarray:
-        return self._measure('lambdas', 0)
+        return self._lambda().values.vertices
 
     @property
     def lambda_level(self) -> np.ndarray:

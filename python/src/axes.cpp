@@ -50,6 +50,23 @@ const Shape& shape_of(const Axis& axis) {
   return *axis.shape;
 }
 
+std::vector<std::string> measure_names(const MedialAxis& axis) {
+  std::vector<std::string> names;
+  for (const Measure& measure : axis.measures) names.push_back(measure.name);
+  for (const std::string& name : derived_measures(axis))
+    if (!axis.find_measure(name)) names.push_back(name);
+  return names;
+}
+
+// Values and levels, each of vertices, edges and polygons; None where there are none.
+py::tuple views(const std::shared_ptr<const void>& owner, const Measure& measure) {
+  const auto of = [&](const CellValues& values) -> py::object {
+    if (values.empty()) return py::none();
+    return py::make_tuple(view(owner, values.vertex), view(owner, values.edge), view(owner, values.face));
+  };
+  return py::make_tuple(of(measure.value), of(measure.level));
+}
+
 std::shared_ptr<Axis> pruned_axis(const Axis& from, const std::string& text, Context& context) {
   if (from.file) throw Error(ErrorCode::usage, "a medial axis from a file cannot be pruned; compute it again");
   auto result = std::make_shared<Axis>();
@@ -82,17 +99,13 @@ void bind_axes(py::module_& m) {
                              [](const Pointer& a) { return view(a, a->axis().complex.face_vertices); })
       .def_property_readonly("polygon_edges", [](const Pointer& a) { return view(a, a->axis().complex.face_edges); })
       .def("fans", [](const Pointer& a) { return fans(a->axis().complex); })
-      .def("levels",
-           [](const Pointer& a) {
-             return py::make_tuple(view(a, a->axis().vertex_level), view(a, a->axis().edge_level),
-                                   view(a, a->axis().face_level));
+      .def("measure_names", [](const Pointer& a) { return measure_names(a->axis()); })
+      .def("measure",
+           [](const Pointer& a, const std::string& name) {
+             if (const Measure* known = a->axis().find_measure(name)) return views(a, *known);
+             const auto derived = std::make_shared<const Measure>(derived_measure(a->axis(), name));
+             return views(derived, *derived);
            })
-      .def("lambdas",
-           [](const Pointer& a) {
-             return py::make_tuple(view(a, a->axis().vertex_lambda), view(a, a->axis().edge_lambda),
-                                   view(a, a->axis().face_lambda));
-           })
-      .def_property_readonly("has_levels", [](const Pointer& a) { return !a->axis().vertex_level.empty(); })
       .def_property_readonly("chosen_lambda", [](const Pointer& a) { return a->core.lambda; })
       .def_property_readonly("reconstructed", [](const Pointer& a) { return a->core.reconstructed; })
       .def_property_readonly("longest_side", [](const Pointer& a) { return a->core.longest_side; })

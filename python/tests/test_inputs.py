@@ -156,6 +156,22 @@ def test_pruning_later_is_pruning_at_once():
         full.pruned('2vox').pruned('1vox')
 
 
+def test_measures_have_values_and_levels_by_name():
+    axis = quench.medial_axis(blobs(9), lambda_=0)
+    assert list(axis.measures) == ['lambda', 'object_angle']
+    values, levels = axis.measures['lambda']
+    assert np.array_equal(levels.vertices, axis.vertex_lambda_level) and np.array_equal(levels.edges, axis.edge_lambda_level)
+    assert np.array_equal(levels.polygons[axis.face_polygon], axis.lambda_level)
+    assert np.array_equal(values.polygons[axis.face_polygon], axis.face_lambda)
+    angle = axis.measures['object_angle']
+    assert angle.levels is None and len(angle.values.edges) == len(axis.edges)
+    wanted = 2 * np.degrees(np.arcsin(np.clip(values.vertices / axis.radius, 0, 1)))
+    assert np.allclose(angle.values.vertices, wanted)
+    assert 'no such' not in axis.measures
+    with pytest.raises(KeyError):
+        axis.measures['no such']
+
+
 def test_cleaning():
     image = np.zeros((30, 20, 10), bool)
     image[2:20, 2:18, 2:8] = True

@@ -16,6 +16,7 @@ namespace {
 
 bool is_length(double value) { return value > 0 && value <= kLargestLength; }
 bool is_level(double value) { return value >= 0 && std::isfinite(value); }
+bool is_version(double value) { return value >= 1 && value <= kFormatVersion; }
 
 struct NumberField {
   const char* name;
@@ -26,7 +27,8 @@ struct NumberField {
 constexpr NumberField kNumbers[] = {{"omega", 1, is_length, "a length"},
                                     {"longest_side", 1, is_length, "a length"},
                                     {"spacing", 3, is_length, "three lengths"},
-                                    {"lambda", 1, is_level, "a length or 0"}};
+                                    {"lambda", 1, is_level, "a length or 0"},
+                                    {"format_version", 1, is_version, "a version that is known here"}};
 
 struct NameField {
   const char* name;
@@ -38,6 +40,7 @@ constexpr NameField kNames[] = {{"propagation", kPropagations}, {"radius_rule", 
 /// What is wrong with an array; nothing when it can be used.
 std::optional<std::string> fault_of(const DataArray& array) {
   const auto* texts = std::get_if<std::vector<std::string>>(&array.values);
+  if (array.name == "measures" && !texts) return "is not text";
   for (const NameField& field : kNames)
     if (array.name == field.name) {
       const bool usable = texts && texts->size() == 1 && std::ranges::count(field.allowed, texts->front()) > 0;

@@ -3,11 +3,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <iterator>
 #include <limits>
-#include <numbers>
 #include <numeric>
+#include <optional>
+#include <string>
+#include <string_view>
 #include <utility>
 
+#include "axis/measures.h"
 #include "base/union_find.h"
 #include "quench/axis.h"
 #include "quench/error.h"
@@ -23,40 +28,84 @@ struct WrittenCells {
   std::vector<char> vertex_has_edge, edge_has_face;
 };
 
+// The largest of the values of the faces at each edge; -1 where there are none.
+std::vector<double> largest_of_faces(const CellComplex& complex, const std::vector<double>& face) {
+  std::vector<double> largest(complex.edges.size(), -1);
+  for (std::size_t f = 0; f < complex.face_count(); ++f)
+    for (std::uint32_t e : complex.sides(f)) largest[e] = std::max(largest[e], face[f]);
+  return largest;
+}
+
+// Marks the edges and vertices that do not follow from the larger cells around them.
+void mark_cells_to_write(const CellComplex& complex, const Measure& measure, std::vector<char>& vertex,
+                         std::vector<char>& edge) {
+  const auto mark_edges = [&](const CellValues& values, const auto& differ) {
+    const std::vector<double> from_faces = largest_of_faces(complex, values.face);
+    for (std::size_t e = 0; e < complex.edges.size(); ++e)
+      if (differ(from_faces[e], values.edge[e])) edge[e] = 1;
+  };
+  const CellValues& level = measure.level;
+  if (!level.empty()) {
+    mark_edges(level, std::less{});
+    std::vector<double> from_edges(complex.vertex_count, -1);
+    for (std::size_t e = 0; e < complex.edges.size(); ++e)
+      for (std::uint32_t v : complex.edges[e]) from_edges[v] = std::max(from_edges[v], level.edge[e]);
+    for (std::uint32_t v = 0; v < complex.vertex_count; ++v)
+      if (from_edges[v] < level.vertex[v]) vertex[v] = 1;
+  }
+  if (measure.name != kLambda && !measure.value.empty()) mark_edges(measure.value, std::not_equal_to{});
+}
+
 WrittenCells cells_to_write(const MedialAxis& axis) {
   const CellComplex& complex = axis.complex;
-  const bool levels = !axis.vertex_level.empty();
   WrittenCells cells;
   cells.vertex_has_edge.assign(complex.vertex_count, 0);
   cells.edge_has_face.assign(complex.edges.size(), 0);
-  std::vector<double> from_edges(complex.vertex_count, -1), from_faces(complex.edges.size(), -1);
-  for (std::size_t f = 0; f < complex.face_count(); ++f)
-    for (std::uint32_t e : complex.sides(f)) {
-      cells.edge_has_face[e] = 1;
-      from_faces[e] = std::max(from_faces[e], levels ? axis.face_level[f] : 0);
-    }
-  for (std::size_t e = 0; e < complex.edges.size(); ++e)
-    for (std::uint32_t v : complex.edges[e]) {
-      cells.vertex_has_edge[v] = 1;
-      from_edges[v] = std::max(from_edges[v], levels ? axis.edge_level[e] : 0);
-    }
+  for (const auto& ends : complex.edges)
+    for (std::uint32_t v : ends) cells.vertex_has_edge[v] = 1;
+  for (std::uint32_t e : complex.face_edges) cells.edge_has_face[e] = 1;
+  std::vector<char> vertex(complex.vertex_count), edge(complex.edges.size());
+  std::ranges::transform(cells.vertex_has_edge, vertex.begin(), std::logical_not{});
+  std::ranges::transform(cells.edge_has_face, edge.begin(), std::logical_not{});
+  for (const Measure& measure : axis.measures) mark_cells_to_write(complex, measure, vertex, edge);
   for (std::uint32_t v = 0; v < complex.vertex_count; ++v)
-    if (from_edges[v] < (levels ? axis.vertex_level[v] : 0)) cells.vertices.push_back(v);
+    if (vertex[v]) cells.vertices.push_back(v);
   for (std::uint32_t e = 0; e < complex.edges.size(); ++e)
-    if (from_faces[e] < (levels ? axis.edge_level[e] : 0)) cells.edges.push_back(e);
+    if (edge[e]) cells.edges.push_back(e);
   return cells;
 }
 
-// A cell array of doubles over the written cells, from values per vertex, edge and face.
-DataArray cell_array(const char* name, const WrittenCells& cells, const std::vector<double>& vertex,
-                     const std::vector<double>& edge, const std::vector<double>& face) {
+// A cell array of doubles over the written cells.
+DataArray cell_array(std::string name, const WrittenCells& cells, const CellValues& of) {
   std::vector<double> values;
-  values.reserve(cells.vertices.size() + cells.edges.size() + face.size());
-  for (std::uint32_t v : cells.vertices) values.push_back(vertex[v]);
-  for (std::uint32_t e : cells.edges) values.push_back(edge[e]);
-  values.insert(values.end(), face.begin(), face.end());
+  values.reserve(cells.vertices.size() + cells.edges.size() + of.face.size());
+  for (std::uint32_t v : cells.vertices) values.push_back(of.vertex[v]);
+  for (std::uint32_t e : cells.edges) values.push_back(of.edge[e]);
+  values.insert(values.end(), of.face.begin(), of.face.end());
   for (double& x : values) x = std::min(x, kInfiniteLevelInFiles);
-  return {name, 1, std::move(values)};
+  return {std::move(name), 1, std::move(values)};
+}
+
+// The same of a measure that is derived here.
+DataArray cell_array(const axis::DerivedMeasure& derived, const WrittenCells& cells, const MedialAxis& axis) {
+  const CellValues& from = axis.measure(derived.from).value;
+  std::vector<float> values;
+  values.reserve(cells.vertices.size() + cells.edges.size() + axis.complex.face_count());
+  const auto add = [&](std::span<const std::uint32_t> corners, double of) {
+    values.push_back(static_cast<float>(derived.value(axis, corners, of)));
+  };
+  for (const std::uint32_t v : cells.vertices) add({&v, 1}, from.vertex[v]);
+  for (const std::uint32_t e : cells.edges) add(axis.complex.edges[e], from.edge[e]);
+  for (std::size_t f = 0; f < axis.complex.face_count(); ++f) add(axis.complex.corners(f), from.face[f]);
+  return {std::string(derived.name), 1, std::move(values)};
+}
+
+DataArray point_array(const axis::DerivedMeasure& derived, const MedialAxis& axis) {
+  const CellValues& from = axis.measure(derived.from).value;
+  std::vector<float> values(axis.complex.vertex_count);
+  for (std::uint32_t v = 0; v < values.size(); ++v)
+    values[v] = static_cast<float>(derived.value(axis, {&v, 1}, from.vertex[v]));
+  return {std::string(derived.name), 1, std::move(values)};
 }
 
 // One of the two sites of each face, -1 for other cells. 32 bits, unless that makes an index negative.
@@ -74,21 +123,6 @@ DataArray site_array(const char* name, const WrittenCells& cells, const MedialAx
   return fits ? array(std::int32_t{-1}) : array(std::int64_t{-1});
 }
 
-// Angle at a point of radius r between nearest boundary points that are 2 lambda apart, in degrees.
-double object_angle(double lambda, double r) {
-  return r > 0 ? 2 * std::asin(std::min(1.0, lambda / r)) * (180 / std::numbers::pi) : 180;
-}
-// At the centre of a cell: the squared distance to a point is that of the corners, on average, less their spread.
-double object_angle(const MedialAxis& axis, std::span<const std::uint32_t> corners, double lambda) {
-  Vec3 centre = Vec3::Zero();
-  for (const std::uint32_t v : corners) centre += axis.points[v];
-  centre /= static_cast<double>(corners.size());
-  double squared = 0;
-  for (const std::uint32_t v : corners)
-    squared += axis.radius[v] * axis.radius[v] - (axis.points[v] - centre).squaredNorm();
-  return object_angle(lambda, std::sqrt(std::max(0.0, squared / static_cast<double>(corners.size()))));
-}
-
 std::vector<std::int32_t> components_of(const CellComplex& complex) {
   base::UnionFind sets(complex.vertex_count);
   for (const auto& e : complex.edges) sets.unite(e[0], e[1]);
@@ -99,34 +133,65 @@ std::vector<std::int32_t> components_of(const CellComplex& complex) {
   return component;
 }
 
-// Values per cell are there for all cells or for none.
-void check_sizes(const MedialAxis& axis) {
+// Names are those of arrays that are not written otherwise; values per cell are there for all cells or for none.
+void check_measures(const MedialAxis& axis) {
   const CellComplex& complex = axis.complex;
-  const auto whole = [&](const std::vector<double>& vertex, const std::vector<double>& edge,
-                         const std::vector<double>& face) {
-    return (vertex.empty() && edge.empty() && face.empty()) ||
-           (vertex.size() == complex.vertex_count && edge.size() == complex.edges.size() &&
-            face.size() == complex.face_count());
+  if (axis.points.size() != complex.vertex_count || axis.radius.size() != complex.vertex_count)
+    throw Error(ErrorCode::usage, "a medial axis needs a point and a radius for each vertex");
+  std::vector<std::string> names{"", "radius", "kind", "component", "site_a", "site_b"};
+  const auto take_name = [&](const std::string& name) {
+    if (std::ranges::find(names, name) != names.end())
+      throw Error(
+          ErrorCode::usage,
+          fmt::format("a measure of a medial axis cannot have the name '{}': it is empty or another array has it",
+                      name));
+    names.push_back(name);
   };
-  if (axis.points.size() != complex.vertex_count || axis.radius.size() != complex.vertex_count ||
-      !whole(axis.vertex_lambda, axis.edge_lambda, axis.face_lambda) ||
-      !whole(axis.vertex_level, axis.edge_level, axis.face_level))
-    throw Error(ErrorCode::usage,
-                "a medial axis needs a point and a radius for each vertex, and a lambda and a level "
-                "for all cells or for none");
+  for (const Measure& m : axis.measures) take_name(m.name);
+  for (const Measure& m : axis.measures) {
+    take_name(m.name + "_level");
+    for (const CellValues* values : {&m.value, &m.level})
+      if (!values->empty() && !values->complete(complex))
+        throw Error(ErrorCode::usage,
+                    fmt::format("a medial axis needs a {} and a level of it for all cells or for none", m.name));
+  }
+}
+
+// The derived measures that the axis does not have already.
+std::vector<axis::DerivedMeasure> measures_to_derive(const MedialAxis& axis) {
+  std::vector<axis::DerivedMeasure> list = axis::derivable(axis);
+  std::erase_if(list, [&](const axis::DerivedMeasure& derived) { return axis.find_measure(derived.name); });
+  return list;
+}
+
+// What the two sites of faces are, and where they lie.
+void add_sites(Record& data, const MedialAxis& axis, const WrittenCells& cells) {
+  data.cell_data.push_back(site_array("site_a", cells, axis, 0));
+  data.cell_data.push_back(site_array("site_b", cells, axis, 1));
+  std::vector<std::int32_t> triples;
+  triples.reserve(axis.sites.size() * 3);
+  for (const LatticePoint& s : axis.sites) triples.insert(triples.end(), s.begin(), s.end());
+  data.field_data.push_back({"sites", 3, std::move(triples)});
+  const Grid& g = axis.grid;
+  data.field_data.push_back({"dims", 3, std::vector<std::int64_t>(g.dims.begin(), g.dims.end())});
+  data.field_data.push_back({"spacing", 3, std::vector<double>(g.spacing.data(), g.spacing.data() + 3)});
+  data.field_data.push_back({"origin", 3, std::vector<double>(g.origin.data(), g.origin.data() + 3)});
+  std::vector<double> rows;
+  for (int r = 0; r < 3; ++r)
+    for (int c = 0; c < 3; ++c) rows.push_back(g.direction(r, c));
+  data.field_data.push_back({"direction", 9, std::move(rows)});
 }
 
 // What may be taken from an axis that is not needed any more is moved, after what is computed from it.
 template <class Axis>
 Record record_of(Axis&& axis) {
-  check_sizes(axis);
+  check_measures(axis);
   const CellComplex& complex = axis.complex;
   const WrittenCells cells = cells_to_write(axis);
   Record data;
   data.verts = cells.vertices;
   for (std::uint32_t e : cells.edges) data.lines.push_back(complex.edges[e]);
 
-  const bool measured = !axis.vertex_lambda.empty();
   const std::vector<std::int32_t> component_of = components_of(complex);
   std::vector<std::uint8_t> kind;
   std::vector<std::int32_t> component;
@@ -139,49 +204,29 @@ Record record_of(Axis&& axis) {
   for (std::size_t f = 0; f < complex.face_count(); ++f) add(0, complex.corners(f)[0]);
   data.cell_data.push_back({"kind", 1, std::move(kind)});
   data.cell_data.push_back({"component", 1, std::move(component)});
-  if (!axis.face_lambda.empty() || !axis.vertex_lambda.empty())
-    data.cell_data.push_back(cell_array("lambda", cells, axis.vertex_lambda, axis.edge_lambda, axis.face_lambda));
-  if (!axis.vertex_level.empty())
-    data.cell_data.push_back(cell_array("lambda_level", cells, axis.vertex_level, axis.edge_level, axis.face_level));
-  if (measured) {  // a core of ours
-    std::vector<float> angle;
-    angle.reserve(cells.vertices.size() + cells.edges.size() + complex.face_count());
-    const auto add_angle = [&](std::span<const std::uint32_t> corners, double lambda) {
-      angle.push_back(static_cast<float>(object_angle(axis, corners, lambda)));
-    };
-    for (const std::uint32_t v : cells.vertices) add_angle({&v, 1}, axis.vertex_lambda[v]);
-    for (const std::uint32_t e : cells.edges) add_angle(complex.edges[e], axis.edge_lambda[e]);
-    for (std::size_t f = 0; f < complex.face_count(); ++f) add_angle(complex.corners(f), axis.face_lambda[f]);
-    data.cell_data.push_back({"object_angle", 1, std::move(angle)});
-    data.cell_data.push_back(site_array("site_a", cells, axis, 0));
-    data.cell_data.push_back(site_array("site_b", cells, axis, 1));
-    std::vector<std::int32_t> triples;
-    triples.reserve(axis.sites.size() * 3);
-    for (const LatticePoint& s : axis.sites) triples.insert(triples.end(), s.begin(), s.end());
-    data.field_data.push_back({"sites", 3, std::move(triples)});
-    const Grid& g = axis.grid;
-    data.field_data.push_back({"dims", 3, std::vector<std::int64_t>(g.dims.begin(), g.dims.end())});
-    data.field_data.push_back({"spacing", 3, std::vector<double>(g.spacing.data(), g.spacing.data() + 3)});
-    data.field_data.push_back({"origin", 3, std::vector<double>(g.origin.data(), g.origin.data() + 3)});
-    std::vector<double> rows;
-    for (int r = 0; r < 3; ++r)
-      for (int c = 0; c < 3; ++c) rows.push_back(g.direction(r, c));
-    data.field_data.push_back({"direction", 9, std::move(rows)});
+  std::vector<std::string> names;
+  for (const Measure& m : axis.measures) {
+    if (!m.value.empty()) data.cell_data.push_back(cell_array(m.name, cells, m.value));
+    if (!m.level.empty()) data.cell_data.push_back(cell_array(m.name + "_level", cells, m.level));
+    if (!m.value.empty() || !m.level.empty()) names.push_back(m.name);
   }
-  std::vector<float> angle;
-  if (measured) {
-    angle.resize(complex.vertex_count);
-    for (std::uint32_t v = 0; v < complex.vertex_count; ++v)
-      angle[v] = static_cast<float>(object_angle(axis.vertex_lambda[v], axis.radius[v]));
+  std::vector<DataArray> derived_of_points;
+  for (const axis::DerivedMeasure& derived : measures_to_derive(axis)) {
+    data.cell_data.push_back(cell_array(derived, cells, axis));
+    derived_of_points.push_back(point_array(derived, axis));
+    names.emplace_back(derived.name);
   }
+  if (const Measure* lambda = axis.find_measure(kLambda); lambda && !lambda->value.empty())
+    add_sites(data, axis, cells);
+  data.field_data.push_back({"format_version", 1, std::vector<std::int64_t>{kFormatVersion}});
+  if (!names.empty()) data.field_data.push_back({"measures", 1, std::move(names)});
   data.points = std::forward<Axis>(axis).points;
   data.poly_offsets = std::forward<Axis>(axis).complex.face_offsets;
   data.poly_corners = std::forward<Axis>(axis).complex.face_vertices;
   data.point_data.push_back({"radius", 1, std::forward<Axis>(axis).radius});
-  if (measured) {
-    data.point_data.push_back({"lambda", 1, std::forward<Axis>(axis).vertex_lambda});
-    data.point_data.push_back({"object_angle", 1, std::move(angle)});
-  }
+  for (auto& m : axis.measures)  // copied where the axis is const
+    if (!m.value.vertex.empty()) data.point_data.push_back({m.name, 1, std::move(m.value.vertex)});
+  std::ranges::move(derived_of_points, std::back_inserter(data.point_data));
   return data;
 }
 
@@ -259,10 +304,6 @@ std::size_t drop_duplicates(std::vector<std::uint32_t>& offsets, std::vector<std
   return dropped;
 }
 
-}  // namespace
-
-namespace {
-
 void check_lengths(const MedialAxis& axis) {
   for (std::size_t v = 0; v < axis.points.size(); ++v) {
     const double r = axis.radius[v], farthest = axis.points[v].cwiseAbs().maxCoeff();
@@ -295,6 +336,71 @@ MedialAxis medial_axis_of(const Record& data, AxisRepair* repair) {
                               std::move(cells.corners));
   if (repair) *repair = mended;
   return axis;
+}
+
+namespace {
+
+// The names of the measures of a file.
+std::vector<std::string> measures_of(const Record& data) {
+  const DataArray* names = find_array(data.field_data, "measures");
+  if (!names) return {std::string(kLambda)};
+  const auto* texts = std::get_if<std::vector<std::string>>(&names->values);
+  return texts ? *texts : std::vector<std::string>{};
+}
+
+// The edges that are the lines of the file. None when one of them is not in the complex.
+std::optional<std::vector<std::uint32_t>> edges_of_lines(const CellComplex& complex, const Record& data) {
+  std::vector<std::uint32_t> edges;
+  edges.reserve(data.lines.size());
+  for (const auto& line : data.lines) {
+    const std::array<std::uint32_t, 2> ends{std::min(line[0], line[1]), std::max(line[0], line[1])};
+    const auto at = std::ranges::lower_bound(complex.edges, ends);
+    if (at == complex.edges.end() || *at != ends) return {};
+    edges.push_back(static_cast<std::uint32_t>(at - complex.edges.begin()));
+  }
+  return edges;
+}
+
+// Levels of all cells from those of the cells of the file: one that is not written has the largest level of those it is
+// a side of (to_record).
+CellValues levels_of(const CellComplex& complex, const Record& data, const std::vector<std::uint32_t>& line_edges,
+                     const std::vector<double>& level) {
+  CellValues all;
+  all.vertex.assign(complex.vertex_count, 0);
+  all.edge.assign(complex.edges.size(), 0);
+  const auto raise = [](double& value, double by) { value = std::max(value, by); };
+  const std::size_t lines = data.verts.size(), polys = lines + data.lines.size();
+  for (std::size_t l = 0; l < line_edges.size(); ++l) raise(all.edge[line_edges[l]], level[lines + l]);
+  for (std::size_t f = 0; f < complex.face_count(); ++f)
+    for (const std::uint32_t e : complex.sides(f)) raise(all.edge[e], level[polys + f]);
+  for (std::size_t v = 0; v < data.verts.size(); ++v) raise(all.vertex[data.verts[v]], level[v]);
+  for (std::size_t e = 0; e < complex.edges.size(); ++e)
+    for (const std::uint32_t v : complex.edges[e]) raise(all.vertex[v], all.edge[e]);
+  all.face.assign(level.begin() + static_cast<std::ptrdiff_t>(polys), level.end());
+  return all;
+}
+
+}  // namespace
+
+bool take_levels(MedialAxis& axis, const Record& data) {
+  const CellComplex& complex = axis.complex;
+  const auto outside = [&](std::uint32_t v) { return v >= complex.vertex_count; };
+  if (complex.face_count() != data.poly_count() || std::ranges::any_of(data.verts, outside)) return false;
+  const auto line_edges = edges_of_lines(complex, data);
+  if (!line_edges) return false;
+  bool taken = false;
+  for (const std::string& name : measures_of(data)) {
+    const DataArray* array = find_array(data.cell_data, name + "_level");
+    if (!array || array->components != 1 || array->size() != data.cell_count()) continue;
+    std::vector<double> level = array->numbers();
+    if (!std::ranges::all_of(level, [](double x) { return x >= 0; })) continue;
+    for (double& x : level)
+      if (x >= kInfiniteLevelInFiles) x = std::numeric_limits<double>::infinity();
+    if (!axis.find_measure(name)) axis.measures.push_back({name, {}, {}});
+    axis.measure(name).level = levels_of(complex, data, *line_edges, level);
+    taken = true;
+  }
+  return taken;
 }
 
 }  // namespace quench

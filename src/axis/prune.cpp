@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Yan 2018, sec. 2.6 step 3, for every lambda at once.
+// Yan 2018, sec. 2.6 step 3, for every threshold at once.
+#include <fmt/format.h>
 #include <tbb/parallel_invoke.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string_view>
 #include <utility>
 
 #include "base/parallel.h"
@@ -16,39 +18,28 @@ namespace quench {
 
 namespace {
 
-// Whether there is a value for each cell.
-bool complete(const CellComplex& complex, const std::vector<double>& vertex, const std::vector<double>& edge,
-              const std::vector<double>& face) {
-  return vertex.size() == complex.vertex_count && edge.size() == complex.edges.size() &&
-         face.size() == complex.face_count();
-}
-
-void require_lambdas(const MedialAxis& axis) {
-  if (!complete(axis.complex, axis.vertex_lambda, axis.edge_lambda, axis.face_lambda))
+void require_values(const CellComplex& complex, const Measure& measure) {
+  if (!measure.value.complete(complex))
     throw Error(ErrorCode::usage,
-                "the medial axis has no lambda for each of its cells; voxel_core() makes one that has");
-  for (const auto* lambdas : {&axis.vertex_lambda, &axis.edge_lambda, &axis.face_lambda})
-    if (!std::ranges::all_of(*lambdas, [](double lambda) { return lambda >= 0; }))
-      throw Error(ErrorCode::usage, "a cell of the medial axis has a lambda that is negative or no number");
-}
-
-void require_levels(const MedialAxis& axis) {
-  if (!complete(axis.complex, axis.vertex_level, axis.edge_level, axis.face_level))
-    throw Error(ErrorCode::usage,
-                "the medial axis has no level for each of its cells; give it levels by prune_levels() first");
+                fmt::format("the medial axis has no {} for each of its cells; voxel_core() makes one that has lambda",
+                            measure.name));
+  for (const auto* values : {&measure.value.vertex, &measure.value.edge, &measure.value.face})
+    if (!std::ranges::all_of(*values, [](double value) { return value >= 0; }))
+      throw Error(ErrorCode::usage,
+                  fmt::format("a cell of the medial axis has a {} that is negative or not a number", measure.name));
 }
 
 }  // namespace
 
-void prune_levels(MedialAxis& axis, Context* context) {
-  require_lambdas(axis);
-  complex::CellValues level = base::in_arena(context, [&] {
-    return complex::thin(axis.complex, axis.vertex_lambda, axis.edge_lambda, axis.face_lambda, context, "prune");
+void prune_levels(MedialAxis& axis, std::string_view name, Context* context) {
+  Measure& measure = axis.measure(name);
+  require_values(axis.complex, measure);
+  measure.level = base::in_arena(context, [&] {
+    return complex::thin(axis.complex, measure.value.vertex, measure.value.edge, measure.value.face, context, "prune");
   });
-  axis.vertex_level = std::move(level.vertex);
-  axis.edge_level = std::move(level.edge);
-  axis.face_level = std::move(level.face);
 }
+
+void prune_levels(MedialAxis& axis, Context* context) { prune_levels(axis, kLambda, context); }
 
 namespace {
 
@@ -105,36 +96,55 @@ void select_faces(const CellComplex& from, const std::vector<std::uint32_t>& ver
   to.face_edges.shrink_to_fit();
 }
 
+// The values of a measure, and its levels where the pruning is by it.
+void select(const Measure& from, std::vector<double> CellValues::*cells, bool levels,
+            const std::vector<std::uint32_t>& index, std::size_t kept, Measure& to) {
+  select(from.value.*cells, index, kept, to.value.*cells);
+  if (levels)
+    select(from.level.*cells, index, kept, to.level.*cells);
+  else
+    to.level.*cells = {};
+}
+
 // `axis` and `result` may be the same.
-void prune(const MedialAxis& axis, double lambda, MedialAxis& result) {
-  require_levels(axis);
-  if (std::isnan(lambda)) throw Error(ErrorCode::usage, "a pruning needs a lambda; it is no number");
-  const double threshold = lambda * (1 - 1e-12);
+void prune(const MedialAxis& axis, double at, std::string_view name, MedialAxis& result) {
+  const Measure* by = axis.find_measure(name);
+  const CellValues none, &level = by ? by->level : none;
+  if (!level.complete(axis.complex))
+    throw Error(ErrorCode::usage, fmt::format("the medial axis has no level of {} for each of its cells; give it "
+                                              "levels by prune_levels() first",
+                                              name));
+  if (std::isnan(at)) throw Error(ErrorCode::usage, fmt::format("a pruning needs a {}; it is not a number", name));
+  const double threshold = at * (1 - 1e-12);
   std::vector<std::uint32_t> vertex, edge, face;
   std::uint32_t vertices = 0, edges = 0, faces = 0;
-  tbb::parallel_invoke([&] { edges = renumber(axis.edge_level, threshold, edge); },
-                       [&] { faces = renumber(axis.face_level, threshold, face); },
-                       [&] { vertices = renumber(axis.vertex_level, threshold, vertex); });
+  tbb::parallel_invoke([&] { edges = renumber(level.edge, threshold, edge); },
+                       [&] { faces = renumber(level.face, threshold, face); },
+                       [&] { vertices = renumber(level.vertex, threshold, vertex); });
 
   result.grid = axis.grid;
   result.complex.vertex_count = vertices;
+  result.measures.resize(axis.measures.size());
+  for (std::size_t m = 0; m < axis.measures.size(); ++m) result.measures[m].name = axis.measures[m].name;
+  const auto select_measures = [&](std::vector<double> CellValues::*cells, const std::vector<std::uint32_t>& index,
+                                   std::size_t kept) {
+    for (std::size_t m = 0; m < axis.measures.size(); ++m)
+      select(axis.measures[m], cells, &axis.measures[m] == by, index, kept, result.measures[m]);
+  };
   tbb::parallel_invoke(
       [&] {
         select(axis.points, vertex, vertices, result.points);
         select(axis.radius, vertex, vertices, result.radius);
-        select(axis.vertex_lambda, vertex, vertices, result.vertex_lambda);
-        select(axis.vertex_level, vertex, vertices, result.vertex_level);
+        select_measures(&CellValues::vertex, vertex, vertices);
       },
       [&] {
-        select(axis.edge_lambda, edge, edges, result.edge_lambda);
-        select(axis.edge_level, edge, edges, result.edge_level);
+        select_measures(&CellValues::edge, edge, edges);
         select(axis.complex.edges, edge, edges, result.complex.edges);
         for (auto& ends : result.complex.edges)
           for (auto& v : ends) v = vertex[v];
       },
       [&] {
-        select(axis.face_lambda, face, faces, result.face_lambda);
-        select(axis.face_level, face, faces, result.face_level);
+        select_measures(&CellValues::face, face, faces);
         select(axis.face_sites, face, faces, result.face_sites);
       },
       [&] { select_faces(axis.complex, vertex, edge, face, faces, result.complex); });
@@ -153,14 +163,14 @@ void prune(const MedialAxis& axis, double lambda, MedialAxis& result) {
 
 }  // namespace
 
-MedialAxis pruned(const MedialAxis& axis, double lambda) {
+MedialAxis pruned(const MedialAxis& axis, double threshold, std::string_view measure) {
   MedialAxis result;
-  prune(axis, lambda, result);
+  prune(axis, threshold, measure, result);
   return result;
 }
 
-MedialAxis pruned(MedialAxis&& axis, double lambda) {
-  prune(axis, lambda, axis);
+MedialAxis pruned(MedialAxis&& axis, double threshold, std::string_view measure) {
+  prune(axis, threshold, measure, axis);
   return std::move(axis);
 }
 

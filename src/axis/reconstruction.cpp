@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <span>
+#include <string_view>
 #include <utility>
 
 #include "base/parallel.h"
@@ -143,17 +145,18 @@ std::vector<Vec3> sampled_centres(const VoxelShape& shape, std::size_t count) {
 
 // The vertices, highest level first, so that the first ball to contain a centre is the last to go. Where there are not
 // too many of a level large balls come first: they cover most centres, which saves time.
-std::vector<std::uint32_t> by_level(const MedialAxis& axis) {
+std::vector<std::uint32_t> by_level(const MedialAxis& axis, std::span<const double> level) {
   return base::sorted_by_key_descending(
-      axis.points.size(), 1024, [&](std::size_t v) { return axis.vertex_level[v]; },
+      axis.points.size(), 1024, [&](std::size_t v) { return level[v]; },
       [&](std::uint32_t a, std::uint32_t b) { return axis.radius[a] > axis.radius[b]; });
 }
 
-// For each of the sampled centres, in ascending order: up to which lambda a ball covers it.
-std::vector<double> covered_until(const VoxelShape& shape, const MedialAxis& axis, std::size_t samples,
-                                  Context* context) {
+// For each of the sampled centres, in ascending order: up to which threshold a ball covers it. `level`: of the
+// vertices.
+std::vector<double> covered_until(const VoxelShape& shape, const MedialAxis& axis, std::span<const double> level,
+                                  std::size_t samples, Context* context) {
   std::vector<double> covered;
-  const std::vector<std::uint32_t> order = by_level(axis);
+  const std::vector<std::uint32_t> order = by_level(axis, level);
   checkpoint(context, "reconstruct", 0.1);
 
   // Each slab of centres meets all balls in their order, a block at a time; blocks are copied first, since looking a
@@ -190,7 +193,7 @@ std::vector<double> covered_until(const VoxelShape& shape, const MedialAxis& axi
         }
         const std::uint32_t v = order[begin + i];
         const double radius = axis.radius[v] * (1 + 1e-9);  // a centre on the sphere counts
-        block[i] = {axis.points[v], radius * radius, axis.vertex_level[v]};
+        block[i] = {axis.points[v], radius * radius, level[v]};
       }
     });
     base::for_chunks(slab_count, context, "reconstruct", done, done, [&](std::size_t s) {
@@ -208,19 +211,22 @@ std::vector<double> covered_until(const VoxelShape& shape, const MedialAxis& axi
 
 }  // namespace
 
-Reconstruction::Reconstruction(const VoxelShape& shape, const MedialAxis& axis, std::size_t samples, Context* context) {
-  if (axis.radius.size() != axis.points.size() || axis.vertex_level.size() != axis.points.size())
+Reconstruction::Reconstruction(const VoxelShape& shape, const MedialAxis& axis, std::size_t samples, Context* context,
+                               std::string_view measure) {
+  const Measure* by = axis.find_measure(measure);
+  const std::span<const double> level = by ? by->level.vertex : std::span<const double>{};
+  if (axis.radius.size() != axis.points.size() || level.size() != axis.points.size())
     throw Error(ErrorCode::usage,
                 fmt::format("the medial axis has {} vertices, but {} radii and {} levels; give it levels by "
                             "prune_levels() first",
-                            axis.points.size(), axis.radius.size(), axis.vertex_level.size()));
-  covered_until_ = base::in_arena(context, [&] { return covered_until(shape, axis, samples, context); });
+                            axis.points.size(), axis.radius.size(), level.size()));
+  covered_until_ = base::in_arena(context, [&] { return covered_until(shape, axis, level, samples, context); });
 }
 
-double Reconstruction::share(double lambda) const {
+double Reconstruction::share(double threshold) const {
   if (covered_until_.empty()) return 1;
   const auto first =
-      std::lower_bound(covered_until_.begin(), covered_until_.end(), std::max(0.0, lambda * (1 - 1e-12)));
+      std::lower_bound(covered_until_.begin(), covered_until_.end(), std::max(0.0, threshold * (1 - 1e-12)));
   return static_cast<double>(covered_until_.end() - first) / static_cast<double>(covered_until_.size());
 }
 

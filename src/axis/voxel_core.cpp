@@ -4,11 +4,11 @@
 #include <tbb/parallel_invoke.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <memory>
+#include <string>
 
-#include "axis/enclosing_ball.h"
+#include "axis/lambda.h"
 #include "base/parallel.h"
 #include "base/return_memory.h"
 #include "delaunay/circumsphere.h"
@@ -23,85 +23,6 @@ namespace quench {
 namespace {
 
 using dual::DualComplex;
-
-class Lambda {
- public:
-  Lambda(MedialAxis& axis, const DualComplex& dual, std::span<const LatticePoint> sites,
-         const std::array<std::int64_t, 3>& spacing, double unit)
-      : axis_(axis), dual_(dual), sites_(sites), spacing_(spacing), unit_(unit) {}
-
-  void compute(LambdaRule rule, Context* context) {
-    const CellComplex& complex = axis_.complex;
-    tbb::parallel_invoke(
-        [&] {
-          axis_.face_lambda.resize(complex.face_count());
-          axis_.vertex_lambda.assign(complex.vertex_count, -1);
-        },
-        [&] { axis_.edge_lambda.assign(complex.edges.size(), -1); });
-    const std::size_t chunks = base::chunks_for(complex.edges.size());
-    base::for_chunks(chunks, context, "core", 0.5, 0.7, [&](std::size_t chunk) {
-      const auto [first, last] = base::part_of(complex.face_count(), chunk, chunks);
-      for (std::size_t f = first; f < last; ++f) {
-        const auto& [a, b] = dual_.face_sites[f];
-        double squared = 0;
-        for (int i = 0; i < 3; ++i) {
-          const auto d = static_cast<double>((sites_[a][i] - sites_[b][i]) * spacing_[i]);
-          squared += d * d;  // below 2^46: exact, and so is the order of the roots
-        }
-        axis_.face_lambda[f] = 0.5 * std::sqrt(squared) * unit_;
-        for (std::uint32_t e : complex.sides(f)) raise(axis_.edge_lambda[e], axis_.face_lambda[f]);
-      }
-    });
-    base::for_chunks(chunks, context, "core", 0.7, 0.9, [&](std::size_t chunk) {
-      const auto [first, last] = base::part_of(complex.edges.size(), chunk, chunks);
-      std::vector<std::uint32_t> shared;
-      for (std::size_t e = first; e < last; ++e) {
-        const auto& [u, v] = complex.edges[e];
-        if (rule == LambdaRule::ball || axis_.edge_lambda[e] < 0) {
-          shared.clear();
-          const auto su = dual_.sites_of(u), sv = dual_.sites_of(v);
-          std::set_intersection(su.begin(), su.end(), sv.begin(), sv.end(), std::back_inserter(shared));
-          // The maximum only mends rounding: the ball of an edge encloses the sites of its faces.
-          axis_.edge_lambda[e] = std::max(axis_.edge_lambda[e], ball(shared));
-        }
-        for (std::uint32_t w : {u, v}) raise(axis_.vertex_lambda[w], axis_.edge_lambda[e]);
-      }
-    });
-    base::for_chunks(chunks, context, "core", 0.9, 1, [&](std::size_t chunk) {
-      const auto [first, last] = base::part_of(complex.vertex_count, chunk, chunks);
-      for (std::size_t v = first; v < last; ++v)
-        if (rule == LambdaRule::ball || axis_.vertex_lambda[v] < 0)
-          axis_.vertex_lambda[v] =
-              std::max(axis_.vertex_lambda[v], ball(dual_.sites_of(static_cast<std::uint32_t>(v))));
-    });
-  }
-
- private:
-  // A maximum does not depend on who comes first.
-  static void raise(double& place, double value) {
-    const std::atomic_ref<double> shared(place);
-    double old = shared.load(std::memory_order_relaxed);
-    while (old < value && !shared.compare_exchange_weak(old, value, std::memory_order_relaxed)) {
-    }
-  }
-
-  double ball(std::span<const std::uint32_t> ids) const {
-    std::vector<Vec3> points;
-    const LatticePoint& o = sites_[ids[0]];
-    for (std::uint32_t id : ids) {
-      Vec3 p;
-      for (int a = 0; a < 3; ++a) p[a] = static_cast<double>((sites_[id][a] - o[a]) * spacing_[a]);
-      points.push_back(p);
-    }
-    return std::sqrt(axis::enclosing_ball_squared_radius(points)) * unit_;
-  }
-
-  MedialAxis& axis_;
-  const DualComplex& dual_;
-  std::span<const LatticePoint> sites_;
-  const std::array<std::int64_t, 3>& spacing_;
-  double unit_;
-};
 
 }  // namespace
 
@@ -137,7 +58,8 @@ static MedialAxis compute(const VoxelShape& shape, const CoreOptions& options, C
       axis.radius[v] = std::sqrt(sphere.squared_radius) * unit;
     }
   });
-  Lambda(axis, dual, axis.sites, spacing, unit).compute(options.rule, context);
+  axis.measures.push_back({std::string(kLambda), {}, {}});
+  axis.measures.back().value = axis::lambda(axis.complex, dual, axis.sites, spacing, unit, options.rule, context);
   axis.face_sites = std::move(dual.face_sites);
   return axis;
 }

@@ -3,17 +3,11 @@
 
 #include <span>
 #include <string_view>
-#include <vector>
 
 #include "quench/complex.h"
 #include "quench/context.h"
 
 namespace quench::complex {
-
-/// One value per cell, by dimension.
-struct CellValues {
-  std::vector<double> vertex, edge, face;
-};
 
 /// Topology-preserving thinning by simple pairs, which are elementary collapses: (face, edge in no other face) and
 /// (edge in no face, vertex in no other edge). The key of a pair is the larger value of its two cells. Pairs are

@@ -24,44 +24,53 @@ LayerRows add_layer(Page& page, const std::string& layer, const CellComplex& com
   LayerRows rows;
   rows.vertex.assign(complex.vertex_count, kNone);
   rows.edge.assign(complex.edges.size(), kNone);
-  const auto add = [&](const char* name, int components, PageArray::Values values) {
+  const auto add = [&](const std::string& name, int components, PageArray::Values values) {
     page.arrays.push_back({layer + "/" + name, components, std::move(values)});
   };
-  const bool levels = !cells.vertex_level.empty();
-  std::vector<float> place, level;
+  const auto add_levels = [&](const std::string& array, std::vector<float> Levels::*of, const auto& each_shown) {
+    for (const Levels& levels : cells.levels) {
+      std::vector<float> values;
+      each_shown([&](std::uint32_t cell) { values.push_back((levels.*of)[cell]); });
+      add(&levels == &cells.levels.front() ? array : array + "/" + levels.name, 1, std::move(values));
+    }
+  };
+  const auto each_with_row = [](const std::vector<std::uint32_t>& row) {
+    return [&row](const auto& visit) {
+      for (std::uint32_t cell = 0; cell < row.size(); ++cell)
+        if (row[cell] != kNone) visit(cell);
+    };
+  };
+  std::vector<float> place;
   std::vector<Vec3> shown;
   for (std::uint32_t v = 0, row = 0; v < complex.vertex_count; ++v) {
     if (!cells.vertex[v]) continue;
     rows.vertex[v] = row++;
     shown.push_back(points[v]);
     for (int a = 0; a < 3; ++a) place.push_back(static_cast<float>(points[v][a] - page.origin[a]));
-    if (levels) level.push_back(cells.vertex_level[v]);
   }
   widen(page, shown);
   add("points", 3, std::move(place));
-  if (levels) add("vertex_level", 1, std::exchange(level, {}));
+  add_levels("vertex_level", &Levels::vertex, each_with_row(rows.vertex));
 
   std::vector<std::uint32_t> ends;
   for (std::uint32_t e = 0, row = 0; e < complex.edges.size(); ++e) {
     if (!cells.edge[e]) continue;
     rows.edge[e] = row++;
     for (const std::uint32_t v : complex.edges[e]) ends.push_back(rows.vertex[v]);
-    if (levels) level.push_back(cells.edge_level[e]);
   }
   add("edges", 2, std::move(ends));
-  if (levels) add("edge_level", 1, std::exchange(level, {}));
+  add_levels("edge_level", &Levels::edge, each_with_row(rows.edge));
 
   std::vector<std::uint32_t> offsets{0}, corners, sides;
   for (const std::uint32_t f : cells.faces) {
     for (const std::uint32_t v : complex.corners(f)) corners.push_back(rows.vertex[v]);
     for (const std::uint32_t e : complex.sides(f)) sides.push_back(rows.edge[e]);
     offsets.push_back(static_cast<std::uint32_t>(corners.size()));
-    if (levels) level.push_back(cells.face_level[f]);
   }
   add("polygon_offsets", 1, std::move(offsets));
   add("polygon_corners", 1, std::move(corners));
   add("polygon_edges", 1, std::move(sides));
-  if (levels) add("face_level", 1, std::move(level));
+  add_levels("face_level", &Levels::face, [&](const auto& visit) { std::ranges::for_each(cells.faces, visit); });
   return rows;
 }
 

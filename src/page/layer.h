@@ -6,6 +6,7 @@
 #include <limits>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "quench/page.h"
@@ -21,11 +22,17 @@ inline float rounded_down(double value) {
                                               : nearest;
 }
 
-/// Which cells of a complex a layer shows, and their levels (already floats). Empty levels: the layer has none.
+/// Levels of the cells of a complex by one measure.
+struct Levels {
+  std::string name;
+  std::vector<float> vertex, edge, face;
+};
+
+/// Which cells of a complex a layer shows, and their levels. No levels: the layer has none.
 struct LayerCells {
-  std::vector<std::uint32_t> faces;  ///< in the order they are written
+  std::vector<std::uint32_t> faces;  ///< in the order they are written: decreasing by the first levels
   std::vector<char> edge, vertex;    ///< closed: the sides of the faces are among the edges, their ends among vertices
-  std::vector<float> face_level, edge_level, vertex_level;  ///< per cell of the complex
+  std::vector<Levels> levels;
 };
 
 /// Rows of the vertices and edges in the arrays of the layer, or kNone.
@@ -33,7 +40,8 @@ struct LayerRows {
   std::vector<std::uint32_t> vertex, edge;
 };
 
-/// Adds points, polygons, edges and levels of a layer, vertices and edges in their order; widens the box of the page.
+/// Adds points, polygons, edges and levels of a layer (`face_level` ..., of all but the first `face_level/NAME` ...),
+/// vertices and edges in their order; widens the box of the page.
 LayerRows add_layer(Page& page, const std::string& layer, const CellComplex& complex, std::span<const Vec3> points,
                     const LayerCells& cells);
 
@@ -72,6 +80,7 @@ class FacesByLevel {
  public:
   FacesByLevel(const CellComplex& complex, const std::vector<float>& face_level);
   Floor within(std::size_t budget) const;
+  std::vector<std::uint32_t> order() && { return std::move(order_); }
 
  private:
   const CellComplex& complex_;

@@ -16,10 +16,10 @@ std::size_t add_triangles(Page& page, const Record& surface, const char* what, s
   if (given > max_triangles) {
     std::vector<std::uint32_t> ignored;
     fewer = page::clustered(surface, max_triangles, ignored);
-    page.notes.push_back(
-        fmt::format("Of the {} triangles of the {} {} are drawn: vertices close to each other are "
-                    "merged in this page{}",
-                    page::count_text(given), what, page::count_text(page::triangle_count(fewer)), page::limit_text(page)));
+    page.notes.push_back(fmt::format(
+        "Of the {} triangles of the {} {} are drawn: vertices close to each other are "
+        "merged in this page{}",
+        page::count_text(given), what, page::count_text(page::triangle_count(fewer)), page::limit_text(page)));
   }
   const Record& drawn = given > max_triangles ? fewer : surface;
   std::vector<std::uint32_t> number(drawn.points.size(), kNone), corners;

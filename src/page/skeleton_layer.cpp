@@ -188,18 +188,18 @@ std::size_t add_skeleton(Page& page, const SkeletonFamily& family, std::size_t m
   const RefinedAxis& k = family.refined;
   const CellComplex& c = k.complex;
   page::LayerCells cells;
-  cells.face_level = comparable(family.face_sheet_level);
-  cells.edge_level = comparable(family.edge_sheet_level);
-  cells.vertex_level = comparable(family.vertex_sheet_level);
+  cells.levels.push_back({"sheet_level", comparable(family.vertex_sheet_level), comparable(family.edge_sheet_level),
+                          comparable(family.face_sheet_level)});
+  const page::Levels& levels = cells.levels.front();
 
-  const page::FacesByLevel by_level(c, cells.face_level);
+  const page::FacesByLevel by_level(c, levels.face);
   Sheets sheets = sheets_within(k, by_level, max_triangles);
   if (sheets.floor.triangles + sheets.free_curves > max_triangles)
     sheets = sheets_within(k, by_level, max_triangles / 5 * 4);
   page::Floor& floor = sheets.floor;
   const std::size_t free_curves = sheets.free_curves;
-  for (const float level : cells.edge_level) cells.edge.push_back(level >= floor.level);
-  for (const float level : cells.vertex_level) cells.vertex.push_back(level >= floor.level);
+  for (const float level : levels.edge) cells.edge.push_back(level >= floor.level);
+  for (const float level : levels.vertex) cells.vertex.push_back(level >= floor.level);
 
   float theta1_floor = 0;
   std::size_t curves_shown = free_curves;

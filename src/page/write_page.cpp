@@ -97,6 +97,11 @@ std::string meta_of(const Page& page) {
   put_floor("theta2", page.theta2_floor);
   put_floor("theta1", page.theta1_floor);
   put("floor", "{" + floors + "}");
+  std::string measures;
+  for (const PageMeasure& m : page.measures)
+    measures += fmt::format(R"({}{{"name": {}, "floor": {}}})", measures.empty() ? "" : ", ", json_string(m.name),
+                            number(m.floor));
+  if (!measures.empty()) put("measures", "[" + measures + "]");
   if (page.topology) {
     const auto& t = *page.topology;
     put("topology",

@@ -61,15 +61,17 @@ void PageBuilder::add_shape(LoadedShape& shape) {
 
 void PageBuilder::add_core(const MedialAxis& axis, const std::vector<DataArray>& measures, bool skeleton_follows) {
   const std::size_t share = skeleton_follows ? left_ / kCoreShare : left_;
-  if (!axis.vertex_level.empty()) return take(quench::add_core(page, axis, measures, share));
+  if (axis.has_levels()) return take(quench::add_core(page, axis, measures, share));
   constexpr double kAlways = std::numeric_limits<double>::infinity();
   MedialAxis leveled;
   leveled.complex = axis.complex;
   leveled.points = axis.points;
   leveled.radius = axis.radius;
-  leveled.vertex_level.assign(axis.points.size(), kAlways);
-  leveled.edge_level.assign(axis.complex.edges.size(), kAlways);
-  leveled.face_level.assign(axis.complex.face_count(), kAlways);
+  Measure lambda{std::string(kLambda), {}, {}};
+  lambda.level.vertex.assign(axis.points.size(), kAlways);
+  lambda.level.edge.assign(axis.complex.edges.size(), kAlways);
+  lambda.level.face.assign(axis.complex.face_count(), kAlways);
+  leveled.measures.push_back(std::move(lambda));
   take(quench::add_core(page, leveled, measures, share));
 }
 

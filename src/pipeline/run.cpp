@@ -12,7 +12,7 @@ void add_axis(PageBuilder& builder, const MedialAxis& axis, const AxisRun& resul
   builder.page.burning = result.burned.options;
   builder.page.theta2 = scale.resolve(options.theta2, "theta2");
   builder.page.theta1 = scale.resolve(options.theta1, "theta1");
-  if (!axis.vertex_level.empty()) builder.add_core(axis, result.file.point_data, true);
+  if (axis.has_levels()) builder.add_core(axis, result.file.point_data, true);
 }
 
 /// The surface, and the origin that suits the whole grid.

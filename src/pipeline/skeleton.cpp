@@ -55,6 +55,7 @@ Record skeleton_file(const SkeletonResult& result, const Record& from) {
   put("euler", std::vector<std::int64_t>{result.topology.euler});
   put("betti", std::vector<std::int64_t>(result.topology.betti.begin(), result.topology.betti.end()), 3);
   put("version", std::vector<std::string>{QUENCH_VERSION});
+  put("format_version", std::vector<std::int64_t>{kFormatVersion});
   return data;
 }
 
@@ -63,7 +64,8 @@ double reconstructed_share(const VoxelShape& shape, const Skeleton& skeleton, Co
   balls.complex.vertex_count = skeleton.complex.vertex_count;
   balls.points = skeleton.points;
   balls.radius = skeleton.radius;
-  balls.vertex_level.assign(skeleton.points.size(), std::numeric_limits<double>::infinity());
+  const std::vector<double> always(skeleton.points.size(), std::numeric_limits<double>::infinity());
+  balls.measures = {{std::string(kLambda), {}, {always, {}, {}}}};
   return Reconstruction(shape, balls, Reconstruction::kSamples, context).share(0);
 }
 

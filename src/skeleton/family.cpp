@@ -27,7 +27,7 @@ SkeletonFamily family_of(RefinedAxis refined, Context* context) {
   std::vector<double> edge_value(edges), vertex_value(vertices);
   for (std::size_t e = 0; e < edges; ++e) edge_value[e] = refined.curve_edge[e] ? kNever : 0;
   for (std::size_t v = 0; v < vertices; ++v) vertex_value[v] = refined.curve_vertex[v] ? kNever : 0;
-  complex::CellValues sheet =
+  CellValues sheet =
       complex::thin(refined.complex, vertex_value, edge_value, refined.face_thickness, context, "skeleton");
 
   // Curves on their own: what is left without any sheets; their ends on pockets are fixed.
@@ -52,7 +52,7 @@ SkeletonFamily family_of(RefinedAxis refined, Context* context) {
     edge_of.push_back(e);
   }
   for (std::size_t v = 0; v < vertices; ++v) vertex_value[v] = refined.medial_point[v] || pocket[v] ? kNever : 0;
-  const complex::CellValues curve = complex::thin(graph, vertex_value, graph_value, {}, context, "skeleton");
+  const CellValues curve = complex::thin(graph, vertex_value, graph_value, {}, context, "skeleton");
   for (std::size_t i = 0; i < edge_of.size(); ++i) family.curve_level[edge_of[i] - halves] = curve.edge[i];
 
   family.vertex_sheet_level = std::move(sheet.vertex);

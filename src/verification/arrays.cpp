@@ -18,6 +18,7 @@ constexpr const char* kShapeOnly = "the voxels alone do not tell";
 constexpr const char* kBoundsOnly = "only bounds are checked: the fire is not burned again";
 constexpr const char* kOfTheAxis = "it is of the medial axis, which the file does not hold";
 constexpr const char* kNoStage = "the file does not say what it is";
+constexpr const char* kOtherMeasure = "how this measure is computed is not known here";
 constexpr const char* kNothingToCompare = "the file has nothing to compare it with";
 
 /// An array that the format defines: how many numbers a field array has (0: any), the words a text may be (none: any),
@@ -65,7 +66,8 @@ const std::vector<Known>& known_field_numbers() {
                                          {"burn_nodes", 1, {}, kOfTheAxis},
                                          {"max_burn_time", 1, {}, kNothingToCompare},
                                          {"theta2", 1, {}, "only bounds are checked: levels are of the medial axis"},
-                                         {"theta1", 1, {}, "only bounds are checked: levels are of the medial axis"}};
+                                         {"theta1", 1, {}, "only bounds are checked: levels are of the medial axis"},
+                                         {"format_version", 1, {}, kNothingToCompare}};
   return arrays;
 }
 const std::vector<Known>& known_field_texts() {
@@ -87,9 +89,8 @@ std::string repeated_name(const std::vector<DataArray>& arrays, const char* of) 
   return {};
 }
 
-std::string defect_of_rows(const std::vector<DataArray>& arrays, const std::vector<const char*>& known,
-                           const char* of) {
-  for (const char* name : known)
+std::string defect_of_rows(const std::vector<DataArray>& arrays, const auto& known, const char* of) {
+  for (const auto& name : known)
     if (const DataArray* array = find_array(arrays, name); array && (!has_numbers(*array) || array->components != 1))
       return fmt::format("the {} array '{}' is not one number per {}", of, name, of);
   return {};
@@ -109,6 +110,8 @@ std::string defect_of_fields(const std::vector<DataArray>& arrays) {
   }
   if (const DataArray* sites = find_array(arrays, "sites"); sites && (sites->components != 3 || sites->size() % 3 != 0))
     return "the field array 'sites' is not of three numbers per site";
+  if (const DataArray* measures = find_array(arrays, "measures"); measures && has_numbers(*measures))
+    return "the field array 'measures' is not text";
   for (const Known& known : known_field_texts()) {
     const DataArray* array = find_array(arrays, known.name);
     if (!array) continue;
@@ -137,6 +140,9 @@ std::string reason_for(const char* of, const std::string& name, const Record& da
   }
   if (name.find("burn") != std::string::npos || name.find("erosion") != std::string::npos) return kBoundsOnly;
   if (name == "sheet_level" || name == "curve_level") return "only bounds are checked: levels are of the medial axis";
+  for (const std::string& measure : texts_or_empty(data.field_data, "measures"))
+    if (measure != "lambda" && measure != "object_angle" && (name == measure || name == measure + "_level"))
+      return kOtherMeasure;
   const auto& known = of == std::string("point") ? known_point_arrays() : known_cell_arrays();
   const bool is_known = std::find(known.begin(), known.end(), name) != known.end();
   return is_known ? kNothingToCompare : "unknown here";
@@ -151,6 +157,11 @@ std::string array_defect(const Record& data) {
   if (defect.empty() && find_array(data.field_data, "stage")) {  // other programs may use the names as they like
     defect = defect_of_rows(data.point_data, known_point_arrays(), "point");
     if (defect.empty()) defect = defect_of_rows(data.cell_data, known_cell_arrays(), "cell");
+    std::vector<std::string> measures = texts_or_empty(data.field_data, "measures");
+    if (defect.empty()) defect = defect_of_rows(data.point_data, measures, "point");
+    if (defect.empty()) defect = defect_of_rows(data.cell_data, measures, "cell");
+    for (std::string& measure : measures) measure += "_level";
+    if (defect.empty()) defect = defect_of_rows(data.cell_data, measures, "cell");
     if (defect.empty()) defect = defect_of_fields(data.field_data);
   }
   return defect;

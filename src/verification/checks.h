@@ -29,8 +29,11 @@ Check check_pruning(const Result& result, const Sites& sites, VertexSites& verte
 /// The proximity bound: distance to the true medial axis (docs/user/guarantees.md).
 Check check_proximity(const Result& result, std::size_t samples, Context* context);
 
-/// The array `lambda_level`: that a thinning by simple pairs in the order of their keys can give these levels.
-Check check_levels(const Result& result, const Sites& sites, VertexSites& vertex_sites, Context* context);
+/// The array `NAME_level` of each measure: that a thinning by simple pairs in the order of their keys can give these
+/// levels. A check per measure that has levels; at least one.
+std::vector<Check> check_levels(const Result& result, const Sites& sites, VertexSites& vertex_sites, Context* context);
+/// The field arrays `format_version` and `measures`: that the arrays of the measures are there.
+Check check_measures(const Result& result);
 
 /// Share of the sampled voxel centres in the balls of the vertices against the array `reconstructed`.
 Check check_reconstruction(const Result& result, Context* context);

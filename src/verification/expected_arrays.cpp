@@ -21,15 +21,15 @@ struct Expected {
 };
 
 constexpr Expected kOfCores[]{
-    {"point", "radius", true},        {"point", "lambda", true},         {"point", "object_angle", false},
-    {"cell", "kind", false},          {"cell", "component", false},      {"cell", "lambda", true},
-    {"cell", "lambda_level", true},   {"cell", "object_angle", false},   {"cell", "site_a", true},
-    {"cell", "site_b", true},         {"field", "sites", true},          {"field", "dims", true},
-    {"field", "spacing", true},       {"field", "origin", true},         {"field", "direction", true},
-    {"field", "lambda", true},        {"field", "lambda_rule", true},    {"field", "lambda_chosen", false},
-    {"field", "longest_side", false}, {"field", "reconstructed", false}, {"field", "euler", false},
-    {"field", "betti", false},        {"field", "units", false},         {"field", "parameters", false},
-    {"field", "version", false}};
+    {"point", "radius", true},        {"point", "lambda", true},          {"point", "object_angle", false},
+    {"cell", "kind", false},          {"cell", "component", false},       {"cell", "lambda", true},
+    {"cell", "lambda_level", true},   {"cell", "object_angle", false},    {"cell", "site_a", true},
+    {"cell", "site_b", true},         {"field", "sites", true},           {"field", "dims", true},
+    {"field", "spacing", true},       {"field", "origin", true},          {"field", "direction", true},
+    {"field", "lambda", true},        {"field", "lambda_rule", true},     {"field", "lambda_chosen", false},
+    {"field", "longest_side", false}, {"field", "reconstructed", false},  {"field", "euler", false},
+    {"field", "betti", false},        {"field", "units", false},          {"field", "parameters", false},
+    {"field", "version", false},      {"field", "format_version", false}, {"field", "measures", false}};
 
 // Of cores once they are burned: when there is one of them, all are expected.
 constexpr Expected kOfBurning[]{{"point", "burn_time", false},   {"point", "erosion_thickness", false},
@@ -57,7 +57,8 @@ constexpr Expected kOfSkeletons[]{{"point", "radius", true},
                                   {"field", "radius_rule", false},
                                   {"field", "euler", false},
                                   {"field", "betti", false},
-                                  {"field", "version", false}};
+                                  {"field", "version", false},
+                                  {"field", "format_version", false}};
 
 // Skeletons have these from their core; one of a medial axis of another program has none of them.
 constexpr Expected kOfSkeletonsOfCores[]{

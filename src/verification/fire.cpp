@@ -5,7 +5,6 @@
 #include <cmath>
 #include <map>
 
-#include "quench/axis.h"
 #include "verification/checks.h"
 
 /// What can be checked of burn times without burning again: relations among the arrays, and bounds.

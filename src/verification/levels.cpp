@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
 #include <queue>
+#include <set>
 
-#include "quench/axis.h"
 #include "verification/checks.h"
 #include "verification/polytope.h"
 
@@ -16,9 +17,11 @@ namespace {
 constexpr double never = std::numeric_limits<double>::infinity();
 constexpr double rounding_of_keys = 1e-9;  // relative; values computed in two ways agree to some 1e-15
 
-/// Lambda and level of all cells, also of those that the file does not write.
+/// A measure and its levels of all cells, also of those that the file does not write.
 struct Levels {
+  std::string name;
   std::vector<double> vertex_value, edge_value, face_value, vertex_level, edge_level, face_level;
+  double rounding = rounding_of_keys;  ///< relative, of values computed here against those of the file
 };
 
 // A vertex or edge that is no cell of the file has the largest level of the cells around it: that is why it is not
@@ -49,29 +52,35 @@ std::string spread(const Result& result, const std::vector<double>& level, Level
   return {};
 }
 
-// By the rule `coface` an edge has the largest lambda of its faces in the unpruned core. Those that are not in the file
-// went below the file's lambda, so their lambda is below it; so is that of a pair that could be taken for one of a
-// larger key, and it is a counterexample either way.
-void take_values(const Result& result, const Sites& sites, VertexSites& vertex_sites, Context* context, Levels& all) {
+// Values of a measure from the arrays of the file. An edge that is not a line of the file has the largest value of its
+// polygons. That is why it is not written, but for lambda: by the rule `coface` an edge has the largest lambda of its
+// polygons in the unpruned core. Those that are not in the file went below the file's lambda, so their lambda is below
+// it; so is that of a pair that could be taken for one of a larger key, and it is a counterexample either way.
+void take_values(const Result& result, const std::vector<double>& point, const std::vector<double>& cell, Levels& all) {
   const CellComplex& complex = result.complex;
   const std::size_t line_row = result.data.verts.size(), face_row = line_row + result.data.lines.size();
-  all.face_value.assign(result.cell_lambda.begin() + static_cast<std::ptrdiff_t>(face_row), result.cell_lambda.end());
-  all.vertex_value = result.vertex_lambda;
+  all.face_value.assign(cell.begin() + static_cast<std::ptrdiff_t>(face_row), cell.end());
+  for (const std::uint32_t row : result.rows) all.vertex_value.push_back(point[row]);
   all.edge_value.assign(complex.edges.size(), 0);
-  if (result.ball_rule) {
-    vertex_sites.prepare(sample(result.rows.size(), result.rows.size()), context);
-    const LambdaOfSites lambda(result.shape, sites, result.unit, true);
-    first_failure(complex.edges.size(), context, "verify: levels", [&](std::size_t e) {
-      const Ids set = edge_sites(result, vertex_sites, static_cast<std::uint32_t>(e));
-      if (set.size() >= 3) all.edge_value[e] = lambda.edge(convex_cycle(sites, set));
-      return true;
-    });
-  } else {
-    for (std::size_t f = 0; f < complex.face_count(); ++f)
-      for (const std::uint32_t e : complex.sides(f)) all.edge_value[e] = std::max(all.edge_value[e], all.face_value[f]);
-  }
-  for (std::size_t l = 0; l < result.line_edges.size(); ++l)
-    all.edge_value[result.line_edges[l]] = result.cell_lambda[line_row + l];
+  for (std::size_t f = 0; f < complex.face_count(); ++f)
+    for (const std::uint32_t e : complex.sides(f)) all.edge_value[e] = std::max(all.edge_value[e], all.face_value[f]);
+  for (std::size_t l = 0; l < result.line_edges.size(); ++l) all.edge_value[result.line_edges[l]] = cell[line_row + l];
+}
+
+// Lambda by the rule `ball` of the edges that are not lines of the file, from their sites.
+void take_edge_lambdas(const Result& result, const Sites& sites, VertexSites& vertex_sites, Context* context,
+                       Levels& all) {
+  all.rounding += 2 * result.slack;
+  vertex_sites.prepare(sample(result.rows.size(), result.rows.size()), context);
+  const LambdaOfSites lambda(result.shape, sites, result.unit, true);
+  std::vector<char> is_line(all.edge_value.size(), 0);
+  for (const std::uint32_t e : result.line_edges) is_line[e] = 1;
+  first_failure(all.edge_value.size(), context, "verify: levels", [&](std::size_t e) {
+    if (is_line[e]) return true;
+    const Ids set = edge_sites(result, vertex_sites, static_cast<std::uint32_t>(e));
+    all.edge_value[e] = set.size() >= 3 ? lambda.edge(convex_cycle(sites, set)) : 0;
+    return true;
+  });
 }
 
 /// Takes cells away by ascending level and looks whether a thinning could have done so: whenever it comes to a level,
@@ -85,7 +94,6 @@ class Replay {
       : result_(result),
         complex_(result.complex),
         levels_(levels),
-        rounding_(rounding_of_keys + (result.ball_rule ? 2 * result.slack : 0)),
         edge_faces_(complex_.edges.size()),
         vertex_edges_(complex_.vertex_count),
         face_gone_(complex_.face_count(), 0),
@@ -142,9 +150,9 @@ class Replay {
   std::string below_value() const {
     const auto first = [&](const std::vector<double>& value, const std::vector<double>& level, int dimension) {
       for (std::uint32_t i = 0; i < value.size(); ++i)
-        if (!(level[i] >= value[i] * (1 - rounding_)))
-          return fmt::format("{} has level {:.9g}, below its own lambda {:.9g}", describe(dimension, i), level[i],
-                             value[i]);
+        if (!(level[i] >= value[i] * (1 - levels_.rounding)))
+          return fmt::format("{} has level {:.9g}, below its own {} {:.9g}", describe(dimension, i), level[i],
+                             levels_.name, value[i]);
       return std::string{};
     };
     std::string found = first(levels_.face_value, levels_.face_level, 2);
@@ -169,12 +177,12 @@ class Replay {
   // The simple pair that should have gone below the level; empty when there is none.
   std::string overdue(double level) {
     while (!pairs_.empty() && !simple(pairs_.top().edge_is_free, pairs_.top().free)) pairs_.pop();
-    if (pairs_.empty() || pairs_.top().key >= level * (1 - rounding_)) return {};
+    if (pairs_.empty() || pairs_.top().key >= level * (1 - levels_.rounding)) return {};
     const Pair& pair = pairs_.top();
     const std::uint32_t other = pair.edge_is_free ? edge_faces_[pair.free].only() : vertex_edges_[pair.free].only();
-    return fmt::format("{} could have gone with {} at lambda {:.9g}, and is still there at level {:.9g}",
+    return fmt::format("{} could have gone with {} at {} {:.9g}, and is still there at level {:.9g}",
                        describe(pair.edge_is_free ? 2 : 1, other), describe(pair.edge_is_free ? 1 : 0, pair.free),
-                       pair.key, level);
+                       levels_.name, pair.key, level);
   }
 
   bool gone(const Cell& cell) const {
@@ -235,50 +243,95 @@ class Replay {
   const Result& result_;
   const CellComplex& complex_;
   const Levels& levels_;
-  const double rounding_;  // relative, of values computed here against those of the file
   std::vector<Cofaces> edge_faces_, vertex_edges_;
   std::vector<char> face_gone_, edge_gone_, vertex_gone_;
   std::priority_queue<Pair> pairs_;
   std::vector<Cell> waiting_;
 };
 
-}  // namespace
-
-Check check_levels(const Result& result, const Sites& sites, VertexSites& vertex_sites, Context* context) {
-  const std::string name = "nested levels";
-  std::vector<double> level = numbers_or_empty(result.data.cell_data, "lambda_level");
-  if (!find_array(result.data.cell_data, "lambda_level")) return not_checked(name, "no array 'lambda_level'");
+Check check_levels_of(const std::string& measure, const Result& result, const Sites& sites, VertexSites& vertex_sites,
+                      Context* context) {
+  const bool is_lambda = measure == kLambda;
+  const std::string name = is_lambda ? "nested levels" : fmt::format("nested levels of {}", measure);
+  const std::string array = measure + "_level";
+  std::vector<double> level = numbers_or_empty(result.data.cell_data, array);
+  if (!find_array(result.data.cell_data, array)) return not_checked(name, fmt::format("no array '{}'", array));
   if (result.stage != "core") return not_checked(name, "they are those of voxel cores, which the file does not claim");
-  if (result.vertex_lambda.empty() || result.cell_lambda.empty())
-    return not_checked(name, "they need the arrays 'lambda' of points and cells");
+  const std::vector<double> point = numbers_or_empty(result.data.point_data, measure),
+                            cell = numbers_or_empty(result.data.cell_data, measure);
+  if (point.empty() || cell.empty())
+    return not_checked(name, fmt::format("they need the arrays '{}' of points and cells", measure));
   std::size_t never_go = 0;
   double lowest = never;
-  for (std::size_t cell = 0; cell < level.size(); ++cell) {
-    if (level[cell] == kInfiniteLevelInFiles) {
-      level[cell] = never;
+  const double at_least = is_lambda ? result.lambda : 0;
+  for (std::size_t c = 0; c < level.size(); ++c) {
+    if (level[c] == kInfiniteLevelInFiles) {
+      level[c] = never;
       ++never_go;
       continue;
     }
-    if (!(level[cell] >= result.lambda * (1 - rounding_of_keys)))
-      return failed(name,
-                    fmt::format("cell {} has level {:.9g}, below lambda {:.9g}", cell, level[cell], result.lambda));
-    if (level[cell] > kInfiniteLevelInFiles)
+    if (!(level[c] >= at_least * (1 - rounding_of_keys)))
+      return failed(name, fmt::format("cell {} has level {:.9g}, below {} {:.9g}", c, level[c], measure, at_least));
+    if (level[c] > kInfiniteLevelInFiles)
       return failed(name,
                     fmt::format("cell {} has level {:.9g}, which is neither a length nor {:.9g}, which stands for "
                                 "infinity",
-                                cell, level[cell], kInfiniteLevelInFiles));
-    lowest = std::min(lowest, level[cell]);
+                                c, level[c], kInfiniteLevelInFiles));
+    lowest = std::min(lowest, level[c]);
   }
   Levels all;
+  all.name = measure;
   if (std::string wrong = spread(result, level, all); !wrong.empty()) return failed(name, std::move(wrong));
-  take_values(result, sites, vertex_sites, context, all);
+  take_values(result, point, cell, all);
+  if (is_lambda && result.ball_rule) take_edge_lambdas(result, sites, vertex_sites, context, all);
   checkpoint(context, "verify: levels", 0.3);
   if (std::string wrong = Replay(result, all).run(); !wrong.empty()) return failed(name, std::move(wrong));
   Check check{name, true, {}, {}};
-  cover(check, "cell lambda_level");
+  cover(check, "cell " + array);
   check.detail = fmt::format("thinning by the keys of simple pairs gives those of all {} cells; ", level.size());
   check.detail += never_go == level.size() ? "all" : fmt::format("lowest {:.9g}, {}", lowest, never_go);
   check.detail += " never go";
+  return check;
+}
+
+}  // namespace
+
+std::vector<Check> check_levels(const Result& result, const Sites& sites, VertexSites& vertex_sites, Context* context) {
+  std::vector<Check> checks;
+  for (const std::string& measure : result.measures)
+    if (measure == kLambda || find_array(result.data.cell_data, measure + "_level"))
+      checks.push_back(check_levels_of(measure, result, sites, vertex_sites, context));
+  if (checks.empty()) checks.push_back(not_checked("nested levels", "no measure with levels"));
+  return checks;
+}
+
+Check check_measures(const Result& result) {
+  const std::string name = "format and measures";
+  const Record& data = result.data;
+  if (result.stage.empty()) return not_checked(name, "no FieldData 'stage'");
+  Check check{name, true, {}, {}};
+  if (const auto version = numbers_or_empty(data.field_data, "format_version"); !version.empty()) {
+    if (version[0] != static_cast<double>(kFormatVersion))
+      return failed(name, fmt::format("the file says format version {:.9g}; files that say theirs are of version {}",
+                                      version[0], kFormatVersion));
+    cover(check, "field format_version");
+    check.detail = fmt::format("format version {}", kFormatVersion);
+  }
+  if (!find_array(data.field_data, "measures")) return check;
+  std::set<std::string> names;
+  for (const std::string& measure : result.measures) {
+    if (!names.insert(measure).second) return failed(name, fmt::format("the measure '{}' is there twice", measure));
+    // That arrays of these two are missing is said by other checks.
+    const bool written_by_quench = measure == kLambda || measure == "object_angle";
+    if (!written_by_quench && !find_array(data.cell_data, measure) && !find_array(data.cell_data, measure + "_level"))
+      return failed(name, fmt::format("there is no cell array of '{}', which is a measure of the file", measure));
+  }
+  for (const char* measure : {"lambda", "object_angle"})
+    if (!names.contains(measure) && find_array(data.cell_data, measure))
+      return failed(name,
+                    fmt::format("the measures of the file do not have '{}', of which there is an array", measure));
+  cover(check, "field measures");
+  check.detail += fmt::format("{}{}", check.detail.empty() ? "" : "; ", fmt::join(result.measures, ", "));
   return check;
 }
 

@@ -18,10 +18,13 @@ std::vector<double> numbers_or_empty(const std::vector<DataArray>& arrays, std::
 }
 
 std::string text_or_empty(const std::vector<DataArray>& arrays, std::string_view name) {
+  const std::vector<std::string> texts = texts_or_empty(arrays, name);
+  return texts.empty() ? std::string{} : texts.front();
+}
+
+std::vector<std::string> texts_or_empty(const std::vector<DataArray>& arrays, std::string_view name) {
   const DataArray* array = find_array(arrays, name);
-  if (!array) return {};
-  const auto* text = std::get_if<std::vector<std::string>>(&array->values);
-  return text && !text->empty() ? text->front() : std::string{};
+  return array && !has_numbers(*array) ? std::get<std::vector<std::string>>(array->values) : std::vector<std::string>{};
 }
 
 Result::Result(const VoxelShape& voxels, const Record& file, const VerifyOptions& options) : shape(voxels), data(file) {
@@ -67,6 +70,8 @@ void Result::parse_arrays(const VerifyOptions& options) {
   radius = per_vertex("radius");
   vertex_lambda = per_vertex("lambda");
   cell_lambda = numbers_or_empty(data.cell_data, "lambda");
+  measures = texts_or_empty(data.field_data, "measures");
+  if (!find_array(data.field_data, "measures")) measures.emplace_back(kLambda);
 
   const std::vector<double> a = numbers_or_empty(data.cell_data, "site_a");
   const std::vector<double> b = numbers_or_empty(data.cell_data, "site_b");

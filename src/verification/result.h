@@ -46,7 +46,8 @@ struct Result {
   std::vector<std::uint32_t> edge_faces_count;          ///< polygons at each edge
   base::Csr<std::uint32_t> vertex_edges, vertex_faces;  ///< edges and polygons at each vertex
 
-  std::string stage;  ///< empty: none given
+  std::vector<std::string> measures;  ///< names; of a file that does not say: lambda
+  std::string stage;                  ///< empty: none given
   bool ball_rule = false;
   double lambda = 0;
   bool lambda_given = false;
@@ -70,6 +71,9 @@ bool has_numbers(const DataArray& array);
 std::vector<double> numbers_or_empty(const std::vector<DataArray>& arrays, std::string_view name);
 /// The first string of an array; empty when there is none of that name.
 std::string text_or_empty(const std::vector<DataArray>& arrays, std::string_view name);
+
+/// All texts of an array; empty when there is none of that name or it holds numbers.
+std::vector<std::string> texts_or_empty(const std::vector<DataArray>& arrays, std::string_view name);
 
 /// The cofaces of a cell that are left; when only one is, the sum of their indices is its index.
 struct Cofaces {

@@ -84,7 +84,9 @@ Certificate examine(const VoxelShape& shape, const Record& data, const VerifyOpt
     add(not_checked("proximity bound", "no FieldData 'stage', this is a property of voxel cores and parts of them"));
   else
     add(check_proximity(result, options.samples, context));
-  add(check_levels(result, sites, vertex_sites, context));
+  for (Check& check : check_levels(result, sites, vertex_sites, context)) add(std::move(check));
+  if (find_array(data.field_data, "format_version") || find_array(data.field_data, "measures"))
+    add(check_measures(result));
   add(check_sites(result, sites));
   add(check_angles(result));
   add(check_kinds(result));

@@ -36,11 +36,10 @@ TEST(Prune, LevelsEqualTheNaiveThinning) {
   for (std::uint64_t seed = 0; seed < 200; ++seed) {
     const MedialAxis axis =
         core_with_levels(testing_shapes::random_shape(seed, 6), seed % 2 ? LambdaRule::ball : LambdaRule::coface);
-    const complex::CellValues lambda{axis.vertex_lambda, axis.edge_lambda, axis.face_lambda};
-    const testing_complexes::NaiveThinning naive(axis.complex, lambda);
-    ASSERT_EQ(axis.vertex_level, naive.vertex) << "seed " << seed;
-    ASSERT_EQ(axis.edge_level, naive.edge) << "seed " << seed;
-    ASSERT_EQ(axis.face_level, naive.face) << "seed " << seed;
+    const testing_complexes::NaiveThinning naive(axis.complex, axis.measure().value);
+    ASSERT_EQ(axis.measure().level.vertex, naive.vertex) << "seed " << seed;
+    ASSERT_EQ(axis.measure().level.edge, naive.edge) << "seed " << seed;
+    ASSERT_EQ(axis.measure().level.face, naive.face) << "seed " << seed;
   }
 }
 
@@ -53,11 +52,12 @@ VoxelShape roof(int side) {
 }
 
 // The same order with a plain heap of all pairs, whose simplicity is looked up in lists.
-complex::CellValues thinned_with_a_heap(const MedialAxis& axis) {
+CellValues thinned_with_a_heap(const MedialAxis& axis) {
   const CellComplex& complex = axis.complex;
-  complex::CellValues level{std::vector<double>(complex.vertex_count, kInfinity),
-                            std::vector<double>(complex.edges.size(), kInfinity),
-                            std::vector<double>(complex.face_count(), kInfinity)};
+  const CellValues& value = axis.measure().value;
+  CellValues level{std::vector<double>(complex.vertex_count, kInfinity),
+                   std::vector<double>(complex.edges.size(), kInfinity),
+                   std::vector<double>(complex.face_count(), kInfinity)};
   std::vector<std::set<std::uint32_t>> faces(complex.edges.size()), edges(complex.vertex_count);
   for (std::uint32_t f = 0; f < complex.face_count(); ++f)
     for (std::uint32_t e : complex.sides(f)) faces[e].insert(f);
@@ -66,12 +66,11 @@ complex::CellValues thinned_with_a_heap(const MedialAxis& axis) {
   using Pair = std::tuple<double, int, std::uint32_t>;  // key, dimension and index of the free cell
   std::set<Pair> waiting;
   const auto offer_edge = [&](std::uint32_t e) {
-    if (faces[e].size() == 1)
-      waiting.insert({std::max(axis.edge_lambda[e], axis.face_lambda[*faces[e].begin()]), 1, e});
+    if (faces[e].size() == 1) waiting.insert({std::max(value.edge[e], value.face[*faces[e].begin()]), 1, e});
   };
   const auto offer_vertex = [&](std::uint32_t v) {
     if (edges[v].size() == 1 && faces[*edges[v].begin()].empty())
-      waiting.insert({std::max(axis.vertex_lambda[v], axis.edge_lambda[*edges[v].begin()]), 0, v});
+      waiting.insert({std::max(value.vertex[v], value.edge[*edges[v].begin()]), 0, v});
   };
   for (std::uint32_t e = 0; e < faces.size(); ++e) offer_edge(e);
   for (std::uint32_t v = 0; v < edges.size(); ++v) offer_vertex(v);
@@ -107,16 +106,14 @@ TEST(Prune, ThousandsOfEqualKeysGoInOrder) {
   for (const VoxelShape& shape : {roof(48), roof(70)}) {
     MedialAxis axis = voxel_core(shape);
     std::map<double, std::size_t> edges_of;
-    for (const double lambda : axis.edge_lambda) ++edges_of[lambda];
+    for (const double lambda : axis.measure().value.edge) ++edges_of[lambda];
     std::size_t most = 0;
     for (const auto& [lambda, edges] : edges_of) most = std::max(most, edges);
     ASSERT_GT(most, 4000u);
-    const complex::CellValues expected = thinned_with_a_heap(axis);
+    const CellValues expected = thinned_with_a_heap(axis);
     for (int threads : {1, 4}) {
       tbb::task_arena(threads).execute([&] { prune_levels(axis); });
-      EXPECT_EQ(axis.vertex_level, expected.vertex);
-      EXPECT_EQ(axis.edge_level, expected.edge);
-      EXPECT_EQ(axis.face_level, expected.face);
+      EXPECT_TRUE(axis.measure().level == expected);
     }
   }
 }
@@ -127,7 +124,7 @@ TEST(Prune, NegativeZeroIsZero) {
       4, {{0, 1}, {0, 2}, {1, 2}, {1, 3}, {2, 3}}, {0, 3, 6}, {0, 1, 2, 1, 3, 2}, {0, 2, 1, 3, 4, 2}};
   for (const double zero : {0.0, -0.0}) {
     const std::vector<double> face{zero, 1}, edge(5, zero), vertex(4, zero);
-    const complex::CellValues level = complex::thin(complex, vertex, edge, face, nullptr, "");
+    const CellValues level = complex::thin(complex, vertex, edge, face, nullptr, "");
     EXPECT_EQ(level.face, (std::vector<double>{0, 1}));
     EXPECT_EQ(level.edge, (std::vector<double>{0, 0, 1, 1, 1}));
     EXPECT_EQ(level.vertex, (std::vector<double>{0, 1, 1, std::numeric_limits<double>::infinity()}));
@@ -138,31 +135,32 @@ TEST(Prune, NegativeZeroIsZero) {
 // lambda.
 void expect_legal(const MedialAxis& axis, double lambda, const Topology& wanted, const std::string& where) {
   const CellComplex& complex = axis.complex;
-  const auto in = [&](const std::vector<double>& level, std::size_t i) { return level[i] >= lambda; };
-  for (std::size_t v = 0; v < axis.vertex_level.size(); ++v)
-    ASSERT_TRUE(axis.vertex_lambda[v] < lambda || in(axis.vertex_level, v)) << where;
-  for (std::size_t e = 0; e < axis.edge_level.size(); ++e) {
-    ASSERT_TRUE(axis.edge_lambda[e] < lambda || in(axis.edge_level, e)) << where;
-    for (std::uint32_t v : complex.edges[e]) ASSERT_GE(axis.vertex_level[v], axis.edge_level[e]) << where;
+  const auto& [name, value, level] = axis.measure();
+  const auto in = [&](const std::vector<double>& levels, std::size_t i) { return levels[i] >= lambda; };
+  for (std::size_t v = 0; v < level.vertex.size(); ++v)
+    ASSERT_TRUE(value.vertex[v] < lambda || in(level.vertex, v)) << where;
+  for (std::size_t e = 0; e < level.edge.size(); ++e) {
+    ASSERT_TRUE(value.edge[e] < lambda || in(level.edge, e)) << where;
+    for (std::uint32_t v : complex.edges[e]) ASSERT_GE(level.vertex[v], level.edge[e]) << where;
   }
-  for (std::size_t f = 0; f < axis.face_level.size(); ++f) {
-    ASSERT_TRUE(axis.face_lambda[f] < lambda || in(axis.face_level, f)) << where;
-    for (std::uint32_t e : complex.sides(f)) ASSERT_GE(axis.edge_level[e], axis.face_level[f]) << where;
+  for (std::size_t f = 0; f < level.face.size(); ++f) {
+    ASSERT_TRUE(value.face[f] < lambda || in(level.face, f)) << where;
+    for (std::uint32_t e : complex.sides(f)) ASSERT_GE(level.edge[e], level.face[f]) << where;
   }
   const MedialAxis kept = pruned(axis, lambda);
   ASSERT_NO_THROW(kept.complex.validate()) << where;
   ASSERT_EQ(topology(kept.complex), wanted) << where;
+  const CellValues& left = kept.measure().value;
   std::vector<int> faces(kept.complex.edges.size(), 0), edges(kept.complex.vertex_count, 0);
   for (std::uint32_t e : kept.complex.face_edges) ++faces[e];
   for (const auto& e : kept.complex.edges)
     for (std::uint32_t v : e) ++edges[v];
   for (std::size_t f = 0; f < kept.complex.face_count(); ++f)
     for (std::uint32_t e : kept.complex.sides(f))
-      ASSERT_FALSE(faces[e] == 1 && std::max(kept.face_lambda[f], kept.edge_lambda[e]) < lambda) << where;
+      ASSERT_FALSE(faces[e] == 1 && std::max(left.face[f], left.edge[e]) < lambda) << where;
   for (std::size_t e = 0; e < kept.complex.edges.size(); ++e)
     for (std::uint32_t v : kept.complex.edges[e])
-      ASSERT_FALSE(faces[e] == 0 && edges[v] == 1 && std::max(kept.edge_lambda[e], kept.vertex_lambda[v]) < lambda)
-          << where;
+      ASSERT_FALSE(faces[e] == 0 && edges[v] == 1 && std::max(left.edge[e], left.vertex[v]) < lambda) << where;
 }
 
 TEST(Prune, EveryPruningIsLegalAndKeepsTheTopology) {
@@ -404,7 +402,7 @@ TEST(Prune, NeedsLevels) {
     }
   };
   MedialAxis none = voxel_core(shape), one_short = whole;
-  one_short.face_level.pop_back();
+  one_short.measure().level.face.pop_back();
   for (const MedialAxis& axis : {none, one_short}) {
     expect_refused([&] { static_cast<void>(pruned(axis, 1)); });
     expect_refused([&] { static_cast<void>(pruned(MedialAxis(axis), 1)); });

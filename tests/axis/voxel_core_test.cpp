@@ -26,8 +26,8 @@ void expect_equals_brute_force(const VoxelShape& shape, const std::string& where
     const auto& cell = expected.cells[v];
     ASSERT_NEAR((core.points[v] - cell.position).norm(), 0, 1e-9 * (1 + cell.radius)) << where;
     ASSERT_NEAR(core.radius[v], cell.radius, 1e-12 * cell.radius) << where;
-    ASSERT_NEAR(core.vertex_lambda[v], cell.lambda, 1e-9) << where << " vertex " << v;
-    ASSERT_NEAR(ball.vertex_lambda[v], cell.lambda_ball, 1e-9) << where << " vertex " << v;
+    ASSERT_NEAR(core.measure().value.vertex[v], cell.lambda, 1e-9) << where << " vertex " << v;
+    ASSERT_NEAR(ball.measure().value.vertex[v], cell.lambda_ball, 1e-9) << where << " vertex " << v;
   }
   // The oracle sorts edges by their sites, the core by their ends.
   std::vector<std::pair<std::array<std::uint32_t, 2>, std::array<double, 2>>> edges;
@@ -35,13 +35,13 @@ void expect_equals_brute_force(const VoxelShape& shape, const std::string& where
   std::sort(edges.begin(), edges.end());
   for (std::size_t e = 0; e < edges.size(); ++e) {
     ASSERT_EQ(core.complex.edges[e], edges[e].first) << where;
-    ASSERT_NEAR(core.edge_lambda[e], edges[e].second[0], 1e-9) << where << " edge " << e;
-    ASSERT_NEAR(ball.edge_lambda[e], edges[e].second[1], 1e-9) << where << " edge " << e;
+    ASSERT_NEAR(core.measure().value.edge[e], edges[e].second[0], 1e-9) << where << " edge " << e;
+    ASSERT_NEAR(ball.measure().value.edge[e], edges[e].second[1], 1e-9) << where << " edge " << e;
   }
   for (std::size_t f = 0; f < expected.faces.size(); ++f) {
     const auto& face = expected.faces[f];
     ASSERT_EQ(core.face_sites[f], face.sites) << where;
-    ASSERT_DOUBLE_EQ(core.face_lambda[f], face.lambda) << where;
+    ASSERT_DOUBLE_EQ(core.measure().value.face[f], face.lambda) << where;
     std::vector<std::uint32_t> cycle(face.cells.begin(), face.cells.end());
     std::rotate(cycle.begin(), std::min_element(cycle.begin(), cycle.end()), cycle.end());
     std::vector<std::uint32_t> reversed(cycle.rbegin(), cycle.rend());
@@ -108,13 +108,14 @@ TEST(VoxelCore, OneVoxelIsAPointAndAThinBarIsALine) {
   EXPECT_EQ(point.complex.vertex_count, 1u);
   EXPECT_TRUE(point.complex.edges.empty());
   EXPECT_NEAR(point.radius[0], std::sqrt(0.75), 1e-15);
-  EXPECT_NEAR(point.vertex_lambda[0], std::sqrt(0.75), 1e-14);
+  EXPECT_NEAR(point.measure().value.vertex[0], std::sqrt(0.75), 1e-14);
 
   const MedialAxis line = voxel_core(testing_shapes::box_shape(1, 1, 7));
   EXPECT_EQ(line.complex.vertex_count, 7u);
   EXPECT_EQ(line.complex.edges.size(), 6u);
   EXPECT_EQ(line.complex.face_count(), 0u);
-  for (double lambda : line.edge_lambda) EXPECT_NEAR(lambda, std::sqrt(0.5), 1e-14);  // the ball of a voxel face
+  for (double lambda : line.measure().value.edge)
+    EXPECT_NEAR(lambda, std::sqrt(0.5), 1e-14);  // the ball of a voxel face
 }
 
 TEST(VoxelCore, LambdaOfCosphericalEdgesUnderBothRules) {
@@ -125,7 +126,7 @@ TEST(VoxelCore, LambdaOfCosphericalEdgesUnderBothRules) {
     for (std::size_t e = 0; e < axis.complex.edges.size(); ++e) {
       const auto& [u, v] = axis.complex.edges[e];
       const Vec3 c = 0.5 * (axis.points[u] + axis.points[v]);
-      if ((c - Vec3(1.5, 1.5, 4.5)).norm() < 1) value = std::max(value, axis.edge_lambda[e]);
+      if ((c - Vec3(1.5, 1.5, 4.5)).norm() < 1) value = std::max(value, axis.measure().value.edge[e]);
     }
     return value;
   };

@@ -82,6 +82,7 @@ TEST_F(ViewProgram, RunWritesAPageOfEverything) {
   EXPECT_EQ(p.meta["theta2"], static_cast<double>(0.03F));
   EXPECT_EQ(p.meta["burning"]["propagation"], "segments");
   EXPECT_EQ(p.meta["notes"], nlohmann::json::array());
+  EXPECT_EQ(p.meta["measures"], nlohmann::json::array({{{"name", "lambda"}, {"floor", p.meta["floor"]["lambda"]}}}));
   for (const char* name : {"core/points", "core/face_level", "core/point/burn_time", "core/point/lambda",
                            "skeleton/points", "skeleton/curve_edges", "skeleton/medial_points", "shape/points",
                            "shape/triangles", "shape/sites", "shape/samples"})
@@ -104,6 +105,29 @@ TEST_F(ViewProgram, RunWritesAPageOfEverything) {
         ASSERT_TRUE(values[i] == others[i] || (std::isnan(values[i]) && std::isnan(others[i]))) << name << ' ' << i;
     }
   EXPECT_FALSE(again.has("shape/points"));
+}
+
+TEST_F(ViewProgram, EveryMeasureOfTheFileHasItsSlider) {
+  REQUIRE_PAGE();
+  make_core();
+  quench::Record data = quench::io::read_record(folder / "core.vtp");
+  for (auto* arrays : {&data.point_data, &data.cell_data})
+    for (const char* name : {"lambda", "lambda_level"})
+      if (const quench::DataArray* array = find_array(*arrays, name)) {
+        quench::DataArray copy = *array;
+        copy.name.replace(0, 6, "mine");
+        arrays->push_back(std::move(copy));
+      }
+  for (quench::DataArray& array : data.field_data)
+    if (array.name == "measures") std::get<std::vector<std::string>>(array.values).emplace_back("mine");
+  quench::io::write_record(folder / "mine.vtp", data, {});
+  works({"view", "mine.vtp"});
+  const Contents p = page("mine.html");
+  ASSERT_EQ(p.meta["measures"].size(), 2u);
+  EXPECT_EQ(p.meta["measures"][1]["name"], "mine");
+  EXPECT_EQ(p["core/face_level/mine"], p["core/face_level"]);
+  EXPECT_EQ(p["core/point/mine"], p["core/point/lambda"]);
+  works({"verify", "v.npy", "mine.vtp"});
 }
 
 TEST_F(ViewProgram, AShapeIsReadAsTheFileSays) {

@@ -23,22 +23,21 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 struct Input {
   CellComplex complex;
-  complex::CellValues value;
+  CellValues value;
 };
 
 Input core_of(const VoxelShape& shape, LambdaRule rule) {
   MedialAxis axis = voxel_core(shape, {.rule = rule});
-  return {std::move(axis.complex),
-          {std::move(axis.vertex_lambda), std::move(axis.edge_lambda), std::move(axis.face_lambda)}};
+  return {std::move(axis.complex), std::move(axis.measure().value)};
 }
 
-complex::CellValues thinned(const Input& input) {
+CellValues thinned(const Input& input) {
   return complex::thin(input.complex, input.value.vertex, input.value.edge, input.value.face, nullptr, "");
 }
 
 void expect_naive_levels(const Input& input) {
   const testing_complexes::NaiveThinning expected(input.complex, input.value);
-  const complex::CellValues level = thinned(input);
+  const CellValues level = thinned(input);
   ASSERT_EQ(level.vertex, expected.vertex);
   ASSERT_EQ(level.edge, expected.edge);
   ASSERT_EQ(level.face, expected.face);
@@ -136,7 +135,7 @@ TEST(Thinning, WhateverTheComplex) {
     fill(input.value.face, complex.face_count());
     expect_naive_levels(input);
     if (HasFatalFailure()) return;
-    const complex::CellValues level = thinned(input);
+    const CellValues level = thinned(input);
     removed += static_cast<std::size_t>(
         std::count_if(level.face.begin(), level.face.end(), [](double l) { return l < kInfinity; }));
   }
@@ -170,9 +169,7 @@ TEST(Thinning, ManyThreadsGiveTheLevelsOfOne) {
   const MedialAxis one = axis;
   for (const int threads : {2, 4}) {
     tbb::task_arena(threads).execute([&] { prune_levels(axis); });
-    EXPECT_EQ(axis.vertex_level, one.vertex_level);
-    EXPECT_EQ(axis.edge_level, one.edge_level);
-    EXPECT_EQ(axis.face_level, one.face_level);
+    EXPECT_TRUE(axis.measure().level == one.measure().level);
   }
 }
 

@@ -16,7 +16,7 @@ namespace quench::testing_complexes {
 /// Thinning as it is defined, without any clever structure: look at all pairs, take the first, start again.
 class NaiveThinning {
  public:
-  NaiveThinning(const CellComplex& complex, const complex::CellValues& value) : complex_(complex), value_(value) {
+  NaiveThinning(const CellComplex& complex, const CellValues& value) : complex_(complex), value_(value) {
     vertex.assign(complex_.vertex_count, kInfinity);
     edge.assign(complex_.edges.size(), kInfinity);
     face.assign(complex_.face_count(), kInfinity);
@@ -55,7 +55,7 @@ class NaiveThinning {
     return first;
   }
   const CellComplex& complex_;
-  const complex::CellValues& value_;
+  const CellValues& value_;
 };
 
 }  // namespace quench::testing_complexes

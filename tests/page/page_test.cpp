@@ -271,8 +271,8 @@ TEST(Page, CoreSetsAreThePruningsForEverySliderAboveTheFloor) {
       with_floor += *page.lambda_floor > 0;
       const Family of_page = family_of(page, "core");
       std::size_t never = 0;
-      for (std::size_t f = 0; f < axis.face_level.size(); ++f)
-        if (std::isinf(axis.face_level[f])) never += axis.complex.corners(f).size() - 2;
+      for (std::size_t f = 0; f < axis.complex.face_count(); ++f)
+        if (std::isinf(axis.measure().level.face[f])) never += axis.complex.corners(f).size() - 2;
       ASSERT_EQ(shown, triangles_of(of_page.complex));
       ASSERT_LE(shown, std::max(budget, never));
       // Levels of voxel cores are roots of fractions: sliders on them, rounded, are the hard ones.
@@ -297,6 +297,58 @@ TEST(Page, CoreSetsAreThePruningsForEverySliderAboveTheFloor) {
   EXPECT_GT(with_floor, 200u);
 }
 
+// Two measures of one axis: floors of each, and all that is above them is there.
+TEST(Page, CoreIsPrunedByEachOfItsMeasures) {
+  std::size_t with_floor = 0;
+  for (std::uint64_t seed = 0; seed < 60 && !testing::Test::HasFailure(); ++seed) {
+    MedialAxis axis = voxel_core(testing_shapes::random_shape(seed, 12));
+    Measure indices{"from the end", {}, {}};
+    const auto count_down = [](std::vector<double>& values, std::size_t count) {
+      for (std::size_t i = 0; i < count; ++i) values.push_back(static_cast<double>((count - i) % 64) / 16);
+    };
+    count_down(indices.value.vertex, axis.complex.vertex_count);
+    count_down(indices.value.edge, axis.complex.edges.size());
+    count_down(indices.value.face, axis.complex.face_count());
+    axis.measures.push_back(std::move(indices));
+    prune_levels(axis);
+    prune_levels(axis, "from the end");
+    for (const std::size_t part : {1, 3}) {
+      Page page;
+      const std::size_t shown = add_core(page, axis, to_record(axis).point_data, 2 * triangles_of(axis.complex) / part);
+      Family family = family_of(page, "core");
+      ASSERT_EQ(shown, triangles_of(family.complex));
+      ASSERT_EQ(page.measures.size(), 2u);
+      ASSERT_EQ(page.measures[0].floor, *page.lambda_floor);
+      for (const PageMeasure& measure : page.measures) {
+        with_floor += measure.floor > 0;
+        const auto levels = [&](const char* of) {
+          const auto& floats = array<float>(
+              page, std::string("core/") + of + "_level" + (measure.name == "lambda" ? "" : "/" + measure.name));
+          return std::vector<double>(floats.begin(), floats.end());
+        };
+        family.vertex = levels("vertex");
+        family.edge = levels("edge");
+        family.face = levels("face");
+        for (const float wish : {0.0F, 0.5F, 1.0F, 2.5F, 1e30F}) {
+          const float threshold = std::max(wish, static_cast<float>(measure.floor));
+          const MedialAxis expected = pruned(axis, threshold, measure.name);
+          const Cells cells = cells_at(family, threshold, 0);
+          ASSERT_EQ(std::count(cells.vertex.begin(), cells.vertex.end(), 1), expected.complex.vertex_count)
+              << measure.name << " " << threshold << " seed " << seed;
+          ASSERT_EQ(std::count(cells.edge.begin(), cells.edge.end(), 1), std::ssize(expected.complex.edges));
+          ASSERT_EQ(std::count(cells.face.begin(), cells.face.end(), 1),
+                    static_cast<std::ptrdiff_t>(expected.complex.face_count()));
+        }
+      }
+      const Contents read = testing_page::read_page(written(page));
+      EXPECT_EQ(read.meta["measures"][1]["name"], "from the end");
+      EXPECT_EQ(read.meta["measures"][1]["floor"], page.measures[1].floor);
+      EXPECT_TRUE(read.has("core/face_level/from the end") && read.has("core/point/from the end"));
+    }
+  }
+  EXPECT_GT(with_floor, 60u);
+}
+
 TEST(Page, LevelsOfAFileAreThoseOfTheAxis) {
   for (std::uint64_t seed = 0; seed < 100; ++seed) {
     MedialAxis axis = voxel_core(testing_shapes::random_shape(seed, 10));
@@ -305,9 +357,7 @@ TEST(Page, LevelsOfAFileAreThoseOfTheAxis) {
     MedialAxis read = medial_axis_of(data);
     ASSERT_EQ(read.complex.edges, axis.complex.edges);
     ASSERT_TRUE(take_levels(read, data));
-    ASSERT_EQ(read.vertex_level, axis.vertex_level) << "seed " << seed;
-    ASSERT_EQ(read.edge_level, axis.edge_level) << "seed " << seed;
-    ASSERT_EQ(read.face_level, axis.face_level) << "seed " << seed;
+    ASSERT_TRUE(read.measure().level == axis.measure().level) << "seed " << seed;
     Record without = data;
     std::erase_if(without.cell_data, [](const DataArray& a) { return a.name == "lambda_level"; });
     ASSERT_FALSE(take_levels(read, without));

@@ -64,8 +64,9 @@ using FaceKey = std::tuple<std::array<LatticePoint, 2>, double, std::vector<floa
 std::multiset<FaceKey> faces_of(const MedialAxis& axis, double lambda, const Grid* target = nullptr,
                                 const Symmetry* s = nullptr) {
   std::multiset<FaceKey> keys;
+  const std::vector<double>& lambda_of = axis.measure().value.face;
   for (std::size_t f = 0; f < axis.complex.face_count(); ++f) {
-    if (axis.face_lambda[f] < lambda) continue;
+    if (lambda_of[f] < lambda) continue;
     std::array<LatticePoint, 2> sites{axis.sites[axis.face_sites[f][0]], axis.sites[axis.face_sites[f][1]]};
     if (s)
       for (auto& p : sites) p = apply(p, *target, *s);
@@ -74,7 +75,7 @@ std::multiset<FaceKey> faces_of(const MedialAxis& axis, double lambda, const Gri
     for (std::uint32_t v : axis.complex.corners(f))
       radii.push_back(static_cast<float>(std::round(axis.radius[v] * 1e4)));
     std::sort(radii.begin(), radii.end());
-    keys.insert({sites, axis.face_lambda[f], radii});
+    keys.insert({sites, lambda_of[f], radii});
   }
   return keys;
 }
@@ -106,11 +107,8 @@ void expect_same_up_to_shift(const MedialAxis& a, const MedialAxis& b, const Lat
   ASSERT_EQ(a.complex.face_offsets, b.complex.face_offsets);
   ASSERT_EQ(a.complex.face_vertices, b.complex.face_vertices);
   ASSERT_EQ(a.radius, b.radius);
-  ASSERT_EQ(a.vertex_lambda, b.vertex_lambda);
-  ASSERT_EQ(a.edge_lambda, b.edge_lambda);
-  ASSERT_EQ(a.vertex_level, b.vertex_level);
-  ASSERT_EQ(a.edge_level, b.edge_level);
-  ASSERT_EQ(a.face_level, b.face_level);
+  ASSERT_TRUE(a.measure().value == b.measure().value);
+  ASSERT_TRUE(a.measure().level == b.measure().level);
   ASSERT_EQ(a.face_sites, b.face_sites);
   ASSERT_EQ(a.sites.size(), b.sites.size());
   for (std::size_t s = 0; s < a.sites.size(); ++s)

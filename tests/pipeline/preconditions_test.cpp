@@ -86,21 +86,21 @@ TEST(Preconditions, VerticesFarFromAGridAreRefusedAndBallsAreClipped) {
 TEST(Preconditions, LevelsAndLambdasAreThereForAllCells) {
   const MedialAxis axis = axis_with_levels();
   MedialAxis wrong = axis;
-  wrong.edge_lambda.pop_back();
+  wrong.measure().value.edge.pop_back();
   expect_refused([&] { prune_levels(wrong); }, "lambda");
   expect_refused([&] { to_record(wrong); }, "lambda");
   for (const double lambda : {-1.0, kNan}) {
     wrong = axis;
-    wrong.face_lambda.back() = lambda;
+    wrong.measure().value.face.back() = lambda;
     expect_refused([&] { prune_levels(wrong); }, "lambda");
   }
   wrong = axis;
-  wrong.vertex_level.clear();
+  wrong.measure().level.vertex.clear();
   Page page;
   expect_refused([&] { add_core(page, wrong, {}, 1000); }, "level");
   expect_refused([&] { to_record(wrong); }, "level");
   wrong = axis;
-  wrong.face_level.back() = kNan;
+  wrong.measure().level.face.back() = kNan;
   expect_refused([&] { add_core(page, wrong, {}, 1000); }, "level");
   expect_refused([&] { add_core(page, axis, {{"short", 1, std::vector<double>{1}}}, 1000); }, "'short'");
   wrong = axis;
@@ -114,7 +114,7 @@ TEST(Preconditions, LevelsOfAnotherAxisAreNotTaken) {
   const auto expect_unchanged = [&](const Record& other) {
     MedialAxis read = medial_axis_of(data);
     EXPECT_FALSE(take_levels(read, other));
-    EXPECT_TRUE(read.vertex_level.empty() && read.edge_level.empty() && read.face_level.empty());
+    EXPECT_TRUE(read.measures.empty());
   };
   const auto with = [&](const auto& change) {
     Record other = data;

@@ -4,7 +4,7 @@ import { Vector3 } from "three";
 import { ballsToDraw, shareInside } from "./balls";
 import { MAPS, textureOf } from "./colours";
 import { commandOf } from "./command";
-import type { LayerName, Page } from "./data";
+import { byMeasure, type LayerName, type Page } from "./data";
 import { rangeOf, type Range } from "./measures";
 import { pickVertex, touchingSites, type Ray } from "./pick";
 import { LayerView } from "./scene/layer_view";
@@ -13,7 +13,7 @@ import { Placement } from "./scene/placement";
 import { ShapeView } from "./scene/shape_view";
 import { Stage } from "./scene/stage";
 import { LayerSets, type CellSet } from "./sets";
-import { sanitize, type Camera, type State } from "./state";
+import { sanitize, sheetSlider, type Camera, type State } from "./state";
 
 /// Figures of what is visible.
 export interface Numbers {
@@ -51,7 +51,7 @@ export class App {
   onChange: (numbers: Numbers) => void = () => {};
   onShare: (text: string) => void = () => {};
   onPick: (picked: Picked | null) => void = () => {};
-  private readonly layers = new Map<LayerName, Shown>();
+  private readonly layers = new Map<string, Shown>(); ///< by name; of the core one per measure it was pruned by
   private applied: State | null = null;
   private balls = { wanted: 0, timer: 0 };
 
@@ -68,7 +68,8 @@ export class App {
 
   set(change: Partial<State>): void {
     const before = this.state;
-    this.state = sanitize({ ...this.state, ...change }, this.page);
+    const other = change.measure !== undefined && change.measure !== before.measure;
+    this.state = sanitize({ ...before, ...(other ? { threshold: NaN } : {}), ...change }, this.page);
     // A range belongs to its measure.
     if (before.color !== this.state.color && change.rangeLow === undefined && change.rangeHigh === undefined) this.state.rangeLow = this.state.rangeHigh = NaN;
     if (before.layer !== this.state.layer) this.clearPick();
@@ -76,18 +77,19 @@ export class App {
   }
 
   shown(): Shown {
-    const name = this.state.layer;
-    let shown = this.layers.get(name);
+    const key = this.key();
+    let shown = this.layers.get(key);
     if (!shown) {
-      const layer = this.page.layers.get(name)!;
+      const layer = byMeasure(this.page.layers.get(this.state.layer)!, this.state.measure);
       const sets = new LayerSets(layer);
       const view = new LayerView(layer, sets, this.placement, this.stage.shared);
       this.stage.add(view.group);
       shown = { sets, view, set: sets.compute(0, 0), ranges: new Map() };
-      this.layers.set(name, shown);
+      this.layers.set(key, shown);
     }
     return shown;
   }
+  private key(): string { return this.state.layer === "core" ? `core/${this.state.measure}` : this.state.layer; }
 
   /// The range of a measure of the layer shown.
   range(name = this.state.color): Range | null {
@@ -143,15 +145,15 @@ export class App {
     this.applied = s;
     const changed = (...keys: (keyof State)[]) => !old || keys.some((key) => !Object.is(old[key], s[key]));
     const shown = this.shown(), { view } = shown, shared = this.stage.shared;
-    const level = s.layer === "core" ? "lambda" : "theta2";
-    if (changed("layer", level, "theta1")) {
-      shown.sets.compute(s.layer === "core" ? s.lambda : s.layer === "skeleton" ? s.theta2 : 0, s.layer === "skeleton" ? s.theta1 : 0);
+    const level = sheetSlider(s);
+    if (changed("layer", "measure", "theta1", ...(level ? [level] : []))) {
+      shown.sets.compute(level ? s[level] : 0, s.layer === "skeleton" ? s.theta1 : 0);
       view.show(shown.set);
       this.ballsChanged();
     }
     if (changed("balls")) this.ballsChanged();
-    if (changed("layer")) for (const [name, other] of this.layers) other.view.group.visible = name === s.layer;
-    if (changed("layer", "color")) view.colourBy(s.color);
+    if (changed("layer", "measure")) for (const [key, other] of this.layers) other.view.group.visible = key === this.key();
+    if (changed("layer", "measure", "color")) view.colourBy(s.color);
     if (changed("map")) {
       const image = shared.colourMap.value.image as unknown as { data: Uint8Array };
       image.data.set(textureOf(s.map));

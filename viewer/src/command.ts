@@ -2,7 +2,7 @@
 // The command line that writes what the page shows.
 import type { Page } from "./data";
 import { decimalOf } from "./format";
-import type { State } from "./state";
+import { LAMBDA, type State } from "./state";
 
 const quoted = (file: string) => (/^[\w.,:+@%/-]+$/.test(file) ? file : `'${file.replaceAll("'", "'\\''")}'`);
 const length = (x: number, levels: Float32Array | null) => (Number.isFinite(x) ? (x === 0 ? "0" : `${decimalOf(x, levels?.includes(x) ?? false)}abs`) : "inf");
@@ -11,6 +11,7 @@ export function commandOf(page: Page, state: State): string {
   const { meta } = page, layer = page.layers.get(state.layer)!;
   if (state.layer === "skeleton")
     return `quench skeleton ${quoted(meta.files.core ?? "core.vtp")} --theta2 ${length(state.theta2, layer.faceLevel)} --theta1 ${length(state.theta1, layer.curveThickness)} -o skeleton.vtp`;
+  if (state.layer === "core" && state.measure !== LAMBDA) return ""; // no command prunes by another measure
   if (state.layer === "core") {
     // What the shape was read with (resolution, threshold ...) is in the command of the page.
     const words = meta.command.match(/'[^']*'|"[^"]*"|\S+/g) ?? [];

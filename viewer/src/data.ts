@@ -17,6 +17,9 @@ export interface ArrayEntry {
   offset: number;
 }
 
+/// A measure by which the layer `core` can be pruned, and the threshold from which on it is complete.
+export interface PruningMeasure { name: string; floor: number }
+
 export interface Meta {
   format: number;
   title: string;
@@ -33,6 +36,8 @@ export interface Meta {
   theta2?: number;
   theta1?: number;
   floor: { lambda: number; theta2: number; theta1: number };
+  /// The faces of `core` are sorted by the first.
+  measures: PruningMeasure[];
   topology?: { euler: number; betti: number[] };
   notes: string[];
   files: { core?: string; skeleton?: string; shape?: string };
@@ -41,6 +46,9 @@ export interface Meta {
   state: string;
   arrays: ArrayEntry[];
 }
+
+/// Levels of the cells of a layer by one measure.
+export interface Levels { face: Float32Array; edge: Float32Array; vertex: Float32Array }
 
 /// A cell complex with levels; the arrays are views of the page's data.
 export interface Layer {
@@ -56,6 +64,8 @@ export interface Layer {
   faceLevel: Float32Array | null;
   edgeLevel: Float32Array | null;
   vertexLevel: Float32Array | null;
+  /// Those by the measures of the page but the first.
+  otherLevels: Map<string, Levels>;
   curveEdges: Uint32Array | null;
   curveThickness: Float32Array | null;
   /// Vertices that are never pruned: the medial points.
@@ -107,6 +117,8 @@ export function readMeta(text: string): Meta {
   const side = length(raw.side);
   if (!low || !high || !side || side <= 0) throw new PageError("This page does not say how large the shape is (side, low, high); write it anew.");
   // null stands for infinity, a missing value for unknown.
+  const lambdaFloor = length(raw.floor?.lambda) ?? 0;
+  const measures = Array.isArray(raw.measures) ? raw.measures.map((m) => ({ name: String(m?.name), floor: length(m?.floor) ?? 0 })) : [{ name: "lambda", floor: lambdaFloor }];
   const theta = (v: unknown) => (v === null ? Infinity : length(v));
   return {
     format: FORMAT,
@@ -123,7 +135,8 @@ export function readMeta(text: string): Meta {
     burning: raw.burning ?? undefined,
     theta2: theta(raw.theta2),
     theta1: theta(raw.theta1),
-    floor: { lambda: length(raw.floor?.lambda) ?? 0, theta2: length(raw.floor?.theta2) ?? 0, theta1: length(raw.floor?.theta1) ?? 0 },
+    floor: { lambda: lambdaFloor, theta2: length(raw.floor?.theta2) ?? 0, theta1: length(raw.floor?.theta1) ?? 0 },
+    measures,
     topology: raw.topology ?? undefined,
     notes: Array.isArray(raw.notes) ? raw.notes.map(String) : [],
     files: raw.files ?? {},
@@ -265,6 +278,10 @@ function readLayer(name: LayerName, find: <T extends Numbers>(name: string, type
   if (faceLevel)
     for (let f = 1; f < faceCount; ++f)
       if (!(faceLevel[f]! <= faceLevel[f - 1]!)) throw new PageError(`The faces of the layer ${name} are not sorted by level; the page is damaged.`);
+  const otherLevels = new Map<string, Levels>();
+  if (name === "core")
+    for (const { name: m } of meta.measures.slice(1))
+      otherLevels.set(m, { face: sized(`face_level/${m}`, faceCount, true)!, edge: sized(`edge_level/${m}`, edgeCount, true)!, vertex: sized(`vertex_level/${m}`, vertexCount, true)! });
   const curveEdges = needed("curve_edges", Uint32Array, false);
   const curveThickness = curveEdges ? sized("curve_thickness", curveEdges.length, true) : null;
   if (curveEdges) below(curveEdges, edgeCount, `${name}/curve_edges`);
@@ -274,8 +291,23 @@ function readLayer(name: LayerName, find: <T extends Numbers>(name: string, type
     name, points, vertexCount, faceCount, edgeCount, offsets, corners, sides, edges, faceLevel,
     edgeLevel: sized("edge_level", edgeCount, levels && edgeCount > 0),
     vertexLevel: sized("vertex_level", vertexCount, levels),
-    curveEdges, curveThickness, medialPoints, measures,
+    otherLevels, curveEdges, curveThickness, medialPoints, measures,
   };
+}
+
+/// The layer with the levels by another measure, and its faces in decreasing order of them.
+export function byMeasure(layer: Layer, measure: string): Layer {
+  const levels = layer.otherLevels.get(measure);
+  if (!levels) return layer;
+  const order = Uint32Array.from({ length: layer.faceCount }, (_, f) => f).sort((a, b) => levels.face[b]! - levels.face[a]! || a - b);
+  const offsets = new Uint32Array(layer.faceCount + 1), corners = new Uint32Array(layer.corners.length), sides = new Uint32Array(layer.sides.length);
+  order.forEach((f, row) => {
+    const begin = layer.offsets[f]!, end = layer.offsets[f + 1]!;
+    corners.set(layer.corners.subarray(begin, end), offsets[row]!);
+    sides.set(layer.sides.subarray(begin, end), offsets[row]!);
+    offsets[row + 1] = offsets[row]! + end - begin;
+  });
+  return { ...layer, offsets, corners, sides, faceLevel: Float32Array.from(order, (f) => levels.face[f]!), edgeLevel: levels.edge, vertexLevel: levels.vertex };
 }
 
 function below(indices: Uint32Array, limit: number, name: string): void {

@@ -10,11 +10,23 @@ export interface Camera {
   up: [number, number, number];
 }
 
+export const LAMBDA = "lambda";
+
+export type SheetSlider = "lambda" | "threshold" | "theta2";
+
+/// The parameter that prunes the sheets of what is shown; a complex without levels has none.
+export function sheetSlider(state: State): SheetSlider | null {
+  if (state.layer === "core") return state.measure === LAMBDA ? "lambda" : "threshold";
+  return state.layer === "skeleton" ? "theta2" : null;
+}
+
 export type Axis = "x" | "y" | "z" | "view";
 
 export interface State {
   layer: LayerName;
+  measure: string; ///< by which the layer `core` is pruned
   lambda: number;
+  threshold: number; ///< of another measure than lambda
   theta2: number;
   theta1: number;
   color: string;
@@ -61,6 +73,8 @@ export function defaults(page: Page, dark: boolean): State {
   const pure = layer === "skeleton" && meta.theta2 === Infinity && page.layers.get(layer)!.measures.has("radius");
   const state: State = {
     layer,
+    measure: meta.measures[0]?.name ?? LAMBDA,
+    threshold: 0,
     lambda: Math.max(meta.lambda ?? 0, meta.floor.lambda),
     theta2: Math.max(meta.theta2 ?? 0, meta.floor.theta2),
     theta1: Math.max(meta.theta1 ?? 0, meta.floor.theta1),
@@ -113,6 +127,8 @@ export function sanitize(state: State, page: Page): State {
   if (s.color !== UNIFORM && !page.layers.get(s.layer)!.measures.has(s.color)) s.color = defaultColor(page, s.layer);
   const length = (x: number, floor: number) => floor32(Number.isNaN(x) ? floor : Math.max(x, floor));
   s.lambda = length(s.lambda, page.meta.floor.lambda);
+  if (!page.meta.measures.some((m) => m.name === s.measure)) s.measure = page.meta.measures[0]?.name ?? LAMBDA;
+  s.threshold = length(s.threshold, page.meta.measures.find((m) => m.name === s.measure)?.floor ?? 0);
   s.theta2 = length(s.theta2, page.meta.floor.theta2);
   s.theta1 = length(s.theta1, page.meta.floor.theta1);
   s.clipAt = Math.min(1, Math.max(0, s.clipAt || 0));
@@ -129,7 +145,7 @@ export function toHash(state: State, base: State, camera: Camera | null): string
   for (const key of Object.keys(base) as (keyof State)[]) {
     const value = state[key];
     if (SKIPPED.has(key) || Object.is(value, base[key])) continue;
-    const isLength = key === "lambda" || key === "theta2" || key === "theta1";
+    const isLength = key === "lambda" || key === "threshold" || key === "theta2" || key === "theta1";
     parts.push(`${key}=${isLength ? decimalOf(value as number, true) : typeof value === "boolean" ? Number(value) : typeof value === "number" ? exact(value) : encodeURIComponent(value)}`);
   }
   if (state.dark !== base.dark) parts.push(`dark=${Number(state.dark)}`);

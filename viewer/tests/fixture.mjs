@@ -33,6 +33,20 @@ export function pageOf(template, meta, arrays, damage) {
   return template.replace("<!--quench-data-->", () => elements(meta, arrays, damage));
 }
 
+/// Levels of the core by another measure: of every cell that of its last vertex, and of an edge the largest of its faces
+/// as well, of a vertex of its edges.
+export function otherLevels(arrays, measure, ofVertex) {
+  const edges = arrays["core/edges"][2], corners = arrays["core/polygon_corners"][2], sides = arrays["core/polygon_edges"][2], offsets = arrays["core/polygon_offsets"][2];
+  const face = [], edge = [], vertex = arrays["core/vertex_level"][2].map((_, v) => ofVertex(v));
+  for (let e = 0; e < edges.length / 2; ++e) edge.push(ofVertex(edges[2 * e + 1]));
+  for (let f = 0; f + 1 < offsets.length; ++f) {
+    face.push(ofVertex(corners[offsets[f + 1] - 1]));
+    for (let i = offsets[f]; i < offsets[f + 1]; ++i) edge[sides[i]] = Math.max(edge[sides[i]], face[f]);
+  }
+  edges.forEach((v, i) => { vertex[v] = Math.max(vertex[v], edge[i >> 1]); });
+  return Object.fromEntries(Object.entries({ face, edge, vertex }).map(([of, levels]) => [`core/${of}_level/${measure}`, ["f32", 1, levels]]));
+}
+
 /// Arrays of a layer. faces: lists of vertices in decreasing order of level; lone edges beside.
 /// cells: { points, faces: [{ corners, level }], lone: [{ ends, level, thickness? }], vertexLevel?, measures }
 export function layerArrays(name, cells) {

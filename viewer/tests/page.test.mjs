@@ -7,7 +7,7 @@ import { dirname, join } from "node:path";
 import { after, before, describe, test } from "node:test";
 import { fileURLToPath, pathToFileURL } from "node:url";
 import { inflateSync } from "node:zlib";
-import { boxCore, boxPage, boxShape, boxSkeleton, layerArrays, pageOf, randomCells } from "./fixture.mjs";
+import { boxCore, boxPage, boxShape, boxSkeleton, layerArrays, otherLevels, pageOf, randomCells } from "./fixture.mjs";
 
 const here = dirname(fileURLToPath(import.meta.url));
 const chromium = process.env.CHROMIUM ?? "/usr/bin/chromium";
@@ -108,6 +108,32 @@ describe("the page in a browser", () => {
     await range.press("End");
     assert.equal(await page.evaluate("window.quench.state.theta2"), Infinity);
     assert.equal((await sets(page)).faces, 0);
+    assert.deepEqual(complaints, []);
+    await page.close();
+  });
+
+  it("the core is pruned by each measure of the page", async () => {
+    const measures = [{ name: "lambda", floor: 0 }, { name: "plate_size", floor: 0.1 }];
+    const arrays = { ...layerArrays("core", boxCore()), ...layerArrays("skeleton", boxSkeleton()) };
+    Object.assign(arrays, otherLevels(arrays, "plate_size", (v) => v / 8));
+    const { page, complaints } = await open(pageOf(template, { measures }, arrays), "layer=core");
+    const faces = async (change) => (await sets(page, change)).faces;
+    const expected = (threshold) => arrays["core/face_level/plate_size"][2].filter((x) => x >= threshold).length;
+    assert.equal(await faces({ lambda: 0.625 }), 8);
+    for (const threshold of [0.1, 0.375, 0.75, 1.1]) assert.equal(await faces({ measure: "plate_size", threshold }), expected(threshold), String(threshold));
+    assert.equal(await page.evaluate("window.quench.state.lambda"), 0.625); // each has its own slider
+    await settled(page);
+    assert.match(await page.textContent("#app"), /pruned at plate size = 1\.1/);
+    assert.ok(!(await page.isVisible(".command")));
+    const field = page.locator('[data-id="threshold"] .field');
+    await field.fill("0.375");
+    await field.press("Enter");
+    assert.equal(await faces({}), expected(0.375));
+    await page.waitForFunction("location.hash.includes('measure=plate_size') && location.hash.includes('threshold=0.375')");
+    assert.equal(await faces({ measure: "lambda" }), 8);
+    assert.equal(await faces({ measure: "plate_size" }), expected(0.1)); // a threshold belongs to its measure
+    assert.equal(await faces({ measure: "unknown" }), 8);
+    assert.equal(await faces({ layer: "skeleton", theta2: 0 }), 1);
     assert.deepEqual(complaints, []);
     await page.close();
   });
@@ -252,6 +278,7 @@ describe("the page in a browser", () => {
     "no size": { damage: { meta: (m) => ({ ...m, side: null }) }, says: /how large/ },
     "missing edges": { change: (a) => { delete a["skeleton/polygon_edges"]; return a; }, says: /polygon_edges is missing/ },
     "missing levels": { change: (a) => { delete a["core/face_level"]; return a; }, says: /face_level is missing/ },
+    "missing levels of a measure": { damage: { meta: (m) => ({ ...m, measures: [{ name: "lambda", floor: 0 }, { name: "size", floor: 0 }] }) }, says: /face_level\/size is missing/ },
     "levels of another length": { change: (a) => { a["core/edge_level"][2].pop(); return a; }, says: /values for/ },
     "corners beyond the end": { change: (a) => { a["core/polygon_corners"][2][0] = 999; return a; }, says: /beyond its end/ },
     "unsorted faces": { change: (a) => { a["core/face_level"][2].reverse(); return a; }, says: /not sorted/ },

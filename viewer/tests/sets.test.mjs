@@ -3,17 +3,18 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { moduleOf } from "./bundle.mjs";
-import { boxCore, boxSkeleton, elements, layerArrays, randomCells } from "./fixture.mjs";
+import { boxCore, boxSkeleton, elements, layerArrays, otherLevels, randomCells } from "./fixture.mjs";
 
 const { LayerSets } = await moduleOf("src/sets.ts");
 const data = await moduleOf("src/data.ts");
 
-function layerOf(name, cells) {
-  const html = elements({ side: 1, low: [0, 0, 0], high: [1, 1, 1] }, layerArrays(name, cells));
+function pageOf(arrays, more = {}) {
+  const html = elements({ side: 1, low: [0, 0, 0], high: [1, 1, 1], ...more }, arrays);
   const [meta, base64] = [...html.matchAll(/<script[^>]*>([^<]*)</g)].map((m) => m[1]);
   const document = { getElementById: (id) => ({ textContent: id === "quench-meta" ? meta : base64 }) };
-  return data.readPage(document).then((page) => page.layers.get(name));
+  return data.readPage(document);
 }
+const layerOf = (name, cells) => pageOf(layerArrays(name, cells)).then((page) => page.layers.get(name));
 
 /// The definition, word by word.
 function bruteForce(layer, level, theta1) {
@@ -83,6 +84,20 @@ test("cores of random complexes are the cells of enough level", async () => {
   for (let seed = 1000; seed < 1300; ++seed) {
     const layer = await layerOf("core", randomCells(seed, false)), sets = new LayerSets(layer);
     for (const level of [...LEVELS, 0.5, 0]) compare(layer, sets, level, 0, `seed ${seed}, ${level}`);
+  }
+});
+
+test("cores by another measure of the page", async () => {
+  for (let seed = 2000; seed < 2100; ++seed) {
+    const arrays = layerArrays("core", randomCells(seed, false));
+    Object.assign(arrays, otherLevels(arrays, "size", (v) => ((7 * v) % 5) / 4));
+    const page = await pageOf(arrays, { measures: [{ name: "lambda", floor: 0 }, { name: "size", floor: 0.25 }] });
+    assert.deepEqual(page.meta.measures[1], { name: "size", floor: 0.25 });
+    const core = page.layers.get("core"), layer = data.byMeasure(core, "size"), sets = new LayerSets(layer);
+    assert.equal(data.byMeasure(core, "lambda"), core);
+    for (const level of [...LEVELS, 0.5, 0]) compare(layer, sets, level, 0, `seed ${seed}, ${level}`);
+    const cycles = (l) => Array.from({ length: l.faceCount }, (_, f) => [...l.corners.subarray(l.offsets[f], l.offsets[f + 1]), ...l.sides.subarray(l.offsets[f], l.offsets[f + 1])].join(" ")).sort();
+    assert.deepEqual(cycles(layer), cycles(core));
   }
 });
 

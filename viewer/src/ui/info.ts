@@ -4,7 +4,7 @@ import type { Page } from "../data";
 import { counted, short, withUnit } from "../format";
 import type { Numbers, Picked } from "../app";
 import { labelOf, unitOf } from "../measures";
-import type { State } from "../state";
+import { LAMBDA, sheetSlider, type State } from "../state";
 import { el, fill, rows } from "./dom";
 
 const NAMES = { skeleton: "Skeleton", core: "Medial axis", still: "Complex" };
@@ -67,8 +67,9 @@ export class Info {
       const one = Number.isFinite(state.theta1) ? `curves ≥ ${length(state.theta1)}` : "curves only where topology needs them";
       sentence.push(`${two}, ${one}`);
     } else if (state.layer === "core") {
-      sentence.push(`pruned at λ = ${length(state.lambda)}`);
-      if (meta.lambda !== undefined && Math.abs(state.lambda - meta.lambda) > 1e-6 * meta.side && state.color !== "radius" && state.color !== "lambda")
+      const at = state[sheetSlider(state)!];
+      sentence.push(`pruned at ${labelOf(state.measure)} = ${withUnit(short(at), unitOf(state.measure, unit))}`);
+      if (state.measure === LAMBDA && meta.lambda !== undefined && Math.abs(state.lambda - meta.lambda) > 1e-6 * meta.side && state.color !== "radius" && state.color !== "lambda")
         sentence.push(`burn times belong to λ = ${length(meta.lambda)}`);
     }
     fill(this.what, el("b", "", NAMES[state.layer]), sentence.length ? `: ${sentence.join("; ")}.` : "");

@@ -26,17 +26,14 @@ export function listenToKeys(app: App, panel: Panel, actions: Actions): void {
     app.stage.camera.zoom(factor, app.stage.width / 2, app.stage.height / 2);
     actions.moved();
   };
-  const step = (id: "level" | "theta1", direction: number) => () => {
-    const name = id === "theta1" ? id : app.state.layer === "core" ? "lambda" : "theta2";
-    if ((name === "lambda") === (app.state.layer === "core")) panel.sliders.get(name)?.step(direction);
-  };
+  const step = (of: "sheets" | "curves", direction: number) => () => panel.step(of, direction);
   const keys: Record<string, () => unknown> = {
     "?": () => actions.help.toggle(),
     Escape: () => (actions.help.open ? actions.help.toggle(false) : app.clearPick()),
     "1": layer("skeleton"), "2": layer("core"), "3": layer("still"),
     s: flip("sheets"), c: flip("curves"), e: flip("seams"), b: flip("boundary"), g: flip("shape"), u: flip("balls"), x: flip("clip"),
     o: flip("orthographic"), d: flip("dark"), h: flip("ui"), p: actions.screenshot, f: actions.reset, " ": actions.burn,
-    "[": step("level", -1), "]": step("level", 1), ";": step("theta1", -1), "'": step("theta1", 1),
+    "[": step("sheets", -1), "]": step("sheets", 1), ";": step("curves", -1), "'": step("curves", 1),
     ArrowLeft: turn(-30, 0), ArrowRight: turn(30, 0), ArrowUp: turn(0, -30), ArrowDown: turn(0, 30),
     "+": zoom(0.88), "=": zoom(0.88), "-": zoom(1 / 0.88),
   };

@@ -5,24 +5,33 @@ import type { App } from "../app";
 import { MAPS } from "../colours";
 import type { LayerName } from "../data";
 import { labelOf, measuresOf, UNIFORM } from "../measures";
-import type { State } from "../state";
+import { sheetSlider, type SheetSlider, type State } from "../state";
 import type { Burner } from "./burner";
 import { el } from "./dom";
 import { LengthSlider } from "./slider";
 
 export interface Actions { screenshot: () => void; reset: () => void }
 
+const HELP: Partial<Record<SliderId, string>> = {
+  lambda: "Prunes what is thinner than this radius",
+  theta2: "Drops sheets whose erosion thickness is smaller",
+};
+
 const LAYERS: Record<LayerName, string> = { skeleton: "skeleton", core: "medial axis", still: "complex" };
+
+type SliderId = SheetSlider | "theta1";
 
 export class Panel {
   readonly gui: GUI;
-  readonly sliders = new Map<"lambda" | "theta2" | "theta1", LengthSlider>();
+  private readonly sliders = new Map<string, { id: SliderId; slider: LengthSlider }>();
+  private shownSliders: SliderId[] = [];
   private readonly fields: State;
   private readonly controllers: Controller[] = [];
   private colour!: Controller;
   private readonly folders: Record<string, GUI> = {};
   private readonly sliderBox = el("div", "sliders");
-  private measuresOfLayer: LayerName | null = null;
+  private shownKey = "";
+  private readonly measure: Controller | null;
 
   constructor(private readonly app: App, container: HTMLElement, burner: Burner, actions: Actions) {
     this.fields = { ...app.state };
@@ -30,6 +39,8 @@ export class Panel {
     const { page } = app;
     const names = [...page.layers.keys()];
     if (names.length > 1) this.add(this.gui, "layer", "show", Object.fromEntries(names.map((n) => [LAYERS[n], n])));
+    const { measures } = page.meta;
+    this.measure = measures.length > 1 && page.layers.has("core") ? this.add(this.gui, "measure", "prune by", Object.fromEntries(measures.map((m) => [labelOf(m.name), m.name]))) : null;
     this.gui.$children.append(this.sliderBox);
 
     const colour = this.folder("Colour");
@@ -103,11 +114,14 @@ export class Panel {
     return controller;
   }
 
-  private slider(id: "lambda" | "theta2" | "theta1"): LengthSlider | null {
-    const existing = this.sliders.get(id);
-    if (existing) return existing;
-    const { meta } = this.app.page, { sets } = this.app.shown(), { layer } = sets;
-    const common = { id, meta, floor: meta.floor[id], changed: (x: number) => this.app.set({ [id]: x }) };
+  private keyOf(id: SliderId): string { return id === "threshold" ? `${id}/${this.app.state.measure}` : id; }
+
+  private slider(id: SliderId): LengthSlider | null {
+    const existing = this.sliders.get(this.keyOf(id));
+    if (existing) return existing.slider;
+    const { meta } = this.app.page, { sets } = this.app.shown(), { layer } = sets, { measure } = this.app.state;
+    const floor = id === "threshold" ? meta.measures.find((m) => m.name === measure)!.floor : meta.floor[id];
+    const common = { id, meta, floor, changed: (x: number) => this.app.set({ [id]: x }) };
     let slider: LengthSlider | null = null;
     if (id === "theta1") {
       if (!layer.curveEdges || !layer.curveThickness) return null;
@@ -115,22 +129,30 @@ export class Panel {
       slider = new LengthSlider({ ...common, label: "θ₁ curves", help: "Prunes curves whose erosion thickness is smaller, from their free ends. Histogram: length of curves.", infinite: true, values: layer.curveThickness, weight: (i) => sets.edgeLength(edges[i]!) });
     } else if (layer.faceLevel)
       slider = new LengthSlider({
-        ...common, label: id === "lambda" ? "λ" : "θ₂ sheets", infinite: id === "theta2", values: layer.faceLevel, weight: (f) => sets.faceArea(f),
-        help: id === "lambda" ? "Prunes what is thinner than this radius, where the topology allows. Histogram: area of sheets." : "Drops sheets whose erosion thickness is smaller, where the topology allows. Histogram: area of sheets.",
+        ...common, label: id === "theta2" ? "θ₂ sheets" : labelOf(measure), infinite: id === "theta2", values: layer.faceLevel, weight: (f) => sets.faceArea(f),
+        help: `${HELP[id] ?? `Prunes what has a smaller ${labelOf(measure)}`}, where the topology allows. Histogram: area of sheets.`,
       });
-    if (slider) this.sliders.set(id, slider);
+    if (slider) this.sliders.set(this.keyOf(id), { id, slider });
     return slider;
+  }
+
+  /// Moves the slider of the sheets or the curves shown.
+  step(of: "sheets" | "curves", direction: number): void {
+    for (const id of this.shownSliders) if ((id === "theta1") === (of === "curves")) this.slider(id)?.step(direction);
   }
 
   /// Brings everything up to date with the state.
   show(): void {
     const { state } = this.app;
-    if (this.measuresOfLayer !== state.layer) {
-      this.measuresOfLayer = state.layer;
+    const key = `${state.layer}/${state.measure}`;
+    if (this.shownKey !== key) {
+      this.shownKey = key;
       const names = measuresOf(this.app.page.layers.get(state.layer)!);
       this.colour = this.colour.options(Object.fromEntries([...names, UNIFORM].map((n) => [labelOf(n), n])));
-      const wanted = state.layer === "core" ? (["lambda"] as const) : state.layer === "skeleton" ? (["theta2", "theta1"] as const) : [];
-      this.sliderBox.replaceChildren(...wanted.flatMap((id) => this.slider(id)?.element ?? []));
+      const ofSheets = sheetSlider(state);
+      this.shownSliders = ofSheets ? (ofSheets === "theta2" ? [ofSheets, "theta1"] : [ofSheets]) : [];
+      this.sliderBox.replaceChildren(...this.shownSliders.flatMap((id) => this.slider(id)?.element ?? []));
+      this.measure?.show(state.layer === "core");
     }
     Object.assign(this.fields, state);
     for (const controller of this.controllers) controller.updateDisplay();
@@ -141,6 +163,6 @@ export class Panel {
     }
     this.auto.show(Number.isFinite(state.rangeLow) || Number.isFinite(state.rangeHigh));
     for (const controller of this.clipping) controller.show(state.clip);
-    for (const [id, slider] of this.sliders) if (slider.element.isConnected) slider.show(state[id]);
+    for (const id of this.shownSliders) this.slider(id)?.show(state[id]);
   }
 }
