@@ -73,7 +73,7 @@ const std::vector<Known>& known_field_numbers() {
 const std::vector<Known>& known_field_texts() {
   static const std::vector<Known> arrays{{"stage", 1, {"core", "skeleton"}, kNothingToCompare},
                                          {"lambda_rule", 1, {"coface", "ball"}, kNothingToCompare},
-                                         {"propagation", 1, {"segments"}, kTold},
+                                         {"propagation", 1, {"segments", "nodes"}, kTold},
                                          {"radius_rule", 1, {"exact", "linear"}, kTold},
                                          {"units", 1, {}, kTold},
                                          {"SPACE", 1, {}, kTold},

@@ -122,11 +122,12 @@ TEST(Measures, GoThroughAFile) {
   }
 }
 
-CheckedCore core_with_two_measures(const VoxelShape& shape, double lambda, bool full) {
-  CheckedCore core = checked_core(shape, topology(shape), shape.longest_side(), {.lambda = lambda, .full = full});
+Record core_with_two_measures(const VoxelShape& shape, double lambda, bool full) {
+  const pipeline::LoadedShape loaded = pipeline::shape_of(VoxelShape(shape), shape.grid(), {});
+  pipeline::CoreResult core = pipeline::core_of(loaded, {.lambda = pipeline::world_length(lambda), .full = full});
   core.axis.measures.push_back(numbered(core.axis.complex));
   prune_levels(core.axis, "numbers");
-  return core;
+  return pipeline::core_file(core);
 }
 
 const Check* find_check(const Certificate& certificate, const std::string& name) {
@@ -139,7 +140,7 @@ TEST(Measures, TheirLevelsAreReplayedByVerify) {
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
     const VoxelShape shape = shape_of(seed);
     for (const bool full : {true, false}) {
-      const Record data = core_file(core_with_two_measures(shape, 0.8, full), {}, "{}");
+      const Record data = core_with_two_measures(shape, 0.8, full);
       const Certificate certificate = verify(shape, data);
       for (const Check& check : certificate.checks) EXPECT_TRUE(check.passed) << check.name << ": " << check.detail;
       const Check* replay = find_check(certificate, "nested levels of numbers");
@@ -166,7 +167,7 @@ TEST(Measures, TheirLevelsAreReplayedByVerify) {
 
 TEST(Measures, WhatAFileSaysOfThemIsChecked) {
   const VoxelShape shape = shape_of(1);
-  const Record data = core_file(core_with_two_measures(shape, 0.8, true), {}, "{}");
+  const Record data = core_with_two_measures(shape, 0.8, true);
   const auto fails = [&](const char* array, DataArray::Values values, const std::string& says) {
     Record wrong = data;
     for (DataArray& a : wrong.field_data)

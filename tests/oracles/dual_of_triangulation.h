@@ -51,7 +51,7 @@ class EdgeRings {
     ring_.assign(1, polytopes_.polytope_of[start]);
     for (std::uint32_t t = start;;) {
       const std::uint32_t across = polytopes_.tetrahedra[t].neighbour[leave];
-      if (across == delaunay::kNone || across >> 2 < start) return false;
+      if (across == kNone || across >> 2 < start) return false;
       t = across >> 2;
       if (t == start) break;
       const auto& corner = polytopes_.tetrahedra[t].corner;
@@ -95,7 +95,7 @@ inline dual::DualComplex dual_of_triangulation(const VoxelShape& shape, std::spa
   auto& edges = complex.edges;
   for (std::uint32_t t = 0; t < polytopes.tetrahedra.size(); ++t)
     for (const std::uint32_t n : polytopes.tetrahedra[t].neighbour) {
-      if (n == delaunay::kNone) continue;
+      if (n == kNone) continue;
       const std::uint32_t u = polytopes.polytope_of[t], v = polytopes.polytope_of[n >> 2];
       if (u < v) edges.push_back({u, v});
     }
