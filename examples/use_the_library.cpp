@@ -3,11 +3,7 @@
 #include <cstdio>
 #include <exception>
 
-#include "quench/axis.h"
-#include "quench/io.h"
-#include "quench/samples.h"
-#include "quench/shape.h"
-#include "quench/voxelize.h"
+#include "quench/quench.h"
 
 int main(int argc, char** argv) {
   if (argc != 2) {
@@ -18,9 +14,7 @@ int main(int argc, char** argv) {
     // Or: quench::to_triangle_mesh(quench::io::read_record("part.off"))
     const quench::TriangleMesh mesh = quench::make_sample("fin-on-board").mesh;
     const quench::Voxelization voxels = quench::voxelize(mesh, {.resolution = 128});
-    quench::MedialAxis core = quench::voxel_core(voxels.shape);
-    quench::prune_levels(core);
-    const quench::MedialAxis axis = quench::pruned(core, 0.02 * voxels.longest_side);
+    const quench::MedialAxis axis = quench::medial_axis(voxels.shape, 0.02 * voxels.longest_side);
     quench::io::write_record(argv[1], quench::to_record(axis));
     const bool same = quench::topology(axis.complex) == quench::topology(voxels.shape);
     std::printf("%u vertices; topology %s\n", axis.complex.vertex_count, same ? "kept" : "lost");

@@ -158,6 +158,10 @@ class Reconstruction {
 /// share(lambda) >= 0.98. Throws Error(usage) unless the spacing is above 0 and both are finite.
 double auto_lambda(const Reconstruction& reconstruction, double longest_side, double smallest_spacing);
 
+/// The medial axis of a shape in one call: voxel_core(), prune_levels() and pruned() at `lambda` (world units; none:
+/// auto_lambda()). Larger thresholds can still be applied with pruned(). Throws what these throw.
+MedialAxis medial_axis(const VoxelShape& shape, std::optional<double> lambda = {}, Context* context = nullptr);
+
 /// A mask that somebody else owns: byte (x, y, z) is `strides[0]*x + strides[1]*y + strides[2]*z` after `data`.
 struct MaskView {
   std::array<std::int64_t, 3> dims{0, 0, 0};

@@ -132,7 +132,7 @@ struct LoadedShape {
 
 /// Reads a mesh or a volume; volumes slice by slice where the format allows it. Throws Error(input), naming the file,
 /// when it cannot be used.
-LoadedShape load_shape(const std::filesystem::path& file, const ShapeOptions& options, Context* context = nullptr);
+LoadedShape load_shape(const std::filesystem::path& file, const ShapeOptions& options = {}, Context* context = nullptr);
 /// The same of what is in memory.
 LoadedShape shape_of(TriangleMesh&& mesh, const ShapeOptions& options, Context* context = nullptr);
 LoadedShape shape_of(const ImageView& image, const Coordinates& coordinates, const ShapeOptions& options,

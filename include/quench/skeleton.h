@@ -63,6 +63,8 @@ struct SkeletonFamily {
   double level_of(std::uint32_t edge) const { return curve_level[edge - 2 * std::size_t{refined.doors}]; }
 };
 SkeletonFamily skeletons(RefinedAxis refined, Context* context = nullptr);
+/// quench_curves() and skeletons() of an axis and its burning.
+SkeletonFamily skeletons(const MedialAxis& axis, const Burning& burning, Context* context = nullptr);
 
 /// One member of the family, as a proper complex: no parallel edges, no polygon that repeats a corner, no edge of
 /// length zero (region duals lie on their exit doors).

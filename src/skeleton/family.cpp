@@ -68,4 +68,8 @@ SkeletonFamily skeletons(RefinedAxis refined, Context* context) {
   return base::in_arena(context, [&] { return family_of(std::move(refined), context); });
 }
 
+SkeletonFamily skeletons(const MedialAxis& axis, const Burning& burning, Context* context) {
+  return skeletons(quench_curves(axis.complex, axis.points, axis.radius, burning, context), context);
+}
+
 }  // namespace quench

@@ -336,7 +336,7 @@ TEST_F(Options, TheShareThatCleaningDrops) {
 TEST_F(Options, SentencesThatHelp) {
   const std::string header("\0\0\0\rIHDR\0\0\0\1\0\0\0\1\b\0\0\0\0", 21), checksum(4, '\0');
   folder.write("bad.png", "\x89PNG\r\n\x1a\n" + header + checksum + std::string(12, '\0'));
-  refuses(3, {"'bad.png'", "checksum of the block at byte 8 is wrong", "copy it again"}, {"info", "bad.png"});
+  refuses(3, {"'bad.png'", "checksum of the chunk at byte 8 is wrong", "copy it again"}, {"info", "bad.png"});
   folder.write("short.off", "OFF\n4294967299 1 0\n0 0 0\n");
   refuses(3, {"4294967299 vertices and 1 face are declared"}, {"info", "short.off"});
   folder.write("cube.off", cube_off());

@@ -328,7 +328,7 @@ TEST(Sof, RefusesHostileFiles) {
   refused(2, "\2\7", "size 1");
   refused(1, std::string("\0\1", 2), "below size 1");
   refused(1, "\2\7\7", "ends at byte");
-  refused(1, "\3\7", "not a kind of node");
+  refused(1, "\3\7", "not a node type");
   // One leaf in the corner of 2048^3 corners, everything else "inside".
   std::string deep;
   for (int level = 0; level < 11; ++level) deep += '\0';

@@ -207,10 +207,11 @@ TEST(Run, IsTheStagesCalledByHand) {
   const MedialAxis core = pruned(whole, 1.5 * voxel);
   EXPECT_EQ(result.core.axis.points, core.points);
   EXPECT_TRUE(result.core.axis.measure().level == core.measure().level);
-  const Burning burning = burn(core.complex, core.points, core.radius);
+  EXPECT_EQ(medial_axis(shape.shape, 1.5 * voxel).points, core.points);
+  const Burning burning = burn(core);
   EXPECT_EQ(result.axis.burned.max_burn_time, burning.max_burn_time);
   EXPECT_EQ(find_array(result.axis.file.point_data, "burn_time")->numbers(), burning.burn_time);
-  const SkeletonFamily family = skeletons(quench_curves(core.complex, core.points, core.radius, burning));
+  const SkeletonFamily family = skeletons(core, burning);
   const Skeleton skeleton = extract(family, 0.04 * side, 2 * voxel);
   EXPECT_EQ(result.axis.skeleton.skeleton.points, skeleton.points);
   EXPECT_EQ(result.axis.skeleton.skeleton.complex.edges, skeleton.complex.edges);

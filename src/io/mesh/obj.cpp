@@ -28,7 +28,7 @@ class References {
       }
       corners.push_back(static_cast<std::uint32_t>(index - 1));
     }
-    if (corners.empty()) words.fail("a face, line or point has no vertices");
+    if (corners.empty()) words.fail("a face, line or point has no corners");
   }
 
   void check_range(std::size_t vertices, const std::string& file) const {
