@@ -14,7 +14,7 @@ namespace {
 
 using base::kNever;
 
-std::vector<float> comparable(const std::vector<double>& levels) {
+std::vector<float> rounded_down(const std::vector<double>& levels) {
   std::vector<float> floats;
   floats.reserve(levels.size());
   for (const double level : levels) floats.push_back(page::rounded_down(level));
@@ -188,8 +188,8 @@ std::size_t add_skeleton(Page& page, const SkeletonFamily& family, std::size_t m
   const RefinedAxis& k = family.refined;
   const CellComplex& c = k.complex;
   page::LayerCells cells;
-  cells.levels.push_back({"sheet_level", comparable(family.vertex_sheet_level), comparable(family.edge_sheet_level),
-                          comparable(family.face_sheet_level)});
+  cells.levels.push_back({"sheet_level", rounded_down(family.vertex_sheet_level), rounded_down(family.edge_sheet_level),
+                          rounded_down(family.face_sheet_level)});
   const page::Levels& levels = cells.levels.front();
 
   const page::FacesByLevel by_level(c, levels.face);

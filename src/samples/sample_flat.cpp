@@ -2,15 +2,12 @@
 // Boxes and plates.
 #include <algorithm>
 #include <map>
-#include <numbers>
 #include <unordered_set>
 
 #include "samples/sample_shapes.h"
 
 namespace quench::samples {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 // Coordinates from `begin` to `end` in `count` equal steps, the ends exact, appended without the first.
 void append_steps(std::vector<double>& coordinates, double end, int count) {

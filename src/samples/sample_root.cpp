@@ -3,14 +3,11 @@
 // Its length is 1; down is -z.
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <numbers>
 
 #include "samples/sample_shapes.h"
 
 namespace quench::samples {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 /// How branches of one order grow.
 struct Habit {

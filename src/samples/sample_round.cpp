@@ -1,16 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Ellipsoid, torus, bumpy sphere, hollow sphere, four blobs. Default tessellations deviate from the smooth surface by
 // less than 1/20 voxel at resolution 512.
-#include <numbers>
 
 #include "samples/sample_shapes.h"
 
 namespace quench::samples {
-namespace {
-
-constexpr double kPi = std::numbers::pi;
-
-}  // namespace
+namespace {}  // namespace
 
 Sample ellipsoid(const SampleOptions& options) {
   const Vec3 axes(1, 0.7, 0.4);

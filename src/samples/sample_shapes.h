@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <functional>
+#include <numbers>
 #include <span>
 #include <unordered_map>
 #include <vector>
@@ -12,6 +13,8 @@
 
 /// Building blocks of the built-in shapes; all surfaces are closed and oriented outward.
 namespace quench::samples {
+
+inline constexpr double kPi = std::numbers::pi;
 
 /// A surface of quads between points of a lattice. Equal lattice points become one vertex.
 class LatticeSurface {

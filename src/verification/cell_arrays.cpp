@@ -12,8 +12,6 @@ namespace quench::verification {
 
 namespace {
 
-constexpr double kSingle = 1e-6;  // relative, of what is stored in single precision
-
 // Calls visit(row, dimension, a vertex of the cell) for every cell of the file until it returns false.
 template <class Visit>
 void for_cells(const Result& result, const Visit& visit) {

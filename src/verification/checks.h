@@ -9,6 +9,9 @@
 
 namespace quench::verification {
 
+/// Relative error of numbers that some files store in single precision.
+inline constexpr double kSingle = 1e-6;
+
 /// No two cells are the same, none is degenerate; polygons are plane and convex.
 Check check_cells(const Result& result);
 

@@ -12,7 +12,6 @@ namespace quench::verification {
 
 namespace {
 
-constexpr double kSingle = 1e-6;       // relative, of what some files store in single precision
 constexpr double kOffByLabels = 0.01;  // of a length: burning corrects times that are off by more than 0.002 of it
 
 /// Flags and values of a point array that may be infinite: 1, and the largest finite value, where it is.

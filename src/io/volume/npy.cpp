@@ -26,10 +26,6 @@ struct Header {
   std::vector<std::int64_t> shape;
 };
 
-[[noreturn]] void refuse(const std::filesystem::path& file, const std::string& why) {
-  throw Error(ErrorCode::input, fmt::format("'{}' cannot be read as NPY: {}", file.string(), base::plain(why)));
-}
-
 // Just enough of Python's literals for {'descr': '<f8', 'fortran_order': False, 'shape': (3, 4, 5), }.
 class DictionaryParser {
  public:
@@ -45,7 +41,7 @@ class DictionaryParser {
       if (key == "descr") {
         skip_space();
         if (at_ < text_.size() && text_[at_] != '\'' && text_[at_] != '"')
-          refuse(file_, "its samples are records; save one field as a plain number type");
+          refuse(file_, "NPY", "its samples are records; save one field as a plain number type");
         header.descr = quoted();
         descr = true;
       } else if (key == "fortran_order") {
@@ -55,14 +51,14 @@ class DictionaryParser {
         header.shape = tuple();
         shape = true;
       } else {
-        refuse(file_, fmt::format("the header has an unknown key '{}'", key.substr(0, 40)));
+        refuse(file_, "NPY", fmt::format("the header has an unknown key '{}'", key.substr(0, 40)));
       }
       if (!accept(',')) {
         expect('}');
         break;
       }
     }
-    if (!descr || !order || !shape) refuse(file_, "the header lacks descr, fortran_order or shape");
+    if (!descr || !order || !shape) refuse(file_, "NPY", "the header lacks descr, fortran_order or shape");
     return header;
   }
 
@@ -77,14 +73,15 @@ class DictionaryParser {
     return true;
   }
   void expect(char c) {
-    if (!accept(c)) refuse(file_, fmt::format("'{}' is missing at byte {} of the header", c, at_));
+    if (!accept(c)) refuse(file_, "NPY", fmt::format("'{}' is missing at byte {} of the header", c, at_));
   }
   std::string quoted() {
     skip_space();
     const char quote = at_ < text_.size() ? text_[at_] : '\0';
-    if (quote != '\'' && quote != '"') refuse(file_, fmt::format("a string is missing at byte {} of the header", at_));
+    if (quote != '\'' && quote != '"')
+      refuse(file_, "NPY", fmt::format("a string is missing at byte {} of the header", at_));
     const std::size_t end = text_.find(quote, at_ + 1);
-    if (end == std::string_view::npos) refuse(file_, "a string in the header does not end");
+    if (end == std::string_view::npos) refuse(file_, "NPY", "a string in the header does not end");
     std::string value(text_.substr(at_ + 1, end - at_ - 1));
     at_ = end + 1;
     return value;
@@ -98,7 +95,7 @@ class DictionaryParser {
         return value;
       }
     }
-    refuse(file_, "fortran_order is neither True nor False");
+    refuse(file_, "NPY", "fortran_order is neither True nor False");
   }
   std::vector<std::int64_t> tuple() {
     std::vector<std::int64_t> values;
@@ -107,11 +104,11 @@ class DictionaryParser {
       skip_space();
       std::int64_t value = 0;
       const auto [end, error] = std::from_chars(text_.data() + at_, text_.data() + text_.size(), value);
-      if (error != std::errc()) refuse(file_, "the shape is not a tuple of numbers");
+      if (error != std::errc()) refuse(file_, "NPY", "the shape is not a tuple of numbers");
       at_ = static_cast<std::size_t>(end - text_.data());
       accept('L');  // Python 2 wrote long integers so
       values.push_back(value);
-      if (values.size() > 32) refuse(file_, "the shape has more than 32 axes");
+      if (values.size() > 32) refuse(file_, "NPY", "the shape has more than 32 axes");
       if (!accept(',')) {
         expect(')');
         break;
@@ -135,7 +132,7 @@ std::vector<T> read_samples(InputFile& in, const std::filesystem::path& file, st
     checkpoint(context, "read", static_cast<double>(at) / static_cast<double>(bytes));
     in.stream.read(reinterpret_cast<char*>(samples.data()) + at,
                    static_cast<std::streamsize>(std::min(kBlock, bytes - at)));
-    if (!in.stream) refuse(file, "the samples end too early");
+    if (!in.stream) refuse(file, "NPY", "the samples end too early");
   }
   if (swap && sizeof(T) > 1) swap_bytes(samples);
   checkpoint(context, "read", 1);
@@ -147,13 +144,14 @@ std::vector<T> read_samples(InputFile& in, const std::filesystem::path& file, st
 std::array<std::int64_t, 3> dims_of(const std::filesystem::path& file, const Header& header) {
   std::vector<std::int64_t> axes = header.shape;
   if (!header.fortran_order) std::reverse(axes.begin(), axes.end());
-  if (axes.size() < 2) refuse(file, fmt::format("it has {} axes; a volume has three, an image two", axes.size()));
+  if (axes.size() < 2)
+    refuse(file, "NPY", fmt::format("it has {} axes; a volume has three, an image two", axes.size()));
   std::array<std::int64_t, 3> dims{1, 1, 1};
   const bool squeeze = axes.size() > 3;
   std::size_t used = 0;
   for (const std::int64_t length : axes) {
     if (squeeze && length == 1) continue;
-    if (used == 3) refuse(file, fmt::format("it has {} axes; a volume has three", axes.size()));
+    if (used == 3) refuse(file, "NPY", fmt::format("it has {} axes; a volume has three", axes.size()));
     dims[used++] = length;
   }
   return dims;
@@ -165,24 +163,25 @@ Volume read_npy(const std::filesystem::path& file, Context* context) {
   InputFile in(file);
   std::array<unsigned char, 12> start{};
   in.stream.read(reinterpret_cast<char*>(start.data()), 8);
-  if (!in.stream || std::memcmp(start.data(), "\x93NUMPY", 6) != 0) refuse(file, "it does not begin with \\x93NUMPY");
+  if (!in.stream || std::memcmp(start.data(), "\x93NUMPY", 6) != 0)
+    refuse(file, "NPY", "it does not begin with \\x93NUMPY");
   const int version = start[6];
   if (version < 1 || version > 3)
-    refuse(file, fmt::format("version {} is unknown; versions 1 to 3 can be read", version));
+    refuse(file, "NPY", fmt::format("version {} is unknown; versions 1 to 3 can be read", version));
   const int length_bytes = version == 1 ? 2 : 4;
   in.stream.read(reinterpret_cast<char*>(start.data()) + 8, length_bytes);
-  if (!in.stream) refuse(file, "the header is incomplete");
+  if (!in.stream) refuse(file, "NPY", "the header is incomplete");
   std::uint64_t length = 0;
   for (int b = length_bytes; b-- > 0;) length = length << 8 | start[static_cast<std::size_t>(8 + b)];
   const std::uint64_t data = 8 + static_cast<std::uint64_t>(length_bytes) + length;
-  if (data > in.size) refuse(file, fmt::format("the header claims {} bytes, the file has {}", length, in.size));
+  if (data > in.size) refuse(file, "NPY", fmt::format("the header claims {} bytes, the file has {}", length, in.size));
   std::string text(length, '\0');
   in.stream.read(text.data(), static_cast<std::streamsize>(length));
-  if (!in.stream) refuse(file, "the header is incomplete");
+  if (!in.stream) refuse(file, "NPY", "the header is incomplete");
   const Header header = DictionaryParser(text, file).parse();
 
   if (header.descr.size() != 3 || !std::strchr("<>|=", header.descr[0]))
-    refuse(file, fmt::format("samples of type '{}' are not plain numbers", header.descr.substr(0, 40)));
+    refuse(file, "NPY", fmt::format("samples of type '{}' are not plain numbers", header.descr.substr(0, 40)));
   const bool swap = header.descr[0] == '>';
   const std::string type = header.descr.substr(1);
   Volume volume;
@@ -218,7 +217,7 @@ Volume read_npy(const std::filesystem::path& file, Context* context) {
     std::transform(halves.begin(), halves.end(), values.begin(), from_half);
     volume.samples = std::move(values);
   } else {
-    refuse(file,
+    refuse(file, "NPY",
            fmt::format("samples of type '{}' are not supported; save as integers, float32 or float64", header.descr));
   }
   return volume;

@@ -13,10 +13,6 @@
 namespace quench::io {
 namespace {
 
-[[noreturn]] void refuse(const std::filesystem::path& file, const std::string& why) {
-  throw Error(ErrorCode::input, fmt::format("'{}' cannot be read as PNG: {}", file.string(), why));
-}
-
 std::uint32_t big_endian(const unsigned char* p) {
   return static_cast<std::uint32_t>(p[0]) << 24 | static_cast<std::uint32_t>(p[1]) << 16 |
          static_cast<std::uint32_t>(p[2]) << 8 | p[3];
@@ -46,13 +42,13 @@ void read_header(Png& png, const unsigned char* data, const std::filesystem::pat
   png.depth = data[8];
   png.colour = data[9];
   png.interlaced = data[12] == 1;
-  if (data[10] != 0 || data[11] != 0 || data[12] > 1) refuse(file, "its compression method is unknown");
+  if (data[10] != 0 || data[11] != 0 || data[12] > 1) refuse(file, "PNG", "its compression method is unknown");
   if (png.colour == 2 || png.colour == 4 || png.colour == 6)
     refuse_picture(file, png, png.colour == 2 ? "an RGB" : png.colour == 4 ? "a grey and transparent" : "an RGBA");
-  if (png.colour != 0 && png.colour != 3) refuse(file, fmt::format("its colour type {} is unknown", png.colour));
+  if (png.colour != 0 && png.colour != 3) refuse(file, "PNG", fmt::format("its colour type {} is unknown", png.colour));
   const int d = png.depth;
   if (d != 1 && d != 2 && d != 4 && d != 8 && !(d == 16 && png.colour == 0))
-    refuse(file, fmt::format("{} bits per sample are not possible", d));
+    refuse(file, "PNG", fmt::format("{} bits per sample are not possible", d));
 }
 
 Png read_chunks(const std::filesystem::path& file) {
@@ -60,18 +56,19 @@ Png read_chunks(const std::filesystem::path& file) {
   std::vector<unsigned char> bytes(in.size);
   in.stream.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
   if (!in.stream || bytes.size() < 8 || std::memcmp(bytes.data(), "\x89PNG\r\n\x1a\n", 8) != 0)
-    refuse(file, "it does not begin as one");
+    refuse(file, "PNG", "it does not begin as one");
   Png png;
   for (std::size_t at = 8;;) {
-    if (bytes.size() - at < 12) refuse(file, fmt::format("it is cut off at byte {}", bytes.size()));
+    if (bytes.size() - at < 12) refuse(file, "PNG", fmt::format("it is cut off at byte {}", bytes.size()));
     const std::uint32_t length = big_endian(&bytes[at]);
-    if (length > bytes.size() - at - 12) refuse(file, fmt::format("it is cut off in the chunk at byte {}", at));
+    if (length > bytes.size() - at - 12) refuse(file, "PNG", fmt::format("it is cut off in the chunk at byte {}", at));
     const unsigned char* data = &bytes[at + 8];
     const auto type = std::string_view(reinterpret_cast<const char*>(&bytes[at + 4]), 4);
     if (crc32(0, &bytes[at + 4], length + 4) != big_endian(data + length))
-      refuse(file,
+      refuse(file, "PNG",
              fmt::format("the checksum of the chunk at byte {} is wrong: the file is damaged; copy it again", at));
-    if ((at == 8) != (type == "IHDR") || (at == 8 && length != 13)) refuse(file, "its header is missing or repeated");
+    if ((at == 8) != (type == "IHDR") || (at == 8 && length != 13))
+      refuse(file, "PNG", "its header is missing or repeated");
     if (type == "IHDR") {
       read_header(png, data, file);
     } else if (type == "PLTE") {
@@ -85,7 +82,7 @@ Png read_chunks(const std::filesystem::path& file) {
     } else if (type == "IEND") {
       return png;
     } else if (!(type[0] & 0x20)) {
-      refuse(file, fmt::format("the critical chunk at byte {} is unknown", at));
+      refuse(file, "PNG", fmt::format("the critical chunk at byte {} is unknown", at));
     }
     at += 12 + static_cast<std::size_t>(length);
   }
@@ -94,7 +91,7 @@ Png read_chunks(const std::filesystem::path& file) {
 // Undoes the filter of one row in place (PNG specification, sec. 9); `step` is the distance to the pixel before.
 void unfilter(unsigned char type, unsigned char* row, const unsigned char* above, std::size_t size, std::size_t step,
               const std::filesystem::path& file) {
-  if (type > 4) refuse(file, fmt::format("a row has the unknown filter {}", type));
+  if (type > 4) refuse(file, "PNG", fmt::format("a row has the unknown filter {}", type));
   for (std::size_t i = 0; i < size; ++i) {
     const int left = i < step ? 0 : row[i - step];
     const int up = above ? above[i] : 0;
@@ -135,7 +132,7 @@ std::vector<T> decode(const Png& png, const std::filesystem::path& file, std::ui
   uLongf got = raw.size();
   const int result = uncompress(raw.data(), &got, png.packed.data(), png.packed.size());
   if ((result != Z_OK && result != Z_BUF_ERROR) || got != expected)
-    refuse(file, "its compressed pixels are damaged; copy it again");
+    refuse(file, "PNG", "its compressed pixels are damaged; copy it again");
 
   std::vector<T> samples(count);
   const int scale = png.depth < 8 && png.colour == 0 ? 255 / ((1 << png.depth) - 1) : 1;
@@ -157,7 +154,7 @@ std::vector<T> decode(const Png& png, const std::filesystem::path& file, std::ui
         }
         if (png.colour == 3) {
           if (static_cast<std::size_t>(value) >= png.grey_of_index.size())
-            refuse(file, fmt::format("a pixel has colour {}, beyond the end of the palette", value));
+            refuse(file, "PNG", fmt::format("a pixel has colour {}, beyond the end of the palette", value));
           value = png.grey_of_index[static_cast<std::size_t>(value)];
         }
         out[p.x0 + c * p.dx] = static_cast<T>(value * scale);

@@ -17,10 +17,6 @@ enum Node : unsigned char { internal = 0, empty = 1, leaf = 2 };
 
 constexpr std::int32_t kLargestResolution = 2048;
 
-[[noreturn]] void refuse(const std::filesystem::path& file, const std::string& why) {
-  throw Error(ErrorCode::input, fmt::format("'{}' cannot be read as .sof: {}", file.string(), why));
-}
-
 struct Cell {
   std::int32_t x, y, z, size;
 };
@@ -34,10 +30,10 @@ void each_cell(const std::vector<unsigned char>& bytes, std::int32_t n, const st
   while (!open.empty()) {
     const Cell cell = open.back();
     open.pop_back();
-    if (at >= bytes.size()) refuse(file, fmt::format("the octree is cut off at byte {}", at));
+    if (at >= bytes.size()) refuse(file, ".sof", fmt::format("the octree is cut off at byte {}", at));
     const unsigned char type = bytes[at++];
     if (type == internal) {
-      if (cell.size == 1) refuse(file, fmt::format("the cell before byte {} is divided below size 1", at));
+      if (cell.size == 1) refuse(file, ".sof", fmt::format("the cell before byte {} is divided below size 1", at));
       const std::int32_t half = cell.size / 2;
       for (int child = 8; child-- > 0;)
         open.push_back(
@@ -45,13 +41,13 @@ void each_cell(const std::vector<unsigned char>& bytes, std::int32_t n, const st
       continue;
     }
     if (type != empty && type != leaf)
-      refuse(file, fmt::format("byte {} is {}, which is not a node type", at - 1, type));
-    if (at >= bytes.size()) refuse(file, fmt::format("the octree is cut off at byte {}", at));
+      refuse(file, ".sof", fmt::format("byte {} is {}, which is not a node type", at - 1, type));
+    if (at >= bytes.size()) refuse(file, ".sof", fmt::format("the octree is cut off at byte {}", at));
     if (type == leaf && cell.size != 1)
-      refuse(file, fmt::format("the leaf before byte {} has size {}; leaves must be of size 1", at, cell.size));
+      refuse(file, ".sof", fmt::format("the leaf before byte {} has size {}; leaves must be of size 1", at, cell.size));
     visit(cell, static_cast<Node>(type), bytes[at++]);
   }
-  if (at != bytes.size()) refuse(file, fmt::format("the octree ends at byte {} of {}", at, bytes.size()));
+  if (at != bytes.size()) refuse(file, ".sof", fmt::format("the octree ends at byte {} of {}", at, bytes.size()));
 }
 
 }  // namespace
@@ -60,11 +56,11 @@ Volume read_sof(const std::filesystem::path& file, Context* context) {
   InputFile in(file);
   std::vector<unsigned char> bytes(in.size);
   in.stream.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-  if (!in.stream || bytes.size() < 6) refuse(file, "it is too short");
+  if (!in.stream || bytes.size() < 6) refuse(file, ".sof", "it is too short");
   std::uint32_t resolution = 0;
   std::memcpy(&resolution, bytes.data(), 4);
   if (!std::has_single_bit(resolution) || resolution > static_cast<std::uint32_t>(kLargestResolution))
-    refuse(file, fmt::format("the resolution {} is not a power of 2 up to {}", resolution, kLargestResolution));
+    refuse(file, ".sof", fmt::format("the resolution {} is not a power of 2 up to {}", resolution, kLargestResolution));
   const auto n = static_cast<std::int32_t>(resolution);
 
   std::uint64_t leaves = 0;
@@ -73,7 +69,7 @@ Volume read_sof(const std::filesystem::path& file, Context* context) {
   const auto side = static_cast<std::uint64_t>(n) + 1;
   const std::uint64_t voxels = side * side * side;
   if (leaves == 0 || (voxels > (std::uint64_t{1} << 28) && voxels / bytes.size() > 256 * side))
-    refuse(file, fmt::format("{} leaves are too few for a shape of resolution {}", leaves, n));
+    refuse(file, ".sof", fmt::format("{} leaves are too few for a shape of resolution {}", leaves, n));
 
   check_read_memory(file, voxels + voxels / 8 + bytes.size(), context);  // also a bit per voxel, see below
   Volume volume;

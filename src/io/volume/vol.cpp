@@ -17,10 +17,6 @@ namespace {
 constexpr int kLongestHeader = 1000;  // lines
 constexpr std::uint64_t kBlock = 1 << 20;
 
-[[noreturn]] void refuse(const std::filesystem::path& file, const std::string& why) {
-  throw Error(ErrorCode::input, fmt::format("'{}' cannot be read as .vol: {}", file.string(), base::plain(why)));
-}
-
 std::string trimmed(const std::string& text) {
   const auto first = text.find_first_not_of(" \t\r");
   if (first == std::string::npos) return {};
@@ -35,16 +31,18 @@ Fields read_header(InputFile& in, const std::filesystem::path& file) {
   for (int number = 1;; ++number) {
     line.clear();
     for (int c; (c = in.stream.get()) != '\n';) {
-      if (c == std::char_traits<char>::eof()) refuse(file, "the header does not end with a line that is one dot");
+      if (c == std::char_traits<char>::eof())
+        refuse(file, ".vol", "the header does not end with a line that is one dot");
       line.push_back(static_cast<char>(c));
-      if (line.size() > 4096) refuse(file, fmt::format("line {} of the header is too long", number));
+      if (line.size() > 4096) refuse(file, ".vol", fmt::format("line {} of the header is too long", number));
     }
     line = trimmed(line);
     if (line == ".") return fields;
-    if (number > kLongestHeader) refuse(file, "the header does not end with a line that is one dot");
+    if (number > kLongestHeader) refuse(file, ".vol", "the header does not end with a line that is one dot");
     const auto colon = line.find(':');
     if (line.empty() || line[0] == '#') continue;
-    if (colon == std::string::npos) refuse(file, fmt::format("line {} of the header is not 'key: value'", number));
+    if (colon == std::string::npos)
+      refuse(file, ".vol", fmt::format("line {} of the header is not 'key: value'", number));
     fields[trimmed(line.substr(0, colon))] = trimmed(line.substr(colon + 1));
   }
 }
@@ -53,14 +51,14 @@ std::int64_t number_of(const Fields& fields, const std::filesystem::path& file, 
                        std::int64_t otherwise) {
   const auto it = fields.find(key);
   if (it == fields.end()) {
-    if (otherwise < 0) refuse(file, fmt::format("the header lacks {}", key));
+    if (otherwise < 0) refuse(file, ".vol", fmt::format("the header lacks {}", key));
     return otherwise;
   }
   std::int64_t value = 0;
   const char* end = it->second.data() + it->second.size();
   const auto [stop, error] = std::from_chars(it->second.data(), end, value);
   if (error != std::errc() || stop != end)
-    refuse(file, fmt::format("{} is '{}', not a whole number", key, it->second.substr(0, 40)));
+    refuse(file, ".vol", fmt::format("{} is '{}', not a whole number", key, it->second.substr(0, 40)));
   return value;
 }
 
@@ -81,8 +79,9 @@ void inflate_into(InputFile& in, const std::filesystem::path& file, unsigned cha
     in.stream.read(input.data(), static_cast<std::streamsize>(input.size()));
     const auto got = in.stream.gcount();
     if (got <= 0)
-      refuse(file, fmt::format("the compressed samples end after {} of {} bytes: the file is incomplete; copy it again",
-                               done, size));
+      refuse(file, ".vol",
+             fmt::format("the compressed samples end after {} of {} bytes: the file is incomplete; copy it again", done,
+                         size));
     z.next_in = reinterpret_cast<unsigned char*>(input.data());
     z.avail_in = static_cast<unsigned>(got);
     while (z.avail_in > 0 && done < size && !ended) {
@@ -94,13 +93,14 @@ void inflate_into(InputFile& in, const std::filesystem::path& file, unsigned cha
       if (result == Z_STREAM_END)
         ended = true;
       else if (result != Z_OK && result != Z_BUF_ERROR)
-        refuse(file,
+        refuse(file, ".vol",
                fmt::format("the compressed samples are damaged after {} of {} bytes; copy the file again", done, size));
     }
   }
   if (done < size)
-    refuse(file, fmt::format("the compressed samples end after {} of {} bytes: the file is incomplete; copy it again",
-                             done, size));
+    refuse(file, ".vol",
+           fmt::format("the compressed samples end after {} of {} bytes: the file is incomplete; copy it again", done,
+                       size));
   checkpoint(context, "read", 1);
 }
 
@@ -114,7 +114,7 @@ Volume read_vol(const std::filesystem::path& file, Context* context) {
                       number_of(fields, file, "Z", -1)};
   const std::int64_t bytes = number_of(fields, file, "Voxel-Size", 1);
   const std::int64_t version = number_of(fields, file, "Version", 2);
-  if (version < 1 || version > 3) refuse(file, fmt::format("version {} is not known (2 and 3 are)", version));
+  if (version < 1 || version > 3) refuse(file, ".vol", fmt::format("version {} is not known (2 and 3 are)", version));
   const bool compressed = version == 3;
   // The field lists byte positions, least significant first in "0123"; "0" is a single byte or no statement.
   const auto order = fields.find("Voxel-Endian");
@@ -131,7 +131,7 @@ Volume read_vol(const std::filesystem::path& file, Context* context) {
       inflate_into(in, file, out, count * sizeof(T), context);
     } else {
       in.stream.read(reinterpret_cast<char*>(out), static_cast<std::streamsize>(count * sizeof(T)));
-      if (!in.stream) refuse(file, "the samples end too early");
+      if (!in.stream) refuse(file, ".vol", "the samples end too early");
     }
     if (big && sizeof(T) > 1) swap_bytes(samples);
     return samples;
@@ -145,7 +145,7 @@ Volume read_vol(const std::filesystem::path& file, Context* context) {
   else if (bytes == 8)
     volume.samples = read(std::uint64_t{});
   else
-    refuse(file, fmt::format("Voxel-Size {} is not 1, 2, 4 or 8", bytes));
+    refuse(file, ".vol", fmt::format("Voxel-Size {} is not 1, 2, 4 or 8", bytes));
   return volume;
 }
 

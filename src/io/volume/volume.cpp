@@ -15,6 +15,11 @@
 #include "quench/io.h"
 
 namespace quench::io {
+
+void refuse(const std::filesystem::path& file, const char* format, const std::string& why) {
+  throw Error(ErrorCode::input, fmt::format("'{}' cannot be read as {}: {}", file.string(), format, base::plain(why)));
+}
+
 namespace {
 
 Volume read_by_extension(const std::filesystem::path& file, bool spacing_is_given, Context* context) {

@@ -72,4 +72,7 @@ void swap_bytes(std::vector<T>& samples) {
   for (std::size_t i = 0; i < samples.size(); ++i) std::reverse(bytes + i * sizeof(T), bytes + (i + 1) * sizeof(T));
 }
 
+/// Throws the Error(input) "'FILE' cannot be read as FORMAT: WHY".
+[[noreturn]] void refuse(const std::filesystem::path& file, const char* format, const std::string& why);
+
 }  // namespace quench::io
