@@ -10,6 +10,7 @@ class Error(RuntimeError):
     code: int
     argument: Optional[str]
 
-class UsageError(Error, ValueError): ...
+class UsageError(Error, ValueError):
+    """An invalid argument: an `Error` of code 2, and a `ValueError`. `argument` is the name of the keyword."""
 
 def __getattr__(name: str) -> Any: ...
