@@ -193,7 +193,7 @@ CoreResult core_of(const LoadedShape& shape, const AxisOptions& options = {}, Co
 CoreResult pruned_further(const LoadedShape& shape, const CoreResult& core, const Length& lambda,
                           Context* context = nullptr);
 
-/// The axis as a file: cells and arrays (docs/voxel_core.md), and as field data stage, lambda, longest_side,
+/// The axis as a file: cells and arrays (docs/user/files.md), and as field data stage, lambda, longest_side,
 /// reconstructed, topology, units, space, version and `parameters`.
 Record core_file(const CoreResult& core);
 /// The same where the axis is not needed any more: it is empty afterwards, the rest of `core` as it was.

@@ -94,6 +94,19 @@ def test_options_exist():
     assert not unknown
 
 
+def test_pages_named_in_the_code_are_there():
+    """A page of docs/ or notes/ that a comment or the changelog names exists."""
+    named = set()
+    for pattern in ('src/**/*', 'include/quench/*', 'cli/*', 'python/*/*', 'tests/**/*', 'bench/*', 'fuzz/*', 'examples/*',
+                    'viewer/src/**/*', 'CHANGELOG.md', 'CMakeLists.txt', 'Makefile'):
+        for file in glob.glob(os.path.join(ROOT, pattern), recursive=True):
+            if file.endswith(('.cpp', '.h', '.py', '.pyi', '.ts', '.mjs', '.txt', '.md', 'Makefile')):
+                with open(file, encoding='utf-8') as text:
+                    named |= {(page, file) for page in re.findall(r'\b(?:docs|notes)/[a-z_/]+\.md\b', text.read())}
+    assert len(named) > 20
+    assert [found for found in sorted(named) if not os.path.exists(os.path.join(ROOT, found[0]))] == []
+
+
 def test_cpp_snippets_compile(tmp_path):
     """Blocks without main() are the body of a function that has a mesh, a shape, a medial axis and a length."""
     compiler = shutil.which('c++')
