@@ -61,6 +61,7 @@ struct Page {
   std::optional<std::array<double, 12>> sites_to_world;  ///< rows of a 3 x 4 matrix
   Vec3 low = Vec3::Zero(), high = Vec3::Zero();          ///< box around everything that was added
   std::vector<std::string> notes;                        ///< what was simplified, a sentence each
+  std::vector<std::string> raised;  ///< those of `notes` that say which threshold starts above what was asked for
   std::vector<PageArray> arrays;
 
   const PageArray* find(std::string_view name) const;

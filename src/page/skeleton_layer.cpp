@@ -233,8 +233,9 @@ std::size_t add_skeleton(Page& page, const SkeletonFamily& family, std::size_t m
                     page::limit_text(page)));
   const auto raise = [&](std::optional<double>& start, double least, const char* name) {
     if (!start || *start >= least) return;
-    page.notes.push_back(fmt::format("{} starts at {} instead of {}", name, page::length_text(page, least),
-                                     page::length_text(page, *start)));
+    page.raised.push_back(fmt::format("{} starts at {} instead of {}", name, page::length_text(page, least),
+                                      page::length_text(page, *start)));
+    page.notes.push_back(page.raised.back());
     start = least;
   };
   raise(page.theta2, *page.theta2_floor, "theta2");

@@ -180,6 +180,14 @@ TEST_F(ViewProgram, BudgetsAndNotes) {
   EXPECT_GT(p.meta["floor"]["theta2"], 0);
 }
 
+TEST_F(ViewProgram, RunSaysWhenThePageHoldsLessThanTheFiles) {
+  REQUIRE_PAGE();
+  works({"sample", "fin-on-board", "--resolution", "32", "-o", "fin.nrrd"});
+  const std::string sentence = "is not the skeleton asked for: theta2 starts at";
+  EXPECT_TRUE(has(works({"run", "fin.nrrd", "-o", "little", "--max-triangles", "1000"}).err, sentence));
+  EXPECT_FALSE(has(works({"run", "fin.nrrd", "-o", "all"}).err, sentence));
+}
+
 TEST_F(ViewProgram, OtherFilesAreShownAsTheyAre) {
   REQUIRE_PAGE();
   make_core();
