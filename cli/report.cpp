@@ -93,21 +93,26 @@ void add_core_sections(Json& report, const pipeline::LoadedShape& shape, const p
   report["parameters"] = Json::parse(core.parameters);
   report["shape"] = shape_section(shape);
   report["core"] = cells_section(core.all, core.topology);
-  report["core"]["reconstructed"] = core.whole;
+  if (core.whole) report["core"]["reconstructed"] = *core.whole;
   report["core"]["in_bricks"] = core.plan.in_bricks;
   report["core"]["predicted_bytes"] = predicted_bytes(core.plan);
-  report["pruned"] = {{"lambda", number(core.lambda)}};
+  report["pruned"] = {{std::string(core.options.pruning.measure), number(core.threshold)}};
   report["pruned"].update(cells_section(core.kept, core.topology));
   report["pruned"]["reconstructed"] = core.reconstructed;
+  if (core.options.pruning.measure == kDetail) report["pruned"]["coverage"] = core.coverage;
 }
 
 void say_core(const pipeline::LoadedShape& shape, const pipeline::CoreResult& core, Session& session) {
   session.detail(fmt::format("{} boundary vertices, about {} of memory at the peak", core.plan.sites,
                              base::bytes_text(predicted_bytes(core.plan))));
-  const double lambda = core.lambda;
-  if (!core.options.lambda)
-    session.say(fmt::format("lambda {:.6g} ({:.3g} voxels, {:.3g} of the longest side; chosen by auto)", lambda,
-                            lambda / shape.scale().voxel, lambda / shape.longest_side));
+  const pipeline::Pruning& pruning = core.options.pruning;
+  const double threshold = core.threshold, voxel = shape.scale().voxel;
+  if (!pruning.threshold)
+    session.say(fmt::format("{} {:.6g} ({:.3g} voxels, {:.3g} of the longest side; chosen by auto)", pruning.measure,
+                            threshold, threshold / voxel, threshold / shape.longest_side));
+  if (pruning.measure == kDetail)
+    session.say(fmt::format("every point of the voxels' surface is within {:.3g} voxels of the balls of {}",
+                            core.coverage / voxel, base::counted(core.kept.faces, "face")));
 }
 
 void say_written(Session& session, const std::string& axis, const std::string& report, const pipeline::CoreResult& core,
@@ -205,7 +210,7 @@ void write_page(const pipeline::PageBuilder& builder, const std::filesystem::pat
   const auto floor = [&](const char* name, const std::optional<double>& value) {
     if (value) section["floor"][name] = *value;
   };
-  floor("lambda", builder.page.lambda_floor);
+  for (const PageMeasure& measure : builder.page.measures) section["floor"][measure.name] = measure.floor;
   floor("theta2", builder.page.theta2_floor);
   floor("theta1", builder.page.theta1_floor);
 }

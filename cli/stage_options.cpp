@@ -38,6 +38,21 @@ CLI::Option* add_named(CLI::App& app, const std::string& name, Value& value, Enu
       ->capture_default_str();
 }
 
+/// A threshold of a measure by which cores are pruned; giving it chooses the measure.
+CLI::Option* add_pruning(CLI::App& app, const std::string& name, std::string_view measure,
+                           pipeline::Pruning& pruning, const std::string& help) {
+  return add_parsed(
+             app, name, help,
+             [&pruning, measure](const std::string& option, const std::string& text) {
+               pruning = {measure, pipeline::parse_length_or_auto(text, field_of(option))};
+             },
+             [&pruning, measure] {
+               return pruning.measure == measure ? pipeline::text_of(pruning.threshold) : std::string();
+             })
+      ->type_name("LENGTH")
+      ->capture_default_str();
+}
+
 }  // namespace
 
 CLI::Option* add_length(CLI::App& app, const std::string& name, pipeline::Length& length, const std::string& help) {
@@ -65,17 +80,24 @@ CLI::Option* add_length(CLI::App& app, const std::string& name, std::optional<pi
 
 void add_core_options(CLI::App& app, pipeline::AxisOptions& o) {
   const auto group = "Medial axis";
-  add_length(app, "--lambda", o.lambda,
-             "Drop what is thinner than this radius where the topology allows: a fraction of the longest side "
-             "(0.02 or 2%), 2.5vox, 3.5abs, inf, "
-             "0 (nothing), or 'auto': the largest from 0.02 down whose balls still fill 98% of the shape")
-      ->group(group);
+  CLI::Option* detail = add_pruning(
+      app, "--detail", kDetail, o.pruning,
+      "What sticks out less than this length is noise, and is dropped where the topology allows; every point of the "
+      "surface stays within twice as much (at least a voxel diagonal) of the balls that are kept: a fraction of the "
+      "longest side (0.02 or 2%), 2.5vox, 3.5abs, inf, 0 (nothing is dropped), or 'auto': half the voxel diagonal, "
+      "above which nothing comes from the voxels' steps");
+  CLI::Option* lambda = add_pruning(
+      app, "--lambda", kLambda, o.pruning,
+      "Instead: drop what is thinner than this radius, whatever sticks out. A length, or 'auto': the largest from 0.02 "
+      "down whose balls still fill 98% of the shape (which keeps much of the voxels' steps)");
+  lambda->excludes(detail)->group(group);
+  detail->group(group);
   add_named(app, "--lambda-rule", o.rule, LambdaRule::coface, LambdaRule::ball,
             "The lambda of edges and vertices: 'coface', the largest of the faces around, or 'ball', the radius "
             "of the smallest ball around "
             "their nearest boundary points")
       ->group(group);
-  app.add_flag("--full", o.full, "Write the cells below lambda too (each with its lambda_level)")->group(group);
+  app.add_flag("--full", o.full, "Write the cells below the threshold too (each with its level: detail_level or lambda_level)")->group(group);
 }
 
 void add_burn_options(CLI::App& app, pipeline::BurningOptions& o) {

@@ -22,7 +22,7 @@ struct Options {
   ShapeOptions shape;
   pipeline::BurningOptions burning;
   pipeline::SkeletonOptions skeleton;
-  std::optional<pipeline::Length> lambda;
+  pipeline::Pruning pruning;  ///< where the page starts, if it says a threshold
   std::size_t max_triangles = kPageTriangles;
   std::string layer, color, camera;
   bool dark = false;
@@ -162,8 +162,8 @@ void add_still(Plan& plan, pipeline::PageBuilder& builder, Session& session) {
   session.finished("page");
 }
 
-/// The axis with all its skeletons. `lambda`: where the page starts, for its state.
-void add_axis(const Options& o, Plan& plan, pipeline::PageBuilder& builder, Json& report, std::string& lambda,
+/// The axis with all its skeletons. `threshold`: where the page starts, for its state.
+void add_axis(const Options& o, Plan& plan, pipeline::PageBuilder& builder, Json& report, std::string& threshold,
               Session& session) {
   Context* context = &session.context;
   Page& page = builder.page;
@@ -173,7 +173,8 @@ void add_axis(const Options& o, Plan& plan, pipeline::PageBuilder& builder, Json
   if (page.side == 0 || pipeline::field_number(loaded.data, "longest_side")) page.side = scale.longest_side;
   if (scale.voxel > 0) page.voxel = scale.voxel;
   if (page.unit.empty()) page.unit = loaded.coordinates.units;
-  if (o.lambda) lambda = fmt::format("{}", static_cast<float>(scale.resolve(*o.lambda, "lambda")));
+  if (o.pruning.threshold)
+    threshold = fmt::format("{}", static_cast<float>(scale.resolve(*o.pruning.threshold, o.pruning.measure)));
 
   pipeline::RunOptions options;
   options.burning = o.burning;
@@ -191,7 +192,7 @@ void add_axis(const Options& o, Plan& plan, pipeline::PageBuilder& builder, Json
 }
 
 /// What the page starts with, in the form of its address; refuses what the page does not have.
-std::string state_of(const Options& o, const Page& page, bool has_axis, const std::string& lambda) {
+std::string state_of(const Options& o, const Page& page, bool has_axis, const std::string& threshold) {
   if (!o.layer.empty() && !page.find(o.layer + "/points"))
     throw Error(ErrorCode::usage, fmt::format("there is no layer '{}' in this page", o.layer));
   const std::string layer = !o.layer.empty() ? o.layer : has_axis ? "skeleton" : "still";
@@ -209,7 +210,8 @@ std::string state_of(const Options& o, const Page& page, bool has_axis, const st
   };
   add("layer", o.layer);
   add("color", o.color);
-  add("lambda", lambda);
+  if (!threshold.empty()) add("measure", std::string(o.pruning.measure));
+  add("threshold", threshold);
   add("camera", o.camera);
   if (o.dark) add("dark", "1");
   return state;
@@ -222,12 +224,12 @@ pipeline::PageBuilder build_page(const Options& o, Plan& plan, Json& report, Ses
   page.limit_name = "--max-triangles";
   page.title = pipeline::title_of(o.files.front());
   builder.set_origin(plan.low, plan.high);
-  std::string lambda;
+  std::string threshold;
   if (!o.shape.file.empty()) add_shape(o, plan, builder, session);
   if (!plan.still_file.empty()) add_still(plan, builder, session);
-  if (!plan.axis_file.empty()) add_axis(o, plan, builder, report, lambda, session);
+  if (!plan.axis_file.empty()) add_axis(o, plan, builder, report, threshold, session);
   if (!(page.side > 0)) page.side = std::max((plan.high - plan.low).maxCoeff(), 1e-30);
-  page.state = state_of(o, page, !plan.axis_file.empty(), lambda);
+  page.state = state_of(o, page, !plan.axis_file.empty(), threshold);
   return builder;
 }
 
@@ -307,10 +309,16 @@ Action add_view(CLI::App& app) {
   const auto start = "What the page starts with";
   add_length(app, "--theta2", o->skeleton.theta2, "Skeleton: erosion thickness below which sheets go")->group(start);
   add_length(app, "--theta1", o->skeleton.theta1, "Skeleton: erosion thickness below which curves go")->group(start);
-  add_parsed(app, "--lambda", "Core: radius below which cells go [default: that of FILE]",
-             [o](const std::string&, const std::string& text) { o->lambda = pipeline::parse_length(text, "lambda"); })
-      ->type_name("LENGTH")
-      ->group(start);
+  const auto add_pruning = [&](const char* name, std::string_view measure, const char* help) {
+    return add_parsed(app, name, help,
+                      [o, measure](const std::string&, const std::string& text) {
+                        o->pruning = {measure, pipeline::parse_length(text, measure)};
+                      })
+        ->type_name("LENGTH")
+        ->group(start);
+  };
+  CLI::Option* detail = add_pruning("--detail", kDetail, "Core: detail below which cells go [default: that of FILE]");
+  add_pruning("--lambda", kLambda, "Core: radius below which cells go [default: that of FILE]")->excludes(detail);
   app.add_option("--layer", o->layer, "'skeleton', 'core' or 'still' (a file of another kind)")
       ->type_name("NAME")
       ->check(one_of({"skeleton", "core", "still"}))

@@ -49,9 +49,13 @@ struct MedialAxis {
   Grid grid;                                             ///< transform of lattice coordinates
 };
 
-/// A measure that follows from others of the axis: "object_angle", which needs lambda, is the angle between the
-/// directions from the centre of a cell to the two nearest boundary points its lambda stands for, in degrees:
-/// 2 asin(lambda / radius). To be added to `measures` for a pruning by it. Throws Error(usage) for a name that is not
+/// A measure that follows from others of the axis. Those that need lambda:
+/// - "object_angle": the angle between the directions from the centre of a cell to the two nearest boundary points its
+///   lambda stands for, in degrees: 2 asin(lambda / radius);
+/// - "cap_height": what the ball of a cell reaches beyond the chord between those two points, r - sqrt(r^2 - lambda^2):
+///   of a face the largest over its corners, of edges and vertices the largest of the faces around or, without faces,
+///   by their own lambda and radius.
+/// To be added to `measures` for a pruning by it. Throws Error(usage) for a name that is not
 /// known or when what it follows from is not there.
 Measure derived_measure(const MedialAxis& axis, std::string_view name);
 /// The names for which derived_measure() succeeds.
@@ -120,6 +124,26 @@ std::int64_t predicted_core_bytes(std::int64_t sites);
 std::int64_t predicted_core_bytes_in_bricks(const VoxelShape& shape);
 /// The least for so many boundary vertices.
 std::int64_t predicted_core_bytes_in_bricks(std::int64_t sites);
+
+/// The automatic detail: half the voxel diagonal, the most that a staircase of voxels on a flat side sticks out.
+double auto_detail(const Grid& grid);
+
+/// Adds the measure "detail" to an unpruned voxel core: the largest length d at which a cell is kept, by these rules.
+///
+/// - A cell is significant at d when its cap height is above d, and that of some cell connected to it by such cells is
+///   above sqrt(3) d (1.5 voxels for the automatic detail of cubes). What is smaller is a tooth under the surface.
+/// - Where a boundary vertex is farther than a voxel diagonal from the balls significant at auto_detail(), the
+///   component that touches it is kept up to there, too, or, where nothing is significant, the cells whose balls do.
+/// - Above auto_detail(), vertices are kept until their balls lie within 2 (d - auto_detail()) of one that is kept.
+///
+/// So every boundary vertex lies within max(2 d, voxel diagonal) of the balls of the pruning for d, for every d
+/// (docs/algorithms/pruning.md). Details are infinite for one vertex of every connected component. Cap heights that
+/// equal a detail up to 2e-9 are not above it. O(n log n) in practice. Throws Error(usage) for an axis without lambda.
+void add_detail(MedialAxis& axis, Context* context = nullptr);
+
+/// The largest distance of a boundary vertex of the shape to the union of the balls of an axis, 0 when all touch it;
+/// infinite for an axis without vertices.
+double coverage(const VoxelShape& shape, const MedialAxis& axis, Context* context = nullptr);
 
 /// Computes the level of every cell by a measure: topology-preserving thinning by simple pairs (face, free edge) or
 /// (edge, free vertex) in the order (larger value of the pair, dimension, index); the level of a cell is the running

@@ -31,6 +31,12 @@ struct PageArray {
   Values values;
 };
 
+/// The pruning of a medial axis.
+struct PagePruning {
+  std::string measure;
+  double threshold = 0;
+};
+
 /// A measure by whose levels the layer `core` of a page can be pruned.
 struct PageMeasure {
   std::string name;
@@ -43,7 +49,7 @@ struct Page {
   std::string state;                     ///< what the page starts with, in the form of the part of its address after #
   double side = 0;                       ///< longest side of the shape: what plain-number lengths refer to
   double voxel = 0;                      ///< smallest spacing of the voxel shape
-  std::optional<double> lambda;          ///< the pruning the burn belongs to
+  std::optional<PagePruning> pruning;    ///< what the burn belongs to
   std::optional<double> theta2, theta1;  ///< where the sliders start; may be infinite
   std::optional<BurnOptions> burning;
   std::optional<Topology> topology;
@@ -57,7 +63,7 @@ struct Page {
 
   /// Filled by the functions below. Cells below a floor are left out, what is above is complete.
   std::vector<PageMeasure> measures;
-  std::optional<double> lambda_floor, theta2_floor, theta1_floor;
+  std::optional<double> theta2_floor, theta1_floor;
   std::optional<std::array<double, 12>> sites_to_world;  ///< rows of a 3 x 4 matrix
   Vec3 low = Vec3::Zero(), high = Vec3::Zero();          ///< box around everything that was added
   std::vector<std::string> notes;                        ///< what was simplified, a sentence each

@@ -162,10 +162,16 @@ struct CellCounts {
 };
 inline CellCounts counts_of(const CellComplex& c) { return {c.vertex_count, c.edges.size(), c.face_count()}; }
 
+/// Which cells of a voxel core are kept.
+struct Pruning {
+  std::string_view measure = kDetail;    ///< kDetail or kLambda
+  std::optional<Length> threshold = {};  ///< none: auto_detail() or auto_lambda()
+};
+
 struct AxisOptions {
-  std::optional<Length> lambda = {};  ///< none: auto_lambda()
+  Pruning pruning = {};
   LambdaRule rule = LambdaRule::coface;
-  bool full = false;  ///< also the cells below lambda
+  bool full = false;  ///< also the cells below the threshold
 };
 
 /// A pruned (or, `full`, whole) voxel core with what was found on the way.
@@ -173,28 +179,29 @@ struct CoreResult {
   MedialAxis axis;
   AxisOptions options;
   CorePlan plan;
-  double lambda = 0;         ///< that was used or chosen, world units
+  double threshold = 0;      ///< of the measure, used or chosen, world units
   double longest_side = 0;   ///< what lengths refer to
   Topology topology;         ///< of shape, core and pruned core
   double reconstructed = 0;  ///< share of the shape in the balls of the pruned core
-  double whole = 0;          ///< the same of the unpruned one
+  double coverage = 0;       ///< largest distance of a boundary vertex to these balls, world units
+  std::optional<double> whole;  ///< `reconstructed` of the unpruned core, where it was asked for or needed
   CellCounts all, kept;      ///< of the unpruned core, and of the pruned one
   Coordinates coordinates;   ///< of the shape
   std::string parameters;    ///< JSON text, those of the shape and of the core: what `quench verify` reads
 };
 
-/// Voxel core, levels, lambda, pruning, reconstruction, in as many parts as memory asks for. Notes a pruning whose
-/// balls hold less than 0.9 of the shape. Throws Error(failed), with figures, when there is not enough memory, and
+/// Voxel core, levels, threshold, pruning, reconstruction, in as many parts as memory asks for. Notes a pruning by
+/// lambda whose balls hold less than 0.9 of the shape. Throws Error(failed), with figures, when there is not enough memory, and
 /// Error(invariant) when the topology of core or pruning is not that of the shape.
 CoreResult core_of(const LoadedShape& shape, const AxisOptions& options = {}, Context* context = nullptr);
 
-/// The core of a shape for a larger lambda, without computing it anew. Throws Error(usage), field `lambda`, for a
-/// smaller one than it was pruned with.
-CoreResult pruned_further(const LoadedShape& shape, const CoreResult& core, const Length& lambda,
+/// The core of a shape for a larger threshold of its measure, without computing it anew. Throws Error(usage), field the
+/// measure, for a smaller one than it was pruned with.
+CoreResult pruned_further(const LoadedShape& shape, const CoreResult& core, const Length& threshold,
                           Context* context = nullptr);
 
-/// The axis as a file: cells and arrays (docs/user/files.md), and as field data stage, lambda, longest_side,
-/// reconstructed, topology, units, space, version and `parameters`.
+/// The axis as a file: cells and arrays (docs/user/files.md), and as field data stage, the threshold by the
+/// name of its measure, longest_side, reconstructed, coverage, topology, units, space, version and `parameters`.
 Record core_file(const CoreResult& core);
 /// The same where the axis is not needed any more: it is empty afterwards, the rest of `core` as it was.
 Record core_file(CoreResult&& core);

@@ -14,6 +14,9 @@ namespace quench {
 
 /// Name of the measure that every voxel core has: of a face half the distance of its sites, in world units.
 inline constexpr std::string_view kLambda = "lambda";
+/// Names of the measures of the default pruning: what the shape loses where the axis ends at a cell, and the detail up
+/// to which the cell is kept. See add_detail().
+inline constexpr std::string_view kCapHeight = "cap_height", kDetail = "detail";
 
 /// How an infinite level is written to files: colour ranges of viewers break on inf.
 inline constexpr double kInfiniteLevelInFiles = 3.4e38;

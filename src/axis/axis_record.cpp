@@ -86,26 +86,25 @@ DataArray cell_array(std::string name, const WrittenCells& cells, const CellValu
   return {std::move(name), 1, std::move(values)};
 }
 
-// The same of a measure that is derived here.
-DataArray cell_array(const axis::DerivedMeasure& derived, const WrittenCells& cells, const MedialAxis& axis) {
-  const CellValues& from = axis.measure(derived.from).value;
-  std::vector<float> values;
-  values.reserve(cells.vertices.size() + cells.edges.size() + axis.complex.face_count());
-  const auto add = [&](std::span<const std::uint32_t> corners, double of) {
-    values.push_back(static_cast<float>(derived.value(axis, corners, of)));
-  };
-  for (const std::uint32_t v : cells.vertices) add({&v, 1}, from.vertex[v]);
-  for (const std::uint32_t e : cells.edges) add(axis.complex.edges[e], from.edge[e]);
-  for (std::size_t f = 0; f < axis.complex.face_count(); ++f) add(axis.complex.corners(f), from.face[f]);
-  return {std::string(derived.name), 1, std::move(values)};
+// The arrays of a measure that is derived here.
+struct DerivedArrays {
+  DataArray cells, points;
+};
+template <class Number>
+DerivedArrays arrays_of(const axis::DerivedMeasure& derived, const WrittenCells& cells, const CellValues& of) {
+  const auto number = [](double x) { return static_cast<Number>(x); };
+  std::vector<Number> values, points(of.vertex.size());
+  values.reserve(cells.vertices.size() + cells.edges.size() + of.face.size());
+  for (const std::uint32_t v : cells.vertices) values.push_back(number(of.vertex[v]));
+  for (const std::uint32_t e : cells.edges) values.push_back(number(of.edge[e]));
+  std::ranges::transform(of.face, std::back_inserter(values), number);
+  std::ranges::transform(of.vertex, points.begin(), number);
+  const std::string name(derived.name);
+  return {{name, 1, std::move(values)}, {name, 1, std::move(points)}};
 }
-
-DataArray point_array(const axis::DerivedMeasure& derived, const MedialAxis& axis) {
-  const CellValues& from = axis.measure(derived.from).value;
-  std::vector<float> values(axis.complex.vertex_count);
-  for (std::uint32_t v = 0; v < values.size(); ++v)
-    values[v] = static_cast<float>(derived.value(axis, {&v, 1}, from.vertex[v]));
-  return {std::string(derived.name), 1, std::move(values)};
+DerivedArrays arrays_of(const axis::DerivedMeasure& derived, const WrittenCells& cells, const MedialAxis& axis) {
+  const CellValues values = derived.values(axis, axis.measure(derived.from).value);
+  return derived.is_length ? arrays_of<double>(derived, cells, values) : arrays_of<float>(derived, cells, values);
 }
 
 // One of the two sites of each face, -1 for other cells. 32 bits, unless that makes an index negative.
@@ -212,8 +211,9 @@ Record record_of(Axis&& axis) {
   }
   std::vector<DataArray> derived_of_points;
   for (const axis::DerivedMeasure& derived : measures_to_derive(axis)) {
-    data.cell_data.push_back(cell_array(derived, cells, axis));
-    derived_of_points.push_back(point_array(derived, axis));
+    DerivedArrays arrays = arrays_of(derived, cells, axis);
+    data.cell_data.push_back(std::move(arrays.cells));
+    derived_of_points.push_back(std::move(arrays.points));
     names.emplace_back(derived.name);
   }
   if (const Measure* lambda = axis.find_measure(kLambda); lambda && !lambda->value.empty())

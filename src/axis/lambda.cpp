@@ -4,7 +4,6 @@
 #include <tbb/parallel_invoke.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <iterator>
 #include <vector>
@@ -14,14 +13,6 @@
 
 namespace quench::axis {
 namespace {
-
-// A maximum does not depend on who comes first.
-void raise(double& place, double value) {
-  const std::atomic_ref<double> shared(place);
-  double old = shared.load(std::memory_order_relaxed);
-  while (old < value && !shared.compare_exchange_weak(old, value, std::memory_order_relaxed)) {
-  }
-}
 
 class SiteDistances {
  public:
@@ -71,7 +62,7 @@ CellValues lambda(const CellComplex& complex, const dual::DualComplex& dual, std
     const auto [first, last] = base::part_of(complex.face_count(), chunk, chunks);
     for (std::size_t f = first; f < last; ++f) {
       value.face[f] = distances.half(dual.face_sites[f][0], dual.face_sites[f][1]);
-      for (std::uint32_t e : complex.sides(f)) raise(value.edge[e], value.face[f]);
+      for (std::uint32_t e : complex.sides(f)) base::raise(value.edge[e], value.face[f]);
     }
   });
   base::for_chunks(chunks, context, "core", 0.7, 0.9, [&](std::size_t chunk) {
@@ -86,7 +77,7 @@ CellValues lambda(const CellComplex& complex, const dual::DualComplex& dual, std
         // The maximum only mends rounding: the ball of an edge encloses the sites of its faces.
         value.edge[e] = std::max(value.edge[e], distances.ball(shared));
       }
-      for (std::uint32_t w : {u, v}) raise(value.vertex[w], value.edge[e]);
+      for (std::uint32_t w : {u, v}) base::raise(value.vertex[w], value.edge[e]);
     }
   });
   base::for_chunks(chunks, context, "core", 0.9, 1, [&](std::size_t chunk) {

@@ -12,7 +12,8 @@
 namespace quench::axis {
 namespace {
 
-constexpr DerivedMeasure kDerivedMeasures[] = {{"object_angle", kLambda, object_angle}};
+constexpr DerivedMeasure kDerivedMeasures[] = {{"object_angle", kLambda, false, object_angles},
+                                               {kCapHeight, kLambda, true, cap_heights}};
 
 }  // namespace
 
@@ -57,17 +58,7 @@ Measure derived_measure(const MedialAxis& axis, std::string_view name) {
     throw Error(ErrorCode::usage, fmt::format("there is no measure '{}' to derive from what the medial axis has; there "
                                               "are: {}",
                                               name, fmt::join(derived_measures(axis), ", ")));
-  const CellValues& from = axis.measure(found->from).value;
-  const CellComplex& complex = axis.complex;
-  Measure result;
-  result.name = name;
-  for (std::uint32_t v = 0; v < complex.vertex_count; ++v)
-    result.value.vertex.push_back(found->value(axis, {&v, 1}, from.vertex[v]));
-  for (std::size_t e = 0; e < complex.edges.size(); ++e)
-    result.value.edge.push_back(found->value(axis, complex.edges[e], from.edge[e]));
-  for (std::size_t f = 0; f < complex.face_count(); ++f)
-    result.value.face.push_back(found->value(axis, complex.corners(f), from.face[f]));
-  return result;
+  return {std::string(name), found->values(axis, axis.measure(found->from).value), {}};
 }
 
 }  // namespace quench

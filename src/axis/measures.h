@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <cstdint>
-#include <span>
 #include <string_view>
 #include <vector>
 
@@ -10,19 +8,31 @@
 
 namespace quench::axis {
 
-/// A measure that is derived cell by cell from another one. It is computed when a file is written, and takes no memory
-/// before unless it is added to the axis.
+/// A measure that is derived from another one. It is computed when a file is written, and takes no memory before unless
+/// it is added to the axis.
 struct DerivedMeasure {
   std::string_view name;
   std::string_view from;  ///< the measure it needs
-  /// The value of the cell with these corners, whose value of `from` is given.
-  double (*value)(const MedialAxis& axis, std::span<const std::uint32_t> corners, double from);
+  bool is_length;         ///< written in double precision: thresholds may be ties; else in single precision
+  CellValues (*values)(const MedialAxis& axis, const CellValues& from);
 };
 
 /// Those that can be derived from what the axis has, in the order of the table in measures.cpp.
 std::vector<DerivedMeasure> derivable(const MedialAxis& axis);
 
 /// A new measure is a function in a file of its own, declared here, and a line in the table.
-double object_angle(const MedialAxis& axis, std::span<const std::uint32_t> corners, double lambda);
+CellValues object_angles(const MedialAxis& axis, const CellValues& lambda);
+CellValues cap_heights(const MedialAxis& axis, const CellValues& lambda);
+
+/// Height of the cap that a chord of length 2 lambda cuts off a ball: r - sqrt(r^2 - lambda^2), r where lambda is
+/// larger. Right to a few units in the last place.
+double cap_height(double lambda, double radius);
+
+inline constexpr double kNoTopCell = -1;
+/// Cap heights of the cells that are not part of a larger one: all faces, edges without faces, vertices without edges;
+/// others have kNoTopCell.
+CellValues cap_heights_of_top_cells(const MedialAxis& axis, const CellValues& lambda);
+/// Raises the value of edges to the largest of the faces around, then that of vertices to the largest of the edges.
+void spread_to_sides(const CellComplex& complex, CellValues& value);
 
 }  // namespace quench::axis

@@ -4,11 +4,13 @@
 #include <numbers>
 
 #include "axis/measures.h"
+#include "base/parallel.h"
 #include "quench/geometry.h"
 
 namespace quench::axis {
+namespace {
 
-double object_angle(const MedialAxis& axis, std::span<const std::uint32_t> corners, double lambda) {
+double angle(const MedialAxis& axis, std::span<const std::uint32_t> corners, double lambda) {
   const auto count = static_cast<double>(corners.size());
   Vec3 centre = Vec3::Zero();
   for (const std::uint32_t v : corners) centre += axis.points[v];
@@ -19,6 +21,23 @@ double object_angle(const MedialAxis& axis, std::span<const std::uint32_t> corne
     squared += axis.radius[v] * axis.radius[v] - (axis.points[v] - centre).squaredNorm();
   const double distance = std::sqrt(std::max(0.0, squared / count));
   return distance > 0 ? 2 * std::asin(std::min(1.0, lambda / distance)) * (180 / std::numbers::pi) : 180;
+}
+
+}  // namespace
+
+CellValues object_angles(const MedialAxis& axis, const CellValues& lambda) {
+  const CellComplex& complex = axis.complex;
+  CellValues value{std::vector<double>(complex.vertex_count), std::vector<double>(complex.edges.size()),
+                   std::vector<double>(complex.face_count())};
+  base::for_indices(complex.vertex_count, [&](std::size_t i) {
+    const auto v = static_cast<std::uint32_t>(i);
+    value.vertex[i] = angle(axis, {&v, 1}, lambda.vertex[i]);
+  });
+  base::for_indices(complex.edges.size(),
+                    [&](std::size_t e) { value.edge[e] = angle(axis, complex.edges[e], lambda.edge[e]); });
+  base::for_indices(complex.face_count(),
+                    [&](std::size_t f) { value.face[f] = angle(axis, complex.corners(f), lambda.face[f]); });
+  return value;
 }
 
 }  // namespace quench::axis

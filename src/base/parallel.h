@@ -64,6 +64,14 @@ T fetch_add(T& counter, T by, bool shared) {
   return old;
 }
 
+/// Raises a place that other threads may raise at the same time. A maximum does not depend on who comes first.
+inline void raise(double& place, double value) {
+  const std::atomic_ref<double> shared(place);
+  double old = shared.load(std::memory_order_relaxed);
+  while (old < value && !shared.compare_exchange_weak(old, value, std::memory_order_relaxed)) {
+  }
+}
+
 /// The chunk-th of `chunks` nearly equal parts of [0, count).
 inline std::pair<std::size_t, std::size_t> part_of(std::size_t count, std::size_t chunk, std::size_t chunks) {
   const auto at = [&](std::size_t i) { return count / chunks * i + count % chunks * i / chunks; };

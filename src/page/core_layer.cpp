@@ -15,7 +15,7 @@ bool are_levels(const std::vector<double>& levels) {
   return std::ranges::all_of(levels, [](double level) { return level >= 0; });
 }
 
-// pruned() counts levels within 1e-12 below lambda as equal.
+// pruned() counts levels within 1e-12 below a threshold as equal.
 std::vector<float> comparable(const std::vector<double>& levels) {
   std::vector<float> floats;
   floats.reserve(levels.size());
@@ -25,7 +25,8 @@ std::vector<float> comparable(const std::vector<double>& levels) {
 
 // Where the slider of a measure begins; a note when that leaves something out.
 double floor_of(Page& page, const std::string& measure, const page::Floor& floor, std::size_t faces) {
-  const double start = measure == kLambda && page.lambda ? static_cast<double>(page::rounded_down(*page.lambda)) : 0;
+  const bool is_pruning = page.pruning && page.pruning->measure == measure;
+  const double start = is_pruning ? static_cast<double>(page::rounded_down(page.pruning->threshold)) : 0;
   if (!(floor.level > start)) return start;
   page.notes.push_back(
       fmt::format("The core is shown from {} {} on, {} of its {} faces; thinner parts are left out of this page{}",
@@ -64,7 +65,6 @@ std::size_t add_core(Page& page, const MedialAxis& axis, const std::vector<DataA
     for (std::size_t e = 0; e < levels.edge.size(); ++e) cells.edge[e] |= levels.edge[e] >= floor.level;
     for (std::size_t v = 0; v < levels.vertex.size(); ++v) cells.vertex[v] |= levels.vertex[v] >= floor.level;
     page.measures.push_back({levels.name, floor_of(page, levels.name, floor, c.face_count())});
-    if (levels.name == kLambda) page.lambda_floor = page.measures.back().floor;
   }
   cells.faces = std::move(in_order).order();
   std::erase_if(cells.faces, [&](std::uint32_t f) { return !face[f]; });

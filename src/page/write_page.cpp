@@ -82,7 +82,9 @@ std::string meta_of(const Page& page) {
   const auto put_length = [&](const char* name, const std::optional<double>& length) {
     if (length) put(name, number(page::rounded_down(*length)));
   };
-  put_length("lambda", page.lambda);
+  if (page.pruning)
+    put("pruning", fmt::format(R"({{"measure": {}, "threshold": {}}})", json_string(page.pruning->measure),
+                               number(page::rounded_down(page.pruning->threshold))));
   if (page.burning)
     put("burning",
         fmt::format(R"({{"omega": {}, "propagation": "segments", "radius": "{}"}})", number(page.burning->omega),
@@ -93,7 +95,6 @@ std::string meta_of(const Page& page) {
   const auto put_floor = [&](const char* name, const std::optional<double>& floor) {
     if (floor) floors += fmt::format("{}\"{}\": {}", floors.empty() ? "" : ", ", name, number(*floor));
   };
-  put_floor("lambda", page.lambda_floor);
   put_floor("theta2", page.theta2_floor);
   put_floor("theta1", page.theta1_floor);
   put("floor", "{" + floors + "}");

@@ -24,6 +24,23 @@ void add_field(Record& data, const char* name, double value) {
   data.field_data.push_back({name, 1, std::vector<double>{value}});
 }
 
+// The threshold, and by lambda what its choice looks at.
+void choose_threshold(const LoadedShape& from, const MedialAxis& core, CoreResult& result, Context* context) {
+  const Pruning& pruning = result.options.pruning;
+  const Scale scale = from.scale();
+  if (pruning.measure == kDetail) {
+    result.threshold = pruning.threshold ? scale.resolve(*pruning.threshold, kDetail) : auto_detail(from.shape.grid());
+    if (result.options.full)
+      result.whole = Reconstruction(from.shape, core, Reconstruction::kSamples, context, kDetail).share(0);
+    return;
+  }
+  const Reconstruction reconstruction(from.shape, core, Reconstruction::kSamples, context);
+  result.threshold = pruning.threshold ? scale.resolve(*pruning.threshold, kLambda)
+                                       : auto_lambda(reconstruction, scale.longest_side, scale.voxel);
+  result.whole = reconstruction.share(0);
+  result.reconstructed = reconstruction.share(result.threshold);
+}
+
 CoreResult made_core(const LoadedShape& from, const AxisOptions& options, const CorePlan& plan, Context* context) {
   const VoxelShape& shape = from.shape;
   CoreResult result;
@@ -36,31 +53,35 @@ CoreResult made_core(const LoadedShape& from, const AxisOptions& options, const 
   // Checking the topology and thinning are work for one thread each: together they keep two busy. The topology is the
   // task, so that thinning stays on the calling thread, which alone reports progress; isolated, so that a thread that
   // waits for the initial pairs of the thinning does not begin with the topology.
+  const std::string_view measure = options.pruning.measure;
   Topology found;
   tbb::task_group beside;
   beside.run([&] { found = topology(core.complex); });
   try {
-    tbb::this_task_arena::isolate([&] { prune_levels(core, context); });
+    tbb::this_task_arena::isolate([&] {
+      if (measure == kDetail) add_detail(core, context);
+      prune_levels(core, measure, context);
+    });
   } catch (...) {
     beside.cancel();
     beside.wait();
     throw;
   }
   beside.wait();
-  const Reconstruction reconstruction(shape, core, Reconstruction::kSamples, context);
-  const Scale scale = from.scale();
-  result.lambda = options.lambda ? scale.resolve(*options.lambda, "lambda")
-                                 : auto_lambda(reconstruction, scale.longest_side, scale.voxel);
   require_topology(found, from.topology, "voxel core", "shape");
   checkpoint(context, "topology", 0.5);
   result.all = counts_of(core.complex);
-  result.whole = reconstruction.share(0);
-  result.reconstructed = reconstruction.share(result.lambda);
+  choose_threshold(from, core, result, context);
 
-  MedialAxis kept = options.full ? pruned(core, result.lambda) : pruned(std::move(core), result.lambda);
+  MedialAxis kept = options.full ? pruned(core, result.threshold, measure)
+                                 : pruned(std::move(core), result.threshold, measure);
   require_topology(topology(kept.complex), from.topology, "pruned core", "shape");
   checkpoint(context, "topology", 1);
   result.kept = counts_of(kept.complex);
+  if (measure == kDetail) {
+    result.reconstructed = Reconstruction(shape, kept, Reconstruction::kSamples, context, measure).share(0);
+    result.coverage = coverage(shape, kept, context);
+  }
   result.axis = options.full ? std::move(core) : std::move(kept);
   return result;
 }
@@ -100,31 +121,35 @@ CoreResult core_of(const LoadedShape& shape, const AxisOptions& options, Context
     return made_core(shape, options, plan, context);
   });
   constexpr double kMostOfTheShape = 0.9;
-  if (result.reconstructed < kMostOfTheShape)
+  const Pruning& pruning = options.pruning;
+  if (pruning.measure == kLambda && result.reconstructed < kMostOfTheShape)
     note(context, fmt::format("the balls of the pruned core contain only {:.4f} of the shape; use a smaller lambda, or "
                               "'auto'",
                               result.reconstructed));
-  result.parameters = with_parameters(
-      shape.parameters, {{"lambda", text_of(options.lambda)}, {"lambda_rule", std::string(name_of(options.rule))}});
+  result.parameters =
+      with_parameters(shape.parameters, {{std::string(pruning.measure), text_of(pruning.threshold)},
+                                         {"lambda_rule", std::string(name_of(options.rule))}});
   return result;
 }
 
-CoreResult pruned_further(const LoadedShape& shape, const CoreResult& core, const Length& lambda, Context* context) {
-  const double least = shape.scale().resolve(lambda, "lambda");
-  if (least < core.lambda)
+CoreResult pruned_further(const LoadedShape& shape, const CoreResult& core, const Length& threshold, Context* context) {
+  const std::string measure(core.options.pruning.measure);
+  const double least = shape.scale().resolve(threshold, measure);
+  if (least < core.threshold)
     throw Error(ErrorCode::usage,
-                fmt::format("lambda '{}' is below {}, which the medial axis was pruned with already; compute it with "
-                            "lambda 0",
-                            text_of(lambda), core.lambda),
-                "lambda");
+                fmt::format("{0} '{1}' is below {2}, which the medial axis was pruned with already; compute it with "
+                            "{0} 0",
+                            measure, text_of(threshold), core.threshold),
+                measure);
   CoreResult result = core;
-  result.axis = base::in_arena(context, [&] { return pruned(core.axis, least); });
-  result.options.lambda = lambda;
-  result.lambda = least;
+  result.axis = base::in_arena(context, [&] { return pruned(core.axis, least, measure); });
+  result.options.pruning.threshold = threshold;
+  result.threshold = least;
   require_topology(topology(result.axis.complex), core.topology, "pruned core", "shape");
-  result.reconstructed = Reconstruction(shape.shape, result.axis, Reconstruction::kSamples, context).share(0);
+  result.reconstructed = Reconstruction(shape.shape, result.axis, Reconstruction::kSamples, context, measure).share(0);
+  if (measure == kDetail) result.coverage = coverage(shape.shape, result.axis, context);
   result.kept = counts_of(result.axis.complex);
-  result.parameters = with_parameters(core.parameters, {{"lambda", text_of(lambda)}});
+  result.parameters = with_parameters(core.parameters, {{measure, text_of(threshold)}});
   return result;
 }
 
@@ -132,14 +157,16 @@ namespace {
 
 Record core_file(Record data, const CoreResult& core) {
   const bool full = core.options.full;
-  const double lambda = std::min(core.lambda, kInfiniteLevelInFiles);
+  const std::string measure(core.options.pruning.measure);
+  const double threshold = std::min(core.threshold, kInfiniteLevelInFiles);
   const Topology& t = core.topology;
   add_field(data, "stage", std::string("core"));
-  add_field(data, "lambda", full ? 0.0 : lambda);
-  add_field(data, "lambda_chosen", lambda);
+  add_field(data, measure.c_str(), full ? 0.0 : threshold);
+  add_field(data, (measure + "_chosen").c_str(), threshold);
   add_field(data, "lambda_rule", std::string(name_of(core.options.rule)));
   add_field(data, "longest_side", core.longest_side);
-  add_field(data, "reconstructed", full ? core.whole : core.reconstructed);
+  add_field(data, "reconstructed", full ? core.whole.value_or(core.reconstructed) : core.reconstructed);
+  if (measure == kDetail && !full) add_field(data, "coverage", core.coverage);
   data.field_data.push_back({"euler", 1, std::vector<std::int64_t>{t.euler}});
   data.field_data.push_back({"betti", 3, std::vector<std::int64_t>(t.betti.begin(), t.betti.end())});
   add_field(data, "units", core.coordinates.units);

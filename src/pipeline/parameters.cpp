@@ -62,7 +62,7 @@ class Recorded {
 }  // namespace
 
 std::string with_parameters(const std::string& text,
-                            std::initializer_list<std::pair<const char*, Parameter>> parameters) {
+                            std::initializer_list<std::pair<std::string, Parameter>> parameters) {
   Json json = text.empty() ? Json::object() : Json::parse(text);
   for (const auto& parameter : parameters)
     std::visit([&](const auto& value) { json[parameter.first] = value; }, parameter.second);

@@ -13,6 +13,6 @@ namespace quench::pipeline {
 /// not UTF-8 are replaced.
 using Parameter = std::variant<bool, std::int64_t, std::uint64_t, double, std::string>;
 std::string with_parameters(const std::string& text,
-                            std::initializer_list<std::pair<const char*, Parameter>> parameters);
+                            std::initializer_list<std::pair<std::string, Parameter>> parameters);
 
 }  // namespace quench::pipeline

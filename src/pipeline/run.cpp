@@ -8,7 +8,9 @@ namespace {
 
 void add_axis(PageBuilder& builder, const MedialAxis& axis, const AxisRun& result, const Scale& scale,
               const SkeletonOptions& options) {
-  builder.page.lambda = field_number(result.file, "lambda");
+  for (const std::string_view measure : {kDetail, kLambda})
+    if (const auto threshold = field_number(result.file, std::string(measure).c_str()))
+      builder.page.pruning = {std::string(measure), *threshold};
   builder.page.burning = result.burned.options;
   builder.page.theta2 = scale.resolve(options.theta2, "theta2");
   builder.page.theta1 = scale.resolve(options.theta1, "theta1");

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "axis/ball_tree.h"
+
+#include <tbb/parallel_sort.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <utility>
+
+#include "base/parallel.h"
+
+namespace quench::axis {
+namespace {
+
+constexpr int kBits = 21;  // of a coordinate: 63 bits of a key
+
+// Puts two zero bits before each bit.
+std::uint64_t spread_bits(std::uint64_t x) {
+  x &= 0x1fffff;
+  x = (x | x << 32) & 0x1f00000000ffff;
+  x = (x | x << 16) & 0x1f0000ff0000ff;
+  x = (x | x << 8) & 0x100f00f00f00f00f;
+  x = (x | x << 4) & 0x10c30c30c30c30c3;
+  x = (x | x << 2) & 0x1249249249249249;
+  return x;
+}
+
+struct Keyed {
+  std::uint64_t key;
+  std::uint32_t vertex;
+  friend auto operator<=>(const Keyed&, const Keyed&) = default;
+};
+
+std::vector<Keyed> in_z_order(std::span<const Vec3> points, const std::vector<std::uint32_t>& vertices) {
+  std::vector<Keyed> order(vertices.size());
+  if (vertices.empty()) return order;
+  Vec3 low = points[vertices[0]], high = low;
+  for (const std::uint32_t v : vertices) {
+    low = low.cwiseMin(points[v]);
+    high = high.cwiseMax(points[v]);
+  }
+  const double size = (high - low).maxCoeff();
+  const double scale = size > 0 ? ((1 << kBits) - 1) / size : 0;
+  base::for_indices(vertices.size(), [&](std::size_t i) {
+    const Vec3 at = (points[vertices[i]] - low) * scale;
+    std::uint64_t key = 0;
+    for (int a = 0; a < 3; ++a) key |= spread_bits(static_cast<std::uint64_t>(at[a])) << a;
+    order[i] = {key, vertices[i]};
+  });
+  tbb::parallel_sort(order.begin(), order.end());
+  return order;
+}
+
+}  // namespace
+
+BallTree::BallTree(std::span<const Vec3> points, std::span<const double> radius, std::vector<std::uint32_t> vertices) {
+  const std::vector<Keyed> order = in_z_order(points, vertices);
+  balls_.resize(order.size());
+  base::for_indices(order.size(), [&](std::size_t i) {
+    const std::uint32_t v = order[i].vertex;
+    balls_[i] = {points[v], radius[v], v};
+  });
+  leaves_ = std::bit_ceil(balls_.size() / kLeaf + 1);
+  nodes_.resize(2 * leaves_);
+  base::for_indices(leaves_, [&](std::size_t leaf) {
+    Node& node = nodes_[leaves_ + leaf];
+    for (std::size_t i = leaf * kLeaf; i < leaf * kLeaf + kLeaf && i < balls_.size(); ++i) {
+      node.low = node.low.cwiseMin(balls_[i].centre);
+      node.high = node.high.cwiseMax(balls_[i].centre);
+      node.largest_radius = std::max(node.largest_radius, balls_[i].radius);
+    }
+  });
+  for (std::size_t n = leaves_ - 1; n > 0; --n) {
+    const Node &a = nodes_[2 * n], &b = nodes_[2 * n + 1];
+    nodes_[n] = {a.low.cwiseMin(b.low), a.high.cwiseMax(b.high), std::max(a.largest_radius, b.largest_radius)};
+  }
+}
+
+bool NearBalls::find(const LatticePoint& site, double enough, double& limit) {
+  const Vec3 p = grid_.world({static_cast<double>(site[0]), static_cast<double>(site[1]), static_cast<double>(site[2])});
+  const auto cell = [&](int axis, int bits) {
+    return static_cast<std::size_t>(site[static_cast<std::size_t>(axis)] >> 2 & 255) << bits;
+  };
+  std::uint32_t& ball = last_[cell(0, 0) | cell(1, 8)];
+  const std::size_t none = tree_.balls().size();
+  bool found = false;
+  if (ball < none)
+    if (const double away = outside(tree_.balls()[ball], p); away < limit) {
+      limit = away;
+      found = true;
+      if (away <= enough) return true;
+    }
+  if (const std::size_t nearer = tree_.nearest(p, limit); nearer < none) {
+    ball = static_cast<std::uint32_t>(nearer);
+    found = true;
+  }
+  return found;
+}
+
+std::size_t BallTree::nearest(const Vec3& p, double& limit) const {
+  std::size_t found = balls_.size();
+  const auto bound = [&](std::size_t node) {
+    const double largest = largest_radius(node);
+    return largest < 0 ? std::numeric_limits<double>::infinity() : distance(node, p) - largest;
+  };
+  walk(bound, limit, [&](std::size_t i) {
+    const double away = outside(balls_[i], p);
+    if (away < limit) {
+      limit = away;
+      found = i;
+    }
+  });
+  return found;
+}
+
+}  // namespace quench::axis
