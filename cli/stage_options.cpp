@@ -39,8 +39,8 @@ CLI::Option* add_named(CLI::App& app, const std::string& name, Value& value, Enu
 }
 
 /// A threshold of a measure by which cores are pruned; giving it chooses the measure.
-CLI::Option* add_pruning(CLI::App& app, const std::string& name, std::string_view measure,
-                           pipeline::Pruning& pruning, const std::string& help) {
+CLI::Option* add_pruning(CLI::App& app, const std::string& name, std::string_view measure, pipeline::Pruning& pruning,
+                         const std::string& help) {
   return add_parsed(
              app, name, help,
              [&pruning, measure](const std::string& option, const std::string& text) {
@@ -97,7 +97,9 @@ void add_core_options(CLI::App& app, pipeline::AxisOptions& o) {
             "of the smallest ball around "
             "their nearest boundary points")
       ->group(group);
-  app.add_flag("--full", o.full, "Write the cells below the threshold too (each with its level: detail_level or lambda_level)")->group(group);
+  app.add_flag("--full", o.full,
+               "Write the cells below the threshold too (each with its level: detail_level or lambda_level)")
+      ->group(group);
 }
 
 void add_burn_options(CLI::App& app, pipeline::BurningOptions& o) {

@@ -179,20 +179,20 @@ struct CoreResult {
   MedialAxis axis;
   AxisOptions options;
   CorePlan plan;
-  double threshold = 0;      ///< of the measure, used or chosen, world units
-  double longest_side = 0;   ///< what lengths refer to
-  Topology topology;         ///< of shape, core and pruned core
-  double reconstructed = 0;  ///< share of the shape in the balls of the pruned core
-  double coverage = 0;       ///< largest distance of a boundary vertex to these balls, world units
+  double threshold = 0;         ///< of the measure, used or chosen, world units
+  double longest_side = 0;      ///< what lengths refer to
+  Topology topology;            ///< of shape, core and pruned core
+  double reconstructed = 0;     ///< share of the shape in the balls of the pruned core
+  double coverage = 0;          ///< largest distance of a boundary vertex to these balls, world units
   std::optional<double> whole;  ///< `reconstructed` of the unpruned core, where it was asked for or needed
-  CellCounts all, kept;      ///< of the unpruned core, and of the pruned one
-  Coordinates coordinates;   ///< of the shape
-  std::string parameters;    ///< JSON text, those of the shape and of the core: what `quench verify` reads
+  CellCounts all, kept;         ///< of the unpruned core, and of the pruned one
+  Coordinates coordinates;      ///< of the shape
+  std::string parameters;       ///< JSON text, those of the shape and of the core: what `quench verify` reads
 };
 
 /// Voxel core, levels, threshold, pruning, reconstruction, in as many parts as memory asks for. Notes a pruning by
-/// lambda whose balls hold less than 0.9 of the shape. Throws Error(failed), with figures, when there is not enough memory, and
-/// Error(invariant) when the topology of core or pruning is not that of the shape.
+/// lambda whose balls hold less than 0.9 of the shape. Throws Error(failed), with figures, when there is not enough
+/// memory, and Error(invariant) when the topology of core or pruning is not that of the shape.
 CoreResult core_of(const LoadedShape& shape, const AxisOptions& options = {}, Context* context = nullptr);
 
 /// The core of a shape for a larger threshold of its measure, without computing it anew. Throws Error(usage), field the

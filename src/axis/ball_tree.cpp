@@ -78,7 +78,8 @@ BallTree::BallTree(std::span<const Vec3> points, std::span<const double> radius,
 }
 
 bool NearBalls::find(const LatticePoint& site, double enough, double& limit) {
-  const Vec3 p = grid_.world({static_cast<double>(site[0]), static_cast<double>(site[1]), static_cast<double>(site[2])});
+  const Vec3 p =
+      grid_.world({static_cast<double>(site[0]), static_cast<double>(site[1]), static_cast<double>(site[2])});
   const auto cell = [&](int axis, int bits) {
     return static_cast<std::size_t>(site[static_cast<std::size_t>(axis)] >> 2 & 255) << bits;
   };

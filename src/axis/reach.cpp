@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // docs/algorithms/pruning.md, "Larger details"
+#include "axis/reach.h"
+
 #include <algorithm>
 #include <limits>
 
-#include "axis/detail.h"
+#include "axis/ball_tree.h"
 #include "base/constants.h"
 #include "base/union_find.h"
 
@@ -13,6 +15,9 @@ namespace {
 // Of the vertices raised one by one, those after them need not be raised as far: less than this factor more would make
 // each a little more than the one before.
 constexpr double kHeadroom = 1.25;
+// Details up to this factor of the automatic one are not made as small as they could be: in thin parts that would be a
+// search without end for each vertex.
+constexpr double kEnough = 2;
 
 class Reach {
  public:
@@ -28,10 +33,11 @@ class Reach {
     make_roots_infinite(order);
     for (std::size_t i = 0; i < order.size(); ++i) {
       if (i % 4096 == 0)
-        checkpoint(context, "detail: reach", 0.6 + 0.4 * static_cast<double>(i) / static_cast<double>(order.size()));
+        checkpoint(context, "detail", 0.6 + 0.4 * static_cast<double>(i) / static_cast<double>(order.size()));
       const std::uint32_t ball = order[i];
       double& detail = detail_[tree_.balls()[ball].vertex];
-      if (const double needed = reach_of(ball, detail); needed > detail) detail = kHeadroom * needed;
+      if (const double needed = reach_of(ball, std::max(detail, kEnough * least_)); needed > detail)
+        detail = needed > kEnough * least_ ? kHeadroom * needed : needed;
       put(ball, detail);
     }
   }
@@ -70,32 +76,36 @@ class Reach {
     for (std::size_t n = tree_.leaf_of(ball); n > 0 && most_[n] < detail; n /= 2) most_[n] = detail;
   }
 
-  // The least d above `detail` down to which, from infinity on, balls of detail d or more, grown by 2 (d - least),
-  // contain `ball`; 0 where there is no gap down to `detail`.
-  double reach_of(std::uint32_t ball, double detail) {
+  // A d down to which, from infinity on, balls of detail d or more, grown by 2 (d - least), contain `ball`: the least
+  // one, or one that is not above `enough`.
+  double reach_of(std::uint32_t ball, double enough) {
     double d = std::numeric_limits<double>::infinity();
-    lean_as_neighbour(ball, detail, d);
-    for (double before = -1; before != d && d > 0;) {
+    lean_as_neighbour(ball, d);
+    for (double before = -1; before != d && d > enough;) {
       before = d;
+      double limit = d;  // of the walk: d, or nothing when that is enough
       const auto bound = [&](std::size_t node) {
         if (most_[node] < d) return std::numeric_limits<double>::infinity();
         const BallTree::Ball& own = tree_.balls()[ball];
         return needed_for(tree_.distance(node, own.centre) + own.radius - tree_.largest_radius(node));
       };
-      tree_.walk(bound, d, [&](std::size_t other) { lean(ball, static_cast<std::uint32_t>(other), detail, d); });
+      tree_.walk(bound, limit, [&](std::size_t other) {
+        lean(ball, static_cast<std::uint32_t>(other), d);
+        limit = d > enough ? d : 0;
+      });
     }
     return d;
   }
-  // Lowers d to what another ball allows; to 0 when that is enough.
-  void lean(std::uint32_t ball, std::uint32_t other, double detail, double& d) {
+  // Lowers d to what another ball allows.
+  void lean(std::uint32_t ball, std::uint32_t other, double& d) {
     if (detail_of_ball_[other] < d) return;
     if (const double needed = between(ball, other); needed < d) {
-      d = needed <= detail ? 0 : needed;
+      d = needed;
       leans_on_[ball] = other;
     }
   }
   // What a decided ball nearby leans on is mostly right for its neighbours, too.
-  void lean_as_neighbour(std::uint32_t ball, double detail, double& d) {
+  void lean_as_neighbour(std::uint32_t ball, double& d) {
     constexpr std::uint32_t kAround = 16;  // along the Z-order curve
     const std::uint32_t first = ball / kAround * kAround;
     std::uint32_t nearest = kNone;
@@ -103,7 +113,7 @@ class Reach {
       if (detail_of_ball_[i] >= 0 && (nearest == kNone || between(ball, i) < between(ball, nearest))) nearest = i;
     chain_.clear();
     for (std::uint32_t i = nearest; i != kNone && chain_.size() < 64; i = leans_on_[i]) chain_.push_back(i);
-    for (auto i = chain_.rbegin(); i != chain_.rend(); ++i) lean(ball, *i, detail, d);
+    for (auto i = chain_.rbegin(); i != chain_.rend(); ++i) lean(ball, *i, d);
   }
   double between(std::uint32_t ball, std::uint32_t other) const {
     const BallTree::Ball &a = tree_.balls()[ball], &b = tree_.balls()[other];

@@ -73,8 +73,8 @@ CoreResult made_core(const LoadedShape& from, const AxisOptions& options, const 
   result.all = counts_of(core.complex);
   choose_threshold(from, core, result, context);
 
-  MedialAxis kept = options.full ? pruned(core, result.threshold, measure)
-                                 : pruned(std::move(core), result.threshold, measure);
+  MedialAxis kept =
+      options.full ? pruned(core, result.threshold, measure) : pruned(std::move(core), result.threshold, measure);
   require_topology(topology(kept.complex), from.topology, "pruned core", "shape");
   checkpoint(context, "topology", 1);
   result.kept = counts_of(kept.complex);
@@ -126,9 +126,8 @@ CoreResult core_of(const LoadedShape& shape, const AxisOptions& options, Context
     note(context, fmt::format("the balls of the pruned core contain only {:.4f} of the shape; use a smaller lambda, or "
                               "'auto'",
                               result.reconstructed));
-  result.parameters =
-      with_parameters(shape.parameters, {{std::string(pruning.measure), text_of(pruning.threshold)},
-                                         {"lambda_rule", std::string(name_of(options.rule))}});
+  result.parameters = with_parameters(shape.parameters, {{std::string(pruning.measure), text_of(pruning.threshold)},
+                                                         {"lambda_rule", std::string(name_of(options.rule))}});
   return result;
 }
 
