@@ -19,7 +19,11 @@ std::shared_ptr<Axis> axis_of_file(Record data, const std::string& file, Context
   result->core.axis = std::move(loaded.axis);
   result->core.longest_side = loaded.scale.longest_side;
   result->core.reconstructed = pipeline::field_number(loaded.data, "reconstructed").value_or(std::nan(""));
-  result->core.lambda = pipeline::field_number(loaded.data, "lambda").value_or(0);
+  for (const std::string_view measure : {kLambda, kDetail})
+    if (const auto threshold = pipeline::field_number(loaded.data, std::string(measure).c_str())) {
+      result->core.options.pruning.measure = measure;
+      result->core.threshold = *threshold;
+    }
   result->core.topology = topology(result->axis().complex);
   result->core.coordinates = loaded.coordinates;
   result->spacing = loaded.spacing;
@@ -71,12 +75,18 @@ std::shared_ptr<Axis> pruned_axis(const Axis& from, const std::string& text, Con
   if (from.file) throw Error(ErrorCode::usage, "a medial axis from a file cannot be pruned; compute it again");
   auto result = std::make_shared<Axis>();
   result->shape = from.shape;
-  result->core = pipeline::pruned_further(*from.shape, from.core, pipeline::parse_length(text, "lambda"), &context);
+  const pipeline::Length threshold = pipeline::parse_length(text, from.core.options.pruning.measure);
+  result->core = pipeline::pruned_further(*from.shape, from.core, threshold, &context);
   result->spacing = from.spacing;
   return result;
 }
 
 }  // namespace
+
+pipeline::Pruning pruning_of(const std::string& measure, const std::string& threshold) {
+  const std::string_view known = measure == kLambda ? kLambda : kDetail;
+  return {known, pipeline::parse_length_or_auto(threshold, known)};
+}
 
 py::list checks_of(const Certificate& certificate) {
   py::list result;
@@ -106,7 +116,9 @@ void bind_axes(py::module_& m) {
              const auto derived = std::make_shared<const Measure>(derived_measure(a->axis(), name));
              return views(derived, *derived);
            })
-      .def_property_readonly("chosen_lambda", [](const Pointer& a) { return a->core.lambda; })
+      .def_property_readonly("pruned_by", [](const Pointer& a) { return a->core.options.pruning.measure; })
+      .def_property_readonly("threshold", [](const Pointer& a) { return a->core.threshold; })
+      .def_property_readonly("coverage", [](const Pointer& a) { return a->core.coverage; })
       .def_property_readonly("reconstructed", [](const Pointer& a) { return a->core.reconstructed; })
       .def_property_readonly("longest_side", [](const Pointer& a) { return a->core.longest_side; })
       .def_property_readonly("shape", [](const Pointer& a) { return a->shape; })
@@ -114,8 +126,8 @@ void bind_axes(py::module_& m) {
           "topology", [](const Pointer& a) { return py::make_tuple(a->core.topology.euler, a->core.topology.betti); })
       .def("resolve", &Axis::resolve)
       .def("pruned",
-           [](const Pointer& a, const std::string& lambda, const py::object& listener, int threads) {
-             return run(listener, threads, [&](Context& c) { return pruned_axis(*a, lambda, c); });
+           [](const Pointer& a, const std::string& threshold, const py::object& listener, int threads) {
+             return run(listener, threads, [&](Context& c) { return pruned_axis(*a, threshold, c); });
            })
       .def("burn",
            [](const Pointer& a, double omega, const py::object& listener, int threads) {
@@ -154,13 +166,14 @@ void bind_axes(py::module_& m) {
         const auto fire = a->fire;
         run_cancellable(listener, threads, [&](Context&) { io::write_record(file, a->data(fire.get()), {quality}); });
       });
-  m.def("compute_axis", [](const std::shared_ptr<Shape>& shape, const std::string& lambda, const std::string& rule,
-                           const py::object& listener, int threads) {
-    pipeline::AxisOptions options;
-    options.lambda = pipeline::parse_length_or_auto(lambda, "lambda");
-    options.rule = pipeline::lambda_rule_of(rule).value_or(LambdaRule::coface);
-    return run(listener, threads, [&](Context& context) { return compute_axis(shape, options, context); });
-  });
+  m.def("compute_axis",
+        [](const std::shared_ptr<Shape>& shape, const std::string& measure, const std::string& threshold,
+           const std::string& rule, const py::object& listener, int threads) {
+          pipeline::AxisOptions options;
+          options.pruning = pruning_of(measure, threshold);
+          options.rule = pipeline::lambda_rule_of(rule).value_or(LambdaRule::coface);
+          return run(listener, threads, [&](Context& context) { return compute_axis(shape, options, context); });
+        });
   m.def("check_writable", [](const std::string& file) { io::check_writable_format(file); });
   m.def("check_length", [](const std::string& text, const std::string& field) { pipeline::parse_length(text, field); });
   // A mesh as (vertices, triangles), or a medial axis where the file has radii.

@@ -22,7 +22,7 @@ namespace quench::python {
 namespace {
 
 struct Wish {
-  std::string lambda;
+  std::string measure, threshold;  ///< of the pruning
   Thetas thetas;
 };
 
@@ -57,7 +57,7 @@ std::shared_ptr<SkeletonValue> skeleton_of(VoxelShape voxels, const Grid& image,
   options.foreground.label = label;
   auto shape = std::make_shared<Shape>(pipeline::shape_of(std::move(voxels), image, options, &context));
   shape->coordinates = coordinates;
-  auto axis = compute_axis(shape, {.lambda = pipeline::parse_length_or_auto(wish.lambda, "lambda")}, context);
+  auto axis = compute_axis(shape, {.pruning = pruning_of(wish.measure, wish.threshold)}, context);
   const auto fire = compute_fire(*axis, 0, true, nullptr, context);
   auto result = compute_skeleton(axis, *fire, wish.thetas, context);
   axis->core.axis = MedialAxis();
@@ -177,20 +177,21 @@ py::list skeletonize(const ImageView& image, const Coordinates& coordinates,
 void bind_labels(py::module_& m) {
   using Triple = std::array<double, 3>;
   using Labels = std::optional<std::vector<std::int64_t>>;
-  m.def("skeletonize_array",
-        [](const py::buffer& array, const Triple& spacing, const Labels& labels, const std::string& lambda,
-           const std::string& theta2, const std::string& theta1, const py::object& listener, int threads) {
-          const py::buffer_info held = array.request();
-          return skeletonize(image_of(held, grid_of(held, spacing)), {}, labels, {lambda, {theta2, theta1}}, listener,
-                             threads);
-        });
-  m.def("skeletonize_image",
-        [](const Image& image, const std::optional<Triple>& spacing, const Labels& labels, const std::string& lambda,
-           const std::string& theta2, const std::string& theta1, const py::object& listener, int threads) {
-          ImageView view = view_of(*image.volume);
-          if (spacing) view.grid.spacing = {(*spacing)[0], (*spacing)[1], (*spacing)[2]};
-          return skeletonize(view, image.volume->coordinates, labels, {lambda, {theta2, theta1}}, listener, threads);
-        });
+  m.def("skeletonize_array", [](const py::buffer& array, const Triple& spacing, const Labels& labels,
+                                const std::string& measure, const std::string& threshold, const std::string& theta2,
+                                const std::string& theta1, const py::object& listener, int threads) {
+    const py::buffer_info held = array.request();
+    return skeletonize(image_of(held, grid_of(held, spacing)), {}, labels, {measure, threshold, {theta2, theta1}},
+                       listener, threads);
+  });
+  m.def("skeletonize_image", [](const Image& image, const std::optional<Triple>& spacing, const Labels& labels,
+                                const std::string& measure, const std::string& threshold, const std::string& theta2,
+                                const std::string& theta1, const py::object& listener, int threads) {
+    ImageView view = view_of(*image.volume);
+    if (spacing) view.grid.spacing = {(*spacing)[0], (*spacing)[1], (*spacing)[2]};
+    return skeletonize(view, image.volume->coordinates, labels, {measure, threshold, {theta2, theta1}}, listener,
+                       threads);
+  });
 }
 
 }  // namespace quench::python

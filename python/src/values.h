@@ -62,6 +62,8 @@ struct Thetas {
   std::string theta2, theta1;
 };
 
+/// Of the names "detail" and "lambda", and "auto" or a length.
+pipeline::Pruning pruning_of(const std::string& measure, const std::string& threshold);
 std::shared_ptr<Axis> compute_axis(std::shared_ptr<Shape> shape, const pipeline::AxisOptions& options,
                                    Context& context);
 /// Burns an axis and, if `family`, makes its skeletons; takes over what `known` has of the same omega. omega 0:

@@ -124,7 +124,8 @@ TEST(Measures, GoThroughAFile) {
 
 Record core_with_two_measures(const VoxelShape& shape, double lambda, bool full) {
   const pipeline::LoadedShape loaded = pipeline::shape_of(VoxelShape(shape), shape.grid(), {});
-  pipeline::CoreResult core = pipeline::core_of(loaded, {.lambda = pipeline::world_length(lambda), .full = full});
+  pipeline::CoreResult core =
+      pipeline::core_of(loaded, {.pruning = {kLambda, pipeline::world_length(lambda)}, .full = full});
   core.axis.measures.push_back(numbered(core.axis.complex));
   prune_levels(core.axis, "numbers");
   return pipeline::core_file(core);

@@ -268,7 +268,7 @@ TEST(Page, CoreSetsAreThePruningsForEverySliderAboveTheFloor) {
       SCOPED_TRACE(testing::Message() << "seed " << seed << " budget " << budget << " of " << all);
       Page page;
       const std::size_t shown = add_core(page, axis, to_record(axis).point_data, budget);
-      with_floor += *page.lambda_floor > 0;
+      with_floor += page.measures[0].floor > 0;
       const Family of_page = family_of(page, "core");
       std::size_t never = 0;
       for (std::size_t f = 0; f < axis.complex.face_count(); ++f)
@@ -277,7 +277,7 @@ TEST(Page, CoreSetsAreThePruningsForEverySliderAboveTheFloor) {
       ASSERT_LE(shown, std::max(budget, never));
       // Levels of voxel cores are roots of fractions: sliders on them, rounded, are the hard ones.
       for (const double wish : {0.0, 0.5, std::sqrt(0.5), 1.0, std::sqrt(1.25), 1.5, 2.0, 2.5, 1e30}) {
-        const float lambda = std::max(static_cast<float>(wish), static_cast<float>(*page.lambda_floor));
+        const float lambda = std::max(static_cast<float>(wish), static_cast<float>(page.measures[0].floor));
         const MedialAxis expected = pruned(axis, lambda);
         const Cells cells = cells_at(of_page, lambda, 0);
         const auto count = [](const std::vector<char>& v) {
@@ -318,7 +318,7 @@ TEST(Page, CoreIsPrunedByEachOfItsMeasures) {
       Family family = family_of(page, "core");
       ASSERT_EQ(shown, triangles_of(family.complex));
       ASSERT_EQ(page.measures.size(), 2u);
-      ASSERT_EQ(page.measures[0].floor, *page.lambda_floor);
+      ASSERT_EQ(page.measures[0].floor, page.measures[0].floor);
       for (const PageMeasure& measure : page.measures) {
         with_floor += measure.floor > 0;
         const auto levels = [&](const char* of) {
@@ -369,7 +369,7 @@ TEST(Page, ArraysComeBackFromTheFile) {
   page.title = "</script><script>alert(\"1\")</script>\\\xC3\xA4\xFF\n";
   page.command = "quench run 'a b.off'";
   page.side = 2.5;
-  page.lambda = 0.1;  // no float
+  page.pruning = {"lambda", 0.1};  // no float
   page.theta2 = kInfinity;
   page.theta1_floor = 0.25;
   page.origin = {1e6, 0, -3};

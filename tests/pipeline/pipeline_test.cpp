@@ -141,7 +141,7 @@ TEST(ShapeOfInput, ParametersGiveTheSameShapeAgain) {
   options.foreground.largest_component = true;
   const LoadedShape shape = torus(options);
   EXPECT_EQ(shape.parameters, R"({"resolution":24,"fill":"evenodd","largest_component":true,"subdivide":2})");
-  const CoreResult core = core_of(shape, {.lambda = parse_length("2vox", "lambda")});
+  const CoreResult core = core_of(shape, {.pruning = {kLambda, parse_length("2vox", "lambda")}});
   const Record file = core_file(core);
   EXPECT_EQ(core.parameters,
             shape.parameters.substr(0, shape.parameters.size() - 1) + R"(,"lambda":"2vox","lambda_rule":"coface"})");
@@ -188,7 +188,7 @@ TEST(ShapeOfInput, ImagesAreRecordedAsTheyAreCut) {
 
 TEST(Run, IsTheStagesCalledByHand) {
   RunOptions options;
-  options.axis.lambda = parse_length("1.5vox", "lambda");
+  options.axis.pruning = {kLambda, parse_length("1.5vox", "lambda")};
   options.skeleton.theta2 = parse_length("4%", "theta2");
   options.skeleton.theta1 = parse_length("2vox", "theta1");
   options.graph.smooth = 3;
@@ -224,7 +224,7 @@ TEST(Run, IsTheStagesCalledByHand) {
     EXPECT_EQ(result.graph.branches[b].length, graph.branches[b].length);
 
   by_hand.add_shape(shape);
-  by_hand.page.lambda = 1.5 * voxel;
+  by_hand.page.pruning = {std::string(kLambda), 1.5 * voxel};
   by_hand.page.theta2 = 0.04 * side;
   by_hand.page.theta1 = 2 * voxel;
   by_hand.add_core(core, result.axis.file.point_data, true);
@@ -242,7 +242,7 @@ TEST(Run, ThinPruningsAreNoted) {
   std::vector<std::string> notes;
   Context context;
   context.note = [&](const std::string& sentence) { notes.push_back(sentence); };
-  const RunResult result = run(shape, {.axis = {.lambda = Length{0, Unit::infinite}}}, &context);
+  const RunResult result = run(shape, {.axis = {.pruning = {kLambda, Length{0, Unit::infinite}}}}, &context);
   ASSERT_LT(result.core.reconstructed, 0.9);
   ASSERT_EQ(notes.size(), 1u);
   EXPECT_NE(notes[0].find("of the shape; use a smaller lambda"), std::string::npos) << notes[0];
@@ -251,8 +251,8 @@ TEST(Run, ThinPruningsAreNoted) {
 TEST(PrunedFurther, IsTheCoreComputedWithThatLambda) {
   const LoadedShape shape = torus();
   const Length lambda = parse_length("3vox", "lambda");
-  const CoreResult pruned = pruned_further(shape, core_of(shape, {.lambda = Length{0}}), lambda);
-  const CoreResult wanted = core_of(shape, {.lambda = lambda});
+  const CoreResult pruned = pruned_further(shape, core_of(shape, {.pruning = {kLambda, Length{0}}}), lambda);
+  const CoreResult wanted = core_of(shape, {.pruning = {kLambda, lambda}});
   EXPECT_EQ(pruned.axis.points, wanted.axis.points);
   EXPECT_EQ(pruned.axis.complex.edges, wanted.axis.complex.edges);
   EXPECT_EQ(pruned.reconstructed, wanted.reconstructed);

@@ -53,7 +53,7 @@ TEST(Threads, EveryStageKeepsToThoseOfItsContext) {
   const TriangleMesh mesh = make_sample("bumpy-sphere").mesh;
   const VoxelShape shape = voxelize(mesh, {.resolution = 64}).shape;
   const pipeline::LoadedShape loaded = pipeline::shape_of(VoxelShape(shape), shape.grid(), {});
-  const pipeline::CoreResult core = pipeline::core_of(loaded, {.lambda = pipeline::world_length(2)});
+  const pipeline::CoreResult core = pipeline::core_of(loaded, {.pruning = {kLambda, pipeline::world_length(2)}});
   const CellComplex& complex = core.axis.complex;
   const Burning burning = burn(complex, core.axis.points, core.axis.radius);
   const RefinedAxis refined = quench_curves(complex, core.axis.points, core.axis.radius, burning);

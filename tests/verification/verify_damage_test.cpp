@@ -79,7 +79,7 @@ Record burned(Record data, const BurnOptions& options = {}) {
 }
 
 Record skeleton_of(const VoxelShape& shape, double theta2, double theta1, bool parts) {
-  const Record core = burned(core_of(shape, {.lambda = world_length(0.0)}));
+  const Record core = burned(core_of(shape, {.pruning = {kLambda, world_length(0.0)}}));
   const MedialAxis axis = medial_axis_of(core);
   const Burning burning = burn(axis.complex, axis.points, axis.radius, {});
   const pipeline::FamilyResult family =
@@ -95,10 +95,12 @@ std::vector<Result> results() {
       all.push_back({n + " " + what, s, std::move(data)});
     };
     const bool is_plate = name == std::string("plate");
-    if (is_plate) add("core", core_of(shape, {.lambda = world_length(1.2)}));
-    if (is_plate) add("full core", core_of(shape, {.lambda = world_length(1.2), .full = true}));
-    add("core by balls", core_of(shape, {.lambda = world_length(1.1), .rule = LambdaRule::ball, .full = !is_plate}));
-    add("burned core", burned(core_of(shape, {.lambda = world_length(1.2)}), {.omega = is_plate ? 0 : 0.3}));
+    if (is_plate) add("core", core_of(shape, {.pruning = {kLambda, world_length(1.2)}}));
+    if (is_plate) add("full core", core_of(shape, {.pruning = {kLambda, world_length(1.2)}, .full = true}));
+    add("core by balls",
+        core_of(shape, {.pruning = {kLambda, world_length(1.1)}, .rule = LambdaRule::ball, .full = !is_plate}));
+    add("burned core",
+        burned(core_of(shape, {.pruning = {kLambda, world_length(1.2)}}), {.omega = is_plate ? 0 : 0.3}));
     add("skeleton", skeleton_of(shape, 0.3, 0.2, false));
     if (!is_plate) add("skeleton in parts", skeleton_of(shape, 0.5, 0, true));
     if (is_plate) add("curves", skeleton_of(shape, kInfinity, 0, false));
@@ -375,7 +377,7 @@ TEST(VerifyDamage, ChangesOfEveryArrayAreNoticed) {
 // Another program may use the names as it likes: without a stage nothing is taken from them, and that is said.
 TEST(VerifyDamage, ArraysOfOtherProgramsAreNamed) {
   const VoxelShape shape = plate();
-  Record foreign = core_of(shape, {.lambda = world_length(0.0)});
+  Record foreign = core_of(shape, {.pruning = {kLambda, world_length(0.0)}});
   const std::size_t cells = foreign.cell_count();
   foreign.cell_data = {{"kind", 1, std::vector<double>(cells, 7)}, {"component", 1, std::vector<double>(cells, -1)}};
   foreign.field_data = {{"betti", 1, std::vector<std::string>{"none"}},
@@ -401,7 +403,7 @@ TEST(VerifyDamage, AMovedPointIsNoticed) {
 
 TEST(VerifyDamage, ArraysOfWrongFormAreNoticed) {
   const VoxelShape shape = plate();
-  const Record core = core_of(shape, {.lambda = world_length(0.0)});
+  const Record core = core_of(shape, {.pruning = {kLambda, world_length(0.0)}});
   const auto fails = [&](const Record& data) {
     const Certificate certificate = verify(shape, data);
     EXPECT_FALSE(certificate.passed());

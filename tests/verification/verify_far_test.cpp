@@ -37,7 +37,7 @@ Computed compute(const VoxelShape& shape) {
   const double voxel = shape.grid().spacing.minCoeff();
   Computed computed;
   computed.core = pipeline::core_file(pipeline::core_of(pipeline::shape_of(VoxelShape(shape), shape.grid(), {}),
-                                                        {.lambda = pipeline::world_length(0.8 * voxel)}));
+                                                        {.pruning = {kLambda, pipeline::world_length(0.8 * voxel)}}));
   const MedialAxis axis = medial_axis_of(computed.core);
   const Burning burning = burn(axis.complex, axis.points, axis.radius, {});
   add_burning(computed.core, burning);

@@ -1,0 +1,258 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "axis/cover.h"
+
+#include <algorithm>
+#include <functional>
+#include <limits>
+#include <numeric>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "axis/ball_tree.h"
+#include "axis/measures.h"
+#include "axis/shortest_paths.h"
+#include "base/constants.h"
+#include "base/parallel.h"
+#include "base/union_find.h"
+
+namespace quench::axis {
+namespace {
+
+// Balls up to this factor of the automatic detail are those of thin parts: 2.6 voxels for cubes.
+constexpr double kThin = 3;
+
+std::vector<char> uncovered_sites(std::span<const LatticePoint> sites, const Grid& grid, const BallTree& kept,
+                                  double tolerance, Context* context) {
+  std::vector<char> result(sites.size(), 0);
+  const double limit = tolerance * (1 + 1e-9);
+  const std::size_t chunks = base::chunks_for(sites.size(), std::size_t{1} << 15);
+  base::for_chunks(chunks, context, "detail", 0.3, 0.6, [&](std::size_t chunk) {
+    const auto [first, last] = base::part_of(sites.size(), chunk, chunks);
+    NearBalls near(kept, grid);
+    for (std::size_t s = first; s < last; ++s) {
+      double away = limit;
+      result[s] = !near.find(sites[s], limit, away);
+    }
+  });
+  return result;
+}
+
+class Cover {
+ public:
+  Cover(const MedialAxis& axis, double least, SignificantParts& components, const TopCells& cells, CellValues& detail)
+      : axis_(axis), least_(least), components_(components), cells_(cells), detail_(detail) {}
+
+  void run(Context* context) {
+    find_uncovered(context);
+    if (std::ranges::none_of(uncovered_, [](char u) { return u; })) return;
+    std::vector<std::uint32_t> all(axis_.complex.vertex_count);
+    std::iota(all.begin(), all.end(), 0u);
+    const BallTree tree(axis_.points, axis_.radius, std::move(all));
+    ShortestPaths paths(axis_);
+    reach_out(tree, paths);
+    needed_.assign(components_.member_count(), 0);
+    take_faces();
+    take_vertices(tree);
+    components_.raise(needed_, least_);
+    connect(paths);
+  }
+
+ private:
+  void keep(double& detail) const { detail = std::max(detail, least_); }
+
+  void find_uncovered(Context* context) {
+    kept_.assign(axis_.complex.vertex_count, 0);  // vertices of what is significant
+    for (std::uint32_t c = 0; c < cells_.count(); ++c)
+      if (cells_.value(c) >= least_) cells_.for_corners(c, [&](std::uint32_t v) { kept_[v] = 1; });
+    std::vector<std::uint32_t> vertices;
+    for (std::uint32_t v = 0; v < kept_.size(); ++v)
+      if (kept_[v]) vertices.push_back(v);
+    kept_tree_.emplace(axis_.points, axis_.radius, std::move(vertices));
+    uncovered_ = uncovered_sites(axis_.sites, axis_.grid, *kept_tree_, 2 * least_, context);
+  }
+
+  // Sites of thick parts, the farthest from what is kept first, so that the paths to them cover others.
+  void reach_out(const BallTree& tree, ShortestPaths& paths) {
+    std::vector<double> away(axis_.sites.size(), 0);
+    base::for_indices(axis_.sites.size(), [&](std::size_t s) {
+      if (!uncovered_[s] || largest_near(tree, position(s)) <= kThin * least_) return;
+      away[s] = std::numeric_limits<double>::max();
+      kept_tree_->nearest(position(s), away[s]);
+    });
+    std::vector<std::uint32_t> order;
+    for (std::uint32_t s = 0; s < away.size(); ++s)
+      if (away[s] > 0) order.push_back(s);
+    std::ranges::stable_sort(order, std::greater{}, [&](std::uint32_t s) { return away[s]; });
+    for (const std::uint32_t s : order) {
+      add_path_to(position(s), tree, paths);
+      uncovered_[s] = 0;
+    }
+  }
+  double largest_near(const BallTree& tree, const Vec3& p) const {
+    double largest = 0;
+    const double near = 2 * least_;
+    const auto bound = [&](std::size_t node) {
+      const double radius = tree.largest_radius(node);
+      return radius <= largest ? near : tree.distance(node, p) - radius;
+    };
+    tree.walk(bound, near, [&](std::size_t i) {
+      const BallTree::Ball& ball = tree.balls()[i];
+      if (ball.radius > largest && outside(ball, p) < near) largest = ball.radius;
+    });
+    return largest;
+  }
+  // Keeps the shortest path from a ball near enough to what is kept.
+  void add_path_to(const Vec3& p, const BallTree& tree, ShortestPaths& paths) {
+    paths.restart();
+    std::vector<std::uint32_t> sources;
+    for_balls_near(tree, p, 2 * least_, [&](std::uint32_t v) {
+      paths.add_source(v);
+      sources.push_back(v);
+    });
+    const auto stop = [&](std::uint32_t v) { return kept_[v] != 0; };
+    std::uint32_t v = paths.next(stop);
+    while (v != kNone && !kept_[v]) v = paths.next(stop);
+    if (v == kNone) v = largest_of(sources);  // nothing is kept in this component of the axis
+    keep(detail_.vertex[v]);
+    kept_[v] = 1;
+    keep_path(paths, v);
+    paths.walk_back(v, [&](std::uint32_t, std::uint32_t w) { kept_[w] = 1; });
+  }
+  std::uint32_t largest_of(const std::vector<std::uint32_t>& vertices) const {
+    return *std::ranges::max_element(vertices, {}, [&](std::uint32_t v) { return std::pair(axis_.radius[v], ~v); });
+  }
+  void keep_path(const ShortestPaths& paths, std::uint32_t from) {
+    paths.walk_back(from, [&](std::uint32_t edge, std::uint32_t vertex) {
+      keep(detail_.edge[edge]);
+      keep(detail_.vertex[vertex]);
+    });
+  }
+  template <class Visit>
+  void for_balls_near(const BallTree& tree, const Vec3& p, double near, const Visit& visit) const {
+    tree.walk([&](std::size_t node) { return tree.distance(node, p) - tree.largest_radius(node); }, near,
+              [&](std::size_t i) {
+                if (outside(tree.balls()[i], p) < near) visit(tree.balls()[i].vertex);
+              });
+  }
+  Vec3 position(std::size_t site) const {
+    const LatticePoint& s = axis_.sites[site];
+    return axis_.grid.world({static_cast<double>(s[0]), static_cast<double>(s[1]), static_cast<double>(s[2])});
+  }
+
+  // Faces of uncovered sites: their components, where they have one; of other sites the faces.
+  void take_faces() {
+    std::vector<char> has_component(axis_.sites.size(), 0);
+    has_face_.assign(axis_.sites.size(), 0);
+    for (std::uint32_t f = 0; f < axis_.face_sites.size(); ++f) {
+      const std::uint32_t component = components_.component_of(axis_.complex.corners(f)[0]);
+      if (component == kNone || !components_.is_above(f)) continue;
+      for (const std::uint32_t s : axis_.face_sites[f])
+        if (uncovered_[s]) has_component[s] = needed_[component] = 1;
+    }
+    for (std::uint32_t f = 0; f < axis_.face_sites.size(); ++f)
+      for (const std::uint32_t s : axis_.face_sites[f]) {
+        if (!uncovered_[s]) continue;
+        has_face_[s] = 1;
+        if (!has_component[s]) keep(detail_.face[f]);
+      }
+  }
+  // Uncovered sites without faces: vertices and edges without faces whose balls touch them.
+  void take_vertices(const BallTree& tree) {
+    std::vector<char> touching(axis_.complex.vertex_count, 0);
+    for (std::uint32_t s = 0; s < uncovered_.size(); ++s) {
+      if (!uncovered_[s] || has_face_[s]) continue;
+      // No ball contains the site: those that it is not outside of touch it.
+      for_balls_near(tree, position(s), 1e-6 * least_, [&](std::uint32_t v) {
+        if (const std::uint32_t component = components_.component_of(v); component != kNone) {
+          needed_[component] = 1;
+        } else {
+          touching[v] = 1;
+          keep(detail_.vertex[v]);
+        }
+      });
+    }
+    for (std::uint32_t e = 0; e < detail_.edge.size(); ++e) {
+      const auto [a, b] = axis_.complex.edges[e];
+      if (detail_.edge[e] != kNoTopCell && touching[a] && touching[b]) keep(detail_.edge[e]);
+    }
+  }
+
+  // Connects parts that nothing significant is in to the nearest other part along edges, until each is connected to
+  // what is significant or there is nothing else in its component of the axis.
+  void connect(ShortestPaths& paths) {
+    base::UnionFind parts = united_cells();
+    std::vector<char> connected(axis_.complex.vertex_count, 0);  // of the roots
+    for (std::uint32_t v = 0; v < kept_.size(); ++v)
+      if (kept_[v]) connected[parts.find(v)] = 1;
+    paths.restart();
+    std::size_t open = 0;  // parts that are not connected
+    for (std::uint32_t v = 0; v < axis_.complex.vertex_count; ++v) {
+      if (!in_part_[v] || connected[parts.find(v)]) continue;
+      open += parts.find(v) == v;
+      paths.add_source(v);
+    }
+    const auto is_end = [&](std::uint32_t v) { return kept_[v] != 0; };
+    const auto join = [&](std::uint32_t a, std::uint32_t b) {
+      const bool either = connected[parts.find(a)] || connected[parts.find(b)];
+      parts.unite(a, b);
+      connected[parts.find(a)] = either;
+      --open;
+    };
+    const auto apart = [&](std::uint32_t a, std::uint32_t b) {
+      a = parts.find(a);
+      b = parts.find(b);
+      return a != b && !(connected[a] && connected[b]);
+    };
+    for (std::uint32_t v; open > 0 && (v = paths.next(is_end)) != kNone;) {
+      const std::uint32_t source = paths.source_of(v);
+      if (kept_[v]) {
+        if (!apart(source, v)) continue;
+        keep_path(paths, v);
+        join(source, v);
+        continue;
+      }
+      for (const std::uint32_t e : paths.edges_at(v)) {
+        const std::uint32_t w = paths.other_end(e, v);
+        if (!paths.is_settled(w) || kept_[w] || !apart(source, paths.source_of(w))) continue;
+        keep(detail_.edge[e]);
+        keep_path(paths, v);
+        keep_path(paths, w);
+        join(source, paths.source_of(w));
+      }
+    }
+  }
+  // The cells that are kept, as sets of their vertices.
+  base::UnionFind united_cells() {
+    base::UnionFind parts(axis_.complex.vertex_count);
+    in_part_.assign(axis_.complex.vertex_count, 0);
+    for (std::uint32_t c = 0; c < cells_.count(); ++c) {
+      if (cells_.value(c) < least_) continue;
+      const std::uint32_t first = cells_.first_corner(c);
+      cells_.for_corners(c, [&](std::uint32_t v) {
+        in_part_[v] = 1;
+        parts.unite(first, v);
+      });
+    }
+    return parts;
+  }
+
+  const MedialAxis& axis_;
+  double least_;
+  SignificantParts& components_;
+  const TopCells& cells_;
+  CellValues& detail_;
+  std::optional<BallTree> kept_tree_;
+  std::vector<char> kept_;     // per vertex: what is significant, and paths to it
+  std::vector<char> in_part_;  // per vertex: of a cell that is kept
+  std::vector<char> uncovered_, has_face_, needed_;
+};
+
+}  // namespace
+
+void cover_boundary(const MedialAxis& axis, double least, SignificantParts& parts, const TopCells& cells,
+                    CellValues& detail, Context* context) {
+  Cover(axis, least, parts, cells, detail).run(context);
+}
+
+}  // namespace quench::axis

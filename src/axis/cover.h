@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "axis/significant_parts.h"
+#include "quench/axis.h"
+
+namespace quench::axis {
+
+/// Raises details to `least` where boundary vertices need it that lie farther than 2 * least outside the balls of the
+/// cells with detail `least` or more, such that none is left. On a thick body the shortest path along edges to a ball
+/// near enough is kept. In thin parts it is the component that touches the boundary vertex, or else the cells whose
+/// balls touch it; shortest paths then connect these to the rest, since the thinning would by detours.
+void cover_boundary(const MedialAxis& axis, double least, SignificantParts& parts, const TopCells& cells,
+                    CellValues& detail, Context* context);
+
+}  // namespace quench::axis
