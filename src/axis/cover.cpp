@@ -2,6 +2,7 @@
 #include "axis/cover.h"
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <limits>
 #include <numeric>
@@ -21,11 +22,16 @@ namespace {
 
 // Balls up to this factor of the automatic detail are those of thin parts: 2.6 voxels for cubes.
 constexpr double kThin = 3;
+// What is compared with `2 * least` may be larger by so much, for rounding.
+constexpr double kTolerance = 1e-9;
+// Lengths are compared in units of this factor of the automatic detail: rounding depends on where a shape lies, what is
+// kept must not.
+constexpr double kLengthUnit = 0x1p-24;
 
 std::vector<char> uncovered_sites(std::span<const LatticePoint> sites, const Grid& grid, const BallTree& kept,
                                   double tolerance, Context* context) {
   std::vector<char> result(sites.size(), 0);
-  const double limit = tolerance * (1 + 1e-9);
+  const double limit = tolerance * (1 + kTolerance);
   const std::size_t chunks = base::chunks_for(sites.size(), std::size_t{1} << 15);
   base::for_chunks(chunks, context, "detail", 0.3, 0.6, [&](std::size_t chunk) {
     const auto [first, last] = base::part_of(sites.size(), chunk, chunks);
@@ -49,7 +55,7 @@ class Cover {
     std::vector<std::uint32_t> all(axis_.complex.vertex_count);
     std::iota(all.begin(), all.end(), 0u);
     const BallTree tree(axis_.points, axis_.radius, std::move(all));
-    ShortestPaths paths(axis_);
+    ShortestPaths paths(axis_, kLengthUnit * least_);
     reach_out(tree, paths);
     needed_.assign(components_.member_count(), 0);
     take_faces();
@@ -60,6 +66,7 @@ class Cover {
 
  private:
   void keep(double& detail) const { detail = std::max(detail, least_); }
+  double reach() const { return 2 * least_ * (1 + 0.5 * kTolerance); }
 
   void find_uncovered(Context* context) {
     kept_.assign(axis_.complex.vertex_count, 0);  // vertices of what is significant
@@ -83,7 +90,8 @@ class Cover {
     std::vector<std::uint32_t> order;
     for (std::uint32_t s = 0; s < away.size(); ++s)
       if (away[s] > 0) order.push_back(s);
-    std::ranges::stable_sort(order, std::greater{}, [&](std::uint32_t s) { return away[s]; });
+    std::ranges::stable_sort(order, std::greater{},
+                             [&](std::uint32_t s) { return std::round(away[s] / (kLengthUnit * least_)); });
     for (const std::uint32_t s : order) {
       add_path_to(position(s), tree, paths);
       uncovered_[s] = 0;
@@ -91,7 +99,7 @@ class Cover {
   }
   double largest_near(const BallTree& tree, const Vec3& p) const {
     double largest = 0;
-    const double near = 2 * least_;
+    const double near = reach();
     const auto bound = [&](std::size_t node) {
       const double radius = tree.largest_radius(node);
       return radius <= largest ? near : tree.distance(node, p) - radius;
@@ -106,7 +114,7 @@ class Cover {
   void add_path_to(const Vec3& p, const BallTree& tree, ShortestPaths& paths) {
     paths.restart();
     std::vector<std::uint32_t> sources;
-    for_balls_near(tree, p, 2 * least_, [&](std::uint32_t v) {
+    for_balls_near(tree, p, reach(), [&](std::uint32_t v) {
       paths.add_source(v);
       sources.push_back(v);
     });

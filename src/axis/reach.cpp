@@ -3,6 +3,7 @@
 #include "axis/reach.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "axis/ball_tree.h"
@@ -18,6 +19,8 @@ constexpr double kHeadroom = 1.25;
 // Details up to this factor of the automatic one are not made as small as they could be: in thin parts that would be a
 // search without end for each vertex.
 constexpr double kEnough = 2;
+// A factor of the automatic detail, and what of a unit counts as rounding: together a billionth of the detail.
+constexpr double kLengthUnit = 0x1p-20, kOfUnit = 1e-3;
 
 class Reach {
  public:
@@ -120,7 +123,11 @@ class Reach {
     return needed_for((a.centre - b.centre).norm() + a.radius - b.radius);
   }
   // The detail from which on a ball that sticks out by so much of another may be left to it.
-  double needed_for(double sticks_out) const { return least_ + 0.5 * std::max(0.0, sticks_out); }
+  // A multiple of a small unit, since rounding depends on where a shape lies, and what is kept must not.
+  double needed_for(double sticks_out) const {
+    const double unit = kLengthUnit * least_;
+    return least_ + 0.5 * unit * std::max(0.0, std::ceil(sticks_out / unit - kOfUnit));
+  }
 
   const MedialAxis& axis_;
   double least_;

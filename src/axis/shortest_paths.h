@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <functional>
-#include <optional>
 #include <queue>
 #include <span>
 #include <utility>
@@ -16,11 +16,13 @@
 namespace quench::axis {
 
 /// Shortest paths along the edges of a medial axis (Dijkstra 1959) from many sources, for searches that stay near them.
-/// Ties go to the vertex of smaller index.
+/// Lengths are whole multiples of `unit`, so that paths of one length are ties whatever the rounding of coordinates;
+/// ties go to the vertex of smaller index.
 class ShortestPaths {
  public:
-  explicit ShortestPaths(const MedialAxis& axis)
+  ShortestPaths(const MedialAxis& axis, double unit)
       : axis_(axis),
+        per_unit_(1 / unit),
         edges_at_(base::Csr<std::uint32_t>::group(axis.complex.vertex_count,
                                                   [&](const auto& emit) {
                                                     for (std::uint32_t e = 0; e < axis.complex.edges.size(); ++e)
@@ -53,7 +55,7 @@ class ShortestPaths {
       if (!stop(v))
         for (const std::uint32_t e : edges_at_[v]) {
           const std::uint32_t w = other_end(e, v);
-          reach(w, distance + (axis_.points[v] - axis_.points[w]).norm(), e, source_[v]);
+          reach(w, distance + std::round((axis_.points[v] - axis_.points[w]).norm() * per_unit_), e, source_[v]);
         }
       return v;
     }
@@ -90,6 +92,7 @@ class ShortestPaths {
   }
 
   const MedialAxis& axis_;
+  double per_unit_;
   base::Csr<std::uint32_t> edges_at_;
   std::vector<double> distance_;        // so far
   std::vector<std::uint32_t> came_by_;  // the edge; kNone for sources
