@@ -121,12 +121,16 @@ void add_burn_options(CLI::App& app, pipeline::BurningOptions& o) {
 
 void add_skeleton_options(CLI::App& app, pipeline::SkeletonOptions& o, GraphFileOptions& files) {
   const auto group = "Skeleton";
-  add_length(app, "--theta2", o.theta2,
-             "Drop sheets of a smaller erosion thickness where the topology allows: a fraction of the longest side "
-             "(0.03 or 3%), 8vox, 3.5abs, 0 (nothing), inf (curves only)")
+  add_length(
+      app, "--theta2", o.theta2,
+      "Drop sheets of a smaller erosion thickness where the topology allows: a fraction of the longest side "
+      "(0.03 or 3%), 8vox, 3.5abs, 0 (nothing), inf (curves only), or 'auto': 0.03, but no less than three times the "
+      "automatic detail, 2.6 voxels")
       ->group(group);
-  add_length(app, "--theta1", o.theta1,
-             "Drop curves of a smaller erosion thickness from their free ends; inf: only what topology needs")
+  add_length(
+      app, "--theta1", o.theta1,
+      "Drop curves of a smaller erosion thickness from their free ends; inf: only what topology needs; 'auto': 0.02, "
+      "but no less than three times the automatic detail")
       ->group(group);
   add_number(app, "--smooth", files.graph.smooth,
              "Passes of smoothing over the curves of the graph files, 0 to 10000; they stay inside the shape", 0, 10000)

@@ -59,6 +59,7 @@ std::string text_of(const std::optional<Length>& length);
 struct Scale {
   double longest_side = 0;  ///< of the mesh, or of the foreground of a volume
   double voxel = 0;         ///< smallest spacing; 0 where there are no voxels
+  double detail = 0;        ///< auto_detail() of the voxels; 0 where there are none
 
   /// World length. Throws Error(usage), `field`, for voxels where there are none.
   double resolve(const Length& length, std::string_view field) const;
@@ -125,7 +126,7 @@ struct LoadedShape {
   std::string spacing_source;                ///< of a volume from a file: what its spacing was taken from
   std::optional<ForegroundReport> cleaned;   ///< where cleaning was asked for
 
-  Scale scale() const { return {longest_side, shape.grid().spacing.minCoeff()}; }
+  Scale scale() const { return {longest_side, shape.grid().spacing.minCoeff(), auto_detail(shape.grid())}; }
   /// Whether voxelization changed the topology; nothing where it cannot be told (overlapping parts, defects).
   std::optional<bool> topology_changed() const;
 };
@@ -277,7 +278,9 @@ RefinedAxis curves_of(const MedialAxis& axis, const Burning& burning, Context* c
 FamilyResult family_of(RefinedAxis&& refined, const Topology& wanted, Context* context = nullptr);
 
 struct SkeletonOptions {
-  Length theta2{0.03}, theta1{0.02};
+  /// None: 0.03 and 0.02 of the longest side, but no less than three times Scale::detail (2.6 voxels for cubes): what
+  /// the steps of voxels leave near the axis of a limb is smaller.
+  std::optional<Length> theta2 = {}, theta1 = {};
   bool parts = false;     ///< as ExtractOptions::parts
   bool full_tips = true;  ///< SkeletonResult::measured has its tips grown back
 };
@@ -287,6 +290,10 @@ struct SkeletonResult {
   Skeleton measured;  ///< what lengths are measured on: branches end where the shape does, not where pruning took them
   Topology topology;
 };
+
+/// World lengths of the thresholds.
+double theta2_of(const SkeletonOptions& options, const Scale& scale);
+double theta1_of(const SkeletonOptions& options, const Scale& scale);
 
 /// One member of a family. Tips are as thin as a voxel or, without voxels, as the nodes of the burning lie apart
 /// (`omega`). Throws Error(invariant) when its topology is not that of the medial axis.

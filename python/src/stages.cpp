@@ -47,8 +47,8 @@ std::shared_ptr<const Fire> compute_fire(const Axis& axis, double omega, bool fa
 std::shared_ptr<SkeletonValue> compute_skeleton(std::shared_ptr<Axis> axis, const Fire& fire, const Thetas& thetas,
                                                 Context& context) {
   pipeline::SkeletonOptions options;
-  options.theta2 = pipeline::parse_length(thetas.theta2, "theta2");
-  options.theta1 = pipeline::parse_length(thetas.theta1, "theta1");
+  options.theta2 = pipeline::parse_length_or_auto(thetas.theta2, "theta2");
+  options.theta1 = pipeline::parse_length_or_auto(thetas.theta1, "theta1");
   auto result = std::make_shared<SkeletonValue>();
   result->checked = pipeline::skeleton_of(*fire.family, options, axis->scale(), fire.burning.options.omega, &context);
   result->about.field_data = axis->data(&fire).field_data;

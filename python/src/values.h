@@ -38,7 +38,7 @@ struct Axis {
   std::shared_ptr<const Fire> fire;  ///< the last one; under the interpreter's lock
 
   const MedialAxis& axis() const { return core.axis; }
-  pipeline::Scale scale() const { return {core.longest_side, spacing.minCoeff()}; }
+  pipeline::Scale scale() const { return {core.longest_side, spacing.minCoeff(), 0.5 * spacing.norm()}; }
   /// World units of a length such as "0.02" or "2.5vox".
   double resolve(const std::string& text, const std::string& field) const;
   /// The axis as a file, with what a fire says, if any.

@@ -12,8 +12,8 @@ void add_axis(PageBuilder& builder, const MedialAxis& axis, const AxisRun& resul
     if (const auto threshold = field_number(result.file, std::string(measure).c_str()))
       builder.page.pruning = {std::string(measure), *threshold};
   builder.page.burning = result.burned.options;
-  builder.page.theta2 = scale.resolve(options.theta2, "theta2");
-  builder.page.theta1 = scale.resolve(options.theta1, "theta1");
+  builder.page.theta2 = theta2_of(options, scale);
+  builder.page.theta1 = theta1_of(options, scale);
   if (axis.has_levels()) builder.add_core(axis, result.file.point_data, true);
 }
 

@@ -25,10 +25,20 @@ FamilyResult family_of(RefinedAxis&& refined, const Topology& wanted, Context* c
   return result;
 }
 
+double theta2_of(const SkeletonOptions& options, const Scale& scale) {
+  return options.theta2 ? scale.resolve(*options.theta2, "theta2")
+                        : std::max(0.03 * scale.longest_side, 3 * scale.detail);
+}
+
+double theta1_of(const SkeletonOptions& options, const Scale& scale) {
+  return options.theta1 ? scale.resolve(*options.theta1, "theta1")
+                        : std::max(0.02 * scale.longest_side, 3 * scale.detail);
+}
+
 SkeletonResult skeleton_of(const FamilyResult& family, const SkeletonOptions& options, const Scale& scale, double omega,
                            Context* context) {
   constexpr double kNoTips = std::numeric_limits<double>::infinity();
-  const double theta2 = scale.resolve(options.theta2, "theta2"), theta1 = scale.resolve(options.theta1, "theta1");
+  const double theta2 = theta2_of(options, scale), theta1 = theta1_of(options, scale);
   const double tips = !options.full_tips ? kNoTips : scale.voxel > 0 ? scale.voxel : omega;
   SkeletonResult result{extract(family.family, theta2, theta1, {options.parts, kNoTips}), {}, {}};
   result.measured = extract(family.family, theta2, theta1, {false, tips});
@@ -43,8 +53,9 @@ SkeletonResult skeleton_of(const FamilyResult& family, const SkeletonOptions& op
 Record skeleton_file(const SkeletonResult& result, const Record& from) {
   const Skeleton& skeleton = result.skeleton;
   Record data = to_record(skeleton);
-  for (const char* name : {"dims", "spacing", "origin", "direction", "longest_side", "lambda", "lambda_chosen", "omega",
-                           "propagation", "radius_rule", "units", "SPACE", "parameters"})
+  for (const char* name :
+       {"dims", "spacing", "origin", "direction", "longest_side", "lambda", "lambda_chosen", "detail", "detail_chosen",
+        "omega", "propagation", "radius_rule", "units", "SPACE", "parameters"})
     if (const DataArray* array = find_array(from.field_data, name)) data.field_data.push_back(*array);
   const auto put = [&](const char* name, DataArray::Values values, int components = 1) {
     data.field_data.push_back({name, components, std::move(values)});
