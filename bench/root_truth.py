@@ -3,7 +3,7 @@
 """Compares the curve graphs of Quench with the true branches of random roots (`quench sample root`).
 
 usage: root_truth.py [--quench PROGRAM] [--seeds 1,2,3,4,5] [--resolutions 256,512] [--branches 20,60]
-                     [--theta1 LIST] [--smooth LIST] [--resample LIST] [--lambda LENGTH] [--work DIR] [--thinning]
+                     [--theta1 LIST] [--smooth LIST] [--resample LIST] [--pruning 'OPTION VALUE'] [--work DIR] [--thinning]
                      [--each]
 
 Every root is run once (`quench run`), every combination of the lists is then made of its burned core (`quench
@@ -287,7 +287,7 @@ def main():
     parser.add_argument('--theta1', type=numbers, default=[])
     parser.add_argument('--smooth', type=numbers, default=[])
     parser.add_argument('--resample', type=numbers, default=[])
-    parser.add_argument('--lambda', default='auto', dest='floor', help='of the runs')
+    parser.add_argument('--pruning', default='--detail auto', help="of the runs, e.g. '--lambda auto'")
     parser.add_argument('--work', type=Path, default=Path(tempfile.gettempdir()) / 'quench_root_truth')
     parser.add_argument('--thinning', action='store_true')
     parser.add_argument('--each', action='store_true')
@@ -306,9 +306,9 @@ def main():
             mesh = options.work / f'root-{branches}-{seed}.ply'
             if not mesh.exists():
                 quench('sample', 'root', '--seed', seed, '--branches', branches, '-o', mesh)
-            folder = options.work / f'{mesh.stem}-{resolution}-{options.floor}'
+            folder = options.work / '-'.join([mesh.stem, str(resolution), *options.pruning.strip('-').split()])
             if not (folder / 'report.json').exists():
-                quench('run', mesh, '--resolution', resolution, '--lambda', options.floor, '-o', folder,
+                quench('run', mesh, '--resolution', resolution, *options.pruning.split(), '-o', folder,
                        '--overwrite')
             report = json.loads((folder / 'report.json').read_text())
             voxel = report['shape']['spacing'][0]
