@@ -77,7 +77,7 @@ BallTree::BallTree(std::span<const Vec3> points, std::span<const double> radius,
   }
 }
 
-std::size_t NearBalls::find(const LatticePoint& site, double enough, double& limit) {
+bool NearBalls::find(const LatticePoint& site, double enough, double& limit) {
   const Vec3 p =
       grid_.world({static_cast<double>(site[0]), static_cast<double>(site[1]), static_cast<double>(site[2])});
   const auto cell = [&](int axis, int bits) {
@@ -85,16 +85,16 @@ std::size_t NearBalls::find(const LatticePoint& site, double enough, double& lim
   };
   std::uint32_t& ball = last_[cell(0, 0) | cell(1, 8)];
   const std::size_t none = tree_.balls().size();
-  std::size_t found = none;
+  bool found = false;
   if (ball < none)
     if (const double away = outside(tree_.balls()[ball], p); away < limit) {
       limit = away;
-      found = ball;
-      if (away <= enough) return found;
+      found = true;
+      if (away <= enough) return true;
     }
   if (const std::size_t nearer = tree_.nearest(p, limit); nearer < none) {
     ball = static_cast<std::uint32_t>(nearer);
-    found = nearer;
+    found = true;
   }
   return found;
 }

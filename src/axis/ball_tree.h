@@ -82,9 +82,9 @@ class NearBalls {
   NearBalls(const BallTree& tree, const Grid& grid)
       : tree_(tree), grid_(grid), last_(kEntries, static_cast<std::uint32_t>(tree.balls().size())) {}
 
-  /// The ball that the vertex is least outside of, if by less than `limit`, or another one that it is not more than
-  /// `enough` outside of; the index into balls(), else balls().size(). `limit` becomes the distance.
-  std::size_t find(const LatticePoint& site, double enough, double& limit);
+  /// Whether the vertex lies less than `limit` outside some ball; the distance to it (or to a farther ball, where that
+  /// is not above `enough`) becomes the new limit.
+  bool find(const LatticePoint& site, double enough, double& limit);
 
  private:
   static constexpr std::size_t kEntries = 1 << 16;

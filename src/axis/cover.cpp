@@ -22,12 +22,27 @@ namespace {
 
 // Balls up to this factor of the automatic detail are those of thin parts: 2.6 voxels for cubes.
 constexpr double kThin = 3;
-// There sites are to be as near as the automatic detail, not twice as much: else needles would lose their tips.
 // What is compared with `2 * least` may be larger by so much, for rounding.
 constexpr double kTolerance = 1e-9;
 // Lengths are compared in units of this factor of the automatic detail: rounding depends on where a shape lies, what is
 // kept must not.
 constexpr double kLengthUnit = 0x1p-24;
+
+std::vector<char> uncovered_sites(std::span<const LatticePoint> sites, const Grid& grid, const BallTree& kept,
+                                  double tolerance, Context* context) {
+  std::vector<char> result(sites.size(), 0);
+  const double limit = tolerance * (1 + kTolerance);
+  const std::size_t chunks = base::chunks_for(sites.size(), std::size_t{1} << 15);
+  base::for_chunks(chunks, context, "detail", 0.3, 0.6, [&](std::size_t chunk) {
+    const auto [first, last] = base::part_of(sites.size(), chunk, chunks);
+    NearBalls near(kept, grid);
+    for (std::size_t s = first; s < last; ++s) {
+      double away = limit;
+      result[s] = !near.find(sites[s], limit, away);
+    }
+  });
+  return result;
+}
 
 class Cover {
  public:
@@ -61,31 +76,16 @@ class Cover {
     for (std::uint32_t v = 0; v < kept_.size(); ++v)
       if (kept_[v]) vertices.push_back(v);
     kept_tree_.emplace(axis_.points, axis_.radius, std::move(vertices));
-    uncovered_.assign(axis_.sites.size(), 0);
-    const std::size_t chunks = base::chunks_for(axis_.sites.size(), std::size_t{1} << 15);
-    base::for_chunks(chunks, context, "detail", 0.3, 0.5, [&](std::size_t chunk) {
-      const auto [first, last] = base::part_of(axis_.sites.size(), chunk, chunks);
-      NearBalls near(*kept_tree_, axis_.grid);
-      for (std::size_t s = first; s < last; ++s) {
-        double away = reach();
-        const std::size_t ball = near.find(axis_.sites[s], reach(), away);
-        const bool covered =
-            ball < kept_tree_->balls().size() && (away <= least_ || kept_tree_->balls()[ball].radius > kThin * least_);
-        uncovered_[s] = !covered;
-      }
-    });
+    uncovered_ = uncovered_sites(axis_.sites, axis_.grid, *kept_tree_, 2 * least_, context);
   }
 
   // Sites of thick parts, the farthest from what is kept first, so that the paths to them cover others.
   void reach_out(const BallTree& tree, ShortestPaths& paths) {
     std::vector<double> away(axis_.sites.size(), 0);
     base::for_indices(axis_.sites.size(), [&](std::size_t s) {
-      if (!uncovered_[s]) return;
-      double distance = std::numeric_limits<double>::max();
-      kept_tree_->nearest(position(s), distance);
-      const bool is_thin = largest_near(tree, position(s)) <= kThin * least_;
-      uncovered_[s] = distance > reach();
-      if (is_thin ? distance > least_ && !uncovered_[s] : uncovered_[s] != 0) away[s] = distance;
+      if (!uncovered_[s] || largest_near(tree, position(s)) <= kThin * least_) return;
+      away[s] = std::numeric_limits<double>::max();
+      kept_tree_->nearest(position(s), away[s]);
     });
     std::vector<std::uint32_t> order;
     for (std::uint32_t s = 0; s < away.size(); ++s)
@@ -93,7 +93,7 @@ class Cover {
     std::ranges::stable_sort(order, std::greater{},
                              [&](std::uint32_t s) { return std::round(away[s] / (kLengthUnit * least_)); });
     for (const std::uint32_t s : order) {
-      add_path_to(position(s), uncovered_[s] ? reach() : least_, tree, paths);
+      add_path_to(position(s), tree, paths);
       uncovered_[s] = 0;
     }
   }
@@ -111,10 +111,10 @@ class Cover {
     return largest;
   }
   // Keeps the shortest path from a ball near enough to what is kept.
-  void add_path_to(const Vec3& p, double near, const BallTree& tree, ShortestPaths& paths) {
+  void add_path_to(const Vec3& p, const BallTree& tree, ShortestPaths& paths) {
     paths.restart();
     std::vector<std::uint32_t> sources;
-    for_balls_near(tree, p, near, [&](std::uint32_t v) {
+    for_balls_near(tree, p, reach(), [&](std::uint32_t v) {
       paths.add_source(v);
       sources.push_back(v);
     });

@@ -18,7 +18,7 @@ void raise_to_distances(std::span<const LatticePoint> sites, const Grid& grid, c
   for (const LatticePoint& site : sites) {
     double away = std::numeric_limits<double>::infinity();
     const double so_far = std::atomic_ref<double>(largest).load(std::memory_order_relaxed);
-    if (near.find(site, so_far, away) < tree.balls().size() && away > so_far) base::raise(largest, away);
+    if (near.find(site, so_far, away) && away > so_far) base::raise(largest, away);
   }
 }
 
