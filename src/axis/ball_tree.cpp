@@ -92,25 +92,26 @@ bool NearBalls::find(const LatticePoint& site, double enough, double& limit) {
       found = true;
       if (away <= enough) return true;
     }
-  if (const std::size_t nearer = tree_.nearest(p, limit); nearer < none) {
+  if (const std::size_t nearer = tree_.near(p, enough, limit); nearer < none) {
     ball = static_cast<std::uint32_t>(nearer);
     found = true;
   }
   return found;
 }
 
-std::size_t BallTree::nearest(const Vec3& p, double& limit) const {
+std::size_t BallTree::near(const Vec3& p, double enough, double& limit) const {
   std::size_t found = balls_.size();
+  double bar = limit;  // of the walk: nothing passes it once there is enough
   const auto bound = [&](std::size_t node) {
     const double largest = largest_radius(node);
     return largest < 0 ? std::numeric_limits<double>::infinity() : distance(node, p) - largest;
   };
-  walk(bound, limit, [&](std::size_t i) {
+  walk(bound, bar, [&](std::size_t i) {
     const double away = outside(balls_[i], p);
-    if (away < limit) {
-      limit = away;
-      found = i;
-    }
+    if (!(away < limit)) return;
+    limit = away;
+    found = i;
+    bar = away > enough ? away : -std::numeric_limits<double>::infinity();
   });
   return found;
 }

@@ -46,7 +46,11 @@ class BallTree {
 
   /// The ball that a point is least outside of, if by less than `limit`: the index into balls(), else balls().size().
   /// `limit` becomes that distance (|p - centre| - radius, negative inside).
-  std::size_t nearest(const Vec3& p, double& limit) const;
+  std::size_t nearest(const Vec3& p, double& limit) const {
+    return near(p, -std::numeric_limits<double>::infinity(), limit);
+  }
+  /// The same, or the first ball found that the point is not more than `enough` outside of.
+  std::size_t near(const Vec3& p, double enough, double& limit) const;
 
  private:
   static constexpr std::size_t kLeaf = 4;
