@@ -128,7 +128,7 @@ void print_mesh_comparison(std::int64_t largest) {
   fmt::print("| solid | triangles | resolution | voxels | voxels that differ |\n|---|---|---|---|---|\n");
   for (const auto& solid : smooth::solids())
     for (const double detail : {1.0, 4.0}) {
-      const TriangleMesh mesh = make_sample(solid->name, {.detail = detail}).mesh;
+      const TriangleMesh mesh = make_sample(solid->name, {.fineness = detail}).mesh;
       const Voxelization v = voxelize(mesh, {.resolution = largest});
       const VoxelShape exact = smooth::digitize(*solid, v.shape.grid());
       std::int64_t differ = 0;

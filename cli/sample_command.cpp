@@ -39,16 +39,16 @@ void write_truth(const std::string& file, const std::vector<RootBranch>& branche
 /// Triangles grow with the square of the detail, and a root has about a thousand per branch.
 void check_sample_memory(const std::string& name, const SampleOptions& options, const Session& session) {
   const double triangles =
-      (name == "root" ? 1000.0 * options.branches : 4e5) * std::max(options.detail * options.detail, 0.01);
+      (name == "root" ? 1000.0 * options.branches : 4e5) * std::max(options.fineness * options.fineness, 0.01);
   if (triangles > 8e9)  // two triangles a vertex
     throw Error(ErrorCode::usage,
                 fmt::format("a sample of about {:.0f} triangles has more vertices than the 4,294,967,294 that can be "
-                            "numbered; use a smaller --detail or fewer --branches",
+                            "numbered; use a smaller --fineness or fewer --branches",
                             triangles));
   constexpr double bytes = 80;  // the mesh, and the copy that is written
   pipeline::require_memory(static_cast<std::int64_t>(triangles * bytes),
                            fmt::format("a sample of about {:.0f} triangles", triangles),
-                           {"a smaller --detail", "fewer --branches"}, &session.context);
+                           {"a smaller --fineness", "fewer --branches"}, &session.context);
 }
 
 /// "branching root with known branches (--seed, --branches)"
@@ -94,8 +94,8 @@ Action add_sample(CLI::App& app) {
              0.0, 0.1)
       ->type_name("FRACTION")
       ->capture_default_str();
-  add_number(app, "--detail", o->sample.detail, "Multiplies the number of triangles along each direction, 0.01 to 16",
-             0.01, 16.0)
+  add_number(app, "--fineness", o->sample.fineness,
+             "Multiplies the number of triangles along each direction, 0.01 to 16", 0.01, 16.0)
       ->type_name("FACTOR")
       ->capture_default_str();
   add_number<std::int64_t>(app, "--resolution", o->resolution, "Volumes: voxels along the longest side, 1 to 16384", 1,

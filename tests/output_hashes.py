@@ -64,15 +64,15 @@ def main_job(shape, options):
 
 def sample_cases():
     for name, resolution in SAMPLES.items():
-        yield Case(f'sample_{name}', [f'sample {name} -o mesh.ply', f'sample {name} --detail 0.25 -o obj.obj',
-                                      f'sample {name} --detail 0.25 -o vtp.vtp',
+        yield Case(f'sample_{name}', [f'sample {name} -o mesh.ply', f'sample {name} --fineness 0.25 -o obj.obj',
+                                      f'sample {name} --fineness 0.25 -o vtp.vtp',
                                       f'sample {name} --resolution {resolution} -o volume.nrrd'])
         yield Case(f'run_{name}', [f'sample {name} -o {name}.ply', *main_job(f'{name}.ply', f'--resolution {resolution}')])
     yield Case('sample_options', ['sample root --seed 7 --branches 20 -o root.ply', 'info root.ply',
-                                  'sample rough-plate --seed 3 --noise 0.01 --detail 0.5 -o plate.ply',
-                                  'sample rippled-box --noise 0.02 --detail 0.5 -o box.ply',
-                                  'sample bumpy-sphere --noise 0.05 --detail 0.5 -o sphere.obj',
-                                  'sample bead-pack --seed 5 --detail 0.5 -o beads.ply'])
+                                  'sample rough-plate --seed 3 --noise 0.01 --fineness 0.5 -o plate.ply',
+                                  'sample rippled-box --noise 0.02 --fineness 0.5 -o box.ply',
+                                  'sample bumpy-sphere --noise 0.05 --fineness 0.5 -o sphere.obj',
+                                  'sample bead-pack --seed 5 --fineness 0.5 -o beads.ply'])
 
 
 def help_case():
@@ -103,7 +103,7 @@ def step_lines(shape, options):
 def step_cases():
     for name, resolution in (('fin-on-board', 48), ('torus', 32), ('root', 64)):
         shape = f'{name}.ply'
-        yield Case(f'steps_{name}', [f'sample {name} --detail 0.5 -o {shape}',
+        yield Case(f'steps_{name}', [f'sample {name} --fineness 0.5 -o {shape}',
                                      *step_lines(shape, f'--resolution {resolution}')])
     yield Case('steps_volume', ['sample four-blobs --resolution 40 -o blobs.nrrd', *step_lines('blobs.nrrd', '--threshold 1')])
 
@@ -125,7 +125,7 @@ def numbered(command, options, output):
 
 
 def option_cases():
-    fin, root = 'sample fin-on-board --detail 0.5 -o fin.ply', 'sample root -o root.ply'
+    fin, root = 'sample fin-on-board --fineness 0.5 -o fin.ply', 'sample root -o root.ply'
     both = '-o result_{0}.vtp --json result_{0}.json'
     graphs = both + ' --swc tree_{0}.swc --graphml graph_{0}.graphml --csv branches_{0}.csv'
     yield Case('options_core', [fin, *numbered('core fin.ply --resolution 40', CORE_OPTIONS, both)])
@@ -147,7 +147,7 @@ def option_cases():
 def foreign_axis_case():
     """What other programs write: no stage, no sites; radii beside it; a shape to measure by."""
     core, sized = 'core blobs.ply --resolution 64', '--shape blobs.ply'
-    return Case('foreign_axis', ['sample four-blobs --detail 0.5 -o blobs.ply',
+    return Case('foreign_axis', ['sample four-blobs --fineness 0.5 -o blobs.ply',
                                  *(f'{core} -o core.{e}' for e in ('obj', 'r', 'ma')),
                                  'burn core.obj --radii core.r -o burned.vtp --json burned.json',
                                  f'burn core.ma {sized} -o sized.vtp',
@@ -168,14 +168,14 @@ def shape_cases():
                                 *(f'verify {text} core_{i}.vtp' for i, text in enumerate(options[:7], 1))])
     yield Case('shape_run', [*volume, 'run v.nrrd --invert --fill-cavities -o inverted',
                              'run b.nrrd --spacing 1,1,2.5 --subdivide 2 -o split'])
-    yield Case('shape_fill', ['sample bead-pack --detail 0.25 -o beads.ply', 'sample torus --detail 0.5 -o torus.obj',
+    yield Case('shape_fill', ['sample bead-pack --fineness 0.25 -o beads.ply', 'sample torus --fineness 0.5 -o torus.obj',
                               *(f'voxelize {file} --resolution 32 --fill {fill} -o {file}_{fill}.nrrd --json {file}_{fill}.json'
                                 for file in ('beads.ply', 'torus.obj') for fill in FILLS),
                               'voxelize torus.obj --resolution auto -o auto.nrrd --json auto.json'])
 
 
 def not_verified_case():
-    return Case('not_verified', ['sample box -o box.ply', 'sample ellipsoid --detail 0.25 -o other.ply',
+    return Case('not_verified', ['sample box -o box.ply', 'sample ellipsoid --fineness 0.25 -o other.ply',
                                  'core box.ply --resolution 32 -o core.vtp', '4: verify other.ply core.vtp',
                                  '4: verify other.ply core.vtp --json failed.json'])
 

@@ -23,7 +23,7 @@ struct SampleOptions {
   double noise = 0;        ///< height of ripples and bumps, fraction of the longest side; 0: the shape's own
   std::uint64_t seed = 1;  ///< `root`, `bead-pack`, `rough-plate`: another seed, another shape
   int branches = 60;       ///< `root`: number of branches
-  double detail = 1;       ///< multiplies the number of triangles along each direction
+  double fineness = 1;     ///< multiplies the number of triangles along each direction
 };
 
 struct Sample {
@@ -35,7 +35,7 @@ struct Sample {
 struct SampleInfo {
   std::string_view name;
   std::string_view description;
-  std::string_view options;  ///< which of SampleOptions matter, beside detail, separated by ", "; empty: none
+  std::string_view options;  ///< which of SampleOptions matter, beside fineness, separated by ", "; empty: none
 };
 const std::vector<SampleInfo>& built_in_samples();
 

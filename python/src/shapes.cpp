@@ -103,8 +103,8 @@ Image image_of_shape(const Shape& shape) {
   return {volume};
 }
 
-py::dict sample_named(const std::string& name, double noise, std::uint64_t seed, int branches, double detail) {
-  Sample sample = make_sample(name, {noise, seed, branches, detail});
+py::dict sample_named(const std::string& name, double noise, std::uint64_t seed, int branches, double fineness) {
+  Sample sample = make_sample(name, {noise, seed, branches, fineness});
   py::list truth;
   for (const RootBranch& b : sample.branches) {
     py::dict entry;

@@ -54,8 +54,9 @@ Sample make_sample(std::string_view name, const SampleOptions& options) {
   if (!(options.noise >= 0 && options.noise <= 0.1))
     throw Error(ErrorCode::usage, fmt::format("noise '{}' is not a fraction of the side from 0 to 0.1", options.noise),
                 "noise");
-  if (!(options.detail > 0 && options.detail <= 16))
-    throw Error(ErrorCode::usage, fmt::format("detail '{}' is not above 0 and at most 16", options.detail), "detail");
+  if (!(options.fineness > 0 && options.fineness <= 16))
+    throw Error(ErrorCode::usage, fmt::format("fineness '{}' is not above 0 and at most 16", options.fineness),
+                "fineness");
   if (options.branches < 1 || options.branches > 100000)
     throw Error(ErrorCode::usage, fmt::format("branches '{}' is not a number from 1 to 100000", options.branches),
                 "branches");

@@ -9,7 +9,7 @@ namespace quench::samples {
 Sample bead_pack(const SampleOptions& options) {
   constexpr int kSide = 12;
   Random random(options.seed);
-  const TriangleMesh bead = sphere(scaled(6, options.detail, 2), [](const Vec3& d) { return d; });
+  const TriangleMesh bead = sphere(scaled(6, options.fineness, 2), [](const Vec3& d) { return d; });
   Sample sample;
   for (int k = 0; k < kSide; ++k)
     for (int j = 0; j < kSide; ++j)
@@ -27,7 +27,7 @@ Sample bead_pack(const SampleOptions& options) {
 // A thin plate, each vertex of its large faces displaced at random across the plate.
 Sample rough_plate(const SampleOptions& options) {
   const double height = 2 * (options.noise > 0 ? options.noise : 0.01);
-  const int along = scaled(200, options.detail, 2), across = scaled(140, options.detail, 2);
+  const int along = scaled(200, options.fineness, 2), across = scaled(140, options.fineness, 2);
   constexpr double kHalfThickness = 0.06;
   const double most = std::min(height, 0.9 * kHalfThickness);  // the faces never meet
   const auto place = [&](const LatticePoint& p) {
@@ -41,7 +41,7 @@ Sample rough_plate(const SampleOptions& options) {
 
 // Three parallel bars, up to 128 times as long as thick: few boundary vertices for their resolution.
 Sample bars(const SampleOptions& options) {
-  const int along = scaled(512, options.detail, 4), around = scaled(4, options.detail, 1);
+  const int along = scaled(512, options.fineness, 4), around = scaled(4, options.fineness, 1);
   Sample sample;
   double y = 0;
   for (const double thick : {2.0 / 128, 2.0 / 100, 2.0 / 80}) {

@@ -43,7 +43,7 @@ TriangleMesh extruded(const std::vector<Eigen::Vector2d>& points,
 }  // namespace
 
 Sample box(const SampleOptions& options) {
-  const int n = scaled(1, options.detail, 1);
+  const int n = scaled(1, options.fineness, 1);
   const Vec3 sides(2, 1.4, 1);
   return {box_surface({n, n, n},
                       [&](const LatticePoint& p) {
@@ -56,7 +56,8 @@ Sample box(const SampleOptions& options) {
 Sample rippled_box(const SampleOptions& options) {
   constexpr double kWidth = 2, kDepth = 1.4, kHeight = 0.6;
   const double amplitude = kWidth * (options.noise > 0 ? options.noise : 0.006);
-  const int nx = scaled(300, options.detail, 4), ny = scaled(210, options.detail, 4), nz = scaled(4, options.detail, 1);
+  const int nx = scaled(300, options.fineness, 4), ny = scaled(210, options.fineness, 4),
+            nz = scaled(4, options.fineness, 1);
   return {box_surface({nx, ny, nz},
                       [&](const LatticePoint& p) {
                         const double x = kWidth * (static_cast<double>(p[0]) / nx - 0.5);
@@ -74,12 +75,12 @@ Sample rippled_box(const SampleOptions& options) {
 Sample fin_on_board(const SampleOptions& options) {
   // Coordinates of the lattice: fine where the top is curved, with lines along the fin.
   std::vector<double> x{-1}, y{-0.7};
-  append_steps(x, -0.75, scaled(20, options.detail, 1));
-  append_steps(x, 0.15, scaled(90, options.detail, 1));
-  append_steps(x, 1, scaled(170, options.detail, 1));
-  append_steps(y, -0.02, scaled(120, options.detail, 1));
-  append_steps(y, 0.02, scaled(2, options.detail, 1));
-  append_steps(y, 0.7, scaled(120, options.detail, 1));
+  append_steps(x, -0.75, scaled(20, options.fineness, 1));
+  append_steps(x, 0.15, scaled(90, options.fineness, 1));
+  append_steps(x, 1, scaled(170, options.fineness, 1));
+  append_steps(y, -0.02, scaled(120, options.fineness, 1));
+  append_steps(y, 0.02, scaled(2, options.fineness, 1));
+  append_steps(y, 0.7, scaled(120, options.fineness, 1));
   const std::vector<double> z{-0.2, 0.2, 0.7};
   const LatticePoint counts{static_cast<std::int32_t>(x.size()) - 1, static_cast<std::int32_t>(y.size()) - 1, 2};
   const auto in_fin = [&](const LatticePoint& c) {
@@ -105,7 +106,7 @@ Sample fin_on_board(const SampleOptions& options) {
 Sample plate_with_holes(const SampleOptions& options) {
   constexpr int kColumns = 3, kRows = 2;
   constexpr double kTile = 2.0 / kColumns, kHole = 0.2, kHalfThickness = 0.05;
-  const int side = scaled(48, options.detail, 2), layers = scaled(8, options.detail, 1);
+  const int side = scaled(48, options.fineness, 2), layers = scaled(8, options.fineness, 1);
   std::vector<Eigen::Vector2d> points;
   std::vector<std::array<std::uint32_t, 3>> triangles;
   std::map<std::pair<int, int>, std::uint32_t> border;  // shared by neighbouring tiles

@@ -46,10 +46,10 @@ void grow(RootBranch& branch, Vec3 point, Vec3 direction, double length, double 
 }
 
 // Closed tube about the branch with hemispheres at both ends; frames by parallel transport, so that it does not twist.
-void append_branch(TriangleMesh& mesh, const RootBranch& branch, double detail) {
+void append_branch(TriangleMesh& mesh, const RootBranch& branch, double fineness) {
   // Deviation of a regular polygon from its circle below 1/20 voxel at resolution 512.
   const double widest = *std::max_element(branch.radius.begin(), branch.radius.end());
-  const int around = scaled(std::ceil(kPi / std::sqrt(2e-4 / widest)), detail, 6);
+  const int around = scaled(std::ceil(kPi / std::sqrt(2e-4 / widest)), fineness, 6);
   const int cap = scaled(around / 4.0, 1, 2);
   const std::size_t count = branch.points.size();
   const auto tangent = [&](std::size_t i) {
@@ -121,7 +121,7 @@ Sample root(const SampleOptions& options) {
     const std::size_t parent = on_main ? 0 : 1 + random.below(first_order);
     branches.push_back(lateral(branches, parent, on_main ? 1 : 2, random));
   }
-  for (const RootBranch& branch : branches) append_branch(sample.mesh, branch, options.detail);
+  for (const RootBranch& branch : branches) append_branch(sample.mesh, branch, options.fineness);
   return sample;
 }
 

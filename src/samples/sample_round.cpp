@@ -9,13 +9,13 @@ namespace {}  // namespace
 
 Sample ellipsoid(const SampleOptions& options) {
   const Vec3 axes(1, 0.7, 0.4);
-  return {sphere(scaled(160, options.detail, 2), [&](const Vec3& d) { return Vec3(axes.cwiseProduct(d)); }), {}};
+  return {sphere(scaled(160, options.fineness, 2), [&](const Vec3& d) { return Vec3(axes.cwiseProduct(d)); }), {}};
 }
 
 Sample hollow_sphere(const SampleOptions& options) {
   Sample sample;
-  sample.mesh = sphere(scaled(130, options.detail, 2), [](const Vec3& d) { return d; });
-  append(sample.mesh, sphere(scaled(90, options.detail, 2), [](const Vec3& d) { return Vec3(0.55 * d); }), true);
+  sample.mesh = sphere(scaled(130, options.fineness, 2), [](const Vec3& d) { return d; });
+  append(sample.mesh, sphere(scaled(90, options.fineness, 2), [](const Vec3& d) { return Vec3(0.55 * d); }), true);
   return sample;
 }
 
@@ -30,7 +30,7 @@ Sample bumpy_sphere(const SampleOptions& options) {
     const double r = std::sqrt(1 - z * z);
     centres.emplace_back(r * std::cos(angle), r * std::sin(angle), z);
   }
-  return {sphere(scaled(180, options.detail, 2),
+  return {sphere(scaled(180, options.fineness, 2),
                  [&](const Vec3& d) {
                    double radius = 1;
                    for (const Vec3& c : centres) radius += height * std::exp((d.dot(c) - 1) / (kWidth * kWidth));
@@ -41,8 +41,8 @@ Sample bumpy_sphere(const SampleOptions& options) {
 
 Sample torus(const SampleOptions& options) {
   constexpr double R = 1, r = 0.35;
-  const auto nu = static_cast<std::uint32_t>(scaled(600, options.detail, 3));
-  const auto nv = static_cast<std::uint32_t>(scaled(240, options.detail, 3));
+  const auto nu = static_cast<std::uint32_t>(scaled(600, options.fineness, 3));
+  const auto nv = static_cast<std::uint32_t>(scaled(240, options.fineness, 3));
   Sample sample;
   TriangleMesh& mesh = sample.mesh;
   for (std::uint32_t i = 0; i < nu; ++i)
@@ -69,7 +69,7 @@ Sample four_blobs(const SampleOptions& options) {
   };
   const auto mesh_for = [&](double bridge) {
     std::vector<Ring> rings;
-    const int arc = scaled(150, options.detail, 6), straight = scaled(60, options.detail, 2);
+    const int arc = scaled(150, options.fineness, 6), straight = scaled(60, options.fineness, 2);
     for (std::size_t b = 0; b < 4; ++b) {
       // Angle from the pole behind: whole half circle, less where a bridge begins.
       const double cut = std::asin(bridge / kBall[b]);
@@ -85,7 +85,7 @@ Sample four_blobs(const SampleOptions& options) {
       for (int i = 1; i < straight; ++i) rings.push_back(ring(begin + (end - begin) * i / straight, bridge));
     }
     TriangleMesh mesh;
-    append_tube(mesh, rings, scaled(200, options.detail, 8));
+    append_tube(mesh, rings, scaled(200, options.fineness, 8));
     return mesh;
   };
   // Bridges of 2.3 voxels at resolution 256, where they are connected; at 128 they may not be.

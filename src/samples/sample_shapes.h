@@ -52,8 +52,8 @@ void append_tube(TriangleMesh& mesh, std::span<const Ring> rings, int around);
 
 void append(TriangleMesh& mesh, const TriangleMesh& part, bool reversed = false);
 
-/// `count` times `detail`, at least `least`.
-int scaled(double count, double detail, int least);
+/// `count` times `fineness`, at least `least`.
+int scaled(double count, double fineness, int least);
 
 /// splitmix64 (Steele, Lea, Flood 2014): the same numbers on every machine, unlike the distributions of <random>.
 class Random {

@@ -119,8 +119,8 @@ void append(TriangleMesh& mesh, const TriangleMesh& part, bool reversed) {
   }
 }
 
-int scaled(double count, double detail, int least) {
-  return std::max(least, static_cast<int>(std::lround(count * detail)));
+int scaled(double count, double fineness, int least) {
+  return std::max(least, static_cast<int>(std::lround(count * fineness)));
 }
 
 }  // namespace quench::samples

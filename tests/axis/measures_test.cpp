@@ -104,7 +104,7 @@ TEST(Measures, GoThroughAFile) {
     const MedialAxis axis = axis_with_two_measures(shape_of(seed));
     io::write_record(folder / "axis.vtp", to_record(axis), {});
     const Record data = io::read_record(folder / "axis.vtp");
-    EXPECT_EQ(texts(data, "measures"), (std::vector<std::string>{"lambda", "numbers", "object_angle"}));
+    EXPECT_EQ(texts(data, "measures"), (std::vector<std::string>{"lambda", "numbers", "object_angle", "cap_height"}));
     EXPECT_EQ(find_array(data.field_data, "format_version")->numbers(), std::vector<double>{2});
     EXPECT_EQ(find_array(data.point_data, "numbers")->numbers(), axis.measure("numbers").value.vertex);
     MedialAxis read = medial_axis_of(data);
@@ -191,7 +191,7 @@ TEST(Measures, WhatAFileSaysOfThemIsChecked) {
 TEST(Measures, TheObjectAngleIsDerivedFromLambda) {
   const VoxelShape shape = shape_of(2);
   MedialAxis axis = voxel_core(shape);
-  EXPECT_EQ(derived_measures(axis), std::vector<std::string>{"object_angle"});
+  EXPECT_EQ(derived_measures(axis), (std::vector<std::string>{"object_angle", "cap_height"}));
   const Record derived_when_written = to_record(axis);
   const Measure angle = derived_measure(axis, "object_angle");
   ASSERT_TRUE(angle.value.complete(axis.complex) && angle.level.empty());
@@ -208,7 +208,7 @@ TEST(Measures, TheObjectAngleIsDerivedFromLambda) {
   const Record data = to_record(axis);
   EXPECT_EQ(std::ranges::count(data.cell_data, "object_angle", &DataArray::name), 1);
   EXPECT_TRUE(find_array(data.cell_data, "object_angle_level"));
-  EXPECT_EQ(texts(data, "measures"), (std::vector<std::string>{"lambda", "object_angle"}));
+  EXPECT_EQ(texts(data, "measures"), (std::vector<std::string>{"lambda", "object_angle", "cap_height"}));
   expect_refused([&] { derived_measure(axis, "no such"); }, "there are: object_angle");
   EXPECT_TRUE(derived_measures(MedialAxis()).empty());
 }
@@ -327,14 +327,16 @@ TEST(Measures, FilesOfVersion1AreReadAsBefore) {
   EXPECT_EQ(certificate.absent, (std::vector<std::string>{"field format_version", "field measures"}));
   EXPECT_NE(find_check(certificate, "nested levels")->detail.find("thinning by the keys"), std::string::npos);
   EXPECT_FALSE(find_check(certificate, "format and measures"));
-  // What is written of the same axis now has the same arrays, and two more.
+  // What is written of the same axis now has these arrays and cap_height.
   const Record now = to_record(axis);
   for (const auto& [old_arrays, new_arrays] :
        {std::pair{&data.point_data, &now.point_data}, {&data.cell_data, &now.cell_data}}) {
-    ASSERT_EQ(old_arrays->size(), new_arrays->size());
-    for (std::size_t i = 0; i < old_arrays->size(); ++i) {
-      EXPECT_EQ((*old_arrays)[i].name, (*new_arrays)[i].name);
-      EXPECT_TRUE((*old_arrays)[i].values == (*new_arrays)[i].values) << (*old_arrays)[i].name;
+    ASSERT_EQ(old_arrays->size() + 1, new_arrays->size());
+    EXPECT_TRUE(find_array(*new_arrays, kCapHeight));
+    for (const DataArray& array : *old_arrays) {
+      const DataArray* same = find_array(*new_arrays, array.name);
+      ASSERT_TRUE(same) << array.name;
+      EXPECT_TRUE(array.values == same->values) << array.name;
     }
   }
 }

@@ -253,7 +253,7 @@ TEST_F(Burn, RadiusRule) {
 }
 
 TEST_F(Burn, ClosedPocket) {
-  works({"sample", "hollow-sphere", "-o", "s.ply", "--detail", "0.3"});
+  works({"sample", "hollow-sphere", "-o", "s.ply", "--fineness", "0.3"});
   works({"core", "s.ply", "--resolution", "32", "--lambda", "0", "-o", "core.vtp"});
   const auto outcome = burn({"core.vtp", "-o", "burned.vtp", "--json", "report.json"});
   EXPECT_TRUE(has(outcome.err, "note: ") && has(outcome.err, "closed pocket") && has(outcome.err, "'unburned'"))

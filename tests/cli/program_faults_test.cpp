@@ -38,7 +38,7 @@ class Faults : public ProgramTest {
   /// Every command that writes, with several outputs where it can.
   std::vector<Command> commands() const {
     std::vector<Command> list{
-        {{"sample", "root", "--branches", "1", "--detail", "0.1", "-o", "o.ply"}, {"o.ply", "o.json"}},
+        {{"sample", "root", "--branches", "1", "--fineness", "0.1", "-o", "o.ply"}, {"o.ply", "o.json"}},
         {{"sample", "torus", "--resolution", "8", "-o", "o.nrrd"}, {"o.nrrd"}},
         {{"voxelize", "box.npy", "-o", "o.nrrd", "--json", "o.json"}, {"o.nrrd", "o.json"}},
         {{"core", "cube.off", "--resolution", "4", "-o", "o.vtp", "--json", "o.json"}, {"o.vtp", "o.json"}},
@@ -191,7 +191,7 @@ TEST_F(Faults, KilledAtEveryCall) {
 rlim_t address_space = 0;
 
 TEST_F(Faults, OutOfMemoryIsASentence) {
-  works({"sample", "bumpy-sphere", "--detail", "0.3", "-o", "s.ply"});
+  works({"sample", "bumpy-sphere", "--fineness", "0.3", "-o", "s.ply"});
   works({"core", "s.ply", "--resolution", "40", "-o", "axis.vtp"});
   before_start = [] {
     const rlimit limit{address_space, address_space};
@@ -224,7 +224,7 @@ TEST_F(Faults, MemoryIsPredicted) {
     refuses(1, {"of memory", "--memory-limit", word}, command);
   };
   refused({"sample", "root", "--branches", "50000", "--memory-limit", "1G", "-o", "o.ply"}, "--branches");
-  refused({"sample", "torus", "--detail", "0.1", "--resolution", "8192", "--memory-limit", "20M", "-o", "o.nrrd"},
+  refused({"sample", "torus", "--fineness", "0.1", "--resolution", "8192", "--memory-limit", "20M", "-o", "o.nrrd"},
           "8192");
   refused({"convert", "core.vtp", "o.ma", "--memory-limit", "1K"}, "'core.vtp'");
   refused({"info", "core.vtp", "--memory-limit", "1K"}, "'core.vtp'");
@@ -232,8 +232,8 @@ TEST_F(Faults, MemoryIsPredicted) {
   refused({"skeleton", "core.vtp", "-o", "o.vtp", "--memory-limit", "1K"}, "'core.vtp'");
   refused({"verify", "box.npy", "core.vtp", "--memory-limit", "1K"}, "'core.vtp'");
   if (page_) refused({"view", "core.vtp", "-o", "o.html", "--memory-limit", "1K"}, "'core.vtp'");
-  refuses(2, {"--detail", "4,294,967,294"},
-          {"sample", "root", "--branches", "100000", "--detail", "16", "-o", "o.ply"});
+  refuses(2, {"--fineness", "4,294,967,294"},
+          {"sample", "root", "--branches", "100000", "--fineness", "16", "-o", "o.ply"});
   // The headers of volumes may promise more than their files have bytes: a .sof file of 200 bytes is 513^3 voxels.
   std::string octree = std::string("\0\2\0\0", 4);
   for (int level = 0; level < 9; ++level) octree += '\0';

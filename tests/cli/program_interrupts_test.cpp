@@ -16,7 +16,7 @@ class Interrupted : public ProgramTest {
   const std::vector<std::string> slow{"core", "s.ply", "--resolution", "512",        "--memory-limit",
                                       "100G", "-o",    "out.vtp",      "--overwrite"};
   void SetUp() override {
-    works({"sample", "bumpy-sphere", "-o", "s.ply", "--detail", "0.3"});
+    works({"sample", "bumpy-sphere", "-o", "s.ply", "--fineness", "0.3"});
     folder.write("out.vtp", "precious");
   }
 

@@ -27,9 +27,9 @@ TEST_F(Memory, IsPredictedForACore) {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
   GTEST_SKIP() << "sanitizers take memory of their own";
 #endif
-  works({"sample", "bumpy-sphere", "--detail", "0.3", "-o", "sphere.ply"});
+  works({"sample", "bumpy-sphere", "--fineness", "0.3", "-o", "sphere.ply"});
   works({"sample", "box", "-o", "box.ply"});
-  works({"sample", "bead-pack", "--detail", "0.5", "-o", "beads.ply"});
+  works({"sample", "bead-pack", "--fineness", "0.5", "-o", "beads.ply"});
   const struct {
     const char *file, *resolution;
   } shapes[] = {{"sphere.ply", "360"}, {"box.ply", "450"}, {"beads.ply", "128"}};

@@ -111,7 +111,7 @@ TEST_F(Options, AnOptionIsNotTheValueOfAnother) {
 TEST_F(Options, NumbersAreDecimalAndInRange) {
   const std::vector<std::string> integers{"--threads", "--label", "--min-component", "--subdivide",  "--smooth",
                                           "--samples", "--seed",  "--branches",      "--resolution", "--max-triangles"};
-  const std::vector<std::string> reals{"--threshold", "--noise", "--detail"};
+  const std::vector<std::string> reals{"--threshold", "--noise", "--fineness"};
   std::size_t found = 0;
   for (const auto& line : command_lines())
     for (const Option& option : options_in(works({line[0], "--help"}).out)) {

@@ -36,7 +36,7 @@ class ProgramPipeline : public ProgramTest {
     if (choice.one_in(3)) {
       const std::string name = choice.of({"ellipsoid", "torus", "box", "four-blobs", "plate-with-holes",
                                           "hollow-sphere", "fin-on-board", "root", "rough-plate"});
-      works({"sample", name, "-o", "shape.ply", "--seed", std::to_string(seed), "--branches", "5", "--detail", "0.1",
+      works({"sample", name, "-o", "shape.ply", "--seed", std::to_string(seed), "--branches", "5", "--fineness", "0.1",
              "--quiet"});
       words = {"shape.ply", "--resolution", std::to_string(20 + choice.below(50))};
       if (choice.one_in(4)) words.insert(words.end(), {"--fill", "evenodd"});

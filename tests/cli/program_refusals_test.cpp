@@ -52,7 +52,7 @@ TEST_F(Refusals, OptionsThatCannotBe) {
   refuses(2, {"'cub'", "torus"}, {"sample", "cub", "-o", "a.ply"});
   refuses(2, {"--branches"}, {"sample", "root", "--branches", "0", "-o", "a.ply"});
   refuses(2, {"--noise"}, {"sample", "bumpy-sphere", "--noise", "1", "-o", "a.ply"});
-  refuses(2, {"--detail"}, {"sample", "torus", "--detail", "0", "-o", "a.ply"});
+  refuses(2, {"--fineness"}, {"sample", "torus", "--fineness", "0", "-o", "a.ply"});
   refuses(2, {"--resolution"}, {"sample", "torus", "--resolution", "0", "-o", "a.nrrd"});
 }
 
@@ -87,7 +87,7 @@ TEST_F(Refusals, FilesThatAreNotWhatTheyClaim) {
 }
 
 TEST_F(Refusals, TruncatedFiles) {
-  works({"sample", "torus", "-o", "torus.ply", "--detail", "0.1"});
+  works({"sample", "torus", "-o", "torus.ply", "--fineness", "0.1"});
   works({"sample", "torus", "-o", "torus.nrrd", "--resolution", "16"});
   const std::string vol = "Version: 2\nX: 4\nY: 4\nZ: 4\nVoxel-Size: 1\n.\n";
   for (const char* name : {"torus.ply", "torus.nrrd", "box.npy"}) {
@@ -232,7 +232,7 @@ TEST_F(Refusals, BricksWhenMemoryIsShort) {
 }
 
 TEST_F(Refusals, DiskFull) {
-  works({"sample", "torus", "-o", "torus.ply", "--detail", "0.2"});
+  works({"sample", "torus", "-o", "torus.ply", "--fineness", "0.2"});
   folder.write("old.vtp", "precious");
   const auto before = files();
   const Outcome outcome =

@@ -369,7 +369,7 @@ TEST_F(SkeletonProgram, ForeignAxis) {
 }
 
 TEST_F(SkeletonProgram, ClosedSheet) {
-  works({"sample", "hollow-sphere", "-o", "s.ply", "--detail", "0.3"});
+  works({"sample", "hollow-sphere", "-o", "s.ply", "--fineness", "0.3"});
   works({"core", "s.ply", "--resolution", "24", "-o", "core.vtp"});
   const auto outcome = skeleton({"core.vtp", "-o", "a.vtp", "--theta2", "inf", "--theta1", "inf", "--swc", "a.swc",
                                  "--graphml", "a.graphml", "--csv", "a.csv", "--json", "a.json"});
@@ -384,7 +384,7 @@ TEST_F(SkeletonProgram, ClosedSheet) {
 }
 
 TEST_F(SkeletonProgram, RunWritesAllFiles) {
-  works({"sample", "root", "-o", "s.ply", "--branches", "5", "--detail", "0.3"});
+  works({"sample", "root", "-o", "s.ply", "--branches", "5", "--fineness", "0.3"});
   works({"run", "s.ply", "--resolution", "48", "-o", "a"});
   for (const char* file : {"core.vtp", "skeleton.vtp", "skeleton.swc", "branches.csv", "report.json"})
     EXPECT_TRUE(exists(std::string("a/") + file)) << file;

@@ -47,9 +47,9 @@ TEST_F(Program, HelpAndVersion) {
 TEST_F(Program, SamplesAsMeshAndVolume) {
   for (const auto& info : quench::built_in_samples()) {
     const std::string name(info.name);
-    works({"sample", name, "-o", name + ".ply", "--detail", "0.2"});
+    works({"sample", name, "-o", name + ".ply", "--fineness", "0.2"});
     const int resolution = name == "bars" ? 64 : 24;  // bars are thin
-    works({"sample", name, "-o", name + ".nrrd", "--resolution", std::to_string(resolution), "--detail", "0.2",
+    works({"sample", name, "-o", name + ".nrrd", "--resolution", std::to_string(resolution), "--fineness", "0.2",
            "--overwrite"});
     EXPECT_GT(read(name + ".ply").poly_count(), 3u) << name;
     EXPECT_EQ(std::max({volume(name + ".nrrd").grid.dims[0], volume(name + ".nrrd").grid.dims[1],
@@ -65,7 +65,7 @@ TEST_F(Program, SamplesAsMeshAndVolume) {
 }
 
 TEST_F(Program, VoxelizeGivesTheSameShapeAgain) {
-  works({"sample", "torus", "-o", "torus.ply", "--detail", "0.2"});
+  works({"sample", "torus", "-o", "torus.ply", "--fineness", "0.2"});
   works({"voxelize", "torus.ply", "--resolution", "32", "-o", "a.nrrd", "--json", "a.json"});
   works({"voxelize", "a.nrrd", "-o", "b.nrrd"});
   EXPECT_EQ(bytes("a.nrrd"), bytes("b.nrrd"));
@@ -96,7 +96,7 @@ TEST_F(Program, CoreInEveryFormat) {
 }
 
 TEST_F(Program, RunWritesAxisAndReport) {
-  works({"sample", "hollow-sphere", "-o", "a shape.ply", "--detail", "0.2"});
+  works({"sample", "hollow-sphere", "-o", "a shape.ply", "--fineness", "0.2"});
   const auto outcome = works({"run", "a shape.ply", "--resolution", "24", "-o", "new/my result"});
   EXPECT_EQ(outcome.out, "");
   const std::size_t line = outcome.err.rfind("new/my result/core.vtp: ");  // what, where, in which units
@@ -159,7 +159,7 @@ TEST_F(Program, InfoOfNumbersThatAreNone) {
 }
 
 TEST_F(Program, ConvertKeepsVerticesAndRadii) {
-  works({"sample", "torus", "-o", "torus.ply", "--detail", "0.2"});
+  works({"sample", "torus", "-o", "torus.ply", "--fineness", "0.2"});
   works({"core", "torus.ply", "--resolution", "24", "-o", "a.vtp"});
   works({"convert", "a.vtp", "b.ma"});
   works({"convert", "b.ma", "c.vtp"});
@@ -337,7 +337,7 @@ TEST_F(Program, VolumesAtTheLimits) {
 
 // Enough edges for several chunks of work on three threads (2^16 each, src/base/parallel.h).
 TEST_F(Program, SameBytesForAnyThreadsAndAgain) {
-  works({"sample", "bumpy-sphere", "--detail", "0.3", "-o", "s.ply"});
+  works({"sample", "bumpy-sphere", "--fineness", "0.3", "-o", "s.ply"});
   const auto core = [&](const std::string& threads, const std::string& name) {
     works(
         {"core", "s.ply", "--resolution", "128", "--threads", threads, "--json", name + ".json", "-o", name + ".vtp"});

@@ -83,15 +83,15 @@ TEST(Sample, EveryShapeIsClosedAndOutward) {
     if (info.name == "root") continue;
     ASSERT_TRUE(expected.contains(info.name)) << info.name;
     EXPECT_FALSE(info.description.empty());
-    for (const double detail : {0.1, 0.37, 1.0}) {
+    for (const double fineness : {0.1, 0.37, 1.0}) {
       SampleOptions options;
-      options.detail = detail;
+      options.fineness = fineness;
       const Sample sample = make_sample(info.name, options);
       const Surface surface(sample.mesh);
-      EXPECT_TRUE(surface.closed) << info.name << detail;
-      EXPECT_EQ(surface.components, expected.at(info.name)[0]) << info.name << detail;
-      EXPECT_EQ(surface.euler, expected.at(info.name)[1]) << info.name << detail;
-      EXPECT_GT(surface.volume, info.name == "bars" ? 1e-3 : 0.05) << info.name << detail;
+      EXPECT_TRUE(surface.closed) << info.name << fineness;
+      EXPECT_EQ(surface.components, expected.at(info.name)[0]) << info.name << fineness;
+      EXPECT_EQ(surface.euler, expected.at(info.name)[1]) << info.name << fineness;
+      EXPECT_GT(surface.volume, info.name == "bars" ? 1e-3 : 0.05) << info.name << fineness;
       EXPECT_TRUE(sample.branches.empty());
     }
   }
@@ -135,9 +135,9 @@ TEST(Sample, DefaultTessellationIsWithinATwentiethOfAVoxel) {
 TEST(Sample, NoiseChangesWhatHasSome) {
   SampleOptions strong;
   strong.noise = 0.03;
-  strong.detail = 0.3;
+  strong.fineness = 0.3;
   SampleOptions usual;
-  usual.detail = 0.3;
+  usual.fineness = 0.3;
   for (const char* name : {"rippled-box", "bumpy-sphere"}) {
     const Sample rough = make_sample(name, strong);
     const Surface surface(rough.mesh);
@@ -150,7 +150,7 @@ TEST(Sample, NoiseChangesWhatHasSome) {
 TEST(Sample, IsDeterministic) {
   for (const SampleInfo& info : built_in_samples()) {
     SampleOptions options;
-    options.detail = 0.3;
+    options.fineness = 0.3;
     const Sample a = make_sample(info.name, options), b = make_sample(info.name, options);
     EXPECT_EQ(a.mesh.points, b.mesh.points);
     EXPECT_EQ(a.mesh.triangles, b.mesh.triangles);
@@ -174,7 +174,7 @@ TEST(Sample, RefusesWhatCannotBe) {
   options.branches = 0;
   refused("root", options);
   options = {};
-  options.detail = 0;
+  options.fineness = 0;
   refused("box", options);
   options = {};
   options.noise = -1;

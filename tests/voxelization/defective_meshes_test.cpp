@@ -34,7 +34,7 @@ using testing_damage::pinned;
 constexpr double detail = 0.12;  // of samples: some thousand faces
 
 TriangleMesh sample(std::string_view name) {
-  return make_sample(name, {.noise = 0, .seed = 1, .branches = 12, .detail = detail}).mesh;
+  return make_sample(name, {.noise = 0, .seed = 1, .branches = 12, .fineness = detail}).mesh;
 }
 
 void expect_same(const VoxelShape& a, const VoxelShape& b, const std::string& where) {

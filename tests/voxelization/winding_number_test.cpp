@@ -57,7 +57,7 @@ struct Fixed {
 TEST(WindingNumber, AddsUpToWholeCrossings) {
   double worst = 0;
   for (const char* name : {"torus", "four-blobs", "fin-on-board"}) {
-    const TriangleMesh clean = make_sample(name, {.noise = 0, .seed = 1, .branches = 60, .detail = 0.15}).mesh;
+    const TriangleMesh clean = make_sample(name, {.noise = 0, .seed = 1, .branches = 60, .fineness = 0.15}).mesh;
     for (const auto& damage : testing_damage::damages()) {
       const Fixed fixed(damage.apply(clean, 3), 24);
       const WindingNumber winding(fixed.points, fixed.faces);
@@ -75,7 +75,7 @@ TEST(WindingNumber, AddsUpToWholeCrossings) {
 }
 
 TEST(WindingNumber, CapsCloseEverySurface) {
-  const TriangleMesh clean = make_sample("torus", {.noise = 0, .seed = 1, .branches = 60, .detail = 0.15}).mesh;
+  const TriangleMesh clean = make_sample("torus", {.noise = 0, .seed = 1, .branches = 60, .fineness = 0.15}).mesh;
   for (const auto& damage : testing_damage::damages()) {
     const Fixed fixed(damage.apply(clean, 6), 24);
     const std::vector<BoundaryEdge> chain = boundary_chain(fixed.points.size(), fixed.faces);
@@ -107,7 +107,7 @@ TEST(WindingNumber, OfAnOpenBoxIsTheSolidAngle) {
 
 // Decisions for whole blocks are those of every voxel, but for ties within the error of the hierarchy.
 TEST(WindingNumber, BlocksAgreeWithTheirVoxels) {
-  const TriangleMesh clean = make_sample("torus", {.noise = 0, .seed = 1, .branches = 60, .detail = 0.15}).mesh;
+  const TriangleMesh clean = make_sample("torus", {.noise = 0, .seed = 1, .branches = 60, .fineness = 0.15}).mesh;
   std::int64_t nonzero = 0;
   for (const auto& damage : testing_damage::damages()) {
     const std::int64_t n = 32;
@@ -167,7 +167,7 @@ TEST(WindingNumber, EdgesOnCentresAreDecidedAsCrossingsAre) {
 }
 
 TEST(RepairOrientation, TurnsWhatDisagreesAndKeepsCavities) {
-  const TriangleMesh hollow = make_sample("hollow-sphere", {.noise = 0, .seed = 1, .branches = 60, .detail = 0.2}).mesh;
+  const TriangleMesh hollow = make_sample("hollow-sphere", {.noise = 0, .seed = 1, .branches = 60, .fineness = 0.2}).mesh;
   const auto volume = [](const Fixed& f, std::span<const Triangle> faces) {
     double sum = 0;
     for (const Triangle& t : faces) sum += f.at(t[0]).dot(f.at(t[1]).cross(f.at(t[2]))) / 6;
