@@ -192,14 +192,14 @@ rlim_t address_space = 0;
 
 TEST_F(Faults, OutOfMemoryIsASentence) {
   works({"sample", "bumpy-sphere", "--fineness", "0.3", "-o", "s.ply"});
-  works({"core", "s.ply", "--resolution", "40", "-o", "axis.vtp"});
+  works({"core", "s.ply", "--resolution", "48", "--lambda", "0", "-o", "axis.vtp"});
   before_start = [] {
     const rlimit limit{address_space, address_space};
     if (setrlimit(RLIMIT_AS, &limit) != 0) _exit(127);
   };
   int refused = 0;
   for (const std::vector<std::string>& command : std::vector<std::vector<std::string>>{
-           {"core", "s.ply", "--resolution", "64", "--memory-limit", "100G", "-o", "o.vtp", "--overwrite"},
+           {"core", "s.ply", "--resolution", "128", "--memory-limit", "100G", "-o", "o.vtp", "--overwrite"},
            {"skeleton", "axis.vtp", "-o", "o.vtp", "--overwrite"}})
     for (rlim_t megabytes = 60;; megabytes += 20) {  // from too little for its libraries to enough
       SCOPED_TRACE(fmt::format("{} MB: {}", megabytes, testing::PrintToString(command)));
