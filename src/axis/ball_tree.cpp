@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 #include <utility>
 
 #include "base/parallel.h"
@@ -52,28 +53,44 @@ std::vector<Keyed> in_z_order(std::span<const Vec3> points, const std::vector<st
   return order;
 }
 
+float rounded_down(double x) {
+  const auto f = static_cast<float>(x);
+  return static_cast<double>(f) <= x ? f : std::nextafter(f, -std::numeric_limits<float>::infinity());
+}
+float rounded_up(double x) { return -rounded_down(-x); }
+
 }  // namespace
 
-BallTree::BallTree(std::span<const Vec3> points, std::span<const double> radius, std::vector<std::uint32_t> vertices) {
-  const std::vector<Keyed> order = in_z_order(points, vertices);
-  balls_.resize(order.size());
-  base::for_indices(order.size(), [&](std::size_t i) {
-    const std::uint32_t v = order[i].vertex;
-    balls_[i] = {points[v], radius[v], v};
-  });
-  leaves_ = std::bit_ceil(balls_.size() / kLeaf + 1);
-  nodes_.resize(2 * leaves_);
-  base::for_indices(leaves_, [&](std::size_t leaf) {
-    Node& node = nodes_[leaves_ + leaf];
-    for (std::size_t i = leaf * kLeaf; i < leaf * kLeaf + kLeaf && i < balls_.size(); ++i) {
-      node.low = node.low.cwiseMin(balls_[i].centre);
-      node.high = node.high.cwiseMax(balls_[i].centre);
-      node.largest_radius = std::max(node.largest_radius, balls_[i].radius);
-    }
-  });
+BallTree::BallTree(std::span<const Vec3> points, std::span<const double> radius, std::vector<std::uint32_t> vertices)
+    : points_(points), radius_(radius), vertices_(std::move(vertices)) {
+  {
+    const std::vector<Keyed> order = in_z_order(points, vertices_);
+    for (std::size_t i = 0; i < order.size(); ++i) vertices_[i] = order[i].vertex;
+  }
+  if (!vertices_.empty()) origin_ = points_[vertices_[0]];
+  leaves_ = std::bit_ceil(size() / kLeaf + 1);
+  constexpr float kEmpty = std::numeric_limits<float>::infinity();
+  nodes_.resize(2 * leaves_, {{kEmpty, kEmpty, kEmpty}, {-kEmpty, -kEmpty, -kEmpty}, -kEmpty});
+  base::for_indices(leaves_, [&](std::size_t leaf) { fill_leaf(leaf); });
   for (std::size_t n = leaves_ - 1; n > 0; --n) {
-    const Node &a = nodes_[2 * n], &b = nodes_[2 * n + 1];
-    nodes_[n] = {a.low.cwiseMin(b.low), a.high.cwiseMax(b.high), std::max(a.largest_radius, b.largest_radius)};
+    const Node &p = nodes_[2 * n], &q = nodes_[2 * n + 1];
+    for (int a = 0; a < 3; ++a) {
+      nodes_[n].low[a] = std::min(p.low[a], q.low[a]);
+      nodes_[n].high[a] = std::max(p.high[a], q.high[a]);
+    }
+    nodes_[n].largest_radius = std::max(p.largest_radius, q.largest_radius);
+  }
+}
+
+void BallTree::fill_leaf(std::size_t leaf) {
+  Node& node = nodes_[leaves_ + leaf];
+  for (std::size_t i = leaf * kLeaf; i < leaf * kLeaf + kLeaf && i < size(); ++i) {
+    for (int a = 0; a < 3; ++a) {
+      const double x = points_[vertices_[i]][a] - origin_[a];
+      node.low[a] = std::min(node.low[a], rounded_down(x));
+      node.high[a] = std::max(node.high[a], rounded_up(x));
+    }
+    node.largest_radius = std::max(node.largest_radius, rounded_up(radius_[vertices_[i]]));
   }
 }
 
@@ -84,10 +101,10 @@ bool NearBalls::find(const LatticePoint& site, double enough, double& limit) {
     return static_cast<std::size_t>(site[static_cast<std::size_t>(axis)] >> 2 & 255) << bits;
   };
   std::uint32_t& ball = last_[cell(0, 0) | cell(1, 8)];
-  const std::size_t none = tree_.balls().size();
+  const std::size_t none = tree_.size();
   bool found = false;
   if (ball < none)
-    if (const double away = outside(tree_.balls()[ball], p); away < limit) {
+    if (const double away = outside(tree_.ball(ball), p); away < limit) {
       limit = away;
       found = true;
       if (away <= enough) return true;
@@ -100,14 +117,14 @@ bool NearBalls::find(const LatticePoint& site, double enough, double& limit) {
 }
 
 std::size_t BallTree::near(const Vec3& p, double enough, double& limit) const {
-  std::size_t found = balls_.size();
+  std::size_t found = size();
   double bar = limit;  // of the walk: nothing passes it once there is enough
   const auto bound = [&](std::size_t node) {
     const double largest = largest_radius(node);
     return largest < 0 ? std::numeric_limits<double>::infinity() : distance(node, p) - largest;
   };
   walk(bound, bar, [&](std::size_t i) {
-    const double away = outside(balls_[i], p);
+    const double away = outside(ball(i), p);
     if (!(away < limit)) return;
     limit = away;
     found = i;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -12,40 +13,48 @@
 namespace quench::axis {
 
 /// Balls in a binary tree of boxes over their centres, sorted along a Z-order curve (Morton 1966). O(n log n) to build,
-/// on all threads; 60 bytes per ball. The order of the balls, and so of visits, depends on the balls alone.
+/// on all threads; 12 bytes per ball. The order of the balls, and so of visits, depends on the balls alone.
 class BallTree {
  public:
   struct Ball {
-    Vec3 centre;
+    const Vec3& centre;
     double radius;
     std::uint32_t vertex;  ///< row of the centre
   };
 
-  /// The balls of some vertices.
+  /// The balls of some vertices. `points` and `radius` must outlive the tree.
   BallTree(std::span<const Vec3> points, std::span<const double> radius, std::vector<std::uint32_t> vertices);
 
   std::size_t node_count() const { return nodes_.size(); }
-  const std::vector<Ball>& balls() const { return balls_; }
-  /// The leaf that holds balls()[i]; the parent of node n is n / 2, the root is node 1.
-  std::size_t leaf_of(std::size_t ball) const { return leaves_ + ball / kLeaf; }
+  std::size_t size() const { return vertices_.size(); }
+  Ball ball(std::size_t i) const { return {points_[vertices_[i]], radius_[vertices_[i]], vertices_[i]}; }
+  /// The leaf that holds ball i; the parent of node n is n / 2, the root is node 1.
+  std::size_t leaf_of(std::size_t i) const { return leaves_ + i / kLeaf; }
 
-  /// Largest radius in a node; -infinite for an empty one.
-  double largest_radius(std::size_t node) const { return nodes_[node].largest_radius; }
-  /// How far a point lies from the box of a node, at the centres of its balls.
+  /// Not less than the largest radius in a node; -infinity for an empty one.
+  double largest_radius(std::size_t node) const { return static_cast<double>(nodes_[node].largest_radius); }
+  /// Not more than the distance of a point from the centres in a node.
   double distance(std::size_t node, const Vec3& p) const {
     const Node& n = nodes_[node];
-    return (p - p.cwiseMax(n.low).cwiseMin(n.high)).norm();
+    double squared = 0;
+    for (int a = 0; a < 3; ++a) {
+      const double below = static_cast<double>(n.low[a]) - (p[a] - origin_[a]);
+      const double above = (p[a] - origin_[a]) - static_cast<double>(n.high[a]);
+      const double outside = below > 0 ? below : above > 0 ? above : 0;
+      squared += outside * outside;
+    }
+    return std::sqrt(squared);
   }
 
-  /// Calls visit(i) for balls()[i] of every leaf whose own and whose ancestors' bound(node) is below `limit`, nearer
-  /// nodes first; visit() may lower `limit`.
+  /// Calls visit(i) for ball i of every leaf whose own and whose ancestors' bound(node) is below `limit`, nearer nodes
+  /// first; visit() may lower `limit`.
   template <class Bound, class Visit>
   void walk(const Bound& bound, const double& limit, const Visit& visit) const {
     walk(1, bound(1), bound, limit, visit);
   }
 
-  /// The ball that a point is least outside of, if by less than `limit`: the index into balls(), else balls().size().
-  /// `limit` becomes that distance (|p - centre| - radius, negative inside).
+  /// The ball that a point is least outside of, if by less than `limit`; else size(). `limit` becomes that distance
+  /// (|p - centre| - radius, negative inside).
   std::size_t nearest(const Vec3& p, double& limit) const {
     return near(p, -std::numeric_limits<double>::infinity(), limit);
   }
@@ -53,19 +62,18 @@ class BallTree {
   std::size_t near(const Vec3& p, double enough, double& limit) const;
 
  private:
-  static constexpr std::size_t kLeaf = 4;
-  struct Node {
-    Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
-    Vec3 high = Vec3::Constant(-std::numeric_limits<double>::infinity());
-    double largest_radius = -std::numeric_limits<double>::infinity();
+  static constexpr std::size_t kLeaf = 8;
+  struct Node {  // rounded outwards, relative to origin_
+    float low[3], high[3], largest_radius;
   };
+  void fill_leaf(std::size_t leaf);
 
   template <class Bound, class Visit>
   void walk(std::size_t node, double own, const Bound& bound, const double& limit, const Visit& visit) const {
     if (!(own < limit)) return;
     if (node >= leaves_) {
       const std::size_t first = (node - leaves_) * kLeaf;
-      for (std::size_t i = first; i < first + kLeaf && i < balls_.size(); ++i) visit(i);
+      for (std::size_t i = first; i < first + kLeaf && i < size(); ++i) visit(i);
       return;
     }
     const double left = bound(2 * node), right = bound(2 * node + 1);
@@ -74,20 +82,26 @@ class BallTree {
     walk(left_first ? 2 * node + 1 : 2 * node, left_first ? right : left, bound, limit, visit);
   }
 
-  std::vector<Ball> balls_;
-  std::vector<Node> nodes_;  // children of node n: 2n and 2n + 1; the leaves are the last half
+  std::span<const Vec3> points_;
+  std::span<const double> radius_;
+  std::vector<std::uint32_t> vertices_;
+  Vec3 origin_ = Vec3::Zero();  // a corner of the box around all: floats are precise enough near it
+  std::vector<Node> nodes_;     // children of node n: 2n and 2n + 1; the leaves are the last half
   std::size_t leaves_ = 1;
 };
+
+/// How far a point lies outside a ball; negative inside.
+inline double outside(const BallTree::Ball& ball, const Vec3& p) { return (p - ball.centre).norm() - ball.radius; }
 
 /// Balls that boundary vertices are near, looked up one after the other: the last answer in a neighbourhood is mostly
 /// near its other vertices, too.
 class NearBalls {
  public:
   NearBalls(const BallTree& tree, const Grid& grid)
-      : tree_(tree), grid_(grid), last_(kEntries, static_cast<std::uint32_t>(tree.balls().size())) {}
+      : tree_(tree), grid_(grid), last_(kEntries, static_cast<std::uint32_t>(tree.size())) {}
 
-  /// Whether the vertex lies less than `limit` outside some ball; the distance to it (or to a farther ball, where that
-  /// is not above `enough`) becomes the new limit.
+  /// Whether the vertex lies less than `limit` outside some ball; the distance to the nearest one, or to any that it is
+  /// not more than `enough` outside of, becomes the new limit.
   bool find(const LatticePoint& site, double enough, double& limit);
 
  private:
@@ -96,8 +110,5 @@ class NearBalls {
   const Grid& grid_;
   std::vector<std::uint32_t> last_;  // per column of 4 x 4 voxels, those 1024 apart share one: sites come by z
 };
-
-/// How far a point lies outside a ball; negative inside.
-inline double outside(const BallTree::Ball& ball, const Vec3& p) { return (p - ball.centre).norm() - ball.radius; }
 
 }  // namespace quench::axis

@@ -105,7 +105,7 @@ class Cover {
       return radius <= largest ? near : tree.distance(node, p) - radius;
     };
     tree.walk(bound, near, [&](std::size_t i) {
-      const BallTree::Ball& ball = tree.balls()[i];
+      const BallTree::Ball ball = tree.ball(i);
       if (ball.radius > largest && outside(ball, p) < near) largest = ball.radius;
     });
     return largest;
@@ -140,7 +140,7 @@ class Cover {
   void for_balls_near(const BallTree& tree, const Vec3& p, double near, const Visit& visit) const {
     tree.walk([&](std::size_t node) { return tree.distance(node, p) - tree.largest_radius(node); }, near,
               [&](std::size_t i) {
-                if (outside(tree.balls()[i], p) < near) visit(tree.balls()[i].vertex);
+                if (outside(tree.ball(i), p) < near) visit(tree.ball(i).vertex);
               });
   }
   Vec3 position(std::size_t site) const {

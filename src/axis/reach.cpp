@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// docs/algorithms/pruning.md, "Larger details"
+// docs/algorithms/pruning.md, "The promise"
 #include "axis/reach.h"
 
 #include <algorithm>
@@ -8,27 +8,35 @@
 
 #include "axis/ball_tree.h"
 #include "base/constants.h"
+#include "base/csr.h"
 #include "base/union_find.h"
 
 namespace quench::axis {
 namespace {
 
-// Of the vertices raised one by one, those after them need not be raised as far: less than this factor more would make
-// each a little more than the one before.
+// Of vertices raised one after the other, later ones need not be raised as far: without headroom each would be raised a
+// little more than the one before.
 constexpr double kHeadroom = 1.25;
-// Details up to this factor of the automatic one are not made as small as they could be: in thin parts that would be a
-// search without end for each vertex.
+// Details up to this factor of the automatic one are not made as small as they could be, which would be a search for
+// each vertex of thin parts.
 constexpr double kEnough = 2;
-// A factor of the automatic detail, and what of a unit counts as rounding: together a billionth of the detail.
+// Lengths are multiples of this factor of the automatic detail: rounding depends on where a shape lies, what is kept
+// must not. So much of a unit counts as rounding: together a billionth of the detail.
 constexpr double kLengthUnit = 0x1p-20, kOfUnit = 1e-3;
 
+// Vertices are decided by descending detail. For one of detail m it is to be shown that for every d > m a decided
+// vertex of detail d or more has a ball that contains its own when it is grown by 2 (d - least). Half of that is for
+// balls that are searched for: with them `d` is enough down to which, from infinity on, one grown by d - least contains
+// its own. The other half is for neighbours: the ball of a vertex lies in that of a decided neighbour grown by what it
+// sticks out, and so in those the neighbour lies in; what adds up on the way, its *debt*, must not be above m - least.
 class Reach {
  public:
   Reach(const MedialAxis& axis, double least, std::vector<double>& detail)
       : axis_(axis), least_(least), detail_(detail), tree_(axis.points, axis.radius, vertices()) {
     most_.assign(tree_.node_count(), -1);
-    detail_of_ball_.assign(tree_.balls().size(), -1);
-    leans_on_.assign(tree_.balls().size(), kNone);
+    detail_of_ball_.assign(tree_.size(), -1);
+    debt_.assign(tree_.size(), 0);
+    link_neighbours();
   }
 
   void run(Context* context) {
@@ -37,11 +45,7 @@ class Reach {
     for (std::size_t i = 0; i < order.size(); ++i) {
       if (i % 4096 == 0)
         checkpoint(context, "detail", 0.6 + 0.4 * static_cast<double>(i) / static_cast<double>(order.size()));
-      const std::uint32_t ball = order[i];
-      double& detail = detail_[tree_.balls()[ball].vertex];
-      if (const double needed = reach_of(ball, std::max(detail, kEnough * least_)); needed > detail)
-        detail = needed > kEnough * least_ ? kHeadroom * needed : needed;
-      put(ball, detail);
+      decide(order[i]);
     }
   }
 
@@ -52,12 +56,24 @@ class Reach {
       if (detail_[v] >= least_) found.push_back(v);
     return found;
   }
+  void link_neighbours() {
+    std::vector<std::uint32_t> ball_of(axis_.complex.vertex_count, kNone);
+    for (std::uint32_t i = 0; i < tree_.size(); ++i) ball_of[tree_.ball(i).vertex] = i;
+    neighbours_ = base::Csr<std::uint32_t>::group(tree_.size(), [&](const auto& emit) {
+      for (const auto& [u, v] : axis_.complex.edges) {
+        const std::uint32_t a = ball_of[u], b = ball_of[v];
+        if (a == kNone || b == kNone) continue;
+        emit(a, b);
+        emit(b, a);
+      }
+    });
+  }
   // Balls by descending detail, then radius, then vertex.
   std::vector<std::uint32_t> by_detail() const {
-    std::vector<std::uint32_t> order(tree_.balls().size());
+    std::vector<std::uint32_t> order(tree_.size());
     for (std::uint32_t i = 0; i < order.size(); ++i) order[i] = i;
     std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
-      const BallTree::Ball &p = tree_.balls()[a], &q = tree_.balls()[b];
+      const BallTree::Ball p = tree_.ball(a), q = tree_.ball(b);
       if (detail_[p.vertex] != detail_[q.vertex]) return detail_[p.vertex] > detail_[q.vertex];
       return p.radius != q.radius ? p.radius > q.radius : p.vertex < q.vertex;
     });
@@ -68,74 +84,73 @@ class Reach {
     for (const auto& ends : axis_.complex.edges) sets.unite(ends[0], ends[1]);
     std::vector<char> has_root(axis_.complex.vertex_count, 0);
     for (const std::uint32_t ball : order) {
-      const std::uint32_t vertex = tree_.balls()[ball].vertex, set = sets.find(vertex);
+      const std::uint32_t vertex = tree_.ball(ball).vertex, set = sets.find(vertex);
       if (!has_root[set]) detail_[vertex] = base::kNever;
       has_root[set] = 1;
       if (detail_[vertex] == base::kNever) put(ball, base::kNever);
     }
+  }
+  void decide(std::uint32_t ball) {
+    double& detail = detail_[tree_.ball(ball).vertex];
+    if (detail == base::kNever) return;
+    const double enough = std::max(detail, kEnough * least_);
+    const double debt = least_debt(ball);
+    if (const double needed = least_ + debt; needed <= enough) {
+      debt_[ball] = debt;
+      detail = std::max(detail, needed);
+    } else if (const double reached = reach_of(ball, enough); reached > detail) {
+      detail = reached > enough ? kHeadroom * reached : reached;
+    }
+    put(ball, detail);
   }
   void put(std::size_t ball, double detail) {
     detail_of_ball_[ball] = detail;
     for (std::size_t n = tree_.leaf_of(ball); n > 0 && most_[n] < detail; n /= 2) most_[n] = detail;
   }
 
-  // A d down to which, from infinity on, balls of detail d or more, grown by 2 (d - least), contain `ball`: the least
-  // one, or one that is not above `enough`.
-  double reach_of(std::uint32_t ball, double enough) {
+  double least_debt(std::uint32_t ball) const {
+    double least = base::kNever;
+    for (const std::uint32_t other : neighbours_[ball])
+      if (detail_of_ball_[other] >= 0) least = std::min(least, debt_[other] + sticks_out(ball, other));
+    return least;
+  }
+  // A d down to which, from infinity on, balls of detail d or more, grown by d - least, contain `ball`: the least one,
+  // or one that is not above `enough`.
+  double reach_of(std::uint32_t ball, double enough) const {
+    const BallTree::Ball own = tree_.ball(ball);
     double d = std::numeric_limits<double>::infinity();
-    lean_as_neighbour(ball, d);
     for (double before = -1; before != d && d > enough;) {
       before = d;
       double limit = d;  // of the walk: d, or nothing when that is enough
       const auto bound = [&](std::size_t node) {
         if (most_[node] < d) return std::numeric_limits<double>::infinity();
-        const BallTree::Ball& own = tree_.balls()[ball];
-        return needed_for(tree_.distance(node, own.centre) + own.radius - tree_.largest_radius(node));
+        return least_ + whole(tree_.distance(node, own.centre) + own.radius - tree_.largest_radius(node));
       };
       tree_.walk(bound, limit, [&](std::size_t other) {
-        lean(ball, static_cast<std::uint32_t>(other), d);
+        if (detail_of_ball_[other] < d) return;
+        d = std::min(d, least_ + sticks_out(ball, static_cast<std::uint32_t>(other)));
         limit = d > enough ? d : 0;
       });
     }
     return d;
   }
-  // Lowers d to what another ball allows.
-  void lean(std::uint32_t ball, std::uint32_t other, double& d) {
-    if (detail_of_ball_[other] < d) return;
-    if (const double needed = between(ball, other); needed < d) {
-      d = needed;
-      leans_on_[ball] = other;
-    }
+  // By how much a ball sticks out of another one.
+  double sticks_out(std::uint32_t ball, std::uint32_t other) const {
+    const BallTree::Ball a = tree_.ball(ball), b = tree_.ball(other);
+    return whole((a.centre - b.centre).norm() + a.radius - b.radius);
   }
-  // What a decided ball nearby leans on is mostly right for its neighbours, too.
-  void lean_as_neighbour(std::uint32_t ball, double& d) {
-    constexpr std::uint32_t kAround = 16;  // along the Z-order curve
-    const std::uint32_t first = ball / kAround * kAround;
-    std::uint32_t nearest = kNone;
-    for (std::uint32_t i = first; i < first + kAround && i < tree_.balls().size(); ++i)
-      if (detail_of_ball_[i] >= 0 && (nearest == kNone || between(ball, i) < between(ball, nearest))) nearest = i;
-    chain_.clear();
-    for (std::uint32_t i = nearest; i != kNone && chain_.size() < 64; i = leans_on_[i]) chain_.push_back(i);
-    for (auto i = chain_.rbegin(); i != chain_.rend(); ++i) lean(ball, *i, d);
-  }
-  double between(std::uint32_t ball, std::uint32_t other) const {
-    const BallTree::Ball &a = tree_.balls()[ball], &b = tree_.balls()[other];
-    return needed_for((a.centre - b.centre).norm() + a.radius - b.radius);
-  }
-  // The detail from which on a ball that sticks out by so much of another may be left to it.
-  // A multiple of a small unit, since rounding depends on where a shape lies, and what is kept must not.
-  double needed_for(double sticks_out) const {
+  double whole(double length) const {
     const double unit = kLengthUnit * least_;
-    return least_ + 0.5 * unit * std::max(0.0, std::ceil(sticks_out / unit - kOfUnit));
+    return unit * std::max(0.0, std::ceil(length / unit - kOfUnit));
   }
 
   const MedialAxis& axis_;
   double least_;
   std::vector<double>& detail_;
   BallTree tree_;
+  base::Csr<std::uint32_t> neighbours_;        // balls whose vertices share an edge
   std::vector<double> most_, detail_of_ball_;  // per node the largest, and per ball: of what is decided; -1 before
-  std::vector<std::uint32_t> leans_on_;        // per ball: the last one that it was found to be in reach of
-  std::vector<std::uint32_t> chain_;
+  std::vector<double> debt_;                   // per ball
 };
 
 }  // namespace
