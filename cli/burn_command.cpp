@@ -30,20 +30,22 @@ Action add_burn(CLI::App& app) {
   add_axis_options(app, o->axis);
   add_burn_options(app, o->burning);
   app.add_option("-o,--output", o->output,
-                 "AXIS with the point arrays burn_time, erosion_thickness, unburned: .vtp .ply .csv")
+                 "AXIS with the point arrays burn_time, erosion_thickness, unburned: .vtp (which 'quench skeleton' and "
+                 "'quench view' do not burn again) .ply .csv")
       ->type_name("FILE")
       ->required();
   return [o](Session& session) {
     session.check_output(o->output, o->axis.inputs());
     check_holds_arrays(o->output);
     pipeline::LoadedAxis loaded = load_axis(o->axis, session);
-    const Burning burning =
-        pipeline::burning_of(loaded.axis, loaded.voxel_core, o->burning, false, loaded.scale, &session.context);
+    const bool keeps_sequence = extension_of(o->output) == ".vtp";  // others have no place for it
+    const Burning burning = pipeline::burning_of(loaded.axis, loaded.voxel_core, o->burning, keeps_sequence,
+                                                 loaded.scale, &session.context);
     const pipeline::BurnFigures burned = pipeline::figures_of(burning);
     say_burned(burned, loaded.axis.points.size(), session);
     Json report = {{"input", input_section(o->axis, loaded)}, {"parameters", parameters_section(o->burning)}};
     add_burn_section(report, burned);
-    add_burning(loaded.data, burning);
+    add_burning(loaded.data, burning, keeps_sequence ? burn_sequence(loaded.axis, burning) : std::vector<DataArray>());
     io::OutputGroup outputs;
     io::write_record(o->output, loaded.data, {"erosion_thickness"});
     session.finished("write");

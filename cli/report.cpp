@@ -141,8 +141,9 @@ void add_burn_section(Json& report, const pipeline::BurnFigures& burned) {
 }
 
 void say_burned(const pipeline::BurnFigures& burned, std::size_t vertices, Session& session) {
-  session.detail(fmt::format("burned on {} nodes, {:.4g} apart; longest burn time {:.6g}", burned.nodes,
-                             burned.options.omega, burned.max_burn_time));
+  session.detail(fmt::format("{} on {} nodes, {:.4g} apart; longest burn time {:.6g}",
+                             burned.from_file ? "the file is burned" : "burned", burned.nodes, burned.options.omega,
+                             burned.max_burn_time));
   if (burned.unburned > 0)
     session.say(fmt::format(
         "note: {} of {} {} on closed pockets, where no fire comes: the burn time there is infinite (array "

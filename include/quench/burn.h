@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -28,6 +29,9 @@ struct BurnOptions {
   double omega = 0;  ///< largest distance of neighbouring nodes on an edge, world units; 0: default_omega()
   RadiusRule radius = RadiusRule::exact;
   bool parents = true;  ///< also find the burn sequence: parents of prime sectors, which medial curves need
+  /// Times are rounded to what files keep of them: the radius and a multiple of a power of two, which is at most a
+  /// 4096th of omega (more where times are 2^28 of these: the largest that keep 28 bits). burn_sequence() needs it.
+  bool rounded = false;
 };
 
 /// The result of burning. Times are in world units; infinite where no fire comes (closed pockets).
@@ -68,8 +72,20 @@ std::int64_t predicted_burn_bytes(const CellComplex& complex, std::span<const Ve
 
 /// Adds the result to the file the axis came from (vertex v is row v): point arrays `burn_time`, `erosion_thickness`,
 /// `unburned` (1 where infinite; the largest finite value is written there), field arrays `omega`, `propagation`
-/// (always "segments"), `radius_rule`, `burn_nodes`, `max_burn_time`. Arrays of these names are replaced.
-void add_burning(Record& data, const Burning& burning);
+/// (always "segments"), `radius_rule`, `burn_nodes`, `max_burn_time`, and those of `sequence`. Arrays of these names
+/// are replaced, and a sequence of an earlier burning goes.
+void add_burning(Record& data, const Burning& burning, std::vector<DataArray> sequence = {});
+
+/// The times and the burn sequence of all sectors as field arrays (docs/user/files.md), for add_burning(): 4 to 6 bytes
+/// per sector, of which half is left when they are compressed. Throws Error(usage) unless the axis was burned with
+/// BurnOptions::parents and rounded.
+std::vector<DataArray> burn_sequence(const MedialAxis& axis, const Burning& burning);
+
+/// The burning whose sequence a file holds, all of it: quench_curves() makes of it what it makes of the burning that
+/// was written. Takes a tenth of the time of burning. Nothing where there is none; and, with a note, where it is
+/// damaged or not of this axis, these radii and these options, whose omega must be above 0.
+std::optional<Burning> kept_burning(const Record& data, const MedialAxis& axis, const BurnOptions& options,
+                                    Context* context = nullptr);
 
 /// Radius at a node inside an edge, `t` from the first end in [0, 1]; linear where the ends cannot share a nearest
 /// point (|R0 - R1| > L or L > R0 + R1).

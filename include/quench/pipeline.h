@@ -257,12 +257,17 @@ struct BurnFigures {
   std::size_t nodes = 0;
   double max_burn_time = 0;
   std::uint32_t unburned = 0;
+  bool from_file = false;  ///< nothing was burned: kept_burning_of() found it
 };
 BurnFigures figures_of(const Burning& burning);
 
-/// burn() with its plan of memory. `parents`: for the curves.
+/// burn(), rounded as files keep it, with its plan of memory. `parents`: for the curves.
 Burning burning_of(const MedialAxis& axis, bool voxel_core, const BurningOptions& options, bool parents,
                    const Scale& scale, Context* context = nullptr);
+/// The same burning, with parents, from the file of the axis where it keeps one of these options. Notes where what it
+/// keeps does not fit.
+std::optional<Burning> kept_burning_of(const MedialAxis& axis, const Record& file, bool voxel_core,
+                                       const BurningOptions& options, const Scale& scale, Context* context = nullptr);
 
 // ----------------------------------------------------------------------------------------------------------- skeleton
 
@@ -364,6 +369,7 @@ struct RunOptions {
   SkeletonOptions skeleton = {};
   GraphOptions graph = {};      ///< shape and voxel are filled in
   PageBuilder* page = nullptr;  ///< where a page is wanted: layers are added to it, writing it is left to the caller
+  bool keep_sequence = false;   ///< AxisRun::file holds the burn sequence, for kept_burning_of(); run() always does so
   std::function<void(const CoreResult&)> on_core = {};     ///< called as soon as there is one
   std::function<void(const BurnFigures&)> on_burned = {};  ///< the same
 };
@@ -376,8 +382,8 @@ struct AxisRun {
   SkeletonResult skeleton;
 };
 
-/// Burning, curves and skeleton of an axis whose file is `file` and whose topology is `wanted`. The page gets the axis
-/// where it has levels.
+/// Burning, curves and skeleton of an axis whose file is `file` and whose topology is `wanted`. What the file keeps of
+/// a burning as asked is not burned again. The page gets the axis where it has levels.
 AxisRun run_axis(const MedialAxis& axis, Record&& file, bool voxel_core, const Topology& wanted, const Scale& scale,
                  const RunOptions& options = {}, Context* context = nullptr);
 

@@ -293,7 +293,8 @@ class MedialAxis(Complex):
         Parameters
         ----------
         omega : length, optional
-            Distance of the points on edges between which fire is followed. Default: half the mean edge, for an error of
+            Distance of the points on edges between which fire is followed. Default: that of the file where the axis was
+            read from one that is burned (which is then not burned again), else half the mean edge, for an error of
             about 0.3 %.
 
         Returns
@@ -332,7 +333,8 @@ class MedialAxis(Complex):
                  threads: Optional[int] = None, progress: Optional[Progress] = None) -> Skeleton:
         """What of the medial axis matters: sheets of an erosion thickness of at least θ2, and curves of at least θ1.
 
-        The first call burns the axis; others with the same omega take what it found (:meth:`forget` drops it).
+        The first call burns the axis, unless it was read from a file that is burned; others with the same omega take
+        what it found (:meth:`forget` drops it).
 
         Parameters
         ----------
@@ -411,7 +413,8 @@ class MedialAxis(Complex):
         ----------
         path : str or path
             .vtp (everything; ParaView), .ply (MeshLab), .obj, .ma, .r, .csv (a row per vertex), .png (needs matplotlib),
-            .html (interactive page). With burn times where the axis was burned.
+            .html (interactive page). With burn times where the axis was burned; .vtp also with all that skeletons need,
+            so that it is not burned again when it is read.
         quality : str
             Of PLY: the array that MeshLab shows as quality.
         """

@@ -164,7 +164,8 @@ void bind_axes(py::module_& m) {
       .def("save", [](const Pointer& a, const std::string& file, const std::string& quality, const py::object& listener,
                       int threads) {
         const auto fire = a->fire;
-        run_cancellable(listener, threads, [&](Context&) { io::write_record(file, a->data(fire.get()), {quality}); });
+        run_cancellable(listener, threads,
+                        [&](Context&) { io::write_record(file, a->data(fire.get(), true), {quality}); });
       });
   m.def("compute_axis",
         [](const std::shared_ptr<Shape>& shape, const std::string& measure, const std::string& threshold,

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <optional>
+#include <utility>
+
 #include "values.h"
 
 namespace quench::python {
@@ -7,9 +10,13 @@ double Axis::resolve(const std::string& text, const std::string& field) const {
   return scale().resolve(pipeline::parse_length(text, field), field);
 }
 
-Record Axis::data(const Fire* with) const {
+Record Axis::data(const Fire* with, bool sequence) const {
   Record result = file ? *file : pipeline::core_file(core);
-  if (with) add_burning(result, with->burning);
+  if (!with) return result;
+  if (!sequence)
+    add_burning(result, with->burning);
+  else
+    add_burning(result, with->burning, with->family ? with->sequence : burn_sequence(axis(), with->burning));
   return result;
 }
 
@@ -25,19 +32,24 @@ std::shared_ptr<Axis> compute_axis(std::shared_ptr<Shape> shape, const pipeline:
 std::shared_ptr<const Fire> compute_fire(const Axis& axis, double omega, bool family,
                                          const std::shared_ptr<const Fire>& known, Context& context) {
   const MedialAxis& m = axis.axis();
-  if (omega == 0) omega = default_omega(m.complex, m.points);
-  const bool same = known && (known->burning.options.omega == omega || m.complex.edges.empty());
+  pipeline::BurningOptions options;
+  if (omega > 0) options.omega = pipeline::world_length(omega);
+  if (axis.file) pipeline::take_recorded(options, *axis.file);
+  const double wanted = options.omega ? options.omega->value : default_omega(m.complex, m.points);
+  const bool same = known && (known->burning.options.omega == wanted || m.complex.edges.empty());
   if (same && (!family || known->family)) return known;
   auto fire = std::make_shared<Fire>();
-  const Burning* burning = same ? &known->burning : &fire->burning;
-  if (!same) {
-    pipeline::BurningOptions options;
-    if (omega > 0) options.omega = pipeline::world_length(omega);
-    fire->burning = pipeline::burning_of(m, axis.voxel_core, options, true, axis.scale(), &context);
+  if (same) {
+    fire->burning = known->burning;
+  } else {
+    std::optional<Burning> kept;
+    if (axis.file) kept = pipeline::kept_burning_of(m, *axis.file, axis.voxel_core, options, axis.scale(), &context);
+    fire->burning =
+        kept ? std::move(*kept) : pipeline::burning_of(m, axis.voxel_core, options, true, axis.scale(), &context);
   }
   if (!family) return fire;
-  RefinedAxis refined = pipeline::curves_of(m, *burning, &context);
-  if (same) fire->burning = *burning;
+  RefinedAxis refined = pipeline::curves_of(m, fire->burning, &context);
+  fire->sequence = burn_sequence(m, fire->burning);
   fire->burning.sectors.reset();  // what the curves needed, most of its memory
   fire->family = std::make_shared<const pipeline::FamilyResult>(
       pipeline::family_of(std::move(refined), axis.core.topology, &context));

@@ -25,7 +25,8 @@ using Shape = pipeline::LoadedShape;
 
 /// A burned axis: what is left of it once the family of skeletons is made.
 struct Fire {
-  Burning burning;  ///< without its states when `family` is there
+  Burning burning;                  ///< without its states when `family` is there
+  std::vector<DataArray> sequence;  ///< what files keep of these states, when `family` is there
   std::shared_ptr<const pipeline::FamilyResult> family;
 };
 
@@ -41,8 +42,8 @@ struct Axis {
   pipeline::Scale scale() const { return {core.longest_side, spacing.minCoeff(), 0.5 * spacing.norm()}; }
   /// World units of a length such as "0.02" or "2.5vox".
   double resolve(const std::string& text, const std::string& field) const;
-  /// The axis as a file, with what a fire says, if any.
-  Record data(const Fire* with) const;
+  /// The axis as a file, with what a fire says, if any; and with its burn sequence, for later.
+  Record data(const Fire* with, bool sequence = false) const;
 };
 
 struct SkeletonValue {

@@ -73,6 +73,28 @@ def test_burning_is_kept_and_the_same():
     assert np.nanmedian(np.abs(finer - et)[np.isfinite(et)]) < 0.05 and not np.array_equal(finer, et)
 
 
+def test_a_burned_file_is_not_burned_again(tmp_path):
+    axis = quench.medial_axis(blobs(20))
+    axis.erosion_thickness(omega='0.4vox')
+    axis.save(tmp_path / 'burned.vtp')
+    wanted = axis.skeleton(0.05, 0.02, omega='0.4vox')
+    axis.save(tmp_path / 'with_skeletons.vtp')
+    assert (tmp_path / 'burned.vtp').read_bytes() == (tmp_path / 'with_skeletons.vtp').read_bytes()
+    found = quench.read(tmp_path / 'burned.vtp')
+    skeleton = found.skeleton(0.05, 0.02)  # with the omega of the file
+    for of in (lambda s: s.vertices, lambda s: s.edges, lambda s: s.curves.erosion_thickness, lambda s: s.radius):
+        assert np.array_equal(of(skeleton), of(wanted))
+    assert np.array_equal(found.erosion_thickness(), axis.erosion_thickness(omega='0.4vox'))
+    found.save(tmp_path / 'again.vtp')
+    assert (tmp_path / 'again.vtp').read_bytes() == (tmp_path / 'burned.vtp').read_bytes()
+    # What is kept is of these radii only.
+    rows = np.column_stack([axis.vertices, axis.radius * 1.01])
+    (tmp_path / 'other.r').write_text(f'{len(rows)}\n' + '\n'.join(' '.join(map(repr, map(float, row))) for row in rows))
+    other = quench.read(tmp_path / 'burned.vtp', radii=tmp_path / 'other.r')
+    with pytest.warns(UserWarning, match='does not fit its medial axis'):
+        other.skeleton(0.05, 0.02)
+
+
 def test_graph_as_table_networkx_and_file(tmp_path):
     networkx = pytest.importorskip('networkx')
     skeleton = quench.medial_axis(blobs(21)).skeleton('inf', '1vox')

@@ -8,6 +8,7 @@
 
 #include "base/parallel.h"
 #include "burning/burn_pass.h"
+#include "burning/burn_sequence.h"
 #include "quench/axis.h"
 #include "quench/error.h"
 
@@ -83,28 +84,14 @@ double radius_inside_edge(double r0, double r1, double length, double t, RadiusR
 
 Burning burning::finish_burning(const BurnDomain& domain, Labels labels, std::shared_ptr<BurnedSectors> sectors,
                                 const BurnOptions& options, Context* context) {
-  Burning result;
-  result.options = options;
   Times times;
   std::vector<char> opened;
   labels.release(times, opened);
   if (options.parents) order_pass(domain, opened, times, *sectors, context);
 
+  if (options.rounded) round_times(domain, times, *sectors);
   sectors->state_time.assign(times.begin(), times.end());
-  result.burn_time.assign(domain.radius.begin(), domain.radius.end());
-  result.erosion_thickness.resize(domain.radius.size());
-  for (std::uint32_t v = 0; v < domain.complex.vertex_count; ++v) {
-    double& time = result.burn_time[v];
-    for (std::uint32_t s = domain.network.vertex_base[v]; s < domain.network.vertex_base[v + 1]; ++s)
-      time = std::max(time, times[s]);
-    result.erosion_thickness[v] = time - domain.radius[v];
-    if (std::isinf(time))
-      ++result.unburned;
-    else
-      result.max_burn_time = std::max(result.max_burn_time, time);
-  }
-  result.node_count = domain.network.node_count();
-  result.sectors = std::move(sectors);
+  Burning result = burning_with(domain, std::move(sectors), options);
   checkpoint(context, "burn", 1);
   return result;
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <utility>
 
+#include "burning/burn_sequence.h"
 #include "quench/burn.h"
 #include "quench/error.h"
 #include "record/infinite.h"
@@ -19,7 +21,7 @@ void put(std::vector<DataArray>& arrays, DataArray array) {
 
 }  // namespace
 
-void add_burning(Record& data, const Burning& burning) {
+void add_burning(Record& data, const Burning& burning, std::vector<DataArray> sequence) {
   if (burning.burn_time.size() != data.points.size())
     throw Error(ErrorCode::invariant, "the burned medial axis has other vertices than its file");
   put(data.point_data, {"burn_time", 1, record::finite(burning.burn_time)});
@@ -32,6 +34,8 @@ void add_burning(Record& data, const Burning& burning) {
   put(data.field_data, {"radius_rule", 1, text(o.radius == RadiusRule::exact ? "exact" : "linear")});
   put(data.field_data, {"burn_nodes", 1, std::vector<std::int64_t>{burning.node_count}});
   put(data.field_data, {"max_burn_time", 1, std::vector<double>{burning.max_burn_time}});
+  burning::drop_sequence(data);
+  for (DataArray& array : sequence) data.field_data.push_back(std::move(array));
 }
 
 }  // namespace quench

@@ -58,7 +58,9 @@ struct BurnedSectors {
   std::vector<std::uint32_t> parent;       ///< the node its fire came from; kNone: it was free, or became free
   std::vector<std::uint32_t> parent_face;  ///< the polygon that fire crossed, or kNone
   std::vector<std::uint32_t> rank;  ///< place in the sequence in which sectors are removed from the links of their
-                                    ///< nodes; kNone in pockets. Empty, as the two above, without BurnOptions::parents
+                                    ///< nodes; kNone in pockets. Empty, as the two above, without BurnOptions::parents.
+                                    ///< From a file only the order of the sectors of each vertex is known
+  double step = 0;                  ///< times are the radius and a multiple of it; 0: not rounded
 };
 
 /// Polygons unfolded into the plane, with what fire needs of each side in one cache line. Polygons that are not flat or

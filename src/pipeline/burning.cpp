@@ -16,16 +16,30 @@ BurnFigures figures_of(const Burning& burning) {
   return {burning.options, burning.node_count, burning.max_burn_time, burning.unburned};
 }
 
+static BurnOptions burn_options(bool voxel_core, const BurningOptions& options, bool parents, const Scale& scale) {
+  BurnOptions result;
+  result.radius = options.radius.value_or(voxel_core ? RadiusRule::exact : RadiusRule::linear);
+  result.parents = parents;
+  result.rounded = true;
+  result.omega = options.omega ? scale.resolve(*options.omega, "omega") : 0;
+  return result;
+}
+
 Burning burning_of(const MedialAxis& axis, bool voxel_core, const BurningOptions& options, bool parents,
                    const Scale& scale, Context* context) {
-  BurnOptions burn_options;
-  burn_options.radius = options.radius.value_or(voxel_core ? RadiusRule::exact : RadiusRule::linear);
-  burn_options.parents = parents;
-  burn_options.omega = options.omega ? scale.resolve(*options.omega, "omega") : 0;
-  require_memory(predicted_burn_bytes(axis.complex, axis.points, burn_options),
+  const BurnOptions wanted = burn_options(voxel_core, options, parents, scale);
+  require_memory(predicted_burn_bytes(axis.complex, axis.points, wanted),
                  fmt::format("burning with omega {}", text_of(options.omega)), {"a larger omega", "a larger lambda"},
                  context);
-  return burn(axis, burn_options, context);
+  return burn(axis, wanted, context);
+}
+
+std::optional<Burning> kept_burning_of(const MedialAxis& axis, const Record& file, bool voxel_core,
+                                       const BurningOptions& options, const Scale& scale, Context* context) {
+  const BurnOptions wanted = burn_options(voxel_core, options, true, scale);
+  if (field_number(file, "omega") != wanted.omega || field_text(file, "radius_rule") != name_of(wanted.radius))
+    return {};
+  return kept_burning(file, axis, wanted, context);
 }
 
 }  // namespace quench::pipeline

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <optional>
 #include <utility>
+#include <vector>
 
 #include "quench/pipeline.h"
 
@@ -32,10 +34,12 @@ AxisRun run_axis(const MedialAxis& axis, Record&& file, bool voxel_core, const T
                  const RunOptions& options, Context* context) {
   AxisRun result;
   result.file = std::move(file);
-  Burning burning = burning_of(axis, voxel_core, options.burning, true, scale, context);
+  std::optional<Burning> kept = kept_burning_of(axis, result.file, voxel_core, options.burning, scale, context);
+  Burning burning = kept ? std::move(*kept) : burning_of(axis, voxel_core, options.burning, true, scale, context);
   result.burned = figures_of(burning);
+  result.burned.from_file = kept.has_value();
   if (options.on_burned) options.on_burned(result.burned);
-  add_burning(result.file, burning);
+  add_burning(result.file, burning, options.keep_sequence ? burn_sequence(axis, burning) : std::vector<DataArray>());
   if (options.page) {
     add_axis(*options.page, axis, result, scale, options.skeleton);
     checkpoint(context, "page", 1);
@@ -60,8 +64,10 @@ RunResult run(LoadedShape& shape, const RunOptions& options, Context* context) {
   }
   result.core = core_of(shape, options.axis, context);
   if (options.on_core) options.on_core(result.core);
+  RunOptions of_axis = options;
+  of_axis.keep_sequence = true;
   result.axis =
-      run_axis(result.core.axis, core_file(result.core), true, result.core.topology, shape.scale(), options, context);
+      run_axis(result.core.axis, core_file(result.core), true, result.core.topology, shape.scale(), of_axis, context);
   const SkeletonResult& skeleton = result.axis.skeleton;
   result.reconstructed = reconstructed_share(shape.shape, skeleton.skeleton, context);
   GraphOptions graph = options.graph;

@@ -16,6 +16,7 @@ namespace {
 constexpr const char* kTold = "told, not computed";
 constexpr const char* kShapeOnly = "the voxels alone do not tell";
 constexpr const char* kBoundsOnly = "only bounds are checked: the fire is not burned again";
+constexpr const char* kSequence = "a burn sequence is checked as a whole only";
 constexpr const char* kOfTheAxis = "it is of the medial axis, which the file does not hold";
 constexpr const char* kNoStage = "the file does not say what it is";
 constexpr const char* kOtherMeasure = "how this measure is computed is not known here";
@@ -67,6 +68,12 @@ const std::vector<Known>& known_field_numbers() {
                                          {"max_burn_time", 1, {}, kNothingToCompare},
                                          {"theta2", 1, {}, "only bounds are checked: levels are of the medial axis"},
                                          {"theta1", 1, {}, "only bounds are checked: levels are of the medial axis"},
+                                         {"sequence_steps", 0, {}, kSequence},
+                                         {"sequence_parents", 0, {}, kSequence},
+                                         {"sequence_order", 0, {}, kSequence},
+                                         {"sequence_large", 0, {}, kSequence},
+                                         {"sequence_step", 1, {}, kSequence},
+                                         {"sequence_of", 2, {}, kSequence},
                                          {"format_version", 1, {}, kNothingToCompare}};
   return arrays;
 }

@@ -12,6 +12,10 @@ namespace quench::verification {
 /// Relative error of numbers that some files store in single precision.
 inline constexpr double kSingle = 1e-6;
 
+/// Of a length, and of omega: fire does not correct times that are late by less than 0.002 of omega, and rounds them to
+/// a 4096th of it.
+inline constexpr double kOffAlongEdges = 0.01, kOffByLabels = 0.003;
+
 /// No two cells are the same, none is degenerate; polygons are plane and convex.
 Check check_cells(const Result& result);
 
@@ -55,8 +59,14 @@ Check check_fields(const Result& result, const VerifyOptions& options);
 Check check_sites(const Result& result, const Sites& sites);
 /// The arrays `object_angle`.
 Check check_angles(const Result& result);
+/// Per face: whether it lies in a closed pocket, one of those that are left when faces with a free edge are removed
+/// until there is none.
+std::vector<char> pocket_faces(const CellComplex& complex);
 /// Burn times and erosion thickness of points: relations among them and with the complex.
 Check check_burning(const Result& result);
+/// The arrays of the burn sequence: with the polygons and links they are about, and with `burn_time`.
+Check check_burn_sequence(const Result& result);
+bool has_burn_sequence(const Record& data);
 /// Levels and thickness of the cells of a skeleton: bounds, and what holds in every skeleton.
 Check check_skeleton_levels(const Result& result);
 

@@ -37,6 +37,11 @@ constexpr Expected kOfBurning[]{{"point", "burn_time", false},   {"point", "eros
                                 {"field", "propagation", false}, {"field", "radius_rule", false},
                                 {"field", "burn_nodes", false},  {"field", "max_burn_time", false}};
 
+// The same of the burn sequence.
+constexpr Expected kOfSequence[]{{"field", "sequence_steps", false}, {"field", "sequence_parents", false},
+                                 {"field", "sequence_order", false}, {"field", "sequence_large", false},
+                                 {"field", "sequence_step", false},  {"field", "sequence_of", false}};
+
 constexpr Expected kOfSkeletons[]{{"point", "radius", true},
                                   {"point", "burn_time", false},
                                   {"point", "erosion_thickness", false},
@@ -92,6 +97,7 @@ std::vector<Expected> absent_of(const Result& result) {
   if (result.stage == "core") {
     look_for(kOfCores, data, absent);
     if (has_one_of(kOfBurning, data)) look_for(kOfBurning, data, absent);
+    if (has_one_of(kOfSequence, data)) look_for(kOfSequence, data, absent);
   } else if (result.stage == "skeleton") {
     look_for(kOfSkeletons, data, absent);
     if (has_one_of(kOnlyOfCores, data)) look_for(kOfSkeletonsOfCores, data, absent);

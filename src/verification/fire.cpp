@@ -12,8 +12,6 @@ namespace quench::verification {
 
 namespace {
 
-constexpr double kOffByLabels = 0.01;  // of a length: burning corrects times that are off by more than 0.002 of it
-
 /// Flags and values of a point array that may be infinite: 1, and the largest finite value, where it is.
 struct Measure {
   std::vector<double> value, infinite;
@@ -34,27 +32,8 @@ struct Measure {
   bool stands_for_infinity(std::size_t v) const { return std::abs(value[v] - largest) <= kSingle * largest; }
 };
 
-// The vertices of closed pockets: of the faces that are left when faces with a free edge are removed until there is
-// none.
 std::vector<char> pocket_vertices(const CellComplex& complex) {
-  std::vector<Cofaces> faces(complex.edges.size());
-  for (std::uint32_t f = 0; f < complex.face_count(); ++f)
-    for (const std::uint32_t e : complex.sides(f)) faces[e].add(f);
-  std::vector<char> there(complex.face_count(), 1);
-  std::vector<std::uint32_t> open;
-  for (std::uint32_t e = 0; e < faces.size(); ++e)
-    if (faces[e].count == 1) open.push_back(e);
-  while (!open.empty()) {
-    const std::uint32_t e = open.back();
-    open.pop_back();
-    if (faces[e].count != 1) continue;
-    const std::uint32_t f = faces[e].only();
-    there[f] = 0;
-    for (const std::uint32_t side : complex.sides(f)) {
-      faces[side].remove(f);
-      if (faces[side].count == 1) open.push_back(side);
-    }
-  }
+  const std::vector<char> there = pocket_faces(complex);
   std::vector<char> pocket(complex.vertex_count, 0);
   for (std::uint32_t f = 0; f < complex.face_count(); ++f)
     if (there[f])
@@ -95,6 +74,8 @@ Star star_of(const Result& result, std::uint32_t v) {
 // of a sheet it starts.
 std::string wrong_time(const Result& result, const Measure& time, std::size_t& bounded_vertices) {
   const CellComplex& complex = result.complex;
+  const std::vector<double> omega = numbers_or_empty(result.data.field_data, "omega");
+  const double late = 4 * result.rounding * result.unit + (omega.size() == 1 ? kOffByLabels * omega[0] : 0);
   for (std::uint32_t v = 0; v < complex.vertex_count; ++v) {
     if (time.infinite[v] != 0) continue;
     const double r = result.radius[v];
@@ -110,8 +91,7 @@ std::string wrong_time(const Result& result, const Measure& time, std::size_t& b
         const std::uint32_t other = complex.edges[e][0] == v ? complex.edges[e][1] : complex.edges[e][0];
         if (result.edge_faces_count[e] == 0 || time.infinite[other] != 0) continue;
         const double length = (result.data.points[result.rows[v]] - result.data.points[result.rows[other]]).norm();
-        latest = std::min(latest, time.value[other] * (1 + kSingle) + length * (1 + kOffByLabels) +
-                                      4 * result.rounding * result.unit);
+        latest = std::min(latest, time.value[other] * (1 + kSingle) + length * (1 + kOffAlongEdges) + late);
       }
     }
     if (!(time.value[v] <= latest))
@@ -204,6 +184,28 @@ std::string wrong_curves(const Result& result, const Measure& time, Check& check
 }
 
 }  // namespace
+
+std::vector<char> pocket_faces(const CellComplex& complex) {
+  std::vector<Cofaces> faces(complex.edges.size());
+  for (std::uint32_t f = 0; f < complex.face_count(); ++f)
+    for (const std::uint32_t e : complex.sides(f)) faces[e].add(f);
+  std::vector<char> there(complex.face_count(), 1);
+  std::vector<std::uint32_t> open;
+  for (std::uint32_t e = 0; e < faces.size(); ++e)
+    if (faces[e].count == 1) open.push_back(e);
+  while (!open.empty()) {
+    const std::uint32_t e = open.back();
+    open.pop_back();
+    if (faces[e].count != 1) continue;
+    const std::uint32_t f = faces[e].only();
+    there[f] = 0;
+    for (const std::uint32_t side : complex.sides(f)) {
+      faces[side].remove(f);
+      if (faces[side].count == 1) open.push_back(side);
+    }
+  }
+  return there;
+}
 
 Check check_burning(const Result& result) {
   const std::string name = "burning";

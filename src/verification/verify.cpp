@@ -91,6 +91,7 @@ Certificate examine(const VoxelShape& shape, const Record& data, const VerifyOpt
   add(check_angles(result));
   add(check_kinds(result));
   add(check_burning(result));
+  if (has_burn_sequence(data)) add(check_burn_sequence(result));
   add(check_skeleton_levels(result));
   add(check_reconstruction(result, context));
   add(check_fields(result, options));

@@ -137,6 +137,38 @@ TEST_F(SkeletonProgram, RepeatsTheBurnOfTheFile) {
   EXPECT_DOUBLE_EQ(field(read("c.vtp"), "omega"), 0.3);
 }
 
+TEST_F(SkeletonProgram, BurnsNothingThatIsBurned) {
+  make_core();
+  const char* const taken = "the file is burned on ";
+  works({"burn", "core.vtp", "-o", "burned.vtp"});
+  Record plain = read("burned.vtp");
+  EXPECT_GT(std::erase_if(plain.field_data, [](const DataArray& a) { return a.name.starts_with("sequence_"); }), 0u);
+  quench::io::write_record(folder / "plain.vtp", plain);
+  for (const char* full : {"", "--full"}) {
+    std::vector<std::string> arguments{"skeleton", "burned.vtp", "-o",        "a.vtp",
+                                       "--theta2", "0.02",       "--verbose", "--overwrite"};
+    if (*full) arguments.emplace_back(full);
+    const Outcome once = works(arguments);
+    arguments[1] = "plain.vtp";
+    arguments[3] = "b.vtp";
+    const Outcome again = works(arguments);
+    EXPECT_TRUE(has(once.err, taken)) << once.err;
+    EXPECT_FALSE(has(once.err, "note: ")) << once.err;
+    EXPECT_FALSE(has(again.err, taken) || has(again.err, "note: ")) << again.err;
+    EXPECT_EQ(bytes("a.vtp"), bytes("b.vtp"));
+  }
+  // Another spacing is another burning.
+  const Outcome other = skeleton({"burned.vtp", "-o", "c.vtp", "--omega", "0.3vox", "--verbose"});
+  EXPECT_FALSE(has(other.err, taken) || has(other.err, "note: ")) << other.err;
+  // Other programs change points and keep what they do not know.
+  Record moved = read("burned.vtp");
+  for (quench::Vec3& p : moved.points) p *= 2;
+  quench::io::write_record(folder / "moved.vtp", moved);
+  const Outcome changed = skeleton({"moved.vtp", "-o", "d.vtp", "--verbose"});
+  EXPECT_FALSE(has(changed.err, taken));
+  EXPECT_TRUE(has(changed.err, "note: the burn sequence in the file does not fit its medial axis")) << changed.err;
+}
+
 TEST_F(SkeletonProgram, FamilyKeepsTheTopology) {
   make_core();
   const Topology wanted = topology_of("core.vtp");

@@ -209,6 +209,23 @@ TEST_F(ViewProgram, OtherFilesAreShownAsTheyAre) {
   EXPECT_EQ(page("two.html")["still/point/radius"], (std::vector<double>{1, 1, 2}));
 }
 
+TEST_F(ViewProgram, ABurnedFileGivesTheSamePage) {
+  REQUIRE_PAGE();
+  make_core();
+  works({"burn", "core.vtp", "-o", "burned.vtp"});
+  const auto view = [&] {
+    const Outcome outcome = works({"view", "burned.vtp", "-o", "page.html", "--verbose", "--overwrite"});
+    return has(outcome.err, "the file is burned on ");
+  };
+  EXPECT_TRUE(view());
+  const std::string once = bytes("page.html");
+  quench::Record plain = quench::io::read_record(folder / "burned.vtp");
+  std::erase_if(plain.field_data, [](const quench::DataArray& a) { return a.name.starts_with("sequence_"); });
+  quench::io::write_record(folder / "burned.vtp", plain);
+  EXPECT_FALSE(view());
+  EXPECT_EQ(bytes("page.html"), once);
+}
+
 TEST_F(ViewProgram, RefusalsNameTheWayOut) {
   REQUIRE_PAGE();
   make_core();

@@ -208,7 +208,7 @@ TEST(Run, IsTheStagesCalledByHand) {
   EXPECT_EQ(result.core.axis.points, core.points);
   EXPECT_TRUE(result.core.axis.measure().level == core.measure().level);
   EXPECT_EQ(medial_axis(shape.shape, 1.5 * voxel).points, core.points);
-  const Burning burning = burn(core);
+  const Burning burning = burn(core, {.rounded = true});
   EXPECT_EQ(result.axis.burned.max_burn_time, burning.max_burn_time);
   EXPECT_EQ(find_array(result.axis.file.point_data, "burn_time")->numbers(), burning.burn_time);
   const SkeletonFamily family = skeletons(core, burning);

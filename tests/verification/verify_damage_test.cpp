@@ -72,9 +72,11 @@ Record core_of(const VoxelShape& shape, const pipeline::AxisOptions& options) {
   return pipeline::core_file(pipeline::core_of(loaded, options));
 }
 
-Record burned(Record data, const BurnOptions& options = {}) {
+Record burned(Record data, BurnOptions options = {}) {
   const MedialAxis axis = medial_axis_of(data);
-  add_burning(data, burn(axis.complex, axis.points, axis.radius, options));
+  options.rounded = true;
+  const Burning burning = burn(axis, options);
+  add_burning(data, burning, burn_sequence(axis, burning));
   return data;
 }
 
