@@ -65,8 +65,7 @@ void run(const pipeline::LoadedAxis& loaded, Stages& stages, double& nodes) {
   nodes = burning.node_count;
   const Topology wanted = topology(axis.complex);
   const double omega = burning.options.omega, held = status_bytes("VmRSS");
-  RefinedAxis refined =
-      stages.time("curves", held, [&] { return pipeline::curves_of(axis, burning); });
+  RefinedAxis refined = stages.time("curves", held, [&] { return pipeline::curves_of(axis, burning); });
   burning = Burning();
   const pipeline::FamilyResult family =
       stages.time("family", held, [&] { return pipeline::family_of(std::move(refined), wanted); });

@@ -15,12 +15,12 @@ namespace {
 
 using base::kNever;
 
-// Fire in the order of (time, vertex) needs no queue where that order cannot matter: a vertex v whose only edge leads to
-// a vertex that burns later than v anyhow passes the fire on to it, whatever else burns in between. The others wait in
-// a queue. There the order of two vertices v and u of one edge, the last of their tree, is that in which they would be
-// burned if all waited: v waits for all that burn before it in the tree on its side, so it goes at the largest (time,
-// vertex) of these; as times grow towards v, that is the time of v and the largest vertex with this time in a chain of
-// edges of no length.
+// Fire in the order of (time, vertex) needs no queue where that order cannot matter: a vertex v whose only edge leads
+// to a vertex that burns later than v anyhow passes the fire on to it, whatever else burns in between. The others wait
+// in a queue. There the order of two vertices v and u of one edge, the last of their tree, is that in which they would
+// be burned if all waited: v waits for all that burn before it in the tree on its side, so it goes at the largest
+// (time, vertex) of these; as times grow towards v, that is the time of v and the largest vertex with this time in a
+// chain of edges of no length.
 class Fire {
  public:
   Fire(std::span<const std::array<std::uint32_t, 2>> edges, std::span<const char> used, std::span<const double> start,

@@ -5,6 +5,7 @@
 #include "base/parallel.h"
 #include "complex/thinning.h"
 #include "quench/skeleton.h"
+#include "skeleton/sheet_levels.h"
 
 namespace quench {
 namespace {
@@ -23,12 +24,7 @@ std::vector<char> on_pockets(const RefinedAxis& axis, std::span<const double> fa
 SkeletonFamily family_of(RefinedAxis refined, Context* context) {
   SkeletonFamily family;
   const std::size_t edges = refined.complex.edges.size(), vertices = refined.complex.vertex_count;
-  // Sheets: polygons are collapsed by increasing thickness, edges and vertices off the curves as soon as they are free.
-  std::vector<double> edge_value(edges), vertex_value(vertices);
-  for (std::size_t e = 0; e < edges; ++e) edge_value[e] = refined.curve_edge[e] ? kNever : 0;
-  for (std::size_t v = 0; v < vertices; ++v) vertex_value[v] = refined.curve_vertex[v] ? kNever : 0;
-  CellValues sheet =
-      complex::thin(refined.complex, vertex_value, edge_value, refined.face_thickness, context, "skeleton");
+  CellValues sheet = skeleton::sheet_levels(refined, context);
 
   // Curves on their own: what is left without any sheets; their ends on pockets are fixed.
   const std::vector<char> pocket = on_pockets(refined, sheet.face);
@@ -51,6 +47,7 @@ SkeletonFamily family_of(RefinedAxis refined, Context* context) {
     graph_value.push_back(thick);
     edge_of.push_back(e);
   }
+  std::vector<double> vertex_value(vertices);
   for (std::size_t v = 0; v < vertices; ++v) vertex_value[v] = refined.medial_point[v] || pocket[v] ? kNever : 0;
   const CellValues curve = complex::thin(graph, vertex_value, graph_value, {}, context, "skeleton");
   for (std::size_t i = 0; i < edge_of.size(); ++i) family.curve_level[edge_of[i] - halves] = curve.edge[i];
