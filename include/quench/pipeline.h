@@ -261,13 +261,19 @@ Burning burning_of(const MedialAxis& axis, bool voxel_core, const BurningOptions
 struct FamilyResult {
   SkeletonFamily family;
   Topology topology;  ///< of the medial axis and of the curves
-  CellCounts curves;  ///< of the member with theta2 infinite and theta1 0
+  CellCounts curves;  ///< of the member with theta2 infinite and theta1 that of the floor
+};
+
+/// The least thetas a family is wanted for, as of with_floor(); 0: all.
+struct FamilyFloor {
+  double theta2 = 0, theta1 = 0;
 };
 
 /// quench_curves() with its plan of memory.
 RefinedAxis curves_of(const MedialAxis& axis, const Burning& burning, Context* context = nullptr);
 /// Throws Error(invariant) when the topology of the curves is not `wanted`, that of the medial axis.
-FamilyResult family_of(RefinedAxis&& refined, const Topology& wanted, Context* context = nullptr);
+FamilyResult family_of(RefinedAxis&& refined, const Topology& wanted, const FamilyFloor& floor = {},
+                       Context* context = nullptr);
 
 struct SkeletonOptions {
   Length theta2{0.03}, theta1{0.02};
@@ -280,6 +286,10 @@ struct SkeletonResult {
   Skeleton measured;  ///< what lengths are measured on: branches end where the shape does, not where pruning took them
   Topology topology;
 };
+
+/// A floor below which a run looks at nothing: a voxel, or the distance of the nodes of the burning where there are no
+/// voxels, and at most what `options` ask for. Rounded down to floats, as pages have them.
+FamilyFloor floor_of(const SkeletonOptions& options, const Scale& scale, double omega);
 
 /// One member of a family. Tips are as thin as a voxel or, without voxels, as the nodes of the burning lie apart
 /// (`omega`). Throws Error(invariant) when its topology is not that of the medial axis.
@@ -362,8 +372,8 @@ struct AxisRun {
   SkeletonResult skeleton;
 };
 
-/// Burning, curves and skeleton of an axis whose file is `file` and whose topology is `wanted`. The page gets the axis
-/// where it has levels.
+/// Burning, curves and skeleton, above the floor_of() the options, of an axis whose file is `file` and whose topology
+/// is `wanted`. The page gets the axis where it has levels.
 AxisRun run_axis(const MedialAxis& axis, Record&& file, bool voxel_core, const Topology& wanted, const Scale& scale,
                  const RunOptions& options = {}, Context* context = nullptr);
 

@@ -21,6 +21,12 @@ std::vector<float> rounded_down(const std::vector<double>& levels) {
   return floats;
 }
 
+/// The least float that is not below `value`.
+float rounded_up(double value) {
+  const float below = page::rounded_down(value);
+  return below < value ? std::nextafter(below, std::numeric_limits<float>::infinity()) : below;
+}
+
 /// Where each vertex of K is drawn: region duals at their exit doors, as skeletons are written. A dual without exit (in
 /// a curve that never burns, or a medial point) goes to one of its two doors on the curves that stay longest, that
 /// which burns last, unless three stay for ever. extract() decides the latter per member of the family, by the curves
@@ -71,10 +77,7 @@ class CurvePruning {
       if (!k_.curve_edge[e] || on_face[e]) continue;
       ++free_curves_;
       thickness_[e] = page::rounded_down(family.thickness_of(e));
-      if (std::isfinite(thickness_[e])) steps_.push_back(thickness_[e]);
     }
-    std::sort(steps_.begin(), steps_.end());
-    steps_.erase(std::unique(steps_.begin(), steps_.end()), steps_.end());
   }
 
   /// How many curves are left; removes from `cells` what is pruned. Fixed keys: any order gives the same.
@@ -94,8 +97,13 @@ class CurvePruning {
   /// A theta1 that leaves at most `most` curves, and at least nine tenths of that if such a theta1 exists; where more
   /// are never pruned, the one that prunes all others. The set of curves changes only just above a thickness.
   float floor(std::size_t most) const {
-    const auto above = [&](std::size_t i) { return std::nextafter(steps_[i], std::numeric_limits<float>::infinity()); };
-    std::size_t low = 0, high = steps_.size();  // the step is in [low, high)
+    std::vector<float> steps;
+    for (const float thickness : thickness_)
+      if (std::isfinite(thickness)) steps.push_back(thickness);
+    std::sort(steps.begin(), steps.end());
+    steps.erase(std::unique(steps.begin(), steps.end()), steps.end());
+    const auto above = [&](std::size_t i) { return std::nextafter(steps[i], std::numeric_limits<float>::infinity()); };
+    std::size_t low = 0, high = steps.size();  // the step is in [low, high)
     while (low + 1 < high) {
       const std::size_t middle = (low + high - 1) / 2, count = left(above(middle));
       if (count <= most && count >= most / 10 * 9) return above(middle);
@@ -104,14 +112,13 @@ class CurvePruning {
       else
         low = middle + 1;
     }
-    return low < steps_.size() ? above(low) : 0;
+    return low < steps.size() ? above(low) : 0;
   }
 
  private:
   const RefinedAxis& k_;
   base::GraphPeeler peeler_;
   std::vector<float> thickness_;  ///< per edge; infinite where it is not a curve or is on a sheet
-  std::vector<float> steps_;
   std::size_t free_curves_ = 0;
 };
 
@@ -193,19 +200,28 @@ std::size_t add_skeleton(Page& page, const SkeletonFamily& family, std::size_t m
   const page::Levels& levels = cells.levels.front();
 
   const page::FacesByLevel by_level(c, levels.face);
-  Sheets sheets = sheets_within(k, by_level, max_triangles);
-  if (sheets.floor.triangles + sheets.free_curves > max_triangles)
-    sheets = sheets_within(k, by_level, max_triangles / 5 * 4);
+  const float least_theta1 = rounded_up(family.theta1_floor);
+  float theta1_floor = least_theta1;
+  Sheets sheets;
+  std::size_t curves_shown = 0;
+  for (const std::size_t share : {max_triangles, max_triangles / 5 * 4}) {
+    sheets = sheets_within(k, by_level, share);
+    cells.edge.resize(levels.edge.size());
+    cells.vertex.resize(levels.vertex.size());
+    const float level = sheets.floor.level;
+    for (std::size_t e = 0; e < levels.edge.size(); ++e) cells.edge[e] = levels.edge[e] >= level;
+    for (std::size_t v = 0; v < levels.vertex.size(); ++v) cells.vertex[v] = levels.vertex[v] >= level;
+    curves_shown =
+        least_theta1 > 0 ? CurvePruning(family, cells, sheets.on_face).left(least_theta1) : sheets.free_curves;
+    if (sheets.floor.triangles + curves_shown <= max_triangles) break;
+  }
   page::Floor& floor = sheets.floor;
   const std::size_t free_curves = sheets.free_curves;
-  for (const float level : levels.edge) cells.edge.push_back(level >= floor.level);
-  for (const float level : levels.vertex) cells.vertex.push_back(level >= floor.level);
-
-  float theta1_floor = 0;
-  std::size_t curves_shown = free_curves;
-  if (floor.triangles + free_curves > max_triangles) {
+  const bool too_many = floor.triangles + curves_shown > max_triangles;
+  if (too_many || least_theta1 > 0) {
     const CurvePruning pruning(family, cells, sheets.on_face);
-    theta1_floor = pruning.floor(max_triangles - std::min(max_triangles, floor.triangles));
+    if (too_many)
+      theta1_floor = std::max(least_theta1, pruning.floor(max_triangles - std::min(max_triangles, floor.triangles)));
     curves_shown = pruning.left(theta1_floor, &cells);
   }
   cells.faces = std::move(floor.faces);
@@ -217,15 +233,19 @@ std::size_t add_skeleton(Page& page, const SkeletonFamily& family, std::size_t m
   add_curves(page, family, rows);
   add_vertex_measures(page, k, at, rows);
 
-  page.theta2_floor = floor.level;
+  const float least_theta2 = rounded_up(family.theta2_floor);
+  page.theta2_floor = std::max(floor.level, least_theta2);
   page.theta1_floor = theta1_floor;
+  if (least_theta2 > 0 || least_theta1 > 0)
+    page.notes.push_back(fmt::format("The skeletons of this page begin at theta2 = {} and theta1 = {}",
+                                     page::length_text(page, least_theta2), page::length_text(page, least_theta1)));
   if (floor.level > 0)
     page.notes.push_back(
         fmt::format("The skeleton's sheets are shown from theta2 {} on, {} of their {} parts; what goes before is "
                     "left out of this page{}",
                     page::floor_text(page, floor.level), page::count_text(cells.faces.size()),
                     page::count_text(c.face_count()), page::limit_text(page)));
-  if (theta1_floor > 0)
+  if (theta1_floor > least_theta1)
     page.notes.push_back(
         fmt::format("The skeleton's curves are shown from theta1 {} on, {} of {} pieces off the sheets; what goes "
                     "before is left out of this page{}",

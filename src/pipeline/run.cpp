@@ -40,7 +40,8 @@ AxisRun run_axis(const MedialAxis& axis, Record&& file, bool voxel_core, const T
   }
   RefinedAxis refined = curves_of(axis, burning, context);
   burning = Burning();  // its memory is needed for the family
-  const FamilyResult family = family_of(std::move(refined), wanted, context);
+  const FamilyResult family =
+      family_of(std::move(refined), wanted, floor_of(options.skeleton, scale, result.burned.options.omega), context);
   result.curves = family.curves;
   result.skeleton = skeleton_of(family, options.skeleton, scale, result.burned.options.omega, context);
   if (options.page) {
