@@ -23,22 +23,22 @@ using base::kNever;
 // chain of edges of no length.
 class Fire {
  public:
-  Fire(std::span<const std::array<std::uint32_t, 2>> edges, std::span<const char> used, std::span<const double> start,
-       std::span<const double> length)
-      : edges_(edges), start_(start), length_(length), left_(used.size()), turn_(used.size()) {
-    fire_.time.assign(start.begin(), start.end());  // so far the arrival
-    fire_.exit.assign(used.size(), kNone);
-    fire_.last.assign(used.size(), 0);
+  Fire(std::span<const std::array<std::uint32_t, 2>> edges, std::span<const char> of_curves,
+       std::span<const double> start, std::span<const double> length)
+      : edges_(edges), of_curves_(of_curves), start_(start), length_(length), vertices_(start.size()) {
+    for (std::uint32_t v = 0; v < vertices_.size(); ++v) vertices_[v] = {{}, start[v], v, kNone};
     for (std::uint32_t e = 0; e < edges.size(); ++e)
-      for (const std::uint32_t v : edges[e]) left_[v].add(e);
-    for (std::uint32_t v = 0; v < turn_.size(); ++v) turn_[v] = v;
+      if (of_curves[e])
+        for (const std::uint32_t v : edges[e]) vertices_[v].left.add(e);
+    last_.assign(start.size(), 0);
   }
 
   CurveFire run(std::span<const char> used) {
-    burned_.assign(used.size(), 0);
     std::vector<std::uint32_t> first;
-    for (std::uint32_t v = 0; v < used.size(); ++v)
-      if (used[v] && start_[v] < kNever && (left_[v].none() || left_[v].single())) first.push_back(v);
+    for (std::uint32_t v = 0; v < used.size(); ++v) {
+      const base::Cofaces left = vertices_[v].left;
+      if (used[v] && start_[v] < kNever && (left.none() || left.single())) first.push_back(v);
+    }
     for (const std::uint32_t v : first) burn_or_wait(v);
     while (!queue_.empty()) {
       const std::uint32_t v = std::get<2>(queue_.top());
@@ -46,17 +46,31 @@ class Fire {
       burn_or_wait(burn(v));
     }
     time_last();
-    for (std::size_t v = 0; v < burned_.size(); ++v)
-      if (!burned_[v]) fire_.time[v] = kNever;
-    return std::move(fire_);
+    CurveFire fire;
+    fire.time.resize(vertices_.size());
+    fire.exit.resize(vertices_.size());
+    for (std::size_t v = 0; v < vertices_.size(); ++v) {
+      fire.exit[v] = vertices_[v].exit;
+      fire.time[v] = fire.exit[v] != kNone || last_[v] ? vertices_[v].time : kNever;
+    }
+    fire.last = std::move(last_);
+    return fire;
   }
 
  private:
+  struct Vertex {
+    base::Cofaces left;  // edges that are left
+    double time;         // of the fire that has come so far, at least the start
+    std::uint32_t turn;  // the largest vertex that burned at this time, in an unbroken chain up to this one
+    std::uint32_t exit;
+  };
+
   // Follows the fire from a vertex with at most one edge left, until it has to wait or stops at a junction.
   void burn_or_wait(std::uint32_t v) {
     while (v != kNone) {
-      if (left_[v].single() && !(fire_.time[v] < start_[other_end(v)])) {
-        queue_.push({fire_.time[v], turn_[v], v});
+      const Vertex& from = vertices_[v];
+      if (from.left.single() && !(from.time < vertices_[other_end(v)].time)) {
+        queue_.push({from.time, from.turn, v});
         return;
       }
       v = burn(v);
@@ -65,27 +79,28 @@ class Fire {
 
   // Returns the vertex the fire goes on to, if this can burn now.
   std::uint32_t burn(std::uint32_t v) {
-    burned_[v] = 1;
-    if (left_[v].none()) {
-      fire_.last[v] = 1;
+    Vertex& from = vertices_[v];
+    if (from.left.none()) {
+      last_[v] = 1;
       return kNone;
     }
-    const std::uint32_t e = left_[v].only(), other = other_end(v);
-    fire_.exit[v] = e;
-    left_[v].remove(e);
-    left_[other].remove(e);
+    const std::uint32_t e = from.left.only(), other = other_end(v);
+    Vertex& to = vertices_[other];
+    from.exit = e;
+    from.left.remove(e);
+    to.left.remove(e);
     // If this was the last edge of the other end, that waits already and burns at its own time, as the last.
-    if (left_[other].none()) return kNone;
-    const double arrival = fire_.time[v] + length_[e];
-    if (arrival > fire_.time[other]) {
-      fire_.time[other] = arrival;
-      turn_[other] = other;
+    if (to.left.none()) return kNone;
+    const double arrival = from.time + length_[e];
+    if (arrival > to.time) {
+      to.time = arrival;
+      to.turn = other;
     }
-    if (fire_.time[v] == fire_.time[other]) turn_[other] = std::max(turn_[other], turn_[v]);
-    return left_[other].single() && start_[other] < kNever ? other : kNone;
+    if (from.time == to.time) to.turn = std::max(to.turn, from.turn);
+    return to.left.single() && start_[other] < kNever ? other : kNone;
   }
   std::uint32_t other_end(std::uint32_t v) const {
-    const auto [a, b] = edges_[left_[v].only()];
+    const auto [a, b] = edges_[vertices_[v].left.only()];
     return a == v ? b : a;
   }
 
@@ -101,35 +116,35 @@ class Fire {
     std::vector<Arrival> arrivals;
     for (std::uint32_t e = 0; e < edges_.size(); ++e) {
       const auto [a, b] = edges_[e];
-      if (!fire_.last[a] && !fire_.last[b]) continue;
-      const std::uint32_t from = fire_.last[a] ? b : a;
-      arrivals.push_back({fire_.last[a] ? a : b, fire_.time[from], turn_[from], fire_.time[from] + length_[e]});
+      if (!of_curves_[e] || (!last_[a] && !last_[b])) continue;
+      const Vertex& from = vertices_[last_[a] ? b : a];
+      arrivals.push_back({last_[a] ? a : b, from.time, from.turn, from.time + length_[e]});
     }
     std::sort(arrivals.begin(), arrivals.end(), [](const Arrival& a, const Arrival& b) {
       return std::tie(a.at, a.from_time, a.from_turn) < std::tie(b.at, b.from_time, b.from_turn);
     });
     for (std::size_t i = 0; i < arrivals.size(); ++i) {
       const std::uint32_t v = arrivals[i].at;
-      if (i == 0 || arrivals[i - 1].at != v) fire_.time[v] = start_[v];
-      if (i + 1 < arrivals.size() && arrivals[i + 1].at == v) fire_.time[v] = std::max(fire_.time[v], arrivals[i].time);
+      double& time = vertices_[v].time;
+      if (i == 0 || arrivals[i - 1].at != v) time = start_[v];
+      if (i + 1 < arrivals.size() && arrivals[i + 1].at == v) time = std::max(time, arrivals[i].time);
     }
   }
 
   using Label = std::tuple<double, std::uint32_t, std::uint32_t>;  // time, turn, vertex
   std::span<const std::array<std::uint32_t, 2>> edges_;
+  std::span<const char> of_curves_;
   std::span<const double> start_, length_;
-  std::vector<base::Cofaces> left_;  // edges that are left at each vertex
-  std::vector<std::uint32_t> turn_;  // per vertex: the largest that burned at its time, in an unbroken chain up to it
-  std::vector<char> burned_;
+  std::vector<Vertex> vertices_;
+  std::vector<char> last_;
   std::priority_queue<Label, std::vector<Label>, std::greater<>> queue_;
-  CurveFire fire_;
 };
 
 }  // namespace
 
-CurveFire burn_curves(std::span<const std::array<std::uint32_t, 2>> edges, std::span<const char> used,
-                      std::span<const double> start, std::span<const double> length) {
-  return Fire(edges, used, start, length).run(used);
+CurveFire burn_curves(std::span<const std::array<std::uint32_t, 2>> edges, std::span<const char> of_curves,
+                      std::span<const char> used, std::span<const double> start, std::span<const double> length) {
+  return Fire(edges, of_curves, start, length).run(used);
 }
 
 }  // namespace quench::burning

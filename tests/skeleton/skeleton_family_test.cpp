@@ -121,7 +121,8 @@ TEST(CurveFire, BurnsAsInTheOrderOfTime) {
     for (std::size_t e = 0; e < edges.size(); ++e)
       length.push_back(ties ? below(2) : static_cast<double>(below(100)) / 100);
     const burning::CurveFire expected = fire_in_order(edges, start, length);
-    const burning::CurveFire found = burning::burn_curves(edges, std::vector<char>(n, 1), start, length);
+    const burning::CurveFire found =
+        burning::burn_curves(edges, std::vector<char>(edges.size(), 1), std::vector<char>(n, 1), start, length);
     ASSERT_EQ(found.time, expected.time) << "round " << round;
     ASSERT_EQ(found.exit, expected.exit) << "round " << round;
     ASSERT_EQ(found.last, expected.last) << "round " << round;
