@@ -40,7 +40,17 @@ class Fire {
       if (used[v] && start_[v] < kNever && (left.none() || left.single())) first.push_back(v);
     }
     for (const std::uint32_t v : first) burn_or_wait(v);
-    while (!queue_.empty()) {
+    // Most that wait can go when others have gone.
+    for (std::size_t before = first.size(); 2 * waiting_.size() < before;) {
+      before = waiting_.size();
+      first.swap(waiting_);
+      waiting_.clear();
+      for (const std::uint32_t v : first) burn_or_wait(v);
+    }
+    for (;;) {
+      for (const std::uint32_t v : waiting_) queue_.push({vertices_[v].time, vertices_[v].turn, v});
+      waiting_.clear();
+      if (queue_.empty()) break;
       const std::uint32_t v = std::get<2>(queue_.top());
       queue_.pop();
       burn_or_wait(burn(v));
@@ -65,16 +75,31 @@ class Fire {
     std::uint32_t exit;
   };
 
-  // Follows the fire from a vertex with at most one edge left, until it has to wait or stops at a junction.
+  // Follows the fire from a vertex with at most one edge left, until it has to wait or stops at a junction. One that
+  // waited may be the last by now.
   void burn_or_wait(std::uint32_t v) {
     while (v != kNone) {
-      const Vertex& from = vertices_[v];
-      if (from.left.single() && !(from.time < vertices_[other_end(v)].time)) {
-        queue_.push({from.time, from.turn, v});
-        return;
-      }
+      if (!may_burn(v)) return waiting_.push_back(v);
       v = burn(v);
     }
+  }
+
+  // Whether nothing can come to a vertex over its only edge before it burns: not from the other end, nor, where just
+  // one more edge is left there, from beyond that, and so on.
+  bool may_burn(std::uint32_t v) const {
+    constexpr int kFar = 16;
+    const double time = vertices_[v].time;
+    base::Cofaces left = vertices_[v].left;
+    if (left.none()) return true;
+    for (int step = 0; step < kFar && left.single(); ++step) {
+      const std::uint32_t e = left.only();
+      const auto [a, b] = edges_[e];
+      v = a == v ? b : a;
+      if (time < vertices_[v].time) return true;
+      left = vertices_[v].left;
+      left.remove(e);
+    }
+    return false;
   }
 
   // Returns the vertex the fire goes on to, if this can burn now.
@@ -137,6 +162,7 @@ class Fire {
   std::span<const double> start_, length_;
   std::vector<Vertex> vertices_;
   std::vector<char> last_;
+  std::vector<std::uint32_t> waiting_;
   std::priority_queue<Label, std::vector<Label>, std::greater<>> queue_;
 };
 
