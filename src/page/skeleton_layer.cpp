@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <optional>
 
 #include "base/constants.h"
 #include "base/graph_peeler.h"
@@ -16,8 +17,8 @@ using base::kNever;
 
 std::vector<float> rounded_down(const std::vector<double>& levels) {
   std::vector<float> floats;
-  floats.reserve(levels.size());
-  for (const double level : levels) floats.push_back(page::rounded_down(level));
+  floats.resize(levels.size());
+  base::for_indices(levels.size(), [&](std::size_t i) { floats[i] = page::rounded_down(levels[i]); });
   return floats;
 }
 
@@ -204,31 +205,32 @@ std::size_t add_skeleton(Page& page, const SkeletonFamily& family, std::size_t m
   float theta1_floor = least_theta1;
   Sheets sheets;
   std::size_t curves_shown = 0;
+  std::optional<CurvePruning> pruning;
   for (const std::size_t share : {max_triangles, max_triangles / 5 * 4}) {
     sheets = sheets_within(k, by_level, share);
     cells.edge.resize(levels.edge.size());
     cells.vertex.resize(levels.vertex.size());
     const float level = sheets.floor.level;
-    for (std::size_t e = 0; e < levels.edge.size(); ++e) cells.edge[e] = levels.edge[e] >= level;
-    for (std::size_t v = 0; v < levels.vertex.size(); ++v) cells.vertex[v] = levels.vertex[v] >= level;
-    curves_shown =
-        least_theta1 > 0 ? CurvePruning(family, cells, sheets.on_face).left(least_theta1) : sheets.free_curves;
+    base::for_indices(levels.edge.size(), [&](std::size_t e) { cells.edge[e] = levels.edge[e] >= level; });
+    base::for_indices(levels.vertex.size(), [&](std::size_t v) { cells.vertex[v] = levels.vertex[v] >= level; });
+    pruning.reset();
+    curves_shown = sheets.free_curves;
+    if (least_theta1 > 0) curves_shown = pruning.emplace(family, cells, sheets.on_face).left(least_theta1);
     if (sheets.floor.triangles + curves_shown <= max_triangles) break;
   }
   page::Floor& floor = sheets.floor;
   const std::size_t free_curves = sheets.free_curves;
-  const bool too_many = floor.triangles + curves_shown > max_triangles;
-  if (too_many || least_theta1 > 0) {
-    const CurvePruning pruning(family, cells, sheets.on_face);
-    if (too_many)
-      theta1_floor = std::max(least_theta1, pruning.floor(max_triangles - std::min(max_triangles, floor.triangles)));
-    curves_shown = pruning.left(theta1_floor, &cells);
+  if (floor.triangles + curves_shown > max_triangles) {
+    if (!pruning) pruning.emplace(family, cells, sheets.on_face);
+    const std::size_t room = max_triangles - std::min(max_triangles, floor.triangles);
+    theta1_floor = std::max(least_theta1, pruning->floor(room));
   }
+  if (pruning) curves_shown = pruning->left(theta1_floor, &cells);
   cells.faces = std::move(floor.faces);
 
   const std::vector<std::uint32_t> at = drawn_at(family);
   std::vector<Vec3> points(at.size());
-  for (std::size_t v = 0; v < at.size(); ++v) points[v] = k.points[at[v]];
+  base::for_indices(at.size(), [&](std::size_t v) { points[v] = k.points[at[v]]; });
   const page::LayerRows rows = page::add_layer(page, "skeleton", c, points, cells);
   add_curves(page, family, rows);
   add_vertex_measures(page, k, at, rows);

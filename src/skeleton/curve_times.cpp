@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "skeleton/curve_times.h"
 
-#include <numeric>
+#include <array>
 #include <utility>
 
 #include "base/parallel.h"
@@ -16,6 +16,7 @@ void burn_curve_network(RefinedAxis& axis, Context* context) {
   const std::span edges = std::span(std::as_const(axis.complex.edges)).subspan(halves);
   const std::span of_curves = std::span(std::as_const(axis.curve_edge)).subspan(halves);
   std::vector<double> length(edges.size());
+  const std::array blocks{axis.nodes, axis.nodes + axis.doors};
   const auto measure = [&](const auto& place) {
     base::for_indices(edges.size(), [&](std::size_t e) {
       if (of_curves[e]) length[e] = (axis.points[place(edges[e][0])] - axis.points[place(edges[e][1])]).norm();
@@ -23,7 +24,8 @@ void burn_curve_network(RefinedAxis& axis, Context* context) {
   };
   measure([](std::uint32_t v) { return v; });
   {
-    burning::CurveFire first = burning::burn_curves(edges, of_curves, axis.curve_vertex, axis.burn_time, length);
+    burning::CurveFire first =
+        burning::burn_curves(edges, of_curves, axis.curve_vertex, axis.burn_time, length, blocks);
     axis.exit = std::move(first.exit);
   }
   checkpoint(context, "curves", 0.8);
@@ -33,7 +35,7 @@ void burn_curve_network(RefinedAxis& axis, Context* context) {
     if (exit != kNone) exit = v < first_dual ? kNone : exit + static_cast<std::uint32_t>(halves);
   });
   measure([&](std::uint32_t v) { return axis.exit[v] == kNone ? v : other_end(axis, axis.exit[v], v); });
-  burning::CurveFire second = burning::burn_curves(edges, of_curves, axis.curve_vertex, axis.burn_time, length);
+  burning::CurveFire second = burning::burn_curves(edges, of_curves, axis.curve_vertex, axis.burn_time, length, blocks);
   axis.curve_burn_time = std::move(second.time);
   axis.medial_point = std::move(second.last);
 }
