@@ -78,13 +78,13 @@ void run(const pipeline::LoadedAxis& loaded, bool with_floor, Stages& stages, do
       with_floor ? pipeline::floor_of({}, loaded.scale, omega) : pipeline::FamilyFloor{};
   RefinedAxis refined = stages.time("curves", held, [&] { return pipeline::curves_of(axis, burning); });
   burning = Burning();
-  const pipeline::FamilyResult family =
+  pipeline::FamilyResult family =
       stages.time("family", held, [&] { return pipeline::family_of(std::move(refined), wanted, floor); });
   const pipeline::SkeletonResult skeleton =
       stages.time("skeleton", held, [&] { return pipeline::skeleton_of(family, {}, loaded.scale, omega); });
   stages.time("graph", held, [&] { return pipeline::measured_graph(skeleton.measured, {}, loaded.scale); });
   pipeline::PageBuilder builder;
-  stages.time("page layer", held, [&] { return builder.add_skeleton(family.family), 0; });
+  stages.time("page layer", held, [&] { return builder.add_skeleton(std::move(family.family)), 0; });
   const auto file = std::filesystem::temp_directory_path() / "quench_bench.html";
   stages.time("page file", held, [&] { return builder.write(file), 0; });
   std::filesystem::remove(file);

@@ -338,7 +338,7 @@ class PageBuilder {
   void add_shape(LoadedShape& shape);
   /// `skeleton_follows`: leaves most of the triangles to it. Cells without levels are there at every lambda.
   void add_core(const MedialAxis& axis, const std::vector<DataArray>& measures, bool skeleton_follows);
-  void add_skeleton(const SkeletonFamily& family);
+  void add_skeleton(SkeletonFamily family);
   void add_still(const Record& data);
 
   std::size_t triangles() const { return used_; }

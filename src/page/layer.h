@@ -81,7 +81,7 @@ class FacesByLevel {
  public:
   FacesByLevel(const CellComplex& complex, const std::vector<float>& face_level);
   Floor within(std::size_t budget) const;
-  std::vector<std::uint32_t> order() && { return std::move(order_); }
+  std::vector<std::uint32_t> order() && { return std::move(order_); }  ///< all faces
 
  private:
   const CellComplex& complex_;

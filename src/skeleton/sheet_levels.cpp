@@ -7,9 +7,12 @@
 #include <atomic>
 #include <functional>
 #include <memory>
+#include <mutex>
+#include <utility>
 
 #include "base/cofaces.h"
 #include "base/constants.h"
+#include "base/csr.h"
 #include "base/parallel.h"
 
 namespace quench::skeleton {
@@ -167,8 +170,9 @@ class Parts {
   Parts(const Live& live) {
     const CellComplex& k = live.axis.complex;
     const auto faces = static_cast<std::uint32_t>(k.face_count());
-    // An edge of more than two faces is an element of its own, as its faces do not know each other.
-    SharedSets sets(faces + k.edges.size());
+    SharedSets sets(faces);
+    std::mutex crowded_access;
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> crowded;  // edges of more than two faces, and these
     base::for_indices(faces, [&](std::size_t f) {
       const auto face = static_cast<std::uint32_t>(f);
       for (const std::uint32_t e : k.sides(f)) {
@@ -179,28 +183,28 @@ class Parts {
           other.remove(face);
           if (other.only() > face) sets.unite(face, other.only());
         } else if (at.count() > 2) {
-          sets.unite(face, faces + e);
+          const std::scoped_lock lock(crowded_access);
+          crowded.push_back({e, face});
         }
       }
     });
-    // Counted, then filled by part; the representative is the part's first face.
-    begin_.assign(faces + std::size_t{1}, 0);
-    for (std::uint32_t f = 0; f < faces; ++f) ++begin_[sets.find(f) + 1];
-    for (std::uint32_t f = 0; f < faces; ++f) begin_[f + 1] += begin_[f];
-    faces_.resize(faces);
-    std::vector<std::uint32_t> next(begin_.begin(), begin_.end() - 1);
-    for (std::uint32_t f = 0; f < faces; ++f) faces_[next[sets.find(f)]++] = f;
+    std::sort(crowded.begin(), crowded.end());
+    for (std::size_t i = 1; i < crowded.size(); ++i)
+      if (crowded[i].first == crowded[i - 1].first) sets.unite(crowded[i].second, crowded[i - 1].second);
+    // A part has the number of its first face; other numbers are empty.
+    faces_ = base::Csr<std::uint32_t>::group(faces, [&](const auto& emit) {
+      for (std::uint32_t f = 0; f < faces; ++f) emit(sets.find(f), f);
+    });
   }
   // Calls visit(faces of a part).
   template <class Visit>
   void each(std::size_t first, std::size_t last, const Visit& visit) const {
     for (std::size_t p = first; p < last; ++p)
-      if (begin_[p] < begin_[p + 1])
-        visit(std::span<const std::uint32_t>(faces_.data() + begin_[p], faces_.data() + begin_[p + 1]));
+      if (!faces_[p].empty()) visit(faces_[p]);
   }
 
  private:
-  std::vector<std::uint32_t> begin_, faces_;
+  base::Csr<std::uint32_t> faces_;
 };
 
 }  // namespace
