@@ -87,7 +87,7 @@ std::size_t add_core(Page& page, const MedialAxis& axis, const std::vector<DataA
 /// The layer `skeleton`: the refined axis with the levels of its family. What does not fit (a curve off the sheets
 /// counts as a triangle) is left out by floors of theta2 and theta1; `theta2` and `theta1` of the page are raised to
 /// them. Region duals lie on their exit doors, as in skeletons that are written. Returns the number of triangles.
-std::size_t add_skeleton(Page& page, const SkeletonFamily& family, std::size_t max_triangles);
+std::size_t add_skeleton(Page& page, SkeletonFamily family, std::size_t max_triangles);
 
 /// The layer `still`: cells without levels; degenerate ones are mended. What does not fit is simplified by clustering
 /// vertices.

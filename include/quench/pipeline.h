@@ -274,13 +274,19 @@ std::optional<Burning> kept_burning_of(const MedialAxis& axis, const Record& fil
 struct FamilyResult {
   SkeletonFamily family;
   Topology topology;  ///< of the medial axis and of the curves
-  CellCounts curves;  ///< of the member with theta2 infinite and theta1 0
+  CellCounts curves;  ///< of the member with theta2 infinite and theta1 that of the floor
+};
+
+/// The least thetas a family is wanted for, as of with_floor(); 0: all.
+struct FamilyFloor {
+  double theta2 = 0, theta1 = 0;
 };
 
 /// quench_curves() with its plan of memory.
 RefinedAxis curves_of(const MedialAxis& axis, const Burning& burning, Context* context = nullptr);
 /// Throws Error(invariant) when the topology of the curves is not `wanted`, that of the medial axis.
-FamilyResult family_of(RefinedAxis&& refined, const Topology& wanted, Context* context = nullptr);
+FamilyResult family_of(RefinedAxis&& refined, const Topology& wanted, const FamilyFloor& floor = {},
+                       Context* context = nullptr);
 
 struct SkeletonOptions {
   /// None: 0.03 and 0.02 of the longest side, but no less than three times Scale::detail (2.6 voxels for cubes): what
@@ -299,6 +305,10 @@ struct SkeletonResult {
 /// World lengths of the thresholds.
 double theta2_of(const SkeletonOptions& options, const Scale& scale);
 double theta1_of(const SkeletonOptions& options, const Scale& scale);
+
+/// A floor below which a run looks at nothing: a voxel, or the distance of the nodes of the burning where there are no
+/// voxels, and at most what `options` ask for. Rounded down to floats, as pages have them.
+FamilyFloor floor_of(const SkeletonOptions& options, const Scale& scale, double omega);
 
 /// One member of a family. Tips are as thin as a voxel or, without voxels, as the nodes of the burning lie apart
 /// (`omega`). Throws Error(invariant) when its topology is not that of the medial axis.
@@ -347,7 +357,7 @@ class PageBuilder {
   void add_shape(LoadedShape& shape);
   /// `skeleton_follows`: leaves most of the triangles to it. Cells without levels are there at every lambda.
   void add_core(const MedialAxis& axis, const std::vector<DataArray>& measures, bool skeleton_follows);
-  void add_skeleton(const SkeletonFamily& family);
+  void add_skeleton(SkeletonFamily family);
   void add_still(const Record& data);
 
   std::size_t triangles() const { return used_; }
@@ -382,8 +392,9 @@ struct AxisRun {
   SkeletonResult skeleton;
 };
 
-/// Burning, curves and skeleton of an axis whose file is `file` and whose topology is `wanted`. What the file keeps of
-/// a burning as asked is not burned again. The page gets the axis where it has levels.
+/// Burning, curves and skeleton, above the floor_of() the options, of an axis whose file is `file` and whose topology
+/// is `wanted`. What the file keeps of a burning as asked is not burned again. The page gets the axis where it has
+/// levels.
 AxisRun run_axis(const MedialAxis& axis, Record&& file, bool voxel_core, const Topology& wanted, const Scale& scale,
                  const RunOptions& options = {}, Context* context = nullptr);
 

@@ -39,6 +39,7 @@ struct RefinedAxis {
   std::vector<char> curve_vertex;         ///< per vertex: part of the medial curves
   std::vector<std::uint32_t> polygon_of;  ///< per face: the polygon of M it is a part of
   std::vector<double> face_thickness;     ///< per face: largest (sector time - radius) over its corners
+  std::vector<std::uint32_t> incomplete;  ///< polygons of M of which parts are missing, below the floor of a family
 
   std::vector<double> curve_burn_time;  ///< per vertex: BT_MC; infinite where fire on the curves does not come
   std::vector<std::uint32_t> exit;      ///< per vertex: the edge over which it passed that fire on, or kNone
@@ -55,6 +56,7 @@ RefinedAxis quench_curves(const CellComplex& complex, std::span<const Vec3> poin
 /// the curves after pruning free curve edges of a thickness below theta1 (world units; infinity allowed).
 struct SkeletonFamily {
   RefinedAxis refined;
+  double theta2_floor = 0, theta1_floor = 0;  ///< smaller thetas have no member: see with_floor()
   std::vector<double> vertex_sheet_level, edge_sheet_level, face_sheet_level;  ///< infinite on curves and pockets
   /// Per edge from 2 * doors on (the halves before are not curves): ET_MC, the smaller of its ends', infinite where it
   /// never burns; and the theta1 up to which it stays when no sheets are left.
@@ -63,6 +65,11 @@ struct SkeletonFamily {
   double level_of(std::uint32_t edge) const { return curve_level[edge - 2 * std::size_t{refined.doors}]; }
 };
 SkeletonFamily skeletons(RefinedAxis refined, Context* context = nullptr);
+/// The family without what no member with theta2 >= `theta2`, theta1 >= `theta1` and tips that grow back from at least
+/// `theta1` has: those members stay as they are, cell by cell, and most of the memory goes where little is above the
+/// floor. Of a door that stays both halves stay, with their nodes; what no member has of these has the sheet level -1.
+/// Thetas below the floor that a family has already do nothing. O(n).
+SkeletonFamily with_floor(SkeletonFamily family, double theta2, double theta1, Context* context = nullptr);
 /// quench_curves() and skeletons() of an axis and its burning.
 SkeletonFamily skeletons(const MedialAxis& axis, const Burning& burning, Context* context = nullptr);
 

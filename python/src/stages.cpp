@@ -52,7 +52,7 @@ std::shared_ptr<const Fire> compute_fire(const Axis& axis, double omega, bool fa
   fire->sequence = burn_sequence(m, fire->burning);
   fire->burning.sectors.reset();  // what the curves needed, most of its memory
   fire->family = std::make_shared<const pipeline::FamilyResult>(
-      pipeline::family_of(std::move(refined), axis.core.topology, &context));
+      pipeline::family_of(std::move(refined), axis.core.topology, {}, &context));
   return fire;
 }
 

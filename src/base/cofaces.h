@@ -16,8 +16,9 @@ class Cofaces {
  public:
   void add(std::uint32_t cell, bool shared = false) { fetch_add(sum_, one(cell), shared); }
   void remove(std::uint32_t cell, bool shared = false) { fetch_add(sum_, -one(cell), shared); }
+  std::uint32_t count() const { return static_cast<std::uint32_t>(sum_ >> 32); }
   bool none() const { return sum_ == 0; }
-  bool single() const { return sum_ >> 32 == 1; }
+  bool single() const { return count() == 1; }
   std::uint32_t only() const { return static_cast<std::uint32_t>(sum_); }
 
  private:

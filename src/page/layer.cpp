@@ -2,6 +2,7 @@
 #include "page/layer.h"
 
 #include <fmt/format.h>
+#include <tbb/parallel_sort.h>
 
 #include <algorithm>
 #include <bit>
@@ -19,58 +20,71 @@ void widen(Page& page, std::span<const Vec3> points) {
   }
 }
 
+namespace {
+
+void number_rows(const std::vector<char>& shown, std::vector<std::uint32_t>& row_of,
+                 std::vector<std::uint32_t>& cell_of) {
+  row_of.assign(shown.size(), kNone);
+  for (std::uint32_t cell = 0; cell < shown.size(); ++cell)
+    if (shown[cell]) {
+      row_of[cell] = static_cast<std::uint32_t>(cell_of.size());
+      cell_of.push_back(cell);
+    }
+}
+
+}  // namespace
+
 LayerRows add_layer(Page& page, const std::string& layer, const CellComplex& complex, std::span<const Vec3> points,
                     const LayerCells& cells) {
-  LayerRows rows;
-  rows.vertex.assign(complex.vertex_count, kNone);
-  rows.edge.assign(complex.edges.size(), kNone);
   const auto add = [&](const std::string& name, int components, PageArray::Values values) {
     page.arrays.push_back({layer + "/" + name, components, std::move(values)});
   };
-  const auto add_levels = [&](const std::string& array, std::vector<float> Levels::*of, const auto& each_shown) {
+  const auto add_levels = [&](const std::string& array, std::vector<float> Levels::*of,
+                              const std::vector<std::uint32_t>& shown) {
     for (const Levels& levels : cells.levels) {
-      std::vector<float> values;
-      each_shown([&](std::uint32_t cell) { values.push_back((levels.*of)[cell]); });
+      std::vector<float> values(shown.size());
+      base::for_indices(shown.size(), [&](std::size_t row) { values[row] = (levels.*of)[shown[row]]; });
       add(&levels == &cells.levels.front() ? array : array + "/" + levels.name, 1, std::move(values));
     }
   };
-  const auto each_with_row = [](const std::vector<std::uint32_t>& row) {
-    return [&row](const auto& visit) {
-      for (std::uint32_t cell = 0; cell < row.size(); ++cell)
-        if (row[cell] != kNone) visit(cell);
-    };
-  };
-  std::vector<float> place;
-  std::vector<Vec3> shown;
-  for (std::uint32_t v = 0, row = 0; v < complex.vertex_count; ++v) {
-    if (!cells.vertex[v]) continue;
-    rows.vertex[v] = row++;
-    shown.push_back(points[v]);
-    for (int a = 0; a < 3; ++a) place.push_back(static_cast<float>(points[v][a] - page.origin[a]));
-  }
+  LayerRows rows;
+  number_rows(cells.vertex, rows.vertex, rows.vertices);
+  number_rows(cells.edge, rows.edge, rows.edges);
+  std::vector<float> places(3 * rows.vertices.size());
+  std::vector<Vec3> shown(rows.vertices.size());
+  base::for_indices(shown.size(), [&](std::size_t row) {
+    shown[row] = points[rows.vertices[row]];
+    for (int a = 0; a < 3; ++a)
+      places[3 * row + static_cast<std::size_t>(a)] = static_cast<float>(shown[row][a] - page.origin[a]);
+  });
   widen(page, shown);
-  add("points", 3, std::move(place));
-  add_levels("vertex_level", &Levels::vertex, each_with_row(rows.vertex));
+  add("points", 3, std::move(places));
+  add_levels("vertex_level", &Levels::vertex, rows.vertices);
 
-  std::vector<std::uint32_t> ends;
-  for (std::uint32_t e = 0, row = 0; e < complex.edges.size(); ++e) {
-    if (!cells.edge[e]) continue;
-    rows.edge[e] = row++;
-    for (const std::uint32_t v : complex.edges[e]) ends.push_back(rows.vertex[v]);
-  }
+  std::vector<std::uint32_t> ends(2 * rows.edges.size());
+  base::for_indices(rows.edges.size(), [&](std::size_t row) {
+    const auto [a, b] = complex.edges[rows.edges[row]];
+    ends[2 * row] = rows.vertex[a];
+    ends[2 * row + 1] = rows.vertex[b];
+  });
   add("edges", 2, std::move(ends));
-  add_levels("edge_level", &Levels::edge, each_with_row(rows.edge));
+  add_levels("edge_level", &Levels::edge, rows.edges);
 
-  std::vector<std::uint32_t> offsets{0}, corners, sides;
-  for (const std::uint32_t f : cells.faces) {
-    for (const std::uint32_t v : complex.corners(f)) corners.push_back(rows.vertex[v]);
-    for (const std::uint32_t e : complex.sides(f)) sides.push_back(rows.edge[e]);
-    offsets.push_back(static_cast<std::uint32_t>(corners.size()));
-  }
+  std::vector<std::uint32_t> offsets(cells.faces.size() + 1, 0);
+  for (std::size_t row = 0; row < cells.faces.size(); ++row)
+    offsets[row + 1] = offsets[row] + static_cast<std::uint32_t>(complex.corners(cells.faces[row]).size());
+  std::vector<std::uint32_t> corners(offsets.back()), sides(offsets.back());
+  base::for_indices(cells.faces.size(), [&](std::size_t row) {
+    const auto v = complex.corners(cells.faces[row]), e = complex.sides(cells.faces[row]);
+    for (std::size_t i = 0; i < v.size(); ++i) {
+      corners[offsets[row] + i] = rows.vertex[v[i]];
+      sides[offsets[row] + i] = rows.edge[e[i]];
+    }
+  });
   add("polygon_offsets", 1, std::move(offsets));
   add("polygon_corners", 1, std::move(corners));
   add("polygon_edges", 1, std::move(sides));
-  add_levels("face_level", &Levels::face, [&](const auto& visit) { std::ranges::for_each(cells.faces, visit); });
+  add_levels("face_level", &Levels::face, cells.faces);
   return rows;
 }
 
@@ -104,11 +118,11 @@ FacesByLevel::FacesByLevel(const CellComplex& complex, const std::vector<float>&
     : complex_(complex), level_(face_level) {
   // Levels are not negative, so their bits are in their order.
   std::vector<std::uint64_t> keys(complex.face_count());
-  for (std::uint32_t f = 0; f < keys.size(); ++f)
-    keys[f] = std::uint64_t{~std::bit_cast<std::uint32_t>(level_[f])} << 32 | f;
-  std::sort(keys.begin(), keys.end());
-  order_.reserve(keys.size());
-  for (const std::uint64_t key : keys) order_.push_back(static_cast<std::uint32_t>(key));
+  base::for_indices(
+      keys.size(), [&](std::size_t f) { keys[f] = std::uint64_t{~std::bit_cast<std::uint32_t>(level_[f])} << 32 | f; });
+  tbb::parallel_sort(keys.begin(), keys.end());
+  order_.resize(keys.size());
+  base::for_indices(keys.size(), [&](std::size_t i) { order_[i] = static_cast<std::uint32_t>(keys[i]); });
 }
 
 Floor FacesByLevel::within(std::size_t budget) const {

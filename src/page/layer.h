@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/parallel.h"
 #include "quench/page.h"
 
 namespace quench::page {
@@ -38,6 +39,7 @@ struct LayerCells {
 /// Rows of the vertices and edges in the arrays of the layer, or kNone.
 struct LayerRows {
   std::vector<std::uint32_t> vertex, edge;
+  std::vector<std::uint32_t> vertices, edges;  ///< per row
 };
 
 /// Adds points, polygons, edges and levels of a layer (`face_level` ..., of all but the first `face_level/NAME` ...),
@@ -53,12 +55,11 @@ inline float measure_of(double value) {
   return std::bit_cast<float>((bits + 0x3F + (bits >> 7 & 1)) & ~0x7FU);
 }
 
-/// Adds `layer/point/name`, of the vertices that are shown.
+/// Adds `layer/point/name`, of the vertices that are shown. `value` is called from several threads.
 template <class Value>
 void add_measure(Page& page, const std::string& layer, const std::string& name, const LayerRows& rows, Value&& value) {
-  std::vector<float> values;
-  for (std::uint32_t v = 0; v < rows.vertex.size(); ++v)
-    if (rows.vertex[v] != kNone) values.push_back(measure_of(value(v)));
+  std::vector<float> values(rows.vertices.size());
+  base::for_indices(values.size(), [&](std::size_t row) { values[row] = measure_of(value(rows.vertices[row])); });
   page.arrays.push_back({layer + "/point/" + name, 1, std::move(values)});
 }
 
@@ -80,7 +81,7 @@ class FacesByLevel {
  public:
   FacesByLevel(const CellComplex& complex, const std::vector<float>& face_level);
   Floor within(std::size_t budget) const;
-  std::vector<std::uint32_t> order() && { return std::move(order_); }
+  std::vector<std::uint32_t> order() && { return std::move(order_); }  ///< all faces
 
  private:
   const CellComplex& complex_;

@@ -16,9 +16,15 @@ using base::kNever;
 
 std::vector<float> rounded_down(const std::vector<double>& levels) {
   std::vector<float> floats;
-  floats.reserve(levels.size());
-  for (const double level : levels) floats.push_back(page::rounded_down(level));
+  floats.resize(levels.size());
+  base::for_indices(levels.size(), [&](std::size_t i) { floats[i] = page::rounded_down(levels[i]); });
   return floats;
+}
+
+/// The least float that is not below `value`.
+float rounded_up(double value) {
+  const float below = page::rounded_down(value);
+  return below < value ? std::nextafter(below, std::numeric_limits<float>::infinity()) : below;
 }
 
 /// Where each vertex of K is drawn: region duals at their exit doors, as skeletons are written. A dual without exit (in
@@ -59,43 +65,55 @@ std::vector<std::uint32_t> drawn_at(const SkeletonFamily& family) {
   return at;
 }
 
-/// The curves off the sheets at the floor of theta2, and what the pruning for a theta1 leaves of them.
+/// Per edge: a side of a face.
+std::vector<char> sides_of_faces(const RefinedAxis& k) {
+  std::vector<char> on_face(k.complex.edges.size(), 0);
+  for (const std::uint32_t e : k.complex.face_edges) on_face[e] = 1;
+  return on_face;
+}
+
+std::size_t curves_off_sheets(const RefinedAxis& k) {
+  const std::vector<char> on_face = sides_of_faces(k);
+  std::size_t count = 0;
+  for (std::size_t e = 0; e < on_face.size(); ++e) count += k.curve_edge[e] && !on_face[e];
+  return count;
+}
+
+/// The curves off the sheets of a family at its floor, and how many of them a theta1 leaves.
 class CurvePruning {
  public:
-  CurvePruning(const SkeletonFamily& family, const page::LayerCells& cells, const std::vector<char>& on_face)
-      : k_(family.refined), peeler_(k_.complex.vertex_count) {
+  explicit CurvePruning(const SkeletonFamily& family) : k_(family.refined), peeler_(k_.complex.vertex_count) {
+    const std::vector<char> on_face = sides_of_faces(k_);
     thickness_.assign(k_.complex.edges.size(), std::numeric_limits<float>::infinity());
     for (std::uint32_t e = 0; e < thickness_.size(); ++e) {
-      if (!cells.edge[e]) continue;
+      if (family.edge_sheet_level[e] < 0) continue;
       for (const std::uint32_t v : k_.complex.edges[e]) peeler_.add(v, e);
       if (!k_.curve_edge[e] || on_face[e]) continue;
       ++free_curves_;
       thickness_[e] = page::rounded_down(family.thickness_of(e));
-      if (std::isfinite(thickness_[e])) steps_.push_back(thickness_[e]);
     }
-    std::sort(steps_.begin(), steps_.end());
-    steps_.erase(std::unique(steps_.begin(), steps_.end()), steps_.end());
   }
 
-  /// How many curves are left; removes from `cells` what is pruned. Fixed keys: any order gives the same.
-  std::size_t left(float theta1, page::LayerCells* cells = nullptr) const {
+  std::size_t left(float theta1) const {
     base::GraphPeeler peeler = peeler_;
     std::size_t count = free_curves_;
     peeler.peel(
         [&](std::uint32_t e) -> const auto& { return k_.complex.edges[e]; },
         [&](std::uint32_t v, std::uint32_t e) { return !k_.medial_point[v] && thickness_[e] < theta1; },
-        [&](std::uint32_t v, std::uint32_t e) {
-          --count;
-          if (cells) cells->edge[e] = cells->vertex[v] = 0;
-        });
+        [&](std::uint32_t, std::uint32_t) { --count; });
     return count;
   }
 
   /// A theta1 that leaves at most `most` curves, and at least nine tenths of that if such a theta1 exists; where more
   /// are never pruned, the one that prunes all others. The set of curves changes only just above a thickness.
   float floor(std::size_t most) const {
-    const auto above = [&](std::size_t i) { return std::nextafter(steps_[i], std::numeric_limits<float>::infinity()); };
-    std::size_t low = 0, high = steps_.size();  // the step is in [low, high)
+    std::vector<float> steps;
+    for (const float thickness : thickness_)
+      if (std::isfinite(thickness)) steps.push_back(thickness);
+    std::sort(steps.begin(), steps.end());
+    steps.erase(std::unique(steps.begin(), steps.end()), steps.end());
+    const auto above = [&](std::size_t i) { return std::nextafter(steps[i], std::numeric_limits<float>::infinity()); };
+    std::size_t low = 0, high = steps.size();  // the step is in [low, high)
     while (low + 1 < high) {
       const std::size_t middle = (low + high - 1) / 2, count = left(above(middle));
       if (count <= most && count >= most / 10 * 9) return above(middle);
@@ -104,30 +122,33 @@ class CurvePruning {
       else
         low = middle + 1;
     }
-    return low < steps_.size() ? above(low) : 0;
+    return low < steps.size() ? above(low) : 0;
   }
 
  private:
   const RefinedAxis& k_;
   base::GraphPeeler peeler_;
   std::vector<float> thickness_;  ///< per edge; infinite where it is not a curve or is on a sheet
-  std::vector<float> steps_;
   std::size_t free_curves_ = 0;
 };
 
-/// The sheets that a budget of triangles leaves, and the curves off these.
-struct Sheets {
-  page::Floor floor;
-  std::vector<char> on_face;  ///< per edge: a side of a face that is left
-  std::size_t free_curves = 0;
-};
+/// Raises the floor of theta2 as far as a budget of triangles asks for; returns the number of those that are left.
+std::size_t keep_triangles(SkeletonFamily& family, std::size_t budget) {
+  const std::vector<float> levels = rounded_down(family.face_sheet_level);
+  const page::Floor floor = page::FacesByLevel(family.refined.complex, levels).within(budget);
+  family = with_floor(std::move(family), floor.level, 0);
+  return floor.triangles;
+}
 
-Sheets sheets_within(const RefinedAxis& k, const page::FacesByLevel& by_level, std::size_t budget) {
-  Sheets sheets{by_level.within(budget), std::vector<char>(k.complex.edges.size(), 0), 0};
-  for (const std::uint32_t f : sheets.floor.faces)
-    for (const std::uint32_t e : k.complex.sides(f)) sheets.on_face[e] = 1;
-  for (std::size_t e = 0; e < k.curve_edge.size(); ++e) sheets.free_curves += k.curve_edge[e] && !sheets.on_face[e];
-  return sheets;
+page::LayerCells cells_of(const SkeletonFamily& family) {
+  page::LayerCells cells;
+  cells.levels.push_back({"sheet_level", rounded_down(family.vertex_sheet_level), rounded_down(family.edge_sheet_level),
+                          rounded_down(family.face_sheet_level)});
+  const page::Levels& levels = cells.levels.front();
+  for (const float level : levels.edge) cells.edge.push_back(level >= 0);
+  for (const float level : levels.vertex) cells.vertex.push_back(level >= 0);
+  cells.faces = page::FacesByLevel(family.refined.complex, levels.face).order();
+  return cells;
 }
 
 /// Which rows are curves and medial points, and the thickness of the curves.
@@ -183,54 +204,48 @@ void add_vertex_measures(Page& page, const RefinedAxis& k, const std::vector<std
 //    by (*) (that v remains without e is excluded as in 2), all with thickness < s <= s', and what they leave is L(t')
 //    with K0. The rest is 1.
 //
-// So a page that holds the cells of K0 gives every member with theta2 >= t, theta1 >= s by the same rule.
-std::size_t add_skeleton(Page& page, const SkeletonFamily& family, std::size_t max_triangles) {
-  const RefinedAxis& k = family.refined;
-  const CellComplex& c = k.complex;
-  page::LayerCells cells;
-  cells.levels.push_back({"sheet_level", rounded_down(family.vertex_sheet_level), rounded_down(family.edge_sheet_level),
-                          rounded_down(family.face_sheet_level)});
-  const page::Levels& levels = cells.levels.front();
-
-  const page::FacesByLevel by_level(c, levels.face);
-  Sheets sheets = sheets_within(k, by_level, max_triangles);
-  if (sheets.floor.triangles + sheets.free_curves > max_triangles)
-    sheets = sheets_within(k, by_level, max_triangles / 5 * 4);
-  page::Floor& floor = sheets.floor;
-  const std::size_t free_curves = sheets.free_curves;
-  for (const float level : levels.edge) cells.edge.push_back(level >= floor.level);
-  for (const float level : levels.vertex) cells.vertex.push_back(level >= floor.level);
-
-  float theta1_floor = 0;
-  std::size_t curves_shown = free_curves;
-  if (floor.triangles + free_curves > max_triangles) {
-    const CurvePruning pruning(family, cells, sheets.on_face);
-    theta1_floor = pruning.floor(max_triangles - std::min(max_triangles, floor.triangles));
-    curves_shown = pruning.left(theta1_floor, &cells);
+// So a family or a page that holds the cells of K0 gives every member with theta2 >= t, theta1 >= s by the same rule.
+std::size_t add_skeleton(Page& page, SkeletonFamily family, std::size_t max_triangles) {
+  const float least_theta2 = rounded_up(family.theta2_floor), least_theta1 = rounded_up(family.theta1_floor);
+  const std::size_t parts = family.refined.complex.face_count();
+  std::size_t triangles = keep_triangles(family, max_triangles), curves = curves_off_sheets(family.refined);
+  if (triangles + curves > max_triangles) {
+    triangles = keep_triangles(family, max_triangles / 5 * 4);
+    curves = curves_off_sheets(family.refined);
   }
-  cells.faces = std::move(floor.faces);
+  std::size_t curves_shown = curves;
+  if (triangles + curves > max_triangles) {
+    const float theta1 = CurvePruning(family).floor(max_triangles - std::min(max_triangles, triangles));
+    family = with_floor(std::move(family), 0, theta1);
+    curves_shown = curves_off_sheets(family.refined);
+  }
 
+  const page::LayerCells cells = cells_of(family);
   const std::vector<std::uint32_t> at = drawn_at(family);
+  const RefinedAxis& k = family.refined;
   std::vector<Vec3> points(at.size());
-  for (std::size_t v = 0; v < at.size(); ++v) points[v] = k.points[at[v]];
-  const page::LayerRows rows = page::add_layer(page, "skeleton", c, points, cells);
+  base::for_indices(at.size(), [&](std::size_t v) { points[v] = k.points[at[v]]; });
+  const page::LayerRows rows = page::add_layer(page, "skeleton", k.complex, points, cells);
   add_curves(page, family, rows);
   add_vertex_measures(page, k, at, rows);
 
-  page.theta2_floor = floor.level;
-  page.theta1_floor = theta1_floor;
-  if (floor.level > 0)
+  page.theta2_floor = rounded_up(family.theta2_floor);
+  page.theta1_floor = rounded_up(family.theta1_floor);
+  if (least_theta2 > 0 || least_theta1 > 0)
+    page.notes.push_back(fmt::format("The skeletons of this page begin at theta2 = {} and theta1 = {}",
+                                     page::length_text(page, least_theta2), page::length_text(page, least_theta1)));
+  if (*page.theta2_floor > least_theta2)
     page.notes.push_back(
         fmt::format("The skeleton's sheets are shown from theta2 {} on, {} of their {} parts; what goes before is "
                     "left out of this page{}",
-                    page::floor_text(page, floor.level), page::count_text(cells.faces.size()),
-                    page::count_text(c.face_count()), page::limit_text(page)));
-  if (theta1_floor > 0)
+                    page::floor_text(page, *page.theta2_floor), page::count_text(cells.faces.size()),
+                    page::count_text(parts), page::limit_text(page)));
+  if (*page.theta1_floor > least_theta1)
     page.notes.push_back(
         fmt::format("The skeleton's curves are shown from theta1 {} on, {} of {} pieces off the sheets; what goes "
                     "before is left out of this page{}",
-                    page::floor_text(page, theta1_floor), page::count_text(curves_shown), page::count_text(free_curves),
-                    page::limit_text(page)));
+                    page::floor_text(page, *page.theta1_floor), page::count_text(curves_shown),
+                    page::count_text(curves), page::limit_text(page)));
   const auto raise = [&](std::optional<double>& start, double least, const char* name) {
     if (!start || *start >= least) return;
     page.raised.push_back(fmt::format("{} starts at {} instead of {}", name, page::length_text(page, least),
@@ -240,7 +255,7 @@ std::size_t add_skeleton(Page& page, const SkeletonFamily& family, std::size_t m
   };
   raise(page.theta2, *page.theta2_floor, "theta2");
   raise(page.theta1, *page.theta1_floor, "theta1");
-  return floor.triangles;
+  return triangles;
 }
 
 }  // namespace quench

@@ -75,7 +75,7 @@ void PageBuilder::add_core(const MedialAxis& axis, const std::vector<DataArray>&
   take(quench::add_core(page, leveled, measures, share));
 }
 
-void PageBuilder::add_skeleton(const SkeletonFamily& family) { take(quench::add_skeleton(page, family, left_)); }
+void PageBuilder::add_skeleton(SkeletonFamily family) { take(quench::add_skeleton(page, std::move(family), left_)); }
 
 void PageBuilder::add_still(const Record& data) { take(quench::add_still(page, data, left_)); }
 

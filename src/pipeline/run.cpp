@@ -46,11 +46,12 @@ AxisRun run_axis(const MedialAxis& axis, Record&& file, bool voxel_core, const T
   }
   RefinedAxis refined = curves_of(axis, burning, context);
   burning = Burning();  // its memory is needed for the family
-  const FamilyResult family = family_of(std::move(refined), wanted, context);
+  FamilyResult family =
+      family_of(std::move(refined), wanted, floor_of(options.skeleton, scale, result.burned.options.omega), context);
   result.curves = family.curves;
   result.skeleton = skeleton_of(family, options.skeleton, scale, result.burned.options.omega, context);
   if (options.page) {
-    options.page->add_skeleton(family.family);
+    options.page->add_skeleton(std::move(family.family));
     checkpoint(context, "page", 1);
   }
   return result;

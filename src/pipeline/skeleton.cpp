@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "page/layer.h"
 #include "quench/axis.h"
 #include "quench/error.h"
 #include "quench/pipeline.h"
@@ -15,9 +16,10 @@ RefinedAxis curves_of(const MedialAxis& axis, const Burning& burning, Context* c
   return quench_curves(axis.complex, axis.points, axis.radius, burning, context);
 }
 
-FamilyResult family_of(RefinedAxis&& refined, const Topology& wanted, Context* context) {
-  FamilyResult result{skeletons(std::move(refined), context), wanted, {}};
-  const Skeleton curves = extract(result.family, std::numeric_limits<double>::infinity(), 0);
+FamilyResult family_of(RefinedAxis&& refined, const Topology& wanted, const FamilyFloor& floor, Context* context) {
+  FamilyResult result{
+      with_floor(skeletons(std::move(refined), context), floor.theta2, floor.theta1, context), wanted, {}};
+  const Skeleton curves = extract(result.family, std::numeric_limits<double>::infinity(), result.family.theta1_floor);
   checkpoint(context, "curves", 1);
   require_topology(topology(curves.complex), wanted, "medial curves", "medial axis");
   result.curves = counts_of(curves.complex);
@@ -35,11 +37,26 @@ double theta1_of(const SkeletonOptions& options, const Scale& scale) {
                         : std::max(0.02 * scale.longest_side, 3 * scale.detail);
 }
 
+namespace {
+
+double thickness_of_tips(const SkeletonOptions& options, const Scale& scale, double omega) {
+  constexpr double kNoTips = std::numeric_limits<double>::infinity();
+  return !options.full_tips ? kNoTips : scale.voxel > 0 ? scale.voxel : omega;
+}
+
+}  // namespace
+
+FamilyFloor floor_of(const SkeletonOptions& options, const Scale& scale, double omega) {
+  const double least = scale.voxel > 0 ? scale.voxel : omega;
+  return {page::rounded_down(std::min(least, theta2_of(options, scale))),
+          page::rounded_down(std::min(least, theta1_of(options, scale)))};
+}
+
 SkeletonResult skeleton_of(const FamilyResult& family, const SkeletonOptions& options, const Scale& scale, double omega,
                            Context* context) {
   constexpr double kNoTips = std::numeric_limits<double>::infinity();
   const double theta2 = theta2_of(options, scale), theta1 = theta1_of(options, scale);
-  const double tips = !options.full_tips ? kNoTips : scale.voxel > 0 ? scale.voxel : omega;
+  const double tips = thickness_of_tips(options, scale, omega);
   SkeletonResult result{extract(family.family, theta2, theta1, {options.parts, kNoTips}), {}, {}};
   result.measured = extract(family.family, theta2, theta1, {false, tips});
   checkpoint(context, "skeleton", 1);

@@ -6,83 +6,18 @@
 #include <numeric>
 
 #include "base/constants.h"
-#include "base/csr.h"
-#include "base/graph_peeler.h"
 #include "quench/error.h"
 #include "quench/skeleton.h"
+#include "skeleton/member.h"
 
 namespace quench {
 namespace {
 
 using base::kNever;
+using skeleton::Member;
+using skeleton::other_end;
 
 constexpr double kNotACurve = std::numeric_limits<double>::quiet_NaN();
-
-std::uint32_t other_end(const RefinedAxis& k, std::uint32_t edge, std::uint32_t vertex) {
-  const auto [a, b] = k.complex.edges[edge];
-  return a == vertex ? b : a;
-}
-
-// The cells of K that a member of the family has.
-struct Member {
-  std::vector<char> vertex, edge, face;
-};
-
-// Lets the free ends of curves grow back along curves that were pruned. What grows back is a path that begins at a free
-// end, so topology does not change.
-void grow_tips(const SkeletonFamily& family, double from_thickness, const base::GraphPeeler& left, Member& member) {
-  const RefinedAxis& k = family.refined;
-  const auto edges = static_cast<std::uint32_t>(k.complex.edges.size());
-  const auto pruned = base::Csr<std::uint32_t>::group(k.complex.vertex_count, [&](const auto& emit) {
-    for (std::uint32_t e = 2 * k.doors; e < edges; ++e)
-      if (k.curve_edge[e] && !member.edge[e])
-        for (const std::uint32_t v : k.complex.edges[e]) emit(v, e);
-  });
-  for (std::uint32_t end = 0; end < left.vertex_count(); ++end) {
-    if (!left.edges_at(end).single() || !member.vertex[end]) continue;
-    for (std::uint32_t v = end;;) {
-      std::uint32_t best = kNone;  // ties: the smaller index
-      for (const std::uint32_t e : pruned[v]) {
-        if (member.edge[e] || family.thickness_of(e) < from_thickness) continue;
-        if (best == kNone || family.level_of(e) > family.level_of(best)) best = e;
-      }
-      if (best == kNone) break;
-      member.edge[best] = 1;
-      v = other_end(k, best, v);
-      member.vertex[v] = 1;
-    }
-  }
-}
-
-Member member_of(const SkeletonFamily& family, double theta2, double theta1, double tips) {
-  const RefinedAxis& k = family.refined;
-  Member member;
-  const std::size_t edges = k.complex.edges.size(), vertices = k.complex.vertex_count;
-  member.vertex.resize(vertices);
-  member.edge.resize(edges);
-  member.face.resize(k.complex.face_count());
-  for (std::size_t v = 0; v < vertices; ++v) member.vertex[v] = family.vertex_sheet_level[v] >= theta2;
-  for (std::size_t e = 0; e < edges; ++e) member.edge[e] = family.edge_sheet_level[e] >= theta2;
-  for (std::size_t f = 0; f < member.face.size(); ++f) member.face[f] = family.face_sheet_level[f] >= theta2;
-
-  // Curves: free edges of a thickness below theta1 are removed.
-  std::vector<char> on_face(edges, 0);
-  for (std::size_t f = 0; f < member.face.size(); ++f)
-    if (member.face[f])
-      for (const std::uint32_t e : k.complex.sides(f)) on_face[e] = 1;
-  base::GraphPeeler left(vertices);
-  for (std::uint32_t e = 0; e < edges; ++e)
-    if (member.edge[e])
-      for (const std::uint32_t v : k.complex.edges[e]) left.add(v, e);
-  left.peel(
-      [&](std::uint32_t e) -> const auto& { return k.complex.edges[e]; },
-      [&](std::uint32_t v, std::uint32_t e) {
-        return !k.medial_point[v] && k.curve_edge[e] && !on_face[e] && family.thickness_of(e) < theta1;
-      },
-      [&](std::uint32_t v, std::uint32_t e) { member.edge[e] = member.vertex[v] = 0; });
-  if (tips < kNever) grow_tips(family, tips, left, member);
-  return member;
-}
 
 // How the cells of a member are written.
 struct Outline {
@@ -98,6 +33,8 @@ void find_whole_polygons(const RefinedAxis& k, const Member& member, bool parts,
   const std::uint32_t polygons =
       k.polygon_of.empty() ? 0 : *std::max_element(k.polygon_of.begin(), k.polygon_of.end()) + 1;
   outline.whole.assign(polygons, !parts);
+  for (const std::uint32_t polygon : k.incomplete)
+    if (polygon < polygons) outline.whole[polygon] = 0;
   for (std::size_t f = 0; f < k.polygon_of.size(); ++f)
     if (!member.face[f]) outline.whole[k.polygon_of[f]] = 0;
   outline.inside_whole.assign(k.complex.edges.size(), 0);
@@ -411,8 +348,10 @@ Skeleton skeleton_of(const RefinedAxis& k, const Cells& cells) {
 Skeleton extract(const SkeletonFamily& family, double theta2, double theta1, const ExtractOptions& options) {
   if (std::isnan(theta2) || std::isnan(theta1) || std::isnan(options.regrow_tips_above))
     throw Error(ErrorCode::usage, "theta2, theta1 and regrow_tips_above of a skeleton must be numbers");
+  if (theta2 < family.theta2_floor || std::min(theta1, options.regrow_tips_above) < family.theta1_floor)
+    throw Error(ErrorCode::usage, "theta2, theta1 or regrow_tips_above of a skeleton is below the floor of its family");
   const RefinedAxis& k = family.refined;
-  const Member member = member_of(family, theta2, theta1, options.regrow_tips_above);
+  const Member member = skeleton::member_of(family, theta2, theta1, options.regrow_tips_above);
   const Outline outline = outline_of(k, member, options.parts);
   Skeleton skeleton = skeleton_of(k, CellBuilder(family, member, outline).take());
   skeleton.theta2 = theta2;

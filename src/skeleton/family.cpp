@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 
+#include "base/cofaces.h"
 #include "base/constants.h"
 #include "base/parallel.h"
-#include "complex/thinning.h"
 #include "quench/skeleton.h"
+#include "skeleton/sheet_levels.h"
 
 namespace quench {
 namespace {
@@ -20,45 +21,73 @@ std::vector<char> on_pockets(const RefinedAxis& axis, std::span<const double> fa
   return pocket;
 }
 
+double thickness_of(const RefinedAxis& axis, std::uint32_t v) {
+  return axis.curve_burn_time[v] == kNever ? kNever : axis.curve_burn_time[v] - axis.burn_time[v];
+}
+
+// The levels of curves without any sheets: those of complex::thin() of the graph of curves, where medial points and
+// vertices of pockets have infinite values. A graph needs no order: an edge goes over a vertex as soon as this has no
+// other edge, and its level is the largest thickness of those that have to go before it.
+class CurveLevels {
+ public:
+  CurveLevels(SkeletonFamily& family, const std::vector<char>& pocket)
+      : family_(family),
+        axis_(family.refined),
+        fixed_(pocket),
+        left_(axis_.complex.vertex_count),
+        before_(left_.size(), 0) {
+    for (std::size_t v = 0; v < fixed_.size(); ++v) fixed_[v] |= axis_.medial_point[v];
+    for (std::uint32_t e = first_edge(); e < axis_.complex.edges.size(); ++e)
+      if (axis_.curve_edge[e])
+        for (const std::uint32_t v : axis_.complex.edges[e]) left_[v].add(e);
+  }
+  void run() {
+    for (std::uint32_t v = 0; v < left_.size(); ++v)
+      for (std::uint32_t at = v; at != kNone;) at = go_over(at);
+  }
+
+ private:
+  std::uint32_t first_edge() const { return 2 * axis_.doors; }
+  // Removes the only edge of a vertex; returns its other end.
+  std::uint32_t go_over(std::uint32_t v) {
+    if (!left_[v].single() || fixed_[v]) return kNone;
+    const std::uint32_t e = left_[v].only();
+    const double level = std::max(before_[v], family_.thickness_of(e));
+    if (level == kNever) return kNone;
+    family_.curve_level[e - first_edge()] = level;
+    const auto [a, b] = axis_.complex.edges[e];
+    const std::uint32_t other = a == v ? b : a;
+    left_[v].remove(e);
+    left_[other].remove(e);
+    before_[other] = std::max(before_[other], level);
+    return other;
+  }
+
+  SkeletonFamily& family_;
+  const RefinedAxis& axis_;
+  std::vector<char> fixed_;
+  std::vector<base::Cofaces> left_;
+  std::vector<double> before_;  // per vertex: the largest level of its edges that are gone
+};
+
 SkeletonFamily family_of(RefinedAxis refined, Context* context) {
   SkeletonFamily family;
-  const std::size_t edges = refined.complex.edges.size(), vertices = refined.complex.vertex_count;
-  // Sheets: polygons are collapsed by increasing thickness, edges and vertices off the curves as soon as they are free.
-  std::vector<double> edge_value(edges), vertex_value(vertices);
-  for (std::size_t e = 0; e < edges; ++e) edge_value[e] = refined.curve_edge[e] ? kNever : 0;
-  for (std::size_t v = 0; v < vertices; ++v) vertex_value[v] = refined.curve_vertex[v] ? kNever : 0;
-  CellValues sheet =
-      complex::thin(refined.complex, vertex_value, edge_value, refined.face_thickness, context, "skeleton");
-
-  // Curves on their own: what is left without any sheets; their ends on pockets are fixed.
-  const std::vector<char> pocket = on_pockets(refined, sheet.face);
-  const std::size_t halves = 2 * std::size_t{refined.doors};  // never part of the curves
-  family.curve_thickness.assign(edges - halves, 0);
-  family.curve_level.assign(edges - halves, 0);
-  CellComplex graph;
-  graph.vertex_count = refined.complex.vertex_count;
-  std::vector<std::uint32_t> edge_of;
-  std::vector<double> graph_value;
-  for (std::uint32_t e = 0; e < edges; ++e) {
-    if (!refined.curve_edge[e]) continue;
-    const auto thickness = [&](std::uint32_t v) {
-      return refined.curve_burn_time[v] == kNever ? kNever : refined.curve_burn_time[v] - refined.burn_time[v];
-    };
-    const auto [a, b] = refined.complex.edges[e];
-    double& thick = family.curve_thickness[e - halves];
-    thick = std::max(0.0, std::min(thickness(a), thickness(b)));
-    graph.edges.push_back({a, b});
-    graph_value.push_back(thick);
-    edge_of.push_back(e);
-  }
-  for (std::size_t v = 0; v < vertices; ++v) vertex_value[v] = refined.medial_point[v] || pocket[v] ? kNever : 0;
-  const CellValues curve = complex::thin(graph, vertex_value, graph_value, {}, context, "skeleton");
-  for (std::size_t i = 0; i < edge_of.size(); ++i) family.curve_level[edge_of[i] - halves] = curve.edge[i];
-
+  CellValues sheet = skeleton::sheet_levels(refined, context);
+  family.refined = std::move(refined);
+  const RefinedAxis& k = family.refined;
+  const std::size_t halves = 2 * std::size_t{k.doors};  // never part of the curves
+  family.curve_thickness.assign(k.complex.edges.size() - halves, 0);
+  family.curve_level.assign(k.complex.edges.size() - halves, 0);
+  base::for_indices(family.curve_thickness.size(), [&](std::size_t i) {
+    if (!k.curve_edge[halves + i]) return;
+    const auto [a, b] = k.complex.edges[halves + i];
+    family.curve_thickness[i] = std::max(0.0, std::min(thickness_of(k, a), thickness_of(k, b)));
+    family.curve_level[i] = kNever;
+  });
+  CurveLevels(family, on_pockets(k, sheet.face)).run();
   family.vertex_sheet_level = std::move(sheet.vertex);
   family.edge_sheet_level = std::move(sheet.edge);
   family.face_sheet_level = std::move(sheet.face);
-  family.refined = std::move(refined);
   return family;
 }
 

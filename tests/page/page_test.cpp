@@ -170,7 +170,9 @@ SkeletonFamily random_family(std::uint64_t seed) {
 TEST(Page, SkeletonSetsAreThoseOfTheFamilyForEverySliderAboveTheFloors) {
   std::size_t with_theta2_floor = 0, with_theta1_floor = 0;
   for (std::uint64_t seed = 0; seed < 400 && !testing::Test::HasFailure(); ++seed) {
-    const SkeletonFamily skeletons = random_family(seed);
+    // Every other family has a floor of its own.
+    const bool floored = seed % 2 == 1;
+    const SkeletonFamily skeletons = floored ? with_floor(random_family(seed), 0.2, 0.15) : random_family(seed);
     const Family k = family_of(skeletons);
     const std::size_t all = triangles_of(k.complex);
     for (const std::size_t budget : {10 * k.complex.edges.size() + all, all, all / 2, all / 5, std::size_t{3}}) {
@@ -182,7 +184,12 @@ TEST(Page, SkeletonSetsAreThoseOfTheFamilyForEverySliderAboveTheFloors) {
       const double floor2 = *page.theta2_floor, floor1 = *page.theta1_floor;
       with_theta2_floor += floor2 > 0;
       with_theta1_floor += floor1 > 0;
-      ASSERT_EQ(page.notes.size(), static_cast<std::size_t>((floor2 > 0) + (floor1 > 0)));
+      ASSERT_GE(floor2, skeletons.theta2_floor);
+      ASSERT_GE(floor1, skeletons.theta1_floor);
+      if (floored)
+        ASSERT_EQ(page.notes.front(), "The skeletons of this page begin at theta2 = 0.2 and theta1 = 0.15");
+      else
+        ASSERT_EQ(page.notes.size(), static_cast<std::size_t>((floor2 > 0) + (floor1 > 0)));
       std::size_t never = 0, free_curves = 0;
       for (std::size_t f = 0; f < k.face.size(); ++f)
         if (std::isinf(k.face[f])) never += k.complex.corners(f).size() - 2;
