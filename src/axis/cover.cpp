@@ -32,7 +32,7 @@ std::vector<char> uncovered_sites(std::span<const LatticePoint> sites, const Gri
                                   double tolerance, Context* context) {
   std::vector<char> result(sites.size(), 0);
   const double limit = tolerance * (1 + kTolerance);
-  const std::size_t chunks = base::chunks_for(sites.size(), std::size_t{1} << 15);
+  const std::size_t chunks = base::chunks_for(sites.size(), std::size_t{1} << 17);
   base::for_chunks(chunks, context, "detail", 0.3, 0.6, [&](std::size_t chunk) {
     const auto [first, last] = base::part_of(sites.size(), chunk, chunks);
     NearBalls near(kept, grid);

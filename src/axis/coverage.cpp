@@ -31,7 +31,7 @@ double coverage(const VoxelShape& shape, const MedialAxis& axis, Context* contex
     std::iota(all.begin(), all.end(), 0u);
     const axis::BallTree tree(axis.points, axis.radius, std::move(all));
     const std::vector<LatticePoint> sites = boundary_vertices(shape);
-    const std::size_t chunks = base::chunks_for(sites.size(), std::size_t{1} << 15);
+    const std::size_t chunks = base::chunks_for(sites.size(), std::size_t{1} << 17);
     double found = 0;
     base::for_chunks(chunks, context, "coverage", 0, 1, [&](std::size_t chunk) {
       const auto [first, last] = base::part_of(sites.size(), chunk, chunks);

@@ -20,7 +20,7 @@ namespace {
 
 Record burned_core(const VoxelShape& shape, double lambda, BurnOptions options) {
   const pipeline::LoadedShape loaded = pipeline::shape_of(VoxelShape(shape), shape.grid(), {});
-  Record data = pipeline::core_file(pipeline::core_of(loaded, {.lambda = pipeline::world_length(lambda)}));
+  Record data = pipeline::core_file(pipeline::core_of(loaded, {.pruning = {kLambda, pipeline::world_length(lambda)}}));
   const MedialAxis axis = medial_axis_of(data);
   options.rounded = true;
   const Burning burning = burn(axis, options);
