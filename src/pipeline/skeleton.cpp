@@ -43,8 +43,9 @@ SkeletonResult skeleton_of(const FamilyResult& family, const SkeletonOptions& op
 Record skeleton_file(const SkeletonResult& result, const Record& from) {
   const Skeleton& skeleton = result.skeleton;
   Record data = to_record(skeleton);
-  for (const char* name : {"dims", "spacing", "origin", "direction", "longest_side", "lambda", "lambda_chosen", "omega",
-                           "propagation", "radius_rule", "units", "SPACE", "parameters"})
+  for (const char* name :
+       {"dims", "spacing", "origin", "direction", "longest_side", "lambda", "lambda_chosen", "detail", "detail_chosen",
+        "omega", "propagation", "radius_rule", "units", "SPACE", "parameters"})
     if (const DataArray* array = find_array(from.field_data, name)) data.field_data.push_back(*array);
   const auto put = [&](const char* name, DataArray::Values values, int components = 1) {
     data.field_data.push_back({name, components, std::move(values)});

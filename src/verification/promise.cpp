@@ -77,6 +77,13 @@ Farthest farthest_of(const Result& result, const Sites& sites, const BallSearch&
   return farthest;
 }
 
+// Of a file with the cells below the threshold, too: it has the threshold that was chosen only.
+bool says_it_is_whole(const Result& result) {
+  const std::vector<double> pruned_at = numbers_or_empty(result.data.field_data, kDetail),
+                            chosen = numbers_or_empty(result.data.field_data, "detail_chosen");
+  return !pruned_at.empty() && pruned_at[0] == 0 && !chosen.empty() && chosen[0] > 0;
+}
+
 std::string describe_site(const Result& result, const Sites& sites, std::size_t s) {
   const LatticePoint& q = sites.lattice()[s];
   const Vec3 p =
@@ -102,6 +109,8 @@ Check check_coverage(const Result& result, const Sites& sites, Context* context)
     return failed(name, too_far(all, result.detail));
   Check check{name, true, {}, {}};
   if (const std::vector<double> claimed = numbers_or_empty(result.data.field_data, "coverage"); !claimed.empty()) {
+    if (says_it_is_whole(result))
+      return failed(name, "there is a field array 'coverage', but the file says that nothing was pruned");
     if (!(std::abs(claimed[0] - all.away) <= 1e-6 * std::max(all.away, automatic) + unsure))
       return failed(name, fmt::format("the field array 'coverage' is {:.9g}, {} is {:.9g} from the balls", claimed[0],
                                       describe_site(result, sites, all.site), all.away));
@@ -109,7 +118,9 @@ Check check_coverage(const Result& result, const Sites& sites, Context* context)
   }
   // Levels give the prunings for larger details: what was chosen, where nothing was pruned yet, and some more.
   std::vector<double> details = numbers_or_empty(result.data.field_data, "detail_chosen");
-  for (const double factor : {1.0, 2.0, 4.0, 8.0}) details.push_back(factor * automatic);
+  for (const double factor : {1.0, 2.0, 4.0, 8.0})
+    if (details.empty() || std::abs(details[0] - factor * automatic) > kReachRounding * automatic)
+      details.push_back(factor * automatic);
   std::vector<double> checked;
   for (const double detail : details) {
     if (!(detail > result.detail && detail < kInfiniteLevelInFiles)) continue;
