@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a pruning by detail must have kept, as far as one vertex shows it. With h, v0, a and t as in details.cpp, a cell
 // is kept when v0 >= t, and its h is at least that by its lambda and the radius of the vertex. So it must be there
-// - where h >= sqrt(3) max(t, a): it is the peak of a component itself, v0 >= h / sqrt(3);
+// - where h >= sqrt(3) t: v0 is h, or at least h / sqrt(3), as it is part of the component that it is the peak of;
 // - where h >= t and t <= a / sqrt(3): v0 is h, or at least a / sqrt(3);
 // - where h >= max(t, a) and a top cell g at the vertex has a detail v >= t above a: v is the v0 of g, so the component
 //   of { h >= max(t, a) } that g is in, and with it the cell, has a peak of at least sqrt(3) v >= sqrt(3) max(t, a).
@@ -27,7 +27,7 @@ class KeptByDetail {
         of_(result.shape, sites, result.unit, result.ball_rule),
         detail_(numbers_or_empty(result.data.cell_data, kDetail)) {
     const double peak = std::sqrt(3.0), t = result.detail, a = result.auto_detail;
-    always_ = peak * t <= a ? t : peak * std::max(t, a);
+    always_ = peak * t <= a ? t : peak * t;
     beside_ = std::max(t, a);
     if (detail_.empty()) return;
     edge_detail_.assign(result.complex.edges.size(), 0);
