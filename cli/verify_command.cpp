@@ -16,7 +16,7 @@ Action add_verify(CLI::App& app) {
   struct Options {
     ShapeOptions shape;
     std::vector<std::string> results;
-    std::optional<pipeline::Length> lambda;
+    std::optional<pipeline::Length> lambda, detail;
     std::size_t samples = 20000;
     bool core = false;
   };
@@ -26,9 +26,15 @@ Action add_verify(CLI::App& app) {
                  "What was computed of the shape (.vtp .ply). Options not given are taken from it")
       ->type_name("")
       ->required();
+  CLI::Option* detail =
+      add_parsed(
+          app, "--detail", "The detail RESULT was pruned with, as in 'core' [default: what RESULT says]",
+          [o](const std::string&, const std::string& text) { o->detail = pipeline::parse_length(text, kDetail); })
+          ->type_name("LENGTH");
   add_parsed(app, "--lambda", "The radius RESULT was pruned with, as in 'core' [default: what RESULT says, else 0]",
-             [o](const std::string&, const std::string& text) { o->lambda = pipeline::parse_length(text, "lambda"); })
-      ->type_name("LENGTH");
+             [o](const std::string&, const std::string& text) { o->lambda = pipeline::parse_length(text, kLambda); })
+      ->type_name("LENGTH")
+      ->excludes(detail);
   app.add_flag("--core", o->core, "Check RESULT as an exact voxel core even if it does not say that it is one");
   add_number(app, "--samples", o->samples, "How many cells the sampled checks look at")
       ->type_name("N")
@@ -53,9 +59,9 @@ Action add_verify(CLI::App& app) {
       if (!says_stage) {  // other formats and programs do not say what they hold
         if (o->core)
           data.field_data.push_back({"stage", 1, std::vector<std::string>{"core"}});
-        else if (o->lambda)
-          session.say(fmt::format(
-              "note: {} does not say that it is a voxel core; --lambda has no effect without --core", file));
+        else if (o->lambda || o->detail)
+          session.say(fmt::format("note: {} does not say that it is a voxel core; --{} has no effect without --core",
+                                  file, o->lambda ? kLambda : kDetail));
       }
       const std::string parameters = pipeline::parameters_of(data);
       if (r == 0 || parameters != made_with) {  // results of one run share their shape
@@ -73,7 +79,8 @@ Action add_verify(CLI::App& app) {
       options.samples = o->samples;
       options.longest_side = loaded.longest_side;
       options.format_holds_all = says_stage;  // only VTP holds it, and with it every other array
-      if (o->lambda) options.lambda = loaded.scale().resolve(*o->lambda, "lambda");
+      if (o->lambda) options.lambda = loaded.scale().resolve(*o->lambda, kLambda);
+      if (o->detail) options.detail = loaded.scale().resolve(*o->detail, kDetail);
       const Certificate certificate = verify(loaded.shape, data, options, &session.context);
       auto& section = report[file] = Json::object();
       for (const Check& check : certificate.checks) {

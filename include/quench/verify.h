@@ -38,6 +38,7 @@ struct Certificate {
 
 struct VerifyOptions {
   std::optional<double> lambda;  ///< world units; default: the result's FieldData, else 0
+  std::optional<double> detail;  ///< the same of a core pruned by detail; not both
   std::size_t samples = 20000;   ///< cells per sampled check
   std::optional<double> longest_side =
       std::nullopt;  ///< of what the voxel shape was made of; without it that array is not checked
@@ -48,7 +49,8 @@ struct VerifyOptions {
 
 /// Verifies a result against its shape, by code of its own. What is checked in full, what on a sample, and
 /// which code is shared with what made the result: docs/user/guarantees.md, "What is checked, and by whom". `result` is
-/// what a file holds: complex by points, verts, lines and polys, point array `radius`.
+/// what a file holds: complex by points, verts, lines and polys, point array `radius`. Throws Error(usage) when both
+/// lambda and detail are given, or one of them for a core that says it was pruned by the other.
 Certificate verify(const VoxelShape& shape, const Record& result, const VerifyOptions& options = {},
                    Context* context = nullptr);
 

@@ -18,6 +18,10 @@ constexpr const char* kShapeOnly = "the voxels alone do not tell";
 constexpr const char* kBoundsOnly = "only bounds are checked: the fire is not burned again";
 constexpr const char* kSequence = "a burn sequence is checked as a whole only";
 constexpr const char* kOfTheAxis = "it is of the medial axis, which the file does not hold";
+constexpr const char* kOfTheChoice = "a choice that these cells do not depend on";
+constexpr const char* kDetailsBounded =
+    "only bounds are checked where a value was raised, or may be: what is raised for the balls to cover is not chosen "
+    "again";
 constexpr const char* kNoStage = "the file does not say what it is";
 constexpr const char* kOtherMeasure = "how this measure is computed is not known here";
 constexpr const char* kNothingToCompare = "the file has nothing to compare it with";
@@ -32,9 +36,17 @@ struct Known {
 };
 
 const std::vector<const char*>& known_point_arrays() {
-  static const std::vector<const char*> names{"radius",          "lambda",         "object_angle",
-                                              "burn_time",       "unburned",       "erosion_thickness",
-                                              "curve_burn_time", "curve_unburned", "curve_erosion_thickness"};
+  static const std::vector<const char*> names{"radius",
+                                              "lambda",
+                                              "object_angle",
+                                              "cap_height",
+                                              "detail",
+                                              "burn_time",
+                                              "unburned",
+                                              "erosion_thickness",
+                                              "curve_burn_time",
+                                              "curve_unburned",
+                                              "curve_erosion_thickness"};
   return names;
 }
 const std::vector<const char*>& known_cell_arrays() {
@@ -45,6 +57,9 @@ const std::vector<const char*>& known_cell_arrays() {
                                               "site_b",
                                               "lambda_level",
                                               "object_angle",
+                                              "cap_height",
+                                              "detail",
+                                              "detail_level",
                                               "sheet_level",
                                               "curve_level",
                                               "erosion_thickness",
@@ -58,7 +73,10 @@ const std::vector<Known>& known_field_numbers() {
                                          {"origin", 3, {}, kNothingToCompare},
                                          {"direction", 9, {}, kNothingToCompare},
                                          {"lambda", 1, {}, kOfTheAxis},
-                                         {"lambda_chosen", 1, {}, "a choice that these cells do not depend on"},
+                                         {"lambda_chosen", 1, {}, kOfTheChoice},
+                                         {"detail", 1, {}, kOfTheAxis},
+                                         {"detail_chosen", 1, {}, kOfTheChoice},
+                                         {"coverage", 1, {}, kNothingToCompare},
                                          {"longest_side", 1, {}, kShapeOnly},
                                          {"reconstructed", 1, {}, kNothingToCompare},
                                          {"euler", 1, {}, kNothingToCompare},
@@ -119,6 +137,8 @@ std::string defect_of_fields(const std::vector<DataArray>& arrays) {
     return "the field array 'sites' is not of three numbers per site";
   if (const DataArray* measures = find_array(arrays, "measures"); measures && has_numbers(*measures))
     return "the field array 'measures' is not text";
+  if (find_array(arrays, kLambda) && find_array(arrays, kDetail))
+    return "there are two thresholds, the field arrays 'lambda' and 'detail'";
   for (const Known& known : known_field_texts()) {
     const DataArray* array = find_array(arrays, known.name);
     if (!array) continue;
@@ -138,7 +158,8 @@ std::string reason_for(const char* of, const std::string& name, const Record& da
   if (stage.empty()) return kNoStage;
   if (of == std::string("field") && name == "omega" && find_array(data.field_data, "burn_nodes"))
     return "only that it gives burn_nodes is checked";
-  if (stage == "core" && of == std::string("field") && name == "lambda") return "another lambda was given";
+  if (stage == "core" && of == std::string("field") && (name == kLambda || name == kDetail))
+    return "another threshold was given";
   if (of == std::string("field")) {
     for (const auto* known : {&known_field_numbers(), &known_field_texts()})
       for (const Known& array : *known)
@@ -147,9 +168,9 @@ std::string reason_for(const char* of, const std::string& name, const Record& da
   }
   if (name.find("burn") != std::string::npos || name.find("erosion") != std::string::npos) return kBoundsOnly;
   if (name == "sheet_level" || name == "curve_level") return "only bounds are checked: levels are of the medial axis";
+  if (stage == "core" && name == kDetail) return kDetailsBounded;
   for (const std::string& measure : texts_or_empty(data.field_data, "measures"))
-    if (measure != "lambda" && measure != "object_angle" && (name == measure || name == measure + "_level"))
-      return kOtherMeasure;
+    if (!is_measure_of_cores(measure) && (name == measure || name == measure + "_level")) return kOtherMeasure;
   const auto& known = of == std::string("point") ? known_point_arrays() : known_cell_arrays();
   const bool is_known = std::find(known.begin(), known.end(), name) != known.end();
   return is_known ? kNothingToCompare : "unknown here";

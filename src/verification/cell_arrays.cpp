@@ -230,7 +230,7 @@ Check check_fields(const Result& result, const VerifyOptions& options) {
   Check check{name, true, {}, {}};
   std::string wrong;
   // Up to the last bits, which text may have lost.
-  const auto compare = [&](const char* array, const std::vector<double>& expected, double length) {
+  const auto compare = [&](const std::string& array, const std::vector<double>& expected, double length) {
     const DataArray* found = find_array(result.data.field_data, array);
     if (!found || !wrong.empty()) return;
     const std::vector<double> written = found->numbers();
@@ -249,10 +249,12 @@ Check check_fields(const Result& result, const VerifyOptions& options) {
     for (int c = 0; c < 3; ++c) direction.push_back(grid.direction(r, c));
   compare("direction", direction, 1);
   if (options.longest_side) compare("longest_side", {*options.longest_side}, *options.longest_side);
-  // Where nothing was pruned, the cells do not depend on the lambda that was chosen.
-  const std::vector<double> pruned_at = numbers_or_empty(result.data.field_data, "lambda");
-  if (result.stage == "core" && !pruned_at.empty() && pruned_at[0] > 0)
-    compare("lambda_chosen", pruned_at, pruned_at[0]);
+  // Where nothing was pruned, the cells do not depend on the threshold that was chosen.
+  for (const std::string_view measure : {kLambda, kDetail}) {
+    const std::vector<double> pruned_at = numbers_or_empty(result.data.field_data, measure);
+    if (result.stage == "core" && !pruned_at.empty() && pruned_at[0] > 0)
+      compare(fmt::format("{}_chosen", measure), pruned_at, pruned_at[0]);
+  }
   cover(check, "field stage");
   if (!wrong.empty()) return failed(name, std::move(wrong));
   for (const std::string& array : check.arrays)

@@ -33,6 +33,27 @@ Check check_lambda(const Result& result, const Sites& sites, VertexSites& vertex
 Check check_pruning(const Result& result, const Sites& sites, VertexSites& vertex_sites, std::size_t samples,
                     Context* context);
 
+/// The vertices where a cell that was dropped can have been: removing cells without changing the topology leaves an
+/// edge in one face only, or the end of a lone edge. All vertices there, and a sample of the others.
+std::vector<std::uint32_t> vertices_to_complete(const Result& result, std::size_t samples);
+
+/// Of a core pruned by detail: every core cell around the vertices of vertices_to_complete() that is certain to have a
+/// detail of at least the threshold is there.
+Check check_detail_pruning(const Result& result, const Sites& sites, VertexSites& vertex_sites, std::size_t samples,
+                           Context* context);
+/// The arrays `detail`: by the cap heights of the file where it has all the cells that a value depends on, elsewhere
+/// bounds.
+Check check_details(const Result& result, const Sites& sites, VertexSites& vertex_sites, Context* context);
+/// The distance of the boundary vertices, all of them, to the balls of the file, and of its prunings for some larger
+/// details, against what is promised; the array `coverage`.
+Check check_coverage(const Result& result, const Sites& sites, Context* context);
+
+/// Height of the cap that a chord of length 2 lambda cuts off a ball.
+double cap_height(double lambda, double radius);
+/// The arrays `cap_height`: of all polygons by their two sites, of a sample by sites that are found here.
+Check check_cap_heights(const Result& result, const Sites& sites, VertexSites& vertex_sites, std::size_t samples,
+                        Context* context);
+
 /// The proximity bound: distance to the true medial axis (docs/user/guarantees.md).
 Check check_proximity(const Result& result, std::size_t samples, Context* context);
 
@@ -53,7 +74,8 @@ std::string array_defect(const Record& data);
 std::vector<std::uint32_t> components(const CellComplex& complex);
 /// The arrays `kind` and `component`.
 Check check_kinds(const Result& result);
-/// Field arrays about the shape: the grid and, where it is given, the longest side; `lambda_chosen`.
+/// Field arrays about the shape: the grid and, where it is given, the longest side; `lambda_chosen`,
+/// `detail_chosen`.
 Check check_fields(const Result& result, const VerifyOptions& options);
 /// The arrays `sites`, `site_a` and `site_b` of all polygons, and their lambda as half the distance of their two sites.
 Check check_sites(const Result& result, const Sites& sites);

@@ -20,16 +20,41 @@ struct Expected {
   bool needed;  ///< without it the file cannot be placed, or checked as what it claims to be
 };
 
-constexpr Expected kOfCores[]{
-    {"point", "radius", true},        {"point", "lambda", true},          {"point", "object_angle", false},
-    {"cell", "kind", false},          {"cell", "component", false},       {"cell", "lambda", true},
-    {"cell", "lambda_level", true},   {"cell", "object_angle", false},    {"cell", "site_a", true},
-    {"cell", "site_b", true},         {"field", "sites", true},           {"field", "dims", true},
-    {"field", "spacing", true},       {"field", "origin", true},          {"field", "direction", true},
-    {"field", "lambda", true},        {"field", "lambda_rule", true},     {"field", "lambda_chosen", false},
-    {"field", "longest_side", false}, {"field", "reconstructed", false},  {"field", "euler", false},
-    {"field", "betti", false},        {"field", "units", false},          {"field", "parameters", false},
-    {"field", "version", false},      {"field", "format_version", false}, {"field", "measures", false}};
+constexpr Expected kOfCores[]{{"point", "radius", true},
+                              {"point", "lambda", true},
+                              {"point", "object_angle", false},
+                              {"cell", "kind", false},
+                              {"cell", "component", false},
+                              {"cell", "lambda", true},
+                              {"cell", "object_angle", false},
+                              {"point", "cap_height", false},
+                              {"cell", "cap_height", false},
+                              {"cell", "site_a", true},
+                              {"cell", "site_b", true},
+                              {"field", "sites", true},
+                              {"field", "dims", true},
+                              {"field", "spacing", true},
+                              {"field", "origin", true},
+                              {"field", "direction", true},
+                              {"field", "lambda_rule", true},
+                              {"field", "longest_side", false},
+                              {"field", "reconstructed", false},
+                              {"field", "euler", false},
+                              {"field", "betti", false},
+                              {"field", "units", false},
+                              {"field", "parameters", false},
+                              {"field", "version", false},
+                              {"field", "format_version", false},
+                              {"field", "measures", false}};
+
+constexpr Expected kOfCoresByLambda[]{
+    {"cell", "lambda_level", true}, {"field", "lambda", true}, {"field", "lambda_chosen", false}};
+constexpr Expected kOfCoresByDetail[]{{"point", "detail", true},
+                                      {"cell", "detail", true},
+                                      {"cell", "detail_level", true},
+                                      {"field", "detail", true},
+                                      {"field", "detail_chosen", false}};
+constexpr Expected kOfPruningsByDetail[]{{"field", "coverage", false}};
 
 // Of cores once they are burned: when there is one of them, all are expected.
 constexpr Expected kOfBurning[]{{"point", "burn_time", false},   {"point", "erosion_thickness", false},
@@ -66,14 +91,18 @@ constexpr Expected kOfSkeletons[]{{"point", "radius", true},
                                   {"field", "format_version", false}};
 
 // Skeletons have these from their core; one of a medial axis of another program has none of them.
-constexpr Expected kOfSkeletonsOfCores[]{
-    {"field", "dims", true},           {"field", "spacing", true},       {"field", "origin", true},
-    {"field", "direction", true},      {"field", "longest_side", false}, {"field", "lambda", false},
-    {"field", "lambda_chosen", false}, {"field", "units", false},        {"field", "parameters", false}};
+constexpr Expected kOfSkeletonsOfCores[]{{"field", "dims", true},          {"field", "spacing", true},
+                                         {"field", "origin", true},        {"field", "direction", true},
+                                         {"field", "longest_side", false}, {"field", "units", false},
+                                         {"field", "parameters", false}};
+constexpr Expected kOfSkeletonsByLambda[]{{"field", "lambda", false}, {"field", "lambda_chosen", false}};
+constexpr Expected kOfSkeletonsByDetail[]{{"field", "detail", false}, {"field", "detail_chosen", false}};
 
 // Arrays by which a skeleton of a core is recognized: other programs may give a medial axis a spacing and an origin.
-constexpr Expected kOnlyOfCores[]{
-    {"field", "dims", true}, {"field", "lambda_chosen", false}, {"field", "parameters", false}};
+constexpr Expected kOnlyOfCores[]{{"field", "dims", true},
+                                  {"field", "lambda_chosen", false},
+                                  {"field", "detail_chosen", false},
+                                  {"field", "parameters", false}};
 
 bool is_there(const Record& data, const Expected& array) {
   const std::string_view of = array.of;
@@ -96,11 +125,17 @@ std::vector<Expected> absent_of(const Result& result) {
   std::vector<Expected> absent;
   if (result.stage == "core") {
     look_for(kOfCores, data, absent);
+    look_for(result.by_detail ? std::span<const Expected>(kOfCoresByDetail) : kOfCoresByLambda, data, absent);
+    if (result.by_detail && result.detail > 0) look_for(kOfPruningsByDetail, data, absent);
     if (has_one_of(kOfBurning, data)) look_for(kOfBurning, data, absent);
     if (has_one_of(kOfSequence, data)) look_for(kOfSequence, data, absent);
   } else if (result.stage == "skeleton") {
     look_for(kOfSkeletons, data, absent);
-    if (has_one_of(kOnlyOfCores, data)) look_for(kOfSkeletonsOfCores, data, absent);
+    if (has_one_of(kOnlyOfCores, data)) {
+      look_for(kOfSkeletonsOfCores, data, absent);
+      const bool by_detail = has_one_of(kOfSkeletonsByDetail, data);
+      look_for(by_detail ? std::span<const Expected>(kOfSkeletonsByDetail) : kOfSkeletonsByLambda, data, absent);
+    }
   } else {
     absent.push_back({"field", "stage", false});
   }
@@ -119,10 +154,12 @@ Check check_expected(const Result& result, const VerifyOptions& options) {
   const std::string name = "arrays";
   if (result.stage.empty()) return not_checked(name, "no FieldData 'stage'");
   std::vector<std::string> needed;
+  const auto is_given = [&](const Expected& array) {
+    return std::string_view(array.of) == "field" &&
+           ((options.lambda && array.name == kLambda) || (options.detail && array.name == kDetail));
+  };
   for (const Expected& array : absent_of(result))
-    if (array.needed &&
-        !(options.lambda && std::string_view(array.of) == "field" && array.name == std::string("lambda")))
-      needed.push_back(fmt::format("{} {}", array.of, array.name));
+    if (array.needed && !is_given(array)) needed.push_back(fmt::format("{} {}", array.of, array.name));
   if (needed.empty()) return {name, true, fmt::format("the file has what a {} needs", result.stage), {}};
   const std::string list = fmt::format("{}", fmt::join(needed, ", "));
   if (!options.format_holds_all)

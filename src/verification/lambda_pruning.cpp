@@ -186,9 +186,7 @@ Check check_lambda(const Result& result, const Sites& sites, VertexSites& vertex
   return check;
 }
 
-// Where a cell may be missing: removing cells without changing the topology leaves an edge in one face only, or the end
-// of a lone edge. All vertices there, and a sample of the others.
-static std::vector<std::uint32_t> vertices_to_complete(const Result& result, std::size_t samples) {
+std::vector<std::uint32_t> vertices_to_complete(const Result& result, std::size_t samples) {
   const CellComplex& complex = result.complex;
   std::vector<std::uint32_t> faces(complex.edges.size(), 0);
   for (std::uint32_t e : complex.face_edges) ++faces[e];

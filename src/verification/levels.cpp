@@ -263,7 +263,7 @@ Check check_levels_of(const std::string& measure, const Result& result, const Si
     return not_checked(name, fmt::format("they need the arrays '{}' of points and cells", measure));
   std::size_t never_go = 0;
   double lowest = never;
-  const double at_least = is_lambda ? result.lambda : 0;
+  const double at_least = is_lambda ? result.lambda : measure == kDetail && result.by_detail ? result.detail : 0;
   for (std::size_t c = 0; c < level.size(); ++c) {
     if (level[c] == kInfiniteLevelInFiles) {
       level[c] = never;
@@ -299,7 +299,7 @@ Check check_levels_of(const std::string& measure, const Result& result, const Si
 std::vector<Check> check_levels(const Result& result, const Sites& sites, VertexSites& vertex_sites, Context* context) {
   std::vector<Check> checks;
   for (const std::string& measure : result.measures)
-    if (measure == kLambda || find_array(result.data.cell_data, measure + "_level"))
+    if ((measure == kLambda && !result.by_detail) || find_array(result.data.cell_data, measure + "_level"))
       checks.push_back(check_levels_of(measure, result, sites, vertex_sites, context));
   if (checks.empty()) checks.push_back(not_checked("nested levels", "no measure with levels"));
   return checks;
@@ -321,12 +321,12 @@ Check check_measures(const Result& result) {
   std::set<std::string> names;
   for (const std::string& measure : result.measures) {
     if (!names.insert(measure).second) return failed(name, fmt::format("the measure '{}' is there twice", measure));
-    // That arrays of these two are missing is said by other checks.
-    const bool written_by_quench = measure == kLambda || measure == "object_angle";
-    if (!written_by_quench && !find_array(data.cell_data, measure) && !find_array(data.cell_data, measure + "_level"))
+    // That arrays of those that Quench writes are missing is said by other checks.
+    if (!is_measure_of_cores(measure) && !find_array(data.cell_data, measure) &&
+        !find_array(data.cell_data, measure + "_level"))
       return failed(name, fmt::format("there is no cell array of '{}', which is a measure of the file", measure));
   }
-  for (const char* measure : {"lambda", "object_angle"})
+  for (const char* measure : kMeasuresOfCores)
     if (!names.contains(measure) && find_array(data.cell_data, measure))
       return failed(name,
                     fmt::format("the measures of the file do not have '{}', of which there is an array", measure));

@@ -131,6 +131,12 @@ bool LambdaOfSites::is_boundary_square(const Ids& cycle) const {
   return flat_axes == 1 && shape_.contains(low[0], low[1], low[2]) != shape_.contains(before[0], before[1], before[2]);
 }
 
+bool LambdaOfSites::has_only_boundary_edges(const Ids& cycle) const {
+  for (std::size_t i = 0; i < cycle.size(); ++i)
+    if (!is_boundary_edge(cycle[i], cycle[(i + 1) % cycle.size()])) return false;
+  return true;
+}
+
 double LambdaOfSites::face(std::uint32_t a, std::uint32_t b) const {
   return 0.5 * unit_ * real(sites_.scaled()[a] - sites_.scaled()[b]).norm();
 }

@@ -25,6 +25,8 @@ class LambdaOfSites {
   bool is_boundary_edge(std::uint32_t a, std::uint32_t b) const;
   /// A unit lattice square between two voxels of which one is in: its dual edge is not in the core.
   bool is_boundary_square(const Ids& cycle) const;
+  /// Whether the dual edge has no face in the core.
+  bool has_only_boundary_edges(const Ids& cycle) const;
 
   double face(std::uint32_t a, std::uint32_t b) const;
   double edge(const Ids& cycle) const;

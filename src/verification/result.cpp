@@ -10,6 +10,10 @@
 
 namespace quench::verification {
 
+bool is_measure_of_cores(std::string_view name) {
+  return std::find(kMeasuresOfCores.begin(), kMeasuresOfCores.end(), name) != kMeasuresOfCores.end();
+}
+
 bool has_numbers(const DataArray& array) { return !std::holds_alternative<std::vector<std::string>>(array.values); }
 
 std::vector<double> numbers_or_empty(const std::vector<DataArray>& arrays, std::string_view name) {
@@ -95,6 +99,13 @@ void Result::parse_arrays(const VerifyOptions& options) {
   lambda_given = options.lambda || !threshold.empty();
   lambda = options.lambda ? *options.lambda : threshold.empty() ? 0 : threshold[0];
   lambda_of_file = !threshold.empty() && threshold[0] == lambda;
+
+  const std::vector<double> details = numbers_or_empty(data.field_data, kDetail);
+  by_detail = options.detail || (!lambda_given && (!details.empty() || find_array(data.cell_data, "detail_level")));
+  detail = options.detail ? *options.detail : details.empty() ? 0 : details[0];
+  detail_of_file = !details.empty() && details[0] == detail;
+  if (detail >= kInfiniteLevelInFiles) detail = std::numeric_limits<double>::infinity();
+  auto_detail = 0.5 * shape.grid().spacing.norm();
 }
 
 void Result::recover_lattice() {

@@ -3,6 +3,7 @@
 
 #include <tbb/parallel_for.h>
 
+#include <array>
 #include <atomic>
 #include <optional>
 #include <string>
@@ -52,6 +53,10 @@ struct Result {
   double lambda = 0;
   bool lambda_given = false;
   bool lambda_of_file = false;  ///< it is that of the file
+  bool by_detail = false;       ///< pruned by detail, not by lambda
+  double detail = 0;            ///< where it was; world units, may be infinite
+  bool detail_of_file = false;  ///< it is that of the file
+  double auto_detail = 0;       ///< half the voxel diagonal, world units
 
   std::string describe_vertex(std::uint32_t vertex) const;
   std::string describe_edge(std::uint32_t edge) const;
@@ -64,6 +69,10 @@ struct Result {
   void recover_lattice();
   void invert_incidences();
 };
+
+/// The measures that Quench writes into files of cores.
+inline constexpr std::array kMeasuresOfCores{"lambda", "object_angle", "cap_height", "detail"};
+bool is_measure_of_cores(std::string_view name);
 
 /// False for an array of strings.
 bool has_numbers(const DataArray& array);

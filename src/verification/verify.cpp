@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "quench/verify.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "base/parallel.h"
@@ -46,6 +48,20 @@ std::string vertex_off_grid(const Result& result) {
   return {};
 }
 
+void refuse_conflicts(const Record& data, const VerifyOptions& options) {
+  if (options.lambda && options.detail)
+    throw Error(ErrorCode::usage, "a medial axis is pruned by lambda or by detail, not by both", "detail");
+  if (text_or_empty(data.field_data, "stage") != "core") return;
+  const auto refuse = [&](bool given, std::string_view measure, std::string_view other) {
+    if (given && find_array(data.field_data, other) && !find_array(data.field_data, measure))
+      throw Error(ErrorCode::usage,
+                  fmt::format("the file says that it was pruned by {1}, and not by {0}", measure, other),
+                  std::string(measure));
+  };
+  refuse(options.lambda.has_value(), kLambda, kDetail);
+  refuse(options.detail.has_value(), kDetail, kLambda);
+}
+
 Certificate examine(const VoxelShape& shape, const Record& data, const VerifyOptions& options, Context* context) {
   Certificate certificate;
   const std::string defect = structural_defect(data);
@@ -74,7 +90,12 @@ Certificate examine(const VoxelShape& shape, const Record& data, const VerifyOpt
   if (result.stage == "core") {
     add(check_voronoi(result, sites, vertex_sites, options.samples, context));
     add(check_lambda(result, sites, vertex_sites, options.samples, context));
-    add(check_pruning(result, sites, vertex_sites, options.samples, context));
+    add(result.by_detail ? check_detail_pruning(result, sites, vertex_sites, options.samples, context)
+                         : check_pruning(result, sites, vertex_sites, options.samples, context));
+    if (result.by_detail) {
+      add(check_details(result, sites, vertex_sites, context));
+      add(check_coverage(result, sites, context));
+    }
   } else {
     const std::string why = result.stage.empty() ? "no FieldData 'stage'" : "the stage is '" + result.stage + "'";
     for (const char* name : {"Voronoi cells", "lambda", "legal pruning"})
@@ -89,6 +110,7 @@ Certificate examine(const VoxelShape& shape, const Record& data, const VerifyOpt
     add(check_measures(result));
   add(check_sites(result, sites));
   add(check_angles(result));
+  add(check_cap_heights(result, sites, vertex_sites, options.samples, context));
   add(check_kinds(result));
   add(check_burning(result));
   if (has_burn_sequence(data)) add(check_burn_sequence(result));
@@ -110,6 +132,7 @@ bool Certificate::passed() const {
 
 Certificate verify(const VoxelShape& shape, const Record& result, const VerifyOptions& options, Context* context) {
   if (shape.empty()) throw Error(ErrorCode::input, "the shape to verify against has no voxels");
+  refuse_conflicts(result, options);
   return base::in_arena(context, [&] { return examine(shape, result, options, context); });
 }
 

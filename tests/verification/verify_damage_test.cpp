@@ -80,8 +80,9 @@ Record burned(Record data, BurnOptions options = {}) {
   return data;
 }
 
-Record skeleton_of(const VoxelShape& shape, double theta2, double theta1, bool parts) {
-  const Record core = burned(core_of(shape, {.pruning = {kLambda, world_length(0.0)}}));
+Record skeleton_of(const VoxelShape& shape, double theta2, double theta1, bool parts,
+                   const pipeline::Pruning& pruning = {kLambda, world_length(0.0)}) {
+  const Record core = burned(core_of(shape, {.pruning = pruning}));
   const MedialAxis axis = medial_axis_of(core);
   const Burning burning = burn(axis.complex, axis.points, axis.radius, {});
   const pipeline::FamilyResult family =
@@ -103,7 +104,12 @@ std::vector<Result> results() {
         core_of(shape, {.pruning = {kLambda, world_length(1.1)}, .rule = LambdaRule::ball, .full = !is_plate}));
     add("burned core",
         burned(core_of(shape, {.pruning = {kLambda, world_length(1.2)}}), {.omega = is_plate ? 0 : 0.3}));
+    add("core by detail", core_of(shape, {}));
+    add("core by larger detail", core_of(shape, {.pruning = {kDetail, world_length(1.9)}}));
+    if (is_plate) add("full core by detail", core_of(shape, {.full = true}));
+    if (!is_plate) add("burned core by detail", burned(core_of(shape, {})));
     add("skeleton", skeleton_of(shape, 0.3, 0.2, false));
+    if (is_plate) add("skeleton of a core by detail", skeleton_of(shape, 0.3, 0.2, false, {}));
     if (!is_plate) add("skeleton in parts", skeleton_of(shape, 0.5, 0, true));
     if (is_plate) add("curves", skeleton_of(shape, kInfinity, 0, false));
     add("curves that topology needs", skeleton_of(shape, kInfinity, kInfinity, false));
@@ -116,6 +122,10 @@ std::string text(const Certificate& certificate) {
   for (const Check& check : certificate.checks)
     all += (check.passed ? "  ok   " : "  FAIL ") + check.name + ": " + check.detail + "\n";
   return all;
+}
+
+bool is_core(const Record& data) {
+  return std::get<std::vector<std::string>>(find_array(data.field_data, "stage")->values)[0] == "core";
 }
 
 std::set<std::string> left_out(const Certificate& certificate) {
@@ -250,6 +260,9 @@ TEST(VerifyDamage, EveryArrayThatIsRemovedIsNoticedOrListed) {
                                      "field direction",
                                      "field sites",
                                      "cell lambda_level",
+                                     "cell detail_level",
+                                     "cell detail",
+                                     "point detail",
                                      "cell site_a",
                                      "cell site_b",
                                      "field theta2",
@@ -258,13 +271,14 @@ TEST(VerifyDamage, EveryArrayThatIsRemovedIsNoticedOrListed) {
                                      "cell curve_level",
                                      "cell erosion_thickness",
                                      "cell curve_erosion_thickness"};
-  const std::set<std::string> needed_of_cores{"field lambda", "field lambda_rule", "point lambda", "cell lambda"};
+  const std::set<std::string> needed_of_cores{"field lambda", "field detail", "field lambda_rule", "point lambda",
+                                              "cell lambda"};
   for (const Result& result : results()) {
     VerifyOptions whole = options_for(result.shape);
     whole.format_holds_all = true;
     const Certificate unchanged = verify(result.shape, result.data, whole);
     EXPECT_TRUE(unchanged.passed() && unchanged.absent.empty()) << result.name << "\n" << text(unchanged);
-    const bool core = find_array(result.data.cell_data, "lambda_level") != nullptr;
+    const bool core = is_core(result.data);
     for (const Arrays& arrays : kArrays)
       for (std::size_t a = 0; a < (result.data.*arrays.list).size(); ++a) {
         Record data = result.data;
@@ -281,7 +295,7 @@ TEST(VerifyDamage, EveryArrayThatIsRemovedIsNoticedOrListed) {
         EXPECT_EQ(check.detail.find("missing: " + name + ";") == 0, fails) << check.detail;
         // A format that does not hold all of them: only what contradicts the cells is a failure.
         if (name.starts_with("field ") && !name.starts_with("field theta") && name != "field lambda" &&
-            name != "field lambda_rule") {
+            name != "field detail" && name != "field lambda_rule") {
           const Certificate of_part = verify(result.shape, data, options_for(result.shape));
           EXPECT_TRUE(of_part.passed()) << result.name << " without " << name << "\n" << text(of_part);
           EXPECT_EQ(of_part.absent, certificate.absent);
@@ -309,7 +323,8 @@ TEST(VerifyDamage, SkeletonsOfOtherProgramsNeedNoLattice) {
 
 TEST(VerifyDamage, NegativeLengthsAreNoticed) {
   for (const Result& result : results())
-    for (const char* name : {"theta2", "theta1", "lambda", "lambda_chosen", "longest_side", "omega", "max_burn_time"})
+    for (const char* name : {"theta2", "theta1", "lambda", "lambda_chosen", "detail", "detail_chosen", "coverage",
+                             "longest_side", "omega", "max_burn_time"})
       for (const double value : {-1.99, std::nan("")}) {
         Record data = result.data;
         bool changed = false;
@@ -351,16 +366,17 @@ TEST(VerifyDamage, PointsFarOutsideTheGridEndAtOnce) {
 
 // What no check can tell may grow only on purpose.
 TEST(VerifyDamage, OnlyTheseArraysAreLeftOut) {
-  const std::set<std::string> of_cores{"point burn_time",   "field omega",   "field propagation",
-                                       "field radius_rule", "field units",   "field lambda_chosen",
-                                       "field parameters",  "field version", "field SPACE"};
+  const std::set<std::string> of_cores{"point burn_time",     "field omega",   "field propagation",
+                                       "field radius_rule",   "field units",   "field lambda_chosen",
+                                       "field detail_chosen", "point detail",  "cell detail",
+                                       "field parameters",    "field version", "field SPACE"};
   std::set<std::string> of_skeletons = of_cores;
   of_skeletons.insert({"point curve_burn_time", "point curve_unburned", "cell erosion_thickness",
                        "cell curve_erosion_thickness", "cell sheet_level", "cell curve_level", "field theta2",
-                       "field theta1", "field lambda"});
+                       "field theta1", "field lambda", "field detail"});
   for (const Result& result : results()) {
     const Certificate certificate = verify(result.shape, result.data, options_for(result.shape));
-    const bool core = find_array(result.data.cell_data, "lambda_level") != nullptr;
+    const bool core = is_core(result.data);
     for (const std::string& name : left_out(certificate))
       EXPECT_TRUE((core ? of_cores : of_skeletons).contains(name)) << result.name << ": " << name;
   }
@@ -394,7 +410,7 @@ TEST(VerifyDamage, ArraysOfOtherProgramsAreNamed) {
 TEST(VerifyDamage, AMovedPointIsNoticed) {
   for (const Result& result : results()) {
     // Of a skeleton only that the radius is right, the polygons plane and all inside.
-    const bool core = find_array(result.data.cell_data, "lambda_level") != nullptr;
+    const bool core = is_core(result.data);
     for (const Vec3& step : {Vec3(core ? 1e-3 : 0.5, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, core ? -1e-4 : -1)}) {
       Record moved = result.data;
       moved.points[moved.points.size() / 2] += step;

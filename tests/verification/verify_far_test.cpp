@@ -30,6 +30,7 @@ VoxelShape at(const VoxelShape& shape, const Vec3& origin, const Vec3& spacing) 
 
 struct Computed {
   Record core;
+  std::vector<Record> cores_by_detail;
   std::vector<Record> skeletons;
 };
 
@@ -38,6 +39,9 @@ Computed compute(const VoxelShape& shape) {
   Computed computed;
   computed.core = pipeline::core_file(pipeline::core_of(pipeline::shape_of(VoxelShape(shape), shape.grid(), {}),
                                                         {.pruning = {kLambda, pipeline::world_length(0.8 * voxel)}}));
+  for (const bool full : {false, true})
+    computed.cores_by_detail.push_back(pipeline::core_file(
+        pipeline::core_of(pipeline::shape_of(VoxelShape(shape), shape.grid(), {}), {.full = full})));
   const MedialAxis axis = medial_axis_of(computed.core);
   const Burning burning = burn(axis.complex, axis.points, axis.radius, {});
   add_burning(computed.core, burning);
@@ -73,6 +77,8 @@ TEST_P(AtDistance, OurResultsPass) {
         const std::string where = fmt::format("seed {}, spacing {}, direction {}", seed, spacing[2], direction[1]);
         const Computed computed = compute(shape);
         EXPECT_EQ(failures(shape, computed.core), "") << where << " core";
+        for (const Record& core : computed.cores_by_detail)
+          EXPECT_EQ(failures(shape, core), "") << where << " core by detail";
         for (std::size_t s = 0; s < computed.skeletons.size(); ++s)
           EXPECT_EQ(failures(shape, computed.skeletons[s]), "") << where << " skeleton " << s;
       }
