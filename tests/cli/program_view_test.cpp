@@ -82,7 +82,11 @@ TEST_F(ViewProgram, RunWritesAPageOfEverything) {
   EXPECT_EQ(p.meta["theta2"], static_cast<double>(0.03F));
   EXPECT_EQ(p.meta["burning"]["propagation"], "segments");
   EXPECT_EQ(p.meta["notes"], nlohmann::json::array());
-  EXPECT_EQ(p.meta["measures"], nlohmann::json::array({{{"name", "lambda"}, {"floor", p.meta["floor"]["lambda"]}}}));
+  EXPECT_EQ(p.meta["pruning"]["measure"], "detail");
+  EXPECT_NEAR(p.meta["pruning"]["threshold"], std::sqrt(0.75) / 16, 1e-7);
+  EXPECT_EQ(p.meta["measures"],
+            nlohmann::json::array({{{"name", "detail"}, {"floor", p.meta["pruning"]["threshold"]}}}));
+  EXPECT_EQ(p.meta["floor"], nlohmann::json::object());
   for (const char* name : {"core/points", "core/face_level", "core/point/burn_time", "core/point/lambda",
                            "skeleton/points", "skeleton/curve_edges", "skeleton/medial_points", "shape/points",
                            "shape/triangles", "shape/sites", "shape/samples"})
@@ -128,6 +132,23 @@ TEST_F(ViewProgram, EveryMeasureOfTheFileHasItsSlider) {
   EXPECT_EQ(p["core/face_level/mine"], p["core/face_level"]);
   EXPECT_EQ(p["core/point/mine"], p["core/point/lambda"]);
   works({"verify", "v.npy", "mine.vtp"});
+  EXPECT_EQ(p.meta["pruning"]["measure"], "lambda");
+  EXPECT_FALSE(p.meta.contains("state"));
+}
+
+TEST_F(ViewProgram, APageStartsWithAThresholdOfAMeasureThatItHas) {
+  REQUIRE_PAGE();
+  make_core();
+  works({"view", "core.vtp", "--lambda", "2vox", "--layer", "core"});
+  EXPECT_EQ(page("core.html").meta["state"], "layer=core&measure=lambda&threshold=2");
+  refuses(2, {"--detail", "does not have", "lambda", "quench core --detail"}, {"view", "core.vtp", "--detail", "1vox"});
+  refuses(2, {"--lambda excludes --detail"}, {"view", "core.vtp", "--detail", "1vox", "--lambda", "1vox"});
+  works({"core", "v.npy", "-o", "clean.vtp"});
+  works({"view", "clean.vtp", "--detail", "1.5abs"});
+  EXPECT_EQ(page("clean.html").meta["state"], "measure=detail&threshold=1.5");
+  refuses(2, {"--lambda", "detail"}, {"view", "clean.vtp", "--lambda", "1vox"});
+  works({"skeleton", "core.vtp", "-o", "skeleton.vtp"});
+  refuses(2, {"--detail", "none in this page"}, {"view", "skeleton.vtp", "--detail", "1vox"});
 }
 
 TEST_F(ViewProgram, AShapeIsReadAsTheFileSays) {
