@@ -91,6 +91,16 @@ def length(value: Length, argument: str) -> str:
     return text
 
 
+def pruning_of(detail: Length, lambda_: Optional[Length]) -> Tuple[str, str]:
+    """The measure to prune by, and "auto" or the text of a length."""
+    automatic = isinstance(detail, str) and detail == 'auto'
+    if lambda_ is None:
+        return 'detail', 'auto' if automatic else length(detail, 'detail')
+    if not automatic:
+        raise error(2, f'lambda_={lambda_!r} and detail={detail!r} are two measures to prune by; give one of them', 'lambda_')
+    return 'lambda', 'auto' if isinstance(lambda_, str) and lambda_ == 'auto' else length(lambda_, 'lambda_')
+
+
 def reals(value: Any, what: str) -> np.ndarray:
     """An array of real numbers as doubles, or an Error: numpy would drop imaginary parts and read numbers in texts."""
     try:

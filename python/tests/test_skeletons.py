@@ -158,10 +158,15 @@ def test_pages(tmp_path):
         meta = json.loads(re.search(r'id="quench-meta">(.*?)</script>', text, re.S).group(1))
         names = {array['name'] for array in meta['arrays']}
         assert meta['title'] == f'page {number}' and 'shape/points' in names
+        assert meta.get('pruning', {}).get('measure') == ('detail' if number < 2 else None)
         assert [layer + '/points' in names for layer in ('core', 'skeleton', 'still')] == \
             [number < 2, number == 1, number == 2]
     axis.save(tmp_path / 'a.vtp')
     quench.read(tmp_path / 'a.vtp').save(tmp_path / 'b.html')
+    assert '"pruning"' in (tmp_path / 'b.html').read_text(encoding='utf-8')
+    axis.save(tmp_path / 'foreign.ma')
+    quench.read(tmp_path / 'foreign.ma').save(tmp_path / 'c.html')
+    assert '"pruning"' not in (tmp_path / 'c.html').read_text(encoding='utf-8')
 
 
 @pytest.mark.parametrize('module', ['trimesh', 'pyvista'])
@@ -201,6 +206,9 @@ def test_labels(order, threads):
         volume = skeleton.to_volume()
         assert volume.shape == image.shape and volume.any() and (image[volume] == label).all()
         assert skeleton.branches()['length'].sum() == pytest.approx(alone.branches()['length'].sum())
+    by_lambda = quench.skeletonize(image, labels=[7], spacing=(1, 2, 0.5), lambda_=0, threads=threads)[7]
+    alone = quench.medial_axis(image == 7, spacing=(1, 2, 0.5), lambda_=0).skeleton('inf')
+    assert np.array_equal(by_lambda.edges, alone.edges) and np.allclose(by_lambda.vertices, alone.vertices)
     assert found[7].topology.betti == (2, 0, 0) and found[12].topology.betti == (1, 0, 1)
 
 
