@@ -85,8 +85,8 @@ def medial_axis(image_or_mesh: Any, *, spacing: Spacing = None, threshold: Optio
     2.598...
     >>> axis.vertices[axis.radius.argmax()][2]  # in the middle of 2 .. 6
     4.0
-    >>> axis.detail, axis.coverage <= 3**0.5  # of a surface without steps, in voxels
-    (0.866..., True)
+    >>> axis.detail, axis.coverage  # half a voxel diagonal, and a whole one: the corners of the plate
+    (0.866..., 1.732...)
     """
     pruning = pruning_of(detail, lambda_)
     if lambda_rule not in ('coface', 'ball'):

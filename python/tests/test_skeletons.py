@@ -42,7 +42,7 @@ def test_sheets_of_a_plate():
     assert len(sheets.faces) > 100 and np.allclose(sheets.vertices[:, 2], 5)
     corner = sheets.vertices[sheets.faces]
     area = np.linalg.norm(np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]), axis=1).sum() / 2
-    assert 200 < area < 30 * 24 and (sheets.erosion_thickness >= skeleton.theta2 - 1e-9).mean() > 0.5
+    assert 150 < area < 30 * 24 and (sheets.erosion_thickness >= skeleton.theta2 - 1e-9).mean() > 0.5
     assert skeleton.topology.betti == (1, 1, 0)
     assert skeleton.verify(), skeleton.verify()
 
