@@ -3,11 +3,12 @@
 import type { Layer, Meta } from "./data";
 import { short, withUnit } from "./format";
 
-interface Measure { label: string; help: string; unit?: string; pruning?: string }
+/// `pruning`: what a pruning by it does. `infinite`: what infinite values mean.
+interface Measure { label: string; help: string; unit?: string; pruning?: string; infinite?: string }
 
 export const MEASURES: Record<string, Measure> = {
   radius: { label: "radius", help: "Distance to the boundary of the shape." },
-  detail: { label: "detail", help: "The largest detail at which the pruning keeps a place.", pruning: "Drops what sticks out less than this" },
+  detail: { label: "detail", help: "The largest detail at which the pruning keeps a place.", pruning: "Drops what sticks out less than this", infinite: "infinite: always kept" },
   cap_height: { label: "cap height", help: "What the shape loses where the axis ends here.", pruning: "Drops cells where the shape loses less than this if the axis ends there" },
   lambda: { label: "λ", help: "Half the largest distance of nearest boundary points around.", pruning: "Drops what is thinner than this radius" },
   burn_time: { label: "burn time", help: "When the fire that starts at the rim of the sheets comes by." },
@@ -31,6 +32,8 @@ export function pruningText({ pruning, unit, voxel }: Meta): string {
   const voxels = voxel && isLength(measure) && Number.isFinite(threshold) ? ` (${short(threshold / voxel)} voxels)` : "";
   return `${labelOf(measure)} = ${withUnit(short(threshold), unitOf(measure, unit))}${voxels}`;
 }
+
+export const infinityOf = (name: string): string => MEASURES[name]?.infinite ?? "infinite: no fire comes";
 
 export const UNIFORM = "none";
 

@@ -116,6 +116,7 @@ describe("the page in a browser", () => {
     const measures = [{ name: "lambda", floor: 0 }, { name: "detail", floor: 0.1 }], pruning = { measure: "detail", threshold: 0.375 };
     const arrays = { ...layerArrays("core", boxCore()), ...layerArrays("skeleton", boxSkeleton()) };
     Object.assign(arrays, otherLevels(arrays, "detail", (v) => v / 8));
+    arrays["core/point/detail"] = ["f32", 1, arrays["core/points"][2].filter((_, i) => i % 3 === 0).map((_, v) => (v === 0 ? Infinity : v / 8))];
     const { page, complaints } = await open(pageOf(template, { measures, pruning }, arrays), "layer=core");
     const faces = async (change) => (await sets(page, change)).faces;
     const start = () => page.evaluate("[window.quench.state.measure, window.quench.state.threshold]");
@@ -140,8 +141,10 @@ describe("the page in a browser", () => {
     assert.match(await page.textContent(".command"), /--lambda 0\.625abs/);
     assert.match(await slider.getAttribute("title"), /thinner than this radius/);
     await page.waitForFunction("location.hash.includes('measure=lambda') && location.hash.includes('threshold=0.625')");
-    await faces({ measure: "detail" });
+    await faces({ measure: "detail", color: "detail" });
     assert.deepEqual(await start(), ["detail", 0.375]);
+    await settled(page);
+    assert.match(await page.textContent(".colour-bar"), /^detail \(mm\).*infinite: always kept/);
     await faces({ measure: "unknown", threshold: 1 });
     assert.deepEqual(await start(), ["detail", 0.375]);
     assert.equal(await faces({ layer: "skeleton", theta2: 0 }), 1);
