@@ -9,7 +9,7 @@ import numpy as np
 
 from . import _core, _export
 from ._common import (Certificate, Length, Path, Progress, Spacing, Topology, calling, deprecated, ending, error, file_name,
-                      length, pruning_of, whole)
+                      length, length_or_auto, pruning_of, whole)
 from ._complex import Complex
 from ._inputs import Cut, Mesh, Volume, read_file, shape_of
 from ._skeleton import Skeleton
@@ -384,7 +384,7 @@ class MedialAxis(Complex):
             raise error(2, f'omega={omega!r} is not a distance between nodes; give a length above 0, or None', 'omega')
         return distance
 
-    def skeleton(self, theta2: Length = 0.03, theta1: Length = 0.02, *, omega: Optional[Length] = None,
+    def skeleton(self, theta2: Length = 'auto', theta1: Length = 'auto', *, omega: Optional[Length] = None,
                  threads: Optional[int] = None, progress: Optional[Progress] = None) -> Skeleton:
         """What of the medial axis matters: sheets of an erosion thickness of at least θ2, and curves of at least θ1.
 
@@ -392,10 +392,12 @@ class MedialAxis(Complex):
 
         Parameters
         ----------
-        theta2 : length
-            Sheets below turn into curves, or go. ``"inf"``: curves only, for roots, vessels, neurons.
-        theta1 : length
-            Branches shorter than about this go. ``"inf"``: what topology needs is left.
+        theta2 : length or "auto"
+            Sheets below turn into curves, or go. ``"inf"``: curves only, for roots, vessels, neurons. "auto": 3 % of the
+            longest side, but no less than three times the automatic detail (2.6 voxels).
+        theta1 : length or "auto"
+            Branches shorter than about this go. ``"inf"``: what topology needs is left. "auto": 2 %, but no less than
+            three times the automatic detail.
         omega : length, optional
             As in :meth:`erosion_thickness`.
 
@@ -413,9 +415,10 @@ class MedialAxis(Complex):
         >>> len(curves.vertices) == len(curves.edges)  # one closed curve
         True
         """
-        thetas = length(theta2, 'theta2'), length(theta1, 'theta1')
+        thetas = length_or_auto(theta2, 'theta2'), length_or_auto(theta1, 'theta1')
         for text, name in zip(thetas, ('theta2', 'theta1')):
-            self._core.resolve(text, name)  # refuses what the axis does not know before anything is burned
+            if text != 'auto':
+                self._core.resolve(text, name)  # refuses what the axis does not know before anything is burned
         distance = self._omega(omega)
         with self._calling(threads, progress) as call:
             return Skeleton(self._core.skeleton(*thetas, distance, *call), self)

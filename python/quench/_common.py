@@ -91,14 +91,18 @@ def length(value: Length, argument: str) -> str:
     return text
 
 
+def length_or_auto(value: Length, argument: str) -> str:
+    return 'auto' if isinstance(value, str) and value == 'auto' else length(value, argument)
+
+
 def pruning_of(detail: Length, lambda_: Optional[Length]) -> Tuple[str, str]:
     """The measure to prune by, and "auto" or the text of a length."""
-    automatic = isinstance(detail, str) and detail == 'auto'
+    by_detail = length_or_auto(detail, 'detail')
     if lambda_ is None:
-        return 'detail', 'auto' if automatic else length(detail, 'detail')
-    if not automatic:
+        return 'detail', by_detail
+    if by_detail != 'auto':
         raise error(2, f'lambda_={lambda_!r} and detail={detail!r} are two measures to prune by; give one of them', 'lambda_')
-    return 'lambda', 'auto' if isinstance(lambda_, str) and lambda_ == 'auto' else length(lambda_, 'lambda_')
+    return 'lambda', length_or_auto(lambda_, 'lambda_')
 
 
 def reals(value: Any, what: str) -> np.ndarray:
