@@ -362,7 +362,7 @@ class MedialAxis(Complex):
         >>> import numpy as np, quench
         >>> plate = np.ones((60, 40, 5), bool)
         >>> et = quench.medial_axis(plate).erosion_thickness()
-        >>> bool(17 < et.max() < 20)  # the fire needs half the width of the plate
+        >>> bool(16.5 < et.max() < 18)  # the fire has 17.5 to go: half the width less the 2.5 to the rim
         True
         """
         return np.asarray(self._burn(omega, threads, progress)[1])
