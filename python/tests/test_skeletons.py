@@ -163,7 +163,8 @@ def test_pages(tmp_path):
             [number < 2, number == 1, number == 2]
     axis.save(tmp_path / 'a.vtp')
     quench.read(tmp_path / 'a.vtp').save(tmp_path / 'b.html')
-    assert '"pruning"' in (tmp_path / 'b.html').read_text(encoding='utf-8')
+    written = (tmp_path / 'b.html').read_text(encoding='utf-8')
+    assert '"pruning"' in written and '"measures": [{"name": "detail"' in written
     axis.save(tmp_path / 'foreign.ma')
     quench.read(tmp_path / 'foreign.ma').save(tmp_path / 'c.html')
     assert '"pruning"' not in (tmp_path / 'c.html').read_text(encoding='utf-8')
