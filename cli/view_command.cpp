@@ -340,7 +340,7 @@ Action add_view(CLI::App& app) {
       ->type_name("NAME")
       ->check(one_of({"skeleton", "core", "still"}))
       ->group(start);
-  app.add_option("--color", o->color, "Array to colour by, e.g. radius, lambda, burn_time, erosion_thickness")
+  app.add_option("--color", o->color, "Array to colour by, e.g. radius, detail, lambda, burn_time, erosion_thickness")
       ->type_name("ARRAY")
       ->group(start);
   app.add_option("--camera", o->camera, "Position, target and up: px,py,pz,tx,ty,tz,ux,uy,uz in world units")
