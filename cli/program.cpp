@@ -30,7 +30,7 @@ constexpr Command kCommands[] = {
     {"voxelize", "Writes the voxel shape of a mesh or a volume",
      "quench voxelize part.stl --resolution 256 -o part.nrrd", computes | writes | reports, add_voxelize},
     {"core", "Computes the medial axis of the voxel shape (its voxel core), pruned",
-     "quench core ct.nrrd --threshold 20 --lambda 2.5vox -o axis.vtp", computes | writes | reports, add_core},
+     "quench core ct.nrrd --threshold 20 --detail 2vox -o axis.vtp", computes | writes | reports, add_core},
     {"burn", "Adds burn time and erosion thickness to a medial axis", "quench burn axis.vtp -o burned.vtp",
      computes | writes | reports, add_burn},
     {"skeleton", "Computes a skeleton of sheets and curves of a medial axis",

@@ -191,8 +191,25 @@ void add_axis(const Options& o, Plan& plan, pipeline::PageBuilder& builder, Json
   if (!page.topology) page.topology = run.skeleton.topology;
 }
 
+/// Refuses to start with a pruning by a measure that the page does not have.
+void check_pruning(const pipeline::Pruning& pruning, const Page& page) {
+  const auto is_its = [&](const PageMeasure& measure) { return measure.name == pruning.measure; };
+  if (!pruning.threshold || std::ranges::any_of(page.measures, is_its)) return;
+  std::string names;
+  for (const PageMeasure& measure : page.measures) names += (names.empty() ? "" : ", ") + measure.name;
+  throw Error(ErrorCode::usage,
+              names.empty()
+                  ? fmt::format("--{} prunes a medial axis with its levels, as 'quench core' and 'quench run' "
+                                "write it, and there is none in this page",
+                                pruning.measure)
+                  : fmt::format("--{0} prunes by levels that this page does not have; it has those of {1} "
+                                "('quench core --{0} ...' makes an axis with them)",
+                                pruning.measure, names));
+}
+
 /// What the page starts with, in the form of its address; refuses what the page does not have.
 std::string state_of(const Options& o, const Page& page, bool has_axis, const std::string& threshold) {
+  check_pruning(o.pruning, page);
   if (!o.layer.empty() && !page.find(o.layer + "/points"))
     throw Error(ErrorCode::usage, fmt::format("there is no layer '{}' in this page", o.layer));
   const std::string layer = !o.layer.empty() ? o.layer : has_axis ? "skeleton" : "still";
@@ -323,7 +340,7 @@ Action add_view(CLI::App& app) {
       ->type_name("NAME")
       ->check(one_of({"skeleton", "core", "still"}))
       ->group(start);
-  app.add_option("--color", o->color, "Array to colour by, e.g. radius, lambda, burn_time, erosion_thickness")
+  app.add_option("--color", o->color, "Array to colour by, e.g. radius, detail, lambda, burn_time, erosion_thickness")
       ->type_name("ARRAY")
       ->group(start);
   app.add_option("--camera", o->camera, "Position, target and up: px,py,pz,tx,ty,tz,ux,uy,uz in world units")

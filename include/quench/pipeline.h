@@ -355,7 +355,7 @@ class PageBuilder {
   /// Side, voxel, unit and topology; surface (of the kept mesh where it was not cleaned), boundary vertices and
   /// samples. The mesh is used up.
   void add_shape(LoadedShape& shape);
-  /// `skeleton_follows`: leaves most of the triangles to it. Cells without levels are there at every lambda.
+  /// `skeleton_follows`: leaves most of the triangles to it. Cells without levels are there at every threshold.
   void add_core(const MedialAxis& axis, const std::vector<DataArray>& measures, bool skeleton_follows);
   void add_skeleton(SkeletonFamily family);
   void add_still(const Record& data);

@@ -9,18 +9,18 @@ import numpy as np
 
 from . import _core, _export
 from ._common import (Certificate, Length, Path, Progress, Spacing, Topology, calling, deprecated, ending, error, file_name,
-                      length, whole)
+                      length, length_or_auto, pruning_of, whole)
 from ._complex import Complex
 from ._inputs import Cut, Mesh, Volume, read_file, shape_of
 from ._skeleton import Skeleton
 
 
 def medial_axis(image_or_mesh: Any, *, spacing: Spacing = None, threshold: Optional[float] = None,
-                label: Optional[int] = None, resolution: Union[int, str] = 256, lambda_: Length = 'auto',
-                invert: bool = False, largest_component: bool = False, min_component: int = 0,
-                fill_cavities: bool = False, subdivide: int = 1, fill: str = 'nonzero', lambda_rule: str = 'coface',
-                threads: int = 0, progress: Progress = False) -> 'MedialAxis':
-    """The medial axis of a shape: its voxel core, pruned by λ without changing its topology.
+                label: Optional[int] = None, resolution: Union[int, str] = 256, detail: Length = 'auto',
+                lambda_: Optional[Length] = None, invert: bool = False, largest_component: bool = False,
+                min_component: int = 0, fill_cavities: bool = False, subdivide: int = 1, fill: str = 'nonzero',
+                lambda_rule: str = 'coface', threads: int = 0, progress: Progress = False) -> 'MedialAxis':
+    """The medial axis of a shape: its voxel core, pruned without changing its topology.
 
     Parameters
     ----------
@@ -36,9 +36,13 @@ def medial_axis(image_or_mesh: Any, *, spacing: Spacing = None, threshold: Optio
     resolution : int or "auto"
         Of meshes: voxels along the longest side of the box; "auto": the fewest of 128, 256 ... 2048 with the topology of
         the mesh.
-    lambda_ : length or "auto"
-        Parts that touch the surface within a ball of this radius are dropped where topology allows. "auto": the largest
-        from 2 % of the longest side down whose balls still fill 98 % of the shape; 0: nothing is dropped.
+    detail : length or "auto"
+        What sticks out less than this is noise, and is dropped where topology allows; every point of the surface of the
+        voxels stays within max(2 detail, a voxel diagonal) of the balls that are kept. "auto": half the voxel diagonal,
+        above which nothing comes from the steps of voxels; 0: nothing is dropped.
+    lambda_ : length or "auto", optional
+        Prunes by another measure instead: parts that touch the surface within a ball of this radius are dropped where
+        topology allows. "auto": the largest from 2 % of the longest side down whose balls still fill 98 % of the shape.
     invert, largest_component, min_component, fill_cavities
         What to do with the shape first: take what is not the shape, keep its largest part only, drop parts of fewer
         voxels, fill closed cavities.
@@ -74,22 +78,23 @@ def medial_axis(image_or_mesh: Any, *, spacing: Spacing = None, threshold: Optio
     >>> import numpy as np, quench
     >>> plate = np.zeros((40, 30, 9), bool)
     >>> plate[2:-2, 2:-2, 2:-2] = True
-    >>> axis = quench.medial_axis(plate, lambda_='2vox')
+    >>> axis = quench.medial_axis(plate)
     >>> axis.topology.betti
     (1, 0, 0)
     >>> float(axis.radius.max())  # of 2.5 to the faces, measured to the corners of voxels
     2.598...
     >>> axis.vertices[axis.radius.argmax()][2]  # in the middle of 2 .. 6
     4.0
+    >>> axis.detail, axis.coverage  # half a voxel diagonal, and a whole one: the corners of the plate
+    (0.866..., 1.732...)
     """
-    if lambda_ != 'auto' or not isinstance(lambda_, str):
-        lambda_ = length(lambda_, 'lambda_')
+    pruning = pruning_of(detail, lambda_)
     if lambda_rule not in ('coface', 'ball'):
         raise error(2, f"lambda_rule={lambda_rule!r} is not one of 'coface', 'ball'", 'lambda_rule')
     cut = Cut(threshold, label, invert, largest_component, min_component, fill_cavities, subdivide, spacing, resolution, fill)
     shape = shape_of(image_or_mesh, cut, threads, progress)
     with calling(threads, progress) as call:
-        return MedialAxis(_core.compute_axis(shape, lambda_, lambda_rule, *call), threads, progress)
+        return MedialAxis(_core.compute_axis(shape, *pruning, lambda_rule, *call), threads, progress)
 
 
 def read(path: Path, *, spacing: Spacing = None, radii: Optional[Path] = None, threads: int = 0,
@@ -158,6 +163,9 @@ class Measures(Mapping[str, Measure]):
         return len(self._core.measure_names())
 
 
+_ARGUMENTS = {'detail': 'detail', 'lambda': 'lambda_'}  # of measures
+
+
 class MedialAxis(Complex):
     """A medial axis: vertices with radii, edges and polygons; made by :func:`medial_axis` or :func:`read`.
 
@@ -180,17 +188,25 @@ class MedialAxis(Complex):
         The polygons as triangles.
     face_polygon : (F,) int32
         The polygon of each triangle.
+    face_detail_level : (F,) float64
+        The largest detail up to which the polygon of each triangle stays; infinite where topology needs it. Also
+        ``edge_detail_level``, ``vertex_detail_level``. Of a medial axis that is pruned by detail.
     face_lambda_level : (F,) float64
-        The largest λ up to which the polygon of each triangle stays; infinite where topology needs it. Also
-        ``edge_lambda_level``, ``vertex_lambda_level``.
+        The same for λ, with ``edge_lambda_level``, ``vertex_lambda_level``. Of a medial axis that is pruned by λ.
     face_lambda : (F,) float64
         λ of the polygon of each triangle: half the distance of its two nearest boundary points. Also ``edge_lambda``,
         ``vertex_lambda``.
     measures : mapping of names to (values, levels)
-        "lambda" and measures that follow from it, such as "object_angle": ``measures['lambda'].levels.polygons`` has a
-        level per polygon, ``.vertices`` and ``.edges`` per vertex and edge. Empty for an axis from a file.
-    lambda_ : float
-        The λ it is pruned with, in the units of the coordinates.
+        "lambda", "detail" where it is pruned by it, and those that follow from λ: "object_angle" and "cap_height" (what
+        the shape loses where the axis ends here). ``measures['lambda'].values.polygons`` has a value per polygon,
+        ``.vertices`` and ``.edges`` per vertex and edge; there are levels of the measure it is pruned by. Empty for an
+        axis from a file.
+    detail : float or None
+        What it is pruned with, in the units of the coordinates; None where it is not pruned by detail.
+    lambda_ : float or None
+        The same for λ.
+    coverage : float or None
+        The largest distance of a boundary vertex of the shape to the balls; known where it is pruned by detail.
     reconstructed : float
         Share of the shape that its balls fill (of a sample of voxels).
     longest_side : float
@@ -220,34 +236,52 @@ class MedialAxis(Complex):
     def measures(self) -> Measures:
         return Measures(self._core)
 
-    def _lambda(self) -> Measure:
-        if 'lambda' not in self.measures:
-            raise error(2, 'a medial axis from a file has no levels of λ here; they are the cell array lambda_level of the file')
-        return self.measures['lambda']
+    def _cells(self, name: str, what: str) -> Cells:
+        """The "values" or "levels" of a measure, or an Error that says where there are some."""
+        if not self.measures:
+            raise error(2, f'a medial axis from a file has no {what} of {name} here; they are arrays of the file')
+        cells = getattr(self.measures[name], what) if name in self.measures else None
+        if cells is None:
+            argument = _ARGUMENTS[name]
+            raise error(2, f'the medial axis is not pruned by {name}, so that there are no {what} of it; '
+                           f'medial_axis(..., {argument}=...) makes one with them', argument)
+        return cells
+
+    @cached_property
+    def face_detail_level(self) -> np.ndarray:
+        return self._cells('detail', 'levels').polygons[self.face_polygon]
+
+    @property
+    def edge_detail_level(self) -> np.ndarray:
+        return self._cells('detail', 'levels').edges
+
+    @property
+    def vertex_detail_level(self) -> np.ndarray:
+        return self._cells('detail', 'levels').vertices
 
     @cached_property
     def face_lambda_level(self) -> np.ndarray:
-        return self._lambda().levels.polygons[self.face_polygon]
+        return self._cells('lambda', 'levels').polygons[self.face_polygon]
 
     @property
     def edge_lambda_level(self) -> np.ndarray:
-        return self._lambda().levels.edges
+        return self._cells('lambda', 'levels').edges
 
     @property
     def vertex_lambda_level(self) -> np.ndarray:
-        return self._lambda().levels.vertices
+        return self._cells('lambda', 'levels').vertices
 
     @cached_property
     def face_lambda(self) -> np.ndarray:
-        return self._lambda().values.polygons[self.face_polygon]
+        return self._cells('lambda', 'values').polygons[self.face_polygon]
 
     @property
     def edge_lambda(self) -> np.ndarray:
-        return self._lambda().values.edges
+        return self._cells('lambda', 'values').edges
 
     @property
     def vertex_lambda(self) -> np.ndarray:
-        return self._lambda().values.vertices
+        return self._cells('lambda', 'values').vertices
 
     @property
     def lambda_level(self) -> np.ndarray:
@@ -256,8 +290,16 @@ class MedialAxis(Complex):
         return self.face_lambda_level
 
     @property
-    def lambda_(self) -> float:
-        return self._core.chosen_lambda
+    def detail(self) -> Optional[float]:
+        return self._core.threshold if self._core.pruned_by == 'detail' else None
+
+    @property
+    def lambda_(self) -> Optional[float]:
+        return self._core.threshold if self._core.pruned_by == 'lambda' else None
+
+    @property
+    def coverage(self) -> Optional[float]:
+        return self._core.coverage
 
     @property
     def reconstructed(self) -> float:
@@ -272,19 +314,33 @@ class MedialAxis(Complex):
         euler, betti = self._core.topology
         return Topology(euler, tuple(betti))
 
-    def pruned(self, lambda_: Length, *, threads: Optional[int] = None,
+    def pruned(self, threshold: Optional[Length] = None, *, detail: Optional[Length] = None,
+               lambda_: Optional[Length] = None, threads: Optional[int] = None,
                progress: Optional[Progress] = None) -> 'MedialAxis':
-        """The same medial axis for a larger λ, without computing it anew.
+        """The same medial axis for a larger threshold of the measure it is pruned by, without computing it anew.
+
+        Parameters
+        ----------
+        threshold : length
+            Of that measure, detail or λ. With the keyword `detail` or `lambda_` one of the other measure is refused.
 
         Examples
         --------
         >>> import numpy as np, quench
-        >>> full = quench.medial_axis(np.ones((30, 20, 8), bool), lambda_=0)
-        >>> len(full.pruned('2vox').vertices) < len(full.vertices)
+        >>> full = quench.medial_axis(np.ones((30, 20, 8), bool), detail=0)
+        >>> len(full.pruned(detail='2vox').vertices) < len(full.vertices)
         True
         """
+        own = _ARGUMENTS[self._core.pruned_by or 'detail']
+        for argument, value in (('detail', detail), ('lambda_', lambda_)):
+            if value is not None and argument != own:
+                raise error(2, f'{argument}={value!r} is of a measure by which this medial axis is not pruned; give {own}, '
+                               f'or compute it with medial_axis(..., {argument}=...)', argument)
+        given = [value for value in (threshold, detail, lambda_) if value is not None]
+        if len(given) != 1:
+            raise error(2, f'pruned() takes one threshold, of {own}; {len(given)} are given', own)
         with self._calling(threads, progress) as call:
-            return MedialAxis(self._core.pruned(length(lambda_, 'lambda_'), *call), self._threads, self._progress)
+            return MedialAxis(self._core.pruned(length(given[0], own), *call), self._threads, self._progress)
 
     def erosion_thickness(self, omega: Optional[Length] = None, *, threads: Optional[int] = None,
                           progress: Optional[Progress] = None) -> np.ndarray:
@@ -307,7 +363,7 @@ class MedialAxis(Complex):
         >>> import numpy as np, quench
         >>> plate = np.ones((60, 40, 5), bool)
         >>> et = quench.medial_axis(plate).erosion_thickness()
-        >>> bool(17 < et.max() < 20)  # the fire needs half the width of the plate
+        >>> bool(16.5 < et.max() < 18)  # the fire has 17.5 to go: half the width less the 2.5 to the rim
         True
         """
         return np.asarray(self._burn(omega, threads, progress)[1])
@@ -329,7 +385,7 @@ class MedialAxis(Complex):
             raise error(2, f'omega={omega!r} is not a distance between nodes; give a length above 0, or None', 'omega')
         return distance
 
-    def skeleton(self, theta2: Length = 0.03, theta1: Length = 0.02, *, omega: Optional[Length] = None,
+    def skeleton(self, theta2: Length = 'auto', theta1: Length = 'auto', *, omega: Optional[Length] = None,
                  threads: Optional[int] = None, progress: Optional[Progress] = None) -> Skeleton:
         """What of the medial axis matters: sheets of an erosion thickness of at least θ2, and curves of at least θ1.
 
@@ -338,10 +394,12 @@ class MedialAxis(Complex):
 
         Parameters
         ----------
-        theta2 : length
-            Sheets below turn into curves, or go. ``"inf"``: curves only, for roots, vessels, neurons.
-        theta1 : length
-            Branches shorter than about this go. ``"inf"``: what topology needs is left.
+        theta2 : length or "auto"
+            Sheets below turn into curves, or go. ``"inf"``: curves only, for roots, vessels, neurons. "auto": 3 % of the
+            longest side, but no less than three times the automatic detail (2.6 voxels).
+        theta1 : length or "auto"
+            Branches shorter than about this go. ``"inf"``: what topology needs is left. "auto": 2 %, but no less than
+            three times the automatic detail.
         omega : length, optional
             As in :meth:`erosion_thickness`.
 
@@ -359,9 +417,10 @@ class MedialAxis(Complex):
         >>> len(curves.vertices) == len(curves.edges)  # one closed curve
         True
         """
-        thetas = length(theta2, 'theta2'), length(theta1, 'theta1')
+        thetas = length_or_auto(theta2, 'theta2'), length_or_auto(theta1, 'theta1')
         for text, name in zip(thetas, ('theta2', 'theta1')):
-            self._core.resolve(text, name)  # refuses what the axis does not know before anything is burned
+            if text != 'auto':
+                self._core.resolve(text, name)  # refuses what the axis does not know before anything is burned
         distance = self._omega(omega)
         with self._calling(threads, progress) as call:
             return Skeleton(self._core.skeleton(*thetas, distance, *call), self)

@@ -91,6 +91,20 @@ def length(value: Length, argument: str) -> str:
     return text
 
 
+def length_or_auto(value: Length, argument: str) -> str:
+    return 'auto' if isinstance(value, str) and value == 'auto' else length(value, argument)
+
+
+def pruning_of(detail: Length, lambda_: Optional[Length]) -> Tuple[str, str]:
+    """The measure to prune by, and "auto" or the text of a length."""
+    by_detail = length_or_auto(detail, 'detail')
+    if lambda_ is None:
+        return 'detail', by_detail
+    if by_detail != 'auto':
+        raise error(2, f'lambda_={lambda_!r} and detail={detail!r} are two measures to prune by; give one of them', 'lambda_')
+    return 'lambda', length_or_auto(lambda_, 'lambda_')
+
+
 def reals(value: Any, what: str) -> np.ndarray:
     """An array of real numbers as doubles, or an Error: numpy would drop imaginary parts and read numbers in texts."""
     try:

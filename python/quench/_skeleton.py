@@ -10,7 +10,7 @@ import numpy as np
 
 from . import _core, _export
 from ._common import (Certificate, Length, Path, Progress, Spacing, Topology, calling, deprecated, ending, error, file_name,
-                      is_path, length, spacing_of, whole)
+                      is_path, length, length_or_auto, pruning_of, spacing_of, whole)
 from ._complex import Complex
 from ._inputs import Volume, image_array, label_of, read_file
 
@@ -338,8 +338,8 @@ class Skeleton(Complex):
 
 
 def skeletonize(image: Any, /, *, spacing: Spacing = None, labels: Union[str, Iterable[int]] = 'all',
-                lambda_: Length = 'auto', theta2: Length = 'inf', theta1: Length = 0.02, threads: int = 0,
-                progress: Progress = False) -> Dict[int, Skeleton]:
+                detail: Length = 'auto', lambda_: Optional[Length] = None, theta2: Length = 'inf',
+                theta1: Length = 'auto', threads: int = 0, progress: Progress = False) -> Dict[int, Skeleton]:
     """The skeleton of every label of a label image, several at a time.
 
     Parameters
@@ -349,7 +349,7 @@ def skeletonize(image: Any, /, *, spacing: Spacing = None, labels: Union[str, It
     spacing : float or three floats, optional
         As in :func:`medial_axis`.
     labels : "all" or ints
-    lambda_, theta2, theta1 : length
+    detail, lambda_, theta2, theta1 : length or "auto"
         As in :func:`medial_axis` and :meth:`MedialAxis.skeleton`. Fractions are those of the longest side of each label.
     threads : int
         Labels worked on at a time; 0: as many as there are processors. No more than memory allows are begun. The result
@@ -370,8 +370,7 @@ def skeletonize(image: Any, /, *, spacing: Spacing = None, labels: Union[str, It
     >>> {label: s.topology.betti for label, s in quench.skeletonize(image).items()}
     {3: (1, 0, 0), 7: (1, 0, 0)}
     """
-    lambda_ = lambda_ if isinstance(lambda_, str) and lambda_ == 'auto' else length(lambda_, 'lambda_')
-    wish = (lambda_, length(theta2, 'theta2'), length(theta1, 'theta1'))
+    wish = (*pruning_of(detail, lambda_), length_or_auto(theta2, 'theta2'), length_or_auto(theta1, 'theta1'))
     if isinstance(labels, str):
         if labels != 'all':
             raise error(2, f"labels={labels!r} is neither 'all' nor a list of labels", 'labels')

@@ -19,6 +19,8 @@ std::shared_ptr<Axis> axis_of_file(Record data, const std::string& file, Context
   result->core.axis = std::move(loaded.axis);
   result->core.longest_side = loaded.scale.longest_side;
   result->core.reconstructed = pipeline::field_number(loaded.data, "reconstructed").value_or(std::nan(""));
+  result->core.coverage = pipeline::field_number(loaded.data, "coverage").value_or(std::nan(""));
+  result->core.threshold = std::nan("");
   for (const std::string_view measure : {kLambda, kDetail})
     if (const auto threshold = pipeline::field_number(loaded.data, std::string(measure).c_str())) {
       result->core.options.pruning.measure = measure;
@@ -116,9 +118,23 @@ void bind_axes(py::module_& m) {
              const auto derived = std::make_shared<const Measure>(derived_measure(a->axis(), name));
              return views(derived, *derived);
            })
-      .def_property_readonly("pruned_by", [](const Pointer& a) { return a->core.options.pruning.measure; })
-      .def_property_readonly("threshold", [](const Pointer& a) { return a->core.threshold; })
-      .def_property_readonly("coverage", [](const Pointer& a) { return a->core.coverage; })
+      // None where a file does not say it, and coverage where it was not measured.
+      .def_property_readonly("pruned_by",
+                             [](const Pointer& a) -> std::optional<std::string_view> {
+                               if (!a->is_pruned()) return {};
+                               return a->core.options.pruning.measure;
+                             })
+      .def_property_readonly("threshold",
+                             [](const Pointer& a) -> std::optional<double> {
+                               if (!a->is_pruned()) return {};
+                               return a->core.threshold;
+                             })
+      .def_property_readonly("coverage",
+                             [](const Pointer& a) -> std::optional<double> {
+                               if (a->core.options.pruning.measure != kDetail || std::isnan(a->core.coverage))
+                                 return {};
+                               return a->core.coverage;
+                             })
       .def_property_readonly("reconstructed", [](const Pointer& a) { return a->core.reconstructed; })
       .def_property_readonly("longest_side", [](const Pointer& a) { return a->core.longest_side; })
       .def_property_readonly("shape", [](const Pointer& a) { return a->shape; })

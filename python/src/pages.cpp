@@ -32,7 +32,7 @@ PageBuilder begin(const Axis& axis, const std::vector<Vec3>& points, const std::
 void write_axis(const Axis& axis, const Fire& fire, const std::optional<std::pair<double, double>>& thetas,
                 const std::string& file) {
   PageBuilder builder = begin(axis, axis.axis().points, file);
-  builder.page.pruning = {std::string(axis.core.options.pruning.measure), axis.core.threshold};
+  if (axis.is_pruned()) builder.page.pruning = {std::string(axis.core.options.pruning.measure), axis.core.threshold};
   builder.page.burning = fire.burning.options;
   if (thetas) {
     builder.page.theta2 = thetas->first;

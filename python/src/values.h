@@ -3,6 +3,7 @@
 // their inputs.
 #pragma once
 
+#include <cmath>
 #include <memory>
 #include <optional>
 #include <string>
@@ -32,13 +33,16 @@ struct Fire {
 
 struct Axis {
   std::shared_ptr<Shape> shape;      ///< none for an axis from a file
-  pipeline::CoreResult core;         ///< of an axis from a file: axis, longest_side, topology, coordinates
+  pipeline::CoreResult core;         ///< of an axis from a file: axis, longest_side, topology, coordinates, and where
+                                     ///< the file says them measure, threshold, reconstructed and coverage; else NaN
   std::optional<Record> file;        ///< of an axis from a file
   Vec3 spacing = Vec3::Zero();       ///< of its voxels, 0 where unknown
   bool voxel_core = true;            ///< radii are distances to points that neighbours share
   std::shared_ptr<const Fire> fire;  ///< the last one; under the interpreter's lock
 
   const MedialAxis& axis() const { return core.axis; }
+  /// Whether measure and threshold of a pruning are known: not of an axis of another program.
+  bool is_pruned() const { return !std::isnan(core.threshold); }
   pipeline::Scale scale() const { return {core.longest_side, spacing.minCoeff(), 0.5 * spacing.norm()}; }
   /// World units of a length such as "0.02" or "2.5vox".
   double resolve(const std::string& text, const std::string& field) const;

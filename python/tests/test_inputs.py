@@ -130,12 +130,18 @@ def test_lengths():
         assert axis.lambda_ == pytest.approx(wanted) and axis.longest_side == side
     skeleton = axis.skeleton('4vox', '2abs')
     assert (skeleton.theta2, skeleton.theta1) == (4, 2)
+    skeleton = quench.medial_axis(image).skeleton()  # of a small shape not 0.03 and 0.02 of its side
+    assert skeleton.theta2 == skeleton.theta1 == pytest.approx(1.5 * math.sqrt(3))
+    skeleton = quench.medial_axis(np.ones((200, 4, 3), bool)).skeleton('auto', theta1='auto')
+    assert (skeleton.theta2, skeleton.theta1) == pytest.approx((6, 4))
     assert quench.medial_axis(image, spacing=(1, 2, 4), lambda_='1vox').lambda_ == 1
     assert quench.medial_axis(image, spacing=(1, 2, 4)).longest_side == 50
-    for bad in (-1, 'x', '3 m', True, None, math.nan, [1]):
-        with pytest.raises(quench.Error) as caught:
-            quench.medial_axis(image, lambda_=bad)
-        assert caught.value.code == 2
+    assert quench.medial_axis(image, spacing=(1, 2, 4), detail='1vox').detail == 1
+    for bad in (-1, 'x', '3 m', True, math.nan, [1]):
+        for argument in ('detail', 'lambda_'):
+            with pytest.raises(quench.Error, match=argument) as caught:
+                quench.medial_axis(image, **{argument: bad})
+            assert caught.value.code == 2
     with pytest.raises(quench.Error):
         axis.skeleton(theta2=-0.1)
     with pytest.raises(quench.Error, match='omega'):
@@ -156,9 +162,73 @@ def test_pruning_later_is_pruning_at_once():
         full.pruned('2vox').pruned('1vox')
 
 
+def test_axes_are_pruned_by_detail_unless_lambda_is_given():
+    image, spacing = blobs(9), np.array([1, 0.5, 2])
+    axis = quench.medial_axis(image, spacing=spacing)
+    diagonal = np.linalg.norm(spacing)
+    assert axis.detail == pytest.approx(diagonal / 2) and axis.lambda_ is None
+    assert 0 <= axis.coverage <= diagonal * (1 + 1e-9)
+    assert same(axis, quench.medial_axis(image, spacing=spacing, detail=f'{axis.detail!r}abs'))
+    other = quench.medial_axis(image, spacing=spacing, lambda_='auto')
+    assert other.lambda_ > 0 and other.detail is None and other.coverage is None
+    assert not same(axis, other) and axis.topology == other.topology
+    whole, by_lambda = (quench.medial_axis(image, **{argument: 0}) for argument in ('detail', 'lambda_'))
+    assert same(whole, by_lambda) and whole.coverage == 0
+    for given in (0, 0.02, '2vox', 'inf'):
+        with pytest.raises(quench.UsageError, match='two measures') as caught:
+            quench.medial_axis(image, detail=given, lambda_='auto')
+        assert caught.value.argument == 'lambda_' and 'detail=' in str(caught.value)
+        with pytest.raises(quench.UsageError, match='two measures'):
+            quench.skeletonize(image, detail=given, lambda_=0)
+
+
+def test_pruning_by_detail_later_is_pruning_at_once():
+    image = blobs(9)
+    full = quench.medial_axis(image, detail=0)
+    for given in ('0.7vox', '1.2vox', 0.1, 'inf'):
+        at_once, later = quench.medial_axis(image, detail=given), full.pruned(detail=given)
+        assert same(later, at_once) and same(full.pruned(given), at_once)
+        assert (later.detail, later.coverage) == (at_once.detail, at_once.coverage)
+        assert at_once.coverage <= max(2 * at_once.detail, math.sqrt(3)) + 1e-9
+        assert (full.vertex_detail_level >= at_once.detail * (1 - 1e-12)).sum() == len(at_once.vertices)
+    assert len(full.face_detail_level) == len(full.faces) and len(full.edge_detail_level) == len(full.edges)
+    with pytest.raises(quench.UsageError, match='^detail=.* is below') as caught:
+        full.pruned('2vox').pruned('1vox')
+    assert caught.value.argument == 'detail'
+
+
+def test_a_threshold_of_the_other_measure_is_refused():
+    by_detail, by_lambda = quench.medial_axis(blobs(9)), quench.medial_axis(blobs(9), lambda_=0)
+    assert same(by_lambda.pruned(lambda_='1vox'), by_lambda.pruned('1vox'))
+    for axis, argument in ((by_detail, 'lambda_'), (by_lambda, 'detail')):
+        with pytest.raises(quench.UsageError, match=f'^{argument}=.*not pruned') as caught:
+            axis.pruned(**{argument: '3vox'})
+        assert caught.value.argument == argument
+    for given in ((), (0.1, 0.1)):
+        with pytest.raises(quench.UsageError, match='one threshold, of detail'):
+            by_detail.pruned(*given[:1], **({'detail': given[1]} if given else {}))
+
+
 def test_measures_have_values_and_levels_by_name():
+    axis = quench.medial_axis(blobs(9), detail=0)
+    assert list(axis.measures) == ['lambda', 'detail', 'object_angle', 'cap_height']
+    values, levels = axis.measures['detail']
+    assert np.array_equal(levels.vertices, axis.vertex_detail_level) and np.array_equal(levels.edges, axis.edge_detail_level)
+    assert np.array_equal(levels.polygons[axis.face_polygon], axis.face_detail_level)
+    assert len(values.polygons) == len(axis.polygons[0]) - 1 and (values.vertices[~np.isinf(levels.vertices)] >= 0).all()
+    height = axis.measures['cap_height']
+    least = np.minimum.reduceat(axis.radius[axis.polygons[1]], axis.polygons[0][:-1])
+    half = np.minimum(axis.measures['lambda'].values.polygons, least)
+    assert height.levels is None and np.allclose(height.values.polygons, least - np.sqrt(least**2 - half**2))
+    assert axis.measures['lambda'].levels is None and len(axis.face_lambda) == len(axis.faces)
+    with pytest.raises(quench.UsageError, match='no levels of it') as caught:
+        axis.face_lambda_level
+    assert caught.value.argument == 'lambda_'
+
     axis = quench.medial_axis(blobs(9), lambda_=0)
-    assert list(axis.measures) == ['lambda', 'object_angle']
+    assert list(axis.measures) == ['lambda', 'object_angle', 'cap_height']
+    with pytest.raises(quench.UsageError, match='not pruned by detail'):
+        axis.vertex_detail_level
     values, levels = axis.measures['lambda']
     assert np.array_equal(levels.vertices, axis.vertex_lambda_level) and np.array_equal(levels.edges, axis.edge_lambda_level)
     assert np.array_equal(levels.polygons[axis.face_polygon], axis.lambda_level)
@@ -238,9 +308,16 @@ def test_what_is_written_is_read(tmp_path):
     back = quench.read(tmp_path / 'a.vtp')
     assert np.allclose(back.erosion_thickness(), axis.erosion_thickness(), atol=1e-4)
     assert len(back.skeleton('inf', '3vox').vertices) > 0
-    for call in (back.verify, back.reconstruct, lambda: back.pruned(1), lambda: back.face_lambda_level):
-        with pytest.raises(quench.Error):
+    assert (back.detail, back.coverage, back.lambda_) == (axis.detail, axis.coverage, None)
+    foreign = quench.read(tmp_path / 'a.ma')
+    assert (foreign.detail, foreign.coverage, foreign.lambda_) == (None, None, None)
+    for call in (back.verify, back.reconstruct, lambda: back.pruned(1), lambda: back.face_lambda_level,
+                 lambda: back.face_detail_level, lambda: foreign.pruned(1)):
+        with pytest.raises(quench.Error, match='from a file'):
             call()
+    quench.medial_axis(blobs(12), lambda_='1vox').save(tmp_path / 'lambda.vtp')
+    back = quench.read(tmp_path / 'lambda.vtp')
+    assert (back.detail, back.coverage, back.lambda_) == (None, None, 1)
     with pytest.raises(quench.Error, match='medial axis already'):
         quench.medial_axis(tmp_path / 'a.vtp')
 

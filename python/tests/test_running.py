@@ -36,7 +36,7 @@ def test_ctrl_c_stops_labels():
     image = np.kron(np.arange(1, 28).reshape(3, 3, 3), np.ones((40, 40, 40), int))
     threading.Timer(0.5, os.kill, (os.getpid(), signal.SIGINT)).start()
     with pytest.raises(KeyboardInterrupt):
-        quench.skeletonize(image, lambda_=0)
+        quench.skeletonize(image, detail=0)
         time.sleep(20)
 
 
@@ -183,7 +183,12 @@ def test_wrong_arguments_are_value_errors():
     image = bent_tube()
     axis = quench.medial_axis(image)
     for call, argument in ((lambda: quench.medial_axis(image, lambda_='2mm'), 'lambda_'),
-                           (lambda: quench.medial_axis(image, lambda_=None), 'lambda_'),
+                           (lambda: quench.medial_axis(image, detail=None), 'detail'),
+                           (lambda: quench.medial_axis(image, detail='2mm'), 'detail'),
+                           (lambda: quench.medial_axis(image, detail=0, lambda_=0), 'lambda_'),
+                           (lambda: quench.skeletonize(image, lambda_='2mm'), 'lambda_'),
+                           (lambda: axis.pruned(lambda_='2vox'), 'lambda_'),
+                           (lambda: axis.pruned(0), 'detail'),
                            (lambda: quench.medial_axis(image, subdivide=65), 'subdivide'),
                            (lambda: quench.medial_axis(image, threads=-1), 'threads'),
                            (lambda: axis.skeleton(theta2='x'), 'theta2'),
@@ -222,7 +227,7 @@ def test_threads_and_progress_of_every_long_call(tmp_path):
 
 
 def test_old_spellings_work_and_warn():
-    axis = quench.medial_axis(bent_tube())
+    axis = quench.medial_axis(bent_tube(), lambda_='auto')
     skeleton = axis.skeleton()
     with pytest.warns(DeprecationWarning, match='face_lambda_level'):
         assert np.array_equal(axis.lambda_level, axis.face_lambda_level)

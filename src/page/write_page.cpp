@@ -84,7 +84,7 @@ std::string meta_of(const Page& page) {
   };
   if (page.pruning)
     put("pruning", fmt::format(R"({{"measure": {}, "threshold": {}}})", json_string(page.pruning->measure),
-                               number(page::rounded_down(page.pruning->threshold))));
+                               number(page.pruning->threshold)));
   if (page.burning)
     put("burning",
         fmt::format(R"({{"omega": {}, "propagation": "segments", "radius": "{}"}})", number(page.burning->omega),

@@ -67,11 +67,11 @@ void PageBuilder::add_core(const MedialAxis& axis, const std::vector<DataArray>&
   leveled.complex = axis.complex;
   leveled.points = axis.points;
   leveled.radius = axis.radius;
-  Measure lambda{std::string(kLambda), {}, {}};
-  lambda.level.vertex.assign(axis.points.size(), kAlways);
-  lambda.level.edge.assign(axis.complex.edges.size(), kAlways);
-  lambda.level.face.assign(axis.complex.face_count(), kAlways);
-  leveled.measures.push_back(std::move(lambda));
+  Measure measure{page.pruning ? page.pruning->measure : std::string(kLambda), {}, {}};
+  measure.level.vertex.assign(axis.points.size(), kAlways);
+  measure.level.edge.assign(axis.complex.edges.size(), kAlways);
+  measure.level.face.assign(axis.complex.face_count(), kAlways);
+  leveled.measures.push_back(std::move(measure));
   take(quench::add_core(page, leveled, measures, share));
 }
 

@@ -82,7 +82,14 @@ TEST_F(ViewProgram, RunWritesAPageOfEverything) {
   EXPECT_EQ(p.meta["theta2"], static_cast<double>(0.03F));
   EXPECT_EQ(p.meta["burning"]["propagation"], "segments");
   EXPECT_EQ(p.meta["notes"], nlohmann::json::array());
-  EXPECT_EQ(p.meta["measures"], nlohmann::json::array({{{"name", "lambda"}, {"floor", p.meta["floor"]["lambda"]}}}));
+  EXPECT_EQ(p.meta["pruning"]["measure"], "detail");
+  const double detail = std::sqrt(0.75) / 16;
+  EXPECT_NEAR(p.meta["pruning"]["threshold"], detail, 1e-15);
+  ASSERT_EQ(p.meta["measures"].size(), 1u);
+  EXPECT_EQ(p.meta["measures"][0]["name"], "detail");
+  EXPECT_NEAR(p.meta["measures"][0]["floor"], detail, 1e-7 * detail);
+  EXPECT_LE(p.meta["measures"][0]["floor"], detail);
+  EXPECT_FALSE(p.meta["floor"].contains("lambda"));
   for (const char* name : {"core/points", "core/face_level", "core/point/burn_time", "core/point/lambda",
                            "skeleton/points", "skeleton/curve_edges", "skeleton/medial_points", "shape/points",
                            "shape/triangles", "shape/sites", "shape/samples"})
@@ -128,6 +135,26 @@ TEST_F(ViewProgram, EveryMeasureOfTheFileHasItsSlider) {
   EXPECT_EQ(p["core/face_level/mine"], p["core/face_level"]);
   EXPECT_EQ(p["core/point/mine"], p["core/point/lambda"]);
   works({"verify", "v.npy", "mine.vtp"});
+  EXPECT_EQ(p.meta["pruning"]["measure"], "lambda");
+  EXPECT_FALSE(p.meta.contains("state"));
+}
+
+TEST_F(ViewProgram, APageStartsWithAThresholdOfAMeasureThatItHas) {
+  REQUIRE_PAGE();
+  make_core();
+  works({"view", "core.vtp", "--lambda", "2vox", "--layer", "core"});
+  EXPECT_EQ(page("core.html").meta["state"], "layer=core&measure=lambda&threshold=2");
+  const auto refuse = [&](const std::vector<std::string>& words, const std::string& file, const std::string& option) {
+    refuses(2, words, {"view", file, option, "1vox", "-o", "refused.html"});
+  };
+  refuse({"--detail", "does not have", "lambda", "quench core --detail"}, "core.vtp", "--detail");
+  works({"core", "v.npy", "-o", "clean.vtp"});
+  works({"view", "clean.vtp", "--detail", "1.5abs"});
+  EXPECT_EQ(page("clean.html").meta["state"], "measure=detail&threshold=1.5");
+  refuse({"--lambda", "does not have", "detail"}, "clean.vtp", "--lambda");
+  works({"skeleton", "core.vtp", "-o", "skeleton.vtp"});
+  refuse({"--detail", "none in this page"}, "skeleton.vtp", "--detail");
+  refuses(2, {"--detail excludes --lambda"}, {"view", "core.vtp", "--detail", "1vox", "--lambda", "1vox"});
 }
 
 TEST_F(ViewProgram, AShapeIsReadAsTheFileSays) {

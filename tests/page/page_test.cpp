@@ -376,7 +376,7 @@ TEST(Page, ArraysComeBackFromTheFile) {
   page.title = "</script><script>alert(\"1\")</script>\\\xC3\xA4\xFF\n";
   page.command = "quench run 'a b.off'";
   page.side = 2.5;
-  page.pruning = {"lambda", 0.1};  // no float
+  page.pruning = {"cap \"height\"", 0.1};  // no float
   page.theta2 = kInfinity;
   page.theta1_floor = 0.25;
   page.origin = {1e6, 0, -3};
@@ -396,7 +396,8 @@ TEST(Page, ArraysComeBackFromTheFile) {
   const Contents contents = testing_page::read_page(html);
   EXPECT_EQ(contents.meta["title"], "</script><script>alert(\"1\")</script>\\\xC3\xA4\xEF\xBF\xBD\n");
   EXPECT_EQ(contents.meta["command"], "quench run 'a b.off'");
-  EXPECT_EQ(contents.meta["lambda"], static_cast<double>(std::nextafter(0.1F, 0.0F)));
+  EXPECT_EQ(contents.meta["pruning"]["measure"], "cap \"height\"");
+  EXPECT_EQ(contents.meta["pruning"]["threshold"], 0.1);
   EXPECT_TRUE(contents.meta["theta2"].is_null());
   EXPECT_FALSE(contents.meta.contains("theta1"));
   EXPECT_EQ(contents.meta["floor"]["theta1"], 0.25);

@@ -68,7 +68,7 @@ export class App {
 
   set(change: Partial<State>): void {
     const before = this.state;
-    const other = change.measure !== undefined && change.measure !== before.measure;
+    const other = change.measure !== undefined && change.measure !== before.measure; // with a threshold of its own
     this.state = sanitize({ ...before, ...(other ? { threshold: NaN } : {}), ...change }, this.page);
     // A range belongs to its measure.
     if (before.color !== this.state.color && change.rangeLow === undefined && change.rangeHigh === undefined) this.state.rangeLow = this.state.rangeHigh = NaN;

@@ -1,18 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
 // The command line that writes what the page shows.
-import type { Page } from "./data";
-import { decimalOf } from "./format";
-import { LAMBDA, type State } from "./state";
+import type { Meta, Page } from "./data";
+import { decimalOf, floor32 } from "./format";
+import type { State } from "./state";
 
 const quoted = (file: string) => (/^[\w.,:+@%/-]+$/.test(file) ? file : `'${file.replaceAll("'", "'\\''")}'`);
 const length = (x: number, levels: Float32Array | null) => (Number.isFinite(x) ? (x === 0 ? "0" : `${decimalOf(x, levels?.includes(x) ?? false)}abs`) : "inf");
+
+/// What a threshold of the core stands for: of the number it was pruned with nothing is in the page that is below.
+function exactThreshold({ pruning }: Meta, { measure, threshold }: State): string | null {
+  return pruning?.measure === measure && threshold > 0 && floor32(pruning.threshold) === threshold && Number.isFinite(threshold) ? `${pruning.threshold}abs` : null;
+}
 
 export function commandOf(page: Page, state: State): string {
   const { meta } = page, layer = page.layers.get(state.layer)!;
   if (state.layer === "skeleton")
     return `quench skeleton ${quoted(meta.files.core ?? "core.vtp")} --theta2 ${length(state.theta2, layer.faceLevel)} --theta1 ${length(state.theta1, layer.curveThickness)} -o skeleton.vtp`;
-  if (state.layer === "core" && state.measure !== LAMBDA) return ""; // no command prunes by another measure
   if (state.layer === "core") {
+    const option = PRUNING_OPTIONS[state.measure];
+    if (option === undefined) return ""; // no command prunes by another measure
     // What the shape was read with (resolution, threshold ...) is in the command of the page.
     const words = meta.command.match(/'[^']*'|"[^"]*"|\S+/g) ?? [];
     const kept: string[] = [];
@@ -21,10 +27,13 @@ export function commandOf(page: Page, state: State): string {
       if (SHAPE_OPTIONS.includes(name)) kept.push(value === undefined ? `${name} ${words[++i] ?? ""}` : words[i]!);
       else if (SHAPE_FLAGS.includes(name)) kept.push(name);
     }
-    return ["quench core", quoted(meta.files.shape ?? "SHAPE"), ...kept, `--lambda ${length(state.lambda, layer.faceLevel)}`, "-o core.vtp"].join(" ");
+    const levels = layer.otherLevels.get(state.measure)?.face ?? layer.faceLevel;
+    const threshold = exactThreshold(meta, state) ?? length(state.threshold, levels);
+    return ["quench core", quoted(meta.files.shape ?? "SHAPE"), ...kept, `${option} ${threshold}`, "-o core.vtp"].join(" ");
   }
   return meta.command;
 }
 
+const PRUNING_OPTIONS: Record<string, string> = { detail: "--detail", lambda: "--lambda" };
 const SHAPE_OPTIONS = ["--resolution", "--fill", "--threshold", "--label", "--spacing", "--min-component", "--subdivide", "--lambda-rule"];
 const SHAPE_FLAGS = ["--invert", "--largest-component", "--fill-cavities"];

@@ -31,11 +31,12 @@ export interface Meta {
   low: [number, number, number];
   high: [number, number, number];
   origin: [number, number, number];
-  lambda?: number;
+  /// Of the axis that was burned.
+  pruning?: { measure: string; threshold: number };
   burning?: { omega?: number; propagation?: string; radius?: string };
   theta2?: number;
   theta1?: number;
-  floor: { lambda: number; theta2: number; theta1: number };
+  floor: { theta2: number; theta1: number };
   /// The faces of `core` are sorted by the first.
   measures: PruningMeasure[];
   topology?: { euler: number; betti: number[] };
@@ -117,8 +118,7 @@ export function readMeta(text: string): Meta {
   const side = length(raw.side);
   if (!low || !high || !side || side <= 0) throw new PageError("This page does not say how large the shape is (side, low, high); write it anew.");
   // null stands for infinity, a missing value for unknown.
-  const lambdaFloor = length(raw.floor?.lambda) ?? 0;
-  const measures = Array.isArray(raw.measures) ? raw.measures.map((m) => ({ name: String(m?.name), floor: length(m?.floor) ?? 0 })) : [{ name: "lambda", floor: lambdaFloor }];
+  const measures = Array.isArray(raw.measures) ? raw.measures.map((m) => ({ name: String(m?.name), floor: length(m?.floor) ?? 0 })) : [];
   const theta = (v: unknown) => (v === null ? Infinity : length(v));
   return {
     format: FORMAT,
@@ -131,11 +131,11 @@ export function readMeta(text: string): Meta {
     low,
     high,
     origin: triple(raw.origin) ?? [0, 0, 0],
-    lambda: length(raw.lambda),
+    pruning: raw.pruning && { measure: String(raw.pruning.measure), threshold: theta(raw.pruning.threshold) ?? 0 },
     burning: raw.burning ?? undefined,
     theta2: theta(raw.theta2),
     theta1: theta(raw.theta1),
-    floor: { lambda: lambdaFloor, theta2: length(raw.floor?.theta2) ?? 0, theta1: length(raw.floor?.theta1) ?? 0 },
+    floor: { theta2: length(raw.floor?.theta2) ?? 0, theta1: length(raw.floor?.theta1) ?? 0 },
     measures,
     topology: raw.topology ?? undefined,
     notes: Array.isArray(raw.notes) ? raw.notes.map(String) : [],
@@ -264,6 +264,7 @@ function readLayer(name: LayerName, find: <T extends Numbers>(name: string, type
   below(corners, vertexCount, `${name}/polygon_corners`);
   below(sides, edgeCount, `${name}/polygon_edges`);
   below(edges, vertexCount, `${name}/edges`);
+  if (name === "core" && meta.measures.length === 0) throw new PageError("This page does not say by which measure its medial axis is pruned; write it anew.");
   const levels = name !== "still";
   const sized = (array: string, count: number, wanted: boolean) => {
     const found = needed(array, Float32Array, wanted);

@@ -4,7 +4,6 @@ import { Vector3 } from "three";
 import { App, type Numbers, type Picked } from "./app";
 import { MAPS, rgb, type Rgb } from "./colours";
 import { PageError, readPage, type Page } from "./data";
-import { labelOf, unitOf } from "./measures";
 import { Stage } from "./scene/stage";
 import { defaults, fromHash, sanitize, toHash, type State } from "./state";
 import { Burner } from "./ui/burner";
@@ -125,7 +124,7 @@ function run(page: Page): void {
     const extra: [string, Rgb][] = [];
     const map = MAPS[s.map] ?? MAPS.viridis!;
     if (s.curves && numbers.curveEdges > 0 && !s.balls && !s.curvesByMeasure && !s.color.startsWith("curve_") && app.range()) extra.push(["curves", rgb(s.map === "diverging" && s.dark ? "ffffff" : map.accent)]);
-    bar.show(labelOf(s.color), unitOf(s.color, page.meta.unit), s.map, ...app.colourRange(), app.range(), extra);
+    bar.show(s.color, page.meta.unit, s.map, ...app.colourRange(), app.range(), extra);
     remember();
   };
   app.onShare = (text) => info.showShare(text);

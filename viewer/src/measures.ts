@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the arrays of the page are called and what they mean.
-import type { Layer } from "./data";
+import type { Layer, Meta } from "./data";
+import { short, withUnit } from "./format";
 
-interface Measure { label: string; help: string; unit?: string }
+/// `pruning`: what a pruning by it does. `infinite`: what infinite values mean.
+interface Measure { label: string; help: string; unit?: string; pruning?: string; infinite?: string }
 
 export const MEASURES: Record<string, Measure> = {
   radius: { label: "radius", help: "Distance to the boundary of the shape." },
-  lambda: { label: "λ", help: "Half the largest distance of nearest boundary points around." },
+  detail: { label: "detail", help: "The largest detail at which the pruning keeps a place.", pruning: "Drops what sticks out less than this", infinite: "infinite: always kept" },
+  cap_height: { label: "cap height", help: "What the shape loses where the axis ends here.", pruning: "Drops cells where the shape loses less than this if the axis ends there" },
+  lambda: { label: "λ", help: "Half the largest distance of nearest boundary points around.", pruning: "Drops what is thinner than this radius" },
   burn_time: { label: "burn time", help: "When the fire that starts at the rim of the sheets comes by." },
   erosion_thickness: { label: "erosion thickness", help: "Burn time − radius: how much longer a place lasts than its radius." },
   object_angle: { label: "object angle", help: "Angle between the nearest boundary points, seen from here.", unit: "°" },
@@ -16,6 +20,20 @@ export const MEASURES: Record<string, Measure> = {
 
 /// Of a measure: lengths but for what says otherwise.
 export const unitOf = (name: string, length: string): string => MEASURES[name]?.unit ?? length;
+export const isLength = (name: string): boolean => MEASURES[name]?.unit === undefined;
+
+/// What pruning by a measure does, for help.
+export const pruningBy = (name: string): string => MEASURES[name]?.pruning ?? `Drops what has a smaller ${labelOf(name)}`;
+
+/// The pruning of the axis that was burned: "detail = 0.36 mm (0.87 voxels)".
+export function pruningText({ pruning, unit, voxel }: Meta): string {
+  if (!pruning) return "";
+  const { measure, threshold } = pruning;
+  const voxels = voxel && isLength(measure) && Number.isFinite(threshold) ? ` (${short(threshold / voxel)} voxels)` : "";
+  return `${labelOf(measure)} = ${withUnit(short(threshold), unitOf(measure, unit))}${voxels}`;
+}
+
+export const infinityOf = (name: string): string => MEASURES[name]?.infinite ?? "infinite: no fire comes";
 
 export const UNIFORM = "none";
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Everything a view consists of, and its form in the address (FORMAT.md, "State in the address").
-import type { LayerName, Page } from "./data";
+import type { LayerName, Meta, Page } from "./data";
 import { decimalOf, exact, floor32, parseLength } from "./format";
 import { measuresOf, UNIFORM } from "./measures";
 
@@ -10,14 +10,11 @@ export interface Camera {
   up: [number, number, number];
 }
 
-export const LAMBDA = "lambda";
-
-export type SheetSlider = "lambda" | "threshold" | "theta2";
+export type SheetSlider = "threshold" | "theta2";
 
 /// The parameter that prunes the sheets of what is shown; a complex without levels has none.
 export function sheetSlider(state: State): SheetSlider | null {
-  if (state.layer === "core") return state.measure === LAMBDA ? "lambda" : "threshold";
-  return state.layer === "skeleton" ? "theta2" : null;
+  return state.layer === "core" ? "threshold" : state.layer === "skeleton" ? "theta2" : null;
 }
 
 export type Axis = "x" | "y" | "z" | "view";
@@ -25,8 +22,7 @@ export type Axis = "x" | "y" | "z" | "view";
 export interface State {
   layer: LayerName;
   measure: string; ///< by which the layer `core` is pruned
-  lambda: number;
-  threshold: number; ///< of another measure than lambda
+  threshold: number; ///< of that measure
   theta2: number;
   theta1: number;
   color: string;
@@ -66,16 +62,27 @@ export function defaultColor(page: Page, name: LayerName): string {
   return names[0] ?? UNIFORM;
 }
 
+/// The threshold of a measure that a page starts with: of that by which the axis was pruned when it was burned, else
+/// all that there is.
+export function startingThreshold(meta: Meta, measure: string): number {
+  const floor = meta.measures.find((m) => m.name === measure)?.floor ?? 0;
+  return meta.pruning?.measure === measure ? Math.max(meta.pruning.threshold, floor) : floor;
+}
+
+function startingMeasure({ measures, pruning }: Meta): string {
+  return (measures.find((m) => m.name === pruning?.measure) ?? measures[0])?.name ?? "";
+}
+
 export function defaults(page: Page, dark: boolean): State {
   const { meta } = page;
   const layer = defaultLayer(page);
   // Without sheets the curves carry the colours.
   const pure = layer === "skeleton" && meta.theta2 === Infinity && page.layers.get(layer)!.measures.has("radius");
+  const measure = startingMeasure(meta);
   const state: State = {
     layer,
-    measure: meta.measures[0]?.name ?? LAMBDA,
-    threshold: 0,
-    lambda: Math.max(meta.lambda ?? 0, meta.floor.lambda),
+    measure,
+    threshold: startingThreshold(meta, measure),
     theta2: Math.max(meta.theta2 ?? 0, meta.floor.theta2),
     theta1: Math.max(meta.theta1 ?? 0, meta.floor.theta1),
     color: pure ? "radius" : defaultColor(page, layer),
@@ -126,8 +133,11 @@ export function sanitize(state: State, page: Page): State {
   if (!page.layers.has(s.layer)) s.layer = defaultLayer(page);
   if (s.color !== UNIFORM && !page.layers.get(s.layer)!.measures.has(s.color)) s.color = defaultColor(page, s.layer);
   const length = (x: number, floor: number) => floor32(Number.isNaN(x) ? floor : Math.max(x, floor));
-  s.lambda = length(s.lambda, page.meta.floor.lambda);
-  if (!page.meta.measures.some((m) => m.name === s.measure)) s.measure = page.meta.measures[0]?.name ?? LAMBDA;
+  if (!page.meta.measures.some((m) => m.name === s.measure)) {
+    s.measure = startingMeasure(page.meta);
+    s.threshold = NaN;
+  }
+  if (Number.isNaN(s.threshold)) s.threshold = startingThreshold(page.meta, s.measure);
   s.threshold = length(s.threshold, page.meta.measures.find((m) => m.name === s.measure)?.floor ?? 0);
   s.theta2 = length(s.theta2, page.meta.floor.theta2);
   s.theta1 = length(s.theta1, page.meta.floor.theta1);
@@ -144,8 +154,9 @@ export function toHash(state: State, base: State, camera: Camera | null): string
   const parts: string[] = [];
   for (const key of Object.keys(base) as (keyof State)[]) {
     const value = state[key];
-    if (SKIPPED.has(key) || Object.is(value, base[key])) continue;
-    const isLength = key === "lambda" || key === "threshold" || key === "theta2" || key === "theta1";
+    const belongs = key === "threshold" && state.measure !== base.measure; // to the measure that is written
+    if (SKIPPED.has(key) || (Object.is(value, base[key]) && !belongs)) continue;
+    const isLength = key === "threshold" || key === "theta2" || key === "theta1";
     parts.push(`${key}=${isLength ? decimalOf(value as number, true) : typeof value === "boolean" ? Number(value) : typeof value === "number" ? exact(value) : encodeURIComponent(value)}`);
   }
   if (state.dark !== base.dark) parts.push(`dark=${Number(state.dark)}`);
@@ -158,7 +169,15 @@ export function fromHash(hash: string, base: State): { state: State; camera: Cam
   const state: State = { ...base };
   const fields = state as unknown as Record<string, string | number | boolean>;
   let camera: Camera | null = null;
-  for (const [key, value] of new URLSearchParams(hash.replace(/^#/, "").replaceAll("+", "%2B"))) {
+  const values = new URLSearchParams(hash.replace(/^#/, "").replaceAll("+", "%2B"));
+  // Addresses of older pages have a parameter of its own for the pruning by lambda.
+  const lambda = values.get("lambda");
+  if (lambda !== null && (values.get("measure") ?? "lambda") === "lambda") {
+    values.set("measure", "lambda");
+    values.set("threshold", lambda);
+  }
+  if ((values.get("measure") ?? base.measure) !== base.measure) state.threshold = NaN; // that of base is of another measure
+  for (const [key, value] of values) {
     if (key === "camera") {
       const n = value.split(",").map(Number);
       if (n.length === 9 && n.every(Number.isFinite))

@@ -22,7 +22,7 @@ export function pack(arrays) {
 /// The two elements; `damage` may change what goes into them.
 export function elements(meta, arrays, damage = {}) {
   const { entries, bytes } = pack(arrays);
-  const whole = { format: 1, title: "test", program: "quench test", command: "quench run box.off -o box", unit: "mm", side: 4, voxel: 0.25, low: [0, 0, 0], high: [4, 2, 2], floor: { lambda: 0, theta2: 0, theta1: 0 }, notes: [], files: { core: "core.vtp", skeleton: "skeleton.vtp", shape: "box.off" }, ...meta, arrays: entries };
+  const whole = { format: 1, title: "test", program: "quench test", command: "quench run box.off -o box", unit: "mm", side: 4, voxel: 0.25, low: [0, 0, 0], high: [4, 2, 2], floor: { theta2: 0, theta1: 0 }, measures: [{ name: "lambda", floor: 0 }], notes: [], files: { core: "core.vtp", skeleton: "skeleton.vtp", shape: "box.off" }, ...meta, arrays: entries };
   const json = JSON.stringify(damage.meta ? damage.meta(whole) : whole).replaceAll("<", "\\u003c");
   const zipped = gzipSync(bytes);
   const data = damage.data ? damage.data(zipped) : zipped.toString("base64");
@@ -156,7 +156,7 @@ export function boxShape() {
       for (let x = 0; x <= 8; ++x) if (x % 8 === 0 || y % 4 === 0 || z % 4 === 0) sites.push(x + 1, y + 1, z + 1);
   for (let z = 0; z < 10; ++z) for (let y = 0; y < 10; ++y) for (let x = 0; x < 20; ++x) samples.push(0.1 + 0.2 * x, 0.1 + 0.2 * y, 0.1 + 0.2 * z);
   return {
-    meta: { sites_to_world: [0.5, 0, 0, -0.5, 0, 0.5, 0, -0.5, 0, 0, 0.5, -0.5], topology: { euler: 1, betti: [1, 0, 0] }, lambda: 0.5, theta2: 0.3, theta1: 0.3 },
+    meta: { sites_to_world: [0.5, 0, 0, -0.5, 0, 0.5, 0, -0.5, 0, 0, 0.5, -0.5], topology: { euler: 1, betti: [1, 0, 0] }, pruning: { measure: "lambda", threshold: 0.5 }, theta2: 0.3, theta1: 0.3 },
     arrays: { "shape/points": ["f32", 3, points.flat()], "shape/triangles": ["u32", 3, triangles.flat()], "shape/sites": ["u16", 3, sites], "shape/samples": ["f32", 3, samples] },
   };
 }

@@ -95,8 +95,8 @@ describe("the page in a browser", () => {
     assert.deepEqual(await at({ theta2: 1, theta1: 0 }), [0, 9, 5, 0]);
     assert.deepEqual(await at({ theta2: Infinity, theta1: Infinity }), [0, 3, 0, 2]);
     assert.deepEqual(await at({ theta2: 0, theta1: 0 }), [1, 8, 4, 0]);
-    assert.deepEqual(await at({ layer: "core", lambda: 0 }), [12, 0, 0, 0]);
-    assert.deepEqual(await at({ lambda: 0.6 }), [8, 0, 0, 0]);
+    assert.deepEqual(await at({ layer: "core", threshold: 0 }), [12, 0, 0, 0]);
+    assert.deepEqual(await at({ threshold: 0.6 }), [8, 0, 0, 0]);
     await at({ layer: "skeleton", theta2: 0, theta1: 0 });
     await settled(page);
     const field = page.locator('[data-id="theta1"] .field');
@@ -112,34 +112,61 @@ describe("the page in a browser", () => {
     await page.close();
   });
 
-  it("the core is pruned by each measure of the page", async () => {
-    const measures = [{ name: "lambda", floor: 0 }, { name: "plate_size", floor: 0.1 }];
+  it("the core is pruned by each measure of the page, from that of its burning on", async () => {
+    const measures = [{ name: "lambda", floor: 0 }, { name: "detail", floor: 0.1 }], pruning = { measure: "detail", threshold: 0.375 };
     const arrays = { ...layerArrays("core", boxCore()), ...layerArrays("skeleton", boxSkeleton()) };
-    Object.assign(arrays, otherLevels(arrays, "plate_size", (v) => v / 8));
-    const { page, complaints } = await open(pageOf(template, { measures }, arrays), "layer=core");
+    Object.assign(arrays, otherLevels(arrays, "detail", (v) => v / 8));
+    arrays["core/point/detail"] = ["f32", 1, arrays["core/points"][2].filter((_, i) => i % 3 === 0).map((_, v) => (v === 0 ? Infinity : v / 8))];
+    const { page, complaints } = await open(pageOf(template, { measures, pruning }, arrays), "layer=core");
     const faces = async (change) => (await sets(page, change)).faces;
-    const expected = (threshold) => arrays["core/face_level/plate_size"][2].filter((x) => x >= threshold).length;
-    assert.equal(await faces({ lambda: 0.625 }), 8);
-    for (const threshold of [0.1, 0.375, 0.75, 1.1]) assert.equal(await faces({ measure: "plate_size", threshold }), expected(threshold), String(threshold));
-    assert.equal(await page.evaluate("window.quench.state.lambda"), 0.625); // each has its own slider
+    const start = () => page.evaluate("[window.quench.state.measure, window.quench.state.threshold]");
+    const expected = (threshold) => arrays["core/face_level/detail"][2].filter((x) => x >= threshold).length;
+    assert.deepEqual(await start(), ["detail", 0.375]);
+    for (const threshold of [0.1, 0.375, 0.75, 1.1]) assert.equal(await faces({ threshold }), expected(threshold), String(threshold));
     await settled(page);
-    assert.match(await page.textContent("#app"), /pruned at plate size = 1\.1/);
-    assert.ok(!(await page.isVisible(".command")));
-    const field = page.locator('[data-id="threshold"] .field');
-    await field.fill("0.375");
-    await field.press("Enter");
-    assert.equal(await faces({}), expected(0.375));
-    await page.waitForFunction("location.hash.includes('measure=plate_size') && location.hash.includes('threshold=0.375')");
-    assert.equal(await faces({ measure: "lambda" }), 8);
-    assert.equal(await faces({ measure: "plate_size" }), expected(0.1)); // a threshold belongs to its measure
-    assert.equal(await faces({ measure: "unknown" }), 8);
+    assert.match(await page.textContent("#app"), /pruned at detail = 1\.1 mm; burn times belong to detail = 0\.375 mm \(1\.5 voxels\)/);
+    assert.match(await page.textContent("#app"), /burned at\s*detail = 0\.375 mm/);
+    assert.match(await page.textContent(".burner"), /pruned at detail = 0\.375 mm/);
+    assert.match(await page.textContent(".command"), /quench core box\.off --detail 1\.1abs -o core\.vtp/);
+    const slider = page.locator('[data-id="threshold"]');
+    assert.match(await slider.textContent(), /^detailmm.*voxels$/);
+    assert.match(await slider.getAttribute("title"), /sticks out less/);
+    await slider.locator(".field").fill("0.75");
+    await slider.locator(".field").press("Enter");
+    assert.equal(await faces({}), expected(0.75));
+    assert.equal(await faces({ measure: "lambda" }), 12); // a threshold belongs to its measure
+    assert.equal(await faces({ threshold: 0.625 }), 8);
+    await settled(page);
+    assert.match(await page.textContent("#app"), /pruned at λ = 0\.625 mm; burn times belong to detail = 0\.375 mm/);
+    assert.match(await page.textContent(".command"), /--lambda 0\.625abs/);
+    assert.match(await slider.getAttribute("title"), /thinner than this radius/);
+    await page.waitForFunction("location.hash.includes('measure=lambda') && location.hash.includes('threshold=0.625')");
+    await faces({ measure: "detail", color: "detail" });
+    assert.deepEqual(await start(), ["detail", 0.375]);
+    await settled(page);
+    assert.match(await page.textContent(".colour-bar"), /^detail \(mm\).*infinite: always kept/);
+    await faces({ measure: "unknown", threshold: 1 });
+    assert.deepEqual(await start(), ["detail", 0.375]);
     assert.equal(await faces({ layer: "skeleton", theta2: 0 }), 1);
     assert.deepEqual(complaints, []);
     await page.close();
   });
 
+  it("a measure that no command prunes by, in degrees", async () => {
+    const measures = [{ name: "lambda", floor: 0 }, { name: "object_angle", floor: 0 }];
+    const arrays = layerArrays("core", boxCore());
+    Object.assign(arrays, otherLevels(arrays, "object_angle", (v) => 15 * v));
+    const { page, complaints } = await open(pageOf(template, { measures }, arrays), "measure=object_angle&threshold=60");
+    await settled(page);
+    assert.match(await page.textContent("#app"), /pruned at object angle = 60°/);
+    assert.ok(!(await page.isVisible(".command")));
+    assert.equal(await page.textContent('[data-id="threshold"]'), "object angle°");
+    assert.deepEqual(complaints, []);
+    await page.close();
+  });
+
   it("picking by number: position, measures, touching points", async () => {
-    const { page, complaints } = await open(boxPage(template), "layer=core&lambda=0");
+    const { page, complaints } = await open(boxPage(template), "layer=core&threshold=0");
     const end = await page.evaluate("window.quench.pick(0)"); // (1, 1, 1), radius 1: one point of each of five faces
     assert.deepEqual(end.position, [1, 1, 1]);
     assert.equal(end.radius, 1);
@@ -159,7 +186,7 @@ describe("the page in a browser", () => {
   it("picking with the mouse finds the vertex under it", async () => {
     for (const projection of ["", "&orthographic=1"]) {
       // From straight above; the inner end of the ridge is in the middle of the free part of the window.
-      const { page } = await open(boxPage(template), `layer=core&lambda=0&ui=0&camera=1,1,12,1,1,1,0,1,0${projection}`);
+      const { page } = await open(boxPage(template), `layer=core&threshold=0&ui=0&camera=1,1,12,1,1,1,0,1,0${projection}`);
       await page.mouse.click(500 + 3, 350 + 2);
       await page.evaluate("window.quench.set({ ui: true })");
       await settled(page);
@@ -169,7 +196,7 @@ describe("the page in a browser", () => {
   });
 
   it("the picture is not blank, differs between colourings, and is the same twice", async () => {
-    const { page, complaints } = await open(boxPage(template), "layer=core&lambda=0&ui=0&color=radius");
+    const { page, complaints } = await open(boxPage(template), "layer=core&threshold=0&ui=0&color=radius");
     const shot = async (change) => {
       await sets(page, change);
       await settled(page);
@@ -197,7 +224,7 @@ describe("the page in a browser", () => {
   });
 
   it("the balls of all of the axis fill the shape, those of less fill less", async () => {
-    const { page } = await open(boxPage(template), "layer=core&lambda=0&balls=1");
+    const { page } = await open(boxPage(template), "layer=core&threshold=0&balls=1");
     await page.waitForFunction("/fill/.test(document.querySelector('.share').textContent)");
     // Two balls of radius 1 in a box of 16, counted with 2000 samples.
     const share = Number(/([\d.]+) %/.exec(await page.textContent(".share"))[1]);
@@ -206,7 +233,7 @@ describe("the page in a browser", () => {
   });
 
   it("burning hides what burned", async () => {
-    const { page, complaints } = await open(boxPage(template), "layer=core&lambda=0&ui=0&shape=0");
+    const { page, complaints } = await open(boxPage(template), "layer=core&threshold=0&ui=0&shape=0");
     const shot = async (change) => (await sets(page, change), await settled(page), page.screenshot());
     const before_ = await shot({}), during = await shot({ burn: true, time: 0.9, burnHides: true }), gone = await shot({ time: 9 });
     assert.notDeepEqual(before_, during);
@@ -220,13 +247,13 @@ describe("the page in a browser", () => {
   });
 
   it("the address is read and written", async () => {
-    const hash = "layer=core&lambda=0.6&color=radius&dark=1&camera=9,8,7,1,1,1,0,0,1";
+    const hash = "layer=core&threshold=0.6&color=radius&dark=1&camera=9,8,7,1,1,1,0,0,1";
     const { page } = await open(boxPage(template), hash);
     const state = await page.evaluate("window.quench.state");
-    assert.deepEqual([state.layer, state.color, state.dark, Math.fround(0.6) - state.lambda < 1e-7], ["core", "radius", true, true]);
+    assert.deepEqual([state.layer, state.color, state.dark, Math.fround(0.6) - state.threshold < 1e-7], ["core", "radius", true, true]);
     assert.equal((await sets(page)).faces, 8);
-    await sets(page, { lambda: 0.8, theta2: Infinity });
-    await page.waitForFunction("location.hash.includes('lambda=0.8') || location.hash.includes('lambda=0.79999')");
+    await sets(page, { threshold: 0.8, theta2: Infinity });
+    await page.waitForFunction("location.hash.includes('threshold=0.8') || location.hash.includes('threshold=0.79999')");
     const written = await page.evaluate("location.hash");
     assert.match(written, /theta2=inf/);
     assert.match(written, /camera=9,8,7,1,1,1,/);
@@ -279,6 +306,7 @@ describe("the page in a browser", () => {
     "missing edges": { change: (a) => { delete a["skeleton/polygon_edges"]; return a; }, says: /polygon_edges is missing/ },
     "missing levels": { change: (a) => { delete a["core/face_level"]; return a; }, says: /face_level is missing/ },
     "missing levels of a measure": { damage: { meta: (m) => ({ ...m, measures: [{ name: "lambda", floor: 0 }, { name: "size", floor: 0 }] }) }, says: /face_level\/size is missing/ },
+    "levels of no measure": { damage: { meta: (m) => ({ ...m, measures: undefined }) }, says: /by which measure/ },
     "levels of another length": { change: (a) => { a["core/edge_level"][2].pop(); return a; }, says: /values for/ },
     "corners beyond the end": { change: (a) => { a["core/polygon_corners"][2][0] = 999; return a; }, says: /beyond its end/ },
     "unsorted faces": { change: (a) => { a["core/face_level"][2].reverse(); return a; }, says: /not sorted/ },
@@ -315,7 +343,7 @@ describe("the page in a browser", () => {
     const m = shape.meta.sites_to_world.slice();
     far.forEach((x, k) => { m[4 * k + 3] += x; });
     const { page } = await open(pageOf(template, { ...shape.meta, sites_to_world: m, origin: far, low: far, high: [far[0] + 4, far[1] + 2, far[2] + 2] }, { ...layerArrays("core", boxCore()), ...layerArrays("skeleton", boxSkeleton()), ...shape.arrays }));
-    const picked = await page.evaluate("(window.quench.set({ layer: 'core', lambda: 0 }), window.quench.pick(0))");
+    const picked = await page.evaluate("(window.quench.set({ layer: 'core', threshold: 0 }), window.quench.pick(0))");
     assert.deepEqual(picked.position, [4000001, -4999999, 251]);
     assert.equal(picked.touching.length, 5);
     await settled(page);

@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { moduleOf } from "./bundle.mjs";
-import { boxCore, boxSkeleton, elements, layerArrays, random } from "./fixture.mjs";
+import { boxCore, boxSkeleton, elements, layerArrays, otherLevels, random } from "./fixture.mjs";
 
 const format = await moduleOf("src/format.ts");
 const { readPage } = await moduleOf("src/data.ts");
@@ -11,8 +11,8 @@ const { commandOf } = await moduleOf("src/command.ts");
 const states = await moduleOf("src/state.ts");
 const { LogScale, histogram } = await moduleOf("src/histogram.ts");
 
-function page(meta = {}) {
-  const html = elements(meta, { ...layerArrays("core", boxCore()), ...layerArrays("skeleton", boxSkeleton()) });
+function page(meta = {}, more = {}) {
+  const html = elements(meta, { ...layerArrays("core", boxCore()), ...layerArrays("skeleton", boxSkeleton()), ...more });
   const [text, base64] = [...html.matchAll(/<script[^>]*>([^<]*)</g)].map((m) => m[1]);
   return readPage({ getElementById: (id) => ({ textContent: id === "quench-meta" ? text : base64 }) });
 }
@@ -40,23 +40,56 @@ test("lengths are the largest float32 not above, and short where that is enough"
 test("the address holds the view", async () => {
   const p = await page({ theta2: null, theta1: 0.4 }), base = states.defaults(p, false);
   assert.deepEqual([base.theta2, base.color, base.curvesByMeasure], [Infinity, "radius", true]); // pure curves carry the colours
-  const state = states.sanitize({ ...base, layer: "core", lambda: 0.3, color: "radius", theta2: 0.7, balls: true, dark: true, ui: false, clipAt: 0.25 }, p);
+  const state = states.sanitize({ ...base, layer: "core", threshold: 0.3, color: "radius", theta2: 0.7, balls: true, dark: true, ui: false, clipAt: 0.25 }, p);
   const camera = { position: [1, 2, 3.5], target: [0, 0, 1], up: [0, 1, 0] };
   const back = states.fromHash(`#${states.toHash(state, base, camera)}`, base);
   assert.deepEqual(back, { state, camera });
   assert.equal(states.toHash(base, base, null), "");
-  const odd = states.fromHash("#theta2=soup&layer=7&color=%00&camera=1,2&nothing=1&lambda=-4", base);
+  const odd = states.fromHash("#theta2=soup&layer=7&color=%00&camera=1,2&nothing=1&threshold=-4", base);
   assert.equal(odd.camera, null);
   assert.deepEqual(states.sanitize(odd.state, p), { ...base, color: "erosion_thickness" });
 });
 
+test("the address says by which measure and how far the core is pruned", async () => {
+  const levels = { ...layerArrays("core", boxCore()), ...layerArrays("skeleton", boxSkeleton()) };
+  const measures = [{ name: "lambda", floor: 0.25 }, { name: "detail", floor: 0.5 }], pruning = { measure: "detail", threshold: 0.75 };
+  const p = await page({ measures, pruning }, otherLevels(levels, "detail", (v) => v / 4));
+  const base = states.defaults(p, false);
+  const at = (hash) => { const s = states.sanitize(states.fromHash(hash, base).state, p); return [s.measure, s.threshold]; };
+  assert.deepEqual([base.measure, base.threshold], ["detail", 0.75]);
+  assert.deepEqual(at(""), ["detail", 0.75]);
+  assert.deepEqual(at("threshold=1.5"), ["detail", 1.5]);
+  assert.deepEqual(at("threshold=0.125"), ["detail", 0.5]); // no less than the floor
+  assert.deepEqual(at("measure=lambda"), ["lambda", 0.25]); // a threshold belongs to its measure
+  assert.deepEqual(at("measure=lambda&threshold=0.75"), ["lambda", 0.75]);
+  assert.deepEqual(at("measure=size&threshold=4"), ["detail", 0.75]);
+  for (const old of ["lambda=1.25", "lambda=1.25&measure=lambda", "layer=core&lambda=1.25&threshold=7"]) assert.deepEqual(at(old), ["lambda", 1.25], old);
+  assert.deepEqual(at("lambda=1.25&measure=detail&threshold=1"), ["detail", 1]);
+  for (const change of [{}, { threshold: 0.5 }, { measure: "lambda", threshold: 0.75 }, { measure: "lambda", threshold: 0.25 }]) {
+    const state = { ...base, ...change };
+    assert.deepEqual(at(states.toHash(state, base, null)), [state.measure, state.threshold]);
+  }
+  const byLambda = states.defaults(await page({ pruning: { measure: "lambda", threshold: null } }), false);
+  assert.deepEqual([byLambda.measure, byLambda.threshold], ["lambda", Infinity]);
+  // Of a layer without the measure that was pruned by, and without a core.
+  const other = states.defaults(await page({ pruning, measures: [{ name: "lambda", floor: 0.25 }] }), false);
+  assert.deepEqual([other.measure, other.threshold], ["lambda", 0.25]);
+});
+
 test("the command line writes what is seen", async () => {
-  const p = await page({ command: "quench run 'my box.nrrd' --threshold 20 --resolution=64 --invert --lambda 0.02 -o x", files: { core: "x/core.vtp", shape: "my box.nrrd" }, lambda: 0.5 });
+  const p = await page({ command: "quench run 'my box.nrrd' --threshold 20 --resolution=64 --invert --lambda 0.02 -o x", files: { core: "x/core.vtp", shape: "my box.nrrd" }, pruning: { measure: "lambda", threshold: 0.5 } });
   const base = states.defaults(p, false);
   const at = (change) => commandOf(p, states.sanitize({ ...base, ...change }, p));
   assert.equal(at({ theta2: 0.25, theta1: Infinity }), "quench skeleton x/core.vtp --theta2 0.25abs --theta1 inf -o skeleton.vtp");
   assert.equal(at({ theta2: 0.6, theta1: 0 }), `quench skeleton x/core.vtp --theta2 0.6abs --theta1 0 -o skeleton.vtp`);
-  assert.equal(at({ layer: "core", lambda: 0.26 }), "quench core 'my box.nrrd' --threshold 20 --resolution=64 --invert --lambda 0.26abs -o core.vtp");
+  assert.equal(at({ layer: "core", threshold: 0.26 }), "quench core 'my box.nrrd' --threshold 20 --resolution=64 --invert --lambda 0.26abs -o core.vtp");
+  const byDetail = await page({ measures: [{ name: "detail", floor: 0.1 }], command: "quench run box.off --detail 2vox -o x" });
+  assert.equal(commandOf(byDetail, { ...states.defaults(byDetail, false), layer: "core" }), "quench core box.off --detail 0.1abs -o core.vtp");
+  const exact = 0.036084391824351615; // no float32
+  const start = await page({ measures: [{ name: "detail", floor: format.floor32(exact) }], pruning: { measure: "detail", threshold: exact } });
+  assert.equal(commandOf(start, { ...states.defaults(start, false), layer: "core" }), `quench core box.off --detail ${exact}abs -o core.vtp`);
+  const byAngle = await page({ measures: [{ name: "object_angle", floor: 0 }] });
+  assert.equal(commandOf(byAngle, { ...states.defaults(byAngle, false), layer: "core" }), "");
 });
 
 test("a logarithmic scale goes there and back", () => {

@@ -66,7 +66,7 @@ const close = (found, expected, tolerance, what) =>
 // `loops`: curves that never burn have no exits for their duals, which the page then draws a little differently.
 const shapes = [
   { name: "fin-on-board", resolution: 48 },
-  { name: "ellipsoid", resolution: 40 },
+  { name: "ellipsoid", resolution: 40, options: ["--lambda", "auto"] },
   { name: "root", resolution: 64, sample: ["--branches", "6"] },
   { name: "four-blobs", resolution: 48 },
   { name: "torus", resolution: 40, loops: true },
@@ -115,11 +115,15 @@ try {
     }
 
     // The core: the same cells, so the same numbers.
+    const [{ name: by, floor }] = meta.measures;
+    assert.deepEqual([meta.measures.length, by], [1, meta.pruning.measure]);
+    // The smallest threshold is that of the pruning, rounded down, or a floor of the page.
+    const isPruning = floor <= meta.pruning.threshold;
     for (const wish of [0, 1.2, 2, 2.5, 5, 1000]) {
-      const lambda = Math.max(Math.fround(wish * meta.voxel), meta.floor.lambda);
-      const found = await sets({ layer: "core", lambda });
-      run("core", file, "--resolution", String(shape.resolution), "--lambda", text(lambda), "-o", "c.obj", "--overwrite");
-      const expected = measure("c.obj"), what = `${shape.name} lambda ${lambda}`;
+      const threshold = Math.max(Math.fround(wish * meta.voxel), floor);
+      const found = await sets({ layer: "core", threshold });
+      run("core", file, "--resolution", String(shape.resolution), `--${by}`, text(threshold === floor && isPruning ? meta.pruning.threshold : threshold), "-o", "c.obj", "--overwrite");
+      const expected = measure("c.obj"), what = `${shape.name} ${by} ${threshold}`;
       assert.equal(found.faces, expected.faces, `${what}: faces`);
       assert.equal(found.edges, expected.edges, `${what}: edges`);
       close(found.area, expected.area, 1e-4 * expected.area, `${what}: area`);

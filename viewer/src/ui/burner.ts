@@ -2,6 +2,7 @@
 // The burning over time: a time slider and a play button.
 import type { App } from "../app";
 import { short, withUnit } from "../format";
+import { pruningText } from "../measures";
 import { el } from "./dom";
 
 const SECONDS = 8; // of the whole animation
@@ -59,7 +60,7 @@ export class Burner {
     this.button.textContent = this.playing ? "❚❚" : "▶";
     if (!this.possible) return void (this.text.textContent = "No burn times in this layer.");
     this.range.value = state.burn ? String(Math.round((state.time / this.end) * 1000)) : "0";
-    const lambda = page.meta.lambda !== undefined ? ` The axis burned was pruned at λ = ${withUnit(short(page.meta.lambda), page.meta.unit)}.` : "";
-    this.text.textContent = state.burn ? `time ${withUnit(short(state.time), page.meta.unit)} of ${short(this.app.burnRange()![1])}.${lambda}` : `Fire starts at the rims of the sheets.${lambda}`;
+    const burned = page.meta.pruning ? ` The axis burned was pruned at ${pruningText(page.meta)}.` : "";
+    this.text.textContent = state.burn ? `time ${withUnit(short(state.time), page.meta.unit)} of ${short(this.app.burnRange()![1])}.${burned}` : `Fire starts at the rims of the sheets.${burned}`;
   }
 }

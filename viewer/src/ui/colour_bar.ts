@@ -2,7 +2,7 @@
 // The colour bar: what colours mean, in world units.
 import { colourAt, css, GREY, INFINITE, type Rgb } from "../colours";
 import { short, ticks, withUnit } from "../format";
-import type { Range } from "../measures";
+import { infinityOf, labelOf, unitOf, type Range } from "../measures";
 import { el, fill, prepare, styleOf } from "./dom";
 
 export class ColourBar {
@@ -13,14 +13,15 @@ export class ColourBar {
 
   constructor() { this.element.append(this.title, this.canvas, this.keys); }
 
-  show(label: string, unit: string, map: string, low: number, high: number, range: Range | null, extra: [string, Rgb][]): void {
+  show(measure: string, lengths: string, map: string, low: number, high: number, range: Range | null, extra: [string, Rgb][]): void {
+    const label = labelOf(measure), unit = unitOf(measure, lengths);
     const swatch = (name: string, rgb: Rgb) => {
       const dot = el("i", "swatch");
       dot.style.background = css(rgb);
       return el("span", "key", dot, name);
     };
     const keys = extra.map(([name, rgb]) => swatch(name, rgb));
-    if (range && range.infinite > 0) keys.push(swatch("infinite: no fire comes", INFINITE));
+    if (range && range.infinite > 0) keys.push(swatch(infinityOf(measure), INFINITE));
     if (range && range.missing > 0) keys.push(swatch(range.finite > 0 ? "no value here" : "no value anywhere", GREY));
     fill(this.keys, ...keys);
     const bar = range !== null && range.finite > 0;

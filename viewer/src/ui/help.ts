@@ -9,7 +9,7 @@ const KEYS: [string, string][] = [
   ["arrow keys", "turn in steps"],
   ["click", "pick a vertex: its ball, its touching points"],
   ["Esc", "clear"],
-  ["[ ]", "λ of the core, θ₂ of the skeleton: less, more"],
+  ["[ ]", "pruning of the medial axis, θ₂ of the skeleton: less, more"],
   ["; '", "θ₁: less, more"],
   ["1 2 3", "skeleton, core, other complex"],
   ["S C E B", "sheets, curves, seams, boundary"],

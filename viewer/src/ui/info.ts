@@ -3,8 +3,8 @@
 import type { Page } from "../data";
 import { counted, short, withUnit } from "../format";
 import type { Numbers, Picked } from "../app";
-import { labelOf, unitOf } from "../measures";
-import { LAMBDA, sheetSlider, type State } from "../state";
+import { labelOf, pruningText, unitOf } from "../measures";
+import type { State } from "../state";
 import { el, fill, rows } from "./dom";
 
 const NAMES = { skeleton: "Skeleton", core: "Medial axis", still: "Complex" };
@@ -26,7 +26,7 @@ export class Info {
     if (meta.topology) facts.push(["shape", topology(meta.topology.betti, meta.topology.euler)]);
     facts.push(["longest side", withUnit(short(meta.side, 4), meta.unit)]);
     if (meta.voxel) facts.push(["voxel", withUnit(short(meta.voxel, 4), meta.unit)]);
-    if (meta.lambda !== undefined) facts.push(["burned at λ", withUnit(short(meta.lambda, 4), meta.unit)]);
+    if (meta.pruning) facts.push(["burned at", pruningText(meta)]);
     if (meta.burning?.omega !== undefined) facts.push(["ω", withUnit(short(meta.burning.omega, 4), meta.unit)]);
     if (meta.burning?.propagation) facts.push(["propagation", meta.burning.propagation]);
     facts.push(["written by", meta.program]);
@@ -67,10 +67,10 @@ export class Info {
       const one = Number.isFinite(state.theta1) ? `curves ≥ ${length(state.theta1)}` : "curves only where topology needs them";
       sentence.push(`${two}, ${one}`);
     } else if (state.layer === "core") {
-      const at = state[sheetSlider(state)!];
-      sentence.push(`pruned at ${labelOf(state.measure)} = ${withUnit(short(at), unitOf(state.measure, unit))}`);
-      if (state.measure === LAMBDA && meta.lambda !== undefined && Math.abs(state.lambda - meta.lambda) > 1e-6 * meta.side && state.color !== "radius" && state.color !== "lambda")
-        sentence.push(`burn times belong to λ = ${length(meta.lambda)}`);
+      sentence.push(`pruned at ${labelOf(state.measure)} = ${withUnit(short(state.threshold), unitOf(state.measure, unit))}`);
+      const burned = meta.pruning, isBurning = state.color === "burn_time" || state.color === "erosion_thickness";
+      if (burned && isBurning && (state.measure !== burned.measure || Math.abs(state.threshold - burned.threshold) > 1e-6 * meta.side))
+        sentence.push(`burn times belong to ${pruningText(meta)}`);
     }
     fill(this.what, el("b", "", NAMES[state.layer]), sentence.length ? `: ${sentence.join("; ")}.` : "");
     const entries: [string, string][] = [];

@@ -4,18 +4,13 @@ import GUI, { type Controller } from "lil-gui";
 import type { App } from "../app";
 import { MAPS } from "../colours";
 import type { LayerName } from "../data";
-import { labelOf, measuresOf, UNIFORM } from "../measures";
+import { isLength, labelOf, measuresOf, pruningBy, UNIFORM, unitOf } from "../measures";
 import { sheetSlider, type SheetSlider, type State } from "../state";
 import type { Burner } from "./burner";
 import { el } from "./dom";
 import { LengthSlider } from "./slider";
 
 export interface Actions { screenshot: () => void; reset: () => void }
-
-const HELP: Partial<Record<SliderId, string>> = {
-  lambda: "Prunes what is thinner than this radius",
-  theta2: "Drops sheets whose erosion thickness is smaller",
-};
 
 const LAYERS: Record<LayerName, string> = { skeleton: "skeleton", core: "medial axis", still: "complex" };
 
@@ -120,8 +115,9 @@ export class Panel {
     const existing = this.sliders.get(this.keyOf(id));
     if (existing) return existing.slider;
     const { meta } = this.app.page, { sets } = this.app.shown(), { layer } = sets, { measure } = this.app.state;
-    const floor = id === "threshold" ? meta.measures.find((m) => m.name === measure)!.floor : meta.floor[id];
-    const common = { id, meta, floor, changed: (x: number) => this.app.set({ [id]: x }) };
+    const ofCore = id === "threshold";
+    const floor = ofCore ? meta.measures.find((m) => m.name === measure)!.floor : meta.floor[id];
+    const common = { id, meta, floor, unit: ofCore ? unitOf(measure, meta.unit) : meta.unit, isLength: !ofCore || isLength(measure), changed: (x: number) => this.app.set({ [id]: x }) };
     let slider: LengthSlider | null = null;
     if (id === "theta1") {
       if (!layer.curveEdges || !layer.curveThickness) return null;
@@ -129,8 +125,8 @@ export class Panel {
       slider = new LengthSlider({ ...common, label: "θ₁ curves", help: "Prunes curves whose erosion thickness is smaller, from their free ends. Histogram: length of curves.", infinite: true, values: layer.curveThickness, weight: (i) => sets.edgeLength(edges[i]!) });
     } else if (layer.faceLevel)
       slider = new LengthSlider({
-        ...common, label: id === "theta2" ? "θ₂ sheets" : labelOf(measure), infinite: id === "theta2", values: layer.faceLevel, weight: (f) => sets.faceArea(f),
-        help: `${HELP[id] ?? `Prunes what has a smaller ${labelOf(measure)}`}, where the topology allows. Histogram: area of sheets.`,
+        ...common, label: ofCore ? labelOf(measure) : "θ₂ sheets", infinite: !ofCore, values: layer.faceLevel, weight: (f) => sets.faceArea(f),
+        help: `${ofCore ? pruningBy(measure) : "Drops sheets whose erosion thickness is smaller"}, where the topology allows. Histogram: area of sheets.`,
       });
     if (slider) this.sliders.set(this.keyOf(id), { id, slider });
     return slider;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A slider for a length with the histogram of what it cuts: number field in world units, the same in % and voxels.
+// A slider for a threshold with the histogram of what it cuts: number field in world units, of lengths the same in % and
+// voxels.
 import type { Meta } from "../data";
 import { exact, parseLength, short } from "../format";
 import { histogram, LogScale } from "../histogram";
@@ -12,6 +13,8 @@ export interface SliderOptions {
   label: string;
   help: string;
   meta: Meta;
+  unit: string;
+  isLength: boolean;
   floor: number;
   values: Float32Array; ///< what is compared
   weight: (i: number) => number;
@@ -49,13 +52,13 @@ export class LengthSlider {
     this.field.type = "text";
     this.field.inputMode = "decimal";
     this.field.spellcheck = false;
-    this.field.setAttribute("aria-label", `${options.label}${meta.unit ? ` in ${meta.unit}` : ""}`);
+    this.field.setAttribute("aria-label", `${options.label}${options.unit ? ` in ${options.unit}` : ""}`);
     this.field.addEventListener("change", () => {
       const x = parseLength(this.field.value);
       if (Number.isNaN(x)) this.show(this.value);
       else options.changed(Math.max(x, options.floor));
     });
-    const head = el("div", "slider-head", el("label", "slider-label", options.label), this.field, el("span", "unit", meta.unit));
+    const head = el("div", "slider-head", el("label", "slider-label", options.label), this.field, el("span", "unit", options.unit));
     this.element = el("div", "slider", head, el("div", "slider-body", this.canvas, this.range), this.others);
     this.element.dataset.id = options.id;
     this.element.title = options.help;
@@ -65,10 +68,10 @@ export class LengthSlider {
     this.value = x;
     this.range.value = String(Math.round(this.scale.position(x) * STEPS));
     if (document.activeElement !== this.field) this.field.value = Number.isFinite(x) ? String(Number(exact(x)).toPrecision(4)).replace(/\.?0+$/, (z) => (z.startsWith(".") ? "" : z)) : "inf";
-    const { meta } = this.options;
-    const parts = Number.isFinite(x) ? [`${short((100 * x) / meta.side)} % of the side`] : ["infinite"];
-    if (meta.voxel && Number.isFinite(x)) parts.push(`${short(x / meta.voxel)} voxels`);
-    if (x === this.options.floor && x > 0) parts.push("least in this page");
+    const { meta, isLength, floor } = this.options, parts: string[] = [];
+    if (!Number.isFinite(x)) parts.push("infinite");
+    else if (isLength) parts.push(`${short((100 * x) / meta.side)} % of the side`, ...(meta.voxel ? [`${short(x / meta.voxel)} voxels`] : []));
+    if (x === floor && x > 0) parts.push("least in this page");
     this.others.textContent = parts.join(" · ");
     this.draw();
   }
