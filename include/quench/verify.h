@@ -37,9 +37,9 @@ struct Certificate {
 };
 
 struct VerifyOptions {
-  std::optional<double> lambda;  ///< world units; default: the result's FieldData, else 0
-  std::optional<double> detail;  ///< the same of a core pruned by detail; not both
-  std::size_t samples = 20000;   ///< cells per sampled check
+  std::optional<double> lambda = std::nullopt;  ///< world units; default: the result's FieldData, else 0
+  std::optional<double> detail = std::nullopt;  ///< the same of a core pruned by detail; not both
+  std::size_t samples = 20000;                  ///< cells per sampled check
   std::optional<double> longest_side =
       std::nullopt;  ///< of what the voxel shape was made of; without it that array is not checked
   /// The result was written in full and in a format that holds all arrays (VTP): it is an error when an array is absent

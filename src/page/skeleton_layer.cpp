@@ -236,14 +236,14 @@ std::size_t add_skeleton(Page& page, SkeletonFamily family, std::size_t max_tria
                                      page::length_text(page, least_theta2), page::length_text(page, least_theta1)));
   if (*page.theta2_floor > least_theta2)
     page.notes.push_back(
-        fmt::format("The skeleton's sheets are shown from theta2 {} on, {} of their {} parts; what goes before is "
-                    "left out of this page{}",
+        fmt::format("The skeleton's sheets are shown from theta2 {} on, {} of their {} parts; the rest is left out "
+                    "of this page{}",
                     page::floor_text(page, *page.theta2_floor), page::count_text(cells.faces.size()),
                     page::count_text(parts), page::limit_text(page)));
   if (*page.theta1_floor > least_theta1)
     page.notes.push_back(
-        fmt::format("The skeleton's curves are shown from theta1 {} on, {} of {} pieces off the sheets; what goes "
-                    "before is left out of this page{}",
+        fmt::format("The skeleton's curves are shown from theta1 {} on, {} of {} pieces off the sheets; the rest is "
+                    "left out of this page{}",
                     page::floor_text(page, *page.theta1_floor), page::count_text(curves_shown),
                     page::count_text(curves), page::limit_text(page)));
   const auto raise = [&](std::optional<double>& start, double least, const char* name) {

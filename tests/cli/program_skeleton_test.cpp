@@ -322,7 +322,8 @@ TEST_F(SkeletonProgram, TypesOfSwcSamples) {
 TEST_F(SkeletonProgram, RootSmoothingAndResampling) {
   make_core();
   const auto swc = [&](std::vector<std::string> more) {
-    more.insert(more.begin(), {"core.vtp", "--theta2", "inf", "-o", "a.vtp", "--swc", "a.swc", "--overwrite"});
+    more.insert(more.begin(),
+                {"core.vtp", "--theta2", "inf", "--theta1", "0.02", "-o", "a.vtp", "--swc", "a.swc", "--overwrite"});
     skeleton(more);
     return swc_rows(bytes("a.swc"));
   };

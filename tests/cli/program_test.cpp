@@ -110,7 +110,7 @@ TEST_F(Program, RunWritesAxisAndReport) {
     EXPECT_TRUE(has(report, fmt::format("\n  \"{}\": ", section))) << section;
   for (const char* member : {"file",     "kind",     "euler", "components",    "dims",
                              "spacing",  "voxels",   "sites", "betti",         "voxelization_changed_topology",
-                             "vertices", "edges",    "faces", "reconstructed", "lambda",
+                             "vertices", "edges",    "faces", "reconstructed", "detail",
                              "voxelize", "delaunay", "prune", "write",         "total"})
     EXPECT_TRUE(has(report, fmt::format("\n    \"{}\": ", member))) << member;
   works({"run", "a shape.ply", "--resolution", "24", "-o", "new/my result", "--overwrite", "--quiet"});
@@ -147,7 +147,7 @@ TEST_F(Program, Info) {
   const auto axis = works({"info", "axis.vtp"});
   for (const char* part : {"kind: medial axis\n", "betti: [1,0,0]", "radius: type float64"})
     EXPECT_TRUE(has(axis.out, part)) << part << axis.out;
-  EXPECT_TRUE(has(works({"info", "axis.vtp", "--json"}).out, "\"lambda_level\""));
+  EXPECT_TRUE(has(works({"info", "axis.vtp", "--json"}).out, "\"detail_level\""));
 }
 
 TEST_F(Program, InfoOfNumbersThatAreNone) {
@@ -179,7 +179,7 @@ TEST_F(Program, ConvertKeepsVerticesAndRadii) {
 
 TEST_F(Program, VerifyFindsSabotage) {
   works({"sample", "box", "-o", "box.ply"});
-  works({"core", "box.ply", "--resolution", "20", "-o", "a.vtp"});
+  works({"core", "box.ply", "--resolution", "20", "--lambda", "auto", "-o", "a.vtp"});
   works({"core", "box.ply", "--resolution", "20", "--lambda", "2vox", "-o", "a.ply"});
   EXPECT_TRUE(has(works({"verify", "box.ply", "a.vtp"}).out, "a.vtp: verified\n"));
   const auto json = works({"verify", "box.ply", "a.vtp", "--json", "-"});

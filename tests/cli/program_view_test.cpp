@@ -79,9 +79,11 @@ TEST_F(ViewProgram, RunWritesAPageOfEverything) {
   EXPECT_EQ(p.meta["voxel"], 1.0 / 16);
   EXPECT_EQ(p.meta["topology"]["euler"], 1);
   EXPECT_EQ(p.meta["files"]["core"], "out/core.vtp");
-  EXPECT_EQ(p.meta["theta2"], static_cast<double>(0.03F));
+  EXPECT_NEAR(p.meta["theta2"], 3 * std::sqrt(0.75) / 16, 1e-7);  // the smallest automatic one
   EXPECT_EQ(p.meta["burning"]["propagation"], "segments");
-  EXPECT_EQ(p.meta["notes"], nlohmann::json::array());
+  EXPECT_EQ(
+      p.meta["notes"],
+      nlohmann::json::array({"The skeletons of this page begin at theta2 = 0.0625 and theta1 = 0.0625"}));  // a voxel
   EXPECT_EQ(p.meta["pruning"]["measure"], "detail");
   const double detail = std::sqrt(0.75) / 16;
   EXPECT_NEAR(p.meta["pruning"]["threshold"], detail, 1e-15);
