@@ -24,7 +24,7 @@ parser.add_argument('-o', '--output', type=pathlib.Path, default='.')
 options = parser.parse_args()
 options.output.mkdir(parents=True, exist_ok=True)
 
-mesh = quench.read(options.mesh) if options.mesh else quench.sample('fin-on-board', detail=0.35)
+mesh = quench.read(options.mesh) if options.mesh else quench.sample('fin-on-board', fineness=0.35)
 axis = quench.medial_axis(mesh, resolution=options.resolution, lambda_='1vox')
 voxel = axis.longest_side / options.resolution
 

@@ -242,7 +242,7 @@ def read_file(path: Path, spacing: Spacing, radii: Optional[Path],
     return Mesh(np.asarray(found[0]), np.asarray(found[1])) if isinstance(found, tuple) else found
 
 
-def sample(name: str, *, noise: float = 0, seed: int = 1, branches: int = 60, detail: float = 1) -> Mesh:
+def sample(name: str, *, noise: float = 0, seed: int = 1, branches: int = 60, fineness: float = 1) -> Mesh:
     """A built-in shape as a closed mesh; ``quench.samples()`` lists them.
 
     Parameters
@@ -252,7 +252,7 @@ def sample(name: str, *, noise: float = 0, seed: int = 1, branches: int = 60, de
         Height of ripples and bumps as a fraction of the longest side, for shapes that have them; 0: the shape's own.
     seed, branches : int
         ``"root"``: another seed, another root; its number of branches.
-    detail : float
+    fineness : float
         Multiplies the number of triangles along each direction.
 
     Examples
@@ -263,9 +263,9 @@ def sample(name: str, *, noise: float = 0, seed: int = 1, branches: int = 60, de
     >>> len(quench.sample('root', branches=5).branches)
     5
     """
-    if not 1 <= branches <= 100000 or not 0.01 <= detail <= 16 or not 0 <= noise <= 0.1:
-        raise error(2, 'branches go from 1 to 100000, detail from 0.01 to 16, noise from 0 to 0.1')
-    found = _core.sample(name, float(noise), whole(seed, 'seed'), whole(branches, 'branches'), float(detail))
+    if not 1 <= branches <= 100000 or not 0.01 <= fineness <= 16 or not 0 <= noise <= 0.1:
+        raise error(2, 'branches go from 1 to 100000, fineness from 0.01 to 16, noise from 0 to 0.1')
+    found = _core.sample(name, float(noise), whole(seed, 'seed'), whole(branches, 'branches'), float(fineness))
     truth = [{key: np.asarray(value) if key in ('points', 'radius') else value for key, value in branch.items()}
              for branch in found['branches']]
     return Mesh(np.asarray(found['vertices']), np.asarray(found['faces']), truth)

@@ -365,7 +365,7 @@ def test_warnings_of_the_library():
 
 def test_samples():
     for name in quench.samples():
-        mesh = quench.sample(name, detail=0.3)
+        mesh = quench.sample(name, fineness=0.3)
         assert mesh.faces.max() < len(mesh.vertices)
     root = quench.sample('root', branches=7)
     assert len(root.branches) == 7 and root.branches[0]['points'].shape[1] == 3
