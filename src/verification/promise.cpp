@@ -43,6 +43,11 @@ BallSearch balls_of(const Result& result) {
   return BallSearch(std::move(balls));
 }
 
+Vec3 position(const Result& result, const Sites& sites, std::size_t s) {
+  const LatticePoint& q = sites.lattice()[s];
+  return result.shape.grid().world({static_cast<double>(q[0]), static_cast<double>(q[1]), static_cast<double>(q[2])});
+}
+
 struct Farthest {
   double away = 0;
   std::size_t site = 0;
@@ -60,9 +65,7 @@ Farthest farthest_of(const Result& result, const Sites& sites, const BallSearch&
     bool any = false;
     std::uint32_t last = 0;  // what covered the vertex before mostly covers this one
     for (std::size_t s = chunk * kChunk; s < std::min(count, (chunk + 1) * kChunk); ++s) {
-      const LatticePoint& q = sites.lattice()[s];
-      const Vec3 p =
-          result.shape.grid().world({static_cast<double>(q[0]), static_cast<double>(q[1]), static_cast<double>(q[2])});
+      const Vec3 p = position(result, sites, s);
       double away = kInfinite;
       if (balls.size() > 0 && balls.level(last) >= level) away = balls.outside(last, p);
       if (away <= farthest.away) continue;
@@ -85,9 +88,7 @@ bool says_it_is_whole(const Result& result) {
 }
 
 std::string describe_site(const Result& result, const Sites& sites, std::size_t s) {
-  const LatticePoint& q = sites.lattice()[s];
-  const Vec3 p =
-      result.shape.grid().world({static_cast<double>(q[0]), static_cast<double>(q[1]), static_cast<double>(q[2])});
+  const Vec3 p = position(result, sites, s);
   return fmt::format("the boundary vertex at ({:.9g}, {:.9g}, {:.9g})", p[0], p[1], p[2]);
 }
 
