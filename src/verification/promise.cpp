@@ -92,6 +92,18 @@ std::string describe_site(const Result& result, const Sites& sites, std::size_t 
   return fmt::format("the boundary vertex at ({:.9g}, {:.9g}, {:.9g})", p[0], p[1], p[2]);
 }
 
+// Levels give the prunings for larger details: what was chosen, where nothing was pruned yet, and some more.
+std::vector<double> larger_details(const Result& result) {
+  if (!find_array(result.data.cell_data, "detail_level")) return {};
+  std::vector<double> details = numbers_or_empty(result.data.field_data, "detail_chosen");
+  for (const double factor : {1.0, 2.0, 4.0, 8.0}) {
+    const double detail = factor * result.auto_detail;
+    if (details.empty() || std::abs(details[0] - detail) > kReachRounding * detail) details.push_back(detail);
+  }
+  std::erase_if(details, [&](double d) { return !(d > result.detail && d < kInfiniteLevelInFiles); });
+  return details;
+}
+
 }  // namespace
 
 Check check_coverage(const Result& result, const Sites& sites, Context* context) {
@@ -117,14 +129,8 @@ Check check_coverage(const Result& result, const Sites& sites, Context* context)
                                       describe_site(result, sites, all.site), all.away));
     cover(check, "field coverage");
   }
-  // Levels give the prunings for larger details: what was chosen, where nothing was pruned yet, and some more.
-  std::vector<double> details = numbers_or_empty(result.data.field_data, "detail_chosen");
-  for (const double factor : {1.0, 2.0, 4.0, 8.0})
-    if (details.empty() || std::abs(details[0] - factor * automatic) > kReachRounding * automatic)
-      details.push_back(factor * automatic);
   std::vector<double> checked;
-  for (const double detail : details) {
-    if (!(detail > result.detail && detail < kInfiniteLevelInFiles)) continue;
+  for (const double detail : larger_details(result)) {
     const double limit = promised(detail) * (1 + kReachRounding) + unsure;
     const Farthest farthest = farthest_of(result, sites, balls, detail * (1 - 1e-12), limit, context);
     if (farthest.away > limit) return failed(name, too_far(farthest, detail));
