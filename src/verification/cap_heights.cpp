@@ -25,7 +25,13 @@ class CapHeights {
         sites_(sites),
         vertex_sites_(vertex_sites),
         cell_(numbers_or_empty(result.data.cell_data, kCapHeight)),
-        point_(numbers_or_empty(result.data.point_data, kCapHeight)) {}
+        point_(numbers_or_empty(result.data.point_data, kCapHeight)) {
+    if (cell_.empty()) return;
+    of_edge_ = result.largest_of_polygons(cell_);
+    for (std::size_t l = 0; l < result.line_edges.size(); ++l)
+      if (const std::uint32_t e = result.line_edges[l]; result.edge_faces_count[e] == 0)
+        of_edge_[e] = cell_[result.vert_vertices.size() + l];
+  }
 
   bool of_cells() const { return !cell_.empty(); }
   bool of_points() const { return of_cells() && !point_.empty(); }
@@ -44,16 +50,15 @@ class CapHeights {
     for (const std::uint32_t v : result_.complex.corners(f))
       radius = std::min(radius, (result_.scaled[v] - site[0]).norm());
     const double lambda = 0.5 * (site[0] - site[1]).norm() * result_.unit;
-    return wrong(cell_[face_row() + f], lambda, radius * result_.unit,
-                 [&] { return "by its sites " + result_.describe_face(f); });
+    return wrong(cell_[result_.first_polygon() + f], lambda, radius * result_.unit,
+                 [&] { return result_.describe_face(f); });
   }
   // The largest of the polygons, or by its own lambda.
-  std::string wrong_line(std::size_t l) {
+  std::string wrong_line(std::size_t l) const {
     const std::uint32_t e = result_.line_edges[l];
     const auto describe = [&] { return result_.describe_edge(e); };
     const std::size_t row = result_.vert_vertices.size() + l;
     if (result_.edge_faces_count[e] > 0) return unequal(cell_[row], of_edge_[e], describe);
-    of_edge_[e] = cell_[row];
     const auto [a, b] = result_.complex.edges[e];
     if (result_.cell_lambda.empty() || result_.radius.empty()) return {};
     return wrong(cell_[row], result_.cell_lambda[row], std::min(result_.radius[a], result_.radius[b]), describe);
@@ -74,14 +79,8 @@ class CapHeights {
     return unequal(cell_[i], point_[result_.rows[v]],
                    [&] { return "the vertex cell of " + result_.describe_vertex(v); });
   }
-  void spread_to_edges() {
-    of_edge_.assign(result_.complex.edges.size(), 0);
-    for (std::size_t f = 0; f < result_.complex.face_count(); ++f)
-      for (const std::uint32_t e : result_.complex.sides(f)) of_edge_[e] = std::max(of_edge_[e], cell_[face_row() + f]);
-  }
 
  private:
-  std::size_t face_row() const { return result_.vert_vertices.size() + result_.line_edges.size(); }
   Vec3 scaled(const LatticePoint& p) const {
     return {static_cast<double>(p[0] * result_.scale[0]), static_cast<double>(p[1] * result_.scale[1]),
             static_cast<double>(p[2] * result_.scale[2])};
@@ -107,7 +106,8 @@ class CapHeights {
   const Result& result_;
   const Sites& sites_;
   const VertexSites& vertex_sites_;
-  std::vector<double> cell_, point_, of_edge_;
+  std::vector<double> cell_, point_;  // as in the file
+  std::vector<double> of_edge_;       // of its polygons, else its own
 };
 
 }  // namespace
@@ -132,8 +132,8 @@ Check check_cap_heights(const Result& result, const Sites& sites, VertexSites& v
   std::string wrong = first_wrong(sampled.size(), [&](std::size_t i) { return heights.wrong_face(sampled[i], true); });
   if (wrong.empty() && !result.face_sites.empty())
     wrong = first_wrong(faces, [&](std::size_t f) { return heights.wrong_face(f, false); });
-  heights.spread_to_edges();
-  for (std::size_t l = 0; l < result.line_edges.size() && wrong.empty(); ++l) wrong = heights.wrong_line(l);
+  if (wrong.empty())
+    wrong = first_wrong(result.line_edges.size(), [&](std::size_t l) { return heights.wrong_line(l); });
   if (wrong.empty() && heights.of_points())
     wrong = first_wrong(result.rows.size(),
                         [&](std::size_t v) { return heights.wrong_vertex(static_cast<std::uint32_t>(v)); });

@@ -73,8 +73,8 @@ class KeptByDetail {
   double least_height(std::uint32_t v) const {
     double largest = 0;
     if (!detail_.empty()) {
-      const std::size_t face_row = result_.vert_vertices.size() + result_.line_edges.size();
-      for (const std::uint32_t f : result_.vertex_faces[v]) largest = std::max(largest, detail_[face_row + f]);
+      for (const std::uint32_t f : result_.vertex_faces[v])
+        largest = std::max(largest, detail_[result_.first_polygon() + f]);
       for (const std::uint32_t e : result_.vertex_edges[v]) largest = std::max(largest, edge_detail_[e]);
     }
     const bool is_significant = largest > result_.auto_detail * kSurely && largest >= result_.detail;

@@ -117,7 +117,7 @@ class Details {
       if (cell >= complex_.face_count() + complex_.edges.size()) continue;  // vertices may be raised
       const bool is_face = cell < complex_.face_count();
       if (!is_face) is_top[cell - complex_.face_count()] = 1;
-      const double written = is_face ? cell_[face_row() + cell] : of_edge_[cell - complex_.face_count()];
+      const double written = is_face ? cell_[result_.first_polygon() + cell] : of_edge_[cell - complex_.face_count()];
       if (std::string wrong = wrong_top(cell, written, height, expected.value[cell]); !wrong.empty()) return wrong;
     }
     for (std::size_t l = 0; l < result_.line_edges.size(); ++l)
@@ -129,7 +129,6 @@ class Details {
   }
 
  private:
-  std::size_t face_row() const { return result_.vert_vertices.size() + result_.line_edges.size(); }
   bool is_automatic(double detail) const { return std::abs(detail - automatic_) <= kDetailRounding * automatic_; }
 
   std::string wrong_number() {
@@ -150,7 +149,8 @@ class Details {
   // With heights below ties.
   std::vector<TopCell> top_cells() const {
     std::vector<TopCell> cells;
-    for (std::uint32_t f = 0; f < complex_.face_count(); ++f) cells.push_back({height_[face_row() + f], f});
+    for (std::uint32_t f = 0; f < complex_.face_count(); ++f)
+      cells.push_back({height_[result_.first_polygon() + f], f});
     const auto edge = static_cast<std::uint32_t>(complex_.face_count());
     for (std::size_t l = 0; l < result_.line_edges.size(); ++l)
       if (const std::uint32_t e = result_.line_edges[l]; result_.edge_faces_count[e] == 0 && has_no_core_face(e))
@@ -171,10 +171,7 @@ class Details {
     return std::all_of(facets.begin(), facets.end(), [&](const Ids& facet) { return of_.is_boundary_square(facet); });
   }
   void spread_to_edges() {
-    of_edge_.assign(complex_.edges.size(), 0);
-    for (std::size_t f = 0; f < complex_.face_count(); ++f)
-      for (const std::uint32_t e : complex_.sides(f)) of_edge_[e] = std::max(of_edge_[e], cell_[face_row() + f]);
-    of_faces_ = of_edge_;
+    of_edge_ = of_faces_ = result_.largest_of_polygons(cell_);
     for (std::size_t l = 0; l < result_.line_edges.size(); ++l)
       of_edge_[result_.line_edges[l]] = cell_[result_.vert_vertices.size() + l];
   }
@@ -248,7 +245,7 @@ Check check_details(const Result& result, const Sites& sites, VertexSites& verte
                                       {&result.data.cell_data, kDetail},
                                       {&result.data.cell_data, kCapHeight}})
     if (numbers_or_empty(*arrays, array).empty())
-      return not_checked(name, fmt::format("they need the arrays 'detail' of points and cells and 'cap_height'"));
+      return not_checked(name, "they need the arrays 'detail' of points and cells, and 'cap_height' of cells");
   std::vector<std::uint32_t> needed;
   for (const std::uint32_t e : result.line_edges)
     if (result.edge_faces_count[e] == 0)

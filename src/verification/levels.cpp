@@ -57,13 +57,10 @@ std::string spread(const Result& result, const std::vector<double>& level, Level
 // polygons in the unpruned core. Those that are not in the file went below the file's lambda, so their lambda is below
 // it; so is that of a pair that could be taken for one of a larger key, and it is a counterexample either way.
 void take_values(const Result& result, const std::vector<double>& point, const std::vector<double>& cell, Levels& all) {
-  const CellComplex& complex = result.complex;
-  const std::size_t line_row = result.data.verts.size(), face_row = line_row + result.data.lines.size();
-  all.face_value.assign(cell.begin() + static_cast<std::ptrdiff_t>(face_row), cell.end());
+  const std::size_t line_row = result.data.verts.size();
+  all.face_value.assign(cell.begin() + static_cast<std::ptrdiff_t>(result.first_polygon()), cell.end());
   for (const std::uint32_t row : result.rows) all.vertex_value.push_back(point[row]);
-  all.edge_value.assign(complex.edges.size(), 0);
-  for (std::size_t f = 0; f < complex.face_count(); ++f)
-    for (const std::uint32_t e : complex.sides(f)) all.edge_value[e] = std::max(all.edge_value[e], all.face_value[f]);
+  all.edge_value = result.largest_of_polygons(cell);
   for (std::size_t l = 0; l < result.line_edges.size(); ++l) all.edge_value[result.line_edges[l]] = cell[line_row + l];
 }
 

@@ -43,6 +43,11 @@ BallSearch balls_of(const Result& result) {
   return BallSearch(std::move(balls));
 }
 
+Vec3 position(const Result& result, const Sites& sites, std::size_t s) {
+  const LatticePoint& q = sites.lattice()[s];
+  return result.shape.grid().world({static_cast<double>(q[0]), static_cast<double>(q[1]), static_cast<double>(q[2])});
+}
+
 struct Farthest {
   double away = 0;
   std::size_t site = 0;
@@ -60,9 +65,7 @@ Farthest farthest_of(const Result& result, const Sites& sites, const BallSearch&
     bool any = false;
     std::uint32_t last = 0;  // what covered the vertex before mostly covers this one
     for (std::size_t s = chunk * kChunk; s < std::min(count, (chunk + 1) * kChunk); ++s) {
-      const LatticePoint& q = sites.lattice()[s];
-      const Vec3 p =
-          result.shape.grid().world({static_cast<double>(q[0]), static_cast<double>(q[1]), static_cast<double>(q[2])});
+      const Vec3 p = position(result, sites, s);
       double away = kInfinite;
       if (balls.size() > 0 && balls.level(last) >= level) away = balls.outside(last, p);
       if (away <= farthest.away) continue;
@@ -85,10 +88,20 @@ bool says_it_is_whole(const Result& result) {
 }
 
 std::string describe_site(const Result& result, const Sites& sites, std::size_t s) {
-  const LatticePoint& q = sites.lattice()[s];
-  const Vec3 p =
-      result.shape.grid().world({static_cast<double>(q[0]), static_cast<double>(q[1]), static_cast<double>(q[2])});
+  const Vec3 p = position(result, sites, s);
   return fmt::format("the boundary vertex at ({:.9g}, {:.9g}, {:.9g})", p[0], p[1], p[2]);
+}
+
+// Levels give the prunings for larger details: what was chosen, where nothing was pruned yet, and some more.
+std::vector<double> larger_details(const Result& result) {
+  if (!find_array(result.data.cell_data, "detail_level")) return {};
+  std::vector<double> details = numbers_or_empty(result.data.field_data, "detail_chosen");
+  for (const double factor : {1.0, 2.0, 4.0, 8.0}) {
+    const double detail = factor * result.auto_detail;
+    if (details.empty() || std::abs(details[0] - detail) > kReachRounding * detail) details.push_back(detail);
+  }
+  std::erase_if(details, [&](double d) { return !(d > result.detail && d < kInfiniteLevelInFiles); });
+  return details;
 }
 
 }  // namespace
@@ -116,14 +129,8 @@ Check check_coverage(const Result& result, const Sites& sites, Context* context)
                                       describe_site(result, sites, all.site), all.away));
     cover(check, "field coverage");
   }
-  // Levels give the prunings for larger details: what was chosen, where nothing was pruned yet, and some more.
-  std::vector<double> details = numbers_or_empty(result.data.field_data, "detail_chosen");
-  for (const double factor : {1.0, 2.0, 4.0, 8.0})
-    if (details.empty() || std::abs(details[0] - factor * automatic) > kReachRounding * automatic)
-      details.push_back(factor * automatic);
   std::vector<double> checked;
-  for (const double detail : details) {
-    if (!(detail > result.detail && detail < kInfiniteLevelInFiles)) continue;
+  for (const double detail : larger_details(result)) {
     const double limit = promised(detail) * (1 + kReachRounding) + unsure;
     const Farthest farthest = farthest_of(result, sites, balls, detail * (1 - 1e-12), limit, context);
     if (farthest.away > limit) return failed(name, too_far(farthest, detail));

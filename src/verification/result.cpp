@@ -151,6 +151,13 @@ std::string Result::describe_face(std::size_t face) const {
   return fmt::format("polygon {} with {}", face, describe_vertex(complex.corners(face)[0]));
 }
 
+std::vector<double> Result::largest_of_polygons(const std::vector<double>& of_cells) const {
+  std::vector<double> largest(complex.edges.size(), 0);
+  for (std::size_t f = 0; f < complex.face_count(); ++f)
+    for (const std::uint32_t e : complex.sides(f)) largest[e] = std::max(largest[e], of_cells[first_polygon() + f]);
+  return largest;
+}
+
 Vec3 Result::centroid(std::size_t face) const {
   Vec3 sum = Vec3::Zero();
   for (std::uint32_t v : complex.corners(face)) sum += scaled[v];

@@ -61,7 +61,10 @@ struct Result {
   std::string describe_vertex(std::uint32_t vertex) const;
   std::string describe_edge(std::uint32_t edge) const;
   std::string describe_face(std::size_t face) const;
-  Vec3 centroid(std::size_t face) const;  ///< of the corners, scaled
+  /// Per edge the largest of the numbers of its polygons, 0 where it has none; `of_cells` as in the file.
+  std::vector<double> largest_of_polygons(const std::vector<double>& of_cells) const;
+  std::size_t first_polygon() const { return data.verts.size() + data.lines.size(); }  ///< row of cell arrays
+  Vec3 centroid(std::size_t face) const;                                               ///< of the corners, scaled
 
  private:
   void parse_cells();

@@ -67,6 +67,16 @@ TEST_F(Refusals, MissingFiles) {
   refuses(1, {"'no such.r'"}, {"convert", "cube.off", "a.ma", "--radii", "no such.r"});
 }
 
+TEST_F(Refusals, VerifyingAgainstTheOtherThreshold) {
+  works({"core", "cube.off", "--resolution", "8", "-o", "detail.vtp"});
+  works({"core", "cube.off", "--resolution", "8", "-o", "lambda.vtp", "--lambda", "1vox"});
+  refuses(2, {"--lambda", "--detail"}, {"verify", "cube.off", "detail.vtp", "--lambda", "1vox", "--detail", "1vox"});
+  refuses(2, {"--lambda", "pruned by detail"}, {"verify", "cube.off", "detail.vtp", "--lambda", "1vox"});
+  refuses(2, {"--detail", "pruned by lambda"}, {"verify", "cube.off", "lambda.vtp", "--detail", "1vox"});
+  works({"verify", "cube.off", "lambda.vtp", "--lambda", "1vox"});
+  works({"verify", "cube.off", "detail.vtp"});
+}
+
 TEST_F(Refusals, FilesThatAreNotWhatTheyClaim) {
   folder.write("a.docx", "text");
   folder.write("empty.ply", "");

@@ -185,7 +185,7 @@ TEST_F(Program, VerifyFindsSabotage) {
   const auto json = works({"verify", "box.ply", "a.vtp", "--json", "-"});
   EXPECT_TRUE(json.out.starts_with("{\n") && has(json.out, "\"verified\": true")) << json.out;
   EXPECT_TRUE(has(json.out, "\"not_checked\": [") && has(json.out, "\"array\": \"field parameters\"") &&
-              has(json.out, "\"cell lambda_level\""))
+              has(json.out, "\"cell detail_level\""))
       << json.out;
   const auto foreign = works({"verify", "box.ply", "a.ply", "--resolution", "20", "--lambda", "2vox"});
   EXPECT_TRUE(has(foreign.out, "-    legal pruning: not checked") && has(foreign.err, "--core"))
@@ -213,7 +213,8 @@ TEST_F(Program, VerifyFindsSabotage) {
   const std::uint32_t removed = broken.poly_offsets[1];
   broken.poly_offsets.erase(broken.poly_offsets.begin());
   for (auto& offset : broken.poly_offsets) offset -= removed;
-  broken.cell_data.clear();
+  const auto row = static_cast<std::ptrdiff_t>(broken.verts.size() + broken.lines.size());
+  for (auto& array : broken.cell_data) std::visit([&](auto& v) { v.erase(v.begin() + row); }, array.values);
   quench::io::write_record(folder / "hole.vtp", broken);
   const auto hole = quench({"verify", "box.ply", "a.vtp", "hole.vtp"});
   EXPECT_EQ(hole.code, 4);
