@@ -79,13 +79,17 @@ TEST_F(ViewProgram, RunWritesAPageOfEverything) {
   EXPECT_EQ(p.meta["voxel"], 1.0 / 16);
   EXPECT_EQ(p.meta["topology"]["euler"], 1);
   EXPECT_EQ(p.meta["files"]["core"], "out/core.vtp");
+<<<<<<< HEAD
   EXPECT_NEAR(p.meta["theta2"], 3 * std::sqrt(0.75) / 16, 1e-7);  // the smallest automatic one
+=======
+>>>>>>> 6b03a74be0e5dd361d7c6f719d598c1d468ac5b6
   EXPECT_EQ(p.meta["burning"]["propagation"], "segments");
   EXPECT_EQ(
       p.meta["notes"],
       nlohmann::json::array({"The skeletons of this page begin at theta2 = 0.0625 and theta1 = 0.0625"}));  // a voxel
   EXPECT_EQ(p.meta["pruning"]["measure"], "detail");
   const double detail = std::sqrt(0.75) / 16;
+  for (const char* theta : {"theta2", "theta1"}) EXPECT_NEAR(p.meta[theta], 3 * detail, 1e-7) << theta;
   EXPECT_NEAR(p.meta["pruning"]["threshold"], detail, 1e-15);
   ASSERT_EQ(p.meta["measures"].size(), 1u);
   EXPECT_EQ(p.meta["measures"][0]["name"], "detail");
