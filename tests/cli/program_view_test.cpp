@@ -79,10 +79,6 @@ TEST_F(ViewProgram, RunWritesAPageOfEverything) {
   EXPECT_EQ(p.meta["voxel"], 1.0 / 16);
   EXPECT_EQ(p.meta["topology"]["euler"], 1);
   EXPECT_EQ(p.meta["files"]["core"], "out/core.vtp");
-<<<<<<< HEAD
-  EXPECT_NEAR(p.meta["theta2"], 3 * std::sqrt(0.75) / 16, 1e-7);  // the smallest automatic one
-=======
->>>>>>> 6b03a74be0e5dd361d7c6f719d598c1d468ac5b6
   EXPECT_EQ(p.meta["burning"]["propagation"], "segments");
   EXPECT_EQ(
       p.meta["notes"],
