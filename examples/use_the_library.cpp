@@ -14,7 +14,7 @@ int main(int argc, char** argv) {
     // Or: quench::to_triangle_mesh(quench::io::read_record("part.off"))
     const quench::TriangleMesh mesh = quench::make_sample("fin-on-board").mesh;
     const quench::Voxelization voxels = quench::voxelize(mesh, {.resolution = 128});
-    const quench::MedialAxis axis = quench::medial_axis(voxels.shape, 0.02 * voxels.longest_side);
+    const quench::MedialAxis axis = quench::medial_axis(voxels.shape);
     quench::io::write_record(argv[1], quench::to_record(axis));
     const bool same = quench::topology(axis.complex) == quench::topology(voxels.shape);
     std::printf("%u vertices; topology %s\n", axis.complex.vertex_count, same ? "kept" : "lost");

@@ -182,9 +182,9 @@ class Reconstruction {
 /// share(lambda) >= 0.98. Throws Error(usage) unless the spacing is above 0 and both are finite.
 double auto_lambda(const Reconstruction& reconstruction, double longest_side, double smallest_spacing);
 
-/// The medial axis of a shape in one call: voxel_core(), prune_levels() and pruned() at `lambda` (world units; none:
-/// auto_lambda()). Larger thresholds can still be applied with pruned(). Throws what these throw.
-MedialAxis medial_axis(const VoxelShape& shape, std::optional<double> lambda = {}, Context* context = nullptr);
+/// The medial axis of a shape in one call: voxel_core(), add_detail(), prune_levels() and pruned() at `detail` (world
+/// units; none: auto_detail()). Larger details can still be applied with pruned(..., kDetail). Throws what these throw.
+MedialAxis medial_axis(const VoxelShape& shape, std::optional<double> detail = {}, Context* context = nullptr);
 
 /// A mask that somebody else owns: byte (x, y, z) is `strides[0]*x + strides[1]*y + strides[2]*z` after `data`.
 struct MaskView {

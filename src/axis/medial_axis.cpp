@@ -4,14 +4,12 @@
 
 namespace quench {
 
-MedialAxis medial_axis(const VoxelShape& shape, std::optional<double> lambda, Context* context) {
+MedialAxis medial_axis(const VoxelShape& shape, std::optional<double> detail, Context* context) {
   return base::in_arena(context, [&] {
     MedialAxis axis = voxel_core(shape, {}, context);
-    prune_levels(axis, context);
-    if (!lambda)
-      lambda = auto_lambda(Reconstruction(shape, axis, Reconstruction::kSamples, context), shape.longest_side(),
-                           shape.grid().spacing.minCoeff());
-    return pruned(std::move(axis), *lambda);
+    add_detail(axis, context);
+    prune_levels(axis, kDetail, context);
+    return pruned(std::move(axis), detail.value_or(auto_detail(shape.grid())), kDetail);
   });
 }
 

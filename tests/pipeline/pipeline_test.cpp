@@ -188,7 +188,7 @@ TEST(ShapeOfInput, ImagesAreRecordedAsTheyAreCut) {
 
 TEST(Run, IsTheStagesCalledByHand) {
   RunOptions options;
-  options.axis.pruning = {kLambda, parse_length("1.5vox", "lambda")};
+  options.axis.pruning = {kDetail, parse_length("1.5vox", "detail")};
   options.skeleton.theta2 = parse_length("4%", "theta2");
   options.skeleton.theta1 = parse_length("2vox", "theta1");
   options.graph.smooth = 3;
@@ -203,10 +203,11 @@ TEST(Run, IsTheStagesCalledByHand) {
 
   const double voxel = shape.scale().voxel, side = shape.longest_side;
   MedialAxis whole = voxel_core(shape.shape);
-  prune_levels(whole);
-  const MedialAxis core = pruned(whole, 1.5 * voxel);
+  add_detail(whole);
+  prune_levels(whole, kDetail);
+  const MedialAxis core = pruned(whole, 1.5 * voxel, kDetail);
   EXPECT_EQ(result.core.axis.points, core.points);
-  EXPECT_TRUE(result.core.axis.measure().level == core.measure().level);
+  EXPECT_TRUE(result.core.axis.measure(kDetail).level == core.measure(kDetail).level);
   EXPECT_EQ(medial_axis(shape.shape, 1.5 * voxel).points, core.points);
   const Burning burning = burn(core, {.rounded = true});
   EXPECT_EQ(result.axis.burned.max_burn_time, burning.max_burn_time);
@@ -224,7 +225,7 @@ TEST(Run, IsTheStagesCalledByHand) {
     EXPECT_EQ(result.graph.branches[b].length, graph.branches[b].length);
 
   by_hand.add_shape(shape);
-  by_hand.page.pruning = {std::string(kLambda), 1.5 * voxel};
+  by_hand.page.pruning = {std::string(kDetail), 1.5 * voxel};
   by_hand.page.theta2 = 0.04 * side;
   by_hand.page.theta1 = 2 * voxel;
   by_hand.add_core(core, result.axis.file.point_data, true);
