@@ -77,7 +77,7 @@ std::int64_t predicted_burn_bytes(const CellComplex& complex, std::span<const Ve
 
 double radius_inside_edge(double r0, double r1, double length, double t, RadiusRule rule) {
   const double linear = (1 - t) * r0 + t * r1;
-  if (rule == RadiusRule::linear || std::abs(r0 - r1) > length || length > r0 + r1) return linear;
+  if (!is_distance_to_point(r0, r1, length, rule)) return linear;
   return std::sqrt(std::max(0.0, (1 - t) * r0 * r0 + t * r1 * r1 - t * (1 - t) * length * length));
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "burning/burn_pass.h"
 #include "burning/fronts.h"
@@ -180,16 +181,15 @@ class Segments {
   void send(const PolygonView& view, std::uint32_t from_side, const Front& front, double start) {
     const Frame frame(view.side(from_side));
     const Point source = frame.world(front.x, -front.depth);
-    const double from = front.from - front.x, to = front.to - front.x;
     for_each_far_side(view, {from_side, 1}, [&](std::uint32_t i, std::uint32_t first, std::uint32_t last) {
-      // A node (x, y) is reached if its line to the source crosses [from, to]: two conditions linear in k.
+      // A node (x, y) is reached if it lies between the rays of the front: two conditions linear in k.
       const Polygons::Side& far = view.side(i);
       const double x = (far.x - source.x) * frame.along.x + (far.y - source.y) * frame.along.y,
                    y = (far.y - source.y) * frame.along.x - (far.x - source.x) * frame.along.y,
                    dx = far.dx * frame.along.x + far.dy * frame.along.y,
                    dy = far.dy * frame.along.x - far.dx * frame.along.y;
-      const Linear before{from * y - front.depth * x, from * dy - front.depth * dx},
-          after{front.depth * x - to * y, front.depth * dx - to * dy};
+      const Linear before{front.from * y - front.rise * x, front.from * dy - front.rise * dx},
+          after{front.rise * x - front.to * y, front.rise * dx - front.to * dy};
       const double beyond = last + 1.0;
       if (is_positive(before, beyond) || is_positive(after, beyond)) return;
       double low = 0, high = far.pieces;
@@ -199,8 +199,9 @@ class Segments {
       if (range.is_empty()) return;
       view.nodes(i, range.first, range.last, [&](std::uint32_t k, std::uint32_t target) {
         if (!(labels_.time(target) > start)) return;
-        const double t = front.time + distance(view.at(i, k), source);
-        if (t >= start) lower(view, i, k, target, t, source, front.time, view.face);
+        // Fire that crosses the segment between its nodes can be earlier than at both, but one of them is the parent.
+        const double t = std::max(front.time + distance(view.at(i, k), source), start);
+        lower(view, i, k, target, t, source, front.time, view.face);
       });
     });
   }
@@ -209,13 +210,28 @@ class Segments {
              const Point& source, double source_time, std::uint32_t through) {
     if (!(t < labels_.time(state))) return;
     const Polygons::Side& side = view.side(i);
-    if (k == 0 || k == side.pieces || !view.flat) {
+    if (!view.flat) {
       labels_.lower(state, t, through, kUnknownSource);
-      return;
+    } else if (k == 0 || k == side.pieces) {
+      labels_.lower(state, t, through, at_vertex(view, k == 0 ? i : view.after(i), source, source_time));
+    } else {
+      const Frame frame(side);
+      const double x = frame.x(source);
+      labels_.lower(state, t, through, {side.forward ? x : side.length - x, std::abs(frame.y(source)), source_time});
     }
-    const Frame frame(side);
-    const double x = frame.x(source);
-    labels_.lower(state, t, through, {side.forward ? x : side.length - x, std::abs(frame.y(source)), source_time});
+  }
+
+  // A source as seen from the vertex at which a side starts. It is seen through the polygon.
+  Source at_vertex(const PolygonView& view, std::uint32_t i, const Point& source, double source_time) const {
+    const Polygons::Side& side = view.side(i);
+    const double x = source.x - side.x, y = source.y - side.y;
+    const auto& corner = labels_.angles().corners[view.corner(i)];
+    const double angle = std::abs(corner.before - corner.side);
+    double turned = std::atan2(side.dx * y - side.dy * x, side.dx * x + side.dy * y);
+    if (turned < 0.5 * angle - std::numbers::pi) turned += 2 * std::numbers::pi;
+    turned = std::clamp(turned, 0.0, angle);
+    return {corner.before > corner.side ? corner.side + turned : corner.side - turned, std::sqrt(x * x + y * y),
+            source_time};
   }
 
   const BurnDomain& domain_;
