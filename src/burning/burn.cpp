@@ -81,6 +81,10 @@ double radius_inside_edge(double r0, double r1, double length, double t, RadiusR
   return std::sqrt(std::max(0.0, (1 - t) * r0 * r0 + t * r1 * r1 - t * (1 - t) * length * length));
 }
 
+double burning::label_tolerance(const CellComplex& complex, std::span<const Vec3> points, double omega) {
+  return std::min(2e-3 * omega, 6e-4 * mean_edge(complex, points));
+}
+
 Burning burning::finish_burning(const BurnDomain& domain, Labels labels, std::shared_ptr<BurnedSectors> sectors,
                                 const BurnOptions& options, Context* context) {
   Burning result;
@@ -117,7 +121,7 @@ static Burning burned(const CellComplex& complex, std::span<const Vec3> points, 
   auto sectors = std::make_shared<BurnedSectors>();
   sectors->network = make_network(complex, points, options.omega);
   const BurnDomain domain{complex, points, radius, sectors->network, options.radius};
-  Labels labels(domain, schedule, std::min(2e-3 * options.omega, 6e-4 * mean_edge(complex, points)));
+  Labels labels(domain, schedule, label_tolerance(complex, points, options.omega));
   propagate_by_segments(domain, labels, context);
   return finish_burning(domain, std::move(labels), std::move(sectors), options, context);
 }
