@@ -294,7 +294,7 @@ class MedialAxis(Complex):
         ----------
         omega : length, optional
             Distance of the points on edges between which fire is followed. Default: half the mean edge, for an error of
-            about 0.3 %.
+            about 0.1 %.
 
         Returns
         -------

@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/prefetch.h"
-
 namespace quench::burning {
 namespace {
 
@@ -48,18 +46,19 @@ Labels::Labels(const BurnDomain& domain, const BlockSchedule& schedule, double t
 
 void Labels::start_vertices() {
   const BurnNetwork& network = domain_.network;
+  std::vector<char> removed;
   std::vector<std::uint32_t> stripped;
   Link link;
   for (std::uint32_t v = 0; v < domain_.complex.vertex_count; ++v) {
     const std::uint32_t first = network.vertex_base[v], count = network.vertex_base[v + 1] - first;
-    removed_.resize(count);
+    removed.resize(count);
     for (std::uint32_t s = 0; s < count; ++s) {
-      removed_[s] = domain_.in_pocket(first + s);
-      status_[first + s] = static_cast<unsigned char>((removed_[s] ? pocket : 0) | (count > 1 ? several : 0));
+      removed[s] = domain_.in_pocket(first + s);
+      status_[first + s] = static_cast<unsigned char>((removed[s] ? pocket : 0) | (count > 1 ? several : 0));
     }
     if (count == 0 || (count == 1 && domain_.links.ends[first].a == kNone)) continue;  // no free end
     stripped.clear();
-    link.reset({domain_.links.ends.data() + first, count}, removed_);
+    link.reset({domain_.links.ends.data() + first, count}, removed);
     link.strip(stripped);
     for (const std::uint32_t s : stripped) {
       status_[first + s] |= open | queued;
@@ -88,31 +87,31 @@ void Labels::start_edges() {
   }
 }
 
-inline void Labels::label(std::uint32_t state, double t) {
+inline void Labels::label(Worker& worker, std::uint32_t state, double t) {
   const double before = time_[state];
   time_[state] = t;
   status_[state] &= static_cast<unsigned char>(~at_radius);  // the new time may be below the radius
   if (status_[state] & queued) {
-    queue_.lower(state, before, t);
+    worker.lower(state, before, t);
   } else if (!(status_[state] & burned) || t < before - tolerance_) {
     status_[state] |= queued;
-    queue_.push(state, t);
+    worker.push(state, t);
   }
 }
 
-inline void Labels::label(std::uint32_t state, double t, std::uint32_t through, const Source& source) {
+inline void Labels::label(Worker& worker, std::uint32_t state, double t, std::uint32_t through, const Source& source) {
   through_[state] = through;
   source_[state] = source;
-  label(state, t);
+  label(worker, state, t);
 }
 
-void Labels::lower_time(std::uint32_t state, double t, std::uint32_t through, const Source& source) {
+void Labels::lower_time(Worker& worker, std::uint32_t state, double t, std::uint32_t through, const Source& source) {
   const bool vertex = domain_.is_vertex(state);
-  if (!(status_[state] & several)) return label(state, t, vertex ? kNone : through, source);
+  if (!(status_[state] & several)) return label(worker, state, t, vertex ? kNone : through, source);
   if (vertex)
-    lower_vertex(state, t, source);
+    lower_vertex(worker, state, t, source);
   else
-    lower_seam(state, t, through, source);
+    lower_seam(worker, state, t, through, source);
 }
 
 // On a free edge fire starts from the point whose distance the radius is, if there is one.
@@ -188,36 +187,36 @@ bool Labels::is_parallel(std::uint32_t first, std::uint32_t count) const {
   return true;
 }
 
-void Labels::lower_vertex(std::uint32_t state, double t, const Source& source) {
+void Labels::lower_vertex(Worker& worker, std::uint32_t state, double t, const Source& source) {
   if (!(t < arrival_[state])) return;
   arrival_[state] = t;
   const std::uint32_t v = domain_.links.vertex_of[state];
   const std::uint32_t first = domain_.network.vertex_base[v], count = domain_.network.vertex_base[v + 1] - first;
   if (is_parallel(first, count)) {  // a short cut for most vertices
     const auto [last, second] = latest_of(arrival_.data() + first, count);
-    if (state != first + last) label(state, t, kNone, source);
+    if (state != first + last) label(worker, state, t, kNone, source);
     if (const double opening = arrival_[first + second]; opening < time_[first + last])
-      label(first + last, opening, first + second, source_beyond(first + last, first + second));
+      label(worker, first + last, opening, first + second, source_beyond(first + last, first + second));
     return;
   }
-  removed_.resize(count);
-  for (std::uint32_t s = 0; s < count; ++s) removed_[s] = (status_[first + s] & pocket) != 0;
-  const auto times = sector_times_({domain_.links.ends.data() + first, count}, {arrival_.data() + first, count},
-                                   removed_, domain_.radius[v]);
+  worker.removed.resize(count);
+  for (std::uint32_t s = 0; s < count; ++s) worker.removed[s] = (status_[first + s] & pocket) != 0;
+  const auto times = worker.sector_times({domain_.links.ends.data() + first, count}, {arrival_.data() + first, count},
+                                         worker.removed, domain_.radius[v]);
   // First those that burn by themselves: the others take their sources. Those of earlier arrivals are not kept.
   for (std::uint32_t s = 0; s < count; ++s)
     if (times[s].opened_by == s && times[s].time < time_[first + s])
-      label(first + s, times[s].time, kNone, first + s == state ? source : kUnknownSource);
+      label(worker, first + s, times[s].time, kNone, first + s == state ? source : kUnknownSource);
   for (std::uint32_t s = 0; s < count; ++s) {
     const auto [time, by] = times[s];
     if (by == s || !(time < time_[first + s])) continue;
-    label(first + s, time, by == kNone ? kNone : first + by,
+    label(worker, first + s, time, by == kNone ? kNone : first + by,
           by == kNone ? kUnknownSource : source_beyond(first + s, first + by));
   }
 }
 
 // The front of the second latest sector continues in the latest.
-void Labels::lower_seam(std::uint32_t state, double t, std::uint32_t through, const Source& source) {
+void Labels::lower_seam(Worker& worker, std::uint32_t state, double t, std::uint32_t through, const Source& source) {
   const Links::Edge& edge = domain_.links.edges[domain_.edge_of(state)];
   const std::uint32_t place = state - edge.state_base, rank = place % edge.degree;
   double* arrival = arrival_.data() + edge.first_arrival + (place - rank);
@@ -225,18 +224,13 @@ void Labels::lower_seam(std::uint32_t state, double t, std::uint32_t through, co
   arrival[rank] = t;
   const auto [last, second] = latest_of(arrival, edge.degree);
   const std::uint32_t first = state - rank;
-  if (rank != last) label(state, t, through, source);
+  if (rank != last) label(worker, state, t, through, source);
   if (arrival[second] < time_[first + last])
-    label(first + last, arrival[second], through_[first + second], Source(this->source(first + second)));
+    label(worker, first + last, arrival[second], through_[first + second], Source(this->source(first + second)));
 }
 
-bool Labels::next(std::uint32_t& state, bool& again) {
-  const auto time_of = [&](std::uint32_t s) { return status_[s] & queued ? time_[s] : kNever; };
-  const auto fetch = [&](std::uint32_t s) {
-    base::prefetch(&status_[s]);
-    base::prefetch(&time_[s]);
-  };
-  while (queue_.pop(state, time_of, fetch)) {
+bool Labels::next(Worker& worker, std::uint32_t& state, bool& again) {
+  while (worker.pop(state, [&](std::uint32_t s) { return queued_time(s); })) {
     // No burn time is below the radius, but fronts of segments can be early by a fraction of the spacing. A radius
     // interpolated by the linear rule is not such a bound.
     if (!(status_[state] & (open | at_radius)) && (domain_.is_vertex(state) || domain_.rule == RadiusRule::exact)) {
@@ -244,7 +238,7 @@ bool Labels::next(std::uint32_t& state, bool& again) {
       if (time_[state] < least) {
         time_[state] = least;
         status_[state] |= at_radius;
-        queue_.push(state, least);
+        worker.push(state, least);
         continue;
       }
     }

@@ -4,6 +4,7 @@
 #include <limits>
 #include <vector>
 
+#include "base/prefetch.h"
 #include "burning/label_queue.h"
 #include "burning/link.h"
 #include "burning/vertex_angles.h"
@@ -43,13 +44,35 @@ class Labels {
   /// for it to be burned again; without one, states would burn again for every rounding.
   Labels(const BurnDomain& domain, const BlockSchedule& schedule, double tolerance);
 
+  /// What one thread needs to burn the states of a block.
+  struct Worker : WindowQueue::Worker {
+    using WindowQueue::Worker::Worker;
+    std::vector<char> removed;  // scratch
+    SectorTimes sector_times;
+  };
+
+  /// Burns all states: calls work(worker) for every block of states, on several threads at the same time for blocks
+  /// that do not touch each other; it takes states by next() until there are none. pause(burned) is called every now
+  /// and then on the thread of the caller. The result does not depend on the number of threads.
+  template <class Work, class Pause>
+  void burn(const Work& work, const Pause& pause) {
+    queue_.run([&] { return Worker(queue_); }, [&](std::uint32_t s) { return queued_time(s); },
+               [&](std::uint32_t s) {
+                 base::prefetch(&status_[s]);
+                 base::prefetch(&time_[s]);
+               },
+               work, pause);
+  }
+
   /// Relaxes a state: fire reaches it at time t from `source`, an inserted node through polygon `through`. Recomputes
   /// the times of the sectors of its node and queues those that drop.
-  void lower(std::uint32_t state, double t, std::uint32_t through, const Source& source) {
-    if (t < time_[state] && !(status_[state] & (open | pocket | at_radius))) lower_time(state, t, through, source);
+  void lower(Worker& worker, std::uint32_t state, double t, std::uint32_t through, const Source& source) {
+    if (t < time_[state] && !(status_[state] & (open | pocket | at_radius)))
+      lower_time(worker, state, t, through, source);
   }
-  /// The next state to burn, marked as burned; `again`: it was burned before. False when none is left.
-  bool next(std::uint32_t& state, bool& again);
+  /// The next state of the worker's block to burn, marked as burned; `again`: it was burned before. False when none is
+  /// left.
+  bool next(Worker& worker, std::uint32_t& state, bool& again);
 
   double tolerance() const { return tolerance_; }
   double time(std::uint32_t s) const { return time_[s]; }
@@ -70,15 +93,16 @@ class Labels {
  private:
   void start_vertices();
   void start_edges();
-  void lower_time(std::uint32_t state, double t, std::uint32_t through, const Source& source);
-  void label(std::uint32_t state, double t);
-  void label(std::uint32_t state, double t, std::uint32_t through, const Source& source);
-  void lower_vertex(std::uint32_t state, double t, const Source& source);
+  double queued_time(std::uint32_t s) const { return status_[s] & queued ? time_[s] : kNever; }
+  void lower_time(Worker& worker, std::uint32_t state, double t, std::uint32_t through, const Source& source);
+  void label(Worker& worker, std::uint32_t state, double t);
+  void label(Worker& worker, std::uint32_t state, double t, std::uint32_t through, const Source& source);
+  void lower_vertex(Worker& worker, std::uint32_t state, double t, const Source& source);
   Source source_at_rim(std::uint32_t state, std::uint32_t v) const;
   Source source_beyond(std::uint32_t state, std::uint32_t opener) const;
   double angle_beyond(std::uint32_t edge, std::uint32_t v, std::uint32_t opener) const;
   bool is_parallel(std::uint32_t first, std::uint32_t count) const;
-  void lower_seam(std::uint32_t state, double t, std::uint32_t through, const Source& source);
+  void lower_seam(Worker& worker, std::uint32_t state, double t, std::uint32_t through, const Source& source);
 
   const BurnDomain& domain_;
   double tolerance_;
@@ -89,8 +113,6 @@ class Labels {
   HugeVector<std::uint32_t> through_;  // through(), or opened_by()
   HugeVector<Source> source_;
   HugeVector<unsigned char> status_;
-  std::vector<char> removed_;  // scratch
-  SectorTimes sector_times_;
 };
 
 }  // namespace quench::burning

@@ -77,11 +77,8 @@ Range around(const Range& range, double low, double high) {
 
 class Segments {
  public:
-  Segments(const BurnDomain& domain, Labels& labels) : domain_(domain), labels_(labels) {
-    double farthest = 0;  // at least half the diameter of the points
-    for (const Vec3& p : domain.points) farthest = std::max(farthest, (p - domain.points[0]).norm());
-    far_ = 1e7 * farthest;
-  }
+  Segments(const BurnDomain& domain, Labels& labels, Labels::Worker& worker, double far)
+      : domain_(domain), labels_(labels), worker_(worker), far_(far) {}
 
   void burn(std::uint32_t state, bool again) {
     for_each_place(domain_, state,
@@ -211,13 +208,14 @@ class Segments {
     if (!(t < labels_.time(state))) return;
     const Polygons::Side& side = view.side(i);
     if (!view.flat) {
-      labels_.lower(state, t, through, kUnknownSource);
+      labels_.lower(worker_, state, t, through, kUnknownSource);
     } else if (k == 0 || k == side.pieces) {
-      labels_.lower(state, t, through, at_vertex(view, k == 0 ? i : view.after(i), source, source_time));
+      labels_.lower(worker_, state, t, through, at_vertex(view, k == 0 ? i : view.after(i), source, source_time));
     } else {
       const Frame frame(side);
       const double x = frame.x(source);
-      labels_.lower(state, t, through, {side.forward ? x : side.length - x, std::abs(frame.y(source)), source_time});
+      labels_.lower(worker_, state, t, through,
+                    {side.forward ? x : side.length - x, std::abs(frame.y(source)), source_time});
     }
   }
 
@@ -236,20 +234,25 @@ class Segments {
 
   const BurnDomain& domain_;
   Labels& labels_;
+  Labels::Worker& worker_;
   double far_;
 };
 
 }  // namespace
 
 void propagate_by_segments(const BurnDomain& domain, Labels& labels, Context* context) {
-  Segments segments(domain, labels);
-  std::uint32_t state = 0;
-  bool again = false;
+  double farthest = 0;  // at least half the diameter of the points
+  for (const Vec3& p : domain.points) farthest = std::max(farthest, (p - domain.points[0]).norm());
   const double states = domain.network.state_count();
-  for (std::uint64_t burned = 0; labels.next(state, again);) {
-    if (burned++ % 4096 == 0) checkpoint(context, "burn", std::min(0.8, 0.6 * static_cast<double>(burned) / states));
-    segments.burn(state, again);
-  }
+  labels.burn(
+      [&](Labels::Worker& worker) {
+        Segments segments(domain, labels, worker, 1e7 * farthest);
+        std::uint32_t state = 0;
+        for (bool again = false; labels.next(worker, state, again);) segments.burn(state, again);
+      },
+      [&](std::uint64_t burned) {
+        checkpoint(context, "burn", std::min(0.8, 0.6 * static_cast<double>(burned) / states));
+      });
 }
 
 }  // namespace quench::burning
