@@ -52,7 +52,7 @@ struct Burning {
 /// than 1e-12 of a side, or not convex, are crossed along straight lines from node to node only, which is less
 /// accurate.
 ///
-/// Deterministic. Near O(n log n) in nodes for polygons of few nodes; about 160 bytes per node, up to 300 where most of
+/// Deterministic. Near O(n log n) in nodes for polygons of few nodes; about 190 bytes per node, up to 300 where most of
 /// the axis is noise.
 Burning burn(const CellComplex& complex, std::span<const Vec3> points, std::span<const double> radius,
              const BurnOptions& options = {}, Context* context = nullptr);
