@@ -1,22 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
 // Burning a medial axis: error of erosion thickness against time, one thread.
 //   bench_burn AXIS [--radii FILE.r] [--linear] [--times-only] [--spacing W]... [--fine W]
-//   [--unit U] [--schedule STATES WINDOW]...
+//   [--unit U] [--schedule STATES WINDOW]... [--parts THREADS]
 // Spacings are multiples of the default one (default: 2 1 0.5 0.25); errors are mean relative errors over the vertices
 // whose erosion thickness exceeds a voxel (of a core of Quench; else --unit, or the default spacing), against a run at
 // a tenth of the default (--fine). --schedule adds a run with other blocks and windows (in node spacings) than the
-// program's, and prints the ratio of its time to theirs: 1e12 0.125 is the order of time.
+// program's, and prints the ratio of its time to theirs: 1e12 0.125 is the order of time. --parts prints how long the
+// parts of a burn take at the first spacing, on one thread and on THREADS, instead of errors.
 #include <fmt/format.h>
 #if defined(__GLIBC__)
 #include <malloc.h>
 #endif
 #include <sys/wait.h>
+#include <tbb/task_arena.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
+#include <numeric>
 #include <optional>
 #include <string>
 #include <vector>
@@ -84,6 +88,54 @@ double burn_bytes(const Axis& axis, const BurnOptions& options, const burning::B
   return grown;
 }
 
+// Wall seconds of the parts of a burn; the least of several runs, since other programs only make them longer.
+constexpr std::array kParts{"network", "links", "polygons", "labels", "burn pass", "order pass"};
+using Parts = std::array<double, kParts.size()>;
+Parts seconds_of_parts(const Axis& axis, const BurnOptions& options, int threads) {
+  using namespace burning;
+  Parts least;
+  least.fill(1e300);
+  tbb::task_arena arena(threads);
+  for (int run = 0; run < 7; ++run)
+    arena.execute([&] {
+      std::array<double, kParts.size() + 1> at{};
+      std::size_t done = 0;
+      const auto now = [&] { at[done++] = wall_seconds(); };
+      now();
+      BurnedSectors sectors;
+      sectors.network = make_network(axis.complex, axis.points, options.omega);
+      now();
+      Links links = make_links(axis.complex, sectors.network);
+      now();
+      Polygons polygons = make_polygons(axis.complex, axis.points, sectors.network);
+      now();
+      const BurnDomain domain{axis.complex,   axis.points,      axis.radius,        sectors.network,
+                              options.radius, std::move(links), std::move(polygons)};
+      Labels labels(domain, {}, label_tolerance(axis.complex, axis.points, options.omega));
+      now();
+      propagate_by_segments(domain, labels, nullptr);
+      now();
+      Times times;
+      std::vector<char> opened;
+      labels.release(times, opened);
+      order_pass(domain, opened, times, sectors, nullptr);
+      now();
+      for (std::size_t i = 0; i < kParts.size(); ++i) least[i] = std::min(least[i], at[i + 1] - at[i]);
+    });
+  return least;
+}
+
+void print_parts(const Axis& axis, const BurnOptions& options, int threads) {
+  const Parts one = seconds_of_parts(axis, options, 1), several = seconds_of_parts(axis, options, threads);
+  const double n = burn(axis.complex, axis.points, axis.radius, options).node_count;
+  fmt::print("{} nodes\n\n| part | us/node, 1 thread | {} threads | times faster |\n|---|---|---|---|\n", n, threads);
+  const auto row = [&](const char* name, double a, double b) {
+    fmt::print("| {} | {:.3f} | {:.3f} | {:.2f} |\n", name, a / n * 1e6, b / n * 1e6, a / b);
+  };
+  for (std::size_t i = 0; i < kParts.size(); ++i) row(kParts[i], one[i], several[i]);
+  row("all", std::accumulate(one.begin(), one.end(), 0.0), std::accumulate(several.begin(), several.end(), 0.0));
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -91,6 +143,7 @@ int main(int argc, char** argv) {
   std::vector<double> spacings;
   std::vector<burning::BlockSchedule> others;
   double fine = 0.1, unit_given = 0;
+  int parts = 0;
   BurnOptions options;
   for (int i = 1; i < argc; ++i) {
     const std::string word = argv[i];
@@ -102,6 +155,8 @@ int main(int argc, char** argv) {
       fine = std::atof(argv[++i]);
     else if (word == "--unit" && i + 1 < argc)
       unit_given = std::atof(argv[++i]);
+    else if (word == "--parts" && i + 1 < argc)
+      parts = std::atoi(argv[++i]);
     else if (word == "--schedule" && i + 2 < argc) {
       const auto states = static_cast<std::uint64_t>(std::atof(argv[++i]));
       others.push_back({states, std::atof(argv[++i])});
@@ -115,7 +170,7 @@ int main(int argc, char** argv) {
   if (file.empty()) {
     fmt::print(stderr,
                "usage: bench_burn AXIS [--radii FILE.r] [--linear] [--times-only] [--spacing W]... "
-               "[--fine W] [--unit U] [--schedule STATES WINDOW]...\n");
+               "[--fine W] [--unit U] [--schedule STATES WINDOW]... [--parts THREADS]\n");
     return 2;
   }
   if (spacings.empty()) spacings = {2, 1, 0.5, 0.25};
@@ -123,6 +178,11 @@ int main(int argc, char** argv) {
   const double base = default_omega(axis.complex, axis.points), unit = unit_given > 0   ? unit_given
                                                                        : axis.voxel > 0 ? axis.voxel
                                                                                         : base;
+  if (parts > 0) {
+    options.omega = base * spacings[0];
+    print_parts(axis, options, parts);
+    return 0;
+  }
   struct Run {
     double spacing, bytes;
     std::optional<burning::BlockSchedule> other;  // than the program's

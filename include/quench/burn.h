@@ -56,7 +56,7 @@ struct Burning {
 /// than 1e-12 of a side, or not convex, are crossed along straight lines from node to node only, which is less
 /// accurate.
 ///
-/// Deterministic. Near O(n log n) in nodes for polygons of few nodes; about 160 bytes per node, up to 300 where most of
+/// Deterministic. Near O(n log n) in nodes for polygons of few nodes; about 190 bytes per node, up to 300 where most of
 /// the axis is noise.
 Burning burn(const CellComplex& complex, std::span<const Vec3> points, std::span<const double> radius,
              const BurnOptions& options = {}, Context* context = nullptr);
@@ -64,7 +64,7 @@ Burning burn(const CellComplex& complex, std::span<const Vec3> points, std::span
 Burning burn(const MedialAxis& axis, const BurnOptions& options = {}, Context* context = nullptr);
 
 /// The spacing of nodes that burn() takes where none is given: 0.35 of the mean edge for triangles, whose diagonals are
-/// long, 0.5 for other polygons. The mean error of erosion thickness is then 0.2 to 0.4% (docs/algorithms/burning.md).
+/// long, 0.5 for other polygons. The mean error of erosion thickness is then about 0.1% (docs/algorithms/burning.md).
 double default_omega(const CellComplex& complex, std::span<const Vec3> points);
 
 /// Predicted peak of memory of burn(), in bytes, without that of its input.

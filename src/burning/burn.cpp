@@ -71,15 +71,19 @@ std::int64_t predicted_burn_bytes(const CellComplex& complex, std::span<const Ve
     const double pieces = omega > 0 ? (points[e[1]] - points[e[0]]).norm() / omega : 1;
     nodes += std::max(0.0, std::ceil(pieces) - 1);
   }
-  const double bytes = 300 * nodes +  // 160 on smooth cores, up to 300 on cores of noise
+  const double bytes = 300 * nodes +  // 190 on smooth cores, up to 290 on cores of noise
                        40.0 * static_cast<double>(complex.face_vertices.size());
   return static_cast<std::int64_t>(std::min(bytes, 0x1p62));
 }
 
 double radius_inside_edge(double r0, double r1, double length, double t, RadiusRule rule) {
   const double linear = (1 - t) * r0 + t * r1;
-  if (rule == RadiusRule::linear || std::abs(r0 - r1) > length || length > r0 + r1) return linear;
+  if (!is_distance_to_point(r0, r1, length, rule)) return linear;
   return std::sqrt(std::max(0.0, (1 - t) * r0 * r0 + t * r1 * r1 - t * (1 - t) * length * length));
+}
+
+double burning::label_tolerance(const CellComplex& complex, std::span<const Vec3> points, double omega) {
+  return std::min(2e-3 * omega, 6e-4 * mean_edge(complex, points));
 }
 
 Burning burning::finish_burning(const BurnDomain& domain, Labels labels, std::shared_ptr<BurnedSectors> sectors,
@@ -104,7 +108,7 @@ static Burning burned(const CellComplex& complex, std::span<const Vec3> points, 
   auto sectors = std::make_shared<BurnedSectors>();
   sectors->network = make_network(complex, points, options.omega);
   const BurnDomain domain{complex, points, radius, sectors->network, options.radius};
-  Labels labels(domain, schedule, std::min(2e-3 * options.omega, 6e-4 * mean_edge(complex, points)));
+  Labels labels(domain, schedule, label_tolerance(complex, points, options.omega));
   propagate_by_segments(domain, labels, context);
   return finish_burning(domain, std::move(labels), std::move(sectors), options, context);
 }

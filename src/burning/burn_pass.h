@@ -5,6 +5,9 @@
 
 namespace quench::burning {
 
+/// The tolerance of labels that burn() takes.
+double label_tolerance(const CellComplex& complex, std::span<const Vec3> points, double omega);
+
 /// The burn pass (geometry): burns states until none is queued. Two neighbouring burned nodes send the unfolded source
 /// of their front through the segment between them.
 void propagate_by_segments(const BurnDomain& domain, Labels& labels, Context* context);

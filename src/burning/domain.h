@@ -1,9 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cmath>
+
 #include "burning/network.h"
 
 namespace quench::burning {
+
+/// Whether the radius along an edge of this length can be the distance to one point.
+inline bool is_distance_to_point(double r0, double r1, double length, RadiusRule rule) {
+  return rule == RadiusRule::exact && std::abs(r0 - r1) <= length && length <= r0 + r1;
+}
 
 /// The complex, its network of nodes and the radius rule: read-only input of both passes of burning, and of the curves.
 struct BurnDomain {
@@ -16,6 +23,15 @@ struct BurnDomain {
   Polygons polygons = make_polygons(complex, points, network);
 
   std::uint32_t vertex_states() const { return network.vertex_base.back(); }
+  /// The next corner of the same polygon.
+  std::uint32_t corner_after(std::uint32_t c) const {
+    const std::uint32_t f = network.corner_face[c];
+    return c + 1 == complex.face_offsets[f + 1] ? complex.face_offsets[f] : c + 1;
+  }
+  std::uint32_t corner_before(std::uint32_t c) const {
+    const std::uint32_t f = network.corner_face[c];
+    return c == complex.face_offsets[f] ? complex.face_offsets[f + 1] - 1 : c - 1;
+  }
   bool is_vertex(std::uint32_t state) const { return state < vertex_states(); }
   std::uint32_t edge_of(std::uint32_t state) const { return links.edge_of[state - vertex_states()]; }
   /// For the state of an inserted node: the number of the node on its edge, from 1.

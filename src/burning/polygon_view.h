@@ -30,6 +30,8 @@ class PolygonView {
   const bool flat;
 
   std::uint32_t side_count() const { return count_; }
+  /// The corner at which side i starts.
+  std::uint32_t corner(std::uint32_t i) const { return domain_.complex.face_offsets[face] + i; }
   const Side& side(std::uint32_t i) const { return sides_[i]; }
   std::uint32_t after(std::uint32_t i) const { return i + 1 == count_ ? 0 : i + 1; }
   std::uint32_t before(std::uint32_t i) const { return i == 0 ? count_ - 1 : i - 1; }

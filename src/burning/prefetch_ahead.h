@@ -10,11 +10,12 @@ namespace quench::burning {
 /// The order pass reads memory at random, in the order of time, and cache misses are most of its cost. The queue knows
 /// which states come next, so what each needs is prefetched in steps, each using what the one before fetched: from the
 /// state to its edge, to the sides of its polygons, to the times of their nodes.
-inline void prefetch_ahead(const StateQueue& queue, const BurnDomain& domain, const Times& times) {
-  const double* per_state = times.data();
+inline void prefetch_ahead(const StateQueue& queue, const BurnDomain& domain, const Times& times,
+                           const HugeVector<unsigned char>& status) {
   const auto& links = domain.links;
   queue.peek(12, [&](std::uint32_t state) {
-    base::prefetch(per_state + state);
+    base::prefetch(&times[state]);
+    base::prefetch(&status[state]);
     base::prefetch(domain.is_vertex(state) ? &links.corners.offsets()[state]
                                            : &links.edge_of[state - domain.vertex_states()]);
   });
@@ -46,8 +47,8 @@ inline void prefetch_ahead(const StateQueue& queue, const BurnDomain& domain, co
     each_corner(state, [&](std::uint32_t c) {
       base::prefetch(&domain.complex.face_offsets[domain.network.corner_face[c]]);
       for (std::uint32_t i = c < 2 ? 0 : c - 2; i < std::min<std::size_t>(c + 3, sides.size()); ++i) {
-        base::prefetch(per_state + sides[i].corner_state);
-        if (sides[i].pieces > 1) base::prefetch(per_state + sides[i].state_base);
+        base::prefetch(&status[sides[i].corner_state]);
+        if (sides[i].pieces > 1) base::prefetch(&status[sides[i].state_base]);
       }
     });
   });

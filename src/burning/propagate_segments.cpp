@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "burning/burn_pass.h"
 #include "burning/fronts.h"
@@ -76,11 +77,8 @@ Range around(const Range& range, double low, double high) {
 
 class Segments {
  public:
-  Segments(const BurnDomain& domain, Labels& labels) : domain_(domain), labels_(labels) {
-    double farthest = 0;  // at least half the diameter of the points
-    for (const Vec3& p : domain.points) farthest = std::max(farthest, (p - domain.points[0]).norm());
-    far_ = 1e7 * farthest;
-  }
+  Segments(const BurnDomain& domain, Labels& labels, Labels::Worker& worker, double far)
+      : domain_(domain), labels_(labels), worker_(worker), far_(far) {}
 
   void burn(std::uint32_t state, bool again) {
     for_each_place(domain_, state,
@@ -180,16 +178,15 @@ class Segments {
   void send(const PolygonView& view, std::uint32_t from_side, const Front& front, double start) {
     const Frame frame(view.side(from_side));
     const Point source = frame.world(front.x, -front.depth);
-    const double from = front.from - front.x, to = front.to - front.x;
     for_each_far_side(view, {from_side, 1}, [&](std::uint32_t i, std::uint32_t first, std::uint32_t last) {
-      // A node (x, y) is reached if its line to the source crosses [from, to]: two conditions linear in k.
+      // A node (x, y) is reached if it lies between the rays of the front: two conditions linear in k.
       const Polygons::Side& far = view.side(i);
       const double x = (far.x - source.x) * frame.along.x + (far.y - source.y) * frame.along.y,
                    y = (far.y - source.y) * frame.along.x - (far.x - source.x) * frame.along.y,
                    dx = far.dx * frame.along.x + far.dy * frame.along.y,
                    dy = far.dy * frame.along.x - far.dx * frame.along.y;
-      const Linear before{from * y - front.depth * x, from * dy - front.depth * dx},
-          after{front.depth * x - to * y, front.depth * dx - to * dy};
+      const Linear before{front.from * y - front.rise * x, front.from * dy - front.rise * dx},
+          after{front.rise * x - front.to * y, front.rise * dx - front.to * dy};
       const double beyond = last + 1.0;
       if (is_positive(before, beyond) || is_positive(after, beyond)) return;
       double low = 0, high = far.pieces;
@@ -199,8 +196,9 @@ class Segments {
       if (range.is_empty()) return;
       view.nodes(i, range.first, range.last, [&](std::uint32_t k, std::uint32_t target) {
         if (!(labels_.time(target) > start)) return;
-        const double t = front.time + distance(view.at(i, k), source);
-        if (t >= start) lower(view, i, k, target, t, source, front.time, view.face);
+        // Fire that crosses the segment between its nodes can be earlier than at both, but one of them is the parent.
+        const double t = std::max(front.time + distance(view.at(i, k), source), start);
+        lower(view, i, k, target, t, source, front.time, view.face);
       });
     });
   }
@@ -209,31 +207,52 @@ class Segments {
              const Point& source, double source_time, std::uint32_t through) {
     if (!(t < labels_.time(state))) return;
     const Polygons::Side& side = view.side(i);
-    if (k == 0 || k == side.pieces || !view.flat) {
-      labels_.lower(state, t, through, kUnknownSource);
-      return;
+    if (!view.flat) {
+      labels_.lower(worker_, state, t, through, kUnknownSource);
+    } else if (k == 0 || k == side.pieces) {
+      labels_.lower(worker_, state, t, through, at_vertex(view, k == 0 ? i : view.after(i), source, source_time));
+    } else {
+      const Frame frame(side);
+      const double x = frame.x(source);
+      labels_.lower(worker_, state, t, through,
+                    {side.forward ? x : side.length - x, std::abs(frame.y(source)), source_time});
     }
-    const Frame frame(side);
-    const double x = frame.x(source);
-    labels_.lower(state, t, through, {side.forward ? x : side.length - x, std::abs(frame.y(source)), source_time});
+  }
+
+  // A source as seen from the vertex at which a side starts. It is seen through the polygon.
+  Source at_vertex(const PolygonView& view, std::uint32_t i, const Point& source, double source_time) const {
+    const Polygons::Side& side = view.side(i);
+    const double x = source.x - side.x, y = source.y - side.y;
+    const auto& corner = labels_.angles().corners[view.corner(i)];
+    const double angle = std::abs(corner.before - corner.side);
+    double turned = std::atan2(side.dx * y - side.dy * x, side.dx * x + side.dy * y);
+    if (turned < 0.5 * angle - std::numbers::pi) turned += 2 * std::numbers::pi;
+    turned = std::clamp(turned, 0.0, angle);
+    return {corner.before > corner.side ? corner.side + turned : corner.side - turned, std::sqrt(x * x + y * y),
+            source_time};
   }
 
   const BurnDomain& domain_;
   Labels& labels_;
+  Labels::Worker& worker_;
   double far_;
 };
 
 }  // namespace
 
 void propagate_by_segments(const BurnDomain& domain, Labels& labels, Context* context) {
-  Segments segments(domain, labels);
-  std::uint32_t state = 0;
-  bool again = false;
+  double farthest = 0;  // at least half the diameter of the points
+  for (const Vec3& p : domain.points) farthest = std::max(farthest, (p - domain.points[0]).norm());
   const double states = domain.network.state_count();
-  for (std::uint64_t burned = 0; labels.next(state, again);) {
-    if (burned++ % 4096 == 0) checkpoint(context, "burn", std::min(0.8, 0.6 * static_cast<double>(burned) / states));
-    segments.burn(state, again);
-  }
+  labels.burn(
+      [&](Labels::Worker& worker) {
+        Segments segments(domain, labels, worker, 1e7 * farthest);
+        std::uint32_t state = 0;
+        for (bool again = false; labels.next(worker, state, again);) segments.burn(state, again);
+      },
+      [&](std::uint64_t burned) {
+        checkpoint(context, "burn", std::min(0.8, 0.6 * static_cast<double>(burned) / states));
+      });
 }
 
 }  // namespace quench::burning

@@ -18,21 +18,24 @@ enum class Propagation { nodes, segments };
 
 inline void propagate_by_nodes(const burning::BurnDomain& domain, burning::Labels& labels) {
   using namespace burning;
-  std::uint32_t state = 0;
-  for (bool again = false; labels.next(state, again);) {
-    const double t = labels.time(state);
-    for_each_place(domain, state, [&](const PolygonView& view, const Place& place) {
-      const Point here = view.at(place.side, place.k);
-      for_each_edge_arc(view, place, [&](std::uint32_t i, std::uint32_t k) {
-        labels.lower(view.state(i, k), t + view.side(i).spacing(), view.face, kUnknownSource);
-      });
-      for_each_far_side(view, place, [&](std::uint32_t i, std::uint32_t first, std::uint32_t last) {
-        view.nodes(i, first, last, [&](std::uint32_t k, std::uint32_t target) {
-          labels.lower(target, t + distance(view.at(i, k), here), view.face, kUnknownSource);
+  const auto burn_block = [&](Labels::Worker& worker) {
+    std::uint32_t state = 0;
+    for (bool again = false; labels.next(worker, state, again);) {
+      const double t = labels.time(state);
+      for_each_place(domain, state, [&](const PolygonView& view, const Place& place) {
+        const Point here = view.at(place.side, place.k);
+        for_each_edge_arc(view, place, [&](std::uint32_t i, std::uint32_t k) {
+          labels.lower(worker, view.state(i, k), t + view.side(i).spacing(), view.face, kUnknownSource);
+        });
+        for_each_far_side(view, place, [&](std::uint32_t i, std::uint32_t first, std::uint32_t last) {
+          view.nodes(i, first, last, [&](std::uint32_t k, std::uint32_t target) {
+            labels.lower(worker, target, t + distance(view.at(i, k), here), view.face, kUnknownSource);
+          });
         });
       });
-    });
-  }
+    }
+  };
+  labels.burn(burn_block, [](std::uint64_t) {});
 }
 
 /// burn() by either propagation; by nodes `options.omega` must be given.
