@@ -76,8 +76,7 @@ void run(const pipeline::LoadedAxis& loaded, bool with_floor, Stages& stages, do
   const double omega = burning.options.omega, held = status_bytes("VmRSS");
   const pipeline::FamilyFloor floor =
       with_floor ? pipeline::floor_of({}, loaded.scale, omega) : pipeline::FamilyFloor{};
-  RefinedAxis refined = stages.time("curves", held, [&] { return pipeline::curves_of(axis, burning); });
-  burning = Burning();
+  RefinedAxis refined = stages.time("curves", held, [&] { return pipeline::curves_of(axis, std::move(burning)); });
   pipeline::FamilyResult family =
       stages.time("family", held, [&] { return pipeline::family_of(std::move(refined), wanted, floor); });
   const pipeline::SkeletonResult skeleton =

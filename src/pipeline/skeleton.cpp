@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "page/layer.h"
 #include "quench/axis.h"
@@ -10,10 +11,10 @@
 
 namespace quench::pipeline {
 
-RefinedAxis curves_of(const MedialAxis& axis, const Burning& burning, Context* context) {
+RefinedAxis curves_of(const MedialAxis& axis, Burning burning, Context* context) {
   require_memory(predicted_skeleton_bytes(burning), "the curves of this medial axis",
                  {"a larger omega", "a larger lambda"}, context);
-  return quench_curves(axis.complex, axis.points, axis.radius, burning, context);
+  return quench_curves(axis.complex, axis.points, axis.radius, std::move(burning), context);
 }
 
 FamilyResult family_of(RefinedAxis&& refined, const Topology& wanted, const FamilyFloor& floor, Context* context) {
