@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
+#include <tbb/parallel_invoke.h>
 
 #include <algorithm>
 #include <utility>
 
+#include "base/parallel.h"
 #include "page/layer.h"
 #include "quench/axis.h"
 #include "quench/error.h"
@@ -48,12 +50,22 @@ SkeletonResult skeleton_of(const FamilyResult& family, const SkeletonOptions& op
   constexpr double kNoTips = std::numeric_limits<double>::infinity();
   const double theta2 = scale.resolve(options.theta2, "theta2"), theta1 = scale.resolve(options.theta1, "theta1");
   const double tips = thickness_of_tips(options, scale, omega);
-  SkeletonResult result{extract(family.family, theta2, theta1, {options.parts, kNoTips}), {}, {}};
-  result.measured = extract(family.family, theta2, theta1, {false, tips});
+  SkeletonResult result;
+  Topology measured;
+  base::in_arena(context, [&] {
+    tbb::parallel_invoke(
+        [&] {
+          result.skeleton = extract(family.family, theta2, theta1, {options.parts, kNoTips});
+          result.topology = topology(result.skeleton.complex);
+        },
+        [&] {
+          result.measured = extract(family.family, theta2, theta1, {false, tips});
+          measured = topology(result.measured.complex);
+        });
+  });
   checkpoint(context, "skeleton", 1);
-  result.topology = topology(result.skeleton.complex);
   require_topology(result.topology, family.topology, "skeleton", "medial axis");
-  require_topology(topology(result.measured.complex), family.topology, "curve graph", "medial axis");
+  require_topology(measured, family.topology, "curve graph", "medial axis");
   checkpoint(context, "topology", 1);
   return result;
 }

@@ -81,7 +81,10 @@ TEST_F(ViewProgram, RunWritesAPageOfEverything) {
   EXPECT_EQ(p.meta["files"]["core"], "out/core.vtp");
   EXPECT_EQ(p.meta["theta2"], static_cast<double>(0.03F));
   EXPECT_EQ(p.meta["burning"]["propagation"], "segments");
-  EXPECT_EQ(p.meta["notes"], nlohmann::json::array());
+  // A voxel is more than the thetas of the run.
+  EXPECT_EQ(p.meta["notes"],
+            nlohmann::json::array({"The skeletons of this page begin at theta2 = 0.03 and theta1 = 0.02"}));
+  EXPECT_EQ(p.meta["floor"]["theta2"], static_cast<double>(0.03F));
   EXPECT_EQ(p.meta["measures"], nlohmann::json::array({{{"name", "lambda"}, {"floor", p.meta["floor"]["lambda"]}}}));
   for (const char* name : {"core/points", "core/face_level", "core/point/burn_time", "core/point/lambda",
                            "skeleton/points", "skeleton/curve_edges", "skeleton/medial_points", "shape/points",
