@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "base/return_memory.h"
 #include "measure.h"
 #include "quench/pipeline.h"
 
@@ -73,11 +74,11 @@ void run(const pipeline::LoadedAxis& loaded, bool with_floor, Stages& stages, do
   Burning burning = pipeline::burning_of(axis, loaded.voxel_core, {}, true, loaded.scale);
   nodes = burning.node_count;
   const Topology wanted = topology(axis.complex);
+  base::return_free_memory();  // else it would be used again, and not be counted
   const double omega = burning.options.omega, held = status_bytes("VmRSS");
   const pipeline::FamilyFloor floor =
       with_floor ? pipeline::floor_of({}, loaded.scale, omega) : pipeline::FamilyFloor{};
-  RefinedAxis refined = stages.time("curves", held, [&] { return pipeline::curves_of(axis, burning); });
-  burning = Burning();
+  RefinedAxis refined = stages.time("curves", held, [&] { return pipeline::curves_of(axis, std::move(burning)); });
   pipeline::FamilyResult family =
       stages.time("family", held, [&] { return pipeline::family_of(std::move(refined), wanted, floor); });
   const pipeline::SkeletonResult skeleton =

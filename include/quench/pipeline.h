@@ -283,7 +283,7 @@ struct FamilyFloor {
 };
 
 /// quench_curves() with its plan of memory.
-RefinedAxis curves_of(const MedialAxis& axis, const Burning& burning, Context* context = nullptr);
+RefinedAxis curves_of(const MedialAxis& axis, Burning burning, Context* context = nullptr);
 /// Throws Error(invariant) when the topology of the curves is not `wanted`, that of the medial axis.
 FamilyResult family_of(RefinedAxis&& refined, const Topology& wanted, const FamilyFloor& floor = {},
                        Context* context = nullptr);

@@ -49,8 +49,10 @@ struct RefinedAxis {
 /// The medial curves of a burned axis (with parents), and their burning: fire starts at their free ends at the time the
 /// fire on M comes there, runs with unit speed, dies at a junction unless one branch is left, and never burns loops.
 /// O(n log n). Throws Error(invariant) when the number of prime arcs at a node is not the number of cycles of its link.
+/// Works on the threads of the context, but for the fire on the curves near where it ends. A burning that is moved in
+/// is given back before that, and takes most of its memory with it.
 RefinedAxis quench_curves(const CellComplex& complex, std::span<const Vec3> points, std::span<const double> radius,
-                          const Burning& burning, Context* context = nullptr);
+                          Burning burning, Context* context = nullptr);
 
 /// All skeletons of a refined axis. The skeleton for (theta2, theta1) is what is left of { sheet_level >= theta2 } and
 /// the curves after pruning free curve edges of a thickness below theta1 (world units; infinity allowed).

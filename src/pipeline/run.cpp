@@ -44,8 +44,7 @@ AxisRun run_axis(const MedialAxis& axis, Record&& file, bool voxel_core, const T
     add_axis(*options.page, axis, result, scale, options.skeleton);
     checkpoint(context, "page", 1);
   }
-  RefinedAxis refined = curves_of(axis, burning, context);
-  burning = Burning();  // its memory is needed for the family
+  RefinedAxis refined = curves_of(axis, std::move(burning), context);
   FamilyResult family =
       family_of(std::move(refined), wanted, floor_of(options.skeleton, scale, result.burned.options.omega), context);
   result.curves = family.curves;

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
+#include <tbb/parallel_invoke.h>
 
 #include <algorithm>
+#include <utility>
 
+#include "base/parallel.h"
 #include "page/layer.h"
 #include "quench/axis.h"
 #include "quench/error.h"
@@ -10,10 +13,10 @@
 
 namespace quench::pipeline {
 
-RefinedAxis curves_of(const MedialAxis& axis, const Burning& burning, Context* context) {
+RefinedAxis curves_of(const MedialAxis& axis, Burning burning, Context* context) {
   require_memory(predicted_skeleton_bytes(burning), "the curves of this medial axis",
                  {"a larger omega", "a larger lambda"}, context);
-  return quench_curves(axis.complex, axis.points, axis.radius, burning, context);
+  return quench_curves(axis.complex, axis.points, axis.radius, std::move(burning), context);
 }
 
 FamilyResult family_of(RefinedAxis&& refined, const Topology& wanted, const FamilyFloor& floor, Context* context) {
@@ -57,12 +60,22 @@ SkeletonResult skeleton_of(const FamilyResult& family, const SkeletonOptions& op
   constexpr double kNoTips = std::numeric_limits<double>::infinity();
   const double theta2 = theta2_of(options, scale), theta1 = theta1_of(options, scale);
   const double tips = thickness_of_tips(options, scale, omega);
-  SkeletonResult result{extract(family.family, theta2, theta1, {options.parts, kNoTips}), {}, {}};
-  result.measured = extract(family.family, theta2, theta1, {false, tips});
+  SkeletonResult result;
+  Topology measured;
+  base::in_arena(context, [&] {
+    tbb::parallel_invoke(
+        [&] {
+          result.skeleton = extract(family.family, theta2, theta1, {options.parts, kNoTips});
+          result.topology = topology(result.skeleton.complex);
+        },
+        [&] {
+          result.measured = extract(family.family, theta2, theta1, {false, tips});
+          measured = topology(result.measured.complex);
+        });
+  });
   checkpoint(context, "skeleton", 1);
-  result.topology = topology(result.skeleton.complex);
   require_topology(result.topology, family.topology, "skeleton", "medial axis");
-  require_topology(topology(result.measured.complex), family.topology, "curve graph", "medial axis");
+  require_topology(measured, family.topology, "curve graph", "medial axis");
   checkpoint(context, "topology", 1);
   return result;
 }

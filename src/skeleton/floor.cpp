@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <tbb/parallel_invoke.h>
+
 #include <algorithm>
 
 #include "base/constants.h"
+#include "base/parallel.h"
 #include "quench/skeleton.h"
 #include "skeleton/member.h"
 
@@ -26,9 +29,7 @@ class Compaction {
     for (std::size_t f = 0; f < stays_.face.size(); ++f)
       if (!stays_.face[f] && (incomplete.empty() || incomplete.back() != k_.polygon_of[f]))
         incomplete.push_back(k_.polygon_of[f]);
-    compact_vertices();
-    compact_edges();
-    compact_faces();
+    tbb::parallel_invoke([&] { compact_vertices(); }, [&] { compact_edges(); }, [&] { compact_faces(); });
   }
 
  private:
@@ -141,9 +142,11 @@ SkeletonFamily with_floor(SkeletonFamily family, double theta2, double theta1, C
   theta2 = std::max(theta2, family.theta2_floor);
   theta1 = std::max(theta1, family.theta1_floor);
   if (theta2 == family.theta2_floor && theta1 == family.theta1_floor) return family;
-  Member stays = skeleton::member_of(family, theta2, theta1, base::kNever);
-  checkpoint(context, "skeleton", 1);
-  Compaction(family, stays).run();
+  base::in_arena(context, [&] {
+    Member stays = skeleton::member_of(family, theta2, theta1, base::kNever);
+    checkpoint(context, "skeleton", 1);
+    Compaction(family, stays).run();
+  });
   family.theta2_floor = theta2;
   family.theta1_floor = theta1;
   return family;

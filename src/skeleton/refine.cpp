@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <utility>
 
 #include "base/constants.h"
 #include "base/parallel.h"
@@ -390,9 +391,14 @@ class Refinement {
 };
 
 RefinedAxis refined(const CellComplex& complex, std::span<const Vec3> points, std::span<const double> radius,
-                    const Burning& burning, Context* context) {
-  const BurnedAxis burned{complex, points, radius, *burning.sectors, burning.sectors->network, burning.options.radius};
-  RefinedAxis axis = Refinement(burned, burning).run(context);
+                    Burning&& burning, Context* context) {
+  RefinedAxis axis;
+  {
+    const BurnedAxis burned{
+        complex, points, radius, *burning.sectors, burning.sectors->network, burning.options.radius};
+    axis = Refinement(burned, burning).run(context);
+  }
+  burning = Burning();
   skeleton::burn_curve_network(axis, context);
   checkpoint(context, "curves", 1);
   return axis;
@@ -401,11 +407,11 @@ RefinedAxis refined(const CellComplex& complex, std::span<const Vec3> points, st
 }  // namespace
 
 RefinedAxis quench_curves(const CellComplex& complex, std::span<const Vec3> points, std::span<const double> radius,
-                          const Burning& burning, Context* context) {
+                          Burning burning, Context* context) {
   if (!burning.sectors || burning.sectors->parent.size() != burning.sectors->state_time.size() ||
       burning.burn_time.size() != complex.vertex_count)
     throw Error(ErrorCode::usage, "medial curves need a burning of the same axis with BurnOptions::parents");
-  return base::in_arena(context, [&] { return refined(complex, points, radius, burning, context); });
+  return base::in_arena(context, [&] { return refined(complex, points, radius, std::move(burning), context); });
 }
 
 }  // namespace quench

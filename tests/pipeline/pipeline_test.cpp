@@ -229,7 +229,10 @@ TEST(Run, IsTheStagesCalledByHand) {
   by_hand.page.theta2 = 0.04 * side;
   by_hand.page.theta1 = 2 * voxel;
   by_hand.add_core(core, result.axis.file.point_data, true);
-  by_hand.add_skeleton(family);
+  const FamilyFloor floor = floor_of(options.skeleton, shape.scale(), burning.options.omega);
+  EXPECT_FLOAT_EQ(static_cast<float>(floor.theta1), static_cast<float>(voxel));
+  EXPECT_LE(floor.theta1, voxel);
+  by_hand.add_skeleton(with_floor(family, floor.theta2, floor.theta1));
   EXPECT_EQ(page.triangles(), by_hand.triangles());
   ASSERT_EQ(page.page.arrays.size(), by_hand.page.arrays.size());
   for (std::size_t a = 0; a < by_hand.page.arrays.size(); ++a) {

@@ -13,7 +13,10 @@
 #include "base/cofaces.h"
 #include "burning/curve_fire.h"
 #include "complex/thinning.h"
+#include "quench/samples.h"
+#include "quench/shape.h"
 #include "quench/skeleton.h"
+#include "quench/voxelize.h"
 #include "random_complexes.h"
 
 namespace quench {
@@ -176,6 +179,28 @@ TEST(SkeletonFloor, MembersAboveItStayAsTheyAre) {
   EXPECT_GT(smaller, 500u);
 }
 
+void expect_same(const SkeletonFamily& a, const SkeletonFamily& b) {
+  ASSERT_EQ(a.refined.points, b.refined.points);
+  ASSERT_EQ(a.refined.radius, b.refined.radius);
+  ASSERT_EQ(a.refined.burn_time, b.refined.burn_time);
+  ASSERT_EQ(a.refined.curve_vertex, b.refined.curve_vertex);
+  ASSERT_EQ(a.refined.curve_edge, b.refined.curve_edge);
+  ASSERT_EQ(a.refined.complex.edges, b.refined.complex.edges);
+  ASSERT_EQ(a.refined.complex.face_offsets, b.refined.complex.face_offsets);
+  ASSERT_EQ(a.refined.complex.face_vertices, b.refined.complex.face_vertices);
+  ASSERT_EQ(a.refined.complex.face_edges, b.refined.complex.face_edges);
+  ASSERT_EQ(a.refined.face_thickness, b.refined.face_thickness);
+  ASSERT_EQ(a.refined.polygon_of, b.refined.polygon_of);
+  ASSERT_EQ(a.refined.curve_burn_time, b.refined.curve_burn_time);
+  ASSERT_EQ(a.refined.exit, b.refined.exit);
+  ASSERT_EQ(a.refined.medial_point, b.refined.medial_point);
+  ASSERT_EQ(a.face_sheet_level, b.face_sheet_level);
+  ASSERT_EQ(a.edge_sheet_level, b.edge_sheet_level);
+  ASSERT_EQ(a.vertex_sheet_level, b.vertex_sheet_level);
+  ASSERT_EQ(a.curve_thickness, b.curve_thickness);
+  ASSERT_EQ(a.curve_level, b.curve_level);
+}
+
 TEST(SkeletonThreads, ResultsAreTheSame) {
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, 3);
   Context one, three;
@@ -183,17 +208,27 @@ TEST(SkeletonThreads, ResultsAreTheSame) {
   three.threads = 3;
   for (std::uint64_t seed = 0; seed < 300 && !testing::Test::HasFailure(); ++seed) {
     SCOPED_TRACE(seed);
-    const SkeletonFamily a = skeletons(some_axis(seed, &one), &one), b = skeletons(some_axis(seed, &three), &three);
-    ASSERT_EQ(a.refined.points, b.refined.points);
-    ASSERT_EQ(a.refined.complex.edges, b.refined.complex.edges);
-    ASSERT_EQ(a.refined.complex.face_vertices, b.refined.complex.face_vertices);
-    ASSERT_EQ(a.refined.complex.face_edges, b.refined.complex.face_edges);
-    ASSERT_EQ(a.refined.curve_burn_time, b.refined.curve_burn_time);
-    ASSERT_EQ(a.refined.exit, b.refined.exit);
-    ASSERT_EQ(a.face_sheet_level, b.face_sheet_level);
-    ASSERT_EQ(a.edge_sheet_level, b.edge_sheet_level);
-    ASSERT_EQ(a.vertex_sheet_level, b.vertex_sheet_level);
-    ASSERT_EQ(a.curve_level, b.curve_level);
+    expect_same(skeletons(some_axis(seed, &one), &one), skeletons(some_axis(seed, &three), &three));
+  }
+}
+
+// Large enough for work that is shared: parts in many chunks, whose curves are burned in zones.
+TEST(SkeletonThreads, ResultsOfALargeAxisAreTheSame) {
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, 4);
+  for (const char* sample : {"bumpy-sphere", "hollow-sphere", "plate-with-holes"}) {
+    SCOPED_TRACE(sample);
+    const MedialAxis axis = medial_axis(voxelize(make_sample(sample).mesh, {.resolution = 48}).shape, 0);
+    const Burning burning = burn(axis);
+    Context one;
+    one.threads = 1;
+    const SkeletonFamily wanted = skeletons(axis, burning, &one);
+    for (const int threads : {2, 4}) {
+      Context several;
+      several.threads = threads;
+      const SkeletonFamily family = skeletons(axis, burning, &several);
+      expect_same(family, wanted);
+      expect_same(with_floor(family, 1, 1, &several), with_floor(wanted, 1, 1, &one));
+    }
   }
 }
 
