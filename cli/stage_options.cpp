@@ -106,8 +106,8 @@ void add_burn_options(CLI::App& app, pipeline::BurningOptions& o) {
   const auto group = "Burning";
   add_parsed(
       app, "--omega",
-      "Distance of nodes along edges: a fraction of the longest side (0.005), 0.5vox, 2abs, or 'auto': half "
-      "the mean edge (0.35 for triangles), for an erosion thickness right to about 0.1%",
+      "Distance of nodes along edges: a fraction of the longest side (0.005), 0.5vox, 2abs, or 'auto': 0.65 "
+      "of the mean edge (0.35 for triangles), for an erosion thickness right to about 0.1%",
       [&o](const std::string&, const std::string& text) { o.omega = pipeline::parse_omega(text); },
       [&o] { return pipeline::text_of(o.omega); })
       ->type_name("LENGTH")

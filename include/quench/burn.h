@@ -64,7 +64,7 @@ Burning burn(const CellComplex& complex, std::span<const Vec3> points, std::span
 Burning burn(const MedialAxis& axis, const BurnOptions& options = {}, Context* context = nullptr);
 
 /// The spacing of nodes that burn() takes where none is given: 0.35 of the mean edge for triangles, whose diagonals are
-/// long, 0.5 for other polygons. The mean error of erosion thickness is then about 0.1% (docs/algorithms/burning.md).
+/// long, 0.65 for other polygons. The mean error of erosion thickness is then about 0.1% (docs/algorithms/burning.md).
 double default_omega(const CellComplex& complex, std::span<const Vec3> points);
 
 /// Predicted peak of memory of burn(), in bytes, without that of its input.

@@ -239,7 +239,7 @@ std::string_view name_of(RadiusRule rule);  ///< "exact", "linear"
 std::optional<LambdaRule> lambda_rule_of(std::string_view name);
 std::optional<RadiusRule> radius_rule_of(std::string_view name);
 
-/// What is not given is automatic: half the mean edge; exact for voxel cores of Quench, else linear.
+/// What is not given is automatic: default_omega(); exact for voxel cores of Quench, else linear.
 struct BurningOptions {
   std::optional<Length> omega = {};
   std::optional<RadiusRule> radius = {};

@@ -59,7 +59,7 @@ void check_input(const CellComplex& complex, std::span<const Vec3> points, std::
 double default_omega(const CellComplex& complex, std::span<const Vec3> points) {
   check_points(complex, points);
   const bool triangles = complex.face_vertices.size() == 3 * complex.face_count();
-  return (triangles ? 0.35 : 0.5) * mean_edge(complex, points);
+  return (triangles ? 0.35 : 0.65) * mean_edge(complex, points);
 }
 
 std::int64_t predicted_burn_bytes(const CellComplex& complex, std::span<const Vec3> points,

@@ -185,7 +185,7 @@ TEST_F(Program, VerifyFindsSabotage) {
   const auto json = works({"verify", "box.ply", "a.vtp", "--json", "-"});
   EXPECT_TRUE(json.out.starts_with("{\n") && has(json.out, "\"verified\": true")) << json.out;
   EXPECT_TRUE(has(json.out, "\"not_checked\": [") && has(json.out, "\"array\": \"field parameters\"") &&
-              has(json.out, "\"cell detail_level\""))
+              has(json.out, "\"cell lambda_level\""))
       << json.out;
   const auto foreign = works({"verify", "box.ply", "a.ply", "--resolution", "20", "--lambda", "2vox"});
   EXPECT_TRUE(has(foreign.out, "-    legal pruning: not checked") && has(foreign.err, "--core"))
