@@ -19,7 +19,7 @@ namespace {
 constexpr double kHeadroom = 1.25;
 // Details up to this factor of the automatic one are not made as small as they could be, which would be a search for
 // each vertex of thin parts.
-constexpr double kEnough = 2;
+constexpr double kEnough = 3;
 // Lengths are multiples of this factor of the automatic detail: rounding depends on where a shape lies, what is kept
 // must not. So much of a unit counts as rounding: together a billionth of the detail.
 constexpr double kLengthUnit = 0x1p-20, kOfUnit = 1e-3;
