@@ -42,8 +42,8 @@ CorePlan plan_core(const VoxelShape& shape, const Context* context) {
 }
 
 std::int64_t predicted_run_bytes(const VoxelShape& shape) {
-  // 1.4 to 4.1 KB per site on a board, a torus, a root and smooth noise, with automatic lambda and omega.
-  return predicted_core_bytes(0) + 4500 * count_boundary_vertices(shape);
+  // 0.4 to 1.6 KB per site on organic and technical shapes and roots, by automatic detail and with automatic omega.
+  return predicted_core_bytes(0) + 1800 * count_boundary_vertices(shape);
 }
 
 std::int64_t predicted_skeleton_bytes(const Burning& burning) {
