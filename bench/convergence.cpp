@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // How fast voxel cores approach the medial axes of smooth shapes (Yan 2018, Thms. 2.5.1 to 2.5.4, Fig. 2.9), as the
 // Markdown tables of notes/convergence.md.
-//   bench_convergence voxels|topology|axis|mesh|blobs [LARGEST_RESOLUTION]
+//   bench_convergence voxels|topology|axis|prunings|mesh|blobs [LARGEST_RESOLUTION]
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -123,6 +123,36 @@ void print_axis_distances(std::int64_t largest) {
     }
 }
 
+// Prunings by detail and by lambda beside each other: to the whole axis, and from the axis of a lambda.
+void print_prunings(std::int64_t largest) {
+  constexpr std::array<double, 3> fractions{0.015, 0.025, 0.065};
+  fmt::print(
+      "| solid | grid | resolution | pruning | faces | core to axis | axis of λ 0.015 to core | 0.025 | 0.065 |\n"
+      "|---|---|---|---|---|---|---|---|---|\n");
+  for (const auto& solid : smooth::solids())
+    for (const std::uint64_t tilt : {0u, 1u})
+      for (std::int64_t resolution = 64; resolution <= largest; resolution *= 2) {
+        const double h = voxel_size(*solid, resolution);
+        MedialAxis core = voxel_core(smooth::digitize(*solid, smooth::grid_for(*solid, resolution, tilt)));
+        prune_levels(core);
+        add_detail(core);
+        prune_levels(core, kDetail);
+        const auto row = [&](const std::string& name, const MedialAxis& kept) {
+          std::string line =
+              fmt::format("| {} | {} | {} | {} | {} | {:.2f} h |", solid->name, placed(tilt), resolution, name,
+                          kept.complex.face_count(), smooth::axis_distances(kept, *solid, 0).core_to_axis / h);
+          for (const double fraction : fractions)
+            line += fmt::format(" {:.2f} h |",
+                                smooth::axis_distances(kept, *solid, fraction * solid->longest_side).axis_to_core / h);
+          fmt::print("{}\n", line);
+          std::fflush(stdout);
+        };
+        row("detail", pruned(core, auto_detail(core.grid), kDetail));
+        for (const double fraction : fractions)
+          row(fmt::format("λ {}", fraction), pruned(core, fraction * solid->longest_side));
+      }
+}
+
 // The digitization of the formula against voxelize() of the tessellated sample, on the grid that voxelize() chose.
 void print_mesh_comparison(std::int64_t largest) {
   fmt::print("| solid | triangles | resolution | voxels | voxels that differ |\n|---|---|---|---|---|\n");
@@ -172,12 +202,14 @@ int main(int argc, char** argv) {
     print_topology(largest(128));
   else if (table == "axis")
     print_axis_distances(largest(1024));
+  else if (table == "prunings")
+    print_prunings(largest(512));
   else if (table == "mesh")
     print_mesh_comparison(largest(512));
   else if (table == "blobs")
     print_blobs(largest(512));
   else {
-    fmt::print(stderr, "usage: bench_convergence voxels|topology|axis|mesh|blobs [LARGEST_RESOLUTION]\n");
+    fmt::print(stderr, "usage: bench_convergence voxels|topology|axis|prunings|mesh|blobs [LARGEST_RESOLUTION]\n");
     return 2;
   }
   return 0;
