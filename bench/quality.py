@@ -75,29 +75,24 @@ def read(file):
     reader.Update()
     data = reader.GetOutput()
     points = vtk_to_numpy(data.GetPoints().GetData()).astype(float)
-    polygons = [np.split(vtk_to_numpy(data.GetPolys().GetConnectivityArray()),
-                         vtk_to_numpy(data.GetPolys().GetOffsetsArray())[1:-1])] if data.GetNumberOfPolys() else [[]]
+    polygons = (vtk_to_numpy(data.GetPolys().GetOffsetsArray()), vtk_to_numpy(data.GetPolys().GetConnectivityArray()))
     lines = vtk_to_numpy(data.GetLines().GetConnectivityArray()).reshape(-1, 2)
-    return points, vtk_to_numpy(data.GetPointData().GetArray('radius')), lines, polygons[0], data
+    return points, vtk_to_numpy(data.GetPointData().GetArray('radius')), lines, polygons, data
 
 
-def points_of(file, step):
-    """Points of the cells of a core, about `step` apart."""
-    points, _, lines, polygons, _ = read(file)
-    parts = [points]
-    for a, b in lines:
-        n = int(np.linalg.norm(points[a] - points[b]) / step)
-        if n > 0:
-            t = np.arange(1, n + 1)[:, None] / (n + 1)
-            parts.append((1 - t) * points[a] + t * points[b])
-    for face in polygons:
-        corners = points[face]
-        for k in range(1, len(face) - 1):
-            a, u, v = corners[0], corners[k] - corners[0], corners[k + 1] - corners[0]
-            n = int(max(np.linalg.norm(u), np.linalg.norm(v)) / step) + 1
-            s, t = np.mgrid[0:n + 1, 0:n + 1] / n
-            keep = s + t <= 1
-            parts.append(a + s[keep][:, None] * u + t[keep][:, None] * v)
+def points_of(file):
+    """Points of the cells of a core: vertices, lines in eight parts, triangles of the polygons in a grid of four."""
+    points, _, lines, (offsets, corners), _ = read(file)
+    t = np.arange(1, 8)[:, None, None] / 8
+    parts = [points, ((1 - t) * points[lines[:, 0]] + t * points[lines[:, 1]]).reshape(-1, 3)]
+    sizes = np.diff(offsets)
+    triangles = sizes - 2
+    face = np.repeat(np.arange(len(sizes)), triangles)
+    k = np.arange(len(face)) - np.repeat(np.cumsum(triangles) - triangles, triangles) + 1
+    a, b, c = (points[corners[offsets[face] + i]] for i in (0, k, k + 1))
+    for i in range(5):
+        for j in range(5 - i):
+            parts.append(a + i / 4 * (b - a) + j / 4 * (c - a))
     return np.concatenate(parts)
 
 
@@ -131,7 +126,7 @@ def coverage(core, shape_file):
 
 
 def both(core, axis, voxel):
-    core_points = points_of(core, voxel / 2)
+    core_points = points_of(core)
     to_axis, to_core = cKDTree(axis).query(core_points)[0] / voxel, cKDTree(core_points).query(axis)[0] / voxel
     return ' | '.join(f'{d.max():.2f} ({np.percentile(d, 99):.2f})' for d in (to_axis, to_core))
 
