@@ -111,7 +111,7 @@ void say_core(const pipeline::LoadedShape& shape, const pipeline::CoreResult& co
     session.say(fmt::format("{} {:.6g} ({:.3g} voxels, {:.3g} of the longest side; chosen by auto)", pruning.measure,
                             threshold, threshold / voxel, threshold / shape.longest_side));
   if (pruning.measure == kDetail)
-    session.say(fmt::format("every point of the voxels' surface is within {:.3g} voxels of the balls of {}",
+    session.say(fmt::format("every corner of the voxel surface is within {:.3g} voxels of the balls of {}",
                             core.coverage / voxel, base::counted(core.kept.faces, "face")));
 }
 

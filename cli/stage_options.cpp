@@ -82,8 +82,9 @@ void add_core_options(CLI::App& app, pipeline::AxisOptions& o) {
   const auto group = "Medial axis";
   CLI::Option* detail = add_pruning(
       app, "--detail", kDetail, o.pruning,
-      "What sticks out less than this length is noise, and is dropped where the topology allows; every point of the "
-      "surface stays within twice as much (at least a voxel diagonal) of the balls that are kept: a fraction of the "
+      "What sticks out less than this length is noise, and is dropped where the topology allows; every corner of the "
+      "voxel surface stays within twice as much (at least a voxel diagonal) of the balls that are kept: a fraction of "
+      "the "
       "longest side (0.02 or 2%), 2.5vox, 3.5abs, inf, 0 (nothing is dropped), or 'auto': half the voxel diagonal, "
       "above which nothing comes from the voxels' steps");
   CLI::Option* lambda = add_pruning(

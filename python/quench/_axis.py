@@ -37,8 +37,8 @@ def medial_axis(image_or_mesh: Any, *, spacing: Spacing = None, threshold: Optio
         Of meshes: voxels along the longest side of the box; "auto": the fewest of 128, 256 ... 2048 with the topology of
         the mesh.
     detail : length or "auto"
-        What sticks out less than this is noise, and is dropped where topology allows; every point of the surface of the
-        voxels stays within max(2 detail, a voxel diagonal) of the balls that are kept. "auto": half the voxel diagonal,
+        What sticks out less than this is noise, and is dropped where topology allows; every corner of the
+        voxel surface stays within max(2 detail, a voxel diagonal) of the balls that are kept. "auto": half the voxel diagonal,
         above which nothing comes from the steps of voxels; 0: nothing is dropped.
     lambda_ : length or "auto", optional
         Prunes by another measure instead: parts that touch the surface within a ball of this radius are dropped where
