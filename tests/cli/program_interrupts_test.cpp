@@ -139,7 +139,7 @@ TEST_F(Unanswered, WhileAnOutputIsOpened) {
   make_fifo("o.vtp");
   const std::vector<std::string> arguments{"core", "cube.off", "--resolution", "8", "-o", "o.vtp", "--overwrite"};
   Running running = start_and_listen(arguments);
-  running.until_it_says("lambda ");
+  running.until_it_says("detail ");
   kill(running.child, SIGTERM);
   expect_interrupted(wait(running), arguments);
 }
