@@ -131,7 +131,7 @@ void add_skeleton_options(CLI::App& app, pipeline::SkeletonOptions& o, GraphFile
   add_length(
       app, "--theta1", o.theta1,
       "Drop curves of a smaller erosion thickness from their free ends; inf: only what topology needs; 'auto': 0.02, "
-      "but no less than three times the automatic detail")
+      "but no less than four times the automatic detail")
       ->group(group);
   add_number(app, "--smooth", files.graph.smooth,
              "Passes of smoothing over the curves of the graph files, 0 to 10000; they stay inside the shape", 0, 10000)

@@ -38,6 +38,7 @@ struct Grid {
   Vec3 world(const Vec3& lattice) const {
     return origin + direction * spacing.cwiseProduct(lattice - Vec3::Constant(0.5));
   }
+  Vec3 world_of(const LatticePoint& p) const { return world(Vec3(p[0], p[1], p[2])); }
   Vec3 lattice(const Vec3& world) const {
     return (direction.transpose() * (world - origin)).cwiseQuotient(spacing) + Vec3::Constant(0.5);
   }

@@ -289,8 +289,8 @@ FamilyResult family_of(RefinedAxis&& refined, const Topology& wanted, const Fami
                        Context* context = nullptr);
 
 struct SkeletonOptions {
-  /// None: 0.03 and 0.02 of the longest side, but no less than three times Scale::detail (2.6 voxels for cubes): what
-  /// the steps of voxels leave near the axis of a limb is smaller.
+  /// None: 0.03 and 0.02 of the longest side, but no less than three and four times Scale::detail (2.6 and 3.5 voxels
+  /// for cubes): what the steps of voxels leave near the axis of a limb is smaller.
   std::optional<Length> theta2 = {}, theta1 = {};
   bool parts = false;     ///< as ExtractOptions::parts
   bool full_tips = true;  ///< SkeletonResult::measured has its tips grown back

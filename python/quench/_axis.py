@@ -399,7 +399,7 @@ class MedialAxis(Complex):
             longest side, but no less than three times the automatic detail (2.6 voxels).
         theta1 : length or "auto"
             Branches shorter than about this go. ``"inf"``: what topology needs is left. "auto": 2 %, but no less than
-            three times the automatic detail.
+            four times the automatic detail.
         omega : length, optional
             As in :meth:`erosion_thickness`.
 

@@ -4,28 +4,18 @@
 #include <tbb/parallel_sort.h>
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 #include "base/parallel.h"
+#include "base/z_order.h"
 
 namespace quench::axis {
 namespace {
 
 constexpr int kBits = 21;  // of a coordinate: 63 bits of a key
-
-// Puts two zero bits before each bit.
-std::uint64_t spread_bits(std::uint64_t x) {
-  x &= 0x1fffff;
-  x = (x | x << 32) & 0x1f00000000ffff;
-  x = (x | x << 16) & 0x1f0000ff0000ff;
-  x = (x | x << 8) & 0x100f00f00f00f00f;
-  x = (x | x << 4) & 0x10c30c30c30c30c3;
-  x = (x | x << 2) & 0x1249249249249249;
-  return x;
-}
 
 struct Keyed {
   std::uint64_t key;
@@ -45,9 +35,8 @@ std::vector<Keyed> in_z_order(std::span<const Vec3> points, const std::vector<st
   const double scale = size > 0 ? ((1 << kBits) - 1) / size : 0;
   base::for_indices(vertices.size(), [&](std::size_t i) {
     const Vec3 at = (points[vertices[i]] - low) * scale;
-    std::uint64_t key = 0;
-    for (int a = 0; a < 3; ++a) key |= spread_bits(static_cast<std::uint64_t>(at[a])) << a;
-    order[i] = {key, vertices[i]};
+    const auto whole = [&](int a) { return static_cast<std::uint64_t>(at[a]); };
+    order[i] = {base::z_order(whole(2), whole(1), whole(0)), vertices[i]};
   });
   tbb::parallel_sort(order.begin(), order.end());
   return order;
@@ -82,6 +71,13 @@ BallTree::BallTree(std::span<const Vec3> points, std::span<const double> radius,
   }
 }
 
+BallTree::BallTree(const MedialAxis& axis)
+    : BallTree(axis.points, axis.radius, [&] {
+        std::vector<std::uint32_t> all(axis.points.size());
+        std::iota(all.begin(), all.end(), 0u);
+        return all;
+      }()) {}
+
 void BallTree::fill_leaf(std::size_t leaf) {
   Node& node = nodes_[leaves_ + leaf];
   for (std::size_t i = leaf * kLeaf; i < leaf * kLeaf + kLeaf && i < size(); ++i) {
@@ -95,8 +91,7 @@ void BallTree::fill_leaf(std::size_t leaf) {
 }
 
 bool NearBalls::find(const LatticePoint& site, double enough, double& limit) {
-  const Vec3 p =
-      grid_.world({static_cast<double>(site[0]), static_cast<double>(site[1]), static_cast<double>(site[2])});
+  const Vec3 p = grid_.world_of(site);
   const auto cell = [&](int axis, int bits) {
     return static_cast<std::size_t>(site[static_cast<std::size_t>(axis)] >> 2 & 255) << bits;
   };

@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "quench/axis.h"
 #include "quench/geometry.h"
 
 namespace quench::axis {
@@ -24,6 +25,9 @@ class BallTree {
 
   /// The balls of some vertices. `points` and `radius` must outlive the tree.
   BallTree(std::span<const Vec3> points, std::span<const double> radius, std::vector<std::uint32_t> vertices);
+
+  /// Those of all vertices of an axis, which must outlive the tree.
+  explicit BallTree(const MedialAxis& axis);
 
   std::size_t node_count() const { return nodes_.size(); }
   std::size_t size() const { return vertices_.size(); }

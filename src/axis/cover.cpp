@@ -5,12 +5,12 @@
 #include <cmath>
 #include <functional>
 #include <limits>
-#include <numeric>
 #include <optional>
 #include <utility>
 #include <vector>
 
 #include "axis/ball_tree.h"
+#include "axis/length_unit.h"
 #include "axis/measures.h"
 #include "axis/shortest_paths.h"
 #include "base/constants.h"
@@ -20,13 +20,11 @@
 namespace quench::axis {
 namespace {
 
-// Balls up to this factor of the automatic detail are those of thin parts: 2.6 voxels for cubes.
-constexpr double kThin = 3;
+// Balls up to this factor of the automatic detail are those of thin parts: 2.17 voxels for cubes, so that plates of
+// four voxels (2.12) are thin.
+constexpr double kThin = 2.5;
 // What is compared with `2 * least` may be larger by so much, for rounding.
 constexpr double kTolerance = 1e-9;
-// Lengths are compared in units of this factor of the automatic detail: rounding depends on where a shape lies, what is
-// kept must not.
-constexpr double kLengthUnit = 0x1p-24;
 
 std::vector<char> uncovered_sites(std::span<const LatticePoint> sites, const Grid& grid, const BallTree& kept,
                                   double tolerance, Context* context) {
@@ -52,9 +50,7 @@ class Cover {
   void run(Context* context) {
     find_uncovered(context);
     if (std::ranges::none_of(uncovered_, [](char u) { return u; })) return;
-    std::vector<std::uint32_t> all(axis_.complex.vertex_count);
-    std::iota(all.begin(), all.end(), 0u);
-    const BallTree tree(axis_.points, axis_.radius, std::move(all));
+    const BallTree tree(axis_);
     ShortestPaths paths(axis_, kLengthUnit * least_);
     reach_out(tree, paths);
     needed_.assign(components_.member_count(), 0);
@@ -143,10 +139,7 @@ class Cover {
                 if (outside(tree.ball(i), p) < near) visit(tree.ball(i).vertex);
               });
   }
-  Vec3 position(std::size_t site) const {
-    const LatticePoint& s = axis_.sites[site];
-    return axis_.grid.world({static_cast<double>(s[0]), static_cast<double>(s[1]), static_cast<double>(s[2])});
-  }
+  Vec3 position(std::size_t site) const { return axis_.grid.world_of(axis_.sites[site]); }
 
   // Faces of uncovered sites: their components, where they have one; of other sites the faces.
   void take_faces() {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <atomic>
 #include <limits>
-#include <numeric>
 
 #include "axis/ball_tree.h"
 #include "base/parallel.h"
@@ -27,9 +26,7 @@ void raise_to_distances(std::span<const LatticePoint> sites, const Grid& grid, c
 double coverage(const VoxelShape& shape, const MedialAxis& axis, Context* context) {
   if (axis.points.empty()) return std::numeric_limits<double>::infinity();
   return base::in_arena(context, [&] {
-    std::vector<std::uint32_t> all(axis.points.size());
-    std::iota(all.begin(), all.end(), 0u);
-    const axis::BallTree tree(axis.points, axis.radius, std::move(all));
+    const axis::BallTree tree(axis);
     const std::vector<LatticePoint> sites = boundary_vertices(shape);
     const std::size_t chunks = base::chunks_for(sites.size(), std::size_t{1} << 17);
     double found = 0;

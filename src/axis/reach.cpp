@@ -7,8 +7,10 @@
 #include <limits>
 
 #include "axis/ball_tree.h"
+#include "axis/length_unit.h"
 #include "base/constants.h"
 #include "base/csr.h"
+#include "base/sorted_by_key.h"
 #include "base/union_find.h"
 
 namespace quench::axis {
@@ -20,9 +22,8 @@ constexpr double kHeadroom = 1.25;
 // Details up to this factor of the automatic one are not made as small as they could be, which would be a search for
 // each vertex of thin parts.
 constexpr double kEnough = 3;
-// Lengths are multiples of this factor of the automatic detail: rounding depends on where a shape lies, what is kept
-// must not. So much of a unit counts as rounding: together a billionth of the detail.
-constexpr double kLengthUnit = 0x1p-20, kOfUnit = 1e-3;
+// So much of a unit of length counts as rounding: together a billionth of the detail.
+constexpr double kOfUnit = 1e-3;
 
 // Vertices are decided by descending detail. For one of detail m it is to be shown that for every d > m a decided
 // vertex of detail d or more has a ball that contains its own when it is grown by 2 (d - least). Half of that is for
@@ -70,14 +71,13 @@ class Reach {
   }
   // Balls by descending detail, then radius, then vertex.
   std::vector<std::uint32_t> by_detail() const {
-    std::vector<std::uint32_t> order(tree_.size());
-    for (std::uint32_t i = 0; i < order.size(); ++i) order[i] = i;
-    std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
-      const BallTree::Ball p = tree_.ball(a), q = tree_.ball(b);
-      if (detail_[p.vertex] != detail_[q.vertex]) return detail_[p.vertex] > detail_[q.vertex];
-      return p.radius != q.radius ? p.radius > q.radius : p.vertex < q.vertex;
-    });
-    return order;
+    return base::sorted_by_key_descending(
+        tree_.size(), std::numeric_limits<std::ptrdiff_t>::max(),
+        [&](std::size_t i) { return detail_[tree_.ball(i).vertex]; },
+        [&](std::uint32_t a, std::uint32_t b) {
+          const BallTree::Ball p = tree_.ball(a), q = tree_.ball(b);
+          return p.radius != q.radius ? p.radius > q.radius : p.vertex < q.vertex;
+        });
   }
   void make_roots_infinite(const std::vector<std::uint32_t>& order) {
     base::UnionFind sets(axis_.complex.vertex_count);

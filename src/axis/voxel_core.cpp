@@ -70,8 +70,8 @@ MedialAxis voxel_core(const VoxelShape& shape, const CoreOptions& options, Conte
 
 namespace {
 
-// Measured on 24 shapes, notes/robustness.md; several threads have buffers of their own.
-constexpr double kBytesPerSite = 376, kBytesPerSiteInBricks = 400, kFewestBytesPerSiteInBricks = 222;
+// Measured on 18 shapes, notes/detail.md; several threads have buffers of their own.
+constexpr double kBytesPerSite = 355, kBytesPerSiteInBricks = 400, kFewestBytesPerSiteInBricks = 222;
 
 std::int64_t core_bytes(double per_site, double sites) {
   constexpr double always = 6 << 20, of_threads = 6 << 20, of_threads_per_site = 8;
@@ -88,7 +88,7 @@ std::int64_t predicted_core_bytes(const VoxelShape& shape) {
   const auto sites = static_cast<double>(count.sites);
   const double flat = static_cast<double>(count.flat) / sites;
   const double thickness = static_cast<double>(shape.voxel_count()) / sites;
-  return core_bytes(std::min({kBytesPerSite, 425 - 150 * flat, 155 + 140 * thickness}), sites);
+  return core_bytes(std::min({kBytesPerSite, 468 - 214 * flat, 210 + 58 * thickness}), sites);
 }
 
 std::int64_t predicted_core_bytes(std::int64_t sites) { return core_bytes(kBytesPerSite, static_cast<double>(sites)); }

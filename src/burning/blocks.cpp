@@ -5,21 +5,15 @@
 #include <array>
 #include <cmath>
 
+#include "base/z_order.h"
 #include "burning/label_queue.h"
 
 namespace quench::burning {
 namespace {
 
-// Space is divided into 64 x 64 x 64 boxes, numbered along a Z-order curve (Morton 1966).
+// Space is divided into 64 x 64 x 64 boxes, numbered along a Z-order curve.
 constexpr int kBits = 6;
 constexpr std::uint32_t kBoxes = 1u << (3 * kBits);
-
-std::uint32_t box_of(const std::array<std::uint32_t, 3>& at) {
-  std::uint32_t box = 0;
-  for (int bit = kBits - 1; bit >= 0; --bit)
-    for (const std::uint32_t x : at) box = box << 1 | (x >> bit & 1);
-  return box;
-}
 
 std::vector<std::uint32_t> boxes_of(std::span<const Vec3> points) {
   std::vector<std::uint32_t> boxes(points.size(), 0);
@@ -36,7 +30,7 @@ std::vector<std::uint32_t> boxes_of(std::span<const Vec3> points) {
     for (int axis = 0; axis < 3; ++axis)
       at[static_cast<std::size_t>(axis)] =
           static_cast<std::uint32_t>(std::min((points[v][axis] - low[axis]) / size * (1 << kBits), (1 << kBits) - 1.0));
-    boxes[v] = box_of(at);
+    boxes[v] = static_cast<std::uint32_t>(base::z_order(at[0], at[1], at[2]));
   }
   return boxes;
 }

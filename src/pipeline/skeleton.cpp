@@ -30,6 +30,8 @@ FamilyResult family_of(RefinedAxis&& refined, const Topology& wanted, const Fami
   return result;
 }
 
+// What the steps of voxels leave near the axis of a limb is seldom thicker than three, as a twig than four times the
+// automatic detail.
 double theta2_of(const SkeletonOptions& options, const Scale& scale) {
   return options.theta2 ? scale.resolve(*options.theta2, "theta2")
                         : std::max(0.03 * scale.longest_side, 3 * scale.detail);
@@ -37,7 +39,7 @@ double theta2_of(const SkeletonOptions& options, const Scale& scale) {
 
 double theta1_of(const SkeletonOptions& options, const Scale& scale) {
   return options.theta1 ? scale.resolve(*options.theta1, "theta1")
-                        : std::max(0.02 * scale.longest_side, 3 * scale.detail);
+                        : std::max(0.02 * scale.longest_side, 4 * scale.detail);
 }
 
 namespace {

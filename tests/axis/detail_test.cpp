@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Cap height, detail, and what the pruning by it promises (docs/algorithms/pruning.md).
 #include <gtest/gtest.h>
+#include <tbb/global_control.h>
 #include <tbb/task_arena.h>
 
 #include <Eigen/Geometry>
@@ -39,17 +40,13 @@ VoxelShape with_spacing(const VoxelShape& shape, const Vec3& spacing) {
   return testing_shapes::from_predicate(grid, [&](int x, int y, int z) { return shape.contains(x, y, z); });
 }
 
-Vec3 position(const Grid& grid, const LatticePoint& site) {
-  return grid.world({static_cast<double>(site[0]), static_cast<double>(site[1]), static_cast<double>(site[2])});
-}
-
 // The largest distance of a boundary vertex to the balls, one by one.
 double brute_coverage(const VoxelShape& shape, const MedialAxis& axis) {
   double largest = 0;
   for (const LatticePoint& site : boundary_vertices(shape)) {
     double nearest = kInfinity;
     for (std::size_t v = 0; v < axis.points.size(); ++v)
-      nearest = std::min(nearest, (position(shape.grid(), site) - axis.points[v]).norm() - axis.radius[v]);
+      nearest = std::min(nearest, (shape.grid().world_of(site) - axis.points[v]).norm() - axis.radius[v]);
     largest = std::max(largest, nearest);
   }
   return largest;
@@ -64,8 +61,8 @@ TEST(CapHeight, IsTheSagittaOfItsDefinition) {
     const CellComplex& c = axis.complex;
     std::vector<double> edge(c.edges.size(), -1), vertex(c.vertex_count, -1);
     for (std::size_t f = 0; f < c.face_count(); ++f) {
-      const double lambda = 0.5 * (position(axis.grid, axis.sites[axis.face_sites[f][0]]) -
-                                   position(axis.grid, axis.sites[axis.face_sites[f][1]]))
+      const double lambda = 0.5 * (axis.grid.world_of(axis.sites[axis.face_sites[f][0]]) -
+                                   axis.grid.world_of(axis.sites[axis.face_sites[f][1]]))
                                       .norm();
       double largest = 0;
       for (const std::uint32_t v : c.corners(f)) largest = std::max(largest, sagitta(lambda, axis.radius[v]));
@@ -180,6 +177,7 @@ TEST(Detail, EveryBoundaryVertexIsNearTheBallsForEveryDetail) {
 }
 
 TEST(Detail, DoesNotDependOnThreads) {
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, 4);
   for (std::uint64_t seed = 0; seed < 40; ++seed) {
     const VoxelShape shape = testing_shapes::random_shape(seed, 12);
     tbb::task_arena one(1), four(4);

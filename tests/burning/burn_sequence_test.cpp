@@ -16,6 +16,7 @@
 #include "quench/skeleton.h"
 #include "random_complexes.h"
 #include "random_shapes.h"
+#include "same_skeletons.h"
 
 namespace quench {
 namespace {
@@ -94,19 +95,6 @@ void seal(Record& file) {
       static_cast<std::int64_t>(burning::fingerprint(file.field_data));
 }
 
-void expect_same_family(const SkeletonFamily& a, const SkeletonFamily& b) {
-  EXPECT_EQ(a.refined.complex.edges, b.refined.complex.edges);
-  EXPECT_EQ(a.refined.complex.face_edges, b.refined.complex.face_edges);
-  EXPECT_EQ(a.refined.complex.face_vertices, b.refined.complex.face_vertices);
-  EXPECT_EQ(a.refined.points, b.refined.points);
-  EXPECT_EQ(a.refined.burn_time, b.refined.burn_time);
-  EXPECT_EQ(a.refined.curve_burn_time, b.refined.curve_burn_time);
-  EXPECT_EQ(a.refined.curve_edge, b.refined.curve_edge);
-  EXPECT_EQ(a.refined.exit, b.refined.exit);
-  EXPECT_EQ(a.face_sheet_level, b.face_sheet_level);
-  EXPECT_EQ(a.curve_level, b.curve_level);
-}
-
 TEST(BurnSequence, IsReadAsItWasWritten) {
   std::size_t large = 0;
   for (std::uint64_t seed = 0; seed < 400; ++seed) {
@@ -125,7 +113,8 @@ TEST(BurnSequence, IsReadAsItWasWritten) {
     EXPECT_EQ(found.sectors->state_time, wanted.burning.sectors->state_time);
     EXPECT_EQ(found.sectors->parent, wanted.burning.sectors->parent);
     EXPECT_EQ(found.sectors->parent_face, wanted.burning.sectors->parent_face);
-    if (seed % 4 == 0) expect_same_family(skeletons(wanted.axis, found), skeletons(wanted.axis, wanted.burning));
+    if (seed % 4 == 0)
+      testing_skeletons::expect_same(skeletons(wanted.axis, found), skeletons(wanted.axis, wanted.burning));
     // Writing what was read gives the same file.
     for (const DataArray& array : burn_sequence(wanted.axis, found))
       EXPECT_EQ(array.values, find_array(wanted.file.field_data, array.name)->values) << array.name;

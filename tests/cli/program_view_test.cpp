@@ -85,7 +85,8 @@ TEST_F(ViewProgram, RunWritesAPageOfEverything) {
       nlohmann::json::array({"The skeletons of this page begin at theta2 = 0.0625 and theta1 = 0.0625"}));  // a voxel
   EXPECT_EQ(p.meta["pruning"]["measure"], "detail");
   const double detail = std::sqrt(0.75) / 16;
-  for (const char* theta : {"theta2", "theta1"}) EXPECT_NEAR(p.meta[theta], 3 * detail, 1e-7) << theta;
+  EXPECT_NEAR(p.meta["theta2"], 3 * detail, 1e-7);
+  EXPECT_NEAR(p.meta["theta1"], 4 * detail, 1e-7);
   EXPECT_NEAR(p.meta["pruning"]["threshold"], detail, 1e-15);
   ASSERT_EQ(p.meta["measures"].size(), 1u);
   EXPECT_EQ(p.meta["measures"][0]["name"], "detail");

@@ -18,9 +18,12 @@
 #include "quench/skeleton.h"
 #include "quench/voxelize.h"
 #include "random_complexes.h"
+#include "same_skeletons.h"
 
 namespace quench {
 namespace {
+
+using testing_skeletons::expect_same;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
@@ -132,23 +135,6 @@ TEST(CurveFire, BurnsAsInTheOrderOfTime) {
   }
 }
 
-void expect_same(const Skeleton& a, const Skeleton& b) {
-  ASSERT_EQ(a.points, b.points);
-  ASSERT_EQ(a.complex.edges, b.complex.edges);
-  ASSERT_EQ(a.complex.face_offsets, b.complex.face_offsets);
-  ASSERT_EQ(a.complex.face_vertices, b.complex.face_vertices);
-  ASSERT_EQ(a.complex.face_edges, b.complex.face_edges);
-  ASSERT_EQ(a.radius, b.radius);
-  ASSERT_EQ(a.burn_time, b.burn_time);
-  ASSERT_EQ(a.curve_burn_time, b.curve_burn_time);
-  ASSERT_EQ(a.on_curve, b.on_curve);
-  ASSERT_EQ(a.face_thickness, b.face_thickness);
-  ASSERT_EQ(a.face_level, b.face_level);
-  const auto same = [](double x, double y) { return x == y || (std::isnan(x) && std::isnan(y)); };
-  ASSERT_TRUE(std::ranges::equal(a.edge_thickness, b.edge_thickness, same));
-  ASSERT_TRUE(std::ranges::equal(a.edge_level, b.edge_level, same));
-}
-
 TEST(SkeletonFloor, MembersAboveItStayAsTheyAre) {
   std::size_t smaller = 0;
   for (std::uint64_t seed = 0; seed < 1000 && !testing::Test::HasFailure(); ++seed) {
@@ -177,28 +163,6 @@ TEST(SkeletonFloor, MembersAboveItStayAsTheyAre) {
     }
   }
   EXPECT_GT(smaller, 500u);
-}
-
-void expect_same(const SkeletonFamily& a, const SkeletonFamily& b) {
-  ASSERT_EQ(a.refined.points, b.refined.points);
-  ASSERT_EQ(a.refined.radius, b.refined.radius);
-  ASSERT_EQ(a.refined.burn_time, b.refined.burn_time);
-  ASSERT_EQ(a.refined.curve_vertex, b.refined.curve_vertex);
-  ASSERT_EQ(a.refined.curve_edge, b.refined.curve_edge);
-  ASSERT_EQ(a.refined.complex.edges, b.refined.complex.edges);
-  ASSERT_EQ(a.refined.complex.face_offsets, b.refined.complex.face_offsets);
-  ASSERT_EQ(a.refined.complex.face_vertices, b.refined.complex.face_vertices);
-  ASSERT_EQ(a.refined.complex.face_edges, b.refined.complex.face_edges);
-  ASSERT_EQ(a.refined.face_thickness, b.refined.face_thickness);
-  ASSERT_EQ(a.refined.polygon_of, b.refined.polygon_of);
-  ASSERT_EQ(a.refined.curve_burn_time, b.refined.curve_burn_time);
-  ASSERT_EQ(a.refined.exit, b.refined.exit);
-  ASSERT_EQ(a.refined.medial_point, b.refined.medial_point);
-  ASSERT_EQ(a.face_sheet_level, b.face_sheet_level);
-  ASSERT_EQ(a.edge_sheet_level, b.edge_sheet_level);
-  ASSERT_EQ(a.vertex_sheet_level, b.vertex_sheet_level);
-  ASSERT_EQ(a.curve_thickness, b.curve_thickness);
-  ASSERT_EQ(a.curve_level, b.curve_level);
 }
 
 TEST(SkeletonThreads, ResultsAreTheSame) {

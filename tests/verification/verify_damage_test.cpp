@@ -13,6 +13,7 @@
 #include <variant>
 #include <vector>
 
+#include "certificates.h"
 #include "quench/burn.h"
 #include "quench/pipeline.h"
 #include "quench/shape.h"
@@ -22,6 +23,8 @@
 
 namespace quench {
 namespace {
+
+using namespace testing_certificates;
 
 using pipeline::world_length;
 
@@ -114,13 +117,6 @@ std::vector<Result> results() {
     if (is_plate) add("curves", skeleton_of(shape, kInfinity, 0, false));
     add("curves that topology needs", skeleton_of(shape, kInfinity, kInfinity, false));
   }
-  return all;
-}
-
-std::string text(const Certificate& certificate) {
-  std::string all;
-  for (const Check& check : certificate.checks)
-    all += (check.passed ? "  ok   " : "  FAIL ") + check.name + ": " + check.detail + "\n";
   return all;
 }
 

@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "certificates.h"
 #include "quench/axis.h"
 #include "quench/error.h"
 #include "quench/pipeline.h"
@@ -24,23 +25,9 @@
 namespace quench {
 namespace {
 
+using namespace testing_certificates;
+
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-using Names = std::set<std::string>;
-
-std::string text(const Certificate& certificate) {
-  std::string all;
-  for (const Check& check : certificate.checks)
-    all += (check.passed ? "  ok   " : "  FAIL ") + check.name + ": " + check.detail + "\n";
-  return all;
-}
-
-Names failed(const Certificate& certificate) {
-  Names names;
-  for (const Check& check : certificate.checks)
-    if (!check.passed) names.insert(check.name);
-  return names;
-}
 
 const Check& find_check(const Certificate& certificate, const std::string& name) {
   const auto found = std::ranges::find(certificate.checks, name, &Check::name);

@@ -11,27 +11,14 @@
 
 #include "brute_force_core.h"
 #include "brute_force_poly_data.h"
+#include "certificates.h"
 #include "quench/error.h"
 #include "random_shapes.h"
 
 namespace quench {
 namespace {
 
-using Names = std::set<std::string>;
-
-std::string text(const Certificate& certificate) {
-  std::string all;
-  for (const Check& check : certificate.checks)
-    all += (check.passed ? "  ok   " : "  FAIL ") + check.name + ": " + check.detail + "\n";
-  return all;
-}
-
-Names failed(const Certificate& certificate) {
-  Names names;
-  for (const Check& check : certificate.checks)
-    if (!check.passed) names.insert(check.name);
-  return names;
-}
+using namespace testing_certificates;
 
 std::string detail(const Certificate& certificate, const std::string& name) {
   for (const Check& check : certificate.checks)
