@@ -156,8 +156,8 @@ void add_detail(MedialAxis& axis, Context* context = nullptr);
 /// promise is the same.
 void add_detail(MedialAxis& axis, const Surface& surface, Context* context = nullptr);
 
-/// The largest distance of a boundary vertex of the shape to the union of the balls of an axis (those of the voxel core,
-/// where it was fitted), 0 when all touch it; infinite for an axis without vertices.
+/// The largest distance of a boundary vertex of the shape to the union of the balls of an axis (those of the voxel
+/// core, where it was fitted), 0 when all touch it; infinite for an axis without vertices.
 double coverage(const VoxelShape& shape, const MedialAxis& axis, Context* context = nullptr);
 
 /// Computes the level of every cell by a measure: topology-preserving thinning by simple pairs (face, free edge) or
@@ -214,8 +214,8 @@ ContactSites contact_sites(const MedialAxis& axis, double threshold, std::string
 /// What fit_to_surface() did, in vertices.
 struct SurfaceFit {
   std::size_t moved = 0;
-  std::size_t outside = 0;  ///< no place inside the surface within reach: radius 0
-  double largest_move = 0;  ///< world units
+  std::size_t outside = 0;                 ///< no place inside the surface within reach: radius 0
+  double mean_move = 0, largest_move = 0;  ///< of all vertices, world units
 };
 
 /// Moves the vertices of a pruned voxel core to where a ball touches the surface at the places their sites stand for,

@@ -248,6 +248,7 @@ SurfaceFit fit_to_surface(MedialAxis& axis, const ContactSites& contacts, const 
       const double way = (axis.points[v] - axis.voxel_points[v]).norm();
       result.moved += way > 0;
       result.outside += !inside[v];
+      result.mean_move += way / static_cast<double>(axis.points.size());
       result.largest_move = std::max(result.largest_move, way);
     }
     return result;
