@@ -60,37 +60,38 @@ class Fit {
   Fit(const MedialAxis& axis, const Surface& surface, const std::vector<Foot>& feet)
       : surface_(surface), feet_(feet), voxel_(axis.grid.spacing.maxCoeff()) {}
 
-  struct Result {
+  struct Place {
+    Vec3 point;
+    Vec3 across = Vec3::Zero();  // the direction in which contacts say most: at right angles to a sheet
+  };
+
+  // Where the ball of a vertex touches the surface at its contacts.
+  Place place(const Vec3& from, double radius, std::span<const std::uint32_t> sites) {
+    // Of a larger ball the centre is inside, unless the voxels are not those of the surface.
+    Place result{radius < kThin * voxel_ ? brought_inside(from).point : from};
+    find_contacts(result.point, sites);
+    for (int round = 0; round < kRounds; ++round) {
+      if (round > 0) look_again(result.point);
+      if (!drop_far_contacts(round == 0 ? 2 * kNoContact : kNoContact)) break;
+      const Vec3 to = no_farther(from, result.point + balanced_move(result.across), kLargestMove * voxel_);
+      const double way = (to - result.point).norm();
+      result.point = to;
+      if (round > 0 && way < kStill * voxel_) break;
+    }
+    return result;
+  }
+
+  struct Centre {
     Vec3 point;
     Surface::Foot foot;  // of the point
   };
 
-  // `straight`: only along the direction in which contacts say most, as for the vertices of a sheet.
-  Result run(const Vec3& from, double radius, std::span<const std::uint32_t> sites, bool straight) {
-    Vec3 x = from;
-    // Of a larger ball the centre is inside, unless the voxels are not those of the surface.
-    const bool is_thin = radius < kThin * voxel_;
-    if (is_thin) {
-      const Result start = brought_inside(from, surface_.nearest(from));
-      if (!start.foot.inside) return start;
-      x = start.point;
-    }
-    find_contacts(x, sites);
-    for (int round = 0; round < kRounds; ++round) {
-      if (round > 0) look_again(x);
-      if (!drop_far_contacts(round == 0 ? 2 * kNoContact : kNoContact)) break;
-      const Vec3 to = no_farther(from, x + balanced_move(straight), kLargestMove * voxel_);
-      const double way = (to - x).norm();
-      x = to;
-      if (round > 0 && way < kStill * voxel_) break;
-    }
-    const Result result{x, surface_.nearest(x)};
-    if (result.foot.inside) return result;
-    return brought_inside(from, surface_.nearest(from));
+  // The point itself where it is inside, else the middle between the two walls where the surface is passed straight on
+  // from the other one, if it is near enough.
+  Centre centre(const Vec3& point, const Vec3& other) const {
+    const Surface::Foot foot = surface_.nearest(point);
+    return foot.inside ? Centre{point, foot} : brought_inside(other);
   }
-
-  // The point itself with its distance: where it may not move.
-  Result in_place(const Vec3& point) const { return {point, surface_.nearest(point)}; }
 
  private:
   struct Contact {
@@ -102,9 +103,9 @@ class Fit {
     bool is_plane;          // as far as the sites tell
   };
 
-  // The middle between the two walls where the surface is passed straight on, if it is near enough.
-  Result brought_inside(const Vec3& from, const Surface::Foot& foot) const {
-    Result best{from, foot};
+  Centre brought_inside(const Vec3& from) const {
+    const Surface::Foot foot = surface_.nearest(from);
+    Centre best{from, foot};
     if (foot.inside) return best;
     const double most = kLargestMove * voxel_ - foot.distance;
     if (!(most > 0) || !(foot.distance > 0)) return best;
@@ -178,8 +179,9 @@ class Fit {
     return contacts_.size() > 1;
   }
 
-  // The least-squares solution of |y_i - x| - n_i . dx = r for all i in dx and r, damped in dx.
-  Vec3 balanced_move(bool straight) const {
+  // The least-squares solution of |y_i - x| - n_i . dx = r for all i in dx and r, damped in dx; and the direction in
+  // which it is determined best.
+  Vec3 balanced_move(Vec3& across) const {
     const auto count = static_cast<double>(contacts_.size());
     Vec3 mean = Vec3::Zero();
     double distance = 0;
@@ -194,13 +196,9 @@ class Fit {
       matrix += row * row.transpose();
       right += row * (c.distance - distance);
     }
-    if (straight) {
-      const Eigen::SelfAdjointEigenSolver<Mat3> solver(matrix);  // the largest is the last
-      const double largest = solver.eigenvalues()[2];
-      if (!(largest > 0)) return Vec3::Zero();
-      const Vec3 along = solver.eigenvectors().col(2);
-      return along * (along.dot(right) / ((1 + kDamping) * largest));
-    }
+    Eigen::SelfAdjointEigenSolver<Mat3> solver;
+    solver.computeDirect(matrix);
+    across = solver.eigenvectors().col(2);  // of the largest
     matrix.diagonal().array() += kDamping * matrix.trace();
     return matrix.ldlt().solve(right);
   }
@@ -239,14 +237,33 @@ std::vector<char> damage_of_faces(const CellComplex& complex, const std::vector<
   return damage;
 }
 
+// Small faces turn over, or lose their convex shape, where their corners move along the sheet: these move at right
+// angles to it only. Where faces still turn over, corners go back to where they were, which may turn others.
+void keep_faces(MedialAxis& axis, const std::vector<Vec3>& across) {
+  const std::vector<Vec3>& from = axis.voxel_points;
+  std::vector<Vec3>& to = axis.points;
+  const std::vector<char> damage = damage_of_faces(axis.complex, from, to);
+  for (std::size_t v = 0; v < damage.size(); ++v)
+    if (damage[v] >= kConcave) to[v] = from[v] + across[v] * across[v].dot(to[v] - from[v]);
+  for (bool again = true; again;) {
+    again = false;
+    const std::vector<char> turned = damage_of_faces(axis.complex, from, to);
+    for (std::size_t v = 0; v < turned.size(); ++v)
+      if (turned[v] == kTurned && to[v] != from[v]) {
+        to[v] = from[v];
+        again = true;
+      }
+  }
+}
+
 // Moves the inner vertices of the paths that only the promise of a pruning by detail keeps (their detail is the least
 // exactly) towards the middle of their neighbours. Along edges between the balls of noise they would be longer than the
-// way, and their erosion thickness that of a branch. Returns the vertices.
-std::vector<std::uint32_t> straighten_paths(const MedialAxis& axis, std::vector<Vec3>& points) {
+// way, and their erosion thickness that of a branch.
+void straighten_paths(const MedialAxis& axis, std::vector<Vec3>& points) {
   constexpr int kPasses = 30;
   const Measure* detail = axis.find_measure(kDetail);
   std::vector<std::uint32_t> inner;
-  if (!detail || !detail->value.complete(axis.complex)) return inner;
+  if (!detail || !detail->value.complete(axis.complex)) return;
   const double least = auto_detail(axis.grid), most = kLargestMove * axis.grid.spacing.maxCoeff();
   std::vector<std::array<std::uint32_t, 2>> next(points.size(), {kNone, kNone});
   std::vector<char> is_other(points.size(), 0);  // not the inner vertex of a path
@@ -268,7 +285,6 @@ std::vector<std::uint32_t> straighten_paths(const MedialAxis& axis, std::vector<
     }
     for (std::size_t i = 0; i < inner.size(); ++i) points[inner[i]] = now[i];
   }
-  return inner;
 }
 
 }  // namespace
@@ -281,45 +297,32 @@ SurfaceFit fit_to_surface(MedialAxis& axis, const ContactSites& contacts, const 
     axis.voxel_radius = axis.radius;
     axis.surface = surface.kind();
     const std::vector<Foot> feet = feet_of(contacts.sites, axis.grid, surface);
-    std::vector<char> inside(axis.points.size());
-    const auto take = [&](std::size_t v, const Fit::Result& result) {
-      axis.points[v] = result.point;
-      axis.radius[v] = result.foot.inside ? result.foot.distance : 0;
-      inside[v] = result.foot.inside;
-    };
-    const auto run = [&](Fit& fit, std::size_t v, bool straight) {
-      take(v, fit.run(axis.voxel_points[v], axis.voxel_radius[v],
-                      {contacts.rows.data() + contacts.offsets[v], contacts.rows.data() + contacts.offsets[v + 1]},
-                      straight));
-    };
-    const auto fit_all = [&](const std::vector<std::uint32_t>& vertices, bool straight) {
-      const std::size_t chunks = base::chunks_for(vertices.size(), 1 << 10);
-      base::for_chunks(chunks, context, "fit", straight ? 0.9 : 0, straight ? 1 : 0.9, [&](std::size_t chunk) {
+    const std::size_t count = axis.points.size(), chunks = base::chunks_for(count, 1 << 10);
+    std::vector<Vec3>& points = axis.points;
+    std::vector<Vec3> across(count);
+    const auto for_vertices = [&](double begin, double end, const auto& work) {
+      base::for_chunks(chunks, context, "fit", begin, end, [&](std::size_t chunk) {
         Fit fit(axis, surface, feet);
-        const auto [first, last] = base::part_of(vertices.size(), chunk, chunks);
-        for (std::size_t i = first; i < last; ++i) run(fit, vertices[i], straight);
+        const auto [first, last] = base::part_of(count, chunk, chunks);
+        for (std::size_t v = first; v < last; ++v) work(fit, v);
       });
     };
-    std::vector<std::uint32_t> vertices(axis.points.size());
-    std::iota(vertices.begin(), vertices.end(), 0u);
-    fit_all(vertices, false);
-    // Small faces turn over, or lose their convex shape, where their corners move along the sheet; these get a second
-    // chance at right angles to it.
-    const auto damaged = [&](Damage least) {
-      const std::vector<char> damage = damage_of_faces(axis.complex, axis.voxel_points, axis.points);
-      vertices.clear();
-      for (std::uint32_t v = 0; v < damage.size(); ++v)
-        if (damage[v] >= least && axis.points[v] != axis.voxel_points[v]) vertices.push_back(v);
-      return !vertices.empty();
-    };
-    if (damaged(kConcave)) fit_all(vertices, true);
-    // What goes back to its place may turn others.
-    const Fit fit(axis, surface, feet);
-    while (damaged(kTurned))
-      for (const std::uint32_t v : vertices) take(v, fit.in_place(axis.voxel_points[v]));
-    std::vector<Vec3> straight = axis.points;
-    for (const std::uint32_t v : straighten_paths(axis, straight))
-      if (straight[v] != axis.points[v]) take(v, fit.in_place(straight[v]));
+    for_vertices(0, 0.7, [&](Fit& fit, std::size_t v) {
+      const Fit::Place place =
+          fit.place(axis.voxel_points[v], axis.voxel_radius[v],
+                    {contacts.rows.data() + contacts.offsets[v], contacts.rows.data() + contacts.offsets[v + 1]});
+      points[v] = place.point;
+      across[v] = place.across;
+    });
+    keep_faces(axis, across);
+    straighten_paths(axis, points);
+    std::vector<char> inside(count);
+    for_vertices(0.7, 1, [&](const Fit& fit, std::size_t v) {
+      const Fit::Centre centre = fit.centre(points[v], axis.voxel_points[v]);
+      inside[v] = centre.foot.inside;
+      points[v] = centre.point;
+      axis.radius[v] = inside[v] ? centre.foot.distance : 0;
+    });
     SurfaceFit result;
     for (std::size_t v = 0; v < axis.points.size(); ++v) {
       const double way = (axis.points[v] - axis.voxel_points[v]).norm();
