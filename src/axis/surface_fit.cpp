@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "axis/contact_place.h"
 #include "base/parallel.h"
 #include "quench/axis.h"
 #include "quench/error.h"
@@ -28,7 +29,7 @@ constexpr double kFlat = 1 - 1e-6;
 constexpr double kDamping = 0.05;
 constexpr int kRounds = 3;
 // The last move is shorter than so many voxels.
-constexpr double kStill = 0.03;
+constexpr double kStill = 0.1;
 // Balls below so many voxels may have their centre outside the surface.
 constexpr double kThin = 3;
 
@@ -96,11 +97,12 @@ class Fit {
  private:
   struct Contact {
     Vec3 site;
-    Vec3 point, direction;  // where it is; from the centre to it
-    Vec3 normal;            // of the plane it lies in
-    double distance;        // along the direction
-    int sites;              // that stand for it
-    bool is_plane;          // as far as the sites tell
+    axis::ContactPlace place;
+    Vec3 direction;   // from the centre to it
+    Vec3 normal;      // of the plane it lies in
+    double distance;  // along the direction
+    int sites;        // that stand for it
+    bool is_plane;    // as far as the sites tell
   };
 
   Centre brought_inside(const Vec3& from) const {
@@ -129,7 +131,8 @@ class Fit {
       const Vec3 there = foot.point - x;
       const double distance = there.norm();
       if (!(distance > 0)) continue;
-      Contact own{foot.site, foot.point, there / distance, foot.normal, distance, 1, there.dot(foot.normal) > 0};
+      Contact own{foot.site, axis::ContactPlace(foot.point), there / distance, foot.normal, distance,
+                  1,         there.dot(foot.normal) > 0};
       const auto same = std::ranges::find_if(contacts_, [&](const Contact& other) {
         return (own.site - other.site).squaredNorm() < kOneContact * kOneContact * voxel_ * voxel_;
       });
@@ -138,10 +141,10 @@ class Fit {
         continue;
       }
       own.is_plane = own.is_plane && same->is_plane && own.normal.dot(same->normal) > kFlat &&
-                     std::abs((own.point - same->point).dot(own.normal)) < 1e-3 * voxel_;
+                     std::abs((own.place.point() - same->place.point()).dot(own.normal)) < 1e-3 * voxel_;
       own.sites = same->sites + 1;
       if (own.distance >= same->distance)
-        std::tie(own.point, own.direction, own.distance) = std::tuple(same->point, same->direction, same->distance);
+        std::tie(own.place, own.direction, own.distance) = std::tuple(same->place, same->direction, same->distance);
       own.site = same->site;
       *same = own;
     }
@@ -149,7 +152,7 @@ class Fit {
       c.is_plane = c.is_plane && c.sites > 1;
       if (c.is_plane) {
         c.direction = c.normal;
-        c.distance = (c.point - x).dot(c.normal);
+        c.distance = (c.place.point() - x).dot(c.normal);
       }
     }
   }
@@ -158,14 +161,11 @@ class Fit {
   void look_again(const Vec3& x) {
     for (Contact& c : contacts_) {
       if (c.is_plane) {
-        c.distance = (c.point - x).dot(c.direction);
+        c.distance = (c.place.point() - x).dot(c.direction);
         continue;
       }
-      const Vec3 half_way = x + 0.5 * c.distance * c.direction;
-      const Surface::Foot foot = surface_.nearest(half_way, (1 + 1e-9) * (c.point - half_way).norm());
-      if (foot.triangle == kNone) continue;
-      c.point = foot.point;
-      const Vec3 there = foot.point - x;
+      c.place.look_again(x, surface_);
+      const Vec3 there = c.place.point() - x;
       c.distance = there.norm();
       if (c.distance > 0) c.direction = there / c.distance;
     }
