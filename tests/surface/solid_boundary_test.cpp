@@ -216,6 +216,31 @@ TEST(SolidBoundary, Root) {
   EXPECT_EQ(solid_boundary(mesh, false, &one).triangles, result.triangles);
 }
 
+TriangleMesh read_triangles(const char* name) {
+  const Record record = io::read_record(data_file(name));
+  TriangleMesh mesh{record.points, {}};
+  for (std::size_t f = 0; f < record.poly_count(); ++f)
+    for (std::uint32_t k = record.poly_offsets[f] + 1; k + 1 < record.poly_offsets[f + 1]; ++k)
+      mesh.triangles.push_back(
+          {record.poly_corners[record.poly_offsets[f]], record.poly_corners[k], record.poly_corners[k + 1]});
+  return mesh;
+}
+
+TEST(SolidBoundary, RealMeshes) {
+  REQUIRE_DATA("meshes/casting.off");
+  const TriangleMesh casting = read_triangles("meshes/casting.off");  // faces inward
+  EXPECT_EQ(solid_boundary(casting).triangles, turned(casting).triangles);
+  const TriangleMesh sound = read_triangles("meshes/fandisk.off");
+  EXPECT_EQ(solid_boundary(sound).triangles, sound.triangles);
+  std::mt19937_64 random(1);
+  for (const char* name :
+       {"meshes/fertility.off", "meshes/octopus.off", "meshes/neptune.off"}) {  // intersect themselves
+    SCOPED_TRACE(name);
+    const TriangleMesh mesh = read_triangles(name);
+    expect_boundary(mesh, false, solid_boundary(mesh), 30, random);
+  }
+}
+
 TEST(SolidBoundary, SmallInputs) {
   EXPECT_TRUE(solid_boundary({}).triangles.empty());
   TriangleMesh mesh = box({0, 0, 0}, {1, 1, 1});
