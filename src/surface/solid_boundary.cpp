@@ -16,6 +16,7 @@
 #include "base/parallel.h"
 #include "base/union_find.h"
 #include "surface/box_tree.h"
+#include "surface/conforming.h"
 #include "surface/cutting.h"
 #include "surface/facet.h"
 #include "surface/inside.h"
@@ -24,7 +25,8 @@ namespace quench::surface {
 namespace {
 
 constexpr double kNear = 1e-12;  // of the longest side: what is nearer is at one place
-constexpr double kNarrow = 64;   // in units of the above: what is narrower is left out, no ray can tell its sides
+constexpr double kNarrow = 16;   // in units of the above: what is narrower is left out, no ray can tell its sides
+constexpr double kOnePlace = 8;  // in the same units: points of neighbours that are cut by themselves
 constexpr std::size_t kChunk = 4096;
 constexpr const char* kStage = "surface";
 
@@ -263,24 +265,51 @@ class BoundaryMaker {
       sides_[f] = common.value_or(Side::none);
   }
 
+  /// The corners of facets that are in the box of one that is cut, or that is left out because it is flat.
+  std::vector<std::uint32_t> corners_at_cuts() const {
+    std::vector<Bounds> boxes;
+    for (std::uint32_t f = 0; f < facets_.size(); ++f) {
+      if (whole(f) && !(facets_[f].flat && sides_[f] == Side::none)) continue;
+      boxes.emplace_back();
+      for (const Vec3& p : facets_[f].at) boxes.back().add(p);
+    }
+    const BoxTree cut(std::move(boxes));
+    std::vector<char> near(mesh_.points.size(), 0);
+    for (const Facet& facet : facets_)
+      for (std::size_t i = 0; i < 3; ++i) {
+        char& found = near[facet.corner[i]];
+        cut.visit(
+            [&](const Bounds& box) {
+              return !found && box.meets({facet.at[i], facet.at[i]}, kOnePlace * near_);
+            },
+            [&](std::uint32_t) { found = 1; });
+      }
+    std::vector<std::uint32_t> corners;
+    for (std::uint32_t p = 0; p < near.size(); ++p)
+      if (near[p] != 0) corners.push_back(p);
+    return corners;
+  }
+
   TriangleMesh assemble() const {
-    TriangleMesh result{mesh_.points, {}};
-    result.triangles.reserve(facets_.size());
-    const auto add = [&](std::array<std::uint32_t, 3> corners, bool turned) {
-      if (turned) std::swap(corners[1], corners[2]);
-      result.triangles.push_back(corners);
+    std::vector<Vec3> points = mesh_.points;
+    std::vector<Face> faces;
+    std::vector<std::uint32_t> loose = corners_at_cuts();
+    const auto add = [&](Face face, bool turned) {
+      if (turned) std::reverse(face.begin() + 1, face.end());
+      faces.push_back(std::move(face));
     };
     for (std::size_t f = 0; f < facets_.size(); ++f) {
-      if (sides_[f] != Side::none) add(mesh_.triangles[triangle_[f]], sides_[f] == Side::before);
+      const auto& corners = mesh_.triangles[triangle_[f]];
+      if (sides_[f] != Side::none) add(Face(corners.begin(), corners.end()), sides_[f] == Side::before);
       for (const Piece& piece : pieces_[f]) {
-        const auto begin = static_cast<std::uint32_t>(result.points.size());
-        result.points.insert(result.points.end(), piece.corners.begin(), piece.corners.end());
-        for (std::uint32_t i = 1; i + 1 < piece.corners.size(); ++i)
-          if (!Facet({piece.corners[0], piece.corners[i], piece.corners[i + 1]}, {}, near_).flat)
-            add({begin, begin + i, begin + i + 1}, piece.turned);
+        Face face(piece.corners.size());
+        std::iota(face.begin(), face.end(), static_cast<std::uint32_t>(points.size()));
+        loose.insert(loose.end(), face.begin(), face.end());
+        points.insert(points.end(), piece.corners.begin(), piece.corners.end());
+        add(std::move(face), piece.turned);
       }
     }
-    return result;
+    return conforming(std::move(points), faces, std::move(loose), kOnePlace * near_);
   }
 
   const TriangleMesh& mesh_;
