@@ -22,13 +22,14 @@ ROOMS = {
     'samples': 'base',
     'delaunay': 'base shape',
     'dual': 'base complex shape delaunay',
-    'axis': 'base complex record shape delaunay dual',
+    'surface': 'base shape',
+    'axis': 'base complex record shape surface delaunay dual',
     'burning': 'base complex record axis',
     'skeleton': 'base complex record axis burning',
     'graph': 'base shape skeleton',
     'io': 'base record shape graph',
     'page': 'base complex record shape axis burning skeleton io',
-    'pipeline': 'base complex record shape voxelization axis burning skeleton graph io page',
+    'pipeline': 'base complex record shape voxelization surface axis burning skeleton graph io page',
     'verification': 'base complex record shape',
 }
 PUBLIC = {'error': 'base', 'context': 'base', 'geometry': 'base', 'voxelize': 'voxelization', 'burn': 'burning', 'verify': 'verification'}

@@ -15,6 +15,7 @@
 #include "quench/geometry.h"
 #include "quench/record.h"
 #include "quench/shape.h"
+#include "quench/surface.h"
 
 namespace quench {
 
@@ -47,6 +48,15 @@ struct MedialAxis {
   std::vector<std::array<std::uint32_t, 2>> face_sites;  ///< the two nearest sites of each face, smaller row first
   std::vector<LatticePoint> sites;                       ///< boundary vertices of the voxel shape that faces refer to
   Grid grid;                                             ///< transform of lattice coordinates
+
+  /// Of an axis that fit_to_surface() has moved: points and radii of the voxel core, which lambda, detail and what
+  /// follows from them refer to. Empty otherwise.
+  std::vector<Vec3> voxel_points;
+  std::vector<double> voxel_radius;
+  SurfaceKind surface = SurfaceKind::voxels;  ///< what points and radii refer to
+  bool is_fitted() const { return surface != SurfaceKind::voxels; }
+  const std::vector<Vec3>& points_of_voxels() const { return is_fitted() ? voxel_points : points; }
+  const std::vector<double>& radius_of_voxels() const { return is_fitted() ? voxel_radius : radius; }
 };
 
 /// A measure that follows from others of the axis. Those that need lambda:
@@ -141,8 +151,8 @@ double auto_detail(const Grid& grid);
 /// equal a detail up to 2e-9 are not above it. O(n log n) in practice. Throws Error(usage) for an axis without lambda.
 void add_detail(MedialAxis& axis, Context* context = nullptr);
 
-/// The largest distance of a boundary vertex of the shape to the union of the balls of an axis, 0 when all touch it;
-/// infinite for an axis without vertices.
+/// The largest distance of a boundary vertex of the shape to the union of the balls of an axis (those of the voxel core,
+/// where it was fitted), 0 when all touch it; infinite for an axis without vertices.
 double coverage(const VoxelShape& shape, const MedialAxis& axis, Context* context = nullptr);
 
 /// Computes the level of every cell by a measure: topology-preserving thinning by simple pairs (face, free edge) or
@@ -185,6 +195,36 @@ double auto_lambda(const Reconstruction& reconstruction, double longest_side, do
 /// The medial axis of a shape in one call: voxel_core(), add_detail(), prune_levels() and pruned() at `detail` (world
 /// units; none: auto_detail()). Larger details can still be applied with pruned(..., kDetail). Throws what these throw.
 MedialAxis medial_axis(const VoxelShape& shape, std::optional<double> detail = {}, Context* context = nullptr);
+
+/// The sites around each vertex of a pruning: where its ball touches the staircase.
+struct ContactSites {
+  std::vector<std::uint32_t> offsets{0};  ///< vertices + 1, into `sites`
+  std::vector<LatticePoint> sites;        ///< of each vertex in order of z, y, x
+};
+
+/// Those of the vertices that pruned(axis, threshold, measure) keeps, in their order: the sites of all faces of `axis`
+/// around them. O(faces). Throws as pruned() does.
+ContactSites contact_sites(const MedialAxis& axis, double threshold, std::string_view measure);
+
+/// What fit_to_surface() did, in vertices.
+struct SurfaceFit {
+  std::size_t moved = 0;
+  std::size_t outside = 0;  ///< no place inside the surface within reach: radius 0
+  double largest_move = 0;  ///< world units
+};
+
+/// Moves the vertices of a pruned voxel core to where a ball touches the surface at the places their sites stand for,
+/// by at most kLargestMove voxels (of the longest spacing), and makes their radii the distances to the surface, so that
+/// every ball lies in the solid and touches its boundary. The complex stays. Where moving would turn a face over, its
+/// corners stay where they were. Points and radii as they were become voxel_points and voxel_radius.
+///
+/// Per vertex, the ball that touches the surface at all contacts y_i is found by Gauss and Newton's method: with n_i
+/// from the centre to y_i, the distances |y_i - x| - n_i . dx are made equal by a damped least-squares move dx, and
+/// contacts are looked for again from half way to them. Double precision; the result does not depend on threads.
+/// O(vertices * log triangles) in practice. Throws Error(usage) unless there are sites for each vertex.
+SurfaceFit fit_to_surface(MedialAxis& axis, const ContactSites& contacts, const Surface& surface,
+                          Context* context = nullptr);
+inline constexpr double kLargestMove = 1.5;
 
 /// A mask that somebody else owns: byte (x, y, z) is `strides[0]*x + strides[1]*y + strides[2]*z` after `data`.
 struct MaskView {

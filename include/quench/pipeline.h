@@ -19,6 +19,7 @@
 #include "quench/record.h"
 #include "quench/shape.h"
 #include "quench/skeleton.h"
+#include "quench/surface.h"
 #include "quench/voxelize.h"
 
 /// @file
@@ -104,9 +105,12 @@ struct ShapeOptions {
   std::optional<Vec3> spacing = {};             ///< volumes; default: what the file says
   std::string spacing_text = {};                ///< as it was spelled, for the record; empty: spelled from `spacing`
   ForegroundOptions foreground = {};            ///< threshold, label, invert: volumes
-  int subdivide = 1;                            ///< splits every voxel; 1 to 64
-  bool keep_mesh = false;                       ///< LoadedShape::mesh is wanted
-  bool core_follows = true;                     ///< its memory counts too when the shape is subdivided
+  /// What the axis is fitted to; none: the mesh where its solid can be told, the grey values of a volume with a
+  /// threshold, else the voxels.
+  std::optional<SurfaceKind> surface = {};
+  int subdivide = 1;         ///< splits every voxel; 1 to 64
+  bool keep_mesh = false;    ///< LoadedShape::mesh is wanted
+  bool core_follows = true;  ///< its memory counts too when the shape is subdivided
 };
 
 /// A shape ready for the main job, and what was found on the way.
@@ -125,6 +129,7 @@ struct LoadedShape {
   std::optional<TriangleMesh> mesh;          ///< where it was asked for
   std::string spacing_source;                ///< of a volume from a file: what its spacing was taken from
   std::optional<ForegroundReport> cleaned;   ///< where cleaning was asked for
+  std::optional<Surface> surface;            ///< what the axis is fitted to; none: the voxels
 
   Scale scale() const { return {longest_side, shape.grid().spacing.minCoeff(), auto_detail(shape.grid())}; }
   /// Whether voxelization changed the topology; nothing where it cannot be told (overlapping parts, defects).
@@ -189,11 +194,12 @@ struct CoreResult {
   CellCounts all, kept;         ///< of the unpruned core, and of the pruned one
   Coordinates coordinates;      ///< of the shape
   std::string parameters;       ///< JSON text, those of the shape and of the core: what `quench verify` reads
+  SurfaceFit fit;               ///< where the axis was fitted to a surface
 };
 
-/// Voxel core, levels, threshold, pruning, reconstruction, in as many parts as memory asks for. Notes a pruning by
-/// lambda whose balls hold less than 0.9 of the shape. Throws Error(failed), with figures, when there is not enough
-/// memory, and Error(invariant) when the topology of core or pruning is not that of the shape.
+/// Voxel core, levels, threshold, pruning, fit to the surface, reconstruction, in as many parts as memory asks for.
+/// Notes a pruning by lambda whose balls hold less than 0.9 of the shape. Throws Error(failed), with figures, when
+/// there is not enough memory, and Error(invariant) when the topology of core or pruning is not that of the shape.
 CoreResult core_of(const LoadedShape& shape, const AxisOptions& options = {}, Context* context = nullptr);
 
 /// The core of a shape for a larger threshold of its measure, without computing it anew. Throws Error(usage), field the
@@ -219,7 +225,7 @@ struct LoadedAxis {
   Record data;                  ///< the file, with all its arrays
   Scale scale;                  ///< what the file says, else the box of the axis and no voxels
   Vec3 spacing = Vec3::Zero();  ///< of the voxel shape, where the file says so
-  bool voxel_core = false;      ///< of Quench: the radius between vertices follows from theirs
+  bool voxel_core = false;      ///< of Quench, not fitted: the radius between vertices follows from theirs
   Coordinates coordinates;      ///< where the file says so
 };
 

@@ -137,7 +137,7 @@ void check_measures(const MedialAxis& axis) {
   const CellComplex& complex = axis.complex;
   if (axis.points.size() != complex.vertex_count || axis.radius.size() != complex.vertex_count)
     throw Error(ErrorCode::usage, "a medial axis needs a point and a radius for each vertex");
-  std::vector<std::string> names{"", "radius", "kind", "component", "site_a", "site_b"};
+  std::vector<std::string> names{"", "radius", "voxel_point", "voxel_radius", "kind", "component", "site_a", "site_b"};
   const auto take_name = [&](const std::string& name) {
     if (std::ranges::find(names, name) != names.end())
       throw Error(
@@ -224,6 +224,14 @@ Record record_of(Axis&& axis) {
   data.poly_offsets = std::forward<Axis>(axis).complex.face_offsets;
   data.poly_corners = std::forward<Axis>(axis).complex.face_vertices;
   data.point_data.push_back({"radius", 1, std::forward<Axis>(axis).radius});
+  if (axis.is_fitted()) {
+    std::vector<double> coordinates;
+    coordinates.reserve(3 * axis.voxel_points.size());
+    for (const Vec3& p : axis.voxel_points) coordinates.insert(coordinates.end(), p.data(), p.data() + 3);
+    data.point_data.push_back({"voxel_point", 3, std::move(coordinates)});
+    data.point_data.push_back({"voxel_radius", 1, std::forward<Axis>(axis).voxel_radius});
+    data.field_data.push_back({"surface", 1, std::vector<std::string>{std::string(name_of(axis.surface))}});
+  }
   for (auto& m : axis.measures)  // copied where the axis is const
     if (!m.value.vertex.empty()) data.point_data.push_back({m.name, 1, std::move(m.value.vertex)});
   std::ranges::move(derived_of_points, std::back_inserter(data.point_data));
@@ -304,6 +312,22 @@ std::size_t drop_duplicates(std::vector<std::uint32_t>& offsets, std::vector<std
   return dropped;
 }
 
+// What fit_to_surface() has left of the voxel core, where the file has all of it.
+void take_voxel_geometry(MedialAxis& axis, const Record& data) {
+  const DataArray *name = find_array(data.field_data, "surface"), *point = find_array(data.point_data, "voxel_point"),
+                  *radius = find_array(data.point_data, "voxel_radius");
+  const auto* text = name ? std::get_if<std::vector<std::string>>(&name->values) : nullptr;
+  if (!text || text->size() != 1 || !point || point->components != 3 || !radius || radius->components != 1) return;
+  const std::optional<SurfaceKind> kind = surface_kind_of(text->front());
+  if (!kind || point->size() != 3 * data.points.size() || radius->size() != data.points.size()) return;
+  const std::vector<double> at = point->numbers();
+  axis.surface = *kind;
+  axis.voxel_radius = radius->numbers();
+  axis.voxel_points.resize(data.points.size());
+  for (std::size_t v = 0; v < data.points.size(); ++v)
+    axis.voxel_points[v] = Vec3(at[3 * v], at[3 * v + 1], at[3 * v + 2]);
+}
+
 void check_lengths(const MedialAxis& axis) {
   for (std::size_t v = 0; v < axis.points.size(); ++v) {
     const double r = axis.radius[v], farthest = axis.points[v].cwiseAbs().maxCoeff();
@@ -329,6 +353,7 @@ MedialAxis medial_axis_of(const Record& data, AxisRepair* repair) {
   axis.points = data.points;
   axis.radius = radius->numbers();
   check_lengths(axis);
+  take_voxel_geometry(axis, data);
   record::MendedCells cells = record::mended_cells(data);
   mended.degenerate = cells.degenerate;
   mended.duplicate = drop_duplicates(cells.offsets, cells.corners);

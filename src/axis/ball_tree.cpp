@@ -72,7 +72,7 @@ BallTree::BallTree(std::span<const Vec3> points, std::span<const double> radius,
 }
 
 BallTree::BallTree(const MedialAxis& axis)
-    : BallTree(axis.points, axis.radius, [&] {
+    : BallTree(axis.points_of_voxels(), axis.radius_of_voxels(), [&] {
         std::vector<std::uint32_t> all(axis.points.size());
         std::iota(all.begin(), all.end(), 0u);
         return all;

@@ -26,7 +26,7 @@ class BallTree {
   /// The balls of some vertices. `points` and `radius` must outlive the tree.
   BallTree(std::span<const Vec3> points, std::span<const double> radius, std::vector<std::uint32_t> vertices);
 
-  /// Those of all vertices of an axis, which must outlive the tree.
+  /// Those of all vertices of a voxel core (as it was before it was fitted), which must outlive the tree.
   explicit BallTree(const MedialAxis& axis);
 
   std::size_t node_count() const { return nodes_.size(); }

@@ -19,6 +19,7 @@ double cap_height(double lambda, double radius) {
 
 CellValues cap_heights_of_top_cells(const MedialAxis& axis, const CellValues& lambda) {
   const CellComplex& complex = axis.complex;
+  const std::vector<double>& radius = axis.radius_of_voxels();
   CellValues height{std::vector<double>(complex.vertex_count, kNoTopCell),
                     std::vector<double>(complex.edges.size(), kNoTopCell), std::vector<double>(complex.face_count())};
   std::vector<char> has_faces(complex.edges.size(), 0), has_edges(complex.vertex_count, 0);
@@ -28,15 +29,15 @@ CellValues cap_heights_of_top_cells(const MedialAxis& axis, const CellValues& la
   // With the same two sites the cap is the higher the smaller the ball.
   base::for_indices(complex.face_count(), [&](std::size_t f) {
     double least = base::kNever;
-    for (const std::uint32_t v : complex.corners(f)) least = std::min(least, axis.radius[v]);
+    for (const std::uint32_t v : complex.corners(f)) least = std::min(least, radius[v]);
     height.face[f] = cap_height(lambda.face[f], least);
   });
   base::for_indices(complex.edges.size(), [&](std::size_t e) {
     const auto [a, b] = complex.edges[e];
-    if (!has_faces[e]) height.edge[e] = cap_height(lambda.edge[e], std::min(axis.radius[a], axis.radius[b]));
+    if (!has_faces[e]) height.edge[e] = cap_height(lambda.edge[e], std::min(radius[a], radius[b]));
   });
   base::for_indices(complex.vertex_count, [&](std::size_t v) {
-    if (!has_edges[v]) height.vertex[v] = cap_height(lambda.vertex[v], axis.radius[v]);
+    if (!has_edges[v]) height.vertex[v] = cap_height(lambda.vertex[v], radius[v]);
   });
   return height;
 }

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <utility>
 
+#include "base/csr.h"
 #include "base/parallel.h"
 #include "complex/thinning.h"
 #include "quench/axis.h"
@@ -106,23 +107,29 @@ void select(const Measure& from, std::vector<double> CellValues::*cells, bool le
     to.level.*cells = {};
 }
 
-// `axis` and `result` may be the same.
-void prune(const MedialAxis& axis, double at, std::string_view name, MedialAxis& result) {
+// The levels of all cells, and what is below the threshold: less than so much.
+std::pair<const CellValues&, double> levels_for(const MedialAxis& axis, double at, std::string_view name) {
   const Measure* by = axis.find_measure(name);
-  const CellValues none, &level = by ? by->level : none;
-  if (!level.complete(axis.complex))
+  if (!by || !by->level.complete(axis.complex))
     throw Error(ErrorCode::usage, fmt::format("the medial axis has no level of {} for each of its cells; give it "
                                               "levels by prune_levels() first",
                                               name));
   if (std::isnan(at)) throw Error(ErrorCode::usage, fmt::format("a pruning needs a {}; it is not a number", name));
-  const double threshold = at * (1 - 1e-12);
+  return {by->level, at * (1 - 1e-12)};
+}
+
+// `axis` and `result` may be the same.
+void prune(const MedialAxis& axis, double at, std::string_view name, MedialAxis& result) {
+  const auto [level, threshold] = levels_for(axis, at, name);
+  const Measure* by = axis.find_measure(name);
   std::vector<std::uint32_t> vertex, edge, face;
   std::uint32_t vertices = 0, edges = 0, faces = 0;
-  tbb::parallel_invoke([&] { edges = renumber(level.edge, threshold, edge); },
-                       [&] { faces = renumber(level.face, threshold, face); },
-                       [&] { vertices = renumber(level.vertex, threshold, vertex); });
+  tbb::parallel_invoke([&, &l = level, t = threshold] { edges = renumber(l.edge, t, edge); },
+                       [&, &l = level, t = threshold] { faces = renumber(l.face, t, face); },
+                       [&, &l = level, t = threshold] { vertices = renumber(l.vertex, t, vertex); });
 
   result.grid = axis.grid;
+  result.surface = axis.surface;
   result.complex.vertex_count = vertices;
   result.measures.resize(axis.measures.size());
   for (std::size_t m = 0; m < axis.measures.size(); ++m) result.measures[m].name = axis.measures[m].name;
@@ -135,6 +142,8 @@ void prune(const MedialAxis& axis, double at, std::string_view name, MedialAxis&
       [&] {
         select(axis.points, vertex, vertices, result.points);
         select(axis.radius, vertex, vertices, result.radius);
+        select(axis.voxel_points, vertex, vertices, result.voxel_points);
+        select(axis.voxel_radius, vertex, vertices, result.voxel_radius);
         select_measures(&CellValues::vertex, vertex, vertices);
       },
       [&] {
@@ -162,6 +171,28 @@ void prune(const MedialAxis& axis, double at, std::string_view name, MedialAxis&
 }
 
 }  // namespace
+
+ContactSites contact_sites(const MedialAxis& axis, double threshold, std::string_view measure) {
+  const auto [level, least] = levels_for(axis, threshold, measure);
+  std::vector<std::uint32_t> row;
+  const std::uint32_t vertices = renumber(level.vertex, least, row);
+  auto around = base::Csr<std::uint32_t>::group(vertices, [&](const auto& emit) {
+    for (std::size_t f = 0; f < axis.face_sites.size(); ++f)
+      for (const std::uint32_t v : axis.complex.corners(f))
+        if (row[v] != kDropped)
+          for (const std::uint32_t site : axis.face_sites[f]) emit(row[v], site);
+  });
+  ContactSites contacts;
+  contacts.offsets.reserve(vertices + 1);
+  for (std::uint32_t v = 0; v < vertices; ++v) {  // sites are in order of z, y, x
+    const std::span<std::uint32_t> sites = around[v];
+    std::ranges::sort(sites);
+    const auto end = std::unique(sites.begin(), sites.end());
+    for (auto site = sites.begin(); site != end; ++site) contacts.sites.push_back(axis.sites[*site]);
+    contacts.offsets.push_back(static_cast<std::uint32_t>(contacts.sites.size()));
+  }
+  return contacts;
+}
 
 MedialAxis pruned(const MedialAxis& axis, double threshold, std::string_view measure) {
   MedialAxis result;

@@ -66,7 +66,7 @@ LoadedAxis axis_of(Record&& data, const std::string& file, Context* context) {
   if (!(loaded.scale.longest_side > 0)) loaded.scale.longest_side = longest_side_of(loaded.axis.points);
   // A voxel core of ours names the boundary vertices its radii are distances to.
   const DataArray* sites = find_array(loaded.data.field_data, "sites");
-  loaded.voxel_core = sites && sites->components == 3;
+  loaded.voxel_core = sites && sites->components == 3 && !loaded.axis.is_fitted();
   loaded.coordinates = {field_text(loaded.data, "units").value_or(""), field_text(loaded.data, "SPACE").value_or("")};
   return loaded;
 }

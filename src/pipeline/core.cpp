@@ -73,15 +73,18 @@ CoreResult made_core(const LoadedShape& from, const AxisOptions& options, const 
   result.all = counts_of(core.complex);
   choose_threshold(from, core, result, context);
 
+  ContactSites contacts;
+  if (from.surface) contacts = contact_sites(core, options.full ? 0 : result.threshold, measure);
+  if (from.surface && options.full) result.fit = fit_to_surface(core, contacts, *from.surface, context);
   MedialAxis kept =
       options.full ? pruned(core, result.threshold, measure) : pruned(std::move(core), result.threshold, measure);
+  if (from.surface && !options.full) result.fit = fit_to_surface(kept, contacts, *from.surface, context);
   require_topology(topology(kept.complex), from.topology, "pruned core", "shape");
   checkpoint(context, "topology", 1);
   result.kept = counts_of(kept.complex);
-  if (measure == kDetail) {
+  if (measure == kDetail || from.surface)
     result.reconstructed = Reconstruction(shape, kept, Reconstruction::kSamples, context, measure).share(0);
-    result.coverage = coverage(shape, kept, context);
-  }
+  if (measure == kDetail) result.coverage = coverage(shape, kept, context);
   result.axis = options.full ? std::move(core) : std::move(kept);
   return result;
 }

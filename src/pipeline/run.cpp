@@ -66,13 +66,15 @@ RunResult run(LoadedShape& shape, const RunOptions& options, Context* context) {
   if (options.on_core) options.on_core(result.core);
   RunOptions of_axis = options;
   of_axis.keep_sequence = true;
-  result.axis =
-      run_axis(result.core.axis, core_file(result.core), true, result.core.topology, shape.scale(), of_axis, context);
+  result.axis = run_axis(result.core.axis, core_file(result.core), !result.core.axis.is_fitted(), result.core.topology,
+                         shape.scale(), of_axis, context);
   const SkeletonResult& skeleton = result.axis.skeleton;
   result.reconstructed = reconstructed_share(shape.shape, skeleton.skeleton, context);
   GraphOptions graph = options.graph;
-  graph.shape = &shape.shape;
-  graph.voxel = shape.shape.grid().spacing;
+  if (!result.core.axis.is_fitted()) {
+    graph.shape = &shape.shape;
+    graph.voxel = shape.shape.grid().spacing;
+  }
   result.graph = measured_graph(skeleton.measured, graph, shape.scale());
   checkpoint(context, "skeleton", 1);
   return result;

@@ -177,6 +177,23 @@ void refuse_unknown_kind(const std::filesystem::path& file) {
                           type.empty() ? "no file type in its name" : fmt::format("the unknown file type '{}'", type)));
 }
 
+namespace {
+
+/// Whether the mesh bounds the shape: its solid is known, and nothing was filled.
+bool bounds_shape(const LoadedShape& loaded, const ShapeOptions& options) {
+  return loaded.voxelization->sound && !options.foreground.fill_cavities;
+}
+
+void set_surface(LoadedShape& loaded, const TriangleMesh& mesh, const ShapeOptions& options, Context* context) {
+  const SurfaceKind kind =
+      options.surface.value_or(bounds_shape(loaded, options) ? SurfaceKind::mesh : SurfaceKind::voxels);
+  record(loaded, "surface", std::string(name_of(kind)));
+  if (kind != SurfaceKind::mesh) return;
+  loaded.surface.emplace(mesh, SurfaceKind::mesh, context);
+}
+
+}  // namespace
+
 LoadedShape shape_of(TriangleMesh&& mesh, const ShapeOptions& options, Context* context) {
   LoadedShape loaded;
   loaded.from_mesh = true;
@@ -196,6 +213,7 @@ LoadedShape shape_of(TriangleMesh&& mesh, const ShapeOptions& options, Context* 
   loaded.resolution = std::llround(loaded.longest_side / loaded.shape.grid().spacing[0]);
   record(loaded, "resolution", loaded.resolution);
   record(loaded, "fill", std::string(fill_name(voxelize_options.fill)));
+  set_surface(loaded, mesh, options, context);
   if (options.keep_mesh) loaded.mesh = std::move(mesh);
   return finished(std::move(loaded), options, context);
 }
