@@ -17,7 +17,6 @@ ROOMS = {
     'complex': 'base',
     'record': 'base',
     'shape': 'base complex',
-    'surface': 'base shape',
     'voxelization': 'base complex shape',
     'samples': 'base',
     'delaunay': 'base shape',
