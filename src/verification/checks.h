@@ -16,6 +16,10 @@ inline constexpr double kSingle = 1e-6;
 /// a 4096th of it.
 inline constexpr double kOffAlongEdges = 0.01, kOffByLabels = 0.003;
 
+/// Why a check of the voxel core's geometry does not apply.
+inline constexpr const char* kNotOfVoxels =
+    "the points are fitted to a surface, the file does not hold the voxel core's";
+
 /// No two cells are the same, none is degenerate; polygons are plane and convex.
 Check check_cells(const Result& result);
 
@@ -53,6 +57,13 @@ double cap_height(double lambda, double radius);
 /// The arrays `cap_height`: of all polygons by their two sites, of a sample by sites that are found here.
 Check check_cap_heights(const Result& result, const Sites& sites, VertexSites& vertex_sites, std::size_t samples,
                         Context* context);
+
+/// Of a fitted result: how far its points are from those of the voxel core.
+Check check_moves(const Result& result);
+/// Of a fitted result: every ball lies inside the surface and touches it.
+Check check_balls(const Result& result, const VerifyOptions& options, Context* context);
+/// That the surface is one of the shape: voxel centres at its boundary are on the side that the shape says.
+Check check_sides(const Result& result, const VerifyOptions& options, Context* context);
 
 /// The proximity bound: distance to the true medial axis (docs/user/guarantees.md).
 Check check_proximity(const Result& result, std::size_t samples, Context* context);

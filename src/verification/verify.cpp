@@ -87,6 +87,11 @@ Certificate examine(const VoxelShape& shape, const Record& data, const VerifyOpt
   add(check_topology(result));
   add(check_enclosure(result, context));
   add(check_radii(result, sites, context));
+  if (result.fitted) {
+    add(check_moves(result));
+    add(check_sides(result, options, context));
+    add(check_balls(result, options, context));
+  }
   if (result.stage == "core") {
     add(check_voronoi(result, sites, vertex_sites, options.samples, context));
     add(check_lambda(result, sites, vertex_sites, options.samples, context));
