@@ -4,10 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 
 #include "verification/checks.h"
-#include "verification/triangle_search.h"
 
 namespace quench::verification {
 
@@ -19,12 +17,6 @@ constexpr double kInterpolated = 2;      // in voxel diagonals: what a radius be
 constexpr double kLeastOnTheirSide = 0.9;
 
 double rounding_of_points(const Result& result) { return 4 * result.rounding * result.unit; }
-
-// Why nothing can be said about the surface; empty when it can.
-std::string no_surface(const Result& result, const VerifyOptions& options) {
-  if (!options.surface) return fmt::format("the surface ({}) was not given", result.surface);
-  return {};
-}
 
 }  // namespace
 
@@ -49,9 +41,8 @@ Check check_moves(const Result& result) {
           {}};
 }
 
-Check check_sides(const Result& result, const VerifyOptions& options, Context* context) {
+Check check_sides(const Result& result, const TriangleSearch& surface, const VerifyOptions& options, Context* context) {
   const std::string name = "surface of the shape";
-  if (const std::string why = no_surface(result, options); !why.empty()) return not_checked(name, why);
   if (options.surface_kind != result.surface)
     return failed(name, fmt::format("the file refers to the surface '{}', the one of the shape is '{}'", result.surface,
                                     options.surface_kind));
@@ -77,35 +68,32 @@ Check check_sides(const Result& result, const VerifyOptions& options, Context* c
                                     std::pair{run.end - 1, true}, std::pair{run.end, false}})
       centres.push_back({grid.world(Vec3(x + 0.5, y + 0.5, z + 0.5)), inside});
   });
-  const TriangleSearch search(*options.surface);
   std::atomic<std::size_t> agree{0};
   for_indices(centres.size(), context, "verify: surface", [&](std::size_t i) {
-    agree.fetch_add(search.inside(centres[i].at) == centres[i].inside, std::memory_order_relaxed);
+    agree.fetch_add(surface.inside(centres[i].at) == centres[i].inside, std::memory_order_relaxed);
   });
   const std::string text =
       fmt::format("{} of {} voxel centres at the boundary are on their side of the surface ({}, {} triangles)",
-                  agree.load(), centres.size(), result.surface, search.size());
+                  agree.load(), centres.size(), result.surface, surface.size());
   if (static_cast<double>(agree) < kLeastOnTheirSide * static_cast<double>(centres.size())) return failed(name, text);
   Check check{name, true, text, {}};
   cover(check, "field surface");
   return check;
 }
 
-Check check_balls(const Result& result, const VerifyOptions& options, Context* context) {
+Check check_balls(const Result& result, const TriangleSearch& surface, Context* context) {
   const std::string name = "balls of the surface";
   if (result.ball_radius.empty()) return not_checked(name, "no array 'radius'");
-  if (const std::string why = no_surface(result, options); !why.empty()) return not_checked(name, why);
-  const TriangleSearch search(*options.surface);
   const bool interpolated = result.stage == "skeleton";
   const double diagonal = 2 * result.auto_detail,
-               near = kOfLongestSide * search.longest_side() + rounding_of_points(result),
+               near = kOfLongestSide * surface.longest_side() + rounding_of_points(result),
                off = interpolated ? kInterpolated * diagonal : near;
   std::atomic<std::size_t> outside{0}, exact{0};
   const auto is_ball = [&](std::size_t v) {
     const Vec3& p = result.point(static_cast<std::uint32_t>(v));
-    const double r = result.ball_radius[v], away = search.distance(p);
+    const double r = result.ball_radius[v], away = surface.distance(p);
     if (std::abs(r - away) <= near) exact.fetch_add(1, std::memory_order_relaxed);
-    if (away <= near || search.inside(p)) return r >= 0 && std::abs(r - away) <= off;
+    if (away <= near || surface.inside(p)) return r >= 0 && std::abs(r - away) <= off;
     outside.fetch_add(1, std::memory_order_relaxed);
     return r >= 0 && r <= (interpolated ? off : 0) && away <= diagonal;
   };
@@ -114,8 +102,8 @@ Check check_balls(const Result& result, const VerifyOptions& options, Context* c
     const auto v = static_cast<std::uint32_t>(bad);
     return failed(name, fmt::format("{} with radius {:.9g} is {} the surface ({}), {:.9g} away from it",
                                     result.describe_vertex(v), result.ball_radius[v],
-                                    search.inside(result.point(v)) ? "inside" : "outside of", result.surface,
-                                    search.distance(result.point(v))));
+                                    surface.inside(result.point(v)) ? "inside" : "outside of", result.surface,
+                                    surface.distance(result.point(v))));
   }
   std::string text =
       fmt::format("{} of {} lie inside the surface and touch it, to {:.2g}", exact.load(), result.rows.size(), near);

@@ -355,8 +355,8 @@ Check check_burn_sequence(const Result& result) {
   States states;
   std::string wrong = wrong_form(result.data, network, states);
   if (!wrong.empty()) return failed(name, std::move(wrong));
-  // Radii of other programs need not be distances.
-  Comparison comparison(result, network, states, omega[0], (exact || result.fitted) && result.stage == "core");
+  // Radii of other programs need not be distances, and between points those that are fitted to a surface are not.
+  Comparison comparison(result, network, states, omega[0], exact && !result.fitted && result.stage == "core");
   wrong = comparison.wrong();
   if (wrong.empty()) wrong = wrong_fingerprints(result, network, omega[0], exact);
   if (!wrong.empty()) return failed(name, std::move(wrong));
