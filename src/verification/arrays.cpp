@@ -155,7 +155,8 @@ std::string reason_for(const char* of, const std::string& name, const Record& da
   if (of == std::string("field") && name == "omega" && find_array(data.field_data, "burn_nodes"))
     return "only that it gives burn_nodes is checked";
   if (stage == "core" && of == std::string("field") && (name == kLambda || name == kDetail))
-    return "another threshold was given";
+    return text_or_empty(data.field_data, "surface").empty() || name == kLambda ? "another threshold was given"
+                                                                                : kBorneOutBySurface;
   if (of == std::string("field")) {
     for (const auto* known : {&known_field_numbers(), &known_field_texts()})
       for (const Known& array : *known)

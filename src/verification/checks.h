@@ -21,6 +21,10 @@ inline constexpr double kOffAlongEdges = 0.01, kOffByLabels = 0.003;
 inline constexpr const char* kNotOfVoxels =
     "the points are fitted to a surface, the file does not hold the voxel core's";
 
+/// Why it is not known which cells a pruning by detail of a fitted result must have.
+inline constexpr const char* kBorneOutBySurface =
+    "which cells of the voxel core the surface bears out is not decided again";
+
 /// No two cells are the same, none is degenerate; polygons are plane and convex.
 Check check_cells(const Result& result);
 

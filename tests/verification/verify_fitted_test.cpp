@@ -96,7 +96,7 @@ TEST(VerifyFitted, WithoutTheSurfaceItsArraysAreNamed) {
   Names left;
   for (const UncheckedArray& array : certificate.not_checked)
     if (array.reason.find("surface") != std::string::npos) left.insert(array.array);
-  EXPECT_EQ(left, (Names{"point radius", "field surface"}));
+  EXPECT_EQ(left, (Names{"point radius", "field surface", "field detail"}));
 }
 
 TEST(VerifyFitted, AnotherSurfaceIsNoticed) {
