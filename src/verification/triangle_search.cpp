@@ -132,7 +132,7 @@ bool TriangleSearch::inside(const Vec3& p) const {
     cross(0, p, ray(k), crossings);
     if (crossings.sure) break;
   }
-  return crossings.sum != 0;
+  return crossings.sum == 1;
 }
 
 }  // namespace quench::verification

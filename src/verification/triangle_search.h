@@ -17,7 +17,7 @@ class TriangleSearch {
   double longest_side() const { return longest_side_; }
   /// To the nearest triangle; infinite when there is none.
   double distance(const Vec3& p) const;
-  /// Whether the winding number is not 0, by the crossings along a ray that passes no edge too near.
+  /// Whether the winding number is 1, by the crossings along a ray that passes no edge too near.
   bool inside(const Vec3& p) const;
 
  private:
