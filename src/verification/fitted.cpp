@@ -85,7 +85,7 @@ Check check_sides(const Result& result, const TriangleSearch& surface, const Ver
 Check check_balls(const Result& result, const TriangleSearch& surface, Context* context) {
   const std::string name = "balls of the surface";
   if (result.ball_radius.empty()) return not_checked(name, "no array 'radius'");
-  const bool interpolated = result.stage == "skeleton";
+  const bool interpolated = !result.has_voxel_geometry;  // a skeleton
   const double diagonal = 2 * result.auto_detail,
                near = kOfLongestSide * surface.longest_side() + rounding_of_points(result),
                off = interpolated ? kInterpolated * diagonal : near;

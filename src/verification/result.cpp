@@ -114,10 +114,11 @@ void Result::parse_arrays(const VerifyOptions& options) {
 
 void Result::parse_surface() {
   surface = text_or_empty(data.field_data, "surface");
-  fitted = !surface.empty() && !text_or_empty(data.field_data, "stage").empty();
+  fitted = surface == "mesh" || surface == "grey" || surface == "smooth";
   if (!fitted) return;
   voxel_points_ = find_array(data.point_data, "voxel_point");
-  has_voxel_geometry = voxel_points_ && find_array(data.point_data, "voxel_radius");
+  has_voxel_geometry = voxel_points_ && has_numbers(*voxel_points_) && voxel_points_->components == 3 &&
+                       !numbers_or_empty(data.point_data, "voxel_radius").empty();
   if (!has_voxel_geometry) voxel_points_ = nullptr;
 }
 
