@@ -28,8 +28,9 @@ inline constexpr const char* kBorneOutBySurface =
 /// No two cells are the same, none is degenerate; polygons are plane and convex.
 Check check_cells(const Result& result);
 
-/// Euler characteristic and Betti numbers of the result are those of the shape.
-Check check_topology(const Result& result);
+/// Euler characteristic and Betti numbers of the result are those of the shape. Says those of the solid of the surface,
+/// too, where there is one.
+Check check_topology(const Result& result, const TriangleMesh* surface);
 
 /// Every cell lies in the open shape.
 Check check_enclosure(const Result& result, Context* context);

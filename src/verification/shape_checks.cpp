@@ -6,6 +6,7 @@
 
 #include "quench/shape.h"
 #include "verification/checks.h"
+#include "verification/solid_topology.h"
 
 namespace quench::verification {
 
@@ -51,7 +52,7 @@ bool segment_in_open_shape(const VoxelShape& shape, const Vec3& p, const Vec3& q
 
 }  // namespace
 
-Check check_topology(const Result& result) {
+Check check_topology(const Result& result, const TriangleMesh* surface) {
   const Topology shape = topology(result.shape), complex = topology(result.complex);
   Check check{"euler and Betti numbers", shape == complex, describe(shape), {}};
   if (!check.passed) check.detail = fmt::format("shape: {}; result: {}", describe(shape), describe(complex));
@@ -69,6 +70,9 @@ Check check_topology(const Result& result) {
     check.detail = fmt::format("the field array '{}' has {:g}; the cells have {}", array, fmt::join(written, " "),
                                fmt::join(counted, " "));
   };
+  if (const auto solid = surface && check.passed ? solid_topology(*surface) : std::nullopt)
+    check.detail += *solid == complex ? "; the solid of the surface has the same"
+                                      : fmt::format("; the solid of the surface has {}", describe(*solid));
   claims("euler", {complex.euler});
   claims("betti", {complex.betti.begin(), complex.betti.end()});
   return check;

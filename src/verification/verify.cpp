@@ -88,7 +88,7 @@ Certificate examine(const VoxelShape& shape, const Record& data, const VerifyOpt
 
   add(check_expected(result, options));
   add(check_cells(result));
-  add(check_topology(result));
+  add(check_topology(result, options.surface));
   add(check_enclosure(result, context));
   add(check_radii(result, sites, context));
   if (result.fitted) {

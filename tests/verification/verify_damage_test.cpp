@@ -99,7 +99,7 @@ Record skeleton_of(const VoxelShape& shape, double theta2, double theta1, bool p
 
 void add_fitted(std::vector<Result>& all) {
   pipeline::ShapeOptions options;
-  options.resolution = 14;
+  options.resolution = 10;
   options.surface = SurfaceKind::mesh;
   pipeline::LoadedShape loaded = pipeline::shape_of(make_sample("fin-on-board", {.fineness = 0.05}).mesh, options);
   loaded.coordinates = {"mm", "LPS"};

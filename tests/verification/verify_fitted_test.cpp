@@ -6,6 +6,7 @@
 #include <cmath>
 #include <functional>
 #include <string>
+#include <tuple>
 #include <variant>
 #include <vector>
 
@@ -37,7 +38,7 @@ struct Fitted {
   Certificate verified(const Record& data) const { return verify(shape.shape, data, options()); }
 };
 
-TriangleMesh sample(const std::string& name) { return make_sample(name, {.fineness = 0.25}).mesh; }
+TriangleMesh sample(const std::string& name) { return make_sample(name, {.fineness = 0.1}).mesh; }
 
 Fitted fitted(const std::string& name, std::int64_t resolution, const pipeline::AxisOptions& options = {}) {
   pipeline::ShapeOptions how;
@@ -86,6 +87,16 @@ TEST(VerifyFitted, PassesAndNamesTheSurface) {
         for (const char* name : {"point radius", "point voxel_point", "point voxel_radius", "field surface"})
           EXPECT_NE(array.array, name) << result.name;
     }
+  }
+}
+
+TEST(VerifyFitted, TellsTheTopologyOfTheSurface) {
+  for (const auto& [name, resolution, told] :
+       {std::tuple{"torus", 32, "euler 0, betti 1 1 0; the solid of the surface has the same"},
+        {"hollow-sphere", 24, "euler 2, betti 1 0 1; the solid of the surface has the same"},
+        {"torus", 4, "; the solid of the surface has euler 0, betti 1 1 0"}}) {
+    const Fitted result = fitted(name, resolution);
+    EXPECT_NE(text(result.verified(result.core)).find(told), std::string::npos) << text(result.verified(result.core));
   }
 }
 
