@@ -200,6 +200,9 @@ double auto_lambda(const Reconstruction& reconstruction, double longest_side, do
 /// The medial axis of a shape in one call: voxel_core(), add_detail(), prune_levels() and pruned() at `detail` (world
 /// units; none: auto_detail()). Larger details can still be applied with pruned(..., kDetail). Throws what these throw.
 MedialAxis medial_axis(const VoxelShape& shape, std::optional<double> detail = {}, Context* context = nullptr);
+/// The same, fitted to the surface that the shape is a digitization of: add_detail() and fit_to_surface() with it.
+MedialAxis medial_axis(const VoxelShape& shape, const Surface& surface, std::optional<double> detail = {},
+                       Context* context = nullptr);
 
 /// The sites around each vertex of a pruning: where its ball touches the staircase.
 struct ContactSites {

@@ -241,11 +241,35 @@ Vec3 area_of(std::span<const std::uint32_t> corners, const std::vector<Vec3>& po
 
 enum Damage : char { kUnharmed, kConcave, kTurned };
 
+// The cells that a pruning at the automatic detail keeps. Where they go does not depend on how much more there is, so
+// that a pruning of a fitted axis is the fit of that pruning.
+class FirstCells {
+ public:
+  explicit FirstCells(const MedialAxis& axis) : least_(auto_detail(axis.grid)) {
+    const Measure* detail = axis.find_measure(kDetail);
+    if (detail && detail->level.complete(axis.complex) && detail->value.complete(axis.complex)) detail_ = detail;
+  }
+  bool known() const { return detail_ != nullptr; }
+  bool vertex(std::size_t v) const { return is_first(detail_->level.vertex[v]); }
+  bool face(std::size_t f) const { return is_first(detail_->level.face[f]); }
+  bool edge(std::size_t e) const { return is_first(detail_->level.edge[e]); }
+  // Of a path that only the promise of the pruning keeps: its detail is the least exactly.
+  bool is_of_path(std::size_t e) const { return edge(e) && detail_->value.edge[e] == least_; }
+
+ private:
+  bool is_first(double level) const { return level >= least_ * (1 - 1e-12); }
+  double least_;
+  const Measure* detail_ = nullptr;
+};
+
 // What moving has done to the faces of a vertex, at worst: a face turned over, or a corner no longer convex.
-std::vector<char> damage_of_faces(const CellComplex& complex, const std::vector<Vec3>& before,
-                                  const std::vector<Vec3>& after) {
+template <class Counts>
+std::vector<char> damage_of_faces(const MedialAxis& axis, const Counts& counts) {
+  const CellComplex& complex = axis.complex;
+  const std::vector<Vec3>&before = axis.voxel_points, &after = axis.points;
   std::vector<char> damage(complex.vertex_count, kUnharmed);
   for (std::size_t f = 0; f < complex.face_count(); ++f) {
+    if (!counts(f)) continue;
     const auto corners = complex.corners(f);
     const Vec3 up = area_of(corners, before);
     char own = up.dot(area_of(corners, after)) > 0 ? kUnharmed : kTurned;
@@ -259,45 +283,59 @@ std::vector<char> damage_of_faces(const CellComplex& complex, const std::vector<
   return damage;
 }
 
-// Small faces turn over, or lose their convex shape, where their corners move along the sheet: these only move
-// where contacts determine it. Where faces still turn over, corners go back to where they were, which may turn others.
-void keep_faces(MedialAxis& axis, const std::vector<Determined>& determined) {
+// Small faces turn over, or lose their convex shape, where their corners move along the sheet: these only move where
+// contacts determine it. Where faces still turn over, corners go back to where they were, which may turn others.
+// `faces` are looked at, `vertices` may be moved back.
+template <class Faces, class Vertices>
+void keep_faces(MedialAxis& axis, const std::vector<Determined>& determined, const Faces& faces,
+                const Vertices& vertices) {
   const std::vector<Vec3>& from = axis.voxel_points;
   std::vector<Vec3>& to = axis.points;
-  const std::vector<char> damage = damage_of_faces(axis.complex, from, to);
+  const std::vector<char> damage = damage_of_faces(axis, faces);
   for (std::size_t v = 0; v < damage.size(); ++v)
-    if (damage[v] >= kConcave) to[v] = from[v] + determined[v].part_of(to[v] - from[v]);
+    if (damage[v] >= kConcave && vertices(v)) to[v] = from[v] + determined[v].part_of(to[v] - from[v]);
   for (bool again = true; again;) {
     again = false;
-    const std::vector<char> turned = damage_of_faces(axis.complex, from, to);
+    const std::vector<char> turned = damage_of_faces(axis, faces);
     for (std::size_t v = 0; v < turned.size(); ++v)
-      if (turned[v] == kTurned && to[v] != from[v]) {
+      if (turned[v] == kTurned && vertices(v) && to[v] != from[v]) {
         to[v] = from[v];
         again = true;
       }
   }
 }
 
-// Moves the inner vertices of the paths that only the promise of a pruning by detail keeps (their detail is the least
-// exactly) towards the middle of their neighbours. Along edges between the balls of noise they would be longer than the
-// way, and their erosion thickness that of a branch.
-void straighten_paths(const MedialAxis& axis, std::vector<Vec3>& points) {
+void keep_faces(MedialAxis& axis, const FirstCells& first, const std::vector<Determined>& determined) {
+  keep_faces(
+      axis, determined, [&](std::size_t f) { return first.face(f); }, [](std::size_t) { return true; });
+  keep_faces(
+      axis, determined, [](std::size_t) { return true; }, [&](std::size_t v) { return !first.vertex(v); });
+}
+
+// Moves the inner vertices of the paths that only the promise of a pruning by detail keeps towards the middle of their
+// neighbours. Along edges between the balls of noise they would be longer than the way, and their erosion thickness
+// that of a branch.
+void straighten_paths(MedialAxis& axis, const FirstCells& first) {
   constexpr int kPasses = 30;
-  const Measure* detail = axis.find_measure(kDetail);
-  std::vector<std::uint32_t> inner;
-  if (!detail || !detail->value.complete(axis.complex)) return;
-  const double least = auto_detail(axis.grid), most = kLargestMove * axis.grid.spacing.maxCoeff();
+  const CellComplex& complex = axis.complex;
+  std::vector<Vec3>& points = axis.points;
   std::vector<std::array<std::uint32_t, 2>> next(points.size(), {kNone, kNone});
   std::vector<char> is_other(points.size(), 0);  // not the inner vertex of a path
-  for (const std::uint32_t v : axis.complex.face_vertices) is_other[v] = 1;
-  for (std::size_t e = 0; e < axis.complex.edges.size(); ++e)
+  for (std::size_t f = 0; f < complex.face_count(); ++f)
+    if (first.face(f))
+      for (const std::uint32_t v : complex.corners(f)) is_other[v] = 1;
+  for (std::size_t e = 0; e < complex.edges.size(); ++e) {
+    if (!first.edge(e)) continue;
     for (std::size_t end = 0; end < 2; ++end) {
-      const std::uint32_t v = axis.complex.edges[e][end];
-      if (detail->value.edge[e] != least || next[v][1] != kNone) is_other[v] = 1;
-      next[v][next[v][0] == kNone ? 0 : 1] = axis.complex.edges[e][1 - end];
+      const std::uint32_t v = complex.edges[e][end];
+      if (!first.is_of_path(e) || next[v][1] != kNone) is_other[v] = 1;
+      next[v][next[v][0] == kNone ? 0 : 1] = complex.edges[e][1 - end];
     }
+  }
+  std::vector<std::uint32_t> inner;
   for (std::uint32_t v = 0; v < points.size(); ++v)
     if (!is_other[v] && next[v][1] != kNone) inner.push_back(v);
+  const double most = kLargestMove * axis.grid.spacing.maxCoeff();
   std::vector<Vec3> now(inner.size());
   for (int pass = 0; pass < kPasses; ++pass) {
     for (std::size_t i = 0; i < inner.size(); ++i) {
@@ -336,8 +374,13 @@ SurfaceFit fit_to_surface(MedialAxis& axis, const ContactSites& contacts, const 
       points[v] = place.point;
       determined[v] = place.determined;
     });
-    keep_faces(axis, determined);
-    straighten_paths(axis, points);
+    if (const FirstCells first(axis); first.known()) {
+      keep_faces(axis, first, determined);
+      straighten_paths(axis, first);
+    } else {
+      for (std::size_t v = 0; v < count; ++v)
+        points[v] = axis.voxel_points[v] + determined[v].part_of(points[v] - axis.voxel_points[v]);
+    }
     std::vector<char> inside(count);
     for_vertices(0.7, 1, [&](const Fit& fit, std::size_t v) {
       const Fit::Centre centre = fit.centre(points[v], axis.voxel_points[v]);

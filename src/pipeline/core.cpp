@@ -73,12 +73,17 @@ CoreResult made_core(const LoadedShape& from, const AxisOptions& options, const 
   result.all = counts_of(core.complex);
   choose_threshold(from, core, result, context);
 
-  ContactSites contacts;
-  if (from.surface) contacts = contact_sites(core, options.full ? 0 : result.threshold, measure);
-  if (from.surface && options.full) result.fit = fit_to_surface(core, contacts, *from.surface, context);
+  if (from.surface) {
+    // What is fitted does not depend on the detail, as long as that is not below the automatic one.
+    const double first = options.full         ? 0
+                         : measure == kDetail ? std::min(result.threshold, auto_detail(shape.grid()))
+                                              : result.threshold;
+    const ContactSites contacts = contact_sites(core, first, measure);
+    if (first > 0) core = pruned(std::move(core), first, measure);
+    result.fit = fit_to_surface(core, contacts, *from.surface, context);
+  }
   MedialAxis kept =
       options.full ? pruned(core, result.threshold, measure) : pruned(std::move(core), result.threshold, measure);
-  if (from.surface && !options.full) result.fit = fit_to_surface(kept, contacts, *from.surface, context);
   require_topology(topology(kept.complex), from.topology, "pruned core", "shape");
   checkpoint(context, "topology", 1);
   result.kept = counts_of(kept.complex);

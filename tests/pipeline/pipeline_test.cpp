@@ -140,7 +140,8 @@ TEST(ShapeOfInput, ParametersGiveTheSameShapeAgain) {
   options.subdivide = 2;
   options.foreground.largest_component = true;
   const LoadedShape shape = torus(options);
-  EXPECT_EQ(shape.parameters, R"({"resolution":24,"fill":"evenodd","largest_component":true,"subdivide":2})");
+  EXPECT_EQ(shape.parameters,
+            R"({"resolution":24,"fill":"evenodd","surface":"mesh","largest_component":true,"subdivide":2})");
   const CoreResult core = core_of(shape, {.pruning = {kLambda, parse_length("2vox", "lambda")}});
   const Record file = core_file(core);
   EXPECT_EQ(core.parameters,
@@ -203,13 +204,16 @@ TEST(Run, IsTheStagesCalledByHand) {
 
   const double voxel = shape.scale().voxel, side = shape.longest_side;
   MedialAxis whole = voxel_core(shape.shape);
-  add_detail(whole);
+  add_detail(whole, *shape.surface);
   prune_levels(whole, kDetail);
-  const MedialAxis core = pruned(whole, 1.5 * voxel, kDetail);
+  const double least = auto_detail(shape.shape.grid());
+  MedialAxis first = pruned(whole, least, kDetail);
+  fit_to_surface(first, contact_sites(whole, least, kDetail), *shape.surface);
+  const MedialAxis core = pruned(first, 1.5 * voxel, kDetail);
   EXPECT_EQ(result.core.axis.points, core.points);
   EXPECT_TRUE(result.core.axis.measure(kDetail).level == core.measure(kDetail).level);
-  EXPECT_EQ(medial_axis(shape.shape, 1.5 * voxel).points, core.points);
-  const Burning burning = burn(core, {.rounded = true});
+  EXPECT_EQ(medial_axis(shape.shape, *shape.surface, 1.5 * voxel).points, core.points);
+  const Burning burning = burn(core, {.radius = RadiusRule::linear, .rounded = true});
   EXPECT_EQ(result.axis.burned.max_burn_time, burning.max_burn_time);
   EXPECT_EQ(find_array(result.axis.file.point_data, "burn_time")->numbers(), burning.burn_time);
   const SkeletonFamily family = skeletons(core, burning);
@@ -218,8 +222,8 @@ TEST(Run, IsTheStagesCalledByHand) {
   EXPECT_EQ(result.axis.skeleton.skeleton.complex.edges, skeleton.complex.edges);
   EXPECT_EQ(result.axis.skeleton.topology, shape.topology);
   EXPECT_EQ(result.reconstructed, reconstructed_share(shape.shape, skeleton));
-  const CurveGraph graph = measured_graph(extract(family, 0.04 * side, 2 * voxel, {.regrow_tips_above = voxel}),
-                                          {.smooth = 3, .shape = &shape.shape, .voxel = shape.shape.grid().spacing});
+  const CurveGraph graph = measured_graph(extract(family, 0.04 * side, 2 * voxel, {.regrow_tips_above = 0.2 * voxel}),
+                                          {.smooth = 3, .surface = &*shape.surface});
   ASSERT_EQ(result.graph.branches.size(), graph.branches.size());
   for (std::size_t b = 0; b < graph.branches.size(); ++b)
     EXPECT_EQ(result.graph.branches[b].length, graph.branches[b].length);
@@ -230,8 +234,9 @@ TEST(Run, IsTheStagesCalledByHand) {
   by_hand.page.theta1 = 2 * voxel;
   by_hand.add_core(core, result.axis.file.point_data, true);
   const FamilyFloor floor = floor_of(options.skeleton, shape.scale(), burning.options.omega);
-  EXPECT_FLOAT_EQ(static_cast<float>(floor.theta1), static_cast<float>(voxel));
-  EXPECT_LE(floor.theta1, voxel);
+  EXPECT_FLOAT_EQ(static_cast<float>(floor.theta2), static_cast<float>(voxel));
+  EXPECT_FLOAT_EQ(static_cast<float>(floor.theta1), static_cast<float>(0.2 * voxel));
+  EXPECT_LE(floor.theta1, 0.2 * voxel);
   by_hand.add_skeleton(with_floor(family, floor.theta2, floor.theta1));
   EXPECT_EQ(page.triangles(), by_hand.triangles());
   ASSERT_EQ(page.page.arrays.size(), by_hand.page.arrays.size());
@@ -242,7 +247,7 @@ TEST(Run, IsTheStagesCalledByHand) {
 }
 
 TEST(Run, ThinPruningsAreNoted) {
-  LoadedShape shape = torus();
+  LoadedShape shape = shape_of(make_sample("box", {}).mesh, {.resolution = 24});
   std::vector<std::string> notes;
   Context context;
   context.note = [&](const std::string& sentence) { notes.push_back(sentence); };
@@ -271,10 +276,13 @@ TEST(AxisOfFile, LengthsOfARecordedBurningAreTaken) {
   shape.coordinates = {"mm", "LPS"};
   const CoreResult core = core_of(shape);
   Record file = core_file(core);
-  const Burning burning = burning_of(core.axis, true, {}, true, shape.scale());
+  const Burning burning = burning_of(core.axis, false, {}, true, shape.scale());
   add_burning(file, burning);
   const LoadedAxis axis = axis_of(Record(file), "core.vtp");
-  EXPECT_TRUE(axis.voxel_core);
+  EXPECT_FALSE(axis.voxel_core);  // but fitted
+  EXPECT_TRUE(axis.scale.fitted);
+  EXPECT_EQ(axis.axis.voxel_points, core.axis.voxel_points);
+  EXPECT_EQ(axis.axis.voxel_radius, core.axis.voxel_radius);
   EXPECT_EQ(axis.scale.longest_side, shape.longest_side);
   EXPECT_DOUBLE_EQ(axis.scale.voxel, shape.scale().voxel);
   EXPECT_EQ(axis.coordinates.space, "LPS");
