@@ -81,6 +81,7 @@ Action add_verify(CLI::App& app) {
       if (loaded.surface) {
         options.surface = &loaded.surface->mesh();
         options.surface_kind = name_of(loaded.surface->kind());
+        options.subdivided = loaded.subdivided();
       }
       options.format_holds_all = says_stage;  // only VTP holds it, and with it every other array
       if (o->lambda) options.lambda = loaded.scale().resolve(*o->lambda, kLambda);

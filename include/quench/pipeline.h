@@ -135,6 +135,8 @@ struct LoadedShape {
   Scale scale() const {
     return {longest_side, shape.grid().spacing.minCoeff(), auto_detail(shape.grid()), surface.has_value()};
   }
+  /// Into how many along each side the voxels of the input were split.
+  int subdivided() const;
   /// Whether voxelization changed the topology; nothing where it cannot be told (overlapping parts, defects).
   std::optional<bool> topology_changed() const;
 };

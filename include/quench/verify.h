@@ -47,6 +47,7 @@ struct VerifyOptions {
   /// ("mesh", "grey" or "smooth"). Without it the arrays that refer to it are not checked. Must outlive the call.
   const TriangleMesh* surface = nullptr;
   std::string surface_kind = {};
+  int subdivided = 1;  ///< into so many along each side the voxels of the input were split
   /// The result was written in full and in a format that holds all arrays (VTP): it is an error when an array is absent
   /// without which its stage cannot be checked. Otherwise absent arrays are only named.
   bool format_holds_all = false;

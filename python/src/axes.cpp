@@ -167,8 +167,7 @@ void bind_axes(py::module_& m) {
       .def("verify",
            [](const Pointer& a, std::size_t samples, const py::object& listener, int threads) {
              const Shape& shape = shape_of(*a);
-             VerifyOptions options;
-             options.samples = samples;
+             const VerifyOptions options = verify_options(shape, samples);
              const Certificate certificate = run(listener, threads, [&](Context& context) {
                return verify(shape.shape, a->data(nullptr), options, &context);
              });

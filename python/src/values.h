@@ -11,6 +11,7 @@
 
 #include "arrays.h"
 #include "quench/pipeline.h"
+#include "quench/verify.h"
 #include "quench/shape.h"
 #include "quench/verify.h"
 #include "run.h"
@@ -63,6 +64,9 @@ struct GraphValue {
   std::shared_ptr<SkeletonValue> skeleton;
   CurveGraph graph;
 };
+
+/// Of a result of a shape, looked at by so many samples.
+VerifyOptions verify_options(const Shape& shape, std::size_t samples);
 
 /// Lengths as texts.
 struct Thetas {

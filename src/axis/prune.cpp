@@ -109,13 +109,15 @@ void select(const Measure& from, std::vector<double> CellValues::*cells, bool le
 
 // The levels of all cells, and what is below the threshold: less than so much.
 std::pair<const CellValues&, double> levels_for(const MedialAxis& axis, double at, std::string_view name) {
+  static const CellValues none;
   const Measure* by = axis.find_measure(name);
-  if (!by || !by->level.complete(axis.complex))
+  const CellValues& level = by ? by->level : none;
+  if (!level.complete(axis.complex))
     throw Error(ErrorCode::usage, fmt::format("the medial axis has no level of {} for each of its cells; give it "
                                               "levels by prune_levels() first",
                                               name));
   if (std::isnan(at)) throw Error(ErrorCode::usage, fmt::format("a pruning needs a {}; it is not a number", name));
-  return {by->level, at * (1 - 1e-12)};
+  return {level, at * (1 - 1e-12)};
 }
 
 // `axis` and `result` may be the same.

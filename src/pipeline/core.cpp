@@ -30,8 +30,6 @@ void choose_threshold(const LoadedShape& from, const MedialAxis& core, CoreResul
   const Scale scale = from.scale();
   if (pruning.measure == kDetail) {
     result.threshold = pruning.threshold ? scale.resolve(*pruning.threshold, kDetail) : auto_detail(from.shape.grid());
-    if (result.options.full)
-      result.whole = Reconstruction(from.shape, core, Reconstruction::kSamples, context, kDetail).share(0);
     return;
   }
   const Reconstruction reconstruction(from.shape, core, Reconstruction::kSamples, context);
@@ -87,8 +85,11 @@ CoreResult made_core(const LoadedShape& from, const AxisOptions& options, const 
   require_topology(topology(kept.complex), from.topology, "pruned core", "shape");
   checkpoint(context, "topology", 1);
   result.kept = counts_of(kept.complex);
-  if (measure == kDetail || from.surface)
-    result.reconstructed = Reconstruction(shape, kept, Reconstruction::kSamples, context, measure).share(0);
+  const auto share = [&](const MedialAxis& axis) {
+    return Reconstruction(shape, axis, Reconstruction::kSamples, context, measure).share(0);
+  };
+  if (measure == kDetail || from.surface) result.reconstructed = share(kept);
+  if (options.full && (measure == kDetail || from.surface)) result.whole = share(core);
   if (measure == kDetail) result.coverage = coverage(shape, kept, context);
   result.axis = options.full ? std::move(core) : std::move(kept);
   return result;

@@ -134,6 +134,10 @@ std::optional<Vec3> spacing_in(std::string_view text) {
   return Vec3(sides[0], sides[1], sides[2]);
 }
 
+int LoadedShape::subdivided() const {
+  return static_cast<int>(std::lround(image.spacing[0] / shape.grid().spacing[0]));
+}
+
 std::optional<bool> LoadedShape::topology_changed() const {
   if (!from_mesh) return false;
   if (!voxelization || !voxelization->topology_known) return {};

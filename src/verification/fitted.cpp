@@ -53,6 +53,8 @@ Check check_sides(const Result& result, const TriangleSearch& surface, const Ver
   };
   std::vector<Centre> centres;
   const auto& grid = result.shape.grid();
+  const double parts = options.subdivided;  // voxels that were split lie on the side of the whole one
+  const auto centre_of = [&](double voxel) { return (std::floor(voxel / parts) + 0.5) * parts; };
   std::size_t runs = 0;
   const auto for_runs = [&](const auto& visit) {
     for (std::int64_t z = 0; z < grid.dims[2]; ++z)
@@ -67,7 +69,7 @@ Check check_sides(const Result& result, const TriangleSearch& surface, const Ver
     ++next;
     for (const auto& [x, inside] : {std::pair{run.begin - 1, false}, std::pair{run.begin, true},
                                     std::pair{run.end - 1, true}, std::pair{run.end, false}})
-      centres.push_back({grid.world(Vec3(x + 0.5, y + 0.5, z + 0.5)), inside});
+      centres.push_back({grid.world(Vec3(centre_of(x), centre_of(y), centre_of(z))), inside});
   });
   std::atomic<std::size_t> agree{0};
   for_indices(centres.size(), context, "verify: surface", [&](std::size_t i) {

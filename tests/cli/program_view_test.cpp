@@ -82,7 +82,7 @@ TEST_F(ViewProgram, RunWritesAPageOfEverything) {
   EXPECT_EQ(p.meta["burning"]["propagation"], "segments");
   EXPECT_EQ(
       p.meta["notes"],
-      nlohmann::json::array({"The skeletons of this page begin at theta2 = 0.0625 and theta1 = 0.0625"}));  // a voxel
+      nlohmann::json::array({"The skeletons of this page begin at theta2 = 0.0625 and theta1 = 0.0125"}));  // a voxel
   EXPECT_EQ(p.meta["pruning"]["measure"], "detail");
   const double detail = std::sqrt(0.75) / 16;
   EXPECT_NEAR(p.meta["theta2"], 3 * detail, 1e-7);
