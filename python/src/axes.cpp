@@ -90,6 +90,16 @@ pipeline::Pruning pruning_of(const std::string& measure, const std::string& thre
   return {known, pipeline::parse_length_or_auto(threshold, known)};
 }
 
+VerifyOptions verify_options(const Shape& shape, std::size_t samples) {
+  VerifyOptions options;
+  options.samples = samples;
+  if (shape.surface) {
+    options.surface = &shape.surface->mesh();
+    options.surface_kind = name_of(shape.surface->kind());
+  }
+  return options;
+}
+
 py::list checks_of(const Certificate& certificate) {
   py::list result;
   for (const Check& check : certificate.checks) result.append(py::make_tuple(check.name, check.passed, check.detail));
@@ -167,8 +177,7 @@ void bind_axes(py::module_& m) {
       .def("verify",
            [](const Pointer& a, std::size_t samples, const py::object& listener, int threads) {
              const Shape& shape = shape_of(*a);
-             VerifyOptions options;
-             options.samples = samples;
+             const VerifyOptions options = verify_options(shape, samples);
              const Certificate certificate = run(listener, threads, [&](Context& context) {
                return verify(shape.shape, a->data(nullptr), options, &context);
              });

@@ -145,8 +145,7 @@ void bind_skeletons(py::module_& m) {
       .def("verify",
            [](const Pointer& s, std::size_t samples, const py::object& listener, int threads) {
              const Shape& shape = shape_of(*s);
-             VerifyOptions options;
-             options.samples = samples;
+             const VerifyOptions options = verify_options(shape, samples);
              const Certificate certificate =
                  run(listener, threads, [&](Context& c) { return verify(shape.shape, file_of(*s), options, &c); });
              return checks_of(certificate);

@@ -78,6 +78,8 @@ std::shared_ptr<const Fire> compute_fire(const Axis& axis, double omega, bool fa
 std::shared_ptr<SkeletonValue> compute_skeleton(std::shared_ptr<Axis> axis, const Fire& fire, const Thetas& thetas,
                                                 Context& context);
 
+/// What results of a shape are verified with; it must outlive them.
+VerifyOptions verify_options(const Shape& shape, std::size_t samples);
 /// Rows (name, passed, detail).
 py::list checks_of(const Certificate& certificate);
 
