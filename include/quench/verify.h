@@ -47,6 +47,9 @@ struct VerifyOptions {
   /// ("mesh", "grey" or "smooth"). Without it the arrays that refer to it are not checked. Must outlive the call.
   const TriangleMesh* surface = nullptr;
   std::string surface_kind = {};
+  /// Of a surface of grey values: these, and the threshold they were cut at. Must outlive the call.
+  const ImageView* image = nullptr;
+  double threshold = 0;
   /// The result was written in full and in a format that holds all arrays (VTP): it is an error when an array is absent
   /// without which its stage cannot be checked. Otherwise absent arrays are only named.
   bool format_holds_all = false;
