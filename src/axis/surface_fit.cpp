@@ -100,6 +100,7 @@ class Fit {
 
   // Contacts as seen from x. False when there are not two.
   bool look_again(const Vec3& x) {
+    if (contacts_.size() < 2) return false;
     for (Contact& c : contacts_) {
       const Vec3 half_way = x + 0.5 * c.distance * c.direction;
       const Surface::Foot foot = surface_.nearest(half_way);
