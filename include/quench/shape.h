@@ -166,7 +166,7 @@ TriangleMesh midpoint_surface(const VoxelShape& shape, Context* context = nullpt
 /// clean() made `shape`. O(triangles * log runs).
 void restrict_surface(TriangleMesh& surface, const VoxelShape& shape);
 
-void smooth_surface(TriangleMesh& surface, double reach, Context* context = nullptr);
+void smooth_surface(TriangleMesh& surface, Context* context = nullptr);
 
 /// From lattice coordinates to those of the world; faces stay outward.
 void to_world(TriangleMesh& surface, const Grid& grid);

@@ -30,7 +30,10 @@ struct Neighbours {
   }
 };
 
-double envd(const char* n, double d) { const char* e = std::getenv(n); return e ? std::atof(e) : d; }
+double envd(const char* n, double d) {
+  const char* e = std::getenv(n);
+  return e ? std::atof(e) : d;
+}
 
 std::vector<double> coefficients(double theta, int terms) {
   std::vector<double> c;
@@ -49,7 +52,8 @@ std::vector<double> coefficients(double theta, int terms) {
 
 }  // namespace
 
-void smooth_surface(TriangleMesh& surface, double reach, Context* context) {
+void smooth_surface(TriangleMesh& surface, Context* context) {
+  const double reach = envd("SM", 0.45);
   const Neighbours near(surface);
   const std::size_t n = surface.points.size();
   const auto c = coefficients(std::acos(1 - envd("KPB", 0.15)), static_cast<int>(envd("TERMS", 12)));
@@ -70,7 +74,8 @@ void smooth_surface(TriangleMesh& surface, double reach, Context* context) {
     const double offset = envd("OFF", 0);
     base::for_indices(n, [&](std::size_t v) {
       double d2 = 0;
-      for (std::uint32_t i = near.begin[v]; i < near.begin[v + 1]; ++i) d2 += (sum[near.vertex[i]] - sum[v]).squaredNorm();
+      for (std::uint32_t i = near.begin[v]; i < near.begin[v + 1]; ++i)
+        d2 += (sum[near.vertex[i]] - sum[v]).squaredNorm();
       d2 /= near.begin[v + 1] - near.begin[v];
       now[v] = sum[v] - offset * 4 / d2 * (near.mean(sum, v) - sum[v]);
       const Vec3& start = surface.points[v];

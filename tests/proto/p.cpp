@@ -22,7 +22,7 @@ int main(int argc,char**argv){
       v.samples=std::move(s);
       ForegroundOptions o; o.threshold=0.5; o.largest_component=true; o.fill_cavities=true; std::optional<TriangleMesh> m;
       foreground(v,o,nullptr,nullptr,&m);
-      if(getenv("SM")) smooth_surface(*m, atof(getenv("SM")));
+      if(getenv("SM")) smooth_surface(*m);
       double sum=0,sq=0; size_t n=0;
       for(auto&t:m->triangles){ Vec3 q=(m->points[t[0]]+m->points[t[1]]+m->points[t[2]])/3-Vec3::Constant(.5); if(shape && std::abs((q-c).dot(ax))>12) continue; double e=-dist(q); sum+=e; sq+=e*e; ++n;}
       sum/=n; sm+=sum; ss+=std::sqrt(sq/n-sum*sum);
