@@ -166,7 +166,19 @@ TriangleMesh midpoint_surface(const VoxelShape& shape, Context* context = nullpt
 /// clean() made `shape`. O(triangles * log runs).
 void restrict_surface(TriangleMesh& surface, const VoxelShape& shape);
 
-void smooth_surface(TriangleMesh& surface, Context* context = nullptr);
+/// How far smooth_surface() goes.
+struct SurfaceSmoothing {
+  int passes = 2;
+  double reach = 0.3;  ///< of every coordinate of a vertex, in voxels; below half of one
+};
+
+/// What takes the steps of voxels away.
+inline constexpr SurfaceSmoothing kStepSmoothing{6, 0.49};
+
+/// Smooths a surface as foreground() or midpoint_surface() make it: vertices go to quadrics fitted to what lies up to
+/// four cells around them, and no farther than `reach`. Planes, spheres and cylinders stay where they are; noise and
+/// steps of few voxels go. Corners stay within their cells.
+void smooth_surface(TriangleMesh& surface, const SurfaceSmoothing& options = {}, Context* context = nullptr);
 
 /// From lattice coordinates to those of the world; faces stay outward.
 void to_world(TriangleMesh& surface, const Grid& grid);

@@ -107,12 +107,14 @@ void set_surface_of_voxels(LoadedShape& loaded, std::optional<TriangleMesh>&& is
                                           ? "the image has at most two values; use 'smooth' or 'voxels'"
                                           : "only a threshold cuts grey values; use 'smooth' or 'voxels'");
   const SurfaceKind kind = isosurface ? SurfaceKind::grey : SurfaceKind::smooth;
+  SurfaceSmoothing smoothing;
   if (options.surface == SurfaceKind::smooth) {
     isosurface = midpoint_surface(loaded.shape, context);
-    smooth_surface(*isosurface, context);
+    smoothing = kStepSmoothing;
   }
   if (!isosurface) return;
   if (loaded.cleaned && kind == SurfaceKind::grey) restrict_surface(*isosurface, loaded.shape);
+  smooth_surface(*isosurface, smoothing, context);
   to_world(*isosurface, loaded.shape.grid());
   loaded.surface.emplace(std::move(*isosurface), kind, context);
   record(loaded, "surface", std::string(name_of(kind)));

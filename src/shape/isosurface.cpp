@@ -8,6 +8,7 @@
 
 #include "base/parallel.h"
 #include "quench/error.h"
+#include "shape/surface_fans.h"
 
 namespace quench {
 namespace shape {
@@ -71,25 +72,13 @@ bool on_boundary(const VoxelShape& shape, const Vec3& vertex, int axis) {
 
 void restrict_surface(TriangleMesh& surface, const VoxelShape& shape) {
   // All vertices of a component of the surface lie between one component of the foreground and one of the background.
-  std::vector<std::uint32_t> place(surface.points.size(), kNone);
   std::erase_if(surface.triangles, [&](const std::array<std::uint32_t, 3>& triangle) {
     for (const std::uint32_t corner : triangle)
-      if (const int axis = shape::edge_axis(surface.points[corner]); axis < 3) {
-        if (!shape::on_boundary(shape, surface.points[corner], axis)) return true;
-        break;
-      }
-    for (const std::uint32_t corner : triangle) place[corner] = 0;
+      if (const int axis = shape::edge_axis(surface.points[corner]); axis < 3)
+        return !shape::on_boundary(shape, surface.points[corner], axis);
     return false;
   });
-  std::uint32_t kept = 0;
-  for (std::size_t v = 0; v < place.size(); ++v) {
-    if (place[v] == kNone) continue;
-    surface.points[kept] = surface.points[v];
-    place[v] = kept++;
-  }
-  surface.points.resize(kept);
-  for (auto& triangle : surface.triangles)
-    for (std::uint32_t& corner : triangle) corner = place[corner];
+  shape::drop_unused_points(surface);
 }
 
 TriangleMesh midpoint_surface(const VoxelShape& shape, Context* context) {

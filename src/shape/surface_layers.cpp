@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "shape/surface_layers.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -265,8 +264,6 @@ void SurfaceLayers::add_tube(const std::uint8_t* edges, const std::array<std::ui
     }
 }
 
-// A diagonal between two vertices in one face of a cell might be there in the neighbouring cell too, so only loops of
-// three and four edges, which have none, can do without a vertex inside.
 void SurfaceLayers::add_loop(std::span<const std::uint8_t> edges, const std::array<std::uint32_t, 12>& id,
                              const std::array<Vec3, 12>& place, const std::array<double, 8>& value,
                              const Vec3& corner) {
@@ -274,22 +271,6 @@ void SurfaceLayers::add_loop(std::span<const std::uint8_t> edges, const std::arr
   for (const std::uint8_t e : edges) centre += place[e];
   centre /= static_cast<double>(edges.size());
   if (samples_) centre = on_surface(value, centre);
-  const auto p = [&](std::size_t i) -> const Vec3& { return place[edges[i]]; };
-  const auto add = [&](std::size_t i, std::size_t j, std::size_t k) {
-    mesh.triangles.push_back({id[edges[i]], id[edges[j]], id[edges[k]]});
-  };
-  if (edges.size() == 3) {
-    const Vec3 normal = (p(1) - p(0)).cross(p(2) - p(0)).normalized();
-    if (std::abs(normal.dot(centre - p(0))) <= kFlat) return add(0, 1, 2);
-  } else if (edges.size() == 4) {
-    const Vec3 normal = (p(2) - p(0)).cross(p(3) - p(1)).normalized();
-    const double first = std::abs(normal.dot(centre - p(0))), second = std::abs(normal.dot(centre - p(1)));
-    if (std::max(first, second) <= kFlat) {
-      const std::size_t start = first <= second ? 0 : 1;
-      add(start, start + 1, start + 2);
-      return add(start, start + 2, (start + 3) & 3);
-    }
-  }
   const auto middle = static_cast<std::uint32_t>(mesh.points.size());
   mesh.points.push_back(corner + centre);
   for (std::size_t i = 0; i < edges.size(); ++i)

@@ -32,8 +32,7 @@ class SignedSamples {
 /// samples of the voxels around the surface, are read.
 class SurfaceLayers {
  public:
-  static constexpr double kClearance = 0.01;  ///< of the side of a voxel
-  static constexpr double kFlat = 0.005;      ///< of the side of a voxel
+  static constexpr double kClearance = 0.01;  ///< voxels
 
   /// `samples` null: all vertices half way.
   SurfaceLayers(const VoxelShape& shape, const SignedSamples* samples, std::int64_t first_layer);
