@@ -100,6 +100,19 @@ void add_core_sections(Json& report, const pipeline::LoadedShape& shape, const p
   report["pruned"].update(cells_section(core.kept, core.topology));
   report["pruned"]["reconstructed"] = core.reconstructed;
   if (core.options.pruning.measure == kDetail) report["pruned"]["coverage"] = core.coverage;
+  Json& surface = report["surface"];
+  surface["kind"] = name_of(shape.surface ? shape.surface->kind() : SurfaceKind::voxels);
+  if (!shape.surface) return;
+  surface["moved"] = core.fit.moved;
+  surface["mean_move"] = core.fit.mean_move;
+  surface["largest_move"] = core.fit.largest_move;
+  surface["outside"] = core.fit.outside;
+}
+
+/// "mesh", "isosurface of the grey values", "smoothed surface".
+static std::string_view surface_text(SurfaceKind kind) {
+  if (kind == SurfaceKind::grey) return "isosurface of the grey values";
+  return kind == SurfaceKind::smooth ? "smoothed surface of the voxels" : "mesh";
 }
 
 void say_core(const pipeline::LoadedShape& shape, const pipeline::CoreResult& core, Session& session) {
@@ -113,6 +126,15 @@ void say_core(const pipeline::LoadedShape& shape, const pipeline::CoreResult& co
   if (pruning.measure == kDetail)
     session.say(fmt::format("every corner of the voxel surface is within {:.3g} voxels of the balls of {}",
                             core.coverage / voxel, base::counted(core.kept.faces, "face")));
+  if (!shape.surface) return;
+  session.say(fmt::format("fitted to the {}: vertices moved by {:.2g} voxels on average, {:.2g} at most",
+                          surface_text(shape.surface->kind()), core.fit.mean_move / voxel,
+                          core.fit.largest_move / voxel));
+  if (core.fit.outside > 0)
+    session.say(fmt::format(
+        "note: {} outside the {}, out of reach of its inside: radius 0 (the solid is thinner "
+        "than a voxel there; a higher --resolution may help)",
+        base::counted(core.fit.outside, "vertex lies", "vertices lie"), surface_text(shape.surface->kind())));
 }
 
 void say_written(Session& session, const std::string& axis, const std::string& report, const pipeline::CoreResult& core,

@@ -150,9 +150,14 @@ double auto_detail(const Grid& grid);
 /// (docs/algorithms/pruning.md). Details are infinite for one vertex of every connected component. Cap heights that
 /// equal a detail up to 2e-9 are not above it. O(n log n) in practice. Throws Error(usage) for an axis without lambda.
 void add_detail(MedialAxis& axis, Context* context = nullptr);
+/// The same, where cap heights above auto_detail() only count as far as the surface bears them out: the two sites of a
+/// face stand for two places where its ball should touch the surface. Where the cap between these is below half of
+/// auto_detail(), its height counts instead: blades that the steps of voxels leave near the axis of a limb go. The
+/// promise is the same.
+void add_detail(MedialAxis& axis, const Surface& surface, Context* context = nullptr);
 
-/// The largest distance of a boundary vertex of the shape to the union of the balls of an axis (those of the voxel core,
-/// where it was fitted), 0 when all touch it; infinite for an axis without vertices.
+/// The largest distance of a boundary vertex of the shape to the union of the balls of an axis (those of the voxel
+/// core, where it was fitted), 0 when all touch it; infinite for an axis without vertices.
 double coverage(const VoxelShape& shape, const MedialAxis& axis, Context* context = nullptr);
 
 /// Computes the level of every cell by a measure: topology-preserving thinning by simple pairs (face, free edge) or
@@ -209,8 +214,8 @@ ContactSites contact_sites(const MedialAxis& axis, double threshold, std::string
 /// What fit_to_surface() did, in vertices.
 struct SurfaceFit {
   std::size_t moved = 0;
-  std::size_t outside = 0;  ///< no place inside the surface within reach: radius 0
-  double largest_move = 0;  ///< world units
+  std::size_t outside = 0;                 ///< no place inside the surface within reach: radius 0
+  double mean_move = 0, largest_move = 0;  ///< of all vertices, world units
 };
 
 /// Moves the vertices of a pruned voxel core to where a ball touches the surface at the places their sites stand for,

@@ -212,6 +212,9 @@ class MedialAxis(Complex):
         The same for λ.
     coverage : float or None
         The largest distance of a boundary vertex of the shape to the balls; known where it is pruned by detail.
+    surface : str
+        What vertices and radii refer to: "mesh", "grey" or "smooth" where the axis was fitted to a surface, else
+        "voxels".
     reconstructed : float
         Share of the shape that its balls fill (of a sample of voxels).
     longest_side : float
@@ -305,6 +308,10 @@ class MedialAxis(Complex):
     @property
     def coverage(self) -> Optional[float]:
         return self._core.coverage
+
+    @property
+    def surface(self) -> str:
+        return self._core.surface
 
     @property
     def reconstructed(self) -> float:

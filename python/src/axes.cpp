@@ -135,6 +135,7 @@ void bind_axes(py::module_& m) {
                                  return {};
                                return a->core.coverage;
                              })
+      .def_property_readonly("surface", [](const Pointer& a) { return name_of(a->axis().surface); })
       .def_property_readonly("reconstructed", [](const Pointer& a) { return a->core.reconstructed; })
       .def_property_readonly("longest_side", [](const Pointer& a) { return a->core.longest_side; })
       .def_property_readonly("shape", [](const Pointer& a) { return a->shape; })

@@ -30,8 +30,10 @@ std::shared_ptr<GraphValue> graph_of(const Pointer& s, int smooth, const std::st
   pipeline::GraphOptions options;
   options.smooth = smooth;
   options.resample = pipeline::parse_resample(resample);
-  if (s->axis->shape) options.shape = &s->axis->shape->shape;
-  if (s->axis->voxel_core) options.voxel = s->axis->spacing;
+  if (s->axis->voxel_core) {
+    if (s->axis->shape) options.shape = &s->axis->shape->shape;
+    options.voxel = s->axis->spacing;
+  }
   auto result = std::make_shared<GraphValue>();
   result->skeleton = s;
   const Skeleton& from = pruned_tips ? s->checked.skeleton : s->checked.measured;

@@ -24,6 +24,7 @@ std::shared_ptr<Axis> compute_axis(std::shared_ptr<Shape> shape, const pipeline:
                                    Context& context) {
   auto result = std::make_shared<Axis>();
   result->core = pipeline::core_of(*shape, options, &context);
+  result->voxel_core = !result->axis().is_fitted();
   result->spacing = shape->shape.grid().spacing;
   result->shape = std::move(shape);
   return result;

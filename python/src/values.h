@@ -37,7 +37,7 @@ struct Axis {
                                      ///< the file says them measure, threshold, reconstructed and coverage; else NaN
   std::optional<Record> file;        ///< of an axis from a file
   Vec3 spacing = Vec3::Zero();       ///< of its voxels, 0 where unknown
-  bool voxel_core = true;            ///< radii are distances to points that neighbours share
+  bool voxel_core = true;            ///< radii are distances to points that neighbours share: not fitted
   std::shared_ptr<const Fire> fire;  ///< the last one; under the interpreter's lock
 
   const MedialAxis& axis() const { return core.axis; }

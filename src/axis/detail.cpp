@@ -7,6 +7,7 @@
 #include "axis/measures.h"
 #include "axis/reach.h"
 #include "axis/significant_parts.h"
+#include "axis/surface_caps.h"
 #include "base/parallel.h"
 
 namespace quench {
@@ -23,11 +24,12 @@ void lower_below_ties(CellValues& height) {
     });
 }
 
-CellValues details(const MedialAxis& axis, Context* context) {
+CellValues details(const MedialAxis& axis, const Surface* surface, Context* context) {
   const double least = auto_detail(axis.grid);
   checkpoint(context, "detail", 0);
   CellValues detail = axis::cap_heights_of_top_cells(axis, axis.measure(kLambda).value);
   lower_below_ties(detail);
+  if (surface) axis::lower_to_surface(axis, *surface, least, detail, context);
   const axis::TopCells cells(axis.complex, detail);
   axis::SignificantParts parts(cells, axis.complex.vertex_count, least);
   parts.set_details();
@@ -43,10 +45,14 @@ CellValues details(const MedialAxis& axis, Context* context) {
 
 double auto_detail(const Grid& grid) { return 0.5 * grid.spacing.norm(); }
 
-void add_detail(MedialAxis& axis, Context* context) {
-  CellValues detail = base::in_arena(context, [&] { return details(axis, context); });
+static void add_details(MedialAxis& axis, const Surface* surface, Context* context) {
+  CellValues detail = base::in_arena(context, [&] { return details(axis, surface, context); });
   std::erase_if(axis.measures, [](const Measure& m) { return m.name == kDetail; });
   axis.measures.push_back({std::string(kDetail), std::move(detail), {}});
 }
+
+void add_detail(MedialAxis& axis, Context* context) { add_details(axis, nullptr, context); }
+
+void add_detail(MedialAxis& axis, const Surface& surface, Context* context) { add_details(axis, &surface, context); }
 
 }  // namespace quench

@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 #include <vector>
@@ -21,8 +22,16 @@ constexpr double kNoContact = 1.2;
 // Of the damping, beside directions at right angles to each other.
 constexpr double kDamping = 1e-3;
 constexpr int kRounds = 3;
-// A move ends where it is shorter than so many voxels.
-constexpr double kStill = 1e-4;
+// The last move is shorter than so many voxels.
+constexpr double kStill = 0.03;
+// Balls below so many voxels may have their centre outside the surface.
+constexpr double kThin = 3;
+
+// `to`, or the point on the way there that is not farther away from `from` than `most`.
+Vec3 no_farther(const Vec3& from, const Vec3& to, double most) {
+  const double way = (to - from).norm();
+  return way > most ? Vec3(from + (to - from) * (most / way)) : to;
+}
 
 class Fit {
  public:
@@ -34,20 +43,25 @@ class Fit {
     Surface::Foot foot;  // of the point
   };
 
-  Result run(const Vec3& from, std::span<const LatticePoint> sites) {
-    Result best{from, surface_.nearest(from)};
-    if (!best.foot.inside) best = brought_inside(from, best.foot);
-    if (!best.foot.inside) return best;
-    find_contacts(best.point, sites);
-    Vec3 x = best.point;
-    for (int round = 0; round < kRounds && look_again(x); ++round) {
-      const Vec3 move = balanced_move(x);
-      x = within_reach(from, x + move);
-      if (move.norm() < kStill * voxel_) break;
+  Result run(const Vec3& from, double radius, std::span<const LatticePoint> sites) {
+    Vec3 x = from;
+    // Of a larger ball the centre is inside, unless the voxels are not those of the surface.
+    const bool is_thin = radius < kThin * voxel_;
+    if (is_thin) {
+      const Result start = brought_inside(from, surface_.nearest(from));
+      if (!start.foot.inside) return start;
+      x = start.point;
     }
-    const Surface::Foot foot = surface_.nearest(x);
-    if (foot.inside) best = {x, foot};
-    return best;
+    find_contacts(x, sites);
+    for (int round = 0; round < kRounds && look_again(x); ++round) {
+      const Vec3 to = no_farther(from, x + balanced_move(), kLargestMove * voxel_);
+      const double way = (to - x).norm();
+      x = to;
+      if (way < kStill * voxel_) break;
+    }
+    const Result result{x, surface_.nearest(x)};
+    if (result.foot.inside) return result;
+    return brought_inside(from, surface_.nearest(from));
   }
 
   // The point itself with its distance: where it may not move.
@@ -57,17 +71,13 @@ class Fit {
   struct Contact {
     Vec3 direction;  // from the centre
     double distance;
-    double reach;  // how far it can be from half way there
+    double way;  // from half way there to a point of the surface, at most
   };
-
-  Vec3 within_reach(const Vec3& from, const Vec3& to) const {
-    const double way = (to - from).norm(), most = kLargestMove * voxel_;
-    return way > most ? Vec3(from + (to - from) * (most / way)) : to;
-  }
 
   // The middle between the two walls where the surface is passed straight on, if it is near enough.
   Result brought_inside(const Vec3& from, const Surface::Foot& foot) const {
     Result best{from, foot};
+    if (foot.inside) return best;
     const double most = kLargestMove * voxel_ - foot.distance;
     if (!(most > 0) || !(foot.distance > 0)) return best;
     const Vec3 inward = (foot.point - from) / foot.distance;
@@ -94,8 +104,10 @@ class Fit {
       else
         same->second += (at - x).normalized();
     }
-    for (const auto& [at, direction] : groups_) contacts_.push_back({direction.normalized(), (at - x).norm(), 0});
-    for (Contact& c : contacts_) c.reach = std::numeric_limits<double>::infinity();
+    for (const auto& [at, direction] : groups_) {
+      const double distance = (at - x).norm();
+      contacts_.push_back({direction.normalized(), distance, 0.6 * distance + 2 * voxel_});
+    }
   }
 
   // Contacts as seen from x. False when there are not two.
@@ -103,10 +115,12 @@ class Fit {
     if (contacts_.size() < 2) return false;
     for (Contact& c : contacts_) {
       const Vec3 half_way = x + 0.5 * c.distance * c.direction;
-      const Surface::Foot foot = surface_.nearest(half_way);
+      Surface::Foot foot = surface_.nearest(half_way, c.way);
+      if (foot.triangle == kNone) foot = surface_.nearest(half_way);
       const Vec3 there = foot.point - x;
       c.distance = there.norm();
       if (c.distance > 0) c.direction = there / c.distance;
+      c.way = 0.5 * c.distance + kLargestMove * voxel_;
     }
     const double least = std::ranges::min(contacts_, {}, &Contact::distance).distance;
     std::erase_if(contacts_, [&](const Contact& c) { return c.distance > least + kNoContact * voxel_; });
@@ -114,7 +128,7 @@ class Fit {
   }
 
   // The least-squares solution of |y_i - x| - n_i . dx = r for all i in dx and r, damped in dx.
-  Vec3 balanced_move(const Vec3&) const {
+  Vec3 balanced_move() const {
     const auto count = static_cast<double>(contacts_.size());
     Vec3 mean = Vec3::Zero();
     double distance = 0;
@@ -159,6 +173,38 @@ std::vector<char> of_turned_faces(const CellComplex& complex, const std::vector<
   return turned;
 }
 
+// Moves the inner vertices of the paths that only the promise of a pruning by detail keeps (their detail is the least
+// exactly) towards the middle of their neighbours. Along edges between the balls of noise they would be longer than the
+// way, and their erosion thickness that of a branch. Returns the vertices.
+std::vector<std::uint32_t> straighten_paths(const MedialAxis& axis, std::vector<Vec3>& points) {
+  constexpr int kPasses = 30;
+  const Measure* detail = axis.find_measure(kDetail);
+  std::vector<std::uint32_t> inner;
+  if (!detail || !detail->value.complete(axis.complex)) return inner;
+  const double least = auto_detail(axis.grid), most = kLargestMove * axis.grid.spacing.maxCoeff();
+  std::vector<std::array<std::uint32_t, 2>> next(points.size(), {kNone, kNone});
+  std::vector<char> is_other(points.size(), 0);  // not the inner vertex of a path
+  for (const std::uint32_t v : axis.complex.face_vertices) is_other[v] = 1;
+  for (std::size_t e = 0; e < axis.complex.edges.size(); ++e)
+    for (std::size_t end = 0; end < 2; ++end) {
+      const std::uint32_t v = axis.complex.edges[e][end];
+      if (detail->value.edge[e] != least || next[v][1] != kNone) is_other[v] = 1;
+      next[v][next[v][0] == kNone ? 0 : 1] = axis.complex.edges[e][1 - end];
+    }
+  for (std::uint32_t v = 0; v < points.size(); ++v)
+    if (!is_other[v] && next[v][1] != kNone) inner.push_back(v);
+  std::vector<Vec3> now(inner.size());
+  for (int pass = 0; pass < kPasses; ++pass) {
+    for (std::size_t i = 0; i < inner.size(); ++i) {
+      const std::uint32_t v = inner[i];
+      const Vec3 to = 0.5 * points[v] + 0.25 * (points[next[v][0]] + points[next[v][1]]);
+      now[i] = no_farther(axis.voxel_points[v], to, most);
+    }
+    for (std::size_t i = 0; i < inner.size(); ++i) points[inner[i]] = now[i];
+  }
+  return inner;
+}
+
 }  // namespace
 
 SurfaceFit fit_to_surface(MedialAxis& axis, const ContactSites& contacts, const Surface& surface, Context* context) {
@@ -179,8 +225,9 @@ SurfaceFit fit_to_surface(MedialAxis& axis, const ContactSites& contacts, const 
       Fit fit(axis, surface);
       const auto [first, last] = base::part_of(axis.points.size(), chunk, chunks);
       for (std::size_t v = first; v < last; ++v)
-        take(v, fit.run(axis.voxel_points[v], {contacts.sites.data() + contacts.offsets[v],
-                                               contacts.sites.data() + contacts.offsets[v + 1]}));
+        take(v,
+             fit.run(axis.voxel_points[v], axis.voxel_radius[v],
+                     {contacts.sites.data() + contacts.offsets[v], contacts.sites.data() + contacts.offsets[v + 1]}));
     });
     // Few faces turn over; what goes back may turn others.
     const Fit fit(axis, surface);
@@ -193,11 +240,15 @@ SurfaceFit fit_to_surface(MedialAxis& axis, const ContactSites& contacts, const 
           again = true;
         }
     }
+    std::vector<Vec3> straight = axis.points;
+    for (const std::uint32_t v : straighten_paths(axis, straight))
+      if (straight[v] != axis.points[v]) take(v, fit.in_place(straight[v]));
     SurfaceFit result;
     for (std::size_t v = 0; v < axis.points.size(); ++v) {
       const double way = (axis.points[v] - axis.voxel_points[v]).norm();
       result.moved += way > 0;
       result.outside += !inside[v];
+      result.mean_move += way / static_cast<double>(axis.points.size());
       result.largest_move = std::max(result.largest_move, way);
     }
     return result;

@@ -59,7 +59,7 @@ CoreResult made_core(const LoadedShape& from, const AxisOptions& options, const 
   beside.run([&] { found = topology(core.complex); });
   try {
     tbb::this_task_arena::isolate([&] {
-      if (measure == kDetail) add_detail(core, context);
+      if (measure == kDetail) from.surface ? add_detail(core, *from.surface, context) : add_detail(core, context);
       prune_levels(core, measure, context);
     });
   } catch (...) {

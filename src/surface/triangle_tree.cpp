@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "surface/triangle_tree.h"
 
-#include <tbb/parallel_sort.h>
+#include <tbb/parallel_invoke.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -11,27 +11,57 @@
 #include <utility>
 
 #include "base/parallel.h"
-#include "base/z_order.h"
 
 namespace quench::surface {
 namespace {
 
-constexpr int kBits = 21;  // of a coordinate along the curve
+// Rows of triangles, such that each of `leaves` equal parts holds neighbours: halved along the longest side of the box
+// of the centres, again and again.
+class LeafOrder {
+ public:
+  LeafOrder(const TriangleMesh& mesh, std::size_t leaves) : centres_(mesh.triangles.size()), rows_(centres_.size()) {
+    base::for_indices(rows_.size(), [&](std::size_t t) {
+      const auto& [a, b, c] = mesh.triangles[t];
+      centres_[t] = mesh.points[a] + mesh.points[b] + mesh.points[c];
+      rows_[t] = static_cast<std::uint32_t>(t);
+    });
+    halve(0, leaves, leaves);
+  }
+  const std::vector<std::uint32_t>& rows() const { return rows_; }
 
-std::vector<std::uint32_t> in_z_order(const TriangleMesh& mesh, const Vec3& low, double size) {
-  std::vector<std::pair<std::uint64_t, std::uint32_t>> keyed(mesh.triangles.size());
-  const double scale = size > 0 ? ((1 << kBits) - 1) / size : 0;
-  base::for_indices(keyed.size(), [&](std::size_t t) {
-    const auto& [a, b, c] = mesh.triangles[t];
-    const Vec3 at = ((mesh.points[a] + mesh.points[b] + mesh.points[c]) / 3 - low) * scale;
-    const auto whole = [&](int i) { return static_cast<std::uint64_t>(std::max(at[i], 0.0)); };
-    keyed[t] = {base::z_order(whole(0), whole(1), whole(2)), static_cast<std::uint32_t>(t)};
-  });
-  tbb::parallel_sort(keyed.begin(), keyed.end());
-  std::vector<std::uint32_t> order(keyed.size());
-  base::for_indices(order.size(), [&](std::size_t i) { order[i] = keyed[i].second; });
-  return order;
-}
+ private:
+  // Leaves [first, end) of all.
+  void halve(std::size_t first, std::size_t end, std::size_t leaves) {
+    const std::size_t middle = first + (end - first) / 2;
+    const auto at = [&](std::size_t leaf) { return base::part_of(rows_.size(), leaf, leaves).first; };
+    const std::size_t from = at(first), to = end == leaves ? rows_.size() : at(end), half = at(middle);
+    if (end - first < 2 || to - from < 2) return;
+    constexpr double kFar = std::numeric_limits<double>::infinity();
+    Vec3 low = Vec3::Constant(kFar), high = -low;
+    for (std::size_t i = from; i < to; ++i) {
+      low = low.cwiseMin(centres_[rows_[i]]);
+      high = high.cwiseMax(centres_[rows_[i]]);
+    }
+    int axis = 0;
+    (high - low).maxCoeff(&axis);
+    const auto begin = rows_.begin();
+    std::nth_element(begin + static_cast<std::ptrdiff_t>(from), begin + static_cast<std::ptrdiff_t>(half),
+                     begin + static_cast<std::ptrdiff_t>(to), [&](std::uint32_t a, std::uint32_t b) {
+                       const double x = centres_[a][axis], y = centres_[b][axis];
+                       return x != y ? x < y : a < b;
+                     });
+    constexpr std::size_t kTask = 4096;  // triangles that are worth a task of their own
+    if (to - from < kTask) {
+      halve(first, middle, leaves);
+      halve(middle, end, leaves);
+    } else {
+      tbb::parallel_invoke([&] { halve(first, middle, leaves); }, [&] { halve(middle, end, leaves); });
+    }
+  }
+
+  std::vector<Vec3> centres_;  // three times as far from 0
+  std::vector<std::uint32_t> rows_;
+};
 
 // The nearest point of a triangle, as a vector from its corner a (Ericson 2005, sec. 5.1.5). `p` is relative to a.
 std::pair<Vec3, Feature> nearest_in(const Vec3& ab, const Vec3& ac, const Vec3& p) {
@@ -66,80 +96,114 @@ TriangleTree::TriangleTree(const TriangleMesh& mesh) {
       low = low.cwiseMin(mesh.points[corner]);
       high = high.cwiseMax(mesh.points[corner]);
     }
+  const double size = mesh.triangles.empty() ? 0 : (high - low).maxCoeff();
   origin_ = low;
-  const std::vector<std::uint32_t> order = in_z_order(mesh, low, (high - low).maxCoeff());
-  leaves_ = std::bit_ceil((order.size() + kLeaf - 1) / kLeaf);
-  triangles_.resize(order.size());
+  rounding_ = 0x1p-21 * size;
+  std::size_t inner = 0;  // nodes above the last floor
+  leaves_ = kChildren;
+  while (leaves_ * kLeaf < mesh.triangles.size()) {
+    inner = inner * kChildren + 1;
+    leaves_ *= kChildren;
+  }
+  const LeafOrder order(mesh, leaves_);
+  triangles_.resize(mesh.triangles.size());
   constexpr float kEmpty = std::numeric_limits<float>::infinity();
-  boxes_.assign(2 * leaves_, {{kEmpty, kEmpty, kEmpty}, {-kEmpty, -kEmpty, -kEmpty}});
-  base::for_indices((order.size() + kLeaf - 1) / kLeaf, [&](std::size_t leaf) {
-    Box& box = boxes_[leaves_ + leaf];
-    for (std::size_t i = leaf * kLeaf; i < std::min(order.size(), (leaf + 1) * kLeaf); ++i) {
-      const auto& corners = mesh.triangles[order[i]];
-      const Vec3 a = mesh.points[corners[0]] - origin_, b = mesh.points[corners[1]] - origin_,
-                 c = mesh.points[corners[2]] - origin_;
-      triangles_[i] = {a, b - a, c - a, order[i]};
-      for (const Vec3* p : {&a, &b, &c})
-        for (std::size_t k = 0; k < 3; ++k) {
-          const double x = (*p)[static_cast<int>(k)];
-          box.low[k] = std::min(box.low[k], std::nextafter(static_cast<float>(x), -kEmpty));
-          box.high[k] = std::max(box.high[k], std::nextafter(static_cast<float>(x), kEmpty));
-        }
-    }
+  Boxes empty;
+  for (std::size_t k = 0; k < 3; ++k) {
+    std::fill_n(empty.low[k], kChildren, kEmpty);
+    std::fill_n(empty.high[k], kChildren, -kEmpty);
+  }
+  nodes_.assign(inner + leaves_ / kChildren, empty);
+  base::for_indices(leaves_, [&](std::size_t leaf) {
+    fill_leaf(mesh, order.rows(), leaf, nodes_[inner + leaf / kChildren], leaf % kChildren);
   });
-  for (std::size_t n = leaves_ - 1; n > 0; --n)
+  for (std::size_t n = nodes_.size() - 1; n > 0; --n) {
+    Boxes& parent = nodes_[(n - 1) / kChildren];
+    const std::size_t child = (n - 1) % kChildren;
     for (std::size_t k = 0; k < 3; ++k) {
-      boxes_[n].low[k] = std::min(boxes_[2 * n].low[k], boxes_[2 * n + 1].low[k]);
-      boxes_[n].high[k] = std::max(boxes_[2 * n].high[k], boxes_[2 * n + 1].high[k]);
+      parent.low[k][child] = *std::ranges::min_element(nodes_[n].low[k]);
+      parent.high[k][child] = *std::ranges::max_element(nodes_[n].high[k]);
     }
+  }
 }
 
-double TriangleTree::squared_distance(const Box& box, const Vec3& p) const {
-  double squared = 0;
-  for (std::size_t k = 0; k < 3; ++k) {
-    const double x = p[static_cast<int>(k)];
-    const double outside = std::max({static_cast<double>(box.low[k]) - x, x - static_cast<double>(box.high[k]), 0.0});
-    squared += outside * outside;
+void TriangleTree::fill_leaf(const TriangleMesh& mesh, const std::vector<std::uint32_t>& order, std::size_t leaf,
+                             Boxes& boxes, std::size_t child) {
+  constexpr float kEmpty = std::numeric_limits<float>::infinity();
+  const auto [first, last] = base::part_of(order.size(), leaf, leaves_);
+  for (std::size_t i = first; i < last; ++i) {
+    const auto& corners = mesh.triangles[order[i]];
+    const Vec3 a = mesh.points[corners[0]] - origin_, b = mesh.points[corners[1]] - origin_,
+               c = mesh.points[corners[2]] - origin_;
+    triangles_[i] = {a, b - a, c - a, order[i]};
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto [least, most] = std::minmax({a[static_cast<int>(k)], b[static_cast<int>(k)], c[static_cast<int>(k)]});
+      boxes.low[k][child] = std::min(boxes.low[k][child], std::nextafter(static_cast<float>(least), -kEmpty));
+      boxes.high[k][child] = std::max(boxes.high[k][child], std::nextafter(static_cast<float>(most), kEmpty));
+    }
   }
-  return squared;
 }
 
 TriangleTree::Near TriangleTree::nearest(const Vec3& point, double squared_limit) const {
   const Vec3 p = point - origin_;
+  const float at[3] = {static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])};
+  // Boxes are compared in single precision, with room for what is lost; points far outside lose more.
+  const double lost = rounding_ + 0x1p-21 * p.cwiseAbs().maxCoeff();
+  const auto limit_of = [&](double squared) {
+    const double reach = std::sqrt(squared) + lost;
+    return static_cast<float>(reach * reach * (1 + 0x1p-20));
+  };
   Near best;
   best.squared = squared_limit;
-  std::array<std::pair<double, std::size_t>, 64> stack;  // a node deferred per floor of the tree
+  float limit = limit_of(squared_limit);
+  struct Deferred {
+    float squared;
+    std::uint32_t node;
+  };
+  std::array<Deferred, 64> stack;  // up to three per floor of the tree
   std::size_t deferred = 0;
-  double own = squared_distance(boxes_[1], p);
-  for (std::size_t node = 1;;) {
-    if (own <= best.squared) {
-      if (node < leaves_) {
-        double left = squared_distance(boxes_[2 * node], p), right = squared_distance(boxes_[2 * node + 1], p);
-        std::size_t near = 2 * node, far = 2 * node + 1;
-        if (right < left) {
-          std::swap(near, far);
-          std::swap(left, right);
+  Deferred now{0, 0};
+  const auto inner = static_cast<std::uint32_t>(nodes_.size());
+  for (;;) {
+    if (now.node < inner) {
+      const Boxes& boxes = nodes_[now.node];
+      float squared[kChildren] = {};
+      for (std::size_t k = 0; k < 3; ++k)
+        for (std::size_t c = 0; c < kChildren; ++c) {
+          const float below = boxes.low[k][c] - at[k], above = at[k] - boxes.high[k][c];
+          const float larger = below > above ? below : above, outside = larger > 0 ? larger : 0;
+          squared[c] += outside * outside;
         }
-        if (right <= best.squared) stack[deferred++] = {right, far};
-        node = near;
-        own = left;
-        continue;
+      Deferred children[kChildren];
+      std::size_t count = 0;
+      for (std::uint32_t c = 0; c < kChildren; ++c) {
+        if (!(squared[c] <= limit)) continue;
+        std::size_t place = count++;  // the farthest first
+        for (; place > 0 && children[place - 1].squared < squared[c]; --place) children[place] = children[place - 1];
+        children[place] = {squared[c], static_cast<std::uint32_t>(kChildren) * now.node + 1 + c};
       }
-      const std::size_t first = (node - leaves_) * kLeaf, end = std::min(triangles_.size(), first + kLeaf);
+      for (std::size_t c = 0; c < count; ++c) stack[deferred++] = children[c];
+    } else {
+      const auto [first, end] = base::part_of(triangles_.size(), now.node - inner, leaves_);
+      const double before = best.squared;
       for (std::size_t i = first; i < end; ++i) {
         const Triangle& t = triangles_[i];
         const Vec3 from_a = p - t.a;
-        const auto [at, feature] = nearest_in(t.ab, t.ac, from_a);
-        const double squared = (from_a - at).squaredNorm();
+        const auto [there, feature] = nearest_in(t.ab, t.ac, from_a);
+        const double squared = (from_a - there).squaredNorm();
         if (squared < best.squared || (squared == best.squared && best.triangle == kNone))
-          best = {t.a + at, squared, t.row, feature};
+          best = {t.a + there, squared, t.row, feature};
       }
+      if (best.squared < before) limit = limit_of(best.squared);
     }
-    if (deferred == 0) break;
-    std::tie(own, node) = stack[--deferred];
+    do {
+      if (deferred == 0) {
+        best.point += origin_;
+        return best;
+      }
+      now = stack[--deferred];
+    } while (!(now.squared <= limit));
   }
-  best.point += origin_;
-  return best;
 }
 
 }  // namespace quench::surface

@@ -14,7 +14,8 @@ namespace quench::surface {
 using Feature = std::uint8_t;
 inline constexpr Feature kInterior = 0, kSide = 1, kCorner = 4;
 
-/// Triangles in a binary tree of boxes, sorted along a Z-order curve. O(n log n) to build, on all threads.
+/// Triangles in a balanced tree of boxes with four children each. O(n log n) to build, on all
+/// threads; about 100 bytes per triangle.
 class TriangleTree {
  public:
   struct Near {
@@ -31,20 +32,24 @@ class TriangleTree {
   Near nearest(const Vec3& p, double squared_limit) const;
 
  private:
-  static constexpr std::size_t kLeaf = 4;
-  struct Box {  // rounded outwards, relative to origin_
-    std::array<float, 3> low, high;
+  static constexpr std::size_t kLeaf = 4, kChildren = 4;
+  /// The boxes of the children of a node, rounded outwards, relative to origin_: lower and upper side by axis and
+  /// child.
+  struct Boxes {
+    float low[3][kChildren], high[3][kChildren];
   };
   struct Triangle {
     Vec3 a, ab, ac;  // relative to origin_
     std::uint32_t row;
   };
-  double squared_distance(const Box& box, const Vec3& p) const;
+  void fill_leaf(const TriangleMesh& mesh, const std::vector<std::uint32_t>& order, std::size_t leaf, Boxes& boxes,
+                 std::size_t child);
 
   Vec3 origin_ = Vec3::Zero();
-  std::vector<Box> boxes_;  // children of box n: 2n and 2n + 1; the leaves are the last half
-  std::vector<Triangle> triangles_;
-  std::size_t leaves_ = 1;
+  double rounding_ = 0;              // what distances to boxes may be wrong by
+  std::vector<Boxes> nodes_;         // children of node n: 4 n + 1 to 4 n + 4; those behind the last node are leaves
+  std::vector<Triangle> triangles_;  // by leaf, in equal parts
+  std::size_t leaves_ = 0;
 };
 
 }  // namespace quench::surface

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+// docs/algorithms/surface.md
+#include "axis/surface_caps.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "axis/measures.h"
+#include "base/parallel.h"
+
+namespace quench::axis {
+namespace {
+
+// A cap on the surface of this part of the least height, or more, bears out that of the voxels.
+constexpr double kBorneOut = 0.5;
+// Places this near to where the ball touches the surface, in voxels along it, are there; farther ones go on sliding.
+constexpr double kThere = 0.7, kStill = 0.03;
+constexpr int kRounds = 8;
+
+class SurfaceCaps {
+ public:
+  SurfaceCaps(const MedialAxis& axis, const Surface& surface, double least)
+      : axis_(axis), surface_(surface), enough_(kBorneOut * least), voxel_(axis.grid.spacing.maxCoeff()) {}
+
+  void project(std::vector<std::uint32_t> sites, Context* context) {
+    foot_.resize(axis_.sites.size());
+    const std::size_t chunks = base::chunks_for(sites.size(), 1 << 12);
+    base::for_chunks(chunks, context, "detail", 0, 0.1, [&](std::size_t chunk) {
+      const auto [first, last] = base::part_of(sites.size(), chunk, chunks);
+      for (std::size_t i = first; i < last; ++i) {
+        const Surface::Foot foot = surface_.nearest(axis_.grid.world_of(axis_.sites[sites[i]]));
+        foot_[sites[i]] = {foot.point, foot.triangle};
+      }
+    });
+  }
+
+  // The cap height of a face on the surface, or any above `enough_`.
+  double height(std::size_t face) const {
+    Vec3 x = Vec3::Zero();
+    const auto corners = axis_.complex.corners(face);
+    for (const std::uint32_t v : corners) x += axis_.points[v] / static_cast<double>(corners.size());
+    const auto [a, b] = axis_.face_sites[face];
+    std::array<Vec3, 2> y{foot_[a].point, foot_[b].point};
+    double height = cap(x, y);
+    if (height >= enough_ && is_there(x, foot_[a]) && is_there(x, foot_[b])) return height;
+    for (int round = 0; round < kRounds; ++round) {
+      double way = 0;
+      for (Vec3& p : y) {
+        const Vec3 half_way = 0.5 * (x + p);
+        const Surface::Foot foot = surface_.nearest(half_way, (1 + 1e-9) * (p - half_way).norm());
+        if (foot.triangle == kNone) continue;
+        way = std::max(way, (foot.point - p).norm());
+        p = foot.point;
+      }
+      height = cap(x, y);
+      if (height < enough_ || way < kStill * voxel_) break;
+    }
+    return height;
+  }
+  bool is_borne_out(double height) const { return height >= enough_; }
+
+ private:
+  struct Foot {
+    Vec3 point;
+    std::uint32_t triangle;
+  };
+
+  static double cap(const Vec3& x, const std::array<Vec3, 2>& y) {
+    return cap_height((y[1] - y[0]).norm() / 2, std::min((y[0] - x).norm(), (y[1] - x).norm()));
+  }
+  // Whether x lies nearly above a place of the surface.
+  bool is_there(const Vec3& x, const Foot& foot) const {
+    const auto& [a, b, c] = surface_.mesh().triangles[foot.triangle];
+    const auto& points = surface_.mesh().points;
+    const Vec3 normal = (points[b] - points[a]).cross(points[c] - points[a]);
+    const double away = (x - foot.point).cross(normal).norm();
+    return away < kThere * voxel_ * normal.norm();
+  }
+
+  const MedialAxis& axis_;
+  const Surface& surface_;
+  double enough_, voxel_;
+  std::vector<Foot> foot_;  // per site
+};
+
+}  // namespace
+
+void lower_to_surface(const MedialAxis& axis, const Surface& surface, double least, CellValues& height,
+                      Context* context) {
+  std::vector<char> is_needed(axis.sites.size(), 0);
+  std::vector<std::uint32_t> faces, sites;
+  for (std::uint32_t f = 0; f < height.face.size(); ++f)
+    if (height.face[f] >= least) {
+      faces.push_back(f);
+      for (const std::uint32_t s : axis.face_sites[f]) is_needed[s] = 1;
+    }
+  for (std::uint32_t s = 0; s < is_needed.size(); ++s)
+    if (is_needed[s]) sites.push_back(s);
+  SurfaceCaps caps(axis, surface, least);
+  caps.project(std::move(sites), context);
+  const std::size_t chunks = base::chunks_for(faces.size(), 1 << 12);
+  base::for_chunks(chunks, context, "detail", 0.1, 0.3, [&](std::size_t chunk) {
+    const auto [first, last] = base::part_of(faces.size(), chunk, chunks);
+    for (std::size_t i = first; i < last; ++i) {
+      double& own = height.face[faces[i]];
+      const double found = caps.height(faces[i]);
+      if (!caps.is_borne_out(found)) own = std::min(own, found);
+    }
+  });
+}
+
+}  // namespace quench::axis
