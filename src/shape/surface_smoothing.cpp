@@ -15,59 +15,67 @@ namespace {
 using shape::SurfaceFans;
 using Fan = SurfaceFans::Fan;
 
-constexpr std::size_t kTerms = 7;  ///< of a patch
+constexpr double kUnit = 4;  ///< voxels: lengths of patches, so that powers of coordinates are about 1
 
-/// A piece of a quadric as heights over a tangent plane: h = c0 + c1 a + c2 b + c3 a^2 + c4 a b + c5 b^2 + c6 h^2. The
-/// last term makes spheres and cylinders of any radius exact.
+/// A piece of a quadric as heights over a tangent plane: h = c0 + c1 a + c2 b + c3 a^2 + c4 a b + c5 b^2 + c6 h^2, in
+/// units of kUnit. The last term makes spheres and cylinders of any radius exact.
 struct Patch {
-  Vec3 at, u, v, w;
-  std::array<double, kTerms> c{};
+  Eigen::Vector3f normal;
+  std::array<float, 7> c{};
   bool fits = false;
+};
 
+/// The plane of a patch.
+struct Frame {
+  Vec3 at, u, v, w;
+
+  Frame(const Vec3& place, const Eigen::Vector3f& normal)
+      : at(place), u(normal.unitOrthogonal().cast<double>()), w(normal.cast<double>()) {
+    v = w.cross(u);
+  }
   /// A point moved along the normal onto the patch, and further outward by `beyond` times the sum of its curvatures.
-  Vec3 lift(const Vec3& p, double beyond) const {
-    const Vec3 d = p - at;
+  Vec3 lift(const Patch& patch, const Vec3& p, double beyond) const {
+    const auto& c = patch.c;
+    const Vec3 d = (p - at) / kUnit;
     const double a = u.dot(d), b = v.dot(d), before = w.dot(d);
     const double flat = c[0] + c[1] * a + c[2] * b + c[3] * a * a + c[4] * a * b + c[5] * b * b;
     double h = before;
     for (int i = 0; i < 3; ++i) h = flat + c[6] * h * h;
-    return p + (h - before - beyond * 2 * (c[3] + c[5])) * w;
+    return p + ((h - before) * kUnit - beyond * 2 * (c[3] + c[5]) / kUnit) * w;
   }
 };
 
-/// Normal equations of a patch.
+/// Normal equations of a patch; single precision, as a patch is good to a thousandth of a voxel at best.
 class Equations {
  public:
-  void add(double a, double b, double h, double weight) {
-    const std::array<double, kTerms> row{1, a, b, a * a, a * b, b * b, h * h};
-    std::size_t k = 0;
-    for (std::size_t i = 0; i < kTerms; ++i) {
-      const double weighted = weight * row[i];
-      for (std::size_t j = 0; j <= i; ++j) matrix_[k++] += weighted * row[j];
-      right_[i] += weighted * h;
+  void add(float a, float b, float h, float weight) {
+    const std::array<float, 8> row{1, a, b, a * a, a * b, b * b, h * h, h};
+    for (std::size_t i = 0; i < 7; ++i) {
+      const float weighted = weight * row[i];
+      for (std::size_t j = 0; j < 8; ++j) sums_[i][j] += weighted * row[j];
     }
   }
   /// Whether there is a solution. Curvatures are held near 0 as far as the points do not say more.
-  bool solve(std::array<double, kTerms>& c) const {
-    constexpr double kStiff = 1e-3, kStiffest = 2e-2;
-    Eigen::Matrix<double, kTerms, kTerms> m;
-    Eigen::Matrix<double, kTerms, 1> right;
-    std::size_t k = 0;
-    for (Eigen::Index i = 0; i < m.rows(); ++i) {
-      for (Eigen::Index j = 0; j <= i; ++j) m(i, j) = matrix_[k++];
-      right[i] = right_[static_cast<std::size_t>(i)];
+  bool solve(std::array<float, 7>& c) const {
+    constexpr double kStiff = 4e-6, kStiffest = 8e-5;
+    Eigen::Matrix<double, 7, 7> m;
+    Eigen::Matrix<double, 7, 1> right;
+    for (Eigen::Index i = 0; i < 7; ++i) {
+      const auto& row = sums_[static_cast<std::size_t>(i)];
+      for (Eigen::Index j = 0; j < 7; ++j) m(i, j) = row[static_cast<std::size_t>(j)];
+      right[i] = row[7];
     }
-    for (Eigen::Index i = 3; i < 6; ++i) m(i, i) += kStiff * matrix_[0];
-    m(6, 6) += kStiffest * matrix_[0];
-    const Eigen::LDLT<Eigen::Matrix<double, kTerms, kTerms>, Eigen::Lower> solver(m);
-    const Eigen::Matrix<double, kTerms, 1> x = solver.solve(right);
-    for (std::size_t i = 0; i < kTerms; ++i) c[i] = x[static_cast<Eigen::Index>(i)];
+    for (Eigen::Index i = 3; i < 6; ++i) m(i, i) += kStiff * m(0, 0);
+    m(6, 6) += kStiffest * m(0, 0);
+    const Eigen::LLT<Eigen::Matrix<double, 7, 7>> solver(m);
+    if (solver.info() != Eigen::Success) return false;
+    const Eigen::Matrix<double, 7, 1> x = solver.solve(right);
+    for (std::size_t i = 0; i < 7; ++i) c[i] = static_cast<float>(x[static_cast<Eigen::Index>(i)]);
     return x.allFinite();
   }
 
  private:
-  std::array<double, kTerms*(kTerms + 1) / 2> matrix_{};
-  std::array<double, kTerms> right_{};
+  std::array<std::array<float, 8>, 7> sums_{};
 };
 
 /// The fans up to four steps from one, nearest first.
@@ -117,7 +125,7 @@ class Smoother {
     base::for_indices(count(), [&](std::size_t f) { begin(f); });
     for (int pass = 0; pass < passes; ++pass) {
       base::for_indices(count(), [&](std::size_t f) { fit(static_cast<std::uint32_t>(f)); });
-      base::for_indices(count(), [&](std::size_t f) { move(f); });
+      if (pass + 1 < passes) base::for_indices(count(), [&](std::size_t f) { move(f); });
     }
     finish();
   }
@@ -130,37 +138,37 @@ class Smoother {
   void begin(std::size_t f) {
     const Fan& fan = fans_.fans()[f];
     Vec3 sum = Vec3::Zero(), normal = Vec3::Zero();
+    const Vec3& middle = surface_.points[fan.middle];
     for (std::uint32_t t = fan.first; t < fan.first + fan.size; ++t) {
       const auto& corners = surface_.triangles[t];
-      const Vec3 from = surface_.points[corners[0]] - surface_.points[fan.middle];
-      normal += from.cross(surface_.points[corners[1]] - surface_.points[fan.middle]);
-      sum += surface_.points[corners[0]];
+      const Vec3& from = surface_.points[corners[0]];
+      normal += (from - middle).cross(surface_.points[corners[1]] - middle);
+      sum += from;
     }
     place_[f] = sum / fan.size;
-    normal_[f] = normal.normalized();
+    normal_[f] = normal.cast<float>().normalized();
   }
 
   void fit(std::uint32_t f) {
-    constexpr double kWidth = 8;        // voxels where the weight becomes 0
-    constexpr double kSameSide = 0.2;   // cosine between normals
+    constexpr float kWidth = 2;         // kUnits; there the weight becomes 0
+    constexpr float kSameSide = 0.2F;   // cosine between normals
     constexpr std::size_t kEnough = 9;  // fans
     const Surrounding around(fans_, f);
     Patch& patch = patch_[f];
     patch.fits = false;
     if (around.list().size() < kEnough) return;
-    Vec3 normal = Vec3::Zero();
+    Eigen::Vector3f normal = Eigen::Vector3f::Zero();
     for (const std::uint32_t g : around.list())
       if (normal_[g].dot(normal_[f]) > kSameSide) normal += normal_[g];
-    patch.at = place_[f];
-    patch.w = normal.normalized();
-    patch.u = patch.w.unitOrthogonal();
-    patch.v = patch.w.cross(patch.u);
+    patch.normal = normal.normalized();
+    const Frame frame(place_[f], patch.normal);
+    const Eigen::Vector3f u = frame.u.cast<float>(), v = frame.v.cast<float>();
     Equations equations;
     for (const std::uint32_t g : around.list()) {
-      if (!(normal_[g].dot(patch.w) > kSameSide)) continue;
-      const Vec3 d = place_[g] - patch.at;
-      const double inside = std::max(0.0, 1 - d.squaredNorm() / (kWidth * kWidth));
-      equations.add(patch.u.dot(d), patch.v.dot(d), patch.w.dot(d), inside * inside);
+      if (!(normal_[g].dot(patch.normal) > kSameSide)) continue;
+      const Eigen::Vector3f d = ((place_[g] - frame.at) / kUnit).cast<float>();
+      const float inside = std::max(0.0F, 1 - d.squaredNorm() / (kWidth * kWidth));
+      equations.add(u.dot(d), v.dot(d), patch.normal.dot(d), inside * inside);
     }
     patch.fits = equations.solve(patch.c);
   }
@@ -168,24 +176,27 @@ class Smoother {
   void move(std::size_t f) {
     const Patch& patch = patch_[f];
     if (!patch.fits) return;
-    place_[f] = bounded(patch.lift(place_[f], 0), surface_.points[fans_.fans()[f].middle]);
-    normal_[f] = (patch.w - patch.c[1] * patch.u - patch.c[2] * patch.v).normalized();
+    const Frame frame(place_[f], patch.normal);
+    place_[f] = bounded(frame.lift(patch, place_[f], 0), surface_.points[fans_.fans()[f].middle]);
+    normal_[f] = (frame.w - patch.c[1] * frame.u - patch.c[2] * frame.v).cast<float>().normalized();
   }
 
   /// All vertices; those on edges to the mean of the patches around them.
   void finish() {
-    constexpr double kBeyond = 0.18;  // voxels, see below
     std::vector<Vec3>& points = surface_.points;
     std::vector<Vec3> moved = points;
+    const auto lifted = [&](std::uint32_t f, const Vec3& p) {
+      return Frame(place_[f], patch_[f].normal).lift(patch_[f], p, kBeyond);
+    };
     base::for_indices(count(), [&](std::size_t f) {
-      if (patch_[f].fits) moved[fans_.fans()[f].middle] = patch_[f].lift(place_[f], kBeyond);
+      if (patch_[f].fits) moved[fans_.fans()[f].middle] = lifted(static_cast<std::uint32_t>(f), place_[f]);
     });
     base::for_indices(points.size(), [&](std::size_t v) {
       Vec3 sum = Vec3::Zero();
       int patches = 0;
       fans_.for_fans_around(v, [&](std::uint32_t f) {
         if (!patch_[f].fits) return;
-        sum += patch_[f].lift(points[v], kBeyond);
+        sum += lifted(f, points[v]);
         ++patches;
       });
       if (patches > 0) moved[v] = sum / patches;
@@ -193,10 +204,15 @@ class Smoother {
     base::for_indices(points.size(), [&](std::size_t v) { points[v] = bounded(moved[v], points[v]); });
   }
 
+  /// The mean of a loop lies inside of a curved surface, and so do triangles between vertices on it. Chosen such that
+  /// the largest balls in tubes and balls of three voxels radius and more, without noise, are right to 0.02 voxel.
+  static constexpr double kBeyond = 0.18;  // voxels squared
+
   TriangleMesh& surface_;
   Vec3 reach_;
   SurfaceFans fans_;
-  std::vector<Vec3> normal_, place_;
+  std::vector<Eigen::Vector3f> normal_;
+  std::vector<Vec3> place_;
   std::vector<Patch> patch_;
 };
 

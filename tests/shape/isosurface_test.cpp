@@ -5,11 +5,13 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <functional>
 #include <limits>
 #include <random>
 #include <set>
 
 #include "closed_surfaces.h"
+#include "quench/error.h"
 #include "quench/shape.h"
 #include "random_shapes.h"
 #include "shape/cell_loops.h"
@@ -172,7 +174,6 @@ TEST(Isosurface, IsCutToTheShapeThatIsLeft) {
     ForegroundOptions options;
     options.largest_component = seed % 2;
     options.fill_cavities = seed % 3 != 0;
-    options.min_component = seed % 5;
     const VoxelShape shape = clean(whole, options);
     TriangleMesh cut = midpoint_surface(whole);
     restrict_surface(cut, shape);
@@ -247,39 +248,128 @@ TEST(Isosurface, IsOutwardInReflectedWorlds) {
 }
 
 // Samples of a signed distance, blurred to a slope of one per `width` voxels.
-Volume blurred(int side, double width, double noise, unsigned seed, const std::function<double(const Vec3&)>& inside) {
+Volume blurred(const std::array<std::int64_t, 3>& dims, double width, double noise, unsigned seed,
+               const std::function<double(const Vec3&)>& inside) {
   std::mt19937 random(seed);
-  std::normal_distribution<double> gauss(0, 1);
   std::vector<double> values;
-  for (int z = 0; z < side; ++z)
-    for (int y = 0; y < side; ++y)
-      for (int x = 0; x < side; ++x)
-        values.push_back(0.5 + 0.5 * std::erf(inside(Vec3(x, y, z)) * std::sqrt(M_PI) / width) +
-                         (noise > 0 ? noise * gauss(random) : 0));
-  return volume_of_values<float>({side, side, side}, values);
+  for (std::int64_t z = 0; z < dims[2]; ++z)
+    for (std::int64_t y = 0; y < dims[1]; ++y)
+      for (std::int64_t x = 0; x < dims[0]; ++x) {
+        // The sum of twelve uniform numbers: near to normal, the same everywhere.
+        double normal = -6;
+        for (int i = 0; i < 12; ++i) normal += static_cast<double>(random()) * 0x1p-32;
+        const Vec3 p(static_cast<double>(x), static_cast<double>(y), static_cast<double>(z));
+        values.push_back(0.5 + 0.5 * std::erf(inside(p) * std::sqrt(M_PI) / width) + noise * normal);
+      }
+  return volume_of_values<float>(dims, values);
+}
+
+TriangleMesh largest_surface(const Volume& volume) {
+  ForegroundOptions options = at_least(0.5);
+  options.largest_component = options.fill_cavities = true;
+  std::optional<TriangleMesh> surface;
+  foreground(volume, options, nullptr, nullptr, &surface);
+  return surface.value();
 }
 
 TEST(Isosurface, IsNearToTheTrueSurface) {
+  // Interpolation lies inside of what is curved: an eighth of the curvature at most, along each axis.
   const Vec3 centre(15.3, 15.6, 15.45);
-  const auto ball = [&](double r) { return [=](const Vec3& p) { return r - (p - centre).norm(); }; };
   for (const double radius : {3.0, 6.0, 12.0}) {
-    const Volume volume = blurred(32, 2, 0, 1, ball(radius));
-    std::optional<TriangleMesh> surface;
-    foreground(volume, at_least(0.5), nullptr, nullptr, &surface);
-    double largest = 0, sum = 0;
-    for (const auto& t : surface.value().triangles) {
-      const Vec3 middle = (surface->points[t[0]] + surface->points[t[1]] + surface->points[t[2]]) / 3;
-      const double error = (middle - Vec3::Constant(0.5) - centre).norm() - radius;
-      sum += error;
-      largest = std::max(largest, std::abs(error));
+    const auto inside = [=](const Vec3& p) { return radius - (p - centre).norm(); };
+    const TriangleMesh surface = largest_surface(blurred({32, 32, 32}, 2, 0, 1, inside));
+    for (const Vec3& p : surface.points) {
+      const double error = inside(p - Vec3::Constant(0.5));
+      EXPECT_GT(error, -0.01);
+      EXPECT_LT(error, 0.375 / radius);
     }
-    const double mean = sum / static_cast<double>(surface->triangles.size());
-    RecordProperty("mean" + std::to_string(radius), std::to_string(mean));
-    std::printf("ball %g: mean %.4f largest %.4f volume radius %.4f triangles %zu points %zu\n", radius, mean, largest,
-                std::cbrt(volume_of(*surface) * 3 / 4 / M_PI) - radius, surface->triangles.size(),
-                surface->points.size());
-    EXPECT_LT(largest, 0.2 / radius);
   }
+}
+
+TEST(SurfaceSmoothing, BallsInNoisyTubesAreRightToATwentiethOfAVoxel) {
+  for (const double radius : {3.0, 5.0})
+    for (const double noise : {0.0, 0.05}) {
+      const Vec3 direction = Vec3(0.2, 0.1, 1).normalized(), middle(9.3, 9.6, 25.1);
+      const auto inside = [&](const Vec3& p) { return radius - direction.cross(p - middle).norm(); };
+      TriangleMesh surface = largest_surface(blurred({20, 20, 50}, 2, noise, 5, inside));
+      smooth_surface(surface);
+      ASSERT_TRUE(is_closed_manifold(surface));
+      double sum = 0;
+      int places = 0;
+      for (double s = -10; s <= 10; s += 2) {
+        // The largest ball near the axis.
+        const Vec3 axis = middle + Vec3::Constant(0.5) + s * direction;
+        const Vec3 u = direction.unitOrthogonal(), v = direction.cross(u);
+        double largest = 0;
+        for (int i = -3; i <= 3; ++i)
+          for (int j = -3; j <= 3; ++j)
+            largest = std::max(largest, distance_to(surface, axis + 0.02 * i * u + 0.02 * j * v));
+        sum += largest - radius;
+        ++places;
+      }
+      EXPECT_NEAR(sum / places, 0, 0.05) << "radius " << radius << " noise " << noise;
+    }
+}
+
+TEST(SurfaceSmoothing, TakesTheStepsOfAMaskAway) {
+  Grid grid;
+  grid.dims = {20, 20, 20};
+  const Vec3 centre(9.4, 9.6, 9.55);
+  const auto inside = [&](const Vec3& p) { return 6 - (p - centre).norm(); };
+  const VoxelShape ball =
+      testing_shapes::from_predicate(grid, [&](int x, int y, int z) { return inside(Vec3(x, y, z)) >= 0; });
+  const auto error = [&](const TriangleMesh& mesh) {
+    double sum = 0, squares = 0;
+    for (const Vec3& p : mesh.points) {
+      const double e = -inside(p - Vec3::Constant(0.5));
+      sum += e;
+      squares += e * e;
+    }
+    const auto n = static_cast<double>(mesh.points.size());
+    return std::pair(sum / n, std::sqrt(squares / n));
+  };
+  TriangleMesh surface = midpoint_surface(ball);
+  EXPECT_GT(error(surface).second, 0.2);
+  smooth_surface(surface, kStepSmoothing);
+  expect_topology_of(surface, ball, "ball");
+  EXPECT_NEAR(error(surface).first, 0, 0.05);
+  EXPECT_LT(error(surface).second, 0.08);
+  EXPECT_NEAR(std::cbrt(volume_of(surface) * 3 / 4 / M_PI), 6, 0.1);
+}
+
+TEST(SurfaceSmoothing, LeavesFlatWallsFlatAndStaysWithinReach) {
+  const VoxelShape box = testing_shapes::box_shape(20, 14, 12, 2);
+  TriangleMesh surface = midpoint_surface(box);
+  smooth_surface(surface, kStepSmoothing);
+  expect_topology_of(surface, box, "box");
+  int in_the_wall = 0;
+  for (const Vec3& p : surface.points) {
+    if (p[0] < 8 || p[0] > 16 || p[1] < 7 || p[1] > 11 || p[2] > 8) continue;
+    EXPECT_NEAR(p[2], 2, 1e-3);
+    ++in_the_wall;
+  }
+  EXPECT_GT(in_the_wall, 20);
+  for (unsigned seed = 0; seed < 200; ++seed) {
+    const VoxelShape shape = testing_shapes::random_shape(seed);
+    const TriangleMesh start = midpoint_surface(shape);
+    TriangleMesh smooth = start;
+    smooth_surface(smooth, {3, 0.4});
+    expect_topology_of(smooth, shape, "seed " + std::to_string(seed));
+    if (smooth.points.size() != start.points.size()) continue;  // some were not needed
+    for (std::size_t v = 0; v < start.points.size(); ++v)
+      EXPECT_LE((smooth.points[v] - start.points[v]).cwiseAbs().maxCoeff(), 0.4 + 1e-9);
+  }
+}
+
+TEST(SurfaceSmoothing, IsTheSameForAnyNumberOfThreads) {
+  const VoxelShape shape = testing_shapes::random_shape(3, 40);
+  Context one, four;
+  one.threads = 1;
+  four.threads = 4;
+  TriangleMesh a = midpoint_surface(shape, &one), b = midpoint_surface(shape, &four);
+  smooth_surface(a, kStepSmoothing, &one);
+  smooth_surface(b, kStepSmoothing, &four);
+  EXPECT_TRUE(same(a, b));
 }
 
 }  // namespace
