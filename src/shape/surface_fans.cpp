@@ -65,15 +65,14 @@ void SurfaceFans::list_rims(const TriangleMesh& mesh) {
 
 // A diagonal between two vertices in one face of a cell might be there in the neighbouring cell too, so only loops of
 // three and four vertices, which have none, can do without a vertex inside.
-void flatten_fans(TriangleMesh& mesh, double tolerance) {
-  const SurfaceFans whole(mesh);
+void flatten_fans(TriangleMesh& mesh, const SurfaceFans& fans, double tolerance) {
   std::size_t kept = 0, next = 0;
   const auto keep = [&](std::size_t from, std::size_t count) {
     std::copy_n(mesh.triangles.begin() + static_cast<std::ptrdiff_t>(from), count,
                 mesh.triangles.begin() + static_cast<std::ptrdiff_t>(kept));
     kept += count;
   };
-  for (const SurfaceFans::Fan& fan : whole.fans()) {
+  for (const SurfaceFans::Fan& fan : fans.fans()) {
     keep(next, fan.first - next);  // tubes
     next = fan.first + fan.size;
     std::size_t count = 0;

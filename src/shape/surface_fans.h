@@ -44,8 +44,8 @@ class SurfaceFans {
 };
 
 /// Loops of three and four vertices do without the vertex inside where it is within `tolerance` of the plane through
-/// them; the surface stays a closed manifold. O(n).
-void flatten_fans(TriangleMesh& mesh, double tolerance);
+/// them; the surface stays a closed manifold. `fans`: of the mesh, whose vertices may have moved since. O(n).
+void flatten_fans(TriangleMesh& mesh, const SurfaceFans& fans, double tolerance);
 
 /// Drops the vertices that no triangle has; order stays.
 void drop_unused_points(TriangleMesh& mesh);

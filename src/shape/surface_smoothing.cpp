@@ -113,10 +113,10 @@ class Surrounding {
 
 class Smoother {
  public:
-  Smoother(TriangleMesh& surface, double reach)
+  Smoother(TriangleMesh& surface, const SurfaceFans& fans, double reach)
       : surface_(surface),
         reach_(Vec3::Constant(reach)),
-        fans_(surface),
+        fans_(fans),
         normal_(count()),
         place_(count()),
         patch_(count()) {}
@@ -210,7 +210,7 @@ class Smoother {
 
   TriangleMesh& surface_;
   Vec3 reach_;
-  SurfaceFans fans_;
+  const SurfaceFans& fans_;
   std::vector<Eigen::Vector3f> normal_;
   std::vector<Vec3> place_;
   std::vector<Patch> patch_;
@@ -220,8 +220,9 @@ class Smoother {
 
 void smooth_surface(TriangleMesh& surface, const SurfaceSmoothing& options, Context* context) {
   constexpr double kFlat = 0.01;  // voxels
-  base::in_arena(context, [&] { Smoother(surface, options.reach).run(options.passes); });
-  shape::flatten_fans(surface, kFlat);
+  const SurfaceFans fans(surface);
+  base::in_arena(context, [&] { Smoother(surface, fans, options.reach).run(options.passes); });
+  shape::flatten_fans(surface, fans, kFlat);
 }
 
 }  // namespace quench
