@@ -78,6 +78,10 @@ Action add_verify(CLI::App& app) {
       VerifyOptions options;
       options.samples = o->samples;
       options.longest_side = loaded.longest_side;
+      if (loaded.surface) {
+        options.surface = &loaded.surface->mesh();
+        options.surface_kind = name_of(loaded.surface->kind());
+      }
       options.format_holds_all = says_stage;  // only VTP holds it, and with it every other array
       if (o->lambda) options.lambda = loaded.scale().resolve(*o->lambda, kLambda);
       if (o->detail) options.detail = loaded.scale().resolve(*o->detail, kDetail);

@@ -203,8 +203,9 @@ MedialAxis medial_axis(const VoxelShape& shape, std::optional<double> detail = {
 
 /// The sites around each vertex of a pruning: where its ball touches the staircase.
 struct ContactSites {
-  std::vector<std::uint32_t> offsets{0};  ///< vertices + 1, into `sites`
-  std::vector<LatticePoint> sites;        ///< of each vertex in order of z, y, x
+  std::vector<std::uint32_t> offsets{0};  ///< vertices + 1, into `rows`
+  std::vector<std::uint32_t> rows;        ///< of `sites`, for each vertex ascending
+  std::vector<LatticePoint> sites;        ///< those that are referred to, in order of z, y, x
 };
 
 /// Those of the vertices that pruned(axis, threshold, measure) keeps, in their order: the sites of all faces of `axis`

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "quench/context.h"
+#include "quench/geometry.h"
 #include "quench/record.h"
 #include "quench/shape.h"
 
@@ -42,6 +43,10 @@ struct VerifyOptions {
   std::size_t samples = 20000;                  ///< cells per sampled check
   std::optional<double> longest_side =
       std::nullopt;  ///< of what the voxel shape was made of; without it that array is not checked
+  /// What the points and radii of a fitted result refer to: closed, with triangles facing outward, and its kind
+  /// ("mesh", "grey" or "smooth"). Without it the arrays that refer to it are not checked. Must outlive the call.
+  const TriangleMesh* surface = nullptr;
+  std::string surface_kind = {};
   /// The result was written in full and in a format that holds all arrays (VTP): it is an error when an array is absent
   /// without which its stage cannot be checked. Otherwise absent arrays are only named.
   bool format_holds_all = false;

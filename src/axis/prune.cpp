@@ -184,13 +184,23 @@ ContactSites contact_sites(const MedialAxis& axis, double threshold, std::string
   });
   ContactSites contacts;
   contacts.offsets.reserve(vertices + 1);
-  for (std::uint32_t v = 0; v < vertices; ++v) {  // sites are in order of z, y, x
+  std::vector<std::uint32_t> site(axis.sites.size(), kDropped);
+  for (std::uint32_t v = 0; v < vertices; ++v) {
     const std::span<std::uint32_t> sites = around[v];
     std::ranges::sort(sites);
-    const auto end = std::unique(sites.begin(), sites.end());
-    for (auto site = sites.begin(); site != end; ++site) contacts.sites.push_back(axis.sites[*site]);
-    contacts.offsets.push_back(static_cast<std::uint32_t>(contacts.sites.size()));
+    for (const auto end = std::unique(sites.begin(), sites.end());
+         const std::uint32_t s : std::span(sites.begin(), end)) {
+      contacts.rows.push_back(s);
+      site[s] = 0;
+    }
+    contacts.offsets.push_back(static_cast<std::uint32_t>(contacts.rows.size()));
   }
+  for (std::uint32_t s = 0; s < site.size(); ++s)
+    if (site[s] != kDropped) {
+      site[s] = static_cast<std::uint32_t>(contacts.sites.size());
+      contacts.sites.push_back(axis.sites[s]);
+    }
+  for (std::uint32_t& s : contacts.rows) s = site[s];
   return contacts;
 }
 

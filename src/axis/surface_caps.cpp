@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "axis/contact_place.h"
 #include "axis/measures.h"
 #include "base/parallel.h"
 
@@ -18,8 +19,10 @@ namespace {
 // A cap on the surface of this part of the least height, or more, bears out that of the voxels.
 constexpr double kBorneOut = 0.5;
 // Places this near to where the ball touches the surface, in voxels along it, are there; farther ones go on sliding.
-constexpr double kThere = 0.7, kStill = 0.03;
+constexpr double kThere = 0.7, kStill = 0.1;
 constexpr int kRounds = 8;
+
+using Place = ContactPlace;
 
 class SurfaceCaps {
  public:
@@ -44,20 +47,14 @@ class SurfaceCaps {
     const auto corners = axis_.complex.corners(face);
     for (const std::uint32_t v : corners) x += axis_.points[v] / static_cast<double>(corners.size());
     const auto [a, b] = axis_.face_sites[face];
-    std::array<Vec3, 2> y{foot_[a].point, foot_[b].point};
+    std::array<Place, 2> y{Place(foot_[a].point), Place(foot_[b].point)};
     double height = cap(x, y);
     if (height >= enough_ && is_there(x, foot_[a]) && is_there(x, foot_[b])) return height;
     for (int round = 0; round < kRounds; ++round) {
-      double way = 0;
-      for (Vec3& p : y) {
-        const Vec3 half_way = 0.5 * (x + p);
-        const Surface::Foot foot = surface_.nearest(half_way, (1 + 1e-9) * (p - half_way).norm());
-        if (foot.triangle == kNone) continue;
-        way = std::max(way, (foot.point - p).norm());
-        p = foot.point;
-      }
+      double off = 0;
+      for (Place& place : y) off = std::max(off, place.look_again(x, surface_));
       height = cap(x, y);
-      if (height < enough_ || way < kStill * voxel_) break;
+      if (height < enough_ || off < kStill * voxel_) break;
     }
     return height;
   }
@@ -69,8 +66,9 @@ class SurfaceCaps {
     std::uint32_t triangle;
   };
 
-  static double cap(const Vec3& x, const std::array<Vec3, 2>& y) {
-    return cap_height((y[1] - y[0]).norm() / 2, std::min((y[0] - x).norm(), (y[1] - x).norm()));
+  static double cap(const Vec3& x, const std::array<Place, 2>& y) {
+    return cap_height((y[1].point() - y[0].point()).norm() / 2,
+                      std::min((y[0].point() - x).norm(), (y[1].point() - x).norm()));
   }
   // Whether x lies nearly above a place of the surface.
   bool is_there(const Vec3& x, const Foot& foot) const {

@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 // The geometry of a pruned voxel core from the surface that was voxelized.
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
+#include <tuple>
 #include <utility>
 #include <vector>
 
+#include "axis/contact_place.h"
 #include "base/parallel.h"
 #include "quench/axis.h"
 #include "quench/error.h"
@@ -19,11 +23,13 @@ namespace {
 constexpr double kOneContact = 1.8;
 // Contacts farther away than the nearest by more than so many voxels are none.
 constexpr double kNoContact = 1.2;
+// Planes whose normals have no smaller cosine are one.
+constexpr double kFlat = 1 - 1e-6;
 // Of the damping, beside directions at right angles to each other.
-constexpr double kDamping = 1e-3;
+constexpr double kDamping = 0.05;
 constexpr int kRounds = 3;
 // The last move is shorter than so many voxels.
-constexpr double kStill = 0.03;
+constexpr double kStill = 0.1;
 // Balls below so many voxels may have their centre outside the surface.
 constexpr double kThin = 3;
 
@@ -33,50 +39,75 @@ Vec3 no_farther(const Vec3& from, const Vec3& to, double most) {
   return way > most ? Vec3(from + (to - from) * (most / way)) : to;
 }
 
+// A place of the surface that a site stands for, and the plane of the triangle there.
+struct Foot {
+  Vec3 site, point, normal;
+};
+
+std::vector<Foot> feet_of(const std::vector<LatticePoint>& sites, const Grid& grid, const Surface& surface) {
+  std::vector<Foot> feet(sites.size());
+  base::for_indices(sites.size(), [&](std::size_t s) {
+    const Vec3 site = grid.world_of(sites[s]);
+    const Surface::Foot foot = surface.nearest(site);
+    const auto& [a, b, c] = surface.mesh().triangles[foot.triangle];
+    const auto& points = surface.mesh().points;
+    feet[s] = {site, foot.point, (points[b] - points[a]).cross(points[c] - points[a]).normalized()};
+  });
+  return feet;
+}
+
 class Fit {
  public:
-  Fit(const MedialAxis& axis, const Surface& surface)
-      : grid_(axis.grid), surface_(surface), voxel_(axis.grid.spacing.maxCoeff()) {}
+  Fit(const MedialAxis& axis, const Surface& surface, const std::vector<Foot>& feet)
+      : surface_(surface), feet_(feet), voxel_(axis.grid.spacing.maxCoeff()) {}
 
-  struct Result {
+  struct Place {
+    Vec3 point;
+    Vec3 across = Vec3::Zero();  // the direction in which contacts say most: at right angles to a sheet
+  };
+
+  // Where the ball of a vertex touches the surface at its contacts.
+  Place place(const Vec3& from, double radius, std::span<const std::uint32_t> sites) {
+    // Of a larger ball the centre is inside, unless the voxels are not those of the surface.
+    Place result{radius < kThin * voxel_ ? brought_inside(from).point : from};
+    find_contacts(result.point, sites);
+    for (int round = 0; round < kRounds; ++round) {
+      if (round > 0) look_again(result.point);
+      if (!drop_far_contacts(round == 0 ? 2 * kNoContact : kNoContact)) break;
+      const Vec3 to = no_farther(from, result.point + balanced_move(result.across), kLargestMove * voxel_);
+      const double way = (to - result.point).norm();
+      result.point = to;
+      if (round > 0 && way < kStill * voxel_) break;
+    }
+    return result;
+  }
+
+  struct Centre {
     Vec3 point;
     Surface::Foot foot;  // of the point
   };
 
-  Result run(const Vec3& from, double radius, std::span<const LatticePoint> sites) {
-    Vec3 x = from;
-    // Of a larger ball the centre is inside, unless the voxels are not those of the surface.
-    const bool is_thin = radius < kThin * voxel_;
-    if (is_thin) {
-      const Result start = brought_inside(from, surface_.nearest(from));
-      if (!start.foot.inside) return start;
-      x = start.point;
-    }
-    find_contacts(x, sites);
-    for (int round = 0; round < kRounds && look_again(x); ++round) {
-      const Vec3 to = no_farther(from, x + balanced_move(), kLargestMove * voxel_);
-      const double way = (to - x).norm();
-      x = to;
-      if (way < kStill * voxel_) break;
-    }
-    const Result result{x, surface_.nearest(x)};
-    if (result.foot.inside) return result;
-    return brought_inside(from, surface_.nearest(from));
+  // The point itself where it is inside, else the middle between the two walls where the surface is passed straight on
+  // from the other one, if it is near enough.
+  Centre centre(const Vec3& point, const Vec3& other) const {
+    const Surface::Foot foot = surface_.nearest(point);
+    return foot.inside ? Centre{point, foot} : brought_inside(other);
   }
-
-  // The point itself with its distance: where it may not move.
-  Result in_place(const Vec3& point) const { return {point, surface_.nearest(point)}; }
 
  private:
   struct Contact {
-    Vec3 direction;  // from the centre
-    double distance;
-    double way;  // from half way there to a point of the surface, at most
+    Vec3 site;
+    axis::ContactPlace place;
+    Vec3 direction;   // from the centre to it
+    Vec3 normal;      // of the plane it lies in
+    double distance;  // along the direction
+    int sites;        // that stand for it
+    bool is_plane;    // as far as the sites tell
   };
 
-  // The middle between the two walls where the surface is passed straight on, if it is near enough.
-  Result brought_inside(const Vec3& from, const Surface::Foot& foot) const {
-    Result best{from, foot};
+  Centre brought_inside(const Vec3& from) const {
+    const Surface::Foot foot = surface_.nearest(from);
+    Centre best{from, foot};
     if (foot.inside) return best;
     const double most = kLargestMove * voxel_ - foot.distance;
     if (!(most > 0) || !(foot.distance > 0)) return best;
@@ -91,44 +122,66 @@ class Fit {
     return best;
   }
 
-  void find_contacts(const Vec3& x, std::span<const LatticePoint> sites) {
+  // From the feet of sites. Of those that stand for one contact the nearest tells where it is. Where they lie in one
+  // plane, so does the contact, and need not be looked for.
+  void find_contacts(const Vec3& x, std::span<const std::uint32_t> sites) {
     contacts_.clear();
-    groups_.clear();
-    for (const LatticePoint& site : sites) {
-      const Vec3 at = grid_.world_of(site);
-      const auto same = std::ranges::find_if(groups_, [&](const auto& group) {
-        return (at - group.first).squaredNorm() < kOneContact * kOneContact * voxel_ * voxel_;
+    for (const std::uint32_t row : sites) {
+      const Foot& foot = feet_[row];
+      const Vec3 there = foot.point - x;
+      const double distance = there.norm();
+      if (!(distance > 0)) continue;
+      Contact own{foot.site, axis::ContactPlace(foot.point), there / distance, foot.normal, distance,
+                  1,         there.dot(foot.normal) > 0};
+      const auto same = std::ranges::find_if(contacts_, [&](const Contact& other) {
+        return (own.site - other.site).squaredNorm() < kOneContact * kOneContact * voxel_ * voxel_;
       });
-      if (same == groups_.end())
-        groups_.push_back({at, (at - x).normalized()});
-      else
-        same->second += (at - x).normalized();
+      if (same == contacts_.end()) {
+        contacts_.push_back(own);
+        continue;
+      }
+      own.is_plane = own.is_plane && same->is_plane && own.normal.dot(same->normal) > kFlat &&
+                     std::abs((own.place.point() - same->place.point()).dot(own.normal)) < 1e-3 * voxel_;
+      own.sites = same->sites + 1;
+      if (own.distance >= same->distance)
+        std::tie(own.place, own.direction, own.distance) = std::tuple(same->place, same->direction, same->distance);
+      own.site = same->site;
+      *same = own;
     }
-    for (const auto& [at, direction] : groups_) {
-      const double distance = (at - x).norm();
-      contacts_.push_back({direction.normalized(), distance, 0.6 * distance + 2 * voxel_});
+    for (Contact& c : contacts_) {
+      c.is_plane = c.is_plane && c.sites > 1;
+      if (c.is_plane) {
+        c.direction = c.normal;
+        c.distance = (c.place.point() - x).dot(c.normal);
+      }
     }
   }
 
-  // Contacts as seen from x. False when there are not two.
-  bool look_again(const Vec3& x) {
-    if (contacts_.size() < 2) return false;
+  // Where the contacts are as seen from x.
+  void look_again(const Vec3& x) {
     for (Contact& c : contacts_) {
-      const Vec3 half_way = x + 0.5 * c.distance * c.direction;
-      Surface::Foot foot = surface_.nearest(half_way, c.way);
-      if (foot.triangle == kNone) foot = surface_.nearest(half_way);
-      const Vec3 there = foot.point - x;
+      if (c.is_plane) {
+        c.distance = (c.place.point() - x).dot(c.direction);
+        continue;
+      }
+      c.place.look_again(x, surface_);
+      const Vec3 there = c.place.point() - x;
       c.distance = there.norm();
       if (c.distance > 0) c.direction = there / c.distance;
-      c.way = 0.5 * c.distance + kLargestMove * voxel_;
     }
+  }
+
+  // False when there are not two.
+  bool drop_far_contacts(double farther) {
+    if (contacts_.size() < 2) return false;
     const double least = std::ranges::min(contacts_, {}, &Contact::distance).distance;
-    std::erase_if(contacts_, [&](const Contact& c) { return c.distance > least + kNoContact * voxel_; });
+    std::erase_if(contacts_, [&](const Contact& c) { return c.distance > least + farther * voxel_; });
     return contacts_.size() > 1;
   }
 
-  // The least-squares solution of |y_i - x| - n_i . dx = r for all i in dx and r, damped in dx.
-  Vec3 balanced_move() const {
+  // The least-squares solution of |y_i - x| - n_i . dx = r for all i in dx and r, damped in dx; and the direction in
+  // which it is determined best.
+  Vec3 balanced_move(Vec3& across) const {
     const auto count = static_cast<double>(contacts_.size());
     Vec3 mean = Vec3::Zero();
     double distance = 0;
@@ -136,21 +189,24 @@ class Fit {
       mean += c.direction / count;
       distance += c.distance / count;
     }
-    Mat3 matrix = kDamping * count * Mat3::Identity();
+    Mat3 matrix = Mat3::Zero();
     Vec3 right = Vec3::Zero();
     for (const Contact& c : contacts_) {
       const Vec3 row = c.direction - mean;
       matrix += row * row.transpose();
       right += row * (c.distance - distance);
     }
+    Eigen::SelfAdjointEigenSolver<Mat3> solver;
+    solver.computeDirect(matrix);
+    across = solver.eigenvectors().col(2);  // of the largest
+    matrix.diagonal().array() += kDamping * matrix.trace();
     return matrix.ldlt().solve(right);
   }
 
-  const Grid& grid_;
   const Surface& surface_;
+  const std::vector<Foot>& feet_;
   double voxel_;
   std::vector<Contact> contacts_;
-  std::vector<std::pair<Vec3, Vec3>> groups_;  // the first site, and the sum of directions
 };
 
 // Twice the area of a face as a vector.
@@ -161,26 +217,53 @@ Vec3 area_of(std::span<const std::uint32_t> corners, const std::vector<Vec3>& po
   return area;
 }
 
-// Vertices of faces that moving has turned over.
-std::vector<char> of_turned_faces(const CellComplex& complex, const std::vector<Vec3>& before,
+enum Damage : char { kUnharmed, kConcave, kTurned };
+
+// What moving has done to the faces of a vertex, at worst: a face turned over, or a corner no longer convex.
+std::vector<char> damage_of_faces(const CellComplex& complex, const std::vector<Vec3>& before,
                                   const std::vector<Vec3>& after) {
-  std::vector<char> turned(complex.vertex_count, 0);
+  std::vector<char> damage(complex.vertex_count, kUnharmed);
   for (std::size_t f = 0; f < complex.face_count(); ++f) {
     const auto corners = complex.corners(f);
-    if (area_of(corners, before).dot(area_of(corners, after)) > 0) continue;
-    for (const std::uint32_t v : corners) turned[v] = 1;
+    const Vec3 up = area_of(corners, before);
+    char own = up.dot(area_of(corners, after)) > 0 ? kUnharmed : kTurned;
+    for (std::size_t i = 0; own == kUnharmed && i < corners.size(); ++i) {
+      const Vec3 &a = after[corners[i]], &b = after[corners[(i + 1) % corners.size()]],
+                 &c = after[corners[(i + 2) % corners.size()]];
+      if (!((b - a).cross(c - b).dot(up) > 0)) own = kConcave;
+    }
+    for (const std::uint32_t v : corners) damage[v] = std::max(damage[v], own);
   }
-  return turned;
+  return damage;
+}
+
+// Small faces turn over, or lose their convex shape, where their corners move along the sheet: these move at right
+// angles to it only. Where faces still turn over, corners go back to where they were, which may turn others.
+void keep_faces(MedialAxis& axis, const std::vector<Vec3>& across) {
+  const std::vector<Vec3>& from = axis.voxel_points;
+  std::vector<Vec3>& to = axis.points;
+  const std::vector<char> damage = damage_of_faces(axis.complex, from, to);
+  for (std::size_t v = 0; v < damage.size(); ++v)
+    if (damage[v] >= kConcave) to[v] = from[v] + across[v] * across[v].dot(to[v] - from[v]);
+  for (bool again = true; again;) {
+    again = false;
+    const std::vector<char> turned = damage_of_faces(axis.complex, from, to);
+    for (std::size_t v = 0; v < turned.size(); ++v)
+      if (turned[v] == kTurned && to[v] != from[v]) {
+        to[v] = from[v];
+        again = true;
+      }
+  }
 }
 
 // Moves the inner vertices of the paths that only the promise of a pruning by detail keeps (their detail is the least
 // exactly) towards the middle of their neighbours. Along edges between the balls of noise they would be longer than the
-// way, and their erosion thickness that of a branch. Returns the vertices.
-std::vector<std::uint32_t> straighten_paths(const MedialAxis& axis, std::vector<Vec3>& points) {
+// way, and their erosion thickness that of a branch.
+void straighten_paths(const MedialAxis& axis, std::vector<Vec3>& points) {
   constexpr int kPasses = 30;
   const Measure* detail = axis.find_measure(kDetail);
   std::vector<std::uint32_t> inner;
-  if (!detail || !detail->value.complete(axis.complex)) return inner;
+  if (!detail || !detail->value.complete(axis.complex)) return;
   const double least = auto_detail(axis.grid), most = kLargestMove * axis.grid.spacing.maxCoeff();
   std::vector<std::array<std::uint32_t, 2>> next(points.size(), {kNone, kNone});
   std::vector<char> is_other(points.size(), 0);  // not the inner vertex of a path
@@ -202,7 +285,6 @@ std::vector<std::uint32_t> straighten_paths(const MedialAxis& axis, std::vector<
     }
     for (std::size_t i = 0; i < inner.size(); ++i) points[inner[i]] = now[i];
   }
-  return inner;
 }
 
 }  // namespace
@@ -214,35 +296,33 @@ SurfaceFit fit_to_surface(MedialAxis& axis, const ContactSites& contacts, const 
     axis.voxel_points = axis.points;
     axis.voxel_radius = axis.radius;
     axis.surface = surface.kind();
-    std::vector<char> inside(axis.points.size());
-    const auto take = [&](std::size_t v, const Fit::Result& result) {
-      axis.points[v] = result.point;
-      axis.radius[v] = result.foot.inside ? result.foot.distance : 0;
-      inside[v] = result.foot.inside;
+    const std::vector<Foot> feet = feet_of(contacts.sites, axis.grid, surface);
+    const std::size_t count = axis.points.size(), chunks = base::chunks_for(count, 1 << 10);
+    std::vector<Vec3>& points = axis.points;
+    std::vector<Vec3> across(count);
+    const auto for_vertices = [&](double begin, double end, const auto& work) {
+      base::for_chunks(chunks, context, "fit", begin, end, [&](std::size_t chunk) {
+        Fit fit(axis, surface, feet);
+        const auto [first, last] = base::part_of(count, chunk, chunks);
+        for (std::size_t v = first; v < last; ++v) work(fit, v);
+      });
     };
-    const std::size_t chunks = base::chunks_for(axis.points.size(), 1 << 10);
-    base::for_chunks(chunks, context, "fit", 0, 1, [&](std::size_t chunk) {
-      Fit fit(axis, surface);
-      const auto [first, last] = base::part_of(axis.points.size(), chunk, chunks);
-      for (std::size_t v = first; v < last; ++v)
-        take(v,
-             fit.run(axis.voxel_points[v], axis.voxel_radius[v],
-                     {contacts.sites.data() + contacts.offsets[v], contacts.sites.data() + contacts.offsets[v + 1]}));
+    for_vertices(0, 0.7, [&](Fit& fit, std::size_t v) {
+      const Fit::Place place =
+          fit.place(axis.voxel_points[v], axis.voxel_radius[v],
+                    {contacts.rows.data() + contacts.offsets[v], contacts.rows.data() + contacts.offsets[v + 1]});
+      points[v] = place.point;
+      across[v] = place.across;
     });
-    // Few faces turn over; what goes back may turn others.
-    const Fit fit(axis, surface);
-    for (bool again = true; again;) {
-      again = false;
-      const std::vector<char> turned = of_turned_faces(axis.complex, axis.voxel_points, axis.points);
-      for (std::size_t v = 0; v < turned.size(); ++v)
-        if (turned[v] && axis.points[v] != axis.voxel_points[v]) {
-          take(v, fit.in_place(axis.voxel_points[v]));
-          again = true;
-        }
-    }
-    std::vector<Vec3> straight = axis.points;
-    for (const std::uint32_t v : straighten_paths(axis, straight))
-      if (straight[v] != axis.points[v]) take(v, fit.in_place(straight[v]));
+    keep_faces(axis, across);
+    straighten_paths(axis, points);
+    std::vector<char> inside(count);
+    for_vertices(0.7, 1, [&](const Fit& fit, std::size_t v) {
+      const Fit::Centre centre = fit.centre(points[v], axis.voxel_points[v]);
+      inside[v] = centre.foot.inside;
+      points[v] = centre.point;
+      axis.radius[v] = inside[v] ? centre.foot.distance : 0;
+    });
     SurfaceFit result;
     for (std::size_t v = 0; v < axis.points.size(); ++v) {
       const double way = (axis.points[v] - axis.voxel_points[v]).norm();

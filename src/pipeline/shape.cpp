@@ -12,6 +12,7 @@
 #include "quench/error.h"
 #include "quench/io.h"
 #include "quench/pipeline.h"
+#include "surface/solid_boundary.h"
 
 namespace quench::pipeline {
 namespace {
@@ -232,7 +233,8 @@ void set_surface(LoadedShape& loaded, const TriangleMesh& mesh, const ShapeOptio
       options.surface.value_or(bounds_shape(loaded, options) ? SurfaceKind::mesh : SurfaceKind::voxels);
   if (kind != SurfaceKind::mesh) return;
   record(loaded, "surface", std::string(name_of(kind)));
-  loaded.surface.emplace(mesh, SurfaceKind::mesh, context);
+  const bool odd = loaded.voxelization->fill == FillRule::evenodd;
+  loaded.surface.emplace(surface::solid_boundary(mesh, odd, context), SurfaceKind::mesh, context);
 }
 
 }  // namespace

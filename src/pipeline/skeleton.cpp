@@ -87,7 +87,7 @@ Record skeleton_file(const SkeletonResult& result, const Record& from) {
   Record data = to_record(skeleton);
   for (const char* name :
        {"dims", "spacing", "origin", "direction", "longest_side", "lambda", "lambda_chosen", "detail", "detail_chosen",
-        "omega", "propagation", "radius_rule", "units", "SPACE", "parameters"})
+        "omega", "propagation", "radius_rule", "surface", "units", "SPACE", "parameters"})
     if (const DataArray* array = find_array(from.field_data, name)) data.field_data.push_back(*array);
   const auto put = [&](const char* name, DataArray::Values values, int components = 1) {
     data.field_data.push_back({name, components, std::move(values)});

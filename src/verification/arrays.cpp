@@ -24,6 +24,8 @@ constexpr const char* kDetailsBounded =
     "again";
 constexpr const char* kNoStage = "the file does not say what it is";
 constexpr const char* kOtherMeasure = "how this measure is computed is not known here";
+constexpr const char* kNoSurface = "the surface that points and radii refer to was not given";
+constexpr const char* kLinear = "only bounds are checked: between the vertices of the medial axis it is interpolated";
 constexpr const char* kNothingToCompare = "the file has nothing to compare it with";
 
 /// An array that the format defines: how many numbers a field array has (0: any), the words a text may be (none: any),
@@ -36,17 +38,10 @@ struct Known {
 };
 
 const std::vector<const char*>& known_point_arrays() {
-  static const std::vector<const char*> names{"radius",
-                                              "lambda",
-                                              "object_angle",
-                                              "cap_height",
-                                              "detail",
-                                              "burn_time",
-                                              "unburned",
-                                              "erosion_thickness",
-                                              "curve_burn_time",
-                                              "curve_unburned",
-                                              "curve_erosion_thickness"};
+  static const std::vector<const char*> names{"radius",          "voxel_radius",   "lambda",
+                                              "object_angle",    "cap_height",     "detail",
+                                              "burn_time",       "unburned",       "erosion_thickness",
+                                              "curve_burn_time", "curve_unburned", "curve_erosion_thickness"};
   return names;
 }
 const std::vector<const char*>& known_cell_arrays() {
@@ -100,6 +95,7 @@ const std::vector<Known>& known_field_texts() {
                                          {"lambda_rule", 1, {"coface", "ball"}, kNothingToCompare},
                                          {"propagation", 1, {"segments", "nodes"}, kTold},
                                          {"radius_rule", 1, {"exact", "linear"}, kTold},
+                                         {"surface", 1, {"mesh", "grey", "smooth"}, kNoSurface},
                                          {"units", 1, {}, kTold},
                                          {"SPACE", 1, {}, kTold},
                                          {"parameters", 1, {}, "the shape was made with them"},
@@ -159,13 +155,15 @@ std::string reason_for(const char* of, const std::string& name, const Record& da
   if (of == std::string("field") && name == "omega" && find_array(data.field_data, "burn_nodes"))
     return "only that it gives burn_nodes is checked";
   if (stage == "core" && of == std::string("field") && (name == kLambda || name == kDetail))
-    return "another threshold was given";
+    return text_or_empty(data.field_data, "surface").empty() || name == kLambda ? "another threshold was given"
+                                                                                : kBorneOutBySurface;
   if (of == std::string("field")) {
     for (const auto* known : {&known_field_numbers(), &known_field_texts()})
       for (const Known& array : *known)
         if (array.name == name) return array.reason;
     return "unknown here";
   }
+  if (name == "radius" && find_array(data.field_data, "surface")) return stage == "skeleton" ? kLinear : kNoSurface;
   if (name.find("burn") != std::string::npos || name.find("erosion") != std::string::npos) return kBoundsOnly;
   if (name == "sheet_level" || name == "curve_level") return "only bounds are checked: levels are of the medial axis";
   if (stage == "core" && name == kDetail) return kDetailsBounded;
@@ -184,6 +182,9 @@ std::string array_defect(const Record& data) {
   if (defect.empty()) defect = repeated_name(data.field_data, "field");
   if (defect.empty() && find_array(data.field_data, "stage")) {  // other programs may use the names as they like
     defect = defect_of_rows(data.point_data, known_point_arrays(), "point");
+    if (const DataArray* array = find_array(data.point_data, "voxel_point");
+        array && defect.empty() && (!has_numbers(*array) || array->components != 3))
+      defect = "the point array 'voxel_point' is not three numbers per point";
     if (defect.empty()) defect = defect_of_rows(data.cell_data, known_cell_arrays(), "cell");
     std::vector<std::string> measures = texts_or_empty(data.field_data, "measures");
     if (defect.empty()) defect = defect_of_rows(data.point_data, measures, "point");

@@ -23,7 +23,7 @@ void BurnNetwork::stops_of(std::uint32_t f, std::vector<Stop>& stops) const {
   stops.clear();
   for (std::uint32_t c = complex.face_offsets[f]; c < complex.face_offsets[f + 1]; ++c) {
     const std::uint32_t v = complex.face_vertices[c], e = complex.face_edges[c], each = states_per_node(e);
-    stops.push_back({sector_of_[c], result_.radius[v], point(v)});
+    stops.push_back({sector_of_[c], result_.ball_radius[v], point(v)});
     const auto [a, b] = complex.edges[e];
     const auto all = at_edge_[e];
     const auto own = each == 1 ? 0 : static_cast<std::uint32_t>(std::find(all.begin(), all.end(), c) - all.begin());
@@ -38,7 +38,7 @@ void BurnNetwork::stops_of(std::uint32_t f, std::vector<Stop>& stops) const {
 
 // The distance to a point that the ends share as nearest, or linear.
 double BurnNetwork::radius_at(std::uint32_t a, std::uint32_t b, double t) const {
-  const double ra = result_.radius[a], rb = result_.radius[b], length = (point(b) - point(a)).norm();
+  const double ra = result_.ball_radius[a], rb = result_.ball_radius[b], length = (point(b) - point(a)).norm();
   if (!exact_ || std::abs(ra - rb) > length || length > ra + rb) return (1 - t) * ra + t * rb;
   return std::sqrt(std::max(0.0, (1 - t) * ra * ra + t * rb * rb - t * (1 - t) * length * length));
 }

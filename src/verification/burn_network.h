@@ -41,7 +41,7 @@ class BurnNetwork {
   void stops_of(std::uint32_t face, std::vector<Stop>& stops) const;
 
  private:
-  const Vec3& point(std::uint32_t v) const { return result_.data.points[result_.rows[v]]; }
+  const Vec3& point(std::uint32_t v) const { return result_.point(v); }
   double radius_at(std::uint32_t a, std::uint32_t b, double t) const;
   std::uint32_t states_per_node(std::uint32_t edge) const {
     const auto polygons = static_cast<std::uint32_t>(at_edge_[edge].size());

@@ -6,6 +6,7 @@
 #include "verification/nearest_sites.h"
 #include "verification/polytope.h"
 #include "verification/result.h"
+#include "verification/triangle_search.h"
 
 namespace quench::verification {
 
@@ -16,11 +17,20 @@ inline constexpr double kSingle = 1e-6;
 /// a 4096th of it.
 inline constexpr double kOffAlongEdges = 0.01, kOffByLabels = 0.003;
 
+/// Why a check of the voxel core's geometry does not apply.
+inline constexpr const char* kNotOfVoxels =
+    "the points are fitted to a surface, the file does not hold the voxel core's";
+
+/// Why it is not known which cells a pruning by detail of a fitted result must have.
+inline constexpr const char* kBorneOutBySurface =
+    "which cells of the voxel core the surface bears out is not decided again";
+
 /// No two cells are the same, none is degenerate; polygons are plane and convex.
 Check check_cells(const Result& result);
 
-/// Euler characteristic and Betti numbers of the result are those of the shape.
-Check check_topology(const Result& result);
+/// Euler characteristic and Betti numbers of the result are those of the shape. Says those of the solid of the surface,
+/// too, where there is one.
+Check check_topology(const Result& result, const TriangleMesh* surface);
 
 /// Every cell lies in the open shape.
 Check check_enclosure(const Result& result, Context* context);
@@ -53,6 +63,13 @@ double cap_height(double lambda, double radius);
 /// The arrays `cap_height`: of all polygons by their two sites, of a sample by sites that are found here.
 Check check_cap_heights(const Result& result, const Sites& sites, VertexSites& vertex_sites, std::size_t samples,
                         Context* context);
+
+/// Of a fitted result: how far its points are from those of the voxel core.
+Check check_moves(const Result& result);
+/// Of a fitted result: every ball lies inside the surface and touches it.
+Check check_balls(const Result& result, const TriangleSearch& surface, Context* context);
+/// That the surface is one of the shape: voxel centres at its boundary are on the side that the shape says.
+Check check_sides(const Result& result, const TriangleSearch& surface, const VerifyOptions& options, Context* context);
 
 /// The proximity bound: distance to the true medial axis (docs/user/guarantees.md).
 Check check_proximity(const Result& result, std::size_t samples, Context* context);

@@ -12,10 +12,12 @@
 // - If v differs from a, then v = v0 <= h. If besides v >= t, then v = w: let h(c) >= a, and d and P be where v0(c) is
 //   attained, so v0(c) = min(d, P / sqrt(3)). The cells of that component of { h >= d } all have a v0 of at least this,
 //   which is at least t, so all are in the file, and in the file their component has the same peak.
-// Edges that are no top cells have the largest v of their polygons in the unpruned core, or a. Of a polygon that is not
-// in the file v < t; so, where v >= t and v differs from a, v is the largest of the polygons in the file.
-// Vertices have the largest v of their edges at least; what is more is from edges that are not in the file, and below
-// t, or was raised, and is at least a.
+// In a result that is fitted to a surface, polygons with h >= a that the surface does not bear out count with a lower
+// h, below a / 2. They are among those with v <= a. If v > a, so is the v0 of all cells of the component of d and P: so
+// w is the same when the h of all polygons with v <= a is taken as low. Edges that are no top cells have the largest v
+// of their polygons in the unpruned core, or a. Of a polygon that is not in the file v < t; so, where v >= t and v
+// differs from a, v is the largest of the polygons in the file. Vertices have the largest v of their edges at least;
+// what is more is from edges that are not in the file, and below t, or was raised, and is at least a.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -30,6 +32,7 @@ namespace quench::verification {
 namespace {
 
 constexpr double kBelowTies = 1 - 2e-9;   // of cap heights
+constexpr double kBorneOut = 0.5;         // of the automatic detail: h of polygons that the surface does not bear out
 constexpr double kDetailRounding = 1e-9;  // relative; values computed in two ways agree to some 1e-15
 
 struct TopCell {
@@ -150,7 +153,7 @@ class Details {
   std::vector<TopCell> top_cells() const {
     std::vector<TopCell> cells;
     for (std::uint32_t f = 0; f < complex_.face_count(); ++f)
-      cells.push_back({height_[result_.first_polygon() + f], f});
+      cells.push_back({lowered(height_[result_.first_polygon() + f], cell_[result_.first_polygon() + f]), f});
     const auto edge = static_cast<std::uint32_t>(complex_.face_count());
     for (std::size_t l = 0; l < result_.line_edges.size(); ++l)
       if (const std::uint32_t e = result_.line_edges[l]; result_.edge_faces_count[e] == 0 && has_no_core_face(e))
@@ -161,6 +164,12 @@ class Details {
         cells.push_back({height_[i], vertex + v});
     for (TopCell& cell : cells) cell.height *= kBelowTies;
     return cells;
+  }
+  double lowered(double height, double written) const {
+    if (!result_.fitted || written > automatic_ * (1 + kDetailRounding) || height * kBelowTies < automatic_)
+      return height;
+    return is_automatic(written) || written < kBorneOut * automatic_ ? std::min(written / kBelowTies, 0.99 * automatic_)
+                                                                     : height;
   }
   bool has_no_core_face(std::uint32_t e) const {
     const Ids set = edge_sites(result_, vertex_sites_, e);

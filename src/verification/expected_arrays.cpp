@@ -47,6 +47,8 @@ constexpr Expected kOfCores[]{{"point", "radius", true},
                               {"field", "format_version", false},
                               {"field", "measures", false}};
 
+constexpr Expected kOfFittedCores[]{
+    {"point", "voxel_point", true}, {"point", "voxel_radius", true}, {"field", "surface", true}};
 constexpr Expected kOfCoresByLambda[]{
     {"cell", "lambda_level", true}, {"field", "lambda", true}, {"field", "lambda_chosen", false}};
 constexpr Expected kOfCoresByDetail[]{{"point", "detail", true},
@@ -125,6 +127,7 @@ std::vector<Expected> absent_of(const Result& result) {
   std::vector<Expected> absent;
   if (result.stage == "core") {
     look_for(kOfCores, data, absent);
+    if (has_one_of(kOfFittedCores, data)) look_for(kOfFittedCores, data, absent);
     look_for(result.by_detail ? std::span<const Expected>(kOfCoresByDetail) : kOfCoresByLambda, data, absent);
     if (result.by_detail && result.detail > 0) look_for(kOfPruningsByDetail, data, absent);
     if (has_one_of(kOfBurning, data)) look_for(kOfBurning, data, absent);

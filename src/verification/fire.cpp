@@ -78,7 +78,7 @@ std::string wrong_time(const Result& result, const Measure& time, std::size_t& b
   const double late = 4 * result.rounding * result.unit + (omega.size() == 1 ? kOffByLabels * omega[0] : 0);
   for (std::uint32_t v = 0; v < complex.vertex_count; ++v) {
     if (time.infinite[v] != 0) continue;
-    const double r = result.radius[v];
+    const double r = result.ball_radius[v];
     if (!(time.value[v] >= r * (1 - kSingle)))
       return fmt::format("{} burns at {:.9g}, before its radius {:.9g}", result.describe_vertex(v), time.value[v], r);
     const Star star = star_of(result, v);
@@ -90,7 +90,7 @@ std::string wrong_time(const Result& result, const Measure& time, std::size_t& b
       for (const std::uint32_t e : result.vertex_edges[v]) {
         const std::uint32_t other = complex.edges[e][0] == v ? complex.edges[e][1] : complex.edges[e][0];
         if (result.edge_faces_count[e] == 0 || time.infinite[other] != 0) continue;
-        const double length = (result.data.points[result.rows[v]] - result.data.points[result.rows[other]]).norm();
+        const double length = (result.point(v) - result.point(other)).norm();
         latest = std::min(latest, time.value[other] * (1 + kSingle) + length * (1 + kOffAlongEdges) + late);
       }
     }
@@ -112,7 +112,7 @@ std::array<double, 2> nodes_of(const Result& result, double omega) {
   std::array<double, 2> nodes{static_cast<double>(complex.vertex_count), static_cast<double>(complex.vertex_count)};
   for (std::uint32_t e = 0; e < complex.edges.size(); ++e) {
     const auto& [a, b] = complex.edges[e];
-    const double length = (result.data.points[result.rows[a]] - result.data.points[result.rows[b]]).norm();
+    const double length = (result.point(a) - result.point(b)).norm();
     if (result.edge_faces_count[e] == 0 || !(length > 0)) continue;
     const double least = at_seam[a] || at_seam[b] ? 2 : 1;
     nodes[0] += std::max(least, std::ceil(length / omega * (1 - 1.5e-12))) - 1;
@@ -210,7 +210,7 @@ std::vector<char> pocket_faces(const CellComplex& complex) {
 Check check_burning(const Result& result) {
   const std::string name = "burning";
   const Measure time(result, "burn_time", "unburned"), thickness(result, "erosion_thickness", "unburned");
-  if (!time.known() || !thickness.known() || result.radius.empty())
+  if (!time.known() || !thickness.known() || result.ball_radius.empty())
     return not_checked(name, "no arrays 'burn_time', 'erosion_thickness' and 'unburned'");
   Check check{name, true, {}, {}};
   const std::vector<char> pocket = pocket_vertices(result.complex);
@@ -223,7 +223,7 @@ Check check_burning(const Result& result) {
   }
   cover(check, "point unburned");
   cover(check, "point erosion_thickness");
-  std::string wrong = wrong_thickness(result, "erosion_thickness", thickness, time, result.radius);
+  std::string wrong = wrong_thickness(result, "erosion_thickness", thickness, time, result.ball_radius);
   std::size_t bounded_vertices = 0;
   if (wrong.empty() && result.stage == "skeleton")
     wrong = wrong_curves(result, time, check);

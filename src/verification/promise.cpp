@@ -39,7 +39,7 @@ BallSearch balls_of(const Result& result) {
   std::vector<LevelBall> balls;
   for (std::uint32_t v = 0; v < result.rows.size(); ++v)
     if (const double r = result.radius[v]; r >= 0 && r < kInfinite)  // else another check says so
-      balls.push_back({result.data.points[result.rows[v]], r, level[v]});
+      balls.push_back({result.voxel_point(v), r, level[v]});
   return BallSearch(std::move(balls));
 }
 

@@ -88,6 +88,7 @@ Outcome test(const Bvh& faces, const Vec3& x, double beta, double rounding) {
 
 Check check_proximity(const Result& result, std::size_t samples, Context* context) {
   Check check{"proximity bound", false, {}, {}};
+  if (!result.has_voxel_geometry) return not_checked(check.name, kNotOfVoxels);
   std::array<std::int64_t, 3> h = result.scale;
   std::sort(h.begin(), h.end());
   const double beta = static_cast<double>(h[1] * h[1] + h[2] * h[2]) / (8 * static_cast<double>(h[0]));

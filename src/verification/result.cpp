@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <limits>
+#include <type_traits>
+#include <variant>
 
 #include "quench/error.h"
 
@@ -71,7 +73,9 @@ void Result::parse_arrays(const VerifyOptions& options) {
       for (std::uint32_t row : rows) kept.push_back(all[row]);
     return kept;
   };
-  radius = per_vertex("radius");
+  ball_radius = per_vertex("radius");
+  parse_surface();
+  radius = fitted && has_voxel_geometry ? per_vertex("voxel_radius") : ball_radius;
   vertex_lambda = per_vertex("lambda");
   cell_lambda = numbers_or_empty(data.cell_data, "lambda");
   measures = texts_or_empty(data.field_data, "measures");
@@ -108,6 +112,34 @@ void Result::parse_arrays(const VerifyOptions& options) {
   auto_detail = 0.5 * shape.grid().spacing.norm();
 }
 
+void Result::parse_surface() {
+  surface = text_or_empty(data.field_data, "surface");
+  fitted = surface == "mesh" || surface == "grey" || surface == "smooth";
+  if (!fitted) return;
+  voxel_points_ = find_array(data.point_data, "voxel_point");
+  has_voxel_geometry = voxel_points_ && has_numbers(*voxel_points_) && voxel_points_->components == 3 &&
+                       !numbers_or_empty(data.point_data, "voxel_radius").empty();
+  if (!has_voxel_geometry) voxel_points_ = nullptr;
+}
+
+Vec3 Result::voxel_point(std::uint32_t vertex) const {
+  if (!voxel_points_) return point(vertex);
+  return std::visit(
+      [&]<class T>(const std::vector<T>& values) -> Vec3 {
+        if constexpr (std::is_arithmetic_v<T>) {
+          const T* at = values.data() + 3 * std::size_t{rows[vertex]};
+          return Vec3(static_cast<double>(at[0]), static_cast<double>(at[1]), static_cast<double>(at[2]));
+        }
+        return Vec3::Zero();
+      },
+      voxel_points_->values);
+}
+
+Vec3 Result::scaled_point(std::uint32_t vertex) const {
+  const Vec3 steps(static_cast<double>(scale[0]), static_cast<double>(scale[1]), static_cast<double>(scale[2]));
+  return shape.grid().lattice(point(vertex)).cwiseProduct(steps);
+}
+
 void Result::recover_lattice() {
   scale = integer_spacing(shape.grid());
   const Vec3 steps(static_cast<double>(scale[0]), static_cast<double>(scale[1]), static_cast<double>(scale[2]));
@@ -118,8 +150,8 @@ void Result::recover_lattice() {
   double farthest = shape.grid().origin.cwiseAbs().maxCoeff();
   for (std::uint32_t row : rows) farthest = std::max(farthest, data.points[row].cwiseAbs().maxCoeff());
   rounding = 4 * std::numeric_limits<double>::epsilon() * farthest / unit;
-  for (std::uint32_t row : rows) {
-    lattice.push_back(shape.grid().lattice(data.points[row]));
+  for (std::uint32_t v = 0; v < rows.size(); ++v) {
+    lattice.push_back(shape.grid().lattice(voxel_point(v)));
     scaled.push_back(lattice.back().cwiseProduct(steps));
   }
 }

@@ -39,9 +39,16 @@ struct Result {
   /// Largest error of a scaled coordinate that comes from the coordinates of the file being doubles: much, in voxels,
   /// for a small shape far from the origin.
   double rounding = 0;
-  std::vector<Vec3> lattice, scaled;  ///< vertices in lattice coordinates, and these times `scale`
+  /// Vertices of the voxel core (where the file has its geometry) in lattice coordinates, and these times `scale`.
+  std::vector<Vec3> lattice, scaled;
 
-  std::vector<double> radius, vertex_lambda;
+  /// Whether the points and radii of the file are fitted to a surface, `surface`: "mesh", "grey" or "smooth". What they
+  /// were in the voxel core then stands in arrays of its own; a skeleton has none.
+  bool fitted = false, has_voxel_geometry = true;
+  std::string surface;
+  std::vector<double> radius;       ///< of the voxel core, where the file has its geometry, else as `ball_radius`
+  std::vector<double> ball_radius;  ///< the array `radius`, of point()
+  std::vector<double> vertex_lambda;
   std::vector<double> cell_lambda;                      ///< rows of the file: verts, lines, polys
   std::vector<std::array<LatticePoint, 2>> face_sites;  ///< as the file says
   std::vector<std::uint32_t> edge_faces_count;          ///< polygons at each edge
@@ -58,6 +65,9 @@ struct Result {
   bool detail_of_file = false;  ///< it is that of the file
   double auto_detail = 0;       ///< half the voxel diagonal, world units
 
+  const Vec3& point(std::uint32_t vertex) const { return data.points[rows[vertex]]; }
+  Vec3 voxel_point(std::uint32_t vertex) const;   ///< of the voxel core, world coordinates
+  Vec3 scaled_point(std::uint32_t vertex) const;  ///< point(), scaled
   std::string describe_vertex(std::uint32_t vertex) const;
   std::string describe_edge(std::uint32_t edge) const;
   std::string describe_face(std::size_t face) const;
@@ -67,7 +77,9 @@ struct Result {
   Vec3 centroid(std::size_t face) const;                                               ///< of the corners, scaled
 
  private:
+  const DataArray* voxel_points_ = nullptr;
   void parse_cells();
+  void parse_surface();
   void parse_arrays(const VerifyOptions& options);
   void recover_lattice();
   void invert_incidences();

@@ -106,7 +106,7 @@ std::string wrong_fingerprints(const Result& result, const BurnNetwork& network,
   axis.add(complex.edges);
   for (const auto* list : {&complex.face_offsets, &complex.face_vertices, &complex.face_edges}) axis.add(*list);
   axis.add(result.data.points);
-  axis.add(result.radius);
+  axis.add(result.ball_radius);
   axis.add(network.pieces());
   axis.add(network.sectors_of_corners());
   axis.add(std::bit_cast<std::uint64_t>(omega));
@@ -187,7 +187,7 @@ class Comparison {
   std::string wrong_burn_times() const {
     const std::vector<double> written = numbers_or_empty(result_.data.point_data, "burn_time");
     for (std::uint32_t v = 0; v < complex_.vertex_count && !written.empty(); ++v) {
-      double latest = result_.radius[v];
+      double latest = result_.ball_radius[v];
       for (std::uint32_t s = network_.sectors()[v]; s < network_.sectors()[v + 1]; ++s)
         latest = std::max(latest, time_[s]);
       if (std::isfinite(latest) && !(std::abs(written[result_.rows[v]] - latest) <= kSingle * latest))
@@ -347,7 +347,7 @@ Check check_burn_sequence(const Result& result) {
   const std::vector<double> omega = numbers_or_empty(result.data.field_data, "omega");
   const std::string rule = text_or_empty(result.data.field_data, "radius_rule");
   if (!std::all_of(std::begin(kArrays), std::end(kArrays), is_there) || !is_there("sequence_of") || omega.size() != 1 ||
-      !(omega[0] > 0) || rule.empty() || result.radius.empty())
+      !(omega[0] > 0) || rule.empty() || result.ball_radius.empty())
     return not_checked(name, "an array of it is missing, or the radii, omega or radius_rule it is of");
   if (result.rows.size() != result.data.points.size()) return not_checked(name, "a point belongs to no cell");
   const bool exact = rule == "exact";
@@ -355,8 +355,8 @@ Check check_burn_sequence(const Result& result) {
   States states;
   std::string wrong = wrong_form(result.data, network, states);
   if (!wrong.empty()) return failed(name, std::move(wrong));
-  // Radii of other programs need not be distances.
-  Comparison comparison(result, network, states, omega[0], exact && result.stage == "core");
+  // Radii of other programs need not be distances, and between points those that are fitted to a surface are not.
+  Comparison comparison(result, network, states, omega[0], exact && !result.fitted && result.stage == "core");
   wrong = comparison.wrong();
   if (wrong.empty()) wrong = wrong_fingerprints(result, network, omega[0], exact);
   if (!wrong.empty()) return failed(name, std::move(wrong));

@@ -6,6 +6,7 @@
 
 #include "quench/shape.h"
 #include "verification/checks.h"
+#include "verification/solid_topology.h"
 
 namespace quench::verification {
 
@@ -51,7 +52,7 @@ bool segment_in_open_shape(const VoxelShape& shape, const Vec3& p, const Vec3& q
 
 }  // namespace
 
-Check check_topology(const Result& result) {
+Check check_topology(const Result& result, const TriangleMesh* surface) {
   const Topology shape = topology(result.shape), complex = topology(result.complex);
   Check check{"euler and Betti numbers", shape == complex, describe(shape), {}};
   if (!check.passed) check.detail = fmt::format("shape: {}; result: {}", describe(shape), describe(complex));
@@ -69,6 +70,9 @@ Check check_topology(const Result& result) {
     check.detail = fmt::format("the field array '{}' has {:g}; the cells have {}", array, fmt::join(written, " "),
                                fmt::join(counted, " "));
   };
+  if (const auto solid = surface && check.passed ? solid_topology(*surface) : std::nullopt)
+    check.detail += *solid == complex ? "; the solid of the surface has the same"
+                                      : fmt::format("; the solid of the surface has {}", describe(*solid));
   claims("euler", {complex.euler});
   claims("betti", {complex.betti.begin(), complex.betti.end()});
   return check;
@@ -76,6 +80,7 @@ Check check_topology(const Result& result) {
 
 Check check_enclosure(const Result& result, Context* context) {
   Check check{"inside the shape", false, {}, {}};
+  if (!result.has_voxel_geometry) return not_checked(check.name, kNotOfVoxels);
   const CellComplex& complex = result.complex;
   const auto& at = result.lattice;
   const std::size_t vertex = first_failure(at.size(), context, "verify: enclosure",
@@ -155,18 +160,19 @@ std::vector<Vec3> centres_of_share(const Result& result) {
 
 Check check_reconstruction(const Result& result, Context* context) {
   const std::string name = "reconstructed";
-  if (result.radius.empty()) return not_checked(name, "no array 'radius'");
+  if (result.ball_radius.empty()) return not_checked(name, "no array 'radius'");
   // A centre on the sphere of a ball counts: the radius is taken 1e-9 larger. A centre that is closer to that than the
   // rounding error may count or not.
   const auto unsure = [&](double r) { return r * (1e-10 + 2 * result.slack) + 4 * result.rounding; };
-  const auto reach = [&](std::size_t v) { return result.radius[v] / result.unit * (1 + 1e-9); };
+  const auto reach = [&](std::size_t v) { return result.ball_radius[v] / result.unit * (1 + 1e-9); };
   std::vector<Box> balls;
-  for (std::size_t v = 0; v < result.scaled.size(); ++v) {
-    const double r = result.radius[v] > 0 ? std::min(reach(v) + unsure(reach(v)), 0x1p22) : 0;
+  for (std::uint32_t v = 0; v < result.rows.size(); ++v) {
+    const double r = result.ball_radius[v] > 0 ? std::min(reach(v) + unsure(reach(v)), 0x1p22) : 0;
+    const Vec3 centre = result.scaled_point(v);
     Box box{};
     for (int a = 0; a < 3; ++a) {
-      box.low[static_cast<std::size_t>(a)] = bounded(std::floor(result.scaled[v][a] - r));
-      box.high[static_cast<std::size_t>(a)] = bounded(std::ceil(result.scaled[v][a] + r));
+      box.low[static_cast<std::size_t>(a)] = bounded(std::floor(centre[a] - r));
+      box.high[static_cast<std::size_t>(a)] = bounded(std::ceil(centre[a] + r));
     }
     balls.push_back(box);
   }
@@ -176,7 +182,7 @@ Check check_reconstruction(const Result& result, Context* context) {
   for_indices(centres.size(), context, "verify: reconstruction", [&](std::size_t i) {
     bool touched = false;
     const bool outside = tree.visit_within(centres[i], 0, [&](std::uint32_t v, const Box&) {
-      const double r = reach(v), distance = (centres[i] - result.scaled[v]).norm();
+      const double r = reach(v), distance = (centres[i] - result.scaled_point(v)).norm();
       touched = touched || distance <= r + unsure(r);
       return distance > r - unsure(r);
     });

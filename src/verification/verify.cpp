@@ -41,10 +41,14 @@ std::string structural_defect(const Record& data) {
 // are those of points of the shape: they would take long, or for ever, where coordinates are of any size.
 std::string vertex_off_grid(const Result& result) {
   const auto& dims = result.shape.grid().dims;
-  for (std::uint32_t v = 0; v < result.lattice.size(); ++v)
+  const auto in_grid = [&](const Vec3& p) {
     for (std::size_t a = 0; a < 3; ++a)
-      if (const double x = result.lattice[v][static_cast<int>(a)]; !(x >= -1 && x <= static_cast<double>(dims[a]) + 1))
-        return result.describe_vertex(v) + " is outside the grid of the shape; nothing else is checked";
+      if (const double x = p[static_cast<int>(a)]; !(x >= -1 && x <= static_cast<double>(dims[a]) + 1)) return false;
+    return true;
+  };
+  for (std::uint32_t v = 0; v < result.lattice.size(); ++v)
+    if (!in_grid(result.lattice[v]) || (result.fitted && !in_grid(result.shape.grid().lattice(result.point(v)))))
+      return result.describe_vertex(v) + " is outside the grid of the shape; nothing else is checked";
   return {};
 }
 
@@ -84,9 +88,19 @@ Certificate examine(const VoxelShape& shape, const Record& data, const VerifyOpt
 
   add(check_expected(result, options));
   add(check_cells(result));
-  add(check_topology(result));
+  add(check_topology(result, options.surface));
   add(check_enclosure(result, context));
   add(check_radii(result, sites, context));
+  if (result.fitted) {
+    add(check_moves(result));
+    if (options.surface) {
+      const TriangleSearch surface(*options.surface);
+      add(check_sides(result, surface, options, context));
+      add(check_balls(result, surface, context));
+    } else {
+      add(not_checked("balls of the surface", fmt::format("the surface ({}) was not given", result.surface)));
+    }
+  }
   if (result.stage == "core") {
     add(check_voronoi(result, sites, vertex_sites, options.samples, context));
     add(check_lambda(result, sites, vertex_sites, options.samples, context));

@@ -145,7 +145,7 @@ Check check_cells(const Result& result) {
     return check;
   }
   std::vector<Vec3> corners;
-  for (std::size_t f = 0; f < complex.face_count(); ++f) {
+  for (std::size_t f = 0; f < complex.face_count() && result.has_voxel_geometry; ++f) {  // fitted ones are warped
     corners.clear();
     for (std::uint32_t v : complex.corners(f)) corners.push_back(result.scaled[v]);
     const std::string defect = polygon_defect(corners, tiny, result.rounding, result.stage == "core");

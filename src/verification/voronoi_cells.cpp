@@ -32,7 +32,9 @@ std::optional<std::array<std::uint32_t, 2>> first_repeated(const std::vector<std
 
 Check check_radii(const Result& result, const Sites& sites, Context* context) {
   Check check{"radii", false, {}, {}};
-  cover(check, "point radius");
+  if (!result.has_voxel_geometry) return not_checked(check.name, kNotOfVoxels);
+  cover(check, result.fitted ? "point voxel_radius" : "point radius");
+  if (result.fitted) cover(check, "point voxel_point");
   if (result.radius.empty()) {
     check.detail = "the point array 'radius' is missing";
     return check;

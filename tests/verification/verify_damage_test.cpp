@@ -7,6 +7,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <optional>
 #include <set>
 #include <string>
 #include <type_traits>
@@ -16,6 +17,7 @@
 #include "certificates.h"
 #include "quench/burn.h"
 #include "quench/pipeline.h"
+#include "quench/samples.h"
 #include "quench/shape.h"
 #include "quench/skeleton.h"
 #include "quench/verify.h"
@@ -34,6 +36,7 @@ struct Result {
   std::string name;
   VoxelShape shape;
   Record data;
+  std::optional<Surface> surface = {};  // that it is fitted to
 };
 
 VerifyOptions options_for(const VoxelShape& shape) {
@@ -94,8 +97,27 @@ Record skeleton_of(const VoxelShape& shape, double theta2, double theta1, bool p
   return pipeline::skeleton_file(pipeline::skeleton_of(family, options, {}, 0), core);
 }
 
+void add_fitted(std::vector<Result>& all) {
+  pipeline::ShapeOptions options;
+  options.resolution = 10;
+  options.surface = SurfaceKind::mesh;
+  pipeline::LoadedShape loaded = pipeline::shape_of(make_sample("fin-on-board", {.fineness = 0.05}).mesh, options);
+  loaded.coordinates = {"mm", "LPS"};
+  const pipeline::CoreResult core = pipeline::core_of(loaded, {});
+  const Record data = burned(pipeline::core_file(core), {.radius = RadiusRule::linear});
+  const MedialAxis axis = medial_axis_of(data);
+  const Burning burning = burn(axis, {.radius = RadiusRule::linear});
+  const pipeline::FamilyResult family =
+      pipeline::family_of(quench_curves(axis.complex, axis.points, axis.radius, burning), topology(loaded.shape));
+  const pipeline::SkeletonOptions thetas{world_length(0.05), world_length(0.05), false};
+  all.push_back({"fitted core", loaded.shape, data, loaded.surface});
+  all.push_back({"fitted skeleton", loaded.shape,
+                 pipeline::skeleton_file(pipeline::skeleton_of(family, thetas, {}, 0), data), loaded.surface});
+}
+
 std::vector<Result> results() {
   std::vector<Result> all;
+  add_fitted(all);
   for (const auto& [name, shape] : {std::pair{"plate", plate()}, std::pair{"hollow", hollow()}}) {
     const auto add = [&, n = std::string(name), s = shape](const char* what, Record data) {
       all.push_back({n + " " + what, s, std::move(data)});
@@ -118,6 +140,15 @@ std::vector<Result> results() {
     add("curves that topology needs", skeleton_of(shape, kInfinity, kInfinity, false));
   }
   return all;
+}
+
+VerifyOptions options_for(const Result& result) {
+  VerifyOptions options = options_for(result.shape);
+  if (!result.surface) return options;
+  options.longest_side = longest_side_of(result.surface->mesh().points);
+  options.surface = &result.surface->mesh();
+  options.surface_kind = name_of(result.surface->kind());
+  return options;
 }
 
 bool is_core(const Record& data) {
@@ -211,7 +242,7 @@ class EveryArray {
     DataArray& array = (data.*arrays.list)[a];
     array.values = std::move(values);
     ++tried_;
-    const Certificate certificate = verify(result_.shape, data, options_for(result_.shape));
+    const Certificate certificate = verify(result_.shape, data, options_for(result_));
     const bool said = left_out(certificate).contains(fmt::format("{} {}", arrays.of, array.name));
     EXPECT_TRUE(!certificate.passed() || said)
         << result_.name << ": " << arrays.of << " array " << array.name << ", " << how;
@@ -229,7 +260,7 @@ class EveryArray {
 
 TEST(VerifyDamage, UnchangedResultsPassAndEveryArrayIsNamed) {
   for (const Result& result : results()) {
-    const Certificate certificate = verify(result.shape, result.data, options_for(result.shape));
+    const Certificate certificate = verify(result.shape, result.data, options_for(result));
     EXPECT_TRUE(certificate.passed()) << result.name << "\n" << text(certificate);
     std::multiset<std::string> named, all;
     for (const Check& check : certificate.checks) named.insert(check.arrays.begin(), check.arrays.end());
@@ -250,6 +281,8 @@ TEST(VerifyDamage, UnchangedResultsPassAndEveryArrayIsNamed) {
 // What Quench writes for a stage and is not there is named, and what the stage needs is a failure.
 TEST(VerifyDamage, EveryArrayThatIsRemovedIsNoticedOrListed) {
   const std::set<std::string> needed{"point radius",
+                                     "point voxel_point",
+                                     "point voxel_radius",
                                      "field dims",
                                      "field spacing",
                                      "field origin",
@@ -267,10 +300,10 @@ TEST(VerifyDamage, EveryArrayThatIsRemovedIsNoticedOrListed) {
                                      "cell curve_level",
                                      "cell erosion_thickness",
                                      "cell curve_erosion_thickness"};
-  const std::set<std::string> needed_of_cores{"field lambda", "field detail", "field lambda_rule", "point lambda",
-                                              "cell lambda"};
+  const std::set<std::string> needed_of_cores{"field surface",     "field lambda", "field detail",
+                                              "field lambda_rule", "point lambda", "cell lambda"};
   for (const Result& result : results()) {
-    VerifyOptions whole = options_for(result.shape);
+    VerifyOptions whole = options_for(result);
     whole.format_holds_all = true;
     const Certificate unchanged = verify(result.shape, result.data, whole);
     EXPECT_TRUE(unchanged.passed() && unchanged.absent.empty()) << result.name << "\n" << text(unchanged);
@@ -279,7 +312,8 @@ TEST(VerifyDamage, EveryArrayThatIsRemovedIsNoticedOrListed) {
       for (std::size_t a = 0; a < (result.data.*arrays.list).size(); ++a) {
         Record data = result.data;
         const std::string name = fmt::format("{} {}", arrays.of, (data.*arrays.list)[a].name);
-        if (name == "field SPACE") continue;  // only where it is known
+        if (name == "field SPACE") continue;             // only where it is known
+        if (name == "field surface" && !core) continue;  // not fitted then
         (data.*arrays.list).erase((data.*arrays.list).begin() + static_cast<std::ptrdiff_t>(a));
         const Certificate certificate = verify(result.shape, data, whole);
         EXPECT_EQ(certificate.absent, std::vector<std::string>{name}) << result.name << "\n" << text(certificate);
@@ -291,8 +325,8 @@ TEST(VerifyDamage, EveryArrayThatIsRemovedIsNoticedOrListed) {
         EXPECT_EQ(check.detail.find("missing: " + name + ";") == 0, fails) << check.detail;
         // A format that does not hold all of them: only what contradicts the cells is a failure.
         if (name.starts_with("field ") && !name.starts_with("field theta") && name != "field lambda" &&
-            name != "field detail" && name != "field lambda_rule") {
-          const Certificate of_part = verify(result.shape, data, options_for(result.shape));
+            name != "field detail" && name != "field lambda_rule" && name != "field surface") {
+          const Certificate of_part = verify(result.shape, data, options_for(result));
           EXPECT_TRUE(of_part.passed()) << result.name << " without " << name << "\n" << text(of_part);
           EXPECT_EQ(of_part.absent, certificate.absent);
         }
@@ -327,7 +361,7 @@ TEST(VerifyDamage, NegativeLengthsAreNoticed) {
         for (DataArray& array : data.field_data)
           if (array.name == name) array.values = std::vector<double>{value}, changed = true;
         if (!changed) continue;
-        const Certificate certificate = verify(result.shape, data, options_for(result.shape));
+        const Certificate certificate = verify(result.shape, data, options_for(result));
         EXPECT_FALSE(certificate.passed()) << result.name << ": " << name << " " << value;
         EXPECT_NE(text(certificate).find(fmt::format("'{}'", name)), std::string::npos) << text(certificate);
       }
@@ -351,7 +385,7 @@ TEST(VerifyDamage, PointsFarOutsideTheGridEndAtOnce) {
       for (int axis = 0; axis < 3; ++axis) {
         Record data = result.data;
         data.points[data.points.size() / 2][axis] = x;
-        const Certificate certificate = verify(result.shape, data, options_for(result.shape));
+        const Certificate certificate = verify(result.shape, data, options_for(result));
         ASSERT_EQ(certificate.checks.size(), 1u) << result.name << " " << x;
         EXPECT_FALSE(certificate.passed());
         EXPECT_NE(text(certificate).find(std::isfinite(x) ? "is outside the grid of the shape" : "is not finite"),
@@ -371,9 +405,11 @@ TEST(VerifyDamage, OnlyTheseArraysAreLeftOut) {
                        "cell curve_erosion_thickness", "cell sheet_level", "cell curve_level", "field theta2",
                        "field theta1", "field lambda", "field detail"});
   for (const Result& result : results()) {
-    const Certificate certificate = verify(result.shape, result.data, options_for(result.shape));
+    const Certificate certificate = verify(result.shape, result.data, options_for(result));
     const bool core = is_core(result.data);
-    for (const std::string& name : left_out(certificate))
+    std::set<std::string> left = left_out(certificate);
+    if (result.surface) left.erase(core ? "field detail" : "point radius");
+    for (const std::string& name : left)
       EXPECT_TRUE((core ? of_cores : of_skeletons).contains(name)) << result.name << ": " << name;
   }
 }
@@ -407,10 +443,11 @@ TEST(VerifyDamage, AMovedPointIsNoticed) {
   for (const Result& result : results()) {
     // Of a skeleton only that the radius is right, the polygons plane and all inside.
     const bool core = is_core(result.data);
+    if (result.surface && !core) continue;  // of this only that it is inside, with about the right radius
     for (const Vec3& step : {Vec3(core ? 1e-3 : 0.5, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, core ? -1e-4 : -1)}) {
       Record moved = result.data;
       moved.points[moved.points.size() / 2] += step;
-      EXPECT_FALSE(verify(result.shape, moved, options_for(result.shape)).passed()) << result.name;
+      EXPECT_FALSE(verify(result.shape, moved, options_for(result)).passed()) << result.name;
     }
   }
 }
