@@ -18,6 +18,8 @@ int run(int argc, char** argv);
 using Action = std::function<int(Session&)>;
 /// Throws Error(usage) unless the extension is that of the volumes Quench writes.
 void check_volume_format(const std::filesystem::path& output);
+/// Throws Error(usage) with the sentence `formats` unless the file is one of a mesh.
+void check_mesh_format(const std::filesystem::path& output, const std::string& formats);
 
 Action add_sample(CLI::App& app);
 Action add_voxelize(CLI::App& app);

@@ -59,15 +59,14 @@ std::string description_of(const SampleInfo& info) {
   return fmt::format("{} ({})", info.description, options);
 }
 
-void check_mesh_format(const std::filesystem::path& output) {
+}  // namespace
+
+void check_mesh_format(const std::filesystem::path& output, const std::string& formats) {
   const std::string extension = extension_of(output);
   for (const char* known : {".ply", ".obj", ".vtp"})
     if (extension == known) return;
-  throw Error(ErrorCode::usage,
-              fmt::format("cannot write '{}': samples are written as .ply, .obj, .vtp or .nrrd", output.string()));
+  throw Error(ErrorCode::usage, fmt::format("cannot write '{}': {}", output.string(), formats));
 }
-
-}  // namespace
 
 Action add_sample(CLI::App& app) {
   struct Options {
@@ -109,7 +108,7 @@ Action add_sample(CLI::App& app) {
     if (volume)
       check_volume_format(o->output);
     else
-      check_mesh_format(o->output);
+      check_mesh_format(o->output, "samples are written as .ply, .obj, .vtp or .nrrd");
     fs::path truth = o->output;
     truth.replace_extension(".json");
     if (o->name == "root") session.check_output(truth, {});

@@ -202,6 +202,18 @@ void add_shape_options(CLI::App& app, ShapeOptions& o) {
       ->type_name("N")
       ->group(group);
   app.add_flag("--fill-cavities", f.fill_cavities, "Fill cavities that are closed all around")->group(group);
+  add_parsed(
+      app, "--surface",
+      "What points and radii are fitted to: 'voxels' (nothing), the 'mesh', the 'grey' values of a volume at its "
+      "threshold, 'smooth' (a smoothed surface of the voxels, for masks and labels), or 'auto': the mesh where its "
+      "solid "
+      "can be told, grey values where a threshold cuts more than two, else the voxels",
+      [&o](const std::string&, const std::string& text) { o.how.surface = surface_kind_of(text); },
+      [&o] { return std::string(o.how.surface ? name_of(*o.how.surface) : "auto"); })
+      ->type_name("KIND")
+      ->check(one_of({"auto", "voxels", "mesh", "grey", "smooth"}))
+      ->capture_default_str()
+      ->group(group);
   add_number(app, "--subdivide", o.how.subdivide, "Split every voxel into K x K x K, K from 1 to 64", 1, 64)
       ->type_name("K")
       ->capture_default_str()

@@ -6,11 +6,27 @@
 #include "base/text.h"
 #include "option_checks.h"
 #include "program.h"
+#include "quench/io.h"
 #include "quench/verify.h"
 #include "report.h"
 #include "shape_input.h"
 
 namespace quench::program {
+
+namespace {
+
+// The samples that the surface of a shape follows from; nothing where it does not, or where they are too many to hold.
+std::optional<Volume> grey_values(const ShapeOptions& options, const pipeline::LoadedShape& shape, Session& session) {
+  constexpr std::int64_t kMost = std::int64_t{1} << 28;
+  const auto& dims = shape.image.dims;
+  if (!shape.surface || shape.surface->kind() != SurfaceKind::grey || dims[0] * dims[1] * dims[2] > kMost) return {};
+  Volume volume = io::read_volume(options.file, {options.how.spacing}, &session.context);
+  if (volume.grid.dims != dims) return {};
+  volume.grid = shape.image;
+  return volume;
+}
+
+}  // namespace
 
 Action add_verify(CLI::App& app) {
   struct Options {
@@ -52,6 +68,9 @@ Action add_verify(CLI::App& app) {
     bool passed = true;
     std::string made_with;
     pipeline::LoadedShape loaded;
+    std::optional<Volume> grey;
+    std::optional<ImageView> samples;
+    double threshold = 0;
     for (std::size_t r = 0; r < o->results.size(); ++r) {
       const std::string& file = o->results[r];
       Record data = pipeline::read_surface(file, &session.context);
@@ -69,6 +88,10 @@ Action add_verify(CLI::App& app) {
         take_recorded(shape, data, file);
         loaded = load_shape(shape, session);
         made_with = parameters;
+        grey = grey_values(shape, loaded, session);
+        samples = grey ? std::optional(view_of(*grey)) : std::nullopt;
+        if (const auto& given = shape.how.foreground.threshold)
+          threshold = std::visit([](auto value) { return static_cast<double>(value); }, *given);
         const std::int64_t sites = count_boundary_vertices(loaded.shape);
         pipeline::require_memory(
             predicted_core_bytes(loaded.shape),  // verifying takes no more than computing
@@ -82,6 +105,8 @@ Action add_verify(CLI::App& app) {
         options.surface = &loaded.surface->mesh();
         options.surface_kind = name_of(loaded.surface->kind());
         options.subdivided = loaded.subdivided();
+        options.image = samples ? &*samples : nullptr;
+        options.threshold = threshold;
       }
       options.format_holds_all = says_stage;  // only VTP holds it, and with it every other array
       if (o->lambda) options.lambda = loaded.scale().resolve(*o->lambda, kLambda);

@@ -18,18 +18,35 @@ void check_volume_format(const std::filesystem::path& output) {
 Action add_voxelize(CLI::App& app) {
   struct Options {
     ShapeOptions shape;
-    std::string output;
+    std::string output, surface;
   };
   auto o = std::make_shared<Options>();
   add_shape_options(app, o->shape);
   o->shape.how.core_follows = false;
   app.add_option("-o,--output", o->output, "The volume: .nrrd, 1 inside and 0 outside")->type_name("FILE")->required();
+  app.add_option("--surface-file", o->surface,
+                 "Also the surface that --surface says, as triangles: .ply .obj .vtp; voxels have none")
+      ->type_name("FILE");
   return [o](Session& session) {
     session.check_output(o->output, {o->shape.file});
     check_volume_format(o->output);
+    if (!o->surface.empty()) {
+      session.check_output(o->surface, {o->shape.file, o->output});
+      check_mesh_format(o->surface, "surfaces are written as .ply, .obj or .vtp");
+    } else if (!o->shape.how.surface) {
+      o->shape.how.surface = SurfaceKind::voxels;  // nobody looks at it
+    }
     const pipeline::LoadedShape loaded = load_shape(o->shape, session);
+    if (!o->surface.empty() && !loaded.surface)
+      throw Error(ErrorCode::usage,
+                  fmt::format("'{}' has no surface but that of its voxels; --surface smooth makes one", o->shape.file));
     io::OutputGroup outputs;
     io::write_volume(o->output, loaded.shape, loaded.coordinates, &session.context);
+    if (loaded.surface && !o->surface.empty()) {
+      io::write_record(o->surface, to_record(loaded.surface->mesh()));
+      session.say(fmt::format("{}: {} vertices, {} triangles ({})", o->surface, loaded.surface->mesh().points.size(),
+                              loaded.surface->mesh().triangles.size(), name_of(loaded.surface->kind())));
+    }
     session.finished("write");
     Json report;
     if (!session.options.report.empty()) {

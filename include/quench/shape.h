@@ -126,7 +126,7 @@ std::string much_dropped(const ForegroundReport& report);
 /// The foreground of an image as a voxel shape on the image's grid. Applied in the order invert, components, cavities.
 /// Throws Error(input) when nothing is left, naming the range of values found.
 VoxelShape foreground(const Volume& volume, const ForegroundOptions& options, ForegroundReport* report = nullptr,
-                      Context* context = nullptr);
+                      Context* context = nullptr, std::optional<TriangleMesh>* isosurface = nullptr);
 
 /// Drops components and fills cavities as asked (the part of ForegroundOptions that also applies to voxelized meshes).
 VoxelShape clean(const VoxelShape& shape, const ForegroundOptions& options, ForegroundReport* report = nullptr,
@@ -148,8 +148,40 @@ ImageView view_of(const Volume& volume);
 
 /// As foreground() of a volume. The result does not depend on the order in memory. Memory beyond the shape: 8 bytes per
 /// voxel of one slice where x is not the closest axis in memory, else nothing.
+///
+/// `isosurface`: becomes the surface of the shape by the values of the samples, in lattice coordinates: closed, faces
+/// outward, with the topology of the shape; nothing without a threshold and for an image of at most two values, where
+/// the values do not say more than the voxels. Where samples interpolated trilinearly between the centres of voxels
+/// equal the threshold (half a unit less for integer samples and a whole threshold, so that the surface of a mask is
+/// half way), in triangles of about a voxel; half a voxel outside the image where the shape meets its border, and half
+/// way to a sample that is not finite. On all threads; about 80 bytes per boundary vertex.
 VoxelShape foreground(const ImageView& image, const ForegroundOptions& options, ForegroundReport* report = nullptr,
-                      Context* context = nullptr);
+                      Context* context = nullptr, std::optional<TriangleMesh>* isosurface = nullptr);
+
+/// The surface through the points half way between neighbouring voxels of foreground and background, in lattice
+/// coordinates: closed, faces outward, with the topology of the shape.
+TriangleMesh midpoint_surface(const VoxelShape& shape, Context* context = nullptr);
+
+/// Drops what does not bound `shape` of a surface as foreground() or midpoint_surface() make it, of a shape of which
+/// clean() made `shape`. O(triangles * log runs).
+void restrict_surface(TriangleMesh& surface, const VoxelShape& shape);
+
+/// How far smooth_surface() goes.
+struct SurfaceSmoothing {
+  int passes = 2;
+  double reach = 0.3;  ///< of every coordinate of a vertex, in voxels; below half of one
+};
+
+/// What takes the steps of voxels away.
+inline constexpr SurfaceSmoothing kStepSmoothing{6, 0.49};
+
+/// Smooths a surface as foreground() or midpoint_surface() make it: vertices go to quadrics fitted to what lies up to
+/// four cells around them, and no farther than `reach`. Planes, spheres and cylinders stay where they are; noise and
+/// steps of few voxels go. Corners stay within their cells.
+void smooth_surface(TriangleMesh& surface, const SurfaceSmoothing& options = {}, Context* context = nullptr);
+
+/// From lattice coordinates to those of the world; faces stay outward.
+void to_world(TriangleMesh& surface, const Grid& grid);
 
 /// A label of an image and the box of its voxels.
 struct LabelRuns {
@@ -180,8 +212,8 @@ struct SliceStream {
   std::function<void(std::span<std::byte> slice)> next;
 };
 
-/// As foreground() of a volume. Reads the stream once; memory beyond the shape: one slice.
+/// As foreground() of an image. Reads the stream once; memory beyond the shape: one slice, two with an isosurface.
 VoxelShape foreground(const SliceStream& image, const ForegroundOptions& options, ForegroundReport* report = nullptr,
-                      Context* context = nullptr);
+                      Context* context = nullptr, std::optional<TriangleMesh>* isosurface = nullptr);
 
 }  // namespace quench

@@ -48,6 +48,9 @@ struct VerifyOptions {
   const TriangleMesh* surface = nullptr;
   std::string surface_kind = {};
   int subdivided = 1;  ///< into so many along each side the voxels of the input were split
+  /// Of a surface of grey values: these, and the threshold they were cut at. Must outlive the call.
+  const ImageView* image = nullptr;
+  double threshold = 0;
   /// The result was written in full and in a format that holds all arrays (VTP): it is an error when an array is absent
   /// without which its stage cannot be checked. Otherwise absent arrays are only named.
   bool format_holds_all = false;

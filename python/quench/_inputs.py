@@ -167,6 +167,7 @@ class Cut:
     spacing: Spacing = None
     resolution: Union[int, str] = 256
     fill: str = 'nonzero'
+    surface: str = 'auto'
 
     def options(self) -> '_core.ShapeOptions':
         """As the core takes them."""
@@ -174,6 +175,8 @@ class Cut:
             raise error(2, 'threshold and label cannot be combined; give one of them', 'threshold')
         if self.fill not in ('nonzero', 'evenodd', 'winding', 'auto'):
             raise error(2, f"fill={self.fill!r} is not one of 'nonzero', 'evenodd', 'winding', 'auto'", 'fill')
+        if self.surface not in ('auto', 'voxels', 'mesh', 'grey', 'smooth'):
+            raise error(2, f"surface={self.surface!r} is not one of 'auto', 'voxels', 'mesh', 'grey', 'smooth'", 'surface')
         return _core.ShapeOptions(
             threshold=None if self.threshold is None else _threshold(self.threshold),
             label=None if self.label is None else label_of(self.label), invert=bool(self.invert),
@@ -181,7 +184,7 @@ class Cut:
             min_component=min(whole(self.min_component, 'min_component'), 2**62), fill_cavities=bool(self.fill_cavities),
             subdivide=min(whole(self.subdivide, 'subdivide'), 2**30), spacing=spacing_of(self.spacing),
             resolution=0 if self.resolution == 'auto' else min(whole(self.resolution, 'resolution', 1), 2**30),
-            fill=self.fill)
+            fill=self.fill, surface=self.surface)
 
     def for_images(self) -> bool:
         """Whether something is given that means nothing for a mesh."""
@@ -308,4 +311,4 @@ def voxelize(mesh: Any, *, resolution: Union[int, str] = 256, fill: str = 'nonze
     >>> quench.voxelize(quench.sample('torus'), resolution=20).array.max()
     1
     """
-    return Volume(shape_of(mesh, Cut(resolution=resolution, fill=fill), threads, progress).image())
+    return Volume(shape_of(mesh, Cut(resolution=resolution, fill=fill, surface='voxels'), threads, progress).image())

@@ -90,6 +90,17 @@ pipeline::Pruning pruning_of(const std::string& measure, const std::string& thre
   return {known, pipeline::parse_length_or_auto(threshold, known)};
 }
 
+VerifyOptions verify_options(const Shape& shape, std::size_t samples) {
+  VerifyOptions options;
+  options.samples = samples;
+  if (shape.surface) {
+    options.surface = &shape.surface->mesh();
+    options.surface_kind = name_of(shape.surface->kind());
+    options.subdivided = shape.subdivided();
+  }
+  return options;
+}
+
 py::list checks_of(const Certificate& certificate) {
   py::list result;
   for (const Check& check : certificate.checks) result.append(py::make_tuple(check.name, check.passed, check.detail));

@@ -78,13 +78,14 @@ pipeline::ShapeOptions shape_options(const std::optional<Threshold>& threshold,
                                      const std::optional<std::int64_t>& label, bool invert, bool largest_component,
                                      std::int64_t min_component, bool fill_cavities, int subdivide,
                                      const std::optional<Triple>& spacing, std::int64_t resolution,
-                                     const std::string& fill) {
+                                     const std::string& fill, const std::string& surface) {
   pipeline::ShapeOptions options;
   options.foreground = {threshold, label, invert, largest_component, min_component, fill_cavities};
   options.subdivide = subdivide;
   if (spacing) options.spacing = Vec3((*spacing)[0], (*spacing)[1], (*spacing)[2]);
   options.resolution = resolution;
   options.fill = fill_of(fill);
+  options.surface = surface_kind_of(surface);
   return options;
 }
 
@@ -138,7 +139,7 @@ void bind_shapes(py::module_& m) {
   py::class_<pipeline::ShapeOptions>(m, "ShapeOptions")
       .def(py::init(&shape_options), py::kw_only(), py::arg("threshold"), py::arg("label"), py::arg("invert"),
            py::arg("largest_component"), py::arg("min_component"), py::arg("fill_cavities"), py::arg("subdivide"),
-           py::arg("spacing"), py::arg("resolution"), py::arg("fill"));
+           py::arg("spacing"), py::arg("resolution"), py::arg("fill"), py::arg("surface"));
   py::class_<Shape, std::shared_ptr<Shape>>(m, "Shape")
       .def_property_readonly("dims", [](const Shape& s) { return s.image.dims; })
       .def_property_readonly("spacing", [](const Shape& s) { return triple(s.shape.grid().spacing); })

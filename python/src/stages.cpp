@@ -20,17 +20,6 @@ Record Axis::data(const Fire* with, bool sequence) const {
   return result;
 }
 
-VerifyOptions verify_options(const Shape& shape, std::size_t samples) {
-  VerifyOptions options;
-  options.samples = samples;
-  if (shape.surface) {
-    options.surface = &shape.surface->mesh();
-    options.surface_kind = name_of(shape.surface->kind());
-    options.subdivided = shape.subdivided();
-  }
-  return options;
-}
-
 std::shared_ptr<Axis> compute_axis(std::shared_ptr<Shape> shape, const pipeline::AxisOptions& options,
                                    Context& context) {
   auto result = std::make_shared<Axis>();

@@ -13,7 +13,6 @@
 #include "quench/pipeline.h"
 #include "quench/verify.h"
 #include "quench/shape.h"
-#include "quench/verify.h"
 #include "run.h"
 
 namespace quench::python {
@@ -65,9 +64,6 @@ struct GraphValue {
   CurveGraph graph;
 };
 
-/// Of a result of a shape, looked at by so many samples.
-VerifyOptions verify_options(const Shape& shape, std::size_t samples);
-
 /// Lengths as texts.
 struct Thetas {
   std::string theta2, theta1;
@@ -84,6 +80,8 @@ std::shared_ptr<const Fire> compute_fire(const Axis& axis, double omega, bool fa
 std::shared_ptr<SkeletonValue> compute_skeleton(std::shared_ptr<Axis> axis, const Fire& fire, const Thetas& thetas,
                                                 Context& context);
 
+/// What results of a shape are verified with; it must outlive them.
+VerifyOptions verify_options(const Shape& shape, std::size_t samples);
 /// Rows (name, passed, detail).
 py::list checks_of(const Certificate& certificate);
 

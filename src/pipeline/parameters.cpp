@@ -101,6 +101,9 @@ std::vector<std::string> take_recorded(ShapeOptions& options, const Record& resu
     options.spacing_text = *size;
     taken.emplace_back("spacing");
   }
+  const auto is_surface = [](const std::string& name) { return surface_kind_of(name).has_value(); };
+  const auto surface = recorded.get<std::string>("surface", &Json::is_string, is_surface);
+  if (!options.surface && !text.empty()) options.surface = surface_kind_of(surface.value_or("voxels"));
   f.largest_component |= recorded.flag("largest_component");
   f.fill_cavities |= recorded.flag("fill_cavities");
   if (const auto n = recorded.whole("min_component", 0, most); n && f.min_component == 0) f.min_component = *n;

@@ -84,10 +84,49 @@ void subdivide_as_asked(LoadedShape& loaded, const ShapeOptions& options, const 
   record(loaded, "subdivide", std::int64_t{options.subdivide});
 }
 
-/// What follows from the voxels of an input.
-LoadedShape finished(LoadedShape&& loaded, const ShapeOptions& options, Context* context) {
+bool wants_isosurface(const ShapeOptions& options) {
+  return options.foreground.threshold && options.surface.value_or(SurfaceKind::grey) == SurfaceKind::grey;
+}
+
+void refuse_surface(SurfaceKind kind, const std::string& reason) {
+  throw Error(ErrorCode::usage, fmt::format("the surface cannot be '{}': {}", name_of(kind), reason), "surface");
+}
+
+/// Refuses a surface that inputs of this kind do not have.
+void check_surface(const ShapeOptions& options, bool from_mesh) {
+  if (options.surface == SurfaceKind::grey && from_mesh)
+    refuse_surface(SurfaceKind::grey, "a mesh has no grey values; use 'mesh', 'smooth' or 'voxels'");
+  if (options.surface == SurfaceKind::mesh && !from_mesh)
+    refuse_surface(SurfaceKind::mesh, "a volume is not a mesh; use 'grey', 'smooth' or 'voxels'");
+}
+
+/// The surface of cleaned voxels that are not subdivided yet: of their grey values, or smoothed.
+void set_surface_of_voxels(LoadedShape& loaded, std::optional<TriangleMesh>&& isosurface, const ShapeOptions& options,
+                           Context* context) {
+  if (options.surface == SurfaceKind::grey && !isosurface)
+    refuse_surface(SurfaceKind::grey, options.foreground.threshold
+                                          ? "the image has at most two values; use 'smooth' or 'voxels'"
+                                          : "only a threshold cuts grey values; use 'smooth' or 'voxels'");
+  const SurfaceKind kind = isosurface ? SurfaceKind::grey : SurfaceKind::smooth;
+  SurfaceSmoothing smoothing;
+  if (options.surface == SurfaceKind::smooth) {
+    isosurface = midpoint_surface(loaded.shape, context);
+    smoothing = kStepSmoothing;
+  }
+  if (!isosurface) return;
+  if (loaded.cleaned && kind == SurfaceKind::grey) restrict_surface(*isosurface, loaded.shape);
+  smooth_surface(*isosurface, smoothing, context);
+  to_world(*isosurface, loaded.shape.grid());
+  loaded.surface.emplace(std::move(*isosurface), kind, context);
+  record(loaded, "surface", std::string(name_of(kind)));
+}
+
+/// What follows from the voxels of an input and, of a volume, their isosurface.
+LoadedShape finished(LoadedShape&& loaded, const ShapeOptions& options, Context* context,
+                     std::optional<TriangleMesh>&& isosurface = {}) {
   if (loaded.from_mesh) loaded.image = loaded.shape.grid();
   clean_as_asked(loaded, options.foreground, context);
+  set_surface_of_voxels(loaded, std::move(isosurface), options, context);
   if (!loaded.from_mesh) loaded.longest_side = loaded.shape.longest_side();
   base::in_arena(context, [&] { subdivide_as_asked(loaded, options, context); });
   loaded.topology = topology(loaded.shape);
@@ -96,13 +135,17 @@ LoadedShape finished(LoadedShape&& loaded, const ShapeOptions& options, Context*
 }
 
 LoadedShape shape_of_file(const std::filesystem::path& file, const ShapeOptions& options, Context* context) {
+  check_surface(options, false);
   LoadedShape loaded;
+  std::optional<TriangleMesh> isosurface;
+  const auto wanted = wants_isosurface(options) ? &isosurface : nullptr;
   const io::VolumeReadOptions read_options{options.spacing};
   const auto take = [&](const auto& image, const Grid& grid) {
     loaded.image = grid;
     loaded.coordinates = image.coordinates;
     loaded.spacing_source = image.spacing_source;
-    loaded.shape = naming(file, [&] { return foreground(image, only_voxels(options.foreground), nullptr, context); });
+    loaded.shape =
+        naming(file, [&] { return foreground(image, only_voxels(options.foreground), nullptr, context, wanted); });
   };
   if (const auto slices = io::open_slices(file, read_options, context)) {
     take(*slices, slices->grid);
@@ -113,7 +156,7 @@ LoadedShape shape_of_file(const std::filesystem::path& file, const ShapeOptions&
   }
   checkpoint(context, "voxelize", 1);
   record_volume(loaded, options);
-  return finished(std::move(loaded), options, context);
+  return finished(std::move(loaded), options, context, std::move(isosurface));
 }
 
 }  // namespace
@@ -192,8 +235,8 @@ bool bounds_shape(const LoadedShape& loaded, const ShapeOptions& options) {
 void set_surface(LoadedShape& loaded, const TriangleMesh& mesh, const ShapeOptions& options, Context* context) {
   const SurfaceKind kind =
       options.surface.value_or(bounds_shape(loaded, options) ? SurfaceKind::mesh : SurfaceKind::voxels);
-  record(loaded, "surface", std::string(name_of(kind)));
   if (kind != SurfaceKind::mesh) return;
+  record(loaded, "surface", std::string(name_of(kind)));
   const bool odd = loaded.voxelization->fill == FillRule::evenodd;
   loaded.surface.emplace(surface::solid_boundary(mesh, odd, context), SurfaceKind::mesh, context);
 }
@@ -201,6 +244,7 @@ void set_surface(LoadedShape& loaded, const TriangleMesh& mesh, const ShapeOptio
 }  // namespace
 
 LoadedShape shape_of(TriangleMesh&& mesh, const ShapeOptions& options, Context* context) {
+  check_surface(options, true);
   LoadedShape loaded;
   loaded.from_mesh = true;
   loaded.mesh_points = mesh.points.size();
@@ -228,15 +272,19 @@ LoadedShape shape_of(const ImageView& image, const Coordinates& coordinates, con
                      Context* context) {
   ImageView view = image;
   if (options.spacing) view.grid.spacing = *options.spacing;
+  check_surface(options, false);
   LoadedShape loaded;
-  loaded.shape = foreground(view, only_voxels(options.foreground), nullptr, context);
+  std::optional<TriangleMesh> isosurface;
+  loaded.shape = foreground(view, only_voxels(options.foreground), nullptr, context,
+                            wants_isosurface(options) ? &isosurface : nullptr);
   loaded.image = view.grid;
   loaded.coordinates = coordinates;
   record_volume(loaded, options);
-  return finished(std::move(loaded), options, context);
+  return finished(std::move(loaded), options, context, std::move(isosurface));
 }
 
 LoadedShape shape_of(VoxelShape&& voxels, const Grid& image, const ShapeOptions& options, Context* context) {
+  check_surface(options, false);
   LoadedShape loaded;
   loaded.shape = std::move(voxels);
   loaded.image = image;

@@ -5,6 +5,7 @@
 #include <concepts>
 #include <functional>
 #include <limits>
+#include <optional>
 #include <span>
 #include <type_traits>
 #include <utility>
@@ -12,6 +13,7 @@
 #include "quench/error.h"
 #include "quench/shape.h"
 #include "shape/image_rows.h"
+#include "shape/isosurface.h"
 
 namespace quench {
 namespace {
@@ -90,12 +92,13 @@ struct Values {
   bool any = false;
 
   explicit Values() = default;
-  explicit Values(const shape::Samples<T>& samples) {
+  /// `enough`: the range does not matter when there are more than two values.
+  explicit Values(const shape::Samples<T>& samples, bool enough = false) {
     const auto [far, middle, near] = samples.order();
     const auto& dims = samples.grid().dims;
     std::array<std::int64_t, 3> at{};
     for (at[far] = 0; at[far] < dims[far]; ++at[far])
-      for (at[middle] = 0; at[middle] < dims[middle]; ++at[middle])
+      for (at[middle] = 0; at[middle] < dims[middle] && !(enough && !at_most_two()); ++at[middle])
         for (at[near] = 0; at[near] < dims[near]; ++at[near]) add(samples.at(at[0], at[1], at[2]));
   }
   void add(T v) {
@@ -136,6 +139,64 @@ Rule<T> rule_for(const ForegroundOptions& options) {
   if (options.label) return equal_to<T>(*options.label);
   return {Rule<T>::Kind::non_zero, {}};
 }
+
+// How far samples are on the side of the foreground of a threshold, exact for every type. Between whole numbers and a
+// whole threshold the surface is half way to the next lower value.
+template <class T>
+class Height {
+ public:
+  explicit Height(const ForegroundOptions& options) : sign_(options.invert ? -1 : 1) {
+    if (const Rule<T> rule = rule_for<T>(options); rule.kind == Rule<T>::Kind::at_least) least_ = rule.value;
+    const double* t = std::get_if<double>(&*options.threshold);
+    if constexpr (std::is_integral_v<T>)
+      below_ = t && *t != std::floor(*t) ? std::ceil(*t) - *t : 0.5;
+    else
+      level_ = std::visit([](auto whole) { return static_cast<double>(whole); }, *options.threshold);
+  }
+  double operator()(T sample) const {
+    if constexpr (std::is_integral_v<T>) {
+      using Distance = std::make_unsigned_t<T>;
+      const auto far = [](T a, T b) {
+        return static_cast<double>(static_cast<Distance>(static_cast<Distance>(a) - static_cast<Distance>(b)));
+      };
+      return sign_ * (sample >= least_ ? far(sample, least_) + below_ : below_ - far(least_, sample));
+    } else {
+      return sign_ * (static_cast<double>(sample) - level_);
+    }
+  }
+
+ private:
+  double sign_, below_ = 0, level_ = 0;
+  T least_{};
+};
+
+template <class T>
+class HeightInImage : public shape::SignedSamples {
+ public:
+  HeightInImage(const shape::Samples<T>& samples, const ForegroundOptions& options)
+      : samples_(samples), height_(options) {}
+  double at(std::int64_t x, std::int64_t y, std::int64_t z) const override { return height_(samples_.at(x, y, z)); }
+
+ private:
+  const shape::Samples<T>& samples_;
+  Height<T> height_;
+};
+
+// Of the last two slices of a stream.
+template <class T>
+class HeightInSlices : public shape::SignedSamples {
+ public:
+  HeightInSlices(const ForegroundOptions& options, const std::array<std::vector<T>, 2>& slices, std::int64_t width)
+      : slices_(slices), width_(width), height_(options) {}
+  double at(std::int64_t x, std::int64_t y, std::int64_t z) const override {
+    return height_(slices_[static_cast<std::size_t>(z & 1)][static_cast<std::size_t>(x + width_ * y)]);
+  }
+
+ private:
+  const std::array<std::vector<T>, 2>& slices_;
+  std::int64_t width_;
+  Height<T> height_;
+};
 
 std::string describe(const ForegroundOptions& options) {
   std::string text = options.threshold ? std::visit([](auto t) { return fmt::format("a value of at least {}", t); },
@@ -210,7 +271,8 @@ VoxelShape scan_slabs(const shape::Samples<T>& samples, const Rule<T>& rule, boo
 }
 
 template <class T>
-VoxelShape foreground_of(const shape::Samples<T>& samples, const ForegroundOptions& options, Context* context) {
+VoxelShape foreground_of(const shape::Samples<T>& samples, const ForegroundOptions& options, Context* context,
+                         std::optional<TriangleMesh>* isosurface) {
   const Rule<T> rule = rule_for<T>(options);
   if (!options.threshold && !options.label)
     if (const Values<T> values(samples); !values.at_most_two()) refuse_many_values(values);
@@ -219,6 +281,10 @@ VoxelShape foreground_of(const shape::Samples<T>& samples, const ForegroundOptio
                              : scan_slabs(samples, rule, options.invert, context);
   checkpoint(context, "foreground", 1);
   if (shape.empty()) refuse_nothing(options, Values<T>(samples));
+  if (isosurface && options.threshold && !Values<T>(samples, true).at_most_two()) {
+    const HeightInImage<T> height(samples, options);
+    *isosurface = shape::all_layers(shape, &height, context);
+  }
   return shape;
 }
 
@@ -236,29 +302,40 @@ Grid grid_of_shape(const Grid& image, Context* context) {
 }
 
 template <class T>
-VoxelShape foreground_of(const SliceStream& image, const ForegroundOptions& options, Context* context) {
+VoxelShape foreground_of(const SliceStream& image, const ForegroundOptions& options, Context* context,
+                         std::optional<TriangleMesh>* isosurface) {
   const Rule<T> rule = rule_for<T>(options);
   const bool chosen = options.threshold || options.label;
   const auto& dims = image.grid.dims;
   const auto nx = static_cast<std::size_t>(dims[0]);
-  std::vector<T> slice(nx * static_cast<std::size_t>(dims[1]));
+  const bool surface = isosurface && options.threshold;
+  std::array<std::vector<T>, 2> slices;
+  for (std::size_t i = 0; i < (surface ? 2 : 1); ++i) slices[i].resize(nx * static_cast<std::size_t>(dims[1]));
   VoxelShape shape(grid_of_shape(image.grid, context));
   std::vector<Run> runs;
   Values<T> values;
+  std::optional<HeightInSlices<T>> height;
+  std::optional<shape::SurfaceLayers> layers;
+  if (surface) layers.emplace(shape, &height.emplace(options, slices, dims[0]), -1);
   for (std::int64_t z = 0; z < dims[2]; ++z) {
     checkpoint(context, "read", static_cast<double>(z) / static_cast<double>(dims[2]));
+    auto& slice = slices[layers ? z & 1 : 0];
     image.next(std::as_writable_bytes(std::span(slice)));
-    // With a threshold or label the values are needed only for the error that nothing is foreground.
-    if (!chosen || shape.empty())
+    // With a threshold or label the values are needed only for the error that nothing is foreground, and to know
+    // whether there are more than two.
+    if (!chosen || shape.empty() || (layers && values.at_most_two()))
       for (const T v : slice) values.add(v);
     for (std::int64_t y = 0; y < dims[1]; ++y) {
       const T* row = slice.data() + nx * static_cast<std::size_t>(y);
       append_runs(shape, runs, [&](std::int32_t x) { return rule(row[x]) != options.invert; });
     }
+    if (layers) layers->add_layer();
   }
+  if (layers) layers->add_layer();
   checkpoint(context, "read", 1);
   if (!chosen && !values.at_most_two()) refuse_many_values(values);
   if (shape.empty()) refuse_nothing(options, values);
+  if (layers && !values.at_most_two()) *isosurface = std::move(layers->mesh);
   return shape;
 }
 
@@ -269,30 +346,43 @@ void check(const ForegroundOptions& options) {
   if (threshold && std::isnan(*threshold)) throw Error(ErrorCode::usage, "the threshold is not a number");
 }
 
+VoxelShape cleaned(const VoxelShape& shape, const ForegroundOptions& options, ForegroundReport* report,
+                   Context* context, std::optional<TriangleMesh>* isosurface) {
+  ForegroundReport changed;
+  VoxelShape result = clean(shape, options, &changed, context);
+  if (isosurface && *isosurface && changed.voxels_removed + changed.voxels_filled > 0)
+    restrict_surface(**isosurface, result);
+  if (report) *report = changed;
+  return result;
+}
+
 }  // namespace
 
 VoxelShape foreground(const ImageView& image, const ForegroundOptions& options, ForegroundReport* report,
-                      Context* context) {
+                      Context* context, std::optional<TriangleMesh>* isosurface) {
   check(options);
+  if (isosurface) isosurface->reset();
   ImageView rounded = image;
   rounded.grid = grid_of_shape(image.grid, context);
-  const VoxelShape shape =
-      shape::with_samples(rounded, [&](const auto& samples) { return foreground_of(samples, options, context); });
-  return clean(shape, options, report, context);
+  const VoxelShape shape = shape::with_samples(
+      rounded, [&](const auto& samples) { return foreground_of(samples, options, context, isosurface); });
+  return cleaned(shape, options, report, context, isosurface);
 }
 
 VoxelShape foreground(const SliceStream& image, const ForegroundOptions& options, ForegroundReport* report,
-                      Context* context) {
+                      Context* context, std::optional<TriangleMesh>* isosurface) {
   check(options);
+  if (isosurface) isosurface->reset();
   const ImageView type_only{image.grid, image.type, nullptr, {0, 0, 0}};
-  const VoxelShape shape = shape::with_samples(
-      type_only, [&]<class T>(const shape::Samples<T>&) { return foreground_of<T>(image, options, context); });
-  return clean(shape, options, report, context);
+  const VoxelShape shape = shape::with_samples(type_only, [&]<class T>(const shape::Samples<T>&) {
+    return foreground_of<T>(image, options, context, isosurface);
+  });
+  return cleaned(shape, options, report, context, isosurface);
 }
 
 VoxelShape foreground(const Volume& volume, const ForegroundOptions& options, ForegroundReport* report,
-                      Context* context) {
-  return foreground(view_of(volume), options, report, context);
+                      Context* context, std::optional<TriangleMesh>* isosurface) {
+  return foreground(view_of(volume), options, report, context, isosurface);
 }
 
 }  // namespace quench

@@ -71,6 +71,9 @@ Check check_balls(const Result& result, const TriangleSearch& surface, Context* 
 /// That the surface is one of the shape: voxel centres at its boundary are on the side that the shape says.
 Check check_sides(const Result& result, const TriangleSearch& surface, const VerifyOptions& options, Context* context);
 
+/// That the surface of a grey-value image is where its samples, interpolated, are the threshold.
+Check check_isosurface(const VerifyOptions& options, Context* context);
+
 /// The proximity bound: distance to the true medial axis (docs/user/guarantees.md).
 Check check_proximity(const Result& result, std::size_t samples, Context* context);
 

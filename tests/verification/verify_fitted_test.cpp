@@ -100,6 +100,46 @@ TEST(VerifyFitted, TellsTheTopologyOfTheSurface) {
   }
 }
 
+// The image is the distance to the surface, so that this is its isosurface.
+TEST(VerifyFitted, GreyValuesAreInterpolated) {
+  const Fitted result = fitted("torus", 32);
+  Record core = result.core;
+  for (DataArray& array : core.field_data)
+    if (array.name == "surface") array.values = std::vector<std::string>{"grey"};
+  for (const bool whole : {false, true}) {
+    Volume volume;
+    volume.grid = result.shape.shape.grid();
+    std::vector<float> samples;
+    std::vector<std::int16_t> whole_samples;
+    for (std::int64_t z = 0; z < volume.grid.dims[2]; ++z)
+      for (std::int64_t y = 0; y < volume.grid.dims[1]; ++y)
+        for (std::int64_t x = 0; x < volume.grid.dims[0]; ++x) {
+          const Vec3 centre = volume.grid.world(
+              Vec3(static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)) + Vec3::Constant(0.5));
+          const Surface::Foot foot = result.shape.surface->nearest(centre);
+          const double value = (foot.inside ? 1 : -1) * foot.distance;
+          samples.push_back(static_cast<float>(value));
+          whole_samples.push_back(static_cast<std::int16_t>(std::lround(1e4 * value + 99.5)));
+        }
+    if (whole)
+      volume.samples = whole_samples;
+    else
+      volume.samples = samples;
+    const ImageView image = view_of(volume);
+    VerifyOptions options = result.options();
+    options.surface_kind = "grey";
+    EXPECT_NE(text(verify(result.shape.shape, core, options)).find("surface of the grey values: not checked"),
+              std::string::npos);
+    options.image = &image;
+    options.threshold = whole ? 100 : 0;
+    const Certificate certificate = verify(result.shape.shape, core, options);
+    EXPECT_TRUE(certificate.passed()) << text(certificate);
+    EXPECT_NE(text(certificate).find("of the value "), std::string::npos) << text(certificate);
+    options.threshold += whole ? 600 : 0.06;  // a voxel is 0.085
+    EXPECT_EQ(failed(verify(result.shape.shape, core, options)), Names{"surface of the grey values"});
+  }
+}
+
 TEST(VerifyFitted, WithoutTheSurfaceItsArraysAreNamed) {
   const Fitted result = fitted("torus", 32);
   const Certificate certificate = verify(result.shape.shape, result.core);
