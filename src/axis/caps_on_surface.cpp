@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// docs/algorithms/surface.md
+// docs/algorithms/surface_fit.md
 #include "axis/caps_on_surface.h"
 
 #include <Eigen/Geometry>

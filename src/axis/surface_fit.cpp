@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The geometry of a pruned voxel core from the surface that was voxelized.
+// The geometry of a pruned voxel core from the surface that was voxelized: docs/algorithms/surface_fit.md.
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
