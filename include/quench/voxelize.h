@@ -67,7 +67,7 @@ struct SurfaceDefects {
 
 /// What TopologyRule::mesh did where the topology of the Gauss digitization is not that of the mesh's solid.
 struct TopologyRepair {
-  Topology before;                      ///< of the Gauss digitization
+  Topology before, after;               ///< of the Gauss digitization, and of the shape
   std::int64_t added = 0, removed = 0;  ///< voxels
   std::vector<Vec3> places = {};        ///< where the topology was not reached: in the world, some of what is wrong
   std::int64_t working_resolution = 0;  ///< then the smallest found at which it is; 0: none was found
@@ -80,6 +80,7 @@ struct Voxelization {
   /// Betti numbers of the mesh's solid. Nothing where they do not follow from its surface: it is not a closed, oriented
   /// 2-manifold, or its parts meet; and where TopologyRule::voxels does not ask for them.
   std::optional<std::array<std::int64_t, 3>> solid_betti;
+  TopologyRule topology = TopologyRule::mesh;  ///< the rule asked for
   std::optional<TopologyRepair> repair;
   bool topology_known = true;         ///< false when parts overlap or the mesh is defective
   bool topology_changed = false;      ///< shape and surface disagree
@@ -93,8 +94,8 @@ struct Voxelization {
 /// A sentence on the defects of the mesh and how they were handled; empty when it was sound.
 std::string defects_text(const Voxelization& voxelization);
 
-/// A sentence on what TopologyRule::mesh changed; empty where it changed nothing.
-std::string repair_text(const Voxelization& voxelization);
+/// A sentence on what was put in and taken out; empty where nothing was.
+std::string repair_text(const TopologyRepair& repair);
 
 /// "mesh" or "voxels".
 std::string_view topology_name(TopologyRule rule);

@@ -19,7 +19,7 @@ def medial_axis(image_or_mesh: Any, *, spacing: Spacing = None, threshold: Optio
                 label: Optional[int] = None, resolution: Union[int, str] = 256, detail: Length = 'auto',
                 lambda_: Optional[Length] = None, invert: bool = False, largest_component: bool = False,
                 min_component: int = 0, fill_cavities: bool = False, subdivide: int = 1, fill: str = 'nonzero',
-                lambda_rule: str = 'coface', threads: int = 0, progress: Progress = False) -> 'MedialAxis':
+                topology: str = 'mesh', lambda_rule: str = 'coface', threads: int = 0, progress: Progress = False) -> 'MedialAxis':
     """The medial axis of a shape: its voxel core, pruned without changing its topology.
 
     Parameters
@@ -51,6 +51,9 @@ def medial_axis(image_or_mesh: Any, *, spacing: Spacing = None, threshold: Optio
     fill : "nonzero", "evenodd", "winding" or "auto"
         Of meshes: overlapping and nested parts are united, or alternate between inside and outside
         (docs/user/defective_meshes.md).
+    topology : "mesh" or "voxels"
+        Of meshes: "mesh" puts in and takes out a few voxels where the voxel shape would break or join what the mesh does
+        not; "voxels": those whose centres are inside, and no others.
     lambda_rule : "coface" or "ball"
         See docs/user/parameters.md.
     threads : int
@@ -91,7 +94,8 @@ def medial_axis(image_or_mesh: Any, *, spacing: Spacing = None, threshold: Optio
     pruning = pruning_of(detail, lambda_)
     if lambda_rule not in ('coface', 'ball'):
         raise error(2, f"lambda_rule={lambda_rule!r} is not one of 'coface', 'ball'", 'lambda_rule')
-    cut = Cut(threshold, label, invert, largest_component, min_component, fill_cavities, subdivide, spacing, resolution, fill)
+    cut = Cut(threshold, label, invert, largest_component, min_component, fill_cavities, subdivide, spacing, resolution,
+              fill, topology)
     shape = shape_of(image_or_mesh, cut, threads, progress)
     with calling(threads, progress) as call:
         return MedialAxis(_core.compute_axis(shape, *pruning, lambda_rule, *call), threads, progress)

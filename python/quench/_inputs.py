@@ -167,6 +167,7 @@ class Cut:
     spacing: Spacing = None
     resolution: Union[int, str] = 256
     fill: str = 'nonzero'
+    topology: str = 'mesh'
 
     def options(self) -> '_core.ShapeOptions':
         """As the core takes them."""
@@ -174,6 +175,8 @@ class Cut:
             raise error(2, 'threshold and label cannot be combined; give one of them', 'threshold')
         if self.fill not in ('nonzero', 'evenodd', 'winding', 'auto'):
             raise error(2, f"fill={self.fill!r} is not one of 'nonzero', 'evenodd', 'winding', 'auto'", 'fill')
+        if self.topology not in ('mesh', 'voxels'):
+            raise error(2, f"topology={self.topology!r} is not one of 'mesh', 'voxels'", 'topology')
         return _core.ShapeOptions(
             threshold=None if self.threshold is None else _threshold(self.threshold),
             label=None if self.label is None else label_of(self.label), invert=bool(self.invert),
@@ -181,7 +184,7 @@ class Cut:
             min_component=min(whole(self.min_component, 'min_component'), 2**62), fill_cavities=bool(self.fill_cavities),
             subdivide=min(whole(self.subdivide, 'subdivide'), 2**30), spacing=spacing_of(self.spacing),
             resolution=0 if self.resolution == 'auto' else min(whole(self.resolution, 'resolution', 1), 2**30),
-            fill=self.fill)
+            fill=self.fill, topology=self.topology)
 
     def for_images(self) -> bool:
         """Whether something is given that means nothing for a mesh."""
@@ -283,8 +286,8 @@ def samples() -> Dict[str, str]:
     return _core.samples()
 
 
-def voxelize(mesh: Any, *, resolution: Union[int, str] = 256, fill: str = 'nonzero', threads: int = 0,
-             progress: Progress = False) -> Volume:
+def voxelize(mesh: Any, *, resolution: Union[int, str] = 256, fill: str = 'nonzero', topology: str = 'mesh',
+             threads: int = 0, progress: Progress = False) -> Volume:
     """The voxels whose centres lie in a mesh.
 
     Parameters
@@ -296,6 +299,8 @@ def voxelize(mesh: Any, *, resolution: Union[int, str] = 256, fill: str = 'nonze
         Overlapping and nested parts are united, or alternate between inside and outside. What holes leave open, the
         generalized winding number decides; "winding": faces are turned and duplicates dropped first, even if the mesh
         is closed; "auto": one of these.
+    topology : "mesh" or "voxels"
+        "mesh": a few voxels are put in and taken out where the others would break or join what the mesh does not.
 
     Returns
     -------
@@ -308,4 +313,4 @@ def voxelize(mesh: Any, *, resolution: Union[int, str] = 256, fill: str = 'nonze
     >>> quench.voxelize(quench.sample('torus'), resolution=20).array.max()
     1
     """
-    return Volume(shape_of(mesh, Cut(resolution=resolution, fill=fill), threads, progress).image())
+    return Volume(shape_of(mesh, Cut(resolution=resolution, fill=fill, topology=topology), threads, progress).image())

@@ -185,7 +185,7 @@ Topology repair_topology(Voxelization& v, const voxelization::FixedMesh& fixed, 
   v.repair->removed = matched.removed;
   for (const auto& voxel : matched.places)
     v.repair->places.push_back(v.shape.grid().world(Vec3(voxel[0] + 0.5, voxel[1] + 0.5, voxel[2] + 0.5)));
-  return topology(v.shape);
+  return v.repair->after = topology(v.shape);
 }
 
 /// The shape may be empty.
@@ -210,6 +210,7 @@ Voxelization digitize(const CheckedMesh& checked, const VoxelizeOptions& options
   result.shape = std::move(digitization.shape);
   result.longest_side = checked.box.longest_side;
   result.surface = checked.analysis.topology;
+  result.topology = options.topology;
   result.fill = choice.fill;
   result.fill_reason = choice.reason;
   SurfaceDefects& defects = result.defects;
@@ -235,7 +236,8 @@ Voxelization digitize(const CheckedMesh& checked, const VoxelizeOptions& options
   Topology now = topology(result.shape);
   if (options.topology == TopologyRule::mesh) {
     result.solid_betti = voxelization::solid_betti(checked.mesh, fixed, checked.analysis, inside);
-    if (result.solid_betti && *result.solid_betti != now.betti) now = repair_topology(result, fixed, options, progress);
+    if (result.solid_betti && *result.solid_betti != now.betti && !result.shape.empty())
+      now = repair_topology(result, fixed, options, progress);
   }
   result.topology_difference = difference(now, result);
   if (!result.topology_difference.empty() && !result.repair)
@@ -299,11 +301,11 @@ std::string defects_text(const Voxelization& v) {
   return text;
 }
 
-std::string repair_text(const Voxelization& v) {
-  if (!v.repair || v.repair->added + v.repair->removed == 0) return {};
+std::string repair_text(const TopologyRepair& repair) {
+  if (repair.added + repair.removed == 0) return {};
   return fmt::format("{} put in and {} taken out for the topology of the mesh: {} before, {} now",
-                     base::counted(v.repair->added, "voxel", "voxels"), v.repair->removed,
-                     betti_text(v.repair->before.betti), betti_text(topology(v.shape).betti));
+                     base::counted(repair.added, "voxel", "voxels"), repair.removed, betti_text(repair.before.betti),
+                     betti_text(repair.after.betti));
 }
 
 std::string_view topology_name(TopologyRule rule) { return rule == TopologyRule::mesh ? "mesh" : "voxels"; }

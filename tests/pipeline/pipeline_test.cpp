@@ -140,7 +140,7 @@ TEST(ShapeOfInput, ParametersGiveTheSameShapeAgain) {
   options.subdivide = 2;
   options.foreground.largest_component = true;
   const LoadedShape shape = torus(options);
-  EXPECT_EQ(shape.parameters, R"({"resolution":24,"fill":"evenodd","largest_component":true,"subdivide":2})");
+  EXPECT_EQ(shape.parameters, R"({"resolution":24,"fill":"evenodd","topology":"mesh","largest_component":true,"subdivide":2})");
   const CoreResult core = core_of(shape, {.pruning = {kLambda, parse_length("2vox", "lambda")}});
   const Record file = core_file(core);
   EXPECT_EQ(core.parameters,

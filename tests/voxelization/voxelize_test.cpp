@@ -65,6 +65,7 @@ void expect_equals_oracle(const TriangleMesh& mesh, const std::vector<Point>& po
     VoxelizeOptions options;
     options.resolution = resolution;
     options.fill = fill;
+    options.topology = TopologyRule::voxels;
     options.margin = static_cast<std::int64_t>(seed % 3);
     VoxelShape shape;
     try {
@@ -328,10 +329,11 @@ TEST(Voxelize, ReportsAGapThatCloses) {
   TriangleMesh mesh;
   add_box(mesh, {0, 0, 0}, {500, 999, 500});
   add_box(mesh, {0, 1001, 0}, {500, 2000, 500});
-  const Voxelization coarse = voxelize(mesh);
+  const VoxelizeOptions options{.topology = TopologyRule::voxels};
+  const Voxelization coarse = voxelize(mesh, options);
   EXPECT_TRUE(coarse.topology_changed);
   EXPECT_NE(coarse.topology_difference.find("1 component"), std::string::npos) << coarse.topology_difference;
-  const Voxelization fine = voxelize_auto(mesh);
+  const Voxelization fine = voxelize_auto(mesh, options);
   EXPECT_FALSE(fine.topology_changed);
   EXPECT_DOUBLE_EQ(fine.shape.grid().spacing[0], 2000.0 / 1024);
 }
