@@ -41,28 +41,18 @@ class Deflation {
     }
   }
 
-  DeflatedCover left() const {
-    DeflatedCover result;
-    for_rows([&](std::size_t r, std::int64_t y, std::int64_t z) {
-      for (std::uint32_t v = cover_.row_begin[r]; v < cover_.row_begin[r + 1]; ++v) {
-        if (state_[v] & kFlipped) continue;
-        (state_[v] & kInside ? result.cuts : result.fills)
-            .push_back({static_cast<std::int32_t>(cover_.x[v] + margin_), static_cast<std::int32_t>(y + margin_),
-                        static_cast<std::int32_t>(z + margin_)});
-      }
-    });
+  std::vector<Voxel> left() const {
+    std::vector<Voxel> result;
+    for (std::uint32_t v = 0; v < state_.size(); ++v)
+      if (!(state_[v] & kFlipped))
+        result.push_back({static_cast<std::int32_t>(cover_.x[v] + margin_),
+                          static_cast<std::int32_t>(row_[v] % cover_.cells[1] + margin_),
+                          static_cast<std::int32_t>(row_[v] / cover_.cells[1] + margin_)});
     return result;
   }
 
  private:
   static constexpr std::uint32_t kInside = 1u << 27, kFlipped = 1u << 28, kSeen = 1u << 29, kQueued = 1u << 30;
-
-  template <class Visit>
-  void for_rows(const Visit& visit) const {
-    std::size_t r = 0;
-    for (std::int64_t z = 0; z < cover_.cells[2]; ++z)
-      for (std::int64_t y = 0; y < cover_.cells[1]; ++y) visit(r++, y, z);
-  }
 
   bool before(std::uint32_t a, std::uint32_t b) const {
     return cover_.distance[a] != cover_.distance[b] ? cover_.distance[a] > cover_.distance[b] : a < b;
@@ -148,7 +138,7 @@ class Deflation {
 
 }  // namespace
 
-DeflatedCover deflate(const SurfaceCover& cover, const VoxelShape& shape, std::int64_t margin, Context* context) {
+std::vector<Voxel> deflate(const SurfaceCover& cover, const VoxelShape& shape, std::int64_t margin, Context* context) {
   Deflation deflation(cover, shape, margin);
   deflation.run(context);
   return deflation.left();

@@ -33,27 +33,73 @@ class Choice {
   }
 
   void run() {
+    choose();
+    if (left() == 0) return;
+    // Where no order of single pieces does it: from all fills on.
+    const Group first = changed();
+    const std::int64_t was = left();
+    graph_.flip(first);
+    Group fills;
+    for (const Group& piece : pieces_)
+      if (!was_inside_[piece[0]]) fills.insert(fills.end(), piece.begin(), piece.end());
+    graph_.flip(fills);
+    choose();
+    if (left() < was) return;
+    graph_.flip(changed());
+    graph_.flip(first);
+  }
+
+  std::int64_t left() const { return off(graph_.betti(), wanted_); }
+  std::vector<Voxel> flipped() const {
+    std::vector<Voxel> result;
+    for (const std::uint32_t v : changed()) result.push_back(graph_.voxel(v));
+    return result;
+  }
+  /// A voxel each of some pieces that would bring one of the numbers nearer, but could not be used; of any that change
+  /// the topology where there are none. The largest pieces first.
+  std::vector<Voxel> places() {
+    constexpr std::size_t kPlaces = 3;
+    std::vector<Voxel> result;
+    for (const bool any : {false, true})
+      for (auto piece = pieces_.rbegin(); piece != pieces_.rend() && result.size() < kPlaces; ++piece) {
+        if (!is_uniform(*piece)) continue;
+        const Betti after = graph_.after(*piece);
+        bool nearer = any && after != graph_.betti();
+        for (std::size_t i = 0; i < 3; ++i)
+          nearer = nearer || std::abs(after[i] - wanted_[i]) < std::abs(graph_.betti()[i] - wanted_[i]);
+        if (nearer) result.push_back(graph_.voxel(piece->front()));
+      }
+    return result;
+  }
+
+ private:
+  /// Fills before cuts, so that what is thin is mended rather than torn open further; cuts that take components away
+  /// come last.
+  void choose() {
     for (const bool drops_parts : {false, true}) {
       drops_parts_ = drops_parts;
-      take(pieces_, true);
-      take(pieces_, false);
+      for (const bool cuts : {false, true})
+        for (const bool only_harmless : {true, false}) take(of_kind(cuts), only_harmless);
       take(single_voxels(), false);
       if (left() > 0) take_with_single_voxels();
     }
     tidy();
   }
 
-  std::int64_t left() const { return off(graph_.betti(), wanted_); }
-  std::vector<Voxel> flipped() const {
-    std::vector<Voxel> result;
-    for (std::uint32_t v = 0; v < graph_.size(); ++v)
-      if (graph_.inside(v) != static_cast<bool>(was_inside_[v])) result.push_back(graph_.voxel(v));
+  std::vector<Group> of_kind(bool cuts) const {
+    std::vector<Group> result;
+    for (const Group& piece : pieces_)
+      if (static_cast<bool>(was_inside_[piece[0]]) == cuts) result.push_back(piece);
     return result;
   }
-  const std::vector<Group>& pieces() const { return pieces_; }
-  VoxelGraph& graph() { return graph_; }
 
- private:
+  Group changed() const {
+    Group result;
+    for (std::uint32_t v = 0; v < graph_.size(); ++v)
+      if (graph_.inside(v) != static_cast<bool>(was_inside_[v])) result.push_back(v);
+    return result;
+  }
+
   /// 26-components of the fills, and of the cuts; fewest voxels first, equal ones by their first voxel.
   void find_pieces() {
     base::UnionFind sets(graph_.size());
@@ -139,20 +185,13 @@ class Choice {
 MatchedShape match_topology(const FixedMesh& mesh, const VoxelShape& shape, std::int64_t margin, const Betti& wanted,
                             Context* context) {
   const SurfaceCover cover = surface_cover(mesh, context);
-  MatchedShape result;
-  result.shape = shape;
-  const DeflatedCover deflated = deflate(cover, shape, margin, context);
-  std::vector<Voxel> loose = deflated.fills;
-  loose.insert(loose.end(), deflated.cuts.begin(), deflated.cuts.end());
-  std::sort(loose.begin(), loose.end(), [](const Voxel& a, const Voxel& b) {
-    return std::array{a[2], a[1], a[0]} < std::array{b[2], b[1], b[0]};
-  });
-  Choice choice(shape, std::move(loose), wanted);
+  Choice choice(shape, deflate(cover, shape, margin, context), wanted);
   choice.run();
   const std::vector<Voxel> flipped = choice.flipped();
-  for (const Voxel& v : flipped) ++(shape.contains(v[0], v[1], v[2]) ? result.removed : result.added);
+  MatchedShape result;
   result.shape = with_flipped(shape, flipped);
-  result.betti = choice.graph().betti();
+  for (const Voxel& v : flipped) ++(shape.contains(v[0], v[1], v[2]) ? result.removed : result.added);
+  if (choice.left() > 0) result.places = choice.places();
   return result;
 }
 

@@ -12,9 +12,8 @@ namespace quench::voxelization {
 
 struct MatchedShape {
   VoxelShape shape;
-  Betti betti{};
   std::int64_t added = 0, removed = 0;  ///< voxels
-  std::vector<Voxel> places;            ///< of pieces that would bring it nearer but could not be used, largest first
+  std::vector<Voxel> places;            ///< where the topology was not reached: of pieces that could not be used
 };
 
 /// The shape with as few voxels of the surface's cover put in or taken out as brings its Betti numbers to those wanted,
