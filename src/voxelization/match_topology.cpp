@@ -24,6 +24,7 @@ bool harmless(const Betti& before, const Betti& after, const Betti& wanted) {
   return true;
 }
 
+/// Which pieces are flipped.
 class Choice {
  public:
   Choice(const VoxelShape& shape, std::vector<Voxel> loose, const Betti& wanted)
@@ -73,6 +74,9 @@ class Choice {
   }
 
  private:
+  /// As of VoxelGraph::work(): then what is not reached is given up. About a second.
+  static constexpr std::int64_t kMostWork = 8'000'000;
+
   /// Fills before cuts, so that what is thin is mended rather than torn open further; cuts that take components away
   /// come last.
   void choose() {
@@ -130,6 +134,7 @@ class Choice {
     for (bool again = true; again && left() > 0;) {
       again = false;
       for (const Group& group : groups) {
+        if (graph_.work() > kMostWork) return;
         if (!is_uniform(group)) continue;
         const Betti after = graph_.after(group);
         if (!drops_parts_ && graph_.inside(group[0]) && after[0] < graph_.betti()[0]) continue;
@@ -144,7 +149,7 @@ class Choice {
   /// Pieces that bring some number nearer but another one further away, where single voxels then mend that.
   void take_with_single_voxels() {
     for (const Group& piece : pieces_) {
-      if (left() == 0) return;
+      if (left() == 0 || graph_.work() > kMostWork) return;
       if (!is_uniform(piece) || graph_.after(piece) == graph_.betti()) continue;
       std::vector<char> before(graph_.size());
       for (std::uint32_t v = 0; v < graph_.size(); ++v) before[v] = graph_.inside(v);

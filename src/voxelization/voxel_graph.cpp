@@ -70,9 +70,8 @@ VoxelGraph::VoxelGraph(const VoxelShape& shape, std::vector<Voxel> loose)
   for (std::uint32_t v = 0; v < loose_.size(); ++v) (inside_[v] ? in : out).push_back(loose_[v]);
   find_components(foreground_, with_flipped(shape, in));
   find_components(background_, with_flipped(shape, out));
-  const Topology now = topology(shape);
-  euler_ = now.euler;
-  update();
+  euler_ = topology(shape).euler;
+  for (Side* side : {&foreground_, &background_}) recount(*side);
 }
 
 void VoxelGraph::look_around(const VoxelShape& shape) {
@@ -134,7 +133,8 @@ void VoxelGraph::for_links(const Side& side, std::uint32_t v, const Visit& visit
 }
 
 /// Their number without the group.
-std::int64_t VoxelGraph::components(const Side& side, base::UnionFind& sets) const {
+std::int64_t VoxelGraph::components(const Side& side, base::UnionFind& sets) {
+  work_ += static_cast<std::int64_t>(loose_.size());
   sets = base::UnionFind(side.nodes);
   std::int64_t absent = 0;
   for (std::uint32_t v = 0; v < loose_.size(); ++v) {
@@ -150,46 +150,52 @@ std::int64_t VoxelGraph::components(const Side& side, base::UnionFind& sets) con
 
 /// How many more components there are when the group, which is not in the side, comes into it.
 std::int64_t VoxelGraph::joined(Side& side, std::span<const std::uint32_t> group) const {  // find() halves paths
-  std::vector<std::uint32_t> nodes(group.begin(), group.end());
-  for (const std::uint32_t v : group)
-    for_links(side, v, [&](std::uint32_t node) { nodes.push_back(side.sets.find(node)); });
+  std::vector<std::size_t> nodes(group.begin(), group.end());
+  // Sets are named by a member, which may be one of the group that has left: they get names of their own.
+  const auto set_at = [&](std::uint32_t node) { return side.nodes + side.sets.find(node); };
+  for (const std::uint32_t v : group) for_links(side, v, [&](std::uint32_t node) { nodes.push_back(set_at(node)); });
   std::sort(nodes.begin(), nodes.end());
   nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
-  const auto place = [&](std::uint32_t node) {
+  const auto place = [&](std::size_t node) {
     return static_cast<std::uint32_t>(std::lower_bound(nodes.begin(), nodes.end(), node) - nodes.begin());
   };
   base::UnionFind sets(nodes.size());
   const Neighbours reach = side.foreground ? neighbour_masks::kFaces : kAllNeighbours;
   for (const std::uint32_t v : group) {
-    for_links(side, v, [&](std::uint32_t node) { sets.unite(place(v), place(side.sets.find(node))); });
+    for_links(side, v, [&](std::uint32_t node) { sets.unite(place(v), place(set_at(node))); });
     for (const Link& link : links_[v])
       if ((link.bit & reach) && in_group_[link.to]) sets.unite(place(v), place(link.to));
   }
   return sets.count() - static_cast<std::int64_t>(nodes.size() - group.size());
 }
 
-/// How many more there are when the group leaves it. Where all of the group and all it touches touch one lasting
-/// component, nothing comes apart; else all is counted anew.
-std::int64_t VoxelGraph::parted(const Side& side, std::span<const std::uint32_t> group) const {
+/// Whether nothing comes apart when the group leaves the side because all of it and all it touches touch one lasting
+/// component. False where that does not tell.
+bool VoxelGraph::holds(const Side& side, std::span<const std::uint32_t> group) const {
   const auto common = side.touched[group[0]];
-  const auto holds = [&](std::uint32_t v) {
+  const auto touches = [&](std::uint32_t v) {
     return common.size() == 1 && side.touched[v].size() == 1 && side.touched[v][0] == common[0];
   };
-  const auto held = [&](std::uint32_t v) {
-    bool all = holds(v);
-    for_links(side, v, [&](std::uint32_t node) { all = all && (node >= loose_.size() || holds(node)); });
+  return std::ranges::all_of(group, [&](std::uint32_t v) {
+    bool all = touches(v);
+    for_links(side, v, [&](std::uint32_t node) { all = all && (node >= loose_.size() || touches(node)); });
     return all;
-  };
-  if (std::ranges::all_of(group, held)) return 0;
+  });
+}
+
+/// How many more there are when the group leaves the side.
+std::int64_t VoxelGraph::parted(const Side& side, std::span<const std::uint32_t> group) {
+  if (holds(side, group)) return 0;
   base::UnionFind sets(0);
-  return components(side, sets) - (side.foreground ? betti_[0] : betti_[2] + 1);
+  return components(side, sets) - count_of(side);
 }
 
 Betti VoxelGraph::after(std::span<const std::uint32_t> group) {
   const bool puts_in = !inside_[group[0]];
   for (const std::uint32_t v : group) in_group_[v] = 1;
-  const std::int64_t components_more = puts_in ? joined(foreground_, group) : parted(foreground_, group);
-  const std::int64_t cavities_more = puts_in ? parted(background_, group) : joined(background_, group);
+  const std::int64_t components = components_ + (puts_in ? joined(foreground_, group) : parted(foreground_, group));
+  const std::int64_t background =
+      background_components_ + (puts_in ? parted(background_, group) : joined(background_, group));
   std::int64_t euler = euler_;
   for (const std::uint32_t v : group) {
     euler += (puts_in ? 1 : -1) * euler_change(around(v));
@@ -199,22 +205,39 @@ Betti VoxelGraph::after(std::span<const std::uint32_t> group) {
     inside_[v] = !puts_in;
     in_group_[v] = 0;
   }
-  const std::int64_t b0 = betti_[0] + components_more, b2 = betti_[2] + cavities_more;
-  return {b0, b0 + b2 - euler, b2};
+  return betti_of(components, background, euler);
 }
 
 void VoxelGraph::flip(std::span<const std::uint32_t> group) {
+  if (group.empty()) return;
+  const bool puts_in = !inside_[group[0]];
+  Side& to = puts_in ? foreground_ : background_;
+  Side& from = puts_in ? background_ : foreground_;
+  const bool uniform = std::ranges::all_of(group, [&](std::uint32_t v) { return inside_[v] != puts_in; });
+  const bool joins = uniform && std::ranges::none_of(group, [&](std::uint32_t v) { return to.left[v] != 0; });
+  const bool held = uniform && holds(from, group);
+  for (const std::uint32_t v : group) in_group_[v] = 1;
+  if (joins) count_of(to) += joined(to, group);
   for (const std::uint32_t v : group) {
     euler_ += (inside_[v] ? -1 : 1) * euler_change(around(v));
     inside_[v] = !inside_[v];
   }
-  update();
+  for (const std::uint32_t v : group) in_group_[v] = 0;
+  if (joins) {
+    for (const std::uint32_t v : group) for_links(to, v, [&](std::uint32_t node) { to.sets.unite(v, node); });
+  } else {
+    recount(to);
+  }
+  if (held) {
+    for (const std::uint32_t v : group) from.left[v] = 1;
+  } else {
+    recount(from);
+  }
 }
 
-void VoxelGraph::update() {
-  betti_[0] = components(foreground_, foreground_.sets);
-  betti_[2] = components(background_, background_.sets) - 1;
-  betti_[1] = betti_[0] + betti_[2] - euler_;
+void VoxelGraph::recount(Side& side) {
+  count_of(side) = components(side, side.sets);
+  side.left.assign(loose_.size(), 0);
 }
 
 }  // namespace quench::voxelization
