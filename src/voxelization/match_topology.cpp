@@ -34,6 +34,7 @@ class Choice {
   }
 
   void run() {
+    most_work_ = kMostWork;
     choose();
     if (left() == 0) return;
     // Where no order of single pieces does it: from all fills on.
@@ -44,6 +45,7 @@ class Choice {
     for (const Group& piece : pieces_)
       if (!was_inside_[piece[0]]) fills.insert(fills.end(), piece.begin(), piece.end());
     graph_.flip(fills);
+    most_work_ = graph_.work() + kMostWork;
     choose();
     if (left() < was) return;
     graph_.flip(changed());
@@ -134,7 +136,7 @@ class Choice {
     for (bool again = true; again && left() > 0;) {
       again = false;
       for (const Group& group : groups) {
-        if (graph_.work() > kMostWork) return;
+        if (graph_.work() > most_work_) return;
         if (!is_uniform(group)) continue;
         const Betti after = graph_.after(group);
         if (!drops_parts_ && graph_.inside(group[0]) && after[0] < graph_.betti()[0]) continue;
@@ -149,7 +151,7 @@ class Choice {
   /// Pieces that bring some number nearer but another one further away, where single voxels then mend that.
   void take_with_single_voxels() {
     for (const Group& piece : pieces_) {
-      if (left() == 0 || graph_.work() > kMostWork) return;
+      if (left() == 0 || graph_.work() > most_work_) return;
       if (!is_uniform(piece) || graph_.after(piece) == graph_.betti()) continue;
       std::vector<char> before(graph_.size());
       for (std::uint32_t v = 0; v < graph_.size(); ++v) before[v] = graph_.inside(v);
@@ -182,6 +184,7 @@ class Choice {
   Betti wanted_;
   std::vector<char> was_inside_;
   std::vector<Group> pieces_;
+  std::int64_t most_work_ = 0;
   bool drops_parts_ = false;  ///< whether cuts may take away whole components, rather than have fills join them
 };
 

@@ -169,9 +169,16 @@ std::int64_t VoxelGraph::joined(Side& side, std::span<const std::uint32_t> group
   return sets.count() - static_cast<std::int64_t>(nodes.size() - group.size());
 }
 
-/// Whether nothing comes apart when the group leaves the side because all of it and all it touches touch one lasting
-/// component. False where that does not tell.
+/// Whether nothing comes apart when the group leaves the side, because it is one voxel whose neighbours are joined
+/// without it, or because all of it and all it touches touch one lasting component. False where that does not tell.
 bool VoxelGraph::holds(const Side& side, std::span<const std::uint32_t> group) const {
+  if (group.size() == 1) {
+    const Neighbours foreground = around(group[0]), faces = foreground & neighbour_masks::kFaces;
+    const Neighbours background = ~foreground & kAllNeighbours;
+    if (side.foreground ? faces != 0 && joined_by_faces(foreground & neighbour_masks::kFacesAndEdges, faces)
+                        : background != 0 && is_joined(background))
+      return true;
+  }
   const auto common = side.touched[group[0]];
   const auto touches = [&](std::uint32_t v) {
     return common.size() == 1 && side.touched[v].size() == 1 && side.touched[v][0] == common[0];
