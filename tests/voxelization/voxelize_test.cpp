@@ -191,6 +191,7 @@ TEST(Voxelize, TetrahedraThatTileABoxShareNoVoxelAndMissNone) {
         VoxelizeOptions options;
         options.resolution = 12;
         options.margin = 0;
+        options.topology = TopologyRule::voxels;
         const VoxelShape shape = voxelize(mesh, options).shape;
         for (std::size_t v = 0; v < owners.size(); ++v) {
           const auto i = static_cast<std::int64_t>(v);
@@ -319,6 +320,9 @@ TEST(Voxelize, NestedOverlappingAndInwardPartsNeedNothingMore) {
   for (std::size_t t = 12; t < 24; ++t) std::swap(mesh.triangles[t][0], mesh.triangles[t][1]);  // the same way: solid
   result = voxelize(mesh, options);
   EXPECT_EQ(result.shape.voxel_count(), 4096);
+  EXPECT_TRUE(result.topology_known);  // from the winding number around the inner one
+  options.topology = TopologyRule::voxels;
+  result = voxelize(mesh, options);
   EXPECT_FALSE(result.topology_known);
   EXPECT_FALSE(result.topology_changed);
   options.fill = FillRule::evenodd;
