@@ -19,9 +19,8 @@ namespace {
 class Deflation {
  public:
   Deflation(const SurfaceCover& cover, const VoxelShape& shape, std::int64_t margin)
-      : cover_(cover), shape_(shape), margin_(margin), row_(cover.x.size()), state_(cover.x.size()) {
-    const std::size_t rows = cover.row_begin.size() - 1;
-    base::for_indices(rows, [&](std::size_t r) { look_around(r); });
+      : cover_(cover), shape_(shape), margin_(margin), cells_(cover.x.size()), near_(cover.x.size()) {
+    base::for_indices(cover.row_begin.size() - 1, [&](std::size_t r) { look_around(r); });
   }
 
   void run(Context* context) {
@@ -36,22 +35,28 @@ class Deflation {
         v = again_.top();
         again_.pop();
       }
-      state_[v] = (state_[v] | kSeen) & ~kQueued;
-      if (is_simple(state_[v] & kAllNeighbours)) flip(v);
+      std::uint32_t& state = cells_[v].state;
+      state = (state | kSeen) & ~kQueued;
+      if (is_simple(state & kAllNeighbours)) flip(v);
     }
   }
 
   std::vector<Voxel> left() const {
     std::vector<Voxel> result;
-    for (std::uint32_t v = 0; v < state_.size(); ++v)
-      if (!(state_[v] & kFlipped))
-        result.push_back({static_cast<std::int32_t>(cover_.x[v] + margin_),
-                          static_cast<std::int32_t>(row_[v] % cover_.cells[1] + margin_),
-                          static_cast<std::int32_t>(row_[v] / cover_.cells[1] + margin_)});
+    for (const Cell& cell : cells_)
+      if (!(cell.state & kFlipped))
+        result.push_back({static_cast<std::int32_t>(cell.x + margin_),
+                          static_cast<std::int32_t>(cell.row % cover_.cells[1] + margin_),
+                          static_cast<std::int32_t>(cell.row / cover_.cells[1] + margin_)});
     return result;
   }
 
  private:
+  struct Cell {
+    std::int32_t x;
+    std::uint32_t row;        ///< y + cells[1] * z
+    std::uint32_t state = 0;  ///< neighbours, and flags above
+  };
   static constexpr std::uint32_t kInside = 1u << 27, kFlipped = 1u << 28, kSeen = 1u << 29, kQueued = 1u << 30;
 
   bool before(std::uint32_t a, std::uint32_t b) const {
@@ -60,7 +65,7 @@ class Deflation {
 
   /// Counting sort.
   std::vector<std::uint32_t> by_distance() const {
-    std::vector<std::uint32_t> place(0x10001, 0), order(state_.size());
+    std::vector<std::uint32_t> place(0x10001, 0), order(cells_.size());
     for (const std::uint16_t d : cover_.distance) ++place[0x10000u - d];
     std::partial_sum(place.begin(), place.end(), place.begin());
     for (std::uint32_t v = 0; v < order.size(); ++v) order[place[0xffffu - cover_.distance[v]]++] = v;
@@ -90,37 +95,39 @@ class Deflation {
     const auto y = static_cast<std::int64_t>(r) % cover_.cells[1], z = static_cast<std::int64_t>(r) / cover_.cells[1];
     std::span<const Run> own = shape_.row(y + margin_, z + margin_);
     for (std::uint32_t v = first; v < last; ++v) {
-      row_[v] = static_cast<std::uint32_t>(r);
-      if (three_of(own, cover_.x[v] + margin_) & 2u) state_[v] = kInside;
+      const bool inside = (three_of(own, cover_.x[v] + margin_) & 2u) != 0;
+      cells_[v] = {cover_.x[v], static_cast<std::uint32_t>(r), inside ? kInside : 0};
     }
-    for (int dz = -1; dz <= 1; ++dz)
-      for (int dy = -1; dy <= 1; ++dy) {
-        std::span<const Run> runs = shape_.row(y + dy + margin_, z + dz + margin_);
-        std::span<const std::int32_t> cells = cover_.row(y + dy, z + dz);
-        const int at = 3 * (dy + 1) + 9 * (dz + 1);
-        for (std::uint32_t v = first; v < last; ++v) {
-          const std::uint32_t inside = three_of(runs, cover_.x[v] + margin_), met = three_of(cells, cover_.x[v]);
-          state_[v] |= (state_[v] & kInside ? inside & ~met : inside | met) << at;
-        }
+    for (std::size_t n = 0; n < 9; ++n) {
+      const std::int64_t other_y = y + static_cast<std::int64_t>(n % 3) - 1,
+                         other_z = z + static_cast<std::int64_t>(n / 3) - 1;
+      std::span<const Run> runs = shape_.row(other_y + margin_, other_z + margin_);
+      std::span<const std::int32_t> covered = cover_.row(other_y, other_z);
+      for (std::uint32_t v = first; v < last; ++v) {
+        const std::uint32_t inside = three_of(runs, cover_.x[v] + margin_), met = three_of(covered, cover_.x[v]);
+        cells_[v].state |= (cells_[v].state & kInside ? inside & ~met : inside | met) << 3 * n;
+        near_[v][n] = met == 0 ? kNone : static_cast<std::uint32_t>(covered.data() - cover_.x.data());
       }
+    }
   }
 
   void flip(std::uint32_t v) {
-    state_[v] |= kFlipped;
-    const std::int64_t y = row_[v] % cover_.cells[1], z = row_[v] / cover_.cells[1];
-    const std::int32_t x = cover_.x[v];
-    for (int dz = -1; dz <= 1; ++dz)
-      for (int dy = -1; dy <= 1; ++dy) {
-        const std::span<const std::int32_t> cells = cover_.row(y + dy, z + dz);
-        for (auto c = std::lower_bound(cells.begin(), cells.end(), x - 1); c != cells.end() && *c <= x + 1; ++c) {
-          const auto other = static_cast<std::uint32_t>(&*c - cover_.x.data());
-          if (other == v || (state_[other] ^ state_[v]) & kInside) continue;
-          state_[other] ^= neighbour_bit(x - *c, -dy, -dz);
-          if ((state_[other] & (kFlipped | kSeen | kQueued)) != kSeen) continue;  // gone, to come, or to come again
-          state_[other] |= kQueued;
-          again_.push(other);
-        }
+    Cell& cell = cells_[v];
+    cell.state |= kFlipped;
+    for (std::size_t n = 0; n < 9; ++n) {
+      std::uint32_t other = near_[v][n];
+      if (other == kNone) continue;
+      const std::uint32_t row = cells_[other].row;
+      for (; other < cells_.size() && cells_[other].row == row && cells_[other].x <= cell.x + 1; ++other) {
+        std::uint32_t& state = cells_[other].state;
+        if (other == v || (state ^ cell.state) & kInside) continue;
+        state ^=
+            1u << (25 - static_cast<std::int32_t>(3 * n) - (cells_[other].x - cell.x));  // the voxel, seen from there
+        if ((state & (kFlipped | kSeen | kQueued)) != kSeen) continue;  // gone, to come, or to come again
+        state |= kQueued;
+        again_.push(other);
       }
+    }
   }
 
   struct Later {
@@ -131,8 +138,11 @@ class Deflation {
   const SurfaceCover& cover_;
   const VoxelShape& shape_;
   std::int64_t margin_;
-  std::vector<std::uint32_t> row_;    ///< y + cells[1] * z
-  std::vector<std::uint32_t> state_;  ///< neighbours, and flags above
+  std::vector<Cell> cells_;
+  /// Per voxel the first one of its nine scanlines (that at (dy, dz) is dy + 1 + 3 (dz + 1)) from x - 1 on, where that
+  /// is a neighbour or the voxel itself.
+  std::vector<std::array<std::uint32_t, 9>> near_;
+  static constexpr std::uint32_t kNone = ~0u;
   std::priority_queue<std::uint32_t, std::vector<std::uint32_t>, Later> again_{Later{this}};  ///< that were not simple
 };
 

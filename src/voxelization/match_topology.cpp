@@ -27,8 +27,8 @@ bool harmless(const Betti& before, const Betti& after, const Betti& wanted) {
 /// Which pieces are flipped.
 class Choice {
  public:
-  Choice(const VoxelShape& shape, std::vector<Voxel> loose, const Betti& wanted)
-      : graph_(shape, std::move(loose)), wanted_(wanted), was_inside_(graph_.size()) {
+  Choice(const VoxelShape& shape, std::int64_t euler, std::vector<Voxel> loose, const Betti& wanted)
+      : graph_(shape, euler, std::move(loose)), wanted_(wanted), was_inside_(graph_.size()) {
     for (std::uint32_t v = 0; v < graph_.size(); ++v) was_inside_[v] = graph_.inside(v);
     find_pieces();
   }
@@ -52,6 +52,10 @@ class Choice {
     graph_.flip(first);
   }
 
+  Topology topology() const {
+    const Betti b = graph_.betti();
+    return {b[0] - b[1] + b[2], b};
+  }
   std::int64_t left() const { return off(graph_.betti(), wanted_); }
   std::vector<Voxel> flipped() const {
     std::vector<Voxel> result;
@@ -190,14 +194,15 @@ class Choice {
 
 }  // namespace
 
-MatchedShape match_topology(const FixedMesh& mesh, const VoxelShape& shape, std::int64_t margin, const Betti& wanted,
-                            Context* context) {
+MatchedShape match_topology(const FixedMesh& mesh, const VoxelShape& shape, std::int64_t margin, const Topology& before,
+                            const Betti& wanted, Context* context) {
   const SurfaceCover cover = surface_cover(mesh, context);
-  Choice choice(shape, deflate(cover, shape, margin, context), wanted);
+  Choice choice(shape, before.euler, deflate(cover, shape, margin, context), wanted);
   choice.run();
   const std::vector<Voxel> flipped = choice.flipped();
   MatchedShape result;
   result.shape = with_flipped(shape, flipped);
+  result.topology = choice.topology();
   for (const Voxel& v : flipped) ++(shape.contains(v[0], v[1], v[2]) ? result.removed : result.added);
   if (choice.left() > 0) result.places = choice.places();
   return result;

@@ -63,14 +63,14 @@ VoxelShape with_flipped(const VoxelShape& shape, std::span<const Voxel> voxels) 
   return result;
 }
 
-VoxelGraph::VoxelGraph(const VoxelShape& shape, std::vector<Voxel> loose)
+VoxelGraph::VoxelGraph(const VoxelShape& shape, std::int64_t euler, std::vector<Voxel> loose)
     : loose_(std::move(loose)), inside_(loose_.size()), in_group_(loose_.size()), lasting_(loose_.size()) {
   look_around(shape);
   std::vector<Voxel> in, out;
   for (std::uint32_t v = 0; v < loose_.size(); ++v) (inside_[v] ? in : out).push_back(loose_[v]);
   find_components(foreground_, with_flipped(shape, in));
   find_components(background_, with_flipped(shape, out));
-  euler_ = topology(shape).euler;
+  euler_ = euler;
   for (Side* side : {&foreground_, &background_}) recount(*side);
 }
 

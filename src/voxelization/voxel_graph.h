@@ -24,8 +24,8 @@ VoxelShape with_flipped(const VoxelShape& shape, std::span<const Voxel> voxels);
 /// components they touch. Loose voxels are known by their place in the list.
 class VoxelGraph {
  public:
-  /// `loose`: in order of z, y, x.
-  VoxelGraph(const VoxelShape& shape, std::vector<Voxel> loose);
+  /// `euler`: of the shape; `loose`: in order of z, y, x.
+  VoxelGraph(const VoxelShape& shape, std::int64_t euler, std::vector<Voxel> loose);
 
   std::size_t size() const { return loose_.size(); }
   const Voxel& voxel(std::uint32_t v) const { return loose_[v]; }

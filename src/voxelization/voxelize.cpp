@@ -174,18 +174,17 @@ Choice choose(const voxelization::FixedMesh& fixed, const voxelization::SurfaceA
 }
 
 /// Puts voxels in and takes them out; returns the topology then.
-Topology repair_topology(Voxelization& v, const voxelization::FixedMesh& fixed, const VoxelizeOptions& options,
-                         const voxelization::Progress& progress) {
-  v.repair.emplace();
-  v.repair->before = topology(v.shape);
-  const voxelization::MatchedShape matched =
-      voxelization::match_topology(fixed, v.shape, options.margin, *v.solid_betti, progress.context);
-  v.shape = matched.shape;
+Topology repair_topology(Voxelization& v, const Topology& before, const voxelization::FixedMesh& fixed,
+                         const VoxelizeOptions& options, const voxelization::Progress& progress) {
+  voxelization::MatchedShape matched =
+      voxelization::match_topology(fixed, v.shape, options.margin, before, *v.solid_betti, progress.context);
+  v.repair = {.before = before, .after = matched.topology};
+  v.shape = std::move(matched.shape);
   v.repair->added = matched.added;
   v.repair->removed = matched.removed;
   for (const auto& voxel : matched.places)
     v.repair->places.push_back(v.shape.grid().world(Vec3(voxel[0] + 0.5, voxel[1] + 0.5, voxel[2] + 0.5)));
-  return v.repair->after = topology(v.shape);
+  return matched.topology;
 }
 
 /// The shape may be empty.
@@ -237,7 +236,7 @@ Voxelization digitize(const CheckedMesh& checked, const VoxelizeOptions& options
   if (options.topology == TopologyRule::mesh) {
     result.solid_betti = voxelization::solid_betti(checked.mesh, fixed, checked.analysis, inside);
     if (result.solid_betti && *result.solid_betti != now.betti && !result.shape.empty())
-      now = repair_topology(result, fixed, options, progress);
+      now = repair_topology(result, now, fixed, options, progress);
   }
   result.topology_difference = difference(now, result);
   if (!result.topology_difference.empty() && !result.repair)

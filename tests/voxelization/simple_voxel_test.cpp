@@ -125,7 +125,7 @@ TEST(VoxelGraph, BettiNumbersAreThoseOfTheWholeShape) {
   for (std::uint64_t seed = 0; seed < 300; ++seed) {
     VoxelShape shape = testing_shapes::random_shape(seed);
     const std::vector<Voxel> loose = random_voxels(shape, random, 2 + seed % 9);
-    VoxelGraph graph(shape, loose);
+    VoxelGraph graph(shape, topology(shape).euler, loose);
     ASSERT_EQ(graph.betti(), topology(shape).betti) << seed;
     for (int step = 0; step < 12 && graph.size() > 0; ++step) {
       std::vector<std::uint32_t> group;  // of voxels that are all inside or all outside
