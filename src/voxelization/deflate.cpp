@@ -63,12 +63,13 @@ class Deflation {
     return cover_.distance[a] != cover_.distance[b] ? cover_.distance[a] > cover_.distance[b] : a < b;
   }
 
-  /// Counting sort.
+  /// Counting sort. Within a sixteenth of a voxel in the order in memory, which takes half of the time that finer
+  /// distances take.
   std::vector<std::uint32_t> by_distance() const {
-    std::vector<std::uint32_t> place(0x10001, 0), order(cells_.size());
-    for (const std::uint16_t d : cover_.distance) ++place[0x10000u - d];
+    std::vector<std::uint32_t> place(0x101, 0), order(cells_.size());
+    for (const std::uint8_t d : cover_.distance) ++place[0x100u - d];
     std::partial_sum(place.begin(), place.end(), place.begin());
-    for (std::uint32_t v = 0; v < order.size(); ++v) order[place[0xffffu - cover_.distance[v]]++] = v;
+    for (std::uint32_t v = 0; v < order.size(); ++v) order[place[0xffu - cover_.distance[v]]++] = v;
     return order;
   }
 

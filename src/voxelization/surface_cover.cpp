@@ -193,7 +193,7 @@ class SliceCover {
     for (std::int64_t x = first; x <= last; ++x) {
       const Vec3 centre = Vec3(static_cast<double>(x), static_cast<double>(y), static_cast<double>(z_)).array() + 0.5;
       const double d = distance_to(places_[0] - centre, places_[1] - centre, places_[2] - centre);
-      const auto rounded = static_cast<std::uint64_t>(std::min(d / SurfaceCover::kDistanceUnit, 65535.0));
+      const auto rounded = static_cast<std::uint64_t>(d / SurfaceCover::kDistanceUnit);
       found_.push_back(static_cast<std::uint64_t>(y) << 32 | static_cast<std::uint64_t>(x) << 16 | rounded);
     }
   }
@@ -242,7 +242,7 @@ SurfaceCover surface_cover(const FixedMesh& mesh, Context* context) {
       cover.row_begin.push_back(static_cast<std::uint32_t>(cover.x.size()));
       for (; at != slice.end() && *at >> 32 == y; ++at) {
         cover.x.push_back(static_cast<std::int32_t>(*at >> 16 & 0xffff));
-        cover.distance.push_back(static_cast<std::uint16_t>(*at & 0xffff));
+        cover.distance.push_back(static_cast<std::uint8_t>(*at & 0xff));
       }
     }
     slice = {};

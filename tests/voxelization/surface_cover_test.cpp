@@ -179,7 +179,7 @@ TEST(SurfaceCover, HoldsExactlyTheVoxelsThatAreMet) {
           ASSERT_EQ(found, met ? 1 : 0) << repeat << ": " << x << ' ' << y << ' ' << z;
         }
       }
-    for (const std::uint16_t d : cover.distance) ASSERT_LE(d * SurfaceCover::kDistanceUnit, std::sqrt(0.75) + 1e-4);
+    for (const std::uint8_t d : cover.distance) ASSERT_LE(d * SurfaceCover::kDistanceUnit, std::sqrt(0.75));
   }
 }
 
