@@ -16,10 +16,8 @@ inline constexpr Neighbours kCentre = 1u << 13, kAllNeighbours = 0x7ffffffu & ~k
 
 constexpr Neighbours neighbour_bit(int dx, int dy, int dz) { return 1u << ((dx + 1) + 3 * (dy + 1) + 9 * (dz + 1)); }
 
-namespace neighbour_masks {
-
 /// The neighbours at distance `least` to `most` in steps along the axes.
-constexpr Neighbours within(int least, int most) {
+constexpr Neighbours neighbours_within(int least, int most) {
   Neighbours result = 0;
   for (int i = 0; i < 27; ++i) {
     const auto off = [](int c) { return c == 1 ? 0 : 1; };
@@ -29,32 +27,31 @@ constexpr Neighbours within(int least, int most) {
   return result;
 }
 
-constexpr Neighbours layer(int divisor, int which) {
+constexpr Neighbours neighbour_layer(int divisor, int which) {
   Neighbours result = 0;
   for (int i = 0; i < 27; ++i)
     if (i / divisor % 3 == which) result |= 1u << i;
   return result;
 }
 
-inline constexpr Neighbours kFaces = within(1, 1), kFacesAndEdges = within(1, 2);
-inline constexpr std::array<int, 3> kSteps{1, 3, 9};
-inline constexpr std::array<Neighbours, 3> kNotFirst{~layer(1, 0), ~layer(3, 0), ~layer(9, 0)},
-    kNotLast{~layer(1, 2), ~layer(3, 2), ~layer(9, 2)};
+inline constexpr Neighbours kFaceNeighbours = neighbours_within(1, 1), kFaceAndEdgeNeighbours = neighbours_within(1, 2);
+inline constexpr std::array<int, 3> kNeighbourSteps{1, 3, 9};
+inline constexpr std::array<Neighbours, 3> kNotInFirstLayer{~neighbour_layer(1, 0), ~neighbour_layer(3, 0),
+                                                            ~neighbour_layer(9, 0)},
+    kNotInLastLayer{~neighbour_layer(1, 2), ~neighbour_layer(3, 2), ~neighbour_layer(9, 2)};
 
 /// Set bits and their neighbours along one axis.
-constexpr Neighbours grown(Neighbours set, std::size_t axis) {
-  return set | (set & kNotLast[axis]) << kSteps[axis] | (set & kNotFirst[axis]) >> kSteps[axis];
+constexpr Neighbours grown_along(Neighbours set, std::size_t axis) {
+  return set | (set & kNotInLastLayer[axis]) << kNeighbourSteps[axis] |
+         (set & kNotInFirstLayer[axis]) >> kNeighbourSteps[axis];
 }
-
-}  // namespace neighbour_masks
 
 /// Whether all bits of `wanted` are in one 6-component of `set`, which holds them.
 constexpr bool joined_by_faces(Neighbours set, Neighbours wanted) {
-  using namespace neighbour_masks;
   Neighbours part = wanted & (~wanted + 1);
   for (Neighbours before = 0; part != before;) {
     before = part;
-    part = (grown(part, 0) | grown(part, 1) | grown(part, 2)) & set;
+    part = (grown_along(part, 0) | grown_along(part, 1) | grown_along(part, 2)) & set;
     if ((wanted & ~part) == 0) return true;
   }
   return false;
@@ -62,11 +59,10 @@ constexpr bool joined_by_faces(Neighbours set, Neighbours wanted) {
 
 /// Whether `set` is one 26-component.
 constexpr bool is_joined(Neighbours set) {
-  using namespace neighbour_masks;
   Neighbours part = set & (~set + 1);
   for (Neighbours before = 0; part != before;) {
     before = part;
-    part = grown(grown(grown(part, 0), 1), 2) & set;
+    part = grown_along(grown_along(grown_along(part, 0), 1), 2) & set;
     if (part == set) return true;
   }
   return false;
@@ -77,15 +73,15 @@ constexpr bool is_joined(Neighbours set) {
 /// faces and edges, and the background among all neighbours is not empty and one 26-component (Bertrand, Malandain
 /// 1994).
 constexpr bool is_simple(Neighbours around) {
-  const Neighbours faces = around & neighbour_masks::kFaces, background = ~around & kAllNeighbours;
-  return faces != 0 && background != 0 && joined_by_faces(around & neighbour_masks::kFacesAndEdges, faces) &&
+  const Neighbours faces = around & kFaceNeighbours, background = ~around & kAllNeighbours;
+  return faces != 0 && background != 0 && joined_by_faces(around & kFaceAndEdgeNeighbours, faces) &&
          is_joined(background);
 }
 
 /// By how much the Euler characteristic of the foreground grows when the voxel is put into it: voxels - faces they
 /// share + edges that are full - vertices that are full.
 constexpr int euler_change(Neighbours around) {
-  int change = 1 - std::popcount(around & neighbour_masks::kFaces);
+  int change = 1 - std::popcount(around & kFaceNeighbours);
   const auto full = [&](Neighbours all) { return (around & all) == all ? 1 : 0; };
   for (const int i : {-1, 1})
     for (const int j : {-1, 1}) {

@@ -92,7 +92,7 @@ void VoxelGraph::look_around(const VoxelShape& shape) {
 void VoxelGraph::find_components(Side& side, const VoxelShape& lasting) {
   base::UnionFind sets =
       side.foreground ? shape::foreground_components(lasting) : shape::background_components(lasting);
-  const Neighbours reach = side.foreground ? neighbour_masks::kFaces : kAllNeighbours;
+  const Neighbours reach = side.foreground ? kFaceNeighbours : kAllNeighbours;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> touching;  // loose voxel, set
   for (std::uint32_t v = 0; v < loose_.size(); ++v)
     for_26(loose_[v], [&](const Voxel& other, Neighbours bit) {
@@ -126,7 +126,7 @@ Neighbours VoxelGraph::around(std::uint32_t v) const {
 /// Nodes of the side that a voxel is joined to, as far as they are there.
 template <class Visit>
 void VoxelGraph::for_links(const Side& side, std::uint32_t v, const Visit& visit) const {
-  const Neighbours reach = side.foreground ? neighbour_masks::kFaces : kAllNeighbours;
+  const Neighbours reach = side.foreground ? kFaceNeighbours : kAllNeighbours;
   for (const Link& link : links_[v])
     if ((link.bit & reach) && is_in(side, link.to)) visit(link.to);
   for (const std::uint32_t node : side.touched[v]) visit(node);
@@ -160,7 +160,7 @@ std::int64_t VoxelGraph::joined(Side& side, std::span<const std::uint32_t> group
     return static_cast<std::uint32_t>(std::lower_bound(nodes.begin(), nodes.end(), node) - nodes.begin());
   };
   base::UnionFind sets(nodes.size());
-  const Neighbours reach = side.foreground ? neighbour_masks::kFaces : kAllNeighbours;
+  const Neighbours reach = side.foreground ? kFaceNeighbours : kAllNeighbours;
   for (const std::uint32_t v : group) {
     for_links(side, v, [&](std::uint32_t node) { sets.unite(place(v), place(set_at(node))); });
     for (const Link& link : links_[v])
@@ -173,9 +173,9 @@ std::int64_t VoxelGraph::joined(Side& side, std::span<const std::uint32_t> group
 /// without it, or because all of it and all it touches touch one lasting component. False where that does not tell.
 bool VoxelGraph::holds(const Side& side, std::span<const std::uint32_t> group) const {
   if (group.size() == 1) {
-    const Neighbours foreground = around(group[0]), faces = foreground & neighbour_masks::kFaces;
+    const Neighbours foreground = around(group[0]), faces = foreground & kFaceNeighbours;
     const Neighbours background = ~foreground & kAllNeighbours;
-    if (side.foreground ? faces != 0 && joined_by_faces(foreground & neighbour_masks::kFacesAndEdges, faces)
+    if (side.foreground ? faces != 0 && joined_by_faces(foreground & kFaceAndEdgeNeighbours, faces)
                         : background != 0 && is_joined(background))
       return true;
   }
