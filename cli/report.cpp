@@ -30,6 +30,25 @@ std::int64_t predicted_bytes(const pipeline::CorePlan& plan) {
   return std::max(plan.held + plan.bytes(), Session::peak_bytes());
 }
 
+/// What digitization with the topology of the mesh did.
+Json topology_section(const Voxelization& v) {
+  Json section = {{"rule", topology_name(v.topology)},
+                  {"solid_betti", v.solid_betti ? Json(*v.solid_betti) : Json(nullptr)},
+                  {"added", 0},
+                  {"removed", 0}};
+  if (!v.repair) return section;
+  section["added"] = v.repair->added;
+  section["removed"] = v.repair->removed;
+  section["betti_before"] = v.repair->before.betti;
+  section["betti"] = v.repair->after.betti;
+  if (v.repair->after.betti == v.solid_betti) return section;
+  Json& places = section["places"] = Json::array();
+  for (const Vec3& p : v.repair->places) places.push_back({p[0], p[1], p[2]});
+  const std::int64_t works = v.repair->working_resolution;
+  section["working_resolution"] = works > 0 ? Json(works) : Json(nullptr);
+  return section;
+}
+
 }  // namespace
 
 void write_report(const std::string& file, Json report, Session& session) {
@@ -80,13 +99,15 @@ std::string cells_text(const pipeline::CellCounts& cells) {
 Json shape_section(const pipeline::LoadedShape& shape) {
   const Grid& grid = shape.shape.grid();
   const std::optional<bool> changed = shape.topology_changed();
-  return {{"dims", grid.dims},
-          {"spacing", {grid.spacing[0], grid.spacing[1], grid.spacing[2]}},
-          {"voxels", shape.shape.voxel_count()},
-          {"sites", count_boundary_vertices(shape.shape)},
-          {"euler", shape.topology.euler},
-          {"betti", shape.topology.betti},
-          {"voxelization_changed_topology", changed ? Json(*changed) : Json(nullptr)}};
+  Json section = {{"dims", grid.dims},
+                  {"spacing", {grid.spacing[0], grid.spacing[1], grid.spacing[2]}},
+                  {"voxels", shape.shape.voxel_count()},
+                  {"sites", count_boundary_vertices(shape.shape)},
+                  {"euler", shape.topology.euler},
+                  {"betti", shape.topology.betti},
+                  {"voxelization_changed_topology", changed ? Json(*changed) : Json(nullptr)}};
+  if (shape.voxelization) section["topology"] = topology_section(*shape.voxelization);
+  return section;
 }
 
 void add_core_sections(Json& report, const pipeline::LoadedShape& shape, const pipeline::CoreResult& core) {

@@ -63,6 +63,7 @@ void say_voxelization(const ShapeOptions& options, const LoadedShape& shape, Ses
   if (!v.sound) session.say("warning: " + defects_text(v));
   if (!v.topology_known && v.sound)
     session.say("note: parts of the mesh overlap, so whether voxelization changed the topology cannot be told from it");
+  if (const std::string text = v.repair ? repair_text(*v.repair) : ""; !text.empty()) session.say(text);
   if (v.topology_changed) session.say("warning: voxelization changed the topology: " + v.topology_difference);
   if (options.how.resolution == pipeline::kAutomaticResolution)
     session.say(fmt::format("resolution {} (auto)", shape.resolution));
@@ -158,6 +159,13 @@ CLI::Option* add_fill(CLI::App& app, ShapeOptions& o, const std::string& help) {
       ->check(one_of({"nonzero", "evenodd", "winding", "auto"}));
 }
 
+CLI::Option* add_topology(CLI::App& app, ShapeOptions& o, const std::string& help) {
+  return add_parsed(app, "--topology", help,
+                    [&o](const std::string&, const std::string& text) { o.how.topology = topology_of(text); })
+      ->type_name("RULE")
+      ->check(one_of({"mesh", "voxels"}));
+}
+
 void add_shape_options(CLI::App& app, ShapeOptions& o) {
   app.add_option("SHAPE", o.file,
                  "A mesh (.ply .obj .off .stl ...) or a volume (.nrrd .nii.gz .mha .map .vol .npy .tif, a "
@@ -176,6 +184,12 @@ void add_shape_options(CLI::App& app, ShapeOptions& o) {
            "decides; 'winding': faces are turned and duplicates dropped first, even if the mesh is closed; 'auto': "
            "one of these, and says why")
       ->default_str("nonzero")
+      ->group(group);
+  add_topology(app, o,
+               "Mesh: 'mesh' puts in and takes out a few voxels where the voxel shape would break or join what the "
+               "mesh does not, so that it has as many components, tunnels and cavities; 'voxels': every voxel whose "
+               "centre is inside, and no other")
+      ->default_str("mesh")
       ->group(group);
   ForegroundOptions& f = o.how.foreground;
   add_threshold(app, f.threshold, "Volume: the shape is the voxels of at least this value")

@@ -20,9 +20,10 @@ struct ShapeOptions {
 };
 
 void add_shape_options(CLI::App& app, ShapeOptions& options);
-/// --resolution and --fill alone, for commands that show a shape.
+/// --resolution, --fill and --topology alone, for commands that show a shape.
 CLI::Option* add_resolution(CLI::App& app, ShapeOptions& options, const std::string& help);
 CLI::Option* add_fill(CLI::App& app, ShapeOptions& options, const std::string& help);
+CLI::Option* add_topology(CLI::App& app, ShapeOptions& options, const std::string& help);
 
 /// Throws the Error of an option that cannot be or of a file that is not there, before anything is read.
 void check_shape_options(const ShapeOptions& options);

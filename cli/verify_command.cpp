@@ -26,6 +26,26 @@ std::optional<Volume> grey_values(const ShapeOptions& options, const pipeline::L
   return volume;
 }
 
+/// Whether the shape that a result is of has the topology of the mesh.
+Check mesh_topology_check(const pipeline::LoadedShape& shape) {
+  Check check{"Betti numbers of the mesh", true, {}};
+  const auto& wanted = shape.voxelization->solid_betti;
+  const auto text = [](const std::array<std::int64_t, 3>& b) { return fmt::format("{}, {}, {}", b[0], b[1], b[2]); };
+  if (shape.voxelization->topology == TopologyRule::voxels) {
+    check.detail = "not checked: the shape is the Gauss digitization, whatever its topology";
+  } else if (!wanted) {
+    check.detail = "not checked: the surface does not tell the topology of its solid";
+  } else if (shape.cleaned) {
+    check.detail = "not checked: the shape was cleaned";
+  } else {
+    check.passed = shape.topology.betti == *wanted;
+    check.detail = check.passed ? fmt::format("{}: those of its solid", text(*wanted))
+                                : fmt::format("the shape has {}, the solid of the mesh {}; the resolution is too low",
+                                              text(shape.topology.betti), text(*wanted));
+  }
+  return check;
+}
+
 }  // namespace
 
 Action add_verify(CLI::App& app) {
@@ -111,7 +131,8 @@ Action add_verify(CLI::App& app) {
       options.format_holds_all = says_stage;  // only VTP holds it, and with it every other array
       if (o->lambda) options.lambda = loaded.scale().resolve(*o->lambda, kLambda);
       if (o->detail) options.detail = loaded.scale().resolve(*o->detail, kDetail);
-      const Certificate certificate = verify(loaded.shape, data, options, &session.context);
+      Certificate certificate = verify(loaded.shape, data, options, &session.context);
+      if (loaded.from_mesh) certificate.checks.insert(certificate.checks.begin(), mesh_topology_check(loaded));
       auto& section = report[file] = Json::object();
       for (const Check& check : certificate.checks) {
         answer(fmt::format("{}: {} {}: {}", file,

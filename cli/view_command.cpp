@@ -63,9 +63,10 @@ void check_options(const Options& o) {
     throw Error(ErrorCode::usage, fmt::format("--png writes PNG; name '{}' .png", o.png));
   picture_of(o);
   const pipeline::ShapeOptions& how = o.shape.how;
-  if (o.shape.file.empty() && (how.foreground.threshold || how.foreground.label || how.resolution || how.fill))
+  if (o.shape.file.empty() &&
+      (how.foreground.threshold || how.foreground.label || how.resolution || how.fill || how.topology))
     throw Error(ErrorCode::usage,
-                "--threshold, --label, --resolution and --fill say how --shape is read; give --shape too");
+                "--threshold, --label, --resolution, --fill and --topology say how --shape is read; give --shape too");
   for (const std::string& file : o.files) check_exists(file);
   if (!o.shape.file.empty()) check_shape_options(o.shape);
 }
@@ -314,6 +315,8 @@ Action add_view(CLI::App& app) {
   add_fill(app, o->shape,
            "What is inside of a --shape that is a mesh: 'nonzero', 'evenodd', 'winding' or 'auto' [default: what "
            "FILE says, else nonzero]")
+      ->group(shape);
+  add_topology(app, o->shape, "Of a --shape that is a mesh: 'mesh' or 'voxels' [default: what FILE says, else mesh]")
       ->group(shape);
   add_threshold(app, o->shape.how.foreground.threshold,
                 "--shape is a volume: its voxels of at least this value [default: what FILE says]")

@@ -103,6 +103,7 @@ std::optional<Vec3> spacing_in(std::string_view text);
 struct ShapeOptions {
   std::optional<std::int64_t> resolution = {};  ///< meshes; default 256; or kAutomaticResolution
   std::optional<FillRule> fill = {};            ///< meshes; default nonzero
+  std::optional<TopologyRule> topology = {};    ///< meshes; default mesh
   std::optional<Vec3> spacing = {};             ///< volumes; default: what the file says
   std::string spacing_text = {};                ///< as it was spelled, for the record; empty: spelled from `spacing`
   ForegroundOptions foreground = {};            ///< threshold, label, invert: volumes

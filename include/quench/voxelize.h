@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "quench/context.h"
 #include "quench/geometry.h"
@@ -21,9 +23,16 @@ enum class FillRule {
   automatic  ///< one of these; fill_reason says why
 };
 
+/// Which voxels are foreground beside those whose centres are inside.
+enum class TopologyRule {
+  mesh,   ///< a few at the surface are put in or taken out where that gives the shape the topology of the mesh's solid
+  voxels  ///< none: Gauss digitization, whatever its topology
+};
+
 struct VoxelizeOptions {
   std::int64_t resolution = 256;  ///< voxels along the longest side of the mesh's box; 1 to 16384
   FillRule fill = FillRule::nonzero;
+  TopologyRule topology = TopologyRule::mesh;
   std::int64_t margin = 1;  ///< empty voxels around the box on every side
 };
 
@@ -56,10 +65,23 @@ struct SurfaceDefects {
   double doubtful_share = 0;  ///< share of the shape's voxels with |w| below 3/4 (of some thousand samples): guesses
 };
 
+/// What TopologyRule::mesh did where the topology of the Gauss digitization is not that of the mesh's solid.
+struct TopologyRepair {
+  Topology before, after;               ///< of the Gauss digitization, and of the shape
+  std::int64_t added = 0, removed = 0;  ///< voxels
+  std::vector<Vec3> places = {};        ///< where the topology was not reached: in the world, some of what is wrong
+  std::int64_t working_resolution = 0;  ///< then the smallest found at which it is; 0: none was found
+};
+
 struct Voxelization {
   VoxelShape shape;
   double longest_side = 0;  ///< of the mesh's bounding box, world units: what plain-number lengths refer to
   SurfaceTopology surface;
+  /// Betti numbers of the mesh's solid. Nothing where they do not follow from its surface: it is not a closed, oriented
+  /// 2-manifold, or its parts meet; and where TopologyRule::voxels does not ask for them.
+  std::optional<std::array<std::int64_t, 3>> solid_betti;
+  TopologyRule topology = TopologyRule::mesh;  ///< the rule asked for
+  std::optional<TopologyRepair> repair;
   bool topology_known = true;         ///< false when parts overlap or the mesh is defective
   bool topology_changed = false;      ///< shape and surface disagree
   std::string topology_difference;    ///< a sentence, empty when they agree
@@ -71,6 +93,14 @@ struct Voxelization {
 
 /// A sentence on the defects of the mesh and how they were handled; empty when it was sound.
 std::string defects_text(const Voxelization& voxelization);
+
+/// A sentence on what was put in and taken out; empty where nothing was.
+std::string repair_text(const TopologyRepair& repair);
+
+/// "mesh" or "voxels".
+std::string_view topology_name(TopologyRule rule);
+/// Nothing when there is no such rule.
+std::optional<TopologyRule> topology_of(std::string_view name);
 
 /// "nonzero", "evenodd", "winding" or "auto".
 std::string_view fill_name(FillRule rule);
@@ -85,6 +115,9 @@ std::optional<FillRule> fill_of(std::string_view name);
 /// A defective mesh (edges with one face, or faces of both directions that do not balance) is repaired: duplicates left
 /// out, faces turned to agree. What its crossings then do not decide, the generalized winding number does, inside the
 /// box of the mesh; see `defects` and docs/user/defective_meshes.md.
+///
+/// TopologyRule::mesh looks at what the Gauss digitization breaks or joins (docs/algorithms/digitization_topology.md).
+/// It puts in only voxels whose open boxes the surface meets, and takes out only such.
 ///
 /// Throws Error(input): no triangle, non-finite or flat box, or a mesh that encloses no voxel centre. Error(usage):
 /// resolution or margin out of range.

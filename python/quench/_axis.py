@@ -19,7 +19,8 @@ def medial_axis(image_or_mesh: Any, *, spacing: Spacing = None, threshold: Optio
                 label: Optional[int] = None, resolution: Union[int, str] = 256, detail: Length = 'auto',
                 lambda_: Optional[Length] = None, invert: bool = False, largest_component: bool = False,
                 min_component: int = 0, fill_cavities: bool = False, subdivide: int = 1, fill: str = 'nonzero',
-                surface: str = 'auto', lambda_rule: str = 'coface', threads: int = 0, progress: Progress = False) -> 'MedialAxis':
+                topology: str = 'mesh', surface: str = 'auto', lambda_rule: str = 'coface', threads: int = 0,
+                progress: Progress = False) -> 'MedialAxis':
     """The medial axis of a shape: its voxel core, pruned without changing its topology.
 
     Parameters
@@ -51,6 +52,9 @@ def medial_axis(image_or_mesh: Any, *, spacing: Spacing = None, threshold: Optio
     fill : "nonzero", "evenodd", "winding" or "auto"
         Of meshes: overlapping and nested parts are united, or alternate between inside and outside
         (docs/user/defective_meshes.md).
+    topology : "mesh" or "voxels"
+        Of meshes: "mesh" puts in and takes out a few voxels where the voxel shape would break or join what the mesh does
+        not; "voxels": those whose centres are inside, and no others.
     surface : "auto", "voxels", "mesh", "grey" or "smooth"
         What points and radii are fitted to: nothing but the voxels; the mesh; the values of the image at `threshold`; a
         smoothed surface of the voxels (for masks and labels). "auto": the mesh where its solid can be told, the values
@@ -96,7 +100,7 @@ def medial_axis(image_or_mesh: Any, *, spacing: Spacing = None, threshold: Optio
     if lambda_rule not in ('coface', 'ball'):
         raise error(2, f"lambda_rule={lambda_rule!r} is not one of 'coface', 'ball'", 'lambda_rule')
     cut = Cut(threshold, label, invert, largest_component, min_component, fill_cavities, subdivide, spacing, resolution, fill,
-              surface)
+              topology, surface)
     shape = shape_of(image_or_mesh, cut, threads, progress)
     with calling(threads, progress) as call:
         return MedialAxis(_core.compute_axis(shape, *pruning, lambda_rule, *call), threads, progress)

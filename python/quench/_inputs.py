@@ -167,6 +167,7 @@ class Cut:
     spacing: Spacing = None
     resolution: Union[int, str] = 256
     fill: str = 'nonzero'
+    topology: str = 'mesh'
     surface: str = 'auto'
 
     def options(self) -> '_core.ShapeOptions':
@@ -175,6 +176,8 @@ class Cut:
             raise error(2, 'threshold and label cannot be combined; give one of them', 'threshold')
         if self.fill not in ('nonzero', 'evenodd', 'winding', 'auto'):
             raise error(2, f"fill={self.fill!r} is not one of 'nonzero', 'evenodd', 'winding', 'auto'", 'fill')
+        if self.topology not in ('mesh', 'voxels'):
+            raise error(2, f"topology={self.topology!r} is not one of 'mesh', 'voxels'", 'topology')
         if self.surface not in ('auto', 'voxels', 'mesh', 'grey', 'smooth'):
             raise error(2, f"surface={self.surface!r} is not one of 'auto', 'voxels', 'mesh', 'grey', 'smooth'", 'surface')
         return _core.ShapeOptions(
@@ -184,7 +187,7 @@ class Cut:
             min_component=min(whole(self.min_component, 'min_component'), 2**62), fill_cavities=bool(self.fill_cavities),
             subdivide=min(whole(self.subdivide, 'subdivide'), 2**30), spacing=spacing_of(self.spacing),
             resolution=0 if self.resolution == 'auto' else min(whole(self.resolution, 'resolution', 1), 2**30),
-            fill=self.fill, surface=self.surface)
+            fill=self.fill, topology=self.topology, surface=self.surface)
 
     def for_images(self) -> bool:
         """Whether something is given that means nothing for a mesh."""
@@ -286,8 +289,8 @@ def samples() -> Dict[str, str]:
     return _core.samples()
 
 
-def voxelize(mesh: Any, *, resolution: Union[int, str] = 256, fill: str = 'nonzero', threads: int = 0,
-             progress: Progress = False) -> Volume:
+def voxelize(mesh: Any, *, resolution: Union[int, str] = 256, fill: str = 'nonzero', topology: str = 'mesh',
+             threads: int = 0, progress: Progress = False) -> Volume:
     """The voxels whose centres lie in a mesh.
 
     Parameters
@@ -299,6 +302,8 @@ def voxelize(mesh: Any, *, resolution: Union[int, str] = 256, fill: str = 'nonze
         Overlapping and nested parts are united, or alternate between inside and outside. What holes leave open, the
         generalized winding number decides; "winding": faces are turned and duplicates dropped first, even if the mesh
         is closed; "auto": one of these.
+    topology : "mesh" or "voxels"
+        "mesh": a few voxels are put in and taken out where the others would break or join what the mesh does not.
 
     Returns
     -------
@@ -311,4 +316,5 @@ def voxelize(mesh: Any, *, resolution: Union[int, str] = 256, fill: str = 'nonze
     >>> quench.voxelize(quench.sample('torus'), resolution=20).array.max()
     1
     """
-    return Volume(shape_of(mesh, Cut(resolution=resolution, fill=fill, surface='voxels'), threads, progress).image())
+    return Volume(shape_of(mesh, Cut(resolution=resolution, fill=fill, topology=topology, surface='voxels'), threads,
+                           progress).image())

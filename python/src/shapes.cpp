@@ -42,6 +42,7 @@ std::shared_ptr<Shape> noted(Shape&& shape, Context& context) {
     const Voxelization& v = *shape.voxelization;
     if (!v.fill_reason.empty()) note(&context, "fill " + std::string(fill_name(v.fill)) + ": " + v.fill_reason);
     if (!v.sound) note(&context, defects_text(v));
+    if (const std::string text = v.repair ? repair_text(*v.repair) : ""; !text.empty()) note(&context, text);
     if (v.topology_changed) note(&context, "voxelization changed the topology: " + v.topology_difference);
   }
   if (shape.cleaned)
@@ -78,13 +79,15 @@ pipeline::ShapeOptions shape_options(const std::optional<Threshold>& threshold,
                                      const std::optional<std::int64_t>& label, bool invert, bool largest_component,
                                      std::int64_t min_component, bool fill_cavities, int subdivide,
                                      const std::optional<Triple>& spacing, std::int64_t resolution,
-                                     const std::string& fill, const std::string& surface) {
+                                     const std::string& fill, const std::string& topology,
+                                     const std::string& surface) {
   pipeline::ShapeOptions options;
   options.foreground = {threshold, label, invert, largest_component, min_component, fill_cavities};
   options.subdivide = subdivide;
   if (spacing) options.spacing = Vec3((*spacing)[0], (*spacing)[1], (*spacing)[2]);
   options.resolution = resolution;
   options.fill = fill_of(fill);
+  options.topology = topology_of(topology);
   options.surface = surface_kind_of(surface);
   return options;
 }
@@ -139,7 +142,7 @@ void bind_shapes(py::module_& m) {
   py::class_<pipeline::ShapeOptions>(m, "ShapeOptions")
       .def(py::init(&shape_options), py::kw_only(), py::arg("threshold"), py::arg("label"), py::arg("invert"),
            py::arg("largest_component"), py::arg("min_component"), py::arg("fill_cavities"), py::arg("subdivide"),
-           py::arg("spacing"), py::arg("resolution"), py::arg("fill"), py::arg("surface"));
+           py::arg("spacing"), py::arg("resolution"), py::arg("fill"), py::arg("topology"), py::arg("surface"));
   py::class_<Shape, std::shared_ptr<Shape>>(m, "Shape")
       .def_property_readonly("dims", [](const Shape& s) { return s.image.dims; })
       .def_property_readonly("spacing", [](const Shape& s) { return triple(s.shape.grid().spacing); })

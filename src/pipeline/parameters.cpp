@@ -24,7 +24,7 @@ class Recorded {
   /// The value of a parameter that the file has, if it is of the type and `valid`.
   template <class T, class Valid>
   std::optional<T> get(const char* name, bool (Json::*of_type)() const, const Valid& valid) const {
-    if (!json_.is_object() || !json_.contains(name)) return {};
+    if (!has(name)) return {};
     const Json& value = json_[name];
     if ((value.*of_type)())
       if (const T taken = value.get<T>(); valid(taken)) return taken;
@@ -50,6 +50,7 @@ class Recorded {
     if (value->is_number_integer()) return value->get<std::int64_t>();
     return value->get<double>();
   }
+  bool has(const char* name) const { return json_.is_object() && json_.contains(name); }
   bool flag(const char* name) const {
     return get<bool>(name, &Json::is_boolean, [](bool) { return true; }).value_or(false);
   }
@@ -83,6 +84,10 @@ std::vector<std::string> take_recorded(ShapeOptions& options, const Record& resu
   const auto is_rule = [](const std::string& name) { return fill_of(name).has_value(); };
   if (const auto rule = recorded.get<std::string>("fill", &Json::is_string, is_rule); rule && !options.fill)
     options.fill = fill_of(*rule);
+  const auto is_topology = [](const std::string& name) { return topology_of(name).has_value(); };
+  const auto topology = recorded.get<std::string>("topology", &Json::is_string, is_topology);
+  if (!options.topology && topology) options.topology = topology_of(*topology);
+  if (!options.topology && recorded.has("resolution")) options.topology = TopologyRule::voxels;  // of older files, too
   ForegroundOptions& f = options.foreground;
   const auto threshold = recorded.threshold();
   const auto label = recorded.whole("label", -most - 1, most);

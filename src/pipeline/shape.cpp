@@ -252,6 +252,7 @@ LoadedShape shape_of(TriangleMesh&& mesh, const ShapeOptions& options, Context* 
   VoxelizeOptions voxelize_options;
   voxelize_options.fill = options.fill.value_or(FillRule::nonzero);
   voxelize_options.resolution = options.resolution.value_or(voxelize_options.resolution);
+  voxelize_options.topology = options.topology.value_or(voxelize_options.topology);
   if (options.resolution == kAutomaticResolution) {
     loaded.voxelization = voxelize_auto(mesh, voxelize_options, context);
   } else {
@@ -263,6 +264,8 @@ LoadedShape shape_of(TriangleMesh&& mesh, const ShapeOptions& options, Context* 
   loaded.resolution = std::llround(loaded.longest_side / loaded.shape.grid().spacing[0]);
   record(loaded, "resolution", loaded.resolution);
   record(loaded, "fill", std::string(fill_name(voxelize_options.fill)));
+  if (voxelize_options.topology != TopologyRule::voxels)  // what a file without it was made with
+    record(loaded, "topology", std::string(topology_name(voxelize_options.topology)));
   set_surface(loaded, mesh, options, context);
   if (options.keep_mesh) loaded.mesh = std::move(mesh);
   return finished(std::move(loaded), options, context);

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include "quench/voxelize.h"
 
@@ -21,6 +22,10 @@ struct SurfaceAnalysis {
 
 /// Throws Error(input) when a triangle refers to a point that does not exist, Error(failed) above 2^32 corners.
 SurfaceAnalysis analyze_surface(const TriangleMesh& mesh);
+
+/// The faces with every corner replaced by the first point at the same place, without those with two equal corners.
+/// Throws Error(input) when a triangle refers to a point that does not exist.
+std::vector<std::array<std::uint32_t, 3>> welded_faces(const TriangleMesh& mesh);
 
 /// Throws the Error(input) for a triangle that refers to a point which does not exist.
 [[noreturn]] void refuse_corner(const TriangleMesh& mesh, std::size_t triangle, std::uint32_t point);

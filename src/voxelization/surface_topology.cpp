@@ -38,21 +38,6 @@ std::vector<std::uint32_t> first_at_position(const TriangleMesh& mesh) {
   return first;
 }
 
-std::vector<Triangle> welded_faces(const TriangleMesh& mesh) {
-  const std::vector<std::uint32_t> first = first_at_position(mesh);
-  std::vector<Triangle> faces;
-  faces.reserve(mesh.triangles.size());
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    Triangle face = mesh.triangles[t];
-    for (std::uint32_t& corner : face) {
-      if (corner >= mesh.points.size()) refuse_corner(mesh, t, corner);
-      corner = first[corner];
-    }
-    if (face[0] != face[1] && face[1] != face[2] && face[2] != face[0]) faces.push_back(face);
-  }
-  return faces;
-}
-
 std::uint32_t next_corner(std::uint32_t side) { return side % 3 == 2 ? side - 2 : side + 1; }
 
 /// The faces around the edges of a surface.
@@ -130,6 +115,21 @@ void refuse_corner(const TriangleMesh& mesh, std::size_t triangle, std::uint32_t
               fmt::format("triangle {} of the mesh refers to point {}, but the last one is {}; the file "
                           "is damaged",
                           triangle, point, static_cast<std::int64_t>(mesh.points.size()) - 1));
+}
+
+std::vector<Triangle> welded_faces(const TriangleMesh& mesh) {
+  const std::vector<std::uint32_t> first = first_at_position(mesh);
+  std::vector<Triangle> faces;
+  faces.reserve(mesh.triangles.size());
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    Triangle face = mesh.triangles[t];
+    for (std::uint32_t& corner : face) {
+      if (corner >= mesh.points.size()) refuse_corner(mesh, t, corner);
+      corner = first[corner];
+    }
+    if (face[0] != face[1] && face[1] != face[2] && face[2] != face[0]) faces.push_back(face);
+  }
+  return faces;
 }
 
 // Vertices are counted once per fan of faces and edges once per pair of faces that bound the same solid. On a

@@ -11,7 +11,9 @@
 #include "base/text.h"
 #include "quench/error.h"
 #include "quench/shape.h"
+#include "voxelization/match_topology.h"
 #include "voxelization/scan_conversion.h"
+#include "voxelization/solid_topology.h"
 #include "voxelization/surface_analysis.h"
 #include "voxelization/surface_edges.h"
 #include "voxelization/surface_repair.h"
@@ -100,27 +102,34 @@ voxelization::FixedMesh fixed_mesh(const CheckedMesh& checked, std::int64_t reso
   return fixed;
 }
 
-/// A sentence when the topology of the solid of the mesh differs from that of the shape, else empty.
-std::string difference(const VoxelShape& shape, const SurfaceTopology& surface) {
-  const Topology voxels = topology(shape);
-  const std::int64_t genus = surface.components - surface.euler;
+std::string betti_text(const std::array<std::int64_t, 3>& betti) {
+  return fmt::format("{}, {} and {}", base::counted(betti[0], "component", "components"),
+                     base::counted(betti[2], "cavity", "cavities"), base::counted(betti[1], "tunnel", "tunnels"));
+}
+
+/// A clause when the topology of the solid of the mesh differs from that of the shape, else empty.
+std::string difference(const Topology& voxels, const Voxelization& v) {
+  const SurfaceTopology& surface = v.surface;
+  if (v.solid_betti)
+    return voxels.betti == *v.solid_betti ? ""
+                                          : fmt::format("the voxel shape has {}, the solid of the mesh {}",
+                                                        betti_text(voxels.betti), betti_text(*v.solid_betti));
   if (!surface.manifold) {
     if (voxels.euler == surface.euler) return {};
     return fmt::format(
         "the voxel shape has Euler characteristic {}, the solid of the mesh {}; the mesh is not a 2-manifold, so parts "
-        "may touch; a higher resolution may help",
+        "may touch",
         voxels.euler, surface.euler);
   }
+  const std::int64_t genus = surface.components - surface.euler;
   if (voxels.euler == surface.euler && voxels.betti[0] + voxels.betti[2] == surface.components &&
       voxels.betti[1] == genus)
     return {};
   const std::string parts = surface.components == 1
                                 ? "1 component, no cavity"
                                 : fmt::format("{} components and cavities together", surface.components);
-  return fmt::format(
-      "the voxel shape has {}, {} and {}, the solid of the mesh {} and {}; a higher resolution may help",
-      base::counted(voxels.betti[0], "component", "components"), base::counted(voxels.betti[2], "cavity", "cavities"),
-      base::counted(voxels.betti[1], "tunnel", "tunnels"), parts, base::counted(genus, "tunnel", "tunnels"));
+  return fmt::format("the voxel shape has {}, the solid of the mesh {} and {}", betti_text(voxels.betti), parts,
+                     base::counted(genus, "tunnel", "tunnels"));
 }
 
 /// The fill rule, and the faces it is applied to.
@@ -164,6 +173,20 @@ Choice choose(const voxelization::FixedMesh& fixed, const voxelization::SurfaceA
   return choice;
 }
 
+/// Puts voxels in and takes them out; returns the topology then.
+Topology repair_topology(Voxelization& v, const Topology& before, const voxelization::FixedMesh& fixed,
+                         const VoxelizeOptions& options, const voxelization::Progress& progress) {
+  voxelization::MatchedShape matched =
+      voxelization::match_topology(fixed, v.shape, options.margin, before, *v.solid_betti, progress.context);
+  v.repair = {.before = before, .after = matched.topology};
+  v.shape = std::move(matched.shape);
+  v.repair->added = matched.added;
+  v.repair->removed = matched.removed;
+  for (const auto& voxel : matched.places)
+    v.repair->places.push_back(v.shape.grid().world(Vec3(voxel[0] + 0.5, voxel[1] + 0.5, voxel[2] + 0.5)));
+  return matched.topology;
+}
+
 /// The shape may be empty.
 Voxelization digitize(const CheckedMesh& checked, const VoxelizeOptions& options,
                       const voxelization::Progress& progress) {
@@ -186,6 +209,7 @@ Voxelization digitize(const CheckedMesh& checked, const VoxelizeOptions& options
   result.shape = std::move(digitization.shape);
   result.longest_side = checked.box.longest_side;
   result.surface = checked.analysis.topology;
+  result.topology = options.topology;
   result.fill = choice.fill;
   result.fill_reason = choice.reason;
   SurfaceDefects& defects = result.defects;
@@ -208,9 +232,17 @@ Voxelization digitize(const CheckedMesh& checked, const VoxelizeOptions& options
   // The topology of the union of parts does not follow from their surfaces when they overlap, nor from a defective one.
   result.topology_known = result.sound;
   if (!result.topology_known) return result;
-  result.topology_difference = difference(result.shape, result.surface);
-  result.topology_known =
-      result.topology_difference.empty() || !digitization.overlapping || result.surface.components == 1;
+  Topology now = topology(result.shape);
+  if (options.topology == TopologyRule::mesh) {
+    result.solid_betti = voxelization::solid_betti(checked.mesh, fixed, checked.analysis, inside);
+    if (result.solid_betti && *result.solid_betti != now.betti && !result.shape.empty())
+      now = repair_topology(result, now, fixed, options, progress);
+  }
+  result.topology_difference = difference(now, result);
+  if (!result.topology_difference.empty() && !result.repair)
+    result.topology_difference += "; a higher resolution may help";
+  result.topology_known = result.solid_betti || result.topology_difference.empty() || !digitization.overlapping ||
+                          result.surface.components == 1;
   if (!result.topology_known) result.topology_difference.clear();
   result.topology_changed = !result.topology_difference.empty();
   return result;
@@ -268,6 +300,21 @@ std::string defects_text(const Voxelization& v) {
   return text;
 }
 
+std::string repair_text(const TopologyRepair& repair) {
+  if (repair.added + repair.removed == 0) return {};
+  return fmt::format("{} put in and {} taken out for the topology of the mesh: {} before, {} now",
+                     base::counted(repair.added, "voxel", "voxels"), repair.removed, betti_text(repair.before.betti),
+                     betti_text(repair.after.betti));
+}
+
+std::string_view topology_name(TopologyRule rule) { return rule == TopologyRule::mesh ? "mesh" : "voxels"; }
+
+std::optional<TopologyRule> topology_of(std::string_view name) {
+  for (const TopologyRule rule : {TopologyRule::mesh, TopologyRule::voxels})
+    if (topology_name(rule) == name) return rule;
+  return std::nullopt;
+}
+
 std::string_view fill_name(FillRule rule) {
   switch (rule) {
     case FillRule::nonzero:
@@ -289,6 +336,27 @@ std::optional<FillRule> fill_of(std::string_view name) {
 }
 
 namespace {
+
+/// Where the topology of the mesh could not be had, and at which resolution it could: the first of some that are not
+/// much larger, and cheap.
+void say_where(Voxelization& v, const CheckedMesh& checked, VoxelizeOptions options, Context* context) {
+  constexpr std::int64_t kCheap = 512;
+  const std::int64_t resolution = options.resolution;
+  for (const std::int64_t quarters : {5, 6, 8, 12, 16}) {
+    options.resolution = resolution * quarters / 4;
+    if (options.resolution == resolution || options.resolution > kCheap) continue;
+    if (digitize(checked, options, {context, 1, 1}).topology_changed) continue;
+    v.repair->working_resolution = options.resolution;
+    break;
+  }
+  for (std::size_t i = 0; i < v.repair->places.size(); ++i) {
+    const Vec3& p = v.repair->places[i];
+    v.topology_difference += fmt::format("{} ({:.6g}, {:.6g}, {:.6g})", i == 0 ? "; look at" : ",", p[0], p[1], p[2]);
+  }
+  v.topology_difference += v.repair->working_resolution > 0
+                               ? fmt::format("; resolution {} has it", v.repair->working_resolution)
+                               : "; a higher resolution may help";
+}
 
 Voxelization voxelized_automatically(const TriangleMesh& mesh, VoxelizeOptions options, Context* context) {
   constexpr std::array<std::int64_t, 5> kResolutions{128, 256, 512, 1024, 2048};
@@ -322,7 +390,10 @@ Voxelization voxelized_automatically(const TriangleMesh& mesh, VoxelizeOptions o
 Voxelization voxelize(const TriangleMesh& mesh, const VoxelizeOptions& options, Context* context) {
   check(options);
   return base::in_arena(context, [&] {
-    return not_empty(digitize(checked_mesh(mesh), options, {context, 0, 1}), options.resolution);
+    const CheckedMesh checked = checked_mesh(mesh);
+    Voxelization result = digitize(checked, options, {context, 0, 1});
+    if (result.repair && result.topology_changed) say_where(result, checked, options, context);
+    return not_empty(std::move(result), options.resolution);
   });
 }
 

@@ -140,6 +140,7 @@ TEST_F(Options, NumbersAreDecimalAndInRange) {
   refuses(2, {"--seed", "from 0 to 18446744073709551615"}, {"sample", "root", "-o", "o.ply", "--seed", "-1"});
   refuses(2, {"--smooth '-3' is not a whole number from 0 to 10000"}, {"run", "s.off", "-o", "out", "--smooth", "-3"});
   refuses(2, {"--fill 'odd' is not one of nonzero, evenodd"}, {"core", "s.off", "-o", "o.vtp", "--fill", "odd"});
+  refuses(2, {"--topology 'mine' is not one of mesh, voxels"}, {"core", "s.off", "-o", "o.vtp", "--topology", "mine"});
 }
 
 // Of a mesh: what was given, and what a result of a volume says.
@@ -162,6 +163,24 @@ TEST_F(Options, OptionsForVolumesThatAMeshIgnores) {
   const std::vector<std::string> verify{"verify", "cube.off", "c.vtp", "--resolution", "4"};
   EXPECT_EQ(notes(verify), "note: --threshold (recorded in 'c.vtp') is for volumes and is ignored for a mesh|");
   EXPECT_EQ(notes(with(verify, {"--threshold", "7"})), "note: --threshold is for volumes and is ignored for a mesh|");
+}
+
+// Four blobs, which fall apart at this resolution.
+TEST_F(Options, TheTopologyOfTheMeshIsReportedAndTakenFromTheResult) {
+  works({"sample", "four-blobs", "--fineness", "0.2", "-o", "b.ply"});
+  const std::vector<std::string> core{"core", "b.ply", "--resolution", "24", "-o", "c.vtp", "--overwrite"};
+  const auto said = quench(with(core, {"--json", "r.json"})).err;
+  EXPECT_NE(said.find("for the topology of the mesh: 4 components, 0 cavities and 0 tunnels before, 1 component"),
+            std::string::npos)
+      << said;
+  const std::string report = bytes_of(folder / "r.json");
+  for (const char* text : {"\"rule\": \"mesh\"", "\"betti_before\"", "\"added\"", "\"solid_betti\""})
+    EXPECT_NE(report.find(text), std::string::npos) << text;
+  const std::vector<std::string> verify{"verify", "b.ply", "c.vtp"};
+  EXPECT_NE(works(verify).out.find("ok   Betti numbers of the mesh: 1, 0, 0"), std::string::npos);
+  works(with(core, {"--topology", "voxels"}));
+  EXPECT_NE(works(verify).out.find("-    Betti numbers of the mesh: not checked"), std::string::npos);
+  EXPECT_EQ(quench(with(verify, {"--topology", "mesh"})).code, 4);  // of another shape
 }
 
 template <class T>

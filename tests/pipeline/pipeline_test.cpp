@@ -141,7 +141,7 @@ TEST(ShapeOfInput, ParametersGiveTheSameShapeAgain) {
   options.foreground.largest_component = true;
   const LoadedShape shape = torus(options);
   EXPECT_EQ(shape.parameters,
-            R"({"resolution":24,"fill":"evenodd","surface":"mesh","largest_component":true,"subdivide":2})");
+            R"({"resolution":24,"fill":"evenodd","topology":"mesh","surface":"mesh","largest_component":true,"subdivide":2})");
   const CoreResult core = core_of(shape, {.pruning = {kLambda, parse_length("2vox", "lambda")}});
   const Record file = core_file(core);
   EXPECT_EQ(core.parameters,
@@ -151,6 +151,20 @@ TEST(ShapeOfInput, ParametersGiveTheSameShapeAgain) {
   const LoadedShape repeated = torus(again);
   EXPECT_TRUE(std::ranges::equal(repeated.shape.runs(), shape.shape.runs()));
   EXPECT_EQ(repeated.parameters, shape.parameters);
+}
+
+TEST(ShapeOfInput, ResultsThatDoNotNameATopologyAreGaussDigitizations) {
+  ShapeOptions options;
+  options.resolution = 24;
+  options.topology = TopologyRule::voxels;
+  const LoadedShape shape = torus(options);
+  EXPECT_EQ(shape.parameters, R"({"resolution":24,"fill":"nonzero"})");
+  ShapeOptions again;
+  take_recorded(again, core_file(core_of(shape)), "core.vtp");
+  EXPECT_EQ(again.topology, TopologyRule::voxels);
+  again.topology = TopologyRule::mesh;  // given
+  take_recorded(again, core_file(core_of(shape)), "core.vtp");
+  EXPECT_EQ(again.topology, TopologyRule::mesh);
 }
 
 TEST(ShapeOfInput, WhatIsGivenIsNotTakenFromAResult) {

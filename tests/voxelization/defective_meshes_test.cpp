@@ -62,6 +62,7 @@ void expect_robust_is_the_same(const TriangleMesh& mesh, std::int64_t resolution
 void expect_limits(const TriangleMesh& clean, std::int64_t resolution, const std::string& name) {
   VoxelizeOptions options;
   options.resolution = resolution;
+  options.topology = TopologyRule::voxels;  // that of a defective mesh is not known
   const VoxelShape wanted = voxelize(pinned(clean, clean), options).shape;
   for (const Damage& damage : damages()) {
     const std::string where = name + ": " + std::string(damage.name);

@@ -116,8 +116,16 @@ TEST_P(ClosedMeshes, VolumeAndTopologyAreThoseOfTheMesh) {
   for (const std::int64_t resolution : {64, 128}) {
     VoxelizeOptions options;
     options.resolution = resolution;
+    const Voxelization matched = voxelize(mesh, options);
+    matched.shape.validate();
+    EXPECT_EQ(topology(matched.shape).betti, (std::array<std::int64_t, 3>{1, 1 - known.euler / 2, 0})) << resolution;
+    EXPECT_FALSE(matched.topology_changed) << matched.topology_difference;
+    options.topology = TopologyRule::voxels;
     const Voxelization result = voxelize(mesh, options);
     result.shape.validate();
+    if (matched.repair) {  // few voxels
+      EXPECT_LT(matched.repair->added + matched.repair->removed, result.shape.voxel_count() / 20) << resolution;
+    }
     EXPECT_TRUE(result.surface.manifold);
     EXPECT_EQ(2 * result.surface.euler, known.euler);
     EXPECT_EQ(result.surface.components, 1);

@@ -65,6 +65,7 @@ void expect_equals_oracle(const TriangleMesh& mesh, const std::vector<Point>& po
     VoxelizeOptions options;
     options.resolution = resolution;
     options.fill = fill;
+    options.topology = TopologyRule::voxels;
     options.margin = static_cast<std::int64_t>(seed % 3);
     VoxelShape shape;
     try {
@@ -190,6 +191,7 @@ TEST(Voxelize, TetrahedraThatTileABoxShareNoVoxelAndMissNone) {
         VoxelizeOptions options;
         options.resolution = 12;
         options.margin = 0;
+        options.topology = TopologyRule::voxels;
         const VoxelShape shape = voxelize(mesh, options).shape;
         for (std::size_t v = 0; v < owners.size(); ++v) {
           const auto i = static_cast<std::int64_t>(v);
@@ -318,6 +320,9 @@ TEST(Voxelize, NestedOverlappingAndInwardPartsNeedNothingMore) {
   for (std::size_t t = 12; t < 24; ++t) std::swap(mesh.triangles[t][0], mesh.triangles[t][1]);  // the same way: solid
   result = voxelize(mesh, options);
   EXPECT_EQ(result.shape.voxel_count(), 4096);
+  EXPECT_TRUE(result.topology_known);  // from the winding number around the inner one
+  options.topology = TopologyRule::voxels;
+  result = voxelize(mesh, options);
   EXPECT_FALSE(result.topology_known);
   EXPECT_FALSE(result.topology_changed);
   options.fill = FillRule::evenodd;
@@ -328,10 +333,11 @@ TEST(Voxelize, ReportsAGapThatCloses) {
   TriangleMesh mesh;
   add_box(mesh, {0, 0, 0}, {500, 999, 500});
   add_box(mesh, {0, 1001, 0}, {500, 2000, 500});
-  const Voxelization coarse = voxelize(mesh);
+  const VoxelizeOptions options{.topology = TopologyRule::voxels};
+  const Voxelization coarse = voxelize(mesh, options);
   EXPECT_TRUE(coarse.topology_changed);
   EXPECT_NE(coarse.topology_difference.find("1 component"), std::string::npos) << coarse.topology_difference;
-  const Voxelization fine = voxelize_auto(mesh);
+  const Voxelization fine = voxelize_auto(mesh, options);
   EXPECT_FALSE(fine.topology_changed);
   EXPECT_DOUBLE_EQ(fine.shape.grid().spacing[0], 2000.0 / 1024);
 }
