@@ -118,8 +118,8 @@ int run_pipeline(const Options& o, Session& session) {
   io::OutputGroup outputs;
   io::write_record(files.core, result.axis.file);
   io::write_record(files.skeleton, pipeline::skeleton_file(result.axis.skeleton, result.axis.file));
-  write_graph(result.graph, {files.swc, {}, files.csv}, o.graph, shape.shape.grid().spacing, shape.coordinates, report,
-              session);
+  write_graph(result.graph, {files.swc, {}, files.csv}, o.graph,
+              shape.surface ? Vec3(Vec3::Zero()) : shape.shape.grid().spacing, shape.coordinates, report, session);
   session.finished("write");
   if (options.page) {
     write_page(builder, files.view, report, outputs);

@@ -61,6 +61,7 @@ struct Scale {
   double longest_side = 0;  ///< of the mesh, or of the foreground of a volume
   double voxel = 0;         ///< smallest spacing; 0 where there are no voxels
   double detail = 0;        ///< auto_detail() of the voxels; 0 where there are none
+  bool fitted = false;      ///< the axis is that of a surface, not of the voxels
 
   /// World length. Throws Error(usage), `field`, for voxels where there are none.
   double resolve(const Length& length, std::string_view field) const;
@@ -131,7 +132,9 @@ struct LoadedShape {
   std::optional<ForegroundReport> cleaned;   ///< where cleaning was asked for
   std::optional<Surface> surface;            ///< what the axis is fitted to; none: the voxels
 
-  Scale scale() const { return {longest_side, shape.grid().spacing.minCoeff(), auto_detail(shape.grid())}; }
+  Scale scale() const {
+    return {longest_side, shape.grid().spacing.minCoeff(), auto_detail(shape.grid()), surface.has_value()};
+  }
   /// Whether voxelization changed the topology; nothing where it cannot be told (overlapping parts, defects).
   std::optional<bool> topology_changed() const;
 };
@@ -316,8 +319,8 @@ double theta1_of(const SkeletonOptions& options, const Scale& scale);
 /// voxels, and at most what `options` ask for. Rounded down to floats, as pages have them.
 FamilyFloor floor_of(const SkeletonOptions& options, const Scale& scale, double omega);
 
-/// One member of a family. Tips are as thin as a voxel or, without voxels, as the nodes of the burning lie apart
-/// (`omega`). Throws Error(invariant) when its topology is not that of the medial axis.
+/// One member of a family. Tips are as thin as a voxel, of fitted axes as a fifth of one or, without voxels, as the
+/// nodes of the burning lie apart (`omega`). Throws Error(invariant) when its topology is not that of the medial axis.
 SkeletonResult skeleton_of(const FamilyResult& family, const SkeletonOptions& options, const Scale& scale, double omega,
                            Context* context = nullptr);
 
@@ -333,7 +336,8 @@ struct GraphOptions {
   int smooth = 10;                    ///< as SmoothOptions::iterations; 0 to 10000
   Length resample = {};               ///< as SmoothOptions::spacing
   const VoxelShape* shape = nullptr;  ///< where it is known: segments are tested against its voxels
-  Vec3 voxel = Vec3::Zero();          ///< spacing of the voxels; 0 for axes of other programs
+  Vec3 voxel = Vec3::Zero();          ///< spacing of the voxels; 0 for axes that are fitted or of other programs
+  const Surface* surface = nullptr;   ///< that a fitted axis is fitted to, where it is known: radii are distances to it
 };
 
 /// A finite length. Throws Error(usage), field `resample`, otherwise.

@@ -33,6 +33,8 @@ std::shared_ptr<GraphValue> graph_of(const Pointer& s, int smooth, const std::st
   if (s->axis->voxel_core) {
     if (s->axis->shape) options.shape = &s->axis->shape->shape;
     options.voxel = s->axis->spacing;
+  } else if (s->axis->shape && s->axis->shape->surface) {
+    options.surface = &*s->axis->shape->surface;
   }
   auto result = std::make_shared<GraphValue>();
   result->skeleton = s;

@@ -43,7 +43,9 @@ struct Axis {
   const MedialAxis& axis() const { return core.axis; }
   /// Whether measure and threshold of a pruning are known: not of an axis of another program.
   bool is_pruned() const { return !std::isnan(core.threshold); }
-  pipeline::Scale scale() const { return {core.longest_side, spacing.minCoeff(), 0.5 * spacing.norm()}; }
+  pipeline::Scale scale() const {
+    return {core.longest_side, spacing.minCoeff(), 0.5 * spacing.norm(), axis().is_fitted()};
+  }
   /// World units of a length such as "0.02" or "2.5vox".
   double resolve(const std::string& text, const std::string& field) const;
   /// The axis as a file, with what a fire says, if any; and with its burn sequence, for later.

@@ -7,7 +7,7 @@
 #include "axis/measures.h"
 #include "axis/reach.h"
 #include "axis/significant_parts.h"
-#include "axis/surface_caps.h"
+#include "axis/caps_on_surface.h"
 #include "base/parallel.h"
 
 namespace quench {

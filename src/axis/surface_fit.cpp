@@ -21,12 +21,16 @@ namespace {
 
 // Sites nearer to each other than so many voxels stand for one contact: neighbours on a staircase.
 constexpr double kOneContact = 1.8;
+// The same in thin parts, in radii.
+constexpr double kOneOfThin = 0.8;
 // Contacts farther away than the nearest by more than so many voxels are none.
 constexpr double kNoContact = 1.2;
 // Planes whose normals have no smaller cosine are one.
 constexpr double kFlat = 1 - 1e-6;
 // Of the damping, beside directions at right angles to each other.
 constexpr double kDamping = 0.05;
+// Directions with a smaller share of what determines the best one are free.
+constexpr double kWeak = 0.1;
 constexpr int kRounds = 3;
 // The last move is shorter than so many voxels.
 constexpr double kStill = 0.1;
@@ -56,6 +60,19 @@ std::vector<Foot> feet_of(const std::vector<LatticePoint>& sites, const Grid& gr
   return feet;
 }
 
+// The directions in which contacts determine where a centre is: at right angles to a sheet, to a curve, or all.
+struct Determined {
+  enum class In : char { line, plane, space };
+  Vec3 axis = Vec3::Zero();  // along the line; at right angles to the plane
+  In in = In::line;
+
+  Vec3 part_of(const Vec3& move) const {
+    const Vec3 along = axis * axis.dot(move);
+    if (in == In::line) return along;
+    return in == In::plane ? Vec3(move - along) : move;
+  }
+};
+
 class Fit {
  public:
   Fit(const MedialAxis& axis, const Surface& surface, const std::vector<Foot>& feet)
@@ -63,18 +80,18 @@ class Fit {
 
   struct Place {
     Vec3 point;
-    Vec3 across = Vec3::Zero();  // the direction in which contacts say most: at right angles to a sheet
+    Determined determined = {};
   };
 
   // Where the ball of a vertex touches the surface at its contacts.
   Place place(const Vec3& from, double radius, std::span<const std::uint32_t> sites) {
     // Of a larger ball the centre is inside, unless the voxels are not those of the surface.
     Place result{radius < kThin * voxel_ ? brought_inside(from).point : from};
-    find_contacts(result.point, sites);
+    find_contacts(result.point, radius, sites);
     for (int round = 0; round < kRounds; ++round) {
       if (round > 0) look_again(result.point);
       if (!drop_far_contacts(round == 0 ? 2 * kNoContact : kNoContact)) break;
-      const Vec3 to = no_farther(from, result.point + balanced_move(result.across), kLargestMove * voxel_);
+      const Vec3 to = no_farther(from, result.point + balanced_move(result.determined), kLargestMove * voxel_);
       const double way = (to - result.point).norm();
       result.point = to;
       if (round > 0 && way < kStill * voxel_) break;
@@ -124,7 +141,8 @@ class Fit {
 
   // From the feet of sites. Of those that stand for one contact the nearest tells where it is. Where they lie in one
   // plane, so does the contact, and need not be looked for.
-  void find_contacts(const Vec3& x, std::span<const std::uint32_t> sites) {
+  void find_contacts(const Vec3& x, double radius, std::span<const std::uint32_t> sites) {
+    const double near = std::min(kOneContact * voxel_, kOneOfThin * radius);
     contacts_.clear();
     for (const std::uint32_t row : sites) {
       const Foot& foot = feet_[row];
@@ -133,9 +151,8 @@ class Fit {
       if (!(distance > 0)) continue;
       Contact own{foot.site, axis::ContactPlace(foot.point), there / distance, foot.normal, distance,
                   1,         there.dot(foot.normal) > 0};
-      const auto same = std::ranges::find_if(contacts_, [&](const Contact& other) {
-        return (own.site - other.site).squaredNorm() < kOneContact * kOneContact * voxel_ * voxel_;
-      });
+      const auto same = std::ranges::find_if(
+          contacts_, [&](const Contact& other) { return (own.site - other.site).squaredNorm() < near * near; });
       if (same == contacts_.end()) {
         contacts_.push_back(own);
         continue;
@@ -179,9 +196,9 @@ class Fit {
     return contacts_.size() > 1;
   }
 
-  // The least-squares solution of |y_i - x| - n_i . dx = r for all i in dx and r, damped in dx; and the direction in
-  // which it is determined best.
-  Vec3 balanced_move(Vec3& across) const {
+  // The least-squares solution of |y_i - x| - n_i . dx = r for all i in dx and r, damped in dx; and the directions
+  // that determine it.
+  Vec3 balanced_move(Determined& determined) const {
     const auto count = static_cast<double>(contacts_.size());
     Vec3 mean = Vec3::Zero();
     double distance = 0;
@@ -198,7 +215,12 @@ class Fit {
     }
     Eigen::SelfAdjointEigenSolver<Mat3> solver;
     solver.computeDirect(matrix);
-    across = solver.eigenvectors().col(2);  // of the largest
+    const Vec3 values = solver.eigenvalues();  // ascending
+    if (values[1] < kWeak * values[2])
+      determined = {solver.eigenvectors().col(2), Determined::In::line};
+    else
+      determined = {solver.eigenvectors().col(0),
+                    values[0] < kWeak * values[2] ? Determined::In::plane : Determined::In::space};
     matrix.diagonal().array() += kDamping * matrix.trace();
     return matrix.ldlt().solve(right);
   }
@@ -237,14 +259,14 @@ std::vector<char> damage_of_faces(const CellComplex& complex, const std::vector<
   return damage;
 }
 
-// Small faces turn over, or lose their convex shape, where their corners move along the sheet: these move at right
-// angles to it only. Where faces still turn over, corners go back to where they were, which may turn others.
-void keep_faces(MedialAxis& axis, const std::vector<Vec3>& across) {
+// Small faces turn over, or lose their convex shape, where their corners move along the sheet: these only move
+// where contacts determine it. Where faces still turn over, corners go back to where they were, which may turn others.
+void keep_faces(MedialAxis& axis, const std::vector<Determined>& determined) {
   const std::vector<Vec3>& from = axis.voxel_points;
   std::vector<Vec3>& to = axis.points;
   const std::vector<char> damage = damage_of_faces(axis.complex, from, to);
   for (std::size_t v = 0; v < damage.size(); ++v)
-    if (damage[v] >= kConcave) to[v] = from[v] + across[v] * across[v].dot(to[v] - from[v]);
+    if (damage[v] >= kConcave) to[v] = from[v] + determined[v].part_of(to[v] - from[v]);
   for (bool again = true; again;) {
     again = false;
     const std::vector<char> turned = damage_of_faces(axis.complex, from, to);
@@ -299,7 +321,7 @@ SurfaceFit fit_to_surface(MedialAxis& axis, const ContactSites& contacts, const 
     const std::vector<Foot> feet = feet_of(contacts.sites, axis.grid, surface);
     const std::size_t count = axis.points.size(), chunks = base::chunks_for(count, 1 << 10);
     std::vector<Vec3>& points = axis.points;
-    std::vector<Vec3> across(count);
+    std::vector<Determined> determined(count);
     const auto for_vertices = [&](double begin, double end, const auto& work) {
       base::for_chunks(chunks, context, "fit", begin, end, [&](std::size_t chunk) {
         Fit fit(axis, surface, feet);
@@ -312,9 +334,9 @@ SurfaceFit fit_to_surface(MedialAxis& axis, const ContactSites& contacts, const 
           fit.place(axis.voxel_points[v], axis.voxel_radius[v],
                     {contacts.rows.data() + contacts.offsets[v], contacts.rows.data() + contacts.offsets[v + 1]});
       points[v] = place.point;
-      across[v] = place.across;
+      determined[v] = place.determined;
     });
-    keep_faces(axis, across);
+    keep_faces(axis, determined);
     straighten_paths(axis, points);
     std::vector<char> inside(count);
     for_vertices(0.7, 1, [&](const Fit& fit, std::size_t v) {

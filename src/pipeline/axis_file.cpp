@@ -61,6 +61,7 @@ LoadedAxis axis_of(Record&& data, const std::string& file, Context* context) {
     loaded.spacing = {sizes[0], sizes[1], sizes[2]};
     loaded.scale.voxel = loaded.spacing.minCoeff();
     loaded.scale.detail = 0.5 * loaded.spacing.norm();
+    loaded.scale.fitted = loaded.axis.is_fitted();
   }
   loaded.scale.longest_side = field_number(loaded.data, "longest_side").value_or(0);
   if (!(loaded.scale.longest_side > 0)) loaded.scale.longest_side = longest_side_of(loaded.axis.points);

@@ -71,7 +71,9 @@ RunResult run(LoadedShape& shape, const RunOptions& options, Context* context) {
   const SkeletonResult& skeleton = result.axis.skeleton;
   result.reconstructed = reconstructed_share(shape.shape, skeleton.skeleton, context);
   GraphOptions graph = options.graph;
-  if (!result.core.axis.is_fitted()) {
+  if (result.core.axis.is_fitted()) {
+    graph.surface = &*shape.surface;
+  } else {
     graph.shape = &shape.shape;
     graph.voxel = shape.shape.grid().spacing;
   }

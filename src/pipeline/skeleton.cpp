@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "base/parallel.h"
+#include "graph/branch_measures.h"
 #include "page/layer.h"
 #include "quench/axis.h"
 #include "quench/error.h"
@@ -44,9 +45,27 @@ double theta1_of(const SkeletonOptions& options, const Scale& scale) {
 
 namespace {
 
+// Ends at the centre of the last ball are as thin as nothing; the noise of voxels is as thick as one, what is left of
+// it on a surface a fifth.
+double thinnest_tip(const Scale& scale, double omega) {
+  if (!(scale.voxel > 0)) return omega;
+  return scale.fitted ? 0.2 * scale.voxel : scale.voxel;
+}
+
 double thickness_of_tips(const SkeletonOptions& options, const Scale& scale, double omega) {
-  constexpr double kNoTips = std::numeric_limits<double>::infinity();
-  return !options.full_tips ? kNoTips : scale.voxel > 0 ? scale.voxel : omega;
+  return options.full_tips ? thinnest_tip(scale, omega) : std::numeric_limits<double>::infinity();
+}
+
+// Radii as distances to a surface, where the point is inside.
+void measure_radii(CurveGraph& graph, const Surface& surface) {
+  const auto measure = [&](const Vec3& point, double& radius) {
+    if (const Surface::Foot foot = surface.nearest(point); foot.inside) radius = foot.distance;
+  };
+  for (auto& node : graph.nodes) measure(node.point, node.radius);
+  for (auto& branch : graph.branches) {
+    for (std::size_t i = 0; i < branch.points.size(); ++i) measure(branch.points[i], branch.radius[i]);
+    graph::measure(branch);
+  }
 }
 
 }  // namespace
@@ -54,7 +73,7 @@ double thickness_of_tips(const SkeletonOptions& options, const Scale& scale, dou
 FamilyFloor floor_of(const SkeletonOptions& options, const Scale& scale, double omega) {
   const double least = scale.voxel > 0 ? scale.voxel : omega;
   return {page::rounded_down(std::min(least, theta2_of(options, scale))),
-          page::rounded_down(std::min(least, theta1_of(options, scale)))};
+          page::rounded_down(std::min(thinnest_tip(scale, omega), theta1_of(options, scale)))};
 }
 
 SkeletonResult skeleton_of(const FamilyResult& family, const SkeletonOptions& options, const Scale& scale, double omega,
@@ -119,6 +138,7 @@ CurveGraph measured_graph(const Skeleton& skeleton, const GraphOptions& options,
   if (const VoxelShape* shape = options.shape)
     smoothing.inside = [shape](const Vec3& a, const Vec3& b) { return contains_segment(*shape, a, b); };
   CurveGraph graph = smoothed(curve_graph(skeleton), smoothing);
+  if (options.surface) measure_radii(graph, *options.surface);
   const double more = 0.5 * options.voxel.minCoeff();
   for (auto& node : graph.nodes) node.radius += more;
   for (auto& branch : graph.branches) {

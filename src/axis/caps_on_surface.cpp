@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // docs/algorithms/surface.md
-#include "axis/surface_caps.h"
+#include "axis/caps_on_surface.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
