@@ -3,7 +3,7 @@
 """Radii of grey-value balls, tubes and tori against the truth.
 
 usage: grey_truth.py [--quench PROGRAM] [--radii 3,4,6,10] [--widths 1,2,3] [--noise 0,0.05] [--seeds 1,2,3]
-                     [--surfaces voxels,grey] [--kinds ball,tube,torus] [--work DIR]
+                     [--surfaces voxels,grey] [--kinds ball,tube,torus] [--work DIR] [--skeleton]
 
 The volumes are f(d) plus noise, float32 .npy files with voxels of side 1: d is the signed distance to the surface of a
 ball, a tube (slanted, through the whole image) or a torus (slanted, ring of four radii), f runs from 0 outside to 1
@@ -14,7 +14,9 @@ sum of its curvatures.)
 
 Of `quench core SHAPE --threshold 0.5 --largest-component --fill-cavities`, the vertices within half a radius of the
 true axis count (where a tube leaves the image, those at least two radii from there). Columns: their number; mean and
-mean size of the radius error in voxels; of the distance to the true axis.
+mean size of the error of their radius, against their distance to the true surface, in voxels; their mean distance to
+the true axis. --skeleton: the points of skeleton.swc of `quench run` instead, and the errors are those against the true
+radius.
 
 Needs Debian's python3-numpy."""
 import argparse
@@ -70,13 +72,16 @@ class Shape:
         return np.asfortranarray(values.astype(np.float32))
 
 
-def core(quench, shape, surface, work):
-    out = work / 'core.csv'
-    subprocess.run([quench, 'core', str(shape), '--threshold', '0.5', '--largest-component', '--fill-cavities', '--surface',
-                    surface, '-o', str(out)], check=True, capture_output=True)
+def vertices(options, shape, surface, work):
+    """x, y, z, radius of the vertices of the core, or of the points of the skeleton's curves."""
+    out = work / ('run' if options.skeleton else 'core.csv')
+    subprocess.run([options.quench, 'run' if options.skeleton else 'core', str(shape), '--threshold', '0.5',
+                    '--largest-component', '--fill-cavities', '--surface', surface, '-o', str(out), '--overwrite'],
+                   check=True, capture_output=True)
+    if options.skeleton:
+        return np.loadtxt(out / 'skeleton.swc')[:, 2:6]
     with open(out, newline='') as file:
-        rows = list(csv.DictReader(file))
-    return np.array([[float(r[k]) for k in ('x', 'y', 'z', 'radius')] for r in rows])
+        return np.array([[float(r[k]) for k in ('x', 'y', 'z', 'radius')] for r in csv.DictReader(file)])
 
 
 def row(options, kind, radius, width, noise, surface, work):
@@ -86,10 +91,10 @@ def row(options, kind, radius, width, noise, surface, work):
         file = work / f'{kind}_{radius:g}_{width:g}_{noise:g}_{seed}.npy'
         if not file.exists():
             np.save(file, shape.image(width, noise, seed))
-        found = core(options.quench, file, surface, work)
+        found = vertices(options, file, surface, work)
         away = shape.to_axis(found[:, :3])
         near = (away < radius / 2) & shape.inner(found[:, :3])
-        errors.append(found[near, 3] - radius)
+        errors.append(found[near, 3] - radius if options.skeleton else found[near, 3] - (radius - away[near]))
         offsets.append(away[near])
     errors, offsets = np.concatenate(errors), np.concatenate(offsets)
     print(f'| {kind} | {radius:g} | {width:g} | {noise:g} | {surface} | {len(errors)} | {errors.mean():+.3f} | '
@@ -106,6 +111,7 @@ def main():
     parser.add_argument('--noise', type=numbers, default=[0, 0.05])
     parser.add_argument('--seeds', type=lambda text: [int(n) for n in text.split(',')], default=[1, 2, 3])
     parser.add_argument('--surfaces', type=lambda text: text.split(','), default=['voxels', 'grey'])
+    parser.add_argument('--skeleton', action='store_true')
     parser.add_argument('--work')
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:

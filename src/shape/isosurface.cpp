@@ -10,8 +10,7 @@
 #include "quench/error.h"
 #include "shape/surface_fans.h"
 
-namespace quench {
-namespace shape {
+namespace quench::shape {
 
 TriangleMesh all_layers(const VoxelShape& shape, const SignedSamples* samples, Context* context) {
   constexpr std::int64_t kLayers = 16;  // of one task
@@ -44,6 +43,9 @@ TriangleMesh all_layers(const VoxelShape& shape, const SignedSamples* samples, C
   return whole;
 }
 
+}  // namespace quench::shape
+
+namespace quench {
 namespace {
 
 /// The axis along which a vertex lies between two voxels; 3: it lies inside a cell.
@@ -68,14 +70,13 @@ bool on_boundary(const VoxelShape& shape, const Vec3& vertex, int axis) {
 }
 
 }  // namespace
-}  // namespace shape
 
 void restrict_surface(TriangleMesh& surface, const VoxelShape& shape) {
   // All vertices of a component of the surface lie between one component of the foreground and one of the background.
   std::erase_if(surface.triangles, [&](const std::array<std::uint32_t, 3>& triangle) {
     for (const std::uint32_t corner : triangle)
-      if (const int axis = shape::edge_axis(surface.points[corner]); axis < 3)
-        return !shape::on_boundary(shape, surface.points[corner], axis);
+      if (const int axis = edge_axis(surface.points[corner]); axis < 3)
+        return !on_boundary(shape, surface.points[corner], axis);
     return false;
   });
   shape::drop_unused_points(surface);

@@ -191,7 +191,7 @@ TEST(ShapeOfInput, ImagesAreRecordedAsTheyAreCut) {
   options.foreground.threshold = 50.0;
   options.spacing = Vec3(1, 1, 2.5);
   const LoadedShape shape = shape_of(view_of(volume), {"mm", ""}, options);
-  EXPECT_EQ(shape.parameters, R"({"threshold":50.0,"spacing":"1,1,2.5"})");
+  EXPECT_EQ(shape.parameters, R"({"threshold":50.0,"spacing":"1,1,2.5","surface":"grey"})");
   EXPECT_EQ(shape.coordinates.units, "mm");
   EXPECT_EQ(shape.shape.voxel_count(), 30);
   EXPECT_EQ(shape.topology_changed(), false);
