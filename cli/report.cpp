@@ -153,9 +153,9 @@ void say_core(const pipeline::LoadedShape& shape, const pipeline::CoreResult& co
                           core.fit.largest_move / voxel));
   if (core.fit.outside > 0)
     session.say(fmt::format(
-        "note: {} outside the {}, out of reach of its inside: radius 0 (the solid is thinner "
-        "than a voxel there; a higher --resolution may help)",
-        base::counted(core.fit.outside, "vertex lies", "vertices lie"), surface_text(shape.surface->kind())));
+        "note: {} outside the {}, out of reach of its inside: radius 0 (the solid is thinner than a voxel there{})",
+        base::counted(core.fit.outside, "vertex lies", "vertices lie"), surface_text(shape.surface->kind()),
+        shape.from_mesh ? "; a higher --resolution may help" : ""));
 }
 
 void say_written(Session& session, const std::string& axis, const std::string& report, const pipeline::CoreResult& core,

@@ -117,7 +117,8 @@ void set_surface_of_voxels(LoadedShape& loaded, std::optional<TriangleMesh>&& is
   if (loaded.cleaned && kind == SurfaceKind::grey) restrict_surface(*isosurface, loaded.shape);
   smooth_surface(*isosurface, smoothing, context);
   to_world(*isosurface, loaded.shape.grid());
-  loaded.surface.emplace(std::move(*isosurface), kind, context);
+  // Where two sheets are less than a voxel apart, smoothing may have pushed them through each other.
+  loaded.surface.emplace(surface::solid_boundary(*isosurface, false, context), kind, context);
   record(loaded, "surface", std::string(name_of(kind)));
 }
 
