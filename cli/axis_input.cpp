@@ -31,7 +31,10 @@ void take_scale(const AxisInput& options, Session& session, pipeline::Scale& sca
   shape.file = options.shape;
   shape.how.foreground.threshold = options.threshold;
   shape.how.foreground.label = options.label;
+  shape.how.surface = SurfaceKind::voxels;  // the axis says what it is fitted to
+  const bool fitted = scale.fitted;
   scale = load_shape(shape, session).scale();
+  scale.fitted = fitted;
 }
 
 }  // namespace

@@ -145,6 +145,7 @@ void add_shape(const Options& o, const Plan& plan, pipeline::PageBuilder& builde
   take_recorded(options, of_axis ? plan.axis : plan.still, of_axis ? plan.axis_file : plan.still_file);
   options.how.keep_mesh = true;
   options.how.core_follows = false;
+  options.how.surface = SurfaceKind::voxels;  // the axis is fitted already
   pipeline::LoadedShape shape = load_shape(options, session);
   builder.add_shape(shape);
   builder.page.files.emplace_back("shape", o.shape.file);
