@@ -143,7 +143,8 @@ TEST(FitToSurface, DoesNotDependOnThreads) {
   EXPECT_EQ(a.complex.edges, b.complex.edges);
 }
 
-// A plate of 0.6 voxels, one layer of them, whose corners all lie outside it: the centre of every ball is brought inside.
+// A plate of 0.6 voxels, one layer of them, whose corners all lie outside it: the centre of every ball is brought
+// inside.
 TEST(FitToSurface, PlatesThinnerThanAVoxelHaveTheirOwnRadii) {
   TriangleMesh plate = sample("box");  // 2 x 1.4 x 1
   for (Vec3& p : plate.points) p = Vec3(p[0], p[1], 0.018 * p[2]);
@@ -156,7 +157,7 @@ TEST(FitToSurface, PlatesThinnerThanAVoxelHaveTheirOwnRadii) {
   ASSERT_LT(0.018, 0.6 * voxel);
   std::size_t right = 0;
   for (std::size_t v = 0; v < axis.points.size(); ++v)
-    right += std::abs(axis.radius[v] - 0.009) < 1e-4 && std::abs(axis.points[v][2]) < 1e-4;
+    right += std::abs(axis.radius[v] - 0.009) < 0.01 * voxel && std::abs(axis.points[v][2]) < 0.01 * voxel;
   EXPECT_GT(static_cast<double>(right), 0.9 * static_cast<double>(axis.points.size()));
 }
 
