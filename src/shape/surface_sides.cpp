@@ -49,6 +49,12 @@ void lower(float& place, float value) {
   }
 }
 
+void shorten(const TriangleMesh& surface, const std::vector<float>& share, std::vector<Vec3>& moved) {
+  base::for_indices(moved.size(), [&](std::size_t v) {
+    moved[v] = surface.points[v] + static_cast<double>(share[v]) * (moved[v] - surface.points[v]);
+  });
+}
+
 }  // namespace
 
 // The triangle lies on one side of the plane through its point nearest to the centre, across the way to it; it does not
@@ -68,9 +74,24 @@ void keep_sides(const TriangleMesh& surface, std::vector<Vec3>& moved) {
           lower(share[corners[i]], static_cast<float>(most / along));
     });
   });
-  base::for_indices(moved.size(), [&](std::size_t v) {
-    moved[v] = surface.points[v] + static_cast<double>(share[v]) * (moved[v] - surface.points[v]);
-  });
+  shorten(surface, share, moved);
+}
+
+// Ways are halved, and given up in the end, where a triangle turns by more than about 80 degrees.
+void keep_faces_up(const TriangleMesh& surface, std::vector<Vec3>& moved) {
+  constexpr int kRounds = 4;
+  constexpr double kUp = 0.2;  // cosine
+  for (int round = 0; round < kRounds; ++round) {
+    std::vector<float> share(moved.size(), 1);
+    base::for_indices(surface.triangles.size(), [&](std::size_t t) {
+      const auto [a, b, c] = surface.triangles[t];
+      const auto normal = [&](const std::vector<Vec3>& p) -> Vec3 { return (p[b] - p[a]).cross(p[c] - p[a]); };
+      const Vec3 before = normal(surface.points), after = normal(moved);
+      if (before.dot(after) >= kUp * before.norm() * after.norm()) return;
+      for (const std::uint32_t corner : surface.triangles[t]) lower(share[corner], round + 1 < kRounds ? 0.5F : 0.0F);
+    });
+    shorten(surface, share, moved);
+  }
 }
 
 double distance_to_centres(const std::array<Vec3, 3>& triangle) {

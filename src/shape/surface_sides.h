@@ -13,6 +13,9 @@ namespace quench::shape {
 /// each axis. O(n), on the threads of the arena.
 void keep_sides(const TriangleMesh& surface, std::vector<Vec3>& moved);
 
+/// The same such that no triangle turns over.
+void keep_faces_up(const TriangleMesh& surface, std::vector<Vec3>& moved);
+
 /// The distance of three points' triangle to the nearest voxel centre around it.
 double distance_to_centres(const std::array<Vec3, 3>& triangle);
 

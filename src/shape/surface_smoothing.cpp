@@ -205,6 +205,7 @@ class Smoother {
     });
     base::for_indices(points.size(), [&](std::size_t v) { moved[v] = bounded(moved[v], points[v]); });
     shape::keep_sides(surface_, moved);
+    shape::keep_faces_up(surface_, moved);
     points = std::move(moved);
   }
 
