@@ -6,6 +6,8 @@
 #include <array>
 #include <cmath>
 
+#include "shape/surface_sides.h"
+
 namespace quench::shape {
 namespace {
 
@@ -15,10 +17,13 @@ using Triangle = std::array<std::uint32_t, 3>;
 /// number, 0 where that one is not near enough.
 std::size_t flattened(std::span<Triangle> fan, const std::vector<Vec3>& points, double tolerance) {
   const auto p = [&](std::size_t i) -> const Vec3& { return points[fan[i][0]]; };
+  const auto is_clear = [&](const std::array<Vec3, 3>& triangle) {  // of voxel centres, which stay on their side
+    return distance_to_centres(triangle) > 3 * tolerance;
+  };
   const Vec3& middle = points[fan[0][2]];
   if (fan.size() == 3) {
     const Vec3 normal = (p(1) - p(0)).cross(p(2) - p(0)).normalized();
-    if (!(std::abs(normal.dot(middle - p(0))) <= tolerance)) return 0;
+    if (!(std::abs(normal.dot(middle - p(0))) <= tolerance) || !is_clear({p(0), p(1), p(2)})) return 0;
     fan[0] = {fan[0][0], fan[1][0], fan[2][0]};
     return 1;
   }
@@ -27,8 +32,10 @@ std::size_t flattened(std::span<Triangle> fan, const std::vector<Vec3>& points, 
   if (!(std::max(first, second) <= tolerance)) return 0;
   const std::array<std::uint32_t, 4> loop{fan[0][0], fan[1][0], fan[2][0], fan[3][0]};
   const std::size_t start = first <= second ? 0 : 1;  // of the diagonal nearer to the vertex inside
+  const std::size_t last = (start + 3) & 3;
+  if (!is_clear({p(start), p(start + 1), p(start + 2)}) || !is_clear({p(start), p(start + 2), p(last)})) return 0;
   fan[0] = {loop[start], loop[start + 1], loop[start + 2]};
-  fan[1] = {loop[start], loop[start + 2], loop[(start + 3) & 3]};
+  fan[1] = {loop[start], loop[start + 2], loop[last]};
   return 2;
 }
 

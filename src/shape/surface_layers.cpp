@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "shape/surface_layers.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -270,7 +271,16 @@ void SurfaceLayers::add_loop(std::span<const std::uint8_t> edges, const std::arr
   Vec3 centre = Vec3::Zero();
   for (const std::uint8_t e : edges) centre += place[e];
   centre /= static_cast<double>(edges.size());
-  if (samples_) centre = on_surface(value, centre);
+  if (samples_) {
+    const Vec3 better = on_surface(value, centre);
+    // Not where a triangle of the fan would turn over.
+    const auto normal = [&](std::size_t i, const Vec3& from) -> Vec3 {
+      return (place[edges[i]] - from).cross(place[edges[(i + 1) % edges.size()]] - from);
+    };
+    bool keeps = true;
+    for (std::size_t i = 0; i < edges.size(); ++i) keeps &= normal(i, centre).dot(normal(i, better)) > 0;
+    if (keeps) centre = better;
+  }
   const auto middle = static_cast<std::uint32_t>(mesh.points.size());
   mesh.points.push_back(corner + centre);
   for (std::size_t i = 0; i < edges.size(); ++i)

@@ -3,11 +3,13 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
+#include <utility>
 #include <vector>
 
 #include "base/parallel.h"
 #include "quench/shape.h"
 #include "shape/surface_fans.h"
+#include "shape/surface_sides.h"
 
 namespace quench {
 namespace {
@@ -215,7 +217,10 @@ class Smoother {
       });
       if (patches > 0) moved[v] = sum / patches;
     });
-    base::for_indices(points.size(), [&](std::size_t v) { points[v] = bounded(moved[v], points[v]); });
+    base::for_indices(points.size(), [&](std::size_t v) { moved[v] = bounded(moved[v], points[v]); });
+    shape::keep_sides(surface_, moved);
+    shape::keep_faces_up(surface_, moved);
+    points = std::move(moved);
   }
 
   /// The mean of a loop lies inside of a curved surface, and so do triangles between vertices on it. Chosen such that

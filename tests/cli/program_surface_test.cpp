@@ -54,7 +54,7 @@ TEST_F(SurfaceOption, SurfacesAreWritten) {
   works({"voxelize", "grey.npy", "--threshold", "100", "-o", "b.nrrd"});
   EXPECT_EQ(bytes("a.nrrd"), bytes("b.nrrd"));
   const Outcome info = works({"info", "a.ply"});
-  EXPECT_NE((info.out + info.err).find("triangles"), std::string::npos) << info.out << info.err;
+  EXPECT_NE((info.out + info.err).find("closed_2_manifold: true"), std::string::npos) << info.out << info.err;
   refuses(2, {"no surface but that of its voxels", "--surface smooth"},
           {"voxelize", "mask.npy", "-o", "no.nrrd", "--surface-file", "no.ply"});
   refuses(2, {"'no.stl'", ".ply, .obj or .vtp"},
