@@ -195,9 +195,9 @@ class Choice {
 }  // namespace
 
 MatchedShape match_topology(const FixedMesh& mesh, const VoxelShape& shape, std::int64_t margin, const Topology& before,
-                            const Betti& wanted, Context* context) {
-  const SurfaceCover cover = surface_cover(mesh, context);
-  Choice choice(shape, before.euler, deflate(cover, shape, margin, context), wanted);
+                            const Betti& wanted, const Progress& progress) {
+  const SurfaceCover cover = surface_cover(mesh, progress);
+  Choice choice(shape, before.euler, deflate(cover, shape, margin, progress), wanted);
   choice.run();
   const std::vector<Voxel> flipped = choice.flipped();
   MatchedShape result;

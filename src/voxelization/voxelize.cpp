@@ -177,7 +177,7 @@ Choice choose(const voxelization::FixedMesh& fixed, const voxelization::SurfaceA
 Topology repair_topology(Voxelization& v, const Topology& before, const voxelization::FixedMesh& fixed,
                          const VoxelizeOptions& options, const voxelization::Progress& progress) {
   voxelization::MatchedShape matched =
-      voxelization::match_topology(fixed, v.shape, options.margin, before, *v.solid_betti, progress.context);
+      voxelization::match_topology(fixed, v.shape, options.margin, before, *v.solid_betti, progress);
   v.repair = {.before = before, .after = matched.topology};
   v.shape = std::move(matched.shape);
   v.repair->added = matched.added;
