@@ -381,6 +381,7 @@ Voxelization voxelized_automatically(const TriangleMesh& mesh, VoxelizeOptions o
       coarser = now;
     }
   }
+  if (result.repair && result.topology_changed) say_where(result, checked, options, context);
   checkpoint(context, "voxelize", 1);
   return not_empty(std::move(result), options.resolution);
 }
