@@ -6,6 +6,7 @@ import sys
 from axis_figures import bricks, delaunay, peeling, voxel_core, voxelization
 from burning_figures import burning, burning_fronts, burning_links, curve_graph, skeletons
 from svg import BLUE, GREEN, GREY, LIGHT, ORANGE, PALE, RED, SKY, Figure, between
+from topology_figures import digitization_topology
 
 
 def stages():
@@ -134,6 +135,7 @@ FIGURES = [
     stages,
     voxelization,
     delaunay,
+    digitization_topology,
     voxel_core,
     peeling,
     bricks,

@@ -23,11 +23,11 @@ class Deflation {
     base::for_indices(cover.row_begin.size() - 1, [&](std::size_t r) { look_around(r); });
   }
 
-  void run(Context* context) {
+  void run(const Progress& progress) {
     std::vector<std::uint32_t> order = by_distance();
     std::size_t next = 0;
     for (std::uint32_t count = 0; next < order.size() || !again_.empty(); ++count) {
-      if (count % (1u << 20) == 0) checkpoint(context, "voxelize", 1);
+      if (count % (1u << 20) == 0) progress(1);
       std::uint32_t v;
       if (again_.empty() || (next < order.size() && before(order[next], again_.top()))) {
         v = order[next++];
@@ -149,9 +149,10 @@ class Deflation {
 
 }  // namespace
 
-std::vector<Voxel> deflate(const SurfaceCover& cover, const VoxelShape& shape, std::int64_t margin, Context* context) {
+std::vector<Voxel> deflate(const SurfaceCover& cover, const VoxelShape& shape, std::int64_t margin,
+                           const Progress& progress) {
   Deflation deflation(cover, shape, margin);
-  deflation.run(context);
+  deflation.run(progress);
   return deflation.left();
 }
 

@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "quench/context.h"
 #include "quench/shape.h"
 #include "voxelization/surface_cover.h"
 
@@ -19,6 +18,7 @@ using Voxel = std::array<std::int32_t, 3>;
 /// order, is what is left: *fills* outside the shape (with all of them it has the topology of shape and cover together)
 /// and *cuts* inside it (without them that of the shape without the cover). `shape` lies `margin` voxels inside its
 /// grid. Near linear in the cover; 52 bytes per voxel of it.
-std::vector<Voxel> deflate(const SurfaceCover& cover, const VoxelShape& shape, std::int64_t margin, Context* context);
+std::vector<Voxel> deflate(const SurfaceCover& cover, const VoxelShape& shape, std::int64_t margin,
+                           const Progress& progress);
 
 }  // namespace quench::voxelization

@@ -34,7 +34,7 @@ class Choice {
   }
 
   void run() {
-    most_work_ = kMostWork;
+    most_work_ = enough_work();
     choose();
     if (left() == 0) return;
     // Where no order of single pieces does it: from all fills on.
@@ -45,7 +45,7 @@ class Choice {
     for (const Group& piece : pieces_)
       if (!was_inside_[piece[0]]) fills.insert(fills.end(), piece.begin(), piece.end());
     graph_.flip(fills);
-    most_work_ = graph_.work() + kMostWork;
+    most_work_ = enough_work();
     choose();
     if (left() < was) return;
     graph_.flip(changed());
@@ -80,8 +80,8 @@ class Choice {
   }
 
  private:
-  /// As of VoxelGraph::work(): then what is not reached is given up. About a second.
-  static constexpr std::int64_t kMostWork = 8'000'000;
+  /// More of VoxelGraph::work(), then what is not reached is given up: about a second, or what is linear.
+  std::int64_t enough_work() const { return graph_.work() + 8'000'000 + 20 * static_cast<std::int64_t>(graph_.size()); }
 
   /// Fills before cuts, so that what is thin is mended rather than torn open further; cuts that take components away
   /// come last.
@@ -157,8 +157,7 @@ class Choice {
     for (const Group& piece : pieces_) {
       if (left() == 0 || graph_.work() > most_work_) return;
       if (!is_uniform(piece) || graph_.after(piece) == graph_.betti()) continue;
-      std::vector<char> before(graph_.size());
-      for (std::uint32_t v = 0; v < graph_.size(); ++v) before[v] = graph_.inside(v);
+      const bool before = graph_.inside(piece[0]);
       const std::int64_t was = left();
       graph_.flip(piece);
       std::vector<Group> around;
@@ -166,8 +165,8 @@ class Choice {
       take(around, false);
       if (left() < was) continue;
       Group back;
-      for (std::uint32_t v = 0; v < graph_.size(); ++v)
-        if (graph_.inside(v) != static_cast<bool>(before[v])) back.push_back(v);
+      for (const std::uint32_t v : piece)
+        if (graph_.inside(v) != before) back.push_back(v);
       graph_.flip(back);
     }
   }
@@ -195,9 +194,9 @@ class Choice {
 }  // namespace
 
 MatchedShape match_topology(const FixedMesh& mesh, const VoxelShape& shape, std::int64_t margin, const Topology& before,
-                            const Betti& wanted, Context* context) {
-  const SurfaceCover cover = surface_cover(mesh, context);
-  Choice choice(shape, before.euler, deflate(cover, shape, margin, context), wanted);
+                            const Betti& wanted, const Progress& progress) {
+  const SurfaceCover cover = surface_cover(mesh, progress);
+  Choice choice(shape, before.euler, deflate(cover, shape, margin, progress), wanted);
   choice.run();
   const std::vector<Voxel> flipped = choice.flipped();
   MatchedShape result;

@@ -3,7 +3,6 @@
 
 #include <vector>
 
-#include "quench/context.h"
 #include "quench/shape.h"
 #include "voxelization/scan_conversion.h"
 #include "voxelization/voxel_graph.h"
@@ -21,6 +20,6 @@ struct MatchedShape {
 /// or as near as is found: docs/algorithms/digitization_topology.md. `shape` is the Gauss digitization of the mesh,
 /// `margin` voxels inside its grid, with the topology `before`, which is not the one wanted.
 MatchedShape match_topology(const FixedMesh& mesh, const VoxelShape& shape, std::int64_t margin, const Topology& before,
-                            const Betti& wanted, Context* context);
+                            const Betti& wanted, const Progress& progress);
 
 }  // namespace quench::voxelization

@@ -211,7 +211,7 @@ bool meets(const std::array<FixedPoint, 3>& triangle, const std::array<std::int6
   return near(triangle, voxel) ? meets_box<std::int64_t>(triangle, voxel) : meets_box<Wide>(triangle, voxel);
 }
 
-SurfaceCover surface_cover(const FixedMesh& mesh, Context* context) {
+SurfaceCover surface_cover(const FixedMesh& mesh, const Progress& progress) {
   SurfaceCover cover;
   cover.cells = mesh.cells;
   const auto slices = static_cast<std::size_t>(mesh.cells[2]), rows = static_cast<std::size_t>(mesh.cells[1]);
@@ -228,7 +228,7 @@ SurfaceCover surface_cover(const FixedMesh& mesh, Context* context) {
     for (const std::uint32_t t : of_slice[z]) slice.add(t);
     found[z] = slice.finished();
   });
-  checkpoint(context, "voxelize", 1);
+  progress(1);
   std::size_t count = 0;
   for (const auto& slice : found) count += slice.size();
   if (count > 0xffffffffu)

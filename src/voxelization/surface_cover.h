@@ -31,6 +31,6 @@ struct SurfaceCover {
 };
 
 /// O(voxels met, once per triangle that meets them), in parallel. Throws Error(failed) for 2^32 voxels or more.
-SurfaceCover surface_cover(const FixedMesh& mesh, Context* context);
+SurfaceCover surface_cover(const FixedMesh& mesh, const Progress& progress);
 
 }  // namespace quench::voxelization

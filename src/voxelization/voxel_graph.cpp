@@ -199,6 +199,7 @@ std::int64_t VoxelGraph::parted(const Side& side, std::span<const std::uint32_t>
 
 Betti VoxelGraph::after(std::span<const std::uint32_t> group) {
   const bool puts_in = !inside_[group[0]];
+  work_ += static_cast<std::int64_t>(group.size());
   for (const std::uint32_t v : group) in_group_[v] = 1;
   const std::int64_t components = components_ + (puts_in ? joined(foreground_, group) : parted(foreground_, group));
   const std::int64_t background =

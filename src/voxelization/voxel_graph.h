@@ -42,7 +42,7 @@ class VoxelGraph {
   Betti after(std::span<const std::uint32_t> group);
   /// In the time of the group, unless something may have come apart.
   void flip(std::span<const std::uint32_t> group);
-  /// How often all loose voxels were looked at to count components, times their number.
+  /// How many loose voxels were looked at, by after() and to count components anew.
   std::int64_t work() const { return work_; }
 
  private:

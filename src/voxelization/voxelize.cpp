@@ -177,7 +177,7 @@ Choice choose(const voxelization::FixedMesh& fixed, const voxelization::SurfaceA
 Topology repair_topology(Voxelization& v, const Topology& before, const voxelization::FixedMesh& fixed,
                          const VoxelizeOptions& options, const voxelization::Progress& progress) {
   voxelization::MatchedShape matched =
-      voxelization::match_topology(fixed, v.shape, options.margin, before, *v.solid_betti, progress.context);
+      voxelization::match_topology(fixed, v.shape, options.margin, before, *v.solid_betti, progress);
   v.repair = {.before = before, .after = matched.topology};
   v.shape = std::move(matched.shape);
   v.repair->added = matched.added;
@@ -381,6 +381,7 @@ Voxelization voxelized_automatically(const TriangleMesh& mesh, VoxelizeOptions o
       coarser = now;
     }
   }
+  if (result.repair && result.topology_changed) say_where(result, checked, options, context);
   checkpoint(context, "voxelize", 1);
   return not_empty(std::move(result), options.resolution);
 }

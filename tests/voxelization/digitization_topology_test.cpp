@@ -307,6 +307,14 @@ TEST(DigitizationTopology, AutomaticResolutionTakesTheCoarsestThatCanHaveIt) {
   const Voxelization v = voxelize_auto(mesh);
   EXPECT_FALSE(v.topology_changed);
   EXPECT_DOUBLE_EQ(v.shape.grid().spacing[0], 2000.0 / 128);
+  Context listening;
+  double last = 0;
+  listening.progress = [&](std::string_view, double fraction) {
+    EXPECT_GE(fraction, last);
+    last = fraction;
+  };
+  voxelize_auto(make_sample("four-blobs", {.fineness = 0.2}).mesh, {}, &listening);
+  EXPECT_EQ(last, 1);
 }
 
 TEST(TopologyRule, NamesAreThoseOfTheProgram) {

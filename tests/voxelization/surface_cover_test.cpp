@@ -6,7 +6,6 @@
 #include <cmath>
 #include <random>
 
-#include "quench/context.h"
 #include "voxelization/deflate.h"
 #include "voxelization/simple_voxel.h"
 #include "voxelization/solid_topology.h"
@@ -165,7 +164,7 @@ TEST(SurfaceCover, HoldsExactlyTheVoxelsThatAreMet) {
   for (int repeat = 0; repeat < 60; ++repeat) {
     const std::int64_t cells = 5 + repeat % 8;
     const RandomSoup soup(random, cells, 1 + repeat % 9, repeat % 2 ? kVoxel / 2 : 1);
-    const SurfaceCover cover = surface_cover(soup.mesh, nullptr);
+    const SurfaceCover cover = surface_cover(soup.mesh, {});
     ASSERT_EQ(cover.x.size(), cover.distance.size());
     for (std::int64_t z = 0; z < cells; ++z)
       for (std::int64_t y = 0; y < cells; ++y) {
@@ -207,7 +206,7 @@ TEST(Deflation, KeepsTheTopologyOfTheCoverAndLeavesNothingSimple) {
   for (int repeat = 0; repeat < 80; ++repeat) {
     const std::int64_t cells = 4 + repeat % 6, margin = repeat % 3;
     const RandomSoup soup(random, cells, 1 + repeat % 6, 1);
-    const SurfaceCover cover = surface_cover(soup.mesh, nullptr);
+    const SurfaceCover cover = surface_cover(soup.mesh, {});
     const VoxelShape shape = random_voxel_shape(random, cells, margin);
     std::array<std::vector<Voxel>, 2> met, left;  // outside, inside
     for (std::int32_t z = 0; z < cells; ++z)
@@ -216,7 +215,7 @@ TEST(Deflation, KeepsTheTopologyOfTheCoverAndLeavesNothingSimple) {
           const auto m = static_cast<std::int32_t>(margin);
           met[shape.contains(x + m, y + m, z + m)].push_back({x + m, y + m, z + m});
         }
-    for (const Voxel& v : deflate(cover, shape, margin, nullptr)) left[shape.contains(v[0], v[1], v[2])].push_back(v);
+    for (const Voxel& v : deflate(cover, shape, margin, {})) left[shape.contains(v[0], v[1], v[2])].push_back(v);
     for (const std::size_t inside : {0u, 1u}) {
       const VoxelShape whole = with_flipped(shape, met[inside]), deflated = with_flipped(shape, left[inside]);
       ASSERT_EQ(topology(deflated).betti, topology(whole).betti) << repeat;
