@@ -29,8 +29,8 @@ Every solid is run once (`quench run`, default options); pure curves are then ma
   skeleton      distance of the points of skeleton.vtp to the true axis: mean; error of their radii: mean size
   length        where the axis is a curve: total length of the pure curves less the true length (number of branches)
   ET            largest error of the erosion thickness: of sheets at vertices of the core within a voxel of the axis
-                (ellipsoid, box, cone; at most 3000 of them), else of pure curves at their points; not of the torus, whose curve
-                never burns
+                (ellipsoid, box, cone less where its parts meet; at most 3000 of them), else of pure curves at their
+                points; not of the torus, whose curve never burns
 
 --seconds: wall time of `run` in a last column. Needs Debian's python3-numpy, python3-scipy and python3-vtk9."""
 import argparse
@@ -219,7 +219,8 @@ class Cone:
 
     def thickness(self, p):
         segment, sheet = self.parts(p)
-        return np.where(sheet < segment, self.depth(p) * (1 / self.share - 1), 0)
+        at = np.where(sheet < segment, self.depth(p) * (1 / self.share - 1), 0)
+        return np.where(profile(p - [0, 0, self.inner])[:, 0] + np.abs(p[:, 2] - self.inner) < 0.1, np.nan, at)  # it jumps there
 
     def outline(self):
         return [(0, 0), *line((0, 0), (self.base, 0), 100), *line((self.base, 0), (0, self.height), 200)]
@@ -413,7 +414,7 @@ def row(options, solid, resolution, surface, turn):
             near = np.flatnonzero(away < 1)
             near = np.random.default_rng(0).permutation(near)[:3000]
             places, values = local[near], arrays['erosion_thickness'][near]
-        thickness = f'{np.abs(values - solid.thickness(places)).max() / voxel:.2f}'
+        thickness = f'{np.nanmax(np.abs(values - solid.thickness(places))) / voxel:.2f}'
     cells = [solid.name, resolution, surface, len(points),
              f'{away.mean():.3f}', f'{np.quantile(away, 0.99):.2f}', f'{away.max():.2f}',
              f'{reached.mean():.3f}', f'{reached.max():.2f}', f'{np.abs(error).mean():.3f} ({error.mean():+.3f})',

@@ -355,12 +355,14 @@ def test_world_coordinates_of_a_file():
     assert volume.units == 'mm' and volume.spacing[2] == 5
 
 
-def test_warnings_of_the_library():
+@pytest.mark.parametrize('topology, sentence', [('voxels', 'voxelization changed the topology'),
+                                                ('mesh', 'for the topology of the mesh')])
+def test_warnings_of_the_library(topology, sentence):
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter('always')
-        quench.medial_axis(quench.sample('four-blobs'), resolution=32)
+        quench.medial_axis(quench.sample('four-blobs'), resolution=32, topology=topology)
     assert len(caught) == 1 and caught[0].category is UserWarning and caught[0].filename == __file__
-    assert 'voxelization changed the topology' in str(caught[0].message)
+    assert sentence in str(caught[0].message)
 
 
 def test_samples():

@@ -6,7 +6,7 @@
 
 #include "quench/shape.h"
 #include "verification/checks.h"
-#include "verification/solid_topology.h"
+#include "verification/solid_of_surface.h"
 
 namespace quench::verification {
 

@@ -158,7 +158,7 @@ TEST(ShapeOfInput, ResultsThatDoNotNameATopologyAreGaussDigitizations) {
   options.resolution = 24;
   options.topology = TopologyRule::voxels;
   const LoadedShape shape = torus(options);
-  EXPECT_EQ(shape.parameters, R"({"resolution":24,"fill":"nonzero"})");
+  EXPECT_EQ(shape.parameters, R"({"resolution":24,"fill":"nonzero","surface":"mesh"})");
   ShapeOptions again;
   take_recorded(again, core_file(core_of(shape)), "core.vtp");
   EXPECT_EQ(again.topology, TopologyRule::voxels);

@@ -10,7 +10,7 @@
 
 #include "quench/samples.h"
 #include "random_meshes.h"
-#include "verification/solid_topology.h"
+#include "verification/solid_of_surface.h"
 
 namespace quench {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "verification/solid_topology.h"
+#include "verification/solid_of_surface.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
