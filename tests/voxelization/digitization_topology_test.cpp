@@ -284,7 +284,7 @@ TEST(DigitizationTopology, ThreadsMarginsAndTranslationsChangeNothing) {
 
 TEST(DigitizationTopology, PermutedAndMirroredAxesGiveTheSameTopology) {
   std::int64_t compared = 0, changed[2]{};
-  for (std::uint64_t seed = 0; seed < 300; ++seed) {
+  for (std::uint64_t seed = 0; seed < 120; ++seed) {
     const Scene scene = random_scene(seed);
     TriangleMesh turned = scene.mesh;
     for (Vec3& p : turned.points) p = Vec3(p[2], -p[0], p[1]);  // a rotation: faces stay outward
@@ -296,7 +296,7 @@ TEST(DigitizationTopology, PermutedAndMirroredAxesGiveTheSameTopology) {
     changed[0] += a.repair->added + a.repair->removed;
     changed[1] += b.repair->added + b.repair->removed;
   }
-  EXPECT_GT(compared, 50);
+  EXPECT_GT(compared, 20);
   EXPECT_NEAR(static_cast<double>(changed[0]) / static_cast<double>(changed[1]), 1, 0.02);
 }
 
