@@ -37,6 +37,9 @@ Check mesh_topology_check(const pipeline::LoadedShape& shape) {
     check.detail = "not checked: the surface does not tell the topology of its solid";
   } else if (shape.cleaned) {
     check.detail = "not checked: the shape was cleaned";
+  } else if (shape.voxelization->topology_changed) {
+    check.detail = fmt::format("not checked: the digitization does not reach it; the shape has {}, the solid {}",
+                               text(shape.topology.betti), text(*wanted));
   } else {
     check.passed = shape.topology.betti == *wanted;
     check.detail = check.passed ? fmt::format("{}: those of its solid", text(*wanted))
