@@ -23,11 +23,12 @@ namespace {
 constexpr double kOneContact = 1.8;
 // The same in thin parts, in radii.
 constexpr double kOneOfThin = 0.8;
-// Contacts farther away than the nearest by more than so many voxels are none.
+// Contacts farther away than the nearest by more than so many voxels are none; twice as many where they are only feet
+// of sites.
 constexpr double kNoContact = 1.2;
 // Planes whose normals have no smaller cosine are one.
 constexpr double kFlat = 1 - 1e-6;
-// Of the damping, beside directions at right angles to each other.
+// The damping, as a share of what determines the move in all directions together.
 constexpr double kDamping = 0.05;
 // Directions with a smaller share of what determines the best one are free.
 constexpr double kWeak = 0.1;
