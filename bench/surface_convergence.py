@@ -11,12 +11,12 @@ Solids, all turned at random (--seed; 0: as they are), as closed meshes:
   ellipsoid     semi-axes 1, 0.7, 0.4 (`quench sample`); axis: an elliptic disc
   torus         radii 1 and 0.35 (`quench sample`); axis: a circle
   box           2 x 1.4 x 1 (`quench sample`); axis: thirteen flat sheets
-  cone          height 2, radius of the flat base 0.8; axis: the segment from the tip to the centre of the inscribed ball
-                and the cone from there to the rim of the base
+  cone          height 2, radius of the flat base 0.8; axis: the segment from the tip to the centre of the inscribed
+                ball, and the cone from there to the rim of the base
   capsule       radius 0.35 around a segment of length 1.3
   rounded-cone  hull of balls of radii 0.45 and 0.2, centres 1.4 apart; axis: the segment between the centres
-  balls         two balls of radius 1, overlapping, centres 1.2 apart; axis: the segment between the centres (the ball of
-                a point of it touches the whole circle where the spheres meet)
+  balls         two balls of radius 1, overlapping, centres 1.2 apart; axis: the segment between the centres (the balls
+                around its points touch the whole circle where the spheres meet)
 
 Every solid is run once (`quench run`, default options); pure curves are then made of its burned core (`quench skeleton
 --theta2 inf`). One row of a Markdown table per solid, resolution and surface; lengths in voxels:
@@ -220,7 +220,8 @@ class Cone:
     def thickness(self, p):
         segment, sheet = self.parts(p)
         at = np.where(sheet < segment, self.depth(p) * (1 / self.share - 1), 0)
-        return np.where(profile(p - [0, 0, self.inner])[:, 0] + np.abs(p[:, 2] - self.inner) < 0.1, np.nan, at)  # it jumps there
+        near_jump = np.linalg.norm(p - [0, 0, self.inner], axis=1) < 0.1
+        return np.where(near_jump, np.nan, at)
 
     def outline(self):
         return [(0, 0), *line((0, 0), (self.base, 0), 100), *line((self.base, 0), (0, self.height), 200)]
@@ -239,8 +240,7 @@ class RoundedCone:
     def depth(self, p):
         q = profile(p)
         cosine = np.sqrt(1 - self.sine ** 2)
-        along = q[:, 1] - q[:, 0] * self.sine / cosine  # where the ball that touches the surface nearest to p has its centre
-        at = np.clip(along, 0, self.length)
+        at = np.clip(q[:, 1] - q[:, 0] * self.sine / cosine, 0, self.length)  # centre of the ball with p's contact
         return self.lower - self.sine * at - np.hypot(q[:, 0], q[:, 1] - at)
 
     def samples(self, step):
@@ -307,7 +307,8 @@ def revolved(outline, around=600):
     poles = np.column_stack([np.zeros((2, 2)), outline[[0, -1], 1]])
     outline = outline[1:-1]
     t = 2 * np.pi * np.arange(around) / around
-    rings = np.stack([outline[:, :1] * np.cos(t), outline[:, :1] * np.sin(t), np.repeat(outline[:, 1:], around, 1)], axis=-1)
+    rings = np.stack([outline[:, :1] * np.cos(t), outline[:, :1] * np.sin(t), np.repeat(outline[:, 1:], around, 1)],
+                     axis=-1)
     n = len(outline)
     first, last = n * around, n * around + 1
     i, j = np.meshgrid(np.arange(n - 1), np.arange(around), indexing='ij')
@@ -431,7 +432,7 @@ def main():
     parser.add_argument('--solids', type=words, default=list(SOLIDS))
     parser.add_argument('--resolutions', type=words, default=words('64,128,256,512'))
     parser.add_argument('--surfaces', type=words, default=words('mesh,voxels'))
-    parser.add_argument('--fineness', type=float, default=2, help='of the samples; less than 1 shows in the radii at 512')
+    parser.add_argument('--fineness', type=float, default=2, help='of the samples')
     parser.add_argument('--seed', type=int, default=1)
     parser.add_argument('--work', type=Path, default=Path(tempfile.gettempdir()) / 'quench_surface_convergence')
     parser.add_argument('--seconds', action='store_true')
@@ -439,8 +440,8 @@ def main():
     options.work.mkdir(parents=True, exist_ok=True)
     options.quench_with = lambda *arguments: subprocess.run(
         [options.quench, *map(str, arguments), '--quiet', '--overwrite', '--threads', '1'], check=True)
-    head = ['solid', 'R', 'surface', 'vertices', 'core to axis: mean', '99 %', 'largest', 'axis to core: mean', 'largest',
-            'radius', 'skeleton to axis', 'its radius', 'length', 'ET'] + ['seconds'] * options.seconds
+    head = ['solid', 'R', 'surface', 'vertices', 'core to axis: mean', '99 %', 'largest', 'axis to core: mean',
+            'largest', 'radius', 'skeleton to axis', 'its radius', 'length', 'ET'] + ['seconds'] * options.seconds
     print('| ' + ' | '.join(head) + ' |\n|' + '---|' * len(head))
     for name in options.solids:
         turn = Rotation.random(random_state=options.seed + 100 * list(SOLIDS).index(name)).as_matrix() \

@@ -134,7 +134,21 @@ class Smoother {
 
  private:
   std::size_t count() const { return fans_.fans().size(); }
-  Vec3 bounded(const Vec3& p, const Vec3& start) const { return p.cwiseMax(start - reach_).cwiseMin(start + reach_); }
+  /// As near to where it started as it must be. A vertex between two voxel centres stays between them, and in a cone of
+  /// 45 degrees from the nearer one, so that voxel centres stay on their side.
+  Vec3 bounded(const Vec3& p, const Vec3& start) const {
+    constexpr double kRoom = 0.02;
+    Vec3 q = p.cwiseMax(start - reach_).cwiseMin(start + reach_);
+    const Vec3 below = (start.array() - 0.5).floor() + 0.5;
+    if ((start.array() != below.array()).count() != 1) return q;
+    int along = 0;
+    (start - below).maxCoeff(&along);
+    q[along] = std::clamp(q[along], below[along] + kRoom, below[along] + 1 - kRoom);
+    const double room = std::min(q[along] - below[along], below[along] + 1 - q[along]);
+    for (int a = 0; a < 3; ++a)
+      if (a != along) q[a] = std::clamp(q[a], start[a] - room, start[a] + room);
+    return q;
+  }
 
   /// Normal and mean of a loop.
   void begin(std::size_t f) {
