@@ -28,7 +28,7 @@ Check check_moves(const Result& result) {
   std::size_t moved = 0;
   for (std::uint32_t v = 0; v < result.rows.size(); ++v) {
     const double way = (result.point(v) - result.voxel_point(v)).norm();
-    if (!(way <= most * (1 + 1e-9) + rounding_of_points(result)))
+    if (!(way <= most * (1 + kSingle) + rounding_of_points(result)))
       return failed(name, fmt::format("{} is {:.9g} from its place in the voxel core, more than {:.9g}",
                                       result.describe_vertex(v), way, most));
     largest = std::max(largest, way);
