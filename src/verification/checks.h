@@ -67,7 +67,7 @@ Check check_cap_heights(const Result& result, const Sites& sites, VertexSites& v
 /// Of a fitted result: how far its points are from those of the voxel core.
 Check check_moves(const Result& result);
 /// Of a fitted result: every ball lies inside the surface and touches it.
-Check check_balls(const Result& result, const TriangleSearch& surface, Context* context);
+Check check_balls(const Result& result, const TriangleSearch& surface, const VerifyOptions& options, Context* context);
 /// That the surface is one of the shape: voxel centres at its boundary are on the side that the shape says.
 Check check_sides(const Result& result, const TriangleSearch& surface, const VerifyOptions& options, Context* context);
 
