@@ -29,8 +29,8 @@ Every solid is run once (`quench run`, default options); pure curves are then ma
   skeleton      distance of the points of skeleton.vtp to the true axis: mean; error of their radii: mean size
   length        where the axis is a curve: total length of the pure curves less the true length (number of branches)
   ET            largest error of the erosion thickness: of sheets at vertices of the core within a voxel of the axis
-                (ellipsoid, box, cone less where its parts meet; at most 3000 of them), else of pure curves at their
-                points; not of the torus, whose curve never burns
+                (ellipsoid, box, cone farther than 0.1 from where its parts meet; at most 3000 of them), else of pure
+                curves at their points; not of the torus, whose curve never burns
 
 --seconds: wall time of `run` in a last column. Needs Debian's python3-numpy, python3-scipy and python3-vtk9."""
 import argparse

@@ -37,7 +37,7 @@ class Surface {
     bool inside = false;             ///< whether the other point lies inside the solid
   };
 
-  /// Triangles without area are left out; corners at one place are one. O(n log n), on all threads; 160 bytes per
+  /// Triangles without area are left out, and points without triangles; corners at one place are one. O(n log n), on all threads; 160 bytes per
   /// triangle. Throws Error(input) for a mesh without triangles.
   Surface(TriangleMesh mesh, SurfaceKind kind, Context* context = nullptr);
 

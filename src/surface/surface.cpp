@@ -25,7 +25,7 @@ constexpr std::array<std::pair<SurfaceKind, std::string_view>, 4> kKinds{{{Surfa
                                                                           {SurfaceKind::grey, "grey"},
                                                                           {SurfaceKind::smooth, "smooth"}}};
 
-// Points at one place become one; triangles without area go.
+// Points at one place become one; triangles without area go, and points without triangles.
 TriangleMesh welded(TriangleMesh&& mesh) {
   std::vector<std::uint32_t> order(mesh.points.size()), first(mesh.points.size());
   std::iota(order.begin(), order.end(), 0u);
@@ -43,6 +43,18 @@ TriangleMesh welded(TriangleMesh&& mesh) {
     const Vec3 &a = mesh.points[t[0]], &b = mesh.points[t[1]], &c = mesh.points[t[2]];
     return !((b - a).cross(c - a).squaredNorm() > 0);
   });
+  std::vector<std::uint32_t> row(mesh.points.size(), kNone);
+  for (const Triangle& t : mesh.triangles)
+    for (const std::uint32_t corner : t) row[corner] = 0;
+  std::uint32_t count = 0;
+  for (std::size_t p = 0; p < row.size(); ++p)
+    if (row[p] != kNone) {
+      mesh.points[count] = mesh.points[p];
+      row[p] = count++;
+    }
+  mesh.points.resize(count);
+  for (Triangle& t : mesh.triangles)
+    for (std::uint32_t& corner : t) corner = row[corner];
   return std::move(mesh);
 }
 

@@ -64,6 +64,9 @@ class LeafOrder {
   std::vector<std::uint32_t> rows_;
 };
 
+// Parts of the surface with more triangles have no slab: their normals point everywhere.
+constexpr std::size_t kLargestSlab = 4096;
+
 // One number for each child of a node, worked on at once (a vector type of GCC and Clang).
 using Four = float __attribute__((vector_size(16)));
 
@@ -122,7 +125,10 @@ TriangleTree::TriangleTree(const TriangleMesh& mesh) {
   for (std::size_t k = 0; k < 3; ++k) {
     std::fill_n(empty.low[k], kChildren, kEmpty);
     std::fill_n(empty.high[k], kChildren, -kEmpty);
+    std::fill_n(empty.normal[k], kChildren, 0.0F);
   }
+  std::fill_n(empty.least, kChildren, -kEmpty);
+  std::fill_n(empty.most, kChildren, kEmpty);
   nodes_.assign(inner + leaves_ / kChildren, empty);
   base::for_indices(leaves_, [&](std::size_t leaf) {
     fill_leaf(mesh, order.rows(), leaf, nodes_[inner + leaf / kChildren], leaf % kChildren);
@@ -135,6 +141,35 @@ TriangleTree::TriangleTree(const TriangleMesh& mesh) {
       parent.high[k][child] = *std::ranges::max_element(nodes_[n].high[k]);
     }
   }
+  std::size_t begin = 0, width = leaves_;  // of a floor: its first node, and the leaves below each
+  for (; begin < nodes_.size(); begin = begin * kChildren + 1, width /= kChildren) {
+    if (width / kChildren * kLeaf > kLargestSlab) continue;
+    base::for_indices((leaves_ / width) * kChildren, [&](std::size_t i) {
+      const std::size_t leaf = i * (width / kChildren);
+      fill_slab(base::part_of(triangles_.size(), leaf, leaves_).first,
+                base::part_of(triangles_.size(), leaf + width / kChildren - 1, leaves_).second,
+                nodes_[begin + i / kChildren], i % kChildren);
+    });
+  }
+}
+
+void TriangleTree::fill_slab(std::size_t first, std::size_t last, Boxes& boxes, std::size_t child) const {
+  Vec3 sum = Vec3::Zero();
+  for (std::size_t i = first; i < last; ++i) sum += triangles_[i].ab.cross(triangles_[i].ac);
+  const Eigen::Vector3f normal = sum.normalized().cast<float>();
+  if (!normal.allFinite() || first == last) return;
+  const Vec3 along = normal.cast<double>();
+  double least = std::numeric_limits<double>::infinity(), most = -least;
+  for (std::size_t i = first; i < last; ++i) {
+    const Triangle& t = triangles_[i];
+    const double a = along.dot(t.a), b = a + along.dot(t.ab), c = a + along.dot(t.ac);
+    least = std::min({least, a, b, c});
+    most = std::max({most, a, b, c});
+  }
+  for (std::size_t k = 0; k < 3; ++k) boxes.normal[k][child] = normal[static_cast<int>(k)];
+  constexpr float kFar = std::numeric_limits<float>::infinity();
+  boxes.least[child] = std::nextafter(static_cast<float>(least), -kFar);
+  boxes.most[child] = std::nextafter(static_cast<float>(most), kFar);
 }
 
 void TriangleTree::fill_leaf(const TriangleMesh& mesh, const std::vector<std::uint32_t>& order, std::size_t leaf,
@@ -157,7 +192,7 @@ void TriangleTree::fill_leaf(const TriangleMesh& mesh, const std::vector<std::ui
 TriangleTree::Near TriangleTree::nearest(const Vec3& point, double squared_limit) const {
   const Vec3 p = point - origin_;
   const float at[3] = {static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])};
-  // Boxes are compared in single precision, with room for what is lost; points far outside lose more.
+  // Boxes and slabs are compared in single precision, with room for what is lost; points far outside lose more.
   const double lost = rounding_ + 0x1p-21 * p.cwiseAbs().maxCoeff();
   const auto limit_of = [&](double squared) {
     const double reach = std::sqrt(squared) + lost;
@@ -184,6 +219,11 @@ TriangleTree::Near TriangleTree::nearest(const Vec3& point, double squared_limit
         const Four outside = larger > 0 ? larger : Four{0, 0, 0, 0};
         squared += outside * outside;
       }
+      const Four height = load(boxes.normal[0]) * at[0] + load(boxes.normal[1]) * at[1] + load(boxes.normal[2]) * at[2];
+      const Four below = load(boxes.least) - height, above = height - load(boxes.most);
+      const Four larger = below > above ? below : above;
+      const Four slab = larger > 0 ? larger * larger : Four{0, 0, 0, 0};
+      squared = slab > squared ? slab : squared;
       Deferred children[kChildren];
       std::size_t count = 0;
       for (std::uint32_t c = 0; c < kChildren; ++c) {
