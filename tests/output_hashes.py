@@ -83,7 +83,7 @@ def step_lines(shape, options):
     """Every command, one step after the other, in every format."""
     lines = [f'voxelize {shape} {options} -o voxels.nrrd --json voxelize.json',
              f'core {shape} {options} -o core.vtp --json core.json', f'core {shape} {options} --full -o full.vtp',
-             f'core {shape} {options} --lambda 0 -o whole.ply']
+             f'core {shape} {options} --lambda 0 --surface voxels -o whole.ply']
     lines += [f'core {shape} {options} -o core.{e}' for e in ('ply', 'obj', 'ma', 'r', 'csv')]
     lines += ['burn core.vtp -o burned.vtp --json burn.json', 'burn core.vtp -o burned.ply', 'burn core.vtp -o burned.csv']
     lines += ['skeleton burned.vtp -o skeleton.vtp --swc tree.swc --graphml graph.graphml --csv branches.csv '

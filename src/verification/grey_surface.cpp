@@ -15,7 +15,7 @@ namespace quench::verification {
 
 namespace {
 
-constexpr double kOffIsosurface = 0.5;  // in voxels along each axis: fans, smoothing
+constexpr double kOffIsosurface = 1;  // in voxels along each axis: middles of loops, smoothing
 
 /// Samples of an image, interpolated trilinearly between the centres of its voxels.
 class Interpolation {
@@ -136,13 +136,13 @@ Check check_isosurface(const VerifyOptions& options, Context* context) {
   if (bad != chosen.size()) {
     const Vec3& p = points[chosen[bad]];
     const auto [least, largest] = range_around(values, values.place(p));
-    return failed(name, fmt::format("the surface is at ({:.9g}, {:.9g}, {:.9g}), where values within half a voxel are "
+    return failed(name, fmt::format("the surface is at ({:.9g}, {:.9g}, {:.9g}), where values within a voxel are "
                                     "{:.6g} to {:.6g}; it is that of {:.6g}",
                                     p[0], p[1], p[2], least, largest, threshold));
   }
   return {name,
           true,
-          fmt::format("{} of its {} points are within half a voxel, along each axis, of the value {:.6g}, interpolated "
+          fmt::format("{} of its {} points are within a voxel, along each axis, of the value {:.6g}, interpolated "
                       "trilinearly",
                       compared.load(), points.size(), threshold),
           {}};
