@@ -45,6 +45,8 @@ void say_ignored(const ShapeOptions& options, bool mesh, Session& session) {
     add("--spacing", options.how.spacing.has_value());
   } else {
     add("--resolution", options.how.resolution.has_value());
+    add("--fill", options.how.fill.has_value());
+    add("--topology", options.how.topology.has_value());
     recorded.clear();
   }
   const auto say = [&](const std::vector<std::string>& names, const std::string& where) {

@@ -228,16 +228,21 @@ void refuse_unknown_kind(const std::filesystem::path& file) {
 
 namespace {
 
-/// Whether the mesh bounds the shape: its solid is known, and nothing was filled.
-bool bounds_shape(const LoadedShape& loaded, const ShapeOptions& options) {
-  return loaded.voxelization->sound && !options.foreground.fill_cavities;
+/// Why the mesh does not bound the shape; empty where it does.
+std::string not_its_boundary(const LoadedShape& loaded, const ShapeOptions& options) {
+  if (options.foreground.fill_cavities) return "its cavities are filled";
+  if (!loaded.voxelization->sound || loaded.voxelization->fill == FillRule::winding)
+    return "winding numbers decide what is inside of it, not its faces as they are";
+  return {};
 }
 
 void set_surface(LoadedShape& loaded, const TriangleMesh& mesh, const ShapeOptions& options, Context* context) {
-  const SurfaceKind kind =
-      options.surface.value_or(bounds_shape(loaded, options) ? SurfaceKind::mesh : SurfaceKind::voxels);
-  if (kind != SurfaceKind::mesh) return;
-  record(loaded, "surface", std::string(name_of(kind)));
+  if (options.surface.value_or(SurfaceKind::mesh) != SurfaceKind::mesh) return;
+  if (const std::string reason = not_its_boundary(loaded, options); !reason.empty()) {
+    if (options.surface) refuse_surface(SurfaceKind::mesh, reason + "; use 'smooth' or 'voxels'");
+    return;
+  }
+  record(loaded, "surface", std::string(name_of(SurfaceKind::mesh)));
   const bool odd = loaded.voxelization->fill == FillRule::evenodd;
   loaded.surface.emplace(surface::solid_boundary(mesh, odd, context), SurfaceKind::mesh, context);
 }

@@ -3,11 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <vector>
 
 #include "closed_surfaces.h"
 #include "quench/error.h"
 #include "quench/pipeline.h"
+#include "quench/samples.h"
 #include "quench/voxelize.h"
 
 namespace quench {
@@ -100,6 +102,30 @@ TEST(VolumeSurface, OfLabelsIsThatOfTheVoxelsOrSmoothed) {
         ASSERT_EQ(smooth.surface->nearest(grid.world(Vec3(x + 0.5, y + 0.5, z + 0.5))).inside,
                   smooth.shape.contains(x, y, z))
             << x << ' ' << y << ' ' << z;
+}
+
+// Faces that point either way are turned before winding numbers are looked at, so the mesh as it is bounds nothing.
+TEST(SurfaceOfMesh, IsRefusedWhereItDoesNotBoundTheShape) {
+  const auto with = [](const pipeline::ShapeOptions& options) {
+    return pipeline::shape_of(make_sample("hollow-sphere", {}).mesh, options, nullptr);
+  };
+  pipeline::ShapeOptions options;
+  options.resolution = 20;
+  EXPECT_TRUE(with(options).surface);
+  pipeline::ShapeOptions winding = options, filled = options;
+  winding.fill = FillRule::winding;
+  filled.foreground.fill_cavities = true;
+  for (pipeline::ShapeOptions& refused : {std::ref(winding), std::ref(filled)}) {
+    EXPECT_FALSE(with(refused).surface);
+    refused.surface = SurfaceKind::mesh;
+    try {
+      with(refused);
+      ADD_FAILURE() << "taken";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::usage);
+      EXPECT_EQ(error.field(), "surface");
+    }
+  }
 }
 
 TEST(VolumeSurface, IsRefusedWhereThereIsNone) {

@@ -11,6 +11,7 @@
 #include <numbers>
 #include <random>
 
+#include "closed_surfaces.h"
 #include "data.h"
 #include "quench/io.h"
 #include "quench/samples.h"
@@ -21,22 +22,8 @@ namespace {
 
 using surface::solid_boundary;
 
-/// Winding number by solid angles (Van Oosterom 1983), of all triangles.
-double winding(const TriangleMesh& mesh, const Vec3& p) {
-  double angle = 0;
-  for (const auto& t : mesh.triangles) {
-    const Vec3 a = mesh.points[t[0]] - p, b = mesh.points[t[1]] - p, c = mesh.points[t[2]] - p;
-    const double x = a.norm(), y = b.norm(), z = c.norm();
-    angle += 2 * std::atan2(a.dot(b.cross(c)), x * y * z + a.dot(b) * z + b.dot(c) * x + c.dot(a) * y);
-  }
-  return angle / (4 * std::numbers::pi);
-}
-
-double volume(const TriangleMesh& mesh) {
-  double sum = 0;
-  for (const auto& t : mesh.triangles) sum += mesh.points[t[0]].dot(mesh.points[t[1]].cross(mesh.points[t[2]])) / 6;
-  return sum;
-}
+using testing_surfaces::volume_of;
+using testing_surfaces::winding_number;
 
 double area(const TriangleMesh& mesh) {
   double sum = 0;
@@ -125,9 +112,9 @@ void expect_boundary(const TriangleMesh& mesh, bool odd, const TriangleMesh& res
   for (int i = 0; i < points; ++i) {
     Vec3 p;
     for (int a = 0; a < 3; ++a) p[a] = std::uniform_real_distribution<>(low[a] - 0.01, high[a] + 0.01)(random);
-    const auto w = std::lround(winding(mesh, p));
+    const auto w = std::lround(winding_number(mesh, p));
     const bool inside = odd ? w % 2 != 0 : w != 0;
-    ASSERT_NEAR(winding(result, p), inside ? 1 : 0, 1e-6) << "at " << p.transpose() << ", winding number " << w;
+    ASSERT_NEAR(winding_number(result, p), inside ? 1 : 0, 1e-6) << "at " << p.transpose() << ", winding number " << w;
   }
 }
 
@@ -144,15 +131,15 @@ TEST(SolidBoundary, KeepsSoundMeshes) {
 TEST(SolidBoundary, TurnsWhatFacesInward) {
   const TriangleMesh torus = make_sample("torus").mesh;
   EXPECT_EQ(solid_boundary(turned(torus)).triangles, turned(turned(torus)).triangles);
-  EXPECT_NEAR(volume(solid_boundary(turned(torus))), volume(torus), 1e-12);
+  EXPECT_NEAR(volume_of(solid_boundary(turned(torus))), volume_of(torus), 1e-12);
 }
 
 TEST(SolidBoundary, NestedShells) {
   const TriangleMesh outer = box({0, 0, 0}, {10, 10, 10}), inner = box({3, 3, 3}, {7, 7, 7});
-  EXPECT_DOUBLE_EQ(volume(solid_boundary(joined(outer, inner))), 1000);  // wound twice
+  EXPECT_DOUBLE_EQ(volume_of(solid_boundary(joined(outer, inner))), 1000);  // wound twice
   EXPECT_DOUBLE_EQ(area(solid_boundary(joined(outer, inner))), 600);
-  EXPECT_DOUBLE_EQ(volume(solid_boundary(joined(outer, turned(inner)))), 1000 - 64);
-  EXPECT_DOUBLE_EQ(volume(solid_boundary(joined(outer, inner), true)), 1000 - 64);
+  EXPECT_DOUBLE_EQ(volume_of(solid_boundary(joined(outer, turned(inner)))), 1000 - 64);
+  EXPECT_DOUBLE_EQ(volume_of(solid_boundary(joined(outer, inner), true)), 1000 - 64);
 }
 
 TEST(SolidBoundary, OverlappingBoxes) {
@@ -160,9 +147,9 @@ TEST(SolidBoundary, OverlappingBoxes) {
   for (const double angle : {0.0, 0.3}) {  // planes along the axes, and not
     const TriangleMesh both = rotated(joined(a, b), angle, {1, 2, 3});
     const TriangleMesh result = solid_boundary(both);
-    EXPECT_NEAR(volume(result), 2000 - 6 * 5 * 4, 1e-8);
+    EXPECT_NEAR(volume_of(result), 2000 - 6 * 5 * 4, 1e-8);
     EXPECT_NEAR(area(result), 1200 - 2 * (6 * 5 + 5 * 4 + 6 * 4), 1e-8);
-    EXPECT_NEAR(volume(solid_boundary(both, true)), 2000 - 2 * 6 * 5 * 4, 1e-8);
+    EXPECT_NEAR(volume_of(solid_boundary(both, true)), 2000 - 2 * 6 * 5 * 4, 1e-8);
   }
 }
 
@@ -172,12 +159,12 @@ TEST(SolidBoundary, TouchingBoxes) {
   const auto with = [&](const TriangleMesh& b) { return solid_boundary(rotated(joined(a, b), 0.3, {1, 2, 3})); };
   const TriangleMesh stacked = with(box({0, 0, 10}, {10, 10, 15})), on_top = with(box({2, 3, 10}, {7, 8, 15}));
   EXPECT_NEAR(area(stacked), 2 * 100 + 4 * 150, 1e-8);
-  EXPECT_NEAR(volume(on_top), 1000 + 125, 1e-8);
+  EXPECT_NEAR(volume_of(on_top), 1000 + 125, 1e-8);
   EXPECT_NEAR(area(on_top), 600 + 4 * 25, 1e-8);
   EXPECT_NEAR(area(with(box({10, 10, 0}, {20, 20, 10}))), 1200, 1e-8);   // a common edge
   EXPECT_NEAR(area(with(box({10, 10, 10}, {20, 20, 20}))), 1200, 1e-8);  // a common corner
   EXPECT_NEAR(area(with(a)), 600, 1e-8);
-  EXPECT_NEAR(volume(with(a)), 1000, 1e-8);
+  EXPECT_NEAR(volume_of(with(a)), 1000, 1e-8);
   EXPECT_NEAR(area(with(box({5, 0, 0}, {20, 10, 10}))), 2 * 100 + 4 * 200, 1e-8);
   EXPECT_EQ(solid_boundary(joined(a, turned(a))).triangles.size(), 0u);
 }
@@ -188,7 +175,7 @@ TEST(SolidBoundary, OverlappingBalls) {
   const TriangleMesh one = ball(40), both = joined(one, moved(one, 2 * (1 - h) * Vec3(1, 2, 0.5).normalized()));
   const TriangleMesh result = solid_boundary(both);
   EXPECT_NEAR(area(result) / (2 * (4 * pi - 2 * pi * h)), 1, 1e-3);
-  EXPECT_NEAR(volume(result) / (2 * (4 * pi / 3 - pi * h * h * (3 - h) / 3)), 1, 2e-3);
+  EXPECT_NEAR(volume_of(result) / (2 * (4 * pi / 3 - pi * h * h * (3 - h) / 3)), 1, 2e-3);
   std::mt19937_64 random(1);
   expect_boundary(both, false, result, 100, random);
 }
@@ -219,7 +206,7 @@ TEST(SolidBoundary, RandomPartsOnIntegers) {
 TEST(SolidBoundary, Root) {
   const TriangleMesh mesh = make_sample("root", {.branches = 20, .fineness = 0.5}).mesh;
   const TriangleMesh result = solid_boundary(mesh);
-  EXPECT_LT(volume(result), volume(mesh));
+  EXPECT_LT(volume_of(result), volume_of(mesh));
   std::mt19937_64 random(1);
   expect_boundary(mesh, false, result, 100, random);
   for (std::size_t t = 0; t < result.triangles.size(); t += 50) {  // points on both sides
@@ -228,8 +215,8 @@ TEST(SolidBoundary, Root) {
     const Vec3 normal = (b - a).cross(c - a), middle = (a + b + c) / 3;
     const double width = normal.norm() / ((b - a).norm() + (c - b).norm() + (a - c).norm());
     if (width < 1e-9 * longest_side_of(mesh.points)) continue;
-    EXPECT_EQ(std::lround(winding(mesh, middle + 0.01 * width * normal.normalized())), 0) << t;
-    EXPECT_NE(std::lround(winding(mesh, middle - 0.01 * width * normal.normalized())), 0) << t;
+    EXPECT_EQ(std::lround(winding_number(mesh, middle + 0.01 * width * normal.normalized())), 0) << t;
+    EXPECT_NE(std::lround(winding_number(mesh, middle - 0.01 * width * normal.normalized())), 0) << t;
   }
   Context one;
   one.threads = 1;

@@ -5,9 +5,9 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
-#include <numbers>
 #include <random>
 
+#include "closed_surfaces.h"
 #include "quench/samples.h"
 #include "random_meshes.h"
 #include "verification/solid_of_surface.h"
@@ -15,6 +15,7 @@
 namespace quench {
 namespace {
 
+using testing_surfaces::winding_number;
 using verification::TriangleSearch;
 
 /// By the nearest point of a fine grid of barycentric coordinates, within the size of its cells.
@@ -29,16 +30,6 @@ double rough_distance(const TriangleMesh& mesh, const Vec3& p, int n) {
   return best;
 }
 
-double winding(const TriangleMesh& mesh, const Vec3& p) {
-  double angle = 0;
-  for (const auto& t : mesh.triangles) {
-    const Vec3 a = mesh.points[t[0]] - p, b = mesh.points[t[1]] - p, c = mesh.points[t[2]] - p;
-    const double x = a.norm(), y = b.norm(), z = c.norm();
-    angle += 2 * std::atan2(a.dot(b.cross(c)), x * y * z + a.dot(b) * z + b.dot(c) * x + c.dot(a) * y);
-  }
-  return angle / (4 * std::numbers::pi);
-}
-
 TEST(TriangleSearch, AgreesWithBruteForce) {
   std::mt19937_64 random(3);
   std::uniform_real_distribution<> coordinate(-1, 9);
@@ -50,7 +41,7 @@ TEST(TriangleSearch, AgreesWithBruteForce) {
       const double rough = rough_distance(mesh, p, 60);
       EXPECT_LE(search.distance(p), rough + 1e-12);
       EXPECT_GE(search.distance(p), rough - 0.2);
-      EXPECT_EQ(search.inside(p), std::lround(winding(mesh, p)) == 1) << "mesh " << i << " at " << p.transpose();
+      EXPECT_EQ(search.inside(p), std::lround(winding_number(mesh, p)) == 1) << "mesh " << i << " at " << p.transpose();
     }
   }
 }
