@@ -39,6 +39,7 @@ struct RefinedAxis {
   std::vector<char> curve_vertex;         ///< per vertex: part of the medial curves
   std::vector<std::uint32_t> polygon_of;  ///< per face: the polygon of M it is a part of
   std::vector<double> face_thickness;     ///< per face: largest (sector time - radius) over its corners
+  std::vector<float> corner_thickness;  ///< per corner of a face: that of the corner; the first one is the region dual
   std::vector<std::uint32_t> incomplete;  ///< polygons of M of which parts are missing, below the floor of a family
 
   std::vector<double> curve_burn_time;  ///< per vertex: BT_MC; infinite where fire on the curves does not come
@@ -60,6 +61,10 @@ struct SkeletonFamily {
   RefinedAxis refined;
   double theta2_floor = 0, theta1_floor = 0;  ///< smaller thetas have no member: see with_floor()
   std::vector<double> vertex_sheet_level, edge_sheet_level, face_sheet_level;  ///< infinite on curves and pockets
+  /// Per corner of a face, no larger than the level of the face: how the level rises inside of it. Of a face that a
+  /// theta2 leaves, what lies between its corners above theta2 is left, cut along a straight line between the points of
+  /// its sides at theta2, where levels are linear. That is one piece: there is one low and one high around the face.
+  std::vector<float> corner_sheet_level;
   /// Per edge from 2 * doors on (the halves before are not curves): ET_MC, the smaller of its ends', infinite where it
   /// never burns; and the theta1 up to which it stays when no sheets are left.
   std::vector<double> curve_thickness, curve_level;
@@ -85,6 +90,7 @@ struct Skeleton {
   std::vector<char> on_curve;                              ///< per vertex: the two measures of curves are defined
   std::vector<double> edge_thickness, edge_level;          ///< per edge: ET_MC and curve level; NaN where not a curve
   std::vector<double> face_thickness, face_level;          ///< per face: erosion thickness and sheet level
+  std::vector<std::int32_t> face_sheet;  ///< per face: its sheet, 0 and up: faces joined over edges of exactly two
 };
 
 struct ExtractOptions {
@@ -93,6 +99,13 @@ struct ExtractOptions {
   /// end grows back along the pruned curve of the largest level, as far as the thickness is at least this. The family
   /// remains nested, and topology does not change.
   double regrow_tips_above = std::numeric_limits<double>::infinity();
+  /// Pruning takes about theta2 off every rim of a sheet. Where this sheet level is below theta2, what is left grows back
+  /// along the fires that reached it, as far as the level is at least this, up to the next seam: where the fires of two
+  /// other sheets met, as those between the sides of a plate and its end do. So do the fires between these that died out
+  /// before they came to a curve of ET_MC `minor_curve` or more. The family remains nested, and topology does not
+  /// change.
+  double regrow_rims_above = std::numeric_limits<double>::infinity();
+  double minor_curve = 0;
 };
 Skeleton extract(const SkeletonFamily& family, double theta2, double theta1, const ExtractOptions& options = {});
 

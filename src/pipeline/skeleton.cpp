@@ -71,9 +71,9 @@ void measure_radii(CurveGraph& graph, const Surface& surface) {
 }  // namespace
 
 FamilyFloor floor_of(const SkeletonOptions& options, const Scale& scale, double omega) {
-  const double least = scale.voxel > 0 ? scale.voxel : omega;
+  const double least = thinnest_tip(scale, omega);
   return {page::rounded_down(std::min(least, theta2_of(options, scale))),
-          page::rounded_down(std::min(thinnest_tip(scale, omega), theta1_of(options, scale)))};
+          page::rounded_down(std::min(least, theta1_of(options, scale)))};
 }
 
 SkeletonResult skeleton_of(const FamilyResult& family, const SkeletonOptions& options, const Scale& scale, double omega,
@@ -86,11 +86,11 @@ SkeletonResult skeleton_of(const FamilyResult& family, const SkeletonOptions& op
   base::in_arena(context, [&] {
     tbb::parallel_invoke(
         [&] {
-          result.skeleton = extract(family.family, theta2, theta1, {options.parts, kNoTips});
+          result.skeleton = extract(family.family, theta2, theta1, {options.parts, kNoTips, tips, 4 * scale.detail});
           result.topology = topology(result.skeleton.complex);
         },
         [&] {
-          result.measured = extract(family.family, theta2, theta1, {false, tips});
+          result.measured = extract(family.family, theta2, theta1, {false, tips, tips, 4 * scale.detail});
           measured = topology(result.measured.complex);
         });
   });
