@@ -99,15 +99,25 @@ struct ExtractOptions {
   /// end grows back along the pruned curve of the largest level, as far as the thickness is at least this. The family
   /// remains nested, and topology does not change.
   double regrow_tips_above = std::numeric_limits<double>::infinity();
-  /// Pruning takes about theta2 off every rim of a sheet. Where this sheet level is below theta2, what is left grows back
-  /// along the fires that reached it, as far as the level is at least this, up to the next seam: where the fires of two
-  /// other sheets met, as those between the sides of a plate and its end do. So do the fires between these that died out
-  /// before they came to a curve of ET_MC `minor_curve` or more. The family remains nested, and topology does not
-  /// change.
+  /// Pruning takes about theta2 off every rim of a sheet. Where this sheet level is below theta2, what is left grows
+  /// back along the fires that reached it, as far as the level is at least this, up to the next seam: where the fires
+  /// of two other sheets met, as those between the sides of a plate and its end do. So do the fires between these that
+  /// died out before they came to a curve of ET_MC `minor_curve` or more. The family remains nested, and topology does
+  /// not change.
   double regrow_rims_above = std::numeric_limits<double>::infinity();
   double minor_curve = 0;
 };
 Skeleton extract(const SkeletonFamily& family, double theta2, double theta1, const ExtractOptions& options = {});
+
+/// How smooth_sheets() moves the vertices of sheets. Lengths in world units.
+struct SheetSmoothing {
+  double window = 0;  ///< rims and seams become the mean of themselves over so much to both sides, weighted by a hat
+  int passes = 0;  ///< in which vertices inside a sheet move half way to the mean of their neighbours, along its normal
+  double most = 0;  ///< no vertex moves further, nor by more than half its radius: so all stay inside the shape
+};
+/// Smooths rims, seams and sheets; where these meet, and curves off the sheets, nothing moves. Cells stay as they are,
+/// and so do all values. O(n), with the number of vertices in a window.
+void smooth_sheets(Skeleton& skeleton, const SheetSmoothing& how);
 
 /// The skeleton as cells and arrays of a file (docs/algorithms/skeletons.md). A line is a curve, a vertex cell an
 /// isolated vertex.

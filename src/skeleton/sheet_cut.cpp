@@ -22,6 +22,8 @@ constexpr double kCutStep = 1.0 / 1024, kShortestPiece = 1.0 / 64;
 
 // Sheets whose radii rise so differently are not one.
 constexpr double kBend = 0.35;
+// A tree of the fire belongs to a sheet where its erosion thickness is this much of the radius.
+constexpr double kWide = 0.5;
 
 class SheetCutter {
  public:
@@ -113,11 +115,11 @@ class SheetCutter {
       spreads_.push_back(dies_out || wide);
     }
   }
-  // Wider than thick.
+  // About as wide as thick: a sheet, not the band around the curve of a limb.
   bool is_wide(std::uint32_t f) const {
     const auto corners = k_.complex.corners(f);
     for (std::size_t i = 0; i < corners.size(); ++i)
-      if (levels_of(f)[i] >= k_.radius[corners[i]]) return true;
+      if (levels_of(f)[i] >= kWide * k_.radius[corners[i]]) return true;
     return false;
   }
   bool bends(std::uint32_t f, std::uint32_t g) const {
