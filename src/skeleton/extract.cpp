@@ -346,16 +346,19 @@ Skeleton skeleton_of(const RefinedAxis& k, const Cells& cells) {
 }  // namespace
 
 Skeleton extract(const SkeletonFamily& family, double theta2, double theta1, const ExtractOptions& options) {
-  if (std::isnan(theta2) || std::isnan(theta1) || std::isnan(options.regrow_tips_above))
-    throw Error(ErrorCode::usage, "theta2, theta1 and regrow_tips_above of a skeleton must be numbers");
+  if (std::isnan(theta2) || std::isnan(theta1) || std::isnan(options.theta1_radii) ||
+      std::isnan(options.regrow_tips_above))
+    throw Error(ErrorCode::usage, "theta2, theta1, theta1_radii and regrow_tips_above of a skeleton must be numbers");
   if (theta2 < family.theta2_floor || std::min(theta1, options.regrow_tips_above) < family.theta1_floor)
     throw Error(ErrorCode::usage, "theta2, theta1 or regrow_tips_above of a skeleton is below the floor of its family");
   const RefinedAxis& k = family.refined;
-  const Member member = skeleton::member_of(family, theta2, theta1, options.regrow_tips_above);
+  const Member member = skeleton::member_of(family, theta2, theta1, options.theta1_radii, options.regrow_tips_above);
   const Outline outline = outline_of(k, member, options.parts);
   Skeleton skeleton = skeleton_of(k, CellBuilder(family, member, outline).take());
   skeleton.theta2 = theta2;
   skeleton.theta1 = theta1;
+  skeleton.theta1_radii = options.theta1_radii;
+  skeleton.full_tips = options.regrow_tips_above < kNever;
   return skeleton;
 }
 

@@ -91,6 +91,7 @@ class Compaction {
     compact(k_.curve_vertex, stays);
     compact(k_.curve_burn_time, stays);
     compact(k_.medial_point, stays);
+    compact(k_.fire_goes_on, stays);
     for (std::uint32_t& e : k_.exit)
       if (e != kNone) e = edge_[e];
     compact(k_.exit, stays);
@@ -143,7 +144,7 @@ SkeletonFamily with_floor(SkeletonFamily family, double theta2, double theta1, C
   theta1 = std::max(theta1, family.theta1_floor);
   if (theta2 == family.theta2_floor && theta1 == family.theta1_floor) return family;
   base::in_arena(context, [&] {
-    Member stays = skeleton::member_of(family, theta2, theta1, base::kNever);
+    Member stays = skeleton::member_of(family, theta2, theta1, 0, base::kNever);
     checkpoint(context, "skeleton", 1);
     Compaction(family, stays).run();
   });

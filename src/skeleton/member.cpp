@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "skeleton/member.h"
 
+#include <algorithm>
+
 #include "base/constants.h"
 #include "base/csr.h"
 #include "base/graph_peeler.h"
@@ -38,9 +40,49 @@ void grow_tips(const SkeletonFamily& family, double from_thickness, const base::
   }
 }
 
+// Per curve edge that free ends lead to: ET_MC over burn time where the course of its fire ends. `curves` are all of a
+// member.
+class SticksOut {
+ public:
+  SticksOut(const SkeletonFamily& family, base::GraphPeeler curves, const std::vector<char>& on_sheet)
+      : family_(family), k_(family.refined), ratio_(k_.complex.edges.size() - first_edge(), 0) {
+    std::vector<Step> burned;  // outwards in
+    curves.peel(
+        [&](std::uint32_t e) -> const auto& { return k_.complex.edges[e]; },
+        [&](std::uint32_t v, std::uint32_t e) { return !on_sheet[v] && !k_.medial_point[v] && k_.curve_edge[e]; },
+        [&](std::uint32_t v, std::uint32_t e) {
+          burned.push_back({v, e});
+        });
+    std::vector<double> onward(k_.complex.vertex_count, base::kNever);  // of the edge over which the vertex burned on
+    std::vector<char> burns(k_.complex.vertex_count, 0);
+    for (auto step = burned.rbegin(); step != burned.rend(); ++step) {
+      const auto [v, e] = *step;
+      const std::uint32_t next = other_end(k_, e, v);
+      const bool same = burns[next] && k_.fire_goes_on[v];
+      onward[v] = ratio_[e - first_edge()] = same ? onward[next] : std::min(onward[next], ratio_here(e));
+      burns[v] = 1;
+    }
+  }
+  double operator()(std::uint32_t e) const { return ratio_[e - first_edge()]; }
+
+ private:
+  struct Step {
+    std::uint32_t vertex, edge;
+  };
+  std::size_t first_edge() const { return 2 * std::size_t{k_.doors}; }
+  double ratio_here(std::uint32_t e) const {
+    const auto [a, b] = k_.complex.edges[e];
+    return family_.thickness_of(e) / std::max(k_.burn_time[a], k_.burn_time[b]);
+  }
+
+  const SkeletonFamily& family_;
+  const RefinedAxis& k_;
+  std::vector<double> ratio_;
+};
+
 }  // namespace
 
-Member member_of(const SkeletonFamily& family, double theta2, double theta1, double tips) {
+Member member_of(const SkeletonFamily& family, double theta2, double theta1, double radii, double tips) {
   const RefinedAxis& k = family.refined;
   Member member;
   const std::size_t edges = k.complex.edges.size(), vertices = k.complex.vertex_count;
@@ -63,12 +105,21 @@ Member member_of(const SkeletonFamily& family, double theta2, double theta1, dou
     else if (member.edge[e])
       for (const std::uint32_t v : k.complex.edges[e]) left.add(v, e);
   }
-  left.peel(
-      [&](std::uint32_t e) -> const auto& { return k.complex.edges[e]; },
-      [&](std::uint32_t v, std::uint32_t e) {
-        return !on_sheet[v] && !k.medial_point[v] && k.curve_edge[e] && family.thickness_of(e) < theta1;
-      },
-      [&](std::uint32_t v, std::uint32_t e) { member.edge[e] = member.vertex[v] = 0; });
+  const auto peel = [&](const auto& stays) {
+    left.peel(
+        [&](std::uint32_t e) -> const auto& { return k.complex.edges[e]; },
+        [&](std::uint32_t v, std::uint32_t e) {
+          return !on_sheet[v] && !k.medial_point[v] && k.curve_edge[e] && !stays(e);
+        },
+        [&](std::uint32_t v, std::uint32_t e) { member.edge[e] = member.vertex[v] = 0; });
+  };
+  const auto is_thick = [&](std::uint32_t e) { return family.thickness_of(e) >= theta1; };
+  if (radii > 0) {
+    const SticksOut sticks_out(family, left, on_sheet);
+    peel([&](std::uint32_t e) { return is_thick(e) && sticks_out(e) >= radii; });
+  } else {
+    peel(is_thick);
+  }
   if (tips < kNever) grow_tips(family, tips, left, on_sheet, member);
   return member;
 }

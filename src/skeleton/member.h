@@ -13,8 +13,8 @@ struct Member {
   std::vector<char> vertex, edge, face;
 };
 
-/// `tips` as ExtractOptions::regrow_tips_above.
-Member member_of(const SkeletonFamily& family, double theta2, double theta1, double tips);
+/// `radii` and `tips` as ExtractOptions::theta1_radii and ::regrow_tips_above.
+Member member_of(const SkeletonFamily& family, double theta2, double theta1, double radii, double tips);
 
 inline std::uint32_t other_end(const RefinedAxis& k, std::uint32_t edge, std::uint32_t vertex) {
   const auto [a, b] = k.complex.edges[edge];
