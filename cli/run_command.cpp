@@ -118,7 +118,7 @@ int run_pipeline(const Options& o, Session& session) {
   io::OutputGroup outputs;
   io::write_record(files.core, result.axis.file);
   io::write_record(files.skeleton, pipeline::skeleton_file(result.axis.skeleton, result.axis.file));
-  write_graph(result.graph, {files.swc, {}, files.csv}, o.graph,
+  write_graph(result.axis.graph, {files.swc, {}, files.csv}, o.graph,
               shape.surface ? Vec3(Vec3::Zero()) : shape.shape.grid().spacing, shape.coordinates, report, session);
   session.finished("write");
   if (options.page) {
@@ -131,7 +131,7 @@ int run_pipeline(const Options& o, Session& session) {
   say_written(session, files.core.string(), files.report.string(), result.core, shape);
   session.say(fmt::format("{}: {}, {}; topology as that of the shape; also {} and {}", files.skeleton.string(),
                           cells_text(pipeline::counts_of(result.axis.skeleton.skeleton.complex)),
-                          base::counted(result.graph.branches.size(), "branch", "branches"), files.swc.string(),
+                          base::counted(result.axis.graph.branches.size(), "branch", "branches"), files.swc.string(),
                           files.csv.string()));
   if (options.page) session.say(fmt::format("{}: the interactive page; open it in a browser", files.view.string()));
   return 0;

@@ -45,6 +45,7 @@ struct RefinedAxis {
   std::vector<double> curve_burn_time;  ///< per vertex: BT_MC; infinite where fire on the curves does not come
   std::vector<std::uint32_t> exit;      ///< per vertex: the edge over which it passed that fire on, or kNone
   std::vector<char> medial_point;       ///< per vertex: the last to burn in a tree of the curves without pocket
+  std::vector<char> fire_goes_on;       ///< per vertex: fire on the curves that left it burned where it went to, too
 };
 
 /// The medial curves of a burned axis (with parents), and their burning: fire starts at their free ends at the time the
@@ -83,18 +84,24 @@ SkeletonFamily skeletons(const MedialAxis& axis, const Burning& burning, Context
 /// One member of the family, as a proper complex: no parallel edges, no polygon that repeats a corner, no edge of
 /// length zero (region duals lie on their exit doors).
 struct Skeleton {
-  double theta2 = 0, theta1 = 0;
-  CellComplex complex;  ///< edges without face are curves
+  double theta2 = 0, theta1 = 0, theta1_radii = 0;
+  bool full_tips = false;  ///< free ends grew back
+  CellComplex complex;     ///< edges without face are curves
   std::vector<Vec3> points;
   std::vector<double> radius, burn_time, curve_burn_time;  ///< per vertex; infinite where no fire comes
   std::vector<char> on_curve;                              ///< per vertex: the two measures of curves are defined
   std::vector<double> edge_thickness, edge_level;          ///< per edge: ET_MC and curve level; NaN where not a curve
-  std::vector<double> face_thickness, face_level;          ///< per face: erosion thickness and sheet level
+  std::vector<std::int32_t> edge_branch;  ///< per edge: its branch, -1 off the curves; empty before with_branches()
+  std::vector<double> face_thickness, face_level;  ///< per face: erosion thickness and sheet level
   std::vector<std::int32_t> face_sheet;  ///< per face: its sheet, 0 and up: faces joined over edges of exactly two
 };
 
 struct ExtractOptions {
   bool parts = false;  ///< every part of a polygon is a face of its own; else polygons that are whole are one face
+  /// A branch, the course of one fire on the curves from its free end to where one that comes later goes on, or to a
+  /// sheet, also goes as a whole while its ET_MC there is below this many times the burn time there, the radius for a
+  /// tube: unless it sticks out of what it leaves.
+  double theta1_radii = 0;
   /// Pruning takes about theta1 off every branch, also of those that stay. Where this thickness is finite, every free
   /// end grows back along the pruned curve of the largest level, as far as the thickness is at least this. The family
   /// remains nested, and topology does not change.
@@ -120,7 +127,8 @@ struct SheetSmoothing {
 void smooth_sheets(Skeleton& skeleton, const SheetSmoothing& how);
 
 /// The skeleton as cells and arrays of a file (docs/algorithms/skeletons.md). A line is a curve, a vertex cell an
-/// isolated vertex.
+/// isolated vertex. Where branches are known, the lines of each follow each other along it and have the same values,
+/// the largest of the branch: VTP files have one polyline for them.
 Record to_record(const Skeleton& skeleton);
 
 }  // namespace quench

@@ -25,22 +25,15 @@ const Shape& shape_of(const SkeletonValue& s) {
 
 Record file_of(const SkeletonValue& s) { return pipeline::skeleton_file(s.checked, s.about); }
 
-std::shared_ptr<GraphValue> graph_of(const Pointer& s, int smooth, const std::string& resample, bool pruned_tips,
+std::shared_ptr<GraphValue> graph_of(const Pointer& s, int smooth, const std::string& resample,
                                      const py::object& listener, int threads) {
-  pipeline::GraphOptions options;
+  pipeline::GraphOptions options = graph_options(*s->axis);
   options.smooth = smooth;
   options.resample = pipeline::parse_resample(resample);
-  if (s->axis->voxel_core) {
-    if (s->axis->shape) options.shape = &s->axis->shape->shape;
-    options.voxel = s->axis->spacing;
-  } else if (s->axis->shape && s->axis->shape->surface) {
-    options.surface = &*s->axis->shape->surface;
-  }
   auto result = std::make_shared<GraphValue>();
   result->skeleton = s;
-  const Skeleton& from = pruned_tips ? s->checked.skeleton : s->checked.measured;
   result->graph =
-      run(listener, threads, [&](Context&) { return pipeline::measured_graph(from, options, s->axis->scale()); });
+      run(listener, threads, [&](Context&) { return pipeline::measured_graph(s->member, options, s->axis->scale()); });
   return result;
 }
 
@@ -122,6 +115,7 @@ void bind_skeletons(py::module_& m) {
                              })
       .def_property_readonly("edge_thickness",
                              [](const Pointer& s) { return view(s, s->checked.skeleton.edge_thickness); })
+      .def_property_readonly("edge_branch", [](const Pointer& s) { return view(s, s->checked.skeleton.edge_branch); })
       .def_property_readonly("face_thickness",
                              [](const Pointer& s) { return view(s, s->checked.skeleton.face_thickness); })
       .def_property_readonly("polygon_offsets",
@@ -133,6 +127,7 @@ void bind_skeletons(py::module_& m) {
       .def_property_readonly("axis_shape", [](const Pointer& s) { return s->axis->shape; })
       .def_property_readonly("theta2", [](const Pointer& s) { return s->checked.skeleton.theta2; })
       .def_property_readonly("theta1", [](const Pointer& s) { return s->checked.skeleton.theta1; })
+      .def_property_readonly("theta1_radii", [](const Pointer& s) { return s->checked.skeleton.theta1_radii; })
       .def_property_readonly("axis", [](const Pointer& s) { return s->has_axis ? s->axis : nullptr; })
       .def_property_readonly(
           "topology",

@@ -448,9 +448,10 @@ Skeleton skeleton_of(const RefinedAxis& k, const Member& member, const Outline& 
 }  // namespace
 
 Skeleton extract(const SkeletonFamily& family, double theta2, double theta1, const ExtractOptions& options) {
-  if (std::isnan(theta2) || std::isnan(theta1) || std::isnan(options.regrow_tips_above) ||
-      std::isnan(options.regrow_rims_above))
-    throw Error(ErrorCode::usage, "theta2, theta1 and from where a skeleton grows back must be numbers");
+  for (const double value : {theta2, theta1, options.theta1_radii, options.regrow_tips_above, options.regrow_rims_above,
+                             options.minor_curve})
+    if (std::isnan(value))
+      throw Error(ErrorCode::usage, "theta2, theta1 and the options of a skeleton must be numbers");
   if (std::min(theta2, options.regrow_rims_above) < family.theta2_floor ||
       std::min(theta1, options.regrow_tips_above) < family.theta1_floor)
     throw Error(ErrorCode::usage,
@@ -461,6 +462,8 @@ Skeleton extract(const SkeletonFamily& family, double theta2, double theta1, con
   Skeleton skeleton = skeleton_of(k, member, outline, CellBuilder(family, member, outline).take());
   skeleton.theta2 = theta2;
   skeleton.theta1 = theta1;
+  skeleton.theta1_radii = options.theta1_radii;
+  skeleton.full_tips = options.regrow_tips_above < kNever;
   return skeleton;
 }
 
