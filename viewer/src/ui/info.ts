@@ -20,7 +20,7 @@ export class Info {
   private readonly commandText = el("code");
   onClearPick: () => void = () => {};
 
-  private readonly branch = el("div", "picked");
+  private readonly branch = el("div", "chosen-branch");
 
   constructor(private readonly page: Page, private readonly table: BranchTable, help: () => void) {
     const { meta } = page;
