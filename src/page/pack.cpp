@@ -73,8 +73,8 @@ Words bits_of(const Floats& values) {
 }
 
 /// Numbers from 0 on, each near the largest so far: how far below the next one each is.
-PackedArray by_freshness(std::string name, const Words& words) {
-  PackedArray out{std::move(name), "u32", 1, words.size(), {}, {}};
+PackedArray by_freshness(std::string name, int components, const Words& words) {
+  PackedArray out{std::move(name), "u32", components, words.size() / static_cast<std::size_t>(components), {}, {}};
   Words below(words.size());
   std::uint32_t next = 0;
   for (std::size_t i = 0; i < words.size(); ++i) {
@@ -240,7 +240,7 @@ class LayerPacker {
     Words offsets{0};
     for (const std::uint32_t f : face_) offsets.push_back(offsets.back() + offsets_[f + 1] - offsets_[f]);
     out_.push_back(by_differences(name("polygon_offsets"), "u32", 1, offsets));
-    out_.push_back(by_freshness(name("polygon_corners"), corners_));
+    out_.push_back(by_freshness(name("polygon_corners"), 1, corners_));
     if (edge_number_.empty()) return;
     Words lone, others;
     for (std::size_t i = lone_; i < edge_.size(); ++i) {
@@ -401,7 +401,9 @@ std::vector<PackedArray> packed(const Page& page) {
     if (of_layer) continue;
     if (array.name == "shape/points" || array.name == "shape/samples")
       out.push_back(in_steps(array.name, array.components, std::get<Floats>(array.values), 16));
-    else if (const auto* words = std::get_if<Words>(&array.values))
+    else if (const auto* words = std::get_if<Words>(&array.values); words && array.name == "shape/triangles")
+      out.push_back(by_freshness(array.name, array.components, *words));
+    else if (words)
       out.push_back(by_differences(array.name, "u32", array.components, *words));
     else if (const auto* halves = std::get_if<std::vector<std::uint16_t>>(&array.values))
       out.push_back(by_differences(array.name, "u16", array.components, Words(halves->begin(), halves->end())));

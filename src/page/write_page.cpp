@@ -103,6 +103,7 @@ std::string meta_of(const Page& page, const std::vector<PackedArray>& packed) {
   }
   std::string notes, files, arrays;
   for (const std::string& note : page.notes) notes += (notes.empty() ? "" : ", ") + json_string(note);
+  if (!page.note.empty()) put("note", json_string(page.note));
   put("notes", "[" + notes + "]");
   for (const auto& [what, name] : page.files)
     files += (files.empty() ? "" : ", ") + json_string(what) + ": " + json_string(name);

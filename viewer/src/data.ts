@@ -52,6 +52,7 @@ export interface Meta {
   /// The faces of `core` are sorted by the first.
   measures: PruningMeasure[];
   topology?: { euler: number; betti: number[] };
+  note: string;
   notes: string[];
   files: { core?: string; skeleton?: string; shape?: string };
   sites_to_world?: number[];
@@ -170,6 +171,7 @@ export function readMeta(text: string): Meta {
     floor: { theta2: length(raw.floor?.theta2) ?? 0, theta1: length(raw.floor?.theta1) ?? 0 },
     measures,
     topology: raw.topology ?? undefined,
+    note: typeof raw.note === "string" ? raw.note : "",
     notes: Array.isArray(raw.notes) ? raw.notes.map(String) : [],
     files: raw.files ?? {},
     sites_to_world: Array.isArray(raw.sites_to_world) && raw.sites_to_world.length === 12 ? raw.sites_to_world : undefined,
