@@ -62,6 +62,8 @@ struct Page {
   /// from the zero of their coordinates.
   Vec3 origin = Vec3::Zero();
 
+  bool voxel_surface = false;  ///< the surface is that of voxels: without sharp edges
+
   /// Filled by the functions below. Cells below a floor are left out, what is above is complete.
   std::vector<PageMeasure> measures;
   std::optional<double> theta2_floor, theta1_floor;

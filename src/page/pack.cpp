@@ -124,7 +124,8 @@ class LayerPacker {
     vertices_ = rows_of(*page.find(layer + "/points"));
     order_faces();
     number_vertices();
-    if (page.find(layer + "/edges")) number_edges();
+    has_edges_ = page.find(layer + "/edges") != nullptr;
+    if (has_edges_) number_edges();
   }
 
   std::vector<PackedArray> arrays() {
@@ -241,7 +242,7 @@ class LayerPacker {
     for (const std::uint32_t f : face_) offsets.push_back(offsets.back() + offsets_[f + 1] - offsets_[f]);
     out_.push_back(by_differences(name("polygon_offsets"), "u32", 1, offsets));
     out_.push_back(by_freshness(name("polygon_corners"), 1, corners_));
-    if (edge_number_.empty()) return;
+    if (!has_edges_) return;
     Words lone, others;
     for (std::size_t i = lone_; i < edge_.size(); ++i) {
       const auto [a, b] = std::minmax(ends_[2 * edge_[i]], ends_[2 * edge_[i] + 1]);
@@ -295,7 +296,7 @@ class LayerPacker {
     out_.push_back(by_differences(name(array + "_values" + suffix), "f32", 1, bits_of(values)));
   }
   void add_levels() {
-    if (edge_number_.empty()) return;
+    if (!has_edges_) return;
     add_levels_of("");
     for (std::size_t m = 1; layer_ == "core" && m < page_.measures.size(); ++m)
       add_levels_of("/" + page_.measures[m].name);
@@ -380,6 +381,7 @@ class LayerPacker {
   std::vector<std::string> names_;  ///< of the arrays that are done
   std::vector<PackedArray> out_;
   std::size_t vertices_ = 0, lone_ = 0;
+  bool has_edges_ = false;
   Words corners_, offsets_, ends_, sides_;
   Words face_, vertex_, edge_;  ///< per new number the old one
   Words vertex_number_, edge_number_;

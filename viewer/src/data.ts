@@ -52,6 +52,7 @@ export interface Meta {
   /// The faces of `core` are sorted by the first.
   measures: PruningMeasure[];
   topology?: { euler: number; betti: number[] };
+  voxelSurface: boolean; ///< without sharp edges
   note: string;
   notes: string[];
   files: { core?: string; skeleton?: string; shape?: string };
@@ -171,6 +172,7 @@ export function readMeta(text: string): Meta {
     floor: { theta2: length(raw.floor?.theta2) ?? 0, theta1: length(raw.floor?.theta1) ?? 0 },
     measures,
     topology: raw.topology ?? undefined,
+    voxelSurface: (raw as { surface?: unknown }).surface === "voxels",
     note: typeof raw.note === "string" ? raw.note : "",
     notes: Array.isArray(raw.notes) ? raw.notes.map(String) : [],
     files: raw.files ?? {},

@@ -15,7 +15,7 @@ export class ShapeView {
     const given = new Float32Array(shape.points!.length);
     placement.write(shape.points!, 3, given);
     this.sample = given;
-    const { points, normals, triangles } = creased(given, shape.triangles!);
+    const { points, normals, triangles } = creased(given, shape.triangles!, placement.meta.voxelSurface ? -1 : CREASE);
     const geometry = new BufferGeometry();
     geometry.setAttribute("position", new BufferAttribute(points, 3));
     geometry.setAttribute("normal", new BufferAttribute(normals, 3));
@@ -47,8 +47,9 @@ const CREASE = Math.cos((35 * Math.PI) / 180);
 
 interface Creased { points: Float32Array<ArrayBuffer>; normals: Float32Array<ArrayBuffer>; triangles: Uint32Array<ArrayBuffer> }
 
-/// Vertices with normals, weighted by area; where triangles meet at a crease, a vertex for each of its sides.
-export function creased(points: Float32Array, triangles: Uint32Array): Creased {
+/// Vertices with normals, weighted by area; where triangles meet at a crease (the cosine of its angle; -1: none), a vertex for each of its
+/// sides.
+export function creased(points: Float32Array, triangles: Uint32Array, crease = CREASE): Creased {
   const count = points.length / 3, corners = triangles.length, places: number[] = [];
   const out = Uint32Array.from(triangles), sums: number[] = new Array<number>(3 * count).fill(0);
   const begun = new Uint8Array(count), next: number[] = new Array<number>(count).fill(-1); // further vertices at the same place
@@ -65,7 +66,7 @@ export function creased(points: Float32Array, triangles: Uint32Array): Creased {
           begun[v] = 1;
           break;
         }
-        if (sx * x + sy * y + sz * z >= CREASE * size * Math.hypot(sx, sy, sz)) break;
+        if (sx * x + sy * y + sz * z >= crease * size * Math.hypot(sx, sy, sz)) break;
         if (next[v] === -1) {
           const more = next.length;
           next[v] = more;
