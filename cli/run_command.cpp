@@ -82,14 +82,6 @@ Json report_of(const Options& o, const pipeline::LoadedShape& shape, const pipel
   return report;
 }
 
-/// A page may hold less than the files.
-void say_raised(const Page& page, const fs::path& file, Session& session) {
-  for (const std::string& raised : page.raised)
-    note(&session.context, fmt::format("the page '{}' is not the skeleton asked for: {}, as the rest has too many "
-                                       "triangles for it (--max-triangles); the files hold all of it",
-                                       file.string(), raised));
-}
-
 int run_pipeline(const Options& o, Session& session) {
   const Files files(o.folder, !o.no_view && pipeline::has_page_program());
   check_outputs(o, files, session);
@@ -123,7 +115,6 @@ int run_pipeline(const Options& o, Session& session) {
   session.finished("write");
   if (options.page) {
     write_page(builder, files.view, report, outputs);
-    say_raised(builder.page, files.view, session);
   }
   session.finished("page");
   write_report(files.report.string(), report, session);

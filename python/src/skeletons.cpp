@@ -11,6 +11,7 @@
 #include "values.h"
 
 namespace quench::python {
+
 namespace {
 
 using Pointer = std::shared_ptr<SkeletonValue>;

@@ -77,7 +77,7 @@ std::shared_ptr<SkeletonValue> compute_skeleton(std::shared_ptr<Axis> axis, cons
   auto result = std::make_shared<SkeletonValue>();
   result->checked = pipeline::skeleton_of(*fire.family, options, axis->scale(), fire.burning.options.omega, &context);
   result->member = result->checked.skeleton;
-  pipeline::draw_branches(result->checked, graph_options(*axis), axis->scale(), &context);
+  result->drawn = pipeline::draw_branches(result->checked, graph_options(*axis), axis->scale(), &context);
   result->about.field_data = axis->data(&fire).field_data;
   result->axis = std::move(axis);
   return result;

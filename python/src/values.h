@@ -11,8 +11,8 @@
 
 #include "arrays.h"
 #include "quench/pipeline.h"
-#include "quench/verify.h"
 #include "quench/shape.h"
+#include "quench/verify.h"
 #include "run.h"
 
 namespace quench::python {
@@ -56,6 +56,7 @@ struct SkeletonValue {
   std::shared_ptr<Axis> axis;  ///< of skeletonize(): without its cells
   bool has_axis = true;
   pipeline::SkeletonResult checked;  ///< drawn with its smoothed branches
+  CurveGraph drawn;                  ///< these branches
   Skeleton member;                   ///< the same before that: what graphs are made of
   Record about;  ///< FieldData of the file of the axis, for files of the skeleton
 };

@@ -51,7 +51,8 @@ AxisRun run_axis(const MedialAxis& axis, Record&& file, bool voxel_core, const T
   result.skeleton = skeleton_of(family, options.skeleton, scale, result.burned.options.omega, context);
   result.graph = draw_branches(result.skeleton, options.graph, scale, context);
   if (options.page) {
-    options.page->add_skeleton(std::move(family.family));
+    options.page->add_skeleton(result.skeleton.skeleton, result.graph);
+    options.page->add_family(std::move(family.family));
     checkpoint(context, "page", 1);
   }
   return result;

@@ -7,6 +7,7 @@
 
 #include "base/cofaces.h"
 #include "base/constants.h"
+#include "base/union_find.h"
 #include "quench/error.h"
 #include "quench/skeleton.h"
 #include "skeleton/member.h"
@@ -377,31 +378,21 @@ void fill_vertices(const RefinedAxis& k, const Member& member, const Outline& ou
 
 // Faces that are joined over edges of exactly two, numbered in the order of their first faces.
 std::vector<std::int32_t> sheets_of(const CellComplex& complex) {
-  const std::size_t faces = complex.face_count();
+  const auto faces = static_cast<std::uint32_t>(complex.face_count());
   std::vector<base::Cofaces> at(complex.edges.size(), base::Cofaces{});
   for (std::uint32_t f = 0; f < faces; ++f)
     for (const std::uint32_t e : complex.sides(f)) at[e].add(f);
-  std::vector<std::int32_t> sheet(faces, -1);
-  std::vector<std::uint32_t> reached;
-  std::int32_t next = 0;
-  for (std::uint32_t first = 0; first < faces; ++first) {
-    if (sheet[first] >= 0) continue;
-    sheet[first] = next;
-    reached.assign(1, first);
-    while (!reached.empty()) {
-      const std::uint32_t f = reached.back();
-      reached.pop_back();
-      for (const std::uint32_t e : complex.sides(f)) {
-        if (at[e].count() != 2) continue;
-        base::Cofaces other = at[e];
-        other.remove(f);
-        if (sheet[other.only()] >= 0) continue;
-        sheet[other.only()] = next;
-        reached.push_back(other.only());
-      }
+  base::UnionFind sets(faces);
+  for (std::uint32_t f = 0; f < faces; ++f)
+    for (const std::uint32_t e : complex.sides(f)) {
+      if (at[e].count() != 2) continue;
+      base::Cofaces other = at[e];
+      other.remove(f);
+      sets.unite(f, other.only());
     }
-    ++next;
-  }
+  std::vector<std::int32_t> sheet(faces);
+  std::int32_t next = 0;
+  for (std::uint32_t f = 0; f < faces; ++f) sheet[f] = sets.find(f) == f ? next++ : sheet[sets.find(f)];
   return sheet;
 }
 

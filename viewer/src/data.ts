@@ -2,12 +2,17 @@
 // Reads the two data elements of a page (FORMAT.md). Everything that can be wrong with them becomes a PageError with one
 // sentence for the reader.
 
-export class PageError extends Error {}
+import { PageError } from "./page_error";
+import { bytesOf, checkEntry, complete, sidesOf, unpack } from "./unpack";
 
-export const FORMAT = 1;
+export { PageError } from "./page_error";
 
+export const FORMAT = 2;
+
+/// What can be shown. A skeleton is that which was asked for, or, for other thetas, one of its family.
 export type LayerName = "core" | "skeleton" | "still";
-export const LAYER_NAMES: LayerName[] = ["skeleton", "core", "still"];
+export type LayerKey = LayerName | "family";
+export const LAYER_KEYS: LayerKey[] = ["skeleton", "family", "core", "still"];
 
 export interface ArrayEntry {
   name: string;
@@ -15,6 +20,13 @@ export interface ArrayEntry {
   components: number;
   count: number;
   offset: number;
+  /// None: the bytes are the values.
+  code?: "delta" | "steps" | "fresh" | "below" | "difference";
+  planes?: number;
+  bits?: number;
+  low?: number[];
+  step?: number[];
+  of?: string[];
 }
 
 /// A measure by which the layer `core` can be pruned, and the threshold from which on it is complete.
@@ -40,6 +52,8 @@ export interface Meta {
   /// The faces of `core` are sorted by the first.
   measures: PruningMeasure[];
   topology?: { euler: number; betti: number[] };
+  voxelSurface: boolean; ///< without sharp edges
+  note: string;
   notes: string[];
   files: { core?: string; skeleton?: string; shape?: string };
   sites_to_world?: number[];
@@ -53,7 +67,7 @@ export interface Levels { face: Float32Array; edge: Float32Array; vertex: Float3
 
 /// A cell complex with levels; the arrays are views of the page's data.
 export interface Layer {
-  name: LayerName;
+  name: LayerKey;
   points: Float32Array;
   vertexCount: number;
   faceCount: number;
@@ -72,6 +86,27 @@ export interface Layer {
   /// Vertices that are never pruned: the medial points.
   medialPoints: Uint32Array | null;
   measures: Map<string, Float32Array>;
+  /// Per corner of a polygon, of `family`: fragments below theta2 are not drawn.
+  cornerLevel: Float32Array | null;
+  /// Per face and per edge (-1: none), of `skeleton`.
+  sheet: Uint32Array | null;
+  edgeBranch: Int32Array | null;
+  branches: Branches | null;
+}
+
+export const BRANCH_MEASURES = ["length", "mean_radius", "min_radius", "max_radius", "thickness", "tortuosity"] as const;
+export type BranchMeasure = (typeof BRANCH_MEASURES)[number];
+export const NODE_KINDS = ["end", "junction", "sheet", "loop", "isolated"];
+
+/// The curves of a skeleton from node to node.
+export interface Branches {
+  count: number;
+  offsets: Uint32Array;
+  points: Uint32Array; ///< vertices along each
+  measures: Record<BranchMeasure, Float32Array>;
+  nodes: Uint32Array; ///< two of each
+  nodePoints: Uint32Array;
+  nodeKinds: Uint8Array;
 }
 
 export interface Shape {
@@ -83,11 +118,10 @@ export interface Shape {
 
 export interface Page {
   meta: Meta;
-  layers: Map<LayerName, Layer>;
+  layers: Map<LayerKey, Layer>;
   shape: Shape;
 }
 
-const BYTES = { f32: 4, u32: 4, u16: 2, u8: 1 } as const;
 const CHUNK = 1 << 20; // characters of base64 decoded at a time
 
 /// The page's data, or null in the empty template.
@@ -138,6 +172,8 @@ export function readMeta(text: string): Meta {
     floor: { theta2: length(raw.floor?.theta2) ?? 0, theta1: length(raw.floor?.theta1) ?? 0 },
     measures,
     topology: raw.topology ?? undefined,
+    voxelSurface: (raw as { surface?: unknown }).surface === "voxels",
+    note: typeof raw.note === "string" ? raw.note : "",
     notes: Array.isArray(raw.notes) ? raw.notes.map(String) : [],
     files: raw.files ?? {},
     sites_to_world: Array.isArray(raw.sites_to_world) && raw.sites_to_world.length === 12 ? raw.sites_to_world : undefined,
@@ -149,11 +185,8 @@ export function readMeta(text: string): Meta {
 function sizeOf(arrays: ArrayEntry[]): number {
   let size = 0;
   for (const a of arrays) {
-    const bytes = BYTES[a.type];
-    const whole = (n: unknown) => Number.isInteger(n) && (n as number) >= 0;
-    if (!bytes || !whole(a.count) || !whole(a.components) || !whole(a.offset) || a.offset % 4 !== 0)
-      throw new PageError(`The array ${a.name} of this page is described in a way its program does not know; write the page anew.`);
-    size = Math.max(size, a.offset + bytes * a.components * a.count);
+    checkEntry(a);
+    size = Math.max(size, a.offset + bytesOf(a));
   }
   return size;
 }
@@ -210,22 +243,21 @@ async function inflate(text: string, size: number): Promise<Uint8Array> {
   return bytes;
 }
 
-type Numbers = Float32Array | Uint32Array | Uint16Array | Uint8Array;
+export type Numbers = Float32Array | Uint32Array | Uint16Array | Uint8Array;
 
 export function assemble(meta: Meta, bytes: Uint8Array): Page {
-  const arrays = new Map<string, Numbers>();
-  const views = { f32: Float32Array, u32: Uint32Array, u16: Uint16Array, u8: Uint8Array };
-  for (const a of meta.arrays)
-    arrays.set(a.name, new views[a.type](bytes.buffer as ArrayBuffer, bytes.byteOffset + a.offset, a.count * a.components));
+  const arrays = unpack(meta.arrays, bytes);
+  const others = meta.measures.slice(1).map((m) => m.name);
+  for (const layer of ["family", "core", "still"]) complete(layer, layer === "core" ? others : [], arrays);
   const find = <T extends Numbers>(name: string, type: new (n: number) => T): T | null => {
     const found = arrays.get(name);
     if (found === undefined) return null;
     if (!(found instanceof type)) throw new PageError(`The array ${name} of this page has an unexpected type; write the page anew.`);
     return found as T;
   };
-  const layers = new Map<LayerName, Layer>();
-  for (const name of LAYER_NAMES) {
-    const layer = readLayer(name, find, meta);
+  const layers = new Map<LayerKey, Layer>();
+  for (const name of LAYER_KEYS) {
+    const layer = name === "skeleton" ? readSkeleton(find, meta) : readLayer(name, find, meta);
     if (layer) layers.set(name, layer);
   }
   const shape: Shape = {
@@ -239,7 +271,9 @@ export function assemble(meta: Meta, bytes: Uint8Array): Page {
   return { meta, layers, shape };
 }
 
-function readLayer(name: LayerName, find: <T extends Numbers>(name: string, type: new (n: number) => T) => T | null, meta: Meta): Layer | null {
+type Find = <T extends Numbers>(name: string, type: new (n: number) => T) => T | null;
+
+function readLayer(name: LayerKey, find: Find, meta: Meta): Layer | null {
   const points = find(`${name}/points`, Float32Array);
   if (!points || points.length === 0) return null;
   const vertexCount = points.length / 3;
@@ -293,6 +327,58 @@ function readLayer(name: LayerName, find: <T extends Numbers>(name: string, type
     edgeLevel: sized("edge_level", edgeCount, levels && edgeCount > 0),
     vertexLevel: sized("vertex_level", vertexCount, levels),
     otherLevels, curveEdges, curveThickness, medialPoints, measures,
+    cornerLevel: sized("corner_level", corners.length, false), sheet: null, edgeBranch: null, branches: null,
+  };
+}
+
+/// The skeleton that was asked for: the sides of its polygons are found here, the segments of its branches are edges.
+function readSkeleton(find: Find, meta: Meta): Layer | null {
+  const points = find("skeleton/points", Float32Array);
+  if (!points || points.length === 0) return null;
+  const vertexCount = points.length / 3;
+  if (!Number.isInteger(vertexCount) || points.some((x) => !Number.isFinite(x))) throw new PageError("Coordinates of the skeleton are not numbers; the result this page shows is damaged.");
+  const needed = <T extends Numbers>(array: string, type: new (n: number) => T): T => {
+    const found = find(`skeleton/${array}`, type);
+    if (!found) throw new PageError(`The array skeleton/${array} is missing in this page; write it anew.`);
+    return found;
+  };
+  const ranges = (array: string, end: number) => {
+    const offsets = needed(array, Uint32Array);
+    for (let i = 0; i + 1 < offsets.length; ++i) if (offsets[i + 1]! < offsets[i]!) throw new PageError(`skeleton/${array} of this page does not increase; the page is damaged.`);
+    if (offsets.length === 0 || offsets[offsets.length - 1] !== end) throw new PageError(`skeleton/${array} of this page does not end where it should; the page is damaged.`);
+    return offsets;
+  };
+  const corners = needed("polygon_corners", Uint32Array), offsets = ranges("polygon_offsets", corners.length), faceCount = offsets.length - 1;
+  const along = needed("branch_points", Uint32Array), branchOffsets = ranges("branch_offsets", along.length), branchCount = branchOffsets.length - 1;
+  const nodes = needed("branch_nodes", Uint32Array), nodePoints = needed("node_points", Uint32Array), nodeKinds = needed("node_kind", Uint8Array);
+  below(corners, vertexCount, "skeleton/polygon_corners");
+  below(along, vertexCount, "skeleton/branch_points");
+  below(nodes, nodePoints.length, "skeleton/branch_nodes");
+  below(nodePoints, vertexCount, "skeleton/node_points");
+  const sized = (array: string, count: number) => {
+    const found = needed(array, Float32Array);
+    if (found.length !== count) throw new PageError(`skeleton/${array} of this page has ${found.length} values for ${count}; the page is damaged.`);
+    return found;
+  };
+  const { sides, edges } = sidesOf(offsets, corners);
+  const branchEdges: number[] = [];
+  for (let b = 0; b < branchCount; ++b)
+    for (let i = branchOffsets[b]! + 1; i < branchOffsets[b + 1]!; ++i) branchEdges.push(along[i - 1]!, along[i]!, b);
+  const first = edges.length / 2, lone = branchEdges.length / 3, all = new Uint32Array(2 * (first + lone));
+  all.set(edges);
+  const edgeBranch = new Int32Array(first + lone).fill(-1);
+  for (let i = 0; i < lone; ++i) {
+    all[2 * (first + i)] = branchEdges[3 * i]!;
+    all[2 * (first + i) + 1] = branchEdges[3 * i + 1]!;
+    edgeBranch[first + i] = branchEdges[3 * i + 2]!;
+  }
+  const measures = new Map<string, Float32Array>(), prefix = "skeleton/point/";
+  for (const a of meta.arrays) if (a.name.startsWith(prefix)) measures.set(a.name.slice(prefix.length), sized(`point/${a.name.slice(prefix.length)}`, vertexCount));
+  const ofBranches = Object.fromEntries(BRANCH_MEASURES.map((name) => [name, sized(`branch/${name}`, branchCount)])) as Record<BranchMeasure, Float32Array>;
+  return {
+    name: "skeleton", points, vertexCount, faceCount, edgeCount: first + lone, offsets, corners, sides, edges: all, faceLevel: null, edgeLevel: null, vertexLevel: null,
+    otherLevels: new Map(), curveEdges: null, curveThickness: null, medialPoints: null, measures, cornerLevel: null, sheet: needed("polygon_sheet", Uint32Array), edgeBranch,
+    branches: branchCount > 0 ? { count: branchCount, offsets: branchOffsets, points: along, measures: ofBranches, nodes, nodePoints, nodeKinds } : null,
   };
 }
 
