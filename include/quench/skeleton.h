@@ -30,6 +30,7 @@ struct RefinedAxis {
   CellComplex complex;
   std::vector<Vec3> points;
   std::vector<double> radius;
+  RadiusRule radius_rule = RadiusRule::exact;  ///< of the burning: how the radius runs along an edge
   std::vector<double>
       burn_time;  ///< per vertex: of M at nodes; on the medial curves that of their own fire; infinite at pockets
   std::uint32_t original = 0;  ///< vertices of M, the first nodes
@@ -86,6 +87,7 @@ SkeletonFamily skeletons(const MedialAxis& axis, const Burning& burning, Context
 struct Skeleton {
   double theta2 = 0, theta1 = 0, theta1_radii = 0;
   bool full_tips = false;  ///< free ends grew back
+  double rims_above = std::numeric_limits<double>::infinity();  ///< from which sheet level on rims grew back
   CellComplex complex;     ///< edges without face are curves
   std::vector<Vec3> points;
   std::vector<double> radius, burn_time, curve_burn_time;  ///< per vertex; infinite where no fire comes

@@ -124,6 +124,7 @@ Record skeleton_file(const SkeletonResult& result, const Record& from) {
   put("theta2", std::vector<double>{std::min(skeleton.theta2, kInfiniteLevelInFiles)});
   put("theta1", std::vector<double>{std::min(skeleton.theta1, kInfiniteLevelInFiles)});
   put("theta1_radii", std::vector<double>{skeleton.theta1_radii});
+  put("rims_above", std::vector<double>{std::min(skeleton.rims_above, kInfiniteLevelInFiles)});
   put("tips", std::vector<std::string>{skeleton.full_tips ? "full" : "pruned"});
   put("euler", std::vector<std::int64_t>{result.topology.euler});
   put("betti", std::vector<std::int64_t>(result.topology.betti.begin(), result.topology.betti.end()), 3);
@@ -173,7 +174,9 @@ CurveGraph measured_graph(const Skeleton& skeleton, const GraphOptions& options,
   return with_half_a_voxel(smoothed_graph(skeleton, options, scale), options);
 }
 
+// Sheets of voxel cores stay exact.
 void smooth_sheets_of(Skeleton& skeleton, const GraphOptions& options, const Scale& scale) {
+  if (!scale.fitted) return;
   const std::vector<Vec3> before = skeleton.points;
   smooth_sheets(skeleton, {std::sqrt(options.smooth) * scale.voxel, options.smooth, scale.voxel});
   if (!options.surface) return;

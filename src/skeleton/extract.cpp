@@ -368,9 +368,21 @@ void fill_vertices(const RefinedAxis& k, const Member& member, const Outline& ou
     }
     for (const auto& [a, b] : halved) values.push_back(between(values[a], values[b], 0.5));
   };
-  const auto linear = [](double a, double b, double t) { return a == b ? a : (1 - t) * a + t * b; };
+  // Only what burns is cut, up to where it meets what does not.
+  const auto linear = [](double a, double b, double t) {
+    if (std::isinf(a) || std::isinf(b)) return std::min(a, b);
+    return (1 - t) * a + t * b;
+  };
   fill(out.points, k.points, [](const Vec3& a, const Vec3& b, double t) -> Vec3 { return (1 - t) * a + t * b; });
   fill(out.radius, k.radius, linear);
+  for (std::size_t i = 0; i < cells.vertices.size(); ++i) {
+    if (cells.vertices[i] < k.complex.vertex_count) continue;
+    const SheetCut::Point& point = member.cut.points[cells.vertices[i] - k.complex.vertex_count];
+    const std::uint32_t a = outline.drawn[k.complex.edges[point.edge][0]],
+                        b = outline.drawn[k.complex.edges[point.edge][1]];
+    out.radius[i] =
+        radius_inside_edge(k.radius[a], k.radius[b], (k.points[a] - k.points[b]).norm(), point.along, k.radius_rule);
+  }
   fill(out.burn_time, k.burn_time, linear);
   fill(out.curve_burn_time, k.curve_burn_time, linear);
   fill(out.on_curve, k.curve_vertex, [](char a, char b, double) { return a && b; });
@@ -455,6 +467,7 @@ Skeleton extract(const SkeletonFamily& family, double theta2, double theta1, con
   skeleton.theta1 = theta1;
   skeleton.theta1_radii = options.theta1_radii;
   skeleton.full_tips = options.regrow_tips_above < kNever;
+  skeleton.rims_above = options.regrow_rims_above;
   return skeleton;
 }
 

@@ -266,13 +266,17 @@ Check check_skeleton_levels(const Result& result) {
                                     row, sheet[row], curve[row], thickness[row], curve_thickness[row], what));
   };
   constexpr double kInfinite = kInfiniteLevelInFiles;
+  // Sheets may have grown back below theta2.
+  const std::vector<double> rims = numbers_or_empty(result.data.field_data, "rims_above");
+  const double least_level = rims.size() == 1 ? std::min(theta2[0], rims[0]) : theta2[0];
+  const std::string below = fmt::format("its sheet_level is below {:.9g}", least_level);
   for (std::size_t row = 0; row < rows; ++row) {
     if (!(thickness[row] >= 0 && curve_thickness[row] >= 0 && sheet[row] >= 0 && curve[row] >= 0 &&
           sheet[row] <= kInfinite && curve[row] <= kInfinite))
       return wrong(row, "they are not negative, and 3.4e38 stands for infinity");
     if (row >= face_row) {
       if (curve[row] != kInfinite || curve_thickness[row] != 0) return wrong(row, "polygons have none of curves");
-      if (!(sheet[row] >= theta2[0] * (1 - 1e-9))) return wrong(row, "its sheet_level is below theta2");
+      if (!(sheet[row] >= least_level * (1 - 1e-9))) return wrong(row, below.c_str());
       continue;
     }
     if (sheet[row] != kInfinite || thickness[row] != 0) return wrong(row, "only polygons have those of sheets");
@@ -296,7 +300,9 @@ Check check_skeleton_levels(const Result& result) {
       return wrong(row, "it is a free end below theta1");
   }
   Check check{name, true, {}, {}};
-  check.detail = fmt::format("no polygon below theta2 {:.9g}, no free curve below theta1 {:.9g}", theta2[0], theta1[0]);
+  check.detail = fmt::format("no polygon below {} {:.9g}, no free curve below theta1 {:.9g}",
+                             least_level < theta2[0] ? "the level from which rims grew back," : "theta2", least_level,
+                             theta1[0]);
   return check;
 }
 
