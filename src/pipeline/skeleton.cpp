@@ -126,6 +126,7 @@ Record skeleton_file(const SkeletonResult& result, const Record& from) {
   put("theta1_radii", std::vector<double>{skeleton.theta1_radii});
   put("rims_above", std::vector<double>{std::min(skeleton.rims_above, kInfiniteLevelInFiles)});
   put("tips", std::vector<std::string>{skeleton.full_tips ? "full" : "pruned"});
+  if (result.reconstructed) put("reconstructed", std::vector<double>{*result.reconstructed});
   put("euler", std::vector<std::int64_t>{result.topology.euler});
   put("betti", std::vector<std::int64_t>(result.topology.betti.begin(), result.topology.betti.end()), 3);
   put("version", std::vector<std::string>{QUENCH_VERSION});
@@ -179,9 +180,11 @@ void smooth_sheets_of(Skeleton& skeleton, const GraphOptions& options, const Sca
   if (!scale.fitted) return;
   const std::vector<Vec3> before = skeleton.points;
   smooth_sheets(skeleton, {std::sqrt(options.smooth) * scale.voxel, options.smooth, scale.voxel});
-  if (!options.surface) return;
   base::for_indices(before.size(), [&](std::size_t v) {
-    if (before[v] == skeleton.points[v]) return;
+    const double way = (skeleton.points[v] - before[v]).norm();
+    if (way == 0) return;
+    skeleton.radius[v] -= way;  // half of it at most
+    if (!options.surface) return;
     if (const Surface::Foot foot = options.surface->nearest(skeleton.points[v]); foot.inside)
       skeleton.radius[v] = foot.distance;
   });
