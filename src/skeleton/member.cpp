@@ -26,6 +26,11 @@ void grow_tips(const SkeletonFamily& family, double from_thickness, const base::
   });
   for (std::uint32_t end = 0; end < left.vertex_count(); ++end) {
     if (!left.edges_at(end).single() || on_sheet[end] || !member.vertex[end]) continue;
+    // An end that is drawn where its only edge leads is none there unless that is on the way of one curve.
+    if (const std::uint32_t e = left.edges_at(end).only(); k.exit[end] == e) {
+      const std::uint32_t drawn = other_end(k, e, end);
+      if (on_sheet[drawn] || left.edges_at(drawn).count() != 2) continue;
+    }
     for (std::uint32_t v = end;;) {
       std::uint32_t best = kNone;  // ties: the smaller index
       for (const std::uint32_t e : pruned[v]) {
