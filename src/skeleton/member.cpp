@@ -30,6 +30,8 @@ class CurvesOf {
     return thickness(e) / std::max(k_.burn_time[a], k_.burn_time[b]);
   }
   bool is_medial_point(std::uint32_t v) const { return v < k_.complex.vertex_count && k_.medial_point[v]; }
+  /// As RefinedAxis::exit; of edges that are not cut.
+  std::uint32_t exit(std::uint32_t v) const { return v < k_.complex.vertex_count ? k_.exit[v] : kNone; }
   bool fire_goes_on(std::uint32_t v) const { return v >= k_.complex.vertex_count || k_.fire_goes_on[v]; }
 
  private:
@@ -119,6 +121,11 @@ class CurvePruning {
     });
     for (std::uint32_t end = 0; end < left_.vertex_count(); ++end) {
       if (!left_.edges_at(end).single() || on_sheet_[end] || !member_.vertex[end]) continue;
+      // An end that is drawn where its only edge leads is none there unless that is on the way of one curve.
+      if (const std::uint32_t e = left_.edges_at(end).only(); curves_.exit(end) == e) {
+        const std::uint32_t drawn = curves_.other_end(e, end);
+        if (on_sheet_[drawn] || left_.edges_at(drawn).count() != 2) continue;
+      }
       for (std::uint32_t v = end;;) {
         std::uint32_t best = kNone;  // ties: the smaller index
         for (const std::uint32_t e : pruned[v]) {

@@ -96,9 +96,12 @@ Check check_proximity(const Result& result, std::size_t samples, Context* contex
   const CellComplex& complex = result.complex;
   const std::size_t share = std::max<std::size_t>(1, samples / 3);
   std::vector<Vec3> points;
-  for (std::uint32_t v : sample(result.rows.size(), share)) points.push_back(result.scaled[v]);
+  const std::vector<char> drawn = inside_branches(result);  // these are off the axis
+  for (std::uint32_t v : sample(result.rows.size(), share))
+    if (!drawn[v]) points.push_back(result.scaled[v]);
   for (std::uint32_t e : sample(complex.edges.size(), share))
-    points.push_back((result.scaled[complex.edges[e][0]] + result.scaled[complex.edges[e][1]]) / 2);
+    if (!drawn[complex.edges[e][0]] && !drawn[complex.edges[e][1]])
+      points.push_back((result.scaled[complex.edges[e][0]] + result.scaled[complex.edges[e][1]]) / 2);
   for (std::uint32_t f : sample(complex.face_count(), share)) points.push_back(result.centroid(f));
 
   const Bvh faces(boundary_faces(result.shape, result.scale));
