@@ -5,11 +5,10 @@
 #include <limits>
 #include <numeric>
 
-#include "base/cofaces.h"
 #include "base/constants.h"
-#include "base/union_find.h"
 #include "quench/error.h"
 #include "quench/skeleton.h"
+#include "quench/structure.h"
 #include "skeleton/member.h"
 
 namespace quench {
@@ -388,26 +387,6 @@ void fill_vertices(const RefinedAxis& k, const Member& member, const Outline& ou
   fill(out.on_curve, k.curve_vertex, [](char a, char b, double) { return a && b; });
 }
 
-// Faces that are joined over edges of exactly two, numbered in the order of their first faces.
-std::vector<std::int32_t> sheets_of(const CellComplex& complex) {
-  const auto faces = static_cast<std::uint32_t>(complex.face_count());
-  std::vector<base::Cofaces> at(complex.edges.size(), base::Cofaces{});
-  for (std::uint32_t f = 0; f < faces; ++f)
-    for (const std::uint32_t e : complex.sides(f)) at[e].add(f);
-  base::UnionFind sets(faces);
-  for (std::uint32_t f = 0; f < faces; ++f)
-    for (const std::uint32_t e : complex.sides(f)) {
-      if (at[e].count() != 2) continue;
-      base::Cofaces other = at[e];
-      other.remove(f);
-      sets.unite(f, other.only());
-    }
-  std::vector<std::int32_t> sheet(faces);
-  std::int32_t next = 0;
-  for (std::uint32_t f = 0; f < faces; ++f) sheet[f] = sets.find(f) == f ? next++ : sheet[sets.find(f)];
-  return sheet;
-}
-
 Skeleton skeleton_of(const RefinedAxis& k, const Member& member, const Outline& outline, const Cells& cells) {
   Skeleton out;
   const std::vector<std::uint32_t> middle = middles(cells.edges, static_cast<std::uint32_t>(cells.vertices.size()));
@@ -436,7 +415,7 @@ Skeleton skeleton_of(const RefinedAxis& k, const Member& member, const Outline& 
   }
   out.complex =
       make_complex(static_cast<std::uint32_t>(out.points.size()), edges, std::move(offsets), std::move(corners));
-  out.face_sheet = sheets_of(out.complex);
+  out.face_sheet = structure_of(out.complex).face_sheet;
   const auto& sorted = out.complex.edges;
   out.edge_thickness.assign(sorted.size(), kNotACurve);
   out.edge_level.assign(sorted.size(), kNotACurve);

@@ -38,16 +38,27 @@ struct Known {
 };
 
 const std::vector<const char*>& known_point_arrays() {
-  static const std::vector<const char*> names{"radius",          "voxel_radius",   "lambda",
-                                              "object_angle",    "cap_height",     "detail",
-                                              "burn_time",       "unburned",       "erosion_thickness",
-                                              "curve_burn_time", "curve_unburned", "curve_erosion_thickness"};
+  static const std::vector<const char*> names{"radius",
+                                              "voxel_radius",
+                                              "lambda",
+                                              "object_angle",
+                                              "cap_height",
+                                              "detail",
+                                              "burn_time",
+                                              "unburned",
+                                              "erosion_thickness",
+                                              "curve_burn_time",
+                                              "curve_unburned",
+                                              "curve_erosion_thickness",
+                                              "seam",
+                                              "junction"};
   return names;
 }
 const std::vector<const char*>& known_cell_arrays() {
   static const std::vector<const char*> names{"kind",
                                               "component",
                                               "branch",
+                                              "sheet",
                                               "lambda",
                                               "site_a",
                                               "site_b",
@@ -83,6 +94,7 @@ const std::vector<Known>& known_field_numbers() {
       {"max_burn_time", 1, {}, kNothingToCompare},
       {"theta2", 1, {}, "only bounds are checked: levels are of the medial axis"},
       {"theta1", 1, {}, "only bounds are checked: levels are of the medial axis"},
+      {"rims_above", 1, {}, "only bounds are checked: levels are of the medial axis"},
       {"theta1_radii", 1, {}, "only bounds are checked: fires end on the medial axis"},
       {"sequence_steps", 0, {}, kSequence},
       {"sequence_parents", 0, {}, kSequence},

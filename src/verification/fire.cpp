@@ -290,9 +290,9 @@ Check check_skeleton_levels(const Result& result) {
   if (std::string free = wrong_free_branch(result, theta1[0], curve_thickness); !free.empty())
     return failed(name, std::move(free));
   Check check{name, true, {}, {}};
-  check.detail = fmt::format("no polygon below {} {:.9g}, no free curve below theta1 {:.9g}",
-                             least_level < theta2[0] ? "the level from which rims grew back," : "theta2", least_level,
-                             theta1[0]);
+  check.detail =
+      fmt::format("no polygon below {} {:.9g}, no free curve below theta1 {:.9g}",
+                  least_level < theta2[0] ? "the level from which rims grew back," : "theta2", least_level, theta1[0]);
   return check;
 }
 
