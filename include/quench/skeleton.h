@@ -86,9 +86,10 @@ SkeletonFamily skeletons(const MedialAxis& axis, const Burning& burning, Context
 /// length zero (region duals lie on their exit doors).
 struct Skeleton {
   double theta2 = 0, theta1 = 0, theta1_radii = 0;
-  bool full_tips = false;  ///< free ends grew back
+  bool full_tips = false;                                       ///< free ends grew back
   double rims_above = std::numeric_limits<double>::infinity();  ///< from which sheet level on rims grew back
-  CellComplex complex;     ///< edges without face are curves
+  int smooth = 0;                                               ///< passes of smooth_sheets()
+  CellComplex complex;                                          ///< edges without face are curves
   std::vector<Vec3> points;
   std::vector<double> radius, burn_time, curve_burn_time;  ///< per vertex; infinite where no fire comes
   std::vector<char> on_curve;                              ///< per vertex: the two measures of curves are defined
@@ -125,7 +126,8 @@ struct SheetSmoothing {
   double most = 0;  ///< no vertex moves further, nor by more than half its radius: so all stay inside the shape
 };
 /// Smooths rims, seams and sheets; where these meet, and curves off the sheets, nothing moves. Cells stay as they are,
-/// and so do all values. O(n), with the number of vertices in a window.
+/// and values, but for radii: they are less by what the vertex moved, so that balls stay inside the shape. O(n), with
+/// the number of vertices in a window.
 void smooth_sheets(Skeleton& skeleton, const SheetSmoothing& how);
 
 /// The skeleton as cells and arrays of a file (docs/algorithms/skeletons.md). A line is a curve, a vertex cell an

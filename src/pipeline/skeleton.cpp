@@ -125,6 +125,7 @@ Record skeleton_file(const SkeletonResult& result, const Record& from) {
   put("theta1", std::vector<double>{std::min(skeleton.theta1, kInfiniteLevelInFiles)});
   put("theta1_radii", std::vector<double>{skeleton.theta1_radii});
   put("rims_above", std::vector<double>{std::min(skeleton.rims_above, kInfiniteLevelInFiles)});
+  put("smooth", std::vector<std::int64_t>{skeleton.smooth});
   put("tips", std::vector<std::string>{skeleton.full_tips ? "full" : "pruned"});
   if (result.reconstructed) put("reconstructed", std::vector<double>{*result.reconstructed});
   put("euler", std::vector<std::int64_t>{result.topology.euler});
@@ -175,16 +176,14 @@ CurveGraph measured_graph(const Skeleton& skeleton, const GraphOptions& options,
   return with_half_a_voxel(smoothed_graph(skeleton, options, scale), options);
 }
 
-// Sheets of voxel cores stay exact.
+// By no more than half a voxel diagonal.
 void smooth_sheets_of(Skeleton& skeleton, const GraphOptions& options, const Scale& scale) {
-  if (!scale.fitted) return;
+  if (options.smooth == 0 || skeleton.complex.face_count() == 0) return;
   const std::vector<Vec3> before = skeleton.points;
-  smooth_sheets(skeleton, {std::sqrt(options.smooth) * scale.voxel, options.smooth, scale.voxel});
+  smooth_sheets(skeleton, {std::sqrt(options.smooth) * scale.voxel, options.smooth, scale.detail});
+  if (!options.surface) return;
   base::for_indices(before.size(), [&](std::size_t v) {
-    const double way = (skeleton.points[v] - before[v]).norm();
-    if (way == 0) return;
-    skeleton.radius[v] -= way;  // half of it at most
-    if (!options.surface) return;
+    if (before[v] == skeleton.points[v]) return;
     if (const Surface::Foot foot = options.surface->nearest(skeleton.points[v]); foot.inside)
       skeleton.radius[v] = foot.distance;
   });

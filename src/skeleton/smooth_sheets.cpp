@@ -38,7 +38,11 @@ class SheetSmoother {
     smooth_borders(EdgeKind::rim);
     smooth_borders(EdgeKind::seam);
     smooth_insides();
-    for (std::size_t v = 0; v < moved_.size(); ++v) s_.points[v] = moved_[v];
+    for (std::size_t v = 0; v < moved_.size(); ++v) {
+      s_.radius[v] -= (moved_[v] - s_.points[v]).norm();  // half of it at most
+      s_.points[v] = moved_[v];
+    }
+    s_.smooth = how_.passes;
   }
 
  private:

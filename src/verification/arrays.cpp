@@ -94,6 +94,7 @@ const std::vector<Known>& known_field_numbers() {
       {"max_burn_time", 1, {}, kNothingToCompare},
       {"theta2", 1, {}, "only bounds are checked: levels are of the medial axis"},
       {"theta1", 1, {}, "only bounds are checked: levels are of the medial axis"},
+      {"smooth", 1, {}, kTold},
       {"rims_above", 1, {}, "only bounds are checked: levels are of the medial axis"},
       {"theta1_radii", 1, {}, "only bounds are checked: fires end on the medial axis"},
       {"sequence_steps", 0, {}, kSequence},

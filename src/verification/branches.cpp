@@ -97,11 +97,14 @@ std::vector<FreeBranch> free_branches(const Result& result, const std::vector<do
 
 }  // namespace
 
-std::vector<char> inside_branches(const Result& result) {
-  std::vector<char> inside(result.complex.vertex_count, 0);
-  if (result.stage != "skeleton" || !find_array(result.data.cell_data, "branch")) return inside;
-  for (std::uint32_t v = 0; v < inside.size(); ++v) inside[v] = is_passed(result, v);
-  return inside;
+std::vector<char> smoothed_vertices(const Result& result) {
+  std::vector<char> smoothed(result.complex.vertex_count, 0);
+  if (result.stage != "skeleton" || !find_array(result.data.cell_data, "branch")) return smoothed;
+  const std::vector<double> passes = numbers_or_empty(result.data.field_data, "smooth");
+  const bool sheets = passes.size() == 1 && passes[0] > 0;
+  for (std::uint32_t v = 0; v < smoothed.size(); ++v)
+    smoothed[v] = is_passed(result, v) || (sheets && !result.vertex_faces[v].empty());
+  return smoothed;
 }
 
 std::string wrong_free_branch(const Result& result, double theta1, const std::vector<double>& curve_thickness) {
