@@ -235,7 +235,7 @@ TEST(Run, IsTheStagesCalledByHand) {
   EXPECT_EQ(result.axis.skeleton.skeleton.points, skeleton.points);
   EXPECT_EQ(result.axis.skeleton.skeleton.complex.edges, skeleton.complex.edges);
   EXPECT_EQ(result.axis.skeleton.topology, shape.topology);
-  EXPECT_EQ(result.reconstructed, reconstructed_share(shape.shape, skeleton));
+  EXPECT_EQ(result.axis.skeleton.reconstructed, reconstructed_share(shape.shape, skeleton));
   const CurveGraph graph = measured_graph(extract(family, 0.04 * side, 2 * voxel, {.regrow_tips_above = 0.2 * voxel}),
                                           {.smooth = 3, .surface = &*shape.surface});
   ASSERT_EQ(result.axis.graph.branches.size(), graph.branches.size());
