@@ -86,8 +86,8 @@ SkeletonResult skeleton_of(const FamilyResult& family, const SkeletonOptions& op
   SkeletonResult result;
   result.skeleton = extract(family.family, theta2_of(options, scale), theta1_of(options, scale),
                             {.parts = options.parts,
-                             .theta1_radii = theta1_radii_of(options),
-                             .regrow_tips_above = thickness_of_tips(options, scale, omega)});
+                             .regrow_tips_above = thickness_of_tips(options, scale, omega),
+                             .theta1_radii = theta1_radii_of(options)});
   result.topology = topology(result.skeleton.complex);
   checkpoint(context, "skeleton", 1);
   require_topology(result.topology, family.topology, "skeleton", "medial axis");

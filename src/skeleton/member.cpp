@@ -13,76 +13,102 @@ namespace {
 
 using base::kNever;
 
-// Lets the free ends of curves grow back along curves that were pruned. What grows back is a path that begins at a free
-// end, so topology does not change.
-void grow_tips(const SkeletonFamily& family, double from_thickness, const base::GraphPeeler& left,
-               const std::vector<char>& on_sheet, Member& member) {
-  const RefinedAxis& k = family.refined;
-  const auto edges = static_cast<std::uint32_t>(k.complex.edges.size());
-  const auto pruned = base::Csr<std::uint32_t>::group(k.complex.vertex_count, [&](const auto& emit) {
-    for (std::uint32_t e = 2 * k.doors; e < edges; ++e)
-      if (k.curve_edge[e] && !member.edge[e])
-        for (const std::uint32_t v : k.complex.edges[e]) emit(v, e);
-  });
-  for (std::uint32_t end = 0; end < left.vertex_count(); ++end) {
-    if (!left.edges_at(end).single() || on_sheet[end] || !member.vertex[end]) continue;
-    // An end that is drawn where its only edge leads is none there unless that is on the way of one curve.
-    if (const std::uint32_t e = left.edges_at(end).only(); k.exit[end] == e) {
-      const std::uint32_t drawn = other_end(k, e, end);
-      if (on_sheet[drawn] || left.edges_at(drawn).count() != 2) continue;
-    }
-    for (std::uint32_t v = end;;) {
-      std::uint32_t best = kNone;  // ties: the smaller index
-      for (const std::uint32_t e : pruned[v]) {
-        if (member.edge[e] || family.thickness_of(e) < from_thickness) continue;
-        if (best == kNone || family.level_of(e) > family.level_of(best)) best = e;
-      }
-      if (best == kNone) break;
-      member.edge[best] = 1;
-      v = other_end(k, best, v);
-      member.vertex[v] = 1;
-    }
-  }
+// ET_MC over burn time.
+double ratio_of(const SkeletonFamily& family, std::uint32_t e) {
+  const auto [a, b] = family.refined.complex.edges[e];
+  return family.thickness_of(e) / std::max(family.refined.burn_time[a], family.refined.burn_time[b]);
 }
 
-// Per curve edge that free ends lead to: ET_MC over burn time where the course of its fire ends. `curves` are all of a
-// member.
-class SticksOut {
- public:
-  SticksOut(const SkeletonFamily& family, base::GraphPeeler curves, const std::vector<char>& on_sheet)
-      : family_(family), k_(family.refined), ratio_(k_.complex.edges.size() - first_edge(), 0) {
-    std::vector<Step> burned;  // outwards in
-    curves.peel(
-        [&](std::uint32_t e) -> const auto& { return k_.complex.edges[e]; },
-        [&](std::uint32_t v, std::uint32_t e) { return !on_sheet[v] && !k_.medial_point[v] && k_.curve_edge[e]; },
-        [&](std::uint32_t v, std::uint32_t e) {
-          burned.push_back({v, e});
-        });
-    std::vector<double> onward(k_.complex.vertex_count, base::kNever);  // of the edge over which the vertex burned on
-    std::vector<char> burns(k_.complex.vertex_count, 0);
-    for (auto step = burned.rbegin(); step != burned.rend(); ++step) {
-      const auto [v, e] = *step;
-      const std::uint32_t next = other_end(k_, e, v);
-      const bool same = burns[next] && k_.fire_goes_on[v];
-      onward[v] = ratio_[e - first_edge()] = same ? onward[next] : std::min(onward[next], ratio_here(e));
-      burns[v] = 1;
-    }
-  }
-  double operator()(std::uint32_t e) const { return ratio_[e - first_edge()]; }
-
- private:
+// Per curve edge that a free end leads to: the smallest ratio on the way from it to what has no free end. `curves` are
+// all of a member.
+std::vector<double> least_ratios(const SkeletonFamily& family, base::GraphPeeler curves,
+                                 const std::vector<char>& on_sheet) {
+  const RefinedAxis& k = family.refined;
   struct Step {
     std::uint32_t vertex, edge;
   };
-  std::size_t first_edge() const { return 2 * std::size_t{k_.doors}; }
-  double ratio_here(std::uint32_t e) const {
-    const auto [a, b] = k_.complex.edges[e];
-    return family_.thickness_of(e) / std::max(k_.burn_time[a], k_.burn_time[b]);
+  std::vector<Step> inwards;
+  curves.peel(
+      [&](std::uint32_t e) -> const auto& { return k.complex.edges[e]; },
+      [&](std::uint32_t v, std::uint32_t e) { return !on_sheet[v] && !k.medial_point[v] && k.curve_edge[e]; },
+      [&](std::uint32_t v, std::uint32_t e) {
+        inwards.push_back({v, e});
+      });
+  std::vector<double> least(k.complex.edges.size(), kNever), from(k.complex.vertex_count, kNever);
+  for (auto step = inwards.rbegin(); step != inwards.rend(); ++step)
+    least[step->edge] = from[step->vertex] =
+        std::min(from[other_end(k, step->edge, step->vertex)], ratio_of(family, step->edge));
+  return least;
+}
+
+// Lets the free ends of curves grow back along curves that were pruned. What grows back is a path that begins at a free
+// end, so topology does not change.
+class Tips {
+ public:
+  Tips(const SkeletonFamily& family, double radii, double from_thickness, Member& member)
+      : family_(family), k_(family.refined), radii_(radii), from_thickness_(from_thickness), member_(member) {
+    const auto edges = static_cast<std::uint32_t>(k_.complex.edges.size());
+    pruned_ = base::Csr<std::uint32_t>::group(k_.complex.vertex_count, [&](const auto& emit) {
+      for (std::uint32_t e = 2 * k_.doors; e < edges; ++e)
+        if (k_.curve_edge[e] && !member.edge[e])
+          for (const std::uint32_t v : k_.complex.edges[e]) emit(v, e);
+    });
+  }
+
+  void grow(const base::GraphPeeler& left, const std::vector<char>& on_sheet) {
+    for (std::uint32_t end = 0; end < left.vertex_count(); ++end) {
+      if (!left.edges_at(end).single() || on_sheet[end] || !member_.vertex[end]) continue;
+      // An end that is drawn where its only edge leads is none there unless that is on the way of one curve.
+      if (const std::uint32_t e = left.edges_at(end).only(); k_.exit[end] == e) {
+        const std::uint32_t drawn = other_end(k_, e, end);
+        if (on_sheet[drawn] || left.edges_at(drawn).count() != 2) continue;
+      }
+      std::uint32_t v = end;
+      for (const std::uint32_t e : tip_at(end)) {
+        member_.edge[e] = 1;
+        v = other_end(k_, e, v);
+        member_.vertex[v] = 1;
+      }
+    }
+  }
+
+ private:
+  // What sticks out again behind a part that does not is pruned because that part is thick: the tip then ends where it
+  // sticks out least, in the middle of that part.
+  std::vector<std::uint32_t> tip_at(std::uint32_t v) const {
+    std::vector<std::uint32_t> path;
+    std::size_t to_least = 0;
+    double least = kNever;
+    for (;;) {
+      const std::uint32_t e = next(v, path.empty() ? kNone : path.back());
+      if (e == kNone) return path;
+      const double ratio = ratio_of(family_, e);
+      if (least < radii_ && ratio >= radii_) break;
+      path.push_back(e);
+      if (ratio < least) {
+        least = ratio;
+        to_least = path.size();
+      }
+      v = other_end(k_, e, v);
+    }
+    path.resize(to_least);
+    return path;
+  }
+  // The pruned edge at a vertex that would have stayed longest; ties: the smaller index.
+  std::uint32_t next(std::uint32_t v, std::uint32_t from) const {
+    std::uint32_t best = kNone;
+    for (const std::uint32_t e : pruned_[v])
+      if (e != from && family_.thickness_of(e) >= from_thickness_ &&
+          (best == kNone || family_.level_of(e) > family_.level_of(best)))
+        best = e;
+    return best;
   }
 
   const SkeletonFamily& family_;
   const RefinedAxis& k_;
-  std::vector<double> ratio_;
+  double radii_, from_thickness_;
+  Member& member_;
+  base::Csr<std::uint32_t> pruned_;
 };
 
 }  // namespace
@@ -120,12 +146,12 @@ Member member_of(const SkeletonFamily& family, double theta2, double theta1, dou
   };
   const auto is_thick = [&](std::uint32_t e) { return family.thickness_of(e) >= theta1; };
   if (radii > 0) {
-    const SticksOut sticks_out(family, left, on_sheet);
-    peel([&](std::uint32_t e) { return is_thick(e) && sticks_out(e) >= radii; });
+    const std::vector<double> least = least_ratios(family, left, on_sheet);
+    peel([&](std::uint32_t e) { return is_thick(e) && least[e] >= radii; });
   } else {
     peel(is_thick);
   }
-  if (tips < kNever) grow_tips(family, tips, left, on_sheet, member);
+  if (tips < kNever) Tips(family, radii, tips, member).grow(left, on_sheet);
   return member;
 }
 

@@ -231,16 +231,17 @@ TEST(Run, IsTheStagesCalledByHand) {
   EXPECT_EQ(result.axis.burned.max_burn_time, burning.max_burn_time);
   EXPECT_EQ(find_array(result.axis.file.point_data, "burn_time")->numbers(), burning.burn_time);
   const SkeletonFamily family = skeletons(core, burning);
-  const Skeleton skeleton = extract(family, 0.04 * side, 2 * voxel);
+  const Skeleton member = extract(family, 0.04 * side, 2 * voxel, {.regrow_tips_above = 0.2 * voxel});
+  const CurveGraph graph = measured_graph(member, {.smooth = 3, .surface = &*shape.surface});
+  const Skeleton skeleton = with_branches(member, graph);
   EXPECT_EQ(result.axis.skeleton.skeleton.points, skeleton.points);
   EXPECT_EQ(result.axis.skeleton.skeleton.complex.edges, skeleton.complex.edges);
+  EXPECT_EQ(result.axis.skeleton.skeleton.edge_branch, skeleton.edge_branch);
   EXPECT_EQ(result.axis.skeleton.topology, shape.topology);
   EXPECT_EQ(result.reconstructed, reconstructed_share(shape.shape, skeleton));
-  const CurveGraph graph = measured_graph(extract(family, 0.04 * side, 2 * voxel, {.regrow_tips_above = 0.2 * voxel}),
-                                          {.smooth = 3, .surface = &*shape.surface});
-  ASSERT_EQ(result.graph.branches.size(), graph.branches.size());
+  ASSERT_EQ(result.axis.graph.branches.size(), graph.branches.size());
   for (std::size_t b = 0; b < graph.branches.size(); ++b)
-    EXPECT_EQ(result.graph.branches[b].length, graph.branches[b].length);
+    EXPECT_EQ(result.axis.graph.branches[b].length, graph.branches[b].length);
 
   by_hand.add_shape(shape);
   by_hand.page.pruning = {std::string(kDetail), 1.5 * voxel};
