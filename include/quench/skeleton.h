@@ -46,7 +46,6 @@ struct RefinedAxis {
   std::vector<double> curve_burn_time;  ///< per vertex: BT_MC; infinite where fire on the curves does not come
   std::vector<std::uint32_t> exit;      ///< per vertex: the edge over which it passed that fire on, or kNone
   std::vector<char> medial_point;       ///< per vertex: the last to burn in a tree of the curves without pocket
-  std::vector<char> fire_goes_on;       ///< per vertex: fire on the curves that left it burned where it went to, too
 };
 
 /// The medial curves of a burned axis (with parents), and their burning: fire starts at their free ends at the time the
@@ -101,10 +100,6 @@ struct Skeleton {
 
 struct ExtractOptions {
   bool parts = false;  ///< every part of a polygon is a face of its own; else polygons that are whole are one face
-  /// A branch, the course of one fire on the curves from its free end to where one that comes later goes on, or to a
-  /// sheet, also goes as a whole while its ET_MC there is below this many times the burn time there, the radius for a
-  /// tube: unless it sticks out of what it leaves.
-  double theta1_radii = 0;
   /// Pruning takes about theta1 off every branch, also of those that stay. Where this thickness is finite, every free
   /// end grows back along the pruned curve of the largest level, as far as the thickness is at least this. The family
   /// remains nested, and topology does not change.
@@ -116,6 +111,10 @@ struct ExtractOptions {
   /// not change.
   double regrow_rims_above = std::numeric_limits<double>::infinity();
   double minor_curve = 0;
+  /// A curve with a free end also goes where its ET_MC is below this many times its burn time (the radius in a tube),
+  /// or becomes so on the way from there to a sheet, a loop or the medial point: it then does not stick out of what it
+  /// leaves or of a thick part on its way. Nested, too.
+  double theta1_radii = 0;
 };
 Skeleton extract(const SkeletonFamily& family, double theta2, double theta1, const ExtractOptions& options = {});
 

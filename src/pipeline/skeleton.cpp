@@ -99,10 +99,10 @@ SkeletonResult skeleton_of(const FamilyResult& family, const SkeletonOptions& op
   SkeletonResult result;
   result.skeleton = extract(family.family, theta2_of(options, scale), theta1_of(options, scale),
                             {.parts = options.parts,
-                             .theta1_radii = theta1_radii_of(options),
                              .regrow_tips_above = thickness_of_tips(options, scale, omega),
                              .regrow_rims_above = thickness_of_rims(options, scale, omega),
-                             .minor_curve = minor_curve(scale)});
+                             .minor_curve = minor_curve(scale),
+                             .theta1_radii = theta1_radii_of(options)});
   result.topology = topology(result.skeleton.complex);
   checkpoint(context, "skeleton", 1);
   require_topology(result.topology, family.topology, "skeleton", "medial axis");

@@ -62,8 +62,7 @@ std::string wrong_numbers(const Result& result, const std::vector<double>& branc
 
 /// A branch with a free end.
 struct FreeBranch {
-  std::uint32_t line = 0;  ///< one of its lines
-  std::uint32_t end = kNone, inner = kNone;
+  std::uint32_t end = kNone;
   double thickness = 0, ratio = 0;  ///< largest ET_MC of its lines; largest ET_MC over burn time of its points
 };
 
@@ -76,7 +75,6 @@ std::vector<FreeBranch> free_branches(const Result& result, const std::vector<do
   const std::vector<std::uint32_t> paths = paths_of(result);
   for (std::uint32_t l = 0; l < paths.size(); ++l) {
     FreeBranch& branch = branches[paths[l]];
-    branch.line = l;
     branch.thickness = std::max(branch.thickness, curve_thickness[result.data.verts.size() + l]);
     for (const std::uint32_t v : result.complex.edges[result.line_edges[l]]) {
       const std::uint32_t row = result.rows[v];
@@ -86,7 +84,7 @@ std::vector<FreeBranch> free_branches(const Result& result, const std::vector<do
         branch.ratio = std::max(branch.ratio, of_points[row] / times[row]);
       if (is_passed(result, v)) continue;
       const bool is_free = result.vertex_edges[v].size() == 1 && result.vertex_faces[v].empty();
-      (is_free && branch.end == kNone ? branch.end : branch.inner) = v;
+      if (is_free) branch.end = v;
     }
   }
   std::vector<FreeBranch> found;
@@ -112,16 +110,12 @@ std::string wrong_free_branch(const Result& result, double theta1, const std::ve
                             of_points = numbers_or_empty(result.data.point_data, "curve_erosion_thickness");
   const bool pruned = text_or_empty(result.data.field_data, "tips") == "pruned" && !of_points.empty();
   const std::vector<std::uint32_t> component = components(result.complex);
-  // One of each component stays without: the point that burns last. Of the branches that end at a junction one is what
-  // the others leave.
-  std::map<std::uint32_t, std::size_t> spared;    // by component
-  std::map<std::uint32_t, std::size_t> thickest;  // by junction
+  // One of each component stays without: the point that burns last.
+  std::map<std::uint32_t, std::size_t> spared;  // by component
   for (const FreeBranch& branch : free_branches(result, curve_thickness)) {
     const double at_end = pruned ? of_points[result.rows[branch.end]] : branch.thickness;
     const bool too_thin = std::min(at_end, branch.thickness) < theta1 * (1 - 1e-9);
-    bool sticks_out = radii.size() != 1 || branch.ratio >= kInterpolatedRatio * radii[0];
-    if (!sticks_out && branch.inner != kNone && result.vertex_faces[branch.inner].empty())
-      sticks_out = ++thickest[branch.inner] == 1;
+    const bool sticks_out = radii.size() != 1 || branch.ratio >= kInterpolatedRatio * radii[0];
     if ((too_thin || !sticks_out) && ++spared[component[branch.end]] > 1)
       return fmt::format("the branch to the free end at {} {}", result.describe_vertex(branch.end),
                          too_thin ? "is below theta1" : "sticks out of what it leaves by less than theta1_radii");
