@@ -1,0 +1,240 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "picture/frame.h"
+
+#include <cmath>
+#include <numbers>
+#include <span>
+
+#include "base/parallel.h"
+#include "picture/primitives.h"
+#include "picture/tile.h"
+
+namespace quench::picture {
+namespace {
+
+/// A pixel before the light of the dome: what the dome shades, what it does not, and how near the nearest solid is.
+struct Pixel {
+  std::array<std::uint16_t, 3> shaded{}, plain{};
+  float depth = 0;  ///< 0: nothing solid
+};
+
+constexpr float kFull = 65535;
+
+std::uint16_t packed(float x) { return static_cast<std::uint16_t>(std::clamp(x, 0.0F, 1.0F) * kFull + 0.5F); }
+
+/// Which primitives each tile may show, in their order.
+class Bins {
+ public:
+  Bins(const Primitives& primitives, int columns, int rows) : columns_(columns), rows_(rows) {
+    const std::size_t tiles = static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows);
+    constexpr std::size_t kChunks = 16;
+    std::vector<std::vector<std::uint32_t>> counts(kChunks, std::vector<std::uint32_t>(tiles, 0));
+    for_tiles(primitives, kChunks, [&](std::size_t chunk, std::uint32_t, std::size_t tile) { ++counts[chunk][tile]; });
+    begin_.assign(tiles + 1, 0);
+    for (std::size_t t = 0; t < tiles; ++t) {
+      std::size_t at = begin_[t];
+      for (auto& count : counts) at += std::exchange(count[t], static_cast<std::uint32_t>(at - begin_[t]));
+      begin_[t + 1] = at;
+    }
+    ids_.resize(begin_.back());
+    for_tiles(primitives, kChunks, [&](std::size_t chunk, std::uint32_t id, std::size_t tile) {
+      ids_[begin_[tile] + counts[chunk][tile]++] = id;
+    });
+  }
+  std::span<const std::uint32_t> of(std::size_t tile) const {
+    return std::span(ids_).subspan(begin_[tile], begin_[tile + 1] - begin_[tile]);
+  }
+
+ private:
+  template <class Body>
+  void for_tiles(const Primitives& primitives, std::size_t chunks, const Body& body) const {
+    tbb::parallel_for(std::size_t{0}, chunks, [&](std::size_t chunk) {
+      const auto [first, last] = base::part_of(primitives.count(), chunk, chunks);
+      for (auto id = static_cast<std::uint32_t>(first); id < last; ++id) {
+        const Box b = primitives.box_of(id).cut({0, 0, columns_ * kTileSamples, rows_ * kTileSamples});
+        if (b.empty()) continue;
+        for (int y = b.y0 / kTileSamples; y <= (b.y1 - 1) / kTileSamples; ++y)
+          for (int x = b.x0 / kTileSamples; x <= (b.x1 - 1) / kTileSamples; ++x)
+            body(chunk, id,
+                 static_cast<std::size_t>(y) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(x));
+      }
+    });
+  }
+
+  int columns_, rows_;
+  std::vector<std::size_t> begin_;
+  std::vector<std::uint32_t> ids_;
+};
+
+/// The primitives seen through the samples of one pixel. Each is asked for its colour once, in the middle of its
+/// samples.
+template <class Colour>
+class Seen {
+ public:
+  void clear() { count_ = 0; }
+  std::size_t add(std::uint32_t id, int x, int y) {
+    std::size_t i = 0;
+    while (i < count_ && entries_[i].id != id) ++i;
+    if (i == count_) entries_[count_++] = {id, 0, 0, 0, {}};
+    Entry& entry = entries_[i];
+    ++entry.samples;
+    entry.x += x + 0.5;
+    entry.y += y + 0.5;
+    return i;
+  }
+  template <class Of>
+  void colour(const Of& of) {
+    for (std::size_t i = 0; i < count_; ++i) {
+      Entry& e = entries_[i];
+      e.colour = of(e.id, e.x / e.samples, e.y / e.samples);
+    }
+  }
+  const Colour& operator[](std::size_t i) const { return entries_[i].colour; }
+
+ private:
+  struct Entry {
+    std::uint32_t id;
+    int samples;
+    double x, y;
+    Colour colour;
+  };
+  std::array<Entry, kSamples * kSamples> entries_;
+  std::size_t count_ = 0;
+};
+
+class Resolver {
+ public:
+  explicit Resolver(const Primitives& primitives) : primitives_(primitives) {}
+
+  /// The samples of a tile that belong to the pixel (px, py), before `ground`.
+  Pixel pixel(const Tile& tile, int px, int py, const Vec3f& ground) {
+    constexpr std::size_t kCount = kSamples * kSamples;
+    std::array<std::size_t, kCount> solid, glass;
+    solid_.clear();
+    glass_.clear();
+    Pixel pixel;
+    bool empty = true;
+    for (std::size_t s = 0; s < kCount; ++s) {
+      const int x = px * kSamples + static_cast<int>(s) % kSamples, y = py * kSamples + static_cast<int>(s) / kSamples;
+      const std::size_t at = tile.at(x, y);
+      solid[s] = glass[s] = kCount;
+      if (tile.solid.id[at] != kNone) solid[s] = solid_.add(tile.solid.id[at], x, y);
+      if (tile.glass.id[at] != kNone && tile.glass.depth[at] >= tile.solid.depth[at])
+        glass[s] = glass_.add(tile.glass.id[at], x, y);
+      pixel.depth = std::max(pixel.depth, tile.solid.depth[at]);
+      empty &= solid[s] == kCount && glass[s] == kCount && tile.line[at] == 0;
+    }
+    Vec3f shaded = Vec3f::Zero(), plain = ground;
+    if (!empty) {
+      solid_.colour([&](std::uint32_t id, double x, double y) { return primitives_.colour_at(id, x, y); });
+      glass_.colour([&](std::uint32_t id, double x, double y) { return primitives_.glass_at(id, x, y); });
+      plain.setZero();
+      for (std::size_t s = 0; s < kCount; ++s) {
+        const std::size_t at =
+            tile.at(px * kSamples + static_cast<int>(s) % kSamples, py * kSamples + static_cast<int>(s) / kSamples);
+        const bool is_solid = solid[s] < kCount;
+        const Vec3f colour = primitives_.under_lines(is_solid ? solid_[solid[s]] : ground, tile.line[at]);
+        const float opacity = glass[s] < kCount ? glass_[glass[s]].opacity : 0;
+        (is_solid ? shaded : plain) += colour * (1 - opacity);
+        if (opacity > 0) plain += glass_[glass[s]].colour * opacity;
+      }
+      shaded /= static_cast<float>(kCount);
+      plain /= static_cast<float>(kCount);
+    }
+    for (std::size_t i = 0; i < 3; ++i) {
+      pixel.shaded[i] = packed(shaded[static_cast<Eigen::Index>(i)]);
+      pixel.plain[i] = packed(plain[static_cast<Eigen::Index>(i)]);
+    }
+    return pixel;
+  }
+
+ private:
+  const Primitives& primitives_;
+  Seen<Vec3f> solid_;
+  Seen<Light::Glass> glass_;
+};
+
+/// Eye-dome lighting (after Boucheny): what lies behind its neighbours on the screen is darker, so sheets that are flat
+/// and of one colour stand apart.
+class Dome {
+ public:
+  Dome(const std::vector<Pixel>& pixels, int width, int height, double unit, bool dark)
+      : pixels_(pixels), width_(width), height_(height), strength_(dark ? kDomeDark : kDomeLight) {
+    for (int i = 0; i < 8; ++i) {
+      const double angle = std::numbers::pi / 4 * i + 0.3;
+      offsets_[static_cast<std::size_t>(i)] = Eigen::Vector2d(std::cos(angle), -std::sin(angle)) * (kDomeReach * unit);
+    }
+  }
+  float shade(int x, int y) const {
+    const float depth = at(x, y);
+    if (depth == 0) return 1;
+    const float here = -std::log2(depth);
+    return std::exp(-strength_ * (occlusion(x, y, here, 1) + kDomeFartherWeight * occlusion(x, y, here, kDomeFarther)));
+  }
+
+ private:
+  float at(int x, int y) const {
+    return pixels_[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x)].depth;
+  }
+  float occlusion(int x, int y, float here, double reach) const {
+    float sum = 0;
+    for (const Eigen::Vector2d& offset : offsets_) {
+      const int nx = static_cast<int>(std::floor(x + 0.5 + offset.x() * reach));
+      const int ny = static_cast<int>(std::floor(y + 0.5 + offset.y() * reach));
+      const float depth = at(std::clamp(nx, 0, width_ - 1), std::clamp(ny, 0, height_ - 1));
+      if (depth > 0) sum += std::clamp(here + std::log2(depth), 0.0F, kDomeMost);
+    }
+    return sum / 8;
+  }
+  const std::vector<Pixel>& pixels_;
+  int width_, height_;
+  float strength_;
+  std::array<Eigen::Vector2d, 8> offsets_;
+};
+
+Vec3f ground_at(int y, int height, bool dark) {
+  const Ground& ground = dark ? kDark : kLight;
+  const float t = 1 - (static_cast<float>(y) + 0.5F) / static_cast<float>(height);
+  return rgb(ground.bottom) + (rgb(ground.top) - rgb(ground.bottom)) * (t * t * (3 - 2 * t));
+}
+
+}  // namespace
+
+Picture draw_scene(const Scene& scene, const ViewState& state, const ColourRange& range, const Camera& camera,
+                   int width, int height, double unit, Context* context) {
+  const Primitives primitives(scene, state, range, camera, unit);
+  const int columns = (width + kTile - 1) / kTile, rows = (height + kTile - 1) / kTile;
+  const Bins bins(primitives, columns, rows);
+  const auto across = static_cast<std::size_t>(width);
+  std::vector<Pixel> pixels(across * static_cast<std::size_t>(height));
+  base::for_chunks(static_cast<std::size_t>(rows), context, "picture", 0, 0.9, [&](std::size_t row) {
+    Tile tile;
+    Resolver resolver(primitives);
+    for (int column = 0; column < columns; ++column) {
+      const int x0 = column * kTile, y0 = static_cast<int>(row) * kTile;
+      tile.begin({x0 * kSamples, y0 * kSamples, x0 * kSamples + kTileSamples, y0 * kSamples + kTileSamples});
+      for (const std::uint32_t id : bins.of(row * static_cast<std::size_t>(columns) + static_cast<std::size_t>(column)))
+        primitives.draw(id, tile);
+      for (int y = y0; y < std::min(y0 + kTile, height); ++y)
+        for (int x = x0; x < std::min(x0 + kTile, width); ++x)
+          pixels[static_cast<std::size_t>(y) * across + static_cast<std::size_t>(x)] =
+              resolver.pixel(tile, x, y, ground_at(y, height, state.dark));
+    }
+  });
+  Picture picture{width, height, std::vector<std::uint8_t>(pixels.size() * 3)};
+  const Dome dome(pixels, width, height, unit, state.dark);
+  base::for_chunks(static_cast<std::size_t>(height), context, "picture", 0.9, 1, [&](std::size_t y) {
+    for (std::size_t x = 0; x < across; ++x) {
+      const Pixel& pixel = pixels[y * across + x];
+      const float shade = dome.shade(static_cast<int>(x), static_cast<int>(y));
+      for (std::size_t i = 0; i < 3; ++i)
+        picture.pixels[3 * (y * across + x) + i] = static_cast<std::uint8_t>(
+            std::min((static_cast<float>(pixel.shaded[i]) * shade + static_cast<float>(pixel.plain[i])) / kFull, 1.0F) *
+                255 +
+            0.5F);
+    }
+  });
+  return picture;
+}
+
+}  // namespace quench::picture
