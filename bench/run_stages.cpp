@@ -76,8 +76,8 @@ Cost run(const Job& job, bool one_thread, std::size_t& sites) {
   std::filesystem::create_directory(folder);
   io::write_record(folder / "core.vtp", result.axis.file);
   io::write_record(folder / "skeleton.vtp", pipeline::skeleton_file(result.axis.skeleton, result.axis.file));
-  io::write_swc(folder / "skeleton.swc", result.graph);
-  io::write_branches(folder / "branches.csv", result.graph);
+  io::write_swc(folder / "skeleton.swc", result.axis.graph);
+  io::write_branches(folder / "branches.csv", result.axis.graph);
   checkpoint(context, "write", 1);
   if (pipeline::has_page_program()) page.write(folder / "view.html");
   checkpoint(context, "page", 1);

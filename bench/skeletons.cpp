@@ -83,9 +83,13 @@ void run(const pipeline::LoadedAxis& loaded, bool with_floor, Stages& stages, do
       stages.time("family", held, [&] { return pipeline::family_of(std::move(refined), wanted, floor); });
   const pipeline::SkeletonResult skeleton =
       stages.time("skeleton", held, [&] { return pipeline::skeleton_of(family, {}, loaded.scale, omega); });
-  stages.time("graph", held, [&] { return pipeline::measured_graph(skeleton.measured, {}, loaded.scale); });
+  const CurveGraph graph =
+      stages.time("graph", held, [&] { return pipeline::measured_graph(skeleton.measured, {}, loaded.scale); });
   pipeline::PageBuilder builder;
-  stages.time("page layer", held, [&] { return builder.add_skeleton(std::move(family.family)), 0; });
+  stages.time("page layers", held, [&] {
+    builder.add_skeleton(skeleton.skeleton, graph);
+    return builder.add_family(std::move(family.family)), 0;
+  });
   const auto file = std::filesystem::temp_directory_path() / "quench_bench.html";
   stages.time("page file", held, [&] { return builder.write(file), 0; });
   std::filesystem::remove(file);

@@ -82,14 +82,6 @@ Json report_of(const Options& o, const pipeline::LoadedShape& shape, const pipel
   return report;
 }
 
-/// A page may hold less than the files.
-void say_raised(const Page& page, const fs::path& file, Session& session) {
-  for (const std::string& raised : page.raised)
-    note(&session.context, fmt::format("the page '{}' is not the skeleton asked for: {}, as the rest has too many "
-                                       "triangles for it (--max-triangles); the files hold all of it",
-                                       file.string(), raised));
-}
-
 int run_pipeline(const Options& o, Session& session) {
   const Files files(o.folder, !o.no_view && pipeline::has_page_program());
   check_outputs(o, files, session);
@@ -118,12 +110,11 @@ int run_pipeline(const Options& o, Session& session) {
   io::OutputGroup outputs;
   io::write_record(files.core, result.axis.file);
   io::write_record(files.skeleton, pipeline::skeleton_file(result.axis.skeleton, result.axis.file));
-  write_graph(result.graph, {files.swc, {}, files.csv}, o.graph,
+  write_graph(result.axis.graph, {files.swc, {}, files.csv}, o.graph,
               shape.surface ? Vec3(Vec3::Zero()) : shape.shape.grid().spacing, shape.coordinates, report, session);
   session.finished("write");
   if (options.page) {
     write_page(builder, files.view, report, outputs);
-    say_raised(builder.page, files.view, session);
   }
   session.finished("page");
   write_report(files.report.string(), report, session);
@@ -131,7 +122,7 @@ int run_pipeline(const Options& o, Session& session) {
   say_written(session, files.core.string(), files.report.string(), result.core, shape);
   session.say(fmt::format("{}: {}, {}; topology as that of the shape; also {} and {}", files.skeleton.string(),
                           cells_text(pipeline::counts_of(result.axis.skeleton.skeleton.complex)),
-                          base::counted(result.graph.branches.size(), "branch", "branches"), files.swc.string(),
+                          base::counted(result.axis.graph.branches.size(), "branch", "branches"), files.swc.string(),
                           files.csv.string()));
   if (options.page) session.say(fmt::format("{}: the interactive page; open it in a browser", files.view.string()));
   return 0;

@@ -60,16 +60,16 @@ Action add_skeleton(CLI::App& app) {
     options.on_burned = [&](const pipeline::BurnFigures& burned) {
       say_burned(burned, loaded.axis.points.size(), session);
     };
+    options.graph = o->graph.graph;
+    if (loaded.voxel_core) options.graph.voxel = loaded.spacing;
     const pipeline::AxisRun run = pipeline::run_axis(loaded.axis, std::move(loaded.data), loaded.voxel_core,
                                                      topology(loaded.axis.complex), loaded.scale, options, context);
     add_axis_sections(report, run);
-    pipeline::GraphOptions graph = o->graph.graph;
-    if (loaded.voxel_core) graph.voxel = loaded.spacing;
 
     io::OutputGroup outputs;
     io::write_record(o->output, pipeline::skeleton_file(run.skeleton, run.file));
-    write_graph(pipeline::measured_graph(run.skeleton.measured, graph, loaded.scale), {o->swc, o->graphml, o->csv},
-                o->graph, graph.voxel, loaded.coordinates, report, session);
+    write_graph(run.graph, {o->swc, o->graphml, o->csv},
+                o->graph, options.graph.voxel, loaded.coordinates, report, session);
     session.finished("write");
     write_report(outputs, report, session);
     session.say(fmt::format("{}: {}; {:.1f} s", o->output,

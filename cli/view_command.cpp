@@ -182,6 +182,7 @@ void add_axis(const Options& o, Plan& plan, pipeline::PageBuilder& builder, Json
   options.burning = o.burning;
   options.skeleton = o.skeleton;
   options.page = &builder;
+  if (loaded.voxel_core) options.graph.voxel = loaded.spacing;
   pipeline::take_recorded(options.burning, loaded.data);
   options.on_burned = [&](const pipeline::BurnFigures& burned) {
     say_burned(burned, loaded.axis.points.size(), session);

@@ -14,6 +14,7 @@
 #include "quench/axis.h"
 #include "quench/burn.h"
 #include "quench/geometry.h"
+#include "quench/graph.h"
 #include "quench/record.h"
 #include "quench/shape.h"
 #include "quench/skeleton.h"
@@ -50,7 +51,7 @@ struct Page {
   double side = 0;                       ///< longest side of the shape: what plain-number lengths refer to
   double voxel = 0;                      ///< smallest spacing of the voxel shape
   std::optional<PagePruning> pruning;    ///< what the burn belongs to
-  std::optional<double> theta2, theta1;  ///< where the sliders start; may be infinite
+  std::optional<double> theta2, theta1;  ///< of the layer `skeleton`, where the sliders start; may be infinite
   std::optional<BurnOptions> burning;
   std::optional<Topology> topology;
   std::vector<std::pair<std::string, std::string>> files;  ///< what they are, their names: for the command line
@@ -67,7 +68,6 @@ struct Page {
   std::optional<std::array<double, 12>> sites_to_world;  ///< rows of a 3 x 4 matrix
   Vec3 low = Vec3::Zero(), high = Vec3::Zero();          ///< box around everything that was added
   std::vector<std::string> notes;                        ///< what was simplified, a sentence each
-  std::vector<std::string> raised;  ///< those of `notes` that say which threshold starts above what was asked for
   std::vector<PageArray> arrays;
 
   const PageArray* find(std::string_view name) const;
@@ -84,10 +84,15 @@ inline constexpr std::size_t kPageTriangles = 1'000'000;
 std::size_t add_core(Page& page, const MedialAxis& axis, const std::vector<DataArray>& point_data,
                      std::size_t max_triangles);
 
-/// The layer `skeleton`: the refined axis with the levels of its family. What does not fit (a curve off the sheets
-/// counts as a triangle) is left out by floors of theta2 and theta1; `theta2` and `theta1` of the page are raised to
-/// them. Region duals lie on their exit doors, as in skeletons that are written. Returns the number of triangles.
-std::size_t add_skeleton(Page& page, SkeletonFamily family, std::size_t max_triangles);
+/// The layer `skeleton`: a skeleton as it is written to a file, whole: its polygons, the branches of its curves with
+/// their measures, and its isolated vertices. Points of branches that are no vertices of the skeleton get values
+/// between those of vertices beside them. Returns the number of triangles.
+std::size_t add_skeleton(Page& page, const Skeleton& skeleton, const CurveGraph& graph);
+
+/// The layer `family`, for the sliders of a skeleton: the refined axis with the levels of its family. What does not fit
+/// (a curve off the sheets counts as a triangle) is left out by floors of theta2 and theta1. Region duals lie on their
+/// exit doors, as in skeletons that are written. Returns the number of triangles.
+std::size_t add_family(Page& page, SkeletonFamily family, std::size_t max_triangles);
 
 /// The layer `still`: cells without levels; degenerate ones are mended. What does not fit is simplified by clustering
 /// vertices.

@@ -370,7 +370,10 @@ class PageBuilder {
   void add_shape(LoadedShape& shape);
   /// `skeleton_follows`: leaves most of the triangles to it. Cells without levels are there at every threshold.
   void add_core(const MedialAxis& axis, const std::vector<DataArray>& measures, bool skeleton_follows);
-  void add_skeleton(SkeletonFamily family);
+  /// The skeleton that is asked for, whole.
+  void add_skeleton(const Skeleton& skeleton, const CurveGraph& graph);
+  /// What is left of the triangles, for the sliders.
+  void add_family(SkeletonFamily family);
   void add_still(const Record& data);
 
   std::size_t triangles() const { return used_; }
@@ -390,7 +393,7 @@ struct RunOptions {
   AxisOptions axis = {};
   BurningOptions burning = {};
   SkeletonOptions skeleton = {};
-  GraphOptions graph = {};      ///< shape and voxel are filled in
+  GraphOptions graph = {};      ///< run() fills in shape, voxel and surface
   PageBuilder* page = nullptr;  ///< where a page is wanted: layers are added to it, writing it is left to the caller
   bool keep_sequence = false;   ///< AxisRun::file holds the burn sequence, for kept_burning_of(); run() always does so
   std::function<void(const CoreResult&)> on_core = {};     ///< called as soon as there is one
@@ -403,6 +406,7 @@ struct AxisRun {
   BurnFigures burned;
   CellCounts curves;  ///< as FamilyResult::curves
   SkeletonResult skeleton;
+  CurveGraph graph;
 };
 
 /// Burning, curves and skeleton, above the floor_of() the options, of an axis whose file is `file` and whose topology
@@ -415,7 +419,6 @@ struct RunResult {
   CoreResult core;
   AxisRun axis;
   double reconstructed = 0;  ///< share of the shape in the balls of the skeleton
-  CurveGraph graph;
 };
 
 /// All stages from a shape on. The mesh of the shape is used up by the page.

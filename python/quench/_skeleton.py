@@ -330,7 +330,7 @@ class Skeleton(Complex):
                 elif self.axis is None:  # of skeletonize(): what it is a part of is not kept
                     _core.page_of_skeleton(self._core, file_name(path), *call)
                 else:
-                    _core.page_of_axis(self.axis._core, (self.theta2, self.theta1), file_name(path), *call)
+                    _core.page_of_axis(self.axis._core, self._core, file_name(path), *call)
 
     def plot(self, ax: Any = None, **options: Any) -> Any:
         """Draws curves, coloured by radius, and sheets with matplotlib; returns the axes."""

@@ -29,40 +29,42 @@ PageBuilder begin(const Axis& axis, const std::vector<Vec3>& points, const std::
   return builder;
 }
 
-void write_axis(const Axis& axis, const Fire& fire, const std::optional<std::pair<double, double>>& thetas,
-                const std::string& file) {
+void add_skeleton(PageBuilder& builder, const SkeletonValue& s) {
+  builder.page.theta2 = s.checked.skeleton.theta2;
+  builder.page.theta1 = s.checked.skeleton.theta1;
+  builder.add_skeleton(s.checked.skeleton,
+                       pipeline::measured_graph(s.checked.measured, graph_options_of(s), s.axis->scale()));
+}
+
+void write_axis(const Axis& axis, const Fire& fire, const SkeletonValue* skeleton, const std::string& file) {
   PageBuilder builder = begin(axis, axis.axis().points, file);
   if (axis.is_pruned()) builder.page.pruning = {std::string(axis.core.options.pruning.measure), axis.core.threshold};
   builder.page.burning = fire.burning.options;
-  if (thetas) {
-    builder.page.theta2 = thetas->first;
-    builder.page.theta1 = thetas->second;
+  builder.add_core(axis.axis(), axis.data(&fire).point_data, skeleton != nullptr);
+  if (skeleton) {
+    add_skeleton(builder, *skeleton);
+    builder.add_family(fire.family->family);
   }
-  builder.add_core(axis.axis(), axis.data(&fire).point_data, thetas.has_value());
-  if (thetas) builder.add_skeleton(fire.family->family);
   builder.write(file);
 }
 
 void write_skeleton(const SkeletonValue& s, const std::string& file) {
-  const Record data = pipeline::skeleton_file(s.checked, s.about);
-  PageBuilder builder = begin(*s.axis, data.points, file);
-  builder.page.theta2 = s.checked.skeleton.theta2;
-  builder.page.theta1 = s.checked.skeleton.theta1;
-  builder.add_still(data);
+  PageBuilder builder = begin(*s.axis, s.checked.skeleton.points, file);
+  add_skeleton(builder, s);
   builder.write(file);
 }
 
 }  // namespace
 
 void bind_pages(py::module_& m) {
-  m.def("page_of_axis", [](const std::shared_ptr<Axis>& axis, const std::optional<std::pair<double, double>>& thetas,
+  m.def("page_of_axis", [](const std::shared_ptr<Axis>& axis, const std::shared_ptr<SkeletonValue>& skeleton,
                            const std::string& file, const py::object& listener, int threads) {
     const auto known = axis->fire;
     // Of the last omega; the axis is burned with the default one where it was not.
     const double omega = known ? known->burning.options.omega : 0;
     const auto fire = run(listener, threads, [&](Context& c) {
-      auto burned = compute_fire(*axis, omega, thetas.has_value(), known, c);
-      write_axis(*axis, *burned, thetas, file);
+      auto burned = compute_fire(*axis, omega, skeleton != nullptr, known, c);
+      write_axis(*axis, *burned, skeleton.get(), file);
       return burned;
     });
     axis->fire = fire;

@@ -11,6 +11,19 @@
 #include "values.h"
 
 namespace quench::python {
+
+pipeline::GraphOptions graph_options_of(const SkeletonValue& skeleton) {
+  const Axis& axis = *skeleton.axis;
+  pipeline::GraphOptions options;
+  if (axis.voxel_core) {
+    if (axis.shape) options.shape = &axis.shape->shape;
+    options.voxel = axis.spacing;
+  } else if (axis.shape && axis.shape->surface) {
+    options.surface = &*axis.shape->surface;
+  }
+  return options;
+}
+
 namespace {
 
 using Pointer = std::shared_ptr<SkeletonValue>;
@@ -27,15 +40,9 @@ Record file_of(const SkeletonValue& s) { return pipeline::skeleton_file(s.checke
 
 std::shared_ptr<GraphValue> graph_of(const Pointer& s, int smooth, const std::string& resample, bool pruned_tips,
                                      const py::object& listener, int threads) {
-  pipeline::GraphOptions options;
+  pipeline::GraphOptions options = graph_options_of(*s);
   options.smooth = smooth;
   options.resample = pipeline::parse_resample(resample);
-  if (s->axis->voxel_core) {
-    if (s->axis->shape) options.shape = &s->axis->shape->shape;
-    options.voxel = s->axis->spacing;
-  } else if (s->axis->shape && s->axis->shape->surface) {
-    options.surface = &*s->axis->shape->surface;
-  }
   auto result = std::make_shared<GraphValue>();
   result->skeleton = s;
   const Skeleton& from = pruned_tips ? s->checked.skeleton : s->checked.measured;

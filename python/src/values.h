@@ -11,8 +11,8 @@
 
 #include "arrays.h"
 #include "quench/pipeline.h"
-#include "quench/verify.h"
 #include "quench/shape.h"
+#include "quench/verify.h"
 #include "run.h"
 
 namespace quench::python {
@@ -58,6 +58,9 @@ struct SkeletonValue {
   pipeline::SkeletonResult checked;
   Record about;  ///< FieldData of the file of the axis, for files of the skeleton
 };
+
+/// Shape, voxels and surface, as far as they are known.
+pipeline::GraphOptions graph_options_of(const SkeletonValue& skeleton);
 
 struct GraphValue {
   std::shared_ptr<SkeletonValue> skeleton;

@@ -20,6 +20,15 @@ void widen(Page& page, std::span<const Vec3> points) {
   }
 }
 
+std::vector<float> places_of(const Page& page, std::span<const Vec3> points) {
+  std::vector<float> places(3 * points.size());
+  base::for_indices(points.size(), [&](std::size_t row) {
+    for (int a = 0; a < 3; ++a)
+      places[3 * row + static_cast<std::size_t>(a)] = static_cast<float>(points[row][a] - page.origin[a]);
+  });
+  return places;
+}
+
 namespace {
 
 void number_rows(const std::vector<char>& shown, std::vector<std::uint32_t>& row_of,
@@ -50,15 +59,10 @@ LayerRows add_layer(Page& page, const std::string& layer, const CellComplex& com
   LayerRows rows;
   number_rows(cells.vertex, rows.vertex, rows.vertices);
   number_rows(cells.edge, rows.edge, rows.edges);
-  std::vector<float> places(3 * rows.vertices.size());
   std::vector<Vec3> shown(rows.vertices.size());
-  base::for_indices(shown.size(), [&](std::size_t row) {
-    shown[row] = points[rows.vertices[row]];
-    for (int a = 0; a < 3; ++a)
-      places[3 * row + static_cast<std::size_t>(a)] = static_cast<float>(shown[row][a] - page.origin[a]);
-  });
+  base::for_indices(shown.size(), [&](std::size_t row) { shown[row] = points[rows.vertices[row]]; });
   widen(page, shown);
-  add("points", 3, std::move(places));
+  add("points", 3, places_of(page, shown));
   add_levels("vertex_level", &Levels::vertex, rows.vertices);
 
   std::vector<std::uint32_t> ends(2 * rows.edges.size());

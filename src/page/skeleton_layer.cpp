@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
+#include <bit>
+#include <cmath>
 #include <limits>
+#include <unordered_map>
 
 #include "base/constants.h"
-#include "base/graph_peeler.h"
+#include "base/union_find.h"
 #include "page/layer.h"
 
 namespace quench {
@@ -14,248 +15,200 @@ namespace {
 
 using base::kNever;
 
-std::vector<float> rounded_down(const std::vector<double>& levels) {
-  std::vector<float> floats;
-  floats.resize(levels.size());
-  base::for_indices(levels.size(), [&](std::size_t i) { floats[i] = page::rounded_down(levels[i]); });
-  return floats;
-}
-
-/// The least float that is not below `value`.
-float rounded_up(double value) {
-  const float below = page::rounded_down(value);
-  return below < value ? std::nextafter(below, std::numeric_limits<float>::infinity()) : below;
-}
-
-/// Where each vertex of K is drawn: region duals at their exit doors, as skeletons are written. A dual without exit (in
-/// a curve that never burns, or a medial point) goes to one of its two doors on the curves that stay longest, that
-/// which burns last, unless three stay for ever. extract() decides the latter per member of the family, by the curves
-/// the member has; a page can only decide once.
-std::vector<std::uint32_t> drawn_at(const SkeletonFamily& family) {
-  const RefinedAxis& k = family.refined;
-  const std::uint32_t first_dual = k.nodes + k.doors;
-  std::vector<std::uint32_t> at(k.complex.vertex_count);
-  for (std::uint32_t v = 0; v < at.size(); ++v) at[v] = v;
-  struct Longest {
-    std::array<std::uint32_t, 2> edge{kNone, kNone};
-    std::uint32_t endless = 0;
-  };
-  std::vector<Longest> longest(at.size() - std::min<std::size_t>(at.size(), first_dual));
-  const auto level = [&](std::uint32_t e) { return e == kNone ? -1 : family.level_of(e); };
-  for (std::uint32_t e = 2 * k.doors; e < k.complex.edges.size(); ++e) {
-    const std::uint32_t v = k.complex.edges[e][1];
-    if (!k.curve_edge[e] || v < first_dual || k.exit[v] != kNone) continue;
-    auto& [edge, endless] = longest[v - first_dual];
-    endless += std::isinf(family.level_of(e));
-    if (level(e) > level(edge[0]))
-      edge = {e, edge[0]};
-    else if (level(e) > level(edge[1]))
-      edge[1] = e;
-  }
-  for (std::uint32_t v = first_dual; v < at.size(); ++v) {
-    const auto& [edge, endless] = longest[v - first_dual];
-    if (const std::uint32_t e = k.exit[v]; e != kNone) {
-      at[v] = k.complex.edges[e][0] == v ? k.complex.edges[e][1] : k.complex.edges[e][0];
-    } else if (edge[1] != kNone && endless < 3) {
-      const std::uint32_t a = k.complex.edges[edge[0]][0], b = k.complex.edges[edge[1]][0];
-      // The doors are in the order of their edges, and the first of two that burn at a time is taken.
-      at[v] = k.burn_time[b] > k.burn_time[a] || (k.burn_time[b] == k.burn_time[a] && edge[1] < edge[0]) ? b : a;
-    }
-  }
-  return at;
-}
-
-/// Per edge: a side of a face.
-std::vector<char> sides_of_faces(const RefinedAxis& k) {
-  std::vector<char> on_face(k.complex.edges.size(), 0);
-  for (const std::uint32_t e : k.complex.face_edges) on_face[e] = 1;
-  return on_face;
-}
-
-std::size_t curves_off_sheets(const RefinedAxis& k) {
-  const std::vector<char> on_face = sides_of_faces(k);
-  std::size_t count = 0;
-  for (std::size_t e = 0; e < on_face.size(); ++e) count += k.curve_edge[e] && !on_face[e];
-  return count;
-}
-
-/// The curves off the sheets of a family at its floor, and how many of them a theta1 leaves.
-class CurvePruning {
+/// The vertices of the layer: first those of the skeleton that are on sheets or isolated, then those of the curves.
+class Vertices {
  public:
-  explicit CurvePruning(const SkeletonFamily& family) : k_(family.refined), peeler_(k_.complex.vertex_count) {
-    const std::vector<char> on_face = sides_of_faces(k_);
-    thickness_.assign(k_.complex.edges.size(), std::numeric_limits<float>::infinity());
-    for (std::uint32_t e = 0; e < thickness_.size(); ++e) {
-      if (family.edge_sheet_level[e] < 0) continue;
-      for (const std::uint32_t v : k_.complex.edges[e]) peeler_.add(v, e);
-      if (!k_.curve_edge[e] || on_face[e]) continue;
-      ++free_curves_;
-      thickness_[e] = page::rounded_down(family.thickness_of(e));
-    }
+  explicit Vertices(const Skeleton& skeleton) : skeleton_(skeleton), row_(skeleton.points.size(), kNone) {
+    at_.reserve(skeleton.points.size());
+    for (std::uint32_t v = 0; v < skeleton.points.size(); ++v) at_.emplace(key(skeleton.points[v]), v);
   }
 
-  std::size_t left(float theta1) const {
-    base::GraphPeeler peeler = peeler_;
-    std::size_t count = free_curves_;
-    peeler.peel(
-        [&](std::uint32_t e) -> const auto& { return k_.complex.edges[e]; },
-        [&](std::uint32_t v, std::uint32_t e) { return !k_.medial_point[v] && thickness_[e] < theta1; },
-        [&](std::uint32_t, std::uint32_t) { --count; });
-    return count;
+  /// A vertex of the skeleton.
+  std::uint32_t row(std::uint32_t v) {
+    if (row_[v] == kNone) {
+      row_[v] = static_cast<std::uint32_t>(points.size());
+      points.push_back(skeleton_.points[v]);
+      of.push_back(v);
+      radius.push_back(skeleton_.radius[v]);
+    }
+    return row_[v];
+  }
+  /// A point of a branch: a vertex of the skeleton where there is one.
+  std::uint32_t row(const Vec3& point, double radius_there) {
+    if (const auto found = at_.find(key(point)); found != at_.end()) return row(found->second);
+    points.push_back(point);
+    of.push_back(kNone);
+    radius.push_back(radius_there);
+    return static_cast<std::uint32_t>(points.size() - 1);
   }
 
-  /// A theta1 that leaves at most `most` curves, and at least nine tenths of that if such a theta1 exists; where more
-  /// are never pruned, the one that prunes all others. The set of curves changes only just above a thickness.
-  float floor(std::size_t most) const {
-    std::vector<float> steps;
-    for (const float thickness : thickness_)
-      if (std::isfinite(thickness)) steps.push_back(thickness);
-    std::sort(steps.begin(), steps.end());
-    steps.erase(std::unique(steps.begin(), steps.end()), steps.end());
-    const auto above = [&](std::size_t i) { return std::nextafter(steps[i], std::numeric_limits<float>::infinity()); };
-    std::size_t low = 0, high = steps.size();  // the step is in [low, high)
-    while (low + 1 < high) {
-      const std::size_t middle = (low + high - 1) / 2, count = left(above(middle));
-      if (count <= most && count >= most / 10 * 9) return above(middle);
-      if (count <= most)
-        high = middle + 1;
-      else
-        low = middle + 1;
+  std::vector<Vec3> points;
+  std::vector<std::uint32_t> of;  ///< per row: the vertex of the skeleton, or kNone
+  std::vector<double> radius;
+
+ private:
+  using Key = std::array<std::uint64_t, 3>;
+  struct Hash {
+    std::size_t operator()(const Key& k) const {
+      return static_cast<std::size_t>((k[0] * 0x9E3779B97F4A7C15U ^ k[1]) * 0xC2B2AE3D27D4EB4FU ^
+                                      k[2] * 0x165667B19E3779F9U);
     }
-    return low < steps.size() ? above(low) : 0;
+  };
+  static Key key(const Vec3& p) {
+    return {std::bit_cast<std::uint64_t>(p[0] + 0.0), std::bit_cast<std::uint64_t>(p[1] + 0.0),
+            std::bit_cast<std::uint64_t>(p[2] + 0.0)};
+  }
+  const Skeleton& skeleton_;
+  std::vector<std::uint32_t> row_;
+  std::unordered_map<Key, std::uint32_t, Hash> at_;
+};
+
+/// Values of the vertices of a skeleton; between them along a branch in proportion to the length.
+class Measured {
+ public:
+  Measured(const Vertices& vertices, const std::vector<std::uint32_t>& offsets, const std::vector<std::uint32_t>& rows)
+      : vertices_(vertices), offsets_(offsets), rows_(rows) {}
+
+  template <class Value>
+  std::vector<float> operator()(const Value& value) const {
+    std::vector<double> values(vertices_.of.size(), std::numeric_limits<double>::quiet_NaN());
+    for (std::size_t row = 0; row < values.size(); ++row)
+      if (vertices_.of[row] != kNone) values[row] = value(vertices_.of[row]);
+    for (std::size_t b = 0; b + 1 < offsets_.size(); ++b) fill(offsets_[b], offsets_[b + 1], values);
+    std::vector<float> rounded(values.size());
+    for (std::size_t row = 0; row < values.size(); ++row) rounded[row] = page::measure_of(values[row]);
+    return rounded;
   }
 
  private:
-  const RefinedAxis& k_;
-  base::GraphPeeler peeler_;
-  std::vector<float> thickness_;  ///< per edge; infinite where it is not a curve or is on a sheet
-  std::size_t free_curves_ = 0;
+  void fill(std::size_t begin, std::size_t end, std::vector<double>& values) const {
+    const auto known = [&](std::size_t i) { return vertices_.of[rows_[i]] != kNone; };
+    std::vector<double> along(end - begin, 0);
+    for (std::size_t i = begin + 1; i < end; ++i)
+      along[i - begin] = along[i - begin - 1] + (vertices_.points[rows_[i]] - vertices_.points[rows_[i - 1]]).norm();
+    std::size_t before = end;
+    for (std::size_t i = begin; i < end; ++i) {
+      if (known(i)) {
+        before = i;
+        continue;
+      }
+      std::size_t after = i + 1;
+      while (after < end && !known(after)) ++after;
+      if (before == end && after == end) return;
+      for (; i < after; ++i) {
+        const double a = values[rows_[before == end ? after : before]],
+                     b = values[rows_[after == end ? before : after]];
+        const double from = before == end ? 0 : along[before - begin],
+                     to = after == end ? along.back() : along[after - begin];
+        const double t = to > from ? (along[i - begin] - from) / (to - from) : 0;
+        values[rows_[i]] = a == b ? a : (1 - t) * a + t * b;
+      }
+      --i;
+    }
+  }
+  const Vertices& vertices_;
+  const std::vector<std::uint32_t>& offsets_;
+  const std::vector<std::uint32_t>& rows_;
 };
 
-/// Raises the floor of theta2 as far as a budget of triangles asks for; returns the number of those that are left.
-std::size_t keep_triangles(SkeletonFamily& family, std::size_t budget) {
-  const std::vector<float> levels = rounded_down(family.face_sheet_level);
-  const page::Floor floor = page::FacesByLevel(family.refined.complex, levels).within(budget);
-  family = with_floor(std::move(family), floor.level, 0);
-  return floor.triangles;
-}
-
-page::LayerCells cells_of(const SkeletonFamily& family) {
-  page::LayerCells cells;
-  cells.levels.push_back({"sheet_level", rounded_down(family.vertex_sheet_level), rounded_down(family.edge_sheet_level),
-                          rounded_down(family.face_sheet_level)});
-  const page::Levels& levels = cells.levels.front();
-  for (const float level : levels.edge) cells.edge.push_back(level >= 0);
-  for (const float level : levels.vertex) cells.vertex.push_back(level >= 0);
-  cells.faces = page::FacesByLevel(family.refined.complex, levels.face).order();
-  return cells;
-}
-
-/// Which rows are curves and medial points, and the thickness of the curves.
-void add_curves(Page& page, const SkeletonFamily& family, const page::LayerRows& rows) {
-  const RefinedAxis& k = family.refined;
-  std::vector<std::uint32_t> edges, medial_points;
+void add_polygons(Page& page, const Skeleton& skeleton, Vertices& vertices) {
+  const CellComplex& c = skeleton.complex;
+  std::vector<std::uint32_t> corners, sheet;
   std::vector<float> thickness;
-  for (std::uint32_t e = 0; e < k.curve_edge.size(); ++e)
-    if (k.curve_edge[e] && rows.edge[e] != kNone) {
-      edges.push_back(rows.edge[e]);
-      thickness.push_back(e < 2 * k.doors ? std::numeric_limits<float>::infinity()
-                                          : page::rounded_down(family.thickness_of(e)));
-    }
-  for (std::uint32_t v = 0; v < k.medial_point.size(); ++v)
-    if (k.medial_point[v] && rows.vertex[v] != kNone) medial_points.push_back(rows.vertex[v]);
-  page.arrays.push_back({"skeleton/curve_edges", 1, std::move(edges)});
-  page.arrays.push_back({"skeleton/curve_thickness", 1, std::move(thickness)});
-  page.arrays.push_back({"skeleton/medial_points", 1, std::move(medial_points)});
+  for (const std::uint32_t v : c.face_vertices) corners.push_back(vertices.row(v));
+  for (std::size_t f = 0; f < c.face_count(); ++f) thickness.push_back(page::measure_of(skeleton.face_thickness[f]));
+  page.arrays.push_back({"skeleton/polygon_offsets", 1, c.face_offsets});
+  page.arrays.push_back({"skeleton/polygon_corners", 1, std::move(corners)});
+  page.arrays.push_back({"skeleton/polygon_sheet", 1, page::sheets_of(skeleton)});
+  page.arrays.push_back({"skeleton/polygon_thickness", 1, std::move(thickness)});
 }
 
-/// The measures of the vertices, each at the place `at` where it is drawn.
-void add_vertex_measures(Page& page, const RefinedAxis& k, const std::vector<std::uint32_t>& at,
-                         const page::LayerRows& rows) {
-  constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
-  const auto add = [&](const char* name, const auto& value) {
-    page::add_measure(page, "skeleton", name, rows, [&](std::uint32_t v) { return value(at[v]); });
+void add_branches(Page& page, const CurveGraph& graph) {
+  const auto add = [&](const char* name, double CurveGraph::Branch::*of) {
+    std::vector<float> values;
+    for (const CurveGraph::Branch& branch : graph.branches) values.push_back(static_cast<float>(branch.*of));
+    page.arrays.push_back({std::string("skeleton/branch/") + name, 1, std::move(values)});
   };
-  add("radius", [&](std::uint32_t v) { return k.radius[v]; });
-  add("burn_time", [&](std::uint32_t v) { return k.burn_time[v]; });
-  add("erosion_thickness", [&](std::uint32_t v) { return std::max(0.0, k.burn_time[v] - k.radius[v]); });
-  add("curve_burn_time", [&](std::uint32_t v) { return k.curve_vertex[v] ? k.curve_burn_time[v] : kNothing; });
-  add("curve_erosion_thickness", [&](std::uint32_t v) {
-    if (!k.curve_vertex[v]) return kNothing;
-    return std::isinf(k.curve_burn_time[v]) ? kNever : std::max(0.0, k.curve_burn_time[v] - k.burn_time[v]);
-  });
+  add("length", &CurveGraph::Branch::length);
+  add("mean_radius", &CurveGraph::Branch::mean_radius);
+  add("min_radius", &CurveGraph::Branch::min_radius);
+  add("max_radius", &CurveGraph::Branch::max_radius);
+  add("thickness", &CurveGraph::Branch::thickness);
+  add("tortuosity", &CurveGraph::Branch::tortuosity);
+  std::vector<std::uint32_t> ends;
+  for (const CurveGraph::Branch& branch : graph.branches) ends.insert(ends.end(), {branch.from, branch.to});
+  page.arrays.push_back({"skeleton/branch_nodes", 2, std::move(ends)});
 }
 
 }  // namespace
 
-// Why floors are harmless. Let L(t) = {sheet level >= t} with the curves, and P(X, s) what is left of a subcomplex X
-// after the pruning for theta1 = s: as long as some vertex v that is not a medial point is in one edge e of X only, e
-// is a curve, not a side of a face of X, and thickness(e) < s, the pair (v, e) is removed. Such a pair of X is one of
-// every subcomplex of X that has e: fewer cells are around v and e there. (*)
-//
-// 1. P(X, s) does not depend on the order (a pair that could go can still go after others went).
-// 2. Nested: P(L(t'), s') is part of P(L(t), s) for t' >= t, s' >= s. Let Y = P(L(t'), s'), part of L(t') and so of
-//    L(t), and look at the first pair (v, e) of the pruning of L(t) that is not missing in Y. If e is in Y, the pair
-//    could go from Y by (*), but nothing can go from Y. Else v is in Y and all its edges are not: v is a component of
-//    Y. But members have the homotopy type of the axis, component by component, and every component that is a tree of
-//    curves keeps its medial point, which v is not.
-// 3. Hence with K0 = P(L(t), s), for t' >= t and s' >= s: P(L(t') with K0, s') = P(L(t'), s'), "with" for the common
-//    cells. The pairs that go from L(t) in the pruning for s, those that L(t') has, can go from L(t') in the same order
-//    by (*) (that v remains without e is excluded as in 2), all with thickness < s <= s', and what they leave is L(t')
-//    with K0. The rest is 1.
-//
-// So a family or a page that holds the cells of K0 gives every member with theta2 >= t, theta1 >= s by the same rule.
-std::size_t add_skeleton(Page& page, SkeletonFamily family, std::size_t max_triangles) {
-  const float least_theta2 = rounded_up(family.theta2_floor), least_theta1 = rounded_up(family.theta1_floor);
-  const std::size_t parts = family.refined.complex.face_count();
-  std::size_t triangles = keep_triangles(family, max_triangles), curves = curves_off_sheets(family.refined);
-  if (triangles + curves > max_triangles) {
-    triangles = keep_triangles(family, max_triangles / 5 * 4);
-    curves = curves_off_sheets(family.refined);
+std::vector<std::uint32_t> page::sheets_of(const Skeleton& skeleton) {
+  const CellComplex& c = skeleton.complex;
+  std::vector<std::uint32_t> faces_at(c.edges.size(), 0), first(c.edges.size(), kNone);
+  for (const std::uint32_t e : c.face_edges) ++faces_at[e];
+  base::UnionFind sets(static_cast<std::uint32_t>(c.face_count()));
+  for (std::uint32_t f = 0; f < c.face_count(); ++f)
+    for (const std::uint32_t e : c.sides(f)) {
+      if (faces_at[e] != 2) continue;
+      if (first[e] == kNone)
+        first[e] = f;
+      else
+        sets.unite(first[e], f);
+    }
+  std::vector<std::uint32_t> sheet(c.face_count()), number(c.face_count(), kNone);
+  std::uint32_t count = 0;
+  for (std::uint32_t f = 0; f < c.face_count(); ++f) {
+    std::uint32_t& known = number[sets.find(f)];
+    if (known == kNone) known = count++;
+    sheet[f] = known;
   }
-  std::size_t curves_shown = curves;
-  if (triangles + curves > max_triangles) {
-    const float theta1 = CurvePruning(family).floor(max_triangles - std::min(max_triangles, triangles));
-    family = with_floor(std::move(family), 0, theta1);
-    curves_shown = curves_off_sheets(family.refined);
+  return sheet;
+}
+
+std::size_t add_skeleton(Page& page, const Skeleton& skeleton, const CurveGraph& graph) {
+  Vertices vertices(skeleton);
+  add_polygons(page, skeleton, vertices);
+  std::vector<std::uint32_t> offsets{0}, rows, node_rows, isolated;
+  std::vector<std::uint8_t> kinds;
+  for (const CurveGraph::Node& node : graph.nodes) {
+    node_rows.push_back(vertices.row(node.point, node.radius));
+    kinds.push_back(static_cast<std::uint8_t>(node.kind));
+    if (node.kind == CurveGraph::NodeKind::isolated) isolated.push_back(node_rows.back());
   }
+  for (const CurveGraph::Branch& branch : graph.branches) {
+    rows.push_back(node_rows[branch.from]);
+    for (std::size_t i = 1; i + 1 < branch.points.size(); ++i)
+      rows.push_back(vertices.row(branch.points[i], branch.radius[i]));
+    rows.push_back(node_rows[branch.to]);
+    offsets.push_back(static_cast<std::uint32_t>(rows.size()));
+  }
+  page::widen(page, vertices.points);
+  page.arrays.push_back({"skeleton/points", 3, page::places_of(page, vertices.points)});
 
-  const page::LayerCells cells = cells_of(family);
-  const std::vector<std::uint32_t> at = drawn_at(family);
-  const RefinedAxis& k = family.refined;
-  std::vector<Vec3> points(at.size());
-  base::for_indices(at.size(), [&](std::size_t v) { points[v] = k.points[at[v]]; });
-  const page::LayerRows rows = page::add_layer(page, "skeleton", k.complex, points, cells);
-  add_curves(page, family, rows);
-  add_vertex_measures(page, k, at, rows);
-
-  page.theta2_floor = rounded_up(family.theta2_floor);
-  page.theta1_floor = rounded_up(family.theta1_floor);
-  if (least_theta2 > 0 || least_theta1 > 0)
-    page.notes.push_back(fmt::format("The skeletons of this page begin at theta2 = {} and theta1 = {}",
-                                     page::length_text(page, least_theta2), page::length_text(page, least_theta1)));
-  if (*page.theta2_floor > least_theta2)
-    page.notes.push_back(
-        fmt::format("The skeleton's sheets are shown from theta2 {} on, {} of their {} parts; the rest is left out "
-                    "of this page{}",
-                    page::floor_text(page, *page.theta2_floor), page::count_text(cells.faces.size()),
-                    page::count_text(parts), page::limit_text(page)));
-  if (*page.theta1_floor > least_theta1)
-    page.notes.push_back(
-        fmt::format("The skeleton's curves are shown from theta1 {} on, {} of {} pieces off the sheets; the rest is "
-                    "left out of this page{}",
-                    page::floor_text(page, *page.theta1_floor), page::count_text(curves_shown),
-                    page::count_text(curves), page::limit_text(page)));
-  const auto raise = [&](std::optional<double>& start, double least, const char* name) {
-    if (!start || *start >= least) return;
-    page.raised.push_back(fmt::format("{} starts at {} instead of {}", name, page::length_text(page, least),
-                                      page::length_text(page, *start)));
-    page.notes.push_back(page.raised.back());
-    start = least;
+  const Measured measured(vertices, offsets, rows);
+  std::vector<float> radius;
+  for (const double r : vertices.radius) radius.push_back(page::measure_of(r));
+  page.arrays.push_back({"skeleton/point/radius", 1, std::move(radius)});
+  const auto add = [&](const char* name, const auto& value) {
+    page.arrays.push_back({std::string("skeleton/point/") + name, 1, measured(value)});
   };
-  raise(page.theta2, *page.theta2_floor, "theta2");
-  raise(page.theta1, *page.theta1_floor, "theta1");
-  return triangles;
+  const Skeleton& s = skeleton;
+  constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
+  add("burn_time", [&](std::uint32_t v) { return s.burn_time[v]; });
+  add("erosion_thickness", [&](std::uint32_t v) { return std::max(0.0, s.burn_time[v] - s.radius[v]); });
+  add("curve_burn_time", [&](std::uint32_t v) { return s.on_curve[v] ? s.curve_burn_time[v] : kNothing; });
+  add("curve_erosion_thickness", [&](std::uint32_t v) {
+    if (!s.on_curve[v]) return kNothing;
+    return std::isinf(s.curve_burn_time[v]) ? kNever : std::max(0.0, s.curve_burn_time[v] - s.burn_time[v]);
+  });
+
+  page.arrays.push_back({"skeleton/branch_offsets", 1, std::move(offsets)});
+  page.arrays.push_back({"skeleton/branch_points", 1, std::move(rows)});
+  add_branches(page, graph);
+  page.arrays.push_back({"skeleton/node_points", 1, std::move(node_rows)});
+  page.arrays.push_back({"skeleton/node_kind", 1, std::move(kinds)});
+  page.arrays.push_back({"skeleton/isolated", 1, std::move(isolated)});
+  return skeleton.complex.face_vertices.size() - 2 * skeleton.complex.face_count();
 }
 
 }  // namespace quench

@@ -75,7 +75,11 @@ void PageBuilder::add_core(const MedialAxis& axis, const std::vector<DataArray>&
   take(quench::add_core(page, leveled, measures, share));
 }
 
-void PageBuilder::add_skeleton(SkeletonFamily family) { take(quench::add_skeleton(page, std::move(family), left_)); }
+void PageBuilder::add_skeleton(const Skeleton& skeleton, const CurveGraph& graph) {
+  take(quench::add_skeleton(page, skeleton, graph));
+}
+
+void PageBuilder::add_family(SkeletonFamily family) { take(quench::add_family(page, std::move(family), left_)); }
 
 void PageBuilder::add_still(const Record& data) { take(quench::add_still(page, data, left_)); }
 

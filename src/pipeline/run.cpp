@@ -49,8 +49,10 @@ AxisRun run_axis(const MedialAxis& axis, Record&& file, bool voxel_core, const T
       family_of(std::move(refined), wanted, floor_of(options.skeleton, scale, result.burned.options.omega), context);
   result.curves = family.curves;
   result.skeleton = skeleton_of(family, options.skeleton, scale, result.burned.options.omega, context);
+  result.graph = measured_graph(result.skeleton.measured, options.graph, scale);
   if (options.page) {
-    options.page->add_skeleton(std::move(family.family));
+    options.page->add_skeleton(result.skeleton.skeleton, result.graph);
+    options.page->add_family(std::move(family.family));
     checkpoint(context, "page", 1);
   }
   return result;
@@ -66,18 +68,15 @@ RunResult run(LoadedShape& shape, const RunOptions& options, Context* context) {
   if (options.on_core) options.on_core(result.core);
   RunOptions of_axis = options;
   of_axis.keep_sequence = true;
+  if (result.core.axis.is_fitted()) {
+    of_axis.graph.surface = &*shape.surface;
+  } else {
+    of_axis.graph.shape = &shape.shape;
+    of_axis.graph.voxel = shape.shape.grid().spacing;
+  }
   result.axis = run_axis(result.core.axis, core_file(result.core), !result.core.axis.is_fitted(), result.core.topology,
                          shape.scale(), of_axis, context);
-  const SkeletonResult& skeleton = result.axis.skeleton;
-  result.reconstructed = reconstructed_share(shape.shape, skeleton.skeleton, context);
-  GraphOptions graph = options.graph;
-  if (result.core.axis.is_fitted()) {
-    graph.surface = &*shape.surface;
-  } else {
-    graph.shape = &shape.shape;
-    graph.voxel = shape.shape.grid().spacing;
-  }
-  result.graph = measured_graph(skeleton.measured, graph, shape.scale());
+  result.reconstructed = reconstructed_share(shape.shape, result.axis.skeleton.skeleton, context);
   checkpoint(context, "skeleton", 1);
   return result;
 }

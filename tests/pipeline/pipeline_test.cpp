@@ -238,9 +238,9 @@ TEST(Run, IsTheStagesCalledByHand) {
   EXPECT_EQ(result.reconstructed, reconstructed_share(shape.shape, skeleton));
   const CurveGraph graph = measured_graph(extract(family, 0.04 * side, 2 * voxel, {.regrow_tips_above = 0.2 * voxel}),
                                           {.smooth = 3, .surface = &*shape.surface});
-  ASSERT_EQ(result.graph.branches.size(), graph.branches.size());
+  ASSERT_EQ(result.axis.graph.branches.size(), graph.branches.size());
   for (std::size_t b = 0; b < graph.branches.size(); ++b)
-    EXPECT_EQ(result.graph.branches[b].length, graph.branches[b].length);
+    EXPECT_EQ(result.axis.graph.branches[b].length, graph.branches[b].length);
 
   by_hand.add_shape(shape);
   by_hand.page.pruning = {std::string(kDetail), 1.5 * voxel};
@@ -251,7 +251,8 @@ TEST(Run, IsTheStagesCalledByHand) {
   EXPECT_FLOAT_EQ(static_cast<float>(floor.theta2), static_cast<float>(voxel));
   EXPECT_FLOAT_EQ(static_cast<float>(floor.theta1), static_cast<float>(0.2 * voxel));
   EXPECT_LE(floor.theta1, 0.2 * voxel);
-  by_hand.add_skeleton(with_floor(family, floor.theta2, floor.theta1));
+  by_hand.add_skeleton(skeleton, graph);
+  by_hand.add_family(with_floor(family, floor.theta2, floor.theta1));
   EXPECT_EQ(page.triangles(), by_hand.triangles());
   ASSERT_EQ(page.page.arrays.size(), by_hand.page.arrays.size());
   for (std::size_t a = 0; a < by_hand.page.arrays.size(); ++a) {
