@@ -6,6 +6,7 @@
 #include "base/text.h"
 #include "program.h"
 #include "quench/io.h"
+#include "quench/picture.h"
 #include "report.h"
 #include "shape_input.h"
 
@@ -19,20 +20,22 @@ struct Options {
   pipeline::RunOptions run;
   GraphFileOptions graph;
   std::size_t max_triangles = kPageTriangles;
-  bool no_view = false;
+  bool no_view = false, no_picture = false;
   std::string folder;
 };
 
-/// The outputs of a run; `view` is empty where there is no page.
+/// The outputs of a run; `view` and `picture` are empty where there are none.
 struct Files {
-  explicit Files(const fs::path& folder, bool with_page)
+  explicit Files(const fs::path& folder, bool with_page, bool with_picture)
       : core(folder / "core.vtp"),
         skeleton(folder / "skeleton.vtp"),
         swc(folder / "skeleton.swc"),
         csv(folder / "branches.csv"),
         report(folder / "report.json"),
-        view(with_page ? folder / "view.html" : fs::path()) {}
-  fs::path core, skeleton, swc, csv, report, view;
+        view(with_page ? folder / "view.html" : fs::path()),
+        picture(with_picture ? folder / "picture.png" : fs::path()) {}
+  bool has_page() const { return !view.empty() || !picture.empty(); }
+  fs::path core, skeleton, swc, csv, report, view, picture;
 };
 
 /// The folder exists or can be created: told before a long computation, and created after it.
@@ -55,7 +58,8 @@ void check_outputs(const Options& o, const Files& files, const Session& session)
   check_folder(o.folder);
   std::error_code error;
   if (fs::exists(o.folder, error))
-    for (const fs::path& file : {files.core, files.skeleton, files.swc, files.csv, files.report, files.view})
+    for (const fs::path& file :
+         {files.core, files.skeleton, files.swc, files.csv, files.report, files.view, files.picture})
       if (!file.empty()) session.check_output(file, {o.shape.file});
   session.check_report({o.shape.file});
 }
@@ -83,10 +87,10 @@ Json report_of(const Options& o, const pipeline::LoadedShape& shape, const pipel
 }
 
 int run_pipeline(const Options& o, Session& session) {
-  const Files files(o.folder, !o.no_view && pipeline::has_page_program());
+  const Files files(o.folder, !o.no_view && pipeline::has_page_program(), !o.no_picture);
   check_outputs(o, files, session);
   ShapeOptions how = o.shape;
-  how.how.keep_mesh = !files.view.empty();
+  how.how.keep_mesh = files.has_page();
   pipeline::LoadedShape shape = load_shape(how, session);
   pipeline::PageBuilder builder(o.max_triangles);
   builder.page.command = session.options.command;
@@ -96,7 +100,8 @@ int run_pipeline(const Options& o, Session& session) {
 
   pipeline::RunOptions options = o.run;
   options.graph = o.graph.graph;
-  options.page = files.view.empty() ? nullptr : &builder;
+  options.page = files.has_page() ? &builder : nullptr;
+  options.page_sliders = !files.view.empty();
   std::size_t vertices = 0;
   options.on_core = [&](const pipeline::CoreResult& core) {
     vertices = core.axis.points.size();
@@ -113,10 +118,9 @@ int run_pipeline(const Options& o, Session& session) {
   write_graph(result.axis.graph, {files.swc, {}, files.csv}, o.graph,
               shape.surface ? Vec3(Vec3::Zero()) : shape.shape.grid().spacing, shape.coordinates, report, session);
   session.finished("write");
-  if (options.page) {
-    write_page(builder, files.view, report, outputs);
-  }
+  if (!files.view.empty()) write_page(builder, files.view, report, outputs);
   session.finished("page");
+  if (!files.picture.empty()) write_picture(builder.page, {}, files.picture, report, session);
   write_report(files.report.string(), report, session);
   write_report(outputs, report, session);
   say_written(session, files.core.string(), files.report.string(), result.core, shape);
@@ -124,7 +128,9 @@ int run_pipeline(const Options& o, Session& session) {
                           cells_text(pipeline::counts_of(result.axis.skeleton.skeleton.complex)),
                           base::counted(result.axis.graph.branches.size(), "branch", "branches"), files.swc.string(),
                           files.csv.string()));
-  if (options.page) session.say(fmt::format("{}: the interactive page; open it in a browser", files.view.string()));
+  if (!files.picture.empty()) session.say(fmt::format("{}: a picture of the skeleton", files.picture.string()));
+  if (!files.view.empty())
+    session.say(fmt::format("{}: the interactive page; open it in a browser", files.view.string()));
   return 0;
 }
 
@@ -138,9 +144,11 @@ Action add_run(CLI::App& app) {
   add_skeleton_options(app, o->run.skeleton, o->graph);
   add_page_options(app, o->max_triangles);
   app.add_flag("--no-view", o->no_view, "Do not write view.html, the interactive page")->group("Page");
-  app.add_option(
-         "-o,--output", o->folder,
-         "Folder for core.vtp, skeleton.vtp, skeleton.swc, branches.csv, report.json and view.html; created if absent")
+  app.add_flag("--no-picture", o->no_picture, "Do not write picture.png, a picture of the skeleton")->group("Page");
+  app.add_option("-o,--output", o->folder,
+                 "Folder for core.vtp, skeleton.vtp, skeleton.swc, branches.csv, report.json, picture.png and "
+                 "view.html; created "
+                 "if absent")
       ->type_name("DIR")
       ->required();
   return [o](Session& session) { return run_pipeline(*o, session); };

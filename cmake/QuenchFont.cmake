@@ -17,4 +17,6 @@ add_custom_command(OUTPUT ${embedded}
                    COMMENT "Embedding the font of pictures" VERBATIM)
 target_sources(quench PRIVATE ${embedded})
 set_source_files_properties(${embedded} PROPERTIES SKIP_PRECOMPILE_HEADERS ON)
-target_link_libraries(quench PRIVATE Freetype::Freetype)
+# Its headers are for one file only.
+set_source_files_properties(${PROJECT_SOURCE_DIR}/src/picture/canvas.cpp PROPERTIES INCLUDE_DIRECTORIES "${FREETYPE_INCLUDE_DIRS}")
+target_link_libraries(quench PRIVATE $<LINK_ONLY:Freetype::Freetype>)

@@ -44,18 +44,18 @@ class Writing {
   }
 
   void colour_bar(const std::string& measure, const ColourRange& range, bool curves) {
-    const double left = kEdge * unit_, top = height_ - (kEdge + 34) * unit_;
-    const double x0 = left + (range.least < range.low ? kArrow : 0) * unit_,
-                 length = (kBarWidth - 2 * kBarMargin) * unit_;
+    const double left = kEdge * unit_;
+    const double x0 = std::round(left + (range.least < range.low ? kArrow : 0) * unit_);
+    const double length = std::round((kBarWidth - 2 * kBarMargin) * unit_);
+    const double top = height_ - (kEdge + 34) * unit_;
     keys(left, height_ - kEdge * unit_, range, curves);
     if (!range.finite) return;
     const double lift = has_keys(range, curves) ? 20 * unit_ : 0, y = top - lift;
     const std::string unit = unit_of(page_, measure);
     canvas_.write(label_of(measure) + (unit.empty() ? "" : " (" + unit + ")"), 13 * unit_, {x0, y - 7 * unit_}, text_);
-    const int steps = static_cast<int>(length);
-    for (int i = 0; i < steps; ++i)
-      canvas_.fill_box({x0 + length * i / steps, y}, {x0 + length * (i + 1) / steps, y + kBarHeight * unit_},
-                       colour_at((i + 0.5) / steps));
+    const int first = static_cast<int>(x0), last = static_cast<int>(x0 + length);
+    for (int x = first; x < last; ++x)
+      canvas_.fill_box({x, y}, {x + 1, y + kBarHeight * unit_}, colour_at((x + 0.5 - first) / (last - first)));
     const bool flat = !(range.high > range.low);
     for (const double x : ticks(range.low, range.high, 5)) {
       const double at = x0 + (flat ? 0.5 : (x - range.low) / (range.high - range.low)) * length;
@@ -88,9 +88,9 @@ class Writing {
       Vec3 direction;
       std::uint32_t colour;
     };
-    std::array<Axis, 3> axes{{{"x", camera.turned(Vec3::UnitX()), 0xc8372d},
-                              {"y", camera.turned(Vec3::UnitY()), 0x2f8f3e},
-                              {"z", camera.turned(Vec3::UnitZ()), 0x2d62c8}}};
+    std::array<Axis, 3> axes{{{"x", camera.turned(Vec3::UnitX()), 0xd1495b},
+                              {"y", camera.turned(Vec3::UnitY()), 0x3a9a4b},
+                              {"z", camera.turned(Vec3::UnitZ()), 0x3d6fd0}}};
     // What points to the eye comes last.
     std::sort(axes.begin(), axes.end(), [](const Axis& a, const Axis& b) { return a.direction.z() < b.direction.z(); });
     const Point zero(width_ - (kEdge + 62) * unit_, height_ - (kEdge + 106) * unit_);
@@ -157,7 +157,8 @@ void write_captions(Picture& picture, const Page& page, const Scene& scene, cons
   Writing writing(picture, page, state.dark ? kDark : kLight, letter_unit(options));
   if (options.caption) {
     writing.lines();
-    writing.colour_bar(state.color, range, !scene.curves.empty() && !state.curves_by_measure && range.finite);
+    writing.colour_bar(state.color, range,
+                       !scene.curves.empty() && !state.curves_by_measure && scene.curve_parts.empty());
     writing.scale_bar(camera.per_pixel() / scene.placement.scale);
   }
   if (options.axes) writing.axes(camera);

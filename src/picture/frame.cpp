@@ -75,8 +75,13 @@ class Seen {
   std::size_t add(std::uint32_t id, int x, int y) {
     std::size_t i = 0;
     while (i < count_ && entries_[i].id != id) ++i;
-    if (i == count_) entries_[count_++] = {id, 0, 0, 0, {}};
     Entry& entry = entries_[i];
+    if (i == count_) {
+      ++count_;
+      entry.id = id;
+      entry.samples = 0;
+      entry.x = entry.y = 0;
+    }
     ++entry.samples;
     entry.x += x + 0.5;
     entry.y += y + 0.5;

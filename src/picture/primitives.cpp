@@ -27,6 +27,8 @@ std::vector<Vec3f> seen(const std::vector<Vec3f>& points, const Camera& camera) 
   return out;
 }
 
+Vec3f part_colour(std::uint32_t part) { return Light::linear(rgb(kParts[part % kParts.size()])); }
+
 /// Lines of dense sheets would cover them: the larger the share, the paler they are.
 float opacity_of_lines(std::size_t count, double width, double area, double per_pixel, float most) {
   if (!(area > 0)) return most;
@@ -62,6 +64,8 @@ Primitives::Primitives(const Scene& scene, const ViewState& state, const ColourR
       shape_normals_(crease_normals(shape_points_, scene.shape)),
       sheets_(fans(scene.sheets)),
       shape_(fans(scene.shape)) {
+  for (std::uint32_t f = 0; f < scene.sheets.size(); ++f)
+    polygon_.insert(polygon_.end(), std::max(2U, scene.sheets.offsets[f + 1] - scene.sheets.offsets[f]) - 2, f);
   const double per_pixel = camera.per_pixel() * unit;
   boundary_opacity_ = opacity_of_lines(scene.boundary.size(), 2 * kBoundaryWidth, scene.area, per_pixel, kBoundaryMost);
   seam_opacity_ = opacity_of_lines(scene.seams.size(), 2 * kSeamWidth, scene.area, per_pixel, kSeamMost);
@@ -150,7 +154,9 @@ Vec3f Primitives::colour_of_sheet(std::uint32_t id, double x, double y) const {
   const auto corners = triangle(id);
   const Vec3f w = TriangleSetup(projected(corners[0]), projected(corners[1]), projected(corners[2])).weights(x, y);
   Vec3f base;
-  if (sheet_plain_) {
+  if (!scene_.sheet_parts.empty()) {
+    base = part_colour(scene_.sheet_parts[polygon_[id]]);
+  } else if (sheet_plain_) {
     base = *sheet_plain_;
   } else {
     const auto value = [&](std::size_t i) { return scene_.values[scene_.sheets.corners[c[i]]]; };
@@ -169,7 +175,9 @@ Vec3f Primitives::colour_of_curve(std::uint32_t id, double x, double y) const {
   const double t = b.share(x, y);
   const auto share = static_cast<float>(t * b.depth_b / b.depth(t));  // along the bar, not on the screen
   Vec3f base;
-  if (curve_plain_) {
+  if (!scene_.curve_parts.empty()) {
+    base = part_colour(scene_.curve_parts[id - sheets_end_]);
+  } else if (curve_plain_) {
     base = *curve_plain_;
   } else {
     base = light_.colour_of(scene_.values[first] * (1 - share) + scene_.values[second] * share);
@@ -187,7 +195,7 @@ Vec3f Primitives::colour_of_point(std::uint32_t id, double x, double y) const {
   const BarSetup b = bar(id);
   const auto sx = static_cast<float>((x - b.a.x()) / b.half_a), sy = static_cast<float>((y - b.a.y()) / b.half_a);
   const Vec3f normal(sx, -sy, std::sqrt(std::max(0.0F, 1 - sx * sx - sy * sy)));
-  return light_.lit(curve_colour(ends(id)[0]), normal, Vec3f::UnitZ(), kBallGloss);
+  return light_.lit(point_colour(ends(id)[0]), normal, Vec3f::UnitZ(), kBallGloss);
 }
 
 Light::Glass Primitives::glass_at(std::uint32_t id, double x, double y) const {

@@ -36,7 +36,7 @@ class Primitives {
   std::array<std::uint32_t, 2> ends(std::uint32_t id) const;
   BarSetup bar(std::uint32_t id) const;
   bool is_before_eye(std::uint32_t v) const { return -points_[v].z() > near_; }
-  Vec3f curve_colour(std::uint32_t v) const {
+  Vec3f point_colour(std::uint32_t v) const {
     return curve_plain_ ? *curve_plain_ : light_.colour_of(scene_.values[v]);
   }
   Vec3f colour_of_sheet(std::uint32_t id, double x, double y) const;
@@ -54,6 +54,7 @@ class Primitives {
   std::vector<Vec3f> points_, shape_points_;        ///< before the eye
   std::vector<Vec3f> normals_, shape_normals_;      ///< per corner
   std::vector<Corners> sheets_, shape_;             ///< rows of corners
+  std::vector<std::uint32_t> polygon_;              ///< per triangle of the sheets
   std::uint32_t sheets_end_, curves_end_, points_end_, boundary_end_, lines_end_, shape_end_;
 };
 

@@ -112,14 +112,18 @@ void add_edges_of_sheets(Scene& scene) {
 }
 
 /// The skeleton that was asked for: polygons, and curves as branches.
-void add_skeleton_cells(const Page& page, Scene& scene) {
+void add_skeleton_cells(const Page& page, const ViewState& state, Scene& scene) {
   scene.sheets.offsets = values_or_none<std::uint32_t>(page, "skeleton/polygon_offsets");
   scene.sheets.corners = values_or_none<std::uint32_t>(page, "skeleton/polygon_corners");
   if (scene.sheets.offsets.empty()) scene.sheets.offsets = {0};
   const Indices& offsets = values_or_none<std::uint32_t>(page, "skeleton/branch_offsets");
   const Indices& along = values_or_none<std::uint32_t>(page, "skeleton/branch_points");
-  for (std::size_t b = 0; b + 1 < offsets.size(); ++b)
-    for (std::uint32_t i = offsets[b]; i + 1 < offsets[b + 1]; ++i) scene.curves.push_back({along[i], along[i + 1]});
+  for (std::uint32_t b = 0; b + 1 < offsets.size(); ++b)
+    for (std::uint32_t i = offsets[b]; i + 1 < offsets[b + 1]; ++i) {
+      scene.curves.push_back({along[i], along[i + 1]});
+      if (state.color == "branch") scene.curve_parts.push_back(b);
+    }
+  if (state.color == "sheet") scene.sheet_parts = values_or_none<std::uint32_t>(page, "skeleton/polygon_sheet");
   scene.isolated = values_or_none<std::uint32_t>(page, "skeleton/isolated");
   add_edges_of_sheets(scene);
 }
@@ -187,12 +191,12 @@ Scene scene_of(const Page& page, const ViewState& state) {
   require_points(scene.shape.corners, scene.shape_points.size(), "triangles");
   if (state.layer.empty()) return scene;
   scene.points = places(page, scene.placement, values_or_none<float>(page, state.layer + "/points"));
-  if (state.color != "none") {
+  if (page.find(state.layer + "/point/" + state.color)) {
     scene.values = values_or_none<float>(page, state.layer + "/point/" + state.color);
     for (float& x : scene.values) x = std::isnan(x) ? kCodeMissing : std::isfinite(x) ? x : kCodeInfinite;
   }
   if (state.layer == "skeleton")
-    add_skeleton_cells(page, scene);
+    add_skeleton_cells(page, state, scene);
   else
     LayerCells(page, state).add_to(scene);
   require_points(scene.sheets.corners, scene.points.size(), "polygons");

@@ -34,7 +34,8 @@ struct Scene {
   std::vector<float> values;  ///< per point, infinite and missing as their codes; empty: one colour
   Polygons sheets;
   std::vector<std::array<std::uint32_t, 2>> curves, boundary, seams;
-  std::vector<std::uint32_t> isolated;  ///< points without any cell
+  std::vector<std::uint32_t> sheet_parts, curve_parts;  ///< per polygon, per curve; empty unless they give the colour
+  std::vector<std::uint32_t> isolated;                  ///< points without any cell
   double area = 0, curve_length = 0;
   std::vector<Vec3f> shape_points;
   Polygons shape;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <array>
 #include <cstdint>
 #include <span>
@@ -64,6 +65,10 @@ inline constexpr std::array<std::uint32_t, 10> kViridis{0x46206f, 0x443a83, 0x35
 inline constexpr std::uint32_t kAccent = 0xf4511e;    ///< curves of one colour
 inline constexpr std::uint32_t kMissing = 0x8c8f94;   ///< no value
 inline constexpr std::uint32_t kInfinite = 0xcc79a7;  ///< no fire comes
+
+/// Parts that are told apart by their colour: each number has that of its remainder.
+inline constexpr std::array<std::uint32_t, 12> kParts{0x4e79a7, 0xf28e2b, 0x59a14f, 0xe15759, 0x76b7b2, 0xedc948,
+                                                      0xb07aa1, 0xff9da7, 0x9c755f, 0x2f9fd0, 0xa0cb50, 0x8064d0};
 
 /// What infinite and missing values are written as, so that between them and others they win.
 inline constexpr float kCodeInfinite = 1e30F, kCodeMissing = -1e30F, kCodeLimit = 1e20F;

@@ -21,7 +21,7 @@ void for_samples(const BarSetup& bar, const Box& box, const Sample& sample) {
 }  // namespace
 
 Box BarSetup::box() const {
-  constexpr double kFar = 1e6;
+  static constexpr double kFar = 1e6;
   const double reach = std::max(half_a, half_b) + 1;
   const Eigen::Vector2d low = a.cwiseMin(a + along), high = a.cwiseMax(a + along);
   const auto floor = [](double x) { return static_cast<int>(std::floor(std::clamp(x, -kFar, kFar))); };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The words of the interactive page (viewer/src/format.ts, measures.ts, ui/info.ts).
+// The words of the interactive page (viewer/src/format.ts, measures.ts, ui/caption.ts).
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -15,31 +15,26 @@ std::string with_unit(const std::string& text, const std::string& unit) {
   return unit.empty() ? text : unit == "°" ? text + unit : text + " " + unit;
 }
 
-std::string length_words(const Page& page, double length) { return with_unit(short_text(length), page.unit); }
-
-/// "detail = 0.36 mm (0.87 voxels)".
+/// "detail = 0.36 mm".
 std::string pruning_words(const Page& page, const std::string& measure, double threshold) {
-  std::string text =
-      fmt::format("{} = {}", label_of(measure), with_unit(short_text(threshold), unit_of(page, measure)));
-  if (page.voxel > 0 && unit_of(page, measure) != "°" && std::isfinite(threshold))
-    text += fmt::format(" ({} voxels)", short_text(threshold / page.voxel));
-  return text;
+  return fmt::format("{} = {}", label_of(measure), with_unit(short_text(threshold), unit_of(page, measure)));
 }
 
+/// "θ₂ = 0.03 mm · θ₁ = 0.02 mm · detail = 0.36 mm".
 std::string skeleton_words(const Page& page) {
-  const double theta2 = page.theta2.value_or(0), theta1 = page.theta1.value_or(0);
-  std::string text = std::isinf(theta2) ? "Skeleton: no sheets but closed pockets"
-                                        : "Skeleton: sheets of erosion thickness ≥ " + length_words(page, theta2);
-  text += std::isinf(theta1) ? ", curves only where topology needs them" : ", curves ≥ " + length_words(page, theta1);
-  if (page.pruning) text += "; " + pruning_words(page, page.pruning->measure, page.pruning->threshold);
-  return text;
+  const auto theta = [&](const char* name, const std::optional<double>& length) {
+    if (!length) return std::string();
+    return fmt::format("{} = {} · ", name, std::isinf(*length) ? "∞" : with_unit(short_text(*length), page.unit));
+  };
+  std::string text = theta("θ₂", page.theta2) + theta("θ₁", page.theta1);
+  if (page.pruning) return text + pruning_words(page, page.pruning->measure, page.pruning->threshold);
+  return text.substr(0, text.rfind(" · "));
 }
 
 }  // namespace
 
 std::string label_of(const std::string& measure) {
   if (measure == "lambda") return "λ";
-  if (measure == "curve_erosion_thickness") return "curve thickness";
   std::string label = measure;
   std::replace(label.begin(), label.end(), '_', ' ');
   return label;
@@ -95,10 +90,11 @@ std::vector<std::string> caption_of(const Page& page) {
     if (what == "shape") file = std::filesystem::path(name).filename().string();
   const ViewState state = view_state(page);
   std::vector<std::string> lines;
-  if (!file.empty()) lines.push_back(file);
+  lines.push_back(file);
   if (state.layer == "skeleton") lines.push_back(skeleton_words(page));
   if (state.layer == "core" && !state.measure.empty())
-    lines.push_back("Medial axis: pruned at " + pruning_words(page, state.measure, state.threshold));
+    lines.push_back(pruning_words(page, state.measure, state.threshold));
+  std::erase(lines, "");
   return lines;
 }
 
