@@ -68,7 +68,7 @@ std::string meta_of(const Page& page) {
   const auto put = [&](const char* name, const std::string& json) {
     members.push_back(fmt::format("{}: {}", json_string(name), json));
   };
-  put("format", "1");
+  put("format", "2");
   put("title", json_string(page.title));
   put("program", json_string(page.program));
   put("command", json_string(page.command));

@@ -4,8 +4,8 @@ import { Vector3 } from "three";
 import { ballsToDraw, shareInside } from "./balls";
 import { MAPS, textureOf } from "./colours";
 import { commandOf } from "./command";
-import { byMeasure, type LayerName, type Page } from "./data";
-import { rangeOf, type Range } from "./measures";
+import { byMeasure, type Layer, type LayerName, type Page } from "./data";
+import { CATEGORIES, rangeOf, type Range } from "./measures";
 import { pickVertex, touchingSites, type Ray } from "./pick";
 import { LayerView } from "./scene/layer_view";
 import { Marks } from "./scene/marks";
@@ -13,7 +13,7 @@ import { Placement } from "./scene/placement";
 import { ShapeView } from "./scene/shape_view";
 import { Stage } from "./scene/stage";
 import { LayerSets, type CellSet } from "./sets";
-import { sanitize, sheetSlider, type Camera, type State } from "./state";
+import { keyOf, layerOf, sanitize, type Camera, type State } from "./state";
 
 /// Figures of what is visible.
 export interface Numbers {
@@ -32,6 +32,7 @@ export interface Numbers {
 export interface Picked {
   layer: LayerName;
   vertex: number;
+  branch: number; ///< that the curve is of that was hit; -1: none
   position: [number, number, number];
   radius: number;
   measures: Record<string, number>;
@@ -49,6 +50,7 @@ export class App {
   readonly glass: ShapeView | null;
   picked: Picked | null = null;
   onChange: (numbers: Numbers) => void = () => {};
+  onDrawn: () => void = () => {};
   onShare: (text: string) => void = () => {};
   onPick: (picked: Picked | null) => void = () => {};
   private readonly layers = new Map<string, Shown>(); ///< by name; of the core one per measure it was pruned by
@@ -63,24 +65,29 @@ export class App {
     stage.add(this.marks.glass, true);
     this.glass = page.shape.points && page.shape.triangles ? new ShapeView(page.shape, this.placement, stage.shared, stage.depth) : null;
     if (this.glass) stage.add(this.glass.group, true);
-    stage.onFrame = () => this.update();
+    stage.onFrame = () => {
+      this.update();
+      this.onDrawn();
+    };
   }
 
   set(change: Partial<State>): void {
-    const before = this.state;
+    const before = this.state, key = this.key();
     const other = change.measure !== undefined && change.measure !== before.measure; // with a threshold of its own
     this.state = sanitize({ ...before, ...(other ? { threshold: NaN } : {}), ...change }, this.page);
     // A range belongs to its measure.
     if (before.color !== this.state.color && change.rangeLow === undefined && change.rangeHigh === undefined) this.state.rangeLow = this.state.rangeHigh = NaN;
-    if (before.layer !== this.state.layer) this.clearPick();
+    if (key !== this.key()) this.clearPick();
     this.stage.invalidate();
   }
 
   shown(): Shown {
     const key = this.key();
+    return this.layers.get(key) ?? this.ensure(key, byMeasure(layerOf(this.page, this.state), this.state.measure));
+  }
+  private ensure(key: string, layer: Layer): Shown {
     let shown = this.layers.get(key);
     if (!shown) {
-      const layer = byMeasure(this.page.layers.get(this.state.layer)!, this.state.measure);
       const sets = new LayerSets(layer);
       const view = new LayerView(layer, sets, this.placement, this.stage.shared);
       this.stage.add(view.group);
@@ -89,7 +96,17 @@ export class App {
     }
     return shown;
   }
-  private key(): string { return this.state.layer === "core" ? `core/${this.state.measure}` : this.state.layer; }
+  private key(): string { return this.state.layer === "core" ? `core/${this.state.measure}` : keyOf(this.page, this.state); }
+
+  /// The sets of a layer of the page, for sliders; null until there is time for them, after the first picture.
+  setsOf(name: "core" | "family"): LayerSets | null {
+    const key = name === "core" ? `core/${this.state.measure}` : name;
+    const layer = this.page.layers.get(name), known = this.layers.get(key)?.sets;
+    if (known || !layer || !this.slidersReady) return known ?? null;
+    return this.ensure(key, byMeasure(layer, this.state.measure)).sets;
+  }
+  /// Sliders show what they cut: that takes a while, and is done after the first picture.
+  slidersReady = false;
 
   /// The range of a measure of the layer shown.
   range(name = this.state.color): Range | null {
@@ -99,30 +116,29 @@ export class App {
     if (!range) {
       // Of a skeleton the range is that of what the page starts with: most of the family is noise near zero.
       range = rangeOf(values);
-      const first = this.state.layer === "skeleton" ? rangeOf(values, this.startingVertices(shown, name)) : range;
+      const asked = this.page.layers.get("skeleton");
+      const first = this.state.layer === "skeleton" && asked ? this.rangeAsked(asked, name) : range;
       if (first.finite > 0) range = { ...range, centralLow: first.centralLow, centralHigh: first.centralHigh };
       shown.ranges.set(name, range);
     }
     return range;
   }
 
-  /// Vertices of sheets and curves that are there before a slider is touched; of the measures of one, of it only.
-  private startingVertices({ sets }: Shown, measure: string): Uint8Array {
-    const { layer } = sets, { meta } = this.page, included = new Uint8Array(layer.vertexCount);
-    const set = sets.compute(meta.theta2 ?? 0, meta.theta1 ?? 0);
+  /// Of the skeleton that was asked for: a measure of sheets or of curves on these only.
+  private rangeAsked(layer: Layer, measure: string): Range {
+    const values = layer.measures.get(measure), { branches } = layer;
+    if (!values) return rangeOf(new Float32Array(0));
+    const included = new Uint8Array(layer.vertexCount);
     const curves = measure.startsWith("curve_"), sheets = measure === "erosion_thickness" || measure === "burn_time";
-    if (!sheets || set.faces === 0)
-      for (let i = 0; i < set.curves.count; ++i) for (const k of [0, 1]) included[layer.edges[2 * set.curves.edge[i]! + k]!] = 1;
-    if (!curves || set.curves.count === 0)
-      for (let i = 0; i < layer.offsets[set.faces]!; ++i) included[layer.corners[i]!] = 1;
-    sets.compute(this.state.theta2, this.state.theta1);
-    return included;
+    if (branches && (!sheets || layer.faceCount === 0)) for (const v of branches.points) included[v] = 1;
+    if (!curves || !branches) for (const v of layer.corners) included[v] = 1;
+    return rangeOf(values, included);
   }
 
   /// The range of colours: as set, else nearly all values, from zero where that is near.
   colourRange(): [number, number] {
     const range = this.range();
-    if (!range || range.finite === 0) return [0, 1];
+    if (!range || range.finite === 0 || CATEGORIES.includes(this.state.color)) return [0, 1];
     let low = range.centralLow > 0 && range.centralLow < 0.3 * range.centralHigh ? 0 : range.centralLow, high = range.centralHigh;
     if (!(high > low)) [low, high] = [range.low, range.high];
     return [Number.isFinite(this.state.rangeLow) ? this.state.rangeLow : low, Number.isFinite(this.state.rangeHigh) ? this.state.rangeHigh : high];
@@ -145,18 +161,19 @@ export class App {
     this.applied = s;
     const changed = (...keys: (keyof State)[]) => !old || keys.some((key) => !Object.is(old[key], s[key]));
     const shown = this.shown(), { view } = shown, shared = this.stage.shared;
-    const level = sheetSlider(s);
-    if (changed("layer", "measure", "theta1", ...(level ? [level] : []))) {
-      shown.sets.compute(level ? s[level] : 0, s.layer === "skeleton" ? s.theta1 : 0);
+    if (changed("layer", "measure", "theta1", "theta2", "threshold")) {
+      const family = keyOf(this.page, s) === "family";
+      shown.sets.compute(s.layer === "core" ? s.threshold : family ? s.theta2 : 0, family ? s.theta1 : 0);
       view.show(shown.set);
       this.ballsChanged();
     }
     if (changed("balls")) this.ballsChanged();
-    if (changed("layer", "measure")) for (const [key, other] of this.layers) other.view.group.visible = key === this.key();
-    if (changed("layer", "measure", "color")) view.colourBy(s.color);
-    if (changed("map")) {
+    for (const [key, other] of this.layers) other.view.group.visible = key === this.key();
+    view.colourBy(s.color);
+    view.pick(s.branch);
+    if (changed("map", "color")) {
       const image = shared.colourMap.value.image as unknown as { data: Uint8Array };
-      image.data.set(textureOf(s.map));
+      image.data.set(textureOf(s.map, CATEGORIES.includes(s.color)));
       shared.colourMap.value.needsUpdate = true;
     }
     shared.range.value.set(...this.colourRange());
@@ -238,12 +255,12 @@ export class App {
     };
     const { sets, set, view } = this.shown(), plane = this.stage.shared.clipPlane.value;
     const keep = s.clip ? (a: number, b: number, c: number) => plane.x * a + plane.y * b + plane.z * c + plane.w <= 0 : () => true;
-    const vertex = pickVertex(ray, view.places, 4, sets, set, s.sheets, s.curves, keep);
-    if (vertex === null) this.clearPick();
-    else this.pick(vertex);
+    const hit = pickVertex(ray, view.places, 4, sets, set, s.sheets, s.curves, keep);
+    if (hit === null) this.clearPick();
+    else this.pick(hit.vertex, this.state.layer, hit.edge < 0 ? -1 : (sets.layer.edgeBranch?.[hit.edge] ?? -1));
   }
 
-  pick(vertex: number, name = this.state.layer): Picked {
+  pick(vertex: number, name = this.state.layer, branch = -1): Picked {
     if (name !== this.state.layer) this.set({ layer: name });
     const { sets } = this.shown(), { layer } = sets;
     if (!(Number.isInteger(vertex) && vertex >= 0 && vertex < layer.vertexCount)) throw new RangeError(`There is no vertex ${vertex}.`);
@@ -253,15 +270,23 @@ export class App {
     for (const [measure, values] of layer.measures) measures[measure] = values[vertex]!;
     const radius = measures.radius ?? NaN;
     const touching = touchingSites(this.page.meta, this.page.shape, position, radius);
-    this.picked = { layer: name, vertex, position, radius, measures, touching };
+    this.picked = { layer: name, vertex, branch, position, radius, measures, touching };
+    this.set({ branch });
     this.marks.show(this.placement.toScene(position), Number.isFinite(radius) ? radius * this.placement.scale : 0, touching.map((p) => this.placement.toScene(p)), this.stage.pixelRatio);
     this.onPick(this.picked);
     this.stage.invalidate();
     return this.picked;
   }
 
+  /// A branch by its number, as a row of the table; -1: none.
+  pickBranch(branch: number): void {
+    this.clearPick();
+    this.set({ branch });
+  }
+
   clearPick(): void {
-    if (!this.picked) return;
+    this.state = { ...this.state, branch: -1 };
+    if (!this.picked) return this.stage.invalidate();
     this.picked = null;
     this.marks.clear();
     this.onPick(null);

@@ -18,6 +18,9 @@ export const MAPS: Record<string, ColourMap> = {
   diverging: { label: "blue – red", stops: ["2166ac", "4393c3", "92c5de", "d1e5f0", "f2f2f2", "fddbc7", "f4a582", "d6604d", "b2182b"], accent: "2f2f35" },
 };
 
+/// Of parts that are told apart by their colour: a number has the colour of its remainder (shaders.ts).
+export const CATEGORICAL = ["4e79a7", "f28e2b", "59a14f", "e15759", "76b7b2", "edc948", "b07aa1", "ff9da7", "9c755f", "2f9fd0", "a0cb50", "8064d0"];
+
 export const GREY: Rgb = rgb("8c8f94"); ///< no value
 export const INFINITE: Rgb = rgb("cc79a7"); ///< no fire comes
 
@@ -40,10 +43,10 @@ export function colourAt(map: string, t: number): Rgb {
 }
 
 /// 256 texels, RGBA.
-export function textureOf(map: string): Uint8Array<ArrayBuffer> {
+export function textureOf(map: string, parts = false): Uint8Array<ArrayBuffer> {
   const texels = new Uint8Array(256 * 4);
   for (let i = 0; i < 256; ++i) {
-    const c = colourAt(map, i / 255);
+    const c = parts ? rgb(CATEGORICAL[Math.floor((i / 256) * CATEGORICAL.length)]!) : colourAt(map, i / 255);
     for (let k = 0; k < 3; ++k) texels[4 * i + k] = Math.round(255 * c[k]!);
     texels[4 * i + 3] = 255;
   }

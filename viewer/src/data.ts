@@ -4,10 +4,12 @@
 
 export class PageError extends Error {}
 
-export const FORMAT = 1;
+export const FORMAT = 2;
 
+/// What can be shown. A skeleton is that which was asked for, or, for other thetas, one of its family.
 export type LayerName = "core" | "skeleton" | "still";
-export const LAYER_NAMES: LayerName[] = ["skeleton", "core", "still"];
+export type LayerKey = LayerName | "family";
+export const LAYER_KEYS: LayerKey[] = ["skeleton", "family", "core", "still"];
 
 export interface ArrayEntry {
   name: string;
@@ -53,7 +55,7 @@ export interface Levels { face: Float32Array; edge: Float32Array; vertex: Float3
 
 /// A cell complex with levels; the arrays are views of the page's data.
 export interface Layer {
-  name: LayerName;
+  name: LayerKey;
   points: Float32Array;
   vertexCount: number;
   faceCount: number;
@@ -72,6 +74,27 @@ export interface Layer {
   /// Vertices that are never pruned: the medial points.
   medialPoints: Uint32Array | null;
   measures: Map<string, Float32Array>;
+  /// Per corner of a polygon, of `family`: fragments below theta2 are not drawn.
+  cornerLevel: Float32Array | null;
+  /// Per face and per edge (-1: none), of `skeleton`.
+  sheet: Uint32Array | null;
+  edgeBranch: Int32Array | null;
+  branches: Branches | null;
+}
+
+export const BRANCH_MEASURES = ["length", "mean_radius", "min_radius", "max_radius", "thickness", "tortuosity"] as const;
+export type BranchMeasure = (typeof BRANCH_MEASURES)[number];
+export const NODE_KINDS = ["end", "junction", "sheet", "loop", "isolated"];
+
+/// The curves of a skeleton from node to node.
+export interface Branches {
+  count: number;
+  offsets: Uint32Array;
+  points: Uint32Array; ///< vertices along each
+  measures: Record<BranchMeasure, Float32Array>;
+  nodes: Uint32Array; ///< two of each
+  nodePoints: Uint32Array;
+  nodeKinds: Uint8Array;
 }
 
 export interface Shape {
@@ -83,7 +106,7 @@ export interface Shape {
 
 export interface Page {
   meta: Meta;
-  layers: Map<LayerName, Layer>;
+  layers: Map<LayerKey, Layer>;
   shape: Shape;
 }
 
@@ -223,9 +246,9 @@ export function assemble(meta: Meta, bytes: Uint8Array): Page {
     if (!(found instanceof type)) throw new PageError(`The array ${name} of this page has an unexpected type; write the page anew.`);
     return found as T;
   };
-  const layers = new Map<LayerName, Layer>();
-  for (const name of LAYER_NAMES) {
-    const layer = readLayer(name, find, meta);
+  const layers = new Map<LayerKey, Layer>();
+  for (const name of LAYER_KEYS) {
+    const layer = name === "skeleton" ? readSkeleton(find, meta) : readLayer(name, find, meta);
     if (layer) layers.set(name, layer);
   }
   const shape: Shape = {
@@ -239,7 +262,9 @@ export function assemble(meta: Meta, bytes: Uint8Array): Page {
   return { meta, layers, shape };
 }
 
-function readLayer(name: LayerName, find: <T extends Numbers>(name: string, type: new (n: number) => T) => T | null, meta: Meta): Layer | null {
+type Find = <T extends Numbers>(name: string, type: new (n: number) => T) => T | null;
+
+function readLayer(name: LayerKey, find: Find, meta: Meta): Layer | null {
   const points = find(`${name}/points`, Float32Array);
   if (!points || points.length === 0) return null;
   const vertexCount = points.length / 3;
@@ -293,7 +318,87 @@ function readLayer(name: LayerName, find: <T extends Numbers>(name: string, type
     edgeLevel: sized("edge_level", edgeCount, levels && edgeCount > 0),
     vertexLevel: sized("vertex_level", vertexCount, levels),
     otherLevels, curveEdges, curveThickness, medialPoints, measures,
+    cornerLevel: sized("corner_level", corners.length, false), sheet: null, edgeBranch: null, branches: null,
   };
+}
+
+/// The skeleton that was asked for: the sides of its polygons are found here, the segments of its branches are edges.
+function readSkeleton(find: Find, meta: Meta): Layer | null {
+  const points = find("skeleton/points", Float32Array);
+  if (!points || points.length === 0) return null;
+  const vertexCount = points.length / 3;
+  if (!Number.isInteger(vertexCount) || points.some((x) => !Number.isFinite(x))) throw new PageError("Coordinates of the skeleton are not numbers; the result this page shows is damaged.");
+  const needed = <T extends Numbers>(array: string, type: new (n: number) => T): T => {
+    const found = find(`skeleton/${array}`, type);
+    if (!found) throw new PageError(`The array skeleton/${array} is missing in this page; write it anew.`);
+    return found;
+  };
+  const ranges = (array: string, end: number) => {
+    const offsets = needed(array, Uint32Array);
+    for (let i = 0; i + 1 < offsets.length; ++i) if (offsets[i + 1]! < offsets[i]!) throw new PageError(`skeleton/${array} of this page does not increase; the page is damaged.`);
+    if (offsets.length === 0 || offsets[offsets.length - 1] !== end) throw new PageError(`skeleton/${array} of this page does not end where it should; the page is damaged.`);
+    return offsets;
+  };
+  const corners = needed("polygon_corners", Uint32Array), offsets = ranges("polygon_offsets", corners.length), faceCount = offsets.length - 1;
+  const along = needed("branch_points", Uint32Array), branchOffsets = ranges("branch_offsets", along.length), branchCount = branchOffsets.length - 1;
+  const nodes = needed("branch_nodes", Uint32Array), nodePoints = needed("node_points", Uint32Array), nodeKinds = needed("node_kind", Uint8Array);
+  below(corners, vertexCount, "skeleton/polygon_corners");
+  below(along, vertexCount, "skeleton/branch_points");
+  below(nodes, nodePoints.length, "skeleton/branch_nodes");
+  below(nodePoints, vertexCount, "skeleton/node_points");
+  const sized = (array: string, count: number) => {
+    const found = needed(array, Float32Array);
+    if (found.length !== count) throw new PageError(`skeleton/${array} of this page has ${found.length} values for ${count}; the page is damaged.`);
+    return found;
+  };
+  const { sides, edges } = sidesOf(offsets, corners);
+  const branchEdges: number[] = [];
+  for (let b = 0; b < branchCount; ++b)
+    for (let i = branchOffsets[b]! + 1; i < branchOffsets[b + 1]!; ++i) branchEdges.push(along[i - 1]!, along[i]!, b);
+  const first = edges.length / 2, lone = branchEdges.length / 3, all = new Uint32Array(2 * (first + lone));
+  all.set(edges);
+  const edgeBranch = new Int32Array(first + lone).fill(-1);
+  for (let i = 0; i < lone; ++i) {
+    all[2 * (first + i)] = branchEdges[3 * i]!;
+    all[2 * (first + i) + 1] = branchEdges[3 * i + 1]!;
+    edgeBranch[first + i] = branchEdges[3 * i + 2]!;
+  }
+  const measures = new Map<string, Float32Array>(), prefix = "skeleton/point/";
+  for (const a of meta.arrays) if (a.name.startsWith(prefix)) measures.set(a.name.slice(prefix.length), sized(`point/${a.name.slice(prefix.length)}`, vertexCount));
+  const ofBranches = Object.fromEntries(BRANCH_MEASURES.map((name) => [name, sized(`branch/${name}`, branchCount)])) as Record<BranchMeasure, Float32Array>;
+  return {
+    name: "skeleton", points, vertexCount, faceCount, edgeCount: first + lone, offsets, corners, sides, edges: all, faceLevel: null, edgeLevel: null, vertexLevel: null,
+    otherLevels: new Map(), curveEdges: null, curveThickness: null, medialPoints: null, measures, cornerLevel: null, sheet: needed("polygon_sheet", Uint32Array), edgeBranch,
+    branches: branchCount > 0 ? { count: branchCount, offsets: branchOffsets, points: along, measures: ofBranches, nodes, nodePoints, nodeKinds } : null,
+  };
+}
+
+/// The sides of polygons as edges, each once, in the order in which they come around the polygons.
+export function sidesOf(offsets: Uint32Array, corners: Uint32Array): { sides: Uint32Array; edges: Uint32Array } {
+  const sides = new Uint32Array(corners.length), ends = new Uint32Array(2 * corners.length);
+  let size = 16, count = 0;
+  while (size < 2 * corners.length) size *= 2;
+  const table = new Int32Array(size).fill(-1); // open addressing
+  for (let f = 0; f + 1 < offsets.length; ++f)
+    for (let i = offsets[f]!, end = offsets[f + 1]!; i < end; ++i) {
+      const u = corners[i]!, v = corners[i + 1 < end ? i + 1 : offsets[f]!]!, a = Math.min(u, v), b = Math.max(u, v);
+      let at = (Math.imul(a, 0x9e3779b1) ^ Math.imul(b, 0x85ebca6b)) >>> 0;
+      for (at = (at ^ (at >>> 15)) & (size - 1); ; at = (at + 1) & (size - 1)) {
+        const e = table[at]!;
+        if (e < 0) {
+          table[at] = count;
+          ends[2 * count] = a;
+          ends[2 * count + 1] = b;
+          sides[i] = count++;
+          break;
+        }
+        if (ends[2 * e] === a && ends[2 * e + 1] === b) {
+          sides[i] = e;
+          break;
+        }
+      }
+    }
+  return { sides, edges: ends.slice(0, 2 * count) };
 }
 
 /// The layer with the levels by another measure, and its faces in decreasing order of them.

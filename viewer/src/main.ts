@@ -6,7 +6,9 @@ import { MAPS, rgb, type Rgb } from "./colours";
 import { PageError, readPage, type Page } from "./data";
 import { Stage } from "./scene/stage";
 import { defaults, fromHash, sanitize, toHash, type State } from "./state";
+import { BranchTable } from "./ui/branches";
 import { Burner } from "./ui/burner";
+import { Caption } from "./ui/caption";
 import { ColourBar } from "./ui/colour_bar";
 import { el } from "./ui/dom";
 import { Help } from "./ui/help";
@@ -21,6 +23,7 @@ interface Quench {
   set(change: Partial<State>): void;
   sets(): Numbers;
   pick(vertex: number): Picked;
+  branches(): string; ///< the table, as CSV
 }
 declare global { interface Window { quench: Quench } }
 
@@ -40,7 +43,7 @@ function fail(error: unknown): void {
 }
 
 const none = () => { throw new PageError(window.quench.error ?? "The page is not ready."); };
-window.quench = { ready: false, error: null, state: null, set: none, sets: none, pick: none };
+window.quench = { ready: false, error: null, state: null, set: none, sets: none, pick: none, branches: none };
 
 async function start(): Promise<void> {
   try {
@@ -72,12 +75,14 @@ function run(page: Page): void {
   const app = new App(page, stage, first.state);
   const help = new Help();
   const burner = new Burner(app);
-  const info = new Info(page, () => help.toggle());
+  const table = new BranchTable(app);
+  const caption = new Caption(app);
+  const info = new Info(page, table, () => help.toggle());
   const bar = new ColourBar();
   const side = el("aside", "side");
   const screenshot = () => {
     const link = el("a");
-    link.href = stage.picture();
+    link.href = caption.picture(bar.figure());
     link.download = `${page.meta.title.replace(/[^\w.-]+/g, "_") || "quench"}.png`;
     link.click();
   };
@@ -87,8 +92,8 @@ function run(page: Page): void {
   };
   const panel = new Panel(app, side, burner, { screenshot, reset });
   const left = el("div", "left", info.element, bar.element);
-  root.append(left, side, info.command, help.element);
-  info.onClearPick = () => app.clearPick();
+  root.append(caption.canvas, left, table.element, side, info.command, help.element);
+  info.onClearPick = () => app.pickBranch(-1);
 
   const theme = () => {
     const s = app.state;
@@ -96,10 +101,12 @@ function run(page: Page): void {
     document.documentElement.style.setProperty("--accent", s.dark ? "#5bb7c5" : "#1f7f8c");
     root.classList.toggle("bare", !s.ui);
   };
-  const layout = () => {
-    const wide = window.innerWidth >= 900 && app.state.ui;
-    stage.resize(window.innerWidth, window.innerHeight, wide ? { left: 290, right: 316, top: 20, bottom: 60 } : app.state.ui ? { left: 8, right: 8, top: 56, bottom: 150 } : { left: 20, right: 20, top: 16, bottom: 16 });
+  const insets = () => {
+    const { ui, table: rows } = app.state, tall = rows && page.layers.get("skeleton")?.branches ? Math.round(0.36 * window.innerHeight) : 0;
+    if (!ui) return { left: 20, right: 20, top: 36, bottom: 16 };
+    return window.innerWidth >= 900 ? { left: 290, right: 316, top: 20, bottom: 60 + tall } : { left: 8, right: 8, top: 56, bottom: Math.max(150, 8 + tall) };
   };
+  const layout = () => stage.resize(window.innerWidth, window.innerHeight, insets());
 
   let hashTimer = 0;
   const remember = () => {
@@ -110,15 +117,17 @@ function run(page: Page): void {
     }, 250);
   };
 
-  let ui = app.state.ui;
+  let shape = `${app.state.ui}${app.state.table}`;
   app.onChange = (numbers) => {
     const s = app.state;
     theme();
-    if (ui !== s.ui) {
-      ui = s.ui;
+    if (shape !== `${s.ui}${s.table}`) {
+      shape = `${s.ui}${s.table}`;
       layout();
     }
     info.show(s, numbers, app.command());
+    info.showBranch(s.branch);
+    table.show();
     panel.show();
     burner.show();
     const extra: [string, Rgb][] = [];
@@ -127,6 +136,7 @@ function run(page: Page): void {
     bar.show(s.color, page.meta.unit, s.map, ...app.colourRange(), app.range(), extra);
     remember();
   };
+  app.onDrawn = () => caption.show(insets());
   app.onShare = (text) => info.showShare(text);
   app.onPick = (picked) => info.showPicked(picked);
 
@@ -163,8 +173,13 @@ function run(page: Page): void {
   window.quench.set = (change) => { app.set(change); };
   window.quench.sets = () => { app.update(); return app.numbers(); };
   window.quench.pick = (vertex) => app.pick(vertex);
+  window.quench.branches = () => table.csv();
   document.title = page.meta.title;
   window.quench.ready = true;
+  setTimeout(() => {
+    app.slidersReady = true;
+    panel.show();
+  }, 0);
 }
 
 if (document.readyState === "loading") document.addEventListener("DOMContentLoaded", () => void start());

@@ -15,7 +15,7 @@ export const MEASURES: Record<string, Measure> = {
   erosion_thickness: { label: "erosion thickness", help: "Burn time − radius: how much longer a place lasts than its radius." },
   object_angle: { label: "object angle", help: "Angle between the nearest boundary points, seen from here.", unit: "°" },
   curve_burn_time: { label: "curve burn time", help: "When the fire along the curves comes by." },
-  curve_erosion_thickness: { label: "curve thickness", help: "Burn time on the curves − on the sheets." },
+  curve_erosion_thickness: { label: "curve erosion thickness", help: "Curve burn time − burn time: how much longer a curve lasts than its sheets." },
 };
 
 /// Of a measure: lengths but for what says otherwise.
@@ -36,6 +36,8 @@ export function pruningText({ pruning, unit, voxel }: Meta): string {
 export const infinityOf = (name: string): string => MEASURES[name]?.infinite ?? "infinite: no fire comes";
 
 export const UNIFORM = "none";
+/// Numbers of parts, not measures: each has a colour of its own.
+export const CATEGORIES = ["sheet", "branch"];
 
 export function labelOf(name: string): string {
   if (name === UNIFORM) return "one colour";
@@ -74,5 +76,5 @@ export function rangeOf(values: Float32Array, included: Uint8Array | null = null
 /// The measures a layer can be coloured by, in a fixed order, unknown ones last.
 export function measuresOf(layer: Layer): string[] {
   const known = Object.keys(MEASURES).filter((name) => layer.measures.has(name));
-  return [...known, ...[...layer.measures.keys()].filter((name) => !known.includes(name))];
+  return [...known, ...[...layer.measures.keys()].filter((name) => !known.includes(name)), ...CATEGORIES.filter((name) => (name === "sheet" ? layer.sheet && layer.faceCount > 0 : layer.branches))];
 }

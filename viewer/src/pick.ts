@@ -11,11 +11,14 @@ export interface Ray {
   width: number;
 }
 
+/// What is hit: its nearest vertex, and the edge where it is a curve (else -1).
+export interface Hit { vertex: number; edge: number }
+
 /// Coordinates of the layer with `stride` numbers per vertex, in the units of the ray. `keep` says what is not cut away.
-export function pickVertex(ray: Ray, places: Float32Array, stride: number, sets: LayerSets, set: CellSet, sheets: boolean, curves: boolean, keep: (x: number, y: number, z: number) => boolean): number | null {
+export function pickVertex(ray: Ray, places: Float32Array, stride: number, sets: LayerSets, set: CellSet, sheets: boolean, curves: boolean, keep: (x: number, y: number, z: number) => boolean): Hit | null {
   const { offsets, corners, edges } = sets.layer;
   const [ox, oy, oz] = ray.origin, [dx, dy, dz] = ray.direction;
-  let best = Infinity, vertex: number | null = null;
+  let best = Infinity, hit: Hit | null = null;
   const nearest = (candidates: Iterable<number>, x: number, y: number, z: number) => {
     let least = Infinity, found = 0;
     for (const v of candidates) {
@@ -46,17 +49,17 @@ export function pickVertex(ray: Ray, places: Float32Array, stride: number, sets:
         const x = ox + t * dx, y = oy + t * dy, z = oz + t * dz;
         if (!keep(x, y, z)) continue;
         best = t;
-        vertex = nearest(corners.subarray(begin, end), x, y, z);
+        hit = { vertex: nearest(corners.subarray(begin, end), x, y, z), edge: -1 };
       }
     }
   // Curves are drawn thick: near is enough, and they win over a sheet they lie on.
-  const offer = (x: number, y: number, z: number, candidates: Iterable<number>) => {
+  const offer = (x: number, y: number, z: number, candidates: Iterable<number>, edge: number) => {
     const t = (x - ox) * dx + (y - oy) * dy + (z - oz) * dz;
     const tolerance = ray.width + ray.spread * t;
     if (!(t > 0) || t - 2 * tolerance >= best || !keep(x, y, z)) return;
     if (Math.hypot(x - ox - t * dx, y - oy - t * dy, z - oz - t * dz) > tolerance) return;
     best = t;
-    vertex = nearest(candidates, x, y, z);
+    hit = { vertex: nearest(candidates, x, y, z), edge };
   };
   if (curves) {
     const lists = [set.curves];
@@ -71,14 +74,14 @@ export function pickVertex(ray: Ray, places: Float32Array, stride: number, sets:
         const across = size - along * along;
         let s = across > 1e-12 * size ? (ux * wx + uy * wy + uz * wz - along * (dx * wx + dy * wy + dz * wz)) / across : 0.5;
         s = Math.min(1, Math.max(0, s));
-        offer(ax + s * ux, ay + s * uy, az + s * uz, [a, b]);
+        offer(ax + s * ux, ay + s * uy, az + s * uz, [a, b], list.edge[i]!);
       }
     for (let i = 0; i < set.isolated.count; ++i) {
       const v = set.isolated.vertex[i]!;
-      offer(places[stride * v]!, places[stride * v + 1]!, places[stride * v + 2]!, [v]);
+      offer(places[stride * v]!, places[stride * v + 1]!, places[stride * v + 2]!, [v], -1);
     }
   }
-  return vertex;
+  return hit;
 }
 
 /// World positions of the boundary sites a ball touches: at most a hundred-thousandth of the radius farther, and as far

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Everything a view consists of, and its form in the address (FORMAT.md, "State in the address").
-import type { LayerName, Meta, Page } from "./data";
+import type { Layer, LayerKey, LayerName, Meta, Page } from "./data";
 import { decimalOf, exact, floor32, parseLength } from "./format";
 import { measuresOf, UNIFORM } from "./measures";
 
@@ -16,6 +16,24 @@ export type SheetSlider = "threshold" | "theta2";
 export function sheetSlider(state: State): SheetSlider | null {
   return state.layer === "core" ? "threshold" : state.layer === "skeleton" ? "theta2" : null;
 }
+
+/// The thetas of the skeleton that was asked for.
+export function askedThetas({ theta2, theta1 }: Meta): [number, number] { return [floor32(theta2 ?? 0), floor32(theta1 ?? 0)]; }
+
+export function isAsked(page: Page, state: State): boolean {
+  const [theta2, theta1] = askedThetas(page.meta);
+  return state.theta2 === theta2 && state.theta1 === theta1;
+}
+
+export const hasLayer = (page: Page, name: LayerName): boolean => page.layers.has(name) || (name === "skeleton" && page.layers.has("family"));
+
+/// Which layer of the page shows a state: the skeleton that was asked for where the sliders stand there, else its family.
+export function keyOf(page: Page, state: State): LayerKey {
+  const { layers } = page;
+  if (state.layer !== "skeleton" || !layers.has("family")) return state.layer;
+  return layers.has("skeleton") && isAsked(page, state) ? "skeleton" : "family";
+}
+export const layerOf = (page: Page, state: State): Layer => page.layers.get(keyOf(page, state))!;
 
 export type Axis = "x" | "y" | "z" | "view";
 
@@ -34,6 +52,8 @@ export interface State {
   curves: boolean;
   seams: boolean;
   boundary: boolean;
+  branch: number; ///< that is picked; -1: none
+  table: boolean; ///< of the branches
   points: boolean;
   curvesByMeasure: boolean;
   curveWidth: number; ///< pixels
@@ -48,16 +68,18 @@ export interface State {
   time: number; ///< world units; what burns before is gone
   burnHides: boolean;
   orthographic: boolean;
+  axes: boolean;
+  caption: boolean;
   dark: boolean;
   ui: boolean;
 }
 
 export function defaultLayer(page: Page): LayerName {
-  return page.layers.has("skeleton") ? "skeleton" : page.layers.has("core") ? "core" : "still";
+  return hasLayer(page, "skeleton") ? "skeleton" : page.layers.has("core") ? "core" : "still";
 }
 
-export function defaultColor(page: Page, name: LayerName): string {
-  const names = measuresOf(page.layers.get(name)!);
+export function defaultColor(layer: Layer): string {
+  const names = measuresOf(layer);
   for (const wanted of ["erosion_thickness", "radius", "lambda"]) if (names.includes(wanted)) return wanted;
   return names[0] ?? UNIFORM;
 }
@@ -77,15 +99,17 @@ export function defaults(page: Page, dark: boolean): State {
   const { meta } = page;
   const layer = defaultLayer(page);
   // Without sheets the curves carry the colours.
-  const pure = layer === "skeleton" && meta.theta2 === Infinity && page.layers.get(layer)!.measures.has("radius");
+  const first = page.layers.get(layer) ?? page.layers.get("family")!;
+  const pure = layer === "skeleton" && meta.theta2 === Infinity && first.measures.has("radius");
+  const [theta2, theta1] = askedThetas(meta);
   const measure = startingMeasure(meta);
   const state: State = {
     layer,
     measure,
     threshold: startingThreshold(meta, measure),
-    theta2: Math.max(meta.theta2 ?? 0, meta.floor.theta2),
-    theta1: Math.max(meta.theta1 ?? 0, meta.floor.theta1),
-    color: pure ? "radius" : defaultColor(page, layer),
+    theta2,
+    theta1,
+    color: pure ? "radius" : defaultColor(first),
     map: "viridis",
     rangeLow: NaN,
     rangeHigh: NaN,
@@ -93,6 +117,8 @@ export function defaults(page: Page, dark: boolean): State {
     curves: true,
     seams: true,
     boundary: true,
+    branch: -1,
+    table: false,
     points: true,
     curvesByMeasure: pure,
     curveWidth: curvesAtStart(page) > 12 * meta.side ? 3 : 5,
@@ -107,6 +133,8 @@ export function defaults(page: Page, dark: boolean): State {
     time: 0,
     burnHides: false,
     orthographic: false,
+    axes: false,
+    caption: true,
     dark,
     ui: true,
   };
@@ -115,23 +143,14 @@ export function defaults(page: Page, dark: boolean): State {
 
 /// About the length of the curves the page starts with: many are drawn thinner.
 function curvesAtStart(page: Page): number {
-  const layer = page.layers.get("skeleton");
-  let sum = 0;
-  if (!layer?.curveEdges || !layer.curveThickness) return sum;
-  const { points, edges } = layer;
-  for (let i = 0; i < layer.curveEdges.length; ++i) {
-    if (layer.curveThickness[i]! < (page.meta.theta1 ?? 0)) continue;
-    const a = 3 * edges[2 * layer.curveEdges[i]!]!, b = 3 * edges[2 * layer.curveEdges[i]! + 1]!;
-    sum += Math.hypot(points[a]! - points[b]!, points[a + 1]! - points[b + 1]!, points[a + 2]! - points[b + 2]!);
-  }
-  return sum;
+  const lengths = page.layers.get("skeleton")?.branches?.measures.length;
+  return lengths ? lengths.reduce((sum, x) => sum + x, 0) : 0;
 }
 
 /// What makes no sense (a layer or array that is not there, a length below the floor) is put right.
 export function sanitize(state: State, page: Page): State {
   const s = { ...state };
-  if (!page.layers.has(s.layer)) s.layer = defaultLayer(page);
-  if (s.color !== UNIFORM && !page.layers.get(s.layer)!.measures.has(s.color)) s.color = defaultColor(page, s.layer);
+  if (!hasLayer(page, s.layer)) s.layer = defaultLayer(page);
   const length = (x: number, floor: number) => floor32(Number.isNaN(x) ? floor : Math.max(x, floor));
   if (!page.meta.measures.some((m) => m.name === s.measure)) {
     s.measure = startingMeasure(page.meta);
@@ -139,8 +158,17 @@ export function sanitize(state: State, page: Page): State {
   }
   if (Number.isNaN(s.threshold)) s.threshold = startingThreshold(page.meta, s.measure);
   s.threshold = length(s.threshold, page.meta.measures.find((m) => m.name === s.measure)?.floor ?? 0);
-  s.theta2 = length(s.theta2, page.meta.floor.theta2);
-  s.theta1 = length(s.theta1, page.meta.floor.theta1);
+  s.theta2 = length(s.theta2, 0);
+  s.theta1 = length(s.theta1, 0);
+  if (page.layers.has("skeleton") && !page.layers.has("family")) [s.theta2, s.theta1] = askedThetas(page.meta);
+  else if (!page.layers.has("skeleton") || !isAsked(page, s)) {
+    s.theta2 = length(s.theta2, page.meta.floor.theta2);
+    s.theta1 = length(s.theta1, page.meta.floor.theta1);
+  }
+  const layer = layerOf(page, s);
+  const known = s.color === UNIFORM || measuresOf(page.layers.get(s.layer) ?? layer).includes(s.color);
+  if (!known) s.color = defaultColor(layer);
+  s.branch = Number.isInteger(s.branch) && s.branch >= 0 && s.branch < (layer.branches?.count ?? 0) ? s.branch : -1;
   s.clipAt = Math.min(1, Math.max(0, s.clipAt || 0));
   s.shapeOpacity = Math.min(1, Math.max(0, s.shapeOpacity));
   s.shape &&= page.shape.triangles !== null;

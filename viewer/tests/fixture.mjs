@@ -22,7 +22,7 @@ export function pack(arrays) {
 /// The two elements; `damage` may change what goes into them.
 export function elements(meta, arrays, damage = {}) {
   const { entries, bytes } = pack(arrays);
-  const whole = { format: 1, title: "test", program: "quench test", command: "quench run box.off -o box", unit: "mm", side: 4, voxel: 0.25, low: [0, 0, 0], high: [4, 2, 2], floor: { theta2: 0, theta1: 0 }, measures: [{ name: "lambda", floor: 0 }], notes: [], files: { core: "core.vtp", skeleton: "skeleton.vtp", shape: "box.off" }, ...meta, arrays: entries };
+  const whole = { format: 2, title: "test", program: "quench test", command: "quench run box.off -o box", unit: "mm", side: 4, voxel: 0.25, low: [0, 0, 0], high: [4, 2, 2], floor: { theta2: 0, theta1: 0 }, measures: [{ name: "lambda", floor: 0 }], notes: [], files: { core: "core.vtp", skeleton: "skeleton.vtp", shape: "box.off" }, ...meta, arrays: entries };
   const json = JSON.stringify(damage.meta ? damage.meta(whole) : whole).replaceAll("<", "\\u003c");
   const zipped = gzipSync(bytes);
   const data = damage.data ? damage.data(zipped) : zipped.toString("base64");
@@ -161,9 +161,38 @@ export function boxShape() {
   };
 }
 
-export function boxPage(template, damage, change = (arrays) => arrays) {
+/// What the box's family is at theta2 = theta1 = 0.3: the sheet, a branch to where the twigs went, a loop and a point.
+export function askedArrays() {
+  const { points, faces, measures } = boxSkeleton();
+  const branches = [[0, 4, 5], [8, 9, 10, 8]], length = (path) => path.slice(1).reduce((sum, v, i) => sum + Math.hypot(...points[v].map((x, k) => x - points[path[i]][k])), 0);
+  const offsets = [0, 3, 7], nodes = [0, 5, 8, 12];
+  const radii = branches.map((path) => path.map((v) => measures.radius[v]));
+  const arrays = {
+    "skeleton/points": ["f32", 3, points.flat()],
+    "skeleton/polygon_offsets": ["u32", 1, [0, 4]],
+    "skeleton/polygon_corners": ["u32", 1, faces[0].corners],
+    "skeleton/polygon_sheet": ["u32", 1, [0]],
+    "skeleton/polygon_thickness": ["f32", 1, [0.6]],
+    "skeleton/branch_offsets": ["u32", 1, offsets],
+    "skeleton/branch_points": ["u32", 1, branches.flat()],
+    "skeleton/branch/length": ["f32", 1, branches.map(length)],
+    "skeleton/branch/mean_radius": ["f32", 1, radii.map((r) => r.reduce((a, b) => a + b) / r.length)],
+    "skeleton/branch/min_radius": ["f32", 1, radii.map((r) => Math.min(...r))],
+    "skeleton/branch/max_radius": ["f32", 1, radii.map((r) => Math.max(...r))],
+    "skeleton/branch/thickness": ["f32", 1, [0.8, Infinity]],
+    "skeleton/branch/tortuosity": ["f32", 1, [1.1, Infinity]],
+    "skeleton/branch_nodes": ["u32", 2, [0, 1, 2, 2]],
+    "skeleton/node_points": ["u32", 1, nodes],
+    "skeleton/node_kind": ["u8", 1, [2, 0, 3, 4]],
+    "skeleton/isolated": ["u32", 1, [12]],
+  };
+  for (const [name, values] of Object.entries(measures)) arrays[`skeleton/point/${name}`] = ["f32", 1, values];
+  return arrays;
+}
+
+export function boxPage(template, damage, change = (arrays) => arrays, asked = false) {
   const shape = boxShape();
-  return pageOf(template, { title: "box", ...shape.meta }, change({ ...layerArrays("core", boxCore()), ...layerArrays("skeleton", boxSkeleton()), ...shape.arrays }), damage);
+  return pageOf(template, { title: "box", ...shape.meta }, change({ ...layerArrays("core", boxCore()), ...layerArrays("family", boxSkeleton()), ...(asked ? askedArrays() : {}), ...shape.arrays }), damage);
 }
 
 /// Numbers from 0 to 1 that are the same each time.

@@ -114,7 +114,7 @@ describe("the page in a browser", () => {
 
   it("the core is pruned by each measure of the page, from that of its burning on", async () => {
     const measures = [{ name: "lambda", floor: 0 }, { name: "detail", floor: 0.1 }], pruning = { measure: "detail", threshold: 0.375 };
-    const arrays = { ...layerArrays("core", boxCore()), ...layerArrays("skeleton", boxSkeleton()) };
+    const arrays = { ...layerArrays("core", boxCore()), ...layerArrays("family", boxSkeleton()) };
     Object.assign(arrays, otherLevels(arrays, "detail", (v) => v / 8));
     arrays["core/point/detail"] = ["f32", 1, arrays["core/points"][2].filter((_, i) => i % 3 === 0).map((_, v) => (v === 0 ? Infinity : v / 8))];
     const { page, complaints } = await open(pageOf(template, { measures, pruning }, arrays), "layer=core");
@@ -175,7 +175,7 @@ describe("the page in a browser", () => {
     const middle = await page.evaluate("window.quench.pick(1)");
     assert.equal(middle.touching.length, 5);
     await settled(page);
-    assert.match(await page.textContent(".picked"), /Vertex 1.*radius.*1 mm.*5 boundary vertices/s);
+    assert.match(await page.textContent(".picked"), /Point 1.*radius.*1 mm.*boundary at 5 points/s);
     await page.keyboard.press("Escape");
     await settled(page);
     assert.equal(await page.textContent(".picked"), "");
@@ -190,7 +190,7 @@ describe("the page in a browser", () => {
       await page.mouse.click(500 + 3, 350 + 2);
       await page.evaluate("window.quench.set({ ui: true })");
       await settled(page);
-      assert.match(await page.textContent(".picked h2"), /^Vertex 0$/, projection);
+      assert.match(await page.textContent(".picked h2"), /^Point 0$/, projection);
       await page.close();
     }
   });
@@ -285,7 +285,7 @@ describe("the page in a browser", () => {
   it("random complexes, one layer at a time, without a shape", async () => {
     for (const [seed, name] of [[11, "core"], [12, "skeleton"], [13, "still"]]) {
       const cells = randomCells(seed, name === "skeleton");
-      const { page, complaints } = await open(pageOf(template, { side: 1, low: [0, 0, 0], high: [1, 1, 1], voxel: undefined }, layerArrays(name, cells)));
+      const { page, complaints } = await open(pageOf(template, { side: 1, low: [0, 0, 0], high: [1, 1, 1], voxel: undefined }, layerArrays(name === "skeleton" ? "family" : name, cells)));
       assert.equal(await page.evaluate("window.quench.state.layer"), name);
       assert.ok((await sets(page)).vertices > 0);
       assert.deepEqual(complaints, []);
@@ -303,7 +303,7 @@ describe("the page in a browser", () => {
     "another format": { damage: { meta: (m) => ({ ...m, format: 7 }) }, says: /format 7/ },
     "an unknown type": { damage: { meta: (m) => ({ ...m, arrays: m.arrays.map((a) => ({ ...a, type: "f16" })) }) }, says: /does not know/ },
     "no size": { damage: { meta: (m) => ({ ...m, side: null }) }, says: /how large/ },
-    "missing edges": { change: (a) => { delete a["skeleton/polygon_edges"]; return a; }, says: /polygon_edges is missing/ },
+    "missing edges": { change: (a) => { delete a["family/polygon_edges"]; return a; }, says: /polygon_edges is missing/ },
     "missing levels": { change: (a) => { delete a["core/face_level"]; return a; }, says: /face_level is missing/ },
     "missing levels of a measure": { damage: { meta: (m) => ({ ...m, measures: [{ name: "lambda", floor: 0 }, { name: "size", floor: 0 }] }) }, says: /face_level\/size is missing/ },
     "levels of no measure": { damage: { meta: (m) => ({ ...m, measures: undefined }) }, says: /by which measure/ },
@@ -311,7 +311,7 @@ describe("the page in a browser", () => {
     "corners beyond the end": { change: (a) => { a["core/polygon_corners"][2][0] = 999; return a; }, says: /beyond its end/ },
     "unsorted faces": { change: (a) => { a["core/face_level"][2].reverse(); return a; }, says: /not sorted/ },
     "points that are not numbers": { change: (a) => { a["core/points"][2].fill(NaN); return a; }, says: /not numbers/ },
-    "empty layers": { change: (a) => { for (const n of ["core", "skeleton"]) a[`${n}/points`][2] = []; return a; }, says: /no medial axis/ },
+    "empty layers": { change: (a) => { for (const n of ["core", "family"]) a[`${n}/points`][2] = []; return a; }, says: /no medial axis/ },
   };
   for (const [what, { damage, change, says }] of Object.entries(broken))
     it(`damaged: ${what}`, async () => {
@@ -342,7 +342,7 @@ describe("the page in a browser", () => {
     const shape = boxShape();
     const m = shape.meta.sites_to_world.slice();
     far.forEach((x, k) => { m[4 * k + 3] += x; });
-    const { page } = await open(pageOf(template, { ...shape.meta, sites_to_world: m, origin: far, low: far, high: [far[0] + 4, far[1] + 2, far[2] + 2] }, { ...layerArrays("core", boxCore()), ...layerArrays("skeleton", boxSkeleton()), ...shape.arrays }));
+    const { page } = await open(pageOf(template, { ...shape.meta, sites_to_world: m, origin: far, low: far, high: [far[0] + 4, far[1] + 2, far[2] + 2] }, { ...layerArrays("core", boxCore()), ...layerArrays("family", boxSkeleton()), ...shape.arrays }));
     const picked = await page.evaluate("(window.quench.set({ layer: 'core', threshold: 0 }), window.quench.pick(0))");
     assert.deepEqual(picked.position, [4000001, -4999999, 251]);
     assert.equal(picked.touching.length, 5);

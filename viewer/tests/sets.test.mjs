@@ -74,7 +74,7 @@ const LEVELS = [-1, 0, 0.25, 0.3, 0.75, 1, 1.25, 2, Infinity];
 
 test("skeletons of random complexes are those of repeated removal", async () => {
   for (let seed = 1; seed <= 400; ++seed) {
-    const layer = await layerOf("skeleton", randomCells(seed, true)), sets = new LayerSets(layer);
+    const layer = await layerOf("family", randomCells(seed, true)), sets = new LayerSets(layer);
     // Up and down: nothing may be left over from the set before.
     for (const level of [...LEVELS, 0.5, 0]) for (const theta1 of [Infinity, 0, 0.6, 1.25]) compare(layer, sets, level, theta1, `seed ${seed}, ${level}, ${theta1}`);
   }
@@ -119,7 +119,7 @@ test("the box: figures known by hand", async () => {
   set = core.compute(1, 0);
   assert.deepEqual([set.faces, set.seams.count, set.boundary.count], [4, 1, 12]);
   assert.ok(Math.abs(set.area - 4 * 3 * Math.SQRT2) < 1e-5); // trapezia with sides 4 and 2
-  const skeleton = new LayerSets(await layerOf("skeleton", boxSkeleton()));
+  const skeleton = new LayerSets(await layerOf("family", boxSkeleton()));
   set = skeleton.compute(0, 0);
   assert.deepEqual([set.faces, set.curves.count, set.freeEnds, set.isolated.count], [1, 8, 4, 0]);
   set = skeleton.compute(0, 0.3); // the two twigs go, and the short edge to its medial point

@@ -12,7 +12,7 @@ const states = await moduleOf("src/state.ts");
 const { LogScale, histogram } = await moduleOf("src/histogram.ts");
 
 function page(meta = {}, more = {}) {
-  const html = elements(meta, { ...layerArrays("core", boxCore()), ...layerArrays("skeleton", boxSkeleton()), ...more });
+  const html = elements(meta, { ...layerArrays("core", boxCore()), ...layerArrays("family", boxSkeleton()), ...more });
   const [text, base64] = [...html.matchAll(/<script[^>]*>([^<]*)</g)].map((m) => m[1]);
   return readPage({ getElementById: (id) => ({ textContent: id === "quench-meta" ? text : base64 }) });
 }
@@ -51,7 +51,7 @@ test("the address holds the view", async () => {
 });
 
 test("the address says by which measure and how far the core is pruned", async () => {
-  const levels = { ...layerArrays("core", boxCore()), ...layerArrays("skeleton", boxSkeleton()) };
+  const levels = { ...layerArrays("core", boxCore()), ...layerArrays("family", boxSkeleton()) };
   const measures = [{ name: "lambda", floor: 0.25 }, { name: "detail", floor: 0.5 }], pruning = { measure: "detail", threshold: 0.75 };
   const p = await page({ measures, pruning }, otherLevels(levels, "detail", (v) => v / 4));
   const base = states.defaults(p, false);

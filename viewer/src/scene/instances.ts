@@ -37,13 +37,16 @@ class Instances {
 
 export class Bars extends Instances {
   constructor(material: RawShaderMaterial) {
-    super(material, [0, -1, 0, 1, -1, 0, 0, 1, 0, 1, 1, 0], "ends", 2);
+    super(material, [0, -1, 0, 1, -1, 0, 0, 1, 0, 1, 1, 0], "ends", 3);
   }
-  write(edges: Uint32Array, list: Uint32Array, count: number): void {
+  /// `part`: per edge the number of its part; -1: none.
+  write(edges: Uint32Array, list: Uint32Array, count: number, part: Int32Array | null = null): void {
     this.reserve(count);
     for (let i = 0; i < count; ++i) {
-      this.numbers[2 * i] = edges[2 * list[i]!]!;
-      this.numbers[2 * i + 1] = edges[2 * list[i]! + 1]!;
+      const e = list[i]!;
+      this.numbers[3 * i] = edges[2 * e]!;
+      this.numbers[3 * i + 1] = edges[2 * e + 1]!;
+      this.numbers[3 * i + 2] = part ? part[e]! + 1 : 0;
     }
     this.upload(count);
   }

@@ -14,11 +14,14 @@ export class LayerView {
   readonly places: Float32Array; ///< x, y, z in scene units, radius
   private readonly values: DataTexture;
   private shown: string | null = null;
+  private branch = -1;
   private readonly surface: Mesh<BufferGeometry, RawShaderMaterial>;
   private readonly curves: Bars;
   private readonly boundary: Bars;
   private readonly seams: Bars;
   private readonly points: Balls;
+  private readonly picked: Bars; ///< the branch that is picked
+  private readonly cuts: boolean; ///< fragments of sheets go by their level
   readonly union: Balls; ///< the balls of what is visible
   private readonly vertices: VertexTextures;
 
@@ -44,19 +47,22 @@ export class LayerView {
     const own = (more: Record<string, { value: unknown }>) => ({ ...this.vertices, ...more });
     const flag = () => ({ plain: { value: new Vector3() }, usePlain: { value: 0 } });
 
-    const geometry = new BufferGeometry();
-    geometry.setIndex(new BufferAttribute(triangulate(layer, sets.triangleOffset), 1));
-    this.surface = new Mesh(geometry, surfaceMaterial(shared, own(flag())));
+    this.cuts = layer.cornerLevel !== null && layer.faceLevel !== null && varies(layer);
+    const byCorners = layer.sheet !== null || this.cuts;
+    const geometry = byCorners ? cornersOf(layer, sets.triangleOffset, this.places, this.cuts) : new BufferGeometry();
+    if (!byCorners) geometry.setIndex(new BufferAttribute(triangulate(layer, sets.triangleOffset), 1));
+    this.surface = new Mesh(geometry, surfaceMaterial(shared, own({ ...flag(), byPart: { value: 0 }, least: { value: -1 } }), byCorners));
     const bar = (halfWidth: number, bias: number, round: number, opacity: number) =>
-      new Bars(barMaterial(shared, own({ ...flag(), halfWidth: { value: halfWidth }, halfWorld: { value: 0 }, bias: { value: bias }, round_: { value: round }, opacity: { value: opacity }, onCurves: { value: round } }), round === 1));
+      new Bars(barMaterial(shared, own({ ...flag(), halfWidth: { value: halfWidth }, halfWorld: { value: 0 }, bias: { value: bias }, byPart: { value: 0 }, round_: { value: round }, opacity: { value: opacity }, onCurves: { value: round } }), round === 1));
     this.boundary = bar(0.8, 4e-5, 0, 1);
     this.seams = bar(1.1, 4e-5, 0, 1);
     this.curves = bar(2.5, 2e-4, 1, 1);
+    this.picked = bar(4, 4e-4, 1, 1);
     const ball = (more: Record<string, { value: unknown }>) =>
       new Balls(ballMaterial(shared, own({ ...flag(), scale: { value: 1 }, fixedPixels: { value: 0 }, opacity: { value: 1 }, onCurves: { value: 0 }, ...more }), false));
     this.points = ball({ fixedPixels: { value: 5 }, onCurves: { value: 1 } });
     this.union = ball({});
-    for (const mesh of [this.surface, this.boundary.mesh, this.seams.mesh, this.curves.mesh, this.points.mesh, this.union.mesh]) {
+    for (const mesh of [this.surface, this.boundary.mesh, this.seams.mesh, this.curves.mesh, this.picked.mesh, this.points.mesh, this.union.mesh]) {
       mesh.frustumCulled = false;
       mesh.matrixAutoUpdate = false;
       this.group.add(mesh);
@@ -66,11 +72,22 @@ export class LayerView {
   /// The first faces, and the edges of the classes.
   show(set: CellSet): void {
     this.surface.geometry.setDrawRange(0, 3 * set.triangles);
+    // Rounding must not make holes in parts that are whole.
+    this.surface.material.uniforms.least!.value = this.cuts ? set.level * (1 - 1e-5) : -1;
     const edges = this.layer.edges;
-    this.curves.write(edges, set.curves.edge, set.curves.count);
+    this.curves.write(edges, set.curves.edge, set.curves.count, this.layer.edgeBranch);
     this.boundary.write(edges, set.boundary.edge, set.boundary.count);
     this.seams.write(edges, set.seams.edge, set.seams.count);
     this.points.write(set.isolated.vertex, set.isolated.count);
+  }
+
+  /// The branch that stands out; -1: none.
+  pick(branch: number): void {
+    if (branch === this.branch) return;
+    this.branch = branch;
+    const { edgeBranch, edges } = this.layer;
+    const list = edgeBranch && branch >= 0 ? Uint32Array.from(edgeBranch.keys()).filter((e) => edgeBranch[e] === branch) : new Uint32Array(0);
+    this.picked.write(edges, list, list.length);
   }
 
   colourBy(name: string): void {
@@ -88,21 +105,28 @@ export class LayerView {
       (uniforms.plain!.value as Vector3).set(...rgb(hex));
       uniforms.usePlain!.value = Number(on);
     };
+    const bySheet = state.color === "sheet" && this.layer.sheet !== null, byBranch = state.color === "branch" && this.layer.branches !== null;
     const uniform = !this.layer.measures.has(state.color);
-    plain(this.surface, state.dark ? "8fa3b8" : "a9bccf", uniform);
-    plain(this.curves.mesh, accent, !state.curvesByMeasure || uniform);
+    this.surface.material.uniforms.byPart!.value = Number(bySheet);
+    this.curves.mesh.material.uniforms.byPart!.value = Number(byBranch);
+    plain(this.surface, state.dark ? "8fa3b8" : "a9bccf", uniform && !bySheet);
+    plain(this.curves.mesh, accent, !byBranch && (!state.curvesByMeasure || uniform));
+    plain(this.picked.mesh, "ffb000", true);
     plain(this.points.mesh, accent, !state.curvesByMeasure || uniform);
     plain(this.boundary.mesh, state.dark ? "d5dae2" : "20242c", true);
     plain(this.seams.mesh, "0b0d12", true);
     plain(this.union.mesh, state.dark ? "9fb2c6" : "b9cada", uniform);
     this.surface.visible = state.sheets && !state.balls;
-    this.boundary.mesh.visible = state.boundary && !state.balls;
+    this.boundary.mesh.visible = state.boundary && !state.balls && !this.cuts; // the rim is inside the parts then
     this.seams.mesh.visible = state.seams && !state.balls;
     this.curves.mesh.visible = state.curves && !state.balls;
+    this.picked.mesh.visible = !state.balls && this.picked.count > 0;
     this.points.mesh.visible = state.points && !state.balls;
     this.union.mesh.visible = state.balls;
     this.curves.mesh.material.uniforms.halfWidth!.value = (state.curveWidth / 2) * pixelRatio;
     this.curves.mesh.material.uniforms.halfWorld!.value = halfWorld;
+    this.picked.mesh.material.uniforms.halfWidth!.value = (state.curveWidth / 2 + 2) * pixelRatio;
+    this.picked.mesh.material.uniforms.halfWorld!.value = halfWorld;
     this.boundary.mesh.material.uniforms.halfWidth!.value = 0.55 * pixelRatio;
     this.seams.mesh.material.uniforms.halfWidth!.value = 0.75 * pixelRatio;
     this.points.mesh.material.uniforms.fixedPixels!.value = (state.curveWidth / 2 + 2) * pixelRatio;
@@ -133,4 +157,78 @@ function triangulate(layer: Layer, offset: Uint32Array): Uint32Array<ArrayBuffer
       triangles[n++] = corners[i + 1]!;
     }
   return triangles;
+}
+
+function varies(layer: Layer): boolean {
+  const { offsets, cornerLevel, faceLevel } = layer;
+  for (let f = 0; f < layer.faceCount; ++f)
+    for (let i = offsets[f]!; i < offsets[f + 1]!; ++i) if (cornerLevel![i]! < faceLevel![f]!) return true;
+  return false;
+}
+
+/// The same fans with what every corner has for itself: where `levels`, its level, else the number of its sheet and a
+/// normal, smooth but across creases.
+function cornersOf(layer: Layer, offset: Uint32Array, places: Float32Array, levels: boolean): BufferGeometry {
+  const { faceCount, offsets, corners } = layer, n = 3 * offset[faceCount]!;
+  const vertex = new Uint32Array(n), other = new Float32Array(n), normals = levels ? null : creasedNormals(layer, places);
+  const normal = new Float32Array(normals ? 3 * n : 0);
+  let at = 0;
+  for (let f = 0; f < faceCount; ++f)
+    for (let i = offsets[f]! + 1; i + 1 < offsets[f + 1]!; ++i)
+      for (const k of [offsets[f]!, i, i + 1]) {
+        vertex[at] = corners[k]!;
+        other[at] = levels ? Math.min(layer.cornerLevel![k]!, 1e30) : layer.sheet![f]!;
+        if (normals) normal.set(normals.subarray(3 * k, 3 * k + 3), 3 * at);
+        ++at;
+      }
+  const geometry = new BufferGeometry();
+  geometry.setAttribute("corner", new BufferAttribute(vertex, 1));
+  geometry.setAttribute(levels ? "level" : "part", new BufferAttribute(other, 1));
+  if (normals) geometry.setAttribute("normal", new BufferAttribute(normal, 3));
+  return geometry;
+}
+
+const CREASE = Math.cos((35 * Math.PI) / 180);
+
+/// Per corner of a polygon the mean of the normals of the polygons of its sheet at the vertex that turn off by less than
+/// a crease. Sheets have no sides: the others are turned round where they look the other way.
+function creasedNormals(layer: Layer, places: Float32Array): Float32Array {
+  const { faceCount, offsets, corners, sheet } = layer, ofFace = new Float32Array(3 * faceCount);
+  const first = new Int32Array(layer.vertexCount).fill(-1), next = new Int32Array(corners.length), faceOf = new Uint32Array(corners.length);
+  for (let f = 0; f < faceCount; ++f) {
+    const o = 4 * corners[offsets[f]!]!;
+    for (let i = offsets[f]!; i < offsets[f + 1]!; ++i) {
+      faceOf[i] = f;
+      next[i] = first[corners[i]!]!;
+      first[corners[i]!] = i;
+      if (i === offsets[f] || i + 1 === offsets[f + 1]) continue;
+      const a = 4 * corners[i]!, b = 4 * corners[i + 1]!;
+      const ux = places[a]! - places[o]!, uy = places[a + 1]! - places[o + 1]!, uz = places[a + 2]! - places[o + 2]!;
+      const vx = places[b]! - places[o]!, vy = places[b + 1]! - places[o + 1]!, vz = places[b + 2]! - places[o + 2]!;
+      ofFace[3 * f]! += uy * vz - uz * vy;
+      ofFace[3 * f + 1]! += uz * vx - ux * vz;
+      ofFace[3 * f + 2]! += ux * vy - uy * vx;
+    }
+  }
+  const normals = new Float32Array(3 * corners.length);
+  for (let i = 0; i < corners.length; ++i) {
+    const f = faceOf[i]!, x = ofFace[3 * f]!, y = ofFace[3 * f + 1]!, z = ofFace[3 * f + 2]!, size = Math.hypot(x, y, z);
+    if (size === 0) continue;
+    let sx = 0, sy = 0, sz = 0;
+    for (let k = first[corners[i]!]!; k >= 0; k = next[k]!) {
+      const g = faceOf[k]!;
+      if (sheet![g] !== sheet![f]) continue;
+      const gx = ofFace[3 * g]!, gy = ofFace[3 * g + 1]!, gz = ofFace[3 * g + 2]!, dot = x * gx + y * gy + z * gz;
+      if (Math.abs(dot) < CREASE * size * Math.hypot(gx, gy, gz)) continue;
+      const sign = dot < 0 ? -1 : 1;
+      sx += sign * gx;
+      sy += sign * gy;
+      sz += sign * gz;
+    }
+    const length = Math.hypot(sx, sy, sz) || 1;
+    normals[3 * i] = sx / length;
+    normals[3 * i + 1] = sy / length;
+    normals[3 * i + 2] = sz / length;
+  }
+  return normals;
 }

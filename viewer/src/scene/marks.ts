@@ -26,7 +26,7 @@ export class Marks {
       new Balls(ballMaterial(always, { ...own, ...plain(hex), scale: { value: 1 }, fixedPixels: { value: pixels }, opacity: { value: opacity } }, opacity < 1));
     this.centre = ball("ffb000", 7, 1);
     this.feet = ball("ffb000", 4.5, 1);
-    this.spokes = new Bars(barMaterial(always, { ...own, ...plain("ffb000"), halfWidth: { value: 1 }, halfWorld: { value: 0 }, bias: { value: 1e-4 }, round_: { value: 0 }, opacity: { value: 1 } }, true));
+    this.spokes = new Bars(barMaterial(always, { ...own, ...plain("ffb000"), halfWidth: { value: 1 }, halfWorld: { value: 0 }, bias: { value: 1e-4 }, byPart: { value: 0 }, round_: { value: 0 }, opacity: { value: 1 } }, true));
     this.ball = ball("ffb000", 0, 0.16);
     this.solid.add(this.centre.mesh, this.feet.mesh, this.spokes.mesh);
     this.glass.add(this.ball.mesh);

@@ -47,9 +47,9 @@ function material(vertexShader: string, fragmentShader: string, uniforms: Unifor
   return new RawShaderMaterial({ vertexShader: prelude + vertexShader, fragmentShader, uniforms, glslVersion: GLSL3, side: DoubleSide, ...more });
 }
 
-export const surfaceMaterial = (shared: SharedUniforms, own: Uniforms) =>
+export const surfaceMaterial = (shared: SharedUniforms, own: Uniforms, corners: boolean) =>
   // Lines on the sheets win over the sheets.
-  material(glsl.surfaceVertex, glsl.surfaceFragment, { ...shared, ...own }, { polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 });
+  material(glsl.surfaceVertex(corners), glsl.surfaceFragment, { ...shared, ...own }, { polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 });
 
 /// Thick bars are solid with smooth outlines, thin ones blend.
 export const barMaterial = (shared: SharedUniforms, own: Uniforms, solid: boolean) =>

@@ -54,32 +54,46 @@ const FRAGMENT = /* glsl */ `
   vec3 inFlames(vec3 colour, float glow) { return mix(colour, mix(FLAME, HOT, glow), smoothstep(0.0, 0.6, glow)); }
 `;
 
-export const surfaceVertex = /* glsl */ `
+// The colour of a part by its number, in a map of so many colours (colours.ts).
+const CATEGORY = /* glsl */ `
+  float categoryOf(uint part) { return (float(part % 12u) + 0.5) / 12.0; }
+`;
+
+/// By vertices, or by corners: then with a normal (zero: that of the triangle), a level and the number of a part each.
+export const surfaceVertex = (corners: boolean) => /* glsl */ `
   ${VERTEX_DATA}
-  out vec3 vScene; out vec3 vView; out float vValue; out float vTime;
+  ${CATEGORY}
+  ${corners ? "in uint corner; in float level; in float part;" : ""}
+  uniform float byPart;
+  out vec3 vScene; out vec3 vView; out vec3 vNormal; out float vValue; out float vTime; out float vLevel;
   void main() {
-    vec4 place = placeOf(gl_VertexID);
+    int v = ${corners ? "int(corner)" : "gl_VertexID"};
+    vec4 place = placeOf(v);
     vScene = place.xyz;
     vec4 view = viewMatrix * vec4(place.xyz, 1.0);
     vView = view.xyz;
-    vValue = valueOf(gl_VertexID);
-    vTime = timesOf(gl_VertexID).x;
+    vNormal = ${corners ? "mat3(viewMatrix) * normal" : "vec3(0.0)"};
+    vLevel = ${corners ? "level" : "0.0"};
+    vValue = ${corners ? "byPart > 0.5 ? categoryOf(uint(part)) : valueOf(v)" : "valueOf(v)"};
+    vTime = timesOf(v).x;
     gl_Position = projectionMatrix * view;
   }
 `;
 
 export const surfaceFragment = /* glsl */ `
   ${FRAGMENT}
-  uniform float perspective;
+  uniform float perspective, least;
   uniform vec3 plain; uniform float usePlain;
-  in vec3 vScene; in vec3 vView; in float vValue; in float vTime;
+  in vec3 vScene; in vec3 vView; in vec3 vNormal; in float vValue; in float vTime; in float vLevel;
   out vec4 colour;
   void main() {
     clip(vScene);
+    if (vLevel < least) discard;
     float glow;
     vec3 base = usePlain > 0.5 ? plain : colourOf(vValue);
     base = burned(base, vTime, glow);
-    vec3 normal = normalize(cross(dFdx(vView), dFdy(vView)));
+    vec3 flat_ = cross(dFdx(vView), dFdy(vView));
+    vec3 normal = normalize(dot(vNormal, vNormal) > 0.25 ? vNormal : flat_);
     vec3 toEye = perspective > 0.5 ? normalize(-vView) : vec3(0.0, 0.0, 1.0);
     colour = vec4(inFlames(lit(base, normal, toEye, 0.05), glow), 1.0);
   }
@@ -88,7 +102,9 @@ export const surfaceFragment = /* glsl */ `
 // Segments as round bars of some pixels: a rectangle around each, shaded like a tube.
 export const barVertex = /* glsl */ `
   ${VERTEX_DATA}
-  in uvec2 ends;
+  ${CATEGORY}
+  in uvec3 ends;           // and the number of a part from 1 on, or 0
+  uniform float byPart;
   uniform vec2 viewport;   // pixels
   uniform float halfWidth; // pixels, at least
   uniform float halfWorld; // scene units, at least
@@ -112,7 +128,7 @@ export const barVertex = /* glsl */ `
     vPixel = (first ? vA - along * reach : vB + along * reach) + across * position.y * reach;
     vScene = first ? a.xyz : b.xyz;
     int i = int(first ? ends.x : ends.y);
-    vValue = valueOf(i);
+    vValue = byPart > 0.5 && ends.z > 0u ? categoryOf(ends.z - 1u) : valueOf(i);
     vec2 times = timesOf(i);
     vTime = onCurves > 0.5 && times.y > -1e20 ? times.y : times.x;
     gl_Position = vec4((vPixel / viewport * 2.0 - 1.0) * mine.w, mine.z - bias * mine.w, mine.w);

@@ -13,6 +13,9 @@ export class ColourBar {
 
   constructor() { this.element.append(this.title, this.canvas, this.keys); }
 
+  /// For pictures that are saved.
+  figure(): { canvas: HTMLCanvasElement; title: string; shown: boolean } { return { canvas: this.canvas, title: this.title.textContent ?? "", shown: !this.canvas.hidden }; }
+
   show(measure: string, lengths: string, map: string, low: number, high: number, range: Range | null, extra: [string, Rgb][]): void {
     const label = labelOf(measure), unit = unitOf(measure, lengths);
     const swatch = (name: string, rgb: Rgb) => {

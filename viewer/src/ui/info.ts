@@ -4,10 +4,11 @@ import type { Page } from "../data";
 import { counted, short, withUnit } from "../format";
 import type { Numbers, Picked } from "../app";
 import { labelOf, pruningText, unitOf } from "../measures";
-import type { State } from "../state";
+import { isAsked, type State } from "../state";
+import { copyText, type BranchTable } from "./branches";
 import { el, fill, rows } from "./dom";
 
-const NAMES = { skeleton: "Skeleton", core: "Medial axis", still: "Complex" };
+const NAMES = { skeleton: "Skeleton", core: "Medial axis", still: "Other result" };
 
 export class Info {
   readonly element = el("section", "info");
@@ -19,7 +20,9 @@ export class Info {
   private readonly commandText = el("code");
   onClearPick: () => void = () => {};
 
-  constructor(private readonly page: Page, help: () => void) {
+  private readonly branch = el("div", "chosen-branch");
+
+  constructor(private readonly page: Page, private readonly table: BranchTable, help: () => void) {
     const { meta } = page;
     const about = el("details", "about", el("summary", "", "About this result"));
     const facts: [string, string][] = [];
@@ -36,26 +39,11 @@ export class Info {
     question.title = "Keys and mouse (?)";
     question.addEventListener("click", help);
     const notes = meta.notes.map((note) => el("p", "note", note));
-    this.element.append(el("header", "", el("h1", "", meta.title), question), this.what, this.figures, this.share, ...notes, about, this.picked);
+    this.element.append(el("header", "", el("h1", "", meta.title), question), this.what, this.figures, this.share, ...notes, about, this.branch, this.picked);
     const copy = el("button", "plain", "Copy");
-    copy.addEventListener("click", async () => {
-      const text = this.commandText.textContent ?? "";
-      try {
-        await navigator.clipboard.writeText(text);
-      } catch {
-        // Pages opened from a file have no clipboard in some browsers.
-        const area = el("textarea");
-        area.value = text;
-        document.body.append(area);
-        area.select();
-        document.execCommand("copy");
-        area.remove();
-      }
-      copy.textContent = "Copied";
-      setTimeout(() => (copy.textContent = "Copy"), 1500);
-    });
+    copy.addEventListener("click", () => void copyText(this.commandText.textContent ?? "", copy));
     this.command.append(this.commandText, copy);
-    this.command.title = "Writes what is visible to a file";
+    this.command.title = "The command that writes what is visible to a file";
   }
 
   show(state: State, numbers: Numbers, command: string): void {
@@ -63,9 +51,9 @@ export class Info {
     const length = (x: number) => withUnit(short(x), unit);
     const sentence: string[] = [];
     if (state.layer === "skeleton") {
-      const two = Number.isFinite(state.theta2) ? `sheets of erosion thickness ≥ ${length(state.theta2)}` : "no sheets but closed pockets";
+      const two = Number.isFinite(state.theta2) ? `sheets of erosion thickness ≥ ${length(state.theta2)}` : "no sheets but those that enclose a cavity";
       const one = Number.isFinite(state.theta1) ? `curves ≥ ${length(state.theta1)}` : "curves only where topology needs them";
-      sentence.push(`${two}, ${one}`);
+      sentence.push(`${two}, ${one}${isAsked(this.page, state) && this.page.layers.has("skeleton") ? " (as asked)" : ""}`);
     } else if (state.layer === "core") {
       sentence.push(`pruned at ${labelOf(state.measure)} = ${withUnit(short(state.threshold), unitOf(state.measure, unit))}`);
       const burned = meta.pruning, isBurning = state.color === "burn_time" || state.color === "erosion_thickness";
@@ -83,6 +71,13 @@ export class Info {
     this.command.hidden = command === "";
   }
 
+  showBranch(branch: number): void {
+    if (branch < 0) return fill(this.branch);
+    const close = el("button", "plain", "Clear");
+    close.addEventListener("click", () => this.onClearPick());
+    fill(this.branch, el("header", "", el("h2", "", `Branch ${counted(branch)}`), close), rows(this.table.entries(branch)));
+  }
+
   showShare(text: string): void { this.share.textContent = text; }
 
   showPicked(picked: Picked | null): void {
@@ -92,8 +87,8 @@ export class Info {
     close.addEventListener("click", () => this.onClearPick());
     const entries: [string, string][] = [["position", picked.position.map((x) => short(x, 5)).join(", ")]];
     for (const [name, value] of Object.entries(picked.measures)) entries.push([labelOf(name), Number.isNaN(value) ? "–" : withUnit(short(value, 4), Number.isFinite(value) ? unitOf(name, unit) : "")]);
-    if (this.page.shape.sites) entries.push(["ball touches", `${counted(picked.touching.length)} boundary ${picked.touching.length === 1 ? "vertex" : "vertices"}`]);
-    fill(this.picked, el("header", "", el("h2", "", `Vertex ${counted(picked.vertex)}`), close), rows(entries));
+    if (this.page.shape.sites || this.page.shape.triangles) entries.push(["ball touches", `the boundary at ${counted(picked.touching.length)} ${picked.touching.length === 1 ? "point" : "points"}`]);
+    fill(this.picked, el("header", "", el("h2", "", `Point ${counted(picked.vertex)}`), close), rows(entries));
   }
 }
 

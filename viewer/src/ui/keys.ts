@@ -2,7 +2,7 @@
 // The keyboard; ui/help.ts lists what is here.
 import type { App } from "../app";
 import type { LayerName } from "../data";
-import type { State } from "../state";
+import { hasLayer, type State } from "../state";
 import type { Help } from "./help";
 import type { Panel } from "./panel";
 
@@ -17,7 +17,7 @@ interface Actions {
 
 export function listenToKeys(app: App, panel: Panel, actions: Actions): void {
   const flip = (key: keyof State) => () => app.set({ [key]: !app.state[key] });
-  const layer = (name: LayerName) => () => app.page.layers.has(name) && app.set({ layer: name });
+  const layer = (name: LayerName) => () => hasLayer(app.page, name) && app.set({ layer: name });
   const turn = (dx: number, dy: number) => () => {
     app.stage.camera.rotate(dx, dy);
     actions.moved();
@@ -32,7 +32,7 @@ export function listenToKeys(app: App, panel: Panel, actions: Actions): void {
     Escape: () => (actions.help.open ? actions.help.toggle(false) : app.clearPick()),
     "1": layer("skeleton"), "2": layer("core"), "3": layer("still"),
     s: flip("sheets"), c: flip("curves"), e: flip("seams"), b: flip("boundary"), g: flip("shape"), u: flip("balls"), x: flip("clip"),
-    o: flip("orthographic"), d: flip("dark"), h: flip("ui"), p: actions.screenshot, f: actions.reset, " ": actions.burn,
+    t: flip("table"), a: flip("axes"), o: flip("orthographic"), d: flip("dark"), h: flip("ui"), p: actions.screenshot, f: actions.reset, " ": actions.burn,
     "[": step("sheets", -1), "]": step("sheets", 1), ";": step("curves", -1), "'": step("curves", 1),
     ArrowLeft: turn(-30, 0), ArrowRight: turn(30, 0), ArrowUp: turn(0, -30), ArrowDown: turn(0, 30),
     "+": zoom(0.88), "=": zoom(0.88), "-": zoom(1 / 0.88),

@@ -5,14 +5,14 @@ import type { App } from "../app";
 import { MAPS } from "../colours";
 import type { LayerName } from "../data";
 import { isLength, labelOf, measuresOf, pruningBy, UNIFORM, unitOf } from "../measures";
-import { sheetSlider, type SheetSlider, type State } from "../state";
+import { askedThetas, hasLayer, isAsked, layerOf, sheetSlider, type SheetSlider, type State } from "../state";
 import type { Burner } from "./burner";
 import { el } from "./dom";
 import { LengthSlider } from "./slider";
 
 export interface Actions { screenshot: () => void; reset: () => void }
 
-const LAYERS: Record<LayerName, string> = { skeleton: "skeleton", core: "medial axis", still: "complex" };
+const LAYERS: Record<LayerName, string> = { skeleton: "skeleton", core: "medial axis (core)", still: "other result (still)" };
 
 type SliderId = SheetSlider | "theta1";
 
@@ -25,6 +25,7 @@ export class Panel {
   private colour!: Controller;
   private readonly folders: Record<string, GUI> = {};
   private readonly sliderBox = el("div", "sliders");
+  private readonly asked = el("button", "plain asked", "Back to the skeleton asked for");
   private shownKey = "";
   private readonly measure: Controller | null;
 
@@ -32,14 +33,18 @@ export class Panel {
     this.fields = { ...app.state };
     this.gui = new GUI({ container, title: "Controls", width: 300 });
     const { page } = app;
-    const names = [...page.layers.keys()];
+    const names = (Object.keys(LAYERS) as LayerName[]).filter((name) => hasLayer(page, name));
     if (names.length > 1) this.add(this.gui, "layer", "show", Object.fromEntries(names.map((n) => [LAYERS[n], n])));
     const { measures } = page.meta;
     this.measure = measures.length > 1 && page.layers.has("core") ? this.add(this.gui, "measure", "prune by", Object.fromEntries(measures.map((m) => [labelOf(m.name), m.name]))) : null;
     this.gui.$children.append(this.sliderBox);
+    this.asked.addEventListener("click", () => {
+      const [theta2, theta1] = askedThetas(page.meta);
+      app.set({ theta2, theta1 });
+    });
 
     const colour = this.folder("Colour");
-    this.colour = this.add(colour, "color", "sheets by", {});
+    this.colour = this.add(colour, "color", "colour by", {});
     this.add(colour, "map", "colours", Object.fromEntries(Object.entries(MAPS).map(([k, m]) => [m.label, k])));
     this.add(colour, "curvesByMeasure", "curves too");
     const range = {
@@ -65,11 +70,12 @@ export class Panel {
     this.add(parts, "seams", "seams");
     this.add(parts, "boundary", "boundary");
     this.add(parts, "points", "points");
+    if (page.layers.get("skeleton")?.branches) this.add(parts, "table", "branches");
     this.add(parts, "curveWidth", "curve width").min(1).max(14).step(0.5);
 
     const around = this.folder("Shape and space");
     if (app.glass) {
-      this.add(around, "shape", "shape around");
+      this.add(around, "shape", "surface");
       this.add(around, "shapeOpacity", "opacity").min(0).max(1).step(0.01);
     }
     this.add(around, "balls", "union of balls");
@@ -90,6 +96,8 @@ export class Panel {
     view.domElement.classList.add("pairs");
     this.add(view, "orthographic", "orthographic");
     this.add(view, "dark", "dark");
+    this.add(view, "axes", "axes");
+    this.add(view, "caption", "caption");
     view.add(actions, "reset").name("whole view (F)");
     view.add(actions, "screenshot").name("picture (P)");
     if (window.innerHeight < 900) for (const name of ["Parts", "Burning"]) this.folders[name]?.close();
@@ -114,10 +122,12 @@ export class Panel {
   private slider(id: SliderId): LengthSlider | null {
     const existing = this.sliders.get(this.keyOf(id));
     if (existing) return existing.slider;
-    const { meta } = this.app.page, { sets } = this.app.shown(), { layer } = sets, { measure } = this.app.state;
-    const ofCore = id === "threshold";
+    const { meta } = this.app.page, { measure } = this.app.state, ofCore = id === "threshold";
+    const sets = this.app.setsOf(ofCore ? "core" : "family");
+    if (!sets) return null;
+    const { layer } = sets;
     const floor = ofCore ? meta.measures.find((m) => m.name === measure)!.floor : meta.floor[id];
-    const common = { id, meta, floor, unit: ofCore ? unitOf(measure, meta.unit) : meta.unit, isLength: !ofCore || isLength(measure), changed: (x: number) => this.app.set({ [id]: x }) };
+    const common = { id, meta, floor, unit: ofCore ? unitOf(measure, meta.unit) : meta.unit, isLength: !ofCore || isLength(measure), asked: ofCore ? NaN : askedThetas(meta)[id === "theta2" ? 0 : 1], changed: (x: number) => this.app.set({ [id]: x }) };
     let slider: LengthSlider | null = null;
     if (id === "theta1") {
       if (!layer.curveEdges || !layer.curveThickness) return null;
@@ -140,14 +150,14 @@ export class Panel {
   /// Brings everything up to date with the state.
   show(): void {
     const { state } = this.app;
-    const key = `${state.layer}/${state.measure}`;
+    const key = `${state.layer}/${state.measure}/${this.app.slidersReady}`;
     if (this.shownKey !== key) {
       this.shownKey = key;
-      const names = measuresOf(this.app.page.layers.get(state.layer)!);
+      const names = measuresOf(this.app.page.layers.get(state.layer) ?? layerOf(this.app.page, state));
       this.colour = this.colour.options(Object.fromEntries([...names, UNIFORM].map((n) => [labelOf(n), n])));
       const ofSheets = sheetSlider(state);
       this.shownSliders = ofSheets ? (ofSheets === "theta2" ? [ofSheets, "theta1"] : [ofSheets]) : [];
-      this.sliderBox.replaceChildren(...this.shownSliders.flatMap((id) => this.slider(id)?.element ?? []));
+      this.sliderBox.replaceChildren(...this.shownSliders.flatMap((id) => this.slider(id)?.element ?? []), ...(this.shownSliders.includes("theta2") && this.app.page.layers.has("skeleton") ? [this.asked] : []));
       this.measure?.show(state.layer === "core");
     }
     Object.assign(this.fields, state);
@@ -160,5 +170,6 @@ export class Panel {
     this.auto.show(Number.isFinite(state.rangeLow) || Number.isFinite(state.rangeHigh));
     for (const controller of this.clipping) controller.show(state.clip);
     for (const id of this.shownSliders) this.slider(id)?.show(state[id]);
+    this.asked.hidden = isAsked(this.app.page, state);
   }
 }

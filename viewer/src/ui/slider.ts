@@ -16,6 +16,7 @@ export interface SliderOptions {
   unit: string;
   isLength: boolean;
   floor: number;
+  asked: number; ///< what the page was written for; NaN: nothing
   values: Float32Array; ///< what is compared
   weight: (i: number) => number;
   infinite: boolean;
@@ -48,7 +49,10 @@ export class LengthSlider {
     this.range.max = String(STEPS);
     this.range.step = "1";
     this.range.setAttribute("aria-label", options.label);
-    this.range.addEventListener("input", () => options.changed(this.scale.value(Number(this.range.value) / STEPS, options.infinite)));
+    this.range.addEventListener("input", () => {
+      const step = Number(this.range.value);
+      options.changed(step === this.stepOf(options.asked) ? options.asked : this.scale.value(step / STEPS, options.infinite));
+    });
     this.field.type = "text";
     this.field.inputMode = "decimal";
     this.field.spellcheck = false;
@@ -56,7 +60,7 @@ export class LengthSlider {
     this.field.addEventListener("change", () => {
       const x = parseLength(this.field.value);
       if (Number.isNaN(x)) this.show(this.value);
-      else options.changed(Math.max(x, options.floor));
+      else options.changed(x);
     });
     const head = el("div", "slider-head", el("label", "slider-label", options.label), this.field, el("span", "unit", options.unit));
     this.element = el("div", "slider", head, el("div", "slider-body", this.canvas, this.range), this.others);
@@ -64,14 +68,17 @@ export class LengthSlider {
     this.element.title = options.help;
   }
 
+  private stepOf(x: number): number { return Math.round(this.scale.position(x) * STEPS); }
+
   show(x: number): void {
     this.value = x;
-    this.range.value = String(Math.round(this.scale.position(x) * STEPS));
+    this.range.value = String(this.stepOf(x));
     if (document.activeElement !== this.field) this.field.value = Number.isFinite(x) ? String(Number(exact(x)).toPrecision(4)).replace(/\.?0+$/, (z) => (z.startsWith(".") ? "" : z)) : "inf";
     const { meta, isLength, floor } = this.options, parts: string[] = [];
     if (!Number.isFinite(x)) parts.push("infinite");
     else if (isLength) parts.push(`${short((100 * x) / meta.side)} % of the side`, ...(meta.voxel ? [`${short(x / meta.voxel)} voxels`] : []));
-    if (x === floor && x > 0) parts.push("least in this page");
+    if (x === this.options.asked) parts.push("as asked");
+    else if (x === floor && x > 0) parts.push("slider begins here");
     this.others.textContent = parts.join(" · ");
     this.draw();
   }
