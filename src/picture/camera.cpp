@@ -90,7 +90,7 @@ Camera first_look(const Page& page, const ViewState& state, const Scene& scene, 
     return camera;
   }
   const bool on_z = stands_on_z(page);
-  const Vec3 to_eye = on_z ? Vec3(0.62, -0.72, 0.32) : Vec3(0.55, 0.3, 0.78);
+  const Vec3 to_eye = on_z ? kFirstLookOnZ : kFirstLookOnY;
   camera.look(3 * to_eye.normalized(), Vec3::Zero(), on_z ? Vec3::UnitZ() : Vec3::UnitY());
   const std::vector<Vec3f>& framed = scene.shape_points.empty() ? scene.points : scene.shape_points;
   camera.frame(framed, framed.size() / 20000 + 1);

@@ -88,9 +88,11 @@ class Writing {
       Vec3 direction;
       std::uint32_t colour;
     };
-    std::array<Axis, 3> axes{{{"x", camera.turned(Vec3::UnitX()), 0xd1495b},
-                              {"y", camera.turned(Vec3::UnitY()), 0x3a9a4b},
-                              {"z", camera.turned(Vec3::UnitZ()), 0x3d6fd0}}};
+    std::array<Axis, 3> axes;
+    for (int i = 0; i < 3; ++i) {
+      const auto [name, colour] = kAxisColours[static_cast<std::size_t>(i)];
+      axes[static_cast<std::size_t>(i)] = {name, camera.turned(Vec3::Unit(i)), colour};
+    }
     // What points to the eye comes last.
     std::sort(axes.begin(), axes.end(), [](const Axis& a, const Axis& b) { return a.direction.z() < b.direction.z(); });
     const Point zero(width_ - (kEdge + 62) * unit_, height_ - (kEdge + 106) * unit_);

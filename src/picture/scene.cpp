@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <span>
 
 #include "base/parallel.h"
@@ -232,7 +233,7 @@ ColourRange colour_range(const Scene& scene, const ViewState& state) {
 }
 
 std::vector<Vec3f> crease_normals(const std::vector<Vec3f>& points, const Polygons& polygons) {
-  constexpr float kCosine = 0.819F;  // of 35 degrees
+  const auto cosine = static_cast<float>(std::cos(kCrease * std::numbers::pi / 180));
   std::vector<Vec3f> faces(polygons.size()), normals(polygons.corners.size(), Vec3f::Zero());
   base::for_indices(faces.size(), [&](std::size_t f) { faces[f] = area_normal(points, corners_of(polygons, f)); });
   std::vector<std::uint32_t> begin(points.size() + 1, 0), around(polygons.corners.size()),
@@ -253,7 +254,7 @@ std::vector<Vec3f> crease_normals(const std::vector<Vec3f>& points, const Polygo
       for (std::uint32_t k = begin[v]; k < begin[v + 1]; ++k) {
         const Vec3f& other = faces[face[around[k]]];
         const float dot = mine.dot(other);
-        if (std::abs(dot) >= kCosine * size * other.norm()) sum += dot < 0 ? Vec3f(-other) : other;
+        if (std::abs(dot) >= cosine * size * other.norm()) sum += dot < 0 ? Vec3f(-other) : other;
       }
       const float length = sum.norm();
       normals[around[i]] = length > 0 ? Vec3f(sum / length) : Vec3f(Vec3f::Zero());

@@ -5,8 +5,9 @@
 #include <Eigen/Geometry>
 #include <array>
 #include <cstdint>
-#include <span>
-#include <string_view>
+#include <utility>
+
+#include "quench/geometry.h"
 
 /// Numbers and colours of the interactive page (viewer/src), so that picture and page look the same; picture_style_test
 /// compares the two. Lengths are in scene units, the longest side of the shape, where nothing else is said.
@@ -25,6 +26,8 @@ inline constexpr double kField = 30;      ///< degrees from the bottom of the pi
 inline constexpr double kReach = 2.2;     ///< what is nearer to the eye than this before the target is not drawn
 inline constexpr double kNearest = 0.01;  ///< ... or this share of the distance, where that is more
 inline constexpr double kMargin = 1.04;   ///< around what is framed
+// app.ts: from the target to the eye; volumes stand on z, meshes on y
+inline const Vec3 kFirstLookOnZ{0.62, -0.72, 0.32}, kFirstLookOnY{0.55, 0.3, 0.78};
 
 // shaders.ts: light of matte surfaces
 inline const Vec3f kKeyLight{0.45F, 0.7F, 0.75F};
@@ -51,6 +54,8 @@ inline constexpr float kBoundaryWidth = 0.55F, kSeamWidth = 0.75F;
 inline constexpr float kLineBias = 4e-5F, kCurveBias = 2e-4F;
 inline constexpr float kBoundaryMost = 0.7F, kSeamMost = 0.9F, kCovered = 0.012F, kPalest = 0.12F;
 
+inline constexpr double kCrease = 35;  ///< degrees: sharper edges of sheets are not smoothed
+
 /// The colours of one ground, light or dark.
 struct Ground {
   std::uint32_t top, bottom, sheet, boundary, tint, rim, text, quiet;
@@ -58,6 +63,10 @@ struct Ground {
 inline constexpr Ground kLight{0xffffff, 0xffffff, 0xa9bccf, 0x20242c, 0x99a8bd, 0x4d5e75, 0x171b21, 0x5b6470};
 inline constexpr Ground kDark{0x1b1f26, 0x0e1014, 0x8fa3b8, 0xd5dae2, 0x8091a8, 0xc7d9f2, 0xeef1f5, 0x9aa5b3};
 inline constexpr std::uint32_t kSeamColour = 0x0b0d12;
+
+// ui/caption.ts
+inline constexpr std::array<std::pair<const char*, std::uint32_t>, 3> kAxisColours{
+    {{"x", 0xd1495b}, {"y", 0x3a9a4b}, {"z", 0x3d6fd0}}};
 
 // colours.ts
 inline constexpr std::array<std::uint32_t, 10> kViridis{0x46206f, 0x443a83, 0x355f8d, 0x2a788e, 0x21918c,

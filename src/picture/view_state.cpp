@@ -82,6 +82,8 @@ void take_pruning(ViewState& state, const Page& page) {
 
 ViewState view_state(const Page& page) {
   ViewState state;
+  state.dark = value_of(page.state, "dark") == "1";
+  if (const auto camera = value_of(page.state, "camera")) state.camera = camera_in(*camera);
   for (const char* layer : {"skeleton", "core", "still"})
     if (state.layer.empty() && page.find(std::string(layer) + "/points")) state.layer = layer;
   if (const auto layer = value_of(page.state, "layer")) {
@@ -100,8 +102,6 @@ ViewState view_state(const Page& page) {
                 fmt::format("there is no array '{}' to colour the layer '{}' by", state.color, state.layer));
   state.curves_by_measure = pure || state.color.starts_with("curve_");
   take_pruning(state, page);
-  if (const auto camera = value_of(page.state, "camera")) state.camera = camera_in(*camera);
-  state.dark = value_of(page.state, "dark") == "1";
   return state;
 }
 
