@@ -16,6 +16,7 @@ namespace {
 struct Pixel {
   std::array<std::uint16_t, 3> shaded{}, plain{};
   float depth = 0;  ///< 0: nothing solid
+  float glass = 0;  ///< the same of glass that is seen
 };
 
 constexpr float kFull = 65535;
@@ -127,6 +128,7 @@ class Resolver {
       if (tile.glass.id[at] != kNone && tile.glass.depth[at] >= tile.solid.depth[at])
         glass[s] = glass_.add(tile.glass.id[at], x, y);
       pixel.depth = std::max(pixel.depth, tile.solid.depth[at]);
+      if (glass[s] < kCount) pixel.glass = std::max(pixel.glass, tile.glass.depth[at]);
       empty &= solid[s] == kCount && glass[s] == kCount && tile.line[at] == 0;
     }
     Vec3f shaded = Vec3f::Zero(), plain = ground;
@@ -177,16 +179,39 @@ class Dome {
     return std::exp(-strength_ * (occlusion(x, y, here, 1) + kDomeFartherWeight * occlusion(x, y, here, kDomeFarther)));
   }
 
+  /// How much of the surroundings lies behind the glass here, 0 to 1: its outlines. What only goes on as a plane does
+  /// is not behind it.
+  float outline(int x, int y) const {
+    const float glass = pixel(x, y).glass;
+    if (glass == 0) return 0;
+    std::array<float, 8> behind{};
+    for (std::size_t i = 0; i < offsets_.size(); ++i) {
+      const Pixel& other = neighbour(x, y, offsets_[i]);
+      const float there = std::max(other.glass, other.depth);
+      behind[i] = there == 0 ? 1 : std::log2(glass / there);
+    }
+    float sum = 0;
+    for (std::size_t i = 0; i < behind.size(); ++i) {
+      const float step = behind[i] + std::min(0.0F, behind[(i + 4) % 8]);
+      sum += std::clamp(step / kOutlineStep - 1, 0.0F, 1.0F);
+    }
+    return sum / 8;
+  }
+
  private:
-  float at(int x, int y) const {
-    return pixels_[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x)].depth;
+  const Pixel& pixel(int x, int y) const {
+    return pixels_[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x)];
+  }
+  float at(int x, int y) const { return pixel(x, y).depth; }
+  const Pixel& neighbour(int x, int y, const Eigen::Vector2d& offset) const {
+    const int nx = static_cast<int>(std::floor(x + 0.5 + offset.x())),
+              ny = static_cast<int>(std::floor(y + 0.5 + offset.y()));
+    return pixel(std::clamp(nx, 0, width_ - 1), std::clamp(ny, 0, height_ - 1));
   }
   float occlusion(int x, int y, float here, double reach) const {
     float sum = 0;
     for (const Eigen::Vector2d& offset : offsets_) {
-      const int nx = static_cast<int>(std::floor(x + 0.5 + offset.x() * reach));
-      const int ny = static_cast<int>(std::floor(y + 0.5 + offset.y() * reach));
-      const float depth = at(std::clamp(nx, 0, width_ - 1), std::clamp(ny, 0, height_ - 1));
+      const float depth = neighbour(x, y, offset * reach).depth;
       if (depth > 0) sum += std::clamp(here + std::log2(depth), 0.0F, kDomeMost);
     }
     return sum / 8;
@@ -227,16 +252,19 @@ Picture draw_scene(const Scene& scene, const ViewState& state, const ColourRange
     }
   });
   Picture picture{width, height, std::vector<std::uint8_t>(pixels.size() * 3)};
+  const Vec3f rim = rgb(state.dark ? kDark.rim : kLight.rim);
   const Dome dome(pixels, width, height, unit, state.dark);
   base::for_chunks(static_cast<std::size_t>(height), context, "picture", 0.9, 1, [&](std::size_t y) {
     for (std::size_t x = 0; x < across; ++x) {
       const Pixel& pixel = pixels[y * across + x];
       const float shade = dome.shade(static_cast<int>(x), static_cast<int>(y));
-      for (std::size_t i = 0; i < 3; ++i)
-        picture.pixels[3 * (y * across + x) + i] = static_cast<std::uint8_t>(
-            std::min((static_cast<float>(pixel.shaded[i]) * shade + static_cast<float>(pixel.plain[i])) / kFull, 1.0F) *
-                255 +
-            0.5F);
+      const float outline = kOutline * dome.outline(static_cast<int>(x), static_cast<int>(y));
+      for (std::size_t i = 0; i < 3; ++i) {
+        const float plain = static_cast<float>(pixel.shaded[i]) * shade + static_cast<float>(pixel.plain[i]);
+        const float outlined =
+            std::min(plain / kFull, 1.0F) * (1 - outline) + rim[static_cast<Eigen::Index>(i)] * outline;
+        picture.pixels[3 * (y * across + x) + i] = static_cast<std::uint8_t>(outlined * 255 + 0.5F);
+      }
     }
   });
   return picture;

@@ -60,8 +60,8 @@ Primitives::Primitives(const Scene& scene, const ViewState& state, const ColourR
       seam_colour_(rgb(kSeamColour)),
       points_(seen(scene.points, camera)),
       shape_points_(seen(scene.shape_points, camera)),
-      normals_(crease_normals(points_, scene.sheets)),
-      shape_normals_(crease_normals(shape_points_, scene.shape)),
+      normals_(crease_normals(points_, scene.sheets, kCrease)),
+      shape_normals_(crease_normals(shape_points_, scene.shape, kShapeCrease)),
       sheets_(fans(scene.sheets)),
       shape_(fans(scene.shape)) {
   for (std::uint32_t f = 0; f < scene.sheets.size(); ++f)

@@ -232,8 +232,8 @@ ColourRange colour_range(const Scene& scene, const ViewState& state) {
   return range;
 }
 
-std::vector<Vec3f> crease_normals(const std::vector<Vec3f>& points, const Polygons& polygons) {
-  const auto cosine = static_cast<float>(std::cos(kCrease * std::numbers::pi / 180));
+std::vector<Vec3f> crease_normals(const std::vector<Vec3f>& points, const Polygons& polygons, double crease) {
+  const auto cosine = static_cast<float>(std::cos(crease * std::numbers::pi / 180));
   std::vector<Vec3f> faces(polygons.size()), normals(polygons.corners.size(), Vec3f::Zero());
   base::for_indices(faces.size(), [&](std::size_t f) { faces[f] = area_normal(points, corners_of(polygons, f)); });
   std::vector<std::uint32_t> begin(points.size() + 1, 0), around(polygons.corners.size()),

@@ -50,8 +50,8 @@ struct ColourRange {
 };
 ColourRange colour_range(const Scene& scene, const ViewState& state);
 
-/// Per corner the mean of the normals around its vertex that are within the crease angle, weighted by area; their sign
-/// does not matter. Zero where there is none.
-std::vector<Vec3f> crease_normals(const std::vector<Vec3f>& points, const Polygons& polygons);
+/// Per corner the mean of the normals around its vertex that turn off by no more than `crease` degrees, weighted by
+/// area; their sign does not matter. Zero where there is none.
+std::vector<Vec3f> crease_normals(const std::vector<Vec3f>& points, const Polygons& polygons, double crease);
 
 }  // namespace quench::picture

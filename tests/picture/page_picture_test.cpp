@@ -314,7 +314,7 @@ TEST(PagePicture, NormalsBendButAtCreases) {
     picture::Polygons roof;
     roof.offsets = {0, 4, 8};
     roof.corners = {0, 1, 2, 3, 0, 1, 5, 4};  // of different sides
-    const std::vector<picture::Vec3f> normals = picture::crease_normals(points, roof);
+    const std::vector<picture::Vec3f> normals = picture::crease_normals(points, roof, 35);
     const float along = std::abs(normals[0].z());
     EXPECT_NEAR(along, angle < 35 ? std::cos(angle / 2 * std::numbers::pi / 180) : 1, 1e-5);
     EXPECT_NEAR(std::abs(normals[2].z()), 1, 1e-6);
