@@ -19,6 +19,10 @@ bool is_picture(const std::string& file) {
   return ending == ".png";
 }
 
+void say_pruning(Page& page, const Axis& axis) {
+  if (axis.is_pruned()) page.pruning = {std::string(axis.core.options.pruning.measure), axis.core.threshold};
+}
+
 PageBuilder begin(const Axis& axis, const std::vector<Vec3>& points, const std::string& file) {
   if (!is_picture(file)) pipeline::require_page_program();
   PageBuilder builder;
@@ -34,7 +38,6 @@ PageBuilder begin(const Axis& axis, const std::vector<Vec3>& points, const std::
   }
   builder.set_origin(low, high);
   if (axis.shape) builder.add_shape(*axis.shape);
-  if (axis.is_pruned()) page.pruning = {std::string(axis.core.options.pruning.measure), axis.core.threshold};
   return builder;
 }
 
@@ -55,6 +58,7 @@ void write(const PageBuilder& builder, const std::string& file, Context& context
 void write_axis(const Axis& axis, const Fire& fire, const SkeletonValue* skeleton, const std::string& file,
                 Context& context) {
   PageBuilder builder = begin(axis, axis.axis().points, file);
+  say_pruning(builder.page, axis);
   builder.page.burning = fire.burning.options;
   builder.add_core(axis.axis(), axis.data(&fire).point_data, skeleton != nullptr);
   if (skeleton) {
@@ -66,6 +70,7 @@ void write_axis(const Axis& axis, const Fire& fire, const SkeletonValue* skeleto
 
 void write_skeleton(const SkeletonValue& s, const std::string& file, Context& context) {
   PageBuilder builder = begin(*s.axis, s.checked.skeleton.points, file);
+  if (s.has_axis) say_pruning(builder.page, *s.axis);
   add_skeleton(builder, s);
   write(builder, file, context);
 }

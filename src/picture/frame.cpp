@@ -2,6 +2,7 @@
 #include "picture/frame.h"
 
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <span>
 
@@ -12,11 +13,13 @@
 namespace quench::picture {
 namespace {
 
-/// A pixel before the light of the dome: what the dome shades, what it does not, and how near the nearest solid is.
+constexpr float kNothing = std::numeric_limits<float>::infinity();
+
+/// A pixel before the light of the dome: what the dome shades, what it does not, and how far the nearest is.
 struct Pixel {
   std::array<std::uint16_t, 3> shaded{}, plain{};
-  float depth = 0;  ///< 0: nothing solid
-  float glass = 0;  ///< the same of glass that is seen
+  float solid = kNothing;  ///< log2 of the distance
+  float glass = kNothing;  ///< the same of glass that is seen
 };
 
 constexpr float kFull = 65535;
@@ -120,6 +123,7 @@ class Resolver {
     glass_.clear();
     Pixel pixel;
     bool empty = true;
+    float nearest_solid = 0, nearest_glass = 0;
     for (std::size_t s = 0; s < kCount; ++s) {
       const int x = px * kSamples + static_cast<int>(s) % kSamples, y = py * kSamples + static_cast<int>(s) / kSamples;
       const std::size_t at = tile.at(x, y);
@@ -127,10 +131,12 @@ class Resolver {
       if (tile.solid.id[at] != kNone) solid[s] = solid_.add(tile.solid.id[at], x, y);
       if (tile.glass.id[at] != kNone && tile.glass.depth[at] >= tile.solid.depth[at])
         glass[s] = glass_.add(tile.glass.id[at], x, y);
-      pixel.depth = std::max(pixel.depth, tile.solid.depth[at]);
-      if (glass[s] < kCount) pixel.glass = std::max(pixel.glass, tile.glass.depth[at]);
+      nearest_solid = std::max(nearest_solid, tile.solid.depth[at]);
+      if (glass[s] < kCount) nearest_glass = std::max(nearest_glass, tile.glass.depth[at]);
       empty &= solid[s] == kCount && glass[s] == kCount && tile.line[at] == 0;
     }
+    if (nearest_solid > 0) pixel.solid = -std::log2(nearest_solid);
+    if (nearest_glass > 0) pixel.glass = -std::log2(nearest_glass);
     Vec3f shaded = Vec3f::Zero(), plain = ground;
     if (!empty) {
       solid_.colour([&](std::uint32_t id, double x, double y) { return primitives_.colour_at(id, x, y); });
@@ -173,9 +179,8 @@ class Dome {
     }
   }
   float shade(int x, int y) const {
-    const float depth = at(x, y);
-    if (depth == 0) return 1;
-    const float here = -std::log2(depth);
+    const float here = pixel(x, y).solid;
+    if (here == kNothing) return 1;
     return std::exp(-strength_ * (occlusion(x, y, here, 1) + kDomeFartherWeight * occlusion(x, y, here, kDomeFarther)));
   }
 
@@ -183,12 +188,11 @@ class Dome {
   /// is not behind it.
   float outline(int x, int y) const {
     const float glass = pixel(x, y).glass;
-    if (glass == 0) return 0;
+    if (glass == kNothing) return 0;
     std::array<float, 8> behind{};
     for (std::size_t i = 0; i < offsets_.size(); ++i) {
       const Pixel& other = neighbour(x, y, offsets_[i]);
-      const float there = std::max(other.glass, other.depth);
-      behind[i] = there == 0 ? 1 : std::log2(glass / there);
+      behind[i] = std::min({other.glass, other.solid, glass + 1}) - glass;
     }
     float sum = 0;
     for (std::size_t i = 0; i < behind.size(); ++i) {
@@ -202,7 +206,6 @@ class Dome {
   const Pixel& pixel(int x, int y) const {
     return pixels_[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x)];
   }
-  float at(int x, int y) const { return pixel(x, y).depth; }
   const Pixel& neighbour(int x, int y, const Eigen::Vector2d& offset) const {
     const int nx = static_cast<int>(std::floor(x + 0.5 + offset.x())),
               ny = static_cast<int>(std::floor(y + 0.5 + offset.y()));
@@ -211,8 +214,7 @@ class Dome {
   float occlusion(int x, int y, float here, double reach) const {
     float sum = 0;
     for (const Eigen::Vector2d& offset : offsets_) {
-      const float depth = neighbour(x, y, offset * reach).depth;
-      if (depth > 0) sum += std::clamp(here + std::log2(depth), 0.0F, kDomeMost);
+      sum += std::clamp(here - neighbour(x, y, offset * reach).solid, 0.0F, kDomeMost);
     }
     return sum / 8;
   }

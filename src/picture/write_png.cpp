@@ -62,7 +62,7 @@ std::string filtered(std::span<const std::uint8_t> row, std::span<const std::uin
 
 std::string deflated(const std::string& bytes, bool last) {
   z_stream stream{};
-  if (deflateInit2(&stream, Z_DEFAULT_COMPRESSION, Z_DEFLATED, -15, 9, Z_FILTERED) != Z_OK)
+  if (deflateInit2(&stream, 5, Z_DEFLATED, -15, 9, Z_FILTERED) != Z_OK)
     throw Error(ErrorCode::failed, "zlib cannot compress a picture: not enough memory");
   std::string out(deflateBound(&stream, bytes.size()) + 64, '\0');
   stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));
