@@ -258,6 +258,7 @@ void write_outputs(const Options& o, const pipeline::PageBuilder& builder, Json&
   session.finished("page");
   if (!o.png.empty()) write_picture(builder.page, picture_of(o), o.png, report, session);
   write_report(outputs, report, session);
+  if (!builder.page.note.empty()) session.say("note: " + builder.page.note);
   for (const std::string& note : builder.page.notes) session.say("note: " + note);
   for (const std::string& file : {o.output, o.png})
     if (!file.empty()) {

@@ -62,11 +62,14 @@ struct Page {
   /// from the zero of their coordinates.
   Vec3 origin = Vec3::Zero();
 
+  bool voxel_surface = false;  ///< the surface is that of voxels: without sharp edges
+
   /// Filled by the functions below. Cells below a floor are left out, what is above is complete.
   std::vector<PageMeasure> measures;
   std::optional<double> theta2_floor, theta1_floor;
   std::optional<std::array<double, 12>> sites_to_world;  ///< rows of a 3 x 4 matrix
   Vec3 low = Vec3::Zero(), high = Vec3::Zero();          ///< box around everything that was added
+  std::string note;                                      ///< what is to be known before the first look; mostly nothing
   std::vector<std::string> notes;                        ///< what was simplified, a sentence each
   std::vector<PageArray> arrays;
 

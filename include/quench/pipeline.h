@@ -365,8 +365,8 @@ class PageBuilder {
 
   /// The box of what will be added, for shapes far from zero: before anything is added.
   void set_origin(const Vec3& low, const Vec3& high);
-  /// Side, voxel, unit and topology; surface (of the kept mesh where it was not cleaned), boundary vertices and
-  /// samples. The mesh is used up.
+  /// Side, voxel, unit and topology; surface (of the kept mesh where it was not cleaned) and samples; boundary
+  /// vertices where the axis is that of the voxels. The mesh is used up.
   void add_shape(LoadedShape& shape);
   /// `skeleton_follows`: leaves most of the triangles to it. Cells without levels are there at every threshold.
   void add_core(const MedialAxis& axis, const std::vector<DataArray>& measures, bool skeleton_follows);

@@ -132,12 +132,24 @@ class CurvePruning {
   std::size_t free_curves_ = 0;
 };
 
+/// What sliders show below half of what was asked for may take this share of the triangles.
+constexpr double kShareBelow = 0.4;
+
 /// Raises the floor of theta2 as far as a budget of triangles asks for; returns the number of those that are left.
-std::size_t keep_triangles(SkeletonFamily& family, std::size_t budget) {
+std::size_t keep_triangles(SkeletonFamily& family, std::size_t budget, double asked) {
+  const CellComplex& c = family.refined.complex;
   const std::vector<float> levels = rounded_down(family.face_sheet_level);
-  const page::Floor floor = page::FacesByLevel(family.refined.complex, levels).within(budget);
-  family = with_floor(std::move(family), floor.level, 0);
-  return floor.triangles;
+  const page::FacesByLevel by_level(c, levels);
+  float level = by_level.within(budget).level;
+  if (std::isfinite(asked)) {
+    const auto share = static_cast<std::size_t>(kShareBelow * static_cast<double>(budget));
+    level = std::max(level, std::min(page::rounded_down(asked / 2), by_level.within(share).level));
+  }
+  std::size_t triangles = 0;
+  for (std::size_t f = 0; f < c.face_count(); ++f)
+    if (levels[f] >= level) triangles += c.corners(f).size() - 2;
+  family = with_floor(std::move(family), level, 0);
+  return triangles;
 }
 
 page::LayerCells cells_of(const SkeletonFamily& family) {
@@ -195,7 +207,7 @@ void add_vertex_measures(Page& page, const RefinedAxis& k, const std::vector<std
   });
 }
 
-/// One sentence, where sliders cannot come down to what was asked for.
+/// One sentence, where sliders do not reach what was asked for.
 void note_floors(Page& page) {
   std::string begin;
   const auto add = [&](const char* name, double floor, const std::optional<double>& asked) {
@@ -205,10 +217,8 @@ void note_floors(Page& page) {
   add("theta2", *page.theta2_floor, page.theta2);
   add("theta1", *page.theta1_floor, page.theta1);
   if (!begin.empty())
-    page.notes.push_back(
-        fmt::format("Sliders begin at {}: below, this shape has more triangles than a page holds{}. The skeleton asked "
-                    "for is whole",
-                    begin, page::limit_text(page)));
+    page.note = fmt::format("The sliders begin at {}: below, this shape has more triangles than the page holds{}",
+                            begin, page::limit_text(page));
 }
 
 }  // namespace
@@ -231,9 +241,10 @@ void note_floors(Page& page) {
 //
 // So a family or a page that holds the cells of K0 gives every member with theta2 >= t, theta1 >= s by the same rule.
 std::size_t add_family(Page& page, SkeletonFamily family, std::size_t max_triangles) {
-  std::size_t triangles = keep_triangles(family, max_triangles), curves = curves_off_sheets(family.refined);
+  const double asked = page.theta2.value_or(0);
+  std::size_t triangles = keep_triangles(family, max_triangles, asked), curves = curves_off_sheets(family.refined);
   if (triangles + curves > max_triangles) {
-    triangles = keep_triangles(family, max_triangles / 5 * 4);
+    triangles = keep_triangles(family, max_triangles / 5 * 4, asked);
     curves = curves_off_sheets(family.refined);
   }
   if (triangles + curves > max_triangles) {

@@ -130,6 +130,7 @@ std::size_t add_surface(Page& page, const TriangleMesh& mesh, std::size_t max_tr
 }
 
 std::size_t add_surface(Page& page, const VoxelShape& shape, std::size_t max_triangles) {
+  page.voxel_surface = true;
   page.notes.emplace_back("The surface of the shape is that of its voxels, smoothed by half a voxel at most");
   return add_triangles(page, to_record(smoothed_boundary(shape, 4)), "voxel shape's surface", max_triangles);
 }

@@ -9,14 +9,18 @@
 #include <ostream>
 
 #include "page/layer.h"
+#include "page/pack.h"
 #include "quench/error.h"
 #include "quench/io.h"
 
 namespace quench {
 namespace {
 
+using page::PackedArray;
+
 // Strings of a browser have at most 2^29 - 24 characters.
 constexpr std::size_t kMostCharacters = (std::size_t{1} << 29) - 24;
+constexpr int kLevel = 6;
 constexpr std::size_t kBlock = std::size_t{1} << 20;
 
 /// A piece of text as JSON that is safe inside a script element: `<` is written as its number, bytes that are not
@@ -52,18 +56,7 @@ std::string list(std::span<const double> values) {
   return out + "]";
 }
 
-const char* type_of(const PageArray& array) {
-  constexpr std::array kNames{"f32", "u32", "u16", "u8"};
-  return kNames[array.values.index()];
-}
-
-std::string_view bytes_of(const PageArray& array) {
-  return std::visit(
-      [](const auto& v) { return std::string_view(reinterpret_cast<const char*>(v.data()), v.size() * sizeof(v[0])); },
-      array.values);
-}
-
-std::string meta_of(const Page& page) {
+std::string meta_of(const Page& page, const std::vector<PackedArray>& packed) {
   std::vector<std::string> members;
   const auto put = [&](const char* name, const std::string& json) {
     members.push_back(fmt::format("{}: {}", json_string(name), json));
@@ -78,6 +71,7 @@ std::string meta_of(const Page& page) {
   if (page.voxel > 0) put("voxel", number(page.voxel));
   put("low", list({page.low.data(), 3}));
   put("high", list({page.high.data(), 3}));
+  if (page.voxel_surface) put("surface", json_string("voxels"));
   if (page.origin != Vec3::Zero()) put("origin", list({page.origin.data(), 3}));
   const auto put_length = [&](const char* name, const std::optional<double>& length) {
     if (length) put(name, number(page::rounded_down(*length)));
@@ -110,20 +104,18 @@ std::string meta_of(const Page& page) {
   }
   std::string notes, files, arrays;
   for (const std::string& note : page.notes) notes += (notes.empty() ? "" : ", ") + json_string(note);
+  if (!page.note.empty()) put("note", json_string(page.note));
   put("notes", "[" + notes + "]");
   for (const auto& [what, name] : page.files)
     files += (files.empty() ? "" : ", ") + json_string(what) + ": " + json_string(name);
   put("files", "{" + files + "}");
   if (page.sites_to_world) put("sites_to_world", list(*page.sites_to_world));
   std::size_t offset = 0;
-  for (const PageArray& array : page.arrays) {
-    const std::string_view bytes = bytes_of(array);
-    const std::size_t rows =
-        std::visit([](const auto& v) { return v.size(); }, array.values) / static_cast<std::size_t>(array.components);
-    arrays += fmt::format(R"({}{{"name": {}, "type": "{}", "components": {}, "count": {}, "offset": {}}})",
-                          arrays.empty() ? "" : ",\n", json_string(array.name), type_of(array), array.components, rows,
-                          offset);
-    offset += (bytes.size() + 3) / 4 * 4;
+  for (const PackedArray& array : packed) {
+    arrays += fmt::format(R"({}{{"name": {}, "type": "{}", "components": {}, "count": {}, "offset": {}{}{}}})",
+                          arrays.empty() ? "" : ",\n", json_string(array.name), array.type, array.components,
+                          array.rows, offset, array.code.empty() ? "" : ", ", array.code);
+    offset += (array.bytes.size() + 3) / 4 * 4;
   }
   put("arrays", "[\n" + arrays + "]");
   std::string json;
@@ -133,13 +125,13 @@ std::string meta_of(const Page& page) {
 
 /// All arrays one after the other, as one gzip member: deflated block by block, so that threads share the work and the
 /// bytes do not depend on their number.
-std::string zipped(const Page& page) {
+std::string zipped(const std::vector<PackedArray>& packed) {
   std::string raw;
   std::size_t size = 0;
-  for (const PageArray& array : page.arrays) size += (bytes_of(array).size() + 3) / 4 * 4;
+  for (const PackedArray& array : packed) size += (array.bytes.size() + 3) / 4 * 4;
   raw.reserve(size);
-  for (const PageArray& array : page.arrays) {
-    raw += bytes_of(array);
+  for (const PackedArray& array : packed) {
+    raw += array.bytes;
     while (raw.size() % 4 != 0) raw += '\0';
   }
   const std::size_t blocks = std::max<std::size_t>(1, (raw.size() + kBlock - 1) / kBlock);
@@ -150,7 +142,7 @@ std::string zipped(const Page& page) {
     const std::string_view part = std::string_view(raw).substr(b * kBlock, kBlock);
     check[b] = crc32(0, reinterpret_cast<const Bytef*>(part.data()), static_cast<uInt>(part.size()));
     z_stream stream{};
-    failed[b] = deflateInit2(&stream, Z_BEST_SPEED, Z_DEFLATED, -15, 9, Z_DEFAULT_STRATEGY) != Z_OK;
+    failed[b] = deflateInit2(&stream, kLevel, Z_DEFLATED, -15, 9, Z_DEFAULT_STRATEGY) != Z_OK;
     if (failed[b]) return;
     std::string& out = deflated[b];
     out.resize(deflateBound(&stream, static_cast<uLong>(part.size())) + 64);
@@ -213,7 +205,8 @@ const PageArray* Page::find(std::string_view name) const {
 
 void write_page(const std::filesystem::path& file, const Page& page, std::string_view page_program) {
   const auto [begin, end] = place_of_data(page_program);
-  const std::string meta = meta_of(page), data = base64(zipped(page));
+  const std::vector<PackedArray> packed = page::packed(page);
+  const std::string meta = meta_of(page, packed), data = base64(zipped(packed));
   if (data.size() > kMostCharacters)
     throw Error(
         ErrorCode::failed,

@@ -55,7 +55,7 @@ void PageBuilder::add_shape(LoadedShape& shape) {
   else
     take(add_surface(page, shape.shape, left_ / kShapeShare));
   shape.mesh.reset();
-  add_sites(page, shape.shape);
+  if (!shape.surface) add_sites(page, shape.shape);  // else balls touch the surface
   add_samples(page, shape.shape);
 }
 

@@ -61,9 +61,9 @@ TEST_F(ViewProgram, RunWritesAPageOfEverything) {
   EXPECT_EQ(p.meta["topology"]["euler"], 1);
   EXPECT_EQ(p.meta["files"]["core"], "out/core.vtp");
   EXPECT_EQ(p.meta["burning"]["propagation"], "segments");
-  EXPECT_EQ(
-      p.meta["notes"],
-      nlohmann::json::array({"The skeletons of this page begin at theta2 = 0.0625 and theta1 = 0.0125"}));  // a voxel
+  EXPECT_TRUE(p.meta["notes"].empty());
+  EXPECT_FALSE(p.meta.contains("note"));
+  EXPECT_EQ(p.meta["floor"]["theta2"], 0.0625);  // a voxel
   EXPECT_EQ(p.meta["pruning"]["measure"], "detail");
   const double detail = std::sqrt(0.75) / 16;
   EXPECT_NEAR(p.meta["theta2"], 3 * detail, 1e-7);
@@ -75,8 +75,8 @@ TEST_F(ViewProgram, RunWritesAPageOfEverything) {
   EXPECT_LE(p.meta["measures"][0]["floor"], detail);
   EXPECT_FALSE(p.meta["floor"].contains("lambda"));
   for (const char* name : {"core/points", "core/face_level", "core/point/burn_time", "core/point/lambda",
-                           "skeleton/points", "skeleton/curve_edges", "skeleton/medial_points", "shape/points",
-                           "shape/triangles", "shape/sites", "shape/samples"})
+                           "skeleton/points", "skeleton/branch/length", "family/curve_edges", "family/medial_points",
+                           "shape/points", "shape/triangles", "shape/samples"})
     EXPECT_TRUE(p.has(name)) << name;
   EXPECT_EQ(p["shape/points"].size(), 24u);  // the mesh itself
   EXPECT_EQ(p["shape/samples"].size(), 60000u);
@@ -183,7 +183,7 @@ TEST_F(ViewProgram, BudgetsAndNotes) {
   const Outcome outcome = works({"view", "core.vtp", "--shape", "v.npy", "-o", "page.html", "--max-triangles", "1000"});
   const Contents p = page("page.html");
   std::size_t triangles = p["shape/triangles"].size() / 3;
-  for (const std::string layer : {"core", "skeleton"})
+  for (const std::string layer : {"core", "family"})
     triangles += p[layer + "/polygon_corners"].size() - 2 * (p[layer + "/polygon_offsets"].size() - 1);
   EXPECT_LE(triangles, 1000u);
   EXPECT_GE(p.meta["notes"].size(), 2u);
@@ -191,12 +191,20 @@ TEST_F(ViewProgram, BudgetsAndNotes) {
   EXPECT_GT(p.meta["floor"]["theta2"], 0);
 }
 
-TEST_F(ViewProgram, RunSaysWhenThePageHoldsLessThanTheFiles) {
+TEST_F(ViewProgram, TheSkeletonAskedForIsWholeWhateverTheBudget) {
   REQUIRE_PAGE();
   works({"sample", "fin-on-board", "--resolution", "32", "-o", "fin.nrrd"});
-  const std::string sentence = "is not the skeleton asked for: theta2 starts at";
-  EXPECT_TRUE(has(works({"run", "fin.nrrd", "-o", "little", "--max-triangles", "1000"}).err, sentence));
-  EXPECT_FALSE(has(works({"run", "fin.nrrd", "-o", "all"}).err, sentence));
+  works({"run", "fin.nrrd", "-o", "little", "--max-triangles", "1000", "--theta2", "3vox"});
+  works({"run", "fin.nrrd", "-o", "all", "--theta2", "3vox"});
+  const Contents little = page("little/view.html"), all = page("all/view.html");
+  EXPECT_TRUE(has(little.meta["note"], "The sliders begin at theta2 = "));
+  EXPECT_FALSE(all.meta.contains("note"));
+  EXPECT_EQ(little.meta["theta2"], all.meta["theta2"]);
+  EXPECT_GT(little.meta["floor"]["theta2"], little.meta["theta2"]);
+  for (const auto& [name, values] : all.arrays)
+    if (name.starts_with("skeleton/") && !name.starts_with("skeleton/point/")) {
+      EXPECT_EQ(values, little[name]) << name;
+    }
 }
 
 TEST_F(ViewProgram, OtherFilesAreShownAsTheyAre) {

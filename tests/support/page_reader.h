@@ -13,6 +13,8 @@
 #include <string>
 #include <vector>
 
+#include "page_unpack.h"
+
 /// Reads a page as a browser does.
 namespace quench::testing_page {
 
@@ -23,7 +25,7 @@ inline std::string bytes_of(const std::filesystem::path& file) {
 
 struct Contents {
   nlohmann::json meta;
-  std::map<std::string, std::vector<double>> arrays;
+  Arrays arrays;
 
   bool has(const std::string& name) const { return arrays.contains(name); }
   const std::vector<double>& operator[](const std::string& name) const {
@@ -93,21 +95,37 @@ inline Contents read_page(const std::string& html) {
   contents.meta = nlohmann::json::parse(element(html, "quench-meta"));
   const std::string bytes = unzipped(from_base64(element(html, "quench-data")));
   std::size_t end = 0;
+  std::vector<nlohmann::json> later;  // of others
   for (const auto& array : contents.meta["arrays"]) {
     const std::size_t offset = array["offset"].get<std::size_t>(),
                       count = array["count"].get<std::size_t>() * array["components"].get<std::size_t>();
     const std::string type = array["type"];
     EXPECT_EQ(offset % 4, 0u);
     EXPECT_EQ(offset, end) << "a gap";
-    end = offset + (count * (type == "u8" ? 1 : type == "u16" ? 2 : 4) + 3) / 4 * 4;
+    const std::size_t width = type == "u8" ? 1 : type == "u16" ? 2 : 4;
+    end = offset + (count * (array.contains("code") ? array["planes"].get<std::size_t>() : width) + 3) / 4 * 4;
     EXPECT_LE(end, bytes.size());
     if (end > bytes.size()) break;
+    if (array.contains("code")) {
+      if (array["code"] == "difference" || array["code"] == "below")
+        later.push_back(array);
+      else
+        contents.arrays[array["name"]] = decoded(array, bytes.substr(offset), contents.arrays);
+      continue;
+    }
     contents.arrays[array["name"]] = type == "f32"   ? numbers<float>(bytes, offset, count)
                                      : type == "u32" ? numbers<std::uint32_t>(bytes, offset, count)
                                      : type == "u16" ? numbers<std::uint16_t>(bytes, offset, count)
                                                      : numbers<std::uint8_t>(bytes, offset, count);
   }
   EXPECT_EQ(end, bytes.size());
+  for (const auto& array : later)
+    contents.arrays[array["name"]] = decoded(array, bytes.substr(array["offset"].get<std::size_t>()), contents.arrays);
+  std::vector<std::string> measures;
+  for (std::size_t m = 1; contents.meta.contains("measures") && m < contents.meta["measures"].size(); ++m)
+    measures.push_back(contents.meta["measures"][m]["name"]);
+  for (const char* layer : {"family", "core", "still"})
+    complete(layer, std::string(layer) == "core" ? measures : std::vector<std::string>(), contents.arrays);
   return contents;
 }
 

@@ -2,7 +2,10 @@
 // Reads the two data elements of a page (FORMAT.md). Everything that can be wrong with them becomes a PageError with one
 // sentence for the reader.
 
-export class PageError extends Error {}
+import { PageError } from "./page_error";
+import { bytesOf, checkEntry, complete, sidesOf, unpack } from "./unpack";
+
+export { PageError } from "./page_error";
 
 export const FORMAT = 2;
 
@@ -17,6 +20,13 @@ export interface ArrayEntry {
   components: number;
   count: number;
   offset: number;
+  /// None: the bytes are the values.
+  code?: "delta" | "steps" | "fresh" | "below" | "difference";
+  planes?: number;
+  bits?: number;
+  low?: number[];
+  step?: number[];
+  of?: string[];
 }
 
 /// A measure by which the layer `core` can be pruned, and the threshold from which on it is complete.
@@ -42,6 +52,8 @@ export interface Meta {
   /// The faces of `core` are sorted by the first.
   measures: PruningMeasure[];
   topology?: { euler: number; betti: number[] };
+  voxelSurface: boolean; ///< without sharp edges
+  note: string;
   notes: string[];
   files: { core?: string; skeleton?: string; shape?: string };
   sites_to_world?: number[];
@@ -110,7 +122,6 @@ export interface Page {
   shape: Shape;
 }
 
-const BYTES = { f32: 4, u32: 4, u16: 2, u8: 1 } as const;
 const CHUNK = 1 << 20; // characters of base64 decoded at a time
 
 /// The page's data, or null in the empty template.
@@ -161,6 +172,8 @@ export function readMeta(text: string): Meta {
     floor: { theta2: length(raw.floor?.theta2) ?? 0, theta1: length(raw.floor?.theta1) ?? 0 },
     measures,
     topology: raw.topology ?? undefined,
+    voxelSurface: (raw as { surface?: unknown }).surface === "voxels",
+    note: typeof raw.note === "string" ? raw.note : "",
     notes: Array.isArray(raw.notes) ? raw.notes.map(String) : [],
     files: raw.files ?? {},
     sites_to_world: Array.isArray(raw.sites_to_world) && raw.sites_to_world.length === 12 ? raw.sites_to_world : undefined,
@@ -172,11 +185,8 @@ export function readMeta(text: string): Meta {
 function sizeOf(arrays: ArrayEntry[]): number {
   let size = 0;
   for (const a of arrays) {
-    const bytes = BYTES[a.type];
-    const whole = (n: unknown) => Number.isInteger(n) && (n as number) >= 0;
-    if (!bytes || !whole(a.count) || !whole(a.components) || !whole(a.offset) || a.offset % 4 !== 0)
-      throw new PageError(`The array ${a.name} of this page is described in a way its program does not know; write the page anew.`);
-    size = Math.max(size, a.offset + bytes * a.components * a.count);
+    checkEntry(a);
+    size = Math.max(size, a.offset + bytesOf(a));
   }
   return size;
 }
@@ -233,13 +243,12 @@ async function inflate(text: string, size: number): Promise<Uint8Array> {
   return bytes;
 }
 
-type Numbers = Float32Array | Uint32Array | Uint16Array | Uint8Array;
+export type Numbers = Float32Array | Uint32Array | Uint16Array | Uint8Array;
 
 export function assemble(meta: Meta, bytes: Uint8Array): Page {
-  const arrays = new Map<string, Numbers>();
-  const views = { f32: Float32Array, u32: Uint32Array, u16: Uint16Array, u8: Uint8Array };
-  for (const a of meta.arrays)
-    arrays.set(a.name, new views[a.type](bytes.buffer as ArrayBuffer, bytes.byteOffset + a.offset, a.count * a.components));
+  const arrays = unpack(meta.arrays, bytes);
+  const others = meta.measures.slice(1).map((m) => m.name);
+  for (const layer of ["family", "core", "still"]) complete(layer, layer === "core" ? others : [], arrays);
   const find = <T extends Numbers>(name: string, type: new (n: number) => T): T | null => {
     const found = arrays.get(name);
     if (found === undefined) return null;
@@ -371,34 +380,6 @@ function readSkeleton(find: Find, meta: Meta): Layer | null {
     otherLevels: new Map(), curveEdges: null, curveThickness: null, medialPoints: null, measures, cornerLevel: null, sheet: needed("polygon_sheet", Uint32Array), edgeBranch,
     branches: branchCount > 0 ? { count: branchCount, offsets: branchOffsets, points: along, measures: ofBranches, nodes, nodePoints, nodeKinds } : null,
   };
-}
-
-/// The sides of polygons as edges, each once, in the order in which they come around the polygons.
-export function sidesOf(offsets: Uint32Array, corners: Uint32Array): { sides: Uint32Array; edges: Uint32Array } {
-  const sides = new Uint32Array(corners.length), ends = new Uint32Array(2 * corners.length);
-  let size = 16, count = 0;
-  while (size < 2 * corners.length) size *= 2;
-  const table = new Int32Array(size).fill(-1); // open addressing
-  for (let f = 0; f + 1 < offsets.length; ++f)
-    for (let i = offsets[f]!, end = offsets[f + 1]!; i < end; ++i) {
-      const u = corners[i]!, v = corners[i + 1 < end ? i + 1 : offsets[f]!]!, a = Math.min(u, v), b = Math.max(u, v);
-      let at = (Math.imul(a, 0x9e3779b1) ^ Math.imul(b, 0x85ebca6b)) >>> 0;
-      for (at = (at ^ (at >>> 15)) & (size - 1); ; at = (at + 1) & (size - 1)) {
-        const e = table[at]!;
-        if (e < 0) {
-          table[at] = count;
-          ends[2 * count] = a;
-          ends[2 * count + 1] = b;
-          sides[i] = count++;
-          break;
-        }
-        if (ends[2 * e] === a && ends[2 * e + 1] === b) {
-          sides[i] = e;
-          break;
-        }
-      }
-    }
-  return { sides, edges: ends.slice(0, 2 * count) };
 }
 
 /// The layer with the levels by another measure, and its faces in decreasing order of them.

@@ -16,10 +16,13 @@ import { Info } from "./ui/info";
 import { listenToKeys } from "./ui/keys";
 import { Panel } from "./ui/panel";
 
+const times: Record<string, number> = {};
+
 interface Quench {
   ready: boolean;
   error: string | null;
   readonly state: State | null;
+  times?: Record<string, number>;
   set(change: Partial<State>): void;
   sets(): Numbers;
   pick(vertex: number): Picked;
@@ -50,6 +53,7 @@ async function start(): Promise<void> {
     const wait = el("div", "message", el("p", "", "Unpacking …"));
     root.append(wait);
     const page = await readPage(document);
+    times.read = performance.now();
     wait.remove();
     if (!page) {
       window.quench.error = "This page holds no result.";
@@ -173,12 +177,15 @@ function run(page: Page): void {
   window.quench.set = (change) => { app.set(change); };
   window.quench.sets = () => { app.update(); return app.numbers(); };
   window.quench.pick = (vertex) => app.pick(vertex);
+  window.quench.times = times;
   window.quench.branches = () => table.csv();
   document.title = page.meta.title;
   window.quench.ready = true;
+  times.ready = performance.now();
   setTimeout(() => {
     app.slidersReady = true;
     panel.show();
+    times.sliders = performance.now();
   }, 0);
 }
 

@@ -84,11 +84,60 @@ export function pickVertex(ray: Ray, places: Float32Array, stride: number, sets:
   return hit;
 }
 
+const SAME = Math.cos((14 * Math.PI) / 180);
+
+/// Where a ball of a fitted axis touches the surface that is drawn: the nearest points of its triangles, at most half a
+/// voxel farther than the radius, one for all that lie in about the same direction. World positions.
+function touchingSurface({ origin, voxel, side }: Meta, points: Float32Array, triangles: Uint32Array, world: readonly [number, number, number], radius: number): [number, number, number][] {
+  const limit = radius + 0.5 * (voxel ?? side / 512), [px, py, pz] = world.map((x, k) => x - origin[k]!) as [number, number, number];
+  const near: { at: [number, number, number]; far: number }[] = [];
+  for (let t = 0; t + 2 < triangles.length; t += 3) {
+    const a = 3 * triangles[t]!, b = 3 * triangles[t + 1]!, c = 3 * triangles[t + 2]!;
+    if (Math.min(Math.abs(points[a]! - px), Math.abs(points[b]! - px), Math.abs(points[c]! - px)) > limit && (points[a]! - px) * (points[b]! - px) > 0 && (points[a]! - px) * (points[c]! - px) > 0) continue;
+    const [x, y, z] = nearestInTriangle(points, a, b, c, px, py, pz), far = Math.hypot(x - px, y - py, z - pz);
+    if (far <= limit) near.push({ at: [x, y, z], far });
+  }
+  near.sort((u, v) => u.far - v.far);
+  const found: { at: [number, number, number]; far: number }[] = [];
+  for (const one of near) {
+    const turned = ({ at, far }: (typeof near)[0]) => ((at[0] - px) * (one.at[0] - px) + (at[1] - py) * (one.at[1] - py) + (at[2] - pz) * (one.at[2] - pz)) < SAME * far * one.far;
+    if (found.every(turned)) found.push(one);
+  }
+  return found.map(({ at }) => [at[0] + origin[0], at[1] + origin[1], at[2] + origin[2]]);
+}
+
+/// Ericson, Real-Time Collision Detection, 5.1.5. `a`, `b`, `c`: where the corners begin in `points`.
+function nearestInTriangle(points: Float32Array, a: number, b: number, c: number, px: number, py: number, pz: number): [number, number, number] {
+  const ax = points[a]!, ay = points[a + 1]!, az = points[a + 2]!;
+  const ux = points[b]! - ax, uy = points[b + 1]! - ay, uz = points[b + 2]! - az, vx = points[c]! - ax, vy = points[c + 1]! - ay, vz = points[c + 2]! - az;
+  const wx = px - ax, wy = py - ay, wz = pz - az;
+  const at = (s: number, t: number): [number, number, number] => [ax + s * ux + t * vx, ay + s * uy + t * vy, az + s * uz + t * vz];
+  const d1 = ux * wx + uy * wy + uz * wz, d2 = vx * wx + vy * wy + vz * wz;
+  if (d1 <= 0 && d2 <= 0) return at(0, 0);
+  const uu = ux * ux + uy * uy + uz * uz, uv = ux * vx + uy * vy + uz * vz, vv = vx * vx + vy * vy + vz * vz;
+  const d3 = d1 - uu, d4 = d2 - uv, d5 = d1 - uv, d6 = d2 - vv;
+  if (d3 >= 0 && d4 <= d3) return at(1, 0);
+  const vc = d1 * d4 - d3 * d2;
+  if (vc <= 0 && d1 >= 0 && d3 <= 0) return at(d1 / (d1 - d3), 0);
+  if (d6 >= 0 && d5 <= d6) return at(0, 1);
+  const vb = d5 * d2 - d1 * d6;
+  if (vb <= 0 && d2 >= 0 && d6 <= 0) return at(0, d2 / (d2 - d6));
+  const va = d3 * d6 - d5 * d4;
+  if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) {
+    const t = (d4 - d3) / (d4 - d3 + (d5 - d6));
+    return at(1 - t, t);
+  }
+  const sum = va + vb + vc;
+  return sum > 0 ? at(vb / sum, vc / sum) : at(0, 0);
+}
+
 /// World positions of the boundary sites a ball touches: at most a hundred-thousandth of the radius farther, and as far
 /// as float32 coordinates are off.
 export function touchingSites(meta: Meta, shape: Shape, world: readonly [number, number, number], radius: number): [number, number, number][] {
   const m = meta.sites_to_world, sites = shape.sites;
-  if (!m || !sites || !Number.isFinite(radius)) return [];
+  if (!Number.isFinite(radius)) return [];
+  if (!sites && shape.points && shape.triangles) return touchingSurface(meta, shape.points, shape.triangles, world, radius);
+  if (!m || !sites) return [];
   const tiny = 3e-7 * Math.max(meta.side, ...meta.low.map((x, k) => Math.max(Math.abs(x - meta.origin[k]!), Math.abs(meta.high[k]! - meta.origin[k]!))));
   const limit = (radius * (1 + 1e-5) + tiny) ** 2;
   const [x, y, z] = world;

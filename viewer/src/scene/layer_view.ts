@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A complex on the screen: sheets as one indexed geometry of which the first part is drawn, edges and curves as bars.
-import { BufferAttribute, BufferGeometry, Group, Mesh, Vector3, type DataTexture, type RawShaderMaterial } from "three";
+import { AlwaysDepth, BufferAttribute, BufferGeometry, Group, Mesh, Vector3, type DataTexture, type RawShaderMaterial } from "three";
 import { encode, rgb } from "../colours";
 import type { Layer } from "../data";
 import type { CellSet, LayerSets } from "../sets";
@@ -58,6 +58,8 @@ export class LayerView {
     this.seams = bar(1.1, 4e-5, 0, 1);
     this.curves = bar(2.5, 2e-4, 1, 1);
     this.picked = bar(4, 4e-4, 1, 1);
+    this.picked.mesh.material.depthFunc = AlwaysDepth; // seen through sheets
+    this.picked.mesh.renderOrder = 1;
     const ball = (more: Record<string, { value: unknown }>) =>
       new Balls(ballMaterial(shared, own({ ...flag(), scale: { value: 1 }, fixedPixels: { value: 0 }, opacity: { value: 1 }, onCurves: { value: 0 }, ...more }), false));
     this.points = ball({ fixedPixels: { value: 5 }, onCurves: { value: 1 } });

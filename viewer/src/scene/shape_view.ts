@@ -12,13 +12,14 @@ export class ShapeView {
   private readonly own: Record<"opacity" | "tint" | "rim" | "behind", IUniform>;
 
   constructor(shape: Shape, placement: Placement, shared: SharedUniforms, depth: DepthTexture) {
-    const points = new Float32Array(shape.points!.length);
-    placement.write(shape.points!, 3, points);
-    this.sample = points;
+    const given = new Float32Array(shape.points!.length);
+    placement.write(shape.points!, 3, given);
+    this.sample = given;
+    const { points, normals, triangles } = creased(given, shape.triangles!, placement.meta.voxelSurface ? -1 : CREASE);
     const geometry = new BufferGeometry();
     geometry.setAttribute("position", new BufferAttribute(points, 3));
-    geometry.setAttribute("normal", new BufferAttribute(normalsOf(points, shape.triangles!), 3));
-    geometry.setIndex(new BufferAttribute(shape.triangles!, 1));
+    geometry.setAttribute("normal", new BufferAttribute(normals, 3));
+    geometry.setIndex(new BufferAttribute(triangles, 1));
     this.own = { opacity: { value: 0.5 }, tint: { value: new Vector3() }, rim: { value: new Vector3() }, behind: { value: depth } };
     const { clipPlane, clipOn, perspective, viewport } = shared;
     const glass = glassMaterial({ ...this.own, clipPlane, clipOn, perspective, viewport });
@@ -42,25 +43,55 @@ export class ShapeView {
   }
 }
 
-/// Of vertices, weighted by area.
-function normalsOf(points: Float32Array, triangles: Uint32Array): Float32Array<ArrayBuffer> {
-  const normals = new Float32Array(points.length);
-  for (let t = 0; t + 2 < triangles.length; t += 3) {
+const CREASE = Math.cos((35 * Math.PI) / 180);
+
+interface Creased { points: Float32Array<ArrayBuffer>; normals: Float32Array<ArrayBuffer>; triangles: Uint32Array<ArrayBuffer> }
+
+/// Vertices with normals, weighted by area; where triangles meet at a crease (the cosine of its angle; -1: none), a vertex for each of its
+/// sides.
+export function creased(points: Float32Array, triangles: Uint32Array, crease = CREASE): Creased {
+  const count = points.length / 3, corners = triangles.length, places: number[] = [];
+  const out = Uint32Array.from(triangles), sums: number[] = new Array<number>(3 * count).fill(0);
+  const begun = new Uint8Array(count), next: number[] = new Array<number>(count).fill(-1); // further vertices at the same place
+  for (let t = 0; t + 2 < corners; t += 3) {
     const a = 3 * triangles[t]!, b = 3 * triangles[t + 1]!, c = 3 * triangles[t + 2]!;
     const ux = points[b]! - points[a]!, uy = points[b + 1]! - points[a + 1]!, uz = points[b + 2]! - points[a + 2]!;
     const vx = points[c]! - points[a]!, vy = points[c + 1]! - points[a + 1]!, vz = points[c + 2]! - points[a + 2]!;
-    const x = uy * vz - uz * vy, y = uz * vx - ux * vz, z = ux * vy - uy * vx;
-    for (const i of [a, b, c]) {
-      normals[i]! += x;
-      normals[i + 1]! += y;
-      normals[i + 2]! += z;
+    const x = uy * vz - uz * vy, y = uz * vx - ux * vz, z = ux * vy - uy * vx, size = Math.hypot(x, y, z);
+    for (let k = 0; k < 3; ++k) {
+      let v = triangles[t + k]!;
+      for (;;) {
+        const sx = sums[3 * v]!, sy = sums[3 * v + 1]!, sz = sums[3 * v + 2]!;
+        if (!begun[v] && v < count) {
+          begun[v] = 1;
+          break;
+        }
+        if (sx * x + sy * y + sz * z >= crease * size * Math.hypot(sx, sy, sz)) break;
+        if (next[v] === -1) {
+          const more = next.length;
+          next[v] = more;
+          next.push(-1);
+          sums.push(0, 0, 0);
+          places.push(triangles[t + k]!);
+          v = more;
+          break;
+        }
+        v = next[v]!;
+      }
+      out[t + k] = v;
+      sums[3 * v]! += x;
+      sums[3 * v + 1]! += y;
+      sums[3 * v + 2]! += z;
     }
   }
+  const all = new Float32Array(3 * (count + places.length)), normals = Float32Array.from(sums);
+  all.set(points);
+  places.forEach((v, i) => all.set(points.subarray(3 * v, 3 * v + 3), 3 * (count + i)));
   for (let i = 0; i < normals.length; i += 3) {
     const size = Math.hypot(normals[i]!, normals[i + 1]!, normals[i + 2]!) || 1;
     normals[i]! /= size;
     normals[i + 1]! /= size;
     normals[i + 2]! /= size;
   }
-  return normals;
+  return { points: all, normals, triangles: out };
 }

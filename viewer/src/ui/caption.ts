@@ -3,11 +3,11 @@
 // pictures that are saved.
 import { Vector3 } from "three";
 import type { App } from "../app";
-import { short, ticks, withUnit } from "../format";
+import { short, withUnit } from "../format";
 import { labelOf, pruningText, unitOf } from "../measures";
 import { el, prepare, styleOf } from "./dom";
 
-const MARGIN = 24, BAR = 110; ///< pixels; the scale bar is about so long
+const MARGIN = 24, BAR = 140; ///< pixels; the scale bar is at most so long
 const AXES: [string, Vector3, string][] = [["x", new Vector3(1, 0, 0), "#d1495b"], ["y", new Vector3(0, 1, 0), "#3a9a4b"], ["z", new Vector3(0, 0, 1), "#3d6fd0"]];
 
 export class Caption {
@@ -27,7 +27,8 @@ export class Caption {
   /// A round length, and how many pixels it takes where the camera looks at.
   scaleBar(): { length: number; pixels: number } {
     const perPixel = this.app.stage.camera.perPixel * this.app.page.meta.side;
-    const steps = ticks(0, BAR * perPixel, 1.01), length = steps[steps.length - 1]! || BAR * perPixel;
+    const most = BAR * perPixel, power = 10 ** Math.floor(Math.log10(most));
+    const length = power * (most >= 5 * power ? 5 : most >= 2 * power ? 2 : 1);
     return { length, pixels: length / perPixel };
   }
 

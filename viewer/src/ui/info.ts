@@ -38,8 +38,9 @@ export class Info {
     const question = el("button", "plain round", "?");
     question.title = "Keys and mouse (?)";
     question.addEventListener("click", help);
-    const notes = meta.notes.map((note) => el("p", "note", note));
-    this.element.append(el("header", "", el("h1", "", meta.title), question), this.what, this.figures, this.share, ...notes, about, this.branch, this.picked);
+    const note = meta.note ? el("p", "note", meta.note) : null;
+    about.append(...meta.notes.map((text) => el("p", "note", `${text}.`.replace(/\.\.$/, "."))));
+    this.element.append(el("header", "", el("h1", "", meta.title), question), this.what, this.figures, this.share, ...(note ? [note] : []), about, this.branch, this.picked);
     const copy = el("button", "plain", "Copy");
     copy.addEventListener("click", () => void copyText(this.commandText.textContent ?? "", copy));
     this.command.append(this.commandText, copy);

@@ -1,0 +1,3 @@
+// SPDX-License-Identifier: Apache-2.0
+/// What is wrong with a page, in one sentence for its reader.
+export class PageError extends Error {}
