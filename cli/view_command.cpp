@@ -214,7 +214,8 @@ std::string state_of(const Options& o, const Page& page, bool has_axis, const st
     throw Error(ErrorCode::usage, fmt::format("there is no layer '{}' in this page", o.layer));
   const std::string layer = !o.layer.empty() ? o.layer : has_axis ? "skeleton" : "still";
   const std::string prefix = layer + "/point/";
-  if (!o.color.empty() && o.color != "none" && !page.find(prefix + o.color)) {
+  const bool parts = layer == "skeleton" && (o.color == "sheet" || o.color == "branch");
+  if (!o.color.empty() && o.color != "none" && !parts && !page.find(prefix + o.color)) {
     std::string names;
     for (const PageArray& array : page.arrays)
       if (array.name.starts_with(prefix)) names += (names.empty() ? "" : ", ") + array.name.substr(prefix.size());
@@ -330,7 +331,9 @@ Action add_view(CLI::App& app) {
       ->type_name("NAME")
       ->check(one_of({"skeleton", "core", "still"}))
       ->group(start);
-  app.add_option("--color", o->color, "Array to colour by, e.g. radius, detail, lambda, burn_time, erosion_thickness")
+  app.add_option(
+         "--color", o->color,
+         "Array to colour by, e.g. radius, detail, lambda, burn_time, erosion_thickness; or sheet, branch, none")
       ->type_name("ARRAY")
       ->group(start);
   app.add_option("--camera", o->camera, "Position, target and up: px,py,pz,tx,ty,tz,ux,uy,uz in world units")

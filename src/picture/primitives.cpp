@@ -61,7 +61,7 @@ Primitives::Primitives(const Scene& scene, const ViewState& state, const ColourR
       points_(seen(scene.points, camera)),
       shape_points_(seen(scene.shape_points, camera)),
       normals_(crease_normals(points_, scene.sheets, kCrease)),
-      shape_normals_(crease_normals(shape_points_, scene.shape, kShapeCrease)),
+      shape_normals_(crease_normals(shape_points_, scene.shape, scene.shape_crease)),
       sheets_(fans(scene.sheets)),
       shape_(fans(scene.shape)) {
   for (std::uint32_t f = 0; f < scene.sheets.size(); ++f)

@@ -141,6 +141,7 @@ std::span<const std::uint32_t> corners_of(const Polygons& polygons, std::size_t 
 }
 
 void add_shape(const Page& page, Scene& scene) {
+  if (page.voxel_surface) scene.shape_crease = 90;
   scene.shape_points = places(page, scene.placement, values_or_none<float>(page, "shape/points"));
   scene.shape.corners = values_or_none<std::uint32_t>(page, "shape/triangles");
   const std::size_t triangles = scene.shape.corners.size() / 3;

@@ -39,6 +39,7 @@ struct Scene {
   double area = 0, curve_length = 0;
   std::vector<Vec3f> shape_points;
   Polygons shape;
+  double shape_crease = kCrease;  ///< surfaces of voxels have steps, no edges: a right angle
 };
 Scene scene_of(const Page& page, const ViewState& state);
 

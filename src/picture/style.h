@@ -54,11 +54,10 @@ inline constexpr float kBoundaryWidth = 0.55F, kSeamWidth = 0.75F;
 inline constexpr float kLineBias = 4e-5F, kCurveBias = 2e-4F;
 inline constexpr float kBoundaryMost = 0.7F, kSeamMost = 0.9F, kCovered = 0.012F, kPalest = 0.12F;
 
-inline constexpr double kCrease = 35;  ///< degrees: sharper edges of sheets are not smoothed
+inline constexpr double kCrease = 35;  ///< degrees: sharper edges are not smoothed
 
 // Of pictures only: on white paper the glass needs outlines; steps are those of log2 of the distance.
 inline constexpr float kOutline = 0.8F, kOutlineStep = 0.004F;
-inline constexpr double kShapeCrease = 50;  ///< as kCrease: surfaces of voxels have steps
 
 /// The colours of one ground, light or dark.
 struct Ground {
