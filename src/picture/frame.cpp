@@ -171,12 +171,17 @@ class Resolver {
 /// and of one colour stand apart.
 class Dome {
  public:
-  Dome(const std::vector<Pixel>& pixels, int width, int height, double unit, bool dark)
-      : pixels_(pixels), width_(width), height_(height), strength_(dark ? kDomeDark : kDomeLight) {
+  /// `first`: the row that the pixels begin with.
+  Dome(const std::vector<Pixel>& pixels, int first, int width, int height, double unit, bool dark)
+      : pixels_(pixels), first_(first), width_(width), height_(height), strength_(dark ? kDomeDark : kDomeLight) {
     for (int i = 0; i < 8; ++i) {
       const double angle = std::numbers::pi / 4 * i + 0.3;
       offsets_[static_cast<std::size_t>(i)] = Eigen::Vector2d(std::cos(angle), -std::sin(angle)) * (kDomeReach * unit);
     }
+  }
+  const Pixel& pixel(int x, int y) const {
+    return pixels_[static_cast<std::size_t>(y - first_) * static_cast<std::size_t>(width_) +
+                   static_cast<std::size_t>(x)];
   }
   float shade(int x, int y) const {
     const float here = pixel(x, y).solid;
@@ -203,9 +208,6 @@ class Dome {
   }
 
  private:
-  const Pixel& pixel(int x, int y) const {
-    return pixels_[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x)];
-  }
   const Pixel& neighbour(int x, int y, const Eigen::Vector2d& offset) const {
     const int nx = static_cast<int>(std::floor(x + 0.5 + offset.x())),
               ny = static_cast<int>(std::floor(y + 0.5 + offset.y()));
@@ -219,7 +221,7 @@ class Dome {
     return sum / 8;
   }
   const std::vector<Pixel>& pixels_;
-  int width_, height_;
+  int first_, width_, height_;
   float strength_;
   std::array<Eigen::Vector2d, 8> offsets_;
 };
@@ -233,42 +235,56 @@ Vec3f ground_at(int y, int height, bool dark) {
 }  // namespace
 
 Picture draw_scene(const Scene& scene, const ViewState& state, const ColourRange& range, const Camera& camera,
-                   int width, int height, double unit, Context* context) {
+                   int width, int height, double unit, Context* context, int band) {
   const Primitives primitives(scene, state, range, camera, unit);
   const int columns = (width + kTile - 1) / kTile, rows = (height + kTile - 1) / kTile;
   const Bins bins(primitives, columns, rows);
   const auto across = static_cast<std::size_t>(width);
-  std::vector<Pixel> pixels(across * static_cast<std::size_t>(height));
-  base::for_chunks(static_cast<std::size_t>(rows), context, "picture", 0, 0.9, [&](std::size_t row) {
-    Tile tile;
-    Resolver resolver(primitives);
-    for (int column = 0; column < columns; ++column) {
-      const int x0 = column * kTile, y0 = static_cast<int>(row) * kTile;
-      tile.begin({x0 * kSamples, y0 * kSamples, x0 * kSamples + kTileSamples, y0 * kSamples + kTileSamples});
-      for (const std::uint32_t id : bins.of(row * static_cast<std::size_t>(columns) + static_cast<std::size_t>(column)))
-        primitives.draw(id, tile);
-      for (int y = y0; y < std::min(y0 + kTile, height); ++y)
-        for (int x = x0; x < std::min(x0 + kTile, width); ++x)
-          pixels[static_cast<std::size_t>(y) * across + static_cast<std::size_t>(x)] =
-              resolver.pixel(tile, x, y, ground_at(y, height, state.dark));
-    }
-  });
-  Picture picture{width, height, std::vector<std::uint8_t>(pixels.size() * 3)};
+  Picture picture{width, height, std::vector<std::uint8_t>(3 * across * static_cast<std::size_t>(height))};
   const Vec3f rim = rgb(state.dark ? kDark.rim : kLight.rim);
-  const Dome dome(pixels, width, height, unit, state.dark);
-  base::for_chunks(static_cast<std::size_t>(height), context, "picture", 0.9, 1, [&](std::size_t y) {
-    for (std::size_t x = 0; x < across; ++x) {
-      const Pixel& pixel = pixels[y * across + x];
-      const float shade = dome.shade(static_cast<int>(x), static_cast<int>(y));
-      const float outline = kOutline * dome.outline(static_cast<int>(x), static_cast<int>(y));
-      for (std::size_t i = 0; i < 3; ++i) {
-        const float plain = static_cast<float>(pixel.shaded[i]) * shade + static_cast<float>(pixel.plain[i]);
-        const float outlined =
-            std::min(plain / kFull, 1.0F) * (1 - outline) + rim[static_cast<Eigen::Index>(i)] * outline;
-        picture.pixels[3 * (y * across + x) + i] = static_cast<std::uint8_t>(outlined * 255 + 0.5F);
+  const int margin = static_cast<int>(kDomeReach * kDomeFarther * unit) + 1;
+  std::vector<Pixel> pixels;
+  // In bands, as far as the light of the dome reaches drawn twice, so that large pictures need little memory.
+  for (int y0 = 0; y0 < height; y0 += band) {
+    const int y1 = std::min(height, y0 + band), tile0 = std::max(0, y0 - margin) / kTile;
+    const int tile1 = std::min(rows, (y1 + margin + kTile - 1) / kTile), first = tile0 * kTile;
+    const double done = static_cast<double>(y0) / height, next = static_cast<double>(y1) / height;
+    pixels.resize(across * static_cast<std::size_t>(std::min(tile1 * kTile, height) - first));
+    const auto draw_tiles = [&](std::size_t chunk) {
+      const int row = tile0 + static_cast<int>(chunk);
+      Tile tile;
+      Resolver resolver(primitives);
+      for (int column = 0; column < columns; ++column) {
+        const int left = column * kTile, top = row * kTile;
+        tile.begin({left * kSamples, top * kSamples, left * kSamples + kTileSamples, top * kSamples + kTileSamples});
+        for (const std::uint32_t id : bins.of(static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) +
+                                              static_cast<std::size_t>(column)))
+          primitives.draw(id, tile);
+        for (int y = top; y < std::min(top + kTile, height); ++y)
+          for (int x = left; x < std::min(left + kTile, width); ++x)
+            pixels[static_cast<std::size_t>(y - first) * across + static_cast<std::size_t>(x)] =
+                resolver.pixel(tile, x, y, ground_at(y, height, state.dark));
       }
-    }
-  });
+    };
+    base::for_chunks(static_cast<std::size_t>(tile1 - tile0), context, "picture", done, 0.1 * done + 0.9 * next,
+                     draw_tiles);
+    const Dome dome(pixels, first, width, height, unit, state.dark);
+    const auto light_row = [&](std::size_t chunk) {
+      const int y = y0 + static_cast<int>(chunk);
+      for (int x = 0; x < width; ++x) {
+        const Pixel& pixel = dome.pixel(x, y);
+        const float shade = dome.shade(x, y), outline = kOutline * dome.outline(x, y);
+        for (std::size_t i = 0; i < 3; ++i) {
+          const float plain =
+              (static_cast<float>(pixel.shaded[i]) * shade + static_cast<float>(pixel.plain[i])) / kFull;
+          const float outlined = std::min(plain, 1.0F) * (1 - outline) + rim[static_cast<Eigen::Index>(i)] * outline;
+          picture.pixels[3 * (static_cast<std::size_t>(y) * across + static_cast<std::size_t>(x)) + i] =
+              static_cast<std::uint8_t>(outlined * 255 + 0.5F);
+        }
+      }
+    };
+    base::for_chunks(static_cast<std::size_t>(y1 - y0), context, "picture", 0.1 * done + 0.9 * next, next, light_row);
+  }
   return picture;
 }
 

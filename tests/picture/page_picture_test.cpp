@@ -11,6 +11,7 @@
 #include <random>
 
 #include "picture/caption.h"
+#include "picture/frame.h"
 #include "picture/scene.h"
 #include "picture/tile.h"
 #include "quench/picture.h"
@@ -233,6 +234,18 @@ TEST(PagePicture, ThreadsDoNotMatter) {
     EXPECT_EQ(picture.pixels, first.pixels);
     EXPECT_EQ(file, first_file);
   }
+}
+
+TEST(PagePicture, BandsDoNotMatter) {
+  const Page page = crowd();
+  const picture::ViewState state = picture::view_state(page);
+  const picture::Scene scene = picture::scene_of(page, state);
+  const picture::ColourRange range = picture::colour_range(scene, state);
+  const picture::Camera camera = picture::first_look(page, state, scene, 150, 330, {});
+  const auto in_bands = [&](int band) {
+    return picture::draw_scene(scene, state, range, camera, 150, 330, 1.0, nullptr, band).pixels;
+  };
+  for (const int band : {17, 32, 100}) EXPECT_TRUE(in_bands(band) == in_bands(1000)) << band;
 }
 
 TEST(PagePicture, CancelStopsIt) {
