@@ -56,8 +56,6 @@ void check_options(const Options& o) {
         fmt::format("--camera '{}' is not nine numbers px,py,pz,tx,ty,tz,ux,uy,uz: position, target, up", o.camera));
   if (extension_of(o.output) == ".png")
     throw Error(ErrorCode::usage, fmt::format("-o is the page, in HTML; for a picture give --png {}", o.output));
-  if (!o.png.empty() && !(extension_of(o.png) == ".png"))
-    throw Error(ErrorCode::usage, fmt::format("--png writes PNG; name '{}' .png", o.png));
   picture_of(o);
   const pipeline::ShapeOptions& how = o.shape.how;
   if (o.shape.file.empty() &&
@@ -103,6 +101,8 @@ void check_outputs(const Options& o, const Session& session) {
   if (!o.shape.file.empty()) inputs.emplace_back(o.shape.file);
   if (!o.output.empty()) session.check_output(o.output, inputs);
   if (!o.png.empty()) session.check_output(o.png, inputs, "--png");
+  if (!o.png.empty() && extension_of(o.png) != ".png")
+    throw Error(ErrorCode::usage, fmt::format("--png writes PNG; name '{}' .png", o.png));
   if (!o.output.empty() && o.output == o.png)
     throw Error(ErrorCode::usage, fmt::format("two outputs are named '{}'; give them different names", o.png));
 }
