@@ -347,7 +347,9 @@ Action add_view(CLI::App& app) {
       ->type_name("NAME")
       ->check(one_of({"skeleton", "core", "still"}))
       ->group(start);
-  app.add_option("--color", o->color, "Array to colour by, e.g. radius, detail, lambda, burn_time, erosion_thickness; 'sheet' or 'branch': parts of the "
+  app.add_option("--color", o->color,
+                 "Array to colour by, e.g. radius, detail, lambda, burn_time, erosion_thickness; 'sheet' or 'branch': "
+                 "parts of the "
                  "skeleton")
       ->type_name("ARRAY")
       ->group(start);
