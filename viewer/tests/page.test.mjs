@@ -142,6 +142,25 @@ describe("the page in a browser", () => {
     await page.close();
   });
 
+  it("sheets of the family end inside their parts where the levels of corners say so", async () => {
+    // The sheet's level is 0.6; at the corners 0 and 3 it is 0.6, at 1 and 2 it is 0.1: half of it is above 0.35.
+    const corners = (levels) => (arrays) => ({ ...arrays, "family/corner_level": ["f32", 1, levels] });
+    const covered = async (levels, theta2) => {
+      const { page, complaints } = await open(boxPage(template, {}, corners(levels)), `ui=0&shape=0&color=none&curves=0&points=0&boundary=0&seams=0&caption=0&theta2=${theta2}&theta1=0&camera=2,1,8,2,1,1,0,1,0`);
+      await settled(page);
+      const { data, channels, width, height } = pixelsOf(await page.screenshot());
+      let count = 0;
+      for (let i = 0; i < width * height; ++i) count += Number(data[channels * i] < 215); // darker than the paper
+      assert.deepEqual(complaints, []);
+      await page.close();
+      return count;
+    };
+    const whole = await covered([0.6, 0.6, 0.6, 0.6], 0.35), part = await covered([0.6, 0.1, 0.1, 0.6], 0.35), above = await covered([0.6, 0.1, 0.1, 0.6], 0.05);
+    assert.ok(whole > 2000, String(whole));
+    assert.ok(Math.abs(part / whole - 0.5) < 0.03, `${part} of ${whole}`);
+    assert.ok(Math.abs(above / whole - 1) < 0.02, `${above} of ${whole}`);
+  });
+
   it("branches: table, sorting, CSV, picking by row and by click", async () => {
     const { page, complaints } = await open(boxPage(template, {}, undefined, true), "table=1&shape=0");
     await settled(page);
