@@ -332,7 +332,8 @@ Action add_view(CLI::App& app) {
       ->group(shape);
   const auto start = "What the page starts with";
   add_length(app, "--theta2", o->skeleton.theta2, "Skeleton: erosion thickness below which sheets go")->group(start);
-  add_length(app, "--theta1", o->skeleton.theta1, "Skeleton: erosion thickness below which curves go")->group(start);
+  add_theta1(app, o->skeleton, "Skeleton: erosion thickness, or radii of what they leave (0.5r), below which curves go")
+      ->group(start);
   const auto add_pruning = [&](const char* name, std::string_view measure, const char* help) {
     return add_parsed(app, name, help,
                       [o, measure](const std::string&, const std::string& text) {
