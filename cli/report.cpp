@@ -196,10 +196,12 @@ void say_burned(const pipeline::BurnFigures& burned, std::size_t vertices, Sessi
 }
 
 void add_axis_sections(Json& report, const pipeline::AxisRun& run) {
-  const auto& [skeleton, measured, topology] = run.skeleton;
+  const auto& [skeleton, topology] = run.skeleton;
   add_burn_section(report, run.burned);
   report["curves"] = cells_section(run.curves, topology);
-  report["skeleton"] = {{"theta2", number(skeleton.theta2)}, {"theta1", number(skeleton.theta1)}};
+  report["skeleton"] = {{"theta2", number(skeleton.theta2)},
+                        {"theta1", number(skeleton.theta1)},
+                        {"theta1_radii", skeleton.theta1_radii}};
   report["skeleton"].update(cells_section(pipeline::counts_of(skeleton.complex), topology));
 }
 

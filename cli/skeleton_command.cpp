@@ -51,6 +51,7 @@ Action add_skeleton(CLI::App& app) {
     Json& parameters = report["parameters"];
     parameters["theta2"] = pipeline::text_of(o->skeleton.theta2);
     parameters["theta1"] = pipeline::text_of(o->skeleton.theta1);
+    parameters["tips"] = o->skeleton.full_tips ? "full" : "pruned";
     parameters["smooth"] = o->graph.graph.smooth;
     parameters["resample"] = pipeline::text_of(o->graph.graph.resample);
 
@@ -68,8 +69,8 @@ Action add_skeleton(CLI::App& app) {
 
     io::OutputGroup outputs;
     io::write_record(o->output, pipeline::skeleton_file(run.skeleton, run.file));
-    write_graph(run.graph, {o->swc, o->graphml, o->csv},
-                o->graph, options.graph.voxel, loaded.coordinates, report, session);
+    write_graph(run.graph, {o->swc, o->graphml, o->csv}, o->graph, options.graph.voxel, loaded.coordinates, report,
+                session);
     session.finished("write");
     write_report(outputs, report, session);
     session.say(fmt::format("{}: {}; {:.1f} s", o->output,

@@ -120,6 +120,15 @@ void add_burn_options(CLI::App& app, pipeline::BurningOptions& o) {
       ->group(group);
 }
 
+CLI::Option* add_theta1(CLI::App& app, pipeline::SkeletonOptions& o, const std::string& help) {
+  return add_parsed(
+             app, "--theta1", help,
+             [&o](const std::string&, const std::string& text) { o.theta1 = pipeline::parse_theta1(text); },
+             [&o] { return pipeline::text_of(o.theta1); })
+      ->type_name("LENGTH|Xr")
+      ->capture_default_str();
+}
+
 void add_skeleton_options(CLI::App& app, pipeline::SkeletonOptions& o, GraphFileOptions& files) {
   const auto group = "Skeleton";
   add_length(
@@ -128,18 +137,20 @@ void add_skeleton_options(CLI::App& app, pipeline::SkeletonOptions& o, GraphFile
       "(0.03 or 3%), 8vox, 3.5abs, 0 (nothing), inf (curves only), or 'auto': 0.03, but no less than three times the "
       "automatic detail, 2.6 voxels")
       ->group(group);
-  add_length(
-      app, "--theta1", o.theta1,
-      "Drop curves of a smaller erosion thickness from their free ends; inf: only what topology needs; 'auto': 0.02, "
-      "but no less than four times the automatic detail")
+  add_theta1(
+      app, o,
+      "Drop branches of curves that stick out of what they leave by less than this many of its radii (0.5r), or "
+      "curves of a smaller erosion thickness (0.02 or 2% of the longest side, 8vox, 3.5abs) from their free ends; "
+      "inf: only what topology needs; 'auto': 0.5r. With radii also what is thinner than 3.5 times the automatic "
+      "detail, 3 voxels")
       ->group(group);
   add_number(app, "--smooth", files.graph.smooth,
-             "Passes of smoothing over the curves of the graph files, 0 to 10000; they stay inside the shape", 0, 10000)
+             "Passes of smoothing over the curves, 0 to 10000; they stay inside the shape", 0, 10000)
       ->type_name("N")
       ->capture_default_str()
       ->group(group);
   add_parsed(
-      app, "--resample", "Distance of points along curves in the graph files; 0: as they come",
+      app, "--resample", "Distance of points along curves; 0: as they come",
       [&files](const std::string&, const std::string& text) { files.graph.resample = pipeline::parse_resample(text); },
       [&files] { return pipeline::text_of(files.graph.resample); })
       ->type_name("LENGTH")
@@ -147,8 +158,8 @@ void add_skeleton_options(CLI::App& app, pipeline::SkeletonOptions& o, GraphFile
       ->group(group);
   add_parsed(
       app, "--tips",
-      "Graph files: pruning takes about theta1 off every branch; 'full' grows those that stay back to their "
-      "tips, 'pruned' leaves them as in the skeleton",
+      "Pruning takes about theta1 off every branch; 'full' grows those that stay back to their tips, 'pruned' leaves "
+      "them",
       [&o](const std::string&, const std::string& text) { o.full_tips = text == "full"; },
       [&o] { return std::string(o.full_tips ? "full" : "pruned"); })
       ->type_name("RULE")
@@ -182,8 +193,8 @@ void add_skeleton_options(CLI::App& app, pipeline::SkeletonOptions& o, GraphFile
 void add_page_options(CLI::App& app, std::size_t& max_triangles) {
   add_number<std::size_t>(
       app, "--max-triangles", max_triangles,
-      "The page: at most so many triangles, 1000 to 50000000; larger results are simplified for display, and the page "
-      "says so",
+      "The page: about so many triangles, 1000 to 50000000; the skeleton asked for is always whole, its sliders, the "
+      "core and the surface share the rest",
       1000, 50'000'000)
       ->type_name("N")
       ->capture_default_str()

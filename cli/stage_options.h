@@ -25,6 +25,7 @@ struct GraphFileOptions {
   std::optional<Vec3> root;  ///< none: the thickest node
   std::string swc_type = "dendrite";
 };
+CLI::Option* add_theta1(CLI::App& app, pipeline::SkeletonOptions& options, const std::string& help);
 void add_skeleton_options(CLI::App& app, pipeline::SkeletonOptions& options, GraphFileOptions& graph);
 
 void add_page_options(CLI::App& app, std::size_t& max_triangles);

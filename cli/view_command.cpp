@@ -214,8 +214,8 @@ std::string state_of(const Options& o, const Page& page, bool has_axis, const st
     throw Error(ErrorCode::usage, fmt::format("there is no layer '{}' in this page", o.layer));
   const std::string layer = !o.layer.empty() ? o.layer : has_axis ? "skeleton" : "still";
   const std::string prefix = layer + "/point/";
-  const bool parts = layer == "skeleton" && (o.color == "sheet" || o.color == "branch");
-  if (!o.color.empty() && o.color != "none" && !parts && !page.find(prefix + o.color)) {
+  const bool of_parts = layer == "skeleton" && (o.color == "sheet" || o.color == "branch");
+  if (!o.color.empty() && o.color != "none" && !of_parts && !page.find(prefix + o.color)) {
     std::string names;
     for (const PageArray& array : page.arrays)
       if (array.name.starts_with(prefix)) names += (names.empty() ? "" : ", ") + array.name.substr(prefix.size());
@@ -316,7 +316,8 @@ Action add_view(CLI::App& app) {
       ->group(shape);
   const auto start = "What the page starts with";
   add_length(app, "--theta2", o->skeleton.theta2, "Skeleton: erosion thickness below which sheets go")->group(start);
-  add_length(app, "--theta1", o->skeleton.theta1, "Skeleton: erosion thickness below which curves go")->group(start);
+  add_theta1(app, o->skeleton, "Skeleton: erosion thickness, or radii of what they leave (0.5r), below which curves go")
+      ->group(start);
   const auto add_pruning = [&](const char* name, std::string_view measure, const char* help) {
     return add_parsed(app, name, help,
                       [o, measure](const std::string&, const std::string& text) {
@@ -327,13 +328,14 @@ Action add_view(CLI::App& app) {
   };
   CLI::Option* detail = add_pruning("--detail", kDetail, "Core: detail below which cells go [default: that of FILE]");
   add_pruning("--lambda", kLambda, "Core: radius below which cells go [default: that of FILE]")->excludes(detail);
-  app.add_option("--layer", o->layer, "'skeleton', 'core' or 'still' (a file of another kind)")
+  app.add_option("--layer", o->layer, "'skeleton', 'core' (the medial axis) or 'still' (a file of another kind)")
       ->type_name("NAME")
       ->check(one_of({"skeleton", "core", "still"}))
       ->group(start);
-  app.add_option(
-         "--color", o->color,
-         "Array to colour by, e.g. radius, detail, lambda, burn_time, erosion_thickness; or sheet, branch, none")
+  app.add_option("--color", o->color,
+                 "Array to colour by, e.g. radius, detail, lambda, burn_time, erosion_thickness; 'sheet' or 'branch': "
+                 "parts of the "
+                 "skeleton")
       ->type_name("ARRAY")
       ->group(start);
   app.add_option("--camera", o->camera, "Position, target and up: px,py,pz,tx,ty,tz,ux,uy,uz in world units")

@@ -26,6 +26,7 @@ struct CurveGraph {
     std::uint32_t component = 0;  ///< of the whole skeleton, sheets included
     std::uint32_t degree = 0;     ///< branch ends at the node; a closed branch has two
     std::uint32_t sheet = kNone;  ///< the patch of sheets the node lies on, or kNone; 0 .. sheets-1
+    std::uint32_t vertex = 0;     ///< of the skeleton
   };
   /// A polyline from node to node. All lengths in world units.
   struct Branch {
@@ -37,6 +38,7 @@ struct CurveGraph {
     double thickness = 0;                                    ///< largest ET_MC on it; infinite on loops
     double tortuosity = 1;  ///< length over distance of the ends; infinite for a closed branch
     std::uint32_t component = 0;
+    std::vector<std::uint32_t> vertices;  ///< of the skeleton, along the branch, ends included; smoothing keeps them
   };
   std::vector<Node> nodes;
   std::vector<Branch> branches;
@@ -83,6 +85,14 @@ double boundary_gap(const Vec3& spacing);
 /// radii and tortuosity are computed anew, ET_MC is kept. Deterministic. Throws Error(usage) for negative or infinite
 /// options.
 CurveGraph smoothed(const CurveGraph& graph, const SmoothOptions& options);
+
+/// The skeleton with the courses of these branches, `graph` being its curve_graph(), or that smoothed(). Sheets, nodes
+/// and isolated vertices stay, in their order; behind them come the inner points of the branches, branch by branch.
+/// Radii on branches are those of the graph; burn times, thickness and levels those of the vertices and edges that were
+/// there or, where the number of points is another, at the same fraction of the length. The topology stays: a branch
+/// that would be a second edge between two vertices gets a point in its middle. Fills `edge_branch`. O(n log n). Throws
+/// Error(usage) when the graph is not of the skeleton.
+Skeleton with_branches(const Skeleton& skeleton, const CurveGraph& graph);
 
 namespace io {
 

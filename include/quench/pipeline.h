@@ -34,9 +34,9 @@ namespace quench::pipeline {
 
 /// A length as users give it, resolved when the shape is known.
 struct Length {
-  enum class Unit { fraction, voxels, absolute, infinite };
+  enum class Unit { fraction, voxels, absolute, infinite, radii };
   double value = 0;            ///< 0 or more; of no meaning where infinite
-  Unit unit = Unit::fraction;  ///< of the longest side; of the smallest spacing; world units
+  Unit unit = Unit::fraction;  ///< of the longest side; of the smallest spacing; world units; of theta1 only: radii
   std::string text = {};       ///< as it was spelled: what records say; empty: text_of() spells it
 };
 
@@ -51,7 +51,9 @@ inline Length world_length(double value) {
 Length parse_length(std::string_view text, std::string_view field);
 /// The same where "auto" is allowed too: then nothing.
 std::optional<Length> parse_length_or_auto(std::string_view text, std::string_view field);
-/// parse_length() reads it back.
+/// The same for theta1, which may be `0.5r`, half the radius of what a branch leaves, too.
+std::optional<Length> parse_theta1(std::string_view text);
+/// parse_length(), or parse_theta1(), reads it back.
 std::string text_of(const Length& length);
 /// "auto" for nothing.
 std::string text_of(const std::optional<Length>& length);
@@ -301,22 +303,26 @@ FamilyResult family_of(RefinedAxis&& refined, const Topology& wanted, const Fami
                        Context* context = nullptr);
 
 struct SkeletonOptions {
-  /// None: 0.03 and 0.02 of the longest side, but no less than three and four times Scale::detail (2.6 and 3.5 voxels
-  /// for cubes): what the steps of voxels leave near the axis of a limb is smaller.
-  std::optional<Length> theta2 = {}, theta1 = {};
+  /// None: 0.03 of the longest side, but no less than three times Scale::detail (2.6 voxels for cubes): what the steps
+  /// of voxels leave near the axis of a limb is smaller.
+  std::optional<Length> theta2 = {};
+  /// None: half the radius of what a branch leaves, as ExtractOptions::theta1_radii. With that, or radii as the unit,
+  /// branches are no thinner than 3.5 times Scale::detail (3 voxels for cubes) or, without voxels, 0.01 of the longest
+  /// side either.
+  std::optional<Length> theta1 = {};
   bool parts = false;     ///< as ExtractOptions::parts
-  bool full_tips = true;  ///< SkeletonResult::measured has its tips grown back
+  bool full_tips = true;  ///< branches end where the shape does, not where pruning took them
 };
 
 struct SkeletonResult {
   Skeleton skeleton;
-  Skeleton measured;  ///< what lengths are measured on: branches end where the shape does, not where pruning took them
   Topology topology;
 };
 
-/// World lengths of the thresholds.
+/// World lengths of the thresholds, and ExtractOptions::theta1_radii.
 double theta2_of(const SkeletonOptions& options, const Scale& scale);
 double theta1_of(const SkeletonOptions& options, const Scale& scale);
+double theta1_radii_of(const SkeletonOptions& options);
 
 /// A floor below which a run looks at nothing: a voxel, or the distance of the nodes of the burning where there are no
 /// voxels, and at most what `options` ask for. Rounded down to floats, as pages have them.
@@ -346,9 +352,15 @@ struct GraphOptions {
 /// A finite length. Throws Error(usage), field `resample`, otherwise.
 Length parse_resample(std::string_view text);
 
-/// The curves of a skeleton as a graph to measure on, smoothed as asked. Radii of a voxel core get half a voxel more:
-/// of the corners of a staircase the nearest lies that far inside the surface it stands for. Throws Error(usage).
+/// The curves of a skeleton as a graph, smoothed as asked, with the radii of balls. Throws Error(usage).
+CurveGraph smoothed_graph(const Skeleton& skeleton, const GraphOptions& options = {}, const Scale& scale = {});
+/// The same to measure on: radii of a voxel core get half a voxel more: of the corners of a staircase the nearest lies
+/// that far inside the surface it stands for.
 CurveGraph measured_graph(const Skeleton& skeleton, const GraphOptions& options = {}, const Scale& scale = {});
+/// Draws the skeleton with the branches of its smoothed_graph(), and returns its measured_graph(). Throws
+/// Error(invariant) when that changed the topology.
+CurveGraph draw_branches(SkeletonResult& skeleton, const GraphOptions& options, const Scale& scale,
+                         Context* context = nullptr);
 
 // --------------------------------------------------------------------------------------------------------------- page
 

@@ -39,11 +39,13 @@ struct RefinedAxis {
   std::vector<char> curve_vertex;         ///< per vertex: part of the medial curves
   std::vector<std::uint32_t> polygon_of;  ///< per face: the polygon of M it is a part of
   std::vector<double> face_thickness;     ///< per face: largest (sector time - radius) over its corners
+  std::vector<float> corner_thickness;  ///< per corner of a face: that of the corner; the first one is the region dual
   std::vector<std::uint32_t> incomplete;  ///< polygons of M of which parts are missing, below the floor of a family
 
   std::vector<double> curve_burn_time;  ///< per vertex: BT_MC; infinite where fire on the curves does not come
   std::vector<std::uint32_t> exit;      ///< per vertex: the edge over which it passed that fire on, or kNone
   std::vector<char> medial_point;       ///< per vertex: the last to burn in a tree of the curves without pocket
+  std::vector<char> fire_goes_on;       ///< per vertex: fire on the curves that left it burned where it went to, too
 };
 
 /// The medial curves of a burned axis (with parents), and their burning: fire starts at their free ends at the time the
@@ -60,6 +62,10 @@ struct SkeletonFamily {
   RefinedAxis refined;
   double theta2_floor = 0, theta1_floor = 0;  ///< smaller thetas have no member: see with_floor()
   std::vector<double> vertex_sheet_level, edge_sheet_level, face_sheet_level;  ///< infinite on curves and pockets
+  /// Per corner of a face, no larger than the level of the face: how the level rises inside of it. Of a face that a
+  /// theta2 leaves, what lies between its corners above theta2 is left, cut along a straight line between the points of
+  /// its sides at theta2, where levels are linear. That is one piece: there is one low and one high around the face.
+  std::vector<float> corner_sheet_level;
   /// Per edge from 2 * doors on (the halves before are not curves): ET_MC, the smaller of its ends', infinite where it
   /// never burns; and the theta1 up to which it stays when no sheets are left.
   std::vector<double> curve_thickness, curve_level;
@@ -78,26 +84,51 @@ SkeletonFamily skeletons(const MedialAxis& axis, const Burning& burning, Context
 /// One member of the family, as a proper complex: no parallel edges, no polygon that repeats a corner, no edge of
 /// length zero (region duals lie on their exit doors).
 struct Skeleton {
-  double theta2 = 0, theta1 = 0;
-  CellComplex complex;  ///< edges without face are curves
+  double theta2 = 0, theta1 = 0, theta1_radii = 0;
+  bool full_tips = false;  ///< free ends grew back
+  CellComplex complex;     ///< edges without face are curves
   std::vector<Vec3> points;
   std::vector<double> radius, burn_time, curve_burn_time;  ///< per vertex; infinite where no fire comes
   std::vector<char> on_curve;                              ///< per vertex: the two measures of curves are defined
   std::vector<double> edge_thickness, edge_level;          ///< per edge: ET_MC and curve level; NaN where not a curve
-  std::vector<double> face_thickness, face_level;          ///< per face: erosion thickness and sheet level
+  std::vector<std::int32_t> edge_branch;  ///< per edge: its branch, -1 off the curves; empty before with_branches()
+  std::vector<double> face_thickness, face_level;  ///< per face: erosion thickness and sheet level
+  std::vector<std::int32_t> face_sheet;  ///< per face: its sheet, 0 and up: faces joined over edges of exactly two
 };
 
 struct ExtractOptions {
   bool parts = false;  ///< every part of a polygon is a face of its own; else polygons that are whole are one face
+  /// A branch, the course of one fire on the curves from its free end to where one that comes later goes on, or to a
+  /// sheet, also goes as a whole while its ET_MC there is below this many times the burn time there, the radius for a
+  /// tube: unless it sticks out of what it leaves.
+  double theta1_radii = 0;
   /// Pruning takes about theta1 off every branch, also of those that stay. Where this thickness is finite, every free
   /// end grows back along the pruned curve of the largest level, as far as the thickness is at least this. The family
   /// remains nested, and topology does not change.
   double regrow_tips_above = std::numeric_limits<double>::infinity();
+  /// Pruning takes about theta2 off every rim of a sheet. Where this sheet level is below theta2, what is left grows
+  /// back along the fires that reached it, as far as the level is at least this, up to the next seam: where the fires
+  /// of two other sheets met, as those between the sides of a plate and its end do. So do the fires between these that
+  /// died out before they came to a curve of ET_MC `minor_curve` or more. The family remains nested, and topology does
+  /// not change.
+  double regrow_rims_above = std::numeric_limits<double>::infinity();
+  double minor_curve = 0;
 };
 Skeleton extract(const SkeletonFamily& family, double theta2, double theta1, const ExtractOptions& options = {});
 
+/// How smooth_sheets() moves the vertices of sheets. Lengths in world units.
+struct SheetSmoothing {
+  double window = 0;  ///< rims and seams become the mean of themselves over so much to both sides, weighted by a hat
+  int passes = 0;  ///< in which vertices inside a sheet move half way to the mean of their neighbours, along its normal
+  double most = 0;  ///< no vertex moves further, nor by more than half its radius: so all stay inside the shape
+};
+/// Smooths rims, seams and sheets; where these meet, and curves off the sheets, nothing moves. Cells stay as they are,
+/// and so do all values. O(n), with the number of vertices in a window.
+void smooth_sheets(Skeleton& skeleton, const SheetSmoothing& how);
+
 /// The skeleton as cells and arrays of a file (docs/algorithms/skeletons.md). A line is a curve, a vertex cell an
-/// isolated vertex.
+/// isolated vertex. Where branches are known, the lines of each follow each other along it and have the same values,
+/// the largest of the branch: VTP files have one polyline for them.
 Record to_record(const Skeleton& skeleton);
 
 }  // namespace quench

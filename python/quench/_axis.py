@@ -401,8 +401,9 @@ class MedialAxis(Complex):
             raise error(2, f'omega={omega!r} is not a distance between nodes; give a length above 0, or None', 'omega')
         return distance
 
-    def skeleton(self, theta2: Length = 'auto', theta1: Length = 'auto', *, omega: Optional[Length] = None,
-                 threads: Optional[int] = None, progress: Optional[Progress] = None) -> Skeleton:
+    def skeleton(self, theta2: Length = 'auto', theta1: Length = 'auto', *, tips: str = 'full',
+                 omega: Optional[Length] = None, threads: Optional[int] = None,
+                 progress: Optional[Progress] = None) -> Skeleton:
         """What of the medial axis matters: sheets of an erosion thickness of at least θ2, and curves of at least θ1.
 
         The first call burns the axis, unless it was read from a file that is burned; others with the same omega take
@@ -413,9 +414,11 @@ class MedialAxis(Complex):
         theta2 : length or "auto"
             Sheets below turn into curves, or go. ``"inf"``: curves only, for roots, vessels, neurons. "auto": 3 % of the
             longest side, but no less than three times the automatic detail (2.6 voxels).
-        theta1 : length or "auto"
-            Branches shorter than about this go. ``"inf"``: what topology needs is left. "auto": 2 %, but no less than
-            four times the automatic detail.
+        theta1 : length, radii or "auto"
+            Branches shorter than about this go; ``"0.5r"``: those that stick out of what they leave by less than half its
+            radius. ``"inf"``: what topology needs is left. "auto": 0.5r, and what is thinner than three voxels.
+        tips : "full" or "pruned"
+            Pruning takes about θ1 off every branch, also of those that stay; "full": these grow back to their tips.
         omega : length, optional
             As in :meth:`erosion_thickness`.
 
@@ -434,12 +437,14 @@ class MedialAxis(Complex):
         True
         """
         thetas = length_or_auto(theta2, 'theta2'), length_or_auto(theta1, 'theta1')
+        if tips not in ('full', 'pruned'):
+            raise error(2, f"tips={tips!r} is not one of 'full', 'pruned'", 'tips')
         for text, name in zip(thetas, ('theta2', 'theta1')):
-            if text != 'auto':
+            if text != 'auto' and not text.endswith('r'):
                 self._core.resolve(text, name)  # refuses what the axis does not know before anything is burned
         distance = self._omega(omega)
         with self._calling(threads, progress) as call:
-            return Skeleton(self._core.skeleton(*thetas, distance, *call), self)
+            return Skeleton(self._core.skeleton(*thetas, tips == 'full', distance, *call), self)
 
     def forget(self) -> None:
         """Drops what burning left behind: about 1 KB per vertex."""

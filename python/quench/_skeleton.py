@@ -52,12 +52,15 @@ class Curves:
     radius : (V,) float64
     erosion_thickness : (E,) float64
         ET_MC: what θ1 is compared with; infinite on loops.
+    branch : (E,) int32
+        The branch of each edge: the row of it in :meth:`Skeleton.branches`.
     """
 
     vertices: np.ndarray
     edges: np.ndarray
     radius: np.ndarray
     erosion_thickness: np.ndarray
+    branch: np.ndarray
 
 
 class Graph:
@@ -149,6 +152,8 @@ class Skeleton(Complex):
     curves : Curves
     theta2, theta1 : float
         In the units of the coordinates.
+    theta1_radii : float
+        In radii of what branches leave; 0 where θ1 was given as a length.
     topology : Topology
     axis : MedialAxis or None
         What it is a skeleton of; :func:`skeletonize` does not keep it.
@@ -167,6 +172,10 @@ class Skeleton(Complex):
     @property
     def theta1(self) -> float:
         return self._core.theta1
+
+    @property
+    def theta1_radii(self) -> float:
+        return self._core.theta1_radii
 
     @property
     def topology(self) -> Topology:
@@ -203,30 +212,25 @@ class Skeleton(Complex):
         lonely = np.bincount(self.edges.ravel(), minlength=len(self.vertices)) == 0
         used = np.unique(np.concatenate([self.edges[chosen].ravel(), np.flatnonzero(lonely)])).astype(np.int64)
         edges = np.searchsorted(used, self.edges[chosen]).astype(np.int32)
-        return Curves(self.vertices[used], edges, self.radius[used], np.asarray(self._core.edge_thickness)[chosen])
+        return Curves(self.vertices[used], edges, self.radius[used], np.asarray(self._core.edge_thickness)[chosen],
+                      np.asarray(self._core.edge_branch)[chosen])
 
-    def graph(self, *, smooth: int = 10, resample: Length = 0, tips: str = 'full', threads: Optional[int] = None,
+    def graph(self, *, smooth: int = 10, resample: Length = 0, threads: Optional[int] = None,
               progress: Optional[Progress] = None) -> Graph:
         """The curves as nodes and branches with lengths and radii.
 
-        Pruning takes about θ1 off every branch, also of those that stay; for measuring they grow back to their tips.
-        Radii are half a voxel larger than those of `curves`, which are distances to the corners of voxels
-        (docs/user/files.md).
+        Radii are half a voxel larger than those of `curves`, which are distances to the corners of voxels, where the axis
+        is that of the voxels (docs/user/files.md).
 
         Parameters
         ----------
         smooth : int
-            Passes of smoothing over the zigzag of voxels; branches stay inside the shape.
+            Passes of smoothing over the zigzag of voxels; branches stay inside the shape. `curves` have 10.
         resample : length
             Distance of points along branches; 0: as they come.
-        tips : "full" or "pruned"
-            "pruned": the ends as in `curves`.
         """
-        if tips not in ('full', 'pruned'):
-            raise error(2, f"tips={tips!r} is not one of 'full', 'pruned'", 'tips')
         with self._calling(threads, progress) as call:
-            return Graph(self._core.graph(min(whole(smooth, 'smooth'), 2**30), length(resample, 'resample'),
-                                          tips == 'pruned', *call))
+            return Graph(self._core.graph(min(whole(smooth, 'smooth'), 2**30), length(resample, 'resample'), *call))
 
     @cached_property
     def _graph(self) -> Graph:

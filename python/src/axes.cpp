@@ -166,13 +166,15 @@ void bind_axes(py::module_& m) {
                                    fire->burning.options.omega);
            })
       .def("skeleton",
-           [](const Pointer& a, const std::string& theta2, const std::string& theta1, double omega,
+           [](const Pointer& a, const std::string& theta2, const std::string& theta1, bool full_tips, double omega,
               const py::object& listener, int threads) {
              const auto known = a->fire;
              const auto fire =
                  run(listener, threads, [&](Context& c) { return compute_fire(*a, omega, true, known, c); });
              a->fire = fire;
-             return run(listener, threads, [&](Context& c) { return compute_skeleton(a, *fire, {theta2, theta1}, c); });
+             return run(listener, threads, [&](Context& c) {
+               return compute_skeleton(a, *fire, {theta2, theta1, full_tips}, c);
+             });
            })
       .def("forget", [](const Pointer& a) { a->fire.reset(); })
       .def("verify",
@@ -203,7 +205,9 @@ void bind_axes(py::module_& m) {
           return run(listener, threads, [&](Context& context) { return compute_axis(shape, options, context); });
         });
   m.def("check_writable", [](const std::string& file) { io::check_writable_format(file); });
-  m.def("check_length", [](const std::string& text, const std::string& field) { pipeline::parse_length(text, field); });
+  m.def("check_length", [](const std::string& text, const std::string& field) {
+    field == "theta1" ? void(pipeline::parse_theta1(text)) : void(pipeline::parse_length(text, field));
+  });
   // A mesh as (vertices, triangles), or a medial axis where the file has radii.
   m.def("read_surface",
         [](const std::string& file, const std::string& radii, const py::object& listener, int threads) -> py::object {

@@ -181,7 +181,7 @@ void bind_labels(py::module_& m) {
                                 const std::string& measure, const std::string& threshold, const std::string& theta2,
                                 const std::string& theta1, const py::object& listener, int threads) {
     const py::buffer_info held = array.request();
-    return skeletonize(image_of(held, grid_of(held, spacing)), {}, labels, {measure, threshold, {theta2, theta1}},
+    return skeletonize(image_of(held, grid_of(held, spacing)), {}, labels, {measure, threshold, {theta2, theta1, true}},
                        listener, threads);
   });
   m.def("skeletonize_image", [](const Image& image, const std::optional<Triple>& spacing, const Labels& labels,
@@ -189,7 +189,7 @@ void bind_labels(py::module_& m) {
                                 const std::string& theta1, const py::object& listener, int threads) {
     ImageView view = view_of(*image.volume);
     if (spacing) view.grid.spacing = {(*spacing)[0], (*spacing)[1], (*spacing)[2]};
-    return skeletonize(view, image.volume->coordinates, labels, {measure, threshold, {theta2, theta1}}, listener,
+    return skeletonize(view, image.volume->coordinates, labels, {measure, threshold, {theta2, theta1, true}}, listener,
                        threads);
   });
 }

@@ -44,8 +44,7 @@ PageBuilder begin(const Axis& axis, const std::vector<Vec3>& points, const std::
 void add_skeleton(PageBuilder& builder, const SkeletonValue& s) {
   builder.page.theta2 = s.checked.skeleton.theta2;
   builder.page.theta1 = s.checked.skeleton.theta1;
-  builder.add_skeleton(s.checked.skeleton,
-                       pipeline::measured_graph(s.checked.measured, graph_options_of(s), s.axis->scale()));
+  builder.add_skeleton(s.checked.skeleton, s.drawn);
 }
 
 void write(const PageBuilder& builder, const std::string& file, Context& context) {

@@ -79,8 +79,7 @@ pipeline::ShapeOptions shape_options(const std::optional<Threshold>& threshold,
                                      const std::optional<std::int64_t>& label, bool invert, bool largest_component,
                                      std::int64_t min_component, bool fill_cavities, int subdivide,
                                      const std::optional<Triple>& spacing, std::int64_t resolution,
-                                     const std::string& fill, const std::string& topology,
-                                     const std::string& surface) {
+                                     const std::string& fill, const std::string& topology, const std::string& surface) {
   pipeline::ShapeOptions options;
   options.foreground = {threshold, label, invert, largest_component, min_component, fill_cavities};
   options.subdivide = subdivide;

@@ -12,18 +12,6 @@
 
 namespace quench::python {
 
-pipeline::GraphOptions graph_options_of(const SkeletonValue& skeleton) {
-  const Axis& axis = *skeleton.axis;
-  pipeline::GraphOptions options;
-  if (axis.voxel_core) {
-    if (axis.shape) options.shape = &axis.shape->shape;
-    options.voxel = axis.spacing;
-  } else if (axis.shape && axis.shape->surface) {
-    options.surface = &*axis.shape->surface;
-  }
-  return options;
-}
-
 namespace {
 
 using Pointer = std::shared_ptr<SkeletonValue>;
@@ -38,16 +26,15 @@ const Shape& shape_of(const SkeletonValue& s) {
 
 Record file_of(const SkeletonValue& s) { return pipeline::skeleton_file(s.checked, s.about); }
 
-std::shared_ptr<GraphValue> graph_of(const Pointer& s, int smooth, const std::string& resample, bool pruned_tips,
+std::shared_ptr<GraphValue> graph_of(const Pointer& s, int smooth, const std::string& resample,
                                      const py::object& listener, int threads) {
-  pipeline::GraphOptions options = graph_options_of(*s);
+  pipeline::GraphOptions options = graph_options(*s->axis);
   options.smooth = smooth;
   options.resample = pipeline::parse_resample(resample);
   auto result = std::make_shared<GraphValue>();
   result->skeleton = s;
-  const Skeleton& from = pruned_tips ? s->checked.skeleton : s->checked.measured;
   result->graph =
-      run(listener, threads, [&](Context&) { return pipeline::measured_graph(from, options, s->axis->scale()); });
+      run(listener, threads, [&](Context&) { return pipeline::measured_graph(s->member, options, s->axis->scale()); });
   return result;
 }
 
@@ -129,6 +116,7 @@ void bind_skeletons(py::module_& m) {
                              })
       .def_property_readonly("edge_thickness",
                              [](const Pointer& s) { return view(s, s->checked.skeleton.edge_thickness); })
+      .def_property_readonly("edge_branch", [](const Pointer& s) { return view(s, s->checked.skeleton.edge_branch); })
       .def_property_readonly("face_thickness",
                              [](const Pointer& s) { return view(s, s->checked.skeleton.face_thickness); })
       .def_property_readonly("polygon_offsets",
@@ -140,6 +128,7 @@ void bind_skeletons(py::module_& m) {
       .def_property_readonly("axis_shape", [](const Pointer& s) { return s->axis->shape; })
       .def_property_readonly("theta2", [](const Pointer& s) { return s->checked.skeleton.theta2; })
       .def_property_readonly("theta1", [](const Pointer& s) { return s->checked.skeleton.theta1; })
+      .def_property_readonly("theta1_radii", [](const Pointer& s) { return s->checked.skeleton.theta1_radii; })
       .def_property_readonly("axis", [](const Pointer& s) { return s->has_axis ? s->axis : nullptr; })
       .def_property_readonly(
           "topology",

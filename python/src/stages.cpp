@@ -57,13 +57,27 @@ std::shared_ptr<const Fire> compute_fire(const Axis& axis, double omega, bool fa
   return fire;
 }
 
+pipeline::GraphOptions graph_options(const Axis& axis) {
+  pipeline::GraphOptions options;
+  if (axis.voxel_core) {
+    if (axis.shape) options.shape = &axis.shape->shape;
+    options.voxel = axis.spacing;
+  } else if (axis.shape && axis.shape->surface) {
+    options.surface = &*axis.shape->surface;
+  }
+  return options;
+}
+
 std::shared_ptr<SkeletonValue> compute_skeleton(std::shared_ptr<Axis> axis, const Fire& fire, const Thetas& thetas,
                                                 Context& context) {
   pipeline::SkeletonOptions options;
   options.theta2 = pipeline::parse_length_or_auto(thetas.theta2, "theta2");
-  options.theta1 = pipeline::parse_length_or_auto(thetas.theta1, "theta1");
+  options.theta1 = pipeline::parse_theta1(thetas.theta1);
+  options.full_tips = thetas.full_tips;
   auto result = std::make_shared<SkeletonValue>();
   result->checked = pipeline::skeleton_of(*fire.family, options, axis->scale(), fire.burning.options.omega, &context);
+  result->member = result->checked.skeleton;
+  result->drawn = pipeline::draw_branches(result->checked, graph_options(*axis), axis->scale(), &context);
   result->about.field_data = axis->data(&fire).field_data;
   result->axis = std::move(axis);
   return result;

@@ -55,12 +55,11 @@ struct Axis {
 struct SkeletonValue {
   std::shared_ptr<Axis> axis;  ///< of skeletonize(): without its cells
   bool has_axis = true;
-  pipeline::SkeletonResult checked;
+  pipeline::SkeletonResult checked;  ///< drawn with its smoothed branches
+  CurveGraph drawn;                  ///< these branches
+  Skeleton member;                   ///< the same before that: what graphs are made of
   Record about;  ///< FieldData of the file of the axis, for files of the skeleton
 };
-
-/// Shape, voxels and surface, as far as they are known.
-pipeline::GraphOptions graph_options_of(const SkeletonValue& skeleton);
 
 struct GraphValue {
   std::shared_ptr<SkeletonValue> skeleton;
@@ -70,6 +69,7 @@ struct GraphValue {
 /// Lengths as texts.
 struct Thetas {
   std::string theta2, theta1;
+  bool full_tips = true;
 };
 
 /// Of the names "detail" and "lambda", and "auto" or a length.
@@ -82,6 +82,9 @@ std::shared_ptr<const Fire> compute_fire(const Axis& axis, double omega, bool fa
                                          const std::shared_ptr<const Fire>& known, Context& context);
 std::shared_ptr<SkeletonValue> compute_skeleton(std::shared_ptr<Axis> axis, const Fire& fire, const Thetas& thetas,
                                                 Context& context);
+
+/// What is known of the shape of an axis, for graphs of its skeletons.
+pipeline::GraphOptions graph_options(const Axis& axis);
 
 /// What results of a shape are verified with; it must outlive them.
 VerifyOptions verify_options(const Shape& shape, std::size_t samples);

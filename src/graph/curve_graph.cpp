@@ -107,6 +107,7 @@ class GraphBuilder {
     node.component = component_[v];
     node.degree = static_cast<std::uint32_t>(steps(v).size());
     node.sheet = patch_[v];
+    node.vertex = v;
     graph_.nodes.push_back(node);
   }
 
@@ -136,6 +137,7 @@ class GraphBuilder {
   void add_point(CurveGraph::Branch& branch, std::uint32_t v) const {
     branch.points.push_back(skeleton_.points[v]);
     branch.radius.push_back(skeleton_.radius[v]);
+    branch.vertices.push_back(v);
   }
 
   std::uint32_t thickest_of_closed_curve(std::uint32_t start, Step step) const {

@@ -163,12 +163,13 @@ page::LayerCells cells_of(const SkeletonFamily& family) {
   return cells;
 }
 
-/// The levels at the corners of a face, in their order, at most that of the face.
+/// The levels at the corners of faces, in their order.
 std::vector<float> corner_levels(const SkeletonFamily& family, const std::vector<std::uint32_t>& faces) {
+  const std::vector<std::uint32_t>& begin = family.refined.complex.face_offsets;
   std::vector<float> levels;
   for (const std::uint32_t f : faces)
-    levels.insert(levels.end(), family.refined.complex.corners(f).size(),
-                  page::rounded_down(family.face_sheet_level[f]));
+    levels.insert(levels.end(), family.corner_sheet_level.begin() + begin[f],
+                  family.corner_sheet_level.begin() + begin[f + 1]);
   return levels;
 }
 

@@ -7,7 +7,6 @@
 #include <unordered_map>
 
 #include "base/constants.h"
-#include "base/union_find.h"
 #include "page/layer.h"
 
 namespace quench {
@@ -119,7 +118,8 @@ void add_polygons(Page& page, const Skeleton& skeleton, Vertices& vertices) {
   for (std::size_t f = 0; f < c.face_count(); ++f) thickness.push_back(page::measure_of(skeleton.face_thickness[f]));
   page.arrays.push_back({"skeleton/polygon_offsets", 1, c.face_offsets});
   page.arrays.push_back({"skeleton/polygon_corners", 1, std::move(corners)});
-  page.arrays.push_back({"skeleton/polygon_sheet", 1, page::sheets_of(skeleton)});
+  page.arrays.push_back({"skeleton/polygon_sheet", 1,
+                         std::vector<std::uint32_t>(skeleton.face_sheet.begin(), skeleton.face_sheet.end())});
   page.arrays.push_back({"skeleton/polygon_thickness", 1, std::move(thickness)});
 }
 
@@ -141,29 +141,6 @@ void add_branches(Page& page, const CurveGraph& graph) {
 }
 
 }  // namespace
-
-std::vector<std::uint32_t> page::sheets_of(const Skeleton& skeleton) {
-  const CellComplex& c = skeleton.complex;
-  std::vector<std::uint32_t> faces_at(c.edges.size(), 0), first(c.edges.size(), kNone);
-  for (const std::uint32_t e : c.face_edges) ++faces_at[e];
-  base::UnionFind sets(static_cast<std::uint32_t>(c.face_count()));
-  for (std::uint32_t f = 0; f < c.face_count(); ++f)
-    for (const std::uint32_t e : c.sides(f)) {
-      if (faces_at[e] != 2) continue;
-      if (first[e] == kNone)
-        first[e] = f;
-      else
-        sets.unite(first[e], f);
-    }
-  std::vector<std::uint32_t> sheet(c.face_count()), number(c.face_count(), kNone);
-  std::uint32_t count = 0;
-  for (std::uint32_t f = 0; f < c.face_count(); ++f) {
-    std::uint32_t& known = number[sets.find(f)];
-    if (known == kNone) known = count++;
-    sheet[f] = known;
-  }
-  return sheet;
-}
 
 std::size_t add_skeleton(Page& page, const Skeleton& skeleton, const CurveGraph& graph) {
   Vertices vertices(skeleton);

@@ -35,6 +35,26 @@ std::optional<Length> parse_length_or_auto(std::string_view text, std::string_vi
   return parse_length(text, field);
 }
 
+std::optional<Length> parse_theta1(std::string_view text) {
+  if (text.ends_with('r') && text.size() > 1 && text[0] != '-') {
+    double value = 0;
+    const char* end = text.data() + text.size() - 1;
+    const auto [read, error] = std::from_chars(text.data(), end, value);
+    if (error == std::errc() && read == end && std::isfinite(value))
+      return Length{value, Length::Unit::radii, std::string(text)};
+  }
+  try {
+    return parse_length_or_auto(text, "theta1");
+  } catch (const Error& error) {
+    if (text.starts_with('-')) throw;
+    throw Error(error.code(),
+                fmt::format("theta1 '{}' is not a length; give a fraction (0.02 or 2%), voxels (12vox), world units "
+                            "(3.5abs) or radii of what branches leave (0.5r)",
+                            text),
+                "theta1");
+  }
+}
+
 std::optional<Length> parse_omega(std::string_view text) {
   const std::optional<Length> omega = parse_length_or_auto(text, "omega");
   if (omega && (!(omega->value > 0) || omega->unit == Length::Unit::infinite))
@@ -64,6 +84,8 @@ std::string text_of(const Length& length) {
       return fmt::format("{}vox", length.value);
     case Length::Unit::absolute:
       return fmt::format("{}abs", length.value);
+    case Length::Unit::radii:
+      return fmt::format("{}r", length.value);
     case Length::Unit::infinite:
       break;
   }
@@ -87,6 +109,8 @@ double Scale::resolve(const Length& length, std::string_view field) const {
       return length.value * voxel;
     case Length::Unit::absolute:
       return length.value;
+    case Length::Unit::radii:
+      throw Error(ErrorCode::usage, fmt::format("{} '{}' is not a length", field, text_of(length)), std::string(field));
     case Length::Unit::infinite:
       break;
   }

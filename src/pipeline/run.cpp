@@ -49,7 +49,7 @@ AxisRun run_axis(const MedialAxis& axis, Record&& file, bool voxel_core, const T
       family_of(std::move(refined), wanted, floor_of(options.skeleton, scale, result.burned.options.omega), context);
   result.curves = family.curves;
   result.skeleton = skeleton_of(family, options.skeleton, scale, result.burned.options.omega, context);
-  result.graph = measured_graph(result.skeleton.measured, options.graph, scale);
+  result.graph = draw_branches(result.skeleton, options.graph, scale, context);
   if (options.page) {
     options.page->add_skeleton(result.skeleton.skeleton, result.graph);
     if (options.page_sliders) options.page->add_family(std::move(family.family));

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
-#include <tbb/parallel_invoke.h>
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "base/parallel.h"
@@ -31,16 +31,22 @@ FamilyResult family_of(RefinedAxis&& refined, const Topology& wanted, const Fami
   return result;
 }
 
-// What the steps of voxels leave near the axis of a limb is seldom thicker than three, as a twig than four times the
-// automatic detail.
+// What the steps of voxels leave near the axis of a limb is seldom thicker than three times the automatic detail.
 double theta2_of(const SkeletonOptions& options, const Scale& scale) {
   return options.theta2 ? scale.resolve(*options.theta2, "theta2")
                         : std::max(0.03 * scale.longest_side, 3 * scale.detail);
 }
 
+// Half a radius: fingers and toes stick out of hands and feet by nine tenths and more, folds of skin by less than a
+// third. The noise of thin parts, of which half a radius is less than a voxel, is thinner than three voxels.
+double theta1_radii_of(const SkeletonOptions& options) {
+  if (!options.theta1) return 0.5;
+  return options.theta1->unit == Length::Unit::radii ? options.theta1->value : 0;
+}
+
 double theta1_of(const SkeletonOptions& options, const Scale& scale) {
-  return options.theta1 ? scale.resolve(*options.theta1, "theta1")
-                        : std::max(0.02 * scale.longest_side, 4 * scale.detail);
+  if (options.theta1 && options.theta1->unit != Length::Unit::radii) return scale.resolve(*options.theta1, "theta1");
+  return scale.detail > 0 ? 3.5 * scale.detail : 0.01 * scale.longest_side;
 }
 
 namespace {
@@ -55,6 +61,18 @@ double thinnest_tip(const Scale& scale, double omega) {
 double thickness_of_tips(const SkeletonOptions& options, const Scale& scale, double omega) {
   return options.full_tips ? thinnest_tip(scale, omega) : std::numeric_limits<double>::infinity();
 }
+
+// The rims of a sheet are the ends of its polygons, half a voxel from where the shape lets it end.
+double thinnest_rim(const Scale& scale, double omega) {
+  return std::max(thinnest_tip(scale, omega), 0.5 * scale.voxel);
+}
+
+double thickness_of_rims(const SkeletonOptions& options, const Scale& scale, double omega) {
+  return options.full_tips ? thinnest_rim(scale, omega) : std::numeric_limits<double>::infinity();
+}
+
+// What is no branch by itself: the fires beside it die out.
+double minor_curve(const Scale& scale) { return 4 * scale.detail; }
 
 // Radii as distances to a surface, where the point is inside.
 void measure_radii(CurveGraph& graph, const Surface& surface) {
@@ -71,32 +89,23 @@ void measure_radii(CurveGraph& graph, const Surface& surface) {
 }  // namespace
 
 FamilyFloor floor_of(const SkeletonOptions& options, const Scale& scale, double omega) {
-  const double least = scale.voxel > 0 ? scale.voxel : omega;
+  const double least = thinnest_tip(scale, omega);
   return {page::rounded_down(std::min(least, theta2_of(options, scale))),
-          page::rounded_down(std::min(thinnest_tip(scale, omega), theta1_of(options, scale)))};
+          page::rounded_down(std::min(least, theta1_of(options, scale)))};
 }
 
 SkeletonResult skeleton_of(const FamilyResult& family, const SkeletonOptions& options, const Scale& scale, double omega,
                            Context* context) {
-  constexpr double kNoTips = std::numeric_limits<double>::infinity();
-  const double theta2 = theta2_of(options, scale), theta1 = theta1_of(options, scale);
-  const double tips = thickness_of_tips(options, scale, omega);
   SkeletonResult result;
-  Topology measured;
-  base::in_arena(context, [&] {
-    tbb::parallel_invoke(
-        [&] {
-          result.skeleton = extract(family.family, theta2, theta1, {options.parts, kNoTips});
-          result.topology = topology(result.skeleton.complex);
-        },
-        [&] {
-          result.measured = extract(family.family, theta2, theta1, {false, tips});
-          measured = topology(result.measured.complex);
-        });
-  });
+  result.skeleton = extract(family.family, theta2_of(options, scale), theta1_of(options, scale),
+                            {.parts = options.parts,
+                             .theta1_radii = theta1_radii_of(options),
+                             .regrow_tips_above = thickness_of_tips(options, scale, omega),
+                             .regrow_rims_above = thickness_of_rims(options, scale, omega),
+                             .minor_curve = minor_curve(scale)});
+  result.topology = topology(result.skeleton.complex);
   checkpoint(context, "skeleton", 1);
   require_topology(result.topology, family.topology, "skeleton", "medial axis");
-  require_topology(measured, family.topology, "curve graph", "medial axis");
   checkpoint(context, "topology", 1);
   return result;
 }
@@ -114,6 +123,8 @@ Record skeleton_file(const SkeletonResult& result, const Record& from) {
   put("stage", std::vector<std::string>{"skeleton"});
   put("theta2", std::vector<double>{std::min(skeleton.theta2, kInfiniteLevelInFiles)});
   put("theta1", std::vector<double>{std::min(skeleton.theta1, kInfiniteLevelInFiles)});
+  put("theta1_radii", std::vector<double>{skeleton.theta1_radii});
+  put("tips", std::vector<std::string>{skeleton.full_tips ? "full" : "pruned"});
   put("euler", std::vector<std::int64_t>{result.topology.euler});
   put("betti", std::vector<std::int64_t>(result.topology.betti.begin(), result.topology.betti.end()), 3);
   put("version", std::vector<std::string>{QUENCH_VERSION});
@@ -131,14 +142,9 @@ double reconstructed_share(const VoxelShape& shape, const Skeleton& skeleton, Co
   return Reconstruction(shape, balls, Reconstruction::kSamples, context).share(0);
 }
 
-CurveGraph measured_graph(const Skeleton& skeleton, const GraphOptions& options, const Scale& scale) {
-  if (options.smooth < 0 || options.smooth > 10000)
-    throw Error(ErrorCode::usage, fmt::format("smooth '{}' is not from 0 to 10000", options.smooth), "smooth");
-  SmoothOptions smoothing{options.smooth, scale.resolve(options.resample, "resample"), boundary_gap(options.voxel), {}};
-  if (const VoxelShape* shape = options.shape)
-    smoothing.inside = [shape](const Vec3& a, const Vec3& b) { return contains_segment(*shape, a, b); };
-  CurveGraph graph = smoothed(curve_graph(skeleton), smoothing);
-  if (options.surface) measure_radii(graph, *options.surface);
+namespace {
+
+CurveGraph with_half_a_voxel(CurveGraph graph, const GraphOptions& options) {
   const double more = 0.5 * options.voxel.minCoeff();
   for (auto& node : graph.nodes) node.radius += more;
   for (auto& branch : graph.branches) {
@@ -148,6 +154,44 @@ CurveGraph measured_graph(const Skeleton& skeleton, const GraphOptions& options,
     branch.max_radius += more;
   }
   return graph;
+}
+
+}  // namespace
+
+CurveGraph smoothed_graph(const Skeleton& skeleton, const GraphOptions& options, const Scale& scale) {
+  if (options.smooth < 0 || options.smooth > 10000)
+    throw Error(ErrorCode::usage, fmt::format("smooth '{}' is not from 0 to 10000", options.smooth), "smooth");
+  SmoothOptions smoothing{options.smooth, scale.resolve(options.resample, "resample"), boundary_gap(options.voxel), {}};
+  if (const VoxelShape* shape = options.shape)
+    smoothing.inside = [shape](const Vec3& a, const Vec3& b) { return contains_segment(*shape, a, b); };
+  CurveGraph graph = smoothed(curve_graph(skeleton), smoothing);
+  if (options.surface) measure_radii(graph, *options.surface);
+  return graph;
+}
+
+CurveGraph measured_graph(const Skeleton& skeleton, const GraphOptions& options, const Scale& scale) {
+  return with_half_a_voxel(smoothed_graph(skeleton, options, scale), options);
+}
+
+void smooth_sheets_of(Skeleton& skeleton, const GraphOptions& options, const Scale& scale) {
+  const std::vector<Vec3> before = skeleton.points;
+  smooth_sheets(skeleton, {std::sqrt(options.smooth) * scale.voxel, options.smooth, scale.voxel});
+  if (!options.surface) return;
+  base::for_indices(before.size(), [&](std::size_t v) {
+    if (before[v] == skeleton.points[v]) return;
+    if (const Surface::Foot foot = options.surface->nearest(skeleton.points[v]); foot.inside)
+      skeleton.radius[v] = foot.distance;
+  });
+}
+
+CurveGraph draw_branches(SkeletonResult& result, const GraphOptions& options, const Scale& scale, Context* context) {
+  CurveGraph graph = base::in_arena(context, [&] {
+    smooth_sheets_of(result.skeleton, options, scale);
+    return smoothed_graph(result.skeleton, options, scale);
+  });
+  result.skeleton = with_branches(result.skeleton, graph);
+  require_topology(topology(result.skeleton.complex), result.topology, "skeleton with smooth branches", "skeleton");
+  return with_half_a_voxel(std::move(graph), options);
 }
 
 }  // namespace quench::pipeline

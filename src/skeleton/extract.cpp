@@ -5,7 +5,9 @@
 #include <limits>
 #include <numeric>
 
+#include "base/cofaces.h"
 #include "base/constants.h"
+#include "base/union_find.h"
 #include "quench/error.h"
 #include "quench/skeleton.h"
 #include "skeleton/member.h"
@@ -16,6 +18,7 @@ namespace {
 using base::kNever;
 using skeleton::Member;
 using skeleton::other_end;
+using skeleton::SheetCut;
 
 constexpr double kNotACurve = std::numeric_limits<double>::quiet_NaN();
 
@@ -36,7 +39,7 @@ void find_whole_polygons(const RefinedAxis& k, const Member& member, bool parts,
   for (const std::uint32_t polygon : k.incomplete)
     if (polygon < polygons) outline.whole[polygon] = 0;
   for (std::size_t f = 0; f < k.polygon_of.size(); ++f)
-    if (!member.face[f]) outline.whole[k.polygon_of[f]] = 0;
+    if (member.face[f] != Member::kWhole) outline.whole[k.polygon_of[f]] = 0;
   outline.inside_whole.assign(k.complex.edges.size(), 0);
   for (std::size_t f = 0; f < k.polygon_of.size(); ++f)
     if (outline.whole[k.polygon_of[f]])
@@ -44,31 +47,82 @@ void find_whole_polygons(const RefinedAxis& k, const Member& member, bool parts,
         if (!is_half(k, e)) outline.inside_whole[e] = 1;
 }
 
+// Edges of a member: those of K that are whole, and pieces.
+std::uint32_t edge_in_k(const RefinedAxis& k, const Member& member, std::uint32_t e) {
+  const std::size_t edges = k.complex.edges.size();
+  return e < edges ? e : member.cut.pieces[e - edges].edge;
+}
+const std::array<std::uint32_t, 2>& ends_of(const RefinedAxis& k, const Member& member, std::uint32_t e) {
+  const std::size_t edges = k.complex.edges.size();
+  return e < edges ? k.complex.edges[e] : member.cut.pieces[e - edges].ends;
+}
+
+// Calls visit(start, end, e) for an edge of K, or for all its pieces, from its end `from` on.
+template <class Visit>
+void walk(const RefinedAxis& k, const Member& member, std::uint32_t e, std::uint32_t from, const Visit& visit) {
+  const auto [a, b] = k.complex.edges[e];
+  if (member.edge[e] != Member::kInPart) return visit(from, from == a ? b : a, e);
+  const SheetCut::Split& split = member.cut.split_of(e);
+  for (std::uint32_t i = 0; i < split.count; ++i) {
+    const std::uint32_t piece = split.first + (from == a ? i : split.count - 1 - i);
+    const auto& ends = member.cut.pieces[piece].ends;
+    visit(ends[from != a], ends[from == a], static_cast<std::uint32_t>(k.complex.edges.size()) + piece);
+  }
+}
+
+// A side of what a member has of a face: where it starts, and its edge or piece; kNone for a cut.
+struct Side {
+  std::uint32_t start, edge;
+};
+void sides_of(const RefinedAxis& k, const Member& member, std::size_t f, std::vector<Side>& sides) {
+  sides.clear();
+  const auto corners = k.complex.corners(f);
+  const auto edges = k.complex.sides(f);
+  for (std::size_t i = 0; i < corners.size(); ++i)
+    walk(k, member, edges[i], corners[i], [&](std::uint32_t start, std::uint32_t, std::uint32_t e) {
+      sides.push_back({start, e});
+    });
+  if (member.face[f] != Member::kInPart) return;
+  const SheetCut::Chord& chord = member.cut.chord_of(static_cast<std::uint32_t>(f));
+  const auto at = [&](std::uint32_t v) {
+    return std::find_if(sides.begin(), sides.end(), [&](const Side& side) { return side.start == v; });
+  };
+  std::rotate(sides.begin(), at(chord.in), sides.end());
+  sides.erase(at(chord.out), sides.end());
+  sides.push_back({chord.out, kNone});
+}
+
 // Kept are the vertices of M, nodes inside edges and doors where anything but whole polygons meets the edge or parts of
-// the edge are missing, and vertices without any edge.
+// the edge are missing, vertices without any edge, and where edges are cut.
 void find_kept_vertices(const RefinedAxis& k, const Member& member, Outline& outline) {
   const CellComplex& c = k.complex;
   std::vector<char>& kept = outline.kept;
-  kept.assign(c.vertex_count, 0);
-  std::vector<char> on_face(c.edges.size(), 0), has_edge(c.vertex_count, 0);
+  kept.assign(member.vertex.size(), 0);
+  std::vector<char> on_face(member.edge.size(), 0), has_edge(member.vertex.size(), 0);
+  std::vector<Side> sides;
   for (std::size_t f = 0; f < c.face_count(); ++f) {
     if (!member.face[f]) continue;
-    for (const std::uint32_t e : c.sides(f)) on_face[e] = 1;
-    if (!outline.whole[k.polygon_of[f]])
-      for (const std::uint32_t v : c.corners(f)) kept[v] = 1;
-  }
-  std::vector<std::uint32_t> halves(c.vertex_count, 0);
-  for (std::uint32_t e = 0; e < c.edges.size(); ++e) {
-    if (!member.edge[e]) continue;
-    for (const std::uint32_t v : c.edges[e]) {
-      has_edge[v] = 1;
-      halves[v] += is_half(k, e);
-      if (is_half(k, e) ? !on_face[e] : !outline.inside_whole[e]) kept[v] = 1;
+    sides_of(k, member, f, sides);
+    const bool whole = outline.whole[k.polygon_of[f]];
+    for (const Side& side : sides) {
+      if (side.edge != kNone) on_face[side.edge] = 1;
+      if (!whole) kept[side.start] = 1;
     }
   }
-  for (std::uint32_t v = 0; v < c.vertex_count; ++v) {
+  std::vector<std::uint32_t> halves(member.vertex.size(), 0);
+  for (std::uint32_t e = 0; e < member.edge.size(); ++e) {
+    if (member.edge[e] != Member::kWhole) continue;
+    const std::uint32_t of = edge_in_k(k, member, e);
+    for (const std::uint32_t v : ends_of(k, member, e)) {
+      has_edge[v] = 1;
+      halves[v] += is_half(k, of);
+      if (is_half(k, of) ? !on_face[e] : !outline.inside_whole[of]) kept[v] = 1;
+    }
+  }
+  for (std::uint32_t v = 0; v < kept.size(); ++v) {
     const bool stretch_ends = halves[v] > 0 && halves[v] != 2;
-    kept[v] = member.vertex[v] && (v < k.original || kept[v] || stretch_ends || !has_edge[v]);
+    const bool cut = v >= c.vertex_count && !outline.inside_whole[member.cut.points[v - c.vertex_count].edge];
+    kept[v] = member.vertex[v] && (v < k.original || cut || kept[v] || stretch_ends || !has_edge[v]);
   }
 }
 
@@ -85,12 +139,12 @@ bool has_area(const RefinedAxis& k, const Vec3& origin, std::span<const std::uin
 
 void draw_duals_at_doors(const RefinedAxis& k, const Member& member, Outline& outline) {
   std::vector<std::uint32_t>& drawn = outline.drawn;
-  drawn.resize(k.complex.vertex_count);
+  drawn.resize(member.vertex.size());
   std::iota(drawn.begin(), drawn.end(), 0u);
   // Region duals are written merged into their exit doors.
-  const std::uint32_t first_dual = k.nodes + k.doors;
-  for (std::uint32_t v = first_dual; v < drawn.size(); ++v)
-    if (const std::uint32_t e = k.exit[v]; e != kNone && member.edge[e] && member.vertex[v])
+  const std::uint32_t first_dual = k.nodes + k.doors, duals_end = k.complex.vertex_count;
+  for (std::uint32_t v = first_dual; v < duals_end; ++v)
+    if (const std::uint32_t e = k.exit[v]; e != kNone && member.edge[e] == Member::kWhole && member.vertex[v])
       drawn[v] = other_end(k, e, v);
   // Duals of curves that never burn have no exit: inside such a curve they are drawn at the door that burns last on the
   // sheet, so that the curve does not zigzag between doors and the middles of polygons.
@@ -98,10 +152,10 @@ void draw_duals_at_doors(const RefinedAxis& k, const Member& member, Outline& ou
   for (std::uint32_t e = 2 * k.doors; e < k.complex.edges.size(); ++e) {
     const auto [a, v] = k.complex.edges[e];
     if (!member.edge[e] || !k.curve_edge[e] || v < first_dual) continue;
-    ++curves[v];
+    curves[v] += member.edge[e] == Member::kWhole ? 1 : 3;  // not where the spoke is cut
     if (door[v] == kNone || k.burn_time[a] > k.burn_time[door[v]]) door[v] = a;
   }
-  for (std::uint32_t v = first_dual; v < drawn.size(); ++v)
+  for (std::uint32_t v = first_dual; v < duals_end; ++v)
     if (member.vertex[v] && drawn[v] == v && curves[v] == 2) drawn[v] = door[v];
   // But not where a part of a sheet would have no area: between doors of one side of its polygon.
   for (std::size_t f = 0; f < k.complex.face_count(); ++f) {
@@ -143,15 +197,16 @@ class CellBuilder {
         k_(family.refined),
         member_(member),
         outline_(outline),
-        number_(k_.complex.vertex_count, kNone),
-        edge_(k_.complex.edges.size(), kNone) {
+        number_(member.vertex.size(), kNone),
+        edge_(member.edge.size(), kNone) {
     for (std::uint32_t v = 0; v < number_.size(); ++v)
       if (outline.kept[v]) number(v);
     add_halves();
     for (std::uint32_t e = 2 * k_.doors; e < edge_.size(); ++e) {
-      if (!member.edge[e] || outline.inside_whole[e]) continue;
-      const std::uint32_t a = number(k_.complex.edges[e][0]), b = number(k_.complex.edges[e][1]);
-      if (a != b) edge_[e] = add_edge(a, b, e, false);
+      const std::uint32_t of = edge_in_k(k_, member, e);
+      if (member.edge[e] != Member::kWhole || is_half(k_, of) || outline.inside_whole[of]) continue;
+      const std::uint32_t a = number(ends_of(k_, member, e)[0]), b = number(ends_of(k_, member, e)[1]);
+      if (a != b) edge_[e] = add_edge(a, b, of, false);
     }
     add_faces();
   }
@@ -179,17 +234,18 @@ class CellBuilder {
   void add_halves() {
     std::vector<std::uint32_t> stretch;
     std::uint32_t stretch_start = kNone;
-    for (std::uint32_t e = 0; e < 2 * k_.doors; ++e) {
-      if (!member_.edge[e]) continue;
-      // The first half of a segment runs from the node to the door, the second one from the door to the node.
-      const std::uint32_t start = k_.complex.edges[e][e % 2], end = k_.complex.edges[e][1 - e % 2];
+    const auto step = [&](std::uint32_t start, std::uint32_t end, std::uint32_t e) {
+      if (!member_.edge[e]) return;
       if (outline_.kept[start]) stretch_start = start;
       stretch.push_back(e);
-      if (!outline_.kept[end]) continue;
+      if (!outline_.kept[end]) return;
       const std::uint32_t written = add_edge(number(stretch_start), number(end), kNone, true);
       for (const std::uint32_t half : stretch) edge_[half] = written;
       stretch.clear();
-    }
+    };
+    // The first half of a segment runs from the node to the door, the second one from the door to the node.
+    for (std::uint32_t e = 0; e < 2 * k_.doors; ++e)
+      if (member_.edge[e]) walk(k_, member_, e, k_.complex.edges[e][e % 2], step);
   }
 
   void add_faces() {
@@ -215,7 +271,10 @@ class CellBuilder {
       const auto corners = k_.complex.corners(f);
       const auto sides = k_.complex.sides(f);
       for (std::size_t i = 0; i < corners.size(); ++i)
-        if (is_half(k_, sides[i])) after_.push_back({corners[i], corners[(i + 1) % corners.size()], sides[i]});
+        if (is_half(k_, sides[i]))
+          walk(k_, member_, sides[i], corners[i], [&](std::uint32_t start, std::uint32_t stop, std::uint32_t e) {
+            after_.push_back({start, stop, e});
+          });
     }
     std::sort(after_.begin(), after_.end());
     std::uint32_t at = after_.front()[0];
@@ -233,12 +292,15 @@ class CellBuilder {
 
   void add_part(std::size_t f) {
     Cells::Face face{{}, {}, k_.face_thickness[f], family_.face_sheet_level[f]};
-    const auto corners = k_.complex.corners(f);
-    const auto sides = k_.complex.sides(f);
-    for (std::size_t i = 0; i < corners.size(); ++i) {
-      if (edge_[sides[i]] == kNone) continue;  // its ends are written as one vertex
-      face.corners.push_back(number(corners[i]));
-      face.sides.push_back(edge_[sides[i]]);
+    sides_of(k_, member_, f, sides_);
+    for (const Side& side : sides_) {
+      if (side.edge == kNone) {
+        face.corners.push_back(number(side.start));
+        face.sides.push_back(add_edge(number(side.start), number(sides_.front().start), kNone, false));
+      } else if (edge_[side.edge] != kNone) {  // else its ends are written as one vertex
+        face.corners.push_back(number(side.start));
+        face.sides.push_back(edge_[side.edge]);
+      }
     }
     std::vector<std::uint32_t> sorted = face.corners;
     std::sort(sorted.begin(), sorted.end());
@@ -268,6 +330,7 @@ class CellBuilder {
   std::vector<std::uint32_t> edge_;    // per edge of K: the written edge it is, or is a stretch of
   Cells cells_;
   std::vector<std::array<std::uint32_t, 3>> after_;  // halves around a whole polygon: from, to, half
+  std::vector<Side> sides_;
 };
 
 // Edges between the same two vertices become paths: all but one get a vertex in the middle, numbered from `first` on;
@@ -284,7 +347,8 @@ std::vector<std::uint32_t> middles(const std::vector<Cells::Edge>& edges, std::u
   return middle;
 }
 
-void fill_vertices(const RefinedAxis& k, const Cells& cells, const std::vector<std::uint32_t>& middle, Skeleton& out) {
+void fill_vertices(const RefinedAxis& k, const Member& member, const Outline& outline, const Cells& cells,
+                   const std::vector<std::uint32_t>& middle, Skeleton& out) {
   std::vector<std::array<std::uint32_t, 2>> halved;  // ends of the edges with a middle, by the middle
   for (std::size_t e = 0; e < middle.size(); ++e) {
     if (middle[e] == kNone) continue;
@@ -292,22 +356,50 @@ void fill_vertices(const RefinedAxis& k, const Cells& cells, const std::vector<s
     halved.resize(std::max(halved.size(), row + 1));
     halved[row] = cells.edges[e].ends;
   }
-  const auto fill = [&](auto& values, const auto& of_k, const auto& mean) {
-    for (const std::uint32_t v : cells.vertices) values.push_back(of_k[v]);
-    for (const auto& [a, b] : halved) values.push_back(mean(values[a], values[b]));
+  const auto fill = [&](auto& values, const auto& of_k, const auto& between) {
+    for (const std::uint32_t v : cells.vertices) {
+      if (v < k.complex.vertex_count) {
+        values.push_back(of_k[v]);
+      } else {
+        const SheetCut::Point& point = member.cut.points[v - k.complex.vertex_count];
+        const auto [a, b] = k.complex.edges[point.edge];
+        values.push_back(between(of_k[outline.drawn[a]], of_k[outline.drawn[b]], point.along));
+      }
+    }
+    for (const auto& [a, b] : halved) values.push_back(between(values[a], values[b], 0.5));
   };
-  const auto half_way = [](double a, double b) { return 0.5 * (a + b); };
-  fill(out.points, k.points, [](const Vec3& a, const Vec3& b) -> Vec3 { return 0.5 * (a + b); });
-  fill(out.radius, k.radius, half_way);
-  fill(out.burn_time, k.burn_time, half_way);
-  fill(out.curve_burn_time, k.curve_burn_time, half_way);
-  fill(out.on_curve, k.curve_vertex, [](char a, char b) { return a && b; });
+  const auto linear = [](double a, double b, double t) { return a == b ? a : (1 - t) * a + t * b; };
+  fill(out.points, k.points, [](const Vec3& a, const Vec3& b, double t) -> Vec3 { return (1 - t) * a + t * b; });
+  fill(out.radius, k.radius, linear);
+  fill(out.burn_time, k.burn_time, linear);
+  fill(out.curve_burn_time, k.curve_burn_time, linear);
+  fill(out.on_curve, k.curve_vertex, [](char a, char b, double) { return a && b; });
 }
 
-Skeleton skeleton_of(const RefinedAxis& k, const Cells& cells) {
+// Faces that are joined over edges of exactly two, numbered in the order of their first faces.
+std::vector<std::int32_t> sheets_of(const CellComplex& complex) {
+  const auto faces = static_cast<std::uint32_t>(complex.face_count());
+  std::vector<base::Cofaces> at(complex.edges.size(), base::Cofaces{});
+  for (std::uint32_t f = 0; f < faces; ++f)
+    for (const std::uint32_t e : complex.sides(f)) at[e].add(f);
+  base::UnionFind sets(faces);
+  for (std::uint32_t f = 0; f < faces; ++f)
+    for (const std::uint32_t e : complex.sides(f)) {
+      if (at[e].count() != 2) continue;
+      base::Cofaces other = at[e];
+      other.remove(f);
+      sets.unite(f, other.only());
+    }
+  std::vector<std::int32_t> sheet(faces);
+  std::int32_t next = 0;
+  for (std::uint32_t f = 0; f < faces; ++f) sheet[f] = sets.find(f) == f ? next++ : sheet[sets.find(f)];
+  return sheet;
+}
+
+Skeleton skeleton_of(const RefinedAxis& k, const Member& member, const Outline& outline, const Cells& cells) {
   Skeleton out;
   const std::vector<std::uint32_t> middle = middles(cells.edges, static_cast<std::uint32_t>(cells.vertices.size()));
-  fill_vertices(k, cells, middle, out);
+  fill_vertices(k, member, outline, cells, middle, out);
   std::vector<std::array<std::uint32_t, 2>> edges;
   std::vector<std::uint32_t> of;  // per edge: the one of `cells` it is, or is a half of
   for (std::uint32_t e = 0; e < cells.edges.size(); ++e) {
@@ -332,6 +424,7 @@ Skeleton skeleton_of(const RefinedAxis& k, const Cells& cells) {
   }
   out.complex =
       make_complex(static_cast<std::uint32_t>(out.points.size()), edges, std::move(offsets), std::move(corners));
+  out.face_sheet = sheets_of(out.complex);
   const auto& sorted = out.complex.edges;
   out.edge_thickness.assign(sorted.size(), kNotACurve);
   out.edge_level.assign(sorted.size(), kNotACurve);
@@ -346,16 +439,22 @@ Skeleton skeleton_of(const RefinedAxis& k, const Cells& cells) {
 }  // namespace
 
 Skeleton extract(const SkeletonFamily& family, double theta2, double theta1, const ExtractOptions& options) {
-  if (std::isnan(theta2) || std::isnan(theta1) || std::isnan(options.regrow_tips_above))
-    throw Error(ErrorCode::usage, "theta2, theta1 and regrow_tips_above of a skeleton must be numbers");
-  if (theta2 < family.theta2_floor || std::min(theta1, options.regrow_tips_above) < family.theta1_floor)
-    throw Error(ErrorCode::usage, "theta2, theta1 or regrow_tips_above of a skeleton is below the floor of its family");
+  for (const double value : {theta2, theta1, options.theta1_radii, options.regrow_tips_above, options.regrow_rims_above,
+                             options.minor_curve})
+    if (std::isnan(value))
+      throw Error(ErrorCode::usage, "theta2, theta1 and the options of a skeleton must be numbers");
+  if (std::min(theta2, options.regrow_rims_above) < family.theta2_floor ||
+      std::min(theta1, options.regrow_tips_above) < family.theta1_floor)
+    throw Error(ErrorCode::usage,
+                "theta2, theta1 or from where a skeleton grows back is below the floor of its family");
   const RefinedAxis& k = family.refined;
-  const Member member = skeleton::member_of(family, theta2, theta1, options.regrow_tips_above);
+  const Member member = skeleton::member_of(family, theta2, theta1, options);
   const Outline outline = outline_of(k, member, options.parts);
-  Skeleton skeleton = skeleton_of(k, CellBuilder(family, member, outline).take());
+  Skeleton skeleton = skeleton_of(k, member, outline, CellBuilder(family, member, outline).take());
   skeleton.theta2 = theta2;
   skeleton.theta1 = theta1;
+  skeleton.theta1_radii = options.theta1_radii;
+  skeleton.full_tips = options.regrow_tips_above < kNever;
   return skeleton;
 }
 

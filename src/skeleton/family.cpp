@@ -72,7 +72,8 @@ class CurveLevels {
 
 SkeletonFamily family_of(RefinedAxis refined, Context* context) {
   SkeletonFamily family;
-  CellValues sheet = skeleton::sheet_levels(refined, context);
+  family.corner_sheet_level = std::move(refined.corner_thickness);
+  CellValues sheet = skeleton::sheet_levels(refined, family.corner_sheet_level, context);
   family.refined = std::move(refined);
   const RefinedAxis& k = family.refined;
   const std::size_t halves = 2 * std::size_t{k.doors};  // never part of the curves

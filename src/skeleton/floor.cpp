@@ -91,6 +91,7 @@ class Compaction {
     compact(k_.curve_vertex, stays);
     compact(k_.curve_burn_time, stays);
     compact(k_.medial_point, stays);
+    compact(k_.fire_goes_on, stays);
     for (std::uint32_t& e : k_.exit)
       if (e != kNone) e = edge_[e];
     compact(k_.exit, stays);
@@ -116,6 +117,7 @@ class Compaction {
         for (std::uint32_t i = begin; i < end; ++i, ++corners) {
           c.face_vertices[corners] = vertex_[c.face_vertices[i]];
           c.face_edges[corners] = edge_[c.face_edges[i]];
+          family_.corner_sheet_level[corners] = family_.corner_sheet_level[i];
         }
         c.face_offsets[++faces] = corners;
       }
@@ -124,6 +126,7 @@ class Compaction {
     cut(c.face_offsets, faces + 1);
     cut(c.face_vertices, corners);
     cut(c.face_edges, corners);
+    cut(family_.corner_sheet_level, corners);
     compact(k_.polygon_of, stays_.face);
     compact(k_.face_thickness, stays_.face);
     compact(family_.face_sheet_level, stays_.face);
@@ -143,7 +146,7 @@ SkeletonFamily with_floor(SkeletonFamily family, double theta2, double theta1, C
   theta1 = std::max(theta1, family.theta1_floor);
   if (theta2 == family.theta2_floor && theta1 == family.theta1_floor) return family;
   base::in_arena(context, [&] {
-    Member stays = skeleton::member_of(family, theta2, theta1, base::kNever);
+    Member stays = skeleton::cells_from(family, theta2, theta1);
     checkpoint(context, "skeleton", 1);
     Compaction(family, stays).run();
   });

@@ -13,6 +13,7 @@
 #include "skeleton/burned_axis.h"
 #include "skeleton/curve_times.h"
 #include "skeleton/kept_nodes.h"
+#include "skeleton/member.h"
 
 namespace quench {
 namespace {
@@ -158,49 +159,54 @@ class PolygonCutter {
   void add_face(std::uint32_t f, const Region& region, std::uint32_t dual, const Spoke& from, const Spoke& to) {
     const CellComplex& k = out_.complex;
     const std::size_t m = region.places.size();
-    double thick = thickness(dual, out_.burn_time[dual]);
+    const double of_dual = thickness(dual, out_.burn_time[dual]);
+    double thick = of_dual;
+    const auto reached = [&](double value) {
+      thick = std::max(thick, value);
+      return value;
+    };
     const auto half = [&](std::uint32_t p, bool second) {  // of the segment from place p on
       const std::uint32_t door = arcs_.door[p];
       return 2 * door + ((k.edges[2 * door][0] == arcs_.node[p]) == second);
     };
     const auto door_thickness = [&](std::uint32_t p) {
       const std::uint32_t q = p + 1 == arcs_.size() ? 0 : p + 1;
-      thick = std::max(thick, thickness(door(p), 0.5 * (axis_.burned.state_time[arcs_.state[p]] +
-                                                        axis_.burned.state_time[arcs_.state[q]])));
+      return reached(thickness(
+          door(p), 0.5 * (axis_.burned.state_time[arcs_.state[p]] + axis_.burned.state_time[arcs_.state[q]])));
     };
-    corner(dual, from.edge);
+    corner(dual, from.edge, of_dual);
     std::size_t i = from.place;
     if (from.to_door) {
       const std::uint32_t p = region.arcs[i].index;
-      corner(door(p), half(p, true));
-      door_thickness(p);
+      corner(door(p), half(p, true), door_thickness(p));
       i = i + 1 == m ? 0 : i + 1;
     }
     // The node that `from` goes to is passed, not reached, where the walk starts.
     for (bool at_start = !from.to_door;; at_start = false) {
       const std::uint32_t p = region.places[i], node = arcs_.node[p];
-      thick = std::max(thick, thickness(node, axis_.burned.state_time[arcs_.state[p]]));
+      const double of_node = reached(thickness(node, axis_.burned.state_time[arcs_.state[p]]));
       if (i == to.place && !to.to_door && !at_start) {
-        corner(node, to.edge);
+        corner(node, to.edge, of_node);
         break;
       }
       const Arc& arc = region.arcs[i];
       if (!arc.segment) {
-        corner(node, arcs_.chords[arc.index].edge);
+        corner(node, arcs_.chords[arc.index].edge, of_node);
       } else {
-        corner(node, half(arc.index, false));
-        door_thickness(arc.index);
+        corner(node, half(arc.index, false), of_node);
+        const double of_door = door_thickness(arc.index);
         if (i == to.place && to.to_door) {
-          corner(door(arc.index), to.edge);
+          corner(door(arc.index), to.edge, of_door);
           break;
         }
-        corner(door(arc.index), half(arc.index, true));
+        corner(door(arc.index), half(arc.index, true), of_door);
       }
       i = i + 1 == m ? 0 : i + 1;
     }
     finish_face(f, thick);
   }
-  void corner(std::uint32_t vertex, std::uint32_t side) {
+  void corner(std::uint32_t vertex, std::uint32_t side, double thickness) {
+    out_.corner_thickness[next_.corners] = static_cast<float>(thickness);
     out_.complex.face_vertices[next_.corners] = vertex;
     out_.complex.face_edges[next_.corners++] = side;
   }
@@ -224,8 +230,8 @@ class PolygonCutter {
     for (std::uint32_t p = 0; p < arcs_.size(); ++p) {
       const std::uint32_t first = 2 * arcs_.door[p];
       const bool in_order = out_.complex.edges[first][0] == arcs_.node[p];
-      corner(arcs_.node[p], first + !in_order);
-      corner(door(p), first + in_order);
+      corner(arcs_.node[p], first + !in_order, kNever);
+      corner(door(p), first + in_order, kNever);
     }
     finish_face(f, kNever);
   }
@@ -327,6 +333,7 @@ class Refinement {
     k.face_offsets.assign(all.faces + std::size_t{1}, 0);
     k.face_vertices.resize(all.corners);
     k.face_edges.resize(all.corners);
+    out_.corner_thickness.resize(all.corners);
     out_.polygon_of.resize(all.faces);
     out_.face_thickness.resize(all.faces);
   }
@@ -390,6 +397,32 @@ class Refinement {
   std::vector<CellNumbers> first_;  // per chunk of polygons; all behind
 };
 
+// Region duals are drawn at the doors through which they passed their fire on, so they have the thickness of these, in
+// the polygon of their region.
+void set_thickness_of_duals(RefinedAxis& axis) {
+  const CellComplex& k = axis.complex;
+  const std::uint32_t first_dual = axis.nodes + axis.doors;
+  std::vector<float> of_door(k.vertex_count - first_dual, -1);
+  const auto each_face = [&](const auto& visit) {
+    base::for_indices(k.face_count(), [&](std::size_t f) {
+      const std::uint32_t dual = k.corners(f)[0];
+      if (dual >= first_dual && axis.exit[dual] != kNone) visit(f, dual);
+    });
+  };
+  // The spoke to the door is a side of two faces of the region at least, or twice of one: they write the same.
+  each_face([&](std::size_t f, std::uint32_t dual) {
+    const std::uint32_t exit = skeleton::other_end(axis, axis.exit[dual], dual);
+    for (const std::uint32_t c : {k.face_offsets[f] + 1, k.face_offsets[f + 1] - 1})
+      if (k.face_vertices[c] == exit)
+        std::atomic_ref(of_door[dual - first_dual]).store(axis.corner_thickness[c], std::memory_order_relaxed);
+  });
+  each_face([&](std::size_t f, std::uint32_t dual) {
+    const float thickness = of_door[dual - first_dual];
+    axis.corner_thickness[k.face_offsets[f]] = thickness;
+    axis.face_thickness[f] = std::max(axis.face_thickness[f], static_cast<double>(thickness));
+  });
+}
+
 RefinedAxis refined(const CellComplex& complex, std::span<const Vec3> points, std::span<const double> radius,
                     Burning&& burning, Context* context) {
   RefinedAxis axis;
@@ -400,6 +433,7 @@ RefinedAxis refined(const CellComplex& complex, std::span<const Vec3> points, st
   }
   burning = Burning();
   skeleton::burn_curve_network(axis, context);
+  set_thickness_of_duals(axis);
   checkpoint(context, "curves", 1);
   return axis;
 }

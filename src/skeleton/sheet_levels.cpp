@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <mutex>
 #include <utility>
@@ -19,6 +21,12 @@ namespace quench::skeleton {
 namespace {
 
 using base::kNever;
+
+/// The largest float that is not above `value`.
+float rounded_down(double value) {
+  const auto rounded = static_cast<float>(value);
+  return rounded > value ? std::nextafter(rounded, 0.0f) : rounded;
+}
 
 // Sets of numbers that several threads unite at the same time. The least number of a set represents it.
 class SharedSets {
@@ -56,12 +64,14 @@ struct Live {
   const RefinedAxis& axis;
   std::vector<char> fixed;                              // per vertex: on a curve or a pocket, and so never removed
   std::unique_ptr<base::Cofaces[]> faces_at, edges_at;  // per edge and vertex
+  std::vector<float> flood;                             // per edge: at which level the faces that are gone left it
 
   explicit Live(const RefinedAxis& of)
       : axis(of),
         fixed(of.curve_vertex),
         faces_at(std::make_unique<base::Cofaces[]>(of.complex.edges.size())),
-        edges_at(std::make_unique<base::Cofaces[]>(of.complex.vertex_count)) {
+        edges_at(std::make_unique<base::Cofaces[]>(of.complex.vertex_count)),
+        flood(of.complex.edges.size(), 0) {
     const CellComplex& k = axis.complex;
     for (std::size_t f = 0; f < k.face_count(); ++f)
       if (axis.face_thickness[f] == kNever)
@@ -82,7 +92,8 @@ struct Live {
 // the largest key of those that have to go before it, which are in its part.
 class PartThinner {
  public:
-  PartThinner(Live& live, CellValues& level) : live_(live), level_(level) {}
+  PartThinner(Live& live, CellValues& level, std::vector<float>& corners)
+      : live_(live), level_(level), corners_(corners) {}
 
   void run(std::span<const std::uint32_t> faces) {
     for (const std::uint32_t f : faces)
@@ -135,6 +146,7 @@ class PartThinner {
     const CellComplex& k = live_.axis.complex;
     level_.face[f] = now;
     level_.edge[e] = now;
+    fill(f, now);
     for (const std::uint32_t s : k.sides(f)) {
       if (live_.axis.curve_edge[s]) continue;
       live_.faces_at[s].remove(f);
@@ -145,6 +157,43 @@ class PartThinner {
         push_edge(s);
     }
     for (const std::uint32_t v : k.edges[e]) leave(v, e);
+  }
+  // The levels of the corners of a face, and with them of its sides for the faces behind.
+  void fill(std::uint32_t f, double now) {
+    const CellComplex& k = live_.axis.complex;
+    const auto sides = k.sides(f);
+    float* const corner = corners_.data() + k.face_offsets[f];
+    const auto lower_end = [&](std::size_t i) {
+      return std::min(corner[i], corner[i + 1 == sides.size() ? 0 : i + 1]);
+    };
+    float entry = std::numeric_limits<float>::infinity();
+    for (std::size_t i = 0; i < sides.size(); ++i)
+      if (!live_.axis.curve_edge[sides[i]] && live_.faces_at[sides[i]].single())
+        entry = std::min(entry, std::max(live_.flood[sides[i]], lower_end(i)));
+    for (std::size_t i = 0; i < sides.size(); ++i) {
+      float& flood = live_.flood[sides[i]];
+      flood = std::max({flood, entry, lower_end(i)});
+    }
+    const float most = rounded_down(now);
+    for (std::size_t i = 0; i < sides.size(); ++i) corner[i] = std::min(most, std::max(entry, corner[i]));
+    if (sides.front() == sides.back()) {  // the spoke is cut at one end or not at all
+      const float at_spoke = std::max({corner[0], corner[1], corner[sides.size() - 1]});
+      corner[0] = corner[1] = corner[sides.size() - 1] = at_spoke;
+    }
+    keep_in_one_piece(corner, sides.size());
+  }
+  // Raises corners so that they have one low and one high: what any level leaves of the face is in one piece.
+  static void keep_in_one_piece(float* corner, std::size_t n) {
+    const std::size_t low = static_cast<std::size_t>(std::min_element(corner, corner + n) - corner);
+    const std::size_t high = static_cast<std::size_t>(std::max_element(corner, corner + n) - corner);
+    for (std::size_t i = low, next; i != high; i = next) {
+      next = i + 1 == n ? 0 : i + 1;
+      corner[next] = std::max(corner[next], corner[i]);
+    }
+    for (std::size_t i = low, next; i != high; i = next) {
+      next = i == 0 ? n - 1 : i - 1;
+      corner[next] = std::max(corner[next], corner[i]);
+    }
   }
   void remove_edge(std::uint32_t e, std::uint32_t v, double now) {
     const auto [a, b] = live_.axis.complex.edges[e];
@@ -160,6 +209,7 @@ class PartThinner {
 
   Live& live_;
   CellValues& level_;
+  std::vector<float>& corners_;
   std::vector<Pair> free_;           // heap
   std::vector<std::uint32_t> lone_;  // heap of vertices of one edge, which has no face
 };
@@ -209,7 +259,7 @@ class Parts {
 
 }  // namespace
 
-CellValues sheet_levels(const RefinedAxis& axis, Context* context) {
+CellValues sheet_levels(const RefinedAxis& axis, std::vector<float>& corners, Context* context) {
   const CellComplex& k = axis.complex;
   CellValues level;
   level.vertex.assign(k.vertex_count, kNever);
@@ -220,7 +270,7 @@ CellValues sheet_levels(const RefinedAxis& axis, Context* context) {
   const std::size_t chunks = base::chunks_for(k.face_count(), std::size_t{1} << 13);
   base::for_chunks(chunks, context, "skeleton", 0, 1, [&](std::size_t chunk) {
     const auto [first, last] = base::part_of(k.face_count(), chunk, chunks);
-    PartThinner thinner(live, level);
+    PartThinner thinner(live, level, corners);
     parts.each(first, last, [&](std::span<const std::uint32_t> faces) { thinner.run(faces); });
   });
   return level;

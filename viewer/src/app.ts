@@ -41,7 +41,7 @@ export interface Picked {
 
 interface Shown { sets: LayerSets; view: LayerView; set: CellSet; ranges: Map<string, Range> }
 
-const MOST_BALLS = 12000;
+const MOST_BALLS = 6000;
 
 export class App {
   state: State;

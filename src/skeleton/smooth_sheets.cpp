@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "base/cofaces.h"
+#include "base/csr.h"
+#include "base/parallel.h"
+#include "quench/error.h"
+#include "quench/skeleton.h"
+
+namespace quench {
+namespace {
+
+// Edges by the number of their faces: borders of sheets are rims, of one face, and seams, of three or more.
+enum class EdgeKind : char { curve, rim, inner, seam };
+
+class SheetSmoother {
+ public:
+  SheetSmoother(Skeleton& skeleton, const SheetSmoothing& how)
+      : s_(skeleton), c_(skeleton.complex), how_(how), kind_(c_.edges.size(), EdgeKind::curve) {
+    std::vector<std::uint32_t> faces(c_.edges.size(), 0);
+    for (const std::uint32_t e : c_.face_edges) ++faces[e];
+    for (std::size_t e = 0; e < faces.size(); ++e)
+      kind_[e] = faces[e] == 0   ? EdgeKind::curve
+                 : faces[e] == 1 ? EdgeKind::rim
+                 : faces[e] == 2 ? EdgeKind::inner
+                                 : EdgeKind::seam;
+    edges_at_ = base::Csr<std::uint32_t>::group(c_.vertex_count, [&](const auto& emit) {
+      for (std::uint32_t e = 0; e < c_.edges.size(); ++e)
+        for (const std::uint32_t v : c_.edges[e]) emit(v, e);
+    });
+    moved_ = s_.points;
+  }
+
+  void run() {
+    smooth_borders(EdgeKind::rim);
+    smooth_borders(EdgeKind::seam);
+    smooth_insides();
+    for (std::size_t v = 0; v < moved_.size(); ++v) s_.points[v] = moved_[v];
+  }
+
+ private:
+  std::uint32_t other(std::uint32_t e, std::uint32_t v) const { return c_.edges[e][c_.edges[e][0] == v]; }
+
+  // Whether a border goes on over the vertex: two of its edges are there, and none of the other kind.
+  bool goes_on(std::uint32_t v, EdgeKind kind) const {
+    int of_kind = 0;
+    for (const std::uint32_t e : edges_at_[v]) {
+      of_kind += kind_[e] == kind;
+      if (kind_[e] == (kind == EdgeKind::rim ? EdgeKind::seam : EdgeKind::rim)) return false;
+    }
+    return of_kind == 2;
+  }
+  std::uint32_t next_edge(std::uint32_t v, std::uint32_t before, EdgeKind kind) const {
+    for (const std::uint32_t e : edges_at_[v])
+      if (kind_[e] == kind && e != before) return e;
+    return kNone;
+  }
+
+  void smooth_borders(EdgeKind kind) {
+    std::vector<char> done(c_.edges.size(), 0);
+    std::vector<std::uint32_t> line;
+    const auto follow = [&](std::uint32_t v, std::uint32_t e) {
+      line.assign(1, v);
+      while (e != kNone && !done[e]) {
+        done[e] = 1;
+        v = other(e, v);
+        line.push_back(v);
+        e = goes_on(v, kind) ? next_edge(v, e, kind) : kNone;
+      }
+      smooth_line(line);
+    };
+    // Open borders from their ends, then closed ones.
+    for (const bool closed : {false, true})
+      for (std::uint32_t e = 0; e < c_.edges.size(); ++e)
+        for (const std::uint32_t v : c_.edges[e])
+          if (kind_[e] == kind && !done[e] && (closed || !goes_on(v, kind))) follow(v, e);
+  }
+
+  // Every point goes to the mean of the line around it, weighted by 1 at the point falling to 0 at the window's ends.
+  // The window of a point near an end of an open line is as short on its other side.
+  void smooth_line(const std::vector<std::uint32_t>& line) {
+    const std::size_t n = line.size();
+    const bool closed = line.front() == line.back();
+    std::vector<double> at(n, 0);
+    for (std::size_t i = 1; i < n; ++i) at[i] = at[i - 1] + (s_.points[line[i]] - s_.points[line[i - 1]]).norm();
+    const double length = at.back();
+    for (std::size_t i = closed ? 0 : 1; i + 1 < n; ++i) {
+      const double window = std::min(how_.window, closed ? length / 4 : std::min(at[i], length - at[i]));
+      if (!(window > 0)) continue;
+      Vec3 sum = Vec3::Zero();
+      double weights = 0;
+      // Over the segments that the window meets: with the weight and the point in the middle of what it has of them.
+      const auto take = [&](std::size_t a, std::size_t b, double from, double to) {
+        const double low = std::max(from, -window), high = std::min(to, window), size = high - low;
+        if (!(size > 0)) return;
+        const auto part = [&](double begin, double end) {  // on one side of the point
+          const double middle = 0.5 * (begin + end), weight = (end - begin) * (window - std::abs(middle));
+          const double t = (middle - from) / (to - from);
+          sum += weight * ((1 - t) * s_.points[line[a]] + t * s_.points[line[b]]);
+          weights += weight;
+        };
+        part(low, high);
+      };
+      for (std::size_t steps = 0, j = i; steps < n; ++steps) {
+        if (j + 1 == n) {
+          if (!closed) break;
+          j = 0;
+        }
+        const double from = along(at, i, j, length, true);
+        if (from >= window) break;
+        take(j, j + 1, from, from + at[j + 1] - at[j]);
+        ++j;
+      }
+      for (std::size_t steps = 0, j = i; steps < n; ++steps) {
+        if (j == 0) {
+          if (!closed) break;
+          j = n - 1;
+        }
+        const double to = along(at, i, j, length, false);
+        if (to <= -window) break;
+        take(j - 1, j, to - (at[j] - at[j - 1]), to);
+        --j;
+      }
+      move(line[i], sum / weights);
+    }
+  }
+  // Signed distance along the line from point i to point j, ahead or behind.
+  static double along(const std::vector<double>& at, std::size_t i, std::size_t j, double length, bool ahead) {
+    const double d = at[j] - at[i];
+    if (ahead) return d < 0 ? d + length : d;
+    return d > 0 ? d - length : d;
+  }
+
+  // Vertices inside a sheet move along its normal towards the mean of their neighbours.
+  void smooth_insides() {
+    std::vector<char> inside(c_.vertex_count, 1);
+    for (std::size_t e = 0; e < kind_.size(); ++e)
+      if (kind_[e] != EdgeKind::inner)
+        for (const std::uint32_t v : c_.edges[e]) inside[v] = 0;
+    std::vector<Vec3> normal(c_.vertex_count, Vec3::Zero()), next;
+    for (std::size_t f = 0; f < c_.face_count(); ++f) {
+      const auto corners = c_.corners(f);
+      Vec3 area = Vec3::Zero();
+      for (std::size_t i = 2; i < corners.size(); ++i)
+        area +=
+            (s_.points[corners[i - 1]] - s_.points[corners[0]]).cross(s_.points[corners[i]] - s_.points[corners[0]]);
+      for (const std::uint32_t v : corners) normal[v] += normal[v].dot(area) < 0 ? Vec3(-area) : area;
+    }
+    for (int pass = 0; pass < how_.passes; ++pass) {
+      next = moved_;
+      base::for_indices(c_.vertex_count, [&](std::size_t i) {
+        const auto v = static_cast<std::uint32_t>(i);
+        if (!inside[v] || edges_at_[v].empty() || !(normal[v].norm() > 0)) return;
+        Vec3 mean = Vec3::Zero();
+        for (const std::uint32_t e : edges_at_[v]) mean += moved_[other(e, v)];
+        mean /= static_cast<double>(edges_at_[v].size());
+        const Vec3 n = normal[v].normalized();
+        next[v] = bounded(v, moved_[v] + 0.5 * n.dot(mean - moved_[v]) * n);
+      });
+      moved_.swap(next);
+    }
+  }
+
+  void move(std::uint32_t v, const Vec3& to) { moved_[v] = bounded(v, to); }
+  Vec3 bounded(std::uint32_t v, const Vec3& to) const {
+    const double way = (to - s_.points[v]).norm(), most = std::min(how_.most, 0.5 * s_.radius[v]);
+    return way > most ? Vec3(s_.points[v] + (to - s_.points[v]) * (most / way)) : to;
+  }
+
+  Skeleton& s_;
+  const CellComplex& c_;
+  const SheetSmoothing& how_;
+  std::vector<EdgeKind> kind_;
+  base::Csr<std::uint32_t> edges_at_;
+  std::vector<Vec3> moved_;
+};
+
+}  // namespace
+
+void smooth_sheets(Skeleton& skeleton, const SheetSmoothing& how) {
+  if (!(how.window >= 0) || !(how.most >= 0) || how.passes < 0)
+    throw Error(ErrorCode::usage, "how sheets are smoothed must not be negative");
+  SheetSmoother(skeleton, how).run();
+}
+
+}  // namespace quench
