@@ -82,7 +82,7 @@ describe("the page in a browser", () => {
     assert.equal(await page.evaluate("window.quench.state.layer"), "skeleton");
     await settled(page);
     const text = await page.textContent("#app");
-    for (const wanted of ["Skeleton", "1 component", "quench skeleton core.vtp --theta2 0.3abs --theta1 0.3abs -o skeleton.vtp"]) assert.ok(text.includes(wanted), wanted);
+    for (const wanted of ["Skeleton", "1 component", "quench skeleton core.vtp --theta2 0.3abs --theta1 0.3abs --tips pruned -o skeleton.vtp"]) assert.ok(text.includes(wanted), wanted);
     assert.deepEqual(complaints, []);
     await page.close();
   });

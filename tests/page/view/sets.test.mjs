@@ -114,7 +114,7 @@ try {
       const theta2 = Math.max(Math.fround(wish2 * side), meta.floor.theta2), theta1 = Math.max(Math.fround(wish1 * side), meta.floor.theta1);
       const found = await sets({ layer: "skeleton", theta2, theta1 });
       assert.equal(found.state.theta2, theta2);
-      run("skeleton", `${result}/core.vtp`, "--theta2", text(theta2), "--theta1", text(theta1), "--full", "-o", "s.obj", "--overwrite");
+      run("skeleton", `${result}/core.vtp`, "--theta2", text(theta2), "--theta1", text(theta1), "--full", "--tips", "pruned", "--smooth", "0", "-o", "s.obj", "--overwrite");
       const expected = measure("s.obj"), what = `${shape.name} theta2 ${theta2} theta1 ${theta1}`;
       // Region duals lie on their exits, but where the program keeps a part of a sheet from being pressed flat: where
       // polygons are cut, places differ, and with them areas and lengths a little. The cells are the same (page_test).

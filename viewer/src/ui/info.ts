@@ -60,7 +60,8 @@ export class Info {
     if (state.layer === "skeleton") {
       const two = Number.isFinite(state.theta2) ? `sheets of erosion thickness ≥ ${length(state.theta2)}` : "no sheets but those that enclose a cavity";
       const one = Number.isFinite(state.theta1) ? `curves of curve erosion thickness ≥ ${length(state.theta1)}` : "curves only where topology needs them";
-      sentence.push(`${two}; ${one}${isAsked(this.page, state) && this.page.layers.has("skeleton") ? " (as asked)" : ""}`);
+      const radii = isAsked(this.page, state) && this.page.layers.has("skeleton") ? meta.theta1_radii : 0;
+      sentence.push(`${two}; ${one}${radii > 0 ? ` that stick out by ${short(radii)} radii` : ""}${isAsked(this.page, state) && this.page.layers.has("skeleton") ? " (as asked)" : ""}`);
     } else if (state.layer === "core") {
       sentence.push(`pruned at ${labelOf(state.measure)} = ${withUnit(short(state.threshold), unitOf(state.measure, unit))}`);
       const burned = meta.pruning, isBurning = state.color === "burn_time" || state.color === "erosion_thickness";
