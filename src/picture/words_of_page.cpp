@@ -27,6 +27,8 @@ std::string skeleton_words(const Page& page) {
     return fmt::format("{} = {} · ", name, std::isinf(*length) ? "∞" : with_unit(short_text(*length), page.unit));
   };
   std::string text = theta("θ₂", page.theta2) + theta("θ₁", page.theta1);
+  if (page.theta1_radii > 0 && page.theta1)
+    text.insert(text.rfind(" · "), fmt::format(" and {} radii", short_text(page.theta1_radii)));
   if (page.pruning) return text + pruning_words(page, page.pruning->measure, page.pruning->threshold);
   return text.substr(0, text.rfind(" · "));
 }

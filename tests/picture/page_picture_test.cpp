@@ -296,6 +296,9 @@ TEST(PagePicture, CaptionsSayWhatIsThere) {
   page.pruning = {"detail", 0.001234};
   page.files = {{"shape", "some where/a shape.off"}};
   EXPECT_EQ(caption_of(page), (std::vector<std::string>{"a shape.off", "θ₂ = 0.03 mm · θ₁ = ∞ · detail = 0.00123 mm"}));
+  page.theta1 = 0.02;
+  page.theta1_radii = 0.5;
+  EXPECT_EQ(caption_of(page).back(), "θ₂ = 0.03 mm · θ₁ = 0.02 mm and 0.5 radii · detail = 0.00123 mm");
   const auto dark = [](const Picture& picture, int x0, int y0, int x1, int y1) {
     int count = 0;
     for (int y = y0; y < y1; ++y)
