@@ -193,8 +193,8 @@ void add_skeleton_options(CLI::App& app, pipeline::SkeletonOptions& o, GraphFile
 void add_page_options(CLI::App& app, std::size_t& max_triangles) {
   add_number<std::size_t>(
       app, "--max-triangles", max_triangles,
-      "The page: at most so many triangles, 1000 to 50000000; larger results are simplified for display, and the page "
-      "says so",
+      "The page: about so many triangles, 1000 to 50000000; the skeleton asked for is always whole, its sliders, the "
+      "core and the surface share the rest",
       1000, 50'000'000)
       ->type_name("N")
       ->capture_default_str()

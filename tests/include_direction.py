@@ -27,7 +27,8 @@ ROOMS = {
     'skeleton': 'base complex record axis burning',
     'graph': 'base shape skeleton',
     'io': 'base record shape graph',
-    'page': 'base complex record shape axis burning skeleton io',
+    'page': 'base complex record shape axis burning skeleton graph io',
+    'picture': 'base io page',
     'pipeline': 'base complex record shape voxelization surface axis burning skeleton graph io page',
     'verification': 'base complex record shape',
 }

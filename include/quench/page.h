@@ -52,6 +52,7 @@ struct Page {
   double voxel = 0;                      ///< smallest spacing of the voxel shape
   std::optional<PagePruning> pruning;    ///< what the burn belongs to
   std::optional<double> theta2, theta1;  ///< of the layer `skeleton`, where the sliders start; may be infinite
+  double theta1_radii = 0;  ///< of the layer `skeleton`, as ExtractOptions::theta1_radii
   std::optional<BurnOptions> burning;
   std::optional<Topology> topology;
   std::vector<std::pair<std::string, std::string>> files;  ///< what they are, their names: for the command line

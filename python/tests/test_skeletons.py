@@ -181,8 +181,8 @@ def test_pages(tmp_path):
         names = {array['name'] for array in meta['arrays']}
         assert meta['title'] == f'page {number}' and 'shape/points' in names
         assert meta.get('pruning', {}).get('measure') == ('detail' if number < 2 else None)
-        assert [layer + '/points' in names for layer in ('core', 'skeleton', 'still')] == \
-            [number < 2, number == 1, number == 2]
+        assert [layer + '/points' in names for layer in ('core', 'skeleton', 'family', 'still')] == \
+            [number < 2, number >= 1, number == 1, False]
     axis.save(tmp_path / 'a.vtp')
     quench.read(tmp_path / 'a.vtp').save(tmp_path / 'b.html')
     written = (tmp_path / 'b.html').read_text(encoding='utf-8')

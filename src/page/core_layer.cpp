@@ -28,10 +28,11 @@ double floor_of(Page& page, const std::string& measure, const page::Floor& floor
   const bool is_pruning = page.pruning && page.pruning->measure == measure;
   const double start = is_pruning ? static_cast<double>(page::rounded_down(page.pruning->threshold)) : 0;
   if (!(floor.level > start)) return start;
-  page.notes.push_back(
-      fmt::format("The core is shown from {} {} on, {} of its {} faces; thinner parts are left out of this page{}",
-                  measure, page::floor_text(page, floor.level), page::count_text(floor.faces.size()),
-                  page::count_text(faces), page::limit_text(page)));
+  page.notes.push_back(fmt::format(
+      "The medial axis begins at {} {}, with {} of its {} faces: below, it has more triangles than the page "
+      "holds{}",
+      measure, page::floor_text(page, floor.level), page::count_text(floor.faces.size()), page::count_text(faces),
+      page::limit_text(page)));
   return floor.level;
 }
 

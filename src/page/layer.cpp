@@ -101,6 +101,7 @@ void add_measures(Page& page, const std::string& layer, const std::vector<DataAr
   const std::vector<double> unburned = flags("unburned"), curve_unburned = flags("curve_unburned");
   for (const DataArray& array : measures) {
     if (array.components != 1 || std::holds_alternative<std::vector<std::string>>(array.values)) continue;
+    if (array.name == "voxel_radius") continue;  // radius says it better
     if (array.name == "unburned" || array.name == "curve_unburned") continue;
     const std::vector<double>* flag = nullptr;
     if (array.name == "burn_time" || array.name == "erosion_thickness") flag = &unburned;

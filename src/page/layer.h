@@ -73,7 +73,6 @@ void widen(Page& page, std::span<const Vec3> points);
 /// Points as pages hold them, without the origin of the page.
 std::vector<float> places_of(const Page& page, std::span<const Vec3> points);
 
-
 /// Faces in decreasing order of level, and the floor at which no more than `budget` triangles are left: 0 when all fit,
 /// else the least float above the level of those that do not. Faces below are not in the list.
 struct Floor {

@@ -46,16 +46,17 @@ int write_planes(const Words& words, std::string& bytes) {
   return planes;
 }
 
-/// Differences to the row before, modulo 2^bits, small ones of either sign as small numbers.
+/// A difference modulo 2^bits: small ones of either sign are small numbers.
+std::uint32_t folded(std::uint32_t difference, int bits) {
+  const std::uint32_t d = difference << (32 - bits), twice = (d >> (32 - bits)) << 1;
+  return (d >> 31 ? ~twice : twice) << (32 - bits) >> (32 - bits);
+}
+
+/// Differences to the row before, folded.
 Words differences(const Words& words, int components, int bits) {
   Words out(words.size());
   const auto step = static_cast<std::size_t>(components);
-  for (std::size_t i = 0; i < words.size(); ++i) {
-    const std::uint32_t d = (words[i] - (i < step ? 0 : words[i - step])) << (32 - bits);
-    out[i] = (d >> (32 - bits)) << 1;
-    if (d >> 31) out[i] = ~out[i];
-    out[i] = out[i] << (32 - bits) >> (32 - bits);
-  }
+  for (std::size_t i = 0; i < words.size(); ++i) out[i] = folded(words[i] - (i < step ? 0 : words[i - step]), bits);
   return out;
 }
 
@@ -236,8 +237,7 @@ class LayerPacker {
   std::uint32_t least(std::uint32_t e) const { return std::min(ends_[2 * e], ends_[2 * e + 1]); }
 
   void add_cells() {
-    const int bits = layer_ == "skeleton" ? 24 : 16;
-    out_.push_back(in_steps(name("points"), 3, taken(*values<float>("points"), vertex_, 3), bits));
+    out_.push_back(in_steps(name("points"), 3, taken(*values<float>("points"), vertex_, 3), fine() ? 24 : 16));
     Words offsets{0};
     for (const std::uint32_t f : face_) offsets.push_back(offsets.back() + offsets_[f + 1] - offsets_[f]);
     out_.push_back(by_differences(name("polygon_offsets"), "u32", 1, offsets));
@@ -303,13 +303,16 @@ class LayerPacker {
     const Floats *corner = values<float>("corner_level"), *face = values<float>("face_level");
     if (!corner || !face) return;
     const Words levels = bits_of(by_corner(*corner));
-    Words below(levels.size());
+    Words again(levels.size()), last(vertices_, kNone);
     std::size_t i = 0;
     for (const std::uint32_t f : face_)
-      for (std::uint32_t k = offsets_[f]; k < offsets_[f + 1]; ++k, ++i)
-        below[i] = std::bit_cast<std::uint32_t>((*face)[f]) - levels[i];
+      for (std::uint32_t k = offsets_[f]; k < offsets_[f + 1]; ++k, ++i) {
+        const std::uint32_t most = std::bit_cast<std::uint32_t>((*face)[f]);
+        again[i] = folded(levels[i] - std::min(most, last[corners_[i]]), 32);
+        last[corners_[i]] = levels[i];
+      }
     PackedArray out{name("corner_level"), "f32", 1, levels.size(), {}, {}};
-    out.code = fmt::format(R"("code": "below", "planes": {})", write_planes(below, out.bytes));
+    out.code = fmt::format(R"("code": "again", "planes": {})", write_planes(again, out.bytes));
     out_.push_back(std::move(out));
   }
 
@@ -350,10 +353,14 @@ class LayerPacker {
                                of->first, of->second);
         out_.push_back(std::move(out));
       } else {
-        out_.push_back(in_steps(array.name, 1, taken(std::get<Floats>(array.values), vertex_), 16));
+        const int bits = measure == "radius" && fine() ? 24 : layer_ == "skeleton" || layer_ == "still" ? 16 : 14;
+        out_.push_back(in_steps(array.name, 1, taken(std::get<Floats>(array.values), vertex_), bits));
       }
     }
   }
+
+  /// Of what was asked for, and where balls touch lattice points, places and radii are as fine as floats.
+  bool fine() const { return layer_ == "skeleton" || page_.find("shape/sites"); }
 
   /// The two measures of which this one is the difference, up to rounding.
   std::optional<std::pair<std::string, std::string>> difference(const std::string& measure) {

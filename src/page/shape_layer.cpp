@@ -16,10 +16,9 @@ std::size_t add_triangles(Page& page, const Record& surface, const char* what, s
   if (given > max_triangles) {
     std::vector<std::uint32_t> ignored;
     fewer = page::clustered(surface, max_triangles, ignored);
-    page.notes.push_back(fmt::format(
-        "Of the {} triangles of the {} {} are drawn: vertices close to each other are "
-        "merged in this page{}",
-        page::count_text(given), what, page::count_text(page::triangle_count(fewer)), page::limit_text(page)));
+    page.notes.push_back(
+        fmt::format("The {} has {} triangles; the page draws {}, with vertices close to each other merged{}", what,
+                    page::count_text(given), page::count_text(page::triangle_count(fewer)), page::limit_text(page)));
   }
   const Record& drawn = given > max_triangles ? fewer : surface;
   std::vector<std::uint32_t> number(drawn.points.size(), kNone), corners;
@@ -126,13 +125,13 @@ TriangleMesh smoothed_boundary(const VoxelShape& shape, int iterations) {
 }
 
 std::size_t add_surface(Page& page, const TriangleMesh& mesh, std::size_t max_triangles) {
-  return add_triangles(page, to_record(mesh), "shape's surface", max_triangles);
+  return add_triangles(page, to_record(mesh), "surface of the shape", max_triangles);
 }
 
 std::size_t add_surface(Page& page, const VoxelShape& shape, std::size_t max_triangles) {
   page.voxel_surface = true;
-  page.notes.emplace_back("The surface of the shape is that of its voxels, smoothed by half a voxel at most");
-  return add_triangles(page, to_record(smoothed_boundary(shape, 4)), "voxel shape's surface", max_triangles);
+  page.notes.emplace_back("The surface drawn is that of the voxels, smoothed by at most half a voxel");
+  return add_triangles(page, to_record(smoothed_boundary(shape, 4)), "surface of the voxels", max_triangles);
 }
 
 void add_sites(Page& page, const VoxelShape& shape) {

@@ -143,6 +143,7 @@ void add_branches(Page& page, const CurveGraph& graph) {
 }  // namespace
 
 std::size_t add_skeleton(Page& page, const Skeleton& skeleton, const CurveGraph& graph) {
+  page.theta1_radii = skeleton.theta1_radii;
   Vertices vertices(skeleton);
   add_polygons(page, skeleton, vertices);
   std::vector<std::uint32_t> offsets{0}, rows, node_rows, isolated;

@@ -22,8 +22,7 @@ std::size_t add_still(Page& page, const Record& data, std::size_t max_triangles)
   if (simplify) {
     fewer = page::clustered(data, max_triangles, row_of);
     page.notes.push_back(
-        fmt::format("Of its {} triangles {} are drawn: vertices close to each other are merged in "
-                    "this page{}",
+        fmt::format("The file has {} triangles; the page draws {}, with vertices close to each other merged{}",
                     page::count_text(given), page::count_text(page::triangle_count(fewer)), page::limit_text(page)));
   }
   const Record& drawn = simplify ? fewer : data;

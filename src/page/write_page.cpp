@@ -85,6 +85,7 @@ std::string meta_of(const Page& page, const std::vector<PackedArray>& packed) {
                     page.burning->radius == RadiusRule::linear ? "linear" : "exact"));
   put_length("theta2", page.theta2);
   put_length("theta1", page.theta1);
+  if (page.theta1_radii > 0) put("theta1_radii", number(page.theta1_radii));
   std::string floors;
   const auto put_floor = [&](const char* name, const std::optional<double>& floor) {
     if (floor) floors += fmt::format("{}\"{}\": {}", floors.empty() ? "" : ", ", name, number(*floor));

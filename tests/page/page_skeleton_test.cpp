@@ -144,15 +144,16 @@ TEST(PageSkeleton, HoldsEveryCellAndValueOfASkeleton) {
   }
 }
 
-// A T of three squares: two of them are joined over an edge of two faces, the seam parts the sheets.
-TEST(PageSkeleton, SheetsEndAtSeams) {
+// A T of squares.
+TEST(PageSkeleton, FacesHaveTheirSheets) {
   testing_skeletons::Cells cells;
   for (const double x : {0, 1, 2, 3})
     for (const double y : {0, 1}) cells.add(x, y, 0);
   cells.add(2, 0, 1);
   cells.add(2, 1, 1);
   cells.faces = {{0, 1, 3, 2}, {2, 3, 5, 4}, {4, 5, 7, 6}, {4, 5, 9, 8}};
-  const Skeleton skeleton = testing_skeletons::skeleton_of(cells);
+  Skeleton skeleton = testing_skeletons::skeleton_of(cells);
+  skeleton.face_sheet = {0, 0, 1, 2};
   Page page;
   page.side = 3;
   add_skeleton(page, skeleton, curve_graph(skeleton));

@@ -107,7 +107,7 @@ inline Contents read_page(const std::string& html) {
     EXPECT_LE(end, bytes.size());
     if (end > bytes.size()) break;
     if (array.contains("code")) {
-      if (array["code"] == "difference" || array["code"] == "below")
+      if (array["code"] == "difference" || array["code"] == "again")
         later.push_back(array);
       else
         contents.arrays[array["name"]] = decoded(array, bytes.substr(offset), contents.arrays);

@@ -65,12 +65,20 @@ inline std::vector<double> decoded(const nlohmann::json& entry, const std::strin
     const std::vector<double>&a = arrays.at(entry["of"][0]), &b = arrays.at(entry["of"][1]);
     for (std::size_t i = 0; i < count; ++i) values.push_back(std::isfinite(a[i]) ? std::max(0.0, a[i] - b[i]) : a[i]);
   } else {
-    EXPECT_EQ(code, "below");
+    EXPECT_EQ(code, "again");
     const std::string layer = name.substr(0, name.find('/'));
-    const auto &face = arrays.at(layer + "/face_level"), &offsets = arrays.at(layer + "/polygon_offsets");
+    const auto &face = arrays.at(layer + "/face_level"), &offsets = arrays.at(layer + "/polygon_offsets"),
+               &corners = arrays.at(layer + "/polygon_corners");
+    std::map<double, std::uint32_t> last;
     for (std::size_t f = 0; f < face.size(); ++f)
-      for (auto i = static_cast<std::size_t>(offsets[f]); i < static_cast<std::size_t>(offsets[f + 1]); ++i)
-        values.push_back(std::bit_cast<float>(std::bit_cast<std::uint32_t>(static_cast<float>(face[f])) - words[i]));
+      for (auto i = static_cast<std::size_t>(offsets[f]); i < static_cast<std::size_t>(offsets[f + 1]); ++i) {
+        const std::uint32_t most = std::bit_cast<std::uint32_t>(static_cast<float>(face[f]));
+        const auto found = last.find(corners[i]);
+        const std::uint32_t level =
+            difference_of(words[i]) + (found == last.end() ? most : std::min(most, found->second));
+        last[corners[i]] = level;
+        values.push_back(std::bit_cast<float>(level));
+      }
   }
   return values;
 }

@@ -2,7 +2,7 @@
 // The command line that writes what the page shows.
 import type { Meta, Page } from "./data";
 import { decimalOf, floor32 } from "./format";
-import { layerOf, type State } from "./state";
+import { isAsked, layerOf, type State } from "./state";
 
 const quoted = (file: string) => (/^[\w.,:+@%/-]+$/.test(file) ? file : `'${file.replaceAll("'", "'\\''")}'`);
 const length = (x: number, levels: Float32Array | null) => (Number.isFinite(x) ? (x === 0 ? "0" : `${decimalOf(x, levels?.includes(x) ?? false)}abs`) : "inf");
@@ -15,8 +15,10 @@ function exactThreshold({ pruning }: Meta, { measure, threshold }: State): strin
 export function commandOf(page: Page, state: State): string {
   const { meta } = page, layer = layerOf(page, state);
   const family = page.layers.get("family");
+  const asked = page.layers.has("skeleton") && isAsked(page, state);
+  const theta1 = asked && meta.theta1_radii > 0 ? `${meta.theta1_radii}r` : length(state.theta1, family?.curveThickness ?? null);
   if (state.layer === "skeleton")
-    return `quench skeleton ${quoted(meta.files.core ?? "core.vtp")} --theta2 ${length(state.theta2, family?.faceLevel ?? null)} --theta1 ${length(state.theta1, family?.curveThickness ?? null)} -o skeleton.vtp`;
+    return `quench skeleton ${quoted(meta.files.core ?? "core.vtp")} --theta2 ${length(state.theta2, family?.faceLevel ?? null)} --theta1 ${theta1}${asked ? "" : " --tips pruned"} -o skeleton.vtp`;
   if (state.layer === "core") {
     const option = PRUNING_OPTIONS[state.measure];
     if (option === undefined) return ""; // no command prunes by another measure

@@ -21,7 +21,7 @@ export interface ArrayEntry {
   count: number;
   offset: number;
   /// None: the bytes are the values.
-  code?: "delta" | "steps" | "fresh" | "below" | "difference";
+  code?: "delta" | "steps" | "fresh" | "again" | "difference";
   planes?: number;
   bits?: number;
   low?: number[];
@@ -48,6 +48,7 @@ export interface Meta {
   burning?: { omega?: number; propagation?: string; radius?: string };
   theta2?: number;
   theta1?: number;
+  theta1_radii: number; ///< of the skeleton that was asked for; 0: none
   floor: { theta2: number; theta1: number };
   /// The faces of `core` are sorted by the first.
   measures: PruningMeasure[];
@@ -169,6 +170,7 @@ export function readMeta(text: string): Meta {
     burning: raw.burning ?? undefined,
     theta2: theta(raw.theta2),
     theta1: theta(raw.theta1),
+    theta1_radii: length(raw.theta1_radii) ?? 0,
     floor: { theta2: length(raw.floor?.theta2) ?? 0, theta1: length(raw.floor?.theta1) ?? 0 },
     measures,
     topology: raw.topology ?? undefined,

@@ -97,6 +97,7 @@ function run(page: Page): void {
   const panel = new Panel(app, side, burner, { screenshot, reset });
   const left = el("div", "left", info.element, bar.element);
   root.append(caption.canvas, left, table.element, side, info.command, help.element);
+  info.onTable = () => app.set({ table: !app.state.table });
   info.onClearPick = () => app.pickBranch(-1);
 
   const theme = () => {
@@ -132,6 +133,7 @@ function run(page: Page): void {
     info.show(s, numbers, app.command());
     info.showBranch(s.branch);
     table.show();
+    root.classList.toggle("tabled", !table.element.hidden);
     panel.show();
     burner.show();
     const extra: [string, Rgb][] = [];

@@ -19,7 +19,7 @@ export function checkEntry(a: ArrayEntry): void {
   const whole = (n: unknown, most = Infinity) => Number.isInteger(n) && (n as number) >= 0 && (n as number) <= most;
   if (!BYTES[a.type] || !whole(a.count) || !whole(a.components) || !whole(a.offset) || a.offset % 4 !== 0) refuse(a);
   if (a.code === undefined) return;
-  if (!["delta", "steps", "fresh", "below", "difference"].includes(a.code) || !whole(a.planes, 4)) refuse(a);
+  if (!["delta", "steps", "fresh", "again", "difference"].includes(a.code) || !whole(a.planes, 4)) refuse(a);
   if (a.code === "steps" && !(whole(a.bits, 24) && a.low?.length === a.components && a.step?.length === a.components)) refuse(a);
   if (a.code === "difference" && a.of?.length !== 2) refuse(a);
 }
@@ -54,7 +54,7 @@ export function unpack(entries: ArrayEntry[], bytes: Uint8Array): Map<string, Nu
       arrays.set(a.name, new VIEWS[a.type](bytes.buffer as ArrayBuffer, begin, n));
       continue;
     }
-    if (a.code === "below" || a.code === "difference") {
+    if (a.code === "again" || a.code === "difference") {
       last.push(a);
       continue;
     }
@@ -98,8 +98,15 @@ export function unpack(entries: ArrayEntry[], bytes: Uint8Array): Map<string, Nu
     }
     const layer = a.name.slice(0, a.name.lastIndexOf("/")), face = arrays.get(`${layer}/face_level`), offsets = arrays.get(`${layer}/polygon_offsets`);
     if (!(face instanceof Float32Array) || !(offsets instanceof Uint32Array) || offsets.length !== face.length + 1 || offsets[face.length] !== n) refuse(a);
+    const corners = arrays.get(`${layer}/polygon_corners`);
+    if (!(corners instanceof Uint32Array) || corners.length !== n) refuse(a);
     const out = words(bytes.subarray(a.offset, a.offset + bytesOf(a)), a.planes!, n), bits = new Uint32Array(face.buffer, face.byteOffset, face.length);
-    for (let f = 0; f < face.length; ++f) for (let i = offsets[f]!; i < offsets[f + 1]!; ++i) out[i] = bits[f]! - out[i]!;
+    const last = new Uint32Array(corners.reduce((most, v) => Math.max(most, v), 0) + 1).fill(0xffffffff);
+    for (let f = 0; f < face.length; ++f)
+      for (let i = offsets[f]!, most = bits[f]!; i < offsets[f + 1]!; ++i) {
+        const z = out[i]!, v = corners[i]!;
+        last[v] = out[i] = Math.min(most, last[v]!) + ((z >>> 1) ^ -(z & 1));
+      }
     arrays.set(a.name, new Float32Array(out.buffer));
   }
   return arrays;

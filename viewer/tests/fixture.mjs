@@ -163,9 +163,10 @@ export function boxShape() {
 
 /// What the box's family is at theta2 = theta1 = 0.3: the sheet, a branch to where the twigs went, a loop and a point.
 export function askedArrays() {
-  const { points, faces, measures } = boxSkeleton();
-  const branches = [[0, 4, 5], [8, 9, 10, 8]], length = (path) => path.slice(1).reduce((sum, v, i) => sum + Math.hypot(...points[v].map((x, k) => x - points[path[i]][k])), 0);
-  const offsets = [0, 3, 7], nodes = [0, 5, 8, 12];
+  const box = boxSkeleton(), { faces } = box, used = [0, 1, 2, 3, 4, 5, 8, 9, 10, 12], of = (values) => used.map((v) => values[v]);
+  const points = of(box.points), measures = Object.fromEntries(Object.entries(box.measures).map(([name, values]) => [name, of(values)]));
+  const branches = [[0, 4, 5], [6, 7, 8, 6]], length = (path) => path.slice(1).reduce((sum, v, i) => sum + Math.hypot(...points[v].map((x, k) => x - points[path[i]][k])), 0);
+  const offsets = [0, 3, 7], nodes = [0, 5, 6, 9];
   const radii = branches.map((path) => path.map((v) => measures.radius[v]));
   const arrays = {
     "skeleton/points": ["f32", 3, points.flat()],
@@ -184,7 +185,7 @@ export function askedArrays() {
     "skeleton/branch_nodes": ["u32", 2, [0, 1, 2, 2]],
     "skeleton/node_points": ["u32", 1, nodes],
     "skeleton/node_kind": ["u8", 1, [2, 0, 3, 4]],
-    "skeleton/isolated": ["u32", 1, [12]],
+    "skeleton/isolated": ["u32", 1, [9]],
   };
   for (const [name, values] of Object.entries(measures)) arrays[`skeleton/point/${name}`] = ["f32", 1, values];
   return arrays;

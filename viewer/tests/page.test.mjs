@@ -82,7 +82,7 @@ describe("the page in a browser", () => {
     assert.equal(await page.evaluate("window.quench.state.layer"), "skeleton");
     await settled(page);
     const text = await page.textContent("#app");
-    for (const wanted of ["Skeleton", "1 component", "quench skeleton core.vtp --theta2 0.3abs --theta1 0.3abs -o skeleton.vtp"]) assert.ok(text.includes(wanted), wanted);
+    for (const wanted of ["Skeleton", "1 component", "quench skeleton core.vtp --theta2 0.3abs --theta1 0.3abs --tips pruned -o skeleton.vtp"]) assert.ok(text.includes(wanted), wanted);
     assert.deepEqual(complaints, []);
     await page.close();
   });
@@ -108,6 +108,92 @@ describe("the page in a browser", () => {
     await range.press("End");
     assert.equal(await page.evaluate("window.quench.state.theta2"), Infinity);
     assert.equal((await sets(page)).faces, 0);
+    assert.deepEqual(complaints, []);
+    await page.close();
+  });
+
+  it("opens with the skeleton asked for; sliders show its family, and come back", async () => {
+    const { page, complaints } = await open(boxPage(template, { meta: (m) => ({ ...m, floor: { theta2: 0.5, theta1: 0.4 }, note: "The sliders begin at theta2 = 0.5." }) }, undefined, true));
+    const at = async (change) => { const s = await sets(page, change); return [s.faces, s.curveEdges, s.freeEnds, s.isolated]; };
+    const thetas = () => page.evaluate("[window.quench.state.theta2, window.quench.state.theta1]");
+    const asked = Math.fround(0.3), shown = [1, 5, 1, 1];
+    assert.deepEqual(await at({}), shown); // the branch of two edges, the loop of three, the point
+    assert.ok((await thetas()).every((x) => Math.abs(x - asked) < 1e-7)); // below the floor
+    assert.match(await page.textContent(".note"), /^The sliders begin at/);
+    assert.match(await page.textContent(".what"), /\(as asked\)/);
+    assert.ok(!(await page.isVisible(".asked")));
+    assert.deepEqual(await at({ theta2: 1, theta1: 0 }), [0, 6, 2, 1]); // of the family, from its floors on
+    assert.deepEqual((await thetas()).map((x) => Number(x.toPrecision(6))), [1, 0.4]);
+    assert.ok(await page.isVisible(".asked"));
+    await page.click(".asked");
+    assert.deepEqual(await at({}), shown);
+    const range = page.locator('[data-id="theta2"] input[type=range]');
+    await range.focus();
+    await range.press("End");
+    assert.equal((await sets(page)).faces, 0);
+    await range.press("Home");
+    await sets(page, { theta1: 0.3 });
+    await range.press("ArrowRight");
+    await range.press("Home"); // where the handle of what was asked for stands
+    const [theta2, theta1] = await thetas();
+    assert.equal(theta2 <= 0.5, true);
+    assert.equal(theta1 >= asked, true);
+    assert.deepEqual(complaints, []);
+    await page.close();
+  });
+
+  it("sheets of the family end inside their parts where the levels of corners say so", async () => {
+    // The sheet's level is 0.6; at the corners 0 and 3 it is 0.6, at 1 and 2 it is 0.1: half of it is above 0.35.
+    const corners = (levels) => (arrays) => ({ ...arrays, "family/corner_level": ["f32", 1, levels] });
+    const covered = async (levels, theta2) => {
+      const { page, complaints } = await open(boxPage(template, {}, corners(levels)), `ui=0&shape=0&color=none&curves=0&points=0&boundary=0&seams=0&caption=0&theta2=${theta2}&theta1=0&camera=2,1,8,2,1,1,0,1,0`);
+      await settled(page);
+      const { data, channels, width, height } = pixelsOf(await page.screenshot());
+      let count = 0;
+      for (let i = 0; i < width * height; ++i) count += Number(data[channels * i] < 215); // darker than the paper
+      assert.deepEqual(complaints, []);
+      await page.close();
+      return count;
+    };
+    const whole = await covered([0.6, 0.6, 0.6, 0.6], 0.35), part = await covered([0.6, 0.1, 0.1, 0.6], 0.35), above = await covered([0.6, 0.1, 0.1, 0.6], 0.05);
+    assert.ok(whole > 2000, String(whole));
+    assert.ok(Math.abs(part / whole - 0.5) < 0.03, `${part} of ${whole}`);
+    assert.ok(Math.abs(above / whole - 1) < 0.02, `${above} of ${whole}`);
+  });
+
+  it("branches: table, sorting, CSV, picking by row and by click", async () => {
+    const { page, complaints } = await open(boxPage(template, {}, undefined, true), "table=1&shape=0");
+    await settled(page);
+    const rows = () => page.$$eval(".branch-rows .branch-row", (all) => all.map((row) => [...row.children].map((cell) => cell.textContent)));
+    assert.deepEqual((await rows()).map((row) => row[0]), ["0", "1"]); // the longer first
+    assert.equal((await rows())[0][7], "sheet – end");
+    await page.click(".branch-head .branch-cell:nth-child(2)");
+    assert.deepEqual((await rows()).map((row) => row[0]), ["1", "0"]);
+    await page.click(".branch-head .branch-cell:nth-child(6)"); // infinite first
+    assert.deepEqual((await rows()).map((row) => row[5]), ["∞", "0.8"]);
+    const csv = (await page.evaluate("window.quench.branches()")).trim().split("\n");
+    assert.equal(csv[0], "branch,length,mean_radius,min_radius,max_radius,thickness,tortuosity,ends");
+    assert.equal(csv.length, 3);
+    assert.match(csv[1], /^1,.*,inf,inf,loop-loop$/);
+    await page.click('.branch-rows [data-branch="0"]');
+    assert.equal(await page.evaluate("window.quench.state.branch"), 0);
+    await settled(page);
+    assert.match(await page.textContent(".chosen-branch"), /Branch 0.*length.*1\.207 mm/s);
+    await page.keyboard.press("Escape");
+    assert.equal(await page.evaluate("window.quench.state.branch"), -1);
+    // A click on the middle of the free branch, seen from above.
+    await page.evaluate("window.quench.set({ ui: false, table: false })");
+    await page.goto(page.url().split("#")[0] + "#ui=0&shape=0&camera=0.75,1,12,0.75,1,1,0,1,0");
+    await page.reload();
+    await page.waitForFunction("window.quench.ready");
+    await page.mouse.click(500, 350 + 10);
+    await settled(page);
+    assert.equal(await page.evaluate("window.quench.state.branch"), 0);
+    for (const color of ["sheet", "branch"]) {
+      await sets(page, { color });
+      await settled(page);
+      assert.ok(coloursIn(await page.screenshot()).size > 20);
+    }
     assert.deepEqual(complaints, []);
     await page.close();
   });

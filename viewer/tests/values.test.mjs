@@ -80,8 +80,8 @@ test("the command line writes what is seen", async () => {
   const p = await page({ command: "quench run 'my box.nrrd' --threshold 20 --resolution=64 --invert --lambda 0.02 -o x", files: { core: "x/core.vtp", shape: "my box.nrrd" }, pruning: { measure: "lambda", threshold: 0.5 } });
   const base = states.defaults(p, false);
   const at = (change) => commandOf(p, states.sanitize({ ...base, ...change }, p));
-  assert.equal(at({ theta2: 0.25, theta1: Infinity }), "quench skeleton x/core.vtp --theta2 0.25abs --theta1 inf -o skeleton.vtp");
-  assert.equal(at({ theta2: 0.6, theta1: 0 }), `quench skeleton x/core.vtp --theta2 0.6abs --theta1 0 -o skeleton.vtp`);
+  assert.equal(at({ theta2: 0.25, theta1: Infinity }), "quench skeleton x/core.vtp --theta2 0.25abs --theta1 inf --tips pruned -o skeleton.vtp");
+  assert.equal(at({ theta2: 0.6, theta1: 0 }), `quench skeleton x/core.vtp --theta2 0.6abs --theta1 0 --tips pruned -o skeleton.vtp`);
   assert.equal(at({ layer: "core", threshold: 0.26 }), "quench core 'my box.nrrd' --threshold 20 --resolution=64 --invert --lambda 0.26abs -o core.vtp");
   const byDetail = await page({ measures: [{ name: "detail", floor: 0.1 }], command: "quench run box.off --detail 2vox -o x" });
   assert.equal(commandOf(byDetail, { ...states.defaults(byDetail, false), layer: "core" }), "quench core box.off --detail 0.1abs -o core.vtp");

@@ -21,6 +21,8 @@ export class Info {
   onClearPick: () => void = () => {};
 
   private readonly branch = el("div", "chosen-branch");
+  private readonly toTable = el("button", "plain to-table");
+  onTable: () => void = () => {};
 
   constructor(private readonly page: Page, private readonly table: BranchTable, help: () => void) {
     const { meta } = page;
@@ -40,7 +42,8 @@ export class Info {
     question.addEventListener("click", help);
     const note = meta.note ? el("p", "note", meta.note) : null;
     about.append(...meta.notes.map((text) => el("p", "note", `${text}.`.replace(/\.\.$/, "."))));
-    this.element.append(el("header", "", el("h1", "", meta.title), question), this.what, this.figures, this.share, ...(note ? [note] : []), about, this.branch, this.picked);
+    this.element.append(el("header", "", el("h1", "", meta.title), question), this.what, this.figures, this.toTable, this.share, ...(note ? [note] : []), about, this.branch, this.picked);
+    this.toTable.addEventListener("click", () => this.onTable());
     const copy = el("button", "plain", "Copy");
     copy.addEventListener("click", () => void copyText(this.commandText.textContent ?? "", copy));
     this.command.append(this.commandText, copy);
@@ -49,12 +52,16 @@ export class Info {
 
   show(state: State, numbers: Numbers, command: string): void {
     const { meta } = this.page, unit = meta.unit;
+    const branches = state.layer === "skeleton" ? (this.page.layers.get("skeleton")?.branches?.count ?? 0) : 0;
+    this.toTable.hidden = branches === 0;
+    this.toTable.textContent = `${state.table ? "Hide the table" : "Table"} of ${counted(branches)} ${branches === 1 ? "branch" : "branches"}`;
     const length = (x: number) => withUnit(short(x), unit);
     const sentence: string[] = [];
     if (state.layer === "skeleton") {
       const two = Number.isFinite(state.theta2) ? `sheets of erosion thickness ≥ ${length(state.theta2)}` : "no sheets but those that enclose a cavity";
-      const one = Number.isFinite(state.theta1) ? `curves ≥ ${length(state.theta1)}` : "curves only where topology needs them";
-      sentence.push(`${two}, ${one}${isAsked(this.page, state) && this.page.layers.has("skeleton") ? " (as asked)" : ""}`);
+      const one = Number.isFinite(state.theta1) ? `curves of curve erosion thickness ≥ ${length(state.theta1)}` : "curves only where topology needs them";
+      const radii = isAsked(this.page, state) && this.page.layers.has("skeleton") ? meta.theta1_radii : 0;
+      sentence.push(`${two}; ${one}${radii > 0 ? ` that stick out by ${short(radii)} radii` : ""}${isAsked(this.page, state) && this.page.layers.has("skeleton") ? " (as asked)" : ""}`);
     } else if (state.layer === "core") {
       sentence.push(`pruned at ${labelOf(state.measure)} = ${withUnit(short(state.threshold), unitOf(state.measure, unit))}`);
       const burned = meta.pruning, isBurning = state.color === "burn_time" || state.color === "erosion_thickness";

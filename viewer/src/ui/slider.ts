@@ -42,6 +42,7 @@ export class LengthSlider {
       }
     const { meta } = options;
     const smallest = Math.max(Number.isFinite(least) ? least : 0, (meta.voxel ?? meta.side / 256) / 8);
+    if (Number.isFinite(options.asked)) top = Math.max(top, 1.5 * options.asked); // its handle is not that of infinity
     this.scale = new LogScale(options.floor, top > 0 ? top : meta.side / 10, smallest);
     this.bins = histogram(this.scale, options.values, options.weight, BINS);
     this.range.type = "range";
