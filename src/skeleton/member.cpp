@@ -2,6 +2,7 @@
 #include "skeleton/member.h"
 
 #include <algorithm>
+#include <array>
 
 #include "base/constants.h"
 #include "base/csr.h"
@@ -19,25 +20,42 @@ double ratio_of(const SkeletonFamily& family, std::uint32_t e) {
   return family.thickness_of(e) / std::max(family.refined.burn_time[a], family.refined.burn_time[b]);
 }
 
-// Per curve edge that a free end leads to: the smallest ratio on the way from it to what has no free end. `curves` are
-// all of a member.
-std::vector<double> least_ratios(const SkeletonFamily& family, base::GraphPeeler curves,
+// Per curve edge that a free end leads to: the smallest ratio on the way from it to what has no free end. Where a tree
+// would go as a whole, ratios are multiples of that of the second branch at its medial point, so that its longest
+// course stays: of branches of at least theta1, which every floor has. `curves` are all of a member.
+std::vector<double> least_ratios(const SkeletonFamily& family, double theta1, double radii, base::GraphPeeler curves,
                                  const std::vector<char>& on_sheet) {
   const RefinedAxis& k = family.refined;
   struct Step {
     std::uint32_t vertex, edge;
   };
   std::vector<Step> inwards;
+  std::vector<std::array<double, 2>> largest(k.complex.vertex_count, {0, 0});  // two ratios at medial points
+  const auto note = [&](std::array<double, 2>& two, double ratio) {
+    if (ratio > two[1]) two = {std::max(two[0], ratio), std::min(two[0], ratio)};
+  };
   curves.peel(
       [&](std::uint32_t e) -> const auto& { return k.complex.edges[e]; },
       [&](std::uint32_t v, std::uint32_t e) { return !on_sheet[v] && !k.medial_point[v] && k.curve_edge[e]; },
       [&](std::uint32_t v, std::uint32_t e) {
         inwards.push_back({v, e});
+        if (const std::uint32_t to = other_end(k, e, v); k.medial_point[to] && family.thickness_of(e) >= theta1)
+          note(largest[to], ratio_of(family, e));
       });
-  std::vector<double> least(k.complex.edges.size(), kNever), from(k.complex.vertex_count, kNever);
-  for (auto step = inwards.rbegin(); step != inwards.rend(); ++step)
-    least[step->edge] = from[step->vertex] =
-        std::min(from[other_end(k, step->edge, step->vertex)], ratio_of(family, step->edge));
+  std::vector<double> least(k.complex.edges.size(), kNever), from(k.complex.vertex_count, kNever),
+      scale(k.complex.vertex_count, 1);
+  for (std::uint32_t v = 0; v < scale.size(); ++v) {
+    const auto [first, second] = largest[v];
+    const double q = second > 0 ? second : first;
+    if (q > 0 && q < radii && !on_sheet[v]) scale[v] = radii / q;
+  }
+  for (auto step = inwards.rbegin(); step != inwards.rend(); ++step) {
+    const auto [v, e] = *step;
+    const std::uint32_t to = other_end(k, e, v);
+    scale[v] = scale[to];
+    // Rounding must not drop the second branch.
+    least[e] = from[v] = std::min(from[to], ratio_of(family, e) * scale[to] * (1 + 1e-12));
+  }
   return least;
 }
 
@@ -146,7 +164,7 @@ Member member_of(const SkeletonFamily& family, double theta2, double theta1, dou
   };
   const auto is_thick = [&](std::uint32_t e) { return family.thickness_of(e) >= theta1; };
   if (radii > 0) {
-    const std::vector<double> least = least_ratios(family, left, on_sheet);
+    const std::vector<double> least = least_ratios(family, theta1, radii, left, on_sheet);
     peel([&](std::uint32_t e) { return is_thick(e) && least[e] >= radii; });
   } else {
     peel(is_thick);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <map>
 #include <numeric>
+#include <utility>
 
 #include "verification/checks.h"
 
@@ -107,16 +108,22 @@ std::string wrong_free_branch(const Result& result, double theta1, const std::ve
                             of_points = numbers_or_empty(result.data.point_data, "curve_erosion_thickness");
   const bool pruned = text_or_empty(result.data.field_data, "tips") == "pruned" && !of_points.empty();
   const std::vector<std::uint32_t> component = components(result.complex);
-  // One of each component stays without: the point that burns last.
+  // One of each component stays without: the point that burns last; more where none sticks out, its longest course.
   std::map<std::uint32_t, std::size_t> spared;  // by component
-  for (const FreeBranch& branch : free_branches(result, curve_thickness)) {
+  std::map<std::uint32_t, bool> sticks_out;
+  std::vector<std::pair<const FreeBranch*, bool>> wrong;
+  const std::vector<FreeBranch> branches = free_branches(result, curve_thickness);
+  for (const FreeBranch& branch : branches) {
     const double at_end = pruned ? of_points[result.rows[branch.end]] : branch.thickness;
-    const bool too_thin = std::min(at_end, branch.thickness) < theta1 * (1 - 1e-9);
-    const bool sticks_out = radii.size() != 1 || branch.ratio >= kInterpolatedRatio * radii[0];
-    if ((too_thin || !sticks_out) && ++spared[component[branch.end]] > 1)
-      return fmt::format("the branch to the free end at {} {}", result.describe_vertex(branch.end),
-                         too_thin ? "is below theta1" : "sticks out of what it leaves by less than theta1_radii");
+    const bool too_thin = std::min(at_end, branch.thickness) < theta1 * (1 - 1e-9),
+               out = radii.size() != 1 || branch.ratio >= kInterpolatedRatio * radii[0];
+    sticks_out[component[branch.end]] |= out && !too_thin;
+    if (too_thin || !out) wrong.push_back({&branch, too_thin});
   }
+  for (const auto& [branch, too_thin] : wrong)
+    if ((too_thin || sticks_out[component[branch->end]]) && ++spared[component[branch->end]] > 1)
+      return fmt::format("the branch to the free end at {} {}", result.describe_vertex(branch->end),
+                         too_thin ? "is below theta1" : "sticks out of what it leaves by less than theta1_radii");
   return {};
 }
 
