@@ -346,7 +346,7 @@ TEST_F(SkeletonProgram, RootSmoothingAndResampling) {
   folder.write("line.ma", "3 2 0\nv 0 0 0 1\nv 1 0 0 2\nv 2 0 0 1\ne 0 1\ne 1 2\n");
   skeleton({"line.ma", "--theta1", "0", "-o", "l.vtp", "--swc", "l.swc", "--resample", "0.5abs"});
   EXPECT_EQ(swc_rows(bytes("l.swc")).size(), 5u);
-  EXPECT_EQ(read("l.vtp").points.size(), 3u);  // the skeleton itself is as it is
+  EXPECT_EQ(read("l.vtp").points.size(), 5u);  // the skeleton is the same
 }
 
 TEST_F(SkeletonProgram, FullHasItsOwnPartsAndLevels) {

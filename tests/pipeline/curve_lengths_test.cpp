@@ -41,15 +41,12 @@ LoadedShape grey(const std::function<double(const Vec3&)>& depth_at, const Eigen
 
 struct Curves {
   Skeleton skeleton;
-  // Largest finite ET_MC of points for which `wanted` holds.
-  double thickness(const std::function<bool(const Vec3&)>& wanted) const {
-    double largest = 0;
+  // Calls visit(point, ET_MC) where fire comes.
+  void for_each(const std::function<void(const Vec3&, double)>& visit) const {
     for (std::size_t v = 0; v < skeleton.points.size(); ++v) {
       const double time = skeleton.curve_burn_time[v];
-      if (skeleton.on_curve[v] && std::isfinite(time) && wanted(skeleton.points[v]))
-        largest = std::max(largest, time - skeleton.burn_time[v]);
+      if (skeleton.on_curve[v] && std::isfinite(time)) visit(skeleton.points[v], time - skeleton.burn_time[v]);
     }
-    return largest;
   }
 };
 
@@ -77,16 +74,17 @@ TEST(CurveLengths, OfCapsulesAreTheirs) {
             return depth(p, {-half, 0, 0}, {half, 0, 0}, radius);
           },
           turn, 64);
-      const double found = curves_of(shape, omega).thickness([](const Vec3&) { return true; });
+      double found = 0;
+      curves_of(shape, omega).for_each([&](const Vec3&, double thickness) { found = std::max(found, thickness); });
       EXPECT_NEAR(found, half, 0.1 * half) << omega;
     }
 }
 
-// A ball with a bump that is a smaller ball's way out of it: at x along the bump the curve's ball touches the crease.
+// A ball with a bump that is a smaller ball's way out of it: before the crease the balls of the curve touch that.
 TEST(CurveLengths, OfABumpAreWhatSticksOut) {
   for (const Eigen::AngleAxisd& turn : turns())
     for (const double size : {12.0, 20.0})
-      for (const double omega : {0.0, 0.25, 1.0, 2.0}) {
+      for (const double omega : {0.0, 0.25, 1.0}) {
         const double tip = 1.2 * size, radius = 0.4 * size, crease = std::sqrt(size * size - radius * radius);
         const LoadedShape shape = grey(
             [&](const Vec3& p) {
@@ -94,14 +92,16 @@ TEST(CurveLengths, OfABumpAreWhatSticksOut) {
             },
             turn, static_cast<int>(3.6 * size));
         const Vec3 middle = Vec3::Constant(0.5 * (static_cast<int>(3.6 * size) - 1));
-        const double from = 0.45 * size, to = from + 2;
-        const double found = curves_of(shape, omega).thickness([&](const Vec3& p) {
+        std::size_t compared = 0;
+        curves_of(shape, omega).for_each([&](const Vec3& p, double thickness) {
           const double x = (turn.inverse() * (p - middle))[0];
-          return x >= from && x <= to;
+          if (x < 0.45 * size || x > 0.95 * tip) return;
+          const double out = std::min(x - crease, 0.0), expected = tip - x + radius - std::hypot(out, radius);
+          // Beside what the steps of voxels take off at the tip.
+          EXPECT_NEAR(thickness, expected, std::max(0.1 * expected, 1.5)) << size << " " << omega << " at " << x;
+          ++compared;
         });
-        const double expected = tip - from + radius - std::hypot(crease - from, radius);
-        EXPECT_NEAR(found, expected, std::max(0.1 * expected, 1.5)) << size  // a tip is right to a voxel or so
-                                                                    << " " << omega;
+        EXPECT_GT(compared, 3u) << size << " " << omega;
       }
 }
 

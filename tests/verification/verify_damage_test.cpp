@@ -86,6 +86,12 @@ Record burned(Record data, BurnOptions options = {}) {
   return data;
 }
 
+pipeline::SkeletonResult drawn(const pipeline::FamilyResult& family, const pipeline::SkeletonOptions& options) {
+  pipeline::SkeletonResult skeleton = pipeline::skeleton_of(family, options, {}, 0);
+  pipeline::draw_branches(skeleton, {.smooth = 0}, {});
+  return skeleton;
+}
+
 Record skeleton_of(const VoxelShape& shape, double theta2, double theta1, bool parts,
                    const pipeline::Pruning& pruning = {kLambda, world_length(0.0)}) {
   const Record core = burned(core_of(shape, {.pruning = pruning}));
@@ -94,7 +100,7 @@ Record skeleton_of(const VoxelShape& shape, double theta2, double theta1, bool p
   const pipeline::FamilyResult family =
       pipeline::family_of(quench_curves(axis.complex, axis.points, axis.radius, burning), topology(shape));
   const pipeline::SkeletonOptions options{world_length(theta2), world_length(theta1), parts};
-  return pipeline::skeleton_file(pipeline::skeleton_of(family, options, {}, 0), core);
+  return pipeline::skeleton_file(drawn(family, options), core);
 }
 
 void add_fitted(std::vector<Result>& all) {
@@ -111,8 +117,8 @@ void add_fitted(std::vector<Result>& all) {
       pipeline::family_of(quench_curves(axis.complex, axis.points, axis.radius, burning), topology(loaded.shape));
   const pipeline::SkeletonOptions thetas{world_length(0.05), world_length(0.05), false};
   all.push_back({"fitted core", loaded.shape, data, loaded.surface});
-  all.push_back({"fitted skeleton", loaded.shape,
-                 pipeline::skeleton_file(pipeline::skeleton_of(family, thetas, {}, 0), data), loaded.surface});
+  all.push_back(
+      {"fitted skeleton", loaded.shape, pipeline::skeleton_file(drawn(family, thetas), data), loaded.surface});
 }
 
 std::vector<Result> results() {
