@@ -45,19 +45,15 @@ std::string wrong_numbers(const Result& result, const std::vector<double>& branc
     if ((row < first_line || row >= first_face) && branch[row] != -1)
       return fmt::format("cell {} is no curve and has branch {:.9g}", row, branch[row]);
   const std::vector<std::uint32_t> paths = paths_of(result);
-  std::map<double, std::uint32_t> path_of;
+  std::vector<std::size_t> number(paths.size());
   std::size_t count = 0;
   for (std::uint32_t l = 0; l < paths.size(); ++l) {
-    const double number = branch[first_line + l];
-    const auto [known, is_new] = path_of.try_emplace(number, paths[l]);
-    if (known->second != paths[l] || number != branch[first_line + paths[l]])
-      return fmt::format("the line of {} has branch {:.9g}; branches run from one end, junction or sheet to the next",
-                         result.describe_edge(result.line_edges[l]), number);
-    count += is_new;
+    number[l] = paths[l] == l ? count++ : number[paths[l]];
+    if (branch[first_line + l] != static_cast<double>(number[l]))
+      return fmt::format(
+          "the line of {} has branch {:.9g}; counted from one end, junction or sheet to the next it is {}",
+          result.describe_edge(result.line_edges[l]), branch[first_line + l], number[l]);
   }
-  if (count > 0 && !(path_of.begin()->first == 0 && path_of.rbegin()->first == static_cast<double>(count - 1)))
-    return fmt::format("there are {} branches, numbered {:.9g} to {:.9g}", count, path_of.begin()->first,
-                       path_of.rbegin()->first);
   return {};
 }
 

@@ -447,10 +447,11 @@ TEST(VerifyDamage, ArraysOfOtherProgramsAreNamed) {
 
 TEST(VerifyDamage, AMovedPointIsNoticed) {
   for (const Result& result : results()) {
-    // Of a skeleton only that the radius is right, the polygons plane and all inside.
+    // Of a skeleton only that the radius is right, on the way of branches about right, the polygons plane and all
+    // inside.
     const bool core = is_core(result.data);
     if (result.surface && !core) continue;  // of this only that it is inside, with about the right radius
-    for (const Vec3& step : {Vec3(core ? 1e-3 : 0.5, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, core ? -1e-4 : -1)}) {
+    for (const Vec3& step : {Vec3(core ? 1e-3 : 3, 0, 0), Vec3(0, core ? 1 : 3, 0), Vec3(0, 0, core ? -1e-4 : -3)}) {
       Record moved = result.data;
       moved.points[moved.points.size() / 2] += step;
       EXPECT_FALSE(verify(result.shape, moved, options_for(result)).passed()) << result.name;
