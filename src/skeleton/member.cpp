@@ -43,14 +43,20 @@ class CurvesOf {
   std::size_t edges_;
 };
 
-// Per curve edge that a free end leads to: the smallest ratio on the way from it to what has no free end. `left` are
-// all curves of a member.
-std::vector<double> least_ratios(const CurvesOf& curves, base::GraphPeeler left, const std::vector<char>& on_sheet,
-                                 std::size_t edges) {
+// Per curve edge that a free end leads to: the smallest ratio on the way from it to what has no free end. Where a tree
+// would go as a whole, ratios are multiples of that of the second branch at its medial point, so that its longest
+// course stays: of branches of at least theta1, which every floor has. `left` are all curves of a member, `edges` its
+// number of edges.
+std::vector<double> least_ratios(const CurvesOf& curves, double theta1, double radii, base::GraphPeeler left,
+                                 const std::vector<char>& on_sheet, std::size_t edges) {
   struct Step {
     std::uint32_t vertex, edge;
   };
   std::vector<Step> inwards;
+  std::vector<std::array<double, 2>> largest(on_sheet.size(), {0, 0});  // two ratios at medial points
+  const auto note = [&](std::array<double, 2>& two, double ratio) {
+    if (ratio > two[1]) two = {std::max(two[0], ratio), std::min(two[0], ratio)};
+  };
   left.peel(
       [&](std::uint32_t e) -> const auto& { return curves.ends(e); },
       [&](std::uint32_t v, std::uint32_t e) {
@@ -58,11 +64,23 @@ std::vector<double> least_ratios(const CurvesOf& curves, base::GraphPeeler left,
       },
       [&](std::uint32_t v, std::uint32_t e) {
         inwards.push_back({v, e});
+        if (const std::uint32_t to = curves.other_end(e, v);
+            curves.is_medial_point(to) && curves.thickness(e) >= theta1)
+          note(largest[to], curves.ratio(e));
       });
-  std::vector<double> least(edges, kNever), from(on_sheet.size(), kNever);
-  for (auto step = inwards.rbegin(); step != inwards.rend(); ++step)
-    least[step->edge] = from[step->vertex] =
-        std::min(from[curves.other_end(step->edge, step->vertex)], curves.ratio(step->edge));
+  std::vector<double> least(edges, kNever), from(on_sheet.size(), kNever), scale(on_sheet.size(), 1);
+  for (std::uint32_t v = 0; v < scale.size(); ++v) {
+    const auto [first, second] = largest[v];
+    const double q = second > 0 ? second : first;
+    if (q > 0 && q < radii && !on_sheet[v]) scale[v] = radii / q;
+  }
+  for (auto step = inwards.rbegin(); step != inwards.rend(); ++step) {
+    const auto [v, e] = *step;
+    const std::uint32_t to = curves.other_end(e, v);
+    scale[v] = scale[to];
+    // Rounding must not drop the second branch.
+    least[e] = from[v] = std::min(from[to], curves.ratio(e) * scale[to] * (1 + 1e-12));
+  }
   return least;
 }
 
@@ -142,7 +160,7 @@ class CurvePruning {
     const auto is_thick = [&](std::uint32_t e) { return curves_.thickness(e) >= theta1; };
     if (radii > 0) {
       peel([](std::uint32_t) { return true; });
-      const std::vector<double> least = least_ratios(curves_, left_, on_sheet_, member_.edge.size());
+      const std::vector<double> least = least_ratios(curves_, theta1, radii, left_, on_sheet_, member_.edge.size());
       peel([&](std::uint32_t e) { return is_thick(e) && least[e] >= radii; });
     } else {
       peel(is_thick);

@@ -140,7 +140,7 @@ Record to_record(const Skeleton& s) {
       {"junction", 1, std::vector<std::uint8_t>(structure.junction.begin(), structure.junction.end())});
   data.cell_data.push_back({"kind", 1, std::move(kind)});
   data.cell_data.push_back({"component", 1, std::move(cell_component)});
-  if (!s.edge_branch.empty()) {
+  if (s.edge_branch.size() == c.edges.size()) {
     branch.resize(data.cell_count(), -1);
     data.cell_data.push_back({"branch", 1, std::move(branch)});
   }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <map>
 #include <numeric>
+#include <utility>
 
 #include "verification/checks.h"
 
@@ -44,19 +45,15 @@ std::string wrong_numbers(const Result& result, const std::vector<double>& branc
     if ((row < first_line || row >= first_face) && branch[row] != -1)
       return fmt::format("cell {} is no curve and has branch {:.9g}", row, branch[row]);
   const std::vector<std::uint32_t> paths = paths_of(result);
-  std::map<double, std::uint32_t> path_of;
+  std::vector<std::size_t> number(paths.size());
   std::size_t count = 0;
   for (std::uint32_t l = 0; l < paths.size(); ++l) {
-    const double number = branch[first_line + l];
-    const auto [known, is_new] = path_of.try_emplace(number, paths[l]);
-    if (known->second != paths[l] || number != branch[first_line + paths[l]])
-      return fmt::format("the line of {} has branch {:.9g}; branches run from one end, junction or sheet to the next",
-                         result.describe_edge(result.line_edges[l]), number);
-    count += is_new;
+    number[l] = paths[l] == l ? count++ : number[paths[l]];
+    if (branch[first_line + l] != static_cast<double>(number[l]))
+      return fmt::format(
+          "the line of {} has branch {:.9g}; counted from one end, junction or sheet to the next it is {}",
+          result.describe_edge(result.line_edges[l]), branch[first_line + l], number[l]);
   }
-  if (count > 0 && !(path_of.begin()->first == 0 && path_of.rbegin()->first == static_cast<double>(count - 1)))
-    return fmt::format("there are {} branches, numbered {:.9g} to {:.9g}", count, path_of.begin()->first,
-                       path_of.rbegin()->first);
   return {};
 }
 
@@ -110,16 +107,22 @@ std::string wrong_free_branch(const Result& result, double theta1, const std::ve
                             of_points = numbers_or_empty(result.data.point_data, "curve_erosion_thickness");
   const bool pruned = text_or_empty(result.data.field_data, "tips") == "pruned" && !of_points.empty();
   const std::vector<std::uint32_t> component = components(result.complex);
-  // One of each component stays without: the point that burns last.
+  // One of each component stays without: the point that burns last; more where none sticks out, its longest course.
   std::map<std::uint32_t, std::size_t> spared;  // by component
-  for (const FreeBranch& branch : free_branches(result, curve_thickness)) {
+  std::map<std::uint32_t, bool> sticks_out;
+  std::vector<std::pair<const FreeBranch*, bool>> wrong;
+  const std::vector<FreeBranch> branches = free_branches(result, curve_thickness);
+  for (const FreeBranch& branch : branches) {
     const double at_end = pruned ? of_points[result.rows[branch.end]] : branch.thickness;
-    const bool too_thin = std::min(at_end, branch.thickness) < theta1 * (1 - 1e-9);
-    const bool sticks_out = radii.size() != 1 || branch.ratio >= kInterpolatedRatio * radii[0];
-    if ((too_thin || !sticks_out) && ++spared[component[branch.end]] > 1)
-      return fmt::format("the branch to the free end at {} {}", result.describe_vertex(branch.end),
-                         too_thin ? "is below theta1" : "sticks out of what it leaves by less than theta1_radii");
+    const bool too_thin = std::min(at_end, branch.thickness) < theta1 * (1 - 1e-9),
+               out = radii.size() != 1 || branch.ratio >= kInterpolatedRatio * radii[0];
+    sticks_out[component[branch.end]] |= out && !too_thin;
+    if (too_thin || !out) wrong.push_back({&branch, too_thin});
   }
+  for (const auto& [branch, too_thin] : wrong)
+    if ((too_thin || sticks_out[component[branch->end]]) && ++spared[component[branch->end]] > 1)
+      return fmt::format("the branch to the free end at {} {}", result.describe_vertex(branch->end),
+                         too_thin ? "is below theta1" : "sticks out of what it leaves by less than theta1_radii");
   return {};
 }
 

@@ -249,5 +249,41 @@ TEST(CurveGraph, DoesNotDependOnTheOrderOfCells) {
   }
 }
 
+// Drawn anew with its own branches a skeleton is the same up to its numbers; smoothed and resampled it has the same
+// topology and the same branches.
+TEST(WithBranches, KeepsSheetsNodesAndTopology) {
+  for (std::uint64_t seed = 0; seed < 2000 && !testing::Test::HasFailure(); ++seed) {
+    SCOPED_TRACE(seed);
+    const Skeleton skeleton = skeleton_of(random_cells(seed));
+    const CurveGraph graph = curve_graph(skeleton);
+    for (const SmoothOptions& options : {SmoothOptions{}, {5, 0, 0, {}}, {5, 0.3, 0, {}}, {0, 5, 0, {}}}) {
+      const CurveGraph drawn = smoothed(graph, options);
+      const Skeleton result = with_branches(skeleton, drawn);
+      ASSERT_NO_THROW(result.complex.validate());
+      ASSERT_EQ(topology(result.complex), topology(skeleton.complex));
+      ASSERT_EQ(result.complex.face_count(), skeleton.complex.face_count());
+      std::vector<double> length(graph.branches.size(), 0);
+      for (std::size_t e = 0; e < result.edge_branch.size(); ++e) {
+        const auto [a, b] = result.complex.edges[e];
+        if (result.edge_branch[e] >= 0)
+          length[static_cast<std::size_t>(result.edge_branch[e])] += (result.points[a] - result.points[b]).norm();
+      }
+      const CurveGraph again = curve_graph(result);
+      ASSERT_EQ(again.nodes.size(), graph.nodes.size());
+      ASSERT_EQ(again.branches.size(), graph.branches.size());
+      for (std::size_t b = 0; b < length.size(); ++b) ASSERT_NEAR(length[b], drawn.branches[b].length, 1e-9);
+      const Record record = to_record(result);
+      ASSERT_NO_THROW(record.validate());
+      ASSERT_EQ(record.lines.size() + record.poly_count() + record.verts.size(), record.cell_count());
+      // The lines of a branch follow each other.
+      const auto& branch = std::get<std::vector<std::int32_t>>(find_array(record.cell_data, "branch")->values);
+      for (std::size_t l = 1; l < record.lines.size(); ++l)
+        if (const std::size_t row = record.verts.size() + l; branch[row] == branch[row - 1]) {
+          ASSERT_EQ(record.lines[l][0], record.lines[l - 1][1]);
+        }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace quench

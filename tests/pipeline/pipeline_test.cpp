@@ -200,6 +200,25 @@ TEST(ShapeOfInput, ImagesAreRecordedAsTheyAreCut) {
   expect_refused([&] { shape_of(view_of(volume), {}, options); }, ErrorCode::usage, "subdivide", "subdivide '65'");
 }
 
+TEST(Lengths, Theta1MayBeInRadii) {
+  EXPECT_FALSE(parse_theta1("auto"));
+  EXPECT_EQ(parse_theta1("0.5r")->value, 0.5);
+  EXPECT_EQ(parse_theta1("0.5r")->unit, Length::Unit::radii);
+  EXPECT_EQ(text_of(parse_theta1("0.5r")), "0.5r");
+  EXPECT_EQ(parse_theta1("2%")->unit, Length::Unit::fraction);
+  for (const char* text : {"r", "-1r", "nanr", "infr", "1 r", "0.5rr"}) EXPECT_THROW(parse_theta1(text), Error) << text;
+  const Scale scale{100, 1, 0.8};
+  EXPECT_EQ(theta1_radii_of({}), 0.5);
+  EXPECT_EQ(theta1_of({}, scale), 3.5 * 0.8);
+  SkeletonOptions options;
+  options.theta1 = parse_theta1("2r");
+  EXPECT_EQ(theta1_radii_of(options), 2);
+  EXPECT_EQ(theta1_of(options, scale), 3.5 * 0.8);
+  options.theta1 = parse_theta1("2%");
+  EXPECT_EQ(theta1_radii_of(options), 0);
+  EXPECT_EQ(theta1_of(options, scale), 2);
+}
+
 // ---------------------------------------------------------------------------------------------------------------- run
 
 TEST(Run, IsTheStagesCalledByHand) {

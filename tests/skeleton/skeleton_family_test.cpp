@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <functional>
+#include <optional>
 #include <queue>
 #include <random>
 
@@ -19,6 +20,7 @@
 #include "quench/voxelize.h"
 #include "random_complexes.h"
 #include "same_skeletons.h"
+#include "skeleton/member.h"
 
 namespace quench {
 namespace {
@@ -148,13 +150,14 @@ TEST(SkeletonFloor, MembersAboveItStayAsTheyAre) {
     for (const double more2 : {0.0, 0.2, 1.0, kInfinity})
       for (const double more1 : {0.0, 0.3, kInfinity})
         for (const bool parts : {false, true})
-          for (const double ends : {0.1, kInfinity}) {
+          for (const auto& [ends, radii] : {std::pair{0.1, 0.0}, {0.1, 0.4}, {kInfinity, 0.0}, {kInfinity, 1.0}}) {
             SCOPED_TRACE(testing::Message() << more2 << " " << more1 << " above " << theta2 << " " << theta1
-                                            << " parts " << parts << " ends " << ends);
+                                            << " parts " << parts << " ends " << ends << " radii " << radii);
             const ExtractOptions options{.parts = parts,
                                          .regrow_tips_above = theta1 + ends,
                                          .regrow_rims_above = theta2 + ends,
-                                         .minor_curve = 0.2};
+                                         .minor_curve = 0.2,
+                                         .theta1_radii = radii};
             expect_same(extract(above, theta2 + more2, theta1 + more1, options),
                         extract(all, theta2 + more2, theta1 + more1, options));
           }
@@ -166,6 +169,30 @@ TEST(SkeletonFloor, MembersAboveItStayAsTheyAre) {
     }
   }
   EXPECT_GT(smaller, 500u);
+}
+
+TEST(SkeletonRadii, MembersAreNestedAndKeepTopology) {
+  std::size_t smaller = 0;
+  for (std::uint64_t seed = 0; seed < 500 && !testing::Test::HasFailure(); ++seed) {
+    SCOPED_TRACE(seed);
+    const SkeletonFamily family = skeletons(some_axis(seed));
+    for (const double theta2 : {0.3, kInfinity}) {
+      std::vector<char> before;
+      std::optional<Topology> wanted;
+      for (const double radii : {0.0, 0.2, 0.5, 1.0, 3.0}) {
+        const skeleton::Member member = skeleton::member_of(family, theta2, 0.05, radii, kInfinity);
+        for (std::size_t e = 0; e < before.size(); ++e) ASSERT_LE(member.edge[e], before[e]);
+        if (!before.empty()) smaller += member.edge != before;
+        before = member.edge;
+        const Topology now = topology(extract(family, theta2, 0.05, {.theta1_radii = radii}).complex);
+        if (!wanted) wanted = now;
+        ASSERT_EQ(now, *wanted);
+        ASSERT_EQ(topology(extract(family, theta2, 0.05, {.regrow_tips_above = 0.05, .theta1_radii = radii}).complex),
+                  *wanted);
+      }
+    }
+  }
+  EXPECT_GT(smaller, 200u);
 }
 
 TEST(SkeletonThreads, ResultsAreTheSame) {

@@ -86,6 +86,12 @@ Record burned(Record data, BurnOptions options = {}) {
   return data;
 }
 
+pipeline::SkeletonResult drawn(const pipeline::FamilyResult& family, const pipeline::SkeletonOptions& options) {
+  pipeline::SkeletonResult skeleton = pipeline::skeleton_of(family, options, {}, 0);
+  pipeline::draw_branches(skeleton, {.smooth = 0}, {});
+  return skeleton;
+}
+
 Record skeleton_of(const VoxelShape& shape, double theta2, double theta1, bool parts,
                    const pipeline::Pruning& pruning = {kLambda, world_length(0.0)}) {
   const Record core = burned(core_of(shape, {.pruning = pruning}));
@@ -94,7 +100,7 @@ Record skeleton_of(const VoxelShape& shape, double theta2, double theta1, bool p
   const pipeline::FamilyResult family =
       pipeline::family_of(quench_curves(axis.complex, axis.points, axis.radius, burning), topology(shape));
   const pipeline::SkeletonOptions options{world_length(theta2), world_length(theta1), parts};
-  return pipeline::skeleton_file(pipeline::skeleton_of(family, options, {}, 0), core);
+  return pipeline::skeleton_file(drawn(family, options), core);
 }
 
 void add_fitted(std::vector<Result>& all) {
@@ -111,8 +117,8 @@ void add_fitted(std::vector<Result>& all) {
       pipeline::family_of(quench_curves(axis.complex, axis.points, axis.radius, burning), topology(loaded.shape));
   const pipeline::SkeletonOptions thetas{world_length(0.05), world_length(0.05), false};
   all.push_back({"fitted core", loaded.shape, data, loaded.surface});
-  all.push_back({"fitted skeleton", loaded.shape,
-                 pipeline::skeleton_file(pipeline::skeleton_of(family, thetas, {}, 0), data), loaded.surface});
+  all.push_back(
+      {"fitted skeleton", loaded.shape, pipeline::skeleton_file(drawn(family, thetas), data), loaded.surface});
 }
 
 std::vector<Result> results() {
@@ -403,7 +409,7 @@ TEST(VerifyDamage, OnlyTheseArraysAreLeftOut) {
   std::set<std::string> of_skeletons = of_cores;
   of_skeletons.insert({"point curve_burn_time", "point curve_unburned", "cell erosion_thickness",
                        "cell curve_erosion_thickness", "cell sheet_level", "cell curve_level", "field theta2",
-                       "field theta1", "field lambda", "field detail"});
+                       "field theta1", "field theta1_radii", "field tips", "field lambda", "field detail"});
   for (const Result& result : results()) {
     const Certificate certificate = verify(result.shape, result.data, options_for(result));
     const bool core = is_core(result.data);
@@ -441,10 +447,11 @@ TEST(VerifyDamage, ArraysOfOtherProgramsAreNamed) {
 
 TEST(VerifyDamage, AMovedPointIsNoticed) {
   for (const Result& result : results()) {
-    // Of a skeleton only that the radius is right, the polygons plane and all inside.
+    // Of a skeleton only that the radius is right, on the way of branches about right, the polygons plane and all
+    // inside.
     const bool core = is_core(result.data);
     if (result.surface && !core) continue;  // of this only that it is inside, with about the right radius
-    for (const Vec3& step : {Vec3(core ? 1e-3 : 0.5, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, core ? -1e-4 : -1)}) {
+    for (const Vec3& step : {Vec3(core ? 1e-3 : 3, 0, 0), Vec3(0, core ? 1 : 3, 0), Vec3(0, 0, core ? -1e-4 : -3)}) {
       Record moved = result.data;
       moved.points[moved.points.size() / 2] += step;
       EXPECT_FALSE(verify(result.shape, moved, options_for(result)).passed()) << result.name;
