@@ -36,6 +36,7 @@ export class LayerSets {
   private readonly sortedVertexLevel: Float32Array;
   private readonly sortedEdgeLevel: Float32Array;
   private readonly areaBefore: Float64Array;
+  private readonly leastCorner: Float32Array | null; ///< per face: parts of it are missing at larger levels
   private readonly lengths: Float32Array;
   private readonly thickness: Float32Array; ///< per edge: infinite where it is no curve
   private readonly loneEdges: Uint32Array; ///< edges that have no face for some parameter
@@ -77,6 +78,8 @@ export class LayerSets {
     this.first = new Float32Array(edgeCount).fill(NEVER);
     this.second = new Float32Array(edgeCount).fill(NEVER);
     this.third = new Float32Array(edgeCount).fill(NEVER);
+    const { cornerLevel } = layer;
+    this.leastCorner = cornerLevel && Float32Array.from({ length: faceCount }, (_, f) => cornerLevel.subarray(offsets[f]!, offsets[f + 1]!).reduce((least, x) => Math.min(least, x), Infinity));
     this.areaBefore = new Float64Array(faceCount + 1);
     this.triangleOffset = new Uint32Array(faceCount + 1);
     for (let f = 0; f < faceCount; ++f) {
@@ -163,7 +166,7 @@ export class LayerSets {
     set.level = level;
     set.faces = this.layer.faceLevel ? countAtLeastDecreasing(this.layer.faceLevel, level) : this.layer.faceCount;
     set.triangles = this.triangleOffset[set.faces]!;
-    set.area = this.areaBefore[set.faces]!;
+    set.area = this.areaBefore[set.faces]! - this.areaCut(set.faces, level);
     degree.fill(0);
     edgeXor.fill(0);
     gone.fill(0);
@@ -266,9 +269,38 @@ export class LayerSets {
     return Math.hypot(x, y, z) / 2;
   }
 
+  /// Of the first faces the area where the level, linear in the triangles of the fan, is less.
+  private areaCut(faces: number, level: number): number {
+    if (!this.leastCorner) return 0;
+    const { offsets } = this.layer, levels = this.layer.cornerLevel!;
+    let sum = 0;
+    for (let f = 0; f < faces; ++f) {
+      if (this.leastCorner[f]! >= level) continue;
+      const o = offsets[f]!;
+      for (let i = o + 1; i + 1 < offsets[f + 1]!; ++i) sum += this.triangleArea(o, i, i + 1) * shareBelow(levels[o]!, levels[i]!, levels[i + 1]!, level);
+    }
+    return sum;
+  }
+
+  private triangleArea(i: number, j: number, k: number): number {
+    const { points, corners } = this.layer, o = 3 * corners[i]!, a = 3 * corners[j]!, b = 3 * corners[k]!;
+    const ux = points[a]! - points[o]!, uy = points[a + 1]! - points[o + 1]!, uz = points[a + 2]! - points[o + 2]!;
+    const vx = points[b]! - points[o]!, vy = points[b + 1]! - points[o + 1]!, vz = points[b + 2]! - points[o + 2]!;
+    return Math.hypot(uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx) / 2;
+  }
+
   /// For histograms: area per face and length per curve edge beside the values the sliders compare.
   faceArea(f: number): number { return this.areaBefore[f + 1]! - this.areaBefore[f]!; }
   edgeLength(e: number): number { return this.lengths[e]!; }
+}
+
+/// The share of a triangle in which a linear function, given at its corners, is below a level.
+export function shareBelow(a: number, b: number, c: number, level: number): number {
+  const low = Math.min(a, b, c), high = Math.max(a, b, c), middle = a + b + c - low - high;
+  if (low >= level) return 0;
+  if (high < level) return 1;
+  if (!Number.isFinite(high)) return middle >= level || !Number.isFinite(middle) ? 0 : 1;
+  return middle >= level ? (level - low) ** 2 / ((middle - low) * (high - low)) : 1 - (high - level) ** 2 / ((high - low) * (high - middle));
 }
 
 /// How many of values in decreasing order are at least `level`.

@@ -14,6 +14,7 @@ export class LayerView {
   readonly places: Float32Array; ///< x, y, z in scene units, radius
   private readonly values: DataTexture;
   private shown: string | null = null;
+  private readonly branchRank: Int32Array | null;
   private branch = -1;
   private readonly surface: Mesh<BufferGeometry, RawShaderMaterial>;
   private readonly curves: Bars;
@@ -47,9 +48,11 @@ export class LayerView {
     const own = (more: Record<string, { value: unknown }>) => ({ ...this.vertices, ...more });
     const flag = () => ({ plain: { value: new Vector3() }, usePlain: { value: 0 } });
 
+    const { edgeBranch } = layer, rank = edgeBranch ? ranks(edgeBranch, (e) => sets.edgeLength(e)) : [];
+    this.branchRank = edgeBranch && edgeBranch.map((b) => (b < 0 ? -1 : rank[b]!));
     this.cuts = layer.cornerLevel !== null && layer.faceLevel !== null && varies(layer);
     const byCorners = layer.sheet !== null || this.cuts;
-    const geometry = byCorners ? cornersOf(layer, sets.triangleOffset, this.places, this.cuts) : new BufferGeometry();
+    const geometry = byCorners ? cornersOf(layer, sets, this.places, this.cuts) : new BufferGeometry();
     if (!byCorners) geometry.setIndex(new BufferAttribute(triangulate(layer, sets.triangleOffset), 1));
     this.surface = new Mesh(geometry, surfaceMaterial(shared, own({ ...flag(), byPart: { value: 0 }, least: { value: -1 } }), byCorners));
     const bar = (halfWidth: number, bias: number, round: number, opacity: number) =>
@@ -77,7 +80,7 @@ export class LayerView {
     // Rounding must not make holes in parts that are whole.
     this.surface.material.uniforms.least!.value = this.cuts ? set.level * (1 - 1e-5) : -1;
     const edges = this.layer.edges;
-    this.curves.write(edges, set.curves.edge, set.curves.count, this.layer.edgeBranch);
+    this.curves.write(edges, set.curves.edge, set.curves.count, this.branchRank);
     this.boundary.write(edges, set.boundary.edge, set.boundary.count);
     this.seams.write(edges, set.seams.edge, set.seams.count);
     this.points.write(set.isolated.vertex, set.isolated.count);
@@ -170,16 +173,17 @@ function varies(layer: Layer): boolean {
 
 /// The same fans with what every corner has for itself: where `levels`, its level, else the number of its sheet and a
 /// normal, smooth but across creases.
-function cornersOf(layer: Layer, offset: Uint32Array, places: Float32Array, levels: boolean): BufferGeometry {
-  const { faceCount, offsets, corners } = layer, n = 3 * offset[faceCount]!;
+function cornersOf(layer: Layer, sets: LayerSets, places: Float32Array, levels: boolean): BufferGeometry {
+  const offset = sets.triangleOffset, { faceCount, offsets, corners } = layer, n = 3 * offset[faceCount]!;
   const vertex = new Uint32Array(n), other = new Float32Array(n), normals = levels ? null : creasedNormals(layer, places);
+  const rank = levels ? [] : ranks(layer.sheet!, (f) => sets.faceArea(f));
   const normal = new Float32Array(normals ? 3 * n : 0);
   let at = 0;
   for (let f = 0; f < faceCount; ++f)
     for (let i = offsets[f]! + 1; i + 1 < offsets[f + 1]!; ++i)
       for (const k of [offsets[f]!, i, i + 1]) {
         vertex[at] = corners[k]!;
-        other[at] = levels ? Math.min(layer.cornerLevel![k]!, 1e30) : layer.sheet![f]!;
+        other[at] = levels ? Math.min(layer.cornerLevel![k]!, 1e30) : rank[layer.sheet![f]!]!;
         if (normals) normal.set(normals.subarray(3 * k, 3 * k + 3), 3 * at);
         ++at;
       }
@@ -188,6 +192,14 @@ function cornersOf(layer: Layer, offset: Uint32Array, places: Float32Array, leve
   geometry.setAttribute(levels ? "level" : "part", new BufferAttribute(other, 1));
   if (normals) geometry.setAttribute("normal", new BufferAttribute(normal, 3));
   return geometry;
+}
+
+/// Per part its place when parts are sorted by size, largest first: those have colours of their own.
+function ranks(partOf: ArrayLike<number>, size: (i: number) => number): number[] {
+  const sizes: number[] = [], rank: number[] = [];
+  for (let i = 0; i < partOf.length; ++i) if (partOf[i]! >= 0) sizes[partOf[i]!] = (sizes[partOf[i]!] ?? 0) + size(i);
+  [...sizes.keys()].sort((a, b) => (sizes[b] ?? 0) - (sizes[a] ?? 0) || a - b).forEach((part, place) => { rank[part] = place; });
+  return rank;
 }
 
 const CREASE = Math.cos((35 * Math.PI) / 180);
