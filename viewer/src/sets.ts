@@ -45,8 +45,14 @@ export class LayerSets {
   private readonly loneVertices: Uint32Array; ///< vertices of lone edges, and those without any edge
   // The passes over lone edges read what they need in order, by numbers of lone edges and lone vertices.
   private readonly ends: Uint32Array; ///< two lone vertices per lone edge
+  private readonly endsNow: Uint32Array; ///< ... of a piece off the sheets one, and a vertex that is none
   private readonly loneLevel: Float32Array;
-  private readonly loneFirst: Float32Array;
+  /// Of the levels of faces at its two ends, as far as they cover it: the smaller and the larger. Between the two a piece
+  /// of the edge is off the sheets, from its low end on.
+  private readonly loneWhole: Float32Array;
+  private readonly loneSome: Float32Array;
+  private readonly lowEnd: Uint8Array;
+  private readonly shownLevel: Float32Array; ///< per vertex: that of what is drawn there
   private readonly loneThickness: Float32Array;
   private readonly loneLength: Float32Array;
   private readonly held: Float32Array; ///< per lone vertex: the largest level of edges that are no lone edges
@@ -62,7 +68,7 @@ export class LayerSets {
 
   constructor(layer: Layer) {
     this.layer = layer;
-    const { faceCount, edgeCount, vertexCount, offsets, sides, edges, points } = layer;
+    const { faceCount, edgeCount, vertexCount, offsets, corners, sides, edges, points } = layer;
     const always = (n: number) => new Float32Array(n).fill(Infinity);
     const faceLevel = layer.faceLevel ?? always(faceCount);
     this.edgeLevel = Float32Array.from(layer.edgeLevel ?? always(edgeCount));
@@ -96,8 +102,9 @@ export class LayerSets {
     }
     this.lengths = new Float32Array(edgeCount);
     const held = new Float32Array(vertexCount).fill(NEVER);
+    const cover = this.coverOf(this.first);
     let lone = 0, rim = 0, seam = 0;
-    const isLone = (e: number) => this.edgeLevel[e]! > this.first[e]!;
+    const isLone = (e: number) => this.edgeLevel[e]! > Math.min(cover[2 * e]!, cover[2 * e + 1]!);
     const isRim = (e: number) => this.first[e]! > this.second[e]!;
     const isSeam = (e: number) => this.third[e]! > NEVER;
     for (let e = 0; e < edgeCount; ++e) {
@@ -125,9 +132,24 @@ export class LayerSets {
           held[v] = Math.max(held[v]!, this.edgeLevel[e]!);
         }
       }
+    // Vertices that may be left alone: of lone edges, and those that outlast their edges.
+    const isAlone = Uint8Array.from(role, (r, v) => Number((r & 2) !== 0 || this.vertexLevel[v]! > held[v]!));
+    const own = this.vertexLevel.slice();
+    if (cornerLevel) {
+      const most = held.slice(), ofLone = new Float32Array(vertexCount).fill(NEVER);
+      for (let e = 0; e < edgeCount; ++e)
+        if (isLone(e))
+          for (const v of [edges[2 * e]!, edges[2 * e + 1]!]) {
+            most[v] = Math.max(most[v]!, this.edgeLevel[e]!);
+            ofLone[v] = Math.max(ofLone[v]!, this.edgeLevel[e]!);
+          }
+      for (let v = 0; v < vertexCount; ++v) if (!(own[v]! > most[v]!)) own[v] = ofLone[v]!;
+      held.fill(NEVER);
+      corners.forEach((v, i) => { held[v] = Math.max(held[v]!, cornerLevel[i]!); });
+    }
+    this.shownLevel = cornerLevel ? this.vertexLevel.map((level, v) => (isAlone[v] ? level : held[v]!)) : this.vertexLevel;
     const loneVertices: number[] = [];
-    for (let v = 0; v < vertexCount; ++v)
-      if (role[v]! & 2 || this.vertexLevel[v]! > held[v]!) loneVertices.push(v);
+    for (let v = 0; v < vertexCount; ++v) if (isAlone[v]) loneVertices.push(v);
     this.loneVertices = Uint32Array.from(loneVertices);
     this.sortedVertexLevel = Float32Array.from(this.vertexLevel).sort();
     this.sortedEdgeLevel = Float32Array.from(this.edgeLevel).sort();
@@ -136,18 +158,21 @@ export class LayerSets {
     const keep = new Uint8Array(vertexCount);
     for (const v of layer.medialPoints ?? []) keep[v] = 1;
     const n = this.loneVertices.length;
-    this.held = Float32Array.from(this.loneVertices, (v) => held[v]!);
-    this.ownLevel = Float32Array.from(this.loneVertices, (v) => this.vertexLevel[v]!);
+    this.held = Float32Array.from([...Array.from(this.loneVertices, (v) => held[v]!), Infinity]);
+    this.ownLevel = Float32Array.from(this.loneVertices, (v) => own[v]!);
     this.keep = Uint8Array.from(this.loneVertices, (v) => keep[v]!);
     this.ends = new Uint32Array(2 * lone);
+    this.endsNow = new Uint32Array(2 * lone);
     for (let i = 0; i < lone; ++i) for (const k of [0, 1]) this.ends[2 * i + k] = number[edges[2 * this.loneEdges[i]! + k]!]!;
     this.loneLevel = Float32Array.from(this.loneEdges, (e) => this.edgeLevel[e]!);
-    this.loneFirst = Float32Array.from(this.loneEdges, (e) => this.first[e]!);
+    this.loneWhole = Float32Array.from(this.loneEdges, (e) => Math.min(cover[2 * e]!, cover[2 * e + 1]!));
+    this.loneSome = Float32Array.from(this.loneEdges, (e) => Math.max(cover[2 * e]!, cover[2 * e + 1]!));
+    this.lowEnd = Uint8Array.from(this.loneEdges, (e) => Number(cover[2 * e + 1]! < cover[2 * e]!));
     this.loneThickness = Float32Array.from(this.loneEdges, (e) => this.thickness[e]!);
     this.loneLength = Float32Array.from(this.loneEdges, (e) => this.lengths[e]!);
-    this.degree = new Uint32Array(n);
-    this.edgeXor = new Uint32Array(n);
-    this.out = new Uint8Array(n);
+    this.degree = new Uint32Array(n + 1);
+    this.edgeXor = new Uint32Array(n + 1);
+    this.out = new Uint8Array(n + 1);
     this.gone = new Uint8Array(lone);
     this.stack = new Uint32Array(2 * lone + 1);
     this.set = {
@@ -162,7 +187,7 @@ export class LayerSets {
 
   /// The cells with level >= `level`, and of the curves what pruning at `theta1` leaves.
   compute(level: number, theta1: number): CellSet {
-    const { set, degree, edgeXor, gone, out, ends, loneLevel } = this;
+    const { set, degree, edgeXor, gone, out, ends, endsNow, loneLevel, loneWhole, loneSome, lowEnd } = this, none = this.loneVertices.length;
     set.level = level;
     set.faces = this.layer.faceLevel ? countAtLeastDecreasing(this.layer.faceLevel, level) : this.layer.faceCount;
     set.triangles = this.triangleOffset[set.faces]!;
@@ -173,7 +198,13 @@ export class LayerSets {
     out.fill(0);
     for (let i = 0, n = this.loneEdges.length; i < n; ++i) {
       if (loneLevel[i]! < level) continue;
-      const a = ends[2 * i]!, b = ends[2 * i + 1]!;
+      let a = ends[2 * i]!, b = ends[2 * i + 1]!;
+      if (loneWhole[i]! < level && loneSome[i]! >= level) {
+        if (lowEnd[i]) a = none;
+        else b = none;
+      }
+      endsNow[2 * i] = a;
+      endsNow[2 * i + 1] = b;
       ++degree[a]!;
       ++degree[b]!;
       edgeXor[a]! ^= i;
@@ -181,7 +212,7 @@ export class LayerSets {
     }
     const pruned = this.prune(level, theta1);
     set.pruned.fill(0);
-    if (pruned > 0) for (let i = 0; i < out.length; ++i) if (out[i]) set.pruned[this.loneVertices[i]!] = 1;
+    if (pruned > 0) for (let i = 0; i < out.length; ++i) if (out[i] && i < none) set.pruned[this.loneVertices[i]!] = 1;
     this.classify(level);
     set.vertices = countAtLeast(this.sortedVertexLevel, level) - pruned;
     set.edges = countAtLeast(this.sortedEdgeLevel, level) - pruned;
@@ -190,12 +221,12 @@ export class LayerSets {
 
   /// Takes off free edges below theta1. With fixed keys any order gives the same, so a stack will do.
   private prune(level: number, theta1: number): number {
-    const { loneThickness, loneFirst, keep, gone } = this;
-    return this.takeOff((v, i) => keep[v] === 0 && loneThickness[i]! < theta1 && loneFirst[i]! < level, level, gone);
+    const { loneThickness, loneWhole, keep, gone } = this;
+    return this.takeOff((v, i) => keep[v] === 0 && loneThickness[i]! < theta1 && loneWhole[i]! < level, level, gone);
   }
 
   private takeOff(may: (v: number, i: number) => boolean, level: number, mark: Uint8Array | null): number {
-    const { degree, edgeXor, held, ends, out, stack } = this;
+    const { degree, edgeXor, held, endsNow: ends, out, stack } = this;
     let height = 0, count = 0;
     for (let start = 0; start < degree.length; ++start) {
       if (degree[start] !== 1) continue;
@@ -219,17 +250,19 @@ export class LayerSets {
   }
 
   isVisible(v: number): boolean {
-    return this.vertexLevel[v]! >= this.set.level && !this.set.pruned[v];
+    return this.shownLevel[v]! >= this.set.level && !this.set.pruned[v];
   }
 
   private classify(level: number): void {
-    const { set, degree, gone, first, second, third, lengths, loneLevel, loneFirst, loneLength } = this;
+    const { set, degree, gone, first, second, third, lengths, loneLevel, loneWhole, loneSome, loneLength } = this;
     const { curves, boundary, seams } = set;
     curves.count = curves.length = boundary.count = boundary.length = seams.count = seams.length = 0;
     for (let i = 0, n = this.loneEdges.length; i < n; ++i) {
-      if (gone[i] || loneLevel[i]! < level || loneFirst[i]! >= level) continue;
+      if (gone[i] || loneLevel[i]! < level || loneWhole[i]! >= level) continue;
       curves.edge[curves.count++] = this.loneEdges[i]!;
-      curves.length += loneLength[i]!;
+      // Of an edge that is cut the piece below.
+      const low = loneWhole[i]!, high = loneSome[i]!;
+      curves.length += loneLength[i]! * (high < level ? 1 : Number.isFinite(low) && Number.isFinite(high) ? (level - low) / (high - low) : 1);
     }
     for (let i = 0, n = this.rimEdges.length; i < n; ++i) {
       const e = this.rimEdges[i]!;
@@ -244,12 +277,12 @@ export class LayerSets {
       seams.length += lengths[e]!;
     }
     // Parts that coincide count once: a curve does not end with an edge of length zero.
-    this.takeOff((_, i) => loneLength[i] === 0 && loneFirst[i]! < level, level, null);
+    this.takeOff((_, i) => loneLength[i] === 0 && loneWhole[i]! < level, level, null);
     set.freeEnds = set.isolated.count = 0;
     for (let i = 0, n = this.loneVertices.length; i < n; ++i) {
       if (this.out[i] || this.held[i]! >= level) continue;
       // A spoke that one polygon has on both sides ends inside it: no free end.
-      if (degree[i] === 1) set.freeEnds += Number(loneFirst[this.edgeXor[i]!]! < level);
+      if (degree[i] === 1) set.freeEnds += Number(loneWhole[this.edgeXor[i]!]! < level);
       else if (degree[i] === 0 && this.ownLevel[i]! >= level) set.isolated.vertex[set.isolated.count++] = this.loneVertices[i]!;
     }
   }
@@ -267,6 +300,28 @@ export class LayerSets {
       z += ux * vy - uy * vx;
     }
     return Math.hypot(x, y, z) / 2;
+  }
+
+  /// Per end of a curve the largest level there of the faces around it; of other edges that of the faces as a whole: they
+  /// go with these.
+  private coverOf(first: Float32Array): Float32Array {
+    const { edgeCount, faceCount, offsets, corners, sides, edges, cornerLevel, curveEdges } = this.layer;
+    const cover = Float32Array.from({ length: 2 * edgeCount }, (_, i) => first[i >> 1]!);
+    if (!cornerLevel || !curveEdges) return cover;
+    const isCurve = new Uint8Array(edgeCount);
+    for (const e of curveEdges) {
+      isCurve[e] = 1;
+      cover[2 * e] = cover[2 * e + 1] = NEVER;
+    }
+    for (let f = 0; f < faceCount; ++f)
+      for (let i = offsets[f]!, end = offsets[f + 1]!; i < end; ++i) {
+        const e = sides[i]!;
+        if (!isCurve[e]) continue;
+        const next = i + 1 < end ? i + 1 : offsets[f]!, turned = edges[2 * e] === corners[i] ? 0 : 1;
+        cover[2 * e + turned] = Math.max(cover[2 * e + turned]!, cornerLevel[i]!);
+        cover[2 * e + 1 - turned] = Math.max(cover[2 * e + 1 - turned]!, cornerLevel[next]!);
+      }
+    return cover;
   }
 
   /// Of the first faces the area where the level, linear in the triangles of the fan, is less.
