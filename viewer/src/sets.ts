@@ -47,11 +47,11 @@ export class LayerSets {
   private readonly ends: Uint32Array; ///< two lone vertices per lone edge
   private readonly endsNow: Uint32Array; ///< ... of a piece off the sheets one, and a vertex that is none
   private readonly loneLevel: Float32Array;
-  /// Of the levels of faces at its two ends, as far as they cover it: the smaller and the larger. Between the two a piece
-  /// of the edge is off the sheets, from its low end on.
-  private readonly loneWhole: Float32Array;
-  private readonly loneSome: Float32Array;
-  private readonly lowEnd: Uint8Array;
+  private readonly loneFirst: Float32Array;
+  /// Of curves in layers with levels of corners: the levels of their faces at their two ends, from `levelsAt` on.
+  private readonly levelsAt: Uint32Array;
+  private readonly levels: Float32Array;
+  private readonly bare: Float32Array; ///< per lone edge: the share of it that is off the sheets
   private readonly shownLevel: Float32Array; ///< per vertex: that of what is drawn there
   private readonly loneThickness: Float32Array;
   private readonly loneLength: Float32Array;
@@ -102,9 +102,10 @@ export class LayerSets {
     }
     this.lengths = new Float32Array(edgeCount);
     const held = new Float32Array(vertexCount).fill(NEVER);
-    const cover = this.coverOf(this.first);
+    const isCurve = new Uint8Array(edgeCount);
+    if (cornerLevel) for (const e of layer.curveEdges ?? []) isCurve[e] = 1;
     let lone = 0, rim = 0, seam = 0;
-    const isLone = (e: number) => this.edgeLevel[e]! > Math.min(cover[2 * e]!, cover[2 * e + 1]!);
+    const isLone = (e: number) => isCurve[e] === 1 || this.edgeLevel[e]! > this.first[e]!;
     const isRim = (e: number) => this.first[e]! > this.second[e]!;
     const isSeam = (e: number) => this.third[e]! > NEVER;
     for (let e = 0; e < edgeCount; ++e) {
@@ -165,9 +166,9 @@ export class LayerSets {
     this.endsNow = new Uint32Array(2 * lone);
     for (let i = 0; i < lone; ++i) for (const k of [0, 1]) this.ends[2 * i + k] = number[edges[2 * this.loneEdges[i]! + k]!]!;
     this.loneLevel = Float32Array.from(this.loneEdges, (e) => this.edgeLevel[e]!);
-    this.loneWhole = Float32Array.from(this.loneEdges, (e) => Math.min(cover[2 * e]!, cover[2 * e + 1]!));
-    this.loneSome = Float32Array.from(this.loneEdges, (e) => Math.max(cover[2 * e]!, cover[2 * e + 1]!));
-    this.lowEnd = Uint8Array.from(this.loneEdges, (e) => Number(cover[2 * e + 1]! < cover[2 * e]!));
+    this.loneFirst = Float32Array.from(this.loneEdges, (e) => this.first[e]!);
+    [this.levelsAt, this.levels] = this.levelsOfCurves(isCurve);
+    this.bare = new Float32Array(lone);
     this.loneThickness = Float32Array.from(this.loneEdges, (e) => this.thickness[e]!);
     this.loneLength = Float32Array.from(this.loneEdges, (e) => this.lengths[e]!);
     this.degree = new Uint32Array(n + 1);
@@ -187,7 +188,7 @@ export class LayerSets {
 
   /// The cells with level >= `level`, and of the curves what pruning at `theta1` leaves.
   compute(level: number, theta1: number): CellSet {
-    const { set, degree, edgeXor, gone, out, ends, endsNow, loneLevel, loneWhole, loneSome, lowEnd } = this, none = this.loneVertices.length;
+    const { set, degree, edgeXor, gone, out, ends, endsNow, loneLevel } = this, none = this.loneVertices.length;
     set.level = level;
     set.faces = this.layer.faceLevel ? countAtLeastDecreasing(this.layer.faceLevel, level) : this.layer.faceCount;
     set.triangles = this.triangleOffset[set.faces]!;
@@ -199,10 +200,10 @@ export class LayerSets {
     for (let i = 0, n = this.loneEdges.length; i < n; ++i) {
       if (loneLevel[i]! < level) continue;
       let a = ends[2 * i]!, b = ends[2 * i + 1]!;
-      if (loneWhole[i]! < level && loneSome[i]! >= level) {
-        if (lowEnd[i]) a = none;
-        else b = none;
-      }
+      const [from, to] = this.bareAt(i, level);
+      this.bare[i] = Math.max(0, to - from);
+      if (to > from && from > 0) a = none;
+      if (to > from && to < 1) b = none;
       endsNow[2 * i] = a;
       endsNow[2 * i + 1] = b;
       ++degree[a]!;
@@ -221,8 +222,8 @@ export class LayerSets {
 
   /// Takes off free edges below theta1. With fixed keys any order gives the same, so a stack will do.
   private prune(level: number, theta1: number): number {
-    const { loneThickness, loneWhole, keep, gone } = this;
-    return this.takeOff((v, i) => keep[v] === 0 && loneThickness[i]! < theta1 && loneWhole[i]! < level, level, gone);
+    const { loneThickness, bare, keep, gone } = this;
+    return this.takeOff((v, i) => keep[v] === 0 && loneThickness[i]! < theta1 && bare[i]! > 0, level, gone);
   }
 
   private takeOff(may: (v: number, i: number) => boolean, level: number, mark: Uint8Array | null): number {
@@ -254,15 +255,13 @@ export class LayerSets {
   }
 
   private classify(level: number): void {
-    const { set, degree, gone, first, second, third, lengths, loneLevel, loneWhole, loneSome, loneLength } = this;
+    const { set, degree, gone, first, second, third, lengths, loneLevel, bare, loneLength } = this;
     const { curves, boundary, seams } = set;
     curves.count = curves.length = boundary.count = boundary.length = seams.count = seams.length = 0;
     for (let i = 0, n = this.loneEdges.length; i < n; ++i) {
-      if (gone[i] || loneLevel[i]! < level || loneWhole[i]! >= level) continue;
+      if (gone[i] || loneLevel[i]! < level || bare[i] === 0) continue;
       curves.edge[curves.count++] = this.loneEdges[i]!;
-      // Of an edge that is cut the piece below.
-      const low = loneWhole[i]!, high = loneSome[i]!;
-      curves.length += loneLength[i]! * (high < level ? 1 : Number.isFinite(low) && Number.isFinite(high) ? (level - low) / (high - low) : 1);
+      curves.length += loneLength[i]! * bare[i]!;
     }
     for (let i = 0, n = this.rimEdges.length; i < n; ++i) {
       const e = this.rimEdges[i]!;
@@ -277,12 +276,12 @@ export class LayerSets {
       seams.length += lengths[e]!;
     }
     // Parts that coincide count once: a curve does not end with an edge of length zero.
-    this.takeOff((_, i) => loneLength[i] === 0 && loneWhole[i]! < level, level, null);
+    this.takeOff((_, i) => loneLength[i] === 0 && bare[i]! > 0, level, null);
     set.freeEnds = set.isolated.count = 0;
     for (let i = 0, n = this.loneVertices.length; i < n; ++i) {
       if (this.out[i] || this.held[i]! >= level) continue;
       // A spoke that one polygon has on both sides ends inside it: no free end.
-      if (degree[i] === 1) set.freeEnds += Number(loneWhole[this.edgeXor[i]!]! < level);
+      if (degree[i] === 1) set.freeEnds += Number(bare[this.edgeXor[i]!]! > 0);
       else if (degree[i] === 0 && this.ownLevel[i]! >= level) set.isolated.vertex[set.isolated.count++] = this.loneVertices[i]!;
     }
   }
@@ -302,26 +301,43 @@ export class LayerSets {
     return Math.hypot(x, y, z) / 2;
   }
 
-  /// Per end of a curve the largest level there of the faces around it; of other edges that of the faces as a whole: they
-  /// go with these.
-  private coverOf(first: Float32Array): Float32Array {
-    const { edgeCount, faceCount, offsets, corners, sides, edges, cornerLevel, curveEdges } = this.layer;
-    const cover = Float32Array.from({ length: 2 * edgeCount }, (_, i) => first[i >> 1]!);
-    if (!cornerLevel || !curveEdges) return cover;
-    const isCurve = new Uint8Array(edgeCount);
-    for (const e of curveEdges) {
-      isCurve[e] = 1;
-      cover[2 * e] = cover[2 * e + 1] = NEVER;
-    }
+  private levelsOfCurves(isCurve: Uint8Array): [Uint32Array, Float32Array] {
+    const { edgeCount, faceCount, offsets, corners, sides, edges, cornerLevel } = this.layer, lone = this.loneEdges.length, at = new Uint32Array(lone + 1);
+    if (!cornerLevel) return [at, new Float32Array(0)];
+    const row = new Int32Array(edgeCount).fill(-1);
+    this.loneEdges.forEach((e, i) => { if (isCurve[e]) row[e] = i; });
+    for (const e of sides) if (row[e]! >= 0) ++at[row[e]! + 1]!;
+    for (let i = 0; i < lone; ++i) at[i + 1]! += at[i]!;
+    const levels = new Float32Array(2 * at[lone]!), next = at.slice();
     for (let f = 0; f < faceCount; ++f)
       for (let i = offsets[f]!, end = offsets[f + 1]!; i < end; ++i) {
-        const e = sides[i]!;
-        if (!isCurve[e]) continue;
-        const next = i + 1 < end ? i + 1 : offsets[f]!, turned = edges[2 * e] === corners[i] ? 0 : 1;
-        cover[2 * e + turned] = Math.max(cover[2 * e + turned]!, cornerLevel[i]!);
-        cover[2 * e + 1 - turned] = Math.max(cover[2 * e + 1 - turned]!, cornerLevel[next]!);
+        const r = row[sides[i]!]!;
+        if (r < 0) continue;
+        const k = 2 * next[r]!++, forward = edges[2 * sides[i]!] === corners[i] ? 0 : 1;
+        levels[k + forward] = cornerLevel[i]!;
+        levels[k + 1 - forward] = cornerLevel[i + 1 < end ? i + 1 : offsets[f]!]!;
       }
-    return cover;
+    return [at, levels];
+  }
+
+  private readonly stretch: [number, number] = [0, 1];
+  /// From where to where on it a lone edge is off the sheets, as shares of its length. The levels of faces are linear along
+  /// it, and they cover it where they are large enough.
+  private bareAt(i: number, level: number): [number, number] {
+    const { stretch, levels, levelsAt } = this;
+    stretch[0] = 0;
+    stretch[1] = 1;
+    if (levelsAt[i] === levelsAt[i + 1]) {
+      if (this.loneFirst[i]! >= level) stretch[1] = 0;
+      return stretch;
+    }
+    for (let k = 2 * levelsAt[i]!; k < 2 * levelsAt[i + 1]!; k += 2) {
+      const a = levels[k]!, b = levels[k + 1]!;
+      if (a >= level && b >= level) stretch[1] = 0;
+      else if (a >= level) stretch[0] = Math.max(stretch[0], Number.isFinite(a) ? (a - level) / (a - b) : 1);
+      else if (b >= level) stretch[1] = Math.min(stretch[1], Number.isFinite(b) ? (level - a) / (b - a) : 0);
+    }
+    return stretch;
   }
 
   /// Of the first faces the area where the level, linear in the triangles of the fan, is less.
