@@ -81,10 +81,10 @@ void run(const pipeline::LoadedAxis& loaded, bool with_floor, Stages& stages, do
   RefinedAxis refined = stages.time("curves", held, [&] { return pipeline::curves_of(axis, std::move(burning)); });
   pipeline::FamilyResult family =
       stages.time("family", held, [&] { return pipeline::family_of(std::move(refined), wanted, floor); });
-  const pipeline::SkeletonResult skeleton =
+  pipeline::SkeletonResult skeleton =
       stages.time("skeleton", held, [&] { return pipeline::skeleton_of(family, {}, loaded.scale, omega); });
   const CurveGraph graph =
-      stages.time("graph", held, [&] { return pipeline::measured_graph(skeleton.measured, {}, loaded.scale); });
+      stages.time("graph", held, [&] { return pipeline::draw_branches(skeleton, {}, loaded.scale); });
   pipeline::PageBuilder builder;
   stages.time("page layers", held, [&] {
     builder.add_skeleton(skeleton.skeleton, graph);

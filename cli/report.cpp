@@ -158,14 +158,19 @@ void say_core(const pipeline::LoadedShape& shape, const pipeline::CoreResult& co
         shape.from_mesh ? "; a higher --resolution may help" : ""));
 }
 
+std::string share_text(double reconstructed) {
+  return fmt::format("its balls fill {:.0f} % of the shape", 100 * reconstructed);
+}
+
 void say_written(Session& session, const std::string& axis, const std::string& report, const pipeline::CoreResult& core,
                  const pipeline::LoadedShape& shape) {
   std::string stages;
   for (const auto& [stage, seconds] : session.seconds())
     stages += fmt::format("{}{} {:.2f} s", stages.empty() ? "" : ", ", stage, seconds);
   session.detail(fmt::format("{}; {} of memory at the peak", stages, base::bytes_text(Session::peak_bytes())));
-  session.say(fmt::format("{}: {}; topology as that of the shape; lengths in {}; {:.1f} s{}", axis,
+  session.say(fmt::format("{}: {}; topology as that of the shape; {}; lengths in {}; {:.1f} s{}", axis,
                           cells_text(core.options.full ? core.all : core.kept),
+                          share_text(core.options.full && core.whole ? *core.whole : core.reconstructed),
                           shape.coordinates.units.empty() ? "the input's units" : shape.coordinates.units,
                           session.total_seconds(), report.empty() ? "" : fmt::format("; report in {}", report)));
 }
@@ -195,7 +200,8 @@ void say_burned(const pipeline::BurnFigures& burned, std::size_t vertices, Sessi
 }
 
 void add_axis_sections(Json& report, const pipeline::AxisRun& run) {
-  const auto& [skeleton, topology] = run.skeleton;
+  const Skeleton& skeleton = run.skeleton.skeleton;
+  const Topology& topology = run.skeleton.topology;
   add_burn_section(report, run.burned);
   report["curves"] = cells_section(run.curves, topology);
   report["skeleton"] = {{"theta2", number(skeleton.theta2)},

@@ -33,6 +33,9 @@ void add_core_sections(Json& report, const pipeline::LoadedShape& shape, const p
 /// What was found on the way: the lambda that was chosen, the memory that was predicted.
 void say_core(const pipeline::LoadedShape& shape, const pipeline::CoreResult& core, Session& session);
 /// One line on what was written where, in which units. `report` may be empty.
+/// "its balls fill 97 % of the shape".
+std::string share_text(double reconstructed);
+
 void say_written(Session& session, const std::string& axis, const std::string& report, const pipeline::CoreResult& core,
                  const pipeline::LoadedShape& shape);
 

@@ -78,8 +78,21 @@ Json report_of(const Options& o, const pipeline::LoadedShape& shape, const pipel
   parameters["tips"] = o.run.skeleton.full_tips ? "full" : "pruned";
   parameters["smooth"] = o.graph.graph.smooth;
   parameters["resample"] = pipeline::text_of(o.graph.graph.resample);
-  report["skeleton"]["reconstructed"] = result.reconstructed;
+  report["skeleton"]["reconstructed"] = *result.axis.skeleton.reconstructed;
   return report;
+}
+
+// Where a skeleton stands for little of a shape whose axis stands for most of it: what to turn.
+void say_little(const pipeline::RunResult& result, Session& session) {
+  constexpr double kLittle = 0.7;
+  const double share = *result.axis.skeleton.reconstructed;
+  if (share >= kLittle || result.core.reconstructed < kLittle) return;
+  const Skeleton& skeleton = result.axis.skeleton.skeleton;
+  session.say(fmt::format(
+      "note: the skeleton stands for little of the shape; {} with a smaller --theta2 (now {:.3g}), more branches with "
+      "a "
+      "smaller --theta1",
+      skeleton.complex.face_count() == 0 ? "sheets are kept" : "more of the sheets is kept", skeleton.theta2));
 }
 
 int run_pipeline(const Options& o, Session& session) {
@@ -120,10 +133,11 @@ int run_pipeline(const Options& o, Session& session) {
   write_report(files.report.string(), report, session);
   write_report(outputs, report, session);
   say_written(session, files.core.string(), files.report.string(), result.core, shape);
-  session.say(fmt::format("{}: {}, {}; topology as that of the shape; also {} and {}", files.skeleton.string(),
+  session.say(fmt::format("{}: {}, {}; topology as that of the shape; {}; also {} and {}", files.skeleton.string(),
                           cells_text(pipeline::counts_of(result.axis.skeleton.skeleton.complex)),
-                          base::counted(result.axis.graph.branches.size(), "branch", "branches"), files.swc.string(),
-                          files.csv.string()));
+                          base::counted(result.axis.graph.branches.size(), "branch", "branches"),
+                          share_text(*result.axis.skeleton.reconstructed), files.swc.string(), files.csv.string()));
+  say_little(result, session);
   if (options.page) session.say(fmt::format("{}: the interactive page; open it in a browser", files.view.string()));
   return 0;
 }

@@ -317,6 +317,7 @@ struct SkeletonOptions {
 struct SkeletonResult {
   Skeleton skeleton;
   Topology topology;
+  std::optional<double> reconstructed = {};  ///< share of the shape in its balls, where the shape was at hand
 };
 
 /// World lengths of the thresholds, and ExtractOptions::theta1_radii.
@@ -430,7 +431,6 @@ AxisRun run_axis(const MedialAxis& axis, Record&& file, bool voxel_core, const T
 struct RunResult {
   CoreResult core;
   AxisRun axis;
-  double reconstructed = 0;  ///< share of the shape in the balls of the skeleton
 };
 
 /// All stages from a shape on. The mesh of the shape is used up by the page.

@@ -30,6 +30,7 @@ struct RefinedAxis {
   CellComplex complex;
   std::vector<Vec3> points;
   std::vector<double> radius;
+  RadiusRule radius_rule = RadiusRule::exact;  ///< of the burning: how the radius runs along an edge
   std::vector<double>
       burn_time;  ///< per vertex: of M at nodes; on the medial curves that of their own fire; infinite at pockets
   std::uint32_t original = 0;  ///< vertices of M, the first nodes
@@ -45,7 +46,6 @@ struct RefinedAxis {
   std::vector<double> curve_burn_time;  ///< per vertex: BT_MC; infinite where fire on the curves does not come
   std::vector<std::uint32_t> exit;      ///< per vertex: the edge over which it passed that fire on, or kNone
   std::vector<char> medial_point;       ///< per vertex: the last to burn in a tree of the curves without pocket
-  std::vector<char> fire_goes_on;       ///< per vertex: fire on the curves that left it burned where it went to, too
 };
 
 /// The medial curves of a burned axis (with parents), and their burning: fire starts at their free ends at the time the
@@ -85,8 +85,10 @@ SkeletonFamily skeletons(const MedialAxis& axis, const Burning& burning, Context
 /// length zero (region duals lie on their exit doors).
 struct Skeleton {
   double theta2 = 0, theta1 = 0, theta1_radii = 0;
-  bool full_tips = false;  ///< free ends grew back
-  CellComplex complex;     ///< edges without face are curves
+  bool full_tips = false;                                       ///< free ends grew back
+  double rims_above = std::numeric_limits<double>::infinity();  ///< from which sheet level on rims grew back
+  int smooth = 0;                                               ///< passes of smooth_sheets()
+  CellComplex complex;                                          ///< edges without face are curves
   std::vector<Vec3> points;
   std::vector<double> radius, burn_time, curve_burn_time;  ///< per vertex; infinite where no fire comes
   std::vector<char> on_curve;                              ///< per vertex: the two measures of curves are defined
@@ -98,10 +100,6 @@ struct Skeleton {
 
 struct ExtractOptions {
   bool parts = false;  ///< every part of a polygon is a face of its own; else polygons that are whole are one face
-  /// A branch, the course of one fire on the curves from its free end to where one that comes later goes on, or to a
-  /// sheet, also goes as a whole while its ET_MC there is below this many times the burn time there, the radius for a
-  /// tube: unless it sticks out of what it leaves.
-  double theta1_radii = 0;
   /// Pruning takes about theta1 off every branch, also of those that stay. Where this thickness is finite, every free
   /// end grows back along the pruned curve of the largest level, as far as the thickness is at least this. The family
   /// remains nested, and topology does not change.
@@ -113,6 +111,10 @@ struct ExtractOptions {
   /// not change.
   double regrow_rims_above = std::numeric_limits<double>::infinity();
   double minor_curve = 0;
+  /// A curve with a free end also goes where its ET_MC is below this many times its burn time (the radius in a tube),
+  /// or becomes so on the way from there to a sheet, a loop or the medial point: it then does not stick out of what it
+  /// leaves or of a thick part on its way. Nested, too.
+  double theta1_radii = 0;
 };
 Skeleton extract(const SkeletonFamily& family, double theta2, double theta1, const ExtractOptions& options = {});
 
@@ -123,7 +125,8 @@ struct SheetSmoothing {
   double most = 0;  ///< no vertex moves further, nor by more than half its radius: so all stay inside the shape
 };
 /// Smooths rims, seams and sheets; where these meet, and curves off the sheets, nothing moves. Cells stay as they are,
-/// and so do all values. O(n), with the number of vertices in a window.
+/// and values, but for radii: they are less by what the vertex moved, so that balls stay inside the shape. O(n), with
+/// the number of vertices in a window.
 void smooth_sheets(Skeleton& skeleton, const SheetSmoothing& how);
 
 /// The skeleton as cells and arrays of a file (docs/algorithms/skeletons.md). A line is a curve, a vertex cell an

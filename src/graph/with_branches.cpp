@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 
 #include "quench/error.h"
@@ -8,6 +9,8 @@
 
 namespace quench {
 namespace {
+
+constexpr double kNotACurve = std::numeric_limits<double>::quiet_NaN();
 
 using Ends = std::array<std::uint32_t, 2>;
 
@@ -23,7 +26,6 @@ class Places {
   Places(const std::vector<Vec3>& from, const std::vector<Vec3>& to) : from_(lengths(from)), to_(lengths(to)) {}
 
   Place of_point(std::size_t i) const { return at(fraction(i)); }
-  Place of_segment(std::size_t i) const { return at(0.5 * (fraction(i) + fraction(i + 1))); }
 
  private:
   static std::vector<double> lengths(const std::vector<Vec3>& points) {
@@ -53,6 +55,8 @@ class Redrawing {
     out_.theta1 = old_.theta1;
     out_.theta1_radii = old_.theta1_radii;
     out_.full_tips = old_.full_tips;
+    out_.rims_above = old_.rims_above;
+    out_.smooth = old_.smooth;
     out_.face_thickness = old_.face_thickness;
     out_.face_level = old_.face_level;
     out_.face_sheet = old_.face_sheet;
@@ -93,12 +97,16 @@ class Redrawing {
   }
 
   std::uint32_t add_vertex(const Vec3& point, double radius, std::uint32_t a, std::uint32_t b, double t) {
+    // On the way of a branch there is no pocket: what is infinite at one end only does not reach inside.
     const auto mix = [&](const std::vector<double>& values) {
-      return t == 0 || values[a] == values[b] ? values[a] : (1 - t) * values[a] + t * values[b];
+      if (t == 0 || values[a] == values[b]) return values[a];
+      if (std::isinf(values[a])) return values[b];
+      return std::isinf(values[b]) ? values[a] : (1 - t) * values[a] + t * values[b];
     };
     out_.points.push_back(point);
     out_.radius.push_back(radius);
-    out_.burn_time.push_back(mix(old_.burn_time));
+    const double time = mix(old_.burn_time);
+    out_.burn_time.push_back(t > 0 && std::isinf(time) ? radius : time);
     out_.curve_burn_time.push_back(mix(old_.curve_burn_time));
     out_.on_curve.push_back(t == 0 ? old_.on_curve[a] : old_.on_curve[a] && old_.on_curve[b]);
     return static_cast<std::uint32_t>(out_.points.size() - 1);
@@ -150,8 +158,15 @@ class Redrawing {
         const Places::Place at = same ? Places::Place{i, 0} : places.of_point(i);
         next = add_vertex(points[i], radius[i], was[at.segment], was[std::min(at.segment + 1, was.size() - 1)], at.t);
       }
-      const std::uint32_t e = old_edge(was, same ? i - 1 : places.of_segment(i - 1).segment);
-      edges_.push_back({sorted(last, next), old_.edge_thickness[e], old_.edge_level[e], static_cast<std::int32_t>(b)});
+      const std::size_t first = same ? i - 1 : places.of_point(i - 1).segment,
+                        end = same ? i - 1 : places.of_point(i).segment;
+      Edge edge{sorted(last, next), kNotACurve, kNotACurve, static_cast<std::int32_t>(b)};
+      for (std::size_t k = first; k <= end; ++k) {
+        const std::uint32_t e = old_edge(was, k);
+        edge.thickness = std::fmax(edge.thickness, old_.edge_thickness[e]);
+        edge.level = std::fmax(edge.level, old_.edge_level[e]);
+      }
+      edges_.push_back(edge);
       last = next;
     }
   }

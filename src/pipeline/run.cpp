@@ -76,7 +76,7 @@ RunResult run(LoadedShape& shape, const RunOptions& options, Context* context) {
   }
   result.axis = run_axis(result.core.axis, core_file(result.core), !result.core.axis.is_fitted(), result.core.topology,
                          shape.scale(), of_axis, context);
-  result.reconstructed = reconstructed_share(shape.shape, result.axis.skeleton.skeleton, context);
+  result.axis.skeleton.reconstructed = reconstructed_share(shape.shape, result.axis.skeleton.skeleton, context);
   checkpoint(context, "skeleton", 1);
   return result;
 }

@@ -99,10 +99,10 @@ SkeletonResult skeleton_of(const FamilyResult& family, const SkeletonOptions& op
   SkeletonResult result;
   result.skeleton = extract(family.family, theta2_of(options, scale), theta1_of(options, scale),
                             {.parts = options.parts,
-                             .theta1_radii = theta1_radii_of(options),
                              .regrow_tips_above = thickness_of_tips(options, scale, omega),
                              .regrow_rims_above = thickness_of_rims(options, scale, omega),
-                             .minor_curve = minor_curve(scale)});
+                             .minor_curve = minor_curve(scale),
+                             .theta1_radii = theta1_radii_of(options)});
   result.topology = topology(result.skeleton.complex);
   checkpoint(context, "skeleton", 1);
   require_topology(result.topology, family.topology, "skeleton", "medial axis");
@@ -124,7 +124,10 @@ Record skeleton_file(const SkeletonResult& result, const Record& from) {
   put("theta2", std::vector<double>{std::min(skeleton.theta2, kInfiniteLevelInFiles)});
   put("theta1", std::vector<double>{std::min(skeleton.theta1, kInfiniteLevelInFiles)});
   put("theta1_radii", std::vector<double>{skeleton.theta1_radii});
+  put("rims_above", std::vector<double>{std::min(skeleton.rims_above, kInfiniteLevelInFiles)});
+  put("smooth", std::vector<std::int64_t>{skeleton.smooth});
   put("tips", std::vector<std::string>{skeleton.full_tips ? "full" : "pruned"});
+  if (result.reconstructed) put("reconstructed", std::vector<double>{*result.reconstructed});
   put("euler", std::vector<std::int64_t>{result.topology.euler});
   put("betti", std::vector<std::int64_t>(result.topology.betti.begin(), result.topology.betti.end()), 3);
   put("version", std::vector<std::string>{QUENCH_VERSION});
@@ -173,9 +176,11 @@ CurveGraph measured_graph(const Skeleton& skeleton, const GraphOptions& options,
   return with_half_a_voxel(smoothed_graph(skeleton, options, scale), options);
 }
 
+// By no more than half a voxel diagonal.
 void smooth_sheets_of(Skeleton& skeleton, const GraphOptions& options, const Scale& scale) {
+  if (options.smooth == 0 || skeleton.complex.face_count() == 0) return;
   const std::vector<Vec3> before = skeleton.points;
-  smooth_sheets(skeleton, {std::sqrt(options.smooth) * scale.voxel, options.smooth, scale.voxel});
+  smooth_sheets(skeleton, {std::sqrt(options.smooth) * scale.voxel, options.smooth, scale.detail});
   if (!options.surface) return;
   base::for_indices(before.size(), [&](std::size_t v) {
     if (before[v] == skeleton.points[v]) return;

@@ -27,15 +27,9 @@ std::uint32_t place(const RefinedAxis& axis, std::uint32_t v) {
 class TightTimes {
  public:
   TightTimes(const RefinedAxis& axis, burning::CurveFire& fire, std::size_t halves)
-      : axis_(axis),
-        fire_(fire),
-        halves_(halves),
-        waits_for_(fire.time.size(), 0),
-        anchor_(fire.time.size()),
-        came_from_(fire.time.size(), kNone) {}
+      : axis_(axis), fire_(fire), halves_(halves), waits_for_(fire.time.size(), 0), anchor_(fire.time.size()) {}
 
-  // Returns, per vertex, whether the fire that leaves it is the one that burns where it goes to.
-  std::vector<char> run() {
+  void run() {
     const auto n = static_cast<std::uint32_t>(fire_.time.size());
     std::vector<std::uint32_t> dropped(n, kNone);  // at the last of a tree: the neighbour that burns last
     for (std::uint32_t v = 0; v < n; ++v) {
@@ -59,12 +53,6 @@ class TightTimes {
         v = to;
       }
     }
-    std::vector<char> goes_on(n, 0);
-    base::for_indices(n, [&](std::size_t v) {
-      const auto from = static_cast<std::uint32_t>(v);
-      goes_on[v] = fire_.exit[v] != kNone && came_from_[next(from)] == from;
-    });
-    return goes_on;
   }
 
  private:
@@ -77,14 +65,13 @@ class TightTimes {
     const double time = std::max(fire_.time[from], fire_.time[anchor] + straight);
     if (!(time > fire_.time[to])) return;
     fire_.time[to] = time;
-    came_from_[to] = from;
     anchor_[to] = straight > kReach * axis_.burn_time[to] ? to : anchor;
   }
 
   const RefinedAxis& axis_;
   burning::CurveFire& fire_;
   std::size_t halves_;
-  std::vector<std::uint32_t> waits_for_, anchor_, came_from_;
+  std::vector<std::uint32_t> waits_for_, anchor_;
 };
 
 }  // namespace
@@ -115,7 +102,7 @@ void burn_curve_network(RefinedAxis& axis, Context* context) {
   });
   measure([&](std::uint32_t v) { return place(axis, v); });
   burning::CurveFire second = burning::burn_curves(edges, of_curves, axis.curve_vertex, axis.burn_time, length, blocks);
-  axis.fire_goes_on = TightTimes(axis, second, halves).run();
+  TightTimes(axis, second, halves).run();
   axis.curve_burn_time = std::move(second.time);
   axis.medial_point = std::move(second.last);
 }

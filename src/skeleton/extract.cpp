@@ -5,11 +5,10 @@
 #include <limits>
 #include <numeric>
 
-#include "base/cofaces.h"
 #include "base/constants.h"
-#include "base/union_find.h"
 #include "quench/error.h"
 #include "quench/skeleton.h"
+#include "quench/structure.h"
 #include "skeleton/member.h"
 
 namespace quench {
@@ -24,28 +23,14 @@ constexpr double kNotACurve = std::numeric_limits<double>::quiet_NaN();
 
 // How the cells of a member are written.
 struct Outline {
-  std::vector<char> whole;           // per polygon of M: no part is missing; one face, and nothing of its inside
-  std::vector<char> inside_whole;    // per edge of K: in the inside of such a polygon
-  std::vector<char> kept;            // per vertex of K: written; halves of segments are joined where it is not
-  std::vector<std::uint32_t> drawn;  // per vertex of K: the one in whose place it is written
+  enum : char { kParts, kOne, kWhole };
+  std::vector<char> polygon;         // per polygon of M: face by face, what is left as one face, or all of it
+  std::vector<char> inside;          // per edge of the member: in the inside of what is written as one face
+  std::vector<char> kept;            // per vertex of the member: written; halves of segments are joined where it is not
+  std::vector<std::uint32_t> drawn;  // per vertex of the member: the one in whose place it is written
 };
 
 bool is_half(const RefinedAxis& k, std::uint32_t e) { return e < 2 * k.doors; }
-
-void find_whole_polygons(const RefinedAxis& k, const Member& member, bool parts, Outline& outline) {
-  const std::uint32_t polygons =
-      k.polygon_of.empty() ? 0 : *std::max_element(k.polygon_of.begin(), k.polygon_of.end()) + 1;
-  outline.whole.assign(polygons, !parts);
-  for (const std::uint32_t polygon : k.incomplete)
-    if (polygon < polygons) outline.whole[polygon] = 0;
-  for (std::size_t f = 0; f < k.polygon_of.size(); ++f)
-    if (member.face[f] != Member::kWhole) outline.whole[k.polygon_of[f]] = 0;
-  outline.inside_whole.assign(k.complex.edges.size(), 0);
-  for (std::size_t f = 0; f < k.polygon_of.size(); ++f)
-    if (outline.whole[k.polygon_of[f]])
-      for (const std::uint32_t e : k.complex.sides(f))
-        if (!is_half(k, e)) outline.inside_whole[e] = 1;
-}
 
 // Edges of a member: those of K that are whole, and pieces.
 std::uint32_t edge_in_k(const RefinedAxis& k, const Member& member, std::uint32_t e) {
@@ -70,60 +55,84 @@ void walk(const RefinedAxis& k, const Member& member, std::uint32_t e, std::uint
   }
 }
 
-// A side of what a member has of a face: where it starts, and its edge or piece; kNone for a cut.
+// A side of what a member has of a face or of several: where it starts and ends, and its edge or piece; kNone for a
+// cut.
 struct Side {
-  std::uint32_t start, edge;
+  std::uint32_t start, end, edge;
 };
-void sides_of(const RefinedAxis& k, const Member& member, std::size_t f, std::vector<Side>& sides) {
-  sides.clear();
+void append_sides(const RefinedAxis& k, const Member& member, std::size_t f, std::vector<Side>& sides) {
   const auto corners = k.complex.corners(f);
   const auto edges = k.complex.sides(f);
+  const auto first = static_cast<std::ptrdiff_t>(sides.size());
   for (std::size_t i = 0; i < corners.size(); ++i)
-    walk(k, member, edges[i], corners[i], [&](std::uint32_t start, std::uint32_t, std::uint32_t e) {
-      sides.push_back({start, e});
+    walk(k, member, edges[i], corners[i], [&](std::uint32_t start, std::uint32_t end, std::uint32_t e) {
+      sides.push_back({start, end, e});
     });
   if (member.face[f] != Member::kInPart) return;
   const SheetCut::Chord& chord = member.cut.chord_of(static_cast<std::uint32_t>(f));
   const auto at = [&](std::uint32_t v) {
-    return std::find_if(sides.begin(), sides.end(), [&](const Side& side) { return side.start == v; });
+    return std::find_if(sides.begin() + first, sides.end(), [&](const Side& side) { return side.start == v; });
   };
-  std::rotate(sides.begin(), at(chord.in), sides.end());
+  std::rotate(sides.begin() + first, at(chord.in), sides.end());
   sides.erase(at(chord.out), sides.end());
-  sides.push_back({chord.out, kNone});
+  sides.push_back({chord.out, chord.in, kNone});
 }
 
-// Kept are the vertices of M, nodes inside edges and doors where anything but whole polygons meets the edge or parts of
-// the edge are missing, vertices without any edge, and where edges are cut.
-void find_kept_vertices(const RefinedAxis& k, const Member& member, Outline& outline) {
-  const CellComplex& c = k.complex;
-  std::vector<char>& kept = outline.kept;
-  kept.assign(member.vertex.size(), 0);
-  std::vector<char> on_face(member.edge.size(), 0), has_edge(member.vertex.size(), 0);
-  std::vector<Side> sides;
-  for (std::size_t f = 0; f < c.face_count(); ++f) {
-    if (!member.face[f]) continue;
-    sides_of(k, member, f, sides);
-    const bool whole = outline.whole[k.polygon_of[f]];
-    for (const Side& side : sides) {
-      if (side.edge != kNone) on_face[side.edge] = 1;
-      if (!whole) kept[side.start] = 1;
-    }
+// The faces of one polygon.
+struct Parts {
+  std::size_t begin, end;
+  std::uint32_t polygon;
+};
+template <class Visit>
+void each_polygon(const RefinedAxis& k, const Visit& visit) {
+  const std::size_t faces = k.polygon_of.size();
+  for (std::size_t f = 0, end = 0; f < faces; f = end) {
+    while (end < faces && k.polygon_of[end] == k.polygon_of[f]) ++end;
+    visit(Parts{f, end, k.polygon_of[f]});
   }
-  std::vector<std::uint32_t> halves(member.vertex.size(), 0);
-  for (std::uint32_t e = 0; e < member.edge.size(); ++e) {
-    if (member.edge[e] != Member::kWhole) continue;
-    const std::uint32_t of = edge_in_k(k, member, e);
-    for (const std::uint32_t v : ends_of(k, member, e)) {
-      has_edge[v] = 1;
-      halves[v] += is_half(k, of);
-      if (is_half(k, of) ? !on_face[e] : !outline.inside_whole[of]) kept[v] = 1;
-    }
+}
+
+// The sides around all that a member has of a polygon, in order; false where they are not one loop without a vertex
+// that is passed twice.
+bool loop_around(const RefinedAxis& k, const Member& member, const Parts& parts, bool whole, std::vector<Side>& sides) {
+  sides.clear();
+  for (std::size_t f = parts.begin; f < parts.end; ++f)
+    if (member.face[f]) append_sides(k, member, f, sides);
+  if (whole) std::erase_if(sides, [&](const Side& side) { return !is_half(k, edge_in_k(k, member, side.edge)); });
+  std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) { return a.edge < b.edge; });
+  std::size_t count = 0;
+  for (std::size_t i = 0, next = 0; i < sides.size(); i = next) {
+    while (next < sides.size() && sides[next].edge == sides[i].edge) ++next;
+    if (sides[i].edge == kNone)
+      for (std::size_t j = i; j < next; ++j) sides[count++] = sides[j];
+    else if (next - i == 1)
+      sides[count++] = sides[i];
   }
-  for (std::uint32_t v = 0; v < kept.size(); ++v) {
-    const bool stretch_ends = halves[v] > 0 && halves[v] != 2;
-    const bool cut = v >= c.vertex_count && !outline.inside_whole[member.cut.points[v - c.vertex_count].edge];
-    kept[v] = member.vertex[v] && (v < k.original || cut || kept[v] || stretch_ends || !has_edge[v]);
+  sides.resize(count);
+  // Each side is looked up by its start, and goes to its place in the loop.
+  std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) { return a.start < b.start; });
+  for (std::size_t i = 1; i < count; ++i)
+    if (sides[i].start == sides[i - 1].start) return false;
+  std::vector<Side> loop;
+  loop.reserve(count);
+  for (std::uint32_t at = sides.empty() ? kNone : sides.front().start; loop.size() < count;) {
+    const auto side = std::lower_bound(sides.begin(), sides.end(), at,
+                                       [](const Side& a, std::uint32_t start) { return a.start < start; });
+    if (side == sides.end() || side->start != at || (!loop.empty() && at == loop.front().start)) return false;
+    loop.push_back(*side);
+    at = side->end;
   }
+  sides.swap(loop);
+  return count > 2 && sides.back().end == sides.front().start;
+}
+
+// Whether a loop passes no vertex twice as it is drawn, and at least three.
+bool is_simple_as_drawn(const std::vector<Side>& loop, const std::vector<std::uint32_t>& drawn) {
+  std::vector<std::uint32_t> places;
+  for (const Side& side : loop)
+    if (drawn[side.start] != drawn[side.end]) places.push_back(drawn[side.start]);
+  std::sort(places.begin(), places.end());
+  return places.size() > 2 && std::adjacent_find(places.begin(), places.end()) == places.end();
 }
 
 bool has_area(const RefinedAxis& k, const Vec3& origin, std::span<const std::uint32_t> corners) {
@@ -137,42 +146,117 @@ bool has_area(const RefinedAxis& k, const Vec3& origin, std::span<const std::uin
   return area.norm() > 1e-9 * size;
 }
 
-void draw_duals_at_doors(const RefinedAxis& k, const Member& member, Outline& outline) {
-  std::vector<std::uint32_t>& drawn = outline.drawn;
-  drawn.resize(member.vertex.size());
-  std::iota(drawn.begin(), drawn.end(), 0u);
-  // Region duals are written merged into their exit doors.
-  const std::uint32_t first_dual = k.nodes + k.doors, duals_end = k.complex.vertex_count;
-  for (std::uint32_t v = first_dual; v < duals_end; ++v)
-    if (const std::uint32_t e = k.exit[v]; e != kNone && member.edge[e] == Member::kWhole && member.vertex[v])
-      drawn[v] = other_end(k, e, v);
-  // Duals of curves that never burn have no exit: inside such a curve they are drawn at the door that burns last on the
-  // sheet, so that the curve does not zigzag between doors and the middles of polygons.
-  std::vector<std::uint32_t> curves(drawn.size(), 0), door(drawn.size(), kNone);
-  for (std::uint32_t e = 2 * k.doors; e < k.complex.edges.size(); ++e) {
-    const auto [a, v] = k.complex.edges[e];
-    if (!member.edge[e] || !k.curve_edge[e] || v < first_dual) continue;
-    curves[v] += member.edge[e] == Member::kWhole ? 1 : 3;  // not where the spoke is cut
-    if (door[v] == kNone || k.burn_time[a] > k.burn_time[door[v]]) door[v] = a;
-  }
-  for (std::uint32_t v = first_dual; v < duals_end; ++v)
-    if (member.vertex[v] && drawn[v] == v && curves[v] == 2) drawn[v] = door[v];
-  // But not where a part of a sheet would have no area: between doors of one side of its polygon.
-  for (std::size_t f = 0; f < k.complex.face_count(); ++f) {
-    if (!member.face[f] || outline.whole[k.polygon_of[f]]) continue;
-    const auto corners = k.complex.corners(f);
-    std::uint32_t& at = drawn[corners[0]];
-    if (at != corners[0] && !has_area(k, k.points[at], corners)) at = corners[0];
-  }
-}
+// Kept are the vertices of M, nodes inside edges and doors where anything but polygons of one face meets the edge,
+// where such a face leaves it, or where parts of the edge are missing, and vertices without any edge.
+class OutlineFinder {
+ public:
+  OutlineFinder(const RefinedAxis& k, const Member& member) : k_(k), member_(member) {}
 
-Outline outline_of(const RefinedAxis& k, const Member& member, bool parts) {
-  Outline outline;
-  find_whole_polygons(k, member, parts, outline);
-  find_kept_vertices(k, member, outline);
-  draw_duals_at_doors(k, member, outline);
-  return outline;
-}
+  Outline run(bool parts) {
+    find_whole_polygons(parts);
+    draw_duals_at_doors();
+    if (!parts) find_polygons_of_one_face();
+    find_kept_vertices();
+    return std::move(outline_);
+  }
+
+ private:
+  void find_whole_polygons(bool parts) {
+    const std::uint32_t polygons =
+        k_.polygon_of.empty() ? 0 : *std::max_element(k_.polygon_of.begin(), k_.polygon_of.end()) + 1;
+    outline_.polygon.assign(polygons, parts ? Outline::kParts : Outline::kWhole);
+    for (const std::uint32_t polygon : k_.incomplete)
+      if (polygon < polygons) outline_.polygon[polygon] = Outline::kParts;
+    for (std::size_t f = 0; f < k_.polygon_of.size(); ++f)
+      if (member_.face[f] != Member::kWhole) outline_.polygon[k_.polygon_of[f]] = Outline::kParts;
+  }
+
+  void find_polygons_of_one_face() {
+    each_polygon(k_, [&](const Parts& parts) {
+      char& polygon = outline_.polygon[parts.polygon];
+      if (polygon == Outline::kParts && loop_around(k_, member_, parts, false, sides_) &&
+          is_simple_as_drawn(sides_, outline_.drawn))
+        polygon = Outline::kOne;
+    });
+  }
+
+  void find_kept_vertices() {
+    std::vector<char>& kept = outline_.kept;
+    kept.assign(member_.vertex.size(), 0);
+    outline_.inside.assign(member_.edge.size(), 0);
+    std::vector<char> on_face(member_.edge.size(), 0), has_edge(member_.vertex.size(), 0);
+    each_polygon(k_, [&](const Parts& parts) {
+      const char polygon = outline_.polygon[parts.polygon];
+      sides_.clear();
+      for (std::size_t f = parts.begin; f < parts.end; ++f)
+        if (member_.face[f]) append_sides(k_, member_, f, sides_);
+      for (const Side& side : sides_) {
+        if (side.edge != kNone) on_face[side.edge] = 1;
+        if (polygon == Outline::kParts)
+          kept[side.start] = 1;
+        else if (side.edge != kNone && !is_half(k_, edge_in_k(k_, member_, side.edge)))
+          outline_.inside[side.edge] = 1;
+      }
+      if (polygon != Outline::kOne) return;
+      loop_around(k_, member_, parts, false, sides_);
+      for (const Side& side : sides_) {
+        if (side.edge != kNone && is_half(k_, edge_in_k(k_, member_, side.edge))) continue;
+        kept[side.start] = kept[side.end] = 1;
+        if (side.edge != kNone) outline_.inside[side.edge] = 0;
+      }
+    });
+    std::vector<std::uint32_t> halves(member_.vertex.size(), 0);
+    for (std::uint32_t e = 0; e < member_.edge.size(); ++e) {
+      if (member_.edge[e] != Member::kWhole) continue;
+      const bool half = is_half(k_, edge_in_k(k_, member_, e));
+      for (const std::uint32_t v : ends_of(k_, member_, e)) {
+        has_edge[v] = 1;
+        halves[v] += half;
+        if (half ? !on_face[e] : !outline_.inside[e]) kept[v] = 1;
+      }
+    }
+    for (std::uint32_t v = 0; v < kept.size(); ++v) {
+      const bool stretch_ends = halves[v] > 0 && halves[v] != 2;
+      kept[v] = member_.vertex[v] && (v < k_.original || kept[v] || stretch_ends || !has_edge[v]);
+    }
+  }
+
+  void draw_duals_at_doors() {
+    const RefinedAxis& k = k_;
+    const Member& member = member_;
+    std::vector<std::uint32_t>& drawn = outline_.drawn;
+    drawn.resize(member.vertex.size());
+    std::iota(drawn.begin(), drawn.end(), 0u);
+    // Region duals are written merged into their exit doors.
+    const std::uint32_t first_dual = k.nodes + k.doors, duals_end = k.complex.vertex_count;
+    for (std::uint32_t v = first_dual; v < duals_end; ++v)
+      if (const std::uint32_t e = k.exit[v]; e != kNone && member.edge[e] == Member::kWhole && member.vertex[v])
+        drawn[v] = other_end(k, e, v);
+    // Duals of curves that never burn have no exit: inside such a curve they are drawn at the door that burns last on
+    // the sheet, so that the curve does not zigzag between doors and the middles of polygons.
+    std::vector<std::uint32_t> curves(drawn.size(), 0), door(drawn.size(), kNone);
+    for (std::uint32_t e = 2 * k.doors; e < k.complex.edges.size(); ++e) {
+      const auto [a, v] = k.complex.edges[e];
+      if (!member.edge[e] || !k.curve_edge[e] || v < first_dual) continue;
+      curves[v] += member.edge[e] == Member::kWhole ? 1 : 3;  // not where the spoke is cut
+      if (door[v] == kNone || k.burn_time[a] > k.burn_time[door[v]]) door[v] = a;
+    }
+    for (std::uint32_t v = first_dual; v < duals_end; ++v)
+      if (member.vertex[v] && drawn[v] == v && curves[v] == 2) drawn[v] = door[v];
+    // But not where a part of a sheet would have no area: between doors of one side of its polygon.
+    for (std::size_t f = 0; f < k.complex.face_count(); ++f) {
+      if (!member.face[f] || outline_.polygon[k.polygon_of[f]] == Outline::kWhole) continue;
+      const auto corners = k.complex.corners(f);
+      std::uint32_t& at = drawn[corners[0]];
+      if (at != corners[0] && !has_area(k, k.points[at], corners)) at = corners[0];
+    }
+  }
+
+  const RefinedAxis& k_;
+  const Member& member_;
+  Outline outline_;
+  std::vector<Side> sides_;
+};
 
 // The cells of a skeleton, in which several edges may have the same ends.
 struct Cells {
@@ -204,7 +288,7 @@ class CellBuilder {
     add_halves();
     for (std::uint32_t e = 2 * k_.doors; e < edge_.size(); ++e) {
       const std::uint32_t of = edge_in_k(k_, member, e);
-      if (member.edge[e] != Member::kWhole || is_half(k_, of) || outline.inside_whole[of]) continue;
+      if (member.edge[e] != Member::kWhole || is_half(k_, of) || outline.inside[e]) continue;
       const std::uint32_t a = number(ends_of(k_, member, e)[0]), b = number(ends_of(k_, member, e)[1]);
       if (a != b) edge_[e] = add_edge(a, b, of, false);
     }
@@ -249,59 +333,49 @@ class CellBuilder {
   }
 
   void add_faces() {
-    const std::size_t faces = k_.complex.face_count();
-    for (std::size_t f = 0, end = 0; f < faces; f = end) {
-      while (end < faces && k_.polygon_of[end] == k_.polygon_of[f]) ++end;
-      if (outline_.whole[k_.polygon_of[f]]) {
-        add_whole_polygon(f, end);
-      } else {
-        for (std::size_t part = f; part < end; ++part)
+    each_polygon(k_, [&](const Parts& parts) {
+      const char polygon = outline_.polygon[parts.polygon];
+      if (polygon == Outline::kParts) {
+        for (std::size_t part = parts.begin; part < parts.end; ++part)
           if (member_.face[part]) add_part(part);
+      } else if (polygon == Outline::kOne || member_.face[parts.begin]) {
+        add_polygon(parts);
       }
-    }
+    });
   }
 
-  // The outline of a whole polygon: the sides of its parts that are not shared by two of them.
-  void add_whole_polygon(std::size_t begin, std::size_t end) {
+  // What is left of a polygon, as one face.
+  void add_polygon(const Parts& parts) {
     Cells::Face face{{}, {}, 0, kNever};
-    after_.clear();
-    for (std::size_t f = begin; f < end; ++f) {
+    for (std::size_t f = parts.begin; f < parts.end; ++f) {
+      if (!member_.face[f]) continue;
       face.thickness = std::max(face.thickness, k_.face_thickness[f]);
       face.level = std::min(face.level, family_.face_sheet_level[f]);
-      const auto corners = k_.complex.corners(f);
-      const auto sides = k_.complex.sides(f);
-      for (std::size_t i = 0; i < corners.size(); ++i)
-        if (is_half(k_, sides[i]))
-          walk(k_, member_, sides[i], corners[i], [&](std::uint32_t start, std::uint32_t stop, std::uint32_t e) {
-            after_.push_back({start, stop, e});
-          });
     }
-    std::sort(after_.begin(), after_.end());
-    std::uint32_t at = after_.front()[0];
-    for (std::size_t step = 0; step < after_.size(); ++step) {
-      const auto [from, to, half] =
-          *std::lower_bound(after_.begin(), after_.end(), std::array<std::uint32_t, 3>{at, 0, 0});
-      if (outline_.kept[from]) {
-        face.corners.push_back(number(from));
-        face.sides.push_back(edge_[half]);
-      }
-      at = to;
-    }
+    loop_around(k_, member_, parts, outline_.polygon[parts.polygon] == Outline::kWhole, sides_);
+    add_corners(face);
     cells_.faces.push_back(std::move(face));
   }
 
-  void add_part(std::size_t f) {
-    Cells::Face face{{}, {}, k_.face_thickness[f], family_.face_sheet_level[f]};
-    sides_of(k_, member_, f, sides_);
+  // The corners and sides of a face from `sides_`.
+  void add_corners(Cells::Face& face) {
     for (const Side& side : sides_) {
+      if (!outline_.kept[side.start]) continue;
       if (side.edge == kNone) {
         face.corners.push_back(number(side.start));
-        face.sides.push_back(add_edge(number(side.start), number(sides_.front().start), kNone, false));
+        face.sides.push_back(add_edge(number(side.start), number(side.end), kNone, false));
       } else if (edge_[side.edge] != kNone) {  // else its ends are written as one vertex
         face.corners.push_back(number(side.start));
         face.sides.push_back(edge_[side.edge]);
       }
     }
+  }
+
+  void add_part(std::size_t f) {
+    Cells::Face face{{}, {}, k_.face_thickness[f], family_.face_sheet_level[f]};
+    sides_.clear();
+    append_sides(k_, member_, f, sides_);
+    add_corners(face);
     std::vector<std::uint32_t> sorted = face.corners;
     std::sort(sorted.begin(), sorted.end());
     if (std::adjacent_find(sorted.begin(), sorted.end()) == sorted.end()) {
@@ -329,7 +403,6 @@ class CellBuilder {
   std::vector<std::uint32_t> number_;  // per vertex of K; kNone where it has none (yet)
   std::vector<std::uint32_t> edge_;    // per edge of K: the written edge it is, or is a stretch of
   Cells cells_;
-  std::vector<std::array<std::uint32_t, 3>> after_;  // halves around a whole polygon: from, to, half
   std::vector<Side> sides_;
 };
 
@@ -368,32 +441,24 @@ void fill_vertices(const RefinedAxis& k, const Member& member, const Outline& ou
     }
     for (const auto& [a, b] : halved) values.push_back(between(values[a], values[b], 0.5));
   };
-  const auto linear = [](double a, double b, double t) { return a == b ? a : (1 - t) * a + t * b; };
+  // Only what burns is cut, up to where it meets what does not.
+  const auto linear = [](double a, double b, double t) {
+    if (std::isinf(a) || std::isinf(b)) return std::min(a, b);
+    return (1 - t) * a + t * b;
+  };
   fill(out.points, k.points, [](const Vec3& a, const Vec3& b, double t) -> Vec3 { return (1 - t) * a + t * b; });
   fill(out.radius, k.radius, linear);
+  for (std::size_t i = 0; i < cells.vertices.size(); ++i) {
+    if (cells.vertices[i] < k.complex.vertex_count) continue;
+    const SheetCut::Point& point = member.cut.points[cells.vertices[i] - k.complex.vertex_count];
+    const std::uint32_t a = outline.drawn[k.complex.edges[point.edge][0]],
+                        b = outline.drawn[k.complex.edges[point.edge][1]];
+    out.radius[i] =
+        radius_inside_edge(k.radius[a], k.radius[b], (k.points[a] - k.points[b]).norm(), point.along, k.radius_rule);
+  }
   fill(out.burn_time, k.burn_time, linear);
   fill(out.curve_burn_time, k.curve_burn_time, linear);
   fill(out.on_curve, k.curve_vertex, [](char a, char b, double) { return a && b; });
-}
-
-// Faces that are joined over edges of exactly two, numbered in the order of their first faces.
-std::vector<std::int32_t> sheets_of(const CellComplex& complex) {
-  const auto faces = static_cast<std::uint32_t>(complex.face_count());
-  std::vector<base::Cofaces> at(complex.edges.size(), base::Cofaces{});
-  for (std::uint32_t f = 0; f < faces; ++f)
-    for (const std::uint32_t e : complex.sides(f)) at[e].add(f);
-  base::UnionFind sets(faces);
-  for (std::uint32_t f = 0; f < faces; ++f)
-    for (const std::uint32_t e : complex.sides(f)) {
-      if (at[e].count() != 2) continue;
-      base::Cofaces other = at[e];
-      other.remove(f);
-      sets.unite(f, other.only());
-    }
-  std::vector<std::int32_t> sheet(faces);
-  std::int32_t next = 0;
-  for (std::uint32_t f = 0; f < faces; ++f) sheet[f] = sets.find(f) == f ? next++ : sheet[sets.find(f)];
-  return sheet;
 }
 
 Skeleton skeleton_of(const RefinedAxis& k, const Member& member, const Outline& outline, const Cells& cells) {
@@ -424,7 +489,7 @@ Skeleton skeleton_of(const RefinedAxis& k, const Member& member, const Outline& 
   }
   out.complex =
       make_complex(static_cast<std::uint32_t>(out.points.size()), edges, std::move(offsets), std::move(corners));
-  out.face_sheet = sheets_of(out.complex);
+  out.face_sheet = structure_of(out.complex).face_sheet;
   const auto& sorted = out.complex.edges;
   out.edge_thickness.assign(sorted.size(), kNotACurve);
   out.edge_level.assign(sorted.size(), kNotACurve);
@@ -449,12 +514,13 @@ Skeleton extract(const SkeletonFamily& family, double theta2, double theta1, con
                 "theta2, theta1 or from where a skeleton grows back is below the floor of its family");
   const RefinedAxis& k = family.refined;
   const Member member = skeleton::member_of(family, theta2, theta1, options);
-  const Outline outline = outline_of(k, member, options.parts);
+  const Outline outline = OutlineFinder(k, member).run(options.parts);
   Skeleton skeleton = skeleton_of(k, member, outline, CellBuilder(family, member, outline).take());
   skeleton.theta2 = theta2;
   skeleton.theta1 = theta1;
   skeleton.theta1_radii = options.theta1_radii;
   skeleton.full_tips = options.regrow_tips_above < kNever;
+  skeleton.rims_above = options.regrow_rims_above;
   return skeleton;
 }
 

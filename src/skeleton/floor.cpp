@@ -91,7 +91,6 @@ class Compaction {
     compact(k_.curve_vertex, stays);
     compact(k_.curve_burn_time, stays);
     compact(k_.medial_point, stays);
-    compact(k_.fire_goes_on, stays);
     for (std::uint32_t& e : k_.exit)
       if (e != kNone) e = edge_[e];
     compact(k_.exit, stays);

@@ -25,12 +25,14 @@ class CurvesOf {
   bool is_curve(std::uint32_t e) const { return k_.curve_edge[in_k(e)]; }
   double thickness(std::uint32_t e) const { return family_.thickness_of(in_k(e)); }
   double level(std::uint32_t e) const { return family_.level_of(in_k(e)); }
-  double thickness_in_burn_times(std::uint32_t e) const {
+  /// ET_MC over burn time.
+  double ratio(std::uint32_t e) const {
     const auto [a, b] = k_.complex.edges[in_k(e)];
     return thickness(e) / std::max(k_.burn_time[a], k_.burn_time[b]);
   }
   bool is_medial_point(std::uint32_t v) const { return v < k_.complex.vertex_count && k_.medial_point[v]; }
-  bool fire_goes_on(std::uint32_t v) const { return v >= k_.complex.vertex_count || k_.fire_goes_on[v]; }
+  /// As RefinedAxis::exit; of edges that are not cut.
+  std::uint32_t exit(std::uint32_t v) const { return v < k_.complex.vertex_count ? k_.exit[v] : kNone; }
 
  private:
   std::uint32_t in_k(std::uint32_t e) const { return e < edges_ ? e : member_.cut.pieces[e - edges_].edge; }
@@ -41,46 +43,85 @@ class CurvesOf {
   std::size_t edges_;
 };
 
-// Per curve edge that free ends lead to: ET_MC over burn time where the course of its fire ends. `left` are all curves
-// of a member.
-class SticksOut {
- public:
-  SticksOut(const CurvesOf& curves, base::GraphPeeler left, const std::vector<char>& on_sheet, std::size_t edges)
-      : ratio_(edges, 0) {
-    std::vector<Step> burned;  // outwards in
-    left.peel(
-        [&](std::uint32_t e) -> const auto& { return curves.ends(e); },
-        [&](std::uint32_t v, std::uint32_t e) {
-          return !on_sheet[v] && !curves.is_medial_point(v) && curves.is_curve(e);
-        },
-        [&](std::uint32_t v, std::uint32_t e) {
-          burned.push_back({v, e});
-        });
-    std::vector<double> onward(on_sheet.size(), kNever);  // of the edge over which the vertex burned on
-    std::vector<char> burns(on_sheet.size(), 0);
-    for (auto step = burned.rbegin(); step != burned.rend(); ++step) {
-      const auto [v, e] = *step;
-      const std::uint32_t next = curves.other_end(e, v);
-      const bool same = burns[next] && curves.fire_goes_on(v);
-      onward[v] = ratio_[e] = same ? onward[next] : std::min(onward[next], curves.thickness_in_burn_times(e));
-      burns[v] = 1;
-    }
-  }
-  double operator()(std::uint32_t e) const { return ratio_[e]; }
-
- private:
+// Per curve edge that a free end leads to: the smallest ratio on the way from it to what has no free end. `left` are
+// all curves of a member.
+std::vector<double> least_ratios(const CurvesOf& curves, base::GraphPeeler left, const std::vector<char>& on_sheet,
+                                 std::size_t edges) {
   struct Step {
     std::uint32_t vertex, edge;
   };
-  std::vector<double> ratio_;
+  std::vector<Step> inwards;
+  left.peel(
+      [&](std::uint32_t e) -> const auto& { return curves.ends(e); },
+      [&](std::uint32_t v, std::uint32_t e) {
+        return !on_sheet[v] && !curves.is_medial_point(v) && curves.is_curve(e);
+      },
+      [&](std::uint32_t v, std::uint32_t e) {
+        inwards.push_back({v, e});
+      });
+  std::vector<double> least(edges, kNever), from(on_sheet.size(), kNever);
+  for (auto step = inwards.rbegin(); step != inwards.rend(); ++step)
+    least[step->edge] = from[step->vertex] =
+        std::min(from[curves.other_end(step->edge, step->vertex)], curves.ratio(step->edge));
+  return least;
+}
+
+// What free ends of curves grow back along.
+class Tips {
+ public:
+  Tips(const CurvesOf& curves, const Member& member, double radii, double from_thickness)
+      : curves_(curves), radii_(radii), from_thickness_(from_thickness) {
+    const auto edges = static_cast<std::uint32_t>(member.edge.size());
+    pruned_ = base::Csr<std::uint32_t>::group(member.vertex.size(), [&](const auto& emit) {
+      for (std::uint32_t e = 0; e < edges; ++e)
+        if (member.edge[e] == Member::kNo && curves_.is_curve(e))
+          for (const std::uint32_t v : curves_.ends(e)) emit(v, e);
+    });
+  }
+
+  // What sticks out again behind a part that does not is pruned because that part is thick: the tip then ends where it
+  // sticks out least, in the middle of that part.
+  std::vector<std::uint32_t> at(std::uint32_t v) const {
+    std::vector<std::uint32_t> path;
+    std::size_t to_least = 0;
+    double least = kNever;
+    for (;;) {
+      const std::uint32_t e = next(v, path.empty() ? kNone : path.back());
+      if (e == kNone) return path;
+      const double ratio = curves_.ratio(e);
+      if (least < radii_ && ratio >= radii_) break;
+      path.push_back(e);
+      if (ratio < least) {
+        least = ratio;
+        to_least = path.size();
+      }
+      v = curves_.other_end(e, v);
+    }
+    path.resize(to_least);
+    return path;
+  }
+
+ private:
+  // The pruned edge at a vertex that would have stayed longest; ties: the smaller index.
+  std::uint32_t next(std::uint32_t v, std::uint32_t from) const {
+    std::uint32_t best = kNone;
+    for (const std::uint32_t e : pruned_[v])
+      if (e != from && curves_.thickness(e) >= from_thickness_ &&
+          (best == kNone || curves_.level(e) > curves_.level(best)))
+        best = e;
+    return best;
+  }
+
+  const CurvesOf& curves_;
+  double radii_, from_thickness_;
+  base::Csr<std::uint32_t> pruned_;
 };
 
 // Prunes the curves of a member, and lets their ends grow back.
 class CurvePruning {
  public:
   CurvePruning(const SkeletonFamily& family, Sheets& sheets)
-      : k_(family.refined),
-        member_(sheets.member),
+      : member_(sheets.member),
         curves_(family, member_),
         on_sheet_(member_.vertex.size(), 0),
         left_(member_.vertex.size()) {
@@ -101,8 +142,8 @@ class CurvePruning {
     const auto is_thick = [&](std::uint32_t e) { return curves_.thickness(e) >= theta1; };
     if (radii > 0) {
       peel([](std::uint32_t) { return true; });
-      const SticksOut sticks_out(curves_, left_, on_sheet_, member_.edge.size());
-      peel([&](std::uint32_t e) { return is_thick(e) && sticks_out(e) >= radii; });
+      const std::vector<double> least = least_ratios(curves_, left_, on_sheet_, member_.edge.size());
+      peel([&](std::uint32_t e) { return is_thick(e) && least[e] >= radii; });
     } else {
       peel(is_thick);
     }
@@ -110,24 +151,19 @@ class CurvePruning {
 
   // Lets the free ends of curves grow back along curves that were pruned. What grows back is a path that begins at a
   // free end, so topology does not change.
-  void grow_tips(double from_thickness) {
-    const auto edges = static_cast<std::uint32_t>(member_.edge.size());
-    const auto pruned = base::Csr<std::uint32_t>::group(member_.vertex.size(), [&](const auto& emit) {
-      for (std::uint32_t e = 2 * k_.doors; e < edges; ++e)
-        if (curves_.is_curve(e) && member_.edge[e] == Member::kNo)
-          for (const std::uint32_t v : curves_.ends(e)) emit(v, e);
-    });
+  void grow_tips(double radii, double from_thickness) {
+    const Tips tips(curves_, member_, radii, from_thickness);
     for (std::uint32_t end = 0; end < left_.vertex_count(); ++end) {
       if (!left_.edges_at(end).single() || on_sheet_[end] || !member_.vertex[end]) continue;
-      for (std::uint32_t v = end;;) {
-        std::uint32_t best = kNone;  // ties: the smaller index
-        for (const std::uint32_t e : pruned[v]) {
-          if (member_.edge[e] || curves_.thickness(e) < from_thickness) continue;
-          if (best == kNone || curves_.level(e) > curves_.level(best)) best = e;
-        }
-        if (best == kNone) break;
-        member_.edge[best] = Member::kWhole;
-        v = curves_.other_end(best, v);
+      // An end that is drawn where its only edge leads is none there unless that is on the way of one curve.
+      if (const std::uint32_t e = left_.edges_at(end).only(); curves_.exit(end) == e) {
+        const std::uint32_t drawn = curves_.other_end(e, end);
+        if (on_sheet_[drawn] || left_.edges_at(drawn).count() != 2) continue;
+      }
+      std::uint32_t v = end;
+      for (const std::uint32_t e : tips.at(end)) {
+        member_.edge[e] = Member::kWhole;
+        v = curves_.other_end(e, v);
         member_.vertex[v] = 1;
       }
     }
@@ -146,7 +182,6 @@ class CurvePruning {
   }
 
   const RefinedAxis& k_;
-  Member& member_;
   CurvesOf curves_;
   std::vector<char> on_sheet_;
   base::GraphPeeler left_;
@@ -158,7 +193,7 @@ Member member_of(const SkeletonFamily& family, double theta2, double theta1, con
   Sheets sheets = sheets_above(family, theta2, options.regrow_rims_above, options.minor_curve);
   CurvePruning curves(family, sheets);
   curves.prune(theta1, options.theta1_radii);
-  if (options.regrow_tips_above < kNever) curves.grow_tips(options.regrow_tips_above);
+  if (options.regrow_tips_above < kNever) curves.grow_tips(options.theta1_radii, options.regrow_tips_above);
   return std::move(sheets.member);
 }
 

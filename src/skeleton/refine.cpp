@@ -254,6 +254,7 @@ class Refinement {
   Refinement(const BurnedAxis& axis, const Burning& burning) : axis_(axis), vertex_time_(burning.burn_time) {}
 
   RefinedAxis run(Context* context) {
+    out_.radius_rule = axis_.rule;
     number_doors();
     kept_ = skeleton::kept_nodes(axis_);
     checkpoint(context, "curves", 0.1);

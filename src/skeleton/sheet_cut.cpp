@@ -137,8 +137,9 @@ class SheetCutter {
   double slope(std::size_t begin, std::size_t end) const {
     const auto each = [&](const auto& visit) {
       for (std::size_t f = begin; f < end; ++f)
-        for (const std::uint32_t v : k_.complex.corners(f))
-          if (v < k_.nodes) visit(v);
+        if (family_.face_sheet_level[f] >= cut_at_)
+          for (const std::uint32_t v : k_.complex.corners(f))
+            if (v < k_.nodes) visit(v);
     };
     Vec3 middle = Vec3::Zero();
     double radius = 0, count = 0;
@@ -147,6 +148,7 @@ class SheetCutter {
       radius += k_.radius[v];
       ++count;
     });
+    if (count == 0) return 0;
     middle /= count;
     radius /= count;
     Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();

@@ -7,6 +7,7 @@
 #include "base/constants.h"
 #include "base/union_find.h"
 #include "quench/skeleton.h"
+#include "quench/structure.h"
 #include "record/infinite.h"
 
 namespace quench {
@@ -133,6 +134,10 @@ Record to_record(const Skeleton& s) {
   data.point_data.push_back({"curve_burn_time", 1, record::finite(curve_time)});
   data.point_data.push_back({"curve_erosion_thickness", 1, record::finite(curve_et)});
   data.point_data.push_back({"curve_unburned", 1, record::flags_of_infinite(curve_et)});
+  const Structure structure = structure_of(c);
+  data.point_data.push_back({"seam", 1, structure.vertex_seam});
+  data.point_data.push_back(
+      {"junction", 1, std::vector<std::uint8_t>(structure.junction.begin(), structure.junction.end())});
   data.cell_data.push_back({"kind", 1, std::move(kind)});
   data.cell_data.push_back({"component", 1, std::move(cell_component)});
   if (!s.edge_branch.empty()) {

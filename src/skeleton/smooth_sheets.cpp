@@ -2,6 +2,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <vector>
 
 #include "base/cofaces.h"
@@ -38,7 +39,12 @@ class SheetSmoother {
     smooth_borders(EdgeKind::rim);
     smooth_borders(EdgeKind::seam);
     smooth_insides();
-    for (std::size_t v = 0; v < moved_.size(); ++v) s_.points[v] = moved_[v];
+    take_back_folds();
+    for (std::size_t v = 0; v < moved_.size(); ++v) {
+      s_.radius[v] -= (moved_[v] - s_.points[v]).norm();  // half of it at most
+      s_.points[v] = moved_[v];
+    }
+    s_.smooth = how_.passes;
   }
 
  private:
@@ -162,6 +168,42 @@ class SheetSmoother {
       });
       moved_.swap(next);
     }
+  }
+
+  // Polygons that can be seen whole from their middle can be so afterwards: where one could not, its corners go half of
+  // their way back, in the end all of it.
+  void take_back_folds() {
+    std::vector<std::uint32_t> open(c_.face_count());
+    std::iota(open.begin(), open.end(), 0u);
+    std::erase_if(open, [&](std::uint32_t f) { return is_folded(f, s_.points); });
+    std::vector<std::uint32_t> check = open;
+    constexpr int kHalvings = 4;
+    for (int round = 0; !check.empty(); ++round) {
+      std::vector<char> back(c_.vertex_count, 0);
+      for (const std::uint32_t f : check)
+        if (is_folded(f, moved_))
+          for (const std::uint32_t v : c_.corners(f)) back[v] = moved_[v] != s_.points[v];
+      for (std::size_t v = 0; v < back.size(); ++v)
+        if (back[v]) moved_[v] = round < kHalvings ? Vec3(0.5 * (moved_[v] + s_.points[v])) : s_.points[v];
+      check = open;
+      std::erase_if(check, [&](std::uint32_t f) {
+        const auto corners = c_.corners(f);
+        return std::none_of(corners.begin(), corners.end(), [&](std::uint32_t v) { return back[v]; });
+      });
+    }
+  }
+  bool is_folded(std::uint32_t f, const std::vector<Vec3>& at) const {
+    const auto corners = c_.corners(f);
+    const std::size_t n = corners.size();
+    Vec3 middle = Vec3::Zero(), normal = Vec3::Zero();
+    for (const std::uint32_t v : corners) middle += at[v] / static_cast<double>(n);
+    const auto piece = [&](std::size_t i) -> Vec3 {
+      return (at[corners[i]] - middle).cross(at[corners[i + 1 == n ? 0 : i + 1]] - middle);
+    };
+    for (std::size_t i = 0; i < n; ++i) normal += piece(i);
+    for (std::size_t i = 0; i < n; ++i)
+      if (!(normal.dot(piece(i)) > 0)) return true;
+    return false;
   }
 
   void move(std::uint32_t v, const Vec3& to) { moved_[v] = bounded(v, to); }

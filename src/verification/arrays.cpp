@@ -38,15 +38,27 @@ struct Known {
 };
 
 const std::vector<const char*>& known_point_arrays() {
-  static const std::vector<const char*> names{"radius",          "voxel_radius",   "lambda",
-                                              "object_angle",    "cap_height",     "detail",
-                                              "burn_time",       "unburned",       "erosion_thickness",
-                                              "curve_burn_time", "curve_unburned", "curve_erosion_thickness"};
+  static const std::vector<const char*> names{"radius",
+                                              "voxel_radius",
+                                              "lambda",
+                                              "object_angle",
+                                              "cap_height",
+                                              "detail",
+                                              "burn_time",
+                                              "unburned",
+                                              "erosion_thickness",
+                                              "curve_burn_time",
+                                              "curve_unburned",
+                                              "curve_erosion_thickness",
+                                              "seam",
+                                              "junction"};
   return names;
 }
 const std::vector<const char*>& known_cell_arrays() {
   static const std::vector<const char*> names{"kind",
                                               "component",
+                                              "branch",
+                                              "sheet",
                                               "lambda",
                                               "site_a",
                                               "site_b",
@@ -62,32 +74,36 @@ const std::vector<const char*>& known_cell_arrays() {
   return names;
 }
 const std::vector<Known>& known_field_numbers() {
-  static const std::vector<Known> arrays{{"sites", 0, {}, kNothingToCompare},
-                                         {"dims", 3, {}, kNothingToCompare},
-                                         {"spacing", 3, {}, kNothingToCompare},
-                                         {"origin", 3, {}, kNothingToCompare},
-                                         {"direction", 9, {}, kNothingToCompare},
-                                         {"lambda", 1, {}, kOfTheAxis},
-                                         {"lambda_chosen", 1, {}, kOfTheChoice},
-                                         {"detail", 1, {}, kOfTheAxis},
-                                         {"detail_chosen", 1, {}, kOfTheChoice},
-                                         {"coverage", 1, {}, kNothingToCompare},
-                                         {"longest_side", 1, {}, kShapeOnly},
-                                         {"reconstructed", 1, {}, kNothingToCompare},
-                                         {"euler", 1, {}, kNothingToCompare},
-                                         {"betti", 3, {}, kNothingToCompare},
-                                         {"omega", 1, {}, kOfTheAxis},
-                                         {"burn_nodes", 1, {}, kOfTheAxis},
-                                         {"max_burn_time", 1, {}, kNothingToCompare},
-                                         {"theta2", 1, {}, "only bounds are checked: levels are of the medial axis"},
-                                         {"theta1", 1, {}, "only bounds are checked: levels are of the medial axis"},
-                                         {"sequence_steps", 0, {}, kSequence},
-                                         {"sequence_parents", 0, {}, kSequence},
-                                         {"sequence_order", 0, {}, kSequence},
-                                         {"sequence_large", 0, {}, kSequence},
-                                         {"sequence_step", 1, {}, kSequence},
-                                         {"sequence_of", 2, {}, kSequence},
-                                         {"format_version", 1, {}, kNothingToCompare}};
+  static const std::vector<Known> arrays{
+      {"sites", 0, {}, kNothingToCompare},
+      {"dims", 3, {}, kNothingToCompare},
+      {"spacing", 3, {}, kNothingToCompare},
+      {"origin", 3, {}, kNothingToCompare},
+      {"direction", 9, {}, kNothingToCompare},
+      {"lambda", 1, {}, kOfTheAxis},
+      {"lambda_chosen", 1, {}, kOfTheChoice},
+      {"detail", 1, {}, kOfTheAxis},
+      {"detail_chosen", 1, {}, kOfTheChoice},
+      {"coverage", 1, {}, kNothingToCompare},
+      {"longest_side", 1, {}, kShapeOnly},
+      {"reconstructed", 1, {}, kNothingToCompare},
+      {"euler", 1, {}, kNothingToCompare},
+      {"betti", 3, {}, kNothingToCompare},
+      {"omega", 1, {}, kOfTheAxis},
+      {"burn_nodes", 1, {}, kOfTheAxis},
+      {"max_burn_time", 1, {}, kNothingToCompare},
+      {"theta2", 1, {}, "only bounds are checked: levels are of the medial axis"},
+      {"theta1", 1, {}, "only bounds are checked: levels are of the medial axis"},
+      {"smooth", 1, {}, kTold},
+      {"rims_above", 1, {}, "only bounds are checked: levels are of the medial axis"},
+      {"theta1_radii", 1, {}, "only bounds are checked: fires end on the medial axis"},
+      {"sequence_steps", 0, {}, kSequence},
+      {"sequence_parents", 0, {}, kSequence},
+      {"sequence_order", 0, {}, kSequence},
+      {"sequence_large", 0, {}, kSequence},
+      {"sequence_step", 1, {}, kSequence},
+      {"sequence_of", 2, {}, kSequence},
+      {"format_version", 1, {}, kNothingToCompare}};
   return arrays;
 }
 const std::vector<Known>& known_field_texts() {
@@ -96,6 +112,7 @@ const std::vector<Known>& known_field_texts() {
                                          {"propagation", 1, {"segments", "nodes"}, kTold},
                                          {"radius_rule", 1, {"exact", "linear"}, kTold},
                                          {"surface", 1, {"mesh", "grey", "smooth"}, kNoSurface},
+                                         {"tips", 1, {"full", "pruned"}, kTold},
                                          {"units", 1, {}, kTold},
                                          {"SPACE", 1, {}, kTold},
                                          {"parameters", 1, {}, "the shape was made with them"},

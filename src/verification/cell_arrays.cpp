@@ -85,6 +85,72 @@ std::vector<std::uint32_t> components(const CellComplex& complex) {
   return number;
 }
 
+namespace {
+
+// Per face the number of its sheet, by walking from face to face over edges of two.
+std::vector<double> sheets(const Result& result) {
+  const CellComplex& c = result.complex;
+  std::vector<std::vector<std::uint32_t>> faces_at(c.edges.size());
+  for (std::uint32_t f = 0; f < c.face_count(); ++f)
+    for (const std::uint32_t e : c.sides(f)) faces_at[e].push_back(f);
+  std::vector<double> number(c.face_count(), -1);
+  double next = 0;
+  for (std::uint32_t first = 0; first < c.face_count(); ++first) {
+    if (number[first] >= 0) continue;
+    number[first] = next;
+    std::vector<std::uint32_t> walk{first};
+    while (!walk.empty()) {
+      const std::uint32_t f = walk.back();
+      walk.pop_back();
+      for (const std::uint32_t e : c.sides(f)) {
+        if (faces_at[e].size() != 2) continue;
+        for (const std::uint32_t g : faces_at[e])
+          if (number[g] < 0) {
+            number[g] = next;
+            walk.push_back(g);
+          }
+      }
+    }
+    ++next;
+  }
+  return number;
+}
+
+std::string wrong_sheet(const Result& result, const std::vector<double>& sheet) {
+  const std::vector<double> expected = sheets(result);
+  const std::size_t first = result.data.cell_count() - result.complex.face_count();
+  for (std::size_t row = 0; row < sheet.size(); ++row)
+    if (const double is = row < first ? -1 : expected[row - first]; sheet[row] != is)
+      return fmt::format("cell {} has sheet {:.9g}; it is {:.9g}", row, sheet[row], is);
+  return {};
+}
+
+// Where seams, edges of three polygons or more, run on, meet or end. Whether the numbers of seams are those along them
+// is seen edge by edge.
+std::string wrong_seam(const Result& result, const std::vector<double>& seam, const std::vector<double>& junction) {
+  const CellComplex& c = result.complex;
+  std::vector<std::uint32_t> seams_at(c.vertex_count, 0);
+  const auto is_seam = [&](std::uint32_t e) { return result.edge_faces_count[e] > 2; };
+  for (std::uint32_t e = 0; e < c.edges.size(); ++e)
+    if (is_seam(e))
+      for (const std::uint32_t v : c.edges[e]) ++seams_at[v];
+  for (std::uint32_t v = 0; v < c.vertex_count; ++v) {
+    const std::size_t row = result.rows[v];
+    if ((seam[row] >= 0) != (seams_at[v] == 2) || (junction[row] != 0) != (seams_at[v] != 0 && seams_at[v] != 2))
+      return fmt::format("{} has seam {:.9g} and junction {:.9g}, and {} edges of seams", result.describe_vertex(v),
+                         seam[row], junction[row], seams_at[v]);
+  }
+  for (std::uint32_t e = 0; e < c.edges.size(); ++e) {
+    const auto [a, b] = c.edges[e];
+    if (is_seam(e) && seams_at[a] == 2 && seams_at[b] == 2 && seam[result.rows[a]] != seam[result.rows[b]])
+      return fmt::format("{} and its neighbour along a seam have seams {:.9g} and {:.9g}", result.describe_vertex(a),
+                         seam[result.rows[a]], seam[result.rows[b]]);
+  }
+  return {};
+}
+
+}  // namespace
+
 Check check_kinds(const Result& result) {
   const std::string name = "kinds and components";
   const std::vector<double> kind = numbers_or_empty(result.data.cell_data, "kind"),
@@ -99,6 +165,18 @@ Check check_kinds(const Result& result) {
   if (find_array(result.data.cell_data, "component")) {
     if (std::string wrong = wrong_component(result, component); !wrong.empty()) return failed(name, std::move(wrong));
     cover(check, "cell component");
+  }
+  if (find_array(result.data.cell_data, "sheet")) {
+    const std::vector<double> sheet = numbers_or_empty(result.data.cell_data, "sheet");
+    if (std::string wrong = wrong_sheet(result, sheet); !wrong.empty()) return failed(name, std::move(wrong));
+    cover(check, "cell sheet");
+  }
+  const std::vector<double> seam = numbers_or_empty(result.data.point_data, "seam"),
+                            junction = numbers_or_empty(result.data.point_data, "junction");
+  if (!seam.empty() && seam.size() == junction.size()) {
+    if (std::string wrong = wrong_seam(result, seam, junction); !wrong.empty()) return failed(name, std::move(wrong));
+    cover(check, "point seam");
+    cover(check, "point junction");
   }
   if (check.arrays.empty()) return not_checked(name, "no array 'kind' or 'component'");
   check.detail = fmt::format("{} cells as their complex gives them", result.data.cell_count());

@@ -109,6 +109,11 @@ Check check_burning(const Result& result);
 /// The arrays of the burn sequence: with the polygons and links they are about, and with `burn_time`.
 Check check_burn_sequence(const Result& result);
 bool has_burn_sequence(const Record& data);
+/// Per vertex, whether it may lie off the axis in a skeleton: on the way of a branch, or on a sheet that was smoothed.
+std::vector<char> smoothed_vertices(const Result& result);
+/// Why a free branch should have been pruned, or nothing. `curve_thickness`: per row of cell arrays.
+std::string wrong_free_branch(const Result& result, double theta1, const std::vector<double>& curve_thickness);
+Check check_branches(const Result& result);
 /// Levels and thickness of the cells of a skeleton: bounds, and what holds in every skeleton.
 Check check_skeleton_levels(const Result& result);
 

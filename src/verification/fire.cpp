@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 #include "verification/checks.h"
 
@@ -266,13 +265,17 @@ Check check_skeleton_levels(const Result& result) {
                                     row, sheet[row], curve[row], thickness[row], curve_thickness[row], what));
   };
   constexpr double kInfinite = kInfiniteLevelInFiles;
+  // Sheets may have grown back below theta2.
+  const std::vector<double> rims = numbers_or_empty(result.data.field_data, "rims_above");
+  const double least_level = rims.size() == 1 ? std::min(theta2[0], rims[0]) : theta2[0];
+  const std::string below = fmt::format("its sheet_level is below {:.9g}", least_level);
   for (std::size_t row = 0; row < rows; ++row) {
     if (!(thickness[row] >= 0 && curve_thickness[row] >= 0 && sheet[row] >= 0 && curve[row] >= 0 &&
           sheet[row] <= kInfinite && curve[row] <= kInfinite))
       return wrong(row, "they are not negative, and 3.4e38 stands for infinity");
     if (row >= face_row) {
       if (curve[row] != kInfinite || curve_thickness[row] != 0) return wrong(row, "polygons have none of curves");
-      if (!(sheet[row] >= theta2[0] * (1 - 1e-9))) return wrong(row, "its sheet_level is below theta2");
+      if (!(sheet[row] >= least_level * (1 - 1e-9))) return wrong(row, below.c_str());
       continue;
     }
     if (sheet[row] != kInfinite || thickness[row] != 0) return wrong(row, "only polygons have those of sheets");
@@ -284,19 +287,12 @@ Check check_skeleton_levels(const Result& result) {
     if (curve_thickness[row] < most && !(curve[row] >= curve_thickness[row] * (1 - 1e-9)))
       return wrong(row, "a curve stays at least as long as its thickness");
   }
-  // Free ends of curves below theta1 are pruned, but for the point of each component that burns last.
-  std::map<std::uint32_t, std::size_t> free_ends;  // by component
-  const std::vector<std::uint32_t> component = components(result.complex);
-  for (std::size_t row = line_row; row < face_row; ++row) {
-    const std::uint32_t e = result.line_edges[row - line_row];
-    const auto& ends = result.complex.edges[e];
-    const bool is_free =
-        std::any_of(ends.begin(), ends.end(), [&](std::uint32_t v) { return result.vertex_edges[v].size() == 1; });
-    if (is_free && curve_thickness[row] < theta1[0] * (1 - 1e-9) && ++free_ends[component[ends[0]]] > 1)
-      return wrong(row, "it is a free end below theta1");
-  }
+  if (std::string free = wrong_free_branch(result, theta1[0], curve_thickness); !free.empty())
+    return failed(name, std::move(free));
   Check check{name, true, {}, {}};
-  check.detail = fmt::format("no polygon below theta2 {:.9g}, no free curve below theta1 {:.9g}", theta2[0], theta1[0]);
+  check.detail =
+      fmt::format("no polygon below {} {:.9g}, no free curve below theta1 {:.9g}",
+                  least_level < theta2[0] ? "the level from which rims grew back," : "theta2", least_level, theta1[0]);
   return check;
 }
 

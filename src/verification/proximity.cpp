@@ -96,10 +96,17 @@ Check check_proximity(const Result& result, std::size_t samples, Context* contex
   const CellComplex& complex = result.complex;
   const std::size_t share = std::max<std::size_t>(1, samples / 3);
   std::vector<Vec3> points;
-  for (std::uint32_t v : sample(result.rows.size(), share)) points.push_back(result.scaled[v]);
+  const std::vector<char> smoothed = smoothed_vertices(result);  // these may be off the axis
+  for (std::uint32_t v : sample(result.rows.size(), share))
+    if (!smoothed[v]) points.push_back(result.scaled[v]);
   for (std::uint32_t e : sample(complex.edges.size(), share))
-    points.push_back((result.scaled[complex.edges[e][0]] + result.scaled[complex.edges[e][1]]) / 2);
-  for (std::uint32_t f : sample(complex.face_count(), share)) points.push_back(result.centroid(f));
+    if (!smoothed[complex.edges[e][0]] && !smoothed[complex.edges[e][1]])
+      points.push_back((result.scaled[complex.edges[e][0]] + result.scaled[complex.edges[e][1]]) / 2);
+  for (std::uint32_t f : sample(complex.face_count(), share)) {
+    const auto corners = complex.corners(f);
+    if (std::none_of(corners.begin(), corners.end(), [&](std::uint32_t v) { return smoothed[v]; }))
+      points.push_back(result.centroid(f));
+  }
 
   const Bvh faces(boundary_faces(result.shape, result.scale));
   std::atomic<std::size_t> skipped{0};

@@ -130,6 +130,7 @@ Certificate examine(const VoxelShape& shape, const Record& data, const VerifyOpt
   add(check_burning(result));
   if (has_burn_sequence(data)) add(check_burn_sequence(result));
   add(check_skeleton_levels(result));
+  add(check_branches(result));
   add(check_reconstruction(result, context));
   add(check_fields(result, options));
   certificate.not_checked = unchecked_arrays(data, certificate.checks);

@@ -145,9 +145,15 @@ Check check_cells(const Result& result) {
     return check;
   }
   std::vector<Vec3> corners;
+  const std::vector<char> smoothed = smoothed_vertices(result);
   for (std::size_t f = 0; f < complex.face_count() && result.has_voxel_geometry; ++f) {  // fitted ones are warped
     corners.clear();
-    for (std::uint32_t v : complex.corners(f)) corners.push_back(result.scaled[v]);
+    bool warped = false;
+    for (std::uint32_t v : complex.corners(f)) {
+      corners.push_back(result.scaled[v]);
+      warped |= smoothed[v] != 0;
+    }
+    if (warped) continue;
     const std::string defect = polygon_defect(corners, tiny, result.rounding, result.stage == "core");
     if (defect.empty()) continue;
     check.detail = fmt::format("{} {}", result.describe_face(f), defect);

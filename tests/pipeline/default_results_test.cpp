@@ -24,7 +24,7 @@ struct Curves {
 Curves pure_curves(LoadedShape shape) {
   RunOptions options;
   options.skeleton.theta2 = Length{std::numeric_limits<double>::infinity(), Length::Unit::infinite};
-  const CurveGraph graph = run(shape, options).graph;
+  const CurveGraph graph = run(shape, options).axis.graph;
   Curves curves{graph.branches.size(), 0};
   for (const auto& node : graph.nodes) curves.ends += node.kind == CurveGraph::NodeKind::end;
   return curves;

@@ -140,8 +140,9 @@ TEST(ShapeOfInput, ParametersGiveTheSameShapeAgain) {
   options.subdivide = 2;
   options.foreground.largest_component = true;
   const LoadedShape shape = torus(options);
-  EXPECT_EQ(shape.parameters,
-            R"({"resolution":24,"fill":"evenodd","topology":"mesh","surface":"mesh","largest_component":true,"subdivide":2})");
+  EXPECT_EQ(
+      shape.parameters,
+      R"({"resolution":24,"fill":"evenodd","topology":"mesh","surface":"mesh","largest_component":true,"subdivide":2})");
   const CoreResult core = core_of(shape, {.pruning = {kLambda, parse_length("2vox", "lambda")}});
   const Record file = core_file(core);
   EXPECT_EQ(core.parameters,
@@ -231,13 +232,22 @@ TEST(Run, IsTheStagesCalledByHand) {
   EXPECT_EQ(result.axis.burned.max_burn_time, burning.max_burn_time);
   EXPECT_EQ(find_array(result.axis.file.point_data, "burn_time")->numbers(), burning.burn_time);
   const SkeletonFamily family = skeletons(core, burning);
-  const Skeleton skeleton = extract(family, 0.04 * side, 2 * voxel);
+  Skeleton member = extract(
+      family, 0.04 * side, 2 * voxel,
+      {.regrow_tips_above = 0.2 * voxel, .regrow_rims_above = 0.5 * voxel, .minor_curve = 4 * shape.scale().detail});
+  const std::vector<Vec3> before = member.points;
+  smooth_sheets(member, {std::sqrt(3) * voxel, 3, shape.scale().detail});
+  for (std::size_t v = 0; v < before.size(); ++v)
+    if (member.points[v] != before[v])
+      if (const Surface::Foot foot = shape.surface->nearest(member.points[v]); foot.inside)
+        member.radius[v] = foot.distance;
+  const CurveGraph graph = measured_graph(member, {.smooth = 3, .surface = &*shape.surface});
+  const Skeleton skeleton = with_branches(member, graph);
   EXPECT_EQ(result.axis.skeleton.skeleton.points, skeleton.points);
   EXPECT_EQ(result.axis.skeleton.skeleton.complex.edges, skeleton.complex.edges);
+  EXPECT_EQ(result.axis.skeleton.skeleton.edge_branch, skeleton.edge_branch);
   EXPECT_EQ(result.axis.skeleton.topology, shape.topology);
-  EXPECT_EQ(result.reconstructed, reconstructed_share(shape.shape, skeleton));
-  const CurveGraph graph = measured_graph(extract(family, 0.04 * side, 2 * voxel, {.regrow_tips_above = 0.2 * voxel}),
-                                          {.smooth = 3, .surface = &*shape.surface});
+  EXPECT_EQ(result.axis.skeleton.reconstructed, reconstructed_share(shape.shape, skeleton));
   ASSERT_EQ(result.axis.graph.branches.size(), graph.branches.size());
   for (std::size_t b = 0; b < graph.branches.size(); ++b)
     EXPECT_EQ(result.axis.graph.branches[b].length, graph.branches[b].length);

@@ -148,10 +148,13 @@ TEST(SkeletonFloor, MembersAboveItStayAsTheyAre) {
     for (const double more2 : {0.0, 0.2, 1.0, kInfinity})
       for (const double more1 : {0.0, 0.3, kInfinity})
         for (const bool parts : {false, true})
-          for (const double tips : {0.1, kInfinity}) {
+          for (const double ends : {0.1, kInfinity}) {
             SCOPED_TRACE(testing::Message() << more2 << " " << more1 << " above " << theta2 << " " << theta1
-                                            << " parts " << parts << " tips " << tips);
-            const ExtractOptions options{.parts = parts, .regrow_tips_above = theta1 + tips};
+                                            << " parts " << parts << " ends " << ends);
+            const ExtractOptions options{.parts = parts,
+                                         .regrow_tips_above = theta1 + ends,
+                                         .regrow_rims_above = theta2 + ends,
+                                         .minor_curve = 0.2};
             expect_same(extract(above, theta2 + more2, theta1 + more1, options),
                         extract(all, theta2 + more2, theta1 + more1, options));
           }

@@ -12,6 +12,7 @@
 #include "quench/shape.h"
 #include "random_complexes.h"
 #include "same_skeletons.h"
+#include "skeleton/member.h"
 
 namespace quench {
 namespace {
@@ -78,6 +79,19 @@ bool has_flat_cell(const BurnInput& input) {
     if (area < 1e-9) return true;
   }
   return false;
+}
+
+double area(const Skeleton& skeleton) {
+  double sum = 0;
+  for (std::size_t f = 0; f < skeleton.complex.face_count(); ++f) {
+    const auto corners = skeleton.complex.corners(f);
+    Vec3 twice = Vec3::Zero();
+    for (std::size_t i = 2; i < corners.size(); ++i)
+      twice += (skeleton.points[corners[i - 1]] - skeleton.points[corners[0]])
+                   .cross(skeleton.points[corners[i]] - skeleton.points[corners[0]]);
+    sum += 0.5 * twice.norm();
+  }
+  return sum;
 }
 
 TEST(Skeleton, EveryMemberHasTheTopologyOfTheAxis) {
@@ -243,6 +257,34 @@ TEST(Skeleton, MembersAreNested) {
   }
 }
 
+// What of the sheets a member has is part of what one with a smaller theta2 has, whether they grow back or not.
+TEST(Skeleton, SheetsAreNested) {
+  using skeleton::Member;
+  std::size_t cut = 0, grown = 0;
+  for (std::uint64_t seed = 0; seed < 1500; ++seed) {
+    SCOPED_TRACE(seed);
+    const BurnInput input = random_input(seed);
+    const SkeletonFamily family = skeletons(refined(input, some_omega(seed)));
+    const CellComplex& k = family.refined.complex;
+    for (const double rims : {0.05, 0.4, kInfinity}) {
+      std::vector<char> more(k.face_count(), Member::kWhole);  // with the theta2 before
+      for (const double theta2 : {0.1, 0.3, 0.7, 1.5}) {
+        const ExtractOptions options{.regrow_rims_above = rims, .minor_curve = 0.3};
+        const Member member = skeleton::member_of(family, theta2, 0, options);
+        for (std::size_t f = 0; f < more.size(); ++f) {
+          ASSERT_TRUE(member.face[f] == Member::kNo || member.face[f] == more[f] || more[f] == Member::kWhole)
+              << "theta2 " << theta2 << " rims " << rims << " face " << f;
+          cut += member.face[f] == Member::kInPart;
+          grown += member.face[f] != Member::kNo && family.face_sheet_level[f] < theta2;
+        }
+        more = member.face;
+      }
+    }
+  }
+  EXPECT_GT(cut, 10000u);
+  EXPECT_GT(grown, 1000u);
+}
+
 // The curve level of an edge is the largest theta1 it stays for, when no sheets are left.
 TEST(Skeleton, CurveLevelsAreThoseOfThePruning) {
   for (std::uint64_t seed = 0; seed < 300; ++seed) {
@@ -267,6 +309,32 @@ TEST(Skeleton, TwiceTheSame) {
     const Skeleton a = once(), b = once();
     testing_skeletons::expect_same(a, b);
   }
+}
+
+// With rims grown back topology stays, and nothing is lost.
+TEST(Skeleton, RimsGrowBack) {
+  std::size_t longer = 0;
+  for (std::uint64_t seed = 0; seed < 3000 && !testing::Test::HasFailure(); ++seed) {
+    SCOPED_TRACE(seed);
+    const BurnInput input = random_input(seed);
+    const SkeletonFamily family = skeletons(refined(input, some_omega(seed)));
+    const Topology wanted = topology(input.complex);
+    const double rims = std::array{0.02, 0.1, 0.3}[seed % 3], minor = std::array{0.0, 0.3, 10.0}[seed / 3 % 3];
+    for (const double theta2 : {0.3, 1.0, kInfinity})
+      for (const bool parts : {false, true}) {
+        ExtractOptions options{.parts = parts, .regrow_tips_above = 0.05};
+        const Skeleton before = extract(family, theta2, 0.3, options);
+        options.regrow_rims_above = rims;
+        options.minor_curve = minor;
+        const Skeleton grown = extract(family, theta2, 0.3, options);
+        grown.complex.validate();
+        ASSERT_EQ(topology(grown.complex), wanted) << "theta2 " << theta2 << " rims " << rims << " minor " << minor;
+        ASSERT_GE(area(grown), area(before) * (1 - 1e-9));
+        longer += area(grown) > 1.01 * area(before);
+        for (const double level : grown.face_level) ASSERT_GE(level, std::min(rims, theta2));
+      }
+  }
+  EXPECT_GT(longer, 1000u);
 }
 
 // With tips grown back topology stays, and nothing is lost.
