@@ -21,6 +21,7 @@ export class LayerView {
   private readonly boundary: Bars;
   private readonly seams: Bars;
   private readonly points: Balls;
+  private readonly junctions: Balls; ///< where seams meet or end
   private readonly picked: Bars; ///< the branch that is picked
   private readonly cuts: boolean; ///< fragments of sheets go by their level
   readonly union: Balls; ///< the balls of what is visible
@@ -66,8 +67,9 @@ export class LayerView {
     const ball = (more: Record<string, { value: unknown }>) =>
       new Balls(ballMaterial(shared, own({ ...flag(), scale: { value: 1 }, fixedPixels: { value: 0 }, opacity: { value: 1 }, onCurves: { value: 0 }, ...more }), false));
     this.points = ball({ fixedPixels: { value: 5 }, onCurves: { value: 1 } });
+    this.junctions = ball({ fixedPixels: { value: 3 } });
     this.union = ball({});
-    for (const mesh of [this.surface, this.boundary.mesh, this.seams.mesh, this.curves.mesh, this.picked.mesh, this.points.mesh, this.union.mesh]) {
+    for (const mesh of [this.surface, this.boundary.mesh, this.seams.mesh, this.curves.mesh, this.picked.mesh, this.points.mesh, this.junctions.mesh, this.union.mesh]) {
       mesh.frustumCulled = false;
       mesh.matrixAutoUpdate = false;
       this.group.add(mesh);
@@ -84,6 +86,15 @@ export class LayerView {
     this.boundary.write(edges, set.boundary.edge, set.boundary.count);
     this.seams.write(edges, set.seams.edge, set.seams.count);
     this.points.write(set.isolated.vertex, set.isolated.count);
+    const degree = new Map<number, number>();
+    if (this.layer.sheet)
+      for (let i = 0; i < set.seams.count; ++i)
+        for (const k of [0, 1]) {
+          const v = edges[2 * set.seams.edge[i]! + k]!;
+          degree.set(v, (degree.get(v) ?? 0) + 1);
+        }
+    const junctions = [...degree].filter(([, n]) => n !== 2).map(([v]) => v);
+    this.junctions.write(junctions, junctions.length);
   }
 
   /// The branch that stands out; -1: none.
@@ -120,10 +131,12 @@ export class LayerView {
     plain(this.points.mesh, accent, !state.curvesByMeasure || uniform);
     plain(this.boundary.mesh, state.dark ? "d5dae2" : "20242c", true);
     plain(this.seams.mesh, "0b0d12", true);
+    plain(this.junctions.mesh, "0b0d12", true);
     plain(this.union.mesh, state.dark ? "9fb2c6" : "b9cada", uniform);
     this.surface.visible = state.sheets && !state.balls;
     this.boundary.mesh.visible = state.boundary && !state.balls && !this.cuts; // the rim is inside the parts then
     this.seams.mesh.visible = state.seams && !state.balls;
+    this.junctions.mesh.visible = this.seams.mesh.visible && Number(this.seams.mesh.material.uniforms.opacity!.value) > 0;
     this.curves.mesh.visible = state.curves && !state.balls;
     this.picked.mesh.visible = !state.balls && this.picked.count > 0;
     this.points.mesh.visible = state.points && !state.balls;
@@ -134,6 +147,7 @@ export class LayerView {
     this.picked.mesh.material.uniforms.halfWorld!.value = halfWorld;
     this.boundary.mesh.material.uniforms.halfWidth!.value = 0.55 * pixelRatio;
     this.seams.mesh.material.uniforms.halfWidth!.value = 0.75 * pixelRatio;
+    this.junctions.mesh.material.uniforms.fixedPixels!.value = 2.2 * pixelRatio;
     this.points.mesh.material.uniforms.fixedPixels!.value = (state.curveWidth / 2 + 2) * pixelRatio;
   }
 
