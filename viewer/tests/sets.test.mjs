@@ -5,7 +5,7 @@ import { test } from "node:test";
 import { moduleOf } from "./bundle.mjs";
 import { boxCore, boxSkeleton, elements, layerArrays, otherLevels, randomCells } from "./fixture.mjs";
 
-const { LayerSets } = await moduleOf("src/sets.ts");
+const { LayerSets, shareBelow } = await moduleOf("src/sets.ts");
 const data = await moduleOf("src/data.ts");
 
 function pageOf(arrays, more = {}) {
@@ -128,4 +128,19 @@ test("the box: figures known by hand", async () => {
   assert.deepEqual([set.faces, set.curves.count, set.boundary.count], [0, 9, 0]);
   set = skeleton.compute(Infinity, Infinity); // the loop, the medial point, and one vertex of the tree
   assert.deepEqual([set.curves.count, set.isolated.count, set.freeEnds], [3, 2, 0]);
+});
+
+test("the share of a triangle below a level, against samples", () => {
+  for (const [a, b, c] of [[0, 1, 2], [2, 0, 1], [1, 1, 2], [0, 0, 1], [0, 1, 1], [3, 3, 3]])
+    for (const level of [-1, 0, 0.3, 1, 1.5, 2, 2.9, 4]) {
+      let below = 0, all = 0;
+      const n = 300;
+      for (let i = 0; i < n; ++i)
+        for (let j = 0; i + j < n; ++j) {
+          const u = (i + 1 / 3) / n, v = (j + 1 / 3) / n;
+          below += Number(a + u * (b - a) + v * (c - a) < level);
+          ++all;
+        }
+      assert.ok(Math.abs(shareBelow(a, b, c, level) - below / all) < 0.01, `${[a, b, c]} at ${level}`);
+    }
 });

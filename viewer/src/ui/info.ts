@@ -20,12 +20,14 @@ export class Info {
   private readonly commandText = el("code");
   onClearPick: () => void = () => {};
 
+  private readonly sheets: number; ///< of the skeleton that was asked for
   private readonly branch = el("div", "chosen-branch");
   private readonly toTable = el("button", "plain to-table");
   onTable: () => void = () => {};
 
   constructor(private readonly page: Page, private readonly table: BranchTable, help: () => void) {
     const { meta } = page;
+    this.sheets = (page.layers.get("skeleton")?.sheet ?? new Uint32Array(0)).reduce((most, s) => Math.max(most, s + 1), 0);
     const about = el("details", "about", el("summary", "", "About this result"));
     const facts: [string, string][] = [];
     if (meta.topology) facts.push(["shape", topology(meta.topology.betti, meta.topology.euler)]);
@@ -70,7 +72,8 @@ export class Info {
     }
     fill(this.what, el("b", "", NAMES[state.layer]), sentence.length ? `: ${sentence.join("; ")}.` : "");
     const entries: [string, string][] = [];
-    if (numbers.faces > 0) entries.push(["sheets", `${counted(numbers.faces)} faces, area ${withUnit(short(numbers.area), unit && `${unit}²`)}`]);
+    const sheets = state.layer === "skeleton" && isAsked(this.page, state) ? this.sheets : 0;
+    if (numbers.faces > 0) entries.push(["sheets", `${sheets > 0 ? `${counted(sheets)}, of ` : ""}${counted(numbers.faces)} faces, area ${withUnit(short(numbers.area), unit && `${unit}²`)}`]);
     if (numbers.curveEdges > 0) entries.push(["curves", `length ${length(numbers.curveLength)}, ${numbers.freeEnds === 0 ? "no" : counted(numbers.freeEnds)} free ${numbers.freeEnds === 1 ? "end" : "ends"}`]);
     if (numbers.isolated > 0) entries.push(["points", counted(numbers.isolated)]);
     entries.push(["χ = V − E + F", `${numbers.vertices - numbers.edges + numbers.faces}`.replace("-", "−")]);
