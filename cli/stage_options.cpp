@@ -145,7 +145,7 @@ void add_skeleton_options(CLI::App& app, pipeline::SkeletonOptions& o, GraphFile
       "detail, 3 voxels")
       ->group(group);
   add_number(app, "--smooth", files.graph.smooth,
-             "Passes of smoothing over the curves, 0 to 10000; they stay inside the shape", 0, 10000)
+             "Passes of smoothing over curves, sheets and their rims, 0 to 10000; they stay inside the shape", 0, 10000)
       ->type_name("N")
       ->capture_default_str()
       ->group(group);
@@ -158,8 +158,8 @@ void add_skeleton_options(CLI::App& app, pipeline::SkeletonOptions& o, GraphFile
       ->group(group);
   add_parsed(
       app, "--tips",
-      "Pruning takes about theta1 off every branch; 'full' grows those that stay back to their tips, 'pruned' leaves "
-      "them",
+      "Pruning takes about theta1 off every branch and theta2 off every rim of a sheet; 'full' grows those that stay "
+      "back to their tips and rims, 'pruned' leaves them",
       [&o](const std::string&, const std::string& text) { o.full_tips = text == "full"; },
       [&o] { return std::string(o.full_tips ? "full" : "pruned"); })
       ->type_name("RULE")

@@ -418,7 +418,8 @@ class MedialAxis(Complex):
             Branches shorter than about this go; ``"0.5r"``: those that stick out of what they leave by less than half its
             radius. ``"inf"``: what topology needs is left. "auto": 0.5r, and what is thinner than three voxels.
         tips : "full" or "pruned"
-            Pruning takes about θ1 off every branch, also of those that stay; "full": these grow back to their tips.
+            Pruning takes about θ1 off every branch, also of those that stay, and θ2 off every rim of a sheet; "full":
+            these grow back to their tips and rims.
         omega : length, optional
             As in :meth:`erosion_thickness`.
 
