@@ -180,7 +180,7 @@ CurveGraph measured_graph(const Skeleton& skeleton, const GraphOptions& options,
 void smooth_sheets_of(Skeleton& skeleton, const GraphOptions& options, const Scale& scale) {
   if (options.smooth == 0 || skeleton.complex.face_count() == 0) return;
   const std::vector<Vec3> before = skeleton.points;
-  smooth_sheets(skeleton, {std::sqrt(options.smooth) * scale.voxel, options.smooth, scale.detail});
+  smooth_sheets(skeleton, {2 * std::sqrt(options.smooth) * scale.voxel, options.smooth, scale.detail});
   if (!options.surface) return;
   base::for_indices(before.size(), [&](std::size_t v) {
     if (before[v] == skeleton.points[v]) return;

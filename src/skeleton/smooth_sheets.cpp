@@ -86,7 +86,8 @@ class SheetSmoother {
   }
 
   // Every point goes to the mean of the line around it, weighted by 1 at the point falling to 0 at the window's ends.
-  // The window of a point near an end of an open line is as short on its other side.
+  // The window of a point near an end of an open line is as short on its other side, and short beside a corner, where
+  // the line before and behind has different directions.
   void smooth_line(const std::vector<std::uint32_t>& line) {
     const std::size_t n = line.size();
     const bool closed = line.front() == line.back();
@@ -94,7 +95,8 @@ class SheetSmoother {
     for (std::size_t i = 1; i < n; ++i) at[i] = at[i - 1] + (s_.points[line[i]] - s_.points[line[i - 1]]).norm();
     const double length = at.back();
     for (std::size_t i = closed ? 0 : 1; i + 1 < n; ++i) {
-      const double window = std::min(how_.window, closed ? length / 4 : std::min(at[i], length - at[i]));
+      double window = std::min(how_.window, closed ? length / 4 : std::min(at[i], length - at[i]));
+      for (int halvings = 0; halvings < 4 && is_corner(line, at, i, window); ++halvings) window *= 0.5;
       if (!(window > 0)) continue;
       Vec3 sum = Vec3::Zero();
       double weights = 0;
@@ -132,6 +134,23 @@ class SheetSmoother {
       }
       move(line[i], sum / weights);
     }
+  }
+  // Whether the line turns by more than 40 degrees between the windows before and behind point i.
+  bool is_corner(const std::vector<std::uint32_t>& line, const std::vector<double>& at, std::size_t i,
+                 double window) const {
+    const Vec3& point = s_.points[line[i]];
+    const Vec3 before = point - place(line, at, at[i] - window), behind = place(line, at, at[i] + window) - point;
+    return before.dot(behind) < 0.766 * before.norm() * behind.norm();
+  }
+  // The point of the line at a distance along it; of a closed one beyond its ends, too.
+  Vec3 place(const std::vector<std::uint32_t>& line, const std::vector<double>& at, double distance) const {
+    const double length = at.back();
+    if (distance < 0) distance += length;
+    if (distance > length) distance -= length;
+    const auto next = static_cast<std::size_t>(std::upper_bound(at.begin(), at.end() - 1, distance) - at.begin());
+    const std::size_t first = next == 0 ? 0 : next - 1, second = first + 1;
+    const double step = at[second] - at[first], t = step > 0 ? (distance - at[first]) / step : 0;
+    return (1 - t) * s_.points[line[first]] + t * s_.points[line[second]];
   }
   // Signed distance along the line from point i to point j, ahead or behind.
   static double along(const std::vector<double>& at, std::size_t i, std::size_t j, double length, bool ahead) {

@@ -255,7 +255,7 @@ TEST(Run, IsTheStagesCalledByHand) {
       family, 0.04 * side, 2 * voxel,
       {.regrow_tips_above = 0.2 * voxel, .regrow_rims_above = 0.5 * voxel, .minor_curve = 4 * shape.scale().detail});
   const std::vector<Vec3> before = member.points;
-  smooth_sheets(member, {std::sqrt(3) * voxel, 3, shape.scale().detail});
+  smooth_sheets(member, {2 * std::sqrt(3) * voxel, 3, shape.scale().detail});
   for (std::size_t v = 0; v < before.size(); ++v)
     if (member.points[v] != before[v])
       if (const Surface::Foot foot = shape.surface->nearest(member.points[v]); foot.inside)

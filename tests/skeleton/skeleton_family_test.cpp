@@ -180,7 +180,7 @@ TEST(SkeletonRadii, MembersAreNestedAndKeepTopology) {
       std::vector<char> before;
       std::optional<Topology> wanted;
       for (const double radii : {0.0, 0.2, 0.5, 1.0, 3.0}) {
-        const skeleton::Member member = skeleton::member_of(family, theta2, 0.05, radii, kInfinity);
+        const skeleton::Member member = skeleton::member_of(family, theta2, 0.05, {.theta1_radii = radii});
         for (std::size_t e = 0; e < before.size(); ++e) ASSERT_LE(member.edge[e], before[e]);
         if (!before.empty()) smaller += member.edge != before;
         before = member.edge;
