@@ -19,6 +19,15 @@ from vtk.util.numpy_support import vtk_to_numpy
 THETA2, THETA1 = ('0.01', '0.03', '0.1', 'inf'), ('0', '0.02', '0.05', 'inf')
 
 
+def segments_of(data):
+    """The segments of all polylines of a vtkPolyData."""
+    corners = vtk_to_numpy(data.GetLines().GetConnectivityArray())
+    starts = np.ones(len(corners), bool)
+    starts[vtk_to_numpy(data.GetLines().GetOffsetsArray())[1:] - 1] = False  # the last corner of each starts none
+    first = np.flatnonzero(starts)
+    return np.stack([corners[first], corners[first + 1]], axis=1)
+
+
 def read(file):
     reader = vtk.vtkXMLPolyDataReader()
     reader.SetFileName(str(file))
@@ -41,7 +50,7 @@ def measures(data, side):
         middle = points[corners[np.repeat(offsets[:-1], np.diff(offsets))]]
         area = np.linalg.norm(np.add.reduceat(np.cross(p - middle, q - middle), offsets[:-1]), axis=1).sum() / 2
     if data.GetNumberOfLines():
-        lines = vtk_to_numpy(data.GetLines().GetConnectivityArray()).reshape(-1, 2)
+        lines = segments_of(data)
         length = np.linalg.norm(points[lines[:, 0]] - points[lines[:, 1]], axis=1).sum()
         degree = np.bincount(lines.ravel(), minlength=len(points))
         ends = int(((degree == 1) & ~on_sheet).sum())

@@ -21,6 +21,15 @@ from scipy.spatial import cKDTree
 from vtk.util.numpy_support import vtk_to_numpy
 
 
+def segments_of(data):
+    """The segments of all polylines of a vtkPolyData."""
+    corners = vtk_to_numpy(data.GetLines().GetConnectivityArray())
+    starts = np.ones(len(corners), bool)
+    starts[vtk_to_numpy(data.GetLines().GetOffsetsArray())[1:] - 1] = False  # the last corner of each starts none
+    first = np.flatnonzero(starts)
+    return np.stack([corners[first], corners[first + 1]], axis=1)
+
+
 def points_on(file, spacing, random):
     """Points on all cells of a complex, and its number of faces."""
     reader = vtk.vtkXMLPolyDataReader()
@@ -31,7 +40,7 @@ def points_on(file, spacing, random):
     points = vtk_to_numpy(data.GetPoints().GetData()).astype(float)
     found = [points]
     if data.GetNumberOfLines():
-        ends = vtk_to_numpy(data.GetLines().GetConnectivityArray()).reshape(-1, 2)
+        ends = segments_of(data)
         a, b = points[ends[:, 0]], points[ends[:, 1]]
         count = np.ceil(np.linalg.norm(b - a, axis=1) / spacing).astype(int)
         line = np.repeat(np.arange(len(a)), count)

@@ -82,7 +82,8 @@ def test_a_burned_file_is_not_burned_again(tmp_path):
     assert (tmp_path / 'burned.vtp').read_bytes() == (tmp_path / 'with_skeletons.vtp').read_bytes()
     found = quench.read(tmp_path / 'burned.vtp')
     skeleton = found.skeleton(0.05, 0.02)  # with the omega of the file
-    for of in (lambda s: s.vertices, lambda s: s.edges, lambda s: s.curves.erosion_thickness, lambda s: s.radius):
+    # Without the shape, which says what is inside, branches are smoothed less.
+    for of in (lambda s: s.sheets.vertices, lambda s: s.edges, lambda s: s.curves.erosion_thickness, lambda s: s.curves.branch):
         assert np.array_equal(of(skeleton), of(wanted))
     assert np.array_equal(found.erosion_thickness(), axis.erosion_thickness(omega='0.4vox'))
     found.save(tmp_path / 'again.vtp')
@@ -127,10 +128,18 @@ def test_graph_as_table_networkx_and_file(tmp_path):
     for wrong in ('twig', -1, 2.5, 256, True):
         with pytest.raises(quench.Error, match='swc_type'):
             skeleton.save(tmp_path / 'b.swc', swc_type=wrong)
-    pruned = skeleton.graph(tips='pruned', smooth=0, resample='1vox')
-    assert len(pruned.branches['length']) > 0
+    assert len(skeleton.graph(smooth=0, resample='1vox').branches['length']) > 0
+    curves = skeleton.curves
+    pieces = np.linalg.norm(np.diff(curves.vertices[curves.edges], axis=1)[:, 0], axis=1)
+    np.testing.assert_allclose(np.bincount(curves.branch, pieces), graph.branches['length'])  # the same branches
+    axis = skeleton.axis
+    pruned = axis.skeleton('inf', theta1='0.2r', tips='pruned')
+    assert pruned.theta1_radii == 0.2
+    assert sum(pruned.branches()['length']) <= sum(axis.skeleton('inf', theta1='0.2r').branches()['length'])
     with pytest.raises(quench.Error, match='tips'):
-        skeleton.graph(tips='x')
+        axis.skeleton(tips='x')
+    with pytest.raises(quench.Error, match='theta1'):
+        axis.skeleton(theta1='xr')
 
 
 def test_pandas():
