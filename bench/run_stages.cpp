@@ -20,6 +20,7 @@
 #include "quench/error.h"
 #include "quench/graph.h"
 #include "quench/io.h"
+#include "quench/picture.h"
 #include "quench/pipeline.h"
 #include "quench/shape.h"
 
@@ -81,6 +82,8 @@ Cost run(const Job& job, bool one_thread, std::size_t& sites) {
   checkpoint(context, "write", 1);
   if (pipeline::has_page_program()) page.write(folder / "view.html");
   checkpoint(context, "page", 1);
+  write_png(folder / "picture.png", draw_page(page.page, {}, context), context);
+  checkpoint(context, "picture", 1);
   std::filesystem::remove_all(folder);
   double total = 0;
   for (const auto& [stage, seconds] : clock.seconds) total += seconds;

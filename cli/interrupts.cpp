@@ -5,7 +5,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <atomic>
 #include <chrono>
 #include <climits>
 #include <csignal>
@@ -19,14 +18,13 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr std::chrono::milliseconds kPatience = 700ms, kPatienceForTidying = 10s;
+constexpr std::chrono::milliseconds kPatience = 700ms;
 constexpr std::string_view kBlankLine = "\r                                                                      \r";
 constexpr timespec kLook{0, 50'000'000};  // how often it is looked whether the time is up
 
 std::mutex mutex;
 Context* interrupted = nullptr;  // under the mutex
-std::atomic<int> tidying{0};
-sigset_t watched;  // set before the thread starts
+sigset_t watched;                // set before the thread starts
 
 void say(std::string_view text) {
   if (write(STDERR_FILENO, text.data(), text.size()) < 0) return;  // nobody can be told
@@ -52,7 +50,7 @@ void wait_for_the_end() {
   for (;;) {
     if (const int signal = next_signal(); signal > 0) end_by(signal);
     const auto spent = std::chrono::steady_clock::now() - start;
-    if (spent > (tidying > 0 ? kPatienceForTidying : kPatience)) return;
+    if (spent > kPatience) return;
   }
 }
 
@@ -116,8 +114,5 @@ Interrupts::~Interrupts() {
   const std::lock_guard lock(mutex);
   interrupted = nullptr;
 }
-
-TidiesUp::TidiesUp() { ++tidying; }
-TidiesUp::~TidiesUp() { --tidying; }
 
 }  // namespace quench::program

@@ -21,14 +21,4 @@ class Interrupts {
   Interrupts& operator=(const Interrupts&) = delete;
 };
 
-/// While one lives, there is something to tidy up that ending the program would leave behind, and it looks often at
-/// whether it was cancelled: ending it then waits for longer.
-class TidiesUp {
- public:
-  TidiesUp();
-  ~TidiesUp();
-  TidiesUp(const TidiesUp&) = delete;
-  TidiesUp& operator=(const TidiesUp&) = delete;
-};
-
 }  // namespace quench::program

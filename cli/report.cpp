@@ -67,7 +67,8 @@ void write_report(const std::string& file, Json report, Session& session) {
                        {"curves", of({"curves"})},
                        {"skeleton", of({"skeleton"})},
                        {"topology", of({"topology"})},
-                       {"page", of({"page", "picture"})},
+                       {"page", of({"page"})},
+                       {"picture", of({"picture"})},
                        {"write", of({"write"})},
                        {"total", rounded(session.total_seconds())}};
   report["peak_bytes"] = Session::peak_bytes();
@@ -265,6 +266,13 @@ void write_page(const pipeline::PageBuilder& builder, const std::filesystem::pat
   for (const PageMeasure& measure : builder.page.measures) section["floor"][measure.name] = measure.floor;
   floor("theta2", builder.page.theta2_floor);
   floor("theta1", builder.page.theta1_floor);
+}
+
+void write_picture(const Page& page, const PictureOptions& options, const std::filesystem::path& file, Json& report,
+                   Session& session) {
+  write_png(file, draw_page(page, options, &session.context), &session.context);
+  report["picture"] = {{"file", file.string()}, {"width", options.width}, {"height", options.height}};
+  session.finished("picture");
 }
 
 }  // namespace quench::program

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "quench/io.h"
+#include "quench/picture.h"
 #include "quench/pipeline.h"
 #include "session.h"
 #include "stage_options.h"
@@ -59,5 +60,8 @@ void write_graph(const CurveGraph& graph, const GraphFiles& files, const GraphFi
 /// Writes a page, as one of `outputs`, and adds the section `page`.
 void write_page(const pipeline::PageBuilder& builder, const std::filesystem::path& file, Json& report,
                 const io::OutputGroup& outputs);
+/// Draws a page into a file and adds the section `picture`.
+void write_picture(const Page& page, const PictureOptions& options, const std::filesystem::path& file, Json& report,
+                   Session& session);
 
 }  // namespace quench::program

@@ -6,6 +6,7 @@
 #include "base/text.h"
 #include "program.h"
 #include "quench/io.h"
+#include "quench/picture.h"
 #include "report.h"
 #include "shape_input.h"
 
@@ -19,20 +20,22 @@ struct Options {
   pipeline::RunOptions run;
   GraphFileOptions graph;
   std::size_t max_triangles = kPageTriangles;
-  bool no_view = false;
+  bool no_view = false, no_picture = false;
   std::string folder;
 };
 
-/// The outputs of a run; `view` is empty where there is no page.
+/// The outputs of a run; `view` and `picture` are empty where there are none.
 struct Files {
-  explicit Files(const fs::path& folder, bool with_page)
+  explicit Files(const fs::path& folder, bool with_page, bool with_picture)
       : core(folder / "core.vtp"),
         skeleton(folder / "skeleton.vtp"),
         swc(folder / "skeleton.swc"),
         csv(folder / "branches.csv"),
         report(folder / "report.json"),
-        view(with_page ? folder / "view.html" : fs::path()) {}
-  fs::path core, skeleton, swc, csv, report, view;
+        view(with_page ? folder / "view.html" : fs::path()),
+        picture(with_picture ? folder / "picture.png" : fs::path()) {}
+  bool has_page() const { return !view.empty() || !picture.empty(); }
+  fs::path core, skeleton, swc, csv, report, view, picture;
 };
 
 /// The folder exists or can be created: told before a long computation, and created after it.
@@ -55,7 +58,8 @@ void check_outputs(const Options& o, const Files& files, const Session& session)
   check_folder(o.folder);
   std::error_code error;
   if (fs::exists(o.folder, error))
-    for (const fs::path& file : {files.core, files.skeleton, files.swc, files.csv, files.report, files.view})
+    for (const fs::path& file :
+         {files.core, files.skeleton, files.swc, files.csv, files.report, files.view, files.picture})
       if (!file.empty()) session.check_output(file, {o.shape.file});
   session.check_report({o.shape.file});
 }
@@ -89,17 +93,16 @@ void say_little(const pipeline::RunResult& result, Session& session) {
   if (share >= kLittle || result.core.reconstructed < kLittle) return;
   const Skeleton& skeleton = result.axis.skeleton.skeleton;
   session.say(fmt::format(
-      "note: the skeleton stands for little of the shape; {} with a smaller --theta2 (now {:.3g}), more branches with "
-      "a "
-      "smaller --theta1",
+      "note: the skeleton stands for little of the shape; {} with a smaller --theta2 (now {:.3g}), more branches "
+      "with a smaller --theta1",
       skeleton.complex.face_count() == 0 ? "sheets are kept" : "more of the sheets is kept", skeleton.theta2));
 }
 
 int run_pipeline(const Options& o, Session& session) {
-  const Files files(o.folder, !o.no_view && pipeline::has_page_program());
+  const Files files(o.folder, !o.no_view && pipeline::has_page_program(), !o.no_picture);
   check_outputs(o, files, session);
   ShapeOptions how = o.shape;
-  how.how.keep_mesh = !files.view.empty();
+  how.how.keep_mesh = files.has_page();
   pipeline::LoadedShape shape = load_shape(how, session);
   pipeline::PageBuilder builder(o.max_triangles);
   builder.page.command = session.options.command;
@@ -109,7 +112,8 @@ int run_pipeline(const Options& o, Session& session) {
 
   pipeline::RunOptions options = o.run;
   options.graph = o.graph.graph;
-  options.page = files.view.empty() ? nullptr : &builder;
+  options.page = files.has_page() ? &builder : nullptr;
+  options.page_sliders = !files.view.empty();
   std::size_t vertices = 0;
   options.on_core = [&](const pipeline::CoreResult& core) {
     vertices = core.axis.points.size();
@@ -126,10 +130,9 @@ int run_pipeline(const Options& o, Session& session) {
   write_graph(result.axis.graph, {files.swc, {}, files.csv}, o.graph,
               shape.surface ? Vec3(Vec3::Zero()) : shape.shape.grid().spacing, shape.coordinates, report, session);
   session.finished("write");
-  if (options.page) {
-    write_page(builder, files.view, report, outputs);
-  }
+  if (!files.view.empty()) write_page(builder, files.view, report, outputs);
   session.finished("page");
+  if (!files.picture.empty()) write_picture(builder.page, {}, files.picture, report, session);
   write_report(files.report.string(), report, session);
   write_report(outputs, report, session);
   say_written(session, files.core.string(), files.report.string(), result.core, shape);
@@ -138,7 +141,9 @@ int run_pipeline(const Options& o, Session& session) {
                           base::counted(result.axis.graph.branches.size(), "branch", "branches"),
                           share_text(*result.axis.skeleton.reconstructed), files.swc.string(), files.csv.string()));
   say_little(result, session);
-  if (options.page) session.say(fmt::format("{}: the interactive page; open it in a browser", files.view.string()));
+  if (!files.picture.empty()) session.say(fmt::format("{}: a picture of the skeleton", files.picture.string()));
+  if (!files.view.empty())
+    session.say(fmt::format("{}: the interactive page; open it in a browser", files.view.string()));
   return 0;
 }
 
@@ -152,9 +157,11 @@ Action add_run(CLI::App& app) {
   add_skeleton_options(app, o->run.skeleton, o->graph);
   add_page_options(app, o->max_triangles);
   app.add_flag("--no-view", o->no_view, "Do not write view.html, the interactive page")->group("Page");
-  app.add_option(
-         "-o,--output", o->folder,
-         "Folder for core.vtp, skeleton.vtp, skeleton.swc, branches.csv, report.json and view.html; created if absent")
+  app.add_flag("--no-picture", o->no_picture, "Do not write picture.png, a picture of the skeleton")->group("Page");
+  app.add_option("-o,--output", o->folder,
+                 "Folder for core.vtp, skeleton.vtp, skeleton.swc, branches.csv, report.json, picture.png and "
+                 "view.html; created "
+                 "if absent")
       ->type_name("DIR")
       ->required();
   return [o](Session& session) { return run_pipeline(*o, session); };

@@ -5,10 +5,10 @@
 
 #include "base/text.h"
 #include "option_checks.h"
-#include "picture.h"
 #include "program.h"
 #include "quench/axis.h"
 #include "quench/io.h"
+#include "quench/picture.h"
 #include "report.h"
 #include "shape_input.h"
 
@@ -25,19 +25,16 @@ struct Options {
   pipeline::Pruning pruning;  ///< where the page starts, if it says a threshold
   std::size_t max_triangles = kPageTriangles;
   std::string layer, color, camera;
-  bool dark = false;
+  bool dark = false, axes = false, no_caption = false;
   std::string output, png, size = "1600x1000";
 };
 
-Picture picture_of(const Options& o) {
-  Picture picture;
+PictureOptions picture_of(const Options& o) {
   const std::vector<double> size = numbers_in(o.size, 'x');
   const auto good = [](double x) { return x >= 16 && x <= 8192 && x == std::floor(x); };
   if (size.size() != 2 || !good(size[0]) || !good(size[1]))
     throw Error(ErrorCode::usage, fmt::format("--size '{}' is not WIDTHxHEIGHT in pixels, 16 to 8192 each", o.size));
-  picture.width = static_cast<int>(size[0]);
-  picture.height = static_cast<int>(size[1]);
-  return picture;
+  return {static_cast<int>(size[0]), static_cast<int>(size[1]), !o.no_caption, o.axes};
 }
 
 // A value in the address of the page: what is not a letter, a digit or one of -._~, is written as its number.
@@ -52,15 +49,13 @@ std::string in_address(const std::string& value) {
 }
 
 void check_options(const Options& o) {
-  pipeline::require_page_program();
+  if (!o.output.empty()) pipeline::require_page_program();
   if (!o.camera.empty() && numbers_in(o.camera, ',').size() != 9)
     throw Error(
         ErrorCode::usage,
         fmt::format("--camera '{}' is not nine numbers px,py,pz,tx,ty,tz,ux,uy,uz: position, target, up", o.camera));
   if (extension_of(o.output) == ".png")
     throw Error(ErrorCode::usage, fmt::format("-o is the page, in HTML; for a picture give --png {}", o.output));
-  if (!o.png.empty() && !(extension_of(o.png) == ".png"))
-    throw Error(ErrorCode::usage, fmt::format("--png writes PNG; name '{}' .png", o.png));
   picture_of(o);
   const pipeline::ShapeOptions& how = o.shape.how;
   if (o.shape.file.empty() &&
@@ -106,6 +101,8 @@ void check_outputs(const Options& o, const Session& session) {
   if (!o.shape.file.empty()) inputs.emplace_back(o.shape.file);
   if (!o.output.empty()) session.check_output(o.output, inputs);
   if (!o.png.empty()) session.check_output(o.png, inputs, "--png");
+  if (!o.png.empty() && extension_of(o.png) != ".png")
+    throw Error(ErrorCode::usage, fmt::format("--png writes PNG; name '{}' .png", o.png));
   if (!o.output.empty() && o.output == o.png)
     throw Error(ErrorCode::usage, fmt::format("two outputs are named '{}'; give them different names", o.png));
 }
@@ -256,21 +253,11 @@ pipeline::PageBuilder build_page(const Options& o, Plan& plan, Json& report, Ses
 
 // -------------------------------------------------------------------------------------------------------------- write
 
-void write_outputs(const Options& o, const pipeline::PageBuilder& builder, const fs::path& chromium,
-                   const std::optional<TemporaryFolder>& folder, Json& report, Session& session) {
-  if (folder) builder.write(folder->path / "page.html");
+void write_outputs(const Options& o, const pipeline::PageBuilder& builder, Json& report, Session& session) {
   io::OutputGroup outputs;
-  if (!o.output.empty()) {
-    write_page(builder, o.output, report, outputs);
-    session.finished("page");
-  }
-  if (!o.png.empty()) {
-    session.finished("page");
-    Picture picture = picture_of(o);
-    picture.state = builder.page.state + (builder.page.state.empty() ? "" : "&") + "ui=0";
-    take_picture(chromium, folder->path / "page.html", o.png, picture, session);
-    session.finished("picture");
-  }
+  if (!o.output.empty()) write_page(builder, o.output, report, outputs);
+  session.finished("page");
+  if (!o.png.empty()) write_picture(builder.page, picture_of(o), o.png, report, session);
   write_report(outputs, report, session);
   if (!builder.page.note.empty()) session.say("note: " + builder.page.note);
   for (const std::string& note : builder.page.notes) session.say("note: " + note);
@@ -284,19 +271,16 @@ void write_outputs(const Options& o, const pipeline::PageBuilder& builder, const
 }
 
 int view(Options& o, Session& session) {
-  check_options(o);
   if (o.output.empty() && o.png.empty()) o.output = fs::path(o.files.front()).replace_extension(".html").string();
+  check_options(o);
   check_outputs(o, session);
-  const fs::path chromium = o.png.empty() ? fs::path() : find_chromium();
-  std::optional<TemporaryFolder> folder;
-  if (!o.png.empty()) folder.emplace();
 
   Plan plan = plan_page(o, session);
   Json report;
   report["input"] = {{"files", o.files}};
   if (!o.shape.file.empty()) report["input"]["shape"] = o.shape.file;
   const pipeline::PageBuilder builder = build_page(o, plan, report, session);
-  write_outputs(o, builder, chromium, folder, report, session);
+  write_outputs(o, builder, report, session);
   return 0;
 }
 
@@ -362,13 +346,15 @@ Action add_view(CLI::App& app) {
   add_burn_options(app, o->burning);
   app.add_option("-o,--output", o->output, "The page [default: FILE with .html, unless there is --png]")
       ->type_name("FILE");
-  app.add_option("--png", o->png, "A picture of the page instead, drawn by Chromium without a window")
+  app.add_option("--png", o->png, "A picture of what the page shows first instead")
       ->type_name("FILE")
       ->group("Picture");
   app.add_option("--size", o->size, "Of the picture, in pixels")
       ->type_name("WxH")
       ->capture_default_str()
       ->group("Picture");
+  app.add_flag("--no-caption", o->no_caption, "Nothing is written into the picture")->group("Picture");
+  app.add_flag("--axes", o->axes, "The directions of x, y and z are drawn into the picture")->group("Picture");
   return [o](Session& session) { return view(*o, session); };
 }
 

@@ -28,6 +28,7 @@ ROOMS = {
     'graph': 'base shape skeleton',
     'io': 'base record shape graph',
     'page': 'base complex record shape axis burning skeleton graph io',
+    'picture': 'base io page',
     'pipeline': 'base complex record shape voxelization surface axis burning skeleton graph io page',
     'verification': 'base complex record shape',
 }

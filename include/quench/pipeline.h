@@ -408,6 +408,7 @@ struct RunOptions {
   SkeletonOptions skeleton = {};
   GraphOptions graph = {};      ///< run() fills in shape, voxel and surface
   PageBuilder* page = nullptr;  ///< where a page is wanted: layers are added to it, writing it is left to the caller
+  bool page_sliders = true;     ///< the page gets what its sliders need: the layers `core` and `family`
   bool keep_sequence = false;   ///< AxisRun::file holds the burn sequence, for kept_burning_of(); run() always does so
   std::function<void(const CoreResult&)> on_core = {};     ///< called as soon as there is one
   std::function<void(const BurnFigures&)> on_burned = {};  ///< the same

@@ -492,17 +492,14 @@ class MedialAxis(Complex):
         Parameters
         ----------
         path : str or path
-            .vtp (everything; ParaView), .ply (MeshLab), .obj, .ma, .r, .csv (a row per vertex), .png (needs matplotlib),
+            .vtp (everything; ParaView), .ply (MeshLab), .obj, .ma, .r, .csv (a row per vertex), .png (a picture),
             .html (interactive page). With burn times where the axis was burned; .vtp also with all that skeletons need,
             so that it is not burned again when it is read.
         quality : str
             Of PLY: the array that MeshLab shows as quality.
         """
-        if ending(path) == '.png':
-            _export.save_picture(self, path)
-            return
         with self._calling(threads, progress) as call:
-            if ending(path) == '.html':
+            if ending(path) in ('.html', '.png'):
                 _core.page_of_axis(self._core, None, file_name(path), *call)
             else:
                 self._core.save(file_name(path), quality, *call)

@@ -1,13 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Results in the hands of other packages: pictures, meshes, pages. None of them is needed to import quench."""
+"""Results in the hands of other packages: plots, meshes. None of them is needed to import quench."""
 from __future__ import annotations
 
-import os
 from typing import Any, Dict, Optional, Sequence
 
 import numpy as np
 
-from ._common import Path, error, need, whole
+from ._common import error, need, whole
 
 
 def mask(voxel_shape: Any, wanted: Optional[Sequence[int]]) -> np.ndarray:
@@ -97,18 +96,3 @@ def plot(result: Any, ax: Any = None, *, cmap: str = 'viridis', linewidth: float
         ax.set_box_aspect(side / side.max())
     ax.view_init(*view)
     return ax
-
-
-def save_picture(result: Any, path: Path) -> None:
-    """A picture, drawn without a window and without touching what the caller has open."""
-    need('matplotlib', 'saving a picture')
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-    figure = Figure(figsize=(7, 6), layout='constrained')
-    FigureCanvasAgg(figure)
-    plot(result, figure.add_subplot(projection='3d'))
-    name = os.fsdecode(path)
-    folder = os.path.dirname(name) or '.'
-    if not os.path.isdir(folder):
-        raise error(1, f"cannot write '{name}': the folder '{folder}' does not exist; make it first")
-    figure.savefig(name, dpi=110)

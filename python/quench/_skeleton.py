@@ -312,8 +312,8 @@ class Skeleton(Complex):
         Parameters
         ----------
         path : str or path
-            .vtp, .ply, .obj: sheets and curves; .swc, .graphml, .csv: the branches as in :meth:`graph`; .png: a picture
-            (needs matplotlib); .html: an interactive page.
+            .vtp, .ply, .obj: sheets and curves; .swc, .graphml, .csv: the branches as in :meth:`graph`; .png: a picture;
+            .html: an interactive page.
         quality : str
             Of PLY: the array that MeshLab shows as quality.
         root : three floats, optional
@@ -323,15 +323,13 @@ class Skeleton(Complex):
             programs for neurons refuse 0.
         """
         kind = ending(path)
-        if kind == '.png':
-            _export.save_picture(self, path)
-        elif kind in ('.swc', '.graphml', '.csv'):
+        if kind in ('.swc', '.graphml', '.csv'):
             self._graph.save(path, root=root, swc_type=swc_type)
         else:
             with self._calling(threads, progress) as call:
-                if kind != '.html':
+                if kind not in ('.html', '.png'):
                     self._core.save(file_name(path), quality, *call)
-                elif self.axis is None:  # of skeletonize(): what it is a part of is not kept
+                elif kind == '.png' or self.axis is None:  # of skeletonize(): what it is a part of is not kept
                     _core.page_of_skeleton(self._core, file_name(path), *call)
                 else:
                     _core.page_of_axis(self.axis._core, self._core, file_name(path), *call)

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Interactive pages of results: as `quench run` writes them.
+// Interactive pages and pictures of results: as `quench run` writes them.
 #include <pybind11/stl.h>
 
 #include <filesystem>
 
+#include "quench/picture.h"
 #include "values.h"
 
 namespace quench::python {
@@ -11,8 +12,19 @@ namespace {
 
 using pipeline::PageBuilder;
 
+/// Whether a file is a picture, not a page.
+bool is_picture(const std::string& file) {
+  std::string ending = std::filesystem::path(file).extension().string();
+  for (char& c : ending) c = static_cast<char>(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c);
+  return ending == ".png";
+}
+
+void say_pruning(Page& page, const Axis& axis) {
+  if (axis.is_pruned()) page.pruning = {std::string(axis.core.options.pruning.measure), axis.core.threshold};
+}
+
 PageBuilder begin(const Axis& axis, const std::vector<Vec3>& points, const std::string& file) {
-  pipeline::require_page_program();
+  if (!is_picture(file)) pipeline::require_page_program();
   PageBuilder builder;
   Page& page = builder.page;
   page.title = pipeline::title_of(file);
@@ -35,22 +47,31 @@ void add_skeleton(PageBuilder& builder, const SkeletonValue& s) {
   builder.add_skeleton(s.checked.skeleton, s.drawn);
 }
 
-void write_axis(const Axis& axis, const Fire& fire, const SkeletonValue* skeleton, const std::string& file) {
+void write(const PageBuilder& builder, const std::string& file, Context& context) {
+  if (is_picture(file))
+    write_png(file, draw_page(builder.page, {}, &context), &context);
+  else
+    builder.write(file);
+}
+
+void write_axis(const Axis& axis, const Fire& fire, const SkeletonValue* skeleton, const std::string& file,
+                Context& context) {
   PageBuilder builder = begin(axis, axis.axis().points, file);
-  if (axis.is_pruned()) builder.page.pruning = {std::string(axis.core.options.pruning.measure), axis.core.threshold};
+  say_pruning(builder.page, axis);
   builder.page.burning = fire.burning.options;
   builder.add_core(axis.axis(), axis.data(&fire).point_data, skeleton != nullptr);
   if (skeleton) {
     add_skeleton(builder, *skeleton);
     builder.add_family(fire.family->family);
   }
-  builder.write(file);
+  write(builder, file, context);
 }
 
-void write_skeleton(const SkeletonValue& s, const std::string& file) {
+void write_skeleton(const SkeletonValue& s, const std::string& file, Context& context) {
   PageBuilder builder = begin(*s.axis, s.checked.skeleton.points, file);
+  if (s.has_axis) say_pruning(builder.page, *s.axis);
   add_skeleton(builder, s);
-  builder.write(file);
+  write(builder, file, context);
 }
 
 }  // namespace
@@ -63,14 +84,15 @@ void bind_pages(py::module_& m) {
     const double omega = known ? known->burning.options.omega : 0;
     const auto fire = run(listener, threads, [&](Context& c) {
       auto burned = compute_fire(*axis, omega, skeleton != nullptr, known, c);
-      write_axis(*axis, *burned, skeleton.get(), file);
+      write_axis(*axis, *burned, skeleton.get(), file, c);
       return burned;
     });
     axis->fire = fire;
   });
-  m.def("page_of_skeleton",
-        [](const std::shared_ptr<SkeletonValue>& skeleton, const std::string& file, const py::object& listener,
-           int threads) { run_cancellable(listener, threads, [&](Context&) { write_skeleton(*skeleton, file); }); });
+  m.def("page_of_skeleton", [](const std::shared_ptr<SkeletonValue>& skeleton, const std::string& file,
+                               const py::object& listener, int threads) {
+    run_cancellable(listener, threads, [&](Context& c) { write_skeleton(*skeleton, file, c); });
+  });
   m.attr("has_pages") = pipeline::has_page_program();
 }
 

@@ -9,14 +9,14 @@ namespace quench::pipeline {
 namespace {
 
 void add_axis(PageBuilder& builder, const MedialAxis& axis, const AxisRun& result, const Scale& scale,
-              const SkeletonOptions& options) {
+              const RunOptions& options) {
   for (const std::string_view measure : {kDetail, kLambda})
     if (const auto threshold = field_number(result.file, std::string(measure).c_str()))
       builder.page.pruning = {std::string(measure), *threshold};
   builder.page.burning = result.burned.options;
-  builder.page.theta2 = theta2_of(options, scale);
-  builder.page.theta1 = theta1_of(options, scale);
-  if (axis.has_levels()) builder.add_core(axis, result.file.point_data, true);
+  builder.page.theta2 = theta2_of(options.skeleton, scale);
+  builder.page.theta1 = theta1_of(options.skeleton, scale);
+  if (axis.has_levels() && options.page_sliders) builder.add_core(axis, result.file.point_data, true);
 }
 
 /// The surface, and the origin that suits the whole grid.
@@ -41,7 +41,7 @@ AxisRun run_axis(const MedialAxis& axis, Record&& file, bool voxel_core, const T
   if (options.on_burned) options.on_burned(result.burned);
   add_burning(result.file, burning, options.keep_sequence ? burn_sequence(axis, burning) : std::vector<DataArray>());
   if (options.page) {
-    add_axis(*options.page, axis, result, scale, options.skeleton);
+    add_axis(*options.page, axis, result, scale, options);
     checkpoint(context, "page", 1);
   }
   RefinedAxis refined = curves_of(axis, std::move(burning), context);
@@ -52,7 +52,7 @@ AxisRun run_axis(const MedialAxis& axis, Record&& file, bool voxel_core, const T
   result.graph = draw_branches(result.skeleton, options.graph, scale, context);
   if (options.page) {
     options.page->add_skeleton(result.skeleton.skeleton, result.graph);
-    options.page->add_family(std::move(family.family));
+    if (options.page_sliders) options.page->add_family(std::move(family.family));
     checkpoint(context, "page", 1);
   }
   return result;

@@ -181,7 +181,7 @@ class CurvePruning {
         [&](std::uint32_t v, std::uint32_t e) { member_.edge[e] = member_.vertex[v] = Member::kNo; });
   }
 
-  const RefinedAxis& k_;
+  Member& member_;
   CurvesOf curves_;
   std::vector<char> on_sheet_;
   base::GraphPeeler left_;

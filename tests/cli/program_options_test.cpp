@@ -300,21 +300,6 @@ TEST_F(Options, OutputsAreCheckedBeforeTheWork) {
     refuses(2, {"'o.xyz'", ".vtp"}, {command, std::string(command) == "core" ? "s.off" : "a.vtp", "-o", "o.xyz"});
 }
 
-TEST_F(Options, PicturesWithoutRoomOrBrowserAreRefusedFirst) {
-  folder.write("a.vtp", "not even read");
-  if (quench({"view", "a.vtp"}).err.find("without its interactive page") != std::string::npos)
-    GTEST_SKIP() << "this quench was built without its interactive page";
-  folder.write("browser", "#!/bin/sh\n");
-  std::filesystem::permissions(folder / "browser", std::filesystem::perms::owner_all);
-  setenv("QUENCH_CHROMIUM", (folder / "browser").c_str(), 1);
-  setenv("TMPDIR", (folder / "absent").c_str(), 1);
-  refuses(1, {"/absent'", "TMPDIR"}, {"view", "a.vtp", "--png", "o.png"});
-  unsetenv("TMPDIR");
-  setenv("QUENCH_CHROMIUM", "/no/such/browser", 1);
-  refuses(1, {"QUENCH_CHROMIUM", "/no/such/browser"}, {"view", "a.vtp", "--png", "o.png"});
-  unsetenv("QUENCH_CHROMIUM");
-}
-
 TEST_F(Options, RunReplacesNothingUnlessAsked) {
   folder.write("cube.off", cube_off());
   const std::vector<std::string> run{"run", "cube.off", "--resolution", "8", "-o", "out", "--quiet"};

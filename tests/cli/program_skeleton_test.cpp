@@ -419,10 +419,10 @@ TEST_F(SkeletonProgram, ClosedSheet) {
 TEST_F(SkeletonProgram, RunWritesAllFiles) {
   works({"sample", "root", "-o", "s.ply", "--branches", "5", "--fineness", "0.3"});
   works({"run", "s.ply", "--resolution", "48", "-o", "a"});
-  for (const char* file : {"core.vtp", "skeleton.vtp", "skeleton.swc", "branches.csv", "report.json"})
+  for (const char* file : {"core.vtp", "skeleton.vtp", "skeleton.swc", "branches.csv", "report.json", "picture.png"})
     EXPECT_TRUE(exists(std::string("a/") + file)) << file;
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder / "a"), {}),
-            5 + exists("a/view.html"));  // where the page is built in
+            6 + exists("a/view.html"));  // where the page is built in
   const std::string report = bytes("a/report.json");
   for (const char* part : {"curves", "skeleton"}) {
     EXPECT_EQ(betti_in(section(report, part)), betti_in(section(report, "shape"))) << part;

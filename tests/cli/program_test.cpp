@@ -105,8 +105,8 @@ TEST_F(Program, RunWritesAxisAndReport) {
        {"new/my result/core.vtp: ", " vertices", "lengths in the input's units", "new/my result/report.json"})
     EXPECT_TRUE(has(last, part)) << last;
   const std::string report = bytes("new/my result/report.json");
-  for (const char* section : {"input", "parameters", "shape", "core", "pruned", "burn", "curves", "skeleton", "seconds",
-                              "peak_bytes", "version"})
+  for (const char* section : {"input", "parameters", "shape", "core", "pruned", "burn", "curves", "skeleton", "picture",
+                              "seconds", "peak_bytes", "version"})
     EXPECT_TRUE(has(report, fmt::format("\n  \"{}\": ", section))) << section;
   for (const char* member : {"file",     "kind",     "euler", "components",    "dims",
                              "spacing",  "voxels",   "sites", "betti",         "voxelization_changed_topology",
@@ -115,7 +115,7 @@ TEST_F(Program, RunWritesAxisAndReport) {
     EXPECT_TRUE(has(report, fmt::format("\n    \"{}\": ", member))) << member;
   works({"run", "a shape.ply", "--resolution", "24", "-o", "new/my result", "--overwrite", "--quiet"});
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder / "new/my result"), {}),
-            5 + exists("new/my result/view.html"));  // where the page is built in
+            6 + exists("new/my result/view.html"));  // where the page is built in
   EXPECT_TRUE(has(works({"verify", "a shape.ply", "new/my result/core.vtp"}).out, ": verified\n"));
 }
 

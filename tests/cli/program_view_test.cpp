@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
-#include <sys/stat.h>
 
+#include <array>
 #include <cmath>
-#include <cstdlib>
+#include <map>
+#include <sstream>
 
 #include "page_reader.h"
 #include "program.h"
@@ -25,26 +26,6 @@ bool built_in(ProgramTest& test, Outcome (ProgramTest::*quench)(const std::vecto
 }
 #define REQUIRE_PAGE() \
   if (!built_in(*this, &ViewProgram::quench)) GTEST_SKIP() << "this quench was built without its interactive page"
-
-/// An environment variable during one test.
-struct Environment {
-  std::string name, before;
-  bool was_set;
-  Environment(const char* variable, const std::string& value) : name(variable) {
-    const char* old = std::getenv(variable);
-    was_set = old != nullptr;
-    before = old ? old : "";
-    setenv(variable, value.c_str(), 1);
-  }
-  Environment(const Environment&) = delete;
-  Environment& operator=(const Environment&) = delete;
-  ~Environment() {
-    if (was_set)
-      setenv(name.c_str(), before.c_str(), 1);
-    else
-      unsetenv(name.c_str());
-  }
-};
 
 class ViewProgram : public ProgramTest {
  public:
@@ -321,70 +302,68 @@ TEST_F(ViewProgram, AnInterruptLeavesNothing) {
   EXPECT_EQ(files(), before);
 }
 
-std::string chromium() {
-  for (const std::string name : {"chromium", "chromium-browser", "google-chrome", "google-chrome-stable"})
-    for (const std::string folder : {"/usr/bin/", "/usr/local/bin/", "/snap/bin/", "/opt/google/chrome/"})
-      if (access((folder + name).c_str(), X_OK) == 0) return folder + name;
-  return {};
+/// Width and height of a PNG.
+std::array<int, 2> size_of_png(const std::string& png) {
+  EXPECT_TRUE(png.starts_with("\x89PNG"));
+  const auto number = [&](std::size_t at) {
+    int n = 0;
+    for (std::size_t i = 0; i < 4; ++i) n = n << 8 | static_cast<unsigned char>(png[at + i]);
+    return n;
+  };
+  return {number(16), number(20)};
 }
 
-TEST_F(ViewProgram, APictureNeedsABrowserThatDraws) {
-  REQUIRE_PAGE();
-  make_core();
-  {
-    const Environment none("QUENCH_CHROMIUM", (folder / "no-browser").string());
-    refuses(1, {"QUENCH_CHROMIUM"}, {"view", "core.vtp", "--png", "a.png"});
-  }
-  {
-    const Environment no_path("PATH", folder.path().string()), no_name("QUENCH_CHROMIUM", "");
-    refuses(1, {"Chromium"}, {"view", "core.vtp", "--png", "a.png"});
-  }
-  // One that ends well without a picture, and one that fails.
-  for (const char* text : {"#!/bin/sh\nexit 0\n", "#!/bin/sh\nexit 1\n"}) {
-    chmod(folder.write("browser", text).c_str(), 0755);
-    const Environment broken("QUENCH_CHROMIUM", (folder / "browser").string());
-    refuses(1, {"did not draw"}, {"view", "core.vtp", "--png", "a.png", "--quiet"});
-  }
+TEST_F(ViewProgram, RunDrawsItsSkeleton) {
+  folder.write("cube.off", cube_off());
+  const Outcome outcome = works({"run", "cube.off", "--resolution", "16", "-o", "out", "--json", "-"});
+  EXPECT_TRUE(has(outcome.err, "out/picture.png"));
+  EXPECT_TRUE(has(outcome.out, "\"picture\""));
+  EXPECT_EQ(size_of_png(bytes("out/picture.png")), (std::array{1600, 1000}));
+  EXPECT_GT(bytes("out/picture.png").size(), 5000u) << "blank";
+  // The same from its file, with or without a page beside it.
+  works({"view", "out/core.vtp", "--shape", "cube.off", "--png", "again.png"});
+  EXPECT_TRUE(bytes("again.png") == bytes("out/picture.png"));
+  EXPECT_FALSE(exists("out/core.html"));
+  works({"run", "cube.off", "--resolution", "16", "-o", "no_view", "--no-view"});
+  EXPECT_FALSE(exists("no_view/view.html"));
+  EXPECT_TRUE(bytes("no_view/picture.png") == bytes("out/picture.png"));
+  works({"run", "cube.off", "--resolution", "16", "-o", "neither", "--no-view", "--no-picture"});
+  EXPECT_FALSE(exists("neither/picture.png"));
 }
 
-// The browser is ended and its folder removed, although nobody waits for the picture any more.
-TEST_F(ViewProgram, AnInterruptedPictureLeavesNothing) {
-  REQUIRE_PAGE();
-  make_core();
-  const auto started = make_fifo("started");
-  chmod(folder.write("browser", "#!/bin/sh\necho $$ > '" + started.string() + "'\nexec tail -f /dev/null\n").c_str(),
-        0755);
-  const TemporaryFolder temporary;
-  const Environment browser("QUENCH_CHROMIUM", (folder / "browser").string());
-  const Environment place("TMPDIR", temporary.path().string());
-  for (const int signal : {SIGINT, SIGTERM}) {
-    const auto before = files();
-    const pid_t child = start({"view", "core.vtp", "--png", "a.png"});
-    const pid_t drawing = std::stoi(bytes_of(started));
-    kill(child, signal);
-    const Outcome outcome = wait(child);
-    EXPECT_EQ(outcome.code, 130) << outcome.err;
-    EXPECT_TRUE(std::filesystem::is_empty(temporary.path()));
-    EXPECT_NE(kill(drawing, 0), 0) << "the browser still runs";
-    EXPECT_EQ(files(), before);
+TEST_F(ViewProgram, EveryOptionOfAPictureIsSeen) {
+  folder.write("cube.off", cube_off());
+  works({"core", "cube.off", "--resolution", "16", "-o", "core.vtp"});
+  std::map<std::string, std::string> pictures;
+  for (const std::string options :
+       {"", "--layer core", "--layer core --color lambda", "--layer core --detail 3vox", "--color radius",
+        "--color none", "--dark", "--camera 0,0,4,0.5,0.5,0.5,0,1,0", "--theta2 inf", "--theta1 inf", "--no-caption",
+        "--axes", "--shape cube.off", "--size 320x240"}) {
+    std::vector<std::string> words{"view", "core.vtp", "--png", "a.png", "--size", "320x200", "--overwrite"};
+    std::istringstream in(options);
+    for (std::string word; in >> word;) {
+      if (word == "--size") words.erase(words.begin() + 4, words.begin() + 6);
+      words.push_back(word);
+    }
+    works(words);
+    const std::string png = bytes("a.png");
+    EXPECT_EQ(size_of_png(png), (std::array{320, options == "--size 320x240" ? 240 : 200}));
+    for (const auto& [other, drawn] : pictures) EXPECT_TRUE(png != drawn) << options << " and " << other;
+    pictures[options] = png;
   }
+  works({"view", "core.vtp", "--png", "b.png", "--size", "320x200", "--threads", "1"});
+  EXPECT_TRUE(bytes("b.png") == pictures[""]);
 }
 
-TEST_F(ViewProgram, Pictures) {
+TEST_F(ViewProgram, OtherFilesAreDrawnAsTheyAre) {
+  folder.write("lines.obj", "v 0 0 0\nv 1 0 0\nv 0 3 0\nl 1 2\nf 1 2 3\n");
+  works({"view", "lines.obj", "--png", "lines.png"});
+  EXPECT_GT(bytes("lines.png").size(), 5000u) << "blank";
   REQUIRE_PAGE();
-  if (chromium().empty()) GTEST_SKIP() << "there is no Chromium to draw with";
-  make_core();
-  const Environment browser("QUENCH_CHROMIUM", chromium());
-  works({"view", "core.vtp", "--png", "a.png", "--size", "320x200"});
-  works({"view", "core.vtp", "--png", "b.png", "--size", "320x200", "--layer", "core", "--color", "lambda"});
-  const std::string a = bytes("a.png"), b = bytes("b.png");
-  for (const std::string* png : {&a, &b}) {
-    ASSERT_TRUE(png->starts_with("\x89PNG"));
-    ASSERT_GT(png->size(), 2000u) << "blank";
-    EXPECT_EQ(png->substr(16, 8), std::string("\0\0\1\x40\0\0\0\xC8", 8));
-  }
-  EXPECT_NE(a, b);
-  EXPECT_FALSE(exists("core.html"));
+  works({"view", "lines.obj", "-o", "both.html", "--png", "both.png"});
+  EXPECT_TRUE(bytes("both.png") == bytes("lines.png"));
+  EXPECT_TRUE(exists("both.html"));
+  EXPECT_FALSE(exists("lines.html"));
 }
 
 }  // namespace

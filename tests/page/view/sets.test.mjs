@@ -14,7 +14,7 @@ const skip = (why) => {
   console.log(`SKIPPED: ${why}`);
   process.exit(77);
 };
-const browserFile = [process.env.QUENCH_CHROMIUM, process.env.CHROMIUM, "/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"]
+const browserFile = [process.env.CHROMIUM, "/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"]
   .find((file) => file && existsSync(file));
 if (!browserFile) skip("there is no Chromium");
 let launcher;

@@ -1,0 +1,267 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "picture/scene.h"
+
+#include <fmt/format.h>
+#include <tbb/parallel_sort.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <span>
+
+#include "base/parallel.h"
+#include "quench/error.h"
+
+namespace quench::picture {
+namespace {
+
+using Indices = std::vector<std::uint32_t>;
+using Floats = std::vector<float>;
+
+template <class T>
+const std::vector<T>& values_or_none(const Page& page, const std::string& name) {
+  static const std::vector<T> kNothing;
+  const std::vector<T>* const found = find_values<T>(page, name);
+  return found ? *found : kNothing;
+}
+
+std::vector<Vec3f> places(const Page& page, const Placement& placement, const Floats& coordinates) {
+  std::vector<Vec3f> points(coordinates.size() / 3);
+  base::for_indices(points.size(), [&](std::size_t i) {
+    const Vec3 world = page.origin + Vec3(coordinates[3 * i], coordinates[3 * i + 1], coordinates[3 * i + 2]);
+    points[i] = placement.to_scene(world).cast<float>();
+  });
+  return points;
+}
+
+/// The cells of a layer that are there: all, or those of a level.
+class LayerCells {
+ public:
+  LayerCells(const Page& page, const ViewState& state)
+      : layer_(state.layer),
+        offsets_(values_or_none<std::uint32_t>(page, layer_ + "/polygon_offsets")),
+        corners_(values_or_none<std::uint32_t>(page, layer_ + "/polygon_corners")),
+        edges_(values_or_none<std::uint32_t>(page, layer_ + "/edges")),
+        sides_(values_or_none<std::uint32_t>(page, layer_ + "/polygon_edges")) {
+    if (layer_ != "core") return;
+    threshold_ = state.threshold;
+    const bool first = page.measures.empty() || page.measures.front().name == state.measure;
+    const std::string of = first ? "" : "/" + state.measure;
+    face_level_ = find_values<float>(page, "core/face_level" + of);
+    edge_level_ = find_values<float>(page, "core/edge_level" + of);
+    vertex_level_ = find_values<float>(page, "core/vertex_level" + of);
+  }
+
+  void add_to(Scene& scene) const {
+    std::vector<char> used(scene.points.size(), 0);
+    const std::vector<std::uint8_t> faces = add_faces(scene, used);
+    for (std::size_t e = 0; 2 * e < edges_.size(); ++e) {
+      if (!is_there(edge_level_, e)) continue;
+      const std::array<std::uint32_t, 2> ends{edges_[2 * e], edges_[2 * e + 1]};
+      for (const std::uint32_t v : ends) used[v] = 1;
+      if (faces[e] == 0) scene.curves.push_back(ends);
+      if (faces[e] == 1) scene.boundary.push_back(ends);
+      if (faces[e] > 2) scene.seams.push_back(ends);
+    }
+    for (std::uint32_t v = 0; v < used.size(); ++v)
+      if (!used[v] && is_there(vertex_level_, v)) scene.isolated.push_back(v);
+  }
+
+ private:
+  bool is_there(const Floats* level, std::size_t cell) const { return !level || (*level)[cell] >= threshold_; }
+
+  /// Returns the number of faces around each edge, of three and more 3.
+  std::vector<std::uint8_t> add_faces(Scene& scene, std::vector<char>& used) const {
+    std::vector<std::uint8_t> faces(edges_.size() / 2, 0);
+    for (std::size_t f = 0; f + 1 < offsets_.size(); ++f) {
+      if (!is_there(face_level_, f)) continue;
+      for (std::uint32_t c = offsets_[f]; c < offsets_[f + 1]; ++c) {
+        used[corners_[c]] = 1;
+        scene.sheets.corners.push_back(corners_[c]);
+        faces[sides_[c]] = static_cast<std::uint8_t>(std::min(3, faces[sides_[c]] + 1));
+      }
+      scene.sheets.offsets.push_back(static_cast<std::uint32_t>(scene.sheets.corners.size()));
+    }
+    return faces;
+  }
+
+  std::string layer_;
+  const Indices &offsets_, &corners_, &edges_, &sides_;
+  const Floats *face_level_ = nullptr, *edge_level_ = nullptr, *vertex_level_ = nullptr;
+  double threshold_ = 0;
+};
+
+/// Edges of one polygon, and of three or more.
+void add_edges_of_sheets(Scene& scene) {
+  std::vector<std::uint64_t> edges(scene.sheets.corners.size());
+  base::for_indices(scene.sheets.size(), [&](std::size_t f) {
+    const std::uint32_t begin = scene.sheets.offsets[f], end = scene.sheets.offsets[f + 1];
+    for (std::uint32_t c = begin; c < end; ++c) {
+      const auto [a, b] = std::minmax(scene.sheets.corners[c], scene.sheets.corners[c + 1 < end ? c + 1 : begin]);
+      edges[c] = std::uint64_t{a} << 32 | b;
+    }
+  });
+  tbb::parallel_sort(edges.begin(), edges.end());
+  for (std::size_t i = 0, next = 0; i < edges.size(); i = next) {
+    while (next < edges.size() && edges[next] == edges[i]) ++next;
+    const std::array<std::uint32_t, 2> ends{static_cast<std::uint32_t>(edges[i] >> 32),
+                                            static_cast<std::uint32_t>(edges[i])};
+    if (next - i == 1) scene.boundary.push_back(ends);
+    if (next - i > 2) scene.seams.push_back(ends);
+  }
+}
+
+/// The skeleton that was asked for: polygons, and curves as branches.
+void add_skeleton_cells(const Page& page, const ViewState& state, Scene& scene) {
+  scene.sheets.offsets = values_or_none<std::uint32_t>(page, "skeleton/polygon_offsets");
+  scene.sheets.corners = values_or_none<std::uint32_t>(page, "skeleton/polygon_corners");
+  if (scene.sheets.offsets.empty()) scene.sheets.offsets = {0};
+  const Indices& offsets = values_or_none<std::uint32_t>(page, "skeleton/branch_offsets");
+  const Indices& along = values_or_none<std::uint32_t>(page, "skeleton/branch_points");
+  for (std::uint32_t b = 0; b + 1 < offsets.size(); ++b)
+    for (std::uint32_t i = offsets[b]; i + 1 < offsets[b + 1]; ++i) {
+      scene.curves.push_back({along[i], along[i + 1]});
+      if (state.color == "branch") scene.curve_parts.push_back(b);
+    }
+  if (state.color == "sheet") scene.sheet_parts = values_or_none<std::uint32_t>(page, "skeleton/polygon_sheet");
+  scene.isolated = values_or_none<std::uint32_t>(page, "skeleton/isolated");
+  add_edges_of_sheets(scene);
+}
+
+Vec3f area_normal(const std::vector<Vec3f>& points, std::span<const std::uint32_t> corners) {
+  Vec3f sum = Vec3f::Zero();
+  for (std::size_t i = 1; i + 1 < corners.size(); ++i)
+    sum += (points[corners[i]] - points[corners[0]]).cross(points[corners[i + 1]] - points[corners[0]]);
+  return sum / 2;
+}
+
+std::span<const std::uint32_t> corners_of(const Polygons& polygons, std::size_t f) {
+  return std::span(polygons.corners).subspan(polygons.offsets[f], polygons.offsets[f + 1] - polygons.offsets[f]);
+}
+
+void add_shape(const Page& page, Scene& scene) {
+  if (page.voxel_surface) scene.shape_crease = 90;
+  scene.shape_points = places(page, scene.placement, values_or_none<float>(page, "shape/points"));
+  scene.shape.corners = values_or_none<std::uint32_t>(page, "shape/triangles");
+  const std::size_t triangles = scene.shape.corners.size() / 3;
+  scene.shape.offsets.resize(triangles + 1);
+  for (std::size_t t = 0; t <= triangles; ++t) scene.shape.offsets[t] = static_cast<std::uint32_t>(3 * t);
+}
+
+void require_points(const std::vector<std::uint32_t>& numbers, std::size_t count, const char* what) {
+  for (const std::uint32_t v : numbers)
+    if (v >= count) throw Error(ErrorCode::usage, fmt::format("{} of a page point beyond its points", what));
+}
+
+/// The value that a share of the values does not exceed. Of many a sample, as viewer/src/measures.ts takes it.
+std::pair<double, double> central_of(const std::vector<float>& finite, std::size_t count) {
+  const std::size_t stride = std::max<std::size_t>(1, count / 50000);
+  std::vector<float> sample;
+  for (std::size_t i = 0; i < finite.size(); i += stride) sample.push_back(finite[i]);
+  std::sort(sample.begin(), sample.end());
+  const auto at = [&](double share) {
+    return sample[std::min(sample.size() - 1, static_cast<std::size_t>(share * static_cast<double>(sample.size())))];
+  };
+  return {at(0.005), at(0.995)};
+}
+
+/// Of a skeleton its measures of sheets count on sheets, those of curves on curves.
+std::vector<char> vertices_of_measure(const Scene& scene, const ViewState& state) {
+  std::vector<char> counts(scene.points.size(), state.layer != "skeleton");
+  if (state.layer != "skeleton") return counts;
+  const bool of_curves = state.color.starts_with("curve_");
+  const bool of_sheets = state.color == "erosion_thickness" || state.color == "burn_time";
+  if (!of_sheets || scene.sheets.size() == 0)
+    for (const auto& ends : scene.curves) counts[ends[0]] = counts[ends[1]] = 1;
+  if (!of_curves || scene.curves.empty())
+    for (const std::uint32_t v : scene.sheets.corners) counts[v] = 1;
+  return counts;
+}
+
+}  // namespace
+
+Placement placement_of(const Page& page) {
+  const double side = page.side > 0 ? page.side : std::max((page.high - page.low).maxCoeff(), 1e-30);
+  return {0.5 * (page.low + page.high), 1 / side};
+}
+
+Scene scene_of(const Page& page, const ViewState& state) {
+  Scene scene;
+  scene.placement = placement_of(page);
+  add_shape(page, scene);
+  require_points(scene.shape.corners, scene.shape_points.size(), "triangles");
+  if (state.layer.empty()) return scene;
+  scene.points = places(page, scene.placement, values_or_none<float>(page, state.layer + "/points"));
+  if (page.find(state.layer + "/point/" + state.color)) {
+    scene.values = values_or_none<float>(page, state.layer + "/point/" + state.color);
+    for (float& x : scene.values) x = std::isnan(x) ? kCodeMissing : std::isfinite(x) ? x : kCodeInfinite;
+  }
+  if (state.layer == "skeleton")
+    add_skeleton_cells(page, state, scene);
+  else
+    LayerCells(page, state).add_to(scene);
+  require_points(scene.sheets.corners, scene.points.size(), "polygons");
+  for (std::size_t f = 0; f < scene.sheets.size(); ++f)
+    scene.area += area_normal(scene.points, corners_of(scene.sheets, f)).norm();
+  for (const auto& [a, b] : scene.curves) scene.curve_length += (scene.points[a] - scene.points[b]).norm();
+  return scene;
+}
+
+ColourRange colour_range(const Scene& scene, const ViewState& state) {
+  ColourRange range;
+  std::vector<float> finite, first;
+  std::size_t count = 0;
+  const std::vector<char> counts = vertices_of_measure(scene, state);
+  for (std::size_t v = 0; v < scene.values.size(); ++v) {
+    const float x = scene.values[v];
+    range.infinite |= x > kCodeLimit;
+    range.missing |= x < -kCodeLimit;
+    if (std::abs(x) > kCodeLimit) continue;
+    finite.push_back(x);
+    count += counts[v] ? 1 : 0;
+    if (counts[v]) first.push_back(x);
+  }
+  range.finite = !finite.empty();
+  if (!range.finite) return range;
+  const auto [least, most] = std::minmax_element(finite.begin(), finite.end());
+  range.least = *least;
+  range.most = *most;
+  std::tie(range.low, range.high) = first.empty() ? central_of(finite, finite.size()) : central_of(first, count);
+  if (range.low > 0 && range.low < 0.3 * range.high) range.low = 0;
+  if (!(range.high > range.low)) std::tie(range.low, range.high) = std::pair(range.least, range.most);
+  return range;
+}
+
+std::vector<Vec3f> crease_normals(const std::vector<Vec3f>& points, const Polygons& polygons, double crease) {
+  const auto cosine = static_cast<float>(std::cos(crease * std::numbers::pi / 180));
+  std::vector<Vec3f> faces(polygons.size()), normals(polygons.corners.size(), Vec3f::Zero());
+  base::for_indices(faces.size(), [&](std::size_t f) { faces[f] = area_normal(points, corners_of(polygons, f)); });
+  std::vector<std::uint32_t> begin(points.size() + 1, 0), around(polygons.corners.size()),
+      face(polygons.corners.size());
+  for (const std::uint32_t v : polygons.corners) ++begin[v + 1];
+  for (std::size_t v = 0; v < points.size(); ++v) begin[v + 1] += begin[v];
+  std::vector<std::uint32_t> next(begin.begin(), begin.end() - 1);
+  for (std::uint32_t f = 0; f < polygons.size(); ++f)
+    for (std::uint32_t c = polygons.offsets[f]; c < polygons.offsets[f + 1]; ++c) {
+      face[c] = f;
+      around[next[polygons.corners[c]]++] = c;
+    }
+  base::for_indices(points.size(), [&](std::size_t v) {
+    for (std::uint32_t i = begin[v]; i < begin[v + 1]; ++i) {
+      const Vec3f& mine = faces[face[around[i]]];
+      const float size = mine.norm();
+      Vec3f sum = Vec3f::Zero();
+      for (std::uint32_t k = begin[v]; k < begin[v + 1]; ++k) {
+        const Vec3f& other = faces[face[around[k]]];
+        const float dot = mine.dot(other);
+        if (std::abs(dot) >= cosine * size * other.norm()) sum += dot < 0 ? Vec3f(-other) : other;
+      }
+      const float length = sum.norm();
+      normals[around[i]] = length > 0 ? Vec3f(sum / length) : Vec3f(Vec3f::Zero());
+    }
+  });
+  return normals;
+}
+
+}  // namespace quench::picture

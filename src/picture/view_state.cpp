@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "picture/view_state.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+#include "quench/error.h"
+
+namespace quench::picture {
+namespace {
+
+int hex_digit(char c) {
+  if (c >= '0' && c <= '9') return c - '0';
+  if (c >= 'A' && c <= 'F') return c - 'A' + 10;
+  return c >= 'a' && c <= 'f' ? c - 'a' + 10 : -1;
+}
+
+/// Of an address: what is written as numbers is a byte again.
+std::string decoded(std::string_view text) {
+  std::string out;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const bool coded =
+        text[i] == '%' && i + 2 < text.size() && hex_digit(text[i + 1]) >= 0 && hex_digit(text[i + 2]) >= 0;
+    out += coded ? static_cast<char>(hex_digit(text[i + 1]) * 16 + hex_digit(text[i + 2])) : text[i];
+    if (coded) i += 2;
+  }
+  return out;
+}
+
+/// The value of a key in a state; nothing where it is not there.
+std::optional<std::string> value_of(std::string_view state, std::string_view key) {
+  while (!state.empty()) {
+    const std::size_t end = std::min(state.find('&'), state.size());
+    const std::string_view part = state.substr(0, end);
+    state.remove_prefix(std::min(end + 1, state.size()));
+    if (part.size() > key.size() && part.starts_with(key) && part[key.size()] == '=')
+      return decoded(part.substr(key.size() + 1));
+  }
+  return {};
+}
+
+std::optional<std::array<double, 9>> camera_in(const std::string& text) {
+  std::array<double, 9> numbers{};
+  const char* at = text.c_str();
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    char* end = nullptr;
+    numbers[i] = std::strtod(at, &end);
+    const char wanted = i + 1 < numbers.size() ? ',' : '\0';
+    if (end == at || *end != wanted || !std::isfinite(numbers[i])) return {};
+    at = end + 1;
+  }
+  return numbers;
+}
+
+std::string default_color(const Page& page, const std::string& layer) {
+  for (const char* name : {"erosion_thickness", "radius", "lambda"})
+    if (page.find(layer + "/point/" + name)) return name;
+  for (const PageArray& array : page.arrays)
+    if (array.name.starts_with(layer + "/point/")) return array.name.substr(layer.size() + 7);
+  return "none";
+}
+
+/// Measure and threshold of the layer `core`.
+void take_pruning(ViewState& state, const Page& page) {
+  if (page.measures.empty()) return;
+  const auto named = [&](const std::string& name) {
+    return std::find_if(page.measures.begin(), page.measures.end(),
+                        [&](const PageMeasure& m) { return m.name == name; });
+  };
+  auto measure = named(value_of(page.state, "measure").value_or(page.pruning ? page.pruning->measure : ""));
+  if (measure == page.measures.end()) measure = page.measures.begin();
+  state.measure = measure->name;
+  state.threshold = page.pruning && page.pruning->measure == measure->name ? page.pruning->threshold : 0;
+  if (const auto text = value_of(page.state, "threshold")) state.threshold = std::strtod(text->c_str(), nullptr);
+  state.threshold = std::max(std::isnan(state.threshold) ? 0 : state.threshold, measure->floor);
+}
+
+}  // namespace
+
+ViewState view_state(const Page& page) {
+  ViewState state;
+  state.dark = value_of(page.state, "dark") == "1";
+  if (const auto camera = value_of(page.state, "camera")) state.camera = camera_in(*camera);
+  for (const char* layer : {"skeleton", "core", "still"})
+    if (state.layer.empty() && page.find(std::string(layer) + "/points")) state.layer = layer;
+  if (const auto layer = value_of(page.state, "layer")) {
+    if (!page.find(*layer + "/points"))
+      throw Error(ErrorCode::usage, fmt::format("there is no layer '{}' in this page", *layer));
+    state.layer = *layer;
+  }
+  if (state.layer.empty()) return state;
+  // Without sheets the curves carry the colours.
+  const bool pure =
+      state.layer == "skeleton" && page.theta2 && std::isinf(*page.theta2) && page.find("skeleton/point/radius");
+  state.color = value_of(page.state, "color").value_or(pure ? "radius" : default_color(page, state.layer));
+  const bool parts = state.layer == "skeleton" && (state.color == "sheet" || state.color == "branch");
+  if (state.color != "none" && !parts && !page.find(state.layer + "/point/" + state.color))
+    throw Error(ErrorCode::usage,
+                fmt::format("there is no array '{}' to colour the layer '{}' by", state.color, state.layer));
+  state.curves_by_measure = pure || state.color.starts_with("curve_");
+  take_pruning(state, page);
+  return state;
+}
+
+template <class T>
+const std::vector<T>* find_values(const Page& page, const std::string& name) {
+  const PageArray* const array = page.find(name);
+  if (!array) return nullptr;
+  const auto* const values = std::get_if<std::vector<T>>(&array->values);
+  if (!values) throw Error(ErrorCode::usage, fmt::format("the array '{}' of a page has an unexpected type", name));
+  return values;
+}
+template const std::vector<float>* find_values(const Page&, const std::string&);
+template const std::vector<std::uint32_t>* find_values(const Page&, const std::string&);
+
+}  // namespace quench::picture

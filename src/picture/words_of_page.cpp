@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+// The words of the interactive page (viewer/src/format.ts, measures.ts, ui/caption.ts).
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "picture/caption.h"
+
+namespace quench::picture {
+namespace {
+
+std::string with_unit(const std::string& text, const std::string& unit) {
+  return unit.empty() ? text : unit == "°" ? text + unit : text + " " + unit;
+}
+
+/// "detail = 0.36 mm".
+std::string pruning_words(const Page& page, const std::string& measure, double threshold) {
+  return fmt::format("{} = {}", label_of(measure), with_unit(short_text(threshold), unit_of(page, measure)));
+}
+
+/// "θ₂ = 0.03 mm · θ₁ = 0.02 mm · detail = 0.36 mm".
+std::string skeleton_words(const Page& page) {
+  const auto theta = [&](const char* name, const std::optional<double>& length) {
+    if (!length) return std::string();
+    return fmt::format("{} = {} · ", name, std::isinf(*length) ? "∞" : with_unit(short_text(*length), page.unit));
+  };
+  std::string text = theta("θ₂", page.theta2) + theta("θ₁", page.theta1);
+  if (page.theta1_radii > 0 && page.theta1)
+    text.insert(text.rfind(" · "), fmt::format(" and {} radii", short_text(page.theta1_radii)));
+  if (page.pruning) return text + pruning_words(page, page.pruning->measure, page.pruning->threshold);
+  return text.substr(0, text.rfind(" · "));
+}
+
+}  // namespace
+
+std::string label_of(const std::string& measure) {
+  if (measure == "lambda") return "λ";
+  std::string label = measure;
+  std::replace(label.begin(), label.end(), '_', ' ');
+  return label;
+}
+
+std::string unit_of(const Page& page, const std::string& measure) {
+  return measure == "object_angle" ? "°" : page.unit;
+}
+
+std::string short_text(double x, int digits) {
+  if (std::isnan(x)) return "–";
+  if (std::isinf(x)) return x > 0 ? "∞" : "−∞";
+  if (x == 0) return "0";
+  const double size = std::abs(x);
+  std::string text;
+  if (size >= 1e6 || size < 1e-5) {
+    text = fmt::format("{:.{}e}", size, digits - 1);
+  } else {
+    const int before = static_cast<int>(std::floor(std::log10(size))) + 1;
+    text = fmt::format("{:.{}f}", size, std::max(0, digits - before));
+    if (text.find('.') != std::string::npos) text.erase(text.find_last_not_of('0') + 1);
+    if (text.ends_with('.')) text.pop_back();
+  }
+  return (x < 0 ? "−" : "") + text;
+}
+
+std::vector<double> ticks(double low, double high, int most) {
+  if (!(high > low)) return {low};
+  const double raw = (high - low) / most, power = std::pow(10, std::floor(std::log10(raw)));
+  double step = 10 * power;
+  for (const double factor : {5.0, 2.5, 2.0, 1.0})
+    if (factor * power >= raw * 0.999) step = factor * power;
+  std::vector<double> list;
+  for (double i = std::ceil(low / step - 1e-9); i * step <= high + 1e-9 * step; ++i) list.push_back(i * step + 0.0);
+  return list;
+}
+
+double round_length(double most) {
+  const double power = std::pow(10, std::floor(std::log10(most)));
+  for (const double factor : {5.0, 2.0})
+    if (factor * power <= most) return factor * power;
+  return power;
+}
+
+}  // namespace quench::picture
+
+namespace quench {
+
+std::vector<std::string> caption_of(const Page& page) {
+  using namespace picture;
+  std::string file = page.title;
+  for (const auto& [what, name] : page.files)
+    if (what == "shape") file = std::filesystem::path(name).filename().string();
+  const ViewState state = view_state(page);
+  std::vector<std::string> lines;
+  lines.push_back(file);
+  if (state.layer == "skeleton") lines.push_back(skeleton_words(page));
+  if (state.layer == "core" && !state.measure.empty())
+    lines.push_back(pruning_words(page, state.measure, state.threshold));
+  std::erase(lines, "");
+  return lines;
+}
+
+}  // namespace quench
