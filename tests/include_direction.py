@@ -32,7 +32,7 @@ ROOMS = {
     'pipeline': 'base complex record shape voxelization surface axis burning skeleton graph io page',
     'verification': 'base complex record shape',
 }
-PUBLIC = {'error': 'base', 'context': 'base', 'geometry': 'base', 'voxelize': 'voxelization', 'burn': 'burning', 'verify': 'verification'}
+PUBLIC = {'error': 'base', 'context': 'base', 'geometry': 'base', 'voxelize': 'voxelization', 'burn': 'burning', 'verify': 'verification', 'structure': 'complex'}
 FRONT_ENDS = {'cli': 'cli', 'python/src': 'python'}  # public headers, base/ and their own files
 
 

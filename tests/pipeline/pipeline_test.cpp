@@ -277,7 +277,7 @@ TEST(Run, IsTheStagesCalledByHand) {
   by_hand.page.theta1 = 2 * voxel;
   by_hand.add_core(core, result.axis.file.point_data, true);
   const FamilyFloor floor = floor_of(options.skeleton, shape.scale(), burning.options.omega);
-  EXPECT_FLOAT_EQ(static_cast<float>(floor.theta2), static_cast<float>(voxel));
+  EXPECT_FLOAT_EQ(static_cast<float>(floor.theta2), static_cast<float>(0.2 * voxel));
   EXPECT_FLOAT_EQ(static_cast<float>(floor.theta1), static_cast<float>(0.2 * voxel));
   EXPECT_LE(floor.theta1, 0.2 * voxel);
   by_hand.add_skeleton(skeleton, graph);
