@@ -5,7 +5,7 @@ import { App, type Numbers, type Picked } from "./app";
 import { MAPS, rgb, type Rgb } from "./colours";
 import { PageError, readPage, type Page } from "./data";
 import { Stage } from "./scene/stage";
-import { defaults, fromHash, sanitize, toHash, type State } from "./state";
+import { defaults, fromHash, keyOf, sanitize, toHash, type State } from "./state";
 import { BranchTable } from "./ui/branches";
 import { Burner } from "./ui/burner";
 import { Caption } from "./ui/caption";
@@ -106,8 +106,9 @@ function run(page: Page): void {
     document.documentElement.style.setProperty("--accent", s.dark ? "#5bb7c5" : "#1f7f8c");
     root.classList.toggle("bare", !s.ui);
   };
+  const tabled = () => app.state.table && keyOf(page, app.state) === "skeleton" && page.layers.get("skeleton")?.branches != null;
   const insets = () => {
-    const { ui, table: rows } = app.state, tall = rows && page.layers.get("skeleton")?.branches ? Math.round(0.36 * window.innerHeight) : 0;
+    const { ui } = app.state, tall = tabled() ? Math.round(0.36 * window.innerHeight) : 0;
     if (!ui) return { left: 20, right: 20, top: 36, bottom: 16 };
     return window.innerWidth >= 900 ? { left: 290, right: 316, top: 20, bottom: 60 + tall } : { left: 8, right: 8, top: 56, bottom: Math.max(150, 8 + tall) };
   };
@@ -122,12 +123,12 @@ function run(page: Page): void {
     }, 250);
   };
 
-  let shape = `${app.state.ui}${app.state.table}`;
+  let shape = `${app.state.ui}${tabled()}`;
   app.onChange = (numbers) => {
     const s = app.state;
     theme();
-    if (shape !== `${s.ui}${s.table}`) {
-      shape = `${s.ui}${s.table}`;
+    if (shape !== `${s.ui}${tabled()}`) {
+      shape = `${s.ui}${tabled()}`;
       layout();
     }
     info.show(s, numbers, app.command());

@@ -21,7 +21,7 @@ export class LayerView {
   private readonly boundary: Bars;
   private readonly seams: Bars;
   private readonly points: Balls;
-  private readonly junctions: Balls; ///< where seams meet or end
+  private readonly junctions: Balls; ///< where seams meet
   private readonly picked: Bars; ///< the branch that is picked
   private readonly cuts: boolean; ///< fragments of sheets go by their level
   readonly union: Balls; ///< the balls of what is visible
@@ -93,7 +93,7 @@ export class LayerView {
           const v = edges[2 * set.seams.edge[i]! + k]!;
           degree.set(v, (degree.get(v) ?? 0) + 1);
         }
-    const junctions = [...degree].filter(([, n]) => n !== 2).map(([v]) => v);
+    const junctions = [...degree].filter(([, n]) => n > 2).map(([v]) => v);
     this.junctions.write(junctions, junctions.length);
   }
 

@@ -4,6 +4,7 @@
 import type { App } from "../app";
 import { NODE_KINDS, type BranchMeasure, type Branches } from "../data";
 import { short, withUnit } from "../format";
+import { keyOf } from "../state";
 import { el, fill } from "./dom";
 
 interface Column { name: string; label: string; help: string; value: (b: number) => number | string; text: (b: number) => string }
@@ -112,7 +113,7 @@ export class BranchTable {
   show(): void {
     const { state } = this.app;
     const was = this.element.hidden;
-    this.element.hidden = !this.branches || !state.table || !state.ui || state.layer !== "skeleton";
+    this.element.hidden = !this.branches || !state.table || !state.ui || keyOf(this.app.page, state) !== "skeleton";
     if (this.element.hidden) return;
     if (was === this.element.hidden && this.picked === state.branch) return;
     this.picked = state.branch;

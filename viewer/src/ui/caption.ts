@@ -5,6 +5,7 @@ import { Vector3 } from "three";
 import type { App } from "../app";
 import { short, withUnit } from "../format";
 import { labelOf, pruningText, unitOf } from "../measures";
+import { isAsked } from "../state";
 import { el, prepare, styleOf } from "./dom";
 
 const MARGIN = 24, BAR = 140; ///< pixels; the scale bar is at most so long
@@ -17,8 +18,9 @@ export class Caption {
   /// "armadillo · θ₂ = 0.03 mm · θ₁ = 0.02 mm · detail = 0.0017 mm".
   text(): string {
     const { state, page: { meta } } = this.app, length = (x: number) => (Number.isFinite(x) ? withUnit(short(x), meta.unit) : "∞");
+    const radii = this.app.page.layers.has("skeleton") && isAsked(this.app.page, state) ? meta.theta1_radii : 0;
     const parts = [meta.title];
-    if (state.layer === "skeleton") parts.push(`θ₂ = ${length(state.theta2)}`, `θ₁ = ${length(state.theta1)}`);
+    if (state.layer === "skeleton") parts.push(`θ₂ = ${length(state.theta2)}`, `θ₁ = ${length(state.theta1)}${radii > 0 ? ` and ${short(radii)} radii` : ""}`);
     if (state.layer === "core") parts.push(`${labelOf(state.measure)} = ${withUnit(short(state.threshold), unitOf(state.measure, meta.unit))}`);
     else if (state.layer === "skeleton" && meta.pruning) parts.push(pruningText({ ...meta, voxel: undefined }));
     return parts.join(" · ");

@@ -54,7 +54,7 @@ export class Info {
 
   show(state: State, numbers: Numbers, command: string): void {
     const { meta } = this.page, unit = meta.unit;
-    const branches = state.layer === "skeleton" ? (this.page.layers.get("skeleton")?.branches?.count ?? 0) : 0;
+    const branches = state.layer === "skeleton" && isAsked(this.page, state) ? (this.page.layers.get("skeleton")?.branches?.count ?? 0) : 0;
     this.toTable.hidden = branches === 0;
     this.toTable.textContent = `${state.table ? "Hide the table" : "Table"} of ${counted(branches)} ${branches === 1 ? "branch" : "branches"}`;
     const length = (x: number) => withUnit(short(x), unit);
@@ -73,7 +73,7 @@ export class Info {
     fill(this.what, el("b", "", NAMES[state.layer]), sentence.length ? `: ${sentence.join("; ")}.` : "");
     const entries: [string, string][] = [];
     const sheets = state.layer === "skeleton" && isAsked(this.page, state) ? this.sheets : 0;
-    if (numbers.faces > 0) entries.push(["sheets", `${sheets > 0 ? `${counted(sheets)}, of ` : ""}${counted(numbers.faces)} faces, area ${withUnit(short(numbers.area), unit && `${unit}²`)}`]);
+    if (numbers.faces > 0) entries.push(["sheets", `${sheets > 0 ? `${counted(sheets)}, ` : ""}${counted(numbers.faces)} faces, area ${withUnit(short(numbers.area), unit && `${unit}²`)}`]);
     if (numbers.curveEdges > 0) entries.push(["curves", `length ${length(numbers.curveLength)}, ${numbers.freeEnds === 0 ? "no" : counted(numbers.freeEnds)} free ${numbers.freeEnds === 1 ? "end" : "ends"}`]);
     if (numbers.isolated > 0) entries.push(["points", counted(numbers.isolated)]);
     entries.push(["χ = V − E + F", `${numbers.vertices - numbers.edges + numbers.faces}`.replace("-", "−")]);
