@@ -136,17 +136,19 @@ Plan plan_page(const Options& o, Session& session) {
 
 // -------------------------------------------------------------------------------------------------------------- build
 
-void add_shape(const Options& o, const Plan& plan, pipeline::PageBuilder& builder, Session& session) {
+pipeline::LoadedShape add_shape(const Options& o, const Plan& plan, pipeline::PageBuilder& builder, Session& session) {
   ShapeOptions options = o.shape;
   const bool of_axis = !plan.axis_file.empty();
   take_recorded(options, of_axis ? plan.axis : plan.still, of_axis ? plan.axis_file : plan.still_file);
   options.how.keep_mesh = true;
   options.how.core_follows = false;
-  options.how.surface = SurfaceKind::voxels;  // the axis is fitted already
+  // Branches are smoothed inside the surface that the axis is fitted to; nothing else needs one.
+  if (!of_axis || !options.how.surface) options.how.surface = SurfaceKind::voxels;
   pipeline::LoadedShape shape = load_shape(options, session);
   builder.add_shape(shape);
   builder.page.files.emplace_back("shape", o.shape.file);
   session.finished("page");
+  return shape;
 }
 
 void add_still(Plan& plan, pipeline::PageBuilder& builder, Session& session) {
@@ -161,9 +163,9 @@ void add_still(Plan& plan, pipeline::PageBuilder& builder, Session& session) {
   session.finished("page");
 }
 
-/// The axis with all its skeletons. `threshold`: where the page starts, for its state.
-void add_axis(const Options& o, Plan& plan, pipeline::PageBuilder& builder, Json& report, std::string& threshold,
-              Session& session) {
+/// The axis with all its skeletons. `shape`: where it was given. `threshold`: where the page starts, for its state.
+void add_axis(const Options& o, Plan& plan, const std::optional<pipeline::LoadedShape>& shape,
+              pipeline::PageBuilder& builder, Json& report, std::string& threshold, Session& session) {
   Context* context = &session.context;
   Page& page = builder.page;
   page.files.emplace_back("core", plan.axis_file);
@@ -180,6 +182,8 @@ void add_axis(const Options& o, Plan& plan, pipeline::PageBuilder& builder, Json
   options.skeleton = o.skeleton;
   options.page = &builder;
   if (loaded.voxel_core) options.graph.voxel = loaded.spacing;
+  if (shape && loaded.voxel_core) options.graph.shape = &shape->shape;
+  if (shape && shape->surface) options.graph.surface = &*shape->surface;
   pipeline::take_recorded(options.burning, loaded.data);
   options.on_burned = [&](const pipeline::BurnFigures& burned) {
     say_burned(burned, loaded.axis.points.size(), session);
@@ -243,9 +247,10 @@ pipeline::PageBuilder build_page(const Options& o, Plan& plan, Json& report, Ses
   page.title = pipeline::title_of(o.files.front());
   builder.set_origin(plan.low, plan.high);
   std::string threshold;
-  if (!o.shape.file.empty()) add_shape(o, plan, builder, session);
+  std::optional<pipeline::LoadedShape> shape;
+  if (!o.shape.file.empty()) shape = add_shape(o, plan, builder, session);
   if (!plan.still_file.empty()) add_still(plan, builder, session);
-  if (!plan.axis_file.empty()) add_axis(o, plan, builder, report, threshold, session);
+  if (!plan.axis_file.empty()) add_axis(o, plan, shape, builder, report, threshold, session);
   if (!(page.side > 0)) page.side = std::max((plan.high - plan.low).maxCoeff(), 1e-30);
   page.state = state_of(o, page, !plan.axis_file.empty(), threshold);
   return builder;
