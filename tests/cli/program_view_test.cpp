@@ -86,7 +86,7 @@ TEST_F(ViewProgram, RunWritesAPageOfEverything) {
   EXPECT_EQ(p.meta["pruning"]["measure"], "detail");
   const double detail = std::sqrt(0.75) / 16;
   EXPECT_NEAR(p.meta["theta2"], 3 * detail, 1e-7);
-  EXPECT_NEAR(p.meta["theta1"], 4 * detail, 1e-7);
+  EXPECT_NEAR(p.meta["theta1"], 4.5 * detail, 1e-7);
   EXPECT_NEAR(p.meta["pruning"]["threshold"], detail, 1e-15);
   ASSERT_EQ(p.meta["measures"].size(), 1u);
   EXPECT_EQ(p.meta["measures"][0]["name"], "detail");
