@@ -97,8 +97,8 @@ struct ExtractOptions {
   double regrow_tips_above = std::numeric_limits<double>::infinity();
   /// A curve with a free end also goes where its ET_MC is below this many times its burn time (the radius in a tube),
   /// or becomes so on the way from there to a sheet, a loop or the medial point: it then does not stick out of what it
-  /// leaves or of a thick part on its way. Of a tree that would go as a whole its longest course stays. Nested in theta1 and in
-  /// this; in theta2 but for such courses.
+  /// leaves or of a thick part on its way. Of a tree that would go as a whole its longest course stays. Nested in
+  /// theta1 and in this; in theta2 but for such courses.
   double theta1_radii = 0;
 };
 Skeleton extract(const SkeletonFamily& family, double theta2, double theta1, const ExtractOptions& options = {});

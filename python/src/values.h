@@ -11,8 +11,8 @@
 
 #include "arrays.h"
 #include "quench/pipeline.h"
-#include "quench/verify.h"
 #include "quench/shape.h"
+#include "quench/verify.h"
 #include "run.h"
 
 namespace quench::python {
@@ -57,7 +57,7 @@ struct SkeletonValue {
   bool has_axis = true;
   pipeline::SkeletonResult checked;  ///< drawn with its smoothed branches
   Skeleton member;                   ///< the same before that: what graphs are made of
-  Record about;  ///< FieldData of the file of the axis, for files of the skeleton
+  Record about;                      ///< FieldData of the file of the axis, for files of the skeleton
 };
 
 struct GraphValue {
