@@ -307,8 +307,8 @@ struct SkeletonOptions {
   /// of voxels leave near the axis of a limb is smaller.
   std::optional<Length> theta2 = {};
   /// None: half the radius of what a branch leaves, as ExtractOptions::theta1_radii. With that, or radii as the unit,
-  /// branches are no thinner than 3.5 times Scale::detail (3 voxels for cubes) or, without voxels, 0.01 of the longest
-  /// side either.
+  /// branches are no thinner than 4.5 times Scale::detail (3.9 voxels for cubes) or, without voxels, 0.01 of the
+  /// longest side either.
   std::optional<Length> theta1 = {};
   bool parts = false;     ///< as ExtractOptions::parts
   bool full_tips = true;  ///< branches end where the shape does, not where pruning took them

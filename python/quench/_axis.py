@@ -416,7 +416,7 @@ class MedialAxis(Complex):
             longest side, but no less than three times the automatic detail (2.6 voxels).
         theta1 : length, radii or "auto"
             Branches shorter than about this go; ``"0.5r"``: those that stick out of what they leave by less than half its
-            radius. ``"inf"``: what topology needs is left. "auto": 0.5r, and what is thinner than three voxels.
+            radius. ``"inf"``: what topology needs is left. "auto": 0.5r, and what is thinner than four voxels.
         tips : "full" or "pruned"
             Pruning takes about θ1 off every branch, also of those that stay, and θ2 off every rim of a sheet; "full":
             these grow back to their tips and rims.

@@ -58,7 +58,7 @@ struct SkeletonValue {
   pipeline::SkeletonResult checked;  ///< drawn with its smoothed branches
   CurveGraph drawn;                  ///< these branches
   Skeleton member;                   ///< the same before that: what graphs are made of
-  Record about;  ///< FieldData of the file of the axis, for files of the skeleton
+  Record about;                      ///< FieldData of the file of the axis, for files of the skeleton
 };
 
 struct GraphValue {

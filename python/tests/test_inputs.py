@@ -131,9 +131,9 @@ def test_lengths():
     skeleton = axis.skeleton('4vox', '2abs')
     assert (skeleton.theta2, skeleton.theta1) == (4, 2)
     skeleton = quench.medial_axis(image).skeleton()  # of a small shape not 0.03 and 0.02 of its side
-    assert (skeleton.theta2, skeleton.theta1) == pytest.approx((1.5 * math.sqrt(3), 1.75 * math.sqrt(3)))
+    assert (skeleton.theta2, skeleton.theta1) == pytest.approx((1.5 * math.sqrt(3), 2.25 * math.sqrt(3)))
     skeleton = quench.medial_axis(np.ones((200, 4, 3), bool)).skeleton('auto', theta1='auto')
-    assert (skeleton.theta2, skeleton.theta1) == pytest.approx((6, 1.75 * math.sqrt(3)))
+    assert (skeleton.theta2, skeleton.theta1) == pytest.approx((6, 2.25 * math.sqrt(3)))
     assert quench.medial_axis(image, spacing=(1, 2, 4), lambda_='1vox').lambda_ == 1
     assert quench.medial_axis(image, spacing=(1, 2, 4)).longest_side == 50
     assert quench.medial_axis(image, spacing=(1, 2, 4), detail='1vox').detail == 1

@@ -38,7 +38,7 @@ double theta2_of(const SkeletonOptions& options, const Scale& scale) {
 }
 
 // Half a radius: fingers and toes stick out of hands and feet by nine tenths and more, folds of skin by less than a
-// third. The noise of thin parts, of which half a radius is less than a voxel, is thinner than three voxels.
+// third. The noise of thin parts, of which half a radius is less than a voxel, is thinner than four voxels.
 double theta1_radii_of(const SkeletonOptions& options) {
   if (!options.theta1) return 0.5;
   return options.theta1->unit == Length::Unit::radii ? options.theta1->value : 0;
@@ -46,7 +46,7 @@ double theta1_radii_of(const SkeletonOptions& options) {
 
 double theta1_of(const SkeletonOptions& options, const Scale& scale) {
   if (options.theta1 && options.theta1->unit != Length::Unit::radii) return scale.resolve(*options.theta1, "theta1");
-  return scale.detail > 0 ? 3.5 * scale.detail : 0.01 * scale.longest_side;
+  return scale.detail > 0 ? 4.5 * scale.detail : 0.01 * scale.longest_side;
 }
 
 namespace {

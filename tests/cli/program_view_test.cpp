@@ -67,7 +67,7 @@ TEST_F(ViewProgram, RunWritesAPageOfEverything) {
   EXPECT_EQ(p.meta["pruning"]["measure"], "detail");
   const double detail = std::sqrt(0.75) / 16;
   EXPECT_NEAR(p.meta["theta2"], 3 * detail, 1e-7);
-  EXPECT_NEAR(p.meta["theta1"], 3.5 * detail, 1e-7);
+  EXPECT_NEAR(p.meta["theta1"], 4.5 * detail, 1e-7);
   EXPECT_EQ(p.meta["theta1_radii"], 0.5);
   EXPECT_NEAR(p.meta["pruning"]["threshold"], detail, 1e-15);
   ASSERT_EQ(p.meta["measures"].size(), 1u);

@@ -209,11 +209,11 @@ TEST(Lengths, Theta1MayBeInRadii) {
   for (const char* text : {"r", "-1r", "nanr", "infr", "1 r", "0.5rr"}) EXPECT_THROW(parse_theta1(text), Error) << text;
   const Scale scale{100, 1, 0.8};
   EXPECT_EQ(theta1_radii_of({}), 0.5);
-  EXPECT_EQ(theta1_of({}, scale), 3.5 * 0.8);
+  EXPECT_EQ(theta1_of({}, scale), 4.5 * 0.8);
   SkeletonOptions options;
   options.theta1 = parse_theta1("2r");
   EXPECT_EQ(theta1_radii_of(options), 2);
-  EXPECT_EQ(theta1_of(options, scale), 3.5 * 0.8);
+  EXPECT_EQ(theta1_of(options, scale), 4.5 * 0.8);
   options.theta1 = parse_theta1("2%");
   EXPECT_EQ(theta1_radii_of(options), 0);
   EXPECT_EQ(theta1_of(options, scale), 2);
