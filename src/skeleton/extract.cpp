@@ -507,7 +507,9 @@ Skeleton extract(const SkeletonFamily& family, double theta2, double theta1, con
   for (const double value : {theta2, theta1, options.theta1_radii, options.regrow_tips_above, options.regrow_rims_above,
                              options.minor_curve})
     if (std::isnan(value))
-      throw Error(ErrorCode::usage, "theta2, theta1 and the options of a skeleton must be numbers");
+      throw Error(ErrorCode::usage,
+                  "theta2, theta1, theta1_radii, minor_curve and from where tips and rims of a skeleton grow back must "
+                  "be numbers");
   if (std::min(theta2, options.regrow_rims_above) < family.theta2_floor ||
       std::min(theta1, options.regrow_tips_above) < family.theta1_floor)
     throw Error(ErrorCode::usage,

@@ -145,7 +145,7 @@ Record to_record(const Skeleton& s) {
     data.cell_data.push_back({"branch", 1, std::move(branch)});
   }
   std::vector<std::int32_t> sheet(data.cell_count() - c.face_count(), -1);
-  sheet.insert(sheet.end(), s.face_sheet.begin(), s.face_sheet.end());
+  sheet.insert(sheet.end(), structure.face_sheet.begin(), structure.face_sheet.end());
   data.cell_data.push_back({"sheet", 1, std::move(sheet)});
   data.cell_data.push_back({"sheet_level", 1, std::move(sheet_level)});
   data.cell_data.push_back({"curve_level", 1, std::move(curve_level)});

@@ -125,26 +125,45 @@ std::string wrong_sheet(const Result& result, const std::vector<double>& sheet) 
   return {};
 }
 
-// Where seams, edges of three polygons or more, run on, meet or end. Whether the numbers of seams are those along them
-// is seen edge by edge.
+// Per vertex the number of the seam, a line of edges of three polygons or more, that runs on over it, by walking along
+// each from its first edge; -1 elsewhere. `at`: per vertex its edges of seams.
+std::vector<double> seams(const Result& result, const std::vector<std::vector<std::uint32_t>>& at) {
+  const CellComplex& c = result.complex;
+  std::vector<double> number(c.vertex_count, -1);
+  std::vector<char> walked(c.edges.size(), 0);
+  double next = 0;
+  for (std::uint32_t first = 0; first < c.edges.size(); ++first) {
+    if (result.edge_faces_count[first] <= 2 || walked[first]) continue;
+    std::vector<std::uint32_t> walk{first};
+    while (!walk.empty()) {
+      const std::uint32_t e = walk.back();
+      walk.pop_back();
+      walked[e] = 1;
+      for (const std::uint32_t v : c.edges[e]) {
+        if (at[v].size() != 2) continue;
+        number[v] = next;
+        for (const std::uint32_t other : at[v])
+          if (!walked[other]) walk.push_back(other);
+      }
+    }
+    ++next;
+  }
+  return number;
+}
+
 std::string wrong_seam(const Result& result, const std::vector<double>& seam, const std::vector<double>& junction) {
   const CellComplex& c = result.complex;
-  std::vector<std::uint32_t> seams_at(c.vertex_count, 0);
-  const auto is_seam = [&](std::uint32_t e) { return result.edge_faces_count[e] > 2; };
+  std::vector<std::vector<std::uint32_t>> at(c.vertex_count);
   for (std::uint32_t e = 0; e < c.edges.size(); ++e)
-    if (is_seam(e))
-      for (const std::uint32_t v : c.edges[e]) ++seams_at[v];
+    if (result.edge_faces_count[e] > 2)
+      for (const std::uint32_t v : c.edges[e]) at[v].push_back(e);
+  const std::vector<double> expected = seams(result, at);
   for (std::uint32_t v = 0; v < c.vertex_count; ++v) {
     const std::size_t row = result.rows[v];
-    if ((seam[row] >= 0) != (seams_at[v] == 2) || (junction[row] != 0) != (seams_at[v] != 0 && seams_at[v] != 2))
-      return fmt::format("{} has seam {:.9g} and junction {:.9g}, and {} edges of seams", result.describe_vertex(v),
-                         seam[row], junction[row], seams_at[v]);
-  }
-  for (std::uint32_t e = 0; e < c.edges.size(); ++e) {
-    const auto [a, b] = c.edges[e];
-    if (is_seam(e) && seams_at[a] == 2 && seams_at[b] == 2 && seam[result.rows[a]] != seam[result.rows[b]])
-      return fmt::format("{} and its neighbour along a seam have seams {:.9g} and {:.9g}", result.describe_vertex(a),
-                         seam[result.rows[a]], seam[result.rows[b]]);
+    const double meet = !at[v].empty() && at[v].size() != 2;
+    if (seam[row] != expected[v] || junction[row] != meet)
+      return fmt::format("{} has seam {:.9g} and junction {:.9g}; they are {:.9g} and {:.9g}",
+                         result.describe_vertex(v), seam[row], junction[row], expected[v], meet);
   }
   return {};
 }

@@ -409,7 +409,8 @@ TEST(VerifyDamage, OnlyTheseArraysAreLeftOut) {
   std::set<std::string> of_skeletons = of_cores;
   of_skeletons.insert({"point curve_burn_time", "point curve_unburned", "cell erosion_thickness",
                        "cell curve_erosion_thickness", "cell sheet_level", "cell curve_level", "field theta2",
-                       "field theta1", "field theta1_radii", "field tips", "field lambda", "field detail"});
+                       "field theta1", "field theta1_radii", "field rims_above", "field smooth", "field tips",
+                       "field lambda", "field detail"});
   for (const Result& result : results()) {
     const Certificate certificate = verify(result.shape, result.data, options_for(result));
     const bool core = is_core(result.data);
