@@ -142,8 +142,7 @@ pipeline::LoadedShape add_shape(const Options& o, const Plan& plan, pipeline::Pa
   take_recorded(options, of_axis ? plan.axis : plan.still, of_axis ? plan.axis_file : plan.still_file);
   options.how.keep_mesh = true;
   options.how.core_follows = false;
-  // Branches are smoothed inside the surface that the axis is fitted to; nothing else needs one.
-  if (!of_axis || !options.how.surface) options.how.surface = SurfaceKind::voxels;
+  options.how.surface = SurfaceKind::voxels;  // the axis is fitted already
   pipeline::LoadedShape shape = load_shape(options, session);
   builder.add_shape(shape);
   builder.page.files.emplace_back("shape", o.shape.file);
@@ -183,7 +182,6 @@ void add_axis(const Options& o, Plan& plan, const std::optional<pipeline::Loaded
   options.page = &builder;
   if (loaded.voxel_core) options.graph.voxel = loaded.spacing;
   if (shape && loaded.voxel_core) options.graph.shape = &shape->shape;
-  if (shape && shape->surface) options.graph.surface = &*shape->surface;
   pipeline::take_recorded(options.burning, loaded.data);
   options.on_burned = [&](const pipeline::BurnFigures& burned) {
     say_burned(burned, loaded.axis.points.size(), session);

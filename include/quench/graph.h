@@ -66,6 +66,8 @@ struct SmoothOptions {
   /// Whether a segment lies inside the shape, where that is known: decides in place of the bound below, which is coarse
   /// for curves about a voxel thick. New radii are then those of the old polyline, interpolated.
   std::function<bool(const Vec3&, const Vec3&)> inside = nullptr;
+  /// New radii are those of the old polyline, interpolated, also where the bound decides.
+  bool interpolated_radii = false;
 };
 
 /// SmoothOptions::gap of a voxel shape: half the diagonal of the largest face of a voxel.
@@ -77,7 +79,7 @@ double boundary_gap(const Vec3& spacing);
 ///   the boundary minus |x|^2 is concave, so a point averaged from others, x = sum w_j x_j, is at least
 ///   sqrt(sum w_j (r_j^2 - |x_j - x|^2)) away from the boundary. Wherever that is not above `gap` all along a new
 ///   segment, the old polyline is kept;
-/// - that bound is the new radius: never more than the true one;
+/// - that bound is the new radius, never more than the true one, unless radii are interpolated;
 /// - no point of the input moves further than half its radius by smoothing;
 /// - branches touch neither themselves nor each other but at common nodes: one that would is smoothed but not
 ///   resampled, or left as it was. (Only the final polylines are compared, and not with sheets.)

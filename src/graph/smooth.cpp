@@ -169,7 +169,7 @@ CurveGraph::Branch processed(const CurveGraph::Branch& old, Processing processin
     branch.points.push_back(ball.x);
     branch.radius.push_back(std::sqrt(std::max(ball.r2, 0.0)));
   }
-  if (options.inside) interpolate_radii(old, branch);
+  if (options.inside || options.interpolated_radii) interpolate_radii(old, branch);
   // Exactly those of the nodes, also in the last digit.
   branch.radius.front() = old.radius.front();
   branch.radius.back() = old.radius.back();

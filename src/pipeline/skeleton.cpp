@@ -164,7 +164,8 @@ CurveGraph with_half_a_voxel(CurveGraph graph, const GraphOptions& options) {
 CurveGraph smoothed_graph(const Skeleton& skeleton, const GraphOptions& options, const Scale& scale) {
   if (options.smooth < 0 || options.smooth > 10000)
     throw Error(ErrorCode::usage, fmt::format("smooth '{}' is not from 0 to 10000", options.smooth), "smooth");
-  SmoothOptions smoothing{options.smooth, scale.resolve(options.resample, "resample"), boundary_gap(options.voxel), {}};
+  SmoothOptions smoothing{
+      options.smooth, scale.resolve(options.resample, "resample"), boundary_gap(options.voxel), {}, scale.fitted};
   if (const VoxelShape* shape = options.shape)
     smoothing.inside = [shape](const Vec3& a, const Vec3& b) { return contains_segment(*shape, a, b); };
   CurveGraph graph = smoothed(curve_graph(skeleton), smoothing);
