@@ -265,9 +265,10 @@ Check check_skeleton_levels(const Result& result) {
                                     row, sheet[row], curve[row], thickness[row], curve_thickness[row], what));
   };
   constexpr double kInfinite = kInfiniteLevelInFiles;
-  // Sheets may have grown back below theta2.
+  // Sheets may have grown back below theta2; how far is not known without the field.
   const std::vector<double> rims = numbers_or_empty(result.data.field_data, "rims_above");
-  const double least_level = rims.size() == 1 ? std::min(theta2[0], rims[0]) : theta2[0];
+  const bool full = text_or_empty(result.data.field_data, "tips") == "full";
+  const double least_level = rims.size() == 1 ? std::min(theta2[0], rims[0]) : full ? 0 : theta2[0];
   const std::string below = fmt::format("its sheet_level is below {:.9g}", least_level);
   for (std::size_t row = 0; row < rows; ++row) {
     if (!(thickness[row] >= 0 && curve_thickness[row] >= 0 && sheet[row] >= 0 && curve[row] >= 0 &&
