@@ -106,8 +106,9 @@ struct ExtractOptions {
   double regrow_tips_above = std::numeric_limits<double>::infinity();
   /// Pruning takes about theta2 off every rim of a sheet. Where this sheet level is below theta2, what is left grows
   /// back along the fires that reached it, as far as the level is at least this, up to the next seam: where the fires
-  /// of two other sheets met, as those between the sides of a plate and its end do. So do the fires between these that
-  /// died out before they came to a curve of ET_MC `minor_curve` or more. The family remains nested, and topology does
+  /// of two other sheets met, as those between the sides of a plate and its end do. So do the fires beside these that
+  /// died out before they came to a curve of ET_MC `minor_curve` or more, or whose level comes to half the radius or to
+  /// 0.8 theta2. The family remains nested, and topology does
   /// not change.
   double regrow_rims_above = std::numeric_limits<double>::infinity();
   double minor_curve = 0;

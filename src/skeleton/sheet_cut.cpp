@@ -24,6 +24,8 @@ constexpr double kCutStep = 1.0 / 1024, kShortestPiece = 1.0 / 64;
 constexpr double kBend = 0.35;
 // A tree of the fire belongs to a sheet where its erosion thickness is this much of the radius.
 constexpr double kWide = 0.5;
+// Or where it comes to this share of theta2.
+constexpr double kNearly = 0.8;
 
 class SheetCutter {
  public:
@@ -95,9 +97,9 @@ class SheetCutter {
       const auto tree = static_cast<std::uint32_t>(tree_faces_.size());
       reached.assign(1, first);
       tree_[first] = tree;
-      bool dies_out = true, wide = false;
+      bool dies_out = true, carries = false;
       for (std::size_t i = 0; i < reached.size(); ++i) {
-        wide |= is_wide(reached[i]);
+        carries |= carries_on(reached[i]);
         for (const std::uint32_t e : k_.complex.sides(reached[i])) {
           if (k_.curve_edge[e]) {
             dies_out &= family_.thickness_of(e) < minor_curve_;
@@ -112,14 +114,15 @@ class SheetCutter {
         }
       }
       tree_faces_.push_back(reached);
-      spreads_.push_back(dies_out || wide);
+      spreads_.push_back(dies_out || carries);
     }
   }
-  // About as wide as thick: a sheet, not the band around the curve of a limb.
-  bool is_wide(std::uint32_t f) const {
+  // About as wide as thick: a sheet, not the band around the curve of a limb. Or nearly above theta2, so that a sheet
+  // whose erosion thickness is about theta2 all along goes or stays as a whole.
+  bool carries_on(std::uint32_t f) const {
     const auto corners = k_.complex.corners(f);
     for (std::size_t i = 0; i < corners.size(); ++i)
-      if (levels_of(f)[i] >= kWide * k_.radius[corners[i]]) return true;
+      if (levels_of(f)[i] >= std::min(kWide * k_.radius[corners[i]], kNearly * theta2_)) return true;
     return false;
   }
   bool bends(std::uint32_t f, std::uint32_t g) const {
@@ -363,7 +366,7 @@ class SheetCutter {
   base::Csr<std::uint32_t> at_;      // per edge: the faces above the cut
   std::vector<std::uint32_t> tree_;  // per face, or kNone
   std::vector<std::vector<std::uint32_t>> tree_faces_;
-  std::vector<char> spreads_;  // per tree: it comes to no curve but minor ones
+  std::vector<char> spreads_;  // per tree: it comes to no curve but minor ones, or carries on a sheet
   std::vector<std::uint32_t> wanted_, present_;
   Sheets sheets_;
 };
