@@ -184,8 +184,11 @@ void smooth_sheets_of(Skeleton& skeleton, const GraphOptions& options, const Sca
   smooth_sheets(skeleton, {2 * std::sqrt(options.smooth) * scale.voxel, options.smooth, scale.detail});
   if (!options.surface) return;
   base::for_indices(before.size(), [&](std::size_t v) {
-    if (before[v] == skeleton.points[v]) return;
-    if (const Surface::Foot foot = options.surface->nearest(skeleton.points[v]); foot.inside)
+    const double way = (skeleton.points[v] - before[v]).norm();
+    if (way == 0) return;
+    // It cannot be farther; radii between vertices of the axis are right to a part of a voxel.
+    const double within = skeleton.radius[v] + 2 * way + scale.detail;
+    if (const Surface::Foot foot = options.surface->nearest(skeleton.points[v], within); foot.inside)
       skeleton.radius[v] = foot.distance;
   });
 }
