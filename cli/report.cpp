@@ -209,6 +209,8 @@ void add_axis_sections(Json& report, const pipeline::AxisRun& run) {
                         {"theta1", number(skeleton.theta1)},
                         {"theta1_radii", skeleton.theta1_radii}};
   report["skeleton"].update(cells_section(pipeline::counts_of(skeleton.complex), topology));
+  const auto last = std::max_element(skeleton.face_sheet.begin(), skeleton.face_sheet.end());
+  report["skeleton"]["sheets"] = last == skeleton.face_sheet.end() ? 0 : *last + 1;
 }
 
 void write_graph(const CurveGraph& graph, const GraphFiles& files, const GraphFileOptions& options, const Vec3& voxel,
@@ -225,7 +227,7 @@ void write_graph(const CurveGraph& graph, const GraphFiles& files, const GraphFi
   section["ends"] = ends;
   section["junctions"] = junctions;
   section["curve_length"] = length;
-  section["sheets"] = graph.sheets;
+  section["patches"] = graph.sheets;
   section["radius_offset"] = 0.5 * voxel.minCoeff();
   if (!files.swc.empty()) {
     const int type = io::swc_type_of(options.swc_type, "--swc-type");

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <cmath>
 #include <cstring>
 
 #include "base/text.h"
@@ -92,10 +93,11 @@ void say_little(const pipeline::RunResult& result, Session& session) {
   const double share = *result.axis.skeleton.reconstructed;
   if (share >= kLittle || result.core.reconstructed < kLittle) return;
   const Skeleton& skeleton = result.axis.skeleton.skeleton;
-  session.say(fmt::format(
-      "note: the skeleton stands for little of the shape; {} with a smaller --theta2 (now {:.3g}), more branches "
-      "with a smaller --theta1",
-      skeleton.complex.face_count() == 0 ? "sheets are kept" : "more of the sheets is kept", skeleton.theta2));
+  if (!std::isfinite(skeleton.theta2)) return;  // curves only, as asked
+  session.say(
+      fmt::format("note: the skeleton stands for little of the shape; a smaller --theta2 (now {:.3g}) keeps more "
+                  "sheets, a smaller --theta1 more branches",
+                  skeleton.theta2));
 }
 
 int run_pipeline(const Options& o, Session& session) {

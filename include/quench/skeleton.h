@@ -129,7 +129,7 @@ struct SheetSmoothing {
 /// Smooths rims, seams and sheets; where these meet, and curves off the sheets, nothing moves. Cells stay as they are,
 /// and values, but for radii: they are less by what the vertex moved, so that balls stay inside the shape. O(n), with
 /// the number of vertices in a window.
-void smooth_sheets(Skeleton& skeleton, const SheetSmoothing& how);
+void smooth_sheets(Skeleton& skeleton, const SheetSmoothing& how, Context* context = nullptr);
 
 /// The skeleton as cells and arrays of a file (docs/algorithms/skeletons.md). A line is a curve, a vertex cell an
 /// isolated vertex. Where branches are known, the lines of each follow each other along it and have the same values,

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "base/parallel.h"
+#include "base/rounded_down.h"
 #include "base/z_order.h"
 
 namespace quench::axis {
@@ -42,11 +43,7 @@ std::vector<Keyed> in_z_order(std::span<const Vec3> points, const std::vector<st
   return order;
 }
 
-float rounded_down(double x) {
-  const auto f = static_cast<float>(x);
-  return static_cast<double>(f) <= x ? f : std::nextafter(f, -std::numeric_limits<float>::infinity());
-}
-float rounded_up(double x) { return -rounded_down(-x); }
+float rounded_up(double x) { return -base::rounded_down(-x); }
 
 }  // namespace
 
@@ -83,7 +80,7 @@ void BallTree::fill_leaf(std::size_t leaf) {
   for (std::size_t i = leaf * kLeaf; i < leaf * kLeaf + kLeaf && i < size(); ++i) {
     for (int a = 0; a < 3; ++a) {
       const double x = points_[vertices_[i]][a] - origin_[a];
-      node.low[a] = std::min(node.low[a], rounded_down(x));
+      node.low[a] = std::min(node.low[a], base::rounded_down(x));
       node.high[a] = std::max(node.high[a], rounded_up(x));
     }
     node.largest_radius = std::max(node.largest_radius, rounded_up(radius_[vertices_[i]]));

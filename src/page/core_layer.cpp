@@ -19,14 +19,14 @@ bool are_levels(const std::vector<double>& levels) {
 std::vector<float> comparable(const std::vector<double>& levels) {
   std::vector<float> floats;
   floats.reserve(levels.size());
-  for (const double level : levels) floats.push_back(page::rounded_down(level / (1 - 1e-12)));
+  for (const double level : levels) floats.push_back(base::rounded_down(level / (1 - 1e-12)));
   return floats;
 }
 
 // Where the slider of a measure begins; a note when that leaves something out.
 double floor_of(Page& page, const std::string& measure, const page::Floor& floor, std::size_t faces) {
   const bool is_pruning = page.pruning && page.pruning->measure == measure;
-  const double start = is_pruning ? static_cast<double>(page::rounded_down(page.pruning->threshold)) : 0;
+  const double start = is_pruning ? static_cast<double>(base::rounded_down(page.pruning->threshold)) : 0;
   if (!(floor.level > start)) return start;
   page.notes.push_back(fmt::format(
       "The medial axis begins at {} {}, with {} of its {} faces: below, it has more triangles than the page "

@@ -17,13 +17,13 @@ using base::kNever;
 std::vector<float> rounded_down(const std::vector<double>& levels) {
   std::vector<float> floats;
   floats.resize(levels.size());
-  base::for_indices(levels.size(), [&](std::size_t i) { floats[i] = page::rounded_down(levels[i]); });
+  base::for_indices(levels.size(), [&](std::size_t i) { floats[i] = base::rounded_down(levels[i]); });
   return floats;
 }
 
 /// The least float that is not below `value`.
 float rounded_up(double value) {
-  const float below = page::rounded_down(value);
+  const float below = base::rounded_down(value);
   return below < value ? std::nextafter(below, std::numeric_limits<float>::infinity()) : below;
 }
 
@@ -90,7 +90,7 @@ class CurvePruning {
       for (const std::uint32_t v : k_.complex.edges[e]) peeler_.add(v, e);
       if (!k_.curve_edge[e] || on_face[e]) continue;
       ++free_curves_;
-      thickness_[e] = page::rounded_down(family.thickness_of(e));
+      thickness_[e] = base::rounded_down(family.thickness_of(e));
     }
   }
 
@@ -143,7 +143,7 @@ std::size_t keep_triangles(SkeletonFamily& family, std::size_t budget, double as
   float level = by_level.within(budget).level;
   if (std::isfinite(asked)) {
     const auto share = static_cast<std::size_t>(kShareBelow * static_cast<double>(budget));
-    level = std::max(level, std::min(page::rounded_down(asked / 2), by_level.within(share).level));
+    level = std::max(level, std::min(base::rounded_down(asked / 2), by_level.within(share).level));
   }
   std::size_t triangles = 0;
   for (std::size_t f = 0; f < c.face_count(); ++f)
@@ -182,7 +182,7 @@ void add_curves(Page& page, const SkeletonFamily& family, const page::LayerRows&
     if (k.curve_edge[e] && rows.edge[e] != kNone) {
       edges.push_back(rows.edge[e]);
       thickness.push_back(e < 2 * k.doors ? std::numeric_limits<float>::infinity()
-                                          : page::rounded_down(family.thickness_of(e)));
+                                          : base::rounded_down(family.thickness_of(e)));
     }
   for (std::uint32_t v = 0; v < k.medial_point.size(); ++v)
     if (k.medial_point[v] && rows.vertex[v] != kNone) medial_points.push_back(rows.vertex[v]);
@@ -212,7 +212,7 @@ void add_vertex_measures(Page& page, const RefinedAxis& k, const std::vector<std
 void note_floors(Page& page) {
   std::string begin;
   const auto add = [&](const char* name, double floor, const std::optional<double>& asked) {
-    if (asked && page::rounded_down(*asked) < floor)
+    if (asked && base::rounded_down(*asked) < floor)
       begin += fmt::format("{}{} = {}", begin.empty() ? "" : " and ", name, page::length_text(page, floor));
   };
   add("theta2", *page.theta2_floor, page.theta2);

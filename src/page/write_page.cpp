@@ -8,6 +8,7 @@
 #include <cmath>
 #include <ostream>
 
+#include "base/deflated.h"
 #include "page/layer.h"
 #include "page/pack.h"
 #include "quench/error.h"
@@ -74,7 +75,7 @@ std::string meta_of(const Page& page, const std::vector<PackedArray>& packed) {
   if (page.voxel_surface) put("surface", json_string("voxels"));
   if (page.origin != Vec3::Zero()) put("origin", list({page.origin.data(), 3}));
   const auto put_length = [&](const char* name, const std::optional<double>& length) {
-    if (length) put(name, number(page::rounded_down(*length)));
+    if (length) put(name, number(base::rounded_down(*length)));
   };
   if (page.pruning)
     put("pruning", fmt::format(R"({{"measure": {}, "threshold": {}}})", json_string(page.pruning->measure),
@@ -136,33 +137,19 @@ std::string zipped(const std::vector<PackedArray>& packed) {
     while (raw.size() % 4 != 0) raw += '\0';
   }
   const std::size_t blocks = std::max<std::size_t>(1, (raw.size() + kBlock - 1) / kBlock);
-  std::vector<std::string> deflated(blocks);
+  std::vector<std::optional<std::string>> deflated(blocks);
   std::vector<uLong> check(blocks);
-  std::vector<char> failed(blocks, 0);
   tbb::parallel_for(std::size_t{0}, blocks, [&](std::size_t b) {
     const std::string_view part = std::string_view(raw).substr(b * kBlock, kBlock);
     check[b] = crc32(0, reinterpret_cast<const Bytef*>(part.data()), static_cast<uInt>(part.size()));
-    z_stream stream{};
-    failed[b] = deflateInit2(&stream, kLevel, Z_DEFLATED, -15, 9, Z_DEFAULT_STRATEGY) != Z_OK;
-    if (failed[b]) return;
-    std::string& out = deflated[b];
-    out.resize(deflateBound(&stream, static_cast<uLong>(part.size())) + 64);
-    stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(part.data()));
-    stream.avail_in = static_cast<uInt>(part.size());
-    stream.next_out = reinterpret_cast<Bytef*>(out.data());
-    stream.avail_out = static_cast<uInt>(out.size());
-    const bool last = b + 1 == blocks;
-    const int result = deflate(&stream, last ? Z_FINISH : Z_SYNC_FLUSH);
-    failed[b] = result != (last ? Z_STREAM_END : Z_OK) || stream.avail_in != 0;
-    out.erase(out.size() - stream.avail_out);
-    deflateEnd(&stream);
+    deflated[b] = base::deflated(part, kLevel, Z_DEFAULT_STRATEGY, b + 1 == blocks);
   });
-  if (std::find(failed.begin(), failed.end(), 1) != failed.end())
+  if (std::find(deflated.begin(), deflated.end(), std::nullopt) != deflated.end())
     throw Error(ErrorCode::failed, "zlib cannot compress the data of the page: not enough memory");
   std::string out("\x1f\x8b\x08\0\0\0\0\0\0\xff", 10);
   uLong crc = 0;
   for (std::size_t b = 0; b < blocks; ++b) {
-    out += deflated[b];
+    out += *deflated[b];
     const std::size_t length = std::min(kBlock, raw.size() - std::min(raw.size(), b * kBlock));
     crc = crc32_combine(crc, check[b], static_cast<z_off_t>(length));
   }

@@ -35,6 +35,58 @@ std::vector<Vec3f> places(const Page& page, const Placement& placement, const Fl
   return points;
 }
 
+[[noreturn]] void refuse(const std::string& name) {
+  throw Error(ErrorCode::usage, fmt::format("the array '{}' of a page does not fit its other arrays", name));
+}
+
+/// Numbers below `count`.
+void require_below(const Page& page, const std::string& name, std::size_t count) {
+  for (const std::uint32_t i : values_or_none<std::uint32_t>(page, name))
+    if (i >= count) refuse(name);
+}
+
+/// Offsets into `rows` rows: from 0 up to that.
+void require_offsets(const Page& page, const std::string& name, std::size_t rows) {
+  const Indices& offsets = values_or_none<std::uint32_t>(page, name);
+  if (offsets.empty()
+          ? rows > 0
+          : offsets.front() != 0 || offsets.back() != rows || !std::is_sorted(offsets.begin(), offsets.end()))
+    refuse(name);
+}
+
+template <class T>
+void require_size(const Page& page, const std::string& name, std::size_t size) {
+  if (page.find(name) && values_or_none<T>(page, name).size() != size) refuse(name);
+}
+
+/// Throws Error(usage) unless all that is drawn of a layer is there and in range.
+void require_layer(const Page& page, const ViewState& state) {
+  const std::string layer = state.layer + "/";
+  const auto rows = [&](const char* name) { return values_or_none<std::uint32_t>(page, layer + name).size(); };
+  const std::size_t points = values_or_none<float>(page, layer + "points").size() / 3,
+                    corners = rows("polygon_corners");
+  const std::size_t faces = std::max<std::size_t>(1, rows("polygon_offsets")) - 1;
+  require_offsets(page, layer + "polygon_offsets", corners);
+  for (const char* name : {"polygon_corners", "edges", "branch_points", "isolated"})
+    require_below(page, layer + name, points);
+  require_size<float>(page, layer + "point/" + state.color, points);
+  if (state.layer == "skeleton") {
+    require_offsets(page, layer + "branch_offsets", rows("branch_points"));
+    require_size<std::uint32_t>(page, layer + "polygon_sheet", faces);
+    return;
+  }
+  const std::size_t edges = rows("edges") / 2;
+  if (rows("polygon_edges") != corners) refuse(layer + "polygon_edges");
+  require_below(page, layer + "polygon_edges", edges);
+  if (state.layer != "core") return;
+  for (const PageMeasure& measure : page.measures) {
+    const std::string of = &measure == &page.measures.front() ? "" : "/" + measure.name;
+    require_size<float>(page, layer + "face_level" + of, faces);
+    require_size<float>(page, layer + "edge_level" + of, edges);
+    require_size<float>(page, layer + "vertex_level" + of, points);
+  }
+}
+
 /// The cells of a layer that are there: all, or those of a level.
 class LayerCells {
  public:
@@ -149,14 +201,9 @@ void add_shape(const Page& page, Scene& scene) {
   for (std::size_t t = 0; t <= triangles; ++t) scene.shape.offsets[t] = static_cast<std::uint32_t>(3 * t);
 }
 
-void require_points(const std::vector<std::uint32_t>& numbers, std::size_t count, const char* what) {
-  for (const std::uint32_t v : numbers)
-    if (v >= count) throw Error(ErrorCode::usage, fmt::format("{} of a page point beyond its points", what));
-}
-
 /// The value that a share of the values does not exceed. Of many a sample, as viewer/src/measures.ts takes it.
-std::pair<double, double> central_of(const std::vector<float>& finite, std::size_t count) {
-  const std::size_t stride = std::max<std::size_t>(1, count / 50000);
+std::pair<double, double> central_of(const std::vector<float>& finite) {
+  const std::size_t stride = std::max<std::size_t>(1, finite.size() / 50000);
   std::vector<float> sample;
   for (std::size_t i = 0; i < finite.size(); i += stride) sample.push_back(finite[i]);
   std::sort(sample.begin(), sample.end());
@@ -189,9 +236,10 @@ Placement placement_of(const Page& page) {
 Scene scene_of(const Page& page, const ViewState& state) {
   Scene scene;
   scene.placement = placement_of(page);
+  require_below(page, "shape/triangles", values_or_none<float>(page, "shape/points").size() / 3);
   add_shape(page, scene);
-  require_points(scene.shape.corners, scene.shape_points.size(), "triangles");
   if (state.layer.empty()) return scene;
+  require_layer(page, state);
   scene.points = places(page, scene.placement, values_or_none<float>(page, state.layer + "/points"));
   if (page.find(state.layer + "/point/" + state.color)) {
     scene.values = values_or_none<float>(page, state.layer + "/point/" + state.color);
@@ -201,7 +249,6 @@ Scene scene_of(const Page& page, const ViewState& state) {
     add_skeleton_cells(page, state, scene);
   else
     LayerCells(page, state).add_to(scene);
-  require_points(scene.sheets.corners, scene.points.size(), "polygons");
   for (std::size_t f = 0; f < scene.sheets.size(); ++f)
     scene.area += area_normal(scene.points, corners_of(scene.sheets, f)).norm();
   for (const auto& [a, b] : scene.curves) scene.curve_length += (scene.points[a] - scene.points[b]).norm();
@@ -211,7 +258,6 @@ Scene scene_of(const Page& page, const ViewState& state) {
 ColourRange colour_range(const Scene& scene, const ViewState& state) {
   ColourRange range;
   std::vector<float> finite, first;
-  std::size_t count = 0;
   const std::vector<char> counts = vertices_of_measure(scene, state);
   for (std::size_t v = 0; v < scene.values.size(); ++v) {
     const float x = scene.values[v];
@@ -219,7 +265,6 @@ ColourRange colour_range(const Scene& scene, const ViewState& state) {
     range.missing |= x < -kCodeLimit;
     if (std::abs(x) > kCodeLimit) continue;
     finite.push_back(x);
-    count += counts[v] ? 1 : 0;
     if (counts[v]) first.push_back(x);
   }
   range.finite = !finite.empty();
@@ -227,7 +272,7 @@ ColourRange colour_range(const Scene& scene, const ViewState& state) {
   const auto [least, most] = std::minmax_element(finite.begin(), finite.end());
   range.least = *least;
   range.most = *most;
-  std::tie(range.low, range.high) = first.empty() ? central_of(finite, finite.size()) : central_of(first, count);
+  std::tie(range.low, range.high) = central_of(first.empty() ? finite : first);
   if (range.low > 0 && range.low < 0.3 * range.high) range.low = 0;
   if (!(range.high > range.low)) std::tie(range.low, range.high) = std::pair(range.least, range.most);
   return range;

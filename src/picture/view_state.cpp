@@ -4,8 +4,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
-#include <cstdlib>
+#include <string_view>
 
 #include "quench/error.h"
 
@@ -42,15 +43,24 @@ std::optional<std::string> value_of(std::string_view state, std::string_view key
   return {};
 }
 
-std::optional<std::array<double, 9>> camera_in(const std::string& text) {
+/// A number, and what follows it.
+double number_in(std::string_view& text, const char* key) {
+  double number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc())
+    throw Error(ErrorCode::usage, fmt::format("'{}' of the state of a page is not a number: '{}'", key, text));
+  text.remove_prefix(static_cast<std::size_t>(end - text.data()));
+  return number;
+}
+
+std::array<double, 9> camera_in(std::string_view text) {
   std::array<double, 9> numbers{};
-  const char* at = text.c_str();
   for (std::size_t i = 0; i < numbers.size(); ++i) {
-    char* end = nullptr;
-    numbers[i] = std::strtod(at, &end);
-    const char wanted = i + 1 < numbers.size() ? ',' : '\0';
-    if (end == at || *end != wanted || !std::isfinite(numbers[i])) return {};
-    at = end + 1;
+    numbers[i] = number_in(text, "camera");
+    const bool last = i + 1 == numbers.size();
+    if (!std::isfinite(numbers[i]) || (last ? !text.empty() : !text.starts_with(',')))
+      throw Error(ErrorCode::usage, "'camera' of the state of a page is not nine numbers with commas between them");
+    text.remove_prefix(last ? 0 : 1);
   }
   return numbers;
 }
@@ -74,7 +84,11 @@ void take_pruning(ViewState& state, const Page& page) {
   if (measure == page.measures.end()) measure = page.measures.begin();
   state.measure = measure->name;
   state.threshold = page.pruning && page.pruning->measure == measure->name ? page.pruning->threshold : 0;
-  if (const auto text = value_of(page.state, "threshold")) state.threshold = std::strtod(text->c_str(), nullptr);
+  if (const auto text = value_of(page.state, "threshold")) {
+    std::string_view rest = *text;
+    state.threshold = number_in(rest, "threshold");
+    if (!rest.empty()) throw Error(ErrorCode::usage, "'threshold' of the state of a page is not a number");
+  }
   state.threshold = std::max(std::isnan(state.threshold) ? 0 : state.threshold, measure->floor);
 }
 

@@ -9,6 +9,7 @@
 #include <ostream>
 #include <span>
 
+#include "base/deflated.h"
 #include "base/parallel.h"
 #include "quench/error.h"
 #include "quench/io.h"
@@ -60,28 +61,13 @@ std::string filtered(std::span<const std::uint8_t> row, std::span<const std::uin
   return best;
 }
 
-std::string deflated(const std::string& bytes, bool last) {
-  z_stream stream{};
-  if (deflateInit2(&stream, 5, Z_DEFLATED, -15, 9, Z_FILTERED) != Z_OK)
-    throw Error(ErrorCode::failed, "zlib cannot compress a picture: not enough memory");
-  std::string out(deflateBound(&stream, bytes.size()) + 64, '\0');
-  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));
-  stream.avail_in = static_cast<uInt>(bytes.size());
-  stream.next_out = reinterpret_cast<Bytef*>(out.data());
-  stream.avail_out = static_cast<uInt>(out.size());
-  deflate(&stream, last ? Z_FINISH : Z_SYNC_FLUSH);
-  out.erase(out.size() - stream.avail_out);
-  deflateEnd(&stream);
-  return out;
-}
-
 /// The rows as one zlib stream.
 std::string packed(const Picture& picture) {
   const auto height = static_cast<std::size_t>(picture.height);
   const std::size_t width = 3 * static_cast<std::size_t>(picture.width),
                     rows = std::max<std::size_t>(1, kStrip / width);
   const std::size_t strips = (height + rows - 1) / rows;
-  std::vector<std::string> parts(strips);
+  std::vector<std::optional<std::string>> parts(strips);
   std::vector<uLong> checks(strips);
   std::vector<std::size_t> sizes(strips);
   tbb::parallel_for(std::size_t{0}, strips, [&](std::size_t s) {
@@ -92,12 +78,14 @@ std::string packed(const Picture& picture) {
     }
     checks[s] = adler32_z(adler32_z(0, nullptr, 0), reinterpret_cast<const Bytef*>(raw.data()), raw.size());
     sizes[s] = raw.size();
-    parts[s] = deflated(raw, s + 1 == strips);
+    parts[s] = base::deflated(raw, 5, Z_FILTERED, s + 1 == strips);
   });
+  if (std::find(parts.begin(), parts.end(), std::nullopt) != parts.end())
+    throw Error(ErrorCode::failed, "zlib cannot compress a picture: not enough memory");
   std::string out = "\x78\x9c";
   uLong check = adler32_z(0, nullptr, 0);
   for (std::size_t s = 0; s < strips; ++s) {
-    out += parts[s];
+    out += *parts[s];
     check = adler32_combine(check, checks[s], static_cast<z_off_t>(sizes[s]));
   }
   return out + big_endian(static_cast<std::uint32_t>(check));

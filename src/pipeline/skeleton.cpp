@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "base/parallel.h"
+#include "base/rounded_down.h"
 #include "graph/branch_measures.h"
-#include "page/layer.h"
 #include "quench/axis.h"
 #include "quench/error.h"
 #include "quench/pipeline.h"
@@ -90,8 +90,8 @@ void measure_radii(CurveGraph& graph, const Surface& surface) {
 
 FamilyFloor floor_of(const SkeletonOptions& options, const Scale& scale, double omega) {
   const double least = thinnest_tip(scale, omega);
-  return {page::rounded_down(std::min(least, theta2_of(options, scale))),
-          page::rounded_down(std::min(least, theta1_of(options, scale)))};
+  return {base::rounded_down(std::min(least, theta2_of(options, scale))),
+          base::rounded_down(std::min(least, theta1_of(options, scale)))};
 }
 
 SkeletonResult skeleton_of(const FamilyResult& family, const SkeletonOptions& options, const Scale& scale, double omega,
@@ -159,11 +159,15 @@ CurveGraph with_half_a_voxel(CurveGraph graph, const GraphOptions& options) {
   return graph;
 }
 
+void check_smooth(const GraphOptions& options) {
+  if (options.smooth < 0 || options.smooth > 10000)
+    throw Error(ErrorCode::usage, fmt::format("smooth '{}' is not from 0 to 10000", options.smooth), "smooth");
+}
+
 }  // namespace
 
 CurveGraph smoothed_graph(const Skeleton& skeleton, const GraphOptions& options, const Scale& scale) {
-  if (options.smooth < 0 || options.smooth > 10000)
-    throw Error(ErrorCode::usage, fmt::format("smooth '{}' is not from 0 to 10000", options.smooth), "smooth");
+  check_smooth(options);
   SmoothOptions smoothing{
       options.smooth, scale.resolve(options.resample, "resample"), boundary_gap(options.voxel), {}, scale.fitted};
   if (const VoxelShape* shape = options.shape)
@@ -178,10 +182,11 @@ CurveGraph measured_graph(const Skeleton& skeleton, const GraphOptions& options,
 }
 
 // By no more than half a voxel diagonal.
-void smooth_sheets_of(Skeleton& skeleton, const GraphOptions& options, const Scale& scale) {
+void smooth_sheets_of(Skeleton& skeleton, const GraphOptions& options, const Scale& scale, Context* context) {
+  check_smooth(options);
   if (options.smooth == 0 || skeleton.complex.face_count() == 0) return;
   const std::vector<Vec3> before = skeleton.points;
-  smooth_sheets(skeleton, {2 * std::sqrt(options.smooth) * scale.voxel, options.smooth, scale.detail});
+  smooth_sheets(skeleton, {2 * std::sqrt(options.smooth) * scale.voxel, options.smooth, scale.detail}, context);
   if (!options.surface) return;
   base::for_indices(before.size(), [&](std::size_t v) {
     const double way = (skeleton.points[v] - before[v]).norm();
@@ -195,7 +200,7 @@ void smooth_sheets_of(Skeleton& skeleton, const GraphOptions& options, const Sca
 
 CurveGraph draw_branches(SkeletonResult& result, const GraphOptions& options, const Scale& scale, Context* context) {
   CurveGraph graph = base::in_arena(context, [&] {
-    smooth_sheets_of(result.skeleton, options, scale);
+    smooth_sheets_of(result.skeleton, options, scale, context);
     return smoothed_graph(result.skeleton, options, scale);
   });
   result.skeleton = with_branches(result.skeleton, graph);

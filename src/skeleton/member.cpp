@@ -2,6 +2,7 @@
 #include "skeleton/member.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "base/constants.h"
 #include "base/csr.h"
@@ -25,10 +26,11 @@ class CurvesOf {
   bool is_curve(std::uint32_t e) const { return k_.curve_edge[in_k(e)]; }
   double thickness(std::uint32_t e) const { return family_.thickness_of(in_k(e)); }
   double level(std::uint32_t e) const { return family_.level_of(in_k(e)); }
-  /// ET_MC over burn time.
+  /// ET_MC over burn time; that of the end that burns where the other one is on a pocket.
   double ratio(std::uint32_t e) const {
     const auto [a, b] = k_.complex.edges[in_k(e)];
-    return thickness(e) / std::max(k_.burn_time[a], k_.burn_time[b]);
+    const auto [first, second] = std::minmax(k_.burn_time[a], k_.burn_time[b]);
+    return thickness(e) / (std::isinf(second) ? first : second);
   }
   bool is_medial_point(std::uint32_t v) const { return v < k_.complex.vertex_count && k_.medial_point[v]; }
   /// As RefinedAxis::exit; of edges that are not cut.

@@ -10,6 +10,7 @@
 #include "base/constants.h"
 #include "base/csr.h"
 #include "base/parallel.h"
+#include "base/rounded_down.h"
 
 namespace quench::skeleton {
 namespace {
@@ -69,13 +70,12 @@ class SheetCutter {
   // share no edge off the curves. `wanted_` is what should be left of it.
   void find_faces(double rims) {
     const auto faces = static_cast<std::uint32_t>(k_.complex.face_count());
-    cut_at_ = static_cast<float>(theta2_);
-    if (cut_at_ > theta2_) cut_at_ = std::nextafter(cut_at_, 0.0f);
+    cut_at_ = base::rounded_down(theta2_);
     for (std::uint32_t f = 0; f < faces; ++f)
       if (family_.face_sheet_level[f] >= theta2_) wanted_.push_back(f);
     present_ = wanted_;
     if (rims >= theta2_ || wanted_.empty()) return;
-    cut_at_ = static_cast<float>(rims);
+    cut_at_ = base::rounded_down(rims);
     at_ = base::Csr<std::uint32_t>::group(k_.complex.edges.size(), [&](const auto& emit) {
       for (std::uint32_t f = 0; f < faces; ++f)
         if (family_.face_sheet_level[f] >= cut_at_)
@@ -132,10 +132,12 @@ class SheetCutter {
   void find_slopes() {
     const std::size_t faces = k_.complex.face_count();
     slope_.assign(faces == 0 ? 0 : *std::max_element(k_.polygon_of.begin(), k_.polygon_of.end()) + std::size_t{1}, 0);
-    for (std::size_t f = 0, end = 0; f < faces; f = end) {
+    base::for_indices(faces, [&](std::size_t f) {
+      if (f > 0 && k_.polygon_of[f - 1] == k_.polygon_of[f]) return;
+      std::size_t end = f;
       while (end < faces && k_.polygon_of[end] == k_.polygon_of[f]) ++end;
       slope_[k_.polygon_of[f]] = slope(f, end);
-    }
+    });
   }
   double slope(std::size_t begin, std::size_t end) const {
     const auto each = [&](const auto& visit) {

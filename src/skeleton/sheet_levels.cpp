@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "skeleton/sheet_levels.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <atomic>
-#include <cmath>
 #include <functional>
 #include <limits>
 #include <memory>
@@ -16,17 +13,12 @@
 #include "base/constants.h"
 #include "base/csr.h"
 #include "base/parallel.h"
+#include "base/rounded_down.h"
 
 namespace quench::skeleton {
 namespace {
 
 using base::kNever;
-
-/// The largest float that is not above `value`.
-float rounded_down(double value) {
-  const auto rounded = static_cast<float>(value);
-  return rounded > value ? std::nextafter(rounded, 0.0f) : rounded;
-}
 
 // Sets of numbers that several threads unite at the same time. The least number of a set represents it.
 class SharedSets {
@@ -171,10 +163,11 @@ class PartThinner {
       if (!live_.axis.curve_edge[sides[i]] && live_.faces_at[sides[i]].single())
         entry = std::min(entry, std::max(live_.flood[sides[i]], lower_end(i)));
     for (std::size_t i = 0; i < sides.size(); ++i) {
+      if (live_.axis.curve_edge[sides[i]]) continue;  // other parts are thinned beside it
       float& flood = live_.flood[sides[i]];
       flood = std::max({flood, entry, lower_end(i)});
     }
-    const float most = rounded_down(now);
+    const float most = base::rounded_down(now);
     for (std::size_t i = 0; i < sides.size(); ++i) corner[i] = std::min(most, std::max(entry, corner[i]));
     if (sides.front() == sides.back()) {  // the spoke is cut at one end or not at all
       const float at_spoke = std::max({corner[0], corner[1], corner[sides.size() - 1]});

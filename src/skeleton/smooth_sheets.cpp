@@ -5,7 +5,6 @@
 #include <numeric>
 #include <vector>
 
-#include "base/cofaces.h"
 #include "base/csr.h"
 #include "base/parallel.h"
 #include "quench/error.h"
@@ -19,8 +18,8 @@ enum class EdgeKind : char { curve, rim, inner, seam };
 
 class SheetSmoother {
  public:
-  SheetSmoother(Skeleton& skeleton, const SheetSmoothing& how)
-      : s_(skeleton), c_(skeleton.complex), how_(how), kind_(c_.edges.size(), EdgeKind::curve) {
+  SheetSmoother(Skeleton& skeleton, const SheetSmoothing& how, Context* context)
+      : s_(skeleton), c_(skeleton.complex), how_(how), context_(context), kind_(c_.edges.size(), EdgeKind::curve) {
     std::vector<std::uint32_t> faces(c_.edges.size(), 0);
     for (const std::uint32_t e : c_.face_edges) ++faces[e];
     for (std::size_t e = 0; e < faces.size(); ++e)
@@ -50,12 +49,12 @@ class SheetSmoother {
  private:
   std::uint32_t other(std::uint32_t e, std::uint32_t v) const { return c_.edges[e][c_.edges[e][0] == v]; }
 
-  // Whether a border goes on over the vertex: two of its edges are there, and none of the other kind.
+  // Whether a border goes on over the vertex: two of its edges are there, and nothing else but the inside of a sheet.
   bool goes_on(std::uint32_t v, EdgeKind kind) const {
     int of_kind = 0;
     for (const std::uint32_t e : edges_at_[v]) {
       of_kind += kind_[e] == kind;
-      if (kind_[e] == (kind == EdgeKind::rim ? EdgeKind::seam : EdgeKind::rim)) return false;
+      if (kind_[e] != kind && kind_[e] != EdgeKind::inner) return false;
     }
     return of_kind == 2;
   }
@@ -76,7 +75,7 @@ class SheetSmoother {
         line.push_back(v);
         e = goes_on(v, kind) ? next_edge(v, e, kind) : kNone;
       }
-      smooth_line(line);
+      smooth_line(line, line.front() == line.back() && goes_on(line.front(), kind));
     };
     // Open borders from their ends, then closed ones.
     for (const bool closed : {false, true})
@@ -88,9 +87,8 @@ class SheetSmoother {
   // Every point goes to the mean of the line around it, weighted by 1 at the point falling to 0 at the window's ends.
   // The window of a point near an end of an open line is as short on its other side, and short beside a corner, where
   // the line before and behind has different directions.
-  void smooth_line(const std::vector<std::uint32_t>& line) {
+  void smooth_line(const std::vector<std::uint32_t>& line, bool closed) {
     const std::size_t n = line.size();
-    const bool closed = line.front() == line.back();
     std::vector<double> at(n, 0);
     for (std::size_t i = 1; i < n; ++i) at[i] = at[i - 1] + (s_.points[line[i]] - s_.points[line[i - 1]]).norm();
     const double length = at.back();
@@ -104,13 +102,10 @@ class SheetSmoother {
       const auto take = [&](std::size_t a, std::size_t b, double from, double to) {
         const double low = std::max(from, -window), high = std::min(to, window), size = high - low;
         if (!(size > 0)) return;
-        const auto part = [&](double begin, double end) {  // on one side of the point
-          const double middle = 0.5 * (begin + end), weight = (end - begin) * (window - std::abs(middle));
-          const double t = (middle - from) / (to - from);
-          sum += weight * ((1 - t) * s_.points[line[a]] + t * s_.points[line[b]]);
-          weights += weight;
-        };
-        part(low, high);
+        const double middle = 0.5 * (low + high), weight = size * (window - std::abs(middle));
+        const double t = (middle - from) / (to - from);
+        sum += weight * ((1 - t) * s_.points[line[a]] + t * s_.points[line[b]]);
+        weights += weight;
       };
       for (std::size_t steps = 0, j = i; steps < n; ++steps) {
         if (j + 1 == n) {
@@ -175,6 +170,7 @@ class SheetSmoother {
       for (const std::uint32_t v : corners) normal[v] += normal[v].dot(area) < 0 ? Vec3(-area) : area;
     }
     for (int pass = 0; pass < how_.passes; ++pass) {
+      checkpoint(context_, "smooth", static_cast<double>(pass) / how_.passes);
       next = moved_;
       base::for_indices(c_.vertex_count, [&](std::size_t i) {
         const auto v = static_cast<std::uint32_t>(i);
@@ -234,6 +230,7 @@ class SheetSmoother {
   Skeleton& s_;
   const CellComplex& c_;
   const SheetSmoothing& how_;
+  Context* context_;
   std::vector<EdgeKind> kind_;
   base::Csr<std::uint32_t> edges_at_;
   std::vector<Vec3> moved_;
@@ -241,10 +238,10 @@ class SheetSmoother {
 
 }  // namespace
 
-void smooth_sheets(Skeleton& skeleton, const SheetSmoothing& how) {
+void smooth_sheets(Skeleton& skeleton, const SheetSmoothing& how, Context* context) {
   if (!(how.window >= 0) || !(how.most >= 0) || how.passes < 0)
     throw Error(ErrorCode::usage, "how sheets are smoothed must not be negative");
-  SheetSmoother(skeleton, how).run();
+  SheetSmoother(skeleton, how, context).run();
 }
 
 }  // namespace quench

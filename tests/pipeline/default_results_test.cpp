@@ -54,6 +54,23 @@ TEST(DefaultResults, PureCurvesAreThoseThatEverybodyKnows) {
   }
 }
 
+// A hollow ball with a tube: the curve of the tube ends on the closed pocket around the cavity, where no fire comes.
+TEST(DefaultResults, ALimbOnAPocketIsABranch) {
+  for (const bool hollow : {false, true}) {
+    Grid grid;
+    grid.dims = {40, 40, 80};
+    const auto inside = [&](int x, int y, int z) {
+      const double r = std::hypot(x - 19.5, y - 19.5), distance = std::hypot(r, z - 19.5);
+      if (distance < 16) return !hollow || distance > 9;
+      return r < 3.3 && z > 19 && z < 78;
+    };
+    LoadedShape shape = shape_of(testing_shapes::from_predicate(grid, inside), grid, {});
+    const RunResult result = run(shape);
+    EXPECT_EQ(result.axis.graph.branches.size(), 1u) << (hollow ? "hollow" : "solid");
+    for (const auto& branch : result.axis.graph.branches) EXPECT_GT(branch.length, 35);
+  }
+}
+
 // Square tubes, straight and with an elbow. At four voxels the outer corner of the elbow is a branch.
 TEST(DefaultResults, TubesAreOneBranch) {
   for (const int width : {2, 3, 4, 5})

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <random>
 
+#include "quench/error.h"
 #include "quench/shape.h"
 #include "random_complexes.h"
 #include "same_skeletons.h"
@@ -335,6 +336,64 @@ TEST(Skeleton, RimsGrowBack) {
       }
   }
   EXPECT_GT(longer, 1000u);
+}
+
+// A sheet of squares in the plane z = 0, raised at every second vertex.
+Skeleton rough_sheet(std::uint32_t n, const Vec3& corner, Skeleton skeleton = {}) {
+  std::vector<std::array<std::uint32_t, 2>> edges = skeleton.complex.edges;
+  std::vector<std::uint32_t> offsets = skeleton.complex.face_offsets, corners = skeleton.complex.face_vertices;
+  if (offsets.empty()) offsets.push_back(0);
+  const bool first = skeleton.points.empty();
+  const auto base = static_cast<std::uint32_t>(skeleton.points.size());
+  const auto at = [&](std::uint32_t x, std::uint32_t y) {  // a second sheet has its first vertex with the last one
+    return first ? x + y * n : x + y == 0 ? base - 1 : base - 1 + x + y * n;
+  };
+  for (std::uint32_t y = 0; y < n; ++y)
+    for (std::uint32_t x = 0; x < n; ++x) {
+      if (!first && x + y == 0) continue;
+      skeleton.points.push_back(corner + Vec3(x, y, (x + y) % 2 ? 0.2 : 0.0));
+      skeleton.radius.push_back(3);
+    }
+  for (std::uint32_t y = 0; y < n; ++y)
+    for (std::uint32_t x = 0; x < n; ++x) {
+      if (x + 1 < n) edges.push_back({at(x, y), at(x + 1, y)});
+      if (y + 1 < n) edges.push_back({at(x, y), at(x, y + 1)});
+      if (x + 1 == n || y + 1 == n) continue;
+      for (const std::uint32_t v : {at(x, y), at(x + 1, y), at(x + 1, y + 1), at(x, y + 1)}) corners.push_back(v);
+      offsets.push_back(static_cast<std::uint32_t>(corners.size()));
+    }
+  skeleton.complex = make_complex(static_cast<std::uint32_t>(skeleton.points.size()), edges, offsets, corners);
+  return skeleton;
+}
+
+TEST(SmoothSheets, MovesWhatIsRoughAndNothingWhereThingsMeet) {
+  const std::uint32_t n = 7;
+  Skeleton rough = rough_sheet(n, Vec3::Zero());
+  rough = rough_sheet(n, Vec3(n - 1, n - 1, 0), rough);  // touches the first one in a vertex
+  const std::uint32_t pinch = n * n - 1, end = static_cast<std::uint32_t>(rough.points.size()), start = n / 2;
+  rough.points.push_back(Vec3(start, -5, 0));  // a curve from the middle of a rim
+  rough.radius.push_back(3);
+  std::vector<std::array<std::uint32_t, 2>> edges = rough.complex.edges;
+  edges.push_back({start, end});
+  rough.complex = make_complex(end + 1, edges, rough.complex.face_offsets, rough.complex.face_vertices);
+  Skeleton smooth = rough;
+  smooth_sheets(smooth, {.window = 2, .passes = 5, .most = 0.3});
+  EXPECT_EQ(smooth.smooth, 5);
+  double before = 0, after = 0;
+  for (std::size_t v = 0; v < rough.points.size(); ++v) {
+    const double way = (smooth.points[v] - rough.points[v]).norm();
+    EXPECT_LE(way, 0.3 * (1 + 1e-12));
+    EXPECT_DOUBLE_EQ(smooth.radius[v], rough.radius[v] - way);
+    before += std::abs(rough.points[v][2] - 0.1);
+    after += std::abs(smooth.points[v][2] - 0.1);
+  }
+  EXPECT_LT(after, 0.4 * before);
+  for (const std::uint32_t v : {pinch, start, end}) EXPECT_EQ(smooth.points[v], rough.points[v]) << v;
+  Skeleton same = rough;
+  smooth_sheets(same, {});
+  EXPECT_EQ(same.points, rough.points);
+  EXPECT_THROW(smooth_sheets(same, {.window = -1}), Error);
+  EXPECT_THROW(smooth_sheets(same, {.passes = -1}), Error);
 }
 
 // With tips grown back topology stays, and nothing is lost.

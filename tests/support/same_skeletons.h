@@ -28,6 +28,12 @@ inline void expect_same(const Skeleton& a, const Skeleton& b) {
   EXPECT_EQ(a.on_curve, b.on_curve);
   EXPECT_EQ(a.face_thickness, b.face_thickness);
   EXPECT_EQ(a.face_level, b.face_level);
+  EXPECT_EQ(a.face_sheet, b.face_sheet);
+  EXPECT_EQ(a.edge_branch, b.edge_branch);
+  EXPECT_EQ(a.theta1_radii, b.theta1_radii);
+  EXPECT_EQ(a.rims_above, b.rims_above);
+  EXPECT_EQ(a.full_tips, b.full_tips);
+  EXPECT_EQ(a.smooth, b.smooth);
   const auto same = [](double x, double y) { return x == y || (std::isnan(x) && std::isnan(y)); };
   EXPECT_TRUE(std::ranges::equal(a.edge_thickness, b.edge_thickness, same));
   EXPECT_TRUE(std::ranges::equal(a.edge_level, b.edge_level, same));
@@ -45,6 +51,11 @@ inline void expect_same(const SkeletonFamily& a, const SkeletonFamily& b) {
   EXPECT_EQ(a.refined.curve_burn_time, b.refined.curve_burn_time);
   EXPECT_EQ(a.refined.exit, b.refined.exit);
   EXPECT_EQ(a.refined.medial_point, b.refined.medial_point);
+  EXPECT_EQ(a.refined.radius_rule, b.refined.radius_rule);
+  EXPECT_EQ(a.refined.incomplete, b.refined.incomplete);
+  EXPECT_EQ(a.theta2_floor, b.theta2_floor);
+  EXPECT_EQ(a.theta1_floor, b.theta1_floor);
+  EXPECT_EQ(a.corner_sheet_level, b.corner_sheet_level);
   EXPECT_EQ(a.face_sheet_level, b.face_sheet_level);
   EXPECT_EQ(a.edge_sheet_level, b.edge_sheet_level);
   EXPECT_EQ(a.vertex_sheet_level, b.vertex_sheet_level);
