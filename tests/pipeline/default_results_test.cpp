@@ -60,9 +60,9 @@ TEST(DefaultResults, ALimbOnAPocketIsABranch) {
     Grid grid;
     grid.dims = {40, 40, 80};
     const auto inside = [&](int x, int y, int z) {
-      const double r = std::hypot(x - 19.5, y - 19.5), distance = std::hypot(r, z - 19.5);
+      const double r = std::hypot(x - 20, y - 20), distance = std::hypot(r, z - 20);
       if (distance < 16) return !hollow || distance > 9;
-      return r < 3.3 && z > 19 && z < 78;
+      return r < 3.3 && z > 20 && z < 78;
     };
     LoadedShape shape = shape_of(testing_shapes::from_predicate(grid, inside), grid, {});
     const RunResult result = run(shape);
