@@ -169,7 +169,14 @@ CurveGraph::Branch processed(const CurveGraph::Branch& old, Processing processin
     branch.points.push_back(ball.x);
     branch.radius.push_back(std::sqrt(std::max(ball.r2, 0.0)));
   }
-  if (options.inside || options.interpolated_radii) interpolate_radii(old, branch);
+  if (options.inside || options.interpolated_radii) {
+    const std::vector<double> bound = branch.radius;
+    interpolate_radii(old, branch);
+    // The truth is not below the bound: where the branch was moved much, interpolated radii are not far above it.
+    if (options.gap > 0)
+      for (std::size_t i = 0; i < bound.size(); ++i)
+        branch.radius[i] = std::min(branch.radius[i], bound[i] + 2 * options.gap);
+  }
   // Exactly those of the nodes, also in the last digit.
   branch.radius.front() = old.radius.front();
   branch.radius.back() = old.radius.back();

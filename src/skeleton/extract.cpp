@@ -406,8 +406,8 @@ class CellBuilder {
   std::vector<Side> sides_;
 };
 
-// Edges between the same two vertices become paths: all but one get a vertex in the middle, numbered from `first` on;
-// kNone for edges without.
+// Edges between the same two vertices become paths: all but one get a vertex on the way, numbered from `first` on,
+// those of the same two one after the other; kNone for edges without.
 std::vector<std::uint32_t> middles(const std::vector<Cells::Edge>& edges, std::uint32_t first) {
   std::vector<std::uint32_t> order(edges.size()), middle(edges.size(), kNone);
   std::iota(order.begin(), order.end(), 0u);
@@ -422,12 +422,21 @@ std::vector<std::uint32_t> middles(const std::vector<Cells::Edge>& edges, std::u
 
 void fill_vertices(const RefinedAxis& k, const Member& member, const Outline& outline, const Cells& cells,
                    const std::vector<std::uint32_t>& middle, Skeleton& out) {
-  std::vector<std::array<std::uint32_t, 2>> halved;  // ends of the edges with a middle, by the middle
+  struct OnTheWay {
+    std::array<std::uint32_t, 2> ends;
+    double along;
+  };
+  std::vector<OnTheWay> halved;  // by the middle
   for (std::size_t e = 0; e < middle.size(); ++e) {
     if (middle[e] == kNone) continue;
     const std::size_t row = middle[e] - cells.vertices.size();
     halved.resize(std::max(halved.size(), row + 1));
-    halved[row] = cells.edges[e].ends;
+    halved[row].ends = cells.edges[e].ends;
+  }
+  for (std::size_t i = 0, next = 0; i < halved.size(); i = next) {
+    while (next < halved.size() && halved[next].ends == halved[i].ends) ++next;
+    for (std::size_t j = i; j < next; ++j)
+      halved[j].along = static_cast<double>(j - i + 1) / static_cast<double>(next - i + 1);
   }
   const auto fill = [&](auto& values, const auto& of_k, const auto& between) {
     for (const std::uint32_t v : cells.vertices) {
@@ -439,7 +448,7 @@ void fill_vertices(const RefinedAxis& k, const Member& member, const Outline& ou
         values.push_back(between(of_k[outline.drawn[a]], of_k[outline.drawn[b]], point.along));
       }
     }
-    for (const auto& [a, b] : halved) values.push_back(between(values[a], values[b], 0.5));
+    for (const auto& [ends, along] : halved) values.push_back(between(values[ends[0]], values[ends[1]], along));
   };
   // Only what burns is cut, up to where it meets what does not.
   const auto linear = [](double a, double b, double t) {
@@ -457,6 +466,14 @@ void fill_vertices(const RefinedAxis& k, const Member& member, const Outline& ou
         radius_inside_edge(k.radius[a], k.radius[b], (k.points[a] - k.points[b]).norm(), point.along, k.radius_rule);
   }
   fill(out.burn_time, k.burn_time, linear);
+  // What runs from pocket to pocket inside a polygon is on none; edges of pockets have no middles.
+  for (std::size_t v = 0; v < out.burn_time.size(); ++v) {
+    if (!std::isinf(out.burn_time[v])) continue;
+    const std::uint32_t of = v < cells.vertices.size() ? cells.vertices[v] : kNone;
+    const bool cut_inside =
+        of != kNone && of >= k.complex.vertex_count && !is_half(k, member.cut.points[of - k.complex.vertex_count].edge);
+    if (of == kNone || cut_inside) out.burn_time[v] = out.radius[v];
+  }
   fill(out.curve_burn_time, k.curve_burn_time, linear);
   fill(out.on_curve, k.curve_vertex, [](char a, char b, double) { return a && b; });
 }
