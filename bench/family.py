@@ -16,16 +16,9 @@ import numpy as np
 import vtk
 from vtk.util.numpy_support import vtk_to_numpy
 
+from polylines import segments_of
+
 THETA2, THETA1 = ('0.01', '0.03', '0.1', 'inf'), ('0', '0.02', '0.05', 'inf')
-
-
-def segments_of(data):
-    """The segments of all polylines of a vtkPolyData."""
-    corners = vtk_to_numpy(data.GetLines().GetConnectivityArray())
-    starts = np.ones(len(corners), bool)
-    starts[vtk_to_numpy(data.GetLines().GetOffsetsArray())[1:] - 1] = False  # the last corner of each starts none
-    first = np.flatnonzero(starts)
-    return np.stack([corners[first], corners[first + 1]], axis=1)
 
 
 def read(file):

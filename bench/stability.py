@@ -20,14 +20,7 @@ import vtk
 from scipy.spatial import cKDTree
 from vtk.util.numpy_support import vtk_to_numpy
 
-
-def segments_of(data):
-    """The segments of all polylines of a vtkPolyData."""
-    corners = vtk_to_numpy(data.GetLines().GetConnectivityArray())
-    starts = np.ones(len(corners), bool)
-    starts[vtk_to_numpy(data.GetLines().GetOffsetsArray())[1:] - 1] = False  # the last corner of each starts none
-    first = np.flatnonzero(starts)
-    return np.stack([corners[first], corners[first + 1]], axis=1)
+from polylines import segments_of
 
 
 def points_on(file, spacing, random):

@@ -99,7 +99,8 @@ struct Skeleton {
 };
 
 struct ExtractOptions {
-  bool parts = false;  ///< every part of a polygon is a face of its own; else polygons that are whole are one face
+  bool parts = false;  ///< every part of a polygon is a face of its own; else what is left of a polygon is one face, if
+                       ///< that is a disk
   /// Pruning takes about theta1 off every branch, also of those that stay. Where this thickness is finite, every free
   /// end grows back along the pruned curve of the largest level, as far as the thickness is at least this. The family
   /// remains nested, and topology does not change.
@@ -108,8 +109,7 @@ struct ExtractOptions {
   /// back along the fires that reached it, as far as the level is at least this, up to the next seam: where the fires
   /// of two other sheets met, as those between the sides of a plate and its end do. So do the fires beside these that
   /// died out before they came to a curve of ET_MC `minor_curve` or more, or whose level comes to half the radius or to
-  /// 0.8 theta2. The family remains nested, and topology does
-  /// not change.
+  /// 0.8 theta2. The family remains nested, and topology does not change.
   double regrow_rims_above = std::numeric_limits<double>::infinity();
   double minor_curve = 0;
   /// A curve with a free end also goes where its ET_MC is below this many times its burn time (the radius in a tube),

@@ -5,14 +5,11 @@
 #include <array>
 #include <limits>
 
-#include "base/constants.h"
 #include "base/graph_peeler.h"
 #include "page/layer.h"
 
 namespace quench {
 namespace {
-
-using base::kNever;
 
 std::vector<float> rounded_down(const std::vector<double>& levels) {
   std::vector<float> floats;
@@ -194,18 +191,11 @@ void add_curves(Page& page, const SkeletonFamily& family, const page::LayerRows&
 /// The measures of the vertices, each at the place `at` where it is drawn.
 void add_vertex_measures(Page& page, const RefinedAxis& k, const std::vector<std::uint32_t>& at,
                          const page::LayerRows& rows) {
-  constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
   const auto add = [&](const char* name, const auto& value) {
     page::add_measure(page, "family", name, rows, [&](std::uint32_t v) { return value(at[v]); });
   };
   add("radius", [&](std::uint32_t v) { return k.radius[v]; });
-  add("burn_time", [&](std::uint32_t v) { return k.burn_time[v]; });
-  add("erosion_thickness", [&](std::uint32_t v) { return std::max(0.0, k.burn_time[v] - k.radius[v]); });
-  add("curve_burn_time", [&](std::uint32_t v) { return k.curve_vertex[v] ? k.curve_burn_time[v] : kNothing; });
-  add("curve_erosion_thickness", [&](std::uint32_t v) {
-    if (!k.curve_vertex[v]) return kNothing;
-    return std::isinf(k.curve_burn_time[v]) ? kNever : std::max(0.0, k.curve_burn_time[v] - k.burn_time[v]);
-  });
+  page::each_fire_measure(k, k.curve_vertex, add);
 }
 
 /// One sentence, where sliders do not reach what was asked for.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <limits>
@@ -59,6 +60,21 @@ void add_measure(Page& page, const std::string& layer, const std::string& name, 
 /// their flag (`unburned`, `curve_unburned`) is set.
 void add_measures(Page& page, const std::string& layer, const std::vector<DataArray>& measures, const LayerRows& rows,
                   std::span<const std::uint32_t> row_of);
+
+/// The measures of the fires on sheets and curves: calls add(name, value of vertex v) for each. `of`: a RefinedAxis or
+/// a Skeleton; `on_curve`: per vertex, whether those of curves are defined.
+template <class Times, class Add>
+void each_fire_measure(const Times& of, const std::vector<char>& on_curve, const Add& add) {
+  constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
+  add("burn_time", [&](std::uint32_t v) { return of.burn_time[v]; });
+  add("erosion_thickness", [&](std::uint32_t v) { return std::max(0.0, of.burn_time[v] - of.radius[v]); });
+  add("curve_burn_time", [&](std::uint32_t v) { return on_curve[v] ? of.curve_burn_time[v] : kNothing; });
+  add("curve_erosion_thickness", [&](std::uint32_t v) {
+    if (!on_curve[v]) return kNothing;
+    if (std::isinf(of.curve_burn_time[v])) return std::numeric_limits<double>::infinity();
+    return std::max(0.0, of.curve_burn_time[v] - of.burn_time[v]);
+  });
+}
 
 void widen(Page& page, std::span<const Vec3> points);
 

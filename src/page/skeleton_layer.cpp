@@ -6,13 +6,10 @@
 #include <limits>
 #include <unordered_map>
 
-#include "base/constants.h"
 #include "page/layer.h"
 
 namespace quench {
 namespace {
-
-using base::kNever;
 
 /// The vertices of the layer: first those of the skeleton that are on sheets or isolated, then those of the curves.
 class Vertices {
@@ -170,15 +167,7 @@ std::size_t add_skeleton(Page& page, const Skeleton& skeleton, const CurveGraph&
   const auto add = [&](const char* name, const auto& value) {
     page.arrays.push_back({std::string("skeleton/point/") + name, 1, measured(value)});
   };
-  const Skeleton& s = skeleton;
-  constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
-  add("burn_time", [&](std::uint32_t v) { return s.burn_time[v]; });
-  add("erosion_thickness", [&](std::uint32_t v) { return std::max(0.0, s.burn_time[v] - s.radius[v]); });
-  add("curve_burn_time", [&](std::uint32_t v) { return s.on_curve[v] ? s.curve_burn_time[v] : kNothing; });
-  add("curve_erosion_thickness", [&](std::uint32_t v) {
-    if (!s.on_curve[v]) return kNothing;
-    return std::isinf(s.curve_burn_time[v]) ? kNever : std::max(0.0, s.curve_burn_time[v] - s.burn_time[v]);
-  });
+  page::each_fire_measure(skeleton, skeleton.on_curve, add);
 
   page.arrays.push_back({"skeleton/branch_offsets", 1, std::move(offsets)});
   page.arrays.push_back({"skeleton/branch_points", 1, std::move(rows)});

@@ -15,6 +15,8 @@ namespace quench {
 namespace {
 
 using base::kNever;
+using skeleton::edge_in_k;
+using skeleton::ends_of;
 using skeleton::Member;
 using skeleton::other_end;
 using skeleton::SheetCut;
@@ -31,16 +33,6 @@ struct Outline {
 };
 
 bool is_half(const RefinedAxis& k, std::uint32_t e) { return e < 2 * k.doors; }
-
-// Edges of a member: those of K that are whole, and pieces.
-std::uint32_t edge_in_k(const RefinedAxis& k, const Member& member, std::uint32_t e) {
-  const std::size_t edges = k.complex.edges.size();
-  return e < edges ? e : member.cut.pieces[e - edges].edge;
-}
-const std::array<std::uint32_t, 2>& ends_of(const RefinedAxis& k, const Member& member, std::uint32_t e) {
-  const std::size_t edges = k.complex.edges.size();
-  return e < edges ? k.complex.edges[e] : member.cut.pieces[e - edges].ends;
-}
 
 // Calls visit(start, end, e) for an edge of K, or for all its pieces, from its end `from` on.
 template <class Visit>

@@ -17,11 +17,8 @@ using base::kNever;
 // Edges and vertices of K, or pieces of edges and points on them.
 class CurvesOf {
  public:
-  CurvesOf(const SkeletonFamily& family, const Member& member)
-      : family_(family), k_(family.refined), member_(member), edges_(k_.complex.edges.size()) {}
-  const std::array<std::uint32_t, 2>& ends(std::uint32_t e) const {
-    return e < edges_ ? k_.complex.edges[e] : member_.cut.pieces[e - edges_].ends;
-  }
+  CurvesOf(const SkeletonFamily& family, const Member& member) : family_(family), k_(family.refined), member_(member) {}
+  const std::array<std::uint32_t, 2>& ends(std::uint32_t e) const { return ends_of(k_, member_, e); }
   std::uint32_t other_end(std::uint32_t e, std::uint32_t v) const { return ends(e)[ends(e)[0] == v]; }
   bool is_curve(std::uint32_t e) const { return k_.curve_edge[in_k(e)]; }
   double thickness(std::uint32_t e) const { return family_.thickness_of(in_k(e)); }
@@ -37,12 +34,11 @@ class CurvesOf {
   std::uint32_t exit(std::uint32_t v) const { return v < k_.complex.vertex_count ? k_.exit[v] : kNone; }
 
  private:
-  std::uint32_t in_k(std::uint32_t e) const { return e < edges_ ? e : member_.cut.pieces[e - edges_].edge; }
+  std::uint32_t in_k(std::uint32_t e) const { return edge_in_k(k_, member_, e); }
 
   const SkeletonFamily& family_;
   const RefinedAxis& k_;
   const Member& member_;
-  std::size_t edges_;
 };
 
 // Per curve edge that a free end leads to: the smallest ratio on the way from it to what has no free end. Where a tree

@@ -55,6 +55,16 @@ Member member_of(const SkeletonFamily& family, double theta2, double theta1, con
 /// The cells that all members have together from these thetas on, with parts of polygons that are whole.
 Member cells_from(const SkeletonFamily& family, double theta2, double theta1);
 
+/// Of an edge of a member, one of K or a piece: the edge of K, and its ends.
+inline std::uint32_t edge_in_k(const RefinedAxis& k, const Member& member, std::uint32_t e) {
+  const std::size_t edges = k.complex.edges.size();
+  return e < edges ? e : member.cut.pieces[e - edges].edge;
+}
+inline const std::array<std::uint32_t, 2>& ends_of(const RefinedAxis& k, const Member& member, std::uint32_t e) {
+  const std::size_t edges = k.complex.edges.size();
+  return e < edges ? k.complex.edges[e] : member.cut.pieces[e - edges].ends;
+}
+
 inline std::uint32_t other_end(const RefinedAxis& k, std::uint32_t edge, std::uint32_t vertex) {
   const auto [a, b] = k.complex.edges[edge];
   return a == vertex ? b : a;

@@ -354,10 +354,7 @@ class SheetCutter {
       });
     }
   }
-  bool is_curve(std::uint32_t e) const {
-    const std::size_t edges = k_.complex.edges.size();
-    return k_.curve_edge[e < edges ? e : sheets_.member.cut.pieces[e - edges].edge];
-  }
+  bool is_curve(std::uint32_t e) const { return k_.curve_edge[edge_in_k(k_, sheets_.member, e)]; }
 
   const SkeletonFamily& family_;
   const RefinedAxis& k_;
