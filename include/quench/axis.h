@@ -46,7 +46,8 @@ struct MedialAxis {
   }
 
   std::vector<std::array<std::uint32_t, 2>> face_sites;  ///< the two nearest sites of each face, smaller row first
-  std::vector<LatticePoint> sites;                       ///< boundary vertices of the voxel shape that faces refer to
+  std::vector<std::array<std::uint32_t, 2>> edge_sites;  ///< of a plane, which has no faces: the same of each edge
+  std::vector<LatticePoint> sites;  ///< boundary vertices of the voxel shape that faces and edges refer to
   Grid grid;                                             ///< transform of lattice coordinates
 
   /// Of an axis that fit_to_surface() has moved: points and radii of the voxel core, which lambda, detail and what

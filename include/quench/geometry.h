@@ -18,7 +18,7 @@ using Mat3 = Eigen::Matrix3d;
 inline constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
 /// A point of the voxel lattice. Voxel (i,j,k) is the box [i,i+1] x [j,j+1] x [k,k+1] in lattice coordinates, so its
-/// centre is at (i+1/2, j+1/2, k+1/2).
+/// centre is at (i+1/2, j+1/2, k+1/2). Of a plane: pixel (i,j) is the square [i,i+1] x [j,j+1], and z is 0 everywhere.
 using LatticePoint = std::array<std::int32_t, 3>;
 
 /// A closed or open triangle surface. No vertex needs to be used; triangles may repeat corners.
@@ -29,18 +29,34 @@ struct TriangleMesh {
 
 /// A box of voxels in the world: x = origin + direction * (spacing o (lattice - 1/2)). `origin` is the centre of voxel
 /// 0, as in NRRD, NIfTI, MetaImage and MRC; `direction` is orthonormal (reflections allowed).
+///
+/// Of dimension 2: a rectangle of pixels in a plane. Then dims[2] is 1, lattice coordinates have z = 0 (no half is
+/// taken off it), and spacing[2] is the smaller of the other two, so that the smallest of the three is the smallest
+/// step; make_plane() sets both.
 struct Grid {
   std::array<std::int64_t, 3> dims{0, 0, 0};  ///< voxels along x, y, z; x runs fastest in arrays
   Vec3 spacing{1, 1, 1};
   Vec3 origin{0, 0, 0};
   Mat3 direction = Mat3::Identity();
+  int dimension = 3;  ///< 2: pixels
+
+  bool is_plane() const { return dimension == 2; }
+  /// The centre of voxel or pixel 0 in lattice coordinates.
+  Vec3 first_centre() const { return {0.5, 0.5, is_plane() ? 0 : 0.5}; }
+  /// Of a voxel or a pixel, in world units.
+  double diagonal() const { return is_plane() ? spacing.head<2>().norm() : spacing.norm(); }
+  /// Makes a grid of one slice that of a plane.
+  void make_plane() {
+    dimension = 2;
+    spacing[2] = spacing[0] < spacing[1] ? spacing[0] : spacing[1];
+  }
 
   Vec3 world(const Vec3& lattice) const {
-    return origin + direction * spacing.cwiseProduct(lattice - Vec3::Constant(0.5));
+    return origin + direction * spacing.cwiseProduct(lattice - first_centre());
   }
   Vec3 world_of(const LatticePoint& p) const { return world(Vec3(p[0], p[1], p[2])); }
   Vec3 lattice(const Vec3& world) const {
-    return (direction.transpose() * (world - origin)).cwiseQuotient(spacing) + Vec3::Constant(0.5);
+    return (direction.transpose() * (world - origin)).cwiseQuotient(spacing) + first_centre();
   }
 };
 
@@ -50,6 +66,7 @@ struct Coordinates {
   std::string
       space;  ///< "LPS" where x, y, z are known to grow to the left, back and head of a body; other spaces of NRRD
               ///< ("scanner-xyz", "3D-right-handed", "3D-left-handed") by their names
+  bool y_down = false;  ///< of a plane: y grows downwards, as in pictures; else upwards, as on maps
 };
 
 /// The smallest integers proportional to `spacing` to 1e-6 relative, such that dims[i] * result[i] <= 2^20: the

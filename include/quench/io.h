@@ -66,8 +66,15 @@ std::vector<double> read_radii(const std::filesystem::path& file, const std::vec
 /// `spacing` overrides what the file says (formats without spacing: 1). A folder is read in natural order (2 before
 /// 10), one slice per file; numbered slices with a number missing or occurring twice, or with another file among
 /// them, are Error(input).
+///
+/// What a PNG, PGM, PBM, PPM, BMP or JPEG file, a TIFF file of one page, or an array or image of two dimensions holds is
+/// a plane (Grid::dimension 2), of two numbers of spacing. A volume of one slice may be meant as either: without
+/// `dimension` it is Error(usage), field `dimension`.
 struct VolumeReadOptions {
   std::optional<Vec3> spacing;
+  std::optional<int> dimension = {};  ///< 2 or 3: what one slice is
+  std::string channel = {};  ///< of a picture with colours: "luminance", "alpha", "red", "green", "blue"; empty: alpha
+                             ///< where all that is seen has one colour, else luminance
 };
 Volume read_volume(const std::filesystem::path& file, const VolumeReadOptions& options = {},
                    Context* context = nullptr);
