@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "axis/mgf.h"
 #include "brute_force_plane.h"
 #include "plane_shapes.h"
 
@@ -51,6 +52,8 @@ void expect_same_as_oracle(const VoxelShape& shape, std::array<std::int64_t, 2> 
   ASSERT_EQ(dual.complex.face_count(), 0u) << what;
   ASSERT_TRUE(dual.face_sites.empty()) << what;
   dual.complex.validate();
+  const std::vector<double> mgf = axis::mgf_of_edges(shape, expected.sites, edge_sites);
+  for (std::size_t e = 0; e < edges.size(); ++e) ASSERT_EQ(mgf[e], expected.edges[e].mgf) << what << "edge " << e;
 }
 
 void expect_random_as_oracle(std::uint64_t first, std::uint64_t last, int largest,
