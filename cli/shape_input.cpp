@@ -8,8 +8,8 @@
 
 #include "base/text.h"
 #include "option_checks.h"
-#include "report.h"
 #include "quench/io.h"
+#include "report.h"
 
 namespace quench::program {
 namespace {
@@ -91,12 +91,13 @@ void say_volume(const ShapeOptions& options, const LoadedShape& shape, Session& 
 
 void say_cleaned(const ForegroundReport& report, bool plane, Session& session) {
   const char* of = plane ? "pixel" : "voxel";
-  session.say(fmt::format(
-      "cleaned: {} of {} dropped ({} of the shape), {} of {} filled",
-      base::counted(report.components_removed, "component"), base::counted(report.voxels_removed, of),
-      percent_text(report.voxels_removed, report.voxels_before),
-      plane ? base::counted(report.cavities_filled, "hole") : base::counted(report.cavities_filled, "cavity", "cavities"),
-      base::counted(report.voxels_filled, of)));
+  session.say(fmt::format("cleaned: {} of {} dropped ({} of the shape), {} of {} filled",
+                          base::counted(report.components_removed, "component"),
+                          base::counted(report.voxels_removed, of),
+                          percent_text(report.voxels_removed, report.voxels_before),
+                          plane ? base::counted(report.cavities_filled, "hole")
+                                : base::counted(report.cavities_filled, "cavity", "cavities"),
+                          base::counted(report.voxels_filled, of)));
   if (const std::string much = much_dropped(report); !much.empty()) session.say("warning: " + much);
 }
 
@@ -104,11 +105,10 @@ void say_cleaned(const ForegroundReport& report, bool plane, Session& session) {
 void say_shape(const LoadedShape& shape, Session& session) {
   const Grid& grid = shape.shape.grid();
   const bool plane = grid.is_plane();
-  session.say(fmt::format(
-      "shape: {} of {}, {} inside; {}",
-      plane ? fmt::format("{} x {} pixels", grid.dims[0], grid.dims[1])
-            : fmt::format("{} x {} x {} voxels", grid.dims[0], grid.dims[1], grid.dims[2]),
-      spacing_text(grid, ""), shape.shape.voxel_count(), topology_text(shape.topology, plane)));
+  session.say(fmt::format("shape: {} of {}, {} inside; {}",
+                          plane ? fmt::format("{} x {} pixels", grid.dims[0], grid.dims[1])
+                                : fmt::format("{} x {} x {} voxels", grid.dims[0], grid.dims[1], grid.dims[2]),
+                          spacing_text(grid, ""), shape.shape.voxel_count(), topology_text(shape.topology, plane)));
   const std::int64_t components = shape.topology.betti[0];
   // What the surface says, where it does not tell the topology of the solid.
   if (shape.from_mesh && !shape.topology_changed() && components > shape.voxelization->surface.components)

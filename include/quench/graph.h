@@ -24,10 +24,10 @@ struct CurveGraph {
     double radius = 0;
     NodeKind kind = NodeKind::end;  ///< `sheet`: where curves meet a sheet; `loop`: an arbitrary point of a closed
                                     ///< curve; `border`: where outside_of() has cut a branch
-    std::uint32_t component = 0;  ///< of the whole skeleton, sheets included
-    std::uint32_t degree = 0;     ///< branch ends at the node; a closed branch has two
-    std::uint32_t sheet = kNone;  ///< the patch of sheets the node lies on, or kNone; 0 .. sheets-1
-    std::uint32_t vertex = 0;     ///< of the skeleton
+    std::uint32_t component = 0;    ///< of the whole skeleton, sheets included
+    std::uint32_t degree = 0;       ///< branch ends at the node; a closed branch has two
+    std::uint32_t sheet = kNone;    ///< the patch of sheets the node lies on, or kNone; 0 .. sheets-1
+    std::uint32_t vertex = 0;       ///< of the skeleton
   };
   /// A polyline from node to node. All lengths in world units.
   struct Branch {

@@ -310,13 +310,14 @@ struct SkeletonOptions {
   /// branches are no thinner than 4.5 times Scale::detail (3.9 voxels for cubes) or, without voxels, 0.01 of the
   /// longest side either.
   std::optional<Length> theta1 = {};
-  bool parts = false;     ///< as ExtractOptions::parts
-  bool full_tips = true;  ///< branches end where the shape does, not where pruning took them
+  bool parts = false;      ///< as ExtractOptions::parts
+  bool full_tips = true;   ///< branches end where the shape does, not where pruning took them
+  bool main_axes = false;  ///< one course per component only: main_axes()
 };
 
 struct SkeletonResult {
   Skeleton skeleton;
-  Topology topology;
+  Topology topology;  ///< of the skeleton: that of the medial axis unless it is reduced to main axes
   std::optional<double> reconstructed = {};  ///< share of the shape in its balls, where the shape was at hand
 };
 
@@ -348,6 +349,7 @@ struct GraphOptions {
   const VoxelShape* shape = nullptr;  ///< where it is known: segments are tested against its voxels
   Vec3 voxel = Vec3::Zero();          ///< spacing of the voxels; 0 for axes that are fitted or of other programs
   const Surface* surface = nullptr;   ///< that a fitted axis is fitted to, where it is known: radii are distances to it
+  bool extend = false;                ///< free ends are drawn out to the boundary of `shape`: extended()
 };
 
 /// A finite length. Throws Error(usage), field `resample`, otherwise.
@@ -410,6 +412,7 @@ struct RunOptions {
   PageBuilder* page = nullptr;  ///< where a page is wanted: layers are added to it, writing it is left to the caller
   bool page_sliders = true;     ///< the page gets what its sliders need: the layers `core` and `family`
   bool keep_sequence = false;   ///< AxisRun::file holds the burn sequence, for kept_burning_of(); run() always does so
+  std::optional<Length> narrower = {};  ///< branches only where the shape is narrower: RunResult::wide is the rest
   std::function<void(const CoreResult&)> on_core = {};     ///< called as soon as there is one
   std::function<void(const BurnFigures&)> on_burned = {};  ///< the same
 };
@@ -432,6 +435,7 @@ AxisRun run_axis(const MedialAxis& axis, Record&& file, bool voxel_core, const T
 struct RunResult {
   CoreResult core;
   AxisRun axis;
+  std::optional<VoxelShape> wide = {};  ///< wide_part() for RunOptions::narrower; AxisRun::graph is outside_of() it
 };
 
 /// All stages from a shape on. The mesh of the shape is used up by the page.
