@@ -38,7 +38,7 @@
 /// an existing one.
 namespace quench::io {
 
-enum class Kind { surface, volume, unknown };
+enum class Kind { surface, volume, polygons, unknown };
 
 /// By extension (and for a folder, by its content) only; does not open the file.
 Kind kind_of(const std::filesystem::path& file);

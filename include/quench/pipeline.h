@@ -16,6 +16,7 @@
 #include "quench/context.h"
 #include "quench/graph.h"
 #include "quench/page.h"
+#include "quench/polygons.h"
 #include "quench/record.h"
 #include "quench/shape.h"
 #include "quench/skeleton.h"
@@ -103,9 +104,11 @@ std::optional<Vec3> spacing_in(std::string_view text);
 /// How an input becomes a voxel shape. What is not given has the default of the stage or, in take_recorded(), the value
 /// of an earlier run.
 struct ShapeOptions {
-  std::optional<std::int64_t> resolution = {};  ///< meshes; default 256; or kAutomaticResolution
-  std::optional<FillRule> fill = {};            ///< meshes; default nonzero
+  std::optional<std::int64_t> resolution = {};  ///< meshes; default 256; or kAutomaticResolution; polygons: 1024
+  std::optional<FillRule> fill = {};            ///< meshes; default nonzero; polygons: that of their format
   std::optional<TopologyRule> topology = {};    ///< meshes; default mesh
+  std::optional<double> pixel = {};             ///< polygons: side of a pixel, instead of a resolution
+  std::optional<std::uint64_t> feature = {};    ///< polygons: the number of the feature that is wanted, from 0
   std::optional<Vec3> spacing = {};             ///< volumes; default: what the file says
   std::string spacing_text = {};                ///< as it was spelled, for the record; empty: spelled from `spacing`
   ForegroundOptions foreground = {};            ///< threshold, label, invert: volumes
@@ -131,6 +134,7 @@ struct LoadedShape {
   std::optional<Voxelization> voxelization;  ///< of a mesh, without its shape
   std::int64_t resolution = 0;               ///< of a mesh: that was used
   std::optional<TriangleMesh> mesh;          ///< where it was asked for
+  std::optional<PolygonFeature> polygon;     ///< of a polygon: what was digitized
   std::string spacing_source;                ///< of a volume from a file: what its spacing was taken from
   std::optional<ForegroundReport> cleaned;   ///< where cleaning was asked for
   std::optional<Surface> surface;            ///< what the axis is fitted to; none: the voxels
@@ -151,9 +155,17 @@ LoadedShape load_shape(const std::filesystem::path& file, const ShapeOptions& op
 LoadedShape shape_of(TriangleMesh&& mesh, const ShapeOptions& options, Context* context = nullptr);
 LoadedShape shape_of(const ImageView& image, const Coordinates& coordinates, const ShapeOptions& options,
                      Context* context = nullptr);
+/// A polygon, digitized. Throws what digitize() does, and Error(usage) for options that polygons do not take.
+LoadedShape shape_of(PolygonFeature&& feature, const ShapeOptions& options, Context* context = nullptr);
 /// Voxels that are given: subdivided as asked; `image` is the grid of the image they are from.
 LoadedShape shape_of(VoxelShape&& voxels, const Grid& image, const ShapeOptions& options, Context* context = nullptr);
 
+/// The feature of a file of polygons that is wanted, by its number, or the only one. Throws Error(usage), field
+/// `feature`, when there are several and no number; Error(input) when it is not there or cannot be used.
+PolygonFeature feature_of(const std::filesystem::path& file, const std::optional<std::uint64_t>& number,
+                          Context* context = nullptr);
+/// Whether a file of polygons has one feature, usable or not. Reads no further than the second.
+bool holds_one_feature(const std::filesystem::path& file);
 /// Throws Error(failed) when there is no memory to voxelize at a resolution.
 void require_voxelization_memory(const TriangleMesh& mesh, std::int64_t resolution, const Context* context);
 /// Throws Error(input) for a file whose name does not say what it holds.
@@ -440,5 +452,22 @@ struct RunResult {
 
 /// All stages from a shape on. The mesh of the shape is used up by the page.
 RunResult run(LoadedShape& shape, const RunOptions& options = {}, Context* context = nullptr);
+
+/// What became of a feature of a file of polygons.
+struct FeatureRun {
+  std::uint64_t number = 0;
+  std::string id, properties;         ///< as in PolygonFeature
+  std::string failure;                ///< a sentence, where there is no result; else empty
+  std::vector<std::string> notes;     ///< what its run had to say
+  std::optional<LoadedShape> shape;   ///< where there is a result
+  std::optional<RunResult> result;
+};
+
+/// run() of each polygon of a file, on all threads, several at a time; `take` is called on the calling thread in the
+/// order of the file. Memory is bounded by that of a few hundred features (or one that is larger), whatever the file.
+/// A feature that cannot be used is one with a `failure`. Throws Error(usage) for options that no feature takes, and
+/// what io::for_each_feature() throws.
+void run_features(const std::filesystem::path& file, const ShapeOptions& shape, const RunOptions& options,
+                  const std::function<void(FeatureRun&&)>& take, Context* context = nullptr);
 
 }  // namespace quench::pipeline

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "base/parallel.h"
+#include "pipeline/finished_shape.h"
 #include "pipeline/parameters.h"
 #include "quench/error.h"
 #include "quench/io.h"
@@ -129,9 +130,10 @@ void set_surface_of_voxels(LoadedShape& loaded, std::optional<TriangleMesh>&& is
   record(loaded, "surface", std::string(name_of(kind)));
 }
 
-/// What follows from the voxels of an input and, of a volume, their isosurface.
+}  // namespace
+
 LoadedShape finished(LoadedShape&& loaded, const ShapeOptions& options, Context* context,
-                     std::optional<TriangleMesh>&& isosurface = {}) {
+                     std::optional<TriangleMesh>&& isosurface) {
   if (loaded.from_mesh) loaded.image = loaded.shape.grid();
   clean_as_asked(loaded, options.foreground, context);
   set_surface_of_voxels(loaded, std::move(isosurface), options, context);
@@ -141,6 +143,8 @@ LoadedShape finished(LoadedShape&& loaded, const ShapeOptions& options, Context*
   checkpoint(context, "voxelize", 1);
   return std::move(loaded);
 }
+
+namespace {
 
 LoadedShape shape_of_file(const std::filesystem::path& file, const ShapeOptions& options, Context* context) {
   check_surface(options, false);
@@ -314,6 +318,8 @@ LoadedShape load_shape(const std::filesystem::path& file, const ShapeOptions& op
   const io::Kind kind = io::kind_of(file);
   if (kind == io::Kind::unknown) refuse_unknown_kind(file);
   if (kind == io::Kind::volume) return shape_of_file(file, options, context);
+  if (kind == io::Kind::polygons)
+    return naming(file, [&] { return shape_of(feature_of(file, options.feature, context), options, context); });
   TriangleMesh mesh = to_triangle_mesh(read_surface(file, context));
   if (mesh.triangles.empty())
     throw Error(ErrorCode::input, fmt::format("'{}' holds no faces; a shape needs a closed surface", file.string()));
