@@ -25,7 +25,8 @@ std::int64_t parse_resolution(const std::string& text) {
   return value;
 }
 
-std::string topology_text(const Topology& t) {
+std::string topology_text(const Topology& t, bool plane) {
+  if (plane) return fmt::format("{}, {}", base::counted(t.betti[0], "component"), base::counted(t.betti[1], "hole"));
   return fmt::format("{}, {}, {}", base::counted(t.betti[0], "component"), base::counted(t.betti[1], "tunnel"),
                      base::counted(t.betti[2], "cavity", "cavities"));
 }
@@ -43,6 +44,8 @@ void say_ignored(const ShapeOptions& options, bool mesh, Session& session) {
     add("--label", f.label.has_value());
     add("--invert", f.invert);
     add("--spacing", options.how.spacing.has_value());
+    add("--channel", !options.how.channel.empty());
+    add("--dimension", options.how.dimension.has_value());
   } else {
     add("--resolution", options.how.resolution.has_value());
     add("--fill", options.how.fill.has_value());
@@ -73,33 +76,38 @@ void say_voxelization(const ShapeOptions& options, const LoadedShape& shape, Ses
 
 bool is_tiff(const std::string& file) { return extension_of(file) == ".tif" || extension_of(file) == ".tiff"; }
 
-/// "0.5 x 0.5 x 2 um": the sides of a voxel.
+/// "0.5 x 0.5 x 2 um", "0.5 x 0.5 um": the sides of a voxel or pixel.
 std::string spacing_text(const Grid& grid, const std::string& units) {
-  return fmt::format("{:.6g} x {:.6g} x {:.6g}{}{}", grid.spacing[0], grid.spacing[1], grid.spacing[2],
-                     units.empty() ? "" : " ", units);
+  std::string text = fmt::format("{:.6g} x {:.6g}", grid.spacing[0], grid.spacing[1]);
+  if (!grid.is_plane()) text += fmt::format(" x {:.6g}", grid.spacing[2]);
+  return units.empty() ? text : text + ' ' + units;
 }
 
 void say_volume(const ShapeOptions& options, const LoadedShape& shape, Session& session) {
   if (!options.how.spacing && !shape.spacing_source.empty() && is_tiff(options.file))
     session.say(fmt::format("note: spacing {} from {}", spacing_text(shape.image, shape.coordinates.units),
                             shape.spacing_source));
-  say_picture(options.file, shape.image, session);
 }
 
-void say_cleaned(const ForegroundReport& report, Session& session) {
-  session.say(fmt::format(
-      "cleaned: {} of {} dropped ({} of the shape), {} of {} filled",
-      base::counted(report.components_removed, "component"), base::counted(report.voxels_removed, "voxel"),
-      percent_text(report.voxels_removed, report.voxels_before),
-      base::counted(report.cavities_filled, "cavity", "cavities"), base::counted(report.voxels_filled, "voxel")));
+void say_cleaned(const ForegroundReport& report, bool plane, Session& session) {
+  session.say(fmt::format("cleaned: {} of {} dropped ({} of the shape), {} of {} filled",
+                          base::counted(report.components_removed, "component"),
+                          base::counted(report.voxels_removed, plane ? "pixel" : "voxel"),
+                          percent_text(report.voxels_removed, report.voxels_before),
+                          plane ? base::counted(report.cavities_filled, "hole")
+                                : base::counted(report.cavities_filled, "cavity", "cavities"),
+                          base::counted(report.voxels_filled, plane ? "pixel" : "voxel")));
   if (const std::string much = much_dropped(report); !much.empty()) session.say("warning: " + much);
 }
 
 /// What the voxels are, and what their number of components may mean.
 void say_shape(const LoadedShape& shape, Session& session) {
   const Grid& grid = shape.shape.grid();
-  session.say(fmt::format("shape: {} x {} x {} voxels of {}, {} inside; {}", grid.dims[0], grid.dims[1], grid.dims[2],
-                          spacing_text(grid, ""), shape.shape.voxel_count(), topology_text(shape.topology)));
+  const std::string size = grid.is_plane()
+                               ? fmt::format("{} x {} pixels", grid.dims[0], grid.dims[1])
+                               : fmt::format("{} x {} x {} voxels", grid.dims[0], grid.dims[1], grid.dims[2]);
+  session.say(fmt::format("shape: {} of {}, {} inside; {}", size, spacing_text(grid, ""), shape.shape.voxel_count(),
+                          topology_text(shape.topology, grid.is_plane())));
   const std::int64_t components = shape.topology.betti[0];
   // What the surface says, where it does not tell the topology of the solid.
   if (shape.from_mesh && !shape.topology_changed() && components > shape.voxelization->surface.components)
@@ -108,7 +116,8 @@ void say_shape(const LoadedShape& shape, Session& session) {
                     "lost; a higher --resolution may help, --min-component N drops specks",
                     base::counted(components, "component"), shape.voxelization->surface.components));
   if (!shape.from_mesh && components > 100)
-    session.say(fmt::format("note: the volume has {} components; --min-component N drops specks", components));
+    session.say(fmt::format("note: the {} has {} components; --min-component N drops specks",
+                            grid.is_plane() ? "image" : "volume", components));
 }
 
 void add_mesh(Json& input, const LoadedShape& shape) {
@@ -137,15 +146,24 @@ void add_mesh(Json& input, const LoadedShape& shape) {
 
 }  // namespace
 
-void say_picture(const std::string& file, const Grid& grid, Session& session) {
-  std::error_code ignored;
-  if (grid.dims[2] != 1 ||
-      !(extension_of(file) == ".png" || is_tiff(file) || std::filesystem::is_directory(file, ignored)))
-    return;
-  session.say(
-      fmt::format("note: '{}' is one picture of {} x {} pixels; it is taken as a slab one voxel thick, whose radii are "
-                  "about half a voxel; for a 3D shape give a folder of slices or a stack",
-                  file, grid.dims[0], grid.dims[1]));
+CLI::Option* add_channel(CLI::App& app, std::string& channel) {
+  return app
+      .add_option("--channel", channel,
+                  "Image with colours: what becomes the value of a pixel: 'luminance' (of Rec. 601, on white where it "
+                  "is transparent), 'alpha', 'red', 'green' or 'blue'; without it alpha where all that is seen has one "
+                  "colour, else luminance")
+      ->type_name("NAME")
+      ->check(one_of({"luminance", "alpha", "red", "green", "blue"}));
+}
+
+CLI::Option* add_dimension(CLI::App& app, std::optional<int>& dimension) {
+  return add_parsed(
+             app, "--dimension",
+             "Volume of one slice: 2 takes it as an image of the plane, 3 as a slab one voxel thick; 3 takes an image "
+             "so, too",
+             [&dimension](const std::string&, const std::string& text) { dimension = text == "2" ? 2 : 3; })
+      ->type_name("N")
+      ->check(one_of({"2", "3"}));
 }
 
 CLI::Option* add_resolution(CLI::App& app, ShapeOptions& o, const std::string& help) {
@@ -170,8 +188,8 @@ CLI::Option* add_topology(CLI::App& app, ShapeOptions& o, const std::string& hel
 
 void add_shape_options(CLI::App& app, ShapeOptions& o) {
   app.add_option("SHAPE", o.file,
-                 "A mesh (.ply .obj .off .stl ...) or a volume (.nrrd .nii.gz .mha .map .vol .npy .tif, a "
-                 "folder of slices ...)")
+                 "A mesh (.ply .obj .off .stl ...), a volume (.nrrd .nii.gz .mha .map .vol .npy .tif, a folder of "
+                 "slices ...) or an image (.png .tif .bmp .jpg .pgm ...)")
       ->type_name("")
       ->required();
   const auto group = "Shape";
@@ -194,25 +212,29 @@ void add_shape_options(CLI::App& app, ShapeOptions& o) {
       ->default_str("mesh")
       ->group(group);
   ForegroundOptions& f = o.how.foreground;
-  add_threshold(app, f.threshold, "Volume: the shape is the voxels of at least this value")
+  add_threshold(app, f.threshold, "Volume, image: the shape is the voxels or pixels of at least this value")
       ->type_name("T")
       ->group(group);
-  add_label(app, f.label, "Volume: the shape is the voxels of exactly this value (0 too)")
+  add_label(app, f.label, "Volume, image: the shape is the voxels or pixels of exactly this value (0 too)")
       ->type_name("K")
       ->group(group);
   add_parsed(
-      app, "--spacing", "Volume: voxel size x,y,z (or one number), instead of the file's",
+      app, "--spacing", "Volume, image: voxel size x,y,z or pixel size x,y (or one number), instead of the file's",
       [&o](const std::string&, const std::string& text) {
         o.how.spacing = pipeline::spacing_in(text);
         o.how.spacing_text = text;
         if (!o.how.spacing)
           throw Error(
               ErrorCode::usage,
-              fmt::format("--spacing '{}' is not a voxel size; give one positive number or three as x,y,z", text));
+              fmt::format("--spacing '{}' is not a voxel or pixel size; give one positive number, three as x,y,z, or "
+                          "two as x,y for an image",
+                          text));
       })
       ->type_name("SIZE")
       ->group(group);
-  app.add_flag("--invert", f.invert, "Volume: the shape is all other voxels of the image")->group(group);
+  add_channel(app, o.how.channel)->group(group);
+  add_dimension(app, o.how.dimension)->group(group);
+  app.add_flag("--invert", f.invert, "Volume, image: the shape is all other voxels or pixels")->group(group);
   app.add_flag("--largest-component", f.largest_component, "Keep the largest connected part only")->group(group);
   add_number<std::int64_t>(app, "--min-component", f.min_component, "Drop connected parts of fewer voxels", 0)
       ->type_name("N")
@@ -257,19 +279,21 @@ LoadedShape load_shape(const ShapeOptions& options, Session& session) {
     say_voxelization(options, shape, session);
   else
     say_volume(options, shape, session);
-  if (shape.cleaned) say_cleaned(*shape.cleaned, session);
+  if (shape.cleaned) say_cleaned(*shape.cleaned, shape.shape.grid().is_plane(), session);
   say_shape(shape, session);
   return shape;
 }
 
 Json input_section(const ShapeOptions& options, const LoadedShape& shape) {
-  Json input = {{"file", options.file}, {"kind", shape.from_mesh ? "mesh" : "volume"}};
+  const bool plane = shape.image.is_plane();
+  Json input = {{"file", options.file}, {"kind", shape.from_mesh ? "mesh" : plane ? "image" : "volume"}};
   if (shape.from_mesh) {
     add_mesh(input, shape);
   } else {
     if (!shape.coordinates.units.empty()) input["units"] = shape.coordinates.units;
     if (!shape.coordinates.space.empty()) input["space"] = shape.coordinates.space;
-    input["spacing"] = {shape.image.spacing[0], shape.image.spacing[1], shape.image.spacing[2]};
+    input["spacing"] = {shape.image.spacing[0], shape.image.spacing[1]};
+    if (!plane) input["spacing"].push_back(shape.image.spacing[2]);
     const std::string from = options.how.spacing ? "--spacing" : shape.spacing_source;
     if (!from.empty()) input["spacing_source"] = from;
   }
