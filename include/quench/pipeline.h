@@ -15,6 +15,7 @@
 #include "quench/burn.h"
 #include "quench/context.h"
 #include "quench/graph.h"
+#include "quench/io.h"
 #include "quench/page.h"
 #include "quench/polygons.h"
 #include "quench/record.h"
@@ -98,7 +99,8 @@ std::int64_t predicted_skeleton_bytes(const Burning& burning);
 inline constexpr std::int64_t kAutomaticResolution = 0;
 inline constexpr std::int64_t kLargestResolution = 16384;  ///< that voxelize() takes
 
-/// A voxel size as text, "x,y,z" or one number; nothing unless all are positive numbers.
+/// A size of voxels "x,y,z" or of pixels "x,y" (the third number is 0 then), or one number for all; nothing unless all
+/// are positive numbers.
 std::optional<Vec3> spacing_in(std::string_view text);
 
 /// How an input becomes a voxel shape. What is not given has the default of the stage or, in take_recorded(), the value
@@ -111,6 +113,8 @@ struct ShapeOptions {
   std::optional<std::uint64_t> feature = {};    ///< polygons: the number of the feature that is wanted, from 0
   std::optional<Vec3> spacing = {};             ///< volumes; default: what the file says
   std::string spacing_text = {};                ///< as it was spelled, for the record; empty: spelled from `spacing`
+  std::optional<int> dimension = {};            ///< volumes and images; 2 or 3: what one slice is
+  std::string channel = {};                     ///< images with colours, as of io::VolumeReadOptions
   ForegroundOptions foreground = {};            ///< threshold, label, invert: volumes
   /// What the axis is fitted to; none: the mesh where its solid can be told, the grey values of a volume with a
   /// threshold, else the voxels.
@@ -119,6 +123,20 @@ struct ShapeOptions {
   bool keep_mesh = false;    ///< LoadedShape::mesh is wanted
   bool core_follows = true;  ///< its memory counts too when the shape is subdivided
 };
+
+/// How a volume or image is read for a shape.
+io::VolumeReadOptions read_options(const ShapeOptions& options);
+
+/// A threshold that parts the dark values of an image from the bright ones.
+struct ThresholdProposal {
+  double low = 0, high = 0;  ///< the values of the image
+  Threshold threshold;
+  bool bright_border = false;  ///< most pixels at its sides are bright: the shape may be what is dark
+};
+
+/// By Otsu's method (1979, IEEE Trans. SMC 9): the classes whose means lie farthest apart for their sizes. Nothing for
+/// an image of at most two values. O(samples).
+std::optional<ThresholdProposal> propose_threshold(const Volume& image);
 
 /// A shape ready for the main job, and what was found on the way.
 struct LoadedShape {
