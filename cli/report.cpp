@@ -92,7 +92,15 @@ std::string json_text(const Json& value, int indent) {
   return value.dump(indent, ' ', false, Json::error_handler_t::replace);
 }
 
-std::string cells_text(const pipeline::CellCounts& cells) {
+Json spacing_json(const Grid& grid) {
+  Json sides = {grid.spacing[0], grid.spacing[1]};
+  if (!grid.is_plane()) sides.push_back(grid.spacing[2]);
+  return sides;
+}
+
+std::string cells_text(const pipeline::CellCounts& cells, bool plane) {
+  if (plane)
+    return fmt::format("{}, {}", base::counted(cells.vertices, "vertex", "vertices"), base::counted(cells.edges, "edge"));
   return fmt::format("{}, {}, {}", base::counted(cells.vertices, "vertex", "vertices"),
                      base::counted(cells.edges, "edge"), base::counted(cells.faces, "face"));
 }
@@ -100,9 +108,10 @@ std::string cells_text(const pipeline::CellCounts& cells) {
 Json shape_section(const pipeline::LoadedShape& shape) {
   const Grid& grid = shape.shape.grid();
   const std::optional<bool> changed = shape.topology_changed();
-  Json section = {{"dims", grid.dims},
-                  {"spacing", {grid.spacing[0], grid.spacing[1], grid.spacing[2]}},
-                  {"voxels", shape.shape.voxel_count()},
+  const bool plane = grid.is_plane();
+  Json section = {{"dims", plane ? Json({grid.dims[0], grid.dims[1]}) : Json(grid.dims)},
+                  {"spacing", spacing_json(grid)},
+                  {plane ? "pixels" : "voxels", shape.shape.voxel_count()},
                   {"sites", count_boundary_vertices(shape.shape)},
                   {"euler", shape.topology.euler},
                   {"betti", shape.topology.betti},
@@ -142,12 +151,15 @@ void say_core(const pipeline::LoadedShape& shape, const pipeline::CoreResult& co
                              base::bytes_text(predicted_bytes(core.plan))));
   const pipeline::Pruning& pruning = core.options.pruning;
   const double threshold = core.threshold, voxel = shape.scale().voxel;
+  const bool plane = shape.shape.grid().is_plane();
   if (!pruning.threshold)
-    session.say(fmt::format("{} {:.6g} ({:.3g} voxels, {:.3g} of the longest side; chosen by auto)", pruning.measure,
-                            threshold, threshold / voxel, threshold / shape.longest_side));
+    session.say(fmt::format("{} {:.6g} ({:.3g} {}, {:.3g} of the longest side; chosen by auto)", pruning.measure,
+                            threshold, threshold / voxel, plane ? "pixels" : "voxels", threshold / shape.longest_side));
   if (pruning.measure == kDetail)
-    session.say(fmt::format("every corner of the voxel surface is within {:.3g} voxels of the balls of {}",
-                            core.coverage / voxel, base::counted(core.kept.faces, "face")));
+    session.say(plane ? fmt::format("every corner of the outline is within {:.3g} pixels of the disks of {}",
+                                    core.coverage / voxel, base::counted(core.kept.edges, "edge"))
+                      : fmt::format("every corner of the voxel surface is within {:.3g} voxels of the balls of {}",
+                                    core.coverage / voxel, base::counted(core.kept.faces, "face")));
   if (!shape.surface) return;
   session.say(fmt::format("fitted to the {}: vertices moved by {:.2g} voxels on average, {:.2g} at most",
                           surface_text(shape.surface->kind()), core.fit.mean_move / voxel,
@@ -159,19 +171,20 @@ void say_core(const pipeline::LoadedShape& shape, const pipeline::CoreResult& co
         shape.from_mesh ? "; a higher --resolution may help" : ""));
 }
 
-std::string share_text(double reconstructed) {
-  return fmt::format("its balls fill {:.0f} % of the shape", 100 * reconstructed);
+std::string share_text(double reconstructed, bool plane) {
+  return fmt::format("its {} fill {:.0f} % of the shape", plane ? "disks" : "balls", 100 * reconstructed);
 }
 
 void say_written(Session& session, const std::string& axis, const std::string& report, const pipeline::CoreResult& core,
                  const pipeline::LoadedShape& shape) {
+  const bool plane = shape.shape.grid().is_plane();
   std::string stages;
   for (const auto& [stage, seconds] : session.seconds())
     stages += fmt::format("{}{} {:.2f} s", stages.empty() ? "" : ", ", stage, seconds);
   session.detail(fmt::format("{}; {} of memory at the peak", stages, base::bytes_text(Session::peak_bytes())));
   session.say(fmt::format("{}: {}; topology as that of the shape; {}; lengths in {}; {:.1f} s{}", axis,
-                          cells_text(core.options.full ? core.all : core.kept),
-                          share_text(core.options.full && core.whole ? *core.whole : core.reconstructed),
+                          cells_text(core.options.full ? core.all : core.kept, plane),
+                          share_text(core.options.full && core.whole ? *core.whole : core.reconstructed, plane),
                           shape.coordinates.units.empty() ? "the input's units" : shape.coordinates.units,
                           session.total_seconds(), report.empty() ? "" : fmt::format("; report in {}", report)));
 }
@@ -184,31 +197,40 @@ Json parameters_section(const pipeline::BurningOptions& options) {
 }
 
 void add_burn_section(Json& report, const pipeline::BurnFigures& burned) {
+  if (burned.options.plane) {
+    report["burn"] = {{"unburned", burned.unburned}, {"max_burn_time", burned.max_burn_time}};
+    return;
+  }
   report["burn"] = {{"omega", burned.options.omega}, {"nodes", burned.nodes},
                     {"unburned", burned.unburned},   {"max_burn_time", burned.max_burn_time},
                     {"propagation", "segments"},     {"radius_rule", pipeline::name_of(burned.options.radius)}};
 }
 
 void say_burned(const pipeline::BurnFigures& burned, std::size_t vertices, Session& session) {
-  session.detail(fmt::format("{} on {} nodes, {:.4g} apart; longest burn time {:.6g}",
-                             burned.from_file ? "the file is burned" : "burned", burned.nodes, burned.options.omega,
-                             burned.max_burn_time));
+  const bool plane = burned.options.plane;
+  session.detail(plane ? fmt::format("burned; longest burn time {:.6g}", burned.max_burn_time)
+                       : fmt::format("{} on {} nodes, {:.4g} apart; longest burn time {:.6g}",
+                                     burned.from_file ? "the file is burned" : "burned", burned.nodes,
+                                     burned.options.omega, burned.max_burn_time));
   if (burned.unburned > 0)
     session.say(fmt::format(
-        "note: {} of {} {} on closed pockets, where no fire comes: the burn time there is infinite (array "
+        "note: {} of {} {} on {}, where no fire comes: the burn time there is infinite (array "
         "'unburned')",
-        burned.unburned, base::counted(vertices, "vertex", "vertices"), burned.unburned == 1 ? "lies" : "lie"));
+        burned.unburned, base::counted(vertices, "vertex", "vertices"), burned.unburned == 1 ? "lies" : "lie",
+        plane ? "loops and between them" : "closed pockets"));
 }
 
 void add_axis_sections(Json& report, const pipeline::AxisRun& run) {
   const Skeleton& skeleton = run.skeleton.skeleton;
   const Topology& topology = run.skeleton.topology;
   add_burn_section(report, run.burned);
-  report["curves"] = cells_section(run.curves, topology);
-  report["skeleton"] = {{"theta2", number(skeleton.theta2)},
-                        {"theta1", number(skeleton.theta1)},
-                        {"theta1_radii", skeleton.theta1_radii}};
+  if (!skeleton.plane) report["curves"] = cells_section(run.curves, topology);
+  report["skeleton"] = Json::object();
+  if (!skeleton.plane) report["skeleton"]["theta2"] = number(skeleton.theta2);
+  report["skeleton"]["theta1"] = number(skeleton.theta1);
+  report["skeleton"]["theta1_radii"] = skeleton.theta1_radii;
   report["skeleton"].update(cells_section(pipeline::counts_of(skeleton.complex), topology));
+  if (skeleton.plane) return;
   const auto last = std::max_element(skeleton.face_sheet.begin(), skeleton.face_sheet.end());
   report["skeleton"]["sheets"] = last == skeleton.face_sheet.end() ? 0 : *last + 1;
 }

@@ -24,8 +24,10 @@ void write_report(io::OutputGroup& outputs, const Json& report, Session& session
 
 /// JSON as text; bytes that are not UTF-8 (names of files may be anything) are replaced.
 std::string json_text(const Json& value, int indent = -1);
-/// "5 vertices, 1 edge, 0 faces".
-std::string cells_text(const pipeline::CellCounts& cells);
+/// "5 vertices, 1 edge, 0 faces"; in the plane without faces.
+std::string cells_text(const pipeline::CellCounts& cells, bool plane = false);
+/// The two or three sides of a pixel or voxel.
+Json spacing_json(const Grid& grid);
 
 /// The section `shape`.
 Json shape_section(const pipeline::LoadedShape& shape);
@@ -33,10 +35,10 @@ Json shape_section(const pipeline::LoadedShape& shape);
 void add_core_sections(Json& report, const pipeline::LoadedShape& shape, const pipeline::CoreResult& core);
 /// What was found on the way: the lambda that was chosen, the memory that was predicted.
 void say_core(const pipeline::LoadedShape& shape, const pipeline::CoreResult& core, Session& session);
-/// One line on what was written where, in which units. `report` may be empty.
-/// "its balls fill 97 % of the shape".
-std::string share_text(double reconstructed);
+/// "its balls fill 97 % of the shape", in the plane "its disks".
+std::string share_text(double reconstructed, bool plane = false);
 
+/// One line on what was written where, in which units. `report` may be empty.
 void say_written(Session& session, const std::string& axis, const std::string& report, const pipeline::CoreResult& core,
                  const pipeline::LoadedShape& shape);
 

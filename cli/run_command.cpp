@@ -78,7 +78,7 @@ Json report_of(const Options& o, const pipeline::LoadedShape& shape, const pipel
   add_axis_sections(report, result.axis);
   Json& parameters = report["parameters"];
   parameters.update(parameters_section(o.run.burning));
-  parameters["theta2"] = pipeline::text_of(o.run.skeleton.theta2);
+  if (!shape.shape.grid().is_plane()) parameters["theta2"] = pipeline::text_of(o.run.skeleton.theta2);
   parameters["theta1"] = pipeline::text_of(o.run.skeleton.theta1);
   parameters["tips"] = o.run.skeleton.full_tips ? "full" : "pruned";
   parameters["smooth"] = o.graph.graph.smooth;
@@ -94,6 +94,8 @@ void say_little(const pipeline::RunResult& result, Session& session) {
   if (share >= kLittle || result.core.reconstructed < kLittle) return;
   const Skeleton& skeleton = result.axis.skeleton.skeleton;
   if (!std::isfinite(skeleton.theta2)) return;  // curves only, as asked
+  if (skeleton.plane)
+    return session.say("note: the skeleton stands for little of the shape; a smaller --theta1 keeps more branches");
   session.say(
       fmt::format("note: the skeleton stands for little of the shape; a smaller --theta2 (now {:.3g}) keeps more "
                   "sheets, a smaller --theta1 more branches",
@@ -137,11 +139,12 @@ int run_pipeline(const Options& o, Session& session) {
   if (!files.picture.empty()) write_picture(builder.page, {}, files.picture, report, session);
   write_report(files.report.string(), report, session);
   write_report(outputs, report, session);
+  const bool plane = shape.shape.grid().is_plane();
   say_written(session, files.core.string(), files.report.string(), result.core, shape);
   session.say(fmt::format("{}: {}, {}; topology as that of the shape; {}; also {} and {}", files.skeleton.string(),
-                          cells_text(pipeline::counts_of(result.axis.skeleton.skeleton.complex)),
+                          cells_text(pipeline::counts_of(result.axis.skeleton.skeleton.complex), plane),
                           base::counted(result.axis.graph.branches.size(), "branch", "branches"),
-                          share_text(*result.axis.skeleton.reconstructed), files.swc.string(), files.csv.string()));
+                          share_text(*result.axis.skeleton.reconstructed, plane), files.swc.string(), files.csv.string()));
   say_little(result, session);
   if (!files.picture.empty()) session.say(fmt::format("{}: a picture of the skeleton", files.picture.string()));
   if (!files.view.empty())

@@ -8,6 +8,7 @@
 
 #include "base/text.h"
 #include "option_checks.h"
+#include "report.h"
 #include "quench/io.h"
 
 namespace quench::program {
@@ -25,7 +26,8 @@ std::int64_t parse_resolution(const std::string& text) {
   return value;
 }
 
-std::string topology_text(const Topology& t) {
+std::string topology_text(const Topology& t, bool plane) {
+  if (plane) return fmt::format("{}, {}", base::counted(t.betti[0], "component"), base::counted(t.betti[1], "hole"));
   return fmt::format("{}, {}, {}", base::counted(t.betti[0], "component"), base::counted(t.betti[1], "tunnel"),
                      base::counted(t.betti[2], "cavity", "cavities"));
 }
@@ -75,8 +77,9 @@ bool is_tiff(const std::string& file) { return extension_of(file) == ".tif" || e
 
 /// "0.5 x 0.5 x 2 um": the sides of a voxel.
 std::string spacing_text(const Grid& grid, const std::string& units) {
-  return fmt::format("{:.6g} x {:.6g} x {:.6g}{}{}", grid.spacing[0], grid.spacing[1], grid.spacing[2],
-                     units.empty() ? "" : " ", units);
+  const std::string unit = units.empty() ? "" : " " + units;
+  if (grid.is_plane()) return fmt::format("{:.6g} x {:.6g}{}", grid.spacing[0], grid.spacing[1], unit);
+  return fmt::format("{:.6g} x {:.6g} x {:.6g}{}", grid.spacing[0], grid.spacing[1], grid.spacing[2], unit);
 }
 
 void say_volume(const ShapeOptions& options, const LoadedShape& shape, Session& session) {
@@ -86,20 +89,26 @@ void say_volume(const ShapeOptions& options, const LoadedShape& shape, Session& 
   say_picture(options.file, shape.image, session);
 }
 
-void say_cleaned(const ForegroundReport& report, Session& session) {
+void say_cleaned(const ForegroundReport& report, bool plane, Session& session) {
+  const char* of = plane ? "pixel" : "voxel";
   session.say(fmt::format(
       "cleaned: {} of {} dropped ({} of the shape), {} of {} filled",
-      base::counted(report.components_removed, "component"), base::counted(report.voxels_removed, "voxel"),
+      base::counted(report.components_removed, "component"), base::counted(report.voxels_removed, of),
       percent_text(report.voxels_removed, report.voxels_before),
-      base::counted(report.cavities_filled, "cavity", "cavities"), base::counted(report.voxels_filled, "voxel")));
+      plane ? base::counted(report.cavities_filled, "hole") : base::counted(report.cavities_filled, "cavity", "cavities"),
+      base::counted(report.voxels_filled, of)));
   if (const std::string much = much_dropped(report); !much.empty()) session.say("warning: " + much);
 }
 
 /// What the voxels are, and what their number of components may mean.
 void say_shape(const LoadedShape& shape, Session& session) {
   const Grid& grid = shape.shape.grid();
-  session.say(fmt::format("shape: {} x {} x {} voxels of {}, {} inside; {}", grid.dims[0], grid.dims[1], grid.dims[2],
-                          spacing_text(grid, ""), shape.shape.voxel_count(), topology_text(shape.topology)));
+  const bool plane = grid.is_plane();
+  session.say(fmt::format(
+      "shape: {} of {}, {} inside; {}",
+      plane ? fmt::format("{} x {} pixels", grid.dims[0], grid.dims[1])
+            : fmt::format("{} x {} x {} voxels", grid.dims[0], grid.dims[1], grid.dims[2]),
+      spacing_text(grid, ""), shape.shape.voxel_count(), topology_text(shape.topology, plane)));
   const std::int64_t components = shape.topology.betti[0];
   // What the surface says, where it does not tell the topology of the solid.
   if (shape.from_mesh && !shape.topology_changed() && components > shape.voxelization->surface.components)
@@ -108,7 +117,8 @@ void say_shape(const LoadedShape& shape, Session& session) {
                     "lost; a higher --resolution may help, --min-component N drops specks",
                     base::counted(components, "component"), shape.voxelization->surface.components));
   if (!shape.from_mesh && components > 100)
-    session.say(fmt::format("note: the volume has {} components; --min-component N drops specks", components));
+    session.say(fmt::format("note: the {} has {} components; --min-component N drops specks",
+                            plane ? "image" : "volume", components));
 }
 
 void add_mesh(Json& input, const LoadedShape& shape) {
@@ -257,19 +267,21 @@ LoadedShape load_shape(const ShapeOptions& options, Session& session) {
     say_voxelization(options, shape, session);
   else
     say_volume(options, shape, session);
-  if (shape.cleaned) say_cleaned(*shape.cleaned, session);
+  if (shape.cleaned) say_cleaned(*shape.cleaned, shape.shape.grid().is_plane(), session);
   say_shape(shape, session);
   return shape;
 }
 
 Json input_section(const ShapeOptions& options, const LoadedShape& shape) {
-  Json input = {{"file", options.file}, {"kind", shape.from_mesh ? "mesh" : "volume"}};
+  const bool plane = shape.shape.grid().is_plane();
+  Json input = {{"file", options.file}, {"kind", shape.from_mesh ? "mesh" : plane ? "image" : "volume"}};
   if (shape.from_mesh) {
     add_mesh(input, shape);
   } else {
     if (!shape.coordinates.units.empty()) input["units"] = shape.coordinates.units;
     if (!shape.coordinates.space.empty()) input["space"] = shape.coordinates.space;
-    input["spacing"] = {shape.image.spacing[0], shape.image.spacing[1], shape.image.spacing[2]};
+    input["spacing"] = spacing_json(shape.image);
+    if (plane) input["y_axis"] = shape.coordinates.y_down ? "down" : "up";
     const std::string from = options.how.spacing ? "--spacing" : shape.spacing_source;
     if (!from.empty()) input["spacing_source"] = from;
   }

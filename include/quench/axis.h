@@ -28,7 +28,8 @@ struct Measure {
 };
 
 /// A medial axis: a complex in the world with a radius per vertex. The voxel core fills every member; a foreign medial
-/// axis has points, radius and complex only. Lengths are in world units.
+/// axis has points, radius and complex only. Lengths are in world units. In the plane (`grid.is_plane()`) it is a
+/// graph, without faces.
 struct MedialAxis {
   CellComplex complex;
   std::vector<Vec3> points;       ///< per vertex
@@ -48,7 +49,7 @@ struct MedialAxis {
   std::vector<std::array<std::uint32_t, 2>> face_sites;  ///< the two nearest sites of each face, smaller row first
   std::vector<std::array<std::uint32_t, 2>> edge_sites;  ///< of a plane, which has no faces: the same of each edge
   std::vector<LatticePoint> sites;  ///< boundary vertices of the voxel shape that faces and edges refer to
-  Grid grid;                                             ///< transform of lattice coordinates
+  Grid grid;                        ///< transform of lattice coordinates
 
   /// Of an axis that fit_to_surface() has moved: points and radii of the voxel core, which lambda, detail and what
   /// follows from them refer to. Empty otherwise.
@@ -254,6 +255,10 @@ void mark_cells(const CellComplex& complex, std::span<const Vec3> points, const 
 /// Balls whose centre or radius is no number have no voxels.
 void mark_balls(std::span<const Vec3> centres, std::span<const double> radius, const Grid& grid, const MaskView& mask,
                 Context* context = nullptr);
+
+/// The part of a shape that is at least so wide: its voxels whose centres lie in a ball of the axis of at least this
+/// diameter (the opening of the shape by such balls, up to what was pruned). A byte per voxel of the grid.
+VoxelShape wide_part(const VoxelShape& shape, const MedialAxis& axis, double width, Context* context = nullptr);
 
 /// Takes out of the data of a medial axis the field arrays that a number or a name would be taken from but that hold
 /// something else (an omega that is infinite, a spacing of two numbers), each with a note that names `file` and the

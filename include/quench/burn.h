@@ -28,6 +28,10 @@ enum class RadiusRule {
 struct BurnOptions {
   double omega = 0;  ///< largest distance of neighbouring nodes on an edge, world units; 0: default_omega()
   RadiusRule radius = RadiusRule::exact;
+  /// The axis is that of a shape of the plane, a graph of curves: fire starts at its free ends at the time of the
+  /// radius, runs with unit speed, dies at a junction unless one branch is left, and never burns loops (Yan 2018, ch. 3
+  /// in two dimensions; Liu et al. 2011). Exact, without nodes inside of edges. burn(axis) sets it.
+  bool plane = false;
   bool parents = true;  ///< also find the burn sequence: parents of prime sectors, which medial curves need
   /// Times are rounded to what files keep of them: the radius and a multiple of a power of two, which is at most a
   /// 4096th of omega (more where times are 2^28 of these: the largest that keep 28 bits). burn_sequence() needs it.

@@ -14,6 +14,9 @@ namespace quench {
 
 /// Name of the measure that every voxel core has: of a face half the distance of its sites, in world units.
 inline constexpr std::string_view kLambda = "lambda";
+/// In the plane: of an edge the shorter way along the boundary between its two sites (the medial geodesic function of
+/// Dey and Sun 2006), infinite where they lie on different curves of the boundary.
+inline constexpr std::string_view kMgf = "mgf";
 /// Names of the measures of the default pruning: what the shape loses where the axis ends at a cell, and the detail up
 /// to which the cell is kept. See add_detail().
 inline constexpr std::string_view kCapHeight = "cap_height", kDetail = "detail";

@@ -31,6 +31,7 @@ struct RefinedAxis {
   std::vector<Vec3> points;
   std::vector<double> radius;
   RadiusRule radius_rule = RadiusRule::exact;  ///< of the burning: how the radius runs along an edge
+  bool plane = false;  ///< of a shape of the plane: the curves are M itself, and their fire starts at the radius
   std::vector<double>
       burn_time;  ///< per vertex: of M at nodes; on the medial curves that of their own fire; infinite at pockets
   std::uint32_t original = 0;  ///< vertices of M, the first nodes
@@ -88,6 +89,8 @@ struct Skeleton {
   bool full_tips = false;                                       ///< free ends grew back
   double rims_above = std::numeric_limits<double>::infinity();  ///< from which sheet level on rims grew back
   int smooth = 0;                                               ///< passes of smooth_sheets()
+  bool plane = false;                                           ///< of a shape of the plane: its curves are the axis
+  bool main_axes = false;                                       ///< only one course per component: main_axes()
   CellComplex complex;                                          ///< edges without face are curves
   std::vector<Vec3> points;
   std::vector<double> radius, burn_time, curve_burn_time;  ///< per vertex; infinite where no fire comes
@@ -133,7 +136,8 @@ void smooth_sheets(Skeleton& skeleton, const SheetSmoothing& how, Context* conte
 
 /// The skeleton as cells and arrays of a file (docs/algorithms/skeletons.md). A line is a curve, a vertex cell an
 /// isolated vertex. Where branches are known, the lines of each follow each other along it and have the same values,
-/// the largest of the branch: VTP files have one polyline for them.
+/// the largest of the branch: VTP files have one polyline for them. In the plane the fire on the curves is the burn:
+/// its times are `burn_time` and `erosion_thickness`, and there are no arrays of sheets.
 Record to_record(const Skeleton& skeleton);
 
 }  // namespace quench

@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "axis/measures.h"
+#include "axis/top_cells.h"
 #include "base/union_find.h"
 #include "quench/axis.h"
 #include "quench/error.h"
@@ -107,18 +108,23 @@ DerivedArrays arrays_of(const axis::DerivedMeasure& derived, const WrittenCells&
   return derived.is_length ? arrays_of<double>(derived, cells, values) : arrays_of<float>(derived, cells, values);
 }
 
-// One of the two sites of each face, -1 for other cells. 32 bits, unless that makes an index negative.
+// One of the two sites of each face, in a plane of each edge; -1 for other cells. 32 bits, unless that makes an index
+// negative.
 DataArray site_array(const char* name, const WrittenCells& cells, const MedialAxis& axis, std::size_t which) {
-  const std::size_t others = cells.vertices.size() + cells.edges.size(), faces = axis.complex.face_count();
-  const bool known = axis.face_sites.size() == faces && !axis.sites.empty();
+  const auto& sites_of = axis::top_sites(axis);
+  const bool plane = axis.grid.is_plane();
+  const std::size_t faces = axis.complex.face_count(), all = cells.vertices.size() + cells.edges.size() + faces;
+  // Where the cells that have sites begin: in a plane all edges are written.
+  const std::size_t first = cells.vertices.size() + (plane ? 0 : cells.edges.size());
+  const bool known = sites_of.size() == (plane ? axis.complex.edges.size() : faces) && !axis.sites.empty();
   const auto array = [&](auto none) -> DataArray {
-    std::vector<decltype(none)> values(others + faces, none);
-    for (std::size_t f = 0; known && f < faces; ++f)
-      values[others + f] = static_cast<decltype(none)>(axis.face_sites[f][which]);
+    std::vector<decltype(none)> values(all, none);
+    for (std::size_t i = 0; known && i < sites_of.size(); ++i)
+      values[first + i] = static_cast<decltype(none)>(sites_of[i][which]);
     return {name, 1, std::move(values)};
   };
   constexpr auto kMost = static_cast<std::uint32_t>(std::numeric_limits<std::int32_t>::max());
-  const bool fits = std::ranges::all_of(axis.face_sites, [&](const auto& sites) { return sites[which] <= kMost; });
+  const bool fits = std::ranges::all_of(sites_of, [&](const auto& sites) { return sites[which] <= kMost; });
   return fits ? array(std::int32_t{-1}) : array(std::int64_t{-1});
 }
 
@@ -179,6 +185,7 @@ void add_sites(Record& data, const MedialAxis& axis, const WrittenCells& cells) 
   for (int r = 0; r < 3; ++r)
     for (int c = 0; c < 3; ++c) rows.push_back(g.direction(r, c));
   data.field_data.push_back({"direction", 9, std::move(rows)});
+  if (g.is_plane()) data.field_data.push_back({"dimension", 1, std::vector<std::int64_t>{g.dimension}});
 }
 
 // What may be taken from an axis that is not needed any more is moved, after what is computed from it.
@@ -328,6 +335,12 @@ void take_voxel_geometry(MedialAxis& axis, const Record& data) {
     axis.voxel_points[v] = Vec3(at[3 * v], at[3 * v + 1], at[3 * v + 2]);
 }
 
+bool is_plane(const Record& data) {
+  const DataArray* dimension = find_array(data.field_data, "dimension");
+  return dimension && dimension->size() == 1 && !std::holds_alternative<std::vector<std::string>>(dimension->values) &&
+         dimension->numbers()[0] == 2 && data.poly_count() == 0;
+}
+
 void check_lengths(const MedialAxis& axis) {
   for (std::size_t v = 0; v < axis.points.size(); ++v) {
     const double r = axis.radius[v], farthest = axis.points[v].cwiseAbs().maxCoeff();
@@ -352,6 +365,7 @@ MedialAxis medial_axis_of(const Record& data, AxisRepair* repair) {
   MedialAxis axis;
   axis.points = data.points;
   axis.radius = radius->numbers();
+  if (is_plane(data)) axis.grid.make_plane();
   check_lengths(axis);
   take_voxel_geometry(axis, data);
   record::MendedCells cells = record::mended_cells(data);

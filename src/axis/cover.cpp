@@ -141,21 +141,22 @@ class Cover {
   }
   Vec3 position(std::size_t site) const { return axis_.grid.world_of(axis_.sites[site]); }
 
-  // Faces of uncovered sites: their components, where they have one; of other sites the faces.
+  // Faces (in a plane edges) of uncovered sites: their components, where they have one; of other sites the faces.
   void take_faces() {
+    const auto& sites_of = top_sites(axis_);
     std::vector<char> has_component(axis_.sites.size(), 0);
     has_face_.assign(axis_.sites.size(), 0);
-    for (std::uint32_t f = 0; f < axis_.face_sites.size(); ++f) {
-      const std::uint32_t component = components_.component_of(axis_.complex.corners(f)[0]);
+    for (std::uint32_t f = 0; f < sites_of.size(); ++f) {
+      const std::uint32_t component = components_.component_of(cells_.first_corner(f));
       if (component == kNone || !components_.is_above(f)) continue;
-      for (const std::uint32_t s : axis_.face_sites[f])
+      for (const std::uint32_t s : sites_of[f])
         if (uncovered_[s]) has_component[s] = needed_[component] = 1;
     }
-    for (std::uint32_t f = 0; f < axis_.face_sites.size(); ++f)
-      for (const std::uint32_t s : axis_.face_sites[f]) {
+    for (std::uint32_t f = 0; f < sites_of.size(); ++f)
+      for (const std::uint32_t s : sites_of[f]) {
         if (!uncovered_[s]) continue;
         has_face_[s] = 1;
-        if (!has_component[s]) keep(detail_.face[f]);
+        if (!has_component[s]) keep(cells_.value(f));
       }
   }
   // Uncovered sites without faces: vertices and edges without faces whose balls touch them.

@@ -3,11 +3,11 @@
 #include <string>
 #include <utility>
 
+#include "axis/caps_on_surface.h"
 #include "axis/cover.h"
 #include "axis/measures.h"
 #include "axis/reach.h"
 #include "axis/significant_parts.h"
-#include "axis/caps_on_surface.h"
 #include "base/parallel.h"
 
 namespace quench {
@@ -43,7 +43,7 @@ CellValues details(const MedialAxis& axis, const Surface* surface, Context* cont
 
 }  // namespace
 
-double auto_detail(const Grid& grid) { return 0.5 * grid.spacing.norm(); }
+double auto_detail(const Grid& grid) { return 0.5 * grid.diagonal(); }
 
 static void add_details(MedialAxis& axis, const Surface* surface, Context* context) {
   CellValues detail = base::in_arena(context, [&] { return details(axis, surface, context); });

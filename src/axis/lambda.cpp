@@ -70,7 +70,9 @@ CellValues lambda(const CellComplex& complex, const dual::DualComplex& dual, std
     std::vector<std::uint32_t> shared;
     for (std::size_t e = first; e < last; ++e) {
       const auto& [u, v] = complex.edges[e];
-      if (rule == LambdaRule::ball || value.edge[e] < 0) {
+      if (!dual.edge_sites.empty()) {
+        value.edge[e] = distances.half(dual.edge_sites[e][0], dual.edge_sites[e][1]);
+      } else if (rule == LambdaRule::ball || value.edge[e] < 0) {
         shared.clear();
         const auto su = dual.sites_of(u), sv = dual.sites_of(v);
         std::set_intersection(su.begin(), su.end(), sv.begin(), sv.end(), std::back_inserter(shared));

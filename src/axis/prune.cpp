@@ -4,6 +4,7 @@
 #include <tbb/parallel_invoke.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <string_view>
@@ -150,6 +151,7 @@ void prune(const MedialAxis& axis, double at, std::string_view name, MedialAxis&
       },
       [&] {
         select_measures(&CellValues::edge, edge, edges);
+        select(axis.edge_sites, edge, edges, result.edge_sites);
         select(axis.complex.edges, edge, edges, result.complex.edges);
         for (auto& ends : result.complex.edges)
           for (auto& v : ends) v = vertex[v];
@@ -162,14 +164,17 @@ void prune(const MedialAxis& axis, double at, std::string_view name, MedialAxis&
 
   if (axis.sites.empty()) return;
   std::vector<std::uint32_t> site(axis.sites.size(), kDropped);
-  for (const auto& pair : result.face_sites)
-    for (const std::uint32_t s : pair) site[s] = 0;
+  const std::array pairs_of{&result.face_sites, &result.edge_sites};
+  for (const auto* pairs : pairs_of)
+    for (const auto& pair : *pairs)
+      for (const std::uint32_t s : pair) site[s] = 0;
   std::uint32_t sites = 0;
   for (std::uint32_t& s : site)
     if (s != kDropped) s = sites++;
   select(axis.sites, site, sites, result.sites);
-  for (auto& pair : result.face_sites)
-    for (std::uint32_t& s : pair) s = site[s];
+  for (auto* pairs : pairs_of)
+    for (auto& pair : *pairs)
+      for (std::uint32_t& s : pair) s = site[s];
 }
 
 }  // namespace
@@ -183,6 +188,10 @@ ContactSites contact_sites(const MedialAxis& axis, double threshold, std::string
       for (const std::uint32_t v : axis.complex.corners(f))
         if (row[v] != kDropped)
           for (const std::uint32_t site : axis.face_sites[f]) emit(row[v], site);
+    for (std::size_t e = 0; e < axis.edge_sites.size(); ++e)
+      for (const std::uint32_t v : axis.complex.edges[e])
+        if (row[v] != kDropped)
+          for (const std::uint32_t site : axis.edge_sites[e]) emit(row[v], site);
   });
   ContactSites contacts;
   contacts.offsets.reserve(vertices + 1);

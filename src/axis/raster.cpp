@@ -95,7 +95,7 @@ void mark_balls(std::span<const Vec3> centres, std::span<const double> radius, c
   const double d_far = size[axis(far)], d_middle = size[axis(middle)], d_near = size[axis(near)];
   std::vector<Ball> balls(centres.size());
   for (std::size_t b = 0; b < balls.size(); ++b) {
-    const Vec3 c = grid.lattice(centres[b]) - Vec3::Constant(0.5);
+    const Vec3 c = grid.lattice(centres[b]) - grid.first_centre();
     const double r = radius[b] * (1 + 1e-9);  // centres on a sphere are in: they decide much in small shapes
     balls[b] = {c[axis(far)], c[axis(middle)], c[axis(near)], r * r, r / d_far};
   }

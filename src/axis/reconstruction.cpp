@@ -135,9 +135,9 @@ std::vector<Vec3> sampled_centres(const VoxelShape& shape, std::size_t count) {
       for (const Run& run : shape.row(y, z)) {
         const auto length = static_cast<std::uint64_t>(run.end - run.begin);
         for (; next < count && wanted(next) < passed + length; ++next)
-          centres.push_back(
-              shape.grid().world({static_cast<double>(run.begin) + static_cast<double>(wanted(next) - passed) + 0.5,
-                                  static_cast<double>(y) + 0.5, static_cast<double>(z) + 0.5}));
+          centres.push_back(shape.grid().world(
+              {static_cast<double>(run.begin) + static_cast<double>(wanted(next) - passed) + 0.5,
+               static_cast<double>(y) + 0.5, static_cast<double>(z) + shape.grid().first_centre()[2]}));
         passed += length;
       }
   return centres;

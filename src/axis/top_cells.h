@@ -1,11 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <vector>
 
 #include "quench/axis.h"
 
 namespace quench::axis {
+
+/// The two nearest sites of the cells of the largest dimension: of each face, in a plane of each edge. These cells are
+/// the first ones of TopCells.
+inline const std::vector<std::array<std::uint32_t, 2>>& top_sites(const MedialAxis& axis) {
+  return axis.grid.is_plane() ? axis.edge_sites : axis.face_sites;
+}
 
 /// The cells that no larger cell contains, as one list: faces, edges, vertices. Most edges and vertices have the value
 /// kNoTopCell (axis/measures.h), and are not among them.

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "axis/lambda.h"
+#include "axis/mgf.h"
 #include "base/parallel.h"
 #include "base/return_memory.h"
 #include "delaunay/circumsphere.h"
@@ -16,6 +17,7 @@
 #include "dual/bricks/rounds.h"
 #include "dual/dual_complex.h"
 #include "dual/peel/peel.h"
+#include "dual/plane/plane.h"
 #include "quench/axis.h"
 #include "shape/boundary_count.h"
 
@@ -23,6 +25,34 @@ namespace quench {
 namespace {
 
 using dual::DualComplex;
+
+// In the plane: the shorter way along the boundary between the contacts of an edge, of vertices the longest over their
+// edges or, where there are none, over their sites.
+Measure boundary_distances(const VoxelShape& shape, const MedialAxis& axis, const DualComplex& dual) {
+  const std::size_t edges = axis.complex.edges.size();
+  Measure mgf{std::string(kMgf), {}, {}};
+  std::vector<double>& vertex = mgf.value.vertex;
+  vertex.assign(axis.complex.vertex_count, -1);
+  for (const auto& ends : axis.complex.edges)
+    for (const std::uint32_t v : ends) vertex[v] = 0;
+  std::vector<std::array<std::uint32_t, 2>> pairs = dual.edge_sites;
+  std::vector<std::uint32_t> isolated;  // per pair beyond those of the edges
+  for (std::uint32_t v = 0; v < vertex.size(); ++v)
+    if (vertex[v] < 0)
+      for (const std::uint32_t a : dual.sites_of(v))
+        for (const std::uint32_t b : dual.sites_of(v))
+          if (a < b) {
+            pairs.push_back({a, b});
+            isolated.push_back(v);
+          }
+  std::vector<double> distance = axis::mgf_of_edges(shape, axis.sites, pairs);
+  for (std::size_t i = 0; i < isolated.size(); ++i) base::raise(vertex[isolated[i]], distance[edges + i]);
+  distance.resize(edges);
+  for (std::size_t e = 0; e < edges; ++e)
+    for (const std::uint32_t v : axis.complex.edges[e]) base::raise(vertex[v], distance[e]);
+  mgf.value.edge = std::move(distance);
+  return mgf;
+}
 
 }  // namespace
 
@@ -36,8 +66,10 @@ static MedialAxis compute(const VoxelShape& shape, const CoreOptions& options, C
   axis.grid = shape.grid();
   axis.sites = boundary_vertices(shape);
   checkpoint(context, "peel", 0);
+  const bool plane = shape.grid().is_plane();
   DualComplex dual =
-      options.in_bricks || axis.sites.size() > delaunay::Delaunay::kMostSites
+      plane ? dual::plane::dual_complex(shape, axis.sites, spacing, context)
+      : options.in_bricks || axis.sites.size() > delaunay::Delaunay::kMostSites
           ? dual::bricks::dual_complex(shape, axis.sites, spacing, dual::bricks::plan_for(shape), context)
           : dual::peel::dual_complex(shape, axis.sites, spacing, {}, context);
 
@@ -50,7 +82,9 @@ static MedialAxis compute(const VoxelShape& shape, const CoreOptions& options, C
     const auto [first, last] = base::part_of(axis.complex.vertex_count, chunk, chunks);
     for (std::size_t v = first; v < last; ++v) {
       const auto ids = dual.sites_of(static_cast<std::uint32_t>(v));
-      const delaunay::Circumsphere sphere = delaunay::circumsphere(ids, axis.sites, spacing);
+      const delaunay::Circumsphere sphere =
+          plane ? delaunay::circumcircle({axis.sites[ids[0]], axis.sites[ids[1]], axis.sites[ids[2]]}, spacing)
+                : delaunay::circumsphere(ids, axis.sites, spacing);
       Vec3 lattice;
       for (int a = 0; a < 3; ++a)
         lattice[a] = axis.sites[ids[0]][a] + sphere.offset[a] / static_cast<double>(spacing[a]);
@@ -61,6 +95,8 @@ static MedialAxis compute(const VoxelShape& shape, const CoreOptions& options, C
   axis.measures.push_back({std::string(kLambda), {}, {}});
   axis.measures.back().value = axis::lambda(axis.complex, dual, axis.sites, spacing, unit, options.rule, context);
   axis.face_sites = std::move(dual.face_sites);
+  axis.edge_sites = std::move(dual.edge_sites);
+  if (plane) axis.measures.push_back(boundary_distances(shape, axis, dual));
   return axis;
 }
 
@@ -70,7 +106,9 @@ MedialAxis voxel_core(const VoxelShape& shape, const CoreOptions& options, Conte
 
 namespace {
 
-// Measured on 18 shapes, notes/detail.md; several threads have buffers of their own.
+// Measured on 18 shapes, notes/detail.md; several threads have buffers of their own. In the plane there are fewer
+// cells.
+constexpr double kBytesPerSiteOfPlane = 300;
 constexpr double kBytesPerSite = 355, kBytesPerSiteInBricks = 400, kFewestBytesPerSiteInBricks = 222;
 
 std::int64_t core_bytes(double per_site, double sites) {
@@ -86,6 +124,7 @@ std::int64_t predicted_core_bytes(const VoxelShape& shape) {
   if (count.sites == 0) return predicted_core_bytes(0);
   // Opposite flat walls share vertices of the core, and a wall of one voxel has few of them.
   const auto sites = static_cast<double>(count.sites);
+  if (shape.grid().is_plane()) return core_bytes(kBytesPerSiteOfPlane, sites);
   const double flat = static_cast<double>(count.flat) / sites;
   const double thickness = static_cast<double>(shape.voxel_count()) / sites;
   return core_bytes(std::min({kBytesPerSite, 468 - 214 * flat, 210 + 58 * thickness}), sites);
@@ -94,6 +133,7 @@ std::int64_t predicted_core_bytes(const VoxelShape& shape) {
 std::int64_t predicted_core_bytes(std::int64_t sites) { return core_bytes(kBytesPerSite, static_cast<double>(sites)); }
 
 std::int64_t predicted_core_bytes_in_bricks(const VoxelShape& shape) {
+  if (shape.grid().is_plane()) return predicted_core_bytes(shape);  // one piece is little
   const shape::BoundaryCount count = shape::count_boundary(shape);
   if (count.sites == 0) return predicted_core_bytes_in_bricks(0);
   const auto sites = static_cast<double>(count.sites);

@@ -9,6 +9,7 @@
 #include "base/parallel.h"
 #include "burning/burn_pass.h"
 #include "burning/burn_sequence.h"
+#include "burning/curve_fire.h"
 #include "quench/axis.h"
 #include "quench/error.h"
 
@@ -100,6 +101,30 @@ Burning burning::finish_burning(const BurnDomain& domain, Labels labels, std::sh
   return result;
 }
 
+// In the plane the axis has no polygons to burn, and its curves are what burns.
+static void burn_graph(const CellComplex& complex, std::span<const Vec3> points, std::span<const double> radius,
+                       Burning& result) {
+  if (complex.face_count() > 0)
+    throw Error(ErrorCode::usage, "the medial axis of a shape of the plane has no faces; this one has some");
+  std::vector<double> length(complex.edges.size());
+  base::for_indices(length.size(), [&](std::size_t e) {
+    length[e] = (points[complex.edges[e][1]] - points[complex.edges[e][0]]).norm();
+  });
+  const std::vector<char> all_edges(complex.edges.size(), 1), all_vertices(complex.vertex_count, 1);
+  result.burn_time = burn_curves(complex.edges, all_edges, all_vertices, radius, length).time;
+  result.max_burn_time = 0;
+  result.unburned = 0;
+  result.node_count = complex.vertex_count;
+  for (std::size_t v = 0; v < radius.size(); ++v) {
+    const double time = result.burn_time[v];
+    result.erosion_thickness[v] = time - radius[v];
+    if (std::isinf(time))
+      ++result.unburned;
+    else
+      result.max_burn_time = std::max(result.max_burn_time, time);
+  }
+}
+
 static Burning burned(const CellComplex& complex, std::span<const Vec3> points, std::span<const double> radius,
                       BurnOptions options, const BlockSchedule& schedule, Context* context) {
   checkpoint(context, "burn", 0);
@@ -117,7 +142,11 @@ Burning burning::burn_scheduled(const CellComplex& complex, std::span<const Vec3
                                 std::span<const double> radius, const BurnOptions& options,
                                 const BlockSchedule& schedule, Context* context) {
   check_input(complex, points, radius, options);
-  return base::in_arena(context, [&] { return burned(complex, points, radius, options, schedule, context); });
+  return base::in_arena(context, [&] {
+    Burning result = burned(complex, points, radius, options, schedule, context);
+    if (options.plane) burn_graph(complex, points, radius, result);
+    return result;
+  });
 }
 
 Burning burn(const CellComplex& complex, std::span<const Vec3> points, std::span<const double> radius,
@@ -126,7 +155,9 @@ Burning burn(const CellComplex& complex, std::span<const Vec3> points, std::span
 }
 
 Burning burn(const MedialAxis& axis, const BurnOptions& options, Context* context) {
-  return burn(axis.complex, axis.points, axis.radius, options, context);
+  BurnOptions own = options;
+  own.plane = axis.grid.is_plane();
+  return burn(axis.complex, axis.points, axis.radius, own, context);
 }
 
 }  // namespace quench

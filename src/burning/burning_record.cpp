@@ -29,10 +29,12 @@ void add_burning(Record& data, const Burning& burning, std::vector<DataArray> se
   put(data.point_data, {"unburned", 1, record::flags_of_infinite(burning.burn_time)});
   const auto text = [](const char* word) { return std::vector<std::string>{word}; };
   const BurnOptions& o = burning.options;
-  put(data.field_data, {"omega", 1, std::vector<double>{o.omega}});
-  put(data.field_data, {"propagation", 1, text("segments")});
-  put(data.field_data, {"radius_rule", 1, text(o.radius == RadiusRule::exact ? "exact" : "linear")});
-  put(data.field_data, {"burn_nodes", 1, std::vector<std::int64_t>{burning.node_count}});
+  if (!o.plane) {  // there, there are no nodes
+    put(data.field_data, {"omega", 1, std::vector<double>{o.omega}});
+    put(data.field_data, {"propagation", 1, text("segments")});
+    put(data.field_data, {"radius_rule", 1, text(o.radius == RadiusRule::exact ? "exact" : "linear")});
+    put(data.field_data, {"burn_nodes", 1, std::vector<std::int64_t>{burning.node_count}});
+  }
   put(data.field_data, {"max_burn_time", 1, std::vector<double>{burning.max_burn_time}});
   burning::drop_sequence(data);
   for (DataArray& array : sequence) data.field_data.push_back(std::move(array));

@@ -43,6 +43,23 @@ Circumsphere circumsphere(const std::array<LatticePoint, 4>& sites, const std::a
   return largest < 1 << 14 ? rounded<std::int64_t>(differences) : rounded<Int128>(differences);
 }
 
+Circumsphere circumcircle(const std::array<LatticePoint, 3>& sites, const std::array<std::int64_t, 3>& spacing) {
+  std::array<std::int64_t, 2> x, y, lift;
+  for (std::size_t i = 0; i < 2; ++i) {
+    x[i] = (sites[i + 1][0] - sites[0][0]) * spacing[0];
+    y[i] = (sites[i + 1][1] - sites[0][1]) * spacing[1];
+    lift[i] = x[i] * x[i] + y[i] * y[i];
+  }
+  // For D <= 2^20 lifts are at most 2^41, products of them 2^61, and sums of two of these below 2^63.
+  const std::int64_t twice_area = x[0] * y[1] - y[0] * x[1];
+  const std::int64_t n_x = y[1] * lift[0] - y[0] * lift[1], n_y = x[0] * lift[1] - x[1] * lift[0];
+  const double scale = 2 * static_cast<double>(twice_area);
+  Circumsphere result;
+  result.offset = Vec3(static_cast<double>(n_x) / scale, static_cast<double>(n_y) / scale, 0);
+  result.squared_radius = result.offset.squaredNorm();
+  return result;
+}
+
 Circumsphere circumsphere(std::span<const std::uint32_t> ids, std::span<const LatticePoint> sites,
                           const std::array<std::int64_t, 3>& spacing) {
   const auto point = [&](std::size_t i) {

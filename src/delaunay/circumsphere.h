@@ -53,4 +53,8 @@ Circumsphere circumsphere(const std::array<LatticePoint, 4>& sites, const std::a
 Circumsphere circumsphere(std::span<const std::uint32_t> ids, std::span<const LatticePoint> sites,
                           const std::array<std::int64_t, 3>& spacing);
 
+/// The circle through three sites of a plane, as a sphere with its centre there. Precondition: they are not on a line,
+/// and coordinates times spacing differ by at most 2^20.
+Circumsphere circumcircle(const std::array<LatticePoint, 3>& sites, const std::array<std::int64_t, 3>& spacing);
+
 }  // namespace quench::delaunay

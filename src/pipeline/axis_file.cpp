@@ -60,7 +60,9 @@ LoadedAxis axis_of(Record&& data, const std::string& file, Context* context) {
     const std::vector<double> sizes = spacing->numbers();
     loaded.spacing = {sizes[0], sizes[1], sizes[2]};
     loaded.scale.voxel = loaded.spacing.minCoeff();
-    loaded.scale.detail = 0.5 * loaded.spacing.norm();
+    Grid grid = loaded.axis.grid;
+    grid.spacing = loaded.spacing;
+    loaded.scale.detail = auto_detail(grid);
     loaded.scale.fitted = loaded.axis.is_fitted();
   }
   loaded.scale.longest_side = field_number(loaded.data, "longest_side").value_or(0);
@@ -68,7 +70,8 @@ LoadedAxis axis_of(Record&& data, const std::string& file, Context* context) {
   // A voxel core of ours names the boundary vertices its radii are distances to.
   const DataArray* sites = find_array(loaded.data.field_data, "sites");
   loaded.voxel_core = sites && sites->components == 3 && !loaded.axis.is_fitted();
-  loaded.coordinates = {field_text(loaded.data, "units").value_or(""), field_text(loaded.data, "SPACE").value_or("")};
+  loaded.coordinates = {field_text(loaded.data, "units").value_or(""), field_text(loaded.data, "SPACE").value_or(""),
+                        field_text(loaded.data, "y_axis") == "down"};
   return loaded;
 }
 

@@ -164,6 +164,7 @@ CoreResult pruned_further(const LoadedShape& shape, const CoreResult& core, cons
 namespace {
 
 Record core_file(Record data, const CoreResult& core) {
+  const bool plane = find_array(data.field_data, "dimension") != nullptr;
   const bool full = core.options.full;
   const std::string measure(core.options.pruning.measure);
   const double threshold = std::min(core.threshold, kInfiniteLevelInFiles);
@@ -179,6 +180,7 @@ Record core_file(Record data, const CoreResult& core) {
   data.field_data.push_back({"betti", 3, std::vector<std::int64_t>(t.betti.begin(), t.betti.end())});
   add_field(data, "units", core.coordinates.units);
   if (!core.coordinates.space.empty()) add_field(data, "SPACE", core.coordinates.space);  // the name Slicer looks for
+  if (plane) add_field(data, "y_axis", std::string(core.coordinates.y_down ? "down" : "up"));
   add_field(data, "parameters", core.parameters);
   add_field(data, "version", std::string(QUENCH_VERSION));
   return data;

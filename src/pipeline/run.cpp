@@ -14,7 +14,7 @@ void add_axis(PageBuilder& builder, const MedialAxis& axis, const AxisRun& resul
     if (const auto threshold = field_number(result.file, std::string(measure).c_str()))
       builder.page.pruning = {std::string(measure), *threshold};
   builder.page.burning = result.burned.options;
-  builder.page.theta2 = theta2_of(options.skeleton, scale);
+  if (!axis.grid.is_plane()) builder.page.theta2 = theta2_of(options.skeleton, scale);
   builder.page.theta1 = theta1_of(options.skeleton, scale);
   if (axis.has_levels() && options.page_sliders) builder.add_core(axis, result.file.point_data, true);
 }
@@ -39,7 +39,8 @@ AxisRun run_axis(const MedialAxis& axis, Record&& file, bool voxel_core, const T
   result.burned = figures_of(burning);
   result.burned.from_file = kept.has_value();
   if (options.on_burned) options.on_burned(result.burned);
-  add_burning(result.file, burning, options.keep_sequence ? burn_sequence(axis, burning) : std::vector<DataArray>());
+  const bool sequence = options.keep_sequence && !axis.grid.is_plane();
+  add_burning(result.file, burning, sequence ? burn_sequence(axis, burning) : std::vector<DataArray>());
   if (options.page) {
     add_axis(*options.page, axis, result, scale, options);
     checkpoint(context, "page", 1);

@@ -69,7 +69,8 @@ void subdivide_as_asked(LoadedShape& loaded, const ShapeOptions& options, const 
   if (options.subdivide == 1) return;
   // Two numbers per run and one per scanline, in vectors that grow; boundary vertices grow as the surface does.
   const Grid& coarse = loaded.shape.grid();
-  const double parts = static_cast<double>(options.subdivide) * options.subdivide;
+  const double parts =
+      coarse.is_plane() ? options.subdivide : static_cast<double>(options.subdivide) * options.subdivide;
   double bytes = parts * (static_cast<double>(coarse.dims[1]) * static_cast<double>(coarse.dims[2]) * 4 +
                           static_cast<double>(loaded.shape.runs().size()) * 20);
   if (options.core_follows) {
@@ -78,8 +79,9 @@ void subdivide_as_asked(LoadedShape& loaded, const ShapeOptions& options, const 
                      static_cast<double>(std::min(predicted_core_bytes(sites), predicted_core_bytes_in_bricks(sites))));
   }
   require_memory(static_cast<std::int64_t>(std::min(bytes, 0x1p62)),
-                 fmt::format("splitting every voxel into {0} x {0} x {0}", options.subdivide), {"a smaller factor"},
-                 context);
+                 coarse.is_plane() ? fmt::format("splitting every pixel into {0} x {0}", options.subdivide)
+                                   : fmt::format("splitting every voxel into {0} x {0} x {0}", options.subdivide),
+                 {"a smaller factor"}, context);
   loaded.shape = subdivide(loaded.shape, options.subdivide);
   record(loaded, "subdivide", std::int64_t{options.subdivide});
 }
@@ -103,6 +105,11 @@ void check_surface(const ShapeOptions& options, bool from_mesh) {
 /// The surface of cleaned voxels that are not subdivided yet: of their grey values, or smoothed.
 void set_surface_of_voxels(LoadedShape& loaded, std::optional<TriangleMesh>&& isosurface, const ShapeOptions& options,
                            Context* context) {
+  if (loaded.shape.grid().is_plane()) {
+    if (options.surface.value_or(SurfaceKind::voxels) != SurfaceKind::voxels)
+      refuse_surface(*options.surface, "results of the plane are those of its pixels; use 'voxels'");
+    return;
+  }
   if (options.surface == SurfaceKind::grey && !isosurface)
     refuse_surface(SurfaceKind::grey, options.foreground.threshold
                                           ? "the image has at most two values; use 'smooth' or 'voxels'"
@@ -145,8 +152,9 @@ LoadedShape shape_of_file(const std::filesystem::path& file, const ShapeOptions&
     loaded.image = grid;
     loaded.coordinates = image.coordinates;
     loaded.spacing_source = image.spacing_source;
-    loaded.shape =
-        naming(file, [&] { return foreground(image, only_voxels(options.foreground), nullptr, context, wanted); });
+    loaded.shape = naming(file, [&] {
+      return foreground(image, only_voxels(options.foreground), nullptr, context, grid.is_plane() ? nullptr : wanted);
+    });
   };
   if (const auto slices = io::open_slices(file, read_options, context)) {
     take(*slices, slices->grid);
@@ -281,11 +289,12 @@ LoadedShape shape_of(const ImageView& image, const Coordinates& coordinates, con
                      Context* context) {
   ImageView view = image;
   if (options.spacing) view.grid.spacing = *options.spacing;
+  if (view.grid.is_plane()) view.grid.make_plane();
   check_surface(options, false);
   LoadedShape loaded;
   std::optional<TriangleMesh> isosurface;
   loaded.shape = foreground(view, only_voxels(options.foreground), nullptr, context,
-                            wants_isosurface(options) ? &isosurface : nullptr);
+                            wants_isosurface(options) && !view.grid.is_plane() ? &isosurface : nullptr);
   loaded.image = view.grid;
   loaded.coordinates = coordinates;
   record_volume(loaded, options);

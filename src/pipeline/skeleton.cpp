@@ -114,17 +114,17 @@ Record skeleton_file(const SkeletonResult& result, const Record& from) {
   const Skeleton& skeleton = result.skeleton;
   Record data = to_record(skeleton);
   for (const char* name :
-       {"dims", "spacing", "origin", "direction", "longest_side", "lambda", "lambda_chosen", "detail", "detail_chosen",
-        "omega", "propagation", "radius_rule", "surface", "units", "SPACE", "parameters"})
+       {"dims", "spacing", "origin", "direction", "dimension", "y_axis", "longest_side", "lambda", "lambda_chosen",
+        "detail", "detail_chosen", "omega", "propagation", "radius_rule", "surface", "units", "SPACE", "parameters"})
     if (const DataArray* array = find_array(from.field_data, name)) data.field_data.push_back(*array);
   const auto put = [&](const char* name, DataArray::Values values, int components = 1) {
     data.field_data.push_back({name, components, std::move(values)});
   };
   put("stage", std::vector<std::string>{"skeleton"});
-  put("theta2", std::vector<double>{std::min(skeleton.theta2, kInfiniteLevelInFiles)});
+  if (!skeleton.plane) put("theta2", std::vector<double>{std::min(skeleton.theta2, kInfiniteLevelInFiles)});
   put("theta1", std::vector<double>{std::min(skeleton.theta1, kInfiniteLevelInFiles)});
   put("theta1_radii", std::vector<double>{skeleton.theta1_radii});
-  put("rims_above", std::vector<double>{std::min(skeleton.rims_above, kInfiniteLevelInFiles)});
+  if (!skeleton.plane) put("rims_above", std::vector<double>{std::min(skeleton.rims_above, kInfiniteLevelInFiles)});
   put("smooth", std::vector<std::int64_t>{skeleton.smooth});
   put("tips", std::vector<std::string>{skeleton.full_tips ? "full" : "pruned"});
   if (result.reconstructed) put("reconstructed", std::vector<double>{*result.reconstructed});

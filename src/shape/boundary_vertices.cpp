@@ -17,15 +17,17 @@ bool is_half(unsigned mask) { return mask == 3 || mask == 12 || mask == 5 || mas
 // Between two ends of runs the four scanlines have one 4-bit mask of foreground; the point is a site exactly when the
 // masks left and right of it are not both empty or both full. Visits intervals [begin, end) of sites along x, in layers
 // [first, last), each with whether its sites are flat: the voxels inside are those on one side of a plane.
+// In a plane both layers of voxels around a point are the one that there is: then the four scanlines are two, twice.
 template <class Visit>
 void each_interval(const VoxelShape& shape, std::int64_t first, std::int64_t last, Visit&& visit) {
   const auto& dims = shape.grid().dims;
+  const bool plane = shape.grid().is_plane();
   std::vector<std::int64_t> events;  // x * 4 + scanline: each event toggles one bit of the mask
   for (std::int64_t z = first; z < last; ++z)
     for (std::int64_t y = 0; y <= dims[1]; ++y) {
       events.clear();
       for (int s = 0; s < 4; ++s)
-        for (const Run& run : shape.row(y - 1 + (s & 1), z - 1 + (s >> 1))) {
+        for (const Run& run : shape.row(y - 1 + (s & 1), plane ? 0 : z - 1 + (s >> 1))) {
           events.push_back(std::int64_t{run.begin} * 4 + s);
           events.push_back(std::int64_t{run.end} * 4 + s);
         }
@@ -45,10 +47,14 @@ void each_interval(const VoxelShape& shape, std::int64_t first, std::int64_t las
 
 constexpr std::size_t kLayers = 16;  // of a chunk
 
+std::size_t layers_of(const VoxelShape& shape) {
+  return static_cast<std::size_t>(shape.grid().is_plane() ? 1 : shape.grid().dims[2] + 1);
+}
+
 // Calls body(chunk, first layer, last layer + 1) for all layers of lattice points.
 template <class Body>
 void each_chunk(const VoxelShape& shape, const Body& body) {
-  const auto layers = static_cast<std::size_t>(shape.grid().dims[2] + 1);
+  const std::size_t layers = layers_of(shape);
   const std::size_t chunks = base::chunks_for(layers, kLayers);
   tbb::parallel_for(std::size_t{0}, chunks, [&](std::size_t chunk) {
     const auto [first, last] = base::part_of(layers, chunk, chunks);
@@ -57,8 +63,7 @@ void each_chunk(const VoxelShape& shape, const Body& body) {
 }
 
 std::vector<shape::BoundaryCount> counts_of_chunks(const VoxelShape& shape) {
-  std::vector<shape::BoundaryCount> count(
-      base::chunks_for(static_cast<std::size_t>(shape.grid().dims[2] + 1), kLayers));
+  std::vector<shape::BoundaryCount> count(base::chunks_for(layers_of(shape), kLayers));
   each_chunk(shape, [&](std::size_t chunk, std::int64_t first, std::int64_t last) {
     shape::BoundaryCount own;
     each_interval(shape, first, last, [&](std::int64_t begin, std::int64_t end, std::int64_t, std::int64_t, bool flat) {

@@ -293,6 +293,7 @@ Grid grid_of_shape(const Grid& image, Context* context) {
   Grid grid = image;
   double moved = 0;
   grid.spacing = nearest_integer_spacing(image, &moved);
+  if (grid.is_plane()) grid.make_plane();
   if (moved > 0)
     note(context, fmt::format("the spacing {} x {} x {} is taken as {:.9g} x {:.9g} x {:.9g}, which has an integer "
                               "proportion; no voxel moves by more than {:.2g} of its size",

@@ -87,11 +87,13 @@ VoxelShape LabelRuns::shape(const Grid& image) const {
   }
   Grid whole = image;  // rounded as a whole, so that all labels lie on one lattice
   whole.spacing = nearest_integer_spacing(image);
+  if (whole.is_plane()) whole.make_plane();
   Grid grid = whole;
   Vec3 corner;
   for (std::size_t a = 0; a < 3; ++a) {
     grid.dims[a] = high[a] - low[a];
-    corner[static_cast<Eigen::Index>(a)] = static_cast<double>(low[a]) + 0.5;
+    corner[static_cast<Eigen::Index>(a)] =
+        static_cast<double>(low[a]) + whole.first_centre()[static_cast<Eigen::Index>(a)];
   }
   grid.origin = whole.world(corner);
   std::vector<Piece> sorted = pieces;

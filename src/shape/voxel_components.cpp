@@ -37,6 +37,7 @@ base::UnionFind background_components(const VoxelShape& shape, Context* context)
     constexpr std::array<std::array<int, 2>, 8> kNeighbours{
         {{1, 0}, {-1, 1}, {0, 1}, {1, 1}, {-1, 0}, {1, -1}, {0, -1}, {-1, -1}}};
     for (std::size_t n = 0; n < kNeighbours.size(); ++n) {
+      if (shape.grid().is_plane() && kNeighbours[n][1] != 0) continue;  // there is no outside above and below
       const Runs other = shape.row(y + kNeighbours[n][0], z + kNeighbours[n][1]);
       if (other.empty()) {
         for (std::size_t i = 1; i < row.size(); ++i) sets.unite(after(here, row, i), outside);

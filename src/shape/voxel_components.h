@@ -39,11 +39,12 @@ void for_scanlines(const VoxelShape& shape, Context* context, std::string_view s
   checkpoint(context, stage, 1);
 }
 
-/// The 6-connected components of the foreground, as sets of runs.
+/// The 6-connected (in a plane 4-connected) components of the foreground, as sets of runs.
 base::UnionFind foreground_components(const VoxelShape& shape, Context* context = nullptr);
 
-/// The 26-connected components of the background, as sets of gaps: the gap after run i is element i. The outside is the
-/// last element, runs().size(), and what lies after the last run of a scanline is in its set.
+/// The 26-connected (in a plane 8-connected) components of the background, as sets of gaps: the gap after run i is
+/// element i. The outside is the last element, runs().size(), and what lies after the last run of a scanline is in its
+/// set.
 base::UnionFind background_components(const VoxelShape& shape, Context* context = nullptr);
 
 }  // namespace quench::shape

@@ -42,7 +42,8 @@ VoxelShape::Box VoxelShape::foreground_box() const {
 double VoxelShape::longest_side() const {
   const Box box = foreground_box();
   double side = 0;
-  for (int a = 0; a < 3; ++a) side = std::max(side, static_cast<double>(box.end[a] - box.begin[a]) * grid_.spacing[a]);
+  for (int a = 0; a < grid_.dimension; ++a)
+    side = std::max(side, static_cast<double>(box.end[a] - box.begin[a]) * grid_.spacing[a]);
   return side;
 }
 
@@ -88,13 +89,14 @@ VoxelShape subdivide(const VoxelShape& shape, int factor) {
   Grid grid = shape.grid();
   // The corner of the grid stays where it is: lattice 0 is half a voxel before the centre of voxel 0.
   const Vec3 corner = grid.world(Vec3::Zero());
-  for (int a = 0; a < 3; ++a) {
+  for (int a = 0; a < grid.dimension; ++a) {
     grid.dims[a] *= factor;
     grid.spacing[a] /= factor;
     if (grid.dims[a] > std::numeric_limits<std::int32_t>::max() / 2)
       throw Error(ErrorCode::usage, fmt::format("subdividing by {} makes the grid too large", factor), "subdivide");
   }
-  grid.origin = corner + grid.direction * (grid.spacing * 0.5);
+  if (grid.is_plane()) grid.make_plane();
+  grid.origin = corner + grid.direction * grid.spacing.cwiseProduct(grid.first_centre());
   VoxelShape result(grid);
   std::vector<Run> runs;
   for (std::int64_t z = 0; z < grid.dims[2]; ++z)
@@ -108,11 +110,7 @@ VoxelShape subdivide(const VoxelShape& shape, int factor) {
 
 bool contains_segment(const VoxelShape& shape, const Vec3& a, const Vec3& b) {
   const Grid& grid = shape.grid();
-  const auto lattice = [&](const Vec3& x) -> Vec3 {
-    const Vec3 local = grid.direction.transpose() * (x - grid.origin);
-    return local.cwiseQuotient(grid.spacing) + Vec3::Constant(0.5);
-  };
-  const Vec3 from = lattice(a), to = lattice(b), way = to - from;
+  const Vec3 from = grid.lattice(a), to = grid.lattice(b), way = to - from;
   // An end outside the grid is not in a foreground voxel; coordinates inside fit an integer.
   for (int i = 0; i < 3; ++i)
     for (const double end : {from[i], to[i]})

@@ -52,7 +52,7 @@ Topology topology(const VoxelShape& shape) {
   if (shape.empty()) return result;
   result.euler = euler_characteristic(shape);
   result.betti[0] = shape::foreground_components(shape).count();
-  result.betti[2] = shape::background_components(shape).count() - 1;
+  if (!shape.grid().is_plane()) result.betti[2] = shape::background_components(shape).count() - 1;
   result.betti[1] = result.betti[0] + result.betti[2] - result.euler;
   return result;
 }

@@ -93,6 +93,13 @@ void burn_curve_network(RefinedAxis& axis, Context* context) {
     burning::CurveFire first =
         burning::burn_curves(edges, of_curves, axis.curve_vertex, axis.burn_time, length, blocks);
     axis.exit = std::move(first.exit);
+    if (axis.plane) {  // edges are courses as they are: there is nothing to move or to tighten
+      axis.curve_burn_time = std::move(first.time);
+      axis.medial_point = std::move(first.last);
+      for (std::uint32_t& exit : axis.exit)
+        if (exit != kNone) exit += static_cast<std::uint32_t>(halves);
+      return;
+    }
   }
   checkpoint(context, "curves", 0.8);
   const std::uint32_t first_dual = axis.nodes + axis.doors;

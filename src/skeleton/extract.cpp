@@ -531,6 +531,7 @@ Skeleton extract(const SkeletonFamily& family, double theta2, double theta1, con
   skeleton.theta1 = theta1;
   skeleton.theta1_radii = options.theta1_radii;
   skeleton.full_tips = options.regrow_tips_above < kNever;
+  skeleton.plane = k.plane;
   skeleton.rims_above = options.regrow_rims_above;
   return skeleton;
 }

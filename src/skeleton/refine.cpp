@@ -249,10 +249,12 @@ class PolygonCutter {
 
 class Refinement {
  public:
-  Refinement(const BurnedAxis& axis, const Burning& burning) : axis_(axis), vertex_time_(burning.burn_time) {}
+  Refinement(const BurnedAxis& axis, const Burning& burning)
+      : axis_(axis), plane_(burning.options.plane), vertex_time_(plane_ ? axis.radius : burning.burn_time) {}
 
   RefinedAxis run(Context* context) {
     out_.radius_rule = axis_.rule;
+    out_.plane = plane_;
     number_doors();
     kept_ = skeleton::kept_nodes(axis_);
     checkpoint(context, "curves", 0.1);
@@ -389,7 +391,8 @@ class Refinement {
   }
 
   const BurnedAxis& axis_;
-  std::span<const double> vertex_time_;
+  bool plane_;
+  std::span<const double> vertex_time_;  // at which the fire on the curves may start
   RefinedAxis out_;
   std::vector<std::uint32_t> door_base_;  // per edge; the number of doors behind
   KeptNodes kept_;

@@ -128,6 +128,20 @@ Record to_record(const Skeleton& s) {
                                   : 0;
   }
   data.point_data.push_back({"radius", 1, s.radius});
+  data.cell_data.push_back({"kind", 1, std::move(kind)});
+  data.cell_data.push_back({"component", 1, std::move(cell_component)});
+  if (s.edge_branch.size() == c.edges.size()) {
+    branch.resize(data.cell_count(), -1);
+    data.cell_data.push_back({"branch", 1, std::move(branch)});
+  }
+  if (s.plane) {
+    data.point_data.push_back({"burn_time", 1, record::finite(curve_time)});
+    data.point_data.push_back({"erosion_thickness", 1, record::finite(curve_et)});
+    data.point_data.push_back({"unburned", 1, record::flags_of_infinite(curve_et)});
+    data.cell_data.push_back({"curve_level", 1, std::move(curve_level)});
+    data.cell_data.push_back({"erosion_thickness", 1, record::finite(std::move(curve_thickness))});
+    return data;
+  }
   data.point_data.push_back({"burn_time", 1, record::finite(s.burn_time)});
   data.point_data.push_back({"erosion_thickness", 1, record::finite(et)});
   data.point_data.push_back({"unburned", 1, record::flags_of_infinite(s.burn_time)});
@@ -138,12 +152,6 @@ Record to_record(const Skeleton& s) {
   data.point_data.push_back({"seam", 1, structure.vertex_seam});
   data.point_data.push_back(
       {"junction", 1, std::vector<std::uint8_t>(structure.junction.begin(), structure.junction.end())});
-  data.cell_data.push_back({"kind", 1, std::move(kind)});
-  data.cell_data.push_back({"component", 1, std::move(cell_component)});
-  if (s.edge_branch.size() == c.edges.size()) {
-    branch.resize(data.cell_count(), -1);
-    data.cell_data.push_back({"branch", 1, std::move(branch)});
-  }
   std::vector<std::int32_t> sheet(data.cell_count() - c.face_count(), -1);
   sheet.insert(sheet.end(), structure.face_sheet.begin(), structure.face_sheet.end());
   data.cell_data.push_back({"sheet", 1, std::move(sheet)});

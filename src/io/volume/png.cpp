@@ -171,6 +171,8 @@ Volume read_png(const std::filesystem::path& file, Context* context) {
   const Png png = read_chunks(file);
   Volume volume;
   volume.grid.dims = {png.width, png.height, 1};
+  volume.grid.make_plane();
+  volume.coordinates.y_down = true;
   // Eight pixels may share a byte of what was packed; rows begin with a byte of their own.
   const std::uint64_t available = png.packed.size() * kDeflateLimit;
   const std::uint64_t count = checked_sample_count(file, volume.grid.dims, png.depth == 16 ? 2 : 1, available * 8);
