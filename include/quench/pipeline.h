@@ -410,6 +410,9 @@ class PageBuilder {
 
   /// The box of what will be added, for shapes far from zero: before anything is added.
   void set_origin(const Vec3& low, const Vec3& high);
+  /// All is of the plane, of pixels of this spacing; add_shape() calls it. Lengths are in pixels where nothing says
+  /// otherwise and the spacing is 1.
+  void set_plane(const Vec3& pixel, bool y_down);
   /// Side, voxel, unit and topology; surface (of the kept mesh where it was not cleaned) and samples; boundary
   /// vertices where the axis is that of the voxels. The mesh is used up.
   void add_shape(LoadedShape& shape);
