@@ -16,11 +16,11 @@ from ._skeleton import Skeleton, theta2_of
 
 
 def medial_axis(image_or_mesh: Any, *, spacing: Spacing = None, threshold: Optional[float] = None,
-                label: Optional[int] = None, dimension: Optional[int] = None, channel: Optional[str] = None, resolution: Union[int, str] = 256, detail: Length = 'auto',
-                lambda_: Optional[Length] = None, invert: bool = False, largest_component: bool = False,
-                min_component: int = 0, fill_cavities: bool = False, subdivide: int = 1, fill: str = 'nonzero',
-                topology: str = 'mesh', surface: str = 'auto', lambda_rule: str = 'coface', threads: int = 0,
-                progress: Progress = False) -> 'MedialAxis':
+                label: Optional[int] = None, dimension: Optional[int] = None, channel: Optional[str] = None,
+                resolution: Union[int, str] = 256, detail: Length = 'auto', lambda_: Optional[Length] = None,
+                invert: bool = False, largest_component: bool = False, min_component: int = 0, fill_cavities: bool = False,
+                subdivide: int = 1, fill: str = 'nonzero', topology: str = 'mesh', surface: str = 'auto',
+                lambda_rule: str = 'coface', threads: int = 0, progress: Progress = False) -> 'MedialAxis':
     """The medial axis of a shape: its voxel core, pruned without changing its topology.
 
     Parameters
@@ -528,9 +528,12 @@ class MedialAxis(Complex):
         >>> import numpy as np, quench
         >>> image = np.zeros((9, 40), bool)
         >>> image[2:-2, 2:-2] = True
-        >>> mask = quench.medial_axis(image, detail='3vox').to_image()
-        >>> np.flatnonzero(mask.any(axis=1))
-        array([4])
+        >>> quench.medial_axis(image, detail=0).to_image()[2:-2, 2:9].astype(int)
+        array([[1, 0, 0, 0, 0, 0, 0],
+               [0, 1, 0, 0, 0, 0, 0],
+               [0, 0, 1, 1, 1, 1, 1],
+               [0, 1, 0, 0, 0, 0, 0],
+               [1, 0, 0, 0, 0, 0, 0]])
         """
         return self._image(self._core.shape, shape, return_distance)
 

@@ -20,7 +20,7 @@ Error.code = 1  # of errors raised without one
 Error.argument = None
 Length = Union[float, str]  # 0.02 and "2%" of the longest side, "2.5vox", "3.5abs", "inf"
 Path = Union[str, 'os.PathLike[str]']
-Spacing = Union[float, Sequence[float], None]  # of voxels along x, y, z; of pixels along rows and columns' axes: y, x
+Spacing = Union[float, Sequence[float], None]  # in the order of the axes of an array: x, y, z, or of an image y, x
 Progress = Union[bool, Callable[[str, float], Any], None]
 
 
@@ -132,9 +132,8 @@ def spacing_of(spacing: Spacing, dimension: Optional[int] = None) -> Optional[Tu
         values = np.zeros(0)
     if values.ndim != 1 or len(values) not in ((dimension,) if dimension else (2, 3)) or \
             not np.all(np.isfinite(values)) or not np.all(values > 0):
-        what = 'pixel size; give one positive number or two, of rows and columns (y, x)' if dimension == 2 else \
-            'voxel size; give one positive number or three, one per axis'
-        raise error(2, f'spacing={spacing!r} is not a {what}', 'spacing')
+        raise error(2, f'spacing={spacing!r} is neither a voxel size nor a pixel size; give one positive number, or one per '
+                       'axis of the array: three, or two of an image, (y, x)', 'spacing')
     if len(values) == 2:
         values = [values[1], values[0], min(values)]
     return (float(values[0]), float(values[1]), float(values[2]))

@@ -19,7 +19,8 @@ def marks(complex: Any, sides: Tuple[int, ...]) -> Tuple[np.ndarray, np.ndarray,
     Between vertices the square of the radius is that of the distance to one point, which is exact for a medial axis, and
     never too much elsewhere.
     """
-    places, radius, edges = complex.row_col + 0.5, complex.radius, complex.edges  # a pixel is the whole part of a place
+    # A pixel is the whole part of a place. What lies on the border of two is in the later one, however it was rounded.
+    places, radius, edges = complex.row_col + (0.5 + 1e-9), complex.radius, complex.edges
     start, way = places[edges[:, 0]], places[edges[:, 1]] - places[edges[:, 0]]
     steps = np.maximum(1, np.ceil(3 * np.abs(way).max(axis=1))).astype(np.int64) if len(edges) else np.zeros(0, np.int64)
     edge = np.repeat(np.arange(len(edges)), steps + 1)
