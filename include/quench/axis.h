@@ -256,6 +256,10 @@ void mark_cells(const CellComplex& complex, std::span<const Vec3> points, const 
 void mark_balls(std::span<const Vec3> centres, std::span<const double> radius, const Grid& grid, const MaskView& mask,
                 Context* context = nullptr);
 
+/// The part of a shape that is at least so wide: its voxels whose centres lie in a ball of the axis of at least this
+/// diameter (the opening of the shape by such balls, up to what was pruned). A byte per voxel of the grid.
+VoxelShape wide_part(const VoxelShape& shape, const MedialAxis& axis, double width, Context* context = nullptr);
+
 /// Takes out of the data of a medial axis the field arrays that a number or a name would be taken from but that hold
 /// something else (an omega that is infinite, a spacing of two numbers), each with a note that names `file` and the
 /// field.

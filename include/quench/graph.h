@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "quench/geometry.h"
+#include "quench/shape.h"
 #include "quench/skeleton.h"
 
 namespace quench {
@@ -17,12 +18,12 @@ namespace quench {
 /// The curve part of a skeleton as a graph: what plant and neuro labs measure on. Sheets are not part of it; a node
 /// where curves meet a sheet says which.
 struct CurveGraph {
-  enum class NodeKind : std::uint8_t { end, junction, sheet, loop, isolated };
+  enum class NodeKind : std::uint8_t { end, junction, sheet, loop, isolated, border };
   struct Node {
     Vec3 point;
     double radius = 0;
-    NodeKind kind =
-        NodeKind::end;            ///< `sheet`: where curves meet a sheet; `loop`: an arbitrary point of a closed curve
+    NodeKind kind = NodeKind::end;  ///< `sheet`: where curves meet a sheet; `loop`: an arbitrary point of a closed
+                                    ///< curve; `border`: where outside_of() has cut a branch
     std::uint32_t component = 0;  ///< of the whole skeleton, sheets included
     std::uint32_t degree = 0;     ///< branch ends at the node; a closed branch has two
     std::uint32_t sheet = kNone;  ///< the patch of sheets the node lies on, or kNone; 0 .. sheets-1
@@ -47,7 +48,7 @@ struct CurveGraph {
   std::vector<std::uint32_t> sheet_only;  ///< components without any curve and with at least one face, ascending
 };
 
-/// `end`, `junction`, `sheet`, `loop` or `isolated`.
+/// `end`, `junction`, `sheet`, `loop`, `isolated` or `border`.
 const char* name_of(CurveGraph::NodeKind kind);
 
 /// Curves are the edges without face. Nodes are vertices with curves whose number is not two, or on a sheet; branches
@@ -95,6 +96,23 @@ CurveGraph smoothed(const CurveGraph& graph, const SmoothOptions& options);
 /// that would be a second edge between two vertices gets a point in its middle. Fills `edge_branch`. O(n log n). Throws
 /// Error(usage) when the graph is not of the skeleton.
 Skeleton with_branches(const Skeleton& skeleton, const CurveGraph& graph);
+
+/// The main axis of each component of a skeleton of curves, and nothing else: of the shortest ways along curves between
+/// two free ends the longest (where there are fewer than two ends, between nodes; a closed curve with one node stays as
+/// it is), with isolated vertices. Exact in trees and in components of up to 2000 ends; in larger ones with loops the
+/// longest of 16 sweeps, each from where the one before ended. Near linear in trees. Throws Error(usage), field theta2,
+/// for a skeleton with sheets.
+Skeleton main_axes(const Skeleton& skeleton);
+
+/// The graph whose free ends are drawn out in a straight line to the boundary of the shape: from the node on, in the
+/// direction from the point one radius (at least two voxels) back along the branch, as far as the voxels are in the
+/// shape. The nodes move there, with radius 0; where they were is a point of the branch. An end outside the shape
+/// stays.
+CurveGraph extended(const CurveGraph& graph, const VoxelShape& shape);
+
+/// The branches as far as they are outside of a part of the shape, such as wide_part(), cut where they pass from voxel
+/// to voxel; nodes inside of it go. Its branches have no `vertices`, nor have nodes of kind `border`.
+CurveGraph outside_of(const CurveGraph& graph, const VoxelShape& part);
 
 namespace io {
 

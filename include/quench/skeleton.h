@@ -90,6 +90,7 @@ struct Skeleton {
   double rims_above = std::numeric_limits<double>::infinity();  ///< from which sheet level on rims grew back
   int smooth = 0;                                               ///< passes of smooth_sheets()
   bool plane = false;                                           ///< of a shape of the plane: its curves are the axis
+  bool main_axes = false;                                       ///< only one course per component: main_axes()
   CellComplex complex;                                          ///< edges without face are curves
   std::vector<Vec3> points;
   std::vector<double> radius, burn_time, curve_burn_time;  ///< per vertex; infinite where no fire comes

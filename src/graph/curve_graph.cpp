@@ -194,6 +194,8 @@ const char* name_of(CurveGraph::NodeKind kind) {
       return "loop";
     case CurveGraph::NodeKind::isolated:
       return "isolated";
+    case CurveGraph::NodeKind::border:
+      return "border";
   }
   return "";
 }

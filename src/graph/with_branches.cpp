@@ -58,6 +58,7 @@ class Redrawing {
     out_.rims_above = old_.rims_above;
     out_.smooth = old_.smooth;
     out_.plane = old_.plane;
+    out_.main_axes = old_.main_axes;
     out_.face_thickness = old_.face_thickness;
     out_.face_level = old_.face_level;
     out_.face_sheet = old_.face_sheet;

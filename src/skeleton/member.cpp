@@ -82,11 +82,15 @@ std::vector<double> least_ratios(const CurvesOf& curves, double theta1, double r
   return least;
 }
 
+// In the plane a tip ends at a fork whose second branch is at least so thick as a part of the first: that is where an
+// end of the shape has two corners, and either would be as good.
+constexpr double kFork = 0.7;
+
 // What free ends of curves grow back along.
 class Tips {
  public:
-  Tips(const CurvesOf& curves, const Member& member, double radii, double from_thickness)
-      : curves_(curves), radii_(radii), from_thickness_(from_thickness) {
+  Tips(const CurvesOf& curves, const Member& member, double radii, double from_thickness, bool plane)
+      : curves_(curves), radii_(radii), from_thickness_(from_thickness), plane_(plane) {
     const auto edges = static_cast<std::uint32_t>(member.edge.size());
     pruned_ = base::Csr<std::uint32_t>::group(member.vertex.size(), [&](const auto& emit) {
       for (std::uint32_t e = 0; e < edges; ++e)
@@ -104,6 +108,11 @@ class Tips {
     for (;;) {
       const std::uint32_t e = next(v, path.empty() ? kNone : path.back());
       if (e == kNone) return path;
+      if (plane_) {
+        path.push_back(e);
+        v = curves_.other_end(e, v);
+        continue;
+      }
       const double ratio = curves_.ratio(e);
       if (least < radii_ && ratio >= radii_) break;
       path.push_back(e);
@@ -121,15 +130,19 @@ class Tips {
   // The pruned edge at a vertex that would have stayed longest; ties: the smaller index.
   std::uint32_t next(std::uint32_t v, std::uint32_t from) const {
     std::uint32_t best = kNone;
-    for (const std::uint32_t e : pruned_[v])
-      if (e != from && curves_.thickness(e) >= from_thickness_ &&
-          (best == kNone || curves_.level(e) > curves_.level(best)))
-        best = e;
-    return best;
+    double second = 0;
+    for (const std::uint32_t e : pruned_[v]) {
+      if (e == from || curves_.thickness(e) < from_thickness_) continue;
+      const bool better = best == kNone || curves_.level(e) > curves_.level(best);
+      if (best != kNone) second = std::max(second, curves_.level(better ? best : e));
+      if (better) best = e;
+    }
+    return plane_ && best != kNone && second > kFork * curves_.level(best) ? kNone : best;
   }
 
   const CurvesOf& curves_;
   double radii_, from_thickness_;
+  bool plane_;
   base::Csr<std::uint32_t> pruned_;
 };
 
@@ -137,7 +150,8 @@ class Tips {
 class CurvePruning {
  public:
   CurvePruning(const SkeletonFamily& family, Sheets& sheets)
-      : member_(sheets.member),
+      : plane_(family.refined.plane),
+        member_(sheets.member),
         curves_(family, member_),
         on_sheet_(member_.vertex.size(), 0),
         left_(member_.vertex.size()) {
@@ -168,7 +182,7 @@ class CurvePruning {
   // Lets the free ends of curves grow back along curves that were pruned. What grows back is a path that begins at a
   // free end, so topology does not change.
   void grow_tips(double radii, double from_thickness) {
-    const Tips tips(curves_, member_, radii, from_thickness);
+    const Tips tips(curves_, member_, radii, from_thickness, plane_);
     for (std::uint32_t end = 0; end < left_.vertex_count(); ++end) {
       if (!left_.edges_at(end).single() || on_sheet_[end] || !member_.vertex[end]) continue;
       // An end that is drawn where its only edge leads is none there unless that is on the way of one curve.
@@ -197,6 +211,7 @@ class CurvePruning {
         [&](std::uint32_t v, std::uint32_t e) { member_.edge[e] = member_.vertex[v] = Member::kNo; });
   }
 
+  bool plane_;
   Member& member_;
   CurvesOf curves_;
   std::vector<char> on_sheet_;
