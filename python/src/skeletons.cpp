@@ -185,7 +185,8 @@ void bind_skeletons(py::module_& m) {
            })
       .def("write_csv", [](const Graph& g, const std::string& file) { io::write_branches(file, g->graph); });
   py::list kinds;
-  for (int k = 0; k < 5; ++k) kinds.append(name_of(static_cast<CurveGraph::NodeKind>(k)));
+  for (int k = 0; k <= static_cast<int>(CurveGraph::NodeKind::border); ++k)
+    kinds.append(name_of(static_cast<CurveGraph::NodeKind>(k)));
   m.attr("NODE_KINDS") = kinds;
 }
 

@@ -218,6 +218,18 @@ def test_pixels_and_distances(seed, spacing):
         axis.to_image((3, 4, 5))
 
 
+@pytest.mark.parametrize('spacing', [(1, 1), SPACING])
+@pytest.mark.parametrize('seed', range(3))
+def test_results_verify(seed, spacing):
+    image = blobs(seed + 30, share=0.5)
+    for detail in ('auto', 0):
+        axis = quench.medial_axis(image, spacing=spacing, detail=detail)
+        assert axis.verify(), axis.verify()
+        for theta1 in ('auto', 0, 'inf'):
+            assert axis.skeleton(theta1=theta1).verify(), axis.skeleton(theta1=theta1).verify()
+    assert len(axis.skeleton(theta1=0).edges) >= len(axis.edges)
+
+
 def test_labels_of_pixels_are_rows_of_branches():
     skeleton = quench.medial_axis(letter_f()).skeleton()
     labels, distance = skeleton.to_image(labels=True, return_distance=True)
