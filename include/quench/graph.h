@@ -119,6 +119,12 @@ CurveGraph outside_of(const CurveGraph& graph, const VoxelShape& part);
 /// MGF of the skeleton that was drawn with them by with_branches(). Throws Error(usage) when a point is not in it.
 void add_measures(CurveGraph& graph, const Skeleton& drawn);
 
+/// Puts a skeleton of curves, with its branches, behind another, e.g. to draw both: cells, components and branches of
+/// `more` are numbered behind those of `to`. Throws Error(usage) for sheets.
+void append(Skeleton& to, const Skeleton& more);
+/// The same of graphs; `first_vertex`: the vertices of the skeleton that those of `more` were put behind.
+void append(CurveGraph& to, const CurveGraph& more, std::uint32_t first_vertex);
+
 namespace io {
 
 constexpr int kSwcDendrite = 3;
