@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Files of many polygons: each has its own result; lines and tables hold those of all.
+// FeatureFiles of many polygons: each has its own result; lines and tables hold those of all.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -25,8 +25,8 @@ constexpr std::size_t kMostDrawn = 2'000'000;
 // Sentences that a report lists.
 constexpr std::size_t kMostListed = 1000;
 
-struct Files {
-  Files(const fs::path& folder, bool with_page, bool with_picture)
+struct FeatureFiles {
+  FeatureFiles(const fs::path& folder, bool with_page, bool with_picture)
       : geojson(folder / "skeleton.geojson"),
         svg(folder / "skeleton.svg"),
         branches(folder / "branches.csv"),
@@ -145,7 +145,7 @@ std::size_t points_of(const io::PlaneLines& lines) {
 }  // namespace
 
 int run_features(const RunProgram& o, Session& session) {
-  const Files files(o.folder, !o.no_view && pipeline::has_page_program(), !o.no_picture);
+  const FeatureFiles files(o.folder, !o.no_view && pipeline::has_page_program(), !o.no_picture);
   check_folder(o.folder);
   std::error_code error;
   if (fs::exists(o.folder, error))

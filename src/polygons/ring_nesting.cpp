@@ -178,8 +178,8 @@ void note_other_topology(const Polygons& polygons, const VoxelShape& shape, Poly
   const Topology found = topology(shape);
   if (found.betti[0] == region->components && found.betti[1] == region->holes) return;
   note(context,
-       fmt::format("the pixels have {}, the polygon {}: parts or gaps of it are thinner than a pixel; a higher "
-                   "resolution shows them",
+       fmt::format("the pixels have {}, the polygon {}: it or its gaps are thinner than a pixel somewhere, as at "
+                   "sharp tips; use a higher resolution, or drop small components",
                    topology_text(found.betti[0], found.betti[1]), topology_text(region->components, region->holes)));
 }
 

@@ -198,4 +198,7 @@ class WktReader {
 };
 
 }  // namespace
+
+Reference read_wkt(std::istream& in, FeatureSink& sink) { return WktReader(in, sink).read(); }
+
 }  // namespace quench::io
