@@ -20,7 +20,7 @@ std::optional<Volume> grey_values(const ShapeOptions& options, const pipeline::L
   constexpr std::int64_t kMost = std::int64_t{1} << 28;
   const auto& dims = shape.image.dims;
   if (!shape.surface || shape.surface->kind() != SurfaceKind::grey || dims[0] * dims[1] * dims[2] > kMost) return {};
-  Volume volume = io::read_volume(options.file, {options.how.spacing}, &session.context);
+  Volume volume = io::read_volume(options.file, pipeline::read_options(options.how), &session.context);
   if (volume.grid.dims != dims) return {};
   volume.grid = shape.image;
   return volume;
@@ -74,7 +74,7 @@ Action add_verify(CLI::App& app) {
              [o](const std::string&, const std::string& text) { o->lambda = pipeline::parse_length(text, kLambda); })
       ->type_name("LENGTH")
       ->excludes(detail);
-  app.add_flag("--core", o->core, "Check RESULT as an exact voxel core even if it does not say that it is one");
+  app.add_flag("--core", o->core, "Check RESULT as an exact core of voxels or pixels even if it does not say that it is one");
   add_number(app, "--samples", o->samples, "How many cells the sampled checks look at")
       ->type_name("N")
       ->capture_default_str();
@@ -102,7 +102,7 @@ Action add_verify(CLI::App& app) {
         if (o->core)
           data.field_data.push_back({"stage", 1, std::vector<std::string>{"core"}});
         else if (o->lambda || o->detail)
-          session.say(fmt::format("note: {} does not say that it is a voxel core; --{} has no effect without --core",
+          session.say(fmt::format("note: {} does not say that it is a core; --{} has no effect without --core",
                                   file, o->lambda ? kLambda : kDetail));
       }
       const std::string parameters = pipeline::parameters_of(data);
@@ -121,9 +121,12 @@ Action add_verify(CLI::App& app) {
             fmt::format("verifying a shape with {}", base::counted(sites, "boundary vertex", "boundary vertices")),
             {"a result of a smaller or coarser shape"}, &session.context);
       }
+      const bool plane = loaded.shape.grid().is_plane();
+      if (!says_stage && o->core && plane) data.field_data.push_back({"dimension", 1, std::vector<std::int64_t>{2}});
       VerifyOptions options;
       options.samples = o->samples;
       options.longest_side = loaded.longest_side;
+      if (plane) options.y_down = loaded.coordinates.y_down;
       if (loaded.surface) {
         options.surface = &loaded.surface->mesh();
         options.surface_kind = name_of(loaded.surface->kind());

@@ -47,7 +47,8 @@ struct VerifyOptions {
   /// ("mesh", "grey" or "smooth"). Without it the arrays that refer to it are not checked. Must outlive the call.
   const TriangleMesh* surface = nullptr;
   std::string surface_kind = {};
-  int subdivided = 1;  ///< into so many along each side the voxels of the input were split
+  std::optional<bool> y_down = std::nullopt;  ///< in the plane: Coordinates::y_down; without it `y_axis` is not checked
+  int subdivided = 1;                         ///< into so many along each side the voxels of the input were split
   /// Of a surface of grey values: these, and the threshold they were cut at. Must outlive the call.
   const ImageView* image = nullptr;
   double threshold = 0;
@@ -58,8 +59,9 @@ struct VerifyOptions {
 
 /// Verifies a result against its shape, by code of its own. What is checked in full, what on a sample, and
 /// which code is shared with what made the result: docs/user/guarantees.md, "What is checked, and by whom". `result` is
-/// what a file holds: complex by points, verts, lines and polys, point array `radius`. Throws Error(usage) when both
-/// lambda and detail are given, or one of them for a core that says it was pruned by the other.
+/// what a file holds: complex by points, verts, lines and polys, point array `radius`; it must be of the dimension of
+/// the shape. Throws Error(usage) when both lambda and detail are given, or one of them for a core that says it was
+/// pruned by the other.
 Certificate verify(const VoxelShape& shape, const Record& result, const VerifyOptions& options = {},
                    Context* context = nullptr);
 

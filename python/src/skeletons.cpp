@@ -107,6 +107,10 @@ py::dict write_swc_file(const GraphValue& g, const std::string& file, const std:
 void bind_skeletons(py::module_& m) {
   py::class_<SkeletonValue, Pointer>(m, "Skeleton")
       .def_property_readonly("vertices", [](const Pointer& s) { return view(s, s->checked.skeleton.points); })
+      .def_property_readonly("dimension", [](const Pointer& s) { return s->checked.skeleton.plane ? 2 : 3; })
+      .def_property_readonly("y_down", [](const Pointer& s) { return s->axis->core.coordinates.y_down; })
+      .def("rows_and_columns",
+           [](const Pointer& s) { return rows_and_columns(s->checked.skeleton.points, shape_of(*s).image); })
       .def_property_readonly("radius", [](const Pointer& s) { return view(s, s->checked.skeleton.radius); })
       .def_property_readonly("burn_time", [](const Pointer& s) { return view(s, s->checked.skeleton.burn_time); })
       .def_property_readonly("edges",
@@ -165,6 +169,8 @@ void bind_skeletons(py::module_& m) {
       });
   using Graph = std::shared_ptr<GraphValue>;
   py::class_<GraphValue, Graph>(m, "Graph")
+      .def_property_readonly("dimension", [](const Graph& g) { return g->skeleton->checked.skeleton.plane ? 2 : 3; })
+      .def_property_readonly("y_down", [](const Graph& g) { return g->skeleton->axis->core.coordinates.y_down; })
       .def("nodes", [](const Graph& g) { return nodes_of(g->graph); })
       .def("branches", [](const Graph& g) { return branches_of(g->graph); })
       .def("paths", &paths_of)
@@ -179,7 +185,8 @@ void bind_skeletons(py::module_& m) {
            })
       .def("write_csv", [](const Graph& g, const std::string& file) { io::write_branches(file, g->graph); });
   py::list kinds;
-  for (int k = 0; k < 5; ++k) kinds.append(name_of(static_cast<CurveGraph::NodeKind>(k)));
+  for (int k = 0; k <= static_cast<int>(CurveGraph::NodeKind::border); ++k)
+    kinds.append(name_of(static_cast<CurveGraph::NodeKind>(k)));
   m.attr("NODE_KINDS") = kinds;
 }
 

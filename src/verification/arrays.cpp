@@ -14,8 +14,10 @@ namespace quench::verification {
 namespace {
 
 constexpr const char* kTold = "told, not computed";
-constexpr const char* kShapeOnly = "the voxels alone do not tell";
+constexpr const char* kShapeOnly = "the voxels or pixels alone do not tell";
 constexpr const char* kBoundsOnly = "only bounds are checked: the fire is not burned again";
+constexpr const char* kFireOfTheAxis =
+    "only bounds are checked: the fire is that of the medial axis, which the file does not hold";
 constexpr const char* kSequence = "a burn sequence is checked as a whole only";
 constexpr const char* kOfTheAxis = "it is of the medial axis, which the file does not hold";
 constexpr const char* kOfTheChoice = "a choice that these cells do not depend on";
@@ -43,6 +45,7 @@ const std::vector<const char*>& known_point_arrays() {
                                               "lambda",
                                               "object_angle",
                                               "cap_height",
+                                              "mgf",
                                               "detail",
                                               "burn_time",
                                               "unburned",
@@ -65,6 +68,7 @@ const std::vector<const char*>& known_cell_arrays() {
                                               "lambda_level",
                                               "object_angle",
                                               "cap_height",
+                                              "mgf",
                                               "detail",
                                               "detail_level",
                                               "sheet_level",
@@ -80,6 +84,7 @@ const std::vector<Known>& known_field_numbers() {
       {"spacing", 3, {}, kNothingToCompare},
       {"origin", 3, {}, kNothingToCompare},
       {"direction", 9, {}, kNothingToCompare},
+      {"dimension", 1, {}, kNothingToCompare},
       {"lambda", 1, {}, kOfTheAxis},
       {"lambda_chosen", 1, {}, kOfTheChoice},
       {"detail", 1, {}, kOfTheAxis},
@@ -113,6 +118,7 @@ const std::vector<Known>& known_field_texts() {
                                          {"radius_rule", 1, {"exact", "linear"}, kTold},
                                          {"surface", 1, {"mesh", "grey", "smooth"}, kNoSurface},
                                          {"tips", 1, {"full", "pruned"}, kTold},
+                                         {"y_axis", 1, {"down", "up"}, "which way y of the shape grows was not given"},
                                          {"units", 1, {}, kTold},
                                          {"SPACE", 1, {}, kTold},
                                          {"parameters", 1, {}, "the shape was made with them"},
@@ -181,11 +187,14 @@ std::string reason_for(const char* of, const std::string& name, const Record& da
     return "unknown here";
   }
   if (name == "radius" && find_array(data.field_data, "surface")) return stage == "skeleton" ? kLinear : kNoSurface;
-  if (name.find("burn") != std::string::npos || name.find("erosion") != std::string::npos) return kBoundsOnly;
+  if (name.find("burn") != std::string::npos || name.find("erosion") != std::string::npos)
+    return find_array(data.field_data, "dimension") ? kFireOfTheAxis : kBoundsOnly;
   if (name == "sheet_level" || name == "curve_level") return "only bounds are checked: levels are of the medial axis";
   if (stage == "core" && name == kDetail) return kDetailsBounded;
   for (const std::string& measure : texts_or_empty(data.field_data, "measures"))
-    if (!is_measure_of_cores(measure) && (name == measure || name == measure + "_level")) return kOtherMeasure;
+    if (!is_measure_of_cores(measure, find_array(data.field_data, "dimension") != nullptr) &&
+        (name == measure || name == measure + "_level"))
+      return kOtherMeasure;
   const auto& known = of == std::string("point") ? known_point_arrays() : known_cell_arrays();
   const bool is_known = std::find(known.begin(), known.end(), name) != known.end();
   return is_known ? kNothingToCompare : "unknown here";

@@ -60,13 +60,20 @@ std::string wrong_numbers(const Result& result, const std::vector<double>& branc
 /// A branch with a free end.
 struct FreeBranch {
   std::uint32_t end = kNone;
-  double thickness = 0, ratio = 0;  ///< largest ET_MC of its lines; largest ET_MC over burn time of its points
+  double thickness = 0, ratio = 0;  ///< largest ET_MC of its lines; largest ET_MC over burn time (in the plane: ET over
+                                    ///< radius) of its points
 };
 
+// The point array of how thick curves are.
+const char* curve_thickness_of(const Result& result) {
+  return result.plane ? "erosion_thickness" : "curve_erosion_thickness";
+}
+
 std::vector<FreeBranch> free_branches(const Result& result, const std::vector<double>& curve_thickness) {
-  const std::vector<double> of_points = numbers_or_empty(result.data.point_data, "curve_erosion_thickness"),
-                            times = numbers_or_empty(result.data.point_data, "burn_time"),
-                            unburned = numbers_or_empty(result.data.point_data, "curve_unburned");
+  const std::vector<double> of_points = numbers_or_empty(result.data.point_data, curve_thickness_of(result)),
+                            times = numbers_or_empty(result.data.point_data, result.plane ? "radius" : "burn_time"),
+                            unburned =
+                                numbers_or_empty(result.data.point_data, result.plane ? "unburned" : "curve_unburned");
   const bool measured = !of_points.empty() && !times.empty() && !unburned.empty();
   std::map<std::uint32_t, FreeBranch> branches;
   const std::vector<std::uint32_t> paths = paths_of(result);
@@ -104,7 +111,7 @@ std::vector<char> smoothed_vertices(const Result& result) {
 
 std::string wrong_free_branch(const Result& result, double theta1, const std::vector<double>& curve_thickness) {
   const std::vector<double> radii = numbers_or_empty(result.data.field_data, "theta1_radii"),
-                            of_points = numbers_or_empty(result.data.point_data, "curve_erosion_thickness");
+                            of_points = numbers_or_empty(result.data.point_data, curve_thickness_of(result));
   const bool pruned = text_or_empty(result.data.field_data, "tips") == "pruned" && !of_points.empty();
   const std::vector<std::uint32_t> component = components(result.complex);
   // One of each component stays without: the point that burns last; more where none sticks out, its longest course.

@@ -143,8 +143,11 @@ Check check_cap_heights(const Result& result, const Sites& sites, VertexSites& v
   Check check{name, true, {}, {}};
   cover(check, "cell cap_height");
   if (heights.of_points()) cover(check, "point cap_height");
-  check.detail = fmt::format("{} of {} polygons as the sites found here give them, {} as the sites of the file do",
-                             sampled.size(), faces, result.face_sites.empty() ? "none" : "all");
+  check.detail =
+      result.plane ? fmt::format("{} lines as their lambda and the smaller radius of their ends give them",
+                                 result.line_edges.size())
+                   : fmt::format("{} of {} polygons as the sites found here give them, {} as the sites of the file do",
+                                 sampled.size(), faces, result.face_sites.empty() ? "none" : "all");
   return check;
 }
 

@@ -257,7 +257,7 @@ Check check_angles(const Result& result) {
 }
 
 Check check_sites(const Result& result, const Sites& sites) {
-  const std::string name = "sites of polygons";
+  const std::string name = result.plane ? "sites of lines" : "sites of polygons";
   const std::vector<double> a = numbers_or_empty(result.data.cell_data, "site_a"),
                             b = numbers_or_empty(result.data.cell_data, "site_b");
   const DataArray* array = find_array(result.data.field_data, "sites");
@@ -277,17 +277,26 @@ Check check_sites(const Result& result, const Sites& sites) {
     if (i > 0 && !before(rows[i - 1], rows[i]))
       return failed(name, fmt::format("sites {} and {} are not in the order of z, y, x", i - 1, i));
   }
-  const std::size_t first = result.vert_vertices.size() + result.line_edges.size();
+  // The cells that have two sites: polygons, in the plane lines.
+  const bool plane = result.plane;
+  const std::size_t first = plane ? result.vert_vertices.size() : result.first_polygon(), count = a.size() - first;
+  const auto corners = [&](std::size_t i) {
+    return plane ? std::span<const std::uint32_t>(result.complex.edges[result.line_edges[i]])
+                 : result.complex.corners(i);
+  };
+  const auto describe = [&](std::size_t i) {
+    return plane ? result.describe_edge(result.line_edges[i]) : result.describe_face(i);
+  };
   for (std::size_t row = 0; row < first; ++row)
     if (a[row] != -1 || b[row] != -1)
-      return failed(name, fmt::format("cell {} is not a polygon, but has the sites {:.9g} and {:.9g} instead of -1",
-                                      row, a[row], b[row]));
+      return failed(name, fmt::format("cell {} is not a {}, but has the sites {:.9g} and {:.9g} instead of -1", row,
+                                      plane ? "line" : "polygon", a[row], b[row]));
   std::vector<char> named(rows.size(), 0);
-  for (std::size_t f = 0; f < result.complex.face_count(); ++f) {
+  for (std::size_t f = 0; f < count; ++f) {
     const double p = a[first + f], q = b[first + f];
     if (!(p >= 0 && p < q && q < static_cast<double>(rows.size())))
-      return failed(name, fmt::format("{} has the sites {:.9g} and {:.9g} of {}, smaller first",
-                                      result.describe_face(f), p, q, rows.size()));
+      return failed(
+          name, fmt::format("{} has the sites {:.9g} and {:.9g} of {}, smaller first", describe(f), p, q, rows.size()));
     const auto scaled = [&](double row) {
       const LatticePoint& s = rows[static_cast<std::size_t>(row)];
       named[static_cast<std::size_t>(row)] = 1;
@@ -295,28 +304,29 @@ Check check_sites(const Result& result, const Sites& sites) {
                   static_cast<double>(s[2] * result.scale[2]));
     };
     const Vec3 s = scaled(p), t = scaled(q);
-    for (const std::uint32_t v : result.complex.corners(f)) {
+    for (const std::uint32_t v : corners(f)) {
       const double r = result.radius[v] / result.unit;
       for (const Vec3& site : {s, t})
         if (const double distance = (result.scaled[v] - site).norm();  // to the tolerance of radii
             !(std::abs(distance - r) <= distance * (1e-5 + result.slack) + 4 * result.rounding))
           return failed(name, fmt::format("{} is not at the distance of its radius from a site of {}",
-                                          result.describe_vertex(v), result.describe_face(f)));
+                                          result.describe_vertex(v), describe(f)));
     }
     const double half = 0.5 * result.unit * (s - t).norm();
     if (!result.cell_lambda.empty() &&
         !(std::abs(result.cell_lambda[first + f] - half) <= (kSingle + result.slack) * half))
-      return failed(name, fmt::format("{} has lambda {:.9g}, half the distance of its sites is {:.9g}",
-                                      result.describe_face(f), result.cell_lambda[first + f], half));
+      return failed(name, fmt::format("{} has lambda {:.9g}, half the distance of its sites is {:.9g}", describe(f),
+                                      result.cell_lambda[first + f], half));
   }
-  // All boundary vertices, or those of polygons only.
+  // All boundary vertices, or those of these cells only.
   const auto unused = std::find(named.begin(), named.end(), 0);
   if (rows.size() != sites.lattice().size() && unused != named.end())
-    return failed(name, fmt::format("site {} does not belong to a polygon", unused - named.begin()));
+    return failed(name,
+                  fmt::format("site {} does not belong to a {}", unused - named.begin(), plane ? "line" : "polygon"));
   Check check{name, true, {}, {}};
   for (const char* covered : {"cell site_a", "cell site_b", "field sites"}) cover(check, covered);
-  check.detail = fmt::format("{} boundary vertices; the two of each of {} polygons are at the radius from its corners",
-                             rows.size(), result.complex.face_count());
+  check.detail = fmt::format("{} boundary vertices; the two of each of {} {} are at the radius from its {}",
+                             rows.size(), count, plane ? "lines" : "polygons", plane ? "ends" : "corners");
   return check;
 }
 
@@ -345,6 +355,16 @@ Check check_fields(const Result& result, const VerifyOptions& options) {
   for (int r = 0; r < 3; ++r)
     for (int c = 0; c < 3; ++c) direction.push_back(grid.direction(r, c));
   compare("direction", direction, 1);
+  if (result.plane) {
+    compare("dimension", {2}, 0);
+    const std::string y_axis = text_or_empty(result.data.field_data, "y_axis");
+    if (options.y_down && !y_axis.empty()) {
+      if (wrong.empty() && (y_axis == "down") != *options.y_down)
+        wrong = fmt::format("the field array 'y_axis' is '{}' where y of the shape grows {}", y_axis,
+                            *options.y_down ? "down" : "up");
+      cover(check, "field y_axis");
+    }
+  }
   if (options.longest_side) compare("longest_side", {*options.longest_side}, *options.longest_side);
   // Where nothing was pruned, the cells do not depend on the threshold that was chosen.
   for (const std::string_view measure : {kLambda, kDetail}) {

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "verification/nearest_sites.h"
+#include "verification/plane_boundary.h"
 #include "verification/polytope.h"
 #include "verification/result.h"
 #include "verification/triangle_search.h"
@@ -29,8 +30,8 @@ inline constexpr const char* kBorneOutBySurface =
 Check check_cells(const Result& result);
 
 /// Euler characteristic and Betti numbers of the result are those of the shape. Says those of the solid of the surface,
-/// too, where there is one.
-Check check_topology(const Result& result, const TriangleMesh* surface);
+/// too, where there is one. `boundary`: in the plane, that of the shape.
+Check check_topology(const Result& result, const TriangleMesh* surface, const BoundaryCurves* boundary);
 
 /// Every cell lies in the open shape.
 Check check_enclosure(const Result& result, Context* context);
@@ -57,6 +58,17 @@ Check check_details(const Result& result, const Sites& sites, VertexSites& verte
 /// The distance of the boundary vertices, all of them, to the balls of the file, and of its prunings for some larger
 /// details, against what is promised; the array `coverage`.
 Check check_coverage(const Result& result, const Sites& sites, Context* context);
+
+/// In the plane: the arrays `mgf`, by ways along the boundary.
+Check check_mgf(const Result& result, const Sites& sites, VertexSites& vertex_sites, const BoundaryCurves& boundary,
+                Context* context);
+/// In the plane: burn times and erosion thickness, of a core by a fire that is burned here.
+Check check_burning_of_plane(const Result& result);
+/// In the plane: levels and thickness of the cells of a skeleton: bounds, and what holds in every skeleton.
+Check check_skeleton_levels_of_plane(const Result& result);
+/// Whether the file says that it is of the plane exactly when the shape is, and has no polygons and no point off the
+/// plane then.
+Check check_dimension(const Result& result);
 
 /// Height of the cap that a chord of length 2 lambda cuts off a ball.
 double cap_height(double lambda, double radius);
@@ -97,7 +109,8 @@ Check check_kinds(const Result& result);
 /// Field arrays about the shape: the grid and, where it is given, the longest side; `lambda_chosen`,
 /// `detail_chosen`.
 Check check_fields(const Result& result, const VerifyOptions& options);
-/// The arrays `sites`, `site_a` and `site_b` of all polygons, and their lambda as half the distance of their two sites.
+/// The arrays `sites`, `site_a` and `site_b` of all polygons (in the plane lines), and their lambda as half the
+/// distance of their two sites.
 Check check_sites(const Result& result, const Sites& sites);
 /// The arrays `object_angle`.
 Check check_angles(const Result& result);

@@ -39,12 +39,13 @@ class KeptByDetail {
   /// A cell at the vertex that is missing, else empty.
   std::string missing(std::uint32_t v) const {
     const Ids& set = vertex_sites_.at(v);
+    if (result_.plane) return set.empty() ? std::string{} : missing_in_plane(v);
     const std::vector<Ids> facets = hull_facets(sites_, set);
     if (facets.empty()) return {};  // no Voronoi vertex: another check says so
     const double radius = result_.unit * (result_.scaled[v] - scaled(set[0])).norm();
     const double least = least_height(v);
-    std::vector<Ids> edges, faces;
-    for (const std::uint32_t e : result_.vertex_edges[v]) edges.push_back(edge_sites(result_, vertex_sites_, e));
+    const std::vector<Ids> edges = sites_of_edges_at(result_, vertex_sites_, v);
+    std::vector<Ids> faces;
     for (const std::uint32_t f : result_.vertex_faces[v]) faces.push_back(face_sites(result_, vertex_sites_, f));
     for (const Ids& facet : facets) {
       for (std::size_t i = 0; i < facet.size(); ++i) {
@@ -65,6 +66,18 @@ class KeptByDetail {
   }
 
  private:
+  std::string missing_in_plane(std::uint32_t v) const {
+    const Ids& set = vertex_sites_.at(v);
+    const double radius = result_.unit * (result_.scaled[v] - scaled(set[0])).norm(), least = least_height(v);
+    const std::vector<Ids> edges = sites_of_edges_at(result_, vertex_sites_, v);
+    for (const Ids& side : sides_of_polygon(sites_, set)) {
+      if (of_.is_boundary_edge(side[0], side[1])) continue;
+      const double height = least_height_of(of_.face(side[0], side[1]), radius);
+      if (height >= least && std::find(edges.begin(), edges.end(), side) == edges.end())
+        return sentence("edge", height, v);
+    }
+    return {};
+  }
   Vec3 scaled(std::uint32_t site) const {
     const Point& p = sites_.scaled()[site];
     return {static_cast<double>(p[0]), static_cast<double>(p[1]), static_cast<double>(p[2])};

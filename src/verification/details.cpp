@@ -172,10 +172,15 @@ class Details {
                                                                      : height;
   }
   bool has_no_core_face(std::uint32_t e) const {
+    if (result_.plane) return true;
     const Ids set = edge_sites(result_, vertex_sites_, e);
     return set.size() >= 3 && of_.has_only_boundary_edges(convex_cycle(sites_, set));
   }
   bool has_no_core_edge(std::uint32_t v) const {
+    if (result_.plane) {
+      const Ids& set = vertex_sites_.at(v);
+      return set.size() >= 3 && of_.has_only_boundary_edges(convex_cycle(sites_, set));
+    }
     const std::vector<Ids> facets = hull_facets(sites_, vertex_sites_.at(v));
     return std::all_of(facets.begin(), facets.end(), [&](const Ids& facet) { return of_.is_boundary_square(facet); });
   }

@@ -47,6 +47,10 @@ constexpr Expected kOfCores[]{{"point", "radius", true},
                               {"field", "format_version", false},
                               {"field", "measures", false}};
 
+// In the plane beside these.
+constexpr Expected kOfPlane[]{{"field", "dimension", true}, {"field", "y_axis", false}};
+constexpr Expected kOfCoresOfPlane[]{{"point", "mgf", false}, {"cell", "mgf", false}};
+
 constexpr Expected kOfFittedCores[]{
     {"point", "voxel_point", true}, {"point", "voxel_radius", true}, {"field", "surface", true}};
 constexpr Expected kOfCoresByLambda[]{
@@ -59,10 +63,15 @@ constexpr Expected kOfCoresByDetail[]{{"point", "detail", true},
 constexpr Expected kOfPruningsByDetail[]{{"field", "coverage", false}};
 
 // Of cores once they are burned: when there is one of them, all are expected.
-constexpr Expected kOfBurning[]{{"point", "burn_time", false},   {"point", "erosion_thickness", false},
-                                {"point", "unburned", false},    {"field", "omega", false},
-                                {"field", "propagation", false}, {"field", "radius_rule", false},
-                                {"field", "burn_nodes", false},  {"field", "max_burn_time", false}};
+constexpr Expected kOfBurning[]{{"point", "burn_time", false},
+                                {"point", "erosion_thickness", false},
+                                {"point", "unburned", false},
+                                {"field", "max_burn_time", false}};
+// In space beside these.
+constexpr Expected kOfBurningOfSheets[]{{"field", "omega", false},
+                                        {"field", "propagation", false},
+                                        {"field", "radius_rule", false},
+                                        {"field", "burn_nodes", false}};
 
 // The same of the burn sequence.
 constexpr Expected kOfSequence[]{{"field", "sequence_steps", false}, {"field", "sequence_parents", false},
@@ -73,32 +82,33 @@ constexpr Expected kOfSkeletons[]{{"point", "radius", true},
                                   {"point", "burn_time", false},
                                   {"point", "erosion_thickness", false},
                                   {"point", "unburned", false},
-                                  {"point", "curve_burn_time", false},
-                                  {"point", "curve_erosion_thickness", false},
-                                  {"point", "curve_unburned", false},
                                   {"cell", "kind", false},
                                   {"cell", "component", false},
-                                  {"cell", "sheet_level", true},
                                   {"cell", "curve_level", true},
                                   {"cell", "erosion_thickness", true},
-                                  {"cell", "curve_erosion_thickness", true},
-                                  {"field", "theta2", true},
                                   {"field", "theta1", true},
                                   {"field", "theta1_radii", false},
                                   {"field", "tips", false},
                                   {"cell", "branch", false},
-                                  {"cell", "sheet", false},
-                                  {"point", "seam", false},
-                                  {"point", "junction", false},
-                                  {"field", "rims_above", false},
                                   {"field", "smooth", false},
-                                  {"field", "omega", false},
-                                  {"field", "propagation", false},
-                                  {"field", "radius_rule", false},
                                   {"field", "euler", false},
                                   {"field", "betti", false},
                                   {"field", "version", false},
                                   {"field", "format_version", false}};
+// In space, where they have sheets, beside these.
+constexpr Expected kOfSkeletonsInSpace[]{{"point", "curve_burn_time", false},
+                                         {"point", "curve_erosion_thickness", false},
+                                         {"point", "curve_unburned", false},
+                                         {"cell", "sheet_level", true},
+                                         {"cell", "curve_erosion_thickness", true},
+                                         {"field", "theta2", true},
+                                         {"cell", "sheet", false},
+                                         {"point", "seam", false},
+                                         {"point", "junction", false},
+                                         {"field", "rims_above", false},
+                                         {"field", "omega", false},
+                                         {"field", "propagation", false},
+                                         {"field", "radius_rule", false}};
 
 // Skeletons have these from their core; one of a medial axis of another program has none of them.
 constexpr Expected kOfSkeletonsOfCores[]{{"field", "dims", true},          {"field", "spacing", true},
@@ -135,15 +145,24 @@ std::vector<Expected> absent_of(const Result& result) {
   std::vector<Expected> absent;
   if (result.stage == "core") {
     look_for(kOfCores, data, absent);
+    if (result.plane) {
+      look_for(kOfPlane, data, absent);
+      look_for(kOfCoresOfPlane, data, absent);
+    }
     if (has_one_of(kOfFittedCores, data)) look_for(kOfFittedCores, data, absent);
     look_for(result.by_detail ? std::span<const Expected>(kOfCoresByDetail) : kOfCoresByLambda, data, absent);
     if (result.by_detail && result.detail > 0) look_for(kOfPruningsByDetail, data, absent);
-    if (has_one_of(kOfBurning, data)) look_for(kOfBurning, data, absent);
+    if (has_one_of(kOfBurning, data) || (!result.plane && has_one_of(kOfBurningOfSheets, data))) {
+      look_for(kOfBurning, data, absent);
+      if (!result.plane) look_for(kOfBurningOfSheets, data, absent);
+    }
     if (has_one_of(kOfSequence, data)) look_for(kOfSequence, data, absent);
   } else if (result.stage == "skeleton") {
     look_for(kOfSkeletons, data, absent);
+    if (!result.plane) look_for(kOfSkeletonsInSpace, data, absent);
     if (has_one_of(kOnlyOfCores, data)) {
       look_for(kOfSkeletonsOfCores, data, absent);
+      if (result.plane) look_for(kOfPlane, data, absent);
       const bool by_detail = has_one_of(kOfSkeletonsByDetail, data);
       look_for(by_detail ? std::span<const Expected>(kOfSkeletonsByDetail) : kOfSkeletonsByLambda, data, absent);
     }

@@ -5,31 +5,12 @@
 #include <cmath>
 
 #include "verification/checks.h"
+#include "verification/point_measure.h"
 
 /// What can be checked of burn times without burning again: relations among the arrays, and bounds.
 namespace quench::verification {
 
 namespace {
-
-/// Flags and values of a point array that may be infinite: 1, and the largest finite value, where it is.
-struct Measure {
-  std::vector<double> value, infinite;
-  double largest = 0;  ///< of the finite ones
-
-  Measure(const Result& result, const char* values, const char* flags) {
-    const std::vector<double> all = numbers_or_empty(result.data.point_data, values),
-                              flag = numbers_or_empty(result.data.point_data, flags);
-    if (all.empty() || flag.empty()) return;
-    for (const std::uint32_t row : result.rows) {
-      value.push_back(all[row]);
-      infinite.push_back(flag[row]);
-      if (flag[row] == 0) largest = std::max(largest, all[row]);
-    }
-  }
-  bool known() const { return !value.empty(); }
-  /// Whether the value stands for infinity.
-  bool stands_for_infinity(std::size_t v) const { return std::abs(value[v] - largest) <= kSingle * largest; }
-};
 
 std::vector<char> pocket_vertices(const CellComplex& complex) {
   const std::vector<char> there = pocket_faces(complex);
@@ -71,7 +52,7 @@ Star star_of(const Result& result, std::uint32_t v) {
 
 // Where the star of a vertex is a disk, fire that has burned a neighbour comes along the edge between them; at the rim
 // of a sheet it starts.
-std::string wrong_time(const Result& result, const Measure& time, std::size_t& bounded_vertices) {
+std::string wrong_time(const Result& result, const PointMeasure& time, std::size_t& bounded_vertices) {
   const CellComplex& complex = result.complex;
   const std::vector<double> omega = numbers_or_empty(result.data.field_data, "omega");
   const double late = 4 * result.rounding * result.unit + (omega.size() == 1 ? kOffByLabels * omega[0] : 0);
@@ -120,7 +101,7 @@ std::array<double, 2> nodes_of(const Result& result, double omega) {
   return nodes;
 }
 
-std::string wrong_network(const Result& result, const Measure& time, Check& check) {
+std::string wrong_network(const Result& result, const PointMeasure& time, Check& check) {
   const std::vector<double> omega = numbers_or_empty(result.data.field_data, "omega"),
                             nodes = numbers_or_empty(result.data.field_data, "burn_nodes"),
                             most = numbers_or_empty(result.data.field_data, "max_burn_time");
@@ -139,28 +120,9 @@ std::string wrong_network(const Result& result, const Measure& time, Check& chec
   return {};
 }
 
-// That an array is the difference of two others, or 0 where that is negative; where it is infinite, its value is the
-// largest finite one.
-std::string wrong_thickness(const Result& result, const char* name, const Measure& thickness, const Measure& time,
-                            const std::vector<double>& from) {
-  for (std::uint32_t v = 0; v < result.rows.size(); ++v) {
-    const double written = thickness.value[v];
-    if (thickness.infinite[v] != 0) {
-      if (!thickness.stands_for_infinity(v) || !time.stands_for_infinity(v))
-        return fmt::format("{} does not burn and has not the largest value of {}", result.describe_vertex(v), name);
-      continue;
-    }
-    const double expected = std::max(0.0, time.value[v] - from[v]);
-    if (!(std::abs(written - expected) <= kSingle * std::max(time.value[v], from[v])))
-      return fmt::format("{} has {} {:.9g}; {:.9g} less {:.9g} is {:.9g}", result.describe_vertex(v), name, written,
-                         time.value[v], from[v], expected);
-  }
-  return {};
-}
-
-std::string wrong_curves(const Result& result, const Measure& time, Check& check) {
-  const Measure thickness(result, "curve_erosion_thickness", "curve_unburned");
-  Measure curve(result, "curve_burn_time", "curve_unburned");
+std::string wrong_curves(const Result& result, const PointMeasure& time, Check& check) {
+  const PointMeasure thickness(result, "curve_erosion_thickness", "curve_unburned");
+  PointMeasure curve(result, "curve_burn_time", "curve_unburned");
   if (!thickness.known() || !curve.known()) return {};
   // Off the curves of a pocket the time of the sheet stands in the array, which is infinite there, and thickness is 0.
   for (std::size_t v = 0; v < curve.value.size(); ++v) {
@@ -208,7 +170,7 @@ std::vector<char> pocket_faces(const CellComplex& complex) {
 
 Check check_burning(const Result& result) {
   const std::string name = "burning";
-  const Measure time(result, "burn_time", "unburned"), thickness(result, "erosion_thickness", "unburned");
+  const PointMeasure time(result, "burn_time", "unburned"), thickness(result, "erosion_thickness", "unburned");
   if (!time.known() || !thickness.known() || result.ball_radius.empty())
     return not_checked(name, "no arrays 'burn_time', 'erosion_thickness' and 'unburned'");
   Check check{name, true, {}, {}};

@@ -25,11 +25,13 @@ struct Values {
 
   double vertex(std::uint32_t v) const {
     const Ids& set = vertex_sites.at(v);
+    if (result.plane) return set.empty() ? 0 : of.edge(convex_cycle(sites, set));
     const std::vector<Ids> facets = hull_facets(sites, set);
     return facets.empty() ? 0 : of.vertex(set, facets);
   }
   double edge(std::uint32_t e) const {
     const Ids set = edge_sites(result, vertex_sites, e);
+    if (result.plane) return set.size() != 2 ? 0 : of.face(set[0], set[1]);
     return set.size() < 3 ? 0 : of.edge(convex_cycle(sites, set));
   }
   double face(std::size_t f) const {
@@ -97,10 +99,20 @@ std::string completeness(const Result& result, const Values& values, VertexSites
   }
   vertex_sites.prepare(needed, context);
 
+  const auto missing_in_plane = [&](std::uint32_t v) -> std::string {
+    const std::vector<Ids> edges = sites_of_edges_at(result, vertex_sites, v);
+    for (const Ids& side : sides_of_polygon(values.sites, vertex_sites.at(v)))
+      if (const double lambda = values.of.face(side[0], side[1]);
+          lambda >= least && !values.of.is_boundary_edge(side[0], side[1]) &&
+          std::find(edges.begin(), edges.end(), side) == edges.end())
+        return fmt::format("a core edge of lambda {:.9g} at {} is missing", lambda, result.describe_vertex(v));
+    return {};
+  };
   const auto missing = [&](std::uint32_t v) -> std::string {
+    if (result.plane) return missing_in_plane(v);
     const std::vector<Ids> facets = hull_facets(values.sites, vertex_sites.at(v));
-    std::vector<Ids> edges, faces;
-    for (std::uint32_t e : result.vertex_edges[v]) edges.push_back(edge_sites(result, vertex_sites, e));
+    const std::vector<Ids> edges = sites_of_edges_at(result, vertex_sites, v);
+    std::vector<Ids> faces;
     for (std::uint32_t f : result.vertex_faces[v]) faces.push_back(face_sites(result, vertex_sites, f));
     for (const Ids& facet : facets) {
       if (!values.of.is_boundary_square(facet) && values.of.edge(facet) >= least) {
@@ -177,9 +189,10 @@ Check check_lambda(const Result& result, const Sites& sites, VertexSites& vertex
           [&](std::uint32_t v) { return values.vertex(v); },
           [&](std::uint32_t v) { return result.describe_vertex(v); });
   if (!check.passed) return check;
-  check.detail = fmt::format("{} of {} vertices, {} of {} lines, {} of {} polygons as their sites give them, rule {}",
-                             vertices.size(), result.rows.size(), lines.size(), result.line_edges.size(), faces.size(),
-                             complex.face_count(), result.ball_rule ? "ball" : "coface");
+  check.detail = fmt::format("{} of {} vertices, {} of {} lines", vertices.size(), result.rows.size(), lines.size(),
+                             result.line_edges.size());
+  if (!result.plane) check.detail += fmt::format(", {} of {} polygons", faces.size(), complex.face_count());
+  check.detail += fmt::format(" as their sites give them, rule {}", result.ball_rule ? "ball" : "coface");
   if (!result.vertex_lambda.empty()) cover(check, "point lambda");
   if (!result.cell_lambda.empty()) cover(check, "cell lambda");
   cover(check, "field lambda_rule");

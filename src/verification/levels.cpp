@@ -319,14 +319,14 @@ Check check_measures(const Result& result) {
   for (const std::string& measure : result.measures) {
     if (!names.insert(measure).second) return failed(name, fmt::format("the measure '{}' is there twice", measure));
     // That arrays of those that Quench writes are missing is said by other checks.
-    if (!is_measure_of_cores(measure) && !find_array(data.cell_data, measure) &&
+    if (!is_measure_of_cores(measure, result.plane) && !find_array(data.cell_data, measure) &&
         !find_array(data.cell_data, measure + "_level"))
       return failed(name, fmt::format("there is no cell array of '{}', which is a measure of the file", measure));
   }
-  for (const char* measure : kMeasuresOfCores)
-    if (!names.contains(measure) && find_array(data.cell_data, measure))
+  for (const DataArray& array : data.cell_data)
+    if (is_measure_of_cores(array.name, result.plane) && !names.contains(array.name))
       return failed(name,
-                    fmt::format("the measures of the file do not have '{}', of which there is an array", measure));
+                    fmt::format("the measures of the file do not have '{}', of which there is an array", array.name));
   cover(check, "field measures");
   check.detail += fmt::format("{}{}", check.detail.empty() ? "" : "; ", fmt::join(result.measures, ", "));
   return check;

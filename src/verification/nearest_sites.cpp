@@ -81,7 +81,8 @@ Sphere nearest_empty_sphere(const Ids& candidates, const Sites& sites, const Vec
 Sites::Sites(const VoxelShape& shape)
     : lattice_(boundary_vertices(shape)),
       scaled_(scale(lattice_, integer_spacing(shape.grid()))),
-      tree_(boxes(scaled_)) {}
+      tree_(boxes(scaled_)),
+      plane_(shape.grid().is_plane()) {}
 
 Sphere::Sphere(const Point& a, const Point& b, const Point& c, const Point& d) : origin(a) {
   const auto u = difference(b, a), v = difference(c, a), w = difference(d, a);
@@ -140,7 +141,8 @@ void VertexSites::prepare(const std::vector<std::uint32_t>& vertices, Context* c
       missing.push_back(v);
     }
   for_indices(missing.size(), context, "verify: nearest sites", [&](std::size_t i) {
-    sets_[missing[i]] = voronoi_vertex(sites_, result_.scaled[missing[i]], result_.rounding);
+    const auto find = sites_.plane() ? voronoi_vertex_of_plane : voronoi_vertex;
+    sets_[missing[i]] = find(sites_, result_.scaled[missing[i]], result_.rounding);
   });
 }
 
@@ -149,6 +151,12 @@ Ids edge_sites(const Result& result, const VertexSites& vertex_sites, std::uint3
   Ids common;
   std::set_intersection(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(common));
   return common;
+}
+
+std::vector<Ids> sites_of_edges_at(const Result& result, const VertexSites& vertex_sites, std::uint32_t vertex) {
+  std::vector<Ids> sets;
+  for (const std::uint32_t e : result.vertex_edges[vertex]) sets.push_back(edge_sites(result, vertex_sites, e));
+  return sets;
 }
 
 Ids face_sites(const Result& result, const VertexSites& vertex_sites, std::size_t face) {

@@ -23,11 +23,13 @@ class Sites {
   const std::vector<LatticePoint>& lattice() const { return lattice_; }
   const std::vector<Point>& scaled() const { return scaled_; }
   const Bvh& tree() const { return tree_; }
+  bool plane() const { return plane_; }
 
  private:
   std::vector<LatticePoint> lattice_;  // in order of z, y, x
   std::vector<Point> scaled_;
   Bvh tree_;
+  bool plane_;
 };
 
 /// Sphere through four sites, exact: with s = p - origin, determinant |s|^2 - linear . s is negative inside. The centre
@@ -47,6 +49,8 @@ struct Sphere {
 /// when there is no such sphere (x is not a Voronoi vertex). Candidates are found in floating point, decided in
 /// integers.
 Ids voronoi_vertex(const Sites& sites, const Vec3& scaled, double rounding);
+/// The same in the plane, with a circle through three sites.
+Ids voronoi_vertex_of_plane(const Sites& sites, const Vec3& scaled, double rounding);
 
 /// Site sets of the vertices of a result, computed on demand.
 class VertexSites {
@@ -71,10 +75,14 @@ Check check_radii(const Result& result, const Sites& sites, Context* context);
 /// Vertices, edges and polygons are Voronoi vertices, whole Voronoi edges and whole Voronoi faces, each once.
 Check check_voronoi(const Result& result, const Sites& sites, VertexSites& vertex_sites, std::size_t samples,
                     Context* context);
+/// The same in the plane: vertices and edges, all of them, and the two sites that the file names for each edge.
+Check check_voronoi_of_plane(const Result& result, const Sites& sites, VertexSites& vertex_sites, Context* context);
 
 /// The common sites of an edge's ends. On an edge between two Voronoi vertices this is the set of nearest sites of all
-/// its inner points: |x-t|^2 - |x-s|^2 is affine in x and not negative at both ends.
+/// its inner points: |x-t|^2 - |x-s|^2 is affine in x and not negative at both ends. In the plane these are two.
 Ids edge_sites(const Result& result, const VertexSites& vertex_sites, std::uint32_t edge);
+/// The same of all edges at a vertex.
+std::vector<Ids> sites_of_edges_at(const Result& result, const VertexSites& vertex_sites, std::uint32_t vertex);
 /// The common sites of a polygon's corners.
 Ids face_sites(const Result& result, const VertexSites& vertex_sites, std::size_t face);
 

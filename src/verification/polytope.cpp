@@ -50,6 +50,17 @@ Ids convex_cycle(const Sites& sites, const Ids& cocircular) {
   return wrap(at, cocircular, cross(at[cocircular[1]] - at[cocircular[0]], at[cocircular[2]] - at[cocircular[0]]));
 }
 
+std::vector<Ids> sides_of_polygon(const Sites& sites, const Ids& cocircular) {
+  if (cocircular.size() < 3) return {};
+  const Ids cycle = convex_cycle(sites, cocircular);
+  std::vector<Ids> sides;
+  for (std::size_t i = 0; i < cycle.size(); ++i) {
+    const std::uint32_t a = cycle[i], b = cycle[(i + 1) % cycle.size()];
+    sides.push_back({std::min(a, b), std::max(a, b)});
+  }
+  return sides;
+}
+
 std::vector<Ids> hull_facets(const Sites& sites, const Ids& cospherical) {
   if (cospherical.size() < 4) return {};
   const auto& at = sites.scaled();
@@ -102,14 +113,16 @@ bool LambdaOfSites::is_boundary_edge(std::uint32_t a, std::uint32_t b) const {
     if (p[i] != q[i]) axis = i;
   }
   if (steps != 1) return false;
+  const bool plane = sites_.plane();
+  const int around = plane ? 2 : 4;
   int inside = 0;
-  for (int c = 0; c < 4; ++c) {
+  for (int c = 0; c < around; ++c) {
     LatticePoint voxel{std::min(p[0], q[0]), std::min(p[1], q[1]), std::min(p[2], q[2])};
-    voxel[(axis + 1) % 3] -= c & 1;
+    voxel[plane ? 1 - axis : (axis + 1) % 3] -= c & 1;
     voxel[(axis + 2) % 3] -= c >> 1;
     inside += shape_.contains(voxel[0], voxel[1], voxel[2]);
   }
-  return inside != 0 && inside != 4;
+  return inside != 0 && inside != around;
 }
 
 bool LambdaOfSites::is_boundary_square(const Ids& cycle) const {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every boundary vertex lies within max(2 t, a voxel diagonal) of the balls of the pruning for detail t.
+// Every boundary vertex lies within max(2 t, the diagonal of a voxel or pixel) of the balls of the pruning for detail
+// t.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -89,7 +90,8 @@ bool says_it_is_whole(const Result& result) {
 
 std::string describe_site(const Result& result, const Sites& sites, std::size_t s) {
   const Vec3 p = position(result, sites, s);
-  return fmt::format("the boundary vertex at ({:.9g}, {:.9g}, {:.9g})", p[0], p[1], p[2]);
+  return result.plane ? fmt::format("the boundary vertex at ({:.9g}, {:.9g})", p[0], p[1])
+                      : fmt::format("the boundary vertex at ({:.9g}, {:.9g}, {:.9g})", p[0], p[1], p[2]);
 }
 
 // Levels give the prunings for larger details: what was chosen, where nothing was pruned yet, and some more.

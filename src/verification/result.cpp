@@ -12,8 +12,9 @@
 
 namespace quench::verification {
 
-bool is_measure_of_cores(std::string_view name) {
-  return std::find(kMeasuresOfCores.begin(), kMeasuresOfCores.end(), name) != kMeasuresOfCores.end();
+bool is_measure_of_cores(std::string_view name, bool plane) {
+  return std::find(kMeasuresOfCores.begin(), kMeasuresOfCores.end(), name) != kMeasuresOfCores.end() ||
+         (plane && name == kMgf);
 }
 
 bool has_numbers(const DataArray& array) { return !std::holds_alternative<std::vector<std::string>>(array.values); }
@@ -33,7 +34,8 @@ std::vector<std::string> texts_or_empty(const std::vector<DataArray>& arrays, st
   return array && !has_numbers(*array) ? std::get<std::vector<std::string>>(array->values) : std::vector<std::string>{};
 }
 
-Result::Result(const VoxelShape& voxels, const Record& file, const VerifyOptions& options) : shape(voxels), data(file) {
+Result::Result(const VoxelShape& voxels, const Record& file, const VerifyOptions& options)
+    : shape(voxels), data(file), plane(voxels.grid().is_plane()) {
   parse_cells();
   parse_arrays(options);
   recover_lattice();
@@ -92,9 +94,10 @@ void Result::parse_arrays(const VerifyOptions& options) {
         for (std::size_t i = 0; i < 3; ++i) p[i] = bounded(xyz[3 * static_cast<std::size_t>(row) + i]);
       return p;
     };
-    const std::size_t first = data.verts.size() + data.lines.size();
+    for (std::size_t l = 0; plane && l < line_edges.size(); ++l)
+      line_sites.push_back({site(a[data.verts.size() + l]), site(b[data.verts.size() + l])});
     for (std::size_t f = 0; f < complex.face_count(); ++f)
-      face_sites.push_back({site(a[first + f]), site(b[first + f])});
+      face_sites.push_back({site(a[first_polygon() + f]), site(b[first_polygon() + f])});
   }
 
   stage = text_or_empty(data.field_data, "stage");
@@ -109,7 +112,7 @@ void Result::parse_arrays(const VerifyOptions& options) {
   detail = options.detail ? *options.detail : details.empty() ? 0 : details[0];
   detail_of_file = !details.empty() && details[0] == detail;
   if (detail >= kInfiniteLevelInFiles) detail = std::numeric_limits<double>::infinity();
-  auto_detail = 0.5 * shape.grid().spacing.norm();
+  auto_detail = 0.5 * shape.grid().diagonal();
 }
 
 void Result::parse_surface() {
@@ -171,7 +174,8 @@ void Result::invert_incidences() {
 
 std::string Result::describe_vertex(std::uint32_t vertex) const {
   const Vec3& p = data.points[rows[vertex]];
-  return fmt::format("point {} at ({:.9g}, {:.9g}, {:.9g})", rows[vertex], p[0], p[1], p[2]);
+  return plane ? fmt::format("point {} at ({:.9g}, {:.9g})", rows[vertex], p[0], p[1])
+               : fmt::format("point {} at ({:.9g}, {:.9g}, {:.9g})", rows[vertex], p[0], p[1], p[2]);
 }
 
 std::string Result::describe_edge(std::uint32_t edge) const {

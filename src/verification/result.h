@@ -51,11 +51,13 @@ struct Result {
   std::vector<double> vertex_lambda;
   std::vector<double> cell_lambda;                      ///< rows of the file: verts, lines, polys
   std::vector<std::array<LatticePoint, 2>> face_sites;  ///< as the file says
+  std::vector<std::array<LatticePoint, 2>> line_sites;  ///< the same in the plane, per line of the file
   std::vector<std::uint32_t> edge_faces_count;          ///< polygons at each edge
   base::Csr<std::uint32_t> vertex_edges, vertex_faces;  ///< edges and polygons at each vertex
 
   std::vector<std::string> measures;  ///< names; of a file that does not say: lambda
   std::string stage;                  ///< empty: none given
+  bool plane = false;                 ///< of a shape of the plane: points and lines only
   bool ball_rule = false;
   double lambda = 0;
   bool lambda_given = false;
@@ -63,7 +65,7 @@ struct Result {
   bool by_detail = false;       ///< pruned by detail, not by lambda
   double detail = 0;            ///< where it was; world units, may be infinite
   bool detail_of_file = false;  ///< it is that of the file
-  double auto_detail = 0;       ///< half the voxel diagonal, world units
+  double auto_detail = 0;       ///< half the diagonal of a voxel or pixel, world units
 
   const Vec3& point(std::uint32_t vertex) const { return data.points[rows[vertex]]; }
   Vec3 voxel_point(std::uint32_t vertex) const;   ///< of the voxel core, world coordinates
@@ -87,7 +89,8 @@ struct Result {
 
 /// The measures that Quench writes into files of cores.
 inline constexpr std::array kMeasuresOfCores{"lambda", "object_angle", "cap_height", "detail"};
-bool is_measure_of_cores(std::string_view name);
+/// Whether it is one of these or, in the plane, `mgf`.
+bool is_measure_of_cores(std::string_view name, bool plane);
 
 /// False for an array of strings.
 bool has_numbers(const DataArray& array);
@@ -138,6 +141,9 @@ void for_indices(std::size_t count, Context* context, std::string_view stage, co
     return true;
   });
 }
+
+/// What a cell of the grid is called, and what the cells of the largest dimension that a core can have.
+inline const char* pixel_or_voxel(const Result& result) { return result.plane ? "pixel" : "voxel"; }
 
 inline Check not_checked(std::string name, const std::string& why) {
   return {std::move(name), true, "not checked: " + why, {}};

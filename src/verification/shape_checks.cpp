@@ -6,6 +6,7 @@
 
 #include "quench/shape.h"
 #include "verification/checks.h"
+#include "verification/plane_boundary.h"
 #include "verification/solid_of_surface.h"
 
 namespace quench::verification {
@@ -16,10 +17,19 @@ std::string describe(const Topology& t) {
   return fmt::format("euler {}, betti {} {} {}", t.euler, t.betti[0], t.betti[1], t.betti[2]);
 }
 
-// True when all voxels that touch x are foreground; x counts as on a voxel face within 1e-9.
+// A graph has as many loops as edges beyond a tree.
+Topology topology_of_graph(const CellComplex& complex) {
+  Topology t;
+  for (const std::uint32_t number : components(complex)) t.betti[0] = std::max(t.betti[0], std::int64_t{number} + 1);
+  t.euler = std::int64_t{complex.vertex_count} - static_cast<std::int64_t>(complex.edges.size());
+  t.betti[1] = t.betti[0] - t.euler;
+  return t;
+}
+
+// True when all voxels (in a plane pixels) that touch x are foreground; x counts as on their boundary within 1e-9.
 bool in_open_shape(const VoxelShape& shape, const Vec3& x) {
-  std::int64_t low[3], high[3];
-  for (int a = 0; a < 3; ++a) {
+  std::int64_t low[3]{0, 0, 0}, high[3]{0, 0, 0};
+  for (int a = 0; a < shape.grid().dimension; ++a) {
     if (!(std::abs(x[a]) < 1e9)) return false;
     const double rounded = std::round(x[a]);
     const bool on_plane = std::abs(x[a] - rounded) <= 1e-9;
@@ -37,7 +47,7 @@ bool in_open_shape(const VoxelShape& shape, const Vec3& x) {
 bool segment_in_open_shape(const VoxelShape& shape, const Vec3& p, const Vec3& q, std::vector<double>& stops) {
   stops.assign({0, 1});
   const Vec3 d = q - p;
-  for (int a = 0; a < 3; ++a) {
+  for (int a = 0; a < shape.grid().dimension; ++a) {
     const double low = std::min(p[a], q[a]), high = std::max(p[a], q[a]);
     for (double plane = std::ceil(low); plane <= high; ++plane)
       if (std::abs(d[a]) > 1e-12) stops.push_back(std::clamp((plane - p[a]) / d[a], 0.0, 1.0));
@@ -52,8 +62,9 @@ bool segment_in_open_shape(const VoxelShape& shape, const Vec3& p, const Vec3& q
 
 }  // namespace
 
-Check check_topology(const Result& result, const TriangleMesh* surface) {
-  const Topology shape = topology(result.shape), complex = topology(result.complex);
+Check check_topology(const Result& result, const TriangleMesh* surface, const BoundaryCurves* boundary) {
+  const Topology shape = boundary ? boundary->topology() : topology(result.shape),
+                 complex = boundary ? topology_of_graph(result.complex) : topology(result.complex);
   Check check{"euler and Betti numbers", shape == complex, describe(shape), {}};
   if (!check.passed) check.detail = fmt::format("shape: {}; result: {}", describe(shape), describe(complex));
   // The field arrays of the file.
@@ -110,8 +121,9 @@ Check check_enclosure(const Result& result, Context* context) {
     return check;
   }
   check.passed = true;
-  check.detail = fmt::format("{} vertices, {} edges, {} polygons (along spokes from their centres)", at.size(),
-                             complex.edges.size(), complex.face_count());
+  check.detail = fmt::format("{} vertices, {} edges", at.size(), complex.edges.size());
+  if (!result.plane)
+    check.detail += fmt::format(", {} polygons (along spokes from their centres)", complex.face_count());
   return check;
 }
 
@@ -149,9 +161,10 @@ std::vector<Vec3> centres_of_share(const Result& result) {
     const auto in = std::upper_bound(stretches.begin(), stretches.end(), index,
                                      [](std::uint64_t at, const Stretch& s) { return at < s.end; });
     const double x = static_cast<double>(in->run->end) - static_cast<double>(in->end - index);
-    centres.push_back(Vec3((x + 0.5) * static_cast<double>(result.scale[0]),
-                           (static_cast<double>(in->y) + 0.5) * static_cast<double>(result.scale[1]),
-                           (static_cast<double>(in->z) + 0.5) * static_cast<double>(result.scale[2])));
+    centres.push_back(
+        (Vec3(x, static_cast<double>(in->y), static_cast<double>(in->z)) + Vec3(0.5, 0.5, result.plane ? 0 : 0.5))
+            .cwiseProduct(Vec3(static_cast<double>(result.scale[0]), static_cast<double>(result.scale[1]),
+                               static_cast<double>(result.scale[2]))));
   }
   return centres;
 }
@@ -193,7 +206,8 @@ Check check_reconstruction(const Result& result, Context* context) {
   const auto share = [&](std::size_t covered) { return static_cast<double>(covered) / count; };
   Check check{name,
               true,
-              fmt::format("{:.4f} of {} sampled voxel centres are inside the balls", share(surely), centres.size()),
+              fmt::format("{:.4f} of {} sampled {} centres are inside the {}", share(surely), centres.size(),
+                          pixel_or_voxel(result), result.plane ? "disks" : "balls"),
               {}};
   // A part of the axis beyond a bridge of cells below lambda may be missing, and nothing else would show it.
   const std::vector<double> claimed = numbers_or_empty(result.data.field_data, "reconstructed");

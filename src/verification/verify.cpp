@@ -37,8 +37,8 @@ std::string structural_defect(const Record& data) {
   return {};
 }
 
-// The first vertex that is more than a voxel outside the grid; empty when none is. Sizes and tolerances of the checks
-// are those of points of the shape: they would take long, or for ever, where coordinates are of any size.
+// The first vertex that is more than a voxel or pixel outside the grid; empty when none is. Sizes and tolerances of the
+// checks are those of points of the shape: they would take long, or for ever, where coordinates are of any size.
 std::string vertex_off_grid(const Result& result) {
   const auto& dims = result.shape.grid().dims;
   const auto in_grid = [&](const Vec3& p) {
@@ -82,13 +82,18 @@ Certificate examine(const VoxelShape& shape, const Record& data, const VerifyOpt
     certificate.checks.push_back(failed("inside the shape", far));
     return certificate;
   }
+  Check dimension = check_dimension(result);
+  if (!dimension.passed || result.plane) certificate.checks.push_back(dimension);
+  if (!dimension.passed) return certificate;
   const Sites sites(shape);
   VertexSites vertex_sites(result, sites);
+  std::optional<BoundaryCurves> boundary;
+  if (result.plane) boundary.emplace(shape, sites);
   const auto add = [&](Check check) { certificate.checks.push_back(std::move(check)); };
 
   add(check_expected(result, options));
   add(check_cells(result));
-  add(check_topology(result, options.surface));
+  add(check_topology(result, options.surface, boundary ? &*boundary : nullptr));
   add(check_enclosure(result, context));
   add(check_radii(result, sites, context));
   if (result.fitted) {
@@ -103,7 +108,8 @@ Certificate examine(const VoxelShape& shape, const Record& data, const VerifyOpt
     }
   }
   if (result.stage == "core") {
-    add(check_voronoi(result, sites, vertex_sites, options.samples, context));
+    add(result.plane ? check_voronoi_of_plane(result, sites, vertex_sites, context)
+                     : check_voronoi(result, sites, vertex_sites, options.samples, context));
     add(check_lambda(result, sites, vertex_sites, options.samples, context));
     add(result.by_detail ? check_detail_pruning(result, sites, vertex_sites, options.samples, context)
                          : check_pruning(result, sites, vertex_sites, options.samples, context));
@@ -114,10 +120,12 @@ Certificate examine(const VoxelShape& shape, const Record& data, const VerifyOpt
   } else {
     const std::string why = result.stage.empty() ? "no FieldData 'stage'" : "the stage is '" + result.stage + "'";
     for (const char* name : {"Voronoi cells", "lambda", "legal pruning"})
-      add(not_checked(name, why + ", this is a property of voxel cores"));
+      add(not_checked(name, fmt::format("{}, this is a property of {} cores", why, pixel_or_voxel(result))));
   }
   if (result.stage.empty())
-    add(not_checked("proximity bound", "no FieldData 'stage', this is a property of voxel cores and parts of them"));
+    add(not_checked(
+        "proximity bound",
+        fmt::format("no FieldData 'stage', this is a property of {} cores and parts of them", pixel_or_voxel(result))));
   else
     add(check_proximity(result, options.samples, context));
   for (Check& check : check_levels(result, sites, vertex_sites, context)) add(std::move(check));
@@ -127,9 +135,15 @@ Certificate examine(const VoxelShape& shape, const Record& data, const VerifyOpt
   add(check_angles(result));
   add(check_cap_heights(result, sites, vertex_sites, options.samples, context));
   add(check_kinds(result));
-  add(check_burning(result));
-  if (has_burn_sequence(data)) add(check_burn_sequence(result));
-  add(check_skeleton_levels(result));
+  if (result.plane) {
+    if (result.stage == "core") add(check_mgf(result, sites, vertex_sites, *boundary, context));
+    add(check_burning_of_plane(result));
+    add(check_skeleton_levels_of_plane(result));
+  } else {
+    add(check_burning(result));
+    if (has_burn_sequence(data)) add(check_burn_sequence(result));
+    add(check_skeleton_levels(result));
+  }
   add(check_branches(result));
   add(check_reconstruction(result, context));
   add(check_fields(result, options));
@@ -147,7 +161,7 @@ bool Certificate::passed() const {
 }
 
 Certificate verify(const VoxelShape& shape, const Record& result, const VerifyOptions& options, Context* context) {
-  if (shape.empty()) throw Error(ErrorCode::input, "the shape to verify against has no voxels");
+  if (shape.empty()) throw Error(ErrorCode::input, "the shape to verify against has no voxels or pixels");
   refuse_conflicts(result, options);
   return base::in_arena(context, [&] { return examine(shape, result, options, context); });
 }
