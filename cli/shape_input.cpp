@@ -33,14 +33,15 @@ std::string topology_text(const Topology& t, bool plane) {
 }
 
 /// Which options have no effect, given on the command line or recorded in a result.
-void say_ignored(const ShapeOptions& options, bool mesh, Session& session) {
+void say_ignored(const ShapeOptions& options, io::Kind kind, Session& session) {
+  const bool mesh = kind == io::Kind::surface, polygons = kind == io::Kind::polygons;
   const ForegroundOptions& f = options.how.foreground;
   std::vector<std::string> given, recorded;
   const auto add = [&](const char* name, bool is_set) {
     const bool was_recorded = std::ranges::find(options.recorded, name) != options.recorded.end();
     if (is_set) (was_recorded ? recorded : given).emplace_back(name);
   };
-  if (mesh) {
+  if (mesh || polygons) {
     add("--threshold", f.threshold.has_value());
     add("--label", f.label.has_value());
     add("--invert", f.invert);
@@ -50,12 +51,18 @@ void say_ignored(const ShapeOptions& options, bool mesh, Session& session) {
   } else {
     add("--resolution", options.how.resolution.has_value());
     add("--fill", options.how.fill.has_value());
-    add("--topology", options.how.topology.has_value());
-    recorded.clear();
   }
+  if (!mesh) add("--topology", options.how.topology.has_value());
+  if (!polygons) {
+    add("--pixel", options.how.pixel.has_value());
+    add("--feature", options.how.feature.has_value());
+  }
+  if (!mesh) recorded.clear();
   const auto say = [&](const std::vector<std::string>& names, const std::string& where) {
     if (names.empty()) return;
     const char* verb = names.size() == 1 ? "is" : "are";
+    if (polygons)
+      return session.say(fmt::format("note: {}{} {} ignored for polygons", fmt::join(names, ", "), where, verb));
     session.say(fmt::format("note: {}{} {} for {} and {} ignored for a {}", fmt::join(names, ", "), where, verb,
                             mesh ? "volumes" : "meshes", verb, mesh ? "mesh" : "volume"));
   };
@@ -119,7 +126,10 @@ void say_shape(const LoadedShape& shape, Session& session) {
                     base::counted(components, "component"), shape.voxelization->surface.components));
   if (!shape.from_mesh && components > 100)
     session.say(fmt::format("note: the {} has {} components; --min-component N drops specks",
-                            plane ? "image" : "volume", components));
+                            shape.polygon ? "polygon"
+                            : plane       ? "image"
+                                          : "volume",
+                            components));
 }
 
 void add_mesh(Json& input, const LoadedShape& shape) {
@@ -197,7 +207,7 @@ void add_shape_options(CLI::App& app, ShapeOptions& o) {
   const auto group = "Shape";
   add_resolution(app, o,
                  "Mesh: voxels along the longest side, 1 to 16384, or 'auto': the smallest of 128, 256 ... 2048 that "
-                 "keeps the topology")
+                 "keeps the topology; polygons: pixels (1024)")
       ->default_str("256")
       ->group(group);
   add_fill(app, o,
@@ -212,6 +222,25 @@ void add_shape_options(CLI::App& app, ShapeOptions& o) {
                "mesh does not, so that it has as many components, tunnels and cavities; 'voxels': every voxel whose "
                "centre is inside, and no other")
       ->default_str("mesh")
+      ->group(group);
+  add_parsed(app, "--pixel",
+             "Polygons: the side of a pixel in the units of the file, instead of a resolution (of 1024)",
+             [&o](const std::string&, const std::string& text) {
+               double side = 0;
+               if (!is_number(text, side) || !(side > 0) || !std::isfinite(side))
+                 throw Error(ErrorCode::usage, fmt::format("--pixel '{}' is not a length above 0", text));
+               o.how.pixel = side;
+             })
+      ->type_name("LENGTH")
+      ->group(group);
+  add_parsed(app, "--feature", "Polygons: the number of the feature of the file, from 0",
+             [&o](const std::string&, const std::string& text) {
+               std::int64_t number = 0;
+               if (!is_number(text, number) || number < 0)
+                 throw Error(ErrorCode::usage, fmt::format("--feature '{}' is not a whole number from 0 on", text));
+               o.how.feature = static_cast<std::uint64_t>(number);
+             })
+      ->type_name("K")
       ->group(group);
   ForegroundOptions& f = o.how.foreground;
   add_threshold(app, f.threshold, "Volume, image: the shape is the voxels or pixels of at least this value")
@@ -241,7 +270,9 @@ void add_shape_options(CLI::App& app, ShapeOptions& o) {
   add_number<std::int64_t>(app, "--min-component", f.min_component, "Drop connected parts of fewer voxels", 0)
       ->type_name("N")
       ->group(group);
-  app.add_flag("--fill-cavities", f.fill_cavities, "Fill cavities that are closed all around")->group(group);
+  app.add_flag("--fill-cavities,--fill-holes", f.fill_cavities,
+               "Fill cavities that are closed all around; of an image its holes")
+      ->group(group);
   add_parsed(
       app, "--surface",
       "What points and radii are fitted to: 'voxels' (nothing), the 'mesh', the 'grey' values of a volume at its "
@@ -269,13 +300,15 @@ void check_exists(const std::filesystem::path& file) {
 void check_shape_options(const ShapeOptions& options) {
   if (options.how.foreground.threshold && options.how.foreground.label)
     throw Error(ErrorCode::usage, "--threshold and --label cannot be combined; give one of them");
+  if (options.how.pixel && options.how.resolution)
+    throw Error(ErrorCode::usage, "--pixel and --resolution cannot be combined; give one of them");
   check_exists(options.file);
   if (io::kind_of(options.file) == io::Kind::unknown) pipeline::refuse_unknown_kind(options.file);
 }
 
 LoadedShape load_shape(const ShapeOptions& options, Session& session) {
   check_shape_options(options);
-  say_ignored(options, io::kind_of(options.file) == io::Kind::surface, session);
+  say_ignored(options, io::kind_of(options.file), session);
   LoadedShape shape = pipeline::load_shape(options.file, options.how, &session.context);
   if (shape.from_mesh)
     say_voxelization(options, shape, session);
@@ -286,9 +319,16 @@ LoadedShape load_shape(const ShapeOptions& options, Session& session) {
   return shape;
 }
 
+/// "mesh", "volume", "image", "polygons".
+static std::string kind_text(const LoadedShape& shape) {
+  if (shape.from_mesh) return "mesh";
+  if (shape.polygon) return "polygons";
+  return shape.shape.grid().is_plane() ? "image" : "volume";
+}
+
 Json input_section(const ShapeOptions& options, const LoadedShape& shape) {
   const bool plane = shape.shape.grid().is_plane();
-  Json input = {{"file", options.file}, {"kind", shape.from_mesh ? "mesh" : plane ? "image" : "volume"}};
+  Json input = {{"file", options.file}, {"kind", kind_text(shape)}};
   if (shape.from_mesh) {
     add_mesh(input, shape);
   } else {

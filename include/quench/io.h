@@ -31,6 +31,9 @@
 ///   .pbm .pgm .ppm .pnm  .bmp  .jpg .jpeg (libjpeg)                    x
 ///   .nrrd (gzip)                                                                  x
 ///
+/// Polygons of the plane (.geojson .json .geojsonl .geojsons .ndjson .wkt .svg) are read by the functions of
+/// quench/polygons.h; lines of the plane are written in these formats by those of quench/graph.h.
+///
 /// Curve graphs (.swc, .graphml, .csv) are written by the functions of quench/graph.h.
 ///
 /// Every reader throws Error(failed) when the file cannot be opened and Error(input) when its content cannot be used,

@@ -82,6 +82,16 @@ std::vector<std::string> take_recorded(ShapeOptions& options, const Record& resu
     options.resolution = *n;
     taken.emplace_back("resolution");
   }
+  const auto is_side = [](double side) { return side > 0 && std::isfinite(side); };
+  if (const auto side = recorded.get<double>("pixel", &Json::is_number, is_side);
+      side && !options.pixel && !options.resolution) {
+    options.pixel = *side;
+    taken.emplace_back("pixel");
+  }
+  if (const auto n = recorded.whole("feature", 0, most); n && !options.feature) {
+    options.feature = static_cast<std::uint64_t>(*n);
+    taken.emplace_back("feature");
+  }
   const auto is_rule = [](const std::string& name) { return fill_of(name).has_value(); };
   if (const auto rule = recorded.get<std::string>("fill", &Json::is_string, is_rule); rule && !options.fill)
     options.fill = fill_of(*rule);
