@@ -2,11 +2,13 @@
 #include "dual/plane/plane.h"
 
 #include <gtest/gtest.h>
+#include <tbb/global_control.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <set>
 #include <string>
@@ -103,7 +105,8 @@ TEST(Plane, FarAndSkewShapesAreThoseOfTheOracle) {
   constexpr std::int32_t kEnd = 1 << 20;
   for (const std::int64_t step : {1, 1 << 17}) {
     VoxelShape shape(plane_grid(kEnd, 4, {1, static_cast<double>(step)}));
-    for (int y = 0; y < 4; ++y) shape.append_row(std::vector<Run>{{0, 2}, {70000 + y, 70002 + y}, {kEnd - 1, kEnd}});
+    for (int y = 0; y < 4; ++y)
+      shape.append_row(std::vector<quench::Run>{{0, 2}, {70000 + y, 70002 + y}, {kEnd - 1, kEnd}});
     expect_same_as_oracle(shape, {1, step}, "step " + std::to_string(step));
   }
 }
@@ -133,9 +136,8 @@ std::int64_t components(const VoxelShape& shape, bool foreground, bool corners) 
   return count;
 }
 
-double squared(const std::array<double, 2>& a, const std::array<double, 2>& b) {
-  return (a[0] - b[0]) * (a[0] - b[0]) + (a[1] - b[1]) * (a[1] - b[1]);
-}
+using Point = std::array<double, 2>;
+double squared(const Point& a, const Point& b) { return (a[0] - b[0]) * (a[0] - b[0]) + (a[1] - b[1]) * (a[1] - b[1]); }
 
 // What needs no oracle, so that shapes may be larger: every circle carries its sites and holds none, its centre is in
 // O; components and holes are those of the pixels.
@@ -225,6 +227,94 @@ TEST(Plane, BoundaryDistances) {
   EXPECT_GT(infinite, 100u);
 }
 
+// The boundary of O as segments, and places of the core, in units of the integer spacing.
+class Proximity {
+ public:
+  explicit Proximity(const VoxelShape& shape) : shape_(shape), spacing_(integer_spacing(shape.grid())) {
+    for (std::int32_t y = 0; y <= shape.grid().dims[1]; ++y)
+      for (std::int32_t x = 0; x <= shape.grid().dims[0]; ++x) {
+        const bool here = shape.contains(x, y, 0);
+        if (here != shape.contains(x, y - 1, 0)) edges_.push_back({scaled(x, y), scaled(x + 1, y)});
+        if (here != shape.contains(x - 1, y, 0)) edges_.push_back({scaled(x, y), scaled(x, y + 1)});
+      }
+  }
+
+  /// The bound of docs/algorithms/voxel_core.md.
+  double beta() const {
+    const auto [low, high] = std::minmax({static_cast<double>(spacing_[0]), static_cast<double>(spacing_[1])});
+    return high * high / (8 * low);
+  }
+
+  /// Vertices of the core and middles of its edges.
+  std::vector<Point> places() const {
+    const PlaneOracle oracle(shape_, {spacing_[0], spacing_[1]});
+    const DualComplex dual = dual_of(shape_);
+    std::vector<Point> points;
+    for (std::uint32_t v = 0; v < dual.complex.vertex_count; ++v) {
+      const auto ids = dual.sites_of(v);
+      const auto p = oracle.centre(*oracle.circle(ids[0], ids[1], ids[2]));
+      const auto d = static_cast<double>(p.denominator);
+      points.push_back({static_cast<double>(p.x) / d * static_cast<double>(spacing_[0]),
+                        static_cast<double>(p.y) / d * static_cast<double>(spacing_[1])});
+    }
+    for (const auto& [u, v] : dual.complex.edges)
+      points.push_back({(points[u][0] + points[v][0]) / 2, (points[u][1] + points[v][1]) / 2});
+    return points;
+  }
+
+  /// Whether a point of the medial axis of O lies between x and what is `distance` farther from its nearest boundary
+  /// point p: x has two of them, or the farther place has another one.
+  bool holds(const Point& x, double distance) const {
+    double nearest = std::numeric_limits<double>::infinity();
+    Point p{};
+    for (const auto& edge : edges_)
+      if (const Point q = nearest_on(edge, x); std::sqrt(squared(q, x)) < nearest)
+        nearest = std::sqrt(squared(q, x)), p = q;
+    const Point y{x[0] + distance * (x[0] - p[0]) / nearest, x[1] + distance * (x[1] - p[1]) / nearest};
+    const auto other = [&](const Point& from, double reach) {
+      return std::ranges::any_of(edges_, [&](const Edge& edge) {
+        const Point q = nearest_on(edge, from);
+        return squared(q, p) > 1e-12 && std::sqrt(squared(q, from)) <= reach * (1 + 1e-9);
+      });
+    };
+    return other(x, nearest) || other(y, nearest + distance);
+  }
+
+ private:
+  using Edge = std::array<Point, 2>;
+  Point scaled(std::int64_t x, std::int64_t y) const {
+    return {static_cast<double>(x * spacing_[0]), static_cast<double>(y * spacing_[1])};
+  }
+  static Point nearest_on(const Edge& edge, const Point& x) {
+    return {std::clamp(x[0], edge[0][0], edge[1][0]), std::clamp(x[1], edge[0][1], edge[1][1])};
+  }
+
+  const VoxelShape& shape_;
+  const std::array<std::int64_t, 3> spacing_;
+  std::vector<Edge> edges_;
+};
+
+void expect_proximity(const VoxelShape& shape, const std::string& where) {
+  const Proximity proximity(shape);
+  for (const Point& x : proximity.places())
+    ASSERT_TRUE(proximity.holds(x, proximity.beta())) << where << "\n" << text(shape) << x[0] << ", " << x[1];
+}
+
+TEST(Plane, CoresAreNearTheMedialAxis) {
+  for (std::uint64_t seed = 0; seed < 1000 && !HasFatalFailure(); ++seed)
+    expect_proximity(random_plane_shape(seed, 12), "seed " + std::to_string(seed));
+  for (std::uint64_t seed = 0; seed < 700 && !HasFatalFailure(); ++seed) {
+    const auto& scale = kScales[seed % std::size(kScales)];
+    expect_proximity(random_plane_shape(seed, 12, {static_cast<double>(scale[0]), static_cast<double>(scale[1])}),
+                     "scaled seed " + std::to_string(seed));
+  }
+  // The bound is attained over the middle of the edge opposite to two corners.
+  const VoxelShape corners = plane_picture({"###", ".#."});
+  const Proximity proximity(corners);
+  EXPECT_TRUE(std::ranges::any_of(proximity.places(),
+                                  [&](const Point& x) { return !proximity.holds(x, 0.999 * proximity.beta()); }));
+}
+
 // Vertices as sorted site lists and edges as pairs of these, sites by their coordinates.
 using Places = std::vector<LatticePoint>;
 struct Geometry {
@@ -283,6 +373,7 @@ TEST(Plane, ThreadsMakeNoDifference) {
   const VoxelShape shape = plane_shape(plane_grid(700, 700), [](int x, int y) {
     return std::sin(0.3 * x + 0.0004 * x * y) + std::sin(0.25 * y - 0.0003 * x * x) > 0.2;
   });
+  const tbb::global_control more(tbb::global_control::max_allowed_parallelism, 5);
   const auto with_threads = [&](int threads) {
     return tbb::task_arena(threads).execute([&] { return dual_of(shape); });
   };
