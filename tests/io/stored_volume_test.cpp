@@ -244,7 +244,8 @@ TEST(StoredVolume, DataFilesThatAreNotFiles) {
 
 TEST(StoredVolume, PipesAreRefusedBeforeTheyAreOpened) {
   const TemporaryFolder folder;
-  for (const char* name : {"p.nrrd", "p.mha", "p.nii", "p.mrc", "p.npy", "p.vol", "p.sof", "p.png", "p.tif"}) {
+  for (const char* name :
+       {"p.nrrd", "p.mha", "p.nii", "p.mrc", "p.npy", "p.vol", "p.sof", "p.png", "p.tif", "p.pgm", "p.bmp"}) {
     const auto file = folder.path() / name;
     ASSERT_EQ(mkfifo(file.c_str(), 0600), 0);
     refusal(file, "not a regular file");
@@ -256,7 +257,7 @@ TEST(StoredVolume, HeaderSizeOfAMetaImageWithItsOwnSamples) {
   const TemporaryFolder folder;
   const auto image = [](int size) {
     return fmt::format(
-        "ObjectType = Image\nNDims = 3\nHeaderSize = {:4}\nDimSize = 2 1 1\nElementType = MET_UCHAR\n"
+        "ObjectType = Image\nNDims = 3\nHeaderSize = {:4}\nDimSize = 1 1 2\nElementType = MET_UCHAR\n"
         "ElementDataFile = LOCAL\n",
         size);
   };
@@ -278,7 +279,7 @@ TEST(StoredVolume, ScaledSamplesAreToldApart) {
       bytes.replace(at, sizeof value, reinterpret_cast<const char*>(&value), sizeof value);
     };
     put(0, std::int32_t{348});
-    for (std::size_t a = 0; a < 8; ++a) put(40 + 2 * a, static_cast<std::int16_t>(a == 0 ? 3 : a == 1 ? 2 : 1));
+    for (std::size_t a = 0; a < 8; ++a) put(40 + 2 * a, static_cast<std::int16_t>(a == 0 ? 3 : a == 3 ? 2 : 1));
     put(70, std::int16_t{4});
     put(72, std::int16_t{16});
     for (std::size_t a = 0; a < 8; ++a) put(76 + 4 * a, 1.0f);

@@ -132,7 +132,7 @@ def hostile():
     whole = pixels[:, :, 0].astype(object) << 16 | pixels[:, :, 1].astype(object) << 8 | pixels[:, :, 2]
     body, right = packed(whole, 24), image(pictures.own_value(pixels))
     found = []
-    for dims in ((8, 5), (7, 6), (0, 5), (7, 0), (2**31 - 1, 5), (7, 2**31 - 1), (2**31 - 1, 2**31 - 1), (-7, 5)):
+    for dims in ((9, 5), (7, 6), (0, 5), (7, 0), (2**31 - 1, 5), (7, 2**31 - 1), (2**31 - 1, 2**31 - 1), (-7, 5)):
         found.append(case(f'claims {dims}', bmp(dims, 24, body), 'v.bmp'))
     found.append(case('height -2^31', bmp((7, 5), 24, body)[:22] + b'\0\0\0\x80' + bmp((7, 5), 24, body)[26:], 'v.bmp'))
     for bits in (0, 2, 3, 5, 12, 48, 64):

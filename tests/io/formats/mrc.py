@@ -131,7 +131,7 @@ def forms():
     samples = volume('int16')
     data = raw(samples)
     flat = samples[:, :, :1]
-    found = [case('one section', header(flat, group=0) + raw(flat), 'v.mrc', mapped(flat)),
+    found = [case('one section', header(flat, group=0) + raw(flat), 'v.mrc', mapped(flat), how=(('dimension', '3'),)),
              case('a stack of images', header(samples, group=0, m=(5, 4, 1), cell=(2.5, 3, 2)) + data, 'v.mrc', mapped(samples)),
              case('a stack of volumes', header(samples, group=401, m=(5, 4, 1), cell=(2.5, 3, 2)) + data, 'v.mrc', mapped(samples),
                   refusable=True)]
