@@ -109,8 +109,8 @@ TEST(PictureStyle, Lines) {
                                     number(kThinPlaneCurveWidth), number(kCurveWidth), number(kThinCurveWidth)));
   expect_in("scene/plane_view.ts", fmt::format("HALF_WIDTH = {};", number(kOutlineWidth)));
   expect_in("scene/plane_view.ts", fmt::format("COVERS = {};", number(kOutlineCovers)));
-  expect_in("app.ts", fmt::format("this.stage.pixelRatio, {})", number(kCurveLeast)));
-  expect_in(file, fmt::format("state.curveWidth / 2 + {}) * pixelRatio", number(kPointMore)));
+  expect_in("app.ts", fmt::format("meta.plane ? 0 : {})", number(kCurveLeast)));
+  expect_in(file, fmt::format("state.curveWidth / 2 + (this.flat ? 1 : {})) * pixelRatio", number(kPointMore)));
   expect_in(file, fmt::format("halfWidth!.value = {} * pixelRatio", number(kBoundaryWidth)));
   expect_in(file, fmt::format("halfWidth!.value = {} * pixelRatio", number(kSeamWidth)));
   const auto power = [](double x, int exponent) {

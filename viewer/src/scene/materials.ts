@@ -57,7 +57,7 @@ export const barMaterial = (shared: SharedUniforms, own: Uniforms, solid: boolea
   material(glsl.barVertex, glsl.barFragment, { ...shared, ...own }, solid ? { alphaToCoverage: true } : { transparent: true, depthWrite: false });
 
 export const ballMaterial = (shared: SharedUniforms, own: Uniforms, transparent: boolean) =>
-  material(glsl.ballVertex, glsl.ballFragment, { ...shared, ...own }, { transparent, depthWrite: !transparent });
+  material(glsl.ballVertex, glsl.ballFragment, { ...shared, ...own }, { transparent, depthWrite: !transparent, alphaToCoverage: !transparent });
 
 export const glassMaterial = (own: Uniforms) => material(glsl.glassVertex, glsl.glassFragment, own, { transparent: true, depthWrite: true });
 

@@ -220,7 +220,8 @@ export const ballFragment = /* glsl */ `
     // Glass balls are clearer in the middle.
     float rim = pow(1.0 - abs(dot(normal, ray)), 2.0);
     if (flat_ > 0.5) rim = smoothstep(2.5, 1.5, (vRadius - sqrt(miss)) / max(fwidth(vAt.x), 1e-30)); // a circle
-    colour = vec4(inFlames(lit(base, normal, -ray, 0.12), glow), opacity < 1.0 ? mix(opacity, 0.85, rim) : 1.0);
+    float solid = flat_ > 0.5 ? clamp((vRadius - sqrt(miss)) / max(fwidth(vAt.x), 1e-30), 0.0, 1.0) : 1.0;
+    colour = vec4(inFlames(lit(base, normal, -ray, 0.12), glow), opacity < 1.0 ? mix(opacity, 0.85, rim) : solid);
   }
 `;
 

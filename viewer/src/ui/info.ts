@@ -96,7 +96,7 @@ export class Info {
     const { unit } = this.page.meta;
     const close = el("button", "plain", "Clear");
     close.addEventListener("click", () => this.onClearPick());
-    const entries: [string, string][] = [["position", picked.position.map((x) => short(x, 5)).join(", ")]];
+    const entries: [string, string][] = [["position", picked.position.slice(0, this.page.meta.plane ? 2 : 3).map((x) => short(x, 5)).join(", ")]];
     for (const [name, value] of Object.entries(picked.measures)) entries.push([labelOf(name), Number.isNaN(value) ? "–" : withUnit(short(value, 4), Number.isFinite(value) ? unitOf(name, unit) : "")]);
     if (this.page.shape.sites || this.page.shape.triangles) entries.push([`${this.page.meta.plane ? "disk" : "ball"} touches`, `the ${this.page.meta.plane ? "outline" : "boundary"} at ${counted(picked.touching.length)} ${picked.touching.length === 1 ? "point" : "points"}`]);
     fill(this.picked, el("header", "", el("h2", "", `Point ${counted(picked.vertex)}`), close), rows(entries));
