@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import json
-import os
-import tempfile
 from typing import Any, Dict, Optional, Tuple
 
 import numpy as np
 
-from ._common import Path, error, need
+from . import _core
+from ._common import Path, file_name, need
 
 
 def marks(complex: Any, sides: Tuple[int, ...]) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -78,25 +77,7 @@ def _feature(kind: str, coordinates: Any, properties: Dict[str, Any]) -> Dict[st
 
 def write_json(value: Dict[str, Any], path: Path) -> None:
     """Over an existing file, and never half written."""
-    target = os.path.realpath(os.fsdecode(path))
-    try:
-        with tempfile.NamedTemporaryFile('w', dir=os.path.dirname(target), delete=False, encoding='utf-8') as file:
-            try:
-                json.dump(value, file, allow_nan=False)
-                file.close()
-                os.chmod(file.name, os.stat(target).st_mode & 0o777 if os.path.exists(target) else 0o666 & ~_umask())
-                os.replace(file.name, target)
-            except BaseException:
-                os.unlink(file.name)
-                raise
-    except OSError as reason:
-        raise error(1, f"'{os.fsdecode(path)}' cannot be written: {reason.strerror}") from reason
-
-
-def _umask() -> int:
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask
+    _core.write_text(file_name(path), json.dumps(value, allow_nan=False))
 
 
 def plot(result: Any, ax: Any, *, cmap: str = 'viridis', linewidth: float = 1.5, colorbar: bool = True) -> Any:

@@ -3,6 +3,7 @@
 #include <pybind11/stl.h>
 
 #include <cmath>
+#include <ostream>
 
 #include "quench/error.h"
 #include "quench/io.h"
@@ -184,6 +185,9 @@ void bind_skeletons(py::module_& m) {
              io::write_graphml(file, g->graph, g->skeleton->axis->core.coordinates);
            })
       .def("write_csv", [](const Graph& g, const std::string& file) { io::write_branches(file, g->graph); });
+  m.def("write_text", [](const std::string& file, const std::string& text) {
+    io::write_atomically(file, [&](std::ostream& out) { out << text; });
+  });
   py::list kinds;
   for (int k = 0; k <= static_cast<int>(CurveGraph::NodeKind::border); ++k)
     kinds.append(name_of(static_cast<CurveGraph::NodeKind>(k)));

@@ -394,7 +394,8 @@ def test_colours_are_asked_for():
             quench.medial_axis(image, threshold=100)
         assert caught.value.argument == 'channel'
     for channel, low, high in (('red', 10, 250), ('green', 200, 240), ('blue', 30, 230), ('luminance', 124, 242)):
-        for image, white in ((colours, 1), (colours[..., :3], 1), (colours.astype(np.uint16) * 257, 257), (colours / 255, 1 / 255)):
+        for image, white in ((colours, 1), (colours[..., :3], 1), (colours.astype(np.uint16) * 257, 257),
+                             (colours / 255, 1 / 255)):
             cut = (low + high) / 2 * white
             assert same(quench.medial_axis(image, channel=channel, threshold=cut, invert=True), wanted)
             assert len(quench.medial_axis(image, channel=channel, threshold=(low - 1) * white).vertices)
@@ -416,7 +417,8 @@ def test_what_only_volumes_or_images_have():
     axis, volume = quench.medial_axis(letter_f()), quench.medial_axis(np.ones((9, 8, 7), bool))
     skeleton = axis.skeleton()
     assert math.isinf(skeleton.theta2) and skeleton.theta1_radii == 0.5 and same(axis.skeleton('inf'), skeleton)
-    for call in (lambda: axis.skeleton(theta2=0.03), lambda: axis.skeleton(0), lambda: quench.skeletonize(letter_f(), theta2='2vox')):
+    for call in (lambda: axis.skeleton(theta2=0.03), lambda: axis.skeleton(0),
+                 lambda: quench.skeletonize(letter_f(), theta2='2vox')):
         with pytest.raises(quench.UsageError, match='theta1') as caught:
             call()
         assert caught.value.argument == 'theta2'
