@@ -100,7 +100,8 @@ Json spacing_json(const Grid& grid) {
 
 std::string cells_text(const pipeline::CellCounts& cells, bool plane) {
   if (plane)
-    return fmt::format("{}, {}", base::counted(cells.vertices, "vertex", "vertices"), base::counted(cells.edges, "edge"));
+    return fmt::format("{}, {}", base::counted(cells.vertices, "vertex", "vertices"),
+                       base::counted(cells.edges, "edge"));
   return fmt::format("{}, {}, {}", base::counted(cells.vertices, "vertex", "vertices"),
                      base::counted(cells.edges, "edge"), base::counted(cells.faces, "face"));
 }
@@ -213,11 +214,11 @@ void say_burned(const pipeline::BurnFigures& burned, std::size_t vertices, Sessi
                                      burned.from_file ? "the file is burned" : "burned", burned.nodes,
                                      burned.options.omega, burned.max_burn_time));
   if (burned.unburned > 0)
-    session.say(fmt::format(
-        "note: {} of {} {} on {}, where no fire comes: the burn time there is infinite (array "
-        "'unburned')",
-        burned.unburned, base::counted(vertices, "vertex", "vertices"), burned.unburned == 1 ? "lies" : "lie",
-        plane ? "loops and between them" : "closed pockets"));
+    session.say(
+        fmt::format("note: {} of {} {} on {}, where no fire comes: the burn time there is infinite (array "
+                    "'unburned')",
+                    burned.unburned, base::counted(vertices, "vertex", "vertices"),
+                    burned.unburned == 1 ? "lies" : "lie", plane ? "loops and between them" : "closed pockets"));
 }
 
 void add_axis_sections(Json& report, const pipeline::AxisRun& run) {

@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "base/text.h"
+#include "option_checks.h"
 #include "program.h"
 #include "quench/io.h"
 #include "quench/picture.h"
@@ -144,7 +145,8 @@ int run_pipeline(const Options& o, Session& session) {
   session.say(fmt::format("{}: {}, {}; topology as that of the shape; {}; also {} and {}", files.skeleton.string(),
                           cells_text(pipeline::counts_of(result.axis.skeleton.skeleton.complex), plane),
                           base::counted(result.axis.graph.branches.size(), "branch", "branches"),
-                          share_text(*result.axis.skeleton.reconstructed, plane), files.swc.string(), files.csv.string()));
+                          share_text(*result.axis.skeleton.reconstructed, plane), files.swc.string(),
+                          files.csv.string()));
   say_little(result, session);
   if (!files.picture.empty()) session.say(fmt::format("{}: a picture of the skeleton", files.picture.string()));
   if (!files.view.empty())
@@ -160,6 +162,16 @@ Action add_run(CLI::App& app) {
   add_core_options(app, o->run.axis);
   add_burn_options(app, o->run.burning);
   add_skeleton_options(app, o->run.skeleton, o->graph);
+  app.add_flag("--extend", o->graph.graph.extend,
+               "Draw free ends out in a straight line to the boundary of the shape (of its voxels or pixels)")
+      ->group("Skeleton");
+  add_parsed(
+      app, "--narrower",
+      "Branches only where the shape is narrower than this; of images and polygons skeleton.geojson and "
+      "skeleton.svg hold the rest as polygons: a fraction of the longest side, 12vox, 3.5abs",
+      [o](const std::string&, const std::string& text) { o->run.narrower = pipeline::parse_length(text, "narrower"); })
+      ->type_name("LENGTH")
+      ->group("Skeleton");
   add_page_options(app, o->max_triangles);
   app.add_flag("--no-view", o->no_view, "Do not write view.html, the interactive page")->group("Page");
   app.add_flag("--no-picture", o->no_picture, "Do not write picture.png, a picture of the skeleton")->group("Page");

@@ -8,8 +8,8 @@
 
 #include "base/text.h"
 #include "option_checks.h"
-#include "report.h"
 #include "quench/io.h"
+#include "report.h"
 
 namespace quench::program {
 namespace {
@@ -45,6 +45,8 @@ void say_ignored(const ShapeOptions& options, bool mesh, Session& session) {
     add("--label", f.label.has_value());
     add("--invert", f.invert);
     add("--spacing", options.how.spacing.has_value());
+    add("--channel", !options.how.channel.empty());
+    add("--dimension", options.how.dimension.has_value());
   } else {
     add("--resolution", options.how.resolution.has_value());
     add("--fill", options.how.fill.has_value());
@@ -75,7 +77,7 @@ void say_voxelization(const ShapeOptions& options, const LoadedShape& shape, Ses
 
 bool is_tiff(const std::string& file) { return extension_of(file) == ".tif" || extension_of(file) == ".tiff"; }
 
-/// "0.5 x 0.5 x 2 um": the sides of a voxel.
+/// "0.5 x 0.5 x 2 um", "0.5 x 0.5 um": the sides of a voxel or pixel.
 std::string spacing_text(const Grid& grid, const std::string& units) {
   const std::string unit = units.empty() ? "" : " " + units;
   if (grid.is_plane()) return fmt::format("{:.6g} x {:.6g}{}", grid.spacing[0], grid.spacing[1], unit);
@@ -86,17 +88,17 @@ void say_volume(const ShapeOptions& options, const LoadedShape& shape, Session& 
   if (!options.how.spacing && !shape.spacing_source.empty() && is_tiff(options.file))
     session.say(fmt::format("note: spacing {} from {}", spacing_text(shape.image, shape.coordinates.units),
                             shape.spacing_source));
-  say_picture(options.file, shape.image, session);
 }
 
 void say_cleaned(const ForegroundReport& report, bool plane, Session& session) {
   const char* of = plane ? "pixel" : "voxel";
-  session.say(fmt::format(
-      "cleaned: {} of {} dropped ({} of the shape), {} of {} filled",
-      base::counted(report.components_removed, "component"), base::counted(report.voxels_removed, of),
-      percent_text(report.voxels_removed, report.voxels_before),
-      plane ? base::counted(report.cavities_filled, "hole") : base::counted(report.cavities_filled, "cavity", "cavities"),
-      base::counted(report.voxels_filled, of)));
+  session.say(fmt::format("cleaned: {} of {} dropped ({} of the shape), {} of {} filled",
+                          base::counted(report.components_removed, "component"),
+                          base::counted(report.voxels_removed, of),
+                          percent_text(report.voxels_removed, report.voxels_before),
+                          plane ? base::counted(report.cavities_filled, "hole")
+                                : base::counted(report.cavities_filled, "cavity", "cavities"),
+                          base::counted(report.voxels_filled, of)));
   if (const std::string much = much_dropped(report); !much.empty()) session.say("warning: " + much);
 }
 
@@ -104,11 +106,10 @@ void say_cleaned(const ForegroundReport& report, bool plane, Session& session) {
 void say_shape(const LoadedShape& shape, Session& session) {
   const Grid& grid = shape.shape.grid();
   const bool plane = grid.is_plane();
-  session.say(fmt::format(
-      "shape: {} of {}, {} inside; {}",
-      plane ? fmt::format("{} x {} pixels", grid.dims[0], grid.dims[1])
-            : fmt::format("{} x {} x {} voxels", grid.dims[0], grid.dims[1], grid.dims[2]),
-      spacing_text(grid, ""), shape.shape.voxel_count(), topology_text(shape.topology, plane)));
+  session.say(fmt::format("shape: {} of {}, {} inside; {}",
+                          plane ? fmt::format("{} x {} pixels", grid.dims[0], grid.dims[1])
+                                : fmt::format("{} x {} x {} voxels", grid.dims[0], grid.dims[1], grid.dims[2]),
+                          spacing_text(grid, ""), shape.shape.voxel_count(), topology_text(shape.topology, plane)));
   const std::int64_t components = shape.topology.betti[0];
   // What the surface says, where it does not tell the topology of the solid.
   if (shape.from_mesh && !shape.topology_changed() && components > shape.voxelization->surface.components)
@@ -147,15 +148,24 @@ void add_mesh(Json& input, const LoadedShape& shape) {
 
 }  // namespace
 
-void say_picture(const std::string& file, const Grid& grid, Session& session) {
-  std::error_code ignored;
-  if (grid.dims[2] != 1 ||
-      !(extension_of(file) == ".png" || is_tiff(file) || std::filesystem::is_directory(file, ignored)))
-    return;
-  session.say(
-      fmt::format("note: '{}' is one picture of {} x {} pixels; it is taken as a slab one voxel thick, whose radii are "
-                  "about half a voxel; for a 3D shape give a folder of slices or a stack",
-                  file, grid.dims[0], grid.dims[1]));
+CLI::Option* add_channel(CLI::App& app, std::string& channel) {
+  return app
+      .add_option("--channel", channel,
+                  "Image with colours: what becomes the value of a pixel: 'luminance' (of Rec. 601, on white where it "
+                  "is transparent), 'alpha', 'red', 'green' or 'blue'; without it alpha where all that is seen has one "
+                  "colour, else luminance")
+      ->type_name("NAME")
+      ->check(one_of({"luminance", "alpha", "red", "green", "blue"}));
+}
+
+CLI::Option* add_dimension(CLI::App& app, std::optional<int>& dimension) {
+  return add_parsed(
+             app, "--dimension",
+             "Volume of one slice: 2 takes it as an image of the plane, 3 as a slab one voxel thick; 3 takes an image "
+             "so, too",
+             [&dimension](const std::string&, const std::string& text) { dimension = text == "2" ? 2 : 3; })
+      ->type_name("N")
+      ->check(one_of({"2", "3"}));
 }
 
 CLI::Option* add_resolution(CLI::App& app, ShapeOptions& o, const std::string& help) {
@@ -180,8 +190,8 @@ CLI::Option* add_topology(CLI::App& app, ShapeOptions& o, const std::string& hel
 
 void add_shape_options(CLI::App& app, ShapeOptions& o) {
   app.add_option("SHAPE", o.file,
-                 "A mesh (.ply .obj .off .stl ...) or a volume (.nrrd .nii.gz .mha .map .vol .npy .tif, a "
-                 "folder of slices ...)")
+                 "A mesh (.ply .obj .off .stl ...), a volume (.nrrd .nii.gz .mha .map .vol .npy .tif, a folder of "
+                 "slices ...) or an image (.png .tif .bmp .jpg .pgm ...)")
       ->type_name("")
       ->required();
   const auto group = "Shape";
@@ -204,25 +214,29 @@ void add_shape_options(CLI::App& app, ShapeOptions& o) {
       ->default_str("mesh")
       ->group(group);
   ForegroundOptions& f = o.how.foreground;
-  add_threshold(app, f.threshold, "Volume: the shape is the voxels of at least this value")
+  add_threshold(app, f.threshold, "Volume, image: the shape is the voxels or pixels of at least this value")
       ->type_name("T")
       ->group(group);
-  add_label(app, f.label, "Volume: the shape is the voxels of exactly this value (0 too)")
+  add_label(app, f.label, "Volume, image: the shape is the voxels or pixels of exactly this value (0 too)")
       ->type_name("K")
       ->group(group);
   add_parsed(
-      app, "--spacing", "Volume: voxel size x,y,z (or one number), instead of the file's",
+      app, "--spacing", "Volume, image: voxel size x,y,z or pixel size x,y (or one number), instead of the file's",
       [&o](const std::string&, const std::string& text) {
         o.how.spacing = pipeline::spacing_in(text);
         o.how.spacing_text = text;
         if (!o.how.spacing)
           throw Error(
               ErrorCode::usage,
-              fmt::format("--spacing '{}' is not a voxel size; give one positive number or three as x,y,z", text));
+              fmt::format("--spacing '{}' is not a voxel or pixel size; give one positive number, three as x,y,z, or "
+                          "two as x,y for an image",
+                          text));
       })
       ->type_name("SIZE")
       ->group(group);
-  app.add_flag("--invert", f.invert, "Volume: the shape is all other voxels of the image")->group(group);
+  add_channel(app, o.how.channel)->group(group);
+  add_dimension(app, o.how.dimension)->group(group);
+  app.add_flag("--invert", f.invert, "Volume, image: the shape is all other voxels or pixels")->group(group);
   app.add_flag("--largest-component", f.largest_component, "Keep the largest connected part only")->group(group);
   add_number<std::int64_t>(app, "--min-component", f.min_component, "Drop connected parts of fewer voxels", 0)
       ->type_name("N")

@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -38,8 +39,8 @@ nlohmann::ordered_json input_section(const ShapeOptions& options, const pipeline
 /// Options not given on the command line are taken from the result in `file`.
 void take_recorded(ShapeOptions& options, const Record& result, const std::string& file);
 
-/// Says that a volume is one picture (PNG, TIFF, a folder with one of them), where it is: a slab one voxel thick is
-/// seldom what was meant.
-void say_picture(const std::string& file, const Grid& grid, Session& session);
+/// --channel and --dimension alone, for commands that show an image.
+CLI::Option* add_channel(CLI::App& app, std::string& channel);
+CLI::Option* add_dimension(CLI::App& app, std::optional<int>& dimension);
 
 }  // namespace quench::program

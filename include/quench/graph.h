@@ -24,10 +24,10 @@ struct CurveGraph {
     double radius = 0;
     NodeKind kind = NodeKind::end;  ///< `sheet`: where curves meet a sheet; `loop`: an arbitrary point of a closed
                                     ///< curve; `border`: where outside_of() has cut a branch
-    std::uint32_t component = 0;  ///< of the whole skeleton, sheets included
-    std::uint32_t degree = 0;     ///< branch ends at the node; a closed branch has two
-    std::uint32_t sheet = kNone;  ///< the patch of sheets the node lies on, or kNone; 0 .. sheets-1
-    std::uint32_t vertex = 0;     ///< of the skeleton
+    std::uint32_t component = 0;    ///< of the whole skeleton, sheets included
+    std::uint32_t degree = 0;       ///< branch ends at the node; a closed branch has two
+    std::uint32_t sheet = kNone;    ///< the patch of sheets the node lies on, or kNone; 0 .. sheets-1
+    std::uint32_t vertex = 0;       ///< of the skeleton
   };
   /// A polyline from node to node. All lengths in world units.
   struct Branch {
@@ -40,6 +40,7 @@ struct CurveGraph {
     double tortuosity = 1;  ///< length over distance of the ends; infinite for a closed branch
     std::uint32_t component = 0;
     std::vector<std::uint32_t> vertices;  ///< of the skeleton, along the branch, ends included; smoothing keeps them
+    std::vector<double> erosion_thickness, mgf;  ///< per point, after add_measures(); else empty
   };
   std::vector<Node> nodes;
   std::vector<Branch> branches;
@@ -113,6 +114,10 @@ CurveGraph extended(const CurveGraph& graph, const VoxelShape& shape);
 /// The branches as far as they are outside of a part of the shape, such as wide_part(), cut where they pass from voxel
 /// to voxel; nodes inside of it go. Its branches have no `vertices`, nor have nodes of kind `border`.
 CurveGraph outside_of(const CurveGraph& graph, const VoxelShape& part);
+
+/// Gives the points of branches the erosion thickness on the curves (infinite where no fire comes) and, in the plane, the
+/// MGF of the skeleton that was drawn with them by with_branches(). Throws Error(usage) when a point is not in it.
+void add_measures(CurveGraph& graph, const Skeleton& drawn);
 
 namespace io {
 

@@ -78,6 +78,11 @@ RunResult run(LoadedShape& shape, const RunOptions& options, Context* context) {
   result.axis = run_axis(result.core.axis, core_file(result.core), !result.core.axis.is_fitted(), result.core.topology,
                          shape.scale(), of_axis, context);
   result.axis.skeleton.reconstructed = reconstructed_share(shape.shape, result.axis.skeleton.skeleton, context);
+  if (options.narrower) {
+    const double width = shape.scale().resolve(*options.narrower, "narrower");
+    result.wide = wide_part(shape.shape, result.core.axis, width, context);
+    result.axis.graph = outside_of(result.axis.graph, *result.wide);
+  }
   checkpoint(context, "skeleton", 1);
   return result;
 }

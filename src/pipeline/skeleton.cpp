@@ -17,7 +17,10 @@ namespace quench::pipeline {
 RefinedAxis curves_of(const MedialAxis& axis, Burning burning, Context* context) {
   require_memory(predicted_skeleton_bytes(burning), "the curves of this medial axis",
                  {"a larger omega", "a larger lambda"}, context);
-  return quench_curves(axis.complex, axis.points, axis.radius, std::move(burning), context);
+  RefinedAxis refined = quench_curves(axis.complex, axis.points, axis.radius, std::move(burning), context);
+  const Measure* mgf = axis.find_measure(kMgf);
+  if (refined.plane && mgf && mgf->value.vertex.size() == refined.points.size()) refined.mgf = mgf->value.vertex;
+  return refined;
 }
 
 FamilyResult family_of(RefinedAxis&& refined, const Topology& wanted, const FamilyFloor& floor, Context* context) {
@@ -106,6 +109,10 @@ SkeletonResult skeleton_of(const FamilyResult& family, const SkeletonOptions& op
   result.topology = topology(result.skeleton.complex);
   checkpoint(context, "skeleton", 1);
   require_topology(result.topology, family.topology, "skeleton", "medial axis");
+  if (options.main_axes) {
+    result.skeleton = main_axes(result.skeleton);
+    result.topology = topology(result.skeleton.complex);
+  }
   checkpoint(context, "topology", 1);
   return result;
 }
@@ -127,6 +134,7 @@ Record skeleton_file(const SkeletonResult& result, const Record& from) {
   if (!skeleton.plane) put("rims_above", std::vector<double>{std::min(skeleton.rims_above, kInfiniteLevelInFiles)});
   put("smooth", std::vector<std::int64_t>{skeleton.smooth});
   put("tips", std::vector<std::string>{skeleton.full_tips ? "full" : "pruned"});
+  if (skeleton.main_axes) put("main_axes", std::vector<std::int64_t>{1});
   if (result.reconstructed) put("reconstructed", std::vector<double>{*result.reconstructed});
   put("euler", std::vector<std::int64_t>{result.topology.euler});
   put("betti", std::vector<std::int64_t>(result.topology.betti.begin(), result.topology.betti.end()), 3);
@@ -203,8 +211,17 @@ CurveGraph draw_branches(SkeletonResult& result, const GraphOptions& options, co
     smooth_sheets_of(result.skeleton, options, scale, context);
     return smoothed_graph(result.skeleton, options, scale);
   });
+  if (options.extend) {
+    if (!options.shape)
+      throw Error(ErrorCode::usage,
+                  "branches can only be drawn out to the boundary of a shape whose voxels or pixels "
+                  "the axis is that of; leave it out, or take the surface 'voxels'",
+                  "extend");
+    graph = extended(graph, *options.shape);
+  }
   result.skeleton = with_branches(result.skeleton, graph);
   require_topology(topology(result.skeleton.complex), result.topology, "skeleton with smooth branches", "skeleton");
+  if (result.skeleton.plane) add_measures(graph, result.skeleton);
   return with_half_a_voxel(std::move(graph), options);
 }
 

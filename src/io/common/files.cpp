@@ -22,7 +22,8 @@ constexpr std::array kAssimpExtensions{".3ds", ".3mf", ".ac",  ".amf",     ".ase
                                        ".lws", ".md2", ".md3", ".md5mesh", ".mdl",  ".ms3d", ".nff",   ".ogex",
                                        ".q3d", ".smd", ".ter", ".wrl",     ".x",    ".x3d",  ".xgl",   ".zgl"};
 constexpr std::array kVolumeExtensions{".nrrd", ".nhdr", ".mha", ".mhd", ".nii", ".mrc", ".map",
-                                       ".tif",  ".tiff", ".png", ".npy", ".vol", ".sof"};
+                                       ".tif",  ".tiff", ".png", ".npy", ".vol", ".sof", ".pbm",
+                                       ".pgm",  ".ppm",  ".pnm", ".bmp", ".jpg", ".jpeg"};
 constexpr std::array kSliceExtensions{".png", ".tif", ".tiff"};
 
 bool among(const auto& list, const std::string& extension) {

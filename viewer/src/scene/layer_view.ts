@@ -69,6 +69,12 @@ export class LayerView {
     this.points = ball({ fixedPixels: { value: 5 }, onCurves: { value: 1 } });
     this.junctions = ball({ fixedPixels: { value: 3 } });
     this.union = ball({});
+    // In the plane all is in one depth: what is drawn last is seen.
+    if (shared.flat_.value)
+      [this.curves.mesh, this.picked.mesh, this.points.mesh].forEach((mesh, i) => {
+        mesh.material.depthTest = false;
+        mesh.renderOrder = 2 + i;
+      });
     for (const mesh of [this.surface, this.boundary.mesh, this.seams.mesh, this.curves.mesh, this.picked.mesh, this.points.mesh, this.junctions.mesh, this.union.mesh]) {
       mesh.frustumCulled = false;
       mesh.matrixAutoUpdate = false;

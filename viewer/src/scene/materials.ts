@@ -36,6 +36,7 @@ export function sharedUniforms() {
     paper: { value: new Vector3(1, 1, 1) },
     viewport: { value: new Vector2(1, 1) },
     perspective: { value: 1 },
+    flat_: { value: 0 },
     sceneOfView: { value: new Matrix4() },
   };
 }
@@ -59,6 +60,8 @@ export const ballMaterial = (shared: SharedUniforms, own: Uniforms, transparent:
   material(glsl.ballVertex, glsl.ballFragment, { ...shared, ...own }, { transparent, depthWrite: !transparent });
 
 export const glassMaterial = (own: Uniforms) => material(glsl.glassVertex, glsl.glassFragment, own, { transparent: true, depthWrite: true });
+
+export const fillMaterial = (own: Uniforms) => material(glsl.glassVertex, glsl.fillFragment, own, { transparent: true, depthTest: false, depthWrite: false });
 
 export const screenMaterial = (own: Uniforms) => material(glsl.screenVertex, glsl.screenFragment, own, { depthTest: false, depthWrite: false });
 
