@@ -300,7 +300,7 @@ def test_geojson(tmp_path):
     axis = quench.medial_axis(image)
     whole = axis.to_geojson()
     assert sum(len(f['geometry']['coordinates']) for f in whole['features']) > len(axis.vertices)
-    with pytest.raises(quench.Error, match='cannot be written'):
+    with pytest.raises(quench.Error, match='cannot write.*does not exist'):
         skeleton.to_geojson(tmp_path / 'no' / 'a.geojson')
 
 
@@ -318,8 +318,8 @@ def test_a_file_of_an_image_gives_what_its_array_gives(tmp_path):
     assert quench.read(tmp_path / 'f.png', spacing=SPACING).spacing.tolist() == list(SPACING)
     assert np.allclose(volume.origin + (volume.direction @ (volume.spacing * [7, 3])), [3, 7])  # of row 7, column 3
     assert close(quench.skeletonize(tmp_path / 'f.png', spacing=SPACING)[200], wanted.skeleton())
-    for bad in ((1, 2, 3), (1,)):
-        with pytest.raises(quench.UsageError, match='pixel size; give one positive number') as caught:
+    for bad in ((1, 2, 3), (1, 2, 2), (1,)):
+        with pytest.raises(quench.UsageError, match='pixel size; give one positive number|three numbers') as caught:
             quench.medial_axis(tmp_path / 'f.png', threshold=100, spacing=bad)
         assert caught.value.argument == 'spacing'
 
