@@ -111,7 +111,7 @@ static void burn_graph(const CellComplex& complex, std::span<const Vec3> points,
     length[e] = (points[complex.edges[e][1]] - points[complex.edges[e][0]]).norm();
   });
   const std::vector<char> all_edges(complex.edges.size(), 1), all_vertices(complex.vertex_count, 1);
-  result.burn_time = burn_curves(complex.edges, all_edges, all_vertices, radius, length).time;
+  result.burn_time = burn_curves(complex.edges, all_edges, all_vertices, radius, length, {}, true).time;
   result.max_burn_time = 0;
   result.unburned = 0;
   result.node_count = complex.vertex_count;

@@ -46,7 +46,7 @@ class Fire {
     });
   }
 
-  CurveFire run(std::span<const char> used, std::span<const std::uint32_t> blocks) {
+  CurveFire run(std::span<const char> used, std::span<const std::uint32_t> blocks, bool by_arrival) {
     Vertices waiting = burn_zones(used, blocks);
     const Zone all({}, start_.size(), 0, 1);
     // Most that wait can go when others have gone.
@@ -63,7 +63,7 @@ class Fire {
       queue_.pop();
       burn_or_wait(burn(v), all, waiting);
     }
-    time_last();
+    time_last(by_arrival);
     CurveFire fire;
     fire.time.resize(start_.size());
     fire.exit.resize(start_.size());
@@ -184,7 +184,7 @@ class Fire {
 
   // The last of a tree burns at its own time: when fire came over all of its edges but that of the neighbour that burns
   // last. Which one this was is not known while they burn.
-  void time_last() {
+  void time_last(bool by_arrival) {
     struct Arrival {
       std::uint32_t at;
       double from_time;
@@ -204,7 +204,8 @@ class Fire {
     });
     std::vector<Arrival> arrivals;
     for (const auto& some : found) arrivals.insert(arrivals.end(), some.begin(), some.end());
-    std::sort(arrivals.begin(), arrivals.end(), [](const Arrival& a, const Arrival& b) {
+    std::sort(arrivals.begin(), arrivals.end(), [by_arrival](const Arrival& a, const Arrival& b) {
+      if (by_arrival) return std::tie(a.at, a.time) < std::tie(b.at, b.time);
       return std::tie(a.at, a.from_time, a.from_turn) < std::tie(b.at, b.from_time, b.from_turn);
     });
     for (std::size_t i = 0; i < arrivals.size(); ++i) {
@@ -228,8 +229,8 @@ class Fire {
 
 CurveFire burn_curves(std::span<const std::array<std::uint32_t, 2>> edges, std::span<const char> of_curves,
                       std::span<const char> used, std::span<const double> start, std::span<const double> length,
-                      std::span<const std::uint32_t> blocks) {
-  return Fire(edges, of_curves, start, length).run(used, blocks);
+                      std::span<const std::uint32_t> blocks, bool by_arrival) {
+  return Fire(edges, of_curves, start, length).run(used, blocks, by_arrival);
 }
 
 }  // namespace quench::burning

@@ -20,9 +20,11 @@ struct CurveFire {
 /// `of_curves`: per edge, whether it is part of the graph. `start`: per vertex, the earliest time at which it burns;
 /// infinite: never, as if on a loop. `length`: per edge. Vertices of no edge burn at their start if `used`. Ties: the
 /// smaller vertex first. `blocks`: where vertices with another order in space begin; threads burn shares of each, so
-/// this matters for their time only. O(n) and a queue for the vertices whose fire may go either way.
+/// this matters for their time only. `by_arrival`: the last vertex of a tree burns when fire has come over all of its
+/// edges but the one over which it would come last, which is exact however long edges are; else all but that of the
+/// neighbour that burns last. O(n) and a queue for the vertices whose fire may go either way.
 CurveFire burn_curves(std::span<const std::array<std::uint32_t, 2>> edges, std::span<const char> of_curves,
                       std::span<const char> used, std::span<const double> start, std::span<const double> length,
-                      std::span<const std::uint32_t> blocks = {});
+                      std::span<const std::uint32_t> blocks = {}, bool by_arrival = false);
 
 }  // namespace quench::burning

@@ -91,7 +91,7 @@ void burn_curve_network(RefinedAxis& axis, Context* context) {
   measure([](std::uint32_t v) { return v; });
   {
     burning::CurveFire first =
-        burning::burn_curves(edges, of_curves, axis.curve_vertex, axis.burn_time, length, blocks);
+        burning::burn_curves(edges, of_curves, axis.curve_vertex, axis.burn_time, length, blocks, axis.plane);
     axis.exit = std::move(first.exit);
     if (axis.plane) {  // edges are courses as they are: there is nothing to move or to tighten
       axis.curve_burn_time = std::move(first.time);

@@ -78,15 +78,15 @@ class FireOnGraph {
 std::string wrong_fire(const Result& result, const PointMeasure& time) {
   const FireOnGraph fire(result);
   const bool core = result.stage != "skeleton";
-  // Branches of skeletons may be drawn anew, up to the diagonal of a pixel beside the axis.
-  const bool drawn = !core && find_array(result.data.cell_data, "branch");
+  // On the way of branches that were smoothed points slide along, up to the diagonal of a pixel beside the axis.
+  const std::vector<char> smoothed = smoothed_vertices(result);
   for (std::uint32_t v = 0; v < result.rows.size(); ++v) {
-    const double expected = fire.time(v);
-    if (time.infinite[v] != (std::isinf(expected) ? 1 : 0))
+    const double there = fire.time(v), expected = smoothed[v] ? result.radius[v] : there;
+    if (time.infinite[v] != (std::isinf(there) ? 1 : 0))
       return fmt::format("{} has {:.9g} in 'unburned', and it is {} a loop or between two", result.describe_vertex(v),
-                         time.infinite[v], std::isinf(expected) ? "on" : "neither on");
-    if (std::isinf(expected)) continue;
-    const double off = kSingle * expected + (drawn ? 2 * result.auto_detail : 0) +
+                         time.infinite[v], std::isinf(there) ? "on" : "neither on");
+    if (std::isinf(there)) continue;
+    const double off = kSingle * expected + (core ? 0 : 2 * result.auto_detail) +
                        4 * result.rounding * result.unit * static_cast<double>(result.rows.size());
     if (!(time.value[v] >= expected - off) || (core && time.value[v] > expected + off))
       return fmt::format("{} burns at {:.9g}; fire along its {} is there at {:.9g}", result.describe_vertex(v),
@@ -116,9 +116,10 @@ Check check_burning_of_plane(const Result& result) {
   cover(check, "point erosion_thickness");
   if (result.stage == "core") cover(check, "point burn_time");
   const auto unburned = std::count(time.infinite.begin(), time.infinite.end(), 1.0);
-  check.detail = fmt::format("fire along the edges comes to {} points {}, and never to {} on loops and between them",
-                             time.infinite.size() - static_cast<std::size_t>(unburned),
-                             result.stage == "skeleton" ? "no later than at their times" : "at their times", unburned);
+  check.detail =
+      fmt::format("fire along the edges comes to {} points {} their times, and never to {} on loops and between them",
+                  time.infinite.size() - static_cast<std::size_t>(unburned),
+                  result.stage == "skeleton" ? "before" : "at", unburned);
   return check;
 }
 
