@@ -135,7 +135,8 @@ def read(path: Path, *, spacing: Spacing = None, radii: Optional[Path] = None, d
     ----------
     path : str or path
         Volumes: .nrrd .nii.gz .mha .mrc .tif .npy .vol, a folder of slices; images: .png and others; meshes: .ply .obj
-        .off .stl; medial axes of Quench or another program: .vtp .ply .ma (a surface with a radius per vertex is taken for one).
+        .off .stl; medial axes of Quench or another program: .vtp .ply .ma (a surface with a radius per vertex is taken for
+        one).
     spacing : float or a float per axis, optional
         Size of voxels (x, y, z) or pixels (y, x), instead of what the file says.
     radii : str or path, optional

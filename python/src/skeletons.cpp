@@ -36,6 +36,7 @@ std::shared_ptr<GraphValue> graph_of(const Pointer& s, int smooth, const std::st
   result->skeleton = s;
   result->graph =
       run(listener, threads, [&](Context&) { return pipeline::measured_graph(s->member, options, s->axis->scale()); });
+  if (s->member.plane) add_measures(result->graph, with_branches(s->member, result->graph));
   return result;
 }
 
@@ -84,7 +85,7 @@ py::dict branches_of(const CurveGraph& g) {
 py::list paths_of(const std::shared_ptr<GraphValue>& g) {
   py::list result;
   for (const CurveGraph::Branch& b : g->graph.branches)
-    result.append(py::make_tuple(view(g, b.points), view(g, b.radius)));
+    result.append(py::make_tuple(view(g, b.points), view(g, b.radius), view(g, b.erosion_thickness), view(g, b.mgf)));
   return result;
 }
 

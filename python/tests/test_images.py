@@ -287,14 +287,20 @@ def test_geojson(tmp_path):
         assert np.array_equal(path, graph.paths[b]) and np.array_equal(row['radius'], graph.radii[b]) and row['branch'] == b
         assert row['length'] == pytest.approx(np.linalg.norm(np.diff(path, axis=0), axis=1).sum())
         assert row['min_radius'] == min(row['radius']) <= row['mean_radius'] <= row['max_radius'] == max(row['radius'])
-        assert row['erosion_thickness'] == (None if np.isinf(branches['thickness'][b]) else branches['thickness'][b])
+        assert row['thickness'] == (None if np.isinf(branches['thickness'][b]) else branches['thickness'][b])
+        assert all(len(row[name]) == len(path) for name in ('radius', 'erosion_thickness', 'mgf'))
+        if row['thickness'] is not None:
+            assert 0 <= max(row['erosion_thickness']) <= row['thickness'] * (1 + 1e-9)
         pixel = np.floor(path[:, ::-1] / SPACING + 0.5 + 1e-9).astype(int)
         assert image[tuple(pixel.T)].all()
     loop, = [line for line in lines if line['properties']['from_kind'] == 'loop']
     assert loop['geometry']['coordinates'][0] == loop['geometry']['coordinates'][-1]
-    assert loop['properties']['erosion_thickness'] is None and loop['properties']['tortuosity'] is None
-    for point in points:
-        assert point['properties']['branch'] is None and len(point['geometry']['coordinates']) == 2
+    assert loop['properties']['thickness'] is None and loop['properties']['tortuosity'] is None
+    assert set(loop['properties']['erosion_thickness']) == set(loop['properties']['mgf']) == {None}
+    point, = points
+    assert point['properties']['kind'] == 'isolated' and np.allclose(point['geometry']['coordinates'], [6 * 0.5, 53 * 2])
+    smooth = skeleton.graph(smooth=0, resample='3vox')
+    assert [len(path) for path in smooth.paths] == [len(values) for values in smooth.mgf] == [len(r) for r in smooth.radii]
     skeleton.save(tmp_path / 'b.geojson')
     assert (tmp_path / 'b.geojson').read_bytes() == (tmp_path / 'a.geojson').read_bytes()
     axis = quench.medial_axis(image)
