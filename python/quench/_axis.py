@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import cached_property
-from typing import Any, Iterator, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
+from typing import Any, Dict, Iterator, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
@@ -134,8 +134,9 @@ def read(path: Path, *, spacing: Spacing = None, radii: Optional[Path] = None, d
     Parameters
     ----------
     path : str or path
-        Volumes: .nrrd .nii.gz .mha .mrc .tif .npy .vol, a folder of slices; images: .png and others; meshes: .ply .obj .off .stl; medial axes of
-        Quench or another program: .vtp .ply .ma (a surface with a radius per vertex is taken for one).
+        Volumes: .nrrd .nii.gz .mha .mrc .tif .npy .vol, a folder of slices; images: .png and others; meshes: .ply .obj
+        .off .stl; medial axes of Quench or another program: .vtp .ply .ma (a surface with a radius per vertex is taken for
+        one).
     spacing : float or a float per axis, optional
         Size of voxels (x, y, z) or pixels (y, x), instead of what the file says.
     radii : str or path, optional
@@ -537,7 +538,7 @@ class MedialAxis(Complex):
         """
         return self._image(self._core.shape, shape, return_distance)
 
-    def to_geojson(self, path: Optional[Path] = None) -> Any:
+    def to_geojson(self, path: Optional[Path] = None) -> Dict[str, Any]:
         """Of an image: all branches of the axis, as :meth:`Skeleton.to_geojson` gives those of a skeleton."""
         self._of_image('to_geojson()', 'save()')
         return self.skeleton(theta1=0).to_geojson(path)

@@ -119,7 +119,7 @@ def reals(value: Any, what: str) -> np.ndarray:
 
 
 def spacing_of(spacing: Spacing, dimension: Optional[int] = None) -> Optional[Tuple[float, float, float]]:
-    """Along x, y and z, as the core takes it, of one positive number or of one per axis of the array; or None.
+    """Along x, y and z (0: there are two), as the core takes it, of one positive number or one per axis of the array; or None.
 
     Arrays of two axes are image[y, x]. Without `dimension` there may be two or three numbers.
     """
@@ -135,7 +135,7 @@ def spacing_of(spacing: Spacing, dimension: Optional[int] = None) -> Optional[Tu
         raise error(2, f'spacing={spacing!r} is neither a voxel size nor a pixel size; give one positive number, or one per '
                        'axis of the array: three, or two of an image, (y, x)', 'spacing')
     if len(values) == 2:
-        values = [values[1], values[0], min(values)]
+        values = [values[1], values[0], 0]  # as the library has two numbers
     return (float(values[0]), float(values[1]), float(values[2]))
 
 

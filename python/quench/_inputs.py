@@ -72,7 +72,8 @@ class Volume:
         return self.array.dtype
 
     def __repr__(self) -> str:
-        return f'{"Image" if self.array.ndim == 2 else "Volume"} of {self.array.shape} {self.array.dtype}, spacing {tuple(self.spacing)}'
+        kind = 'Image' if self.array.ndim == 2 else 'Volume'
+        return f'{kind} of {self.array.shape} {self.array.dtype}, spacing {tuple(self.spacing)}'
 
 
 CHANNELS = ('luminance', 'alpha', 'red', 'green', 'blue')
@@ -89,7 +90,8 @@ def _channel(array: np.ndarray, channel: str) -> np.ndarray:
     """One value per pixel of an image with colours, as files of images are read: luminance is that of ITU-R BT.601, on a
     white ground where pixels are transparent."""
     if array.ndim != 3 or array.shape[2] not in (3, 4):
-        raise error(2, f'channel={channel!r} is of images of shape (rows, columns, 3 or 4); this one is {array.shape}', 'channel')
+        raise error(2, f'channel={channel!r} is of images of shape (rows, columns, 3 or 4); the shape of this one is '
+                       f'{array.shape}', 'channel')
     if channel == 'alpha' and array.shape[2] == 3:
         raise error(2, "channel='alpha' is not in an image of three channels; take its luminance or a colour", 'channel')
     if channel != 'luminance':

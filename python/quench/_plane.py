@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import json
-import os
-import tempfile
 from typing import Any, Dict, Optional, Tuple
 
 import numpy as np
 
-from ._common import Path, error, need
+from . import _core
+from ._common import Path, file_name, need
 
 
 def marks(complex: Any, sides: Tuple[int, ...]) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -53,21 +52,24 @@ def image(complex: Any, mask: np.ndarray, return_distance: bool, branch: Optiona
     return mask, distance
 
 
-def _number(value: Any) -> Optional[float]:
-    return float(value) if np.isfinite(value) else None  # JSON has no infinity
+def _number(value: float) -> Optional[float]:
+    return value if np.isfinite(value) else None  # JSON has no infinity
 
 
 def geojson(graph: Any, y_down: bool) -> Dict[str, Any]:
-    """See Graph.to_geojson."""
-    table, nodes = graph.branches, graph.nodes
+    """See Graph.to_geojson. Features are those of the files of the program."""
+    names = ('from', 'to', 'from_kind', 'to_kind', 'length', 'mean_radius', 'min_radius', 'max_radius', 'thickness',
+             'tortuosity')
+    arrays = {'radius': graph.radii, 'erosion_thickness': graph.erosion_thickness, 'mgf': graph.mgf}
     features = []
-    for b, (path, radius) in enumerate(zip(graph.paths, graph.radii)):
-        row = {name: table[name][b].item() for name in ('component', 'from_kind', 'to_kind')}
-        row.update({name: _number(table[name][b]) for name in ('length', 'mean_radius', 'min_radius', 'max_radius')},
-                   erosion_thickness=_number(table['thickness'][b]), tortuosity=_number(table['tortuosity'][b]))
-        features.append(_feature('LineString', path.tolist(), {'branch': b, **row, 'radius': radius.tolist()}))
-    for n in np.flatnonzero(nodes['kind'] == 'isolated'):
-        row = {'branch': None, 'component': nodes['component'][n].item(), 'radius': [float(nodes['radius'][n])]}
+    for b, path in enumerate(graph.paths):
+        row: Dict[str, Any] = {'branch': b, **{name: graph.branches[name][b].item() for name in names}}
+        row.update({name: _number(row[name]) for name in names[4:]})
+        row.update({name: [_number(value) for value in lists[b].tolist()] for name, lists in arrays.items()})
+        features.append(_feature('LineString', path.tolist(), row))
+    nodes = graph.nodes
+    for n in np.flatnonzero(nodes['kind'] == 'isolated').tolist():
+        row = {'from': n, 'kind': 'isolated', 'radius': float(nodes['radius'][n])}
         features.append(_feature('Point', [float(nodes['x'][n]), float(nodes['y'][n])], row))
     return {'type': 'FeatureCollection', 'y_axis': 'down' if y_down else 'up', 'features': features}
 
@@ -78,25 +80,7 @@ def _feature(kind: str, coordinates: Any, properties: Dict[str, Any]) -> Dict[st
 
 def write_json(value: Dict[str, Any], path: Path) -> None:
     """Over an existing file, and never half written."""
-    target = os.path.realpath(os.fsdecode(path))
-    try:
-        with tempfile.NamedTemporaryFile('w', dir=os.path.dirname(target), delete=False, encoding='utf-8') as file:
-            try:
-                json.dump(value, file, allow_nan=False)
-                file.close()
-                os.chmod(file.name, os.stat(target).st_mode & 0o777 if os.path.exists(target) else 0o666 & ~_umask())
-                os.replace(file.name, target)
-            except BaseException:
-                os.unlink(file.name)
-                raise
-    except OSError as reason:
-        raise error(1, f"'{os.fsdecode(path)}' cannot be written: {reason.strerror}") from reason
-
-
-def _umask() -> int:
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask
+    _core.write_text(file_name(path), json.dumps(value, allow_nan=False))
 
 
 def plot(result: Any, ax: Any, *, cmap: str = 'viridis', linewidth: float = 1.5, colorbar: bool = True) -> Any:

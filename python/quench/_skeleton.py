@@ -88,6 +88,9 @@ class Graph:
         The course of each branch: x, y, z or x, y.
     radii : list of (n,) arrays
         The radius along it.
+    erosion_thickness, mgf : list of (n,) arrays
+        Of an image, what else is measured along it; infinite on loops, and where the boundary points are on different
+        outlines. Of volumes empty.
     """
 
     def __init__(self, core: '_core.Graph'):
@@ -117,11 +120,19 @@ class Graph:
 
     @cached_property
     def paths(self) -> List[np.ndarray]:
-        return [np.asarray(points)[:, :self._core.dimension] for points, _ in self._paths]
+        return [np.asarray(path[0])[:, :self._core.dimension] for path in self._paths]
 
     @cached_property
     def radii(self) -> List[np.ndarray]:
-        return [np.asarray(radius) for _, radius in self._paths]
+        return [np.asarray(path[1]) for path in self._paths]
+
+    @cached_property
+    def erosion_thickness(self) -> List[np.ndarray]:
+        return [np.asarray(path[2]) for path in self._paths]
+
+    @cached_property
+    def mgf(self) -> List[np.ndarray]:
+        return [np.asarray(path[3]) for path in self._paths]
 
     def to_networkx(self) -> Any:
         """A ``networkx.MultiGraph``: rows of `nodes` and `branches` are the attributes, `path` and `radii` those of edges."""
@@ -293,9 +304,10 @@ class Skeleton(Complex):
         -------
         dict
             Coordinates are (x, y) as in `vertices`; ``y_axis`` says "down" or "up". Properties are `branch` (the row of
-            :meth:`branches`), `component`, `length`, `mean_radius`, `min_radius`, `max_radius`, `erosion_thickness`,
-            `tortuosity` (null where infinite), `from_kind`, `to_kind`, and `radius`, an array with a number per point. A
-            component that is one point is a Point, and its `branch` null.
+            :meth:`branches`) and, of the columns there, `from`, `to`, `from_kind`, `to_kind`, `length`, `mean_radius`,
+            `min_radius`, `max_radius`, `thickness`, `tortuosity`; and arrays with a number per point, `radius`,
+            `erosion_thickness`, `mgf`. What is infinite is null. A component that is one point is a Point with `from`,
+            its row of ``graph().nodes``, `kind` "isolated" and `radius`.
 
         Examples
         --------

@@ -93,6 +93,7 @@ pipeline::Pruning pruning_of(const std::string& measure, const std::string& thre
 VerifyOptions verify_options(const Shape& shape, std::size_t samples) {
   VerifyOptions options;
   options.samples = samples;
+  if (shape.shape.grid().is_plane()) options.y_down = shape.coordinates.y_down;
   if (shape.surface) {
     options.surface = &shape.surface->mesh();
     options.surface_kind = name_of(shape.surface->kind());

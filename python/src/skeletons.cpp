@@ -3,6 +3,7 @@
 #include <pybind11/stl.h>
 
 #include <cmath>
+#include <ostream>
 
 #include "quench/error.h"
 #include "quench/io.h"
@@ -35,6 +36,7 @@ std::shared_ptr<GraphValue> graph_of(const Pointer& s, int smooth, const std::st
   result->skeleton = s;
   result->graph =
       run(listener, threads, [&](Context&) { return pipeline::measured_graph(s->member, options, s->axis->scale()); });
+  if (s->member.plane) add_measures(result->graph, with_branches(s->member, result->graph));
   return result;
 }
 
@@ -83,7 +85,7 @@ py::dict branches_of(const CurveGraph& g) {
 py::list paths_of(const std::shared_ptr<GraphValue>& g) {
   py::list result;
   for (const CurveGraph::Branch& b : g->graph.branches)
-    result.append(py::make_tuple(view(g, b.points), view(g, b.radius)));
+    result.append(py::make_tuple(view(g, b.points), view(g, b.radius), view(g, b.erosion_thickness), view(g, b.mgf)));
   return result;
 }
 
@@ -184,6 +186,9 @@ void bind_skeletons(py::module_& m) {
              io::write_graphml(file, g->graph, g->skeleton->axis->core.coordinates);
            })
       .def("write_csv", [](const Graph& g, const std::string& file) { io::write_branches(file, g->graph); });
+  m.def("write_text", [](const std::string& file, const std::string& text) {
+    io::write_atomically(file, [&](std::ostream& out) { out << text; });
+  });
   py::list kinds;
   for (int k = 0; k <= static_cast<int>(CurveGraph::NodeKind::border); ++k)
     kinds.append(name_of(static_cast<CurveGraph::NodeKind>(k)));
