@@ -63,6 +63,7 @@ Action add_skeleton(CLI::App& app) {
     };
     options.graph = o->graph.graph;
     if (loaded.voxel_core) options.graph.voxel = loaded.spacing;
+    if (loaded.sites) options.graph.sites = &*loaded.sites;
     const pipeline::AxisRun run = pipeline::run_axis(loaded.axis, std::move(loaded.data), loaded.voxel_core,
                                                      topology(loaded.axis.complex), loaded.scale, options, context);
     add_axis_sections(report, run);

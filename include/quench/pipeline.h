@@ -257,6 +257,15 @@ Record core_file(CoreResult&& core);
 std::optional<double> field_number(const Record& data, const char* name);
 std::optional<std::string> field_text(const Record& data, const char* name);
 
+/// Boundary vertices of a pixel shape, from which radii of points between those of the axis are known.
+struct PlaneSites {
+  Grid grid;
+  std::vector<LatticePoint> sites;  ///< in order of y, x
+  /// The distance of a point of the plane to the nearest site; infinite where there are none. O(r log n) for r rows of
+  /// pixels within that distance.
+  double distance(const Vec3& point) const;
+};
+
 /// A medial axis ready for burning. Vertex v of the axis is row v of the file.
 struct LoadedAxis {
   MedialAxis axis;
@@ -265,6 +274,7 @@ struct LoadedAxis {
   Vec3 spacing = Vec3::Zero();  ///< of the voxel shape, where the file says so
   bool voxel_core = false;      ///< of Quench, not fitted: the radius between vertices follows from theirs
   Coordinates coordinates;      ///< where the file says so
+  std::optional<PlaneSites> sites;  ///< of a pixel shape: those that cells of the file have as nearest
 };
 
 /// Reads a surface or an axis, if there is memory for it.
@@ -379,6 +389,7 @@ struct GraphOptions {
   const VoxelShape* shape = nullptr;  ///< where it is known: segments are tested against its voxels
   Vec3 voxel = Vec3::Zero();          ///< spacing of the voxels; 0 for axes that are fitted or of other programs
   const Surface* surface = nullptr;   ///< that a fitted axis is fitted to, where it is known: radii are distances to it
+  const PlaneSites* sites = nullptr;  ///< of the plane, where they are known: radii are distances to them
   bool extend = false;                ///< free ends are drawn out to the boundary of `shape`: extended()
 };
 

@@ -46,7 +46,8 @@ void add_measures(CurveGraph& graph, const Skeleton& drawn) {
       const std::uint32_t v = vertices.at(point);
       if (v == kNone) throw Error(ErrorCode::usage, "the branches are not those of the skeleton");
       const double time = drawn.curve_burn_time[v];
-      branch.erosion_thickness.push_back(std::isinf(time) ? time : std::max(0.0, time - drawn.burn_time[v]));
+      branch.erosion_thickness.push_back(
+          std::isinf(time) ? time : std::max(0.0, time - (drawn.plane ? drawn.radius[v] : drawn.burn_time[v])));
       if (!drawn.mgf.empty()) branch.mgf.push_back(drawn.mgf[v]);
     }
   }

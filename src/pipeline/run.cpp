@@ -75,6 +75,11 @@ RunResult run(LoadedShape& shape, const RunOptions& options, Context* context) {
     of_axis.graph.shape = &shape.shape;
     of_axis.graph.voxel = shape.shape.grid().spacing;
   }
+  PlaneSites sites;
+  if (shape.shape.grid().is_plane()) {
+    sites = {shape.shape.grid(), boundary_vertices(shape.shape)};
+    of_axis.graph.sites = &sites;
+  }
   result.axis = run_axis(result.core.axis, core_file(result.core), !result.core.axis.is_fitted(), result.core.topology,
                          shape.scale(), of_axis, context);
   result.axis.skeleton.reconstructed = reconstructed_share(shape.shape, result.axis.skeleton.skeleton, context);

@@ -77,11 +77,9 @@ double thickness_of_rims(const SkeletonOptions& options, const Scale& scale, dou
 // What is no branch by itself: the fires beside it die out.
 double minor_curve(const Scale& scale) { return 4 * scale.detail; }
 
-// Radii as distances to a surface, where the point is inside.
-void measure_radii(CurveGraph& graph, const Surface& surface) {
-  const auto measure = [&](const Vec3& point, double& radius) {
-    if (const Surface::Foot foot = surface.nearest(point); foot.inside) radius = foot.distance;
-  };
+// Radii as distances to a surface, where the point is inside; of the plane, to the boundary vertices.
+template <class Measure>
+void measure_radii(CurveGraph& graph, const Measure& measure) {
   for (auto& node : graph.nodes) measure(node.point, node.radius);
   for (auto& branch : graph.branches) {
     for (std::size_t i = 0; i < branch.points.size(); ++i) measure(branch.points[i], branch.radius[i]);
@@ -181,7 +179,12 @@ CurveGraph smoothed_graph(const Skeleton& skeleton, const GraphOptions& options,
   if (const VoxelShape* shape = options.shape)
     smoothing.inside = [shape](const Vec3& a, const Vec3& b) { return contains_segment(*shape, a, b); };
   CurveGraph graph = smoothed(curve_graph(skeleton), smoothing);
-  if (options.surface) measure_radii(graph, *options.surface);
+  if (options.surface)
+    measure_radii(graph, [&](const Vec3& point, double& radius) {
+      if (const Surface::Foot foot = options.surface->nearest(point); foot.inside) radius = foot.distance;
+    });
+  if (options.sites)
+    measure_radii(graph, [&](const Vec3& point, double& radius) { radius = options.sites->distance(point); });
   return graph;
 }
 
