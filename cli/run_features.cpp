@@ -209,6 +209,7 @@ int run_features(const RunProgram& o, Session& session) {
                                                     failures[0]["sentence"].get<std::string>()));
   geojson->finish();
   svg->finish();
+  session.finished("features");
 
   Json report = {{"input", {{"file", o.shape.file}, {"kind", "polygons"}, {"y_axis", y_down ? "down" : "up"}}},
                  {"features", totals.features},

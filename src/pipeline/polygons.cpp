@@ -10,8 +10,10 @@
 #include <vector>
 
 #include "base/parallel.h"
+#include "base/text.h"
 #include "pipeline/finished_shape.h"
 #include "pipeline/parameters.h"
+#include "polygons/ring_nesting.h"
 #include "quench/error.h"
 #include "quench/io.h"
 #include "quench/pipeline.h"
@@ -31,6 +33,35 @@ PolygonFill fill_of(const PolygonFeature& feature, const ShapeOptions& options) 
 
 }  // namespace
 
+namespace {
+
+// Where the polygon is in one piece, so is its shape: what breaks off where it is thinner than a pixel, as at sharp
+// tips, is left out.
+VoxelShape digitized(const Polygons& polygons, const DigitizeOptions& how, Context* context) {
+  Context quiet;  // what it has to say of topology is said below
+  quiet.progress = [&](std::string_view stage, double fraction) { checkpoint(context, stage, fraction); };
+  if (context) quiet.memory_limit = context->memory_limit;
+  VoxelShape shape = digitize(polygons, how, &quiet);
+  const auto region = polygons::region_topology(polygons, how.fill);
+  if (region && region->components == 1) {
+    ForegroundOptions keep;
+    keep.largest_component = true;
+    ForegroundReport report;
+    shape = clean(shape, keep, &report, context);
+    if (report.components_removed > 0)
+      note(context,
+           fmt::format("the polygon is one part: {} with {} ({} of it) that broke off where it is thinner than "
+                       "a pixel {} left out; a higher resolution keeps them",
+                       base::counted(report.components_removed, "part"), base::counted(report.voxels_removed, "pixel"),
+                       percent_text(report.voxels_removed, report.voxels_before),
+                       report.components_removed == 1 ? "is" : "are"));
+  }
+  polygons::note_other_topology(polygons, shape, how.fill, context);
+  return shape;
+}
+
+}  // namespace
+
 LoadedShape shape_of(PolygonFeature&& feature, const ShapeOptions& options, Context* context) {
   if (options.surface.value_or(SurfaceKind::voxels) != SurfaceKind::voxels)
     throw Error(ErrorCode::usage,
@@ -44,7 +75,7 @@ LoadedShape shape_of(PolygonFeature&& feature, const ShapeOptions& options, Cont
     throw Error(ErrorCode::usage, "resolution 'auto' is for meshes; give polygons a number of pixels", "resolution");
   how.resolution = options.resolution;
   how.fill = fill_of(feature, options);
-  loaded.shape = digitize(feature.polygons, how, context);
+  loaded.shape = digitized(feature.polygons, how, context);
   loaded.image = loaded.shape.grid();
   loaded.coordinates.y_down = feature.y_down;
   checkpoint(context, "voxelize", 1);
@@ -169,7 +200,7 @@ void run_features(const std::filesystem::path& file, const ShapeOptions& shape, 
         runs[i] = run_of(std::move(batch[i]), shape, options, context);
       });
     });
-    checkpoint(context, "features", 0);
+    if (context && context->cancelled()) throw Error(ErrorCode::cancelled, "cancelled");
     for (FeatureRun& run : runs) take(std::move(run));
     batch.clear();
     points = 0;
@@ -191,7 +222,6 @@ void run_features(const std::filesystem::path& file, const ShapeOptions& shape, 
       },
       context);
   work();
-  checkpoint(context, "features", 1);
 }
 
 }  // namespace quench::pipeline
