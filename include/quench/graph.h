@@ -4,12 +4,14 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "quench/geometry.h"
+#include "quench/polygons.h"
 #include "quench/skeleton.h"
 
 namespace quench {
@@ -140,6 +142,56 @@ void write_graphml(const std::filesystem::path& file, const CurveGraph& graph, c
 /// CSV, one row per branch: branch, from, to, component, from_x .. from_z, to_x .. to_z, from_kind, to_kind, length,
 /// mean_radius, min_radius, max_radius, thickness, tortuosity. `inf` where infinite.
 void write_branches(const std::filesystem::path& file, const CurveGraph& graph);
+
+/// The curves of one shape of the plane with what is known of them: a feature of a LineWriter.
+struct PlaneLines {
+  /// A value per point of every branch, e.g. `mgf`: values[b][k] of graph.branches[b].points[k].
+  struct Array {
+    std::string name;
+    std::vector<std::vector<double>> values;
+  };
+  CurveGraph graph;  ///< in the plane z = 0
+  std::vector<Array> arrays;
+  Polygons outline;                       ///< SVG: drawn grey beneath the lines, by the rule of odd winding numbers
+  std::optional<std::uint64_t> number{};  ///< of the polygon feature, where the shape is one of many
+  std::string id;                         ///< of the polygon feature, JSON text; empty: none
+  std::string properties;                 ///< of the polygon feature, the JSON text of an object; empty: none
+};
+
+struct LineOptions {
+  bool y_down = false;                                              ///< y grows downwards (images, SVG)
+  enum class Colour { radius, thickness } colour = Colour::radius;  ///< SVG: what branches are coloured by
+};
+
+/// Writes lines of the plane feature by feature, in the format of the extension: .geojson and .json (GeoJSON),
+/// .geojsonl, .geojsons and .ndjson (an object per line), .wkt, .svg. Coordinates are those of the graph, y as it is.
+///
+/// GeoJSON: a LineString per branch with the properties of the polygon feature, `feature` (number), `feature_id`,
+/// `branch`, `from`, `to`, `from_kind`, `to_kind`, `length`, `mean_radius`, `min_radius`, `max_radius`, `thickness`,
+/// `tortuosity`, and per point the arrays `radius` and PlaneLines::arrays; null where infinite. A property of the
+/// polygon of one of these names gets `polygon_` before it. An isolated node is a Point. WKT: a LINESTRING or POINT per
+/// line. Both need memory for one feature. SVG: what is drawn stays in memory until finish(); colours and widths refer
+/// to the feature.
+///
+/// The file appears with finish(), as by write_atomically(); without it nothing is left. Throws Error(usage) for
+/// another extension, Error(failed) when writing fails, Error(input) for properties that are not an object of JSON.
+class LineWriter {
+ public:
+  explicit LineWriter(const std::filesystem::path& file, const LineOptions& options = {});
+  LineWriter(LineWriter&&) noexcept;
+  LineWriter& operator=(LineWriter&&) noexcept;
+  ~LineWriter();
+
+  void append(const PlaneLines& lines);
+  void finish();
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// A file of one feature.
+void write_lines(const std::filesystem::path& file, const PlaneLines& lines, const LineOptions& options = {});
 
 }  // namespace io
 

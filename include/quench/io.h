@@ -30,6 +30,9 @@
 ///   .npy  .vol (DGtal)  .sof  .png, a folder of PNG slices             x
 ///   .nrrd (gzip)                                                                  x
 ///
+/// Polygons of the plane (.geojson .json .geojsonl .geojsons .ndjson .wkt .svg) are read by the functions of
+/// quench/polygons.h; lines of the plane are written in these formats by those of quench/graph.h.
+///
 /// Curve graphs (.swc, .graphml, .csv) are written by the functions of quench/graph.h.
 ///
 /// Every reader throws Error(failed) when the file cannot be opened and Error(input) when its content cannot be used,
@@ -38,7 +41,7 @@
 /// an existing one.
 namespace quench::io {
 
-enum class Kind { surface, volume, unknown };
+enum class Kind { surface, volume, polygons, unknown };
 
 /// By extension (and for a folder, by its content) only; does not open the file.
 Kind kind_of(const std::filesystem::path& file);
