@@ -167,7 +167,10 @@ void bind_shapes(py::module_& m) {
   });
   m.def("kind_of", [](const std::string& file) {
     const io::Kind kind = io::kind_of(file);
-    return kind == io::Kind::surface ? "surface" : kind == io::Kind::volume ? "volume" : "unknown";
+    return kind == io::Kind::surface    ? "surface"
+           : kind == io::Kind::volume   ? "volume"
+           : kind == io::Kind::polygons ? "polygons"
+                                        : "unknown";
   });
   m.def("sample", &sample_named);
   m.def("refuse_unknown_kind", [](const std::string& file) { pipeline::refuse_unknown_kind(file); });

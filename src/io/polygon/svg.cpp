@@ -212,14 +212,17 @@ class SvgReader {
     const bool has_rx = node.attribute("rx"), has_ry = node.attribute("ry");
     const double rx = length(node, has_rx ? "rx" : "ry"), ry = length(node, has_ry ? "ry" : "rx");
     const Vec2 r = Vec2(rx, ry).cwiseMax(0).cwiseMin(size / 2), high = low + size;
+    const auto side = [&](const Vec2& p) {
+      if (p != path.at()) path.line_to(p);
+    };
     path.move_to({low[0] + r[0], low[1]});
-    path.line_to({high[0] - r[0], low[1]});
+    side({high[0] - r[0], low[1]});
     path.arc_to(r, 0, false, true, {high[0], low[1] + r[1]});
-    path.line_to({high[0], high[1] - r[1]});
+    side({high[0], high[1] - r[1]});
     path.arc_to(r, 0, false, true, {high[0] - r[0], high[1]});
-    path.line_to({low[0] + r[0], high[1]});
+    side({low[0] + r[0], high[1]});
     path.arc_to(r, 0, false, true, {low[0], high[1] - r[1]});
-    path.line_to({low[0], low[1] + r[1]});
+    side({low[0], low[1] + r[1]});
     path.arc_to(r, 0, false, true, {low[0] + r[0], low[1]});
   }
 

@@ -34,7 +34,8 @@ void SvgPath::cubic_to(const Vec2& a, const Vec2& b, const Vec2& end) {
 
 void SvgPath::arc_to(const Vec2& radii, double degrees, bool large, bool clockwise, const Vec2& end) {
   Vec2 r = radii.cwiseAbs();
-  if (r.minCoeff() == 0 || end == at_) return line_to(end);
+  if (end == at_) return;
+  if (r.minCoeff() == 0) return line_to(end);
   const Eigen::Rotation2Dd turn(degrees * std::numbers::pi / 180);
   const Vec2 half = turn.inverse() * Vec2((at_ - end) / 2);
   const double reach = half.cwiseQuotient(r).squaredNorm();
