@@ -30,7 +30,7 @@ ROOMS = {
     'io': 'base record shape polygons graph',
     'page': 'base complex record shape axis burning skeleton graph io',
     'picture': 'base io page',
-    'pipeline': 'base complex record shape voxelization surface axis burning skeleton graph io page',
+    'pipeline': 'base complex record shape polygons voxelization surface axis burning skeleton graph io page',
     'verification': 'base complex record shape',
 }
 PUBLIC = {'error': 'base', 'context': 'base', 'geometry': 'base', 'voxelize': 'voxelization', 'burn': 'burning', 'verify': 'verification', 'structure': 'complex'}

@@ -121,4 +121,47 @@ Polygons boundary_rings(const VoxelShape& plane) {
   return result;
 }
 
+namespace {
+
+double twice_area(const std::vector<Vec2>& ring) {
+  double sum = 0;
+  for (std::size_t i = 0; i < ring.size(); ++i) {
+    const Vec2 a = ring[i] - ring[0], b = ring[i + 1 < ring.size() ? i + 1 : 0] - ring[0];
+    sum += a[0] * b[1] - a[1] * b[0];
+  }
+  return sum;
+}
+
+// By crossings of a ray to the right; `p` is on no edge.
+bool is_inside(const std::vector<Vec2>& ring, const Vec2& p) {
+  bool inside = false;
+  for (std::size_t i = 0; i < ring.size(); ++i) {
+    const Vec2 &a = ring[i], &b = ring[i + 1 < ring.size() ? i + 1 : 0];
+    if ((a[1] > p[1]) != (b[1] > p[1]) && p[0] < a[0] + (p[1] - a[1]) / (b[1] - a[1]) * (b[0] - a[0])) inside = !inside;
+  }
+  return inside;
+}
+
+}  // namespace
+
+std::vector<Polygons> parts_of(const Polygons& boundary) {
+  std::vector<Polygons> parts;
+  std::vector<double> area;
+  for (const auto& ring : boundary.rings)
+    if (const double twice = twice_area(ring); twice > 0) {
+      parts.push_back({{ring}});
+      area.push_back(twice);
+    }
+  for (const auto& ring : boundary.rings) {
+    if (twice_area(ring) > 0) continue;
+    // Half way along an edge a hole touches nothing else.
+    const Vec2 on_hole = 0.5 * (ring[0] + ring[1]);
+    std::size_t best = parts.size();
+    for (std::size_t p = 0; p < parts.size(); ++p)
+      if ((best == parts.size() || area[p] < area[best]) && is_inside(parts[p].rings[0], on_hole)) best = p;
+    if (best < parts.size()) parts[best].rings.push_back(ring);
+  }
+  return parts;
+}
+
 }  // namespace quench

@@ -18,6 +18,15 @@ class WktLines : public LineFormat {
       for (const Vec3& p : branch.points) text_.print("{}{} {}", std::exchange(before, ", "), p[0], p[1]);
       text_.print(")\n");
     }
+    for (const Polygons& part : parts_of(lines.wide)) {
+      const char* next = "POLYGON (";
+      for (const auto& ring : part.rings) {
+        text_.print("{}(", std::exchange(next, ", "));
+        for (const Vec2& p : ring) text_.print("{} {}, ", p[0], p[1]);
+        text_.print("{} {})", ring[0][0], ring[0][1]);
+      }
+      text_.print(")\n");
+    }
     for (const auto& node : lines.graph.nodes)
       if (node.kind == CurveGraph::NodeKind::isolated) text_.print("POINT ({} {})\n", node.point[0], node.point[1]);
   }

@@ -47,6 +47,17 @@ class GeoJsonLines : public LineFormat {
       for (const auto& array : lines.arrays) print_array(array.name, array.values.at(b));
       text_.print("}}}}");
     }
+    for (const Polygons& part : parts_of(lines.wide)) {
+      begin_feature();
+      text_.print(R"({{"type":"Feature","geometry":{{"type":"Polygon","coordinates":[)");
+      const char* next = "";
+      for (const auto& ring : part.rings) {
+        text_.print("{}[", std::exchange(next, ","));
+        for (const Vec2& p : ring) text_.print("[{},{}],", p[0], p[1]);
+        text_.print("[{},{}]]", ring[0][0], ring[0][1]);
+      }
+      text_.print(R"(]}},"properties":{{{}"kind":"wide"}}}})", common);
+    }
     for (std::size_t n = 0; n < nodes.size(); ++n) {
       if (nodes[n].kind != CurveGraph::NodeKind::isolated) continue;
       begin_feature();

@@ -38,7 +38,8 @@ class SvgLines : public LineFormat {
     print(R"(<g stroke-width="{:g}")", 0.004 * side);
     if (lines.number) print(R"( data-feature="{}")", *lines.number);
     print(">\n");
-    print_outline(lines.outline);
+    print_area(lines.outline, "#d0d0d0");
+    print_area(lines.wide, "#9db4c8");
     print_branches(lines.graph);
     for (const auto& node : lines.graph.nodes)
       if (node.kind == CurveGraph::NodeKind::isolated)
@@ -72,10 +73,10 @@ class SvgLines : public LineFormat {
     fmt::format_to(std::back_inserter(body_), format, std::forward<Args>(args)...);
   }
 
-  void print_outline(const Polygons& outline) {
-    if (outline.rings.empty()) return;
-    print(R"(<path fill="#d0d0d0" fill-rule="evenodd" stroke="none" d=")");
-    for (const auto& ring : outline.rings) {
+  void print_area(const Polygons& area, const char* fill) {
+    if (area.rings.empty()) return;
+    print(R"(<path fill="{}" fill-rule="evenodd" stroke="none" d=")", fill);
+    for (const auto& ring : area.rings) {
       char before = 'M';
       for (const Vec2& p : ring) print("{}{} {}", std::exchange(before, 'L'), p[0], p[1]);
       print("Z");
