@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
 
@@ -11,6 +12,7 @@
 #include "program.h"
 #include "quench/axis.h"
 #include "quench/io.h"
+#include "quench/polygons.h"
 #include "quench/shape.h"
 #include "quench/voxelize.h"
 #include "report.h"
@@ -209,6 +211,42 @@ Json volume_info(const std::string& file, const io::VolumeReadOptions& options, 
   return info;
 }
 
+/// How many polygons a file holds, of what, and where.
+Json polygons_info(const std::string& file, Session& session) {
+  std::uint64_t bad = 0, rings = 0, points = 0, with_properties = 0;
+  Vec2 low = Vec2::Constant(std::numeric_limits<double>::infinity()), high = -low;
+  std::string first_bad, first_properties;
+  bool y_down = false;
+  const std::uint64_t features = io::for_each_feature(
+      file,
+      [&](PolygonFeature&& feature) {
+        y_down = feature.y_down;
+        if (!feature.properties.empty() && with_properties++ == 0) first_properties = feature.properties;
+        for (const auto& ring : feature.polygons.rings) {
+          ++rings;
+          points += ring.size();
+          for (const Vec2& p : ring) {
+            low = low.cwiseMin(p);
+            high = high.cwiseMax(p);
+          }
+        }
+      },
+      [&](std::uint64_t, const Error& error) {
+        if (bad++ == 0) first_bad = error.what();
+      },
+      &session.context);
+  Json info = {{"kind", "polygons"}, {"features", features}, {"rings", rings}, {"points", points}};
+  if (points > 0) info["box"] = {{number(low[0]), number(low[1])}, {number(high[0]), number(high[1])}};
+  info["y_axis"] = y_down ? "down" : "up";
+  if (bad > 0) info["unusable"] = {{"features", bad}, {"first", first_bad}};
+  if (with_properties > 0) {
+    const Json properties = Json::parse(first_properties, nullptr, false);
+    info["properties"] = Json::array();
+    for (const auto& [name, value] : properties.items()) info["properties"].push_back(name);
+  }
+  return info;
+}
+
 bool is_short(const Json& value) {
   return value.is_object() && value.size() <= 4 &&
          std::none_of(value.begin(), value.end(), [](const Json& entry) { return entry.is_object(); });
@@ -246,7 +284,7 @@ Action add_info(CLI::App& app) {
     io::VolumeReadOptions how;
   };
   auto o = std::make_shared<Options>();
-  app.add_option("FILE", o->file, "A mesh, a medial axis, a volume or an image")->type_name("")->required();
+  app.add_option("FILE", o->file, "A mesh, a medial axis, a volume, an image or polygons")->type_name("")->required();
   add_channel(app, o->how.channel);
   add_dimension(app, o->how.dimension);
   return [o](Session& session) {
@@ -254,7 +292,10 @@ Action add_info(CLI::App& app) {
     Json info = {{"file", o->file}};
     const io::Kind kind = io::kind_of(o->file);
     if (kind == io::Kind::unknown) pipeline::refuse_unknown_kind(o->file);
-    info.update(kind == io::Kind::volume ? volume_info(o->file, o->how, session) : surface_info(o->file, session));
+    if (kind == io::Kind::polygons)
+      info.update(polygons_info(o->file, session));
+    else
+      info.update(kind == io::Kind::volume ? volume_info(o->file, o->how, session) : surface_info(o->file, session));
     session.answer(session.options.report.empty() ? text_of(info, 0) : json_text(info, 2) + "\n");
     return 0;
   };

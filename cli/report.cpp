@@ -231,7 +231,16 @@ void add_axis_sections(Json& report, const pipeline::AxisRun& run) {
   report["skeleton"]["theta1"] = number(skeleton.theta1);
   report["skeleton"]["theta1_radii"] = skeleton.theta1_radii;
   report["skeleton"].update(cells_section(pipeline::counts_of(skeleton.complex), topology));
-  if (skeleton.plane) return;
+  if (skeleton.plane) {
+    constexpr std::size_t kMost = 1000;
+    Json points = Json::array();
+    for (const MedialPoint& p : run.medial_points) {
+      if (points.size() == kMost) break;
+      points.push_back({{"point", {p.point[0], p.point[1]}}, {"radius", p.radius}, {"burn_time", p.burn_time}});
+    }
+    report["skeleton"]["medial_points"] = points;
+    return;
+  }
   const auto last = std::max_element(skeleton.face_sheet.begin(), skeleton.face_sheet.end());
   report["skeleton"]["sheets"] = last == skeleton.face_sheet.end() ? 0 : *last + 1;
 }

@@ -153,6 +153,8 @@ int run_features(const RunProgram& o, Session& session) {
          {files.geojson, files.svg, files.branches, files.features, files.report, files.view, files.picture})
       if (!file.empty()) session.check_output(file, {o.shape.file});
   session.check_report({o.shape.file});
+  check_shape_options(o.shape);
+  say_ignored(o.shape, io::Kind::polygons, session);
   create_folder(o.folder);
 
   pipeline::RunOptions options = o.run;

@@ -32,44 +32,6 @@ std::string topology_text(const Topology& t, bool plane) {
                      base::counted(t.betti[2], "cavity", "cavities"));
 }
 
-/// Which options have no effect, given on the command line or recorded in a result.
-void say_ignored(const ShapeOptions& options, io::Kind kind, Session& session) {
-  const bool mesh = kind == io::Kind::surface, polygons = kind == io::Kind::polygons;
-  const ForegroundOptions& f = options.how.foreground;
-  std::vector<std::string> given, recorded;
-  const auto add = [&](const char* name, bool is_set) {
-    const bool was_recorded = std::ranges::find(options.recorded, name) != options.recorded.end();
-    if (is_set) (was_recorded ? recorded : given).emplace_back(name);
-  };
-  if (mesh || polygons) {
-    add("--threshold", f.threshold.has_value());
-    add("--label", f.label.has_value());
-    add("--invert", f.invert);
-    add("--spacing", options.how.spacing.has_value());
-    add("--channel", !options.how.channel.empty());
-    add("--dimension", options.how.dimension.has_value());
-  } else {
-    add("--resolution", options.how.resolution.has_value());
-    add("--fill", options.how.fill.has_value());
-  }
-  if (!mesh) add("--topology", options.how.topology.has_value());
-  if (!polygons) {
-    add("--pixel", options.how.pixel.has_value());
-    add("--feature", options.how.feature.has_value());
-  }
-  if (!mesh) recorded.clear();
-  const auto say = [&](const std::vector<std::string>& names, const std::string& where) {
-    if (names.empty()) return;
-    const char* verb = names.size() == 1 ? "is" : "are";
-    if (polygons)
-      return session.say(fmt::format("note: {}{} {} ignored for polygons", fmt::join(names, ", "), where, verb));
-    session.say(fmt::format("note: {}{} {} for {} and {} ignored for a {}", fmt::join(names, ", "), where, verb,
-                            mesh ? "volumes" : "meshes", verb, mesh ? "mesh" : "volume"));
-  };
-  say(given, "");
-  say(recorded, fmt::format(" (recorded in '{}')", options.recorded_in));
-}
-
 void say_voxelization(const ShapeOptions& options, const LoadedShape& shape, Session& session) {
   const Voxelization& v = *shape.voxelization;
   if (!v.fill_reason.empty()) session.say(fmt::format("fill {} (auto): {}", fill_name(v.fill), v.fill_reason));
@@ -289,6 +251,43 @@ void add_shape_options(CLI::App& app, ShapeOptions& o) {
       ->type_name("K")
       ->capture_default_str()
       ->group(group);
+}
+
+void say_ignored(const ShapeOptions& options, io::Kind kind, Session& session) {
+  const bool mesh = kind == io::Kind::surface, polygons = kind == io::Kind::polygons;
+  const ForegroundOptions& f = options.how.foreground;
+  std::vector<std::string> given, recorded;
+  const auto add = [&](const char* name, bool is_set) {
+    const bool was_recorded = std::ranges::find(options.recorded, name) != options.recorded.end();
+    if (is_set) (was_recorded ? recorded : given).emplace_back(name);
+  };
+  if (mesh || polygons) {
+    add("--threshold", f.threshold.has_value());
+    add("--label", f.label.has_value());
+    add("--invert", f.invert);
+    add("--spacing", options.how.spacing.has_value());
+    add("--channel", !options.how.channel.empty());
+    add("--dimension", options.how.dimension.has_value());
+  } else {
+    add("--resolution", options.how.resolution.has_value());
+    add("--fill", options.how.fill.has_value());
+  }
+  if (!mesh) add("--topology", options.how.topology.has_value());
+  if (!polygons) {
+    add("--pixel", options.how.pixel.has_value());
+    add("--feature", options.how.feature.has_value());
+  }
+  if (!mesh) recorded.clear();
+  const auto say = [&](const std::vector<std::string>& names, const std::string& where) {
+    if (names.empty()) return;
+    const char* verb = names.size() == 1 ? "is" : "are";
+    if (polygons)
+      return session.say(fmt::format("note: {}{} {} ignored for polygons", fmt::join(names, ", "), where, verb));
+    session.say(fmt::format("note: {}{} {} for {} and {} ignored for a {}", fmt::join(names, ", "), where, verb,
+                            mesh ? "volumes" : "meshes", verb, mesh ? "mesh" : "volume"));
+  };
+  say(given, "");
+  say(recorded, fmt::format(" (recorded in '{}')", options.recorded_in));
 }
 
 void check_exists(const std::filesystem::path& file) {

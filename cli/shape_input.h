@@ -29,6 +29,8 @@ CLI::Option* add_topology(CLI::App& app, ShapeOptions& options, const std::strin
 /// Throws the Error of an option that cannot be or of a file that is not there, before anything is read.
 void check_shape_options(const ShapeOptions& options);
 /// Throws Error(failed) for a file that is not there.
+/// Says which of the options have no effect on a file of that kind.
+void say_ignored(const ShapeOptions& options, io::Kind kind, Session& session);
 void check_exists(const std::filesystem::path& file);
 
 /// Reads SHAPE; says what the user should know (assumptions, warnings).

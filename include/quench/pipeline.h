@@ -359,6 +359,7 @@ struct SkeletonResult {
   Skeleton skeleton;
   Topology topology;  ///< of the skeleton: that of the medial axis unless it is reduced to main axes
   std::optional<double> reconstructed = {};  ///< share of the shape in its balls, where the shape was at hand
+  bool extended = false;                     ///< draw_branches() drew free ends out to the boundary
 };
 
 /// World lengths of the thresholds, and ExtractOptions::theta1_radii.
@@ -468,6 +469,7 @@ struct AxisRun {
   CellCounts curves;  ///< as FamilyResult::curves
   SkeletonResult skeleton;
   CurveGraph graph;
+  std::vector<MedialPoint> medial_points;  ///< in the plane: medial_points()
 };
 
 /// Burning, curves and skeleton, above the floor_of() the options, of an axis whose file is `file` and whose topology

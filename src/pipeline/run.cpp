@@ -38,6 +38,7 @@ AxisRun run_axis(const MedialAxis& axis, Record&& file, bool voxel_core, const T
   Burning burning = kept ? std::move(*kept) : burning_of(axis, voxel_core, options.burning, true, scale, context);
   result.burned = figures_of(burning);
   result.burned.from_file = kept.has_value();
+  if (axis.grid.is_plane()) result.medial_points = medial_points(axis, burning);
   if (options.on_burned) options.on_burned(result.burned);
   const bool sequence = options.keep_sequence && !axis.grid.is_plane();
   add_burning(result.file, burning, sequence ? burn_sequence(axis, burning) : std::vector<DataArray>());
