@@ -4,6 +4,7 @@ import { BufferAttribute, BufferGeometry, Group, Mesh, Vector3 } from "three";
 import type { Shape } from "../data";
 import { Bars } from "./instances";
 import { barMaterial, colour, fillMaterial, vertexTexture, type SharedUniforms } from "./materials";
+import { outlineOf } from "./outline";
 import type { Placement } from "./placement";
 
 const HALF_WIDTH = 0.6; // pixels, of the outline
@@ -59,22 +60,4 @@ export class PlaneView {
     (plain!.value as Vector3).copy(this.shared.paper.value).lerp(tint.value, opacity.value).lerp(this.rim, strength);
     halfWidth!.value = HALF_WIDTH * pixelRatio;
   }
-}
-
-/// The sides of triangles that are not sides of others in the other direction, two vertices each: around the area, all
-/// in the same sense.
-export function outlineOf(triangles: Uint32Array, vertices: number): Uint32Array {
-  const times = new Map<number, number>();
-  for (let i = 0; i < triangles.length; ++i) {
-    const a = triangles[i]!, b = triangles[i % 3 === 2 ? i - 2 : i + 1]!, key = Math.min(a, b) * vertices + Math.max(a, b);
-    const sum = (times.get(key) ?? 0) + (a < b ? 1 : -1);
-    if (sum === 0) times.delete(key);
-    else times.set(key, sum);
-  }
-  const edges: number[] = [];
-  for (const [key, sum] of times) {
-    const low = Math.floor(key / vertices), high = key % vertices;
-    for (let i = Math.abs(sum); i > 0; --i) edges.push(...(sum > 0 ? [low, high] : [high, low]));
-  }
-  return Uint32Array.from(edges);
 }
