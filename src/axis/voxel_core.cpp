@@ -35,7 +35,7 @@ Measure boundary_distances(const VoxelShape& shape, const MedialAxis& axis, cons
   vertex.assign(axis.complex.vertex_count, -1);
   for (const auto& ends : axis.complex.edges)
     for (const std::uint32_t v : ends) vertex[v] = 0;
-  std::vector<std::array<std::uint32_t, 2>> pairs = dual.edge_sites;
+  std::vector<std::array<std::uint32_t, 2>> pairs = axis.edge_sites;
   std::vector<std::uint32_t> isolated;  // per pair beyond those of the edges
   for (std::uint32_t v = 0; v < vertex.size(); ++v)
     if (vertex[v] < 0)
