@@ -123,8 +123,9 @@ Record to_record(const Skeleton& s) {
     et[v] = std::max(0.0, s.burn_time[v] - s.radius[v]);
     // Off the curves the measures of curves are not defined; the time of the sheet keeps them continuous.
     curve_time[v] = s.on_curve[v] ? s.curve_burn_time[v] : s.burn_time[v];
+    // In the plane fire starts at the radius, which was measured anew where branches were smoothed.
     curve_et[v] = s.on_curve[v] && std::isinf(s.curve_burn_time[v]) ? kNever
-                  : s.on_curve[v] ? std::max(0.0, s.curve_burn_time[v] - s.burn_time[v])
+                  : s.on_curve[v] ? std::max(0.0, s.curve_burn_time[v] - (s.plane ? s.radius[v] : s.burn_time[v]))
                                   : 0;
   }
   data.point_data.push_back({"radius", 1, s.radius});

