@@ -359,7 +359,6 @@ struct SkeletonResult {
   Skeleton skeleton;
   Topology topology;  ///< of the skeleton: that of the medial axis unless it is reduced to main axes
   std::optional<double> reconstructed = {};  ///< share of the shape in its balls, where the shape was at hand
-  bool extended = false;                     ///< draw_branches() drew free ends out to the boundary
 };
 
 /// World lengths of the thresholds, and ExtractOptions::theta1_radii.
@@ -391,7 +390,7 @@ struct GraphOptions {
   Vec3 voxel = Vec3::Zero();          ///< spacing of the voxels; 0 for axes that are fitted or of other programs
   const Surface* surface = nullptr;   ///< that a fitted axis is fitted to, where it is known: radii are distances to it
   const PlaneSites* sites = nullptr;  ///< of the plane, where they are known: radii are distances to them
-  bool extend = false;                ///< free ends are drawn out to the boundary of `shape`: extended()
+  bool extend = false;                ///< draw_branches() returns a graph that is extended() in `shape`
 };
 
 /// A finite length. Throws Error(usage), field `resample`, otherwise.

@@ -132,7 +132,6 @@ Record skeleton_file(const SkeletonResult& result, const Record& from) {
   if (!skeleton.plane) put("rims_above", std::vector<double>{std::min(skeleton.rims_above, kInfiniteLevelInFiles)});
   put("smooth", std::vector<std::int64_t>{skeleton.smooth});
   put("tips", std::vector<std::string>{skeleton.full_tips ? "full" : "pruned"});
-  if (result.extended) put("extended", std::vector<std::int64_t>{1});
   if (skeleton.main_axes) put("main_axes", std::vector<std::int64_t>{1});
   if (result.reconstructed) put("reconstructed", std::vector<double>{*result.reconstructed});
   put("euler", std::vector<std::int64_t>{result.topology.euler});
@@ -215,6 +214,9 @@ CurveGraph draw_branches(SkeletonResult& result, const GraphOptions& options, co
     smooth_sheets_of(result.skeleton, options, scale, context);
     return smoothed_graph(result.skeleton, options, scale);
   });
+  result.skeleton = with_branches(result.skeleton, graph);
+  require_topology(topology(result.skeleton.complex), result.topology, "skeleton with smooth branches", "skeleton");
+  if (result.skeleton.plane) add_measures(graph, result.skeleton);
   if (options.extend) {
     if (!options.shape)
       throw Error(ErrorCode::usage,
@@ -222,11 +224,7 @@ CurveGraph draw_branches(SkeletonResult& result, const GraphOptions& options, co
                   "the axis is that of; leave it out, or take the surface 'voxels'",
                   "extend");
     graph = extended(graph, *options.shape);
-    result.extended = true;
   }
-  result.skeleton = with_branches(result.skeleton, graph);
-  require_topology(topology(result.skeleton.complex), result.topology, "skeleton with smooth branches", "skeleton");
-  if (result.skeleton.plane) add_measures(graph, result.skeleton);
   return with_half_a_voxel(std::move(graph), options);
 }
 
