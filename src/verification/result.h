@@ -55,6 +55,7 @@ struct Result {
   std::vector<std::uint32_t> edge_faces_count;          ///< polygons at each edge
   base::Csr<std::uint32_t> vertex_edges, vertex_faces;  ///< edges and polygons at each vertex
 
+  bool main_axes = false;             ///< of a skeleton: it is one course per component of the shape, and no more
   std::vector<std::string> measures;  ///< names; of a file that does not say: lambda
   std::string stage;                  ///< empty: none given
   bool plane = false;                 ///< of a shape of the plane: points and lines only
@@ -142,7 +143,7 @@ void for_indices(std::size_t count, Context* context, std::string_view stage, co
   });
 }
 
-/// What a cell of the grid is called, and what the cells of the largest dimension that a core can have.
+/// What a cell of the grid is called.
 inline const char* pixel_or_voxel(const Result& result) { return result.plane ? "pixel" : "voxel"; }
 
 inline Check not_checked(std::string name, const std::string& why) {
