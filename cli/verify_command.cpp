@@ -74,7 +74,8 @@ Action add_verify(CLI::App& app) {
              [o](const std::string&, const std::string& text) { o->lambda = pipeline::parse_length(text, kLambda); })
       ->type_name("LENGTH")
       ->excludes(detail);
-  app.add_flag("--core", o->core, "Check RESULT as an exact core of voxels or pixels even if it does not say that it is one");
+  app.add_flag("--core", o->core,
+               "Check RESULT as an exact core of voxels or pixels even if it does not say that it is one");
   add_number(app, "--samples", o->samples, "How many cells the sampled checks look at")
       ->type_name("N")
       ->capture_default_str();
@@ -102,8 +103,8 @@ Action add_verify(CLI::App& app) {
         if (o->core)
           data.field_data.push_back({"stage", 1, std::vector<std::string>{"core"}});
         else if (o->lambda || o->detail)
-          session.say(fmt::format("note: {} does not say that it is a core; --{} has no effect without --core",
-                                  file, o->lambda ? kLambda : kDetail));
+          session.say(fmt::format("note: {} does not say that it is a core; --{} has no effect without --core", file,
+                                  o->lambda ? kLambda : kDetail));
       }
       const std::string parameters = pipeline::parameters_of(data);
       if (r == 0 || parameters != made_with) {  // results of one run share their shape
