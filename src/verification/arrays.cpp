@@ -108,7 +108,6 @@ const std::vector<Known>& known_field_numbers() {
       {"sequence_large", 0, {}, kSequence},
       {"sequence_step", 1, {}, kSequence},
       {"sequence_of", 2, {}, kSequence},
-      {"main_axes", 1, {}, kNothingToCompare},
       {"format_version", 1, {}, kNothingToCompare}};
   return arrays;
 }

@@ -101,7 +101,6 @@ void Result::parse_arrays(const VerifyOptions& options) {
   }
 
   stage = text_or_empty(data.field_data, "stage");
-  main_axes = stage == "skeleton" && numbers_or_empty(data.field_data, "main_axes") == std::vector<double>{1};
   ball_rule = text_or_empty(data.field_data, "lambda_rule") == "ball";
   const std::vector<double> threshold = numbers_or_empty(data.field_data, "lambda");
   lambda_given = options.lambda || !threshold.empty();

@@ -55,7 +55,6 @@ struct Result {
   std::vector<std::uint32_t> edge_faces_count;          ///< polygons at each edge
   base::Csr<std::uint32_t> vertex_edges, vertex_faces;  ///< edges and polygons at each vertex
 
-  bool main_axes = false;             ///< of a skeleton: it is one course per component of the shape, and no more
   std::vector<std::string> measures;  ///< names; of a file that does not say: lambda
   std::string stage;                  ///< empty: none given
   bool plane = false;                 ///< of a shape of the plane: points and lines only

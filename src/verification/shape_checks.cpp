@@ -65,23 +65,8 @@ bool segment_in_open_shape(const VoxelShape& shape, const Vec3& p, const Vec3& q
 Check check_topology(const Result& result, const TriangleMesh* surface, const BoundaryCurves* boundary) {
   const Topology shape = boundary ? boundary->topology() : topology(result.shape),
                  complex = boundary ? topology_of_graph(result.complex) : topology(result.complex);
-  Topology wanted = shape;
-  if (result.main_axes) {  // a course per component
-    wanted.betti = {shape.betti[0], 0, 0};
-    wanted.euler = shape.betti[0];
-  }
-  Check check{"euler and Betti numbers", wanted == complex, describe(wanted), {}};
+  Check check{"euler and Betti numbers", shape == complex, describe(shape), {}};
   if (!check.passed) check.detail = fmt::format("shape: {}; result: {}", describe(shape), describe(complex));
-  for (std::uint32_t v = 0; v < result.rows.size() && result.main_axes && check.passed; ++v)
-    if (result.vertex_edges[v].size() > 2) {
-      check.passed = false;
-      check.detail = fmt::format("{} has {} edges; main axes do not branch", result.describe_vertex(v),
-                                 result.vertex_edges[v].size());
-    }
-  if (result.main_axes) {
-    cover(check, "field main_axes");
-    if (check.passed) check.detail += ": main axes, one for each component of the shape";
-  }
   // The field arrays of the file.
   const auto claims = [&](const char* array, const std::vector<std::int64_t>& counted) {
     const DataArray* found = find_array(result.data.field_data, array);
