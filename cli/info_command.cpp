@@ -2,7 +2,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
 
@@ -10,6 +12,7 @@
 #include "program.h"
 #include "quench/axis.h"
 #include "quench/io.h"
+#include "quench/polygons.h"
 #include "quench/shape.h"
 #include "quench/voxelize.h"
 #include "report.h"
@@ -140,21 +143,58 @@ Json surface_info(const std::string& file, Session& session) {
   return info;
 }
 
-Json volume_info(const std::string& file, Session& session) {
-  const Volume volume = io::read_volume(file, {}, &session.context);
+/// How a shape can be chosen from the values of an image.
+template <class T>
+std::string hint_of(const Volume& volume, const Statistics<T>& statistics) {
+  const bool two = statistics.few && statistics.counts.size() + (statistics.not_a_number > 0) <= 2;
+  if (two)
+    return fmt::format("the shape is the non-zero {}, or choose with --label",
+                       volume.grid.is_plane() ? "pixels" : "voxels");
+  const auto proposal = volume.grid.is_plane() ? pipeline::propose_threshold(volume) : std::nullopt;
+  if (!proposal) return fmt::format("choose a shape with {}", statistics.few ? "--label" : "--threshold");
+  const auto value =
+      std::visit([](auto t) { return fmt::format("{:.6g}", static_cast<double>(t)); }, proposal->threshold);
+  return fmt::format("choose a shape with {}{}: what is bright, with --invert what is dark{}",
+                     statistics.few ? "--label or --threshold " : "--threshold ", value,
+                     proposal->bright_border ? ", as the bright border suggests" : "");
+}
+
+/// A volume of one slice may be an image, too: here that is said, and no reason to stop.
+Volume read_to_show(const std::string& file, const io::VolumeReadOptions& options, Session& session) {
+  try {
+    return io::read_volume(file, options, &session.context);
+  } catch (const Error& error) {
+    if (error.field() != "dimension" || options.dimension) throw;
+    io::VolumeReadOptions as_slab = options;
+    as_slab.dimension = 3;
+    Volume volume = io::read_volume(file, as_slab, &session.context);
+    session.say(fmt::format("note: {} [--dimension]", error.what()));
+    return volume;
+  }
+}
+
+Json volume_info(const std::string& file, const io::VolumeReadOptions& options, Session& session) {
+  const Volume volume = read_to_show(file, options, session);
   Json info;
-  info["kind"] = "volume";
   const Grid& g = volume.grid;
-  info["dims"] = g.dims;
-  info["spacing"] = {g.spacing[0], g.spacing[1], g.spacing[2]};
+  const auto n = static_cast<std::size_t>(g.dimension);
+  info["kind"] = g.is_plane() ? "image" : "volume";
+  if (!volume.picture.empty()) info["picture"] = volume.picture;
+  const auto first = [n](const auto& values) {
+    Json list = Json::array();
+    for (std::size_t a = 0; a < n; ++a) list.push_back(values[a]);
+    return list;
+  };
+  info[g.is_plane() ? "pixels" : "dims"] = first(g.dims);
+  info["spacing"] = first(std::array{g.spacing[0], g.spacing[1], g.spacing[2]});
   if (!volume.spacing_source.empty()) info["spacing_source"] = volume.spacing_source;
-  info["origin"] = {g.origin[0], g.origin[1], g.origin[2]};
+  info["origin"] = first(std::array{g.origin[0], g.origin[1], g.origin[2]});
   info["direction"] = Json::array();
-  for (int r = 0; r < 3; ++r)
-    for (int c = 0; c < 3; ++c) info["direction"].push_back(g.direction(r, c));
+  for (int r = 0; r < g.dimension; ++r)
+    for (int c = 0; c < g.dimension; ++c) info["direction"].push_back(g.direction(r, c));
   if (!volume.coordinates.units.empty()) info["units"] = volume.coordinates.units;
   if (!volume.coordinates.space.empty()) info["space"] = volume.coordinates.space;
-  say_picture(file, g, session);
+  if (g.is_plane()) info["y_axis"] = volume.coordinates.y_down ? "down" : "up";
   std::visit(
       [&](const auto& samples) {
         using T = typename std::decay_t<decltype(samples)>::value_type;
@@ -165,12 +205,45 @@ Json volume_info(const std::string& file, Session& session) {
           info["values"] = Json::object();
           for (const auto& [value, count] : statistics.counts) info["values"][fmt::format("{}", value)] = count;
         }
-        const bool two = statistics.few && statistics.counts.size() + (statistics.not_a_number > 0) <= 2;
-        info["hint"] = two              ? "the shape is the non-zero voxels, or choose with --label"
-                       : statistics.few ? "choose a shape with --label"
-                                        : "choose a shape with --threshold";
+        info["hint"] = hint_of(volume, statistics);
       },
       volume.samples);
+  return info;
+}
+
+/// How many polygons a file holds, of what, and where.
+Json polygons_info(const std::string& file, Session& session) {
+  std::uint64_t bad = 0, rings = 0, points = 0, with_properties = 0;
+  Vec2 low = Vec2::Constant(std::numeric_limits<double>::infinity()), high = -low;
+  std::string first_bad, first_properties;
+  bool y_down = false;
+  const std::uint64_t features = io::for_each_feature(
+      file,
+      [&](PolygonFeature&& feature) {
+        y_down = feature.y_down;
+        if (!feature.properties.empty() && with_properties++ == 0) first_properties = feature.properties;
+        for (const auto& ring : feature.polygons.rings) {
+          ++rings;
+          points += ring.size();
+          for (const Vec2& p : ring) {
+            low = low.cwiseMin(p);
+            high = high.cwiseMax(p);
+          }
+        }
+      },
+      [&](std::uint64_t, const Error& error) {
+        if (bad++ == 0) first_bad = error.what();
+      },
+      &session.context);
+  Json info = {{"kind", "polygons"}, {"features", features}, {"rings", rings}, {"points", points}};
+  if (points > 0) info["box"] = {{number(low[0]), number(low[1])}, {number(high[0]), number(high[1])}};
+  info["y_axis"] = y_down ? "down" : "up";
+  if (bad > 0) info["unusable"] = {{"features", bad}, {"first", first_bad}};
+  if (with_properties > 0) {
+    const Json properties = Json::parse(first_properties, nullptr, false);
+    info["properties"] = Json::array();
+    for (const auto& [name, value] : properties.items()) info["properties"].push_back(name);
+  }
   return info;
 }
 
@@ -208,15 +281,21 @@ std::string text_of(const Json& object, int indent) {
 Action add_info(CLI::App& app) {
   struct Options {
     std::string file;
+    io::VolumeReadOptions how;
   };
   auto o = std::make_shared<Options>();
-  app.add_option("FILE", o->file, "A mesh, a medial axis or a volume")->type_name("")->required();
+  app.add_option("FILE", o->file, "A mesh, a medial axis, a volume, an image or polygons")->type_name("")->required();
+  add_channel(app, o->how.channel);
+  add_dimension(app, o->how.dimension);
   return [o](Session& session) {
     check_exists(o->file);
     Json info = {{"file", o->file}};
     const io::Kind kind = io::kind_of(o->file);
     if (kind == io::Kind::unknown) pipeline::refuse_unknown_kind(o->file);
-    info.update(kind == io::Kind::volume ? volume_info(o->file, session) : surface_info(o->file, session));
+    if (kind == io::Kind::polygons)
+      info.update(polygons_info(o->file, session));
+    else
+      info.update(kind == io::Kind::volume ? volume_info(o->file, o->how, session) : surface_info(o->file, session));
     session.answer(session.options.report.empty() ? text_of(info, 0) : json_text(info, 2) + "\n");
     return 0;
   };

@@ -233,7 +233,9 @@ std::string with_option(const Error& error, const CLI::App& command, const Commo
   if (field == "memory_limit")
     return sentence +
            (common.memory_limit.empty() ? ", or --memory-limit to try all the same" : ", or a larger --memory-limit");
-  return fmt::format("{} [{}]", sentence, field == "threshold" ? "--threshold, --label" : option);
+  if (field == "threshold")
+    option = sentence.find("invert it") == sentence.npos ? "--threshold, --label" : "--threshold, --invert, --label";
+  return fmt::format("{} [{}]", sentence, option);
 }
 
 }  // namespace

@@ -100,7 +100,8 @@ Json spacing_json(const Grid& grid) {
 
 std::string cells_text(const pipeline::CellCounts& cells, bool plane) {
   if (plane)
-    return fmt::format("{}, {}", base::counted(cells.vertices, "vertex", "vertices"), base::counted(cells.edges, "edge"));
+    return fmt::format("{}, {}", base::counted(cells.vertices, "vertex", "vertices"),
+                       base::counted(cells.edges, "edge"));
   return fmt::format("{}, {}, {}", base::counted(cells.vertices, "vertex", "vertices"),
                      base::counted(cells.edges, "edge"), base::counted(cells.faces, "face"));
 }
@@ -213,11 +214,11 @@ void say_burned(const pipeline::BurnFigures& burned, std::size_t vertices, Sessi
                                      burned.from_file ? "the file is burned" : "burned", burned.nodes,
                                      burned.options.omega, burned.max_burn_time));
   if (burned.unburned > 0)
-    session.say(fmt::format(
-        "note: {} of {} {} on {}, where no fire comes: the burn time there is infinite (array "
-        "'unburned')",
-        burned.unburned, base::counted(vertices, "vertex", "vertices"), burned.unburned == 1 ? "lies" : "lie",
-        plane ? "loops and between them" : "closed pockets"));
+    session.say(
+        fmt::format("note: {} of {} {} on {}, where no fire comes: the burn time there is infinite (array "
+                    "'unburned')",
+                    burned.unburned, base::counted(vertices, "vertex", "vertices"),
+                    burned.unburned == 1 ? "lies" : "lie", plane ? "loops and between them" : "closed pockets"));
 }
 
 void add_axis_sections(Json& report, const pipeline::AxisRun& run) {
@@ -230,7 +231,16 @@ void add_axis_sections(Json& report, const pipeline::AxisRun& run) {
   report["skeleton"]["theta1"] = number(skeleton.theta1);
   report["skeleton"]["theta1_radii"] = skeleton.theta1_radii;
   report["skeleton"].update(cells_section(pipeline::counts_of(skeleton.complex), topology));
-  if (skeleton.plane) return;
+  if (skeleton.plane) {
+    constexpr std::size_t kMost = 1000;
+    Json points = Json::array();
+    for (const MedialPoint& p : run.medial_points) {
+      if (points.size() == kMost) break;
+      points.push_back({{"point", {p.point[0], p.point[1]}}, {"radius", p.radius}, {"burn_time", p.burn_time}});
+    }
+    report["skeleton"]["medial_points"] = points;
+    return;
+  }
   const auto last = std::max_element(skeleton.face_sheet.begin(), skeleton.face_sheet.end());
   report["skeleton"]["sheets"] = last == skeleton.face_sheet.end() ? 0 : *last + 1;
 }

@@ -1,29 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "run_command.h"
+
 #include <fmt/format.h>
 
 #include <cmath>
 #include <cstring>
 
 #include "base/text.h"
+#include "option_checks.h"
+#include "plane_files.h"
 #include "program.h"
 #include "quench/io.h"
 #include "quench/picture.h"
 #include "report.h"
-#include "shape_input.h"
 
 namespace quench::program {
 namespace {
 
 namespace fs = std::filesystem;
-
-struct Options {
-  ShapeOptions shape;
-  pipeline::RunOptions run;
-  GraphFileOptions graph;
-  std::size_t max_triangles = kPageTriangles;
-  bool no_view = false, no_picture = false;
-  std::string folder;
-};
 
 /// The outputs of a run; `view` and `picture` are empty where there are none.
 struct Files {
@@ -32,14 +26,17 @@ struct Files {
         skeleton(folder / "skeleton.vtp"),
         swc(folder / "skeleton.swc"),
         csv(folder / "branches.csv"),
+        geojson(folder / "skeleton.geojson"),
+        svg(folder / "skeleton.svg"),
         report(folder / "report.json"),
         view(with_page ? folder / "view.html" : fs::path()),
         picture(with_picture ? folder / "picture.png" : fs::path()) {}
   bool has_page() const { return !view.empty() || !picture.empty(); }
-  fs::path core, skeleton, swc, csv, report, view, picture;
+  fs::path core, skeleton, swc, csv, geojson, svg, report, view, picture;
 };
 
-/// The folder exists or can be created: told before a long computation, and created after it.
+}  // namespace
+
 void check_folder(const std::string& folder) {
   std::error_code error;
   check_name_length(fs::path(folder) / "skeleton.swc");
@@ -55,7 +52,16 @@ void check_folder(const std::string& folder) {
                                                existing.string(), std::strerror(reason)));
 }
 
-void check_outputs(const Options& o, const Files& files, const Session& session) {
+void create_folder(const std::string& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error)
+    throw Error(ErrorCode::failed, fmt::format("the folder '{}' cannot be created: {}", folder, error.message()));
+}
+
+namespace {
+
+void check_outputs(const RunProgram& o, const Files& files, const Session& session) {
   check_folder(o.folder);
   std::error_code error;
   if (fs::exists(o.folder, error))
@@ -65,14 +71,7 @@ void check_outputs(const Options& o, const Files& files, const Session& session)
   session.check_report({o.shape.file});
 }
 
-void create_folder(const std::string& folder) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error)
-    throw Error(ErrorCode::failed, fmt::format("the folder '{}' cannot be created: {}", folder, error.message()));
-}
-
-Json report_of(const Options& o, const pipeline::LoadedShape& shape, const pipeline::RunResult& result) {
+Json report_of(const RunProgram& o, const pipeline::LoadedShape& shape, const pipeline::RunResult& result) {
   Json report = {{"input", input_section(o.shape, shape)}};
   add_core_sections(report, shape, result.core);
   add_axis_sections(report, result.axis);
@@ -102,12 +101,22 @@ void say_little(const pipeline::RunResult& result, Session& session) {
                   skeleton.theta2));
 }
 
-int run_pipeline(const Options& o, Session& session) {
+bool holds_polygons(const RunProgram& o) { return io::kind_of(o.shape.file) == io::Kind::polygons; }
+
+int run_pipeline(const RunProgram& o, Session& session) {
+  check_exists(o.shape.file);
+  if (holds_polygons(o) && !o.shape.how.feature && !pipeline::holds_one_feature(o.shape.file))
+    return run_features(o, session);
   const Files files(o.folder, !o.no_view && pipeline::has_page_program(), !o.no_picture);
   check_outputs(o, files, session);
   ShapeOptions how = o.shape;
   how.how.keep_mesh = files.has_page();
   pipeline::LoadedShape shape = load_shape(how, session);
+  const bool plane = shape.shape.grid().is_plane();
+  if (plane && o.run.skeleton.theta2)
+    session.say("note: --theta2 is for sheets and is ignored: axes of images and polygons have none");
+  if (std::error_code error; plane && fs::exists(o.folder, error))
+    for (const fs::path& file : {files.geojson, files.svg}) session.check_output(file, {o.shape.file});
   pipeline::PageBuilder builder(o.max_triangles);
   builder.page.command = session.options.command;
   builder.page.limit_name = "--max-triangles";
@@ -133,18 +142,26 @@ int run_pipeline(const Options& o, Session& session) {
   io::write_record(files.skeleton, pipeline::skeleton_file(result.axis.skeleton, result.axis.file));
   write_graph(result.axis.graph, {files.swc, {}, files.csv}, o.graph,
               shape.surface ? Vec3(Vec3::Zero()) : shape.shape.grid().spacing, shape.coordinates, report, session);
+  if (plane) {
+    const io::PlaneLines lines = plane_lines(shape, result);
+    for (const fs::path& file : {files.geojson, files.svg})
+      io::write_lines(file, lines, {.y_down = shape.coordinates.y_down});
+  }
   session.finished("write");
   if (!files.view.empty()) write_page(builder, files.view, report, outputs);
   session.finished("page");
   if (!files.picture.empty()) write_picture(builder.page, {}, files.picture, report, session);
   write_report(files.report.string(), report, session);
   write_report(outputs, report, session);
-  const bool plane = shape.shape.grid().is_plane();
   say_written(session, files.core.string(), files.report.string(), result.core, shape);
   session.say(fmt::format("{}: {}, {}; topology as that of the shape; {}; also {} and {}", files.skeleton.string(),
                           cells_text(pipeline::counts_of(result.axis.skeleton.skeleton.complex), plane),
                           base::counted(result.axis.graph.branches.size(), "branch", "branches"),
-                          share_text(*result.axis.skeleton.reconstructed, plane), files.swc.string(), files.csv.string()));
+                          share_text(*result.axis.skeleton.reconstructed, plane), files.swc.string(),
+                          files.csv.string()));
+  if (plane)
+    session.say(fmt::format("{} and {}: the branches as lines with their measures", files.geojson.string(),
+                            files.svg.string()));
   say_little(result, session);
   if (!files.picture.empty()) session.say(fmt::format("{}: a picture of the skeleton", files.picture.string()));
   if (!files.view.empty())
@@ -155,11 +172,21 @@ int run_pipeline(const Options& o, Session& session) {
 }  // namespace
 
 Action add_run(CLI::App& app) {
-  auto o = std::make_shared<Options>();
+  auto o = std::make_shared<RunProgram>();
   add_shape_options(app, o->shape);
   add_core_options(app, o->run.axis);
   add_burn_options(app, o->run.burning);
   add_skeleton_options(app, o->run.skeleton, o->graph);
+  app.add_flag("--extend", o->graph.graph.extend,
+               "Draw free ends out in a straight line to the boundary of the shape (of its voxels or pixels)")
+      ->group("Skeleton");
+  add_parsed(
+      app, "--narrower",
+      "Branches only where the shape is narrower than this; of images and polygons skeleton.geojson and "
+      "skeleton.svg hold the rest as polygons: a fraction of the longest side, 12vox, 3.5abs",
+      [o](const std::string&, const std::string& text) { o->run.narrower = pipeline::parse_length(text, "narrower"); })
+      ->type_name("LENGTH")
+      ->group("Skeleton");
   add_page_options(app, o->max_triangles);
   app.add_flag("--no-view", o->no_view, "Do not write view.html, the interactive page")->group("Page");
   app.add_flag("--no-picture", o->no_picture, "Do not write picture.png, a picture of the skeleton")->group("Page");

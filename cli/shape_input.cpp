@@ -8,8 +8,8 @@
 
 #include "base/text.h"
 #include "option_checks.h"
-#include "report.h"
 #include "quench/io.h"
+#include "report.h"
 
 namespace quench::program {
 namespace {
@@ -32,35 +32,6 @@ std::string topology_text(const Topology& t, bool plane) {
                      base::counted(t.betti[2], "cavity", "cavities"));
 }
 
-/// Which options have no effect, given on the command line or recorded in a result.
-void say_ignored(const ShapeOptions& options, bool mesh, Session& session) {
-  const ForegroundOptions& f = options.how.foreground;
-  std::vector<std::string> given, recorded;
-  const auto add = [&](const char* name, bool is_set) {
-    const bool was_recorded = std::ranges::find(options.recorded, name) != options.recorded.end();
-    if (is_set) (was_recorded ? recorded : given).emplace_back(name);
-  };
-  if (mesh) {
-    add("--threshold", f.threshold.has_value());
-    add("--label", f.label.has_value());
-    add("--invert", f.invert);
-    add("--spacing", options.how.spacing.has_value());
-  } else {
-    add("--resolution", options.how.resolution.has_value());
-    add("--fill", options.how.fill.has_value());
-    add("--topology", options.how.topology.has_value());
-    recorded.clear();
-  }
-  const auto say = [&](const std::vector<std::string>& names, const std::string& where) {
-    if (names.empty()) return;
-    const char* verb = names.size() == 1 ? "is" : "are";
-    session.say(fmt::format("note: {}{} {} for {} and {} ignored for a {}", fmt::join(names, ", "), where, verb,
-                            mesh ? "volumes" : "meshes", verb, mesh ? "mesh" : "volume"));
-  };
-  say(given, "");
-  say(recorded, fmt::format(" (recorded in '{}')", options.recorded_in));
-}
-
 void say_voxelization(const ShapeOptions& options, const LoadedShape& shape, Session& session) {
   const Voxelization& v = *shape.voxelization;
   if (!v.fill_reason.empty()) session.say(fmt::format("fill {} (auto): {}", fill_name(v.fill), v.fill_reason));
@@ -75,7 +46,7 @@ void say_voxelization(const ShapeOptions& options, const LoadedShape& shape, Ses
 
 bool is_tiff(const std::string& file) { return extension_of(file) == ".tif" || extension_of(file) == ".tiff"; }
 
-/// "0.5 x 0.5 x 2 um": the sides of a voxel.
+/// "0.5 x 0.5 x 2 um", "0.5 x 0.5 um": the sides of a voxel or pixel.
 std::string spacing_text(const Grid& grid, const std::string& units) {
   const std::string unit = units.empty() ? "" : " " + units;
   if (grid.is_plane()) return fmt::format("{:.6g} x {:.6g}{}", grid.spacing[0], grid.spacing[1], unit);
@@ -86,17 +57,17 @@ void say_volume(const ShapeOptions& options, const LoadedShape& shape, Session& 
   if (!options.how.spacing && !shape.spacing_source.empty() && is_tiff(options.file))
     session.say(fmt::format("note: spacing {} from {}", spacing_text(shape.image, shape.coordinates.units),
                             shape.spacing_source));
-  say_picture(options.file, shape.image, session);
 }
 
 void say_cleaned(const ForegroundReport& report, bool plane, Session& session) {
   const char* of = plane ? "pixel" : "voxel";
-  session.say(fmt::format(
-      "cleaned: {} of {} dropped ({} of the shape), {} of {} filled",
-      base::counted(report.components_removed, "component"), base::counted(report.voxels_removed, of),
-      percent_text(report.voxels_removed, report.voxels_before),
-      plane ? base::counted(report.cavities_filled, "hole") : base::counted(report.cavities_filled, "cavity", "cavities"),
-      base::counted(report.voxels_filled, of)));
+  session.say(fmt::format("cleaned: {} of {} dropped ({} of the shape), {} of {} filled",
+                          base::counted(report.components_removed, "component"),
+                          base::counted(report.voxels_removed, of),
+                          percent_text(report.voxels_removed, report.voxels_before),
+                          plane ? base::counted(report.cavities_filled, "hole")
+                                : base::counted(report.cavities_filled, "cavity", "cavities"),
+                          base::counted(report.voxels_filled, of)));
   if (const std::string much = much_dropped(report); !much.empty()) session.say("warning: " + much);
 }
 
@@ -104,11 +75,10 @@ void say_cleaned(const ForegroundReport& report, bool plane, Session& session) {
 void say_shape(const LoadedShape& shape, Session& session) {
   const Grid& grid = shape.shape.grid();
   const bool plane = grid.is_plane();
-  session.say(fmt::format(
-      "shape: {} of {}, {} inside; {}",
-      plane ? fmt::format("{} x {} pixels", grid.dims[0], grid.dims[1])
-            : fmt::format("{} x {} x {} voxels", grid.dims[0], grid.dims[1], grid.dims[2]),
-      spacing_text(grid, ""), shape.shape.voxel_count(), topology_text(shape.topology, plane)));
+  session.say(fmt::format("shape: {} of {}, {} inside; {}",
+                          plane ? fmt::format("{} x {} pixels", grid.dims[0], grid.dims[1])
+                                : fmt::format("{} x {} x {} voxels", grid.dims[0], grid.dims[1], grid.dims[2]),
+                          spacing_text(grid, ""), shape.shape.voxel_count(), topology_text(shape.topology, plane)));
   const std::int64_t components = shape.topology.betti[0];
   // What the surface says, where it does not tell the topology of the solid.
   if (shape.from_mesh && !shape.topology_changed() && components > shape.voxelization->surface.components)
@@ -118,7 +88,10 @@ void say_shape(const LoadedShape& shape, Session& session) {
                     base::counted(components, "component"), shape.voxelization->surface.components));
   if (!shape.from_mesh && components > 100)
     session.say(fmt::format("note: the {} has {} components; --min-component N drops specks",
-                            plane ? "image" : "volume", components));
+                            shape.polygon ? "polygon"
+                            : plane       ? "image"
+                                          : "volume",
+                            components));
 }
 
 void add_mesh(Json& input, const LoadedShape& shape) {
@@ -147,15 +120,24 @@ void add_mesh(Json& input, const LoadedShape& shape) {
 
 }  // namespace
 
-void say_picture(const std::string& file, const Grid& grid, Session& session) {
-  std::error_code ignored;
-  if (grid.dims[2] != 1 ||
-      !(extension_of(file) == ".png" || is_tiff(file) || std::filesystem::is_directory(file, ignored)))
-    return;
-  session.say(
-      fmt::format("note: '{}' is one picture of {} x {} pixels; it is taken as a slab one voxel thick, whose radii are "
-                  "about half a voxel; for a 3D shape give a folder of slices or a stack",
-                  file, grid.dims[0], grid.dims[1]));
+CLI::Option* add_channel(CLI::App& app, std::string& channel) {
+  return app
+      .add_option("--channel", channel,
+                  "Image with colours: what becomes the value of a pixel: 'luminance' (of Rec. 601, on white where it "
+                  "is transparent), 'alpha', 'red', 'green' or 'blue'; without it alpha where all that is seen has one "
+                  "colour, else luminance")
+      ->type_name("NAME")
+      ->check(one_of({"luminance", "alpha", "red", "green", "blue"}));
+}
+
+CLI::Option* add_dimension(CLI::App& app, std::optional<int>& dimension) {
+  return add_parsed(
+             app, "--dimension",
+             "Volume of one slice: 2 takes it as an image of the plane, 3 as a slab one voxel thick; 3 takes an image "
+             "so, too",
+             [&dimension](const std::string&, const std::string& text) { dimension = text == "2" ? 2 : 3; })
+      ->type_name("N")
+      ->check(one_of({"2", "3"}));
 }
 
 CLI::Option* add_resolution(CLI::App& app, ShapeOptions& o, const std::string& help) {
@@ -180,14 +162,14 @@ CLI::Option* add_topology(CLI::App& app, ShapeOptions& o, const std::string& hel
 
 void add_shape_options(CLI::App& app, ShapeOptions& o) {
   app.add_option("SHAPE", o.file,
-                 "A mesh (.ply .obj .off .stl ...) or a volume (.nrrd .nii.gz .mha .map .vol .npy .tif, a "
-                 "folder of slices ...)")
+                 "A mesh (.ply .obj .off .stl ...), a volume (.nrrd .nii.gz .mha .map .vol .npy .tif, a folder of "
+                 "slices ...) or an image (.png .tif .bmp .jpg .pgm ...)")
       ->type_name("")
       ->required();
   const auto group = "Shape";
   add_resolution(app, o,
                  "Mesh: voxels along the longest side, 1 to 16384, or 'auto': the smallest of 128, 256 ... 2048 that "
-                 "keeps the topology")
+                 "keeps the topology; polygons: pixels (1024)")
       ->default_str("256")
       ->group(group);
   add_fill(app, o,
@@ -203,31 +185,56 @@ void add_shape_options(CLI::App& app, ShapeOptions& o) {
                "centre is inside, and no other")
       ->default_str("mesh")
       ->group(group);
+  add_parsed(app, "--pixel",
+             "Polygons: the side of a pixel in the units of the file, instead of a resolution (of 1024)",
+             [&o](const std::string&, const std::string& text) {
+               double side = 0;
+               if (!is_number(text, side) || !(side > 0) || !std::isfinite(side))
+                 throw Error(ErrorCode::usage, fmt::format("--pixel '{}' is not a length above 0", text));
+               o.how.pixel = side;
+             })
+      ->type_name("LENGTH")
+      ->group(group);
+  add_parsed(app, "--feature", "Polygons: the number of the feature of the file, from 0",
+             [&o](const std::string&, const std::string& text) {
+               std::int64_t number = 0;
+               if (!is_number(text, number) || number < 0)
+                 throw Error(ErrorCode::usage, fmt::format("--feature '{}' is not a whole number from 0 on", text));
+               o.how.feature = static_cast<std::uint64_t>(number);
+             })
+      ->type_name("K")
+      ->group(group);
   ForegroundOptions& f = o.how.foreground;
-  add_threshold(app, f.threshold, "Volume: the shape is the voxels of at least this value")
+  add_threshold(app, f.threshold, "Volume, image: the shape is the voxels or pixels of at least this value")
       ->type_name("T")
       ->group(group);
-  add_label(app, f.label, "Volume: the shape is the voxels of exactly this value (0 too)")
+  add_label(app, f.label, "Volume, image: the shape is the voxels or pixels of exactly this value (0 too)")
       ->type_name("K")
       ->group(group);
   add_parsed(
-      app, "--spacing", "Volume: voxel size x,y,z (or one number), instead of the file's",
+      app, "--spacing", "Volume, image: voxel size x,y,z or pixel size x,y (or one number), instead of the file's",
       [&o](const std::string&, const std::string& text) {
         o.how.spacing = pipeline::spacing_in(text);
         o.how.spacing_text = text;
         if (!o.how.spacing)
           throw Error(
               ErrorCode::usage,
-              fmt::format("--spacing '{}' is not a voxel size; give one positive number or three as x,y,z", text));
+              fmt::format("--spacing '{}' is not a voxel or pixel size; give one positive number, three as x,y,z, or "
+                          "two as x,y for an image",
+                          text));
       })
       ->type_name("SIZE")
       ->group(group);
-  app.add_flag("--invert", f.invert, "Volume: the shape is all other voxels of the image")->group(group);
+  add_channel(app, o.how.channel)->group(group);
+  add_dimension(app, o.how.dimension)->group(group);
+  app.add_flag("--invert", f.invert, "Volume, image: the shape is all other voxels or pixels")->group(group);
   app.add_flag("--largest-component", f.largest_component, "Keep the largest connected part only")->group(group);
   add_number<std::int64_t>(app, "--min-component", f.min_component, "Drop connected parts of fewer voxels", 0)
       ->type_name("N")
       ->group(group);
-  app.add_flag("--fill-cavities", f.fill_cavities, "Fill cavities that are closed all around")->group(group);
+  app.add_flag("--fill-cavities,--fill-holes", f.fill_cavities,
+               "Fill cavities that are closed all around; of an image its holes")
+      ->group(group);
   add_parsed(
       app, "--surface",
       "What points and radii are fitted to: 'voxels' (nothing), the 'mesh', the 'grey' values of a volume at its "
@@ -246,6 +253,43 @@ void add_shape_options(CLI::App& app, ShapeOptions& o) {
       ->group(group);
 }
 
+void say_ignored(const ShapeOptions& options, io::Kind kind, Session& session) {
+  const bool mesh = kind == io::Kind::surface, polygons = kind == io::Kind::polygons;
+  const ForegroundOptions& f = options.how.foreground;
+  std::vector<std::string> given, recorded;
+  const auto add = [&](const char* name, bool is_set) {
+    const bool was_recorded = std::ranges::find(options.recorded, name) != options.recorded.end();
+    if (is_set) (was_recorded ? recorded : given).emplace_back(name);
+  };
+  if (mesh || polygons) {
+    add("--threshold", f.threshold.has_value());
+    add("--label", f.label.has_value());
+    add("--invert", f.invert);
+    add("--spacing", options.how.spacing.has_value());
+    add("--channel", !options.how.channel.empty());
+    add("--dimension", options.how.dimension.has_value());
+  } else {
+    add("--resolution", options.how.resolution.has_value());
+    add("--fill", options.how.fill.has_value());
+  }
+  if (!mesh) add("--topology", options.how.topology.has_value());
+  if (!polygons) {
+    add("--pixel", options.how.pixel.has_value());
+    add("--feature", options.how.feature.has_value());
+  }
+  if (!mesh) recorded.clear();
+  const auto say = [&](const std::vector<std::string>& names, const std::string& where) {
+    if (names.empty()) return;
+    const char* verb = names.size() == 1 ? "is" : "are";
+    if (polygons)
+      return session.say(fmt::format("note: {}{} {} ignored for polygons", fmt::join(names, ", "), where, verb));
+    session.say(fmt::format("note: {}{} {} for {} and {} ignored for a {}", fmt::join(names, ", "), where, verb,
+                            mesh ? "volumes" : "meshes", verb, mesh ? "mesh" : "volume"));
+  };
+  say(given, "");
+  say(recorded, fmt::format(" (recorded in '{}')", options.recorded_in));
+}
+
 void check_exists(const std::filesystem::path& file) {
   std::error_code ignored;
   if (!std::filesystem::exists(file, ignored))
@@ -255,13 +299,15 @@ void check_exists(const std::filesystem::path& file) {
 void check_shape_options(const ShapeOptions& options) {
   if (options.how.foreground.threshold && options.how.foreground.label)
     throw Error(ErrorCode::usage, "--threshold and --label cannot be combined; give one of them");
+  if (options.how.pixel && options.how.resolution)
+    throw Error(ErrorCode::usage, "--pixel and --resolution cannot be combined; give one of them");
   check_exists(options.file);
   if (io::kind_of(options.file) == io::Kind::unknown) pipeline::refuse_unknown_kind(options.file);
 }
 
 LoadedShape load_shape(const ShapeOptions& options, Session& session) {
   check_shape_options(options);
-  say_ignored(options, io::kind_of(options.file) == io::Kind::surface, session);
+  say_ignored(options, io::kind_of(options.file), session);
   LoadedShape shape = pipeline::load_shape(options.file, options.how, &session.context);
   if (shape.from_mesh)
     say_voxelization(options, shape, session);
@@ -272,9 +318,16 @@ LoadedShape load_shape(const ShapeOptions& options, Session& session) {
   return shape;
 }
 
+/// "mesh", "volume", "image", "polygons".
+static std::string kind_text(const LoadedShape& shape) {
+  if (shape.from_mesh) return "mesh";
+  if (shape.polygon) return "polygons";
+  return shape.shape.grid().is_plane() ? "image" : "volume";
+}
+
 Json input_section(const ShapeOptions& options, const LoadedShape& shape) {
   const bool plane = shape.shape.grid().is_plane();
-  Json input = {{"file", options.file}, {"kind", shape.from_mesh ? "mesh" : plane ? "image" : "volume"}};
+  Json input = {{"file", options.file}, {"kind", kind_text(shape)}};
   if (shape.from_mesh) {
     add_mesh(input, shape);
   } else {

@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -28,6 +29,8 @@ CLI::Option* add_topology(CLI::App& app, ShapeOptions& options, const std::strin
 /// Throws the Error of an option that cannot be or of a file that is not there, before anything is read.
 void check_shape_options(const ShapeOptions& options);
 /// Throws Error(failed) for a file that is not there.
+/// Says which of the options have no effect on a file of that kind.
+void say_ignored(const ShapeOptions& options, io::Kind kind, Session& session);
 void check_exists(const std::filesystem::path& file);
 
 /// Reads SHAPE; says what the user should know (assumptions, warnings).
@@ -38,8 +41,8 @@ nlohmann::ordered_json input_section(const ShapeOptions& options, const pipeline
 /// Options not given on the command line are taken from the result in `file`.
 void take_recorded(ShapeOptions& options, const Record& result, const std::string& file);
 
-/// Says that a volume is one picture (PNG, TIFF, a folder with one of them), where it is: a slab one voxel thick is
-/// seldom what was meant.
-void say_picture(const std::string& file, const Grid& grid, Session& session);
+/// --channel and --dimension alone, for commands that show an image.
+CLI::Option* add_channel(CLI::App& app, std::string& channel);
+CLI::Option* add_dimension(CLI::App& app, std::optional<int>& dimension);
 
 }  // namespace quench::program

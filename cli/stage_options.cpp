@@ -166,6 +166,10 @@ void add_skeleton_options(CLI::App& app, pipeline::SkeletonOptions& o, GraphFile
       ->check(one_of({"full", "pruned"}))
       ->capture_default_str()
       ->group(group);
+  app.add_flag("--longest", o.main_axes,
+               "Only the main axis of every part of the shape: the longest of the shortest ways between two ends; for "
+               "skeletons of curves, as those of images or with --theta2 inf")
+      ->group(group);
   add_parsed(app, "--root", "SWC: the root of its component is the node nearest to this point [default: the thickest]",
              [&files](const std::string&, const std::string& text) {
                const std::vector<double> numbers = numbers_in(text, ',');

@@ -20,7 +20,7 @@ std::optional<Volume> grey_values(const ShapeOptions& options, const pipeline::L
   constexpr std::int64_t kMost = std::int64_t{1} << 28;
   const auto& dims = shape.image.dims;
   if (!shape.surface || shape.surface->kind() != SurfaceKind::grey || dims[0] * dims[1] * dims[2] > kMost) return {};
-  Volume volume = io::read_volume(options.file, {options.how.spacing}, &session.context);
+  Volume volume = io::read_volume(options.file, pipeline::read_options(options.how), &session.context);
   if (volume.grid.dims != dims) return {};
   volume.grid = shape.image;
   return volume;

@@ -150,6 +150,14 @@ pipeline::LoadedShape add_shape(const Options& o, const Plan& plan, pipeline::Pa
   return shape;
 }
 
+/// Of voxels or pixels; zero where the file does not say it.
+Vec3 spacing_of(const Record& data) {
+  const DataArray* spacing = find_array(data.field_data, "spacing");
+  const std::vector<double> numbers =
+      spacing && spacing->size() == 3 ? spacing->numbers() : std::vector<double>(3, 0.0);
+  return {numbers[0], numbers[1], numbers[2]};
+}
+
 void add_still(Plan& plan, pipeline::PageBuilder& builder, Session& session) {
   Page& page = builder.page;
   drop_unusable_fields(plan.still, plan.still_file, &session.context);
@@ -158,6 +166,8 @@ void add_still(Plan& plan, pipeline::PageBuilder& builder, Session& session) {
   if (page.unit.empty()) page.unit = pipeline::field_text(plan.still, "units").value_or("");
   if (page.side == 0)
     page.side = pipeline::field_number(plan.still, "longest_side").value_or((plan.high - plan.low).maxCoeff());
+  if (pipeline::field_number(plan.still, "dimension") == 2)
+    builder.set_plane(spacing_of(plan.still), pipeline::field_text(plan.still, "y_axis") == "down");
   builder.add_still(plan.still);
   session.finished("page");
 }
@@ -173,6 +183,7 @@ void add_axis(const Options& o, Plan& plan, const std::optional<pipeline::Loaded
   if (page.side == 0 || pipeline::field_number(loaded.data, "longest_side")) page.side = scale.longest_side;
   if (scale.voxel > 0) page.voxel = scale.voxel;
   if (page.unit.empty()) page.unit = loaded.coordinates.units;
+  if (loaded.axis.grid.is_plane()) builder.set_plane(loaded.spacing, loaded.coordinates.y_down);
   if (o.pruning.threshold)
     threshold = fmt::format("{}", static_cast<float>(scale.resolve(*o.pruning.threshold, o.pruning.measure)));
 

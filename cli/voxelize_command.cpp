@@ -55,8 +55,10 @@ Action add_voxelize(CLI::App& app) {
       report["shape"] = shape_section(loaded);
     }
     write_report(outputs, report, session);
-    session.say(fmt::format("{}: {} inside; {:.1f} s", o->output, base::counted(loaded.shape.voxel_count(), "voxel"),
-                            session.total_seconds()));
+    session.say(
+        fmt::format("{}: {} inside; {:.1f} s", o->output,
+                    base::counted(loaded.shape.voxel_count(), loaded.shape.grid().is_plane() ? "pixel" : "voxel"),
+                    session.total_seconds()));
     return 0;
   };
 }

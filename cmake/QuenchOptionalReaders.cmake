@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 # Optional libraries of single formats; without them a sentence says what is missing.
-# QUENCH_WITH_ASSIMP and QUENCH_WITH_TIFF tell the installed package what a static library needs.
+# QUENCH_WITH_ASSIMP, QUENCH_WITH_TIFF and QUENCH_WITH_JPEG tell the installed package what a static library needs.
 set(QUENCH_WITH_ASSIMP OFF)
 set(QUENCH_WITH_TIFF OFF)
+set(QUENCH_WITH_JPEG OFF)
 if(QUENCH_ASSIMP)
   find_package(assimp QUIET)
   if(assimp_FOUND)
@@ -23,5 +24,16 @@ if(QUENCH_TIFF)
     target_compile_definitions(quench PRIVATE QUENCH_HAS_TIFF)
   else()
     message(STATUS "libtiff 4.5 or newer not found: TIFF stacks will not be read")
+  endif()
+endif()
+
+if(QUENCH_JPEG)
+  find_package(JPEG QUIET)
+  if(JPEG_FOUND)
+    target_link_libraries(quench PRIVATE JPEG::JPEG)
+    set(QUENCH_WITH_JPEG ON)
+    target_compile_definitions(quench PRIVATE QUENCH_HAS_JPEG)
+  else()
+    message(STATUS "libjpeg not found: JPEG images will not be read")
   endif()
 endif()

@@ -8,6 +8,7 @@
 #include "quench/io.h"
 #include "quench/samples.h"
 #include "small_files.h"
+#include "small_polygons.h"
 #ifdef QUENCH_HAS_TIFF
 #include <tiffio.h>
 #endif
@@ -65,10 +66,11 @@ int main(int argc, char** argv) try {
   namespace fs = std::filesystem;
   if (argc != 2) return std::fprintf(stderr, "usage: %s FOLDER\n", argv[0]), 2;
   const fs::path folder = argv[1];
-  for (const auto& file : quench::small_files::all()) {
-    fs::create_directories(folder / file.format);
-    std::ofstream(folder / file.format / file.name, std::ios::binary) << file.bytes;
-  }
+  for (const auto& files : {quench::small_files::all(), quench::small_files::polygons()})
+    for (const auto& file : files) {
+      fs::create_directories(folder / file.format);
+      std::ofstream(folder / file.format / file.name, std::ios::binary) << file.bytes;
+    }
   for (const auto& sample : quench::built_in_samples()) {
     const std::string name(sample.name);
     const auto made = quench::make_sample(name, {.noise = 0, .seed = 1, .branches = 1, .detail = 0.05});

@@ -14,7 +14,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       [&] {
         Context context;
         context.memory_limit = 1 << 20;  // for a slice
-        const SliceStream stream = io::open_tiff(file.holding(data, size), &context);
+        const SliceStream stream = io::open_tiff(file.holding(data, size), {}, &context);
         const auto& dims = stream.grid.dims;
         if (*std::min_element(dims.begin(), dims.end()) < 1) fuzz::defect("a side of the volume is not positive");
         if (!stream.grid.spacing.allFinite() || stream.grid.spacing.minCoeff() <= 0)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A reader of volumes: QUENCH_FUZZ_READER names it, or QUENCH_FUZZ_EXTENSION a format whose headers say where the
-// samples are. With QUENCH_FUZZ_PNG the checksums are made right first: they would hide everything behind them.
+// samples are; QUENCH_FUZZ_PICTURE a reader of pictures. With QUENCH_FUZZ_PNG the checksums are made right first: they
+// would hide everything behind them.
 #include "io/volume/slice_streams.h"
 #include "io/volume/stored_volume.h"
 #include "io/volume/volume_formats.h"
@@ -10,6 +11,14 @@
 
 #ifndef QUENCH_FUZZ_EXTENSION
 #define QUENCH_FUZZ_EXTENSION ".bin"
+#endif
+#ifdef QUENCH_FUZZ_PICTURE
+#define QUENCH_FUZZ_READER read_values
+namespace quench::io {
+static Volume read_values(const std::filesystem::path& file, Context* context) {
+  return volume_of(QUENCH_FUZZ_PICTURE(file, context), file, {}, context);
+}
+}  // namespace quench::io
 #endif
 #ifndef QUENCH_FUZZ_READER
 #define QUENCH_FUZZ_READER read_stored

@@ -17,6 +17,7 @@ ROOMS = {
     'complex': 'base',
     'record': 'base',
     'shape': 'base complex',
+    'polygons': 'base shape complex',
     'voxelization': 'base complex shape',
     'samples': 'base',
     'delaunay': 'base shape',
@@ -25,11 +26,11 @@ ROOMS = {
     'axis': 'base complex record shape surface delaunay dual',
     'burning': 'base complex record axis',
     'skeleton': 'base complex record axis burning',
-    'graph': 'base shape skeleton',
-    'io': 'base record shape graph',
+    'graph': 'base shape polygons skeleton',
+    'io': 'base record shape polygons graph',
     'page': 'base complex record shape axis burning skeleton graph io',
     'picture': 'base io page',
-    'pipeline': 'base complex record shape voxelization surface axis burning skeleton graph io page',
+    'pipeline': 'base complex record shape polygons voxelization surface axis burning skeleton graph io page',
     'verification': 'base complex record shape',
 }
 PUBLIC = {'error': 'base', 'context': 'base', 'geometry': 'base', 'voxelize': 'voxelization', 'burn': 'burning', 'verify': 'verification', 'structure': 'complex'}

@@ -67,6 +67,18 @@ Burning burn(const CellComplex& complex, std::span<const Vec3> points, std::span
 /// The same for the complex, points and radii of an axis.
 Burning burn(const MedialAxis& axis, const BurnOptions& options = {}, Context* context = nullptr);
 
+/// Where the fire on a medial axis of the plane ends.
+struct MedialPoint {
+  Vec3 point;
+  double radius = 0, burn_time = 0;
+};
+
+/// The medial point of every component of a burned medial axis of the plane that has no loop, in the order of their
+/// first vertices: the point that burns last, mostly inside an edge, where fires meet (Yan 2018, sec. 4.1.2; Liu et al.
+/// 2011 call it the centre). Loops never burn, and have none. O(n). Throws Error(usage) unless the burning is that of
+/// an axis of the plane.
+std::vector<MedialPoint> medial_points(const MedialAxis& axis, const Burning& burning);
+
 /// The spacing of nodes that burn() takes where none is given: 0.35 of the mean edge for triangles, whose diagonals are
 /// long, 0.65 for other polygons. The mean error of erosion thickness is then about 0.1% (docs/algorithms/burning.md).
 double default_omega(const CellComplex& complex, std::span<const Vec3> points);

@@ -51,9 +51,7 @@ struct Grid {
     spacing[2] = spacing[0] < spacing[1] ? spacing[0] : spacing[1];
   }
 
-  Vec3 world(const Vec3& lattice) const {
-    return origin + direction * spacing.cwiseProduct(lattice - first_centre());
-  }
+  Vec3 world(const Vec3& lattice) const { return origin + direction * spacing.cwiseProduct(lattice - first_centre()); }
   Vec3 world_of(const LatticePoint& p) const { return world(Vec3(p[0], p[1], p[2])); }
   Vec3 lattice(const Vec3& world) const {
     return (direction.transpose() * (world - origin)).cwiseQuotient(spacing) + first_centre();

@@ -4,12 +4,14 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "quench/geometry.h"
+#include "quench/polygons.h"
 #include "quench/shape.h"
 #include "quench/skeleton.h"
 
@@ -24,10 +26,10 @@ struct CurveGraph {
     double radius = 0;
     NodeKind kind = NodeKind::end;  ///< `sheet`: where curves meet a sheet; `loop`: an arbitrary point of a closed
                                     ///< curve; `border`: where outside_of() has cut a branch
-    std::uint32_t component = 0;  ///< of the whole skeleton, sheets included
-    std::uint32_t degree = 0;     ///< branch ends at the node; a closed branch has two
-    std::uint32_t sheet = kNone;  ///< the patch of sheets the node lies on, or kNone; 0 .. sheets-1
-    std::uint32_t vertex = 0;     ///< of the skeleton
+    std::uint32_t component = 0;    ///< of the whole skeleton, sheets included
+    std::uint32_t degree = 0;       ///< branch ends at the node; a closed branch has two
+    std::uint32_t sheet = kNone;    ///< the patch of sheets the node lies on, or kNone; 0 .. sheets-1
+    std::uint32_t vertex = 0;       ///< of the skeleton
   };
   /// A polyline from node to node. All lengths in world units.
   struct Branch {
@@ -40,6 +42,7 @@ struct CurveGraph {
     double tortuosity = 1;  ///< length over distance of the ends; infinite for a closed branch
     std::uint32_t component = 0;
     std::vector<std::uint32_t> vertices;  ///< of the skeleton, along the branch, ends included; smoothing keeps them
+    std::vector<double> erosion_thickness, mgf;  ///< per point, after add_measures(); else empty
   };
   std::vector<Node> nodes;
   std::vector<Branch> branches;
@@ -114,6 +117,16 @@ CurveGraph extended(const CurveGraph& graph, const VoxelShape& shape);
 /// to voxel; nodes inside of it go. Its branches have no `vertices`, nor have nodes of kind `border`.
 CurveGraph outside_of(const CurveGraph& graph, const VoxelShape& part);
 
+/// Gives the points of branches the erosion thickness on the curves (infinite where no fire comes) and, in the plane, the
+/// MGF of the skeleton that was drawn with them by with_branches(). Throws Error(usage) when a point is not in it.
+void add_measures(CurveGraph& graph, const Skeleton& drawn);
+
+/// Puts a skeleton of curves, with its branches, behind another, e.g. to draw both: cells, components and branches of
+/// `more` are numbered behind those of `to`. Throws Error(usage) for sheets.
+void append(Skeleton& to, const Skeleton& more);
+/// The same of graphs; `first_vertex`: the vertices of the skeleton that those of `more` were put behind.
+void append(CurveGraph& to, const CurveGraph& more, std::uint32_t first_vertex);
+
 namespace io {
 
 constexpr int kSwcDendrite = 3;
@@ -158,6 +171,57 @@ void write_graphml(const std::filesystem::path& file, const CurveGraph& graph, c
 /// CSV, one row per branch: branch, from, to, component, from_x .. from_z, to_x .. to_z, from_kind, to_kind, length,
 /// mean_radius, min_radius, max_radius, thickness, tortuosity. `inf` where infinite.
 void write_branches(const std::filesystem::path& file, const CurveGraph& graph);
+
+/// The curves of one shape of the plane with what is known of them: a feature of a LineWriter.
+struct PlaneLines {
+  /// A value per point of every branch, e.g. `mgf`: values[b][k] of graph.branches[b].points[k].
+  struct Array {
+    std::string name;
+    std::vector<std::vector<double>> values;
+  };
+  CurveGraph graph;  ///< in the plane z = 0
+  std::vector<Array> arrays;
+  Polygons outline;                       ///< SVG: drawn grey beneath the lines, by the rule of odd winding numbers
+  Polygons wide;                          ///< wide_part(), as boundary_rings(): what no lines are drawn in
+  std::optional<std::uint64_t> number{};  ///< of the polygon feature, where the shape is one of many
+  std::string id;                         ///< of the polygon feature, JSON text; empty: none
+  std::string properties;                 ///< of the polygon feature, the JSON text of an object; empty: none
+};
+
+struct LineOptions {
+  bool y_down = false;                                              ///< y grows downwards (images, SVG)
+  enum class Colour { radius, thickness } colour = Colour::radius;  ///< SVG: what branches are coloured by
+};
+
+/// Writes lines of the plane feature by feature, in the format of the extension: .geojson and .json (GeoJSON),
+/// .geojsonl, .geojsons and .ndjson (an object per line), .wkt, .svg. Coordinates are those of the graph, y as it is.
+///
+/// GeoJSON: a LineString per branch with the properties of the polygon feature, `feature` (number), `feature_id`,
+/// `branch`, `from`, `to`, `from_kind`, `to_kind`, `length`, `mean_radius`, `min_radius`, `max_radius`, `thickness`,
+/// `tortuosity`, and per point the arrays `radius` and PlaneLines::arrays; null where infinite. A property of the
+/// polygon of one of these names gets `polygon_` before it. An isolated node is a Point. WKT: a LINESTRING or POINT per
+/// line. Both need memory for one feature. SVG: what is drawn stays in memory until finish(); colours and widths refer
+/// to the feature.
+///
+/// The file appears with finish(), as by write_atomically(); without it nothing is left. Throws Error(usage) for
+/// another extension, Error(failed) when writing fails, Error(input) for properties that are not an object of JSON.
+class LineWriter {
+ public:
+  explicit LineWriter(const std::filesystem::path& file, const LineOptions& options = {});
+  LineWriter(LineWriter&&) noexcept;
+  LineWriter& operator=(LineWriter&&) noexcept;
+  ~LineWriter();
+
+  void append(const PlaneLines& lines);
+  void finish();
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// A file of one feature.
+void write_lines(const std::filesystem::path& file, const PlaneLines& lines, const LineOptions& options = {});
 
 }  // namespace io
 

@@ -28,7 +28,11 @@
 ///   .nrrd .nhdr .mha .mhd .nii .nii.gz .mrc .map                       x
 ///   .tif, a folder of TIFF slices (libtiff)                            x
 ///   .npy  .vol (DGtal)  .sof  .png, a folder of PNG slices             x
+///   .pbm .pgm .ppm .pnm  .bmp  .jpg .jpeg (libjpeg)                    x
 ///   .nrrd (gzip)                                                                  x
+///
+/// Polygons of the plane (.geojson .json .geojsonl .geojsons .ndjson .wkt .svg) are read by the functions of
+/// quench/polygons.h; lines of the plane are written in these formats by those of quench/graph.h.
 ///
 /// Curve graphs (.swc, .graphml, .csv) are written by the functions of quench/graph.h.
 ///
@@ -38,7 +42,7 @@
 /// an existing one.
 namespace quench::io {
 
-enum class Kind { surface, volume, unknown };
+enum class Kind { surface, volume, polygons, unknown };
 
 /// By extension (and for a folder, by its content) only; does not open the file.
 Kind kind_of(const std::filesystem::path& file);
@@ -67,14 +71,21 @@ std::vector<double> read_radii(const std::filesystem::path& file, const std::vec
 /// 10), one slice per file; numbered slices with a number missing or occurring twice, or with another file among
 /// them, are Error(input).
 ///
-/// What a PNG, PGM, PBM, PPM, BMP or JPEG file, a TIFF file of one page, or an array or image of two dimensions holds is
-/// a plane (Grid::dimension 2), of two numbers of spacing. A volume of one slice may be meant as either: without
-/// `dimension` it is Error(usage), field `dimension`.
+/// What a PNG, PGM, PBM, PPM, BMP or JPEG file, a TIFF file of one page, or an array or image of two dimensions (NPY,
+/// NRRD, MetaImage, NIfTI) holds is a plane (Grid::dimension 2), whose y is down. A volume of one slice may be meant as
+/// either: without `dimension` it is Error(usage), field `dimension`.
+///
+/// Colours become one value per pixel. Luminance is (19595 red + 38470 green + 7471 blue) / 2^16 (ITU-R BT.601), what is
+/// transparent composed on white, each rounded. Slices with colours need a channel: without one Error(input), field
+/// `channel`.
 struct VolumeReadOptions {
+  /// The third number is 0 where there are two: for planes. A plane takes no third number of its own, a volume needs
+  /// one: Error(usage), field `spacing`.
   std::optional<Vec3> spacing;
   std::optional<int> dimension = {};  ///< 2 or 3: what one slice is
-  std::string channel = {};  ///< of a picture with colours: "luminance", "alpha", "red", "green", "blue"; empty: alpha
-                             ///< where all that is seen has one colour, else luminance
+  /// Of a picture with colours: "luminance", "alpha", "red", "green", "blue"; empty: alpha where all that is seen has
+  /// one colour and alpha varies, else luminance. Of grey values all but alpha are the value.
+  std::string channel = {};
 };
 Volume read_volume(const std::filesystem::path& file, const VolumeReadOptions& options = {},
                    Context* context = nullptr);
@@ -89,7 +100,7 @@ void write_volume(const std::filesystem::path& file, const VoxelShape& shape, co
 /// (e.g. disk full).
 void write_atomically(const std::filesystem::path& file, const std::function<void(std::ostream&)>& body);
 
-/// A volume as slices where its format allows it: NRRD with its samples in the same file, raw or gzip; uncompressed
+/// A volume or image as slices where its format allows it: NRRD with its samples in the same file, raw or gzip; uncompressed
 /// MetaImage and MRC; TIFF; folders of PNG or TIFF slices. Nothing for other files: read_volume() reads
 /// them whole. Throws as read_volume() does.
 std::optional<SliceStream> open_slices(const std::filesystem::path& file, const VolumeReadOptions& options = {},

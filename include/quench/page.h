@@ -52,7 +52,7 @@ struct Page {
   double voxel = 0;                      ///< smallest spacing of the voxel shape
   std::optional<PagePruning> pruning;    ///< what the burn belongs to
   std::optional<double> theta2, theta1;  ///< of the layer `skeleton`, where the sliders start; may be infinite
-  double theta1_radii = 0;  ///< of the layer `skeleton`, as ExtractOptions::theta1_radii
+  double theta1_radii = 0;               ///< of the layer `skeleton`, as ExtractOptions::theta1_radii
   std::optional<BurnOptions> burning;
   std::optional<Topology> topology;
   std::vector<std::pair<std::string, std::string>> files;  ///< what they are, their names: for the command line
@@ -64,6 +64,8 @@ struct Page {
   Vec3 origin = Vec3::Zero();
 
   bool voxel_surface = false;  ///< the surface is that of voxels: without sharp edges
+  bool plane = false;          ///< of a shape of the plane: flat, seen from the front, curves without sheets
+  bool y_down = false;         ///< of a plane: y grows downwards, as in pictures
 
   /// Filled by the functions below. Cells below a floor are left out, what is above is complete.
   std::vector<PageMeasure> measures;
@@ -103,19 +105,24 @@ std::size_t add_family(Page& page, SkeletonFamily family, std::size_t max_triang
 std::size_t add_still(Page& page, const Record& data, std::size_t max_triangles);
 
 /// The surface of the shape: a mesh, or the boundary of a voxel shape, whose corners are smoothed by up to half a voxel
-/// for display. What does not fit is simplified by clustering vertices.
+/// for display; of a pixel shape the area itself, as it is, in few triangles. What does not fit is simplified by
+/// clustering vertices. Several surfaces are drawn as one.
 std::size_t add_surface(Page& page, const TriangleMesh& mesh, std::size_t max_triangles);
 std::size_t add_surface(Page& page, const VoxelShape& shape, std::size_t max_triangles);
 
 /// The boundary of the voxel shape as quads of two triangles, outward; smoothed for display (see above).
 TriangleMesh smoothed_boundary(const VoxelShape& shape, int iterations);
 
+/// The area of a pixel shape as triangles that meet along whole sides: a side of one triangle only is on the outline.
+/// Corners are boundary vertices. O(runs log runs).
+TriangleMesh flat_pixels(const VoxelShape& shape);
+
 /// The boundary vertices, for the touching points of balls. Left out, with a note, when they are too many for a page
 /// or their coordinates outgrow 16 bits.
 void add_sites(Page& page, const VoxelShape& shape);
 
 /// `count` points uniformly distributed in the shape (every voxel has the same share of them): the share of them inside
-/// balls is the share of the volume. Deterministic.
+/// balls is the share of the volume, of the plane that of the area. Deterministic.
 void add_samples(Page& page, const VoxelShape& shape, std::size_t count = 20000);
 
 /// The page with the program `page_program` around it: an HTML file. Written atomically. Throws Error(failed) when

@@ -15,7 +15,9 @@
 #include "quench/burn.h"
 #include "quench/context.h"
 #include "quench/graph.h"
+#include "quench/io.h"
 #include "quench/page.h"
+#include "quench/polygons.h"
 #include "quench/record.h"
 #include "quench/shape.h"
 #include "quench/skeleton.h"
@@ -97,17 +99,22 @@ std::int64_t predicted_skeleton_bytes(const Burning& burning);
 inline constexpr std::int64_t kAutomaticResolution = 0;
 inline constexpr std::int64_t kLargestResolution = 16384;  ///< that voxelize() takes
 
-/// A voxel size as text, "x,y,z" or one number; nothing unless all are positive numbers.
+/// A size of voxels "x,y,z" or of pixels "x,y" (the third number is 0 then), or one number for all; nothing unless all
+/// are positive numbers.
 std::optional<Vec3> spacing_in(std::string_view text);
 
 /// How an input becomes a voxel shape. What is not given has the default of the stage or, in take_recorded(), the value
 /// of an earlier run.
 struct ShapeOptions {
-  std::optional<std::int64_t> resolution = {};  ///< meshes; default 256; or kAutomaticResolution
-  std::optional<FillRule> fill = {};            ///< meshes; default nonzero
+  std::optional<std::int64_t> resolution = {};  ///< meshes; default 256; or kAutomaticResolution; polygons: 1024
+  std::optional<FillRule> fill = {};            ///< meshes; default nonzero; polygons: that of their format
   std::optional<TopologyRule> topology = {};    ///< meshes; default mesh
+  std::optional<double> pixel = {};             ///< polygons: side of a pixel, instead of a resolution
+  std::optional<std::uint64_t> feature = {};    ///< polygons: the number of the feature that is wanted, from 0
   std::optional<Vec3> spacing = {};             ///< volumes; default: what the file says
   std::string spacing_text = {};                ///< as it was spelled, for the record; empty: spelled from `spacing`
+  std::optional<int> dimension = {};            ///< volumes and images; 2 or 3: what one slice is
+  std::string channel = {};                     ///< images with colours, as of io::VolumeReadOptions
   ForegroundOptions foreground = {};            ///< threshold, label, invert: volumes
   /// What the axis is fitted to; none: the mesh where its solid can be told, the grey values of a volume with a
   /// threshold, else the voxels.
@@ -116,6 +123,20 @@ struct ShapeOptions {
   bool keep_mesh = false;    ///< LoadedShape::mesh is wanted
   bool core_follows = true;  ///< its memory counts too when the shape is subdivided
 };
+
+/// How a volume or image is read for a shape.
+io::VolumeReadOptions read_options(const ShapeOptions& options);
+
+/// A threshold that parts the dark values of an image from the bright ones.
+struct ThresholdProposal {
+  double low = 0, high = 0;  ///< the values of the image
+  Threshold threshold;
+  bool bright_border = false;  ///< most pixels at its sides are bright: the shape may be what is dark
+};
+
+/// By Otsu's method (1979, IEEE Trans. SMC 9): the classes whose means lie farthest apart for their sizes. Nothing for
+/// an image of at most two values. O(samples).
+std::optional<ThresholdProposal> propose_threshold(const Volume& image);
 
 /// A shape ready for the main job, and what was found on the way.
 struct LoadedShape {
@@ -131,6 +152,7 @@ struct LoadedShape {
   std::optional<Voxelization> voxelization;  ///< of a mesh, without its shape
   std::int64_t resolution = 0;               ///< of a mesh: that was used
   std::optional<TriangleMesh> mesh;          ///< where it was asked for
+  std::optional<PolygonFeature> polygon;     ///< of a polygon: what was digitized
   std::string spacing_source;                ///< of a volume from a file: what its spacing was taken from
   std::optional<ForegroundReport> cleaned;   ///< where cleaning was asked for
   std::optional<Surface> surface;            ///< what the axis is fitted to; none: the voxels
@@ -151,9 +173,17 @@ LoadedShape load_shape(const std::filesystem::path& file, const ShapeOptions& op
 LoadedShape shape_of(TriangleMesh&& mesh, const ShapeOptions& options, Context* context = nullptr);
 LoadedShape shape_of(const ImageView& image, const Coordinates& coordinates, const ShapeOptions& options,
                      Context* context = nullptr);
+/// A polygon, digitized. Throws what digitize() does, and Error(usage) for options that polygons do not take.
+LoadedShape shape_of(PolygonFeature&& feature, const ShapeOptions& options, Context* context = nullptr);
 /// Voxels that are given: subdivided as asked; `image` is the grid of the image they are from.
 LoadedShape shape_of(VoxelShape&& voxels, const Grid& image, const ShapeOptions& options, Context* context = nullptr);
 
+/// The feature of a file of polygons that is wanted, by its number, or the only one. Throws Error(usage), field
+/// `feature`, when there are several and no number; Error(input) when it is not there or cannot be used.
+PolygonFeature feature_of(const std::filesystem::path& file, const std::optional<std::uint64_t>& number,
+                          Context* context = nullptr);
+/// Whether a file of polygons has one feature, usable or not. Reads no further than the second.
+bool holds_one_feature(const std::filesystem::path& file);
 /// Throws Error(failed) when there is no memory to voxelize at a resolution.
 void require_voxelization_memory(const TriangleMesh& mesh, std::int64_t resolution, const Context* context);
 /// Throws Error(input) for a file whose name does not say what it holds.
@@ -227,6 +257,15 @@ Record core_file(CoreResult&& core);
 std::optional<double> field_number(const Record& data, const char* name);
 std::optional<std::string> field_text(const Record& data, const char* name);
 
+/// Boundary vertices of a pixel shape, from which radii of points between those of the axis are known.
+struct PlaneSites {
+  Grid grid;
+  std::vector<LatticePoint> sites;  ///< in order of y, x
+  /// The distance of a point of the plane to the nearest site; infinite where there are none. O(r log n) for r rows of
+  /// pixels within that distance.
+  double distance(const Vec3& point) const;
+};
+
 /// A medial axis ready for burning. Vertex v of the axis is row v of the file.
 struct LoadedAxis {
   MedialAxis axis;
@@ -235,6 +274,7 @@ struct LoadedAxis {
   Vec3 spacing = Vec3::Zero();  ///< of the voxel shape, where the file says so
   bool voxel_core = false;      ///< of Quench, not fitted: the radius between vertices follows from theirs
   Coordinates coordinates;      ///< where the file says so
+  std::optional<PlaneSites> sites;  ///< of a pixel shape: those that cells of the file have as nearest
 };
 
 /// Reads a surface or an axis, if there is memory for it.
@@ -310,13 +350,14 @@ struct SkeletonOptions {
   /// branches are no thinner than 4.5 times Scale::detail (3.9 voxels for cubes) or, without voxels, 0.01 of the
   /// longest side either.
   std::optional<Length> theta1 = {};
-  bool parts = false;     ///< as ExtractOptions::parts
-  bool full_tips = true;  ///< branches end where the shape does, not where pruning took them
+  bool parts = false;      ///< as ExtractOptions::parts
+  bool full_tips = true;   ///< branches end where the shape does, not where pruning took them
+  bool main_axes = false;  ///< one course per component only: main_axes()
 };
 
 struct SkeletonResult {
   Skeleton skeleton;
-  Topology topology;
+  Topology topology;  ///< of the skeleton: that of the medial axis unless it is reduced to main axes
   std::optional<double> reconstructed = {};  ///< share of the shape in its balls, where the shape was at hand
 };
 
@@ -348,6 +389,8 @@ struct GraphOptions {
   const VoxelShape* shape = nullptr;  ///< where it is known: segments are tested against its voxels
   Vec3 voxel = Vec3::Zero();          ///< spacing of the voxels; 0 for axes that are fitted or of other programs
   const Surface* surface = nullptr;   ///< that a fitted axis is fitted to, where it is known: radii are distances to it
+  const PlaneSites* sites = nullptr;  ///< of the plane, where they are known: radii are distances to them
+  bool extend = false;                ///< draw_branches() returns a graph that is extended() in `shape`
 };
 
 /// A finite length. Throws Error(usage), field `resample`, otherwise.
@@ -378,6 +421,9 @@ class PageBuilder {
 
   /// The box of what will be added, for shapes far from zero: before anything is added.
   void set_origin(const Vec3& low, const Vec3& high);
+  /// All is of the plane, of pixels of this spacing; add_shape() calls it. Lengths are in pixels where nothing says
+  /// otherwise and the spacing is 1.
+  void set_plane(const Vec3& pixel, bool y_down);
   /// Side, voxel, unit and topology; surface (of the kept mesh where it was not cleaned) and samples; boundary
   /// vertices where the axis is that of the voxels. The mesh is used up.
   void add_shape(LoadedShape& shape);
@@ -410,6 +456,7 @@ struct RunOptions {
   PageBuilder* page = nullptr;  ///< where a page is wanted: layers are added to it, writing it is left to the caller
   bool page_sliders = true;     ///< the page gets what its sliders need: the layers `core` and `family`
   bool keep_sequence = false;   ///< AxisRun::file holds the burn sequence, for kept_burning_of(); run() always does so
+  std::optional<Length> narrower = {};  ///< branches only where the shape is narrower: RunResult::wide is the rest
   std::function<void(const CoreResult&)> on_core = {};     ///< called as soon as there is one
   std::function<void(const BurnFigures&)> on_burned = {};  ///< the same
 };
@@ -421,6 +468,7 @@ struct AxisRun {
   CellCounts curves;  ///< as FamilyResult::curves
   SkeletonResult skeleton;
   CurveGraph graph;
+  std::vector<MedialPoint> medial_points;  ///< in the plane: medial_points()
 };
 
 /// Burning, curves and skeleton, above the floor_of() the options, of an axis whose file is `file` and whose topology
@@ -432,9 +480,27 @@ AxisRun run_axis(const MedialAxis& axis, Record&& file, bool voxel_core, const T
 struct RunResult {
   CoreResult core;
   AxisRun axis;
+  std::optional<VoxelShape> wide = {};  ///< wide_part() for RunOptions::narrower; AxisRun::graph is outside_of() it
 };
 
 /// All stages from a shape on. The mesh of the shape is used up by the page.
 RunResult run(LoadedShape& shape, const RunOptions& options = {}, Context* context = nullptr);
+
+/// What became of a feature of a file of polygons.
+struct FeatureRun {
+  std::uint64_t number = 0;
+  std::string id, properties;         ///< as in PolygonFeature
+  std::string failure;                ///< a sentence, where there is no result; else empty
+  std::vector<std::string> notes;     ///< what its run had to say
+  std::optional<LoadedShape> shape;   ///< where there is a result
+  std::optional<RunResult> result;
+};
+
+/// run() of each polygon of a file, on all threads, several at a time; `take` is called on the calling thread in the
+/// order of the file. Memory is bounded by that of a few hundred features (or one that is larger), whatever the file.
+/// A feature that cannot be used is one with a `failure`. Throws Error(usage) for options that no feature takes, and
+/// what io::for_each_feature() throws.
+void run_features(const std::filesystem::path& file, const ShapeOptions& shape, const RunOptions& options,
+                  const std::function<void(FeatureRun&&)>& take, Context* context = nullptr);
 
 }  // namespace quench::pipeline

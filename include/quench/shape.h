@@ -93,6 +93,7 @@ struct Volume {
   Coordinates coordinates;
   std::string spacing_source;  ///< what the spacing was taken from, e.g. "the ImageJ description"; empty: the file
                                ///< does not say one, and it is 1
+  std::string picture;         ///< what kind of picture it was, e.g. "an RGB picture"; empty: none, or not known
 };
 
 /// A bound of samples. Whole numbers stay exact: 64-bit samples have values that a double rounds.
@@ -207,6 +208,7 @@ struct SliceStream {
   SampleType type = SampleType::uint8;
   Coordinates coordinates;
   std::string spacing_source;  ///< as of a Volume
+  std::string picture;         ///< as of a Volume
   /// Fills in the next slice, z ascending: dims[0] * dims[1] samples, x fastest, in the byte order of the machine.
   /// Throws Error(input) when the data end early.
   std::function<void(std::span<std::byte> slice)> next;

@@ -32,6 +32,7 @@ struct RefinedAxis {
   std::vector<double> radius;
   RadiusRule radius_rule = RadiusRule::exact;  ///< of the burning: how the radius runs along an edge
   bool plane = false;  ///< of a shape of the plane: the curves are M itself, and their fire starts at the radius
+  std::vector<double> mgf;  ///< per vertex, in the plane: the measure of M; may be empty
   std::vector<double>
       burn_time;  ///< per vertex: of M at nodes; on the medial curves that of their own fire; infinite at pockets
   std::uint32_t original = 0;  ///< vertices of M, the first nodes
@@ -95,6 +96,7 @@ struct Skeleton {
   std::vector<Vec3> points;
   std::vector<double> radius, burn_time, curve_burn_time;  ///< per vertex; infinite where no fire comes
   std::vector<char> on_curve;                              ///< per vertex: the two measures of curves are defined
+  std::vector<double> mgf;                                 ///< per vertex, in the plane; may be empty
   std::vector<double> edge_thickness, edge_level;          ///< per edge: ET_MC and curve level; NaN where not a curve
   std::vector<std::int32_t> edge_branch;  ///< per edge: its branch, -1 off the curves; empty before with_branches()
   std::vector<double> face_thickness, face_level;  ///< per face: erosion thickness and sheet level

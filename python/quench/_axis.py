@@ -3,52 +3,58 @@
 from __future__ import annotations
 
 from functools import cached_property
-from typing import Any, Iterator, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
+from typing import Any, Dict, Iterator, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
-from . import _core, _export
+from . import _core, _export, _plane
 from ._common import (Certificate, Length, Path, Progress, Spacing, Topology, calling, deprecated, ending, error, file_name,
                       length, length_or_auto, pruning_of, whole)
 from ._complex import Complex
 from ._inputs import Cut, Mesh, Volume, read_file, shape_of
-from ._skeleton import Skeleton
+from ._skeleton import Skeleton, theta2_of
 
 
 def medial_axis(image_or_mesh: Any, *, spacing: Spacing = None, threshold: Optional[float] = None,
-                label: Optional[int] = None, resolution: Union[int, str] = 256, detail: Length = 'auto',
-                lambda_: Optional[Length] = None, invert: bool = False, largest_component: bool = False,
-                min_component: int = 0, fill_cavities: bool = False, subdivide: int = 1, fill: str = 'nonzero',
-                topology: str = 'mesh', surface: str = 'auto', lambda_rule: str = 'coface', threads: int = 0,
-                progress: Progress = False) -> 'MedialAxis':
+                label: Optional[int] = None, dimension: Optional[int] = None, channel: Optional[str] = None,
+                resolution: Union[int, str] = 256, detail: Length = 'auto', lambda_: Optional[Length] = None,
+                invert: bool = False, largest_component: bool = False, min_component: int = 0, fill_cavities: bool = False,
+                subdivide: int = 1, fill: str = 'nonzero', topology: str = 'mesh', surface: str = 'auto',
+                lambda_rule: str = 'coface', threads: int = 0, progress: Progress = False) -> 'MedialAxis':
     """The medial axis of a shape: its voxel core, pruned without changing its topology.
 
     Parameters
     ----------
     image_or_mesh : array, (vertices, faces), object with .vertices and .faces, Volume, or path
-        An image is a three-dimensional array of any order in memory. A bool image, and one of at most two values, is the
-        shape where it is not 0; others need `threshold` or `label`. A mesh has to be closed.
-    spacing : float or three floats, optional
-        Size of a voxel along the axes of the array. Default: what the file says, else 1.
+        An image is an array of two or three dimensions, of any order in memory: ``image[row, column]`` with rows from the
+        top, or ``volume[x, y, z]``. A bool image, and one of at most two values, is the shape where it is not 0; others
+        need `threshold` or `label`. A mesh has to be closed.
+    spacing : float or a float per axis, optional
+        Size of a voxel or pixel along the axes of the array: of an image, of rows and columns (y, x). Default: what the
+        file says, else 1.
     threshold : float, optional
         The shape is where the image is at least this.
     label : int, optional
         The shape is where the image is exactly this.
+    dimension : 2 or 3, optional
+        Of an image with one axis of length 1: whether it is an image of two dimensions or a slice of voxels.
+    channel : "luminance", "red", "green", "blue" or "alpha", optional
+        Of an image with colours, (rows, columns, 3 or 4).
     resolution : int or "auto"
         Of meshes: voxels along the longest side of the box; "auto": the fewest of 128, 256 ... 2048 with the topology of
         the mesh.
     detail : length or "auto"
         What sticks out less than this is noise, and is dropped where topology allows; every corner of the
         voxel surface stays within max(2 detail, a voxel diagonal) of the balls that are kept. "auto": half the voxel diagonal,
-        above which nothing comes from the steps of voxels; 0: nothing is dropped.
+        above which nothing comes from the steps of voxels; 0: nothing is dropped. Of images, of pixels.
     lambda_ : length or "auto", optional
         Prunes by another measure instead: parts that touch the surface within a ball of this radius are dropped where
         topology allows. "auto": the largest from 2 % of the longest side down whose balls still fill 98 % of the shape.
     invert, largest_component, min_component, fill_cavities
         What to do with the shape first: take what is not the shape, keep its largest part only, drop parts of fewer
-        voxels, fill closed cavities.
+        voxels, fill closed cavities (of images, holes).
     subdivide : int
-        Splits every voxel into subdivide ** 3.
+        Splits every voxel into subdivide ** 3, a pixel into subdivide ** 2.
     fill : "nonzero", "evenodd", "winding" or "auto"
         Of meshes: overlapping and nested parts are united, or alternate between inside and outside
         (docs/user/defective_meshes.md).
@@ -58,7 +64,7 @@ def medial_axis(image_or_mesh: Any, *, spacing: Spacing = None, threshold: Optio
     surface : "auto", "voxels", "mesh", "grey" or "smooth"
         What points and radii are fitted to: nothing but the voxels; the mesh; the values of the image at `threshold`; a
         smoothed surface of the voxels (for masks and labels). "auto": the mesh where its solid can be told, the values
-        where `threshold` cuts more than two, else the voxels.
+        where `threshold` cuts more than two, else the voxels. Of images: the pixels.
     lambda_rule : "coface" or "ball"
         See docs/user/parameters.md.
     threads : int
@@ -72,8 +78,12 @@ def medial_axis(image_or_mesh: Any, *, spacing: Spacing = None, threshold: Optio
 
     Notes
     -----
-    Places: of an array, index times spacing in the order of its axes, voxel centres at integers, as in scipy and
+    Places: of a volume as array, index times spacing in the order of its axes, voxel centres at integers, as in scipy and
     scikit-image. Of files and meshes, world coordinates x, y, z.
+
+    Of an image of two dimensions, places are (x, y), as in files and for `matplotlib`: x is column times spacing, y is row
+    times spacing and grows downwards. What is in the order of the array, as scikit-image has it, says so: `row_col`, and
+    :meth:`MedialAxis.to_image`. Foreground pixels are neighbours by sides, background pixels by corners too.
 
     A *length* is a number or a text: ``0.02`` and ``"2%"`` are fractions of the longest side of the box of the shape,
     ``"2.5vox"`` multiples of the smallest spacing, ``"3.5abs"`` the units of the coordinates, ``"inf"`` and
@@ -95,30 +105,44 @@ def medial_axis(image_or_mesh: Any, *, spacing: Spacing = None, threshold: Optio
     4.0
     >>> axis.detail, axis.coverage  # half a voxel diagonal, and a whole one: the corners of the plate
     (0.866..., 1.732...)
+
+    An image:
+
+    >>> image = np.zeros((9, 40), bool)
+    >>> image[2:-2, 2:-2] = True
+    >>> axis = quench.medial_axis(image)
+    >>> axis.vertices[axis.radius.argmax()][1]  # (x, y): in the middle of the rows 2 .. 6
+    4.0
+    >>> mask, distance = axis.to_image(return_distance=True)
+    >>> mask.shape, mask[4, 20], float(distance[4, 20])
+    ((9, 40), True, 2.549...)
     """
     pruning = pruning_of(detail, lambda_)
     if lambda_rule not in ('coface', 'ball'):
         raise error(2, f"lambda_rule={lambda_rule!r} is not one of 'coface', 'ball'", 'lambda_rule')
     cut = Cut(threshold, label, invert, largest_component, min_component, fill_cavities, subdivide, spacing, resolution, fill,
-              topology, surface)
+              topology, surface, dimension, channel)
     shape = shape_of(image_or_mesh, cut, threads, progress)
     with calling(threads, progress) as call:
         return MedialAxis(_core.compute_axis(shape, *pruning, lambda_rule, *call), threads, progress)
 
 
-def read(path: Path, *, spacing: Spacing = None, radii: Optional[Path] = None, threads: int = 0,
-         progress: Progress = False) -> Union[Volume, Mesh, 'MedialAxis']:
+def read(path: Path, *, spacing: Spacing = None, radii: Optional[Path] = None, dimension: Optional[int] = None,
+         channel: Optional[str] = None, threads: int = 0, progress: Progress = False) -> Union[Volume, Mesh, 'MedialAxis']:
     """Reads a file: a volume, a mesh or a medial axis.
 
     Parameters
     ----------
     path : str or path
-        Volumes: .nrrd .nii.gz .mha .mrc .tif .npy .vol, a folder of slices; meshes: .ply .obj .off .stl; medial axes of
-        Quench or another program: .vtp .ply .ma (a surface with a radius per vertex is taken for one).
-    spacing : float or three floats, optional
-        Size of voxels, instead of what the file says.
+        Volumes: .nrrd .nii.gz .mha .mrc .tif .npy .vol, a folder of slices; images: .png and others; meshes: .ply .obj
+        .off .stl; medial axes of Quench or another program: .vtp .ply .ma (a surface with a radius per vertex is taken for
+        one).
+    spacing : float or a float per axis, optional
+        Size of voxels (x, y, z) or pixels (y, x), instead of what the file says.
     radii : str or path, optional
         A .r file with the radii of the vertices of a medial axis, matched by position.
+    dimension, channel
+        Of files with one slice, or with colours, as in :func:`medial_axis`.
     threads, progress
         As in :func:`medial_axis`.
 
@@ -136,7 +160,7 @@ def read(path: Path, *, spacing: Spacing = None, radii: Optional[Path] = None, t
     (1, 1, 0)
     """
     with calling(threads, progress) as call:
-        found = read_file(path, spacing, radii, call)
+        found = read_file(path, spacing, radii, call, dimension, channel)
     return MedialAxis(found, threads, progress) if isinstance(found, _core.Axis) else found
 
 
@@ -184,9 +208,14 @@ class MedialAxis(Complex):
 
     Attributes
     ----------
+    dimension : int
+        3, or 2 of an image; then there are edges only, and no polygons and faces.
     vertices : (V, 3) float64
+        x, y, z; of an image (V, 2): x to the right, y down.
+    row_col : (V, 2) float64
+        Of an image: row and column of each vertex, ``image[tuple(np.rint(axis.row_col).astype(int).T)]`` its pixel.
     radius : (V,) float64
-        Distance to the nearest corner of a boundary voxel.
+        Distance to the nearest corner of a boundary voxel or pixel.
     edges : (E, 2) int32
         Every edge, of polygons and of curves; ``edges[edge_degree == 0]`` are the curves.
     edge_degree : (E,) int64
@@ -208,8 +237,9 @@ class MedialAxis(Complex):
     measures : mapping of names to (values, levels)
         "lambda", "detail" where it is pruned by it, and those that follow from λ: "object_angle" and "cap_height" (what
         the shape loses where the axis ends here). ``measures['lambda'].values.polygons`` has a value per polygon,
-        ``.vertices`` and ``.edges`` per vertex and edge; there are levels of the measure it is pruned by. Empty for an
-        axis from a file.
+        ``.vertices`` and ``.edges`` per vertex and edge; there are levels of the measure it is pruned by. Of an image also
+        "mgf": of an edge, the shorter arc of the outline between its two nearest boundary points; infinite where these
+        are on different outlines. Empty for an axis from a file.
     detail : float or None
         What it is pruned with, in the units of the coordinates; None where it is not pruned by detail.
     lambda_ : float or None
@@ -367,12 +397,13 @@ class MedialAxis(Complex):
         omega : length, optional
             Distance of the points on edges between which fire is followed. Default: that of the file where the axis was
             read from one that is burned (which is then not burned again), else 0.65 of the mean edge, for an error of
-            about 0.1 %.
+            about 0.1 %. Of images there are no such points, and the result is exact.
 
         Returns
         -------
         (V,) float64 array
-            Infinite on closed pockets (sheets around a cavity), where no fire comes.
+            Infinite on closed pockets (sheets around a cavity; of an image: loops, and what is between them), where no
+            fire comes.
 
         Examples
         --------
@@ -386,7 +417,7 @@ class MedialAxis(Complex):
 
     def burn_time(self, omega: Optional[Length] = None, *, threads: Optional[int] = None,
                   progress: Optional[Progress] = None) -> np.ndarray:
-        """When the fire that starts at the rims comes to each vertex: erosion thickness + radius."""
+        """When the fire that starts at the rims comes to each vertex: erosion thickness + radius, (V,) float64."""
         return np.asarray(self._burn(omega, threads, progress)[0])
 
     def _burn(self, omega: Optional[Length], threads: Optional[int], progress: Optional[Progress]) -> Tuple[Any, Any, float]:
@@ -396,6 +427,8 @@ class MedialAxis(Complex):
     def _omega(self, omega: Optional[Length]) -> float:
         if omega is None or (isinstance(omega, str) and omega == 'auto'):
             return 0.0
+        if self.dimension == 2:
+            raise error(2, f'omega={omega!r} is of sheets; the medial axis of an image is burned exactly without it', 'omega')
         distance = self._core.resolve(length(omega, 'omega'), 'omega')
         if not 0 < distance < np.inf:
             raise error(2, f'omega={omega!r} is not a distance between nodes; give a length above 0, or None', 'omega')
@@ -413,7 +446,8 @@ class MedialAxis(Complex):
         ----------
         theta2 : length or "auto"
             Sheets below turn into curves, or go. ``"inf"``: curves only, for roots, vessels, neurons. "auto": 3 % of the
-            longest side, but no less than three times the automatic detail (2.6 voxels).
+            longest side, but no less than three times the automatic detail (2.6 voxels). An image has no sheets, and one
+            threshold, θ1: ``skeleton(theta1=...)``.
         theta1 : length, radii or "auto"
             Branches shorter than about this go; ``"0.5r"``: those that stick out of what they leave by less than half its
             radius. ``"inf"``: what topology needs is left. "auto": 0.5r, and what is thinner than four voxels.
@@ -437,7 +471,7 @@ class MedialAxis(Complex):
         >>> len(curves.vertices) == len(curves.edges)  # one closed curve
         True
         """
-        thetas = length_or_auto(theta2, 'theta2'), length_or_auto(theta1, 'theta1')
+        thetas = theta2_of(theta2, self.dimension), length_or_auto(theta1, 'theta1')
         if tips not in ('full', 'pruned'):
             raise error(2, f"tips={tips!r} is not one of 'full', 'pruned'", 'tips')
         for text, name in zip(thetas, ('theta2', 'theta1')):
@@ -453,11 +487,11 @@ class MedialAxis(Complex):
 
     def reconstruct(self, shape: Optional[Sequence[int]] = None, *, threads: Optional[int] = None,
                     progress: Optional[Progress] = None) -> np.ndarray:
-        """The union of the balls as a bool image: voxels whose centres are in one.
+        """The union of the balls as a bool image: voxels (of images pixels) whose centres are in one.
 
         Parameters
         ----------
-        shape : three ints, optional
+        shape : ints, optional
             Of the result; default: that of the image, or of the voxels a mesh was turned into.
 
         Examples
@@ -468,10 +502,46 @@ class MedialAxis(Complex):
         >>> bool((quench.medial_axis(image, lambda_=0).reconstruct() == image).all())
         True
         """
-        mask = _export.mask(self._core.shape, shape)
+        mask = _export.mask(self._core.shape, shape, self.dimension)
         with self._calling(threads, progress) as call:
             self._core.mark_balls(mask.view(np.uint8), *call)
         return mask
+
+    def to_image(self, shape: Optional[Sequence[int]] = None, *, return_distance: bool = False) -> Any:
+        """Of an image: the pixels the axis runs through, as a bool image.
+
+        Parameters
+        ----------
+        shape : (rows, columns), optional
+            Of the result; default: that of the image.
+        return_distance : bool
+            Also a float64 image: the largest radius of the axis inside each of these pixels, 0 elsewhere. In units of
+            `spacing`, to the corners of the pixels of the outline; half a pixel less than the distance to the centres of
+            background pixels that ``skimage.morphology.medial_axis(return_distance=True)`` gives.
+
+        Returns
+        -------
+        (rows, columns) bool array, or it and the distances
+            Connected (8) where the axis is.
+
+        Examples
+        --------
+        >>> import numpy as np, quench
+        >>> image = np.zeros((9, 40), bool)
+        >>> image[2:-2, 2:-2] = True
+        >>> quench.medial_axis(image, detail=0).to_image()[2:-2, 2:9].astype(int)
+        array([[1, 0, 0, 0, 0, 0, 0],
+               [0, 1, 0, 0, 0, 0, 0],
+               [0, 0, 1, 1, 1, 1, 1],
+               [0, 1, 0, 0, 0, 0, 0],
+               [1, 0, 0, 0, 0, 0, 0]])
+        """
+        return self._image(self._core.shape, shape, return_distance)
+
+    def to_geojson(self, path: Optional[Path] = None) -> Dict[str, Any]:
+        """Of an image: all branches of the axis, as :meth:`Skeleton.to_geojson` gives those of a skeleton."""
+        self._of_image('to_geojson()', 'save()')
+        return self.skeleton(theta1=0).to_geojson(path)
 
     def verify(self, samples: int = 20000, *, threads: Optional[int] = None,
                progress: Optional[Progress] = None) -> Certificate:
@@ -495,22 +565,28 @@ class MedialAxis(Complex):
         path : str or path
             .vtp (everything; ParaView), .ply (MeshLab), .obj, .ma, .r, .csv (a row per vertex), .png (a picture),
             .html (interactive page). With burn times where the axis was burned; .vtp also with all that skeletons need,
-            so that it is not burned again when it is read.
+            so that it is not burned again when it is read. Of images also .geojson.
         quality : str
             Of PLY: the array that MeshLab shows as quality.
         """
         with self._calling(threads, progress) as call:
-            if ending(path) in ('.html', '.png'):
+            if ending(path) == '.geojson':
+                self.to_geojson(path)
+            elif ending(path) in ('.html', '.png'):
                 _core.page_of_axis(self._core, None, file_name(path), *call)
             else:
                 self._core.save(file_name(path), quality, *call)
 
     def plot(self, ax: Any = None, **options: Any) -> Any:
-        """Draws the faces with matplotlib, coloured by erosion thickness; returns the axes."""
-        return _export.plot(self, ax, **options)
+        """Draws the faces with matplotlib, coloured by erosion thickness; returns the axes.
+
+        Of an image: the edges, coloured by radius; with unit spacing they lie on what ``ax.imshow(image)`` has drawn.
+        """
+        return (_plane if self.dimension == 2 else _export).plot(self, ax, **options)
 
     def to_trimesh(self) -> Any:
         """A ``trimesh.Trimesh`` of the faces."""
+        self._no_image('to_trimesh()', 'edges')
         return _export.to_trimesh(self.vertices, self.faces)
 
     def to_pyvista(self) -> Any:

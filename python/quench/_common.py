@@ -20,7 +20,7 @@ Error.code = 1  # of errors raised without one
 Error.argument = None
 Length = Union[float, str]  # 0.02 and "2%" of the longest side, "2.5vox", "3.5abs", "inf"
 Path = Union[str, 'os.PathLike[str]']
-Spacing = Union[float, Sequence[float], None]
+Spacing = Union[float, Sequence[float], None]  # in the order of the axes of an array: x, y, z, or of an image y, x
 Progress = Union[bool, Callable[[str, float], Any], None]
 
 
@@ -52,7 +52,7 @@ class Topology(NamedTuple):
     ----------
     euler : int
     betti : tuple of int
-        Connected components, independent loops (tunnels), cavities.
+        Connected components, independent loops (tunnels; of an image: holes), cavities (of an image: 0).
     """
 
     euler: int
@@ -118,17 +118,24 @@ def reals(value: Any, what: str) -> np.ndarray:
     raise error(3, f'{what} are not real numbers: {reason}') from None
 
 
-def spacing_of(spacing: Spacing) -> Optional[Tuple[float, float, float]]:
-    """Three positive numbers, or None."""
+def spacing_of(spacing: Spacing, dimension: Optional[int] = None) -> Optional[Tuple[float, float, float]]:
+    """Along x, y and z (0: there are two), as the core takes it, of one positive number or one per axis of the array; or None.
+
+    Arrays of two axes are image[y, x]. Without `dimension` there may be two or three numbers.
+    """
     if spacing is None:
         return None
     try:
-        values = reals(spacing, 'voxel sizes')
-        values = np.broadcast_to(values, 3) if values.ndim == 0 else values
+        values = reals(spacing, 'sizes')
+        values = np.broadcast_to(values, dimension or 3) if values.ndim == 0 else values
     except Error:
         values = np.zeros(0)
-    if values.shape != (3,) or not np.all(np.isfinite(values)) or not np.all(values > 0):
-        raise error(2, f'spacing={spacing!r} is not a voxel size; give one positive number or three, one per axis', 'spacing')
+    if values.ndim != 1 or len(values) not in ((dimension,) if dimension else (2, 3)) or \
+            not np.all(np.isfinite(values)) or not np.all(values > 0):
+        raise error(2, f'spacing={spacing!r} is neither a voxel size nor a pixel size; give one positive number, or one per '
+                       'axis of the array: three, or two of an image, (y, x)', 'spacing')
+    if len(values) == 2:
+        values = [values[1], values[0], 0]  # as the library has two numbers
     return (float(values[0]), float(values[1]), float(values[2]))
 
 

@@ -7,11 +7,12 @@ from typing import Any, ContextManager, Optional, Tuple
 
 import numpy as np
 
-from ._common import Progress, calling
+from . import _export, _plane
+from ._common import Progress, calling, error
 
 
 class Complex:
-    """Vertices with radii, edges and polygons: views of what the library holds."""
+    """Vertices with radii, edges and polygons: views of what the library holds. Of an image there are no polygons."""
 
     _core: Any
     _threads: int = 0
@@ -22,12 +23,35 @@ class Complex:
         return calling(self._threads if threads is None else threads, self._progress if progress is None else progress)
 
     def __repr__(self) -> str:
-        return (f'{type(self).__name__} of {len(self.vertices)} vertices, {len(self.edges)} edges, '
-                f'{len(self.polygons[0]) - 1} polygons')
+        polygons = '' if self.dimension == 2 else f', {len(self.polygons[0]) - 1} polygons'
+        return f'{type(self).__name__} of {len(self.vertices)} vertices, {len(self.edges)} edges{polygons}'
+
+    @property
+    def dimension(self) -> int:
+        """2 of an image, else 3: the number of coordinates of a vertex."""
+        return self._core.dimension
 
     @cached_property
     def vertices(self) -> np.ndarray:
-        return np.asarray(self._core.vertices)
+        return np.asarray(self._core.vertices)[:, :self.dimension]
+
+    @cached_property
+    def row_col(self) -> np.ndarray:
+        """(V, 2) float64: of an image, row and column of each vertex, whole numbers at centres of pixels."""
+        self._of_image('row_col', 'vertices / spacing')
+        return np.asarray(self._core.rows_and_columns())
+
+    def _of_image(self, what: str, of_volumes: str) -> None:
+        if self.dimension != 2:
+            raise error(2, f'{what} is of images of two dimensions; of volumes there is {of_volumes}')
+
+    def _no_image(self, what: str, of_images: str) -> None:
+        if self.dimension == 2:
+            raise error(2, f'{what} is of volumes and meshes; of images there is {of_images}')
+
+    def _image(self, voxel_shape: Any, shape: Any, return_distance: bool, branch: Any = None) -> Any:
+        self._of_image('to_image()', 'to_volume() of a skeleton')
+        return _plane.image(self, _export.mask(voxel_shape, shape, 2), return_distance, branch)
 
     @cached_property
     def radius(self) -> np.ndarray:

@@ -9,15 +9,15 @@ import numpy as np
 from ._common import error, need, whole
 
 
-def mask(voxel_shape: Any, wanted: Optional[Sequence[int]]) -> np.ndarray:
+def mask(voxel_shape: Any, wanted: Optional[Sequence[int]], dimension: int) -> np.ndarray:
     """An empty image for a result: of the shape that is wanted, else of the image it is of."""
     if wanted is None:
         if voxel_shape is None:
             raise error(2, 'the medial axis comes from a file, which does not hold the image; compute it with medial_axis()')
         wanted = voxel_shape.dims
     sides = tuple(whole(side, 'shape', 1) for side in wanted)
-    if len(sides) != 3:
-        raise error(2, f'shape={tuple(wanted)!r} has {len(sides)} sides; an image has 3')
+    if len(sides) != dimension:
+        raise error(2, f'shape={tuple(wanted)!r} has {len(sides)} sides; the image has {dimension}', 'shape')
     return np.zeros(sides, dtype=bool)
 
 
@@ -30,6 +30,7 @@ def to_pyvista(vertices: np.ndarray, faces: np.ndarray, edges: np.ndarray, array
         return np.insert(rows.astype(np.int64), 0, rows.shape[1], axis=1).ravel()
 
     pyvista = need('pyvista', 'to_pyvista()')
+    vertices = np.pad(vertices, ((0, 0), (0, 3 - vertices.shape[1])))
     data = pyvista.PolyData(vertices.copy(), **({'faces': padded(faces)} if len(faces) else {}),
                             **({'lines': padded(edges)} if len(edges) else {}))
     for name, values in arrays.items():

@@ -32,15 +32,18 @@ class Mesh:
 
 
 class Volume:
-    """An image with its place in the world, as read from a file.
+    """A volume, or an image of two dimensions, with its place in the world, as read from a file.
 
     Attributes
     ----------
-    array : (X, Y, Z) array
-        The samples, not copied; axis 0 is x. Also what ``numpy.asarray(volume)`` gives.
-    spacing, origin : (3,) array
-        Size of a voxel, and the place of the centre of voxel (0, 0, 0).
-    direction : (3, 3) array
+    array : (X, Y, Z) array, or (rows, columns)
+        The samples, not copied; of a volume axis 0 is x, of an image it is y and axis 1 is x. Also what
+        ``numpy.asarray(volume)`` gives.
+    spacing : (3,) or (2,) array
+        Size of a voxel or pixel along the axes of the array.
+    origin : (3,) or (2,) array
+        The place x, y, z or x, y of the centre of the first one.
+    direction : (3, 3) or (2, 2) array
         Where the axes point: place = origin + direction @ (spacing * index).
     units : str
         Of places, where the file says so.
@@ -49,9 +52,10 @@ class Volume:
     def __init__(self, image: '_core.Image'):
         self._image = image
         self.array = np.asarray(image)
-        self.spacing = np.array(image.spacing)
-        self.origin = np.array(image.origin)
-        self.direction = np.array(image.direction)
+        axes = [1, 0] if image.dimension == 2 else [0, 1, 2]  # x, y, z of each axis of the array
+        self.spacing = np.array(image.spacing)[axes]
+        self.origin = np.array(image.origin)[:len(axes)]
+        self.direction = np.array(image.direction)[:len(axes), axes]
         self.units: str = image.units
 
     def __array__(self, dtype=None, copy=None):
@@ -60,7 +64,7 @@ class Volume:
         return self.array.copy() if copy else self.array
 
     @property
-    def shape(self) -> Tuple[int, int, int]:
+    def shape(self) -> Tuple[int, ...]:
         return self.array.shape
 
     @property
@@ -68,21 +72,79 @@ class Volume:
         return self.array.dtype
 
     def __repr__(self) -> str:
-        return f'Volume of {self.array.shape} {self.array.dtype}, spacing {tuple(self.spacing)}'
+        kind = 'Image' if self.array.ndim == 2 else 'Volume'
+        return f'{kind} of {self.array.shape} {self.array.dtype}, spacing {tuple(self.spacing)}'
 
 
-def image_array(value: Any) -> np.ndarray:
-    """A three-dimensional array the core can look at where it lies; copied only where its type makes that necessary."""
+CHANNELS = ('luminance', 'alpha', 'red', 'green', 'blue')
+
+
+def check_reading(dimension: Optional[int], channel: Optional[str]) -> None:
+    if dimension not in (None, 2, 3):
+        raise error(2, f'dimension={dimension!r} is neither 2 nor 3', 'dimension')
+    if channel is not None and channel not in CHANNELS:
+        raise error(2, f'channel={channel!r} is not one of {", ".join(map(repr, CHANNELS))}', 'channel')
+
+
+def _channel(array: np.ndarray, channel: str) -> np.ndarray:
+    """One value per pixel of an image with colours, as files of images are read: luminance is that of ITU-R BT.601, on a
+    white ground where pixels are transparent."""
+    if array.ndim != 3 or array.shape[2] not in (3, 4):
+        raise error(2, f'channel={channel!r} is of images of shape (rows, columns, 3 or 4); the shape of this one is '
+                       f'{array.shape}', 'channel')
+    if channel == 'alpha' and array.shape[2] == 3:
+        raise error(2, "channel='alpha' is not in an image of three channels; take its luminance or a colour", 'channel')
+    if channel != 'luminance':
+        return array[:, :, ('red', 'green', 'blue', 'alpha').index(channel)]
+    if array.dtype.kind == 'f':
+        light, white = array[:, :, :3] @ np.array([0.299, 0.587, 0.114]), 1
+        return light if array.shape[2] == 3 else light * array[:, :, 3] + white * (white - array[:, :, 3])
+    if array.dtype not in (np.uint8, np.uint16):
+        raise error(2, f"channel='luminance' is of images of uint8, uint16 or floats; this one is {array.dtype}", 'channel')
+    colours = array.astype(np.int64)
+    light, white = (colours[:, :, :3] @ np.array([19595, 38470, 7471]) + 2**15) >> 16, np.iinfo(array.dtype).max
+    alpha = colours[:, :, 3] if array.shape[2] == 4 else white
+    return ((2 * (light * alpha + white * (white - alpha)) + white) // (2 * white)).astype(array.dtype)
+
+
+def _of_dimension(array: np.ndarray, dimension: Optional[int], channel: Optional[str]) -> np.ndarray:
+    """Of two or three axes: an image or a volume, where there is no doubt which."""
+    if channel is not None:
+        if dimension == 3:
+            raise error(2, f'channel={channel!r} is of images, and dimension=3 of volumes; give one of them', 'channel')
+        return _channel(array, channel)
+    if array.ndim == 2 and dimension == 3:
+        raise error(2, f'dimension=3 is not that of an image of shape {array.shape}; image[..., None] is a slice of voxels',
+                    'dimension')
+    if array.ndim != 3 or dimension == 3:
+        return array
+    if array.shape.count(1) == 1:
+        axis = array.shape.index(1)
+        if dimension == 2:
+            return array.squeeze(axis)
+        raise error(2, f'an image of shape {array.shape} may be meant as one of two dimensions or as a slice of voxels; pass '
+                       f'image[{("0", ":, 0", "..., 0")[axis]}], or dimension=3', 'dimension')
+    if dimension == 2:
+        raise error(2, f'dimension=2 is not that of an image of shape {array.shape}; pass one slice of it', 'dimension')
+    if array.shape[2] in (3, 4) and min(array.shape[:2]) > array.shape[2] and array.dtype.kind != 'b':
+        raise error(2, f'an image of shape {array.shape} may be one with colours; choose a channel, e.g. channel="luminance" '
+                       'or image[..., 0], or pass dimension=3 where the last axis is one of space', 'channel')
+    return array
+
+
+def image_array(value: Any, dimension: Optional[int] = None, channel: Optional[str] = None) -> np.ndarray:
+    """An array of two or three axes the core can look at where it lies; copied only where its type makes that necessary."""
     if isinstance(value, np.ma.MaskedArray):
-        raise error(3, 'the image is a masked array; say what masked voxels are, e.g. with image.filled(0)')
+        raise error(3, 'the image is a masked array; say what masked voxels or pixels are, e.g. with image.filled(0)')
     try:
         array = np.asarray(value)
     except Exception as reason:
         raise error(3, f'{type(value).__name__} is not an image: {reason}') from reason
-    if array.ndim != 3:
-        raise error(3, f'the image has {array.ndim} dimensions; an image of a shape has 3')
+    array = _of_dimension(array, dimension, channel)
+    if array.ndim not in (2, 3):
+        raise error(3, f'the image has {array.ndim} dimensions; an image of a shape has 2 or 3')
     if array.size == 0:
-        raise error(3, f'the image of shape {array.shape} holds no voxels')
+        raise error(3, f'the image of shape {array.shape} holds no {"pixels" if array.ndim == 2 else "voxels"}')
     if array.dtype.kind not in 'biuf' or array.dtype.itemsize > 8:
         raise error(3, f'samples of type {array.dtype} are not values of an image; give bool, integer or float samples')
     if array.dtype == np.float16:
@@ -169,9 +231,12 @@ class Cut:
     fill: str = 'nonzero'
     topology: str = 'mesh'
     surface: str = 'auto'
+    dimension: Optional[int] = None
+    channel: Optional[str] = None
 
-    def options(self) -> '_core.ShapeOptions':
-        """As the core takes them."""
+    def options(self, dimension: Optional[int] = None) -> '_core.ShapeOptions':
+        """As the core takes them; `dimension`: of the image, where it is known."""
+        check_reading(self.dimension, self.channel)
         if self.threshold is not None and self.label is not None:
             raise error(2, 'threshold and label cannot be combined; give one of them', 'threshold')
         if self.fill not in ('nonzero', 'evenodd', 'winding', 'auto'):
@@ -185,13 +250,14 @@ class Cut:
             label=None if self.label is None else label_of(self.label), invert=bool(self.invert),
             largest_component=bool(self.largest_component),
             min_component=min(whole(self.min_component, 'min_component'), 2**62), fill_cavities=bool(self.fill_cavities),
-            subdivide=min(whole(self.subdivide, 'subdivide'), 2**30), spacing=spacing_of(self.spacing),
+            subdivide=min(whole(self.subdivide, 'subdivide'), 2**30), spacing=spacing_of(self.spacing, dimension),
             resolution=0 if self.resolution == 'auto' else min(whole(self.resolution, 'resolution', 1), 2**30),
             fill=self.fill, topology=self.topology, surface=self.surface)
 
     def for_images(self) -> bool:
         """Whether something is given that means nothing for a mesh."""
-        return self.threshold is not None or self.label is not None or bool(self.invert) or self.spacing is not None
+        return bool(self.invert) or any(given is not None for given in (self.threshold, self.label, self.spacing,
+                                                                        self.dimension, self.channel))
 
 
 def label_of(value: Any) -> int:
@@ -204,46 +270,51 @@ def label_of(value: Any) -> int:
 
 def shape_of(source: Any, cut: Cut, threads: int, progress: Progress) -> '_core.Shape':
     """The voxel shape of an image, a mesh or a file."""
-    options = cut.options()
+    cut.options()  # refuses what is wrong before a file is read
     with calling(threads, progress) as call:
         if not is_path(source):
-            return _shape(source, cut, options, call)
+            return _shape(source, cut, call)
         named = os.fsdecode(source)
-        found = read_file(source, cut.spacing, None, call)
+        found = read_file(source, cut.spacing, None, call, cut.dimension, cut.channel)
         if isinstance(found, _core.Axis):
             raise error(3, f"'{named}' is a medial axis already; quench.read() gives it")
         try:
-            return _shape(found, cut, options, call)
+            return _shape(found, cut, call)
         except Error as reason:
             if reason.code not in (2, 3):
                 raise
             raise error(reason.code, f"'{named}': {reason}", reason.argument) from None
 
 
-def _shape(source: Any, cut: Cut, options: '_core.ShapeOptions', call: Tuple[Any, int]) -> '_core.Shape':
+def _shape(source: Any, cut: Cut, call: Tuple[Any, int]) -> '_core.Shape':
     if isinstance(source, Volume):
-        return _core.shape_of_image(source._image, options, *call)
+        return _core.shape_of_image(source._image, cut.options(source.array.ndim), *call)
     mesh = as_mesh(source)
     if mesh is None:
-        return _core.shape_of_array(image_array(source), options, *call)
+        array = image_array(source, cut.dimension, cut.channel)
+        return _core.shape_of_array(array, cut.options(array.ndim), *call)
     if cut.for_images():
-        raise error(2, 'threshold, label, invert and spacing are for images; this is a mesh')
-    return _core.shape_of_mesh(*mesh_arrays(*mesh), options, *call)
+        raise error(2, 'threshold, label, invert, spacing, dimension and channel are for images; this is a mesh')
+    return _core.shape_of_mesh(*mesh_arrays(*mesh), cut.options(), *call)
 
 
-def read_file(path: Path, spacing: Spacing, radii: Optional[Path],
-              call: Tuple[Any, int]) -> Union[Mesh, Volume, '_core.Axis']:
+def read_file(path: Path, spacing: Spacing, radii: Optional[Path], call: Tuple[Any, int], dimension: Optional[int] = None,
+              channel: Optional[str] = None) -> Union[Mesh, Volume, '_core.Axis']:
     """What a file holds; a medial axis as the core has it."""
+    check_reading(dimension, channel)
     named = os.fsdecode(path)
     kind = _core.kind_of(file_name(path))
     if not os.path.exists(path):
         raise error(1, f"'{named}' does not exist")
     if kind == 'volume':
-        return Volume(_core.read_image(file_name(path), spacing_of(spacing), *call))
+        volume = Volume(_core.read_image(file_name(path), spacing_of(spacing), dimension, channel or '', *call))
+        spacing_of(spacing, volume.array.ndim)
+        return volume
     if kind != 'surface':
         _core.refuse_unknown_kind(file_name(path))
-    if spacing is not None:
-        raise error(2, f"spacing is for images; '{named}' is not one", 'spacing')
+    for name, given in (('spacing', spacing), ('dimension', dimension), ('channel', channel)):
+        if given is not None:
+            raise error(2, f"{name} is for images; '{named}' is not one", name)
     found = _core.read_surface(file_name(path), b'' if radii is None else file_name(radii), *call)
     return Mesh(np.asarray(found[0]), np.asarray(found[1])) if isinstance(found, tuple) else found
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Dict, Iterable, List, Optional, Sequence,
 
 import numpy as np
 
-from . import _core, _export
+from . import _core, _export, _plane
 from ._common import (Certificate, Length, Path, Progress, Spacing, Topology, calling, deprecated, ending, error, file_name,
                       is_path, length, length_or_auto, pruning_of, spacing_of, whole)
 from ._complex import Complex
@@ -18,6 +18,16 @@ if TYPE_CHECKING:
     from ._axis import MedialAxis
 
 Table = Dict[str, np.ndarray]
+
+
+def theta2_of(theta2: Length, dimension: int) -> str:
+    """The text of theta2. Of an image all is curves: "auto" and "inf" say so, and there is no other."""
+    text = length_or_auto(theta2, 'theta2')
+    if dimension != 2:
+        return text
+    if text not in ('auto', 'inf'):
+        raise error(2, f'theta2={theta2!r} is of sheets, and an image has none; its one threshold is theta1', 'theta2')
+    return 'inf'
 
 
 @dataclass
@@ -46,7 +56,7 @@ class Curves:
 
     Attributes
     ----------
-    vertices : (V, 3) float64
+    vertices : (V, 3) float64, of an image (V, 2)
         Those without an edge are components that are one point.
     edges : (E, 2) int32
     radius : (V,) float64
@@ -70,14 +80,17 @@ class Graph:
     ----------
     nodes : dict of arrays
         ``x y z radius kind component degree sheet``, a row per node. `kind` is one of end, junction, sheet, loop, isolated;
-        `sheet` the patch of sheets the node lies on, or -1.
+        `sheet` the patch of sheets the node lies on, or -1. Of an image without z.
     branches : dict of arrays
         ``from to component length mean_radius min_radius max_radius thickness tortuosity from_x ... to_z from_kind
         to_kind``, a row per branch. ``pandas.DataFrame(graph.branches)`` is a table.
-    paths : list of (n, 3) arrays
-        The course of each branch.
+    paths : list of (n, 3) arrays, of an image (n, 2)
+        The course of each branch: x, y, z or x, y.
     radii : list of (n,) arrays
         The radius along it.
+    erosion_thickness, mgf : list of (n,) arrays
+        Of an image, what else is measured along it; infinite on loops, and where the boundary points are on different
+        outlines. Of volumes empty.
     """
 
     def __init__(self, core: '_core.Graph'):
@@ -89,14 +102,17 @@ class Graph:
     @cached_property
     def nodes(self) -> Table:
         columns = {name: np.asarray(column) for name, column in self._core.nodes().items()}
-        return {**_xyz(columns.pop('point')), **{**columns, 'kind': _kinds(columns['kind'])}}
+        return {**self._xyz(columns.pop('point')), **{**columns, 'kind': _kinds(columns['kind'])}}
 
     @cached_property
     def branches(self) -> Table:
         columns = {name: np.asarray(column) for name, column in self._core.branches().items()}
-        ends = {**_xyz(columns.pop('from_point'), 'from_'), **_xyz(columns.pop('to_point'), 'to_'),
+        ends = {**self._xyz(columns.pop('from_point'), 'from_'), **self._xyz(columns.pop('to_point'), 'to_'),
                 'from_kind': _kinds(columns.pop('from_kind')), 'to_kind': _kinds(columns.pop('to_kind'))}
         return {**columns, **ends}
+
+    def _xyz(self, points: np.ndarray, prefix: str = '') -> Table:
+        return {prefix + name: points[:, a] for a, name in enumerate('xyz'[:self._core.dimension])}
 
     @cached_property
     def _paths(self) -> List[Any]:
@@ -104,11 +120,19 @@ class Graph:
 
     @cached_property
     def paths(self) -> List[np.ndarray]:
-        return [np.asarray(points) for points, _ in self._paths]
+        return [np.asarray(path[0])[:, :self._core.dimension] for path in self._paths]
 
     @cached_property
     def radii(self) -> List[np.ndarray]:
-        return [np.asarray(radius) for _, radius in self._paths]
+        return [np.asarray(path[1]) for path in self._paths]
+
+    @cached_property
+    def erosion_thickness(self) -> List[np.ndarray]:
+        return [np.asarray(path[2]) for path in self._paths]
+
+    @cached_property
+    def mgf(self) -> List[np.ndarray]:
+        return [np.asarray(path[3]) for path in self._paths]
 
     def to_networkx(self) -> Any:
         """A ``networkx.MultiGraph``: rows of `nodes` and `branches` are the attributes, `path` and `radii` those of edges."""
@@ -123,7 +147,8 @@ class Graph:
 
     def save(self, path: Path, *, root: Optional[Sequence[float]] = None,
              swc_type: Union[int, str] = 'dendrite') -> Optional[Dict[str, int]]:
-        """Writes .csv (a row per branch), .graphml or .swc (trees; loops are cut and listed in the header).
+        """Writes .csv (a row per branch), .graphml or .swc (trees; loops are cut and listed in the header); of images also
+        .geojson.
 
         Of SWC, `root` is a place: the node next to it is the root of its tree; `swc_type` the type of every sample, a number
         or a name ("soma", "axon", "dendrite", "apical-dendrite", "custom" ...). Returns what the file holds:
@@ -136,9 +161,20 @@ class Graph:
             self._core.write_graphml(name)
         elif ending(path) == '.swc':
             return self._core.write_swc(name, None if root is None else [float(x) for x in root], str(swc_type))
+        elif ending(path) == '.geojson':
+            self.to_geojson(path)
         else:
             raise error(2, f"'{ending(path)}' is not a format of graphs; name the file .csv, .graphml or .swc")
         return None
+
+    def to_geojson(self, path: Optional[Path] = None) -> Dict[str, Any]:
+        """Of an image: the branches as a GeoJSON FeatureCollection, see :meth:`Skeleton.to_geojson`."""
+        if self._core.dimension != 2:
+            raise error(2, 'to_geojson() is of images of two dimensions; of volumes there are .swc, .graphml and .csv')
+        found = _plane.geojson(self, self._core.y_down)
+        if path is not None:
+            _plane.write_json(found, path)
+        return found
 
 
 class Skeleton(Complex):
@@ -147,11 +183,11 @@ class Skeleton(Complex):
     Attributes
     ----------
     vertices, radius : arrays
-        Of the whole skeleton, as `edges`, `edge_degree` and `polygons`, see :class:`MedialAxis`.
+        Of the whole skeleton, as `dimension`, `row_col`, `edges`, `edge_degree` and `polygons`, see :class:`MedialAxis`.
     sheets : Sheets
     curves : Curves
     theta2, theta1 : float
-        In the units of the coordinates.
+        In the units of the coordinates; of an image θ2 is infinite: all is curves.
     theta1_radii : float
         In radii of what branches leave; 0 where θ1 was given as a length.
     topology : Topology
@@ -256,8 +292,37 @@ class Skeleton(Complex):
         """A ``networkx.MultiGraph`` of ends, junctions and branches: ``graph().to_networkx()``."""
         return self._graph.to_networkx()
 
+    def to_geojson(self, path: Optional[Path] = None) -> Dict[str, Any]:
+        """Of an image: the branches as a GeoJSON FeatureCollection, a LineString per branch: ``graph().to_geojson()``.
+
+        Parameters
+        ----------
+        path : str or path, optional
+            Also writes it to a file.
+
+        Returns
+        -------
+        dict
+            Coordinates are (x, y) as in `vertices`; ``y_axis`` says "down" or "up". Properties are `branch` (the row of
+            :meth:`branches`) and, of the columns there, `from`, `to`, `from_kind`, `to_kind`, `length`, `mean_radius`,
+            `min_radius`, `max_radius`, `thickness`, `tortuosity`; and arrays with a number per point, `radius`,
+            `erosion_thickness`, `mgf`. What is infinite is null. A component that is one point is a Point with `from`,
+            its row of ``graph().nodes``, `kind` "isolated" and `radius`.
+
+        Examples
+        --------
+        >>> import numpy as np, quench
+        >>> image = np.zeros((9, 40), bool)
+        >>> image[2:-2, 2:-2] = True
+        >>> line, = quench.medial_axis(image).skeleton().to_geojson()['features']
+        >>> line['geometry']['type'], line['properties']['max_radius']
+        ('LineString', 3.0...)
+        """
+        return self._graph.to_geojson(path)
+
     def to_trimesh(self) -> Any:
         """A ``trimesh.Trimesh`` of the sheets."""
+        self._no_image('to_trimesh()', 'curves')
         return _export.to_trimesh(self.sheets.vertices, self.sheets.faces)
 
     def to_pyvista(self) -> Any:
@@ -285,15 +350,40 @@ class Skeleton(Complex):
         >>> bool((line & ~tube).any()), 20 < line.sum() < 45
         (False, True)
         """
-        mask = _export.mask(self._core.axis_shape, shape)
+        self._no_image('to_volume()', 'to_image()')
+        mask = _export.mask(self._core.axis_shape, shape, self.dimension)
         with self._calling(threads, progress) as call:
             self._core.mark_cells(mask.view(np.uint8), *call)
         return mask
 
+    def to_image(self, shape: Optional[Sequence[int]] = None, *, return_distance: bool = False,
+                 labels: bool = False) -> Any:
+        """Of an image: the pixels the skeleton runs through, as a bool image, see :meth:`MedialAxis.to_image`.
+
+        Parameters
+        ----------
+        shape, return_distance
+            As there.
+        labels : bool
+            An int32 image in place of the bool one: 0 where there is no branch, else 1 + the branch (the row of
+            :meth:`branches`; of several, the first).
+
+        Examples
+        --------
+        >>> import numpy as np, quench
+        >>> image = np.zeros((30, 40), bool)
+        >>> image[2:7, 2:-2] = image[2:-2, 17:22] = True  # a T
+        >>> skeleton = quench.medial_axis(image).skeleton()
+        >>> np.unique(skeleton.to_image(labels=True))
+        array([0, 1, 2, 3], dtype=int32)
+        """
+        branch = np.asarray(self._core.edge_branch) if labels else None
+        return self._image(self._core.axis_shape, shape, return_distance, branch)
+
     def reconstruct(self, shape: Optional[Sequence[int]] = None, *, threads: Optional[int] = None,
                     progress: Optional[Progress] = None) -> np.ndarray:
         """The union of the balls as a bool image, see :meth:`MedialAxis.reconstruct`."""
-        mask = _export.mask(self._core.axis_shape, shape)
+        mask = _export.mask(self._core.axis_shape, shape, self.dimension)
         with self._calling(threads, progress) as call:
             self._core.mark_balls(mask.view(np.uint8), *call)
         return mask
@@ -312,8 +402,8 @@ class Skeleton(Complex):
         Parameters
         ----------
         path : str or path
-            .vtp, .ply, .obj: sheets and curves; .swc, .graphml, .csv: the branches as in :meth:`graph`; .png: a picture;
-            .html: an interactive page.
+            .vtp, .ply, .obj: sheets and curves; .swc, .graphml, .csv, of images .geojson: the branches as in :meth:`graph`;
+            .png: a picture; .html: an interactive page.
         quality : str
             Of PLY: the array that MeshLab shows as quality.
         root : three floats, optional
@@ -323,7 +413,7 @@ class Skeleton(Complex):
             programs for neurons refuse 0.
         """
         kind = ending(path)
-        if kind in ('.swc', '.graphml', '.csv'):
+        if kind in ('.swc', '.graphml', '.csv', '.geojson'):
             self._graph.save(path, root=root, swc_type=swc_type)
         else:
             with self._calling(threads, progress) as call:
@@ -335,24 +425,28 @@ class Skeleton(Complex):
                     _core.page_of_axis(self.axis._core, self._core, file_name(path), *call)
 
     def plot(self, ax: Any = None, **options: Any) -> Any:
-        """Draws curves, coloured by radius, and sheets with matplotlib; returns the axes."""
-        return _export.plot(self, ax, **options)
+        """Draws curves, coloured by radius, and sheets with matplotlib; returns the axes. Of images: as
+        :meth:`MedialAxis.plot`."""
+        return (_plane if self.dimension == 2 else _export).plot(self, ax, **options)
 
 
 def skeletonize(image: Any, /, *, spacing: Spacing = None, labels: Union[str, Iterable[int]] = 'all',
                 detail: Length = 'auto', lambda_: Optional[Length] = None, theta2: Length = 'inf',
-                theta1: Length = 'auto', threads: int = 0, progress: Progress = False) -> Dict[int, Skeleton]:
+                theta1: Length = 'auto', dimension: Optional[int] = None, threads: int = 0,
+                progress: Progress = False) -> Dict[int, Skeleton]:
     """The skeleton of every label of a label image, several at a time.
 
     Parameters
     ----------
-    image : array of integers, Volume, or path
-        0 is the background unless `labels` names it.
-    spacing : float or three floats, optional
+    image : array of integers or bool, Volume, or path
+        Of two or three dimensions. 0 is the background unless `labels` names it; the label of a mask is 1.
+    spacing : float or a float per axis, optional
         As in :func:`medial_axis`.
     labels : "all" or ints
     detail, lambda_, theta2, theta1 : length or "auto"
         As in :func:`medial_axis` and :meth:`MedialAxis.skeleton`. Fractions are those of the longest side of each label.
+    dimension : 2 or 3, optional
+        As in :func:`medial_axis`.
     threads : int
         Labels worked on at a time; 0: as many as there are processors. No more than memory allows are begun. The result
         is the same for any number.
@@ -371,30 +465,30 @@ def skeletonize(image: Any, /, *, spacing: Spacing = None, labels: Union[str, It
     >>> image[2:-2, 12:28, 2:-2] = 7
     >>> {label: s.topology.betti for label, s in quench.skeletonize(image).items()}
     {3: (1, 0, 0), 7: (1, 0, 0)}
+    >>> quench.skeletonize(image[:, :, 4])[7].to_image().shape
+    (40, 30)
     """
-    wish = (*pruning_of(detail, lambda_), length_or_auto(theta2, 'theta2'), length_or_auto(theta1, 'theta1'))
+    pruning, thetas = pruning_of(detail, lambda_), (length_or_auto(theta2, 'theta2'), length_or_auto(theta1, 'theta1'))
     if isinstance(labels, str):
         if labels != 'all':
             raise error(2, f"labels={labels!r} is neither 'all' nor a list of labels", 'labels')
         chosen = None
     else:
         chosen = sorted({label_of(label) for label in labels})
-    size = spacing_of(spacing)
+    spacing_of(spacing)  # refuses what is wrong before a file is read
     with calling(threads, progress) as call:
         if is_path(image):
-            image = read_file(image, spacing, None, call)
-            size = None
+            image = read_file(image, spacing, None, call, dimension)
             if not isinstance(image, Volume):
                 raise error(3, 'a label image is a volume, and this file is not one')
+        array = image.array if isinstance(image, Volume) else image_array(image, dimension)
+        size = spacing_of(spacing, array.ndim)
+        wish = (*pruning, theta2_of(theta2, array.ndim), thetas[1])
         if isinstance(image, Volume):
             found = _core.skeletonize_image(image._image, size, chosen, *wish, *call)
         else:
-            found = _core.skeletonize_array(image_array(image), size or (1.0, 1.0, 1.0), chosen, *wish, *call)
+            found = _core.skeletonize_array(array, size or (1.0, 1.0, 1.0), chosen, *wish, *call)
     return {label: Skeleton(core) for label, core in found}
-
-
-def _xyz(points: np.ndarray, prefix: str = '') -> Table:
-    return {prefix + name: points[:, a] for a, name in enumerate('xyz')}
 
 
 def _kinds(codes: np.ndarray) -> np.ndarray:

@@ -47,11 +47,31 @@ py::buffer_info Array::info() const {
 
 Grid grid_of(const py::buffer_info& held, const std::array<double, 3>& spacing) {
   Grid grid;
-  for (std::size_t a = 0; a < 3; ++a) {
-    grid.dims[a] = held.shape[a];
-    grid.spacing[static_cast<Eigen::Index>(a)] = spacing[a];
+  grid.spacing = {spacing[0], spacing[1], spacing[2]};
+  if (held.ndim == 2) {
+    grid.dims = {held.shape[1], held.shape[0], 1};
+    grid.make_plane();
+  } else {
+    grid.dims = {held.shape[0], held.shape[1], held.shape[2]};
   }
   return grid;
+}
+
+Coordinates coordinates_of(const Grid& grid) {
+  Coordinates coordinates;
+  coordinates.y_down = grid.is_plane();
+  return coordinates;
+}
+
+std::vector<py::ssize_t> sides_of(const Grid& grid) {
+  if (grid.is_plane()) return {grid.dims[1], grid.dims[0]};
+  return {grid.dims[0], grid.dims[1], grid.dims[2]};
+}
+
+std::array<std::int64_t, 3> steps_of(const py::buffer_info& held) {
+  // There is one slice of a plane, so that the step to the next is never made; rows before slices keep rows together.
+  if (held.ndim == 2) return {held.strides[1], held.strides[0], held.strides[0]};
+  return {held.strides[0], held.strides[1], held.strides[2]};
 }
 
 ImageView image_of(const py::buffer_info& held, const Grid& grid) {
@@ -59,7 +79,7 @@ ImageView image_of(const py::buffer_info& held, const Grid& grid) {
   image.grid = grid;
   image.type = sample_type(held);
   image.data = held.ptr;
-  image.strides = {held.strides[0], held.strides[1], held.strides[2]};
+  image.strides = steps_of(held);
   return image;
 }
 

@@ -66,11 +66,20 @@ Array own(std::vector<T> values) {
   return view(kept, *kept);
 }
 
-/// An image somebody else owns, x being the first axis of the array: the place of voxel (i, j, k) is index times
-/// spacing. `held` keeps the buffer.
+// Arrays of three axes are volumes: x is the first. Arrays of two are images of the plane, rows from the top: y is the
+// first axis and grows downwards, x the second, as everybody who shows images has it.
+
+/// An image somebody else owns: the place of a voxel or pixel is its index times spacing. `held` keeps the buffer.
 ImageView image_of(const py::buffer_info& held, const Grid& grid);
-/// The grid of an array without a place in the world: the centre of the first voxel is at 0.
+/// The grid of an array without a place in the world: the centre of the first voxel or pixel is at 0. `spacing` is that
+/// of x, y, z.
 Grid grid_of(const py::buffer_info& held, const std::array<double, 3>& spacing);
+/// What the grid of such an array says of its coordinates.
+Coordinates coordinates_of(const Grid& grid);
+/// The sides of an array for samples of that grid: x, y, z, or rows, columns.
+std::vector<py::ssize_t> sides_of(const Grid& grid);
+/// The steps in bytes from a voxel or pixel to the next along x, y, z in an array of two or three axes.
+std::array<std::int64_t, 3> steps_of(const py::buffer_info& held);
 
 /// Rows of three doubles; rows of three indices below `count`.
 std::vector<Vec3> points_of(const py::buffer& points);

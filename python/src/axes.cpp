@@ -93,6 +93,7 @@ pipeline::Pruning pruning_of(const std::string& measure, const std::string& thre
 VerifyOptions verify_options(const Shape& shape, std::size_t samples) {
   VerifyOptions options;
   options.samples = samples;
+  if (shape.shape.grid().is_plane()) options.y_down = shape.coordinates.y_down;
   if (shape.surface) {
     options.surface = &shape.surface->mesh();
     options.surface_kind = name_of(shape.surface->kind());
@@ -111,6 +112,9 @@ void bind_axes(py::module_& m) {
   using Pointer = std::shared_ptr<Axis>;
   py::class_<Axis, Pointer>(m, "Axis")
       .def_property_readonly("vertices", [](const Pointer& a) { return view(a, a->axis().points); })
+      .def_property_readonly("dimension", [](const Pointer& a) { return a->axis().grid.dimension; })
+      .def_property_readonly("y_down", [](const Pointer& a) { return a->core.coordinates.y_down; })
+      .def("rows_and_columns", [](const Pointer& a) { return rows_and_columns(a->axis().points, shape_of(*a).image); })
       .def_property_readonly("radius", [](const Pointer& a) { return view(a, a->axis().radius); })
       .def_property_readonly("edges",
                              [](const Pointer& a) {

@@ -161,7 +161,8 @@ py::list skeletonize(const ImageView& image, const Coordinates& coordinates,
           image, [&](std::int64_t label) { return set.contains(label); }, &context);
       for (const std::int64_t label : *chosen)
         if (std::none_of(labels.begin(), labels.end(), [&](const LabelRuns& l) { return l.label == label; }))
-          throw Error(ErrorCode::input, fmt::format("no voxel of the image has the label {}", label));
+          throw Error(ErrorCode::input, fmt::format("no {} of the image has the label {}",
+                                                    image.grid.is_plane() ? "pixel" : "voxel", label));
     } else {
       labels = label_runs(image, nullptr, &context);
     }
@@ -181,7 +182,8 @@ void bind_labels(py::module_& m) {
                                 const std::string& measure, const std::string& threshold, const std::string& theta2,
                                 const std::string& theta1, const py::object& listener, int threads) {
     const py::buffer_info held = array.request();
-    return skeletonize(image_of(held, grid_of(held, spacing)), {}, labels, {measure, threshold, {theta2, theta1, true}},
+    const ImageView image = image_of(held, grid_of(held, spacing));
+    return skeletonize(image, coordinates_of(image.grid), labels, {measure, threshold, {theta2, theta1, true}},
                        listener, threads);
   });
   m.def("skeletonize_image", [](const Image& image, const std::optional<Triple>& spacing, const Labels& labels,
@@ -189,6 +191,7 @@ void bind_labels(py::module_& m) {
                                 const std::string& theta1, const py::object& listener, int threads) {
     ImageView view = view_of(*image.volume);
     if (spacing) view.grid.spacing = {(*spacing)[0], (*spacing)[1], (*spacing)[2]};
+    if (view.grid.is_plane()) view.grid.make_plane();
     return skeletonize(view, image.volume->coordinates, labels, {measure, threshold, {theta2, theta1, true}}, listener,
                        threads);
   });

@@ -37,12 +37,13 @@ PageBuilder begin(const Axis& axis, const std::vector<Vec3>& points, const std::
     high = high.cwiseMax(p);
   }
   builder.set_origin(low, high);
+  if (axis.axis().grid.is_plane()) builder.set_plane(axis.spacing, axis.core.coordinates.y_down);
   if (axis.shape) builder.add_shape(*axis.shape);
   return builder;
 }
 
 void add_skeleton(PageBuilder& builder, const SkeletonValue& s) {
-  builder.page.theta2 = s.checked.skeleton.theta2;
+  if (!builder.page.plane) builder.page.theta2 = s.checked.skeleton.theta2;
   builder.page.theta1 = s.checked.skeleton.theta1;
   builder.add_skeleton(s.checked.skeleton, s.drawn);
 }

@@ -8,9 +8,7 @@ namespace quench::python {
 namespace {
 
 MaskView mask_of(const py::buffer_info& held) {
-  return {{held.shape[0], held.shape[1], held.shape[2]},
-          {held.strides[0], held.strides[1], held.strides[2]},
-          static_cast<std::uint8_t*>(held.ptr)};
+  return {grid_of(held, {1, 1, 1}).dims, steps_of(held), static_cast<std::uint8_t*>(held.ptr)};
 }
 
 }  // namespace
@@ -27,6 +25,17 @@ void mark_cells_in(const py::buffer& mask, const CellComplex& complex, std::span
   const py::buffer_info held = mask.request(true);
   run_cancellable(listener, threads,
                   [&](Context& context) { mark_cells(complex, points, grid, mask_of(held), &context); });
+}
+
+Array rows_and_columns(std::span<const Vec3> points, const Grid& grid) {
+  std::vector<std::array<double, 2>> rows;
+  rows.reserve(points.size());
+  for (const Vec3& p : points) {
+    const Vec3 lattice = grid.lattice(p) - grid.first_centre();
+    rows.push_back({lattice[1], lattice[0]});
+  }
+  auto kept = std::make_shared<const std::vector<std::array<double, 2>>>(std::move(rows));
+  return view(kept, std::span<const std::array<double, 2>>(*kept));
 }
 
 }  // namespace quench::python

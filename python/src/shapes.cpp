@@ -22,16 +22,18 @@ std::string code_of(const std::vector<T>&) {
   return py::format_descriptor<T>::format();
 }
 
-// Fortran order: axis 0 is x, as places are x, y, z.
+// Fortran order of volumes, axis 0 being x; C order of images, which have rows and columns.
 py::buffer_info info(const Image& image) {
-  const auto& dims = image.volume->grid.dims;
-  const std::vector<py::ssize_t> shape{dims[0], dims[1], dims[2]};
+  const Grid& grid = image.volume->grid;
+  const std::vector<py::ssize_t> shape = sides_of(grid);
   return std::visit(
       [&](const auto& samples) {
         const auto size = static_cast<py::ssize_t>(sizeof(samples[0]));
         using T = typename std::decay_t<decltype(samples)>::value_type;
-        return py::buffer_info(const_cast<T*>(samples.data()), size, code_of(samples), 3, shape,
-                               {size, size * shape[0], size * shape[0] * shape[1]}, true);
+        std::vector<py::ssize_t> strides{size * grid.dims[0], size};
+        if (!grid.is_plane()) strides = {size, size * grid.dims[0], size * grid.dims[0] * grid.dims[1]};
+        const auto axes = static_cast<py::ssize_t>(shape.size());
+        return py::buffer_info(const_cast<T*>(samples.data()), size, code_of(samples), axes, shape, strides, true);
       },
       image.volume->samples);
 }
@@ -54,8 +56,9 @@ std::shared_ptr<Shape> shape_of_array(const py::buffer& array, const pipeline::S
                                       const py::object& listener, int threads) {
   const py::buffer_info held = array.request();
   const ImageView image = image_of(held, grid_of(held, {1, 1, 1}));
-  return run(listener, threads,
-             [&](Context& context) { return noted(pipeline::shape_of(image, {}, options, &context), context); });
+  return run(listener, threads, [&](Context& context) {
+    return noted(pipeline::shape_of(image, coordinates_of(image.grid), options, &context), context);
+  });
 }
 
 std::shared_ptr<Shape> shape_of_image(const Image& image, const pipeline::ShapeOptions& options,
@@ -137,30 +140,37 @@ void bind_shapes(py::module_& m) {
                                const Mat3& d = i.volume->grid.direction;
                                return std::array<Triple, 3>{triple(d.row(0)), triple(d.row(1)), triple(d.row(2))};
                              })
+      .def_property_readonly("dimension", [](const Image& i) { return i.volume->grid.dimension; })
+      .def_property_readonly("y_down", [](const Image& i) { return i.volume->coordinates.y_down; })
       .def_property_readonly("units", [](const Image& i) { return i.volume->coordinates.units; });
   py::class_<pipeline::ShapeOptions>(m, "ShapeOptions")
       .def(py::init(&shape_options), py::kw_only(), py::arg("threshold"), py::arg("label"), py::arg("invert"),
            py::arg("largest_component"), py::arg("min_component"), py::arg("fill_cavities"), py::arg("subdivide"),
            py::arg("spacing"), py::arg("resolution"), py::arg("fill"), py::arg("topology"), py::arg("surface"));
   py::class_<Shape, std::shared_ptr<Shape>>(m, "Shape")
-      .def_property_readonly("dims", [](const Shape& s) { return s.image.dims; })
+      .def_property_readonly("dims", [](const Shape& s) { return sides_of(s.image); })
       .def_property_readonly("spacing", [](const Shape& s) { return triple(s.shape.grid().spacing); })
       .def_property_readonly("voxel_count", [](const Shape& s) { return s.shape.voxel_count(); })
       .def("image", &image_of_shape);
   m.def("shape_of_array", &shape_of_array);
   m.def("shape_of_image", &shape_of_image);
   m.def("shape_of_mesh", &shape_of_mesh);
-  m.def("read_image",
-        [](const std::string& file, const std::optional<Triple>& spacing, const py::object& listener, int threads) {
-          io::VolumeReadOptions options;
-          if (spacing) options.spacing = Vec3((*spacing)[0], (*spacing)[1], (*spacing)[2]);
-          return run(listener, threads, [&](Context& context) {
-            return Image{std::make_shared<const Volume>(io::read_volume(file, options, &context))};
-          });
-        });
+  m.def("read_image", [](const std::string& file, const std::optional<Triple>& spacing, std::optional<int> dimension,
+                         const std::string& channel, const py::object& listener, int threads) {
+    io::VolumeReadOptions options;
+    options.dimension = dimension;
+    options.channel = channel;
+    if (spacing) options.spacing = Vec3((*spacing)[0], (*spacing)[1], (*spacing)[2]);
+    return run(listener, threads, [&](Context& context) {
+      return Image{std::make_shared<const Volume>(io::read_volume(file, options, &context))};
+    });
+  });
   m.def("kind_of", [](const std::string& file) {
     const io::Kind kind = io::kind_of(file);
-    return kind == io::Kind::surface ? "surface" : kind == io::Kind::volume ? "volume" : "unknown";
+    return kind == io::Kind::surface    ? "surface"
+           : kind == io::Kind::volume   ? "volume"
+           : kind == io::Kind::polygons ? "polygons"
+                                        : "unknown";
   });
   m.def("sample", &sample_named);
   m.def("refuse_unknown_kind", [](const std::string& file) { pipeline::refuse_unknown_kind(file); });

@@ -3,6 +3,7 @@
 #include <pybind11/stl.h>
 
 #include <cmath>
+#include <ostream>
 
 #include "quench/error.h"
 #include "quench/io.h"
@@ -35,6 +36,7 @@ std::shared_ptr<GraphValue> graph_of(const Pointer& s, int smooth, const std::st
   result->skeleton = s;
   result->graph =
       run(listener, threads, [&](Context&) { return pipeline::measured_graph(s->member, options, s->axis->scale()); });
+  if (s->member.plane) add_measures(result->graph, with_branches(s->member, result->graph));
   return result;
 }
 
@@ -83,7 +85,7 @@ py::dict branches_of(const CurveGraph& g) {
 py::list paths_of(const std::shared_ptr<GraphValue>& g) {
   py::list result;
   for (const CurveGraph::Branch& b : g->graph.branches)
-    result.append(py::make_tuple(view(g, b.points), view(g, b.radius)));
+    result.append(py::make_tuple(view(g, b.points), view(g, b.radius), view(g, b.erosion_thickness), view(g, b.mgf)));
   return result;
 }
 
@@ -107,6 +109,10 @@ py::dict write_swc_file(const GraphValue& g, const std::string& file, const std:
 void bind_skeletons(py::module_& m) {
   py::class_<SkeletonValue, Pointer>(m, "Skeleton")
       .def_property_readonly("vertices", [](const Pointer& s) { return view(s, s->checked.skeleton.points); })
+      .def_property_readonly("dimension", [](const Pointer& s) { return s->checked.skeleton.plane ? 2 : 3; })
+      .def_property_readonly("y_down", [](const Pointer& s) { return s->axis->core.coordinates.y_down; })
+      .def("rows_and_columns",
+           [](const Pointer& s) { return rows_and_columns(s->checked.skeleton.points, shape_of(*s).image); })
       .def_property_readonly("radius", [](const Pointer& s) { return view(s, s->checked.skeleton.radius); })
       .def_property_readonly("burn_time", [](const Pointer& s) { return view(s, s->checked.skeleton.burn_time); })
       .def_property_readonly("edges",
@@ -165,6 +171,8 @@ void bind_skeletons(py::module_& m) {
       });
   using Graph = std::shared_ptr<GraphValue>;
   py::class_<GraphValue, Graph>(m, "Graph")
+      .def_property_readonly("dimension", [](const Graph& g) { return g->skeleton->checked.skeleton.plane ? 2 : 3; })
+      .def_property_readonly("y_down", [](const Graph& g) { return g->skeleton->axis->core.coordinates.y_down; })
       .def("nodes", [](const Graph& g) { return nodes_of(g->graph); })
       .def("branches", [](const Graph& g) { return branches_of(g->graph); })
       .def("paths", &paths_of)
@@ -178,8 +186,12 @@ void bind_skeletons(py::module_& m) {
              io::write_graphml(file, g->graph, g->skeleton->axis->core.coordinates);
            })
       .def("write_csv", [](const Graph& g, const std::string& file) { io::write_branches(file, g->graph); });
+  m.def("write_text", [](const std::string& file, const std::string& text) {
+    io::write_atomically(file, [&](std::ostream& out) { out << text; });
+  });
   py::list kinds;
-  for (int k = 0; k < 5; ++k) kinds.append(name_of(static_cast<CurveGraph::NodeKind>(k)));
+  for (int k = 0; k <= static_cast<int>(CurveGraph::NodeKind::border); ++k)
+    kinds.append(name_of(static_cast<CurveGraph::NodeKind>(k)));
   m.attr("NODE_KINDS") = kinds;
 }
 

@@ -13,7 +13,7 @@ double Axis::resolve(const std::string& text, const std::string& field) const {
 Record Axis::data(const Fire* with, bool sequence) const {
   Record result = file ? *file : pipeline::core_file(core);
   if (!with) return result;
-  if (!sequence)
+  if (!sequence || axis().grid.is_plane())
     add_burning(result, with->burning);
   else
     add_burning(result, with->burning, with->family ? with->sequence : burn_sequence(axis(), with->burning));
@@ -50,7 +50,7 @@ std::shared_ptr<const Fire> compute_fire(const Axis& axis, double omega, bool fa
   }
   if (!family) return fire;
   RefinedAxis refined = pipeline::curves_of(m, fire->burning, &context);
-  fire->sequence = burn_sequence(m, fire->burning);
+  if (!m.grid.is_plane()) fire->sequence = burn_sequence(m, fire->burning);
   fire->burning.sectors.reset();  // what the curves needed, most of its memory
   fire->family = std::make_shared<const pipeline::FamilyResult>(
       pipeline::family_of(std::move(refined), axis.core.topology, {}, &context));

@@ -105,7 +105,7 @@ def test_not_a_number_is_background():
 
 
 @pytest.mark.parametrize('bad, word', [
-    (np.ones((4, 4)), '2 dimensions'), (np.ones((4, 4, 4, 3)), '4 dimensions'), (np.ones((0, 4, 4)), 'no voxels'),
+    (np.ones(4), '1 dimensions'), (np.ones((4, 4, 4, 3)), '4 dimensions'), (np.ones((0, 4, 4)), 'no voxels'),
     (np.ones((4, 4, 4), complex), 'complex'), (np.full((4, 4, 4), 'a'), 'type'),
     (np.arange(64).reshape(4, 4, 4), 'more than two values'), (np.zeros((4, 4, 4)), 'no voxel'),
     (np.ma.masked_array(np.ones((4, 4, 4)), mask=False), 'masked'), (None, 'dimensions'), (7, 'dimensions')])

@@ -130,3 +130,23 @@ def test_a_tube_against_thinning():
     path = np.concatenate(quench.medial_axis(image).skeleton('inf', '20%').graph().paths)
     for a, b in ((theirs[5:-5], path), ):
         assert (np.linalg.norm(a[:, None] - b[None], axis=2).min(axis=1) < 2).mean() > 0.9
+
+
+@pytest.mark.parametrize('seed', range(6))
+def test_images_of_two_dimensions(seed):
+    noise = ndimage.gaussian_filter(np.random.default_rng(seed).random((60, 45)), 1.5)
+    image = noise > np.quantile(noise, 0.35 + 0.05 * seed)
+    euler = measure.euler_number(image, connectivity=1)  # foreground by sides
+    labels, parts = measure.label(image, connectivity=1, return_num=True)
+    axis = quench.medial_axis(image)
+    assert axis.topology == (euler, (parts, parts - euler, 0))
+    assert axis.skeleton(theta1='inf').topology == axis.topology
+    mask, distance = axis.to_image(return_distance=True)
+    # To the centres of background pixels, not to corners: half a pixel to half a diagonal more, for another place in it.
+    wanted = ndimage.distance_transform_edt(np.pad(image, 1))[1:-1, 1:-1]
+    assert np.abs(wanted - distance)[mask].max() <= np.sqrt(2) and 0 < (wanted - distance)[mask].mean() < 0.6
+    found = quench.skeletonize(labels)
+    assert sorted(found) == list(range(1, parts + 1))
+    for label, skeleton in found.items():
+        shown = skeleton.to_image()
+        assert (labels[shown] == label).all() and measure.label(shown, connectivity=2, return_num=True)[1] == 1

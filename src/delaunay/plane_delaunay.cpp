@@ -4,6 +4,8 @@
 #include <tbb/parallel_invoke.h>
 
 #include <algorithm>
+#include <atomic>
+#include <thread>
 #include <vector>
 
 #include "base/index.h"
@@ -38,15 +40,22 @@ class PlaneDelaunay::Builder {
                          row_begin_.begin() + static_cast<std::ptrdiff_t>(end) - 1, row_begin_[begin] + count / 2);
     const auto middle = static_cast<std::size_t>(half - row_begin_.begin());
     constexpr std::uint32_t kWorthATask = 1 << 13;
+    if (count <= kWorthATask) return merge(triangulate(begin, middle), triangulate(middle, end));
+    report();
     Part left, right;
-    if (count > kWorthATask) {
-      if (context_ && context_->cancelled()) throw Error(ErrorCode::cancelled, "cancelled");
-      tbb::parallel_invoke([&] { left = triangulate(begin, middle); }, [&] { right = triangulate(middle, end); });
-    } else {
-      left = triangulate(begin, middle);
-      right = triangulate(middle, end);
-    }
+    tbb::parallel_invoke([&] { left = triangulate(begin, middle); }, [&] { right = triangulate(middle, end); });
+    for (const std::uint32_t size : {row_begin_[middle] - row_begin_[begin], row_begin_[end] - row_begin_[middle]})
+      if (size <= kWorthATask) done_.fetch_add(size, std::memory_order_relaxed);
     return merge(left, right);
+  }
+
+  // Progress by the thread that began; the others only ask whether to stop.
+  void report() {
+    if (std::this_thread::get_id() == caller_)
+      checkpoint(context_, "peel",
+                 0.5 * static_cast<double>(done_.load(std::memory_order_relaxed)) / static_cast<double>(sites_.size()));
+    else if (context_ && context_->cancelled())
+      throw Error(ErrorCode::cancelled, "cancelled");
   }
 
   // Sites [begin, end) of one row, two or more.
@@ -139,6 +148,8 @@ class PlaneDelaunay::Builder {
   PlaneDelaunay& triangulation_;
   HalfEdge* const half_edges_;
   Context* context_;
+  const std::thread::id caller_ = std::this_thread::get_id();
+  std::atomic<std::size_t> done_{0};  // sites in parts that are finished but for large merges
   std::vector<std::uint32_t> row_begin_;
 };
 

@@ -71,6 +71,9 @@ CurveGraph extended(const CurveGraph& graph, const VoxelShape& shape) {
       node.radius = 0;
       branch.points.insert(at_front ? branch.points.begin() : branch.points.end(), node.point);
       branch.radius.insert(at_front ? branch.radius.begin() : branch.radius.end(), 0.0);
+      for (auto* values : {&branch.erosion_thickness, &branch.mgf})  // those of where the axis ends
+        if (!values->empty())
+          values->insert(at_front ? values->begin() : values->end(), at_front ? values->front() : values->back());
       changed = true;
     }
     if (changed) graph::measure(branch);

@@ -185,6 +185,7 @@ Skeleton main_axes(const Skeleton& skeleton) {
   axes.burn_time = selected(skeleton.burn_time, vertices);
   axes.curve_burn_time = selected(skeleton.curve_burn_time, vertices);
   axes.on_curve = selected(skeleton.on_curve, vertices);
+  axes.mgf = selected(skeleton.mgf, vertices);
   axes.edge_thickness = selected(skeleton.edge_thickness, edges);
   axes.edge_level = selected(skeleton.edge_level, edges);
   return axes;

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -56,53 +57,77 @@ class Clipping {
 
   void clip(const CurveGraph::Branch& branch) {
     bool open = node_[branch.from] != kNone;
-    if (open) begin(branch, node_[branch.from], branch.points.front(), branch.radius.front());
+    if (open) begin(branch, node_[branch.from], at_place(branch, 1, 0));
     for (std::size_t i = 1; i < branch.points.size(); ++i) {
       const Vec3 &a = branch.points[i - 1], &b = branch.points[i];
       const auto between = [&](double t) -> Vec3 { return a + t * (b - a); };
-      const auto radius = [&](double t) { return (1 - t) * branch.radius[i - 1] + t * branch.radius[i]; };
       const std::vector<double> at = borders_between(part_.grid(), a, b);
       for (std::size_t k = 1; k < at.size(); ++k) {
         if (at[k] == at[k - 1]) continue;
         const bool outside = !is_inside(between(0.5 * (at[k - 1] + at[k])));
         if (outside == open) continue;
-        const double t = at[k - 1];
+        const Place place = at_place(branch, i, at[k - 1]);
         if (outside)
-          begin(branch, border(branch, between(t), radius(t)), between(t), radius(t));
+          begin(branch, border(branch, place), place);
         else
-          end(border(branch, between(t), radius(t)), between(t), radius(t));
+          end(border(branch, place), place);
         open = outside;
       }
-      if (open && i + 1 < branch.points.size()) add(b, branch.radius[i]);
+      if (open && i + 1 < branch.points.size()) add(at_place(branch, i, 1));
     }
     if (!open) return;
+    const Place last = at_place(branch, branch.points.size() - 1, 1);
     const std::uint32_t to = node_[branch.to];
-    end(to != kNone ? to : border(branch, branch.points.back(), branch.radius.back()), branch.points.back(),
-        branch.radius.back());
+    end(to != kNone ? to : border(branch, last), last);
   }
-  std::uint32_t border(const CurveGraph::Branch& branch, const Vec3& point, double radius) {
+
+  // What a branch has at a place between two of its points.
+  struct Place {
+    Vec3 point;
+    double radius;
+    std::optional<double> erosion_thickness, mgf;
+  };
+  static Place at_place(const CurveGraph::Branch& branch, std::size_t i, double t) {
+    const auto mix = [&](const std::vector<double>& values) {
+      const double a = values[i - 1], b = values[i];
+      if (t == 0 || a == b) return a;
+      if (t == 1) return b;
+      return std::isinf(a) || std::isinf(b) ? std::min(a, b) : (1 - t) * a + t * b;
+    };
+    Place place;
+    place.point =
+        t == 1 ? branch.points[i] : Vec3(branch.points[i - 1] + t * (branch.points[i] - branch.points[i - 1]));
+    place.radius = mix(branch.radius);
+    if (!branch.erosion_thickness.empty()) place.erosion_thickness = mix(branch.erosion_thickness);
+    if (!branch.mgf.empty()) place.mgf = mix(branch.mgf);
+    return place;
+  }
+
+  std::uint32_t border(const CurveGraph::Branch& branch, const Place& place) {
     CurveGraph::Node node;
-    node.point = point;
-    node.radius = radius;
+    node.point = place.point;
+    node.radius = place.radius;
     node.kind = CurveGraph::NodeKind::border;
     node.component = branch.component;
     node.vertex = kNone;
     result_.nodes.push_back(node);
     return static_cast<std::uint32_t>(result_.nodes.size() - 1);
   }
-  void begin(const CurveGraph::Branch& branch, std::uint32_t node, const Vec3& point, double radius) {
+  void begin(const CurveGraph::Branch& branch, std::uint32_t node, const Place& place) {
     piece_ = {};
     piece_.from = node;
     piece_.component = branch.component;
     piece_.thickness = branch.thickness;
-    add(point, radius);
+    add(place);
   }
-  void add(const Vec3& point, double radius) {
-    piece_.points.push_back(point);
-    piece_.radius.push_back(radius);
+  void add(const Place& place) {
+    piece_.points.push_back(place.point);
+    piece_.radius.push_back(place.radius);
+    if (place.erosion_thickness) piece_.erosion_thickness.push_back(*place.erosion_thickness);
+    if (place.mgf) piece_.mgf.push_back(*place.mgf);
   }
-  void end(std::uint32_t node, const Vec3& point, double radius) {
-    add(point, radius);
+  void end(std::uint32_t node, const Place& place) {
+    add(place);
     piece_.to = node;
     graph::measure(piece_);
     result_.branches.push_back(std::move(piece_));

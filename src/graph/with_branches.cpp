@@ -110,6 +110,7 @@ class Redrawing {
     const double time = mix(old_.burn_time);
     out_.burn_time.push_back(t > 0 && std::isinf(time) ? radius : time);
     out_.curve_burn_time.push_back(mix(old_.curve_burn_time));
+    if (!old_.mgf.empty()) out_.mgf.push_back(mix(old_.mgf));
     out_.on_curve.push_back(t == 0 ? old_.on_curve[a] : old_.on_curve[a] && old_.on_curve[b]);
     return static_cast<std::uint32_t>(out_.points.size() - 1);
   }

@@ -62,10 +62,15 @@ void add_measures(Page& page, const std::string& layer, const std::vector<DataAr
                   std::span<const std::uint32_t> row_of);
 
 /// The measures of the fires on sheets and curves: calls add(name, value of vertex v) for each. `of`: a RefinedAxis or
-/// a Skeleton; `on_curve`: per vertex, whether those of curves are defined.
+/// a Skeleton; `on_curve`: per vertex, whether those of curves are defined. In the plane there is one fire, on curves.
 template <class Times, class Add>
 void each_fire_measure(const Times& of, const std::vector<char>& on_curve, const Add& add) {
   constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
+  if (of.plane) {
+    add("burn_time", [&](std::uint32_t v) { return of.curve_burn_time[v]; });
+    add("erosion_thickness", [&](std::uint32_t v) { return std::max(0.0, of.curve_burn_time[v] - of.radius[v]); });
+    return;
+  }
   add("burn_time", [&](std::uint32_t v) { return of.burn_time[v]; });
   add("erosion_thickness", [&](std::uint32_t v) { return std::max(0.0, of.burn_time[v] - of.radius[v]); });
   add("curve_burn_time", [&](std::uint32_t v) { return on_curve[v] ? of.curve_burn_time[v] : kNothing; });

@@ -10,6 +10,15 @@
 namespace quench {
 namespace {
 
+/// The values of an array of the page, which is made where there is none.
+template <class T>
+std::vector<T>& values_of(Page& page, const char* name, int components) {
+  for (PageArray& array : page.arrays)
+    if (array.name == name) return std::get<std::vector<T>>(array.values);
+  page.arrays.push_back({name, components, std::vector<T>()});
+  return std::get<std::vector<T>>(page.arrays.back().values);
+}
+
 std::size_t add_triangles(Page& page, const Record& surface, const char* what, std::size_t max_triangles) {
   const std::size_t given = page::triangle_count(surface);
   Record fewer;
@@ -21,20 +30,21 @@ std::size_t add_triangles(Page& page, const Record& surface, const char* what, s
                     page::count_text(given), page::count_text(page::triangle_count(fewer)), page::limit_text(page)));
   }
   const Record& drawn = given > max_triangles ? fewer : surface;
+  auto& places = values_of<float>(page, "shape/points", 3);
+  const std::size_t before = places.size() / 3;
   std::vector<std::uint32_t> number(drawn.points.size(), kNone), corners;
-  std::vector<float> places;
   std::vector<Vec3> shown;
   for (const std::uint32_t v : drawn.poly_corners) {
     if (number[v] == kNone) {
-      number[v] = static_cast<std::uint32_t>(shown.size());
+      number[v] = static_cast<std::uint32_t>(before + shown.size());
       shown.push_back(drawn.points[v]);
       for (int a = 0; a < 3; ++a) places.push_back(static_cast<float>(drawn.points[v][a] - page.origin[a]));
     }
     corners.push_back(number[v]);
   }
   page::widen(page, shown);
-  page.arrays.push_back({"shape/points", 3, std::move(places)});
-  page.arrays.push_back({"shape/triangles", 3, std::move(corners)});
+  auto& triangles = values_of<std::uint32_t>(page, "shape/triangles", 3);
+  triangles.insert(triangles.end(), corners.begin(), corners.end());
   return page::triangle_count(drawn);
 }
 
@@ -53,6 +63,18 @@ class Corners {
  private:
   std::vector<LatticePoint> sites_;
 };
+
+/// Triangles between two rows of corners, both from left to right with the same ends: `above` has the smaller y.
+void add_strip(const std::vector<std::uint32_t>& above, const std::vector<std::uint32_t>& below,
+               const std::vector<LatticePoint>& places, TriangleMesh& mesh) {
+  std::size_t a = 0, b = 0;
+  while (a + 1 < above.size() || b + 1 < below.size()) {
+    const bool step_above =
+        b + 1 == below.size() || (a + 1 < above.size() && places[above[a + 1]][0] <= places[below[b + 1]][0]);
+    mesh.triangles.push_back({above[a], step_above ? above[a + 1] : below[b + 1], below[b]});
+    step_above ? ++a : ++b;
+  }
+}
 
 /// The faces between a voxel of the shape and one that is not, corners counterclockwise from outside.
 std::vector<std::array<std::uint32_t, 4>> boundary_quads(const VoxelShape& shape, const Corners& corners) {
@@ -124,11 +146,45 @@ TriangleMesh smoothed_boundary(const VoxelShape& shape, int iterations) {
   return mesh;
 }
 
+TriangleMesh flat_pixels(const VoxelShape& shape) {
+  const Corners corners(shape);
+  TriangleMesh mesh;
+  for (const LatticePoint& p : corners.sites()) mesh.points.push_back(shape.grid().world_of(p));
+  // The corners on the line y from x = run.begin to run.end: the ends of the run, and those of `others`, the runs on
+  // the other side of the line.
+  const auto line = [&](const Run& run, std::span<const Run> others, std::int32_t y) {
+    std::vector<std::uint32_t> row{corners.at({run.begin, y, 0})};
+    auto other = std::lower_bound(others.begin(), others.end(), run.begin,
+                                  [](const Run& r, std::int32_t x) { return r.end <= x; });
+    for (; other != others.end() && other->begin < run.end; ++other)
+      for (const std::int32_t x : {other->begin, other->end})
+        if (x > run.begin && x < run.end) row.push_back(corners.at({x, y, 0}));
+    row.push_back(corners.at({run.end, y, 0}));
+    return row;
+  };
+  const auto has = [&](std::int32_t y, const Run& run) {
+    const std::span<const Run> row = shape.row(y, 0);
+    const auto at =
+        std::lower_bound(row.begin(), row.end(), run.begin, [](const Run& r, std::int32_t x) { return r.begin < x; });
+    return at != row.end() && *at == run;
+  };
+  // Equal runs below each other are one rectangle.
+  for (std::int32_t y = 0; y < shape.grid().dims[1]; ++y)
+    for (const Run& run : shape.row(y, 0)) {
+      if (has(y - 1, run)) continue;
+      std::int32_t end = y + 1;
+      while (has(end, run)) ++end;
+      add_strip(line(run, shape.row(y - 1, 0), y), line(run, shape.row(end, 0), end), corners.sites(), mesh);
+    }
+  return mesh;
+}
+
 std::size_t add_surface(Page& page, const TriangleMesh& mesh, std::size_t max_triangles) {
   return add_triangles(page, to_record(mesh), "surface of the shape", max_triangles);
 }
 
 std::size_t add_surface(Page& page, const VoxelShape& shape, std::size_t max_triangles) {
+  if (shape.grid().is_plane()) return add_triangles(page, to_record(flat_pixels(shape)), "shape", max_triangles);
   page.voxel_surface = true;
   page.notes.emplace_back("The surface drawn is that of the voxels, smoothed by at most half a voxel");
   return add_triangles(page, to_record(smoothed_boundary(shape, 4)), "surface of the voxels", max_triangles);
@@ -140,9 +196,9 @@ void add_sites(Page& page, const VoxelShape& shape) {
   const std::int64_t count = count_boundary_vertices(shape);
   if (count > kMost || std::max({grid.dims[0], grid.dims[1], grid.dims[2]}) > 65535) {
     page.notes.push_back(
-        fmt::format("The shape has {} boundary vertices, too many for a page: where balls touch the "
+        fmt::format("The shape has {} boundary vertices, too many for a page: where {} touch the "
                     "boundary is not shown",
-                    page::count_text(static_cast<std::size_t>(count))));
+                    page::count_text(static_cast<std::size_t>(count)), grid.is_plane() ? "disks" : "balls"));
     return;
   }
   std::vector<std::uint16_t> sites;
@@ -177,7 +233,7 @@ void add_samples(Page& page, const VoxelShape& shape, std::size_t count) {
         const std::int64_t length = run.end - run.begin;
         while (next < count && target < static_cast<double>(passed + length)) {
           const double x = run.begin + (target - static_cast<double>(passed));
-          const double dy = unit(), dz = unit();
+          const double dy = unit(), dz = shape.grid().is_plane() ? 0 : unit();
           const Vec3 world = shape.grid().world({x, static_cast<double>(y) + dy, static_cast<double>(z) + dz});
           for (int a = 0; a < 3; ++a) places.push_back(static_cast<float>(world[a] - page.origin[a]));
           ++next;

@@ -72,6 +72,10 @@ std::string meta_of(const Page& page, const std::vector<PackedArray>& packed) {
   if (page.voxel > 0) put("voxel", number(page.voxel));
   put("low", list({page.low.data(), 3}));
   put("high", list({page.high.data(), 3}));
+  if (page.plane) {
+    put("dimension", "2");
+    put("y_axis", json_string(page.y_down ? "down" : "up"));
+  }
   if (page.voxel_surface) put("surface", json_string("voxels"));
   if (page.origin != Vec3::Zero()) put("origin", list({page.origin.data(), 3}));
   const auto put_length = [&](const char* name, const std::optional<double>& length) {

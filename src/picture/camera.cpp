@@ -80,18 +80,31 @@ void Camera::frame(std::span<const Vec3f> points, std::size_t stride) {
   eye_ = target_ + distance_ * turn_.row(2).transpose();
 }
 
+/// From the front, y as the page says, whatever the direction that was asked for.
+void look_at_plane(Camera& camera, bool y_down, const Vec3& target, double distance) {
+  const double sign = y_down ? -1 : 1;
+  camera.look(target + sign * distance * Vec3::UnitZ(), target, sign * Vec3::UnitY());
+}
+
 Camera first_look(const Page& page, const ViewState& state, const Scene& scene, int width, int height,
                   const Insets& insets) {
   Camera camera(width, height, insets);
   if (state.camera) {
     const auto& c = *state.camera;
-    camera.look(scene.placement.to_scene({c[0], c[1], c[2]}), scene.placement.to_scene({c[3], c[4], c[5]}),
-                {c[6], c[7], c[8]});
+    const Vec3 position = scene.placement.to_scene({c[0], c[1], c[2]}),
+               target = scene.placement.to_scene({c[3], c[4], c[5]});
+    if (page.plane)
+      look_at_plane(camera, page.y_down, target, (position - target).norm());
+    else
+      camera.look(position, target, {c[6], c[7], c[8]});
     return camera;
   }
   const bool on_z = stands_on_z(page);
   const Vec3 to_eye = on_z ? kFirstLookOnZ : kFirstLookOnY;
-  camera.look(3 * to_eye.normalized(), Vec3::Zero(), on_z ? Vec3::UnitZ() : Vec3::UnitY());
+  if (page.plane)
+    look_at_plane(camera, page.y_down, Vec3::Zero(), 3);
+  else
+    camera.look(3 * to_eye.normalized(), Vec3::Zero(), on_z ? Vec3::UnitZ() : Vec3::UnitY());
   const std::vector<Vec3f>& framed = scene.shape_points.empty() ? scene.points : scene.shape_points;
   camera.frame(framed, framed.size() / 20000 + 1);
   return camera;

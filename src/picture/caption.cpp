@@ -88,10 +88,10 @@ class Writing {
       Vec3 direction;
       std::uint32_t colour;
     };
-    std::array<Axis, 3> axes;
-    for (int i = 0; i < 3; ++i) {
+    std::vector<Axis> axes;
+    for (int i = 0; i < (page_.plane ? 2 : 3); ++i) {
       const auto [name, colour] = kAxisColours[static_cast<std::size_t>(i)];
-      axes[static_cast<std::size_t>(i)] = {name, camera.turned(Vec3::Unit(i)), colour};
+      axes.push_back({name, camera.turned(Vec3::Unit(i)), colour});
     }
     // What points to the eye comes last.
     std::sort(axes.begin(), axes.end(), [](const Axis& a, const Axis& b) { return a.direction.z() < b.direction.z(); });

@@ -4,6 +4,7 @@
 #include "base/parallel.h"
 #include "picture/caption.h"
 #include "picture/frame.h"
+#include "picture/plane.h"
 #include "quench/error.h"
 
 namespace quench {
@@ -20,8 +21,10 @@ Picture draw_page(const Page& page, const PictureOptions& options, Context* cont
     const Scene scene = scene_of(page, state);
     const ColourRange range = colour_range(scene, state);
     const Camera camera = first_look(page, state, scene, options.width, options.height, insets_of(options));
-    Picture picture =
-        draw_scene(scene, state, range, camera, options.width, options.height, line_unit(options), context);
+    const double unit = line_unit(options);
+    Picture picture = page.plane
+                          ? draw_plane(scene, state, range, camera, options.width, options.height, unit, context)
+                          : draw_scene(scene, state, range, camera, options.width, options.height, unit, context);
     write_captions(picture, page, scene, state, range, camera, options);
     return picture;
   });

@@ -226,13 +226,13 @@ class Dome {
   std::array<Eigen::Vector2d, 8> offsets_;
 };
 
+}  // namespace
+
 Vec3f ground_at(int y, int height, bool dark) {
   const Ground& ground = dark ? kDark : kLight;
   const float t = 1 - (static_cast<float>(y) + 0.5F) / static_cast<float>(height);
   return rgb(ground.bottom) + (rgb(ground.top) - rgb(ground.bottom)) * (t * t * (3 - 2 * t));
 }
-
-}  // namespace
 
 Picture draw_scene(const Scene& scene, const ViewState& state, const ColourRange& range, const Camera& camera,
                    int width, int height, double unit, Context* context, int band) {

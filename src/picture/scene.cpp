@@ -192,10 +192,33 @@ std::span<const std::uint32_t> corners_of(const Polygons& polygons, std::size_t 
   return std::span(polygons.corners).subspan(polygons.offsets[f], polygons.offsets[f + 1] - polygons.offsets[f]);
 }
 
+/// The sides of triangles that are not sides of others in the other direction: around what they cover, all in the same
+/// sense. Where triangles overlap these are still closed.
+std::vector<std::array<std::uint32_t, 2>> outline_of(const Indices& triangles) {
+  std::vector<std::array<std::uint32_t, 3>> sides(triangles.size());  // the smaller end, the larger, the direction
+  base::for_indices(sides.size(), [&](std::size_t i) {
+    const std::uint32_t a = triangles[i], b = triangles[i % 3 == 2 ? i - 2 : i + 1];
+    sides[i] = {std::min(a, b), std::max(a, b), a < b ? 1U : 0U};
+  });
+  tbb::parallel_sort(sides.begin(), sides.end());
+  std::vector<std::array<std::uint32_t, 2>> outline;
+  for (std::size_t i = 0, next = 0; i < sides.size(); i = next) {
+    const auto [low, high, direction] = sides[i];
+    std::ptrdiff_t times = 0;
+    for (; next < sides.size() && sides[next][0] == low && sides[next][1] == high; ++next)
+      times += sides[next][2] == 1 ? 1 : -1;
+    if (times > 0) outline.insert(outline.end(), static_cast<std::size_t>(times), {low, high});
+    if (times < 0) outline.insert(outline.end(), static_cast<std::size_t>(-times), {high, low});
+  }
+  return outline;
+}
+
 void add_shape(const Page& page, Scene& scene) {
   if (page.voxel_surface) scene.shape_crease = 90;
   scene.shape_points = places(page, scene.placement, values_or_none<float>(page, "shape/points"));
   scene.shape.corners = values_or_none<std::uint32_t>(page, "shape/triangles");
+  scene.plane = page.plane;
+  if (page.plane) scene.outline = outline_of(scene.shape.corners);
   const std::size_t triangles = scene.shape.corners.size() / 3;
   scene.shape.offsets.resize(triangles + 1);
   for (std::size_t t = 0; t <= triangles; ++t) scene.shape.offsets[t] = static_cast<std::uint32_t>(3 * t);

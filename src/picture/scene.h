@@ -39,7 +39,9 @@ struct Scene {
   double area = 0, curve_length = 0;
   std::vector<Vec3f> shape_points;
   Polygons shape;
-  double shape_crease = kCrease;  ///< surfaces of voxels have steps, no edges: a right angle
+  bool plane = false;
+  std::vector<std::array<std::uint32_t, 2>> outline;  ///< of a plane: sides of the shape, directed around it
+  double shape_crease = kCrease;                      ///< surfaces of voxels have steps, no edges: a right angle
 };
 Scene scene_of(const Page& page, const ViewState& state);
 

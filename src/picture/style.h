@@ -59,6 +59,12 @@ inline constexpr double kCrease = 35;  ///< degrees: sharper edges are not smoot
 // Of pictures only: on white paper the glass needs outlines; steps are those of log2 of the distance.
 inline constexpr float kOutline = 0.8F, kOutlineStep = 0.004F;
 
+// Of the plane: scene/plane_view.ts, state.ts. Half the width of the outline in pixels, how much of the tint the shape
+// has; whole widths of curves.
+inline constexpr float kOutlineWidth = 0.6F, kPlaneFill = 0.5F;
+inline constexpr float kOutlineCovers = 0.15F;  ///< that share of the shape before it pales
+inline constexpr float kPlaneCurveWidth = 3, kThinPlaneCurveWidth = 2;
+
 /// The colours of one ground, light or dark.
 struct Ground {
   std::uint32_t top, bottom, sheet, boundary, tint, rim, text, quiet;

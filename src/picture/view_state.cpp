@@ -107,14 +107,14 @@ ViewState view_state(const Page& page) {
   }
   if (state.layer.empty()) return state;
   // Without sheets the curves carry the colours.
-  const bool pure =
-      state.layer == "skeleton" && page.theta2 && std::isinf(*page.theta2) && page.find("skeleton/point/radius");
+  const bool pure = state.layer == "skeleton" && (page.plane || (page.theta2 && std::isinf(*page.theta2))) &&
+                    page.find("skeleton/point/radius");
   state.color = value_of(page.state, "color").value_or(pure ? "radius" : default_color(page, state.layer));
   const bool parts = state.layer == "skeleton" && (state.color == "sheet" || state.color == "branch");
   if (state.color != "none" && !parts && !page.find(state.layer + "/point/" + state.color))
     throw Error(ErrorCode::usage,
                 fmt::format("there is no array '{}' to colour the layer '{}' by", state.color, state.layer));
-  state.curves_by_measure = pure || state.color.starts_with("curve_");
+  state.curves_by_measure = pure || page.plane || state.color.starts_with("curve_");
   take_pruning(state, page);
   return state;
 }

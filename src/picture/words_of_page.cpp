@@ -37,6 +37,7 @@ std::string skeleton_words(const Page& page) {
 
 std::string label_of(const std::string& measure) {
   if (measure == "lambda") return "λ";
+  if (measure == "mgf") return "MGF";
   std::string label = measure;
   std::replace(label.begin(), label.end(), '_', ' ');
   return label;

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 
 #include "base/text.h"
 #include "quench/axis.h"
@@ -40,6 +41,37 @@ void take_radii(Record& data, const std::filesystem::path& radii, Context* conte
   data.point_data.insert(data.point_data.begin(), {"radius", 1, io::read_radii(radii, data.points, context)});
 }
 
+namespace {
+
+// The sites of a core of the plane, where its file has them and their grid.
+std::optional<PlaneSites> plane_sites(const Record& data) {
+  const auto numbers = [&](const char* name, std::size_t count) -> std::vector<double> {
+    const DataArray* array = find_array(data.field_data, name);
+    if (!array || array->size() != count || std::holds_alternative<std::vector<std::string>>(array->values)) return {};
+    return array->numbers();
+  };
+  const std::vector<double> dims = numbers("dims", 3), spacing = numbers("spacing", 3), origin = numbers("origin", 3),
+                            direction = numbers("direction", 9);
+  const DataArray* triples = find_array(data.field_data, "sites");
+  if (dims.empty() || spacing.empty() || origin.empty() || direction.empty() || !triples || triples->components != 3)
+    return {};
+  PlaneSites sites;
+  sites.grid.dims = {static_cast<std::int64_t>(dims[0]), static_cast<std::int64_t>(dims[1]), 1};
+  sites.grid.spacing = Vec3(spacing[0], spacing[1], spacing[2]);
+  sites.grid.origin = Vec3(origin[0], origin[1], origin[2]);
+  for (int r = 0; r < 3; ++r)
+    for (int c = 0; c < 3; ++c) sites.grid.direction(r, c) = direction[static_cast<std::size_t>(3 * r + c)];
+  sites.grid.make_plane();
+  const std::vector<double> at = triples->numbers();
+  for (std::size_t i = 0; i + 2 < at.size(); i += 3)
+    sites.sites.push_back({static_cast<std::int32_t>(at[i]), static_cast<std::int32_t>(at[i + 1]), 0});
+  std::ranges::sort(sites.sites, {}, [](const LatticePoint& p) { return std::array{p[1], p[0]}; });
+  if (sites.sites.empty()) return {};
+  return sites;
+}
+
+}  // namespace
+
 LoadedAxis axis_of(Record&& data, const std::string& file, Context* context) {
   LoadedAxis loaded;
   loaded.data = std::move(data);
@@ -72,6 +104,7 @@ LoadedAxis axis_of(Record&& data, const std::string& file, Context* context) {
   loaded.voxel_core = sites && sites->components == 3 && !loaded.axis.is_fitted();
   loaded.coordinates = {field_text(loaded.data, "units").value_or(""), field_text(loaded.data, "SPACE").value_or(""),
                         field_text(loaded.data, "y_axis") == "down"};
+  if (loaded.axis.grid.is_plane()) loaded.sites = plane_sites(loaded.data);
   return loaded;
 }
 

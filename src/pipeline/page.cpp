@@ -11,6 +11,7 @@ namespace {
 
 constexpr double kFarFromZero = 16;     // in sides of the box: floats then lose what is seen
 constexpr std::size_t kShapeShare = 5;  // what is looked at is what is around it
+constexpr std::size_t kPlaneShare = 2;  // of the plane: all else is lines
 constexpr std::size_t kCoreShare = 3;   // the skeleton is what one came for
 
 }  // namespace
@@ -45,15 +46,22 @@ void PageBuilder::set_origin(const Vec3& low, const Vec3& high) {
   if (far > kFarFromZero * (high - low).maxCoeff()) page.origin = (0.5 * (low + high)).array().round();
 }
 
+void PageBuilder::set_plane(const Vec3& pixel, bool y_down) {
+  page.plane = true;
+  page.y_down = y_down;
+  if (page.unit.empty() && pixel == Vec3::Ones()) page.unit = "px";
+}
+
 void PageBuilder::add_shape(LoadedShape& shape) {
   page.side = shape.longest_side;
   page.voxel = shape.shape.grid().spacing.minCoeff();
   page.unit = shape.coordinates.units;
+  if (shape.shape.grid().is_plane()) set_plane(shape.shape.grid().spacing, shape.coordinates.y_down);
   page.topology = shape.topology;
   if (shape.mesh && !shape.cleaned)
     take(add_surface(page, *shape.mesh, left_ / kShapeShare));
   else
-    take(add_surface(page, shape.shape, left_ / kShapeShare));
+    take(add_surface(page, shape.shape, left_ / (page.plane ? kPlaneShare : kShapeShare)));
   shape.mesh.reset();
   if (!shape.surface) add_sites(page, shape.shape);  // else balls touch the surface
   add_samples(page, shape.shape);

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -81,6 +82,16 @@ std::vector<std::string> take_recorded(ShapeOptions& options, const Record& resu
     options.resolution = *n;
     taken.emplace_back("resolution");
   }
+  const auto is_side = [](double side) { return side > 0 && std::isfinite(side); };
+  if (const auto side = recorded.get<double>("pixel", &Json::is_number, is_side);
+      side && !options.pixel && !options.resolution) {
+    options.pixel = *side;
+    taken.emplace_back("pixel");
+  }
+  if (const auto n = recorded.whole("feature", 0, most); n && !options.feature) {
+    options.feature = static_cast<std::uint64_t>(*n);
+    taken.emplace_back("feature");
+  }
   const auto is_rule = [](const std::string& name) { return fill_of(name).has_value(); };
   if (const auto rule = recorded.get<std::string>("fill", &Json::is_string, is_rule); rule && !options.fill)
     options.fill = fill_of(*rule);
@@ -105,6 +116,19 @@ std::vector<std::string> take_recorded(ShapeOptions& options, const Record& resu
     options.spacing = spacing_in(*size);
     options.spacing_text = *size;
     taken.emplace_back("spacing");
+  }
+  const auto is_channel = [](const std::string& name) {
+    constexpr std::array kChannels{"luminance", "alpha", "red", "green", "blue"};
+    return std::ranges::find(kChannels, name) != kChannels.end();
+  };
+  const auto channel = recorded.get<std::string>("channel", &Json::is_string, is_channel);
+  if (channel && options.channel.empty()) {
+    options.channel = *channel;
+    taken.emplace_back("channel");
+  }
+  if (const auto n = recorded.whole("dimension", 2, 3); n && !options.dimension) {
+    options.dimension = static_cast<int>(*n);
+    taken.emplace_back("dimension");
   }
   const auto is_surface = [](const std::string& name) { return surface_kind_of(name).has_value(); };
   const auto surface = recorded.get<std::string>("surface", &Json::is_string, is_surface);

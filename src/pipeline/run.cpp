@@ -38,6 +38,7 @@ AxisRun run_axis(const MedialAxis& axis, Record&& file, bool voxel_core, const T
   Burning burning = kept ? std::move(*kept) : burning_of(axis, voxel_core, options.burning, true, scale, context);
   result.burned = figures_of(burning);
   result.burned.from_file = kept.has_value();
+  if (axis.grid.is_plane()) result.medial_points = medial_points(axis, burning);
   if (options.on_burned) options.on_burned(result.burned);
   const bool sequence = options.keep_sequence && !axis.grid.is_plane();
   add_burning(result.file, burning, sequence ? burn_sequence(axis, burning) : std::vector<DataArray>());
@@ -75,9 +76,19 @@ RunResult run(LoadedShape& shape, const RunOptions& options, Context* context) {
     of_axis.graph.shape = &shape.shape;
     of_axis.graph.voxel = shape.shape.grid().spacing;
   }
+  PlaneSites sites;
+  if (shape.shape.grid().is_plane()) {
+    sites = {shape.shape.grid(), boundary_vertices(shape.shape)};
+    of_axis.graph.sites = &sites;
+  }
   result.axis = run_axis(result.core.axis, core_file(result.core), !result.core.axis.is_fitted(), result.core.topology,
                          shape.scale(), of_axis, context);
   result.axis.skeleton.reconstructed = reconstructed_share(shape.shape, result.axis.skeleton.skeleton, context);
+  if (options.narrower) {
+    const double width = shape.scale().resolve(*options.narrower, "narrower");
+    result.wide = wide_part(shape.shape, result.core.axis, width, context);
+    result.axis.graph = outside_of(result.axis.graph, *result.wide);
+  }
   checkpoint(context, "skeleton", 1);
   return result;
 }

@@ -8,6 +8,9 @@
 #include <cmath>
 
 #include "base/parallel.h"
+#include "io/volume/slice_streams.h"
+#include "io/volume/volume_formats.h"
+#include "pipeline/finished_shape.h"
 #include "pipeline/parameters.h"
 #include "quench/error.h"
 #include "quench/io.h"
@@ -47,10 +50,12 @@ void record_volume(LoadedShape& loaded, const ShapeOptions& options) {
   if (f.threshold) std::visit([&](auto t) { record(loaded, "threshold", t); }, *f.threshold);
   if (f.label) record(loaded, "label", *f.label);
   if (f.invert) record(loaded, "invert", true);
+  if (!options.channel.empty()) record(loaded, "channel", options.channel);
+  if (options.dimension) record(loaded, "dimension", std::int64_t{*options.dimension});
   if (!options.spacing) return;
   const Vec3& s = *options.spacing;
-  record(loaded, "spacing",
-         options.spacing_text.empty() ? fmt::format("{},{},{}", s[0], s[1], s[2]) : options.spacing_text);
+  const std::string spelled = s[2] == 0 ? fmt::format("{},{}", s[0], s[1]) : fmt::format("{},{},{}", s[0], s[1], s[2]);
+  record(loaded, "spacing", options.spacing_text.empty() ? spelled : options.spacing_text);
 }
 
 void clean_as_asked(LoadedShape& loaded, const ForegroundOptions& f, Context* context) {
@@ -129,9 +134,10 @@ void set_surface_of_voxels(LoadedShape& loaded, std::optional<TriangleMesh>&& is
   record(loaded, "surface", std::string(name_of(kind)));
 }
 
-/// What follows from the voxels of an input and, of a volume, their isosurface.
+}  // namespace
+
 LoadedShape finished(LoadedShape&& loaded, const ShapeOptions& options, Context* context,
-                     std::optional<TriangleMesh>&& isosurface = {}) {
+                     std::optional<TriangleMesh>&& isosurface) {
   if (loaded.from_mesh) loaded.image = loaded.shape.grid();
   clean_as_asked(loaded, options.foreground, context);
   set_surface_of_voxels(loaded, std::move(isosurface), options, context);
@@ -142,12 +148,32 @@ LoadedShape finished(LoadedShape&& loaded, const ShapeOptions& options, Context*
   return std::move(loaded);
 }
 
+namespace {
+
+/// Refuses an image of many values of which nobody has said what the shape is, with a threshold for it.
+void check_is_chosen(const Volume& image, const ForegroundOptions& options) {
+  if (options.threshold || options.label) return;
+  const auto proposal = propose_threshold(image);
+  if (!proposal) return;
+  const std::string threshold =
+      std::visit([](auto t) { return fmt::format("{:.6g}", static_cast<double>(t)); }, proposal->threshold);
+  const char* invert =
+      proposal->bright_border ? "; its border is bright: for a dark shape on a bright ground invert it" : "";
+  throw Error(
+      ErrorCode::usage,
+      fmt::format("the image has more than two values, from {:.6g} to {:.6g}, so it is not clear what the shape "
+                  "is; give a threshold T (value >= T), e.g. {}, which parts dark from bright{}, or a label K "
+                  "(value = K)",
+                  proposal->low, proposal->high, threshold, invert),
+      "threshold");
+}
+
 LoadedShape shape_of_file(const std::filesystem::path& file, const ShapeOptions& options, Context* context) {
   check_surface(options, false);
   LoadedShape loaded;
   std::optional<TriangleMesh> isosurface;
   const auto wanted = wants_isosurface(options) ? &isosurface : nullptr;
-  const io::VolumeReadOptions read_options{options.spacing};
+  const io::VolumeReadOptions how = read_options(options);
   const auto take = [&](const auto& image, const Grid& grid) {
     loaded.image = grid;
     loaded.coordinates = image.coordinates;
@@ -156,11 +182,13 @@ LoadedShape shape_of_file(const std::filesystem::path& file, const ShapeOptions&
       return foreground(image, only_voxels(options.foreground), nullptr, context, grid.is_plane() ? nullptr : wanted);
     });
   };
-  if (const auto slices = io::open_slices(file, read_options, context)) {
+  const auto slices = io::open_slices(file, how, context);
+  if (slices && !slices->grid.is_plane()) {
     take(*slices, slices->grid);
   } else {
-    const Volume volume = io::read_volume(file, read_options, context);
+    const Volume volume = slices ? io::read_stream(*slices, file, context) : io::read_volume(file, how, context);
     checkpoint(context, "read", 1);
+    if (volume.grid.is_plane()) naming(file, [&] { check_is_chosen(volume, options.foreground); });
     take(volume, volume.grid);
   }
   checkpoint(context, "voxelize", 1);
@@ -182,8 +210,13 @@ std::optional<Vec3> spacing_in(std::string_view text) {
     if (*at != ',') return {};
   }
   if (sides.size() == 1) sides.resize(3, sides[0]);
+  if (sides.size() == 2) sides.push_back(0);
   if (sides.size() != 3) return {};
   return Vec3(sides[0], sides[1], sides[2]);
+}
+
+io::VolumeReadOptions read_options(const ShapeOptions& options) {
+  return {.spacing = options.spacing, .dimension = options.dimension, .channel = options.channel};
 }
 
 int LoadedShape::subdivided() const {
@@ -229,7 +262,7 @@ void refuse_unknown_kind(const std::filesystem::path& file) {
                                               file.string(), type));
   throw Error(ErrorCode::input,
               fmt::format("'{}' has {}; meshes end in e.g. .ply, .obj, .off, .stl, volumes in .nrrd, .nii.gz, .mha, "
-                          ".map, .vol, .npy, .tif",
+                          ".map, .vol, .npy, .tif, images in .png, .tif, .bmp, .jpg, .pgm",
                           file.string(),
                           type.empty() ? "no file type in its name" : fmt::format("the unknown file type '{}'", type)));
 }
@@ -288,7 +321,7 @@ LoadedShape shape_of(TriangleMesh&& mesh, const ShapeOptions& options, Context* 
 LoadedShape shape_of(const ImageView& image, const Coordinates& coordinates, const ShapeOptions& options,
                      Context* context) {
   ImageView view = image;
-  if (options.spacing) view.grid.spacing = *options.spacing;
+  if (options.spacing) io::take_spacing("the image", *options.spacing, view.grid);
   if (view.grid.is_plane()) view.grid.make_plane();
   check_surface(options, false);
   LoadedShape loaded;
@@ -314,6 +347,8 @@ LoadedShape load_shape(const std::filesystem::path& file, const ShapeOptions& op
   const io::Kind kind = io::kind_of(file);
   if (kind == io::Kind::unknown) refuse_unknown_kind(file);
   if (kind == io::Kind::volume) return shape_of_file(file, options, context);
+  if (kind == io::Kind::polygons)
+    return naming(file, [&] { return shape_of(feature_of(file, options.feature, context), options, context); });
   TriangleMesh mesh = to_triangle_mesh(read_surface(file, context));
   if (mesh.triangles.empty())
     throw Error(ErrorCode::input, fmt::format("'{}' holds no faces; a shape needs a closed surface", file.string()));

@@ -17,7 +17,10 @@ namespace quench::pipeline {
 RefinedAxis curves_of(const MedialAxis& axis, Burning burning, Context* context) {
   require_memory(predicted_skeleton_bytes(burning), "the curves of this medial axis",
                  {"a larger omega", "a larger lambda"}, context);
-  return quench_curves(axis.complex, axis.points, axis.radius, std::move(burning), context);
+  RefinedAxis refined = quench_curves(axis.complex, axis.points, axis.radius, std::move(burning), context);
+  const Measure* mgf = axis.find_measure(kMgf);
+  if (refined.plane && mgf && mgf->value.vertex.size() == refined.points.size()) refined.mgf = mgf->value.vertex;
+  return refined;
 }
 
 FamilyResult family_of(RefinedAxis&& refined, const Topology& wanted, const FamilyFloor& floor, Context* context) {
@@ -74,11 +77,9 @@ double thickness_of_rims(const SkeletonOptions& options, const Scale& scale, dou
 // What is no branch by itself: the fires beside it die out.
 double minor_curve(const Scale& scale) { return 4 * scale.detail; }
 
-// Radii as distances to a surface, where the point is inside.
-void measure_radii(CurveGraph& graph, const Surface& surface) {
-  const auto measure = [&](const Vec3& point, double& radius) {
-    if (const Surface::Foot foot = surface.nearest(point); foot.inside) radius = foot.distance;
-  };
+// Radii as distances to a surface, where the point is inside; of the plane, to the boundary vertices.
+template <class Measure>
+void measure_radii(CurveGraph& graph, const Measure& measure) {
   for (auto& node : graph.nodes) measure(node.point, node.radius);
   for (auto& branch : graph.branches) {
     for (std::size_t i = 0; i < branch.points.size(); ++i) measure(branch.points[i], branch.radius[i]);
@@ -106,6 +107,10 @@ SkeletonResult skeleton_of(const FamilyResult& family, const SkeletonOptions& op
   result.topology = topology(result.skeleton.complex);
   checkpoint(context, "skeleton", 1);
   require_topology(result.topology, family.topology, "skeleton", "medial axis");
+  if (options.main_axes) {
+    result.skeleton = main_axes(result.skeleton);
+    result.topology = topology(result.skeleton.complex);
+  }
   checkpoint(context, "topology", 1);
   return result;
 }
@@ -127,6 +132,7 @@ Record skeleton_file(const SkeletonResult& result, const Record& from) {
   if (!skeleton.plane) put("rims_above", std::vector<double>{std::min(skeleton.rims_above, kInfiniteLevelInFiles)});
   put("smooth", std::vector<std::int64_t>{skeleton.smooth});
   put("tips", std::vector<std::string>{skeleton.full_tips ? "full" : "pruned"});
+  if (skeleton.main_axes) put("main_axes", std::vector<std::int64_t>{1});
   if (result.reconstructed) put("reconstructed", std::vector<double>{*result.reconstructed});
   put("euler", std::vector<std::int64_t>{result.topology.euler});
   put("betti", std::vector<std::int64_t>(result.topology.betti.begin(), result.topology.betti.end()), 3);
@@ -173,7 +179,12 @@ CurveGraph smoothed_graph(const Skeleton& skeleton, const GraphOptions& options,
   if (const VoxelShape* shape = options.shape)
     smoothing.inside = [shape](const Vec3& a, const Vec3& b) { return contains_segment(*shape, a, b); };
   CurveGraph graph = smoothed(curve_graph(skeleton), smoothing);
-  if (options.surface) measure_radii(graph, *options.surface);
+  if (options.surface)
+    measure_radii(graph, [&](const Vec3& point, double& radius) {
+      if (const Surface::Foot foot = options.surface->nearest(point); foot.inside) radius = foot.distance;
+    });
+  if (options.sites)
+    measure_radii(graph, [&](const Vec3& point, double& radius) { radius = options.sites->distance(point); });
   return graph;
 }
 
@@ -205,6 +216,15 @@ CurveGraph draw_branches(SkeletonResult& result, const GraphOptions& options, co
   });
   result.skeleton = with_branches(result.skeleton, graph);
   require_topology(topology(result.skeleton.complex), result.topology, "skeleton with smooth branches", "skeleton");
+  if (result.skeleton.plane) add_measures(graph, result.skeleton);
+  if (options.extend) {
+    if (!options.shape)
+      throw Error(ErrorCode::usage,
+                  "branches can only be drawn out to the boundary of a shape whose voxels or pixels "
+                  "the axis is that of; leave it out, or take the surface 'voxels'",
+                  "extend");
+    graph = extended(graph, *options.shape);
+  }
   return with_half_a_voxel(std::move(graph), options);
 }
 

@@ -467,6 +467,7 @@ void fill_vertices(const RefinedAxis& k, const Member& member, const Outline& ou
     if (of == kNone || cut_inside) out.burn_time[v] = out.radius[v];
   }
   fill(out.curve_burn_time, k.curve_burn_time, linear);
+  if (!k.mgf.empty()) fill(out.mgf, k.mgf, linear);
   fill(out.on_curve, k.curve_vertex, [](char a, char b, double) { return a && b; });
 }
 

@@ -88,6 +88,7 @@ class Compaction {
     compact(k_.points, stays);
     compact(k_.radius, stays);
     compact(k_.burn_time, stays);
+    if (!k_.mgf.empty()) compact(k_.mgf, stays);
     compact(k_.curve_vertex, stays);
     compact(k_.curve_burn_time, stays);
     compact(k_.medial_point, stays);

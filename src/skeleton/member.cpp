@@ -82,9 +82,9 @@ std::vector<double> least_ratios(const CurvesOf& curves, double theta1, double r
   return least;
 }
 
-// In the plane a tip ends at a fork whose second branch is at least so thick as a part of the first: that is where an
-// end of the shape has two corners, and either would be as good.
-constexpr double kFork = 0.7;
+// In the plane a tip ends at a fork where an end of the shape has two corners: the second branch is at least so thick
+// as a part of the first, or less where the first sticks out of the disk there by less than half a radius.
+constexpr double kFork = 0.7, kBluntFork = 0.25, kBlunt = 0.5;
 
 // What free ends of curves grow back along.
 class Tips {
@@ -137,7 +137,9 @@ class Tips {
       if (best != kNone) second = std::max(second, curves_.level(better ? best : e));
       if (better) best = e;
     }
-    return plane_ && best != kNone && second > kFork * curves_.level(best) ? kNone : best;
+    if (!plane_ || best == kNone) return best;
+    const double fork = curves_.ratio(best) < kBlunt ? kBluntFork : kFork;
+    return second > fork * curves_.level(best) ? kNone : best;
   }
 
   const CurvesOf& curves_;

@@ -139,6 +139,7 @@ Record to_record(const Skeleton& s) {
     data.point_data.push_back({"burn_time", 1, record::finite(curve_time)});
     data.point_data.push_back({"erosion_thickness", 1, record::finite(curve_et)});
     data.point_data.push_back({"unburned", 1, record::flags_of_infinite(curve_et)});
+    if (!s.mgf.empty()) data.point_data.push_back({"mgf", 1, s.mgf});
     data.cell_data.push_back({"curve_level", 1, std::move(curve_level)});
     data.cell_data.push_back({"erosion_thickness", 1, record::finite(std::move(curve_thickness))});
     return data;

@@ -101,6 +101,7 @@ const std::vector<Known>& known_field_numbers() {
       {"theta1", 1, {}, "only bounds are checked: levels are of the medial axis"},
       {"smooth", 1, {}, kTold},
       {"rims_above", 1, {}, "only bounds are checked: levels are of the medial axis"},
+      {"main_axes", 1, {}, kTold},
       {"theta1_radii", 1, {}, "only bounds are checked: fires end on the medial axis"},
       {"sequence_steps", 0, {}, kSequence},
       {"sequence_parents", 0, {}, kSequence},

@@ -110,6 +110,7 @@ std::vector<char> smoothed_vertices(const Result& result) {
 }
 
 std::string wrong_free_branch(const Result& result, double theta1, const std::vector<double>& curve_thickness) {
+  if (result.main_axes) return {};  // ends of the longest way, wherever those are
   const std::vector<double> radii = numbers_or_empty(result.data.field_data, "theta1_radii"),
                             of_points = numbers_or_empty(result.data.point_data, curve_thickness_of(result));
   const bool pruned = text_or_empty(result.data.field_data, "tips") == "pruned" && !of_points.empty();

@@ -95,7 +95,9 @@ Check check_proximity(const Result& result, std::size_t samples, Context* contex
   if (!result.has_voxel_geometry) return not_checked(check.name, kNotOfVoxels);
   std::array<std::int64_t, 3> h = result.scale;
   std::sort(h.begin(), h.end());
-  const double beta = static_cast<double>(h[1] * h[1] + h[2] * h[2]) / (8 * static_cast<double>(h[0]));
+  // The sides of what bounds O, squared: of an edge of a pixel one, of a face of a voxel two.
+  const std::int64_t sides = h[2] * h[2] + (result.plane ? 0 : h[1] * h[1]);
+  const double beta = static_cast<double>(sides) / (8 * static_cast<double>(h[0]));
 
   const CellComplex& complex = result.complex;
   const std::size_t share = std::max<std::size_t>(1, samples / 3);

@@ -36,6 +36,8 @@ std::vector<std::string> texts_or_empty(const std::vector<DataArray>& arrays, st
 
 Result::Result(const VoxelShape& voxels, const Record& file, const VerifyOptions& options)
     : shape(voxels), data(file), plane(voxels.grid().is_plane()) {
+  const std::vector<double> reduced = numbers_or_empty(data.field_data, "main_axes");
+  main_axes = reduced.size() == 1 && reduced[0] == 1;
   parse_cells();
   parse_arrays(options);
   recover_lattice();

@@ -58,6 +58,7 @@ struct Result {
   std::vector<std::string> measures;  ///< names; of a file that does not say: lambda
   std::string stage;                  ///< empty: none given
   bool plane = false;                 ///< of a shape of the plane: points and lines only
+  bool main_axes = false;             ///< a skeleton of one course per component, not all of the shape's topology
   bool ball_rule = false;
   double lambda = 0;
   bool lambda_given = false;

@@ -94,8 +94,9 @@ TEST_F(AxisInput, FieldsThatCannotBe) {
 // What a result says of its shape is checked as options are, and the file is named.
 TEST_F(AxisInput, ParametersThatCannotBe) {
   for (const char* parameter :
-       {"\"resolution\":0", "\"resolution\":\"8\"", "\"fill\":\"odd\"", "\"spacing\":\"1,2\"", "\"spacing\":\"-1\"",
-        "\"subdivide\":4294967297", "\"subdivide\":0", "\"min_component\":-1", "\"invert\":1", "\"label\":0.5"}) {
+       {"\"resolution\":0", "\"resolution\":\"8\"", "\"fill\":\"odd\"", "\"spacing\":\"1,2,\"", "\"spacing\":\"-1\"",
+        "\"dimension\":4", "\"channel\":\"hue\"", "\"subdivide\":4294967297", "\"subdivide\":0", "\"min_component\":-1",
+        "\"invert\":1", "\"label\":0.5"}) {
     write_with_field("bad.vtp", {"parameters", 1, std::vector<std::string>{fmt::format("{{{}}}", parameter)}});
     const std::string name = std::string(parameter).substr(1, std::string(parameter).find('"', 1) - 1);
     refuses(3, {"'bad.vtp'", "'parameters'", name + " = "}, {"verify", "box.npy", "bad.vtp"});

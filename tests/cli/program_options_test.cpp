@@ -146,7 +146,7 @@ TEST_F(Options, NumbersAreDecimalAndInRange) {
 // Of a mesh: what was given, and what a result of a volume says.
 TEST_F(Options, OptionsForVolumesThatAMeshIgnores) {
   folder.write("cube.off", cube_off());
-  folder.write("v.npy", npy(3, 1, 1, "\1\2\3"));
+  folder.write("v.npy", npy(1, 1, 3, "\1\2\3"));
   const auto notes = [&](const std::vector<std::string>& line) {
     const std::string err = quench(line).err;
     std::string list;
@@ -192,9 +192,9 @@ std::string samples(std::initializer_list<T> values) {
 
 TEST_F(Options, LargeWholeThresholdsAreExact) {
   constexpr std::int64_t odd = (std::int64_t{1} << 53) + 1;  // no double
-  folder.write("i.npy", npy(3, 1, 1, samples<std::int64_t>({odd - 1, odd, -odd}), "<i8"));
-  folder.write("u.npy", npy(2, 1, 1, samples<std::uint64_t>({~std::uint64_t{0}, ~std::uint64_t{0} - 1}), "<u8"));
-  folder.write("o.npy", npy(2, 1, 1, "\x08\x0a"));
+  folder.write("i.npy", npy(1, 1, 3, samples<std::int64_t>({odd - 1, odd, -odd}), "<i8"));
+  folder.write("u.npy", npy(1, 1, 2, samples<std::uint64_t>({~std::uint64_t{0}, ~std::uint64_t{0} - 1}), "<u8"));
+  folder.write("o.npy", npy(1, 1, 2, "\x08\x0a"));
   const auto voxels = [&](const char* file, const char* option, const std::string& value) {
     works({"voxelize", file, option, value, "-o", "o.nrrd", "--json", "o.json", "--overwrite"});
     const std::string report = bytes("o.json");
@@ -321,7 +321,7 @@ TEST_F(Options, RunReplacesNothingUnlessAsked) {
 TEST_F(Options, TheShareThatCleaningDrops) {
   std::string row(20, '\1');
   row[12] = '\0';  // 12 voxels and 7
-  folder.write("v.npy", npy(20, 1, 1, row));
+  folder.write("v.npy", npy(1, 1, 20, row));
   const Outcome much = works({"core", "v.npy", "--largest-component", "-o", "a.vtp", "--json", "a.json"});
   EXPECT_NE(
       much.err.find("cleaned: 1 component of 7 voxels dropped (37% of the shape), 0 cavities of 0 voxels filled\n"),
@@ -331,7 +331,7 @@ TEST_F(Options, TheShareThatCleaningDrops) {
   EXPECT_NE(bytes("a.json").find("\"voxels_before\": 19"), std::string::npos);
   row.assign(200, '\1');
   row[198] = '\0';
-  folder.write("v.npy", npy(200, 1, 1, row));
+  folder.write("v.npy", npy(1, 1, 200, row));
   const Outcome speck = works({"core", "v.npy", "--largest-component", "-o", "b.vtp"});
   EXPECT_NE(speck.err.find("1 component of 1 voxel dropped (0.5% of the shape)"), std::string::npos) << speck.err;
   EXPECT_EQ(speck.err.find("warning"), std::string::npos) << speck.err;

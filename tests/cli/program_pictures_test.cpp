@@ -22,23 +22,67 @@ class Pictures : public ProgramTest {
   }
 };
 
-TEST_F(Pictures, OnePictureIsASlabAndSaidToBeOne) {
+TEST_F(Pictures, AnImageIsAnImage) {
   std::string rows;
   for (int y = 0; y < 8; ++y) rows += '\0' + box(8).substr(static_cast<std::size_t>(y) * 8, 8);
   folder.write("p.png", small_files::png(8, 8, 8, 0, false, rows));
-  const std::string words = "'p.png' is one picture of 8 x 8 pixels; it is taken as a slab one voxel thick";
-  const Outcome core = works({"core", "p.png", "-o", "a.vtp"});
-  EXPECT_TRUE(says(core, words)) << core.err;
-  EXPECT_TRUE(says(core, "folder of slices")) << core.err;
   const Outcome info = works({"info", "p.png"});
-  EXPECT_TRUE(says(info, words)) << info.err;
-  EXPECT_FALSE(says(works({"core", "p.png", "-o", "b.vtp", "--quiet"}), "picture"));
-  folder.write("rgb.png", small_files::png(1, 1, 8, 2, false, std::string("\0abc", 4)));
-  for (const char* command : {"info", "core"}) {
-    std::vector<std::string> arguments{command, "rgb.png"};
-    if (std::string(command) == "core") arguments.insert(arguments.end(), {"-o", "c.vtp"});
-    refuses(3, {"'rgb.png' is an RGB picture of 1 x 1 pixels", "one value per voxel", "convert"}, arguments);
+  for (const char* words :
+       {"kind: image", "picture: a grey picture", "pixels: [8,8]", "0: 28", "1: 36", "y_axis: down"})
+    EXPECT_NE(info.out.find(words), std::string::npos) << words << info.out;
+  const Outcome shape = works({"voxelize", "p.png", "-o", "a.nrrd", "--spacing", "0.5,0.25"});
+  EXPECT_TRUE(says(shape, "shape: 8 x 8 pixels of 0.5 x 0.25, 36 inside; 1 component, 0 holes")) << shape.err;
+  EXPECT_TRUE(io::read_volume(folder.path() / "a.nrrd").grid.is_plane());
+  refuses(2, {"--spacing", "three numbers"}, {"voxelize", "p.png", "-o", "b.nrrd", "--spacing", "1,2,3"});
+  refuses(2, {"--spacing '1,2,x'", "two as x,y"}, {"voxelize", "p.png", "-o", "b.nrrd", "--spacing", "1,2,x"});
+}
+
+// Of many values: the darkest and the brightest one, and what parts them.
+TEST_F(Pictures, AThresholdIsProposed) {
+  const auto write = [&](const std::string& name, int dark, int bright) {
+    std::string rows;
+    for (int y = 0; y < 8; ++y) {
+      rows += '\0';
+      for (int x = 0; x < 8; ++x) {
+        const bool inside = x > 1 && x < 6 && y > 1 && y < 6;
+        rows += static_cast<char>((inside ? bright : dark) + (x + y) % 3);
+      }
+    }
+    folder.write(name, small_files::png(8, 8, 8, 0, false, rows));
+  };
+  write("bright.png", 10, 100);
+  write("dark.png", 100, 10);
+  refuses(2, {"from 10 to 102", "e.g. 56,", "[--threshold, --label]"}, {"voxelize", "bright.png", "-o", "a.nrrd"});
+  refuses(2, {"from 10 to 102", "e.g. 56,", "border is bright", "--invert"}, {"voxelize", "dark.png", "-o", "a.nrrd"});
+  EXPECT_NE(works({"info", "dark.png"}).out.find("--threshold 56: what is bright, with --invert what is dark, as the"),
+            std::string::npos);
+  works({"voxelize", "dark.png", "-o", "a.nrrd", "--threshold", "56", "--invert"});
+  EXPECT_EQ(foreground(io::read_volume(folder.path() / "a.nrrd"), {}).voxel_count(), 16);
+}
+
+// What one slice is and which channel was taken is kept in results: verify reads the same.
+TEST_F(Pictures, DimensionAndChannelAreRecorded) {
+  folder.write("v.npy", small_files::npy("|u1", false, "1, 8, 8", box(8)));
+  refuses(2, {"volume of one slice", "2 takes it as an image", "[--dimension]"}, {"core", "v.npy", "-o", "a.vtp"});
+  EXPECT_TRUE(says(works({"info", "v.npy"}), "volume of one slice"));
+  works({"core", "v.npy", "-o", "a.vtp", "--dimension", "3"});
+  works({"verify", "v.npy", "a.vtp"});
+  std::string rows;
+  for (int y = 0; y < 8; ++y) {
+    rows += '\0';
+    for (int x = 0; x < 8; ++x)
+      rows += std::string{static_cast<char>(9 * x), '\7', static_cast<char>(x > 0 && x < 7 && y > 0 && y < 7), '\xff'};
   }
+  folder.write("c.png", small_files::png(8, 8, 8, 6, false, rows));
+  works({"core", "c.png", "-o", "c.vtp", "--dimension", "3", "--channel", "blue"});
+  const Record core = io::read_record(folder.path() / "c.vtp");
+  const DataArray* parameters = find_array(core.field_data, "parameters");
+  ASSERT_TRUE(parameters);
+  EXPECT_EQ(
+      std::get<std::vector<std::string>>(parameters->values).front().rfind(R"({"channel":"blue","dimension":3)", 0),
+      0u);
+  works({"verify", "c.png", "c.vtp"});
+  refuses(2, {"--channel 'alpha'"}, {"core", "v.npy", "-o", "b.vtp", "--dimension", "3", "--channel", "alpha"});
 }
 
 // RAS in the file: everything that is written is in LPS, and says so where its format has a place.

@@ -11,7 +11,7 @@ class Refusals : public ProgramTest {
  protected:
   void SetUp() override {
     folder.write("cube.off", cube_off());
-    folder.write("grey.npy", npy(3, 1, 1, "\1\2\3"));
+    folder.write("grey.npy", npy(1, 1, 3, "\1\2\3"));
     folder.write("box.npy", npy_box(3, 4, 5, 1));
   }
 };
@@ -38,7 +38,8 @@ TEST_F(Refusals, OptionsThatCannotBe) {
   };
   for (const char* lambda : {"nonsense", "-1", "nan", "2 vox", "3%%", ""}) core("--lambda", lambda);
   for (const char* resolution : {"0", "-5", "1.5", "abc", "99999", "1e3", ""}) core("--resolution", resolution);
-  for (const char* spacing : {"nonsense", "1,2", "1,2,3,", "0", "-1", "1,2,inf", "1,2,3,4"}) core("--spacing", spacing);
+  for (const char* spacing : {"nonsense", "1,2,", "1,2,3,", "0", "-1", "1,2,inf", "1,2,3,4"})
+    core("--spacing", spacing);
   for (const char* threads : {"-1", "two", "1.5"}) core("--threads", threads);
   for (const char* limit : {"nonsense", "-1G", "5X", "0", "G"}) core("--memory-limit", limit);
   for (const char* factor : {"0", "65", "x"}) core("--subdivide", factor);
@@ -124,7 +125,7 @@ TEST_F(Refusals, VolumesWithoutAShape) {
   refuses(3, {"'grey.npy'", "4", "from 1 to 3"}, {"core", "grey.npy", "--threshold", "4", "-o", "a.vtp"});
   refuses(3, {"'grey.npy'", "9", "from 1 to 3"}, {"core", "grey.npy", "--label", "9", "-o", "a.vtp"});
   refuses(3, {"'zero.npy'"}, {"core", "zero.npy", "-o", "a.vtp"});
-  folder.write("float.npy", npy(2, 1, 1, std::string("\0\0\0\0\0\0\xc0\x3f", 8), "<f4"));  // 0 and 1.5
+  folder.write("float.npy", npy(1, 1, 2, std::string("\0\0\0\0\0\0\xc0\x3f", 8), "<f4"));  // 0 and 1.5
   refuses(3, {"'float.npy'", "value 1", "1.5"}, {"core", "float.npy", "--label", "1", "-o", "a.vtp"});
 }
 

@@ -312,16 +312,16 @@ TEST_F(Program, VolumesAtTheLimits) {
     works({"verify", name, "limit.vtp"});
   };
   verified("full.npy", npy(4, 5, 6, std::string(120, '\7')), {});  // all foreground, at every border
-  verified("slice.npy", npy(6, 5, 1, std::string(30, '\1')), {});
+  verified("slice.npy", npy(6, 1, 5, std::string(30, '\1')), {});
   const double nan = std::nan(""), infinite = HUGE_VAL;
   const auto doubles = [](std::initializer_list<double> values) {
     std::string text;
     for (const double v : values) text.append(reinterpret_cast<const char*>(&v), sizeof v);
     return text;
   };
-  verified("nan.npy", npy(4, 1, 1, doubles({nan, 2, infinite, -infinite}), "<f8"), {"--threshold", "1"});
+  verified("nan.npy", npy(1, 1, 4, doubles({nan, 2, infinite, -infinite}), "<f8"), {"--threshold", "1"});
   refuses(3, {"no values but NaN"},
-          {"core", (folder.write("none.npy", npy(2, 1, 1, doubles({nan, nan}), "<f8")), "none.npy"), "--threshold", "1",
+          {"core", (folder.write("none.npy", npy(1, 1, 2, doubles({nan, nan}), "<f8")), "none.npy"), "--threshold", "1",
            "-o", "a.vtp"});
   const auto integers = [](std::initializer_list<std::int64_t> values) {
     std::string text;
@@ -329,7 +329,7 @@ TEST_F(Program, VolumesAtTheLimits) {
     return text;
   };
   const std::int64_t label = (std::int64_t{1} << 53) + 1;  // no double
-  verified("label.npy", npy(3, 1, 1, integers({0, label, label - 1}), "<i8"), {"--label", std::to_string(label)});
+  verified("label.npy", npy(1, 1, 3, integers({0, label, label - 1}), "<i8"), {"--label", std::to_string(label)});
   folder.write("constant.npy", npy(3, 3, 3, std::string(27, '\0')));
   refuses(3, {"'constant.npy'", "from 0 to 0"}, {"core", "constant.npy", "-o", "a.vtp"});
   folder.write("huge.npy", npy(100000, 100000, 100000, "0123456789"));

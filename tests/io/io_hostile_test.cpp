@@ -81,6 +81,14 @@ void read_samples(const std::string& bytes) {
             static_cast<std::size_t>(dims[0] * dims[1] * dims[2]));
 }
 
+template <io::Pixels (*reader)(const std::filesystem::path&, Context*)>
+void read_pixels(const std::string& bytes) {
+  const std::filesystem::path file = memory_file().holding(bytes);
+  const Volume image = io::volume_of(reader(file, nullptr), file, {}, nullptr);
+  EXPECT_EQ(std::visit([](const auto& s) { return s.size(); }, image.samples),
+            static_cast<std::size_t>(image.grid.dims[0] * image.grid.dims[1]));
+}
+
 void read_radii(const std::string& bytes) {
   const std::vector<Vec3> points{Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)};
   EXPECT_EQ(io::read_radii(memory_file().holding(bytes), points).size(), points.size());
@@ -100,7 +108,7 @@ std::function<void(const std::string&)> read_stored(const Header& header) {
 
 void read_tiff(const std::string& bytes) {
   const auto& file = memory_file().holding(bytes);
-  io::read_stream(io::open_tiff(file, nullptr), file, nullptr);
+  io::read_stream(io::open_tiff(file, {}, nullptr), file, nullptr);
 }
 
 std::function<void(const std::string&)> reader_of(const std::string& format) {
@@ -114,7 +122,10 @@ std::function<void(const std::string&)> reader_of(const std::string& format) {
   if (format == "npy") return read_samples<io::read_npy>;
   if (format == "vol") return read_samples<io::read_vol>;
   if (format == "sof") return read_samples<io::read_sof>;
-  if (format == "png") return read_samples<io::read_png>;
+  if (format == "png") return read_pixels<io::read_png>;
+  if (format == "pnm") return read_pixels<io::read_pnm>;
+  if (format == "bmp") return read_pixels<io::read_bmp>;
+  if (format == "jpeg") return read_pixels<io::read_jpeg>;
   if (format == "tiff") return read_tiff;
   if (format == "nrrd") return read_stored(io::nrrd_header);
   if (format == "mha") return read_stored([](const auto& file) { return io::meta_header(file, nullptr); });
@@ -133,6 +144,9 @@ std::vector<SmallFile> files() {
     io::write_record(folder() / name, data);
     list.push_back({name, format, testing_files::bytes_of(folder() / name)});
   }
+#ifndef QUENCH_TESTS_HAVE_JPEG
+  std::erase_if(list, [](const SmallFile& file) { return file.format == "jpeg"; });
+#endif
 #ifndef QUENCH_TESTS_HAVE_TIFF
   std::erase_if(list, [](const SmallFile& file) { return file.format == "tiff"; });
 #endif

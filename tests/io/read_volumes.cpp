@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Reads the files whose names stand on standard input, one per line, whole ("volume NAME") or slice by slice ("slices
-// NAME"), and prints a line about each: what volume_formats.py compares with what it wrote.
+// NAME"), with options ("volume:channel=red:dimension=3 NAME"), and prints a line about each: what volume_formats.py
+// compares with what it wrote.
 #include <fmt/format.h>
 #include <unistd.h>
 
 #include <iostream>
 #include <span>
+#include <sstream>
 #include <string>
 
 #include "quench/error.h"
@@ -41,19 +43,32 @@ std::string line_about(const auto& image, SampleType type, std::span<const std::
   for (const Vec3& v : {g.spacing, g.origin}) line += fmt::format(" {:.17g} {:.17g} {:.17g}", v[0], v[1], v[2]);
   for (int row = 0; row < 3; ++row)
     line += fmt::format(" {:.17g} {:.17g} {:.17g}", g.direction(row, 0), g.direction(row, 1), g.direction(row, 2));
-  return line + fmt::format(" {} {} {} {}", word(image.coordinates.units), word(image.coordinates.space),
-                            word(image.spacing_source), hexadecimal(samples));
+  return line + fmt::format(" {} {} {} {} {} {}", word(image.coordinates.units), word(image.coordinates.space),
+                            word(image.spacing_source), hexadecimal(samples), g.dimension,
+                            image.coordinates.y_down ? "down" : "up");
 }
 
-std::string whole(const std::string& file) {
-  const Volume volume = io::read_volume(file);
+/// The options behind the first word of a request.
+io::VolumeReadOptions options_in(const std::string& how) {
+  io::VolumeReadOptions options;
+  std::istringstream words(how);
+  for (std::string text; std::getline(words, text, ':');) {
+    const std::string name = text.substr(0, text.find('=')), value = text.substr(text.find('=') + 1);
+    if (name == "channel") options.channel = value;
+    if (name == "dimension") options.dimension = std::stoi(value);
+  }
+  return options;
+}
+
+std::string whole(const std::string& file, const io::VolumeReadOptions& options) {
+  const Volume volume = io::read_volume(file, options);
   const auto type = static_cast<SampleType>(volume.samples.index());
   return std::visit([&](const auto& all) { return line_about(volume, type, std::as_bytes(std::span(all))); },
                     volume.samples);
 }
 
-std::string by_slices(const std::string& file) {
-  const auto stream = io::open_slices(file);
+std::string by_slices(const std::string& file, const io::VolumeReadOptions& options) {
+  const auto stream = io::open_slices(file, options);
   if (!stream) return "whole only";
   const auto& dims = stream->grid.dims;
   const std::size_t slice = static_cast<std::size_t>(dims[0] * dims[1]) * shape::size_of(stream->type);
@@ -67,7 +82,7 @@ std::string by_slices(const std::string& file) {
 
 std::string outcome(const std::string& how, const std::string& file) {
   try {
-    return how == "slices" ? by_slices(file) : whole(file);
+    return how.starts_with("slices") ? by_slices(file, options_in(how)) : whole(file, options_in(how));
   } catch (const Error& error) {
     return fmt::format("refused {} {}", static_cast<int>(error.code()), error.what());
   } catch (const std::exception& error) {

@@ -27,8 +27,12 @@ void expect_read(const Names& names) {
   write(slices, names);
   std::vector<std::uint8_t> in_order;
   for (std::size_t i = 0; i < names.size(); ++i) in_order.push_back(static_cast<std::uint8_t>(i));
-  EXPECT_EQ(std::get<std::vector<std::uint8_t>>(io::read_volume(slices.path()).samples), in_order) << names.front();
-  EXPECT_EQ(io::open_slices(slices.path())->grid.dims[2], static_cast<std::int64_t>(names.size()));
+  EXPECT_EQ(
+      std::get<std::vector<std::uint8_t>>(io::read_volume(slices.path(), {.spacing = {}, .dimension = 3}).samples),
+      in_order)
+      << names.front();
+  EXPECT_EQ(io::open_slices(slices.path(), {.spacing = {}, .dimension = 3})->grid.dims[2],
+            static_cast<std::int64_t>(names.size()));
 }
 
 /// The sentence of a folder that cannot be read, the same whole and slice by slice, with the name of the folder left

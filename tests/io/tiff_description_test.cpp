@@ -76,7 +76,13 @@ TEST_F(Tiff, SpacingOfImageJ) {
   EXPECT_NE(one.spacing_source.find("ImageJ takes 1 um"), std::string::npos) << one.spacing_source;
   EXPECT_EQ(read_with("images=2\nunit=inch", 300000000).grid.spacing, Vec3(1, 1, 1));
   EXPECT_NE(notes.find("no distance of slices"), std::string::npos) << notes;
-  EXPECT_EQ(read_with("unit=micron", 5000000, 1).grid.spacing, Vec3(1, 1, 1));
+  // One page is an image of the plane: its size of pixels is enough.
+  const Volume image = read_with("unit=micron", 5000000, 1);
+  EXPECT_EQ(image.grid.spacing, Vec3(0.2, 0.2, 0.2));
+  EXPECT_EQ(image.coordinates.units, "um");
+  EXPECT_EQ(read_with("unit=inch", 300000000, 1).grid.spacing, Vec3(1, 1, 1));
+  EXPECT_EQ(read_with("unit=micron", 0, 1).grid.spacing, Vec3(1, 1, 1));
+  EXPECT_NE(notes.find("not positive and finite"), std::string::npos) << notes;
   for (const char* spacing : {"nan", "inf"}) {
     EXPECT_EQ(read_with(fmt::format("images=2\nunit=um\nspacing={}", spacing), 2000000).grid.spacing, Vec3(1, 1, 1));
     EXPECT_NE(notes.find("not positive and finite"), std::string::npos) << notes;

@@ -27,7 +27,7 @@ except ImportError:
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from formats.cases import Grid, difference, judge  # noqa: E402
 
-FORMATS = ['nrrd', 'metaimage', 'nifti', 'mrc', 'npy', 'vol', 'png', 'tiff']
+FORMATS = ['nrrd', 'metaimage', 'nifti', 'mrc', 'npy', 'vol', 'png', 'pnm', 'bmp', 'jpeg', 'tiff']
 MOST_FAILURES = 40  # printed per format
 
 
@@ -65,12 +65,15 @@ def written_volume(path):
         text, data = file.read().split(b'\n\n', 1)
     fields = dict(line.split(': ', 1) for line in text.decode().split('\n')[1:] if ': ' in line and line[0] != '#')
     dims = tuple(map(int, fields['sizes'].split()))
-    samples = np.frombuffer(gzip.decompress(data), np.uint8).reshape(dims, order='F')
+    samples = np.frombuffer(gzip.decompress(data), np.uint8).reshape(dims + (1,) * (3 - len(dims)), order='F')
     columns = [[float(x) for x in v.strip('()').split(',')] for v in fields['space directions'].split(' ')]
-    matrix = np.array(columns).T
+    origin = [float(x) for x in fields['space origin'].strip('()').split(',')]
+    matrix = np.eye(3)
+    matrix[:len(dims), :len(dims)] = np.array(columns).T
     spacing = np.linalg.norm(matrix, axis=0)
-    origin = tuple(float(x) for x in fields['space origin'].strip('()').split(','))
-    return Grid(samples, tuple(spacing), origin, matrix / spacing)
+    direction = matrix / spacing
+    spacing[len(dims):] = min(spacing[:2])
+    return Grid(samples, tuple(spacing), tuple(origin) + (0.0,) * (3 - len(dims)), direction, plane=len(dims) == 2)
 
 
 def threshold_of(samples):
@@ -80,11 +83,16 @@ def threshold_of(samples):
     return values[len(values) // 2]
 
 
+def arguments_of(case):
+    return [f'--{name}={value}' for name, value in case.how]
+
+
 def by_program(program, case, path, folder):
     """What is wrong with the outcome of `quench voxelize`; empty: nothing."""
     output = os.path.join(folder, 'out.nrrd')
     threshold = threshold_of(case.right[0].samples)
-    run = subprocess.run([program, 'voxelize', path, f'--threshold={threshold!r}', '-o', output], capture_output=True)
+    run = subprocess.run([program, 'voxelize', path, f'--threshold={threshold!r}', '-o', output] + arguments_of(case),
+                         capture_output=True)
     if run.returncode != 0:
         return f'exit {run.returncode}: {run.stderr.decode(errors="replace").strip()[:400]}'
     got = written_volume(output)
@@ -92,17 +100,17 @@ def by_program(program, case, path, folder):
     for right in case.right:
         inside = (right.samples >= threshold).astype(np.uint8)
         found.append(difference(got, Grid(inside, right.spacing, right.origin, right.direction, placed=right.placed,
-                                          any_axes=right.any_axes, space=('-', 'LPS'))))
+                                          any_axes=right.any_axes, space=('-', 'LPS'), plane=right.plane)))
     return min(found, key=len)
 
 
 def refused_by_program(program, case, path, folder):
-    run = subprocess.run([program, 'voxelize', path, '--threshold=1', '-o', os.path.join(folder, 'out.nrrd')],
-                         capture_output=True)
+    run = subprocess.run([program, 'voxelize', path, '--threshold=1', '-o', os.path.join(folder, 'out.nrrd')]
+                         + arguments_of(case), capture_output=True)
     sentence = run.stderr.decode(errors='replace').strip()
-    if run.returncode != 3:
+    if run.returncode != (2 if case.usage else 3):
         return f'exit {run.returncode}: {sentence[:400]}'
-    return '' if sentence and '\n' not in sentence else f'exit 3, but not with one sentence: {sentence!r}'
+    return '' if sentence and '\n' not in sentence else f'refused, but not with one sentence: {sentence!r}'
 
 
 def run_format(name, options, folder):
@@ -116,7 +124,8 @@ def run_format(name, options, folder):
     base = os.path.join(folder, name)
     os.mkdir(base)
     paths = [write(case, os.path.join(base, str(i))) for i, case in enumerate(cases)]
-    requests = [(how, path) for path in paths for how in ('volume', 'slices')]
+    requests = [(':'.join([how] + [f'{name}={value}' for name, value in c.how]), path)
+                for c, path in zip(cases, paths) for how in ('volume', 'slices')]
     lines, noise = read_all(options.reader, requests)
     failures = [f'a library writes to standard error: {text[:300]}' for text in noise]
     for i, ((how, path), line) in enumerate(zip(requests, lines)):

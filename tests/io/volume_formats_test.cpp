@@ -150,6 +150,7 @@ TEST(Npy, MemoryOrderDecidesTheAxes) {
   EXPECT_EQ(samples_of<std::uint8_t>(f), values);
   const Volume flat = io::read_volume(folder.write("2.npy", npy("|u1", false, "(4, 6)", bytes_of(values))));
   EXPECT_EQ(flat.grid.dims, (std::array<std::int64_t, 3>{6, 4, 1}));
+  EXPECT_TRUE(flat.grid.is_plane());
   const Volume four = io::read_volume(folder.write("4.npy", npy("|u1", false, "(1, 2, 3, 4)", bytes_of(values))));
   EXPECT_EQ(four.grid.dims, (std::array<std::int64_t, 3>{4, 3, 2}));
 }
@@ -160,7 +161,7 @@ void expect_type(const TemporaryFolder& folder, const std::string& type) {
   for (std::size_t i = 0; i < values.size(); ++i) values[i] = static_cast<T>(i * 37 - 50);
   values[5] = std::numeric_limits<T>::max();
   for (const bool big : {false, true}) {
-    const auto file = folder.write("t.npy", npy((big ? ">" : "<") + type, false, "(1,2,3)", bytes_of(values, big)));
+    const auto file = folder.write("t.npy", npy((big ? ">" : "<") + type, false, "(2,1,3)", bytes_of(values, big)));
     EXPECT_EQ(samples_of<T>(io::read_volume(file)), values) << type << big;
   }
 }
@@ -178,13 +179,13 @@ TEST(Npy, EveryTypeAndByteOrder) {
   expect_type<float>(folder, "f4");
   expect_type<double>(folder, "f8");
   const std::vector<std::uint16_t> halves{0x3c00, 0xc000, 0x7bff, 0x0001, 0x0000, 0x7c00};
-  const Volume half = io::read_volume(folder.write("h.npy", npy(">f2", false, "(1,2,3)", bytes_of(halves, true))));
+  const Volume half = io::read_volume(folder.write("h.npy", npy(">f2", false, "(2,1,3)", bytes_of(halves, true))));
   EXPECT_EQ(samples_of<float>(half),
             (std::vector<float>{1, -2, 65504, std::ldexp(1.0f, -24), 0, std::numeric_limits<float>::infinity()}));
   const std::string booleans("\1\0\1\0", 4);
   for (const int version : {1, 2, 3}) {
     const auto file = folder.write(
-        "b.npy", npy(version, "{'descr': '|b1', 'fortran_order': False, 'shape': (1L, 2L, 2L)}", booleans));
+        "b.npy", npy(version, "{'descr': '|b1', 'fortran_order': False, 'shape': (2L, 1L, 2L)}", booleans));
     EXPECT_EQ(samples_of<std::uint8_t>(io::read_volume(file)), (std::vector<std::uint8_t>{1, 0, 1, 0}));
   }
 }
@@ -257,17 +258,17 @@ TEST(Vol, EveryVersionAndSize) {
   const std::vector<std::uint16_t> middle{1, 2, 300, 4, 5, 65535};
   const std::vector<std::uint32_t> large{1, 2, 300, 4, 5, 4000000000u};
   for (const int version : {2, 3}) {
-    const Volume v = io::read_volume(folder.write("a.vol", vol({3, 2, 1}, 1, version, bytes_of(small))));
-    EXPECT_EQ(v.grid.dims, (std::array<std::int64_t, 3>{3, 2, 1}));
+    const Volume v = io::read_volume(folder.write("a.vol", vol({3, 1, 2}, 1, version, bytes_of(small))));
+    EXPECT_EQ(v.grid.dims, (std::array<std::int64_t, 3>{3, 1, 2}));
     EXPECT_EQ(samples_of<std::uint8_t>(v), small);
     EXPECT_EQ(
-        samples_of<std::uint16_t>(io::read_volume(folder.write("b.vol", vol({3, 2, 1}, 2, version, bytes_of(middle))))),
+        samples_of<std::uint16_t>(io::read_volume(folder.write("b.vol", vol({3, 1, 2}, 2, version, bytes_of(middle))))),
         middle);
     EXPECT_EQ(samples_of<std::uint16_t>(
-                  io::read_volume(folder.write("b.vol", vol({3, 2, 1}, 2, version, bytes_of(middle, true), "10")))),
+                  io::read_volume(folder.write("b.vol", vol({3, 1, 2}, 2, version, bytes_of(middle, true), "10")))),
               middle);
     EXPECT_EQ(
-        samples_of<std::uint32_t>(io::read_volume(folder.write("c.vol", vol({3, 2, 1}, 4, version, bytes_of(large))))),
+        samples_of<std::uint32_t>(io::read_volume(folder.write("c.vol", vol({3, 1, 2}, 4, version, bytes_of(large))))),
         large);
   }
 }

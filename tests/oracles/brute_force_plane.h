@@ -61,10 +61,38 @@ class PlaneOracle {
     core_.sites = sites_of_plane(shape);
   }
 
-  PlaneCore run() {
+  const PlaneCore& run() {
     find_vertices();
     find_edges();
     return core_;
+  }
+
+  /// All q with d |q|^2 = n . q, relative to `origin`, d > 0; in scaled coordinates.
+  struct Circle {
+    std::array<std::int64_t, 2> origin;
+    PlaneWide d, nx, ny;
+  };
+  /// Through three sites; none when they are on a line.
+  std::optional<Circle> circle(std::uint32_t a, std::uint32_t b, std::uint32_t c) const {
+    const auto o = scaled(a), p = scaled(b), q = scaled(c);
+    const PlaneWide ux = p[0] - o[0], uy = p[1] - o[1], vx = q[0] - o[0], vy = q[1] - o[1];
+    PlaneWide d = ux * vy - uy * vx;
+    if (d == 0) return std::nullopt;
+    const PlaneWide u = ux * ux + uy * uy, v = vx * vx + vy * vy;
+    PlaneWide nx = u * vy - v * uy, ny = v * ux - u * vx;
+    if (d < 0) d = -d, nx = -nx, ny = -ny;
+    return Circle{o, d, nx, ny};
+  }
+  /// Negative inside, 0 on the circle.
+  PlaneWide side(const Circle& circle, std::uint32_t s) const {
+    const auto p = scaled(s);
+    const PlaneWide x = p[0] - circle.origin[0], y = p[1] - circle.origin[1];
+    return circle.d * (x * x + y * y) - circle.nx * x - circle.ny * y;
+  }
+  PlanePoint centre(const Circle& circle) const {
+    const PlaneWide d = 2 * circle.d;
+    return {(circle.origin[0] * d + circle.nx) * scale_[1], (circle.origin[1] * d + circle.ny) * scale_[0],
+            d * scale_[0] * scale_[1]};
   }
 
   /// Whether an open neighbourhood of the point is in the union of the closed foreground pixels.
@@ -90,33 +118,35 @@ class PlaneOracle {
     return true;
   }
 
+  /// The shorter arc of the boundary between the contacts of two sites whose segment lies in the closure of O.
+  double mgf(std::uint32_t a, std::uint32_t b) const {
+    const std::set<Pixel> from = beginning(a, b), to = beginning(b, a);
+    const LatticePoint& goal = core_.sites[b];
+    const double infinite = std::numeric_limits<double>::infinity();
+    for (int d = 0; d < 4; ++d) {
+      const LatticePoint start = core_.sites[a];
+      if (!is_boundary(start, d) || (touches_itself(start) && !from.contains(pixel_after(start, d)))) continue;
+      LatticePoint p = start;
+      int direction = d;
+      double length = 0, there = infinite;
+      do {
+        length += shape_.grid().spacing[direction & 1];
+        const Pixel left = pixel_after(p, direction);
+        p = step(p, direction);
+        if (p == goal && (!touches_itself(p) || to.contains(left))) there = std::min(there, length);
+        direction = (direction + 1) & 3;  // as far left as possible
+        while (!is_boundary(p, direction)) direction = (direction + 3) & 3;
+      } while (p != start || direction != d);
+      return there == infinite ? infinite : std::min(there, length - there);
+    }
+    throw std::logic_error("a site without an edge of the boundary");
+  }
+
  private:
   using Pixel = std::array<std::int32_t, 2>;
-  struct Circle {  // d |q|^2 = n . q for q relative to `origin`, d > 0, in scaled coordinates
-    std::array<std::int64_t, 2> origin;
-    PlaneWide d, nx, ny;
-  };
-
   std::array<std::int64_t, 2> scaled(std::uint32_t s) const {
     return {core_.sites[s][0] * scale_[0], core_.sites[s][1] * scale_[1]};
   }
-  std::optional<Circle> circle(std::uint32_t a, std::uint32_t b, std::uint32_t c) const {
-    const auto o = scaled(a), p = scaled(b), q = scaled(c);
-    const PlaneWide ux = p[0] - o[0], uy = p[1] - o[1], vx = q[0] - o[0], vy = q[1] - o[1];
-    PlaneWide d = ux * vy - uy * vx;
-    if (d == 0) return std::nullopt;
-    const PlaneWide u = ux * ux + uy * uy, v = vx * vx + vy * vy;
-    PlaneWide nx = u * vy - v * uy, ny = v * ux - u * vx;
-    if (d < 0) d = -d, nx = -nx, ny = -ny;
-    return Circle{o, d, nx, ny};
-  }
-  // Negative inside, 0 on the circle.
-  PlaneWide side(const Circle& circle, std::uint32_t s) const {
-    const auto p = scaled(s);
-    const PlaneWide x = p[0] - circle.origin[0], y = p[1] - circle.origin[1];
-    return circle.d * (x * x + y * y) - circle.nx * x - circle.ny * y;
-  }
-
   void find_vertices() {
     const auto count = static_cast<std::uint32_t>(core_.sites.size());
     for (std::uint32_t a = 0; a < count; ++a)
@@ -134,9 +164,7 @@ class PlaneOracle {
       if (where == 0) vertex.sites.push_back(s);
     }
     if (!std::equal(triple.begin(), triple.end(), vertex.sites.begin())) return;
-    const PlaneWide d = 2 * circle.d;
-    vertex.centre = {(circle.origin[0] * d + circle.nx) * scale_[1], (circle.origin[1] * d + circle.ny) * scale_[0],
-                     d * scale_[0] * scale_[1]};
+    vertex.centre = centre(circle);
     if (inside(vertex.centre)) core_.vertices.push_back(vertex);
   }
 
@@ -182,28 +210,6 @@ class PlaneOracle {
     return pixels;
   }
 
-  double mgf(std::uint32_t a, std::uint32_t b) const {
-    const std::set<Pixel> from = beginning(a, b), to = beginning(b, a);
-    const LatticePoint& goal = core_.sites[b];
-    const double infinite = std::numeric_limits<double>::infinity();
-    for (int d = 0; d < 4; ++d) {
-      const LatticePoint start = core_.sites[a];
-      if (!is_boundary(start, d) || (touches_itself(start) && !from.contains(pixel_after(start, d)))) continue;
-      LatticePoint p = start;
-      int direction = d;
-      double length = 0, there = infinite;
-      do {
-        length += shape_.grid().spacing[direction & 1];
-        const Pixel left = pixel_after(p, direction);
-        p = step(p, direction);
-        if (p == goal && (!touches_itself(p) || to.contains(left))) there = std::min(there, length);
-        direction = (direction + 1) & 3;  // as far left as possible
-        while (!is_boundary(p, direction)) direction = (direction + 3) & 3;
-      } while (p != start || direction != d);
-      return there == infinite ? infinite : std::min(there, length - there);
-    }
-    throw std::logic_error("a site without an edge of the boundary");
-  }
   bool touches_itself(const LatticePoint& p) const {
     const bool first = is_in(pixel_after(p, 0));
     return first == is_in(pixel_after(p, 2)) && first != is_in(pixel_after(p, 1)) && first != is_in(pixel_after(p, 3));

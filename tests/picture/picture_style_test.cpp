@@ -93,6 +93,7 @@ TEST(PictureStyle, Light) {
   expect_in(file, fmt::format("tint * ({} + {} * key)", number(kGlassBase), number(kGlassKey)));
   expect_in(file, fmt::format("({:.2f} + {} * edge) * opacity", kGlass, number(kGlassEdge)));
   expect_in("scene/shape_view.ts", fmt::format("opacity * {}", number(kGlassFactor)));
+  EXPECT_EQ(kPlaneFill, kGlassOpacity);
   expect_in("state.ts", fmt::format("shapeOpacity: {}", number(kGlassOpacity)));
   expect_in(file, fmt::format("distanceAt(at + step_)), {})", number(kDomeMost)));
   expect_in(file, fmt::format("occlusion(vAt, here, radius) + {} * occlusion(vAt, here, {} * radius)",
@@ -103,10 +104,13 @@ TEST(PictureStyle, Light) {
 
 TEST(PictureStyle, Lines) {
   const std::string file = "scene/layer_view.ts";
-  expect_in("state.ts", fmt::format("> {} * meta.side ? {} : {}", number(kManyCurves), number(kThinCurveWidth),
-                                    number(kCurveWidth)));
-  expect_in("app.ts", fmt::format("this.stage.pixelRatio, {})", number(kCurveLeast)));
-  expect_in(file, fmt::format("state.curveWidth / 2 + {}) * pixelRatio", number(kPointMore)));
+  expect_in("state.ts", fmt::format("> {} * meta.side ? thin : thick", number(kManyCurves)));
+  expect_in("state.ts", fmt::format("meta.plane ? [{}, {}] : [{}, {}]", number(kPlaneCurveWidth),
+                                    number(kThinPlaneCurveWidth), number(kCurveWidth), number(kThinCurveWidth)));
+  expect_in("scene/plane_view.ts", fmt::format("HALF_WIDTH = {};", number(kOutlineWidth)));
+  expect_in("scene/plane_view.ts", fmt::format("COVERS = {};", number(kOutlineCovers)));
+  expect_in("app.ts", fmt::format("meta.plane ? 0 : {})", number(kCurveLeast)));
+  expect_in(file, fmt::format("state.curveWidth / 2 + (this.flat ? 1 : {})) * pixelRatio", number(kPointMore)));
   expect_in(file, fmt::format("halfWidth!.value = {} * pixelRatio", number(kBoundaryWidth)));
   expect_in(file, fmt::format("halfWidth!.value = {} * pixelRatio", number(kSeamWidth)));
   const auto power = [](double x, int exponent) {
@@ -123,7 +127,7 @@ TEST(PictureStyle, Lines) {
 
 TEST(PictureStyle, Words) {
   for (const char* name : {"radius", "detail", "cap_height", "lambda", "burn_time", "erosion_thickness", "object_angle",
-                           "curve_burn_time", "curve_erosion_thickness"})
+                           "mgf", "curve_burn_time", "curve_erosion_thickness"})
     expect_in("measures.ts", fmt::format("{}: {{ label: \"{}\"", name, label_of(name)));
   expect_in("ui/caption.ts", "`θ₂ = ${");
   expect_in("ui/caption.ts", "`θ₁ = ${");

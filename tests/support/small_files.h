@@ -16,7 +16,8 @@ namespace quench::small_files {
 
 struct SmallFile {
   std::string name;    ///< with the extension of its format
-  std::string format;  ///< ply, obj, off, stl, vtp, ma, radii, npy, vol, sof, png, nrrd, mha, nii, mrc or tiff
+  std::string format;  ///< ply, obj, off, stl, vtp, ma, radii, npy, vol, sof, png, pnm, bmp, jpeg, nrrd, mha, nii, mrc
+                       ///< or tiff
   std::string bytes;
 };
 
@@ -160,8 +161,35 @@ inline std::string png(int width, int height, int depth, int colour, bool interl
                                                                   number(static_cast<std::uint64_t>(height), 4, true) +
                                                                   static_cast<char>(depth) + static_cast<char>(colour) +
                                                                   std::string(2, '\0') + (interlaced ? '\1' : '\0'));
-  if (colour == 3) bytes += png_block("PLTE", std::string("\0\0\0\x80\x80\x80", 6));
+  if (colour == 3) bytes += png_block("PLTE", std::string("\0\0\0\x80\x80\x80", 6)) + png_block("tRNS", "\x40");
   return bytes + png_block("IDAT", deflated(rows)) + png_block("IEND", "");
+}
+
+/// A bitmap with a header of 40 bytes and a palette of `colours` greys.
+inline std::string bmp(int width, int height, int bits, int compression, int colours, const std::string& rows) {
+  const auto whole = [](int value) { return number(static_cast<std::uint32_t>(value), 4); };
+  const int begin = 54 + 4 * colours;
+  std::string bytes = "BM" + whole(begin + static_cast<int>(rows.size())) + whole(0) + whole(begin) + whole(40) +
+                      whole(width) + whole(height) + number(1, 2) + number(static_cast<std::uint64_t>(bits), 2) +
+                      whole(compression) + whole(0) + whole(0) + whole(0) + whole(colours) + whole(0);
+  for (int c = 0; c < colours; ++c) bytes += std::string(3, static_cast<char>(c * 40)) + '\0';
+  return bytes + rows;
+}
+
+/// Two blocks of one grey each, baseline or progressive.
+inline std::string jpeg(bool progressive) {
+  const auto segment = [](char marker, const std::string& data) {
+    return std::string("\xff") + marker + number(data.size() + 2, 2, true) + data;
+  };
+  std::string digits(12, '\0');
+  for (int i = 0; i < 12; ++i) digits[static_cast<std::size_t>(i)] = static_cast<char>(i);
+  // A difference of 3, and of -3: category 2 (0010), its bits, and the end of the block (0).
+  const std::string scan = segment('\xda', std::string("\1\1\0\0", 4) + (progressive ? '\0' : '\x3f') + '\0');
+  return "\xff\xd8" + segment('\xdb', '\0' + std::string(64, '\1')) +
+         segment(progressive ? '\xc2' : '\xc0', std::string("\x08\0\x08\0\x10\1\1\x11\0", 9)) +
+         segment('\xc4', '\0' + std::string("\0\0\0\x0c", 4) + std::string(12, '\0') + digits) +
+         segment('\xc4', '\x10' + std::string("\1", 1) + std::string(16, '\0')) + scan +
+         (progressive ? "\x2c\x8f" : "\x2c\x43") + "\xff\xd9";
 }
 
 inline std::string nrrd(const std::string& encoding, const std::string& endian, const std::string& samples) {
@@ -284,6 +312,22 @@ inline std::vector<SmallFile> all() {
       {"wide.png", "png", png(1, 3, 16, 0, false, std::string("\0\1\2\3\1\2\4\1\1", 9))},
       {"palette.png", "png", png(9, 2, 1, 3, false, std::string("\0\xA5\x80\0\x5A\0", 6))},
       {"woven.png", "png", png(2, 2, 4, 0, true, std::string("\0\x10\0\x20\0\x34", 6))},
+      {"rgb.png", "png", png(1, 2, 16, 2, false, std::string("\1\1\2\3\4\5\6\4\1\2\3\4\5\6", 14))},
+      {"rgba.png", "png", png(2, 1, 8, 6, false, std::string("\3\7\7\7\0\7\7\7\xff", 9))},
+      {"alpha.png", "png", png(1, 1, 8, 4, true, std::string("\0\5\x80", 3))},
+      {"bits.pbm", "pnm", std::string("P4 9 2\n\xA5\x80\x5A\0", 11)},
+      {"plain.pbm", "pnm", "P1\n# c\n3 2\n101\n0 1 0\n"},
+      {"plain.pgm", "pnm", "P2 2 2 300 0 1 299 300\n"},
+      {"raw.pgm", "pnm", "P5 3 2 255\n" + bytes8.substr(0, 6)},
+      {"wide.pgm", "pnm", std::string("P5 2 1 1000\n\0\1\2\3", 16)},
+      {"raw.ppm", "pnm", "P6 2 1 9\n\1\2\3\4\5\6"},
+      {"plain.ppm", "pnm", "P3 1 1 7 1 2 3"},
+      {"rgb.bmp", "bmp", bmp(2, 2, 24, 0, 0, bytes16)},
+      {"four.bmp", "bmp", bmp(3, -2, 4, 0, 8, bytes8)},
+      {"runs.bmp", "bmp", bmp(4, 2, 8, 1, 3, std::string("\1\1\0\3\1\2\1\0\0\0\0\2\1\0\1\2\0\1", 18))},
+      {"nibbles.bmp", "bmp", bmp(4, 1, 4, 2, 3, std::string("\2\x12\0\1", 4))},
+      {"baseline.jpg", "jpeg", jpeg(false)},
+      {"progressive.jpg", "jpeg", jpeg(true)},
       {"raw.nrrd", "nrrd", nrrd("raw", "little", bytes16)},
       {"gzip.nrrd", "nrrd", nrrd("gzip", "big", bytes16)},
       {"placed.nrrd", "nrrd", placed_nrrd("raw") + middle()},

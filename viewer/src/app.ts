@@ -10,6 +10,7 @@ import { pickVertex, touchingSites, type Ray } from "./pick";
 import { LayerView } from "./scene/layer_view";
 import { Marks } from "./scene/marks";
 import { Placement } from "./scene/placement";
+import { PlaneView } from "./scene/plane_view";
 import { ShapeView } from "./scene/shape_view";
 import { Stage } from "./scene/stage";
 import { LayerSets, type CellSet } from "./sets";
@@ -47,7 +48,8 @@ export class App {
   state: State;
   readonly placement: Placement;
   readonly marks: Marks;
-  readonly glass: ShapeView | null;
+  readonly glass: ShapeView | null = null; ///< the shape around
+  readonly figure: PlaneView | null = null; ///< the same in the plane
   picked: Picked | null = null;
   onChange: (numbers: Numbers) => void = () => {};
   onDrawn: () => void = () => {};
@@ -58,13 +60,21 @@ export class App {
   private balls = { wanted: 0, timer: 0 };
 
   constructor(readonly page: Page, readonly stage: Stage, state: State) {
-    this.placement = new Placement(page.meta);
+    const { meta, shape } = page;
+    this.placement = new Placement(meta);
     this.state = sanitize(state, page);
+    stage.plane = meta.plane ? (meta.yDown ? "down" : "up") : null;
     this.marks = new Marks(stage.shared);
     stage.add(this.marks.solid);
-    stage.add(this.marks.glass, true);
-    this.glass = page.shape.points && page.shape.triangles ? new ShapeView(page.shape, this.placement, stage.shared, stage.depth) : null;
-    if (this.glass) stage.add(this.glass.group, true);
+    stage.add(this.marks.glass, stage.overlay);
+    if (shape.points && shape.triangles && meta.plane) {
+      this.figure = new PlaneView(shape, this.placement, stage.shared);
+      stage.add(this.figure.group, stage.paper);
+      stage.add(this.figure.outline);
+    } else if (shape.points && shape.triangles) {
+      this.glass = new ShapeView(shape, this.placement, stage.shared, stage.depth);
+      stage.add(this.glass.group, stage.overlay);
+    }
     stage.onFrame = () => {
       this.update();
       this.onDrawn();
@@ -156,6 +166,7 @@ export class App {
   /// Everything that follows from the state; only what changed is done.
   update(): void {
     this.shown().view.fadeLines(this.shown().set, this.stage.camera.perPixel * this.page.meta.side);
+    this.figure?.fade(this.stage.camera.perPixel, this.stage.pixelRatio);
     const s = this.state, old = this.applied;
     if (old === s) return;
     this.applied = s;
@@ -180,10 +191,13 @@ export class App {
     const map = MAPS[s.map] ?? MAPS.viridis!;
     const accent = s.map === "diverging" && s.dark ? "ffffff" : map.accent;
     const byMeasure = s.curvesByMeasure || s.color.startsWith("curve_");
-    view.style(byMeasure ? { ...s, curvesByMeasure: true } : s, accent, this.stage.pixelRatio, 0.0016);
+    view.style(byMeasure ? { ...s, curvesByMeasure: true } : s, accent, this.stage.pixelRatio, this.page.meta.plane ? 0 : 0.0016);
     this.stage.setPaper(s.dark);
-    this.glass?.style(s.dark, s.shapeOpacity);
-    if (this.glass) this.glass.group.visible = s.shape && s.shapeOpacity > 0;
+    const around = this.glass ?? this.figure;
+    around?.style(s.dark, s.shapeOpacity);
+    if (around) around.group.visible = s.shape && s.shapeOpacity > 0;
+    if (this.figure) this.figure.outline.visible = s.shape;
+    this.figure?.fade(this.stage.camera.perPixel, this.stage.pixelRatio);
     this.stage.camera.orthographic = s.orthographic;
     this.clip();
     const width = this.page.meta.side * 0.012;
@@ -226,8 +240,9 @@ export class App {
       return;
     }
     const shown = this.shown(), { layer } = shown.sets;
-    if (!layer.measures.has("radius")) return this.onShare("No radii in this page: no balls.");
-    this.onShare("Union of balls: counting …");
+    const balls = this.page.meta.plane ? "disks" : "balls";
+    if (!layer.measures.has("radius")) return this.onShare(`No radii in this page: no ${balls}.`);
+    this.onShare(`Union of ${balls}: counting …`);
     // Not while a slider moves.
     this.balls.timer = window.setTimeout(async () => {
       const list = ballsToDraw(layer, shown.sets, shown.set, this.page.meta, MOST_BALLS);
@@ -235,7 +250,7 @@ export class App {
       this.stage.invalidate();
       const share = await shareInside(this.page.meta, this.page.shape, layer, shown.sets, () => ticket !== this.balls.wanted);
       if (ticket !== this.balls.wanted) return;
-      this.onShare(share === null ? "Balls of what is visible." : `The balls of what is visible fill ${(100 * share).toFixed(1)} % of the shape.`);
+      this.onShare(share === null ? `The ${balls} of what is visible.` : `The ${balls} of what is visible fill ${(100 * share).toFixed(1)} % of the shape.`);
     }, shown.view.union.count === 0 ? 0 : 120);
   }
 
@@ -316,7 +331,8 @@ export class App {
 
   frame(): void {
     const { view } = this.shown();
-    if (this.glass && this.state.shape) this.stage.camera.frame(this.glass.sample, 3 * Math.ceil(this.glass.sample.length / 60000), 1.04);
+    const sample = this.state.shape && (this.glass ?? this.figure)?.sample;
+    if (sample) this.stage.camera.frame(sample, 3 * Math.ceil(sample.length / 60000), 1.04);
     else this.stage.camera.frame(view.places, 4 * Math.ceil(view.places.length / 80000), 1.04);
     this.stage.invalidate();
   }

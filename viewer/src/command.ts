@@ -18,7 +18,7 @@ export function commandOf(page: Page, state: State): string {
   const asked = page.layers.has("skeleton") && isAsked(page, state);
   const theta1 = asked && meta.theta1_radii > 0 ? `${meta.theta1_radii}r` : length(state.theta1, family?.curveThickness ?? null);
   if (state.layer === "skeleton")
-    return `quench skeleton ${quoted(meta.files.core ?? "core.vtp")} --theta2 ${length(state.theta2, family?.faceLevel ?? null)} --theta1 ${theta1}${asked ? "" : " --tips pruned"} -o skeleton.vtp`;
+    return `quench skeleton ${quoted(meta.files.core ?? "core.vtp")}${meta.plane ? "" : ` --theta2 ${length(state.theta2, family?.faceLevel ?? null)}`} --theta1 ${theta1}${asked ? "" : " --tips pruned"} -o skeleton.vtp`;
   if (state.layer === "core") {
     const option = PRUNING_OPTIONS[state.measure];
     if (option === undefined) return ""; // no command prunes by another measure
@@ -30,7 +30,8 @@ export function commandOf(page: Page, state: State): string {
       if (SHAPE_OPTIONS.includes(name)) kept.push(value === undefined ? `${name} ${words[++i] ?? ""}` : words[i]!);
       else if (SHAPE_FLAGS.includes(name)) kept.push(name);
     }
-    const levels = layer.otherLevels.get(state.measure)?.face ?? layer.faceLevel;
+    const other = layer.otherLevels.get(state.measure);
+    const levels = meta.plane ? (other?.edge ?? layer.edgeLevel) : (other?.face ?? layer.faceLevel);
     const threshold = exactThreshold(meta, state) ?? length(state.threshold, levels);
     return ["quench core", quoted(meta.files.shape ?? "SHAPE"), ...kept, `${option} ${threshold}`, "-o core.vtp"].join(" ");
   }
@@ -38,5 +39,5 @@ export function commandOf(page: Page, state: State): string {
 }
 
 const PRUNING_OPTIONS: Record<string, string> = { detail: "--detail", lambda: "--lambda" };
-const SHAPE_OPTIONS = ["--resolution", "--fill", "--threshold", "--label", "--spacing", "--min-component", "--subdivide", "--lambda-rule"];
+const SHAPE_OPTIONS = ["--resolution", "--fill", "--threshold", "--label", "--spacing", "--min-component", "--subdivide", "--lambda-rule", "--channel", "--dimension", "--pixel"];
 const SHAPE_FLAGS = ["--invert", "--largest-component", "--fill-cavities"];

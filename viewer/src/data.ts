@@ -54,6 +54,8 @@ export interface Meta {
   measures: PruningMeasure[];
   topology?: { euler: number; betti: number[] };
   voxelSurface: boolean; ///< without sharp edges
+  plane: boolean; ///< flat, seen from the front; curves without sheets
+  yDown: boolean; ///< of a plane
   note: string;
   notes: string[];
   files: { core?: string; skeleton?: string; shape?: string };
@@ -175,6 +177,8 @@ export function readMeta(text: string): Meta {
     measures,
     topology: raw.topology ?? undefined,
     voxelSurface: (raw as { surface?: unknown }).surface === "voxels",
+    plane: (raw as { dimension?: unknown }).dimension === 2,
+    yDown: (raw as { y_axis?: unknown }).y_axis === "down",
     note: typeof raw.note === "string" ? raw.note : "",
     notes: Array.isArray(raw.notes) ? raw.notes.map(String) : [],
     files: raw.files ?? {},

@@ -77,7 +77,7 @@ function run(page: Page): void {
   const stage = new Stage(root);
   stage.onLost = (text) => fail(new PageError(text));
   const app = new App(page, stage, first.state);
-  const help = new Help();
+  const help = new Help(page.meta.plane);
   const burner = new Burner(app);
   const table = new BranchTable(app);
   const caption = new Caption(app);
@@ -162,6 +162,11 @@ function run(page: Page): void {
     remember();
   };
   stage.camera.listen(stage.canvas, moved, (x, y) => app.pickAt(x, y));
+  if (page.meta.plane)
+    stage.canvas.addEventListener("dblclick", () => {
+      reset();
+      moved();
+    });
   window.addEventListener("resize", () => {
     layout();
     if (!touched && !camera) app.frame();

@@ -11,6 +11,7 @@ export const MEASURES: Record<string, Measure> = {
   detail: { label: "detail", help: "The largest detail at which the pruning keeps a place.", pruning: "Drops what sticks out less than this", infinite: "infinite: always kept" },
   cap_height: { label: "cap height", help: "What the shape loses where the axis ends here.", pruning: "Drops cells where the shape loses less than this if the axis ends there" },
   lambda: { label: "λ", help: "Half the largest distance of nearest boundary points around.", pruning: "Drops what is thinner than this radius" },
+  mgf: { label: "MGF", help: "Medial geodesic function: the shorter way along the outline between the nearest boundary points.", infinite: "infinite: between two outlines" },
   burn_time: { label: "burn time", help: "When the fire that starts at the rim of the sheets comes by." },
   erosion_thickness: { label: "erosion thickness", help: "Burn time − radius: how much longer a place lasts than its radius." },
   object_angle: { label: "object angle", help: "Angle between the nearest boundary points, seen from here.", unit: "°" },
@@ -25,11 +26,15 @@ export const isLength = (name: string): boolean => MEASURES[name]?.unit === unde
 /// What pruning by a measure does, for help.
 export const pruningBy = (name: string): string => MEASURES[name]?.pruning ?? `Drops what has a smaller ${labelOf(name)}`;
 
+/// What the shape consists of.
+export const elementOf = ({ plane }: Meta): string => (plane ? "pixel" : "voxel");
+
 /// The pruning of the axis that was burned: "detail = 0.36 mm (0.87 voxels)".
-export function pruningText({ pruning, unit, voxel }: Meta): string {
+export function pruningText(meta: Meta): string {
+  const { pruning, unit, voxel } = meta;
   if (!pruning) return "";
   const { measure, threshold } = pruning;
-  const voxels = voxel && isLength(measure) && Number.isFinite(threshold) ? ` (${short(threshold / voxel)} voxels)` : "";
+  const voxels = voxel && isLength(measure) && Number.isFinite(threshold) ? ` (${short(threshold / voxel)} ${elementOf(meta)}s)` : "";
   return `${labelOf(measure)} = ${withUnit(short(threshold), unitOf(measure, unit))}${voxels}`;
 }
 

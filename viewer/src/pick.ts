@@ -136,7 +136,7 @@ function nearestInTriangle(points: Float32Array, a: number, b: number, c: number
 export function touchingSites(meta: Meta, shape: Shape, world: readonly [number, number, number], radius: number): [number, number, number][] {
   const m = meta.sites_to_world, sites = shape.sites;
   if (!Number.isFinite(radius)) return [];
-  if (!sites && shape.points && shape.triangles) return touchingSurface(meta, shape.points, shape.triangles, world, radius);
+  if (!sites && shape.points && shape.triangles && !meta.plane) return touchingSurface(meta, shape.points, shape.triangles, world, radius);
   if (!m || !sites) return [];
   const tiny = 3e-7 * Math.max(meta.side, ...meta.low.map((x, k) => Math.max(Math.abs(x - meta.origin[k]!), Math.abs(meta.high[k]! - meta.origin[k]!))));
   const limit = (radius * (1 + 1e-5) + tiny) ** 2;

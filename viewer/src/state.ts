@@ -11,10 +11,12 @@ export interface Camera {
 }
 
 export type SheetSlider = "threshold" | "theta2";
+export type SliderId = SheetSlider | "theta1";
 
-/// The parameter that prunes the sheets of what is shown; a complex without levels has none.
-export function sheetSlider(state: State): SheetSlider | null {
-  return state.layer === "core" ? "threshold" : state.layer === "skeleton" ? "theta2" : null;
+/// The parameters that prune what is shown, that of the sheets first; a complex without levels has none.
+export function slidersOf({ meta }: Page, state: State): SliderId[] {
+  if (state.layer === "still") return [];
+  return state.layer === "core" ? ["threshold"] : meta.plane ? ["theta1"] : ["theta2", "theta1"];
 }
 
 /// The thetas of the skeleton that was asked for.
@@ -100,9 +102,10 @@ export function defaults(page: Page, dark: boolean): State {
   const layer = defaultLayer(page);
   // Without sheets the curves carry the colours.
   const first = page.layers.get(layer) ?? page.layers.get("family")!;
-  const pure = layer === "skeleton" && meta.theta2 === Infinity && first.measures.has("radius");
+  const pure = layer === "skeleton" && (meta.plane || meta.theta2 === Infinity) && first.measures.has("radius");
   const [theta2, theta1] = askedThetas(meta);
   const measure = startingMeasure(meta);
+  const [thick, thin] = meta.plane ? [3, 2] : [5, 3];
   const state: State = {
     layer,
     measure,
@@ -120,8 +123,8 @@ export function defaults(page: Page, dark: boolean): State {
     branch: -1,
     table: false,
     points: true,
-    curvesByMeasure: pure,
-    curveWidth: curvesAtStart(page) > 12 * meta.side ? 3 : 5,
+    curvesByMeasure: pure || meta.plane,
+    curveWidth: curvesAtStart(page) > 12 * meta.side ? thin : thick,
     shape: page.shape.triangles !== null,
     shapeOpacity: 0.5,
     balls: false,
@@ -132,7 +135,7 @@ export function defaults(page: Page, dark: boolean): State {
     burn: false,
     time: 0,
     burnHides: false,
-    orthographic: false,
+    orthographic: meta.plane,
     axes: false,
     caption: true,
     dark,
@@ -169,6 +172,10 @@ export function sanitize(state: State, page: Page): State {
   const known = s.color === UNIFORM || measuresOf(page.layers.get(s.layer) ?? layer).includes(s.color);
   if (!known) s.color = defaultColor(layer);
   s.branch = Number.isInteger(s.branch) && s.branch >= 0 && s.branch < (layer.branches?.count ?? 0) ? s.branch : -1;
+  if (page.meta.plane) {
+    s.orthographic = true;
+    s.clip = false;
+  }
   s.clipAt = Math.min(1, Math.max(0, s.clipAt || 0));
   s.shapeOpacity = Math.min(1, Math.max(0, s.shapeOpacity));
   s.shape &&= page.shape.triangles !== null;

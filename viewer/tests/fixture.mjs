@@ -196,6 +196,20 @@ export function boxPage(template, damage, change = (arrays) => arrays, asked = f
   return pageOf(template, { title: "box", ...shape.meta }, change({ ...layerArrays("core", boxCore()), ...layerArrays("family", boxSkeleton()), ...(asked ? askedArrays() : {}), ...shape.arrays }), damage);
 }
 
+/// The rectangle [0,4] x [0,2] of the plane without its part x > 2, y > 1: an axis of a line and two more
+/// ends, corners as sites, samples.
+export function planePage(template, y, damage) {
+  const points = [[1, 1, 0], [0, 0, 0], [0, 2, 0], [3.5, 0.5, 0], [2, 0.5, 0]], radius = [1, 0, 0, 0.5, 0.5];
+  const core = { points, lone: [[0, 1, 0.5], [0, 2, 0.5], [0, 4, 1], [4, 3, 1]].map(([a, b, level]) => ({ ends: [a, b], level })), measures: { radius, burn_time: radius, erosion_thickness: [0, 0, 0, 0, Infinity], mgf: [4, 0, 0, 2, Infinity] } };
+  const family = { points, lone: [[0, 1, 0.2], [0, 2, 0.4], [0, 4, 0.9], [4, 3, 0.6]].map(([a, b, thickness]) => ({ ends: [a, b], thickness })), medialPoints: [0], measures: { radius, burn_time: radius, erosion_thickness: radius } };
+  const sites = [[0, 0], [2, 0], [4, 0], [4, 1], [2, 1], [2, 2], [0, 2], [0, 1], [1, 0], [1, 2]].flatMap(([a, b]) => [a, b, 0]);
+  const samples = [];
+  for (let j = 0; j < 20; ++j) for (let i = 0; i < 40; ++i) if (i < 20 || j < 10) samples.push(0.05 + 0.1 * i, 0.05 + 0.1 * j, 0);
+  const shape = { "shape/points": ["f32", 3, [0, 0, 0, 2, 0, 0, 4, 0, 0, 4, 1, 0, 2, 1, 0, 0, 1, 0, 2, 2, 0, 0, 2, 0]], "shape/triangles": ["u32", 3, [0, 1, 4, 0, 4, 5, 1, 2, 3, 1, 3, 4, 5, 4, 6, 5, 6, 7]], "shape/sites": ["u16", 3, sites], "shape/samples": ["f32", 3, samples] };
+  const meta = { title: "plate", unit: "px", dimension: 2, y_axis: y, voxel: 1, low: [0, 0, 0], high: [4, 2, 0], theta1: 0, topology: { euler: 1, betti: [1, 0, 0] }, sites_to_world: [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0] };
+  return pageOf(template, meta, { ...layerArrays("core", core), ...layerArrays("family", family), ...shape }, damage);
+}
+
 /// Numbers from 0 to 1 that are the same each time.
 export function random(seed) {
   let s = seed >>> 0 || 1;

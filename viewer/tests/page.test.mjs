@@ -7,7 +7,7 @@ import { dirname, join } from "node:path";
 import { after, before, describe, test } from "node:test";
 import { fileURLToPath, pathToFileURL } from "node:url";
 import { inflateSync } from "node:zlib";
-import { boxCore, boxPage, boxShape, boxSkeleton, layerArrays, otherLevels, pageOf, randomCells } from "./fixture.mjs";
+import { boxCore, boxPage, boxShape, boxSkeleton, layerArrays, otherLevels, pageOf, planePage, randomCells } from "./fixture.mjs";
 
 const here = dirname(fileURLToPath(import.meta.url));
 const chromium = process.env.CHROMIUM ?? "/usr/bin/chromium";
@@ -315,6 +315,73 @@ describe("the page in a browser", () => {
     // Two balls of radius 1 in a box of 16, counted with 2000 samples.
     const share = Number(/([\d.]+) %/.exec(await page.textContent(".share"))[1]);
     assert.ok(Math.abs(share - (100 * (2 * 4 * Math.PI)) / 3 / 16) < 3, `${share}`);
+    await page.close();
+  });
+
+  it("the plane is seen from the front, y as the page says, and moves instead of turning", async () => {
+    for (const y of ["down", "up"]) {
+      const { page, complaints } = await open(planePage(template, y), "ui=0&caption=0");
+      await settled(page);
+      const { data, channels, width } = pixelsOf(await page.screenshot());
+      // What lacks a quarter: at the right, at large y. 960 pixels for four units.
+      const filled = (x, above) => data[channels * ((350 + (above ? -100 : 100)) * width + x)] < 225;
+      assert.deepEqual([filled(200, true), filled(200, false), filled(800, true), filled(800, false)], [true, true, y === "down", y === "up"]);
+      const camera = async () => {
+        await page.waitForTimeout(400); // the address follows
+        const text = /camera=([^&]*)/.exec(decodeURIComponent(page.url()))?.[1];
+        return text ? text.split(",").map(Number) : null;
+      };
+      await page.mouse.move(500, 350);
+      await page.mouse.down();
+      await page.mouse.move(600, 300, { steps: 5 });
+      await page.mouse.up();
+      const [px, py, pz, tx, ty, tz, ux, uy, uz] = await camera(), sign = y === "down" ? -1 : 1;
+      assert.ok(Math.abs(px - tx) < 1e-6 && Math.abs(py - ty) < 1e-6 && sign * (pz - tz) > 0);
+      assert.deepEqual([ux, uy, uz].map(Math.round).map((u) => u + 0), [0, sign, 0]);
+      assert.ok(tx < 2 - 0.3 && sign * (ty - 1) < -0.1, `${tx} ${ty}`); // what was dragged came along
+      for (const key of ["x", "o", "ArrowLeft", "Alt+KeyX"]) await page.keyboard.press(key);
+      assert.deepEqual(await page.evaluate("[window.quench.state.clip, window.quench.state.orthographic]"), [false, true]);
+      await page.mouse.dblclick(300, 300);
+      const [, , , x, y_] = await camera();
+      assert.ok(Math.abs(x - 2) < 0.05 && Math.abs(y_ - 1) < 0.05, `${x} ${y_}`);
+      assert.deepEqual(complaints, []);
+      await page.close();
+    }
+  });
+
+  it("in the plane there are one theta, disks and pixels", async () => {
+    const { page, complaints } = await open(planePage(template, "down"), "theta1=0.3");
+    const at = async (change) => { const s = await sets(page, change); return [s.faces, s.curveEdges, s.freeEnds]; };
+    assert.deepEqual(await at({}), [0, 3, 2]);
+    assert.deepEqual(await at({ theta1: 0 }), [0, 4, 3]);
+    await page.waitForSelector('[data-id="theta1"]');
+    assert.equal(await page.$('[data-id="theta2"]'), null);
+    await page.keyboard.press("]");
+    assert.ok((await page.evaluate("window.quench.state.theta1")) > 0);
+    await settled(page);
+    const skeleton = await page.textContent("#app");
+    assert.match(skeleton, /Skeleton: curves of erosion thickness ≥/);
+    assert.match(skeleton, /quench skeleton core\.vtp --theta1 \S+ --tips pruned/);
+    for (const word of [/voxel/, /ball/, /θ₂(?! of)/, /sheets/, /surface/, /clip/, /orthographic/]) assert.doesNotMatch(skeleton.replace(/\[ \].*/, ""), word);
+    assert.deepEqual(await at({ layer: "core", threshold: 0.75 }), [0, 2, 2]);
+    await page.waitForSelector('[data-id="threshold"]');
+    const end = await page.evaluate("window.quench.pick(0)"); // its disk touches three sides
+    assert.deepEqual(end.touching.map((p) => p.join(" ")).sort(), ["0 1 0", "1 0 0", "1 2 0", "2 1 0"]);
+    await settled(page);
+    assert.match(await page.textContent(".picked"), /position\s*1, 1(?!,).*disk touches.*outline at 4 points/s);
+    await sets(page, { color: "mgf" });
+    await settled(page);
+    assert.match(await page.textContent(".colour-bar"), /MGF \(px\).*infinite: between two outlines/);
+    const before_ = await page.screenshot();
+    await sets(page, { balls: true });
+    await page.waitForFunction("/disks.*fill/.test(document.querySelector('.share').textContent)");
+    let inside = 0;
+    for (let j = 0; j < 20; ++j) for (let i = 0; i < 40; ++i) inside += Number((i < 20 || j < 10) && [[1, 1, 1], [3.5, 0.5, 0.5], [2, 0.5, 0.5]].some(([x, y, r]) => Math.hypot(0.05 + 0.1 * i - x, 0.05 + 0.1 * j - y) < r));
+    assert.match(await page.textContent(".share"), new RegExp(`${((100 * inside) / 600).toFixed(1).replace(".", "\\.")} %`));
+    assert.notDeepEqual(await page.screenshot(), before_);
+    await page.keyboard.press("?");
+    assert.match(await page.textContent(".help"), /double click\s*whole view again/);
+    assert.deepEqual(complaints, []);
     await page.close();
   });
 

@@ -92,6 +92,17 @@ test("the command line writes what is seen", async () => {
   assert.equal(commandOf(byAngle, { ...states.defaults(byAngle, false), layer: "core" }), "");
 });
 
+test("the outline of triangles goes around them", async () => {
+  const { outlineOf } = await moduleOf("src/scene/outline.ts");
+  const sides = (triangles) => {
+    const list = outlineOf(Uint32Array.from(triangles), 9);
+    return Array.from({ length: list.length / 2 }, (_, i) => `${list[2 * i]}${list[2 * i + 1]}`).sort();
+  };
+  assert.deepEqual(sides([0, 1, 2, 0, 2, 3]), ["01", "12", "23", "30"]);
+  assert.deepEqual(sides([0, 1, 2, 2, 1, 0]), []);
+  assert.deepEqual(sides([0, 1, 2, 0, 1, 2]), ["01", "01", "12", "12", "20", "20"]);
+});
+
 test("a logarithmic scale goes there and back", () => {
   const scale = new LogScale(0.1, 10, 0.01);
   for (const x of [0.1, 0.5, 1, 9.9, 10]) assert.ok(Math.abs(scale.value(scale.position(x), true) - x) < 1e-9);

@@ -23,11 +23,14 @@ class DualOfPlane {
       : sites_(sites),
         in_circle_(spacing),
         corners_(shape::corners_of_sites(shape, sites)),
-        delaunay_(sites, spacing, context) {}
+        delaunay_(sites, spacing, context),
+        context_(context) {}
 
   DualComplex run() {
     join_cocircular();
+    checkpoint(context_, "peel", 0.7);
     collect_vertices();
+    checkpoint(context_, "peel", 0.9);
     collect_edges();
     return std::move(dual_);
   }
@@ -61,28 +64,32 @@ class DualOfPlane {
       }
       corner_count_ += std::size_t{left} + std::size_t{right};
     }
-    for (std::uint32_t e = 0; e < delaunay_.half_edge_count(); ++e)
+    // Walks around sites and faces need `previous` only: `next` becomes the number of the polygon on the left.
+    for (std::uint32_t e = 0; e < delaunay_.half_edge_count(); ++e) {
+      delaunay_[e].next = kNone;
       if (delaunay_.origin(e) != kNone) out_[delaunay_.origin(e)] = e;
+    }
   }
 
-  // A polygon belongs to its smallest site.
+  // Polygons are found at the smallest of their sites, and numbered there in the order of the others.
   void collect_vertices() {
     base::check_index(corner_count_);
     dual_.vertex_sites.reserve(corner_count_);
     dual_.vertex_site_offsets.reserve(corner_count_ / 3 + 1);
     dual_.vertex_site_offsets.push_back(0);
     start_.reserve(corner_count_ / 3);
-    std::vector<std::uint32_t> corners;
     struct Polygon {
       std::uint32_t begin, end, start;
     };
     std::vector<Polygon> polygons;
+    std::vector<std::uint32_t> corners;
     for (std::uint32_t s = 0; s < sites_.size(); ++s) {
       corners.clear(), polygons.clear();
       std::uint32_t e = out_[s];
       do {
-        const auto begin = static_cast<std::uint32_t>(corners.size());
-        if (inside(e) && append_corners(e, corners)) {
+        if (delaunay_[e].next == kNone && inside(e)) {
+          const auto begin = static_cast<std::uint32_t>(corners.size());
+          for_sides(e, [&](std::uint32_t side) { corners.push_back(delaunay_.origin(side)); });
           std::sort(corners.begin() + begin, corners.end());
           polygons.push_back({begin, static_cast<std::uint32_t>(corners.size()), e});
         }
@@ -93,36 +100,18 @@ class DualOfPlane {
         return std::array{corners[p.begin + 1], corners[p.begin + 2]};
       });
       for (const Polygon& p : polygons) {
+        const auto number = static_cast<std::uint32_t>(start_.size());
+        for_sides(p.start, [&](std::uint32_t side) { delaunay_[side].next = number; });
         dual_.vertex_sites.insert(dual_.vertex_sites.end(), corners.begin() + p.begin, corners.begin() + p.end);
         dual_.vertex_site_offsets.push_back(static_cast<std::uint32_t>(dual_.vertex_sites.size()));
         start_.push_back(p.start);
       }
     }
     dual_.complex.vertex_count = static_cast<std::uint32_t>(start_.size());
-  }
-
-  // The corners of the face on the left of e, if its origin is the smallest.
-  bool append_corners(std::uint32_t e, std::vector<std::uint32_t>& corners) const {
-    const std::size_t begin = corners.size();
-    const std::uint32_t owner = delaunay_.origin(e);
-    std::uint32_t h = e;
-    do {
-      const std::uint32_t site = delaunay_.origin(h);
-      if (site < owner) {
-        corners.resize(begin);
-        return false;
-      }
-      corners.push_back(site);
-      h = delaunay_.next_of_face(h);
-    } while (h != e);
-    return true;
+    out_ = {};
   }
 
   void collect_edges() {
-    out_ = {};
-    // Walks around faces need `previous` only: `next` becomes the number of the polygon on the left.
-    for (std::uint32_t e = 0; e < delaunay_.half_edge_count(); ++e) delaunay_[e].next = kNone;
-    for (std::uint32_t v = 0; v < start_.size(); ++v) for_sides(v, [&](std::uint32_t e) { delaunay_[e].next = v; });
     dual_.complex.edges.reserve(edge_count_);
     dual_.edge_sites.reserve(edge_count_);
     struct Edge {
@@ -131,7 +120,7 @@ class DualOfPlane {
     std::vector<Edge> edges;
     for (std::uint32_t v = 0; v < start_.size(); ++v) {
       edges.clear();
-      for_sides(v, [&](std::uint32_t e) {
+      for_sides(start_[v], [&](std::uint32_t e) {
         const std::uint32_t other = delaunay_[e ^ 1].next;
         if (other != kNone && other > v) edges.push_back({other, e});
       });
@@ -143,19 +132,22 @@ class DualOfPlane {
       }
     }
   }
+
+  // Half-edges around the face on the left of one.
   template <class Visit>
-  void for_sides(std::uint32_t vertex, const Visit& visit) const {
-    std::uint32_t e = start_[vertex];
+  void for_sides(std::uint32_t start, const Visit& visit) const {
+    std::uint32_t e = start;
     do {
       visit(e);
       e = delaunay_.next_of_face(e);
-    } while (e != start_[vertex]);
+    } while (e != start);
   }
 
   std::span<const LatticePoint> sites_;
   const delaunay::InCircle in_circle_;
   const std::vector<std::uint8_t> corners_;
   PlaneDelaunay delaunay_;
+  Context* context_;
   std::size_t corner_count_ = 0, edge_count_ = 0;
   std::vector<std::uint32_t> out_;    // per site: a half-edge that starts there
   std::vector<std::uint32_t> start_;  // per vertex: a half-edge of its polygon

@@ -22,7 +22,9 @@ constexpr std::array kAssimpExtensions{".3ds", ".3mf", ".ac",  ".amf",     ".ase
                                        ".lws", ".md2", ".md3", ".md5mesh", ".mdl",  ".ms3d", ".nff",   ".ogex",
                                        ".q3d", ".smd", ".ter", ".wrl",     ".x",    ".x3d",  ".xgl",   ".zgl"};
 constexpr std::array kVolumeExtensions{".nrrd", ".nhdr", ".mha", ".mhd", ".nii", ".mrc", ".map",
-                                       ".tif",  ".tiff", ".png", ".npy", ".vol", ".sof"};
+                                       ".tif",  ".tiff", ".png", ".npy", ".vol", ".sof", ".pbm",
+                                       ".pgm",  ".ppm",  ".pnm", ".bmp", ".jpg", ".jpeg"};
+constexpr std::array kPolygonExtensions{".geojson", ".json", ".geojsonl", ".geojsons", ".ndjson", ".wkt", ".svg"};
 constexpr std::array kSliceExtensions{".png", ".tif", ".tiff"};
 
 bool among(const auto& list, const std::string& extension) {
@@ -53,6 +55,7 @@ Kind kind_of(const std::filesystem::path& file) {
   const std::string extension = lower_extension(file);
   if (among(kSurfaceExtensions, extension) || among(kAssimpExtensions, extension)) return Kind::surface;
   if (among(kVolumeExtensions, extension) || ends_with_nii_gz(file)) return Kind::volume;
+  if (among(kPolygonExtensions, extension)) return Kind::polygons;
   return Kind::unknown;
 }
 

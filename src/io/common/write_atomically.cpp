@@ -9,10 +9,13 @@
 #include <cstdlib>
 #include <cstring>
 #include <map>
+#include <memory>
+#include <optional>
 #include <random>
 #include <system_error>
 
 #include "io/common/file_out.h"
+#include "io/common/output_file.h"
 #include "quench/io.h"
 
 namespace quench::io {
@@ -26,11 +29,9 @@ namespace fs = std::filesystem;
 
 std::string reason_of(int error) { return error ? std::strerror(error) : "the system gives no reason"; }
 
-/// Lets `body` write, and waits until the disk has it. Errors name `file`.
-void write_to(FileOut& out, const fs::path& file, const std::function<void(std::ostream&)>& body) {
-  if (out.error()) cannot_write(file, reason_of(out.error()));
-  body(out.stream());
-  // A body does not check the stream: once it has failed, later output is lost and the first reason is kept.
+/// Waits until the disk has what was written. Errors name `file`.
+void finish_writing(FileOut& out, const fs::path& file) {
+  // Who writes does not check the stream: once it has failed, later output is lost and the first reason is kept.
   out.flush_to_disk();
   out.close();
   if (out.error() || !out.stream()) cannot_write(file, reason_of(out.error()));
@@ -188,43 +189,67 @@ fs::path place_of_output(const fs::path& file) {
   return target;
 }
 
-void write_atomically(const fs::path& file, const std::function<void(std::ostream&)>& body) {
+struct OutputFile::Impl {
+  fs::path file, folder, target;
+  FileOut out;
+  std::optional<Temporary> temporary;  ///< none: a pipe or a device
+};
+
+OutputFile::OutputFile(const fs::path& file) : impl_(std::make_unique<Impl>()) {
+  impl_->file = file;
   std::error_code error;
   const fs::file_status status = fs::status(file, error);
   if (error && error != std::errc::no_such_file_or_directory && !fs::status_known(status))
     cannot_write(file, error.message());
   if (fs::is_directory(status)) cannot_write(file, "it is a folder; name a file in it");
-  FileOut out;
+  FileOut& out = impl_->out;
   // A pipe or a device (/dev/stdout) takes bytes and must not be replaced.
   if (fs::exists(status) && !fs::is_regular_file(status)) {
     out.open(file);
-    return write_to(out, file, body);
-  }
-  const fs::path target = place_of_output(file), folder = folder_of(target);
-  if (!fs::exists(folder, error))
-    cannot_write(file, fmt::format("the folder '{}' does not exist; create it first", folder.string()));
-  if (!fs::is_directory(folder, error)) cannot_write(file, fmt::format("'{}' is not a folder", folder.string()));
+  } else {
+    impl_->target = place_of_output(file);
+    const fs::path& folder = impl_->folder = folder_of(impl_->target);
+    if (!fs::exists(folder, error))
+      cannot_write(file, fmt::format("the folder '{}' does not exist; create it first", folder.string()));
+    if (!fs::is_directory(folder, error)) cannot_write(file, fmt::format("'{}' is not a folder", folder.string()));
 
-  // Those of the file that is replaced, never more on the way there. Without the bits that let others act for its
-  // owner: the new file is owned by who writes it.
-  const bool replaces = fs::exists(status);
-  const auto permissions = static_cast<mode_t>(replaces ? status.permissions() & fs::perms::all : fs::perms(0666));
-  Temporary temporary(folder, permissions, out);
-  if (replaces && !out.error()) out.set_permissions(permissions);
-  write_to(out, file, body);
+    // Those of the file that is replaced, never more on the way there. Without the bits that let others act for its
+    // owner: the new file is owned by who writes it.
+    const bool replaces = fs::exists(status);
+    const auto permissions = static_cast<mode_t>(replaces ? status.permissions() & fs::perms::all : fs::perms(0666));
+    impl_->temporary.emplace(folder, permissions, out);
+    if (replaces && !out.error()) out.set_permissions(permissions);
+  }
+  if (out.error()) cannot_write(file, reason_of(out.error()));
+}
+
+OutputFile::~OutputFile() = default;
+
+std::ostream& OutputFile::stream() { return impl_->out.stream(); }
+
+void OutputFile::commit() {
+  finish_writing(impl_->out, impl_->file);
+  if (!impl_->temporary) return;
+  Temporary& temporary = *impl_->temporary;
   if (open_group) {
-    PostponedRename::add(*open_group, temporary.path, target, file, temporary.place);
+    PostponedRename::add(*open_group, temporary.path, impl_->target, impl_->file, temporary.place);
     temporary.kept = true;
     return;
   }
   {
     const Renaming one;
-    rename_to(temporary.path, target, file);
+    rename_to(temporary.path, impl_->target, impl_->file);
     in_place = true;
     temporary.kept = true;
     forget(temporary.place);
   }
-  flush_folder(folder, file);
+  flush_folder(impl_->folder, impl_->file);
+}
+
+void write_atomically(const fs::path& file, const std::function<void(std::ostream&)>& body) {
+  OutputFile out(file);
+  body(out.stream());
+  out.commit();
 }
 
 }  // namespace quench::io

@@ -8,24 +8,11 @@
 
 #include "io/common/formats.h"
 #include "io/common/text_out.h"
+#include "io/common/viridis.h"
 
 /// Binary PLY for MeshLab, Blender and the like: point arrays by name, `quality` and colours of one of them.
 namespace quench::io {
 namespace {
-
-using Colour = std::array<std::uint8_t, 3>;
-
-/// From dark violet over teal to yellow, of nearly even steps in lightness, as in viridis.
-Colour colour_of(double fraction) {
-  constexpr double table[5][3] = {{68, 1, 84}, {59, 82, 139}, {33, 145, 140}, {94, 201, 98}, {253, 231, 37}};
-  const double place = 4 * std::clamp(fraction, 0.0, 1.0);
-  const int step = std::min(3, static_cast<int>(place));
-  Colour colour;
-  for (std::size_t c = 0; c < 3; ++c)
-    colour[c] =
-        static_cast<std::uint8_t>(std::lround(table[step][c] + (place - step) * (table[step + 1][c] - table[step][c])));
-  return colour;
-}
 
 /// Colours over the range of the finite values; a value that is not finite is grey.
 std::vector<Colour> colours_of(const std::vector<double>& values) {
@@ -39,7 +26,7 @@ std::vector<Colour> colours_of(const std::vector<double>& values) {
   colours.reserve(values.size());
   for (double value : values)
     colours.push_back(!std::isfinite(value) ? Colour{128, 128, 128}
-                                            : colour_of(high > low ? (value / 2 - low / 2) / (high / 2 - low / 2) : 0));
+                                            : viridis(high > low ? (value / 2 - low / 2) / (high / 2 - low / 2) : 0));
   return colours;
 }
 

@@ -117,6 +117,7 @@ void MetaHeader::set_grid(StoredVolume& volume) const {
     if (a >= 3 && size != 1)
       refuse(fmt::format("it is an image of {} dimensions with {} volumes; save the one you mean on its own", n, size));
   }
+  if (n == 2) grid.dimension = 2;
   const std::size_t used = std::min<std::size_t>(n, 3);
   std::vector<double> spacing = numbers({"ElementSpacing"}, n);
   if (spacing.empty()) spacing = numbers({"ElementSize"}, n);

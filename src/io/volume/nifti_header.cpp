@@ -178,6 +178,7 @@ void set_grid(const std::filesystem::path& file, const Nifti& n, StoredVolume& v
   Grid& grid = volume.grid;
   if (n.dim[0] < 1 || n.dim[0] > 7) refuse_volume(file, fmt::format("it claims {} axes; a volume has three", n.dim[0]));
   grid.dims.fill(1);
+  if (n.dim[0] == 2) grid.dimension = 2;
   Vec3 spacing = Vec3::Ones();
   for (std::size_t a = 0; a < static_cast<std::size_t>(n.dim[0]); ++a) {
     if (a < 3) {

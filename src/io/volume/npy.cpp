@@ -186,6 +186,7 @@ Volume read_npy(const std::filesystem::path& file, Context* context) {
   const std::string type = header.descr.substr(1);
   Volume volume;
   volume.grid.dims = dims_of(file, header);
+  if (header.shape.size() == 2) volume.grid.dimension = 2;
   const auto read = [&]<class T>(T) {
     const std::uint64_t count = checked_sample_count(file, volume.grid.dims, sizeof(T), in.size - data);
     check_read_memory(file, count * sizeof(T) * (type == "f2" ? 3 : 1), context);

@@ -300,6 +300,7 @@ void NrrdHeader::set_geometry(StoredVolume& volume) const {
   Grid& grid = volume.grid;
   grid.dims.fill(1);
   for (std::size_t a = 0; a < axes_.size(); ++a) grid.dims[a] = axes_[a].size;
+  if (axes_.size() == 2) grid.dimension = 2;
   const std::string* origin = field("spaceorigin");
   if (origin && space_dimension_ == 0) refuse("it has a 'space origin' and neither 'space' nor 'space dimension'");
   if (field("spacedirections")) {
@@ -318,7 +319,8 @@ void NrrdHeader::set_geometry(StoredVolume& volume) const {
     if (!unknown) volume.spacing_source = "the space directions of the header";
     const std::string* units = field("spaceunits");
     const auto texts = units ? quoted(*units) : std::vector<std::string>();
-    if (texts.size() >= 3 && texts[0] == texts[1] && texts[1] == texts[2])
+    const std::size_t needed = axes_.size() == 2 && space_dimension_ == 2 ? 2 : 3;
+    if (texts.size() >= needed && std::adjacent_find(texts.begin(), texts.end(), std::not_equal_to<>()) == texts.end())
       volume.coordinates.units = base::plain(texts[0]);
   } else {
     for (std::size_t a = 0; a < axes_.size(); ++a) {

@@ -50,9 +50,18 @@ class GzipWriter {
   z_stream z_{};
 };
 
-std::string vector_text(const Vec3& v) {
-  // 0.0 + turns -0 into 0.
-  return fmt::format("({},{},{})", 0.0 + v[0], 0.0 + v[1], 0.0 + v[2]);
+/// The first two or all three components.
+std::string vector_text(const Vec3& v, int dimension) {
+  std::string text;
+  for (int a = 0; a < dimension; ++a) text += fmt::format("{}{}", a == 0 ? "(" : ",", 0.0 + v[a]);  // 0 for -0
+  return text + ")";
+}
+
+/// A word as often as there are axes.
+std::string for_each_axis(const std::string& word, int dimension) {
+  std::string text;
+  for (int a = 0; a < dimension; ++a) text += ' ' + word;
+  return text;
 }
 
 /// The space of the format that a reader may have found.
@@ -75,13 +84,17 @@ void write_volume(const std::filesystem::path& file, const VoxelShape& shape, co
                   Context* context) {
   const Grid& grid = shape.grid();
   write_atomically(file, [&](std::ostream& out) {
-    out << "NRRD0004\n# voxel shape: 1 inside, 0 outside\ntype: uint8\ndimension: 3\n"
-        << space_line(coordinates.space) << fmt::format("sizes: {} {} {}\n", grid.dims[0], grid.dims[1], grid.dims[2])
-        << "space directions:";
-    for (int a = 0; a < 3; ++a) out << ' ' << vector_text(grid.direction.col(a) * grid.spacing[a]);
+    const int n = grid.dimension;
+    out << "NRRD0004\n# voxel shape: 1 inside, 0 outside\ntype: uint8\n"
+        << fmt::format("dimension: {}\n", n)
+        << (grid.is_plane() ? "space dimension: 2\n" : space_line(coordinates.space)) << "sizes:";
+    for (int a = 0; a < n; ++a) out << ' ' << grid.dims[static_cast<std::size_t>(a)];
+    out << "\nspace directions:";
+    for (int a = 0; a < n; ++a) out << ' ' << vector_text(grid.direction.col(a) * grid.spacing[a], n);
     if (const std::string unit = quoted(coordinates.units); !unit.empty())
-      out << "\nspace units: " << unit << ' ' << unit << ' ' << unit;
-    out << "\nkinds: domain domain domain\nencoding: gzip\nspace origin: " << vector_text(grid.origin) << "\n\n";
+      out << "\nspace units:" << for_each_axis(unit, n);
+    out << "\nkinds:" << for_each_axis("domain", n) << "\nencoding: gzip\nspace origin: " << vector_text(grid.origin, n)
+        << "\n\n";
     GzipWriter gzip(out);
     std::vector<unsigned char> row(static_cast<std::size_t>(grid.dims[0]));
     for (std::int64_t z = 0; z < grid.dims[2]; ++z) {

@@ -59,8 +59,8 @@ std::vector<std::filesystem::path> slice_files(const std::filesystem::path& fold
 // The slices of a folder, one after the other; all of one size and type, with or without colours.
 class SliceFolder {
  public:
-  SliceFolder(const std::filesystem::path& folder, Context* context, bool spacing_is_given)
-      : files_(slice_files(folder)), context_(context), spacing_is_given_(spacing_is_given) {
+  SliceFolder(const std::filesystem::path& folder, const VolumeReadOptions& options, Context* context)
+      : files_(slice_files(folder)), context_(context), options_(options) {
     if (context) of_slices_.memory_limit = context->memory_limit;
     of_slices_.progress = [context](std::string_view, double) {
       if (context && context->cancelled()) throw Error(ErrorCode::cancelled, "cancelled");
@@ -102,20 +102,31 @@ class SliceFolder {
   Volume read(const std::filesystem::path& file) {
     checkpoint(&of_slices_, "read", 0);
     of_slices_.note = [this, &file](const std::string& sentence) { note_once(file, sentence); };
-    Volume slice = volume_extension(file) == ".png" ? read_png(file, &of_slices_) : read_tiff(file);
+    Volume slice = volume_extension(file) == ".png" ? read_picture_slice(file) : read_tiff(file);
     slice.grid.spacing = Vec3::Ones();
+    slice.grid.dimension = 3;
     slice.coordinates = {};
     slice.spacing_source.clear();
+    slice.picture.clear();
     if (slice.grid.dims[2] != 1)
       throw Error(ErrorCode::input, fmt::format("'{}' has {} pages where one slice is needed; read it on its own",
                                                 file.string(), slice.grid.dims[2]));
     return slice;
   }
 
+  Volume read_picture_slice(const std::filesystem::path& file) {
+    Pixels pixels = read_png(file, &of_slices_);
+    const std::optional<Channel> channel = channel_named(options_.channel);
+    if (pixels.has_colours() && !channel) refuse_colours_of_slices(file, pixels.kind, pixels.width, pixels.height);
+    return volume_of(std::move(pixels), file, channel, &of_slices_);
+  }
+
   Volume read_tiff(const std::filesystem::path& file) {
     const bool is_first = &file == &files_.front();
     // The spacing of the stack is that of no slice: one note is enough, even where the sizes of pixels differ.
-    const TiffStream stream = open_tiff(file, &of_slices_, spacing_is_given_ || !is_first, true);
+    VolumeReadOptions options = options_;
+    if (!is_first) options.spacing = Vec3::Ones();
+    const TiffStream stream = open_tiff(file, options, &of_slices_, true);
     if (is_first) colour_indices_ = stream.colour_indices;
     if (stream.colour_indices != colour_indices_)
       throw Error(ErrorCode::input,
@@ -135,7 +146,8 @@ class SliceFolder {
   std::vector<std::filesystem::path> files_;
   Context* context_;
   Context of_slices_;  // the limit of the caller, whose progress is that of the stack
-  bool spacing_is_given_, colour_indices_ = false;
+  VolumeReadOptions options_;
+  bool colour_indices_ = false;
   std::set<std::string> said_;
   Volume first_;
   std::size_t z_ = 0, index_ = 0;
@@ -144,8 +156,8 @@ class SliceFolder {
 
 }  // namespace
 
-Volume read_slices(const std::filesystem::path& folder, Context* context, bool spacing_is_given) {
-  SliceFolder slices(folder, context, spacing_is_given);
+Volume read_slices(const std::filesystem::path& folder, const VolumeReadOptions& options, Context* context) {
+  SliceFolder slices(folder, options, context);
   Volume volume;
   for (std::size_t z = 0; z < slices.count(); ++z) {
     checkpoint(context, "read", static_cast<double>(z) / static_cast<double>(slices.count()));
@@ -170,8 +182,8 @@ Volume read_slices(const std::filesystem::path& folder, Context* context, bool s
   return volume;
 }
 
-SliceStream open_slice_folder(const std::filesystem::path& folder, Context* context, bool spacing_is_given) {
-  const auto slices = std::make_shared<SliceFolder>(folder, context, spacing_is_given);
+SliceStream open_slice_folder(const std::filesystem::path& folder, const VolumeReadOptions& options, Context* context) {
+  const auto slices = std::make_shared<SliceFolder>(folder, options, context);
   SliceStream stream;
   stream.grid = slices->first().grid;
   stream.grid.dims[2] = static_cast<std::int64_t>(slices->count());

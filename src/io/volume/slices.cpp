@@ -23,6 +23,7 @@ Volume read_stream(const SliceStream& stream, const std::filesystem::path& file,
   volume.grid = stream.grid;
   volume.coordinates = stream.coordinates;
   volume.spacing_source = stream.spacing_source;
+  volume.picture = stream.picture;
   const auto& dims = stream.grid.dims;
   const auto slice = static_cast<std::size_t>(dims[0]) * static_cast<std::size_t>(dims[1]);
   const auto slices = static_cast<std::size_t>(dims[2]);
@@ -41,16 +42,19 @@ Volume read_stream(const SliceStream& stream, const std::filesystem::path& file,
 
 std::optional<SliceStream> open_slices(const std::filesystem::path& file, const VolumeReadOptions& options,
                                        Context* context) {
+  check_options(options);
   std::optional<SliceStream> stream;
   std::error_code error;
   const std::string extension = volume_extension(file);
-  if (std::filesystem::is_directory(file, error))
-    stream = open_slice_folder(file, context, options.spacing.has_value());
-  else if (extension == ".tif" || extension == ".tiff")
-    stream = open_tiff(file, context, options.spacing.has_value());
-  else if (is_stored_volume(extension))
+  if (std::filesystem::is_directory(file, error)) {
+    stream = open_slice_folder(file, options, context);
+  } else if (extension == ".tif" || extension == ".tiff") {
+    stream = open_tiff(file, options, context);
+  } else if (is_stored_volume(extension)) {
+    check_channel_of_grey(file, "a volume", channel_named(options.channel));
     stream = open_stored(file, context);
-  if (stream) apply_spacing(file, options, stream->grid);
+  }
+  if (stream) settle_grid(file, options, stream->grid, stream->coordinates, context);
   return stream;
 }
 

@@ -24,32 +24,41 @@ std::string kind_text(const TiffLayout& l) {
                      real        ? "float"
                      : is_signed ? "int"
                                  : "uint",
-                     l.bits, l.colour_indices ? " with colours" : "");
+                     l.bits,
+                     l.has_colours()    ? fmt::format(", {} per pixel", l.channels)
+                     : l.colour_indices ? " with colours"
+                                        : "");
 }
 
 class TiffVolume {
  public:
-  TiffVolume(const std::filesystem::path& path, Context* context, bool of_a_folder)
-      : file_(path, context), context_(context), of_a_folder_(of_a_folder) {
+  TiffVolume(const std::filesystem::path& path, const VolumeReadOptions& options, Context* context, bool of_a_folder)
+      : file_(path, context), context_(context), options_(options), of_a_folder_(of_a_folder) {
     const bool limited = context && context->memory_limit > 0;
     memory_ = limited ? context->memory_limit : base::available_memory();
+    channel_ = channel_named(options.channel);
     find_pages();
     find_slices();
+    check_channel();
   }
 
-  TiffStream stream(bool spacing_is_given) const {
+  TiffStream stream() const {
     TiffStream stream;
     const auto& l = layout_;
     stream.grid.dims = {l.transposed() ? l.height : l.width, l.transposed() ? l.width : l.height, slices_};
     stream.type = l.type;
     stream.colour_indices = l.colour_indices;
+    if (slices_ == 1) stream.grid.dimension = 2;
+    if (slices_ == 1 && takes_channel()) stream.picture = TiffPage::kind_of_colours(l);
     TiffResolution resolution = resolution_;
     if (l.transposed()) std::swap(resolution.x, resolution.y);
-    const TiffCalibration calibration = tiff_calibration(description_, resolution, slices_);
+    const bool plane = slices_ == 1 && !of_a_folder_ && options_.dimension != 3;
+    const TiffCalibration calibration =
+        plane ? tiff_plane_calibration(description_, resolution) : tiff_calibration(description_, resolution, slices_);
     stream.grid.spacing = calibration.spacing;
     stream.coordinates.units = calibration.units;
     stream.spacing_source = calibration.source;
-    if (!calibration.note.empty() && !spacing_is_given) say(calibration.note);
+    if (!calibration.note.empty() && !options_.spacing) say(calibration.note);
     return stream;
   }
 
@@ -97,7 +106,35 @@ class TiffVolume {
                       base::counted(count - pages_.size(), "is a reduced copy or mask of another",
                                     "are reduced copies or masks of others")));
     say_inverted(white_is_zero);
-    if (layout_.colour_indices) say("has a palette of colours: the indices of the colours are taken as values");
+    if (layout_.colour_indices && !channel_)
+      say("has a palette of colours: the indices of the colours are taken as values");
+  }
+
+  /// Whether colours become one channel.
+  bool takes_channel() const { return layout_.has_colours() || (layout_.colour_indices && channel_); }
+
+  void check_channel() const {
+    if (!takes_channel()) return check_channel_of_grey(file_.path(), "a grey picture", channel_);
+    if (!channel_ && (slices_ > 1 || of_a_folder_))
+      refuse_colours_of_slices(file_.path(), TiffPage::kind_of_colours(layout_), layout_.width, layout_.height);
+  }
+
+  /// The values of a plane that was read into `stored`.
+  void convert(const TiffPage& page, const TiffLayout& layout, std::span<const std::byte> stored,
+               std::span<std::byte> out) {
+    if (!layout.has_colours()) page.convert(layout, stored, out);
+    if (!takes_channel()) return;
+    Pixels pixels = layout.has_colours() ? page.colours(layout, stored) : page.colours_of_indices(layout, out);
+    const Volume values = volume_of(std::move(pixels), file_.path(), channel_, context_);
+    std::visit(
+        [&](const auto& samples) {
+          const auto bytes = std::as_bytes(std::span(samples));
+          if (layout.has_colours())
+            TiffPage::turn(layout, bytes, out);
+          else  // turned already
+            std::copy(bytes.begin(), bytes.end(), out.begin());
+        },
+        values.samples);
   }
 
   void say_inverted(const std::vector<std::size_t>& pages) const {
@@ -181,7 +218,8 @@ class TiffVolume {
     const std::uint64_t stored = layout.plane_bytes() * page.planes_together(layout);
     const std::uint64_t turned = layout.orientation == ORIENTATION_TOPLEFT ? 0 : sample_bytes;
     const std::uint64_t buffer = raw_at_ ? 0 : page.buffer_bytes(layout);
-    const std::uint64_t bytes = sample_bytes + stored + turned + buffer;
+    const std::uint64_t colours = takes_channel() ? sample_bytes * std::max<std::uint64_t>(3, layout.channels) : 0;
+    const std::uint64_t bytes = sample_bytes + stored + turned + buffer + colours;
     if (bytes <= checked_bytes_) return;
     check_read_memory(file_.path(), bytes, context_);
     checked_bytes_ = bytes;
@@ -193,7 +231,7 @@ class TiffVolume {
     check_memory(page, layout);
     stored_.resize(layout.plane_bytes());
     page.read_planes(layout, 0, stored_);
-    page.convert(layout, stored_, out);
+    convert(page, layout, stored_, out);
   }
 
   // Planes that are stored together are read together.
@@ -205,7 +243,7 @@ class TiffVolume {
       stored_.resize(plane * std::min(together, layout_.depth - z));
       page_->read_planes(layout_, z, stored_);
     }
-    page_->convert(layout_, std::span(stored_).subspan(z % together * plane, plane), out);
+    convert(*page_, layout_, std::span(stored_).subspan(z % together * plane, plane), out);
   }
 
   void next_raw(std::span<std::byte> out) {
@@ -219,11 +257,13 @@ class TiffVolume {
     if (file_.big_endian() != (std::endian::native == std::endian::big))
       for (auto at = stored_.begin(); at < stored_.end(); at += static_cast<std::ptrdiff_t>(size))
         std::reverse(at, at + static_cast<std::ptrdiff_t>(size));
-    page_->convert(layout_, stored_, out);
+    convert(*page_, layout_, stored_, out);
   }
 
   TiffFile file_;
   Context* context_;
+  VolumeReadOptions options_;
+  std::optional<Channel> channel_;
   bool of_a_folder_;  // one of its slices
   std::int64_t memory_ = 0;
   std::vector<std::size_t> pages_;  // indices of directories
@@ -239,9 +279,10 @@ class TiffVolume {
 
 }  // namespace
 
-TiffStream open_tiff(const std::filesystem::path& file, Context* context, bool spacing_is_given, bool of_a_folder) {
-  const auto volume = std::make_shared<TiffVolume>(file, context, of_a_folder);
-  TiffStream stream = volume->stream(spacing_is_given);
+TiffStream open_tiff(const std::filesystem::path& file, const VolumeReadOptions& options, Context* context,
+                     bool of_a_folder) {
+  const auto volume = std::make_shared<TiffVolume>(file, options, context, of_a_folder);
+  TiffStream stream = volume->stream();
   stream.next = [volume](std::span<std::byte> out) { volume->next(out); };
   return stream;
 }
@@ -250,7 +291,7 @@ TiffStream open_tiff(const std::filesystem::path& file, Context* context, bool s
 #else
 namespace quench::io {
 
-TiffStream open_tiff(const std::filesystem::path& file, Context*, bool, bool) {
+TiffStream open_tiff(const std::filesystem::path& file, const VolumeReadOptions&, Context*, bool) {
   throw Error(ErrorCode::usage, fmt::format("'{}' cannot be read: TIFF needs a Quench built with libtiff 4.5 or newer "
                                             "(libtiff-dev); convert it to NRRD or .npy, or rebuild",
                                             file.string()));

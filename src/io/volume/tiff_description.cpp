@@ -230,12 +230,25 @@ TiffCalibration of_ome(const TiffDescription& d, const TiffResolution& resolutio
   return in_one_unit({*size[0], *size[1], *size[2]}).value_or(contradictory());
 }
 
-// As ImageJ's FileOpener: the unit of the description is that of the resolution tags, a missing size is 1, and 72 dots
-// per inch are not a calibration.
-TiffCalibration of_imagej(const TiffDescription& d, TiffResolution resolution, std::int64_t slices) {
+/// ImageJ's resolution tags and their unit: 72 dots per inch are not a calibration.
+TiffResolution imagej_resolution(const TiffDescription& d, TiffResolution resolution) {
   constexpr double kScreen = 1.0 / 72;
-  if (!d.unit && resolution.unit == "inch" && resolution.x == kScreen) resolution = {1.0, 1.0, ""};
-  const std::string unit = d.unit.value_or(resolution.unit);
+  if (!d.unit && resolution.unit == "inch" && resolution.x == kScreen) return {1.0, 1.0, ""};
+  resolution.unit = d.unit.value_or(resolution.unit);
+  return resolution;
+}
+
+/// Whether a unit is one of a microscope or ruler, not of a scanner of paper: dots per inch, or the same per
+/// centimetre.
+bool measures(const std::string& text) {
+  const Unit unit = known_unit(text);
+  return unit.metres > 0 && unit.factor == 1 && unit.name != "cm";
+}
+
+// As ImageJ's FileOpener: the unit of the description is that of the resolution tags, a missing size is 1.
+TiffCalibration of_imagej(const TiffDescription& d, const TiffResolution& tags, std::int64_t slices) {
+  const TiffResolution resolution = imagej_resolution(d, tags);
+  const std::string& unit = resolution.unit;
   const double x = resolution.x.value_or(1), y = resolution.y.value_or(1);
   if (d.size[2]) {
     const std::string z_unit = d.size[2]->unit.empty() ? unit : d.size[2]->unit;
@@ -243,9 +256,7 @@ TiffCalibration of_imagej(const TiffDescription& d, TiffResolution resolution, s
     if (result.note.empty()) result.source = "the " + d.name;
     return result;
   }
-  const Unit known = known_unit(unit);
-  const bool of_a_scan = known.factor != 1 || known.name == "cm";  // dots per inch, or the same per centimetre
-  if (slices > 1 && resolution.x && resolution.y && known.metres > 0 && !of_a_scan)
+  if (slices > 1 && resolution.x && resolution.y && measures(unit))
     if (auto result = in_one_unit({TiffLength{x, unit}, {y, unit}, {1, unit}})) {
       result->source =
           fmt::format("the {}, which gives no distance of slices: ImageJ takes 1 {} then", d.name, result->units);
@@ -293,6 +304,37 @@ TiffCalibration tiff_calibration(const TiffDescription& description, const TiffR
     return result;
   }
   return without_spacing(resolution.x, resolution.y, resolution.unit);
+}
+
+TiffCalibration tiff_plane_calibration(const TiffDescription& description, const TiffResolution& tags) {
+  std::optional<TiffLength> x, y;
+  TiffResolution resolution = tags;
+  if (description.name == "OME-XML description") {
+    x = description.size[0];
+    y = description.size[1];
+  } else if (description.name == "ImageJ description") {
+    resolution = imagej_resolution(description, tags);
+    if (resolution.x && resolution.y && measures(resolution.unit)) {
+      x = {*resolution.x, resolution.unit};
+      y = {*resolution.y, resolution.unit};
+    }
+  }
+  TiffCalibration result;
+  if (x && y) {
+    if (auto known = in_one_unit({*x, *y, *x})) {
+      known->source = "the " + description.name;
+      return *known;
+    }
+    result.note = "gives a size of pixels that is not positive and finite; the spacing is taken as 1 x 1";
+  } else if (resolution.x && resolution.y && usable(*resolution.x) && usable(*resolution.y) &&
+             *resolution.x != *resolution.y) {
+    const double factor = known_unit(resolution.unit).factor;
+    result.note = fmt::format(
+        "has pixels that are not squares ({}); the spacing is taken as 1 x 1; give the spacing "
+        "{:.6g},{:.6g} where they are meant so",
+        lengths({*resolution.x, *resolution.y}, resolution.unit), *resolution.x * factor, *resolution.y * factor);
+  }
+  return result;
 }
 
 }  // namespace quench::io

@@ -53,4 +53,7 @@ struct TiffCalibration {
 TiffCalibration tiff_calibration(const TiffDescription& description, const TiffResolution& resolution,
                                  std::int64_t slices);
 
+/// The same of one picture, by its size of pixels alone: as the description of ImageJ or OME says, else 1.
+TiffCalibration tiff_plane_calibration(const TiffDescription& description, const TiffResolution& resolution);
+
 }  // namespace quench::io

@@ -191,6 +191,9 @@ TiffPage::TiffPage(const TiffFile& file, std::size_t index, std::int64_t memory)
   if (!tiff_ || !messages_->first_error.empty()) refuse_damaged();
   if (messages_->mended)
     refuse("is wrong about where its strips or tiles are, or how long; it is damaged or incomplete");
+  if (field<std::uint16_t>(tiff_.get(), TIFFTAG_COMPRESSION, 0) == COMPRESSION_JPEG &&
+      field<std::uint16_t>(tiff_.get(), TIFFTAG_PHOTOMETRIC, 0) == PHOTOMETRIC_YCBCR)
+    TIFFSetField(tiff_.get(), TIFFTAG_JPEGCOLORMODE, JPEGCOLORMODE_RGB);  // the decoder's own conversion
 }
 
 std::string TiffPage::name() const {
@@ -223,6 +226,28 @@ void TiffPage::check_one_value(const TiffLayout& layout, std::uint16_t samples) 
                           : "convert it to grey values, e.g. in ImageJ with Image > Type > 8-bit"));
 }
 
+bool TiffPage::set_colours(TiffLayout& layout, std::uint16_t samples) const {
+  TIFF* t = tiff_.get();
+  std::uint16_t extra = 0, *kinds = nullptr;
+  TIFFGetFieldDefaulted(t, TIFFTAG_EXTRASAMPLES, &extra, &kinds);
+  const std::uint16_t kind = extra == 1 && kinds ? kinds[0] : std::uint16_t{EXTRASAMPLE_UNSPECIFIED};
+  const bool alpha = kind == EXTRASAMPLE_ASSOCALPHA || kind == EXTRASAMPLE_UNASSALPHA;
+  const bool rgb = layout.photometric == PHOTOMETRIC_RGB && (samples == 3 || samples == 4);
+  const bool ycbcr = layout.photometric == PHOTOMETRIC_YCBCR && samples == 3 && layout.compression == COMPRESSION_JPEG;
+  const bool grey_and_alpha = layout.photometric == PHOTOMETRIC_MINISBLACK && samples == 2 && alpha;
+  if (!rgb && !ycbcr && !grey_and_alpha) return false;
+  layout.channels = samples;
+  if (alpha && samples % 2 == 0)
+    layout.alpha = kind == EXTRASAMPLE_ASSOCALPHA ? TiffLayout::Alpha::multiplied : TiffLayout::Alpha::straight;
+  const bool whole = layout.format == SAMPLEFORMAT_UINT || layout.format == SAMPLEFORMAT_VOID;
+  if (!whole || (layout.bits != 8 && layout.bits != 16) || layout.depth > 1)
+    refuse(fmt::format("has colours in {} samples of {} bits, which are not read; save it as RGB of 8 or 16 bits",
+                       format_name(layout.format), layout.bits));
+  if (field<std::uint16_t>(t, TIFFTAG_PLANARCONFIG, PLANARCONFIG_CONTIG) != PLANARCONFIG_CONTIG)
+    refuse("has each colour in a plane of its own, which is not read; save it with the colours of a pixel together");
+  return true;
+}
+
 TiffLayout TiffPage::layout() const {
   TIFF* t = tiff_.get();
   TiffLayout l;
@@ -237,7 +262,8 @@ TiffLayout TiffPage::layout() const {
   l.photometric = field<std::uint16_t>(t, TIFFTAG_PHOTOMETRIC, fax ? PHOTOMETRIC_MINISWHITE : PHOTOMETRIC_MINISBLACK);
   l.orientation = field(t, TIFFTAG_ORIENTATION, l.orientation);
   l.lowest_bit_first = field<std::uint16_t>(t, TIFFTAG_FILLORDER, FILLORDER_MSB2LSB) == FILLORDER_LSB2MSB;
-  check_one_value(l, field<std::uint16_t>(t, TIFFTAG_SAMPLESPERPIXEL, 1));
+  const auto samples = field<std::uint16_t>(t, TIFFTAG_SAMPLESPERPIXEL, 1);
+  if (!set_colours(l, samples)) check_one_value(l, samples);
   const std::optional<SampleType> type = sample_type(l.bits, l.format);
   if (!type)
     refuse(
@@ -259,7 +285,8 @@ TiffLayout TiffPage::layout() const {
   const std::uint64_t ratio = largest_ratio(l.compression) * (l.bits < 8 ? 8u / l.bits : 1);
   const std::uint64_t available = file_.size() > most / ratio ? most : file_.size() * ratio;
   // Packed samples of 9 to 15 bits and half floats become larger in memory: they are counted as they are stored.
-  checked_sample_count(file_.path(), {l.width, l.height, l.depth}, std::max<std::uint64_t>(1, l.bits / 8u), available);
+  checked_sample_count(file_.path(), {l.width, l.height, l.depth}, std::max<std::uint64_t>(1, l.pixel_bits() / 8),
+                       available);
   return l;
 }
 
@@ -327,9 +354,9 @@ std::uint64_t TiffPage::buffer_bytes(const TiffLayout& layout) const {
   const auto width = field<std::uint32_t>(t, TIFFTAG_TILEWIDTH, 0),
              height = field<std::uint32_t>(t, TIFFTAG_TILELENGTH, 0);
   const std::uint64_t row = TIFFTileRowSize64(t), plane = TIFFTileSize64(t), depth = tile_depth();
-  const bool sound = width > 0 && height > 0 && depth > 0 && row == (std::uint64_t{width} * layout.bits + 7) / 8 &&
+  const bool sound = width > 0 && height > 0 && depth > 0 && row == (width * layout.pixel_bits() + 7) / 8 &&
                      plane > 0 && plane / height == row && plane <= std::numeric_limits<std::int64_t>::max() / depth &&
-                     (width >= layout.width || std::uint64_t{width} * layout.bits % 8 == 0);
+                     (width >= layout.width || width * layout.pixel_bits() % 8 == 0);
   const std::uint64_t bytes = sound ? plane * depth : 0;
   if (!sound || bytes / std::max(1u, 8u / layout.bits) / largest_ratio(layout.compression) > file_.size())
     refuse("contradicts itself about the size of its tiles; it is damaged");
@@ -432,7 +459,7 @@ void TiffPage::read_tiles(const TiffLayout& layout, std::uint32_t first, std::sp
           TIFFComputeTile(t, static_cast<std::uint32_t>(x0), static_cast<std::uint32_t>(y0), first, 0);
       check_jbig(layout, TIFFGetStrileOffset(t, tile), width, height);
       check_decoded(layout, read_tile(tile));
-      const std::uint64_t left = x0 * layout.bits / 8, bytes = std::min(tile_row, row - left);
+      const std::uint64_t left = x0 * layout.pixel_bits() / 8, bytes = std::min(tile_row, row - left);
       const std::uint64_t rows = std::min<std::uint64_t>(height, layout.height - y0);
       for (std::uint64_t z = 0; z < planes; ++z)
         for (std::uint64_t y = 0; y < rows; ++y)
@@ -513,6 +540,14 @@ void TiffPage::convert(const TiffLayout& layout, std::span<const std::byte> stor
   if (layout.orientation == ORIENTATION_TOPLEFT) return to_values(layout, stored, out);
   std::vector<std::byte> lying(out.size());
   to_values(layout, stored, lying);
+  turn(layout, lying, out);
+}
+
+void TiffPage::turn(const TiffLayout& layout, std::span<const std::byte> lying, std::span<std::byte> out) {
+  if (layout.orientation == ORIENTATION_TOPLEFT) {
+    std::memcpy(out.data(), lying.data(), out.size());
+    return;
+  }
   switch (out.size() / layout.samples()) {
     case 1:
       return turn_upright<1>(layout, lying, out);

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "io/volume/pixels.h"
 #include "io/volume/tiff_description.h"
 #include "io/volume/tiff_directories.h"
 #include "quench/shape.h"
@@ -23,14 +24,18 @@ struct TiffLayout {
   std::uint32_t width = 0, height = 0, depth = 1;
   std::uint16_t bits = 1, format = SAMPLEFORMAT_UINT, photometric = PHOTOMETRIC_MINISBLACK, compression = 0;
   std::uint16_t orientation = ORIENTATION_TOPLEFT;
-  SampleType type = SampleType::uint8;  ///< of the values it becomes
-  bool lowest_bit_first = false;        ///< in each byte of the file (FillOrder 2)
-  bool colour_indices = false;          ///< of a palette that holds more than greys
+  SampleType type = SampleType::uint8;                                  ///< of the values it becomes
+  bool lowest_bit_first = false;                                        ///< in each byte of the file (FillOrder 2)
+  bool colour_indices = false;                                          ///< of a palette that holds more than greys
+  std::uint16_t channels = 1;                                           ///< samples of a pixel, stored together
+  enum class Alpha { none, straight, multiplied } alpha = Alpha::none;  ///< what the last of several samples is
 
   bool transposed() const { return orientation >= ORIENTATION_LEFTTOP && orientation <= ORIENTATION_LEFTBOT; }
-  std::uint64_t row_bytes() const { return (std::uint64_t{width} * bits + 7) / 8; }  ///< as stored
-  std::uint64_t plane_bytes() const { return row_bytes() * height; }                 ///< as stored
-  std::uint64_t samples() const { return std::uint64_t{width} * height; }            ///< of a plane
+  bool has_colours() const { return channels > 1; }
+  std::uint64_t pixel_bits() const { return std::uint64_t{bits} * channels; }
+  std::uint64_t row_bytes() const { return (width * pixel_bits() + 7) / 8; }  ///< as stored
+  std::uint64_t plane_bytes() const { return row_bytes() * height; }          ///< as stored
+  std::uint64_t samples() const { return std::uint64_t{width} * height; }     ///< of a plane, one per pixel
 };
 
 /// One page of a TIFF file through libtiff: a picture, or (ImageDepth) a volume.
@@ -64,6 +69,15 @@ class TiffPage {
   /// upright.
   void convert(const TiffLayout& layout, std::span<const std::byte> stored, std::span<std::byte> out) const;
 
+  /// The pixels of a plane with colours, as it lies in the file.
+  Pixels colours(const TiffLayout& layout, std::span<const std::byte> stored) const;
+  /// The colours that indices (what convert() gives of a palette) stand for, of the type of the indices.
+  Pixels colours_of_indices(const TiffLayout& layout, std::span<const std::byte> indices) const;
+  /// "an RGB picture": of a page with colours or a palette.
+  static std::string kind_of_colours(const TiffLayout& layout);
+  /// From one value per pixel as the page lies in the file to the picture upright.
+  static void turn(const TiffLayout& layout, std::span<const std::byte> lying, std::span<std::byte> out);
+
   /// "'file'" or "page 3 of 'file'".
   std::string name() const;
 
@@ -78,6 +92,8 @@ class TiffPage {
   [[noreturn]] void refuse_damaged() const;
   void check_pieces() const;
   void check_one_value(const TiffLayout& layout, std::uint16_t samples) const;
+  /// Whether the page has colours, or grey and alpha, that are read; of the layout channels and alpha are filled in.
+  bool set_colours(TiffLayout& layout, std::uint16_t samples) const;
   void check_jbig(const TiffLayout& layout, std::uint64_t at, std::uint32_t width, std::uint32_t height) const;
   /// Decodes `size` bytes of the file at `at` as strip or tile `piece`.
   bool decode(std::uint32_t piece, std::uint64_t at, std::uint64_t size, std::span<std::byte> out);

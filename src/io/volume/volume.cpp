@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <cctype>
 #include <cmath>
 #include <limits>
@@ -22,21 +24,58 @@ void refuse(const std::filesystem::path& file, const char* format, const std::st
 
 namespace {
 
-Volume read_by_extension(const std::filesystem::path& file, bool spacing_is_given, Context* context) {
+Volume read_by_extension(const std::filesystem::path& file, const VolumeReadOptions& options, Context* context) {
   std::error_code ignored;
-  if (std::filesystem::is_directory(file, ignored)) return read_slices(file, context, spacing_is_given);
+  if (std::filesystem::is_directory(file, ignored)) return read_slices(file, options, context);
   const std::string extension = volume_extension(file);
+  const std::optional<Channel> channel = channel_named(options.channel);
+  if (is_picture(extension)) return volume_of(read_picture(file, context), file, channel, context);
+  if (extension == ".tif" || extension == ".tiff") return read_stream(open_tiff(file, options, context), file, context);
+  check_channel_of_grey(file, "a volume", channel);
   if (extension == ".npy") return read_npy(file, context);
   if (extension == ".vol") return read_vol(file, context);
   if (extension == ".sof") return read_sof(file, context);
-  if (extension == ".png") return read_png(file, context);
-  if (extension == ".tif" || extension == ".tiff")
-    return read_stream(open_tiff(file, context, spacing_is_given), file, context);
   if (is_stored_volume(extension)) return read_stream(open_stored(file, context), file, context);
   throw Error(ErrorCode::usage,
-              fmt::format("'{}' is not a volume by its extension; volumes are .nrrd .nhdr .mha .mhd .nii .nii.gz .mrc "
-                          ".map .tif .tiff .png .npy .vol .sof or a folder of PNG or TIFF slices",
+              fmt::format("'{}' is neither a volume nor an image by its extension; volumes are .nrrd .nhdr .mha .mhd "
+                          ".nii .nii.gz .mrc .map .tif .tiff .npy .vol .sof or a folder of PNG or TIFF slices, images "
+                          ".png .tif .bmp .jpg .pgm .pbm .ppm",
                           file.string()));
+}
+
+/// Two numbers, or three.
+std::string numbers_of(const Vec3& spacing) {
+  return spacing[2] == 0 ? fmt::format("{},{}", spacing[0], spacing[1])
+                         : fmt::format("{},{},{}", spacing[0], spacing[1], spacing[2]);
+}
+
+/// "640 x 480 pixels", "5 x 4 x 3 voxels".
+std::string size_text(const std::array<std::int64_t, 3>& dims) {
+  return dims[2] == 1 ? fmt::format("{} x {} pixels", dims[0], dims[1])
+                      : fmt::format("{} x {} x {} voxels", dims[0], dims[1], dims[2]);
+}
+
+/// Where a slice lies in its own plane.
+void lay_in_plane(const std::filesystem::path& file, Grid& grid, Coordinates& coordinates, Context* context) {
+  constexpr double kTilt = 1e-3;  // of the direction of an axis; more is not the rounding of a file
+  grid.make_plane();
+  coordinates.y_down = true;
+  coordinates.space.clear();
+  grid.origin[2] = 0;
+  const double tilt = grid.direction.row(2).head<2>().cwiseAbs().maxCoeff();
+  if (tilt > kTilt) {
+    grid.direction.setIdentity();
+    grid.origin.setZero();
+    note(context, fmt::format("'{}' lies obliquely in space; its coordinates are taken as those of its own plane, from "
+                              "the centre of its first pixel",
+                              file.string()));
+    return;
+  }
+  for (int a = 0; a < 2 && tilt > 0; ++a) {
+    grid.direction(2, a) = 0;
+    grid.direction.col(a).normalize();
+  }
+  grid.direction.col(2) = Vec3::UnitZ();
 }
 
 }  // namespace
@@ -79,13 +118,12 @@ std::uint64_t checked_sample_count(const std::filesystem::path& file, const std:
   double bytes = static_cast<double>(bytes_per_sample);
   for (const std::int64_t side : dims) {
     if (side < 1 || side > kLongest)
-      throw Error(ErrorCode::input, fmt::format("'{}' claims {} x {} x {} voxels; every side must be from 1 to {}",
-                                                file.string(), dims[0], dims[1], dims[2], kLongest));
+      throw Error(ErrorCode::input, fmt::format("'{}' claims {}; every side must be from 1 to {}", file.string(),
+                                                size_text(dims), kLongest));
     bytes *= static_cast<double>(side);
   }
   const auto claim = [&] {
-    return fmt::format("'{}' claims {} x {} x {} voxels of {}", file.string(), dims[0], dims[1], dims[2],
-                       base::counted(bytes_per_sample, "byte"));
+    return fmt::format("'{}' claims {} of {}", file.string(), size_text(dims), base::counted(bytes_per_sample, "byte"));
   };
   if (bytes > kMost) throw Error(ErrorCode::input, claim() + ", more than any memory; the header is damaged");
   const auto count =
@@ -108,17 +146,67 @@ void check_read_memory(const std::filesystem::path& file, std::uint64_t bytes, c
                     base::bytes_text(needed), base::bytes_text(limit), limited ? "are allowed" : "are free"));
 }
 
-void apply_spacing(const std::filesystem::path& file, const VolumeReadOptions& options, Grid& grid) {
-  const auto positive = [](const Vec3& s) { return s.allFinite() && s.minCoeff() > 0; };
-  if (options.spacing) {
-    const Vec3& s = *options.spacing;
-    if (!positive(s))
-      throw Error(ErrorCode::usage,
-                  fmt::format("the spacing {},{},{} must be three positive numbers", s[0], s[1], s[2]));
-    grid.spacing = s;
-  }
+void check_options(const VolumeReadOptions& options) {
+  channel_named(options.channel);
+  if (options.dimension && *options.dimension != 2 && *options.dimension != 3)
+    throw Error(ErrorCode::usage, fmt::format("dimension '{}' is neither 2 nor 3", *options.dimension), "dimension");
+  if (!options.spacing) return;
+  const Vec3& s = *options.spacing;
+  if (!s.allFinite() || s.head<2>().minCoeff() <= 0 || s[2] < 0)
+    throw Error(
+        ErrorCode::usage,
+        fmt::format("the spacing {} must be positive numbers, two of an image or three of a volume", numbers_of(s)),
+        "spacing");
+}
+
+void take_spacing(const std::string& what, const Vec3& spacing, Grid& grid) {
+  const bool third = spacing[2] != 0;
+  if (!grid.is_plane() && !third)
+    throw Error(ErrorCode::usage,
+                fmt::format("the spacing {} has two numbers, and {} is a volume, which needs three (or one)",
+                            numbers_of(spacing), what),
+                "spacing");
+  if (grid.is_plane() && third && spacing[2] != spacing[0] && spacing[2] != spacing[1])
+    throw Error(ErrorCode::usage,
+                fmt::format("the spacing {} has three numbers, and {} is an image, which needs two (or one)",
+                            numbers_of(spacing), what),
+                "spacing");
+  grid.spacing = spacing;
+  if (grid.is_plane()) grid.make_plane();
+}
+
+namespace {
+
+/// Whether the grid is that of a plane, by the file and the options.
+bool becomes_plane(const std::filesystem::path& file, const std::optional<int>& dimension, const Grid& grid) {
+  const auto& dims = grid.dims;
+  if (grid.is_plane()) return dimension != 3;
+  if (dims[2] == 1 && !dimension)
+    throw Error(ErrorCode::usage,
+                fmt::format("'{}' is a volume of one slice of {} x {} voxels, which may be meant as an image; say its "
+                            "dimension: 2 takes it as an image of the plane, 3 as a slab one voxel thick",
+                            file.string(), dims[0], dims[1]),
+                "dimension");
+  if (dims[2] > 1 && dimension == 2)
+    throw Error(ErrorCode::usage,
+                fmt::format("'{}' is a volume of {} slices, and an image has one; take it as a volume, or save the "
+                            "slice you mean on its own",
+                            file.string(), dims[2]),
+                "dimension");
+  return dimension == 2;
+}
+
+}  // namespace
+
+void settle_grid(const std::filesystem::path& file, const VolumeReadOptions& options, Grid& grid,
+                 Coordinates& coordinates, Context* context) {
   const Vec3& s = grid.spacing;
-  if (!positive(s))
+  if (becomes_plane(file, options.dimension, grid))
+    lay_in_plane(file, grid, coordinates, context);
+  else
+    grid.dimension = 3;
+  if (options.spacing) take_spacing(fmt::format("'{}'", file.string()), *options.spacing, grid);
+  if (!s.allFinite() || s.minCoeff() <= 0)
     throw Error(ErrorCode::input, fmt::format("'{}' has the spacing {} x {} x {}, which is not positive; give another",
                                               file.string(), s[0], s[1], s[2]));
   if (!grid.origin.allFinite())
@@ -126,19 +214,29 @@ void apply_spacing(const std::filesystem::path& file, const VolumeReadOptions& o
                 fmt::format("the origin of '{}' is not a point; its header is damaged", file.string()));
 }
 
+bool is_picture(std::string_view extension) {
+  constexpr std::array kKnown{".png", ".pbm", ".pgm", ".ppm", ".pnm", ".bmp", ".jpg", ".jpeg"};
+  return std::find(kKnown.begin(), kKnown.end(), extension) != kKnown.end();
+}
+
+Pixels read_picture(const std::filesystem::path& file, Context* context) {
+  const std::string extension = volume_extension(file);
+  if (extension == ".png") return read_png(file, context);
+  if (extension == ".bmp") return read_bmp(file, context);
+  if (extension == ".jpg" || extension == ".jpeg") return read_jpeg(file, context);
+  return read_pnm(file, context);
+}
+
 Volume read_volume(const std::filesystem::path& file, const VolumeReadOptions& options, Context* context) {
-  if (options.spacing) {
-    Grid any;
-    apply_spacing(file, options, any);  // before a long reading
-  }
+  check_options(options);  // before a long reading
   Volume volume;
   try {
-    volume = read_by_extension(file, options.spacing.has_value(), context);
+    volume = read_by_extension(file, options, context);
   } catch (const std::bad_alloc&) {
     throw Error(ErrorCode::failed,
                 fmt::format("'{}' does not fit into memory; crop it or lower its resolution", file.string()));
   }
-  apply_spacing(file, options, volume.grid);
+  settle_grid(file, options, volume.grid, volume.coordinates, context);
   return volume;
 }
 

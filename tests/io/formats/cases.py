@@ -27,11 +27,12 @@ class Grid:
     placed: bool = True  # False: spacing and the rest are not looked at
     any_axes: bool = False  # axes may come in another order, as long as every sample is where it belongs
     any_type: bool = False  # numbers must be the same, their type need not
+    plane: bool = False  # an image: one slice, y down, and the third step is the smaller of the two
 
     def __str__(self) -> str:
         where = f', spacing {numbers(self.spacing)}, origin {numbers(self.origin)}' if self.placed else ''
         turned = self.placed and not np.allclose(self.direction, np.eye(3))
-        return (' x '.join(map(str, self.samples.shape)) + f' {self.samples.dtype}' + where
+        return (' x '.join(map(str, self.samples.shape)) + f' {self.samples.dtype}' + (' image' if self.plane else '') + where
                 + (f', direction {numbers(np.ravel(self.direction))}' if turned else '')
                 + (f', units {" or ".join(self.units)}' if self.units else ''))
 
@@ -49,10 +50,12 @@ class Case:
     by_program: bool = False  # the program itself reads it, too
     cuts: Optional[range] = None  # bytes of the main file where a cut can be noticed; None: everywhere
     damage: bool = True
+    usage: bool = False  # refused for the options, with exit 2
+    how: Tuple[Tuple[str, str], ...] = ()  # options of the reader: ('channel', 'red'), ('dimension', '3')
 
     def expected(self) -> str:
         text = ' or '.join(map(str, self.right))
-        return text + (' or ' if text and self.refusable else '') + ('exit 3' if self.refusable else '')
+        return text + (' or ' if text and self.refusable else '') + (f'exit {2 if self.usage else 3}' if self.refusable else '')
 
 
 def case(name: str, data, opened: str, *right: Grid, **more) -> Case:
@@ -61,6 +64,27 @@ def case(name: str, data, opened: str, *right: Grid, **more) -> Case:
     more.setdefault('refusable', not right)
     more.setdefault('damage', False)
     return Case(name, files, opened, list(right), **more)
+
+
+def image(samples: np.ndarray, spacing=(1.0, 1.0), **more) -> Grid:
+    """samples[x, y] of a plane."""
+    return Grid(samples.reshape(samples.shape[0], -1, 1), tuple(spacing) + (min(spacing),), plane=True, **more)
+
+
+def slab(samples: np.ndarray) -> Grid:
+    """The same image, taken as one slice of a volume."""
+    return Grid(samples.reshape(samples.shape[0], -1, 1))
+
+
+def one_slice(name: str, data, opened: str, right: Grid) -> List[Case]:
+    """A volume of one slice: refused until somebody says what it is. `right`: of the volume."""
+    direction = np.eye(3)
+    direction[:2, :2] = right.direction[:2, :2]
+    plane = replace(right, spacing=right.spacing[:2] + (min(right.spacing[:2]),), origin=tuple(right.origin[:2]) + (0.0,),
+                    direction=direction, space=('-',), plane=True)
+    return [case(f'{name}, one slice', data, opened, usage=True),
+            case(f'{name}, one slice, an image', data, opened, plane, how=(('dimension', '2'),), by_program=True),
+            case(f'{name}, one slice, a slab', data, opened, right, how=(('dimension', '3'),))]
 
 
 def numbers(values) -> str:
@@ -142,7 +166,7 @@ def damaged(whole: Case) -> List[Case]:
     for name, data in whole.files.items():
         def variant(what, changed):
             files = {**whole.files, name: changed}
-            found.append(Case(f'{whole.name}, {name} {what}', files, whole.opened, whole.right, refusable=True))
+            found.append(Case(f'{whole.name}, {name} {what}', files, whole.opened, whole.right, refusable=True, how=whole.how))
         allowed = whole.cuts if whole.cuts is not None and name == whole.opened else range(len(data))
         for n in sorted(set(range(0, len(data), 37)) | set(range(max(0, len(data) - 16), len(data)))):
             if n in allowed:
@@ -166,7 +190,7 @@ def parse(line: str) -> Optional[Grid]:
     else:
         samples = np.frombuffer(bytes.fromhex(words[23]), words[1]).reshape(dims, order='F')
     return Grid(samples, tuple(placed[:3]), tuple(placed[3:6]), np.array(placed[6:]).reshape(3, 3), units=(words[20],),
-                space=(words[21],))
+                space=(words[21],), plane=words[24:] == ['2', 'down'])
 
 
 def difference(got: Grid, wanted: Grid) -> str:
@@ -177,6 +201,8 @@ def difference(got: Grid, wanted: Grid) -> str:
         return min(found, key=len)
     if got.samples.shape != wanted.samples.shape:
         return f'{" x ".join(map(str, got.samples.shape))} voxels'
+    if got.plane != wanted.plane:
+        return 'an image' if got.plane else 'a volume'
     if got.samples.dtype != wanted.samples.dtype and not wanted.any_type:
         return f'samples of type {got.samples.dtype}'
     same = equal(got.samples, wanted.samples)
@@ -217,7 +243,7 @@ def judge(tried: Case, line: str) -> str:
         return ''
     words = line.split(' ', 2)
     if words[0] == 'refused':
-        if words[1] != '3':
+        if words[1] != ('2' if tried.usage else '3'):
             return f'exit {words[1]}: {words[2]}'
         if not tried.refusable:
             return f'exit 3: {words[2]}'

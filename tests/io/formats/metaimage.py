@@ -5,7 +5,7 @@ import zlib
 
 import numpy as np
 
-from .cases import ORIGIN, SPACING, TYPES, Grid, case, claims, damaged, raw, rotation, slices, volume
+from .cases import ORIGIN, SPACING, TYPES, Grid, case, claims, damaged, image, one_slice, raw, rotation, slices, volume
 
 NAMES = {'int8': 'MET_CHAR', 'uint8': 'MET_UCHAR', 'int16': 'MET_SHORT', 'uint16': 'MET_USHORT', 'int32': 'MET_INT',
          'uint32': 'MET_UINT', 'int64': 'MET_LONG_LONG', 'uint64': 'MET_ULONG_LONG', 'float32': 'MET_FLOAT',
@@ -201,7 +201,8 @@ def forms():
     flat = samples[:, :, :1]
     found = [
         case('NDims 2', header(flat, NDims=2, DimSize='5 4', Offset='10 20', ElementSpacing='0.5 0.75') + raw(flat), 'v.mha',
-             Grid(flat, (0.5, 0.75, 1), (10, 20, 0))),
+             image(flat[:, :, 0], (0.5, 0.75), origin=(10, 20, 0), space=('-',)), by_program=True),
+        *one_slice('NDims 3', header(flat) + raw(flat), 'v.mha', placed(flat)),
         case('NDims 4', header(samples, NDims=4, DimSize='5 4 3 1', Offset='10 20 30 7', ElementSpacing='0.5 0.75 2 9',
                                TransformMatrix='1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1') + data, 'v.mha', right),
         case('NDims 4, several', header(samples, NDims=4, DimSize='5 2 2 3', Offset='10 20 30 7', ElementSpacing='1 1 1 1') + data,

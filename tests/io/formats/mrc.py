@@ -5,7 +5,7 @@ import struct
 
 import numpy as np
 
-from .cases import DIMS, SPACING, Grid, case, claims, damaged, raw, volume
+from .cases import DIMS, SPACING, Grid, case, claims, damaged, one_slice, raw, volume
 
 MODES = {'int8': 0, 'int16': 1, 'float32': 2, 'uint16': 6, 'float16': 12}
 IMOD = 1146047817
@@ -73,6 +73,8 @@ def encodings():
     found.append(case('extended header, big', big, 'v.mrc', mapped(samples)))
     for size in (-1, -1024, 119, 120, 2**31 - 1):
         found.append(case(f'extended header of {size} bytes that is not there', header(samples, symmetry=size) + raw(samples), 'v.mrc'))
+    flat = volume('int16', (5, 4, 1))
+    found += one_slice('NZ 1', header(flat) + raw(flat), 'v.mrc', mapped(flat))
     return found
 
 
@@ -129,7 +131,7 @@ def forms():
     samples = volume('int16')
     data = raw(samples)
     flat = samples[:, :, :1]
-    found = [case('one section', header(flat, group=0) + raw(flat), 'v.mrc', mapped(flat)),
+    found = [case('one section', header(flat, group=0) + raw(flat), 'v.mrc', mapped(flat), how=(('dimension', '3'),)),
              case('a stack of images', header(samples, group=0, m=(5, 4, 1), cell=(2.5, 3, 2)) + data, 'v.mrc', mapped(samples)),
              case('a stack of volumes', header(samples, group=401, m=(5, 4, 1), cell=(2.5, 3, 2)) + data, 'v.mrc', mapped(samples),
                   refusable=True)]

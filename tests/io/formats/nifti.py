@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from .cases import DIMS, ORIGIN, SPACING, TYPES, Grid, case, claims, damaged, raw, rotation, volume
+from .cases import DIMS, ORIGIN, SPACING, TYPES, Grid, case, claims, damaged, image, one_slice, raw, rotation, volume
 
 CODES = {'uint8': 2, 'int16': 4, 'int32': 8, 'float32': 16, 'float64': 64, 'int8': 256, 'uint16': 512, 'uint32': 768,
          'int64': 1024, 'uint64': 1280}
@@ -153,10 +153,11 @@ def forms():
     found = []
     for dim in ((4, *DIMS, 1, 1, 1, 1), (5, *DIMS, 1, 1, 1, 1), (7, *DIMS, 1, 1, 1, 1), (3, *DIMS, 0, 0, 0, 0), (3, *DIMS, 7, 7, 7, 7)):
         found += both(f'dim {dim}', header(samples, dim=dim) + data, right, by_program=True)
-    found += both('dim (2, 5, 4)', header(samples, dim=(2, 5, 4, 1, 1, 1, 1, 1)) + raw(flat), plain(flat),
-                  plain(flat, spacing=(*SPACING[:2], 1)))
-    found += both('dim (2, 5, 4), rest 0', header(samples, dim=(2, 5, 4, 0, 0, 0, 0, 0)) + raw(flat), plain(flat),
-                  plain(flat, spacing=(*SPACING[:2], 1)))
+    found += both('dim (2, 5, 4)', header(samples, dim=(2, 5, 4, 1, 1, 1, 1, 1)) + raw(flat),
+                  image(flat[:, :, 0], SPACING[:2], units=('mm',)), by_program=True)
+    found += both('dim (2, 5, 4), rest 0', header(samples, dim=(2, 5, 4, 0, 0, 0, 0, 0)) + raw(flat),
+                  image(flat[:, :, 0], SPACING[:2], units=('mm',)))
+    found += one_slice('dim (3, 5, 4, 1)', header(samples, dim=(3, 5, 4, 1, 1, 1, 1, 1)) + raw(flat), 'v.nii', plain(flat))
     found += both('dim (4, 5, 4, 3, 0)', header(samples, dim=(4, *DIMS, 0, 0, 0, 0)) + data, right, refusable=True)
     for dim in ((4, 5, 4, 1, 3, 1, 1, 1), (5, 5, 4, 1, 1, 3, 1, 1), (0, *DIMS, 1, 1, 1, 1), (8, *DIMS, 1, 1, 1, 1),
                 (-1, *DIMS, 1, 1, 1, 1), (768, *DIMS, 1, 1, 1, 1)):

@@ -2,7 +2,7 @@
 """NPY (numpy.lib.format). In C order the last axis of the array is x, in Fortran order the first."""
 import struct
 
-from .cases import DIMS, INTEGERS, TYPES, Grid, case, claims, damaged, raw, volume
+from .cases import DIMS, INTEGERS, TYPES, Grid, case, claims, damaged, image, one_slice, raw, volume
 
 
 def header(text: str, version: int = 1) -> bytes:
@@ -36,8 +36,15 @@ def forms():
     samples = volume('int16')
     data, right = raw(samples), Grid(samples)
     found = []
-    for shape, dims in (((5, 4, 3, 1), DIMS), ((1, 5, 4, 3), DIMS), ((5, 1, 4, 3), DIMS), ((5, 12), (5, 12, 1)), ((60, 1, 1), (60, 1, 1))):
+    for shape, dims in (((5, 4, 3, 1), DIMS), ((1, 5, 4, 3), DIMS), ((5, 1, 4, 3), DIMS), ((1, 12, 5), (1, 12, 5))):
         found.append(case(f'shape {shape}', described('<i2', shape) + data, 'v.npy', Grid(samples.reshape(dims, order='F'))))
+    flat = samples.reshape(5, 12, order='F')
+    found.append(case('two axes', described('<i2', (5, 12)) + data, 'v.npy', image(flat), by_program=True))
+    found.append(case('two axes, C order', described('<i2', (12, 5), False) + data, 'v.npy', image(flat)))
+    found.append(case('two axes, as a slab', described('<i2', (5, 12)) + data, 'v.npy', Grid(flat.reshape(5, 12, 1)), how=(('dimension', '3'),)))
+    for shape in ((5, 12, 1), (5, 12, 1, 1), (60, 1, 1)):
+        dims = shape[:3]
+        found += one_slice(f'shape {shape}', described('<i2', shape) + data, 'v.npy', Grid(samples.reshape(dims, order='F')))
     for shape in ((5, 2, 2, 3), (60,), ()):
         found.append(case(f'shape {shape}', described('<i2', shape) + data, 'v.npy', refusable=True))
     for descr in ('<c8', '<M8[s]', '<U2', '|S2', '|O', '|V2', '<f16', '<i3', '<u0', 'i2x', '', '<', '?'):

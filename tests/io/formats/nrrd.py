@@ -6,7 +6,7 @@ import zlib
 
 import numpy as np
 
-from .cases import ORIGIN, SPACING, TYPES, Grid, case, claims, damaged, raw, rotation, slices, volume
+from .cases import ORIGIN, SPACING, TYPES, Grid, case, claims, damaged, image, one_slice, raw, rotation, slices, volume
 
 NAMES = {
     'int8': ['signed char', 'int8', 'int8_t'],
@@ -128,11 +128,23 @@ def axes():
                       Grid(samples, SPACING, ORIGIN), refusable=True))
     flat = samples[:, :, :1]
     found.append(case('two axes', header(fields_of(flat, dimension=2, sizes='5 4', spacings='0.5 0.75')) + raw(flat), 'v.nrrd',
-                      Grid(flat, (0.5, 0.75, 1))))
+                      image(flat[:, :, 0], (0.5, 0.75)), by_program=True))
     two = fields_of(flat, dimension=2, sizes='5 4', spacings=None, space_dimension=2, space_origin='(1,2)',
                     space_directions='(0.5,0) (0,0.75)')
-    found.append(case('two axes in a plane', header(two) + raw(flat), 'v.nrrd', Grid(flat, (0.5, 0.75, 1), (1, 2, 0)),
-                      refusable=True))
+    found.append(case('two axes in a plane', header(two) + raw(flat), 'v.nrrd',
+                      image(flat[:, :, 0], (0.5, 0.75), origin=(1, 2, 0)), by_program=True))
+    turn = rotation((0, 0, 1), 30)
+    in_space = fields_of(flat, dimension=2, sizes='5 4', spacings=None, space='LPS', space_origin=point(ORIGIN),
+                         space_directions=' '.join(vectors(turn * (0.5, 0.75, 1)).split(' ')[:2]))
+    found.append(case('two axes in space', header(in_space) + raw(flat), 'v.nrrd',
+                      image(flat[:, :, 0], (0.5, 0.75), origin=(*ORIGIN[:2], 0), direction=turn, space=('-',))))
+    oblique = fields_of(flat, dimension=2, sizes='5 4', spacings=None, space='LPS', space_origin=point(ORIGIN),
+                        space_directions='(0.5,0,0) (0,0,0.75)')
+    found.append(case('two axes of an upright plane', header(oblique) + raw(flat), 'v.nrrd', image(flat[:, :, 0], (0.5, 0.75), space=('-',))))
+    found += one_slice('three axes', header(fields_of(flat)) + raw(flat), 'v.nrrd', Grid(flat, SPACING))
+    found.append(case('three axes as an image', header(fields_of(samples)) + data, 'v.nrrd', usage=True, how=(('dimension', '2'),)))
+    found.append(case('alpha of a volume', header(fields_of(samples)) + data, 'v.nrrd', usage=True, how=(('channel', 'alpha'),)))
+    found.append(case('red of a volume', header(fields_of(samples)) + data, 'v.nrrd', Grid(samples, SPACING), how=(('channel', 'red'),)))
     colours = {'colours': ('3 5 4 1', 'RGB-color domain domain domain'), 'vectors': ('5 4 1 3', 'domain domain domain vector'),
                'points of time': ('5 2 2 3', 'space space space time')}
     for what, (sizes, kinds) in colours.items():

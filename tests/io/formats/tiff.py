@@ -5,7 +5,8 @@ import zlib
 
 import numpy as np
 
-from .cases import DIMS, FLOATS, INTEGERS, SPACING, Grid, case, damaged, raw, volume
+from . import pictures
+from .cases import DIMS, FLOATS, INTEGERS, SPACING, Grid, case, damaged, image, raw, volume
 
 NONE, LZW, DEFLATE, PACKBITS, OLD_DEFLATE = 1, 5, 8, 32773, 32946
 SHORT, LONG, RATIONAL, ASCII, LONG8 = 3, 4, 5, 2, 16
@@ -291,10 +292,16 @@ def forms():
     samples = volume('uint8')
     right = Grid(samples)
     found = []
-    one = Grid(samples[:, :, :1])
+    one = image(samples[:, :, 0])
     first = samples[:, :, :1]
     found.append(case('one page', stack(first), 'v.tif', one))
     found.append(case('one page, deflate', stack(first, compression=DEFLATE), 'v.tif', one))
+    found.append(case('one page, a slab', stack(first), 'v.tif', Grid(first), how=(('dimension', '3'),)))
+    found.append(case('several pages, an image', stack(samples), 'v.tif', usage=True, how=(('dimension', '2'),)))
+    microns = description('ImageJ=1.53c\nunit=micron\n')
+    for name, tags, spacing in (('in microns', {**microns, **resolution((2000000, 1000000), (4, 1), 1)}, (0.5, 0.25)),
+                                ('of a scanner', resolution((300, 1), (300, 1), 2), (1, 1))):
+        found.append(case(f'one page, {name}', stack(first, tags=tags), 'v.tif', image(samples[:, :, 0], spacing)))
     for kind in ('uint8', 'uint16', 'float32'):
         values = volume(kind)
         found.append(case(f'folder of {kind}', {f's{z}.tif': stack(values[:, :, z:z + 1]) for z in range(3)}, '.', Grid(values), damage=True,
@@ -338,6 +345,51 @@ def forms():
     for bits in (0, 3, 7, 12, 24, 128, 65535):
         found.append(case(f'{bits} bits', stack(samples, tags={258: (SHORT, [bits])}), 'v.tif'))
     found.append(case('bits of complex numbers', stack(volume('float32'), tags={339: (SHORT, [6])}), 'v.tif'))
+    return found
+
+
+def coloured():
+    found = []
+    for bits in (8, 16):
+        for n, photometric, extra in ((3, 2, None), (4, 2, 2), (2, 1, 2), (4, 2, 0)):
+            pixels = pictures.random_pixels((20, 9), n, bits)
+            known = pixels[:, :, :3] if extra == 0 else pixels  # of a sample nobody has named
+            flat = pixels.transpose(0, 2, 1).reshape(20 * n, 9, 1)
+            tags = {256: (LONG, [20]), 258: (SHORT, [bits] * n), 277: (SHORT, [n]), 262: (SHORT, [photometric]),
+                    338: None if extra is None else (SHORT, [extra])}
+            name = f'{n} samples of {bits} bits' + ('' if extra is None else f', extra {extra}')
+            for order in '<>':
+                data = stack(flat, order=order, tags=tags, rows_per_strip=4)
+                found += pictures.channel_cases(f'{name} {order}', data, 'v.tif', known, damage=order == '<' and extra == 2, pillow=False)
+            for what, more in (('tiles', dict(tile=(16 * n, 16), tags={**tags, 322: (LONG, [16])})), ('deflate', dict(tags=tags, compression=DEFLATE))):
+                found.append(case(f'{name}, {what}', stack(flat, **more), 'v.tif', image(pictures.own_value(known))))
+            for orientation, turned in ((3, known[::-1, ::-1]), (6, known[:, ::-1].transpose(1, 0, 2))):
+                found.append(case(f'{name}, orientation {orientation}', stack(flat, tags={**tags, 274: (SHORT, [orientation])}), 'v.tif',
+                                  image(pictures.own_value(turned))))
+            two = np.concatenate([flat, flat[::-1]], axis=2)
+            found.append(case(f'{name}, two pages', stack(two, tags=tags), 'v.tif'))
+            reds = np.stack([pictures.value(p, 'red') for p in (known, two[:, :, 1].reshape(20, n, 9).transpose(0, 2, 1)[:, :, :known.shape[2]])], axis=2)
+            found.append(case(f'{name}, two pages, red', stack(two, tags=tags), 'v.tif', Grid(reds), how=(('channel', 'red'),)))
+            found.append(case(f'{name}, planes', stack(flat, tags={**tags, 284: (SHORT, [2])}), 'v.tif'))
+            found.append(case(f'{name}, in a folder', {'a.tif': stack(flat, tags=tags), 'b.tif': stack(flat, tags=tags)}, '.'))
+    stencil = pictures.stencil(4, 8)
+    tags = {256: (LONG, [13]), 258: (SHORT, [8] * 4), 277: (SHORT, [4]), 262: (SHORT, [2]), 338: (SHORT, [2])}
+    found += pictures.channel_cases('stencil', stack(stencil.transpose(0, 2, 1).reshape(52, 9, 1), tags=tags), 'v.tif', stencil)
+    associated = stencil.copy()
+    associated[:, :, :3] = pictures.rounded(stencil[:, :, :3].astype(int) * stencil[:, :, 3:], 255)
+    found.append(case('associated alpha', stack(associated.transpose(0, 2, 1).reshape(52, 9, 1), tags={**tags, 338: (SHORT, [1])}), 'v.tif',
+                      image(stencil[:, :, 3]), how=(('channel', 'alpha'),)))
+    indices = volume('uint8')
+    table = np.random.default_rng(2).integers(0, 256, (256, 3))
+    mapped = {320: (SHORT, [int(v) * 257 for v in table.T.ravel()])}
+    data = stack(indices[:, :, :1], photometric=3, tags=mapped)
+    found.append(case('palette of one page', data, 'v.tif', image(indices[:, :, 0])))  # labels, as ImageJ saves them
+    pixels = table[indices].astype('uint8')
+    for channel in ('luminance', 'red', 'green', 'blue'):
+        how = (('channel', channel),)
+        found.append(case(f'palette of one page, {channel}', data, 'v.tif', image(pictures.value(pixels[:, :, 0], channel)), how=how))
+        found.append(case(f'palette of a stack, {channel}', stack(indices, photometric=3, tags=mapped), 'v.tif',
+                          Grid(pictures.value(pixels, channel)), how=how))
     return found
 
 
@@ -431,5 +483,5 @@ def sizes():
 
 
 def cases():
-    found = encodings() + places() + forms() + pages() + sizes()
+    found = encodings() + places() + forms() + coloured() + pages() + sizes()
     return found + [c for whole in found if whole.damage for c in damaged(whole)]

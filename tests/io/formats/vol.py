@@ -2,7 +2,7 @@
 """The .vol of DGtal and Simplevol: a header as text, raw samples (version 2) or zlib ones (version 3)."""
 import zlib
 
-from .cases import DIMS, Grid, case, claims, damaged, raw, volume
+from .cases import DIMS, Grid, case, claims, damaged, one_slice, raw, volume
 
 
 def header(dims=DIMS, size=1, version=2, endian=None, **more) -> bytes:
@@ -29,6 +29,8 @@ def cases():
     for name, fields in (('no Version', dict(Version=None)), ('no Voxel-Size', dict(Voxel_Size=None)), ('no centre', dict(Center_X=None)),
                          ('no Voxel-Endian', dict(Voxel_Endian=None)), ('other fields', dict(Author='x: y'))):
         found.append(case(name, header(**fields) + data, 'v.vol', right))
+    flat = volume('uint8', (5, 4, 1))
+    found += one_slice('X, Y and Z', header((5, 4, 1)) + raw(flat), 'v.vol', Grid(flat))
     found.append(case('CR LF', header().replace(b'\n', b'\r\n') + data, 'v.vol', right))
     for name, fields in (('no X', dict(X=None)), ('X of words', dict(X='five')), ('a fraction', dict(X='5.0')), ('an empty X', dict(X='')),
                          ('3 bytes', dict(Voxel_Size=3)), ('0 bytes', dict(Voxel_Size=0)), ('-1 bytes', dict(Voxel_Size=-1)),

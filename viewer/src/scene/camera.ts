@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// One camera, perspective or orthographic, that turns around a target: mouse, touch and keys. Scene units.
+// One camera, perspective or orthographic, that turns around a target, or looks at a plane from the front: mouse, touch
+// and keys. Scene units.
 import { Matrix4, OrthographicCamera, PerspectiveCamera, Quaternion, Vector2, Vector3 } from "three";
 
 const FIELD = (30 * Math.PI) / 180;
@@ -11,6 +12,7 @@ export class TurningCamera {
   readonly turn = new Quaternion();
   distance = 3;
   orthographic = false;
+  plane: "up" | "down" | null = null; ///< where y grows in the plane it stays in front of
   private readonly eye = new PerspectiveCamera();
   private readonly flat = new OrthographicCamera();
   private size = new Vector2(1, 1);
@@ -27,6 +29,11 @@ export class TurningCamera {
   look(position: Vector3, target: Vector3, up: Vector3): void {
     this.target.copy(target);
     this.distance = Math.max(1e-6, position.distanceTo(target));
+    if (this.plane) {
+      const sign = this.plane === "up" ? 1 : -1;
+      position = new Vector3(0, 0, sign * this.distance).add(target);
+      up = new Vector3(0, sign, 0);
+    }
     this.turn.setFromRotationMatrix(new Matrix4().lookAt(position, target, up));
   }
 
@@ -120,7 +127,8 @@ export class TurningCamera {
     this.target.addScaledVector(this.right, (x - cx) * change).addScaledVector(this.up, -(y - cy) * change);
   }
 
-  /// Mouse: left turns, right or with shift moves, wheel zooms. Touch: one finger turns, two move, zoom and roll.
+  /// Mouse: left turns, right or with shift moves, wheel zooms. Touch: one finger turns, two move, zoom and roll. In
+  /// front of a plane nothing turns: it moves.
   listen(element: HTMLElement, changed: () => void, clicked: (x: number, y: number) => void): void {
     const fingers = new Map<number, Vector2>();
     let travelled = 0, shift = false;
@@ -139,14 +147,14 @@ export class TurningCamera {
       travelled += now.distanceTo(old);
       if (fingers.size === 1) {
         if (travelled < 3) return;
-        if (shift) this.pan(now.x - old.x, now.y - old.y);
+        if (shift || this.plane) this.pan(now.x - old.x, now.y - old.y);
         else this.rotate(now.x - old.x, now.y - old.y);
       } else if (fingers.size === 2) {
         const other = [...fingers].find(([id]) => id !== event.pointerId)![1];
         const was = old.clone().sub(other), is = now.clone().sub(other), middle = now.clone().add(other).multiplyScalar(0.5);
         this.pan((now.x - old.x) / 2, (now.y - old.y) / 2);
         this.zoom(Math.max(0.2, was.length()) / Math.max(0.2, is.length()), middle.x, middle.y);
-        this.roll(is.angle() - was.angle());
+        if (!this.plane) this.roll(is.angle() - was.angle());
       }
       old.copy(now);
       changed();

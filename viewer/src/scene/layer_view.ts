@@ -26,6 +26,7 @@ export class LayerView {
   private readonly cuts: boolean; ///< fragments of sheets go by their level
   readonly union: Balls; ///< the balls of what is visible
   private readonly vertices: VertexTextures;
+  private readonly flat: boolean; ///< in the plane
 
   constructor(readonly layer: Layer, sets: LayerSets, placement: Placement, shared: SharedUniforms) {
     const n = layer.vertexCount;
@@ -69,6 +70,13 @@ export class LayerView {
     this.points = ball({ fixedPixels: { value: 5 }, onCurves: { value: 1 } });
     this.junctions = ball({ fixedPixels: { value: 3 } });
     this.union = ball({});
+    // In the plane all is in one depth: what is drawn last is seen.
+    this.flat = shared.flat_.value > 0;
+    if (this.flat)
+      [this.curves.mesh, this.picked.mesh, this.points.mesh].forEach((mesh, i) => {
+        mesh.material.depthTest = false;
+        mesh.renderOrder = 2 + i;
+      });
     for (const mesh of [this.surface, this.boundary.mesh, this.seams.mesh, this.curves.mesh, this.picked.mesh, this.points.mesh, this.junctions.mesh, this.union.mesh]) {
       mesh.frustumCulled = false;
       mesh.matrixAutoUpdate = false;
@@ -148,7 +156,7 @@ export class LayerView {
     this.boundary.mesh.material.uniforms.halfWidth!.value = 0.55 * pixelRatio;
     this.seams.mesh.material.uniforms.halfWidth!.value = 0.75 * pixelRatio;
     this.junctions.mesh.material.uniforms.fixedPixels!.value = 2.2 * pixelRatio;
-    this.points.mesh.material.uniforms.fixedPixels!.value = (state.curveWidth / 2 + 2) * pixelRatio;
+    this.points.mesh.material.uniforms.fixedPixels!.value = (state.curveWidth / 2 + (this.flat ? 1 : 2)) * pixelRatio;
   }
 
   /// Lines of dense complexes would cover the sheets: the larger the share they would cover, the paler they are, so they

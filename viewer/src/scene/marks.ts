@@ -28,6 +28,11 @@ export class Marks {
     this.feet = ball("ffb000", 4.5, 1);
     this.spokes = new Bars(barMaterial(always, { ...own, ...plain("ffb000"), halfWidth: { value: 1 }, halfWorld: { value: 0 }, bias: { value: 1e-4 }, byPart: { value: 0 }, round_: { value: 0 }, opacity: { value: 1 } }, true));
     this.ball = ball("ffb000", 0, 0.16);
+    if (shared.flat_.value) // over the curves
+      for (const { mesh } of [this.spokes, this.feet, this.centre]) {
+        mesh.material.depthTest = false;
+        mesh.renderOrder = 5;
+      }
     this.solid.add(this.centre.mesh, this.feet.mesh, this.spokes.mesh);
     this.glass.add(this.ball.mesh);
     this.clear();

@@ -36,6 +36,7 @@ export function sharedUniforms() {
     paper: { value: new Vector3(1, 1, 1) },
     viewport: { value: new Vector2(1, 1) },
     perspective: { value: 1 },
+    flat_: { value: 0 },
     sceneOfView: { value: new Matrix4() },
   };
 }
@@ -56,9 +57,11 @@ export const barMaterial = (shared: SharedUniforms, own: Uniforms, solid: boolea
   material(glsl.barVertex, glsl.barFragment, { ...shared, ...own }, solid ? { alphaToCoverage: true } : { transparent: true, depthWrite: false });
 
 export const ballMaterial = (shared: SharedUniforms, own: Uniforms, transparent: boolean) =>
-  material(glsl.ballVertex, glsl.ballFragment, { ...shared, ...own }, { transparent, depthWrite: !transparent });
+  material(glsl.ballVertex, glsl.ballFragment, { ...shared, ...own }, { transparent, depthWrite: !transparent, alphaToCoverage: !transparent });
 
 export const glassMaterial = (own: Uniforms) => material(glsl.glassVertex, glsl.glassFragment, own, { transparent: true, depthWrite: true });
+
+export const fillMaterial = (own: Uniforms) => material(glsl.glassVertex, glsl.fillFragment, own, { transparent: true, depthTest: false, depthWrite: false });
 
 export const screenMaterial = (own: Uniforms) => material(glsl.screenVertex, glsl.screenFragment, own, { depthTest: false, depthWrite: false });
 

@@ -22,6 +22,7 @@ const FRAGMENT = /* glsl */ `
   uniform float clipOn;
   uniform vec4 burn;           // on, time, width of the front, hide
   uniform vec3 paper;          // background
+  uniform float flat_;         // of the plane: no light
   vec3 colourOf(float value) {
     if (value > 1e20) return infiniteColour;
     if (value < -1e20) return missingColour;
@@ -41,6 +42,7 @@ const FRAGMENT = /* glsl */ `
     return mix(colour, mix(paper, vec3(dot(colour, vec3(0.3, 0.6, 0.1))), 0.3), gone * 0.92);
   }
   vec3 lit(vec3 colour, vec3 normal, vec3 toEye, float gloss) {
+    if (flat_ > 0.5) return colour;
     vec3 n = dot(normal, toEye) < 0.0 ? -normal : normal;
     float key = max(dot(n, normalize(vec3(0.45, 0.7, 0.75))), 0.0);
     float fill = max(dot(n, normalize(vec3(-0.75, 0.1, 0.5))), 0.0);
@@ -217,7 +219,9 @@ export const ballFragment = /* glsl */ `
     gl_FragDepth = clamp(at.z / at.w * 0.5 + 0.5, 0.0, 1.0);
     // Glass balls are clearer in the middle.
     float rim = pow(1.0 - abs(dot(normal, ray)), 2.0);
-    colour = vec4(inFlames(lit(base, normal, -ray, 0.12), glow), opacity < 1.0 ? mix(opacity, 0.85, rim) : 1.0);
+    if (flat_ > 0.5) rim = smoothstep(2.5, 1.5, (vRadius - sqrt(miss)) / max(fwidth(vAt.x), 1e-30)); // a circle
+    float solid = flat_ > 0.5 ? clamp((vRadius - sqrt(miss)) / max(fwidth(vAt.x), 1e-30), 0.0, 1.0) : 1.0;
+    colour = vec4(inFlames(lit(base, normal, -ray, 0.12), glow), opacity < 1.0 ? mix(opacity, 0.85, rim) : solid);
   }
 `;
 
@@ -252,6 +256,14 @@ export const glassFragment = /* glsl */ `
     float key = 0.5 + 0.5 * dot(n * sign(dot(n, toEye)), normalize(vec3(0.45, 0.7, 0.75)));
     colour = vec4(mix(tint * (0.75 + 0.25 * key), rim, edge), clamp((0.10 + 0.75 * edge) * opacity, 0.0, 1.0));
   }
+`;
+
+// A shape of the plane.
+export const fillFragment = /* glsl */ `
+  precision highp float;
+  uniform vec3 tint; uniform float opacity;
+  out vec4 colour;
+  void main() { colour = vec4(tint, opacity); }
 `;
 
 // Eye-dome lighting (after Boucheny): what lies behind its neighbours on the screen is darker, so sheets that are flat

@@ -19,7 +19,7 @@ export class Stage {
   private readonly renderer: WebGLRenderer;
   private readonly target: WebGLRenderTarget;
   private readonly screen: Scene;
-  private readonly paper: Scene;
+  readonly paper: Scene; ///< under everything
   private readonly screenUniforms;
   private readonly paperUniforms = { top: { value: new Vector3() }, bottom: { value: new Vector3() } };
   private size = new Vector2(1, 1);
@@ -38,7 +38,6 @@ export class Stage {
     this.renderer.setPixelRatio(Math.min(2, window.devicePixelRatio || 1));
     this.canvas = this.renderer.domElement;
     this.canvas.tabIndex = 0;
-    this.canvas.setAttribute("aria-label", "Picture of the medial axis; drag to turn, scroll to zoom, click to pick");
     parent.append(this.canvas);
     this.depth = new DepthTexture(1, 1, FloatType);
     if (!this.renderer.extensions.has("EXT_color_buffer_float")) this.depth.type = UnsignedIntType;
@@ -70,7 +69,14 @@ export class Stage {
   get height(): number { return this.size.y; }
   get drawn(): number { return this.frames; }
 
-  add(group: Group, over = false): void { (over ? this.overlay : this.opaque).add(group); }
+  add(group: Group, scene = this.opaque): void { scene.add(group); }
+
+  /// What is shown is flat: seen from the front, without light.
+  set plane(y: "up" | "down" | null) {
+    this.camera.plane = y;
+    this.shared.flat_.value = Number(y !== null);
+    this.canvas.setAttribute("aria-label", `Picture of the medial axis; drag to ${y ? "move" : "turn"}, scroll to zoom, click to pick`);
+  }
 
   resize(width: number, height: number, insets: Insets): void {
     this.size.set(Math.max(1, width), Math.max(1, height));
@@ -87,7 +93,7 @@ export class Stage {
     this.paperUniforms.top.value.set(...rgb(paper.top));
     this.paperUniforms.bottom.value.set(...rgb(paper.bottom));
     this.shared.paper.value.set(...rgb(dark ? "16191f" : "f2f4f6"));
-    this.screenUniforms.strength.value = dark ? 32 : 24;
+    this.screenUniforms.strength.value = this.camera.plane ? 0 : dark ? 32 : 24;
   }
 
   invalidate(): void {

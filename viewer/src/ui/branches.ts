@@ -41,7 +41,7 @@ export class BranchTable {
     if (!b) return;
     const kind = (branch: number, end: number) => NODE_KINDS[b.nodeKinds[b.nodes[2 * branch + end]!]!] ?? "";
     this.columns.push({ name: "branch", label: "branch", help: "Number, as in branches.csv", value: (i) => i, text: String });
-    for (const [name, label, help, isLength] of BRANCH_COLUMNS)
+    for (const [name, label, help, isLength] of this.measures())
       this.columns.push({ name, label: isLength && unit ? `${label} (${unit})` : label, help, value: (i) => b.measures[name][i]!, text: (i) => short(b.measures[name][i]!, 4) });
     this.columns.push({ name: "ends", label: "ends", help: "What is at its ends: an end, a junction, a sheet, or a loop closes", value: (i) => `${kind(i, 0)} – ${kind(i, 1)}`, text: (i) => `${kind(i, 0)} – ${kind(i, 1)}` });
     const copy = el("button", "plain", "Copy as CSV"), close = el("button", "plain", "Close");
@@ -69,6 +69,12 @@ export class BranchTable {
     const title = el("h2", "", `${b.count} ${b.count === 1 ? "branch" : "branches"}`);
     this.element.append(el("header", "", title, el("span", "branch-actions", copy, close)), el("div", "branch-scroll", head, this.body));
     this.sort(1);
+  }
+
+  /// In the plane there is one fire.
+  private measures(): typeof BRANCH_COLUMNS {
+    if (!this.app.page.meta.plane) return BRANCH_COLUMNS;
+    return BRANCH_COLUMNS.map(([name, label, help, isLength]) => [name, label.replace("curve ", ""), help.replace("curve ", ""), isLength]);
   }
 
   private sort(column: number): void {
@@ -107,7 +113,7 @@ export class BranchTable {
   entries(branch: number): [string, string][] {
     const { unit } = this.app.page.meta, b = this.branches!;
     const ends = this.columns[this.columns.length - 1]!.text(branch);
-    return [...BRANCH_COLUMNS.map(([name, label, , isLength]): [string, string] => [label, withUnit(short(b.measures[name][branch]!, 4), isLength && Number.isFinite(b.measures[name][branch]!) ? unit : "")]), ["ends", ends]];
+    return [...this.measures().map(([name, label, , isLength]): [string, string] => [label, withUnit(short(b.measures[name][branch]!, 4), isLength && Number.isFinite(b.measures[name][branch]!) ? unit : "")]), ["ends", ends]];
   }
 
   show(): void {

@@ -61,6 +61,6 @@ export class Burner {
     if (!this.possible) return void (this.text.textContent = "No burn times in this layer.");
     this.range.value = state.burn ? String(Math.round((state.time / this.end) * 1000)) : "0";
     const burned = page.meta.pruning ? ` The axis burned was pruned at ${pruningText(page.meta)}.` : "";
-    this.text.textContent = state.burn ? `time ${withUnit(short(state.time), page.meta.unit)} of ${short(this.app.burnRange()![1])}.${burned}` : `Fire starts at the rims of the sheets.${burned}`;
+    this.text.textContent = state.burn ? `time ${withUnit(short(state.time), page.meta.unit)} of ${short(this.app.burnRange()![1])}.${burned}` : `Fire starts at the ${page.meta.plane ? "free ends of the curves" : "rims of the sheets"}.${burned}`;
   }
 }

@@ -20,7 +20,7 @@ export class Caption {
     const { state, page: { meta } } = this.app, length = (x: number) => (Number.isFinite(x) ? withUnit(short(x), meta.unit) : "∞");
     const radii = this.app.page.layers.has("skeleton") && isAsked(this.app.page, state) ? meta.theta1_radii : 0;
     const parts = [meta.title];
-    if (state.layer === "skeleton") parts.push(`θ₂ = ${length(state.theta2)}`, `θ₁ = ${length(state.theta1)}${radii > 0 ? ` and ${short(radii)} radii` : ""}`);
+    if (state.layer === "skeleton") parts.push(...(meta.plane ? [] : [`θ₂ = ${length(state.theta2)}`]), `θ₁ = ${length(state.theta1)}${radii > 0 ? ` and ${short(radii)} radii` : ""}`);
     if (state.layer === "core") parts.push(`${labelOf(state.measure)} = ${withUnit(short(state.threshold), unitOf(state.measure, meta.unit))}`);
     else if (state.layer === "skeleton" && meta.pruning) parts.push(pruningText({ ...meta, voxel: undefined }));
     return parts.join(" · ");
@@ -53,7 +53,7 @@ export class Caption {
     }
     if (!state.axes) return;
     const { camera } = app.stage, cx = x - 34, cy = y - 66, size = 30;
-    const seen = AXES.map(([name, axis, colour]) => ({ name, colour, x: axis.dot(camera.right), y: axis.dot(camera.up), depth: axis.dot(camera.forward) }));
+    const seen = AXES.slice(0, meta.plane ? 2 : 3).map(([name, axis, colour]) => ({ name, colour, x: axis.dot(camera.right), y: axis.dot(camera.up), depth: axis.dot(camera.forward) }));
     for (const axis of seen.sort((a, b) => b.depth - a.depth)) {
       c.strokeStyle = c.fillStyle = axis.colour;
       c.lineWidth = 2;

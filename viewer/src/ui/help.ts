@@ -2,26 +2,29 @@
 // The overlay behind "?".
 import { el } from "./dom";
 
-const KEYS: [string, string][] = [
-  ["drag", "turn"],
-  ["right drag, Shift + drag", "move"],
+/// What they do, and what in the plane where that is another thing; "": nothing.
+const KEYS: [string, string, string?][] = [
+  ["drag", "turn", "move"],
+  ["right drag, Shift + drag", "move", ""],
   ["scroll, + −", "zoom"],
-  ["arrow keys", "turn in steps"],
-  ["click", "pick a point (its ball, and where it touches) and the branch it is on"],
+  ["double click", "", "whole view again"],
+  ["arrow keys", "turn in steps", "move in steps"],
+  ["click", "pick a point (its ball, and where it touches) and the branch it is on", "pick a point (its disk, and where it touches) and the branch it is on"],
   ["Esc", "clear what is picked"],
-  ["[ ]", "θ₂ of the skeleton, pruning of the medial axis: less, more"],
-  ["; '", "θ₁: less, more"],
+  ["[ ]", "θ₂ of the skeleton, pruning of the medial axis: less, more", "θ₁ of the skeleton, pruning of the medial axis: less, more"],
+  ["; '", "θ₁: less, more", ""],
   ["1 2 3", "skeleton, medial axis, other result"],
   ["T", "table of branches"],
-  ["S C E B", "sheets, curves, seams, boundary"],
-  ["G", "surface of the shape"],
-  ["U", "union of balls"],
-  ["X", "clipping plane"],
+  ["S C E B", "sheets, curves, seams, boundary", ""],
+  ["C", "", "curves"],
+  ["G", "surface of the shape", "shape"],
+  ["U", "union of balls", "union of disks"],
+  ["X", "clipping plane", ""],
   ["Space", "burn"],
-  ["O", "orthographic, perspective"],
+  ["O", "orthographic, perspective", ""],
   ["F", "whole view again"],
   ["A", "axes"],
-  ["X Y Z with Alt", "look along an axis"],
+  ["X Y Z with Alt", "look along an axis", ""],
   ["D", "dark, light"],
   ["H", "hide panels"],
   ["P", "save a picture"],
@@ -30,13 +33,16 @@ const KEYS: [string, string][] = [
 
 export class Help {
   readonly element = el("div", "help");
-  constructor() {
+  constructor(plane: boolean) {
     const list = el("dl", "keys");
-    for (const [key, meaning] of KEYS) list.append(el("dt", "", key), el("dd", "", meaning));
+    for (const [key, inSpace, inPlane] of KEYS) {
+      const meaning = plane ? (inPlane ?? inSpace) : inSpace;
+      if (meaning) list.append(el("dt", "", key), el("dd", "", meaning));
+    }
     const close = el("button", "plain", "Close");
     close.addEventListener("click", () => this.toggle(false));
     const box = el("div", "help-box", el("h2", "", "Keys and mouse"), list,
-      el("p", "", "Touch: one finger turns, two move, zoom and roll, a tap picks. The address of the page holds the view: copy it to share what you see."), close);
+      el("p", "", `Touch: one finger ${plane ? "moves, two move and zoom" : "turns, two move, zoom and roll"}, a tap picks. The address of the page holds the view: copy it to share what you see.`), close);
     box.setAttribute("role", "dialog");
     this.element.append(box);
     this.element.hidden = true;

@@ -3,7 +3,7 @@
 import type { Page } from "../data";
 import { counted, short, withUnit } from "../format";
 import type { Numbers, Picked } from "../app";
-import { labelOf, pruningText, unitOf } from "../measures";
+import { elementOf, labelOf, pruningText, unitOf } from "../measures";
 import { isAsked, type State } from "../state";
 import { copyText, type BranchTable } from "./branches";
 import { el, fill, rows } from "./dom";
@@ -30,9 +30,9 @@ export class Info {
     this.sheets = (page.layers.get("skeleton")?.sheet ?? new Uint32Array(0)).reduce((most, s) => Math.max(most, s + 1), 0);
     const about = el("details", "about", el("summary", "", "About this result"));
     const facts: [string, string][] = [];
-    if (meta.topology) facts.push(["shape", topology(meta.topology.betti, meta.topology.euler)]);
+    if (meta.topology) facts.push(["shape", topology(meta.topology.betti, meta.topology.euler, meta.plane)]);
     facts.push(["longest side", withUnit(short(meta.side, 4), meta.unit)]);
-    if (meta.voxel) facts.push(["voxel", withUnit(short(meta.voxel, 4), meta.unit)]);
+    if (meta.voxel) facts.push([elementOf(meta), withUnit(short(meta.voxel, 4), meta.unit)]);
     if (meta.pruning) facts.push(["burned at", pruningText(meta)]);
     if (meta.burning?.omega !== undefined) facts.push(["ω", withUnit(short(meta.burning.omega, 4), meta.unit)]);
     if (meta.burning?.propagation) facts.push(["propagation", meta.burning.propagation]);
@@ -61,9 +61,9 @@ export class Info {
     const sentence: string[] = [];
     if (state.layer === "skeleton") {
       const two = Number.isFinite(state.theta2) ? `sheets of erosion thickness ≥ ${length(state.theta2)}` : "no sheets but those that enclose a cavity";
-      const one = Number.isFinite(state.theta1) ? `curves of curve erosion thickness ≥ ${length(state.theta1)}` : "curves only where topology needs them";
+      const one = Number.isFinite(state.theta1) ? `curves of ${meta.plane ? "" : "curve "}erosion thickness ≥ ${length(state.theta1)}` : "curves only where topology needs them";
       const radii = isAsked(this.page, state) && this.page.layers.has("skeleton") ? meta.theta1_radii : 0;
-      sentence.push(`${two}; ${one}${radii > 0 ? ` that stick out by ${short(radii)} radii` : ""}${isAsked(this.page, state) && this.page.layers.has("skeleton") ? " (as asked)" : ""}`);
+      sentence.push(`${meta.plane ? "" : `${two}; `}${one}${radii > 0 ? ` that stick out by ${short(radii)} radii` : ""}${isAsked(this.page, state) && this.page.layers.has("skeleton") ? " (as asked)" : ""}`);
     } else if (state.layer === "core") {
       sentence.push(`pruned at ${labelOf(state.measure)} = ${withUnit(short(state.threshold), unitOf(state.measure, unit))}`);
       const burned = meta.pruning, isBurning = state.color === "burn_time" || state.color === "erosion_thickness";
@@ -76,7 +76,7 @@ export class Info {
     if (numbers.faces > 0) entries.push(["sheets", `${sheets > 0 ? `${counted(sheets)}, ` : ""}${counted(numbers.faces)} faces, area ${withUnit(short(numbers.area), unit && `${unit}²`)}`]);
     if (numbers.curveEdges > 0) entries.push(["curves", `length ${length(numbers.curveLength)}, ${numbers.freeEnds === 0 ? "no" : counted(numbers.freeEnds)} free ${numbers.freeEnds === 1 ? "end" : "ends"}`]);
     if (numbers.isolated > 0) entries.push(["points", counted(numbers.isolated)]);
-    entries.push(["χ = V − E + F", `${numbers.vertices - numbers.edges + numbers.faces}`.replace("-", "−")]);
+    entries.push([meta.plane ? "χ = V − E" : "χ = V − E + F", `${numbers.vertices - numbers.edges + numbers.faces}`.replace("-", "−")]);
     fill(this.figures, rows(entries));
     this.commandText.textContent = command;
     this.command.hidden = command === "";
@@ -96,15 +96,15 @@ export class Info {
     const { unit } = this.page.meta;
     const close = el("button", "plain", "Clear");
     close.addEventListener("click", () => this.onClearPick());
-    const entries: [string, string][] = [["position", picked.position.map((x) => short(x, 5)).join(", ")]];
+    const entries: [string, string][] = [["position", picked.position.slice(0, this.page.meta.plane ? 2 : 3).map((x) => short(x, 5)).join(", ")]];
     for (const [name, value] of Object.entries(picked.measures)) entries.push([labelOf(name), Number.isNaN(value) ? "–" : withUnit(short(value, 4), Number.isFinite(value) ? unitOf(name, unit) : "")]);
-    if (this.page.shape.sites || this.page.shape.triangles) entries.push(["ball touches", `the boundary at ${counted(picked.touching.length)} ${picked.touching.length === 1 ? "point" : "points"}`]);
+    if (this.page.shape.sites || this.page.shape.triangles) entries.push([`${this.page.meta.plane ? "disk" : "ball"} touches`, `the ${this.page.meta.plane ? "outline" : "boundary"} at ${counted(picked.touching.length)} ${picked.touching.length === 1 ? "point" : "points"}`]);
     fill(this.picked, el("header", "", el("h2", "", `Point ${counted(picked.vertex)}`), close), rows(entries));
   }
 }
 
-function topology(betti: number[], euler: number): string {
-  const words = [["component", "components"], ["tunnel", "tunnels"], ["cavity", "cavities"]] as const;
+function topology(betti: number[], euler: number, plane: boolean): string {
+  const words = [["component", "components"], plane ? ["hole", "holes"] : ["tunnel", "tunnels"], ["cavity", "cavities"]];
   const parts = betti.map((n, i) => (i < 3 && (n > 0 || i === 0) ? `${n} ${words[i]![n === 1 ? 0 : 1]}` : "")).filter((s) => s !== "");
   return `${parts.join(", ")} (χ = ${euler < 0 ? "−" : ""}${Math.abs(euler)})`;
 }

@@ -19,7 +19,9 @@ export function listenToKeys(app: App, panel: Panel, actions: Actions): void {
   const flip = (key: keyof State) => () => app.set({ [key]: !app.state[key] });
   const layer = (name: LayerName) => () => hasLayer(app.page, name) && app.set({ layer: name });
   const turn = (dx: number, dy: number) => () => {
-    app.stage.camera.rotate(dx, dy);
+    const { camera } = app.stage;
+    if (camera.plane) camera.pan(-dx, -dy);
+    else camera.rotate(dx, dy);
     actions.moved();
   };
   const zoom = (factor: number) => () => {
@@ -43,7 +45,7 @@ export function listenToKeys(app: App, panel: Panel, actions: Actions): void {
     if (event.ctrlKey || event.metaKey || target?.closest("input:not([type=range]):not([type=checkbox]), select, textarea")) return;
     const onControl = target?.closest("input, button, summary") != null;
     if (onControl && (event.key === " " || event.key.startsWith("Arrow"))) return;
-    const axis = event.altKey ? axes[event.code] : undefined;
+    const axis = event.altKey && !app.page.meta.plane ? axes[event.code] : undefined;
     if (axis) {
       const sign = event.shiftKey ? -1 : 1;
       actions.look(sign * axis[0], sign * axis[1], sign * axis[2]);

@@ -5,7 +5,7 @@ import type { App } from "../app";
 import { MAPS } from "../colours";
 import type { LayerName } from "../data";
 import { isLength, labelOf, measuresOf, pruningBy, UNIFORM, unitOf } from "../measures";
-import { askedThetas, hasLayer, isAsked, layerOf, sheetSlider, type SheetSlider, type State } from "../state";
+import { askedThetas, hasLayer, isAsked, layerOf, slidersOf, type SliderId, type State } from "../state";
 import type { Burner } from "./burner";
 import { el } from "./dom";
 import { LengthSlider } from "./slider";
@@ -13,8 +13,6 @@ import { LengthSlider } from "./slider";
 export interface Actions { screenshot: () => void; reset: () => void }
 
 const LAYERS: Record<LayerName, string> = { skeleton: "skeleton", core: "medial axis (core)", still: "other result (still)" };
-
-type SliderId = SheetSlider | "theta1";
 
 export class Panel {
   readonly gui: GUI;
@@ -32,7 +30,7 @@ export class Panel {
   constructor(private readonly app: App, container: HTMLElement, burner: Burner, actions: Actions) {
     this.fields = { ...app.state };
     this.gui = new GUI({ container, title: "Controls", width: 300 });
-    const { page } = app;
+    const { page } = app, { plane } = page.meta;
     const names = (Object.keys(LAYERS) as LayerName[]).filter((name) => hasLayer(page, name));
     if (names.length > 1) this.add(this.gui, "layer", "show", Object.fromEntries(names.map((n) => [LAYERS[n], n])));
     const { measures } = page.meta;
@@ -46,7 +44,7 @@ export class Panel {
     const colour = this.folder("Colour");
     this.colour = this.add(colour, "color", "colour by", {});
     this.add(colour, "map", "colours", Object.fromEntries(Object.entries(MAPS).map(([k, m]) => [m.label, k])));
-    this.add(colour, "curvesByMeasure", "curves too");
+    if (!plane) this.add(colour, "curvesByMeasure", "curves too");
     const range = {
       low: 0, high: 1,
       fit: () => {
@@ -65,22 +63,22 @@ export class Panel {
 
     const parts = this.folder("Parts");
     parts.domElement.classList.add("pairs");
-    this.add(parts, "sheets", "sheets");
+    if (!plane) this.add(parts, "sheets", "sheets");
     this.add(parts, "curves", "curves");
-    this.add(parts, "seams", "seams");
-    this.add(parts, "boundary", "boundary");
+    if (!plane) this.add(parts, "seams", "seams");
+    if (!plane) this.add(parts, "boundary", "boundary");
     this.add(parts, "points", "points");
     if (page.layers.get("skeleton")?.branches) this.add(parts, "table", "branches");
     this.add(parts, "curveWidth", "curve width").min(1).max(14).step(0.5);
 
-    const around = this.folder("Shape and space");
-    if (app.glass) {
-      this.add(around, "shape", "surface");
+    const around = this.folder(plane ? "Shape" : "Shape and space");
+    if (app.glass ?? app.figure) {
+      this.add(around, "shape", plane ? "shape" : "surface");
       this.add(around, "shapeOpacity", "opacity").min(0).max(1).step(0.01);
     }
-    this.add(around, "balls", "union of balls");
-    this.add(around, "clip", "clip");
-    this.clipping = [
+    this.add(around, "balls", plane ? "union of disks" : "union of balls");
+    if (!plane) this.add(around, "clip", "clip");
+    this.clipping = plane ? [] : [
       this.add(around, "clipAxis", "across", { x: "x", y: "y", z: "z", "line of sight": "view" }),
       this.add(around, "clipAt", "at").min(0).max(1).step(0.001),
       this.add(around, "clipFlip", "other side"),
@@ -94,7 +92,7 @@ export class Panel {
 
     const view = this.folder("View");
     view.domElement.classList.add("pairs");
-    this.add(view, "orthographic", "orthographic");
+    if (!plane) this.add(view, "orthographic", "orthographic");
     this.add(view, "dark", "dark");
     this.add(view, "axes", "axes");
     this.add(view, "caption", "caption");
@@ -132,8 +130,13 @@ export class Panel {
     if (id === "theta1") {
       if (!layer.curveEdges || !layer.curveThickness) return null;
       const edges = layer.curveEdges;
-      slider = new LengthSlider({ ...common, label: "θ₁ curves", help: "Prunes curves whose erosion thickness is smaller, from their free ends. Histogram: length of curves.", infinite: true, values: layer.curveThickness, weight: (i) => sets.edgeLength(edges[i]!) });
-    } else if (layer.faceLevel)
+      slider = new LengthSlider({ ...common, label: meta.plane ? "θ₁" : "θ₁ curves", help: "Prunes curves whose erosion thickness is smaller, from their free ends. Histogram: length of curves.", infinite: true, values: layer.curveThickness, weight: (i) => sets.edgeLength(edges[i]!) });
+    } else if (meta.plane && layer.edgeLevel)
+      slider = new LengthSlider({
+        ...common, label: labelOf(measure), infinite: false, values: layer.edgeLevel, weight: (e) => sets.edgeLength(e),
+        help: `${pruningBy(measure)}, where the topology allows. Histogram: length of the axis.`,
+      });
+    else if (layer.faceLevel)
       slider = new LengthSlider({
         ...common, label: ofCore ? labelOf(measure) : "θ₂ sheets", infinite: !ofCore, values: layer.faceLevel, weight: (f) => sets.faceArea(f),
         help: `${ofCore ? pruningBy(measure) : "Drops sheets whose erosion thickness is smaller"}, where the topology allows. Histogram: area of sheets.`,
@@ -144,7 +147,8 @@ export class Panel {
 
   /// Moves the slider of the sheets or the curves shown.
   step(of: "sheets" | "curves", direction: number): void {
-    for (const id of this.shownSliders) if ((id === "theta1") === (of === "curves")) this.slider(id)?.step(direction);
+    const [first, last] = [this.shownSliders[0], this.shownSliders.at(-1)], id = of === "sheets" ? first : last === "theta1" ? last : undefined;
+    if (id) this.slider(id)?.step(direction);
   }
 
   /// Brings everything up to date with the state.
@@ -155,9 +159,8 @@ export class Panel {
       this.shownKey = key;
       const names = measuresOf(this.app.page.layers.get(state.layer) ?? layerOf(this.app.page, state));
       this.colour = this.colour.options(Object.fromEntries([...names, UNIFORM].map((n) => [labelOf(n), n])));
-      const ofSheets = sheetSlider(state);
-      this.shownSliders = ofSheets ? (ofSheets === "theta2" ? [ofSheets, "theta1"] : [ofSheets]) : [];
-      this.sliderBox.replaceChildren(...this.shownSliders.flatMap((id) => this.slider(id)?.element ?? []), ...(this.shownSliders.includes("theta2") && this.app.page.layers.has("skeleton") ? [this.asked] : []));
+      this.shownSliders = slidersOf(this.app.page, state);
+      this.sliderBox.replaceChildren(...this.shownSliders.flatMap((id) => this.slider(id)?.element ?? []), ...(this.shownSliders.includes("theta1") && this.app.page.layers.has("skeleton") ? [this.asked] : []));
       this.measure?.show(state.layer === "core");
     }
     Object.assign(this.fields, state);

@@ -4,6 +4,7 @@
 import type { Meta } from "../data";
 import { exact, parseLength, short } from "../format";
 import { histogram, LogScale } from "../histogram";
+import { elementOf } from "../measures";
 import { el, prepare, styleOf } from "./dom";
 
 const BINS = 72, STEPS = 1000;
@@ -77,7 +78,7 @@ export class LengthSlider {
     if (document.activeElement !== this.field) this.field.value = Number.isFinite(x) ? String(Number(exact(x)).toPrecision(4)).replace(/\.?0+$/, (z) => (z.startsWith(".") ? "" : z)) : "inf";
     const { meta, isLength, floor } = this.options, parts: string[] = [];
     if (!Number.isFinite(x)) parts.push("infinite");
-    else if (isLength) parts.push(`${short((100 * x) / meta.side)} % of the side`, ...(meta.voxel ? [`${short(x / meta.voxel)} voxels`] : []));
+    else if (isLength) parts.push(`${short((100 * x) / meta.side)} % of the side`, ...(meta.voxel ? [`${short(x / meta.voxel)} ${elementOf(meta)}s`] : []));
     if (x === this.options.asked) parts.push("as asked");
     else if (x === floor && x > 0) parts.push("slider begins here");
     this.others.textContent = parts.join(" · ");
