@@ -103,9 +103,8 @@ class BoundaryCurves {
       passages_[passage(s, is_towards_larger_y(corner_after(d)))] = {curve, steps};
       ++steps[d & 1];
       s = d == kRight ? s + 1 : d == kLeft ? s - 1 : d == kUp ? above_[s] : below_[s];
-      for (d += 1; !leaves(corners_[s], d);
-           d += 3) {  // as far left as possible: where O touches itself it is not connected
-      }
+      ++d;  // as far left as possible: where O touches itself it is not connected
+      while (!leaves(corners_[s], d)) d += 3;
       d &= 3;
     } while (s != start || d != start_direction);
     lengths_.push_back(steps);
