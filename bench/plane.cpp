@@ -20,7 +20,7 @@
 #endif
 
 #include "axis/mgf.h"
-#include "dual/plane/plane.h"
+#include "dual/plane/dual_of_plane.h"
 #include "measure.h"
 #include "quench/axis.h"
 #include "quench/shape.h"
