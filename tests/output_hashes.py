@@ -52,6 +52,9 @@ MESHES = {'bunny_closed.off': '--resolution 48', 'armadillo.off': '--resolution 
 VOLUMES = {'Al.100.vol': '', 'torsoLabel.nii.gz': '--label 5', 'emd_5625.map': '--threshold 1.991'}
 LARGE_VOLUMES = {'maize_root_ct.nrrd': '--threshold 14 --largest-component', 'xyz-dragon-256.vol': '',
                  'lobster.vol': '--threshold 80', 'trabecular_bone_128.nrrd': '--threshold 143 --min-component 20'}
+IMAGES = {'horse.png': '--threshold 128 --invert', 'mpeg7_beetle-1.png': '', 'retina_DRIVE_22_vessels.png': '',
+          'icon_oak.svg': ''}
+POLYGONS = ['ne_110m_lakes.json', 'ne_110m_land.json']
 FILLS = ['nonzero', 'evenodd', 'winding', 'auto']
 COMMANDS = ['run', 'sample', 'voxelize', 'core', 'burn', 'skeleton', 'view', 'info', 'convert', 'verify']
 
@@ -191,6 +194,27 @@ def data_cases():
                                   for fill in FILLS[:3]], ['meshes/truck.obj'])
 
 
+def plane_cases():
+    """Images and polygons."""
+    for file, options in IMAGES.items():
+        yield Case('plane_' + re.sub(r'\W', '_', file.split('.')[0]), main_job(file, options), [f'images/{file}'])
+    for file in POLYGONS:
+        yield Case('plane_' + file.split('.')[0], [f'info {file} --json', f'run {file} --resolution 256 -o all'],
+                   [f'images/{file}'])
+    horse = 'horse.png --threshold 128 --invert'
+    yield Case('plane_steps', [
+        f'voxelize {horse} -o pixels.nrrd --json voxelize.json', 'core pixels.nrrd -o core.vtp --json core.json',
+        f'core {horse} --full -o full.vtp', f'core {horse} --lambda 2vox --subdivide 2 --spacing 1,1.5 -o fine.vtp',
+        'burn core.vtp -o burned.vtp --json burn.json',
+        'skeleton burned.vtp -o skeleton.vtp --geojson s.geojson --svg s.svg --wkt s.wkt --csv s.csv --json skeleton.json',
+        f'view burned.vtp --shape {horse} -o page.html', 'view skeleton.vtp --png picture.png',
+        f'run {horse} --longest --extend -o longest', f'run {horse} --narrower 20abs --theta1 0.2r -o narrower',
+        'run ne_110m_lakes.json --feature 3 --pixel 0.01 -o lake',
+        f'verify {horse} full.vtp core.vtp longest/skeleton.vtp narrower/core.vtp --json verified.json',
+        'verify horse.png fine.vtp'],
+        ['images/horse.png', 'images/ne_110m_lakes.json'])
+
+
 def full_cases():
     # Too little memory for the work at once by 11 MB, enough for bricks by 11 MB; the report says which it was.
     yield Case('full_bricks', ['sample box -o box.ply',
@@ -207,7 +231,7 @@ def full_cases():
 
 def all_cases():
     cases = [help_case(), *sample_cases(), *step_cases(), *option_cases(), foreign_axis_case(), *shape_cases(),
-             not_verified_case(), *data_cases(), *full_cases()]
+             not_verified_case(), *data_cases(), *plane_cases(), *full_cases()]
     assert len({case.name for case in cases}) == len(cases), 'two cases of one name'
     return cases
 
