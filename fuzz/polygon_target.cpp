@@ -18,7 +18,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const auto take = [&](PolygonFeature&& feature) {
       count(feature.number);
       fuzz::reads_or_refuses([&] {
-        const DigitizeOptions options{.resolution = 16, .pixel = {}, .fill = feature.fill};
+        const DigitizeOptions options{.resolution = 4, .pixel = {}, .fill = feature.fill};
         const VoxelShape shape = digitize(feature.polygons, options, &context);
         shape.validate();
         if (boundary_rings(shape).rings.empty()) fuzz::defect("a shape has no boundary");
