@@ -20,7 +20,7 @@
 #endif
 
 #include "axis/mgf.h"
-#include "dual/plane/plane.h"
+#include "dual/plane/dual_of_plane.h"
 #include "measure.h"
 #include "quench/axis.h"
 #include "quench/shape.h"
@@ -91,60 +91,71 @@ class Cost {
   double before_ = peak_bytes(), start_ = cpu_seconds();
 };
 
-void print(const char* what, const Cost& cost, std::size_t sites) {
-  const auto count = static_cast<double>(sites);
-  fmt::print("  {:<16} {:7.3f} s {:6.3f} us/site {:5.0f} bytes/site", what, cost.seconds(),
-             1e6 * cost.seconds() / count, cost.bytes() / count);
+// Returns the seconds.
+double print(const char* what, const Cost& cost, std::size_t sites) {
+  const double seconds = cost.seconds(), count = static_cast<double>(sites);
+  fmt::print("  {:<16} {:7.3f} s {:6.3f} us/site {:5.0f} bytes/site", what, seconds, 1e6 * seconds / count,
+             cost.bytes() / count);
   std::fflush(stdout);
+  return seconds;
 }
 
-// Runs `work` in a child and prints its line; it returns what is to stand behind it.
+// Runs `work` in a child, so that peaks of memory are its own; returns the seconds that it returns there.
 template <class Work>
-bool in_child(const Work& work) {
+double in_child(const Work& work) {
+  int ends[2];
+  if (pipe(ends) != 0) std::exit(1);
   const pid_t child = fork();
   if (child == 0) {
     const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
-    work();
+    const double seconds = work();
     std::fflush(stdout);
-    std::_Exit(0);
+    std::_Exit(write(ends[1], &seconds, sizeof seconds) == sizeof seconds ? 0 : 1);
   }
   int status = 0;
   waitpid(child, &status, 0);
-  return status == 0;
+  double seconds = 0;
+  if (status != 0 || read(ends[0], &seconds, sizeof seconds) != sizeof seconds) std::exit(1);
+  close(ends[0]);
+  close(ends[1]);
+  return seconds;
 }
 
-bool measure(const VoxelShape& shape) {
+void measure(const VoxelShape& shape) {
   const auto sites = quench::boundary_vertices(shape);
   fmt::print("{} sites, {} runs\n", sites.size(), shape.runs().size());
   std::fflush(stdout);
-  bool done = in_child([&] {
+  [[maybe_unused]] const double complex = in_child([&] {
     const Cost cost;
     const auto dual = quench::dual::plane::dual_complex(shape, sites, quench::integer_spacing(shape.grid()), nullptr);
-    print("dual complex", cost, sites.size());
+    const double seconds = print("dual complex", cost, sites.size());
     fmt::print("  {} vertices, {} edges\n", dual.complex.vertex_count, dual.complex.edges.size());
     const Cost cost_of_mgf;
     const auto mgf = quench::axis::mgf_of_edges(shape, sites, dual.edge_sites);
-    print("mgf", cost_of_mgf, sites.size());
+    print("its mgf", cost_of_mgf, sites.size());
     fmt::print("\n");
+    return seconds;
   });
-  done = done && in_child([&] {
-           const Cost cost;
-           const quench::MedialAxis axis = quench::voxel_core(shape);
-           print("core", cost, axis.sites.size());
-           fmt::print("\n");
-         });
+  [[maybe_unused]] const double core = in_child([&] {
+    const Cost cost;
+    const quench::MedialAxis axis = quench::voxel_core(shape);
+    const double seconds = print("core", cost, axis.sites.size());
+    fmt::print("\n");
+    return seconds;
+  });
 #ifdef QUENCH_BENCH_BOOST
-  done = done && in_child([&] {
-           const Cost cost;
-           boost::polygon::voronoi_builder<std::int32_t> builder;
-           for (const LatticePoint& s : sites) builder.insert_point(s[0], s[1]);
-           boost::polygon::voronoi_diagram<double> diagram;
-           builder.construct(&diagram);
-           print("Boost.Polygon", cost, sites.size());
-           fmt::print("  {} vertices\n", diagram.num_vertices());
-         });
+  in_child([&] {
+    const Cost cost;
+    boost::polygon::voronoi_builder<std::int32_t> builder;
+    for (const LatticePoint& s : sites) builder.insert_point(s[0], s[1]);
+    boost::polygon::voronoi_diagram<double> diagram;
+    builder.construct(&diagram);
+    const double seconds = print("Boost.Polygon", cost, sites.size());
+    fmt::print("  {} vertices; {:.1f} x the dual complex, {:.1f} x the core\n", diagram.num_vertices(),
+               seconds / complex, seconds / core);
+    return seconds;
+  });
 #endif
-  return done;
 }
 
 }  // namespace
@@ -161,7 +172,7 @@ int main(int argc, char** argv) {
       return 2;
     }
     fmt::print("{}: ", name);
-    if (!measure(name[0] == 'n' ? noise(size) : disc(size))) return 1;
+    measure(name[0] == 'n' ? noise(size) : disc(size));
   }
   return 0;
 }

@@ -45,6 +45,12 @@ std::string quoted(const std::string& text) {
   return result + '"';
 }
 
+// The id of a feature, JSON text, as it is read.
+std::string id_text(const std::string& id) {
+  const Json json = Json::parse(id, nullptr, false);
+  return json.is_string() ? json.get<std::string>() : id;
+}
+
 // What is summed up over all features.
 struct Totals {
   std::uint64_t features = 0, failed = 0, branches = 0;
@@ -64,7 +70,7 @@ class Tables {
     ++totals.features;
     if (!run.result) {
       ++totals.failed;
-      features_ << fmt::format("{},{},,,,,,,,,,,,{}\n", run.number, quoted(run.id), quoted(run.failure));
+      features_ << fmt::format("{},{},,,,,,,,,,,,{}\n", run.number, quoted(id_text(run.id)), quoted(run.failure));
       return;
     }
     const CurveGraph& graph = run.result->axis.graph;
@@ -80,7 +86,7 @@ class Tables {
       ends += n.kind == CurveGraph::NodeKind::end;
       if (graph.branches.empty()) largest = std::max(largest, n.radius);
     }
-    features_ << fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},\n", run.number, quoted(run.id),
+    features_ << fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},\n", run.number, quoted(id_text(run.id)),
                              shape.grid().spacing[0], shape.voxel_count(), run.shape->topology.betti[0],
                              run.shape->topology.betti[1], graph.branches.size(), ends, length,
                              length > 0 ? weighted / length : largest, largest, run.result->core.coverage,

@@ -179,6 +179,10 @@ void add_axis(const Options& o, Plan& plan, const std::optional<pipeline::Loaded
   Page& page = builder.page;
   page.files.emplace_back("core", plan.axis_file);
   pipeline::LoadedAxis loaded = pipeline::axis_of(std::move(plan.axis), plan.axis_file, context);
+  if (const bool plane = loaded.axis.grid.is_plane(); shape && shape->shape.grid().is_plane() != plane)
+    throw Error(ErrorCode::usage,
+                fmt::format("'{}' is of the plane, '{}' is not: the one is not the medial axis of the other",
+                            plane ? plan.axis_file : o.shape.file, plane ? o.shape.file : plan.axis_file));
   const pipeline::Scale& scale = loaded.scale;
   if (page.side == 0 || pipeline::field_number(loaded.data, "longest_side")) page.side = scale.longest_side;
   if (scale.voxel > 0) page.voxel = scale.voxel;

@@ -75,8 +75,8 @@ std::vector<double> read_radii(const std::filesystem::path& file, const std::vec
 /// NRRD, MetaImage, NIfTI) holds is a plane (Grid::dimension 2), whose y is down. A volume of one slice may be meant as
 /// either: without `dimension` it is Error(usage), field `dimension`.
 ///
-/// Colours become one value per pixel. Luminance is (19595 red + 38470 green + 7471 blue) / 2^16 (ITU-R BT.601), what is
-/// transparent composed on white, each rounded. Slices with colours need a channel: without one Error(input), field
+/// Colours become one value per pixel. Luminance is (19595 red + 38470 green + 7471 blue) / 2^16 (ITU-R BT.601), what
+/// is transparent composed on white, each rounded. Slices with colours need a channel: without one Error(input), field
 /// `channel`.
 struct VolumeReadOptions {
   /// The third number is 0 where there are two: for planes. A plane takes no third number of its own, a volume needs
@@ -100,8 +100,8 @@ void write_volume(const std::filesystem::path& file, const VoxelShape& shape, co
 /// (e.g. disk full).
 void write_atomically(const std::filesystem::path& file, const std::function<void(std::ostream&)>& body);
 
-/// A volume or image as slices where its format allows it: NRRD with its samples in the same file, raw or gzip; uncompressed
-/// MetaImage and MRC; TIFF; folders of PNG or TIFF slices. Nothing for other files: read_volume() reads
+/// A volume or image as slices where its format allows it: NRRD with its samples in the same file, raw or gzip;
+/// uncompressed MetaImage and MRC; TIFF; folders of PNG or TIFF slices. Nothing for other files: read_volume() reads
 /// them whole. Throws as read_volume() does.
 std::optional<SliceStream> open_slices(const std::filesystem::path& file, const VolumeReadOptions& options = {},
                                        Context* context = nullptr);

@@ -13,6 +13,7 @@
 #include "quench/io.h"
 #include "quench/page.h"
 #include "quench/pipeline.h"
+#include "quench/polygons.h"
 #include "quench/record.h"
 #include "quench/samples.h"
 #include "quench/shape.h"

@@ -499,6 +499,17 @@ def test_plots_lie_on_the_image():
         pyplot.close('all')
 
 
+def test_pictures_and_pages(tmp_path):
+    skeleton = quench.medial_axis(letter_f()).skeleton()
+    results = {'axis': skeleton.axis, 'skeleton': skeleton, 'label': quench.skeletonize(letter_f())[1]}
+    for name, result in results.items():
+        result.save(tmp_path / f'{name}.png')
+        assert (tmp_path / f'{name}.png').read_bytes().startswith(b'\x89PNG')
+        if quench._core.has_pages:
+            result.save(tmp_path / f'{name}.html')
+            assert b'</html>' in (tmp_path / f'{name}.html').read_bytes()
+
+
 def test_tables_and_networkx():
     networkx = pytest.importorskip('networkx')
     graph = quench.medial_axis(letter_f(), spacing=SPACING).skeleton().graph()

@@ -89,10 +89,9 @@ void BallTree::fill_leaf(std::size_t leaf) {
 
 bool NearBalls::find(const LatticePoint& site, double enough, double& limit) {
   const Vec3 p = grid_.world_of(site);
-  const auto cell = [&](int axis, int bits) {
-    return static_cast<std::size_t>(site[static_cast<std::size_t>(axis)] >> 2 & 255) << bits;
-  };
-  std::uint32_t& ball = last_[cell(0, 0) | cell(1, 8)];
+  const auto cell = [&](std::size_t axis, int least) { return static_cast<std::size_t>(site[axis] >> 2 & least); };
+  // Sites of a plane come row by row: those above matter, as far as the image is wide.
+  std::uint32_t& ball = last_[grid_.is_plane() ? cell(0, 0x3fff) | cell(1, 3) << 14 : cell(0, 255) | cell(1, 255) << 8];
   const std::size_t none = tree_.size();
   bool found = false;
   if (ball < none)

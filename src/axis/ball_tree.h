@@ -112,7 +112,8 @@ class NearBalls {
   static constexpr std::size_t kEntries = 1 << 16;
   const BallTree& tree_;
   const Grid& grid_;
-  std::vector<std::uint32_t> last_;  // per column of 4 x 4 voxels, those 1024 apart share one: sites come by z
+  std::vector<std::uint32_t> last_;  // per column of 4 x 4 voxels, those 1024 apart share one: sites come by z; per
+                                     // square of 4 x 4 pixels
 };
 
 }  // namespace quench::axis

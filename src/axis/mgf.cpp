@@ -28,6 +28,8 @@ constexpr int corner_after(unsigned direction) {
   return corners[direction & 3];
 }
 
+constexpr bool is_towards_larger_y(int corner) { return corner >= corner_of(false, true); }
+
 /// Whether the boundary leaves a site in a direction, with O on the left.
 constexpr bool leaves(unsigned corners, unsigned direction) {
   return (corners >> corner_after(direction) & 1) && !(corners >> corner_after(direction + 3) & 1);
@@ -41,7 +43,8 @@ class BoundaryCurves {
     place_passages();
     for (std::uint32_t s = 0; s < sites.size(); ++s)
       for (unsigned d = 0; d < 4; ++d)
-        if (leaves(corners_[s], d) && passages_[passage(s, corner_after(d))].curve == kNone) follow(s, d);
+        if (leaves(corners_[s], d) && passages_[passage(s, is_towards_larger_y(corner_after(d)))].curve == kNone)
+          follow(s, d);
   }
 
   /// Steps along x and y of the two arcs between the contacts of a pair of sites; nothing on different curves.
@@ -85,10 +88,9 @@ class BoundaryCurves {
       if (touches_itself(corners_[s])) twice_.push_back(s);
     passages_.resize(sites_.size() + twice_.size());
   }
-  // That in a corner of O at a site.
-  std::size_t passage(std::uint32_t site, int corner) const {
-    const bool second = touches_itself(corners_[site]) && corner >= corner_of(false, true);
-    if (!second) return site;
+  // That in a corner of O at a site. Where O touches itself, one of the two corners is towards larger y.
+  std::size_t passage(std::uint32_t site, bool larger_y) const {
+    if (!larger_y || !touches_itself(corners_[site])) return site;
     return sites_.size() + static_cast<std::size_t>(std::ranges::lower_bound(twice_, site) - twice_.begin());
   }
 
@@ -98,25 +100,21 @@ class BoundaryCurves {
     std::uint32_t s = start;
     unsigned d = start_direction;
     do {
-      passages_[passage(s, corner_after(d))] = {curve, steps};
+      passages_[passage(s, is_towards_larger_y(corner_after(d)))] = {curve, steps};
       ++steps[d & 1];
       s = d == kRight ? s + 1 : d == kLeft ? s - 1 : d == kUp ? above_[s] : below_[s];
-      for (d += 1; !leaves(corners_[s], d);
-           d += 3) {  // as far left as possible: where O touches itself it is not connected
-      }
+      ++d;  // as far left as possible: where O touches itself it is not connected
+      while (!leaves(corners_[s], d)) d += 3;
       d &= 3;
     } while (s != start || d != start_direction);
     lengths_.push_back(steps);
   }
 
-  // The passage at `site` in whose corner of O the segment to `other` begins. Only where O touches itself there are two
-  // to choose from, and then no two of its corners have an edge in common: one of those towards `other` is in O.
+  // The passage at `site` in whose corner of O the segment to `other` begins. Along a row it begins between two pixels;
+  // where O touches itself, one of these is in O.
   std::size_t contact(std::uint32_t site, std::uint32_t other) const {
-    if (!touches_itself(corners_[site])) return site;
     const std::int32_t dx = sites_[other][0] - sites_[site][0], dy = sites_[other][1] - sites_[site][1];
-    const int corner = corner_of(dx > 0, dy > 0);
-    if (corners_[site] >> corner & 1) return passage(site, corner);
-    return passage(site, dx == 0 ? corner_of(true, dy > 0) : corner_of(dx > 0, true));
+    return passage(site, dy > 0 || (dy == 0 && !(corners_[site] >> corner_of(dx > 0, false) & 1)));
   }
 
   std::span<const LatticePoint> sites_;

@@ -17,7 +17,7 @@
 #include "dual/bricks/rounds.h"
 #include "dual/dual_complex.h"
 #include "dual/peel/peel.h"
-#include "dual/plane/plane.h"
+#include "dual/plane/dual_of_plane.h"
 #include "quench/axis.h"
 #include "shape/boundary_count.h"
 

@@ -45,7 +45,7 @@ std::vector<std::array<std::uint32_t, 3>> triangles_left(const Record& data, con
 
 }  // namespace
 
-Record clustered(const Record& data, std::size_t max_triangles, std::vector<std::uint32_t>& kept) {
+Record clustered(const Record& data, std::size_t max_triangles, std::vector<std::uint32_t>& kept, double finest) {
   Vec3 low = Vec3::Zero(), high = Vec3::Zero();
   if (!data.points.empty()) low = high = data.points[0];
   for (const Vec3& p : data.points) {
@@ -64,7 +64,7 @@ Record clustered(const Record& data, std::size_t max_triangles, std::vector<std:
   // A surface passes through about area / side^2 cubes, with two triangles each. If there are more, the side grows with
   // the excess.
   const double budget = static_cast<double>(std::max<std::size_t>(max_triangles, 1)), box = (high - low).maxCoeff();
-  double side = std::max(std::sqrt(2 * area / budget), box * 1e-6);
+  double side = std::max(finest > 0 ? finest : std::sqrt(2 * area / budget), box * 1e-6);
   std::vector<std::uint32_t> leader;
   std::vector<std::array<std::uint32_t, 3>> triangles;
   for (;;) {

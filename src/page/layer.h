@@ -106,8 +106,9 @@ class FacesByLevel {
 };
 
 /// Merges the vertices of each cube of a grid, as fine as `max_triangles` allows; for display only. Cells that become
-/// degenerate or duplicate are left out; `kept`: per new vertex one of the old ones it stands for.
-Record clustered(const Record& data, std::size_t max_triangles, std::vector<std::uint32_t>& kept);
+/// degenerate or duplicate are left out; `kept`: per new vertex one of the old ones it stands for. `finest`: side of
+/// the cubes to begin with; 0: as the area suggests.
+Record clustered(const Record& data, std::size_t max_triangles, std::vector<std::uint32_t>& kept, double finest = 0);
 
 std::size_t triangle_count(const Record& data);
 

@@ -19,12 +19,14 @@ std::vector<T>& values_of(Page& page, const char* name, int components) {
   return std::get<std::vector<T>>(page.arrays.back().values);
 }
 
-std::size_t add_triangles(Page& page, const Record& surface, const char* what, std::size_t max_triangles) {
+/// `finest`: as of clustered().
+std::size_t add_triangles(Page& page, const Record& surface, const char* what, std::size_t max_triangles,
+                          double finest = 0) {
   const std::size_t given = page::triangle_count(surface);
   Record fewer;
   if (given > max_triangles) {
     std::vector<std::uint32_t> ignored;
-    fewer = page::clustered(surface, max_triangles, ignored);
+    fewer = page::clustered(surface, max_triangles, ignored, finest);
     page.notes.push_back(
         fmt::format("The {} has {} triangles; the page draws {}, with vertices close to each other merged{}", what,
                     page::count_text(given), page::count_text(page::triangle_count(fewer)), page::limit_text(page)));
@@ -184,7 +186,8 @@ std::size_t add_surface(Page& page, const TriangleMesh& mesh, std::size_t max_tr
 }
 
 std::size_t add_surface(Page& page, const VoxelShape& shape, std::size_t max_triangles) {
-  if (shape.grid().is_plane()) return add_triangles(page, to_record(flat_pixels(shape)), "shape", max_triangles);
+  if (shape.grid().is_plane())  // its triangles are narrow: their area says nothing
+    return add_triangles(page, to_record(flat_pixels(shape)), "shape", max_triangles, shape.grid().spacing.maxCoeff());
   page.voxel_surface = true;
   page.notes.emplace_back("The surface drawn is that of the voxels, smoothed by at most half a voxel");
   return add_triangles(page, to_record(smoothed_boundary(shape, 4)), "surface of the voxels", max_triangles);

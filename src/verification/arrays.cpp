@@ -192,6 +192,7 @@ std::string reason_for(const char* of, const std::string& name, const Record& da
     return find_array(data.field_data, "dimension") ? kFireOfTheAxis : kBoundsOnly;
   if (name == "sheet_level" || name == "curve_level") return "only bounds are checked: levels are of the medial axis";
   if (stage == "core" && name == kDetail) return kDetailsBounded;
+  if (stage == "skeleton" && name == kMgf) return kOfTheAxis;
   for (const std::string& measure : texts_or_empty(data.field_data, "measures"))
     if (!is_measure_of_cores(measure, find_array(data.field_data, "dimension") != nullptr) &&
         (name == measure || name == measure + "_level"))

@@ -115,7 +115,9 @@ class CapHeights {
 Check check_cap_heights(const Result& result, const Sites& sites, VertexSites& vertex_sites, std::size_t samples,
                         Context* context) {
   const std::string name = "cap heights";
-  if (result.stage != "core") return not_checked(name, "they are those of voxel cores, which the file does not claim");
+  if (result.stage != "core")
+    return not_checked(
+        name, fmt::format("they are those of {} cores, which the file does not claim", pixel_or_voxel(result)));
   CapHeights heights(result, sites, vertex_sites);
   if (!heights.of_cells()) return not_checked(name, "no cell array 'cap_height'");
   const std::size_t faces = result.complex.face_count();

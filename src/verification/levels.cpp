@@ -253,7 +253,9 @@ Check check_levels_of(const std::string& measure, const Result& result, const Si
   const std::string array = measure + "_level";
   std::vector<double> level = numbers_or_empty(result.data.cell_data, array);
   if (!find_array(result.data.cell_data, array)) return not_checked(name, fmt::format("no array '{}'", array));
-  if (result.stage != "core") return not_checked(name, "they are those of voxel cores, which the file does not claim");
+  if (result.stage != "core")
+    return not_checked(
+        name, fmt::format("they are those of {} cores, which the file does not claim", pixel_or_voxel(result)));
   const std::vector<double> point = numbers_or_empty(result.data.point_data, measure),
                             cell = numbers_or_empty(result.data.cell_data, measure);
   if (point.empty() || cell.empty())

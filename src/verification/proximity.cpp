@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "verification/checks.h"
 
@@ -128,8 +130,8 @@ Check check_proximity(const Result& result, std::size_t samples, Context* contex
     const Vec3 world = result.shape.grid().world(
         points[bad].cwiseQuotient(Vec3(static_cast<double>(result.scale[0]), static_cast<double>(result.scale[1]),
                                        static_cast<double>(result.scale[2]))));
-    check.detail = fmt::format("({:.9g}, {:.9g}, {:.9g}) is farther than beta {:.6g} from the medial axis of the shape",
-                               world[0], world[1], world[2], beta * result.unit);
+    check.detail = fmt::format("({:.9g}) is farther than beta {:.6g} from the medial axis of the shape",
+                               fmt::join(std::span(world.data(), result.plane ? 2 : 3), ", "), beta * result.unit);
   }
   return check;
 }

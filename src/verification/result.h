@@ -143,7 +143,7 @@ void for_indices(std::size_t count, Context* context, std::string_view stage, co
   });
 }
 
-/// What a cell of the grid is called, and what the cells of the largest dimension that a core can have.
+/// What a cell of the grid is called.
 inline const char* pixel_or_voxel(const Result& result) { return result.plane ? "pixel" : "voxel"; }
 
 inline Check not_checked(std::string name, const std::string& why) {

@@ -160,8 +160,8 @@ Check check_cells(const Result& result) {
     return check;
   }
   check.passed = true;
-  check.detail =
-      fmt::format("{} vertices, {} edges, {} polygons", result.rows.size(), complex.edges.size(), complex.face_count());
+  check.detail = fmt::format("{} vertices, {} edges", result.rows.size(), complex.edges.size());
+  if (!result.plane) check.detail += fmt::format(", {} polygons", complex.face_count());
   return check;
 }
 

@@ -54,14 +54,14 @@ Check check_radii(const Result& result, const Sites& sites, Context* context) {
                                                                   4 * result.rounding * result.unit;
   });
   check.passed = bad == vertices.size();
-  check.detail =
-      check.passed
-          ? fmt::format("{} of {} vertices have the distance to the nearest boundary vertex", vertices.size(),
-                        result.rows.size()) +
-                (interpolated > 0 ? fmt::format(", {} that may be smoothed to a voxel diagonal", interpolated.load())
-                                  : std::string())
-          : fmt::format("{} has radius {:.9g}, its nearest boundary vertex is at distance {:.9g}",
-                        result.describe_vertex(vertices[bad]), result.radius[vertices[bad]], distance(vertices[bad]));
+  check.detail = check.passed ? fmt::format("{} of {} vertices have the distance to the nearest boundary vertex",
+                                            vertices.size(), result.rows.size()) +
+                                    (interpolated > 0 ? fmt::format(", {} that may be smoothed to a {} diagonal",
+                                                                    interpolated.load(), pixel_or_voxel(result))
+                                                      : std::string())
+                              : fmt::format("{} has radius {:.9g}, its nearest boundary vertex is at distance {:.9g}",
+                                            result.describe_vertex(vertices[bad]), result.radius[vertices[bad]],
+                                            distance(vertices[bad]));
   return check;
 }
 

@@ -228,7 +228,7 @@ TEST_F(Program, SmallestShapes) {
   folder.write("voxel.npy", npy_box(1, 1, 1, 1));
   folder.write("bar.npy", npy_box(1, 1, 7, 1));
   folder.write("full.npy", npy_box(4, 4, 4, 0));
-  folder.write("image.npy", npy_box(9, 5, 1, 0));
+  folder.write("image.npy", npy_box(9, 1, 5, 0));
   for (const char* name : {"voxel", "bar", "full", "image"}) {
     works({"core", fmt::format("{}.npy", name), "--lambda", "0", "-o", fmt::format("{}.vtp", name)});
     works({"verify", fmt::format("{}.npy", name), fmt::format("{}.vtp", name)});

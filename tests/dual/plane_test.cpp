@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "dual/plane/plane.h"
-
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 #include <tbb/task_arena.h>
@@ -16,6 +14,7 @@
 
 #include "axis/mgf.h"
 #include "brute_force_plane.h"
+#include "dual/plane/dual_of_plane.h"
 #include "plane_shapes.h"
 #include "quench/axis.h"
 #include "same_dual.h"

@@ -48,6 +48,7 @@ PlaneLines example() {
   branch.from = branch.to = 1;
   branch.points = {{1.0 / 3, 2, 0}, {2, 3, 0}, {3, 2, 0}, {1.0 / 3, 2, 0}};
   branch.radius = {0.1, 0.1, 0.1, 0.1};
+  branch.mean_radius = 0.1;
   branch.thickness = branch.tortuosity = std::numeric_limits<double>::infinity();
   lines.graph.branches.push_back(branch);
   lines.arrays.push_back({"mgf", {{1, 2, std::numeric_limits<double>::infinity()}, {4, 5, 6, 7}}});
@@ -68,7 +69,7 @@ TEST(LineFiles, GeoJson) {
   PlaneLines lines = example();
   lines.number = 12;
   lines.id = "\"r1\"";
-  lines.properties = R"({"name":"Rh\u00ein\n","length":5,"mgf":[1],"polygon_length":6,"n":null})";
+  lines.properties = R"({"name":"Rh\u00een\n","length":5,"mgf":[1],"polygon_length":6,"n":null})";
   io::write_lines(folder / "a.geojson", lines);
   const Json json = Json::parse(text_of(folder / "a.geojson"));
   EXPECT_EQ(json["type"], "FeatureCollection");

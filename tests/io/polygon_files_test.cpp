@@ -332,6 +332,8 @@ TEST_F(PolygonFiles, HostileSvg) {
   expect_refused("a.svg", "<html></html>", "not an SVG");
   expect_refused("a.svg", svg("<path fill='none' d='M0 0h1v1z'/>"), "no filled shapes");
   expect_refused("a.svg", svg("<path d=''/>"), "no filled shapes");
+  expect_refused("a.svg", svg("<path d='M0 0h1v1z'/>", "transform='turn(1)'"), "unknown");
+  EXPECT_EQ(rings("a.svg", svg("<path d='M0 0A1e99 1e99 0 0 0 1e-56 0L5 5 5 0z'/>")), "0 0,0 0,5 5,5 0;");
   std::string nested;
   for (int k = 0; k < 100000; ++k) nested += "<g>";
   expect_refused("a.svg", nested, "damaged");
@@ -373,6 +375,8 @@ TEST_F(PolygonFiles, DamagedFilesAreReadOrRefused) {
 }
 
 TEST_F(PolygonFiles, OtherFiles) {
+  std::filesystem::create_symlink("/dev/zero", folder_ / "zero.wkt");
+  EXPECT_THROW(read_polygons(folder_ / "zero.wkt"), Error);
   for (const char* name : {"a.geojson", "a.JSON", "a.geojsonl", "a.geojsons", "a.ndjson", "a.wkt", "a.svg"})
     EXPECT_EQ(io::kind_of(name), io::Kind::polygons) << name;
   expect_refused("a.txt", "POLYGON((0 0,1 0,0 1))", "not a file of polygons");

@@ -93,7 +93,8 @@ TEST(Lengths, SpacingsAreOneTwoOrThreePositiveNumbers) {
   EXPECT_EQ(spacing_in("2"), Vec3(2, 2, 2));
   EXPECT_EQ(spacing_in("0.5,0.5,2e1"), Vec3(0.5, 0.5, 20));
   EXPECT_EQ(spacing_in("1,2"), Vec3(1, 2, 0));
-  for (const char* bad : {"", "0", "-1", "1,", "0,2", "1,0", "1,2,0", "1,2,3,4", "1,2,3,", "1, 2,3", "1,2,x", "inf", "1;2;3"})
+  for (const char* bad :
+       {"", "0", "-1", "1,", "0,2", "1,0", "1,2,0", "1,2,3,4", "1,2,3,", "1, 2,3", "1,2,x", "inf", "1;2;3"})
     EXPECT_FALSE(spacing_in(bad)) << bad;
 }
 

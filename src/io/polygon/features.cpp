@@ -12,6 +12,8 @@ std::ifstream opened(const std::filesystem::path& file) {
   std::error_code ignored;
   if (std::filesystem::is_directory(file, ignored))
     throw Error(ErrorCode::failed, fmt::format("cannot read '{}': it is a folder, not a file", file.string()));
+  if (std::filesystem::is_character_file(file, ignored))
+    throw Error(ErrorCode::input, fmt::format("'{}' is a device, not a file", file.string()));
   errno = 0;
   std::ifstream in(file, std::ios::binary);
   if (!in) throw Error(ErrorCode::failed, fmt::format("cannot open '{}': {}", file.string(), std::strerror(errno)));

@@ -67,7 +67,11 @@ class SvgReader {
     const pugi::xml_node root = xml_.document_element();
     if (local_name(root) != "svg") fail("this is not an SVG file");
     find_page(root);
-    visit_children(root, inherited(root, {}), 0);
+    try {
+      visit_children(root, inherited(root, {}), 0);
+    } catch (const SvgDamage& damage) {  // of the root itself; others are told feature by feature
+      fail(damage.reason);
+    }
     hand_over();
     say_what_is_left_out();
   }

@@ -48,6 +48,7 @@ void SvgPath::arc_to(const Vec2& radii, double degrees, bool large, bool clockwi
   double sweep = std::atan2(from[0] * to[1] - from[1] * to[0], from.dot(to));
   if (clockwise && sweep < 0) sweep += 2 * std::numbers::pi;
   if (!clockwise && sweep > 0) sweep -= 2 * std::numbers::pi;
+  if (!(std::abs(sweep) > 0)) return line_to(end);  // radii so much larger or smaller that nothing can be computed
   const Vec2 middle = (at_ + end) / 2;
   const auto place = [&](const Vec2& p) -> Vec2 { return middle + turn * Vec2(r.cwiseProduct(centre + p)); };
   const int pieces = static_cast<int>(std::ceil(std::abs(sweep) / (std::numbers::pi / 8)));

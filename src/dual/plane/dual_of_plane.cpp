@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "dual/plane/plane.h"
+#include "dual/plane/dual_of_plane.h"
 
 #include <algorithm>
 #include <vector>
