@@ -1,10 +1,12 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Apache-2.0
-"""Draws the figures of the pages about algorithms: docs/figures/draw.py [NAME...]. Needs python3-numpy and python3-scipy."""
+"""Draws the figures of the pages about algorithms: docs/figures/draw.py [NAME...]. Needs python3-numpy and python3-scipy, and
+for those of the plane the module quench (PYTHONPATH=build/release/python)."""
 import sys
 
 from axis_figures import bricks, delaunay, peeling, voxel_core, voxelization
 from burning_figures import burning, burning_fronts, burning_links, curve_graph, skeletons
+from plane_figures import plane_core, plane_fire, plane_measures, plane_subdivision
 from svg import BLUE, GREEN, GREY, LIGHT, ORANGE, PALE, RED, SKY, Figure, between
 from topology_figures import digitization_topology
 
@@ -137,6 +139,10 @@ FIGURES = [
     delaunay,
     digitization_topology,
     voxel_core,
+    plane_core,
+    plane_subdivision,
+    plane_measures,
+    plane_fire,
     peeling,
     bricks,
     burning,

@@ -73,6 +73,11 @@ class Panel:
     def line(self, a, b, **style):
         self.path([a, b], **style)
 
+    def paths(self, lines, **style):
+        """Several lines in one element."""
+        text = ''.join('M' + 'L'.join('{:.1f} {:.1f}'.format(*self.at(p)) for p in line) for line in lines)
+        self.figure.items.append(f'<path d="{text}" {_style(**style)}/>')
+
     def rectangle(self, low, high, **style):
         self.polygon([low, (high[0], low[1]), high, (low[0], high[1])], **style)
 
