@@ -118,7 +118,7 @@ TriangleMesh smoothed_boundary(const VoxelShape& shape, int iterations);
 TriangleMesh flat_pixels(const VoxelShape& shape);
 
 /// The boundary vertices, for the touching points of balls. Left out, with a note, when they are too many for a page
-/// or their coordinates outgrow 16 bits.
+/// or their coordinates outgrow 16 bits. Once per page: all have one grid.
 void add_sites(Page& page, const VoxelShape& shape);
 
 /// `count` points uniformly distributed in the shape (every voxel has the same share of them): the share of them inside
