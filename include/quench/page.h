@@ -110,7 +110,8 @@ std::size_t add_still(Page& page, const Record& data, std::size_t max_triangles)
 std::size_t add_surface(Page& page, const TriangleMesh& mesh, std::size_t max_triangles);
 std::size_t add_surface(Page& page, const VoxelShape& shape, std::size_t max_triangles);
 
-/// The boundary of the voxel shape as quads of two triangles, outward; smoothed for display (see above).
+/// The boundary of the voxel shape as quads of two triangles, outward; smoothed for display (see above). Throws
+/// Error(usage) for a pixel shape.
 TriangleMesh smoothed_boundary(const VoxelShape& shape, int iterations);
 
 /// The area of a pixel shape as triangles that meet along whole sides: a side of one triangle only is on the outline.
@@ -118,7 +119,7 @@ TriangleMesh smoothed_boundary(const VoxelShape& shape, int iterations);
 TriangleMesh flat_pixels(const VoxelShape& shape);
 
 /// The boundary vertices, for the touching points of balls. Left out, with a note, when they are too many for a page
-/// or their coordinates outgrow 16 bits.
+/// or their coordinates outgrow 16 bits. Once per page: all have one grid.
 void add_sites(Page& page, const VoxelShape& shape);
 
 /// `count` points uniformly distributed in the shape (every voxel has the same share of them): the share of them inside

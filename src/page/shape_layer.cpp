@@ -6,6 +6,7 @@
 #include <random>
 
 #include "page/layer.h"
+#include "quench/error.h"
 
 namespace quench {
 namespace {
@@ -116,6 +117,7 @@ std::vector<std::array<std::uint32_t, 4>> boundary_quads(const VoxelShape& shape
 }  // namespace
 
 TriangleMesh smoothed_boundary(const VoxelShape& shape, int iterations) {
+  if (shape.grid().is_plane()) throw Error(ErrorCode::usage, "a shape of the plane has no surface");
   const Corners corners(shape);
   const std::vector<std::array<std::uint32_t, 4>> quads = boundary_quads(shape, corners);
   const Grid& grid = shape.grid();

@@ -6,6 +6,7 @@
 #include <map>
 
 #include "page_reader.h"
+#include "quench/error.h"
 #include "quench/page.h"
 #include "quench/pipeline.h"
 #include "random_shapes.h"
@@ -94,6 +95,8 @@ TEST(PagePlane, TheFigureIsThePixels) {
     ASSERT_EQ(found, wanted);
   }
 }
+
+TEST(PagePlane, ThereIsNoSurface) { EXPECT_THROW(smoothed_boundary(random_plane(1), 1), Error); }
 
 TEST(PagePlane, SurfacesAreAddedToEachOther) {
   const VoxelShape first = random_plane(3), second = random_plane(5);
