@@ -44,7 +44,9 @@ struct Axis {
   /// Whether measure and threshold of a pruning are known: not of an axis of another program.
   bool is_pruned() const { return !std::isnan(core.threshold); }
   pipeline::Scale scale() const {
-    return {core.longest_side, spacing.minCoeff(), 0.5 * spacing.norm(), axis().is_fitted()};
+    Grid grid = axis().grid;
+    grid.spacing = spacing;
+    return {core.longest_side, spacing.minCoeff(), auto_detail(grid), axis().is_fitted()};
   }
   /// World units of a length such as "0.02" or "2.5vox".
   double resolve(const std::string& text, const std::string& field) const;

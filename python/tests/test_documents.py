@@ -47,6 +47,15 @@ def test_the_tour_of_results():
     exec(compile(blocks[1], 'docs/user/python.md', 'exec'), {'quench': quench, 'image': image})
 
 
+def test_the_cell_of_the_plane(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    with open(os.path.join(ROOT, 'docs/user/plane.md'), encoding='utf-8') as file:
+        code = re.search(r'```python\n(.*?)```', file.read(), re.S).group(1)
+    exec(compile(code, 'docs/user/plane.md', 'exec'), {})
+    assert capsys.readouterr().out.count('wide') == 3
+    assert (tmp_path / 'cell.png').stat().st_size > 5000
+
+
 def pages():
     """Every page of the project, by its path from the root, with its text without blocks of code."""
     for pattern in ('*.md', 'docs/**/*.md', 'notes/*.md', 'examples/*.md', 'viewer/*.md'):

@@ -518,3 +518,10 @@ def test_tables_and_networkx():
     assert all(path.shape[1] == 2 for path in graph.paths)
     made = graph.to_networkx()
     assert networkx.number_connected_components(made) == 1 and made.number_of_edges() == len(graph.paths)
+
+
+def test_the_thinnest_branch_is_measured_in_pixels():
+    image = np.zeros((60, 100), bool)
+    image[10:21, 10:90] = image[10:50, 40:51] = True
+    assert quench.medial_axis(image).skeleton().theta1 == pytest.approx(4.5 * np.sqrt(2) / 2)
+    assert quench.medial_axis(image, spacing=(2, 0.5)).skeleton().theta1 == pytest.approx(4.5 * np.hypot(2, 0.5) / 2)
