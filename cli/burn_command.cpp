@@ -38,6 +38,7 @@ Action add_burn(CLI::App& app) {
     session.check_output(o->output, o->axis.inputs());
     check_holds_arrays(o->output);
     pipeline::LoadedAxis loaded = load_axis(o->axis, session);
+    if (loaded.axis.grid.is_plane()) say_not_of_plane({}, o->burning, session);
     const bool keeps_sequence = extension_of(o->output) == ".vtp";  // others have no place for it
     const Burning burning = pipeline::burning_of(loaded.axis, loaded.voxel_core, o->burning, keeps_sequence,
                                                  loaded.scale, &session.context);

@@ -147,10 +147,10 @@ Json surface_info(const std::string& file, Session& session) {
 template <class T>
 std::string hint_of(const Volume& volume, const Statistics<T>& statistics) {
   const bool two = statistics.few && statistics.counts.size() + (statistics.not_a_number > 0) <= 2;
-  if (two)
+  const auto proposal = volume.grid.is_plane() ? pipeline::propose_threshold(volume) : std::nullopt;
+  if (two && !proposal)
     return fmt::format("the shape is the non-zero {}, or choose with --label",
                        volume.grid.is_plane() ? "pixels" : "voxels");
-  const auto proposal = volume.grid.is_plane() ? pipeline::propose_threshold(volume) : std::nullopt;
   if (!proposal) return fmt::format("choose a shape with {}", statistics.few ? "--label" : "--threshold");
   const auto value =
       std::visit([](auto t) { return fmt::format("{:.6g}", static_cast<double>(t)); }, proposal->threshold);

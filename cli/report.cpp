@@ -221,6 +221,15 @@ void say_burned(const pipeline::BurnFigures& burned, std::size_t vertices, Sessi
                     burned.unburned == 1 ? "lies" : "lie", plane ? "loops and between them" : "closed pockets"));
 }
 
+void say_not_of_plane(const pipeline::SkeletonOptions& skeleton, const pipeline::BurningOptions& burning,
+                      Session& session) {
+  if (skeleton.theta2)
+    session.say("note: --theta2 is for sheets and is ignored: axes of images and polygons have none");
+  if (burning.omega || burning.radius)
+    session.say(
+        "note: --omega and --radius are for solids and are ignored: fire on axes of images and polygons is exact");
+}
+
 void add_axis_sections(Json& report, const pipeline::AxisRun& run) {
   const Skeleton& skeleton = run.skeleton.skeleton;
   const Topology& topology = run.skeleton.topology;

@@ -48,6 +48,10 @@ void add_burn_section(Json& report, const pipeline::BurnFigures& burned);
 /// What a burning found, and how many of so many vertices it left unburned.
 void say_burned(const pipeline::BurnFigures& burned, std::size_t vertices, Session& session);
 
+/// Which options mean nothing for axes of images and polygons.
+void say_not_of_plane(const pipeline::SkeletonOptions& skeleton, const pipeline::BurningOptions& burning,
+                      Session& session);
+
 /// `burn`, `curves` and `skeleton`.
 void add_axis_sections(Json& report, const pipeline::AxisRun& run);
 

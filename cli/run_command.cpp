@@ -113,8 +113,7 @@ int run_pipeline(const RunProgram& o, Session& session) {
   how.how.keep_mesh = files.has_page();
   pipeline::LoadedShape shape = load_shape(how, session);
   const bool plane = shape.shape.grid().is_plane();
-  if (plane && o.run.skeleton.theta2)
-    session.say("note: --theta2 is for sheets and is ignored: axes of images and polygons have none");
+  if (plane) say_not_of_plane(o.run.skeleton, o.run.burning, session);
   if (std::error_code error; plane && fs::exists(o.folder, error))
     for (const fs::path& file : {files.geojson, files.svg}) session.check_output(file, {o.shape.file});
   pipeline::PageBuilder builder(o.max_triangles);

@@ -161,6 +161,7 @@ int run_features(const RunProgram& o, Session& session) {
   session.check_report({o.shape.file});
   check_shape_options(o.shape);
   say_ignored(o.shape, io::Kind::polygons, session);
+  say_not_of_plane(o.run.skeleton, o.run.burning, session);
   create_folder(o.folder);
 
   pipeline::RunOptions options = o.run;

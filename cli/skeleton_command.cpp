@@ -67,8 +67,7 @@ Action add_skeleton(CLI::App& app) {
       throw Error(ErrorCode::usage, fmt::format("'{}' is not of the plane; --geojson, --svg and --wkt write results of "
                                                 "images and polygons",
                                                 o->axis.file));
-    if (plane && o->skeleton.theta2)
-      session.say("note: --theta2 is for sheets and is ignored: axes of images and polygons have none");
+    if (plane) say_not_of_plane(o->skeleton, o->burning, session);
     pipeline::take_recorded(o->burning, loaded.data);
     Json report = {{"input", input_section(o->axis, loaded)}, {"parameters", parameters_section(o->burning)}};
     Json& parameters = report["parameters"];

@@ -142,7 +142,7 @@ void add_skeleton_options(CLI::App& app, pipeline::SkeletonOptions& o, GraphFile
       "Drop branches of curves that stick out of what they leave by less than this many of its radii (0.5r), or "
       "curves of a smaller erosion thickness (0.02 or 2% of the longest side, 8vox, 3.5abs) from their free ends; "
       "inf: only what topology needs; 'auto': 0.5r. With radii also what is thinner than 4.5 times the automatic "
-      "detail, 3.9 voxels")
+      "detail, 3.9 voxels or 3.2 pixels")
       ->group(group);
   add_number(app, "--smooth", files.graph.smooth,
              "Passes of smoothing over curves, sheets and their rims, 0 to 10000; they stay inside the shape", 0, 10000)

@@ -129,13 +129,14 @@ io::VolumeReadOptions read_options(const ShapeOptions& options);
 
 /// A threshold that parts the dark values of an image from the bright ones.
 struct ThresholdProposal {
-  double low = 0, high = 0;  ///< the values of the image
+  double low = 0, high = 0;  ///< the least and the largest value of the image
+  bool two_values = false;   ///< there are no others
   Threshold threshold;
   bool bright_border = false;  ///< most pixels at its sides are bright: the shape may be what is dark
 };
 
 /// By Otsu's method (1979, IEEE Trans. SMC 9): the classes whose means lie farthest apart for their sizes. Nothing for
-/// an image of at most two values. O(samples).
+/// an image of one value, or of 0 and another one. O(samples).
 std::optional<ThresholdProposal> propose_threshold(const Volume& image);
 
 /// A shape ready for the main job, and what was found on the way.

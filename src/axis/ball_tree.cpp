@@ -87,19 +87,30 @@ void BallTree::fill_leaf(std::size_t leaf) {
   }
 }
 
+std::size_t NearBalls::entry(std::int64_t x, std::int64_t y) const {
+  const auto cell = [](std::int64_t at, std::int64_t least) { return static_cast<std::size_t>((at >> 2) & least); };
+  // Sites of a plane come row by row: those above matter, as far as the image is wide.
+  return grid_.is_plane() ? cell(x, 0x3fff) | cell(y, 3) << 14 : cell(x, 255) | cell(y, 255) << 8;
+}
+
 bool NearBalls::find(const LatticePoint& site, double enough, double& limit) {
   const Vec3 p = grid_.world_of(site);
-  const auto cell = [&](std::size_t axis, int least) { return static_cast<std::size_t>(site[axis] >> 2 & least); };
-  // Sites of a plane come row by row: those above matter, as far as the image is wide.
-  std::uint32_t& ball = last_[grid_.is_plane() ? cell(0, 0x3fff) | cell(1, 3) << 14 : cell(0, 255) | cell(1, 255) << 8];
+  std::uint32_t& ball = last_[entry(site[0], site[1])];
   const std::size_t none = tree_.size();
   bool found = false;
-  if (ball < none)
-    if (const double away = outside(tree_.ball(ball), p); away < limit) {
-      limit = away;
-      found = true;
-      if (away <= enough) return true;
-    }
+  const auto try_ball = [&](std::uint32_t other) {
+    if (other >= none) return false;
+    const double away = outside(tree_.ball(other), p);
+    if (!(away < limit)) return false;
+    limit = away;
+    ball = other;
+    found = true;
+    return away <= enough;
+  };
+  if (try_ball(ball)) return true;
+  if (grid_.is_plane())  // squares that were left and above before this one was met
+    for (const auto& [dx, dy] : {std::pair{-4, 0}, {0, -4}, {4, -4}, {-4, -4}})
+      if (try_ball(last_[entry(site[0] + dx, site[1] + dy)])) return true;
   if (const std::size_t nearer = tree_.near(p, enough, limit); nearer < none) {
     ball = static_cast<std::uint32_t>(nearer);
     found = true;

@@ -110,6 +110,7 @@ class NearBalls {
 
  private:
   static constexpr std::size_t kEntries = 1 << 16;
+  std::size_t entry(std::int64_t x, std::int64_t y) const;
   const BallTree& tree_;
   const Grid& grid_;
   std::vector<std::uint32_t> last_;  // per column of 4 x 4 voxels, those 1024 apart share one: sites come by z; per

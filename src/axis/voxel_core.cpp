@@ -108,7 +108,7 @@ namespace {
 
 // Measured on 18 shapes, notes/detail.md; several threads have buffers of their own. In the plane there are fewer
 // cells.
-constexpr double kBytesPerSiteOfPlane = 300;
+constexpr double kBytesPerSiteOfPlane = 220;
 constexpr double kBytesPerSite = 355, kBytesPerSiteInBricks = 400, kFewestBytesPerSiteInBricks = 222;
 
 std::int64_t core_bytes(double per_site, double sites) {
@@ -133,7 +133,7 @@ std::int64_t predicted_core_bytes(const VoxelShape& shape) {
 std::int64_t predicted_core_bytes(std::int64_t sites) { return core_bytes(kBytesPerSite, static_cast<double>(sites)); }
 
 std::int64_t predicted_core_bytes_in_bricks(const VoxelShape& shape) {
-  if (shape.grid().is_plane()) return predicted_core_bytes(shape);  // one piece is little
+  if (shape.grid().is_plane()) return predicted_core_bytes(shape);  // made at once in any case
   const shape::BoundaryCount count = shape::count_boundary(shape);
   if (count.sites == 0) return predicted_core_bytes_in_bricks(0);
   const auto sites = static_cast<double>(count.sites);

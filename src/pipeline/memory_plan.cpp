@@ -30,8 +30,9 @@ void require_memory(std::int64_t bytes, const std::string& what, const std::vect
 CorePlan plan_core(const VoxelShape& shape, const Context* context) {
   CorePlan plan;
   plan.sites = count_boundary_vertices(shape);
-  plan.at_once = predicted_core_bytes(shape);
-  plan.bricks = predicted_core_bytes_in_bricks(shape);
+  const bool plane = shape.grid().is_plane();  // whose cores are small, and made at once
+  plan.at_once = plane ? predicted_core_bytes(plan.sites) : predicted_core_bytes(shape);
+  plan.bricks = plane ? plan.at_once : predicted_core_bytes_in_bricks(shape);
   // Measuring gives freed memory back first, which is not worth its time for many small shapes.
   constexpr std::int64_t kSmall = 64 << 20;
   if (is_limited(context) || plan.at_once > kSmall) plan.held = base::held_memory();

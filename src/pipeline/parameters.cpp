@@ -98,7 +98,8 @@ std::vector<std::string> take_recorded(ShapeOptions& options, const Record& resu
   const auto is_topology = [](const std::string& name) { return topology_of(name).has_value(); };
   const auto topology = recorded.get<std::string>("topology", &Json::is_string, is_topology);
   if (!options.topology && topology) options.topology = topology_of(*topology);
-  if (!options.topology && recorded.has("resolution")) options.topology = TopologyRule::voxels;  // of older files, too
+  if (!options.topology && recorded.has("resolution") && !recorded.has("feature"))
+    options.topology = TopologyRule::voxels;  // of older files, too
   ForegroundOptions& f = options.foreground;
   const auto threshold = recorded.threshold();
   const auto label = recorded.whole("label", -most - 1, most);

@@ -150,7 +150,8 @@ LoadedShape finished(LoadedShape&& loaded, const ShapeOptions& options, Context*
 
 namespace {
 
-/// Refuses an image of many values of which nobody has said what the shape is, with a threshold for it.
+/// Refuses an image of many values, or of two that are not 0, of which nobody has said what the shape is, with a
+/// threshold for it.
 void check_is_chosen(const Volume& image, const ForegroundOptions& options) {
   if (options.threshold || options.label) return;
   const auto proposal = propose_threshold(image);
@@ -161,10 +162,12 @@ void check_is_chosen(const Volume& image, const ForegroundOptions& options) {
       proposal->bright_border ? "; its border is bright: for a dark shape on a bright ground invert it" : "";
   throw Error(
       ErrorCode::usage,
-      fmt::format("the image has more than two values, from {:.6g} to {:.6g}, so it is not clear what the shape "
-                  "is; give a threshold T (value >= T), e.g. {}, which parts dark from bright{}, or a label K "
-                  "(value = K)",
-                  proposal->low, proposal->high, threshold, invert),
+      fmt::format("the image has {}, so it is not clear what the shape is; give a threshold T (value >= T), e.g. {}, "
+                  "which parts dark from bright{}, or a label K (value = K)",
+                  proposal->two_values
+                      ? fmt::format("the values {:.6g} and {:.6g}, and no 0", proposal->low, proposal->high)
+                      : fmt::format("more than two values, from {:.6g} to {:.6g}", proposal->low, proposal->high),
+                  threshold, invert),
       "threshold");
 }
 

@@ -13,6 +13,7 @@ namespace {
 template <class T>
 struct Histogram {
   T low{}, high{};
+  bool two_values = false;
   double step = 1;  ///< width of an interval
   std::vector<double> counts;
 
@@ -26,7 +27,8 @@ struct Histogram {
       low = std::min(low, v);
       high = std::max(high, v);
     }
-    if (!third) return;
+    two_values = !third;
+    if (!third && (low == high || low == T{} || high == T{})) return;
     constexpr double kMostValues = 65536, kIntervals = 256;
     const double range = static_cast<double>(high) - static_cast<double>(low);
     if (!std::isfinite(range)) return;
@@ -89,6 +91,7 @@ std::optional<ThresholdProposal> propose_threshold(const Volume& image) {
         ThresholdProposal proposal;
         proposal.low = static_cast<double>(histogram.low);
         proposal.high = static_cast<double>(histogram.high);
+        proposal.two_values = histogram.two_values;
         const double value = proposal.low + offset;
         if constexpr (std::is_integral_v<T>)
           proposal.threshold = static_cast<std::int64_t>(std::clamp(std::ceil(value), -0x1p62, 0x1p62));

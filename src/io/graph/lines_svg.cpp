@@ -35,7 +35,8 @@ class SvgLines : public LineFormat {
     high_ = high_.cwiseMax(high);
 
     const double side = (high - low).maxCoeff();
-    print(R"(<g stroke-width="{:g}")", 0.004 * side);
+    ++shapes_;
+    print("<g");
     if (lines.number) print(R"( data-feature="{}")", *lines.number);
     print(">\n");
     print_area(lines.outline, "#d0d0d0");
@@ -58,9 +59,11 @@ class SvgLines : public LineFormat {
     text.print("<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"{} {} {} {}\">\n", low[0] - margin, top - margin,
                high[0] - low[0] + 2 * margin, high[1] - low[1] + 2 * margin);
     if (!options_.y_down) text.print("<!-- y of the coordinates grows upwards, that of SVG downwards -->\n");
-    text.print(R"(<g fill="none" stroke-linecap="round" stroke-linejoin="round"{}>)"
+    // One width for all lines: thinner where there are many shapes, of which most are small.
+    const double width = (shapes_ > 1 ? 0.002 : 0.004) * (high - low).maxCoeff();
+    text.print(R"(<g fill="none" stroke-width="{:g}" stroke-linecap="round" stroke-linejoin="round"{}>)"
                "\n",
-               options_.y_down ? "" : " transform=\"scale(1,-1)\"");
+               width, options_.y_down ? "" : " transform=\"scale(1,-1)\"");
     text.flush();
     out_.write(body_.data(), static_cast<std::streamsize>(body_.size()));
     text.print("</g>\n</svg>\n");
@@ -106,6 +109,7 @@ class SvgLines : public LineFormat {
   std::ostream& out_;
   LineOptions options_;
   std::string body_;
+  std::size_t shapes_ = 0;
   Vec2 low_ = Vec2::Constant(std::numeric_limits<double>::infinity()), high_ = -low_;
 };
 

@@ -92,7 +92,7 @@ Polygons SvgPath::flattened(double tolerance) const {
       ring.push_back(end);
     }
     // Drawing programs round: a curve that ends where it began misses that by a little, and would cross itself there.
-    while (ring.size() > 3 && (ring.back() - ring.front()).norm() <= off) ring.pop_back();
+    while (ring.size() > 3 && ring.back() != ring.front() && (ring.back() - ring.front()).norm() <= off) ring.pop_back();
     const auto second = std::find_if(ring.begin(), ring.end(), [&](const Vec2& p) { return p != ring.front(); });
     if (std::any_of(second, ring.end(), [&](const Vec2& p) { return p != ring.front() && p != *second; }))
       result.rings.push_back(std::move(ring));
