@@ -23,6 +23,11 @@ io::PlaneLines plane_lines(const CurveGraph& graph) {
 
 io::PlaneLines plane_lines(const pipeline::LoadedShape& shape, const pipeline::RunResult& result) {
   io::PlaneLines lines = plane_lines(result.axis.graph);
+  if (shape.polygon) {
+    lines.number = shape.polygon->number;
+    lines.id = shape.polygon->id;
+    lines.properties = shape.polygon->properties;
+  }
   lines.outline = shape.polygon ? shape.polygon->polygons : boundary_rings(shape.shape);
   if (result.wide) lines.wide = boundary_rings(*result.wide);
   return lines;

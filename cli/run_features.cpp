@@ -194,9 +194,6 @@ int run_features(const RunProgram& o, Session& session) {
           open();
         }
         io::PlaneLines lines = plane_lines(*run.shape, *run.result);
-        lines.number = run.number;
-        lines.id = run.id;
-        lines.properties = run.properties;
         geojson->append(lines);
         const std::size_t points = points_of(lines);
         if (drawn + points <= kMostDrawn) {

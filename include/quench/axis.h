@@ -257,7 +257,7 @@ void mark_balls(std::span<const Vec3> centres, std::span<const double> radius, c
                 Context* context = nullptr);
 
 /// The part of a shape that is at least so wide: its voxels whose centres lie in a ball of the axis of at least this
-/// diameter (the opening of the shape by such balls, up to what was pruned). A byte per voxel of the grid.
+/// diameter (the opening of the shape by such balls, up to what was pruned). A byte per voxel of the box of the shape.
 VoxelShape wide_part(const VoxelShape& shape, const MedialAxis& axis, double width, Context* context = nullptr);
 
 /// Takes out of the data of a medial axis the field arrays that a number or a name would be taken from but that hold

@@ -101,10 +101,10 @@ CurveGraph smoothed(const CurveGraph& graph, const SmoothOptions& options);
 Skeleton with_branches(const Skeleton& skeleton, const CurveGraph& graph);
 
 /// The main axis of each component of a skeleton of curves, and nothing else: of the shortest ways along curves between
-/// two free ends the longest (where there are fewer than two ends, between nodes; a closed curve with one node stays as
-/// it is), with isolated vertices. Exact in trees and in components of up to 2000 ends; in larger ones with loops the
-/// longest of 16 sweeps, each from where the one before ended. Near linear in trees. Throws Error(usage), field theta2,
-/// for a skeleton with sheets.
+/// two free ends the longest (where there are fewer than two ends, between nodes, or a closed curve that is longer),
+/// with isolated vertices. Exact in trees and in components of up to 2000 ends; in larger ones with loops the longest
+/// of 16 sweeps, each from where the one before ended. Near linear in trees. Throws Error(usage), field theta2, for a
+/// skeleton with sheets.
 Skeleton main_axes(const Skeleton& skeleton);
 
 /// The graph whose free ends are drawn out in a straight line to the boundary of the shape: from the node on, in the
@@ -117,8 +117,8 @@ CurveGraph extended(const CurveGraph& graph, const VoxelShape& shape);
 /// to voxel; nodes inside of it go. Its branches have no `vertices`, nor have nodes of kind `border`.
 CurveGraph outside_of(const CurveGraph& graph, const VoxelShape& part);
 
-/// Gives the points of branches the erosion thickness on the curves (infinite where no fire comes) and, in the plane, the
-/// MGF of the skeleton that was drawn with them by with_branches(). Throws Error(usage) when a point is not in it.
+/// Gives the points of branches the erosion thickness on the curves (infinite where no fire comes) and, in the plane,
+/// the MGF of the skeleton that was drawn with them by with_branches(). Throws Error(usage) when a point is not in it.
 void add_measures(CurveGraph& graph, const Skeleton& drawn);
 
 /// Puts a skeleton of curves, with its branches, behind another, e.g. to draw both: cells, components and branches of

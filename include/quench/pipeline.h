@@ -263,7 +263,7 @@ struct PlaneSites {
   Grid grid;
   std::vector<LatticePoint> sites;  ///< in order of y, x
   /// The distance of a point of the plane to the nearest site; infinite where there are none. O(r log n) for r rows of
-  /// pixels within that distance.
+  /// sites within that distance.
   double distance(const Vec3& point) const;
 };
 
@@ -494,11 +494,12 @@ struct FeatureRun {
   std::string failure;                ///< a sentence, where there is no result; else empty
   std::vector<std::string> notes;     ///< what its run had to say
   std::optional<LoadedShape> shape;   ///< where there is a result
-  std::optional<RunResult> result;
+  std::optional<RunResult> result;  ///< without the cells and the file of the medial axis
 };
 
 /// run() of each polygon of a file, on all threads, several at a time; `take` is called on the calling thread in the
-/// order of the file. Memory is bounded by that of a few hundred features (or one that is larger), whatever the file.
+/// order of the file. Memory is bounded, whatever the file: that of features with some 260,000 boundary vertices
+/// together (or of one with more), and of 256 features at most.
 /// A feature that cannot be used is one with a `failure`. Throws Error(usage) for options that no feature takes, and
 /// what io::for_each_feature() throws.
 void run_features(const std::filesystem::path& file, const ShapeOptions& shape, const RunOptions& options,

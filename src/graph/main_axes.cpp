@@ -67,7 +67,15 @@ class MainAxes {
       for (const std::uint32_t b : branches_at_[nodes[0]]) kept_[b] = 1;
       return;
     }
-    if (ends.size() < 2) ends = nodes;
+    std::uint32_t loop = kNone;  // the longest closed curve, where there is no way from end to end
+    if (ends.size() < 2) {
+      for (const std::uint32_t n : nodes)
+        for (const std::uint32_t b : branches_at_[n])
+          if (graph_.branches[b].from == graph_.branches[b].to &&
+              (loop == kNone || graph_.branches[b].length > graph_.branches[loop].length))
+            loop = b;
+      ends = nodes;
+    }
     const bool tree = branches + 1 == nodes.size();
     Way best;
     if (tree || ends.size() > kMostEnds) {
@@ -80,6 +88,10 @@ class MainAxes {
     } else {
       for (const std::uint32_t end : ends)
         if (const Way way = longest_from(end, ends); way.length > best.length) best = way;
+    }
+    if (loop != kNone && graph_.branches[loop].length > best.length) {
+      kept_[loop] = 1;
+      return;
     }
     measure_from(best.from);
     for (std::uint32_t n = best.to; n != best.from;) {

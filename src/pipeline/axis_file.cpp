@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "base/text.h"
 #include "quench/axis.h"
@@ -55,6 +56,11 @@ std::optional<PlaneSites> plane_sites(const Record& data) {
   const DataArray* triples = find_array(data.field_data, "sites");
   if (dims.empty() || spacing.empty() || origin.empty() || direction.empty() || !triples || triples->components != 3)
     return {};
+  constexpr double kMostPixels = 0x1p20;
+  const auto is_size = [](double n) { return n >= 1 && n <= kMostPixels; };
+  if (!is_size(dims[0]) || !is_size(dims[1]) || !(spacing[0] > 0) || !(spacing[1] > 0) || !std::isfinite(spacing[0]) ||
+      !std::isfinite(spacing[1]))
+    return {};
   PlaneSites sites;
   sites.grid.dims = {static_cast<std::int64_t>(dims[0]), static_cast<std::int64_t>(dims[1]), 1};
   sites.grid.spacing = Vec3(spacing[0], spacing[1], spacing[2]);
@@ -63,8 +69,10 @@ std::optional<PlaneSites> plane_sites(const Record& data) {
     for (int c = 0; c < 3; ++c) sites.grid.direction(r, c) = direction[static_cast<std::size_t>(3 * r + c)];
   sites.grid.make_plane();
   const std::vector<double> at = triples->numbers();
-  for (std::size_t i = 0; i + 2 < at.size(); i += 3)
+  for (std::size_t i = 0; i + 2 < at.size(); i += 3) {
+    if (!(at[i] >= 0 && at[i] <= dims[0] && at[i + 1] >= 0 && at[i + 1] <= dims[1])) return {};
     sites.sites.push_back({static_cast<std::int32_t>(at[i]), static_cast<std::int32_t>(at[i + 1]), 0});
+  }
   std::ranges::sort(sites.sites, {}, [](const LatticePoint& p) { return std::array{p[1], p[0]}; });
   if (sites.sites.empty()) return {};
   return sites;

@@ -11,14 +11,18 @@ namespace quench::pipeline {
 double PlaneSites::distance(const Vec3& point) const {
   const Vec3 at = grid.lattice(point);
   double squared = std::numeric_limits<double>::infinity();
-  const auto before = [](const LatticePoint& site, const std::array<double, 2>& yx) {
-    return site[1] != yx[0] ? site[1] < yx[0] : site[0] < yx[1];
+  const auto first_from = [&](double row, double x) {
+    return std::lower_bound(sites.begin(), sites.end(), std::array{row, x},
+                            [](const LatticePoint& site, const std::array<double, 2>& yx) {
+                              return site[1] != yx[0] ? site[1] < yx[0] : site[0] < yx[1];
+                            });
   };
-  // Rows of sites outwards from the point, up and down, as far as they may hold a nearer one.
+  constexpr double kLeft = -std::numeric_limits<double>::infinity();
+  // Measures the two sites of a row beside the point; false when the row is too far away for a nearer one.
   const auto look_at = [&](double row) {
     const double dy = (row - at[1]) * grid.spacing[1];
     if (dy * dy >= squared) return false;
-    const auto next = std::lower_bound(sites.begin(), sites.end(), std::array{row, at[0]}, before);
+    const auto next = first_from(row, at[0]);
     const auto measure = [&](const LatticePoint& site) {
       if (site[1] != row) return;
       const double dx = (site[0] - at[0]) * grid.spacing[0];
@@ -28,13 +32,14 @@ double PlaneSites::distance(const Vec3& point) const {
     if (next != sites.begin()) measure(*(next - 1));
     return true;
   };
-  const double first = std::floor(at[1]), lowest = sites.empty() ? 1 : sites.front()[1],
-               highest = sites.empty() ? 0 : sites.back()[1];
-  bool down = true, up = true;
-  for (double step = 0; down || up; ++step) {
-    const double below = first - step, above = first + 1 + step;
-    down = down && below >= lowest && (below > highest || look_at(below));
-    up = up && above <= highest && (above < lowest || look_at(above));
+  // Rows that have sites, from the point upwards and downwards in turns.
+  auto up = first_from(at[1], kLeft), down = up;
+  bool look_up = true, look_down = true;
+  while (look_up || look_down) {
+    look_up = look_up && up != sites.end() && look_at((*up)[1]);
+    if (look_up) up = first_from((*up)[1] + 1.0, kLeft);
+    look_down = look_down && down != sites.begin() && look_at((*(down - 1))[1]);
+    if (look_down) down = first_from((*(down - 1))[1], kLeft);
   }
   return std::sqrt(squared);
 }

@@ -6,6 +6,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <new>
 #include <utility>
 #include <vector>
 
@@ -154,9 +156,27 @@ bool holds_one_feature(const std::filesystem::path& file) {
 
 namespace {
 
-// Features are worked on in batches, in parallel; a batch has at most so many features and points, so that memory is
-// bounded whatever the file.
+// Features are worked on in batches, in parallel; a batch has at most so many features, points and, by the length of
+// their outlines, boundary vertices, so that memory is bounded whatever the file.
 constexpr std::size_t kBatchFeatures = 256, kBatchPoints = std::size_t{1} << 20;
+constexpr double kBatchSites = 0x1p18;
+
+// About how many boundary vertices a polygon will have.
+double expected_sites(const Polygons& polygons, const ShapeOptions& options) {
+  double length = 0;
+  Vec2 low = Vec2::Constant(std::numeric_limits<double>::infinity()), high = -low;
+  for (const auto& ring : polygons.rings)
+    for (std::size_t i = 0; i < ring.size(); ++i) {
+      length += (ring[i] - ring[i == 0 ? ring.size() - 1 : i - 1]).cwiseAbs().sum();
+      low = low.cwiseMin(ring[i]);
+      high = high.cwiseMax(ring[i]);
+    }
+  const double side = (high - low).maxCoeff(),
+               pixel =
+                   options.pixel.value_or(side / static_cast<double>(options.resolution.value_or(kDefaultResolution)));
+  const double sites = length / pixel * options.subdivide;
+  return std::isfinite(sites) ? sites : 0;  // refused later
+}
 
 struct Pending {
   PolygonFeature feature;
@@ -178,10 +198,17 @@ FeatureRun run_of(Pending&& pending, const ShapeOptions& shape_options, const Ru
   try {
     run.shape = shape_of(std::move(pending.feature), shape_options, &context);
     run.result = pipeline::run(*run.shape, options, &context);
+    run.result->core.axis = {};  // most of the memory; the skeleton is what is wanted
+    run.result->axis.file = {};
+  } catch (const std::bad_alloc&) {
+    run.failure = "there is not enough memory; use a lower resolution";
+    run.shape.reset();
+    run.result.reset();
   } catch (const Error& error) {
     if (error.code() == ErrorCode::usage || error.code() == ErrorCode::cancelled) throw;
     run.failure = error.what();
     run.shape.reset();
+    run.result.reset();
   }
   return run;
 }
@@ -192,6 +219,7 @@ void run_features(const std::filesystem::path& file, const ShapeOptions& shape, 
                   const std::function<void(FeatureRun&&)>& take, Context* context) {
   std::vector<Pending> batch;
   std::size_t points = 0;
+  double sites = 0;
   const auto work = [&] {
     std::vector<FeatureRun> runs(batch.size());
     base::in_arena(context, [&] {
@@ -204,9 +232,13 @@ void run_features(const std::filesystem::path& file, const ShapeOptions& shape, 
     for (FeatureRun& run : runs) take(std::move(run));
     batch.clear();
     points = 0;
+    sites = 0;
   };
   const auto add = [&](Pending&& pending) {
+    const double more = expected_sites(pending.feature.polygons, shape);
+    if (!batch.empty() && sites + more > kBatchSites) work();
     for (const auto& ring : pending.feature.polygons.rings) points += ring.size();
+    sites += more;
     batch.push_back(std::move(pending));
     if (batch.size() >= kBatchFeatures || points >= kBatchPoints) work();
   };

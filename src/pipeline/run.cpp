@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <cmath>
 #include <optional>
 #include <utility>
 #include <vector>
 
+#include "quench/error.h"
 #include "quench/pipeline.h"
 
 namespace quench::pipeline {
@@ -32,6 +34,9 @@ void add_shape(PageBuilder& builder, LoadedShape& shape) {
 
 AxisRun run_axis(const MedialAxis& axis, Record&& file, bool voxel_core, const Topology& wanted, const Scale& scale,
                  const RunOptions& options, Context* context) {
+  if (options.skeleton.main_axes && !axis.grid.is_plane() && std::isfinite(theta2_of(options.skeleton, scale)))
+    throw Error(ErrorCode::usage, "main axes are those of skeletons of curves, not of sheets; take theta2 'inf'",
+                "theta2");
   AxisRun result;
   result.file = std::move(file);
   std::optional<Burning> kept = kept_burning_of(axis, result.file, voxel_core, options.burning, scale, context);
@@ -47,6 +52,9 @@ AxisRun run_axis(const MedialAxis& axis, Record&& file, bool voxel_core, const T
     checkpoint(context, "page", 1);
   }
   RefinedAxis refined = curves_of(axis, std::move(burning), context);
+  if (const DataArray* mgf = find_array(result.file.point_data, kMgf); refined.plane && mgf && mgf->components == 1)
+    if (std::vector<double> values = mgf->numbers(); values.size() == refined.points.size())
+      refined.mgf = std::move(values);
   FamilyResult family =
       family_of(std::move(refined), wanted, floor_of(options.skeleton, scale, result.burned.options.omega), context);
   result.curves = family.curves;
@@ -61,6 +69,11 @@ AxisRun run_axis(const MedialAxis& axis, Record&& file, bool voxel_core, const T
 }
 
 RunResult run(LoadedShape& shape, const RunOptions& options, Context* context) {
+  if (options.graph.extend && shape.surface)
+    throw Error(ErrorCode::usage,
+                "branches can only be drawn out to the boundary of the voxels or pixels that the axis is that of; take "
+                "the surface 'voxels'",
+                "extend");
   RunResult result;
   if (options.page) {
     add_shape(*options.page, shape);
@@ -86,6 +99,10 @@ RunResult run(LoadedShape& shape, const RunOptions& options, Context* context) {
   result.axis.skeleton.reconstructed = reconstructed_share(shape.shape, result.axis.skeleton.skeleton, context);
   if (options.narrower) {
     const double width = shape.scale().resolve(*options.narrower, "narrower");
+    const VoxelShape::Box box = shape.shape.foreground_box();
+    std::int64_t bytes = 1;
+    for (std::size_t a = 0; a < 3; ++a) bytes *= box.end[a] - box.begin[a];
+    require_memory(bytes, "what is wider than asked for", {"a lower resolution"}, context);
     result.wide = wide_part(shape.shape, result.core.axis, width, context);
     result.axis.graph = outside_of(result.axis.graph, *result.wide);
   }

@@ -29,6 +29,7 @@ class CurvesOf {
     const auto [first, second] = std::minmax(k_.burn_time[a], k_.burn_time[b]);
     return thickness(e) / (std::isinf(second) ? first : second);
   }
+  bool is_of_plane() const { return k_.plane; }
   bool is_medial_point(std::uint32_t v) const { return v < k_.complex.vertex_count && k_.medial_point[v]; }
   /// As RefinedAxis::exit; of edges that are not cut.
   std::uint32_t exit(std::uint32_t v) const { return v < k_.complex.vertex_count ? k_.exit[v] : kNone; }
@@ -41,6 +42,9 @@ class CurvesOf {
   const Member& member_;
 };
 
+// In the plane: the third branch at a medial point is as good as the second, as those to the corners of a square.
+constexpr double kEqual = 0.8;
+
 // Per curve edge that a free end leads to: the smallest ratio on the way from it to what has no free end. Where a tree
 // would go as a whole, ratios are multiples of that of the second branch at its medial point, so that its longest
 // course stays: of branches of at least theta1, which every floor has. `left` are all curves of a member, `edges` its
@@ -51,9 +55,10 @@ std::vector<double> least_ratios(const CurvesOf& curves, double theta1, double r
     std::uint32_t vertex, edge;
   };
   std::vector<Step> inwards;
-  std::vector<std::array<double, 2>> largest(on_sheet.size(), {0, 0});  // two ratios at medial points
-  const auto note = [&](std::array<double, 2>& two, double ratio) {
-    if (ratio > two[1]) two = {std::max(two[0], ratio), std::min(two[0], ratio)};
+  std::vector<std::array<double, 3>> largest(on_sheet.size(), {0, 0, 0});  // three ratios at medial points
+  const auto note = [&](std::array<double, 3>& three, double ratio) {
+    for (double& other : three)
+      if (ratio > other) std::swap(ratio, other);
   };
   left.peel(
       [&](std::uint32_t e) -> const auto& { return curves.ends(e); },
@@ -68,7 +73,8 @@ std::vector<double> least_ratios(const CurvesOf& curves, double theta1, double r
       });
   std::vector<double> least(edges, kNever), from(on_sheet.size(), kNever), scale(on_sheet.size(), 1);
   for (std::uint32_t v = 0; v < scale.size(); ++v) {
-    const auto [first, second] = largest[v];
+    const auto [first, second, third] = largest[v];
+    if (curves.is_of_plane() && third > kEqual * second) continue;  // no course is the longest: a point stays
     const double q = second > 0 ? second : first;
     if (q > 0 && q < radii && !on_sheet[v]) scale[v] = radii / q;
   }
