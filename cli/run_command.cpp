@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 
@@ -40,6 +41,12 @@ struct Files {
 void check_folder(const std::string& folder) {
   std::error_code error;
   check_name_length(fs::path(folder) / "skeleton.swc");
+  const std::string extension = extension_of(folder);
+  for (const char* file : {".svg", ".geojson", ".json", ".png", ".html", ".vtp", ".csv", ".swc"})
+    if (extension == file && !fs::exists(folder, error))
+      throw Error(ErrorCode::usage, fmt::format("'{}' would be a folder: -o of 'run' names the folder for all files; "
+                                                "leave out the {}",
+                                                folder, file));
   const fs::path whole = fs::absolute(folder, error);
   fs::path existing = whole;
   for (; !fs::exists(existing, error) && existing.has_relative_path(); existing = existing.parent_path())
@@ -86,6 +93,14 @@ Json report_of(const RunProgram& o, const pipeline::LoadedShape& shape, const pi
   return report;
 }
 
+// Parts whose branches are all below theta1 are points, which tables of branches do not have.
+void say_points(const CurveGraph& graph, Session& session) {
+  const auto points = std::ranges::count(graph.nodes, CurveGraph::NodeKind::isolated, &CurveGraph::Node::kind);
+  if (points > 0)
+    session.say(fmt::format("note: {} of the shape {} a point each, without a branch (smaller than theta1)",
+                            base::counted(points, "part"), points == 1 ? "is" : "are"));
+}
+
 // Where a skeleton stands for little of a shape whose axis stands for most of it: what to turn.
 void say_little(const pipeline::RunResult& result, Session& session) {
   constexpr double kLittle = 0.7;
@@ -93,6 +108,7 @@ void say_little(const pipeline::RunResult& result, Session& session) {
   if (share >= kLittle || result.core.reconstructed < kLittle) return;
   const Skeleton& skeleton = result.axis.skeleton.skeleton;
   if (!std::isfinite(skeleton.theta2)) return;  // curves only, as asked
+  if (skeleton.main_axes) return;               // as asked
   if (skeleton.plane)
     return session.say("note: the skeleton stands for little of the shape; a smaller --theta1 keeps more branches");
   session.say(
@@ -140,7 +156,8 @@ int run_pipeline(const RunProgram& o, Session& session) {
   io::write_record(files.core, result.axis.file);
   io::write_record(files.skeleton, pipeline::skeleton_file(result.axis.skeleton, result.axis.file));
   write_graph(result.axis.graph, {files.swc, {}, files.csv}, o.graph,
-              shape.surface ? Vec3(Vec3::Zero()) : shape.shape.grid().spacing, shape.coordinates, report, session);
+              shape.surface || plane ? Vec3(Vec3::Zero()) : shape.shape.grid().spacing, shape.coordinates, report,
+              session);
   if (plane) {
     const io::PlaneLines lines = plane_lines(shape, result);
     for (const fs::path& file : {files.geojson, files.svg})
@@ -161,6 +178,7 @@ int run_pipeline(const RunProgram& o, Session& session) {
   if (plane)
     session.say(fmt::format("{} and {}: the branches as lines with their measures", files.geojson.string(),
                             files.svg.string()));
+  say_points(result.axis.graph, session);
   say_little(result, session);
   if (!files.picture.empty()) session.say(fmt::format("{}: a picture of the skeleton", files.picture.string()));
   if (!files.view.empty())
@@ -191,8 +209,7 @@ Action add_run(CLI::App& app) {
   app.add_flag("--no-picture", o->no_picture, "Do not write picture.png, a picture of the skeleton")->group("Page");
   app.add_option("-o,--output", o->folder,
                  "Folder for core.vtp, skeleton.vtp, skeleton.swc, branches.csv, report.json, picture.png and "
-                 "view.html; created "
-                 "if absent")
+                 "view.html, of images and polygons also skeleton.geojson and skeleton.svg; created if absent")
       ->type_name("DIR")
       ->required();
   return [o](Session& session) { return run_pipeline(*o, session); };

@@ -60,17 +60,24 @@ struct Totals {
 class Tables {
  public:
   Tables(std::ostream& features, std::ostream& branches) : features_(features), branches_(branches) {
-    features_ << "feature,id,pixel,pixels,components,holes,branches,ends,length,mean_radius,max_radius,coverage,"
-                 "reconstructed,failure\n";
     branches_ << "feature,branch,from,to,from_x,from_y,to_x,to_y,from_kind,to_kind,length,mean_radius,min_radius,"
                  "max_radius,thickness,tortuosity\n";
   }
 
   void add(const pipeline::FeatureRun& run, Totals& totals) {
-    ++totals.features;
+    const Json properties = Json::parse(run.properties, nullptr, false);
+    if (totals.features++ == 0) begin(properties);
+    std::string carried;
+    for (const std::string& name : properties_) {
+      const auto value = properties.is_object() ? properties.find(name) : properties.end();
+      const bool there = properties.is_object() && value != properties.end() && !value->is_null();
+      carried += ',';
+      if (there) carried += quoted(value->is_string() ? value->get<std::string>() : json_text(*value));
+    }
     if (!run.result) {
       ++totals.failed;
-      features_ << fmt::format("{},{},,,,,,,,,,,,{}\n", run.number, quoted(id_text(run.id)), quoted(run.failure));
+      features_ << fmt::format("{},{},,,,,,,,,,,,{}{}\n", run.number, quoted(id_text(run.id)), quoted(run.failure),
+                               carried);
       return;
     }
     const CurveGraph& graph = run.result->axis.graph;
@@ -86,11 +93,11 @@ class Tables {
       ends += n.kind == CurveGraph::NodeKind::end;
       if (graph.branches.empty()) largest = std::max(largest, n.radius);
     }
-    features_ << fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},\n", run.number, quoted(id_text(run.id)),
+    features_ << fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", run.number, quoted(id_text(run.id)),
                              shape.grid().spacing[0], shape.voxel_count(), run.shape->topology.betti[0],
                              run.shape->topology.betti[1], graph.branches.size(), ends, length,
                              length > 0 ? weighted / length : largest, largest, run.result->core.coverage,
-                             *run.result->axis.skeleton.reconstructed);
+                             *run.result->axis.skeleton.reconstructed, carried);
     for (std::size_t i = 0; i < graph.branches.size(); ++i) {
       const auto& b = graph.branches[i];
       const auto &from = graph.nodes[b.from], &to = graph.nodes[b.to];
@@ -104,7 +111,20 @@ class Tables {
   }
 
  private:
+  // The properties of the first feature are columns of all.
+  void begin(const Json& properties) {
+    features_ << "feature,id,pixel,pixels,components,holes,branches,ends,length,mean_radius,max_radius,coverage,"
+                 "reconstructed,failure";
+    if (properties.is_object())
+      for (const auto& [name, value] : properties.items()) {
+        properties_.push_back(name);
+        features_ << ',' << quoted(name);
+      }
+    features_ << '\n';
+  }
+
   std::ostream &features_, &branches_;
+  std::vector<std::string> properties_;
 };
 
 // What is drawn of all features together.

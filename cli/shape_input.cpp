@@ -71,6 +71,27 @@ void say_cleaned(const ForegroundReport& report, bool plane, Session& session) {
   if (const std::string much = much_dropped(report); !much.empty()) session.say("warning: " + much);
 }
 
+/// Whether most pixels at the sides of an image are of the shape.
+bool covers_border(const VoxelShape& shape) {
+  const auto& dims = shape.grid().dims;
+  std::int64_t inside = 0, all = 0;
+  for (std::int64_t y = 0; y < dims[1]; ++y)
+    for (std::int64_t x = 0; x < dims[0]; x += y == 0 || y + 1 == dims[1] || dims[0] == 1 ? 1 : dims[0] - 1) {
+      inside += shape.contains(x, y, 0);
+      ++all;
+    }
+  return 2 * inside > all;
+}
+
+/// Holes of a few pixels are mostly noise, and each makes a loop.
+void say_small_holes(const VoxelShape& shape, Session& session) {
+  constexpr std::int64_t kSmall = 10;
+  const std::vector<std::int64_t> sizes = cavity_sizes(shape);
+  if (const auto small = std::ranges::count_if(sizes, [](std::int64_t n) { return n < kSmall; }); small > 0)
+    session.say(fmt::format("note: {} of fewer than {} pixels, and loops around them; --min-hole {} fills such holes",
+                            small == 1 ? "there is a hole" : fmt::format("there are {} holes", small), kSmall, kSmall));
+}
+
 /// What the voxels are, and what their number of components may mean.
 void say_shape(const LoadedShape& shape, Session& session) {
   const Grid& grid = shape.shape.grid();
@@ -86,6 +107,11 @@ void say_shape(const LoadedShape& shape, Session& session) {
         fmt::format("warning: the shape has {}, the surface of the mesh {}: what is thinner than a voxel breaks or is "
                     "lost; a higher --resolution may help, --min-component N drops specks",
                     base::counted(components, "component"), shape.voxelization->surface.components));
+  if (plane && !shape.polygon) {
+    if (covers_border(shape.shape))
+      session.say("note: the shape covers most of the border of the image; --invert takes the other pixels");
+    say_small_holes(shape.shape, session);
+  }
   if (!shape.from_mesh && components > 100)
     session.say(fmt::format("note: the {} has {} components; --min-component N drops specks",
                             shape.polygon ? "polygon"
@@ -234,6 +260,10 @@ void add_shape_options(CLI::App& app, ShapeOptions& o) {
       ->group(group);
   app.add_flag("--fill-cavities,--fill-holes", f.fill_cavities,
                "Fill cavities that are closed all around; of an image its holes")
+      ->group(group);
+  add_number<std::int64_t>(app, "--min-hole,--min-cavity", f.min_cavity,
+                           "Fill holes (of a volume cavities) of fewer pixels or voxels", 0)
+      ->type_name("N")
       ->group(group);
   add_parsed(
       app, "--surface",

@@ -92,8 +92,8 @@ Action add_skeleton(CLI::App& app) {
 
     io::OutputGroup outputs;
     io::write_record(o->output, pipeline::skeleton_file(run.skeleton, run.file));
-    write_graph(run.graph, {o->swc, o->graphml, o->csv}, o->graph, options.graph.voxel, loaded.coordinates, report,
-                session);
+    write_graph(run.graph, {o->swc, o->graphml, o->csv}, o->graph, plane ? Vec3(Vec3::Zero()) : options.graph.voxel,
+                loaded.coordinates, report, session);
     for (const std::string& file : {o->geojson, o->svg, o->wkt})
       if (!file.empty()) io::write_lines(file, plane_lines(run.graph), {.y_down = loaded.coordinates.y_down});
     session.finished("write");

@@ -400,7 +400,7 @@ Length parse_resample(std::string_view text);
 /// The curves of a skeleton as a graph, smoothed as asked, with the radii of balls. Throws Error(usage).
 CurveGraph smoothed_graph(const Skeleton& skeleton, const GraphOptions& options = {}, const Scale& scale = {});
 /// The same to measure on: radii of a voxel core get half a voxel more: of the corners of a staircase the nearest lies
-/// that far inside the surface it stands for.
+/// that far inside the surface it stands for. Those of images and polygons stay as they are.
 CurveGraph measured_graph(const Skeleton& skeleton, const GraphOptions& options = {}, const Scale& scale = {});
 /// Draws the skeleton with the branches of its smoothed_graph(), and returns its measured_graph(). Throws
 /// Error(invariant) when that changed the topology.

@@ -108,6 +108,7 @@ struct ForegroundOptions {
   bool largest_component = false;      ///< keep the largest 6-connected component
   std::int64_t min_component = 0;      ///< drop 6-connected components of fewer voxels
   bool fill_cavities = false;          ///< fill 26-connected background components that do not reach outside the box
+  std::int64_t min_cavity = 0;         ///< fill those of fewer voxels only; in a plane 8-connected: holes
 };
 
 /// What cleaning has changed.
@@ -121,6 +122,9 @@ struct ForegroundReport {
 
 /// "36%", "0.02%": at least one digit that is not 0, and 100% only of everything.
 std::string percent_text(std::int64_t part, std::int64_t whole);
+/// The voxels of each cavity (26-connected background that does not reach outside the box; in a plane each hole),
+/// descending.
+std::vector<std::int64_t> cavity_sizes(const VoxelShape& shape, Context* context = nullptr);
 /// A warning, when dropping components took so much of the shape that this may be a mistake; empty otherwise.
 std::string much_dropped(const ForegroundReport& report);
 

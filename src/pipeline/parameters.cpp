@@ -137,6 +137,7 @@ std::vector<std::string> take_recorded(ShapeOptions& options, const Record& resu
   f.largest_component |= recorded.flag("largest_component");
   f.fill_cavities |= recorded.flag("fill_cavities");
   if (const auto n = recorded.whole("min_component", 0, most); n && f.min_component == 0) f.min_component = *n;
+  if (const auto n = recorded.whole("min_cavity", 0, most); n && f.min_cavity == 0) f.min_cavity = *n;
   if (const auto n = recorded.whole("subdivide", 1, 64); n && options.subdivide == 1)
     options.subdivide = static_cast<int>(*n);
   return taken;

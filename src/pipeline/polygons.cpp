@@ -37,6 +37,20 @@ PolygonFill fill_of(const PolygonFeature& feature, const ShapeOptions& options) 
 
 namespace {
 
+// Narrow inlets close where they are thinner than a pixel, and leave holes at their ends that the polygon has not.
+void fill_false_holes(VoxelShape& shape, std::int64_t wanted, Context* context) {
+  const std::vector<std::int64_t> sizes = cavity_sizes(shape, context);
+  const auto keep = static_cast<std::size_t>(wanted);
+  if (sizes.size() <= keep || (keep > 0 && sizes[keep - 1] == sizes[keep])) return;
+  ForegroundOptions fill;
+  fill.min_cavity = sizes[keep] + 1;
+  ForegroundReport report;
+  shape = clean(shape, fill, &report, context);
+  note(context, fmt::format("{} of {} that the polygon has not, where an inlet is thinner than a pixel, {} filled",
+                            base::counted(report.cavities_filled, "hole"), base::counted(report.voxels_filled, "pixel"),
+                            report.cavities_filled == 1 ? "is" : "are"));
+}
+
 // Where the polygon is in one piece, so is its shape: what breaks off where it is thinner than a pixel, as at sharp
 // tips, is left out.
 VoxelShape digitized(const Polygons& polygons, const DigitizeOptions& how, Context* context) {
@@ -58,6 +72,7 @@ VoxelShape digitized(const Polygons& polygons, const DigitizeOptions& how, Conte
                        percent_text(report.voxels_removed, report.voxels_before),
                        report.components_removed == 1 ? "is" : "are"));
   }
+  if (region && region->components == 1) fill_false_holes(shape, region->holes, context);
   polygons::note_other_topology(polygons, shape, how.fill, context);
   return shape;
 }

@@ -41,7 +41,7 @@ void record(LoadedShape& loaded, const char* name, const Parameter& value) {
 /// Which voxels of an image are the shape, without what is done to them afterwards.
 ForegroundOptions only_voxels(ForegroundOptions options) {
   options.largest_component = options.fill_cavities = false;
-  options.min_component = 0;
+  options.min_component = options.min_cavity = 0;
   return options;
 }
 
@@ -59,12 +59,13 @@ void record_volume(LoadedShape& loaded, const ShapeOptions& options) {
 }
 
 void clean_as_asked(LoadedShape& loaded, const ForegroundOptions& f, Context* context) {
-  if (!f.largest_component && f.min_component == 0 && !f.fill_cavities) return;
+  if (!f.largest_component && f.min_component == 0 && f.min_cavity == 0 && !f.fill_cavities) return;
   loaded.cleaned.emplace();
   loaded.shape = clean(loaded.shape, f, &*loaded.cleaned, context);
   if (f.largest_component) record(loaded, "largest_component", true);
   if (f.min_component) record(loaded, "min_component", f.min_component);
   if (f.fill_cavities) record(loaded, "fill_cavities", true);
+  if (f.min_cavity) record(loaded, "min_cavity", f.min_cavity);
 }
 
 void subdivide_as_asked(LoadedShape& loaded, const ShapeOptions& options, const Context* context) {
@@ -274,7 +275,7 @@ namespace {
 
 /// Why the mesh does not bound the shape; empty where it does.
 std::string not_its_boundary(const LoadedShape& loaded, const ShapeOptions& options) {
-  if (options.foreground.fill_cavities) return "its cavities are filled";
+  if (options.foreground.fill_cavities || options.foreground.min_cavity > 1) return "its cavities are filled";
   if (!loaded.voxelization->sound || loaded.voxelization->fill == FillRule::winding)
     return "winding numbers decide what is inside of it, not its faces as they are";
   return {};

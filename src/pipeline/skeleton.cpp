@@ -150,7 +150,9 @@ double reconstructed_share(const VoxelShape& shape, const Skeleton& skeleton, Co
 
 namespace {
 
-CurveGraph with_half_a_voxel(CurveGraph graph, const GraphOptions& options) {
+// Of a plane radii are those of disks in the pixels as they are.
+CurveGraph with_half_a_voxel(CurveGraph graph, const GraphOptions& options, bool plane) {
+  if (plane) return graph;
   const double more = 0.5 * options.voxel.minCoeff();
   for (auto& node : graph.nodes) node.radius += more;
   for (auto& branch : graph.branches) {
@@ -186,7 +188,7 @@ CurveGraph smoothed_graph(const Skeleton& skeleton, const GraphOptions& options,
 }
 
 CurveGraph measured_graph(const Skeleton& skeleton, const GraphOptions& options, const Scale& scale) {
-  return with_half_a_voxel(smoothed_graph(skeleton, options, scale), options);
+  return with_half_a_voxel(smoothed_graph(skeleton, options, scale), options, skeleton.plane);
 }
 
 // By no more than half a voxel diagonal.
@@ -222,7 +224,7 @@ CurveGraph draw_branches(SkeletonResult& result, const GraphOptions& options, co
                   "extend");
     graph = extended(graph, *options.shape);
   }
-  return with_half_a_voxel(std::move(graph), options);
+  return with_half_a_voxel(std::move(graph), options, result.skeleton.plane);
 }
 
 }  // namespace quench::pipeline

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <functional>
 
 #include "base/text.h"
 #include "quench/error.h"
@@ -51,9 +52,28 @@ VoxelShape drop_components(const VoxelShape& shape, const ForegroundOptions& opt
   return filtered(shape, [&](std::uint32_t run) { return keep(sets.find(run)); });
 }
 
-VoxelShape fill_cavities(const VoxelShape& shape, ForegroundReport& report, Context* context) {
-  base::UnionFind sets = shape::background_components(shape, context);
-  const std::uint32_t outside = sets.find(static_cast<std::uint32_t>(shape.runs().size()));
+// Of the gap after each run: the voxels of its cavity, 0 outside.
+struct Cavities {
+  explicit Cavities(const VoxelShape& shape, Context* context)
+      : sets(shape::background_components(shape, context)),
+        outside(sets.find(static_cast<std::uint32_t>(shape.runs().size()))),
+        voxels(shape.runs().size(), 0) {
+    shape::for_scanlines(shape, nullptr, {}, [&](std::int64_t y, std::int64_t z) {
+      const auto row = shape.row(y, z);
+      std::uint32_t gap = shape::first_index(shape, row);
+      for (std::size_t i = 0; i + 1 < row.size(); ++i, ++gap)
+        if (const std::uint32_t root = sets.find(gap); root != outside) voxels[root] += row[i + 1].begin - row[i].end;
+    });
+  }
+  base::UnionFind sets;
+  std::uint32_t outside;
+  std::vector<std::int64_t> voxels;  // per root
+};
+
+VoxelShape fill_cavities(const VoxelShape& shape, const ForegroundOptions& options, ForegroundReport& report,
+                         Context* context) {
+  Cavities cavities(shape, context);
+  auto& [sets, outside, voxels] = cavities;
   VoxelShape result(shape.grid());
   std::vector<Run> filled;
   shape::for_scanlines(shape, nullptr, {}, [&](std::int64_t y, std::int64_t z) {
@@ -61,7 +81,8 @@ VoxelShape fill_cavities(const VoxelShape& shape, ForegroundReport& report, Cont
     filled.assign(row.begin(), row.end());
     std::uint32_t gap = shape::first_index(shape, row);
     for (std::size_t i = 0; i + 1 < row.size(); ++i, ++gap)
-      if (const std::uint32_t root = sets.find(gap); root != outside) {
+      if (const std::uint32_t root = sets.find(gap);
+          root != outside && (options.fill_cavities || voxels[root] < options.min_cavity)) {
         report.voxels_filled += row[i + 1].begin - row[i].end;
         report.cavities_filled += root == gap;
         filled[i].end = row[i + 1].begin;  // touches the next run: append_row merges them
@@ -72,6 +93,14 @@ VoxelShape fill_cavities(const VoxelShape& shape, ForegroundReport& report, Cont
 }
 
 }  // namespace
+
+std::vector<std::int64_t> cavity_sizes(const VoxelShape& shape, Context* context) {
+  if (shape.empty()) return {};
+  std::vector<std::int64_t> sizes = Cavities(shape, context).voxels;
+  std::erase(sizes, 0);
+  std::ranges::sort(sizes, std::greater{});
+  return sizes;
+}
 
 std::string percent_text(std::int64_t part, std::int64_t whole) {
   if (part == 0) return "0%";
@@ -96,7 +125,8 @@ VoxelShape clean(const VoxelShape& shape, const ForegroundOptions& options, Fore
   VoxelShape result = shape;
   if (!shape.empty() && (options.largest_component || options.min_component > 1))
     result = drop_components(result, options, changed, context);
-  if (!result.empty() && options.fill_cavities) result = fill_cavities(result, changed, context);
+  if (!result.empty() && (options.fill_cavities || options.min_cavity > 1))
+    result = fill_cavities(result, options, changed, context);
   if (report) *report = changed;
   return result;
 }

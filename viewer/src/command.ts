@@ -17,6 +17,7 @@ export function commandOf(page: Page, state: State): string {
   const family = page.layers.get("family");
   const asked = page.layers.has("skeleton") && isAsked(page, state);
   const theta1 = asked && meta.theta1_radii > 0 ? `${meta.theta1_radii}r` : length(state.theta1, family?.curveThickness ?? null);
+  if (state.layer === "skeleton" && meta.files.core === undefined && meta.command.includes(" run ")) return meta.command; // of many shapes there is no file of one axis
   if (state.layer === "skeleton")
     return `quench skeleton ${quoted(meta.files.core ?? "core.vtp")}${meta.plane ? "" : ` --theta2 ${length(state.theta2, family?.faceLevel ?? null)}`} --theta1 ${theta1}${asked ? "" : " --tips pruned"} -o skeleton.vtp`;
   if (state.layer === "core") {

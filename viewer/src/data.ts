@@ -192,7 +192,7 @@ function sizeOf(arrays: ArrayEntry[]): number {
   let size = 0;
   for (const a of arrays) {
     checkEntry(a);
-    size = Math.max(size, a.offset + bytesOf(a));
+    size = Math.max(size, Math.ceil((a.offset + bytesOf(a)) / 4) * 4); // arrays are filled up to four bytes
   }
   return size;
 }

@@ -46,7 +46,7 @@ class SvgLines : public LineFormat {
       if (node.kind == CurveGraph::NodeKind::isolated)
         print(R"(<circle cx="{}" cy="{}" r="{:g}" fill="{}" stroke="none" data-radius="{}"/>)"
               "\n",
-              node.point[0], node.point[1], 0.004 * side, hex(viridis(1)), node.radius);
+              node.point[0], node.point[1], 0.004 * side, hex(viridis(fraction_of(node, lines.graph))), node.radius);
     print("</g>\n");
   }
 
@@ -87,12 +87,24 @@ class SvgLines : public LineFormat {
     print("\"/>\n");
   }
 
-  void print_branches(const CurveGraph& graph) {
-    const bool by_radius = options_.colour == LineOptions::Colour::radius;
-    const auto value_of = [&](const CurveGraph::Branch& b) { return by_radius ? b.mean_radius : b.thickness; };
+  double value_of(const CurveGraph::Branch& branch) const {
+    return options_.colour == LineOptions::Colour::radius ? branch.mean_radius : branch.thickness;
+  }
+  double largest_value(const CurveGraph& graph) const {
     double largest = 0;
     for (const auto& branch : graph.branches)
       if (std::isfinite(value_of(branch))) largest = std::max(largest, value_of(branch));
+    return largest;
+  }
+  // Of a point: it has a radius, and no thickness.
+  double fraction_of(const CurveGraph::Node& node, const CurveGraph& graph) const {
+    const double largest = largest_value(graph);
+    if (options_.colour != LineOptions::Colour::radius) return 0;
+    return largest > 0 ? std::min(1.0, node.radius / largest) : 1;
+  }
+
+  void print_branches(const CurveGraph& graph) {
+    const double largest = largest_value(graph);
     for (std::size_t b = 0; b < graph.branches.size(); ++b) {
       const CurveGraph::Branch& branch = graph.branches[b];
       const double value = value_of(branch);
