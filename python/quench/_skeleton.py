@@ -256,7 +256,7 @@ class Skeleton(Complex):
         """The curves as nodes and branches with lengths and radii.
 
         Radii are half a voxel larger than those of `curves`, which are distances to the corners of voxels, where the axis
-        is that of the voxels (docs/user/files.md).
+        is that of the voxels (docs/user/files.md); of images they are the same.
 
         Parameters
         ----------
