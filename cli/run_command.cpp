@@ -43,7 +43,7 @@ void check_folder(const std::string& folder) {
   check_name_length(fs::path(folder) / "skeleton.swc");
   const std::string extension = extension_of(folder);
   for (const char* file : {".svg", ".geojson", ".json", ".png", ".html", ".vtp", ".csv", ".swc"})
-    if (extension == file && !fs::exists(folder, error))
+    if (extension == file && !fs::exists(folder, error) && !fs::is_symlink(folder, error))
       throw Error(ErrorCode::usage, fmt::format("'{}' would be a folder: -o of 'run' names the folder for all files; "
                                                 "leave out the {}",
                                                 folder, file));

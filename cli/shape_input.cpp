@@ -261,7 +261,7 @@ void add_shape_options(CLI::App& app, ShapeOptions& o) {
   app.add_flag("--fill-cavities,--fill-holes", f.fill_cavities,
                "Fill cavities that are closed all around; of an image its holes")
       ->group(group);
-  add_number<std::int64_t>(app, "--min-hole,--min-cavity", f.min_cavity,
+  add_number<std::int64_t>(app, "--min-hole", f.min_cavity,
                            "Fill holes (of a volume cavities) of fewer pixels or voxels", 0)
       ->type_name("N")
       ->group(group);

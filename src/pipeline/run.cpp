@@ -52,7 +52,9 @@ AxisRun run_axis(const MedialAxis& axis, Record&& file, bool voxel_core, const T
     checkpoint(context, "page", 1);
   }
   RefinedAxis refined = curves_of(axis, std::move(burning), context);
-  if (const DataArray* mgf = find_array(result.file.point_data, kMgf); refined.plane && mgf && mgf->components == 1)
+  // An axis that was read has no values of measures; its file has them.
+  const DataArray* mgf = find_array(result.file.point_data, kMgf);
+  if (refined.plane && refined.mgf.empty() && mgf && mgf->components == 1)
     if (std::vector<double> values = mgf->numbers(); values.size() == refined.points.size())
       refined.mgf = std::move(values);
   FamilyResult family =

@@ -17,7 +17,10 @@ namespace quench::pipeline {
 RefinedAxis curves_of(const MedialAxis& axis, Burning burning, Context* context) {
   require_memory(predicted_skeleton_bytes(burning), "the curves of this medial axis",
                  {"a larger omega", "a larger lambda"}, context);
-  return quench_curves(axis.complex, axis.points, axis.radius, std::move(burning), context);
+  RefinedAxis refined = quench_curves(axis.complex, axis.points, axis.radius, std::move(burning), context);
+  const Measure* mgf = axis.find_measure(kMgf);
+  if (refined.plane && mgf && mgf->value.vertex.size() == refined.points.size()) refined.mgf = mgf->value.vertex;
+  return refined;
 }
 
 FamilyResult family_of(RefinedAxis&& refined, const Topology& wanted, const FamilyFloor& floor, Context* context) {
