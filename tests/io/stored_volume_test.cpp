@@ -13,6 +13,7 @@
 #include "quench/error.h"
 #include "quench/io.h"
 #include "random_shapes.h"
+#include "small_files.h"
 #include "temporary_folder.h"
 #include "tiff_bytes.h"
 
@@ -529,7 +530,7 @@ TEST(Pictures, ANoteSaysWhatIsNotTheLuminanceOfAnOpaquePicture) {
 TEST(Pictures, AlphaThatIsNowhereWrittenIsNone) {
   const TemporaryFolder folder;
   const auto picture = [](const std::string& pixels) {  // of 32 bits with masks for blue, green, red and alpha
-    std::string bytes = bmp(2, 1, 32, 6, 4, pixels);
+    std::string bytes = small_files::bmp(2, 1, 32, 6, 4, pixels);
     return bytes.replace(54, 16, std::string("\0\0\xff\0\0\xff\0\0\xff\0\0\0\0\0\0\xff", 16));
   };
   const auto opaque = folder.write("o.bmp", picture(std::string("\7\7\7\0\x50\x50\x50\0", 8)));
