@@ -182,6 +182,9 @@ int run_features(const RunProgram& o, Session& session) {
   check_shape_options(o.shape);
   say_ignored(o.shape, io::Kind::polygons, session);
   say_not_of_plane(o.run.skeleton, o.run.burning, session);
+  if (o.graph.root || o.graph.swc_type != GraphFileOptions().swc_type)
+    session.say(
+        "note: --root and --swc-type are for SWC, which is not written of many polygons; --feature K takes one");
   create_folder(o.folder);
 
   pipeline::RunOptions options = o.run;

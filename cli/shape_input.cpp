@@ -68,7 +68,7 @@ void say_cleaned(const ForegroundReport& report, bool plane, Session& session) {
                           plane ? base::counted(report.cavities_filled, "hole")
                                 : base::counted(report.cavities_filled, "cavity", "cavities"),
                           base::counted(report.voxels_filled, of)));
-  if (const std::string much = much_dropped(report); !much.empty()) session.say("warning: " + much);
+  if (const std::string much = much_dropped(report, plane); !much.empty()) session.say("warning: " + much);
 }
 
 /// Whether most pixels at the sides of an image are of the shape.
@@ -283,7 +283,7 @@ void add_shape_options(CLI::App& app, ShapeOptions& o) {
       ->group(group);
 }
 
-void say_ignored(const ShapeOptions& options, io::Kind kind, Session& session) {
+void say_ignored(const ShapeOptions& options, io::Kind kind, Session& session, bool plane) {
   const bool mesh = kind == io::Kind::surface, polygons = kind == io::Kind::polygons;
   const ForegroundOptions& f = options.how.foreground;
   std::vector<std::string> given, recorded;
@@ -313,8 +313,11 @@ void say_ignored(const ShapeOptions& options, io::Kind kind, Session& session) {
     const char* verb = names.size() == 1 ? "is" : "are";
     if (polygons)
       return session.say(fmt::format("note: {}{} {} ignored for polygons", fmt::join(names, ", "), where, verb));
-    session.say(fmt::format("note: {}{} {} for {} and {} ignored for a {}", fmt::join(names, ", "), where, verb,
-                            mesh ? "volumes" : "meshes", verb, mesh ? "mesh" : "volume"));
+    session.say(fmt::format("note: {}{} {} for {} and {} ignored for {}", fmt::join(names, ", "), where, verb,
+                            mesh ? "volumes" : "meshes", verb,
+                            mesh    ? "a mesh"
+                            : plane ? "an image"
+                                    : "a volume"));
   };
   say(given, "");
   say(recorded, fmt::format(" (recorded in '{}')", options.recorded_in));
@@ -337,8 +340,11 @@ void check_shape_options(const ShapeOptions& options) {
 
 LoadedShape load_shape(const ShapeOptions& options, Session& session) {
   check_shape_options(options);
-  say_ignored(options, io::kind_of(options.file), session);
+  const io::Kind kind = io::kind_of(options.file);
+  const bool perhaps_plane = kind == io::Kind::volume;  // known when it is read
+  if (!perhaps_plane) say_ignored(options, kind, session);
   LoadedShape shape = pipeline::load_shape(options.file, options.how, &session.context);
+  if (perhaps_plane) say_ignored(options, kind, session, shape.shape.grid().is_plane());
   if (shape.from_mesh)
     say_voxelization(options, shape, session);
   else

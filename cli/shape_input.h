@@ -30,7 +30,8 @@ CLI::Option* add_topology(CLI::App& app, ShapeOptions& options, const std::strin
 void check_shape_options(const ShapeOptions& options);
 /// Throws Error(failed) for a file that is not there.
 /// Says which of the options have no effect on a file of that kind.
-void say_ignored(const ShapeOptions& options, io::Kind kind, Session& session);
+/// `plane`: of a file that is an image.
+void say_ignored(const ShapeOptions& options, io::Kind kind, Session& session, bool plane = false);
 void check_exists(const std::filesystem::path& file);
 
 /// Reads SHAPE; says what the user should know (assumptions, warnings).

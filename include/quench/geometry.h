@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -65,6 +66,7 @@ struct Coordinates {
       space;  ///< "LPS" where x, y, z are known to grow to the left, back and head of a body; other spaces of NRRD
               ///< ("scanner-xyz", "3D-right-handed", "3D-left-handed") by their names
   bool y_down = false;  ///< of a plane: y grows downwards, as in pictures; else upwards, as on maps
+  std::optional<bool> y_recorded = std::nullopt;  ///< y_down as a file of a plane says it itself (`y_axis` of NRRD)
 };
 
 /// The smallest integers proportional to `spacing` to 1e-6 relative, such that dims[i] * result[i] <= 2^20: the

@@ -90,7 +90,7 @@ struct VolumeReadOptions {
 Volume read_volume(const std::filesystem::path& file, const VolumeReadOptions& options = {},
                    Context* context = nullptr);
 
-/// NRRD, uint8 0/1, gzip, with spacing, origin and direction; streamed, never dense in memory.
+/// NRRD, uint8 0/1, gzip, with spacing, origin and direction, of a plane also with `y_axis`; streamed, never dense in memory.
 void write_volume(const std::filesystem::path& file, const VoxelShape& shape, const Coordinates& coordinates = {},
                   Context* context = nullptr);
 

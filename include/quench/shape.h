@@ -126,7 +126,8 @@ std::string percent_text(std::int64_t part, std::int64_t whole);
 /// descending.
 std::vector<std::int64_t> cavity_sizes(const VoxelShape& shape, Context* context = nullptr);
 /// A warning, when dropping components took so much of the shape that this may be a mistake; empty otherwise.
-std::string much_dropped(const ForegroundReport& report);
+/// `plane`: of pixels.
+std::string much_dropped(const ForegroundReport& report, bool plane = false);
 
 /// The foreground of an image as a voxel shape on the image's grid. Applied in the order invert, components, cavities.
 /// Throws Error(input) when nothing is left, naming the range of values found.

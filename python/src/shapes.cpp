@@ -48,7 +48,8 @@ std::shared_ptr<Shape> noted(Shape&& shape, Context& context) {
     if (v.topology_changed) note(&context, "voxelization changed the topology: " + v.topology_difference);
   }
   if (shape.cleaned)
-    if (const std::string much = much_dropped(*shape.cleaned); !much.empty()) note(&context, much);
+    if (const std::string much = much_dropped(*shape.cleaned, shape.shape.grid().is_plane()); !much.empty())
+      note(&context, much);
   return std::make_shared<Shape>(std::move(shape));
 }
 

@@ -8,6 +8,7 @@
 #include <numeric>
 #include <optional>
 
+#include "base/grid_text.h"
 #include "quench/error.h"
 
 namespace quench {
@@ -91,31 +92,33 @@ std::array<std::int64_t, 3> integer_spacing(const Grid& grid) {
   const Vec3& s = grid.spacing;
   const double smallest = s.minCoeff();
   if (!(smallest > 0) || !std::isfinite(s.maxCoeff()))
-    throw Error(ErrorCode::input,
-                fmt::format("the spacing {} x {} x {} is not positive; give another", s[0], s[1], s[2]), "spacing");
+    throw Error(ErrorCode::input, fmt::format("the spacing {} is not positive; give another", base::axes_text(grid, s)),
+                "spacing");
   // Squares of lengths are needed in double precision, and lambda is kept in single precision.
   constexpr double shortest = 1e-30, longest = 1e30;
   if (smallest < shortest || s.maxCoeff() > longest)
     throw Error(
         ErrorCode::input,
-        fmt::format("voxels of {} x {} x {} are beyond what can be computed with, {:g} to {:g}; scale the mesh, "
-                    "or give the volume another spacing",
-                    s[0], s[1], s[2], shortest, longest),
+        fmt::format("{}s of {} are beyond what can be computed with, {:g} to {:g}; scale the {}, or give the {} "
+                    "another spacing",
+                    base::cell_name(grid), base::axes_text(grid, s), shortest, longest,
+                    grid.is_plane() ? "polygons" : "mesh", grid.is_plane() ? "image" : "volume"),
         "spacing");
   // Positions of vertices are doubles: beyond this, neighbours would fall together.
   constexpr double farthest = 1e12;
   if (const double distance = grid.origin.norm(); !(distance <= farthest * smallest))
     throw Error(
         ErrorCode::input,
-        fmt::format("the shape lies {:g} from the origin of its coordinates, more than 10^12 of its voxels of {:g}, "
+        fmt::format("the shape lies {:g} from the origin of its coordinates, more than 10^12 of its {}s of {:g}, "
                     "which is too far for exact results; move it nearer",
-                    distance, smallest));
+                    distance, base::cell_name(grid), smallest));
   if (const auto proportion = proportion_of(grid, Vec3::Constant(rounding))) return *proportion;
   throw Error(
       ErrorCode::input,
-      fmt::format("the spacing {} x {} x {} with {} x {} x {} voxels is not in a proportion of whole numbers, up to "
-                  "a twentieth of a voxel over the grid; give one that is, such as 1 x 1 x 2",
-                  s[0], s[1], s[2], grid.dims[0], grid.dims[1], grid.dims[2]),
+      fmt::format("the spacing {} with {} {}s is not in a proportion of whole numbers, up to a twentieth of a {} over "
+                  "the grid; give one that is, such as {}",
+                  base::axes_text(grid, s), base::axes_text(grid, grid.dims), base::cell_name(grid),
+                  base::cell_name(grid), grid.is_plane() ? "1 x 2" : "1 x 1 x 2"),
       "spacing");
 }
 

@@ -96,14 +96,16 @@ CoreResult made_core(const LoadedShape& from, const AxisOptions& options, const 
 }
 
 /// Throws Error(failed) when neither way fits; notes the slower one.
-void check_plan(const CorePlan& plan, bool from_mesh, Context* context) {
+void check_plan(const CorePlan& plan, const LoadedShape& shape, Context* context) {
   const std::int64_t before = context && context->memory_limit > 0 ? plan.held : 0;
   std::string what = fmt::format("the medial axis of a shape with {}",
                                  base::counted(plan.sites, "boundary vertex", "boundary vertices"));
   if (plan.in_bricks) what += fmt::format(", in bricks ({} at once),", base::bytes_text(before + plan.at_once));
   require_memory(before + plan.bytes(), what,
-                 from_mesh ? std::vector<std::string>{"a lower resolution"}
-                           : std::vector<std::string>{"a smaller or coarser volume", "a part of it"},
+                 shape.from_mesh || shape.polygon ? std::vector<std::string>{"a lower resolution"}
+                 : shape.shape.grid().is_plane()
+                     ? std::vector<std::string>{"a smaller or coarser image", "a part of it"}
+                     : std::vector<std::string>{"a smaller or coarser volume", "a part of it"},
                  context);
   if (plan.in_bricks)
     note(context,
@@ -126,7 +128,7 @@ void require_topology(const Topology& got, const Topology& wanted, const char* w
 CoreResult core_of(const LoadedShape& shape, const AxisOptions& options, Context* context) {
   CoreResult result = base::in_arena(context, [&] {
     const CorePlan plan = plan_core(shape.shape, context);
-    check_plan(plan, shape.from_mesh, context);
+    check_plan(plan, shape, context);
     return made_core(shape, options, plan, context);
   });
   constexpr double kMostOfTheShape = 0.9;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <functional>
 
+#include "base/grid_text.h"
 #include "base/text.h"
 #include "quench/error.h"
 #include "quench/shape.h"
@@ -44,10 +45,11 @@ VoxelShape drop_components(const VoxelShape& shape, const ForegroundOptions& opt
       ++report.components_removed;
       report.voxels_removed += voxels[i];
     }
+  const std::string cell = base::cell_name(shape.grid());
   if (report.voxels_removed == shape.voxel_count())
     throw Error(ErrorCode::input,
-                fmt::format("dropping components of fewer than {} voxels leaves nothing: the largest component has {}",
-                            options.min_component, base::counted(voxels[largest], "voxel")));
+                fmt::format("dropping components of fewer than {} leaves nothing: the largest component has {}",
+                            base::counted(options.min_component, cell), base::counted(voxels[largest], cell)));
   if (report.components_removed == 0) return shape;
   return filtered(shape, [&](std::uint32_t run) { return keep(sets.find(run)); });
 }
@@ -109,13 +111,13 @@ std::string percent_text(std::int64_t part, std::int64_t whole) {
   return percent >= 1 ? fmt::format("{:.0f}%", percent) : fmt::format("{:.1g}%", percent);
 }
 
-std::string much_dropped(const ForegroundReport& report) {
+std::string much_dropped(const ForegroundReport& report, bool plane) {
   constexpr std::int64_t kMuch = 20;  // one in so many voxels
   if (report.voxels_removed == 0 || report.voxels_removed * kMuch < report.voxels_before) return {};
   return fmt::format(
       "dropping components took {} of the shape; if that was not meant, a lower threshold or a higher "
-      "resolution may connect them, and a minimal number of voxels drops specks only",
-      percent_text(report.voxels_removed, report.voxels_before));
+      "resolution may connect them, and a minimal number of {}s drops specks only",
+      percent_text(report.voxels_removed, report.voxels_before), plane ? "pixel" : "voxel");
 }
 
 VoxelShape clean(const VoxelShape& shape, const ForegroundOptions& options, ForegroundReport* report,

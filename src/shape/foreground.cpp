@@ -10,6 +10,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "base/grid_text.h"
 #include "quench/error.h"
 #include "quench/shape.h"
 #include "shape/image_rows.h"
@@ -207,10 +208,10 @@ std::string describe(const ForegroundOptions& options) {
 }
 
 template <class T>
-[[noreturn]] void refuse_nothing(const ForegroundOptions& options, const Values<T>& values) {
+[[noreturn]] void refuse_nothing(const ForegroundOptions& options, const Values<T>& values, const Grid& grid) {
   throw Error(ErrorCode::input,
-              fmt::format("no voxel of the image has {}: {}; give another threshold or label", describe(options),
-                          values.text()),
+              fmt::format("no {} of the image has {}: {}; give another threshold or label", base::cell_name(grid),
+                          describe(options), values.text()),
               "threshold");
 }
 
@@ -280,7 +281,7 @@ VoxelShape foreground_of(const shape::Samples<T>& samples, const ForegroundOptio
   VoxelShape shape = along_x ? scan_along_x(samples, rule, options.invert, context)
                              : scan_slabs(samples, rule, options.invert, context);
   checkpoint(context, "foreground", 1);
-  if (shape.empty()) refuse_nothing(options, Values<T>(samples));
+  if (shape.empty()) refuse_nothing(options, Values<T>(samples), shape.grid());
   if (isosurface && options.threshold && !Values<T>(samples, true).at_most_two()) {
     const HeightInImage<T> height(samples, options);
     *isosurface = shape::all_layers(shape, &height, context);
@@ -295,10 +296,11 @@ Grid grid_of_shape(const Grid& image, Context* context) {
   grid.spacing = nearest_integer_spacing(image, &moved);
   if (grid.is_plane()) grid.make_plane();
   if (moved > 0)
-    note(context, fmt::format("the spacing {} x {} x {} is taken as {:.9g} x {:.9g} x {:.9g}, which has an integer "
-                              "proportion; no voxel moves by more than {:.2g} of its size",
-                              image.spacing[0], image.spacing[1], image.spacing[2], grid.spacing[0], grid.spacing[1],
-                              grid.spacing[2], moved));
+    note(context,
+         fmt::format("the spacing {} is taken as {}, which has an integer proportion; no {} moves by more than "
+                     "{:.2g} of its size",
+                     base::axes_text(image, image.spacing), base::axes_text(grid, grid.spacing, "{:.9g}"),
+                     base::cell_name(grid), moved));
   return grid;
 }
 
@@ -335,7 +337,7 @@ VoxelShape foreground_of(const SliceStream& image, const ForegroundOptions& opti
   if (layers) layers->add_layer();
   checkpoint(context, "read", 1);
   if (!chosen && !values.at_most_two()) refuse_many_values(values);
-  if (shape.empty()) refuse_nothing(options, values);
+  if (shape.empty()) refuse_nothing(options, values, shape.grid());
   if (layers && !values.at_most_two()) *isosurface = std::move(layers->mesh);
   return shape;
 }

@@ -17,6 +17,10 @@ class Pictures : public ProgramTest {
       for (int x = 0; x < side; ++x) samples += x > 0 && y > 0 && x + 1 < side && y + 1 < side ? '\1' : '\0';
     return samples;
   }
+  static std::vector<std::string> with(std::vector<std::string> words, const std::vector<std::string>& more) {
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+  }
   bool says(const Outcome& outcome, const std::string& words) const {
     return outcome.err.find(words) != std::string::npos;
   }
@@ -117,6 +121,45 @@ TEST_F(Pictures, FilesSayTheirSpace) {
   works({"core", "w.nrrd", "-o", "again.vtp"});  // of the same place
   EXPECT_EQ(io::read_record(folder.path() / "again.vtp").points,
             io::read_record(folder.path() / "out/core.vtp").points);
+}
+
+TEST_F(Pictures, SentencesOfThePlaneAreOfPixels) {
+  folder.write("empty.pgm", "P5 4 3 255\n" + std::string(12, '\0'));
+  folder.write("dot.pgm", "P5 4 3 255\n" + std::string(12, '\1'));
+  folder.write("row.pgm", "P5 20000 1 255\n" + std::string(20000, '\1'));
+  const std::vector<std::string> core{"core", "-o", "o.vtp", "--overwrite"};
+  refuses(3, {"no pixel of the image has a value other than 0"}, with(core, {"empty.pgm"}));
+  refuses(3, {"dropping components of fewer than 13 pixels", "has 12 pixels"},
+          with(core, {"dot.pgm", "--min-component", "13"}));
+  refuses(3, {"the spacing 1000 x 1 with 20000 x 1 pixels", "a twentieth of a pixel", "such as 1 x 2"},
+          with(core, {"row.pgm", "--spacing", "1000,1"}));
+  refuses(3, {"pixels of 1e-300 x 1e-300 are beyond", "scale the polygons, or give the image another spacing"},
+          with(core, {"dot.pgm", "--spacing", "1e-300"}));
+  const Outcome ignored = works(with(core, {"dot.pgm", "--resolution", "9"}));
+  EXPECT_TRUE(says(ignored, "note: --resolution is for meshes and is ignored for an image")) << ignored.err;
+}
+
+// Two polygons, of which one result is verified and a picture is written, y up as in the file.
+TEST_F(Pictures, PolygonsKeepTheirYAndAreVerifiedAsTheyWereMade) {
+  const auto box = [](int x) {
+    return R"({"type":"Feature","properties":{},"geometry":{"type":"Polygon","coordinates":[[[)" + std::to_string(x) +
+           ",0],[" + std::to_string(x + 8) + ",0],[" + std::to_string(x + 8) + ",3],[" + std::to_string(x) + ",3],[" +
+           std::to_string(x) + ",0]]]}}";
+  };
+  folder.write("a.geojson", R"({"type":"FeatureCollection","features":[)" + box(0) + "," + box(20) + "]}");
+  for (const std::vector<std::string>& side : {std::vector<std::string>{"--pixel", "0.5"}, {"--resolution", "16"}}) {
+    const std::vector<std::string> shape = with({"a.geojson", "--feature", "1", "--overwrite"}, side);
+    works(with({"core", "-o", "c.vtp"}, shape));
+    const Outcome verified = works({"verify", "a.geojson", "c.vtp"});
+    EXPECT_FALSE(says(verified, "ignored")) << verified.err;
+    works(with({"voxelize", "-o", "p.nrrd"}, shape));
+    const Outcome info = works({"info", "p.nrrd"});
+    EXPECT_NE(info.out.find("y_axis: up"), std::string::npos) << info.out;
+  }
+  const std::vector<std::string> run{"run", "a.geojson", "-o", "out", "--pixel", "0.5", "--no-view", "--no-picture"};
+  const std::string sentence = "note: --root and --swc-type are for SWC";
+  EXPECT_FALSE(says(works(run), sentence));
+  EXPECT_TRUE(says(works(with(run, {"--overwrite", "--root", "1,2,0"})), sentence));
 }
 
 #ifdef QUENCH_TESTS_HAVE_TIFF

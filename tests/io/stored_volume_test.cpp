@@ -13,6 +13,7 @@
 #include "quench/error.h"
 #include "quench/io.h"
 #include "random_shapes.h"
+#include "small_files.h"
 #include "temporary_folder.h"
 #include "tiff_bytes.h"
 
@@ -401,6 +402,28 @@ TEST(StoredVolume, WrittenPlanesComeBack) {
     inside += in;
   }
   EXPECT_EQ(inside, shape.voxel_count());
+  io::write_volume(file, shape, {.units = {}, .space = {}, .y_down = false});
+  EXPECT_FALSE(io::read_volume(file).coordinates.y_down);
+}
+
+TEST(StoredVolume, YGrowsAsTheFileSaysOrAsItsRowsLie) {
+  const TemporaryFolder folder;
+  const auto y_down = [&](const std::string& geometry, std::optional<int> dimension = {}) {
+    const auto file = folder.write("y.nrrd", nrrd("type: uint8\n" + geometry, "ab"));
+    return io::read_volume(file, {.spacing = {}, .dimension = dimension}).coordinates.y_down;
+  };
+  const std::string plane = "dimension: 2\nsizes: 1 2\nspace dimension: 2\n";
+  const std::string up = "space directions: (1,0) (0,1)\n", turned = "space directions: (1,0) (0,-1)\n";
+  EXPECT_TRUE(y_down(plane + up));
+  EXPECT_FALSE(y_down(plane + turned));
+  EXPECT_FALSE(y_down(plane + up + "y_axis:=up\n"));
+  EXPECT_TRUE(y_down(plane + turned + "y_axis:=down\n"));
+  EXPECT_TRUE(y_down(plane + up + "y_axis:=somewhere\n"));
+  // y of LPS grows to the back, which is drawn below.
+  const std::string slice = "dimension: 3\nsizes: 1 2 1\n", flipped = "space directions: (1,0,0) (0,-1,0) (0,0,1)\n";
+  EXPECT_TRUE(y_down("space: LPS\n" + slice + flipped, 2));
+  EXPECT_FALSE(y_down("space dimension: 3\n" + slice + flipped, 2));
+  EXPECT_FALSE(y_down("space dimension: 3\n" + slice + flipped, 3));
 }
 
 TEST(StoredVolume, WrittenShapesComeBack) {
@@ -502,6 +525,21 @@ TEST(Pictures, ANoteSaysWhatIsNotTheLuminanceOfAnOpaquePicture) {
   EXPECT_EQ(notes_of(opaque), "");
   for (const auto& file : {stencil, shaded, opaque})
     EXPECT_EQ(notes_of(file, {.spacing = {}, .dimension = {}, .channel = "luminance"}), "");
+}
+
+TEST(Pictures, AlphaThatIsNowhereWrittenIsNone) {
+  const TemporaryFolder folder;
+  const auto picture = [](const std::string& pixels) {  // of 32 bits with masks for blue, green, red and alpha
+    std::string bytes = small_files::bmp(2, 1, 32, 6, 4, pixels);
+    return bytes.replace(54, 16, std::string("\0\0\xff\0\0\xff\0\0\xff\0\0\0\0\0\0\xff", 16));
+  };
+  const auto opaque = folder.write("o.bmp", picture(std::string("\7\7\7\0\x50\x50\x50\0", 8)));
+  const Volume volume = io::read_volume(opaque);
+  EXPECT_EQ(bytes_in(volume), (std::vector<std::uint8_t>{7, 0x50}));
+  EXPECT_EQ(volume.picture, "an RGB picture");
+  EXPECT_EQ(notes_of(opaque), "");
+  const Volume seen = io::read_volume(folder.write("a.bmp", picture(std::string("\7\7\7\0\x50\x50\x50\xff", 8))));
+  EXPECT_EQ(bytes_in(seen), (std::vector<std::uint8_t>{0, 255}));
 }
 
 TEST(Pictures, RealOnes) {

@@ -57,6 +57,10 @@ class BmpFile {
     // The last row may do without the bytes that fill it up.
     if (!packed && (h - 1) * row + (w * static_cast<std::uint64_t>(bits_) + 7) / 8 > left)
       give_up("its pixels end early; it is damaged or incomplete");
+    if (pixels_.has_alpha() && !any_alpha(row)) {
+      fields_[3].mask = 0;
+      set_kind();
+    }
     const auto channels = static_cast<std::uint64_t>(pixels_.channels);
     check_read_memory(file_, count * (channels + packed), context);
     std::vector<std::uint8_t> samples(count * channels);
@@ -65,7 +69,7 @@ class BmpFile {
       for (std::uint64_t i = 0; i < count; ++i) put_colour(indices[i], &samples[i * channels]);
     } else {
       for (std::uint64_t y = 0; y < h; ++y) {
-        const unsigned char* in = bytes_.data() + begin_ + (top_down_ ? y : h - 1 - y) * row;
+        const unsigned char* in = row_of(y, row);
         for (std::uint64_t x = 0; x < w; ++x) put_pixel(in, x, &samples[(y * w + x) * channels]);
       }
     }
@@ -148,6 +152,26 @@ class BmpFile {
                               : "an RGB picture";
   }
 
+  const unsigned char* row_of(std::uint64_t y, std::uint64_t bytes) const {
+    return bytes_.data() + begin_ + (top_down_ ? y : height() - 1 - y) * bytes;
+  }
+
+  /// Of 16 to 32 bits.
+  std::uint32_t pixel_at(const unsigned char* row, std::uint64_t x) const {
+    const std::size_t size = static_cast<std::size_t>(bits_) / 8;
+    std::uint32_t pixel = 0;
+    for (std::size_t b = size; b-- > 0;) pixel = pixel << 8 | row[x * size + b];
+    return pixel;
+  }
+
+  /// Programs that know no transparency leave the bytes of alpha 0 in all pixels: such a picture is opaque.
+  bool any_alpha(std::uint64_t row) const {
+    for (std::uint64_t y = 0; y < height(); ++y)
+      for (std::uint64_t x = 0; x < width(); ++x)
+        if ((pixel_at(row_of(y, row), x) & fields_[3].mask) != 0) return true;
+    return false;
+  }
+
   void put_colour(std::uint32_t index, std::uint8_t* out) const {
     if (index >= palette_.size()) give_up(fmt::format("a pixel has colour {}, beyond the end of the palette", index));
     for (std::size_t c = 0; c < static_cast<std::size_t>(pixels_.channels); ++c) out[c] = palette_[index][c];
@@ -159,9 +183,7 @@ class BmpFile {
       const int shift = 8 - bits_ - static_cast<int>(bit % 8);
       return put_colour(static_cast<std::uint32_t>(row[bit / 8] >> shift & ((1 << bits_) - 1)), out);
     }
-    const std::size_t size = static_cast<std::size_t>(bits_) / 8;
-    std::uint32_t pixel = 0;
-    for (std::size_t b = size; b-- > 0;) pixel = pixel << 8 | row[x * size + b];
+    const std::uint32_t pixel = pixel_at(row, x);
     for (std::size_t c = 0; c < static_cast<std::size_t>(pixels_.channels); ++c) out[c] = fields_[c].of(pixel);
   }
 

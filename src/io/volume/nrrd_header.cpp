@@ -60,13 +60,18 @@ class NrrdHeader {
     const std::size_t colon = line.find(':');
     if (colon == std::string::npos || colon == 0)
       refuse(fmt::format("a line of its header has no field: '{}'", shown(line)));
-    if (line.substr(colon, 2) == ":=") return;  // a key of the user
+    if (line.substr(colon, 2) == ":=") return read_key(line.substr(0, colon), line.substr(colon + 2));
     std::string name = lower(line.substr(0, colon));
     std::erase(name, ' ');
     const std::string value(trimmed(std::string_view(line).substr(colon + 1)));
     if (!fields_.emplace(name, value).second) refuse(fmt::format("its header has the field '{}' twice", shown(name)));
     known(name, line);
     if (name == "datafile" && lower(value).starts_with("list")) read_list();
+  }
+
+  // Keys are those of the programs that write them; io::write_volume() says of planes which way y grows.
+  void read_key(const std::string& name, const std::string& value) {
+    if (name == "y_axis" && (value == "down" || value == "up")) y_recorded_ = value == "down";
   }
 
   // An unknown field may change what the samples mean; a misspelt one would leave out what it says.
@@ -137,6 +142,7 @@ class NrrdHeader {
   Vec3 to_lps_ = Vec3::Ones();  ///< signs from the file's space
   bool anatomical_ = false;
   std::string space_;  ///< name of the space where it is not anatomical
+  std::optional<bool> y_recorded_;
 };
 
 void NrrdHeader::check() {
@@ -343,6 +349,7 @@ void NrrdHeader::set_geometry(StoredVolume& volume) const {
   if (origin) grid.origin = lps(vector(*origin, "space origin"));
   if (!grid.origin.allFinite()) refuse("its origin is not a point; correct the 'space origin' in its header");
   volume.coordinates.space = anatomical_ ? "LPS" : space_;
+  volume.coordinates.y_recorded = y_recorded_;
 }
 
 std::optional<SampleType> nrrd_type(const std::string& name) {

@@ -94,7 +94,9 @@ void write_volume(const std::filesystem::path& file, const VoxelShape& shape, co
     if (const std::string unit = quoted(coordinates.units); !unit.empty())
       out << "\nspace units:" << for_each_axis(unit, n);
     out << "\nkinds:" << for_each_axis("domain", n) << "\nencoding: gzip\nspace origin: " << vector_text(grid.origin, n)
-        << "\n\n";
+        << '\n';
+    if (grid.is_plane()) out << "y_axis:=" << (coordinates.y_down ? "down" : "up") << '\n';
+    out << '\n';
     GzipWriter gzip(out);
     std::vector<unsigned char> row(static_cast<std::size_t>(grid.dims[0]));
     for (std::int64_t z = 0; z < grid.dims[2]; ++z) {

@@ -55,17 +55,26 @@ std::string size_text(const std::array<std::int64_t, 3>& dims) {
                       : fmt::format("{} x {} x {} voxels", dims[0], dims[1], dims[2]);
 }
 
+/// Whether y grows downwards where a slice is drawn the right way up: its first row on top, as its file shows it, or
+/// the front of a body. `direction`: of the slice in its file.
+bool grows_down(const Mat3& direction, const Coordinates& coordinates) {
+  if (coordinates.y_recorded) return *coordinates.y_recorded;
+  return coordinates.space == "LPS" || !(direction(1, 1) < 0);
+}
+
 /// Where a slice lies in its own plane.
 void lay_in_plane(const std::filesystem::path& file, Grid& grid, Coordinates& coordinates, Context* context) {
   constexpr double kTilt = 1e-3;  // of the direction of an axis; more is not the rounding of a file
   grid.make_plane();
-  coordinates.y_down = true;
-  coordinates.space.clear();
   grid.origin[2] = 0;
   const double tilt = grid.direction.row(2).head<2>().cwiseAbs().maxCoeff();
   if (tilt > kTilt) {
     grid.direction.setIdentity();
     grid.origin.setZero();
+  }
+  coordinates.y_down = grows_down(grid.direction, coordinates);
+  coordinates.space.clear();
+  if (tilt > kTilt) {
     note(context, fmt::format("'{}' lies obliquely in space; its coordinates are taken as those of its own plane, from "
                               "the centre of its first pixel",
                               file.string()));

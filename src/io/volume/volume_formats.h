@@ -58,8 +58,8 @@ void check_options(const VolumeReadOptions& options);
 
 /// Decides whether one slice is a plane or a slab. `grid.dimension` is what the file means: 2 for a picture; else a
 /// volume, of which one slice may be meant as either and is Error(usage), field `dimension`, unless the options say
-/// which. Of a plane it settles what Grid and Coordinates say of planes: the third coordinate goes, y is down. Then the
-/// spacing becomes the one that is asked for; it and the origin are checked.
+/// which. Of a plane it settles what Grid and Coordinates say of planes: the third coordinate goes, y is down or up as
+/// the file says, else up only where y falls from row to row outside of LPS. Then the spacing becomes the one that is asked for; it and the origin are checked.
 void settle_grid(const std::filesystem::path& file, const VolumeReadOptions& options, Grid& grid,
                  Coordinates& coordinates, Context* context);
 
