@@ -5,7 +5,7 @@
     bench/plane_peers.py --module build/release/python [IMAGE:THRESHOLD | IMAGE:-THRESHOLD ...]
 
 Without images: noise blobs of several sizes, thresholded at their median. A threshold with a minus sign takes what is
-darker. Per image, the median of five runs, in turns, on one thread:
+darker. Per image, the median of processor times of five runs, in turns, on one thread:
   quench  the core with its measures and its pruning, from the array in memory to the axis in memory (Python module)
   medial_axis, skeletonize  of scikit-image
 The last columns compare components and holes of the results with those of the shape: of pixels 4-connected
@@ -46,9 +46,9 @@ def topology(mask, foreground, background):
 
 
 def timed(work):
-    start = time.perf_counter()
+    start = time.process_time()
     result = work()
-    return time.perf_counter() - start, result
+    return time.process_time() - start, result
 
 
 def main():
