@@ -80,8 +80,8 @@ VoxelShape digitize(const Polygons& polygons, const DigitizeOptions& options = {
 /// components, and one ring per hole. In the order of the least (y, x) of their corners. O(runs log runs).
 Polygons boundary_rings(const VoxelShape& plane);
 
-/// Rings of boundary_rings() by the part they bound: the outer ring of each, and behind it its holes. O(rings * points)
-/// where there are holes.
+/// Rings of boundary_rings() by the part they bound: the outer ring of each, and behind it its holes. O(points), and
+/// O(points log points) where there are holes.
 std::vector<Polygons> parts_of(const Polygons& boundary);
 
 namespace io {
