@@ -231,7 +231,7 @@ Json polygons_info(const std::string& file, Session& session) {
           }
         }
       },
-      [&](std::uint64_t, const Error& error) {
+      [&](PolygonFeature&&, const Error& error) {
         if (bad++ == 0) first_bad = error.what();
       },
       &session.context);

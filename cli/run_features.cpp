@@ -130,7 +130,9 @@ class Tables {
 // What is drawn of all features together.
 class Drawing {
  public:
-  explicit Drawing(const RunProgram& o) : builder_(o.max_triangles), left_(o.max_triangles) {}
+  explicit Drawing(const RunProgram& o) : builder_(o.max_triangles), left_(o.max_triangles) {
+    builder_.page.limit_name = "--max-triangles";
+  }
 
   void add(const pipeline::FeatureRun& run) {
     Page& page = builder_.page;
@@ -193,7 +195,7 @@ int run_features(const RunProgram& o, Session& session) {
   Json failures = Json::array(), notes = Json::array();
   io::OutputGroup outputs;
   bool y_down = false;
-  std::size_t drawn = 0, left_out = 0;
+  std::size_t drawn = 0, left_out = 0, noted = 0;
   const bool draws = !files.view.empty() || !files.picture.empty();
   Drawing drawing(o);
   std::optional<io::LineWriter> geojson, svg;
@@ -211,7 +213,7 @@ int run_features(const RunProgram& o, Session& session) {
           return;
         }
         for (const std::string& sentence : run.notes)
-          if (notes.size() < kMostListed) notes.push_back({{"feature", run.number}, {"sentence", sentence}});
+          if (noted++ < kMostListed) notes.push_back({{"feature", run.number}, {"sentence", sentence}});
         if (!geojson) {
           y_down = run.shape->coordinates.y_down;
           open();
@@ -251,7 +253,6 @@ int run_features(const RunProgram& o, Session& session) {
   if (draws) {
     pipeline::PageBuilder& builder = drawing.finished();
     builder.page.command = session.options.command;
-    builder.page.limit_name = "--max-triangles";
     builder.page.title = pipeline::title_of(o.shape.file);
     if (!files.view.empty()) write_page(builder, files.view, report, outputs);
     session.finished("page");
@@ -263,8 +264,8 @@ int run_features(const RunProgram& o, Session& session) {
     session.say(fmt::format("warning: {} of {} cannot be used; {} says why, e.g. {}", totals.failed,
                             base::counted(totals.features, "feature"), files.features.string(),
                             failures[0]["sentence"].get<std::string>()));
-  if (!notes.empty())
-    session.say(fmt::format("note: {} of features in {}, e.g. of feature {}: {}", base::counted(notes.size(), "note"),
+  if (noted > 0)
+    session.say(fmt::format("note: {} of features in {}, e.g. of feature {}: {}", base::counted(noted, "note"),
                             files.report.string(), notes[0]["feature"].get<std::uint64_t>(),
                             notes[0]["sentence"].get<std::string>()));
   if (left_out > 0)

@@ -24,8 +24,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         if (boundary_rings(shape).rings.empty()) fuzz::defect("a shape has no boundary");
       });
     };
-    const auto bad = [&](std::uint64_t number, const Error& error) {
-      count(number);
+    const auto bad = [&](PolygonFeature&& feature, const Error& error) {
+      count(feature.number);
+      if (!feature.polygons.rings.empty()) fuzz::defect("a feature that cannot be used has rings");
       fuzz::reads_or_refuses([&] { throw error; });
     };
     const std::uint64_t features = io::for_each_feature(file.holding(data, size), take, bad, &context);

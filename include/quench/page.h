@@ -44,6 +44,12 @@ struct PageMeasure {
   double floor = 0;  ///< what its pruning keeps is complete from this threshold on
 };
 
+/// The surfaces of a page, which are drawn as one: how many, and their triangles.
+struct PageSurfaces {
+  std::size_t count = 0, given = 0, drawn = 0;
+  std::optional<std::size_t> note;  ///< the one of Page::notes that says so, where some are simplified
+};
+
 /// What a page holds. Lengths are in world units. Everything may be missing: an empty string, a zero, no value.
 struct Page {
   std::string title, program, command, unit;
@@ -74,6 +80,7 @@ struct Page {
   Vec3 low = Vec3::Zero(), high = Vec3::Zero();          ///< box around everything that was added
   std::string note;                                      ///< what is to be known before the first look; mostly nothing
   std::vector<std::string> notes;                        ///< what was simplified, a sentence each
+  PageSurfaces surfaces;
   std::vector<PageArray> arrays;
 
   const PageArray* find(std::string_view name) const;

@@ -80,8 +80,8 @@ VoxelShape digitize(const Polygons& polygons, const DigitizeOptions& options = {
 /// components, and one ring per hole. In the order of the least (y, x) of their corners. O(runs log runs).
 Polygons boundary_rings(const VoxelShape& plane);
 
-/// Rings of boundary_rings() by the part they bound: the outer ring of each, and behind it its holes. O(rings * points)
-/// where there are holes.
+/// Rings of boundary_rings() by the part they bound: the outer ring of each, and behind it its holes. O(points), and
+/// O(points log points) where there are holes.
 std::vector<Polygons> parts_of(const Polygons& boundary);
 
 namespace io {
@@ -93,8 +93,8 @@ struct PolygonReadOptions {
 
 /// Reads .geojson and .json (GeoJSON), .geojsonl, .geojsons and .ndjson (a GeoJSON object per line), .wkt and .svg, and
 /// hands over one feature after the other, in the order of the file; returns how many there were, bad ones included.
-/// What cannot be used of a feature is told to `bad`, as Error(input) with a sentence that names file and feature; what
-/// is empty or thin is left to digitize().
+/// A feature that cannot be used is handed to `bad` without its rings, with an Error(input) whose sentence names file
+/// and feature; what is empty or thin is left to digitize().
 ///
 /// GeoJSON: Polygon, MultiPolygon and GeometryCollection, in a Feature, a FeatureCollection or alone. Memory for one
 /// feature; z is left out. WKT: POLYGON and MULTIPOLYGON, also inside GEOMETRYCOLLECTION; `SRID=...;`, Z, M and EMPTY;
@@ -105,7 +105,7 @@ struct PolygonReadOptions {
 /// Error(input) when it is not of its format or damaged; features before the damage have been handed over. What `take`
 /// throws goes through.
 std::uint64_t for_each_feature(const std::filesystem::path& file, const std::function<void(PolygonFeature&&)>& take,
-                               const std::function<void(std::uint64_t number, const Error&)>& bad,
+                               const std::function<void(PolygonFeature&&, const Error&)>& bad,
                                Context* context = nullptr, const PolygonReadOptions& options = {});
 
 }  // namespace io

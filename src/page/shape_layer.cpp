@@ -20,6 +20,24 @@ std::vector<T>& values_of(Page& page, const char* name, int components) {
   return std::get<std::vector<T>>(page.arrays.back().values);
 }
 
+/// Counts a surface. Where some are simplified, one note says so of all.
+void note_surface(Page& page, const char* what, std::size_t given, std::size_t drawn) {
+  PageSurfaces& all = page.surfaces;
+  ++all.count;
+  all.given += given;
+  all.drawn += drawn;
+  if (drawn < given && !all.note) {
+    all.note = page.notes.size();
+    page.notes.emplace_back();
+  }
+  if (all.note)
+    page.notes[*all.note] =
+        fmt::format("{} {} triangles; the page draws {}, with vertices close to each other merged{}",
+                    all.count == 1 ? fmt::format("The {} has", what)
+                                   : fmt::format("The {} shapes have", page::count_text(all.count)),
+                    page::count_text(all.given), page::count_text(all.drawn), page::limit_text(page));
+}
+
 /// `finest`: as of clustered().
 std::size_t add_triangles(Page& page, const Record& surface, const char* what, std::size_t max_triangles,
                           double finest = 0) {
@@ -28,11 +46,9 @@ std::size_t add_triangles(Page& page, const Record& surface, const char* what, s
   if (given > max_triangles) {
     std::vector<std::uint32_t> ignored;
     fewer = page::clustered(surface, max_triangles, ignored, finest);
-    page.notes.push_back(
-        fmt::format("The {} has {} triangles; the page draws {}, with vertices close to each other merged{}", what,
-                    page::count_text(given), page::count_text(page::triangle_count(fewer)), page::limit_text(page)));
   }
   const Record& drawn = given > max_triangles ? fewer : surface;
+  note_surface(page, what, given, page::triangle_count(drawn));
   auto& places = values_of<float>(page, "shape/points", 3);
   const std::size_t before = places.size() / 3;
   std::vector<std::uint32_t> number(drawn.points.size(), kNone), corners;

@@ -134,8 +134,8 @@ PolygonFeature feature_of(const std::filesystem::path& file, const std::optional
           found = std::move(feature);
           if (number) throw Enough();
         },
-        [&](std::uint64_t n, const Error& error) {
-          if (is_wanted(n) && !fault) fault = error;
+        [&](PolygonFeature&& feature, const Error& error) {
+          if (is_wanted(feature.number) && !fault) fault = error;
         },
         context);
   } catch (const Enough&) {
@@ -160,7 +160,7 @@ bool holds_one_feature(const std::filesystem::path& file) {
   };
   try {
     io::for_each_feature(
-        file, [&](PolygonFeature&&) { count(); }, [&](std::uint64_t, const Error&) { count(); });
+        file, [&](PolygonFeature&&) { count(); }, [&](PolygonFeature&&, const Error&) { count(); });
   } catch (const Enough&) {
     return false;
   } catch (const Error&) {  // told when it is read for good
@@ -262,10 +262,8 @@ void run_features(const std::filesystem::path& file, const ShapeOptions& shape, 
       [&](PolygonFeature&& feature) {
         add({std::move(feature), {}});
       },
-      [&](std::uint64_t number, const Error& error) {
-        PolygonFeature none;
-        none.number = number;
-        add({std::move(none), error});
+      [&](PolygonFeature&& feature, const Error& error) {
+        add({std::move(feature), error});
       },
       context);
   work();

@@ -2,6 +2,10 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <set>
 #include <span>
 #include <utility>
 #include <vector>
@@ -132,35 +136,101 @@ double twice_area(const std::vector<Vec2>& ring) {
   return sum;
 }
 
-// By crossings of a ray to the right; `p` is on no edge.
-bool is_inside(const std::vector<Vec2>& ring, const Vec2& p) {
-  bool inside = false;
-  for (std::size_t i = 0; i < ring.size(); ++i) {
-    const Vec2 &a = ring[i], &b = ring[i + 1 < ring.size() ? i + 1 : 0];
-    if ((a[1] > p[1]) != (b[1] > p[1]) && p[0] < a[0] + (p[1] - a[1]) / (b[1] - a[1]) * (b[0] - a[0])) inside = !inside;
+/// An edge of a ring across the rows of pixels, in coordinates along the rows and across them.
+struct Upright {
+  double x, low, high;
+  std::size_t ring;
+};
+
+std::vector<Upright> uprights(const Polygons& boundary) {
+  const Vec2 along = (boundary.rings[0][1] - boundary.rings[0][0]).normalized(), across(-along[1], along[0]);
+  std::vector<Upright> edges;
+  for (std::size_t r = 0; r < boundary.rings.size(); ++r) {
+    const auto& ring = boundary.rings[r];
+    for (std::size_t i = 0; i < ring.size(); ++i) {
+      const Vec2 &a = ring[i], &b = ring[i + 1 < ring.size() ? i + 1 : 0];
+      const double from = across.dot(a), to = across.dot(b);
+      if (std::abs(to - from) > std::abs(along.dot(b - a)))
+        edges.push_back({along.dot(a + b) / 2, std::min(from, to), std::max(from, to), r});
+    }
   }
-  return inside;
+  return edges;
+}
+
+/// For each ring, the ring of the first edge at the left of its leftmost one, or itself where there is none. Between
+/// the two are pixels of the shape if the ring is that of a hole: then both bound the same part.
+struct LeftOf {
+  std::vector<std::size_t> ring, order;  ///< `order`: the rings from left to right by their leftmost edges
+};
+
+LeftOf left_of(const Polygons& boundary) {
+  const std::vector<Upright> edges = uprights(boundary);
+  std::vector<std::size_t> leftmost(boundary.rings.size(), edges.size());
+  double shortest = std::numeric_limits<double>::infinity();
+  for (std::size_t e = 0; e < edges.size(); ++e) {
+    auto& best = leftmost[edges[e].ring];
+    if (best == edges.size() || edges[e].x < edges[best].x) best = e;
+    shortest = std::min(shortest, edges[e].high - edges[e].low);
+  }
+  // A line sweeps over the rows. It looks to the left a little above the lower end of an edge: the golden section of a
+  // number of rows is never close to a row, so that rounding, in grids that are turned, does not matter.
+  const double above = shortest * (2 - std::numbers::phi);
+  enum Kind { begins, ends, looks };
+  struct Event {
+    double y;
+    Kind kind;
+    std::size_t edge;
+  };
+  std::vector<Event> events;
+  for (std::size_t e = 0; e < edges.size(); ++e) {
+    events.push_back({edges[e].low, begins, e});
+    events.push_back({edges[e].high, ends, e});
+    if (leftmost[edges[e].ring] == e) events.push_back({edges[e].low + above, looks, e});
+  }
+  std::sort(events.begin(), events.end(), [](const Event& a, const Event& b) { return a.y < b.y; });
+  LeftOf left;
+  left.ring.resize(boundary.rings.size());
+  std::set<std::pair<double, std::size_t>> crossed;
+  for (const Event& event : events) {
+    const std::pair key(edges[event.edge].x, event.edge);
+    if (event.kind == begins) {
+      crossed.insert(key);
+    } else if (event.kind == ends) {
+      crossed.erase(key);
+    } else {
+      const auto at = crossed.find(key);
+      const std::size_t ring = edges[event.edge].ring;
+      left.ring[ring] = at == crossed.begin() ? ring : edges[std::prev(at)->second].ring;
+    }
+  }
+  for (std::size_t r = 0; r < boundary.rings.size(); ++r)
+    if (leftmost[r] < edges.size()) left.order.push_back(r);
+  std::sort(left.order.begin(), left.order.end(),
+            [&](std::size_t a, std::size_t b) { return edges[leftmost[a]].x < edges[leftmost[b]].x; });
+  return left;
 }
 
 }  // namespace
 
 std::vector<Polygons> parts_of(const Polygons& boundary) {
   std::vector<Polygons> parts;
-  std::vector<double> area;
-  for (const auto& ring : boundary.rings)
-    if (const double twice = twice_area(ring); twice > 0) {
-      parts.push_back({{ring}});
-      area.push_back(twice);
+  std::vector<std::size_t> part(boundary.rings.size(), boundary.rings.size());
+  for (std::size_t r = 0; r < boundary.rings.size(); ++r)
+    if (twice_area(boundary.rings[r]) > 0) {
+      part[r] = parts.size();
+      parts.push_back({{boundary.rings[r]}});
     }
-  for (const auto& ring : boundary.rings) {
-    if (twice_area(ring) > 0) continue;
-    // Half way along an edge a hole touches nothing else.
-    const Vec2 on_hole = 0.5 * (ring[0] + ring[1]);
-    std::size_t best = parts.size();
-    for (std::size_t p = 0; p < parts.size(); ++p)
-      if ((best == parts.size() || area[p] < area[best]) && is_inside(parts[p].rings[0], on_hole)) best = p;
-    if (best < parts.size()) parts[best].rings.push_back(ring);
-  }
+  if (parts.size() == boundary.rings.size()) return parts;
+  const LeftOf left = left_of(boundary);
+  std::vector<std::size_t> holes;
+  for (const std::size_t r : left.order)
+    if (part[r] == boundary.rings.size()) {
+      part[r] = part[left.ring[r]];  // which is known: it begins farther to the left
+      holes.push_back(r);
+    }
+  std::sort(holes.begin(), holes.end());
+  for (const std::size_t r : holes)
+    if (part[r] < parts.size()) parts[part[r]].rings.push_back(boundary.rings[r]);
   return parts;
 }
 

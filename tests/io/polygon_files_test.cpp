@@ -129,6 +129,36 @@ TEST_F(PolygonFiles, GeoJsonBadFeatures) {
   EXPECT_EQ(read("a.json", R"({"type":"FeatureCollection","features":[]})").count, 0u);
 }
 
+TEST_F(PolygonFiles, BadFeaturesKeepTheirIdAndProperties) {
+  const auto r =
+      read("a.json", R"({"features":[{"id":"x","geometry":null,"type":"Feature","properties":{"a":1}},)"
+                     R"({"type":"Feature","geometry":{"type":"Polygon","coordinates":[[[0,0],[1]]]},"id":5}]})");
+  ASSERT_EQ(r.bad.size(), 2u);
+  EXPECT_EQ(r.bad[0].first.id, "\"x\"");
+  EXPECT_EQ(r.bad[0].first.properties, R"({"a":1})");
+  EXPECT_EQ(r.bad[1].first.id, "5");
+  EXPECT_EQ(r.bad[1].first.number, 1u);
+  const auto drawn = read("a.svg", svg("<g fill='red'><path id='p' class='c' d='L'/></g>"));
+  ASSERT_EQ(drawn.bad.size(), 1u);
+  EXPECT_EQ(drawn.bad[0].first.id, "\"p\"");
+  EXPECT_EQ(drawn.bad[0].first.properties, R"({"element":"path","fill":"red","class":"c"})");
+}
+
+TEST_F(PolygonFiles, DeepPropertiesAreRefused) {
+  const auto feature = [](const std::string& value) {
+    return R"({"type":"FeatureCollection","features":[{"type":"Feature","id":3,"properties":{"a":)" + value +
+           R"(},"geometry":{"type":"Polygon","coordinates":[[[0,0],[1,0],[0,1]]]}}]})";
+  };
+  const auto nested = [](std::size_t depth) { return std::string(depth, '[') + "1" + std::string(depth, ']'); };
+  std::string objects = "1";
+  for (int k = 0; k < 1000; ++k) objects = R"({"a":)" + objects + "}";
+  EXPECT_EQ(read("a.json", feature(nested(63))).features.at(0).properties, R"({"a":)" + nested(63) + "}");
+  for (const std::string& deep : {nested(64), nested(100000), objects}) {
+    expect_bad("a.json", feature(deep), "properties are nested too deeply");
+    EXPECT_EQ(read("a.json", feature(deep)).bad.at(0).first.id, "3");
+  }
+}
+
 TEST_F(PolygonFiles, HostileGeoJson) {
   const std::string good = R"({"type":"Polygon","coordinates":[[[0,0],[1,0],[0,1]]]})";
   for (std::size_t length = 1; length < good.size(); ++length)
@@ -155,13 +185,13 @@ TEST_F(PolygonFiles, FeaturesBeforeTheDamageAreHandedOver) {
       "a.json",
       R"({"features":[{"type":"Feature","geometry":{"type":"Polygon","coordinates":[[[0,0],[1,0],[0,1]]]}},{"ty)");
   EXPECT_THROW(io::for_each_feature(
-                   file, [&](PolygonFeature&&) { ++taken; }, [](std::uint64_t, const Error&) {}),
+                   file, [&](PolygonFeature&&) { ++taken; }, [](PolygonFeature&&, const Error&) {}),
                Error);
   EXPECT_EQ(taken, 1);
   const auto fails = [](PolygonFeature&&) { throw Error(ErrorCode::failed, "mine"); };
   try {
     io::for_each_feature(folder_.write("b.ndjson", R"({"type":"Polygon","coordinates":[[[0,0],[1,0],[0,1]]]})"), fails,
-                         [](std::uint64_t, const Error&) {});
+                         [](PolygonFeature&&, const Error&) {});
     FAIL();
   } catch (const Error& error) {
     EXPECT_STREQ(error.what(), "mine");
@@ -173,7 +203,7 @@ TEST_F(PolygonFiles, GeoJsonLines) {
   const auto r = read("a.geojsonl", good + "\r\n\n\x1E" + good + "\n{\"type\":\"Pol\n[]\n" + good);
   EXPECT_EQ(r.features.size(), 3u);
   ASSERT_EQ(r.bad.size(), 2u);
-  EXPECT_EQ(r.bad[0].first, 2u);
+  EXPECT_EQ(r.bad[0].first.number, 2u);
   EXPECT_EQ(r.features[2].number, 4u);
 }
 
@@ -186,6 +216,8 @@ TEST_F(PolygonFiles, NotesWhatCoordinatesSuggest) {
   ASSERT_EQ(notes("[52,130]").size(), 2u);
   EXPECT_NE(notes("[52,130]")[0].find("exchanged"), std::string::npos);
   EXPECT_TRUE(notes("[52000,130]").empty());
+  EXPECT_TRUE(read("a.json", R"({"type":"FeatureCollection","features":[]})").notes.empty());
+  EXPECT_TRUE(read("a.json", R"({"type":"Feature","geometry":null})").notes.empty());
   EXPECT_EQ(read("a.wkt", "SRID=4326;POLYGON((0 0,1 0,0 1))").notes.size(), 1u);
   EXPECT_TRUE(read("a.wkt", "POLYGON((0 0,1 0,0 1))").notes.empty());
 }
@@ -214,8 +246,8 @@ TEST_F(PolygonFiles, Wkt) {
   EXPECT_EQ(r.features[1].polygons.rings[0][2], Vec2(0, 2));
   EXPECT_EQ(r.features[2].number, 7u);
   std::string reasons;
-  for (const auto& [number, reason] : r.bad)
-    reasons += std::to_string(number) + reason.substr(reason.rfind(": ")) + "|";
+  for (const auto& [feature, reason] : r.bad)
+    reasons += std::to_string(feature.number) + reason.substr(reason.rfind(": ")) + "|";
   EXPECT_EQ(
       reasons,
       "1: its geometry is a POINT, not a polygon|2: its polygon is empty|3: a number is missing before 'X' in line "
@@ -278,6 +310,24 @@ TEST_F(PolygonFiles, SvgShapesAndTransforms) {
   EXPECT_NEAR(measured("<rect width='10' height='10' rx='50'/>"), 25 * std::numbers::pi, 1e-2);
 }
 
+TEST_F(PolygonFiles, SvgPercentages) {
+  const std::string page = "viewBox='0 0 200 100'";
+  EXPECT_EQ(rings("a.svg", svg("<rect x='10%' y='10%' width='50%' height='50%'/>", page)),
+            "20 10,120 10,120 60,20 60,20 10;");
+  EXPECT_EQ(rings("a.svg", svg("<rect width='50%' height='50%'/>", "width='10' height='1in'")),
+            "0 0,5 0,5 48,0 48,0 0;");
+  const auto circle = read("a.svg", svg("<circle cx='50%' cy='50%' r='10%'/>", page));
+  EXPECT_NEAR(area(circle.features.at(0).polygons), 250 * std::numbers::pi, 0.1) << "of the mean square of the sides";
+  EXPECT_EQ(circle.features[0].polygons.rings[0][0], Vec2(100 + std::sqrt(250.0), 50));
+  for (const char* sides : {"width='100%' height='100%'", ""})
+    EXPECT_EQ(rings("a.svg",
+                    svg("<svg " + std::string(sides) + " viewBox='0 0 10 10'><rect width='100%' height='50%'/></svg>")),
+              "0 0,100 0,100 50,0 50,0 0;");
+  const std::string ground = "<rect width='100%' height='100%'/>", shape = "<path d='M1 1h2v2z'/>";
+  for (const char* box : {"viewBox='0 0 100 100'", "viewBox='0 0 0.3 77.7'", "width='9.3mm' height='7'"})
+    EXPECT_EQ(read("a.svg", svg(ground + shape, box)).features.size(), 1u) << box;
+}
+
 TEST_F(PolygonFiles, SvgFills) {
   const std::string square = " d='M0 0h4v4h-4z'";
   const auto r =
@@ -324,7 +374,15 @@ TEST_F(PolygonFiles, HostileSvg) {
                         "M0 0 1 0 1 1z5", "Mnan 0"})
     expect_bad("a.svg", svg("<path d='" + std::string(d) + "'/>"), "of the element path");
   expect_bad("a.svg", svg("<polygon points='1 2 3'/>"), "odd number");
-  expect_bad("a.svg", svg("<circle r='5%'/>"), "a number is missing");
+  expect_bad("a.svg", svg("<circle r='5%'/>", ""), "r is in percent of a drawing without a size");
+  expect_bad("a.svg", svg("<circle r='5em'/>"), "a number is missing");
+  std::string curves = "M0 0";
+  for (int k = 0; k < 10000; ++k) curves += "C0 0 0 0 1e20 0L0 1";
+  for (const char* scale : {"1e99", "1e60"})
+    expect_bad("a.svg",
+               svg("<g transform='scale(" + std::string(scale) + ") scale(" + scale + ") scale(" + scale +
+                   ")'><path d='" + curves + "z'/></g>"),
+               "its coordinates are too large");
   expect_bad("a.svg", svg("<rect width='-5' height='1'/>"), "negative");
   expect_bad("a.svg", svg("<g transform='turn(5)'><path d='M0 0h1v1z'/></g>"), "unknown");
   expect_refused("a.svg", "", "is empty");

@@ -113,6 +113,20 @@ TEST(PagePlane, SurfacesAreAddedToEachOther) {
     ASSERT_EQ(triangles[3 * a + i], values<std::uint32_t>(alone, "shape/triangles")[i] + before);
 }
 
+TEST(PagePlane, OneNoteSaysThatSurfacesAreSimplified) {
+  Page page;
+  const std::size_t a = add_surface(page, random_plane(3), 10);
+  ASSERT_EQ(page.notes.size(), 1u);
+  EXPECT_TRUE(page.notes[0].starts_with("The shape has ")) << page.notes[0];
+  page.notes.emplace_back("other");
+  const std::size_t b = add_surface(page, random_plane(5), 10), c = add_surface(page, random_plane(7), 100000);
+  ASSERT_EQ(page.notes.size(), 2u);
+  EXPECT_TRUE(page.notes[0].starts_with("The 3 shapes have ")) << page.notes[0];
+  EXPECT_EQ(page.surfaces.drawn, a + b + c);
+  EXPECT_EQ(page.surfaces.given,
+            flat_pixels(random_plane(3)).triangles.size() + flat_pixels(random_plane(5)).triangles.size() + c);
+}
+
 TEST(PagePlane, SamplesLieInThePixels) {
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
     const VoxelShape shape = random_plane(seed);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
+#include <algorithm>
 #include <random>
 #include <vector>
 
@@ -31,6 +33,31 @@ double area(const std::vector<Vec2>& ring) {
     twice += a[0] * b[1] - a[1] * b[0];
   }
   return twice / 2;
+}
+
+bool is_inside(const std::vector<Vec2>& ring, const Vec2& p) {
+  bool inside = false;
+  for (std::size_t i = 0; i < ring.size(); ++i) {
+    const Vec2 &a = ring[i], &b = ring[(i + 1) % ring.size()];
+    if ((a[1] > p[1]) != (b[1] > p[1]) && p[0] < a[0] + (p[1] - a[1]) / (b[1] - a[1]) * (b[0] - a[0])) inside = !inside;
+  }
+  return inside;
+}
+
+/// Of each hole, the least outer ring around the middle of its first edge, where a hole touches nothing else.
+std::vector<Polygons> parts_by_trying_all(const Polygons& boundary) {
+  std::vector<Polygons> parts;
+  for (const auto& ring : boundary.rings)
+    if (area(ring) > 0) parts.push_back({{ring}});
+  for (const auto& ring : boundary.rings) {
+    if (area(ring) > 0) continue;
+    Polygons* best = nullptr;
+    for (Polygons& part : parts)
+      if (is_inside(part.rings[0], (ring[0] + ring[1]) / 2) && (!best || area(part.rings[0]) < area(best->rings[0])))
+        best = &part;
+    best->rings.push_back(ring);
+  }
+  return parts;
 }
 
 }  // namespace
@@ -88,4 +115,48 @@ TEST(BoundaryRings, BeginAtTheLeastCornerAndGoCounterClockwise) {
   mirrored.append_row(std::vector<quench::Run>{{1, 3}});
   mirrored.append_row({});
   EXPECT_GT(area(boundary_rings(mirrored).rings[0]), 0);
+}
+
+TEST(BoundaryRings, HolesBelongToTheirParts) {
+  std::mt19937 random(8);
+  for (int round = 0; round < 1000; ++round) {
+    const int width = 1 + static_cast<int>(random() % 40), height = 1 + static_cast<int>(random() % 40);
+    const VoxelShape pixels = random_plane(random, width, height, 30 + random() % 60);
+    Grid grid = pixels.grid();
+    const double angle = round % 4 == 0 ? 0 : 0.1 * round;
+    grid.direction.topLeftCorner<2, 2>() = Eigen::Rotation2Dd(angle).toRotationMatrix();
+    if (round % 3 == 0) grid.direction.col(1) *= -1;
+    grid.spacing = Vec3(1, round % 2 == 0 ? 1 : 0.3, 1);
+    grid.origin = Vec3(round % 5 == 0 ? 1e6 : 0.1, -7, 0);
+    VoxelShape shape(grid);
+    for (int y = 0; y < height; ++y) shape.append_row(pixels.row(y, 0));
+    const Polygons boundary = boundary_rings(shape);
+    const std::vector<Polygons> parts = parts_of(boundary), expected = parts_by_trying_all(boundary);
+    ASSERT_EQ(parts.size(), expected.size());
+    for (std::size_t p = 0; p < parts.size(); ++p) ASSERT_EQ(parts[p].rings, expected[p].rings) << round;
+  }
+}
+
+TEST(BoundaryRings, ManyNestedRings) {
+  constexpr int n = 4001;  // squares in squares: a thousand parts, each with a hole
+  Grid grid;
+  grid.dims = {n, n, 1};
+  grid.make_plane();
+  VoxelShape shape(grid);
+  for (int y = 0; y < n; ++y) {
+    std::vector<quench::Run> runs;
+    const int depth = std::min(y, n - 1 - y);
+    for (int k = 0; k < depth; k += 2) runs.push_back({k, k + 1});
+    if (depth % 2 == 0) runs.push_back({depth, n - depth});
+    for (int k = (depth - 1) / 2 * 2; k >= 0 && depth > 0; k -= 2) runs.push_back({n - 1 - k, n - k});
+    shape.append_row(runs);
+  }
+  const auto parts = parts_of(boundary_rings(shape));
+  ASSERT_EQ(parts.size(), 1001u);
+  for (std::size_t p = 0; p < parts.size(); ++p) {
+    ASSERT_EQ(parts[p].rings.size(), p + 1 < parts.size() ? 2u : 1u);
+    if (parts[p].rings.size() > 1) {
+      ASSERT_EQ(parts[p].rings[1][0], parts[p].rings[0][0] + Vec2(1, 1));
+    }
+  }
 }

@@ -9,7 +9,7 @@
 /// All that a file of polygons hands over.
 struct ReadPolygons {
   std::vector<quench::PolygonFeature> features;
-  std::vector<std::pair<std::uint64_t, std::string>> bad;
+  std::vector<std::pair<quench::PolygonFeature, std::string>> bad;
   std::vector<std::string> notes;
   std::uint64_t count = 0;
 };
@@ -20,6 +20,9 @@ inline ReadPolygons read_polygons(const std::filesystem::path& file) {
   context.note = [&](const std::string& sentence) { read.notes.push_back(sentence); };
   read.count = quench::io::for_each_feature(
       file, [&](quench::PolygonFeature&& feature) { read.features.push_back(std::move(feature)); },
-      [&](std::uint64_t number, const quench::Error& error) { read.bad.emplace_back(number, error.what()); }, &context);
+      [&](quench::PolygonFeature&& feature, const quench::Error& error) {
+        read.bad.emplace_back(std::move(feature), error.what());
+      },
+      &context);
   return read;
 }

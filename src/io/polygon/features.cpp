@@ -24,7 +24,7 @@ std::ifstream opened(const std::filesystem::path& file) {
 }
 
 void say_what_coordinates_suggest(const FeatureSink& sink, Reference reference) {
-  if (reference != Reference::degrees) return;
+  if (reference != Reference::degrees || !sink.has_positions()) return;
   const auto [x, y] = std::pair(sink.largest()[0], sink.largest()[1]);
   if (x <= 90 && y > 90 && y <= 360)
     note(sink.context(),
@@ -45,7 +45,7 @@ Reference read_stream(const std::filesystem::path& file, const std::string& exte
 }  // namespace
 
 std::uint64_t for_each_feature(const std::filesystem::path& file, const std::function<void(PolygonFeature&&)>& take,
-                               const std::function<void(std::uint64_t, const Error&)>& bad, Context* context,
+                               const std::function<void(PolygonFeature&&, const Error&)>& bad, Context* context,
                                const PolygonReadOptions& options) {
   if (kind_of(file) != Kind::polygons)
     throw Error(

@@ -13,7 +13,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr std::size_t kDeepest = 64;  // geometries in geometry collections
+constexpr int kDeepest = 64;  // geometries in geometry collections; brackets in properties
 
 /// A geometry object. Its coordinates are taken as rings of positions however deep they are nested.
 struct Geometry {
@@ -112,7 +112,7 @@ class GeoJsonEvents {
     if (places_.empty() || places_.back() == Place::features) {
       begin_feature();
     } else if (places_.back() == Place::geometries || key_ == "geometry") {
-      if (geometries_.size() > kDeepest) throw Damaged{"geometries are nested too deep"};
+      if (geometries_.size() > std::size_t{kDeepest}) throw Damaged{"geometries are nested too deep"};
       places_.push_back(Place::geometry);
       geometries_.emplace_back();
     } else {
@@ -184,6 +184,11 @@ class GeoJsonEvents {
   }
   bool nested(char bracket) {
     ++depth_;
+    if (mode_ == Mode::capture && depth_ > kDeepest) {  // who reads the text may do so by recursion
+      if (!captures_crs_) fail("its properties are nested too deeply");
+      captured_.take();
+      mode_ = Mode::skip;
+    }
     if (mode_ == Mode::capture) captured_.open(bracket);
     return true;
   }
@@ -277,16 +282,17 @@ class GeoJsonEvents {
                                        : fmt::format("it is of the type '{}', which GeoJSON does not have", own.type)};
       take_geometry(own);
     }
-    if (!feature_.problem.empty()) return sink_.refuse(feature_.problem);
+    PolygonFeature feature;
+    feature.id = std::move(feature_.id);
+    feature.properties = std::move(feature_.properties);
+    if (!feature_.problem.empty()) return sink_.refuse(feature_.problem, std::move(feature));
     if (feature_.polygons.rings.empty())
       return sink_.refuse(feature_.no_geometry ? "it has no geometry"
                           : feature_.other_type.empty()
                               ? "its polygon is empty"
-                              : fmt::format("its geometry is a {}, not a polygon", feature_.other_type));
-    PolygonFeature feature;
+                              : fmt::format("its geometry is a {}, not a polygon", feature_.other_type),
+                          std::move(feature));
     feature.polygons = std::move(feature_.polygons);
-    feature.id = std::move(feature_.id);
-    feature.properties = std::move(feature_.properties);
     sink_.take(std::move(feature));
   }
 

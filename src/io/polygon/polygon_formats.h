@@ -22,7 +22,7 @@ namespace quench::io {
 class FeatureSink {
  public:
   FeatureSink(std::string file, const std::function<void(PolygonFeature&&)>& take,
-              const std::function<void(std::uint64_t, const Error&)>& bad, Context* context)
+              const std::function<void(PolygonFeature&&, const Error&)>& bad, Context* context)
       : file_(std::move(file)), take_(take), bad_(bad), context_(context) {}
 
   void take(PolygonFeature&& feature) {
@@ -31,14 +31,16 @@ class FeatureSink {
       for (const Vec2& p : ring) {
         largest_[0] = std::max(largest_[0], std::abs(p[0]));
         largest_[1] = std::max(largest_[1], std::abs(p[1]));
+        has_positions_ = true;
       }
     feature.number = count_++;
     take_(std::move(feature));
   }
-  /// A feature that cannot be used, and why: "its geometry is a Point, not a polygon".
-  void refuse(const std::string& reason) {
-    const std::uint64_t number = count_++;
-    bad_(number, Error(ErrorCode::input, fmt::format("'{}': feature {}: {}", file_, number, reason)));
+  /// A feature that cannot be used, with what it has but its rings, and why: "its geometry is a Point, not a polygon".
+  void refuse(const std::string& reason, PolygonFeature&& feature = {}) {
+    feature.number = count_++;
+    const Error error(ErrorCode::input, fmt::format("'{}': feature {}: {}", file_, feature.number, reason));
+    bad_(std::move(feature), error);
   }
 
   /// A feature that is left out on purpose.
@@ -50,14 +52,16 @@ class FeatureSink {
   std::uint64_t count() const { return count_; }
   const std::string& file() const { return file_; }
   Context* context() const { return context_; }
+  bool has_positions() const { return has_positions_; }
   const Vec2& largest() const { return largest_; }
 
  private:
   std::string file_;
   const std::function<void(PolygonFeature&&)>& take_;
-  const std::function<void(std::uint64_t, const Error&)>& bad_;
+  const std::function<void(PolygonFeature&&, const Error&)>& bad_;
   Context* context_;
   std::uint64_t count_ = 0;
+  bool has_positions_ = false;   // of features that were taken
   Vec2 largest_ = Vec2::Zero();  // absolute coordinates
 };
 

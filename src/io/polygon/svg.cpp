@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <map>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <optional>
 #include <pugixml.hpp>
 #include <string_view>
@@ -24,6 +25,7 @@ struct Style {
   std::string fill = "black";
   PolygonFill rule = PolygonFill::nonzero;
   bool visible = true;
+  std::optional<Vec2> viewport;  ///< what lengths in percent refer to: its sides in units of the user space
 };
 
 struct Box {
@@ -68,7 +70,9 @@ class SvgReader {
     if (local_name(root) != "svg") fail("this is not an SVG file");
     find_page(root);
     try {
-      visit_children(root, inherited(root, {}), 0);
+      Style style = inherited(root, {});
+      style.viewport = viewport_;
+      visit_children(root, style, 0);
     } catch (const SvgDamage& damage) {  // of the root itself; others are told feature by feature
       fail(damage.reason);
     }
@@ -91,18 +95,25 @@ class SvgReader {
   void find_page(const pugi::xml_node& root) {
     try {
       if (const auto box = read_svg_numbers(root.attribute("viewBox").value()); box.size() == 4) {
+        viewport_ = Vec2(box[2], box[3]);
         page_ = Box{{box[0], box[1]}, {box[0] + box[2], box[1] + box[3]}};
       } else if (root.attribute("width") && root.attribute("height")) {
-        page_ = Box{{0, 0}, {length(root, "width"), length(root, "height")}};
+        viewport_ = Vec2(length(root, "width", {}), length(root, "height", {}));
+        page_ = Box{{0, 0}, *viewport_};
       }
     } catch (const SvgDamage&) {
-      page_.reset();  // e.g. 100%: nothing can be known to be its background
+      // e.g. 100%: nothing can be known to be its background
     }
+  }
+
+  static std::string fill_of(const pugi::xml_node& node, const Style& outer) {
+    const std::string fill = property(node, "fill");
+    return fill.empty() || fill == "inherit" ? outer.fill : fill;
   }
 
   Style inherited(const pugi::xml_node& node, Style style) const {
     style.transform = style.transform * read_svg_transform(node.attribute("transform").value());
-    if (const std::string fill = property(node, "fill"); !fill.empty() && fill != "inherit") style.fill = fill;
+    style.fill = fill_of(node, style);
     if (const std::string rule = property(node, "fill-rule"); rule == "evenodd" || rule == "nonzero")
       style.rule = rule == "evenodd" ? PolygonFill::evenodd : PolygonFill::nonzero;
     if (const std::string visibility = property(node, "visibility"); !visibility.empty() && visibility != "inherit")
@@ -135,38 +146,57 @@ class SvgReader {
       else
         add_shape(node, style);
     } catch (const SvgDamage& damage) {
-      found_.push_back({{}, fmt::format("of the element {}: {}", local_name(node), damage.reason), false});
+      found_.push_back({without_rings(node, fill_of(node, outer)),
+                        fmt::format("of the element {}: {}", local_name(node), damage.reason), false});
     }
   }
 
-  /// Of a nested svg element also its place and its viewBox.
+  /// Of a nested svg element also its place, its sides and its viewBox.
   Style inner(const pugi::xml_node& node, Style style) const {
     if (local_name(node) != "svg") return style;
-    style.transform.translate(Vec2(length(node, "x"), length(node, "y")));
+    style.transform.translate(Vec2(length(node, "x", style.viewport), length(node, "y", style.viewport)));
+    const bool has_width = node.attribute("width"), has_height = node.attribute("height");
+    if (!style.viewport && !(has_width && has_height)) return style;
+    const Vec2 size(has_width ? length(node, "width", style.viewport) : (*style.viewport)[0],
+                    has_height ? length(node, "height", style.viewport) : (*style.viewport)[1]);
+    style.viewport = size;
     const auto box = read_svg_numbers(node.attribute("viewBox").value());
-    if (box.size() != 4 || !node.attribute("width") || !node.attribute("height")) return style;
-    const Vec2 size(length(node, "width"), length(node, "height")), inside(box[2], box[3]);
+    if (box.size() != 4) return style;
+    const Vec2 inside(box[2], box[3]);
     if (!(inside.minCoeff() > 0)) throw SvgDamage{"its viewBox has no area"};
+    style.viewport = inside;
     const double scale = size.cwiseQuotient(inside).minCoeff();
     style.transform.translate(Vec2((size - scale * inside) / 2)).scale(scale).translate(Vec2(-box[0], -box[1]));
     return style;
   }
 
+  /// What 100 % of the attribute is (SVG 2, section 8.9).
+  static double whole(std::string_view name, const std::optional<Vec2>& viewport) {
+    if (!viewport) throw SvgDamage{fmt::format("{} is in percent of a drawing without a size", name)};
+    if (name == "r") return viewport->norm() / std::numbers::sqrt2;
+    return (*viewport)[name == "y" || name == "cy" || name == "ry" || name == "height"];
+  }
+
   /// A length in units of the user space, at 96 to an inch; 0 without the attribute.
-  static double length(const pugi::xml_node& node, const char* name) {
+  static double length(const pugi::xml_node& node, const char* name, const std::optional<Vec2>& viewport) {
     static constexpr std::pair<std::string_view, double> units[] = {{"px", 1},  {"mm", 96 / 25.4}, {"cm", 96 / 2.54},
                                                                     {"in", 96}, {"pt", 96.0 / 72}, {"pc", 16}};
     std::string_view text = node.attribute(name).value();
-    double unit = 1;
+    double unit = 1, parts = 1;
     for (const auto& [ending, value] : units)
       if (text.ends_with(ending)) {
         unit = value;
         text.remove_suffix(ending.size());
         break;
       }
+    if (text.ends_with('%')) {
+      unit = whole(name, viewport);
+      parts = 100;
+      text.remove_suffix(1);
+    }
     const auto numbers = read_svg_numbers(text);
     if (numbers.size() > 1) throw SvgDamage{fmt::format("{} is not one length", name)};
-    return numbers.empty() ? 0 : unit * numbers[0];
+    return numbers.empty() ? 0 : unit * (numbers[0] / parts);
   }
 
   void add_shape(const pugi::xml_node& node, const Style& style) {
@@ -176,22 +206,20 @@ class SvgReader {
         (parse_number(opacity, opaque) && opaque == 0))
       return;
     SvgPath path(style.transform);
-    draw(node, path);
+    draw(node, style.viewport, path);
     Found found;
+    found.feature = without_rings(node, style.fill);
     found.feature.polygons = path.flattened(tolerance_);
     if (found.feature.polygons.rings.empty()) return;  // a line, or nothing
     found.feature.fill = style.rule;
-    found.feature.y_down = true;
-    if (const std::string id = node.attribute("id").value(); !id.empty()) found.feature.id = json(id);
-    found.feature.properties = properties(node, style);
     found.background = covers_page(found.feature.polygons);
     found_.push_back(std::move(found));
   }
 
-  static void draw(const pugi::xml_node& node, SvgPath& path) {
+  static void draw(const pugi::xml_node& node, const std::optional<Vec2>& viewport, SvgPath& path) {
     const std::string_view name = local_name(node);
     if (name == "path") return read_path_data(node.attribute("d").value(), path);
-    if (name == "rect") return draw_rectangle(node, path);
+    if (name == "rect") return draw_rectangle(node, viewport, path);
     if (name == "polygon" || name == "polyline") {
       const auto n = read_svg_numbers(node.attribute("points").value());
       if (n.size() % 2 != 0) throw SvgDamage{"its points have an odd number of coordinates"};
@@ -200,8 +228,8 @@ class SvgReader {
       return;
     }
     const bool circle = name == "circle";
-    const Vec2 centre(length(node, "cx"), length(node, "cy")),
-        radii(length(node, circle ? "r" : "rx"), length(node, circle ? "r" : "ry"));
+    const auto number = [&](const char* of) { return length(node, of, viewport); };
+    const Vec2 centre(number("cx"), number("cy")), radii(number(circle ? "r" : "rx"), number(circle ? "r" : "ry"));
     if (radii.minCoeff() < 0) throw SvgDamage{"its radius is negative"};
     if (radii.minCoeff() == 0) return;
     const Vec2 right = centre + Vec2(radii[0], 0), left = centre - Vec2(radii[0], 0);
@@ -210,11 +238,12 @@ class SvgReader {
     path.arc_to(radii, 0, false, true, right);
   }
 
-  static void draw_rectangle(const pugi::xml_node& node, SvgPath& path) {
-    const Vec2 low(length(node, "x"), length(node, "y")), size(length(node, "width"), length(node, "height"));
+  static void draw_rectangle(const pugi::xml_node& node, const std::optional<Vec2>& viewport, SvgPath& path) {
+    const auto number = [&](const char* of) { return length(node, of, viewport); };
+    const Vec2 low(number("x"), number("y")), size(number("width"), number("height"));
     if (size.minCoeff() < 0) throw SvgDamage{"its width or height is negative"};
     const bool has_rx = node.attribute("rx"), has_ry = node.attribute("ry");
-    const double rx = length(node, has_rx ? "rx" : "ry"), ry = length(node, has_ry ? "ry" : "rx");
+    const double rx = number(has_rx ? "rx" : "ry"), ry = number(has_ry ? "ry" : "rx");
     const Vec2 r = Vec2(rx, ry).cwiseMax(0).cwiseMin(size / 2), high = low + size;
     const auto side = [&](const Vec2& p) {
       if (p != path.at()) path.line_to(p);
@@ -233,11 +262,15 @@ class SvgReader {
   static std::string json(const std::string& text) {
     return nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
   }
-  static std::string properties(const pugi::xml_node& node, const Style& style) {
-    std::string text =
-        fmt::format(R"({{"element":{},"fill":{})", json(std::string(local_name(node))), json(style.fill));
-    if (const std::string name = node.attribute("class").value(); !name.empty()) text += R"(,"class":)" + json(name);
-    return text + "}";
+  static PolygonFeature without_rings(const pugi::xml_node& node, const std::string& fill) {
+    PolygonFeature feature;
+    feature.y_down = true;
+    if (const std::string id = node.attribute("id").value(); !id.empty()) feature.id = json(id);
+    feature.properties = fmt::format(R"({{"element":{},"fill":{})", json(std::string(local_name(node))), json(fill));
+    if (const std::string name = node.attribute("class").value(); !name.empty())
+      feature.properties += R"(,"class":)" + json(name);
+    feature.properties += "}";
+    return feature;
   }
 
   /// Whether this is one rectangle, upright, that leaves nothing of the page free.
@@ -264,7 +297,7 @@ class SvgReader {
     const bool others = std::any_of(found_.begin(), found_.end(), [](const Found& f) { return !f.background; });
     for (Found& found : found_) {
       if (!found.problem.empty())
-        sink_.refuse(base::plain(found.problem));
+        sink_.refuse(base::plain(found.problem), std::move(found.feature));
       else if (found.background && others)
         sink_.skip(
             fmt::format("'{}': shape {} is a rectangle that covers the drawing; it is taken for the background "
@@ -286,6 +319,7 @@ class SvgReader {
   double tolerance_;
   FeatureSink& sink_;
   pugi::xml_document xml_;
+  std::optional<Vec2> viewport_;
   std::optional<Box> page_;
   std::vector<Found> found_;
   std::map<std::string, int> unread_;

@@ -10,6 +10,12 @@
 #include "io/common/words.h"
 
 namespace quench::io {
+namespace {
+
+// Products and squares of numbers below this do not overflow.
+constexpr double kLargest = 1e100;
+
+}  // namespace
 
 SvgPath::Subpath& SvgPath::subpath() {
   if (!begun_ || subpaths_.empty()) subpaths_.push_back({transform_ * start_, {}});
@@ -64,6 +70,7 @@ void SvgPath::arc_to(const Vec2& radii, double degrees, bool large, bool clockwi
 Polygons SvgPath::flattened(double tolerance) const {
   Vec2 low = Vec2::Constant(std::numeric_limits<double>::infinity()), high = -low;
   const auto widen = [&](const Vec2& p) {
+    if (!(p.array().abs() < kLargest).all()) throw SvgDamage{"its coordinates are too large"};
     low = low.cwiseMin(p);
     high = high.cwiseMax(p);
   };
@@ -92,7 +99,8 @@ Polygons SvgPath::flattened(double tolerance) const {
       ring.push_back(end);
     }
     // Drawing programs round: a curve that ends where it began misses that by a little, and would cross itself there.
-    while (ring.size() > 3 && ring.back() != ring.front() && (ring.back() - ring.front()).norm() <= off) ring.pop_back();
+    while (ring.size() > 3 && ring.back() != ring.front() && (ring.back() - ring.front()).norm() <= off)
+      ring.pop_back();
     const auto second = std::find_if(ring.begin(), ring.end(), [&](const Vec2& p) { return p != ring.front(); });
     if (std::any_of(second, ring.end(), [&](const Vec2& p) { return p != ring.front() && p != *second; }))
       result.rings.push_back(std::move(ring));
@@ -141,8 +149,7 @@ class SvgNumbers {
       if (digits(exponent) > exponent) end = digits(exponent);
     }
     double value = 0;
-    // Larger ones would overflow in products of a transform.
-    if (!parse_number(text_.substr(0, end), value) || !(std::abs(value) < 1e100)) fail();
+    if (!parse_number(text_.substr(0, end), value) || !(std::abs(value) < kLargest)) fail();
     text_.remove_prefix(end);
     pass_separator();
     return value;

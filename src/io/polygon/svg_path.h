@@ -29,7 +29,8 @@ class SvgPath {
   const Vec2& at() const { return at_; }
 
   /// The subpaths as rings of points; what is flattened is off by `tolerance` of the longest side of the box of all
-  /// control points at most. Subpaths of less than three different points are left out: they fill nothing.
+  /// control points at most. Subpaths of less than three different points are left out: they fill nothing. Throws
+  /// SvgDamage for coordinates of 1e100 or more.
   Polygons flattened(double tolerance) const;
 
  private:
