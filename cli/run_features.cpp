@@ -134,7 +134,8 @@ class Drawing {
     builder_.page.limit_name = "--max-triangles";
   }
 
-  void add(const pipeline::FeatureRun& run) {
+  // False where the page is full.
+  bool add(const pipeline::FeatureRun& run) {
     Page& page = builder_.page;
     const VoxelShape& shape = run.shape->shape;
     if (!page.plane) {
@@ -145,10 +146,12 @@ class Drawing {
       page.y_down = run.shape->coordinates.y_down;
       page.theta1_radii = run.result->axis.skeleton.skeleton.theta1_radii;
     }
+    if (left_ == 0) return false;
     const std::size_t used = add_surface(page, shape, std::max<std::size_t>(left_ / 8, 1000));
     left_ -= std::min(used, left_);
     append(graph_, run.result->axis.graph, skeleton_.complex.vertex_count);
     append(skeleton_, run.result->axis.skeleton.skeleton);
+    return true;
   }
   pipeline::PageBuilder& finished() {
     builder_.page.side = (builder_.page.high - builder_.page.low).maxCoeff();
@@ -224,7 +227,7 @@ int run_features(const RunProgram& o, Session& session) {
         if (drawn + points <= kMostDrawn) {
           drawn += points;
           svg->append(lines);
-          if (draws) drawing.add(run);
+          if (draws && !drawing.add(run)) ++not_drawn;
         } else {
           ++left_out;
         }
@@ -268,6 +271,9 @@ int run_features(const RunProgram& o, Session& session) {
     session.say(fmt::format("note: {} of features in {}, e.g. of feature {}: {}", base::counted(noted, "note"),
                             files.report.string(), notes[0]["feature"].get<std::uint64_t>(),
                             notes[0]["sentence"].get<std::string>()));
+  if (not_drawn > 0)
+    session.say(fmt::format("note: page and picture have no room for {}; a larger --max-triangles has",
+                            base::counted(not_drawn, "feature")));
   if (left_out > 0)
     session.say(fmt::format("note: {} left out of {}, which holds what can be drawn",
                             base::counted(left_out, "feature is", "features are"), files.svg.string()));
