@@ -198,7 +198,7 @@ int run_features(const RunProgram& o, Session& session) {
   Json failures = Json::array(), notes = Json::array();
   io::OutputGroup outputs;
   bool y_down = false;
-  std::size_t drawn = 0, left_out = 0, noted = 0;
+  std::size_t drawn = 0, left_out = 0, not_drawn = 0, noted = 0;
   const bool draws = !files.view.empty() || !files.picture.empty();
   Drawing drawing(o);
   std::optional<io::LineWriter> geojson, svg;

@@ -316,7 +316,7 @@ class Skeleton(Complex):
         >>> image[2:-2, 2:-2] = True
         >>> line, = quench.medial_axis(image).skeleton().to_geojson()['features']
         >>> line['geometry']['type'], line['properties']['max_radius']
-        ('LineString', 3.0...)
+        ('LineString', 2.5...)
         """
         return self._graph.to_geojson(path)
 
