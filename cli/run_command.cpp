@@ -97,8 +97,8 @@ Json report_of(const RunProgram& o, const pipeline::LoadedShape& shape, const pi
 void say_points(const CurveGraph& graph, Session& session) {
   const auto points = std::ranges::count(graph.nodes, CurveGraph::NodeKind::isolated, &CurveGraph::Node::kind);
   if (points > 0)
-    session.say(fmt::format("note: {} of the shape {} a point each, without a branch (smaller than theta1)",
-                            base::counted(points, "part"), points == 1 ? "is" : "are"));
+    session.say(fmt::format("note: {} of the shape {}, without a branch (smaller than theta1)",
+                            base::counted(points, "part"), points == 1 ? "is a point" : "are points"));
 }
 
 // Where a skeleton stands for little of a shape whose axis stands for most of it: what to turn.

@@ -207,7 +207,7 @@ def plane_cases():
         f'core {horse} --full -o full.vtp', f'core {horse} --lambda 2vox --subdivide 2 --spacing 1,1.5 -o fine.vtp',
         'burn core.vtp -o burned.vtp --json burn.json',
         'skeleton burned.vtp -o skeleton.vtp --geojson s.geojson --svg s.svg --wkt s.wkt --csv s.csv --json skeleton.json',
-        f'view burned.vtp --shape {horse} -o page.html', 'view skeleton.vtp --png picture.png',
+        'view burned.vtp --shape pixels.nrrd -o page.html', 'view skeleton.vtp --png picture.png',
         f'run {horse} --longest --extend -o longest', f'run {horse} --narrower 20abs --theta1 0.2r -o narrower',
         'run ne_110m_lakes.json --feature 3 --pixel 0.01 -o lake',
         f'verify {horse} full.vtp core.vtp longest/skeleton.vtp narrower/core.vtp --json verified.json',
