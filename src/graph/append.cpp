@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 
+#include "graph/settings.h"
 #include "quench/error.h"
 #include "quench/graph.h"
 
@@ -40,13 +41,7 @@ void append(Skeleton& to, const Skeleton& more) {
   const auto last = std::max_element(to.edge_branch.begin(), to.edge_branch.end());
   const std::int32_t first_branch = last == to.edge_branch.end() ? 0 : *last + 1;
   const std::uint32_t first_vertex = to.complex.vertex_count;
-  if (first_vertex == 0) {
-    to.theta1 = more.theta1;
-    to.theta1_radii = more.theta1_radii;
-    to.full_tips = more.full_tips;
-    to.plane = more.plane;
-    to.main_axes = more.main_axes;
-  }
+  if (first_vertex == 0) graph::copy_settings(more, to);
   for (const auto& [a, b] : more.complex.edges) to.complex.edges.push_back({a + first_vertex, b + first_vertex});
   to.complex.vertex_count += more.complex.vertex_count;
   for (const std::int32_t b : more.edge_branch) to.edge_branch.push_back(b < 0 ? b : b + first_branch);

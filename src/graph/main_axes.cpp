@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/csr.h"
+#include "graph/settings.h"
 #include "quench/error.h"
 #include "quench/graph.h"
 
@@ -180,13 +181,7 @@ Skeleton main_axes(const Skeleton& skeleton) {
     if (std::binary_search(edge_list.begin(), edge_list.end(), skeleton.complex.edges[e])) edges.push_back(e);
 
   Skeleton axes;
-  axes.theta2 = skeleton.theta2;
-  axes.theta1 = skeleton.theta1;
-  axes.theta1_radii = skeleton.theta1_radii;
-  axes.full_tips = skeleton.full_tips;
-  axes.rims_above = skeleton.rims_above;
-  axes.smooth = skeleton.smooth;
-  axes.plane = skeleton.plane;
+  graph::copy_settings(skeleton, axes);
   axes.main_axes = true;
   axes.complex.vertex_count = static_cast<std::uint32_t>(vertices.size());
   axes.complex.edges = selected(skeleton.complex.edges, edges);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "graph/settings.h"
 #include "quench/error.h"
 #include "quench/graph.h"
 
@@ -51,14 +52,7 @@ class Redrawing {
   Redrawing(const Skeleton& old, const CurveGraph& graph) : old_(old), graph_(graph) {}
 
   Skeleton run() {
-    out_.theta2 = old_.theta2;
-    out_.theta1 = old_.theta1;
-    out_.theta1_radii = old_.theta1_radii;
-    out_.full_tips = old_.full_tips;
-    out_.rims_above = old_.rims_above;
-    out_.smooth = old_.smooth;
-    out_.plane = old_.plane;
-    out_.main_axes = old_.main_axes;
+    graph::copy_settings(old_, out_);
     out_.face_thickness = old_.face_thickness;
     out_.face_level = old_.face_level;
     out_.face_sheet = old_.face_sheet;
