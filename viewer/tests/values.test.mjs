@@ -37,6 +37,19 @@ test("lengths are the largest float32 not above, and short where that is enough"
   assert.deepEqual(format.ticks(0, 1, 5), [0, 0.2, 0.4, 0.6000000000000001, 0.8, 1]);
 });
 
+test("the last array may be filled up to four bytes", async () => {
+  for (const count of [1, 2, 3]) {
+    const sites = Array.from({ length: 3 * count }, (_, i) => i);
+    const p = await page({}, { "shape/sites": ["u16", 3, sites] });
+    assert.deepEqual([...p.shape.sites], sites);
+  }
+});
+
+test("a page of many shapes gives the command that made it", async () => {
+  const p = await page({ files: {}, command: "quench run waters.geojson -o waters" }), state = states.defaults(p, false);
+  assert.equal(commandOf(p, { ...state, layer: "skeleton" }), "quench run waters.geojson -o waters");
+});
+
 test("the address holds the view", async () => {
   const p = await page({ theta2: null, theta1: 0.4 }), base = states.defaults(p, false);
   assert.deepEqual([base.theta2, base.color, base.curvesByMeasure], [Infinity, "radius", true]); // pure curves carry the colours
