@@ -45,6 +45,26 @@ std::string quoted(const std::string& text) {
   return result + '"';
 }
 
+// The folder of the results, which goes again where nothing was written into it.
+class NewFolder {
+ public:
+  explicit NewFolder(const std::string& folder) : folder_(folder) {
+    std::error_code error;
+    is_new_ = !fs::exists(folder, error);
+    create_folder(folder);
+  }
+  NewFolder(const NewFolder&) = delete;
+  NewFolder& operator=(const NewFolder&) = delete;
+  ~NewFolder() {
+    std::error_code not_empty;
+    if (is_new_) fs::remove(folder_, not_empty);
+  }
+
+ private:
+  fs::path folder_;
+  bool is_new_;
+};
+
 // The id of a feature, JSON text, as it is read.
 std::string id_text(const std::string& id) {
   const Json json = Json::parse(id, nullptr, false);
@@ -190,7 +210,7 @@ int run_features(const RunProgram& o, Session& session) {
   if (o.graph.root || o.graph.swc_type != GraphFileOptions().swc_type)
     session.say(
         "note: --root and --swc-type are for SWC, which is not written of many polygons; --feature K takes one");
-  create_folder(o.folder);
+  const NewFolder folder(o.folder);
 
   pipeline::RunOptions options = o.run;
   options.graph = o.graph.graph;

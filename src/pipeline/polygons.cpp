@@ -2,7 +2,6 @@
 #include "quench/polygons.h"
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -232,18 +231,23 @@ FeatureRun run_of(Pending&& pending, const ShapeOptions& shape_options, const Ru
 
 void run_features(const std::filesystem::path& file, const ShapeOptions& shape, const RunOptions& options,
                   const std::function<void(FeatureRun&&)>& take, Context* context) {
+  // Reading takes a hundredth of the time of the runs; their number is what progress refers to.
+  const auto pass = [&](PolygonFeature&&) { checkpoint(context, "read", 0); };
+  const auto all = static_cast<double>(io::for_each_feature(
+      file, pass, [](PolygonFeature&&, const Error&) {}, nullptr));
+  checkpoint(context, "read", 1);
   std::vector<Pending> batch;
   std::size_t points = 0;
-  double sites = 0;
+  double sites = 0, done = 0;
   const auto work = [&] {
+    if (batch.empty()) return;
     std::vector<FeatureRun> runs(batch.size());
+    const double after = done + static_cast<double>(batch.size());
     base::in_arena(context, [&] {
-      tbb::parallel_for(std::size_t{0}, batch.size(), [&](std::size_t i) {
-        if (context && context->cancelled()) return;
-        runs[i] = run_of(std::move(batch[i]), shape, options, context);
-      });
+      base::for_chunks(batch.size(), context, "features", done / all, after / all,
+                       [&](std::size_t i) { runs[i] = run_of(std::move(batch[i]), shape, options, context); });
     });
-    if (context && context->cancelled()) throw Error(ErrorCode::cancelled, "cancelled");
+    done = after;
     for (FeatureRun& run : runs) take(std::move(run));
     batch.clear();
     points = 0;

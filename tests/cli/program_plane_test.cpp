@@ -48,7 +48,7 @@ TEST_F(ManyPolygons, HaveTheirResultsInOneRun) {
                            "out/report.json", "out/picture.png"})
     EXPECT_TRUE(exists(file)) << file;
   has("out/features.csv", "\n0,7,");
-  has("out/features.csv", "\n1,\"lost, found\",,,,,,,,,,,,'mixed.geojson': feature 1: it has no geometry\n");
+  has("out/features.csv", "\n1,\"lost, found\",,,,,,,,,,,,'mixed.geojson': feature 1: it has no geometry,none,\n");
   has("out/skeleton.geojson", R"("name":"A","polygon_length":5,"feature":0,"feature_id":7,)");
   has("out/skeleton.geojson", R"("deep":[{"x":1.5}],"feature":2,)");
   has("out/report.json", R"("failed": 1)");
