@@ -66,14 +66,12 @@ TEST_F(ManyPolygons, AreNotOverwritten) {
 TEST_F(ManyPolygons, OneCanBeChosen) {
   works({"run", "mixed.geojson", "--feature", "2", "-o", "one", "--resolution", "64", "--no-view", "--no-picture"});
   EXPECT_FALSE(exists("one/features.csv"));
-  std::filesystem::create_directory(folder / "out");
   refuses(3, {"feature 1", "no geometry"}, {"run", "mixed.geojson", "--feature", "1", "-o", "out"});
   refuses(3, {"no feature 3", "it holds 3"}, {"run", "mixed.geojson", "--feature", "3", "-o", "out"});
   refuses(2, {"several polygons", "--feature"}, {"core", "mixed.geojson", "-o", "a.vtp"});
 }
 
 TEST_F(ManyPolygons, RefusalsLeaveNothing) {
-  std::filesystem::create_directory(folder / "out");
   refuses(3, {"none of the 2 features", "no geometry"}, {"run", "bad.geojson", "-o", "out"});
   refuses(3, {"holds no polygons"}, {"run", "none.geojson", "-o", "out"});
   refuses(3, {"damaged"}, {"run", "damaged.geojson", "-o", "out", "--resolution", "32"});
