@@ -27,13 +27,15 @@ ROOMS = {
     'burning': 'base complex record axis',
     'skeleton': 'base complex record axis burning',
     'graph': 'base shape polygons skeleton',
-    'io': 'base record shape polygons graph',
-    'page': 'base complex record shape axis burning skeleton graph io',
+    'preparation': 'base shape',
+    'tree': 'base shape skeleton graph',
+    'io': 'base record shape polygons graph tree',
+    'page': 'base complex record shape axis burning skeleton graph tree io',
     'picture': 'base io page',
-    'pipeline': 'base complex record shape polygons voxelization surface axis burning skeleton graph io page',
+    'pipeline': 'base complex record shape polygons preparation voxelization surface axis burning skeleton graph tree io page',
     'verification': 'base complex record shape',
 }
-PUBLIC = {'error': 'base', 'context': 'base', 'geometry': 'base', 'voxelize': 'voxelization', 'burn': 'burning', 'verify': 'verification', 'structure': 'complex'}
+PUBLIC = {'error': 'base', 'context': 'base', 'geometry': 'base', 'voxelize': 'voxelization', 'burn': 'burning', 'verify': 'verification', 'structure': 'complex', 'table': 'base'}
 FRONT_ENDS = {'cli': 'cli', 'python/src': 'python'}  # public headers, base/ and their own files
 
 

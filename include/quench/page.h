@@ -18,6 +18,7 @@
 #include "quench/record.h"
 #include "quench/shape.h"
 #include "quench/skeleton.h"
+#include "quench/tree.h"
 
 /// @file
 /// The interactive page of a result: one HTML file with the data inside (viewer/FORMAT.md is its format).
@@ -132,6 +133,10 @@ void add_sites(Page& page, const VoxelShape& shape);
 /// `count` points uniformly distributed in the shape (every voxel has the same share of them): the share of them inside
 /// balls is the share of the volume, of the plane that of the area. Deterministic.
 void add_samples(Page& page, const VoxelShape& shape, std::size_t count = 20000);
+
+/// The layer `tree`: the branches of a tree with their rows and those of its axes, and the places where it was repaired.
+/// It stands in place of a layer `skeleton`.
+void add_tree(Page& page, const Tree& tree, const Traits& traits, const std::vector<TreeEdit>& edits);
 
 /// The page with the program `page_program` around it: an HTML file. Written atomically. Throws Error(failed) when
 /// writing fails or the page outgrows what a browser can hold, Error(invariant) when the program has no place for it.

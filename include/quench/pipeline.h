@@ -18,10 +18,12 @@
 #include "quench/io.h"
 #include "quench/page.h"
 #include "quench/polygons.h"
+#include "quench/preparation.h"
 #include "quench/record.h"
 #include "quench/shape.h"
 #include "quench/skeleton.h"
 #include "quench/surface.h"
+#include "quench/tree.h"
 #include "quench/voxelize.h"
 
 /// @file
@@ -116,6 +118,10 @@ struct ShapeOptions {
   std::optional<int> dimension = {};            ///< volumes and images; 2 or 3: what one slice is
   std::string channel = {};                     ///< images with colours, as of io::VolumeReadOptions
   ForegroundOptions foreground = {};            ///< threshold, label, invert: volumes
+  bool otsu = false;                            ///< volumes: the threshold is that of Otsu's method
+  bool recommended = false;                     ///< volumes: the threshold is the first of proposed_thresholds()
+  PreparationOptions preparation = {};          ///< volumes
+  bool keep_values = false;                     ///< LoadedShape::values is wanted
   /// What the axis is fitted to; none: the mesh where its solid can be told, the grey values of a volume with a
   /// threshold, else the voxels.
   std::optional<SurfaceKind> surface = {};
@@ -156,6 +162,9 @@ struct LoadedShape {
   std::optional<PolygonFeature> polygon;     ///< of a polygon: what was digitized
   std::string spacing_source;                ///< of a volume from a file: what its spacing was taken from
   std::optional<ForegroundReport> cleaned;   ///< where cleaning was asked for
+  std::optional<PreparationReport> prepared;  ///< where preparing was asked for
+  std::optional<ProposedThreshold> chosen;    ///< the threshold, where the program has chosen it
+  std::optional<Volume> values;               ///< of a volume, prepared, where they were asked for
   std::optional<Surface> surface;            ///< what the axis is fitted to; none: the voxels
 
   Scale scale() const {
@@ -446,6 +455,37 @@ class PageBuilder {
 
 /// "armadillo" of armadillo.off or armadillo/core.vtp.
 std::string title_of(const std::filesystem::path& file);
+
+// --------------------------------------------------------------------------------------------------------------- tree
+
+/// What a tree is the tree of: sets defaults.
+enum class TreeKind : std::uint8_t { root, neuron, vessel, airway };
+std::string_view name_of(TreeKind kind);
+std::optional<TreeKind> tree_kind_of(std::string_view name);
+
+struct TreeOptions {
+  TreeKind kind = TreeKind::root;
+  RepairOptions repair = {};
+  HierarchyOptions hierarchy = {};
+  TraitOptions traits = {};
+  bool edited_shape = true;  ///< TreeRun::edited is wanted
+};
+
+/// The options of a kind where nothing else is asked for.
+TreeOptions defaults_of(TreeKind kind);
+
+struct TreeRun {
+  Repaired repaired;  ///< without its graph, which became the tree
+  Tree tree;
+  Traits traits;
+  std::optional<VoxelShape> edited;
+  std::optional<Topology> edited_topology;
+};
+
+/// Repair, hierarchy and traits of the curves of a shape. Throws Error(invariant) when the edited shape is not one tree
+/// per plant.
+TreeRun run_tree(const LoadedShape& shape, const CurveGraph& graph, const TreeOptions& options,
+                 Context* context = nullptr);
 
 // ---------------------------------------------------------------------------------------------------------------- run
 

@@ -14,10 +14,13 @@
 #include "quench/page.h"
 #include "quench/pipeline.h"
 #include "quench/polygons.h"
+#include "quench/preparation.h"
 #include "quench/record.h"
 #include "quench/samples.h"
 #include "quench/shape.h"
 #include "quench/skeleton.h"
+#include "quench/table.h"
+#include "quench/tree.h"
 #include "quench/verify.h"
 #include "quench/voxelize.h"
 

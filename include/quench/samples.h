@@ -24,11 +24,21 @@ struct SampleOptions {
   std::uint64_t seed = 1;  ///< `root`, `bead-pack`, `rough-plate`: another seed, another shape
   int branches = 60;       ///< `root`: number of branches
   double fineness = 1;     ///< multiplies the number of triangles along each direction
+  int touching = 0;        ///< `root`: pairs of branches that touch each other on purpose
+  int gaps = 0;            ///< `root` in grey values: places where a branch is interrupted
+};
+
+/// A place where the `root` sample was damaged on purpose.
+struct RootDamage {
+  enum class Kind : std::uint8_t { gap, touching } kind = Kind::gap;
+  std::uint32_t branch = 0, other = 0;  ///< the two that touch; equal for a gap
+  Vec3 from = Vec3::Zero(), to = Vec3::Zero();
 };
 
 struct Sample {
   TriangleMesh mesh;                 ///< closed; parts may overlap (inside is winding number != 0)
   std::vector<RootBranch> branches;  ///< `root` only: the truth
+  std::vector<RootDamage> damage = {};  ///< `root` only
 };
 
 /// Names and one-line descriptions of the built-in shapes, in the order of the list.

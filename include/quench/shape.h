@@ -104,7 +104,11 @@ using Threshold = std::variant<double, std::int64_t, std::uint64_t>;
 struct ForegroundOptions {
   std::optional<Threshold> threshold;  ///< foreground: value >= threshold (NaN is background)
   std::optional<std::int64_t> label;   ///< foreground: value == label, 0 included
+  /// Hysteresis: of the voxels of at least `threshold` only those that are connected to one of at least this.
+  std::optional<Threshold> seed_threshold = {};
   bool invert = false;                 ///< foreground becomes background, within the image's box
+  int close = 0;         ///< morphological closing by a ball of this radius, in voxels of the smallest spacing; 0: none
+  int connectivity = 6;  ///< 26: voxels that touch in edges or corners are joined by the fewest voxels
   bool largest_component = false;      ///< keep the largest 6-connected component
   std::int64_t min_component = 0;      ///< drop 6-connected components of fewer voxels
   bool fill_cavities = false;          ///< fill 26-connected background components that do not reach outside the box
@@ -118,6 +122,10 @@ struct ForegroundReport {
   std::int64_t voxels_removed = 0;
   std::int64_t cavities_filled = 0;
   std::int64_t voxels_filled = 0;
+  std::int64_t voxels_closed = 0;      ///< added by closing
+  std::int64_t voxels_joined = 0;      ///< added to join what touches in edges or corners
+  std::int64_t components_joined = 0;  ///< by how many 6-connected components there are less for it
+  std::int64_t weak_dropped = 0;       ///< by hysteresis
 };
 
 /// "36%", "0.02%": at least one digit that is not 0, and 100% only of everything.

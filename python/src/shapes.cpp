@@ -85,7 +85,12 @@ pipeline::ShapeOptions shape_options(const std::optional<Threshold>& threshold,
                                      const std::optional<Triple>& spacing, std::int64_t resolution,
                                      const std::string& fill, const std::string& topology, const std::string& surface) {
   pipeline::ShapeOptions options;
-  options.foreground = {threshold, label, invert, largest_component, min_component, fill_cavities};
+  options.foreground = {.threshold = threshold,
+                        .label = label,
+                        .invert = invert,
+                        .largest_component = largest_component,
+                        .min_component = min_component,
+                        .fill_cavities = fill_cavities};
   options.subdivide = subdivide;
   if (spacing) options.spacing = Vec3((*spacing)[0], (*spacing)[1], (*spacing)[2]);
   options.resolution = resolution;
