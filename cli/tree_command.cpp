@@ -156,7 +156,10 @@ pipeline::TreeOptions tree_options(const TreeProgram& o, const pipeline::Scale& 
   if (o.plants) options.repair.plants = static_cast<std::uint32_t>(*o.plants);
   if (o.reach) options.repair.reach = scale.resolve(*o.reach, "reach");
   if (o.axes) options.hierarchy.rule = *o.axes;
-  if (o.down) options.hierarchy.down = *o.down;
+  if (o.down) {
+    options.hierarchy.down = *o.down;
+    options.find_down = false;
+  }
   if (o.soma) options.hierarchy.soma = *o.soma;
   options.hierarchy.roots = o.roots;
   if (o.sholl_step) options.traits.sholl_step = scale.resolve(*o.sholl_step, "sholl_step");
@@ -178,7 +181,7 @@ void add_parameters(Json& report, const TreeProgram& o, const pipeline::TreeOpti
   for (const Vec3& p : o.roots) roots.push_back({p[0], p[1], p[2]});
   parameters["axes"] = name_of(options.hierarchy.rule);
   parameters["soma"] = name_of(options.hierarchy.soma);
-  parameters["down"] = {options.hierarchy.down[0], options.hierarchy.down[1], options.hierarchy.down[2]};
+  parameters["down"] = o.down ? Json({(*o.down)[0], (*o.down)[1], (*o.down)[2]}) : Json("auto");
 }
 
 // -------------------------------------------------------------------------------------------------------------- write
@@ -324,7 +327,8 @@ int make_tree(TreeProgram o, const CLI::App& app, Session& session) {
   const TreeRun& run = made.run;
   session.finished("tree");
   if (made.repaired) say_repair(run, files.edits.string(), session);
-  if (o.kind == pipeline::TreeKind::root) say_upside_down(run.tree, session);
+  if (o.kind == pipeline::TreeKind::root && !o.down)
+    session.say(fmt::format("down is {} (auto); --down says where else", direction_text(run.tree.down)));
 
   pipeline::PageBuilder builder(o.max_triangles);
   if (files.has_page()) build_tree_page(o, files, run, made.shape ? &*made.shape : nullptr, builder, session);
@@ -387,10 +391,15 @@ void add_tree_options(CLI::App& app, TreeProgram& o) {
       ->type_name("X,Y,Z")
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
       ->group(group);
-  add_parsed(app, "--down", "Where gravity points: -z, +z, -y ... or x,y,z",
-             [&o](const std::string& option, const std::string& text) { o.down = direction_of(option, text); })
+  add_parsed(
+      app, "--down",
+      "Where gravity points: -z, +z, -y ... or x,y,z; 'auto': of roots -z or +z, so that thick ones lie above thin "
+      "ones, else -z",
+      [&o](const std::string& option, const std::string& text) {
+        o.down = text == "auto" ? std::optional<Vec3>() : direction_of(option, text);
+      })
       ->type_name("DIRECTION")
-      ->default_str("-z")
+      ->default_str("auto")
       ->group(group);
   add_choice(
       app, "--axes", o.axes, {"depth", "length", "radius", "strahler"}, axis_rule_of, "RULE",

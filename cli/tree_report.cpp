@@ -140,21 +140,10 @@ std::string tree_text(const pipeline::TreeRun& run) {
                      depth_of(tree), unit_text(tree.coordinates));
 }
 
-void say_upside_down(const Tree& tree, Session& session) {
-  double below = 0, length = 0;
-  for (const Tree::Branch& branch : tree.branches)
-    for (std::size_t i = 1; i < branch.points.size(); ++i) {
-      const double piece = (branch.points[i] - branch.points[i - 1]).norm();
-      const Vec3 middle = 0.5 * (branch.points[i] + branch.points[i - 1]);
-      below += piece * (middle - tree.plants[branch.plant].root).dot(tree.down);
-      length += piece;
-    }
-  constexpr double kClearly = 0.1;  // of the depth
-  if (below < -kClearly * depth_of(tree) * length)
-    session.say(
-        fmt::format("note: most of the tree lies above its root node; if down is not {:g},{:g},{:g} here, say "
-                    "where it is with --down (e.g. +z), or where the root node is with --root X,Y,Z",
-                    tree.down[0], tree.down[1], tree.down[2]));
+std::string direction_text(const Vec3& direction) {
+  for (int a = 0; a < 3; ++a)
+    if (std::abs(direction[a]) == 1) return fmt::format("{}{}", direction[a] < 0 ? '-' : '+', "xyz"[a]);
+  return fmt::format("{:.4g},{:.4g},{:.4g}", direction[0], direction[1], direction[2]);
 }
 
 }  // namespace quench::program

@@ -57,7 +57,10 @@ TreeHow tree_how(const std::string& kind, const std::string& repair, const std::
   if (plants) how.options.repair.plants = *plants;
   if (axes) how.options.hierarchy.rule = choice(*axes, "axes", axis_rule_of, "'depth', 'length', 'radius', 'strahler'");
   if (soma) how.options.hierarchy.soma = choice(*soma, "soma", soma_rule_of, "'auto', 'none', 'thickest'");
-  if (down) how.options.hierarchy.down = Vec3((*down)[0], (*down)[1], (*down)[2]).normalized();
+  if (down) {
+    how.options.hierarchy.down = Vec3((*down)[0], (*down)[1], (*down)[2]).normalized();
+    how.options.find_down = false;
+  }
   how.new_axes = axes || soma || !roots.empty();
   how.reach = pipeline::parse_length_or_auto(reach, "reach");
   how.sholl_step = pipeline::parse_length_or_auto(sholl_step, "sholl_step");
