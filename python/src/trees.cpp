@@ -139,7 +139,7 @@ Table table_named(const TreeValue& t, const std::string& name) {
   return pipeline::table_of(t.run.edits, t.run.tree.coordinates);
 }
 
-py::list branches_of(const TreePointer& t) {
+py::list tree_branches(const TreePointer& t) {
   py::list result;
   for (const Tree::Branch& b : t->run.tree.branches)
     result.append(py::make_tuple(view(t, b.points), view(t, b.radius), static_cast<std::int64_t>(b.parent), b.axis,
@@ -147,7 +147,7 @@ py::list branches_of(const TreePointer& t) {
   return result;
 }
 
-py::list axes_of(const TreePointer& t) {
+py::list tree_axes(const TreePointer& t) {
   py::list result;
   for (const Tree::Axis& a : t->run.tree.axes)
     result.append(py::make_tuple(view(t, a.points), view(t, a.radius), static_cast<std::int64_t>(a.parent), a.level,
@@ -155,7 +155,7 @@ py::list axes_of(const TreePointer& t) {
   return result;
 }
 
-py::list plants_of(const TreePointer& t) {
+py::list tree_plants(const TreePointer& t) {
   py::list result;
   for (const Tree::Plant& p : t->run.tree.plants)
     result.append(py::make_tuple(std::array{p.root[0], p.root[1], p.root[2]}, p.main_axis, p.soma, p.label));
@@ -219,9 +219,9 @@ void bind_trees(py::module_& m) {
       .def(py::init(&tree_how), py::kw_only(), py::arg("kind"), py::arg("repair"), py::arg("roots"), py::arg("plants"),
            py::arg("reach"), py::arg("axes"), py::arg("soma"), py::arg("down"), py::arg("sholl_step"));
   py::class_<TreeValue, TreePointer>(m, "Tree")
-      .def("branches", &branches_of)
-      .def("axes", &axes_of)
-      .def("plants", &plants_of)
+      .def("branches", &tree_branches)
+      .def("axes", &tree_axes)
+      .def("plants", &tree_plants)
       .def("table", [](const TreePointer& t, const std::string& name) { return columns_of(table_named(*t, name)); })
       .def_property_readonly("units", [](const TreePointer& t) { return t->run.tree.coordinates.units; })
       .def_property_readonly("down",
