@@ -113,12 +113,14 @@ struct Tree {
     double position = 0;  ///< length along the parent from its base to where this leaves it
     bool stem = false;    ///< the thick part from which level 1 grows
     std::string label;    ///< of a file it was read from
+    std::string foreign;  ///< as Tree::foreign
   };
   struct Plant {
     Vec3 root = Vec3::Zero();
     std::uint32_t main_axis = 0;
     std::optional<double> soma;  ///< radius of the thick ball at the root node, where there is one
     std::string label;
+    std::string foreign;  ///< as Tree::foreign
   };
   std::vector<Branch> branches;  ///< parents before children
   std::vector<Axis> axes;        ///< parents before children
@@ -126,6 +128,9 @@ struct Tree {
   Vec3 down = -Vec3::UnitZ();  ///< unit vector
   AxisRule rule = AxisRule::length;
   Coordinates coordinates;
+  /// What an RSML file says beyond this structure, as XML text: write_rsml() writes it again. Courses must stay as they
+  /// are, for functions along them.
+  std::string foreign;
 };
 
 enum class SomaRule : std::uint8_t { none, automatic, thickest };
@@ -171,25 +176,32 @@ std::string unit_to_the(const std::string& unit, int power);
 
 namespace io {
 
-/// CSV: a header with names and units, `length [mm]`, and a row per row.
+/// CSV: a header with names and units, `length [mm]`, and a row per row; what is not defined (NaN) is empty.
 void write_table(const std::filesystem::path& file, const Table& table);
 
-/// SWC: soma 1 at its root where the tree has one, else `type` where branches have none of their own.
+/// SWC: soma 1 at its root where the tree has one, else `type` where branches have none of their own. Every sample has a
+/// type above 0, parents come first, a branch begins at the last sample of its parent. Throws Error(usage) for a type
+/// that is not from 1 to 255.
 void write_swc(const std::filesystem::path& file, const Tree& tree, int type = kSwcDendrite);
-/// RSML (Lobet et al. 2015): nested roots with polylines, diameters, parent nodes, and the traits of axes as
-/// properties.
+/// RSML (Lobet et al. 2015): nested roots with polylines, diameters, parent nodes (counted from 1), and the traits of
+/// axes as properties: a row of `axes` per axis. `last-modified` is the time of SOURCE_DATE_EPOCH where that is set,
+/// else left out, so that the bytes follow from the tree. Throws Error(usage) for a tree without axes.
 void write_rsml(const std::filesystem::path& file, const Tree& tree, const Table* axes = nullptr);
-/// MTG (Godin and Caraglio 1998), as OpenAlea reads it.
+/// MTG (Godin and Caraglio 1998), as OpenAlea reads it: plants P, axes A, and a vertex S per point, which is the piece
+/// that ends there. Throws Error(usage) for a tree without axes.
 void write_mtg(const std::filesystem::path& file, const Tree& tree);
-/// VTP: a polyline per branch with its radius (also as MaximumInscribedSphereRadius), branch, axis, level ...
+/// VTP: a polyline per branch with its radius (also as MaximumInscribedSphereRadius), branch, axis, level, order,
+/// strahler, plant and type. A branch begins at the last point of its parent: that point is there once.
 void write_centerlines(const std::filesystem::path& file, const Tree& tree);
-/// GraphML: directed, with the courses of branches.
+/// GraphML: directed, from root nodes to tips; an edge per branch with its course and radii as text.
 void write_graphml(const std::filesystem::path& file, const Tree& tree);
 
 /// Whether the extension is that of a tree: .swc .rsml.
 bool is_tree_file(const std::filesystem::path& file);
-/// A tree of an .swc or .rsml file. `axes_known` becomes whether the file says which axes there are. Throws
-/// Error(input), naming the file and the line.
+/// A tree of an .swc or .rsml file. `axes_known` becomes whether the file says which axes there are; a tree without them
+/// has branches and plants only, and with_hierarchy() finds its axes. Radii that the file does not say are 0. What the
+/// file leaves open, such as laterals that do not begin on their parent, is joined by segments that are `bridged`
+/// (docs/user/files.md). Throws Error(input), naming the file and, of SWC, the line.
 Tree read_tree(const std::filesystem::path& file, bool* axes_known = nullptr, Context* context = nullptr);
 
 }  // namespace io
