@@ -81,10 +81,11 @@ VoxelShape edited_shape(const VoxelShape& shape, const CurveGraph& graph, const 
 
 /// Which child continues its parent at a fork.
 enum class AxisRule : std::uint8_t {
-  depth,     ///< so that the largest level is smallest; ties by length, then by angle
-  length,    ///< the one with the longest way to a tip
-  radius,    ///< the thickest
-  strahler,  ///< the one of the largest Strahler number; ties by length
+  depth,         ///< so that the largest level of what follows is smallest; ties by length, then by angle
+  length,        ///< the one with the longest way to a tip
+  radius,        ///< the thickest
+  strahler,      ///< the one of the largest Strahler number; ties by length
+  continuation,  ///< the one that keeps direction and radius best, both measured outside of the ball of the fork
 };
 
 /// A rooted forest: per plant one tree, directed from its root node.
@@ -135,9 +136,17 @@ struct Tree {
 
 enum class SomaRule : std::uint8_t { none, automatic, thickest };
 
+/// Which node is the root node of a tree where no point is given.
+enum class RootRule : std::uint8_t {
+  thickest,  ///< the thickest node
+  end,       ///< the thickest free end: what vessels and airways come out of
+  top,       ///< the thickest free end in the upper fifth, against `down`: where a root system was cut off its shoot
+};
+
 struct HierarchyOptions {
   AxisRule rule = AxisRule::length;
-  std::vector<Vec3> roots;  ///< the root node of a tree is the node nearest to one of these; else the thickest
+  RootRule root = RootRule::thickest;
+  std::vector<Vec3> roots;  ///< the node nearest to one of these is the root node of its tree; else `root` decides
   Vec3 down = -Vec3::UnitZ();
   bool stem = false;  ///< of roots: the thick top part is the stem
   SomaRule soma = SomaRule::none;
@@ -145,13 +154,15 @@ struct HierarchyOptions {
 
 /// The hierarchy of a graph without loops. Throws Error(usage) for a graph with loops or sheets.
 Tree tree_of(const Repaired& repaired, const HierarchyOptions& options, Context* context = nullptr);
-/// A tree read from a file, its axes found anew by the rule.
+/// A tree read from a file, its axes found anew by the rule. Its root nodes stay but for those that `roots` names.
 Tree with_hierarchy(Tree tree, const HierarchyOptions& options);
 
 std::string_view name_of(AxisRule rule);
 std::optional<AxisRule> axis_rule_of(std::string_view name);
 std::string_view name_of(RepairRule rule);
 std::optional<RepairRule> repair_rule_of(std::string_view name);
+std::string_view name_of(RootRule rule);
+std::optional<RootRule> root_rule_of(std::string_view name);
 std::string_view name_of(SomaRule rule);
 std::optional<SomaRule> soma_rule_of(std::string_view name);
 
