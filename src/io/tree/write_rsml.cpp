@@ -84,7 +84,7 @@ class RsmlWriter {
       pugi::xml_node node = rsml::child(metadata, name);
       if (node && !anew) return;
       if (!node) node = metadata.append_child(name);
-      node.text() = xml_safe(text).c_str();
+      if (!text.empty()) node.text() = xml_safe(text).c_str();
     };
     const std::string known = rsml::value_of(rsml::child(metadata, rsml::kResolution));
     if (double value = 0; parse_number(known, value) && value > 0) resolution_ = value;
