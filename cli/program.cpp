@@ -26,6 +26,8 @@ struct Command {
 constexpr Command kCommands[] = {
     {"run", "The main job: everything Quench computes of a shape, into a folder",
      "quench run bunny.off --resolution 512 -o bunny", computes | writes | reports, add_run},
+    {"tree", "Roots, neurons, vessels, airways: one tree per plant, its axes and what is measured of them",
+     "quench tree root_ct.nrrd -o root", computes | writes | reports, add_tree},
     {"sample", "Writes a built-in shape", "quench sample root --seed 7 -o root.ply", writes, add_sample},
     {"voxelize", "Writes the voxel shape of a mesh or a volume",
      "quench voxelize part.stl --resolution 256 -o part.nrrd", computes | writes | reports, add_voxelize},

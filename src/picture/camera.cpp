@@ -21,8 +21,8 @@ bool stands_on_z(const Page& page) {
     if (what != "shape") continue;
     std::string lower = name;
     for (char& c : lower) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-    for (const char* end :
-         {".nrrd", ".nhdr", ".nii", ".nii.gz", ".mha", ".mhd", ".mrc", ".map", ".vol", ".npy", ".tif", ".tiff", ".sof"})
+    for (const char* end : {".nrrd", ".nhdr", ".nii", ".nii.gz", ".mha", ".mhd", ".mrc", ".map", ".vol", ".npy", ".tif",
+                            ".tiff", ".sof", ".out"})
       if (lower.ends_with(end)) return true;
   }
   return false;
