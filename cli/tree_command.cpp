@@ -402,8 +402,8 @@ void add_tree_options(CLI::App& app, TreeProgram& o) {
       ->default_str("auto")
       ->group(group);
   add_choice(
-      app, "--axes", o.axes, {"depth", "length", "radius", "strahler"}, axis_rule_of, "RULE",
-      "Which child continues its parent at a fork: so that levels are 'depth' as small as can be, the one of the "
+      app, "--axes", o.axes, {"depth", "length", "radius", "strahler", "continuation"}, axis_rule_of, "RULE",
+      "Which child continues its parent at a fork: so that levels are as small as can be ('depth'), the one of the "
       "largest 'length' to a tip, 'radius' or 'strahler' number [default: length; of vessels and airways radius; "
       "of a file the axes it has]")
       ->group(group);
