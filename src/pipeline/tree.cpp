@@ -59,7 +59,7 @@ Vec3 likely_down(const CurveGraph& graph) {
       volume.add(middle[2], piece * radius * radius);
       length.add(middle[2], piece);
     });
-  return length.value() > volume.value() ? Vec3::UnitZ() : Vec3(-Vec3::UnitZ());
+  return {0, 0, length.value() > volume.value() ? 1.0 : -1.0};
 }
 
 Vec3 likely_down(const Tree& tree) {
