@@ -99,6 +99,11 @@ Camera first_look(const Page& page, const ViewState& state, const Scene& scene, 
       camera.look(position, target, {c[6], c[7], c[8]});
     return camera;
   }
+  if (state.layer == "tree" && page.tree) {
+    camera.look(3 * page.tree->to_eye, Vec3::Zero(), page.tree->up);
+    camera.frame(scene.points, scene.points.size() / 20000 + 1);
+    return camera;
+  }
   const bool on_z = stands_on_z(page);
   const Vec3 to_eye = on_z ? kFirstLookOnZ : kFirstLookOnY;
   if (page.plane)
