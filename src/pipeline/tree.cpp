@@ -187,6 +187,12 @@ TreeRun run_tree(const TreeCurves& curves, const TreeOptions& options, const Loa
   const std::optional<GreyValues> grey = grey_values_of(shape);
   Repaired repair = repaired(curves.graph, options.repair, grey ? &*grey : nullptr, context);
   checkpoint(context, "repair", 1);
+  if (const RepairRule rule = options.repair.rule;
+      repair.loops_before > 0 && (rule == RepairRule::off || rule == RepairRule::gaps))
+    throw Error(ErrorCode::usage,
+                fmt::format("the curves have {}, and a tree has none; the repair 'loops' or 'all' cuts them",
+                            base::counted(repair.loops_before, "loop")),
+                "repair");
   if (shape && options.edited_shape) {
     result.edited = edited_shape(shape->shape, curves.graph, repair, context);
     result.edited_topology = topology(*result.edited);
