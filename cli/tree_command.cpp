@@ -223,11 +223,8 @@ void build_tree_page(const TreeProgram& o, const TreeFiles& files, const TreeRun
   if (shape) {
     page.files.emplace_back("shape", o.shape_file.empty() ? o.shape.file : o.shape_file);
     builder.add_shape(*shape);
-  } else {
-    page.side = std::max((high - low).maxCoeff(), 1e-30);
-    page.unit = run.tree.coordinates.units;
   }
-  add_tree(page, run.tree, run.traits, run.edits);
+  builder.add_tree(run.tree, run.traits, run.edits, o.kind != pipeline::TreeKind::neuron);
 }
 
 void say_tree_results(const TreeFiles& files, const TreeRun& run, Session& session) {
