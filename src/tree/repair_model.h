@@ -20,6 +20,7 @@ struct Piece {
   double length = 0;
   bool bar = false;   ///< inside a joint
   bool link = false;  ///< a straight way across a sheet
+  double neck = 0;    ///< least radius over that of what it connects, where it is a neck between two; else 0
   double cut_at = 0;  ///< where it would be cut, a distance along it
   double gain = 0;    ///< of keeping it
   std::uint32_t pass = kNone;

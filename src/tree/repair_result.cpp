@@ -220,7 +220,8 @@ class ResultBuilder {
       return;
     }
     const CoursePlace place = place_on(course, arc, piece.cut_at);
-    edits_.push_back({TreeEdit::Kind::cut_loop, place.point, place.point, place.radius, piece.length, piece.gain});
+    const auto kind = piece.neck > 0 ? TreeEdit::Kind::cut_touching : TreeEdit::Kind::cut_loop;
+    edits_.push_back({kind, place.point, place.point, place.radius, piece.length, piece.gain});
     draw_part(p, course, first, from.node, std::max(first, piece.cut_at), kNone);
     draw_part(p, course, std::min(last, piece.cut_at), kNone, last, to.node);
   }
