@@ -26,6 +26,8 @@ struct Command {
 constexpr Command kCommands[] = {
     {"run", "The main job: everything Quench computes of a shape, into a folder",
      "quench run bunny.off --resolution 512 -o bunny", computes | writes | reports, add_run},
+    {"tree", "Roots, neurons, vessels, airways: one tree per plant, its axes and what is measured of them",
+     "quench tree root_ct.nrrd -o root", computes | writes | reports, add_tree},
     {"batch", "Measures many samples: behind '--' stand 'tree' or 'run' and the options for all of them",
      "quench batch scans -o measured -- tree --kind root", computes | writes, add_batch},
     {"sample", "Writes a built-in shape", "quench sample root --seed 7 -o root.ply", writes, add_sample},

@@ -100,21 +100,6 @@ pipeline::ShapeOptions shape_options(const std::optional<Threshold>& threshold,
   return options;
 }
 
-// The voxels of a shape as an image of 0 and 1.
-Image image_of_shape(const Shape& shape) {
-  auto volume = std::make_shared<Volume>();
-  volume->grid = shape.shape.grid();
-  volume->coordinates = shape.coordinates;
-  const auto& dims = volume->grid.dims;
-  std::vector<std::uint8_t> samples(static_cast<std::size_t>(dims[0] * dims[1] * dims[2]), 0);
-  auto row = samples.begin();
-  for (std::int64_t z = 0; z < dims[2]; ++z)
-    for (std::int64_t y = 0; y < dims[1]; ++y, row += dims[0])
-      for (const Run& r : shape.shape.row(y, z)) std::fill(row + r.begin, row + r.end, std::uint8_t{1});
-  volume->samples = std::move(samples);
-  return {volume};
-}
-
 py::dict sample_named(const std::string& name, double noise, std::uint64_t seed, int branches, double fineness) {
   Sample sample = make_sample(name, {noise, seed, branches, fineness});
   py::list truth;
@@ -135,6 +120,20 @@ py::dict sample_named(const std::string& name, double noise, std::uint64_t seed,
 }
 
 }  // namespace
+
+Image image_of(const VoxelShape& shape, const Coordinates& coordinates) {
+  auto volume = std::make_shared<Volume>();
+  volume->grid = shape.grid();
+  volume->coordinates = coordinates;
+  const auto& dims = volume->grid.dims;
+  std::vector<std::uint8_t> samples(static_cast<std::size_t>(dims[0] * dims[1] * dims[2]), 0);
+  auto row = samples.begin();
+  for (std::int64_t z = 0; z < dims[2]; ++z)
+    for (std::int64_t y = 0; y < dims[1]; ++y, row += dims[0])
+      for (const Run& r : shape.row(y, z)) std::fill(row + r.begin, row + r.end, std::uint8_t{1});
+  volume->samples = std::move(samples);
+  return {volume};
+}
 
 void bind_shapes(py::module_& m) {
   py::class_<Image>(m, "Image", py::buffer_protocol())
@@ -157,7 +156,7 @@ void bind_shapes(py::module_& m) {
       .def_property_readonly("dims", [](const Shape& s) { return sides_of(s.image); })
       .def_property_readonly("spacing", [](const Shape& s) { return triple(s.shape.grid().spacing); })
       .def_property_readonly("voxel_count", [](const Shape& s) { return s.shape.voxel_count(); })
-      .def("image", &image_of_shape);
+      .def("image", [](const Shape& s) { return image_of(s.shape, s.coordinates); });
   m.def("shape_of_array", &shape_of_array);
   m.def("shape_of_image", &shape_of_image);
   m.def("shape_of_mesh", &shape_of_mesh);

@@ -21,8 +21,8 @@ bool stands_on_z(const Page& page) {
     if (what != "shape") continue;
     std::string lower = name;
     for (char& c : lower) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-    for (const char* end :
-         {".nrrd", ".nhdr", ".nii", ".nii.gz", ".mha", ".mhd", ".mrc", ".map", ".vol", ".npy", ".tif", ".tiff", ".sof"})
+    for (const char* end : {".nrrd", ".nhdr", ".nii", ".nii.gz", ".mha", ".mhd", ".mrc", ".map", ".vol", ".npy", ".tif",
+                            ".tiff", ".sof", ".out"})
       if (lower.ends_with(end)) return true;
   }
   return false;
@@ -97,6 +97,11 @@ Camera first_look(const Page& page, const ViewState& state, const Scene& scene, 
       look_at_plane(camera, page.y_down, target, (position - target).norm());
     else
       camera.look(position, target, {c[6], c[7], c[8]});
+    return camera;
+  }
+  if (state.layer == "tree" && page.tree) {
+    camera.look(3 * page.tree->to_eye, Vec3::Zero(), page.tree->up);
+    camera.frame(scene.points, scene.points.size() / 20000 + 1);
     return camera;
   }
   const bool on_z = stands_on_z(page);

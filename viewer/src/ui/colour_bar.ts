@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The colour bar: what colours mean, in world units.
+import type { Layer } from "../data";
 import { colourAt, css, GREY, INFINITE, type Rgb } from "../colours";
 import { short, ticks, withUnit } from "../format";
 import { infinityOf, labelOf, unitOf, type Range } from "../measures";
@@ -16,8 +17,8 @@ export class ColourBar {
   /// For pictures that are saved.
   figure(): { canvas: HTMLCanvasElement; title: string; shown: boolean } { return { canvas: this.canvas, title: this.title.textContent ?? "", shown: !this.canvas.hidden }; }
 
-  show(measure: string, lengths: string, map: string, low: number, high: number, range: Range | null, extra: [string, Rgb][]): void {
-    const label = labelOf(measure), unit = unitOf(measure, lengths);
+  show(measure: string, lengths: string, map: string, low: number, high: number, range: Range | null, extra: [string, Rgb][], layer?: Layer): void {
+    const label = labelOf(measure), unit = unitOf(measure, lengths, layer);
     const swatch = (name: string, rgb: Rgb) => {
       const dot = el("i", "swatch");
       dot.style.background = css(rgb);
