@@ -319,6 +319,34 @@ TEST_F(Batch, SamplesOfOtherKindsHaveTheUnionOfTheColumns) {
   EXPECT_EQ(samples[1].at("theta1").empty(), false);
 }
 
+// Trees: the row of traits.csv, and all axes.
+TEST_F(Batch, TreesGiveTraitsAndAxes) {
+  const std::string stem = "1 2 0 0 0 1 -1\n2 2 0 0 -5 1 1\n3 2 0 0 -9 1 2\n";
+  folder.write("straight.swc", stem);
+  folder.write("forked.swc", stem + "4 2 3 0 -7 0.5 2\n");
+  folder.write("picture.png", "not of space");
+  const Words line{"batch", ".", "-o", "out", "--", "--no-view", "--no-picture"};
+  works(line);
+  EXPECT_EQ(column("out/samples.csv", "name"), (Words{"forked", "straight"}));
+  EXPECT_EQ(column("out/samples.csv", "axes"), (Words{"2", "1"}));
+  EXPECT_EQ(column("out/axes.csv", "name"), (Words{"forked", "forked", "straight"}));
+  EXPECT_FALSE(exists("out/branches.csv"));
+
+  folder.write("out/forked/traits.csv", "axes,odd [mm]\n7,\"1,5\"\n");
+  folder.write("out/straight/axes.csv", "length [mm],id\n2,0\n3,1\n");
+  Words again = line;
+  again.insert(again.begin() + 4, "--collect");
+  works(again);
+  EXPECT_EQ(column("out/samples.csv", "axes"), (Words{"7", "1"}));
+  EXPECT_EQ(column("out/samples.csv", "odd [mm]"), (Words{"1,5", ""}));
+  EXPECT_EQ(column("out/samples.csv", "tips").at(0), "");
+  const auto axes = rows("out/axes.csv");
+  EXPECT_EQ(column("out/axes.csv", "name"), (Words{"forked", "forked", "straight", "straight"}));
+  EXPECT_EQ(axes[0].at("length [mm]"), "");
+  EXPECT_EQ(axes[2].at("length [mm]"), "2");
+  EXPECT_EQ(axes[3].at("id"), "1");
+}
+
 // -------------------------------------------------------------------------------------------------------- refusals
 
 TEST_F(Batch, RefusesWhatCannotBe) {
