@@ -85,7 +85,7 @@ export class App {
     }
     if (this.tree && this.tree.editCount > 0) {
       this.edits = new EditMarks(this.tree, this.placement, stage.shared);
-      stage.add(this.edits.group);
+      stage.add(this.edits.group, stage.overlay);
     }
     stage.onFrame = () => {
       this.update();
@@ -439,7 +439,16 @@ export class App {
     const { view } = this.shown();
     const sample = this.state.shape && (this.glass ?? this.figure)?.sample;
     if (sample) this.stage.camera.frame(sample, 3 * Math.ceil(sample.length / 60000), 1.04);
+    else if (view.layer.tree) this.stage.camera.frame(outsides(view.places), 3, 1.04);
     else this.stage.camera.frame(view.places, 4 * Math.ceil(view.places.length / 80000), 1.04);
     this.stage.invalidate();
+    this.onMoved();
   }
+}
+
+/// Places around balls (places with a radius, of many some): where what is drawn of them ends.
+function outsides(places: Float32Array): Float32Array {
+  const out: number[] = [], step = 4 * Math.ceil(places.length / 16000);
+  for (let i = 0; i + 3 < places.length; i += step) for (let k = 0; k < 3; ++k) for (const sign of [-1, 1]) out.push(...[0, 1, 2].map((j) => places[i + j]! + (j === k ? sign * places[i + 3]! : 0)));
+  return Float32Array.from(out);
 }

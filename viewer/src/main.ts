@@ -145,9 +145,8 @@ function run(page: Page): void {
     const extra: [string, Rgb][] = [];
     const map = MAPS[s.map] ?? MAPS.viridis!;
     if (s.curves && numbers.curveEdges > 0 && !s.balls && !s.curvesByMeasure && !s.color.startsWith("curve_") && app.range()) extra.push(["curves", rgb(s.map === "diverging" && s.dark ? "ffffff" : map.accent)]);
-    if (s.layer === "tree" && s.color === "level") tree!.levels.slice(0, CATEGORICAL.length).forEach((_, level) => extra.push([`level ${level}`, rgb(CATEGORICAL[level]!)]));
-    if (s.layer === "tree" && s.color === "bridged") extra.push(["in the shape", rgb(CATEGORICAL[0]!)], ["bridged", rgb(CATEGORICAL[1]!)]);
-    bar.show(s.color, page.meta.unit, s.map, ...app.colourRange(), app.range(), extra, layerOf(page, s));
+    const parts = (s.layer === "tree" && tree ? tree.partNames(s.color) : []).map((name, i): [string, Rgb] => [name, rgb(CATEGORICAL[i]!)]);
+    bar.show(s.color, page.meta.unit, s.map, ...app.colourRange(), app.range(), extra, parts, layerOf(page, s));
     remember();
   };
   app.onDrawn = () => caption.show(insets());

@@ -76,6 +76,12 @@ export class Tree {
   /// A number of the table of the sample; NaN: it has none.
   sample(name: string): number { return this.column("sample", name)?.values[0] ?? NaN; }
 
+  /// What parts are called by which it is coloured; where their numbers are their names, nothing.
+  partNames(color: string): string[] {
+    if (color === "bridged") return ["in the shape", "bridged"];
+    return color === "level" ? this.levels.slice(0, 12).map((_, level) => `level ${level}`) : [];
+  }
+
   count(rows: Rows): number { return rows === "axes" ? this.axisCount : rows === "branches" ? this.branchCount : this.editCount; }
   kind(edit: number): string { const kinds = this.column("edits", "kind"); return kinds?.words?.[kinds.values[edit]!] ?? ""; }
 

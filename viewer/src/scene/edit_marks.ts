@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where a tree was repaired: a dot each, a line from end to end, and a ring of its own for the one that is stepped to.
-import { AlwaysDepth, Group, Vector3, type DataTexture } from "three";
+// Where a tree was repaired, drawn over it: a dot each, a line from end to end, and a larger dot for the one that is
+// stepped to.
+import { Group, Vector3, type DataTexture } from "three";
 import { EDIT_COLOURS, rgb, type EditGroup } from "../colours";
 import type { Tree } from "../tree";
 import { Balls, Bars } from "./instances";
@@ -42,7 +43,7 @@ export class EditMarks {
     this.current = ball("ffb000");
     const meshes = [...Object.values(this.kinds).flatMap(({ dots, lines }) => [lines.mesh, dots.mesh]), this.current.mesh];
     meshes.forEach((mesh, i) => {
-      mesh.material.depthFunc = AlwaysDepth; // they are inside of tubes
+      mesh.material.depthTest = false;
       mesh.renderOrder = 3 + i;
       this.group.add(mesh);
     });
@@ -51,11 +52,12 @@ export class EditMarks {
   count(name: EditGroup): number { return this.kinds[name].count; }
 
   show(shown: Record<EditGroup, boolean>, edit: number, pixelRatio: number): void {
+    const many = this.middles.length > 150;
     for (const name of ["bridges", "cuts", "leftOut"] as const) {
       const { dots, lines, count } = this.kinds[name];
       // Many small ones do not cover the tree.
-      dots.mesh.material.uniforms.fixedPixels!.value = (count > 150 ? 2.2 : 3.6) * pixelRatio;
-      lines.mesh.material.uniforms.halfWidth!.value = (count > 150 ? 0.8 : 1.3) * pixelRatio;
+      dots.mesh.material.uniforms.fixedPixels!.value = (many ? 2.4 : 3.8) * pixelRatio;
+      lines.mesh.material.uniforms.halfWidth!.value = (many ? 0.8 : 1.3) * pixelRatio;
       dots.mesh.visible = lines.mesh.visible = shown[name] && count > 0;
     }
     this.current.write(edit >= 0 ? [3 * edit + 2] : [], Number(edit >= 0));

@@ -58,8 +58,7 @@ export class Info {
     const branches = state.layer === "skeleton" && isAsked(this.page, state) ? (this.page.layers.get("skeleton")?.branches?.count ?? 0) : 0;
     this.tree?.show();
     if (this.tree && state.layer === "tree") {
-      this.toTable.hidden = false;
-      this.toTable.textContent = `${state.table ? "Hide the table" : "Table"} of ${this.tree.title}`;
+      this.toTable.hidden = true; // it has its own
       fill(this.what, el("b", "", NAMES.tree));
       fill(this.figures);
       this.commandText.textContent = command;

@@ -19,17 +19,20 @@ export class TreeInfo {
   private readonly chosenEdit = el("div", "chosen-branch chosen-edit");
   private readonly at = el("span", "edit-at");
   private readonly swatches: HTMLElement[] = [];
+  private readonly toTable = el("button", "plain to-table");
   private shown = "";
 
   constructor(private readonly app: App, private readonly tree: Tree, private readonly table: TreeTable) {
     this.card.hidden = true;
     this.element.append(this.figures(), this.levels());
+    this.toTable.addEventListener("click", () => app.set({ table: !app.state.table }));
     if (tree.tables.sample.length > 0) {
       const all = el("details", "about", el("summary", "", "All traits of the sample"), rowsOf(tree.tables.sample.map((c): [string, string] => [c.name.replaceAll("_", " "), this.value(c.name)])));
       all.querySelectorAll("dt").forEach((dt, i) => { dt.title = tree.tables.sample[i]!.meaning; });
       this.element.append(all);
     }
     if (tree.editCount > 0) this.element.append(this.stepper());
+    this.element.append(this.toTable);
     this.element.append(this.chosenEdit, this.chosen);
   }
 
@@ -94,6 +97,7 @@ export class TreeInfo {
   show(): void {
     const { state } = this.app, { tree } = this;
     this.element.hidden = state.layer !== "tree";
+    this.toTable.textContent = `${state.table ? "Hide the table" : "Table"} of ${rowsText("axes", tree.axisCount)}`;
     this.swatches.forEach((bar) => { bar.style.background = state.color === "level" ? bar.dataset.colour! : "var(--faint)"; });
     this.element.querySelectorAll<HTMLElement>(".edit-key").forEach((key) => key.setAttribute("aria-pressed", String(state[key.dataset.group as EditGroup])));
     const rows: Rows = state.rows === "branches" ? "branches" : "axes", row = this.app.pickedRow(rows), key = `${rows} ${row} ${state.edit}`;
@@ -109,7 +113,7 @@ export class TreeInfo {
     if (row < 0) return fill(card);
     const close = el("button", "plain", "Clear"), name = rowName(rows);
     close.addEventListener("click", clear);
-    const entries = this.table.entries(rows, row).filter(([label]) => label !== name && label !== "id");
+    const entries = this.table.entries(rows, row).filter(([label]) => label !== name && label !== "edit" && label !== "id");
     fill(card, el("header", "", el("h2", "", `${name[0]!.toUpperCase()}${name.slice(1)} ${counted(row)}`), close), rowsOf(entries));
   }
 
@@ -124,6 +128,4 @@ export class TreeInfo {
     this.card.style.left = `${right ? x + 18 : x - 12 - this.card.offsetWidth}px`;
     this.card.style.top = `${below ? y + 18 : y - 12 - this.card.offsetHeight}px`;
   }
-
-  get title(): string { return rowsText("axes", this.tree.axisCount); }
 }

@@ -43,11 +43,11 @@ export class TreeTable {
     const { tree } = this;
     columns = tree.tables[rows].map((c): Column => ({
       name: c.name, label: c.name.replaceAll("_", " ") + (c.unit ? ` (${unitText(c.unit)})` : ""), help: c.meaning,
-      value: (i) => (c.words ? (c.words[c.values[i]!] ?? "") : c.values[i]!), text: (i) => textOf(c, i, short),
+      value: (i) => (c.words ? (c.words[c.values[i]!] ?? "") : c.values[i]!), text: (i) => (rows === "edits" ? textOf(c, i, short).replaceAll("_", " ") : textOf(c, i, short)),
     }));
     if (rows === "edits") {
       const { origin, unit } = this.app.page.meta, at = (i: number, k: number) => (tree.editPoints[6 * i + k]! + tree.editPoints[6 * i + 3 + k]!) / 2 + origin[k]!;
-      columns.unshift({ name: "repair", label: "repair", help: "Number, as in edits.csv", value: (i) => i, text: String });
+      columns.unshift({ name: "edit", label: "repair", help: "Number, as in edits.csv", value: (i) => i, text: String });
       ["x", "y", "z"].forEach((name, k) => columns!.push({ name, label: unit ? `${name} (${unit})` : name, help: "Its middle", value: (i) => Math.fround(at(i, k)), text: (i) => short(at(i, k), 5) }));
     } else if (!columns.some((c) => c.name === rowName(rows) || c.name === "id")) columns.unshift({ name: rowName(rows), label: rowName(rows), help: "Number", value: (i) => i, text: String });
     this.columns.set(rows, columns);
@@ -70,11 +70,13 @@ export class TreeTable {
 
   /// What the table says of a row, with units.
   entries(rows: Rows, row: number): [string, string][] {
-    const { tree } = this, list = this.columnsOf(rows), table = tree.tables[rows];
-    return list.map((c): [string, string] => {
-      const unit = unitText(table.find((t) => t.name === c.name)?.unit ?? (/^[xyz]$/.test(c.name) ? this.app.page.meta.unit : "")), text = c.text(row);
-      return [c.name.replaceAll("_", " "), text === "–" ? text : withUnit(text, unit)];
+    const { tree } = this, table = tree.tables[rows], list = this.columnsOf(rows), place = rows === "edits" ? list.slice(-3) : [];
+    const of = (c: Column) => c.name.replaceAll("_", " ");
+    const entries = list.filter((c) => !place.includes(c)).map((c): [string, string] => {
+      const unit = unitText(table.find((t) => t.name === c.name)?.unit ?? ""), text = c.text(row);
+      return [of(c), text === "–" ? text : withUnit(text, unit)];
     });
+    return place.length > 0 ? [...entries, ["place", place.map((c) => c.text(row)).join(", ")]] : entries;
   }
 
   show(): void {
