@@ -223,11 +223,8 @@ void build_tree_page(const TreeProgram& o, const TreeFiles& files, const TreeRun
   if (shape) {
     page.files.emplace_back("shape", o.shape_file.empty() ? o.shape.file : o.shape_file);
     builder.add_shape(*shape);
-  } else {
-    page.side = std::max((high - low).maxCoeff(), 1e-30);
-    page.unit = run.tree.coordinates.units;
   }
-  add_tree(page, run.tree, run.traits, run.edits);
+  builder.add_tree(run.tree, run.traits, run.edits, o.kind == pipeline::TreeKind::root);
 }
 
 void say_tree_results(const TreeFiles& files, const TreeRun& run, Session& session) {
@@ -402,8 +399,8 @@ void add_tree_options(CLI::App& app, TreeProgram& o) {
       ->default_str("auto")
       ->group(group);
   add_choice(
-      app, "--axes", o.axes, {"depth", "length", "radius", "strahler"}, axis_rule_of, "RULE",
-      "Which child continues its parent at a fork: so that levels are 'depth' as small as can be, the one of the "
+      app, "--axes", o.axes, {"depth", "length", "radius", "strahler", "continuation"}, axis_rule_of, "RULE",
+      "Which child continues its parent at a fork: so that levels are as small as can be ('depth'), the one of the "
       "largest 'length' to a tip, 'radius' or 'strahler' number [default: length; of vessels and airways radius; "
       "of a file the axes it has]")
       ->group(group);

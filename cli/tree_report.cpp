@@ -14,7 +14,7 @@ namespace {
 
 using Kind = TreeEdit::Kind;
 
-Json point_json(const Vec3& p) { return {p[0], p[1], p[2]}; }
+Json point_json(const Vec3& p) { return {p[0] + 0.0, p[1] + 0.0, p[2] + 0.0}; }  // -0 is 0
 
 std::vector<std::size_t> axes_by_level(const Tree& tree) {
   std::vector<std::size_t> counts;
@@ -104,8 +104,8 @@ Json traits_section(const Table& sample) {
 }
 
 void say_repair(const pipeline::TreeRun& run, const std::string& list, Session& session) {
-  session.say(fmt::format("curves: {}, {}, {:.5g} {} long", base::counted(run.components_before, "component"),
-                          base::counted(run.loops_before, "loop"), run.length_before, unit_text(run.tree.coordinates)));
+  session.say(fmt::format("curves: {}, {}, total length {:.5g}", base::counted(run.components_before, "component"),
+                          base::counted(run.loops_before, "loop"), run.length_before));
   const std::size_t touching = run.edits_of(Kind::cut_touching), crossing = run.edits_of(Kind::cut_crossing),
                     cuts = run.edits_of(Kind::cut_loop) + touching + crossing, bridges = run.edits_of(Kind::bridge),
                     left_out = run.edits_of(Kind::left_out);

@@ -444,6 +444,8 @@ class PageBuilder {
   /// What is left of the triangles, for the sliders.
   void add_family(SkeletonFamily family);
   void add_still(const Record& data);
+  /// The tree of a shape, or one read from a file: then side and unit are its own. See quench::add_tree().
+  void add_tree(const Tree& tree, const Traits& traits, const std::vector<TreeEdit>& edits, bool upright = true);
 
   std::size_t triangles() const { return used_; }
   void write(const std::filesystem::path& file) const;

@@ -83,7 +83,9 @@ pipeline::ShapeOptions shape_options(const std::optional<Threshold>& threshold,
                                      const std::optional<std::int64_t>& label, bool invert, bool largest_component,
                                      std::int64_t min_component, bool fill_cavities, int subdivide,
                                      const std::optional<Triple>& spacing, std::int64_t resolution,
-                                     const std::string& fill, const std::string& topology, const std::string& surface) {
+                                     const std::string& fill, const std::string& topology, const std::string& surface,
+                                     const std::optional<Threshold>& seed_threshold, const std::string& rule,
+                                     bool interpolate, int median, double blur, int close, int connectivity) {
   pipeline::ShapeOptions options;
   options.foreground = {.threshold = threshold,
                         .label = label,
@@ -91,6 +93,12 @@ pipeline::ShapeOptions shape_options(const std::optional<Threshold>& threshold,
                         .largest_component = largest_component,
                         .min_component = min_component,
                         .fill_cavities = fill_cavities};
+  options.foreground.seed_threshold = seed_threshold;
+  options.foreground.close = close;
+  options.foreground.connectivity = connectivity;
+  options.otsu = rule == "otsu";
+  options.recommended = rule == "auto";
+  options.preparation = {interpolate, median, blur};
   options.subdivide = subdivide;
   if (spacing) options.spacing = Vec3((*spacing)[0], (*spacing)[1], (*spacing)[2]);
   options.resolution = resolution;
@@ -151,10 +159,19 @@ void bind_shapes(py::module_& m) {
   py::class_<pipeline::ShapeOptions>(m, "ShapeOptions")
       .def(py::init(&shape_options), py::kw_only(), py::arg("threshold"), py::arg("label"), py::arg("invert"),
            py::arg("largest_component"), py::arg("min_component"), py::arg("fill_cavities"), py::arg("subdivide"),
-           py::arg("spacing"), py::arg("resolution"), py::arg("fill"), py::arg("topology"), py::arg("surface"));
+           py::arg("spacing"), py::arg("resolution"), py::arg("fill"), py::arg("topology"), py::arg("surface"),
+           py::arg("seed_threshold"), py::arg("rule"), py::arg("interpolate"), py::arg("median"), py::arg("blur"),
+           py::arg("close"), py::arg("connectivity"))
+      .def_readwrite("keep_values", &pipeline::ShapeOptions::keep_values);
   py::class_<Shape, std::shared_ptr<Shape>>(m, "Shape")
       .def_property_readonly("dims", [](const Shape& s) { return sides_of(s.image); })
       .def_property_readonly("spacing", [](const Shape& s) { return triple(s.shape.grid().spacing); })
+      // (threshold, rule, reason) where the program has chosen one.
+      .def_property_readonly("chosen",
+                             [](const Shape& s) -> py::object {
+                               if (!s.chosen) return py::none();
+                               return py::make_tuple(s.chosen->value, s.chosen->rule, s.chosen->reason);
+                             })
       .def_property_readonly("voxel_count", [](const Shape& s) { return s.shape.voxel_count(); })
       .def("image", [](const Shape& s) { return image_of(s.shape, s.coordinates); });
   m.def("shape_of_array", &shape_of_array);

@@ -55,7 +55,9 @@ TreeHow tree_how(const std::string& kind, const std::string& repair, const std::
   for (const auto& p : roots) how.options.repair.roots.emplace_back(p[0], p[1], p[2]);
   how.options.hierarchy.roots = how.options.repair.roots;
   if (plants) how.options.repair.plants = *plants;
-  if (axes) how.options.hierarchy.rule = choice(*axes, "axes", axis_rule_of, "'depth', 'length', 'radius', 'strahler'");
+  if (axes)
+    how.options.hierarchy.rule =
+        choice(*axes, "axes", axis_rule_of, "'depth', 'length', 'radius', 'strahler', 'continuation'");
   if (soma) how.options.hierarchy.soma = choice(*soma, "soma", soma_rule_of, "'auto', 'none', 'thickest'");
   if (down) {
     how.options.hierarchy.down = Vec3((*down)[0], (*down)[1], (*down)[2]).normalized();

@@ -32,35 +32,6 @@ std::optional<GreyValues> grey_values_of(const LoadedShape* shape) {
   return GreyValues{&*shape->values, parameters["threshold"].get<double>(), parameters.value("invert", false)};
 }
 
-/// The radius of a branch near its free end: that of the ball around the place one radius from the tip, so that a short
-/// branch is not as thick as what it leaves.
-double radius_at_end(const CurveGraph::Branch& branch, bool at_to) {
-  const std::size_t n = branch.points.size();
-  const auto index = [&](std::size_t i) { return at_to ? n - 1 - i : i; };
-  double way = 0, most = branch.radius[index(0)];
-  for (std::size_t i = 1; i < n && way <= branch.radius[index(i)]; ++i) {
-    way += (branch.points[index(i)] - branch.points[index(i - 1)]).norm();
-    most = std::max(most, branch.radius[index(i)]);
-  }
-  return most;
-}
-
-/// The thickest free end of each component.
-std::vector<Vec3> thickest_ends(const CurveGraph& graph) {
-  std::vector<std::pair<double, std::uint32_t>> best(graph.components, {-1, kNone});
-  for (const CurveGraph::Branch& branch : graph.branches)
-    for (const bool at_to : {false, true}) {
-      const std::uint32_t node = at_to ? branch.to : branch.from;
-      if (graph.nodes[node].degree != 1) continue;
-      if (const double radius = radius_at_end(branch, at_to); radius > best[branch.component].first)
-        best[branch.component] = {radius, node};
-    }
-  std::vector<Vec3> points;
-  for (const auto& [radius, node] : best)
-    if (node != kNone) points.push_back(graph.nodes[node].point);
-  return points;
-}
-
 /// A centroid of curves along an axis of space.
 struct Centroid {
   double sum = 0, weight = 0;
@@ -88,7 +59,7 @@ Vec3 likely_down(const CurveGraph& graph) {
       volume.add(middle[2], piece * radius * radius);
       length.add(middle[2], piece);
     });
-  return length.value() > volume.value() ? Vec3::UnitZ() : Vec3(-Vec3::UnitZ());
+  return {0, 0, length.value() > volume.value() ? 1.0 : -1.0};
 }
 
 Vec3 likely_down(const Tree& tree) {
@@ -143,6 +114,7 @@ TreeOptions defaults_of(TreeKind kind) {
     case TreeKind::root:
       options.hierarchy.rule = AxisRule::length;
       options.hierarchy.stem = true;
+      options.hierarchy.root = RootRule::top;
       options.find_down = true;
       break;
     case TreeKind::neuron:
@@ -152,6 +124,7 @@ TreeOptions defaults_of(TreeKind kind) {
     case TreeKind::vessel:
     case TreeKind::airway:
       options.hierarchy.rule = AxisRule::radius;
+      options.hierarchy.root = RootRule::end;
       break;
   }
   return options;
@@ -214,6 +187,12 @@ TreeRun run_tree(const TreeCurves& curves, const TreeOptions& options, const Loa
   const std::optional<GreyValues> grey = grey_values_of(shape);
   Repaired repair = repaired(curves.graph, options.repair, grey ? &*grey : nullptr, context);
   checkpoint(context, "repair", 1);
+  if (const RepairRule rule = options.repair.rule;
+      repair.loops_before > 0 && (rule == RepairRule::off || rule == RepairRule::gaps))
+    throw Error(ErrorCode::usage,
+                fmt::format("the curves have {}, and a tree has none; the repair 'loops' or 'all' cuts them",
+                            base::counted(repair.loops_before, "loop")),
+                "repair");
   if (shape && options.edited_shape) {
     result.edited = edited_shape(shape->shape, curves.graph, repair, context);
     result.edited_topology = topology(*result.edited);
@@ -222,8 +201,6 @@ TreeRun run_tree(const TreeCurves& curves, const TreeOptions& options, const Loa
   HierarchyOptions hierarchy = options.hierarchy;
   if (options.find_down) hierarchy.down = likely_down(repair.graph);
   if (hierarchy.roots.empty()) hierarchy.roots = options.repair.roots;
-  if (hierarchy.roots.empty() && (options.kind == TreeKind::vessel || options.kind == TreeKind::airway))
-    hierarchy.roots = thickest_ends(repair.graph);
   result.tree = tree_of(repair, hierarchy, context);
   result.tree.coordinates = curves.coordinates;
   result.edits = std::move(repair.edits);

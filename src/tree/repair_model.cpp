@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "base/union_find.h"
@@ -13,23 +14,25 @@ namespace {
 
 constexpr std::size_t kMostArmsOfJoint = 8;  // of joints of several nodes
 constexpr double kWindow = 5;                // radii over which directions are averaged
-constexpr double kStraight = 0.5;            // turn of a continuation, radians, at one standard deviation
-constexpr double kRadiusChange = 0.5;        // change of the logarithm of its radius at one
-constexpr double kLeastContinuation = 0.02;  // below that, two arms do not continue each other
-constexpr double kCertain = 100;             // gain of what is never cut
+// Turn of a continuation, radians, and change of the logarithm of its radius, at one standard deviation: for the arms
+// that are most alike, and for those that pass through others.
+constexpr double kTurn = 0.5, kTurnThrough = 0.3, kRadiusChange = 0.5, kRadiusChangeThrough = 0.25;
+constexpr double kLeastContinuation = 0.02, kLeastThrough = 0.2;  // below that, two arms do not continue each other
+constexpr double kNeck = 0.7;                                     // radius at a neck, of what it connects
 
 double angle_between(const Vec3& a, const Vec3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
 
 class ModelBuilder {
  public:
-  explicit ModelBuilder(const CurveGraph& graph) : graph_(graph) {}
+  ModelBuilder(const CurveGraph& graph, double voxel) : graph_(graph) { model_.finest = voxel; }
 
   Model build() {
     model_.nodes = graph_.nodes;
     for (const CurveGraph::Branch& branch : graph_.branches) add_piece(course_of(branch), branch.from, branch.to);
     add_links();
-    find_finest();
+    if (!(model_.finest > 0)) find_finest();
     find_components();
+    find_necks();
     find_joints();
     measure_arms();
     for (Joint& joint : model_.joints) continue_arms(joint);
@@ -64,15 +67,28 @@ class ModelBuilder {
     }
   }
 
+  // The median radius of pieces along their length; without pieces, of nodes.
   void find_finest() {
-    std::vector<double> radii;
-    for (const CurveGraph::Node& node : model_.nodes) radii.push_back(node.radius);
-    for (const Piece& piece : model_.pieces)
-      if (!piece.link) radii.insert(radii.end(), piece.course.radius.begin(), piece.course.radius.end());
-    if (radii.empty()) return;
-    const auto place = radii.begin() + static_cast<std::ptrdiff_t>(radii.size() / 50);
-    std::nth_element(radii.begin(), place, radii.end());
-    model_.finest = *place;
+    std::vector<std::pair<double, double>> radii;  // with how much each counts
+    double sum = 0;
+    for (const Piece& piece : model_.pieces) {
+      if (piece.link) continue;
+      const std::vector<double> arc = piece.course.arc();
+      for (std::size_t i = 1; i < arc.size(); ++i) {
+        radii.push_back({0.5 * (piece.course.radius[i - 1] + piece.course.radius[i]), arc[i] - arc[i - 1]});
+        sum += radii.back().second;
+      }
+    }
+    sum *= 0.5;
+    if (sum == 0) {
+      for (const CurveGraph::Node& node : model_.nodes) radii.push_back({node.radius, 1});
+      sum = 0.5 * static_cast<double>(radii.size());
+    }
+    std::ranges::sort(radii);
+    for (const auto& [radius, counts] : radii) {
+      model_.finest = radius;
+      if ((sum -= counts) <= 0) return;
+    }
   }
 
   void find_components() {
@@ -81,6 +97,38 @@ class ModelBuilder {
     model_.component.resize(model_.nodes.size());
     for (std::uint32_t n = 0; n < model_.nodes.size(); ++n)
       model_.component[n] = sets.find(n) == n ? model_.components++ : model_.component[sets.find(n)];
+  }
+
+  // A short piece between two junctions, thinner than what it connects: than the second thickest of the other branches
+  // that meet there.
+  void find_necks() {
+    std::vector<std::vector<std::uint32_t>> at(model_.nodes.size());
+    for (std::uint32_t p = 0; p < model_.pieces.size(); ++p)
+      if (!model_.pieces[p].link)
+        for (const std::uint32_t n : model_.pieces[p].node) at[n].push_back(p);
+    std::vector<double> median(model_.pieces.size());
+    for (std::uint32_t p = 0; p < model_.pieces.size(); ++p) {
+      std::vector<double> radius = model_.pieces[p].course.radius;
+      const auto middle = radius.begin() + static_cast<std::ptrdiff_t>(radius.size() / 2);
+      std::nth_element(radius.begin(), middle, radius.end());
+      median[p] = *middle;
+    }
+    for (std::uint32_t p = 0; p < model_.pieces.size(); ++p) {
+      Piece& piece = model_.pieces[p];
+      double thinner = std::numeric_limits<double>::infinity(), both = 0;
+      for (const std::uint32_t n : piece.node) {
+        std::array<double, 2> thickest{0, 0};
+        for (const std::uint32_t q : at[n])
+          if (q != p && median[q] > thickest[1])
+            thickest =
+                median[q] > thickest[0] ? std::array{median[q], thickest[0]} : std::array{thickest[0], median[q]};
+        thinner = std::min(thinner, thickest[1]);
+        both += model_.nodes[n].radius;
+      }
+      const double least = *std::ranges::min_element(piece.course.radius);
+      if (piece.link || piece.node[0] == piece.node[1] || piece.length > 2 * both) continue;
+      if (least < kNeck * thinner) piece.neck = least / thinner + 1e-6;
+    }
   }
 
   // Two junctions whose balls nearly meet, and what is between, become one joint, shortest pieces first.
@@ -100,7 +148,7 @@ class ModelBuilder {
     for (std::uint32_t p = 0; p < model_.pieces.size(); ++p) {
       const Piece& piece = model_.pieces[p];
       const double radii = model_.nodes[piece.node[0]].radius + model_.nodes[piece.node[1]].radius;
-      if (!piece.link && piece.length <= 1.5 * radii) bars.push_back({piece.length / radii, p});
+      if (!piece.link && !piece.neck && piece.length <= 1.5 * radii) bars.push_back({piece.length / radii, p});
     }
     std::sort(bars.begin(), bars.end());
     for (const auto& [key, p] : bars) {
@@ -160,7 +208,7 @@ class ModelBuilder {
     arm.radius /= kSamples + 1;
   }
 
-  double continuation(std::uint32_t i, std::uint32_t j) const {
+  double continuation(std::uint32_t i, std::uint32_t j, double turns, double changes) const {
     const Arm &a = model_.arms[i], &b = model_.arms[j];
     const Vec3 across = b.place - a.place;
     const double turn = angle_between(-a.direction, b.direction);
@@ -170,7 +218,7 @@ class ModelBuilder {
       q += 0.5 * (in * in + out * out);
     }
     const double change = a.radius > 0 && b.radius > 0 ? std::log(a.radius / b.radius) : 0;
-    return std::exp(-0.5 * q / (kStraight * kStraight) - 0.5 * change * change / (kRadiusChange * kRadiusChange));
+    return std::exp(-0.5 * q / (turns * turns) - 0.5 * change * change / (changes * changes));
   }
 
   // Best pairs first.
@@ -183,16 +231,20 @@ class ModelBuilder {
     if (joint.arms.size() > 64) return;  // of a sheet
     for (std::size_t i = 0; i < joint.arms.size(); ++i)
       for (std::size_t j = 0; j < i; ++j) {
-        const double how = continuation(joint.arms[j], joint.arms[i]);
+        const double how = continuation(joint.arms[j], joint.arms[i], kTurn, kRadiusChange);
         if (how >= kLeastContinuation) pairs.push_back({how, joint.arms[j], joint.arms[i]});
       }
     std::ranges::stable_sort(pairs, [](const Pair& p, const Pair& q) { return p.straight > q.straight; });
+    bool first = true;
     for (const Pair& pair : pairs) {
       Arm &a = model_.arms[pair.a], &b = model_.arms[pair.b];
       if (a.continued != kNone || b.continued != kNone) continue;
+      const double through = continuation(pair.a, pair.b, kTurnThrough, kRadiusChangeThrough);
+      if (!first && through < kLeastThrough) continue;
+      first = false;
       a.continued = pair.b;
       b.continued = pair.a;
-      a.straight = b.straight = pair.straight;
+      a.straight = b.straight = through;
     }
   }
 
@@ -263,6 +315,15 @@ class ModelBuilder {
         piece.cut_at = arc[i];
       }
     const double radius = std::max(model_.arms[2 * p].radius, model_.arms[2 * p + 1].radius);
+    // What goes on beyond it is no neck.
+    for (const Arm& arm : {model_.arms[2 * p], model_.arms[2 * p + 1]})
+      if (arm.continued != kNone) piece.neck = 0;
+    if (piece.neck > 0) {
+      piece.gain = 0.01 + 0.2 * piece.neck;
+      const auto thin = std::ranges::min_element(piece.course.radius) - piece.course.radius.begin();
+      piece.cut_at = arc[static_cast<std::size_t>(thin)];
+      return;
+    }
     piece.gain = 3 + (radius > 0 ? std::min(piece.length / radius, 50.0) / 10 : 0);
   }
 
@@ -270,73 +331,8 @@ class ModelBuilder {
   Model model_;
 };
 
-// How likely an end of a pass is where it comes from another pass, from 0 to 1: roots grow thinner from base to tip, so
-// that of two ends that both meet others the thinner one is a tip that touches.
-double likeness_to_base(const Model& model, std::uint32_t arm, std::uint32_t on) {
-  const Pass &pass = model.passes[model.piece_of(arm).pass], &other = model.passes[model.piece_of(on).pass];
-  const std::size_t end = pass.arms[0] == arm ? 0 : 1;
-  double likeness = 0.9;
-  if (!model.is_free(pass.arms[1 - end])) {
-    const double here = pass.radius[end], there = pass.radius[1 - end];
-    const double ratio = here > 0 && there > 0 ? std::log(here / there) : 0;
-    likeness = 0.1 + 0.7 / (1 + std::exp(-ratio / 0.15));
-  }
-  const double thicker = pass.radius[end] > 0 ? other.widest / pass.radius[end] : 1;
-  return likeness * std::min(1.0, thicker * thicker / 0.64);
-}
-
-bool is_end_of_pass(const Model& model, std::uint32_t arm) { return model.arms[arm].continued == kNone; }
-
-double gain_of_contact(const Model& model, std::uint32_t a, std::uint32_t b) {
-  const Arm &arm = model.arms[a], &other = model.arms[b];
-  if (arm.continued == b) {
-    // A closed curve is cut where it is thin, not at the point that is called its node.
-    const bool closed = model.nodes[model.piece_of(a).node[a % 2]].kind == CurveGraph::NodeKind::loop;
-    return closed ? kCertain : 2 + arm.straight;
-  }
-  const bool end_a = is_end_of_pass(model, a), end_b = is_end_of_pass(model, b);
-  if (end_a && end_b) return std::max(likeness_to_base(model, a, b), likeness_to_base(model, b, a));
-  if (end_a) return likeness_to_base(model, a, b);
-  if (end_b) return likeness_to_base(model, b, a);
-  // Two passes that go on: one of them begins here only where it does so nowhere else.
-  double gain = 0.02;
-  for (const auto& [own, on] : {std::pair{a, b}, std::pair{b, a}}) {
-    const Pass &pass = model.passes[model.piece_of(own).pass], &under = model.passes[model.piece_of(on).pass];
-    if (pass.arms[0] == kNone || !model.is_free(pass.arms[0]) || !model.is_free(pass.arms[1])) continue;
-    if (under.widest <= pass.widest) continue;
-    const double here = std::max(model.arms[own].radius, model.arms[model.arms[own].continued].radius);
-    gain = std::max(gain, 0.4 * std::min(1.0, here * here / (pass.widest * pass.widest)));
-  }
-  (void)other;
-  return gain + 0.02 * (1 - 0.5 * (arm.straight + other.straight));
-}
-
 }  // namespace
 
-Model model_of(const CurveGraph& graph) { return ModelBuilder(graph).build(); }
-
-std::vector<Contact> contacts_of(const Model& model) {
-  std::vector<Contact> contacts;
-  for (std::uint32_t j = 0; j < model.joints.size(); ++j) {
-    const std::vector<std::uint32_t>& arms = model.joints[j].arms;
-    const auto add = [&](std::uint32_t a, std::uint32_t b) {
-      contacts.push_back({j, {a, b, gain_of_contact(model, a, b)}});
-    };
-    if (arms.size() <= kMostArmsOfJoint) {
-      for (std::size_t i = 1; i < arms.size(); ++i)
-        for (std::size_t k = 0; k < i; ++k) add(arms[k], arms[i]);
-      continue;
-    }
-    // Of many: those that continue each other, and all with the thickest.
-    const std::uint32_t thickest = *std::ranges::max_element(
-        arms, [&](std::uint32_t a, std::uint32_t b) { return model.arms[a].radius < model.arms[b].radius; });
-    for (const std::uint32_t arm : arms) {
-      const std::uint32_t next = model.arms[arm].continued;
-      if (next != kNone && arm < next) add(arm, next);
-      if (arm != thickest && next != thickest) add(std::min(arm, thickest), std::max(arm, thickest));
-    }
-  }
-  return contacts;
-}
+Model model_of(const CurveGraph& graph, double voxel) { return ModelBuilder(graph, voxel).build(); }
 
 }  // namespace quench::tree
