@@ -91,7 +91,10 @@ class RsmlWriter {
     say("version", "1", false);
     say("unit", tree_.coordinates.units.empty() ? "pixel" : tree_.coordinates.units, true);
     say(rsml::kResolution, "1", false);
-    if (const std::optional<std::string> time = build_time()) say("last-modified", *time, true);
+    if (const std::optional<std::string> time = build_time())
+      say("last-modified", *time, true);
+    else
+      metadata.remove_child(rsml::child(metadata, "last-modified"));  // it was true of another file
     say("software", fmt::format("Quench {}", QUENCH_VERSION), true);
     say("user", "", false);
     say("file-key", fmt::format("quench-{:016x}", fingerprint()), true);
