@@ -224,6 +224,7 @@ class ResultBuilder {
     const CoursePlace place = place_on(course, arc, piece.cut_at);
     const auto kind = piece.neck > 0 ? TreeEdit::Kind::cut_touching : TreeEdit::Kind::cut_loop;
     edits_.push_back({kind, place.point, place.point, place.radius, piece.length, piece.gain});
+    if (piece.neck > 0 && splits_[p].empty()) return;  // it belongs to neither side
     draw_part(p, course, first, from.node, std::max(first, piece.cut_at), kNone, 0, piece.cut_at);
     draw_part(p, course, std::min(last, piece.cut_at), kNone, last, to.node, std::nextafter(piece.cut_at, piece.length),
               piece.length);
