@@ -16,8 +16,8 @@ void check_axis_options(const AxisInput& options) {
   if (io::kind_of(options.file) == io::Kind::volume)
     throw Error(ErrorCode::input,
                 fmt::format("'{}' is a volume, not a medial axis; 'quench core' computes one of it", options.file));
-  if (options.shape.empty() && (options.threshold || options.label))
-    throw Error(ErrorCode::usage, "--threshold and --label say which voxels of --shape are meant; give --shape too");
+  if (options.shape.empty() && has_volume_options(options.how))
+    throw Error(ErrorCode::usage, "--threshold and the like say which voxels of --shape are meant; give --shape too");
 }
 
 /// What lengths refer to where a shape is given.
@@ -29,8 +29,7 @@ void take_scale(const AxisInput& options, Session& session, pipeline::Scale& sca
   }
   ShapeOptions shape;
   shape.file = options.shape;
-  shape.how.foreground.threshold = options.threshold;
-  shape.how.foreground.label = options.label;
+  shape.how = options.how;
   shape.how.surface = SurfaceKind::voxels;  // the axis says what it is fitted to
   const bool fitted = scale.fitted;
   scale = load_shape(shape, session).scale();
@@ -60,10 +59,7 @@ void add_axis_options(CLI::App& app, AxisInput& o) {
          "the bounding box of AXIS]")
       ->type_name("FILE")
       ->group(group);
-  add_threshold(app, o.threshold, "--shape is a volume: its voxels of at least this value")
-      ->type_name("T")
-      ->group(group);
-  add_label(app, o.label, "--shape is a volume: its voxels of exactly this value")->type_name("K")->group(group);
+  add_volume_options(app, o.how, "Of a --shape that is a volume: ", group);
 }
 
 pipeline::LoadedAxis load_axis(const AxisInput& options, Session& session) {

@@ -16,8 +16,7 @@ namespace quench::program {
 /// How a file becomes a medial axis: the options AXIS arguments share.
 struct AxisInput {
   std::string file, radii, shape;
-  std::optional<Threshold> threshold;
-  std::optional<std::int64_t> label;
+  pipeline::ShapeOptions how;  ///< which voxels `shape` is
   std::vector<std::filesystem::path> inputs() const;
 };
 

@@ -13,6 +13,7 @@
 #include "quench/axis.h"
 #include "quench/io.h"
 #include "quench/polygons.h"
+#include "quench/preparation.h"
 #include "quench/shape.h"
 #include "quench/voxelize.h"
 #include "report.h"
@@ -143,14 +144,54 @@ Json surface_info(const std::string& file, Session& session) {
   return info;
 }
 
+// Control characters of a foreign file must not reach a terminal as such.
+std::string plain(const Json& value) {
+  return printable(value.is_string() ? value.get<std::string>() : json_text(value));
+}
+
+Json threshold_json(const Threshold& threshold) {
+  return std::visit([](auto t) { return Json(t); }, threshold);
+}
+
+/// How often values occur, and the thresholds they suggest.
+void add_values(Json& info, const Volume& volume, Session& session) {
+  constexpr std::size_t kClasses = 32;
+  const Histogram histogram = histogram_of(volume, kClasses);
+  if (!histogram.counts.empty())
+    info["histogram"] = {{"low", histogram.low}, {"width", histogram.width}, {"counts", histogram.counts}};
+  const std::vector<ProposedThreshold> proposals = proposed_thresholds(volume, &session.context);
+  for (const ProposedThreshold& p : proposals)
+    info["thresholds"][p.rule] = {{"value", threshold_json(p.value)}, {"reason", p.reason}};
+}
+
+/// Lines of an image's histogram: the logarithm of the counts, as what matters may fill little of an image.
+std::string histogram_text(const Json& histogram) {
+  constexpr double kLongest = 50;
+  const auto counts = histogram["counts"].get<std::vector<std::uint64_t>>();
+  const double low = histogram["low"], width = histogram["width"];
+  const auto most = static_cast<double>(*std::ranges::max_element(counts));
+  std::string text = "histogram: from each value on, bars by the logarithm of the number\n";
+  const std::size_t longest = fmt::format("{:.4g}", low + width * static_cast<double>(counts.size())).size() + 2;
+  for (std::size_t c = 0; c < counts.size(); ++c) {
+    const double share = std::log1p(static_cast<double>(counts[c])) / std::log1p(most);
+    text += fmt::format("  {:>{}} {:<50} {}\n", fmt::format("{:.4g}", low + width * static_cast<double>(c)), longest,
+                        std::string(static_cast<std::size_t>(std::lround(kLongest * share)), '#'), counts[c]);
+  }
+  return text;
+}
+
 /// How a shape can be chosen from the values of an image.
 template <class T>
-std::string hint_of(const Volume& volume, const Statistics<T>& statistics) {
+std::string hint_of(const Volume& volume, const Statistics<T>& statistics, const Json& thresholds) {
   const bool two = statistics.few && statistics.counts.size() + (statistics.not_a_number > 0) <= 2;
   const auto proposal = volume.grid.is_plane() ? pipeline::propose_threshold(volume) : std::nullopt;
   if (two && !proposal)
     return fmt::format("the shape is the non-zero {}, or choose with --label",
                        volume.grid.is_plane() ? "pixels" : "voxels");
+  if (!proposal && thresholds.is_object())
+    return fmt::format("choose a shape with {}--threshold, e.g. {} ({}), which 'auto' takes",
+                       statistics.few ? "--label or " : "", plain(thresholds.front()["value"]),
+                       thresholds.items().begin().key());
   if (!proposal) return fmt::format("choose a shape with {}", statistics.few ? "--label" : "--threshold");
   const auto value =
       std::visit([](auto t) { return fmt::format("{:.6g}", static_cast<double>(t)); }, proposal->threshold);
@@ -205,7 +246,9 @@ Json volume_info(const std::string& file, const io::VolumeReadOptions& options, 
           info["values"] = Json::object();
           for (const auto& [value, count] : statistics.counts) info["values"][fmt::format("{}", value)] = count;
         }
-        info["hint"] = hint_of(volume, statistics);
+        if (!statistics.few || statistics.counts.size() > 2) add_values(info, volume, session);
+        info["hint"] = hint_of(volume, statistics, info["thresholds"]);
+        if (info["thresholds"].is_null()) info.erase("thresholds");
       },
       volume.samples);
   return info;
@@ -252,16 +295,15 @@ bool is_short(const Json& value) {
          std::none_of(value.begin(), value.end(), [](const Json& entry) { return entry.is_object(); });
 }
 
-// Control characters of a foreign file must not reach a terminal as such.
-std::string plain(const Json& value) {
-  return printable(value.is_string() ? value.get<std::string>() : json_text(value));
-}
-
 /// "key: value" lines; small objects, such as an array's type and range, on one line.
 std::string text_of(const Json& object, int indent) {
   std::string text;
   for (const auto& [key, entry] : object.items()) {
     if (entry.is_object() && entry.empty()) continue;
+    if (key == "histogram" && entry.contains("counts")) {
+      text += histogram_text(entry);
+      continue;
+    }
     text += fmt::format("{:{}}{}:", "", indent, printable(key));
     if (indent > 0 && is_short(entry)) {
       for (const auto& [name, value] : entry.items())

@@ -35,8 +35,8 @@ int main(int argc, char** argv) {
   try {
     return quench::program::run(argc, argv);
   } catch (const quench::Error& error) {
-    const bool interrupted = error.code() == quench::ErrorCode::cancelled;
-    complain(interrupted ? "interrupted; nothing was written" : error.what());
+    const bool plain = std::string_view(error.what()) == "cancelled";
+    complain(plain ? "interrupted; nothing was written" : error.what());
     return static_cast<int>(error.code());
   } catch (const std::bad_alloc&) {
     complain(

@@ -174,12 +174,6 @@ CLI::Option* add_label(CLI::App& app, std::optional<std::int64_t>& label, const 
   });
 }
 
-CLI::Option* add_threshold(CLI::App& app, std::optional<Threshold>& threshold, const std::string& help) {
-  return add_parsed(app, "--threshold", help, [&threshold](const std::string& option, const std::string& text) {
-    threshold = threshold_of(option, text);
-  });
-}
-
 #define QUENCH_NUMBER(T)                                              \
   template bool is_number(std::string_view, T&);                      \
   template T number_of(const std::string&, const std::string&, T, T); \

@@ -51,7 +51,6 @@ template <class T>
 CLI::Option* add_number(CLI::App& app, const std::string& name, T& value, const std::string& help,
                         T least = std::numeric_limits<T>::lowest(), T most = std::numeric_limits<T>::max());
 CLI::Option* add_label(CLI::App& app, std::optional<std::int64_t>& label, const std::string& help);
-CLI::Option* add_threshold(CLI::App& app, std::optional<Threshold>& threshold, const std::string& help);
 
 /// The extension of a file name in lower case, with its dot.
 std::string extension_of(const std::filesystem::path& file);

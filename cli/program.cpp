@@ -26,6 +26,10 @@ struct Command {
 constexpr Command kCommands[] = {
     {"run", "The main job: everything Quench computes of a shape, into a folder",
      "quench run bunny.off --resolution 512 -o bunny", computes | writes | reports, add_run},
+    {"tree", "Roots, neurons, vessels, airways: one tree per plant, its axes and what is measured of them",
+     "quench tree root_ct.nrrd -o root", computes | writes | reports, add_tree},
+    {"batch", "Measures many samples: behind '--' stand 'tree' or 'run' and the options for all of them",
+     "quench batch scans -o measured -- tree --kind root", computes | writes, add_batch},
     {"sample", "Writes a built-in shape", "quench sample root --seed 7 -o root.ply", writes, add_sample},
     {"voxelize", "Writes the voxel shape of a mesh or a volume",
      "quench voxelize part.stl --resolution 256 -o part.nrrd", computes | writes | reports, add_voxelize},
@@ -150,10 +154,10 @@ void refuse_misread_equals(const CLI::App& command, const std::string& word, std
 }
 
 /// What CLI11 would take for something else than was meant.
-void refuse_misread_words(const CLI::App& app, int argc, char** argv) {
+void refuse_misread_words(const CLI::App& app, const std::vector<std::string>& words) {
   const CLI::App* command = nullptr;
-  for (int i = 1; i < argc; ++i) {
-    const std::string word = argv[i];
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    const std::string& word = words[i];
     if (word == "--") return;
     if (!command && !word.starts_with('-')) {
       const auto named = app.get_subcommands([&](const CLI::App* sub) { return sub->get_name() == word; });
@@ -164,8 +168,8 @@ void refuse_misread_words(const CLI::App& app, int argc, char** argv) {
       if (const std::size_t equals = word.find('='); equals != std::string::npos) {
         refuse_misread_equals(at, word, equals);
       } else if (const CLI::Option* option = at.get_option_no_throw(word);
-                 option && option->get_items_expected_max() > 0 && i + 1 < argc) {
-        refuse_option_as_value(at, word, argv[++i]);
+                 option && option->get_items_expected_max() > 0 && i + 1 < words.size()) {
+        refuse_option_as_value(at, word, words[++i]);
       }
     }
   }
@@ -203,11 +207,11 @@ std::string usage_sentence(const CLI::ParseError& error, const CLI::App& app) {
   return fmt::format("{}; see {}", what, help);
 }
 
-/// As it can be typed again.
-std::string command_line(int argc, char** argv) {
+}  // namespace
+
+std::string command_text(const std::vector<std::string>& words) {
   std::string line = "quench";
-  for (int i = 1; i < argc; ++i) {
-    const std::string_view word = argv[i];
+  for (const std::string& word : words) {
     const auto plain = [](char c) {
       return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || std::strchr("_.,:+@%/=-", c);
     };
@@ -221,6 +225,8 @@ std::string command_line(int argc, char** argv) {
   }
   return line;
 }
+
+namespace {
 
 /// The sentence of an error with the option of this command for its field, where there is one: in place of the name the
 /// library has for it, or behind.
@@ -238,43 +244,100 @@ std::string with_option(const Error& error, const CLI::App& command, const Commo
   return fmt::format("{} [{}]", sentence, option);
 }
 
-}  // namespace
+/// The program's command line: all commands with their options.
+struct CommandLine {
+  CommandLine() {
+    app.set_version_flag("--version", std::string("quench " QUENCH_VERSION));
+    app.require_subcommand(1);
+    app.footer(
+        "Every command has its own --help with an example.\nExit codes: 0 ok, 1 failed, 2 usage, 3 unusable input, 4 a "
+        "promised invariant "
+        "failed, 130 interrupted.");
+    for (const Command& command : kCommands) {
+      CLI::App* sub = app.add_subcommand(command.name, command.summary);
+      sub->footer(fmt::format("Example:\n  {}", command.example));
+      actions.emplace_back(sub, command.add(*sub));
+      add_common(*sub, common, command.common);
+      refuse_empty_values(*sub);
+    }
+  }
 
-int run(int argc, char** argv) {
+  /// Throws CLI::ParseError, or Error(usage). What stands behind the "--" of a batch is for another command.
+  void parse(std::vector<std::string> words) {
+    refuse_misread_words(app, words);
+    common.command = command_text(words);
+    if (!words.empty() && words[0] == "batch") {
+      const auto end = std::ranges::find(words, "--");
+      if (end != words.end()) common.words.assign(end + 1, words.end());
+      words.erase(end, words.end());
+    }
+    std::ranges::reverse(words);  // as CLI11 wants them
+    app.parse(words);
+  }
+
+  /// The command that was given; the program itself where there is none.
+  const CLI::App& used() const {
+    const auto subcommands = app.get_subcommands();
+    return subcommands.empty() ? app : *subcommands.front();
+  }
+
   CLI::App app{"Quench: medial axes of real 3D shapes, exact and with the topology of the shape.", "quench"};
-  app.set_version_flag("--version", std::string("quench " QUENCH_VERSION));
-  app.require_subcommand(1);
-  app.footer(
-      "Every command has its own --help with an example.\nExit codes: 0 ok, 1 failed, 2 usage, 3 unusable input, 4 a "
-      "promised invariant "
-      "failed, 130 interrupted.");
   CommonOptions common;
   std::vector<std::pair<CLI::App*, Action>> actions;
-  for (const Command& command : kCommands) {
-    CLI::App* sub = app.add_subcommand(command.name, command.summary);
-    sub->footer(fmt::format("Example:\n  {}", command.example));
-    actions.emplace_back(sub, command.add(*sub));
-    add_common(*sub, common, command.common);
-    refuse_empty_values(*sub);
-  }
-  int result = 0;
-  refuse_misread_words(app, argc, argv);
+};
+
+}  // namespace
+
+void check_command(const std::vector<std::string>& words) {
+  CommandLine line;
   try {
-    app.parse(argc, argv);
-    common.command = command_line(argc, argv);
-    Session session(common);
+    line.parse(words);
+  } catch (const CLI::ParseError& error) {
+    throw Error(ErrorCode::usage, usage_sentence(error, line.app));
+  } catch (const Error& error) {
+    throw Error(error.code(), with_option(error, line.used(), line.common));
+  }
+}
+
+std::vector<std::string> with_own_options(const std::vector<std::string>& words, const std::vector<std::string>& own) {
+  CommandLine line;
+  const auto named = line.app.get_subcommands([&](const CLI::App* sub) { return sub->get_name() == words.at(0); });
+  if (own.empty() || named.empty()) return words;
+  const auto option_of = [&](const std::string& word) -> const CLI::Option* {
+    return is_option(*named[0], word) ? named[0]->get_option_no_throw(word.substr(0, word.find('='))) : nullptr;
+  };
+  std::vector<std::string> merged;
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    const CLI::Option* option = option_of(words[i]);
+    const bool replaced =
+        option && std::ranges::any_of(own, [&](const std::string& word) { return option_of(word) == option; });
+    const bool has_value =
+        option && option->get_items_expected_max() > 0 && words[i].find('=') == words[i].npos && i + 1 < words.size();
+    if (!replaced) merged.push_back(words[i]);
+    if (has_value && !replaced) merged.push_back(words[i + 1]);
+    i += has_value;
+  }
+  merged.insert(merged.end(), own.begin(), own.end());
+  return merged;
+}
+
+int run(int argc, char** argv) {
+  CommandLine line;
+  int result = 0;
+  try {
+    line.parse({argv + std::min(argc, 1), argv + argc});
+    Session session(line.common);
     const int threads = session.options.threads;
     tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);  // for what takes no context
-    for (const auto& [sub, action] : actions)
+    for (const auto& [sub, action] : line.actions)
       if (sub->parsed()) arena.execute([&, &act = action] { result = act(session); });
   } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() != 0) throw Error(ErrorCode::usage, usage_sentence(error, app));
-    app.exit(error);  // --help, --version
+    if (error.get_exit_code() != 0) throw Error(ErrorCode::usage, usage_sentence(error, line.app));
+    line.app.exit(error);  // --help, --version
     std::cout.flush();
     if (!std::cout) throw Error(ErrorCode::failed, "cannot write to stdout");
   } catch (const Error& error) {
-    const auto used = app.get_subcommands();
-    throw Error(error.code(), with_option(error, used.empty() ? app : *used.front(), common));
+    throw Error(error.code(), with_option(error, line.used(), line.common));
   }
   finish_results();
   return result;

@@ -13,6 +13,13 @@ namespace quench::program {
 /// 4 invariant, 130 interrupted).
 int run(int argc, char** argv);
 
+/// Throws the Error(usage) of a command line whose words these are, without doing anything else.
+void check_command(const std::vector<std::string>& words);
+/// The words of a command and its options, with the options of `own` in place of those of the same name.
+std::vector<std::string> with_own_options(const std::vector<std::string>& words, const std::vector<std::string>& own);
+/// A command line as it can be typed again.
+std::string command_text(const std::vector<std::string>& words);
+
 /// A subcommand adds its options to the app and returns what to do once they are parsed; what it needs to keep lives
 /// in the returned function. One file per subcommand.
 using Action = std::function<int(Session&)>;
@@ -30,6 +37,8 @@ Action add_burn(CLI::App& app);
 Action add_skeleton(CLI::App& app);
 Action add_verify(CLI::App& app);
 Action add_run(CLI::App& app);
+Action add_tree(CLI::App& app);
 Action add_view(CLI::App& app);
+Action add_batch(CLI::App& app);
 
 }  // namespace quench::program

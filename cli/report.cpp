@@ -71,6 +71,7 @@ void write_report(const std::string& file, Json report, Session& session) {
                        {"picture", of({"picture"})},
                        {"write", of({"write"})},
                        {"total", rounded(session.total_seconds())}};
+  if (spent.contains("tree")) report["seconds"]["tree"] = of({"repair", "tree"});
   report["peak_bytes"] = Session::peak_bytes();
   report["threads"] = session.options.threads;
   report["version"] = QUENCH_VERSION;

@@ -44,8 +44,8 @@ void check_folder(const std::string& folder) {
   const std::string extension = extension_of(folder);
   for (const char* file : {".svg", ".geojson", ".json", ".png", ".html", ".vtp", ".csv", ".swc"})
     if (extension == file && !fs::exists(folder, error) && !fs::is_symlink(folder, error))
-      throw Error(ErrorCode::usage, fmt::format("'{}' would be a folder: -o of 'run' names the folder for all files; "
-                                                "leave out the {}",
+      throw Error(ErrorCode::usage, fmt::format("'{}' would be a folder: -o names the folder for all files; leave out "
+                                                "the {}",
                                                 folder, file));
   const fs::path whole = fs::absolute(folder, error);
   fs::path existing = whole;

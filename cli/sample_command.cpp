@@ -15,25 +15,70 @@
 namespace quench::program {
 namespace {
 
-void write_truth(const std::string& file, const std::vector<RootBranch>& branches) {
-  using Json = nlohmann::ordered_json;
+using Json = nlohmann::ordered_json;
+
+Json point_of(const Vec3& p) { return {p[0], p[1], p[2]}; }
+
+Json damage_of(const RootDamage& d) {
+  if (d.kind == RootDamage::Kind::gap)
+    return {{"kind", "gap"},          {"branch", d.branch},       {"from_point", d.from_point},
+            {"to_point", d.to_point}, {"from", point_of(d.from)}, {"to", point_of(d.to)},
+            {"contrast", d.contrast}};
+  return {{"kind", "touching"},    {"branch", d.branch},        {"other", d.other},
+          {"point", d.from_point}, {"other_point", d.to_point}, {"from", point_of(d.from)},
+          {"to", point_of(d.to)},  {"on_purpose", d.on_purpose}};
+}
+
+void write_truth(const std::string& file, const Sample& sample) {
+  const std::vector<RootBranch>& branches = sample.branches;
   Json list = Json::array();
   for (std::size_t b = 0; b < branches.size(); ++b) {
     const RootBranch& branch = branches[b];
     double mean = 0;
     for (double r : branch.radius) mean += r / static_cast<double>(branch.radius.size());
+    int level = 0;
+    for (std::int32_t p = branch.parent; p >= 0; p = branches[static_cast<std::size_t>(p)].parent) ++level;
     Json points = Json::array();
     for (std::size_t i = 0; i < branch.points.size(); ++i)
       points.push_back({branch.points[i][0], branch.points[i][1], branch.points[i][2], branch.radius[i]});
     list.push_back({{"id", b},
                     {"parent", branch.parent},
                     {"parent_point", branch.parent_point},
+                    {"level", level},
                     {"length", branch.length()},
                     {"radius", mean},
                     {"points", std::move(points)}});
   }
-  const Json truth = {{"branches", std::move(list)}};
+  Json damage = Json::array();
+  for (const RootDamage& d : sample.damage) damage.push_back(damage_of(d));
+  const Json truth = {{"branches", std::move(list)}, {"damage", std::move(damage)}};
   io::write_atomically(file, [&](std::ostream& out) { out << truth.dump(1) << '\n'; });
+}
+
+/// NRRD, uint8, raw; slice by slice.
+void write_grey(const std::string& file, const Sample& sample, const GreyOptions& options, Context* context) {
+  const Grid grid = grey_grid(sample, options);
+  io::write_atomically(file, [&](std::ostream& out) {
+    const double h = grid.spacing[0];
+    out << fmt::format(
+        "NRRD0004\n# background {}, object {}\ntype: uint8\ndimension: 3\nspace dimension: 3\nsizes: {} {} {}\n"
+        "space directions: ({},0,0) (0,{},0) (0,0,{})\nkinds: domain domain domain\nencoding: raw\n"
+        "space origin: ({},{},{})\n\n",
+        kGreyBackground, kGreyObject, grid.dims[0], grid.dims[1], grid.dims[2], h, h, h, grid.origin[0], grid.origin[1],
+        grid.origin[2]);
+    grey_slices(
+        sample, options,
+        [&](std::span<const std::uint8_t> slice) {
+          out.write(reinterpret_cast<const char*>(slice.data()), static_cast<std::streamsize>(slice.size()));
+        },
+        context);
+  });
+}
+
+/// A slab of slices, and per thread one slice in 4 x 4 parts.
+std::int64_t grey_bytes(const Grid& grid, const GreyOptions& options) {
+  const auto slice = static_cast<double>(grid.dims[0] * grid.dims[1]);
+  return static_cast<std::int64_t>(slice * (32 * 5 + 6 * options.blur * 4 + 16 * 16));
 }
 
 /// Triangles grow with the square of the detail, and a root has about a thousand per branch.
@@ -73,6 +118,8 @@ Action add_sample(CLI::App& app) {
     std::string name, output;
     SampleOptions sample;
     std::int64_t resolution = 256;
+    double noise = 0, blur = 0;
+    bool grey = false;
   };
   auto o = std::make_shared<Options>();
   std::string names;
@@ -87,10 +134,27 @@ Action add_sample(CLI::App& app) {
   add_number(app, "--branches", o->sample.branches, "root: number of branches, 1 to 100000", 1, 100000)
       ->type_name("N")
       ->capture_default_str();
-  add_number(app, "--noise", o->sample.noise,
-             "rippled-box, bumpy-sphere: height of the ripples or bumps as a fraction of the longest side, up to "
-             "0.1; 0: the shape's own",
-             0.0, 0.1)
+  add_number(app, "--touching", o->sample.touching, "root: pairs of branches that are bent until they touch", 0, 100000)
+      ->type_name("N")
+      ->capture_default_str();
+  auto* grey = app.add_flag("--grey", o->grey,
+                            fmt::format("root: an image of 8-bit values instead of a mask, {} outside and {} inside, "
+                                        "voxels at the surface by the share of them that is inside",
+                                        kGreyBackground, kGreyObject));
+  add_number(app, "--gaps", o->sample.gaps, "root, with --grey: places where a branch is interrupted or dimmed", 0,
+             100000)
+      ->type_name("N")
+      ->capture_default_str()
+      ->needs(grey);
+  add_number(app, "--blur", o->blur, "root, with --grey: standard deviation of a Gaussian blur, voxels", 0.0, 20.0)
+      ->type_name("SIGMA")
+      ->capture_default_str()
+      ->needs(grey);
+  add_number(app, "--noise", o->noise,
+             "rippled-box, bumpy-sphere, rough-plate: height of the ripples or bumps as a fraction of the longest "
+             "side, up to 0.1; 0: the shape's own. root, with --grey: standard deviation of Gaussian noise as a "
+             "fraction of the contrast",
+             0.0, 10.0)
       ->type_name("FRACTION")
       ->capture_default_str();
   add_number(app, "--fineness", o->sample.fineness,
@@ -112,11 +176,22 @@ Action add_sample(CLI::App& app) {
     fs::path truth = o->output;
     truth.replace_extension(".json");
     if (o->name == "root") session.check_output(truth, {});
+    if (o->grey && (o->name != "root" || !volume))
+      throw Error(ErrorCode::usage, "--grey makes a volume (.nrrd) of the sample root");
     check_sample_memory(o->name, o->sample, session);
-    const Sample sample = make_sample(o->name, o->sample);
+    SampleOptions options = o->sample;
+    if (!o->grey) options.noise = o->noise;
+    const Sample sample = make_sample(o->name, options);
     std::vector<std::string> lines;
     io::OutputGroup outputs;
-    if (volume) {
+    if (o->grey) {
+      const GreyOptions image{.resolution = o->resolution, .blur = o->blur, .noise = o->noise, .seed = o->sample.seed};
+      const Grid grid = grey_grid(sample, image);
+      pipeline::require_memory(grey_bytes(grid, image), "an image of this resolution", {"a smaller --resolution"},
+                               &session.context);
+      write_grey(o->output, sample, image, &session.context);
+      lines.push_back(fmt::format("{}: {} x {} x {} grey values", o->output, grid.dims[0], grid.dims[1], grid.dims[2]));
+    } else if (volume) {
       pipeline::require_voxelization_memory(sample.mesh, o->resolution, &session.context);
       const Voxelization v = voxelize(sample.mesh, {.resolution = o->resolution}, &session.context);
       io::write_volume(o->output, v.shape, {}, &session.context);
@@ -127,9 +202,10 @@ Action add_sample(CLI::App& app) {
                                   sample.mesh.triangles.size()));
     }
     if (!sample.branches.empty()) {
-      write_truth(truth.string(), sample.branches);
-      lines.push_back(
-          fmt::format("{}: {}", truth.string(), base::counted(sample.branches.size(), "true branch", "true branches")));
+      write_truth(truth.string(), sample);
+      lines.push_back(fmt::format("{}: {}, {}", truth.string(),
+                                  base::counted(sample.branches.size(), "true branch", "true branches"),
+                                  base::counted(sample.damage.size(), "damaged place")));
     }
     outputs.commit();
     for (const std::string& line : lines) session.say(line);

@@ -23,7 +23,8 @@ struct CommonOptions {
   int threads = 0;
   std::string memory_limit;
   std::string report;
-  std::string command;  ///< the line that started the program, for results that say how they were made
+  std::string command;             ///< the line that started the program, for results that say how they were made
+  std::vector<std::string> words;  ///< of a batch: what stands behind its "--"
   bool quiet = false, verbose = false, overwrite = false;
 };
 

@@ -26,6 +26,15 @@ std::int64_t parse_resolution(const std::string& text) {
   return value;
 }
 
+std::string threshold_text(const Threshold& threshold) {
+  return std::visit([](auto t) { return fmt::format("{:.6g}", static_cast<double>(t)); }, threshold);
+}
+
+/// Whether parts are dropped or filled on request.
+bool is_cleaned(const ForegroundOptions& f) {
+  return f.largest_component || f.min_component > 0 || f.fill_cavities || f.min_cavity > 0;
+}
+
 std::string topology_text(const Topology& t, bool plane) {
   if (plane) return fmt::format("{}, {}", base::counted(t.betti[0], "component"), base::counted(t.betti[1], "hole"));
   return fmt::format("{}, {}, {}", base::counted(t.betti[0], "component"), base::counted(t.betti[1], "tunnel"),
@@ -55,8 +64,29 @@ std::string spacing_text(const Grid& grid, const std::string& units) {
 
 void say_volume(const ShapeOptions& options, const LoadedShape& shape, Session& session) {
   if (!options.how.spacing && !shape.spacing_source.empty() && is_tiff(options.file))
-    session.say(fmt::format("note: spacing {} from {}", spacing_text(shape.image, shape.coordinates.units),
-                            shape.spacing_source));
+    session.say(
+        fmt::format("note: spacing {} from {}",
+                    spacing_text(shape.prepared ? shape.prepared->before : shape.image, shape.coordinates.units),
+                    shape.spacing_source));
+}
+
+void say_prepared(const ShapeOptions& options, const LoadedShape& shape, Session& session) {
+  const ForegroundOptions& f = options.how.foreground;
+  const char* of = shape.shape.grid().is_plane() ? "pixel" : "voxel";
+  if (shape.prepared)
+    for (const std::string& sentence : shape.prepared->done) session.say(sentence);
+  if (shape.chosen)
+    session.say(fmt::format("threshold {} ({}): {}", threshold_text(shape.chosen->value), shape.chosen->rule,
+                            shape.chosen->reason));
+  if (!shape.cleaned) return;
+  const ForegroundReport& c = *shape.cleaned;
+  if (f.seed_threshold || c.weak_dropped > 0)
+    session.say(fmt::format("weak: {} dropped that are not connected to one of at least the upper threshold",
+                            base::counted(c.weak_dropped, of)));
+  if (f.close > 0) session.say(fmt::format("closed: {} added", base::counted(c.voxels_closed, of)));
+  if (f.connectivity != 6)
+    session.say(fmt::format("joined: {} added, which make {} less", base::counted(c.voxels_joined, of),
+                            base::counted(c.components_joined, "component")));
 }
 
 void say_cleaned(const ForegroundReport& report, bool plane, Session& session) {
@@ -186,6 +216,67 @@ CLI::Option* add_topology(CLI::App& app, ShapeOptions& o, const std::string& hel
       ->check(one_of({"mesh", "voxels"}));
 }
 
+/// T, LOW,HIGH, or a rule.
+static void parse_threshold(const std::string& option, const std::string& text, pipeline::ShapeOptions& how) {
+  how.foreground.threshold = how.foreground.seed_threshold = std::nullopt;
+  how.otsu = text == "otsu";
+  how.recommended = text == "auto";
+  if (how.otsu || how.recommended) return;
+  const std::size_t comma = text.find(',');
+  how.foreground.threshold = threshold_of(option, text.substr(0, comma));
+  if (comma != std::string::npos) how.foreground.seed_threshold = threshold_of(option, text.substr(comma + 1));
+}
+
+void add_volume_options(CLI::App& app, pipeline::ShapeOptions& how, const std::string& of, const std::string& group) {
+  ForegroundOptions& f = how.foreground;
+  PreparationOptions& p = how.preparation;
+  add_parsed(app, "--threshold",
+             of +
+                 "the shape is the voxels or pixels of at least this value; LOW,HIGH: of at least LOW, and connected "
+                 "to one of at least HIGH; 'auto': at what cuts most of the edges, which info shows; 'otsu': by Otsu's "
+                 "method",
+             [&how](const std::string& option, const std::string& text) { parse_threshold(option, text, how); })
+      ->type_name("T")
+      ->group(group);
+  add_label(app, f.label, of + "the shape is the voxels or pixels of exactly this value (0 too)")
+      ->type_name("K")
+      ->group(group);
+  app.add_flag("--interpolate", p.interpolate,
+               of + "resample thick slices to cubes first: labels and masks by distances in the slices, grey values "
+                    "linearly")
+      ->group(group);
+  add_number(app, "--median", p.median,
+             of + "replace every value by the median of the (2N+1)^3 around it, before the threshold, N up to 16", 0,
+             kLargestMedian)
+      ->type_name("N")
+      ->group(group);
+  add_number(app, "--blur", p.blur,
+             of + "blur the values before the threshold with a Gaussian of this standard deviation, in voxels of the "
+                  "smallest spacing, up to 100",
+             0.0, kLargestBlur)
+      ->type_name("SIGMA")
+      ->group(group);
+  add_number(app, "--close", f.close,
+             of + "close gaps and cracks with a ball of this radius, in voxels of the smallest spacing, up to 64", 0,
+             kLargestClosing)
+      ->type_name("N")
+      ->group(group);
+  add_parsed(app, "--connectivity",
+             of + "26: join voxels that touch in edges or corners only (pixels: in corners) with as few voxels as "
+                  "possible",
+             [&f](const std::string&, const std::string& text) { f.connectivity = text == "26" ? 26 : 6; })
+      ->type_name("N")
+      ->check(one_of({"6", "26"}))
+      ->default_str("6")
+      ->group(group);
+}
+
+bool has_volume_options(const pipeline::ShapeOptions& how) {
+  const ForegroundOptions& f = how.foreground;
+  return f.threshold || f.label || how.otsu || how.recommended || how.preparation.any() || f.close > 0 ||
+         f.connectivity != 6;
+}
+
 void add_shape_options(CLI::App& app, ShapeOptions& o) {
   app.add_option("SHAPE", o.file,
                  "A mesh (.ply .obj .off .stl ...), a volume (.nrrd .nii.gz .mha .map .vol .npy .tif, a folder of "
@@ -231,12 +322,7 @@ void add_shape_options(CLI::App& app, ShapeOptions& o) {
       ->type_name("K")
       ->group(group);
   ForegroundOptions& f = o.how.foreground;
-  add_threshold(app, f.threshold, "Volume, image: the shape is the voxels or pixels of at least this value")
-      ->type_name("T")
-      ->group(group);
-  add_label(app, f.label, "Volume, image: the shape is the voxels or pixels of exactly this value (0 too)")
-      ->type_name("K")
-      ->group(group);
+  add_volume_options(app, o.how, "Volume, image: ", group);
   add_parsed(
       app, "--spacing", "Volume, image: voxel size x,y,z or pixel size x,y (or one number), instead of the file's",
       [&o](const std::string&, const std::string& text) {
@@ -292,8 +378,13 @@ void say_ignored(const ShapeOptions& options, io::Kind kind, Session& session, b
     if (is_set) (was_recorded ? recorded : given).emplace_back(name);
   };
   if (mesh || polygons) {
-    add("--threshold", f.threshold.has_value());
+    add("--threshold", f.threshold || options.how.otsu || options.how.recommended);
     add("--label", f.label.has_value());
+    add("--interpolate", options.how.preparation.interpolate);
+    add("--median", options.how.preparation.median > 0);
+    add("--blur", options.how.preparation.blur > 0);
+    add("--close", f.close > 0);
+    add("--connectivity", f.connectivity != 6);
     add("--invert", f.invert);
     add("--spacing", options.how.spacing.has_value());
     add("--channel", !options.how.channel.empty());
@@ -330,9 +421,10 @@ void check_exists(const std::filesystem::path& file) {
 }
 
 void check_shape_options(const ShapeOptions& options) {
-  if (options.how.foreground.threshold && options.how.foreground.label)
+  const pipeline::ShapeOptions& how = options.how;
+  if ((how.foreground.threshold || how.otsu || how.recommended) && how.foreground.label)
     throw Error(ErrorCode::usage, "--threshold and --label cannot be combined; give one of them");
-  if (options.how.pixel && options.how.resolution)
+  if (how.pixel && how.resolution)
     throw Error(ErrorCode::usage, "--pixel and --resolution cannot be combined; give one of them");
   check_exists(options.file);
   if (io::kind_of(options.file) == io::Kind::unknown) pipeline::refuse_unknown_kind(options.file);
@@ -349,7 +441,9 @@ LoadedShape load_shape(const ShapeOptions& options, Session& session) {
     say_voxelization(options, shape, session);
   else
     say_volume(options, shape, session);
-  if (shape.cleaned) say_cleaned(*shape.cleaned, shape.shape.grid().is_plane(), session);
+  say_prepared(options, shape, session);
+  if (shape.cleaned && is_cleaned(options.how.foreground))
+    say_cleaned(*shape.cleaned, shape.shape.grid().is_plane(), session);
   say_shape(shape, session);
   return shape;
 }
@@ -374,12 +468,26 @@ Json input_section(const ShapeOptions& options, const LoadedShape& shape) {
     const std::string from = options.how.spacing ? "--spacing" : shape.spacing_source;
     if (!from.empty()) input["spacing_source"] = from;
   }
-  if (const auto& c = shape.cleaned)
-    input["cleaned"] = {{"voxels_before", c->voxels_before},
-                        {"components_removed", c->components_removed},
-                        {"voxels_removed", c->voxels_removed},
-                        {"cavities_filled", c->cavities_filled},
-                        {"voxels_filled", c->voxels_filled}};
+  const ForegroundOptions& f = options.how.foreground;
+  if (const auto& p = shape.prepared)
+    input["prepared"] = {{"done", p->done},
+                         {"dims_before", {p->before.dims[0], p->before.dims[1], p->before.dims[2]}},
+                         {"spacing_before", spacing_json(p->before)}};
+  if (const auto& c = shape.chosen)
+    input["threshold"] = {
+        {"value", std::visit([](auto t) { return Json(t); }, c->value)}, {"rule", c->rule}, {"reason", c->reason}};
+  if (const auto& c = shape.cleaned) {
+    if (f.seed_threshold) input["hysteresis"] = {{"voxels_dropped", c->weak_dropped}};
+    if (f.close > 0) input["closed"] = {{"voxels_added", c->voxels_closed}};
+    if (f.connectivity != 6)
+      input["joined"] = {{"voxels_added", c->voxels_joined}, {"components_joined", c->components_joined}};
+    if (is_cleaned(f))
+      input["cleaned"] = {{"voxels_before", c->voxels_before},
+                          {"components_removed", c->components_removed},
+                          {"voxels_removed", c->voxels_removed},
+                          {"cavities_filled", c->cavities_filled},
+                          {"voxels_filled", c->voxels_filled}};
+  }
   if (!shape.from_mesh) {
     input["euler"] = shape.topology.euler;
     input["components"] = shape.topology.betti[0];

@@ -26,6 +26,12 @@ CLI::Option* add_resolution(CLI::App& app, ShapeOptions& options, const std::str
 CLI::Option* add_fill(CLI::App& app, ShapeOptions& options, const std::string& help);
 CLI::Option* add_topology(CLI::App& app, ShapeOptions& options, const std::string& help);
 
+/// Which voxels of a volume are the shape, and what is done to it before: the options of all commands that take one.
+/// `of`: what the help says first, e.g. "Volume, image: ".
+void add_volume_options(CLI::App& app, pipeline::ShapeOptions& how, const std::string& of, const std::string& group);
+/// Whether one of them is given.
+bool has_volume_options(const pipeline::ShapeOptions& how);
+
 /// Throws the Error of an option that cannot be or of a file that is not there, before anything is read.
 void check_shape_options(const ShapeOptions& options);
 /// Throws Error(failed) for a file that is not there.

@@ -129,21 +129,10 @@ CLI::Option* add_theta1(CLI::App& app, pipeline::SkeletonOptions& o, const std::
       ->capture_default_str();
 }
 
-void add_skeleton_options(CLI::App& app, pipeline::SkeletonOptions& o, GraphFileOptions& files) {
+void add_curve_options(CLI::App& app, pipeline::SkeletonOptions& o, GraphFileOptions& files,
+                       const std::string& theta1_help) {
   const auto group = "Skeleton";
-  add_length(
-      app, "--theta2", o.theta2,
-      "Drop sheets of a smaller erosion thickness where the topology allows: a fraction of the longest side "
-      "(0.03 or 3%), 8vox, 3.5abs, 0 (nothing), inf (curves only), or 'auto': 0.03, but no less than three times the "
-      "automatic detail, 2.6 voxels")
-      ->group(group);
-  add_theta1(
-      app, o,
-      "Drop branches of curves that stick out of what they leave by less than this many of its radii (0.5r), or "
-      "curves of a smaller erosion thickness (0.02 or 2% of the longest side, 8vox, 3.5abs) from their free ends; "
-      "inf: only what topology needs; 'auto': 0.5r. With radii also what is thinner than 4.5 times the automatic "
-      "detail, 3.9 voxels or 3.2 pixels")
-      ->group(group);
+  add_theta1(app, o, theta1_help)->group(group);
   add_number(app, "--smooth", files.graph.smooth,
              "Passes of smoothing over curves, sheets and their rims, 0 to 10000; they stay inside the shape", 0, 10000)
       ->type_name("N")
@@ -166,32 +155,52 @@ void add_skeleton_options(CLI::App& app, pipeline::SkeletonOptions& o, GraphFile
       ->check(one_of({"full", "pruned"}))
       ->capture_default_str()
       ->group(group);
+}
+
+Vec3 point_of(const std::string& option, const std::string& text) {
+  const std::vector<double> numbers = numbers_in(text, ',');
+  if (numbers.size() != 3)
+    throw Error(ErrorCode::usage, fmt::format("{} '{}' is not a point; give three numbers: x,y,z", option, text));
+  return {numbers[0], numbers[1], numbers[2]};
+}
+
+CLI::Option* add_swc_type(CLI::App& app, std::string& type) {
+  return add_parsed(
+             app, "--swc-type",
+             "SWC: the type of every sample, a number or 'soma', 'axon', 'dendrite', 'apical-dendrite', 'custom' ...; "
+             "programs for neurons refuse 0",
+             [&type](const std::string& option, const std::string& text) {
+               io::swc_type_of(text, option);
+               type = text;
+             },
+             [&type] { return type; })
+      ->type_name("TYPE")
+      ->capture_default_str();
+}
+
+void add_skeleton_options(CLI::App& app, pipeline::SkeletonOptions& o, GraphFileOptions& files) {
+  const auto group = "Skeleton";
+  add_length(
+      app, "--theta2", o.theta2,
+      "Drop sheets of a smaller erosion thickness where the topology allows: a fraction of the longest side "
+      "(0.03 or 3%), 8vox, 3.5abs, 0 (nothing), inf (curves only), or 'auto': 0.03, but no less than three times the "
+      "automatic detail, 2.6 voxels")
+      ->group(group);
+  add_curve_options(
+      app, o, files,
+      "Drop branches of curves that stick out of what they leave by less than this many of its radii (0.5r), or "
+      "curves of a smaller erosion thickness (0.02 or 2% of the longest side, 8vox, 3.5abs) from their free ends; "
+      "inf: only what topology needs; 'auto': 0.5r. With radii also what is thinner than 4.5 times the automatic "
+      "detail, 3.9 voxels or 3.2 pixels");
   app.add_flag("--longest", o.main_axes,
                "Only the main axis of every part of the shape: the longest of the shortest ways between two ends; for "
                "skeletons of curves, as those of images or with --theta2 inf")
       ->group(group);
   add_parsed(app, "--root", "SWC: the root of its component is the node nearest to this point [default: the thickest]",
-             [&files](const std::string&, const std::string& text) {
-               const std::vector<double> numbers = numbers_in(text, ',');
-               if (numbers.size() != 3)
-                 throw Error(ErrorCode::usage,
-                             fmt::format("--root '{}' is not a point; give three numbers: x,y,z", text));
-               files.root = Vec3(numbers[0], numbers[1], numbers[2]);
-             })
+             [&files](const std::string& option, const std::string& text) { files.root = point_of(option, text); })
       ->type_name("X,Y,Z")
       ->group(group);
-  add_parsed(
-      app, "--swc-type",
-      "SWC: the type of every sample, a number or 'soma', 'axon', 'dendrite', 'apical-dendrite', 'custom' ...; "
-      "programs for neurons refuse 0",
-      [&files](const std::string& option, const std::string& text) {
-        io::swc_type_of(text, option);
-        files.swc_type = text;
-      },
-      [&files] { return files.swc_type; })
-      ->type_name("TYPE")
-      ->capture_default_str()
-      ->group(group);
+  add_swc_type(app, files.swc_type)->group(group);
 }
 
 void add_page_options(CLI::App& app, std::size_t& max_triangles) {

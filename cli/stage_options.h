@@ -26,7 +26,13 @@ struct GraphFileOptions {
   std::string swc_type = "dendrite";
 };
 CLI::Option* add_theta1(CLI::App& app, pipeline::SkeletonOptions& options, const std::string& help);
+/// --theta1, --smooth, --resample and --tips: what a skeleton of curves takes.
+void add_curve_options(CLI::App& app, pipeline::SkeletonOptions& options, GraphFileOptions& graph,
+                       const std::string& theta1_help);
 void add_skeleton_options(CLI::App& app, pipeline::SkeletonOptions& options, GraphFileOptions& graph);
+/// Three numbers x,y,z. Throws Error(usage), naming the option.
+Vec3 point_of(const std::string& option, const std::string& text);
+CLI::Option* add_swc_type(CLI::App& app, std::string& type);
 
 void add_page_options(CLI::App& app, std::size_t& max_triangles);
 

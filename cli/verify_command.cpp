@@ -16,10 +16,11 @@ namespace quench::program {
 namespace {
 
 // The samples that the surface of a shape follows from; nothing where it does not, or where they are too many to hold.
-std::optional<Volume> grey_values(const ShapeOptions& options, const pipeline::LoadedShape& shape, Session& session) {
+std::optional<Volume> grey_values(const ShapeOptions& options, pipeline::LoadedShape& shape, Session& session) {
   constexpr std::int64_t kMost = std::int64_t{1} << 28;
   const auto& dims = shape.image.dims;
   if (!shape.surface || shape.surface->kind() != SurfaceKind::grey || dims[0] * dims[1] * dims[2] > kMost) return {};
+  if (shape.values) return std::move(shape.values);
   Volume volume = io::read_volume(options.file, pipeline::read_options(options.how), &session.context);
   if (volume.grid.dims != dims) return {};
   volume.grid = shape.image;
@@ -95,6 +96,7 @@ Action add_verify(CLI::App& app) {
     std::optional<Volume> grey;
     std::optional<ImageView> samples;
     double threshold = 0;
+    bool inverted = false;
     for (std::size_t r = 0; r < o->results.size(); ++r) {
       const std::string& file = o->results[r];
       Record data = pipeline::read_surface(file, &session.context);
@@ -110,11 +112,13 @@ Action add_verify(CLI::App& app) {
       if (r == 0 || parameters != made_with) {  // results of one run share their shape
         ShapeOptions shape = o->shape;
         take_recorded(shape, data, file);
+        shape.how.keep_values = shape.how.preparation.any();
         loaded = load_shape(shape, session);
         made_with = parameters;
         grey = grey_values(shape, loaded, session);
         samples = grey ? std::optional(view_of(*grey)) : std::nullopt;
-        if (const auto& given = shape.how.foreground.threshold)
+        inverted = shape.how.foreground.invert;
+        if (const auto given = loaded.chosen ? std::optional(loaded.chosen->value) : shape.how.foreground.threshold)
           threshold = std::visit([](auto value) { return static_cast<double>(value); }, *given);
         const std::int64_t sites = count_boundary_vertices(loaded.shape);
         pipeline::require_memory(
@@ -134,6 +138,7 @@ Action add_verify(CLI::App& app) {
         options.subdivided = loaded.subdivided();
         options.image = samples ? &*samples : nullptr;
         options.threshold = threshold;
+        options.inverted = inverted;
       }
       options.format_holds_all = says_stage;  // only VTP holds it, and with it every other array
       if (o->lambda) options.lambda = loaded.scale().resolve(*o->lambda, kLambda);

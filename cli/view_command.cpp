@@ -58,10 +58,10 @@ void check_options(const Options& o) {
     throw Error(ErrorCode::usage, fmt::format("-o is the page, in HTML; for a picture give --png {}", o.output));
   picture_of(o);
   const pipeline::ShapeOptions& how = o.shape.how;
-  if (o.shape.file.empty() &&
-      (how.foreground.threshold || how.foreground.label || how.resolution || how.fill || how.topology))
+  if (o.shape.file.empty() && (has_volume_options(how) || how.resolution || how.fill || how.topology))
     throw Error(ErrorCode::usage,
-                "--threshold, --label, --resolution, --fill and --topology say how --shape is read; give --shape too");
+                "--threshold, --label, --resolution, --fill, --topology and the like say how --shape is read; give "
+                "--shape too");
   for (const std::string& file : o.files) check_exists(file);
   if (!o.shape.file.empty()) check_shape_options(o.shape);
 }
@@ -324,14 +324,7 @@ Action add_view(CLI::App& app) {
       ->group(shape);
   add_topology(app, o->shape, "Of a --shape that is a mesh: 'mesh' or 'voxels' [default: what FILE says, else mesh]")
       ->group(shape);
-  add_threshold(app, o->shape.how.foreground.threshold,
-                "--shape is a volume: its voxels of at least this value [default: what FILE says]")
-      ->type_name("T")
-      ->group(shape);
-  add_label(app, o->shape.how.foreground.label,
-            "--shape is a volume: its voxels of exactly this value [default: what FILE says]")
-      ->type_name("K")
-      ->group(shape);
+  add_volume_options(app, o->shape.how, "Of a --shape that is a volume, instead of what FILE says: ", shape);
   const auto start = "What the page starts with";
   add_length(app, "--theta2", o->skeleton.theta2, "Skeleton: erosion thickness below which sheets go")->group(start);
   add_theta1(app, o->skeleton, "Skeleton: erosion thickness, or radii of what they leave (0.5r), below which curves go")

@@ -27,14 +27,15 @@
 ///   .fbx .dae .3ds .gltf ... (Assimp)   x
 ///   .nrrd .nhdr .mha .mhd .nii .nii.gz .mrc .map                       x
 ///   .tif, a folder of TIFF slices (libtiff)                            x
-///   .npy  .vol (DGtal)  .sof  .png, a folder of PNG slices             x
+///   .npy  .vol (DGtal)  .sof  .out  .png, a folder of PNG slices       x
 ///   .pbm .pgm .ppm .pnm  .bmp  .jpg .jpeg (libjpeg)                    x
 ///   .nrrd (gzip)                                                                  x
 ///
 /// Polygons of the plane (.geojson .json .geojsonl .geojsons .ndjson .wkt .svg) are read by the functions of
 /// quench/polygons.h; lines of the plane are written in these formats by those of quench/graph.h.
 ///
-/// Curve graphs (.swc, .graphml, .csv) are written by the functions of quench/graph.h.
+/// Curve graphs (.swc, .graphml, .csv) are written by the functions of quench/graph.h, trees (.swc, .rsml, ...) read
+/// and written by those of quench/tree.h.
 ///
 /// Every reader throws Error(failed) when the file cannot be opened and Error(input) when its content cannot be used,
 /// naming the file and, where there is one, the line or byte. Every writer writes a temporary file in the same folder,
@@ -101,7 +102,7 @@ void write_volume(const std::filesystem::path& file, const VoxelShape& shape, co
 void write_atomically(const std::filesystem::path& file, const std::function<void(std::ostream&)>& body);
 
 /// A volume or image as slices where its format allows it: NRRD with its samples in the same file, raw or gzip;
-/// uncompressed MetaImage and MRC; TIFF; folders of PNG or TIFF slices. Nothing for other files: read_volume() reads
+/// uncompressed MetaImage and MRC; .out; TIFF; folders of PNG or TIFF slices. Nothing for other files: read_volume() reads
 /// them whole. Throws as read_volume() does.
 std::optional<SliceStream> open_slices(const std::filesystem::path& file, const VolumeReadOptions& options = {},
                                        Context* context = nullptr);

@@ -51,6 +51,21 @@ struct PageSurfaces {
   std::optional<std::size_t> note;  ///< the one of Page::notes that says so, where some are simplified
 };
 
+/// A column of a table of the layer `tree`; its values are the array `tree/TABLE/NAME`.
+struct PageColumn {
+  std::string table;  ///< "axes", "branches", "sample" (one row), "edits"
+  std::string name, unit, meaning;
+  bool whole = false;              ///< integers
+  std::vector<std::string> words;  ///< of a column of words: its values are their numbers
+};
+
+/// What a page says of the layer `tree` beside its arrays. Directions are unit vectors.
+struct PageTree {
+  Vec3 down = -Vec3::UnitZ();
+  Vec3 to_eye = -Vec3::UnitY(), up = Vec3::UnitZ();  ///< from where it is seen first
+  std::vector<PageColumn> columns;
+};
+
 /// What a page holds. Lengths are in world units. Everything may be missing: an empty string, a zero, no value.
 struct Page {
   std::string title, program, command, unit;
@@ -82,6 +97,7 @@ struct Page {
   std::string note;                                      ///< what is to be known before the first look; mostly nothing
   std::vector<std::string> notes;                        ///< what was simplified, a sentence each
   PageSurfaces surfaces;
+  std::optional<PageTree> tree;
   std::vector<PageArray> arrays;
 
   const PageArray* find(std::string_view name) const;
@@ -134,9 +150,13 @@ void add_sites(Page& page, const VoxelShape& shape);
 /// balls is the share of the volume, of the plane that of the area. Deterministic.
 void add_samples(Page& page, const VoxelShape& shape, std::size_t count = 20000);
 
-/// The layer `tree`: the branches of a tree with their rows and those of its axes, and the places where it was repaired.
-/// It stands in place of a layer `skeleton`.
-void add_tree(Page& page, const Tree& tree, const Traits& traits, const std::vector<TreeEdit>& edits);
+/// The layer `tree`: the branches of a tree as courses with radii, the tables of its axes, branches and of the sample
+/// as they are in the files, and the places where it was repaired. The page starts with it: `upright` from the side on
+/// which it is broadest with `down` downwards, else from where it is broadest of all. Branches that leave their axis
+/// get inside of it at most the radius that they have outside, so that tubes of different axes do not lie in one
+/// another. The page has one tree. O(points).
+void add_tree(Page& page, const Tree& tree, const Traits& traits, const std::vector<TreeEdit>& edits,
+              bool upright = true);
 
 /// The page with the program `page_program` around it: an HTML file. Written atomically. Throws Error(failed) when
 /// writing fails or the page outgrows what a browser can hold, Error(invariant) when the program has no place for it.

@@ -444,6 +444,8 @@ class PageBuilder {
   /// What is left of the triangles, for the sliders.
   void add_family(SkeletonFamily family);
   void add_still(const Record& data);
+  /// The tree of a shape, or one read from a file: then side and unit are its own. See quench::add_tree().
+  void add_tree(const Tree& tree, const Traits& traits, const std::vector<TreeEdit>& edits, bool upright = true);
 
   std::size_t triangles() const { return used_; }
   void write(const std::filesystem::path& file) const;
@@ -455,37 +457,6 @@ class PageBuilder {
 
 /// "armadillo" of armadillo.off or armadillo/core.vtp.
 std::string title_of(const std::filesystem::path& file);
-
-// --------------------------------------------------------------------------------------------------------------- tree
-
-/// What a tree is the tree of: sets defaults.
-enum class TreeKind : std::uint8_t { root, neuron, vessel, airway };
-std::string_view name_of(TreeKind kind);
-std::optional<TreeKind> tree_kind_of(std::string_view name);
-
-struct TreeOptions {
-  TreeKind kind = TreeKind::root;
-  RepairOptions repair = {};
-  HierarchyOptions hierarchy = {};
-  TraitOptions traits = {};
-  bool edited_shape = true;  ///< TreeRun::edited is wanted
-};
-
-/// The options of a kind where nothing else is asked for.
-TreeOptions defaults_of(TreeKind kind);
-
-struct TreeRun {
-  Repaired repaired;  ///< without its graph, which became the tree
-  Tree tree;
-  Traits traits;
-  std::optional<VoxelShape> edited;
-  std::optional<Topology> edited_topology;
-};
-
-/// Repair, hierarchy and traits of the curves of a shape. Throws Error(invariant) when the edited shape is not one tree
-/// per plant.
-TreeRun run_tree(const LoadedShape& shape, const CurveGraph& graph, const TreeOptions& options,
-                 Context* context = nullptr);
 
 // ---------------------------------------------------------------------------------------------------------------- run
 
@@ -544,5 +515,66 @@ struct FeatureRun {
 /// what io::for_each_feature() throws.
 void run_features(const std::filesystem::path& file, const ShapeOptions& shape, const RunOptions& options,
                   const std::function<void(FeatureRun&&)>& take, Context* context = nullptr);
+
+// --------------------------------------------------------------------------------------------------------------- tree
+
+/// What a tree is the tree of: sets defaults.
+enum class TreeKind : std::uint8_t { root, neuron, vessel, airway };
+std::string_view name_of(TreeKind kind);
+std::optional<TreeKind> tree_kind_of(std::string_view name);
+
+struct TreeOptions {
+  TreeKind kind = TreeKind::root;
+  RepairOptions repair = {};
+  HierarchyOptions hierarchy = {};
+  TraitOptions traits = {};
+  bool edited_shape = true;  ///< TreeRun::edited is wanted
+  /// HierarchyOptions::down becomes what is likely: -z or +z, so that thick curves lie above thin ones; of a tree from a
+  /// file, so that it lies below its root nodes, along y where it is flat in z.
+  bool find_down = false;
+};
+
+/// The options of a kind where nothing else is asked for.
+TreeOptions defaults_of(TreeKind kind);
+
+/// The curves that a tree is made of.
+struct TreeCurves {
+  CurveGraph graph;
+  Scale scale;
+  Vec3 voxel = Vec3::Zero();  ///< as GraphOptions::voxel
+  Coordinates coordinates;
+};
+
+/// A skeleton of curves, as trees are made of, unless something else is asked for: theta2 infinite, and theta1 one
+/// radius of what a branch leaves.
+SkeletonOptions skeleton_for_trees(SkeletonOptions asked);
+/// The curves in a result that was read, a medial axis or a skeleton of curves; `options` as of run_axis(), for a
+/// medial axis. `shape`: where it is known. Throws Error(usage), naming the file, for one of the plane and for a
+/// skeleton with sheets.
+TreeCurves curves_in(Record&& result, const std::string& file, RunOptions options, const LoadedShape* shape = nullptr,
+                     Context* context = nullptr);
+
+struct TreeRun {
+  Tree tree;
+  Traits traits;
+  std::vector<TreeEdit> edits;
+  std::uint32_t components_before = 0, loops_before = 0;
+  double length_before = 0;  ///< of all curves
+  std::optional<VoxelShape> edited;
+  std::optional<Topology> edited_topology;
+  std::size_t edits_of(TreeEdit::Kind kind) const;
+  double length_of(TreeEdit::Kind kind) const;
+};
+
+/// Repair, hierarchy and traits of curves. `shape`: that they are of, where it is known; with its values bridges follow
+/// them. Throws Error(usage) for curves with sheets, Error(input) where there are none, and Error(invariant) when the
+/// edited shape is not one tree per plant.
+TreeRun run_tree(const TreeCurves& curves, const TreeOptions& options, const LoadedShape* shape = nullptr,
+                 Context* context = nullptr);
+/// The same of a tree from a file, which is not repaired. `new_axes`: which axes there are is found anew.
+TreeRun run_tree(Tree&& tree, bool new_axes, const TreeOptions& options);
+
+/// A row per edit: number, kind, its two ends, radius, length, cost, grey.
+Table table_of(const std::vector<TreeEdit>& edits, const Coordinates& coordinates);
 
 }  // namespace quench::pipeline

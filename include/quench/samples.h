@@ -2,10 +2,13 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "quench/context.h"
 #include "quench/geometry.h"
 
 namespace quench {
@@ -22,22 +25,30 @@ struct RootBranch {
 struct SampleOptions {
   double noise = 0;        ///< height of ripples and bumps, fraction of the longest side; 0: the shape's own
   std::uint64_t seed = 1;  ///< `root`, `bead-pack`, `rough-plate`: another seed, another shape
-  int branches = 60;       ///< `root`: number of branches
-  double fineness = 1;     ///< multiplies the number of triangles along each direction
-  int touching = 0;        ///< `root`: pairs of branches that touch each other on purpose
-  int gaps = 0;            ///< `root` in grey values: places where a branch is interrupted
+  /// `root`: number of branches. Up to some hundred they keep clear of each other; where there is no room left they run
+  /// into each other, which Sample::damage lists.
+  int branches = 60;
+  double fineness = 1;  ///< multiplies the number of triangles along each direction
+  int touching = 0;     ///< `root`: pairs of branches that touch each other on purpose
+  int gaps = 0;         ///< `root`: places where a branch of its image is interrupted; the mesh has none
 };
 
-/// A place where the `root` sample was damaged on purpose.
+/// A place where the `root` sample is not what its branches alone would be.
 struct RootDamage {
-  enum class Kind : std::uint8_t { gap, touching } kind = Kind::gap;
-  std::uint32_t branch = 0, other = 0;  ///< the two that touch; equal for a gap
-  Vec3 from = Vec3::Zero(), to = Vec3::Zero();
+  enum class Kind : std::uint8_t {
+    gap,       ///< of an image: the branch is interrupted or dimmed
+    touching,  ///< two branches that are not parent and child run into each other
+  } kind = Kind::gap;
+  std::uint32_t branch = 0, other = 0;          ///< the two that touch; equal for a gap
+  std::uint32_t from_point = 0, to_point = 0;   ///< points of `branch` and of `other`
+  Vec3 from = Vec3::Zero(), to = Vec3::Zero();  ///< these: the ends of the gap, or the centre lines where they touch
+  double contrast = 1;                          ///< of a gap: what is left of it between its ends, 0 to 1
+  bool on_purpose = true;                       ///< false: there was no room, see SampleOptions::branches
 };
 
 struct Sample {
-  TriangleMesh mesh;                 ///< closed; parts may overlap (inside is winding number != 0)
-  std::vector<RootBranch> branches;  ///< `root` only: the truth
+  TriangleMesh mesh;                    ///< closed; parts may overlap (inside is winding number != 0)
+  std::vector<RootBranch> branches;     ///< `root` only: the truth
   std::vector<RootDamage> damage = {};  ///< `root` only
 };
 
@@ -52,5 +63,23 @@ const std::vector<SampleInfo>& built_in_samples();
 /// A built-in shape as a closed mesh. Deterministic on one machine. Throws Error(usage) listing the names when there is
 /// no such shape.
 Sample make_sample(std::string_view name, const SampleOptions& options = {});
+
+/// The `root` sample as a scanner would see it.
+struct GreyOptions {
+  std::int64_t resolution = 256;  ///< voxels along the longest side
+  double blur = 0;                ///< standard deviation of the Gaussian point spread, voxels
+  double noise = 0;               ///< standard deviation of white Gaussian noise, fraction of the contrast
+  std::uint64_t seed = 1;         ///< of the noise
+};
+inline constexpr int kGreyBackground = 50, kGreyObject = 200;
+
+/// Where the voxels of its image lie: the box of the root, and a margin that the blur does not leave.
+Grid grey_grid(const Sample& root, const GreyOptions& options);
+
+/// Hands the slices of the image over, in order of z. A voxel has the share of its volume that is in a branch (of 4^3
+/// points), blurred, between kGreyBackground and kGreyObject, plus noise, rounded. A slab of slices is in memory at a
+/// time; the same on every number of threads.
+void grey_slices(const Sample& root, const GreyOptions& options,
+                 const std::function<void(std::span<const std::uint8_t>)>& take, Context* context = nullptr);
 
 }  // namespace quench

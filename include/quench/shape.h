@@ -99,16 +99,24 @@ struct Volume {
 /// A bound of samples. Whole numbers stay exact: 64-bit samples have values that a double rounds.
 using Threshold = std::variant<double, std::int64_t, std::uint64_t>;
 
+inline constexpr int kLargestClosing = 64;
+
 /// Which voxels of an image are the shape. At most one of threshold and label may be set; with neither, the
 /// foreground is the non-zero voxels of an image that has at most two values, and any other image is Error(usage).
 struct ForegroundOptions {
   std::optional<Threshold> threshold;  ///< foreground: value >= threshold (NaN is background)
   std::optional<std::int64_t> label;   ///< foreground: value == label, 0 included
-  /// Hysteresis: of the voxels of at least `threshold` only those that are connected to one of at least this.
+  /// Hysteresis: of the voxels of at least `threshold` only those that are connected (as `connectivity` says) to one of
+  /// at least this, which is no less. Not with `invert`.
   std::optional<Threshold> seed_threshold = {};
   bool invert = false;                 ///< foreground becomes background, within the image's box
-  int close = 0;         ///< morphological closing by a ball of this radius, in voxels of the smallest spacing; 0: none
-  int connectivity = 6;  ///< 26: voxels that touch in edges or corners are joined by the fewest voxels
+  /// Morphological closing by a ball of this radius, in voxels of the smallest spacing, at most kLargestClosing; 0: none.
+  int close = 0;
+  /// 6 or 26 (in a plane 4 or 8). With 26, voxels that touch in edges or corners are joined by few voxels: one per edge,
+  /// two per corner, fewer where one joins several parts, those first that make no loop, then the brighter ones. Then
+  /// there are as many 6-connected components as there were 26-connected ones, but where two parts of one cannot be
+  /// joined by so few voxels without touching a third that belongs to another.
+  int connectivity = 6;
   bool largest_component = false;      ///< keep the largest 6-connected component
   std::int64_t min_component = 0;      ///< drop 6-connected components of fewer voxels
   bool fill_cavities = false;          ///< fill 26-connected background components that do not reach outside the box
@@ -125,7 +133,7 @@ struct ForegroundReport {
   std::int64_t voxels_closed = 0;      ///< added by closing
   std::int64_t voxels_joined = 0;      ///< added to join what touches in edges or corners
   std::int64_t components_joined = 0;  ///< by how many 6-connected components there are less for it
-  std::int64_t weak_dropped = 0;       ///< by hysteresis
+  std::int64_t weak_dropped = 0;       ///< voxels, by hysteresis
 };
 
 /// "36%", "0.02%": at least one digit that is not 0, and 100% only of everything.
@@ -137,7 +145,8 @@ std::vector<std::int64_t> cavity_sizes(const VoxelShape& shape, Context* context
 /// `plane`: of pixels.
 std::string much_dropped(const ForegroundReport& report, bool plane = false);
 
-/// The foreground of an image as a voxel shape on the image's grid. Applied in the order invert, components, cavities.
+/// The foreground of an image as a voxel shape on the image's grid. Applied in the order hysteresis, invert, closing,
+/// connectivity, components, cavities.
 /// Throws Error(input) when nothing is left, naming the range of values found.
 VoxelShape foreground(const Volume& volume, const ForegroundOptions& options, ForegroundReport* report = nullptr,
                       Context* context = nullptr, std::optional<TriangleMesh>* isosurface = nullptr);
@@ -168,7 +177,8 @@ ImageView view_of(const Volume& volume);
 /// the values do not say more than the voxels. Where samples interpolated trilinearly between the centres of voxels
 /// equal the threshold (half a unit less for integer samples and a whole threshold, so that the surface of a mask is
 /// half way), in triangles of about a voxel; half a voxel outside the image where the shape meets its border, and half
-/// way to a sample that is not finite. On all threads; about 80 bytes per boundary vertex.
+/// way to a sample that is not finite and to a voxel that closing or joining has added. On all threads; about 80 bytes
+/// per boundary vertex.
 VoxelShape foreground(const ImageView& image, const ForegroundOptions& options, ForegroundReport* report = nullptr,
                       Context* context = nullptr, std::optional<TriangleMesh>* isosurface = nullptr);
 
@@ -227,7 +237,8 @@ struct SliceStream {
   std::function<void(std::span<std::byte> slice)> next;
 };
 
-/// As foreground() of an image. Reads the stream once; memory beyond the shape: one slice, two with an isosurface.
+/// As foreground() of an image. Reads the stream once; memory beyond the shape: one slice, two with an isosurface, all
+/// of the image where voxels are closed or joined.
 VoxelShape foreground(const SliceStream& image, const ForegroundOptions& options, ForegroundReport* report = nullptr,
                       Context* context = nullptr, std::optional<TriangleMesh>* isosurface = nullptr);
 

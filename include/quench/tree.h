@@ -82,10 +82,11 @@ VoxelShape edited_shape(const VoxelShape& shape, const CurveGraph& graph, const 
 
 /// Which child continues its parent at a fork.
 enum class AxisRule : std::uint8_t {
-  depth,     ///< so that the largest level is smallest; ties by length, then by angle
-  length,    ///< the one with the longest way to a tip
-  radius,    ///< the thickest
-  strahler,  ///< the one of the largest Strahler number; ties by length
+  depth,         ///< so that the largest level of what follows is smallest; ties by length, then by angle
+  length,        ///< the one with the longest way to a tip
+  radius,        ///< the thickest
+  strahler,      ///< the one of the largest Strahler number; ties by length
+  continuation,  ///< the one that keeps direction and radius best, both measured outside of the ball of the fork
 };
 
 /// A rooted forest: per plant one tree, directed from its root node.
@@ -114,12 +115,14 @@ struct Tree {
     double position = 0;  ///< length along the parent from its base to where this leaves it
     bool stem = false;    ///< the thick part from which level 1 grows
     std::string label;    ///< of a file it was read from
+    std::string foreign;  ///< as Tree::foreign
   };
   struct Plant {
     Vec3 root = Vec3::Zero();
     std::uint32_t main_axis = 0;
     std::optional<double> soma;  ///< radius of the thick ball at the root node, where there is one
     std::string label;
+    std::string foreign;  ///< as Tree::foreign
   };
   std::vector<Branch> branches;  ///< parents before children
   std::vector<Axis> axes;        ///< parents before children
@@ -127,13 +130,24 @@ struct Tree {
   Vec3 down = -Vec3::UnitZ();  ///< unit vector
   AxisRule rule = AxisRule::length;
   Coordinates coordinates;
+  /// What an RSML file says beyond this structure, as XML text: write_rsml() writes it again. Courses must stay as they
+  /// are, for functions along them.
+  std::string foreign;
 };
 
 enum class SomaRule : std::uint8_t { none, automatic, thickest };
 
+/// Which node is the root node of a tree where no point is given.
+enum class RootRule : std::uint8_t {
+  thickest,  ///< the thickest node
+  end,       ///< the thickest free end: what vessels and airways come out of
+  top,       ///< the thickest free end in the upper fifth, against `down`: where a root system was cut off its shoot
+};
+
 struct HierarchyOptions {
   AxisRule rule = AxisRule::length;
-  std::vector<Vec3> roots;  ///< the root node of a tree is the node nearest to one of these; else the thickest
+  RootRule root = RootRule::thickest;
+  std::vector<Vec3> roots;  ///< the node nearest to one of these is the root node of its tree; else `root` decides
   Vec3 down = -Vec3::UnitZ();
   bool stem = false;  ///< of roots: the thick top part is the stem
   SomaRule soma = SomaRule::none;
@@ -141,13 +155,15 @@ struct HierarchyOptions {
 
 /// The hierarchy of a graph without loops. Throws Error(usage) for a graph with loops or sheets.
 Tree tree_of(const Repaired& repaired, const HierarchyOptions& options, Context* context = nullptr);
-/// A tree read from a file, its axes found anew by the rule.
+/// A tree read from a file, its axes found anew by the rule. Its root nodes stay but for those that `roots` names.
 Tree with_hierarchy(Tree tree, const HierarchyOptions& options);
 
 std::string_view name_of(AxisRule rule);
 std::optional<AxisRule> axis_rule_of(std::string_view name);
 std::string_view name_of(RepairRule rule);
 std::optional<RepairRule> repair_rule_of(std::string_view name);
+std::string_view name_of(RootRule rule);
+std::optional<RootRule> root_rule_of(std::string_view name);
 std::string_view name_of(SomaRule rule);
 std::optional<SomaRule> soma_rule_of(std::string_view name);
 
@@ -172,25 +188,32 @@ std::string unit_to_the(const std::string& unit, int power);
 
 namespace io {
 
-/// CSV: a header with names and units, `length [mm]`, and a row per row.
+/// CSV: a header with names and units, `length [mm]`, and a row per row; what is not defined (NaN) is empty.
 void write_table(const std::filesystem::path& file, const Table& table);
 
-/// SWC: soma 1 at its root where the tree has one, else `type` where branches have none of their own.
+/// SWC: soma 1 at its root where the tree has one, else `type` where branches have none of their own. Every sample has a
+/// type above 0, parents come first, a branch begins at the last sample of its parent. Throws Error(usage) for a type
+/// that is not from 1 to 255.
 void write_swc(const std::filesystem::path& file, const Tree& tree, int type = kSwcDendrite);
-/// RSML (Lobet et al. 2015): nested roots with polylines, diameters, parent nodes, and the traits of axes as
-/// properties.
+/// RSML (Lobet et al. 2015): nested roots with polylines, diameters, parent nodes (counted from 1), and the traits of
+/// axes as properties: a row of `axes` per axis. `last-modified` is the time of SOURCE_DATE_EPOCH where that is set,
+/// else left out, so that the bytes follow from the tree. Throws Error(usage) for a tree without axes.
 void write_rsml(const std::filesystem::path& file, const Tree& tree, const Table* axes = nullptr);
-/// MTG (Godin and Caraglio 1998), as OpenAlea reads it.
+/// MTG (Godin and Caraglio 1998), as OpenAlea reads it: plants P, axes A, and a vertex S per point, which is the piece
+/// that ends there. Throws Error(usage) for a tree without axes.
 void write_mtg(const std::filesystem::path& file, const Tree& tree);
-/// VTP: a polyline per branch with its radius (also as MaximumInscribedSphereRadius), branch, axis, level ...
+/// VTP: a polyline per branch with its radius (also as MaximumInscribedSphereRadius), branch, axis, level, order,
+/// strahler, plant and type. A branch begins at the last point of its parent: that point is there once.
 void write_centerlines(const std::filesystem::path& file, const Tree& tree);
-/// GraphML: directed, with the courses of branches.
+/// GraphML: directed, from root nodes to tips; an edge per branch with its course and radii as text.
 void write_graphml(const std::filesystem::path& file, const Tree& tree);
 
 /// Whether the extension is that of a tree: .swc .rsml.
 bool is_tree_file(const std::filesystem::path& file);
-/// A tree of an .swc or .rsml file. `axes_known` becomes whether the file says which axes there are. Throws
-/// Error(input), naming the file and the line.
+/// A tree of an .swc or .rsml file. `axes_known` becomes whether the file says which axes there are; a tree without them
+/// has branches and plants only, and with_hierarchy() finds its axes. Radii that the file does not say are 0. What the
+/// file leaves open, such as laterals that do not begin on their parent, is joined by segments that are `bridged`
+/// (docs/user/files.md). Throws Error(input), naming the file and, of SWC, the line.
 Tree read_tree(const std::filesystem::path& file, bool* axes_known = nullptr, Context* context = nullptr);
 
 }  // namespace io

@@ -52,6 +52,7 @@ struct VerifyOptions {
   /// Of a surface of grey values: these, and the threshold they were cut at. Must outlive the call.
   const ImageView* image = nullptr;
   double threshold = 0;
+  bool inverted = false;  ///< the shape is what is below it
   /// The result was written in full and in a format that holds all arrays (VTP): it is an error when an array is absent
   /// without which its stage cannot be checked. Otherwise absent arrays are only named.
   bool format_holds_all = false;

@@ -11,14 +11,15 @@ from . import _core, _export, _plane
 from ._common import (Certificate, Length, Path, Progress, Spacing, Topology, calling, deprecated, ending, error, file_name,
                       length, length_or_auto, pruning_of, whole)
 from ._complex import Complex
-from ._inputs import Cut, Mesh, Volume, read_file, shape_of
+from ._inputs import Cut, Mesh, Threshold, Volume, read_file, shape_of
 from ._skeleton import Skeleton, theta2_of
 
 
-def medial_axis(image_or_mesh: Any, *, spacing: Spacing = None, threshold: Optional[float] = None,
+def medial_axis(image_or_mesh: Any, *, spacing: Spacing = None, threshold: Threshold = None,
                 label: Optional[int] = None, dimension: Optional[int] = None, channel: Optional[str] = None,
                 resolution: Union[int, str] = 256, detail: Length = 'auto', lambda_: Optional[Length] = None,
                 invert: bool = False, largest_component: bool = False, min_component: int = 0, fill_cavities: bool = False,
+                interpolate: bool = False, median: int = 0, blur: float = 0, close: int = 0, connectivity: int = 6,
                 subdivide: int = 1, fill: str = 'nonzero', topology: str = 'mesh', surface: str = 'auto',
                 lambda_rule: str = 'coface', threads: int = 0, progress: Progress = False) -> 'MedialAxis':
     """The medial axis of a shape: its voxel core, pruned without changing its topology.
@@ -32,8 +33,9 @@ def medial_axis(image_or_mesh: Any, *, spacing: Spacing = None, threshold: Optio
     spacing : float or a float per axis, optional
         Size of a voxel or pixel along the axes of the array: of an image, of rows and columns (y, x). Default: what the
         file says, else 1.
-    threshold : float, optional
-        The shape is where the image is at least this.
+    threshold : float, (float, float), "auto" or "otsu", optional
+        The shape is where the image is at least this. Of a pair, where it is at least the first and connected to where it
+        is at least the second. "auto": the value at which most of the edges are cut; "otsu": by Otsu's method.
     label : int, optional
         The shape is where the image is exactly this.
     dimension : 2 or 3, optional
@@ -53,6 +55,10 @@ def medial_axis(image_or_mesh: Any, *, spacing: Spacing = None, threshold: Optio
     invert, largest_component, min_component, fill_cavities
         What to do with the shape first: take what is not the shape, keep its largest part only, drop parts of fewer
         voxels, fill closed cavities (of images, holes).
+    interpolate, median, blur, close, connectivity
+        Resample thick slices to cubes; take medians of (2 median + 1) ** 3 values; blur with a Gaussian of so many voxels;
+        then, of the voxels, close gaps with a ball of radius `close`; connectivity 26 joins what touches in edges or
+        corners only (docs/user/volumes.md).
     subdivide : int
         Splits every voxel into subdivide ** 3, a pixel into subdivide ** 2.
     fill : "nonzero", "evenodd", "winding" or "auto"
@@ -121,7 +127,7 @@ def medial_axis(image_or_mesh: Any, *, spacing: Spacing = None, threshold: Optio
     if lambda_rule not in ('coface', 'ball'):
         raise error(2, f"lambda_rule={lambda_rule!r} is not one of 'coface', 'ball'", 'lambda_rule')
     cut = Cut(threshold, label, invert, largest_component, min_component, fill_cavities, subdivide, spacing, resolution, fill,
-              topology, surface, dimension, channel)
+              topology, surface, dimension, channel, interpolate, median, blur, close, connectivity)
     shape = shape_of(image_or_mesh, cut, threads, progress)
     with calling(threads, progress) as call:
         return MedialAxis(_core.compute_axis(shape, *pruning, lambda_rule, *call), threads, progress)

@@ -215,11 +215,32 @@ def _threshold(value: Any) -> Union[int, float]:
         raise error(2, f'threshold={value!r} is not a number', 'threshold') from None
 
 
+def _thresholds(value: Any) -> Tuple[Optional[Union[int, float]], Optional[Union[int, float]]]:
+    """The lower threshold and that of seeds, of None, a number or a pair."""
+    if value is None:
+        return None, None
+    if not isinstance(value, (tuple, list)):
+        return _threshold(value), None
+    if len(value) != 2:
+        raise error(2, f'threshold={value!r} is not a number or a pair (low, high)', 'threshold')
+    return _threshold(value[0]), _threshold(value[1])
+
+
+def _width(value: Any) -> float:
+    try:
+        return float(value)
+    except (TypeError, ValueError, OverflowError):
+        raise error(2, f'blur={value!r} is not a number', 'blur') from None
+
+
+Threshold = Union[None, float, str, Tuple[float, float]]
+
+
 @dataclass
 class Cut:
     """Which voxels are the shape, and of which size: the keyword arguments of medial_axis()."""
 
-    threshold: Optional[float] = None
+    threshold: Threshold = None
     label: Optional[int] = None
     invert: bool = False
     largest_component: bool = False
@@ -233,6 +254,12 @@ class Cut:
     surface: str = 'auto'
     dimension: Optional[int] = None
     channel: Optional[str] = None
+    interpolate: bool = False
+    median: int = 0
+    blur: float = 0
+    close: int = 0
+    connectivity: int = 6
+    keep_values: bool = False  # for bridges of trees
 
     def options(self, dimension: Optional[int] = None) -> '_core.ShapeOptions':
         """As the core takes them; `dimension`: of the image, where it is known."""
@@ -245,19 +272,30 @@ class Cut:
             raise error(2, f"topology={self.topology!r} is not one of 'mesh', 'voxels'", 'topology')
         if self.surface not in ('auto', 'voxels', 'mesh', 'grey', 'smooth'):
             raise error(2, f"surface={self.surface!r} is not one of 'auto', 'voxels', 'mesh', 'grey', 'smooth'", 'surface')
-        return _core.ShapeOptions(
-            threshold=None if self.threshold is None else _threshold(self.threshold),
+        if self.connectivity not in (6, 26):
+            raise error(2, f'connectivity={self.connectivity!r} is neither 6 nor 26', 'connectivity')
+        rule = self.threshold if isinstance(self.threshold, str) else ''
+        if rule not in ('', 'auto', 'otsu'):
+            raise error(2, f"threshold={rule!r} is neither a number nor 'auto' or 'otsu'", 'threshold')
+        bounds = _thresholds(None if rule else self.threshold)
+        options = _core.ShapeOptions(
+            threshold=bounds[0], seed_threshold=bounds[1], rule=rule, interpolate=bool(self.interpolate),
+            median=min(whole(self.median, 'median'), 2**30), blur=_width(self.blur),
+            close=min(whole(self.close, 'close'), 2**30), connectivity=int(self.connectivity),
             label=None if self.label is None else label_of(self.label), invert=bool(self.invert),
             largest_component=bool(self.largest_component),
             min_component=min(whole(self.min_component, 'min_component'), 2**62), fill_cavities=bool(self.fill_cavities),
             subdivide=min(whole(self.subdivide, 'subdivide'), 2**30), spacing=spacing_of(self.spacing, dimension),
             resolution=0 if self.resolution == 'auto' else min(whole(self.resolution, 'resolution', 1), 2**30),
             fill=self.fill, topology=self.topology, surface=self.surface)
+        options.keep_values = self.keep_values
+        return options
 
     def for_images(self) -> bool:
         """Whether something is given that means nothing for a mesh."""
-        return bool(self.invert) or any(given is not None for given in (self.threshold, self.label, self.spacing,
-                                                                        self.dimension, self.channel))
+        asked = self.invert, self.interpolate, self.median, self.blur, self.close, self.connectivity != 6
+        return any(asked) or any(given is not None for given in (self.threshold, self.label, self.spacing, self.dimension,
+                                                                 self.channel))
 
 
 def label_of(value: Any) -> int:
@@ -294,7 +332,8 @@ def _shape(source: Any, cut: Cut, call: Tuple[Any, int]) -> '_core.Shape':
         array = image_array(source, cut.dimension, cut.channel)
         return _core.shape_of_array(array, cut.options(array.ndim), *call)
     if cut.for_images():
-        raise error(2, 'threshold, label, invert, spacing, dimension and channel are for images; this is a mesh')
+        raise error(2, 'threshold, label, invert, interpolate, median, blur, close, connectivity, spacing, dimension and '
+                       'channel are for images; this is a mesh')
     return _core.shape_of_mesh(*mesh_arrays(*mesh), cut.options(), *call)
 
 

@@ -83,7 +83,9 @@ pipeline::ShapeOptions shape_options(const std::optional<Threshold>& threshold,
                                      const std::optional<std::int64_t>& label, bool invert, bool largest_component,
                                      std::int64_t min_component, bool fill_cavities, int subdivide,
                                      const std::optional<Triple>& spacing, std::int64_t resolution,
-                                     const std::string& fill, const std::string& topology, const std::string& surface) {
+                                     const std::string& fill, const std::string& topology, const std::string& surface,
+                                     const std::optional<Threshold>& seed_threshold, const std::string& rule,
+                                     bool interpolate, int median, double blur, int close, int connectivity) {
   pipeline::ShapeOptions options;
   options.foreground = {.threshold = threshold,
                         .label = label,
@@ -91,6 +93,12 @@ pipeline::ShapeOptions shape_options(const std::optional<Threshold>& threshold,
                         .largest_component = largest_component,
                         .min_component = min_component,
                         .fill_cavities = fill_cavities};
+  options.foreground.seed_threshold = seed_threshold;
+  options.foreground.close = close;
+  options.foreground.connectivity = connectivity;
+  options.otsu = rule == "otsu";
+  options.recommended = rule == "auto";
+  options.preparation = {interpolate, median, blur};
   options.subdivide = subdivide;
   if (spacing) options.spacing = Vec3((*spacing)[0], (*spacing)[1], (*spacing)[2]);
   options.resolution = resolution;
@@ -98,21 +106,6 @@ pipeline::ShapeOptions shape_options(const std::optional<Threshold>& threshold,
   options.topology = topology_of(topology);
   options.surface = surface_kind_of(surface);
   return options;
-}
-
-// The voxels of a shape as an image of 0 and 1.
-Image image_of_shape(const Shape& shape) {
-  auto volume = std::make_shared<Volume>();
-  volume->grid = shape.shape.grid();
-  volume->coordinates = shape.coordinates;
-  const auto& dims = volume->grid.dims;
-  std::vector<std::uint8_t> samples(static_cast<std::size_t>(dims[0] * dims[1] * dims[2]), 0);
-  auto row = samples.begin();
-  for (std::int64_t z = 0; z < dims[2]; ++z)
-    for (std::int64_t y = 0; y < dims[1]; ++y, row += dims[0])
-      for (const Run& r : shape.shape.row(y, z)) std::fill(row + r.begin, row + r.end, std::uint8_t{1});
-  volume->samples = std::move(samples);
-  return {volume};
 }
 
 py::dict sample_named(const std::string& name, double noise, std::uint64_t seed, int branches, double fineness) {
@@ -136,6 +129,20 @@ py::dict sample_named(const std::string& name, double noise, std::uint64_t seed,
 
 }  // namespace
 
+Image image_of(const VoxelShape& shape, const Coordinates& coordinates) {
+  auto volume = std::make_shared<Volume>();
+  volume->grid = shape.grid();
+  volume->coordinates = coordinates;
+  const auto& dims = volume->grid.dims;
+  std::vector<std::uint8_t> samples(static_cast<std::size_t>(dims[0] * dims[1] * dims[2]), 0);
+  auto row = samples.begin();
+  for (std::int64_t z = 0; z < dims[2]; ++z)
+    for (std::int64_t y = 0; y < dims[1]; ++y, row += dims[0])
+      for (const Run& r : shape.row(y, z)) std::fill(row + r.begin, row + r.end, std::uint8_t{1});
+  volume->samples = std::move(samples);
+  return {volume};
+}
+
 void bind_shapes(py::module_& m) {
   py::class_<Image>(m, "Image", py::buffer_protocol())
       .def_buffer(&info)
@@ -152,12 +159,21 @@ void bind_shapes(py::module_& m) {
   py::class_<pipeline::ShapeOptions>(m, "ShapeOptions")
       .def(py::init(&shape_options), py::kw_only(), py::arg("threshold"), py::arg("label"), py::arg("invert"),
            py::arg("largest_component"), py::arg("min_component"), py::arg("fill_cavities"), py::arg("subdivide"),
-           py::arg("spacing"), py::arg("resolution"), py::arg("fill"), py::arg("topology"), py::arg("surface"));
+           py::arg("spacing"), py::arg("resolution"), py::arg("fill"), py::arg("topology"), py::arg("surface"),
+           py::arg("seed_threshold"), py::arg("rule"), py::arg("interpolate"), py::arg("median"), py::arg("blur"),
+           py::arg("close"), py::arg("connectivity"))
+      .def_readwrite("keep_values", &pipeline::ShapeOptions::keep_values);
   py::class_<Shape, std::shared_ptr<Shape>>(m, "Shape")
       .def_property_readonly("dims", [](const Shape& s) { return sides_of(s.image); })
       .def_property_readonly("spacing", [](const Shape& s) { return triple(s.shape.grid().spacing); })
+      // (threshold, rule, reason) where the program has chosen one.
+      .def_property_readonly("chosen",
+                             [](const Shape& s) -> py::object {
+                               if (!s.chosen) return py::none();
+                               return py::make_tuple(s.chosen->value, s.chosen->rule, s.chosen->reason);
+                             })
       .def_property_readonly("voxel_count", [](const Shape& s) { return s.shape.voxel_count(); })
-      .def("image", &image_of_shape);
+      .def("image", [](const Shape& s) { return image_of(s.shape, s.coordinates); });
   m.def("shape_of_array", &shape_of_array);
   m.def("shape_of_image", &shape_of_image);
   m.def("shape_of_mesh", &shape_of_mesh);

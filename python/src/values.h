@@ -88,6 +88,9 @@ std::shared_ptr<SkeletonValue> compute_skeleton(std::shared_ptr<Axis> axis, cons
 /// What is known of the shape of an axis, for graphs of its skeletons.
 pipeline::GraphOptions graph_options(const Axis& axis);
 
+/// The voxels of a shape as an image of 0 and 1.
+Image image_of(const VoxelShape& shape, const Coordinates& coordinates);
+
 /// What results of a shape are verified with; it must outlive them.
 VerifyOptions verify_options(const Shape& shape, std::size_t samples);
 /// Rows (name, passed, detail).
@@ -96,6 +99,7 @@ py::list checks_of(const Certificate& certificate);
 void bind_shapes(py::module_& m);
 void bind_axes(py::module_& m);
 void bind_skeletons(py::module_& m);
+void bind_trees(py::module_& m);
 void bind_labels(py::module_& m);
 void bind_pages(py::module_& m);
 

@@ -16,7 +16,7 @@
 namespace quench {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kNotReached = std::numeric_limits<double>::infinity();
 // In a component with loops every end is tried, up to so many; else the farthest from those that were.
 constexpr std::size_t kMostEnds = 2000, kSweeps = 16;
 
@@ -31,7 +31,7 @@ class MainAxes {
                                                          emit(graph.branches[b].to, b);
                                                        }
                                                      })),
-        distance_(graph.nodes.size(), kInfinity),
+        distance_(graph.nodes.size(), kNotReached),
         came_by_(graph.nodes.size(), kNone),
         kept_(graph.branches.size(), 0) {}
 
@@ -110,13 +110,13 @@ class MainAxes {
   }
   // Shortest ways to all nodes of the component (Dijkstra 1959); ties: the smaller branch.
   void measure_from(std::uint32_t from) {
-    for (const std::uint32_t n : reached_) distance_[n] = kInfinity;
+    for (const std::uint32_t n : reached_) distance_[n] = kNotReached;
     reached_.clear();
     using Entry = std::pair<double, std::uint32_t>;
     std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
     const auto reach = [&](std::uint32_t n, double distance, std::uint32_t branch) {
       if (distance > distance_[n] || (distance == distance_[n] && branch >= came_by_[n])) return;
-      if (distance_[n] == kInfinity) reached_.push_back(n);
+      if (distance_[n] == kNotReached) reached_.push_back(n);
       distance_[n] = distance;
       came_by_[n] = branch;
       queue.push({distance, n});

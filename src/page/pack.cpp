@@ -394,6 +394,13 @@ class LayerPacker {
   Words vertex_number_, edge_number_;
 };
 
+/// Of arrays outside of layers of cells: the bits of those that are rounded; else 0.
+int bits_of_steps(const std::string& name) {
+  if (name == "shape/points" || name == "shape/samples") return 16;
+  if (name == "tree/points" || name == "tree/point/radius" || name == "tree/edit_points") return 24;
+  return name.starts_with("tree/point/") ? 14 : 0;
+}
+
 }  // namespace
 
 std::vector<PackedArray> packed(const Page& page) {
@@ -408,8 +415,8 @@ std::vector<PackedArray> packed(const Page& page) {
     const bool of_layer = std::ranges::any_of(
         layers, [&](const std::string& l) { return array.name.starts_with(l + "/") && page.find(l + "/points"); });
     if (of_layer) continue;
-    if (array.name == "shape/points" || array.name == "shape/samples")
-      out.push_back(in_steps(array.name, array.components, std::get<Floats>(array.values), 16));
+    if (const int bits = bits_of_steps(array.name); bits > 0)
+      out.push_back(in_steps(array.name, array.components, std::get<Floats>(array.values), bits));
     else if (const auto* words = std::get_if<Words>(&array.values); words && array.name == "shape/triangles")
       out.push_back(by_freshness(array.name, array.components, *words));
     else if (words)

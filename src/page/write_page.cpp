@@ -57,6 +57,22 @@ std::string list(std::span<const double> values) {
   return out + "]";
 }
 
+std::string json_of(const PageTree& tree) {
+  std::string columns;
+  for (const PageColumn& c : tree.columns) {
+    columns += fmt::format(R"({}{{"table": {}, "name": {}, "unit": {}, "meaning": {})", columns.empty() ? "" : ",\n",
+                           json_string(c.table), json_string(c.name), json_string(c.unit), json_string(c.meaning));
+    if (c.whole) columns += R"(, "whole": true)";
+    std::string words;
+    for (const std::string& word : c.words) words += (words.empty() ? "" : ", ") + json_string(word);
+    if (!words.empty()) columns += fmt::format(R"(, "words": [{}])", words);
+    columns += "}";
+  }
+  return fmt::format(R"({{"down": {}, "to_eye": {}, "up": {}, "columns": [
+{}]}})",
+                     list({tree.down.data(), 3}), list({tree.to_eye.data(), 3}), list({tree.up.data(), 3}), columns);
+}
+
 std::string meta_of(const Page& page, const std::vector<PackedArray>& packed) {
   std::vector<std::string> members;
   const auto put = [&](const char* name, const std::string& json) {
@@ -116,6 +132,7 @@ std::string meta_of(const Page& page, const std::vector<PackedArray>& packed) {
     files += (files.empty() ? "" : ", ") + json_string(what) + ": " + json_string(name);
   put("files", "{" + files + "}");
   if (page.sites_to_world) put("sites_to_world", list(*page.sites_to_world));
+  if (page.tree) put("tree", json_of(*page.tree));
   std::size_t offset = 0;
   for (const PackedArray& array : packed) {
     arrays += fmt::format(R"({}{{"name": {}, "type": "{}", "components": {}, "count": {}, "offset": {}{}{}}})",

@@ -15,14 +15,24 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 double tangent() { return std::tan(kField / 2 * std::numbers::pi / 180); }
 
+/// Places around the balls of tubes, of many some: where what is drawn of them ends.
+std::vector<Vec3f> outsides(const Scene& scene) {
+  std::vector<Vec3f> places;
+  for (std::size_t i = 0; i < scene.points.size(); i += scene.points.size() / 20000 + 1)
+    for (int axis = 0; axis < 3; ++axis)
+      for (const float sign : {-1.0F, 1.0F})
+        places.push_back(scene.points[i] + Vec3f(Vec3f::Unit(axis) * (sign * scene.radius[i])));
+  return places;
+}
+
 /// The shape is a volume: its file says so.
 bool stands_on_z(const Page& page) {
   for (const auto& [what, name] : page.files) {
     if (what != "shape") continue;
     std::string lower = name;
     for (char& c : lower) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-    for (const char* end :
-         {".nrrd", ".nhdr", ".nii", ".nii.gz", ".mha", ".mhd", ".mrc", ".map", ".vol", ".npy", ".tif", ".tiff", ".sof"})
+    for (const char* end : {".nrrd", ".nhdr", ".nii", ".nii.gz", ".mha", ".mhd", ".mrc", ".map", ".vol", ".npy", ".tif",
+                            ".tiff", ".sof", ".out"})
       if (lower.ends_with(end)) return true;
   }
   return false;
@@ -97,6 +107,11 @@ Camera first_look(const Page& page, const ViewState& state, const Scene& scene, 
       look_at_plane(camera, page.y_down, target, (position - target).norm());
     else
       camera.look(position, target, {c[6], c[7], c[8]});
+    return camera;
+  }
+  if (state.layer == "tree" && page.tree) {
+    camera.look(3 * page.tree->to_eye, Vec3::Zero(), page.tree->up);
+    camera.frame(outsides(scene), 1);
     return camera;
   }
   const bool on_z = stands_on_z(page);

@@ -14,7 +14,7 @@ namespace {
 constexpr double kTitle = 19, kText = 14, kSmall = 12;
 constexpr double kEdge = 16;  ///< free along the border
 constexpr double kBarWidth = 280, kBarHeight = 10, kBarMargin = 14, kTick = 4, kArrow = 8;
-constexpr double kAxisLength = 44;
+constexpr double kAxisLength = 44, kScaleShare = 0.16;
 
 bool has_room(const PictureOptions& options) { return options.width >= 240 && options.height >= 160; }
 
@@ -40,6 +40,23 @@ class Writing {
                     first ? text_ : quiet_);
       y += size * 0.25;
       first = false;
+    }
+  }
+
+  /// Swatches of parts with their names, below `title`.
+  void legend(const std::string& title, const std::vector<std::pair<std::string, std::uint32_t>>& names) {
+    double x = kEdge * unit_;
+    const double y = height_ - kEdge * unit_ - 4 * unit_, size = kSmall * unit_;
+    canvas_.write(title, 13 * unit_, {x, y - 22 * unit_}, text_);
+    for (const auto& [name, part] : names) {
+      const double width = canvas_.width_of(name, size);
+      // The right end is that of the scale bar.
+      const bool fits = x + 18 * unit_ + width < width_ * (1 - kScaleShare) - 4 * kEdge * unit_;
+      if (fits)
+        canvas_.fill_box({x, y - 9 * unit_}, {x + 12 * unit_, y + 2 * unit_}, rgb(kParts[part % kParts.size()]));
+      canvas_.write(fits ? name : "…", size, {x + (fits ? 18 * unit_ : 0), y}, quiet_);
+      if (!fits) return;
+      x += width + 34 * unit_;
     }
   }
 
@@ -72,7 +89,7 @@ class Writing {
 
   /// `per_pixel`: world units.
   void scale_bar(double per_pixel) {
-    const double length = round_length(0.16 * width_ * per_pixel), pixels = length / per_pixel;
+    const double length = round_length(kScaleShare * width_ * per_pixel), pixels = length / per_pixel;
     const double right = width_ - kEdge * unit_, y = height_ - (kEdge + 6) * unit_;
     canvas_.fill_box({right - pixels, y - unit_}, {right, y + unit_}, text_);
     for (const double x : {right - pixels, right - 2 * unit_})
@@ -159,6 +176,7 @@ void write_captions(Picture& picture, const Page& page, const Scene& scene, cons
   Writing writing(picture, page, state.dark ? kDark : kLight, letter_unit(options));
   if (options.caption) {
     writing.lines();
+    if (!scene.part_names.empty()) writing.legend(label_of(state.color), scene.part_names);
     writing.colour_bar(state.color, range,
                        !scene.curves.empty() && !state.curves_by_measure && scene.curve_parts.empty());
     writing.scale_bar(camera.per_pixel() / scene.placement.scale);

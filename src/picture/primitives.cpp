@@ -53,6 +53,7 @@ Primitives::Primitives(const Scene& scene, const ViewState& state, const ColourR
       near_(camera.near()),
       range_bias_((camera.far() - camera.near()) / (2 * camera.far() * camera.near())),
       curve_half_((scene.curve_length > kManyCurves ? kThinCurveWidth : kCurveWidth) / 2 * unit * kSamples),
+      tube_half_(kTubeLeast * unit * kSamples),
       point_half_(curve_half_ + kPointMore * unit * kSamples),
       boundary_half_(kBoundaryWidth * unit * kSamples),
       seam_half_(kSeamWidth * unit * kSamples),
@@ -109,11 +110,27 @@ BarSetup Primitives::bar(std::uint32_t id) const {
   return {pa, pb, half, half};
 }
 
+double Primitives::tube_radius(std::uint32_t v) const {
+  return std::max<double>(scene_.radius[v], tube_half_ * -points_[v].z() / focus_);
+}
+
+Tube Primitives::tube(std::uint32_t id) const {
+  const auto [a, b] = ends(id);
+  return {points_[a], points_[b], tube_radius(a), tube_radius(b)};
+}
+
 Box Primitives::box_of(std::uint32_t id) const {
   constexpr Box kNothing{0, 0, 0, 0}, kAll{-kEverywhere, -kEverywhere, kEverywhere, kEverywhere};
   if (id >= sheets_end_ && !is_shape(id)) {
     const auto [a, b] = ends(id);
-    return is_before_eye(a) && is_before_eye(b) ? bar(id).box() : kNothing;
+    if (!is_before_eye(a) || !is_before_eye(b)) return kNothing;
+    if (!is_tube(id)) return bar(id).box();
+    // Of a ball with the centre z before the eye the outline is at most r / (z - r) from the middle.
+    const auto half = [&](std::uint32_t v) {
+      const double r = tube_radius(v);
+      return r * focus_ / std::max(-points_[v].z() - r, near_);
+    };
+    return BarSetup(projected(points_[a]), projected(points_[b]), half(a), half(b)).box();
   }
   Eigen::Vector2d low = Eigen::Vector2d::Constant(1e18), high = -low;
   int before = 0;
@@ -137,6 +154,9 @@ void Primitives::draw(std::uint32_t id, Tile& tile) const {
     const auto corners = triangle(id);
     const TriangleSetup setup(projected(corners[0]), projected(corners[1]), projected(corners[2]));
     if (setup.visible) tile.draw(is_shape(id) ? tile.glass : tile.solid, setup, box_of(id), 1 / near_, id);
+  } else if (is_tube(id)) {
+    tile.draw(
+        tube(id), [&](double x, double y) { return ray(x, y); }, box_of(id), id);
   } else if (id < points_end_) {
     tile.draw(bar(id), kCurveBias * range_bias_, id);
   } else {
@@ -146,6 +166,7 @@ void Primitives::draw(std::uint32_t id, Tile& tile) const {
 
 Vec3f Primitives::colour_at(std::uint32_t id, double x, double y) const {
   if (id < sheets_end_) return colour_of_sheet(id, x, y);
+  if (is_tube(id)) return colour_of_tube(id, x, y);
   return id < curves_end_ ? colour_of_curve(id, x, y) : colour_of_point(id, x, y);
 }
 
@@ -169,19 +190,27 @@ Vec3f Primitives::colour_of_sheet(std::uint32_t id, double x, double y) const {
   return light_.lit(base, mixed(normals, w).normalized(), -mixed(corners, w).normalized(), kSheetGloss);
 }
 
+Vec3f Primitives::base_of_curve(std::uint32_t id, float share) const {
+  if (!scene_.curve_parts.empty()) return part_colour(scene_.curve_parts[id - sheets_end_]);
+  if (curve_plain_) return *curve_plain_;
+  const auto [first, second] = ends(id);
+  return light_.colour_of(scene_.values[first] * (1 - share) + scene_.values[second] * share);
+}
+
+Vec3f Primitives::colour_of_tube(std::uint32_t id, double x, double y) const {
+  const Vec3 sight = ray(x, y);
+  // The mean of samples on either side of a gap may be beside the tube.
+  const auto hit = tube(id).hit(sight);
+  const Vec3f normal = hit ? hit->normal : Vec3f(Vec3f::UnitZ());
+  return light_.lit(base_of_curve(id, hit ? static_cast<float>(hit->share) : 0.5F), normal,
+                    -sight.normalized().cast<float>(), kCurveGloss);
+}
+
 Vec3f Primitives::colour_of_curve(std::uint32_t id, double x, double y) const {
   const BarSetup b = bar(id);
-  const auto [first, second] = ends(id);
   const double t = b.share(x, y);
   const auto share = static_cast<float>(t * b.depth_b / b.depth(t));  // along the bar, not on the screen
-  Vec3f base;
-  if (!scene_.curve_parts.empty()) {
-    base = part_colour(scene_.curve_parts[id - sheets_end_]);
-  } else if (curve_plain_) {
-    base = *curve_plain_;
-  } else {
-    base = light_.colour_of(scene_.values[first] * (1 - share) + scene_.values[second] * share);
-  }
+  const Vec3f base = base_of_curve(id, share);
   // Bent around the line only, also at the round ends: else every joint would be a bead.
   const Eigen::Vector2d at(x - b.a.x(), y - b.a.y());
   const Eigen::Vector2d along =

@@ -7,6 +7,7 @@
 #include "picture/camera.h"
 #include "picture/light.h"
 #include "picture/tile.h"
+#include "picture/tube.h"
 
 namespace quench::picture {
 
@@ -35,19 +36,26 @@ class Primitives {
   std::array<Vec3f, 3> triangle(std::uint32_t id) const;
   std::array<std::uint32_t, 2> ends(std::uint32_t id) const;
   BarSetup bar(std::uint32_t id) const;
+  /// Curves are tubes of the radii of their points, but no thinner than what is seen well.
+  bool is_tube(std::uint32_t id) const { return id >= sheets_end_ && id < curves_end_ && !scene_.radius.empty(); }
+  Tube tube(std::uint32_t id) const;
+  double tube_radius(std::uint32_t v) const;
+  Vec3 ray(double x, double y) const { return {(x - centre_x_) / focus_, (centre_y_ - y) / focus_, -1}; }
   bool is_before_eye(std::uint32_t v) const { return -points_[v].z() > near_; }
   Vec3f point_colour(std::uint32_t v) const {
     return curve_plain_ ? *curve_plain_ : light_.colour_of(scene_.values[v]);
   }
   Vec3f colour_of_sheet(std::uint32_t id, double x, double y) const;
   Vec3f colour_of_curve(std::uint32_t id, double x, double y) const;
+  Vec3f colour_of_tube(std::uint32_t id, double x, double y) const;
+  Vec3f base_of_curve(std::uint32_t id, float share) const;
   Vec3f colour_of_point(std::uint32_t id, double x, double y) const;
 
   const Scene& scene_;
   Light light_;
   double focus_, centre_x_, centre_y_, near_;  ///< samples
   double range_bias_;                          ///< of depth, per bias of the page
-  double curve_half_, point_half_, boundary_half_, seam_half_;
+  double curve_half_, tube_half_, point_half_, boundary_half_, seam_half_;
   float boundary_opacity_, seam_opacity_;
   Vec3f boundary_colour_, seam_colour_;
   std::optional<Vec3f> sheet_plain_, curve_plain_;  ///< one colour

@@ -11,6 +11,7 @@
 #include <span>
 
 #include "base/parallel.h"
+#include "picture/tree_scene.h"
 #include "quench/error.h"
 
 namespace quench::picture {
@@ -260,9 +261,9 @@ Scene scene_of(const Page& page, const ViewState& state) {
   Scene scene;
   scene.placement = placement_of(page);
   require_below(page, "shape/triangles", values_or_none<float>(page, "shape/points").size() / 3);
-  add_shape(page, scene);
+  if (state.shape) add_shape(page, scene);
   if (state.layer.empty()) return scene;
-  require_layer(page, state);
+  if (state.layer != "tree") require_layer(page, state);
   scene.points = places(page, scene.placement, values_or_none<float>(page, state.layer + "/points"));
   if (page.find(state.layer + "/point/" + state.color)) {
     scene.values = values_or_none<float>(page, state.layer + "/point/" + state.color);
@@ -270,6 +271,8 @@ Scene scene_of(const Page& page, const ViewState& state) {
   }
   if (state.layer == "skeleton")
     add_skeleton_cells(page, state, scene);
+  else if (state.layer == "tree")
+    add_tree_cells(page, state, scene);
   else
     LayerCells(page, state).add_to(scene);
   for (std::size_t f = 0; f < scene.sheets.size(); ++f)

@@ -35,7 +35,9 @@ struct Scene {
   Polygons sheets;
   std::vector<std::array<std::uint32_t, 2>> curves, boundary, seams;
   std::vector<std::uint32_t> sheet_parts, curve_parts;  ///< per polygon, per curve; empty unless they give the colour
-  std::vector<std::uint32_t> isolated;                  ///< points without any cell
+  std::vector<std::pair<std::string, std::uint32_t>> part_names;  ///< for a legend: names of parts
+  std::vector<std::uint32_t> isolated;                            ///< points without any cell
+  std::vector<float> radius;                                      ///< per point: curves are tubes; empty: lines
   double area = 0, curve_length = 0;
   std::vector<Vec3f> shape_points;
   Polygons shape;

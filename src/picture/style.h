@@ -49,7 +49,8 @@ inline constexpr float kDomeLight = 24, kDomeDark = 32;
 inline constexpr float kCurveWidth = 5, kThinCurveWidth = 3;  ///< whole widths (state.ts)
 inline constexpr float kManyCurves = 12;                      ///< longer in all: thin (state.ts)
 inline constexpr float kCurveLeast = 0.0016F;
-inline constexpr float kPointMore = 2;  ///< isolated points, beyond the curves
+inline constexpr float kTubeLeast = 0.6F;  ///< half a tube
+inline constexpr float kPointMore = 2;     ///< isolated points, beyond the curves
 inline constexpr float kBoundaryWidth = 0.55F, kSeamWidth = 0.75F;
 inline constexpr float kLineBias = 4e-5F, kCurveBias = 2e-4F;
 inline constexpr float kBoundaryMost = 0.7F, kSeamMost = 0.9F, kCovered = 0.012F, kPalest = 0.12F;

@@ -100,6 +100,21 @@ struct Tile {
   void draw(Layer& layer, const TriangleSetup& triangle, const Box& bounds, double nearest, std::uint32_t id) const;
   /// `bias`: added to the depth.
   void draw(const BarSetup& bar, double bias, std::uint32_t id);
+  /// What is drawn of a thing whose hit(ray) says how far it is; `ray`: of a position.
+  template <class Thing, class Ray>
+  void draw(const Thing& thing, const Ray& ray, const Box& bounds, std::uint32_t id) {
+    const Box b = bounds.cut(box);
+    for (int y = b.y0; y < b.y1; ++y)
+      for (int x = b.x0; x < b.x1; ++x) {
+        const auto hit = thing.hit(ray(x + 0.5, y + 0.5));
+        if (!hit || !(hit->distance > 0)) continue;
+        const auto depth = static_cast<float>(1 / hit->distance);
+        const std::size_t i = at(x, y);
+        if (depth <= solid.depth[i]) continue;
+        solid.depth[i] = depth;
+        solid.id[i] = id;
+      }
+  }
   void draw_line(const BarSetup& bar, double bias, std::uint8_t kind);
 };
 

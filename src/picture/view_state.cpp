@@ -8,6 +8,7 @@
 #include <cmath>
 #include <string_view>
 
+#include "picture/tree_scene.h"
 #include "quench/error.h"
 
 namespace quench::picture {
@@ -66,6 +67,7 @@ std::array<double, 9> camera_in(std::string_view text) {
 }
 
 std::string default_color(const Page& page, const std::string& layer) {
+  if (layer == "tree") return "level";
   for (const char* name : {"erosion_thickness", "radius", "lambda"})
     if (page.find(layer + "/point/" + name)) return name;
   for (const PageArray& array : page.arrays)
@@ -98,7 +100,7 @@ ViewState view_state(const Page& page) {
   ViewState state;
   state.dark = value_of(page.state, "dark") == "1";
   if (const auto camera = value_of(page.state, "camera")) state.camera = camera_in(*camera);
-  for (const char* layer : {"skeleton", "core", "still"})
+  for (const char* layer : {"tree", "skeleton", "core", "still"})
     if (state.layer.empty() && page.find(std::string(layer) + "/points")) state.layer = layer;
   if (const auto layer = value_of(page.state, "layer")) {
     if (!page.find(*layer + "/points"))
@@ -106,15 +108,19 @@ ViewState view_state(const Page& page) {
     state.layer = *layer;
   }
   if (state.layer.empty()) return state;
+  // Of a tree the tubes are about where the surface is.
+  state.shape = value_of(page.state, "shape").value_or(state.layer == "tree" ? "0" : "1") == "1";
   // Without sheets the curves carry the colours.
   const bool pure = state.layer == "skeleton" && (page.plane || (page.theta2 && std::isinf(*page.theta2))) &&
                     page.find("skeleton/point/radius");
   state.color = value_of(page.state, "color").value_or(pure ? "radius" : default_color(page, state.layer));
-  const bool parts = state.layer == "skeleton" && (state.color == "sheet" || state.color == "branch");
+  const bool parts = state.layer == "tree"
+                         ? is_colour_of_tree(page, state.color)
+                         : state.layer == "skeleton" && (state.color == "sheet" || state.color == "branch");
   if (state.color != "none" && !parts && !page.find(state.layer + "/point/" + state.color))
     throw Error(ErrorCode::usage,
                 fmt::format("there is no array '{}' to colour the layer '{}' by", state.color, state.layer));
-  state.curves_by_measure = pure || page.plane || state.color.starts_with("curve_");
+  state.curves_by_measure = pure || page.plane || state.layer == "tree" || state.color.starts_with("curve_");
   take_pruning(state, page);
   return state;
 }

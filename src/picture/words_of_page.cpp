@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "picture/caption.h"
+#include "picture/tree_scene.h"
 
 namespace quench::picture {
 namespace {
@@ -33,17 +34,34 @@ std::string skeleton_words(const Page& page) {
   return text.substr(0, text.rfind(" · "));
 }
 
+/// "61 axes · length 1234 mm · depth 120 mm".
+std::string tree_words(const Page& page) {
+  const std::size_t axes = axes_of(page);
+  std::string text = axes == 1 ? "1 axis" : fmt::format("{} axes", axes);
+  for (const auto& [name, label] : {std::pair("total_length", "length"), {"depth", "depth"}})
+    if (const double x = sample_value(page, name); std::isfinite(x))
+      text += fmt::format(" · {} {}", label, with_unit(short_text(x, 4), page.unit));
+  return text;
+}
+
 }  // namespace
 
 std::string label_of(const std::string& measure) {
   if (measure == "lambda") return "λ";
   if (measure == "mgf") return "MGF";
+  if (measure == "strahler") return "Strahler number";
+  // A column of a table of a tree.
+  if (measure.starts_with("axes/")) return label_of(measure.substr(5)) + " of the axis";
+  if (measure.starts_with("branches/")) return label_of(measure.substr(9)) + " of the branch";
   std::string label = measure;
   std::replace(label.begin(), label.end(), '_', ' ');
   return label;
 }
 
 std::string unit_of(const Page& page, const std::string& measure) {
+  if (measure == "angle_to_down") return "°";
+  if (measure == "order" || measure == "strahler") return "";
+  if (const PageColumn* const column = column_of(page, measure)) return column->unit == "degrees" ? "°" : column->unit;
   return measure == "object_angle" ? "°" : page.unit;
 }
 
@@ -95,6 +113,7 @@ std::vector<std::string> caption_of(const Page& page) {
   std::vector<std::string> lines;
   lines.push_back(file);
   if (state.layer == "skeleton") lines.push_back(skeleton_words(page));
+  if (state.layer == "tree") lines.push_back(tree_words(page));
   if (state.layer == "core" && !state.measure.empty())
     lines.push_back(pruning_words(page, state.measure, state.threshold));
   std::erase(lines, "");

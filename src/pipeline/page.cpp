@@ -91,6 +91,12 @@ void PageBuilder::add_family(SkeletonFamily family) { take(quench::add_family(pa
 
 void PageBuilder::add_still(const Record& data) { take(quench::add_still(page, data, left_)); }
 
+void PageBuilder::add_tree(const Tree& tree, const Traits& traits, const std::vector<TreeEdit>& edits, bool upright) {
+  quench::add_tree(page, tree, traits, edits, upright);
+  if (page.unit.empty()) page.unit = tree.coordinates.units;
+  if (!(page.side > 0)) page.side = std::max((page.high - page.low).maxCoeff(), 1e-30);
+}
+
 void PageBuilder::write(const std::filesystem::path& file) const { write_page(file, page, page_program()); }
 
 }  // namespace quench::pipeline

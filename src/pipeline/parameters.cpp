@@ -42,8 +42,8 @@ class Recorded {
     if (!value) return {};
     return value->get<std::int64_t>();
   }
-  std::optional<Threshold> threshold() const {
-    const auto value = get<Json>("threshold", &Json::is_number, [](const Json& number) {
+  std::optional<Threshold> threshold(const char* name) const {
+    const auto value = get<Json>(name, &Json::is_number, [](const Json& number) {
       return !number.is_number_float() || std::isfinite(number.get<double>());
     });
     if (!value) return {};
@@ -60,6 +60,29 @@ class Recorded {
   Json json_;
   const std::string& file_;
 };
+
+void take_preparation(ShapeOptions& options, const Recorded& recorded, std::vector<std::string>& taken) {
+  PreparationOptions& p = options.preparation;
+  ForegroundOptions& f = options.foreground;
+  if (recorded.flag("interpolate") && !p.interpolate) {
+    p.interpolate = true;
+    taken.emplace_back("interpolate");
+  }
+  const auto take = [&](const char* name, int& value, int unset, std::int64_t least, std::int64_t most) {
+    const auto n = recorded.whole(name, least, most);
+    if (!n || value != unset) return;
+    value = static_cast<int>(*n);
+    taken.emplace_back(name);
+  };
+  take("median", p.median, 0, 1, kLargestMedian);
+  const auto is_width = [](double width) { return width > 0 && width <= kLargestBlur; };
+  if (const auto width = recorded.get<double>("blur", &Json::is_number, is_width); width && p.blur == 0) {
+    p.blur = *width;
+    taken.emplace_back("blur");
+  }
+  take("close", f.close, 0, 1, kLargestClosing);
+  take("connectivity", f.connectivity, 6, 6, 26);
+}
 
 }  // namespace
 
@@ -101,14 +124,16 @@ std::vector<std::string> take_recorded(ShapeOptions& options, const Record& resu
   if (!options.topology && recorded.has("resolution") && !recorded.has("feature"))
     options.topology = TopologyRule::voxels;  // of older files, too
   ForegroundOptions& f = options.foreground;
-  const auto threshold = recorded.threshold();
+  const auto threshold = recorded.threshold("threshold"), seed_threshold = recorded.threshold("seed_threshold");
   const auto label = recorded.whole("label", -most - 1, most);
-  if (!f.threshold && !f.label) {
+  if (!f.threshold && !f.label && !options.otsu && !options.recommended) {
     f.threshold = threshold;
+    f.seed_threshold = seed_threshold;
     f.label = label;
     if (threshold) taken.emplace_back("threshold");
     if (label) taken.emplace_back("label");
   }
+  take_preparation(options, recorded, taken);
   const bool invert = recorded.flag("invert");
   if (invert && !f.invert) taken.emplace_back("invert");
   f.invert |= invert;

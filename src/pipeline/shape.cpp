@@ -47,9 +47,16 @@ ForegroundOptions only_voxels(ForegroundOptions options) {
 
 void record_volume(LoadedShape& loaded, const ShapeOptions& options) {
   const ForegroundOptions& f = options.foreground;
+  const PreparationOptions& p = options.preparation;
+  if (p.interpolate) record(loaded, "interpolate", true);
+  if (p.median) record(loaded, "median", std::int64_t{p.median});
+  if (p.blur > 0) record(loaded, "blur", p.blur);
   if (f.threshold) std::visit([&](auto t) { record(loaded, "threshold", t); }, *f.threshold);
+  if (f.seed_threshold) std::visit([&](auto t) { record(loaded, "seed_threshold", t); }, *f.seed_threshold);
   if (f.label) record(loaded, "label", *f.label);
   if (f.invert) record(loaded, "invert", true);
+  if (f.close) record(loaded, "close", std::int64_t{f.close});
+  if (f.connectivity != 6) record(loaded, "connectivity", std::int64_t{f.connectivity});
   if (!options.channel.empty()) record(loaded, "channel", options.channel);
   if (options.dimension) record(loaded, "dimension", std::int64_t{*options.dimension});
   if (!options.spacing) return;
@@ -60,8 +67,15 @@ void record_volume(LoadedShape& loaded, const ShapeOptions& options) {
 
 void clean_as_asked(LoadedShape& loaded, const ForegroundOptions& f, Context* context) {
   if (!f.largest_component && f.min_component == 0 && f.min_cavity == 0 && !f.fill_cavities) return;
-  loaded.cleaned.emplace();
-  loaded.shape = clean(loaded.shape, f, &*loaded.cleaned, context);
+  ForegroundReport report;
+  loaded.shape = clean(loaded.shape, f, &report, context);
+  if (const auto& before = loaded.cleaned) {
+    report.voxels_closed = before->voxels_closed;
+    report.voxels_joined = before->voxels_joined;
+    report.components_joined = before->components_joined;
+    report.weak_dropped = before->weak_dropped;
+  }
+  loaded.cleaned = report;
   if (f.largest_component) record(loaded, "largest_component", true);
   if (f.min_component) record(loaded, "min_component", f.min_component);
   if (f.fill_cavities) record(loaded, "fill_cavities", true);
@@ -172,28 +186,83 @@ void check_is_chosen(const Volume& image, const ForegroundOptions& options) {
       "threshold");
 }
 
-LoadedShape shape_of_file(const std::filesystem::path& file, const ShapeOptions& options, Context* context) {
+/// Whether foreground() has something to report.
+bool is_reported(const ForegroundOptions& options) {
+  return options.seed_threshold || options.close > 0 || options.connectivity != 6;
+}
+
+/// Whether the samples are wanted as a whole, and not slice by slice.
+bool needs_volume(const ShapeOptions& options) {
+  return options.preparation.any() || options.otsu || options.recommended || options.keep_values ||
+         options.foreground.close > 0 || options.foreground.connectivity == 26;
+}
+
+/// The threshold that the options leave to the program, where the image has more than two values.
+void choose_threshold(LoadedShape& loaded, const Volume& volume, ShapeOptions& options, Context* context) {
+  if (!options.otsu && !options.recommended) return;
+  const std::vector<ProposedThreshold> proposals = proposed_thresholds(volume, context);
+  for (const ProposedThreshold& proposal : proposals) {
+    if (!options.recommended && proposal.rule != "otsu") continue;
+    options.foreground.threshold = proposal.value;
+    loaded.chosen = proposal;
+    return;
+  }
+}
+
+/// The foreground of an image, and what was found on the way; `image`: of any kind that foreground() takes.
+template <class Image>
+void take_foreground(LoadedShape& loaded, const Image& image, const ShapeOptions& options,
+                     std::optional<TriangleMesh>& isosurface, Context* context) {
+  const bool surface = wants_isosurface(options) && !image.grid.is_plane();
+  ForegroundReport report;
+  loaded.image = image.grid;
+  loaded.shape = foreground(image, only_voxels(options.foreground), &report, context, surface ? &isosurface : nullptr);
+  if (is_reported(options.foreground)) loaded.cleaned = report;
+}
+
+/// The same of a volume that is in memory: preparing, a threshold, the voxels.
+void take_volume(LoadedShape& loaded, Volume&& volume, ShapeOptions& options, std::optional<TriangleMesh>& isosurface,
+                 Context* context) {
+  if (options.preparation.any()) {
+    require_memory(predicted_preparation_bytes(volume, options.preparation), "preparing the volume",
+                   {"a smaller volume"}, context);
+    ForegroundOptions grey = options.foreground;
+    if (!grey.threshold && (options.otsu || options.recommended)) grey.threshold = 0.0;  // chosen afterwards
+    volume = prepared(std::move(volume), options.preparation, grey, &loaded.prepared.emplace(), context);
+  }
+  choose_threshold(loaded, volume, options, context);
+  if (volume.grid.is_plane()) check_is_chosen(volume, options.foreground);
+  take_foreground(loaded, volume, options, isosurface, context);
+  if (options.keep_values) loaded.values = std::move(volume);
+}
+
+void check_choice(const ShapeOptions& options) {
+  const ForegroundOptions& f = options.foreground;
+  const int ways = (f.threshold ? 1 : 0) + (f.label ? 1 : 0) + options.otsu + options.recommended;
+  if (ways > 1)
+    throw Error(ErrorCode::usage, "thresholds, a rule for a threshold and a label cannot be combined; give one of them",
+                "threshold");
+}
+
+LoadedShape shape_of_file(const std::filesystem::path& file, ShapeOptions options, Context* context) {
   check_surface(options, false);
+  check_choice(options);
   LoadedShape loaded;
-  std::optional<TriangleMesh> isosurface;
-  const auto wanted = wants_isosurface(options) ? &isosurface : nullptr;
   const io::VolumeReadOptions how = read_options(options);
-  const auto take = [&](const auto& image, const Grid& grid) {
-    loaded.image = grid;
+  const auto describe = [&](const auto& image) {
     loaded.coordinates = image.coordinates;
     loaded.spacing_source = image.spacing_source;
-    loaded.shape = naming(file, [&] {
-      return foreground(image, only_voxels(options.foreground), nullptr, context, grid.is_plane() ? nullptr : wanted);
-    });
   };
   const auto slices = io::open_slices(file, how, context);
-  if (slices && !slices->grid.is_plane()) {
-    take(*slices, slices->grid);
+  std::optional<TriangleMesh> isosurface;
+  if (slices && !slices->grid.is_plane() && !needs_volume(options)) {
+    describe(*slices);
+    naming(file, [&] { take_foreground(loaded, *slices, options, isosurface, context); });
   } else {
-    const Volume volume = slices ? io::read_stream(*slices, file, context) : io::read_volume(file, how, context);
+    Volume volume = slices ? io::read_stream(*slices, file, context) : io::read_volume(file, how, context);
     checkpoint(context, "read", 1);
-    if (volume.grid.is_plane()) naming(file, [&] { check_is_chosen(volume, options.foreground); });
-    take(volume, volume.grid);
+    describe(volume);
+    naming(file, [&] { take_volume(loaded, std::move(volume), options, isosurface, context); });
   }
   checkpoint(context, "voxelize", 1);
   record_volume(loaded, options);
@@ -328,14 +397,20 @@ LoadedShape shape_of(const ImageView& image, const Coordinates& coordinates, con
   if (options.spacing) io::take_spacing("the image", *options.spacing, view.grid);
   if (view.grid.is_plane()) view.grid.make_plane();
   check_surface(options, false);
+  check_choice(options);
   LoadedShape loaded;
-  std::optional<TriangleMesh> isosurface;
-  loaded.shape = foreground(view, only_voxels(options.foreground), nullptr, context,
-                            wants_isosurface(options) && !view.grid.is_plane() ? &isosurface : nullptr);
-  loaded.image = view.grid;
   loaded.coordinates = coordinates;
-  record_volume(loaded, options);
-  return finished(std::move(loaded), options, context, std::move(isosurface));
+  ShapeOptions chosen = options;
+  std::optional<TriangleMesh> isosurface;
+  if (needs_volume(options)) {
+    Volume volume = volume_of(view);
+    volume.coordinates = coordinates;
+    take_volume(loaded, std::move(volume), chosen, isosurface, context);
+  } else {
+    take_foreground(loaded, view, chosen, isosurface, context);
+  }
+  record_volume(loaded, chosen);
+  return finished(std::move(loaded), chosen, context, std::move(isosurface));
 }
 
 LoadedShape shape_of(VoxelShape&& voxels, const Grid& image, const ShapeOptions& options, Context* context) {

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <utility>
 
 #include "quench/error.h"
 #include "quench/samples.h"
@@ -30,7 +31,7 @@ constexpr std::array<Entry, 13> kEntries{{
     {{"bead-pack", "1728 overlapping beads, a porous body", "seed"}, bead_pack},
     {{"rough-plate", "thin plate with noise on its large faces", "noise: its height, seed"}, rough_plate},
     {{"bars", "three bars, up to 128 times as long as thick", ""}, bars},
-    {{"root", "branching root with known branches", "seed, branches"}, root},
+    {{"root", "branching root with known branches", "seed, branches, touching, gaps"}, root},
 }};
 
 }  // namespace
@@ -60,6 +61,10 @@ Sample make_sample(std::string_view name, const SampleOptions& options) {
   if (options.branches < 1 || options.branches > 100000)
     throw Error(ErrorCode::usage, fmt::format("branches '{}' is not a number from 1 to 100000", options.branches),
                 "branches");
+  for (const auto& [field, count] : {std::pair{"touching", options.touching}, {"gaps", options.gaps}})
+    if (count < 0 || count > options.branches)
+      throw Error(ErrorCode::usage, fmt::format("{} '{}' is not a number from 0 to that of the branches", field, count),
+                  field);
   for (const Entry& entry : kEntries)
     if (entry.info.name == name) return entry.make(options);
   std::string names;

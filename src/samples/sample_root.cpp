@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // A root system with known branches: one main root, laterals of first order on it, laterals of second order on those.
-// Its length is 1; down is -z.
+// Its length is 1; down is -z. Branches keep clear of each other as long as there is room.
+#include "samples/sample_root.h"
+
 #include <Eigen/Geometry>
 #include <algorithm>
-
-#include "samples/sample_shapes.h"
+#include <optional>
 
 namespace quench::samples {
 namespace {
@@ -28,6 +29,10 @@ Vec3 any_normal(const Vec3& d) {
   return d.cross(axis).normalized();
 }
 
+double thinned_to(double base, double tip, double t) {
+  return std::max(base * (1 + t * (tip - 1)), std::min(base, kThinnest));
+}
+
 // A smooth random path: its turns are correlated noise, so that it has no kinks, plus gravitropism.
 void grow(RootBranch& branch, Vec3 point, Vec3 direction, double length, double base, const Habit& habit,
           Random& random) {
@@ -37,7 +42,7 @@ void grow(RootBranch& branch, Vec3 point, Vec3 direction, double length, double 
   for (int i = 0; i <= steps; ++i) {
     const double t = static_cast<double>(i) / steps;
     branch.points.push_back(point);
-    branch.radius.push_back(std::max(base * (1 + t * (habit.tip - 1)), std::min(base, kThinnest)));
+    branch.radius.push_back(thinned_to(base, habit.tip, t));
     Vec3 noise(random.between(-1, 1), random.between(-1, 1), random.between(-1, 1));
     turn = 0.85 * turn + 0.5 * habit.wander * noise;
     direction = (direction + turn - habit.gravity * Vec3::UnitZ()).normalized();
@@ -78,31 +83,137 @@ void append_branch(TriangleMesh& mesh, const RootBranch& branch, double fineness
   append_tube(mesh, rings, around);
 }
 
-// A lateral of `parent` at a random point between its base and its tip.
-RootBranch lateral(const std::vector<RootBranch>& branches, std::size_t parent, int order, Random& random) {
-  const RootBranch& trunk = branches[parent];
-  const std::size_t last = trunk.points.size() - 1;
-  const auto at = std::clamp<std::size_t>(
-      static_cast<std::size_t>(std::lround(random.between(0.06, 0.92) * static_cast<double>(last))), 1, last);
-  RootBranch branch;
-  branch.parent = static_cast<std::int32_t>(parent);
-  branch.parent_point = static_cast<std::int32_t>(at);
-  const Habit& habit = habits[order];
-  const Vec3 along = (trunk.points[at] - trunk.points[at - 1]).normalized();
-  const Vec3 n = any_normal(along), b = along.cross(n);
-  const double around = random.between(0, 2 * kPi), away = random.between(habit.steepest, habit.flattest);
-  const Vec3 direction = std::cos(away) * along + std::sin(away) * (std::cos(around) * n + std::sin(around) * b);
-  // Laterals nearer to the base are older and longer.
-  const double age = 1 - static_cast<double>(at) / static_cast<double>(last);
-  const double longest = order == 1 ? 0.55 : 0.22;
-  const double length = longest * (0.25 + 0.75 * age) * random.between(0.6, 1);
-  const double base = std::max(std::min(kThinnest, trunk.radius[at] * 0.9),
-                               trunk.radius[at] * (order == 1 ? random.between(0.35, 0.5) : random.between(0.5, 0.65)));
-  grow(branch, trunk.points[at], direction, length, base, habit, random);
-  return branch;
-}
+/// Lets laterals grow one after the other, each clear of those before it.
+class Grower {
+ public:
+  Grower(std::vector<RootBranch>& branches, Random& random) : branches_(branches), random_(random), space_(branches) {}
+
+  /// A lateral of a parent that `pick` chooses, anew for every few draws.
+  template <class Pick>
+  void add(int order, const Pick& pick) {
+    constexpr int kDraws = 60, kDrawsPerParent = 6;
+    std::optional<RootBranch> best;
+    double best_share = 0;
+    std::size_t parent = 0;
+    RootBranch branch;
+    for (int draw = 0; draw < kDraws; ++draw) {
+      if (draw % kDrawsPerParent == 0) parent = pick();
+      branch = draw_lateral(parent, draw_emergence(parent), order);
+      if (draws_left_ == 0) break;
+      --draws_left_;
+      const std::size_t clear = clear_points(branch);
+      const double share = static_cast<double>(clear) / static_cast<double>(branch.points.size());
+      if (share > best_share) {
+        best_share = share;
+        best = branch;
+        shorten(*best, clear, habits[order].tip);
+      }
+      if (best_share == 1) break;
+    }
+    if (best) branch = std::move(*best);
+    children_[static_cast<std::size_t>(branch.parent)].push_back(branches_.size());
+    take(std::move(branch));
+  }
+
+  void add_main(double length) {
+    RootBranch main;
+    grow(main, Vec3::Zero(), Vec3(random_.between(-0.1, 0.1), random_.between(-0.1, 0.1), -1).normalized(), length,
+         kMainRadius, habits[0], random_);
+    take(std::move(main));
+  }
+
+  /// Without a look at the others.
+  RootBranch draw_lateral(std::size_t parent, std::size_t at, int order) {
+    const RootBranch& trunk = branches_[parent];
+    const std::size_t last = trunk.points.size() - 1;
+    RootBranch branch;
+    branch.parent = static_cast<std::int32_t>(parent);
+    branch.parent_point = static_cast<std::int32_t>(at);
+    const Habit& habit = habits[order];
+    const Vec3 along = (trunk.points[at] - trunk.points[at - 1]).normalized();
+    const Vec3 n = any_normal(along), b = along.cross(n);
+    const double around = random_.between(0, 2 * kPi), away = random_.between(habit.steepest, habit.flattest);
+    const Vec3 direction = std::cos(away) * along + std::sin(away) * (std::cos(around) * n + std::sin(around) * b);
+    // Laterals nearer to the base are older and longer, and none is longer than what its parent grew after it.
+    const double share = static_cast<double>(at) / static_cast<double>(last);
+    const double longest = order == 1 ? 0.55 : 0.22;
+    const double length = std::min(longest * (0.25 + 0.75 * (1 - share)) * random_.between(0.6, 1),
+                                   trunk.length() * (1 - share) * random_.between(0.6, 0.85));
+    const double base =
+        std::max(std::min(kThinnest, trunk.radius[at] * 0.9),
+                 trunk.radius[at] * (order == 1 ? random_.between(0.35, 0.5) : random_.between(0.5, 0.65)));
+    grow(branch, trunk.points[at], direction, length, base, habit, random_);
+    return branch;
+  }
+
+ private:
+  void take(RootBranch&& branch) {
+    space_.add(branch);
+    branches_.push_back(std::move(branch));
+    children_.emplace_back();
+  }
+
+  std::size_t draw_emergence(std::size_t parent) {
+    const std::size_t last = branches_[parent].points.size() - 1;
+    return std::clamp<std::size_t>(
+        static_cast<std::size_t>(std::lround(random_.between(0.06, 0.85) * static_cast<double>(last))), 1, last);
+  }
+
+  /// How many points of its beginning keep clear of the others; 0 where it does not stand out of its parent by several
+  /// radii, or emerges within a tube's width of another.
+  std::size_t clear_points(const RootBranch& branch) const {
+    const auto parent = static_cast<std::size_t>(branch.parent);
+    for (const std::size_t sibling : children_[parent]) {
+      const double apart = (branches_[sibling].points[0] - branch.points[0]).norm();
+      if (apart < branches_[sibling].radius[0] + branch.radius[0]) return 0;
+    }
+    const RootSpace::Course course = space_.course(branch);
+    std::size_t clear = 0;
+    while (clear < branch.points.size() && !space_.collides(course, clear, [](std::uint32_t) { return true; })) ++clear;
+    constexpr double kRadiiOut = 6;
+    const double standing_out = clear > course.out ? length_between(branch.points, course.out, clear - 1) : 0;
+    return standing_out > std::max(kRadiiOut * branch.radius[0], 2 * kRootClearance) ? clear : 0;
+  }
+
+  static void shorten(RootBranch& branch, std::size_t count, double tip) {
+    const double base = branch.radius[0];
+    branch.points.resize(count);
+    branch.radius.resize(count);
+    for (std::size_t i = 0; i < count; ++i)
+      branch.radius[i] = thinned_to(base, tip, static_cast<double>(i) / static_cast<double>(count - 1));
+  }
+
+  std::vector<RootBranch>& branches_;
+  Random& random_;
+  std::vector<std::vector<std::size_t>> children_;  // of each branch
+  RootSpace space_;
+  std::int64_t draws_left_ = 100000;  // then it is crowded, and branches are taken as they come
+};
 
 }  // namespace
+
+double length_between(const std::vector<Vec3>& points, std::size_t from, std::size_t to) {
+  double sum = 0;
+  for (std::size_t i = from; i < to; ++i) sum += (points[i + 1] - points[i]).norm();
+  return sum;
+}
+
+std::size_t surfaced_at(const RootBranch& parent, const RootBranch& branch) {
+  const auto at = static_cast<std::size_t>(branch.parent_point);
+  std::size_t i = 0;
+  while (i < branch.points.size() && (branch.points[i] - parent.points[at]).norm() < parent.radius[at]) ++i;
+  return i;
+}
+
+std::size_t emerged_at(const RootBranch& parent, const RootBranch& branch) {
+  for (std::size_t i = 0; i < branch.points.size(); ++i) {
+    bool out = true;
+    for (std::size_t k = 0; out && k < parent.points.size(); ++k)
+      out = (parent.points[k] - branch.points[i]).norm() > parent.radius[k] + branch.radius[i] + kRootClearance;
+    if (out) return i;
+  }
+  return branch.points.size();
+}
 
 Sample root(const SampleOptions& options) {
   Random random(options.seed);
@@ -110,17 +221,21 @@ Sample root(const SampleOptions& options) {
   std::vector<RootBranch>& branches = sample.branches;
   const auto count = static_cast<std::size_t>(options.branches);
   branches.reserve(count);
-  RootBranch& main = branches.emplace_back();
-  grow(main, Vec3::Zero(), Vec3(random.between(-0.1, 0.1), random.between(-0.1, 0.1), -1).normalized(), 1, kMainRadius,
-       habits[0], random);
+  Grower grower(branches, random);
+  grower.add_main(1);
   // About one lateral in three is of first order, but never so many that the main root is covered by them.
   const std::size_t laterals = count - 1;
   const std::size_t first_order = std::min<std::size_t>((laterals + 2) / 3, 60);
   for (std::size_t i = 0; i < laterals; ++i) {
-    const bool on_main = i < first_order;
-    const std::size_t parent = on_main ? 0 : 1 + random.below(first_order);
-    branches.push_back(lateral(branches, parent, on_main ? 1 : 2, random));
+    if (i < first_order)
+      grower.add(1, [] { return std::size_t{0}; });
+    else
+      grower.add(2, [&] { return 1 + random.below(first_order); });
   }
+  damage_root(sample, options, random, [&](const RootBranch& branch) {
+    return grower.draw_lateral(static_cast<std::size_t>(branch.parent), static_cast<std::size_t>(branch.parent_point),
+                               branch.parent == 0 ? 1 : 2);
+  });
   for (const RootBranch& branch : branches) append_branch(sample.mesh, branch, options.fineness);
   return sample;
 }

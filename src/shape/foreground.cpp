@@ -13,6 +13,7 @@
 #include "base/grid_text.h"
 #include "quench/error.h"
 #include "quench/shape.h"
+#include "shape/grown.h"
 #include "shape/image_rows.h"
 #include "shape/isosurface.h"
 
@@ -125,6 +126,11 @@ struct Values {
 };
 
 template <class T>
+Rule<T> rule_of(const Threshold& threshold) {
+  return std::visit([](auto t) { return at_least<T>(t); }, threshold);
+}
+
+template <class T>
 [[noreturn]] void refuse_many_values(const Values<T>& values) {
   throw Error(ErrorCode::usage,
               fmt::format("the image has more than two values, so it is not clear what the shape is ({}); give "
@@ -136,7 +142,7 @@ template <class T>
 // Without threshold and label the image must have at most two values: to be checked by the caller.
 template <class T>
 Rule<T> rule_for(const ForegroundOptions& options) {
-  if (options.threshold) return std::visit([](auto t) { return at_least<T>(t); }, *options.threshold);
+  if (options.threshold) return rule_of<T>(*options.threshold);
   if (options.label) return equal_to<T>(*options.label);
   return {Rule<T>::Kind::non_zero, {}};
 }
@@ -272,20 +278,47 @@ VoxelShape scan_slabs(const shape::Samples<T>& samples, const Rule<T>& rule, boo
 }
 
 template <class T>
-VoxelShape foreground_of(const shape::Samples<T>& samples, const ForegroundOptions& options, Context* context,
-                         std::optional<TriangleMesh>* isosurface) {
-  const Rule<T> rule = rule_for<T>(options);
+VoxelShape scan(const shape::Samples<T>& samples, const Rule<T>& rule, bool invert, Context* context) {
+  const bool along_x = samples.order()[2] == 0;
+  VoxelShape shape =
+      along_x ? scan_along_x(samples, rule, invert, context) : scan_slabs(samples, rule, invert, context);
+  checkpoint(context, "foreground", 1);
+  return shape;
+}
+
+/// What is connected to voxels of at least the upper threshold.
+VoxelShape strong_parts(const VoxelShape& shape, const VoxelShape& seeds, const ForegroundOptions& options,
+                        ForegroundReport& report, Context* context) {
+  if (seeds.empty())
+    throw Error(ErrorCode::input,
+                fmt::format("no {} of the image has a value of at least {}, the upper of the two thresholds; give a "
+                            "lower one",
+                            base::cell_name(shape.grid()),
+                            std::visit([](auto t) { return fmt::format("{}", t); }, *options.seed_threshold)),
+                "threshold");
+  return shape::with_seeds(shape, seeds, options.connectivity, report, context);
+}
+
+bool adds_voxels(const ForegroundOptions& options) { return options.close > 0 || options.connectivity == 26; }
+
+template <class T>
+VoxelShape foreground_of(const shape::Samples<T>& samples, const ForegroundOptions& options, ForegroundReport& report,
+                         Context* context, std::optional<TriangleMesh>* isosurface) {
   if (!options.threshold && !options.label)
     if (const Values<T> values(samples); !values.at_most_two()) refuse_many_values(values);
-  const bool along_x = samples.order()[2] == 0;
-  VoxelShape shape = along_x ? scan_along_x(samples, rule, options.invert, context)
-                             : scan_slabs(samples, rule, options.invert, context);
-  checkpoint(context, "foreground", 1);
+  VoxelShape shape = scan(samples, rule_for<T>(options), options.invert, context);
   if (shape.empty()) refuse_nothing(options, Values<T>(samples), shape.grid());
-  if (isosurface && options.threshold && !Values<T>(samples, true).at_most_two()) {
-    const HeightInImage<T> height(samples, options);
-    *isosurface = shape::all_layers(shape, &height, context);
-  }
+  std::optional<HeightInImage<T>> height;
+  if (options.threshold) height.emplace(samples, options);
+  const bool surface = isosurface && height && !Values<T>(samples, true).at_most_two();
+  // As of a stream, where the surface is there before parts are dropped.
+  if (surface && !adds_voxels(options)) *isosurface = shape::all_layers(shape, &*height, context);
+  if (options.seed_threshold)
+    shape = strong_parts(shape, scan(samples, rule_of<T>(*options.seed_threshold), false, context), options, report,
+                         context);
+  if (options.close > 0) shape = shape::closed(shape, options.close, report, context);
+  if (options.connectivity == 26) shape = shape::joined(shape, height ? &*height : nullptr, report, context);
+  if (surface && adds_voxels(options)) *isosurface = shape::all_layers(shape, &*height, context);
   return shape;
 }
 
@@ -304,9 +337,32 @@ Grid grid_of_shape(const Grid& image, Context* context) {
   return grid;
 }
 
+/// The samples of a stream, all of them.
 template <class T>
-VoxelShape foreground_of(const SliceStream& image, const ForegroundOptions& options, Context* context,
-                         std::optional<TriangleMesh>* isosurface) {
+std::vector<T> all_samples(const SliceStream& image, Context* context) {
+  const auto& dims = image.grid.dims;
+  const auto slice = static_cast<std::size_t>(dims[0] * dims[1]);
+  std::vector<T> samples(slice * static_cast<std::size_t>(dims[2]));
+  for (std::int64_t z = 0; z < dims[2]; ++z) {
+    checkpoint(context, "read", static_cast<double>(z) / static_cast<double>(dims[2]));
+    image.next(std::as_writable_bytes(std::span(samples).subspan(slice * static_cast<std::size_t>(z), slice)));
+  }
+  checkpoint(context, "read", 1);
+  return samples;
+}
+
+template <class T>
+VoxelShape foreground_of(const SliceStream& image, const ForegroundOptions& options, ForegroundReport& report,
+                         Context* context, std::optional<TriangleMesh>* isosurface) {
+  if (adds_voxels(options)) {
+    const std::vector<T> all = all_samples<T>(image, context);
+    constexpr auto size = static_cast<std::int64_t>(sizeof(T));
+    const ImageView view{grid_of_shape(image.grid, context),
+                         image.type,
+                         all.data(),
+                         {size, size * image.grid.dims[0], size * image.grid.dims[0] * image.grid.dims[1]}};
+    return foreground_of(shape::Samples<T>(view), options, report, context, isosurface);
+  }
   const Rule<T> rule = rule_for<T>(options);
   const bool chosen = options.threshold || options.label;
   const auto& dims = image.grid.dims;
@@ -314,7 +370,9 @@ VoxelShape foreground_of(const SliceStream& image, const ForegroundOptions& opti
   const bool surface = isosurface && options.threshold;
   std::array<std::vector<T>, 2> slices;
   for (std::size_t i = 0; i < (surface ? 2 : 1); ++i) slices[i].resize(nx * static_cast<std::size_t>(dims[1]));
-  VoxelShape shape(grid_of_shape(image.grid, context));
+  VoxelShape shape(grid_of_shape(image.grid, context)), seeds(shape.grid());
+  const bool seeded = options.seed_threshold.has_value();
+  const Rule<T> seed_rule = seeded ? rule_of<T>(*options.seed_threshold) : Rule<T>{};
   std::vector<Run> runs;
   Values<T> values;
   std::optional<HeightInSlices<T>> height;
@@ -331,6 +389,7 @@ VoxelShape foreground_of(const SliceStream& image, const ForegroundOptions& opti
     for (std::int64_t y = 0; y < dims[1]; ++y) {
       const T* row = slice.data() + nx * static_cast<std::size_t>(y);
       append_runs(shape, runs, [&](std::int32_t x) { return rule(row[x]) != options.invert; });
+      if (seeded) append_runs(seeds, runs, [&](std::int32_t x) { return seed_rule(row[x]); });
     }
     if (layers) layers->add_layer();
   }
@@ -339,23 +398,49 @@ VoxelShape foreground_of(const SliceStream& image, const ForegroundOptions& opti
   if (!chosen && !values.at_most_two()) refuse_many_values(values);
   if (shape.empty()) refuse_nothing(options, values, shape.grid());
   if (layers && !values.at_most_two()) *isosurface = std::move(layers->mesh);
+  if (seeded) shape = strong_parts(shape, seeds, options, report, context);
   return shape;
+}
+
+double as_double(const Threshold& threshold) {
+  return std::visit([](auto t) { return static_cast<double>(t); }, threshold);
 }
 
 void check(const ForegroundOptions& options) {
   if (options.threshold && options.label)
     throw Error(ErrorCode::usage, "a threshold and a label cannot be combined; give one of them");
-  const double* threshold = options.threshold ? std::get_if<double>(&*options.threshold) : nullptr;
-  if (threshold && std::isnan(*threshold)) throw Error(ErrorCode::usage, "the threshold is not a number");
+  for (const auto* threshold : {&options.threshold, &options.seed_threshold})
+    if (*threshold && std::isnan(as_double(**threshold)))
+      throw Error(ErrorCode::usage, "the threshold is not a number", "threshold");
+  if (options.seed_threshold) {
+    if (!options.threshold || as_double(*options.seed_threshold) < as_double(*options.threshold))
+      throw Error(ErrorCode::usage, "of two thresholds the lower one is given first, then one that is no less",
+                  "threshold");
+    if (options.invert)
+      throw Error(ErrorCode::usage, "two thresholds are for bright shapes, which are not inverted; give one threshold",
+                  "invert");
+  }
+  if (options.close < 0 || options.close > kLargestClosing)
+    throw Error(
+        ErrorCode::usage,
+        fmt::format("the radius {} of closing is not a whole number from 0 to {}", options.close, kLargestClosing),
+        "close");
+  if (options.connectivity != 6 && options.connectivity != 26)
+    throw Error(ErrorCode::usage, fmt::format("the connectivity {} is neither 6 nor 26", options.connectivity),
+                "connectivity");
 }
 
-VoxelShape cleaned(const VoxelShape& shape, const ForegroundOptions& options, ForegroundReport* report,
+VoxelShape cleaned(const VoxelShape& shape, const ForegroundOptions& options, ForegroundReport& report,
                    Context* context, std::optional<TriangleMesh>* isosurface) {
   ForegroundReport changed;
   VoxelShape result = clean(shape, options, &changed, context);
-  if (isosurface && *isosurface && changed.voxels_removed + changed.voxels_filled > 0)
+  report.voxels_before = changed.voxels_before;
+  report.components_removed = changed.components_removed;
+  report.voxels_removed = changed.voxels_removed;
+  report.cavities_filled = changed.cavities_filled;
+  report.voxels_filled = changed.voxels_filled;
+  if (isosurface && *isosurface && changed.voxels_removed + changed.voxels_filled + report.weak_dropped > 0)
     restrict_surface(**isosurface, result);
-  if (report) *report = changed;
   return result;
 }
 
@@ -367,9 +452,12 @@ VoxelShape foreground(const ImageView& image, const ForegroundOptions& options, 
   if (isosurface) isosurface->reset();
   ImageView rounded = image;
   rounded.grid = grid_of_shape(image.grid, context);
+  ForegroundReport changed;
   const VoxelShape shape = shape::with_samples(
-      rounded, [&](const auto& samples) { return foreground_of(samples, options, context, isosurface); });
-  return cleaned(shape, options, report, context, isosurface);
+      rounded, [&](const auto& samples) { return foreground_of(samples, options, changed, context, isosurface); });
+  VoxelShape result = cleaned(shape, options, changed, context, isosurface);
+  if (report) *report = changed;
+  return result;
 }
 
 VoxelShape foreground(const SliceStream& image, const ForegroundOptions& options, ForegroundReport* report,
@@ -377,10 +465,13 @@ VoxelShape foreground(const SliceStream& image, const ForegroundOptions& options
   check(options);
   if (isosurface) isosurface->reset();
   const ImageView type_only{image.grid, image.type, nullptr, {0, 0, 0}};
+  ForegroundReport changed;
   const VoxelShape shape = shape::with_samples(type_only, [&]<class T>(const shape::Samples<T>&) {
-    return foreground_of<T>(image, options, context, isosurface);
+    return foreground_of<T>(image, options, changed, context, isosurface);
   });
-  return cleaned(shape, options, report, context, isosurface);
+  VoxelShape result = cleaned(shape, options, changed, context, isosurface);
+  if (report) *report = changed;
+  return result;
 }
 
 VoxelShape foreground(const Volume& volume, const ForegroundOptions& options, ForegroundReport* report,

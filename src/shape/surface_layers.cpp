@@ -109,6 +109,8 @@ double SurfaceLayers::value(std::int64_t x, std::int64_t y, std::int64_t z, bool
                      k = std::clamp<std::int64_t>(z, 0, dims[2] - 1);
   double v = samples_->at(i, j, k);
   if (i != x || j != y || k != z) v = -std::abs(v);
+  // The voxels decide: of one that was added to those of the value nothing is known.
+  if (foreground && v < 0) v = std::numeric_limits<double>::quiet_NaN();
   constexpr double least = std::numeric_limits<double>::min();
   return std::isnan(v) ? v : foreground ? std::max(v, least) : std::min(v, -least);
 }

@@ -15,7 +15,8 @@ namespace quench::shape {
 class SignedSamples {
  public:
   virtual ~SignedSamples() = default;
-  /// Of a voxel in the image: above 0 in the foreground (an exact tie may be 0), else below. Not finite: not known.
+  /// Of a voxel in the image: above 0 in the foreground (an exact tie may be 0), else below. Not finite, or below 0 in
+  /// the foreground: not known.
   virtual double at(std::int64_t x, std::int64_t y, std::int64_t z) const = 0;
 };
 

@@ -23,6 +23,23 @@ base::UnionFind foreground_components(const VoxelShape& shape, Context* context)
   return sets;
 }
 
+base::UnionFind touching_components(const VoxelShape& shape, Context* context) {
+  base::UnionFind sets(shape.runs().size());
+  for_scanlines(shape, context, "components", [&](std::int64_t y, std::int64_t z) {
+    const Runs row = shape.row(y, z);
+    if (row.empty()) return;
+    const std::uint32_t here = first_index(shape, row);
+    for (const Runs other :
+         {shape.row(y + 1, z), shape.row(y - 1, z + 1), shape.row(y, z + 1), shape.row(y + 1, z + 1)}) {
+      const std::uint32_t there = first_index(shape, other);
+      for_touching(row, other, [&](std::size_t i, std::size_t j) {
+        sets.unite(here + static_cast<std::uint32_t>(i), there + static_cast<std::uint32_t>(j));
+      });
+    }
+  });
+  return sets;
+}
+
 base::UnionFind background_components(const VoxelShape& shape, Context* context) {
   const auto outside = static_cast<std::uint32_t>(shape.runs().size());
   base::UnionFind sets(std::size_t{outside} + 1);

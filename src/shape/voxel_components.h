@@ -23,6 +23,15 @@ void for_overlaps(std::span<const Run> a, std::span<const Run> b, const Visit& v
   }
 }
 
+/// Calls visit(i, j) for all runs a[i], b[j] of two scanlines that overlap or follow one another, in order of x.
+template <class Visit>
+void for_touching(std::span<const Run> a, std::span<const Run> b, const Visit& visit) {
+  for (std::size_t i = 0, first = 0; i < a.size(); ++i) {
+    while (first < b.size() && b[first].end < a[i].begin) ++first;
+    for (std::size_t j = first; j < b.size() && b[j].begin <= a[i].end; ++j) visit(i, j);
+  }
+}
+
 /// Index among all runs of the first run of a scanline; 0 for an empty one.
 inline std::uint32_t first_index(const VoxelShape& shape, std::span<const Run> row) {
   return row.empty() ? 0 : static_cast<std::uint32_t>(row.data() - shape.runs().data());
@@ -41,6 +50,9 @@ void for_scanlines(const VoxelShape& shape, Context* context, std::string_view s
 
 /// The 6-connected (in a plane 4-connected) components of the foreground, as sets of runs.
 base::UnionFind foreground_components(const VoxelShape& shape, Context* context = nullptr);
+
+/// The 26-connected (in a plane 8-connected) ones.
+base::UnionFind touching_components(const VoxelShape& shape, Context* context = nullptr);
 
 /// The 26-connected (in a plane 8-connected) components of the background, as sets of gaps: the gap after run i is
 /// element i. The outside is the last element, runs().size(), and what lies after the last run of a scanline is in its

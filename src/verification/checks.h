@@ -84,7 +84,7 @@ Check check_balls(const Result& result, const TriangleSearch& surface, const Ver
 Check check_sides(const Result& result, const TriangleSearch& surface, const VerifyOptions& options, Context* context);
 
 /// That the surface of a grey-value image is where its samples, interpolated, are the threshold.
-Check check_isosurface(const VerifyOptions& options, Context* context);
+Check check_isosurface(const VoxelShape& shape, const VerifyOptions& options, Context* context);
 
 /// The proximity bound: distance to the true medial axis (docs/user/guarantees.md).
 Check check_proximity(const Result& result, std::size_t samples, Context* context);

@@ -101,7 +101,7 @@ Certificate examine(const VoxelShape& shape, const Record& data, const VerifyOpt
     if (options.surface) {
       const TriangleSearch surface(*options.surface);
       add(check_sides(result, surface, options, context));
-      if (options.surface_kind == "grey") add(check_isosurface(options, context));
+      if (options.surface_kind == "grey") add(check_isosurface(shape, options, context));
       add(check_balls(result, surface, options, context));
     } else {
       add(not_checked("balls of the surface", fmt::format("the surface ({}) was not given", result.surface)));

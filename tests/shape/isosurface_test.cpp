@@ -82,6 +82,8 @@ TEST(Isosurface, HasTheTopologyOfTheShape) {
     const Volume volume = random_volume(seed);
     ForegroundOptions options = at_least(seed % 4 ? 100 : 60.5);
     options.invert = seed % 7 == 0;
+    options.close = seed % 5 == 0 ? 1 : 0;
+    options.connectivity = seed % 3 == 0 ? 26 : 6;
     std::optional<TriangleMesh> surface;
     VoxelShape shape;
     try {

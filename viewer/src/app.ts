@@ -5,8 +5,9 @@ import { ballsToDraw, shareInside } from "./balls";
 import { MAPS, textureOf } from "./colours";
 import { commandOf } from "./command";
 import { byMeasure, type Layer, type LayerName, type Page } from "./data";
-import { CATEGORIES, rangeOf, type Range } from "./measures";
-import { pickVertex, touchingSites, type Ray } from "./pick";
+import { isCategory, rangeOf, type Range } from "./measures";
+import { pickTube, pickVertex, touchingSites, type Ray } from "./pick";
+import { EditMarks, groupOf } from "./scene/edit_marks";
 import { LayerView } from "./scene/layer_view";
 import { Marks } from "./scene/marks";
 import { Placement } from "./scene/placement";
@@ -15,6 +16,7 @@ import { ShapeView } from "./scene/shape_view";
 import { Stage } from "./scene/stage";
 import { LayerSets, type CellSet } from "./sets";
 import { keyOf, layerOf, sanitize, type Camera, type State } from "./state";
+import type { Rows, Tree } from "./tree";
 
 /// Figures of what is visible.
 export interface Numbers {
@@ -43,12 +45,18 @@ export interface Picked {
 interface Shown { sets: LayerSets; view: LayerView; set: CellSet; ranges: Map<string, Range> }
 
 const MOST_BALLS = 6000;
+const FLIGHT = 350; ///< milliseconds
 
 export class App {
   state: State;
   readonly placement: Placement;
   readonly marks: Marks;
   readonly glass: ShapeView | null = null; ///< the shape around
+  readonly edits: EditMarks | null = null; ///< where the tree was repaired
+  near = -1; ///< the branch of the tree that the pointer is on
+  onNear: (branch: number, x: number, y: number) => void = () => {};
+  onMoved: () => void = () => {};
+  private flight = 0;
   readonly figure: PlaneView | null = null; ///< the same in the plane
   picked: Picked | null = null;
   onChange: (numbers: Numbers) => void = () => {};
@@ -75,6 +83,10 @@ export class App {
       this.glass = new ShapeView(shape, this.placement, stage.shared, stage.depth);
       stage.add(this.glass.group, stage.overlay);
     }
+    if (this.tree && this.tree.editCount > 0) {
+      this.edits = new EditMarks(this.tree, this.placement, stage.shared);
+      stage.add(this.edits.group, stage.overlay);
+    }
     stage.onFrame = () => {
       this.update();
       this.onDrawn();
@@ -90,6 +102,9 @@ export class App {
     if (key !== this.key()) this.clearPick();
     this.stage.invalidate();
   }
+
+  get tree(): Tree | null { return this.page.layers.get("tree")?.tree ?? null; }
+  private get byCategory(): boolean { return isCategory(layerOf(this.page, this.state), this.state.color); }
 
   shown(): Shown {
     const key = this.key();
@@ -148,7 +163,7 @@ export class App {
   /// The range of colours: as set, else nearly all values, from zero where that is near.
   colourRange(): [number, number] {
     const range = this.range();
-    if (!range || range.finite === 0 || CATEGORIES.includes(this.state.color)) return [0, 1];
+    if (!range || range.finite === 0 || this.byCategory) return [0, 1];
     let low = range.centralLow > 0 && range.centralLow < 0.3 * range.centralHigh ? 0 : range.centralLow, high = range.centralHigh;
     if (!(high > low)) [low, high] = [range.low, range.high];
     return [Number.isFinite(this.state.rangeLow) ? this.state.rangeLow : low, Number.isFinite(this.state.rangeHigh) ? this.state.rangeHigh : high];
@@ -182,9 +197,12 @@ export class App {
     for (const [key, other] of this.layers) other.view.group.visible = key === this.key();
     view.colourBy(s.color);
     view.pick(s.branch);
-    if (changed("map", "color")) {
+    if (s.layer === "tree" && changed("layer", "axis", "branch", "rows")) this.highlight();
+    this.edits?.show(s, s.edit, this.stage.pixelRatio);
+    if (this.edits) this.edits.group.visible = s.layer === "tree";
+    if (changed("map", "color", "layer")) {
       const image = shared.colourMap.value.image as unknown as { data: Uint8Array };
-      image.data.set(textureOf(s.map, CATEGORIES.includes(s.color)));
+      image.data.set(textureOf(s.map, this.byCategory));
       shared.colourMap.value.needsUpdate = true;
     }
     shared.range.value.set(...this.colourRange());
@@ -256,20 +274,32 @@ export class App {
 
   // Picking.
 
-  pickAt(x: number, y: number): void {
+  private rayAt(x: number, y: number): Ray {
     const { camera, width, height } = this.stage;
     const three = camera.apply();
     const near = new Vector3((x / width) * 2 - 1, 1 - (y / height) * 2, -1).unproject(three);
     const far = new Vector3((x / width) * 2 - 1, 1 - (y / height) * 2, 1).unproject(three);
     const direction = far.sub(near).normalize();
     const start = camera.orthographic ? near : camera.position;
-    const s = this.state, pixels = s.curveWidth / 2 + 4;
-    const ray: Ray = {
+    const pixels = this.state.curveWidth / 2 + 4;
+    return {
       origin: start.toArray(), direction: direction.toArray(),
       spread: camera.orthographic ? 0 : (pixels * camera.perPixel) / camera.distance, width: camera.orthographic ? pixels * camera.perPixel : 0,
     };
-    const { sets, set, view } = this.shown(), plane = this.stage.shared.clipPlane.value;
-    const keep = s.clip ? (a: number, b: number, c: number) => plane.x * a + plane.y * b + plane.z * c + plane.w <= 0 : () => true;
+  }
+  private get keep(): (x: number, y: number, z: number) => boolean {
+    const plane = this.stage.shared.clipPlane.value;
+    return this.state.clip ? (a, b, c) => plane.x * a + plane.y * b + plane.z * c + plane.w <= 0 : () => true;
+  }
+
+  pickAt(x: number, y: number): void {
+    const s = this.state, ray = this.rayAt(x, y), { keep } = this;
+    if (s.layer === "tree") {
+      const branch = this.branchAt(x, y);
+      if (branch < 0) return this.clearPick();
+      return this.set({ branch, axis: this.tree!.branchAxis[branch]!, rows: s.rows === "branches" ? "branches" : "axes" });
+    }
+    const { sets, set, view } = this.shown();
     const hit = pickVertex(ray, view.places, 4, sets, set, s.sheets, s.curves, keep);
     if (hit === null) this.clearPick();
     else this.pick(hit.vertex, this.state.layer, hit.edge < 0 ? -1 : (sets.layer.edgeBranch?.[hit.edge] ?? -1));
@@ -300,13 +330,81 @@ export class App {
   }
 
   clearPick(): void {
-    this.state = { ...this.state, branch: -1 };
+    this.state = { ...this.state, branch: -1, axis: -1, edit: -1 };
     if (!this.picked) return this.stage.invalidate();
     this.picked = null;
     this.marks.clear();
     this.onPick(null);
     this.stage.invalidate();
   }
+
+  // Trees.
+
+  private branchAt(x: number, y: number): number {
+    const { sets, view } = this.shown(), edge = pickTube(this.rayAt(x, y), view.places, sets.layer.edges, this.keep);
+    return edge < 0 ? -1 : sets.layer.edgeBranch![edge]!;
+  }
+
+  /// What is picked in the table that is shown; -1: nothing.
+  pickedRow(rows: Rows = this.state.rows): number { return rows === "axes" ? this.state.axis : rows === "branches" ? this.state.branch : this.state.edit; }
+
+  private highlight(): void {
+    const { state } = this, tree = this.tree!, rows = state.rows === "edits" ? "axes" : state.rows, row = this.pickedRow(rows);
+    this.shown().view.highlight(tree.edgesOf(tree.branchesOf(rows, row)), tree.edgesOf(tree.pathOf(rows, row)));
+  }
+
+  /// The pointer is there; null: nowhere.
+  pointAt(at: { x: number; y: number } | null): void {
+    const tree = this.state.layer === "tree" ? this.tree : null;
+    if (!tree) return;
+    const branch = at ? this.branchAt(at.x, at.y) : -1, rows = this.state.rows === "branches" ? "branches" : "axes";
+    if (branch !== this.near) {
+      this.near = branch;
+      const { view } = this.shown();
+      view.showNear(tree.edgesOf(tree.branchesOf(rows, rows === "axes" && branch >= 0 ? tree.branchAxis[branch]! : branch)));
+      this.stage.invalidate();
+    }
+    this.onNear(branch, at?.x ?? 0, at?.y ?? 0);
+  }
+
+  /// A row of a table of the tree, which the camera flies to; -1: none.
+  pickRow(rows: Rows, row: number): void {
+    const tree = this.tree!;
+    if (row < 0) return this.clearPick();
+    if (rows === "axes") this.set({ rows, axis: row, branch: -1 });
+    else if (rows === "branches") this.set({ rows, branch: row, axis: tree.branchAxis[row]! });
+    else this.set({ rows, edit: row, [groupOf(tree.kind(row))]: true });
+    const { places } = this.shown().view, points: number[] = [];
+    for (const b of tree.branchesOf(rows, row)) for (let v = tree.offsets[b]!; v < tree.offsets[b + 1]!; ++v) points.push(places[4 * v]!, places[4 * v + 1]!, places[4 * v + 2]!);
+    this.fly(Float32Array.from(rows === "edits" ? this.edits!.middles[row]!.toArray() : points));
+  }
+
+  /// The next or previous of the repairs in an order.
+  stepEdit(direction: number, order: ArrayLike<number>): void {
+    const { state } = this, list = Array.from(order).filter((i) => state[groupOf(this.tree!.kind(i))]);
+    if (list.length === 0) return;
+    const at = list.indexOf(state.edit), next = at < 0 ? (direction > 0 ? 0 : list.length - 1) : (at + direction + list.length) % list.length;
+    this.pickRow("edits", list[next]!);
+  }
+
+  /// Moves the camera, looking as it does, so that points are in the middle and what is around them is seen.
+  private fly(points: Float32Array): void {
+    const { camera } = this.stage, target = camera.target.clone(), { distance } = camera, ticket = ++this.flight;
+    camera.frame(points, 3, 2.2);
+    const toTarget = camera.target.clone(), toDistance = Math.max(camera.distance, Math.min(distance, 0.35));
+    const still = window.matchMedia?.("(prefers-reduced-motion: reduce)").matches, begin = performance.now();
+    const move = () => {
+      if (ticket !== this.flight) return;
+      const t = still ? 1 : Math.min(1, (performance.now() - begin) / FLIGHT), eased = t * t * (3 - 2 * t);
+      camera.target.lerpVectors(target, toTarget, eased);
+      camera.distance = distance * (toDistance / distance) ** eased;
+      this.stage.invalidate();
+      if (t < 1) requestAnimationFrame(move);
+      else this.onMoved();
+    };
+    move();
+  }
+  stopFlight(): void { ++this.flight; }
 
   // Cameras, in world coordinates.
 
@@ -321,6 +419,14 @@ export class App {
 
   /// Three quarters from the front; volumes stand on z, meshes on y.
   lookFrom(direction: Vector3 | null): void {
+    this.stopFlight();
+    const tree = this.state.layer === "tree" ? this.tree : null;
+    if (tree) {
+      const toEye = direction ?? new Vector3(...tree.meta.to_eye), up = new Vector3(...tree.meta.up), along = Math.abs(toEye.clone().normalize().dot(up)) > 0.99;
+      this.stage.camera.orthographic = this.state.orthographic;
+      this.stage.camera.look(toEye.normalize().multiplyScalar(3), new Vector3(), along ? new Vector3(...tree.meta.to_eye).multiplyScalar(-1) : up);
+      return this.frame();
+    }
     const upright = /\.(nrrd|nhdr|nii|nii\.gz|mha|mhd|mrc|map|vol|npy|tiff?|sof)$/i.test(this.page.meta.files.shape ?? "") ? new Vector3(0, 0, 1) : new Vector3(0, 1, 0);
     const toEye = direction ?? (upright.z ? new Vector3(0.62, -0.72, 0.32) : new Vector3(0.55, 0.3, 0.78));
     const up = Math.abs(toEye.clone().normalize().dot(upright)) > 0.99 ? (upright.z ? new Vector3(0, 1, 0) : new Vector3(0, 0, -1)) : upright;
@@ -333,7 +439,16 @@ export class App {
     const { view } = this.shown();
     const sample = this.state.shape && (this.glass ?? this.figure)?.sample;
     if (sample) this.stage.camera.frame(sample, 3 * Math.ceil(sample.length / 60000), 1.04);
+    else if (view.layer.tree) this.stage.camera.frame(outsides(view.places), 3, 1.04);
     else this.stage.camera.frame(view.places, 4 * Math.ceil(view.places.length / 80000), 1.04);
     this.stage.invalidate();
+    this.onMoved();
   }
+}
+
+/// Places around balls (places with a radius, of many some): where what is drawn of them ends.
+function outsides(places: Float32Array): Float32Array {
+  const out: number[] = [], step = 4 * Math.ceil(places.length / 80000);
+  for (let i = 0; i + 3 < places.length; i += step) for (let k = 0; k < 3; ++k) for (const sign of [-1, 1]) out.push(...[0, 1, 2].map((j) => places[i + j]! + (j === k ? sign * places[i + 3]! : 0)));
+  return Float32Array.from(out);
 }

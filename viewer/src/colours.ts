@@ -21,6 +21,10 @@ export const MAPS: Record<string, ColourMap> = {
 /// Of parts that are told apart by their colour: a number has the colour of its remainder (shaders.ts).
 export const CATEGORICAL = ["4e79a7", "f28e2b", "59a14f", "e15759", "76b7b2", "edc948", "b07aa1", "ff9da7", "9c755f", "2f9fd0", "a0cb50", "8064d0"];
 
+/// Repairs of a tree.
+export type EditGroup = "bridges" | "cuts" | "leftOut";
+export const EDIT_COLOURS: Record<EditGroup, string> = { bridges: "00b8d9", cuts: "e5195f", leftOut: "8c8f94" };
+
 export const GREY: Rgb = rgb("8c8f94"); ///< no value
 export const INFINITE: Rgb = rgb("cc79a7"); ///< no fire comes
 

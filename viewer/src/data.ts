@@ -3,6 +3,7 @@
 // sentence for the reader.
 
 import { PageError } from "./page_error";
+import { readTree, type Tree, type TreeMeta } from "./tree";
 import { bytesOf, checkEntry, complete, sidesOf, unpack } from "./unpack";
 
 export { PageError } from "./page_error";
@@ -10,9 +11,11 @@ export { PageError } from "./page_error";
 export const FORMAT = 2;
 
 /// What can be shown. A skeleton is that which was asked for, or, for other thetas, one of its family.
-export type LayerName = "core" | "skeleton" | "still";
+export type LayerName = "core" | "skeleton" | "still" | "tree";
 export type LayerKey = LayerName | "family";
-export const LAYER_KEYS: LayerKey[] = ["skeleton", "family", "core", "still"];
+export const LAYER_KEYS: LayerKey[] = ["tree", "skeleton", "family", "core", "still"];
+
+export type Triple = [number, number, number];
 
 export interface ArrayEntry {
   name: string;
@@ -40,9 +43,9 @@ export interface Meta {
   unit: string;
   side: number;
   voxel?: number;
-  low: [number, number, number];
-  high: [number, number, number];
-  origin: [number, number, number];
+  low: Triple;
+  high: Triple;
+  origin: Triple;
   /// Of the axis that was burned.
   pruning?: { measure: string; threshold: number };
   burning?: { omega?: number; propagation?: string; radius?: string };
@@ -56,6 +59,7 @@ export interface Meta {
   voxelSurface: boolean; ///< without sharp edges
   plane: boolean; ///< flat, seen from the front; curves without sheets
   yDown: boolean; ///< of a plane
+  tree?: TreeMeta;
   note: string;
   notes: string[];
   files: { core?: string; skeleton?: string; shape?: string };
@@ -95,6 +99,9 @@ export interface Layer {
   sheet: Uint32Array | null;
   edgeBranch: Int32Array | null;
   branches: Branches | null;
+  /// Of `tree`: per edge the number of the part it belongs to, by what there are parts of.
+  parts: Map<string, Int32Array>;
+  tree: Tree | null;
 }
 
 export const BRANCH_MEASURES = ["length", "mean_radius", "min_radius", "max_radius", "thickness", "tortuosity"] as const;
@@ -179,6 +186,7 @@ export function readMeta(text: string): Meta {
     voxelSurface: (raw as { surface?: unknown }).surface === "voxels",
     plane: (raw as { dimension?: unknown }).dimension === 2,
     yDown: (raw as { y_axis?: unknown }).y_axis === "down",
+    tree: treeOf(raw.tree, triple),
     note: typeof raw.note === "string" ? raw.note : "",
     notes: Array.isArray(raw.notes) ? raw.notes.map(String) : [],
     files: raw.files ?? {},
@@ -186,6 +194,13 @@ export function readMeta(text: string): Meta {
     state: typeof raw.state === "string" ? raw.state : "",
     arrays: raw.arrays,
   };
+}
+
+/// Directions and columns as they should be; undefined: there is no tree.
+function treeOf(raw: Partial<TreeMeta> | undefined, triple: (v: unknown) => Triple | undefined): TreeMeta | undefined {
+  if (typeof raw !== "object" || raw === null) return undefined;
+  const columns = Array.isArray(raw.columns) ? raw.columns.map((c) => ({ ...c, name: String(c?.name), unit: String(c?.unit ?? ""), meaning: String(c?.meaning ?? ""), words: Array.isArray(c?.words) ? c.words.map(String) : undefined })) : [];
+  return { down: triple(raw.down) ?? [0, 0, -1], to_eye: triple(raw.to_eye) ?? [0, -1, 0], up: triple(raw.up) ?? [0, 0, 1], columns };
 }
 
 function sizeOf(arrays: ArrayEntry[]): number {
@@ -263,7 +278,7 @@ export function assemble(meta: Meta, bytes: Uint8Array): Page {
   };
   const layers = new Map<LayerKey, Layer>();
   for (const name of LAYER_KEYS) {
-    const layer = name === "skeleton" ? readSkeleton(find, meta) : readLayer(name, find, meta);
+    const layer = name === "tree" ? readTree(find, meta) : name === "skeleton" ? readSkeleton(find, meta) : readLayer(name, find, meta);
     if (layer) layers.set(name, layer);
   }
   const shape: Shape = {
@@ -277,7 +292,7 @@ export function assemble(meta: Meta, bytes: Uint8Array): Page {
   return { meta, layers, shape };
 }
 
-type Find = <T extends Numbers>(name: string, type: new (n: number) => T) => T | null;
+export type Find = <T extends Numbers>(name: string, type: new (n: number) => T) => T | null;
 
 function readLayer(name: LayerKey, find: Find, meta: Meta): Layer | null {
   const points = find(`${name}/points`, Float32Array);
@@ -333,7 +348,7 @@ function readLayer(name: LayerKey, find: Find, meta: Meta): Layer | null {
     edgeLevel: sized("edge_level", edgeCount, levels && edgeCount > 0),
     vertexLevel: sized("vertex_level", vertexCount, levels),
     otherLevels, curveEdges, curveThickness, medialPoints, measures,
-    cornerLevel: sized("corner_level", corners.length, false), sheet: null, edgeBranch: null, branches: null,
+    cornerLevel: sized("corner_level", corners.length, false), sheet: null, edgeBranch: null, branches: null, parts: new Map(), tree: null,
   };
 }
 
@@ -384,7 +399,7 @@ function readSkeleton(find: Find, meta: Meta): Layer | null {
   return {
     name: "skeleton", points, vertexCount, faceCount, edgeCount: first + lone, offsets, corners, sides, edges: all, faceLevel: null, edgeLevel: null, vertexLevel: null,
     otherLevels: new Map(), curveEdges: null, curveThickness: null, medialPoints: null, measures, cornerLevel: null, sheet: needed("polygon_sheet", Uint32Array), edgeBranch,
-    branches: branchCount > 0 ? { count: branchCount, offsets: branchOffsets, points: along, measures: ofBranches, nodes, nodePoints, nodeKinds } : null,
+    branches: branchCount > 0 ? { count: branchCount, offsets: branchOffsets, points: along, measures: ofBranches, nodes, nodePoints, nodeKinds } : null, parts: new Map(), tree: null,
   };
 }
 

@@ -17,6 +17,13 @@ export function exact(x: number): string {
   return String(Number(x.toPrecision(9)));
 }
 
+/// The shortest decimal that is nearest to this float32 of all.
+export function shortest32(x: number): string {
+  const f = Math.fround(x);
+  for (let digits = 1; digits < 9; ++digits) if (Math.fround(Number(f.toPrecision(digits))) === f) return String(Number(f.toPrecision(digits)));
+  return String(Number(f.toPrecision(9)));
+}
+
 /// The largest float32 that is not above x: what lengths of the page are (FORMAT.md, "The sets").
 export function floor32(x: number): number {
   const f = Math.fround(x);

@@ -2,10 +2,10 @@
 // Starts the page: data, scene, controls, address, keys.
 import { Vector3 } from "three";
 import { App, type Numbers, type Picked } from "./app";
-import { MAPS, rgb, type Rgb } from "./colours";
+import { CATEGORICAL, MAPS, rgb, type Rgb } from "./colours";
 import { PageError, readPage, type Page } from "./data";
 import { Stage } from "./scene/stage";
-import { defaults, fromHash, keyOf, sanitize, toHash, type State } from "./state";
+import { defaults, fromHash, keyOf, layerOf, sanitize, toHash, type State } from "./state";
 import { BranchTable } from "./ui/branches";
 import { Burner } from "./ui/burner";
 import { Caption } from "./ui/caption";
@@ -15,6 +15,8 @@ import { Help } from "./ui/help";
 import { Info } from "./ui/info";
 import { listenToKeys } from "./ui/keys";
 import { Panel } from "./ui/panel";
+import { TreeInfo } from "./ui/tree_info";
+import { TreeTable } from "./ui/tree_table";
 
 const times: Record<string, number> = {};
 
@@ -77,11 +79,13 @@ function run(page: Page): void {
   const stage = new Stage(root);
   stage.onLost = (text) => fail(new PageError(text));
   const app = new App(page, stage, first.state);
-  const help = new Help(page.meta.plane);
+  const { tree } = app;
+  const help = new Help(page.meta.plane, tree !== null);
   const burner = new Burner(app);
   const table = new BranchTable(app);
   const caption = new Caption(app);
-  const info = new Info(page, table, () => help.toggle());
+  const treeTable = tree && new TreeTable(app, tree), treeInfo = tree && treeTable && new TreeInfo(app, tree, treeTable);
+  const info = new Info(page, table, treeInfo, () => help.toggle());
   const bar = new ColourBar();
   const side = el("aside", "side");
   const screenshot = () => {
@@ -96,7 +100,7 @@ function run(page: Page): void {
   };
   const panel = new Panel(app, side, burner, { screenshot, reset });
   const left = el("div", "left", info.element, bar.element);
-  root.append(caption.canvas, left, table.element, side, info.command, help.element);
+  root.append(caption.canvas, left, table.element, ...(treeTable ? [treeTable.element] : []), side, info.command, ...(treeInfo ? [treeInfo.card] : []), help.element);
   info.onTable = () => app.set({ table: !app.state.table });
   info.onClearPick = () => app.pickBranch(-1);
 
@@ -106,7 +110,7 @@ function run(page: Page): void {
     document.documentElement.style.setProperty("--accent", s.dark ? "#5bb7c5" : "#1f7f8c");
     root.classList.toggle("bare", !s.ui);
   };
-  const tabled = () => app.state.table && keyOf(page, app.state) === "skeleton" && page.layers.get("skeleton")?.branches != null;
+  const tabled = () => app.state.table && (app.state.layer === "tree" || (keyOf(page, app.state) === "skeleton" && page.layers.get("skeleton")?.branches != null));
   const insets = () => {
     const { ui } = app.state, tall = tabled() ? Math.round(0.36 * window.innerHeight) : 0;
     if (!ui) return { left: 20, right: 20, top: 36, bottom: 16 };
@@ -134,13 +138,15 @@ function run(page: Page): void {
     info.show(s, numbers, app.command());
     info.showBranch(s.branch);
     table.show();
-    root.classList.toggle("tabled", !table.element.hidden);
+    treeTable?.show();
+    root.classList.toggle("tabled", !table.element.hidden || treeTable?.element.hidden === false);
     panel.show();
     burner.show();
     const extra: [string, Rgb][] = [];
     const map = MAPS[s.map] ?? MAPS.viridis!;
     if (s.curves && numbers.curveEdges > 0 && !s.balls && !s.curvesByMeasure && !s.color.startsWith("curve_") && app.range()) extra.push(["curves", rgb(s.map === "diverging" && s.dark ? "ffffff" : map.accent)]);
-    bar.show(s.color, page.meta.unit, s.map, ...app.colourRange(), app.range(), extra);
+    const parts = (s.layer === "tree" && tree ? tree.partNames(s.color) : []).map((name, i): [string, Rgb] => [name, rgb(CATEGORICAL[i]!)]);
+    bar.show(s.color, page.meta.unit, s.map, ...app.colourRange(), app.range(), extra, parts, layerOf(page, s));
     remember();
   };
   app.onDrawn = () => caption.show(insets());
@@ -157,11 +163,26 @@ function run(page: Page): void {
   let touched = false;
   const moved = () => {
     touched = true;
+    app.stopFlight();
     if (app.state.clip && app.state.clipAxis === "view") app.set({});
     stage.invalidate();
     remember();
   };
   stage.camera.listen(stage.canvas, moved, (x, y) => app.pickAt(x, y));
+  app.onMoved = remember;
+  if (treeTable && treeInfo) {
+    app.onNear = (branch, x, y) => {
+      treeInfo.point(branch, x, y);
+      treeTable.showNear(branch);
+    };
+    let asked = false, at: { x: number; y: number } | null = null;
+    const point = (event: PointerEvent) => {
+      at = event.type === "pointermove" && event.pointerType === "mouse" && event.buttons === 0 ? { x: event.clientX, y: event.clientY } : null;
+      if (!asked) requestAnimationFrame(() => { asked = false; app.pointAt(at); });
+      asked = true;
+    };
+    for (const kind of ["pointermove", "pointerdown", "pointerleave"] as const) stage.canvas.addEventListener(kind, point);
+  }
   if (page.meta.plane)
     stage.canvas.addEventListener("dblclick", () => {
       reset();
@@ -178,7 +199,7 @@ function run(page: Page): void {
     app.set(now.state);
   });
   window.matchMedia?.("(prefers-color-scheme: dark)").addEventListener("change", (event) => app.set({ dark: event.matches }));
-  listenToKeys(app, panel, { burn: () => burner.toggle(), help, screenshot, reset, look: (x, y, z) => app.lookFrom(new Vector3(x, y, z)), moved });
+  listenToKeys(app, panel, { burn: () => burner.toggle(), help, screenshot, reset, stepEdit: (direction) => treeInfo?.step(direction), look: (x, y, z) => app.lookFrom(new Vector3(x, y, z)), moved });
 
   stage.draw();
   Object.defineProperty(window.quench, "state", { get: () => ({ ...app.state }) });
@@ -186,7 +207,7 @@ function run(page: Page): void {
   window.quench.sets = () => { app.update(); return app.numbers(); };
   window.quench.pick = (vertex) => app.pick(vertex);
   window.quench.times = times;
-  window.quench.branches = () => table.csv();
+  window.quench.branches = () => (treeTable && app.state.layer === "tree" ? treeTable.csv() : table.csv());
   document.title = page.meta.title;
   window.quench.ready = true;
   times.ready = performance.now();

@@ -2,6 +2,7 @@
 // What the arrays of the page are called and what they mean.
 import type { Layer, Meta } from "./data";
 import { short, withUnit } from "./format";
+import { unitText, type TableName } from "./tree";
 
 /// `pruning`: what a pruning by it does. `infinite`: what infinite values mean.
 interface Measure { label: string; help: string; unit?: string; pruning?: string; infinite?: string }
@@ -15,12 +16,19 @@ export const MEASURES: Record<string, Measure> = {
   burn_time: { label: "burn time", help: "When the fire that starts at the rim of the sheets comes by." },
   erosion_thickness: { label: "erosion thickness", help: "Burn time − radius: how much longer a place lasts than its radius." },
   object_angle: { label: "object angle", help: "Angle between the nearest boundary points, seen from here.", unit: "°" },
+  angle_to_down: { label: "angle to down", help: "Angle between the course and the direction down.", unit: "°" },
+  strahler: { label: "Strahler number", help: "Horton-Strahler number of the branch.", unit: "" },
+  order: { label: "order", help: "Centrifugal order: forks between the root node and the branch.", unit: "" },
   curve_burn_time: { label: "curve burn time", help: "When the fire along the curves comes by." },
   curve_erosion_thickness: { label: "curve erosion thickness", help: "Curve burn time − burn time: how much longer a curve lasts than its sheets." },
 };
 
-/// Of a measure: lengths but for what says otherwise.
-export const unitOf = (name: string, length: string): string => MEASURES[name]?.unit ?? length;
+/// Of a measure: lengths but for what says otherwise, as the columns of tables do.
+export function unitOf(name: string, length: string, layer?: Layer): string {
+  const [table, column] = name.split("/");
+  if (column !== undefined) return unitText(layer?.tree?.column(table as TableName, column)?.unit ?? "");
+  return MEASURES[name]?.unit ?? length;
+}
 export const isLength = (name: string): boolean => MEASURES[name]?.unit === undefined;
 
 /// What pruning by a measure does, for help.
@@ -42,10 +50,13 @@ export const infinityOf = (name: string): string => MEASURES[name]?.infinite ?? 
 
 export const UNIFORM = "none";
 /// Numbers of parts, not measures: each has a colour of its own.
-export const CATEGORIES = ["sheet", "branch"];
+export const isCategory = (layer: Layer, name: string): boolean => layer.parts.has(name) || (name === "sheet" && layer.sheet !== null && layer.faceCount > 0) || (name === "branch" && layer.branches !== null);
+const CATEGORIES = ["sheet", "branch"];
 
 export function labelOf(name: string): string {
   if (name === UNIFORM) return "one colour";
+  const [table, column] = name.split("/");
+  if (column !== undefined) return `${labelOf(column)} of the ${table === "axes" ? "axis" : "branch"}`;
   return MEASURES[name]?.label ?? name.replaceAll("_", " ");
 }
 
@@ -80,6 +91,7 @@ export function rangeOf(values: Float32Array, included: Uint8Array | null = null
 
 /// The measures a layer can be coloured by, in a fixed order, unknown ones last.
 export function measuresOf(layer: Layer): string[] {
+  if (layer.tree) return [...layer.parts.keys(), ...layer.measures.keys()];
   const known = Object.keys(MEASURES).filter((name) => layer.measures.has(name));
-  return [...known, ...[...layer.measures.keys()].filter((name) => !known.includes(name)), ...CATEGORIES.filter((name) => (name === "sheet" ? layer.sheet && layer.faceCount > 0 : layer.branches))];
+  return [...known, ...[...layer.measures.keys()].filter((name) => !known.includes(name)), ...CATEGORIES.filter((name) => isCategory(layer, name))];
 }

@@ -84,6 +84,32 @@ export function pickVertex(ray: Ray, places: Float32Array, stride: number, sets:
   return hit;
 }
 
+/// The edge whose tube is hit first. Places have four numbers, the fourth the radius; thin tubes are hit beside, too.
+export function pickTube(ray: Ray, places: Float32Array, edges: Uint32Array, keep: (x: number, y: number, z: number) => boolean): number {
+  const [ox, oy, oz] = ray.origin, [dx, dy, dz] = ray.direction;
+  let best = Infinity, hit = -1;
+  for (let e = 0; 2 * e < edges.length; ++e) {
+    const a = 4 * edges[2 * e]!, b = 4 * edges[2 * e + 1]!;
+    const ax = places[a]! - ox, ay = places[a + 1]! - oy, az = places[a + 2]! - oz;
+    const ux = places[b]! - places[a]!, uy = places[b + 1]! - places[a + 1]!, uz = places[b + 2]! - places[a + 2]!;
+    // Nearest points of a segment and a line.
+    const along = ux * dx + uy * dy + uz * dz, size = ux * ux + uy * uy + uz * uz, across = size - along * along;
+    const first = ax * dx + ay * dy + az * dz;
+    let s = across > 1e-12 * size ? (along * first - (ux * ax + uy * ay + uz * az)) / across : 0.5;
+    s = Math.min(1, Math.max(0, s));
+    const x = ax + s * ux, y = ay + s * uy, z = az + s * uz, t = x * dx + y * dy + z * dz;
+    if (!(t > 0)) continue;
+    const off = Math.max(0, x * x + y * y + z * z - t * t), radius = places[a + 3]! + s * (places[b + 3]! - places[a + 3]!), least = ray.width + ray.spread * t;
+    if (off > Math.max(radius, least) ** 2) continue;
+    const at = t - Math.sqrt(Math.max(0, radius * radius - off)) + (off > radius * radius ? least : 0); // what is hit itself wins
+    if (at < best && keep(ox + x, oy + y, oz + z)) {
+      best = at;
+      hit = e;
+    }
+  }
+  return hit;
+}
+
 const SAME = Math.cos((14 * Math.PI) / 180);
 
 /// Where a ball of a fitted axis touches the surface that is drawn: the nearest points of its triangles, at most half a

@@ -3,6 +3,7 @@
 import type { Layer, LayerKey, LayerName, Meta, Page } from "./data";
 import { decimalOf, exact, floor32, parseLength } from "./format";
 import { measuresOf, UNIFORM } from "./measures";
+import { ROWS, type Rows } from "./tree";
 
 export interface Camera {
   position: [number, number, number];
@@ -15,7 +16,7 @@ export type SliderId = SheetSlider | "theta1";
 
 /// The parameters that prune what is shown, that of the sheets first; a complex without levels has none.
 export function slidersOf({ meta }: Page, state: State): SliderId[] {
-  if (state.layer === "still") return [];
+  if (state.layer === "still" || state.layer === "tree") return [];
   return state.layer === "core" ? ["threshold"] : meta.plane ? ["theta1"] : ["theta2", "theta1"];
 }
 
@@ -55,6 +56,13 @@ export interface State {
   seams: boolean;
   boundary: boolean;
   branch: number; ///< that is picked; -1: none
+  axis: number; ///< of a tree, that is picked; -1: none
+  edit: number; ///< of the repairs of a tree; -1: none
+  rows: Rows; ///< of what the table of a tree is
+  tubes: boolean; ///< branches of a tree as thick as they are
+  bridges: boolean; ///< marks of these repairs
+  cuts: boolean;
+  leftOut: boolean;
   table: boolean; ///< of the branches
   points: boolean;
   curvesByMeasure: boolean;
@@ -77,11 +85,12 @@ export interface State {
 }
 
 export function defaultLayer(page: Page): LayerName {
-  return hasLayer(page, "skeleton") ? "skeleton" : page.layers.has("core") ? "core" : "still";
+  return hasLayer(page, "tree") ? "tree" : hasLayer(page, "skeleton") ? "skeleton" : page.layers.has("core") ? "core" : "still";
 }
 
 export function defaultColor(layer: Layer): string {
   const names = measuresOf(layer);
+  if (layer.tree) return "level";
   for (const wanted of ["erosion_thickness", "radius", "lambda"]) if (names.includes(wanted)) return wanted;
   return names[0] ?? UNIFORM;
 }
@@ -121,11 +130,18 @@ export function defaults(page: Page, dark: boolean): State {
     seams: true,
     boundary: true,
     branch: -1,
+    axis: -1,
+    edit: -1,
+    rows: "axes",
+    tubes: true,
+    bridges: true,
+    cuts: true,
+    leftOut: false,
     table: false,
     points: true,
-    curvesByMeasure: pure || meta.plane,
+    curvesByMeasure: pure || meta.plane || layer === "tree",
     curveWidth: curvesAtStart(page) > 12 * meta.side ? thin : thick,
-    shape: page.shape.triangles !== null,
+    shape: page.shape.triangles !== null && layer !== "tree", // its tubes are about where the surface is
     shapeOpacity: 0.5,
     balls: false,
     clip: false,
@@ -171,7 +187,11 @@ export function sanitize(state: State, page: Page): State {
   const layer = layerOf(page, s);
   const known = s.color === UNIFORM || measuresOf(page.layers.get(s.layer) ?? layer).includes(s.color);
   if (!known) s.color = defaultColor(layer);
-  s.branch = Number.isInteger(s.branch) && s.branch >= 0 && s.branch < (layer.branches?.count ?? 0) ? s.branch : -1;
+  s.branch = Number.isInteger(s.branch) && s.branch >= 0 && s.branch < (layer.tree?.branchCount ?? layer.branches?.count ?? 0) ? s.branch : -1;
+  const row = (x: number, count: number | undefined) => (Number.isInteger(x) && x >= 0 && x < (count ?? 0) ? x : -1);
+  s.axis = row(s.axis, layer.tree?.axisCount);
+  s.edit = row(s.edit, layer.tree?.editCount);
+  if (!ROWS.includes(s.rows)) s.rows = "axes";
   if (page.meta.plane) {
     s.orthographic = true;
     s.clip = false;

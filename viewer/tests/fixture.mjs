@@ -241,3 +241,63 @@ export function randomCells(seed, curves) {
   const vertexLevel = Object.fromEntries(points.map((_, v) => [v, next() < 0.2 ? level() : -Infinity]));
   return { points, faces, lone, medialPoints, vertexLevel, measures: { radius: points.map(() => next()) } };
 }
+
+/// A tree in the plane y = 0, 4 long: a stem of radius 0.2 along z with two axes of level 1 at z = -1 (to +x) and
+/// z = -2 (to -x), and one of level 2 on the first; a bridge, a cut, and a part that is left out. `repeat`: so many axes
+/// of level 2 more.
+export function treePage(template, { damage, repeat = 0, change = (arrays) => arrays, meta = {} } = {}) {
+  const branches = [
+    { parent: -1, axis: 0, points: [[0, 0, 0], [0, 0, -1]], radius: 0.2 },
+    { parent: 0, axis: 0, points: [[0, 0, -1], [0, 0, -2]], radius: 0.2 },
+    { parent: 1, axis: 0, points: [[0, 0, -2], [0, 0, -3], [0, 0, -4]], radius: 0.2 },
+    { parent: 0, axis: 1, points: [[0, 0, -1], [1, 0, -1]], radius: 0.1 },
+    { parent: 3, axis: 1, points: [[1, 0, -1], [2, 0, -1]], radius: 0.1 },
+    { parent: 1, axis: 2, points: [[0, 0, -2], [-1, 0, -2]], radius: 0.1 },
+    { parent: 3, axis: 3, points: [[1, 0, -1], [1, 0, -2]], radius: 0.05 },
+  ];
+  for (let i = 0; i < repeat; ++i) branches.push({ parent: 3, axis: 4 + i, points: [[1, 0, -1], [1 + i / repeat, 0.5, -1.5]], radius: 0.01 });
+  const none = 2 ** 32 - 1, axes = Math.max(...branches.map((b) => b.axis)) + 1, level = (a) => [0, 1, 1, 2][Math.min(3, a)];
+  const length = ({ points }) => points.slice(1).reduce((sum, p, i) => sum + Math.hypot(...p.map((x, k) => x - points[i][k])), 0);
+  const axisLength = Array.from({ length: axes }, (_, a) => branches.filter((b) => b.axis === a).reduce((sum, b) => sum + length(b), 0));
+  const offsets = [0];
+  for (const { points } of branches) offsets.push(offsets.at(-1) + points.length);
+  const per = (value) => branches.map(value), perAxis = (value) => Array.from({ length: axes }, (_, a) => value(a));
+  const parentOf = (a) => (a === 0 ? none : a < 3 ? 0 : 1);
+  const arrays = change({
+    "tree/points": ["f32", 3, branches.flatMap((b) => b.points.flat())],
+    "tree/point/radius": ["f32", 1, branches.flatMap((b) => b.points.map(() => b.radius))],
+    "tree/point/angle_to_down": ["f32", 1, branches.flatMap((b) => b.points.map(() => (b.points[0][0] === b.points.at(-1)[0] ? 0 : 90)))],
+    "tree/branch_offsets": ["u32", 1, offsets],
+    "tree/bridged": ["u32", 1, [offsets[5]]],
+    "tree/branch_parent": ["u32", 1, per((b) => (b.parent < 0 ? none : b.parent))],
+    "tree/branch_axis": ["u32", 1, per((b) => b.axis)],
+    "tree/branch_order": ["u32", 1, per((b) => Math.min(2, b.axis))],
+    "tree/branch_strahler": ["u32", 1, per((b) => (b.axis === 0 ? 2 : 1))],
+    "tree/axis_parent": ["u32", 1, perAxis(parentOf)],
+    "tree/axis_level": ["u32", 1, perAxis(level)],
+    "tree/axis_plant": ["u32", 1, perAxis(() => 0)],
+    "tree/edit_points": ["f32", 3, [-0.4, 0, -2, -0.6, 0, -2, 1.9, 0, -1, 1.9, 0, -1, 3, 0, -3, 3, 0, -3.5]],
+    "tree/axes/axis": ["f32", 1, perAxis((a) => a)],
+    "tree/axes/level": ["f32", 1, perAxis(level)],
+    "tree/axes/class": ["f32", 1, perAxis(level)],
+    "tree/axes/length": ["f32", 1, axisLength],
+    "tree/axes/angle": ["f32", 1, perAxis((a) => (a === 0 ? NaN : 90))],
+    "tree/branches/branch": ["f32", 1, per((_, i) => i)],
+    "tree/branches/length": ["f32", 1, per(length)],
+    "tree/sample/total_length": ["f32", 1, [axisLength.reduce((a, b) => a + b)]],
+    "tree/sample/depth": ["f32", 1, [4]],
+    "tree/edits/kind": ["f32", 1, [0, 1, 2]],
+    "tree/edits/length": ["f32", 1, [0.2, 0.1, 0.5]],
+    "tree/edits/cost": ["f32", 1, [3, 7, 1]],
+  });
+  const column = (table, name, unit = "", more = {}) => ({ table, name, unit, meaning: `${name} of it`, ...more });
+  const tree = {
+    down: [0, 0, -1], to_eye: [0, -1, 0], up: [0, 0, 1],
+    columns: [
+      column("axes", "axis", "", { whole: true }), column("axes", "level", "", { whole: true }), column("axes", "class", "", { words: ["stem", "axis of level 1", "axis of level 2"] }), column("axes", "length", "mm"), column("axes", "angle", "degrees"),
+      column("branches", "branch", "", { whole: true }), column("branches", "length", "mm"), column("sample", "total_length", "mm"), column("sample", "depth", "mm"),
+      column("edits", "kind", "", { words: ["bridge", "cut_touching", "left_out"] }), column("edits", "length", "mm"), column("edits", "cost"),
+    ],
+  };
+  return pageOf(template, { title: "root", side: 4, low: [-1, -0.2, -4], high: [2, 0.2, 0], measures: [], files: { tree: "tree.rsml" }, command: "quench tree root.ply -o root", tree, ...meta }, arrays, damage);
+}

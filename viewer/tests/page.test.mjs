@@ -1,79 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // The page in a browser. Skipped where there is no Chromium ($CHROMIUM or /usr/bin/chromium).
 import assert from "node:assert/strict";
-import { existsSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
-import { tmpdir } from "node:os";
-import { dirname, join } from "node:path";
-import { after, before, describe, test } from "node:test";
-import { fileURLToPath, pathToFileURL } from "node:url";
-import { inflateSync } from "node:zlib";
+import { readFileSync } from "node:fs";
+import { describe } from "node:test";
+import { browserOf, coloursIn, pixelsOf } from "./browser.mjs";
 import { boxCore, boxPage, boxShape, boxSkeleton, layerArrays, otherLevels, pageOf, planePage, randomCells } from "./fixture.mjs";
 
-const here = dirname(fileURLToPath(import.meta.url));
-const chromium = process.env.CHROMIUM ?? "/usr/bin/chromium";
-const templateFile = process.env.QUENCH_PAGE ?? join(here, "..", "dist", "page.html");
-const skip = !existsSync(chromium) ? `no Chromium at ${chromium}` : !existsSync(templateFile) ? `no ${templateFile}: run node build.mjs first` : false;
-const FLAGS = ["--headless", "--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"];
-
-/// Pixels of an 8-bit RGB or RGBA PNG, as rows of numbers.
-function pixelsOf(png) {
-  const width = png.readUInt32BE(16), height = png.readUInt32BE(20), channels = png[25] === 6 ? 4 : 3;
-  const parts = [];
-  for (let at = 8; at < png.length; at += 12 + png.readUInt32BE(at)) if (png.toString("latin1", at + 4, at + 8) === "IDAT") parts.push(png.subarray(at + 8, at + 8 + png.readUInt32BE(at)));
-  const raw = inflateSync(Buffer.concat(parts)), row = width * channels, out = Buffer.alloc(row * height);
-  for (let y = 0; y < height; ++y) {
-    const filter = raw[y * (row + 1)];
-    for (let x = 0; x < row; ++x) {
-      const left = x >= channels ? out[y * row + x - channels] : 0, up = y > 0 ? out[(y - 1) * row + x] : 0, corner = x >= channels && y > 0 ? out[(y - 1) * row + x - channels] : 0;
-      const p = left + up - corner, a = Math.abs(p - left), b = Math.abs(p - up), c = Math.abs(p - corner);
-      const guess = [0, left, up, (left + up) >> 1, a <= b && a <= c ? left : b <= c ? up : corner][filter];
-      out[y * row + x] = raw[y * (row + 1) + 1 + x] + guess;
-    }
-  }
-  return { width, height, channels, data: out };
-}
-
-function coloursIn(png) {
-  const { data, channels } = pixelsOf(png), seen = new Map();
-  for (let i = 0; i < data.length; i += channels) {
-    const key = ((data[i] >> 4) << 8) | ((data[i + 1] >> 4) << 4) | (data[i + 2] >> 4);
-    seen.set(key, (seen.get(key) ?? 0) + 1);
-  }
-  return seen;
-}
-
 describe("the page in a browser", () => {
-  // Test by test, so that the summary counts what was skipped.
-  const it = (name, body) => test(name, { skip }, body);
-  let browser, folder, template, context;
-  before(async () => {
-    if (skip) return;
-    const { chromium: launcher } = await import("playwright-core");
-    folder = mkdtempSync(join(tmpdir(), "quench-page-"));
-    template = readFileSync(templateFile, "utf8");
-    context = await launcher.launchPersistentContext(join(folder, "profile"), { executablePath: chromium, headless: true, args: FLAGS, viewport: { width: 1000, height: 700 }, colorScheme: "light", acceptDownloads: true });
-    browser = context;
-  });
-  after(async () => {
-    await browser?.close();
-    if (folder) rmSync(folder, { recursive: true, force: true });
-  });
-
-  let serial = 0;
-  /// Opens a page; its errors and console output are in `complaints`.
-  async function open(html, hash = "") {
-    const file = join(folder, `${++serial}.html`);
-    writeFileSync(file, html);
-    const page = await context.newPage(), complaints = [];
-    page.on("console", (m) => ["error", "warning"].includes(m.type()) && !/GPU stall|software WebGL|GL Driver Message/.test(m.text()) && complaints.push(m.text()));
-    page.on("pageerror", (e) => complaints.push(e.message));
-    page.on("request", (r) => !/^(file|data|blob):/.test(r.url()) && complaints.push(`request to ${r.url()}`));
-    await page.goto(pathToFileURL(file).href + (hash && `#${hash}`));
-    await page.waitForFunction("window.quench && (window.quench.ready || window.quench.error)", null, { timeout: 60000 });
-    return { page, complaints };
-  }
+  const { it, open, settled, template } = browserOf();
   const sets = (page, change = {}) => page.evaluate((c) => (window.quench.set(c), window.quench.sets()), change);
-  const settled = (page) => page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
 
   it("loads without a complaint, shows its title and figures", async () => {
     const { page, complaints } = await open(boxPage(template));

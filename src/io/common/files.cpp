@@ -22,8 +22,8 @@ constexpr std::array kAssimpExtensions{".3ds", ".3mf", ".ac",  ".amf",     ".ase
                                        ".lws", ".md2", ".md3", ".md5mesh", ".mdl",  ".ms3d", ".nff",   ".ogex",
                                        ".q3d", ".smd", ".ter", ".wrl",     ".x",    ".x3d",  ".xgl",   ".zgl"};
 constexpr std::array kVolumeExtensions{".nrrd", ".nhdr", ".mha", ".mhd", ".nii", ".mrc", ".map",
-                                       ".tif",  ".tiff", ".png", ".npy", ".vol", ".sof", ".pbm",
-                                       ".pgm",  ".ppm",  ".pnm", ".bmp", ".jpg", ".jpeg"};
+                                       ".tif",  ".tiff", ".png", ".npy", ".vol", ".sof", ".out",
+                                       ".pbm",  ".pgm",  ".ppm", ".pnm", ".bmp", ".jpg", ".jpeg"};
 constexpr std::array kPolygonExtensions{".geojson", ".json", ".geojsonl", ".geojsons", ".ndjson", ".wkt", ".svg"};
 constexpr std::array kSliceExtensions{".png", ".tif", ".tiff"};
 

@@ -2,9 +2,8 @@
 #include <cmath>
 #include <string>
 
-#include "base/text.h"
 #include "io/common/text_out.h"
-#include "io/common/words.h"
+#include "io/common/xml_text.h"
 #include "quench/graph.h"
 #include "quench/io.h"
 
@@ -17,12 +16,6 @@ std::string number(double value) {
   return std::isinf(value) ? (value < 0 ? "-Infinity" : "Infinity") : fmt::format("{}", value);
 }
 
-std::string in_xml(const std::string& text) {
-  std::string result;
-  for (const char c : base::plain(text)) result += c == '<' ? "&lt;" : c == '&' ? "&amp;" : std::string(1, c);
-  return result;
-}
-
 template <class Value>
 void print_data(TextOut& text, const char* key, const Value& value) {
   text.print("<data key=\"{}\">{}</data>", key, value);
@@ -33,12 +26,7 @@ void print_data(TextOut& text, const char* key, const Value& value) {
 void write_graphml(const std::filesystem::path& file, const CurveGraph& graph, const Coordinates& coordinates) {
   write_atomically(file, [&](std::ostream& out) {
     TextOut text(out);
-    text.print(
-        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
-        "<graphml xmlns=\"http://graphml.graphdrawing.org/xmlns\" "
-        "xmlns:xsi=\"http://www.w3.org/2001/XMLSchema-instance\" "
-        "xsi:schemaLocation=\"http://graphml.graphdrawing.org/xmlns "
-        "http://graphml.graphdrawing.org/xmlns/1.0/graphml.xsd\">\n");
+    text.print("{}", kGraphmlBegin);
     // Keys are unique in the whole file, names only per domain.
     const auto key = [&](const char* id, const char* domain, const char* name, const char* type) {
       text.print("  <key id=\"{}\" for=\"{}\" attr.name=\"{}\" attr.type=\"{}\"/>\n", id, domain, name, type);

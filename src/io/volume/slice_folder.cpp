@@ -6,6 +6,7 @@
 #include <memory>
 #include <set>
 
+#include "base/natural_order.h"
 #include "io/volume/slice_numbers.h"
 #include "io/volume/slice_streams.h"
 #include "io/volume/volume_formats.h"
@@ -13,30 +14,6 @@
 
 namespace quench::io {
 namespace {
-
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
-
-// slice2 before slice10: digits compare as numbers (leading zeros left out), everything else by character.
-bool natural_less(const std::string& a, const std::string& b) {
-  std::size_t i = 0, j = 0;
-  while (i < a.size() && j < b.size()) {
-    if (is_digit(a[i]) && is_digit(b[j])) {
-      while (i < a.size() && a[i] == '0') ++i;
-      while (j < b.size() && b[j] == '0') ++j;
-      const std::size_t i0 = i, j0 = j;
-      while (i < a.size() && is_digit(a[i])) ++i;
-      while (j < b.size() && is_digit(b[j])) ++j;
-      if (i - i0 != j - j0) return i - i0 < j - j0;
-      if (const int order = a.compare(i0, i - i0, b, j0, j - j0); order != 0) return order < 0;
-    } else {
-      if (a[i] != b[j]) return a[i] < b[j];
-      ++i;
-      ++j;
-    }
-  }
-  if ((i < a.size()) != (j < b.size())) return j < b.size();
-  return a < b;
-}
 
 bool is_slice(const std::string& extension) {
   return extension == ".png" || extension == ".tif" || extension == ".tiff";
@@ -51,8 +28,9 @@ std::vector<std::filesystem::path> slice_files(const std::filesystem::path& fold
   }
   if (error)
     throw Error(ErrorCode::failed, fmt::format("the folder '{}' cannot be read: {}", folder.string(), error.message()));
-  std::sort(files.begin(), files.end(),
-            [](const auto& a, const auto& b) { return natural_less(a.filename().string(), b.filename().string()); });
+  std::sort(files.begin(), files.end(), [](const auto& a, const auto& b) {
+    return base::natural_less(a.filename().string(), b.filename().string());
+  });
   return files;
 }
 

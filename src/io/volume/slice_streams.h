@@ -37,6 +37,10 @@ struct TiffStream : SliceStream {
 TiffStream open_tiff(const std::filesystem::path& file, const VolumeReadOptions& options, Context* context,
                      bool of_a_folder = false);
 
+/// A sparse voxel list (.out): 1 where it has a voxel, within their box; x y z of the list are those of the centres, in
+/// voxels. A slice is made when it is asked for: memory is 12 bytes per listed voxel.
+SliceStream open_out_voxels(const std::filesystem::path& file, Context* context);
+
 /// All slices of a stream, whose file is named in errors.
 Volume read_stream(const SliceStream& stream, const std::filesystem::path& file, Context* context);
 

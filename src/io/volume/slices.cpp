@@ -50,6 +50,9 @@ std::optional<SliceStream> open_slices(const std::filesystem::path& file, const 
     stream = open_slice_folder(file, options, context);
   } else if (extension == ".tif" || extension == ".tiff") {
     stream = open_tiff(file, options, context);
+  } else if (extension == ".out") {
+    check_channel_of_grey(file, "a volume", channel_named(options.channel));
+    stream = open_out_voxels(file, context);
   } else if (is_stored_volume(extension)) {
     check_channel_of_grey(file, "a volume", channel_named(options.channel));
     stream = open_stored(file, context);

@@ -6,7 +6,7 @@ import type { Layer } from "../data";
 import type { CellSet, LayerSets } from "../sets";
 import type { State } from "../state";
 import { Balls, Bars } from "./instances";
-import { ballMaterial, barMaterial, surfaceMaterial, vertexTexture, type SharedUniforms } from "./materials";
+import { ballMaterial, barMaterial, surfaceMaterial, tubeMaterial, vertexTexture, type SharedUniforms } from "./materials";
 import type { Placement } from "./placement";
 
 export class LayerView {
@@ -15,6 +15,10 @@ export class LayerView {
   private readonly values: DataTexture;
   private shown: string | null = null;
   private readonly branchRank: Int32Array | null;
+  private part: Int32Array | null; ///< per edge, of what gives the colours
+  private set: CellSet | null = null;
+  private readonly tubes: Record<"all" | "picked" | "near", Bars> | null; ///< of a tree; what is picked, what the pointer is on
+  private readonly path: Bars; ///< from what is picked to the root node
   private branch = -1;
   private readonly surface: Mesh<BufferGeometry, RawShaderMaterial>;
   private readonly curves: Bars;
@@ -52,6 +56,7 @@ export class LayerView {
 
     const { edgeBranch } = layer, rank = edgeBranch ? ranks(edgeBranch, (e) => sets.edgeLength(e)) : [];
     this.branchRank = edgeBranch && edgeBranch.map((b) => (b < 0 ? -1 : rank[b]!));
+    this.part = this.branchRank;
     this.cuts = layer.cornerLevel !== null && layer.faceLevel !== null && varies(layer);
     const byCorners = layer.sheet !== null || this.cuts;
     const geometry = byCorners ? cornersOf(layer, sets, this.places, this.cuts) : new BufferGeometry();
@@ -65,6 +70,11 @@ export class LayerView {
     this.picked = bar(4, 4e-4, 1, 1);
     this.picked.mesh.material.depthFunc = AlwaysDepth; // seen through sheets
     this.picked.mesh.renderOrder = 1;
+    this.path = bar(1.5, 4e-4, 0, 1);
+    this.path.mesh.material.depthFunc = AlwaysDepth;
+    this.path.mesh.renderOrder = 2;
+    const tube = (more: number) => new Bars(tubeMaterial(shared, own({ ...flag(), halfWidth: { value: 0.6 }, more: { value: more }, byPart: { value: 0 } })));
+    this.tubes = layer.tree && { all: tube(0), picked: tube(0.5), near: tube(1) };
     const ball = (more: Record<string, { value: unknown }>) =>
       new Balls(ballMaterial(shared, own({ ...flag(), scale: { value: 1 }, fixedPixels: { value: 0 }, opacity: { value: 1 }, onCurves: { value: 0 }, ...more }), false));
     this.points = ball({ fixedPixels: { value: 5 }, onCurves: { value: 1 } });
@@ -77,7 +87,7 @@ export class LayerView {
         mesh.material.depthTest = false;
         mesh.renderOrder = 2 + i;
       });
-    for (const mesh of [this.surface, this.boundary.mesh, this.seams.mesh, this.curves.mesh, this.picked.mesh, this.points.mesh, this.junctions.mesh, this.union.mesh]) {
+    for (const mesh of [this.surface, this.boundary.mesh, this.seams.mesh, this.curves.mesh, this.picked.mesh, this.path.mesh, this.points.mesh, this.junctions.mesh, this.union.mesh, ...Object.values(this.tubes ?? {}).map((bars) => bars.mesh)]) {
       mesh.frustumCulled = false;
       mesh.matrixAutoUpdate = false;
       this.group.add(mesh);
@@ -90,7 +100,8 @@ export class LayerView {
     // Rounding must not make holes in parts that are whole.
     this.surface.material.uniforms.least!.value = this.cuts ? set.level * (1 - 1e-5) : -1;
     const edges = this.layer.edges;
-    this.curves.write(edges, set.curves.edge, set.curves.count, this.branchRank);
+    this.set = set;
+    this.writeCurves();
     this.boundary.write(edges, set.boundary.edge, set.boundary.count);
     this.seams.write(edges, set.seams.edge, set.seams.count);
     this.points.write(set.isolated.vertex, set.isolated.count);
@@ -105,9 +116,27 @@ export class LayerView {
     this.junctions.write(junctions, junctions.length);
   }
 
+  private writeCurves(): void {
+    const { edges } = this.layer, { edge, count } = this.set!.curves;
+    this.curves.write(edges, edge, count, this.part);
+    this.tubes?.all.write(edges, edge, count, this.part);
+  }
+
+  /// Edges of a tree that stand out, the way from there to the root node, and what the pointer is on.
+  highlight(picked: Uint32Array, path: Uint32Array): void {
+    const { edges } = this.layer;
+    for (const bars of [this.picked, this.tubes!.picked]) bars.write(edges, picked, picked.length);
+    this.path.write(edges, path, path.length);
+  }
+  showNear(list: Uint32Array): void {
+    const { near } = this.tubes!;
+    near.write(this.layer.edges, list, list.length);
+    near.mesh.visible = list.length > 0;
+  }
+
   /// The branch that stands out; -1: none.
   pick(branch: number): void {
-    if (branch === this.branch) return;
+    if (branch === this.branch || this.layer.tree) return;
     this.branch = branch;
     const { edgeBranch, edges } = this.layer;
     const list = edgeBranch && branch >= 0 ? Uint32Array.from(edgeBranch.keys()).filter((e) => edgeBranch[e] === branch) : new Uint32Array(0);
@@ -117,6 +146,11 @@ export class LayerView {
   colourBy(name: string): void {
     if (this.shown === name) return;
     this.shown = name;
+    const part = name === "branch" && this.branchRank && !this.layer.tree ? this.branchRank : (this.layer.parts.get(name) ?? null);
+    if (part && part !== this.part && this.set) {
+      this.part = part;
+      this.writeCurves();
+    }
     const values = this.layer.measures.get(name), data = this.values.image.data as Float32Array;
     if (!values) return;
     for (let v = 0; v < values.length; ++v) data[v] = encode(values[v]!);
@@ -129,13 +163,29 @@ export class LayerView {
       (uniforms.plain!.value as Vector3).set(...rgb(hex));
       uniforms.usePlain!.value = Number(on);
     };
-    const bySheet = state.color === "sheet" && this.layer.sheet !== null, byBranch = state.color === "branch" && this.layer.branches !== null;
+    const bySheet = state.color === "sheet" && this.layer.sheet !== null, byBranch = (state.color === "branch" && this.layer.branches !== null) || this.layer.parts.has(state.color);
     const uniform = !this.layer.measures.has(state.color);
     this.surface.material.uniforms.byPart!.value = Number(bySheet);
     this.curves.mesh.material.uniforms.byPart!.value = Number(byBranch);
     plain(this.surface, state.dark ? "8fa3b8" : "a9bccf", uniform && !bySheet);
     plain(this.curves.mesh, accent, !byBranch && (!state.curvesByMeasure || uniform));
     plain(this.picked.mesh, "ffb000", true);
+    plain(this.path.mesh, state.dark ? "ffffff" : "171b21", true);
+    const lines = !this.tubes || !state.tubes;
+    if (this.tubes) {
+      const { all, picked, near } = this.tubes;
+      plain(all.mesh, accent, !byBranch && uniform);
+      plain(picked.mesh, "ffb000", true);
+      plain(near.mesh, "ffd980", true);
+      all.mesh.material.uniforms.byPart!.value = Number(byBranch);
+      for (const { mesh } of [all, picked, near]) mesh.material.uniforms.halfWidth!.value = (state.tubes ? 0.6 : state.curveWidth / 2) * pixelRatio;
+      for (const [bars, more] of [[picked, 0.5], [near, 1]] as const) bars.mesh.material.uniforms.more!.value = more * pixelRatio;
+      all.mesh.visible = !lines && state.curves && !state.balls;
+      picked.mesh.visible = !lines && !state.balls && picked.count > 0;
+      near.mesh.visible = !state.balls && near.count > 0;
+    }
+    this.path.mesh.visible = !state.balls && this.path.count > 0;
+    this.path.mesh.material.uniforms.halfWidth!.value = 1.1 * pixelRatio;
     plain(this.points.mesh, accent, !state.curvesByMeasure || uniform);
     plain(this.boundary.mesh, state.dark ? "d5dae2" : "20242c", true);
     plain(this.seams.mesh, "0b0d12", true);
@@ -145,14 +195,14 @@ export class LayerView {
     this.boundary.mesh.visible = state.boundary && !state.balls && !this.cuts; // the rim is inside the parts then
     this.seams.mesh.visible = state.seams && !state.balls;
     this.junctions.mesh.visible = this.seams.mesh.visible && Number(this.seams.mesh.material.uniforms.opacity!.value) > 0;
-    this.curves.mesh.visible = state.curves && !state.balls;
-    this.picked.mesh.visible = !state.balls && this.picked.count > 0;
+    this.curves.mesh.visible = lines && state.curves && !state.balls;
+    this.picked.mesh.visible = !state.balls && this.picked.count > 0; // of tubes a line that is seen through others
     this.points.mesh.visible = state.points && !state.balls;
     this.union.mesh.visible = state.balls;
     this.curves.mesh.material.uniforms.halfWidth!.value = (state.curveWidth / 2) * pixelRatio;
     this.curves.mesh.material.uniforms.halfWorld!.value = halfWorld;
-    this.picked.mesh.material.uniforms.halfWidth!.value = (state.curveWidth / 2 + 2) * pixelRatio;
-    this.picked.mesh.material.uniforms.halfWorld!.value = halfWorld;
+    this.picked.mesh.material.uniforms.halfWidth!.value = (lines ? state.curveWidth / 2 + 2 : 1.1) * pixelRatio;
+    this.picked.mesh.material.uniforms.halfWorld!.value = lines ? halfWorld : 0;
     this.boundary.mesh.material.uniforms.halfWidth!.value = 0.55 * pixelRatio;
     this.seams.mesh.material.uniforms.halfWidth!.value = 0.75 * pixelRatio;
     this.junctions.mesh.material.uniforms.fixedPixels!.value = 2.2 * pixelRatio;

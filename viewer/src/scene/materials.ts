@@ -56,6 +56,8 @@ export const surfaceMaterial = (shared: SharedUniforms, own: Uniforms, corners: 
 export const barMaterial = (shared: SharedUniforms, own: Uniforms, solid: boolean) =>
   material(glsl.barVertex, glsl.barFragment, { ...shared, ...own }, solid ? { alphaToCoverage: true } : { transparent: true, depthWrite: false });
 
+export const tubeMaterial = (shared: SharedUniforms, own: Uniforms) => material(glsl.tubeVertex, glsl.tubeFragment, { ...shared, ...own }, { alphaToCoverage: true });
+
 export const ballMaterial = (shared: SharedUniforms, own: Uniforms, transparent: boolean) =>
   material(glsl.ballVertex, glsl.ballFragment, { ...shared, ...own }, { transparent, depthWrite: !transparent, alphaToCoverage: !transparent });
 

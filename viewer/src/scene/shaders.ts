@@ -161,6 +161,97 @@ export const barFragment = /* glsl */ `
   }
 `;
 
+// Tubes: the balls between two places, met by the ray through the pixel (src/picture/tube.cpp has the formulas). The
+// rectangle covers them on the screen.
+export const tubeVertex = /* glsl */ `
+  ${VERTEX_DATA}
+  ${CATEGORY}
+  in uvec3 ends;           // and the number of a part from 1 on, or 0
+  uniform float byPart, perspective;
+  uniform vec2 viewport;   // pixels
+  uniform float halfWidth; // pixels, at least
+  uniform float more;      // pixels, beyond the radius
+  flat out vec3 vA; flat out vec3 vB; flat out vec2 vRadii; flat out vec2 vValues;
+  void main() {
+    vec4 pa = placeOf(int(ends.x)), pb = placeOf(int(ends.y));
+    vA = (viewMatrix * vec4(pa.xyz, 1.0)).xyz; vB = (viewMatrix * vec4(pb.xyz, 1.0)).xyz;
+    vec4 ca = projectionMatrix * vec4(vA, 1.0), cb = projectionMatrix * vec4(vB, 1.0);
+    if (ca.w <= 0.0 || cb.w <= 0.0) { gl_Position = vec4(2.0, 2.0, 2.0, 1.0); return; }
+    vec2 perPixel = 2.0 / (projectionMatrix[1][1] * viewport.y) * (perspective > 0.5 ? vec2(-vA.z, -vB.z) : vec2(1.0));
+    vRadii = max(vec2(pa.w, pb.w), halfWidth * perPixel) + more * perPixel;
+    float category = categoryOf(ends.z - 1u);
+    vValues = byPart > 0.5 && ends.z > 0u ? vec2(category) : vec2(valueOf(int(ends.x)), valueOf(int(ends.y)));
+    // The outline of a ball is wider than its radius where the eye is near.
+    vec2 away = perspective > 0.5 ? vec2(-vA.z, -vB.z) : vec2(1e9);
+    vec2 pixels = vRadii / perPixel * away / max(away - vRadii, 0.02 * away);
+    float reach = max(pixels.x, pixels.y) + 1.5;
+    vec2 a = (ca.xy / ca.w * 0.5 + 0.5) * viewport, b = (cb.xy / cb.w * 0.5 + 0.5) * viewport, along = b - a;
+    along = dot(along, along) > 1e-8 ? normalize(along) : vec2(1.0, 0.0);
+    bool first = position.x < 0.5;
+    vec4 mine = first ? ca : cb;
+    vec2 at = (first ? a - along * reach : b + along * reach) + vec2(-along.y, along.x) * position.y * reach;
+    gl_Position = vec4((at / viewport * 2.0 - 1.0) * mine.w, mine.z, mine.w);
+  }
+`;
+
+export const tubeFragment = /* glsl */ `
+  ${FRAGMENT}
+  uniform mat4 projectionMatrix, sceneOfView;
+  uniform float perspective;
+  uniform vec2 viewport;
+  uniform vec3 plain; uniform float usePlain;
+  flat in vec3 vA; flat in vec3 vB; flat in vec2 vRadii; flat in vec2 vValues;
+  out vec4 colour;
+  void main() {
+    vec2 at = (gl_FragCoord.xy / viewport * 2.0 - 1.0 + (perspective > 0.5 ? projectionMatrix[2].xy : -projectionMatrix[3].xy)) / vec2(projectionMatrix[0][0], projectionMatrix[1][1]);
+    vec3 ray = perspective > 0.5 ? normalize(vec3(at, -1.0)) : vec3(0.0, 0.0, -1.0);
+    // From a place on the ray near the tube, so that numbers are small; lengths in radii.
+    float before = dot(0.5 * (vA + vB) - (perspective > 0.5 ? vec3(0.0) : vec3(at, 0.0)), ray), unit = vRadii.x + vRadii.y;
+    vec3 start = (perspective > 0.5 ? vec3(0.0) : vec3(at, 0.0)) + before * ray;
+    vec3 from = (start - vA) / unit, u = (vB - vA) / unit;
+    float r = vRadii.x / unit, grow = (vRadii.y - vRadii.x) / unit, room = dot(u, u) - grow * grow;
+    // How far beside it the ray goes by.
+    vec3 uAcross = u - ray * dot(u, ray), fromAcross = from - ray * dot(from, ray);
+    float s = clamp(dot(fromAcross, uAcross) / max(dot(uAcross, uAcross), 1e-12), 0.0, 1.0);
+    vec3 off = fromAcross - s * uAcross;
+    float perPixel = 2.0 / (projectionMatrix[1][1] * viewport.y) * (perspective > 0.5 ? -start.z : 1.0) / unit;
+    float cover = clamp(0.5 - (length(off) - r - s * grow) / perPixel, 0.0, 1.0);
+    float t = dot(s * u - from, ray), inside;
+    vec3 normal = normalize(off);
+    bool met = false;
+    if (room > 0.0) {
+      float p = dot(u, ray), q = dot(u, from) + r * grow;
+      float square = room - p * p, linear = room * dot(ray, from) - q * p, rest = room * (dot(from, from) - r * r) - q * q;
+      inside = linear * linear - square * rest;
+      if (square > 0.0 && inside >= 0.0) {
+        float first = (-linear - sqrt(inside)) / square, share = (q + first * p) / room;
+        if (share > 0.0 && share < 1.0) { met = true; t = first; s = share; normal = normalize(from + t * ray - s * u); }
+      }
+    }
+    if (!met) {
+      float nearest = 1e30;
+      for (int i = 0; i < 2; ++i) {
+        float k = float(i), radius = r + k * grow;
+        vec3 o = from - k * u;
+        float half_ = dot(o, ray);
+        inside = half_ * half_ - dot(o, o) + radius * radius;
+        if (inside < 0.0 || -half_ - sqrt(inside) > nearest) continue;
+        nearest = t = -half_ - sqrt(inside);
+        s = k;
+        normal = normalize(o + t * ray);
+        cover = 1.0;
+      }
+    }
+    if (cover <= 0.0) discard;
+    vec3 hit = start + t * unit * ray;
+    clip((sceneOfView * vec4(hit, 1.0)).xyz);
+    vec4 place = projectionMatrix * vec4(hit, 1.0);
+    gl_FragDepth = clamp(place.z / place.w * 0.5 + 0.5, 0.0, 1.0);
+    vec3 base = usePlain > 0.5 ? plain : colourOf(mix(vValues.x, vValues.y, s));
+    colour = vec4(lit(base, normal, -ray, 0.18), cover);
+  }
+`;
+
 // Balls: a square around each, the ray through the pixel meets the ball.
 export const ballVertex = /* glsl */ `
   ${VERTEX_DATA}

@@ -1,15 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// The table of the branches of the skeleton that was asked for: sorted by a click on a column, a row picks its branch.
-// Only the rows in sight are elements.
+// The table of the branches of the skeleton that was asked for; a row picks its branch.
 import type { App } from "../app";
 import { NODE_KINDS, type BranchMeasure, type Branches } from "../data";
 import { short, withUnit } from "../format";
 import { keyOf } from "../state";
-import { el, fill } from "./dom";
-
-interface Column { name: string; label: string; help: string; value: (b: number) => number | string; text: (b: number) => string }
-
-const ROW = 24; // pixels
+import { el } from "./dom";
+import { RowTable, type Column } from "./row_table";
 
 /// Measures of a branch: the names of branches.csv, what they are called, and whether they are lengths.
 export const BRANCH_COLUMNS: [BranchMeasure, string, string, boolean][] = [
@@ -25,12 +21,7 @@ export class BranchTable {
   readonly element = el("section", "branches");
   private readonly branches: Branches | null;
   private readonly columns: Column[] = [];
-  private readonly heads: HTMLElement[] = [];
-  private readonly body = el("div", "branch-body");
-  private readonly rows = el("div", "branch-rows");
-  private order: number[] = [];
-  private sorted = 1;
-  private falling = true;
+  private readonly table: RowTable | null = null;
   private picked = -1;
 
   constructor(private readonly app: App) {
@@ -47,28 +38,9 @@ export class BranchTable {
     const copy = el("button", "plain", "Copy as CSV"), close = el("button", "plain", "Close");
     copy.addEventListener("click", () => void copyText(this.csv(), copy));
     close.addEventListener("click", () => app.set({ table: false }));
-    const head = el("div", "branch-row branch-head");
-    this.columns.forEach((column, i) => {
-      const cell = el("button", "branch-cell", column.label);
-      cell.title = column.help;
-      cell.addEventListener("click", () => this.sort(i));
-      this.heads.push(cell);
-      head.append(cell);
-    });
-    this.body.append(this.rows);
-    this.body.tabIndex = 0;
-    this.body.addEventListener("scroll", () => this.draw());
-    this.body.addEventListener("keydown", (event) => {
-      const step = event.key === "ArrowDown" ? 1 : event.key === "ArrowUp" ? -1 : 0;
-      if (step === 0) return;
-      event.preventDefault();
-      event.stopPropagation();
-      const at = this.order.indexOf(this.app.state.branch), next = this.order[Math.min(this.order.length - 1, Math.max(0, at + step))];
-      if (next !== undefined) this.app.pickBranch(next);
-    });
+    this.table = new RowTable(this.columns, b.count, "66px repeat(6, minmax(84px, 1fr)) minmax(130px, 1.4fr)", 720, 1, (branch) => app.pickBranch(branch));
     const title = el("h2", "", `${b.count} ${b.count === 1 ? "branch" : "branches"}`);
-    this.element.append(el("header", "", title, el("span", "branch-actions", copy, close)), el("div", "branch-scroll", head, this.body));
-    this.sort(1);
+    this.element.append(el("header", "", title, el("span", "branch-actions", copy, close)), this.table.element);
   }
 
   /// In the plane there is one fire.
@@ -77,37 +49,7 @@ export class BranchTable {
     return BRANCH_COLUMNS.map(([name, label, help, isLength]) => [name, label.replace("curve ", ""), help.replace("curve ", ""), isLength]);
   }
 
-  private sort(column: number): void {
-    this.falling = column === this.sorted ? !this.falling : column !== 0;
-    if (this.order.length === 0) this.falling = true;
-    this.sorted = column;
-    const { value } = this.columns[column]!, sign = this.falling ? -1 : 1;
-    this.order = Array.from({ length: this.branches!.count }, (_, i) => i).sort((x, y) => {
-      const a = value(x), b = value(y);
-      return sign * (a < b ? -1 : a > b ? 1 : 0) || x - y;
-    });
-    this.heads.forEach((head, i) => { head.dataset.sorted = i === column ? (this.falling ? "▾" : "▴") : ""; });
-    this.draw();
-  }
-
-  private draw(): void {
-    this.rows.style.height = `${ROW * this.order.length}px`;
-    const from = Math.max(0, Math.floor(this.body.scrollTop / ROW) - 4), to = Math.min(this.order.length, from + Math.ceil((this.body.clientHeight || 300) / ROW) + 8);
-    fill(this.rows, ...this.order.slice(from, to).map((b, i) => {
-      const row = el("button", "branch-row", ...this.columns.map((c) => el("span", "branch-cell", c.text(b))));
-      row.style.top = `${ROW * (from + i)}px`;
-      row.dataset.branch = String(b);
-      row.classList.toggle("chosen", b === this.picked);
-      row.addEventListener("click", () => this.app.pickBranch(b === this.picked ? -1 : b));
-      return row;
-    }));
-  }
-
-  /// The whole table in its order; columns as in branches.csv, infinity as `inf`.
-  csv(): string {
-    const number = (x: number | string) => (typeof x === "string" ? x.replace(" – ", "-") : Number.isFinite(x) ? String(Number(x.toPrecision(9))) : "inf");
-    return [this.columns.map((c) => c.name).join(","), ...this.order.map((b) => this.columns.map((c) => number(c.value(b))).join(","))].join("\n") + "\n";
-  }
+  csv(): string { return this.table?.csv() ?? ""; }
 
   /// What the table says of a branch, for the panel of what is picked.
   entries(branch: number): [string, string][] {
@@ -123,9 +65,7 @@ export class BranchTable {
     if (this.element.hidden) return;
     if (was === this.element.hidden && this.picked === state.branch) return;
     this.picked = state.branch;
-    const at = this.order.indexOf(this.picked);
-    if (at >= 0 && (ROW * at < this.body.scrollTop || ROW * (at + 1) > this.body.scrollTop + this.body.clientHeight)) this.body.scrollTop = ROW * at - this.body.clientHeight / 2;
-    this.draw();
+    this.table!.show(this.picked, true);
   }
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The colour bar: what colours mean, in world units.
+import type { Layer } from "../data";
 import { colourAt, css, GREY, INFINITE, type Rgb } from "../colours";
 import { short, ticks, withUnit } from "../format";
 import { infinityOf, labelOf, unitOf, type Range } from "../measures";
@@ -16,8 +17,8 @@ export class ColourBar {
   /// For pictures that are saved.
   figure(): { canvas: HTMLCanvasElement; title: string; shown: boolean } { return { canvas: this.canvas, title: this.title.textContent ?? "", shown: !this.canvas.hidden }; }
 
-  show(measure: string, lengths: string, map: string, low: number, high: number, range: Range | null, extra: [string, Rgb][]): void {
-    const label = labelOf(measure), unit = unitOf(measure, lengths);
+  show(measure: string, lengths: string, map: string, low: number, high: number, range: Range | null, extra: [string, Rgb][], parts: [string, Rgb][], layer: Layer): void {
+    const label = labelOf(measure), unit = unitOf(measure, lengths, layer);
     const swatch = (name: string, rgb: Rgb) => {
       const dot = el("i", "swatch");
       dot.style.background = css(rgb);
@@ -29,7 +30,8 @@ export class ColourBar {
     fill(this.keys, ...keys);
     const bar = range !== null && range.finite > 0;
     this.title.textContent = bar ? withUnit(label, unit && `(${unit})`) : "";
-    this.title.hidden = this.canvas.hidden = !bar;
+    this.title.hidden = this.canvas.hidden = !bar && parts.length === 0;
+    if (parts.length > 0) this.legend(label, parts);
     if (!bar) return;
     const width = 280, height = 34;
     this.canvas.style.width = `${width}px`;
@@ -60,5 +62,21 @@ export class ColourBar {
     };
     if (range.low < low - 1e-6 * (high - low)) arrow(margin, margin - 8, 0);
     if (range.high > high + 1e-6 * (high - low)) arrow(margin + length, margin + length + 8, 1);
+  }
+
+  /// What the colours of parts mean.
+  private legend(label: string, parts: [string, Rgb][]): void {
+    const width = 280, row = 18, across = 3;
+    this.title.textContent = label;
+    this.canvas.style.width = `${width}px`;
+    const c = prepare(this.canvas, width, row * Math.ceil(parts.length / across));
+    c.font = "12px system-ui, sans-serif";
+    parts.forEach(([name, rgb], i) => {
+      const x = 14 + (i % across) * 88, y = row * Math.floor(i / across) + 3;
+      c.fillStyle = css(rgb);
+      c.fillRect(x, y, 11, 11);
+      c.fillStyle = styleOf("--text");
+      c.fillText(name, x + 17, y + 10);
+    });
   }
 }

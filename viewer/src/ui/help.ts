@@ -3,6 +3,15 @@
 import { el } from "./dom";
 
 /// What they do, and what in the plane where that is another thing; "": nothing.
+/// Of trees only.
+const TREE_KEYS: [string, string][] = [
+  ["click", "pick an axis, or a branch where the table is that of branches, with its way to the root node"],
+  [", .", "previous, next repair"],
+  ["M", "marks of repairs"],
+  ["L", "lines, tubes"],
+  ["0", "tree"],
+];
+
 const KEYS: [string, string, string?][] = [
   ["drag", "turn", "move"],
   ["right drag, Shift + drag", "move", ""],
@@ -33,12 +42,13 @@ const KEYS: [string, string, string?][] = [
 
 export class Help {
   readonly element = el("div", "help");
-  constructor(plane: boolean) {
+  constructor(plane: boolean, tree: boolean) {
     const list = el("dl", "keys");
     for (const [key, inSpace, inPlane] of KEYS) {
       const meaning = plane ? (inPlane ?? inSpace) : inSpace;
       if (meaning) list.append(el("dt", "", key), el("dd", "", meaning));
     }
+    if (tree) list.prepend(...TREE_KEYS.flatMap(([key, meaning]) => [el("dt", "", key), el("dd", "", meaning)]));
     const close = el("button", "plain", "Close");
     close.addEventListener("click", () => this.toggle(false));
     const box = el("div", "help-box", el("h2", "", "Keys and mouse"), list,

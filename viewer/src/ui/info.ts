@@ -6,9 +6,10 @@ import type { Numbers, Picked } from "../app";
 import { elementOf, labelOf, pruningText, unitOf } from "../measures";
 import { isAsked, type State } from "../state";
 import { copyText, type BranchTable } from "./branches";
+import type { TreeInfo } from "./tree_info";
 import { el, fill, rows } from "./dom";
 
-const NAMES = { skeleton: "Skeleton", core: "Medial axis", still: "Other result" };
+const NAMES = { tree: "Tree", skeleton: "Skeleton", core: "Medial axis", still: "Other result" };
 
 export class Info {
   readonly element = el("section", "info");
@@ -25,7 +26,7 @@ export class Info {
   private readonly toTable = el("button", "plain to-table");
   onTable: () => void = () => {};
 
-  constructor(private readonly page: Page, private readonly table: BranchTable, help: () => void) {
+  constructor(private readonly page: Page, private readonly table: BranchTable, private readonly tree: TreeInfo | null, help: () => void) {
     const { meta } = page;
     this.sheets = (page.layers.get("skeleton")?.sheet ?? new Uint32Array(0)).reduce((most, s) => Math.max(most, s + 1), 0);
     const about = el("details", "about", el("summary", "", "About this result"));
@@ -44,7 +45,7 @@ export class Info {
     question.addEventListener("click", help);
     const note = meta.note ? el("p", "note", meta.note) : null;
     about.append(...meta.notes.map((text) => el("p", "note", `${text}.`.replace(/\.\.$/, "."))));
-    this.element.append(el("header", "", el("h1", "", meta.title), question), this.what, this.figures, this.toTable, this.share, ...(note ? [note] : []), about, this.branch, this.picked);
+    this.element.append(el("header", "", el("h1", "", meta.title), question), this.what, this.figures, ...(tree ? [tree.element] : []), this.toTable, this.share, ...(note ? [note] : []), about, this.branch, this.picked);
     this.toTable.addEventListener("click", () => this.onTable());
     const copy = el("button", "plain", "Copy");
     copy.addEventListener("click", () => void copyText(this.commandText.textContent ?? "", copy));
@@ -55,6 +56,15 @@ export class Info {
   show(state: State, numbers: Numbers, command: string): void {
     const { meta } = this.page, unit = meta.unit;
     const branches = state.layer === "skeleton" && isAsked(this.page, state) ? (this.page.layers.get("skeleton")?.branches?.count ?? 0) : 0;
+    this.tree?.show();
+    if (this.tree && state.layer === "tree") {
+      this.toTable.hidden = true; // it has its own
+      fill(this.what, el("b", "", NAMES.tree));
+      fill(this.figures);
+      this.commandText.textContent = command;
+      this.command.hidden = command === "";
+      return;
+    }
     this.toTable.hidden = branches === 0;
     this.toTable.textContent = `${state.table ? "Hide the table" : "Table"} of ${counted(branches)} ${branches === 1 ? "branch" : "branches"}`;
     const length = (x: number) => withUnit(short(x), unit);
@@ -83,7 +93,7 @@ export class Info {
   }
 
   showBranch(branch: number): void {
-    if (branch < 0) return fill(this.branch);
+    if (branch < 0 || !this.page.layers.get("skeleton")?.branches) return fill(this.branch);
     const close = el("button", "plain", "Clear");
     close.addEventListener("click", () => this.onClearPick());
     fill(this.branch, el("header", "", el("h2", "", `Branch ${counted(branch)}`), close), rows(this.table.entries(branch)));

@@ -11,6 +11,7 @@ interface Actions {
   help: Help;
   screenshot: () => void;
   reset: () => void;
+  stepEdit: (direction: number) => void;
   look: (x: number, y: number, z: number) => void;
   moved: () => void;
 }
@@ -32,9 +33,14 @@ export function listenToKeys(app: App, panel: Panel, actions: Actions): void {
   const keys: Record<string, () => unknown> = {
     "?": () => actions.help.toggle(),
     Escape: () => (actions.help.open ? actions.help.toggle(false) : app.clearPick()),
-    "1": layer("skeleton"), "2": layer("core"), "3": layer("still"),
+    "0": layer("tree"), "1": layer("skeleton"), "2": layer("core"), "3": layer("still"),
     s: flip("sheets"), c: flip("curves"), e: flip("seams"), b: flip("boundary"), g: flip("shape"), u: flip("balls"), x: flip("clip"),
     t: flip("table"), a: flip("axes"), o: flip("orthographic"), d: flip("dark"), h: flip("ui"), p: actions.screenshot, f: actions.reset, " ": actions.burn,
+    l: () => app.tree && app.set({ tubes: !app.state.tubes }), ",": () => actions.stepEdit(-1), ".": () => actions.stepEdit(1),
+    m: () => {
+      const on = !(app.state.bridges || app.state.cuts);
+      if (app.edits) app.set({ bridges: on, cuts: on, leftOut: false });
+    },
     "[": step("sheets", -1), "]": step("sheets", 1), ";": step("curves", -1), "'": step("curves", 1),
     ArrowLeft: turn(-30, 0), ArrowRight: turn(30, 0), ArrowUp: turn(0, -30), ArrowDown: turn(0, 30),
     "+": zoom(0.88), "=": zoom(0.88), "-": zoom(1 / 0.88),

@@ -12,7 +12,7 @@ import { LengthSlider } from "./slider";
 
 export interface Actions { screenshot: () => void; reset: () => void }
 
-const LAYERS: Record<LayerName, string> = { skeleton: "skeleton", core: "medial axis (core)", still: "other result (still)" };
+const LAYERS: Record<LayerName, string> = { tree: "tree", skeleton: "skeleton", core: "medial axis (core)", still: "other result (still)" };
 
 export class Panel {
   readonly gui: GUI;
@@ -44,7 +44,8 @@ export class Panel {
     const colour = this.folder("Colour");
     this.colour = this.add(colour, "color", "colour by", {});
     this.add(colour, "map", "colours", Object.fromEntries(Object.entries(MAPS).map(([k, m]) => [m.label, k])));
-    if (!plane) this.add(colour, "curvesByMeasure", "curves too");
+    const lines = [...page.layers.values()].every((layer) => layer.faceCount === 0), { tree } = app;
+    if (!plane && !lines) this.add(colour, "curvesByMeasure", "curves too");
     const range = {
       low: 0, high: 1,
       fit: () => {
@@ -63,12 +64,15 @@ export class Panel {
 
     const parts = this.folder("Parts");
     parts.domElement.classList.add("pairs");
-    if (!plane) this.add(parts, "sheets", "sheets");
-    this.add(parts, "curves", "curves");
-    if (!plane) this.add(parts, "seams", "seams");
-    if (!plane) this.add(parts, "boundary", "boundary");
-    this.add(parts, "points", "points");
-    if (page.layers.get("skeleton")?.branches) this.add(parts, "table", "branches");
+    const onlyTree = names.length === 1 && tree !== null;
+    if (tree) this.add(parts, "tubes", "tubes");
+    if (!plane && !lines) this.add(parts, "sheets", "sheets");
+    if (!onlyTree) this.add(parts, "curves", "curves");
+    if (!plane && !lines) this.add(parts, "seams", "seams");
+    if (!plane && !lines) this.add(parts, "boundary", "boundary");
+    if (!onlyTree) this.add(parts, "points", "points");
+    if (tree || page.layers.get("skeleton")?.branches) this.add(parts, "table", tree ? "table" : "branches");
+    if (app.edits) for (const [name, label] of [["bridges", "bridges"], ["cuts", "cuts"], ["leftOut", "left out"]] as const) if (app.edits.count(name) > 0) this.add(parts, name, label);
     this.add(parts, "curveWidth", "curve width").min(1).max(14).step(0.5);
 
     const around = this.folder(plane ? "Shape" : "Shape and space");

@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "io/tree/rsml_course.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "io/common/words.h"
+
+namespace quench::io::rsml {
+namespace {
+
+constexpr double kRounding = 1e-9;  // of the length of a segment
+
+void collect(const pugi::xml_node& node, std::vector<Function>& found) {
+  for (const pugi::xml_node& function : node.children()) {
+    if (!is(function, "function") && !is(function, "functions")) continue;
+    if (const pugi::xml_attribute name = attribute(function, "name")) {
+      std::string domain = plain_name(attribute(function, "domain").value());
+      found.push_back({function, plain_name(name.value()), domain.empty() ? "polyline" : std::move(domain)});
+    } else {
+      collect(function, found);
+    }
+  }
+}
+
+std::vector<double> lengths_along(const std::vector<Vec3>& points) {
+  std::vector<double> lengths(points.size(), 0);
+  for (std::size_t i = 1; i < points.size(); ++i) lengths[i] = lengths[i - 1] + (points[i] - points[i - 1]).norm();
+  return lengths;
+}
+
+/// Linear between samples at ascending positions.
+double between(const std::vector<double>& positions, const std::vector<double>& values, double at) {
+  const auto next = static_cast<std::size_t>(std::ranges::upper_bound(positions, at) - positions.begin());
+  if (next == 0) return values.front();
+  if (next == positions.size()) return values.back();
+  const double step = positions[next] - positions[next - 1];
+  return values[next - 1] + (values[next] - values[next - 1]) * ((at - positions[next - 1]) / step);
+}
+
+/// The samples at other places of the polyline, and `before` of them at its base.
+void resample(const std::vector<std::string>& samples, const std::vector<Place>& places, bool before,
+              pugi::xml_node into) {
+  const auto add = [&](const std::string& value) {
+    into.append_child("sample").append_attribute("value") = value.c_str();
+  };
+  if (before && !samples.empty()) add(samples.front());
+  for (const Place& place : places) {
+    if (place.index >= samples.size()) return;
+    double a = 0, b = 0;
+    if (place.part == 0 || place.index + 1 == samples.size() || !parse_number(samples[place.index], a) ||
+        !parse_number(samples[place.index + 1], b))
+      add(samples[place.index]);
+    else
+      add(fmt::format("{}", a + place.part * (b - a)));
+  }
+}
+
+void copy_attributes(const pugi::xml_node& from, pugi::xml_node to) {
+  for (const pugi::xml_attribute& a : from.attributes()) to.append_copy(a);
+}
+
+}  // namespace
+
+std::vector<Function> functions_of(const pugi::xml_node& root) {
+  std::vector<Function> found;
+  for (const pugi::xml_node& node : root.children())
+    if (is(node, "functions")) collect(node, found);
+  return found;
+}
+
+std::vector<double> at_points(const Function& function, const std::vector<Vec3>& points) {
+  std::vector<double> values, positions;
+  for (const pugi::xml_node& sample : function.node.children()) {
+    double value = 0, position = 0;
+    if (!is(sample, "sample")) continue;
+    if (!parse_number(value_of(sample), value) || !std::isfinite(value)) return {};
+    values.push_back(value);
+    if (function.domain != "length") continue;
+    if (!parse_number(attribute(sample, "position").value(), position) || !(position > -kLargestLength) ||
+        (!positions.empty() && !(position > positions.back())))
+      return {};
+    positions.push_back(position);
+  }
+  if (values.empty()) return {};
+  std::vector<double> result = function.domain == "polyline" ? values : lengths_along(points);
+  if (function.domain == "polyline") {
+    result.resize(points.size(), values.back());
+    return result;
+  }
+  if (function.domain == "uniform") {
+    const bool from_tip = plain_name(attribute(function.node, "origin").value()) == "tip";
+    if (from_tip) std::ranges::reverse(values);
+    const double whole = result.back();
+    if (!(whole > 0)) return std::vector<double>(points.size(), values.front());
+    for (std::size_t i = 0; i < values.size(); ++i)
+      positions.push_back(values.size() == 1 ? 0
+                                             : whole * static_cast<double>(i) / static_cast<double>(values.size() - 1));
+  }
+  for (double& at : result) at = between(positions, values, at);
+  return result;
+}
+
+Place nearest_place(const std::vector<Vec3>& polyline, const Vec3& point) {
+  Place best;
+  double least = (polyline[0] - point).squaredNorm();
+  for (std::uint32_t i = 0; i + 1 < polyline.size(); ++i) {
+    const Vec3 along = polyline[i + 1] - polyline[i];
+    const double square = along.squaredNorm();
+    if (!(square > 0)) continue;
+    const double part = std::clamp(along.dot(point - polyline[i]) / square, 0.0, 1.0);
+    const double distance = (polyline[i] + part * along - point).squaredNorm();
+    if (!(distance < least)) continue;
+    least = distance;
+    best = part < kRounding ? Place{i, 0} : part > 1 - kRounding ? Place{i + 1, 0} : Place{i, part};
+  }
+  return best;
+}
+
+Vec3 point_at(const std::vector<Vec3>& polyline, const Place& place) {
+  const Vec3& from = polyline[place.index];
+  return place.part == 0 ? from : from + place.part * (polyline[place.index + 1] - from);
+}
+
+std::string foreign_part(const pugi::xml_node& root, const std::vector<Place>& places, double link) {
+  pugi::xml_document document;
+  pugi::xml_node kept = document.append_child("root");
+  copy_attributes(root, kept);
+  for (const pugi::xml_node& node : root.children()) {
+    if (is(node, "root") || is(node, "functions")) continue;
+    if (!is(node, "geometry")) {
+      kept.append_copy(node);
+      continue;
+    }
+    pugi::xml_node geometry;  // others than the polyline
+    for (const pugi::xml_node& shape : node.children()) {
+      if (is(shape, "polyline")) continue;
+      if (!geometry) geometry = kept.append_child("geometry");
+      geometry.append_copy(shape);
+    }
+  }
+  pugi::xml_node functions;
+  for (const Function& function : functions_of(root)) {
+    if (function.name == "diameter" || function.name == "radius" || function.name == kBridged) continue;
+    if (function.domain == "uniform" && link > 0) continue;  // it is of the old length
+    if (!functions) functions = kept.append_child("functions");
+    pugi::xml_node copy = functions.append_child("function");
+    copy_attributes(function.node, copy);
+    std::vector<std::string> samples;
+    for (const pugi::xml_node& sample : function.node.children()) {
+      if (function.domain == "polyline" && is(sample, "sample")) {
+        samples.push_back(value_of(sample));
+        continue;
+      }
+      pugi::xml_node other = copy.append_copy(sample);
+      double position = 0;
+      if (function.domain == "length" && parse_number(attribute(sample, "position").value(), position))
+        attribute(other, "position") = fmt::format("{}", position + link).c_str();
+    }
+    resample(samples, places, link > 0, copy);
+  }
+  return text_of(kept);
+}
+
+}  // namespace quench::io::rsml

@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <array>
+
+#include "base/parallel.h"
+#include "preparation/filters.h"
+
+namespace quench::preparation {
+namespace {
+
+/// Along one axis, between which two samples a new one lies.
+struct Between {
+  std::int64_t low = 0;
+  double part = 0;  ///< of the way to the next one
+};
+
+std::array<std::vector<Between>, 3> places_of(const Grid& from, const Grid& to) {
+  std::array<std::vector<Between>, 3> places;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const bool same = to.dims[a] == from.dims[a];
+    const double step =
+        same ? 1 : to.spacing[static_cast<Eigen::Index>(a)] / from.spacing[static_cast<Eigen::Index>(a)];
+    for (std::int64_t i = 0; i < to.dims[a]; ++i) {
+      const double at =
+          std::clamp((static_cast<double>(i) + 0.5) * step - 0.5, 0.0, static_cast<double>(from.dims[a] - 1));
+      const auto low = static_cast<std::int64_t>(at);
+      places[a].push_back({low, at - static_cast<double>(low)});
+    }
+  }
+  return places;
+}
+
+/// Linear along each axis; samples of no weight do not count. store(index, value) takes each.
+template <class Value, class Store>
+void resample(const Grid& from, const Grid& to, const Value& value, const Store& store, Context* context) {
+  const auto places = places_of(from, to);
+  base::in_arena(context, [&] {
+    base::for_chunks(static_cast<std::size_t>(to.dims[2]), context, "interpolation", 0, 1, [&](std::size_t z) {
+      const Between pz = places[2][z];
+      std::size_t out = z * static_cast<std::size_t>(to.dims[0] * to.dims[1]);
+      for (const Between& py : places[1])
+        for (const Between& px : places[0]) {
+          double sum = 0;
+          for (unsigned corner = 0; corner < 8; ++corner) {
+            const bool x = corner & 1, y = corner & 2, z_up = corner & 4;
+            const double weight =
+                (x ? px.part : 1 - px.part) * (y ? py.part : 1 - py.part) * (z_up ? pz.part : 1 - pz.part);
+            if (weight == 0) continue;
+            sum += weight * value(static_cast<std::size_t>(
+                                px.low + x + from.dims[0] * (py.low + y + from.dims[1] * (pz.low + z_up))));
+          }
+          store(out++, sum);
+        }
+    });
+  });
+}
+
+/// Squares of the distances to the nearest of samples that are 0, of samples `step` apart, infinite elsewhere; the
+/// lower envelope of parabolas (Felzenszwalb and Huttenlocher 2012, Theory of Computing 8).
+void transform(std::vector<double>& f, double step, std::vector<std::size_t>& site, std::vector<double>& from,
+               std::vector<double>& result) {
+  constexpr double kFar = std::numeric_limits<double>::infinity();
+  site.clear();
+  from.clear();
+  const auto at = [&](std::size_t i) { return static_cast<double>(i) * step; };
+  for (std::size_t i = 0; i < f.size(); ++i) {
+    if (f[i] == kFar) continue;
+    double begin = -kFar;
+    while (!site.empty()) {
+      const std::size_t j = site.back();
+      begin = (f[i] + at(i) * at(i) - f[j] - at(j) * at(j)) / (2 * (at(i) - at(j)));
+      if (begin > from.back()) break;
+      site.pop_back();
+      from.pop_back();
+      begin = -kFar;
+    }
+    site.push_back(i);
+    from.push_back(begin);
+  }
+  if (site.empty()) return;
+  result.resize(f.size());
+  for (std::size_t i = 0, k = 0; i < f.size(); ++i) {
+    while (k + 1 < site.size() && from[k + 1] < at(i)) ++k;
+    const double away = at(i) - at(site[k]);
+    result[i] = away * away + f[site[k]];
+  }
+  f.swap(result);
+}
+
+/// Signed distances in a slice to the nearest pixel of the other side, above 0 inside; `limit` where there is none.
+class SliceDistances {
+ public:
+  SliceDistances(std::array<std::int64_t, 2> dims, std::array<double, 2> steps, double limit)
+      : dims_(dims), steps_(steps), limit_(limit) {}
+
+  /// inside(i, j) says what is inside, set(i, j, distance) takes the results.
+  template <class Inside, class Set>
+  void find(const Inside& inside, const Set& set) {
+    for (const bool side : {true, false}) {
+      const std::vector<double> square = squares([&](std::int64_t i, std::int64_t j) { return inside(i, j) != side; });
+      for (std::int64_t j = 0; j < dims_[1]; ++j)
+        for (std::int64_t i = 0; i < dims_[0]; ++i) {
+          if (inside(i, j) != side) continue;
+          const double distance = std::sqrt(square[static_cast<std::size_t>(i + dims_[0] * j)]);
+          set(i, j, (side ? 1 : -1) * (std::isinf(distance) ? limit_ : distance));
+        }
+    }
+  }
+
+ private:
+  /// To the nearest pixel that is a target.
+  template <class Target>
+  std::vector<double> squares(const Target& target) {
+    const auto nx = static_cast<std::size_t>(dims_[0]), ny = static_cast<std::size_t>(dims_[1]);
+    std::vector<double> all(nx * ny), line;
+    for (std::size_t j = 0; j < ny; ++j) {
+      line.resize(nx);
+      for (std::size_t i = 0; i < nx; ++i)
+        line[i] = target(static_cast<std::int64_t>(i), static_cast<std::int64_t>(j))
+                      ? 0
+                      : std::numeric_limits<double>::infinity();
+      transform(line, steps_[0], site_, from_, result_);
+      std::ranges::copy(line, all.begin() + static_cast<std::ptrdiff_t>(nx * j));
+    }
+    for (std::size_t i = 0; i < nx; ++i) {
+      line.resize(ny);
+      for (std::size_t j = 0; j < ny; ++j) line[j] = all[i + nx * j];
+      transform(line, steps_[1], site_, from_, result_);
+      for (std::size_t j = 0; j < ny; ++j) all[i + nx * j] = line[j];
+    }
+    return all;
+  }
+
+  std::array<std::int64_t, 2> dims_;
+  std::array<double, 2> steps_;
+  double limit_;
+  std::vector<std::size_t> site_;
+  std::vector<double> from_, result_;
+};
+
+/// Of the slices along the largest spacing, the last of equal ones.
+template <class T>
+std::vector<float> signed_distances(const Grid& grid, const std::vector<T>& samples, Context* context) {
+  std::size_t thick = 2;
+  for (const std::size_t a : {1, 0})
+    if (grid.spacing[static_cast<Eigen::Index>(a)] > grid.spacing[static_cast<Eigen::Index>(thick)]) thick = a;
+  const std::size_t u = thick == 0 ? 1 : 0, v = thick == 2 ? 1 : 2;
+  const std::array<std::int64_t, 3> stride{1, grid.dims[0], grid.dims[0] * grid.dims[1]};
+  const auto step = [&](std::size_t a) { return grid.spacing[static_cast<Eigen::Index>(a)]; };
+  std::vector<float> distances(samples.size());
+  base::in_arena(context, [&] {
+    base::for_chunks(static_cast<std::size_t>(grid.dims[thick]), context, "interpolation", 0, 0, [&](std::size_t k) {
+      const auto at = [&](std::int64_t i, std::int64_t j) {
+        return static_cast<std::size_t>(static_cast<std::int64_t>(k) * stride[thick] + i * stride[u] + j * stride[v]);
+      };
+      SliceDistances({grid.dims[u], grid.dims[v]}, {step(u), step(v)}, step(thick))
+          .find(
+              [&](std::int64_t i, std::int64_t j) {
+                const T sample = samples[at(i, j)];
+                return sample != T{} && sample == sample;
+              },
+              [&](std::int64_t i, std::int64_t j, double d) { distances[at(i, j)] = static_cast<float>(d); });
+    });
+  });
+  return distances;
+}
+
+std::size_t count_of(const Grid& grid) { return static_cast<std::size_t>(grid.dims[0] * grid.dims[1] * grid.dims[2]); }
+
+}  // namespace
+
+Grid cubes_of(const Grid& grid) {
+  Grid cubes = grid;
+  const double side = grid.spacing.minCoeff();
+  constexpr double kEqual = 1e-6;  // of two spacings
+  for (std::size_t a = 0; a < 3; ++a) {
+    const double ratio = grid.spacing[static_cast<Eigen::Index>(a)] / side;
+    if (ratio > 1 + kEqual)
+      cubes.dims[a] = std::max<std::int64_t>(1, std::llround(static_cast<double>(grid.dims[a]) * ratio));
+  }
+  cubes.spacing = Vec3::Constant(side);
+  cubes.origin = grid.world(Vec3::Zero()) + grid.direction * Vec3::Constant(side / 2);
+  return cubes;
+}
+
+void interpolate(Volume& volume, bool mask, Context* context) {
+  const Grid cubes = cubes_of(volume.grid);
+  if (cubes.dims != volume.grid.dims) {
+    std::visit(
+        [&]<class T>(std::vector<T>& samples) {
+          if (mask) {
+            const std::vector<float> distances = signed_distances(volume.grid, samples, context);
+            T inside = 1;
+            for (const T sample : samples)
+              if (sample != T{} && sample == sample) inside = sample;
+            samples.assign(count_of(cubes), T{});
+            resample(
+                volume.grid, cubes, [&](std::size_t i) { return static_cast<double>(distances[i]); },
+                [&](std::size_t i, double distance) {
+                  if (distance > 0) samples[i] = inside;
+                },
+                context);
+            return;
+          }
+          const auto fill = [&]<class Out>(std::vector<Out>&& out) {
+            resample(
+                volume.grid, cubes, [&](std::size_t i) { return static_cast<double>(samples[i]); },
+                [&](std::size_t i, double value) { out[i] = as_sample<Out>(value); }, context);
+            volume.samples = std::move(out);
+          };
+          if (!std::is_integral_v<T> || stays_whole(samples))
+            fill(std::vector<T>(count_of(cubes)));
+          else
+            fill(std::vector<float>(count_of(cubes)));
+        },
+        volume.samples);
+  }
+  volume.grid = cubes;
+}
+
+}  // namespace quench::preparation

@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <array>
+#include <numeric>
+#include <optional>
+
+#include "base/parallel.h"
+#include "preparation/classes.h"
+#include "preparation/filters.h"
+#include "quench/preparation.h"
+
+namespace quench {
+namespace {
+
+using preparation::Classes;
+using preparation::Range;
+using Counts = std::vector<std::uint64_t>;
+
+constexpr double kClasses = 4096;  // squares of differences, times samples, fit 64 bits
+constexpr double kNoiseSteps = 3;  // what exceeds this many deviations of noise is no noise
+
+/// Visits the pairs of neighbouring finite samples with the classes of both, along the axes of nearly the smallest
+/// spacing (between thick slices differences are of other lengths), in parts on all threads, each with sums of its own;
+/// returns their sum.
+template <class T, class Visit>
+Counts over_pairs(const Grid& grid, const std::vector<T>& samples, const Classes<T>& classes, std::size_t sums,
+                  Context* context, const Visit& visit) {
+  constexpr double kNearly = 1.5;
+  const std::array<std::int64_t, 3> stride{1, grid.dims[0], grid.dims[0] * grid.dims[1]};
+  const auto used = [&](std::size_t a) {
+    return grid.dims[a] > 1 && grid.spacing[static_cast<Eigen::Index>(a)] <= kNearly * grid.spacing.minCoeff();
+  };
+  const std::array<bool, 3> along{used(0), used(1), used(2)};
+  const auto nz = static_cast<std::size_t>(grid.dims[2]);
+  constexpr std::size_t kParts = 16;  // whole numbers: their sums do not depend on the parts
+  const std::size_t parts = std::min(nz, kParts);
+  std::vector<Counts> all(parts, Counts(sums));
+  constexpr auto kNoClass = static_cast<std::uint16_t>(-1);
+  const auto class_of = [&](T sample) {
+    return preparation::is_finite(sample) ? static_cast<std::uint16_t>(classes.of(sample)) : kNoClass;
+  };
+  base::in_arena(context, [&] {
+    base::for_chunks(parts, context, "thresholds", 0, 1, [&](std::size_t part) {
+      const auto [first, last] = base::part_of(nz, part, parts);
+      for (std::size_t z = first; z < last; ++z)
+        for (std::int64_t y = 0; y < grid.dims[1]; ++y)
+          for (std::int64_t x = 0; x < grid.dims[0]; ++x) {
+            const std::array<std::int64_t, 3> at{x, y, static_cast<std::int64_t>(z)};
+            const std::int64_t i = x + stride[1] * y + stride[2] * at[2];
+            const std::uint16_t here = class_of(samples[static_cast<std::size_t>(i)]);
+            if (here == kNoClass) continue;
+            for (std::size_t a = 0; a < 3; ++a) {
+              if (!along[a] || at[a] + 1 == grid.dims[a]) continue;
+              const std::uint16_t there = class_of(samples[static_cast<std::size_t>(i + stride[a])]);
+              if (there != kNoClass) visit(all[part], std::min(here, there), std::max(here, there));
+            }
+          }
+    });
+  });
+  for (std::size_t part = 1; part < parts; ++part)
+    std::transform(all[0].begin(), all[0].end(), all[part].begin(), all[0].begin(), std::plus<>());
+  return all[0];
+}
+
+/// The median of counted differences, interpolated within the class in which it lies; 0 counts for half a class.
+double median_of(const Counts& differences) {
+  const auto half = static_cast<double>(std::accumulate(differences.begin(), differences.end(), std::uint64_t{0})) / 2;
+  double below = 0;
+  for (std::size_t d = 0; d < differences.size(); ++d) {
+    const auto here = static_cast<double>(differences[d]);
+    if (here > 0 && below + here >= half) {
+      const double part = (half - below) / here;
+      return d == 0 ? part / 2 : static_cast<double>(d) - 0.5 + part;
+    }
+    below += here;
+  }
+  return 0;
+}
+
+/// The class whose lower end cuts most of the edges.
+template <class T>
+std::optional<std::size_t> best_cut(const Grid& grid, const std::vector<T>& samples, const Classes<T>& classes,
+                                    Context* context) {
+  const Counts differences =
+      over_pairs(grid, samples, classes, classes.count, context,
+                 [](Counts& counts, std::size_t low, std::size_t high) { ++counts[high - low]; });
+  constexpr double kDeviations = 0.6745;                      // in which half of a normal distribution lies
+  const double noise = median_of(differences) / kDeviations;  // of differences
+  // What is added where a step begins to be cut, and taken away where it ends.
+  const Counts changes = over_pairs(grid, samples, classes, 2 * classes.count, context,
+                                    [&](Counts& counts, std::size_t low, std::size_t high) {
+                                      const std::size_t step = high - low;
+                                      if (static_cast<double>(step) <= kNoiseSteps * noise) return;
+                                      counts[2 * low] += step * step;
+                                      counts[2 * high + 1] += step * step;
+                                    });
+  const std::vector<double> counts = classes.counts(samples);
+  const auto most = static_cast<double>(std::max_element(counts.begin(), counts.end()) - counts.begin());
+  std::uint64_t cut = 0, best = 0;
+  std::size_t first = 0, last = 0;
+  for (std::size_t c = 1; c < classes.count; ++c) {
+    cut += changes[2 * (c - 1)];
+    cut -= changes[2 * (c - 1) + 1];
+    if (std::abs(static_cast<double>(c) - most) < kNoiseSteps * noise / std::sqrt(2)) continue;
+    if (cut > best) first = c;
+    if (cut >= best) last = c;
+    best = std::max(best, cut);
+  }
+  if (best == 0) return {};
+  return first + (last - first) / 2;
+}
+
+template <class T>
+Threshold threshold_at(double value) {
+  if constexpr (std::is_integral_v<T>)
+    return static_cast<std::int64_t>(std::clamp(std::ceil(value), -0x1p62, 0x1p62));
+  else
+    return value;
+}
+
+}  // namespace
+
+std::vector<ProposedThreshold> proposed_thresholds(const Volume& volume, Context* context) {
+  return std::visit(
+      [&]<class T>(const std::vector<T>& samples) {
+        std::vector<ProposedThreshold> proposals;
+        const Range<T> range(samples);
+        if (!range.third) return proposals;
+        const Classes<T> fine(range, kClasses, kClasses), coarse = preparation::otsu_classes(range);
+        if (fine.count == 0) return proposals;
+        if (const auto cut = best_cut(volume.grid, samples, fine, context))
+          proposals.push_back({"edges", threshold_at<T>(fine.low + static_cast<double>(*cut) * fine.step),
+                               "cuts most of the edges between dark and bright, also of things that fill little of the "
+                               "image"});
+        const std::size_t otsu = preparation::otsu(coarse.counts(samples));
+        proposals.push_back({"otsu", threshold_at<T>(coarse.low + static_cast<double>(otsu) * coarse.step),
+                             "parts dark from bright voxels best, where there are many of both (Otsu)"});
+        return proposals;
+      },
+      volume.samples);
+}
+
+Histogram histogram_of(const Volume& volume, std::size_t classes) {
+  return std::visit(
+      [&]<class T>(const std::vector<T>& samples) {
+        const Range<T> range(samples);
+        Histogram histogram;
+        histogram.not_finite = range.not_finite;
+        if (!range.any || !std::isfinite(range.width())) return histogram;
+        histogram.low = static_cast<double>(range.low);
+        histogram.high = static_cast<double>(range.high);
+        if constexpr (std::is_integral_v<T>)
+          histogram.width = std::max(1.0, std::ceil((range.width() + 1) / static_cast<double>(classes)));
+        else
+          histogram.width = range.width() > 0 ? range.width() / static_cast<double>(classes) : 1;
+        const double count = std::floor(range.width() / histogram.width) + 1;
+        histogram.counts.resize(std::min(classes, static_cast<std::size_t>(count)));
+        for (const T sample : samples)
+          if (preparation::is_finite(sample)) {
+            const double at = (static_cast<double>(sample) - histogram.low) / histogram.width;
+            ++histogram.counts[std::min(histogram.counts.size() - 1, static_cast<std::size_t>(at))];
+          }
+        return histogram;
+      },
+      volume.samples);
+}
+
+}  // namespace quench
+
+namespace quench::preparation {
+
+std::size_t otsu(const std::vector<double>& counts) {
+  double all = 0, sum = 0;
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    all += counts[i];
+    sum += counts[i] * static_cast<double>(i);
+  }
+  double below = 0, sum_below = 0, best = -1;
+  std::size_t first = 1, last = 1;
+  for (std::size_t i = 1; i < counts.size(); ++i) {
+    below += counts[i - 1];
+    sum_below += counts[i - 1] * static_cast<double>(i - 1);
+    if (below <= 0 || below >= all) continue;
+    const double apart = sum_below / below - (sum - sum_below) / (all - below);
+    const double between = below * (all - below) * apart * apart;
+    if (between > best) first = i;
+    if (between >= best) last = i;
+    best = std::max(best, between);
+  }
+  return first + (last - first) / 2;
+}
+
+}  // namespace quench::preparation

@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <utility>
+
+#include "tree/course.h"
+#include "tree/polyline_network.h"
+
+namespace quench::tree {
+namespace {
+
+// Lengths that differ by less are the same: turned about, a tree has the same axes.
+constexpr double kSame = 1e-9;
+// A turn of so many radians, or a radius so many times as large, count alike.
+constexpr double kTurnUnit = 0.5, kRadiusUnit = 0.5;
+// What a course that ends before the window does costs, at most.
+constexpr double kShort = 2;
+// Forks that a way on may pass: the bound of trees whose forks all lie in one place.
+constexpr int kMostForks = 12;
+
+// The values of rules that compare children by what follows behind them.
+class Below {
+ public:
+  explicit Below(const Tree& tree) : tree_(tree), children_(children_of(tree)) {
+    const std::size_t count = tree.branches.size();
+    length_.resize(count);
+    mean_radius_.resize(count);
+    way_.resize(count);
+    for (std::size_t b = count; b-- > 0;) {
+      length_[b] = way_[b] = length_of(tree.branches[b].points);
+      mean_radius_[b] = mean_radius(tree.branches[b]);
+      double longest = 0;
+      for (const std::uint32_t c : children_[b]) longest = std::max(longest, way_[c]);
+      way_[b] += longest;
+    }
+  }
+
+  // By `depth` children are compared by the axes they make themselves, so the choices are made from the tips on.
+  std::vector<std::uint32_t> choices(AxisRule rule) {
+    std::vector<std::uint32_t> on(tree_.branches.size(), kNone);
+    axis_.resize(on.size());
+    for (std::size_t b = on.size(); b-- > 0;) {
+      on[b] = best_of(children_[b], rule, static_cast<std::uint32_t>(b));
+      axis_[b] = length_[b] + (on[b] == kNone ? 0 : axis_[on[b]]);
+    }
+    return on;
+  }
+  // `from`: what they continue, or kNone.
+  std::uint32_t best_of(std::span<const std::uint32_t> children, AxisRule rule, std::uint32_t from) const {
+    std::uint32_t best = kNone;
+    for (const std::uint32_t c : children)
+      if (best == kNone || better(c, best, rule, from)) best = c;
+    return best;
+  }
+
+ private:
+  // The largest level that follows a branch, at least: its Strahler number less one.
+  bool better(std::uint32_t a, std::uint32_t b, AxisRule rule, std::uint32_t from) const {
+    const auto more = [](double x, double y) { return x > y * (1 + kSame); };
+    if (rule == AxisRule::depth || rule == AxisRule::strahler) {
+      const std::uint32_t sa = tree_.branches[a].strahler, sb = tree_.branches[b].strahler;
+      if (sa != sb) return sa > sb;
+      if (rule == AxisRule::depth) {
+        if (more(axis_[a], axis_[b])) return true;
+        if (more(axis_[b], axis_[a]) || from == kNone) return false;
+        return turn(from, a) < turn(from, b) - kSame;
+      }
+    }
+    if (rule == AxisRule::radius) {
+      if (more(mean_radius_[a], mean_radius_[b])) return true;
+      if (more(mean_radius_[b], mean_radius_[a])) return false;
+    }
+    return more(way_[a], way_[b]);
+  }
+  double turn(std::uint32_t from, std::uint32_t child) const {
+    const auto chord = [&](std::uint32_t b) -> Vec3 {
+      return tree_.branches[b].points.back() - tree_.branches[b].points[0];
+    };
+    return angle_between(chord(from), chord(child));
+  }
+  static double mean_radius(const Tree::Branch& branch) {
+    double sum = 0, length = 0;
+    for (std::size_t i = 1; i < branch.points.size(); ++i) {
+      const double step = (branch.points[i] - branch.points[i - 1]).norm();
+      sum += step * (branch.radius[i] + branch.radius[i - 1]) / 2;
+      length += step;
+    }
+    return length > 0 ? sum / length : branch.radius[0];
+  }
+
+  const Tree& tree_;
+  base::Csr<std::uint32_t> children_;
+  std::vector<double> length_, mean_radius_, way_, axis_;
+};
+
+// Continuation: from the root node on, an axis is known up to a fork; of all ways on from there, as far as the window
+// goes, the one that costs least is where it continues.
+class Continuation {
+ public:
+  explicit Continuation(const Tree& tree) : tree_(tree), children_(children_of(tree)) {}
+
+  std::vector<std::uint32_t> choices() {
+    on_.assign(tree_.branches.size(), kNone);
+    for (std::uint32_t b = 0; b < tree_.branches.size(); ++b)  // parents first
+      if (const std::uint32_t p = tree_.branches[b].parent; p == kNone || on_[p] != b) follow(b);
+    return std::move(on_);
+  }
+
+ private:
+  void follow(std::uint32_t first) {
+    Course course;
+    for (std::uint32_t b = first; b != kNone; b = on_[b]) {
+      course.append(tree_.branches[b]);
+      on_[b] = next(b, course);
+    }
+  }
+  std::uint32_t next(std::uint32_t b, const Course& course) {
+    const auto children = children_[b];
+    if (children.size() < 2) return children.empty() ? kNone : children[0];
+    const double ball = tree_.branches[b].radius.back();
+    const Window in = window_of(course.reversed(kWindow * ball), ball);
+    double least = std::numeric_limits<double>::infinity();
+    std::uint32_t best = children[0];
+    for (const std::uint32_t c : children) {
+      const double cost = least_cost(c, ball, in, Course(), 0);
+      if (cost < least * (1 - kSame)) {
+        least = cost;
+        best = c;
+      }
+    }
+    return best;
+  }
+  // Of all ways that begin with this branch and end with the window, or at a tip.
+  double least_cost(std::uint32_t b, double ball, const Window& in, const Course& before, int forks) const {
+    Course way = before;
+    way.append(tree_.branches[b]);
+    const auto children = children_[b];
+    if (children.empty() || way.length() >= kWindow * ball || forks == kMostForks) return cost_of(way, ball, in);
+    double least = std::numeric_limits<double>::infinity();
+    for (const std::uint32_t c : children) least = std::min(least, least_cost(c, ball, in, way, forks + 1));
+    return least;
+  }
+  static double cost_of(const Course& way, double ball, const Window& in) {
+    const Window out = window_of(way, ball);
+    const double turn = angle_between(-in.direction, out.direction);
+    const double change = in.radius > 0 && out.radius > 0 ? std::abs(std::log(out.radius / in.radius)) : 0;
+    const double missing = ball > 0 ? std::max(0.0, 1 - way.length() / (kWindow * ball)) : 0;
+    return turn / kTurnUnit + change / kRadiusUnit + kShort * missing;
+  }
+
+  const Tree& tree_;
+  base::Csr<std::uint32_t> children_;
+  std::vector<std::uint32_t> on_;
+};
+
+}  // namespace
+
+std::vector<std::uint32_t> continuations(const Tree& tree, AxisRule rule) {
+  return rule == AxisRule::continuation ? Continuation(tree).choices() : Below(tree).choices(rule);
+}
+
+std::uint32_t main_branch(const Tree& tree, std::span<const std::uint32_t> at_root, AxisRule rule) {
+  // Nothing leads to a root node: by `continuation` it is the thickest one too.
+  return Below(tree).best_of(at_root, rule == AxisRule::continuation ? AxisRule::radius : rule, kNone);
+}
+
+}  // namespace quench::tree

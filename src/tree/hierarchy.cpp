@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <utility>
+
+#include "quench/error.h"
+#include "quench/tree.h"
+#include "tree/polyline_network.h"
+
+namespace quench {
+namespace {
+
+tree::Network network_of_graph(const CurveGraph& graph, const std::vector<std::vector<std::uint8_t>>& bridged) {
+  if (graph.sheets > 0)
+    throw Error(ErrorCode::usage, "a skeleton with sheets is not a tree; theta2 inf turns sheets into curves",
+                "theta2");
+  tree::Network network;
+  for (const CurveGraph::Node& node : graph.nodes) network.nodes.push_back({node.point, node.radius});
+  for (std::uint32_t b = 0; b < graph.branches.size(); ++b) {
+    const CurveGraph::Branch& branch = graph.branches[b];
+    network.links.push_back({branch.from, branch.to, branch.points, branch.radius,
+                             b < bridged.size() ? bridged[b] : std::vector<std::uint8_t>(), 0, b});
+  }
+  return network;
+}
+
+// The network of a tree, and its root nodes.
+std::pair<tree::Network, std::vector<tree::Start>> network_of_tree(Tree&& from) {
+  tree::Network network;
+  std::vector<tree::Start> starts;
+  for (Tree::Plant& plant : from.plants) {
+    starts.push_back({static_cast<std::uint32_t>(network.nodes.size()), std::move(plant)});
+    network.nodes.push_back({starts.back().plant.root, 0});
+  }
+  std::vector<std::uint32_t> far;  // per branch the node at its far end
+  for (std::uint32_t b = 0; b < from.branches.size(); ++b) {
+    Tree::Branch& branch = from.branches[b];
+    if (branch.points.empty()) throw Error(ErrorCode::usage, "a branch of a tree needs points");
+    const std::uint32_t near = branch.parent == kNone ? starts.at(branch.plant).node : far.at(branch.parent);
+    network.nodes[near].radius = std::max(network.nodes[near].radius, branch.radius[0]);
+    if (branch.points.size() == 1) {  // a root node without branches
+      far.push_back(near);
+      continue;
+    }
+    far.push_back(static_cast<std::uint32_t>(network.nodes.size()));
+    network.nodes.push_back({branch.points.back(), branch.radius.back()});
+    network.links.push_back({near, far.back(), std::move(branch.points), std::move(branch.radius),
+                             std::move(branch.bridged), branch.type, branch.source});
+  }
+  return {std::move(network), std::move(starts)};
+}
+
+Tree finished(tree::Network& network, std::span<const tree::Start> known, const HierarchyOptions& options,
+              bool medial) {
+  const std::vector<tree::Start> starts = tree::rooted(network, known, options);
+  Tree tree = tree::directed(network, starts);
+  tree.down = options.down.normalized();
+  tree.rule = options.rule;
+  tree::build_axes(tree, options, medial);
+  return tree;
+}
+
+}  // namespace
+
+Tree tree_of(const Repaired& repaired, const HierarchyOptions& options, Context* context) {
+  checkpoint(context, "hierarchy", 0);
+  tree::Network network = network_of_graph(repaired.graph, repaired.bridged);
+  Tree tree = finished(network, {}, options, true);
+  checkpoint(context, "hierarchy", 1);
+  return tree;
+}
+
+Tree with_hierarchy(Tree from, const HierarchyOptions& options) {
+  const Coordinates coordinates = from.coordinates;
+  auto [network, starts] = network_of_tree(std::move(from));
+  Tree tree = finished(network, starts, options, false);
+  tree.coordinates = coordinates;
+  return tree;
+}
+
+}  // namespace quench

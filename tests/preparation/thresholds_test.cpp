@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "quench/preparation.h"
+
+namespace quench {
+namespace {
+
+double value_of(const ProposedThreshold& proposal) {
+  return std::visit([](auto t) { return static_cast<double>(t); }, proposal.value);
+}
+
+constexpr int kSide = 56;
+
+/// Tubes of one radius in a dark volume: by the distance to their axes, with partial volume, blurred and noisy.
+struct Tubes {
+  Volume volume;      ///< of 50 beside and 150 inside
+  Volume clean;       ///< without noise
+  double inside = 0;  ///< volume of the tubes, in voxels
+
+  Tubes(unsigned seed, double radius, double blur, double noise, bool stone) {
+    std::mt19937 random(seed);
+    std::normal_distribution<double> normal;
+    std::uniform_real_distribution<double> place(0.2 * kSide, 0.8 * kSide);
+    std::vector<Vec3> from, along;
+    for (int i = 0; i < 7; ++i) {
+      from.emplace_back(place(random), place(random), place(random));
+      along.push_back(Vec3(normal(random), normal(random), normal(random)).normalized());
+    }
+    std::vector<float> values;
+    for (int z = 0; z < kSide; ++z)
+      for (int y = 0; y < kSide; ++y)
+        for (int x = 0; x < kSide; ++x) {
+          double share = 0;
+          constexpr int kParts = 3;
+          for (int part = 0; part < kParts * kParts * kParts; ++part) {
+            const Vec3 p =
+                Vec3(x, y, z) +
+                Vec3(part % kParts + 0.5, part / kParts % kParts + 0.5, part / kParts / kParts + 0.5) / kParts;
+            bool in = false;
+            for (std::size_t i = 0; i < from.size() && !in; ++i)
+              in = (p - from[i]).cross(along[i]).squaredNorm() < radius * radius;
+            share += in;
+          }
+          share /= kParts * kParts * kParts;
+          inside += share;
+          const bool of_stone = stone && (Vec3(x, y, z) - Vec3(9, 9, 9)).norm() < 4;
+          values.push_back(static_cast<float>(of_stone ? 250 : 50 + 100 * share));
+        }
+    volume.grid.dims = {kSide, kSide, kSide};
+    volume.samples = values;
+    ForegroundOptions grey;
+    grey.threshold = 1.0;
+    clean = prepared(Volume(volume), {.blur = blur}, grey);
+    std::vector<std::uint8_t> samples;
+    for (const float v : std::get<std::vector<float>>(clean.samples))
+      samples.push_back(static_cast<std::uint8_t>(std::clamp(std::lround(v + noise * normal(random)), 0l, 255l)));
+    volume.samples = std::move(samples);
+  }
+  /// The radius that a threshold gives, as a part of the true one.
+  double radius_at(double threshold) const {
+    const auto& values = std::get<std::vector<float>>(clean.samples);
+    const auto found = std::ranges::count_if(values, [&](float v) { return v >= threshold - 0.5; });
+    return std::sqrt(static_cast<double>(found) / inside);
+  }
+};
+
+TEST(Thresholds, OfEdgesGivesTheRadiusOfTubesBack) {
+  double sum = 0, sum_of_otsu = 0;
+  int count = 0;
+  for (const double radius : {1.5, 2.5, 4.0})
+    for (const double blur : {0.4, 0.8})
+      for (const double noise : {0.0, 2.0, 6.0, 10.0})
+        for (const bool stone : {false, true}) {
+          if (stone && noise > 6) continue;
+          const Tubes tubes(static_cast<unsigned>(count) + 1, radius, blur, noise, stone);
+          const auto proposals = proposed_thresholds(tubes.volume);
+          ASSERT_EQ(proposals.size(), 2u);
+          EXPECT_EQ(proposals[0].rule, "edges");
+          EXPECT_EQ(proposals[1].rule, "otsu");
+          const double found = tubes.radius_at(value_of(proposals[0]));
+          EXPECT_NEAR(found, 1, 0.15) << radius << ' ' << blur << ' ' << noise << ' ' << stone;
+          sum += std::abs(found - 1);
+          sum_of_otsu += std::abs(tubes.radius_at(value_of(proposals[1])) - 1);
+          ++count;
+        }
+  EXPECT_LT(sum / count, 0.04);
+  EXPECT_LT(sum, sum_of_otsu);
+}
+
+TEST(Thresholds, OfRootsIsOfferedWhereOtsuDrowns) {
+  // One thin tube in much noise: Otsu's method parts the noise.
+  const Tubes tubes(5, 1, 0.4, 10, false);
+  const auto proposals = proposed_thresholds(tubes.volume);
+  EXPECT_NEAR(tubes.radius_at(value_of(proposals[0])), 1, 0.25);
+}
+
+TEST(Thresholds, DoNotDependOnThreads) {
+  const Tubes tubes(3, 2, 0.8, 10, false);
+  Context one, three;
+  one.threads = 1;
+  three.threads = 3;
+  const auto a = proposed_thresholds(tubes.volume, &one), b = proposed_thresholds(tubes.volume, &three);
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t i = 0; i < a.size(); ++i) EXPECT_EQ(a[i].value, b[i].value);
+}
+
+TEST(Thresholds, FollowAChangeOfValues) {
+  // Ten times the values plus 1000, in another type.
+  const Tubes tubes(4, 2, 0.8, 3, false);
+  Volume other;
+  other.grid = tubes.volume.grid;
+  std::vector<float> samples;
+  for (const std::uint8_t v : std::get<std::vector<std::uint8_t>>(tubes.volume.samples))
+    samples.push_back(1000 + 10 * static_cast<float>(v));
+  samples[17] = std::numeric_limits<float>::quiet_NaN();
+  other.samples = samples;
+  const double whole = value_of(proposed_thresholds(tubes.volume)[0]),
+               changed = value_of(proposed_thresholds(other)[0]);
+  EXPECT_NEAR((changed - 1000) / 10, whole, 1.5);
+}
+
+TEST(Thresholds, AreNoneForTwoValues) {
+  Volume volume;
+  volume.grid.dims = {4, 1, 1};
+  volume.samples = std::vector<std::uint8_t>{0, 7, 7, 0};
+  EXPECT_TRUE(proposed_thresholds(volume).empty());
+  volume.samples = std::vector<std::uint8_t>{0, 7, 7, 1};
+  EXPECT_FALSE(proposed_thresholds(volume).empty());
+  volume.samples = std::vector<float>(4, std::numeric_limits<float>::quiet_NaN());
+  EXPECT_TRUE(proposed_thresholds(volume).empty());
+}
+
+TEST(Histogram, CountsEveryFiniteSample) {
+  Volume volume;
+  volume.grid.dims = {5, 1, 1};
+  volume.samples = std::vector<std::int16_t>{-3, 4, 4, 300, 12};
+  Histogram histogram = histogram_of(volume, 4);
+  EXPECT_EQ(histogram.low, -3);
+  EXPECT_EQ(histogram.high, 300);
+  EXPECT_EQ(histogram.width, 76);
+  EXPECT_EQ(histogram.counts, (std::vector<std::uint64_t>{4, 0, 0, 1}));
+  histogram = histogram_of(volume, 1000);
+  EXPECT_EQ(histogram.width, 1);
+  EXPECT_EQ(histogram.counts.size(), 304u);
+  EXPECT_EQ(histogram.counts.back(), 1u);
+  constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
+  volume.samples = std::vector<float>{0, 1, 0.5, kNone, std::numeric_limits<float>::infinity()};
+  histogram = histogram_of(volume, 2);
+  EXPECT_EQ(histogram.not_finite, 2u);
+  EXPECT_EQ(histogram.counts, (std::vector<std::uint64_t>{1, 2}));
+  volume.samples = std::vector<float>(5, 2);
+  EXPECT_EQ(histogram_of(volume).counts, (std::vector<std::uint64_t>{5}));
+  volume.samples = std::vector<float>(5, kNone);
+  EXPECT_TRUE(histogram_of(volume).counts.empty());
+}
+
+}  // namespace
+}  // namespace quench
