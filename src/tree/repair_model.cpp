@@ -13,7 +13,7 @@ namespace quench::tree {
 namespace {
 
 constexpr std::size_t kMostArmsOfJoint = 8;  // of joints of several nodes
-constexpr double kWindow = 5;                // radii over which directions are averaged
+constexpr double kArmWindow = 5;             // radii over which directions are averaged
 // Turn of a continuation, radians, and change of the logarithm of its radius, at one standard deviation: for the arms
 // that are most alike, and for those that pass through others.
 constexpr double kTurn = 0.5, kTurnThrough = 0.3, kRadiusChange = 0.5, kRadiusChangeThrough = 0.25;
@@ -28,7 +28,7 @@ class ModelBuilder {
 
   Model build() {
     model_.nodes = graph_.nodes;
-    for (const CurveGraph::Branch& branch : graph_.branches) add_piece(course_of(branch), branch.from, branch.to);
+    for (const CurveGraph::Branch& branch : graph_.branches) add_piece(polyline_of(branch), branch.from, branch.to);
     add_links();
     if (!(model_.finest > 0)) find_finest();
     find_components();
@@ -42,7 +42,7 @@ class ModelBuilder {
   }
 
  private:
-  void add_piece(Course course, std::uint32_t from, std::uint32_t to) {
+  void add_piece(Polyline course, std::uint32_t from, std::uint32_t to) {
     Piece piece;
     piece.length = course.length();
     piece.course = std::move(course);
@@ -197,7 +197,7 @@ class ModelBuilder {
     const std::vector<double> arc = piece.course.arc();
     const auto at = [&](double s) { return place_on(piece.course, arc, end == 0 ? s : piece.length - s); };
     arm.skip = free ? 0 : std::min(model_.nodes[piece.node[end]].radius, 0.4 * piece.length);
-    const double window = kWindow * at(arm.skip).radius;
+    const double window = kArmWindow * at(arm.skip).radius;
     const double last = std::min(arm.skip + window, arm.skip + 0.8 * (piece.length - arm.skip));
     arm.place = at(arm.skip).point;
     const Vec3 way = at(last).point - arm.place;
@@ -281,7 +281,7 @@ class ModelBuilder {
     double at = 0;
     for (const std::uint32_t arm : row) {
       const Piece& piece = model_.piece_of(arm);
-      const Course course = arm % 2 == 0 ? piece.course : reversed(piece.course);
+      const Polyline course = arm % 2 == 0 ? piece.course : reversed(piece.course);
       const std::vector<double> arc = course.arc();
       const double first = model_.arms[arm].skip, last = piece.length - model_.arms[model_.far(arm)].skip;
       for (std::size_t i = 1; i < arc.size(); ++i) {

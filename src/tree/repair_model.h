@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "quench/graph.h"
-#include "tree/repair_course.h"
 #include "tree/repair_forest.h"
+#include "tree/repair_polyline.h"
 
 /// What is known of a graph before it is repaired. A *piece* is a branch; an *arm* is an end of a piece, the number of
 /// the piece twice plus 1 for its far end. A *joint* is where arms meet: a node, or several that short pieces (*bars*)
@@ -15,7 +15,7 @@
 namespace quench::tree {
 
 struct Piece {
-  Course course;
+  Polyline course;
   std::array<std::uint32_t, 2> node{0, 0};
   double length = 0;
   bool bar = false;   ///< inside a joint
