@@ -50,20 +50,26 @@ class ModelBuilder {
     model_.pieces.push_back(std::move(piece));
   }
 
-  // The nodes on one patch of sheets are joined to the thickest of them.
+  // The nodes on one patch of sheets are joined by straight links of the least length (Prim 1957).
   void add_links() {
-    std::vector<std::uint32_t> thickest(graph_.sheets, kNone);
-    for (std::uint32_t n = 0; n < graph_.nodes.size(); ++n) {
-      const std::uint32_t sheet = graph_.nodes[n].sheet;
-      if (sheet != kNone && (thickest[sheet] == kNone || graph_.nodes[n].radius > graph_.nodes[thickest[sheet]].radius))
-        thickest[sheet] = n;
-    }
-    for (std::uint32_t n = 0; n < graph_.nodes.size(); ++n) {
-      const CurveGraph::Node& node = graph_.nodes[n];
-      if (node.sheet == kNone || thickest[node.sheet] == n) continue;
-      const CurveGraph::Node& other = graph_.nodes[thickest[node.sheet]];
-      add_piece(straight(node.point, node.radius, other.point, other.radius, false), n, thickest[node.sheet]);
-      model_.pieces.back().link = model_.pieces.back().bar = true;
+    std::vector<std::vector<std::uint32_t>> on(graph_.sheets);
+    for (std::uint32_t n = 0; n < graph_.nodes.size(); ++n)
+      if (graph_.nodes[n].sheet != kNone) on[graph_.nodes[n].sheet].push_back(n);
+    for (std::vector<std::uint32_t>& nodes : on) {
+      std::vector<std::pair<double, std::uint32_t>> nearest(nodes.size(), {std::numeric_limits<double>::infinity(), 0});
+      for (std::size_t last = 0, left = nodes.size(); left > 1;) {
+        const std::uint32_t from = nodes[last];
+        std::swap(nodes[last], nodes[--left]);
+        std::swap(nearest[last], nearest[left]);
+        for (std::size_t i = 0; i < left; ++i)
+          nearest[i] =
+              std::min(nearest[i], {(graph_.nodes[nodes[i]].point - graph_.nodes[from].point).squaredNorm(), from});
+        last = static_cast<std::size_t>(
+            std::min_element(nearest.begin(), nearest.begin() + static_cast<std::ptrdiff_t>(left)) - nearest.begin());
+        const CurveGraph::Node &a = graph_.nodes[nodes[last]], &b = graph_.nodes[nearest[last].second];
+        add_piece(straight(a.point, a.radius, b.point, b.radius, false), nodes[last], nearest[last].second);
+        model_.pieces.back().link = model_.pieces.back().bar = true;
+      }
     }
   }
 
@@ -221,10 +227,10 @@ class ModelBuilder {
     return std::exp(-0.5 * q / (turns * turns) - 0.5 * change * change / (changes * changes));
   }
 
-  // Best pairs first.
+  // Best pairs first, those of thick arms before others.
   void continue_arms(const Joint& joint) {
     struct Pair {
-      double straight;
+      double weight;
       std::uint32_t a, b;
     };
     std::vector<Pair> pairs;
@@ -232,9 +238,10 @@ class ModelBuilder {
     for (std::size_t i = 0; i < joint.arms.size(); ++i)
       for (std::size_t j = 0; j < i; ++j) {
         const double how = continuation(joint.arms[j], joint.arms[i], kTurn, kRadiusChange);
-        if (how >= kLeastContinuation) pairs.push_back({how, joint.arms[j], joint.arms[i]});
+        const double thinner = std::min(model_.arms[joint.arms[j]].radius, model_.arms[joint.arms[i]].radius);
+        if (how >= kLeastContinuation) pairs.push_back({how * thinner, joint.arms[j], joint.arms[i]});
       }
-    std::ranges::stable_sort(pairs, [](const Pair& p, const Pair& q) { return p.straight > q.straight; });
+    std::ranges::stable_sort(pairs, [](const Pair& p, const Pair& q) { return p.weight > q.weight; });
     bool first = true;
     for (const Pair& pair : pairs) {
       Arm &a = model_.arms[pair.a], &b = model_.arms[pair.b];
