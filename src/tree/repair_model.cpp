@@ -209,9 +209,11 @@ class ModelBuilder {
     const Vec3 way = at(last).point - arm.place;
     const Vec3 whole = at(piece.length).point - at(0).point;
     arm.direction = way.squaredNorm() > 0 ? way.normalized() : whole.squaredNorm() > 0 ? whole.normalized() : way;
-    constexpr int kSamples = 8;
-    for (int i = 0; i <= kSamples; ++i) arm.radius += at(arm.skip + (last - arm.skip) * i / kSamples).radius;
-    arm.radius /= kSamples + 1;
+    std::array<double, 9> radii;
+    for (std::size_t i = 0; i < radii.size(); ++i)
+      radii[i] = at(arm.skip + (last - arm.skip) * static_cast<double>(i) / (radii.size() - 1)).radius;
+    std::nth_element(radii.begin(), radii.begin() + radii.size() / 2, radii.end());
+    arm.radius = radii[radii.size() / 2];
   }
 
   double continuation(std::uint32_t i, std::uint32_t j, double turns, double changes) const {
