@@ -185,7 +185,9 @@ TreeRun run_tree(const TreeCurves& curves, const TreeOptions& options, const Loa
   TreeRun result;
   for (const CurveGraph::Branch& branch : curves.graph.branches) result.length_before += branch.length;
   const std::optional<GreyValues> grey = grey_values_of(shape);
-  Repaired repair = repaired(curves.graph, options.repair, grey ? &*grey : nullptr, context);
+  RepairOptions how = options.repair;
+  how.voxel = curves.scale.voxel;
+  Repaired repair = repaired(curves.graph, how, grey ? &*grey : nullptr, context);
   checkpoint(context, "repair", 1);
   if (const RepairRule rule = options.repair.rule;
       repair.loops_before > 0 && (rule == RepairRule::off || rule == RepairRule::gaps))
