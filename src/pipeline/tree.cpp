@@ -201,6 +201,7 @@ TreeRun run_tree(const TreeCurves& curves, const TreeOptions& options, const Loa
     checkpoint(context, "topology", 1);
   }
   HierarchyOptions hierarchy = options.hierarchy;
+  hierarchy.voxel = curves.scale.voxel;
   if (options.find_down) hierarchy.down = likely_down(repair.graph);
   if (hierarchy.roots.empty()) hierarchy.roots = options.repair.roots;
   result.tree = tree_of(repair, hierarchy, context);
