@@ -49,6 +49,13 @@ from scipy.sparse.csgraph import dijkstra
 from scipy.spatial import cKDTree
 
 
+def sampled(points, step):
+    """A polyline (rows: coordinates and what else varies along it) with points about every `step`."""
+    parts = max(1, int(np.ceil(np.linalg.norm(points[1, :3] - points[0, :3]) / step)))
+    t = np.arange(parts)[:, None] / parts
+    return np.concatenate([((1 - t) * a + t * b) for a, b in zip(points, points[1:])] + [points[-1:]])
+
+
 class Truth:
     """The true branches, sampled every quarter of a voxel, and which of their places are clear."""
 
@@ -57,10 +64,7 @@ class Truth:
         self.voxel = voxel
         points, radii, owner = [], [], []
         for branch in branches:
-            p = np.array(branch['points'])
-            steps = max(1, int(np.ceil(np.linalg.norm(p[1] - p[0]) / (voxel / 4))))
-            t = np.arange(steps) / steps
-            fine = np.concatenate([((1 - t)[:, None] * a + t[:, None] * b) for a, b in zip(p, p[1:])] + [p[-1:]])
+            fine = sampled(np.array(branch['points']), voxel / 4)
             points.append(fine[:, :3])
             radii.append(fine[:, 3])
             owner.append(np.full(len(fine), branch['id']))
