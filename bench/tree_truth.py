@@ -41,10 +41,9 @@ import xml.etree.ElementTree as xml
 from pathlib import Path
 
 import numpy as np
-from scipy.optimize import linear_sum_assignment
 from scipy.spatial import cKDTree
 
-from root_truth import sampled
+from root_truth import best_pairs, sampled
 
 CASES = {
     'clean256': ['--resolution', 256],
@@ -165,13 +164,6 @@ def distance_of_segments(a, b, c, d):
     """Smallest distance of samples of two segments."""
     t = np.linspace(0, 1, 41)[:, None]
     return cKDTree(a + t * (b - a)).query(c + t * (d - c))[0].min()
-
-
-def best_pairs(cost, limit):
-    """The pairs of the cheapest assignment that cost less than the limit."""
-    if cost.size == 0:
-        return {}
-    return {int(i): int(j) for i, j in zip(*linear_sum_assignment(np.minimum(cost, limit))) if cost[i, j] < limit}
 
 
 def pairs_of(truth, tree):
