@@ -31,6 +31,7 @@ struct RepairOptions {
   std::vector<Vec3> roots;
   std::uint32_t plants = 1;  ///< 0: every component stays a tree of its own
   double reach = 0;          ///< longest bridge, world units; 0: automatic
+  double voxel = 0;          ///< smallest step of the voxels the graph is from; 0: radii tell what is noise
 };
 
 /// A place where the graph was changed.

@@ -24,13 +24,13 @@ double angle_between(const Vec3& a, const Vec3& b) { return std::atan2(a.cross(b
 
 class ModelBuilder {
  public:
-  explicit ModelBuilder(const CurveGraph& graph) : graph_(graph) {}
+  ModelBuilder(const CurveGraph& graph, double voxel) : graph_(graph) { model_.finest = voxel; }
 
   Model build() {
     model_.nodes = graph_.nodes;
     for (const CurveGraph::Branch& branch : graph_.branches) add_piece(course_of(branch), branch.from, branch.to);
     add_links();
-    find_finest();
+    if (!(model_.finest > 0)) find_finest();
     find_components();
     find_necks();
     find_joints();
@@ -67,15 +67,28 @@ class ModelBuilder {
     }
   }
 
+  // The median radius of pieces along their length; without pieces, of nodes.
   void find_finest() {
-    std::vector<double> radii;
-    for (const CurveGraph::Node& node : model_.nodes) radii.push_back(node.radius);
-    for (const Piece& piece : model_.pieces)
-      if (!piece.link) radii.insert(radii.end(), piece.course.radius.begin(), piece.course.radius.end());
-    if (radii.empty()) return;
-    const auto place = radii.begin() + static_cast<std::ptrdiff_t>(radii.size() / 50);
-    std::nth_element(radii.begin(), place, radii.end());
-    model_.finest = *place;
+    std::vector<std::pair<double, double>> radii;  // with how much each counts
+    double sum = 0;
+    for (const Piece& piece : model_.pieces) {
+      if (piece.link) continue;
+      const std::vector<double> arc = piece.course.arc();
+      for (std::size_t i = 1; i < arc.size(); ++i) {
+        radii.push_back({0.5 * (piece.course.radius[i - 1] + piece.course.radius[i]), arc[i] - arc[i - 1]});
+        sum += radii.back().second;
+      }
+    }
+    sum *= 0.5;
+    if (sum == 0) {
+      for (const CurveGraph::Node& node : model_.nodes) radii.push_back({node.radius, 1});
+      sum = 0.5 * static_cast<double>(radii.size());
+    }
+    std::ranges::sort(radii);
+    for (const auto& [radius, counts] : radii) {
+      model_.finest = radius;
+      if ((sum -= counts) <= 0) return;
+    }
   }
 
   void find_components() {
@@ -320,6 +333,6 @@ class ModelBuilder {
 
 }  // namespace
 
-Model model_of(const CurveGraph& graph) { return ModelBuilder(graph).build(); }
+Model model_of(const CurveGraph& graph, double voxel) { return ModelBuilder(graph, voxel).build(); }
 
 }  // namespace quench::tree

@@ -56,7 +56,7 @@ struct Model {
   std::vector<Pass> passes;
   std::vector<std::uint32_t> component;  ///< per node: of the graph, 0 .. components - 1
   std::uint32_t components = 0;
-  double finest = 0;  ///< a radius that few are smaller than: about a voxel
+  double finest = 0;  ///< a voxel or, where that is not known, the median of radii
 
   std::uint32_t far(std::uint32_t arm) const { return arm ^ 1u; }
   const Piece& piece_of(std::uint32_t arm) const { return pieces[arm / 2]; }
@@ -64,7 +64,8 @@ struct Model {
   bool is_free(std::uint32_t arm) const { return joints[arms[arm].joint].arms.size() == 1; }
 };
 
-Model model_of(const CurveGraph& graph);
+/// `voxel`: smallest step of the voxels, 0: not known.
+Model model_of(const CurveGraph& graph, double voxel);
 
 /// An edge between two arms of a joint: how likely the one belongs to the other.
 struct Contact {

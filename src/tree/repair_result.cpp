@@ -2,6 +2,8 @@
 #include "tree/repair_result.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <map>
 #include <utility>
 
@@ -216,20 +218,22 @@ class ResultBuilder {
     }
     const double first = from.begin, last = piece.length - to.begin;
     if (choice_.piece[p]) {
-      draw_part(p, course, first, from.node, last, to.node);
+      draw_part(p, course, first, from.node, last, to.node, 0, piece.length);
       return;
     }
     const CoursePlace place = place_on(course, arc, piece.cut_at);
     const auto kind = piece.neck > 0 ? TreeEdit::Kind::cut_touching : TreeEdit::Kind::cut_loop;
     edits_.push_back({kind, place.point, place.point, place.radius, piece.length, piece.gain});
-    draw_part(p, course, first, from.node, std::max(first, piece.cut_at), kNone);
-    draw_part(p, course, std::min(last, piece.cut_at), kNone, last, to.node);
+    draw_part(p, course, first, from.node, std::max(first, piece.cut_at), kNone, 0, piece.cut_at);
+    draw_part(p, course, std::min(last, piece.cut_at), kNone, last, to.node, std::nextafter(piece.cut_at, piece.length),
+              piece.length);
   }
 
-  // From `begin` to `end`, divided where bridges end. A node that is not there yet is a cut.
-  void draw_part(std::uint32_t p, const Course& course, double begin, std::uint32_t from, double end,
-                 std::uint32_t to) {
-    if (!(end > begin)) return;
+  // From `begin` to `end`, divided where bridges end that belong to the part from `low` to `high` of the whole piece. A
+  // node that is not there yet is a cut.
+  void draw_part(std::uint32_t p, const Course& course, double begin, std::uint32_t from, double end, std::uint32_t to,
+                 double low, double high) {
+    end = std::max(begin, end);
     double at = begin;
     std::uint32_t last = from;
     const auto draw_to = [&](double next, std::uint32_t node) {
@@ -241,13 +245,13 @@ class ResultBuilder {
       last = node;
     };
     for (auto& [place, node] : splits_[p]) {
-      if (place < begin || place > end || node != kNone) continue;
-      if (place <= at && last != kNone) {
+      if (place < low || place > high || node != kNone) continue;
+      const double s = std::clamp(place, begin, end);
+      if (s <= at && last != kNone) {
         node = last;
-      } else if (place >= end && to != kNone) {
+      } else if (s >= end && to != kNone) {
         node = to;
       } else {
-        const double s = std::clamp(place, begin, end);
         const CoursePlace there = place_on(course, course.arc(), s);
         node = drawing_.add_node(there.point, there.radius, kNone);
         if (s > at) draw_to(s, node);

@@ -140,6 +140,7 @@ class Axes {
         piece.parent = static_cast<std::uint32_t>(older - pieces_.data());
       leave_tube(piece, raw);
     }
+    if (medial_) piece.course = smoothed(piece.course);
   }
   // Along the parent up to the branch that this begins behind.
   double length_before(const Piece& piece) const {
