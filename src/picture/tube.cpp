@@ -23,7 +23,8 @@ std::optional<Tube::Hit> Tube::hit(const Vec3& ray) const {
     const double linear = room_ * ray.dot(from) - along_from * along_ray;
     const double rest = room_ * (from.squaredNorm() - radius_ * radius_) - along_from * along_from;
     const double inside = linear * linear - square * rest;
-    if (square > 0 && inside >= 0) {
+    // Of a ray steeper than a wide cone the square is negative, and the root is the place where it comes in, too.
+    if (square != 0 && inside >= 0) {
       const double t = (-linear - std::sqrt(inside)) / square, share = (along_from + t * along_ray) / room_;
       if (share > 0 && share < 1) return Hit{t, share, (t * ray - a_ - share * along_).normalized().cast<float>()};
     }

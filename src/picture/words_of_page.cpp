@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <map>
 
 #include "picture/caption.h"
 #include "picture/tree_scene.h"
@@ -34,6 +35,23 @@ std::string skeleton_words(const Page& page) {
   return text.substr(0, text.rfind(" · "));
 }
 
+/// A unit as people write it: "°", "mm³" of "mm^3".
+std::string unit_words(const std::string& unit) {
+  if (unit == "degrees") return "°";
+  static const std::map<char, const char*> kRaised{{'-', "⁻"}, {'1', "¹"}, {'2', "²"}, {'3', "³"}};
+  std::string text;
+  bool raised = false;
+  for (const char c : unit) {
+    const auto found = kRaised.find(c);
+    if (raised && found != kRaised.end())
+      text += found->second;
+    else if (c != '^')
+      text += c;
+    raised |= c == '^';
+  }
+  return text;
+}
+
 /// "61 axes · length 1234 mm · depth 120 mm".
 std::string tree_words(const Page& page) {
   const std::size_t axes = axes_of(page);
@@ -61,7 +79,7 @@ std::string label_of(const std::string& measure) {
 std::string unit_of(const Page& page, const std::string& measure) {
   if (measure == "angle_to_down") return "°";
   if (measure == "order" || measure == "strahler") return "";
-  if (const PageColumn* const column = column_of(page, measure)) return column->unit == "degrees" ? "°" : column->unit;
+  if (const PageColumn* const column = column_of(page, measure)) return unit_words(column->unit);
   return measure == "object_angle" ? "°" : page.unit;
 }
 

@@ -2,6 +2,7 @@
 // The layer `tree` of pages, read back as a browser does.
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 

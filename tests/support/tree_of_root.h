@@ -78,7 +78,7 @@ inline Tree tree_of_root(const Sample& root) {
     }
     tree.axes.push_back(std::move(axis));
   }
-  tree.plants.push_back({root.branches[0].points[0], 0, {}, {}});
+  tree.plants.emplace_back().root = root.branches[0].points[0];
   number_branches(tree);
   return tree;
 }

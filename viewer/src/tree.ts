@@ -108,7 +108,12 @@ export function textOf(column: Column, row: number, short: (x: number, digits?: 
   return column.whole && Number.isFinite(x) ? String(x).replace("-", "−") : short(x, 4);
 }
 
-export const unitText = (unit: string): string => (unit === "degrees" ? "°" : unit);
+const RAISED: Record<string, string> = { "-": "⁻", 0: "⁰", 1: "¹", 2: "²", 3: "³", 4: "⁴" };
+/// A unit as people write it: "°", "mm³" of "mm^3".
+export const unitText = (unit: string): string => (unit === "degrees" ? "°" : unit.replace(/\^(-?[0-4]+)/g, (_, power: string) => [...power].map((c) => RAISED[c]).join("")));
+
+/// Columns that number things: nothing to colour by.
+const NUMBERS = ["axis", "branch", "parent", "plant", "id"];
 
 /// The layer of the tree, whose edges are the segments of its branches in their order.
 export function readTree(find: Find, meta: Meta): Layer | null {
@@ -165,8 +170,9 @@ export function readTree(find: Find, meta: Meta): Layer | null {
     measures.set(name, ofPoints((b) => numbers[b]!));
   }
   for (const { name } of meta.arrays.filter((a: ArrayEntry) => a.name.startsWith("tree/point/"))) measures.set(name.slice("tree/point/".length), needed(name.slice("tree/".length), Float32Array, vertexCount));
-  for (const c of tables.axes) if (!c.words) measures.set(`axes/${c.name}`, ofPoints((b) => c.values[branchAxis[b]!]!));
-  for (const c of tables.branches) if (!c.words) measures.set(`branches/${c.name}`, ofPoints((b) => c.values[b]!));
+  const measured = (c: Column) => !c.words && !(c.whole && NUMBERS.includes(c.name));
+  for (const c of tables.axes) if (measured(c)) measures.set(`axes/${c.name}`, ofPoints((b) => c.values[branchAxis[b]!]!));
+  for (const c of tables.branches) if (measured(c)) measures.set(`branches/${c.name}`, ofPoints((b) => c.values[b]!));
   const none = new Uint32Array(0);
   return {
     name: "tree", points, vertexCount, faceCount: 0, edgeCount, offsets: new Uint32Array(1), corners: none, sides: none, edges, faceLevel: null, edgeLevel: null, vertexLevel: null,

@@ -223,7 +223,7 @@ export const tubeFragment = /* glsl */ `
       float p = dot(u, ray), q = dot(u, from) + r * grow;
       float square = room - p * p, linear = room * dot(ray, from) - q * p, rest = room * (dot(from, from) - r * r) - q * q;
       inside = linear * linear - square * rest;
-      if (square > 0.0 && inside >= 0.0) {
+      if (square != 0.0 && inside >= 0.0) {
         float first = (-linear - sqrt(inside)) / square, share = (q + first * p) / room;
         if (share > 0.0 && share < 1.0) { met = true; t = first; s = share; normal = normalize(from + t * ray - s * u); }
       }

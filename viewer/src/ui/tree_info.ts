@@ -8,8 +8,9 @@ import { textOf, unitText, type Rows, type Tree } from "../tree";
 import { el, fill, rows as rowsOf } from "./dom";
 import { rowName, rowsText, type TreeTable } from "./tree_table";
 
-const CARD = ["class", "level", "length", "mean_radius", "tortuosity", "angle_to_gravity", "parent_angle", "children", "strahler", "order"];
-const MOST_ON_CARD = 6, MOST_LEVELS = 12;
+/// What of a row is said first: of an axis, of a branch.
+const CARD = ["class", "level", "parent", "children", "length", "mean radius", "tortuosity", "parent angle", "gravity angle", "tip depth", "strahler", "bridged length"];
+const MOST_ON_CARD = 7, MOST_LEVELS = 12;
 const GROUPS: Record<EditGroup, [string, string]> = { bridges: ["bridge", "bridges"], cuts: ["cut", "cuts"], leftOut: ["part left out", "parts left out"] };
 
 export class TreeInfo {
@@ -113,8 +114,16 @@ export class TreeInfo {
     if (row < 0) return fill(card);
     const close = el("button", "plain", "Clear"), name = rowName(rows);
     close.addEventListener("click", clear);
-    const entries = this.table.entries(rows, row).filter(([label]) => label !== name && label !== "edit" && label !== "id");
-    fill(card, el("header", "", el("h2", "", `${name[0]!.toUpperCase()}${name.slice(1)} ${counted(row)}`), close), rowsOf(entries));
+    const all = this.table.entries(rows, row).filter(([label]) => label !== name && label !== "edit" && label !== "id");
+    const wanted = this.wanted(all), rest = all.filter((entry) => !wanted.includes(entry)), more = el("details", "about", el("summary", "", "All of its row"), rowsOf(rest));
+    more.open = card.querySelector("details")?.open ?? false;
+    fill(card, el("header", "", el("h2", "", `${name[0]!.toUpperCase()}${name.slice(1)} ${counted(row)}`), close), rowsOf(wanted), rest.length > 0 ? more : null);
+  }
+
+  /// The main figures; all where there are few of these.
+  private wanted(all: [string, string][]): [string, string][] {
+    const wanted = CARD.map((name) => all.find(([label]) => label === name)).filter((entry) => entry !== undefined);
+    return wanted.length > 1 ? wanted : all;
   }
 
   /// Beside the pointer: what it is on, a few figures.
@@ -122,8 +131,7 @@ export class TreeInfo {
     this.card.hidden = branch < 0;
     if (branch < 0) return;
     const rows: Rows = this.app.state.rows === "branches" ? "branches" : "axes", row = rows === "axes" ? this.tree.branchAxis[branch]! : branch;
-    const all = this.table.entries(rows, row), wanted = CARD.map((name) => all.find(([label]) => label === name.replaceAll("_", " "))).filter((entry) => entry !== undefined);
-    fill(this.card, el("h2", "", `${rowName(rows)} ${counted(row)}`), rowsOf((wanted.length > 1 ? wanted : all.slice(1)).slice(0, MOST_ON_CARD)));
+    fill(this.card, el("h2", "", `${rowName(rows)} ${counted(row)}`), rowsOf(this.wanted(this.table.entries(rows, row).slice(1)).slice(0, MOST_ON_CARD)));
     const right = x + 18 + this.card.offsetWidth < window.innerWidth, below = y + 18 + this.card.offsetHeight < window.innerHeight;
     this.card.style.left = `${right ? x + 18 : x - 12 - this.card.offsetWidth}px`;
     this.card.style.top = `${below ? y + 18 : y - 12 - this.card.offsetHeight}px`;
