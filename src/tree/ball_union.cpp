@@ -12,7 +12,8 @@
 namespace quench::tree {
 namespace {
 
-constexpr int kOnBall = 128;          // points spread over the surface of each ball
+// Points per ball: 4 to 128, so many in all. Of few balls each needs many, of many the errors even out.
+constexpr int kFewestPoints = 4, kMostPoints = 128, kPoints = 4096;
 constexpr double kBallSpacing = 0.5;  // of balls along a course, in radii
 
 struct Ball {
@@ -21,11 +22,11 @@ struct Ball {
 };
 
 // Points on the unit sphere, of equal areas: heights in equal steps, turned by the golden angle.
-std::vector<Vec3> spread_directions() {
+std::vector<Vec3> spread_directions(int count) {
   std::vector<Vec3> directions;
   const double golden = std::numbers::pi * (3 - std::sqrt(5.0));
-  for (int i = 0; i < kOnBall; ++i) {
-    const double z = 1 - (2.0 * i + 1) / kOnBall, flat = std::sqrt(1 - z * z);
+  for (int i = 0; i < count; ++i) {
+    const double z = 1 - (2.0 * i + 1) / count, flat = std::sqrt(1 - z * z);
     directions.emplace_back(flat * std::cos(golden * i), flat * std::sin(golden * i), z);
   }
   return directions;
@@ -142,19 +143,21 @@ class BallGrids {
 // no other ball holds.
 BallUnion union_of_balls(std::span<const Course> courses) {
   const std::vector<Ball> balls = balls_of(courses);
-  static const std::vector<Vec3> directions = spread_directions();
+  if (balls.empty()) return {};
+  const int count = std::clamp(kPoints / static_cast<int>(balls.size()), kFewestPoints, kMostPoints);
+  const std::vector<Vec3> directions = spread_directions(count);
   const BallGrids grids(balls);
   BallUnion result;
   for (std::uint32_t b = 0; b < balls.size(); ++b) {
     const Ball& ball = balls[b];
     const double surface = 4 * std::numbers::pi * ball.radius * ball.radius, volume = surface * ball.radius / 3;
     const Mat3 turn = turn_of(b);
-    for (int i = 0; i < kOnBall; ++i) {
+    for (int i = 0; i < count; ++i) {
       const Vec3 n = turn * directions[static_cast<std::size_t>(i)];
-      if (!grids.covered(ball.centre + ball.radius * n, b)) result.surface += surface / kOnBall;
-      // Shells of equal volume, in another order than the heights of the directions.
-      const double depth = std::cbrt((i * 59 % kOnBall + 0.5) / kOnBall);
-      result.volume += volume / kOnBall / grids.holders(ball.centre + depth * ball.radius * n, b);
+      if (!grids.covered(ball.centre + ball.radius * n, b)) result.surface += surface / count;
+      // Evenly over the volume, and in another order than the heights of the directions.
+      const double depth = std::cbrt(std::fmod((i + 0.5) * std::numbers::phi, 1));
+      result.volume += volume / count / grids.holders(ball.centre + depth * ball.radius * n, b);
     }
   }
   return result;

@@ -317,7 +317,7 @@ TEST(Traits, OfNothingAndOfAPoint) {
 // Columns whose values do not change, or are lengths to a power, when a tree is turned, moved and made larger.
 TEST(Traits, ScaleWithTheTree) {
   std::mt19937 random(4);
-  for (int round = 0; round < 60; ++round) {
+  for (int round = 0; round < 20; ++round) {
     SCOPED_TRACE(round);
     const Builder builder = random_forest(random, 25);
     if (builder.graph.nodes.empty()) continue;
@@ -362,8 +362,8 @@ TEST(Traits, ScaleWithTheTree) {
 
 TEST(Traits, LengthsSumUp) {
   std::mt19937 random(5);
-  for (int round = 0; round < 300; ++round) {
-    const Builder builder = random_forest(random, 40);
+  for (int round = 0; round < 40; ++round) {
+    const Builder builder = random_forest(random, 25);
     const Tree tree = as_it_is(builder, {});
     const Traits traits = traits_of(tree);
     double axes = 0, branches = 0, layers = 0;
