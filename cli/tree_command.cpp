@@ -35,7 +35,7 @@ struct TreeProgram : RunProgram {
   std::optional<SomaRule> soma;
   std::optional<pipeline::Length> reach, sholl_step;
   bool toporoot = false;
-  bool blur_given = false;  ///< also where it is 0
+  bool blur_given = false, connectivity_given = false;  ///< also where they are as by default
 };
 
 struct TreeFiles {
@@ -134,6 +134,7 @@ LoadedShape load_tree_shape(ShapeOptions how, const TreeProgram& o, bool with_me
     how.how.recommended |= !foreground.threshold && !foreground.label && !how.how.otsu;
     how.how.keep_values = !foreground.label && (o.repair == RepairRule::gaps || o.repair == RepairRule::all);
     if (how.how.recommended && !o.blur_given) blur_lightly(how, session);
+    if (!o.connectivity_given) foreground.connectivity = 26;
     foreground.fill_cavities = true;  // a tree has none
   }
   LoadedShape shape = load_shape(how, session);
@@ -333,6 +334,7 @@ int make_tree(TreeProgram o, const CLI::App& app, Session& session) {
   check_tree_options(o, files, session);
   o.run.skeleton = pipeline::skeleton_for_trees(o.run.skeleton);
   o.blur_given = app.get_option("--blur")->count() > 0;
+  o.connectivity_given = app.get_option("--connectivity")->count() > 0;
   Json report;
   std::optional<Record> result;
   const bool is_tree = io::is_tree_file(o.shape.file);
@@ -465,6 +467,7 @@ Action add_tree(CLI::App& app) {
       "A volume (.nrrd .nii.gz .mha .tif, a folder of slices ...), a mesh (.ply .obj .off .stl ...), a result "
       "(core.vtp "
       "or skeleton.vtp of 'quench run'), or a tree that is measured as it is (.swc .rsml)");
+  app.get_option("--connectivity")->default_str("26");
   app.add_option("--shape", o->shape_file, "Of a result: the volume or mesh it is of, for edited.nrrd and the page")
       ->type_name("FILE")
       ->group("Shape");
