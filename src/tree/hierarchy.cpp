@@ -76,9 +76,11 @@ Tree tree_of(const Repaired& repaired, const HierarchyOptions& options, Context*
 
 Tree with_hierarchy(Tree from, const HierarchyOptions& options) {
   const Coordinates coordinates = from.coordinates;
+  std::string foreign = std::move(from.foreign);
   auto [network, starts] = network_of_tree(std::move(from));
   Tree tree = finished(network, starts, options, false);
   tree.coordinates = coordinates;
+  tree.foreign = std::move(foreign);
   return tree;
 }
 
