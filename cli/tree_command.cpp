@@ -114,13 +114,13 @@ void say_without_effect(const CLI::App& app, const std::vector<std::string>& gro
 /// Where the program chooses the threshold of grey values and nothing is said of preparing them: the noise of a scan
 /// makes loops and specks, and a light blur takes most of them away.
 void blur_lightly(ShapeOptions& how, Session& session) {
-  constexpr double kLight = 1;
+  constexpr double kLight = 0.8;
   if (how.how.preparation.any()) return;
   const Volume volume = io::read_volume(how.file, pipeline::read_options(how.how), &session.context);
   if (volume.grid.is_plane() || proposed_thresholds(volume, &session.context).empty()) return;
   how.how.preparation.blur = kLight;
   session.say(
-      fmt::format("note: grey values without a threshold: they are blurred by {} voxel, and a threshold is "
+      fmt::format("note: grey values without a threshold: they are blurred by {} voxels, and a threshold is "
                   "chosen; --threshold T takes one, with the blur you give with --blur, and quench info shows "
                   "the values",
                   kLight));
@@ -150,7 +150,7 @@ LoadedShape load_tree_shape(ShapeOptions how, const TreeProgram& o, bool with_me
 /// The curves of a shape, and what is said of it.
 pipeline::TreeCurves tree_curves_of(const TreeProgram& o, LoadedShape& shape, Json& report, Session& session) {
   pipeline::RunOptions options = o.run;
-  options.graph = o.graph.graph;
+  options.graph = pipeline::graph_for_trees(o.graph.graph, shape.scale());
   std::size_t vertices = 0;
   options.on_core = [&](const pipeline::CoreResult& core) {
     vertices = core.axis.points.size();
