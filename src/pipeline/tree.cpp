@@ -136,6 +136,11 @@ SkeletonOptions skeleton_for_trees(SkeletonOptions asked) {
   return asked;
 }
 
+GraphOptions graph_for_trees(GraphOptions asked, const Scale& scale) {
+  if (asked.resample.value == 0 && scale.voxel > 0) asked.resample = Length{1, Length::Unit::voxels};
+  return asked;
+}
+
 TreeCurves curves_in(Record&& result, const std::string& file, RunOptions options, const LoadedShape* shape,
                      Context* context) {
   const bool drawn = field_text(result, "stage") == "skeleton";
@@ -162,6 +167,7 @@ TreeCurves curves_in(Record&& result, const std::string& file, RunOptions option
   if (loaded.voxel_core) curves.voxel = options.graph.voxel = loaded.spacing;
   if (shape && loaded.voxel_core) options.graph.shape = &shape->shape;
   options.skeleton = skeleton_for_trees(options.skeleton);
+  options.graph = graph_for_trees(options.graph, loaded.scale);
   take_recorded(options.burning, loaded.data);
   curves.graph = run_axis(loaded.axis, std::move(loaded.data), loaded.voxel_core, topology(loaded.axis.complex),
                           loaded.scale, options, context)

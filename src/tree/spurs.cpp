@@ -11,7 +11,7 @@
 namespace quench::tree {
 namespace {
 
-constexpr double kSpurSticksOut = 0.75;                           // radii of what it leaves; true branches by several
+constexpr double kSpurRadii = 0.75, kSpurVoxels = 3;              // of what it leaves; true branches by several
 constexpr double kLongestSpurRadii = 10, kLongestSpurVoxels = 5;  // what is longer is no spur, wherever it ends
 
 class SpurCutter {
@@ -47,12 +47,12 @@ class SpurCutter {
   bool ends_inside(std::uint32_t b) const {
     const Tree::Branch& branch = tree_.branches[b];
     const Vec3& tip = branch.points.back();
-    double out = std::numeric_limits<double>::infinity(), least = voxel_;
+    double out = std::numeric_limits<double>::infinity(), least = 0;
     for_around(b, length_[b] + branch.radius.front(), [&](const Vec3& point, double radius) {
       const double reach = (tip - point).norm() + branch.radius.back() - radius;
       if (reach >= out) return;
       out = reach;
-      least = std::max(voxel_, kSpurSticksOut * radius);
+      least = std::max(kSpurVoxels * voxel_, kSpurRadii * radius);
     });
     return out < least;
   }
