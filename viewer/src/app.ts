@@ -7,7 +7,7 @@ import { commandOf } from "./command";
 import { byMeasure, type Layer, type LayerName, type Page } from "./data";
 import { isCategory, rangeOf, type Range } from "./measures";
 import { pickTube, pickVertex, touchingSites, type Ray } from "./pick";
-import { EditMarks, groupOf } from "./scene/edit_marks";
+import { EditMarks } from "./scene/edit_marks";
 import { LayerView } from "./scene/layer_view";
 import { Marks } from "./scene/marks";
 import { Placement } from "./scene/placement";
@@ -16,7 +16,7 @@ import { ShapeView } from "./scene/shape_view";
 import { Stage } from "./scene/stage";
 import { LayerSets, type CellSet } from "./sets";
 import { keyOf, layerOf, sanitize, type Camera, type State } from "./state";
-import type { Rows, Tree } from "./tree";
+import { groupOf, type Rows, type Tree } from "./tree";
 
 /// Figures of what is visible.
 export interface Numbers {
@@ -373,15 +373,24 @@ export class App {
     if (row < 0) return this.clearPick();
     if (rows === "axes") this.set({ rows, axis: row, branch: -1 });
     else if (rows === "branches") this.set({ rows, branch: row, axis: tree.branchAxis[row]! });
-    else this.set({ rows, edit: row, [groupOf(tree.kind(row))]: true });
+    else this.set({ rows, edit: row });
     const { places } = this.shown().view, points: number[] = [];
     for (const b of tree.branchesOf(rows, row)) for (let v = tree.offsets[b]!; v < tree.offsets[b + 1]!; ++v) points.push(places[4 * v]!, places[4 * v + 1]!, places[4 * v + 2]!);
     this.fly(Float32Array.from(rows === "edits" ? this.edits!.middles[row]!.toArray() : points));
   }
 
+  /// The repairs that are stepped through: those with marks; without any, bridges and cuts.
+  editsShown(order: ArrayLike<number>): number[] {
+    const { state } = this, none = !state.bridges && !state.cuts && !state.leftOut;
+    return Array.from(order).filter((i) => {
+      const group = groupOf(this.tree!.kind(i));
+      return none ? group !== "leftOut" : state[group];
+    });
+  }
+
   /// The next or previous of the repairs in an order.
   stepEdit(direction: number, order: ArrayLike<number>): void {
-    const { state } = this, list = Array.from(order).filter((i) => state[groupOf(this.tree!.kind(i))]);
+    const { state } = this, list = this.editsShown(order);
     if (list.length === 0) return;
     const at = list.indexOf(state.edit), next = at < 0 ? (direction > 0 ? 0 : list.length - 1) : (at + direction + list.length) % list.length;
     this.pickRow("edits", list[next]!);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The layer `tree` (FORMAT.md, "Trees"): branches as courses with radii, the tables of axes, branches and the sample,
 // and the places where it was repaired.
+import type { EditGroup } from "./colours";
 import type { ArrayEntry, Find, Layer, Meta, Triple } from "./data";
 import { PageError } from "./page_error";
 
@@ -26,7 +27,10 @@ export interface TreeMeta {
   columns: { table: TableName; name: string; unit: string; meaning: string; whole?: boolean; words?: string[] }[];
 }
 
+export const groupOf = (kind: string): EditGroup => (kind === "bridge" ? "bridges" : kind === "left_out" ? "leftOut" : "cuts");
+
 const NONE = 0xffffffff;
+const MANY_MARKS = 200; ///< would hide the tree: not shown at first
 
 export class Tree {
   readonly axisCount: number;
@@ -84,6 +88,13 @@ export class Tree {
 
   count(rows: Rows): number { return rows === "axes" ? this.axisCount : rows === "branches" ? this.branchCount : this.editCount; }
   kind(edit: number): string { const kinds = this.column("edits", "kind"); return kinds?.words?.[kinds.values[edit]!] ?? ""; }
+
+  /// Whether marks are shown at first.
+  marksAtFirst(group: EditGroup): boolean {
+    let count = 0;
+    for (let i = 0; i < this.editCount; ++i) count += Number(groupOf(this.kind(i)) === group);
+    return group !== "leftOut" && count <= MANY_MARKS;
+  }
 
   branchesOf(rows: Rows, row: number): number[] { return row < 0 || rows === "edits" ? [] : rows === "axes" ? this.axisBranches[row]! : [row]; }
   /// The branches from where it begins to the root node.

@@ -3,12 +3,10 @@
 // stepped to.
 import { Group, Vector3, type DataTexture } from "three";
 import { EDIT_COLOURS, rgb, type EditGroup } from "../colours";
-import type { Tree } from "../tree";
+import { groupOf, type Tree } from "../tree";
 import { Balls, Bars } from "./instances";
 import { ballMaterial, barMaterial, vertexTexture, type SharedUniforms } from "./materials";
 import type { Placement } from "./placement";
-
-export const groupOf = (kind: string): EditGroup => (kind === "bridge" ? "bridges" : kind === "left_out" ? "leftOut" : "cuts");
 
 export class EditMarks {
   readonly group = new Group();

@@ -3,8 +3,7 @@
 import type { App } from "../app";
 import { CATEGORICAL, EDIT_COLOURS, type EditGroup } from "../colours";
 import { counted, short, withUnit } from "../format";
-import { groupOf } from "../scene/edit_marks";
-import { textOf, unitText, type Rows, type Tree } from "../tree";
+import { groupOf, textOf, unitText, type Rows, type Tree } from "../tree";
 import { el, fill, rows as rowsOf } from "./dom";
 import { rowName, rowsText, type TreeTable } from "./tree_table";
 
@@ -104,7 +103,7 @@ export class TreeInfo {
     const rows: Rows = state.rows === "branches" ? "branches" : "axes", row = this.app.pickedRow(rows), key = `${rows} ${row} ${state.edit}`;
     if (key === this.shown) return;
     this.shown = key;
-    const shownEdits = this.table.order.filter((i) => state[groupOf(tree.kind(i))]);
+    const shownEdits = this.app.editsShown(this.table.order);
     this.at.textContent = state.edit >= 0 && tree.editCount > 0 ? `${counted(shownEdits.indexOf(state.edit) + 1)} of ${counted(shownEdits.length)}` : "";
     this.fillCard(this.chosenEdit, "edits", state.edit, () => this.app.set({ edit: -1 }));
     this.fillCard(this.chosen, rows, row, () => this.app.set({ axis: -1, branch: -1 }));
