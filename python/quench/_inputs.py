@@ -232,9 +232,12 @@ def _thresholds(value: Any) -> Tuple[Optional[Union[int, float]], Optional[Union
 
 def _width(value: Any) -> float:
     try:
-        return float(value)
+        width = float(value)
+        if width >= 0:
+            return width
     except (TypeError, ValueError, OverflowError):
-        raise error(2, f'blur={value!r} is not a number', 'blur') from None
+        pass
+    raise error(2, f'blur={value!r} is not a number from 0 on', 'blur')
 
 
 Threshold = Union[None, float, str, Tuple[float, float]]
