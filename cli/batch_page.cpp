@@ -80,9 +80,9 @@ bool is_figure(const std::string& cell) {
 
 /// Which figures a card shows: up to six of those that tell most, of the columns that have a number somewhere.
 std::vector<std::size_t> main_figures(const SampleTable& table) {
-  constexpr std::string_view kMain[] = {"axes",         "tips",       "max_level", "total_length", "mean_radius",
-                                        "depth",        "width",      "volume",    "branches",     "ends",
-                                        "curve_length", "components", "tunnels",   "reconstructed"};
+  constexpr std::string_view kMain[] = {"axes",         "levels",     "total_length", "mean_radius",
+                                        "depth",        "width",      "branches",     "ends",
+                                        "curve_length", "components", "tunnels",      "reconstructed"};
   constexpr std::size_t kMost = 6;
   std::vector<std::size_t> chosen;
   const auto add = [&](std::size_t column) {

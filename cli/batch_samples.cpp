@@ -15,6 +15,7 @@
 #include "option_checks.h"
 #include "quench/error.h"
 #include "quench/io.h"
+#include "quench/tree.h"
 
 namespace quench::program {
 namespace {
@@ -37,12 +38,16 @@ Word kind_of_word(const std::string& word) {
 
 /// Whether Quench reads it: what is taken of a folder or of the matches of a pattern.
 bool is_sample(const fs::path& file, bool trees) {
+  constexpr std::string_view kPictures[] = {".png", ".bmp", ".jpg", ".jpeg", ".pbm", ".pgm", ".ppm", ".pnm"};
   if (file.filename().string().starts_with('.')) return false;
   std::error_code ignored;
+  const io::Kind kind = io::kind_of(file);
+  if (fs::is_directory(file, ignored)) return kind == io::Kind::volume;
   const std::string extension = extension_of(file);
-  if (fs::is_directory(file, ignored)) return io::kind_of(file) == io::Kind::volume;
-  if (trees && (extension == ".swc" || extension == ".rsml")) return true;
-  return io::kind_of(file) != io::Kind::unknown && extension != ".json";
+  if (trees && io::is_tree_file(file)) return true;
+  if (trees && (kind == io::Kind::polygons || std::ranges::find(kPictures, extension) != std::end(kPictures)))
+    return false;  // of the plane
+  return kind != io::Kind::unknown && extension != ".json";
 }
 
 void sort_naturally(std::vector<fs::path>& files) {
@@ -60,6 +65,7 @@ std::vector<fs::path> files_in(const fs::path& folder, bool trees) {
   return files;
 }
 
+/// The matches of a pattern.
 std::vector<fs::path> files_like(const std::string& pattern, bool trees) {
   glob_t found{};
   std::vector<fs::path> files;
@@ -75,8 +81,7 @@ std::vector<fs::path> files_like(const std::string& pattern, bool trees) {
 void check_file(const std::string& file, bool trees) {
   std::error_code ignored;
   if (!fs::exists(file, ignored)) throw Error(ErrorCode::failed, fmt::format("'{}' does not exist", file));
-  const std::string extension = extension_of(file);
-  if (io::kind_of(file) == io::Kind::unknown && !(trees && (extension == ".swc" || extension == ".rsml")))
+  if (io::kind_of(file) == io::Kind::unknown && !(trees && io::is_tree_file(file)))
     throw Error(
         ErrorCode::usage,
         fmt::format("'{}' is neither a shape that Quench reads, nor a list of them (.txt, .csv or .tsv)", file));

@@ -25,7 +25,8 @@ struct BatchInput {
 /// The samples that the words of a command line name: files; folders; patterns with * ? [ ]; or one list.
 ///
 /// A folder that is named alone stands for the files in it that Quench reads as shapes (`trees`: or as trees), and for
-/// the folders in it that hold slices, in natural order; hidden ones and .json (seldom polygons) left out. Beside
+/// the folders in it that hold slices, in natural order; hidden ones, .json (seldom polygons) and, of trees, what is
+/// of the plane left out. Beside
 /// others, or as a match of a pattern, a folder of slices is a sample itself.
 ///
 /// A list is a .txt, .lst or .list file with a path per line, or a .csv or .tsv file whose first column holds paths,

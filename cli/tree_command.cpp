@@ -9,6 +9,7 @@
 #include "program.h"
 #include "quench/io.h"
 #include "quench/picture.h"
+#include "quench/preparation.h"
 #include "quench/tree.h"
 #include "report.h"
 #include "run_command.h"
@@ -34,6 +35,7 @@ struct TreeProgram : RunProgram {
   std::optional<SomaRule> soma;
   std::optional<pipeline::Length> reach, sholl_step;
   bool toporoot = false;
+  bool blur_given = false;  ///< also where it is 0
 };
 
 struct TreeFiles {
@@ -109,13 +111,29 @@ void say_without_effect(const CLI::App& app, const std::vector<std::string>& gro
     session.say(fmt::format("note: {} {} ignored: {}", fmt::join(names, ", "), names.size() == 1 ? "is" : "are", why));
 }
 
+/// Where the program chooses the threshold of grey values and nothing is said of preparing them: the noise of a scan
+/// makes loops and specks, and a light blur takes most of them away.
+void blur_lightly(ShapeOptions& how, Session& session) {
+  constexpr double kLight = 1;
+  if (how.how.preparation.any()) return;
+  const Volume volume = io::read_volume(how.file, pipeline::read_options(how.how), &session.context);
+  if (volume.grid.is_plane() || proposed_thresholds(volume, &session.context).empty()) return;
+  how.how.preparation.blur = kLight;
+  session.say(
+      fmt::format("note: grey values without a threshold: they are blurred by {} voxel, and a threshold is "
+                  "chosen; --threshold T takes one, with the blur you give with --blur, and quench info shows "
+                  "the values",
+                  kLight));
+}
+
 LoadedShape load_tree_shape(ShapeOptions how, const TreeProgram& o, bool with_mesh, Session& session) {
   ForegroundOptions& foreground = how.how.foreground;
   const bool volume = io::kind_of(how.file) == io::Kind::volume;
   how.how.keep_mesh = with_mesh;
   if (volume) {
-    how.how.recommended = !foreground.threshold && !foreground.label && !how.how.otsu;
+    how.how.recommended |= !foreground.threshold && !foreground.label && !how.how.otsu;
     how.how.keep_values = !foreground.label && (o.repair == RepairRule::gaps || o.repair == RepairRule::all);
+    if (how.how.recommended && !o.blur_given) blur_lightly(how, session);
     foreground.fill_cavities = true;  // a tree has none
   }
   LoadedShape shape = load_shape(how, session);
@@ -314,6 +332,7 @@ int make_tree(TreeProgram o, const CLI::App& app, Session& session) {
   const TreeFiles files(o.folder, !o.no_view && pipeline::has_page_program(), !o.no_picture);
   check_tree_options(o, files, session);
   o.run.skeleton = pipeline::skeleton_for_trees(o.run.skeleton);
+  o.blur_given = app.get_option("--blur")->count() > 0;
   Json report;
   std::optional<Record> result;
   const bool is_tree = io::is_tree_file(o.shape.file);

@@ -31,6 +31,7 @@ struct RepairOptions {
   std::vector<Vec3> roots;
   std::uint32_t plants = 1;  ///< 0: every component stays a tree of its own
   double reach = 0;          ///< longest bridge, world units; 0: automatic
+  double voxel = 0;          ///< smallest step of the voxels the graph is from; 0: radii tell what is noise
 };
 
 /// A place where the graph was changed.
@@ -150,6 +151,9 @@ struct HierarchyOptions {
   Vec3 down = -Vec3::UnitZ();
   bool stem = false;  ///< of roots: the thick top part is the stem
   SomaRule soma = SomaRule::none;
+  /// Smallest step of the voxels the curves are from: branches that end within the tube they leave are dropped. 0: none
+  /// is.
+  double voxel = 0;
 };
 
 /// The hierarchy of a graph without loops. Throws Error(usage) for a graph with loops or sheets.

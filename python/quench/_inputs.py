@@ -263,6 +263,7 @@ class Cut:
     blur: float = 0
     close: int = 0
     connectivity: int = 6
+    keep_values: bool = False  # for bridges of trees
 
     def options(self, dimension: Optional[int] = None) -> '_core.ShapeOptions':
         """As the core takes them; `dimension`: of the image, where it is known."""
@@ -281,7 +282,7 @@ class Cut:
         if rule not in ('', 'auto', 'otsu'):
             raise error(2, f"threshold={rule!r} is neither a number nor 'auto' or 'otsu'", 'threshold')
         bounds = _thresholds(None if rule else self.threshold)
-        return _core.ShapeOptions(
+        options = _core.ShapeOptions(
             threshold=bounds[0], seed_threshold=bounds[1], rule=rule, interpolate=bool(self.interpolate),
             median=min(whole(self.median, 'median'), 2**30), blur=_width(self.blur),
             close=min(whole(self.close, 'close'), 2**30), connectivity=int(self.connectivity),
@@ -291,6 +292,8 @@ class Cut:
             subdivide=min(whole(self.subdivide, 'subdivide'), 2**30), spacing=spacing_of(self.spacing, dimension),
             resolution=0 if self.resolution == 'auto' else min(whole(self.resolution, 'resolution', 1), 2**30),
             fill=self.fill, topology=self.topology, surface=self.surface)
+        options.keep_values = self.keep_values
+        return options
 
     def for_images(self) -> bool:
         """Whether something is given that means nothing for a mesh."""

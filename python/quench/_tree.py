@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from dataclasses import replace
 from functools import cached_property
 from typing import Any, Dict, List, NamedTuple, Optional, Sequence, Tuple, Union
 
@@ -10,8 +11,8 @@ import numpy as np
 
 from . import _core
 from ._axis import MedialAxis
-from ._common import Length, Path, Progress, calling, ending, error, file_name, is_path, length_or_auto, need, reals, whole
-from ._inputs import Cut, Mesh, Volume, read_file, shape_of
+from ._common import Length, Path, Progress, calling, ending, error, file_name, is_path, length_or_auto, need, reals, warn, whole
+from ._inputs import Cut, as_mesh, read_file, shape_of
 
 Points = Union[Sequence[float], Sequence[Sequence[float]], None]
 Direction = Union[str, Sequence[float], None]
@@ -314,7 +315,8 @@ def tree(source: Any, kind: str = 'root', *, root: Points = None, plants: Option
         As in :func:`medial_axis`.
     **shape
         Keyword arguments of :func:`medial_axis` that say what the shape is. Of a grey volume without `threshold` and
-        `label` the recommended threshold is taken, with a warning that says which. Cavities are filled.
+        `label` the recommended threshold is taken, with a warning that says which, and values are blurred by a voxel
+        before, unless `blur`, `median` or `interpolate` says otherwise. Cavities are filled.
 
     Returns
     -------
@@ -342,8 +344,7 @@ def tree(source: Any, kind: str = 'root', *, root: Points = None, plants: Option
         with calling(threads, progress) as call:
             return Tree(_core.read_tree(_existing(source), how, *call), threads, progress)
     else:
-        cut = Cut(**{'fill_cavities': True, **_known(shape)}, keep_values=True)
-        cut.recommended = cut.threshold is None and cut.label is None
+        cut = Cut(**{'fill_cavities': True, **_known(shape)}, keep_values=repair in ('all', 'gaps'))
         if is_path(source):
             with calling(threads, progress) as call:
                 found = read_file(source, cut.spacing, None, call, cut.dimension, cut.channel)
@@ -351,7 +352,13 @@ def tree(source: Any, kind: str = 'root', *, root: Points = None, plants: Option
                     _no_shape(shape, 'a result')
                     return Tree(_core.tree_of_result(file_name(source), how, theta, *call), threads, progress)
             source = found
-        voxels = shape_of(source, cut, threads, progress)
+        choose = as_mesh(source) is None and cut.threshold is None and cut.label is None
+        voxels = shape_of(source, replace(cut, threshold='auto') if choose else cut, threads, progress)
+        if choose and voxels.chosen:
+            if not (cut.interpolate or cut.median or 'blur' in shape):  # as the program does
+                voxels = shape_of(source, replace(cut, threshold='auto', blur=1), threads, progress)
+            value, rule, reason = voxels.chosen
+            warn(f'threshold {value:g} ({rule}): {reason}; threshold=T takes another')
         with calling(threads, progress) as call:
             axis = MedialAxis(_core.compute_axis(voxels, 'detail', 'auto', 'coface', *call), threads, progress)
     if axis.dimension == 2:
@@ -405,6 +412,6 @@ def _no_shape(shape: Dict[str, Any], what: str) -> None:
 def _known(shape: Dict[str, Any]) -> Dict[str, Any]:
     """The keyword arguments of a shape; refuses others as Python does."""
     for name in shape:
-        if name not in Cut.__dataclass_fields__ or name in ('keep_values', 'recommended'):
+        if name not in Cut.__dataclass_fields__ or name == 'keep_values':
             raise TypeError(f'tree() got an unexpected keyword argument {name!r}')
     return shape

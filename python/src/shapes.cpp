@@ -173,10 +173,17 @@ void bind_shapes(py::module_& m) {
            py::arg("largest_component"), py::arg("min_component"), py::arg("fill_cavities"), py::arg("subdivide"),
            py::arg("spacing"), py::arg("resolution"), py::arg("fill"), py::arg("topology"), py::arg("surface"),
            py::arg("seed_threshold"), py::arg("rule"), py::arg("interpolate"), py::arg("median"), py::arg("blur"),
-           py::arg("close"), py::arg("connectivity"));
+           py::arg("close"), py::arg("connectivity"))
+      .def_readwrite("keep_values", &pipeline::ShapeOptions::keep_values);
   py::class_<Shape, std::shared_ptr<Shape>>(m, "Shape")
       .def_property_readonly("dims", [](const Shape& s) { return sides_of(s.image); })
       .def_property_readonly("spacing", [](const Shape& s) { return triple(s.shape.grid().spacing); })
+      // (threshold, rule, reason) where the program has chosen one.
+      .def_property_readonly("chosen",
+                             [](const Shape& s) -> py::object {
+                               if (!s.chosen) return py::none();
+                               return py::make_tuple(s.chosen->value, s.chosen->rule, s.chosen->reason);
+                             })
       .def_property_readonly("voxel_count", [](const Shape& s) { return s.shape.voxel_count(); })
       .def("image", [](const Shape& s) { return image_of(s.shape, s.coordinates); });
   m.def("shape_of_array", &shape_of_array);

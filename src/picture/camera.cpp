@@ -18,7 +18,7 @@ double tangent() { return std::tan(kField / 2 * std::numbers::pi / 180); }
 /// Places around the balls of tubes, of many some: where what is drawn of them ends.
 std::vector<Vec3f> outsides(const Scene& scene) {
   std::vector<Vec3f> places;
-  for (std::size_t i = 0; i < scene.points.size(); i += scene.points.size() / 4000 + 1)
+  for (std::size_t i = 0; i < scene.points.size(); i += scene.points.size() / 20000 + 1)
     for (int axis = 0; axis < 3; ++axis)
       for (const float sign : {-1.0F, 1.0F})
         places.push_back(scene.points[i] + Vec3f(Vec3f::Unit(axis) * (sign * scene.radius[i])));

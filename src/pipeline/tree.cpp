@@ -185,7 +185,9 @@ TreeRun run_tree(const TreeCurves& curves, const TreeOptions& options, const Loa
   TreeRun result;
   for (const CurveGraph::Branch& branch : curves.graph.branches) result.length_before += branch.length;
   const std::optional<GreyValues> grey = grey_values_of(shape);
-  Repaired repair = repaired(curves.graph, options.repair, grey ? &*grey : nullptr, context);
+  RepairOptions repairs = options.repair;
+  if (!(repairs.voxel > 0)) repairs.voxel = curves.scale.voxel;
+  Repaired repair = repaired(curves.graph, repairs, grey ? &*grey : nullptr, context);
   checkpoint(context, "repair", 1);
   if (const RepairRule rule = options.repair.rule;
       repair.loops_before > 0 && (rule == RepairRule::off || rule == RepairRule::gaps))
@@ -199,6 +201,7 @@ TreeRun run_tree(const TreeCurves& curves, const TreeOptions& options, const Loa
     checkpoint(context, "topology", 1);
   }
   HierarchyOptions hierarchy = options.hierarchy;
+  hierarchy.voxel = curves.scale.voxel;
   if (options.find_down) hierarchy.down = likely_down(repair.graph);
   if (hierarchy.roots.empty()) hierarchy.roots = options.repair.roots;
   result.tree = tree_of(repair, hierarchy, context);

@@ -45,6 +45,19 @@ double Course::radius_at(double length) const {
   return t == 0 ? radius_[i] : (1 - t) * radius_[i] + t * radius_[i + 1];
 }
 
+Course smoothed(const Course& course) {
+  constexpr int kSteps = 4;  // to each side
+  Course result;
+  for (std::size_t i = 0; i < course.size(); ++i) {
+    const double at = course.at()[i], reach = std::min({course.radius()[i], at, course.length() - at});
+    Vec3 sum = kSteps * course.points()[i];
+    for (int k = 1; k < kSteps; ++k)
+      sum += (kSteps - k) * (course.point_at(at - reach * k / kSteps) + course.point_at(at + reach * k / kSteps));
+    result.append(reach > 0 ? Vec3(sum / (kSteps * kSteps)) : course.points()[i], course.radius()[i]);
+  }
+  return result;
+}
+
 namespace {
 
 // Calls visit(i) for each segment i, i + 1 that lies between two lengths, at least in part. A course of one point has

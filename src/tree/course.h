@@ -37,6 +37,10 @@ class Course {
   std::vector<double> radius_, at_;
 };
 
+/// The course as a mean of itself over one radius to both sides, weighted by a hat; near its ends over as much as there
+/// is on both sides, so that they stay. A straight line stays too.
+Course smoothed(const Course& course);
+
 /// The point of a course that is nearest to something.
 struct Foot {
   double at = 0;  ///< length along the course

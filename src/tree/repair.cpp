@@ -153,7 +153,7 @@ const char* name_of(TreeEdit::Kind kind) {
 }
 
 Repaired repaired(const CurveGraph& graph, const RepairOptions& options, const GreyValues* grey, Context* context) {
-  const Model model = tree::model_of(graph);
+  const Model model = tree::model_of(graph, options.voxel);
   Repaired result;
   if (options.rule == RepairRule::off) {
     result.graph = graph;

@@ -133,13 +133,14 @@ class Axes {
     if (piece.parent == kNone) {
       piece.course = std::move(raw);
     } else if (piece.continues || !medial_ || tree_.branches[piece.branches[0]].parent == kNone) {
-      piece.position = length_before(piece);
+      piece.position = piece.continues ? pieces_[piece.parent].course.length() : length_before(piece);
       piece.course = std::move(raw);
     } else {
       while (const Piece* older = older_parent(piece, raw.points()[0]))
         piece.parent = static_cast<std::uint32_t>(older - pieces_.data());
       leave_tube(piece, raw);
     }
+    if (medial_) piece.course = smoothed(piece.course);
   }
   // Along the parent up to the branch that this begins behind.
   double length_before(const Piece& piece) const {

@@ -16,6 +16,10 @@ constexpr std::array<NamesOf<AxisRule>, 5> kAxisRules{{{AxisRule::depth, "depth"
                                                        {AxisRule::radius, "radius"},
                                                        {AxisRule::strahler, "strahler"},
                                                        {AxisRule::continuation, "continuation"}}};
+constexpr std::array<NamesOf<RepairRule>, 4> kRepairRules{{{RepairRule::off, "off"},
+                                                           {RepairRule::loops, "loops"},
+                                                           {RepairRule::gaps, "gaps"},
+                                                           {RepairRule::all, "all"}}};
 constexpr std::array<NamesOf<RootRule>, 3> kRootRules{
     {{RootRule::thickest, "thickest"}, {RootRule::end, "end"}, {RootRule::top, "top"}}};
 constexpr std::array<NamesOf<SomaRule>, 3> kSomaRules{
@@ -35,6 +39,8 @@ std::optional<Value> value_in(const std::array<NamesOf<Value>, N>& names, std::s
 
 std::string_view name_of(AxisRule rule) { return name_in(kAxisRules, rule); }
 std::optional<AxisRule> axis_rule_of(std::string_view name) { return value_in(kAxisRules, name); }
+std::string_view name_of(RepairRule rule) { return name_in(kRepairRules, rule); }
+std::optional<RepairRule> repair_rule_of(std::string_view name) { return value_in(kRepairRules, name); }
 std::string_view name_of(RootRule rule) { return name_in(kRootRules, rule); }
 std::optional<RootRule> root_rule_of(std::string_view name) { return value_in(kRootRules, name); }
 std::string_view name_of(SomaRule rule) { return name_in(kSomaRules, rule); }

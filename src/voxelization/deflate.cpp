@@ -8,7 +8,7 @@
 #include <queue>
 
 #include "base/parallel.h"
-#include "voxelization/simple_voxel.h"
+#include "shape/simple_voxel.h"
 
 namespace quench::voxelization {
 namespace {
@@ -37,7 +37,7 @@ class Deflation {
       }
       std::uint32_t& state = cells_[v].state;
       state = (state | kSeen) & ~kQueued;
-      if (is_simple(state & kAllNeighbours)) flip(v);
+      if (shape::is_simple(state & shape::kAllNeighbours)) flip(v);
     }
   }
 

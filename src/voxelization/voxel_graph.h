@@ -9,10 +9,13 @@
 #include "base/csr.h"
 #include "base/union_find.h"
 #include "quench/shape.h"
+#include "shape/simple_voxel.h"
 #include "voxelization/deflate.h"
-#include "voxelization/simple_voxel.h"
 
 namespace quench::voxelization {
+
+using shape::is_simple, shape::joined_by_faces, shape::neighbour_bit, shape::euler_change, shape::is_joined;
+using shape::Neighbours, shape::kAllNeighbours, shape::kFaceNeighbours, shape::kFaceAndEdgeNeighbours;
 
 using Betti = std::array<std::int64_t, 3>;
 

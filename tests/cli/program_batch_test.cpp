@@ -33,12 +33,15 @@ class Batch : public ProgramTest {
     return outcome;
   }
 
-  /// Rows of samples.csv, whose cells must not need quotes, by column.
+  /// Rows of a table, whose cells must not hold quotes or line ends, by column.
   std::vector<std::map<std::string, std::string>> rows(const std::string& table) {
     const auto cells = [](const std::string& line) {
       std::vector<std::string> result{""};
+      bool quoted = false;
       for (const char c : line)
-        if (c == ',')
+        if (c == '"')
+          quoted = !quoted;
+        else if (c == ',' && !quoted)
           result.emplace_back();
         else
           result.back() += c;
@@ -88,12 +91,14 @@ class Batch : public ProgramTest {
   /// The process that `parent` has started.
   static pid_t child_of(pid_t parent) {
     for (const auto& entry : fs::directory_iterator("/proc")) {
+      const std::string process = entry.path().filename().string();
+      if (process.find_first_not_of("0123456789") != process.npos) continue;
       const std::string stat = bytes_of(entry.path() / "stat");
       const std::size_t name = stat.rfind(") ");
-      if (name == stat.npos) continue;
+      if (name == stat.npos) continue;               // it has ended
       std::istringstream in(stat.substr(name + 4));  // behind the state
       pid_t above = 0;
-      if (in >> above && above == parent) return std::stoi(entry.path().filename().string());
+      if (in >> above && above == parent) return std::stoi(process);
     }
     ADD_FAILURE() << "it has no child";
     return -1;
@@ -260,7 +265,7 @@ TEST_F(Batch, NamesThatClashAreToldApart) {
   }
   batch(1, {"day1", "day2/*", "day1/leaf.off", "-o", "out"});
   EXPECT_EQ(column("out/samples.csv", "name"),
-            (Words{"leaf", "day1_root", "day2_root", "Stem.off", "stem.stl", "leaf_2"}));
+            (Words{"leaf", "day1_root", "Stem.off", "day2_root", "stem.stl", "leaf_2"}));
 }
 
 TEST_F(Batch, AListMayGiveNamesOptionsAndMore) {
@@ -306,13 +311,40 @@ TEST_F(Batch, NamesAndSentencesAreQuotedAndEscaped) {
 TEST_F(Batch, SamplesOfOtherKindsHaveTheUnionOfTheColumns) {
   folder.write("a.off", cube_off());
   folder.write("b.pgm", "P2\n4 4\n1\n0 0 0 0\n0 1 1 0\n0 1 1 0\n0 0 0 0\n");
-  fs::create_directories(folder / "slices");
-  works({"batch", "b.pgm", "a.off", "-o", "out", "--", "run", "--no-view", "--no-picture"});
+  batch(0, {"b.pgm", "a.off", "-o", "out"});
   const auto samples = rows("out/samples.csv");
   EXPECT_EQ(samples[0].at("pixels"), "4");
   EXPECT_EQ(samples[0].at("voxels"), "");
   EXPECT_EQ(samples[1].at("pixels"), "");
   EXPECT_EQ(samples[1].at("theta1").empty(), false);
+}
+
+// Trees: the row of traits.csv, and all axes.
+TEST_F(Batch, TreesGiveTraitsAndAxes) {
+  const std::string stem = "1 2 0 0 0 1 -1\n2 2 0 0 -5 1 1\n3 2 0 0 -9 1 2\n";
+  folder.write("straight.swc", stem);
+  folder.write("forked.swc", stem + "4 2 3 0 -7 0.5 2\n");
+  folder.write("picture.png", "not of space");
+  const Words line{"batch", ".", "-o", "out", "--", "--no-view", "--no-picture"};
+  works(line);
+  EXPECT_EQ(column("out/samples.csv", "name"), (Words{"forked", "straight"}));
+  EXPECT_EQ(column("out/samples.csv", "axes"), (Words{"2", "1"}));
+  EXPECT_EQ(column("out/axes.csv", "name"), (Words{"forked", "forked", "straight"}));
+  EXPECT_FALSE(exists("out/branches.csv"));
+
+  folder.write("out/forked/traits.csv", "axes,odd [mm]\n7,\"1,5\"\n");
+  folder.write("out/straight/axes.csv", "length [mm],id\n2,0\n3,1\n");
+  Words again = line;
+  again.insert(again.begin() + 4, "--collect");
+  works(again);
+  EXPECT_EQ(column("out/samples.csv", "axes"), (Words{"7", "1"}));
+  EXPECT_EQ(column("out/samples.csv", "odd [mm]"), (Words{"1,5", ""}));
+  EXPECT_EQ(column("out/samples.csv", "tips").at(0), "");
+  const auto axes = rows("out/axes.csv");
+  EXPECT_EQ(column("out/axes.csv", "name"), (Words{"forked", "forked", "straight", "straight"}));
+  EXPECT_EQ(axes[0].at("length [mm]"), "");
+  EXPECT_EQ(axes[2].at("length [mm]"), "2");
+  EXPECT_EQ(axes[3].at("id"), "1");
 }
 
 // -------------------------------------------------------------------------------------------------------- refusals
@@ -371,7 +403,7 @@ TEST_F(Batch, ReplacesOnlyItsOwnOutputs) {
   refuse("'out/s2' exists");
   refuses(2, {"-o names the folder of the samples"}, line({"scans", "-o", "scans/."}));
   folder.write("file", "");
-  refuses(2, {"'file' exists and is not a folder"}, line({"scans", "-o", "file"}));
+  refuses(2, {"file' exists and is not a folder"}, line({"scans", "-o", "file"}));
   batch(0, {"scans", "-o", "out", "--overwrite"});
   EXPECT_EQ(bytes("out/s2/data"), "precious");
   batch(0, {"scans", "-o", "out"});

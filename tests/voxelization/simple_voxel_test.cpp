@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "voxelization/simple_voxel.h"
+#include "shape/simple_voxel.h"
 
 #include <gtest/gtest.h>
 
@@ -13,6 +13,8 @@
 
 namespace quench::voxelization {
 namespace {
+
+using namespace shape;  // NOLINT
 
 struct Offset {
   int x, y, z;

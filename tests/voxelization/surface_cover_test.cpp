@@ -7,7 +7,7 @@
 #include <random>
 
 #include "voxelization/deflate.h"
-#include "voxelization/simple_voxel.h"
+#include "shape/simple_voxel.h"
 #include "voxelization/solid_topology.h"
 #include "voxelization/voxel_graph.h"
 

@@ -448,7 +448,7 @@ export class App {
 
 /// Places around balls (places with a radius, of many some): where what is drawn of them ends.
 function outsides(places: Float32Array): Float32Array {
-  const out: number[] = [], step = 4 * Math.ceil(places.length / 16000);
+  const out: number[] = [], step = 4 * Math.ceil(places.length / 80000);
   for (let i = 0; i + 3 < places.length; i += step) for (let k = 0; k < 3; ++k) for (const sign of [-1, 1]) out.push(...[0, 1, 2].map((j) => places[i + j]! + (j === k ? sign * places[i + 3]! : 0)));
   return Float32Array.from(out);
 }

@@ -161,7 +161,8 @@ class RsmlReader {
         if (!parse_number(value.value(), point[a])) wrong_point(root, fmt::format("{} is not a number", name));
       }
       point /= resolution_;
-      if (!(point.cwiseAbs().maxCoeff() <= kLargestLength)) wrong_point(root, "is not finite, or too far away");
+      if (!point.allFinite() || point.cwiseAbs().maxCoeff() > kLargestLength)
+        wrong_point(root, "is not finite, or too far away");
       root.points.push_back(point);
     }
   }

@@ -84,14 +84,17 @@ class RsmlWriter {
       pugi::xml_node node = rsml::child(metadata, name);
       if (node && !anew) return;
       if (!node) node = metadata.append_child(name);
-      node.text() = xml_safe(text).c_str();
+      if (!text.empty()) node.text() = xml_safe(text).c_str();
     };
     const std::string known = rsml::value_of(rsml::child(metadata, rsml::kResolution));
     if (double value = 0; parse_number(known, value) && value > 0) resolution_ = value;
     say("version", "1", false);
     say("unit", tree_.coordinates.units.empty() ? "pixel" : tree_.coordinates.units, true);
     say(rsml::kResolution, "1", false);
-    if (const std::optional<std::string> time = build_time()) say("last-modified", *time, true);
+    if (const std::optional<std::string> time = build_time())
+      say("last-modified", *time, true);
+    else
+      metadata.remove_child(rsml::child(metadata, "last-modified"));  // it was true of another file
     say("software", fmt::format("Quench {}", QUENCH_VERSION), true);
     say("user", "", false);
     say("file-key", fmt::format("quench-{:016x}", fingerprint()), true);

@@ -75,12 +75,6 @@ export class LayerView {
     this.path.mesh.renderOrder = 2;
     const tube = (more: number) => new Bars(tubeMaterial(shared, own({ ...flag(), halfWidth: { value: 0.6 }, more: { value: more }, byPart: { value: 0 } })));
     this.tubes = layer.tree && { all: tube(0), picked: tube(0.5), near: tube(1) };
-    if (this.tubes) {
-      const { picked } = this.tubes;
-      picked.mesh.material.depthFunc = AlwaysDepth; // seen through others
-      picked.mesh.material.depthWrite = false;
-      picked.mesh.renderOrder = 1;
-    }
     const ball = (more: Record<string, { value: unknown }>) =>
       new Balls(ballMaterial(shared, own({ ...flag(), scale: { value: 1 }, fixedPixels: { value: 0 }, opacity: { value: 1 }, onCurves: { value: 0 }, ...more }), false));
     this.points = ball({ fixedPixels: { value: 5 }, onCurves: { value: 1 } });
@@ -202,13 +196,13 @@ export class LayerView {
     this.seams.mesh.visible = state.seams && !state.balls;
     this.junctions.mesh.visible = this.seams.mesh.visible && Number(this.seams.mesh.material.uniforms.opacity!.value) > 0;
     this.curves.mesh.visible = lines && state.curves && !state.balls;
-    this.picked.mesh.visible = lines && !state.balls && this.picked.count > 0;
+    this.picked.mesh.visible = !state.balls && this.picked.count > 0; // of tubes a line that is seen through others
     this.points.mesh.visible = state.points && !state.balls;
     this.union.mesh.visible = state.balls;
     this.curves.mesh.material.uniforms.halfWidth!.value = (state.curveWidth / 2) * pixelRatio;
     this.curves.mesh.material.uniforms.halfWorld!.value = halfWorld;
-    this.picked.mesh.material.uniforms.halfWidth!.value = (state.curveWidth / 2 + 2) * pixelRatio;
-    this.picked.mesh.material.uniforms.halfWorld!.value = halfWorld;
+    this.picked.mesh.material.uniforms.halfWidth!.value = (lines ? state.curveWidth / 2 + 2 : 1.1) * pixelRatio;
+    this.picked.mesh.material.uniforms.halfWorld!.value = lines ? halfWorld : 0;
     this.boundary.mesh.material.uniforms.halfWidth!.value = 0.55 * pixelRatio;
     this.seams.mesh.material.uniforms.halfWidth!.value = 0.75 * pixelRatio;
     this.junctions.mesh.material.uniforms.fixedPixels!.value = 2.2 * pixelRatio;

@@ -8,7 +8,7 @@
 
 /// The 26 neighbours of a voxel as bits: that at (dx, dy, dz) is bit (dx + 1) + 3 * (dy + 1) + 9 * (dz + 1), set where
 /// it is foreground; bit 13, of the voxel itself, is of no meaning.
-namespace quench::voxelization {
+namespace quench::shape {
 
 using Neighbours = std::uint32_t;
 
@@ -96,4 +96,4 @@ constexpr int euler_change(Neighbours around) {
   return change;
 }
 
-}  // namespace quench::voxelization
+}  // namespace quench::shape
