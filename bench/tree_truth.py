@@ -129,7 +129,7 @@ class Tree:
     """What `quench tree` wrote."""
 
     def __init__(self, folder, voxel):
-        self.courses, self.parent, self.level = [], [], []
+        self.courses, self.parent, self.level, self.number = [], [], [], []
         scene = xml.parse(folder / 'tree.rsml').getroot().find('scene')
         self.plants = 0
         for plant in scene.findall('plant'):
@@ -141,14 +141,12 @@ class Tree:
         self.edits = table(folder / 'edits.csv') if (folder / 'edits.csv').exists() else []
         assert [int(row['level']) for row in self.rows] == self.level
 
-    number = ()
-
     def add(self, root, parent, level, voxel):
         points = np.array([[float(p.get(a, 0)) for a in 'xyz'] for p in root.find('geometry/polyline').findall('point')])
         radius = np.array([float(s.get('value')) / 2
                            for s in root.find("functions/function[@name='diameter']").findall('sample')])
         own = len(self.courses)
-        self.number = (*self.number, int(root.get('id')))
+        self.number.append(int(float(root.find('properties/axis').get('value'))))
         self.courses.append(Course(points, radius, voxel / 4))
         self.parent.append(parent)
         self.level.append(level)
