@@ -178,6 +178,7 @@ Action add_sample(CLI::App& app) {
     if (o->name == "root") session.check_output(truth, {});
     if (o->grey && (o->name != "root" || !volume))
       throw Error(ErrorCode::usage, "--grey makes a volume (.nrrd) of the sample root");
+    if (!o->grey && o->noise > 0.1) throw Error(ErrorCode::usage, "--noise goes from 0 to 0.1 without --grey");
     check_sample_memory(o->name, o->sample, session);
     SampleOptions options = o->sample;
     if (!o->grey) options.noise = o->noise;

@@ -54,6 +54,10 @@ TEST_F(Refusals, OptionsThatCannotBe) {
   refuses(2, {"--branches"}, {"sample", "root", "--branches", "0", "-o", "a.ply"});
   refuses(2, {"--noise"}, {"sample", "bumpy-sphere", "--noise", "1", "-o", "a.ply"});
   refuses(2, {"--fineness"}, {"sample", "torus", "--fineness", "0", "-o", "a.ply"});
+  refuses(2, {"--gaps", "--grey"}, {"sample", "root", "--gaps", "2", "-o", "a.nrrd"});
+  refuses(2, {"--grey", ".nrrd"}, {"sample", "root", "--grey", "-o", "a.ply"});
+  refuses(2, {"--grey", "root"}, {"sample", "torus", "--grey", "-o", "a.nrrd"});
+  refuses(2, {"--touching"}, {"sample", "root", "--branches", "2", "--touching", "2", "-o", "a.ply"});
   refuses(2, {"--resolution"}, {"sample", "torus", "--resolution", "0", "-o", "a.nrrd"});
 }
 

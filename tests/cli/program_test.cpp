@@ -64,6 +64,26 @@ TEST_F(Program, SamplesAsMeshAndVolume) {
   EXPECT_EQ(read("box.vtp").poly_count(), 12u);
 }
 
+TEST_F(Program, RootInGreyValuesWithItsDamage) {
+  const std::vector<std::string> root{"sample", "root",       "--branches", "20",     "--grey", "--resolution",
+                                      "48",     "--touching", "1",          "--gaps", "2",      "--blur",
+                                      "0.8",    "--noise",    "0.1",        "-o"};
+  const auto written = [&](const std::string& file, const std::vector<std::string>& more) {
+    std::vector<std::string> line = root;
+    line.push_back(file);
+    line.insert(line.end(), more.begin(), more.end());
+    return works(line).out;
+  };
+  const std::string said = written("a.nrrd", {"--threads", "1"});
+  EXPECT_TRUE(has(said, "20 true branches, 3 damaged places")) << said;
+  written("b.nrrd", {"--threads", "2"});
+  EXPECT_EQ(bytes("a.nrrd"), bytes("b.nrrd"));
+  const std::string truth = bytes("a.json");
+  for (const char* part : {"\"kind\": \"gap\"", "\"kind\": \"touching\"", "\"level\": 2", "\"on_purpose\": true"})
+    EXPECT_TRUE(has(truth, part)) << part;
+  works({"core", "a.nrrd", "--threshold", "125", "-o", "a.vtp"});
+}
+
 TEST_F(Program, VoxelizeGivesTheSameShapeAgain) {
   works({"sample", "torus", "-o", "torus.ply", "--fineness", "0.2"});
   works({"voxelize", "torus.ply", "--resolution", "32", "-o", "a.nrrd", "--json", "a.json"});
