@@ -16,7 +16,7 @@
 namespace quench::tree {
 namespace {
 
-constexpr double kReachRadii = 8, kReachVoxels = 10;  // the longest bridge, in radii of the end and in about voxels
+constexpr double kReachRadii = 8, kReachVoxels = 20;  // the longest bridge, in radii of the end and in about voxels
 constexpr std::size_t kMostTargets = 8;               // components that one end is bridged to
 constexpr std::size_t kMostWays = 4;                  // of those, with ways through grey values
 constexpr double kSideways = 0.25;                  // what it costs to end on the side of a branch, as part of the gap
