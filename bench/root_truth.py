@@ -23,14 +23,9 @@ centre line where a branch begins; the base of the main root is a tip.
   radius        at every point of a true branch, radius of the nearest point of the curves: median of the errors (size)
                 in voxels; `bias`: median of the signed ones
 
-What is not counted. The tubes of a random root run through each other, so the shape has loops and hides tips that the
-list of branches knows nothing of. A place of a branch is *clear* when it is farther from every other branch than the
-sum of the two radii and two voxels.
-  - Branches that stand out of their parent by less than two of their radii, and tips that are not clear (they
-    lie in or at another tube), are neither wanted nor wrong: an end near them counts nowhere.
-  - Junctions within reach of a place where branches that are not parent and child touch count nowhere.
-  - Radii are compared at clear places, lengths at branches that touch only their parent and their children.
-How many that leaves is in the table.
+Radii are compared where a branch is farther from every other than the sum of the two radii and two voxels: not where it
+leaves its parent. Roots whose branches touch for want of room (more than some hundred branches) are refused: their loops
+and hidden tips are not in the list of branches.
 
 Needs Debian's python3-numpy and python3-scipy."""
 import argparse
@@ -49,80 +44,50 @@ from scipy.sparse.csgraph import dijkstra
 from scipy.spatial import cKDTree
 
 
+def sampled(points, step):
+    """A polyline (rows: coordinates and what else varies along it) with points about every `step`."""
+    parts = max(1, int(np.ceil(np.linalg.norm(points[1, :3] - points[0, :3]) / step)))
+    t = np.arange(parts)[:, None] / parts
+    return np.concatenate([((1 - t) * a + t * b) for a, b in zip(points, points[1:])] + [points[-1:]])
+
+
+def best_pairs(cost, limit):
+    """The most pairs that cost less than the limit, the cheapest of these; columns by rows."""
+    if cost.size == 0:
+        return {}
+    rows, columns = linear_sum_assignment(np.where(cost < limit, cost, 1e3 * limit))
+    return {int(i): int(j) for i, j in zip(rows, columns) if cost[i, j] < limit}
+
+
 class Truth:
-    """The true branches, sampled every quarter of a voxel, and which of their places are clear."""
+    """The true branches, sampled every quarter of a voxel, and where each is clear of the others."""
 
     def __init__(self, file, voxel):
-        branches = json.loads(Path(file).read_text())['branches']
+        content = json.loads(Path(file).read_text())
+        if content['damage']:
+            raise SystemExit(f'{file}: branches touch; use fewer branches')
+        branches = content['branches']
         self.voxel = voxel
-        points, radii, owner = [], [], []
-        for branch in branches:
-            p = np.array(branch['points'])
-            steps = max(1, int(np.ceil(np.linalg.norm(p[1] - p[0]) / (voxel / 4))))
-            t = np.arange(steps) / steps
-            fine = np.concatenate([((1 - t)[:, None] * a + t[:, None] * b) for a, b in zip(p, p[1:])] + [p[-1:]])
-            points.append(fine[:, :3])
-            radii.append(fine[:, 3])
-            owner.append(np.full(len(fine), branch['id']))
-        self.first = np.concatenate([[0], np.cumsum([len(p) for p in points])])
-        self.points, self.radius = np.concatenate(points), np.concatenate(radii)
-        self.owner = np.concatenate(owner)
+        fine = [sampled(np.array(branch['points']), voxel / 4) for branch in branches]
+        self.first = np.concatenate([[0], np.cumsum([len(p) for p in fine])])
+        self.points, self.radius = np.split(np.concatenate(fine), [3], axis=1)
+        self.radius = self.radius[:, 0]
         self.parent = np.array([b['parent'] for b in branches])
-        self.length = np.array([np.linalg.norm(np.diff(p, axis=0), axis=1).sum() for p in points])
+        self.length = np.array([np.linalg.norm(np.diff(p[:, :3], axis=0), axis=1).sum() for p in fine])
         self.count = len(branches)
-        self.tree = cKDTree(self.points)
+        owner = np.repeat(np.arange(self.count), np.diff(self.first))
         self.clear = np.ones(len(self.points), bool)
-        self.touched = np.zeros(self.count, bool)  # by a branch that is neither parent nor child
-        self.touching = []  # places of such touches
-        related = {(b, p) for b, p in enumerate(self.parent)} | {(p, b) for b, p in enumerate(self.parent)}
-        reach = self.radius + self.radius.max() + 2 * voxel
-        stands_out = np.zeros(self.count)
         for b in range(self.count):
-            own = slice(self.first[b], self.first[b + 1])
-            seen = self.tree.query_ball_point(self.points[own], reach[own])
-            outside = np.ones(self.first[b + 1] - self.first[b], bool)
-            for i, near in enumerate(seen, self.first[b]):
-                near = np.array(near)
-                near = near[self.owner[near] != b]
-                far = np.linalg.norm(self.points[near] - self.points[i], axis=1)
-                hit = near[far < self.radius[near] + self.radius[i] + 2 * voxel]
-                if len(hit):
-                    self.clear[i] = False
-                for other in set(self.owner[hit]) - {self.parent[b]}:
-                    if (b, other) not in related:
-                        self.touched[b] = True
-                        self.touching.append(i)
-                outside[i - self.first[b]] = not np.any(
-                    (self.owner[near] == self.parent[b]) & (far < self.radius[near]))
-            stands_out[b] = outside.sum() * voxel / 4
-        # A child that comes back to its parent makes a loop too: clear, then not clear again.
-        for b in range(1, self.count):
-            own = np.arange(self.first[b], self.first[b + 1])
-            away = own[self.clear[own]]
-            if len(away) and not self.touched[b]:
-                back = own[(own > away[0])]
-                parent = slice(self.first[self.parent[b]], self.first[self.parent[b] + 1])
-                d, near = cKDTree(self.points[parent]).query(self.points[back])
-                hit = back[d < self.radius[back] + self.radius[parent][near] + 2 * voxel]
-                if len(hit):
-                    self.touched[b] = True
-                    self.touching += list(hit)
+            own, others = np.flatnonzero(owner == b), np.flatnonzero(owner != b)
+            tree = cKDTree(self.points[others])
+            reach = self.radius[own] + self.radius.max() + 2 * voxel
+            for i, near in zip(own, tree.query_ball_point(self.points[own], reach)):
+                far = np.linalg.norm(self.points[others[near]] - self.points[i], axis=1)
+                self.clear[i] = not np.any(far < self.radius[others[near]] + self.radius[i] + 2 * voxel)
         last = self.first[1:] - 1
-        counts = stands_out > 2 * self.radius[last]
-        counts[0] = True
         self.tips = np.concatenate([last, [0]])
-        self.tip_branch = np.concatenate([np.arange(self.count), [0]])
-        self.tip_counts = np.concatenate([counts & self.clear[last], [True]])
         self.junctions = self.first[1:-1]  # first points of the branches but the main root
         self.junction_parent_radius = np.array([self.radius[self.on_parent(b)] for b in range(1, self.count)])
-        touch = cKDTree(self.points[self.touching]) if self.touching else None
-        self.touch = touch
-        free = np.ones(self.count - 1, bool)
-        if touch is not None:
-            free = touch.query(self.points[self.junctions])[0] > self.junction_reach()
-        self.junction_counts = counts[1:] & free
-        self.length_counts = counts & ~self.touched & self.clear[last]
-        self.length_counts[0] = False
 
     def on_parent(self, b):
         p = self.parent[b]
@@ -214,34 +179,16 @@ def compare(truth, curves):
     # Tips: the matching with the most pairs, nearest first among those.
     tips, reach = truth.points[truth.tips], truth.reach(truth.radius[truth.tips])
     far = np.linalg.norm(tips[:, None] - curves.ends[None], axis=2)
-    cost = np.where(far <= reach[:, None], far / reach[:, None], 1e3)
-    # A tip that does not count takes an end only if no other wants it.
-    cost = np.where(truth.tip_counts[:, None] | (cost >= 1e3), cost, cost + 2)
-    pairs = [(t, e) for t, e in zip(*linear_sum_assignment(cost)) if cost[t, e] < 1e3]
-    end_of = dict(pairs)
-    wanted = np.flatnonzero(truth.tip_counts)
-    result['tips'] = (sum(t in end_of for t in wanted), len(wanted))
-    right = sum(truth.tip_counts[t] for t in end_of)
-    doubtful = [t for t in range(len(tips)) if not truth.tip_counts[t]]
-    unmatched = sorted(set(range(len(curves.ends))) - set(end_of.values()))
-    wrong = [e for e in unmatched if not np.any(far[doubtful, e] <= reach[doubtful])]
-    result['ends'] = (right, right + len(wrong))
-    result['missed'] = [truth.tip_branch[t] for t in wanted if t not in end_of]
-    result['wrong'] = curves.ends[wrong]
+    end_of = best_pairs(far / reach[:, None], 1)
+    result['tips'], result['ends'] = (len(end_of), len(tips)), (len(end_of), len(curves.ends))
     # Junctions.
-    at, reach = truth.points[truth.junctions], truth.junction_reach()
-    far = np.linalg.norm(at[:, None] - curves.junctions[None], axis=2)
-    near = far <= reach[:, None]
-    result['junctions'] = (int(near[truth.junction_counts].any(axis=1).sum()), int(truth.junction_counts.sum()))
-    right = near[truth.junction_counts].any(axis=0)
-    doubt = near[~truth.junction_counts].any(axis=0) & ~right
-    if truth.touch is not None:
-        d, i = truth.touch.query(curves.junctions)
-        doubt |= (d <= truth.reach(truth.radius[truth.touching][i] + voxel)) & ~right
-    result['crossings'] = (int(right.sum()), int((~doubt).sum()))
+    far = np.linalg.norm(truth.points[truth.junctions][:, None] - curves.junctions[None], axis=2)
+    near = far <= truth.junction_reach()[:, None]
+    result['junctions'] = (int(near.any(axis=1).sum()), near.shape[0])
+    result['crossings'] = (int(near.any(axis=0).sum()), near.shape[1])
     # Lengths.
     errors = []
-    for b in np.flatnonzero(truth.length_counts):
+    for b in range(1, truth.count):
         if b not in end_of:
             continue
         end = curves.end_ids[end_of[b]]

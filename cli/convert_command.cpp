@@ -6,6 +6,8 @@
 #include "program.h"
 #include "quench/io.h"
 #include "quench/pipeline.h"
+#include "quench/tree.h"
+#include "tree_conversion.h"
 
 namespace quench::program {
 
@@ -14,8 +16,13 @@ Action add_convert(CLI::App& app) {
     std::string input, output, radii, quality = "radius";
   };
   auto o = std::make_shared<Options>();
-  app.add_option("A", o->input, "A mesh or a medial axis: .vtp .ply .obj .off .stl .ma ...")->type_name("")->required();
-  app.add_option("B", o->output, "The file to write: .vtp .ply .obj .ma .r .csv")->type_name("")->required();
+  app.add_option("A", o->input, "A mesh or a medial axis: .vtp .ply .obj .off .stl .ma ...; a tree: .swc .rsml")
+      ->type_name("")
+      ->required();
+  app.add_option("B,-o,--output", o->output,
+                 "The file to write: .vtp .ply .obj .ma .r .csv; of a tree .swc .rsml .mtg .graphml .vtp")
+      ->type_name("")
+      ->required();
   app.add_option("--radii", o->radii, "Radii of the vertices (a .r file), matched by position")->type_name("FILE");
   app.add_option("--quality", o->quality, "PLY: the point array MeshLab shows as quality and colour")
       ->type_name("NAME")
@@ -24,6 +31,12 @@ Action add_convert(CLI::App& app) {
     std::vector<std::filesystem::path> inputs{o->input};
     if (!o->radii.empty()) inputs.emplace_back(o->radii);
     session.check_output(o->output, inputs, "B");
+    if (io::is_tree_file(o->input)) {
+      check_tree_format(o->output);
+      if (!o->radii.empty()) throw Error(ErrorCode::usage, "a tree has its own radii", "radii");
+      convert_tree(o->input, o->output, session);
+      return 0;
+    }
     io::check_writable_format(o->output);
     if (io::kind_of(o->input) == io::Kind::volume)
       throw Error(ErrorCode::usage,

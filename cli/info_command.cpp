@@ -15,9 +15,11 @@
 #include "quench/polygons.h"
 #include "quench/preparation.h"
 #include "quench/shape.h"
+#include "quench/tree.h"
 #include "quench/voxelize.h"
 #include "report.h"
 #include "shape_input.h"
+#include "tree_conversion.h"
 
 namespace quench::program {
 namespace {
@@ -326,15 +328,20 @@ Action add_info(CLI::App& app) {
     io::VolumeReadOptions how;
   };
   auto o = std::make_shared<Options>();
-  app.add_option("FILE", o->file, "A mesh, a medial axis, a volume, an image or polygons")->type_name("")->required();
+  app.add_option("FILE", o->file, "A mesh, a medial axis, a volume, an image, polygons or a tree")
+      ->type_name("")
+      ->required();
   add_channel(app, o->how.channel);
   add_dimension(app, o->how.dimension);
   return [o](Session& session) {
     check_exists(o->file);
     Json info = {{"file", o->file}};
     const io::Kind kind = io::kind_of(o->file);
-    if (kind == io::Kind::unknown) pipeline::refuse_unknown_kind(o->file);
-    if (kind == io::Kind::polygons)
+    const bool tree = io::is_tree_file(o->file);
+    if (kind == io::Kind::unknown && !tree) pipeline::refuse_unknown_kind(o->file);
+    if (tree)
+      info.update(tree_info(o->file, session));
+    else if (kind == io::Kind::polygons)
       info.update(polygons_info(o->file, session));
     else
       info.update(kind == io::Kind::volume ? volume_info(o->file, o->how, session) : surface_info(o->file, session));

@@ -9,6 +9,7 @@
 #include "program.h"
 #include "quench/io.h"
 #include "quench/picture.h"
+#include "quench/preparation.h"
 #include "quench/tree.h"
 #include "report.h"
 #include "run_command.h"
@@ -34,6 +35,7 @@ struct TreeProgram : RunProgram {
   std::optional<SomaRule> soma;
   std::optional<pipeline::Length> reach, sholl_step;
   bool toporoot = false;
+  bool blur_given = false, connectivity_given = false;  ///< also where they are as by default
 };
 
 struct TreeFiles {
@@ -109,13 +111,30 @@ void say_without_effect(const CLI::App& app, const std::vector<std::string>& gro
     session.say(fmt::format("note: {} {} ignored: {}", fmt::join(names, ", "), names.size() == 1 ? "is" : "are", why));
 }
 
+/// Where the program chooses the threshold of grey values and nothing is said of preparing them: the noise of a scan
+/// makes loops and specks, and a light blur takes most of them away.
+void blur_lightly(ShapeOptions& how, Session& session) {
+  constexpr double kLight = 0.8;
+  if (how.how.preparation.any()) return;
+  const Volume volume = io::read_volume(how.file, pipeline::read_options(how.how), &session.context);
+  if (volume.grid.is_plane() || proposed_thresholds(volume, &session.context).empty()) return;
+  how.how.preparation.blur = kLight;
+  session.say(
+      fmt::format("note: grey values without a threshold: they are blurred by {} voxels, and a threshold is "
+                  "chosen; --threshold T takes one, with the blur you give with --blur, and quench info shows "
+                  "the values",
+                  kLight));
+}
+
 LoadedShape load_tree_shape(ShapeOptions how, const TreeProgram& o, bool with_mesh, Session& session) {
   ForegroundOptions& foreground = how.how.foreground;
   const bool volume = io::kind_of(how.file) == io::Kind::volume;
   how.how.keep_mesh = with_mesh;
   if (volume) {
-    how.how.recommended = !foreground.threshold && !foreground.label && !how.how.otsu;
+    how.how.recommended |= !foreground.threshold && !foreground.label && !how.how.otsu;
     how.how.keep_values = !foreground.label && (o.repair == RepairRule::gaps || o.repair == RepairRule::all);
+    if (how.how.recommended && !o.blur_given) blur_lightly(how, session);
+    if (!o.connectivity_given) foreground.connectivity = 26;
     foreground.fill_cavities = true;  // a tree has none
   }
   LoadedShape shape = load_shape(how, session);
@@ -131,7 +150,7 @@ LoadedShape load_tree_shape(ShapeOptions how, const TreeProgram& o, bool with_me
 /// The curves of a shape, and what is said of it.
 pipeline::TreeCurves tree_curves_of(const TreeProgram& o, LoadedShape& shape, Json& report, Session& session) {
   pipeline::RunOptions options = o.run;
-  options.graph = o.graph.graph;
+  options.graph = pipeline::graph_for_trees(o.graph.graph, shape.scale());
   std::size_t vertices = 0;
   options.on_core = [&](const pipeline::CoreResult& core) {
     vertices = core.axis.points.size();
@@ -314,6 +333,8 @@ int make_tree(TreeProgram o, const CLI::App& app, Session& session) {
   const TreeFiles files(o.folder, !o.no_view && pipeline::has_page_program(), !o.no_picture);
   check_tree_options(o, files, session);
   o.run.skeleton = pipeline::skeleton_for_trees(o.run.skeleton);
+  o.blur_given = app.get_option("--blur")->count() > 0;
+  o.connectivity_given = app.get_option("--connectivity")->count() > 0;
   Json report;
   std::optional<Record> result;
   const bool is_tree = io::is_tree_file(o.shape.file);
@@ -446,6 +467,7 @@ Action add_tree(CLI::App& app) {
       "A volume (.nrrd .nii.gz .mha .tif, a folder of slices ...), a mesh (.ply .obj .off .stl ...), a result "
       "(core.vtp "
       "or skeleton.vtp of 'quench run'), or a tree that is measured as it is (.swc .rsml)");
+  app.get_option("--connectivity")->default_str("26");
   app.add_option("--shape", o->shape_file, "Of a result: the volume or mesh it is of, for edited.nrrd and the page")
       ->type_name("FILE")
       ->group("Shape");

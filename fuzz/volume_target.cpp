@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A reader of volumes: QUENCH_FUZZ_READER names it, or QUENCH_FUZZ_EXTENSION a format whose headers say where the
-// samples are; QUENCH_FUZZ_PICTURE a reader of pictures. With QUENCH_FUZZ_PNG the checksums are made right first: they
-// would hide everything behind them.
+// samples are; QUENCH_FUZZ_PICTURE a reader of pictures, QUENCH_FUZZ_STREAM one of slices. With QUENCH_FUZZ_PNG the
+// checksums are made right first: they would hide everything behind them.
 #include "io/volume/slice_streams.h"
 #include "io/volume/stored_volume.h"
 #include "io/volume/volume_formats.h"
@@ -17,6 +17,14 @@
 namespace quench::io {
 static Volume read_values(const std::filesystem::path& file, Context* context) {
   return volume_of(QUENCH_FUZZ_PICTURE(file, context), file, {}, context);
+}
+}  // namespace quench::io
+#endif
+#ifdef QUENCH_FUZZ_STREAM
+#define QUENCH_FUZZ_READER read_slice_stream
+namespace quench::io {
+static Volume read_slice_stream(const std::filesystem::path& file, Context* context) {
+  return read_stream(QUENCH_FUZZ_STREAM(file, context), file, context);
 }
 }  // namespace quench::io
 #endif

@@ -548,6 +548,8 @@ struct TreeCurves {
 /// A skeleton of curves, as trees are made of, unless something else is asked for: theta2 infinite, and theta1 one
 /// radius of what a branch leaves.
 SkeletonOptions skeleton_for_trees(SkeletonOptions asked);
+/// Where no distance of points is asked for, and voxels are known: a voxel.
+GraphOptions graph_for_trees(GraphOptions asked, const Scale& scale);
 /// The curves in a result that was read, a medial axis or a skeleton of curves; `options` as of run_axis(), for a
 /// medial axis. `shape`: where it is known. Throws Error(usage), naming the file, for one of the plane and for a
 /// skeleton with sheets.

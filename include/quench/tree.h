@@ -151,6 +151,9 @@ struct HierarchyOptions {
   Vec3 down = -Vec3::UnitZ();
   bool stem = false;  ///< of roots: the thick top part is the stem
   SomaRule soma = SomaRule::none;
+  /// Smallest step of the voxels the curves are from: branches that end within the tube they leave are dropped. 0: none
+  /// is.
+  double voxel = 0;
 };
 
 /// The hierarchy of a graph without loops. Throws Error(usage) for a graph with loops or sheets.

@@ -24,11 +24,15 @@ class Mesh:
     branches : list of dict
         Of ``sample("root")`` only: the true branches, each with ``parent``, ``parent_point``, ``length``, ``points``,
         ``radius``.
+    touching : list of dict
+        Of ``sample("root")`` only: where two branches run into each other, each with ``branch``, ``other``, ``from``,
+        ``to`` (places on their centre lines) and ``on_purpose``.
     """
 
     vertices: np.ndarray
     faces: np.ndarray
     branches: List[Dict[str, Any]] = field(default_factory=list, repr=False)
+    touching: List[Dict[str, Any]] = field(default_factory=list, repr=False)
 
 
 class Volume:
@@ -228,9 +232,12 @@ def _thresholds(value: Any) -> Tuple[Optional[Union[int, float]], Optional[Union
 
 def _width(value: Any) -> float:
     try:
-        return float(value)
+        width = float(value)
+        if width >= 0:
+            return width
     except (TypeError, ValueError, OverflowError):
-        raise error(2, f'blur={value!r} is not a number', 'blur') from None
+        pass
+    raise error(2, f'blur={value!r} is not a number from 0 on', 'blur')
 
 
 Threshold = Union[None, float, str, Tuple[float, float]]
@@ -358,7 +365,8 @@ def read_file(path: Path, spacing: Spacing, radii: Optional[Path], call: Tuple[A
     return Mesh(np.asarray(found[0]), np.asarray(found[1])) if isinstance(found, tuple) else found
 
 
-def sample(name: str, *, noise: float = 0, seed: int = 1, branches: int = 60, fineness: float = 1) -> Mesh:
+def sample(name: str, *, noise: float = 0, seed: int = 1, branches: int = 60, fineness: float = 1,
+           touching: int = 0) -> Mesh:
     """A built-in shape as a closed mesh; ``quench.samples()`` lists them.
 
     Parameters
@@ -370,6 +378,8 @@ def sample(name: str, *, noise: float = 0, seed: int = 1, branches: int = 60, fi
         ``"root"``: another seed, another root; its number of branches.
     fineness : float
         Multiplies the number of triangles along each direction.
+    touching : int
+        ``"root"``: so many pairs of branches are turned until they touch.
 
     Examples
     --------
@@ -378,13 +388,16 @@ def sample(name: str, *, noise: float = 0, seed: int = 1, branches: int = 60, fi
     3
     >>> len(quench.sample('root', branches=5).branches)
     5
+    >>> len(quench.sample('root', touching=2).touching)
+    2
     """
     if not 1 <= branches <= 100000 or not 0.01 <= fineness <= 16 or not 0 <= noise <= 0.1:
         raise error(2, 'branches go from 1 to 100000, fineness from 0.01 to 16, noise from 0 to 0.1')
-    found = _core.sample(name, float(noise), whole(seed, 'seed'), whole(branches, 'branches'), float(fineness))
+    found = _core.sample(name, float(noise), whole(seed, 'seed'), whole(branches, 'branches'), float(fineness),
+                         whole(touching, 'touching', 0))
     truth = [{key: np.asarray(value) if key in ('points', 'radius') else value for key, value in branch.items()}
              for branch in found['branches']]
-    return Mesh(np.asarray(found['vertices']), np.asarray(found['faces']), truth)
+    return Mesh(np.asarray(found['vertices']), np.asarray(found['faces']), truth, found['touching'])
 
 
 def samples() -> Dict[str, str]:

@@ -108,8 +108,9 @@ pipeline::ShapeOptions shape_options(const std::optional<Threshold>& threshold,
   return options;
 }
 
-py::dict sample_named(const std::string& name, double noise, std::uint64_t seed, int branches, double fineness) {
-  Sample sample = make_sample(name, {noise, seed, branches, fineness});
+py::dict sample_named(const std::string& name, double noise, std::uint64_t seed, int branches, double fineness,
+                      int touching) {
+  Sample sample = make_sample(name, {noise, seed, branches, fineness, touching});
   py::list truth;
   for (const RootBranch& b : sample.branches) {
     py::dict entry;
@@ -120,7 +121,18 @@ py::dict sample_named(const std::string& name, double noise, std::uint64_t seed,
     entry["radius"] = own(b.radius);
     truth.append(entry);
   }
+  py::list damage;
+  for (const RootDamage& d : sample.damage) {
+    py::dict entry;
+    entry["branch"] = d.branch;
+    entry["other"] = d.other;
+    entry["from"] = triple(d.from);
+    entry["to"] = triple(d.to);
+    entry["on_purpose"] = d.on_purpose;
+    damage.append(entry);
+  }
   py::dict result;
+  result["touching"] = damage;
   result["vertices"] = own(std::move(sample.mesh.points));
   result["faces"] = own(std::move(sample.mesh.triangles));
   result["branches"] = truth;

@@ -84,7 +84,7 @@ TreePointer tree_of_axis(const std::shared_ptr<Axis>& axis, const TreeHow& how, 
     const pipeline::SkeletonOptions skeleton = pipeline::skeleton_for_trees({.theta1 = pipeline::parse_theta1(theta1)});
     const auto curves = compute_skeleton(
         axis, *fire, {pipeline::text_of(skeleton.theta2), pipeline::text_of(skeleton.theta1), true}, c);
-    const pipeline::GraphOptions graph = graph_options(*axis);
+    const pipeline::GraphOptions graph = pipeline::graph_for_trees(graph_options(*axis), axis->scale());
     const pipeline::TreeCurves of{pipeline::measured_graph(curves->member, graph, axis->scale()), axis->scale(),
                                   graph.voxel, axis->core.coordinates};
     return made(pipeline::run_tree(of, how.resolved(of.scale), axis->shape.get(), &c), axis, how);

@@ -136,6 +136,11 @@ SkeletonOptions skeleton_for_trees(SkeletonOptions asked) {
   return asked;
 }
 
+GraphOptions graph_for_trees(GraphOptions asked, const Scale& scale) {
+  if (asked.resample.value == 0 && scale.voxel > 0) asked.resample = Length{1, Length::Unit::voxels};
+  return asked;
+}
+
 TreeCurves curves_in(Record&& result, const std::string& file, RunOptions options, const LoadedShape* shape,
                      Context* context) {
   const bool drawn = field_text(result, "stage") == "skeleton";
@@ -162,6 +167,7 @@ TreeCurves curves_in(Record&& result, const std::string& file, RunOptions option
   if (loaded.voxel_core) curves.voxel = options.graph.voxel = loaded.spacing;
   if (shape && loaded.voxel_core) options.graph.shape = &shape->shape;
   options.skeleton = skeleton_for_trees(options.skeleton);
+  options.graph = graph_for_trees(options.graph, loaded.scale);
   take_recorded(options.burning, loaded.data);
   curves.graph = run_axis(loaded.axis, std::move(loaded.data), loaded.voxel_core, topology(loaded.axis.complex),
                           loaded.scale, options, context)
@@ -185,7 +191,9 @@ TreeRun run_tree(const TreeCurves& curves, const TreeOptions& options, const Loa
   TreeRun result;
   for (const CurveGraph::Branch& branch : curves.graph.branches) result.length_before += branch.length;
   const std::optional<GreyValues> grey = grey_values_of(shape);
-  Repaired repair = repaired(curves.graph, options.repair, grey ? &*grey : nullptr, context);
+  RepairOptions repairs = options.repair;
+  if (!(repairs.voxel > 0)) repairs.voxel = curves.scale.voxel;
+  Repaired repair = repaired(curves.graph, repairs, grey ? &*grey : nullptr, context);
   checkpoint(context, "repair", 1);
   if (const RepairRule rule = options.repair.rule;
       repair.loops_before > 0 && (rule == RepairRule::off || rule == RepairRule::gaps))
@@ -199,6 +207,7 @@ TreeRun run_tree(const TreeCurves& curves, const TreeOptions& options, const Loa
     checkpoint(context, "topology", 1);
   }
   HierarchyOptions hierarchy = options.hierarchy;
+  hierarchy.voxel = curves.scale.voxel;
   if (options.find_down) hierarchy.down = likely_down(repair.graph);
   if (hierarchy.roots.empty()) hierarchy.roots = options.repair.roots;
   result.tree = tree_of(repair, hierarchy, context);

@@ -29,30 +29,42 @@ std::array<std::vector<Between>, 3> places_of(const Grid& from, const Grid& to) 
   return places;
 }
 
-/// Linear along each axis; samples of no weight do not count. store(index, value) takes each.
-template <class Value, class Store>
-void resample(const Grid& from, const Grid& to, const Value& value, const Store& store, Context* context) {
+/// Linear along the axes other than `last`, then mix(low, high, part) along that one; samples of no weight do not
+/// count. store(index, value) takes each.
+template <class Value, class Mix, class Store>
+void resample(const Grid& from, const Grid& to, std::size_t last, const Value& value, const Mix& mix,
+              const Store& store, Context* context) {
   const auto places = places_of(from, to);
+  const std::array<std::int64_t, 3> stride{1, from.dims[0], from.dims[0] * from.dims[1]};
+  const std::size_t u = last == 0 ? 1 : 0, v = last == 2 ? 1 : 2;
   base::in_arena(context, [&] {
     base::for_chunks(static_cast<std::size_t>(to.dims[2]), context, "interpolation", 0, 1, [&](std::size_t z) {
-      const Between pz = places[2][z];
       std::size_t out = z * static_cast<std::size_t>(to.dims[0] * to.dims[1]);
-      for (const Between& py : places[1])
-        for (const Between& px : places[0]) {
-          double sum = 0;
-          for (unsigned corner = 0; corner < 8; ++corner) {
-            const bool x = corner & 1, y = corner & 2, z_up = corner & 4;
-            const double weight =
-                (x ? px.part : 1 - px.part) * (y ? py.part : 1 - py.part) * (z_up ? pz.part : 1 - pz.part);
-            if (weight == 0) continue;
-            sum += weight * value(static_cast<std::size_t>(
-                                px.low + x + from.dims[0] * (py.low + y + from.dims[1] * (pz.low + z_up))));
+      std::array<Between, 3> at;
+      at[2] = places[2][z];
+      const auto in_slice = [&](std::int64_t slice) {
+        double sum = 0;
+        for (const bool j : {false, true})
+          for (const bool i : {false, true}) {
+            const double weight = (i ? at[u].part : 1 - at[u].part) * (j ? at[v].part : 1 - at[v].part);
+            if (weight > 0)
+              sum += weight * value(static_cast<std::size_t>(stride[last] * slice + stride[u] * (at[u].low + i) +
+                                                             stride[v] * (at[v].low + j)));
           }
-          store(out++, sum);
+        return sum;
+      };
+      for (const Between& y : places[1])
+        for (const Between& x : places[0]) {
+          at[0] = x;
+          at[1] = y;
+          const double low = in_slice(at[last].low), part = at[last].part;
+          store(out++, part > 0 ? mix(low, in_slice(at[last].low + 1), part) : low);
         }
     });
   });
 }
+
+double linear(double low, double high, double part) { return low + (high - low) * part; }
 
 /// Squares of the distances to the nearest of samples that are 0, of samples `step` apart, infinite elsewhere; the
 /// lower envelope of parabolas (Felzenszwalb and Huttenlocher 2012, Theory of Computing 8).
@@ -86,11 +98,10 @@ void transform(std::vector<double>& f, double step, std::vector<std::size_t>& si
   f.swap(result);
 }
 
-/// Signed distances in a slice to the nearest pixel of the other side, above 0 inside; `limit` where there is none.
+/// Signed distances in a slice to the nearest pixel of the other side, above 0 inside; infinite where there is none.
 class SliceDistances {
  public:
-  SliceDistances(std::array<std::int64_t, 2> dims, std::array<double, 2> steps, double limit)
-      : dims_(dims), steps_(steps), limit_(limit) {}
+  SliceDistances(std::array<std::int64_t, 2> dims, std::array<double, 2> steps) : dims_(dims), steps_(steps) {}
 
   /// inside(i, j) says what is inside, set(i, j, distance) takes the results.
   template <class Inside, class Set>
@@ -101,7 +112,7 @@ class SliceDistances {
         for (std::int64_t i = 0; i < dims_[0]; ++i) {
           if (inside(i, j) != side) continue;
           const double distance = std::sqrt(square[static_cast<std::size_t>(i + dims_[0] * j)]);
-          set(i, j, (side ? 1 : -1) * (std::isinf(distance) ? limit_ : distance));
+          set(i, j, side ? distance : -distance);
         }
     }
   }
@@ -132,17 +143,28 @@ class SliceDistances {
 
   std::array<std::int64_t, 2> dims_;
   std::array<double, 2> steps_;
-  double limit_;
   std::vector<std::size_t> site_;
   std::vector<double> from_, result_;
 };
 
-/// Of the slices along the largest spacing, the last of equal ones.
-template <class T>
-std::vector<float> signed_distances(const Grid& grid, const std::vector<T>& samples, Context* context) {
+/// Between two signed distances; half way where one slice is all inside or all outside.
+double between_slices(double low, double high, double part) {
+  if (std::isfinite(low) && std::isfinite(high)) return linear(low, high, part);
+  return part < 0.5 ? low : high;
+}
+
+/// The axis of the largest spacing, the last of equal ones.
+std::size_t thick_axis(const Grid& grid) {
   std::size_t thick = 2;
   for (const std::size_t a : {1, 0})
     if (grid.spacing[static_cast<Eigen::Index>(a)] > grid.spacing[static_cast<Eigen::Index>(thick)]) thick = a;
+  return thick;
+}
+
+/// In the slices along `thick`.
+template <class T>
+std::vector<float> signed_distances(const Grid& grid, std::size_t thick, const std::vector<T>& samples,
+                                    Context* context) {
   const std::size_t u = thick == 0 ? 1 : 0, v = thick == 2 ? 1 : 2;
   const std::array<std::int64_t, 3> stride{1, grid.dims[0], grid.dims[0] * grid.dims[1]};
   const auto step = [&](std::size_t a) { return grid.spacing[static_cast<Eigen::Index>(a)]; };
@@ -152,7 +174,7 @@ std::vector<float> signed_distances(const Grid& grid, const std::vector<T>& samp
       const auto at = [&](std::int64_t i, std::int64_t j) {
         return static_cast<std::size_t>(static_cast<std::int64_t>(k) * stride[thick] + i * stride[u] + j * stride[v]);
       };
-      SliceDistances({grid.dims[u], grid.dims[v]}, {step(u), step(v)}, step(thick))
+      SliceDistances({grid.dims[u], grid.dims[v]}, {step(u), step(v)})
           .find(
               [&](std::int64_t i, std::int64_t j) {
                 const T sample = samples[at(i, j)];
@@ -188,13 +210,15 @@ void interpolate(Volume& volume, bool mask, Context* context) {
     std::visit(
         [&]<class T>(std::vector<T>& samples) {
           if (mask) {
-            const std::vector<float> distances = signed_distances(volume.grid, samples, context);
+            const std::size_t thick = thick_axis(volume.grid);
+            const std::vector<float> distances = signed_distances(volume.grid, thick, samples, context);
             T inside = 1;
             for (const T sample : samples)
               if (sample != T{} && sample == sample) inside = sample;
             samples.assign(count_of(cubes), T{});
             resample(
-                volume.grid, cubes, [&](std::size_t i) { return static_cast<double>(distances[i]); },
+                volume.grid, cubes, thick, [&](std::size_t i) { return static_cast<double>(distances[i]); },
+                between_slices,
                 [&](std::size_t i, double distance) {
                   if (distance > 0) samples[i] = inside;
                 },
@@ -203,7 +227,7 @@ void interpolate(Volume& volume, bool mask, Context* context) {
           }
           const auto fill = [&]<class Out>(std::vector<Out>&& out) {
             resample(
-                volume.grid, cubes, [&](std::size_t i) { return static_cast<double>(samples[i]); },
+                volume.grid, cubes, 2, [&](std::size_t i) { return static_cast<double>(samples[i]); }, linear,
                 [&](std::size_t i, double value) { out[i] = as_sample<Out>(value); }, context);
             volume.samples = std::move(out);
           };

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
-#include <array>
+#include <functional>
 #include <numeric>
 #include <optional>
 
@@ -20,42 +20,51 @@ using Counts = std::vector<std::uint64_t>;
 constexpr double kClasses = 4096;  // squares of differences, times samples, fit 64 bits
 constexpr double kNoiseSteps = 3;  // what exceeds this many deviations of noise is no noise
 
+constexpr auto kNoClass = static_cast<std::uint16_t>(-1);
+
+/// Calls visit(low, high) for the classes of pairs of samples, in two lists, that are finite.
+template <class Visit>
+void for_pairs(const std::uint16_t* here, const std::uint16_t* there, std::size_t count, const Visit& visit) {
+  for (std::size_t i = 0; i < count; ++i)
+    if (here[i] != kNoClass && there[i] != kNoClass) visit(std::min(here[i], there[i]), std::max(here[i], there[i]));
+}
+
 /// Visits the pairs of neighbouring finite samples with the classes of both, along the axes of nearly the smallest
 /// spacing (between thick slices differences are of other lengths), in parts on all threads, each with sums of its own;
-/// returns their sum.
+/// returns their sum. Progress is from `begin` on, for one half.
 template <class T, class Visit>
 Counts over_pairs(const Grid& grid, const std::vector<T>& samples, const Classes<T>& classes, std::size_t sums,
-                  Context* context, const Visit& visit) {
+                  Context* context, double begin, const Visit& visit) {
   constexpr double kNearly = 1.5;
-  const std::array<std::int64_t, 3> stride{1, grid.dims[0], grid.dims[0] * grid.dims[1]};
-  const auto used = [&](std::size_t a) {
-    return grid.dims[a] > 1 && grid.spacing[static_cast<Eigen::Index>(a)] <= kNearly * grid.spacing.minCoeff();
-  };
-  const std::array<bool, 3> along{used(0), used(1), used(2)};
-  const auto nz = static_cast<std::size_t>(grid.dims[2]);
+  const auto used = [&](int axis) { return grid.spacing[axis] <= kNearly * grid.spacing.minCoeff(); };
+  const auto nx = static_cast<std::size_t>(grid.dims[0]), ny = static_cast<std::size_t>(grid.dims[1]),
+             nz = static_cast<std::size_t>(grid.dims[2]), slice = nx * ny;
   constexpr std::size_t kParts = 16;  // whole numbers: their sums do not depend on the parts
   const std::size_t parts = std::min(nz, kParts);
   std::vector<Counts> all(parts, Counts(sums));
-  constexpr auto kNoClass = static_cast<std::uint16_t>(-1);
-  const auto class_of = [&](T sample) {
-    return preparation::is_finite(sample) ? static_cast<std::uint16_t>(classes.of(sample)) : kNoClass;
-  };
   base::in_arena(context, [&] {
-    base::for_chunks(parts, context, "thresholds", 0, 1, [&](std::size_t part) {
+    base::for_chunks(parts, context, "thresholds", begin, begin + 0.5, [&](std::size_t part) {
+      Counts& counts = all[part];
+      const auto count = [&](std::size_t low, std::size_t high) { visit(counts, low, high); };
+      std::vector<std::uint16_t> here(slice), above(slice);
+      const auto read = [&](std::vector<std::uint16_t>& to, std::size_t z) {
+        for (std::size_t i = 0; i < slice; ++i) {
+          const T sample = samples[z * slice + i];
+          to[i] = preparation::is_finite(sample) ? static_cast<std::uint16_t>(classes.of(sample)) : kNoClass;
+        }
+      };
       const auto [first, last] = base::part_of(nz, part, parts);
-      for (std::size_t z = first; z < last; ++z)
-        for (std::int64_t y = 0; y < grid.dims[1]; ++y)
-          for (std::int64_t x = 0; x < grid.dims[0]; ++x) {
-            const std::array<std::int64_t, 3> at{x, y, static_cast<std::int64_t>(z)};
-            const std::int64_t i = x + stride[1] * y + stride[2] * at[2];
-            const std::uint16_t here = class_of(samples[static_cast<std::size_t>(i)]);
-            if (here == kNoClass) continue;
-            for (std::size_t a = 0; a < 3; ++a) {
-              if (!along[a] || at[a] + 1 == grid.dims[a]) continue;
-              const std::uint16_t there = class_of(samples[static_cast<std::size_t>(i + stride[a])]);
-              if (there != kNoClass) visit(all[part], std::min(here, there), std::max(here, there));
-            }
-          }
+      for (std::size_t z = first; z < last; ++z) {
+        if (z == first)
+          read(here, z);
+        else
+          here.swap(above);
+        if (z + 1 < nz) read(above, z + 1);
+        if (used(0))
+          for (std::size_t y = 0; y < ny; ++y) for_pairs(&here[nx * y], &here[nx * y] + 1, nx - 1, count);
+        if (used(1)) for_pairs(here.data(), here.data() + nx, slice - nx, count);
+        if (used(2) && z + 1 < nz) for_pairs(here.data(), above.data(), slice, count);
+      }
     });
   });
   for (std::size_t part = 1; part < parts; ++part)
@@ -83,12 +92,12 @@ template <class T>
 std::optional<std::size_t> best_cut(const Grid& grid, const std::vector<T>& samples, const Classes<T>& classes,
                                     Context* context) {
   const Counts differences =
-      over_pairs(grid, samples, classes, classes.count, context,
+      over_pairs(grid, samples, classes, classes.count, context, 0,
                  [](Counts& counts, std::size_t low, std::size_t high) { ++counts[high - low]; });
   constexpr double kDeviations = 0.6745;                      // in which half of a normal distribution lies
   const double noise = median_of(differences) / kDeviations;  // of differences
   // What is added where a step begins to be cut, and taken away where it ends.
-  const Counts changes = over_pairs(grid, samples, classes, 2 * classes.count, context,
+  const Counts changes = over_pairs(grid, samples, classes, 2 * classes.count, context, 0.5,
                                     [&](Counts& counts, std::size_t low, std::size_t high) {
                                       const std::size_t step = high - low;
                                       if (static_cast<double>(step) <= kNoiseSteps * noise) return;

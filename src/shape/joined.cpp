@@ -51,18 +51,16 @@ class Growing {
   void join(Context* context) {
     using Entry = std::pair<decltype(Worth().key()), Way>;
     std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
-    const auto add = [&](const Way& way) {
-      const Worth worth = worth_of(way);
-      if (worth.components > 0) queue.emplace(worth.key(), way);
-    };
-    for (const Way& way : std::exchange(ways_, {})) add(way);
+    for (const Way& way : std::exchange(ways_, {})) queue.emplace(worth_of(way).key(), way);
     const double all = static_cast<double>(queue.size()) + 1;
     for (std::size_t step = 0; !queue.empty(); ++step) {
       if (step % 1024 == 0) checkpoint(context, "connectivity", 1 - static_cast<double>(queue.size()) / all);
       const auto [key, way] = queue.top();
       queue.pop();
-      if (worth_of(way).key() > key)
-        add(way);  // what was joined meanwhile has made it worse, or useless
+      const Worth worth = worth_of(way);  // what was joined meanwhile may have made it worse, or useless
+      if (worth.components <= 0) continue;
+      if (worth.key() > key)
+        queue.emplace(worth.key(), way);
       else
         take(way);
     }

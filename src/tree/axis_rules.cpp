@@ -163,7 +163,10 @@ std::vector<std::uint32_t> continuations(const Tree& tree, AxisRule rule) {
 
 std::uint32_t main_branch(const Tree& tree, std::span<const std::uint32_t> at_root, AxisRule rule) {
   // Nothing leads to a root node: by `continuation` it is the thickest one too.
-  return Below(tree).best_of(at_root, rule == AxisRule::continuation ? AxisRule::radius : rule, kNone);
+  if (rule == AxisRule::continuation) rule = AxisRule::radius;
+  Below below(tree);
+  below.choices(rule);  // the axes that `depth` compares
+  return below.best_of(at_root, rule, kNone);
 }
 
 }  // namespace quench::tree

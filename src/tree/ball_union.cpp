@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <numbers>
@@ -10,7 +12,8 @@
 namespace quench::tree {
 namespace {
 
-constexpr int kOnBall = 128;          // points spread over the surface of each ball
+// Points per ball: 4 to 128, so many in all. Of few balls each needs many, of many the errors even out.
+constexpr int kFewestPoints = 4, kMostPoints = 128, kPoints = 4096;
 constexpr double kBallSpacing = 0.5;  // of balls along a course, in radii
 
 struct Ball {
@@ -19,14 +22,29 @@ struct Ball {
 };
 
 // Points on the unit sphere, of equal areas: heights in equal steps, turned by the golden angle.
-std::vector<Vec3> spread_directions() {
+std::vector<Vec3> spread_directions(int count) {
   std::vector<Vec3> directions;
   const double golden = std::numbers::pi * (3 - std::sqrt(5.0));
-  for (int i = 0; i < kOnBall; ++i) {
-    const double z = 1 - (2.0 * i + 1) / kOnBall, flat = std::sqrt(1 - z * z);
+  for (int i = 0; i < count; ++i) {
+    const double z = 1 - (2.0 * i + 1) / count, flat = std::sqrt(1 - z * z);
     directions.emplace_back(flat * std::cos(golden * i), flat * std::sin(golden * i), z);
   }
   return directions;
+}
+
+// Another turn for each ball (Shoemake 1992), so that what the points of one miss the next ones do not.
+Mat3 turn_of(std::uint32_t ball) {
+  std::uint64_t state = ball;
+  const auto next = [&] {  // splitmix64
+    std::uint64_t z = state += 0x9E3779B97F4A7C15ull;
+    z = (z ^ z >> 30) * 0xBF58476D1CE4E5B9ull;
+    z = (z ^ z >> 27) * 0x94D049BB133111EBull;
+    return std::ldexp(static_cast<double>((z ^ z >> 31) >> 11), -53);
+  };
+  const double u = next(), a = 2 * std::numbers::pi * next(), b = 2 * std::numbers::pi * next();
+  const double near = std::sqrt(1 - u), far = std::sqrt(u);
+  return Eigen::Quaterniond(near * std::sin(a), near * std::cos(a), far * std::sin(b), far * std::cos(b))
+      .toRotationMatrix();
 }
 
 std::vector<Ball> balls_of(std::span<const Course> courses) {
@@ -60,8 +78,9 @@ class BallGrids {
       cells_[static_cast<std::size_t>(grid - sizes_.begin())][key(cell_of(balls[b].centre, size))].push_back(b);
     }
   }
-  // Whether a ball other than `own` holds the point. Of two equal balls only the first one shows.
-  bool covered(const Vec3& x, std::uint32_t own) const {
+  // Calls visit(ball) for balls that may hold the point, until it returns true.
+  template <class Visit>
+  bool any_near(const Vec3& x, const Visit& visit) const {
     for (std::size_t g = 0; g < sizes_.size(); ++g) {
       const Cell middle = cell_of(x, sizes_[g]);
       for (int k = 0; k < 27; ++k) {
@@ -69,10 +88,27 @@ class BallGrids {
             cells_[g].find(key({middle[0] + k % 3 - 1, middle[1] + k / 3 % 3 - 1, middle[2] + k / 9 - 1}));
         if (found == cells_[g].end()) continue;
         for (const std::uint32_t b : found->second)
-          if (b != own && holds(b, x, own)) return true;
+          if (visit(b)) return true;
       }
     }
     return false;
+  }
+  // Whether another ball holds a point on the surface of `own`. Of equal balls only the first one shows.
+  bool covered(const Vec3& x, std::uint32_t own) const {
+    return any_near(x, [&](std::uint32_t b) {
+      const Ball &ball = balls_[b], &of = balls_[own];
+      if (ball.centre == of.centre && ball.radius == of.radius) return b < own;
+      return holds(ball, x);
+    });
+  }
+  // How many balls hold a point inside of `own`, itself included.
+  int holders(const Vec3& x, std::uint32_t own) const {
+    int count = 1;
+    any_near(x, [&](std::uint32_t b) {
+      count += b != own && holds(balls_[b], x) ? 1 : 0;
+      return false;
+    });
+    return count;
   }
 
  private:
@@ -92,9 +128,7 @@ class BallGrids {
       hash = (hash ^ hash >> 29 ^ static_cast<std::uint64_t>(c)) * 0x9E3779B97F4A7C15ull;
     return hash;
   }
-  bool holds(std::uint32_t b, const Vec3& x, std::uint32_t own) const {
-    const Ball &ball = balls_[b], &of = balls_[own];
-    if (ball.centre == of.centre && ball.radius == of.radius) return b < own;
+  static bool holds(const Ball& ball, const Vec3& x) {
     return (x - ball.centre).squaredNorm() < ball.radius * ball.radius;
   }
 
@@ -105,23 +139,25 @@ class BallGrids {
 
 }  // namespace
 
-// The volume is the flow of x / 3 through the surface (divergence theorem); from the centre of all, for the digits.
+// Of the volume of each ball a point stands for its share, divided among the balls that hold it; of the surface, what
+// no other ball holds.
 BallUnion union_of_balls(std::span<const Course> courses) {
   const std::vector<Ball> balls = balls_of(courses);
-  BallUnion result;
-  if (balls.empty()) return result;
-  static const std::vector<Vec3> directions = spread_directions();
-  Vec3 middle = Vec3::Zero();
-  for (const Ball& ball : balls) middle += ball.centre / static_cast<double>(balls.size());
+  if (balls.empty()) return {};
+  const int count = std::clamp(kPoints / static_cast<int>(balls.size()), kFewestPoints, kMostPoints);
+  const std::vector<Vec3> directions = spread_directions(count);
   const BallGrids grids(balls);
+  BallUnion result;
   for (std::uint32_t b = 0; b < balls.size(); ++b) {
     const Ball& ball = balls[b];
-    const double share = 4 * std::numbers::pi * ball.radius * ball.radius / kOnBall;
-    for (const Vec3& n : directions) {
-      const Vec3 x = ball.centre + ball.radius * n;
-      if (grids.covered(x, b)) continue;
-      result.surface += share;
-      result.volume += share * (x - middle).dot(n) / 3;
+    const double surface = 4 * std::numbers::pi * ball.radius * ball.radius, volume = surface * ball.radius / 3;
+    const Mat3 turn = turn_of(b);
+    for (int i = 0; i < count; ++i) {
+      const Vec3 n = turn * directions[static_cast<std::size_t>(i)];
+      if (!grids.covered(ball.centre + ball.radius * n, b)) result.surface += surface / count;
+      // Evenly over the volume, and in another order than the heights of the directions.
+      const double depth = std::cbrt(std::fmod((i + 0.5) * std::numbers::phi, 1));
+      result.volume += volume / count / grids.holders(ball.centre + depth * ball.radius * n, b);
     }
   }
   return result;

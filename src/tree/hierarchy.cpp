@@ -5,6 +5,7 @@
 #include "quench/error.h"
 #include "quench/tree.h"
 #include "tree/polyline_network.h"
+#include "tree/spurs.h"
 
 namespace quench {
 namespace {
@@ -53,6 +54,10 @@ Tree finished(tree::Network& network, std::span<const tree::Start> known, const 
               bool medial) {
   const std::vector<tree::Start> starts = tree::rooted(network, known, options);
   Tree tree = tree::directed(network, starts);
+  while (options.voxel > 0 && tree::drop_spurs(tree, options.voxel) > 0) {
+    const auto [rest, roots] = network_of_tree(std::move(tree));
+    tree = tree::directed(rest, roots);
+  }
   tree.down = options.down.normalized();
   tree.rule = options.rule;
   tree::build_axes(tree, options, medial);
@@ -71,9 +76,11 @@ Tree tree_of(const Repaired& repaired, const HierarchyOptions& options, Context*
 
 Tree with_hierarchy(Tree from, const HierarchyOptions& options) {
   const Coordinates coordinates = from.coordinates;
+  std::string foreign = std::move(from.foreign);
   auto [network, starts] = network_of_tree(std::move(from));
   Tree tree = finished(network, starts, options, false);
   tree.coordinates = coordinates;
+  tree.foreign = std::move(foreign);
   return tree;
 }
 

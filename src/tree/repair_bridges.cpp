@@ -19,7 +19,8 @@ namespace {
 constexpr double kReachRadii = 8, kReachVoxels = 10;  // the longest bridge, in radii of the end and in about voxels
 constexpr std::size_t kMostTargets = 8;               // components that one end is bridged to
 constexpr std::size_t kMostWays = 4;                  // of those, with ways through grey values
-constexpr double kDarkest = 1.5, kBrightest = 0.3;    // what a gap costs for its length, by its grey values
+constexpr double kSideways = 0.25;                  // what it costs to end on the side of a branch, as part of the gap
+constexpr double kDarkest = 1.5, kBrightest = 0.3;  // what a gap costs for its length, by its grey values
 
 /// A place a bridge may end at.
 struct Place {
@@ -206,6 +207,17 @@ class BridgeSearch {
     return kNone;
   }
 
+  // Within the ball of a free end, but for the end itself.
+  bool is_beside_end(const Place& place) const {
+    if (place.piece == kNone) return false;
+    const Piece& piece = model_.pieces[place.piece];
+    for (std::uint32_t arm : {2 * place.piece, 2 * place.piece + 1}) {
+      const double away = arm % 2 == 0 ? place.at : piece.length - place.at;
+      if (model_.is_free(arm) && away > 0 && away < 2 * model_.arms[arm].radius) return true;
+    }
+    return false;
+  }
+
   /// Without grey values: gap times what turns and changes of radius add.
   double cost(const Source& source, const Place& place, double* gap) const {
     const Vec3 way = place.point - source.point;
@@ -220,7 +232,7 @@ class BridgeSearch {
       return direction.squaredNorm() > 0 && distance > 0 ? sure * (1 - direction.dot(to) / distance) : 0.5;
     };
     factor += turn(source.direction, way);
-    if (!inside) factor += turn(arm != kNone ? Vec3(-model_.arms[arm].direction) : Vec3(Vec3::Zero()), -way);
+    factor += inside ? kSideways : turn(arm != kNone ? Vec3(-model_.arms[arm].direction) : Vec3(Vec3::Zero()), -way);
     const double other = arm != kNone ? model_.arms[arm].radius : place.radius;
     if (source.radius > 0 && other > 0) {
       const double change = std::log(source.radius / other);
@@ -239,7 +251,7 @@ class BridgeSearch {
     std::map<std::uint32_t, Target> nearest;  // per component
     grid_.near(source.point, reach, [&](std::uint32_t p) {
       const std::uint32_t component = component_of(places_[p]);
-      if (component == source.component) return;
+      if (component == source.component || is_beside_end(places_[p])) return;
       double gap = 0;
       const double c = cost(source, places_[p], &gap);
       const auto [at, fresh] = nearest.try_emplace(component, Target{c, p, gap});

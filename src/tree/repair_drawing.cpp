@@ -20,7 +20,7 @@ std::uint32_t Drawing::add_cut(const Vec3& point, double radius) {
   return node;
 }
 
-void Drawing::add_line(Course course, std::uint32_t from, std::uint32_t to) {
+void Drawing::add_line(Polyline course, std::uint32_t from, std::uint32_t to) {
   const auto line = static_cast<std::uint32_t>(lines_.size());
   nodes_[from].lines.push_back(line);
   nodes_[to].lines.push_back(line);

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "quench/tree.h"
-#include "tree/repair_course.h"
+#include "tree/repair_polyline.h"
 
 namespace quench::tree {
 
@@ -16,7 +16,7 @@ class Drawing {
   std::uint32_t add_node(const Vec3& point, double radius, std::uint32_t vertex);
   /// A node where a line was cut.
   std::uint32_t add_cut(const Vec3& point, double radius);
-  void add_line(Course course, std::uint32_t from, std::uint32_t to);
+  void add_line(Polyline course, std::uint32_t from, std::uint32_t to);
   /// Fills in the graph and its bridges. The drawing is used up.
   void finish(Repaired& repaired);
 
@@ -29,7 +29,7 @@ class Drawing {
     std::vector<std::uint32_t> lines;  // twice for a closed line
   };
   struct Line {
-    Course course;
+    Polyline course;
     std::uint32_t from, to;
     bool gone = false;
   };

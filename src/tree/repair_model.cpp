@@ -13,7 +13,7 @@ namespace quench::tree {
 namespace {
 
 constexpr std::size_t kMostArmsOfJoint = 8;  // of joints of several nodes
-constexpr double kWindow = 5;                // radii over which directions are averaged
+constexpr double kArmWindow = 5;             // radii over which directions are averaged
 // Turn of a continuation, radians, and change of the logarithm of its radius, at one standard deviation: for the arms
 // that are most alike, and for those that pass through others.
 constexpr double kTurn = 0.5, kTurnThrough = 0.3, kRadiusChange = 0.5, kRadiusChangeThrough = 0.25;
@@ -28,7 +28,7 @@ class ModelBuilder {
 
   Model build() {
     model_.nodes = graph_.nodes;
-    for (const CurveGraph::Branch& branch : graph_.branches) add_piece(course_of(branch), branch.from, branch.to);
+    for (const CurveGraph::Branch& branch : graph_.branches) add_piece(polyline_of(branch), branch.from, branch.to);
     add_links();
     if (!(model_.finest > 0)) find_finest();
     find_components();
@@ -42,7 +42,7 @@ class ModelBuilder {
   }
 
  private:
-  void add_piece(Course course, std::uint32_t from, std::uint32_t to) {
+  void add_piece(Polyline course, std::uint32_t from, std::uint32_t to) {
     Piece piece;
     piece.length = course.length();
     piece.course = std::move(course);
@@ -50,20 +50,26 @@ class ModelBuilder {
     model_.pieces.push_back(std::move(piece));
   }
 
-  // The nodes on one patch of sheets are joined to the thickest of them.
+  // The nodes on one patch of sheets are joined by straight links of the least length (Prim 1957).
   void add_links() {
-    std::vector<std::uint32_t> thickest(graph_.sheets, kNone);
-    for (std::uint32_t n = 0; n < graph_.nodes.size(); ++n) {
-      const std::uint32_t sheet = graph_.nodes[n].sheet;
-      if (sheet != kNone && (thickest[sheet] == kNone || graph_.nodes[n].radius > graph_.nodes[thickest[sheet]].radius))
-        thickest[sheet] = n;
-    }
-    for (std::uint32_t n = 0; n < graph_.nodes.size(); ++n) {
-      const CurveGraph::Node& node = graph_.nodes[n];
-      if (node.sheet == kNone || thickest[node.sheet] == n) continue;
-      const CurveGraph::Node& other = graph_.nodes[thickest[node.sheet]];
-      add_piece(straight(node.point, node.radius, other.point, other.radius, false), n, thickest[node.sheet]);
-      model_.pieces.back().link = model_.pieces.back().bar = true;
+    std::vector<std::vector<std::uint32_t>> on(graph_.sheets);
+    for (std::uint32_t n = 0; n < graph_.nodes.size(); ++n)
+      if (graph_.nodes[n].sheet != kNone) on[graph_.nodes[n].sheet].push_back(n);
+    for (std::vector<std::uint32_t>& nodes : on) {
+      std::vector<std::pair<double, std::uint32_t>> nearest(nodes.size(), {std::numeric_limits<double>::infinity(), 0});
+      for (std::size_t last = 0, left = nodes.size(); left > 1;) {
+        const std::uint32_t from = nodes[last];
+        std::swap(nodes[last], nodes[--left]);
+        std::swap(nearest[last], nearest[left]);
+        for (std::size_t i = 0; i < left; ++i)
+          nearest[i] =
+              std::min(nearest[i], {(graph_.nodes[nodes[i]].point - graph_.nodes[from].point).squaredNorm(), from});
+        last = static_cast<std::size_t>(
+            std::min_element(nearest.begin(), nearest.begin() + static_cast<std::ptrdiff_t>(left)) - nearest.begin());
+        const CurveGraph::Node &a = graph_.nodes[nodes[last]], &b = graph_.nodes[nearest[last].second];
+        add_piece(straight(a.point, a.radius, b.point, b.radius, false), nodes[last], nearest[last].second);
+        model_.pieces.back().link = model_.pieces.back().bar = true;
+      }
     }
   }
 
@@ -197,15 +203,17 @@ class ModelBuilder {
     const std::vector<double> arc = piece.course.arc();
     const auto at = [&](double s) { return place_on(piece.course, arc, end == 0 ? s : piece.length - s); };
     arm.skip = free ? 0 : std::min(model_.nodes[piece.node[end]].radius, 0.4 * piece.length);
-    const double window = kWindow * at(arm.skip).radius;
+    const double window = kArmWindow * at(arm.skip).radius;
     const double last = std::min(arm.skip + window, arm.skip + 0.8 * (piece.length - arm.skip));
     arm.place = at(arm.skip).point;
     const Vec3 way = at(last).point - arm.place;
     const Vec3 whole = at(piece.length).point - at(0).point;
     arm.direction = way.squaredNorm() > 0 ? way.normalized() : whole.squaredNorm() > 0 ? whole.normalized() : way;
-    constexpr int kSamples = 8;
-    for (int i = 0; i <= kSamples; ++i) arm.radius += at(arm.skip + (last - arm.skip) * i / kSamples).radius;
-    arm.radius /= kSamples + 1;
+    std::array<double, 9> radii;
+    for (std::size_t i = 0; i < radii.size(); ++i)
+      radii[i] = at(arm.skip + (last - arm.skip) * static_cast<double>(i) / (radii.size() - 1)).radius;
+    std::nth_element(radii.begin(), radii.begin() + radii.size() / 2, radii.end());
+    arm.radius = radii[radii.size() / 2];
   }
 
   double continuation(std::uint32_t i, std::uint32_t j, double turns, double changes) const {
@@ -221,10 +229,10 @@ class ModelBuilder {
     return std::exp(-0.5 * q / (turns * turns) - 0.5 * change * change / (changes * changes));
   }
 
-  // Best pairs first.
+  // Best pairs first, those of thick arms before others.
   void continue_arms(const Joint& joint) {
     struct Pair {
-      double straight;
+      double weight;
       std::uint32_t a, b;
     };
     std::vector<Pair> pairs;
@@ -232,9 +240,10 @@ class ModelBuilder {
     for (std::size_t i = 0; i < joint.arms.size(); ++i)
       for (std::size_t j = 0; j < i; ++j) {
         const double how = continuation(joint.arms[j], joint.arms[i], kTurn, kRadiusChange);
-        if (how >= kLeastContinuation) pairs.push_back({how, joint.arms[j], joint.arms[i]});
+        const double thinner = std::min(model_.arms[joint.arms[j]].radius, model_.arms[joint.arms[i]].radius);
+        if (how >= kLeastContinuation) pairs.push_back({how * thinner, joint.arms[j], joint.arms[i]});
       }
-    std::ranges::stable_sort(pairs, [](const Pair& p, const Pair& q) { return p.straight > q.straight; });
+    std::ranges::stable_sort(pairs, [](const Pair& p, const Pair& q) { return p.weight > q.weight; });
     bool first = true;
     for (const Pair& pair : pairs) {
       Arm &a = model_.arms[pair.a], &b = model_.arms[pair.b];
@@ -281,7 +290,7 @@ class ModelBuilder {
     double at = 0;
     for (const std::uint32_t arm : row) {
       const Piece& piece = model_.piece_of(arm);
-      const Course course = arm % 2 == 0 ? piece.course : reversed(piece.course);
+      const Polyline course = arm % 2 == 0 ? piece.course : reversed(piece.course);
       const std::vector<double> arc = course.arc();
       const double first = model_.arms[arm].skip, last = piece.length - model_.arms[model_.far(arm)].skip;
       for (std::size_t i = 1; i < arc.size(); ++i) {

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "quench/graph.h"
-#include "tree/repair_course.h"
 #include "tree/repair_forest.h"
+#include "tree/repair_polyline.h"
 
 /// What is known of a graph before it is repaired. A *piece* is a branch; an *arm* is an end of a piece, the number of
 /// the piece twice plus 1 for its far end. A *joint* is where arms meet: a node, or several that short pieces (*bars*)
@@ -15,7 +15,7 @@
 namespace quench::tree {
 
 struct Piece {
-  Course course;
+  Polyline course;
   std::array<std::uint32_t, 2> node{0, 0};
   double length = 0;
   bool bar = false;   ///< inside a joint
@@ -31,7 +31,7 @@ struct Arm {
   double skip = 0;                  ///< how far along its piece it lies in the ball of the joint
   Vec3 place;                       ///< there
   Vec3 direction;                   ///< of the piece from there on, away from the joint
-  double radius = 0;                ///< mean over some radii from there on
+  double radius = 0;                ///< median over some radii from there on
   std::uint32_t continued = kNone;  ///< by this arm
   double straight = 0;              ///< how well: 0 to 1
 };

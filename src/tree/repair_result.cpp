@@ -116,7 +116,7 @@ class ResultBuilder {
       }
       for (const std::uint32_t bar : group.bars) {
         const Piece& piece = model_.pieces[bar];
-        Course course = piece.course;
+        Polyline course = piece.course;
         if (!whole)
           for (double& r : course.radius) r = std::min(r, std::max(group.radius, model_.finest));
         drawing_.add_line(std::move(course), number[piece.node[0]], number[piece.node[1]]);
@@ -163,7 +163,7 @@ class ResultBuilder {
   void cut_tip(std::uint32_t joint, std::uint32_t arm) {
     const Piece& piece = model_.piece_of(arm);
     const double at = ends_[arm].begin;
-    const CoursePlace place = place_on(piece.course, piece.course.arc(), arm % 2 == 0 ? at : piece.length - at);
+    const PolylinePlace place = place_on(piece.course, piece.course.arc(), arm % 2 == 0 ? at : piece.length - at);
     edits_.push_back({TreeEdit::Kind::cut_touching, place.point, model_.nodes[piece.node[arm % 2]].point, place.radius,
                       at, cost_between(joint, arm)});
   }
@@ -208,7 +208,7 @@ class ResultBuilder {
     const Piece& piece = model_.pieces[p];
     if (piece.bar || choice_.left_out[2 * p]) return;
     const End &from = ends_[2 * p], &to = ends_[2 * p + 1];
-    Course course = piece.course;
+    Polyline course = piece.course;
     const std::vector<double> arc = course.arc();
     for (std::size_t i = 0; i < arc.size(); ++i) {
       if (from.thickest > 0 && arc[i] <= model_.arms[2 * p].skip)
@@ -221,9 +221,10 @@ class ResultBuilder {
       draw_part(p, course, first, from.node, last, to.node, 0, piece.length);
       return;
     }
-    const CoursePlace place = place_on(course, arc, piece.cut_at);
+    const PolylinePlace place = place_on(course, arc, piece.cut_at);
     const auto kind = piece.neck > 0 ? TreeEdit::Kind::cut_touching : TreeEdit::Kind::cut_loop;
     edits_.push_back({kind, place.point, place.point, place.radius, piece.length, piece.gain});
+    if (piece.neck > 0 && splits_[p].empty()) return;  // it belongs to neither side
     draw_part(p, course, first, from.node, std::max(first, piece.cut_at), kNone, 0, piece.cut_at);
     draw_part(p, course, std::min(last, piece.cut_at), kNone, last, to.node, std::nextafter(piece.cut_at, piece.length),
               piece.length);
@@ -231,13 +232,13 @@ class ResultBuilder {
 
   // From `begin` to `end`, divided where bridges end that belong to the part from `low` to `high` of the whole piece. A
   // node that is not there yet is a cut.
-  void draw_part(std::uint32_t p, const Course& course, double begin, std::uint32_t from, double end, std::uint32_t to,
-                 double low, double high) {
+  void draw_part(std::uint32_t p, const Polyline& course, double begin, std::uint32_t from, double end,
+                 std::uint32_t to, double low, double high) {
     end = std::max(begin, end);
     double at = begin;
     std::uint32_t last = from;
     const auto draw_to = [&](double next, std::uint32_t node) {
-      Course part = part_of(course, at, next);
+      Polyline part = part_of(course, at, next);
       if (last == kNone) last = drawing_.add_cut(part.points.front(), part.radius.front());
       if (node == kNone) node = drawing_.add_cut(part.points.back(), part.radius.back());
       drawing_.add_line(std::move(part), last, node);
@@ -252,7 +253,7 @@ class ResultBuilder {
       } else if (s >= end && to != kNone) {
         node = to;
       } else {
-        const CoursePlace there = place_on(course, course.arc(), s);
+        const PolylinePlace there = place_on(course, course.arc(), s);
         node = drawing_.add_node(there.point, there.radius, kNone);
         if (s > at) draw_to(s, node);
         last = node;

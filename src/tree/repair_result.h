@@ -20,7 +20,7 @@ struct BridgeEnd {
 
 struct Bridge {
   BridgeEnd ends[2];
-  Course course;  ///< from the first to the second
+  Polyline course;  ///< from the first to the second
   double cost = 0, grey = 0;
 };
 

@@ -79,8 +79,9 @@ std::vector<double> axes_per_slice(const MeasuredTree& measured, double top, dou
   if (!(layer > 0)) return {};
   for (const Tree::Axis& a : measured.tree.axes)
     for (std::size_t i = 1; i < a.points.size(); ++i) {
-      const auto [low, high] = std::minmax((top - measured.height_of(a.points[i - 1])) / layer - 0.5,
-                                           (top - measured.height_of(a.points[i])) / layer - 0.5);
+      const double from = (top - measured.height_of(a.points[i - 1])) / layer - 0.5;
+      const double to = (top - measured.height_of(a.points[i])) / layer - 0.5;
+      const auto [low, high] = std::minmax(from, to);
       for (double k = std::floor(low) + 1; k <= high && k < kSlices; ++k) ++counts[static_cast<std::size_t>(k)];
     }
   return counts;

@@ -133,7 +133,7 @@ class Axes {
     if (piece.parent == kNone) {
       piece.course = std::move(raw);
     } else if (piece.continues || !medial_ || tree_.branches[piece.branches[0]].parent == kNone) {
-      piece.position = length_before(piece);
+      piece.position = piece.continues ? pieces_[piece.parent].course.length() : length_before(piece);
       piece.course = std::move(raw);
     } else {
       while (const Piece* older = older_parent(piece, raw.points()[0]))

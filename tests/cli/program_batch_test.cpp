@@ -186,10 +186,11 @@ TEST_F(Batch, KilledAndStartedAgainTheTablesAreTheSame) {
   same_tables("a/out", "b/out");
 }
 
-TEST_F(Batch, CtrlCEndsTheSamplesAndLeavesWhatIsDone) {
+// As by Ctrl-C, which programs in the background may ignore.
+TEST_F(Batch, StoppedItEndsTheSamplesAndLeavesWhatIsDone) {
   int held = -1;
   Running running = stopped_at_second("a/out", held);
-  kill(running.child, SIGINT);
+  kill(running.child, SIGTERM);
   const Outcome outcome = wait(running);
   EXPECT_EQ(outcome.code, 130);
   EXPECT_TRUE(

@@ -125,7 +125,8 @@ TEST_F(Options, NumbersAreDecimalAndInRange) {
       };
       if (!among(integers) && !among(reals)) continue;
       ++found;
-      for (const char* value : {"0x10", "abc", "1,5", "+3", " 3", "1e400", "nan", "inf"}) refuse(value);
+      for (const char* value : {"0x10", "abc", "+3", " 3", "1e400", "nan", "inf"}) refuse(value);
+      if (option.name != "--threshold") refuse("1,5");  // there it is two thresholds
       if (!among(integers)) continue;
       for (const char* value : {"1.5", "1e3", "18446744073709551616", "-9223372036854775809"}) refuse(value);
     }

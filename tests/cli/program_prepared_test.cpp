@@ -40,7 +40,7 @@ class Prepared : public ProgramTest {
   /// Whether a result verifies and is drawn without its options given again.
   void expect_taken_back(const std::string& volume, const std::string& result) {
     works({"verify", volume, result});
-    works({"view", result, "--shape", volume, "-o", "page.html"});
+    works({"view", result, "--shape", volume, "-o", result + ".html"});
   }
 };
 
@@ -50,12 +50,9 @@ TEST_F(Prepared, IsRecordedAndTakenBack) {
   for (const char* text :
        {"medians of 3 x 3 x 3 voxels", "blurred with a Gaussian of 0.8 voxels", "(edges)", "closed:", "joined:"})
     EXPECT_NE(core.err.find(text), std::string::npos) << text << '\n' << core.err;
-  const std::string file = bytes("a.vtp");
-  for (const char* text : {"\"median\":1", "\"blur\":0.8", "\"threshold\":", "\"close\":1", "\"connectivity\":26"}) {
-    std::string escaped;
-    for (const char c : std::string(text)) escaped += c == '"' ? "&quot;" : std::string(1, c);
-    EXPECT_TRUE(file.find(text) != std::string::npos || file.find(escaped) != std::string::npos) << text;
-  }
+  const std::string file = works({"info", "a.vtp"}).out;
+  for (const char* name : {"median", "blur", "threshold", "close", "connectivity"})
+    EXPECT_NE(file.find(name), std::string::npos) << name << '\n' << file;
   expect_taken_back("grey.npy", "a.vtp");
 }
 
@@ -78,7 +75,7 @@ TEST_F(Prepared, VoxelsThatTouchAreJoined) {
   const Outcome apart = works({"voxelize", "steps.npy", "--threshold", "50", "-o", "a.nrrd"});
   EXPECT_NE(apart.err.find("3 components"), std::string::npos) << apart.err;
   const Outcome joined =
-      works({"voxelize", "steps.npy", "--threshold", "50", "--connectivity", "26", "-o", "b.nrrd", "--report", "-"});
+      works({"voxelize", "steps.npy", "--threshold", "50", "--connectivity", "26", "-o", "b.nrrd", "--json", "-"});
   EXPECT_NE(joined.out.find("\"joined\""), std::string::npos) << joined.out;
   EXPECT_NE(joined.out.find("\"components_joined\": 2"), std::string::npos) << joined.out;
 }
@@ -94,7 +91,7 @@ TEST_F(Prepared, InfoShowsAHistogramAndProposesThresholds) {
   const Outcome info = works({"info", "grey.npy"});
   for (const char* text : {"histogram: ", "####", "thresholds:", "edges: value ", "otsu: value ", "--threshold, e.g. "})
     EXPECT_NE(info.out.find(text), std::string::npos) << text << '\n' << info.out;
-  const Outcome json = works({"info", "grey.npy", "--report", "-"});
+  const Outcome json = works({"info", "grey.npy", "--json"});
   for (const char* text : {"\"histogram\": {", "\"counts\": [", "\"thresholds\": {", "\"reason\": "})
     EXPECT_NE(json.out.find(text), std::string::npos) << text << '\n' << json.out;
   // The proposal is what auto takes.

@@ -14,6 +14,7 @@
 #include <random>
 
 #include "io/common/formats.h"
+#include "io/tree/tree_samples.h"
 #include "io/volume/slice_streams.h"
 #include "io/volume/stored_volume.h"
 #include "io/volume/volume_formats.h"
@@ -111,6 +112,21 @@ void read_tiff(const std::string& bytes) {
   io::read_stream(io::open_tiff(file, {}, nullptr), file, nullptr);
 }
 
+/// A box of voxels far from each other is large, whatever their number.
+void read_out(const std::string& bytes) {
+  const auto& file = memory_file().holding(bytes);
+  const SliceStream stream = io::open_out_voxels(file, nullptr);
+  const auto& dims = stream.grid.dims;
+  if (static_cast<double>(dims[0]) * static_cast<double>(dims[1]) * static_cast<double>(dims[2]) < 1e6)
+    io::read_stream(stream, file, nullptr);
+}
+
+void read_tree(const std::string& bytes, bool swc) {
+  const Tree tree = swc ? io::read_swc({"file", bytes}, nullptr) : io::read_rsml({"file", bytes}, nullptr);
+  for (const Tree::Branch& branch : tree.branches)
+    for (const Vec3& point : branch.points) EXPECT_TRUE(point.allFinite());
+}
+
 std::function<void(const std::string&)> reader_of(const std::string& format) {
   if (format == "ply") return read_poly<io::read_ply>;
   if (format == "obj") return read_poly<io::read_obj>;
@@ -127,6 +143,9 @@ std::function<void(const std::string&)> reader_of(const std::string& format) {
   if (format == "bmp") return read_pixels<io::read_bmp>;
   if (format == "jpeg") return read_pixels<io::read_jpeg>;
   if (format == "tiff") return read_tiff;
+  if (format == "out") return read_out;
+  if (format == "swc") return [](const std::string& bytes) { read_tree(bytes, true); };
+  if (format == "rsml") return [](const std::string& bytes) { read_tree(bytes, false); };
   if (format == "nrrd") return read_stored(io::nrrd_header);
   if (format == "mha") return read_stored([](const auto& file) { return io::meta_header(file, nullptr); });
   if (format == "nii") return read_stored([](const auto& file) { return io::nifti_header(file, nullptr); });

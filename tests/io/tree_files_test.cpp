@@ -1,179 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // Trees in files: what is written is read by tree/describe_tree.py, which knows the formats from their specifications.
-#include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include <array>
-#include <cmath>
-#include <cstdio>
-#include <cstdlib>
-#include <fstream>
 #include <limits>
-#include <map>
-#include <sstream>
 
 #include "data.h"
-#include "quench/error.h"
-#include "quench/graph.h"
-#include "quench/tree.h"
-#include "temporary_folder.h"
+#include "tree_facts.h"
 
 namespace quench {
 namespace {
 
-using Facts = std::map<std::string, std::string>;
-
-std::string text_of(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
-/// What the independent readers find; nothing where they cannot run here.
-std::optional<Facts> described(const std::filesystem::path& file) {
-  const auto script = std::filesystem::path(__FILE__).parent_path() / "tree" / "describe_tree.py";
-  const std::string command = fmt::format("/usr/bin/python3 -B '{}' '{}' 2>&1", script.string(), file.string());
-  std::FILE* pipe = popen(command.c_str(), "r");
-  std::string text;
-  for (std::array<char, 4096> block; const std::size_t got = std::fread(block.data(), 1, block.size(), pipe);)
-    text.append(block.data(), got);
-  const int status = pclose(pipe);
-  if (WEXITSTATUS(status) == 77 || WEXITSTATUS(status) == 127) return {};
-  EXPECT_EQ(status, 0) << text;
-  Facts facts;
-  std::istringstream lines(text);
-  for (std::string line; std::getline(lines, line);)
-    facts[line.substr(0, line.find(' '))] = line.substr(line.find(' ') + 1);
-  return facts;
-}
-
-struct Measures {
-  std::size_t nodes = 0, tips = 0, forks = 0;
-  double length = 0, bridged = 0, moment = 0, frusta = 0;
-  std::map<std::uint32_t, double> by_level;
-};
-
-Measures measures_of(const Tree& tree) {
-  Measures m;
-  m.nodes = tree.plants.size();
-  std::vector<int> children(tree.branches.size(), 0), at_root(tree.plants.size(), 0);
-  for (const Tree::Branch& branch : tree.branches) {
-    ++(branch.parent == kNone ? at_root[branch.plant] : children[branch.parent]);
-    m.nodes += branch.points.size() - 1;
-    for (std::size_t i = 1; i < branch.points.size(); ++i) {
-      const Vec3 &a = branch.points[i - 1], &b = branch.points[i];
-      const double step = (b - a).norm();
-      m.length += step;
-      if (!branch.bridged.empty() && branch.bridged[i - 1]) m.bridged += step;
-      m.moment += step * Vec3(1, 2, 3).dot((a + b) / 2);
-      m.frusta += step * (branch.radius[i - 1] + branch.radius[i]) / 2;
-      if (!tree.axes.empty()) m.by_level[tree.axes[branch.axis].level] += step;
-    }
-  }
-  for (const int count : children) {
-    m.tips += count == 0;
-    m.forks += count > 1;
-  }
-  for (const int count : at_root) m.forks += count > 1;
-  return m;
-}
-
-/// Every relation that Tree promises.
-void expect_sound(const Tree& tree, bool axes = true) {
-  ASSERT_FALSE(tree.branches.empty());
-  for (std::uint32_t b = 0; b < tree.branches.size(); ++b) {
-    const Tree::Branch& branch = tree.branches[b];
-    ASSERT_TRUE(branch.parent == kNone || branch.parent < b);
-    ASSERT_LT(branch.plant, tree.plants.size());
-    ASSERT_GE(branch.points.size(), 2u);
-    ASSERT_EQ(branch.radius.size(), branch.points.size());
-    ASSERT_TRUE(branch.bridged.empty() || branch.bridged.size() == branch.points.size() - 1);
-    ASSERT_EQ(branch.points[0],
-              branch.parent == kNone ? tree.plants[branch.plant].root : tree.branches[branch.parent].points.back());
-    for (const Vec3& p : branch.points) ASSERT_TRUE(p.allFinite());
-    for (const double radius : branch.radius) ASSERT_TRUE(radius >= 0 && std::isfinite(radius));
-  }
-  if (!axes) {
-    EXPECT_TRUE(tree.axes.empty());
-    return;
-  }
-  std::vector<int> times(tree.branches.size(), 0);
-  for (std::uint32_t a = 0; a < tree.axes.size(); ++a) {
-    const Tree::Axis& axis = tree.axes[a];
-    ASSERT_TRUE(axis.parent == kNone || axis.parent < a);
-    ASSERT_EQ(axis.level, axis.parent == kNone ? 0 : tree.axes[axis.parent].level + 1);
-    std::vector<Vec3> course{tree.branches[axis.branches.at(0)].points[0]};
-    for (const std::uint32_t b : axis.branches) {
-      ++times[b];
-      ASSERT_EQ(tree.branches[b].axis, a);
-      ASSERT_EQ(tree.branches[b].points[0], course.back());
-      course.insert(course.end(), tree.branches[b].points.begin() + 1, tree.branches[b].points.end());
-    }
-    ASSERT_EQ(axis.points, course);
-    double before = 0;
-    for (const std::uint32_t child : axis.children) {
-      ASSERT_EQ(tree.axes[child].parent, a);
-      ASSERT_GE(tree.axes[child].position, before);
-      before = tree.axes[child].position;
-    }
-  }
-  for (const int t : times) ASSERT_EQ(t, 1);
-  for (const Tree::Plant& plant : tree.plants) ASSERT_EQ(tree.axes[plant.main_axis].parent, kNone);
-}
-
-void expect_number(const Facts& facts, const std::string& name, double value) {
-  ASSERT_TRUE(facts.contains(name)) << name;
-  EXPECT_NEAR(std::stod(facts.at(name)), value, 1e-9 * (1 + std::abs(value))) << name;
-}
-
-void expect_measures(const Facts& facts, const Tree& tree, bool levels) {
-  const Measures m = measures_of(tree);
-  EXPECT_EQ(facts.at("trees"), std::to_string(tree.plants.size()));
-  EXPECT_EQ(facts.at("nodes"), std::to_string(m.nodes));
-  EXPECT_EQ(facts.at("tips"), std::to_string(m.tips));
-  EXPECT_EQ(facts.at("forks"), std::to_string(m.forks));
-  expect_number(facts, "length", m.length);
-  expect_number(facts, "moment", m.moment);
-  expect_number(facts, "frusta", m.frusta);
-  if (!levels) return;
-  for (const auto& [level, length] : m.by_level) expect_number(facts, fmt::format("length_of_level_{}", level), length);
-}
-
-/// Writes the tree in every format and has it described.
-void expect_all_formats(const Tree& tree, const TemporaryFolder& folder) {
-  io::write_swc(folder / "a.swc", tree);
-  io::write_centerlines(folder / "a.vtp", tree);
-  io::write_graphml(folder / "a.graphml", tree);
-  std::vector<const char*> names{"a.swc", "a.vtp", "a.graphml"};
-  if (!tree.axes.empty()) {
-    io::write_rsml(folder / "a.rsml", tree);
-    io::write_mtg(folder / "a.mtg", tree);
-    names.insert(names.end(), {"a.rsml", "a.mtg"});
-  }
-  for (const char* name : names) {
-    SCOPED_TRACE(name);
-    const std::optional<Facts> facts = described(folder / name);
-    if (!facts) continue;
-    ASSERT_TRUE(facts->contains("length"));
-    expect_measures(*facts, tree, !tree.axes.empty() && std::string(name) != "a.swc");
-    if (facts->contains("axes")) EXPECT_EQ(facts->at("axes"), std::to_string(tree.axes.size()));
-  }
-}
-
-Tree read_text(const TemporaryFolder& folder, const std::string& name, const std::string& text, bool* known = nullptr) {
-  std::ofstream(folder / name, std::ios::binary) << text;
-  return io::read_tree(folder / name, known);
-}
-
-std::string refusal(const TemporaryFolder& folder, const std::string& name, const std::string& text) {
-  try {
-    read_text(folder, name, text);
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), ErrorCode::input) << error.what();
-    return error.what();
-  }
-  ADD_FAILURE() << "read: " << text.substr(0, 200);
-  return "";
-}
+using namespace testing_trees;
 
 Tree::Branch branch(std::uint32_t parent, std::uint32_t axis, std::uint32_t plant, std::vector<Vec3> points,
                     std::vector<double> radius) {
@@ -241,20 +78,166 @@ TEST(TreeFiles, EveryFormatHoldsTheTree) {
   const Tree tree = hand_built();
   expect_sound(tree);
   expect_all_formats(tree, folder);
-  const auto swc = described(folder / "a.swc");
-  EXPECT_EQ(swc->at("somas"), "1");
-  EXPECT_EQ(swc->at("types"), "1:1,2:2,3:9");
-  const auto rsml = described(folder / "a.rsml");
-  EXPECT_EQ(rsml->at("unit"), "mm");
-  EXPECT_EQ(rsml->at("labels"), "a <main> & \"root\"");
-  EXPECT_EQ(rsml->at("found"), "bridged:1,diameter:7,length:7,level:7,parent-node:4,swc-type:1");
-  const auto mtg = described(folder / "a.mtg");
-  EXPECT_EQ(mtg->at("plants"), "2");
-  EXPECT_EQ(mtg->at("names"), "maize__1|a__main_____root_");
-  EXPECT_EQ(described(folder / "a.graphml")->at("kinds"), "fork:1,root:1,soma:1,tip:6,tip_of_axis:1");
-  if (const auto vtp = described(folder / "a.vtp")) {
-    EXPECT_EQ(vtp->at("branches"), "8");
-    EXPECT_EQ(vtp->at("strahler"), "2");
+  const auto swc = described(folder, "a.swc");
+  EXPECT_EQ(swc.at("somas"), "1");
+  EXPECT_EQ(swc.at("types"), "1:1,2:2,3:9");
+  const auto rsml = described(folder, "a.rsml");
+  EXPECT_EQ(rsml.at("unit"), "mm");
+  EXPECT_EQ(rsml.at("labels"), "a <main> & \"root\"");
+  EXPECT_EQ(rsml.at("found"), "bridged:1,diameter:7,length:7,level:7,parent-node:4,swc-type:1");
+  const auto mtg = described(folder, "a.mtg");
+  EXPECT_EQ(mtg.at("plants"), "2");
+  EXPECT_EQ(mtg.at("names"), "maize__1|a__main_____root_");
+  EXPECT_EQ(described(folder, "a.graphml").at("kinds"), "fork:1,root:1,soma:1,tip:6,tip_of_axis:1");
+  if (Facts vtp = described(folder, "a.vtp"); !vtp.empty()) {
+    EXPECT_EQ(vtp.at("branches"), "8");
+    EXPECT_EQ(vtp.at("strahler"), "2");
+  }
+}
+
+TEST(TreeFiles, RsmlIsReadAsItWasWritten) {
+  const TemporaryFolder folder;
+  io::write_rsml(folder / "a.rsml", hand_built());
+  bool known = false;
+  const Tree first = io::read_tree(folder / "a.rsml", &known);
+  EXPECT_TRUE(known);
+  expect_sound(first);
+  const Measures m = measures_of(first), made = measures_of(hand_built());
+  EXPECT_EQ(m.nodes, made.nodes);
+  EXPECT_NEAR(m.length, made.length, 1e-12);
+  EXPECT_NEAR(m.bridged, made.bridged, 1e-12);
+  EXPECT_EQ(first.axes[0].label, "a <main> & \"root\"");
+  EXPECT_EQ(first.plants[0].label, "maize, 1");
+  io::write_rsml(folder / "b.rsml", first);
+  io::write_rsml(folder / "c.rsml", io::read_tree(folder / "b.rsml"));
+  EXPECT_EQ(text_of(folder / "b.rsml"), text_of(folder / "c.rsml"));
+  expect_all_formats(first, folder);
+}
+
+TEST(TreeFiles, SwcIsReadAsItWasWritten) {
+  const TemporaryFolder folder;
+  io::write_swc(folder / "a.swc", hand_built(), 2);
+  bool known = true;
+  const Tree tree = io::read_tree(folder / "a.swc", &known);
+  EXPECT_FALSE(known);
+  expect_sound(tree, false);
+  const Measures m = measures_of(tree), made = measures_of(hand_built());
+  EXPECT_EQ(m.nodes, made.nodes);
+  EXPECT_EQ(m.tips, made.tips);
+  EXPECT_EQ(m.forks, made.forks);
+  EXPECT_NEAR(m.length, made.length, 1e-12);
+  EXPECT_NEAR(m.frusta, made.frusta, 1e-12);
+  ASSERT_EQ(tree.plants.size(), 2u);
+  EXPECT_FALSE(tree.plants[0].soma);
+  EXPECT_EQ(tree.plants[1].soma, 2.);
+  io::write_swc(folder / "b.swc", tree);
+  const Tree again = io::read_tree(folder / "b.swc");
+  expect_same(tree, again);
+  for (const int type : {0, 256, -1}) EXPECT_THROW(io::write_swc(folder / "c.swc", tree, type), Error);
+  EXPECT_THROW(io::write_rsml(folder / "c.rsml", tree), Error);  // it has no axes
+  EXPECT_THROW(io::write_mtg(folder / "c.mtg", tree), Error);
+}
+
+TEST(TreeFiles, TraitsOfAxesAreProperties) {
+  const TemporaryFolder folder;
+  const Tree tree = hand_built();
+  Table table;
+  table.rows = tree.axes.size();
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  table.columns = {{"mean_radius", "mm", "", std::vector<double>{1, nan, 0.1, 2, 3, 4, 5}},
+                   {"children", "", "", std::vector<std::int64_t>{2, 2, 0, 0, 0, 0, 0}},
+                   {"class of it", "", "", std::vector<std::string>{"main", "<a>", "", "d", "e", "f", "g"}}};
+  io::write_rsml(folder / "a.rsml", tree, &table);
+  const auto facts = described(folder, "a.rsml");
+  EXPECT_NE(facts.at("found").find("children:7,class_of_it:6"), std::string::npos) << facts.at("found");
+  EXPECT_NE(facts.at("found").find("mean_radius:6"), std::string::npos);
+  table.rows = 1;
+  EXPECT_THROW(io::write_rsml(folder / "b.rsml", tree, &table), Error);
+}
+
+TEST(TreeFiles, LastModifiedIsThatOfReproducibleBuilds) {
+  const TemporaryFolder folder;
+  setenv("SOURCE_DATE_EPOCH", "1700000000", 1);
+  io::write_rsml(folder / "a.rsml", hand_built());
+  unsetenv("SOURCE_DATE_EPOCH");
+  io::write_rsml(folder / "b.rsml", hand_built());
+  EXPECT_EQ(described(folder, "a.rsml").at("last_modified"), "2023-11-14T22:13:20");
+  EXPECT_EQ(described(folder, "b.rsml").at("last_modified"), "none");
+}
+
+TEST(TreeFiles, TablesAreCsv) {
+  const TemporaryFolder folder;
+  Table table;
+  table.rows = 2;
+  table.columns = {{"length", "mm", "", std::vector<double>{0.1, std::numeric_limits<double>::quiet_NaN()}},
+                   {"of, what", "", "", std::vector<std::string>{"a \"b\"", "c,d"}},
+                   {"axis", "", "", std::vector<std::int64_t>{-1, 7}},
+                   {"ratio", "", "", std::vector<double>{1e300, std::numeric_limits<double>::infinity()}}};
+  io::write_table(folder / "t.csv", table);
+  EXPECT_EQ(text_of(folder / "t.csv"),
+            "length [mm],\"of, what\",axis,ratio\n0.1,\"a \"\"b\"\"\",-1,1e+300\n,\"c,d\",7,inf\n");
+}
+
+TEST(TreeData, FilesHoldWhatTheirTablesSay) {
+  REQUIRE_DATA("trees/bean-basal.rsml");
+  const TemporaryFolder folder;
+  struct Neuron {
+    const char* file;
+    std::size_t nodes, tips, forks;
+    double length, thinnest, thickest;
+    bool soma;
+  };
+  for (const Neuron& n : {Neuron{"trees/neuron_1734350788.swc", 4465, 618, 599, 266476.9, 10, 375, false},
+                          Neuron{"trees/ds_1_cell_390.swc", 1022, 76, 69, 480.619, 0.05, 3.05, true},
+                          Neuron{"trees/neurom_test_morph.swc", 29, 14, 13, 1610.206, 1.5, 6, true}}) {
+    SCOPED_TRACE(n.file);
+    const Tree tree = io::read_tree(data_file(n.file));
+    expect_sound(tree, false);
+    const Measures m = measures_of(tree);
+    EXPECT_EQ(tree.plants.size(), 1u);
+    EXPECT_EQ(m.nodes, n.nodes);
+    EXPECT_EQ(m.tips, n.tips);
+    EXPECT_EQ(m.forks, n.forks);
+    EXPECT_NEAR(m.length, n.length, 1e-6 * n.length);
+    EXPECT_EQ(tree.plants[0].soma.has_value(), n.soma);
+    double low = 1e9, high = 0;
+    for (const Tree::Branch& b : tree.branches)
+      for (const double radius : b.radius) {
+        low = std::min(low, radius);
+        high = std::max(high, radius);
+      }
+    EXPECT_EQ(low, n.thinnest);
+    EXPECT_EQ(high, n.thickest);
+    expect_all_formats(with_hierarchy(tree, {}), folder);
+  }
+  struct Roots {
+    const char* file;
+    std::size_t axes;
+    std::uint32_t depth;
+    double length;
+    const char* unit;
+    bool flat, thick;
+  };
+  // Of the 556 roots of anagallis five are a single point on their parents, and no axes.
+  for (const Roots& r : {Roots{"trees/anagallis.rsml", 551, 4, 281.0049, "", false, true},
+                         Roots{"trees/arabidopsis-simple_with_diameter.rsml", 5, 3, 1713.530, "pixel", true, true},
+                         Roots{"trees/bean-basal.rsml", 15, 3, 2846.280, "pixel", true, true},
+                         Roots{"trees/cplantbox_Faba_day10_reconstructed.rsml", 112, 4, 304.590, "cm", false, true},
+                         Roots{"trees/cplantbox_B-23_Fichtl.rsml", 123, 4, 1239.773, "cm", false, true}}) {
+    SCOPED_TRACE(r.file);
+    const Tree tree = io::read_tree(data_file(r.file));
+    expect_sound(tree);
+    const Measures m = measures_of(tree);
+    EXPECT_EQ(tree.plants.size(), 1u);
+    EXPECT_EQ(tree.axes.size(), r.axes);
+    EXPECT_EQ(m.by_level.size(), r.depth);
+    EXPECT_NEAR(m.length - m.bridged, r.length, 2e-6 * r.length);
+    EXPECT_EQ(tree.coordinates.units, r.unit);
+    EXPECT_EQ(tree.coordinates.y_down, r.flat);
+    EXPECT_EQ(m.frusta > 0, r.thick);
+    expect_all_formats(tree, folder);
+    io::write_rsml(folder / "again.rsml", io::read_tree(folder / "a.rsml"));
+    EXPECT_TRUE(text_of(folder / "again.rsml") == text_of(folder / "a.rsml"));
   }
 }
 

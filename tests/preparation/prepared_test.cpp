@@ -137,7 +137,8 @@ template <class T, class Out>
 void expect_blurred(const Volume& before, double sigma, double tolerance) {
   const Volume volume = after(before, {.blur = sigma});
   const auto& is = samples_of<Out>(volume);
-  const auto& alone = samples_of<Out>(after(before, {.blur = sigma}, 1));
+  const Volume one_thread = after(before, {.blur = sigma}, 1);
+  const auto& alone = samples_of<Out>(one_thread);
   for_voxels(before.grid, [&](std::int64_t x, std::int64_t y, std::int64_t z, std::size_t i) {
     if (!preparation::is_finite(samples_of<T>(before)[i])) {
       EXPECT_FALSE(preparation::is_finite(is[i]));
@@ -186,12 +187,13 @@ TEST(Prepared, FewWholeValuesBecomeFloats) {
 
 TEST(Prepared, LargeWholeValuesDoNotOverflow) {
   Volume volume;
-  volume.grid.dims = {5, 4, 3};
-  volume.samples = std::vector<std::uint64_t>(60, std::numeric_limits<std::uint64_t>::max());
+  volume.grid.dims = {20, 4, 3};
+  volume.samples = std::vector<std::uint64_t>(240, std::numeric_limits<std::uint64_t>::max());
   std::get<std::vector<std::uint64_t>>(volume.samples)[7] = 0;
   std::get<std::vector<std::uint64_t>>(volume.samples)[8] = 5;
   const Volume blurred = after(volume, {.blur = 1});
-  EXPECT_EQ(samples_of<std::uint64_t>(blurred).back(), std::numeric_limits<std::uint64_t>::max());
+  // But for the rounding of doubles.
+  EXPECT_GE(samples_of<std::uint64_t>(blurred).back(), std::numeric_limits<std::uint64_t>::max() - (1u << 16));
 }
 
 TEST(Prepared, GreyValuesAreInterpolatedLinearly) {
@@ -268,7 +270,7 @@ TEST(Prepared, SlicesOfAConeBecomeACone) {
     }
 }
 
-TEST(Prepared, AShapeEndsBetweenItsLastSliceAndAnEmptyOne) {
+TEST(Prepared, AShapeEndsHalfWayToAnEmptySlice) {
   Volume volume;
   volume.grid.dims = {20, 20, 3};
   volume.grid.spacing = {1, 1, 6};
@@ -277,12 +279,9 @@ TEST(Prepared, AShapeEndsBetweenItsLastSliceAndAnEmptyOne) {
     for (std::size_t x = 5; x < 15; ++x) samples[400 + 20 * y + x] = 255;
   volume.samples = samples;
   const VoxelShape shape = foreground(after(volume, {.interpolate = true}, 2, {}), {});
-  EXPECT_EQ(topology(shape).betti, (std::array<std::int64_t, 3>{1, 0, 0}));
-  const auto box = shape.foreground_box();
-  EXPECT_GE(box.begin[2], 3);
-  EXPECT_LE(box.end[2], 15);
-  EXPECT_GE(shape.voxel_count(), 100 * 4);
-  EXPECT_LE(shape.voxel_count(), 100 * 9);
+  EXPECT_EQ(shape.foreground_box().begin, (std::array<std::int64_t, 3>{5, 5, 6}));
+  EXPECT_EQ(shape.foreground_box().end, (std::array<std::int64_t, 3>{15, 15, 12}));
+  EXPECT_EQ(shape.voxel_count(), 600);
 }
 
 TEST(Prepared, StepsAreReportedInOrder) {

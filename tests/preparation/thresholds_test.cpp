@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <random>
 
 #include "quench/preparation.h"
@@ -15,43 +17,57 @@ double value_of(const ProposedThreshold& proposal) {
   return std::visit([](auto t) { return static_cast<double>(t); }, proposal.value);
 }
 
-constexpr int kSide = 56;
+constexpr int kSide = 44;
 
-/// Tubes of one radius in a dark volume: by the distance to their axes, with partial volume, blurred and noisy.
+/// How much of every voxel some tubes of one radius fill.
+std::vector<float> shares_of_tubes(double radius) {
+  std::mt19937 random(static_cast<unsigned>(10 * radius));
+  std::normal_distribution<double> normal;
+  std::uniform_real_distribution<double> place(0.2 * kSide, 0.8 * kSide);
+  std::vector<Vec3> from, along;
+  for (int i = 0; i < 4; ++i) {
+    from.emplace_back(place(random), place(random), place(random));
+    along.push_back(Vec3(normal(random), normal(random), normal(random)).normalized());
+  }
+  constexpr int kParts = 3;
+  std::vector<float> shares;
+  for (int z = 0; z < kSide; ++z)
+    for (int y = 0; y < kSide; ++y)
+      for (int x = 0; x < kSide; ++x) {
+        int inside = 0;
+        for (int part = 0; part < kParts * kParts * kParts; ++part) {
+          const Vec3 in(part % kParts + 0.5, part / kParts % kParts + 0.5, part / kParts / kParts + 0.5);
+          const Vec3 p = Vec3(x, y, z) + in / kParts;
+          for (std::size_t i = 0; i < from.size(); ++i)
+            if ((p - from[i]).cross(along[i]).squaredNorm() < radius * radius) {
+              ++inside;
+              break;
+            }
+        }
+        shares.push_back(static_cast<float>(inside) / (kParts * kParts * kParts));
+      }
+  return shares;
+}
+
+/// Tubes of one radius in a dark volume, with partial volume, blurred and noisy.
 struct Tubes {
   Volume volume;      ///< of 50 beside and 150 inside
   Volume clean;       ///< without noise
   double inside = 0;  ///< volume of the tubes, in voxels
 
   Tubes(unsigned seed, double radius, double blur, double noise, bool stone) {
+    static std::map<double, std::vector<float>> known;
+    std::vector<float>& shares = known[radius];
+    if (shares.empty()) shares = shares_of_tubes(radius);
     std::mt19937 random(seed);
     std::normal_distribution<double> normal;
-    std::uniform_real_distribution<double> place(0.2 * kSide, 0.8 * kSide);
-    std::vector<Vec3> from, along;
-    for (int i = 0; i < 7; ++i) {
-      from.emplace_back(place(random), place(random), place(random));
-      along.push_back(Vec3(normal(random), normal(random), normal(random)).normalized());
-    }
     std::vector<float> values;
-    for (int z = 0; z < kSide; ++z)
-      for (int y = 0; y < kSide; ++y)
-        for (int x = 0; x < kSide; ++x) {
-          double share = 0;
-          constexpr int kParts = 3;
-          for (int part = 0; part < kParts * kParts * kParts; ++part) {
-            const Vec3 p =
-                Vec3(x, y, z) +
-                Vec3(part % kParts + 0.5, part / kParts % kParts + 0.5, part / kParts / kParts + 0.5) / kParts;
-            bool in = false;
-            for (std::size_t i = 0; i < from.size() && !in; ++i)
-              in = (p - from[i]).cross(along[i]).squaredNorm() < radius * radius;
-            share += in;
-          }
-          share /= kParts * kParts * kParts;
-          inside += share;
-          const bool of_stone = stone && (Vec3(x, y, z) - Vec3(9, 9, 9)).norm() < 4;
-          values.push_back(static_cast<float>(of_stone ? 250 : 50 + 100 * share));
-        }
+    for (int i = 0; i < kSide * kSide * kSide; ++i) {
+      const float share = shares[static_cast<std::size_t>(i)];
+      const Vec3 p(i % kSide, i / kSide % kSide, i / kSide / kSide);
+      values.push_back(stone && (p - Vec3(9, 9, 9)).norm() < 3 ? 250.0f : 50 + 100 * share);
+      inside += share;
+    }
     volume.grid.dims = {kSide, kSide, kSide};
     volume.samples = values;
     ForegroundOptions grey;

@@ -179,6 +179,11 @@ TEST(Sample, RefusesWhatCannotBe) {
   options = {};
   options.noise = -1;
   refused("box", options);
+  options = {};
+  options.touching = -1;
+  refused("root", options);
+  options = {.branches = 3, .touching = 3};  // two laterals
+  refused("root", options);
 }
 
 TEST(Root, HasTheBranchesAskedFor) {
@@ -231,6 +236,169 @@ TEST(Root, AnotherSeedAnotherRoot) {
   SampleOptions other;
   other.seed = 2;
   EXPECT_NE(make_sample("root").branches[3].points, make_sample("root", other).branches[3].points);
+}
+
+// The space between two balls of branches, least over all their points.
+double space_between(const RootBranch& a, const RootBranch& b, std::size_t a_first = 0, std::size_t b_first = 0) {
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = a_first; i < a.points.size(); ++i)
+    for (std::size_t k = b_first; k < b.points.size(); ++k)
+      least = std::min(least, (a.points[i] - b.points[k]).norm() - a.radius[i] - b.radius[k]);
+  return least;
+}
+
+// The first point of a branch that is out of the ball of its parent that it grows from.
+std::size_t out_of_parent(const Sample& root, std::size_t b) {
+  const RootBranch& branch = root.branches[b];
+  if (branch.parent < 0) return 0;
+  const RootBranch& parent = root.branches[static_cast<std::size_t>(branch.parent)];
+  const double radius = parent.radius[static_cast<std::size_t>(branch.parent_point)];
+  std::size_t i = 0;
+  while ((branch.points[i] - branch.points[0]).norm() < radius) ++i;
+  return i;
+}
+
+bool parent_and_child(const Sample& root, std::size_t a, std::size_t b) {
+  return root.branches[a].parent == static_cast<std::int32_t>(b) ||
+         root.branches[b].parent == static_cast<std::int32_t>(a);
+}
+
+constexpr double kClearance = 0.012;
+
+TEST(Root, BranchesKeepClear) {
+  for (const std::uint64_t seed : {1, 2, 3, 4, 5}) {
+    const Sample root = make_sample("root", {.seed = seed, .branches = 60, .fineness = 0.1});
+    EXPECT_TRUE(root.damage.empty());
+    for (std::size_t a = 0; a < root.branches.size(); ++a) {
+      for (std::size_t b = 0; b < a; ++b) {
+        if (parent_and_child(root, a, b)) continue;
+        EXPECT_GE(space_between(root.branches[a], root.branches[b], out_of_parent(root, a), out_of_parent(root, b)),
+                  kClearance)
+            << seed << ' ' << a << ' ' << b;
+      }
+      if (a == 0) continue;
+      // It leaves its parent once, and stands out by several radii.
+      const RootBranch& branch = root.branches[a];
+      const RootBranch& parent = root.branches[static_cast<std::size_t>(branch.parent)];
+      std::size_t out = 0;
+      while (space_between({.points = {branch.points[out]}, .radius = {branch.radius[out]}}, parent) <= kClearance)
+        ASSERT_LT(++out, branch.points.size());
+      EXPECT_GT(space_between(branch, parent, out), kClearance);
+      EXPECT_GT((branch.points.back() - branch.points[out]).norm(), 5 * branch.radius[0]) << seed << ' ' << a;
+      // Nothing grows farther than what its parent grew after it.
+      double rest = 0;
+      for (auto i = static_cast<std::size_t>(branch.parent_point); i + 1 < parent.points.size(); ++i)
+        rest += (parent.points[i + 1] - parent.points[i]).norm();
+      EXPECT_LT(branch.length(), rest);
+    }
+  }
+}
+
+TEST(Root, BranchesTouchWhereAsked) {
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    const Sample root = make_sample("root", {.seed = seed, .fineness = 0.1, .touching = 4});
+    ASSERT_EQ(root.damage.size(), 4u);
+    for (std::size_t a = 0; a < root.branches.size(); ++a)
+      for (std::size_t b = 0; b < a; ++b) {
+        if (parent_and_child(root, a, b)) continue;
+        const auto asked = std::find_if(root.damage.begin(), root.damage.end(), [&](const RootDamage& d) {
+          return std::minmax<std::size_t>(d.branch, d.other) == std::minmax(a, b);
+        });
+        const double space =
+            space_between(root.branches[a], root.branches[b], out_of_parent(root, a), out_of_parent(root, b));
+        EXPECT_EQ(space < kClearance, asked != root.damage.end()) << seed << ' ' << a << ' ' << b;
+        if (asked == root.damage.end()) continue;
+        EXPECT_TRUE(asked->on_purpose && asked->kind == RootDamage::Kind::touching);
+        EXPECT_LT(space, 0);
+        EXPECT_EQ(asked->from, root.branches[asked->branch].points[asked->from_point]);
+        EXPECT_EQ(asked->to, root.branches[asked->other].points[asked->to_point]);
+      }
+  }
+}
+
+TEST(Root, WhatTouchesForWantOfRoomIsListed) {
+  const Sample root = make_sample("root", {.branches = 500, .fineness = 0.1});
+  EXPECT_FALSE(root.damage.empty());
+  for (const RootDamage& d : root.damage) {
+    EXPECT_FALSE(d.on_purpose);
+    const RootBranch &a = root.branches[d.branch], &b = root.branches[d.other];
+    EXPECT_LT((d.from - d.to).norm(), a.radius[d.from_point] + b.radius[d.to_point] + 0.004);
+  }
+}
+
+std::vector<double> shares_of(const Sample& root, const GreyOptions& options, int threads = 1) {
+  Context context;
+  context.threads = threads;
+  std::vector<double> shares;
+  grey_slices(
+      root, options,
+      [&](std::span<const std::uint8_t> slice) {
+        for (const std::uint8_t value : slice)
+          shares.push_back((value - kGreyBackground) / static_cast<double>(kGreyObject - kGreyBackground));
+      },
+      &context);
+  const Grid grid = grey_grid(root, options);
+  EXPECT_EQ(shares.size(), static_cast<std::size_t>(grid.dims[0] * grid.dims[1] * grid.dims[2]));
+  return shares;
+}
+
+double share_at(const std::vector<double>& shares, const Grid& grid, const Vec3& place) {
+  const Vec3 p = grid.lattice(place);
+  const auto x = static_cast<std::int64_t>(p[0]), y = static_cast<std::int64_t>(p[1]),
+             z = static_cast<std::int64_t>(p[2]);
+  return shares[static_cast<std::size_t>(x + grid.dims[0] * (y + grid.dims[1] * z))];
+}
+
+TEST(GreyRoot, VoxelsHaveTheShareThatIsInside) {
+  const Sample root = make_sample("root", {.branches = 1});
+  const double volume = Surface(root.mesh).volume;
+  for (const double blur : {0.0, 1.0}) {
+    const GreyOptions options{.resolution = 96, .blur = blur};
+    const std::vector<double> shares = shares_of(root, options);
+    const double voxel = std::pow(grey_grid(root, options).spacing[0], 3);
+    EXPECT_NEAR(std::accumulate(shares.begin(), shares.end(), 0.0) * voxel, volume, 0.01 * volume) << blur;
+    EXPECT_EQ(shares.front(), 0);
+  }
+}
+
+TEST(GreyRoot, NoiseHasTheSizeAskedFor) {
+  const Sample root = make_sample("root", {.branches = 1});
+  const GreyOptions clean{.resolution = 64}, noisy{.resolution = 64, .noise = 0.1};
+  const std::vector<double> a = shares_of(root, clean), b = shares_of(root, noisy);
+  double sum = 0, squares = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    sum += b[i] - a[i];
+    squares += (b[i] - a[i]) * (b[i] - a[i]);
+  }
+  const auto count = static_cast<double>(a.size());
+  EXPECT_NEAR(sum / count, 0, 0.003);
+  EXPECT_NEAR(std::sqrt(squares / count), 0.1, 0.002);
+  EXPECT_NE(b, shares_of(root, {.resolution = 64, .noise = 0.1, .seed = 2}));
+}
+
+TEST(GreyRoot, BranchesAreInterrupted) {
+  const Sample root = make_sample("root", {.gaps = 8});
+  ASSERT_EQ(root.damage.size(), 8u);
+  const GreyOptions options{.resolution = 200};
+  const std::vector<double> shares = shares_of(root, options);
+  const Grid grid = grey_grid(root, options);
+  for (const RootDamage& d : root.damage) {
+    EXPECT_EQ(d.kind, RootDamage::Kind::gap);
+    EXPECT_EQ(d.branch, d.other);
+    const RootBranch& branch = root.branches[d.branch];
+    EXPECT_EQ(d.from, branch.points[d.from_point]);
+    EXPECT_EQ(d.to, branch.points[d.to_point]);
+    EXPECT_GT((d.to - d.from).norm(), 3 * branch.radius[d.from_point]);
+    EXPECT_NEAR(share_at(shares, grid, branch.points[(d.from_point + d.to_point) / 2]), d.contrast, 0.01);
+    EXPECT_GT(share_at(shares, grid, d.from), 0.5);
+    EXPECT_GT(share_at(shares, grid, d.to), 0.5);
+  }
+}
+
+TEST(GreyRoot, IsTheSameOnEveryNumberOfThreads) {
+  const Sample root = make_sample("root", {.branches = 6});
+  const GreyOptions options{.resolution = 48, .blur = 0.8, .noise = 0.1};
+  EXPECT_EQ(shares_of(root, options, 1), shares_of(root, options, 3));
 }
 
 }  // namespace

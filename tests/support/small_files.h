@@ -16,8 +16,8 @@ namespace quench::small_files {
 
 struct SmallFile {
   std::string name;    ///< with the extension of its format
-  std::string format;  ///< ply, obj, off, stl, vtp, ma, radii, npy, vol, sof, png, pnm, bmp, jpeg, nrrd, mha, nii, mrc
-                       ///< or tiff
+  std::string format;  ///< ply, obj, off, stl, vtp, ma, radii, npy, vol, sof, png, pnm, bmp, jpeg, nrrd, mha, nii, mrc,
+                       ///< tiff, out, swc or rsml
   std::string bytes;
 };
 
@@ -341,6 +341,20 @@ inline std::vector<SmallFile> all() {
       {"plain.nii", "nii", nifti()},
       {"packed.nii.gz", "nii", deflated(nifti(), 15 + 16)},
       {"plain.mrc", "mrc", mrc()},
+      {"voxels.out", "out", "0.5\n3\n1 0 2\n0 0 0\n1 1 2\n"},
+      {"hand.swc", "swc",
+       "# c\n1 1 0 0 0 2 -1\n2 1 0 2 0 2 1\n4 3 3 0 0 .5 3\n3 3 2 0 0 1 2\n5 3 2 1e0 0 1 3 7\n9 2 8 0 0 1 0\n10 2 9 0 "
+       "0 1 9\n"},
+      {"hand.rsml", "rsml",
+       "<rsml xmlns:po='p'><metadata><unit>mm</unit><resolution>2</resolution></metadata><scene><plant id='1'><root "
+       "id='1'>"
+       "<geometry><polyline><point x='0' y='0' z='0'/><point x='4' y='0'/></polyline></geometry><properties><a "
+       "value='1'/>"
+       "</properties><functions><function domain='polyline' name='diameter'><sample value='2'/><sample value='1'/>"
+       "</function><function domain='uniform' name='age'><sample value='2'/></function></functions><root po:k='b'>"
+       "<geometry><polyline><Point x='1' y='1'/><Point x='1' y='3'/></polyline></geometry><functions><functions "
+       "domain='length' name='radius'><sample position='0'>1</sample><sample position='1'>2</sample></functions>"
+       "</functions></root></root></plant></scene></rsml>"},
   };
   for (SmallFile& file : tiff_files()) files.push_back(std::move(file));
   return files;

@@ -17,8 +17,6 @@
 namespace quench::io {
 namespace {
 
-using rsml::Place;
-
 /// A root element with a polyline.
 struct Root {
   pugi::xml_node node;
@@ -28,8 +26,8 @@ struct Root {
   std::vector<double> radius;  ///< per point
   std::vector<char> bridged;   ///< per point, or empty: the segment before it
   int type = 0;
-  Place base;                 ///< on the parent
-  std::vector<Place> places;  ///< of the points of its course on those of the file: those, and where laterals begin
+  RsmlPlace base;                 ///< on the parent
+  std::vector<RsmlPlace> places;  ///< of the points of its course on those of the file: those, and where laterals begin
   std::vector<std::uint32_t> samples;  ///< per place
   double link = 0;                     ///< length of the segment to the place it grows from
   std::uint32_t axis = kNone;
@@ -54,7 +52,7 @@ class RsmlReader {
       const std::uint32_t plant = plant_of_root[root++];
       plants_[p].number = plant;
       if (plant == kNone) continue;
-      tree.plants[plant].label = rsml::attribute(plants_[p].node, "label").value();
+      tree.plants[plant].label = rsml_attribute(plants_[p].node, "label").value();
       tree.plants[plant].foreign = without_roots(plants_[p].node);
     }
     make_axes(tree);
@@ -89,18 +87,18 @@ class RsmlReader {
       int deepest = 0;
       bool for_each(pugi::xml_node&) override {
         deepest = std::max(deepest, depth());
-        return deepest <= rsml::kDeepest;
+        return deepest <= kRsmlDeepest;
       }
     } walker;
     xml_.traverse(walker);
-    if (walker.deepest > rsml::kDeepest) fail(fmt::format("its elements are nested more than {} deep", rsml::kDeepest));
-    if (!rsml::is(xml_.document_element(), "rsml")) fail("this is not an RSML file");
+    if (walker.deepest > kRsmlDeepest) fail(fmt::format("its elements are nested more than {} deep", kRsmlDeepest));
+    if (!rsml_is(xml_.document_element(), "rsml")) fail("this is not an RSML file");
   }
 
   void read_metadata() {
-    const pugi::xml_node metadata = rsml::child(xml_.document_element(), "metadata");
-    unit_ = rsml::value_of(rsml::child(metadata, "unit"));
-    const std::string text = rsml::value_of(rsml::child(metadata, rsml::kResolution));
+    const pugi::xml_node metadata = rsml_child(xml_.document_element(), "metadata");
+    unit_ = rsml_value_of(rsml_child(metadata, "unit"));
+    const std::string text = rsml_value_of(rsml_child(metadata, kRsmlResolution));
     if (text.empty()) return;
     if (double value = 0;
         parse_number(text, value) && value > 0 && value <= kLargestLength && 1 / value <= kLargestLength)
@@ -120,13 +118,13 @@ class RsmlReader {
     const auto visit_roots = [&](const pugi::xml_node& node, std::uint32_t parent) {
       const std::size_t bottom = open.size();
       for (const pugi::xml_node& child : node.children())
-        if (rsml::is(child, "root")) open.push_back({child, parent});
+        if (rsml_is(child, "root")) open.push_back({child, parent});
       std::reverse(open.begin() + static_cast<std::ptrdiff_t>(bottom), open.end());
     };
     for (const pugi::xml_node& scene : xml_.document_element().children()) {
-      if (!rsml::is(scene, "scene")) continue;
+      if (!rsml_is(scene, "scene")) continue;
       for (const pugi::xml_node& plant : scene.children()) {
-        if (!rsml::is(plant, "plant")) continue;
+        if (!rsml_is(plant, "plant")) continue;
         plants_.push_back({plant});
         visit_roots(plant, kNone);
         while (!open.empty()) {
@@ -149,46 +147,47 @@ class RsmlReader {
   }
 
   void read_points(Root& root) {
-    const pugi::xml_node polyline = rsml::child(rsml::child(root.node, "geometry"), "polyline");
+    const pugi::xml_node polyline = rsml_child(rsml_child(root.node, "geometry"), "polyline");
     for (const pugi::xml_node& node : polyline.children()) {
-      if (!rsml::is(node, "point")) continue;
+      if (!rsml_is(node, "point")) continue;
       Vec3 point = Vec3::Zero();
       for (int a = 0; a < 3; ++a) {
         const char* name = a == 0 ? "x" : a == 1 ? "y" : "z";
-        const pugi::xml_attribute value = rsml::attribute(node, name);
+        const pugi::xml_attribute value = rsml_attribute(node, name);
         if (a == 2 && !value) continue;
         has_z_ |= a == 2;
         if (!parse_number(value.value(), point[a])) wrong_point(root, fmt::format("{} is not a number", name));
       }
       point /= resolution_;
-      if (!(point.cwiseAbs().maxCoeff() <= kLargestLength)) wrong_point(root, "is not finite, or too far away");
+      if (!point.allFinite() || point.cwiseAbs().maxCoeff() > kLargestLength)
+        wrong_point(root, "is not finite, or too far away");
       root.points.push_back(point);
     }
   }
 
   [[noreturn]] void wrong_point(const Root& root, const std::string& what) const {
-    const std::string id = rsml::attribute(root.node, "id").value();
+    const std::string id = rsml_attribute(root.node, "id").value();
     fail(fmt::format("point {} of root '{}' {}", root.points.size() + 1, base::plain(id.substr(0, 60)), what));
   }
 
   void read_radii(Root& root) const {
-    for (const rsml::Function& function : rsml::functions_of(root.node)) {
+    for (const RsmlFunction& function : rsml_functions_of(root.node)) {
       const bool diameter = function.name == "diameter";
-      if (!diameter && function.name != "radius" && function.name != rsml::kBridged) continue;
-      const std::vector<double> values = rsml::at_points(function, root.points);
+      if (!diameter && function.name != "radius" && function.name != kRsmlBridged) continue;
+      const std::vector<double> values = rsml_at_points(function, root.points);
       if (values.empty()) continue;
-      if (function.name == rsml::kBridged)
+      if (function.name == kRsmlBridged)
         for (const double value : values) root.bridged.push_back(value != 0);
       else
         root.radius = radii(values, diameter ? 2 : 1);
     }
-    const pugi::xml_node properties = rsml::child(root.node, "properties");
-    if (double type = 0; parse_number(rsml::value_of(rsml::child(properties, rsml::kSwcType)), type) && type >= 0)
+    const pugi::xml_node properties = rsml_child(root.node, "properties");
+    if (double type = 0; parse_number(rsml_value_of(rsml_child(properties, kRsmlSwcType)), type) && type >= 0)
       root.type = static_cast<int>(std::min(type, 255.0));
     for (const double part : {2., 1.}) {  // one for the whole root
       double value = 0;
       if (root.radius.empty() &&
-          parse_number(rsml::value_of(rsml::child(properties, part == 2 ? "diameter" : "radius")), value))
+          parse_number(rsml_value_of(rsml_child(properties, part == 2 ? "diameter" : "radius")), value))
         root.radius = radii(std::vector<double>(root.points.size(), value), part);
     }
     root.radius.resize(root.points.size(), 0);
@@ -214,16 +213,16 @@ class RsmlReader {
       longest[root.plant] = length;
       main_root_[root.plant] = r;
     }
-    std::vector<std::vector<Place>> added(roots_.size());
+    std::vector<std::vector<RsmlPlace>> added(roots_.size());
     for (std::size_t r = 0; r < roots_.size(); ++r) {
       Root& root = roots_[r];
       if (r % 256 == 0) checkpoint(context_, "read", static_cast<double>(r) / static_cast<double>(roots_.size()));
       if (root.parent == kNone) continue;
-      root.base = rsml::nearest_place(roots_[root.parent].points, root.points[0]);
+      root.base = rsml_nearest_place(roots_[root.parent].points, root.points[0]);
       if (root.base.part > 0) added[root.parent].push_back(root.base);
     }
     for (std::size_t r = 0; r < roots_.size(); ++r) {
-      std::vector<Place>& places = roots_[r].places;
+      std::vector<RsmlPlace>& places = roots_[r].places;
       places = std::move(added[r]);
       for (std::uint32_t i = 0; i < roots_[r].points.size(); ++i) places.push_back({i, 0});
       std::ranges::sort(places);
@@ -265,10 +264,10 @@ class RsmlReader {
     std::uint32_t last = base;
     for (std::size_t i = 0; i < root.places.size(); ++i) {
       if (i > 0 || linked) {
-        const Place& place = root.places[i];
+        const RsmlPlace& place = root.places[i];
         const std::size_t to = place.index + (place.part > 0);
         TreeSample sample;
-        sample.point = rsml::point_at(root.points, place);
+        sample.point = rsml_point_at(root.points, place);
         sample.radius = root.radius[place.index];
         if (place.part > 0) sample.radius += place.part * (root.radius[to] - root.radius[place.index]);
         sample.type = root.type;
@@ -294,8 +293,8 @@ class RsmlReader {
       axis.parent = parent_axis(root);
       axis.level = axis.parent == kNone ? 0 : tree.axes[axis.parent].level + 1;
       axis.plant = plants_[root.plant].number;
-      axis.label = rsml::attribute(root.node, "label").value();
-      axis.foreign = rsml::foreign_part(root.node, root.places, root.link * resolution_);
+      axis.label = rsml_attribute(root.node, "label").value();
+      axis.foreign = rsml_foreign_part(root.node, root.places, root.link * resolution_);
       axis.points.push_back(samples_[base].point);
       axis.radius.push_back(samples_[base].radius);
       for (std::size_t i = root.link > 0 ? 0 : 1; i < root.samples.size(); ++i) {
@@ -327,8 +326,8 @@ class RsmlReader {
     pugi::xml_node kept = document.append_child("plant");
     for (const pugi::xml_attribute& a : plant.attributes()) kept.append_copy(a);
     for (const pugi::xml_node& node : plant.children())
-      if (!rsml::is(node, "root")) kept.append_copy(node);
-    return rsml::text_of(kept);
+      if (!rsml_is(node, "root")) kept.append_copy(node);
+    return rsml_text_of(kept);
   }
 
   std::string without_plants() const {
@@ -336,16 +335,16 @@ class RsmlReader {
     pugi::xml_node kept = document.append_child("rsml"), scene;
     for (const pugi::xml_attribute& a : xml_.document_element().attributes()) kept.append_copy(a);
     for (const pugi::xml_node& node : xml_.document_element().children()) {
-      if (!rsml::is(node, "scene")) {
+      if (!rsml_is(node, "scene")) {
         kept.append_copy(node);
         continue;
       }
       if (!scene) scene = kept.append_child("scene");
       for (const pugi::xml_attribute& a : node.attributes()) scene.append_copy(a);
       for (const pugi::xml_node& part : node.children())
-        if (!rsml::is(part, "plant")) scene.append_copy(part);
+        if (!rsml_is(part, "plant")) scene.append_copy(part);
     }
-    return rsml::text_of(kept);
+    return rsml_text_of(kept);
   }
 
   void say_links() const {

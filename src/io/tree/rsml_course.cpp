@@ -9,17 +9,17 @@
 
 #include "io/common/words.h"
 
-namespace quench::io::rsml {
+namespace quench::io {
 namespace {
 
 constexpr double kRounding = 1e-9;  // of the length of a segment
 
-void collect(const pugi::xml_node& node, std::vector<Function>& found) {
+void collect(const pugi::xml_node& node, std::vector<RsmlFunction>& found) {
   for (const pugi::xml_node& function : node.children()) {
-    if (!is(function, "function") && !is(function, "functions")) continue;
-    if (const pugi::xml_attribute name = attribute(function, "name")) {
-      std::string domain = plain_name(attribute(function, "domain").value());
-      found.push_back({function, plain_name(name.value()), domain.empty() ? "polyline" : std::move(domain)});
+    if (!rsml_is(function, "function") && !rsml_is(function, "functions")) continue;
+    if (const pugi::xml_attribute name = rsml_attribute(function, "name")) {
+      std::string domain = rsml_plain_name(rsml_attribute(function, "domain").value());
+      found.push_back({function, rsml_plain_name(name.value()), domain.empty() ? "polyline" : std::move(domain)});
     } else {
       collect(function, found);
     }
@@ -42,13 +42,13 @@ double between(const std::vector<double>& positions, const std::vector<double>& 
 }
 
 /// The samples at other places of the polyline, and `before` of them at its base.
-void resample(const std::vector<std::string>& samples, const std::vector<Place>& places, bool before,
+void resample(const std::vector<std::string>& samples, const std::vector<RsmlPlace>& places, bool before,
               pugi::xml_node into) {
   const auto add = [&](const std::string& value) {
     into.append_child("sample").append_attribute("value") = value.c_str();
   };
   if (before && !samples.empty()) add(samples.front());
-  for (const Place& place : places) {
+  for (const RsmlPlace& place : places) {
     if (place.index >= samples.size()) return;
     double a = 0, b = 0;
     if (place.part == 0 || place.index + 1 == samples.size() || !parse_number(samples[place.index], a) ||
@@ -65,22 +65,22 @@ void copy_attributes(const pugi::xml_node& from, pugi::xml_node to) {
 
 }  // namespace
 
-std::vector<Function> functions_of(const pugi::xml_node& root) {
-  std::vector<Function> found;
+std::vector<RsmlFunction> rsml_functions_of(const pugi::xml_node& root) {
+  std::vector<RsmlFunction> found;
   for (const pugi::xml_node& node : root.children())
-    if (is(node, "functions")) collect(node, found);
+    if (rsml_is(node, "functions")) collect(node, found);
   return found;
 }
 
-std::vector<double> at_points(const Function& function, const std::vector<Vec3>& points) {
+std::vector<double> rsml_at_points(const RsmlFunction& function, const std::vector<Vec3>& points) {
   std::vector<double> values, positions;
   for (const pugi::xml_node& sample : function.node.children()) {
     double value = 0, position = 0;
-    if (!is(sample, "sample")) continue;
-    if (!parse_number(value_of(sample), value) || !std::isfinite(value)) return {};
+    if (!rsml_is(sample, "sample")) continue;
+    if (!parse_number(rsml_value_of(sample), value) || !std::isfinite(value)) return {};
     values.push_back(value);
     if (function.domain != "length") continue;
-    if (!parse_number(attribute(sample, "position").value(), position) || !(position > -kLargestLength) ||
+    if (!parse_number(rsml_attribute(sample, "position").value(), position) || !(position > -kLargestLength) ||
         (!positions.empty() && !(position > positions.back())))
       return {};
     positions.push_back(position);
@@ -92,7 +92,7 @@ std::vector<double> at_points(const Function& function, const std::vector<Vec3>&
     return result;
   }
   if (function.domain == "uniform") {
-    const bool from_tip = plain_name(attribute(function.node, "origin").value()) == "tip";
+    const bool from_tip = rsml_plain_name(rsml_attribute(function.node, "origin").value()) == "tip";
     if (from_tip) std::ranges::reverse(values);
     const double whole = result.back();
     if (!(whole > 0)) return std::vector<double>(points.size(), values.front());
@@ -104,8 +104,8 @@ std::vector<double> at_points(const Function& function, const std::vector<Vec3>&
   return result;
 }
 
-Place nearest_place(const std::vector<Vec3>& polyline, const Vec3& point) {
-  Place best;
+RsmlPlace rsml_nearest_place(const std::vector<Vec3>& polyline, const Vec3& point) {
+  RsmlPlace best;
   double least = (polyline[0] - point).squaredNorm();
   for (std::uint32_t i = 0; i + 1 < polyline.size(); ++i) {
     const Vec3 along = polyline[i + 1] - polyline[i];
@@ -115,54 +115,54 @@ Place nearest_place(const std::vector<Vec3>& polyline, const Vec3& point) {
     const double distance = (polyline[i] + part * along - point).squaredNorm();
     if (!(distance < least)) continue;
     least = distance;
-    best = part < kRounding ? Place{i, 0} : part > 1 - kRounding ? Place{i + 1, 0} : Place{i, part};
+    best = part < kRounding ? RsmlPlace{i, 0} : part > 1 - kRounding ? RsmlPlace{i + 1, 0} : RsmlPlace{i, part};
   }
   return best;
 }
 
-Vec3 point_at(const std::vector<Vec3>& polyline, const Place& place) {
+Vec3 rsml_point_at(const std::vector<Vec3>& polyline, const RsmlPlace& place) {
   const Vec3& from = polyline[place.index];
   return place.part == 0 ? from : from + place.part * (polyline[place.index + 1] - from);
 }
 
-std::string foreign_part(const pugi::xml_node& root, const std::vector<Place>& places, double link) {
+std::string rsml_foreign_part(const pugi::xml_node& root, const std::vector<RsmlPlace>& places, double link) {
   pugi::xml_document document;
   pugi::xml_node kept = document.append_child("root");
   copy_attributes(root, kept);
   for (const pugi::xml_node& node : root.children()) {
-    if (is(node, "root") || is(node, "functions")) continue;
-    if (!is(node, "geometry")) {
+    if (rsml_is(node, "root") || rsml_is(node, "functions")) continue;
+    if (!rsml_is(node, "geometry")) {
       kept.append_copy(node);
       continue;
     }
     pugi::xml_node geometry;  // others than the polyline
     for (const pugi::xml_node& shape : node.children()) {
-      if (is(shape, "polyline")) continue;
+      if (rsml_is(shape, "polyline")) continue;
       if (!geometry) geometry = kept.append_child("geometry");
       geometry.append_copy(shape);
     }
   }
   pugi::xml_node functions;
-  for (const Function& function : functions_of(root)) {
-    if (function.name == "diameter" || function.name == "radius" || function.name == kBridged) continue;
+  for (const RsmlFunction& function : rsml_functions_of(root)) {
+    if (function.name == "diameter" || function.name == "radius" || function.name == kRsmlBridged) continue;
     if (function.domain == "uniform" && link > 0) continue;  // it is of the old length
     if (!functions) functions = kept.append_child("functions");
     pugi::xml_node copy = functions.append_child("function");
     copy_attributes(function.node, copy);
     std::vector<std::string> samples;
     for (const pugi::xml_node& sample : function.node.children()) {
-      if (function.domain == "polyline" && is(sample, "sample")) {
-        samples.push_back(value_of(sample));
+      if (function.domain == "polyline" && rsml_is(sample, "sample")) {
+        samples.push_back(rsml_value_of(sample));
         continue;
       }
       pugi::xml_node other = copy.append_copy(sample);
       double position = 0;
-      if (function.domain == "length" && parse_number(attribute(sample, "position").value(), position))
-        attribute(other, "position") = fmt::format("{}", position + link).c_str();
+      if (function.domain == "length" && parse_number(rsml_attribute(sample, "position").value(), position))
+        rsml_attribute(other, "position") = fmt::format("{}", position + link).c_str();
     }
     resample(samples, places, link > 0, copy);
   }
-  return text_of(kept);
+  return rsml_text_of(kept);
 }
 
-}  // namespace quench::io::rsml
+}  // namespace quench::io

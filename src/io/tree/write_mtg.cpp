@@ -132,6 +132,10 @@ class MtgWriter {
         continue;
       }
       const Tree::Branch& branch = tree_.branches[branches[visit.branch]];
+      if (branch.points.size() == 1) {  // a root node without branches
+        ++visit.branch;
+        continue;
+      }
       ++visit.number;
       vertex(visit, branch, visit.point);
       if (++visit.point == branch.points.size()) {

@@ -36,7 +36,7 @@ class RsmlWriter {
   RsmlWriter(const Tree& tree, const Table* axes) : tree_(tree), traits_(axes) {
     rsml_ = put_foreign(document_, tree.foreign, "rsml");
     write_metadata();
-    pugi::xml_node scene = rsml::child(rsml_, "scene");
+    pugi::xml_node scene = rsml_child(rsml_, "scene");
     if (!scene) scene = rsml_.append_child("scene");
     has_z_ = std::ranges::any_of(tree.axes, [](const Tree::Axis& axis) {
       return std::ranges::any_of(axis.points, [](const Vec3& p) { return p[2] != 0; });
@@ -62,36 +62,39 @@ class RsmlWriter {
   static pugi::xml_node put_foreign(pugi::xml_node parent, const std::string& foreign, const char* name) {
     pugi::xml_document document;
     if (!foreign.empty() && document.load_buffer(foreign.data(), foreign.size()) &&
-        rsml::is(document.document_element(), name))
+        rsml_is(document.document_element(), name))
       return parent.append_copy(document.document_element());
     return parent.append_child(name);
   }
 
   static void name_element(pugi::xml_node node, std::size_t id, const std::string& label) {
-    if (!rsml::attribute(node, "id")) node.append_attribute("id") = static_cast<unsigned long long>(id);
-    if (!label.empty() && !rsml::attribute(node, "label")) node.append_attribute("label") = xml_safe(label).c_str();
+    if (!rsml_attribute(node, "id")) node.append_attribute("id") = static_cast<unsigned long long>(id);
+    if (!label.empty() && !rsml_attribute(node, "label")) node.append_attribute("label") = xml_safe(label).c_str();
   }
 
   static pugi::xml_node made(pugi::xml_node parent, const char* name) {
-    const pugi::xml_node node = rsml::child(parent, name);
+    const pugi::xml_node node = rsml_child(parent, name);
     return node ? node : parent.append_child(name);
   }
 
   void write_metadata() {
-    pugi::xml_node metadata = rsml::child(rsml_, "metadata");
+    pugi::xml_node metadata = rsml_child(rsml_, "metadata");
     if (!metadata) metadata = rsml_.prepend_child("metadata");
     const auto say = [&](const char* name, const std::string& text, bool anew) {
-      pugi::xml_node node = rsml::child(metadata, name);
+      pugi::xml_node node = rsml_child(metadata, name);
       if (node && !anew) return;
       if (!node) node = metadata.append_child(name);
-      node.text() = xml_safe(text).c_str();
+      if (!text.empty()) node.text() = xml_safe(text).c_str();
     };
-    const std::string known = rsml::value_of(rsml::child(metadata, rsml::kResolution));
+    const std::string known = rsml_value_of(rsml_child(metadata, kRsmlResolution));
     if (double value = 0; parse_number(known, value) && value > 0) resolution_ = value;
     say("version", "1", false);
     say("unit", tree_.coordinates.units.empty() ? "pixel" : tree_.coordinates.units, true);
-    say(rsml::kResolution, "1", false);
-    if (const std::optional<std::string> time = build_time()) say("last-modified", *time, true);
+    say(kRsmlResolution, "1", false);
+    if (const std::optional<std::string> time = build_time())
+      say("last-modified", *time, true);
+    else
+      metadata.remove_child(rsml_child(metadata, "last-modified"));  // it was true of another file
     say("software", fmt::format("Quench {}", QUENCH_VERSION), true);
     say("user", "", false);
     say("file-key", fmt::format("quench-{:016x}", fingerprint()), true);
@@ -100,7 +103,7 @@ class RsmlWriter {
     define("level", "integer", "");
     define("length", "real", tree_.coordinates.units);
     if (std::ranges::any_of(tree_.branches, [](const Tree::Branch& branch) { return branch.type > 0; }))
-      define(rsml::kSwcType, "integer", "");
+      define(kRsmlSwcType, "integer", "");
     if (!traits_) return;
     for (const Table::Column& column : traits_->columns) {
       const std::size_t kind = column.values.index();
@@ -110,7 +113,7 @@ class RsmlWriter {
 
   void define(const char* label, const char* type, const std::string& unit) {
     for (const pugi::xml_node& known : definitions_.children())
-      if (rsml::value_of(rsml::child(known, "label")) == label) return;
+      if (rsml_value_of(rsml_child(known, "label")) == label) return;
     pugi::xml_node definition = definitions_.append_child("property-definition");
     definition.append_child("label").text() = label;
     definition.append_child("type").text() = type;
@@ -141,7 +144,7 @@ class RsmlWriter {
 
   void write_axis(pugi::xml_node root, std::size_t a) {
     const Tree::Axis& axis = tree_.axes[a];
-    pugi::xml_node geometry = rsml::child(root, "geometry");
+    pugi::xml_node geometry = rsml_child(root, "geometry");
     if (!geometry) geometry = root.prepend_child("geometry");
     pugi::xml_node polyline = geometry.prepend_child("polyline");
     double length = 0;
@@ -151,18 +154,18 @@ class RsmlWriter {
       for (int c = 0; c < (has_z_ ? 3 : 2); ++c)
         point.append_attribute(c == 0 ? "x" : c == 1 ? "y" : "z") = text_of_number(axis.points[i][c]).c_str();
     }
-    pugi::xml_node properties = rsml::child(root, "properties");
+    pugi::xml_node properties = rsml_child(root, "properties");
     if (!properties) properties = root.insert_child_after("properties", geometry);
     const auto set = [&](const char* name, const std::string& value) {
-      pugi::xml_node node = rsml::child(properties, name);
+      pugi::xml_node node = rsml_child(properties, name);
       if (!node) node = properties.append_child(name);
-      if (!rsml::attribute(node, "value")) node.append_attribute("value");
-      rsml::attribute(node, "value") = xml_safe(value).c_str();
+      if (!rsml_attribute(node, "value")) node.append_attribute("value");
+      rsml_attribute(node, "value") = xml_safe(value).c_str();
     };
     if (axis.parent != kNone) set(kParentNode, fmt::format("{}", node_of_parent(a) + 1));
     set("level", fmt::format("{}", axis.level));
     set("length", fmt::format("{}", length));
-    if (const int type = type_of(axis); type > 0) set(rsml::kSwcType, fmt::format("{}", type));
+    if (const int type = type_of(axis); type > 0) set(kRsmlSwcType, fmt::format("{}", type));
     if (traits_)
       for (const Table::Column& column : traits_->columns)
         if (const std::string value = text_of_value(column, a); !value.empty())
@@ -217,7 +220,7 @@ class RsmlWriter {
         function.append_child("sample").append_attribute("value") = fmt::format("{}", value_of(i)).c_str();
     };
     if (thick) add("diameter", axis.radius.size(), [&](std::size_t i) { return 2 * axis.radius[i] * resolution_; });
-    if (gaps) add(rsml::kBridged, bridged.size(), [&](std::size_t i) { return static_cast<int>(bridged[i]); });
+    if (gaps) add(kRsmlBridged, bridged.size(), [&](std::size_t i) { return static_cast<int>(bridged[i]); });
   }
 
   static constexpr const char* kParentNode = "parent-node";

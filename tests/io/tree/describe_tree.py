@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Reads trees of every format by the rules of its specification, and none of Quench's code.
 
-describe_tree.py FILE     prints what is in it, a fact per line; exit 1 with a sentence where it breaks a rule, exit 77
-                          for .vtp where VTK is missing
+describe_tree.py FILE...  prints what is in each, "file NAME" and a fact per line; exit 1 with a sentence where one breaks
+                          a rule. Of .vtp nothing where VTK is missing
 """
 import collections
 import math
@@ -27,8 +27,9 @@ class Nodes:
         self.points, self.radii, self.parents, self.levels = [], [], [], []
 
     def add(self, point, radius, parent, level=None):
-        need(all(math.isfinite(x) for x in point) and math.isfinite(radius) and radius >= 0, 'a number is not finite')
-        self.points.append(tuple(point))
+        point = tuple(point)
+        need(len(point) == 3 and all(math.isfinite(x) for x in point) and math.isfinite(radius) and radius >= 0, 'a number is not finite')
+        self.points.append(point)
         self.radii.append(radius)
         self.parents.append(parent)
         self.levels.append(level)
@@ -173,7 +174,7 @@ def mtg(path):
     nodes = Nodes()
     last = {}  # per column: the vertex of each scale above
     counts, names = collections.Counter(), []
-    successors = set()
+    vertex, successors = {}, set()  # lines: of the last S per column, and those that another S follows
     for number, line in enumerate(lines[at[4] + 2:], at[4] + 3):
         fields = line.split('\t')
         column = next(i for i, f in enumerate(fields) if f)
@@ -216,9 +217,10 @@ def mtg(path):
             names.append(values['Name'])
         else:
             parent = last[column][3] if relation == '<' else pending
-            need(relation != '<' or parent not in successors, f'{code}: a vertex has two successors')
             if relation == '<':
-                successors.add(parent)
+                need(vertex[column] not in successors, f'{code}: a vertex has two successors')
+                successors.add(vertex[column])
+            vertex[column] = number
             place = tuple(float(values[c]) for c in ('XX', 'YY', 'ZZ'))
             if parent is None:  # the roots of a plant are one place
                 same = [i for i, p in enumerate(nodes.parents) if p is None and nodes.points[i] == place]
@@ -236,7 +238,7 @@ def vtp(path):
     try:
         import vtk
     except ImportError:
-        sys.exit(77)
+        return
     reader = vtk.vtkXMLPolyDataReader()
     errors = []
     reader.AddObserver('ErrorEvent', lambda *_: errors.append(1))
@@ -315,16 +317,17 @@ def graphml(path):
 
 
 def main():
-    path = sys.argv[1]
-    read = {'.swc': swc, '.rsml': rsml, '.mtg': mtg, '.vtp': vtp, '.graphml': graphml}[os.path.splitext(path)[1]]
     sys.setrecursionlimit(10000)
-    try:
-        facts = list(read(path))
-    except (Broken, ValueError, KeyError, IndexError, ET.ParseError) as error:
-        print(f'{path}: {type(error).__name__}: {error}')
-        return 1
-    for name, value in facts:
-        print(name, repr(value) if isinstance(value, float) else value)
+    for path in sys.argv[1:]:
+        read = {'.swc': swc, '.rsml': rsml, '.mtg': mtg, '.vtp': vtp, '.graphml': graphml}[os.path.splitext(path)[1]]
+        try:
+            facts = list(read(path))
+        except (Broken, ValueError, KeyError, IndexError, ET.ParseError) as error:
+            print(f'{path}: {type(error).__name__}: {error}')
+            return 1
+        print('file', os.path.basename(path))
+        for name, value in facts:
+            print(name, repr(value) if isinstance(value, float) else value)
     return 0
 
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tree/repair_course.h"
+#include "tree/repair_polyline.h"
 
 #include <algorithm>
 #include <cmath>
@@ -24,7 +24,7 @@ double between(const std::vector<double>& values, std::size_t segment, double t)
   return std::isinf(a) || std::isinf(b) ? std::min(a, b) : (1 - t) * a + t * b;
 }
 
-void add_place(Course& to, const Course& from, std::size_t segment, double t) {
+void add_place(Polyline& to, const Polyline& from, std::size_t segment, double t) {
   to.points.push_back((1 - t) * from.points[segment] + t * from.points[segment + 1]);
   to.radius.push_back(between(from.radius, segment, t));
   if (!from.erosion_thickness.empty()) to.erosion_thickness.push_back(between(from.erosion_thickness, segment, t));
@@ -40,31 +40,31 @@ void append_known(std::vector<double>& to, const std::vector<double>& more) {
 
 }  // namespace
 
-std::vector<double> Course::arc() const {
+std::vector<double> Polyline::arc() const {
   std::vector<double> at(points.size(), 0);
   for (std::size_t i = 1; i < points.size(); ++i) at[i] = at[i - 1] + (points[i] - points[i - 1]).norm();
   return at;
 }
 
-Course course_of(const CurveGraph::Branch& branch) {
-  Course course{branch.points,   branch.radius, branch.erosion_thickness, branch.mgf, branch.vertices, {},
-                branch.thickness};
+Polyline polyline_of(const CurveGraph::Branch& branch) {
+  Polyline course{branch.points,   branch.radius, branch.erosion_thickness, branch.mgf, branch.vertices, {},
+                  branch.thickness};
   if (course.vertices.size() != course.points.size()) course.vertices.clear();
   return course;
 }
 
-Course straight(const Vec3& a, double radius_a, const Vec3& b, double radius_b, bool bridged) {
-  Course course;
+Polyline straight(const Vec3& a, double radius_a, const Vec3& b, double radius_b, bool bridged) {
+  Polyline course;
   course.points = {a, b};
   course.radius = {radius_a, radius_b};
   if (bridged) course.bridged = {1};
   return course;
 }
 
-Course part_of(const Course& course, double begin, double end) {
+Polyline part_of(const Polyline& course, double begin, double end) {
   const std::vector<double> arc = course.arc();
   if (begin <= 0 && end >= arc.back()) return course;
-  Course part;
+  Polyline part;
   part.thickness = course.thickness;
   const auto [first, t] = segment_at(arc, std::max(begin, 0.0));
   const auto [last, u] = segment_at(arc, std::max(end, begin));
@@ -81,7 +81,7 @@ Course part_of(const Course& course, double begin, double end) {
   return part;
 }
 
-Course reversed(Course course) {
+Polyline reversed(Polyline course) {
   std::ranges::reverse(course.points);
   std::ranges::reverse(course.radius);
   std::ranges::reverse(course.erosion_thickness);
@@ -91,7 +91,7 @@ Course reversed(Course course) {
   return course;
 }
 
-void append(Course& to, const Course& more) {
+void append(Polyline& to, const Polyline& more) {
   if (to.empty()) {
     to = more;
     return;
@@ -112,7 +112,7 @@ void append(Course& to, const Course& more) {
   to.thickness = std::max(to.thickness, more.thickness);
 }
 
-CoursePlace place_on(const Course& course, const std::vector<double>& arc, double at) {
+PolylinePlace place_on(const Polyline& course, const std::vector<double>& arc, double at) {
   const auto [segment, t] = segment_at(arc, at);
   return {(1 - t) * course.points[segment] + t * course.points[segment + 1], between(course.radius, segment, t)};
 }

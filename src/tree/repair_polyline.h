@@ -10,7 +10,7 @@ namespace quench::tree {
 
 /// A polyline with what is known along it: a branch, a part of one, or several in a row. Arrays that are empty are not
 /// known.
-struct Course {
+struct Polyline {
   std::vector<Vec3> points;
   std::vector<double> radius;
   std::vector<double> erosion_thickness, mgf;
@@ -24,20 +24,20 @@ struct Course {
   std::vector<double> arc() const;
 };
 
-Course course_of(const CurveGraph::Branch& branch);
+Polyline polyline_of(const CurveGraph::Branch& branch);
 /// A straight course of two points.
-Course straight(const Vec3& a, double radius_a, const Vec3& b, double radius_b, bool bridged);
+Polyline straight(const Vec3& a, double radius_a, const Vec3& b, double radius_b, bool bridged);
 /// The course from `begin` to `end`, distances along it.
-Course part_of(const Course& course, double begin, double end);
-Course reversed(Course course);
+Polyline part_of(const Polyline& course, double begin, double end);
+Polyline reversed(Polyline course);
 /// Puts `more` behind `to`, whose last point is the first of `more`.
-void append(Course& to, const Course& more);
+void append(Polyline& to, const Polyline& more);
 
 /// A place on a course.
-struct CoursePlace {
+struct PolylinePlace {
   Vec3 point;
   double radius;
 };
-CoursePlace place_on(const Course& course, const std::vector<double>& arc, double at);
+PolylinePlace place_on(const Polyline& course, const std::vector<double>& arc, double at);
 
 }  // namespace quench::tree
