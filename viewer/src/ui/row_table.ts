@@ -10,6 +10,7 @@ const ROW = 24; // pixels
 export class RowTable {
   readonly element: HTMLElement;
   order: number[]; ///< rows as they are sorted
+  private readonly head = el("div", "branch-row branch-head");
   private readonly heads: HTMLElement[] = [];
   private readonly body = el("div", "branch-body");
   private readonly rows = el("div", "branch-rows");
@@ -21,7 +22,7 @@ export class RowTable {
   /// `widths`: of the columns, as CSS has them; `least`: of all of it, pixels.
   constructor(private readonly columns: Column[], private readonly count: number, widths: string, least: number, sortBy: number, private readonly pick: (row: number) => void) {
     this.order = Array.from({ length: count }, (_, i) => i);
-    const head = el("div", "branch-row branch-head");
+    const { head } = this;
     columns.forEach((column, i) => {
       const cell = el("button", "branch-cell", column.label);
       cell.title = column.help;
@@ -31,7 +32,6 @@ export class RowTable {
     });
     this.body.append(this.rows);
     this.body.tabIndex = 0;
-    this.body.addEventListener("scroll", () => this.draw());
     this.body.addEventListener("keydown", (event) => {
       const step = event.key === "ArrowDown" ? 1 : event.key === "ArrowUp" ? -1 : 0;
       if (step === 0) return;
@@ -41,6 +41,7 @@ export class RowTable {
       if (next !== undefined) this.pick(next);
     });
     this.element = el("div", "branch-scroll", head, this.body);
+    this.element.addEventListener("scroll", () => this.draw());
     this.element.style.setProperty("--columns", widths);
     this.element.style.setProperty("--least", `${least}px`);
     this.sort(sortBy);
@@ -59,9 +60,11 @@ export class RowTable {
     this.draw();
   }
 
+  private get height(): number { return this.element.clientHeight - this.head.offsetHeight; }
+
   private draw(): void {
     this.rows.style.height = `${ROW * this.count}px`;
-    const from = Math.max(0, Math.floor(this.body.scrollTop / ROW) - 4), to = Math.min(this.count, from + Math.ceil((this.body.clientHeight || 300) / ROW) + 8);
+    const from = Math.max(0, Math.floor(this.element.scrollTop / ROW) - 4), to = Math.min(this.count, from + Math.ceil((this.height || 300) / ROW) + 8);
     fill(this.rows, ...this.order.slice(from, to).map((b, i) => {
       const row = el("button", "branch-row", ...this.columns.map((c) => el("span", "branch-cell", c.text(b))));
       row.style.top = `${ROW * (from + i)}px`;
@@ -77,7 +80,7 @@ export class RowTable {
   show(picked: number, scroll: boolean): void {
     this.picked = picked;
     const at = this.order.indexOf(picked);
-    if (scroll && at >= 0 && (ROW * at < this.body.scrollTop || ROW * (at + 1) > this.body.scrollTop + this.body.clientHeight)) this.body.scrollTop = ROW * at - this.body.clientHeight / 2;
+    if (scroll && at >= 0 && (ROW * at < this.element.scrollTop || ROW * (at + 1) > this.element.scrollTop + this.height)) this.element.scrollTop = ROW * at - this.height / 2;
     this.draw();
   }
 
