@@ -7,7 +7,7 @@
 namespace quench::preparation {
 namespace {
 
-constexpr std::int64_t kSlab = 16;  // slices that are done at a time
+constexpr std::int64_t kMedianSlab = 16;  // slices that are done at a time
 
 /// The median of samples that come and go, of 8 bits.
 template <class T>
@@ -66,14 +66,14 @@ template <class T>
 void medians_of(const Grid& grid, std::vector<T>& samples, std::int64_t radius, Context* context) {
   const std::int64_t nx = grid.dims[0], ny = grid.dims[1], nz = grid.dims[2], deep = grid.is_plane() ? 0 : radius;
   const auto slice = static_cast<std::size_t>(nx * ny);
-  const std::int64_t kept = 2 * deep + kSlab;  // slices as they were
+  const std::int64_t kept = 2 * deep + kMedianSlab;  // slices as they were
   std::vector<T> ring(slice * static_cast<std::size_t>(std::min(kept, nz)));
   const auto in_ring = [&](std::int64_t z) { return ring.begin() + static_cast<std::ptrdiff_t>(z % kept * nx * ny); };
   base::in_arena(context, [&] {
-    for (std::int64_t z = 0, read = 0; z < nz; z += kSlab) {
-      for (; read < std::min(nz, z + kSlab + deep); ++read)
+    for (std::int64_t z = 0, read = 0; z < nz; z += kMedianSlab) {
+      for (; read < std::min(nz, z + kMedianSlab + deep); ++read)
         std::copy_n(samples.begin() + static_cast<std::ptrdiff_t>(read * nx * ny), slice, in_ring(read));
-      const auto rows = static_cast<std::size_t>(ny * std::min(kSlab, nz - z));
+      const auto rows = static_cast<std::size_t>(ny * std::min(kMedianSlab, nz - z));
       const double at = static_cast<double>(z) / static_cast<double>(nz);
       base::for_chunks(rows, context, "median", at, at, [&](std::size_t i) {
         const std::int64_t y = static_cast<std::int64_t>(i) % ny, k = z + static_cast<std::int64_t>(i) / ny;
