@@ -120,9 +120,8 @@ void blur_lightly(ShapeOptions& how, Session& session) {
   if (volume.grid.is_plane() || proposed_thresholds(volume, &session.context).empty()) return;
   how.how.preparation.blur = kLight;
   session.say(
-      fmt::format("note: grey values without a threshold: they are blurred by {} voxels, and a threshold is "
-                  "chosen; --threshold T takes one, with the blur you give with --blur, and quench info shows "
-                  "the values",
+      fmt::format("note: no threshold is given: grey values are blurred by {} voxels, and one is chosen; "
+                  "--blur and --threshold take others, quench info shows the values",
                   kLight));
 }
 
