@@ -17,23 +17,30 @@ constexpr double kSame = 1e-9;
 constexpr double kTurnUnit = 0.5, kRadiusUnit = 0.5;
 // What a course that ends before the window does costs, at most.
 constexpr double kShort = 2;
+// A child continues only if it is at least so many times as thick as the thickest one.
+constexpr double kThickEnough = 0.5;
+// Of children whose costs differ by less, the one with the longest way to a tip continues.
+constexpr double kNearTie = 0.25;
 // Forks that a way on may pass: the bound of trees whose forks all lie in one place.
 constexpr int kMostForks = 12;
+
+// Per branch the longest way from its base to a tip.
+std::vector<double> ways_of(const Tree& tree) {
+  std::vector<double> way(tree.branches.size(), 0);  // first the longest one behind it
+  for (std::size_t b = way.size(); b-- > 0;) {
+    way[b] += length_of(tree.branches[b].points);
+    if (const std::uint32_t p = tree.branches[b].parent; p != kNone) way[p] = std::max(way[p], way[b]);
+  }
+  return way;
+}
 
 // The values of rules that compare children by what follows behind them.
 class Below {
  public:
-  explicit Below(const Tree& tree) : tree_(tree), children_(children_of(tree)) {
-    const std::size_t count = tree.branches.size();
-    length_.resize(count);
-    mean_radius_.resize(count);
-    way_.resize(count);
-    for (std::size_t b = count; b-- > 0;) {
-      length_[b] = way_[b] = length_of(tree.branches[b].points);
-      mean_radius_[b] = mean_radius(tree.branches[b]);
-      double longest = 0;
-      for (const std::uint32_t c : children_[b]) longest = std::max(longest, way_[c]);
-      way_[b] += longest;
+  explicit Below(const Tree& tree) : tree_(tree), children_(children_of(tree)), way_(ways_of(tree)) {
+    for (const Tree::Branch& branch : tree.branches) {
+      length_.push_back(length_of(branch.points));
+      mean_radius_.push_back(mean_radius(branch));
     }
   }
 
@@ -92,14 +99,14 @@ class Below {
 
   const Tree& tree_;
   base::Csr<std::uint32_t> children_;
-  std::vector<double> length_, mean_radius_, way_, axis_;
+  std::vector<double> way_, length_, mean_radius_, axis_;
 };
 
 // Continuation: from the root node on, an axis is known up to a fork; of all ways on from there, as far as the window
 // goes, the one that costs least is where it continues.
 class Continuation {
  public:
-  explicit Continuation(const Tree& tree) : tree_(tree), children_(children_of(tree)) {}
+  explicit Continuation(const Tree& tree) : tree_(tree), children_(children_of(tree)), way_(ways_of(tree)) {}
 
   std::vector<std::uint32_t> choices() {
     on_.assign(tree_.branches.size(), kNone);
@@ -121,15 +128,17 @@ class Continuation {
     if (children.size() < 2) return children.empty() ? kNone : children[0];
     const double ball = tree_.branches[b].radius.back();
     const Window in = window_of(course.reversed(kWindow * ball), ball);
-    double least = std::numeric_limits<double>::infinity();
-    std::uint32_t best = children[0];
-    for (const std::uint32_t c : children) {
-      const double cost = least_cost(c, ball, in, Course(), 0);
-      if (cost < least * (1 - kSame)) {
-        least = cost;
-        best = c;
-      }
-    }
+    std::vector<double> thickness, cost;
+    for (const std::uint32_t c : children)
+      thickness.push_back(thickness_behind(tree_, children_, c, kThicknessReach * ball));
+    const double enough = kThickEnough * *std::ranges::max_element(thickness);
+    for (std::size_t i = 0; i < children.size(); ++i)
+      cost.push_back(thickness[i] < enough ? std::numeric_limits<double>::infinity()
+                                           : least_cost(children[i], ball, in, Course(), 0));
+    const double near = *std::ranges::min_element(cost) + kNearTie;
+    std::uint32_t best = kNone;
+    for (std::size_t i = 0; i < children.size(); ++i)
+      if (cost[i] <= near && (best == kNone || way_[children[i]] > way_[best] * (1 + kSame))) best = children[i];
     return best;
   }
   // Of all ways that begin with this branch and end with the window, or at a tip.
@@ -152,6 +161,7 @@ class Continuation {
 
   const Tree& tree_;
   base::Csr<std::uint32_t> children_;
+  std::vector<double> way_;
   std::vector<std::uint32_t> on_;
 };
 
@@ -159,6 +169,27 @@ class Continuation {
 
 std::vector<std::uint32_t> continuations(const Tree& tree, AxisRule rule) {
   return rule == AxisRule::continuation ? Continuation(tree).choices() : Below(tree).choices(rule);
+}
+
+double thickness_behind(const Tree& tree, const base::Csr<std::uint32_t>& children, std::uint32_t branch,
+                        double reach) {
+  struct Way {
+    std::uint32_t branch;
+    double left, sum;
+  };
+  double most = 0;
+  std::vector<Way> open{{branch, reach, 0}};
+  while (!open.empty()) {
+    const Way way = open.back();
+    open.pop_back();
+    Course course;
+    course.append(tree.branches[way.branch]);
+    const double sum = way.sum + radius_integral(course, way.left), left = way.left - course.length();
+    most = std::max(most, sum);
+    if (left > 0)
+      for (const std::uint32_t c : children[way.branch]) open.push_back({c, left, sum});
+  }
+  return reach > 0 ? most / reach : 0;
 }
 
 std::uint32_t main_branch(const Tree& tree, std::span<const std::uint32_t> at_root, AxisRule rule) {

@@ -22,6 +22,22 @@ std::vector<double> child_distances(const Tree& tree, const Tree::Axis& axis) {
   return distances;
 }
 
+// Where a course becomes less than half as thick as the thickest place before: the mean radius over the next two of
+// that place's radii tells, so that a single thin place does not.
+double length_of_stem(const Course& course) {
+  double thickest = 0;
+  for (std::size_t i = 0; i < course.size(); ++i) {
+    thickest = std::max(thickest, course.radius()[i]);
+    if (course.radius()[i] >= thickest / 2) continue;
+    Course rest;
+    for (std::size_t k = i; k < course.size() && rest.length() < 2 * thickest; ++k)
+      rest.append(course.points()[k], course.radius()[k]);
+    const double reach = std::min(2 * thickest, rest.length());
+    if (radius_integral(rest, reach) <= thickest / 2 * reach) return course.at()[i];
+  }
+  return course.length();
+}
+
 double mean_of(const std::vector<double>& values) {
   double sum = 0;
   for (const double v : values) sum += v;
@@ -86,6 +102,8 @@ Table axes_table(const MeasuredTree& measured) {
   columns.add("tip_radius", unit, "Radius at the tip.", [&](std::size_t i) { return axes[i].radius.back(); });
   columns.add("path_length", unit, "Length from the root node along the axes to the tip.",
               [&](std::size_t i) { return measured.axis_start[i] + measured.axis[i].length; });
+  columns.add("stem_length", unit, "Length of the thick part of an axis of level 0, from its base.",
+              [&](std::size_t i) { return axes[i].level == 0 ? length_of_stem(measured.course[i]) : kNotDefined; });
   columns.add("position", unit, "Length along the parent from its base to where this axis leaves it.",
               [&](std::size_t i) { return axes[i].parent == kNone ? kNotDefined : axes[i].position; });
   columns.add("relative_position", "", "Position over the length of the parent.", [&](std::size_t i) {

@@ -4,7 +4,9 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <map>
 #include <numbers>
+#include <span>
 #include <unordered_map>
 
 #include "tree/measured_tree.h"
@@ -62,60 +64,43 @@ std::vector<Ball> balls_of(std::span<const Course> courses) {
   return balls;
 }
 
-// Balls by the cells of grids whose cells are as wide as they are: a point is only in balls of the cells around it, of
-// each size.
-class BallGrids {
+bool holds(const Ball& ball, const Vec3& x) { return (x - ball.centre).squaredNorm() < ball.radius * ball.radius; }
+
+// Per ball the others that it meets.
+class Neighbours {
  public:
-  explicit BallGrids(const std::vector<Ball>& balls) : balls_(balls) {
-    for (std::uint32_t b = 0; b < balls.size(); ++b) {
-      const int size = size_of(balls[b].radius);
-      auto grid = std::ranges::find(sizes_, size);
-      if (grid == sizes_.end()) {
-        sizes_.push_back(size);
-        cells_.emplace_back();
-        grid = sizes_.end() - 1;
-      }
-      cells_[static_cast<std::size_t>(grid - sizes_.begin())][key(cell_of(balls[b].centre, size))].push_back(b);
-    }
+  explicit Neighbours(const std::vector<Ball>& balls) : balls_(balls), meets_(balls.size()) {
+    for (std::uint32_t b = 0; b < balls.size(); ++b)
+      grids_[size_of(balls[b])][key(cell_of(balls[b].centre, size_of(balls[b])))].push_back(b);
+    for (std::uint32_t b = 0; b < balls.size(); ++b) find(b);
   }
-  // Calls visit(ball) for balls that may hold the point, until it returns true.
-  template <class Visit>
-  bool any_near(const Vec3& x, const Visit& visit) const {
-    for (std::size_t g = 0; g < sizes_.size(); ++g) {
-      const Cell middle = cell_of(x, sizes_[g]);
-      for (int k = 0; k < 27; ++k) {
-        const auto found =
-            cells_[g].find(key({middle[0] + k % 3 - 1, middle[1] + k / 3 % 3 - 1, middle[2] + k / 9 - 1}));
-        if (found == cells_[g].end()) continue;
-        for (const std::uint32_t b : found->second)
-          if (visit(b)) return true;
-      }
-    }
-    return false;
-  }
-  // Whether another ball holds a point on the surface of `own`. Of equal balls only the first one shows.
-  bool covered(const Vec3& x, std::uint32_t own) const {
-    return any_near(x, [&](std::uint32_t b) {
-      const Ball &ball = balls_[b], &of = balls_[own];
-      if (ball.centre == of.centre && ball.radius == of.radius) return b < own;
-      return holds(ball, x);
-    });
-  }
-  // How many balls hold a point inside of `own`, itself included.
-  int holders(const Vec3& x, std::uint32_t own) const {
-    int count = 1;
-    any_near(x, [&](std::uint32_t b) {
-      count += b != own && holds(balls_[b], x) ? 1 : 0;
-      return false;
-    });
-    return count;
-  }
+  std::span<const std::uint32_t> of(std::uint32_t ball) const { return meets_[ball]; }
 
  private:
   using Cell = std::array<std::int64_t, 3>;
 
-  // A grid for every power of two.
-  static int size_of(double radius) { return std::ilogb(radius) + 1; }
+  // A grid for every power of two, with cells as wide as two balls of its size: what meets a ball that is no larger
+  // lies in the cells around it.
+  void find(std::uint32_t b) {
+    for (auto grid = grids_.lower_bound(size_of(balls_[b])); grid != grids_.end(); ++grid) {
+      const Cell middle = cell_of(balls_[b].centre, grid->first);
+      for (int k = 0; k < 27; ++k) {
+        const auto found =
+            grid->second.find(key({middle[0] + k % 3 - 1, middle[1] + k / 3 % 3 - 1, middle[2] + k / 9 - 1}));
+        if (found == grid->second.end()) continue;
+        for (const std::uint32_t other : found->second)
+          if ((grid->first > size_of(balls_[b]) || other < b) && meet(balls_[b], balls_[other])) {
+            meets_[b].push_back(other);
+            meets_[other].push_back(b);
+          }
+      }
+    }
+  }
+  static bool meet(const Ball& a, const Ball& b) {
+    const double reach = a.radius + b.radius;
+    return (a.centre - b.centre).squaredNorm() < reach * reach;
+  }
+  static int size_of(const Ball& ball) { return std::ilogb(ball.radius) + 2; }
   static Cell cell_of(const Vec3& x, int size) {
     Cell cell;
     for (int k = 0; k < 3; ++k)
@@ -128,14 +113,20 @@ class BallGrids {
       hash = (hash ^ hash >> 29 ^ static_cast<std::uint64_t>(c)) * 0x9E3779B97F4A7C15ull;
     return hash;
   }
-  static bool holds(const Ball& ball, const Vec3& x) {
-    return (x - ball.centre).squaredNorm() < ball.radius * ball.radius;
-  }
 
   const std::vector<Ball>& balls_;
-  std::vector<int> sizes_;
-  std::vector<std::unordered_map<std::uint64_t, std::vector<std::uint32_t>>> cells_;
+  std::map<int, std::unordered_map<std::uint64_t, std::vector<std::uint32_t>>> grids_;  // by size
+  std::vector<std::vector<std::uint32_t>> meets_;
 };
+
+// Whether another ball holds a point on the surface of one. Of equal balls only the first one shows.
+bool is_covered(const std::vector<Ball>& balls, std::span<const std::uint32_t> others, std::uint32_t own,
+                const Vec3& x) {
+  return std::ranges::any_of(others, [&](std::uint32_t b) {
+    if (balls[b].centre == balls[own].centre && balls[b].radius == balls[own].radius) return b < own;
+    return holds(balls[b], x);
+  });
+}
 
 }  // namespace
 
@@ -146,18 +137,21 @@ BallUnion union_of_balls(std::span<const Course> courses) {
   if (balls.empty()) return {};
   const int count = std::clamp(kPoints / static_cast<int>(balls.size()), kFewestPoints, kMostPoints);
   const std::vector<Vec3> directions = spread_directions(count);
-  const BallGrids grids(balls);
+  const Neighbours neighbours(balls);
   BallUnion result;
   for (std::uint32_t b = 0; b < balls.size(); ++b) {
     const Ball& ball = balls[b];
     const double surface = 4 * std::numbers::pi * ball.radius * ball.radius, volume = surface * ball.radius / 3;
+    const std::span<const std::uint32_t> others = neighbours.of(b);
     const Mat3 turn = turn_of(b);
     for (int i = 0; i < count; ++i) {
       const Vec3 n = turn * directions[static_cast<std::size_t>(i)];
-      if (!grids.covered(ball.centre + ball.radius * n, b)) result.surface += surface / count;
+      if (!is_covered(balls, others, b, ball.centre + ball.radius * n)) result.surface += surface / count;
       // Evenly over the volume, and in another order than the heights of the directions.
       const double depth = std::cbrt(std::fmod((i + 0.5) * std::numbers::phi, 1));
-      result.volume += volume / count / grids.holders(ball.centre + depth * ball.radius * n, b);
+      const Vec3 x = ball.centre + depth * ball.radius * n;
+      const auto more = std::ranges::count_if(others, [&](std::uint32_t o) { return holds(balls[o], x); });
+      result.volume += volume / count / static_cast<double>(1 + more);
     }
   }
   return result;

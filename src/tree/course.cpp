@@ -114,6 +114,15 @@ Window window_of(const Course& course, double ball) {
   return window;
 }
 
+double radius_integral(const Course& course, double length) {
+  double sum = 0;
+  for (std::size_t i = 1; i < course.size() && course.at()[i - 1] < length; ++i) {
+    const double end = std::min(length, course.at()[i]);
+    sum += (end - course.at()[i - 1]) * (course.radius()[i - 1] + course.radius_at(end)) / 2;
+  }
+  return sum;
+}
+
 double angle_between(const Vec3& a, const Vec3& b) {
   const double sine = a.cross(b).norm(), cosine = a.dot(b);
   return sine == 0 && cosine == 0 ? std::numbers::pi / 2 : std::atan2(sine, cosine);

@@ -60,6 +60,9 @@ struct Window {
 /// From a third of the window to its end; where the course is shorter, the window is as long as that.
 Window window_of(const Course& course, double ball);
 
+/// Integral of the radius along a course, over a length from its beginning; what lies beyond its end counts 0.
+double radius_integral(const Course& course, double length);
+
 /// In radians; of a vector without length it is a right angle.
 double angle_between(const Vec3& a, const Vec3& b);
 

@@ -4,6 +4,7 @@
 
 #include "quench/error.h"
 #include "quench/tree.h"
+#include "tree/course.h"
 #include "tree/polyline_network.h"
 #include "tree/spurs.h"
 
@@ -50,6 +51,25 @@ std::pair<tree::Network, std::vector<tree::Start>> network_of_tree(Tree&& from) 
   return {std::move(network), std::move(starts)};
 }
 
+// Courses of voxels end at the last of their places before the end of the medial axis: a quarter of a voxel before it
+// in the mean.
+constexpr double kTipVoxels = 0.25;
+
+// Moves tips on by so much, in the direction that their courses have over their last radius.
+void grow_tips(Tree& tree, double voxel) {
+  std::vector<std::uint8_t> goes_on(tree.branches.size(), 0);
+  for (const Tree::Branch& branch : tree.branches)
+    if (branch.parent != kNone) goes_on[branch.parent] = 1;
+  for (std::size_t b = 0; b < tree.branches.size(); ++b) {
+    if (goes_on[b]) continue;
+    tree::Course course;
+    course.append(tree.branches[b]);
+    Vec3& tip = tree.branches[b].points.back();
+    const Vec3 along = tip - course.point_at(std::max(0.0, course.length() - std::max(voxel, course.radius().back())));
+    if (along.norm() > 0) tip += kTipVoxels * voxel * along.normalized();
+  }
+}
+
 Tree finished(tree::Network& network, std::span<const tree::Start> known, const HierarchyOptions& options,
               bool medial) {
   const std::vector<tree::Start> starts = tree::rooted(network, known, options);
@@ -58,6 +78,7 @@ Tree finished(tree::Network& network, std::span<const tree::Start> known, const 
     const auto [rest, roots] = network_of_tree(std::move(tree));
     tree = tree::directed(rest, roots);
   }
+  grow_tips(tree, options.voxel);
   tree.down = options.down.normalized();
   tree.rule = options.rule;
   tree::build_axes(tree, options, medial);

@@ -67,6 +67,12 @@ std::vector<std::uint32_t> continuations(const Tree& tree, AxisRule rule);
 /// Of branches that begin at the same root node, the one that the main axis begins with.
 std::uint32_t main_branch(const Tree& tree, std::span<const std::uint32_t> at_root, AxisRule rule);
 
+/// How thick a child is where it leaves a fork: the mean radius over the first `reach` of the thickest way on from its
+/// base, through further forks. Where a way ends before, the rest counts 0: a stub of a thick tube is no thick child.
+double thickness_behind(const Tree& tree, const base::Csr<std::uint32_t>& children, std::uint32_t branch, double reach);
+/// That reach, in radii of the ball of the fork: half of it lies outside of the ball.
+inline constexpr double kThicknessReach = 2;
+
 /// Fills in axes, and Branch::axis. `medial`: courses are those of a medial axis, which run inside of the parent's tube
 /// where a child leaves it: there they become straight, and a child that leaves a branch inside the tube of an older
 /// axis is a child of that one.

@@ -15,6 +15,9 @@ namespace {
 constexpr double kSomaThicker = 2, kSomaSurrounds = 1.5;
 // The part of the height of a tree in which RootRule::top looks for the root node.
 constexpr double kTopPart = 0.2;
+// There an end is as thick as the thickest ball within so many of the largest radii of the tree; of those nearly as
+// thick as the thickest one, the highest is taken.
+constexpr double kTopSurrounds = 1.5, kTopAsThick = 0.8;
 
 bool before(const Vec3& a, const Vec3& b) { return std::tie(a[0], a[1], a[2]) < std::tie(b[0], b[1], b[2]); }
 
@@ -73,7 +76,7 @@ class Rooting {
       if (candidate.better_than(old)) old = candidate;
     };
     for (std::uint32_t n = 0; n < network_.nodes.size(); ++n)
-      offer(n, {network_.nodes[n].radius, network_.nodes[n].point, n, kNone, 0});
+      offer(n, {network_.nodes[n].radius, network_.nodes[n].point, n});
     for (std::uint32_t l = 0; l < network_.links.size(); ++l) {
       const Network::Link& link = network_.links[l];
       for (std::size_t i = 1; i + 1 < link.points.size(); ++i)
@@ -179,31 +182,48 @@ class Rooting {
 
   void choose() {
     const auto links_at = network_.links_at_nodes();
-    std::vector<double> high(components_.count, -std::numeric_limits<double>::infinity()), low = high;
-    const auto height = [&](const Vec3& x) { return -x.dot(options_.down); };
-    for (std::uint32_t n = 0; n < network_.nodes.size(); ++n)
-      if (const std::uint32_t c = components_.of_node[n]; c != kNone) {
-        high[c] = std::max(high[c], height(network_.nodes[n].point));
-        low[c] = std::max(low[c], -height(network_.nodes[n].point));
-      }
-    std::vector<Candidate> best(components_.count);
-    for (const bool ends : {true, false})  // where there is no free end, any node will do
-      for (std::uint32_t n = 0; n < network_.nodes.size(); ++n) {
-        const std::uint32_t c = components_.of_node[n];
-        if (c == kNone || starts_[c].node != kNone || (!ends && best[c].node != kNone)) continue;
-        const Vec3& point = network_.nodes[n].point;
-        if (options_.root == RootRule::thickest) {
-          offer(best[c], {network_.nodes[n].radius, point, n, kNone, 0});
-        } else if (!ends || links_at[n].size() == 1) {
-          if (options_.root == RootRule::top && height(point) < high[c] - kTopPart * (high[c] + low[c])) continue;
-          offer(best[c], {thickness_of_end(links_at, n), point, n, kNone, 0});
-        }
-      }
+    std::vector<std::vector<Candidate>> offers(components_.count);
+    for (std::uint32_t n = 0; n < network_.nodes.size(); ++n) {
+      const std::uint32_t c = components_.of_node[n];
+      if (c == kNone || starts_[c].node != kNone) continue;
+      const bool any = options_.root == RootRule::thickest;
+      if (!any && links_at[n].size() > 1) continue;
+      offers[c].push_back({any ? network_.nodes[n].radius : thickness_of_end(links_at, n), network_.nodes[n].point, n});
+    }
+    if (options_.root == RootRule::top) keep_top_ends(offers);
     for (std::uint32_t c = 0; c < components_.count; ++c)
-      if (starts_[c].node == kNone) starts_[c].node = best[c].node;
+      for (Candidate best; const Candidate& candidate : offers[c])
+        if (candidate.better_than(best)) {
+          best = candidate;
+          starts_[c].node = best.node;
+        }
   }
-  static void offer(Candidate& best, const Candidate& candidate) {
-    if (candidate.better_than(best)) best = candidate;
+  double height(const Vec3& x) const { return -x.dot(options_.down); }
+  // Of the free ends of each tree only the highest one of those at the top that are about as thick as any there.
+  void keep_top_ends(std::vector<std::vector<Candidate>>& offers) const {
+    std::vector<std::vector<Candidate>> balls(components_.count);
+    for (const Network::Link& link : network_.links)
+      for (std::size_t i = 0; i < link.points.size(); ++i)
+        balls[components_.of_node[link.from]].push_back({link.radius[i], link.points[i]});
+    for (std::uint32_t c = 0; c < components_.count; ++c) {
+      std::vector<Candidate>& ends = offers[c];
+      if (ends.size() < 2) continue;
+      const auto of_height = [&](const Candidate& end) { return height(end.point); };
+      const auto [low, high] = std::ranges::minmax(balls[c], {}, of_height);
+      const double highest_end = of_height(std::ranges::max(ends, {}, of_height));
+      const double top = std::min(highest_end, of_height(high) - kTopPart * (of_height(high) - of_height(low)));
+      std::erase_if(ends, [&](const Candidate& end) { return of_height(end) < top; });
+      const double reach = kTopSurrounds * std::ranges::max(balls[c], {}, &Candidate::radius).radius;
+      double thickest = 0;
+      for (Candidate& end : ends) {
+        for (const Candidate& ball : balls[c])
+          if (ball.radius > end.radius && (ball.point - end.point).norm() <= reach) end.radius = ball.radius;
+        thickest = std::max(thickest, end.radius);
+      }
+      std::erase_if(ends, [&](const Candidate& end) { return end.radius < kTopAsThick * thickest; });
+      const double highest = of_height(std::ranges::max(ends, {}, of_height));
+      std::erase_if(ends, [&](const Candidate& end) { return of_height(end) < highest; });
+    }
   }
   // A course that ends where a tube is cut off may run into the rim: it is as thick as the balls that hold its end.
   double thickness_of_end(const base::Csr<std::uint32_t>& links_at, std::uint32_t n) const {

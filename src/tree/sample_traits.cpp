@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 #include "tree/measured_tree.h"
 
@@ -77,13 +78,17 @@ std::vector<double> axes_per_slice(const MeasuredTree& measured, double top, dou
   std::vector<double> counts(kSlices, 0);
   const double layer = (top - bottom) / kSlices;
   if (!(layer > 0)) return {};
-  for (const Tree::Axis& a : measured.tree.axes)
+  std::vector<std::size_t> last(kSlices, 0);  // axis that passed a plane, from 1: each counts once
+  for (std::size_t n = 1; n <= measured.tree.axes.size(); ++n) {
+    const Tree::Axis& a = measured.tree.axes[n - 1];
     for (std::size_t i = 1; i < a.points.size(); ++i) {
       const double from = (top - measured.height_of(a.points[i - 1])) / layer - 0.5;
       const double to = (top - measured.height_of(a.points[i])) / layer - 0.5;
       const auto [low, high] = std::minmax(from, to);
-      for (double k = std::floor(low) + 1; k <= high && k < kSlices; ++k) ++counts[static_cast<std::size_t>(k)];
+      for (double k = std::floor(low) + 1; k <= high && k < kSlices; ++k)
+        if (const auto plane = static_cast<std::size_t>(k); std::exchange(last[plane], n) != n) ++counts[plane];
     }
+  }
   return counts;
 }
 

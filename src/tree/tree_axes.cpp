@@ -10,15 +10,19 @@
 namespace quench::tree {
 namespace {
 
-// The stem goes on as long as a branch is at least so many times as thick as the thickest of it.
-constexpr double kStemThickness = 0.5;
+// A stem ends where all of its children are less than so many times as thick as it.
+constexpr double kCrownThinner = 0.45;
 // How far along the parent its tube is looked at around a fork, in its radii.
 constexpr double kTubeReach = 4;
 
 class Axes {
  public:
   Axes(Tree& tree, const HierarchyOptions& options, bool medial)
-      : tree_(tree), options_(options), medial_(medial), on_(continuations(tree, options.rule)) {}
+      : tree_(tree),
+        options_(options),
+        medial_(medial),
+        children_(children_of(tree)),
+        on_(continuations(tree, options.rule)) {}
 
   void run() {
     find_plants();
@@ -26,7 +30,6 @@ class Axes {
       const std::uint32_t p = tree_.branches[b].parent;
       if (p == kNone || on_[p] != b) begin(b);
     }
-    if (options_.stem) part_stems();
     for (Piece& piece : pieces_) measure(piece);
     number();
   }
@@ -37,7 +40,6 @@ class Axes {
     std::vector<std::uint32_t> branches;
     std::uint32_t parent = kNone, plant = 0;
     bool stem = false;
-    bool continues = false;  // its parent, at its end
     Course course;
     double position = 0;
   };
@@ -64,66 +66,26 @@ class Axes {
       piece.parent = piece_of_[before];
     else if (main_[plant] != id && !tree_.plants[plant].soma)
       piece.parent = main_[plant];
+    const bool may_be_stem = options_.stem && main_[plant] == id;
+    Course stem;
     for (std::uint32_t next = b; next != kNone; next = on_[next]) {
       piece_of_[next] = id;
       piece.branches.push_back(next);
-    }
-  }
-
-  // The thick part of a main axis becomes an axis of its own, and the rest a child of it.
-  void part_stems() {
-    for (std::uint32_t p = 0; p < tree_.plants.size(); ++p) {
-      std::vector<std::uint32_t>& whole = pieces_[main_[p]].branches;
-      double thickest = 0;
-      std::size_t end = 0;
-      while (end < whole.size()) {
-        const double radius = middle_radius(tree_.branches[whole[end]]);
-        if (radius < kStemThickness * thickest) break;
-        thickest = std::max(thickest, radius);
-        ++end;
-      }
-      pieces_[main_[p]].stem = true;
-      if (end == whole.size()) continue;
-      Piece rest;
-      rest.branches.assign(whole.begin() + static_cast<std::ptrdiff_t>(end), whole.end());
-      rest.parent = main_[p];
-      rest.plant = p;
-      rest.continues = true;
-      whole.resize(end);
-      const auto id = static_cast<std::uint32_t>(pieces_.size());
-      for (const std::uint32_t b : rest.branches) piece_of_[b] = id;
-      pieces_.push_back(std::move(rest));
-    }
-    for (Piece& piece : pieces_)  // those that begin on the rest
-      if (const std::uint32_t before = tree_.branches[piece.branches[0]].parent; before != kNone)
-        piece.parent = piece_of_[before];
-    parents_first();
-  }
-  static double middle_radius(const Tree::Branch& branch) {
-    std::vector<double> radius = branch.radius;
-    const auto middle = radius.begin() + static_cast<std::ptrdiff_t>(radius.size() / 2);
-    std::nth_element(radius.begin(), middle, radius.end());
-    return *middle;
-  }
-  // Puts the pieces into such an order again.
-  void parents_first() {
-    std::vector<std::uint32_t> order, place(pieces_.size(), kNone);
-    std::vector<std::uint32_t> chain;
-    for (std::uint32_t i = 0; i < pieces_.size(); ++i) {
-      for (std::uint32_t a = i; a != kNone && place[a] == kNone; a = pieces_[a].parent) chain.push_back(a);
-      for (; !chain.empty(); chain.pop_back()) {
-        place[chain.back()] = static_cast<std::uint32_t>(order.size());
-        order.push_back(chain.back());
+      if (may_be_stem) stem.append(tree_.branches[next]);
+      if (may_be_stem && ends_at_crown(stem, next)) {
+        piece.stem = true;
+        on_[next] = kNone;  // all its children are axes of their own
       }
     }
-    std::vector<Piece> sorted;
-    for (const std::uint32_t i : order) {
-      sorted.push_back(std::move(pieces_[i]));
-      if (sorted.back().parent != kNone) sorted.back().parent = place[sorted.back().parent];
-    }
-    pieces_ = std::move(sorted);
-    for (std::uint32_t& piece : piece_of_) piece = place[piece];
-    for (std::uint32_t& piece : main_) piece = place[piece];
+  }
+  // Whether all children of a branch are thin beside what leads to it.
+  bool ends_at_crown(const Course& stem, std::uint32_t last) const {
+    if (children_[last].empty()) return false;
+    const double reach = kThicknessReach * stem.radius().back();
+    const double before = radius_integral(stem.reversed(reach), reach) / std::min(reach, stem.length());
+    return std::ranges::all_of(children_[last], [&](std::uint32_t c) {
+      return thickness_behind(tree_, children_, c, reach) < kCrownThinner * before;
+    });
   }
 
   // Course and place on the parent, whose own are known.
@@ -132,8 +94,8 @@ class Axes {
     for (const std::uint32_t b : piece.branches) raw.append(tree_.branches[b]);
     if (piece.parent == kNone) {
       piece.course = std::move(raw);
-    } else if (piece.continues || !medial_ || tree_.branches[piece.branches[0]].parent == kNone) {
-      piece.position = piece.continues ? pieces_[piece.parent].course.length() : length_before(piece);
+    } else if (!medial_ || tree_.branches[piece.branches[0]].parent == kNone) {
+      piece.position = length_before(piece);
       piece.course = std::move(raw);
     } else {
       while (const Piece* older = older_parent(piece, raw.points()[0]))
@@ -157,7 +119,7 @@ class Axes {
   // place, their courses meet inside of it before they come to its own.
   const Piece* older_parent(const Piece& piece, const Vec3& fork) const {
     const Piece& parent = pieces_[piece.parent];
-    if (parent.parent == kNone || parent.continues) return nullptr;
+    if (parent.parent == kNone) return nullptr;
     const Piece& older = pieces_[parent.parent];
     const Foot foot = nearest_on(older.course, fork);
     return foot.distance < older.course.radius_at(foot.at) ? &older : nullptr;
@@ -227,6 +189,7 @@ class Axes {
   Tree& tree_;
   const HierarchyOptions& options_;
   bool medial_;
+  base::Csr<std::uint32_t> children_;
   std::vector<std::uint32_t> on_;
   std::vector<std::vector<std::uint32_t>> at_root_;
   std::vector<std::uint32_t> piece_of_, main_;

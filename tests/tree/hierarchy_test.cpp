@@ -292,17 +292,35 @@ TEST(Hierarchy, Soma) {
   EXPECT_FALSE(tree_of(tube.repaired(), options).plants[0].soma);
 }
 
-TEST(Hierarchy, Stem) {
-  Builder b;  // 1 thick for 4, then 0.3 for 6, with a lateral on both
-  const auto top = b.node({0, 0, 0}, 1), first = b.node({0, 0, -2}, 1), end = b.node({0, 0, -4}, 0.3),
-             last = b.node({0, 0, -7}, 0.3);
+TEST(Hierarchy, AStemGoesOnInWhatIsThickEnough) {
+  Builder b;  // 1 thick for 4, then 0.6 for 6, with a lateral on both
+  const auto top = b.node({0, 0, 0}, 1), first = b.node({0, 0, -2}, 1), last = b.node({0, 0, -7}, 0.6);
   b.branch(top, first, {}, 1);
-  b.branch(first, end, {{0, 0, -3}}, 1);
-  b.branch(end, last, {{0, 0, -5}}, 0.3);
+  b.branch(first, last, {{0, 0, -3}, {0, 0, -4}, {0, 0, -5}}, 0.6);
   b.branch(last, b.node({0, 0, -10}, 0.3), {}, 0.3);
-  b.branch(first, b.node({5, 0, -2}, 0.2), {{2, 0, -2}}, 0.2);
-  b.branch(end, b.node({5, 0, -4}, 0.2), {{2, 0, -4}}, 0.2);
-  b.branch(last, b.node({5, 0, -7}, 0.1), {{1, 0, -7}}, 0.1);
+  b.branch(first, b.node({9, 0, -2}, 0.2), {{2, 0, -2}}, 0.2);
+  b.branch(last, b.node({9, 0, -7}, 0.1), {{1, 0, -7}}, 0.1);
+  HierarchyOptions options = by(AxisRule::continuation);
+  options.root = RootRule::top;
+  options.stem = true;
+  const Tree tree = tree_of(b.repaired(), options);
+  ASSERT_EQ(tree.axes.size(), 3u);
+  EXPECT_FALSE(tree.axes[0].stem);
+  EXPECT_EQ(tree.axes[0].points.back(), Vec3(0, 0, -10));
+  EXPECT_EQ(ending_at(tree, {9, 0, -7}).level, 1u);
+}
+
+TEST(Hierarchy, AStemEndsWhereOnlyThinRootsGoOn) {
+  Builder b;  // a trunk 2 thick; at its side a thin root goes straight on, at its end there is a stub and a crown
+  const auto top = b.node({0, 0, 0}, 2), side = b.node({0, 0, -6}, 2), end = b.node({3, 0, -9}, 2),
+             crown = b.node({4, 0, -10}, 1.8);
+  b.branch(top, side, {{0, 0, -3}}, 2);
+  b.branch(side, b.node({0, 0, -30}, 0.3), {{0, 0, -8}}, 0.3);
+  b.branch(side, end, {}, 2);
+  b.branch(end, b.node({3, 0, -30}, 0.3), {{3, 0, -11}}, 0.3);
+  b.branch(end, crown, {}, 1.8);
+  b.branch(crown, b.node({20, 0, -20}, 0.3), {{6, 0, -12}}, 0.3);
+  b.branch(crown, b.node({4, 9, -20}, 0.3), {{4, 2, -12}}, 0.3);
   HierarchyOptions options = by(AxisRule::continuation);
   options.root = RootRule::top;
   EXPECT_EQ(tree_of(b.repaired(), options).axes.size(), 4u);
@@ -310,11 +328,42 @@ TEST(Hierarchy, Stem) {
   const Tree tree = tree_of(b.repaired(), options);
   ASSERT_EQ(tree.axes.size(), 5u);
   EXPECT_TRUE(tree.axes[0].stem);
-  EXPECT_EQ(tree.axes[0].points.back(), Vec3(0, 0, -4));
-  EXPECT_EQ(ending_at(tree, {0, 0, -10}).level, 1u);
-  EXPECT_NEAR(ending_at(tree, {0, 0, -10}).position, 4, 1e-9);
-  EXPECT_EQ(ending_at(tree, {5, 0, -7}).level, 2u);
-  EXPECT_EQ(ending_at(tree, {5, 0, -2}).level, 1u);
+  EXPECT_EQ(tree.axes[0].points.back(), Vec3(4, 0, -10));
+  for (std::size_t a = 1; a < 5; ++a) EXPECT_EQ(tree.axes[a].level, 1u);
+}
+
+TEST(Hierarchy, NearTiesOfContinuationGoToTheLongerWay) {
+  Builder b;  // two children of equal radius that turn by nearly the same
+  const auto top = b.node({0, 0, 0}, 0.5), fork = b.node({0, 0, -9}, 0.5);
+  b.branch(top, fork, {}, 0.5);
+  b.branch(fork, b.node({4, 0, -13}, 0.3), {}, 0.3);
+  b.branch(fork, b.node({-41, 0, -49}, 0.3), {}, 0.3);
+  HierarchyOptions options = by(AxisRule::continuation);
+  options.root = RootRule::top;
+  EXPECT_EQ(tree_of(b.repaired(), options).axes[0].points.back(), Vec3(-41, 0, -49));
+}
+
+TEST(Hierarchy, TipsGrowByAQuarterOfAVoxel) {
+  Builder b;
+  b.branch(b.node({0, 0, 0}, 0.5), b.node({0, 0, -9}, 0.5), {{0, 0, -5}}, 0.5);
+  HierarchyOptions options;
+  options.root = RootRule::top;
+  options.voxel = 0.2;
+  const Tree tree = tree_of(b.repaired(), options);
+  EXPECT_NEAR(tree.axes[0].points.back()[2], -9.05, 1e-12);
+  EXPECT_EQ(tree.plants[0].root, Vec3(0, 0, 0));
+}
+
+TEST(Hierarchy, TheRootNodeAtTheTopIsWhereTheTreeIsThick) {
+  Builder b;  // the trunk's top ends in a thin spur; a lateral's tip is higher and thicker than that
+  const auto spur = b.node({0.5, 0, 0}, 0.1), trunk = b.node({0, 0, -2}, 1), fork = b.node({0, 0, -6}, 1);
+  b.branch(spur, trunk, {}, 0.1);
+  b.branch(trunk, fork, {}, 1);
+  b.branch(fork, b.node({0, 0, -30}, 0.5), {}, 0.5);
+  b.branch(fork, b.node({9, 0, 1}, 0.3), {{2, 0, -5}}, 0.3);
+  HierarchyOptions options;
+  options.root = RootRule::top;
+  EXPECT_EQ(tree_of(b.repaired(), options).plants.at(0).root, Vec3(0.5, 0, 0));
 }
 
 TEST(Hierarchy, ChildrenBeginOnTheCentreLineOfTheirParent) {

@@ -84,6 +84,8 @@ TEST(Traits, OfASmallPlant) {
   EXPECT_NEAR(axis("tip_angle"), 0, 1e-9);
   EXPECT_DOUBLE_EQ(axis("tip_depth"), 4);
   EXPECT_TRUE(std::isnan(value(traits.axes, "position", 0)));
+  EXPECT_TRUE(std::isnan(axis("stem_length")));
+  EXPECT_DOUBLE_EQ(value(traits.axes, "stem_length", 0), 4);
   EXPECT_EQ(value(traits.axes, "children", 0), 1);
   EXPECT_DOUBLE_EQ(value(traits.axes, "child_density", 0), 0.25);
   EXPECT_TRUE(std::isnan(value(traits.axes, "mean_child_distance", 0)));
