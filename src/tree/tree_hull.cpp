@@ -12,64 +12,80 @@
 namespace quench::tree {
 namespace {
 
-// Convex hull by adding the points one by one (Kallay 1981): what a point sees of the hull goes, and cones to the rim
-// of that come. In doubles, with a margin: points that stick out by less than it are taken to be inside.
+using Lattice = std::array<std::int64_t, 3>;
+using Wide = __int128;
+
+constexpr double kHullSteps = 0x1p26;  // the longest side of the points in steps of the lattice
+
+Lattice minus(const Lattice& a, const Lattice& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
+// Of differences of lattice points: below 2^27 each, so products are below 2^54 and their differences below 2^55.
+Lattice cross(const Lattice& a, const Lattice& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+// Of a cross product and a difference: below 3 * 2^55 * 2^27 < 2^84.
+Wide dot(const Lattice& a, const Lattice& b) { return Wide{a[0]} * b[0] + Wide{a[1]} * b[1] + Wide{a[2]} * b[2]; }
+
+// Convex hull by adding the points one by one (Kallay 1981): the facets that a point sees go, and a cone from the point
+// to their rim comes. The points are rounded to a lattice, and all decisions on it are exact, so the facets always
+// bound a convex body. A point in the plane of a facet does not see it: then it is on no line through a side of the
+// rim, as the facet seen there would hold it, and no facet without area comes up.
 class GrowingHull {
  public:
-  explicit GrowingHull(const std::vector<Vec3>& points) : points_(points) {}
+  explicit GrowingHull(const std::vector<Vec3>& points) {
+    if (points.empty()) return;
+    Vec3 low = points[0], high = points[0];
+    for (const Vec3& p : points) {
+      low = low.cwiseMin(p);
+      high = high.cwiseMax(p);
+    }
+    step_ = (high - low).maxCoeff() / kHullSteps;
+    if (!(step_ > 0)) return;
+    for (const Vec3& p : points) {
+      const Vec3 x = (p - low) / step_;
+      points_.push_back({std::llround(x[0]), std::llround(x[1]), std::llround(x[2])});
+    }
+  }
 
   double volume() {
     if (!start()) return 0;
     for (std::uint32_t p = 0; p < points_.size(); ++p) add(p);
-    double six = 0;
-    const Vec3 origin = points_[facets_[0].corner[0]];
-    for (const Facet& f : facets_)
-      six += (points_[f.corner[0]] - origin).dot((points_[f.corner[1]] - origin).cross(points_[f.corner[2]] - origin));
-    return std::max(0.0, six / 6);
+    Wide six = 0;  // below 2^80 for each of fewer than 2^32 facets
+    for (const Facet& f : facets_) six += dot(f.normal, minus(points_[f.corner[0]], points_[facets_[0].corner[0]]));
+    return static_cast<double>(six) / 6 * step_ * step_ * step_;
   }
 
  private:
   struct Facet {
     std::array<std::uint32_t, 3> corner;  // counter-clockwise seen from outside
-    Vec3 normal;
-    double offset;
+    Lattice normal;                       // outward
   };
 
-  // Four points that do not lie in a plane: the farthest from the first, from the line, and from the plane.
+  // Four points that do not lie in a plane: the first that is another, off the line, and off the plane.
   bool start() {
-    if (points_.size() < 4) return false;
-    const Vec3& a = points_[0];
-    const auto farthest = [&](const auto& away) {
-      std::uint32_t best = 0;
-      for (std::uint32_t p = 1; p < points_.size(); ++p)
-        if (away(points_[p]) > away(points_[best])) best = p;
-      return best;
+    const auto first = [&](const auto& fits) {
+      const auto found = std::ranges::find_if(points_, fits);
+      return static_cast<std::uint32_t>(found - points_.begin());
     };
-    const std::uint32_t b = farthest([&](const Vec3& x) { return (x - a).norm(); });
-    const Vec3 ab = points_[b] - a;
-    margin_ = 1e-10 * ab.norm();
-    if (!(ab.norm() > 0)) return false;
-    const Vec3 along = ab.normalized();
-    const std::uint32_t c = farthest([&](const Vec3& x) { return along.cross(x - a).norm(); });
-    const Vec3 normal = along.cross(points_[c] - a);
-    if (normal.norm() <= margin_) return false;
-    const Vec3 up = normal.normalized();
-    const std::uint32_t d = farthest([&](const Vec3& x) { return std::abs(up.dot(x - a)); });
-    const double height = up.dot(points_[d] - a);
-    if (std::abs(height) <= margin_) return false;
+    const auto from = [&](std::uint32_t p) { return minus(points_[p], points_[0]); };
+    const auto count = static_cast<std::uint32_t>(points_.size());
+    const std::uint32_t b = first([&](const Lattice& x) { return x != points_[0]; });
+    if (b == count) return false;
+    const std::uint32_t c = first([&](const Lattice& x) { return cross(from(b), minus(x, points_[0])) != Lattice{}; });
+    if (c == count) return false;
+    const Lattice normal = cross(from(b), from(c));
+    const std::uint32_t d = first([&](const Lattice& x) { return dot(normal, minus(x, points_[0])) != 0; });
+    if (d == count) return false;
     std::array<std::uint32_t, 4> corner{0, b, c, d};
-    if (height > 0) std::swap(corner[1], corner[2]);
+    if (dot(normal, from(d)) > 0) std::swap(corner[1], corner[2]);
     facets_ = {facet(corner[0], corner[1], corner[2]), facet(corner[0], corner[3], corner[1]),
                facet(corner[1], corner[3], corner[2]), facet(corner[2], corner[3], corner[0])};
     return true;
   }
   Facet facet(std::uint32_t a, std::uint32_t b, std::uint32_t c) const {
-    const Vec3 normal = (points_[b] - points_[a]).cross(points_[c] - points_[a]).normalized();
-    return {{a, b, c}, normal, normal.dot(points_[a])};
+    return {{a, b, c}, cross(minus(points_[b], points_[a]), minus(points_[c], points_[a]))};
   }
   void add(std::uint32_t p) {
-    const Vec3& x = points_[p];
-    const auto sees = [&](const Facet& f) { return f.normal.dot(x) - f.offset > margin_; };
+    const auto sees = [&](const Facet& f) { return dot(f.normal, minus(points_[p], points_[f.corner[0]])) > 0; };
     const auto seen = std::partition(facets_.begin(), facets_.end(), [&](const Facet& f) { return !sees(f); });
     if (seen == facets_.end()) return;
     std::vector<std::pair<std::uint32_t, std::uint32_t>> sides;
@@ -81,9 +97,9 @@ class GrowingHull {
       if (!std::binary_search(sides.begin(), sides.end(), std::pair(b, a))) facets_.push_back(facet(a, b, p));
   }
 
-  const std::vector<Vec3>& points_;
+  double step_ = 0;
+  std::vector<Lattice> points_;
   std::vector<Facet> facets_;
-  double margin_ = 0;
 };
 
 // The corners of the convex hull of points of a plane (Andrew 1979), without the third coordinate.
