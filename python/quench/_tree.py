@@ -315,7 +315,7 @@ def tree(source: Any, kind: str = 'root', *, root: Points = None, plants: Option
         As in :func:`medial_axis`.
     **shape
         Keyword arguments of :func:`medial_axis` that say what the shape is. Of a grey volume without `threshold` and
-        `label` the recommended threshold is taken, with a warning that says which, and values are blurred by 0.8
+        `label` the two thresholds of "thin" are taken, with a warning that says which, and values are blurred by 0.8
         voxels before, unless `blur`, `median` or `interpolate` says otherwise. Cavities are filled, and voxels that touch in edges
         or corners are joined (`connectivity=26`).
 
