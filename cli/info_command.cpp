@@ -162,8 +162,10 @@ void add_values(Json& info, const Volume& volume, Session& session) {
   if (!histogram.counts.empty())
     info["histogram"] = {{"low", histogram.low}, {"width", histogram.width}, {"counts", histogram.counts}};
   const std::vector<ProposedThreshold> proposals = proposed_thresholds(volume, &session.context);
-  for (const ProposedThreshold& p : proposals)
+  for (const ProposedThreshold& p : proposals) {
     info["thresholds"][p.rule] = {{"value", threshold_json(p.value)}, {"reason", p.reason}};
+    if (p.seed) info["thresholds"][p.rule]["seed"] = threshold_json(*p.seed);
+  }
 }
 
 /// Lines of an image's histogram: the logarithm of the counts, as what matters may fill little of an image.

@@ -76,7 +76,8 @@ void say_prepared(const ShapeOptions& options, const LoadedShape& shape, Session
   if (shape.prepared)
     for (const std::string& sentence : shape.prepared->done) session.say(sentence);
   if (shape.chosen)
-    session.say(fmt::format("threshold {} ({}): {}", threshold_text(shape.chosen->value), shape.chosen->rule,
+    session.say(fmt::format("threshold {}{} ({}): {}", threshold_text(shape.chosen->value),
+                            shape.chosen->seed ? "," + threshold_text(*shape.chosen->seed) : "", shape.chosen->rule,
                             shape.chosen->reason));
   if (!shape.cleaned) return;
   const ForegroundReport& c = *shape.cleaned;
@@ -220,7 +221,8 @@ CLI::Option* add_topology(CLI::App& app, ShapeOptions& o, const std::string& hel
 static void parse_threshold(const std::string& option, const std::string& text, pipeline::ShapeOptions& how) {
   how.foreground.threshold = how.foreground.seed_threshold = std::nullopt;
   how.otsu = text == "otsu";
-  how.recommended = text == "auto";
+  how.thin = text == "thin";
+  how.recommended = text == "auto" || how.thin;
   if (how.otsu || how.recommended) return;
   const std::size_t comma = text.find(',');
   how.foreground.threshold = threshold_of(option, text.substr(0, comma));
@@ -231,10 +233,9 @@ void add_volume_options(CLI::App& app, pipeline::ShapeOptions& how, const std::s
   ForegroundOptions& f = how.foreground;
   PreparationOptions& p = how.preparation;
   add_parsed(app, "--threshold",
-             of +
-                 "the shape is the voxels or pixels of at least this value; LOW,HIGH: of at least LOW, and connected "
-                 "to one of at least HIGH; 'auto': at what cuts most of the edges, which info shows; 'otsu': by Otsu's "
-                 "method",
+             of + "the shape is the voxels or pixels of at least this value; LOW,HIGH: of at least LOW, and connected "
+                  "to one of at least HIGH; 'auto': at what cuts most of the edges, which info shows; 'thin': two "
+                  "thresholds for thin things; 'otsu': by Otsu's method",
              [&how](const std::string& option, const std::string& text) { parse_threshold(option, text, how); })
       ->type_name("T")
       ->group(group);
@@ -473,11 +474,16 @@ Json input_section(const ShapeOptions& options, const LoadedShape& shape) {
     input["prepared"] = {{"done", p->done},
                          {"dims_before", {p->before.dims[0], p->before.dims[1], p->before.dims[2]}},
                          {"spacing_before", spacing_json(p->before)}};
-  if (const auto& c = shape.chosen)
-    input["threshold"] = {
-        {"value", std::visit([](auto t) { return Json(t); }, c->value)}, {"rule", c->rule}, {"reason", c->reason}};
+  if (const auto& c = shape.chosen) {
+    const auto number = [](const Threshold& threshold) {
+      return std::visit([](auto t) { return Json(t); }, threshold);
+    };
+    input["threshold"] = {{"value", number(c->value)}, {"rule", c->rule}, {"reason", c->reason}};
+    if (c->seed) input["threshold"]["seed"] = number(*c->seed);
+  }
   if (const auto& c = shape.cleaned) {
-    if (f.seed_threshold) input["hysteresis"] = {{"voxels_dropped", c->weak_dropped}};
+    if (f.seed_threshold || (shape.chosen && shape.chosen->seed))
+      input["hysteresis"] = {{"voxels_dropped", c->weak_dropped}};
     if (f.close > 0) input["closed"] = {{"voxels_added", c->voxels_closed}};
     if (f.connectivity != 6)
       input["joined"] = {{"voxels_added", c->voxels_joined}, {"components_joined", c->components_joined}};

@@ -130,7 +130,8 @@ LoadedShape load_tree_shape(ShapeOptions how, const TreeProgram& o, bool with_me
   const bool volume = io::kind_of(how.file) == io::Kind::volume;
   how.how.keep_mesh = with_mesh;
   if (volume) {
-    how.how.recommended |= !foreground.threshold && !foreground.label && !how.how.otsu;
+    if (!foreground.threshold && !foreground.label && !how.how.otsu && !how.how.recommended)
+      how.how.recommended = how.how.thin = true;
     how.how.keep_values = !foreground.label && (o.repair == RepairRule::gaps || o.repair == RepairRule::all);
     if (how.how.recommended && !o.blur_given) blur_lightly(how, session);
     if (!o.connectivity_given) foreground.connectivity = 26;

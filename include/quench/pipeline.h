@@ -120,6 +120,7 @@ struct ShapeOptions {
   ForegroundOptions foreground = {};            ///< threshold, label, invert: volumes
   bool otsu = false;                            ///< volumes: the threshold is that of Otsu's method
   bool recommended = false;                     ///< volumes: the threshold is the first of proposed_thresholds()
+  bool thin = false;                            ///< the recommended one is that of the rule `thin`, where there is one
   PreparationOptions preparation = {};          ///< volumes
   bool keep_values = false;                     ///< LoadedShape::values is wanted
   /// What the axis is fitted to; none: the mesh where its solid can be told, the grey values of a volume with a

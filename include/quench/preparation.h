@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,7 +21,7 @@ struct PreparationOptions {
   int median = 0;  ///< each value becomes the median of the (2 median + 1)^3 around it; at most kLargestMedian; 0: none
   double blur = 0;  ///< standard deviation of a Gaussian, in voxels of the smallest spacing, the same length along
                     ///< every axis; at most kLargestBlur; 0: none
-  bool any() const { return interpolate || median > 0 || blur > 0; }
+  bool any() const { return interpolate || median != 0 || blur != 0; }  ///< also numbers that prepared() refuses
 };
 
 /// What preparing has changed.
@@ -63,9 +64,10 @@ Histogram histogram_of(const Volume& volume, std::size_t classes = 256);
 
 /// A threshold that a rule proposes.
 struct ProposedThreshold {
-  std::string rule;  ///< `edges` or `otsu`
+  std::string rule;  ///< `edges`, `otsu` or `thin`
   Threshold value;
-  std::string reason;  ///< what it is good for, one sentence
+  std::string reason;                  ///< what it is good for, one sentence
+  std::optional<Threshold> seed = {};  ///< of two thresholds the upper one, as ForegroundOptions::seed_threshold
 };
 /// Thresholds worth trying, the recommended one first; nothing for an image of at most two values.
 ///
@@ -74,6 +76,13 @@ struct ProposedThreshold {
 /// and each counts by the square of its difference. That is the middle of the edges of a bright thing, thick or thin,
 /// however little of the image it fills. Values nearer to the most frequent one than three times the noise are no
 /// candidates. Missing where there are no such steps. `otsu`: Otsu's method (1979, IEEE Trans. SMC 9).
+///
+/// `thin`: two thresholds for hysteresis. What is thinner than the blur of the image does not get as bright as what is
+/// thick. The background is the median of what is below `edges`, its noise the distance from there to the quantile of
+/// one standard deviation below it, and as bright as thick things is 0.9 of what is above `edges`. The upper threshold
+/// is half way between background and bright. The lower one is half way between background and the upper one, which is
+/// the edge of a thing that gets just as bright as that, but at least three times the noise above the background.
+/// Missing where `edges` is, or noise leaves no room between the two.
 /// O(samples), on all threads.
 std::vector<ProposedThreshold> proposed_thresholds(const Volume& volume, Context* context = nullptr);
 

@@ -33,9 +33,10 @@ def medial_axis(image_or_mesh: Any, *, spacing: Spacing = None, threshold: Thres
     spacing : float or a float per axis, optional
         Size of a voxel or pixel along the axes of the array: of an image, of rows and columns (y, x). Default: what the
         file says, else 1.
-    threshold : float, (float, float), "auto" or "otsu", optional
+    threshold : float, (float, float), "auto", "thin" or "otsu", optional
         The shape is where the image is at least this. Of a pair, where it is at least the first and connected to where it
-        is at least the second. "auto": the value at which most of the edges are cut; "otsu": by Otsu's method.
+        is at least the second. "auto": the value at which most of the edges are cut; "thin": two thresholds for
+        thin things (docs/user/volumes.md); "otsu": by Otsu's method.
     label : int, optional
         The shape is where the image is exactly this.
     dimension : 2 or 3, optional

@@ -282,8 +282,8 @@ class Cut:
         if self.connectivity not in (6, 26):
             raise error(2, f'connectivity={self.connectivity!r} is neither 6 nor 26', 'connectivity')
         rule = self.threshold if isinstance(self.threshold, str) else ''
-        if rule not in ('', 'auto', 'otsu'):
-            raise error(2, f"threshold={rule!r} is neither a number nor 'auto' or 'otsu'", 'threshold')
+        if rule not in ('', 'auto', 'otsu', 'thin'):
+            raise error(2, f"threshold={rule!r} is neither a number nor 'auto', 'thin' or 'otsu'", 'threshold')
         bounds = _thresholds(None if rule else self.threshold)
         options = _core.ShapeOptions(
             threshold=bounds[0], seed_threshold=bounds[1], rule=rule, interpolate=bool(self.interpolate),

@@ -315,7 +315,7 @@ def tree(source: Any, kind: str = 'root', *, root: Points = None, plants: Option
         As in :func:`medial_axis`.
     **shape
         Keyword arguments of :func:`medial_axis` that say what the shape is. Of a grey volume without `threshold` and
-        `label` the recommended threshold is taken, with a warning that says which, and values are blurred by 0.8
+        `label` the two thresholds of "thin" are taken, with a warning that says which, and values are blurred by 0.8
         voxels before, unless `blur`, `median` or `interpolate` says otherwise. Cavities are filled, and voxels that touch in edges
         or corners are joined (`connectivity=26`).
 
@@ -357,12 +357,13 @@ def tree(source: Any, kind: str = 'root', *, root: Points = None, plants: Option
         if image and 'connectivity' not in shape:
             cut = replace(cut, connectivity=26)
         choose = image and cut.threshold is None and cut.label is None
-        voxels = shape_of(source, replace(cut, threshold='auto') if choose else cut, threads, progress)
+        voxels = shape_of(source, replace(cut, threshold='thin') if choose else cut, threads, progress)
         if choose and voxels.chosen:
             if not (cut.interpolate or cut.median or 'blur' in shape):  # as the program does
-                voxels = shape_of(source, replace(cut, threshold='auto', blur=0.8), threads, progress)
-            value, rule, reason = voxels.chosen
-            warn(f'threshold {value:g} ({rule}): {reason}; threshold=T takes another')
+                voxels = shape_of(source, replace(cut, threshold='thin', blur=0.8), threads, progress)
+            value, seed, rule, reason = voxels.chosen
+            values = f'{value:g}' if seed is None else f'{value:g}, {seed:g}'
+            warn(f'threshold {values} ({rule}): {reason}; threshold=T takes another')
         with calling(threads, progress) as call:
             axis = MedialAxis(_core.compute_axis(voxels, 'detail', 'auto', 'coface', *call), threads, progress)
     if axis.dimension == 2:

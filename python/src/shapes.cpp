@@ -97,7 +97,8 @@ pipeline::ShapeOptions shape_options(const std::optional<Threshold>& threshold,
   options.foreground.close = close;
   options.foreground.connectivity = connectivity;
   options.otsu = rule == "otsu";
-  options.recommended = rule == "auto";
+  options.thin = rule == "thin";
+  options.recommended = rule == "auto" || options.thin;
   options.preparation = {interpolate, median, blur};
   options.subdivide = subdivide;
   if (spacing) options.spacing = Vec3((*spacing)[0], (*spacing)[1], (*spacing)[2]);
@@ -178,11 +179,11 @@ void bind_shapes(py::module_& m) {
   py::class_<Shape, std::shared_ptr<Shape>>(m, "Shape")
       .def_property_readonly("dims", [](const Shape& s) { return sides_of(s.image); })
       .def_property_readonly("spacing", [](const Shape& s) { return triple(s.shape.grid().spacing); })
-      // (threshold, rule, reason) where the program has chosen one.
+      // (threshold, upper one of two or None, rule, reason) where the program has chosen one.
       .def_property_readonly("chosen",
                              [](const Shape& s) -> py::object {
                                if (!s.chosen) return py::none();
-                               return py::make_tuple(s.chosen->value, s.chosen->rule, s.chosen->reason);
+                               return py::make_tuple(s.chosen->value, s.chosen->seed, s.chosen->rule, s.chosen->reason);
                              })
       .def_property_readonly("voxel_count", [](const Shape& s) { return s.shape.voxel_count(); })
       .def("image", [](const Shape& s) { return image_of(s.shape, s.coordinates); });

@@ -201,12 +201,14 @@ bool needs_volume(const ShapeOptions& options) {
 void choose_threshold(LoadedShape& loaded, const Volume& volume, ShapeOptions& options, Context* context) {
   if (!options.otsu && !options.recommended) return;
   const std::vector<ProposedThreshold> proposals = proposed_thresholds(volume, context);
-  for (const ProposedThreshold& proposal : proposals) {
-    if (!options.recommended && proposal.rule != "otsu") continue;
-    options.foreground.threshold = proposal.value;
-    loaded.chosen = proposal;
-    return;
-  }
+  const auto of_rule = [&](const char* rule) { return std::ranges::find(proposals, rule, &ProposedThreshold::rule); };
+  auto proposal = options.otsu ? of_rule("otsu") : proposals.begin();
+  if (options.thin && !options.foreground.invert)
+    if (const auto thin = of_rule("thin"); thin != proposals.end()) proposal = thin;
+  if (proposal == proposals.end()) return;
+  options.foreground.threshold = proposal->value;
+  options.foreground.seed_threshold = proposal->seed;
+  loaded.chosen = *proposal;
 }
 
 /// The foreground of an image, and what was found on the way; `image`: of any kind that foreground() takes.

@@ -120,6 +120,34 @@ std::optional<std::size_t> best_cut(const Grid& grid, const std::vector<T>& samp
   return first + (last - first) / 2;
 }
 
+/// The place, in classes, below which a share of what is counted in the classes from `first` to `end` lies, evenly
+/// spread in every class, of which a whole number is the middle.
+double quantile(const std::vector<double>& counts, std::size_t first, std::size_t end, double share) {
+  double left = share * std::accumulate(counts.begin() + static_cast<std::ptrdiff_t>(first),
+                                        counts.begin() + static_cast<std::ptrdiff_t>(end), 0.0);
+  for (std::size_t c = first; c < end; ++c) {
+    if (counts[c] > 0 && counts[c] >= left) return static_cast<double>(c) - 0.5 + left / counts[c];
+    left -= counts[c];
+  }
+  return static_cast<double>(end);
+}
+
+/// Two thresholds, in classes.
+struct TwoCuts {
+  double low, high;
+};
+
+/// The two thresholds for thin things, by the one that cuts most of the edges, if noise leaves room between them.
+std::optional<TwoCuts> cuts_of_thin(const std::vector<double>& counts, std::size_t edges) {
+  constexpr double kOneDeviationBelow = 0.1587;  // share of a normal distribution
+  constexpr double kBright = 0.9;                // as bright as thick things are, but for outliers
+  const double dark = quantile(counts, 0, edges, 0.5), noise = dark - quantile(counts, 0, edges, kOneDeviationBelow);
+  const double high = (dark + quantile(counts, edges, counts.size(), kBright)) / 2;
+  const double low = std::max(dark + kNoiseSteps * noise, (dark + high) / 2);
+  if (!(low < high)) return {};
+  return TwoCuts{low, high};
+}
+
 template <class T>
 Threshold threshold_at(double value) {
   if constexpr (std::is_integral_v<T>)
@@ -138,13 +166,21 @@ std::vector<ProposedThreshold> proposed_thresholds(const Volume& volume, Context
         if (!range.third) return proposals;
         const Classes<T> fine(range, kClasses, kClasses), coarse = preparation::otsu_classes(range);
         if (fine.count == 0) return proposals;
-        if (const auto cut = best_cut(volume.grid, samples, fine, context))
+        const auto cut = best_cut(volume.grid, samples, fine, context);
+        if (cut)
           proposals.push_back({"edges", threshold_at<T>(fine.low + static_cast<double>(*cut) * fine.step),
                                "cuts most of the edges between dark and bright, also of things that fill little of the "
                                "image"});
         const std::size_t otsu = preparation::otsu(coarse.counts(samples));
         proposals.push_back({"otsu", threshold_at<T>(coarse.low + static_cast<double>(otsu) * coarse.step),
                              "parts dark from bright voxels best, where there are many of both (Otsu)"});
+        if (const auto thin = cut ? cuts_of_thin(fine.counts(samples), *cut) : std::nullopt) {
+          const auto at = [&](double place) { return threshold_at<T>(fine.low + place * fine.step); };
+          proposals.push_back({"thin", at(thin->low),
+                               "half way up what is thick, and from there along thin things that are less bright, down "
+                               "to half of that, above the noise",
+                               at(thin->high)});
+        }
         return proposals;
       },
       volume.samples);

@@ -96,7 +96,7 @@ TEST(Thresholds, OfEdgesGivesTheRadiusOfTubesBack) {
           if (stone && noise > 6) continue;
           const Tubes tubes(static_cast<unsigned>(count) + 1, radius, blur, noise, stone);
           const auto proposals = proposed_thresholds(tubes.volume);
-          ASSERT_EQ(proposals.size(), 2u);
+          ASSERT_GE(proposals.size(), 2u);
           EXPECT_EQ(proposals[0].rule, "edges");
           EXPECT_EQ(proposals[1].rule, "otsu");
           const double found = tubes.radius_at(value_of(proposals[0]));
@@ -114,6 +114,22 @@ TEST(Thresholds, OfRootsIsOfferedWhereOtsuDrowns) {
   const Tubes tubes(5, 1, 0.4, 10, false);
   const auto proposals = proposed_thresholds(tubes.volume);
   EXPECT_NEAR(tubes.radius_at(value_of(proposals[0])), 1, 0.25);
+}
+
+TEST(Thresholds, OfThinThingsReachFromTheBackgroundToHalfWayUpThickOnes) {
+  // Of 50 and 150: half way up is 100, half of that 75, the half of a tube that just gets as bright as 100.
+  for (const double noise : {0.0, 4.0}) {
+    const auto proposals = proposed_thresholds(Tubes(6, 4, 0.8, noise, false).volume);
+    ASSERT_EQ(proposals.size(), 3u) << noise;
+    EXPECT_EQ(proposals[2].rule, "thin");
+    EXPECT_NEAR(value_of(proposals[2]), 75, 3) << noise;
+    ASSERT_TRUE(proposals[2].seed) << noise;
+    EXPECT_NEAR(value_of({"", *proposals[2].seed, ""}), 100, 4) << noise;
+  }
+  // Three times the noise lies above that.
+  const auto noisy = proposed_thresholds(Tubes(6, 4, 0.8, 11, false).volume);
+  ASSERT_EQ(noisy.size(), 3u);
+  EXPECT_NEAR(value_of(noisy[2]), 50 + 3 * 11, 4);
 }
 
 TEST(Thresholds, DoNotDependOnThreads) {
