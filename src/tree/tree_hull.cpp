@@ -12,15 +12,21 @@
 namespace quench::tree {
 namespace {
 
-// Convex hull by adding the points one by one (Kallay 1981): what a point sees of the hull goes, and cones to the rim
-// of that come. In doubles, with a margin: points that stick out by less than it are taken to be inside.
+// Convex hull by Quickhull (Barber et al. 1996): of the points that a facet does not hold the farthest one is added,
+// what it sees of the hull goes, and facets to the rim of that come. In doubles, with a margin: points that stick out
+// by less than it are taken to be inside.
 class GrowingHull {
  public:
   explicit GrowingHull(const std::vector<Vec3>& points) : points_(points) {}
 
   double volume() {
     if (!start()) return 0;
-    for (std::uint32_t p = 0; p < points_.size(); ++p) add(p);
+    for (std::uint32_t p = 0; p < points_.size(); ++p) give(p, 0);
+    while (true) {
+      const auto open = std::ranges::find_if(facets_, [](const Facet& f) { return !f.outside.empty(); });
+      if (open == facets_.end()) break;
+      add(*std::ranges::max_element(open->outside, {}, [&](std::uint32_t p) { return open->distance(points_[p]); }));
+    }
     double six = 0;
     const Vec3 origin = points_[facets_[0].corner[0]];
     for (const Facet& f : facets_)
@@ -33,6 +39,9 @@ class GrowingHull {
     std::array<std::uint32_t, 3> corner;  // counter-clockwise seen from outside
     Vec3 normal;
     double offset;
+    std::vector<std::uint32_t> outside = {};  // points that it does not hold; each has one facet
+
+    double distance(const Vec3& x) const { return normal.dot(x) - offset; }
   };
 
   // Four points that do not lie in a plane: the farthest from the first, from the line, and from the plane.
@@ -67,18 +76,27 @@ class GrowingHull {
     const Vec3 normal = (points_[b] - points_[a]).cross(points_[c] - points_[a]).normalized();
     return {{a, b, c}, normal, normal.dot(points_[a])};
   }
+  // To the first facet from some one on that does not hold it.
+  void give(std::uint32_t p, std::size_t first) {
+    for (std::size_t f = first; f < facets_.size(); ++f)
+      if (facets_[f].distance(points_[p]) > margin_) return facets_[f].outside.push_back(p);
+  }
   void add(std::uint32_t p) {
-    const Vec3& x = points_[p];
-    const auto sees = [&](const Facet& f) { return f.normal.dot(x) - f.offset > margin_; };
-    const auto seen = std::partition(facets_.begin(), facets_.end(), [&](const Facet& f) { return !sees(f); });
-    if (seen == facets_.end()) return;
+    const auto hidden = [&](const Facet& f) { return f.distance(points_[p]) <= margin_; };
+    const auto seen = std::partition(facets_.begin(), facets_.end(), hidden);
     std::vector<std::pair<std::uint32_t, std::uint32_t>> sides;
-    for (auto f = seen; f != facets_.end(); ++f)
+    std::vector<std::uint32_t> left;
+    for (auto f = seen; f != facets_.end(); ++f) {
       for (std::size_t k = 0; k < 3; ++k) sides.emplace_back(f->corner[k], f->corner[(k + 1) % 3]);
+      left.insert(left.end(), f->outside.begin(), f->outside.end());
+    }
     std::sort(sides.begin(), sides.end());
     facets_.erase(seen, facets_.end());
+    const std::size_t first = facets_.size();
     for (const auto& [a, b] : sides)
       if (!std::binary_search(sides.begin(), sides.end(), std::pair(b, a))) facets_.push_back(facet(a, b, p));
+    for (const std::uint32_t other : left)
+      if (other != p) give(other, first);
   }
 
   const std::vector<Vec3>& points_;
