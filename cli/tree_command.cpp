@@ -422,7 +422,8 @@ void add_tree_options(CLI::App& app, TreeProgram& o) {
   add_choice(
       app, "--axes", o.axes, {"depth", "length", "radius", "strahler", "continuation"}, axis_rule_of, "RULE",
       "Which child continues its parent at a fork: so that levels are as small as can be ('depth'), the one of the "
-      "largest 'length' to a tip, 'radius' or 'strahler' number [default: length; of vessels and airways radius; "
+      "largest 'length' to a tip, 'radius' or 'strahler' number [default: of roots continuation, of neurons length, of "
+      "vessels and airways radius; "
       "of a file the axes it has]")
       ->group(group);
   add_choice(app, "--soma", o.soma, {"auto", "none", "thickest"}, soma_rule_of, "RULE",

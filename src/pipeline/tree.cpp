@@ -112,7 +112,7 @@ TreeOptions defaults_of(TreeKind kind) {
   options.kind = kind;
   switch (kind) {
     case TreeKind::root:
-      options.hierarchy.rule = AxisRule::length;
+      options.hierarchy.rule = AxisRule::continuation;
       options.hierarchy.stem = true;
       options.hierarchy.root = RootRule::top;
       options.find_down = true;

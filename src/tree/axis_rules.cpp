@@ -19,6 +19,8 @@ constexpr double kTurnUnit = 0.5, kRadiusUnit = 0.5;
 constexpr double kShort = 2;
 // A child continues only if it is at least so many times as thick as the thickest one.
 constexpr double kThickEnough = 0.5;
+// From the root node an axis first goes where the tree is so many times as thick as all of it up to there.
+constexpr double kSpurThinner = 2;
 // Of children whose costs differ by less, the one with the longest way to a tip continues.
 constexpr double kNearTie = 0.25;
 // Forks that a way on may pass: the bound of trees whose forks all lie in one place.
@@ -106,7 +108,14 @@ class Below {
 // goes, the one that costs least is where it continues.
 class Continuation {
  public:
-  explicit Continuation(const Tree& tree) : tree_(tree), children_(children_of(tree)), way_(ways_of(tree)) {}
+  explicit Continuation(const Tree& tree) : tree_(tree), children_(children_of(tree)), way_(ways_of(tree)) {
+    thickest_.assign(tree.branches.size(), 0);
+    for (std::size_t b = tree.branches.size(); b-- > 0;) {
+      thickest_[b] = std::max(thickest_[b], *std::ranges::max_element(tree.branches[b].radius));
+      if (const std::uint32_t p = tree.branches[b].parent; p != kNone)
+        thickest_[p] = std::max(thickest_[p], thickest_[b]);
+    }
+  }
 
   std::vector<std::uint32_t> choices() {
     on_.assign(tree_.branches.size(), kNone);
@@ -120,12 +129,17 @@ class Continuation {
     Course course;
     for (std::uint32_t b = first; b != kNone; b = on_[b]) {
       course.append(tree_.branches[b]);
-      on_[b] = next(b, course);
+      on_[b] = next(b, course, tree_.branches[first].parent == kNone);
     }
   }
-  std::uint32_t next(std::uint32_t b, const Course& course) {
+  std::uint32_t next(std::uint32_t b, const Course& course, bool from_root) {
     const auto children = children_[b];
     if (children.size() < 2) return children.empty() ? kNone : children[0];
+    if (from_root) {  // a thin spur that the root node lies at the end of leads to the thick part
+      const std::uint32_t thick =
+          *std::ranges::max_element(children, {}, [&](std::uint32_t c) { return thickest_[c]; });
+      if (thickest_[thick] > kSpurThinner * *std::ranges::max_element(course.radius())) return thick;
+    }
     const double ball = tree_.branches[b].radius.back();
     const Window in = window_of(course.reversed(kWindow * ball), ball);
     std::vector<double> thickness, cost;
@@ -161,7 +175,7 @@ class Continuation {
 
   const Tree& tree_;
   base::Csr<std::uint32_t> children_;
-  std::vector<double> way_;
+  std::vector<double> way_, thickest_;  // of each branch and all behind it
   std::vector<std::uint32_t> on_;
 };
 

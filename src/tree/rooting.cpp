@@ -17,7 +17,7 @@ constexpr double kSomaThicker = 2, kSomaSurrounds = 1.5;
 constexpr double kTopPart = 0.2;
 // There an end is as thick as the thickest ball within so many of the largest radii of the tree; of those nearly as
 // thick as the thickest one, the highest is taken.
-constexpr double kTopSurrounds = 1.5, kTopAsThick = 0.8;
+constexpr double kTopSurrounds = 1.5, kTopAsThick = 0.8, kEndAsThick = 0.5;
 
 bool before(const Vec3& a, const Vec3& b) { return std::tie(a[0], a[1], a[2]) < std::tie(b[0], b[1], b[2]); }
 
@@ -198,8 +198,19 @@ class Rooting {
           starts_[c].node = best.node;
         }
   }
+  // Keeps the candidates whose value is at least this share of the largest.
+  template <class Value>
+  static void keep_largest(std::vector<Candidate>& candidates, double share, const Value& value) {
+    std::vector<double> values;
+    for (const Candidate& candidate : candidates) values.push_back(value(candidate));
+    const double least = share * *std::ranges::max_element(values);
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < values.size(); ++i)
+      if (values[i] >= least) candidates[kept++] = candidates[i];
+    candidates.resize(kept);
+  }
   double height(const Vec3& x) const { return -x.dot(options_.down); }
-  // Of the free ends of each tree only the highest one of those at the top that are about as thick as any there.
+  // Of the free ends of each tree only the highest one of those at the top by the thickness around it and its own.
   void keep_top_ends(std::vector<std::vector<Candidate>>& offers) const {
     std::vector<std::vector<Candidate>> balls(components_.count);
     for (const Network::Link& link : network_.links)
@@ -214,13 +225,14 @@ class Rooting {
       const double top = std::min(highest_end, of_height(high) - kTopPart * (of_height(high) - of_height(low)));
       std::erase_if(ends, [&](const Candidate& end) { return of_height(end) < top; });
       const double reach = kTopSurrounds * std::ranges::max(balls[c], {}, &Candidate::radius).radius;
-      double thickest = 0;
-      for (Candidate& end : ends) {
+      const auto around = [&](const Candidate& end) {
+        double radius = end.radius;
         for (const Candidate& ball : balls[c])
-          if (ball.radius > end.radius && (ball.point - end.point).norm() <= reach) end.radius = ball.radius;
-        thickest = std::max(thickest, end.radius);
-      }
-      std::erase_if(ends, [&](const Candidate& end) { return end.radius < kTopAsThick * thickest; });
+          if (ball.radius > radius && (ball.point - end.point).norm() <= reach) radius = ball.radius;
+        return radius;
+      };
+      keep_largest(ends, kTopAsThick, around);
+      keep_largest(ends, kEndAsThick, [](const Candidate& end) { return end.radius; });
       const double highest = of_height(std::ranges::max(ends, {}, of_height));
       std::erase_if(ends, [&](const Candidate& end) { return of_height(end) < highest; });
     }

@@ -16,10 +16,8 @@ constexpr std::array<NamesOf<AxisRule>, 5> kAxisRules{{{AxisRule::depth, "depth"
                                                        {AxisRule::radius, "radius"},
                                                        {AxisRule::strahler, "strahler"},
                                                        {AxisRule::continuation, "continuation"}}};
-constexpr std::array<NamesOf<RepairRule>, 4> kRepairRules{{{RepairRule::off, "off"},
-                                                           {RepairRule::loops, "loops"},
-                                                           {RepairRule::gaps, "gaps"},
-                                                           {RepairRule::all, "all"}}};
+constexpr std::array<NamesOf<RepairRule>, 4> kRepairRules{
+    {{RepairRule::off, "off"}, {RepairRule::loops, "loops"}, {RepairRule::gaps, "gaps"}, {RepairRule::all, "all"}}};
 constexpr std::array<NamesOf<RootRule>, 3> kRootRules{
     {{RootRule::thickest, "thickest"}, {RootRule::end, "end"}, {RootRule::top, "top"}}};
 constexpr std::array<NamesOf<SomaRule>, 3> kSomaRules{

@@ -311,16 +311,16 @@ TEST(Hierarchy, AStemGoesOnInWhatIsThickEnough) {
 }
 
 TEST(Hierarchy, AStemEndsWhereOnlyThinRootsGoOn) {
-  Builder b;  // a trunk 2 thick; at its side a thin root goes straight on, at its end there is a stub and a crown
+  Builder b;  // a trunk 2 thick; at its side a thin root goes straight on, at its end there is a crown
   const auto top = b.node({0, 0, 0}, 2), side = b.node({0, 0, -6}, 2), end = b.node({3, 0, -9}, 2),
-             crown = b.node({4, 0, -10}, 1.8);
+             crown = b.node({6, 0, -12}, 1.8);
   b.branch(top, side, {{0, 0, -3}}, 2);
   b.branch(side, b.node({0, 0, -30}, 0.3), {{0, 0, -8}}, 0.3);
   b.branch(side, end, {}, 2);
   b.branch(end, b.node({3, 0, -30}, 0.3), {{3, 0, -11}}, 0.3);
   b.branch(end, crown, {}, 1.8);
-  b.branch(crown, b.node({20, 0, -20}, 0.3), {{6, 0, -12}}, 0.3);
-  b.branch(crown, b.node({4, 9, -20}, 0.3), {{4, 2, -12}}, 0.3);
+  b.branch(crown, b.node({20, 0, -20}, 0.3), {{8, 0, -14}}, 0.3);
+  b.branch(crown, b.node({6, 9, -20}, 0.3), {{6, 2, -14}}, 0.3);
   HierarchyOptions options = by(AxisRule::continuation);
   options.root = RootRule::top;
   EXPECT_EQ(tree_of(b.repaired(), options).axes.size(), 4u);
@@ -328,7 +328,7 @@ TEST(Hierarchy, AStemEndsWhereOnlyThinRootsGoOn) {
   const Tree tree = tree_of(b.repaired(), options);
   ASSERT_EQ(tree.axes.size(), 5u);
   EXPECT_TRUE(tree.axes[0].stem);
-  EXPECT_EQ(tree.axes[0].points.back(), Vec3(4, 0, -10));
+  EXPECT_EQ(tree.axes[0].points.back(), Vec3(6, 0, -12));
   for (std::size_t a = 1; a < 5; ++a) EXPECT_EQ(tree.axes[a].level, 1u);
 }
 
@@ -356,7 +356,7 @@ TEST(Hierarchy, TipsGrowByAQuarterOfAVoxel) {
 
 TEST(Hierarchy, TheRootNodeAtTheTopIsWhereTheTreeIsThick) {
   Builder b;  // the trunk's top ends in a thin spur; a lateral's tip is higher and thicker than that
-  const auto spur = b.node({0.5, 0, 0}, 0.1), trunk = b.node({0, 0, -2}, 1), fork = b.node({0, 0, -6}, 1);
+  const auto spur = b.node({0.5, 0, 0}, 0.1), trunk = b.node({0, 0, -1.2}, 1), fork = b.node({0, 0, -6}, 1);
   b.branch(spur, trunk, {}, 0.1);
   b.branch(trunk, fork, {}, 1);
   b.branch(fork, b.node({0, 0, -30}, 0.5), {}, 0.5);
