@@ -20,6 +20,8 @@ using tree::ForestEdge;
 using tree::Joint;
 using tree::Model;
 
+constexpr double kWorth = 2;  // cost of a bridge that a unit of length is worth
+
 class Repairing {
  public:
   Repairing(const Model& model, const RepairOptions& options, const GreyValues* grey, Context* context)
@@ -50,7 +52,8 @@ class Repairing {
           {2 * p, 2 * p + 1, model_.pieces[p].bar ? std::numeric_limits<double>::infinity() : model_.pieces[p].gain});
     for (const Contact& contact : choice_.contacts) edges.push_back(contact.edge);
     for (const Bridge& bridge : bridges) edges.push_back({bridge.ends[0].vertex, bridge.ends[1].vertex, -bridge.cost});
-    const std::vector<double> worth = worth_of_vertices();
+    std::vector<double> worth = worth_of_vertices();
+    for (double& w : worth) w *= kWorth;
     const std::vector<std::uint32_t> marked = marked_vertices(worth);
     const std::vector<std::uint8_t> kept = tree::spanning_forest(vertices_, edges, marked, worth);
 

@@ -17,10 +17,14 @@ namespace quench::tree {
 namespace {
 
 constexpr double kReachRadii = 8, kReachVoxels = 20;  // the longest bridge, in radii of the end and in about voxels
+constexpr double kReachOfLength = 0.3;                // added for the length of the component, as much again at most
+constexpr double kTurn = 3;                           // what a turn adds, times 1 - its cosine
+constexpr double kUnknownTurn = 1;                    // of isolated nodes
 constexpr std::size_t kMostTargets = 8;               // components that one end is bridged to
 constexpr std::size_t kMostWays = 4;                  // of those, with ways through grey values
-constexpr double kSideways = 0.25;                  // what it costs to end on the side of a branch, as part of the gap
-constexpr double kDarkest = 1.5, kBrightest = 0.3;  // what a gap costs for its length, by its grey values
+constexpr double kSideways = 1;                   // what it costs to end on the side of a branch, as part of the gap
+constexpr double kByTip = 3;                      // and by the thinner end, times the change of ln radius
+constexpr double kDarkest = 1, kBrightest = 0.3;  // what a gap costs for its length, by its grey values
 
 /// A place a bridge may end at.
 struct Place {
@@ -89,6 +93,7 @@ struct Source {
   Vec3 point;
   Vec3 direction = Vec3::Zero();  // outwards; zero where there is none
   double radius;
+  double taper = 0;  // by how much it is thinner than the other end of its pass, in ln radius
   std::uint32_t component;
 };
 
@@ -100,6 +105,8 @@ class BridgeSearch {
   }
 
   std::vector<Bridge> run() {
+    length_.assign(model_.components, 0);
+    for (const Piece& piece : model_.pieces) length_[model_.component[piece.node[0]]] += piece.length;
     find_sources();
     std::vector<std::vector<Bridge>> found(sources_.size());
     const std::size_t chunks = base::chunks_for(sources_.size(), 64);
@@ -159,6 +166,7 @@ class BridgeSearch {
         source.end.vertex = source.end.arm = arm;
         source.direction = -model_.arms[arm].direction;
         source.radius = model_.arms[arm].radius;
+        source.taper = taper_of(arm);
       }
       sources_.push_back(source);
     }
@@ -173,6 +181,14 @@ class BridgeSearch {
       source.component = component;
       sources_.push_back(source);
     }
+  }
+
+  // Roots grow thinner from base to tip.
+  double taper_of(std::uint32_t arm) const {
+    const Pass& pass = model_.passes[model_.piece_of(arm).pass];
+    const std::size_t end = pass.arms[0] == arm ? 0 : 1;
+    const double here = pass.radius[end], there = pass.radius[1 - end];
+    return here > 0 && there > here ? std::log(there / here) : 0;
   }
 
   // A piece that is cut has two sides.
@@ -229,10 +245,12 @@ class BridgeSearch {
     // Of directions between neighbouring voxels little is known.
     const double sure = distance / (distance + 2 * model_.finest);
     const auto turn = [&](const Vec3& direction, const Vec3& to) {
-      return direction.squaredNorm() > 0 && distance > 0 ? sure * (1 - direction.dot(to) / distance) : 0.5;
+      return direction.squaredNorm() > 0 && distance > 0 ? kTurn * sure * (1 - direction.dot(to) / distance)
+                                                         : kUnknownTurn;
     };
     factor += turn(source.direction, way);
-    factor += inside ? kSideways : turn(arm != kNone ? Vec3(-model_.arms[arm].direction) : Vec3(Vec3::Zero()), -way);
+    factor += inside ? kSideways + kByTip * source.taper
+                     : turn(arm != kNone ? Vec3(-model_.arms[arm].direction) : Vec3(Vec3::Zero()), -way);
     const double other = arm != kNone ? model_.arms[arm].radius : place.radius;
     if (source.radius > 0 && other > 0) {
       const double change = std::log(source.radius / other);
@@ -241,13 +259,18 @@ class BridgeSearch {
     return *gap * factor;
   }
 
+  double reach_of(const Source& source) const {
+    const double near = std::max(kReachRadii * source.radius, kReachVoxels * model_.finest);
+    return near + std::min(near, kReachOfLength * length_[source.component]);
+  }
+
   std::vector<Bridge> from(const Source& source) const {
     struct Target {
       double cost;
       std::uint32_t place;
       double gap;
     };
-    const double reach = reach_ > 0 ? reach_ : std::max(kReachRadii * source.radius, kReachVoxels * model_.finest);
+    const double reach = reach_ > 0 ? reach_ : reach_of(source);
     std::map<std::uint32_t, Target> nearest;  // per component
     grid_.near(source.point, reach, [&](std::uint32_t p) {
       const std::uint32_t component = component_of(places_[p]);
@@ -293,6 +316,7 @@ class BridgeSearch {
   PlaceGrid grid_;
   std::optional<GreyPaths> paths_;
   std::vector<Source> sources_;
+  std::vector<double> length_;  // per component
 };
 
 }  // namespace

@@ -17,6 +17,7 @@ constexpr double kArmWindow = 5;             // radii over which directions are 
 // Turn of a continuation, radians, and change of the logarithm of its radius, at one standard deviation: for the arms
 // that are most alike, and for those that pass through others.
 constexpr double kTurn = 0.5, kTurnThrough = 0.3, kRadiusChange = 0.5, kRadiusChangeThrough = 0.25;
+constexpr double kMostUnsure = 0.25;  // variance of directions of short arms, square radians
 constexpr double kLeastContinuation = 0.02, kLeastThrough = 0.2;  // below that, two arms do not continue each other
 constexpr double kNeck = 0.7;                                     // radius at a neck, of what it connects
 
@@ -203,15 +204,18 @@ class ModelBuilder {
     const std::vector<double> arc = piece.course.arc();
     const auto at = [&](double s) { return place_on(piece.course, arc, end == 0 ? s : piece.length - s); };
     arm.skip = free ? 0 : std::min(model_.nodes[piece.node[end]].radius, 0.4 * piece.length);
-    const double window = kArmWindow * at(arm.skip).radius;
-    const double last = std::min(arm.skip + window, arm.skip + 0.8 * (piece.length - arm.skip));
+    // The last radius of a free end is the least certain.
+    const double first = free ? std::min(model_.nodes[piece.node[end]].radius, 0.4 * piece.length) : arm.skip;
+    const double window = kArmWindow * std::max(at(first).radius, model_.finest);
+    const double last = std::min(first + window, first + 0.8 * (piece.length - first));
+    arm.span = last - first;
     arm.place = at(arm.skip).point;
-    const Vec3 way = at(last).point - arm.place;
+    const Vec3 way = at(last).point - at(first).point;
     const Vec3 whole = at(piece.length).point - at(0).point;
     arm.direction = way.squaredNorm() > 0 ? way.normalized() : whole.squaredNorm() > 0 ? whole.normalized() : way;
     std::array<double, 9> radii;
     for (std::size_t i = 0; i < radii.size(); ++i)
-      radii[i] = at(arm.skip + (last - arm.skip) * static_cast<double>(i) / (radii.size() - 1)).radius;
+      radii[i] = at(first + (last - first) * static_cast<double>(i) / (radii.size() - 1)).radius;
     std::nth_element(radii.begin(), radii.begin() + radii.size() / 2, radii.end());
     arm.radius = radii[radii.size() / 2];
   }
@@ -225,8 +229,14 @@ class ModelBuilder {
       const double in = angle_between(-a.direction, across), out = angle_between(across, b.direction);
       q += 0.5 * (in * in + out * out);
     }
-    const double change = a.radius > 0 && b.radius > 0 ? std::log(a.radius / b.radius) : 0;
-    return std::exp(-0.5 * q / (turns * turns) - 0.5 * change * change / (changes * changes));
+    // A place is known to about half a voxel, a radius to about a voxel.
+    double change = 0, variance = turns * turns;
+    if (model_.finest > 0) {
+      change = std::log((a.radius + model_.finest) / (b.radius + model_.finest));
+      const double unsure = model_.finest * std::hypot(1 / a.span, 1 / b.span);
+      variance += std::min(unsure * unsure, kMostUnsure);
+    }
+    return std::exp(-0.5 * q / variance - 0.5 * change * change / (changes * changes));
   }
 
   // Best pairs first, those of thick arms before others.

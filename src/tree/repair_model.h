@@ -31,6 +31,7 @@ struct Arm {
   double skip = 0;                  ///< how far along its piece it lies in the ball of the joint
   Vec3 place;                       ///< there
   Vec3 direction;                   ///< of the piece from there on, away from the joint
+  double span = 0;                  ///< the length that the direction is taken over
   double radius = 0;                ///< median over some radii from there on
   std::uint32_t continued = kNone;  ///< by this arm
   double straight = 0;              ///< how well: 0 to 1

@@ -133,6 +133,17 @@ TEST(Repair, ABranchBrokenOffIsPutBackOnItsParent) {
   EXPECT_EQ(result.graph.components, 1u);
 }
 
+// The thinner end of a piece is nearer to the side of a branch than its thicker end to the end it broke off from.
+TEST(Repair, APieceIsJoinedByItsBase) {
+  const std::vector<Tube> tubes{{{{60, 0, 0}, {0, 0, 0}, {0, 60, 0}, {118, 60, 0}, {118, -40, 0}}, 2, 2},
+                                {{{74, 0, 0}, {110, 0, 0}}, 1.8, 1.2}};
+  const Repaired result = repaired(graph_of(tubes), {});
+  expect_consistent(result);
+  ASSERT_EQ(kinds(result), std::vector{Kind::bridge});
+  EXPECT_NEAR(result.edits.front().length, 14, 1e-9);
+  EXPECT_EQ(result.graph.branches.size(), 1u);
+}
+
 TEST(Repair, SpecksAndFarPiecesAreLeftOut) {
   const CurveGraph graph =
       graph_of({{{{0, 0, 0}, {80, 0, 0}}, 2, 2}, {{{40, 200, 0}}, 0.5}, {{{0, 300, 0}, {30, 300, 0}}, 1, 1}});
