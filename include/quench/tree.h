@@ -113,7 +113,7 @@ struct Tree {
     std::vector<Vec3> points;             ///< the whole course; begins on the course of the parent
     std::vector<double> radius;
     double position = 0;  ///< length along the parent from its base to where this leaves it
-    bool stem = false;    ///< the thick part from which level 1 grows
+    bool stem = false;    ///< ends with the thick part, as only thin children go on
     std::string label;    ///< of a file it was read from
     std::string foreign;  ///< as Tree::foreign
   };
@@ -149,7 +149,7 @@ struct HierarchyOptions {
   RootRule root = RootRule::thickest;
   std::vector<Vec3> roots;  ///< the node nearest to one of these is the root node of its tree; else `root` decides
   Vec3 down = -Vec3::UnitZ();
-  bool stem = false;  ///< of roots: the thick top part is the stem
+  bool stem = false;  ///< of roots: the main axis ends where only thin children go on (a crown)
   SomaRule soma = SomaRule::none;
   /// Smallest step of the voxels the curves are from: branches that end within the tube they leave are dropped. 0: none
   /// is.

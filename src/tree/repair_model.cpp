@@ -16,7 +16,7 @@ constexpr std::size_t kMostArmsOfJoint = 8;  // of joints of several nodes
 constexpr double kArmWindow = 5;             // radii over which directions are averaged
 // Turn of a continuation, radians, and change of the logarithm of its radius, at one standard deviation: for the arms
 // that are most alike, and for those that pass through others.
-constexpr double kTurn = 0.5, kTurnThrough = 0.3, kRadiusChange = 0.5, kRadiusChangeThrough = 0.25;
+constexpr double kSharpTurn = 0.5, kTurnThrough = 0.3, kRadiusChange = 0.5, kRadiusChangeThrough = 0.25;
 constexpr double kMostUnsure = 0.25;  // variance of directions of short arms, square radians
 constexpr double kLeastContinuation = 0.02, kLeastThrough = 0.2;  // below that, two arms do not continue each other
 constexpr double kNeck = 0.7;                                     // radius at a neck, of what it connects
@@ -249,7 +249,7 @@ class ModelBuilder {
     if (joint.arms.size() > 64) return;  // of a sheet
     for (std::size_t i = 0; i < joint.arms.size(); ++i)
       for (std::size_t j = 0; j < i; ++j) {
-        const double how = continuation(joint.arms[j], joint.arms[i], kTurn, kRadiusChange);
+        const double how = continuation(joint.arms[j], joint.arms[i], kSharpTurn, kRadiusChange);
         const double thinner = std::min(model_.arms[joint.arms[j]].radius, model_.arms[joint.arms[i]].radius);
         if (how >= kLeastContinuation) pairs.push_back({how * thinner, joint.arms[j], joint.arms[i]});
       }

@@ -13,7 +13,7 @@ namespace quench::tree {
 namespace {
 
 using Lattice = std::array<std::int64_t, 3>;
-using Wide = __int128;
+__extension__ using Wide = __int128;
 
 constexpr double kHullSteps = 0x1p26;  // the longest side of the points in steps of the lattice
 
