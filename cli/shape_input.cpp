@@ -85,7 +85,7 @@ void say_prepared(const ShapeOptions& options, const LoadedShape& shape, Session
     session.say(fmt::format("weak: {} dropped that are not connected to one of at least the upper threshold",
                             base::counted(c.weak_dropped, of)));
   if (f.close > 0) session.say(fmt::format("closed: {} added", base::counted(c.voxels_closed, of)));
-  if (f.connectivity != 6)
+  if (c.voxels_joined > 0)
     session.say(fmt::format("joined: {} added, which make {} less", base::counted(c.voxels_joined, of),
                             base::counted(c.components_joined, "component")));
 }
