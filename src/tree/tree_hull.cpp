@@ -31,17 +31,17 @@ Wide dot(const Lattice& a, const Lattice& b) { return Wide{a[0]} * b[0] + Wide{a
 // rim, as the facet seen there would hold it, and no facet without area comes up.
 class GrowingHull {
  public:
-  explicit GrowingHull(const std::vector<Vec3>& points) {
+  explicit GrowingHull(const std::vector<Vec3>& points) : given_(points) {
     if (points.empty()) return;
     Vec3 low = points[0], high = points[0];
     for (const Vec3& p : points) {
       low = low.cwiseMin(p);
       high = high.cwiseMax(p);
     }
-    step_ = (high - low).maxCoeff() / kHullSteps;
-    if (!(step_ > 0)) return;
+    const double step = (high - low).maxCoeff() / kHullSteps;
+    if (!(step > 0)) return;
     for (const Vec3& p : points) {
-      const Vec3 x = (p - low) / step_;
+      const Vec3 x = (p - low) / step;
       points_.push_back({std::llround(x[0]), std::llround(x[1]), std::llround(x[2])});
     }
   }
@@ -49,9 +49,10 @@ class GrowingHull {
   double volume() {
     if (!start()) return 0;
     for (std::uint32_t p = 0; p < points_.size(); ++p) add(p);
-    Wide six = 0;  // below 2^80 for each of fewer than 2^32 facets
-    for (const Facet& f : facets_) six += dot(f.normal, minus(points_[f.corner[0]], points_[facets_[0].corner[0]]));
-    return static_cast<double>(six) / 6 * step_ * step_ * step_;
+    double six = 0;  // of the points as they are: the lattice decides on the facets only
+    const auto at = [&](std::uint32_t p) -> Vec3 { return given_[p] - given_[facets_[0].corner[0]]; };
+    for (const Facet& f : facets_) six += at(f.corner[0]).dot(at(f.corner[1]).cross(at(f.corner[2])));
+    return six / 6;
   }
 
  private:
@@ -97,7 +98,7 @@ class GrowingHull {
       if (!std::binary_search(sides.begin(), sides.end(), std::pair(b, a))) facets_.push_back(facet(a, b, p));
   }
 
-  double step_ = 0;
+  const std::vector<Vec3>& given_;
   std::vector<Lattice> points_;
   std::vector<Facet> facets_;
 };
