@@ -17,10 +17,10 @@ class Refusals : public ProgramTest {
 };
 
 TEST_F(Refusals, CommandLines) {
-  refuses(2, {"run, sample, voxelize, core, burn, skeleton, view, info, convert, verify"}, {});
+  refuses(2, {"run, tree, batch, sample, voxelize, core, burn, skeleton, view, info, convert, verify"}, {});
   refuses(2, {"'cores'", "did you mean 'core'?"}, {"cores"});
   refuses(2, {"'runn'", "did you mean 'run'?"}, {"runn", "cube.off", "-o", "a"});
-  refuses(2, {"'thicken'", "run, sample"}, {"thicken", "--fast"});
+  refuses(2, {"'thicken'", "run, tree, batch, sample"}, {"thicken", "--fast"});
   refuses(2, {"--resoluton", "did you mean --resolution?"}, {"core", "cube.off", "--resoluton", "9", "-o", "a.vtp"});
   refuses(2, {"--label is given more than once"}, {"core", "grey.npy", "--label", "1", "--label", "2", "-o", "a.vtp"});
   refuses(2, {"'-o=a.vtp'", "without '='"}, {"core", "cube.off", "-o=a.vtp"});

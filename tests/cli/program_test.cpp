@@ -72,7 +72,7 @@ TEST_F(Program, RootInGreyValuesWithItsDamage) {
     std::vector<std::string> line = root;
     line.push_back(file);
     line.insert(line.end(), more.begin(), more.end());
-    return works(line).out;
+    return works(line).err;
   };
   const std::string said = written("a.nrrd", {"--threads", "1"});
   EXPECT_TRUE(has(said, "20 true branches, 3 damaged places")) << said;
