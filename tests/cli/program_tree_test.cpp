@@ -68,6 +68,11 @@ class TreeProgram : public ProgramTest {
     arguments.insert(arguments.begin(), "tree");
     return works(arguments);
   }
+  double sum_of(const std::string& file, const std::string& column) const {
+    double sum = 0;
+    for (const std::string& cell : Csv(bytes(file)).column(column)) sum += std::stod(cell);
+    return sum;
+  }
   Json report(const std::string& dir) const { return Json::parse(bytes(dir + "/report.json")); }
   quench::Topology topology_of(const std::string& name) const {
     return topology(foreground(quench::io::read_volume(folder / name), {}));
@@ -181,8 +186,14 @@ TEST_F(TreeProgram, ResultsAreTreesToo) {
     tree({file, "-o", out, "--no-picture", "--no-view"});
     EXPECT_FALSE(exists(out + "/edited.nrrd"));
     EXPECT_EQ(report(out)["tree"]["axes"], 2);
-    EXPECT_NEAR(report(out)["tree"]["length"].get<double>(), report("shape")["tree"]["length"].get<double>(), 0.5);
+    const double of_shape = report("shape")["tree"]["length"];
     tree({file, "--shape", "plant.npy", "-o", out + "_in_shape", "--no-picture", "--no-view"});
+    if (file == "run/core.vtp") {  // the same curves; where the shape is not known they are smoothed less
+      EXPECT_NEAR(report(out + "_in_shape")["tree"]["length"].get<double>(), of_shape, 1e-9);
+      EXPECT_NEAR(report(out)["tree"]["length"].get<double>(), of_shape, 1);
+    } else {
+      EXPECT_NEAR(report(out)["tree"]["length"].get<double>(), of_shape, 0.5);
+    }
     EXPECT_EQ(topology_of(out + "_in_shape/edited.nrrd").betti, (Betti{1, 0, 0}));
   }
 }
@@ -191,13 +202,16 @@ TEST_F(TreeProgram, ATreeFromAFileIsMeasuredOnly) {
   make_plant();
   tree({"plant.npy", "-o", "out", "--no-picture", "--no-view"});
   for (const char* name : {"tree.swc", "tree.rsml"}) {
-    const std::string again = std::string("again_") + name;
+    const std::string again = std::string("again_") + (name + 5);
     const auto said = tree({std::string("out/") + name, "-o", again, "--theta1", "2r", "--no-picture", "--no-view"});
     EXPECT_TRUE(has(said.err, "note: --theta1 is ignored")) << said.err;
     for (const std::string& file : kFiles) EXPECT_TRUE(exists(again + "/" + file)) << file;
     EXPECT_FALSE(exists(again + "/edits.csv") || exists(again + "/edited.nrrd"));
     EXPECT_EQ(Csv(bytes(again + "/axes.csv")).column("level"), (std::vector<std::string>{"0", "1"}));
-    EXPECT_NEAR(report(again)["tree"]["length"].get<double>(), report("out")["tree"]["length"].get<double>(), 0.01);
+    // SWC has the branches of the tree, RSML its axes, which are straight through the tubes they leave.
+    const double length =
+        name[5] == 's' ? report("out")["tree"]["length"].get<double>() : sum_of("out/axes.csv", "length");
+    EXPECT_NEAR(report(again)["tree"]["length"].get<double>(), length, 0.001);
   }
 }
 
