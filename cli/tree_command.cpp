@@ -111,16 +111,19 @@ void say_without_effect(const CLI::App& app, const std::vector<std::string>& gro
     session.say(fmt::format("note: {} {} ignored: {}", fmt::join(names, ", "), names.size() == 1 ? "is" : "are", why));
 }
 
-/// Where the program chooses the threshold of grey values and nothing is said of preparing them: the noise of a scan
-/// makes loops and specks, and a light blur takes most of them away.
-void blur_lightly(ShapeOptions& how, Session& session) {
+/// Where the program chooses the threshold of grey values and nothing is said of preparing them: noise so strong that it
+/// leaves no room for the two thresholds of `thin` makes loops and specks, and a light blur takes most of them away. It
+/// would take thin roots and narrow gaps away, too, where it is not needed.
+void blur_noise(ShapeOptions& how, Session& session) {
   constexpr double kLight = 0.8;
   if (how.how.preparation.any()) return;
   const Volume volume = io::read_volume(how.file, pipeline::read_options(how.how), &session.context);
-  if (volume.grid.is_plane() || proposed_thresholds(volume, &session.context).empty()) return;
+  const std::vector<ProposedThreshold> proposals = proposed_thresholds(volume, &session.context);
+  if (volume.grid.is_plane() || proposals.empty()) return;
+  if (std::ranges::find(proposals, "thin", &ProposedThreshold::rule) != proposals.end()) return;
   how.how.preparation.blur = kLight;
   session.say(
-      fmt::format("note: no threshold is given: grey values are blurred by {} voxels, and one is chosen; "
+      fmt::format("note: the grey values are noisy: they are blurred by {} voxels before a threshold is chosen; "
                   "--blur and --threshold take others, quench info shows the values",
                   kLight));
 }
@@ -133,7 +136,7 @@ LoadedShape load_tree_shape(ShapeOptions how, const TreeProgram& o, bool with_me
     if (!foreground.threshold && !foreground.label && !how.how.otsu && !how.how.recommended)
       how.how.recommended = how.how.thin = true;
     how.how.keep_values = !foreground.label && (o.repair == RepairRule::gaps || o.repair == RepairRule::all);
-    if (how.how.recommended && !o.blur_given) blur_lightly(how, session);
+    if (how.how.recommended && !o.blur_given) blur_noise(how, session);
     if (!o.connectivity_given) foreground.connectivity = 26;
     foreground.fill_cavities = true;  // a tree has none
   }

@@ -315,8 +315,8 @@ def tree(source: Any, kind: str = 'root', *, root: Points = None, plants: Option
         As in :func:`medial_axis`.
     **shape
         Keyword arguments of :func:`medial_axis` that say what the shape is. Of a grey volume without `threshold` and
-        `label` the two thresholds of "thin" are taken, with a warning that says which, and values are blurred by 0.8
-        voxels before, unless `blur`, `median` or `interpolate` says otherwise. Cavities are filled, and voxels that touch in edges
+        `label` the two thresholds of "thin" are taken, with a warning that says which, and noisy values are
+        blurred by 0.8 voxels before, unless `blur`, `median` or `interpolate` says otherwise. Cavities are filled, and voxels that touch in edges
         or corners are joined (`connectivity=26`).
 
     Returns
@@ -359,7 +359,7 @@ def tree(source: Any, kind: str = 'root', *, root: Points = None, plants: Option
         choose = image and cut.threshold is None and cut.label is None
         voxels = shape_of(source, replace(cut, threshold='thin') if choose else cut, threads, progress)
         if choose and voxels.chosen:
-            if not (cut.interpolate or cut.median or 'blur' in shape):  # as the program does
+            if voxels.chosen[2] != 'thin' and not (cut.interpolate or cut.median or 'blur' in shape):  # as the program does
                 voxels = shape_of(source, replace(cut, threshold='thin', blur=0.8), threads, progress)
             value, seed, rule, reason = voxels.chosen
             values = f'{value:g}' if seed is None else f'{value:g}, {seed:g}'
