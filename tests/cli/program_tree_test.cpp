@@ -156,7 +156,7 @@ TEST_F(TreeProgram, ALoopIsCut) {
   EXPECT_TRUE(has(said.err, "1 loop,")) << said.err;
   EXPECT_TRUE(has(said.err, "1 cut")) << said.err;
   EXPECT_EQ(topology_of("out/edited.nrrd").betti, (Betti{1, 0, 0}));
-  refuses(2, {"loop", "--repair"}, {"tree", "loop.npy", "-o", "off", "--repair", "off"});
+  refuses(2, {"loop", "--repair"}, {"tree", "loop.npy", "-o", "off", "--repair", "off", "--quiet"});
 }
 
 TEST_F(TreeProgram, CavitiesAreFilled) {
