@@ -56,7 +56,7 @@ IMAGES = {'horse.png': '--threshold 128 --invert', 'mpeg7_beetle-1.png': '', 're
           'icon_oak.svg': ''}
 POLYGONS = ['ne_110m_lakes.json', 'ne_110m_land.json']
 FILLS = ['nonzero', 'evenodd', 'winding', 'auto']
-COMMANDS = ['run', 'sample', 'voxelize', 'core', 'burn', 'skeleton', 'view', 'info', 'convert', 'verify']
+COMMANDS = ['run', 'tree', 'batch', 'sample', 'voxelize', 'core', 'burn', 'skeleton', 'view', 'info', 'convert', 'verify']
 
 
 def main_job(shape, options):
@@ -215,6 +215,23 @@ def plane_cases():
         ['images/horse.png', 'images/ne_110m_lakes.json'])
 
 
+def tree_cases():
+    """Trees, and volumes made ready."""
+    damaged = 'sample root --branches 20 --grey --touching 2 --gaps 2 --blur 0.6 --noise 0.05 --resolution 96 -o root.nrrd'
+    yield Case('tree_root', [
+        damaged, 'info root.nrrd', 'tree root.nrrd -o out', 'tree root.nrrd --threshold 100 --axes length --columns toporoot '
+        '--repair all --no-view -o other', 'tree out/tree.rsml --no-view -o again', 'info out/tree.swc --json',
+        *(f'convert out/tree.swc tree.{e}' for e in ('rsml', 'mtg', 'graphml', 'vtp')), 'convert out/tree.rsml back.swc',
+        'info out/edited.nrrd'])
+    yield Case('tree_prepared', [
+        damaged, 'run root.nrrd --blur 0.5 --median 1 --threshold 90,120 --connectivity 26 --close 1 --no-view -o ready',
+        'verify root.nrrd ready/core.vtp ready/skeleton.vtp', 'voxelize root.nrrd --threshold otsu -o otsu.nrrd',
+        'voxelize root.nrrd --threshold auto --interpolate --spacing 1,1,2 -o cubes.nrrd'])
+    yield Case('tree_files', [line for file in ('neurom_test_morph.swc', 'ds_1_cell_390.swc', 'bean-basal.rsml')
+                              for line in (f'info {file}', f'tree {file} --kind neuron --no-view -o {file[:4]}')],
+               ['trees/neurom_test_morph.swc', 'trees/ds_1_cell_390.swc', 'trees/bean-basal.rsml'])
+
+
 def full_cases():
     # Too little memory for the work at once by 11 MB, enough for bricks by 11 MB; the report says which it was.
     yield Case('full_bricks', ['sample box -o box.ply',
@@ -231,7 +248,7 @@ def full_cases():
 
 def all_cases():
     cases = [help_case(), *sample_cases(), *step_cases(), *option_cases(), foreign_axis_case(), *shape_cases(),
-             not_verified_case(), *data_cases(), *plane_cases(), *full_cases()]
+             not_verified_case(), *data_cases(), *plane_cases(), *tree_cases(), *full_cases()]
     assert len({case.name for case in cases}) == len(cases), 'two cases of one name'
     return cases
 
