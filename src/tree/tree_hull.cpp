@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
 #include <tuple>
+#include <unordered_map>
 #include <unordered_set>
+#include <utility>
 
 #include "tree/measured_tree.h"
 
@@ -25,10 +26,12 @@ Lattice cross(const Lattice& a, const Lattice& b) {
 // Of a cross product and a difference: below 3 * 2^55 * 2^27 < 2^84.
 Wide dot(const Lattice& a, const Lattice& b) { return Wide{a[0]} * b[0] + Wide{a[1]} * b[1] + Wide{a[2]} * b[2]; }
 
-// Convex hull by adding the points one by one (Kallay 1981): the facets that a point sees go, and a cone from the point
-// to their rim comes. The points are rounded to a lattice, and all decisions on it are exact, so the facets always
-// bound a convex body. A point in the plane of a facet does not see it: then it is on no line through a side of the
-// rim, as the facet seen there would hold it, and no facet without area comes up.
+// Convex hull by Quickhull (Barber et al. 1996): every point outside is kept by one facet that sees it; the farthest
+// point of a facet is added, what it sees of the hull goes, and a cone from the point to the rim of that comes. The
+// points are rounded to a lattice, and all decisions on it are exact, so the facets always bound a convex body. A point
+// in the plane of a facet does not see it: then it is on no line through a side of the rim, as the facet seen there
+// would hold it, and no facet without area comes up. Points of facets that go see a new facet or are inside: on the way
+// from such a point into the facet that went, the new hull is entered outside of the old one. O(n log n) as a rule.
 class GrowingHull {
  public:
   explicit GrowingHull(const std::vector<Vec3>& points) : given_(points) {
@@ -48,10 +51,13 @@ class GrowingHull {
 
   double volume() {
     if (!start()) return 0;
-    for (std::uint32_t p = 0; p < points_.size(); ++p) add(p);
+    for (std::uint32_t p = 0; p < points_.size(); ++p) give(p, 0);
+    for (std::size_t f = 0; f < facets_.size(); ++f)  // adding appends facets
+      if (!facets_[f].gone && !facets_[f].outside.empty()) add(farthest(facets_[f]), f);
     double six = 0;  // of the points as they are: the lattice decides on the facets only
-    const auto at = [&](std::uint32_t p) -> Vec3 { return given_[p] - given_[facets_[0].corner[0]]; };
-    for (const Facet& f : facets_) six += at(f.corner[0]).dot(at(f.corner[1]).cross(at(f.corner[2])));
+    const auto at = [&](std::uint32_t p) -> Vec3 { return given_[p] - given_[0]; };
+    for (const Facet& f : facets_)
+      if (!f.gone) six += at(f.corner[0]).dot(at(f.corner[1]).cross(at(f.corner[2])));
     return six / 6;
   }
 
@@ -59,6 +65,8 @@ class GrowingHull {
   struct Facet {
     std::array<std::uint32_t, 3> corner;  // counter-clockwise seen from outside
     Lattice normal;                       // outward
+    std::vector<std::uint32_t> outside = {};
+    bool gone = false;
   };
 
   // Four points that do not lie in a plane: the first that is another, off the line, and off the plane.
@@ -78,29 +86,58 @@ class GrowingHull {
     if (d == count) return false;
     std::array<std::uint32_t, 4> corner{0, b, c, d};
     if (dot(normal, from(d)) > 0) std::swap(corner[1], corner[2]);
-    facets_ = {facet(corner[0], corner[1], corner[2]), facet(corner[0], corner[3], corner[1]),
-               facet(corner[1], corner[3], corner[2]), facet(corner[2], corner[3], corner[0])};
+    for (const auto [i, j, k] : {std::array{0, 1, 2}, {0, 3, 1}, {1, 3, 2}, {2, 3, 0}})
+      append(corner[static_cast<std::size_t>(i)], corner[static_cast<std::size_t>(j)],
+             corner[static_cast<std::size_t>(k)]);
     return true;
   }
-  Facet facet(std::uint32_t a, std::uint32_t b, std::uint32_t c) const {
-    return {{a, b, c}, cross(minus(points_[b], points_[a]), minus(points_[c], points_[a]))};
+
+  static std::uint64_t side(std::uint32_t a, std::uint32_t b) { return std::uint64_t{a} << 32 | b; }
+  void append(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+    const auto f = static_cast<std::uint32_t>(facets_.size());
+    facets_.push_back({{a, b, c}, cross(minus(points_[b], points_[a]), minus(points_[c], points_[a]))});
+    for (const std::uint64_t s : {side(a, b), side(b, c), side(c, a)}) facet_at_[s] = f;
   }
-  void add(std::uint32_t p) {
-    const auto sees = [&](const Facet& f) { return dot(f.normal, minus(points_[p], points_[f.corner[0]])) > 0; };
-    const auto seen = std::partition(facets_.begin(), facets_.end(), [&](const Facet& f) { return !sees(f); });
-    if (seen == facets_.end()) return;
-    std::vector<std::pair<std::uint32_t, std::uint32_t>> sides;
-    for (auto f = seen; f != facets_.end(); ++f)
-      for (std::size_t k = 0; k < 3; ++k) sides.emplace_back(f->corner[k], f->corner[(k + 1) % 3]);
-    std::sort(sides.begin(), sides.end());
-    facets_.erase(seen, facets_.end());
-    for (const auto& [a, b] : sides)
-      if (!std::binary_search(sides.begin(), sides.end(), std::pair(b, a))) facets_.push_back(facet(a, b, p));
+  Wide height(std::uint32_t p, const Facet& f) const { return dot(f.normal, minus(points_[p], points_[f.corner[0]])); }
+  std::uint32_t farthest(const Facet& f) const {
+    return *std::ranges::max_element(f.outside, {}, [&](std::uint32_t p) { return height(p, f); });
+  }
+  // To the first facet from some one on that sees it.
+  void give(std::uint32_t p, std::size_t first) {
+    for (std::size_t f = first; f < facets_.size(); ++f)
+      if (height(p, facets_[f]) > 0) return facets_[f].outside.push_back(p);
+  }
+  // `start`: a facet that p sees. What it sees hangs together.
+  void add(std::uint32_t p, std::size_t start) {
+    std::vector<std::size_t> seen{start};
+    facets_[start].gone = true;
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> rim;
+    for (std::size_t i = 0; i < seen.size(); ++i) {
+      const std::array<std::uint32_t, 3> corner = facets_[seen[i]].corner;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const std::uint32_t a = corner[k], b = corner[(k + 1) % 3], beyond = facet_at_.at(side(b, a));
+        if (facets_[beyond].gone) continue;
+        if (height(p, facets_[beyond]) > 0) {
+          facets_[beyond].gone = true;
+          seen.push_back(beyond);
+        } else {
+          rim.emplace_back(a, b);
+        }
+      }
+    }
+    const std::size_t first = facets_.size();
+    for (const auto& [a, b] : rim) append(a, b, p);
+    for (const std::size_t f : seen) {
+      const std::vector<std::uint32_t> left = std::exchange(facets_[f].outside, {});
+      for (const std::uint32_t other : left)
+        if (other != p) give(other, first);
+    }
   }
 
   const std::vector<Vec3>& given_;
   std::vector<Lattice> points_;
-  std::vector<Facet> facets_;
+  std::vector<Facet> facets_;                                  // in the order in which they came
+  std::unordered_map<std::uint64_t, std::uint32_t> facet_at_;  // by a side: the last facet that had it
 };
 
 // The corners of the convex hull of points of a plane (Andrew 1979), without the third coordinate.
