@@ -111,9 +111,9 @@ void say_without_effect(const CLI::App& app, const std::vector<std::string>& gro
     session.say(fmt::format("note: {} {} ignored: {}", fmt::join(names, ", "), names.size() == 1 ? "is" : "are", why));
 }
 
-/// Where the program chooses the threshold of grey values and nothing is said of preparing them: noise so strong that it
-/// leaves no room for the two thresholds of `thin` makes loops and specks, and a light blur takes most of them away. It
-/// would take thin roots and narrow gaps away, too, where it is not needed.
+/// Where the program chooses the threshold of grey values and nothing is said of preparing them: noise so strong that
+/// it leaves no room for the two thresholds of `thin` makes loops and specks, and a light blur takes most of them away.
+/// It would take thin roots and narrow gaps away, too, where it is not needed.
 void blur_noise(ShapeOptions& how, Session& session) {
   constexpr double kLight = 0.8;
   if (how.how.preparation.any()) return;
@@ -281,10 +281,10 @@ Made made_of_tree(const TreeProgram& o, const CLI::App& app, Json& report, Sessi
   bool axes_known = false;
   Tree tree = io::read_tree(o.shape.file, &axes_known, &session.context);
   session.finished("read");
-  pipeline::Scale scale;
+  std::vector<Vec3> points;
   for (const Tree::Branch& branch : tree.branches)
-    scale.longest_side = std::max(scale.longest_side, longest_side_of(branch.points));
-  const pipeline::TreeOptions options = tree_options(o, scale);
+    points.insert(points.end(), branch.points.begin(), branch.points.end());
+  const pipeline::TreeOptions options = tree_options(o, {.longest_side = longest_side_of(points)});
   report["input"] = {{"file", o.shape.file}, {"kind", "tree"}, {"axes_known", axes_known}};
   add_parameters(report, o, options);
   const bool new_axes = !axes_known || o.axes || o.soma || !o.roots.empty();
