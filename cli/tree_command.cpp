@@ -347,6 +347,9 @@ int make_tree(TreeProgram o, const CLI::App& app, Session& session) {
                        : made_of_shape(o, files.has_page(), report, session);
   const TreeRun& run = made.run;
   session.finished("tree");
+  if (o.soma == SomaRule::thickest &&
+      std::ranges::any_of(run.tree.plants, [](const Tree::Plant& plant) { return !plant.soma; }))
+    session.say("note: a thickest ball that holds a whole tree is no soma");
   if (made.repaired) say_repair(run, files.edits.string(), session);
   if (o.kind == pipeline::TreeKind::root && !o.down)
     session.say(fmt::format("down is {} (auto); --down says where else", direction_text(run.tree.down)));
