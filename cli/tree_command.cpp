@@ -111,9 +111,9 @@ void say_without_effect(const CLI::App& app, const std::vector<std::string>& gro
     session.say(fmt::format("note: {} {} ignored: {}", fmt::join(names, ", "), names.size() == 1 ? "is" : "are", why));
 }
 
-/// Where the program chooses the threshold of grey values and nothing is said of preparing them: noise so strong that it
-/// leaves no room for the two thresholds of `thin` makes loops and specks, and a light blur takes most of them away. It
-/// would take thin roots and narrow gaps away, too, where it is not needed.
+/// Where the program chooses the threshold of grey values and nothing is said of preparing them: noise so strong that
+/// it leaves no room for the two thresholds of `thin` makes loops and specks, and a light blur takes most of them away.
+/// It would take thin roots and narrow gaps away, too, where it is not needed.
 void blur_noise(ShapeOptions& how, Session& session) {
   constexpr double kLight = 0.8;
   if (how.how.preparation.any()) return;
@@ -281,10 +281,10 @@ Made made_of_tree(const TreeProgram& o, const CLI::App& app, Json& report, Sessi
   bool axes_known = false;
   Tree tree = io::read_tree(o.shape.file, &axes_known, &session.context);
   session.finished("read");
-  pipeline::Scale scale;
+  std::vector<Vec3> points;
   for (const Tree::Branch& branch : tree.branches)
-    scale.longest_side = std::max(scale.longest_side, longest_side_of(branch.points));
-  const pipeline::TreeOptions options = tree_options(o, scale);
+    points.insert(points.end(), branch.points.begin(), branch.points.end());
+  const pipeline::TreeOptions options = tree_options(o, {.longest_side = longest_side_of(points)});
   report["input"] = {{"file", o.shape.file}, {"kind", "tree"}, {"axes_known", axes_known}};
   add_parameters(report, o, options);
   const bool new_axes = !axes_known || o.axes || o.soma || !o.roots.empty();
@@ -347,6 +347,9 @@ int make_tree(TreeProgram o, const CLI::App& app, Session& session) {
                        : made_of_shape(o, files.has_page(), report, session);
   const TreeRun& run = made.run;
   session.finished("tree");
+  if (o.soma == SomaRule::thickest &&
+      std::ranges::any_of(run.tree.plants, [](const Tree::Plant& plant) { return !plant.soma; }))
+    session.say("note: a thickest ball that holds a whole tree is no soma");
   if (made.repaired) say_repair(run, files.edits.string(), session);
   if (o.kind == pipeline::TreeKind::root && !o.down)
     session.say(fmt::format("down is {} (auto); --down says where else", direction_text(run.tree.down)));

@@ -34,6 +34,12 @@ TreeCounts counts_of(const Tree& tree) {
       if (!branch.bridged.empty() && branch.bridged[i - 1] != 0) counts.bridged += step;
     }
   }
+  if (!tree.axes.empty()) {  // what joins them to their parents is no part of them
+    counts.length = 0;
+    for (const Tree::Axis& axis : tree.axes)
+      for (std::size_t i = 1; i < axis.points.size(); ++i)
+        counts.length += (axis.points[i] - axis.points[i - 1]).norm();
+  }
   for (std::size_t i = 0; i < children.size(); ++i) {
     counts.tips += i < tree.branches.size() && children[i] == 0;
     counts.forks += children[i] > 1;

@@ -25,18 +25,19 @@ std::vector<std::size_t> axes_by_level(const Tree& tree) {
   return counts;
 }
 
+/// Of all axes, as in the table of the sample.
 double total_length(const Tree& tree) {
   double sum = 0;
-  for (const Tree::Branch& branch : tree.branches)
-    for (std::size_t i = 1; i < branch.points.size(); ++i) sum += (branch.points[i] - branch.points[i - 1]).norm();
+  for (const Tree::Axis& axis : tree.axes)
+    for (std::size_t i = 1; i < axis.points.size(); ++i) sum += (axis.points[i] - axis.points[i - 1]).norm();
   return sum;
 }
 
-/// Of all points of the tree, how far the lowest lies below the highest.
+/// Of all points of axes, how far the lowest lies below the highest.
 double depth_of(const Tree& tree) {
   double low = HUGE_VAL, high = -HUGE_VAL;
-  for (const Tree::Branch& branch : tree.branches)
-    for (const Vec3& p : branch.points) {
+  for (const Tree::Axis& axis : tree.axes)
+    for (const Vec3& p : axis.points) {
       low = std::min(low, p.dot(tree.down));
       high = std::max(high, p.dot(tree.down));
     }

@@ -87,16 +87,19 @@ class Rooting {
   void find_somata() {
     const std::vector<Candidate> thickest = thickest_points();
     std::vector<double> elsewhere(components_.count, 0);
+    std::vector<char> leaves(components_.count, 0);  // something is outside of the ball: else it is no soma
     for (const Network::Link& link : network_.links) {
       const std::uint32_t c = components_.of_node[link.from];
-      for (std::size_t i = 0; i < link.points.size(); ++i)
-        if ((link.points[i] - thickest[c].point).norm() > kSomaSurrounds * thickest[c].radius)
-          elsewhere[c] = std::max(elsewhere[c], link.radius[i]);
+      for (std::size_t i = 0; i < link.points.size(); ++i) {
+        const double away = (link.points[i] - thickest[c].point).norm();
+        if (away > thickest[c].radius) leaves[c] = 1;
+        if (away > kSomaSurrounds * thickest[c].radius) elsewhere[c] = std::max(elsewhere[c], link.radius[i]);
+      }
     }
     for (std::uint32_t c = 0; c < components_.count; ++c) {
       Start& start = starts_[c];
       const Candidate& centre = thickest[c];
-      if (start.plant.soma || !(centre.radius > 0)) continue;
+      if (start.plant.soma || !(centre.radius > 0) || !leaves[c]) continue;
       if (options_.soma == SomaRule::automatic && (elsewhere[c] == 0 || centre.radius < kSomaThicker * elsewhere[c]))
         continue;
       if (start.node != kNone && (network_.nodes[start.node].point - centre.point).norm() > centre.radius) continue;

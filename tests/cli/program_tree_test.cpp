@@ -129,6 +129,27 @@ TEST_F(TreeProgram, OptionsOfTheTree) {
     }
 }
 
+TEST_F(TreeProgram, ATreeThatWasWrittenHasTheSameTraits) {
+  make_plant();
+  tree({"plant.npy", "-o", "a", "--no-picture", "--no-view"});
+  tree({"a/tree.rsml", "-o", "b", "--no-picture", "--no-view", "--sholl-step", "10%"});
+  const Json made = report("a"), again = report("b");
+  for (const char* name : {"axes", "total_length", "length_level_1", "mean_radius", "volume", "surface", "depth"})
+    EXPECT_NEAR(made["traits"][name].get<double>(), again["traits"][name].get<double>(),
+                1e-9 * made["traits"][name].get<double>())
+        << name;
+  EXPECT_EQ(made["tree"]["length"], made["traits"]["total_length"]);
+  EXPECT_EQ(again["tree"]["length"], again["traits"]["total_length"]);
+}
+
+TEST_F(TreeProgram, ABallThatHoldsTheTreeIsNoSoma) {
+  folder.write("a.swc", "1 3 0 0 0 10 -1\n2 3 0 0 -1 1 1\n3 3 0 0 -2 1 2\n");
+  const auto said = tree({"a.swc", "-o", "out", "--soma", "thickest"});
+  EXPECT_EQ(said.code, 0) << said.err;
+  EXPECT_TRUE(has(said.err, "is no soma")) << said.err;
+  EXPECT_EQ(report("out")["tree"]["length"], 2.0);
+}
+
 TEST_F(TreeProgram, AGapIsBridged) {
   make_volume("gap.npy", [](int x, int y, int z) { return in_plant(x, y, z) && !(x >= 22 && x < 25); });
   const auto said = tree({"gap.npy", "-o", "out", "--no-picture", "--no-view"});
@@ -209,8 +230,7 @@ TEST_F(TreeProgram, ATreeFromAFileIsMeasuredOnly) {
     EXPECT_FALSE(exists(again + "/edits.csv") || exists(again + "/edited.nrrd"));
     EXPECT_EQ(Csv(bytes(again + "/axes.csv")).column("level"), (std::vector<std::string>{"0", "1"}));
     // SWC has the branches of the tree, RSML its axes, which are straight through the tubes they leave.
-    const double length =
-        name[5] == 's' ? report("out")["tree"]["length"].get<double>() : sum_of("out/axes.csv", "length");
+    const double length = sum_of(name[5] == 's' ? "out/branches.csv" : "out/axes.csv", "length");
     EXPECT_NEAR(report(again)["tree"]["length"].get<double>(), length, 0.001);
   }
 }

@@ -114,6 +114,37 @@ TEST(TreeFiles, RsmlIsReadAsItWasWritten) {
   expect_all_formats(first, folder);
 }
 
+// As where a thick parent's tube hides the beginning.
+TEST(TreeFiles, CoursesMayBeginLaterThanTheirBranches) {
+  const TemporaryFolder folder;
+  Tree tree = hand_built();
+  tree.axes[1].points = {{0, 0, -1}, {2, 0, -2}};
+  tree.axes[1].radius = {0.2, 0.125};
+  tree.axes[1].position = 1.01;
+  io::write_rsml(folder / "a.rsml", tree);
+  described(folder, "a.rsml");  // samples are as many as points
+  const Tree again = io::read_tree(folder / "a.rsml");
+  EXPECT_EQ(again.axes[1].points, (std::vector<Vec3>{{0, 0, -1}, {0.4, 0, -1.2}, {2, 0, -2}}));  // a lateral is joined
+  EXPECT_EQ(again.axes[1].position, 1);
+  EXPECT_NEAR(measures_of(again).bridged, Vec3(2, 0, -1).norm() + Vec3(0.4, -0.1, 0.8).norm(), 1e-12);
+  const std::string text = text_of(folder / "a.rsml");
+  const std::size_t root = text.find("<root id=\"1\">"), parent = text.find("<parent-node", root);
+  EXPECT_EQ(text.substr(parent, 24), "<parent-node value=\"2\" /");
+}
+
+TEST(TreeFiles, ALaterSiblingMayBearAnAxis) {
+  const TemporaryFolder folder;
+  Tree tree = hand_built();
+  std::swap(tree.axes[1], tree.axes[2]);
+  tree.branches[2].axis = 2;
+  tree.branches[3].axis = 1;
+  tree.axes[1].parent = 0;
+  tree.axes[1].level = 1;
+  tree.axes[3].parent = 2;
+  io::write_mtg(folder / "a.mtg", tree);
+  EXPECT_EQ(described(folder, "a.mtg").at("nodes"), std::to_string(measures_of(tree).nodes));
+}
+
 TEST(TreeFiles, SwcIsReadAsItWasWritten) {
   const TemporaryFolder folder;
   io::write_swc(folder / "a.swc", hand_built(), 2);
@@ -232,6 +263,8 @@ TEST(TreeData, FilesHoldWhatTheirTablesSay) {
     EXPECT_EQ(tree.axes.size(), r.axes);
     EXPECT_EQ(m.by_level.size(), r.depth);
     EXPECT_NEAR(m.length - m.bridged, r.length, 2e-6 * r.length);
+    EXPECT_NEAR(std::get<std::vector<double>>(traits_of(tree).sample.find("total_length")->values)[0], r.length,
+                2e-6 * r.length);
     EXPECT_EQ(tree.coordinates.units, r.unit);
     EXPECT_EQ(tree.coordinates.y_down, r.flat);
     EXPECT_EQ(m.frusta > 0, r.thick);

@@ -115,7 +115,7 @@ TEST(ReadRsml, LateralsAreJoinedWhereTheirParentIsNearest) {
   ASSERT_EQ(tree.axes[0].points.size(), 3u);
   EXPECT_EQ(tree.axes[0].points[1], Vec3(0, 0, -2.5));
   EXPECT_EQ(tree.axes[0].radius, (std::vector<double>{1, 1.25, 2}));
-  EXPECT_EQ(tree.axes[1].points, (std::vector<Vec3>{{0, 0, -2.5}, {0.5, 0, -2.5}, {3, 0, -3}}));
+  EXPECT_EQ(tree.axes[1].points, (std::vector<Vec3>{{0.5, 0, -2.5}, {3, 0, -3}}));
   EXPECT_EQ(tree.axes[1].position, 2.5);
   EXPECT_EQ(tree.axes[2].position, 10);  // it goes on where its parent ends
   EXPECT_EQ(tree.axes[3].points.size(), 2u);
@@ -149,7 +149,7 @@ TEST(ReadRsml, Dialects) {
   EXPECT_TRUE(flat.coordinates.y_down);
   EXPECT_EQ(flat.axes[0].radius, (std::vector<double>{0.25, 0.25}));
   EXPECT_EQ(flat.axes[1].level, 0u);
-  EXPECT_EQ(flat.axes[1].points[0], Vec3(1, 2, 0));
+  EXPECT_EQ(flat.axes[1].points, (std::vector<Vec3>{{2, 2, 0}, {2, 3, 0}}));
   EXPECT_EQ(measures_of(flat).bridged, 1);
   expect_all_formats(flat, folder);
   EXPECT_EQ(text_of(folder / "a.rsml").find(" z="), std::string::npos);
@@ -178,7 +178,7 @@ TEST(ReadRsml, WhatIsNotKnownIsWrittenAgain) {
                           root_of("1 0 -1 5 0 -1",
                                   "<functions><function domain='polyline' name='age'><sample value='8'/><sample "
                                   "value='6'/></function><function domain='length' name='hair'><sample position='3' "
-                                  "value='1'/></function><function domain='uniform' name='gone'><sample value='1'/>"
+                                  "value='1'/></function><function domain='uniform' name='grey'><sample value='1'/>"
                                   "</function></functions>",
                                   "id='77' po:accession='PO:0020121'") +
                               "<properties><branch-list value='complete'/><length value='0'/></properties><functions>"
@@ -191,15 +191,38 @@ TEST(ReadRsml, WhatIsNotKnownIsWrittenAgain) {
   for (const char* kept :
        {"<annotations>", "<a x=\"1\">text &amp; more</a>", "<branch-list value=\"complete\"", "<user>me</user>",
         "<name>a.png</name>", "po:accession=\"PO:0020121\"", "xmlns:po=", "id=\"77\"", "label=\"L\"", "name=\"age\"",
-        "<plant ID=\"p1\">", "<sample position=\"4\" value=\"1\""})
+        "<plant ID=\"p1\">", "<sample position=\"3\" value=\"1\"", "name=\"grey\""})
     EXPECT_NE(text.find(kept), std::string::npos) << kept << "\n" << text;
-  EXPECT_EQ(text.find("gone"), std::string::npos);                 // the root has become longer
   EXPECT_NE(text.find("<sample value=\"3\""), std::string::npos);  // the age where the lateral is joined
   EXPECT_NE(text.find("<length value=\"4\""), std::string::npos);
   const auto facts = described(folder, "b.rsml");
   EXPECT_NE(facts.at("found").find("age:2"), std::string::npos);
   io::write_rsml(folder / "c.rsml", io::read_tree(folder / "b.rsml"));
   EXPECT_EQ(text, text_of(folder / "c.rsml"));
+}
+
+TEST(ReadRsml, RootsKeepTheirOwnRadii) {
+  const TemporaryFolder folder;
+  const auto thick = [](const char* diameter) {
+    return fmt::format("<properties><diameter value='{}'/></properties>", diameter);
+  };
+  const Tree tree = read_text(folder, "a.rsml",
+                              rsml_of(root_of("0 0 0 0 0 -4", root_of("0 0 -1 5 0 -1", thick("2")) +
+                                                                  root_of("0 3 -2 0 9 -2", thick("4")) + thick("20"))));
+  EXPECT_EQ(tree.axes[1].radius, (std::vector<double>{1, 1}));
+  EXPECT_EQ(tree.axes[2].radius, (std::vector<double>{2, 2}));
+  EXPECT_EQ(std::get<std::vector<double>>(traits_of(tree).sample.find("total_length")->values)[0], 15);
+  EXPECT_EQ(std::get<std::vector<double>>(traits_of(tree).sample.find("bridged_length")->values)[0], 3);
+}
+
+TEST(ReadRsml, AnUnknownUnitStaysUnknown) {
+  const TemporaryFolder folder;
+  for (const std::string unit : {"", "pixel"}) {
+    read_text(folder, "a.rsml", rsml_of(root_of("0 0 0 0 0 -4"), unit.empty() ? "" : "<unit>" + unit + "</unit>"));
+    io::write_rsml(folder / "b.rsml", io::read_tree(folder / "a.rsml"));
+    EXPECT_EQ(described(folder, "b.rsml").at("unit"), unit.empty() ? "None" : unit);
+    EXPECT_EQ(io::read_tree(folder / "b.rsml").coordinates.units, unit);
+  }
 }
 
 TEST(ReadRsml, DamagedFiles) {

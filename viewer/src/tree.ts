@@ -61,7 +61,10 @@ export class Tree {
       this.axisBranches[a]!.push(b);
       for (let i = 3 * offsets[b]!; i + 3 < 3 * offsets[b + 1]!; i += 3) this.axisLength[a]! += Math.hypot(points[i + 3]! - points[i]!, points[i + 4]! - points[i + 1]!, points[i + 5]! - points[i + 2]!);
     });
+    // Where a course begins later than its branches, that of the table counts.
+    const measured = this.column("axes", "length");
     for (let a = 0; a < this.axisCount; ++a) {
+      if (measured) this.axisLength[a] = measured.values[a]!;
       const level = axisLevel[a]!;
       while (this.levels.length <= level) this.levels.push({ axes: 0, length: 0 });
       ++this.levels[level]!.axes;

@@ -17,7 +17,7 @@
 namespace quench::io {
 namespace {
 
-/// A root element with a polyline.
+/// A root element with a polyline of two points or more.
 struct Root {
   pugi::xml_node node;
   std::uint32_t parent = kNone;  ///< a root
@@ -64,6 +64,7 @@ class RsmlReader {
     }
     tree.foreign = without_plants();
     say_links();
+    say_left_out();
     return tree;
   }
 
@@ -135,10 +136,12 @@ class RsmlReader {
           root.parent = visit.parent;
           root.plant = static_cast<std::uint32_t>(plants_.size() - 1);
           read_points(root);
-          const bool kept = !root.points.empty();
+          const bool kept = root.points.size() > 1;
           if (kept) {
             read_radii(root);
             roots_.push_back(std::move(root));
+          } else {
+            ++left_out_;
           }
           visit_roots(visit.node, kept ? static_cast<std::uint32_t>(roots_.size() - 1) : visit.parent);
         }
@@ -259,7 +262,7 @@ class RsmlReader {
     // A link of the length of rounding is none.
     if (!(root.link > 1e-9 * (root.points[0].cwiseAbs().maxCoeff() + longest_side_of(root.points)))) root.link = 0;
     const bool linked = root.link > 0;
-    if (linked || root.places.size() > 1) root.axis = axes_++;
+    root.axis = axes_++;
     root.first = static_cast<std::uint32_t>(samples_.size());
     std::uint32_t last = base;
     for (std::size_t i = 0; i < root.places.size(); ++i) {
@@ -274,9 +277,10 @@ class RsmlReader {
         sample.parent = last;
         sample.axis = root.axis;
         sample.bridged = i == 0 || (!root.bridged.empty() && root.bridged[to]);
+        if (last == base) sample.base_radius = root.radius[0];
         const double before = last == base ? 0 : along_[last];
         along_.resize(samples_.size(), 0);
-        along_.push_back(before + (sample.point - samples_[last].point).norm());
+        along_.push_back(i == 0 ? 0 : before + (sample.point - samples_[last].point).norm());
         last = static_cast<std::uint32_t>(samples_.size());
         samples_.push_back(sample);
       }
@@ -287,20 +291,18 @@ class RsmlReader {
   void make_axes(Tree& tree) const {
     tree.axes.resize(axes_);
     for (const Root& root : roots_) {
-      if (root.axis == kNone) continue;
       Tree::Axis& axis = tree.axes[root.axis];
       const std::uint32_t base = samples_[root.first].parent;
-      axis.parent = parent_axis(root);
+      axis.parent = root.parent == kNone ? kNone : roots_[root.parent].axis;
       axis.level = axis.parent == kNone ? 0 : tree.axes[axis.parent].level + 1;
       axis.plant = plants_[root.plant].number;
       axis.label = rsml_attribute(root.node, "label").value();
-      axis.foreign = rsml_foreign_part(root.node, root.places, root.link * resolution_);
-      axis.points.push_back(samples_[base].point);
-      axis.radius.push_back(samples_[base].radius);
-      for (std::size_t i = root.link > 0 ? 0 : 1; i < root.samples.size(); ++i) {
-        axis.points.push_back(samples_[root.samples[i]].point);
-        axis.radius.push_back(samples_[root.samples[i]].radius);
+      axis.foreign = rsml_foreign_part(root.node, root.places);
+      for (const std::uint32_t sample : root.samples) {  // its own: not the segment that joins it to its parent
+        axis.points.push_back(samples_[sample].point);
+        axis.radius.push_back(samples_[sample].radius);
       }
+      axis.radius[0] = root.radius[0];
       if (axis.parent != kNone && samples_[base].axis == axis.parent) axis.position = along_[base];
       if (axis.parent == kNone && main_root_[root.plant] == index_of(root))
         tree.plants[axis.plant].main_axis = root.axis;
@@ -313,13 +315,6 @@ class RsmlReader {
   }
 
   std::uint32_t index_of(const Root& root) const { return static_cast<std::uint32_t>(&root - roots_.data()); }
-
-  /// The axis of the nearest root above that has one.
-  std::uint32_t parent_axis(const Root& root) const {
-    std::uint32_t parent = root.parent;
-    while (parent != kNone && roots_[parent].axis == kNone) parent = roots_[parent].parent;
-    return parent == kNone ? kNone : roots_[parent].axis;
-  }
 
   static std::string without_roots(const pugi::xml_node& plant) {
     pugi::xml_document document;
@@ -349,13 +344,19 @@ class RsmlReader {
 
   void say_links() const {
     const auto linked = std::ranges::count_if(roots_, [](const Root& root) { return root.link > 0; });
-    double longest = 0;
-    for (const Root& root : roots_) longest = std::max(longest, root.link);
+    double sum = 0;
+    for (const Root& root : roots_) sum += root.link;
     if (linked > 0)
-      note(context_, fmt::format("'{}': {} where no other root is, and {} joined to the nearest place of their parents "
-                                 "by straight segments of at most {:.4g}",
+      note(context_, fmt::format("'{}': {} where no other root is, and {} joined to the nearest place of the parent by "
+                                 "straight segments, {:.4g} long in all, which are bridged and no part of the roots",
                                  file_.name, base::counted(linked, "root begins", "roots begin"),
-                                 linked == 1 ? "is" : "are", longest));
+                                 linked == 1 ? "is" : "are", sum));
+  }
+
+  void say_left_out() const {
+    if (left_out_ > 0)
+      note(context_,
+           fmt::format("'{}': {} of fewer than two points left out", file_.name, base::counted(left_out_, "root")));
   }
 
   const FileText& file_;
@@ -370,6 +371,7 @@ class RsmlReader {
   std::vector<TreeSample> samples_;
   std::vector<double> along_;  ///< per sample: the length along its axis
   std::uint32_t axes_ = 0;
+  std::int64_t left_out_ = 0;  ///< roots
 };
 
 }  // namespace

@@ -41,13 +41,11 @@ double between(const std::vector<double>& positions, const std::vector<double>& 
   return values[next - 1] + (values[next] - values[next - 1]) * ((at - positions[next - 1]) / step);
 }
 
-/// The samples at other places of the polyline, and `before` of them at its base.
-void resample(const std::vector<std::string>& samples, const std::vector<RsmlPlace>& places, bool before,
-              pugi::xml_node into) {
+/// The samples at other places of the polyline.
+void resample(const std::vector<std::string>& samples, const std::vector<RsmlPlace>& places, pugi::xml_node into) {
   const auto add = [&](const std::string& value) {
     into.append_child("sample").append_attribute("value") = value.c_str();
   };
-  if (before && !samples.empty()) add(samples.front());
   for (const RsmlPlace& place : places) {
     if (place.index >= samples.size()) return;
     double a = 0, b = 0;
@@ -125,7 +123,7 @@ Vec3 rsml_point_at(const std::vector<Vec3>& polyline, const RsmlPlace& place) {
   return place.part == 0 ? from : from + place.part * (polyline[place.index + 1] - from);
 }
 
-std::string rsml_foreign_part(const pugi::xml_node& root, const std::vector<RsmlPlace>& places, double link) {
+std::string rsml_foreign_part(const pugi::xml_node& root, const std::vector<RsmlPlace>& places) {
   pugi::xml_document document;
   pugi::xml_node kept = document.append_child("root");
   copy_attributes(root, kept);
@@ -145,22 +143,17 @@ std::string rsml_foreign_part(const pugi::xml_node& root, const std::vector<Rsml
   pugi::xml_node functions;
   for (const RsmlFunction& function : rsml_functions_of(root)) {
     if (function.name == "diameter" || function.name == "radius" || function.name == kRsmlBridged) continue;
-    if (function.domain == "uniform" && link > 0) continue;  // it is of the old length
     if (!functions) functions = kept.append_child("functions");
     pugi::xml_node copy = functions.append_child("function");
     copy_attributes(function.node, copy);
     std::vector<std::string> samples;
     for (const pugi::xml_node& sample : function.node.children()) {
-      if (function.domain == "polyline" && rsml_is(sample, "sample")) {
+      if (function.domain == "polyline" && rsml_is(sample, "sample"))
         samples.push_back(rsml_value_of(sample));
-        continue;
-      }
-      pugi::xml_node other = copy.append_copy(sample);
-      double position = 0;
-      if (function.domain == "length" && parse_number(rsml_attribute(sample, "position").value(), position))
-        rsml_attribute(other, "position") = fmt::format("{}", position + link).c_str();
+      else
+        copy.append_copy(sample);
     }
-    resample(samples, places, link > 0, copy);
+    resample(samples, places, copy);
   }
   return rsml_text_of(kept);
 }

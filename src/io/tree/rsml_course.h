@@ -37,8 +37,7 @@ RsmlPlace rsml_nearest_place(const std::vector<Vec3>& polyline, const Vec3& poin
 Vec3 rsml_point_at(const std::vector<Vec3>& polyline, const RsmlPlace& place);
 
 /// The root element as it is to be written again: without the roots it bears, its polyline, and the functions that the
-/// tree has itself. Functions along the polyline are given for `places`, and for one point more before them where
-/// `link` is above 0: the length by which the polyline has become longer at its base.
-std::string rsml_foreign_part(const pugi::xml_node& root, const std::vector<RsmlPlace>& places, double link);
+/// tree has itself. Functions along the polyline are given for `places`.
+std::string rsml_foreign_part(const pugi::xml_node& root, const std::vector<RsmlPlace>& places);
 
 }  // namespace quench::io

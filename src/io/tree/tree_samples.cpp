@@ -63,7 +63,7 @@ Tree tree_of_samples(std::span<const TreeSample> samples, std::vector<std::uint3
       branch.plant = plant_of[s];
       branch.axis = sample.axis == kNone ? 0 : sample.axis;
       branch.points.push_back(base.point);
-      branch.radius.push_back(base.radius);
+      branch.radius.push_back(sample.base_radius.value_or(base.radius));
     }
     Tree::Branch& branch = tree.branches[branch_of[s]];
     branch.points.push_back(sample.point);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -19,6 +20,8 @@ struct TreeSample {
   std::uint32_t parent = kNone;  ///< index of a sample before it; kNone: a root node
   std::uint32_t axis = kNone;    ///< a branch ends where it changes
   bool bridged = false;          ///< the segment
+  std::optional<double> base_radius =
+      {};  ///< of a branch that begins with the segment, where it is not the parent's there
 };
 
 /// Branches and plants of a forest of samples, parents before children; a root node without a child is left out.

@@ -90,8 +90,6 @@ class MtgWriter {
       else if (axis.parent != kNone)  // from the root node, as its parent may do, too
         bearer_[a] =
             bearer_[axis.parent].first == kNone ? std::pair{axis.parent, std::uint32_t{0}} : bearer_[axis.parent];
-      if (bearer_[a].first != kNone) column_[a] = column_[bearer_[a].first] + 1;
-      columns_ = std::max(columns_, column_[a] + 1);
     }
     laterals_ = base::Csr<std::uint32_t>::group(tree_.axes.size(), [&](const auto& emit) {
       for (std::uint32_t a = 0; a < tree_.axes.size(); ++a)
@@ -99,6 +97,22 @@ class MtgWriter {
     });
     for (std::size_t a = 0; a < tree_.axes.size(); ++a)
       std::ranges::stable_sort(laterals_[a], {}, [&](std::uint32_t child) { return bearer_[child].second; });
+    find_columns();
+  }
+
+  /// From those that none bears: what bears an axis may come after it.
+  void find_columns() {
+    std::vector<std::uint32_t> found;
+    for (std::uint32_t a = 0; a < tree_.axes.size(); ++a)
+      if (bearer_[a].first == kNone) found.push_back(a);
+    for (std::size_t next = 0; next < found.size(); ++next) {
+      const std::uint32_t axis = found[next];
+      columns_ = std::max(columns_, column_[axis] + 1);
+      for (const std::uint32_t lateral : std::as_const(laterals_)[axis]) {
+        column_[lateral] = column_[axis] + 1;
+        found.push_back(lateral);
+      }
+    }
   }
 
   /// An axis that is being written.

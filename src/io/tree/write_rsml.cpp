@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <optional>
+#include <ranges>
 
 #include "io/common/words.h"
 #include "io/tree/rsml.h"
@@ -84,12 +85,13 @@ class RsmlWriter {
       pugi::xml_node node = rsml_child(metadata, name);
       if (node && !anew) return;
       if (!node) node = metadata.append_child(name);
+      node.remove_children();
       if (!text.empty()) node.text() = xml_safe(text).c_str();
     };
     const std::string known = rsml_value_of(rsml_child(metadata, kRsmlResolution));
     if (double value = 0; parse_number(known, value) && value > 0) resolution_ = value;
     say("version", "1", false);
-    say("unit", tree_.coordinates.units.empty() ? "pixel" : tree_.coordinates.units, true);
+    say("unit", tree_.coordinates.units, true);
     say(kRsmlResolution, "1", false);
     if (const std::optional<std::string> time = build_time())
       say("last-modified", *time, true);
@@ -191,23 +193,37 @@ class RsmlWriter {
     return one ? type : 0;
   }
 
-  /// The point of its parent's course that an axis begins at.
+  /// The point of its parent's course nearest to where an axis begins, along the course.
   std::size_t node_of_parent(std::size_t a) const {
-    const Tree::Axis& parent = tree_.axes[tree_.axes[a].parent];
-    const std::uint32_t bearer = tree_.branches[tree_.axes[a].branches.front()].parent;
+    const Tree::Axis& axis = tree_.axes[a];
+    const std::vector<Vec3>& points = tree_.axes[axis.parent].points;
     std::size_t node = 0;
-    for (const std::uint32_t b : parent.branches) {
-      node += tree_.branches[b].points.size() - 1;
-      if (b == bearer) return node;
+    double length = 0, least = std::abs(axis.position);
+    for (std::size_t i = 1; i < points.size(); ++i) {
+      length += (points[i] - points[i - 1]).norm();
+      if (const double distance = std::abs(length - axis.position); distance < least) {
+        least = distance;
+        node = i;
+      }
     }
-    return 0;
+    return node;
+  }
+
+  /// Per point of the course whether the segment before it is a bridge. Courses and branches end at the same point, but
+  /// a course may begin later, where it is clear of its parent's tube.
+  std::vector<std::uint8_t> bridged_points(const Tree::Axis& axis) const {
+    std::vector<std::uint8_t> flags(axis.points.size(), 0);
+    std::size_t next = flags.size();
+    for (const std::uint32_t b : axis.branches | std::views::reverse) {
+      const Tree::Branch& branch = tree_.branches[b];
+      for (std::size_t i = branch.points.size() - 1; i-- > 0 && next > 1;)
+        flags[--next] = branch.bridged.empty() ? 0 : branch.bridged[i];
+    }
+    return flags;
   }
 
   void write_functions(pugi::xml_node root, const Tree::Axis& axis) {
-    std::vector<std::uint8_t> bridged{0};
-    for (const std::uint32_t b : axis.branches)
-      for (std::size_t i = 0; i + 1 < tree_.branches[b].points.size(); ++i)
-        bridged.push_back(tree_.branches[b].bridged.empty() ? 0 : tree_.branches[b].bridged[i]);
+    const std::vector<std::uint8_t> bridged = bridged_points(axis);
     const bool gaps = std::ranges::find(bridged, 1) != bridged.end();
     const bool thick = std::ranges::any_of(axis.radius, [](double radius) { return radius > 0; });
     if (!gaps && !thick) return;

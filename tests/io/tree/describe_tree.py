@@ -24,15 +24,17 @@ class Nodes:
     """A forest of nodes: what all formats have in common."""
 
     def __init__(self):
-        self.points, self.radii, self.parents, self.levels = [], [], [], []
+        self.points, self.radii, self.parents, self.levels, self.begins = [], [], [], [], []
 
-    def add(self, point, radius, parent, level=None):
+    def add(self, point, radius, parent, level=None, begin=None):
+        """`begin`: the radius at the beginning of the segment to the parent, where it is not that of the parent."""
         point = tuple(point)
         need(len(point) == 3 and all(math.isfinite(x) for x in point) and math.isfinite(radius) and radius >= 0, 'a number is not finite')
         self.points.append(point)
         self.radii.append(radius)
         self.parents.append(parent)
         self.levels.append(level)
+        self.begins.append(begin)
         return len(self.points) - 1
 
     def facts(self):
@@ -46,7 +48,7 @@ class Nodes:
             step = math.dist(a, b)
             length += step
             moment += step * sum(w * (x + y) / 2 for w, x, y in zip((1, 2, 3), a, b))
-            frusta += step * (self.radii[p] + self.radii[i]) / 2
+            frusta += step * ((self.radii[p] if self.begins[i] is None else self.begins[i]) + self.radii[i]) / 2
             by_level[self.levels[i]] += step
         yield 'trees', sum(p is None for p in self.parents)
         yield 'nodes', len(self.points)
@@ -122,17 +124,16 @@ def rsml(path):
                 need(math.isfinite((float if defined[label] == 'real' else int)(value)), f'{label} is {value}')
         need(int(properties['level']) == level, 'a root has another level than depth')
         if parent is None:
-            if plant_root[0] is None:
-                plant_root[0] = nodes.add(points[0], radii[0], None, level)
-            base = plant_root[0]
+            base = plant_root
         else:
             at = int(properties['parent-node'])
             need(1 <= at <= len(parent_nodes), 'parent-node is no node of the parent')
             base = parent_nodes[at - 1]
-        need(math.dist(nodes.points[base], points[0]) <= 1e-9 * (1 + math.hypot(*points[0])), f'root {name} does not begin where it should')
+        if math.dist(nodes.points[base], points[0]) > 1e-9 * (1 + math.hypot(*points[0])):  # a link
+            base = nodes.add(points[0], radii[0], base, level, radii[0])
         course = [base]
-        for point, radius in zip(points[1:], radii[1:]):
-            course.append(nodes.add(point, radius, course[-1], level))
+        for i in range(1, len(points)):
+            course.append(nodes.add(points[i], radii[i], course[-1], level, radii[i - 1]))
         need(math.isclose(float(properties['length']), sum(math.dist(a, b) for a, b in zip(points, points[1:])), rel_tol=1e-9),
              'the length is another')
         for child in element.iterfind('root'):
@@ -140,8 +141,12 @@ def rsml(path):
 
     plants = root.findall('scene/plant')
     for plant in plants:
-        plant_root = [None]
-        for element in plant.iterfind('root'):
+        mains = plant.findall('root')
+        longest = max(mains, key=lambda e: float(e.find('properties/length').attrib['value']))
+        start = tuple(float(longest.find('geometry/polyline')[0].attrib.get(c, 0)) / resolution for c in 'xyz')
+        ends = longest.findall("functions/function[@name='diameter']/sample")
+        plant_root = nodes.add(start, float(ends[0].attrib['value']) / 2 / resolution if ends else 0.0, None, 0)
+        for element in mains:
             visit(element, 0, None, [], plant_root)
     yield from nodes.facts()
     yield 'axes', len(ids)
@@ -174,6 +179,7 @@ def mtg(path):
     nodes = Nodes()
     last = {}  # per column: the vertex of each scale above
     counts, names = collections.Counter(), []
+    index = {}  # per column: the number of the last S
     vertex, successors = {}, set()  # lines: of the last S per column, and those that another S follows
     for number, line in enumerate(lines[at[4] + 2:], at[4] + 3):
         fields = line.split('\t')
@@ -220,6 +226,8 @@ def mtg(path):
             if relation == '<':
                 need(vertex[column] not in successors, f'{code}: a vertex has two successors')
                 successors.add(vertex[column])
+            need(relation != '<' or int(label[1:]) == index[column] + 1, f'{code}: it follows S{index.get(column)}')
+            index[column] = int(label[1:])
             vertex[column] = number
             place = tuple(float(values[c]) for c in ('XX', 'YY', 'ZZ'))
             if parent is None:  # the roots of a plant are one place
@@ -306,8 +314,8 @@ def graphml(path):
             index[source] = nodes.add(*at[source][:2], None)
         need(target not in index, 'a node has two parents')
         last = index[source]
-        for point, radius in zip(course[1:], radii[1:]):
-            last = nodes.add(point, radius, last, values.get('level'))
+        for i in range(1, len(course)):
+            last = nodes.add(course[i], radii[i], last, values.get('level'), radii[i - 1])
         index[target] = last
         need(math.isclose(values['length'], sum(math.dist(a, b) for a, b in zip(course, course[1:])), rel_tol=1e-9), 'the length is another')
         strahler = max(strahler, values['strahler'])
