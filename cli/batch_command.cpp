@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <sys/file.h>
 #include <tbb/task_arena.h>
 #include <unistd.h>
@@ -8,6 +9,8 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <map>
+#include <memory>
 #include <set>
 
 #include "base/memory.h"
@@ -154,6 +157,25 @@ void check_batch_outputs(const BatchOptions& o, const BatchPlan& plan, const Ses
   }
 }
 
+/// Held while a sample is worked on: another run of the batch leaves it out. Where the file system has no locks, every
+/// run has it.
+class SampleLock {
+ public:
+  explicit SampleLock(const fs::path& folder) : file_(open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
+    held_elsewhere_ = file_ >= 0 && flock(file_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+  }
+  SampleLock(const SampleLock&) = delete;
+  SampleLock& operator=(const SampleLock&) = delete;
+  ~SampleLock() {
+    if (file_ >= 0) close(file_);
+  }
+  bool held_elsewhere() const { return held_elsewhere_; }
+
+ private:
+  int file_;
+  bool held_elsewhere_ = false;
+};
+
 /// Held while the tables are collected: shards that end at the same time do it one after the other, and the last one
 /// sees the results of all. Where the file system has no locks, nobody waits.
 class BatchLock {
@@ -195,39 +217,54 @@ class BatchWork {
         samples_(std::move(samples)),
         jobs_(static_cast<std::size_t>(std::clamp<std::int64_t>(jobs, 1, std::ssize(samples_)))),
         share_(share_of_machine(static_cast<int>(jobs_), session)),
-        session_(session) {}
+        session_(session) {
+    for (const std::size_t i : samples_) found_[i] = read_state(plan_.results.folder_of(i));
+  }
 
   /// Throws Error(cancelled) when it is interrupted; what is done then stays.
   void run() {
-    std::size_t next = 0, done = 0;
+    std::size_t next = 0, done = 0, elsewhere = 0;
     while (next < samples_.size() || children_.count() > 0) {
       if (session_.context.cancelled()) return stop(done);
-      while (next < samples_.size() && children_.count() < jobs_) start(samples_[next++]);
+      while (next < samples_.size() && children_.count() < jobs_)
+        if (!start(samples_[next++])) ++done, ++elsewhere;
       children_.look([&](std::size_t sample, int code) {
         finish(sample, code);
         ++done;
       });
       session_.context.progress("samples", static_cast<double>(done) / static_cast<double>(samples_.size()));
     }
+    if (elsewhere > 0)
+      session_.say(fmt::format("note: {} left to another run of this batch, which works on it or has just done it",
+                               base::counted(elsewhere, "sample")));
   }
 
  private:
   struct Started {
+    std::unique_ptr<SampleLock> lock;
     SampleState state;
     FilesWithTimes before;
     std::chrono::steady_clock::time_point time = std::chrono::steady_clock::now();
   };
 
-  void start(std::size_t i) {
+  /// False where another run works on the sample, or has finished it since this one looked.
+  bool start(std::size_t i) {
     const fs::path folder = plan_.results.folder_of(i);
     create_folder(folder.string());
+    auto lock = std::make_unique<SampleLock>(folder);
+    if (lock->held_elsewhere()) return false;
+    const auto earlier = read_state(folder);
+    if (earlier != found_[i] && is_current(earlier, plan_.made_of[i], folder)) return false;
     Started& started = started_[i];
-    if (const auto earlier = read_state(folder)) started.state.files = earlier->files;
+    started.lock = std::move(lock);
+    const std::vector<std::string> old = earlier ? earlier->files : std::vector<std::string>();
     started.state.made_of = plan_.made_of[i];
+    started.state.files = with_expected_files(old, plan_.results.command);  // a run that is killed leaves some of them
     write_state(folder, started.state);
-    remove_leavings(folder, started.state.files);
+    remove_leavings(folder, old);
     started.before = files_with_times(folder);
     children_.start(i, line_of(plan_, i, share_), folder / "log.txt");
+    return true;
   }
 
   void finish(std::size_t i, int code) {
@@ -261,6 +298,7 @@ class BatchWork {
   std::size_t jobs_;
   std::vector<std::string> share_;
   Session& session_;
+  std::map<std::size_t, std::optional<SampleState>> found_;  ///< how the samples stood when this run looked
   std::map<std::size_t, Started> started_;
   BatchChildren children_;
 };
@@ -288,6 +326,23 @@ void work(const BatchOptions& o, const BatchPlan& plan, Session& session) {
 
 // ------------------------------------------------------------------------------------------------------------ results
 
+/// Where samples differ in what is down, their depths and angles cannot be compared.
+void say_where_down_differs(const SampleTable& table, Session& session) {
+  const auto column = std::ranges::find(table.header, "down");
+  if (column == table.header.end()) return;
+  std::map<std::string, std::vector<std::string>> names;  // of the samples, by direction
+  for (const CsvRow& row : table.rows)
+    if (const std::string& down = row[static_cast<std::size_t>(column - table.header.begin())]; !down.empty())
+      names[down].push_back(row.front());
+  if (names.size() < 2) return;
+  std::vector<std::string> texts;
+  for (const auto& [down, samples] : names)
+    texts.push_back(fmt::format("{} of {} ('{}'{})", down, base::counted(samples.size(), "sample"), samples.front(),
+                                samples.size() > 1 ? " ..." : ""));
+  session.say(
+      fmt::format("note: down is {}; --down says it for all, or in a list for each", fmt::join(texts, " and ")));
+}
+
 void collect(BatchPlan& plan, Session& session) {
   BatchResults& results = plan.results;
   const BatchLock lock(results.out);
@@ -295,6 +350,7 @@ void collect(BatchPlan& plan, Session& session) {
     results.states[i] = read_state(results.folder_of(i));
     if (!is_current(results.states[i], plan.made_of[i], results.folder_of(i))) results.states[i].reset();
   }
+  find_damaged(results);
   const SampleTable table = table_of(results);
   write_table(results.out / "samples.csv", table);
   const std::size_t rows = write_joined(results);
@@ -304,6 +360,7 @@ void collect(BatchPlan& plan, Session& session) {
   session.say(fmt::format("{}: {}; {}: {}", (results.out / "samples.csv").string(),
                           base::counted(table.rows.size(), "row"), joined_file(results.command),
                           base::counted(rows, "row")));
+  say_where_down_differs(table, session);
   session.say(fmt::format("{}: the contact sheet; open it in a browser", (results.out / "index.html").string()));
 }
 

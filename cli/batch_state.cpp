@@ -117,6 +117,18 @@ bool is_final(const SampleState& state) {
          (state.code > static_cast<int>(ErrorCode::failed) && state.code <= static_cast<int>(ErrorCode::invariant));
 }
 
+std::vector<std::string> with_expected_files(std::vector<std::string> files, const std::string& command) {
+  files.insert(files.end(), {"log.txt", "report.json", "view.html", "picture.png", "branches.csv"});
+  if (command == "tree")
+    files.insert(files.end(), {"tree.swc", "tree.rsml", "tree.mtg", "tree.graphml", "centerlines.vtp", "axes.csv",
+                               "traits.csv", "sholl.csv", "depths.csv", "edits.csv", "edited.nrrd"});
+  else
+    files.insert(files.end(), {"core.vtp", "skeleton.vtp", "skeleton.swc", "skeleton.geojson", "skeleton.svg"});
+  std::ranges::sort(files);
+  files.erase(std::ranges::unique(files).begin(), files.end());
+  return files;
+}
+
 FilesWithTimes files_with_times(const fs::path& folder) {
   FilesWithTimes files;
   std::error_code error, ignored;

@@ -21,7 +21,9 @@ struct SampleState {
   int code = 0;          ///< exit code, or 128 and the signal
   std::string sentence;  ///< of a failure
   double seconds = 0;
-  std::vector<std::string> files;  ///< what it left in the folder
+  std::vector<std::string> files;  ///< what it left in the folder; while it runs, what it may leave there
+
+  friend bool operator==(const SampleState&, const SampleState&) = default;
 };
 
 /// What a result depends on. `words`: the command and its options; `out`: the folder of the batch, to which the place
@@ -41,6 +43,9 @@ bool is_current(const std::optional<SampleState>& state, const Json& made_of, co
 
 /// Whether to try once more would be in vain: the input or the options are at fault, not memory, disk or a signal.
 bool is_final(const SampleState& state);
+
+/// These files and those that `quench tree` or `quench run` may write, sorted: what a run that is killed may leave.
+std::vector<std::string> with_expected_files(std::vector<std::string> files, const std::string& command);
 
 /// Names and times of the files in a folder, sorted, for written_since().
 using FilesWithTimes = std::vector<std::pair<std::string, std::filesystem::file_time_type>>;

@@ -97,6 +97,30 @@ const char* BatchResults::status_of(std::size_t sample) const {
   return is_ok(sample) ? "ok" : states[sample] ? "failed" : "missing";
 }
 
+void find_damaged(BatchResults& results) {
+  for (std::size_t i = 0; i < results.states.size(); ++i) {
+    if (!results.is_ok(i)) continue;
+    std::vector<std::string> tables{joined_file(results.command)};
+    if (results.command == "tree") tables.emplace_back("traits.csv");
+    try {
+      for (const std::string& table : tables) {
+        const fs::path file = results.folder_of(i) / table;
+        std::ifstream in(file, std::ios::binary);
+        CsvReader reader(in, file.string());
+        CsvRow row;
+        while (in && reader.next(row)) {
+        }
+      }
+    } catch (const Error& error) {
+      SampleState& state = *results.states[i];
+      state.status = SampleState::Status::failed;
+      state.code = static_cast<int>(ErrorCode::failed);
+      state.sentence = error.what();
+      write_state(results.folder_of(i), state);
+    }
+  }
+}
+
 SampleTable table_of(const BatchResults& results) {
   const BatchInput& input = results.input;
   Columns columns;

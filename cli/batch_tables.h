@@ -27,6 +27,10 @@ struct BatchResults {
   const char* status_of(std::size_t sample) const;
 };
 
+/// Samples with a table that cannot be read have failed, with a sentence that says so; also in their folders, so that
+/// the same batch makes them again. O(bytes of the tables).
+void find_damaged(BatchResults& results);
+
 /// A row per sample, in the order of the input: name, file, status and sentence, what the list says, and the figures:
 /// of trees the row of traits.csv, of runs those of report.json. Samples that lack a column have an empty cell.
 struct SampleTable {

@@ -155,12 +155,13 @@ Json threshold_json(const Threshold& threshold) {
   return std::visit([](auto t) { return Json(t); }, threshold);
 }
 
-/// How often values occur, and the thresholds they suggest.
-void add_values(Json& info, const Volume& volume, Session& session) {
+/// How often values occur, and the thresholds they suggest where they are no labels.
+void add_values(Json& info, const Volume& volume, bool is_labels, Session& session) {
   constexpr std::size_t kClasses = 32;
   const Histogram histogram = histogram_of(volume, kClasses);
   if (!histogram.counts.empty())
     info["histogram"] = {{"low", histogram.low}, {"width", histogram.width}, {"counts", histogram.counts}};
+  if (is_labels) return;
   const std::vector<ProposedThreshold> proposals = proposed_thresholds(volume, &session.context);
   for (const ProposedThreshold& p : proposals) {
     info["thresholds"][p.rule] = {{"value", threshold_json(p.value)}, {"reason", p.reason}};
@@ -250,8 +251,11 @@ Json volume_info(const std::string& file, const io::VolumeReadOptions& options, 
           info["values"] = Json::object();
           for (const auto& [value, count] : statistics.counts) info["values"][fmt::format("{}", value)] = count;
         }
-        if (!statistics.few || statistics.counts.size() > 2) add_values(info, volume, session);
-        info["hint"] = hint_of(volume, statistics, info["thresholds"]);
+        const auto labels = g.is_plane() ? std::vector<std::int64_t>() : labels_in(volume);
+        if (!statistics.few || statistics.counts.size() > 2) add_values(info, volume, !labels.empty(), session);
+        info["hint"] = labels.empty()
+                           ? hint_of(volume, statistics, info["thresholds"])
+                           : fmt::format("these are labels ({}); choose a shape with --label", labels_text(labels));
         if (info["thresholds"].is_null()) info.erase("thresholds");
       },
       volume.samples);

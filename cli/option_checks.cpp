@@ -45,9 +45,9 @@ CLI::Validator one_of(std::vector<std::string> names) {
 std::string empty_value_text(const CLI::Option& option) {
   if (!option.get_required()) return "has an empty value; give one or leave it out";
   const std::string type = option.get_type_name();
-  return fmt::format("is empty; give the name of a {}", type == "DIR"                 ? "folder"
-                                                        : option.get_name() == "NAME" ? "sample"
-                                                                                      : "file");
+  return fmt::format("is empty; give the name of a {}", type == "DIR" || type == "OUT" ? "folder"
+                                                        : option.get_name() == "NAME"  ? "sample"
+                                                                                       : "file");
 }
 
 void refuse_empty_values(CLI::App& app) {

@@ -59,6 +59,11 @@ struct TreeFiles {
     return {swc,   rsml,   mtg,   graphml, centerlines, axes, branches, traits,
             sholl, depths, edits, edited,  report,      view, picture};
   }
+  /// Those of this folder that a run with other options or inputs writes, too.
+  std::vector<fs::path> of_some_runs() const {
+    const fs::path folder = report.parent_path();
+    return {edits, edited, folder / "view.html", folder / "picture.png"};
+  }
   bool has_page() const { return !view.empty() || !picture.empty(); }
   fs::path swc, rsml, mtg, graphml, centerlines, axes, branches, traits, sholl, depths, edits, edited, report, view,
       picture;
@@ -83,6 +88,16 @@ std::optional<Record> result_in(const std::string& file, Session& session) {
                   file, folder));
 }
 
+/// A folder is one of slices; that of results is not, and its files are.
+void refuse_results_folder(const fs::path& folder) {
+  std::error_code ignored;
+  if (!fs::is_directory(folder, ignored)) return;
+  for (const char* name : {"tree.swc", "core.vtp"})
+    if (fs::exists(folder / name, ignored))
+      throw Error(ErrorCode::usage,
+                  fmt::format("'{}' is a folder of results; give '{}'", folder.string(), (folder / name).string()));
+}
+
 void check_tree_options(const TreeProgram& o, const TreeFiles& files, const Session& session) {
   check_exists(o.shape.file);
   if (!o.shape_file.empty()) check_exists(o.shape_file);
@@ -90,6 +105,7 @@ void check_tree_options(const TreeProgram& o, const TreeFiles& files, const Sess
     throw Error(ErrorCode::usage,
                 "--plants and --root cannot be combined: there are as many plants as there are root nodes");
   if (io::kind_of(o.shape.file) == io::Kind::polygons) refuse_plane(o.shape.file, o.folder);
+  refuse_results_folder(o.shape.file);
   check_folder(o.folder);
   std::vector<fs::path> inputs{o.shape.file};
   if (!o.shape_file.empty()) inputs.emplace_back(o.shape_file);
@@ -114,12 +130,11 @@ void say_without_effect(const CLI::App& app, const std::vector<std::string>& gro
 /// Where the program chooses the threshold of grey values and nothing is said of preparing them: noise so strong that
 /// it leaves no room for the two thresholds of `thin` makes loops and specks, and a light blur takes most of them away.
 /// It would take thin roots and narrow gaps away, too, where it is not needed.
-void blur_noise(ShapeOptions& how, Session& session) {
+void blur_noise(const Volume& volume, ShapeOptions& how, Session& session) {
   constexpr double kLight = 0.8;
   if (how.how.preparation.any()) return;
-  const Volume volume = io::read_volume(how.file, pipeline::read_options(how.how), &session.context);
   const std::vector<ProposedThreshold> proposals = proposed_thresholds(volume, &session.context);
-  if (volume.grid.is_plane() || proposals.empty()) return;
+  if (proposals.empty()) return;
   if (std::ranges::find(proposals, "thin", &ProposedThreshold::rule) != proposals.end()) return;
   how.how.preparation.blur = kLight;
   session.say(
@@ -128,15 +143,47 @@ void blur_noise(ShapeOptions& how, Session& session) {
                   kLight));
 }
 
+/// Where nobody has said what the shape is, the threshold is chosen: of grey values, not of labels.
+void choose_by_values(ShapeOptions& how, const TreeProgram& o, Session& session) {
+  const ForegroundOptions& foreground = how.how.foreground;
+  const bool asked = how.how.recommended;
+  if (foreground.threshold || foreground.label || how.how.otsu) return;
+  const Volume volume = io::read_volume(how.file, pipeline::read_options(how.how), &session.context);
+  if (volume.grid.is_plane()) refuse_plane(how.file, o.folder);
+  if (const auto labels = labels_in(volume); !asked && !labels.empty())
+    throw Error(ErrorCode::usage,
+                fmt::format("'{}' holds the labels {}: give the one of the tree as --label K; --threshold 1 takes all "
+                            "of them, --threshold auto takes them for grey values",
+                            how.file, labels_text(labels)));
+  if (!asked) how.how.recommended = how.how.thin = true;
+  if (!o.blur_given) blur_noise(volume, how, session);
+}
+
+/// What fills space is no tree, and neither is noise.
+void note_if_no_tree(const LoadedShape& shape, Session& session) {
+  constexpr double kMuch = 0.5, kMuchOfAll = 0.25;  // of the box
+  const VoxelShape::Box box = shape.shape.foreground_box();
+  double voxels = 1;
+  bool all_sides = !shape.from_mesh;
+  for (std::size_t a = 0; a < 3; ++a) {
+    voxels *= static_cast<double>(box.end[a] - box.begin[a]);
+    all_sides = all_sides && box.begin[a] == 0 && box.end[a] == shape.shape.grid().dims[a];
+  }
+  const double share = voxels > 0 ? static_cast<double>(shape.shape.voxel_count()) / voxels : 0;
+  if (share > (all_sides ? kMuchOfAll : kMuch))
+    session.say(
+        fmt::format("note: this does not look like a tree: the shape fills {:.0f} % of its box{}; is it what "
+                    "was meant? --threshold, --label and --invert choose others",
+                    100 * share, all_sides ? " and touches all six sides of the image" : ""));
+}
+
 LoadedShape load_tree_shape(ShapeOptions how, const TreeProgram& o, bool with_mesh, Session& session) {
   ForegroundOptions& foreground = how.how.foreground;
   const bool volume = io::kind_of(how.file) == io::Kind::volume;
   how.how.keep_mesh = with_mesh;
   if (volume) {
-    if (!foreground.threshold && !foreground.label && !how.how.otsu && !how.how.recommended)
-      how.how.recommended = how.how.thin = true;
+    choose_by_values(how, o, session);
     how.how.keep_values = !foreground.label && (o.repair == RepairRule::gaps || o.repair == RepairRule::all);
-    if (how.how.recommended && !o.blur_given) blur_noise(how, session);
     if (!o.connectivity_given) foreground.connectivity = 26;
     foreground.fill_cavities = true;  // a tree has none
   }
@@ -147,6 +194,7 @@ LoadedShape load_tree_shape(ShapeOptions how, const TreeProgram& o, bool with_me
     foreground.fill_cavities = true;
     shape = load_shape(how, session);
   }
+  note_if_no_tree(shape, session);
   return shape;
 }
 
@@ -332,6 +380,17 @@ Made made_of_shape(const TreeProgram& o, bool with_mesh, Json& report, Session& 
   return made;
 }
 
+/// Removes what an earlier run left and this one has not written, which would not belong to the rest.
+void remove_stale(const TreeFiles& files, const Made& made) {
+  std::error_code ignored;
+  for (const fs::path& file : files.of_some_runs()) {
+    const bool written = file == files.edits    ? made.repaired
+                         : file == files.edited ? made.run.edited.has_value()
+                                                : file == files.view || file == files.picture;
+    if (!written) fs::remove(file, ignored);
+  }
+}
+
 int make_tree(TreeProgram o, const CLI::App& app, Session& session) {
   const TreeFiles files(o.folder, !o.no_view && pipeline::has_page_program(), !o.no_picture);
   check_tree_options(o, files, session);
@@ -358,6 +417,8 @@ int make_tree(TreeProgram o, const CLI::App& app, Session& session) {
   if (files.has_page()) build_tree_page(o, files, run, made.shape ? &*made.shape : nullptr, builder, session);
   session.finished("page");
   create_folder(o.folder);
+  std::error_code ignored;
+  const bool replaces_results = session.options.overwrite && fs::exists(files.report, ignored);
   io::OutputGroup outputs;
   write_tree_files(o, files, run, made.repaired, session);
   session.finished("write");
@@ -369,6 +430,7 @@ int make_tree(TreeProgram o, const CLI::App& app, Session& session) {
   if (!files.picture.empty()) write_picture(builder.page, {}, files.picture, report, session);
   write_report(files.report.string(), report, session);
   write_report(outputs, report, session);
+  if (replaces_results) remove_stale(files, made);
   say_tree_results(files, run, session);
   return 0;
 }
@@ -417,8 +479,8 @@ void add_tree_options(CLI::App& app, TreeProgram& o) {
       ->group(group);
   add_parsed(
       app, "--down",
-      "Where gravity points: -z, +z, -y ... or x,y,z; 'auto': of roots -z or +z, so that thick ones lie above thin "
-      "ones, else -z",
+      "Where gravity points: -z, +z, -y ... or x,y,z; 'auto': of roots -z or +z, so that most of the volume lies at "
+      "the top, else -z",
       [&o](const std::string& option, const std::string& text) {
         o.down = text == "auto" ? std::optional<Vec3>() : direction_of(option, text);
       })

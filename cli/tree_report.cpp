@@ -121,6 +121,10 @@ void say_repair(const pipeline::TreeRun& run, const std::string& list, Session& 
                                part_text(run.length_of(Kind::left_out), run.length_before)));
   session.say(done.empty() ? "repair: nothing was to be done"
                            : fmt::format("repair: {}; {} lists them", joined(done), list));
+  if (2 * run.length_of(Kind::left_out) > run.length_before)
+    session.say(
+        "note: this does not look like a tree: more than half of the length is left out; another --threshold or "
+        "--blur may help against noise, --plants N keeps more trees than one");
 }
 
 std::string tree_text(const pipeline::TreeRun& run) {
@@ -139,12 +143,6 @@ std::string tree_text(const pipeline::TreeRun& run) {
                      tree.plants.size() == 1 ? "" : base::counted(tree.plants.size(), "tree") + ", ",
                      base::counted(tree.axes.size(), "axis", "axes"), joined(levels), total_length(tree),
                      depth_of(tree), unit_text(tree.coordinates));
-}
-
-std::string direction_text(const Vec3& direction) {
-  for (int a = 0; a < 3; ++a)
-    if (std::abs(direction[a]) == 1) return fmt::format("{}{}", direction[a] < 0 ? '-' : '+', "xyz"[a]);
-  return fmt::format("{:.4g},{:.4g},{:.4g}", direction[0], direction[1], direction[2]);
 }
 
 }  // namespace quench::program

@@ -24,7 +24,5 @@ nlohmann::ordered_json traits_section(const Table& sample);
 void say_repair(const pipeline::TreeRun& run, const std::string& list, Session& session);
 /// "312 axes (1 of level 0, 120 of level 1, ...), total length 12.3 mm".
 std::string tree_text(const pipeline::TreeRun& run);
-/// "-z", or three numbers.
-std::string direction_text(const Vec3& direction);
 
 }  // namespace quench::program

@@ -530,8 +530,8 @@ struct TreeOptions {
   HierarchyOptions hierarchy = {};
   TraitOptions traits = {};
   bool edited_shape = true;  ///< TreeRun::edited is wanted
-  /// HierarchyOptions::down becomes what is likely: -z or +z, so that thick curves lie above thin ones; of a tree from a
-  /// file, so that it lies below its root nodes, along y where it is flat in z.
+  /// HierarchyOptions::down becomes what is likely: -z or +z, so that the centroid of the volume lies above the mean of
+  /// that of the length and the middle of the height; of a tree from a file, so that it lies below its root nodes, along y where it is flat in z.
   bool find_down = false;
 };
 

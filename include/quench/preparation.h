@@ -62,6 +62,13 @@ struct Histogram {
 /// At most that many classes. O(samples).
 Histogram histogram_of(const Volume& volume, std::size_t classes = 256);
 
+/// The values of a volume of labels, ascending; nothing where they look like grey values. Labels are whole numbers from
+/// 0 on, three to 64 of them, at least half of those up to the largest one; and they fill regions: nine of ten samples
+/// are as the next one in their row, as they are in no image with noise. O(samples).
+std::vector<std::int64_t> labels_in(const Volume& volume);
+/// "0, 1, 2 ... 11".
+std::string labels_text(const std::vector<std::int64_t>& labels);
+
 /// A threshold that a rule proposes.
 struct ProposedThreshold {
   std::string rule;  ///< `edges`, `otsu` or `thin`

@@ -161,6 +161,8 @@ Tree tree_of(const Repaired& repaired, const HierarchyOptions& options, Context*
 /// A tree read from a file, its axes found anew by the rule. Its root nodes stay but for those that `roots` names.
 Tree with_hierarchy(Tree tree, const HierarchyOptions& options);
 
+/// A unit vector in words: "-z", or three numbers "0.6,0,-0.8".
+std::string direction_text(const Vec3& direction);
 std::string_view name_of(AxisRule rule);
 std::optional<AxisRule> axis_rule_of(std::string_view name);
 std::string_view name_of(RepairRule rule);
@@ -194,8 +196,8 @@ namespace io {
 /// CSV: a header with names and units, `length [mm]`, and a row per row; what is not defined (NaN) is empty.
 void write_table(const std::filesystem::path& file, const Table& table);
 
-/// SWC: soma 1 at its root where the tree has one, else `type` where branches have none of their own. Every sample has a
-/// type above 0, parents come first, a branch begins at the last sample of its parent. Throws Error(usage) for a type
+/// SWC: soma 1 at its root where the tree has one, else `type` where branches have none of their own. Every sample has
+/// a type above 0, parents come first, a branch begins at the last sample of its parent. Throws Error(usage) for a type
 /// that is not from 1 to 255.
 void write_swc(const std::filesystem::path& file, const Tree& tree, int type = kSwcDendrite);
 /// RSML (Lobet et al. 2015): nested roots with polylines, diameters, parent nodes (counted from 1), and the traits of
@@ -213,9 +215,9 @@ void write_graphml(const std::filesystem::path& file, const Tree& tree);
 
 /// Whether the extension is that of a tree: .swc .rsml.
 bool is_tree_file(const std::filesystem::path& file);
-/// A tree of an .swc or .rsml file. `axes_known` becomes whether the file says which axes there are; a tree without them
-/// has branches and plants only, and with_hierarchy() finds its axes. Radii that the file does not say are 0. What the
-/// file leaves open, such as laterals that do not begin on their parent, is joined by segments that are `bridged`
+/// A tree of an .swc or .rsml file. `axes_known` becomes whether the file says which axes there are; a tree without
+/// them has branches and plants only, and with_hierarchy() finds its axes. Radii that the file does not say are 0. What
+/// the file leaves open, such as laterals that do not begin on their parent, is joined by segments that are `bridged`
 /// (docs/user/files.md). Throws Error(input), naming the file and, of SWC, the line.
 Tree read_tree(const std::filesystem::path& file, bool* axes_known = nullptr, Context* context = nullptr);
 

@@ -50,16 +50,23 @@ void for_pieces(const Branch& branch, const Take& take) {
          0.5 * (branch.radius[i] + branch.radius[i - 1]));
 }
 
-/// Scans mostly have their slices in the order of height, from either end. Root systems are thick at the top: what is
-/// longest lies below what has the most volume.
+/// Scans mostly have their slices in the order of height, from either end. Root systems are thick and many at the top,
+/// and few go deep: most of the volume lies above what is longest, and above the middle between the highest and the
+/// lowest point. Where the two do not agree, as of a crown of fine roots on one that goes deep, the farther one counts.
 Vec3 likely_down(const CurveGraph& graph) {
   Centroid volume, length;
-  for (const CurveGraph::Branch& branch : graph.branches)
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (const CurveGraph::Branch& branch : graph.branches) {
     for_pieces(branch, [&](const Vec3& middle, double piece, double radius) {
       volume.add(middle[2], piece * radius * radius);
       length.add(middle[2], piece);
     });
-  return {0, 0, length.value() > volume.value() ? 1.0 : -1.0};
+    for (const Vec3& p : branch.points) {
+      low = std::min(low, p[2]);
+      high = std::max(high, p[2]);
+    }
+  }
+  return {0, 0, length.value() + (low + high) / 2 > 2 * volume.value() ? 1.0 : -1.0};
 }
 
 Vec3 likely_down(const Tree& tree) {
@@ -93,6 +100,27 @@ void check_curves(const CurveGraph& graph) {
     throw Error(ErrorCode::input,
                 "there are no branches to make a tree of: the shape is empty, or all of it is smaller than theta1",
                 "theta1");
+}
+
+/// A root node is asked for near the tree: nobody means a point that is farther away than the tree is large.
+template <class Branches>
+void check_roots(const std::vector<Vec3>& roots, const Branches& branches) {
+  for (const Vec3& root : roots) {
+    Vec3 low = branches.front().points.front(), high = low;
+    double nearest = std::numeric_limits<double>::infinity();
+    for (const auto& branch : branches)
+      for (const Vec3& p : branch.points) {
+        low = low.cwiseMin(p);
+        high = high.cwiseMax(p);
+        nearest = std::min(nearest, (p - root).norm());
+      }
+    if (nearest > (high - low).norm())
+      throw Error(ErrorCode::usage,
+                  fmt::format("root '{:.6g},{:.6g},{:.6g}' is {:.4g} away from the tree, which reaches from "
+                              "{:.4g},{:.4g},{:.4g} to {:.4g},{:.4g},{:.4g}",
+                              root[0], root[1], root[2], nearest, low[0], low[1], low[2], high[0], high[1], high[2]),
+                  "root");
+  }
 }
 
 }  // namespace
@@ -188,6 +216,7 @@ double TreeRun::length_of(TreeEdit::Kind kind) const {
 
 TreeRun run_tree(const TreeCurves& curves, const TreeOptions& options, const LoadedShape* shape, Context* context) {
   check_curves(curves.graph);
+  check_roots(options.repair.roots, curves.graph.branches);
   TreeRun result;
   for (const CurveGraph::Branch& branch : curves.graph.branches) result.length_before += branch.length;
   const std::optional<GreyValues> grey = grey_values_of(shape);
@@ -228,6 +257,7 @@ TreeRun run_tree(const TreeCurves& curves, const TreeOptions& options, const Loa
 TreeRun run_tree(Tree&& tree, bool new_axes, const TreeOptions& options) {
   TreeRun result;
   if (tree.branches.empty()) throw Error(ErrorCode::input, "the tree has no branches");
+  check_roots(options.hierarchy.roots, tree.branches);
   HierarchyOptions hierarchy = options.hierarchy;
   if (options.find_down) hierarchy.down = likely_down(tree);
   tree.down = hierarchy.down;

@@ -201,6 +201,7 @@ Table sample_table(const MeasuredTree& measured, const Table& axes, const Table&
     }
   const double depth = tree.axes.empty() ? 0 : top - bottom, width = widest(std::move(seen_from_above));
   const double hull = hull_volume(points_on_balls(tree));
+  add("down", "", "Where gravity points.", direction_text(tree.down));
   add("depth", unit, "Extent of the courses along down.", depth);
   add("width", unit, "Largest extent of the courses across down.", width);
   add("width_depth_ratio", "", "Width over depth.", ratio(width, depth));

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <utility>
 
 #include "quench/tree.h"
@@ -34,6 +37,12 @@ std::optional<Value> value_in(const std::array<NamesOf<Value>, N>& names, std::s
 }
 
 }  // namespace
+
+std::string direction_text(const Vec3& direction) {
+  for (int a = 0; a < 3; ++a)
+    if (std::abs(direction[a]) == 1) return fmt::format("{}{}", direction[a] < 0 ? '-' : '+', "xyz"[a]);
+  return fmt::format("{:.4g},{:.4g},{:.4g}", direction[0], direction[1], direction[2]);
+}
 
 std::string_view name_of(AxisRule rule) { return name_in(kAxisRules, rule); }
 std::optional<AxisRule> axis_rule_of(std::string_view name) { return value_in(kAxisRules, name); }

@@ -186,6 +186,24 @@ TEST_F(Batch, KilledAndStartedAgainTheTablesAreTheSame) {
   same_tables("a/out", "b/out");
 }
 
+TEST_F(Batch, ASampleInWorkIsLeftToTheRunThatHasIt) {
+  int held = -1;
+  Running running = stopped_at_second("a/out", held);
+  EXPECT_NE(batch(1, {"scans", "-o", "a/out"}).err.find("note: 1 sample left to another run of this batch"),
+            std::string::npos);
+  EXPECT_EQ(column("a/out/samples.csv", "status"), (Words{"failed", "missing", "ok", "ok"}));
+  // What a run that is killed may leave is removed by the next one.
+  folder.write("a/out/s1/core.vtp", "half");
+  kill(running.child, SIGKILL);
+  wait(running);
+  until_reader_is_gone(held);
+  close(held);
+  fs::remove(folder / "scans/s1.off");
+  folder.write("scans/s1.off", "OFF\nbad");
+  batch(1, {"scans", "-o", "a/out"});
+  EXPECT_FALSE(exists("a/out/s1/core.vtp"));
+}
+
 // As by Ctrl-C, which programs in the background may ignore.
 TEST_F(Batch, StoppedItEndsTheSamplesAndLeavesWhatIsDone) {
   int held = -1;
@@ -321,6 +339,38 @@ TEST_F(Batch, SamplesOfOtherKindsHaveTheUnionOfTheColumns) {
 }
 
 // Trees: the row of traits.csv, and all axes.
+TEST_F(Batch, ADamagedTableIsAFailureOfItsSampleAndMadeAgain) {
+  folder.write("a.swc", "1 2 0 0 0 1 -1\n2 2 0 0 -5 1 1\n");
+  folder.write("b.swc", "1 2 0 0 0 1 -1\n2 2 0 0 -7 1 1\n");
+  const Words line{"batch", ".", "-o", "out", "--", "--no-view", "--no-picture"};
+  works(line);
+  const std::string good = bytes("out/axes.csv");
+  folder.write("out/a/axes.csv", "id,note\n0,\"not closed\n");
+  Words collect = line;
+  collect.insert(collect.begin() + 4, "--collect");
+  const Outcome damaged = quench(collect);
+  EXPECT_EQ(damaged.code, 1);
+  EXPECT_NE(damaged.err.find("1 of 2 samples failed: 'a'"), std::string::npos) << damaged.err;
+  EXPECT_EQ(column("out/samples.csv", "status"), (Words{"failed", "ok"}));
+  EXPECT_NE(rows("out/samples.csv")[0]["sentence"].find("axes.csv"), std::string::npos);
+  EXPECT_EQ(column("out/axes.csv", "name"), (Words{"b"}));
+  works(line);
+  EXPECT_EQ(bytes("out/axes.csv"), good);
+}
+
+TEST_F(Batch, SaysWhereDownDiffers) {
+  folder.write("a.swc", "1 2 0 0 0 1 -1\n2 2 0 0 -5 1 1\n");
+  folder.write("b.swc", "1 2 0 0 0 1 -1\n2 2 0 0 -7 1 1\n");
+  folder.write("c.swc", "1 2 0 0 0 1 -1\n2 2 0 0 7 1 1\n");
+  const Words line{"batch", ".", "-o", "out", "--", "--no-view", "--no-picture"};
+  EXPECT_NE(works(line).err.find("note: down is +z of 1 sample ('c') and -z of 2 samples ('a' ...)"),
+            std::string::npos);
+  EXPECT_EQ(column("out/samples.csv", "down"), (Words{"-z", "-z", "+z"}));
+  Words same = line;
+  same.insert(same.end(), {"--down", "-z"});
+  EXPECT_EQ(works(same).err.find("note: down"), std::string::npos);
+}
+
 TEST_F(Batch, TreesGiveTraitsAndAxes) {
   const std::string stem = "1 2 0 0 0 1 -1\n2 2 0 0 -5 1 1\n3 2 0 0 -9 1 2\n";
   folder.write("straight.swc", stem);

@@ -47,8 +47,11 @@ class Options : public ProgramTest {
             {"voxelize", "s.off", "-o", "o.nrrd"}, {"core", "s.off", "-o", "o.vtp"},
             {"burn", "a.vtp", "-o", "o.vtp"},      {"skeleton", "a.vtp", "-o", "o.vtp"},
             {"view", "a.vtp", "-o", "o.html"},     {"info", "a.vtp"},
-            {"convert", "a.vtp", "o.ma"},          {"verify", "s.off", "a.vtp"}};
+            {"convert", "a.vtp", "o.ma"},          {"verify", "s.off", "a.vtp"},
+            {"tree", "s.off", "-o", "out"},        {"batch", "s.off", "-o", "out"}};
   }
+  /// Whether what a command writes is a folder.
+  static bool makes_folder(const std::vector<std::string>& line) { return line.back() == "out"; }
   static std::vector<std::string> with(std::vector<std::string> words, const std::vector<std::string>& more) {
     words.insert(words.end(), more.begin(), more.end());
     return words;
@@ -68,9 +71,9 @@ TEST_F(Options, EmptyValuesAreRefused) {
         continue;
       }
       const bool required = option.name == "--output" && line[0] != "view";
-      const std::string text = !required          ? " has an empty value; give one or leave it out"
-                               : line[0] == "run" ? " is empty; give the name of a folder"
-                                                  : " is empty; give the name of a file";
+      const std::string text = !required            ? " has an empty value; give one or leave it out"
+                               : makes_folder(line) ? " is empty; give the name of a folder"
+                                                    : " is empty; give the name of a file";
       refuses(2, {option.name + text}, with(line, {option.name + "="}));
       if (!option.value) continue;
       ++values;
@@ -273,11 +276,12 @@ TEST_F(Options, OutputsAreCheckedBeforeTheWork) {
   const std::string long_name(300, 'x');
   for (auto line : command_lines()) {
     if (line[0] == "info") continue;
+    const bool folder_made = makes_folder(line);
     const std::size_t at = line[0] == "convert" ? 2 : 3;
     if (line[0] == "verify") line = with(line, {"--json", "o.json"});
     std::string& output = line[line[0] == "verify" ? 4 : at];
     const std::string extension = std::filesystem::path(output).extension(), name = output;
-    if (line[0] != "run") {
+    if (!folder_made) {
       refuses(1, {"'no'", "does not exist", "create it"}, (output = "no/" + name, line));
       refuses(1, {"'file'", "not a folder"}, (output = "file/" + name, line));
     }
@@ -290,7 +294,7 @@ TEST_F(Options, OutputsAreCheckedBeforeTheWork) {
         continue;
       if (line[0] == "verify" && option.name == "--json") continue;
       std::vector<std::string> more = with(line, {option.name, ""});
-      if (line[0] == "run") more[3] = "new";
+      if (folder_made) more[3] = "new";
       refuses(1, {"'no'", "does not exist"}, (more.back() = "no/x.png", more));
       refuses(2, {"too long"}, (more.back() = long_name + ".png", more));
     }

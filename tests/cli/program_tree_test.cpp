@@ -113,6 +113,48 @@ TEST_F(TreeProgram, AShapeBecomesATree) {
   EXPECT_TRUE(has(said.err, "2 axes (1 of level 0, 1 of level 1)")) << said.err;
 }
 
+TEST_F(TreeProgram, LabelsAreNoGreyValues) {
+  make_volume("labels.npy", [](int x, int y, int z) {
+    return in_root(x, y, z) ? 3 : in_lateral(x, y, z) ? 1 : y == 0 ? 2 : 0;
+  });
+  refuses(2, {"'labels.npy' holds the labels 0, 1, 2, 3: give the one of the tree as --label K"},
+          {"tree", "labels.npy", "-o", "out"});
+  EXPECT_FALSE(exists("out"));
+  tree({"labels.npy", "-o", "out", "--label", "3", "--no-view", "--no-picture"});
+  const std::string info = works({"info", "labels.npy"}).out;
+  EXPECT_TRUE(has(info, "these are labels (0, 1, 2, 3); choose a shape with --label")) << info;
+  EXPECT_FALSE(has(info, "thresholds:"));
+}
+
+TEST_F(TreeProgram, RefusesRootNodesFarAwayAndFoldersOfResults) {
+  make_plant();
+  refuses(2, {"--root '9999,9999,9999' is 1.7", "away from the tree, which reaches from"},
+          {"tree", "plant.npy", "-o", "out", "--root", "9999,9999,9999", "--quiet"});
+  tree({"plant.npy", "-o", "out", "--no-view", "--no-picture"});
+  refuses(2, {"'out' is a folder of results; give 'out/tree.swc'"}, {"tree", "out", "-o", "more"});
+  refuses(2, {"--root '0,0,-500' is"}, {"tree", "out/tree.swc", "-o", "more", "--root", "0,0,-500"});
+}
+
+TEST_F(TreeProgram, WhatAnEarlierRunLeftGoes) {
+  make_plant();
+  tree({"plant.npy", "-o", "out"});
+  EXPECT_TRUE(exists("out/edits.csv") && exists("out/edited.nrrd") && exists("out/picture.png"));
+  folder.write("out/notes.txt", "mine");
+  folder.write("other.swc", "1 2 0 0 0 1 -1\n2 2 0 0 -5 1 1\n");
+  tree({"other.swc", "-o", "out", "--overwrite", "--no-view", "--no-picture"});
+  for (const char* file : {"edits.csv", "edited.nrrd", "view.html", "picture.png"})
+    EXPECT_FALSE(exists("out/" + std::string(file))) << file;
+  EXPECT_TRUE(exists("out/notes.txt") && exists("out/tree.swc"));
+}
+
+TEST_F(TreeProgram, SaysWhatIsNoTree) {
+  make_volume("block.npy", [](int x, int y, int z) { return x > 1 && x < 30 && y > 1 && y < 10 && z > 1 && z < 50; });
+  EXPECT_TRUE(has(tree({"block.npy", "-o", "block", "--no-view", "--no-picture"}).err,
+                  "note: this does not look like a tree: the shape fills 100 % of its box"));
+  make_plant();
+  EXPECT_FALSE(has(tree({"plant.npy", "-o", "plant", "--no-view", "--no-picture"}).err, "look like a tree"));
+}
+
 TEST_F(TreeProgram, OptionsOfTheTree) {
   make_plant();
   tree({"plant.npy", "-o", "a", "--down", "-z", "--root", "11,6,2", "--columns", "toporoot", "--no-picture",
