@@ -297,7 +297,7 @@ def tree(source: Any, kind: str = 'root', *, root: Points = None, plants: Option
     plants : int, optional
         So many trees, those that are worth most; 0: every part stays a tree of its own. Default: 1.
     down : "-z", "+y" ... or a vector, optional
-        Where gravity points. Default: of roots "-z" or "+z", so that thick ones lie above thin ones; else "-z".
+        Where gravity points. Default: of roots "-z" or "+z", so that most of the volume lies at the top; else "-z".
     repair : "all", "loops", "gaps" or "off"
         Whether loops are cut and gaps are bridged.
     reach : length or "auto"

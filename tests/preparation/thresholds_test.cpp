@@ -192,5 +192,30 @@ TEST(Histogram, CountsEveryFiniteSample) {
   EXPECT_TRUE(histogram_of(volume).counts.empty());
 }
 
+TEST(Labels, AreWholeNumbersThatFillRegions) {
+  Volume volume;
+  volume.grid.dims = {40, 4, 1};
+  std::vector<std::uint8_t> samples(160);
+  for (std::size_t i = 0; i < samples.size(); ++i) samples[i] = static_cast<std::uint8_t>(i / 40 % 3);
+  const auto labels = [&](auto values) {
+    volume.samples = std::move(values);
+    return labels_in(volume);
+  };
+  const std::vector<std::int64_t> three{0, 1, 2};
+  EXPECT_EQ(labels(samples), three);
+  EXPECT_EQ(labels(std::vector<std::int16_t>(samples.begin(), samples.end())), three);
+  EXPECT_TRUE(labels(std::vector<float>(samples.begin(), samples.end())).empty());
+  auto other = samples;
+  std::ranges::replace(other, std::uint8_t{2}, std::uint8_t{200});  // few values, far apart
+  EXPECT_TRUE(labels(other).empty());
+  std::ranges::replace(other, std::uint8_t{200}, std::uint8_t{0});  // a mask
+  EXPECT_TRUE(labels(other).empty());
+  std::mt19937 random(1);  // few values with noise
+  for (auto& value : other) value = static_cast<std::uint8_t>(random() % 4);
+  EXPECT_TRUE(labels(other).empty());
+  EXPECT_EQ(labels_text({0, 1, 2}), "0, 1, 2");
+  EXPECT_EQ(labels_text({0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 14}), "0, 1, 2 ... 14");
+}
+
 }  // namespace
 }  // namespace quench
