@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 
+#include "base/text.h"
 #include "option_checks.h"
 #include "program.h"
 #include "quench/io.h"
@@ -111,9 +112,9 @@ void say_without_effect(const CLI::App& app, const std::vector<std::string>& gro
     session.say(fmt::format("note: {} {} ignored: {}", fmt::join(names, ", "), names.size() == 1 ? "is" : "are", why));
 }
 
-/// Where the program chooses the threshold of grey values and nothing is said of preparing them: noise so strong that it
-/// leaves no room for the two thresholds of `thin` makes loops and specks, and a light blur takes most of them away. It
-/// would take thin roots and narrow gaps away, too, where it is not needed.
+/// Where the program chooses the threshold of grey values and nothing is said of preparing them: noise so strong that
+/// it leaves no room for the two thresholds of `thin` makes loops and specks, and a light blur takes most of them away.
+/// It would take thin roots and narrow gaps away, too, where it is not needed.
 void blur_noise(ShapeOptions& how, Session& session) {
   constexpr double kLight = 0.8;
   if (how.how.preparation.any()) return;
@@ -348,6 +349,9 @@ int make_tree(TreeProgram o, const CLI::App& app, Session& session) {
   const TreeRun& run = made.run;
   session.finished("tree");
   if (made.repaired) say_repair(run, files.edits.string(), session);
+  if (made.repaired && o.plants && run.tree.plants.size() < *o.plants)
+    session.say(fmt::format("only {} found: where else the curves could be cut, a part would be too short for a plant",
+                            base::counted(run.tree.plants.size(), "plant")));
   if (o.kind == pipeline::TreeKind::root && !o.down)
     session.say(fmt::format("down is {} (auto); --down says where else", direction_text(run.tree.down)));
 
