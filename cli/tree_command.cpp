@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 
+#include "base/text.h"
 #include "option_checks.h"
 #include "program.h"
 #include "quench/io.h"
@@ -410,6 +411,9 @@ int make_tree(TreeProgram o, const CLI::App& app, Session& session) {
       std::ranges::any_of(run.tree.plants, [](const Tree::Plant& plant) { return !plant.soma; }))
     session.say("note: a thickest ball that holds a whole tree is no soma");
   if (made.repaired) say_repair(run, files.edits.string(), session);
+  if (made.repaired && o.plants && run.tree.plants.size() < *o.plants)
+    session.say(fmt::format("only {} found: where else the curves could be cut, a part would be too short for a plant",
+                            base::counted(run.tree.plants.size(), "plant")));
   if (o.kind == pipeline::TreeKind::root && !o.down)
     session.say(fmt::format("down is {} (auto); --down says where else", direction_text(run.tree.down)));
 

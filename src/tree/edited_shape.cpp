@@ -191,6 +191,10 @@ class Growth {
       low_[i] = box.begin[i] - 1;
       size_[i] = box.end[i] - box.begin[i] + 2;
     }
+    const double voxels = static_cast<double>(size_[0]) * static_cast<double>(size_[1]) * static_cast<double>(size_[2]);
+    if (voxels > std::numeric_limits<std::uint32_t>::max())
+      throw Error(ErrorCode::failed,
+                  "the box around the shape has more than 2^32 voxels, too many for the edited shape", "edited shape");
     step_ = {1, size_[0], size_[0] * size_[1]};
     flags_.assign(static_cast<std::size_t>(size_[0] * size_[1] * size_[2]), 0);
     for (std::int64_t z = box.begin[2]; z < box.end[2]; ++z)
@@ -214,7 +218,8 @@ class Growth {
                                     (n / 9 - 1) * step_[2]);
   }
 
-  // The thickest voxel of each tree that is not beside that of another one.
+  // The thickest voxel of each tree that is not beside that of another one; where there is none, one that has no face
+  // in common with it.
   void plant_seeds() {
     std::vector<std::vector<std::pair<double, Vec3>>> places(repaired_.graph.components);
     for (const CurveGraph::Branch& branch : repaired_.graph.branches)
@@ -224,15 +229,17 @@ class Growth {
       if (node.degree == 0) places[node.component].push_back({-node.radius, node.point});
     for (auto& of_tree : places) {
       std::ranges::stable_sort(of_tree, {}, [](const auto& place) { return place.first; });
-      for (const auto& [radius, point] : of_tree) {
-        const std::size_t i = index(voxel_of(clamped(point)));
-        bool beside = (flags_[i] & kGrown) != 0;
-        for (int n = 0; n < 27; ++n) beside = beside || (flags_[neighbour(i, n)] & kGrown) != 0;
-        if (beside) continue;
-        flags_[i] |= kGrown;
-        seeds_.push_back(i);
-        break;
-      }
+      const auto plant = [&](std::uint32_t neighbours) {
+        for (const auto& [radius, point] : of_tree) {
+          const std::size_t i = index(voxel_of(clamped(point)));
+          if ((flags_[i] & kGrown) || (around(i) & neighbours)) continue;
+          flags_[i] |= kGrown;
+          seeds_.push_back(i);
+          return true;
+        }
+        return false;
+      };
+      if (!plant(~0u)) plant(shape::kFaceNeighbours);
     }
   }
 

@@ -15,7 +15,8 @@ namespace quench::tree {
 namespace {
 
 constexpr double kBright = 0.05;
-constexpr double kDetour = 1.3;  // longest way over the distance of its ends
+constexpr double kDetour = 1.3;         // longest way over the distance of its ends
+constexpr double kMostCells = 1 << 20;  // of a box that ways are looked for in
 
 using Cell = std::array<std::int64_t, 3>;
 
@@ -48,6 +49,10 @@ struct Box {
   }
 };
 
+double darkness_of(double relative) {
+  return std::isnan(relative) ? 1 : std::clamp(1 - (1 - kBright) * relative, kBright, 1.0);
+}
+
 }  // namespace
 
 GreyPaths::GreyPaths(const GreyValues& grey) : grey_(grey) {
@@ -68,6 +73,28 @@ GreyPaths::GreyPaths(const GreyValues& grey) : grey_(grey) {
   if (*middle != grey.threshold) background_ = *middle;
 }
 
+GreyPaths::Way GreyPaths::straight_way(const Vec3& a, const Vec3& b) const {
+  const Grid& grid = grey_.volume->grid;
+  const auto steps = static_cast<std::int64_t>(std::ceil((b - a).cwiseQuotient(grid.spacing).cwiseAbs().maxCoeff()));
+  Way way;
+  way.darkness = 0;
+  std::visit(
+      [&](const auto& samples) {
+        for (std::int64_t i = 0; i <= steps; ++i) {
+          const double t = steps > 0 ? static_cast<double>(i) / static_cast<double>(steps) : 0;
+          const Cell c = voxel_at(grid, (1 - t) * a + t * b);
+          const double value = relative(static_cast<double>(
+              samples[static_cast<std::size_t>(c[0] + grid.dims[0] * (c[1] + grid.dims[1] * c[2]))]));
+          way.grey += std::isnan(value) ? 0 : value;
+          way.darkness += darkness_of(value);
+        }
+      },
+      grey_.volume->samples);
+  way.grey /= static_cast<double>(steps + 1);
+  way.darkness /= static_cast<double>(steps + 1);
+  return way;
+}
+
 GreyPaths::Way GreyPaths::between(const Vec3& a, const Vec3& b) const {
   const Grid& grid = grey_.volume->grid;
   const Cell from = voxel_at(grid, a), to = voxel_at(grid, b);
@@ -83,6 +110,9 @@ GreyPaths::Way GreyPaths::between(const Vec3& a, const Vec3& b) const {
     box.low[i] = std::max<std::int64_t>(std::min(from[i], to[i]) - margin, 0);
     box.size[i] = std::min(std::max(from[i], to[i]) + margin, grid.dims[i] - 1) - box.low[i] + 1;
   }
+  if (static_cast<double>(box.size[0]) * static_cast<double>(box.size[1]) * static_cast<double>(box.size[2]) >
+      kMostCells)
+    return straight_way(a, b);
   const auto count = static_cast<std::size_t>(box.size[0] * box.size[1] * box.size[2]);
   box.value.resize(count);
   std::visit(
@@ -94,9 +124,7 @@ GreyPaths::Way GreyPaths::between(const Vec3& a, const Vec3& b) const {
         }
       },
       grey_.volume->samples);
-  const auto darkness = [&](std::size_t i) {
-    return std::isnan(box.value[i]) ? 1 : std::clamp(1 - (1 - kBright) * box.value[i], kBright, 1.0);
-  };
+  const auto darkness = [&](std::size_t i) { return darkness_of(box.value[i]); };
 
   std::vector<double> cost(count, std::numeric_limits<double>::infinity());
   std::vector<std::uint32_t> before(count, kNone);

@@ -20,7 +20,9 @@ using tree::ForestEdge;
 using tree::Joint;
 using tree::Model;
 
-constexpr double kWorth = 2;  // cost of a bridge that a unit of length is worth
+constexpr double kLeastPlant = 0.2;    // length of a plant that is cut off another one, over the mean of all
+constexpr double kMostOfTouching = 2;  // gain of what may be a touching: no piece, no continuation
+constexpr double kWorth = 2;           // cost of a bridge that a unit of length is worth
 
 class Repairing {
  public:
@@ -54,8 +56,11 @@ class Repairing {
     for (const Bridge& bridge : bridges) edges.push_back({bridge.ends[0].vertex, bridge.ends[1].vertex, -bridge.cost});
     std::vector<double> worth = worth_of_vertices();
     for (double& w : worth) w *= kWorth;
-    const std::vector<std::uint32_t> marked = marked_vertices(worth);
-    const std::vector<std::uint8_t> kept = tree::spanning_forest(vertices_, edges, marked, worth);
+    std::vector<std::uint32_t> marked = marked_vertices(worth);
+    std::vector<std::uint8_t> kept = tree::spanning_forest(vertices_, edges, marked, worth);
+    if (options_.roots.empty() && !loops_stay)
+      while (!marked.empty() && marked.size() < options_.plants && part_plants(edges, worth, marked, kept)) {
+      }
 
     base::UnionFind trees(vertices_);
     for (std::size_t e = 0; e < edges.size(); ++e)
@@ -75,6 +80,52 @@ class Repairing {
     std::vector<char> stays(vertices_, 0);
     for (const std::uint32_t v : marked) stays[trees.find(v)] = 1;
     for (std::uint32_t v = 0; v < vertices_; ++v) choice_.left_out[v] = stays[trees.find(v)] ? 0 : 1;
+  }
+
+  // Cuts the cheapest contact between two parts that are both as long as a plant may be; false: there is none.
+  bool part_plants(const std::vector<ForestEdge>& edges, const std::vector<double>& worth,
+                   std::vector<std::uint32_t>& marked, std::vector<std::uint8_t>& kept) const {
+    std::vector<std::uint32_t> order, above;
+    std::vector<std::size_t> edge_above(vertices_, edges.size());
+    walk_forest(edges, kept, marked, order, above, edge_above);
+    std::vector<double> below = worth, whole(vertices_, 0);
+    double sum = 0;
+    for (const std::uint32_t v : order) sum += worth[v];
+    for (auto v = order.rbegin(); v != order.rend(); ++v)
+      if (above[*v] != kNone) below[above[*v]] += below[*v];
+    for (const std::uint32_t v : order) whole[v] = above[v] == kNone ? below[v] : whole[above[v]];
+    const double least = kLeastPlant * sum / options_.plants;
+    std::uint32_t best = kNone;
+    for (const std::uint32_t v : order) {
+      if (above[v] == kNone || below[v] < least || whole[v] - below[v] < least) continue;
+      const double gain = edges[edge_above[v]].gain;
+      if (gain < kMostOfTouching && (best == kNone || gain < edges[edge_above[best]].gain)) best = v;
+    }
+    if (best == kNone) return false;
+    kept[edge_above[best]] = 0;
+    marked.push_back(best);
+    return true;
+  }
+
+  // The vertices of the trees of the marked ones, each after the one above it.
+  void walk_forest(const std::vector<ForestEdge>& edges, const std::vector<std::uint8_t>& kept,
+                   const std::vector<std::uint32_t>& marked, std::vector<std::uint32_t>& order,
+                   std::vector<std::uint32_t>& above, std::vector<std::size_t>& edge_above) const {
+    std::vector<std::vector<std::pair<std::uint32_t, std::size_t>>> next(vertices_);
+    for (std::size_t e = 0; e < edges.size(); ++e) {
+      if (!kept[e]) continue;
+      next[edges[e].a].push_back({edges[e].b, e});
+      next[edges[e].b].push_back({edges[e].a, e});
+    }
+    above.assign(vertices_, kNone);
+    order = marked;
+    for (std::size_t i = 0; i < order.size(); ++i)
+      for (const auto& [v, e] : next[order[i]]) {
+        if (e == edge_above[order[i]]) continue;
+        above[v] = order[i];
+        edge_above[v] = e;
+        order.push_back(v);
+      }
   }
 
   // Lengths; a speck has its diameter.

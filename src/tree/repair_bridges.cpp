@@ -109,7 +109,7 @@ class BridgeSearch {
     for (const Piece& piece : model_.pieces) length_[model_.component[piece.node[0]]] += piece.length;
     find_sources();
     std::vector<std::vector<Bridge>> found(sources_.size());
-    const std::size_t chunks = base::chunks_for(sources_.size(), 64);
+    const std::size_t chunks = base::chunks_for(sources_.size(), paths_ ? 1 : 64);  // ways take long
     base::in_arena(context_, [&] {
       base::for_chunks(chunks, context_, "bridges", 0, 1, [&](std::size_t chunk) {
         const auto [first, last] = base::part_of(sources_.size(), chunk, chunks);

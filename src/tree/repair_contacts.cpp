@@ -10,10 +10,13 @@
 namespace quench::tree {
 namespace {
 
-constexpr double kCertain = 100;        // gain of what is never cut
-constexpr double kMiss = 2;             // weight of a miss of a radius
-constexpr double kNeckEnd = 1.5;        // gain of the ends of a neck: rather the neck itself is cut
-constexpr std::size_t kMostPairs = 16;  // arms of a joint that are looked at in pairs
+constexpr double kCertain = 100;                // gain of what is never cut
+constexpr double kMiss = 2;                     // weight of a miss of a radius
+constexpr double kFromBody = 1.5;               // weight of coming out of a body
+constexpr double kNeckEnd = 1.5;                // gain of the ends of a neck: rather the neck itself is cut
+constexpr double kBase = 0.9;                   // gain of what is for certain the base of a branch
+constexpr double kCrossing = 1.5, kBody = 2.5;  // radius of a tie over that of what it ties
+constexpr std::size_t kMostPairs = 16;          // arms of a joint that are looked at in pairs
 
 // By how much the line of an arm misses the axis of what goes on at its joint, in radii: a branch begins on the axis of
 // its parent, a tip that touches need not end there.
@@ -32,29 +35,46 @@ double miss_of(const Model& model, std::uint32_t arm) {
   return radius > 0 ? miss / radius : 0;
 }
 
+const Vec3& point_of(const Model& model, std::uint32_t arm) {
+  return model.nodes[model.piece_of(arm).node[arm % 2]].point;
+}
+
+// The radius of the joint where an arm begins: of an arm that comes out of a body it is that of the body.
+double radius_at(const Model& model, std::uint32_t arm) {
+  return model.nodes[model.piece_of(arm).node[arm % 2]].radius;
+}
+
+// From 0, where a tie is no thicker than a crossing of tubes of this radius, to 1, where it is a body they come out of.
+double thickness_of_tie(const Model& model, double tie, double radius) {
+  const double ratio = (tie + model.finest) / (radius + model.finest);
+  return std::clamp((ratio - kCrossing) / (kBody - kCrossing), 0.0, 1.0);
+}
+
 // How likely an end of a pass is where it comes from another pass, from 0 to 1: roots grow thinner from base to tip, so
 // that of two ends that both meet others the thinner one is a tip that touches.
 double likeness_to_base(const Model& model, std::uint32_t arm, std::uint32_t on) {
   const Pass &pass = model.passes[model.piece_of(arm).pass], &other = model.passes[model.piece_of(on).pass];
   const std::size_t end = pass.arms[0] == arm ? 0 : 1;
-  double likeness = 0.9;
+  double likeness = kBase;
   if (!model.is_free(pass.arms[1 - end])) {
     const double here = pass.radius[end], there = pass.radius[1 - end];
     const double ratio = here > 0 && there > 0 ? std::log(here / there) : 0;
     const double miss_here = std::min(1.0, miss_of(model, arm)),
                  miss_there = std::min(1.0, miss_of(model, pass.arms[1 - end]));
-    const double odds = ratio / 0.15 + kMiss * (miss_there * miss_there - miss_here * miss_here);
+    const double body = thickness_of_tie(model, radius_at(model, arm), here) -
+                        thickness_of_tie(model, radius_at(model, pass.arms[1 - end]), there);
+    const double odds = ratio / 0.15 + kMiss * (miss_there * miss_there - miss_here * miss_here) + kFromBody * body;
     likeness = 0.1 + 0.7 / (1 + std::exp(-odds));
   }
-  const double thicker = pass.radius[end] > 0 ? other.widest / pass.radius[end] : 1;
+  // The thick end of a body that thin ones come out of is no touching.
+  const double under = std::max(other.widest, radius_at(model, arm));
+  const double thicker = pass.radius[end] > 0 ? under / pass.radius[end] : 1;
+  if (other.widest < pass.radius[end])
+    likeness = std::max(likeness, kBase * thickness_of_tie(model, radius_at(model, arm), other.widest));
   return likeness * std::min(1.0, thicker * thicker / 0.64);
 }
 
 bool is_end_of_pass(const Model& model, std::uint32_t arm) { return model.arms[arm].continued == kNone; }
-
-const Vec3& point_of(const Model& model, std::uint32_t arm) {
-  return model.nodes[model.piece_of(arm).node[arm % 2]].point;
-}
 
 double gain_of_continuation(const Model& model, std::uint32_t arm) {
   // A closed curve is cut where it is thin, not at the point that is called its node.
@@ -72,7 +92,13 @@ double gain_of_meeting(const Model& model, std::uint32_t a, std::uint32_t b) {
     const double here = std::max(model.arms[own].radius, model.arms[model.arms[own].continued].radius);
     gain = std::max(gain, 0.4 * std::min(1.0, here * here / (pass.widest * pass.widest)));
   }
-  return gain + 0.3 * (1 - std::min(model.arms[a].straight, model.arms[b].straight));
+  gain += 0.3 * (1 - std::min(model.arms[a].straight, model.arms[b].straight));
+  // Two that come out of opposite sides of a body look like one that passes it.
+  const auto radius = [&](std::uint32_t arm) {
+    return std::max(model.arms[arm].radius, model.arms[model.arms[arm].continued].radius);
+  };
+  const double tie = std::min(radius_at(model, a), radius_at(model, b));
+  return std::max(gain, kBase * thickness_of_tie(model, tie, std::min(radius(a), radius(b))));
 }
 
 double gain_of_end(const Model& model, std::uint32_t arm, std::uint32_t on) {

@@ -85,6 +85,37 @@ TEST(EditedShape, EveryPlantIsATree) {
   EXPECT_FALSE(one.edited.contains(8, 8, 30));  // left out
 }
 
+TEST(EditedShape, OfTwoPlantsThatTouchIsTwoTrees) {
+  RepairOptions options;
+  options.plants = 2;
+  const Way way = way_of(
+      voxels_of({{{{16, 32, 6}, {30, 32, 32}, {16, 32, 58}}, 4, 4}, {{{48, 32, 6}, {36, 32, 32}, {48, 32, 58}}, 4, 4}},
+                64),
+      options);
+  EXPECT_EQ(topology(way.shape), trees(1));
+  EXPECT_EQ(topology(way.edited), trees(2));
+}
+
+// Trees of one voxel each, corner to corner.
+TEST(EditedShape, SeedsMayTouch) {
+  VoxelShape shape(Grid{{4, 4, 4}});
+  Repaired repaired;
+  for (std::int32_t z = 0; z < 4; ++z)
+    for (std::int32_t y = 0; y < 4; ++y) {
+      std::vector<quench::Run> runs;
+      if (y == z && (y == 1 || y == 2)) {
+        runs.push_back({y, y + 1});
+        CurveGraph::Node node;
+        node.point = Vec3::Constant(y + 0.5);
+        node.radius = 0.5;
+        node.component = repaired.graph.components++;
+        repaired.graph.nodes.push_back(node);
+      }
+      shape.append_row(runs);
+    }
+  EXPECT_EQ(topology(edited_shape(shape, repaired.graph, repaired)), trees(2));
+}
+
 TEST(EditedShape, IsATreeWhateverTheShape) {
   std::uint64_t state = 5;
   const auto random = [&](double low, double high) {

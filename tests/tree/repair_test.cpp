@@ -203,6 +203,23 @@ TEST(Repair, TubesThatCrossGoOnStraight) {
   }
 }
 
+// Two plants that cross: the cheapest cut leaves both whole. A tip is no plant.
+TEST(Repair, PlantsThatTouchAreParted) {
+  std::vector<Tube> tubes;
+  for (const double side : {-1.0, 1.0}) {
+    tubes.push_back({{{50 * side, 0, 0}, {0, 0, -60}}, 4, 3.5});
+    tubes.push_back({{{0, 0, -60}, {-50 * side, 0, -120}}, 3.5, 3});
+  }
+  RepairOptions options;
+  options.plants = 2;
+  const Repaired result = repaired(graph_of(tubes), options);
+  expect_consistent(result);
+  EXPECT_EQ(kinds(result), std::vector{Kind::cut_crossing});
+  EXPECT_EQ(result.graph.components, 2u);
+  options.plants = 3;
+  EXPECT_EQ(repaired(graph_of(tubes), options).graph.components, 2u);
+}
+
 // The tip of one lateral touches another: neither that one nor the place where it emerges is cut.
 TEST(Repair, ATipThatTouchesIsCut) {
   std::vector<Tube> tubes = main_root({40, 100});
