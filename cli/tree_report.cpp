@@ -110,17 +110,28 @@ void say_repair(const pipeline::TreeRun& run, const std::string& list, Session& 
   const std::size_t touching = run.edits_of(Kind::cut_touching), crossing = run.edits_of(Kind::cut_crossing),
                     cuts = run.edits_of(Kind::cut_loop) + touching + crossing, bridges = run.edits_of(Kind::bridge),
                     left_out = run.edits_of(Kind::left_out);
+  const double cut_length =
+      run.length_of(Kind::cut_loop) + run.length_of(Kind::cut_touching) + run.length_of(Kind::cut_crossing);
   std::vector<std::string> done, of_cuts;
   if (touching > 0) of_cuts.push_back(fmt::format("{} where tubes touch", touching));
   if (crossing > 0) of_cuts.push_back(fmt::format("{} where they cross", crossing));
   if (cuts > 0)
-    done.push_back(base::counted(cuts, "cut") + (of_cuts.empty() ? "" : fmt::format(" ({})", joined(of_cuts))));
+    done.push_back(fmt::format("{}{} with {} of the length", base::counted(cuts, "cut"),
+                               of_cuts.empty() ? "" : fmt::format(" ({})", joined(of_cuts)),
+                               part_text(cut_length, run.length_before)));
   if (bridges > 0) done.push_back(base::counted(bridges, "bridge"));
   if (left_out > 0)
     done.push_back(fmt::format("{} left out with {} of the length", base::counted(left_out, "part"),
                                part_text(run.length_of(Kind::left_out), run.length_before)));
   session.say(done.empty() ? "repair: nothing was to be done"
                            : fmt::format("repair: {}; {} lists them", joined(done), list));
+  const double kept = total_length(run.tree), joined_up = run.length_before - run.length_of(Kind::left_out);
+  if (run.loops_before > 0 && 4 * kept < 3 * joined_up)
+    session.say(fmt::format(
+        "note: this does not look like a tree: its axes have {} of the length of the curves, the rest was cut to open "
+        "loops or is no axis after that, as of shells and nets; quench run keeps loops, another --threshold or --blur "
+        "may help against noise",
+        part_text(kept, joined_up)));
   if (2 * run.length_of(Kind::left_out) > run.length_before)
     session.say(
         "note: this does not look like a tree: more than half of the length is left out; another --threshold or "

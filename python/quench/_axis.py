@@ -34,9 +34,8 @@ def medial_axis(image_or_mesh: Any, *, spacing: Spacing = None, threshold: Thres
         Size of a voxel or pixel along the axes of the array: of an image, of rows and columns (y, x). Default: what the
         file says, else 1.
     threshold : float, (float, float), "auto", "thin" or "otsu", optional
-        The shape is where the image is at least this. Of a pair, where it is at least the first and connected to where it
-        is at least the second. "auto": the value at which most of the edges are cut; "thin": two thresholds for
-        thin things (docs/user/volumes.md); "otsu": by Otsu's method.
+        The shape is where the image is at least this; of a pair, at least the first and connected to where it is at least
+        the second. "auto": cuts most of the edges; "thin": two, for thin things (docs/user/volumes.md); "otsu": Otsu's.
     label : int, optional
         The shape is where the image is exactly this.
     dimension : 2 or 3, optional
