@@ -17,6 +17,7 @@ namespace quench::dual {
 
 inline constexpr std::uint32_t kUnmatched = kNone;     ///< it is not yet known what lies across the facet
 inline constexpr std::uint32_t kBoundary = kNone - 1;  ///< the facet is a square of the boundary of O
+inline constexpr std::uint32_t kPruned = kNone - 2;    ///< there was a link between two polytopes, which is pruned
 
 /// Polytopes of the Delaunay complex inside O (maximal cospherical sets of sites) and what lies across their facets.
 struct Cells {
