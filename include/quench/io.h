@@ -48,6 +48,10 @@ enum class Kind { surface, volume, polygons, unknown };
 /// By extension (and for a folder, by its content) only; does not open the file.
 Kind kind_of(const std::filesystem::path& file);
 
+/// What is on the disk under the name of an input: where there is no such file, the part of the name before a colon, as
+/// of `scan.zarr:c=1`; the name itself where that is not there either.
+std::filesystem::path place_of_input(const std::filesystem::path& file);
+
 /// .ply .obj .off .stl .vtp .ma and, where built with Assimp, its formats. Arrays the format carries are kept by name
 /// (`radius` and `quality` of PLY, r of .ma, all arrays of VTP). STL corners are welded by exact position. What a
 /// format calls a face becomes a point, a line or a polygon by its number of corners (1, 2, more) in every format; a

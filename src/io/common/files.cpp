@@ -10,6 +10,7 @@
 
 #include "base/memory.h"
 #include "io/common/formats.h"
+#include "io/volume/zarr.h"
 
 namespace quench::io {
 namespace {
@@ -45,6 +46,7 @@ std::string lower_extension(const std::filesystem::path& file) {
 }
 
 Kind kind_of(const std::filesystem::path& file) {
+  if (is_zarr(file)) return Kind::volume;
   std::error_code ignored;
   if (std::filesystem::is_directory(file, ignored)) {
     for (std::filesystem::directory_iterator entry(file, ignored), end; !ignored && entry != end;
@@ -57,6 +59,18 @@ Kind kind_of(const std::filesystem::path& file) {
   if (among(kVolumeExtensions, extension) || ends_with_nii_gz(file)) return Kind::volume;
   if (among(kPolygonExtensions, extension)) return Kind::polygons;
   return Kind::unknown;
+}
+
+std::filesystem::path place_of_input(const std::filesystem::path& file) {
+  const std::string name = file.string();
+  const auto exists = [](const std::filesystem::path& path) {
+    std::error_code ignored;
+    return std::filesystem::exists(path, ignored);
+  };
+  if (exists(file)) return file;
+  for (std::size_t colon = name.rfind(':'); colon != name.npos && colon > 0; colon = name.rfind(':', colon - 1))
+    if (exists(name.substr(0, colon))) return name.substr(0, colon);
+  return file;
 }
 
 namespace {

@@ -6,6 +6,7 @@
 #include "io/volume/slice_streams.h"
 #include "io/volume/stored_volume.h"
 #include "io/volume/volume_formats.h"
+#include "io/volume/zarr.h"
 #include "quench/error.h"
 #include "quench/io.h"
 #include "quench/shape.h"
@@ -46,7 +47,9 @@ std::optional<SliceStream> open_slices(const std::filesystem::path& file, const 
   std::optional<SliceStream> stream;
   std::error_code error;
   const std::string extension = volume_extension(file);
-  if (std::filesystem::is_directory(file, error)) {
+  if (is_zarr(file)) {
+    stream = open_zarr(file, options, context);
+  } else if (std::filesystem::is_directory(file, error)) {
     stream = open_slice_folder(file, options, context);
   } else if (extension == ".tif" || extension == ".tiff") {
     stream = open_tiff(file, options, context);

@@ -13,6 +13,7 @@
 #include "io/volume/slice_streams.h"
 #include "io/volume/stored_volume.h"
 #include "io/volume/volume_formats.h"
+#include "io/volume/zarr.h"
 #include "quench/error.h"
 #include "quench/io.h"
 
@@ -25,6 +26,7 @@ void refuse(const std::filesystem::path& file, const char* format, const std::st
 namespace {
 
 Volume read_by_extension(const std::filesystem::path& file, const VolumeReadOptions& options, Context* context) {
+  if (is_zarr(file)) return read_stream(open_zarr(file, options, context), file, context);
   std::error_code ignored;
   if (std::filesystem::is_directory(file, ignored)) return read_slices(file, options, context);
   const std::string extension = volume_extension(file);
@@ -39,8 +41,8 @@ Volume read_by_extension(const std::filesystem::path& file, const VolumeReadOpti
   if (is_stored_volume(extension)) return read_stream(open_stored(file, context), file, context);
   throw Error(ErrorCode::usage,
               fmt::format("'{}' is neither a volume nor an image by its extension; volumes are .nrrd .nhdr .mha .mhd "
-                          ".nii .nii.gz .mrc .map .tif .tiff .npy .vol .sof .out or a folder of PNG or TIFF slices, images "
-                          ".png .tif .bmp .jpg .pgm .pbm .ppm",
+                          ".nii .nii.gz .mrc .map .tif .tiff .npy .vol .sof .out, a folder of Zarr or N5 or one of "
+                          "PNG or TIFF slices, images .png .tif .bmp .jpg .pgm .pbm .ppm",
                           file.string()));
 }
 
