@@ -29,6 +29,8 @@
 ///   .tif, a folder of TIFF slices (libtiff)                            x
 ///   .npy  .vol (DGtal)  .sof  .out  .png, a folder of PNG slices       x
 ///   .pbm .pgm .ppm .pnm  .bmp  .jpg .jpeg (libjpeg)                    x
+///   .h5 .hdf5 .hdf .ims (libhdf5), also .h5:/path/to/dataset           x
+///   DICOM, a file or a folder (GDCM)                                   x
 ///   .nrrd (gzip)                                                                  x
 ///
 /// Polygons of the plane (.geojson .json .geojsonl .geojsons .ndjson .wkt .svg) are read by the functions of
@@ -45,8 +47,11 @@ namespace quench::io {
 
 enum class Kind { surface, volume, polygons, unknown };
 
-/// By extension (and for a folder, by its content) only; does not open the file.
+/// By extension, for a folder by its content. Only files whose extension says nothing are opened, for the mark of DICOM.
 Kind kind_of(const std::filesystem::path& file);
+
+/// The file or folder that a name means: `v.h5` for the dataset `v.h5:/path/to/it`, else the name itself.
+std::filesystem::path file_of(const std::filesystem::path& name);
 
 /// .ply .obj .off .stl .vtp .ma and, where built with Assimp, its formats. Arrays the format carries are kept by name
 /// (`radius` and `quality` of PLY, r of .ma, all arrays of VTP). STL corners are welded by exact position. What a
@@ -102,7 +107,7 @@ void write_volume(const std::filesystem::path& file, const VoxelShape& shape, co
 void write_atomically(const std::filesystem::path& file, const std::function<void(std::ostream&)>& body);
 
 /// A volume or image as slices where its format allows it: NRRD with its samples in the same file, raw or gzip;
-/// uncompressed MetaImage and MRC; .out; TIFF; folders of PNG or TIFF slices. Nothing for other files: read_volume() reads
+/// uncompressed MetaImage and MRC; .out; TIFF; HDF5; DICOM; folders of slices. Nothing for other files: read_volume() reads
 /// them whole. Throws as read_volume() does.
 std::optional<SliceStream> open_slices(const std::filesystem::path& file, const VolumeReadOptions& options = {},
                                        Context* context = nullptr);
