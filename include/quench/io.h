@@ -29,6 +29,8 @@
 ///   .tif, a folder of TIFF slices (libtiff)                            x
 ///   .npy  .vol (DGtal)  .sof  .out  .png, a folder of PNG slices       x
 ///   .pbm .pgm .ppm .pnm  .bmp  .jpg .jpeg (libjpeg)                    x
+///   .h5 .hdf5 .hdf .ims (libhdf5), also .h5:/path/to/dataset           x
+///   DICOM, a file or a folder (GDCM)                                   x
 ///   .nrrd (gzip)                                                                  x
 ///
 /// Polygons of the plane (.geojson .json .geojsonl .geojsons .ndjson .wkt .svg) are read by the functions of
@@ -45,7 +47,7 @@ namespace quench::io {
 
 enum class Kind { surface, volume, polygons, unknown };
 
-/// By extension (and for a folder, by its content) only; does not open the file.
+/// By extension, for a folder by its content. Only files whose extension says nothing are opened, for the mark of DICOM.
 Kind kind_of(const std::filesystem::path& file);
 
 /// What is on the disk under the name of an input: where there is no such file, the part of the name before a colon, as
@@ -106,7 +108,7 @@ void write_volume(const std::filesystem::path& file, const VoxelShape& shape, co
 void write_atomically(const std::filesystem::path& file, const std::function<void(std::ostream&)>& body);
 
 /// A volume or image as slices where its format allows it: NRRD with its samples in the same file, raw or gzip;
-/// uncompressed MetaImage and MRC; .out; TIFF; folders of PNG or TIFF slices. Nothing for other files: read_volume() reads
+/// uncompressed MetaImage and MRC; .out; TIFF; HDF5; DICOM; folders of slices. Nothing for other files: read_volume() reads
 /// them whole. Throws as read_volume() does.
 std::optional<SliceStream> open_slices(const std::filesystem::path& file, const VolumeReadOptions& options = {},
                                        Context* context = nullptr);
