@@ -6,6 +6,7 @@
 #include <functional>
 #include <limits>
 #include <optional>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -51,7 +52,7 @@ class Cover {
     find_uncovered(context);
     if (std::ranges::none_of(uncovered_, [](char u) { return u; })) return;
     const BallTree tree(axis_);
-    ShortestPaths paths(axis_, kLengthUnit * least_);
+    ShortestPaths paths(axis_, kLengthUnit * least_, kLongestPath * least_);
     reach_out(tree, paths);
     needed_.assign(components_.member_count(), 0);
     take_faces();
@@ -106,7 +107,8 @@ class Cover {
     });
     return largest;
   }
-  // Keeps the shortest path from a ball near enough to what is kept.
+  // Keeps the shortest path from a ball near enough to what is significant, if need be by way of earlier paths; where
+  // that is too far away the largest of these balls.
   void add_path_to(const Vec3& p, const BallTree& tree, ShortestPaths& paths) {
     paths.restart();
     std::vector<std::uint32_t> sources;
@@ -114,14 +116,29 @@ class Cover {
       paths.add_source(v);
       sources.push_back(v);
     });
-    const auto stop = [&](std::uint32_t v) { return kept_[v] != 0; };
+    if (std::ranges::any_of(sources, [&](std::uint32_t v) { return kept_[v] != 0; })) return;
+    const auto stop = [&](std::uint32_t v) { return rest_of(v) < base::kNever; };
     std::uint32_t v = paths.next(stop);
-    while (v != kNone && !kept_[v]) v = paths.next(stop);
-    if (v == kNone) v = largest_of(sources);  // nothing is kept in this component of the axis
-    keep(detail_.vertex[v]);
-    kept_[v] = 1;
+    while (v != kNone && paths.distance(v) + rest_of(v) > paths.longest()) v = paths.next(stop);
+    if (v == kNone) {
+      v = largest_of(sources);
+      keep(detail_.vertex[v]);
+      kept_[v] = 1;
+      rest_[v] = base::kNever;
+      return;
+    }
     keep_path(paths, v);
-    paths.walk_back(v, [&](std::uint32_t, std::uint32_t w) { kept_[w] = 1; });
+    const double whole = paths.distance(v) + rest_of(v);
+    paths.walk_back(v, [&](std::uint32_t, std::uint32_t w) {
+      kept_[w] = 1;
+      rest_[w] = whole - paths.distance(w);
+    });
+  }
+  // The length from a vertex along paths to what is significant; infinite where no path leads there.
+  double rest_of(std::uint32_t v) const {
+    if (!kept_[v]) return base::kNever;
+    const auto found = rest_.find(v);
+    return found == rest_.end() ? 0 : found->second;
   }
   std::uint32_t largest_of(const std::vector<std::uint32_t>& vertices) const {
     return *std::ranges::max_element(vertices, {}, [&](std::uint32_t v) { return std::pair(axis_.radius[v], ~v); });
@@ -181,7 +198,7 @@ class Cover {
   }
 
   // Connects parts that nothing significant is in to the nearest other part along edges, until each is connected to
-  // what is significant or there is nothing else in its component of the axis.
+  // what is significant or there is nothing else near enough.
   void connect(ShortestPaths& paths) {
     base::UnionFind parts = united_cells();
     std::vector<char> connected(axis_.complex.vertex_count, 0);  // of the roots
@@ -217,6 +234,7 @@ class Cover {
       for (const std::uint32_t e : paths.edges_at(v)) {
         const std::uint32_t w = paths.other_end(e, v);
         if (!paths.is_settled(w) || kept_[w] || !apart(source, paths.source_of(w))) continue;
+        if (paths.distance(v) + paths.length(e) + paths.distance(w) > paths.longest()) continue;
         keep(detail_.edge[e]);
         keep_path(paths, v);
         keep_path(paths, w);
@@ -245,8 +263,9 @@ class Cover {
   const TopCells& cells_;
   CellValues& detail_;
   std::optional<BallTree> kept_tree_;
-  std::vector<char> kept_;     // per vertex: what is significant, and paths to it
-  std::vector<char> in_part_;  // per vertex: of a cell that is kept
+  std::vector<char> kept_;                          // per vertex: what is significant, and paths to it
+  std::vector<char> in_part_;                       // per vertex: of a cell that is kept
+  std::unordered_map<std::uint32_t, double> rest_;  // rest_of() the vertices of paths
   std::vector<char> uncovered_, has_face_, needed_;
 };
 
