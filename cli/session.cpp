@@ -2,7 +2,6 @@
 #include "session.h"
 
 #include <fmt/format.h>
-#include <sys/resource.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -12,7 +11,6 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
-#include <fstream>
 
 #include "printable.h"
 #include "quench/io.h"
@@ -198,16 +196,7 @@ void Session::detail(const std::string& line) {
 
 double Session::total_seconds() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
 
-std::int64_t Session::peak_bytes() {
-  // Not that of getrusage(), which begins with the peak of the process that started this one.
-  std::ifstream status("/proc/self/status");
-  for (std::string word; status >> word;)
-    if (word == "VmHWM:")
-      if (std::int64_t kilobytes = 0; status >> kilobytes) return kilobytes * 1024;
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return static_cast<std::int64_t>(usage.ru_maxrss) * 1024;
-}
+std::int64_t Session::peak_bytes() { return base::peak_memory(); }
 
 // The time since the last call belongs to the stage that reports now.
 void Session::progress(std::string_view stage, double fraction) {

@@ -49,11 +49,25 @@ Part part_of_voxels(const BrickPlan& plan, const Box& box, BrickStore& store, Hu
   return dual::bricks::first_part(shape, at, sites, box, plan.spacing, hulls, context);
 }
 
+// Errors of the bytes of a part name it.
+template <class Decode>
+auto naming_part(BrickStore& store, std::size_t round, std::size_t brick, const Decode& decode) {
+  try {
+    return decode();
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::input) throw;
+    throw Error(ErrorCode::input, fmt::format("'{}' cannot be used: {}; remove it and run its round again",
+                                              store.name(round, brick), error.what()));
+  }
+}
+
 std::vector<Part> parts_of(const BrickPlan& plan, std::size_t round, const std::vector<std::size_t>& bricks,
                            BrickStore& store, Hulls& hulls) {
   std::vector<Part> parts;
   for (const std::size_t brick : bricks)
-    parts.push_back(dual::bricks::decode(store.part(round, brick), hulls, plan.label(round, brick)));
+    parts.push_back(naming_part(store, round, brick, [&] {
+      return dual::bricks::decode(store.part(round, brick), hulls, plan.label(round, brick));
+    }));
   return parts;
 }
 
@@ -72,7 +86,9 @@ LooseSites around(const BrickPlan& plan, std::size_t round, const std::vector<st
   LooseSites sites;
   for (const std::size_t other : plan.bricks_in(round, region)) {
     if (std::ranges::binary_search(own, other)) continue;
-    const LooseSites loose = dual::bricks::decode_loose(store.head(round, other), plan.label(round, other));
+    const LooseSites loose = naming_part(store, round, other, [&] {
+      return dual::bricks::decode_loose(store.head(round, other), plan.label(round, other));
+    });
     append_in(region, loose.unfinished, sites.unfinished);
     append_in(region, loose.pending, sites.pending);
   }
@@ -121,6 +137,10 @@ CoreResult merge_bricks(const BrickPlan& plan, const LoadedShape& shape, BrickSt
     base::return_free_memory();
     return core_of_part(std::move(part), hulls, shape, plan.options, context);
   });
+}
+
+std::string BrickStore::name(std::size_t round, std::size_t brick) {
+  return fmt::format("brick {} of round {}", brick, round + 1);
 }
 
 MemoryBrickStore::MemoryBrickStore(const BrickPlan& plan, const LoadedShape& shape) : shape_(shape) {

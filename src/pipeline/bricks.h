@@ -79,6 +79,8 @@ class BrickStore {
   /// Its first bytes, as many as decode_loose() needs.
   virtual std::string head(std::size_t round, std::size_t brick) = 0;
   virtual void put(std::size_t round, std::size_t brick, const std::string& bytes) = 0;
+  /// For errors.
+  virtual std::string name(std::size_t round, std::size_t brick);
 };
 
 /// All in the memory of a process; the shape must outlive it.
