@@ -41,11 +41,12 @@ Volume read_by_extension(const std::filesystem::path& file, const VolumeReadOpti
   if (extension == ".sof") return read_sof(file, context);
   if (extension == ".out") return read_stream(open_out_voxels(file, context), file, context);
   if (is_stored_volume(extension)) return read_stream(open_stored(file, context), file, context);
-  throw Error(ErrorCode::usage,
-              fmt::format("'{}' is neither a volume nor an image by its extension; volumes are .nrrd .nhdr .mha .mhd "
-                          ".nii .nii.gz .mrc .map .tif .tiff .npy .vol .sof .out .h5 .hdf5 .dcm or a folder of DICOM, PNG "
-                          "or TIFF slices, images .png .tif .bmp .jpg .pgm .pbm .ppm",
-                          file.string()));
+  throw Error(
+      ErrorCode::usage,
+      fmt::format("'{}' is neither a volume nor an image by its extension; volumes are .nrrd .nhdr .mha .mhd "
+                  ".nii .nii.gz .mrc .map .tif .tiff .npy .vol .sof .out .h5 .hdf5 .dcm or a folder of DICOM, PNG "
+                  "or TIFF slices, images .png .tif .bmp .jpg .pgm .pbm .ppm",
+                  file.string()));
 }
 
 /// Two numbers, or three.
