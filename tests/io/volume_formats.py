@@ -108,7 +108,7 @@ def refused_by_program(program, case, path, folder):
     run = subprocess.run([program, 'voxelize', path, '--threshold=1', '-o', os.path.join(folder, 'out.nrrd')]
                          + arguments_of(case), capture_output=True)
     sentence = run.stderr.decode(errors='replace').strip()
-    if run.returncode != (2 if case.usage else 3):
+    if run.returncode != case.code():
         return f'exit {run.returncode}: {sentence[:400]}'
     return '' if sentence and '\n' not in sentence else f'refused, but not with one sentence: {sentence!r}'
 

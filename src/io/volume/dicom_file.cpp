@@ -157,6 +157,24 @@ DicomSamples samples_of(const gdcm::PixelFormat& format) {
           format.GetSamplesPerPixel()};
 }
 
+/// Throws where pixels that are not compressed are more than the file.
+void check_size(const gdcm::File& contents, double frames, const DicomFile& file) {
+  const gdcm::TransferSyntax& syntax = contents.GetHeader().GetDataSetTransferSyntax();
+  if (syntax.IsEncapsulated() || syntax == gdcm::TransferSyntax::DeflatedExplicitVRLittleEndian) return;
+  if (frames * static_cast<double>(file.frame_bytes()) > static_cast<double>(std::filesystem::file_size(file.file)))
+    refuse_volume(file.file,
+                  fmt::format("it claims {} x {} pixels in {} frames but is too short for them; it is damaged or "
+                              "incomplete",
+                              file.columns, file.rows, frames));
+}
+
+/// Whether there are pixels for all frames; GDCM takes what is missing as 0.
+bool holds_frames(const gdcm::DataElement& pixels, std::size_t frames, std::uint64_t size) {
+  if (const gdcm::ByteValue* raw = pixels.GetByteValue()) return raw->GetLength() >= size;
+  const gdcm::SequenceOfFragments* fragments = pixels.GetSequenceOfFragments();
+  return fragments && fragments->GetNumberOfFragments() >= frames;
+}
+
 }  // namespace
 
 std::optional<DicomFile> dicom_header(const std::filesystem::path& file) {
@@ -185,6 +203,7 @@ std::optional<DicomFile> dicom_header(const std::filesystem::path& file) {
   const double frames = number_of(text_of(set, Tag(0x0028, 0x0008))).value_or(1);
   if (!(frames >= 1 && frames <= static_cast<double>(kMostFrames)) || frames != std::floor(frames))
     refuse_volume(file, fmt::format("it claims {} frames; it is damaged", frames));
+  check_size(reader.GetFile(), frames, result);
   read_frames(set, static_cast<std::size_t>(frames), result);
   return result;
 }
@@ -202,7 +221,8 @@ std::vector<std::byte> dicom_pixels(const DicomFile& file) {
   if (image.GetBufferLength() != size || found != file.samples)
     refuse_volume(file.file, "its pixels are not those its header describes; it is damaged");
   std::vector<std::byte> bytes(size);
-  if (!image.GetBuffer(reinterpret_cast<char*>(bytes.data())))
+  if (!holds_frames(image.GetDataElement(), file.frames.size(), size) ||
+      !image.GetBuffer(reinterpret_cast<char*>(bytes.data())))
     refuse_volume(file.file, "its pixels are damaged or incomplete, or compressed in a way GDCM does not know");
   clean_bits(bytes, file.samples);
   return bytes;
