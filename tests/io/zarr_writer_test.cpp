@@ -223,7 +223,7 @@ TEST(ZarrWriter, AxesThatGoDownAreTurnedRound) {
     const auto translation = level["coordinateTransformations"][1]["translation"];
     Grid upward = grid;
     upward.direction = Mat3::Identity();
-    upward.origin = {translation[2], translation[1], translation[0]};
+    for (int a = 0; a < 3; ++a) upward.origin[a] = translation[static_cast<std::size_t>(2 - a)].get<double>();
     expect_voxels(folder / "t.zarr", upward, 0, [&](std::int64_t x, std::int64_t y, std::int64_t z) {
       const Vec3 there = grid.lattice(upward.world(Vec3(x + 0.5, y + 0.5, z + 0.5)));
       const auto at = [&](int a) { return static_cast<std::int64_t>(std::floor(there[a])); };
