@@ -100,7 +100,7 @@ Volume read_volume(const std::filesystem::path& file, const VolumeReadOptions& o
                    Context* context = nullptr);
 
 /// uint8 0/1, never dense in memory. NRRD, gzip, with spacing, origin and direction, of a plane also with `y_axis`; for
-/// `.zarr` what write_zarr() writes.
+/// `.zarr` what write_zarr() writes, axes that go down turned round with their voxels.
 void write_volume(const std::filesystem::path& file, const VoxelShape& shape, const Coordinates& coordinates = {},
                   Context* context = nullptr);
 
@@ -124,7 +124,8 @@ void write_zarr(const std::filesystem::path& folder, const Grid& grid, std::uint
 bool is_zarr_name(const std::filesystem::path& path);
 
 /// Throws Error(usage) unless a Zarr may be written here: nothing is there, or a folder in which there are only files
-/// of a Zarr (its metadata, chunks, folders of these). A folder with anything else in it is never replaced.
+/// of a Zarr (its metadata, chunks, folders of these, none of them protected against writing). A folder with anything
+/// else in it is never replaced.
 void check_zarr_output(const std::filesystem::path& folder);
 
 /// Writes through `body` to a temporary file beside `file`, of a name that cannot be guessed and with the permissions

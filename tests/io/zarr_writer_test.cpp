@@ -83,8 +83,8 @@ VoxelShape point_at(const Grid& grid, int x, int y, int z) {
   VoxelShape shape(grid);
   for (int k = 0; k < grid.dims[2]; ++k)
     for (int j = 0; j < grid.dims[1]; ++j) {
-      const Run run{x, x + 1};
-      shape.append_row(j == y && k == z ? std::span<const Run>(&run, 1) : std::span<const Run>());
+      const quench::Run run{x, x + 1};
+      shape.append_row(j == y && k == z ? std::span<const quench::Run>(&run, 1) : std::span<const quench::Run>());
     }
   return shape;
 }
@@ -121,9 +121,12 @@ TEST(ZarrWriter, WhatItSays) {
 
 TEST(ZarrWriter, UnitsHaveTheNamesOfTheStandard) {
   const TemporaryFolder folder;
-  for (const auto& [unit, name] : std::vector<std::pair<std::string, nlohmann::json>>{
-           {"um", "micrometer"}, {"\u00b5m", "micrometer"}, {"angstrom", "angstrom"}, {"furlong", "furlong"}, {"", {}}}) {
-    io::write_volume(folder / "u.zarr", point_at(small_grid(), 0, 0, 0), {.units = unit});
+  for (const auto& [unit, name] : std::vector<std::pair<std::string, nlohmann::json>>{{"um", "micrometer"},
+                                                                                      {"\u00b5m", "micrometer"},
+                                                                                      {"angstrom", "angstrom"},
+                                                                                      {"furlong", "furlong"},
+                                                                                      {"", {}}}) {
+    io::write_volume(folder / "u.zarr", point_at(small_grid(), 0, 0, 0), {.units = unit, .space = {}});
     const auto attributes = nlohmann::json::parse(bytes_of(folder / "u.zarr/.zattrs"));
     EXPECT_EQ(attributes["multiscales"][0]["axes"][0].value("unit", nlohmann::json()), name) << unit;
   }
@@ -150,7 +153,7 @@ TEST(ZarrWriter, ShapesOfSeveralChunks) {
     grid.dims = dims;
     VoxelShape shape(grid);
     for (std::int64_t row = 0; row < dims[1] * dims[2]; ++row) {
-      std::vector<Run> runs;
+      std::vector<quench::Run> runs;
       if (random() % 50 == 0) {
         const auto a = static_cast<std::int32_t>(random() % static_cast<std::uint32_t>(dims[0]));
         const auto more = static_cast<std::int32_t>(1 + random() % static_cast<std::uint32_t>(dims[0] - a));
@@ -166,7 +169,8 @@ TEST(ZarrWriter, ShapesOfSeveralChunks) {
 
 TEST(ZarrWriter, AnEmptyVolumeHasNoChunks) {
   const TemporaryFolder folder;
-  io::write_zarr(folder / "e.zarr", {.dims = {300000, 1000, 1000}}, 7, [](const auto&) { return std::vector<std::uint8_t>(); });
+  io::write_zarr(folder / "e.zarr", {.dims = {300000, 1000, 1000}}, 7,
+                 [](const auto&) { return std::vector<std::uint8_t>(); });
   EXPECT_EQ(files_of(folder / "e.zarr").size(), 3u);
 }
 
@@ -177,7 +181,8 @@ TEST(ZarrWriter, GreyRootsAreThoseOfTheSlices) {
                                      GreyOptions{.resolution = 60, .blur = 0.7, .noise = 0.05}}) {
     const Grid grid = grey_grid(root, options);
     std::string samples;
-    grey_slices(root, options, [&](std::span<const std::uint8_t> slice) { samples.append(slice.begin(), slice.end()); });
+    grey_slices(root, options,
+                [&](std::span<const std::uint8_t> slice) { samples.append(slice.begin(), slice.end()); });
     io::write_zarr(folder / "g.zarr", grid, kGreyBackground, grey_cubes(root, options, io::kZarrSide));
     expect_voxels(folder / "g.zarr", grid, kGreyBackground, [&](std::int64_t x, std::int64_t y, std::int64_t z) {
       return samples[static_cast<std::size_t>(x + grid.dims[0] * (y + grid.dims[1] * z))];
@@ -198,6 +203,32 @@ TEST(ZarrWriter, TheSameBytesOnEveryNumberOfThreads) {
     if (first.empty()) first = files_of(folder / "t.zarr");
     EXPECT_GT(first.size(), 5u);
     EXPECT_TRUE(files_of(folder / "t.zarr") == first) << threads;
+  }
+}
+
+// Every voxel stays at its place in the world.
+TEST(ZarrWriter, AxesThatGoDownAreTurnedRound) {
+  const TemporaryFolder folder;
+  for (int turned = 1; turned < 8; ++turned) {
+    Grid grid = small_grid();
+    grid.dims[0] = 200;
+    grid.spacing = {0.5, 2, 3};
+    grid.origin = {7, -4, 1};
+    for (int a = 0; a < 3; ++a)
+      if (turned >> a & 1) grid.direction(a, a) = -1;
+    const VoxelShape shape =
+        testing_shapes::from_predicate(grid, [](int x, int y, int z) { return (x * x + 3 * y + z) % 7 < 2; });
+    io::write_volume(folder / "t.zarr", shape);
+    const auto level = nlohmann::json::parse(bytes_of(folder / "t.zarr/.zattrs"))["multiscales"][0]["datasets"][0];
+    const auto translation = level["coordinateTransformations"][1]["translation"];
+    Grid upward = grid;
+    upward.direction = Mat3::Identity();
+    upward.origin = {translation[2], translation[1], translation[0]};
+    expect_voxels(folder / "t.zarr", upward, 0, [&](std::int64_t x, std::int64_t y, std::int64_t z) {
+      const Vec3 there = grid.lattice(upward.world(Vec3(x + 0.5, y + 0.5, z + 0.5)));
+      const auto at = [&](int a) { return static_cast<std::int64_t>(std::floor(there[a])); };
+      return shape.contains(at(0), at(1), at(2));
+    });
   }
 }
 
@@ -257,9 +288,8 @@ TEST(ZarrWriter, ReplacesTheFolderBehindALink) {
     io::write_volume(folder / "link.zarr", point_at(small_grid(), time, 1, 1));
     EXPECT_TRUE(fs::is_symlink(folder / "link.zarr"));
     EXPECT_EQ(names_in(folder / "disk"), std::vector<std::string>{"real.zarr"});
-    expect_voxels(folder / "disk/real.zarr", small_grid(), 0, [&](std::int64_t x, std::int64_t y, std::int64_t z) {
-      return x == time && y == 1 && z == 1;
-    });
+    expect_voxels(folder / "disk/real.zarr", small_grid(), 0,
+                  [&](std::int64_t x, std::int64_t y, std::int64_t z) { return x == time && y == 1 && z == 1; });
   }
 }
 
@@ -377,7 +407,8 @@ TEST(ZarrWriter, SaysWhatIsWrongWithTheFolder) {
 }
 
 TEST(ZarrWriter, Names) {
-  for (const char* name : {"a.zarr", "a.ome.zarr", "a.ZARR", "b/a.zarr/", "a.zarr/"}) EXPECT_TRUE(io::is_zarr_name(name));
+  for (const char* name : {"a.zarr", "a.ome.zarr", "a.ZARR", "b/a.zarr/", "a.zarr/"})
+    EXPECT_TRUE(io::is_zarr_name(name));
   for (const char* name : {"a.nrrd", "zarr", "a.zarr/0", "a.zarr.zip", "", "/"}) EXPECT_FALSE(io::is_zarr_name(name));
 }
 

@@ -217,9 +217,19 @@ void ChildReader::next(std::span<std::byte> out) {
   take({reinterpret_cast<char*>(out.data()), out.size()});
 }
 
+void allow_memory(std::uint64_t bytes) {
+  rlimit both{};
+  if (getrlimit(RLIMIT_AS, &both) != 0 || both.rlim_cur == RLIM_INFINITY) return;
+  both.rlim_cur =
+      std::min<rlim_t>(both.rlim_cur + std::min<std::uint64_t>(bytes, std::uint64_t{1} << 62), both.rlim_max);
+  setrlimit(RLIMIT_AS, &both);
+}
+
 std::string read_in_child_process(const std::filesystem::path& file, const std::function<std::string()>& read,
                                   const SandboxLimits& limits) {
-  return ChildReader(file, [&](ToParent& to) { to.send(read()); }, limits).next();
+  return ChildReader(
+             file, [&](ToParent& to) { to.send(read()); }, limits)
+      .next();
 }
 
 }  // namespace quench::io

@@ -74,6 +74,9 @@ class ChildReader {
   int pipe_ = -1;
 };
 
+/// To be called in a child process that knows how much more memory it needs: raises its limit by `bytes`.
+void allow_memory(std::uint64_t bytes);
+
 /// The only message of a ChildReader: the bytes that `read` returns.
 std::string read_in_child_process(const std::filesystem::path& file, const std::function<std::string()>& read,
                                   const SandboxLimits& limits = {});

@@ -81,7 +81,7 @@ int exchange(const fs::path& temporary, const fs::path& target) {
     ::rename(aside.c_str(), target.c_str());
     return error;
   }
-  ::rename(aside.c_str(), temporary.c_str());
+  if (::rename(aside.c_str(), temporary.c_str()) != 0) remove_tree(aside.c_str());
   return 0;
 }
 

@@ -74,6 +74,7 @@ void send_slices(ToParent& to, const std::function<SliceStream(Context*)>& open,
   SliceStream stream = open(&context);
   const auto next = std::move(stream.next);
   const Grid grid = stream.grid;
+  allow_memory(static_cast<std::uint64_t>(grid.dims[0] * grid.dims[1]) * shape::size_of(stream.type));
   std::vector<char> slice(static_cast<std::size_t>(grid.dims[0] * grid.dims[1]) * shape::size_of(stream.type));
   head.stream = std::move(stream);
   to.send(packed_head(std::move(head)));
@@ -92,9 +93,9 @@ std::int64_t memory_of(const Context* context) {
 SliceStream slices_of_child(const std::filesystem::path& file, const std::function<SliceStream(Context*)>& open,
                             Context* context) {
   SandboxLimits limits;
-  limits.seconds = 20;  // a layer of compressed chunks is a message
+  limits.seconds = 20;                   // a layer of compressed chunks is a message
+  limits.bytes = std::int64_t{1} << 28;  // until the header is read: a damaged size would be believed by the library
   const std::int64_t allowed = context ? context->memory_limit : 0;
-  limits.bytes += memory_of(context);
   const auto child = std::make_shared<ChildReader>(
       file, [&](ToParent& to) { send_slices(to, open, allowed); }, limits, context);
   StreamHead head = unpacked_head(child->next());

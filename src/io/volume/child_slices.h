@@ -11,7 +11,8 @@
 namespace quench::io {
 
 /// The stream that `open` returns, read in a child process: for libraries that a damaged file can make crash or read
-/// endlessly. `open` gets the limits of `context`, and its notes are passed on. The child reads ahead by what the pipe
+/// endlessly. `open` gets the limits of `context`, and its notes are passed on. It has 256 MB and what it allows itself
+/// (allow_memory()) for what it knows to need, beyond a slice. The child reads ahead by what the pipe
 /// between the two holds. Throws what `open` throws, and as ChildReader does; so do the slices. `file`: what is named
 /// in errors, and whose size bounds the processor time.
 SliceStream slices_of_child(const std::filesystem::path& file, const std::function<SliceStream(Context*)>& open,

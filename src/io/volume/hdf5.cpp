@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "base/text.h"
+#include "io/common/child_process.h"
 #include "io/common/formats.h"
 #include "io/volume/child_slices.h"
 #include "io/volume/hdf5_spacing.h"
@@ -66,14 +67,16 @@ hid_t native_type(SampleType type) {
 
 /// A dataset as a volume: which of its axes are x, y and z.
 struct Hdf5Layout {
-  std::vector<hsize_t> shape;                ///< of the dataset, the last axis fastest
-  std::array<int, 3> axis{-1, -1, -1};       ///< of the dataset, for x, y, z; -1: none
+  std::vector<hsize_t> shape;           ///< of the dataset, the last axis fastest
+  std::array<int, 3> axis{-1, -1, -1};  ///< of the dataset, for x, y, z; -1: none
   std::array<std::int64_t, 3> dims{1, 1, 1};
   std::optional<SampleType> type;
   bool fits = false;  ///< at most three axes remain, and at least two
 
   /// Axes longer than one voxel.
-  int extended() const { return static_cast<int>(std::count_if(dims.begin(), dims.end(), [](auto n) { return n != 1; })); }
+  int extended() const {
+    return static_cast<int>(std::count_if(dims.begin(), dims.end(), [](auto n) { return n != 1; }));
+  }
   std::string text() const {
     std::string sides;
     for (const hsize_t n : shape) sides += (sides.empty() ? "" : " x ") + std::to_string(n);
@@ -199,8 +202,9 @@ class Hdf5Volume {
       if (volumes.empty())
         refuse("it holds no array of numbers with two or three axes; give the file that holds the volume");
       if (volumes.size() > 1)
-        refuse(fmt::format("it holds {} {}; name the one you mean, as in '{}:{}{}'", base::counted(volumes.size(), "array"),
-                           listed(below, volumes), parts.file.string(), below, base::plain(volumes[0].first)));
+        refuse(fmt::format("it holds {} {}; name the one you mean, as in '{}:{}{}'",
+                           base::counted(volumes.size(), "array"), listed(below, volumes), parts.file.string(), below,
+                           base::plain(volumes[0].first)));
       chosen = below + volumes[0].first;
     }
     dataset_ = Hdf5Handle(H5Dopen2(file_.id(), chosen.c_str(), H5P_DEFAULT), H5Dclose);
@@ -211,8 +215,9 @@ class Hdf5Volume {
 
   void check_type() {
     if (!layout_.fits)
-      refuse(fmt::format("its array has the axes {}; a volume has three, an image two: save the part you mean on its own",
-                         layout_.shape.empty() ? "of a single value" : layout_.text()));
+      refuse(
+          fmt::format("its array has the axes {}; a volume has three, an image two: save the part you mean on its own",
+                      layout_.shape.empty() ? "of a single value" : layout_.text()));
     if (!layout_.type)
       refuse("its values are not numbers of up to 64 bits; convert them to integers, float32 or float64");
   }
@@ -224,12 +229,13 @@ class Hdf5Volume {
       unsigned flags = 0, config = 0;
       std::size_t values = 0;
       char name[80] = {};
-      const H5Z_filter_t filter = H5Pget_filter2(made.id(), static_cast<unsigned>(i), &flags, &values, nullptr,
-                                                 sizeof name - 1, name, &config);
+      const H5Z_filter_t filter =
+          H5Pget_filter2(made.id(), static_cast<unsigned>(i), &flags, &values, nullptr, sizeof name - 1, name, &config);
       if (filter >= 0 && H5Zfilter_avail(filter) <= 0)
-        refuse(fmt::format("it is compressed by the filter {}{}, which this libhdf5 does not have; save it with gzip, or "
-                           "install the filter and set HDF5_PLUGIN_PATH",
-                           static_cast<int>(filter), *name ? fmt::format(" ({})", base::plain(name)) : ""));
+        refuse(
+            fmt::format("it is compressed by the filter {}{}, which this libhdf5 does not have; save it with gzip, or "
+                        "install the filter and set HDF5_PLUGIN_PATH",
+                        static_cast<int>(filter), *name ? fmt::format(" ({})", base::plain(name)) : ""));
     }
   }
 
@@ -239,17 +245,26 @@ class Hdf5Volume {
     const std::uint64_t size = shape::size_of(*layout_.type);
     checked_sample_count(name_, dims, size, std::uint64_t{1} << 62);
     const std::uint64_t slice = static_cast<std::uint64_t>(dims[0]) * static_cast<std::uint64_t>(dims[1]) * size;
-    check_read_memory(name_, 2 * slice, context_);
     const Hdf5Handle made(H5Dget_create_plist(dataset_.id()), H5Pclose);
+    std::vector<hsize_t> chunk(layout_.shape.size());
+    const bool chunked = made.valid() && H5Pget_layout(made.id()) == H5D_CHUNKED &&
+                         H5Pget_chunk(made.id(), static_cast<int>(chunk.size()), chunk.data()) >= 0;
     std::int64_t together = 1;
-    if (made.valid() && H5Pget_layout(made.id()) == H5D_CHUNKED && layout_.axis[2] >= 0) {
-      std::vector<hsize_t> chunk(layout_.shape.size());
-      if (H5Pget_chunk(made.id(), static_cast<int>(chunk.size()), chunk.data()) >= 0)
-        together = static_cast<std::int64_t>(std::min<hsize_t>(chunk[static_cast<std::size_t>(layout_.axis[2])],
-                                                               static_cast<hsize_t>(dims[2])));
+    std::uint64_t in_library = std::uint64_t{1} << 24;  // chunks as they are stored, decompressed and converted
+    if (chunked) {
+      std::uint64_t samples = 1;  // of a chunk, which has less than 4 GB
+      for (const hsize_t n : chunk)
+        samples = std::min<std::uint64_t>(samples * std::min<std::uint64_t>(n, std::uint64_t{1} << 32),
+                                          std::uint64_t{1} << 32);
+      in_library += 3 * samples * size;
+      if (layout_.axis[2] >= 0)
+        together = static_cast<std::int64_t>(
+            std::min(chunk[static_cast<std::size_t>(layout_.axis[2])], static_cast<hsize_t>(dims[2])));
     }
+    check_read_memory(name_, 2 * slice + in_library, context_);
     const auto fitting = static_cast<std::int64_t>(static_cast<std::uint64_t>(memory_of(context_)) / 2 / slice);
     layer_ = std::clamp<std::int64_t>(together, 1, std::max<std::int64_t>(1, fitting));
+    allow_memory(static_cast<std::uint64_t>(layer_) * slice + in_library);
   }
 
   void read_layer() {
@@ -262,7 +277,8 @@ class Hdf5Volume {
       start[axis] = a == 2 ? static_cast<hsize_t>(z_) : 0;
       count[axis] = static_cast<hsize_t>(a == 2 ? slices : layout_.dims[a]);
     }
-    buffer_.resize(static_cast<std::size_t>(layout_.dims[0] * layout_.dims[1] * slices) * shape::size_of(*layout_.type));
+    buffer_.resize(static_cast<std::size_t>(layout_.dims[0] * layout_.dims[1] * slices) *
+                   shape::size_of(*layout_.type));
     const Hdf5Handle space(H5Dget_space(dataset_.id()), H5Sclose);
     const Hdf5Handle memory(H5Screate_simple(static_cast<int>(count.size()), count.data(), nullptr), H5Sclose);
     if (H5Sselect_hyperslab(space.id(), H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr) < 0 ||
@@ -296,9 +312,10 @@ SliceStream open_hdf5(const std::filesystem::path& name, Context* context) {
 namespace quench::io {
 
 SliceStream open_hdf5(const std::filesystem::path& name, Context*) {
-  throw Error(ErrorCode::usage, fmt::format("'{}' cannot be read: HDF5 needs a Quench built with libhdf5 (libhdf5-dev); "
-                                            "convert it to NRRD or .npy, or rebuild",
-                                            name.string()));
+  throw Error(ErrorCode::usage,
+              fmt::format("'{}' cannot be read: HDF5 needs a Quench built with libhdf5 (libhdf5-dev); "
+                          "convert it to NRRD or .npy, or rebuild",
+                          name.string()));
 }
 
 }  // namespace quench::io

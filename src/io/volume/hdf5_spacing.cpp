@@ -42,7 +42,8 @@ std::string text_in(hid_t object, const char* name) {
   if (!found.valid()) return {};
   const Hdf5Handle space(H5Aget_space(found.id()), H5Sclose), type(H5Aget_type(found.id()), H5Tclose);
   const hssize_t count = space.valid() ? H5Sget_simple_extent_npoints(space.id()) : 0;
-  if (!type.valid() || H5Tget_class(type.id()) != H5T_STRING || count < 1 || count > static_cast<hssize_t>(kMostNumbers))
+  if (!type.valid() || H5Tget_class(type.id()) != H5T_STRING || count < 1 ||
+      count > static_cast<hssize_t>(kMostNumbers))
     return {};
   const auto n = static_cast<std::size_t>(count);
   if (H5Tis_variable_str(type.id()) > 0) {
@@ -102,9 +103,10 @@ Hdf5Spacing hdf5_spacing(hid_t dataset, std::size_t rank, const std::array<int, 
     Vec3 spacing = Vec3::Ones();
     if (!take_numbers(*numbers, rank, axis, spacing) || !are_lengths(spacing)) {
       if (!tags)
-        result.note = fmt::format("has an attribute '{}' that does not hold a positive number for each axis, and is not "
-                                  "used for the spacing",
-                                  name);
+        result.note = fmt::format(
+            "has an attribute '{}' that does not hold a positive number for each axis, and is not "
+            "used for the spacing",
+            name);
       continue;
     }
     result.spacing = spacing;

@@ -3,6 +3,7 @@
 #include "io/volume/zarr_writer.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 #include <zlib.h>
 
 #include <algorithm>
@@ -25,7 +26,8 @@ namespace fs = std::filesystem;
 using ZarrJson = nlohmann::ordered_json;
 
 constexpr int kDeflateLevel = 6;
-constexpr int kDeepestZarr = 16;  // folders in folders; no one writes more
+constexpr int kDeepestZarr = 16;      // folders in folders; no one writes more
+constexpr double kNearlyAxes = 1e-9;  // of a direction; a voxel at the far end moves by far less than its size
 
 std::string text_of(const ZarrJson& json) {
   return json.dump(2, ' ', false, ZarrJson::error_handler_t::replace) + '\n';
@@ -151,12 +153,36 @@ std::array<std::int64_t, 3> chunk_counts(const Grid& grid) {
   return counts;
 }
 
+/// The same shape in the world, on a grid in which every axis goes up. Direction: diagonal, of 1 and -1. O(runs).
+VoxelShape upward(const VoxelShape& shape) {
+  Grid grid = shape.grid();
+  const auto turned = [&](Eigen::Index a) { return shape.grid().direction(a, a) < 0; };
+  for (Eigen::Index a = 0; a < 3; ++a)
+    if (turned(a)) grid.origin[a] -= grid.spacing[a] * static_cast<double>(grid.dims[static_cast<std::size_t>(a)] - 1);
+  grid.direction = Mat3::Identity();
+  VoxelShape result(grid);
+  std::vector<Run> runs;
+  for (std::int64_t z = 0; z < grid.dims[2]; ++z)
+    for (std::int64_t y = 0; y < grid.dims[1]; ++y) {
+      const std::span<const Run> row =
+          shape.row(turned(1) ? grid.dims[1] - 1 - y : y, turned(2) ? grid.dims[2] - 1 - z : z);
+      runs.assign(row.begin(), row.end());
+      const auto end = static_cast<std::int32_t>(grid.dims[0]);
+      if (turned(0)) {
+        std::reverse(runs.begin(), runs.end());
+        for (Run& run : runs) run = {end - run.end, end - run.begin};
+      }
+      result.append_row(runs);
+    }
+  return result;
+}
+
 void check_zarr_grid(const fs::path& folder, const Grid& grid) {
   const auto refuse = [&](const char* reason) {
     throw Error(ErrorCode::usage, fmt::format("cannot write '{}': {}; write .nrrd", folder.string(), reason));
   };
   if (grid.is_plane()) refuse("Zarr is written of volumes, and this is an image of the plane");
-  if (!grid.direction.isIdentity(1e-9))
+  if (!grid.direction.isIdentity(kNearlyAxes))
     refuse("OME-Zarr has no directions of axes, and those of this volume are not x, y and z");
 }
 
@@ -170,17 +196,22 @@ void check_zarr_output(const fs::path& path) {
   const fs::file_status status = fs::status(folder, error);
   if (!fs::exists(status)) return;
   const auto refuse = [&](const std::string& reason) {
-    throw Error(ErrorCode::usage, fmt::format("'{}' {}, and is not replaced; remove it yourself or give another name",
+    throw Error(ErrorCode::usage, fmt::format("'{}' {}, and is not replaced; give another name or remove it yourself",
                                               without_slash(path).string(), reason));
   };
   if (!fs::is_directory(status)) refuse("is not a folder");
+  if (::access(folder.c_str(), W_OK) != 0) refuse("is not writable");
   fs::recursive_directory_iterator entry(folder, error);
   for (const fs::recursive_directory_iterator end; !error && entry != end; entry.increment(error)) {
     const fs::file_status found = entry->symlink_status(error);
     const bool part = fs::is_directory(found) ? entry.depth() < kDeepestZarr
                                               : fs::is_regular_file(found) && is_zarr_part(entry->path().filename());
+    if (fs::is_directory(found) && ::access(entry->path().c_str(), W_OK) != 0)
+      refuse(
+          fmt::format("is a folder in which '{}' is not writable", entry->path().lexically_relative(folder).string()));
     if (!part && !error)
-      refuse(fmt::format("holds '{}', which is no part of a Zarr", entry->path().lexically_relative(folder).string()));
+      refuse(fmt::format("is a folder that holds '{}', which is no part of a Zarr",
+                         entry->path().lexically_relative(folder).string()));
   }
   if (error) throw Error(ErrorCode::failed, fmt::format("cannot look into '{}': {}", path.string(), error.message()));
 }
@@ -201,6 +232,8 @@ void write_zarr(const fs::path& path, const Grid& grid, std::uint8_t background,
       const auto number = static_cast<std::int64_t>(i);
       const std::int64_t x = number % counts[0], y = number / counts[0] % counts[1], z = number / counts[0] / counts[1];
       const std::vector<std::uint8_t> samples = chunk({x * kZarrSide, y * kZarrSide, z * kZarrSide});
+      if (!samples.empty() && samples.size() != kZarrSide * kZarrSide * kZarrSide)
+        throw Error(ErrorCode::invariant, fmt::format("a chunk of {} samples", samples.size()));
       if (!is_all(samples, background)) out.write(fmt::format("0/{}/{}/{}", z, y, x), compressed_chunk(samples));
     });
   });
@@ -210,6 +243,9 @@ void write_zarr(const fs::path& path, const Grid& grid, std::uint8_t background,
 
 void write_shape_zarr(const fs::path& folder, const VoxelShape& shape, const Coordinates& coordinates,
                       Context* context) {
+  const Mat3& direction = shape.grid().direction;
+  if (direction.cwiseAbs().isIdentity(kNearlyAxes) && direction.diagonal().minCoeff() < 0)
+    return write_shape_zarr(folder, upward(shape), coordinates, context);
   check_zarr_grid(folder, shape.grid());
   const std::array<std::int64_t, 3> counts = chunk_counts(shape.grid());
   const std::vector<bool> touched = touched_chunks(shape, counts);

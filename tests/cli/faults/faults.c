@@ -3,7 +3,8 @@
 // disk, close, rename) or makes a folder goes wrong. QUENCH_FAULT says how: "full" (it and all later ones fail as on a full disk), "once"
 // (it alone fails), "kill", "interrupt" or "interrupt twice" (signals arrive). When it happens, the name of the call
 // goes into the file QUENCH_FAULT_MARK. Opening the file QUENCH_DEAD_FILE never returns, and no signal but SIGKILL ends
-// it, as with a file on a network disk that does not answer.
+// it, as with a file on a network disk that does not answer. With QUENCH_NO_EXCHANGE two names cannot be exchanged in one
+// step, as on some file systems.
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <errno.h>
@@ -174,6 +175,10 @@ int rename(const char* from, const char* to) {
 int renameat2(int from_folder, const char* from, int to_folder, const char* to, unsigned flags) {
   int (*real)(int, const char*, int, const char*, unsigned) =
       (int (*)(int, const char*, int, const char*, unsigned))dlsym(RTLD_NEXT, "renameat2");
+  if (*text("QUENCH_NO_EXCHANGE")) {
+    errno = EINVAL;
+    return -1;
+  }
   if (goes_wrong("rename")) {
     errno = EIO;
     return -1;
