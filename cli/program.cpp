@@ -16,7 +16,7 @@ namespace {
 enum Common : unsigned { computes = 1, writes = 2, reports = 4, answers_json = 8 };
 
 struct Command {
-  const char* name;
+  const char* name;  // "bricks plan" is the command `plan` of `bricks`
   const char* summary;
   const char* example;
   unsigned common;
@@ -35,6 +35,14 @@ constexpr Command kCommands[] = {
      "quench voxelize part.stl --resolution 256 -o part.nrrd", computes | writes | reports, add_voxelize},
     {"core", "Computes the medial axis of the voxel shape (its voxel core), pruned",
      "quench core ct.nrrd --threshold 20 --detail 2vox -o axis.vtp", computes | writes | reports, add_core},
+    {"bricks plan", "Cuts the work on a large shape into bricks, in a folder that tasks share",
+     "quench bricks plan brain.zarr --threshold 300 -o work", computes | reports, add_bricks_plan},
+    {"bricks run", "Does the bricks of a task: one of an array of jobs, or all",
+     "quench bricks run work --round 1 --task 0/100", computes, add_bricks_run},
+    {"bricks merge", "Makes the medial axis of what all tasks have done", "quench bricks merge work -o axis.vtp",
+     computes | writes | reports, add_bricks_merge},
+    {"bricks status", "Says what is done, and what it took", "quench bricks status work", answers_json,
+     add_bricks_status},
     {"burn", "Adds burn time and erosion thickness to a medial axis", "quench burn axis.vtp -o burned.vtp",
      computes | writes | reports, add_burn},
     {"skeleton", "Computes a skeleton of sheets and curves of a medial axis",
@@ -73,9 +81,29 @@ void add_common(CLI::App& app, CommonOptions& options, unsigned common) {
     app.add_flag("--verbose", options.verbose, "Also say the time of every stage and the memory used")->group(group);
 }
 
-std::string names_of_commands() {
+constexpr const char* kBricksSummary =
+    "The medial axis of a shape that no machine holds, in tasks: the same to the byte as that of 'core'";
+
+/// Whether the word of a command follows.
+bool has_commands(const CLI::App& app) {
+  return !app.get_subcommands([](const CLI::App*) { return true; }).empty();
+}
+
+/// "quench bricks plan"
+std::string full_name(const CLI::App& app) {
+  return app.get_parent() ? full_name(*app.get_parent()) + " " + app.get_name() : app.get_name();
+}
+
+/// The command that was given: `app` itself where there is none.
+const CLI::App& used_command(const CLI::App& app) {
+  const auto used = app.get_subcommands();
+  return used.empty() ? app : used_command(*used.front());
+}
+
+std::string names_of_commands(const CLI::App& of) {
   std::string names;
-  for (const Command& command : kCommands) names += (names.empty() ? "" : ", ") + std::string(command.name);
+  for (const CLI::App* command : of.get_subcommands([](const CLI::App*) { return true; }))
+    names += (names.empty() ? "" : ", ") + command->get_name();
   return names;
 }
 
@@ -106,12 +134,15 @@ std::string nearest_name(const std::string& word, const std::vector<std::string>
   return best;
 }
 
-std::string unknown_command(const std::string& word) {
+/// `of`: the program, or a command that has commands.
+std::string unknown_command(const std::string& word, const CLI::App& of) {
   std::vector<std::string> names;
-  for (const Command& command : kCommands) names.emplace_back(command.name);
+  for (const CLI::App* command : of.get_subcommands([](const CLI::App*) { return true; }))
+    names.push_back(command->get_name());
   const std::string meant = nearest_name(word, names);
-  return fmt::format("unknown command '{}'; {}", word,
-                     meant.empty() ? "commands are " + names_of_commands() : fmt::format("did you mean '{}'?", meant));
+  return fmt::format(
+      "unknown command '{}'; {}", word,
+      meant.empty() ? "commands are " + names_of_commands(of) : fmt::format("did you mean '{}'?", meant));
 }
 
 std::string unknown_option(const std::string& word, const CLI::App& app) {
@@ -146,7 +177,7 @@ void refuse_misread_equals(const CLI::App& command, const std::string& word, std
     const CLI::Option* option = command.get_option_no_throw(name);
     throw Error(ErrorCode::usage,
                 option ? fmt::format("{} {}", name, empty_value_text(*option))
-                       : fmt::format("{}; see quench {} --help", unknown_option(name, command), command.get_name()));
+                       : fmt::format("{}; see {} --help", unknown_option(name, command), full_name(command)));
   }
   if (name.size() == 2 && name[1] != '-')
     throw Error(ErrorCode::usage,
@@ -155,16 +186,16 @@ void refuse_misread_equals(const CLI::App& command, const std::string& word, std
 
 /// What CLI11 would take for something else than was meant.
 void refuse_misread_words(const CLI::App& app, const std::vector<std::string>& words) {
-  const CLI::App* command = nullptr;
+  const CLI::App* command = &app;
   for (std::size_t i = 0; i < words.size(); ++i) {
     const std::string& word = words[i];
     if (word == "--") return;
-    if (!command && !word.starts_with('-')) {
-      const auto named = app.get_subcommands([&](const CLI::App* sub) { return sub->get_name() == word; });
+    if (!word.starts_with('-') && has_commands(*command)) {
+      const auto named = command->get_subcommands([&](const CLI::App* sub) { return sub->get_name() == word; });
       if (named.empty()) return;
       command = named.front();
     } else if (word.starts_with('-')) {
-      const CLI::App& at = command ? *command : app;
+      const CLI::App& at = *command;
       if (const std::size_t equals = word.find('='); equals != std::string::npos) {
         refuse_misread_equals(at, word, equals);
       } else if (const CLI::Option* option = at.get_option_no_throw(word);
@@ -177,18 +208,18 @@ void refuse_misread_words(const CLI::App& app, const std::vector<std::string>& w
 
 /// One sentence on what is wrong with the command line.
 std::string usage_sentence(const CLI::ParseError& error, const CLI::App& app) {
-  const auto used = app.get_subcommands();
-  const CLI::App& at = used.empty() ? app : *used.front();
+  const CLI::App& at = used_command(app);
   const std::vector<std::string> left = at.remaining();
   const auto option = std::find_if(left.begin(), left.end(),
                                    [](const std::string& word) { return word.starts_with('-') && word != "-"; });
-  const std::string help = used.empty() ? "quench --help" : fmt::format("quench {} --help", at.get_name());
+  const std::string help = full_name(at) + " --help";
   const auto with_help = [&](const std::string& sentence) {
     return fmt::format("{}{} see {}", sentence, sentence.ends_with('?') ? "" : ";", help);
   };
-  if (used.empty() && !left.empty() && !left.front().starts_with('-')) return with_help(unknown_command(left.front()));
+  if (has_commands(at) && !left.empty() && !left.front().starts_with('-'))
+    return with_help(unknown_command(left.front(), at));
   if (option != left.end()) return with_help(unknown_option(*option, at));
-  if (used.empty()) return fmt::format("give a command: {}; see {}", names_of_commands(), help);
+  if (has_commands(at)) return fmt::format("give a command: {}; see {}", names_of_commands(at), help);
   if (!left.empty()) return fmt::format("'{}' is one argument too many; see {}", left.front(), help);
   std::string what = error.what();
   // CLI11's sentences, rephrased: "Could not convert: --threads = abc", "--threads: 1 required N missing".
@@ -254,12 +285,22 @@ struct CommandLine {
         "promised invariant "
         "failed, 130 interrupted.");
     for (const Command& command : kCommands) {
-      CLI::App* sub = app.add_subcommand(command.name, command.summary);
+      CLI::App* sub = added(command);
       sub->footer(fmt::format("Example:\n  {}", command.example));
       actions.emplace_back(sub, command.add(*sub));
       add_common(*sub, common, command.common);
       refuse_empty_values(*sub);
     }
+  }
+
+  /// The command, or one that belongs to another.
+  CLI::App* added(const Command& command) {
+    const std::string name = command.name;
+    const std::size_t blank = name.find(' ');
+    if (blank == name.npos) return app.add_subcommand(name, command.summary);
+    const auto there = app.get_subcommands([&](CLI::App* sub) { return sub->get_name() == name.substr(0, blank); });
+    CLI::App* of = there.empty() ? app.add_subcommand(name.substr(0, blank), kBricksSummary) : there.front();
+    return of->require_subcommand(1)->add_subcommand(name.substr(blank + 1), command.summary);
   }
 
   /// Throws CLI::ParseError, or Error(usage). What stands behind the "--" of a batch is for another command.
@@ -275,11 +316,7 @@ struct CommandLine {
     app.parse(words);
   }
 
-  /// The command that was given; the program itself where there is none.
-  const CLI::App& used() const {
-    const auto subcommands = app.get_subcommands();
-    return subcommands.empty() ? app : *subcommands.front();
-  }
+  const CLI::App& used() const { return used_command(app); }
 
   CLI::App app{"Quench: medial axes of real 3D shapes, exact and with the topology of the shape.", "quench"};
   CommonOptions common;

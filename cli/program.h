@@ -31,6 +31,10 @@ void check_mesh_format(const std::filesystem::path& output, const std::string& f
 Action add_sample(CLI::App& app);
 Action add_voxelize(CLI::App& app);
 Action add_core(CLI::App& app);
+Action add_bricks_plan(CLI::App& app);
+Action add_bricks_run(CLI::App& app);
+Action add_bricks_merge(CLI::App& app);
+Action add_bricks_status(CLI::App& app);
 Action add_info(CLI::App& app);
 Action add_convert(CLI::App& app);
 Action add_burn(CLI::App& app);

@@ -431,6 +431,15 @@ void check_shape_options(const ShapeOptions& options) {
   if (io::kind_of(options.file) == io::Kind::unknown) pipeline::refuse_unknown_kind(options.file);
 }
 
+void choose_surface_in_bricks(ShapeOptions& shape, Session& session) {
+  if (shape.how.surface || io::kind_of(shape.file) != io::Kind::volume) return;
+  shape.how.surface = SurfaceKind::voxels;
+  if (shape.how.foreground.threshold || shape.how.otsu || shape.how.recommended)
+    session.say(
+        "note: in bricks the axis of a volume is that of its voxels, as with --surface voxels; with --surface grey "
+        "every task has all of that surface in memory");
+}
+
 LoadedShape load_shape(const ShapeOptions& options, Session& session) {
   check_shape_options(options);
   const io::Kind kind = io::kind_of(options.file);

@@ -40,6 +40,10 @@ void check_shape_options(const ShapeOptions& options);
 void say_ignored(const ShapeOptions& options, io::Kind kind, Session& session, bool plane = false);
 void check_exists(const std::filesystem::path& file);
 
+/// What the axis is fitted to in bricks where nothing else is asked for: not to the grey values of a volume, whose
+/// surface takes more memory than its axis.
+void choose_surface_in_bricks(ShapeOptions& options, Session& session);
+
 /// Reads SHAPE; says what the user should know (assumptions, warnings).
 pipeline::LoadedShape load_shape(const ShapeOptions& options, Session& session);
 /// The report's section `input`.

@@ -227,6 +227,9 @@ struct AxisOptions {
   Pruning pruning = {};
   LambdaRule rule = LambdaRule::coface;
   bool full = false;  ///< also the cells below the threshold
+  /// Work in bricks (quench/bricks.h), whose files, without names, are in this folder; none: where memory asks for it,
+  /// in the system's folder for temporary files.
+  std::optional<std::filesystem::path> bricks_in = {};
 };
 
 /// A pruned (or, `full`, whole) voxel core with what was found on the way.

@@ -131,12 +131,23 @@ Box BrickPlan::box(std::size_t round, std::size_t brick) const {
   return box;
 }
 
+Triple BrickPlan::reach(std::size_t round) const {
+  Triple reach{};
+  const std::int64_t margin = dual::bricks::margin_of_first_part(spacing);
+  for (std::size_t a = 0; a < 3; ++a)
+    reach[a] = round == 0 ? margin : std::max<std::int64_t>(1, rounds[round].side[a] / kHalo);
+  return reach;
+}
+
 Box BrickPlan::region(std::size_t round, std::size_t brick) const {
+  constexpr std::int64_t kBeyond = 8;  // balls reach a voxel beyond the sites, and are grown by two
   Box region = box(round, brick);
+  const Triple halo = reach(round);
   for (std::size_t a = 0; a < 3; ++a) {
-    const std::int64_t halo = std::max<std::int64_t>(1, rounds[round].side[a] / kHalo);
-    region.low[a] = region.low[a] - halo <= low[a] ? -kFar : region.low[a] - halo;
-    region.high[a] = region.high[a] + halo > high[a] ? kFar : region.high[a] + halo;
+    region.low[a] -= halo[a];
+    region.high[a] += halo[a];
+    if (region.low[a] <= low[a]) region.low[a] = std::min(region.low[a], low[a] - kBeyond);
+    if (region.high[a] > high[a]) region.high[a] = std::max(region.high[a], high[a] + 1 + kBeyond);
   }
   return region;
 }

@@ -18,21 +18,21 @@ namespace {
 
 using dual::Hulls;
 using dual::bricks::Box;
-using dual::bricks::LooseSites;
+using dual::bricks::LooseEnds;
 using dual::bricks::Part;
 
 // The box and so many lattice steps around it.
-Box grown(Box box, std::int64_t by) {
+Box grown(Box box, const std::array<std::int64_t, 3>& by) {
   for (std::size_t a = 0; a < 3; ++a) {
-    box.low[a] -= by;
-    box.high[a] += by;
+    box.low[a] -= by[a];
+    box.high[a] += by[a];
   }
   return box;
 }
 
 Part part_of_voxels(const BrickPlan& plan, const Box& box, BrickStore& store, Hulls& hulls, Context* context) {
-  const std::int32_t margin = dual::bricks::margin_of_first_part(plan.spacing);
-  Box voxels = grown(box, margin + 1);
+  const std::array<std::int64_t, 3> margin = plan.reach(0);
+  Box voxels = grown(box, {margin[0] + 1, margin[1] + 1, margin[2] + 1});
   LatticePoint at{};
   for (std::size_t a = 0; a < 3; ++a) {
     voxels.low[a] = std::max<std::int64_t>(voxels.low[a], 0);
@@ -71,30 +71,26 @@ std::vector<Part> parts_of(const BrickPlan& plan, std::size_t round, const std::
   return parts;
 }
 
-void append_in(const Box& region, const std::vector<LatticePoint>& from, std::vector<LatticePoint>& to) {
-  std::ranges::copy_if(from, std::back_inserter(to), [&](const LatticePoint& p) { return region.contains(p); });
-}
+// What other parts of a round have to say about a region. Their polytopes reach as far as their own regions.
+struct Surroundings {
+  std::vector<dual::bricks::Unfinished> unfinished;
+  std::vector<LatticePoint> pending;
+};
 
-void sort_sites(std::vector<LatticePoint>& sites) {
-  std::ranges::sort(sites, {}, [](const LatticePoint& p) { return std::array{p[2], p[1], p[0]}; });
-  sites.erase(std::unique(sites.begin(), sites.end()), sites.end());
-}
-
-// What other parts of a round have to say about a region.
-LooseSites around(const BrickPlan& plan, std::size_t round, const std::vector<std::size_t>& own, const Box& region,
-                  BrickStore& store) {
-  LooseSites sites;
-  for (const std::size_t other : plan.bricks_in(round, region)) {
+Surroundings around(const BrickPlan& plan, std::size_t round, const std::vector<std::size_t>& own, const Box& region,
+                    BrickStore& store) {
+  Surroundings found;
+  for (const std::size_t other : plan.bricks_in(round, grown(region, plan.reach(round)))) {
     if (std::ranges::binary_search(own, other)) continue;
-    const LooseSites loose = naming_part(store, round, other, [&] {
+    const LooseEnds loose = naming_part(store, round, other, [&] {
       return dual::bricks::decode_loose(store.head(round, other), plan.label(round, other));
     });
-    append_in(region, loose.unfinished, sites.unfinished);
-    append_in(region, loose.pending, sites.pending);
+    found.unfinished.push_back(dual::bricks::near(loose.unfinished, region));
+    std::ranges::copy_if(loose.pending, std::back_inserter(found.pending),
+                         [&](const LatticePoint& p) { return region.contains(p); });
   }
-  sort_sites(sites.unfinished);
-  sort_sites(sites.pending);
-  return sites;
+  std::ranges::sort(found.pending, {}, [](const LatticePoint& p) { return std::array{p[2], p[1], p[0]}; });
+  return found;
 }
 
 axis::PartPruning pruning_of(const BrickPlan& plan, const Surface* surface) {
@@ -106,7 +102,7 @@ Part part_of_parts(const BrickPlan& plan, std::size_t round, std::size_t brick, 
   const Box box = plan.box(round, brick), region = plan.region(round, brick);
   const std::vector<std::size_t> own = plan.below(round, brick);
   Part part = dual::bricks::joined(parts_of(plan, round - 1, own, store, hulls), context);
-  const LooseSites others = around(plan, round - 1, own, region, store);
+  const Surroundings others = around(plan, round - 1, own, region, store);
   dual::bricks::complete(part, box, &region, others.unfinished, plan.spacing, hulls, context);
   base::return_free_memory();
   if (plan.cutoff() > 0)

@@ -16,9 +16,6 @@
 /// one box holds all is the merge (docs/algorithms/bricks.md).
 namespace quench::pipeline {
 
-/// Beyond all lattice points.
-inline constexpr std::int64_t kFar = std::int64_t{1} << 30;
-
 /// A box of a round that holds sites.
 struct Brick {
   std::array<std::int64_t, 3> index{};  ///< it begins so many sides beyond the lowest corner of all
@@ -43,7 +40,9 @@ struct BrickPlan {
   /// Cells with a lower level are not wanted; 0: all are.
   double cutoff() const;
   dual::bricks::Box box(std::size_t round, std::size_t brick) const;
-  /// The box with what lies around it, an eighth of its sides wide; without end (kFar) beyond the last sites.
+  /// How far a part of a round knows of what is beyond its box, in lattice steps: an eighth of a side.
+  std::array<std::int64_t, 3> reach(std::size_t round) const;
+  /// The box with what lies within reach; more beyond the last sites, so that no ball leaves it there.
   dual::bricks::Box region(std::size_t round, std::size_t brick) const;
   /// Of all sites.
   dual::bricks::Box whole() const { return {low, {high[0] + 1, high[1] + 1, high[2] + 1}}; }

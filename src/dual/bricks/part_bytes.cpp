@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <tuple>
 #include <unordered_map>
 #include <utility>
 
@@ -180,7 +181,6 @@ void add_squares(NumberPacker& to, const CellsPart& found) {
   std::vector<Square> squares;
   for (const UnmatchedFacet& f : found.unmatched)
     if (f.polytope == kNone) squares.push_back(found.squares[f.facet]);
-  std::ranges::sort(squares);
   to.add(squares.size());
   std::int64_t last = 0;
   for (const Square& square : squares)
@@ -201,7 +201,7 @@ void take_squares(NumberReader& from, std::size_t site_count, std::vector<Square
     }
 }
 
-// They follow from the rest.
+// They follow from the rest; in order of their sites.
 void list_unmatched(CellsPart& found, const Hulls& hulls) {
   for (std::uint32_t p = 0; p < found.cells.count(); ++p) {
     const auto neighbours = found.cells.neighbours_of(p);
@@ -214,6 +214,7 @@ void list_unmatched(CellsPart& found, const Hulls& hulls) {
     std::ranges::partial_sort_copy(found.squares[s], key);
     found.unmatched.push_back({key, kNone, s});
   }
+  std::ranges::sort(found.unmatched, {}, [](const UnmatchedFacet& f) { return std::tuple(f.key, f.polytope); });
 }
 
 void add_bits(NumberPacker& to, std::span<const std::uint8_t> bits) {
@@ -254,9 +255,38 @@ void take_faces(NumberReader& from, std::size_t site_count, std::vector<FaceValu
   }
 }
 
+void add_unfinished(NumberPacker& to, const Unfinished& unfinished) {
+  to.add_points(unfinished.sites);
+  to.add(unfinished.size());
+  std::int64_t last = 0;
+  for (std::size_t f = 0; f < unfinished.size(); ++f) {
+    const auto corners = unfinished.corners_of(f);
+    to.add(corners.size());
+    for (const std::uint32_t c : corners) {
+      to.add_signed(c - last);
+      last = c;
+    }
+  }
+}
+
+Unfinished take_unfinished(NumberReader& from) {
+  Unfinished unfinished;
+  unfinished.sites = from.next_points();
+  std::int64_t last = 0;
+  for (std::size_t facets = from.next_count(); facets > 0; --facets) {
+    for (std::size_t corners = from.next_count(); corners > 0; --corners) {
+      last += from.next_signed();
+      if (last < 0 || last >= static_cast<std::int64_t>(unfinished.sites.size())) NumberReader::damaged();
+      unfinished.corners.push_back(static_cast<std::uint32_t>(last));
+    }
+    unfinished.begin.push_back(static_cast<std::uint32_t>(unfinished.corners.size()));
+  }
+  return unfinished;
+}
+
 std::string head_of(const Part& part, const Hulls& hulls) {
   NumberPacker to;
-  to.add_points(unfinished_sites(part, hulls));
+  add_unfinished(to, unfinished(part, hulls));
   to.add_points(part.pending);
   return std::move(to.bytes);
 }
@@ -279,10 +309,10 @@ std::string body_of(const Part& part, const Hulls& hulls) {
   return std::move(to.bytes);
 }
 
-LooseSites loose_in(std::string_view head) {
+LooseEnds loose_in(std::string_view head) {
   NumberReader from(head);
-  LooseSites loose;
-  loose.unfinished = from.next_points();
+  LooseEnds loose;
+  loose.unfinished = take_unfinished(from);
   loose.pending = from.next_points();
   return loose;
 }
@@ -340,7 +370,7 @@ std::size_t loose_bytes(std::string_view header, const PartLabel& label) {
   return sizeof(Header) + header_of(header, label).head_bytes;
 }
 
-LooseSites decode_loose(std::string_view bytes, const PartLabel& label) {
+LooseEnds decode_loose(std::string_view bytes, const PartLabel& label) {
   return loose_in(head_in(bytes, header_of(bytes, label)));
 }
 

@@ -21,9 +21,9 @@ struct PartLabel {
 };
 
 /// What other boxes need of a part.
-struct LooseSites {
-  std::vector<LatticePoint> unfinished;  ///< unfinished_sites()
-  std::vector<LatticePoint> pending;     ///< Part::pending
+struct LooseEnds {
+  Unfinished unfinished;
+  std::vector<LatticePoint> pending;  ///< Part::pending
 };
 
 std::string encode(const Part& part, const Hulls& hulls, const PartLabel& label);
@@ -35,6 +35,6 @@ Part decode(std::string_view bytes, Hulls& hulls, const PartLabel& label);
 inline constexpr std::size_t kPartHeader = 48;  ///< bytes that loose_bytes() needs
 /// How many of the first bytes decode_loose() needs. Throws as decode().
 std::size_t loose_bytes(std::string_view header, const PartLabel& label);
-LooseSites decode_loose(std::string_view bytes, const PartLabel& label);
+LooseEnds decode_loose(std::string_view bytes, const PartLabel& label);
 
 }  // namespace quench::dual::bricks
