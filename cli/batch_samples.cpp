@@ -80,7 +80,7 @@ std::vector<fs::path> files_like(const std::string& pattern, bool trees) {
 
 void check_file(const std::string& file, bool trees) {
   std::error_code ignored;
-  if (!fs::exists(file, ignored)) throw Error(ErrorCode::failed, fmt::format("'{}' does not exist", file));
+  if (!fs::exists(io::place_of_input(file), ignored)) throw Error(ErrorCode::failed, fmt::format("'{}' does not exist", file));
   if (io::kind_of(file) == io::Kind::unknown && !(trees && io::is_tree_file(file)))
     throw Error(
         ErrorCode::usage,

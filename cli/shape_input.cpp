@@ -417,7 +417,7 @@ void say_ignored(const ShapeOptions& options, io::Kind kind, Session& session, b
 
 void check_exists(const std::filesystem::path& file) {
   std::error_code ignored;
-  if (!std::filesystem::exists(file, ignored))
+  if (!std::filesystem::exists(io::place_of_input(file), ignored))
     throw Error(ErrorCode::failed, fmt::format("'{}' does not exist", file.string()));
 }
 

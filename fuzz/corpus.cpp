@@ -9,6 +9,7 @@
 #include "quench/samples.h"
 #include "small_files.h"
 #include "small_polygons.h"
+#include "small_zarr.h"
 #ifdef QUENCH_HAS_TIFF
 #include <tiffio.h>
 #endif
@@ -31,6 +32,23 @@ quench::Record as_axis(const quench::TriangleMesh& mesh) {
   data.point_data.push_back({"radius", 1, std::move(radius)});
   data.field_data.push_back({"units", 1, std::vector<std::string>{"mm"}});
   return data;
+}
+
+/// As zarr_target.cpp takes them apart.
+void write_zarrs(const std::filesystem::path& folder) {
+  using quench::small_files::ZarrKind;
+  const std::string attributes =
+      "{\"multiscales\": [{\"axes\": [{\"name\": \"z\", \"unit\": \"micrometer\"}, {\"name\": \"y\"}, {\"name\": "
+      "\"x\"}], "
+      "\"datasets\": [{\"path\": \"0\", \"coordinateTransformations\": [{\"type\": \"scale\", \"scale\": [2, 1, 1]}, "
+      "{\"type\": \"translation\", \"translation\": [3, 2, 1]}]}]}]}";
+  std::filesystem::create_directories(folder);
+  for (const ZarrKind kind : {ZarrKind::zarr2, ZarrKind::zarr3, ZarrKind::shards, ZarrKind::n5}) {
+    const auto array = quench::small_files::small_zarr(kind, {2, 2, 2}, {2, 2, 2}, {1, 2, 3, 4, 5, 6, 7, 8});
+    const char letter = kind == ZarrKind::zarr2 ? '2' : kind == ZarrKind::n5 ? '5' : '3';
+    std::ofstream(folder / std::to_string(static_cast<int>(kind)), std::ios::binary)
+        << letter << array.metadata << '\0' << attributes << '\0' << array.chunks[0].second;
+  }
 }
 
 #ifdef QUENCH_HAS_TIFF
@@ -78,6 +96,7 @@ int main(int argc, char** argv) try {
     for (const char* format : {"ply", "obj", "vtp", "ma"})
       quench::io::write_record(folder / format / (name + "." + format), as_axis(made.mesh));
   }
+  write_zarrs(folder / "zarr");
 #ifdef QUENCH_HAS_TIFF
   write_compressed_tiffs(folder / "tiff");
 #endif

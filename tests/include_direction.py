@@ -32,10 +32,10 @@ ROOMS = {
     'io': 'base record shape polygons graph tree',
     'page': 'base complex record shape axis burning skeleton graph tree io',
     'picture': 'base io page',
-    'pipeline': 'base complex record shape polygons preparation voxelization surface axis burning skeleton graph tree io page',
+    'pipeline': 'base complex record shape polygons preparation voxelization surface dual axis burning skeleton graph tree io page',
     'verification': 'base complex record shape',
 }
-PUBLIC = {'error': 'base', 'context': 'base', 'geometry': 'base', 'voxelize': 'voxelization', 'burn': 'burning', 'verify': 'verification', 'structure': 'complex', 'table': 'base'}
+PUBLIC = {'error': 'base', 'context': 'base', 'geometry': 'base', 'voxelize': 'voxelization', 'burn': 'burning', 'verify': 'verification', 'structure': 'complex', 'table': 'base', 'bricks': 'pipeline'}
 FRONT_ENDS = {'cli': 'cli', 'python/src': 'python'}  # public headers, base/ and their own files
 
 

@@ -51,7 +51,7 @@ class Cover {
     find_uncovered(context);
     if (std::ranges::none_of(uncovered_, [](char u) { return u; })) return;
     const BallTree tree(axis_);
-    ShortestPaths paths(axis_, kLengthUnit * least_);
+    ShortestPaths paths(axis_, kLengthUnit * least_, kLongestPath * least_);
     reach_out(tree, paths);
     needed_.assign(components_.member_count(), 0);
     take_faces();
@@ -65,12 +65,12 @@ class Cover {
   double reach() const { return 2 * least_ * (1 + 0.5 * kTolerance); }
 
   void find_uncovered(Context* context) {
-    kept_.assign(axis_.complex.vertex_count, 0);  // vertices of what is significant
+    kept_.assign(axis_.complex.vertex_count, kNot);
     for (std::uint32_t c = 0; c < cells_.count(); ++c)
-      if (cells_.value(c) >= least_) cells_.for_corners(c, [&](std::uint32_t v) { kept_[v] = 1; });
+      if (cells_.value(c) >= least_) cells_.for_corners(c, [&](std::uint32_t v) { kept_[v] = kSignificant; });
     std::vector<std::uint32_t> vertices;
     for (std::uint32_t v = 0; v < kept_.size(); ++v)
-      if (kept_[v]) vertices.push_back(v);
+      if (kept_[v] != kNot) vertices.push_back(v);
     kept_tree_.emplace(axis_.points, axis_.radius, std::move(vertices));
     uncovered_ = uncovered_sites(axis_.sites, axis_.grid, *kept_tree_, 2 * least_, context);
   }
@@ -106,7 +106,8 @@ class Cover {
     });
     return largest;
   }
-  // Keeps the shortest path from a ball near enough to what is kept.
+  // Keeps the shortest path from a ball near enough to what is significant; where that is too far away, the largest of
+  // these balls. Paths do not lead to earlier ones, so that no chain of them makes one depend on what is far away.
   void add_path_to(const Vec3& p, const BallTree& tree, ShortestPaths& paths) {
     paths.restart();
     std::vector<std::uint32_t> sources;
@@ -114,14 +115,20 @@ class Cover {
       paths.add_source(v);
       sources.push_back(v);
     });
-    const auto stop = [&](std::uint32_t v) { return kept_[v] != 0; };
+    if (std::ranges::any_of(sources, [&](std::uint32_t v) { return kept_[v] != kNot; })) return;
+    const auto stop = [&](std::uint32_t v) { return kept_[v] == kSignificant; };
     std::uint32_t v = paths.next(stop);
-    while (v != kNone && !kept_[v]) v = paths.next(stop);
-    if (v == kNone) v = largest_of(sources);  // nothing is kept in this component of the axis
-    keep(detail_.vertex[v]);
-    kept_[v] = 1;
-    keep_path(paths, v);
-    paths.walk_back(v, [&](std::uint32_t, std::uint32_t w) { kept_[w] = 1; });
+    while (v != kNone && !stop(v)) v = paths.next(stop);
+    const auto keep_vertex = [&](std::uint32_t w) {
+      keep(detail_.vertex[w]);
+      if (kept_[w] == kNot) kept_[w] = kPath;
+    };
+    if (v == kNone) v = largest_of(sources);
+    keep_vertex(v);
+    paths.walk_back(v, [&](std::uint32_t e, std::uint32_t w) {
+      keep(detail_.edge[e]);
+      keep_vertex(w);
+    });
   }
   std::uint32_t largest_of(const std::vector<std::uint32_t>& vertices) const {
     return *std::ranges::max_element(vertices, {}, [&](std::uint32_t v) { return std::pair(axis_.radius[v], ~v); });
@@ -181,12 +188,12 @@ class Cover {
   }
 
   // Connects parts that nothing significant is in to the nearest other part along edges, until each is connected to
-  // what is significant or there is nothing else in its component of the axis.
+  // what is significant or there is nothing else near enough.
   void connect(ShortestPaths& paths) {
     base::UnionFind parts = united_cells();
     std::vector<char> connected(axis_.complex.vertex_count, 0);  // of the roots
     for (std::uint32_t v = 0; v < kept_.size(); ++v)
-      if (kept_[v]) connected[parts.find(v)] = 1;
+      if (kept_[v] != kNot) connected[parts.find(v)] = 1;
     paths.restart();
     std::size_t open = 0;  // parts that are not connected
     for (std::uint32_t v = 0; v < axis_.complex.vertex_count; ++v) {
@@ -194,7 +201,7 @@ class Cover {
       open += parts.find(v) == v;
       paths.add_source(v);
     }
-    const auto is_end = [&](std::uint32_t v) { return kept_[v] != 0; };
+    const auto is_end = [&](std::uint32_t v) { return kept_[v] != kNot; };
     const auto join = [&](std::uint32_t a, std::uint32_t b) {
       const bool either = connected[parts.find(a)] || connected[parts.find(b)];
       parts.unite(a, b);
@@ -208,7 +215,7 @@ class Cover {
     };
     for (std::uint32_t v; open > 0 && (v = paths.next(is_end)) != kNone;) {
       const std::uint32_t source = paths.source_of(v);
-      if (kept_[v]) {
+      if (kept_[v] != kNot) {
         if (!apart(source, v)) continue;
         keep_path(paths, v);
         join(source, v);
@@ -216,7 +223,8 @@ class Cover {
       }
       for (const std::uint32_t e : paths.edges_at(v)) {
         const std::uint32_t w = paths.other_end(e, v);
-        if (!paths.is_settled(w) || kept_[w] || !apart(source, paths.source_of(w))) continue;
+        if (!paths.is_settled(w) || kept_[w] != kNot || !apart(source, paths.source_of(w))) continue;
+        if (paths.distance(v) + paths.length(e) + paths.distance(w) > paths.longest()) continue;
         keep(detail_.edge[e]);
         keep_path(paths, v);
         keep_path(paths, w);
@@ -245,7 +253,8 @@ class Cover {
   const TopCells& cells_;
   CellValues& detail_;
   std::optional<BallTree> kept_tree_;
-  std::vector<char> kept_;     // per vertex: what is significant, and paths to it
+  enum Kept : char { kNot, kSignificant, kPath };
+  std::vector<Kept> kept_;     // per vertex: of what is significant, and of paths to it
   std::vector<char> in_part_;  // per vertex: of a cell that is kept
   std::vector<char> uncovered_, has_face_, needed_;
 };

@@ -6,10 +6,15 @@
 
 namespace quench::axis {
 
+/// Paths are at most so many times `least` long: 55 voxels for cubes. Needed lengths grow like the root of the
+/// resolution; of 5800 at 1024 voxels seven are longer.
+inline constexpr double kLongestPath = 64;
+
 /// Raises details to `least` where boundary vertices need it that lie farther than 2 * least outside the balls of the
 /// cells with detail `least` or more, such that none is left. On a thick body the shortest path along edges to a ball
-/// near enough is kept. In thin parts it is the component that touches the boundary vertex, or else the cells whose
-/// balls touch it; shortest paths then connect these to the rest, since the thinning would by detours.
+/// near enough is kept, where it is no longer than kLongestPath * least, else the largest such ball. In thin parts it
+/// is the component that touches the boundary vertex, or else the cells whose balls touch it; shortest paths, no longer
+/// than that, then connect these to the rest, since the thinning would by detours.
 void cover_boundary(const MedialAxis& axis, double least, SignificantParts& parts, const TopCells& cells,
                     CellValues& detail, Context* context);
 

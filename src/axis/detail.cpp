@@ -36,7 +36,7 @@ CellValues details(const MedialAxis& axis, const Surface* surface, Context* cont
   checkpoint(context, "detail", 0.3);
   axis::cover_boundary(axis, least, parts, cells, detail, context);
   axis::spread_to_sides(axis.complex, detail);
-  axis::keep_within_reach(axis, least, detail.vertex, context);
+  axis::keep_within_reach(axis, least, detail, context);
   checkpoint(context, "detail", 1);
   return detail;
 }

@@ -32,12 +32,12 @@ constexpr double kOfUnit = 1e-3;
 // sticks out, and so in those the neighbour lies in; what adds up on the way, its *debt*, must not be above m - least.
 class Reach {
  public:
-  Reach(const MedialAxis& axis, double least, std::vector<double>& detail)
-      : axis_(axis), least_(least), detail_(detail), tree_(axis.points, axis.radius, vertices()) {
+  Reach(const MedialAxis& axis, double least, CellValues& detail)
+      : axis_(axis), least_(least), detail_(detail.vertex), tree_(axis.points, axis.radius, vertices()) {
     most_.assign(tree_.node_count(), -1);
     detail_of_ball_.assign(tree_.size(), -1);
     debt_.assign(tree_.size(), 0);
-    link_neighbours();
+    link_neighbours(detail.edge);
   }
 
   void run(Context* context) {
@@ -57,15 +57,15 @@ class Reach {
       if (detail_[v] >= least_) found.push_back(v);
     return found;
   }
-  void link_neighbours() {
+  void link_neighbours(const std::vector<double>& edge_detail) {
     std::vector<std::uint32_t> ball_of(axis_.complex.vertex_count, kNone);
     for (std::uint32_t i = 0; i < tree_.size(); ++i) ball_of[tree_.ball(i).vertex] = i;
     neighbours_ = base::Csr<std::uint32_t>::group(tree_.size(), [&](const auto& emit) {
-      for (const auto& [u, v] : axis_.complex.edges) {
-        const std::uint32_t a = ball_of[u], b = ball_of[v];
-        if (a == kNone || b == kNone) continue;
-        emit(a, b);
-        emit(b, a);
+      for (std::size_t e = 0; e < edge_detail.size(); ++e) {
+        if (edge_detail[e] < least_) continue;
+        const auto [u, v] = axis_.complex.edges[e];
+        emit(ball_of[u], ball_of[v]);
+        emit(ball_of[v], ball_of[u]);
       }
     });
   }
@@ -148,15 +148,15 @@ class Reach {
   double least_;
   std::vector<double>& detail_;
   BallTree tree_;
-  base::Csr<std::uint32_t> neighbours_;        // balls whose vertices share an edge
+  base::Csr<std::uint32_t> neighbours_;        // balls whose vertices share an edge that is kept
   std::vector<double> most_, detail_of_ball_;  // per node the largest, and per ball: of what is decided; -1 before
   std::vector<double> debt_;                   // per ball
 };
 
 }  // namespace
 
-void keep_within_reach(const MedialAxis& axis, double least, std::vector<double>& vertex_detail, Context* context) {
-  Reach(axis, least, vertex_detail).run(context);
+void keep_within_reach(const MedialAxis& axis, double least, CellValues& detail, Context* context) {
+  Reach(axis, least, detail).run(context);
 }
 
 }  // namespace quench::axis

@@ -17,12 +17,13 @@ namespace quench::axis {
 
 /// Shortest paths along the edges of a medial axis (Dijkstra 1959) from many sources, for searches that stay near them.
 /// Lengths are whole multiples of `unit`, so that paths of one length are ties whatever the rounding of coordinates;
-/// ties go to the vertex of smaller index.
+/// ties go to the vertex of smaller index. What is farther away than `longest` is not reached.
 class ShortestPaths {
  public:
-  ShortestPaths(const MedialAxis& axis, double unit)
+  ShortestPaths(const MedialAxis& axis, double unit, double longest)
       : axis_(axis),
         per_unit_(1 / unit),
+        longest_(std::round(longest / unit)),
         edges_at_(base::Csr<std::uint32_t>::group(axis.complex.vertex_count,
                                                   [&](const auto& emit) {
                                                     for (std::uint32_t e = 0; e < axis.complex.edges.size(); ++e)
@@ -55,7 +56,7 @@ class ShortestPaths {
       if (!stop(v))
         for (const std::uint32_t e : edges_at_[v]) {
           const std::uint32_t w = other_end(e, v);
-          reach(w, distance + std::round((axis_.points[v] - axis_.points[w]).norm() * per_unit_), e, source_[v]);
+          reach(w, distance + length(e), e, source_[v]);
         }
       return v;
     }
@@ -67,6 +68,14 @@ class ShortestPaths {
     const auto [a, b] = axis_.complex.edges[edge];
     return a == vertex ? b : a;
   }
+  /// In units, as all lengths here.
+  double length(std::uint32_t edge) const {
+    const auto [a, b] = axis_.complex.edges[edge];
+    return std::round((axis_.points[a] - axis_.points[b]).norm() * per_unit_);
+  }
+  double longest() const { return longest_; }
+  /// Of a vertex that is reached, from the source.
+  double distance(std::uint32_t vertex) const { return distance_[vertex]; }
   /// Calls visit(edge, next vertex) along the path from a reached vertex back to its source.
   template <class Visit>
   void walk_back(std::uint32_t vertex, const Visit& visit) const {
@@ -83,7 +92,7 @@ class ShortestPaths {
 
  private:
   void reach(std::uint32_t v, double distance, std::uint32_t by, std::uint32_t source) {
-    if (!(distance < distance_[v])) return;
+    if (!(distance < distance_[v]) || distance > longest_) return;
     if (distance_[v] == base::kNever) reached_.push_back(v);
     source_[v] = source;
     distance_[v] = distance;
@@ -92,7 +101,7 @@ class ShortestPaths {
   }
 
   const MedialAxis& axis_;
-  double per_unit_;
+  double per_unit_, longest_;
   base::Csr<std::uint32_t> edges_at_;
   std::vector<double> distance_;        // so far
   std::vector<std::uint32_t> came_by_;  // the edge; kNone for sources

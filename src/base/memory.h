@@ -13,6 +13,9 @@ std::int64_t available_memory();
 /// say.
 std::int64_t held_memory();
 
+/// The most memory this process has held so far, in bytes.
+std::int64_t peak_memory();
+
 /// "3.5 GB", "81 MB", "1.0 KB", "12 bytes".
 std::string bytes_text(std::int64_t bytes);
 

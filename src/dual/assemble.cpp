@@ -7,6 +7,7 @@
 #include <atomic>
 
 #include "base/parallel.h"
+#include "dual/edge_star.h"
 #include "quench/error.h"
 
 namespace quench::dual {
@@ -16,8 +17,9 @@ std::uint32_t count_up(std::uint32_t& counter) {
   return std::atomic_ref<std::uint32_t>(counter).fetch_add(1, std::memory_order_relaxed);
 }
 
-// Sorts the polytopes by their site lists.
-Cells sorted(Cells cells, std::size_t site_count, Context* context) {
+}  // namespace
+
+std::vector<std::uint32_t> order_of(const Cells& cells, std::size_t site_count, Context* context) {
   const std::size_t count = cells.count();
   const std::size_t chunks = base::chunks_for(count);
   std::vector<std::uint32_t> first(site_count + 1, 0), order(count), rank(count);
@@ -31,25 +33,30 @@ Cells sorted(Cells cells, std::size_t site_count, Context* context) {
     for (std::size_t p = begin; p < end; ++p)
       order[first[cells.sites[cells.site_begin[p]]] + rank[p]] = static_cast<std::uint32_t>(p);
   });
-  Cells result;
-  result.site_begin.resize(count + 1);
-  result.neighbour_begin.resize(count + 1);
-  result.hull.resize(count);
   const std::size_t site_chunks = base::chunks_for(site_count);
   base::for_chunks(site_chunks, context, "merge", 0.77, 0.78, [&](std::size_t chunk) {
     const auto [begin, end] = base::part_of(site_count, chunk, site_chunks);
-    for (std::size_t s = begin; s < end; ++s) {
+    for (std::size_t s = begin; s < end; ++s)
       if (first[s + 1] - first[s] > 1)
         std::sort(order.begin() + first[s], order.begin() + first[s + 1], [&](std::uint32_t a, std::uint32_t b) {
           return std::ranges::lexicographical_compare(cells.sites_of(a), cells.sites_of(b));
         });
-      for (std::uint32_t r = first[s]; r < first[s + 1]; ++r) {
-        rank[order[r]] = r;
-        result.site_begin[r + 1] = static_cast<std::uint32_t>(cells.sites_of(order[r]).size());
-        result.neighbour_begin[r + 1] = static_cast<std::uint32_t>(cells.neighbours_of(order[r]).size());
-        result.hull[r] = cells.hull[order[r]];
-      }
-    }
+  });
+  return order;
+}
+
+Cells permuted(const Cells& cells, std::span<const std::uint32_t> order, Context* context) {
+  const std::size_t count = cells.count();
+  std::vector<std::uint32_t> rank(count);
+  Cells result;
+  result.site_begin.resize(count + 1);
+  result.neighbour_begin.resize(count + 1);
+  result.hull.resize(count);
+  base::for_indices(count, [&](std::size_t r) {
+    rank[order[r]] = static_cast<std::uint32_t>(r);
+    result.site_begin[r + 1] = static_cast<std::uint32_t>(cells.sites_of(order[r]).size());
+    result.neighbour_begin[r + 1] = static_cast<std::uint32_t>(cells.neighbours_of(order[r]).size());
+    result.hull[r] = cells.hull[order[r]];
   });
   tbb::parallel_invoke(
       [&] {
@@ -60,16 +67,19 @@ Cells sorted(Cells cells, std::size_t site_count, Context* context) {
         base::prefix_sum(result.neighbour_begin);
         result.neighbours.resize(result.neighbour_begin.back());
       });
+  const std::size_t chunks = base::chunks_for(count);
   base::for_chunks(chunks, context, "merge", 0.78, 0.8, [&](std::size_t chunk) {
     const auto [begin, end] = base::part_of(count, chunk, chunks);
     for (std::size_t r = begin; r < end; ++r) {
       std::ranges::copy(cells.sites_of(order[r]), result.sites.begin() + result.site_begin[r]);
       std::uint32_t at = result.neighbour_begin[r];
-      for (const std::uint32_t n : cells.neighbours_of(order[r])) result.neighbours[at++] = n < kBoundary ? rank[n] : n;
+      for (const std::uint32_t n : cells.neighbours_of(order[r])) result.neighbours[at++] = n < kPruned ? rank[n] : n;
     }
   });
   return result;
 }
+
+namespace {
 
 // Walks around the edges of a range of polytopes. A Delaunay edge whose star of polytopes closes is a face of the core;
 // it belongs to its smallest polytope, so a walk ends where it meets a smaller one than it started at.
@@ -100,7 +110,7 @@ class EdgeStarWalker {
         if (a > b) continue;
         // Both polytopes next to it in the star.
         const std::uint32_t n = neighbours[hull.facet[halfedge]], m = neighbours[hull.facet[hull.twin[halfedge]]];
-        if (n < polytope || m < polytope || n == kBoundary || m == kBoundary) continue;
+        if (n < polytope || m < polytope || n >= kPruned || m >= kPruned) continue;
         walk(polytope, halfedge, cells_.sites_of(polytope)[a], cells_.sites_of(polytope)[b]);
       }
     }
@@ -108,30 +118,14 @@ class EdgeStarWalker {
   }
 
  private:
-  [[noreturn]] static void does_not_close() {
-    throw Error(ErrorCode::invariant, "the polytopes around an edge of the voxel core's dual do not close up");
-  }
-
-  // A half-edge from a to b, seen from outside its polytope, has its facet on the left: crossing that leads
-  // counter-clockwise around the direction from a to b.
   void walk(std::uint32_t start, std::uint32_t halfedge, std::uint32_t a, std::uint32_t b) {
     star_.assign(1, start);
     for (std::uint32_t polytope = start;;) {
       const std::uint32_t next = cells_.neighbours_of(polytope)[hulls_[cells_.hull[polytope]].facet[halfedge]];
       if (next == start) break;
-      if (next == kBoundary || next < start) return;
-      const Hull& hull = hulls_[cells_.hull[next]];
-      const auto neighbours = cells_.neighbours_of(next);
-      const auto sites = cells_.sites_of(next);
-      // Two polytopes share one facet; in it the edge runs from b to a.
-      std::uint32_t facet = 0;
-      while (facet < neighbours.size() && neighbours[facet] != polytope) ++facet;
-      if (facet == neighbours.size()) does_not_close();
-      std::uint32_t from_b = hull.facet_begin[facet];
-      const std::uint32_t end = hull.facet_begin[facet + 1];
-      while (from_b < end && sites[hull.origin[from_b]] != b) ++from_b;
-      if (from_b == end || star_.size() > cells_.count()) does_not_close();
-      halfedge = hull.twin[from_b];
+      if (next >= kPruned || next < start) return;
+      halfedge = halfedge_after(cells_, hulls_, polytope, next, b);
+      if (star_.size() > cells_.count()) star_does_not_close();
       star_.push_back(next);
       polytope = next;
     }
@@ -149,8 +143,8 @@ class EdgeStarWalker {
 
 class Assembly {
  public:
-  Assembly(Cells cells, const Hulls& hulls, std::size_t site_count, Context* context)
-      : cells_(std::move(cells)), hulls_(hulls), site_count_(site_count), context_(context) {}
+  Assembly(Cells cells, const Hulls& hulls, std::size_t site_count, bool complete, Context* context)
+      : cells_(std::move(cells)), hulls_(hulls), site_count_(site_count), complete_(complete), context_(context) {}
 
   DualComplex run() {
     dual_.complex.vertex_count = cells_.count();
@@ -176,8 +170,9 @@ class Assembly {
     edge_begin_.assign(std::size_t{cells_.count()} + 1, 0);
     const auto for_larger = [&](std::size_t p, const auto& visit) {
       for (const std::uint32_t n : cells_.neighbours_of(static_cast<std::uint32_t>(p))) {
-        if (n == kUnmatched) throw Error(ErrorCode::invariant, "a facet of the voxel core's dual is unmatched");
-        if (n != kBoundary && n > p) visit(n);
+        if (n == kUnmatched && complete_)
+          throw Error(ErrorCode::invariant, "a facet of the voxel core's dual is unmatched");
+        if (n < kPruned && n > p) visit(n);
       }
     };
     base::for_chunks(chunks, context_, "merge", 0.8, 0.81, [&](std::size_t chunk) {
@@ -265,6 +260,7 @@ class Assembly {
   Cells cells_;
   const Hulls& hulls_;
   const std::size_t site_count_;
+  const bool complete_;  // no facet may be unmatched
   Context* context_;
   DualComplex dual_;
   std::vector<std::uint32_t> edge_begin_;  // edge_begin_[v]: the first edge whose smaller end is v
@@ -275,7 +271,12 @@ class Assembly {
 }  // namespace
 
 DualComplex assemble(Cells cells, const Hulls& hulls, std::size_t site_count, Context* context) {
-  return Assembly(sorted(std::move(cells), site_count, context), hulls, site_count, context).run();
+  cells = permuted(cells, order_of(cells, site_count, context), context);
+  return Assembly(std::move(cells), hulls, site_count, true, context).run();
+}
+
+DualComplex assemble_part(Cells cells, const Hulls& hulls, std::size_t site_count, Context* context) {
+  return Assembly(std::move(cells), hulls, site_count, false, context).run();
 }
 
 }  // namespace quench::dual

@@ -51,7 +51,7 @@ void copy(const CellsPart& part, const Place& at, Numbers numbers, CellsPart& wh
   }
   std::ranges::copy(from.sites, to.sites.begin() + static_cast<std::ptrdiff_t>(at.site));
   std::ranges::transform(from.neighbours, to.neighbours.begin() + static_cast<std::ptrdiff_t>(at.neighbour),
-                         [&](std::uint32_t n) { return n < kBoundary ? n + polytopes : n; });
+                         [&](std::uint32_t n) { return n < kPruned ? n + polytopes : n; });
   std::ranges::transform(part.unmatched, whole.unmatched.begin() + static_cast<std::ptrdiff_t>(at.unmatched),
                          [&](UnmatchedFacet f) {
                            if (f.polytope == kNone)

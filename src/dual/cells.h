@@ -24,7 +24,7 @@ struct Cells {
   std::vector<std::uint32_t> site_begin{0}, sites;  ///< corners of each polytope, ascending site ids
   std::vector<std::uint32_t> hull;                  ///< in Hulls; its corners are ranks among the sites
   std::vector<std::uint32_t> neighbour_begin{0},
-      neighbours;  ///< per facet of the hull: a polytope, kBoundary, kUnmatched
+      neighbours;  ///< per facet of the hull: a polytope, or one of the three above
 
   std::uint32_t count() const { return static_cast<std::uint32_t>(hull.size()); }
   std::span<const std::uint32_t> sites_of(std::uint32_t polytope) const {

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <array>
+#include <functional>
+#include <span>
 
 #include "base/parallel.h"
 #include "preparation/filters.h"
@@ -9,10 +11,17 @@ namespace {
 
 constexpr std::int64_t kSlab = 16;  // slices that are blurred at a time
 
-/// Blurs along x, y and z. load(index) gives a sample as a number, store(index, number) takes a result; a sample is
-/// loaded before any result that it is part of is stored, and never afterwards.
-template <class Number, class Load, class Store>
-void blur_separably(const Grid& grid, double sigma, const Load& load, const Store& store, Context* context) {
+/// Gives the samples from `first` on as numbers. Not a template parameter: there are many types of samples.
+template <class Number>
+using LoadRow = std::function<void(std::size_t first, std::span<Number> to)>;
+/// Takes the results from `first` on.
+template <class Number>
+using StoreRow = std::function<void(std::size_t first, std::span<const Number> results)>;
+
+/// Blurs along x, y and z. A sample is loaded before any result that it is part of is stored, and never afterwards.
+template <class Number>
+void blur_separably(const Grid& grid, double sigma, const LoadRow<Number>& load, const StoreRow<Number>& store,
+                    Context* context) {
   std::array<std::vector<Number>, 3> kernel;
   for (std::size_t a = 0; a < 3; ++a) {
     const double least = grid.spacing.minCoeff(), step = grid.spacing[static_cast<Eigen::Index>(a)];
@@ -32,11 +41,11 @@ void blur_separably(const Grid& grid, double sigma, const Load& load, const Stor
     std::vector<Number> along_x(slice), line(static_cast<std::size_t>(nx + 2 * reach(0)));
     for (std::int64_t y = 0; y < ny; ++y) {
       const std::size_t first = static_cast<std::size_t>(z) * slice + static_cast<std::size_t>(nx * y);
-      for (std::int64_t x = -reach(0); x < nx + reach(0); ++x)
-        line[static_cast<std::size_t>(x + reach(0))] =
-            load(first + static_cast<std::size_t>(std::clamp<std::int64_t>(x, 0, nx - 1)));
+      Number* in = line.data() + reach(0);
+      load(first, {in, static_cast<std::size_t>(nx)});
+      std::fill_n(line.data(), reach(0), in[0]);
+      std::fill_n(in + nx, reach(0), in[nx - 1]);
       Number* out = along_x.data() + nx * y;
-      const Number* in = line.data() + reach(0);
       for (std::int64_t x = 0; x < nx; ++x) out[x] = kernel[0][0] * in[x];
       for (std::int64_t k = 1; k <= reach(0); ++k)
         for (std::int64_t x = 0; x < nx; ++x)
@@ -63,7 +72,7 @@ void blur_separably(const Grid& grid, double sigma, const Load& load, const Stor
           out[static_cast<std::size_t>(x)] += kernel[2][static_cast<std::size_t>(k)] * (below[x] + above[x]);
       }
       const std::size_t first = static_cast<std::size_t>(z) * slice + static_cast<std::size_t>(nx * y);
-      for (std::size_t x = 0; x < out.size(); ++x) store(first + x, out[x]);
+      store(first, out);
     }
   };
   const auto for_slices = [&](std::int64_t begin, std::int64_t end, double at, const auto& work) {
@@ -87,18 +96,31 @@ void blur_separably(const Grid& grid, double sigma, const Load& load, const Stor
 template <class T, class Out>
 void blur_all(const Grid& grid, std::vector<T>& samples, std::vector<Out>& out, double sigma, Context* context) {
   using Number = Work<T>;
+  const auto load = [&](const auto& number_of) {
+    return [&samples, number_of](std::size_t first, std::span<Number> to) {
+      for (std::size_t i = 0; i < to.size(); ++i) to[i] = number_of(samples[first + i]);
+    };
+  };
   if (std::ranges::all_of(samples, is_finite<T>))
     return blur_separably<Number>(
-        grid, sigma, [&](std::size_t i) { return static_cast<Number>(samples[i]); },
-        [&](std::size_t i, Number value) { out[i] = as_sample<Out>(value); }, context);
+        grid, sigma, load([](T sample) { return static_cast<Number>(sample); }),
+        [&](std::size_t first, std::span<const Number> results) {
+          for (std::size_t i = 0; i < results.size(); ++i) out[first + i] = as_sample<Out>(results[i]);
+        },
+        context);
   std::vector<Number> weight(samples.size());
   blur_separably<Number>(
-      grid, sigma, [&](std::size_t i) { return is_finite(samples[i]) ? Number{1} : Number{0}; },
-      [&](std::size_t i, Number value) { weight[i] = is_finite(samples[i]) ? value : Number{0}; }, context);
+      grid, sigma, load([](T sample) { return is_finite(sample) ? Number{1} : Number{0}; }),
+      [&](std::size_t first, std::span<const Number> results) {
+        for (std::size_t i = 0; i < results.size(); ++i)
+          weight[first + i] = is_finite(samples[first + i]) ? results[i] : Number{0};
+      },
+      context);
   blur_separably<Number>(
-      grid, sigma, [&](std::size_t i) { return is_finite(samples[i]) ? static_cast<Number>(samples[i]) : Number{0}; },
-      [&](std::size_t i, Number value) {
-        if (weight[i] > 0) out[i] = as_sample<Out>(value / weight[i]);
+      grid, sigma, load([](T sample) { return is_finite(sample) ? static_cast<Number>(sample) : Number{0}; }),
+      [&](std::size_t first, std::span<const Number> results) {
+        for (std::size_t i = 0; i < results.size(); ++i)
+          if (weight[first + i] > 0) out[first + i] = as_sample<Out>(results[i] / weight[first + i]);
       },
       context);
 }

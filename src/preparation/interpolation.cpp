@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <array>
+#include <functional>
+#include <span>
 
 #include "base/parallel.h"
 #include "preparation/filters.h"
@@ -29,11 +31,14 @@ std::array<std::vector<Between>, 3> places_of(const Grid& from, const Grid& to) 
   return places;
 }
 
+/// Takes the results from `first` on. Not a template parameter: there are many types of samples.
+using StoreResults = std::function<void(std::size_t first, std::span<const double> results)>;
+
 /// Linear along the axes other than `last`, then mix(low, high, part) along that one; samples of no weight do not
-/// count. store(index, value) takes each.
-template <class Value, class Mix, class Store>
+/// count.
+template <class Value, class Mix>
 void resample(const Grid& from, const Grid& to, std::size_t last, const Value& value, const Mix& mix,
-              const Store& store, Context* context) {
+              const StoreResults& store, Context* context) {
   const auto places = places_of(from, to);
   const std::array<std::int64_t, 3> stride{1, from.dims[0], from.dims[0] * from.dims[1]};
   const std::size_t u = last == 0 ? 1 : 0, v = last == 2 ? 1 : 2;
@@ -53,13 +58,17 @@ void resample(const Grid& from, const Grid& to, std::size_t last, const Value& v
           }
         return sum;
       };
-      for (const Between& y : places[1])
-        for (const Between& x : places[0]) {
-          at[0] = x;
-          at[1] = y;
+      std::vector<double> row(places[0].size());
+      for (const Between& y : places[1]) {
+        at[1] = y;
+        for (std::size_t x = 0; x < row.size(); ++x) {
+          at[0] = places[0][x];
           const double low = in_slice(at[last].low), part = at[last].part;
-          store(out++, part > 0 ? mix(low, in_slice(at[last].low + 1), part) : low);
+          row[x] = part > 0 ? mix(low, in_slice(at[last].low + 1), part) : low;
         }
+        store(out, row);
+        out += row.size();
+      }
     });
   });
 }
@@ -219,8 +228,9 @@ void interpolate(Volume& volume, bool mask, Context* context) {
             resample(
                 volume.grid, cubes, thick, [&](std::size_t i) { return static_cast<double>(distances[i]); },
                 between_slices,
-                [&](std::size_t i, double distance) {
-                  if (distance > 0) samples[i] = inside;
+                [&](std::size_t first, std::span<const double> results) {
+                  for (std::size_t i = 0; i < results.size(); ++i)
+                    if (results[i] > 0) samples[first + i] = inside;
                 },
                 context);
             return;
@@ -228,7 +238,10 @@ void interpolate(Volume& volume, bool mask, Context* context) {
           const auto fill = [&]<class Out>(std::vector<Out>&& out) {
             resample(
                 volume.grid, cubes, 2, [&](std::size_t i) { return static_cast<double>(samples[i]); }, linear,
-                [&](std::size_t i, double value) { out[i] = as_sample<Out>(value); }, context);
+                [&](std::size_t first, std::span<const double> results) {
+                  for (std::size_t i = 0; i < results.size(); ++i) out[first + i] = as_sample<Out>(results[i]);
+                },
+                context);
             volume.samples = std::move(out);
           };
           if (!std::is_integral_v<T> || stays_whole(samples))

@@ -4,6 +4,7 @@
 #include <functional>
 #include <numeric>
 #include <optional>
+#include <span>
 
 #include "base/parallel.h"
 #include "preparation/classes.h"
@@ -29,12 +30,25 @@ void for_pairs(const std::uint16_t* here, const std::uint16_t* there, std::size_
     if (here[i] != kNoClass && there[i] != kNoClass) visit(std::min(here[i], there[i]), std::max(here[i], there[i]));
 }
 
+/// Gives the classes of the samples from `first` on. Not a template parameter: there are many types of samples.
+using ReadClasses = std::function<void(std::size_t first, std::span<std::uint16_t> to)>;
+
+template <class T>
+ReadClasses reader_of(const std::vector<T>& samples, const Classes<T>& classes) {
+  return [&](std::size_t first, std::span<std::uint16_t> to) {
+    for (std::size_t i = 0; i < to.size(); ++i) {
+      const T sample = samples[first + i];
+      to[i] = preparation::is_finite(sample) ? static_cast<std::uint16_t>(classes.of(sample)) : kNoClass;
+    }
+  };
+}
+
 /// Visits the pairs of neighbouring finite samples with the classes of both, along the axes of nearly the smallest
 /// spacing (between thick slices differences are of other lengths), in parts on all threads, each with sums of its own;
 /// returns their sum. Progress is from `begin` on, for one half.
-template <class T, class Visit>
-Counts over_pairs(const Grid& grid, const std::vector<T>& samples, const Classes<T>& classes, std::size_t sums,
-                  Context* context, double begin, const Visit& visit) {
+template <class Visit>
+Counts over_pairs(const Grid& grid, const ReadClasses& read, std::size_t sums, Context* context, double begin,
+                  const Visit& visit) {
   constexpr double kNearly = 1.5;
   const auto used = [&](int axis) { return grid.spacing[axis] <= kNearly * grid.spacing.minCoeff(); };
   const auto nx = static_cast<std::size_t>(grid.dims[0]), ny = static_cast<std::size_t>(grid.dims[1]),
@@ -47,19 +61,13 @@ Counts over_pairs(const Grid& grid, const std::vector<T>& samples, const Classes
       Counts& counts = all[part];
       const auto count = [&](std::size_t low, std::size_t high) { visit(counts, low, high); };
       std::vector<std::uint16_t> here(slice), above(slice);
-      const auto read = [&](std::vector<std::uint16_t>& to, std::size_t z) {
-        for (std::size_t i = 0; i < slice; ++i) {
-          const T sample = samples[z * slice + i];
-          to[i] = preparation::is_finite(sample) ? static_cast<std::uint16_t>(classes.of(sample)) : kNoClass;
-        }
-      };
       const auto [first, last] = base::part_of(nz, part, parts);
       for (std::size_t z = first; z < last; ++z) {
         if (z == first)
-          read(here, z);
+          read(z * slice, here);
         else
           here.swap(above);
-        if (z + 1 < nz) read(above, z + 1);
+        if (z + 1 < nz) read((z + 1) * slice, above);
         if (used(0))
           for (std::size_t y = 0; y < ny; ++y) for_pairs(&here[nx * y], &here[nx * y] + 1, nx - 1, count);
         if (used(1)) for_pairs(here.data(), here.data() + nx, slice - nx, count);
@@ -87,28 +95,25 @@ double median_of(const Counts& differences) {
   return 0;
 }
 
-/// The class whose lower end cuts most of the edges.
-template <class T>
-std::optional<std::size_t> best_cut(const Grid& grid, const std::vector<T>& samples, const Classes<T>& classes,
+/// The class whose lower end cuts most of the edges, from the numbers of samples in the classes.
+std::optional<std::size_t> best_cut(const Grid& grid, const ReadClasses& read, const std::vector<double>& counts,
                                     Context* context) {
-  const Counts differences =
-      over_pairs(grid, samples, classes, classes.count, context, 0,
-                 [](Counts& counts, std::size_t low, std::size_t high) { ++counts[high - low]; });
+  const Counts differences = over_pairs(grid, read, counts.size(), context, 0,
+                                        [](Counts& sums, std::size_t low, std::size_t high) { ++sums[high - low]; });
   constexpr double kDeviations = 0.6745;                      // in which half of a normal distribution lies
   const double noise = median_of(differences) / kDeviations;  // of differences
   // What is added where a step begins to be cut, and taken away where it ends.
-  const Counts changes = over_pairs(grid, samples, classes, 2 * classes.count, context, 0.5,
-                                    [&](Counts& counts, std::size_t low, std::size_t high) {
-                                      const std::size_t step = high - low;
-                                      if (static_cast<double>(step) <= kNoiseSteps * noise) return;
-                                      counts[2 * low] += step * step;
-                                      counts[2 * high + 1] += step * step;
-                                    });
-  const std::vector<double> counts = classes.counts(samples);
+  const Counts changes =
+      over_pairs(grid, read, 2 * counts.size(), context, 0.5, [&](Counts& sums, std::size_t low, std::size_t high) {
+        const std::size_t step = high - low;
+        if (static_cast<double>(step) <= kNoiseSteps * noise) return;
+        sums[2 * low] += step * step;
+        sums[2 * high + 1] += step * step;
+      });
   const auto most = static_cast<double>(std::max_element(counts.begin(), counts.end()) - counts.begin());
   std::uint64_t cut = 0, best = 0;
   std::size_t first = 0, last = 0;
-  for (std::size_t c = 1; c < classes.count; ++c) {
+  for (std::size_t c = 1; c < counts.size(); ++c) {
     cut += changes[2 * (c - 1)];
     cut -= changes[2 * (c - 1) + 1];
     if (std::abs(static_cast<double>(c) - most) < kNoiseSteps * noise / std::sqrt(2)) continue;
@@ -166,7 +171,8 @@ std::vector<ProposedThreshold> proposed_thresholds(const Volume& volume, Context
         if (!range.third) return proposals;
         const Classes<T> fine(range, kClasses, kClasses), coarse = preparation::otsu_classes(range);
         if (fine.count == 0) return proposals;
-        const auto cut = best_cut(volume.grid, samples, fine, context);
+        const std::vector<double> counts = fine.counts(samples);
+        const auto cut = best_cut(volume.grid, reader_of(samples, fine), counts, context);
         if (cut)
           proposals.push_back({"edges", threshold_at<T>(fine.low + static_cast<double>(*cut) * fine.step),
                                "cuts most of the edges between dark and bright, also of things that fill little of the "
@@ -174,7 +180,7 @@ std::vector<ProposedThreshold> proposed_thresholds(const Volume& volume, Context
         const std::size_t otsu = preparation::otsu(coarse.counts(samples));
         proposals.push_back({"otsu", threshold_at<T>(coarse.low + static_cast<double>(otsu) * coarse.step),
                              "parts dark from bright voxels best, where there are many of both (Otsu)"});
-        if (const auto thin = cut ? cuts_of_thin(fine.counts(samples), *cut) : std::nullopt) {
+        if (const auto thin = cut ? cuts_of_thin(counts, *cut) : std::nullopt) {
           const auto at = [&](double place) { return threshold_at<T>(fine.low + place * fine.step); };
           proposals.push_back({"thin", at(thin->low),
                                "half way up what is thick, and from there along thin things that are less bright, down "

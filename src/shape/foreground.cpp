@@ -115,6 +115,17 @@ struct Values {
     if (v < least) least = v;
     if (v > largest) largest = v;
   }
+  void add_all(const std::vector<T>& samples) {
+    constexpr std::size_t kTogether = 64;
+    for (std::size_t i = 0; i < samples.size();) {
+      const std::size_t end = std::min(samples.size(), i + kTogether);
+      std::uint8_t other = !any;
+      for (std::size_t j = i; j < end; ++j)
+        other |= static_cast<std::uint8_t>((samples[j] != least) & (samples[j] != largest));
+      if (other == 0) i = end;
+      for (; i < end; ++i) add(samples[i]);
+    }
+  }
   bool at_most_two() const { return !third && !(not_a_number && least != largest); }
   std::string text() const {
     if (!any) return "it has no values but NaN";
@@ -233,6 +244,51 @@ void append_runs(VoxelShape& shape, std::vector<Run>& runs, const Inside& inside
     if (begin < x) runs.push_back({begin, x});
   }
   shape.append_row(runs);
+}
+
+/// Samples that are looked at together where most of them are as the one before, as in masks and on dark ground: a few
+/// instructions for all of them.
+constexpr std::int32_t kStretch = 64;
+
+/// The first sample from `x` on which is inside where `state` says outside, or the other way round.
+template <class T, class Inside>
+std::int32_t first_other(const T* row, std::int32_t x, std::int32_t nx, bool state, const Inside& inside) {
+  for (; nx - x >= kStretch; x += kStretch) {
+    std::uint8_t other = 0;
+    for (std::int32_t i = 0; i < kStretch; ++i) other |= static_cast<std::uint8_t>(inside(row[x + i]) != state);
+    if (other != 0) break;
+  }
+  while (x < nx && inside(row[x]) == state) ++x;
+  return x;
+}
+
+/// The runs of a scanline whose samples follow each other in memory.
+template <class T>
+void append_runs_of(VoxelShape& shape, std::vector<Run>& runs, const T* row, const Rule<T>& rule, bool invert) {
+  const auto nx = static_cast<std::int32_t>(shape.grid().dims[0]);
+  const T value = rule.value;
+  const auto append = [&](const auto& inside) {
+    runs.clear();
+    for (std::int32_t x = 0;;) {
+      const std::int32_t begin = first_other(row, x, nx, invert, inside);
+      if (begin == nx) break;
+      x = first_other(row, begin, nx, !invert, inside);
+      runs.push_back({begin, x});
+    }
+    shape.append_row(runs);
+  };
+  switch (rule.kind) {
+    case Rule<T>::Kind::all:
+      return append([](T) { return true; });
+    case Rule<T>::Kind::at_least:
+      return append([value](T sample) { return sample >= value; });
+    case Rule<T>::Kind::equal:
+      return append([value](T sample) { return sample == value; });
+    case Rule<T>::Kind::non_zero:
+      return append([](T sample) { return (sample < T{}) | (sample > T{}); });
+    default:
+      return append([](T) { return false; });
+  }
 }
 
 template <class T>
@@ -384,12 +440,11 @@ VoxelShape foreground_of(const SliceStream& image, const ForegroundOptions& opti
     image.next(std::as_writable_bytes(std::span(slice)));
     // With a threshold or label the values are needed only for the error that nothing is foreground, and to know
     // whether there are more than two.
-    if (!chosen || shape.empty() || (layers && values.at_most_two()))
-      for (const T v : slice) values.add(v);
+    if (!chosen || shape.empty() || (layers && values.at_most_two())) values.add_all(slice);
     for (std::int64_t y = 0; y < dims[1]; ++y) {
       const T* row = slice.data() + nx * static_cast<std::size_t>(y);
-      append_runs(shape, runs, [&](std::int32_t x) { return rule(row[x]) != options.invert; });
-      if (seeded) append_runs(seeds, runs, [&](std::int32_t x) { return seed_rule(row[x]); });
+      append_runs_of(shape, runs, row, rule, options.invert);
+      if (seeded) append_runs_of(seeds, runs, row, seed_rule, false);
     }
     if (layers) layers->add_layer();
   }

@@ -12,6 +12,7 @@
 #include <new>
 #include <numeric>
 #include <random>
+#include <set>
 
 #include "io/common/formats.h"
 #include "io/tree/tree_samples.h"
@@ -205,14 +206,16 @@ TEST(Hostile, EveryTruncation) {
 }
 
 /// All values for short files that are read quickly, else those that mean something in a text or a number.
-std::vector<int> values_for(const SmallFile& file, char old) {
+std::set<int> values_for(const SmallFile& file, char old) {
   std::vector<int> values{0,   255,      old ^ 1,  old ^ 128, old + 1,  old - 1, int{' '}, int{'\n'},
                           '0', int{'9'}, int{'-'}, int{'"'},  int{'<'}, 127,     128};
   if (file.bytes.size() < 300 && file.format != "tiff") {
     values.resize(256);
     std::iota(values.begin(), values.end(), 0);
   }
-  return values;
+  std::set<int> different;  // several are the same byte
+  for (const int value : values) different.insert(value & 255);
+  return different;
 }
 
 TEST(Hostile, EveryByteChanged) {

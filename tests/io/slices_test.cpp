@@ -94,6 +94,71 @@ TEST(Slices, MetaImageAndMrc) {
   expect_as_whole(data_file("volumes/emd_5625.map"), {.threshold = 1.991, .label = {}});
 }
 
+// Streams look at many samples at once where they are alike.
+TEST(Slices, LongAndShortStretchesOfAnyType) {
+  std::mt19937 random(11);
+  for (int round = 0; round < 400; ++round) {
+    Volume volume;
+    volume.grid.dims = {1 + static_cast<std::int64_t>(random() % 300), 2, 2};
+    const auto count = static_cast<std::size_t>(volume.grid.dims[0] * 4);
+    const auto fill = [&]<class T>(std::vector<T> samples) {
+      T value{};
+      for (std::size_t i = 0; i < count; ++i) {
+        if (random() % 40 == 0) value = static_cast<T>(static_cast<int>(random() % 5) - (std::is_signed_v<T> ? 2 : 0));
+        if (std::is_floating_point_v<T> && random() % 200 == 0) value = std::numeric_limits<T>::quiet_NaN();
+        samples.push_back(value);
+      }
+      samples[random() % count] = 3;
+      volume.samples = std::move(samples);
+    };
+    switch (round % 5) {
+      case 0:
+        fill(std::vector<std::uint8_t>());
+        break;
+      case 1:
+        fill(std::vector<std::int16_t>());
+        break;
+      case 2:
+        fill(std::vector<std::uint64_t>());
+        break;
+      case 3:
+        fill(std::vector<float>());
+        break;
+      default:
+        fill(std::vector<double>());
+    }
+    const auto outcome = [&](const ForegroundOptions& options, bool stream) -> std::string {
+      SliceStream slices;
+      slices.grid = volume.grid;
+      slices.type = view_of(volume).type;
+      slices.next = [&volume, at = std::size_t{0}](std::span<std::byte> slice) mutable {
+        std::memcpy(slice.data(), static_cast<const std::byte*>(view_of(volume).data) + at, slice.size());
+        at += slice.size();
+      };
+      try {
+        const VoxelShape shape = stream ? foreground(slices, options) : foreground(volume, options);
+        std::string text;
+        for (std::int64_t row = 0; row < 4; ++row) {
+          for (const quench::Run& run : shape.row(row % 2, row / 2)) text += fmt::format("{}-{} ", run.begin, run.end);
+          text += '\n';
+        }
+        return text;
+      } catch (const Error& error) {
+        return error.what();
+      }
+    };
+    for (const bool invert : {false, true})
+      for (const ForegroundOptions& options : {ForegroundOptions{.threshold = {}, .label = {}, .invert = invert},
+                                               ForegroundOptions{.threshold = 1.0, .label = {}, .invert = invert},
+                                               ForegroundOptions{.threshold = -7.0, .label = {}, .invert = invert},
+                                               ForegroundOptions{.threshold = {}, .label = 2, .invert = invert},
+                                               ForegroundOptions{.threshold = {}, .label = 300, .invert = invert}})
+        ASSERT_EQ(outcome(options, true), outcome(options, false)) << round;
+    const ForegroundOptions two{.threshold = 1.0, .label = {}, .seed_threshold = 3.0};
+    ASSERT_EQ(outcome(two, true), outcome(two, false)) << round;
+  }
+}
+
 TEST(Slices, RealAndWrittenVolumes) {
   const TemporaryFolder folder;
   for (std::uint64_t seed = 0; seed < 20; ++seed) {

@@ -27,7 +27,7 @@ except ImportError:
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from formats.cases import Grid, difference, judge  # noqa: E402
 
-FORMATS = ['nrrd', 'metaimage', 'nifti', 'mrc', 'npy', 'vol', 'out', 'png', 'pnm', 'bmp', 'jpeg', 'tiff']
+FORMATS = ['nrrd', 'metaimage', 'nifti', 'mrc', 'npy', 'vol', 'out', 'png', 'pnm', 'bmp', 'zarr', 'jpeg', 'tiff', 'hdf5', 'dicom']
 MOST_FAILURES = 40  # printed per format
 
 

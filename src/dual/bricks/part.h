@@ -40,7 +40,9 @@ struct FaceValue {
   bool final = false;                    ///< the detail is known: part of a component that is not significant
 };
 
-/// A polytope belongs to the part whose box holds its smallest site; nothing else is in a part.
+/// A polytope belongs to the part whose box holds its smallest site, and so does a boundary square; nothing else is in
+/// a part. Polytopes are in order of their sites, unmatched facets in order of theirs: a part depends on nothing but
+/// what it knows.
 ///
 /// A link is what lies across a facet, an entry of Cells::neighbours. A pruned link (kPruned) is an edge of the core
 /// that was removed; a pruned vertex is a polytope that is not there any more. A face is removed together with one of
@@ -49,14 +51,15 @@ struct Part {
   std::vector<LatticePoint> sites;  ///< of the whole lattice, in order of z, y, x: those that `found` names
   CellsPart found;                  ///< sites are places in `sites`; `unmatched` lists all unmatched facets and squares
 
-  /// What pruned cells have left behind: the largest lambda and detail of the pruned faces around an edge (per link, the
-  /// same on both sides), of the pruned edges around a vertex (per polytope); -1 where there are none.
+  /// What pruned cells have left behind: the largest lambda and detail of the pruned faces around an edge (per link,
+  /// the same on both sides), of the pruned edges around a vertex (per polytope); -1 where there are none.
   std::vector<double> link_lambda, link_detail, vertex_lambda, vertex_detail;
   /// Per corner of each polytope (as Cells::sites): whether some face of the whole core around the vertex has the site.
   std::vector<std::uint8_t> contact;
-  std::vector<FaceValue> faces;        ///< in order of their sites
-  std::vector<LatticePoint> pending;   ///< sites in the box of which it is not certain that a kept ball is near; in order
-  Counts pruned;                       ///< cells that are not there any more
+  std::vector<FaceValue> faces;  ///< in order of their sites
+  std::vector<LatticePoint>
+      pending;    ///< sites in the box of which it is not certain that a kept ball is near; in order
+  Counts pruned;  ///< cells that are not there any more
 
   /// Makes the arrays beside the polytopes as long as they must be; new entries are those of cells around which nothing
   /// is pruned.
@@ -68,32 +71,48 @@ std::int32_t margin_of_first_part(const std::array<std::int64_t, 3>& spacing);
 
 /// The small polytopes whose smallest site lies in the box, found one by one (docs/algorithms/peeling.md), and the
 /// unmatched boundary squares whose smallest site does. `shape`: voxels around the box, at least margin_of_first_part()
-/// + 1 beyond it where the whole has voxels there; its voxel (0, 0, 0) is voxel `at` of the whole. `sites`: the boundary
-/// vertices of the whole within margin_of_first_part() of the box, in order. `pending` are the sites in the box.
-/// About 200 bytes per site.
+/// + 1 beyond it where the whole has voxels there; its voxel (0, 0, 0) is voxel `at` of the whole. `sites`: the
+/// boundary vertices of the whole within margin_of_first_part() of the box, in order. `pending` are the sites in the
+/// box. About 200 bytes per site.
 Part first_part(const VoxelShape& shape, const LatticePoint& at, std::span<const LatticePoint> sites, const Box& box,
                 const std::array<std::int64_t, 3>& spacing, Hulls& hulls, Context* context);
 
 /// Parts of disjoint boxes as one, with facets between them matched. Frees them on the way.
 Part joined(std::vector<Part> parts, Context* context);
 
-/// Adds the polytopes that are certain and whose smallest site lies in the box: those of the Delaunay complex of the
-/// unfinished sites (of unmatched facets and squares) that are reached across unmatched facets and whose balls lie in
-/// the region. `around`: the unfinished sites of other parts in the region. Without a region, that is with all parts
-/// joined, everything is certain, and nothing is unmatched afterwards: otherwise Error(invariant). 360 bytes per
-/// unfinished site.
-void complete(Part& part, const Box& box, const Box* region, std::span<const LatticePoint> around,
-              const std::array<std::int64_t, 3>& spacing, Hulls& hulls, Context* context);
+/// All unmatched facets and squares of a part: what encloses the polytopes that it does not know.
+struct Unfinished {
+  std::vector<LatticePoint> sites;      ///< the corners of all facets, in order
+  std::vector<std::uint32_t> begin{0};  ///< corners of facet f: [begin[f], begin[f + 1])
+  std::vector<std::uint32_t> corners;   ///< places in `sites`, counter-clockwise seen from the unknown side
 
-/// The sites of unmatched facets and squares, in order.
-std::vector<LatticePoint> unfinished_sites(const Part& part, const Hulls& hulls);
+  std::size_t size() const { return begin.size() - 1; }
+  std::span<const std::uint32_t> corners_of(std::size_t facet) const {
+    return {corners.data() + begin[facet], corners.data() + begin[facet + 1]};
+  }
+};
+Unfinished unfinished(const Part& part, const Hulls& hulls);
+/// Those of the facets that have a corner in the box: what complete() wants of other parts.
+Unfinished near(const Unfinished& unfinished, const Box& box);
+
+/// Adds the polytopes that are certain and whose smallest site lies in the box: those of the Delaunay complex of the
+/// unfinished sites that are reached across unmatched facets and whose balls lie in the region.
+///
+/// `region`: around the box, and beyond the bounds of the whole where the box is at its border (by two voxels; it is
+/// not to be cut off there). `around`: what is unfinished in all other parts that may have corners in the region: those
+/// whose own boxes come as near to it as their own regions (or the margin of first_part()) reach. No site may lie in
+/// two parts' boxes. Without a region, that is with all parts joined, `box` holds all sites of the whole, everything is
+/// certain, and nothing is unmatched afterwards: otherwise Error(invariant). The spacing times the sides of region or
+/// box: at most 3 2^20. 360 bytes per unfinished site.
+void complete(Part& part, const Box& box, const Box* region, std::span<const Unfinished> around,
+              const std::array<std::int64_t, 3>& spacing, Hulls& hulls, Context* context);
 
 /// The complex of what is there.
 struct PartComplex {
-  DualComplex dual;                        ///< vertices in order of their sites, as those of the whole; sites: places in Part::sites
-  std::vector<std::uint32_t> polytope_of;  ///< per vertex, in Part::found
-  std::vector<std::uint32_t> link_of;      ///< per edge: the entry of Cells::neighbours of its smaller end
-  std::vector<std::uint32_t> twin_of;      ///< per edge: the entry of its larger end
+  DualComplex
+      dual;  ///< vertex p is polytope p of the part: in order as those of the whole; sites: places in Part::sites
+  std::vector<std::uint32_t> link_of;  ///< per edge: the entry of Cells::neighbours of its smaller end
+  std::vector<std::uint32_t> twin_of;  ///< per edge: the entry of its larger end
   /// Whether cells around an edge or a vertex may be unknown: an edge is incomplete where the star around two of its
   /// sites ends at unmatched facets on both sides, a vertex where it has an unmatched facet or an incomplete edge.
   std::vector<std::uint8_t> edge_incomplete, vertex_incomplete;
@@ -105,7 +124,8 @@ struct Removal {
   std::vector<std::uint8_t> vertex, edge;
 };
 /// Takes cells out of a part, with the sites that nothing names any more; counts them in `pruned` (`faces`: removed
-/// faces).
+/// faces). Throws Error(invariant) where an edge would be left without an end, or a vertex with an unmatched facet
+/// goes.
 void remove(Part& part, const PartComplex& complex, const Removal& removal, std::uint64_t faces);
 
 }  // namespace quench::dual::bricks

@@ -4,6 +4,7 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -15,6 +16,9 @@
 
 namespace quench::dual::peel {
 namespace {
+
+constexpr std::int32_t kFar = std::numeric_limits<std::int32_t>::max();
+constexpr delaunay::Bounds kEverywhere{LatticePoint{-kFar, -kFar, -kFar}, LatticePoint{kFar, kFar, kFar}};
 
 // The first layer of each slab, and the end of the last. `layers`: of a slab; 0: one slab for each thread, with about
 // as many sites, since slabs overlap (with four for each, two threads had an eighth more to do, and one of them
@@ -57,16 +61,19 @@ class Peeler {
   // One part per slab; nothing where the index would be too large.
   std::vector<CellsPart> peel() {
     if (SiteIndex::groups(shape_.grid().dims) > 4 * sites_.size() + options_.spare_groups) return {};
-    const auto [least, largest] = std::minmax({spacing_[0], spacing_[1], spacing_[2]});
-    // With very different spacings a ball of a few of the largest holds too many sites to try them one by one.
-    const double reach = largest <= 3 * least ? options_.reach * static_cast<double>(largest) : 0;
     const SiteIndex index(sites_);
     const delaunay::Predicates predicates(spacing_, *std::ranges::max_element(shape_.grid().dims) + 2);
-    const Input input{shape_, sites_, spacing_, predicates, index, reach, options_.least_cubes};
+    const KnownBox known(kEverywhere, spacing_);
+    const Input input{
+        shape_, sites_, spacing_, predicates, index, known, options_.reach_in(spacing_), options_.least_cubes};
     const std::vector<std::int32_t> limits = slab_limits(input, options_.layers);
     std::vector<CellsPart> slabs(limits.size() - 1);
-    base::for_chunks(slabs.size(), context_, "peel", 0, 1,
-                     [&](std::size_t slab) { slabs[slab] = peel_slab(input, limits[slab], limits[slab + 1], hulls_); });
+    base::for_chunks(slabs.size(), context_, "peel", 0, 1, [&](std::size_t slab) {
+      delaunay::Bounds box = kEverywhere;
+      box[0][2] = limits[slab];
+      box[1][2] = limits[slab + 1] - 1;
+      slabs[slab] = peel_box(input, box, hulls_);
+    });
     return slabs;
   }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -10,9 +11,9 @@
 #include "quench/context.h"
 #include "quench/shape.h"
 
-/// Most polytopes of the Delaunay complex inside O are small and lie along the boundary (docs/algorithms/peeling.md). They are
-/// found one by one among the sites nearby, without a triangulation; what is left inside is triangulated with the few
-/// sites that still have missing polytopes.
+/// Most polytopes of the Delaunay complex inside O are small and lie along the boundary (docs/algorithms/peeling.md).
+/// They are found one by one among the sites nearby, without a triangulation; what is left inside is triangulated with
+/// the few sites that still have missing polytopes.
 namespace quench::dual::peel {
 
 struct Options {
@@ -25,6 +26,13 @@ struct Options {
   /// Nor for a few sites in a huge grid, whose index would be larger than they are: blocks of 16^3 voxels of the grid
   /// beyond four per site.
   std::size_t spare_groups = std::size_t{1} << 21;
+
+  /// `reach` in units of the integer spacing. With very different spacings a ball of a few of the largest holds too
+  /// many sites to try them one by one.
+  double reach_in(const std::array<std::int64_t, 3>& spacing) const {
+    const auto [least, largest] = std::minmax({spacing[0], spacing[1], spacing[2]});
+    return largest <= 3 * least ? reach * static_cast<double>(largest) : 0;
+  }
 };
 
 /// The dual complex of the sites of a shape, whatever the options. On all threads of the arena; about 230 bytes per

@@ -64,16 +64,15 @@ class FacetTable {
 
 class Slab {
  public:
-  Slab(const Input& input, std::int32_t begin, std::int32_t end, Hulls& hulls)
+  Slab(const Input& input, const delaunay::Bounds& box, Hulls& hulls)
       : input_(input),
         hulls_(hulls),
         finder_(hulls),
-        begin_(first_site(begin)),
-        end_(first_site(end)),
-        low_(first_site(begin - input.layers())),
-        high_(first_site(end + input.layers())),
+        box_(box),
+        low_(first_site(box[0][2] - input.layers())),
+        high_(first_site(box[1][2] + input.layers() + 1)),
         table_(high_ - low_),
-        cubes_(input.shape, input.sites, begin - input.layers(), end + input.layers(), hulls) {
+        cubes_(input.shape, input.sites, known_layers(), hulls) {
     cells_.reserve_for(high_ - low_);
   }
 
@@ -88,6 +87,14 @@ class Slab {
     const auto place = std::partition_point(input_.sites.begin(), input_.sites.end(),
                                             [&](const LatticePoint& s) { return s[2] < layer; });
     return static_cast<std::uint32_t>(place - input_.sites.begin());
+  }
+
+  // What is known of the layers around the box.
+  delaunay::Bounds known_layers() const {
+    delaunay::Bounds bounds = input_.known.points();
+    bounds[0][2] = std::max(bounds[0][2], box_[0][2] - input_.layers());
+    bounds[1][2] = std::min(bounds[1][2], box_[1][2] + input_.layers());
+    return bounds;
   }
 
   static FacetKey key_of_square(Square square) {
@@ -137,7 +144,7 @@ class Slab {
 
   // From every facet that the unit cubes left unmatched, as far as it goes.
   void wrap() {
-    Wrapping wrapping(input_.sites, input_.spacing, input_.predicates, input_.index, input_.reach);
+    Wrapping wrapping(input_.sites, input_.spacing, input_.predicates, input_.index, input_.known, input_.reach);
     wrapping_ = &wrapping;
     for (std::uint32_t s = 0; s < squares_.size(); ++s) wrap_from({s | kSquare, 0});
     for (std::uint32_t p = 0, count = cells_.count(); p < count; ++p)
@@ -153,7 +160,7 @@ class Slab {
       if (across(owner) != kUnmatched) continue;
       const std::uint32_t behind = take_facet(owner);
       if (!wrapping_->polytope_across(facet_, behind, found_)) continue;
-      // The table has the sites of a range of layers only; what lies beyond belongs to other slabs.
+      // The table has the sites of a range of layers only; what lies beyond belongs to other boxes.
       if (found_.front() < low_ || found_.back() >= high_ || found_.size() > HullFinder::kMostCorners) continue;
       points_.clear();
       for (const std::uint32_t s : found_)
@@ -178,10 +185,15 @@ class Slab {
     return *std::ranges::find_if(sites, [&](std::uint32_t s) { return std::ranges::find(facet_, s) == facet_.end(); });
   }
 
-  bool is_owned(std::uint32_t site) const { return site >= begin_ && site < end_; }
+  bool is_owned(std::uint32_t site) const {
+    const LatticePoint& s = input_.sites[site];
+    for (std::size_t a = 0; a < 3; ++a)
+      if (s[a] < box_[0][a] || s[a] > box_[1][a]) return false;
+    return true;
+  }
   bool is_owned(const Square& square) const { return is_owned(*std::ranges::min_element(square)); }
 
-  // Keeps the polytopes and squares whose smallest site lies in the slab. All facets between one of them and anything
+  // Keeps the polytopes and squares whose smallest site lies in the box. All facets between one of them and anything
   // else are unmatched: the owner of the other side may not have found it.
   CellsPart owned_part() {
     CellsPart part;
@@ -241,7 +253,8 @@ class Slab {
   const Input& input_;
   Hulls& hulls_;
   HullFinder finder_;
-  const std::uint32_t begin_, end_, low_, high_;  // sites of the slab, and with the layers around it
+  const delaunay::Bounds box_;
+  const std::uint32_t low_, high_;  // sites of the layers of the box and those around it
   FacetTable table_;
   UnitCubes cubes_;
   Cells cells_;
@@ -255,8 +268,8 @@ class Slab {
 
 }  // namespace
 
-CellsPart peel_slab(const Input& input, std::int32_t begin, std::int32_t end, Hulls& hulls) {
-  return Slab(input, begin, end, hulls).run();
+CellsPart peel_box(const Input& input, const delaunay::Bounds& box, Hulls& hulls) {
+  return Slab(input, box, hulls).run();
 }
 
 }  // namespace quench::dual::peel

@@ -7,6 +7,7 @@
 
 #include "delaunay/predicates.h"
 #include "dual/cells.h"
+#include "dual/known_box.h"
 #include "dual/peel/site_index.h"
 #include "quench/shape.h"
 
@@ -19,6 +20,7 @@ struct Input {
   std::array<std::int64_t, 3> spacing;  ///< integer spacing
   const delaunay::Predicates& predicates;
   const SiteIndex& index;
+  const KnownBox& known;  ///< where the sites are all sites
   double reach;        ///< balls up to this radius are looked for, in units of the integer spacing; 0: unit cubes only
   double least_cubes;  ///< with fewer polytopes of unit cubes per site, unit cubes only
 
@@ -26,10 +28,11 @@ struct Input {
   std::int32_t layers() const;
 };
 
-/// Finds polytopes around the sites with layer z in [begin, end): first all of radius of a unit cube, from a table;
-/// then facet by facet those of balls up to `reach` that can be walked to from the boundary. They are polytopes of the
-/// whole complex, whatever the slab; some may be missing, and which ones depends on the slabs. The slab hands over
-/// those whose smallest site it has; facets and boundary squares whose other side it does not hand over are unmatched.
-CellsPart peel_slab(const Input& input, std::int32_t begin, std::int32_t end, Hulls& hulls);
+/// Finds polytopes around the sites of a box, a slab of layers z if it has no other bounds: first all of radius of a
+/// unit cube, from a table; then facet by facet those of balls up to `reach` that can be walked to from the boundary.
+/// They are polytopes of the whole complex, whatever the box; some may be missing, and which ones depends on the boxes.
+/// Handed over are those whose smallest site lies in the box; facets and boundary squares whose other side is not are
+/// unmatched.
+CellsPart peel_box(const Input& input, const delaunay::Bounds& box, Hulls& hulls);
 
 }  // namespace quench::dual::peel

@@ -23,12 +23,13 @@ constexpr std::array<std::uint32_t, 4> kNoSites{kNone, kNone, kNone, kNone};
 
 }  // namespace
 
-UnitCubes::UnitCubes(const VoxelShape& shape, std::span<const LatticePoint> sites, std::int64_t begin, std::int64_t end,
+UnitCubes::UnitCubes(const VoxelShape& shape, std::span<const LatticePoint> sites, const delaunay::Bounds& bounds,
                      Hulls& hulls)
-    : shape_(shape),
-      sites_(sites),
-      begin_(std::max<std::int64_t>(begin, 0)),
-      end_(std::min(end, shape.grid().dims[2] + 1)) {
+    : shape_(shape), sites_(sites) {
+  for (std::size_t a = 0; a < 3; ++a) {
+    low_[a] = std::max(bounds[0][a], 0);
+    high_[a] = std::min<std::int64_t>(bounds[1][a], shape.grid().dims[a]);
+  }
   HullFinder finder(hulls);
   for (std::uint32_t mask = 0; mask < 256; ++mask) {
     Kind& kind = kinds_[mask];
@@ -52,17 +53,17 @@ UnitCubes::UnitCubes(const VoxelShape& shape, std::span<const LatticePoint> site
         if (corners == kCorners[side]) kind.facet[side] = static_cast<std::uint8_t>(f);
     }
   }
-  if (begin_ >= end_) return;
+  if (low_[2] >= high_[2]) return;
   const auto lines = static_cast<std::size_t>(shape.grid().dims[1] + 1);
-  line_begin_.assign(static_cast<std::size_t>(end_ - begin_) * lines + 1, 0);
-  const auto first = std::partition_point(sites.begin(), sites.end(), [&](const auto& s) { return s[2] < begin_; });
+  line_begin_.assign(static_cast<std::size_t>(high_[2] - low_[2] + 1) * lines + 1, 0);
+  const auto first = std::partition_point(sites.begin(), sites.end(), [&](const auto& s) { return s[2] < low_[2]; });
   line_begin_[0] = static_cast<std::uint32_t>(first - sites.begin());
   std::size_t line = 0;
-  for (auto s = first; s != sites.end() && (*s)[2] < end_; ++s)
-    for (const std::size_t at = static_cast<std::size_t>((*s)[2] - begin_) * lines + static_cast<std::size_t>((*s)[1]);
+  for (auto s = first; s != sites.end() && (*s)[2] <= high_[2]; ++s)
+    for (const std::size_t at = static_cast<std::size_t>((*s)[2] - low_[2]) * lines + static_cast<std::size_t>((*s)[1]);
          line < at;)
       line_begin_[++line] = static_cast<std::uint32_t>(s - sites.begin());
-  const auto last = std::partition_point(first, sites.end(), [&](const auto& s) { return s[2] < end_; });
+  const auto last = std::partition_point(first, sites.end(), [&](const auto& s) { return s[2] <= high_[2]; });
   while (line + 1 < line_begin_.size()) line_begin_[++line] = static_cast<std::uint32_t>(last - sites.begin());
 }
 
@@ -70,7 +71,7 @@ void UnitCubes::start_row(std::int64_t y, std::int64_t z) {
   const auto lines = static_cast<std::size_t>(shape_.grid().dims[1] + 1);
   for (std::size_t r = 0; r < 4; ++r) {
     const std::size_t line =
-        (static_cast<std::size_t>(z - begin_) + (r >> 1)) * lines + static_cast<std::size_t>(y) + (r & 1);
+        (static_cast<std::size_t>(z - low_[2]) + (r >> 1)) * lines + static_cast<std::size_t>(y) + (r & 1);
     next_[r] = line_begin_[line];
     stop_[r] = line_begin_[line + 1];
   }

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "delaunay/bounds.h"
 #include "dual/cells.h"
 #include "quench/shape.h"
 
@@ -24,19 +25,18 @@ struct UnitCube {
 /// The voxels between some layers of sites. O(sites and runs of these layers).
 class UnitCubes {
  public:
-  /// Voxels all of whose corners lie in layers [begin, end).
-  UnitCubes(const VoxelShape& shape, std::span<const LatticePoint> sites, std::int64_t begin, std::int64_t end,
-            Hulls& hulls);
+  /// Voxels all of whose corners lie between the bounds.
+  UnitCubes(const VoxelShape& shape, std::span<const LatticePoint> sites, const delaunay::Bounds& bounds, Hulls& hulls);
 
   /// visit(const UnitCube&) for every voxel whose sites are a polytope or that has a boundary square, in order of z, y,
   /// x.
   template <class Visit>
   void each(Visit&& visit) {
-    for (std::int64_t z = begin_; z + 1 < end_; ++z)
-      for (std::int64_t y = 0; y < shape_.grid().dims[1]; ++y) {
+    for (std::int64_t z = low_[2]; z < high_[2]; ++z)
+      for (std::int64_t y = low_[1]; y < high_[1]; ++y) {
         start_row(y, z);
         while (next_cube())
-          if (look()) visit(cube_);
+          if (x_ >= low_[0] && x_ < high_[0] && look()) visit(cube_);
       }
   }
 
@@ -52,9 +52,9 @@ class UnitCubes {
 
   const VoxelShape& shape_;
   std::span<const LatticePoint> sites_;
-  std::int64_t begin_, end_;
-  std::array<Kind, 256> kinds_;            // by the corners that are sites, bit x + 2 y + 4 z
-  std::vector<std::uint32_t> line_begin_;  // per line of lattice points (y, z) from layer begin_: its first site
+  std::array<std::int64_t, 3> low_, high_;  // the first and the last lattice point, within the grid
+  std::array<Kind, 256> kinds_;             // by the corners that are sites, bit x + 2 y + 4 z
+  std::vector<std::uint32_t> line_begin_;   // per line of lattice points (y, z) from layer low_[2]: its first site
 
   // The current row of voxels: its four lines of sites, the columns of sites on both sides of the current cube, and the
   // runs of the voxels themselves and of the four rows around.

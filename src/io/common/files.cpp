@@ -10,6 +10,7 @@
 
 #include "base/memory.h"
 #include "io/common/formats.h"
+#include "io/volume/zarr.h"
 
 namespace quench::io {
 namespace {
@@ -26,6 +27,8 @@ constexpr std::array kVolumeExtensions{".nrrd", ".nhdr", ".mha", ".mhd", ".nii",
                                        ".pbm",  ".pgm",  ".ppm", ".pnm", ".bmp", ".jpg", ".jpeg"};
 constexpr std::array kPolygonExtensions{".geojson", ".json", ".geojsonl", ".geojsons", ".ndjson", ".wkt", ".svg"};
 constexpr std::array kSliceExtensions{".png", ".tif", ".tiff"};
+constexpr std::array kHdf5Extensions{".h5", ".hdf5", ".hdf", ".ims"};
+constexpr std::array kDicomExtensions{".dcm", ".dicom", ".ima"};
 
 bool among(const auto& list, const std::string& extension) {
   return std::find(list.begin(), list.end(), extension) != list.end();
@@ -44,19 +47,73 @@ std::string lower_extension(const std::filesystem::path& file) {
   return extension;
 }
 
+std::optional<Hdf5Name> hdf5_name(const std::filesystem::path& name) {
+  if (among(kHdf5Extensions, lower_extension(name))) return Hdf5Name{name, {}};
+  const std::string text = name.string();
+  for (std::size_t colon = text.find(':'); colon != text.npos; colon = text.find(':', colon + 1)) {
+    const std::filesystem::path file(text.substr(0, colon));
+    if (among(kHdf5Extensions, lower_extension(file))) return Hdf5Name{file, text.substr(colon + 1)};
+  }
+  return {};
+}
+
+namespace {
+
+/// Nothing: not by its extension.
+std::optional<Kind> kind_by_extension(const std::filesystem::path& file) {
+  const std::string extension = lower_extension(file);
+  if (among(kSurfaceExtensions, extension) || among(kAssimpExtensions, extension)) return Kind::surface;
+  if (among(kVolumeExtensions, extension) || ends_with_nii_gz(file) || hdf5_name(file)) return Kind::volume;
+  if (among(kPolygonExtensions, extension)) return Kind::polygons;
+  return {};
+}
+
+/// "DICM" behind 128 bytes of anything.
+bool has_dicom_mark(const std::filesystem::path& file) {
+  constexpr std::size_t kMark = 128;
+  std::array<char, kMark + 4> start{};
+  std::ifstream in(file, std::ios::binary);
+  return in.read(start.data(), start.size()) && std::memcmp(start.data() + kMark, "DICM", 4) == 0;
+}
+
+}  // namespace
+
+bool is_dicom(const std::filesystem::path& file) {
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(file, ignored) || kind_by_extension(file)) return false;
+  return among(kDicomExtensions, lower_extension(file)) || has_dicom_mark(file);
+}
+
+bool holds_dicom(const std::filesystem::path& folder) {
+  std::error_code error;
+  for (std::filesystem::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error))
+    if (!entry->path().filename().string().starts_with('.') && is_dicom(entry->path())) return true;
+  return false;
+}
+
 Kind kind_of(const std::filesystem::path& file) {
+  if (is_zarr(file)) return Kind::volume;
   std::error_code ignored;
   if (std::filesystem::is_directory(file, ignored)) {
     for (std::filesystem::directory_iterator entry(file, ignored), end; !ignored && entry != end;
          entry.increment(ignored))
       if (among(kSliceExtensions, lower_extension(entry->path()))) return Kind::volume;
-    return Kind::unknown;
+    return holds_dicom(file) ? Kind::volume : Kind::unknown;
   }
-  const std::string extension = lower_extension(file);
-  if (among(kSurfaceExtensions, extension) || among(kAssimpExtensions, extension)) return Kind::surface;
-  if (among(kVolumeExtensions, extension) || ends_with_nii_gz(file)) return Kind::volume;
-  if (among(kPolygonExtensions, extension)) return Kind::polygons;
-  return Kind::unknown;
+  const auto kind = kind_by_extension(file);
+  return kind ? *kind : is_dicom(file) ? Kind::volume : Kind::unknown;
+}
+
+std::filesystem::path place_of_input(const std::filesystem::path& file) {
+  const std::string name = file.string();
+  const auto exists = [](const std::filesystem::path& path) {
+    std::error_code ignored;
+    return std::filesystem::exists(path, ignored);
+  };
+  if (exists(file)) return file;
+  for (std::size_t colon = name.rfind(':'); colon != name.npos && colon > 0; colon = name.rfind(':', colon - 1))
+    if (exists(name.substr(0, colon))) return name.substr(0, colon);
+  return file;
 }
 
 namespace {

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <iosfwd>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -24,6 +25,21 @@ FileText load_file(const std::filesystem::path& file, Context* context);
 
 /// The extension in lower case, with its dot.
 std::string lower_extension(const std::filesystem::path& file);
+
+/// A dataset in a file of HDF5.
+struct Hdf5Name {
+  std::filesystem::path file;
+  std::string dataset;  ///< empty: not said
+};
+
+/// "v.h5" or "v.h5:/path/to/dataset" (.h5 .hdf5 .hdf .ims), by the name only; nothing for other names.
+std::optional<Hdf5Name> hdf5_name(const std::filesystem::path& name);
+
+/// A file of DICOM: .dcm .dicom .ima or, where the extension is of no other format, by the mark in the file.
+bool is_dicom(const std::filesystem::path& file);
+
+/// Whether a folder holds files of DICOM.
+bool holds_dicom(const std::filesystem::path& folder);
 
 Record read_ply(const FileText& file);
 Record read_obj(const FileText& file);

@@ -41,6 +41,22 @@ TiffStream open_tiff(const std::filesystem::path& file, const VolumeReadOptions&
 /// voxels. A slice is made when it is asked for: memory is 12 bytes per listed voxel.
 SliceStream open_out_voxels(const std::filesystem::path& file, Context* context);
 
+/// A dataset of HDF5, "v.h5" or "v.h5:/path/to/dataset"; without a path the only one with three axes or, where there is
+/// none, with two. As in NPY the last axis is x, more than three need length 1, and one of two axes is a plane.
+/// Integers of up to 8 bytes, halves (float32), floats, doubles, and enumerations of integers (Booleans of h5py). The
+/// spacing is that of the attribute element_size_um, or of others by which programs give it (see the source). Memory: a
+/// layer of chunks, fewer slices of it where that is more than half of what is allowed. Throws Error(input) with the
+/// datasets there are where it is not clear which; Error(usage) where Quench was built without libhdf5.
+SliceStream open_hdf5(const std::filesystem::path& name, Context* context);
+
+/// A series of DICOM: of a folder, which must hold one, or of a file; where that has one slice, it is one of the series
+/// in its folder (note), unless the options want an image. Slices are sorted by their positions along the normal of
+/// their plane and must have equal distances; without positions by their numbers (note). The values are rescaled:
+/// integers where slope and intercept are, else float32. One slice is a plane. World coordinates are LPS in mm. Memory:
+/// a file of the series. Throws Error(input) for what is not one such volume; Error(usage) where Quench was built
+/// without GDCM.
+SliceStream open_dicom(const std::filesystem::path& path, const VolumeReadOptions& options, Context* context);
+
 /// All slices of a stream, whose file is named in errors.
 Volume read_stream(const SliceStream& stream, const std::filesystem::path& file, Context* context);
 

@@ -3,9 +3,11 @@
 
 #include <utility>
 
+#include "io/common/formats.h"
 #include "io/volume/slice_streams.h"
 #include "io/volume/stored_volume.h"
 #include "io/volume/volume_formats.h"
+#include "io/volume/zarr.h"
 #include "quench/error.h"
 #include "quench/io.h"
 #include "quench/shape.h"
@@ -46,8 +48,16 @@ std::optional<SliceStream> open_slices(const std::filesystem::path& file, const 
   std::optional<SliceStream> stream;
   std::error_code error;
   const std::string extension = volume_extension(file);
-  if (std::filesystem::is_directory(file, error)) {
+  if (is_zarr(file)) {
+    stream = open_zarr(file, options, context);
+  } else if (std::filesystem::is_directory(file, error) && !holds_dicom(file)) {
     stream = open_slice_folder(file, options, context);
+  } else if (std::filesystem::is_directory(file, error) || is_dicom(file)) {
+    check_channel_of_grey(file, "a volume", channel_named(options.channel));
+    stream = open_dicom(file, options, context);
+  } else if (hdf5_name(file)) {
+    check_channel_of_grey(file, "a volume", channel_named(options.channel));
+    stream = open_hdf5(file, context);
   } else if (extension == ".tif" || extension == ".tiff") {
     stream = open_tiff(file, options, context);
   } else if (extension == ".out") {

@@ -124,43 +124,13 @@ void read_shaped(std::string_view text, TiffDescription& d) {
   if (json_value(text, "truncated").starts_with("true")) d.one_directory = true;
 }
 
-struct Unit {
-  std::string name;   ///< one spelling for each; inches become millimetres
-  double metres = 0;  ///< 0: of no known length
-  double factor = 1;  ///< from the unit of the file to `name`
-};
-
-Unit known_unit(std::string_view text) {
-  text = trimmed(text);
-  bool micro = false;
-  for (const std::string_view sign : {"\\u00B5", "\\u00b5", "\xC2\xB5", "\xCE\xBC", "\xB5"})
-    if (!micro && text.starts_with(sign)) {
-      text.remove_prefix(sign.size());
-      micro = true;
-    }
-  std::string name = fmt::format("{}{}", micro ? "u" : "", text);
-  for (char& c : name)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  const auto among = [&](std::initializer_list<const char*> list) {
-    return std::any_of(list.begin(), list.end(), [&](const char* one) { return name == one; });
-  };
-  if (among({"nm", "nanometer", "nanometers", "nanometre", "nanometres"})) return {"nm", 1e-9};
-  if (among({"um", "micron", "microns", "micrometer", "micrometers", "micrometre", "micrometres"})) return {"um", 1e-6};
-  if (among({"mm", "millimeter", "millimeters", "millimetre", "millimetres"})) return {"mm", 1e-3};
-  if (among({"cm", "centimeter", "centimeters", "centimetre", "centimetres"})) return {"cm", 1e-2};
-  if (among({"m", "meter", "meters", "metre", "metres"})) return {"m", 1};
-  if (among({"in", "inch", "inches", "\""})) return {"mm", 1e-3, 25.4};
-  if (among({"angstrom", "angstroms", "\xC3\x85", "\xE2\x84\xAB", "\\u00c5"})) return {"angstrom", 1e-10};
-  return {};
-}
-
 /// Three sizes in the unit of the first; nothing where a size cannot be used or the units cannot be compared. Units of
 /// no known length are not told of: "pixel", "reference frame".
 std::optional<TiffCalibration> in_one_unit(const std::array<TiffLength, 3>& sizes) {
   TiffCalibration result;
-  const Unit first = known_unit(sizes[0].unit);
+  const LengthUnit first = known_unit(sizes[0].unit);
   for (std::size_t a = 0; a < 3; ++a) {
-    const Unit unit = known_unit(sizes[a].unit);
+    const LengthUnit unit = known_unit(sizes[a].unit);
     if ((unit.metres > 0) != (first.metres > 0) || (unit.metres == 0 && sizes[a].unit != sizes[0].unit)) return {};
     const double to_first = unit.name == first.name ? 1 : unit.metres / first.metres;
     result.spacing[static_cast<Eigen::Index>(a)] = sizes[a].value * unit.factor * to_first;
@@ -172,7 +142,7 @@ std::optional<TiffCalibration> in_one_unit(const std::array<TiffLength, 3>& size
 
 /// "0.1 x 0.2 mm"
 std::string lengths(std::initializer_list<double> values, const std::string& unit) {
-  const Unit known = known_unit(unit);
+  const LengthUnit known = known_unit(unit);
   std::string text;
   for (const double value : values) text += fmt::format("{}{:.6g}", text.empty() ? "" : " x ", value * known.factor);
   return known.name.empty() ? text : text + " " + known.name;
@@ -241,7 +211,7 @@ TiffResolution imagej_resolution(const TiffDescription& d, TiffResolution resolu
 /// Whether a unit is one of a microscope or ruler, not of a scanner of paper: dots per inch, or the same per
 /// centimetre.
 bool measures(const std::string& text) {
-  const Unit unit = known_unit(text);
+  const LengthUnit unit = known_unit(text);
   return unit.metres > 0 && unit.factor == 1 && unit.name != "cm";
 }
 
@@ -266,6 +236,30 @@ TiffCalibration of_imagej(const TiffDescription& d, const TiffResolution& tags, 
 }
 
 }  // namespace
+
+LengthUnit known_unit(std::string_view text) {
+  text = trimmed(text);
+  bool micro = false;
+  for (const std::string_view sign : {"\\u00B5", "\\u00b5", "\xC2\xB5", "\xCE\xBC", "\xB5"})
+    if (!micro && text.starts_with(sign)) {
+      text.remove_prefix(sign.size());
+      micro = true;
+    }
+  std::string name = fmt::format("{}{}", micro ? "u" : "", text);
+  for (char& c : name)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  const auto among = [&](std::initializer_list<const char*> list) {
+    return std::any_of(list.begin(), list.end(), [&](const char* one) { return name == one; });
+  };
+  if (among({"nm", "nanometer", "nanometers", "nanometre", "nanometres"})) return {"nm", 1e-9};
+  if (among({"um", "micron", "microns", "micrometer", "micrometers", "micrometre", "micrometres"})) return {"um", 1e-6};
+  if (among({"mm", "millimeter", "millimeters", "millimetre", "millimetres"})) return {"mm", 1e-3};
+  if (among({"cm", "centimeter", "centimeters", "centimetre", "centimetres"})) return {"cm", 1e-2};
+  if (among({"m", "meter", "meters", "metre", "metres"})) return {"m", 1};
+  if (among({"in", "inch", "inches", "\""})) return {"mm", 1e-3, 25.4};
+  if (among({"angstrom", "angstroms", "\xC3\x85", "\xE2\x84\xAB", "\\u00c5"})) return {"angstrom", 1e-10};
+  return {};
+}
 
 TiffDescription tiff_description(const std::string& text) {
   TiffDescription d;

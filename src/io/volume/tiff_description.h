@@ -5,12 +5,23 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "quench/geometry.h"
 
 /// What the text in a TIFF file (ImageDescription) and its resolution tags say of a volume. TIFF itself knows pages,
 /// not volumes.
 namespace quench::io {
+
+/// A unit of length.
+struct LengthUnit {
+  std::string name;   ///< one spelling for each; inches become millimetres
+  double metres = 0;  ///< 0: of no known length
+  double factor = 1;  ///< from the unit of the file to `name`
+};
+
+/// "um", "micrometer" ... in any case of letters.
+LengthUnit known_unit(std::string_view text);
 
 /// A size of voxels, in the words of the file. Not positive or not finite: it is there and cannot be used.
 struct TiffLength {

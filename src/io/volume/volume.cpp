@@ -10,9 +10,11 @@
 
 #include "base/memory.h"
 #include "base/text.h"
+#include "io/common/formats.h"
 #include "io/volume/slice_streams.h"
 #include "io/volume/stored_volume.h"
 #include "io/volume/volume_formats.h"
+#include "io/volume/zarr.h"
 #include "quench/error.h"
 #include "quench/io.h"
 
@@ -25,23 +27,28 @@ void refuse(const std::filesystem::path& file, const char* format, const std::st
 namespace {
 
 Volume read_by_extension(const std::filesystem::path& file, const VolumeReadOptions& options, Context* context) {
+  if (is_zarr(file)) return read_stream(open_zarr(file, options, context), file, context);
   std::error_code ignored;
-  if (std::filesystem::is_directory(file, ignored)) return read_slices(file, options, context);
+  const bool folder = std::filesystem::is_directory(file, ignored);
+  if (folder && !holds_dicom(file)) return read_slices(file, options, context);
   const std::string extension = volume_extension(file);
   const std::optional<Channel> channel = channel_named(options.channel);
   if (is_picture(extension)) return volume_of(read_picture(file, context), file, channel, context);
   if (extension == ".tif" || extension == ".tiff") return read_stream(open_tiff(file, options, context), file, context);
   check_channel_of_grey(file, "a volume", channel);
+  if (hdf5_name(file)) return read_stream(open_hdf5(file, context), file, context);
+  if (folder || is_dicom(file)) return read_stream(open_dicom(file, options, context), file, context);
   if (extension == ".npy") return read_npy(file, context);
   if (extension == ".vol") return read_vol(file, context);
   if (extension == ".sof") return read_sof(file, context);
   if (extension == ".out") return read_stream(open_out_voxels(file, context), file, context);
   if (is_stored_volume(extension)) return read_stream(open_stored(file, context), file, context);
-  throw Error(ErrorCode::usage,
-              fmt::format("'{}' is neither a volume nor an image by its extension; volumes are .nrrd .nhdr .mha .mhd "
-                          ".nii .nii.gz .mrc .map .tif .tiff .npy .vol .sof .out or a folder of PNG or TIFF slices, images "
-                          ".png .tif .bmp .jpg .pgm .pbm .ppm",
-                          file.string()));
+  throw Error(
+      ErrorCode::usage,
+      fmt::format("'{}' is neither a volume nor an image by its extension; volumes are .nrrd .nhdr .mha .mhd "
+                  ".nii .nii.gz .mrc .map .tif .tiff .npy .vol .sof .out .h5 .hdf5 .dcm, a folder of Zarr or N5 or one "
+                  "of DICOM, PNG or TIFF slices, images .png .tif .bmp .jpg .pgm .pbm .ppm",
+                  file.string()));
 }
 
 /// Two numbers, or three.

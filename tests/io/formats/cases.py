@@ -27,6 +27,7 @@ class Grid:
     placed: bool = True  # False: spacing and the rest are not looked at
     any_axes: bool = False  # axes may come in another order, as long as every sample is where it belongs
     any_type: bool = False  # numbers must be the same, their type need not
+    anything: bool = False  # nothing is looked at: a damaged file without checksums, whatever it is taken for
     plane: bool = False  # an image: one slice, y down, and the third step is the smaller of the two
 
     def __str__(self) -> str:
@@ -195,6 +196,8 @@ def parse(line: str) -> Optional[Grid]:
 
 def difference(got: Grid, wanted: Grid) -> str:
     """What is wrong with it; empty: nothing."""
+    if wanted.anything:
+        return ''
     if wanted.any_axes:
         found = [difference(reordered(got, axes), replace(wanted, any_axes=False))
                  for axes in itertools.permutations(range(3))]

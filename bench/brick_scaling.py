@@ -1,0 +1,148 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""What bricks cost and how they would scale: every task of a shape in bricks is run here, one after the other, and
+measured; beside it the core of the shape in one piece, in the same run. From the tasks the time on more workers is
+simulated: a round begins when the one before it has ended, its tasks go in order to the worker that is free first, and
+the merge is one task.
+
+    bench/brick_scaling.py SHAPE RESOLUTION... [--size 512] [--quench build/release/quench] [--work DIR]
+                           [--no-whole 8192] [--json OUT.json] [--plot OUT.svg]
+
+Nothing is said of networks and file systems: the bytes that tasks read and write stand in the table.
+"""
+import argparse
+import heapq
+import json
+import os
+import shutil
+import sys
+import tempfile
+
+WORKERS = (1, 10, 100, 1000)
+
+
+def run(command):
+    """Processor seconds and peak memory of a command; ends the bench where it fails."""
+    pid = os.posix_spawnp(command[0], command, os.environ,
+                          file_actions=[(os.POSIX_SPAWN_OPEN, 1, os.devnull, os.O_WRONLY, 0)])
+    _, status, used = os.wait4(pid, 0)
+    if status != 0:
+        sys.exit(f"failed: {' '.join(command)}")
+    return used.ru_utime + used.ru_stime, used.ru_maxrss * 1024
+
+
+def makespan(seconds, workers):
+    """Tasks in order, each to the worker that is free first."""
+    free = [0.0] * min(workers, max(1, len(seconds)))
+    for s in seconds:
+        heapq.heapreplace(free, free[0] + s)
+    return max(free)
+
+
+def simulated(rounds, merge, workers):
+    return sum(makespan(tasks, workers) for tasks in rounds) + merge
+
+
+def measure(quench, shape, resolution, size, work, whole):
+    q = [quench, "--quiet", "--threads", "1"]
+    core = os.path.join(work, "core.vtp")
+    bricks = os.path.join(work, "bricks")
+    shutil.rmtree(bricks, ignore_errors=True)
+    row = {"resolution": resolution, "size": size}
+    row["plan_seconds"], row["plan_bytes"] = run(
+        [*q, "bricks", "plan", shape, "--resolution", str(resolution), "--size", str(size), "-o", bricks])
+
+    def status():
+        with os.popen(f"'{quench}' bricks status '{bricks}' --json") as out:
+            return json.load(out)
+
+    row["rounds"] = []
+    for number, bricks_of_round in ((r["round"], r["bricks"]) for r in status()["rounds"]):
+        tasks = [run([*q, "bricks", "run", bricks, "--round", str(number), "--task", f"{i}/{bricks_of_round}"])
+                 for i in range(bricks_of_round)]
+        row["rounds"].append({"seconds": [t[0] for t in tasks], "peak_bytes": max(t[1] for t in tasks)})
+    for measured, told in zip(row["rounds"], status()["rounds"]):
+        measured |= {k: told[k] for k in ("bytes_read", "bytes_written") if k in told}
+    row["merge_seconds"], row["merge_bytes"] = run([*q, "bricks", "merge", bricks, "-o", core])
+    if whole:
+        one = os.path.join(work, "one.vtp")
+        row["whole_seconds"], row["whole_bytes"] = run(
+            [*q, "core", shape, "--resolution", str(resolution), "-o", one])
+        with open(core, "rb") as a, open(one, "rb") as b:
+            row["same_bytes"] = all(x == y for x, y in zip(iter(lambda: a.read(1 << 20), b""),
+                                                          iter(lambda: b.read(1 << 20), b""), strict=True))
+        os.remove(one)
+    shutil.rmtree(bricks)
+    return row
+
+
+def tell(row):
+    tasks = [s for r in row["rounds"] for s in r["seconds"]]
+    total = row["plan_seconds"] + sum(tasks) + row["merge_seconds"]
+    print(f"\nresolution {row['resolution']}, bricks of {row['size']}: {total:.1f} s of processor time in all"
+          + (f", in one piece {row['whole_seconds']:.1f} s: ratio {total / row['whole_seconds']:.2f}; "
+             f"{'the same bytes' if row['same_bytes'] else 'OTHER BYTES'}" if "whole_seconds" in row else ""))
+    gib = 2.0**30
+    print(f"  plan      {row['plan_seconds']:8.1f} s  {row['plan_bytes'] / gib:6.2f} GiB")
+    for number, r in enumerate(row["rounds"], 1):
+        s = r["seconds"]
+        print(f"  round {number}   {sum(s):8.1f} s  {r['peak_bytes'] / gib:6.2f} GiB  {len(s):5} tasks, longest "
+              f"{max(s):.1f} s = {max(s) * len(s) / max(sum(s), 1e-9):.1f} of the mean; read "
+              f"{r.get('bytes_read', 0) / gib:.2f} GiB, written {r.get('bytes_written', 0) / gib:.2f} GiB")
+    print(f"  merge     {row['merge_seconds']:8.1f} s  {row['merge_bytes'] / gib:6.2f} GiB")
+    if "whole_bytes" in row:
+        print(f"  one piece {row['whole_seconds']:8.1f} s  {row['whole_bytes'] / gib:6.2f} GiB")
+    rounds = [r["seconds"] for r in row["rounds"]]
+    for n in WORKERS:
+        span = sum(makespan(t, n) for t in rounds)
+        with_merge = span + row["merge_seconds"]
+        print(f"  simulated on {n:4} workers: rounds {span:8.1f} s (efficiency {sum(tasks) / n / span:.2f}), with the "
+              f"merge {with_merge:8.1f} s ({(sum(tasks) + row['merge_seconds']) / n / with_merge:.2f})")
+
+
+def plot(rows, file):
+    import matplotlib
+    matplotlib.use("svg")
+    import matplotlib.pyplot as plt
+    figure, axes = plt.subplots(figsize=(7, 4.5))
+    workers = [round(10 ** (i / 8)) for i in range(25)]
+    for row in rows:
+        rounds = [r["seconds"] for r in row["rounds"]]
+        axes.loglog(workers, [sum(makespan(t, n) for t in rounds) for n in workers], label=f"{row['resolution']}: rounds")
+        axes.loglog(workers, [simulated(rounds, row["merge_seconds"], n) for n in workers], ":",
+                    color=axes.lines[-1].get_color(), label=f"{row['resolution']}: with the merge")
+    axes.set_xlabel("workers (simulated from measured tasks)")
+    axes.set_ylabel("seconds")
+    axes.grid(True, which="both", alpha=0.3)
+    axes.legend(fontsize=8)
+    figure.tight_layout()
+    figure.savefig(file)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("shape")
+    parser.add_argument("resolution", type=int, nargs="+")
+    parser.add_argument("--size", type=int, default=512)
+    parser.add_argument("--quench", default="build/release/quench")
+    parser.add_argument("--work", help="folder for what is written meanwhile; default: a temporary one")
+    parser.add_argument("--no-whole", type=int, default=1 << 30, metavar="R",
+                        help="from this resolution on nothing is computed in one piece")
+    parser.add_argument("--json")
+    parser.add_argument("--plot")
+    o = parser.parse_args()
+    rows = []
+    with tempfile.TemporaryDirectory(dir=o.work) as work:
+        for resolution in o.resolution:
+            rows.append(measure(o.quench, o.shape, resolution, o.size, work, resolution < o.no_whole))
+            tell(rows[-1])
+            sys.stdout.flush()
+            if o.json:
+                with open(o.json, "w") as file:
+                    json.dump(rows, file, indent=1)
+    if o.plot:
+        plot(rows, o.plot)
+
+
+if __name__ == "__main__":
+    main()

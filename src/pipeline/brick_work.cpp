@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <iterator>
+#include <numeric>
+#include <utility>
+
+#include "axis/part_pruning.h"
+#include "base/parallel.h"
+#include "base/return_memory.h"
+#include "pipeline/bricks.h"
+#include "pipeline/part_core.h"
+#include "quench/error.h"
+
+namespace quench::pipeline {
+namespace {
+
+using dual::Hulls;
+using dual::bricks::Box;
+using dual::bricks::LooseSites;
+using dual::bricks::Part;
+
+// The box and so many lattice steps around it.
+Box grown(Box box, std::int64_t by) {
+  for (std::size_t a = 0; a < 3; ++a) {
+    box.low[a] -= by;
+    box.high[a] += by;
+  }
+  return box;
+}
+
+Part part_of_voxels(const BrickPlan& plan, const Box& box, BrickStore& store, Hulls& hulls, Context* context) {
+  const std::int32_t margin = dual::bricks::margin_of_first_part(plan.spacing);
+  Box voxels = grown(box, margin + 1);
+  LatticePoint at{};
+  for (std::size_t a = 0; a < 3; ++a) {
+    voxels.low[a] = std::max<std::int64_t>(voxels.low[a], 0);
+    voxels.high[a] = std::min(voxels.high[a], plan.grid.dims[a]);
+    at[a] = static_cast<std::int32_t>(voxels.low[a]);
+  }
+  const VoxelShape shape = store.voxels(voxels);
+  std::vector<LatticePoint> sites = boundary_vertices(shape);
+  for (LatticePoint& p : sites)
+    for (std::size_t a = 0; a < 3; ++a) p[a] += at[a];
+  // Those where the voxels were cut are none of the whole.
+  const Box around = grown(box, margin);
+  std::erase_if(sites, [&](const LatticePoint& p) { return !around.contains(p); });
+  return dual::bricks::first_part(shape, at, sites, box, plan.spacing, hulls, context);
+}
+
+// Errors of the bytes of a part name it.
+template <class Decode>
+auto naming_part(BrickStore& store, std::size_t round, std::size_t brick, const Decode& decode) {
+  try {
+    return decode();
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::input) throw;
+    throw Error(ErrorCode::input, fmt::format("'{}' cannot be used: {}; remove it and run its round again",
+                                              store.name(round, brick), error.what()));
+  }
+}
+
+std::vector<Part> parts_of(const BrickPlan& plan, std::size_t round, const std::vector<std::size_t>& bricks,
+                           BrickStore& store, Hulls& hulls) {
+  std::vector<Part> parts;
+  for (const std::size_t brick : bricks)
+    parts.push_back(naming_part(store, round, brick, [&] {
+      return dual::bricks::decode(store.part(round, brick), hulls, plan.label(round, brick));
+    }));
+  return parts;
+}
+
+void append_in(const Box& region, const std::vector<LatticePoint>& from, std::vector<LatticePoint>& to) {
+  std::ranges::copy_if(from, std::back_inserter(to), [&](const LatticePoint& p) { return region.contains(p); });
+}
+
+void sort_sites(std::vector<LatticePoint>& sites) {
+  std::ranges::sort(sites, {}, [](const LatticePoint& p) { return std::array{p[2], p[1], p[0]}; });
+  sites.erase(std::unique(sites.begin(), sites.end()), sites.end());
+}
+
+// What other parts of a round have to say about a region.
+LooseSites around(const BrickPlan& plan, std::size_t round, const std::vector<std::size_t>& own, const Box& region,
+                  BrickStore& store) {
+  LooseSites sites;
+  for (const std::size_t other : plan.bricks_in(round, region)) {
+    if (std::ranges::binary_search(own, other)) continue;
+    const LooseSites loose = naming_part(store, round, other, [&] {
+      return dual::bricks::decode_loose(store.head(round, other), plan.label(round, other));
+    });
+    append_in(region, loose.unfinished, sites.unfinished);
+    append_in(region, loose.pending, sites.pending);
+  }
+  sort_sites(sites.unfinished);
+  sort_sites(sites.pending);
+  return sites;
+}
+
+axis::PartPruning pruning_of(const BrickPlan& plan, const Surface* surface) {
+  return {plan.grid, plan.options.rule, plan.options.pruning.measure, plan.cutoff(), surface};
+}
+
+Part part_of_parts(const BrickPlan& plan, std::size_t round, std::size_t brick, BrickStore& store, Hulls& hulls,
+                   Context* context) {
+  const Box box = plan.box(round, brick), region = plan.region(round, brick);
+  const std::vector<std::size_t> own = plan.below(round, brick);
+  Part part = dual::bricks::joined(parts_of(plan, round - 1, own, store, hulls), context);
+  const LooseSites others = around(plan, round - 1, own, region, store);
+  dual::bricks::complete(part, box, &region, others.unfinished, plan.spacing, hulls, context);
+  base::return_free_memory();
+  if (plan.cutoff() > 0)
+    axis::prune_part(part, hulls, pruning_of(plan, store.surface()), box, region, others.pending, context);
+  return part;
+}
+
+}  // namespace
+
+void run_brick(const BrickPlan& plan, std::size_t round, std::size_t brick, BrickStore& store, Context* context) {
+  base::in_arena(context, [&] {
+    Hulls hulls;
+    const Part part = round == 0 ? part_of_voxels(plan, plan.box(0, brick), store, hulls, context)
+                                 : part_of_parts(plan, round, brick, store, hulls, context);
+    store.put(round, brick, dual::bricks::encode(part, hulls, plan.label(round, brick)));
+  });
+  base::return_free_memory();
+}
+
+CoreResult merge_bricks(const BrickPlan& plan, const LoadedShape& shape, BrickStore& store, Context* context) {
+  return base::in_arena(context, [&] {
+    Hulls hulls;
+    const std::size_t last = plan.rounds.size() - 1;
+    std::vector<std::size_t> all(plan.rounds[last].bricks.size());
+    std::iota(all.begin(), all.end(), std::size_t{0});
+    Part part = dual::bricks::joined(parts_of(plan, last, all, store, hulls), context);
+    dual::bricks::complete(part, plan.whole(), nullptr, {}, plan.spacing, hulls, context);
+    base::return_free_memory();
+    return core_of_part(std::move(part), hulls, shape, plan.options, context);
+  });
+}
+
+std::string BrickStore::name(std::size_t round, std::size_t brick) {
+  return fmt::format("brick {} of round {}", brick, round + 1);
+}
+
+MemoryBrickStore::MemoryBrickStore(const BrickPlan& plan, const LoadedShape& shape) : shape_(shape) {
+  for (const BrickRound& round : plan.rounds) parts_.emplace_back(round.bricks.size());
+}
+
+VoxelShape MemoryBrickStore::voxels(const Box& box) { return cut(shape_.shape, box); }
+
+const Surface* MemoryBrickStore::surface() { return shape_.surface ? &*shape_.surface : nullptr; }
+
+bool MemoryBrickStore::has(std::size_t round, std::size_t brick) { return !parts_[round][brick].empty(); }
+
+std::string MemoryBrickStore::part(std::size_t round, std::size_t brick) { return parts_[round][brick]; }
+
+std::string MemoryBrickStore::head(std::size_t round, std::size_t brick) { return parts_[round][brick]; }
+
+void MemoryBrickStore::put(std::size_t round, std::size_t brick, const std::string& bytes) {
+  parts_[round][brick] = bytes;
+}
+
+}  // namespace quench::pipeline
