@@ -27,6 +27,7 @@
 ///   .fbx .dae .3ds .gltf ... (Assimp)   x
 ///   .nrrd .nhdr .mha .mhd .nii .nii.gz .mrc .map                       x
 ///   .tif, a folder of TIFF slices (libtiff)                            x
+///   a folder of OME-Zarr, Zarr or N5 (libzstd, libblosc)               x
 ///   .npy  .vol (DGtal)  .sof  .out  .png, a folder of PNG slices       x
 ///   .pbm .pgm .ppm .pnm  .bmp  .jpg .jpeg (libjpeg)                    x
 ///   .nrrd (gzip)                                                                  x
@@ -45,7 +46,7 @@ namespace quench::io {
 
 enum class Kind { surface, volume, polygons, unknown };
 
-/// By extension (and for a folder, by its content) only; does not open the file.
+/// By extension (and for a folder, by the names of what is in it) only; does not open the file.
 Kind kind_of(const std::filesystem::path& file);
 
 /// What is on the disk under the name of an input: where there is no such file, the part of the name before a colon, as
@@ -106,8 +107,8 @@ void write_volume(const std::filesystem::path& file, const VoxelShape& shape, co
 void write_atomically(const std::filesystem::path& file, const std::function<void(std::ostream&)>& body);
 
 /// A volume or image as slices where its format allows it: NRRD with its samples in the same file, raw or gzip;
-/// uncompressed MetaImage and MRC; .out; TIFF; folders of PNG or TIFF slices. Nothing for other files: read_volume() reads
-/// them whole. Throws as read_volume() does.
+/// uncompressed MetaImage and MRC; .out; TIFF; Zarr and N5; folders of PNG or TIFF slices.
+/// Nothing for other files: read_volume() reads them whole. Throws as read_volume() does.
 std::optional<SliceStream> open_slices(const std::filesystem::path& file, const VolumeReadOptions& options = {},
                                        Context* context = nullptr);
 
