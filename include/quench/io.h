@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -29,7 +30,7 @@
 ///   .tif, a folder of TIFF slices (libtiff)                            x
 ///   .npy  .vol (DGtal)  .sof  .out  .png, a folder of PNG slices       x
 ///   .pbm .pgm .ppm .pnm  .bmp  .jpg .jpeg (libjpeg)                    x
-///   .nrrd (gzip)                                                                  x
+///   .nrrd (gzip), .zarr (a folder: OME-Zarr 0.4)                                  x
 ///
 /// Polygons of the plane (.geojson .json .geojsonl .geojsons .ndjson .wkt .svg) are read by the functions of
 /// quench/polygons.h; lines of the plane are written in these formats by those of quench/graph.h.
@@ -91,9 +92,34 @@ struct VolumeReadOptions {
 Volume read_volume(const std::filesystem::path& file, const VolumeReadOptions& options = {},
                    Context* context = nullptr);
 
-/// NRRD, uint8 0/1, gzip, with spacing, origin and direction, of a plane also with `y_axis`; streamed, never dense in memory.
+/// uint8 0/1, never dense in memory. NRRD, gzip, with spacing, origin and direction, of a plane also with `y_axis`; for
+/// `.zarr` what write_zarr() writes, axes that go down turned round with their voxels.
 void write_volume(const std::filesystem::path& file, const VoxelShape& shape, const Coordinates& coordinates = {},
                   Context* context = nullptr);
+
+/// Side of the chunks of a Zarr volume.
+inline constexpr std::int64_t kZarrSide = 128;
+
+/// The samples of the chunk of which voxel `begin` is the least: kZarrSide^3, x fastest, background beyond the volume;
+/// none: all are background. Called by several threads at a time.
+using ZarrChunk = std::function<std::vector<std::uint8_t>(const std::array<std::int64_t, 3>& begin)>;
+
+/// Writes a volume of bytes as OME-Zarr (NGFF 0.4, Zarr v2, one level, zlib), chunk by chunk on all threads: a chunk
+/// and what it was compressed to per thread are in memory. Chunks of background are left out, as its fill value. The
+/// folder appears when it is complete. In the place of a Zarr it replaces all of it, as check_zarr_output() says.
+///
+/// The format has spacing, origin and units, the space of `coordinates` is lost. Throws Error(usage) for a plane and
+/// for a grid whose directions are not those of the axes.
+void write_zarr(const std::filesystem::path& folder, const Grid& grid, std::uint8_t background, const ZarrChunk& chunk,
+                const Coordinates& coordinates = {}, Context* context = nullptr);
+
+/// Whether a path is called `.zarr`, with or without a slash behind it.
+bool is_zarr_name(const std::filesystem::path& path);
+
+/// Throws Error(usage) unless a Zarr may be written here: nothing is there, or a folder in which there are only files
+/// of a Zarr (its metadata, chunks, folders of these, none of them protected against writing). A folder with anything
+/// else in it is never replaced.
+void check_zarr_output(const std::filesystem::path& folder);
 
 /// Writes through `body` to a temporary file beside `file`, of a name that cannot be guessed and with the permissions
 /// of the file it replaces, flushes it to the disk and renames it over `file`. What a link names is replaced, not the
@@ -102,8 +128,8 @@ void write_volume(const std::filesystem::path& file, const VoxelShape& shape, co
 void write_atomically(const std::filesystem::path& file, const std::function<void(std::ostream&)>& body);
 
 /// A volume or image as slices where its format allows it: NRRD with its samples in the same file, raw or gzip;
-/// uncompressed MetaImage and MRC; .out; TIFF; folders of PNG or TIFF slices. Nothing for other files: read_volume() reads
-/// them whole. Throws as read_volume() does.
+/// uncompressed MetaImage and MRC; .out; TIFF; folders of PNG or TIFF slices. Nothing for other files: read_volume()
+/// reads them whole. Throws as read_volume() does.
 std::optional<SliceStream> open_slices(const std::filesystem::path& file, const VolumeReadOptions& options = {},
                                        Context* context = nullptr);
 
@@ -128,8 +154,10 @@ class OutputGroup {
   friend struct PostponedRename;
   struct Pending {
     std::filesystem::path temporary, target, name;
-    int place;  // of the name of the temporary file, for remove_temporary_files()
+    int place;  // of the name of the temporary file or folder, for remove_temporary_files()
   };
+  /// Removes what has not been put in place, and folders in whose place something was put.
+  void discard();
   std::vector<Pending> pending_;
 };
 

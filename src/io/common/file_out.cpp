@@ -10,9 +10,9 @@
 namespace quench::io {
 namespace {
 
-/// fsync(); 0 also where it is not possible: pipes, file systems that do not support it or are read only.
-int flushed(int descriptor) {
-  while (::fsync(descriptor) != 0) {
+/// fsync() or syncfs(); 0 also where it is not possible: pipes, file systems that do not support it or are read only.
+int flushed(int descriptor, int (*flush)(int) = ::fsync) {
+  while (flush(descriptor) != 0) {
     if (errno == EINTR) continue;
     const bool offered = errno != EINVAL && errno != ENOTSUP && errno != EROFS && errno != ENOSYS;
     return offered ? errno : 0;
@@ -93,12 +93,20 @@ void FileOut::close() {
   descriptor_ = -1;
 }
 
-int flush_folder_to_disk(const std::filesystem::path& folder) {
+namespace {
+
+int folder_flushed(const std::filesystem::path& folder, int (*flush)(int)) {
   const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (descriptor < 0) return 0;  // a folder that may be written but not read
-  const int error = flushed(descriptor);
+  const int error = flushed(descriptor, flush);
   ::close(descriptor);
   return error;
 }
+
+}  // namespace
+
+int flush_folder_to_disk(const std::filesystem::path& folder) { return folder_flushed(folder, ::fsync); }
+
+int flush_file_system(const std::filesystem::path& folder) { return folder_flushed(folder, ::syncfs); }
 
 }  // namespace quench::io

@@ -49,4 +49,8 @@ class FileOut : private std::streambuf {
 /// Waits until the names in a folder are on the disk, as far as the system can tell: 0 or an errno.
 int flush_folder_to_disk(const std::filesystem::path& folder);
 
+/// Waits until all that was written to the file system of a folder is on the disk: for folders of many files, each of
+/// which would wait for the disk. 0 or an errno (Linux 5.8 and newer tell of data that could not be written).
+int flush_file_system(const std::filesystem::path& folder);
+
 }  // namespace quench::io

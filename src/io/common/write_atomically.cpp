@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -6,16 +7,22 @@
 #include <array>
 #include <atomic>
 #include <cerrno>
+#include <climits>
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <map>
 #include <memory>
 #include <optional>
 #include <random>
+#include <span>
+#include <string>
+#include <string_view>
 #include <system_error>
 
 #include "io/common/file_out.h"
 #include "io/common/output_file.h"
+#include "io/common/remove_tree.h"
 #include "quench/io.h"
 
 namespace quench::io {
@@ -56,8 +63,34 @@ struct Renaming {
   ~Renaming() { --renaming; }
 };
 
+constexpr std::string_view kEnding = ".tmp";  // of temporary files
+
+/// Turns the name of a temporary file into another one that cannot be guessed.
+void make_other(std::span<char> name) { name[name.size() - kEnding.size() - 1] = 'x'; }
+
+/// Puts a new folder in the place of an old one, which gets the name of the new one. 0 or an errno.
+int exchange(const fs::path& temporary, const fs::path& target) {
+  if (::renameat2(AT_FDCWD, temporary.c_str(), AT_FDCWD, target.c_str(), RENAME_EXCHANGE) == 0) return 0;
+  if (errno != EINVAL && errno != ENOSYS) return errno;
+  // A file system that cannot do both at once. Between the two calls there is neither.
+  std::string aside = temporary;
+  make_other(aside);
+  if (::rename(target.c_str(), aside.c_str()) != 0) return errno;
+  if (::rename(temporary.c_str(), target.c_str()) != 0) {
+    const int error = errno;
+    ::rename(aside.c_str(), target.c_str());
+    return error;
+  }
+  if (::rename(aside.c_str(), temporary.c_str()) != 0) remove_tree(aside.c_str());
+  return 0;
+}
+
 void rename_to(const fs::path& temporary, const fs::path& target, const fs::path& file) {
   std::error_code error;
+  if (fs::is_directory(temporary, error) && fs::is_directory(target, error)) {
+    if (const int reason = exchange(temporary, target)) cannot_write(file, reason_of(reason));
+    return;
+  }
   fs::rename(temporary, target, error);
   if (error) cannot_write(file, error.message());
 }
@@ -90,43 +123,76 @@ void forget(int place) {
   if (place >= 0) std::free(remembered[static_cast<std::size_t>(place)].exchange(nullptr));
 }
 
-/// A file of a new name beside the output; removed at the end of its scope unless it has been renamed.
+std::atomic<bool> removing{false};  // remove_temporary_files() has been called
+
+/// Removes a temporary file or folder. Where remove_temporary_files() is at it already: not before all of it is gone,
+/// so that the process does not end in the middle of that.
+void discard_temporary(const fs::path& path, int place) {
+  remove_tree(path.c_str());
+  if (removing) {
+    std::string other = path;
+    make_other(other);
+    remove_tree(other.c_str());
+  }
+  forget(place);
+}
+
+/// A file or folder of a new name beside the output. At the end of its scope what is there is removed: it, or the
+/// folder that it has replaced.
 class Temporary {
  public:
-  /// Where it cannot be created, `out.error()` says why.
-  Temporary(const fs::path& folder, mode_t permissions, FileOut& out) {
+  /// `create` makes it: 0, or an errno, which `error` is then.
+  template <class Create>
+  Temporary(const fs::path& folder, const Create& create) {
     std::random_device random;  // no one can guess the name and put a link to another file there
     for (int tries = 0; tries < 100; ++tries) {
       if (renaming == kStopped) throw Error(ErrorCode::cancelled, "cancelled");  // it would not be removed
-      path = folder / fmt::format(".quench-{:08x}{:08x}.tmp", random(), random());
+      path = folder / fmt::format(".quench-{:08x}{:08x}{}", random(), random(), kEnding);
       place = remember(path);
-      out.create(path, permissions);
-      created = !out.error();
-      if (created) return;
+      error = create(path);
+      if (!error) return;
       forget(place);
       place = -1;
-      if (out.error() != EEXIST) return;
+      if (error != EEXIST) return;
     }
   }
   Temporary(const Temporary&) = delete;
   Temporary& operator=(const Temporary&) = delete;
   ~Temporary() {
-    if (kept) return;
-    std::error_code ignored;
-    if (created) fs::remove(path, ignored);
-    forget(place);
+    if (postponed) return;
+    if (!error) discard_temporary(path, place);
   }
 
   fs::path path;
   int place = -1;  ///< index of the name in `remembered`, or -1
-  bool created = false, kept = false;
+  int error = 0;
+  bool postponed = false;  ///< a group puts it in place
 };
+
+/// The folder that an output will lie in. Throws Error(failed) where it is none.
+fs::path existing_folder_of(const fs::path& target, const fs::path& file) {
+  fs::path folder = folder_of(target);
+  std::error_code error;
+  if (!fs::exists(folder, error))
+    cannot_write(file, fmt::format("the folder '{}' does not exist; create it first", folder.string()));
+  if (!fs::is_directory(folder, error)) cannot_write(file, fmt::format("'{}' is not a folder", folder.string()));
+  return folder;
+}
 
 }  // namespace
 
 void remove_temporary_files() noexcept {
+  removing = true;
   for (auto& place : remembered)
-    if (const char* name = place.exchange(nullptr)) ::unlink(name);
+    if (const char* name = place.exchange(nullptr)) {
+      // Threads that still write files into a folder do not find it any more, and cannot fill it again.
+      char other[PATH_MAX];
+      const std::size_t length = std::strlen(name);
+      if (::unlink(name) == 0 || length >= sizeof other) continue;
+      std::memcpy(other, name, length + 1);
+      make_other({other, length});
+      remove_tree(::rename(name, other) == 0 ? other : name);
+    }
 }
 
 Outputs stop_outputs() noexcept {
@@ -148,24 +214,27 @@ OutputGroup::OutputGroup() {
 
 OutputGroup::~OutputGroup() {
   open_group = nullptr;
-  std::error_code ignored;
-  for (const Pending& file : pending_) {
-    fs::remove(file.temporary, ignored);
-    forget(file.place);
-  }
+  discard();
+}
+
+void OutputGroup::discard() {
+  for (const Pending& file : pending_) discard_temporary(file.temporary, file.place);
+  pending_.clear();
 }
 
 void OutputGroup::commit() {
   if (pending_.empty()) return;
   std::map<fs::path, fs::path> folders;  // with a file to be named when one fails
-  for (const Renaming all; !pending_.empty(); pending_.erase(pending_.begin())) {
-    const Pending& file = pending_.front();
-    rename_to(file.temporary, file.target, file.name);
-    in_place = true;
-    folders.emplace(folder_of(file.target), file.name);
-    forget(file.place);
+  {
+    const Renaming all;
+    for (const Pending& file : pending_) {
+      rename_to(file.temporary, file.target, file.name);
+      in_place = true;
+      folders.emplace(folder_of(file.target), file.name);
+    }
   }
   for (const auto& [folder, file] : folders) flush_folder(folder, file);
+  discard();  // the folders that were replaced
 }
 
 std::uintmax_t OutputGroup::size_of(const fs::path& file) const {
@@ -189,18 +258,43 @@ fs::path place_of_output(const fs::path& file) {
   return target;
 }
 
+namespace {
+
+/// Renames what is complete, or leaves that to the group of the thread.
+void put_in_place(Temporary& temporary, const fs::path& target, const fs::path& file) {
+  if (open_group) {
+    PostponedRename::add(*open_group, temporary.path, target, file, temporary.place);
+    temporary.postponed = true;
+    return;
+  }
+  {
+    const Renaming one;
+    rename_to(temporary.path, target, file);
+    in_place = true;
+  }
+  flush_folder(folder_of(target), file);
+}
+
+/// What is at the place of an output. Throws Error(failed) where that cannot be known.
+fs::file_status status_of(const fs::path& file) {
+  std::error_code error;
+  const fs::file_status status = fs::status(file, error);
+  if (error && error != std::errc::no_such_file_or_directory && !fs::status_known(status))
+    cannot_write(file, error.message());
+  return status;
+}
+
+}  // namespace
+
 struct OutputFile::Impl {
-  fs::path file, folder, target;
+  fs::path file, target;
   FileOut out;
   std::optional<Temporary> temporary;  ///< none: a pipe or a device
 };
 
 OutputFile::OutputFile(const fs::path& file) : impl_(std::make_unique<Impl>()) {
   impl_->file = file;
-  std::error_code error;
-  const fs::file_status status = fs::status(file, error);
-  if (error && error != std::errc::no_such_file_or_directory && !fs::status_known(status))
-    cannot_write(file, error.message());
+  const fs::file_status status = status_of(file);
   if (fs::is_directory(status)) cannot_write(file, "it is a folder; name a file in it");
   FileOut& out = impl_->out;
   // A pipe or a device (/dev/stdout) takes bytes and must not be replaced.
@@ -208,16 +302,15 @@ OutputFile::OutputFile(const fs::path& file) : impl_(std::make_unique<Impl>()) {
     out.open(file);
   } else {
     impl_->target = place_of_output(file);
-    const fs::path& folder = impl_->folder = folder_of(impl_->target);
-    if (!fs::exists(folder, error))
-      cannot_write(file, fmt::format("the folder '{}' does not exist; create it first", folder.string()));
-    if (!fs::is_directory(folder, error)) cannot_write(file, fmt::format("'{}' is not a folder", folder.string()));
-
+    const fs::path folder = existing_folder_of(impl_->target, file);
     // Those of the file that is replaced, never more on the way there. Without the bits that let others act for its
     // owner: the new file is owned by who writes it.
     const bool replaces = fs::exists(status);
     const auto permissions = static_cast<mode_t>(replaces ? status.permissions() & fs::perms::all : fs::perms(0666));
-    impl_->temporary.emplace(folder, permissions, out);
+    impl_->temporary.emplace(folder, [&](const fs::path& path) {
+      out.create(path, permissions);
+      return out.error();
+    });
     if (replaces && !out.error()) out.set_permissions(permissions);
   }
   if (out.error()) cannot_write(file, reason_of(out.error()));
@@ -229,21 +322,53 @@ std::ostream& OutputFile::stream() { return impl_->out.stream(); }
 
 void OutputFile::commit() {
   finish_writing(impl_->out, impl_->file);
-  if (!impl_->temporary) return;
-  Temporary& temporary = *impl_->temporary;
-  if (open_group) {
-    PostponedRename::add(*open_group, temporary.path, impl_->target, impl_->file, temporary.place);
-    temporary.kept = true;
-    return;
+  if (impl_->temporary) put_in_place(*impl_->temporary, impl_->target, impl_->file);
+}
+
+struct OutputFolder::Impl {
+  fs::path folder, target;
+  mode_t permissions;  ///< those of the folder that is replaced; 0: none is
+  std::optional<Temporary> temporary;
+};
+
+OutputFolder::OutputFolder(const fs::path& folder) : impl_(std::make_unique<Impl>()) {
+  impl_->folder = folder;
+  const fs::file_status status = status_of(folder);
+  if (fs::exists(status) && !fs::is_directory(status)) cannot_write(folder, "it is a file, and not a folder");
+  impl_->target = place_of_output(folder);
+  impl_->permissions = fs::exists(status) ? static_cast<mode_t>(status.permissions()) : 0;
+  impl_->temporary.emplace(existing_folder_of(impl_->target, folder), [&](const fs::path& path) {
+    const mode_t mode = fs::exists(status) ? impl_->permissions | S_IRWXU : S_IRWXU | S_IRWXG | S_IRWXO;
+    return ::mkdir(path.c_str(), mode) == 0 ? 0 : errno;
+  });
+  if (impl_->temporary->error) cannot_write(folder, reason_of(impl_->temporary->error));
+}
+
+OutputFolder::~OutputFolder() = default;
+
+void OutputFolder::write(const fs::path& name, std::string_view bytes) {
+  const auto fail = [&](int error) {
+    if (removing) throw Error(ErrorCode::cancelled, "cancelled");  // the folder is gone
+    cannot_write(impl_->folder, reason_of(error));
+  };
+  FileOut out;
+  out.create(impl_->temporary->path / name, 0666);
+  if (out.error() == ENOENT) {
+    fs::path folder = impl_->temporary->path;  // which is not made again, when the end of the process has removed it
+    for (const fs::path& part : name.parent_path())
+      if (::mkdir((folder /= part).c_str(), S_IRWXU | S_IRWXG | S_IRWXO) != 0 && errno != EEXIST) fail(errno);
+    out.create(impl_->temporary->path / name, 0666);
   }
-  {
-    const Renaming one;
-    rename_to(temporary.path, impl_->target, impl_->file);
-    in_place = true;
-    temporary.kept = true;
-    forget(temporary.place);
-  }
-  flush_folder(impl_->folder, impl_->file);
+  out.stream().write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  out.close();
+  if (out.error() || !out.stream()) fail(out.error());
+}
+
+void OutputFolder::commit() {
+  const fs::path& path = impl_->temporary->path;
+  if (const int error = flush_file_system(path)) cannot_write(impl_->folder, reason_of(error));
+  if (impl_->permissions != 0) ::chmod(path.c_str(), impl_->permissions);  // some file systems have none
+  put_in_place(*impl_->temporary, impl_->target, impl_->folder);
 }
 
 void write_atomically(const fs::path& file, const std::function<void(std::ostream&)>& body) {

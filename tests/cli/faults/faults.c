@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Preloaded into the program: the QUENCH_FAULT_AT-th call that writes a file (open for writing, write, flush to the
-// disk, close, rename) goes wrong. QUENCH_FAULT says how: "full" (it and all later ones fail as on a full disk), "once"
+// disk, close, rename) or makes a folder goes wrong. QUENCH_FAULT says how: "full" (it and all later ones fail as on a full disk), "once"
 // (it alone fails), "kill", "interrupt" or "interrupt twice" (signals arrive). When it happens, the name of the call
 // goes into the file QUENCH_FAULT_MARK. Opening the file QUENCH_DEAD_FILE never returns, and no signal but SIGKILL ends
-// it, as with a file on a network disk that does not answer.
+// it, as with a file on a network disk that does not answer. With QUENCH_NO_EXCHANGE two names cannot be exchanged in one
+// step, as on some file systems.
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <errno.h>
@@ -134,6 +135,24 @@ int fsync(int fd) {
   return real(fd);
 }
 
+int syncfs(int fd) {
+  int (*real)(int) = (int (*)(int))dlsym(RTLD_NEXT, "syncfs");
+  if (goes_wrong("flush")) {
+    errno = EIO;
+    return -1;
+  }
+  return real(fd);
+}
+
+int mkdir(const char* path, mode_t mode) {
+  int (*real)(const char*, mode_t) = (int (*)(const char*, mode_t))dlsym(RTLD_NEXT, "mkdir");
+  if (goes_wrong("mkdir")) {
+    errno = ENOSPC;
+    return -1;
+  }
+  return real(path, mode);
+}
+
 int close(int fd) {
   if (!known(fd)) return real_close()(fd);
   written_to[fd] = 0;
@@ -151,4 +170,18 @@ int rename(const char* from, const char* to) {
     return -1;
   }
   return real(from, to);
+}
+
+int renameat2(int from_folder, const char* from, int to_folder, const char* to, unsigned flags) {
+  int (*real)(int, const char*, int, const char*, unsigned) =
+      (int (*)(int, const char*, int, const char*, unsigned))dlsym(RTLD_NEXT, "renameat2");
+  if (*text("QUENCH_NO_EXCHANGE")) {
+    errno = EINVAL;
+    return -1;
+  }
+  if (goes_wrong("rename")) {
+    errno = EIO;
+    return -1;
+  }
+  return real(from_folder, from, to_folder, to, flags);
 }
