@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <span>
@@ -28,9 +29,10 @@ struct SampleOptions {
   /// `root`: number of branches. Up to some hundred they keep clear of each other; where there is no room left they run
   /// into each other, which Sample::damage lists.
   int branches = 60;
-  double fineness = 1;  ///< multiplies the number of triangles along each direction
-  int touching = 0;     ///< `root`: pairs of branches that touch each other on purpose
-  int gaps = 0;         ///< `root`: places where a branch of its image is interrupted; the mesh has none
+  double fineness = 1;   ///< multiplies the number of triangles along each direction
+  int touching = 0;      ///< `root`: pairs of branches that touch each other on purpose
+  int gaps = 0;          ///< `root`: places where a branch of its image is interrupted; the mesh has none
+  double thickness = 1;  ///< `root`: multiplies the radii of all branches, from 0.01 to 1
 };
 
 /// A place where the `root` sample is not what its branches alone would be.
@@ -77,9 +79,15 @@ inline constexpr int kGreyBackground = 50, kGreyObject = 200;
 Grid grey_grid(const Sample& root, const GreyOptions& options);
 
 /// Hands the slices of the image over, in order of z. A voxel has the share of its volume that is in a branch (of 4^3
-/// points), blurred, between kGreyBackground and kGreyObject, plus noise, rounded. A slab of slices is in memory at a
-/// time; the same on every number of threads.
+/// points), blurred, between kGreyBackground and kGreyObject, plus noise, rounded. What is in memory is a slab of
+/// slices, of each the box around the branches in it; the same on every number of threads.
 void grey_slices(const Sample& root, const GreyOptions& options,
                  const std::function<void(std::span<const std::uint8_t>)>& take, Context* context = nullptr);
+
+/// A function that makes the same image in cubes: `side`^3 voxels from voxel `begin` on, x fastest, kGreyBackground
+/// beyond the image; none where no branch comes near and there is no noise. Several threads may call it. In memory are
+/// the branches, in pieces, and per call a cube of floats and one of bytes; time is that of the branches in the cube.
+std::function<std::vector<std::uint8_t>(const std::array<std::int64_t, 3>& begin)> grey_cubes(
+    const Sample& root, const GreyOptions& options, std::int64_t side);
 
 }  // namespace quench

@@ -31,7 +31,7 @@ constexpr std::array<Entry, 13> kEntries{{
     {{"bead-pack", "1728 overlapping beads, a porous body", "seed"}, bead_pack},
     {{"rough-plate", "thin plate with noise on its large faces", "noise: its height, seed"}, rough_plate},
     {{"bars", "three bars, up to 128 times as long as thick", ""}, bars},
-    {{"root", "branching root with known branches", "seed, branches, touching, gaps"}, root},
+    {{"root", "branching root with known branches", "seed, branches, thickness, touching, gaps"}, root},
 }};
 
 }  // namespace
@@ -61,6 +61,8 @@ Sample make_sample(std::string_view name, const SampleOptions& options) {
   if (options.branches < 1 || options.branches > 100000)
     throw Error(ErrorCode::usage, fmt::format("branches '{}' is not a number from 1 to 100000", options.branches),
                 "branches");
+  if (!(options.thickness >= 0.01 && options.thickness <= 1))
+    throw Error(ErrorCode::usage, fmt::format("thickness '{}' is not from 0.01 to 1", options.thickness), "thickness");
   for (const auto& [field, count] : {std::pair{"touching", options.touching}, {"gaps", options.gaps}})
     if (count < 0 || count > options.branches)
       throw Error(ErrorCode::usage, fmt::format("{} '{}' is not a number from 0 to that of the branches", field, count),

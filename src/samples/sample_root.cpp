@@ -29,20 +29,20 @@ Vec3 any_normal(const Vec3& d) {
   return d.cross(axis).normalized();
 }
 
-double thinned_to(double base, double tip, double t) {
-  return std::max(base * (1 + t * (tip - 1)), std::min(base, kThinnest));
+double thinned_to(double base, double tip, double t, double thinnest) {
+  return std::max(base * (1 + t * (tip - 1)), std::min(base, thinnest));
 }
 
 // A smooth random path: its turns are correlated noise, so that it has no kinks, plus gravitropism.
-void grow(RootBranch& branch, Vec3 point, Vec3 direction, double length, double base, const Habit& habit,
-          Random& random) {
+void grow(RootBranch& branch, Vec3 point, Vec3 direction, double length, double base, double thinnest,
+          const Habit& habit, Random& random) {
   const int steps = std::max(3, static_cast<int>(std::lround(length / habit.step)));
   const double step = length / steps;
   Vec3 turn = Vec3::Zero();
   for (int i = 0; i <= steps; ++i) {
     const double t = static_cast<double>(i) / steps;
     branch.points.push_back(point);
-    branch.radius.push_back(thinned_to(base, habit.tip, t));
+    branch.radius.push_back(thinned_to(base, habit.tip, t, thinnest));
     Vec3 noise(random.between(-1, 1), random.between(-1, 1), random.between(-1, 1));
     turn = 0.85 * turn + 0.5 * habit.wander * noise;
     direction = (direction + turn - habit.gravity * Vec3::UnitZ()).normalized();
@@ -51,10 +51,10 @@ void grow(RootBranch& branch, Vec3 point, Vec3 direction, double length, double 
 }
 
 // Closed tube about the branch with hemispheres at both ends; frames by parallel transport, so that it does not twist.
-void append_branch(TriangleMesh& mesh, const RootBranch& branch, double fineness) {
-  // Deviation of a regular polygon from its circle below 1/20 voxel at resolution 512.
-  const double widest = *std::max_element(branch.radius.begin(), branch.radius.end());
-  const int around = scaled(std::ceil(kPi / std::sqrt(2e-4 / widest)), fineness, 6);
+void append_branch(TriangleMesh& mesh, const RootBranch& branch, const SampleOptions& options) {
+  // Deviation of a regular polygon from its circle below 1/20 voxel at resolution 512, of thinner roots less.
+  const double widest = *std::max_element(branch.radius.begin(), branch.radius.end()) / options.thickness;
+  const int around = scaled(std::ceil(kPi / std::sqrt(2e-4 / widest)), options.fineness, 6);
   const int cap = scaled(around / 4.0, 1, 2);
   const std::size_t count = branch.points.size();
   const auto tangent = [&](std::size_t i) {
@@ -86,7 +86,8 @@ void append_branch(TriangleMesh& mesh, const RootBranch& branch, double fineness
 /// Lets laterals grow one after the other, each clear of those before it.
 class Grower {
  public:
-  Grower(std::vector<RootBranch>& branches, Random& random) : branches_(branches), random_(random), space_(branches) {}
+  Grower(std::vector<RootBranch>& branches, double thickness, Random& random)
+      : branches_(branches), thickness_(thickness), random_(random), space_(branches) {}
 
   /// A lateral of a parent that `pick` chooses, anew for every few draws.
   template <class Pick>
@@ -118,7 +119,7 @@ class Grower {
   void add_main(double length) {
     RootBranch main;
     grow(main, Vec3::Zero(), Vec3(random_.between(-0.1, 0.1), random_.between(-0.1, 0.1), -1).normalized(), length,
-         kMainRadius, habits[0], random_);
+         kMainRadius * thickness_, thinnest_, habits[0], random_);
     take(std::move(main));
   }
 
@@ -140,9 +141,9 @@ class Grower {
     const double length = std::min(longest * (0.25 + 0.75 * (1 - share)) * random_.between(0.6, 1),
                                    trunk.length() * (1 - share) * random_.between(0.6, 0.85));
     const double base =
-        std::max(std::min(kThinnest, trunk.radius[at] * 0.9),
+        std::max(std::min(thinnest_, trunk.radius[at] * 0.9),
                  trunk.radius[at] * (order == 1 ? random_.between(0.35, 0.5) : random_.between(0.5, 0.65)));
-    grow(branch, trunk.points[at], direction, length, base, habit, random_);
+    grow(branch, trunk.points[at], direction, length, base, thinnest_, habit, random_);
     return branch;
   }
 
@@ -175,15 +176,16 @@ class Grower {
     return standing_out > std::max(kRadiiOut * branch.radius[0], 2 * kRootClearance) ? clear : 0;
   }
 
-  static void shorten(RootBranch& branch, std::size_t count, double tip) {
+  void shorten(RootBranch& branch, std::size_t count, double tip) const {
     const double base = branch.radius[0];
     branch.points.resize(count);
     branch.radius.resize(count);
     for (std::size_t i = 0; i < count; ++i)
-      branch.radius[i] = thinned_to(base, tip, static_cast<double>(i) / static_cast<double>(count - 1));
+      branch.radius[i] = thinned_to(base, tip, static_cast<double>(i) / static_cast<double>(count - 1), thinnest_);
   }
 
   std::vector<RootBranch>& branches_;
+  double thickness_, thinnest_ = kThinnest * thickness_;
   Random& random_;
   std::vector<std::vector<std::size_t>> children_;  // of each branch
   RootSpace space_;
@@ -221,7 +223,7 @@ Sample root(const SampleOptions& options) {
   std::vector<RootBranch>& branches = sample.branches;
   const auto count = static_cast<std::size_t>(options.branches);
   branches.reserve(count);
-  Grower grower(branches, random);
+  Grower grower(branches, options.thickness, random);
   grower.add_main(1);
   // About one lateral in three is of first order, but never so many that the main root is covered by them.
   const std::size_t laterals = count - 1;
@@ -236,7 +238,7 @@ Sample root(const SampleOptions& options) {
     return grower.draw_lateral(static_cast<std::size_t>(branch.parent), static_cast<std::size_t>(branch.parent_point),
                                branch.parent == 0 ? 1 : 2);
   });
-  for (const RootBranch& branch : branches) append_branch(sample.mesh, branch, options.fineness);
+  for (const RootBranch& branch : branches) append_branch(sample.mesh, branch, options);
   return sample;
 }
 

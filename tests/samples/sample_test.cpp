@@ -232,6 +232,22 @@ TEST(Root, TubesDoNotFold) {
       }
 }
 
+TEST(Root, ThinRoots) {
+  const Sample root = make_sample("root", {.branches = 200, .thickness = 0.04});
+  EXPECT_TRUE(root.damage.empty()) << "there is more room than for thick ones";
+  double thinnest = 1, widest = 0;
+  for (const RootBranch& branch : root.branches)
+    for (const double radius : branch.radius) {
+      thinnest = std::min(thinnest, radius);
+      widest = std::max(widest, radius);
+    }
+  EXPECT_DOUBLE_EQ(widest, 0.04 * 0.034);
+  EXPECT_GT(thinnest, 0.04 * 0.0025);
+  EXPECT_LE(thinnest, 0.04 * 0.005);
+  for (const double thickness : {0.0, 1.1, std::nan("")})
+    EXPECT_THROW(make_sample("root", {.branches = 2, .thickness = thickness}), Error);
+}
+
 TEST(Root, AnotherSeedAnotherRoot) {
   SampleOptions other;
   other.seed = 2;
