@@ -55,9 +55,11 @@ void write_truth(const std::string& file, const Sample& sample) {
   io::write_atomically(file, [&](std::ostream& out) { out << truth.dump(1) << '\n'; });
 }
 
-/// NRRD, uint8, raw; slice by slice.
+/// Zarr, chunk by chunk, or NRRD, uint8, raw, slice by slice.
 void write_grey(const std::string& file, const Sample& sample, const GreyOptions& options, Context* context) {
   const Grid grid = grey_grid(sample, options);
+  if (io::is_zarr_name(file))
+    return io::write_zarr(file, grid, kGreyBackground, grey_cubes(sample, options, io::kZarrSide), {}, context);
   io::write_atomically(file, [&](std::ostream& out) {
     const double h = grid.spacing[0];
     out << fmt::format(
@@ -75,10 +77,12 @@ void write_grey(const std::string& file, const Sample& sample, const GreyOptions
   });
 }
 
-/// A slab of slices, and per thread one slice in 4 x 4 parts.
-std::int64_t grey_bytes(const Grid& grid, const GreyOptions& options) {
-  const auto slice = static_cast<double>(grid.dims[0] * grid.dims[1]);
-  return static_cast<std::int64_t>(slice * (32 * 5 + 6 * options.blur * 4 + 16 * 16));
+/// A slab of slices, twice, of values that are 4 bytes; of Zarr on each of 16 threads a chunk, painted, in bytes and
+/// compressed.
+std::int64_t grey_bytes(const Grid& grid, const GreyOptions& options, bool zarr) {
+  const double slice = zarr ? io::kZarrSide * io::kZarrSide : static_cast<double>(grid.dims[0] * grid.dims[1]);
+  const double slices = zarr ? 16 * io::kZarrSide : 32;
+  return static_cast<std::int64_t>(slice * (slices * 6 + 16 * 6 * options.blur * 4));
 }
 
 /// Triangles grow with the square of the detail, and a root has about a thousand per branch.
@@ -127,12 +131,16 @@ Action add_sample(CLI::App& app) {
     names += fmt::format("\n  {:<18}{}", info.name, description_of(info));
   app.add_option("NAME", o->name, "The shape:" + names)->type_name("")->required();
   app.add_option("-o,--output", o->output,
-                 "A mesh (.ply .obj .vtp) or a volume (.nrrd); root also writes FILE.json, its true branches")
+                 "A mesh (.ply .obj .vtp) or a volume (.nrrd, .zarr); root also writes FILE.json, its true branches")
       ->type_name("FILE")
       ->required();
   add_number(app, "--seed", o->sample.seed, "root: another seed, another root")->type_name("N")->capture_default_str();
   add_number(app, "--branches", o->sample.branches, "root: number of branches, 1 to 100000", 1, 100000)
       ->type_name("N")
+      ->capture_default_str();
+  add_number(app, "--thickness", o->sample.thickness, "root: multiplies the radii of all branches, 0.01 to 1", 0.01,
+             1.0)
+      ->type_name("FACTOR")
       ->capture_default_str();
   add_number(app, "--touching", o->sample.touching, "root: pairs of branches that are bent until they touch", 0, 100000)
       ->type_name("N")
@@ -168,16 +176,17 @@ Action add_sample(CLI::App& app) {
   return [o](Session& session) {
     namespace fs = std::filesystem;
     session.check_output(o->output, {});
-    const bool volume = io::kind_of(o->output) == io::Kind::volume;
+    const bool volume = io::is_zarr_name(o->output) || io::kind_of(o->output) == io::Kind::volume;
     if (volume)
       check_volume_format(o->output);
     else
-      check_mesh_format(o->output, "samples are written as .ply, .obj, .vtp or .nrrd");
+      check_mesh_format(o->output, "samples are written as .ply, .obj, .vtp, .nrrd or .zarr");
     fs::path truth = o->output;
+    if (!truth.has_filename()) truth = truth.parent_path();  // the slash behind a folder
     truth.replace_extension(".json");
     if (o->name == "root") session.check_output(truth, {});
     if (o->grey && (o->name != "root" || !volume))
-      throw Error(ErrorCode::usage, "--grey makes a volume (.nrrd) of the sample root");
+      throw Error(ErrorCode::usage, "--grey makes a volume (.nrrd, .zarr) of the sample root");
     if (!o->grey && o->noise > 0.1) throw Error(ErrorCode::usage, "--noise goes from 0 to 0.1 without --grey");
     check_sample_memory(o->name, o->sample, session);
     SampleOptions options = o->sample;
@@ -188,8 +197,8 @@ Action add_sample(CLI::App& app) {
     if (o->grey) {
       const GreyOptions image{.resolution = o->resolution, .blur = o->blur, .noise = o->noise, .seed = o->sample.seed};
       const Grid grid = grey_grid(sample, image);
-      pipeline::require_memory(grey_bytes(grid, image), "an image of this resolution", {"a smaller --resolution"},
-                               &session.context);
+      pipeline::require_memory(grey_bytes(grid, image, io::is_zarr_name(o->output)), "an image of this resolution",
+                               {"a smaller --resolution"}, &session.context);
       write_grey(o->output, sample, image, &session.context);
       lines.push_back(fmt::format("{}: {} x {} x {} grey values", o->output, grid.dims[0], grid.dims[1], grid.dims[2]));
     } else if (volume) {

@@ -36,6 +36,16 @@ std::int64_t parse_bytes(const std::string& text) {
   return static_cast<std::int64_t>(value * factor);
 }
 
+/// Whether a path leads into a folder, which need not exist.
+bool is_inside(const std::filesystem::path& path, const std::filesystem::path& folder) {
+  std::error_code ignored;
+  for (std::filesystem::path up = std::filesystem::weakly_canonical(path, ignored); up.has_relative_path();) {
+    up = up.parent_path();
+    if (std::filesystem::equivalent(up, folder, ignored)) return true;
+  }
+  return false;
+}
+
 void check_no_input(const std::filesystem::path& output, const std::vector<std::filesystem::path>& inputs,
                     const std::string& option) {
   std::error_code ignored;
@@ -43,6 +53,9 @@ void check_no_input(const std::filesystem::path& output, const std::vector<std::
     if (std::filesystem::equivalent(output, input, ignored))
       throw Error(ErrorCode::usage,
                   fmt::format("the output '{}' is the input itself; give {} another name", output.string(), option));
+    else if (io::is_zarr_name(output) && is_inside(input, output))
+      throw Error(ErrorCode::usage, fmt::format("the input '{}' lies in the output '{}'; give {} another name",
+                                                input.string(), output.string(), option));
 }
 
 void check_one_output(const std::filesystem::path& output, const std::vector<std::filesystem::path>& inputs,
@@ -53,7 +66,8 @@ void check_one_output(const std::filesystem::path& output, const std::vector<std
   if (name.empty())
     throw Error(ErrorCode::usage, fmt::format("the name of the output is empty; give {} a file name", option));
   check_no_input(output, inputs, option);
-  if (fs::is_directory(output, ignored))
+  const bool zarr = io::is_zarr_name(output);
+  if (fs::is_directory(output, ignored) && !zarr)
     throw Error(ErrorCode::usage, fmt::format("the output '{}' is a folder; give a file name", name));
   std::error_code unknown;
   const fs::file_status status = fs::status(output, unknown);
@@ -65,11 +79,13 @@ void check_one_output(const std::filesystem::path& output, const std::vector<std
   const auto cannot = [&](const std::string& reason) {
     throw Error(ErrorCode::failed, fmt::format("cannot write '{}': {}", name, reason));
   };
-  if (fs::exists(status) && !fs::is_regular_file(status)) {  // a pipe or a device is written to, not replaced
+  if (zarr) {
+    io::check_zarr_output(output);
+  } else if (fs::exists(status) && !fs::is_regular_file(status)) {  // a pipe or a device is written to, not replaced
     if (access(output.c_str(), W_OK) != 0) cannot(std::strerror(errno));
     return;
   }
-  const fs::path target = io::place_of_output(output);
+  const fs::path target = io::place_of_output(output.has_filename() ? output : output.parent_path());
   const fs::path folder = target.has_parent_path() ? target.parent_path() : fs::path(".");
   check_name_length(output);
   if (!fs::exists(folder, ignored))

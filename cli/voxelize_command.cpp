@@ -11,8 +11,9 @@
 namespace quench::program {
 
 void check_volume_format(const std::filesystem::path& output) {
-  if (extension_of(output) != ".nrrd")
-    throw Error(ErrorCode::usage, fmt::format("cannot write '{}': volumes are written as .nrrd", output.string()));
+  if (extension_of(output) != ".nrrd" && !io::is_zarr_name(output))
+    throw Error(ErrorCode::usage,
+                fmt::format("cannot write '{}': volumes are written as .nrrd or .zarr", output.string()));
 }
 
 Action add_voxelize(CLI::App& app) {
@@ -23,7 +24,9 @@ Action add_voxelize(CLI::App& app) {
   auto o = std::make_shared<Options>();
   add_shape_options(app, o->shape);
   o->shape.how.core_follows = false;
-  app.add_option("-o,--output", o->output, "The volume: .nrrd, 1 inside and 0 outside")->type_name("FILE")->required();
+  app.add_option("-o,--output", o->output, "The volume: .nrrd or .zarr (OME-Zarr), 1 inside and 0 outside")
+      ->type_name("FILE")
+      ->required();
   app.add_option("--surface-file", o->surface,
                  "Also the surface that --surface says, as triangles: .ply .obj .vtp; voxels have none")
       ->type_name("FILE");

@@ -7,6 +7,7 @@
 #include <ostream>
 #include <vector>
 
+#include "io/volume/zarr_writer.h"
 #include "quench/error.h"
 #include "quench/io.h"
 
@@ -82,6 +83,7 @@ std::string quoted(const std::string& text) {
 
 void write_volume(const std::filesystem::path& file, const VoxelShape& shape, const Coordinates& coordinates,
                   Context* context) {
+  if (is_zarr_name(file)) return write_shape_zarr(file, shape, coordinates, context);
   const Grid& grid = shape.grid();
   write_atomically(file, [&](std::ostream& out) {
     const int n = grid.dimension;
