@@ -389,7 +389,7 @@ TEST(ZarrWriter, WhatIsRemovedAtTheEndOfTheProcessDoesNotComeBack) {
     }
     return std::vector<std::uint8_t>(kZarrVoxels, 1);
   };
-  EXPECT_EQ(code_of([&] { io::write_zarr(folder / "k.zarr", grid, 0, chunk); }), ErrorCode::failed);
+  EXPECT_EQ(code_of([&] { io::write_zarr(folder / "k.zarr", grid, 0, chunk); }), ErrorCode::cancelled);
   EXPECT_TRUE(names_in(folder.path()).empty());
 }
 
