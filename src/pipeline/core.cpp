@@ -9,6 +9,7 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/text.h"
+#include "pipeline/brick_files.h"
 #include "pipeline/parameters.h"
 #include "quench/axis.h"
 #include "quench/error.h"
@@ -127,9 +128,14 @@ void require_topology(const Topology& got, const Topology& wanted, const char* w
 
 CoreResult core_of(const LoadedShape& shape, const AxisOptions& options, Context* context) {
   CoreResult result = base::in_arena(context, [&] {
-    const CorePlan plan = plan_core(shape.shape, context);
+    CorePlan plan = plan_core(shape.shape, context);
+    if (options.bricks_in) plan.in_bricks = true;
     check_plan(plan, shape, context);
-    return made_core(shape, options, plan, context);
+    if (!plan.in_bricks) return made_core(shape, options, plan, context);
+    CoreResult in_bricks = core_in_bricks(
+        shape, options, options.bricks_in.value_or(std::filesystem::temp_directory_path()), context);
+    in_bricks.plan = plan;
+    return in_bricks;
   });
   constexpr double kMostOfTheShape = 0.9;
   const Pruning& pruning = options.pruning;
