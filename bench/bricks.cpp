@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The dual complex of a mesh's boundary vertices at once and in bricks, in the same run: seconds (CPU time on one
-// thread, wall time otherwise) and growth of the peak of memory per site, one child process each.
-//   bench_bricks MESH RESOLUTION THREADS [SIZE:HALO,SIZE:HALO... | whole]...
+// The dual complex of a mesh's boundary vertices at once and in boxes that grow, in the same run: CPU seconds on one
+// thread, one child process each.
+//   bench_bricks MESH RESOLUTION [SIZE:HALO | whole]...
 #include <fmt/format.h>
 #include <sys/wait.h>
 #include <tbb/global_control.h>
@@ -11,66 +11,69 @@
 #include <cstdlib>
 #include <string>
 
-#include "dual/bricks/rounds.h"
 #include "dual/peel/peel.h"
 #include "measure.h"
+#include "parts_in_rounds.h"
 #include "quench/io.h"
 #include "quench/voxelize.h"
 
 namespace {
 
-double seconds(bool cpu) { return cpu ? cpu_seconds() : wall_seconds(); }
+using namespace quench;
 
-quench::dual::bricks::BrickPlan parse(const std::string& text) {
-  quench::dual::bricks::BrickPlan plan;
-  plan.rounds.clear();
-  for (const char* p = text.c_str(); *p;) {
-    char* end = nullptr;
-    const std::int64_t size = std::strtoll(p, &end, 10);
-    const std::int64_t halo = std::strtoll(end + 1, &end, 10);
-    plan.rounds.push_back({size, halo});
-    p = *end == ',' ? end + 1 : end;
-  }
-  return plan;
-}
-
-void run(const quench::VoxelShape& shape, const std::string& plan, int threads) {
-  using namespace quench;
-  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
-  const auto sites = boundary_vertices(shape);
-  const auto spacing = integer_spacing(shape.grid());
-  const double before = peak_bytes(), start = seconds(threads == 1);
-  double last = start, divided = 0;
-  Context context;
-  context.progress = [&](std::string_view stage, double) {
-    const double now = seconds(threads == 1);
-    if (stage == "delaunay") divided += now - last;
+dual::DualComplex in_boxes(const VoxelShape& shape, const std::string& boxes) {
+  char* end = nullptr;
+  const std::int64_t size = std::strtoll(boxes.c_str(), &end, 10), halo = std::strtoll(end + 1, nullptr, 10);
+  testing_duals::Rounds rounds(shape, {size, halo});
+  double last = cpu_seconds();
+  std::size_t round = 0, parts = 0;
+  const auto tell = [&](const char* what) {
+    const double now = cpu_seconds();
+    fmt::print("  {} {:.2f} s", what, now - last);
     last = now;
   };
-  const dual::DualComplex dual = plan == "whole"
-                                     ? dual::peel::dual_complex(shape, sites, spacing, {}, &context)
-                                     : dual::bricks::dual_complex(shape, sites, spacing, parse(plan), &context);
-  const double spent = seconds(threads == 1) - start, count = static_cast<double>(sites.size());
-  fmt::print(
-      "{:<24} {:>9} sites {:8.2f} s {:6.2f} us/site ({:.2f} before merging)  {:5.0f} bytes/site  {} vertices, {} "
-      "faces\n",
-      plan, sites.size(), spent, 1e6 * spent / count, 1e6 * divided / count, (peak_bytes() - before) / count,
-      dual.complex.vertex_count, dual.complex.face_count());
+  const dual::bricks::Part whole = rounds.run(100, [&](dual::bricks::Part& part) {
+    if (round != rounds.rounds()) {
+      round = rounds.rounds();
+      parts = 0;
+      tell(fmt::format("round {}", round).c_str());
+    }
+    fmt::print(" [{} polytopes, {} open]", part.found.cells.count(), part.found.unmatched.size());
+    ++parts;
+  });
+  tell("rest");
+  dual::DualComplex dual = complex_of(whole, rounds.hulls(), nullptr).dual;
+  tell("complex");
+  fmt::print("\n");
+  return dual;
+}
+
+void run(const VoxelShape& shape, const std::string& boxes) {
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, 1);
+  const auto sites = boundary_vertices(shape);
+  const double before = peak_bytes(), start = cpu_seconds();
+  const dual::DualComplex dual =
+      boxes == "whole" ? dual::peel::dual_complex(shape, sites, integer_spacing(shape.grid()), {}, nullptr)
+                       : in_boxes(shape, boxes);
+  const double spent = cpu_seconds() - start, count = static_cast<double>(sites.size());
+  fmt::print("{:<10} {:>9} sites {:8.2f} s {:6.2f} us/site {:5.0f} bytes/site  {} vertices, {} faces\n", boxes,
+             sites.size(), spent, 1e6 * spent / count, (peak_bytes() - before) / count, dual.complex.vertex_count,
+             dual.complex.face_count());
   std::fflush(stdout);
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc < 5) {
-    fmt::print(stderr, "usage: bench_bricks MESH RESOLUTION THREADS [SIZE:HALO,... | whole]...\n");
+  if (argc < 4) {
+    fmt::print(stderr, "usage: bench_bricks MESH RESOLUTION [SIZE:HALO | whole]...\n");
     return 2;
   }
-  for (int i = 4; i < argc; ++i) {
+  for (int i = 3; i < argc; ++i) {
     const pid_t child = fork();
     if (child == 0) {
-      const quench::TriangleMesh mesh = quench::to_triangle_mesh(quench::io::read_record(argv[1]));
-      run(quench::voxelize(mesh, {.resolution = std::atoll(argv[2])}).shape, argv[i], std::atoi(argv[3]));
+      const TriangleMesh mesh = to_triangle_mesh(io::read_record(argv[1]));
+      run(voxelize(mesh, {.resolution = std::atoll(argv[2])}).shape, argv[i]);
       std::_Exit(0);
     }
     int status = 0;

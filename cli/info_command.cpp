@@ -7,7 +7,9 @@
 #include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 
+#include "base/memory.h"
 #include "printable.h"
 #include "program.h"
 #include "quench/axis.h"
@@ -219,8 +221,8 @@ Volume read_to_show(const std::string& file, const io::VolumeReadOptions& option
   }
 }
 
-Json volume_info(const std::string& file, const io::VolumeReadOptions& options, Session& session) {
-  const Volume volume = read_to_show(file, options, session);
+/// What is known of a volume or a stream of slices before its samples are read.
+Json place_info(const auto& volume) {
   Json info;
   const Grid& g = volume.grid;
   const auto n = static_cast<std::size_t>(g.dimension);
@@ -241,6 +243,42 @@ Json volume_info(const std::string& file, const io::VolumeReadOptions& options, 
   if (!volume.coordinates.units.empty()) info["units"] = volume.coordinates.units;
   if (!volume.coordinates.space.empty()) info["space"] = volume.coordinates.space;
   if (g.is_plane()) info["y_axis"] = volume.coordinates.y_down ? "down" : "up";
+  return info;
+}
+
+/// Of a volume whose samples do not fit into memory; nothing where they do, or where it is not read in slices.
+std::optional<Json> info_without_samples(const std::string& file, const io::VolumeReadOptions& options,
+                                         Session& session) {
+  Context quiet;  // all notes were said
+  quiet.memory_limit = session.context.memory_limit;
+  const auto slices = io::open_slices(file, options, &quiet);
+  if (!slices) return {};
+  constexpr std::array<const char*, 10> names{"uint8", "int8",   "uint16", "int16",   "uint32",
+                                              "int32", "uint64", "int64",  "float32", "float64"};
+  constexpr std::array<int, 10> bytes{1, 1, 2, 2, 4, 4, 8, 8, 4, 8};
+  const auto type = static_cast<std::size_t>(slices->type);
+  double needed = bytes[type];
+  for (const std::int64_t side : slices->grid.dims) needed *= static_cast<double>(side);
+  const std::int64_t limit = quiet.memory_limit > 0 ? quiet.memory_limit : base::available_memory();
+  if (needed <= static_cast<double>(limit)) return {};
+  Json info = place_info(*slices);
+  info["type"] = names[type];
+  return info;
+}
+
+Json volume_info(const std::string& file, const io::VolumeReadOptions& options, Session& session) {
+  Volume volume;
+  try {
+    volume = read_to_show(file, options, session);
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::failed) throw;
+    std::optional<Json> info = info_without_samples(file, options, session);
+    if (!info) throw;
+    session.say(fmt::format("note: its values are not looked at: {}", error.what()));
+    return *info;
+  }
+  Json info = place_info(volume);
+  const Grid& g = volume.grid;
   std::visit(
       [&](const auto& samples) {
         using T = typename std::decay_t<decltype(samples)>::value_type;

@@ -91,7 +91,7 @@ int main(int argc, char** argv) try {
     }
   for (const auto& sample : quench::built_in_samples()) {
     const std::string name(sample.name);
-    const auto made = quench::make_sample(name, {.noise = 0, .seed = 1, .branches = 1, .detail = 0.05});
+    const auto made = quench::make_sample(name, {.noise = 0, .seed = 1, .branches = 1, .fineness = 0.05});
     if (made.mesh.triangles.size() > 300) continue;  // small inputs make fast targets
     for (const char* format : {"ply", "obj", "vtp", "ma"})
       quench::io::write_record(folder / format / (name + "." + format), as_axis(made.mesh));

@@ -28,11 +28,11 @@
 ///   .fbx .dae .3ds .gltf ... (Assimp)   x
 ///   .nrrd .nhdr .mha .mhd .nii .nii.gz .mrc .map                       x
 ///   .tif, a folder of TIFF slices (libtiff)                            x
+///   a folder of OME-Zarr, Zarr or N5 (libzstd, libblosc)               x
 ///   .npy  .vol (DGtal)  .sof  .out  .png, a folder of PNG slices       x
 ///   .pbm .pgm .ppm .pnm  .bmp  .jpg .jpeg (libjpeg)                    x
 ///   .h5 .hdf5 .hdf .ims (libhdf5), also .h5:/path/to/dataset           x
 ///   DICOM, a file or a folder (GDCM)                                   x
-///   a folder of Zarr (OME-Zarr, v2, v3) or N5, also FOLDER/0           x
 ///   .nrrd (gzip), .zarr (a folder: OME-Zarr 0.4)                                  x
 ///
 /// Polygons of the plane (.geojson .json .geojsonl .geojsons .ndjson .wkt .svg) are read by the functions of

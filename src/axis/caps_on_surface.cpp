@@ -87,12 +87,12 @@ class SurfaceCaps {
 
 }  // namespace
 
-void lower_to_surface(const MedialAxis& axis, const Surface& surface, double least, CellValues& height,
-                      Context* context) {
+void lower_to_surface(const MedialAxis& axis, const Surface& surface, double least, std::span<const double> known,
+                      CellValues& height, Context* context) {
   std::vector<char> is_needed(axis.sites.size(), 0);
   std::vector<std::uint32_t> faces, sites;
   for (std::uint32_t f = 0; f < height.face.size(); ++f)
-    if (height.face[f] >= least) {
+    if (height.face[f] >= least && (known.empty() || known[f] < 0)) {
       faces.push_back(f);
       for (const std::uint32_t s : axis.face_sites[f]) is_needed[s] = 1;
     }

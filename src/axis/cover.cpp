@@ -2,6 +2,7 @@
 #include "axis/cover.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -44,8 +45,9 @@ std::vector<char> uncovered_sites(std::span<const LatticePoint> sites, const Gri
 
 class Cover {
  public:
-  Cover(const MedialAxis& axis, double least, SignificantParts& components, const TopCells& cells, CellValues& detail)
-      : axis_(axis), least_(least), components_(components), cells_(cells), detail_(detail) {}
+  Cover(const MedialAxis& axis, double least, std::span<const LatticePoint> pending, SignificantParts& components,
+        const TopCells& cells, CellValues& detail)
+      : axis_(axis), least_(least), pending_(pending), components_(components), cells_(cells), detail_(detail) {}
 
   void run(Context* context) {
     find_uncovered(context);
@@ -72,13 +74,13 @@ class Cover {
     for (std::uint32_t v = 0; v < kept_.size(); ++v)
       if (kept_[v] != kNot) vertices.push_back(v);
     kept_tree_.emplace(axis_.points, axis_.radius, std::move(vertices));
-    uncovered_ = uncovered_sites(axis_.sites, axis_.grid, *kept_tree_, 2 * least_, context);
+    uncovered_ = uncovered_sites(pending_, axis_.grid, *kept_tree_, 2 * least_, context);
   }
 
   // Sites of thick parts, the farthest from what is kept first, so that the paths to them cover others.
   void reach_out(const BallTree& tree, ShortestPaths& paths) {
-    std::vector<double> away(axis_.sites.size(), 0);
-    base::for_indices(axis_.sites.size(), [&](std::size_t s) {
+    std::vector<double> away(pending_.size(), 0);
+    base::for_indices(pending_.size(), [&](std::size_t s) {
       if (!uncovered_[s] || largest_near(tree, position(s)) <= kThin * least_) return;
       away[s] = std::numeric_limits<double>::max();
       kept_tree_->nearest(position(s), away[s]);
@@ -146,25 +148,39 @@ class Cover {
                 if (outside(tree.ball(i), p) < near) visit(tree.ball(i).vertex);
               });
   }
-  Vec3 position(std::size_t site) const { return axis_.grid.world_of(axis_.sites[site]); }
+  Vec3 position(std::size_t site) const { return axis_.grid.world_of(pending_[site]); }
 
   // Faces (in a plane edges) of uncovered sites: their components, where they have one; of other sites the faces.
   void take_faces() {
     const auto& sites_of = top_sites(axis_);
-    std::vector<char> has_component(axis_.sites.size(), 0);
-    has_face_.assign(axis_.sites.size(), 0);
+    const std::vector<std::uint32_t> place = uncovered_places();
+    std::vector<char> has_component(pending_.size(), 0);
+    has_face_.assign(pending_.size(), 0);
     for (std::uint32_t f = 0; f < sites_of.size(); ++f) {
       const std::uint32_t component = components_.component_of(cells_.first_corner(f));
       if (component == kNone || !components_.is_above(f)) continue;
       for (const std::uint32_t s : sites_of[f])
-        if (uncovered_[s]) has_component[s] = needed_[component] = 1;
+        if (place[s] != kNone) has_component[place[s]] = needed_[component] = 1;
     }
     for (std::uint32_t f = 0; f < sites_of.size(); ++f)
       for (const std::uint32_t s : sites_of[f]) {
-        if (!uncovered_[s]) continue;
-        has_face_[s] = 1;
-        if (!has_component[s]) keep(cells_.value(f));
+        if (place[s] == kNone) continue;
+        has_face_[place[s]] = 1;
+        if (!has_component[place[s]]) keep(cells_.value(f));
       }
+  }
+  // Where sites of the axis are in pending_, those that are uncovered; others kNone.
+  std::vector<std::uint32_t> uncovered_places() const {
+    std::vector<std::uint32_t> place(axis_.sites.size(), kNone);
+    const auto in_order = [](const LatticePoint& a, const LatticePoint& b) {
+      return std::array{a[2], a[1], a[0]} < std::array{b[2], b[1], b[0]};
+    };
+    std::uint32_t p = 0;
+    for (std::size_t s = 0; s < place.size(); ++s) {
+      while (p < pending_.size() && in_order(pending_[p], axis_.sites[s])) ++p;
+      if (p < pending_.size() && pending_[p] == axis_.sites[s] && uncovered_[p]) place[s] = p;
+    }
+    return place;
   }
   // Uncovered sites without faces: vertices and edges without faces whose balls touch them.
   void take_vertices(const BallTree& tree) {
@@ -249,21 +265,23 @@ class Cover {
 
   const MedialAxis& axis_;
   double least_;
+  std::span<const LatticePoint> pending_;
   SignificantParts& components_;
   const TopCells& cells_;
   CellValues& detail_;
   std::optional<BallTree> kept_tree_;
   enum Kept : char { kNot, kSignificant, kPath };
-  std::vector<Kept> kept_;     // per vertex: of what is significant, and of paths to it
-  std::vector<char> in_part_;  // per vertex: of a cell that is kept
-  std::vector<char> uncovered_, has_face_, needed_;
+  std::vector<Kept> kept_;                  // per vertex: of what is significant, and of paths to it
+  std::vector<char> in_part_;               // per vertex: of a cell that is kept
+  std::vector<char> uncovered_, has_face_;  // per vertex of pending_
+  std::vector<char> needed_;                // per component
 };
 
 }  // namespace
 
-void cover_boundary(const MedialAxis& axis, double least, SignificantParts& parts, const TopCells& cells,
-                    CellValues& detail, Context* context) {
-  Cover(axis, least, parts, cells, detail).run(context);
+void cover_boundary(const MedialAxis& axis, double least, std::span<const LatticePoint> pending,
+                    SignificantParts& parts, const TopCells& cells, CellValues& detail, Context* context) {
+  Cover(axis, least, pending, parts, cells, detail).run(context);
 }
 
 }  // namespace quench::axis

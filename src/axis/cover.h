@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <span>
+
 #include "axis/significant_parts.h"
 #include "quench/axis.h"
 
@@ -15,7 +17,10 @@ inline constexpr double kLongestPath = 64;
 /// near enough is kept, where it is no longer than kLongestPath * least, else the largest such ball. In thin parts it
 /// is the component that touches the boundary vertex, or else the cells whose balls touch it; shortest paths, no longer
 /// than that, then connect these to the rest, since the thinning would by detours.
-void cover_boundary(const MedialAxis& axis, double least, SignificantParts& parts, const TopCells& cells,
-                    CellValues& detail, Context* context);
+///
+/// `pending`: the boundary vertices that are looked at, in order of z, y, x. In thin parts those that cells touch are
+/// sites of the axis.
+void cover_boundary(const MedialAxis& axis, double least, std::span<const LatticePoint> pending,
+                    SignificantParts& parts, const TopCells& cells, CellValues& detail, Context* context);
 
 }  // namespace quench::axis

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "axis/enclosing_ball.h"
+#include "axis/rest_of_core.h"
 #include "base/parallel.h"
 
 namespace quench::axis {
@@ -48,15 +49,20 @@ class SiteDistances {
 }  // namespace
 
 CellValues lambda(const CellComplex& complex, const dual::DualComplex& dual, std::span<const LatticePoint> sites,
-                  const std::array<std::int64_t, 3>& spacing, double unit, LambdaRule rule, Context* context) {
+                  const std::array<std::int64_t, 3>& spacing, double unit, LambdaRule rule, const Carried& carried,
+                  Context* context) {
   const SiteDistances distances(sites, spacing, unit);
   CellValues value;
   tbb::parallel_invoke(
       [&] {
         value.face.resize(complex.face_count());
-        value.vertex.assign(complex.vertex_count, -1);
+        value.vertex = carried.vertex_lambda;
+        value.vertex.resize(complex.vertex_count, -1);
       },
-      [&] { value.edge.assign(complex.edges.size(), -1); });
+      [&] {
+        value.edge = carried.edge_lambda;
+        value.edge.resize(complex.edges.size(), -1);
+      });
   const std::size_t chunks = base::chunks_for(complex.edges.size());
   base::for_chunks(chunks, context, "core", 0.5, 0.7, [&](std::size_t chunk) {
     const auto [first, last] = base::part_of(complex.face_count(), chunk, chunks);

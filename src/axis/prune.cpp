@@ -10,6 +10,7 @@
 #include <string_view>
 #include <utility>
 
+#include "axis/rest_of_core.h"
 #include "base/csr.h"
 #include "base/parallel.h"
 #include "complex/thinning.h"
@@ -179,7 +180,8 @@ void prune(const MedialAxis& axis, double at, std::string_view name, MedialAxis&
 
 }  // namespace
 
-ContactSites contact_sites(const MedialAxis& axis, double threshold, std::string_view measure) {
+static ContactSites contacts_of(const MedialAxis& axis, const axis::RestOfCore* rest, double threshold,
+                                std::string_view measure) {
   const auto [level, least] = levels_for(axis, threshold, measure);
   std::vector<std::uint32_t> row;
   const std::uint32_t vertices = renumber(level.vertex, least, row);
@@ -192,6 +194,11 @@ ContactSites contact_sites(const MedialAxis& axis, double threshold, std::string
       for (const std::uint32_t v : axis.complex.edges[e])
         if (row[v] != kDropped)
           for (const std::uint32_t site : axis.edge_sites[e]) emit(row[v], site);
+    if (!rest || rest->contact.empty()) return;
+    for (std::size_t v = 0; v < row.size(); ++v)
+      if (row[v] != kDropped)
+        for (std::uint32_t i = rest->corner_begin[v]; i < rest->corner_begin[v + 1]; ++i)
+          if (rest->contact[i]) emit(row[v], rest->corners[i]);
   });
   ContactSites contacts;
   contacts.offsets.reserve(vertices + 1);
@@ -213,6 +220,14 @@ ContactSites contact_sites(const MedialAxis& axis, double threshold, std::string
     }
   for (std::uint32_t& s : contacts.rows) s = site[s];
   return contacts;
+}
+
+ContactSites contact_sites(const MedialAxis& axis, double threshold, std::string_view measure) {
+  return contacts_of(axis, nullptr, threshold, measure);
+}
+
+ContactSites axis::contact_sites(const RestOfCore& core, double threshold, std::string_view measure) {
+  return contacts_of(core.axis, &core, threshold, measure);
 }
 
 MedialAxis pruned(const MedialAxis& axis, double threshold, std::string_view measure) {

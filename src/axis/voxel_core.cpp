@@ -1,18 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // Yan 2018, sec. 2.4 and 2.6 step 2.
 #include <fmt/format.h>
-#include <tbb/parallel_invoke.h>
 
 #include <algorithm>
-#include <cmath>
-#include <memory>
 #include <string>
 
-#include "axis/lambda.h"
 #include "axis/mgf.h"
+#include "axis/rest_of_core.h"
 #include "base/parallel.h"
 #include "base/return_memory.h"
-#include "delaunay/circumsphere.h"
 #include "delaunay/delaunay.h"
 #include "dual/bricks/rounds.h"
 #include "dual/dual_complex.h"
@@ -59,43 +55,16 @@ Measure boundary_distances(const VoxelShape& shape, const MedialAxis& axis, cons
 static MedialAxis compute(const VoxelShape& shape, const CoreOptions& options, Context* context) {
   if (shape.empty()) throw Error(ErrorCode::input, "the voxel shape is empty; there is no medial axis to compute");
   const auto spacing = integer_spacing(shape.grid());
-  const double unit =
-      shape.grid().spacing.minCoeff() / static_cast<double>(*std::min_element(spacing.begin(), spacing.end()));
-
-  MedialAxis axis;
-  axis.grid = shape.grid();
-  axis.sites = boundary_vertices(shape);
+  std::vector<LatticePoint> sites = boundary_vertices(shape);
   checkpoint(context, "peel", 0);
   const bool plane = shape.grid().is_plane();
-  DualComplex dual =
-      plane ? dual::plane::dual_complex(shape, axis.sites, spacing, context)
-      : options.in_bricks || axis.sites.size() > delaunay::Delaunay::kMostSites
-          ? dual::bricks::dual_complex(shape, axis.sites, spacing, dual::bricks::plan_for(shape), context)
-          : dual::peel::dual_complex(shape, axis.sites, spacing, {}, context);
+  DualComplex dual = plane ? dual::plane::dual_complex(shape, sites, spacing, context)
+                     : options.in_bricks || sites.size() > delaunay::Delaunay::kMostSites
+                         ? dual::bricks::dual_complex(shape, sites, spacing, dual::bricks::plan_for(shape), context)
+                         : dual::peel::dual_complex(shape, sites, spacing, {}, context);
 
   base::return_free_memory();
-  axis.complex = std::move(dual.complex);
-  tbb::parallel_invoke([&] { axis.points.resize(axis.complex.vertex_count); },
-                       [&] { axis.radius.resize(axis.complex.vertex_count); });
-  const std::size_t chunks = base::chunks_for(axis.complex.vertex_count, std::size_t{1} << 13);
-  base::for_chunks(chunks, context, "core", 0, 0.5, [&](std::size_t chunk) {
-    const auto [first, last] = base::part_of(axis.complex.vertex_count, chunk, chunks);
-    for (std::size_t v = first; v < last; ++v) {
-      const auto ids = dual.sites_of(static_cast<std::uint32_t>(v));
-      const delaunay::Circumsphere sphere =
-          plane ? delaunay::circumcircle({axis.sites[ids[0]], axis.sites[ids[1]], axis.sites[ids[2]]}, spacing)
-                : delaunay::circumsphere(ids, axis.sites, spacing);
-      Vec3 lattice;
-      for (int a = 0; a < 3; ++a)
-        lattice[a] = axis.sites[ids[0]][a] + sphere.offset[a] / static_cast<double>(spacing[a]);
-      axis.points[v] = axis.grid.world(lattice);
-      axis.radius[v] = std::sqrt(sphere.squared_radius) * unit;
-    }
-  });
-  axis.measures.push_back({std::string(kLambda), {}, {}});
-  axis.measures.back().value = axis::lambda(axis.complex, dual, axis.sites, spacing, unit, options.rule, context);
-  axis.face_sites = std::move(dual.face_sites);
-  axis.edge_sites = std::move(dual.edge_sites);
+  MedialAxis axis = axis::axis_of(dual, std::move(sites), shape.grid(), options.rule, {}, context);
   if (plane) axis.measures.push_back(boundary_distances(shape, axis, dual));
   return axis;
 }

@@ -120,10 +120,10 @@ Tube Primitives::tube(std::uint32_t id) const {
 }
 
 Box Primitives::box_of(std::uint32_t id) const {
-  constexpr Box kNothing{0, 0, 0, 0}, kAll{-kEverywhere, -kEverywhere, kEverywhere, kEverywhere};
+  constexpr Box kNoBox{0, 0, 0, 0}, kAll{-kEverywhere, -kEverywhere, kEverywhere, kEverywhere};
   if (id >= sheets_end_ && !is_shape(id)) {
     const auto [a, b] = ends(id);
-    if (!is_before_eye(a) || !is_before_eye(b)) return kNothing;
+    if (!is_before_eye(a) || !is_before_eye(b)) return kNoBox;
     if (!is_tube(id)) return bar(id).box();
     // Of a ball with the centre z before the eye the outline is at most r / (z - r) from the middle.
     const auto half = [&](std::uint32_t v) {
@@ -140,7 +140,7 @@ Box Primitives::box_of(std::uint32_t id) const {
     low = low.cwiseMin(p.head<2>() / p.z());
     high = high.cwiseMax(p.head<2>() / p.z());
   }
-  if (before == 0) return kNothing;
+  if (before == 0) return kNoBox;
   if (before < 3) return kAll;
   const auto floor = [](double x) {
     return static_cast<int>(std::floor(std::clamp<double>(x, -kEverywhere, kEverywhere)));

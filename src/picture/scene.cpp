@@ -22,9 +22,9 @@ using Floats = std::vector<float>;
 
 template <class T>
 const std::vector<T>& values_or_none(const Page& page, const std::string& name) {
-  static const std::vector<T> kNothing;
+  static const std::vector<T> kEmpty;
   const std::vector<T>* const found = find_values<T>(page, name);
-  return found ? *found : kNothing;
+  return found ? *found : kEmpty;
 }
 
 std::vector<Vec3f> places(const Page& page, const Placement& placement, const Floats& coordinates) {

@@ -6,11 +6,13 @@
 #include <algorithm>
 #include <utility>
 
+#include "axis/rest_of_core.h"
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/text.h"
 #include "pipeline/brick_files.h"
 #include "pipeline/parameters.h"
+#include "pipeline/part_core.h"
 #include "quench/axis.h"
 #include "quench/error.h"
 #include "quench/pipeline.h"
@@ -26,40 +28,32 @@ void add_field(Record& data, const char* name, double value) {
 }
 
 // The threshold, and by lambda what its choice looks at.
-void choose_threshold(const LoadedShape& from, const MedialAxis& core, CoreResult& result, Context* context) {
+void choose_threshold(const LoadedShape& from, const axis::RestOfCore& core, CoreResult& result, Context* context) {
   const Pruning& pruning = result.options.pruning;
   const Scale scale = from.scale();
   if (pruning.measure == kDetail) {
     result.threshold = pruning.threshold ? scale.resolve(*pruning.threshold, kDetail) : auto_detail(from.shape.grid());
     return;
   }
-  const Reconstruction reconstruction(from.shape, core, Reconstruction::kSamples, context);
+  const Reconstruction reconstruction(from.shape, core.axis, Reconstruction::kSamples, context);
   result.threshold = pruning.threshold ? scale.resolve(*pruning.threshold, kLambda)
                                        : auto_lambda(reconstruction, scale.longest_side, scale.voxel);
-  result.whole = reconstruction.share(0);
+  if (core.is_whole()) result.whole = reconstruction.share(0);
   result.reconstructed = reconstruction.share(result.threshold);
 }
 
-CoreResult made_core(const LoadedShape& from, const AxisOptions& options, const CorePlan& plan, Context* context) {
-  const VoxelShape& shape = from.shape;
-  CoreResult result;
-  result.options = options;
-  result.plan = plan;
-  result.longest_side = from.longest_side;
-  result.topology = from.topology;
-  result.coordinates = from.coordinates;
-  MedialAxis core = voxel_core(shape, {.rule = options.rule, .in_bricks = plan.in_bricks}, context);
+// Details and levels of a core, whose topology is checked.
+void add_levels(axis::RestOfCore& core, const LoadedShape& from, std::string_view measure, Context* context) {
   // Checking the topology and thinning are work for one thread each: together they keep two busy. The topology is the
   // task, so that thinning stays on the calling thread, which alone reports progress; isolated, so that a thread that
   // waits for the initial pairs of the thinning does not begin with the topology.
-  const std::string_view measure = options.pruning.measure;
   Topology found;
   tbb::task_group beside;
-  beside.run([&] { found = topology(core.complex); });
+  beside.run([&] { found = topology(core.axis.complex); });
   try {
     tbb::this_task_arena::isolate([&] {
-      if (measure == kDetail) from.surface ? add_detail(core, *from.surface, context) : add_detail(core, context);
-      prune_levels(core, measure, context);
+      if (measure == kDetail) add_detail(core, from.surface ? &*from.surface : nullptr, context);
+      prune_levels(core.axis, measure, context);
     });
   } catch (...) {
     beside.cancel();
@@ -69,17 +63,38 @@ CoreResult made_core(const LoadedShape& from, const AxisOptions& options, const 
   beside.wait();
   require_topology(found, from.topology, "voxel core", "shape");
   checkpoint(context, "topology", 0.5);
-  result.all = counts_of(core.complex);
-  choose_threshold(from, core, result, context);
+}
 
+CellCounts counts_of_all(const axis::RestOfCore& core) {
+  const CellCounts left = counts_of(core.axis.complex);
+  return {left.vertices + core.gone.vertices, left.edges + core.gone.edges, left.faces + core.gone.faces};
+}
+
+// All that follows from a core, or from what is left of it.
+CoreResult result_of(axis::RestOfCore rest, const LoadedShape& from, const AxisOptions& options, Context* context) {
+  const VoxelShape& shape = from.shape;
+  CoreResult result;
+  result.options = options;
+  result.longest_side = from.longest_side;
+  result.topology = from.topology;
+  result.coordinates = from.coordinates;
+  const std::string_view measure = options.pruning.measure;
+  add_levels(rest, from, measure, context);
+  result.all = counts_of_all(rest);
+  choose_threshold(from, rest, result, context);
+
+  ContactSites contacts;
+  // What is fitted does not depend on the detail, as long as that is not below the automatic one.
+  const double first = options.full         ? 0
+                       : measure == kDetail ? std::min(result.threshold, auto_detail(shape.grid()))
+                                            : result.threshold;
+  if (from.surface) contacts = contact_sites(rest, first, measure);
+  MedialAxis core = std::move(rest.axis);
+  rest = {};
   if (from.surface) {
-    // What is fitted does not depend on the detail, as long as that is not below the automatic one.
-    const double first = options.full         ? 0
-                         : measure == kDetail ? std::min(result.threshold, auto_detail(shape.grid()))
-                                              : result.threshold;
-    const ContactSites contacts = contact_sites(core, first, measure);
     if (first > 0) core = pruned(std::move(core), first, measure);
     result.fit = fit_to_surface(core, contacts, *from.surface, context);
+    contacts = {};
   }
   MedialAxis kept =
       options.full ? pruned(core, result.threshold, measure) : pruned(std::move(core), result.threshold, measure);
@@ -93,6 +108,20 @@ CoreResult made_core(const LoadedShape& from, const AxisOptions& options, const 
   if (options.full && (measure == kDetail || from.surface)) result.whole = share(core);
   if (measure == kDetail) result.coverage = coverage(shape, kept, context);
   result.axis = options.full ? std::move(core) : std::move(kept);
+  return result;
+}
+
+// Its parameters, and what there is to say about it.
+CoreResult completed(CoreResult result, const LoadedShape& shape, Context* context) {
+  constexpr double kMostOfTheShape = 0.9;
+  const AxisOptions& options = result.options;
+  if (options.pruning.measure == kLambda && result.reconstructed < kMostOfTheShape)
+    note(context, fmt::format("the balls of the pruned core contain only {:.4f} of the shape; use a smaller lambda, or "
+                              "'auto'",
+                              result.reconstructed));
+  result.parameters =
+      with_parameters(shape.parameters, {{std::string(options.pruning.measure), text_of(options.pruning.threshold)},
+                                         {"lambda_rule", std::string(name_of(options.rule))}});
   return result;
 }
 
@@ -127,25 +156,29 @@ void require_topology(const Topology& got, const Topology& wanted, const char* w
 }
 
 CoreResult core_of(const LoadedShape& shape, const AxisOptions& options, Context* context) {
-  CoreResult result = base::in_arena(context, [&] {
-    CorePlan plan = plan_core(shape.shape, context);
-    if (options.bricks_in) plan.in_bricks = true;
+  return base::in_arena(context, [&] {
+    const CorePlan plan = plan_core(shape, options, context);
     check_plan(plan, shape, context);
-    if (!plan.in_bricks) return made_core(shape, options, plan, context);
-    CoreResult in_bricks = core_in_bricks(
-        shape, options, options.bricks_in.value_or(std::filesystem::temp_directory_path()), context);
-    in_bricks.plan = plan;
-    return in_bricks;
+    CoreResult result;
+    if (plan.in_bricks) {
+      result = core_in_bricks(shape, options,
+                              options.bricks_in.value_or(std::filesystem::temp_directory_path()), context);
+    } else {
+      MedialAxis core = voxel_core(shape.shape, {.rule = options.rule}, context);
+      result = completed(result_of({std::move(core)}, shape, options, context), shape, context);
+    }
+    result.plan = plan;
+    return result;
   });
-  constexpr double kMostOfTheShape = 0.9;
-  const Pruning& pruning = options.pruning;
-  if (pruning.measure == kLambda && result.reconstructed < kMostOfTheShape)
-    note(context, fmt::format("the balls of the pruned core contain only {:.4f} of the shape; use a smaller lambda, or "
-                              "'auto'",
-                              result.reconstructed));
-  result.parameters = with_parameters(shape.parameters, {{std::string(pruning.measure), text_of(pruning.threshold)},
-                                                         {"lambda_rule", std::string(name_of(options.rule))}});
-  return result;
+}
+
+CoreResult core_of_part(dual::bricks::Part&& part, const dual::Hulls& hulls, const LoadedShape& from,
+                        const AxisOptions& options, Context* context) {
+  return base::in_arena(context, [&] {
+    axis::RestOfCore rest =
+        axis::rest_of(std::move(part), hulls, from.shape.grid(), options.rule, from.surface.has_value(), context);
+    return completed(result_of(std::move(rest), from, options, context), from, context);
+  });
 }
 
 CoreResult pruned_further(const LoadedShape& shape, const CoreResult& core, const Length& threshold, Context* context) {

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include "quench/shape.h"
 
@@ -13,5 +15,10 @@ struct BoundaryCount {
   std::int64_t sites = 0, flat = 0;
 };
 BoundaryCount count_boundary(const VoxelShape& shape);
+
+/// The number of rows along x in which boundary vertices may lie: in order of z, y.
+std::size_t boundary_rows(const VoxelShape& shape);
+/// Those of some of the rows, [first, last).
+std::vector<LatticePoint> boundary_vertices(const VoxelShape& shape, std::size_t first, std::size_t last);
 
 }  // namespace quench::shape

@@ -108,7 +108,7 @@ def refused_by_program(program, case, path, folder):
     run = subprocess.run([program, 'voxelize', path, '--threshold=1', '-o', os.path.join(folder, 'out.nrrd')]
                          + arguments_of(case), capture_output=True)
     sentence = run.stderr.decode(errors='replace').strip()
-    if run.returncode != (2 if case.usage else 3):
+    if run.returncode != case.code():
         return f'exit {run.returncode}: {sentence[:400]}'
     return '' if sentence and '\n' not in sentence else f'refused, but not with one sentence: {sentence!r}'
 
@@ -138,7 +138,7 @@ def run_format(name, options, folder):
         tried = [(by_program, c, p) for c, p in zip(cases, paths) if c.by_program]
         hopeless = [(refused_by_program, c, p) for c, p in zip(cases, paths) if not c.right]
         tried += hopeless[::max(1, len(hopeless) // 12)]
-        folders = [p if os.path.isdir(p) else os.path.dirname(p) for _, _, p in tried]
+        folders = [os.path.join(base, os.path.relpath(p, base).split(os.sep)[0]) for _, _, p in tried]
         with concurrent.futures.ThreadPoolExecutor(2) as pool:
             wrong = list(pool.map(lambda t: t[0][0](options.program, t[0][1], t[0][2], t[1]), zip(tried, folders)))
         failures += [f'{c.name} [program]: expected {c.expected()}; got {w}' for (_, c, _), w in zip(tried, wrong) if w]

@@ -26,14 +26,17 @@ class NaiveThinning {
       running = std::max(running, key);
       (dimension == 1 ? face : edge)[large] = running;
       (dimension == 1 ? edge : vertex)[small] = running;
+      pairs.push_back({running, dimension, small, large});
     }
   }
+  /// Level, dimension and index of the free face, index of the other cell; in the order in which they are collapsed.
+  using Pair = std::tuple<double, int, std::uint32_t, std::uint32_t>;
+  std::vector<Pair> pairs;
   std::vector<double> vertex, edge, face;
 
  private:
   static constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  // Key, dimension and index of the free face, index of the other cell.
-  using Pair = std::tuple<double, int, std::uint32_t, std::uint32_t>;
+  // With its key in place of the level.
   std::optional<Pair> first_pair() const {
     std::vector<std::vector<std::uint32_t>> faces(edge.size()), edges(vertex.size());
     for (std::uint32_t f = 0; f < face.size(); ++f)

@@ -17,9 +17,9 @@
 namespace quench::testing_duals {
 
 struct Boxes {
-  std::int64_t size;                       ///< of the boxes of the first round
-  std::int64_t halo;                       ///< of those of the second round; then it grows with the boxes
-  std::array<std::int64_t, 3> corner = {}; ///< of a box
+  std::int64_t size;                        ///< of the boxes of the first round
+  std::int64_t halo;                        ///< of those of the second round; then it grows with the boxes
+  std::array<std::int64_t, 3> corner = {};  ///< of a box
 };
 
 class Rounds {
@@ -31,7 +31,7 @@ class Rounds {
       : shape_(shape), sites_(boundary_vertices(shape)), spacing_(integer_spacing(shape.grid())), boxes_(boxes) {}
 
   const std::vector<LatticePoint>& sites() const { return sites_; }
-  const dual::Hulls& hulls() const { return hulls_; }
+  dual::Hulls& hulls() { return hulls_; }
   std::size_t rounds() const { return rounds_; }
 
   /// `changed`: called with every part after each round.
@@ -45,7 +45,9 @@ class Rounds {
         for (auto& [index, part] : parts) changed(part);
       std::map<Index, Part> larger;
       for (const auto& [index, part] : parts) larger[half(index)];
-      for (auto& [index, part] : larger) part = next(parts, index, 2 * size, halo);
+      std::map<Index, dual::bricks::Unfinished> open;
+      for (const auto& [index, part] : parts) open[index] = unfinished(part, hulls_);
+      for (auto& [index, part] : larger) part = next(parts, open, index, 2 * size, halo);
       parts = std::move(larger);
       size *= 2;
       halo *= 2;
@@ -117,15 +119,16 @@ class Rounds {
     return first_part(cut, at, sites, box, spacing_, hulls_, nullptr);
   }
 
-  Part next(const std::map<Index, Part>& parts, const Index& index, std::int64_t size, std::int64_t halo) {
+  Part next(std::map<Index, Part>& parts, const std::map<Index, dual::bricks::Unfinished>& open, const Index& index,
+            std::int64_t size, std::int64_t halo) {
     const Box own = box(index, size), region = grown(own, halo);
     std::vector<Part> children;
     std::vector<dual::bricks::Unfinished> around;
-    for (const auto& [child, part] : parts) {
+    for (auto& [child, part] : parts) {
       if (half(child) == index)
-        children.push_back(part);
+        children.push_back(std::move(part));
       else
-        around.push_back(near(unfinished(part, hulls_), region));
+        around.push_back(near(open.at(child), region));
     }
     Part part = joined(std::move(children), nullptr);
     complete(part, own, &region, around, spacing_, hulls_, nullptr);

@@ -123,6 +123,20 @@ void forget(int place) {
   if (place >= 0) std::free(remembered[static_cast<std::size_t>(place)].exchange(nullptr));
 }
 
+std::atomic<bool> removing{false};  // remove_temporary_files() has been called
+
+/// Removes a temporary file or folder. Where remove_temporary_files() is at it already: not before all of it is gone,
+/// so that the process does not end in the middle of that.
+void discard_temporary(const fs::path& path, int place) {
+  remove_tree(path.c_str());
+  if (removing) {
+    std::string other = path;
+    make_other(other);
+    remove_tree(other.c_str());
+  }
+  forget(place);
+}
+
 /// A file or folder of a new name beside the output. At the end of its scope what is there is removed: it, or the
 /// folder that it has replaced.
 class Temporary {
@@ -146,8 +160,7 @@ class Temporary {
   Temporary& operator=(const Temporary&) = delete;
   ~Temporary() {
     if (postponed) return;
-    if (!error) remove_tree(path.c_str());
-    forget(place);
+    if (!error) discard_temporary(path, place);
   }
 
   fs::path path;
@@ -169,6 +182,7 @@ fs::path existing_folder_of(const fs::path& target, const fs::path& file) {
 }  // namespace
 
 void remove_temporary_files() noexcept {
+  removing = true;
   for (auto& place : remembered)
     if (const char* name = place.exchange(nullptr)) {
       // Threads that still write files into a folder do not find it any more, and cannot fill it again.
@@ -204,10 +218,7 @@ OutputGroup::~OutputGroup() {
 }
 
 void OutputGroup::discard() {
-  for (const Pending& file : pending_) {
-    remove_tree(file.temporary.c_str());
-    forget(file.place);
-  }
+  for (const Pending& file : pending_) discard_temporary(file.temporary, file.place);
   pending_.clear();
 }
 
@@ -336,18 +347,21 @@ OutputFolder::OutputFolder(const fs::path& folder) : impl_(std::make_unique<Impl
 OutputFolder::~OutputFolder() = default;
 
 void OutputFolder::write(const fs::path& name, std::string_view bytes) {
+  const auto fail = [&](int error) {
+    if (removing) throw Error(ErrorCode::cancelled, "cancelled");  // the folder is gone
+    cannot_write(impl_->folder, reason_of(error));
+  };
   FileOut out;
   out.create(impl_->temporary->path / name, 0666);
   if (out.error() == ENOENT) {
     fs::path folder = impl_->temporary->path;  // which is not made again, when the end of the process has removed it
     for (const fs::path& part : name.parent_path())
-      if (::mkdir((folder /= part).c_str(), S_IRWXU | S_IRWXG | S_IRWXO) != 0 && errno != EEXIST)
-        cannot_write(impl_->folder, reason_of(errno));
+      if (::mkdir((folder /= part).c_str(), S_IRWXU | S_IRWXG | S_IRWXO) != 0 && errno != EEXIST) fail(errno);
     out.create(impl_->temporary->path / name, 0666);
   }
   out.stream().write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   out.close();
-  if (out.error() || !out.stream()) cannot_write(impl_->folder, reason_of(out.error()));
+  if (out.error() || !out.stream()) fail(out.error());
 }
 
 void OutputFolder::commit() {

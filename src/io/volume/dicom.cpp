@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <map>
 #include <memory>
 #include <vector>
@@ -56,12 +57,12 @@ SampleType type_of_values(const std::vector<DicomFile>& files) {
   const DicomSamples& samples = files.front().samples;
   const double values = std::ldexp(1.0, samples.is_signed ? samples.stored - 1 : samples.stored);
   const double least = samples.is_signed ? -values : 0, most = values - 1;
-  double low = least, high = most;
+  double low = std::numeric_limits<double>::infinity(), high = -low;
   bool whole = true;
   for (const DicomFile& file : files)
     for (const DicomFrame& frame : file.frames) {
       whole = whole && frame.slope == std::floor(frame.slope) && frame.intercept == std::floor(frame.intercept);
-      const auto [a, b] = std::minmax(frame.slope * least + frame.intercept, frame.slope * most + frame.intercept);
+      const auto [a, b] = std::minmax({frame.slope * least + frame.intercept, frame.slope * most + frame.intercept});
       low = std::min(low, a);
       high = std::max(high, b);
     }

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <gdcmImageHelper.h>
 #include <gdcmImageReader.h>
+#include <gdcmMediaStorage.h>
 #include <gdcmReader.h>
 #include <gdcmSequenceOfItems.h>
 #include <gdcmTrace.h>
@@ -12,6 +13,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <fstream>
+#include <string_view>
 
 #include "base/text.h"
 #include "io/common/words.h"
@@ -157,6 +160,37 @@ DicomSamples samples_of(const gdcm::PixelFormat& format) {
           format.GetSamplesPerPixel()};
 }
 
+/// Whether compressed pixels come to their end: the mark behind the last of their pieces.
+bool has_end_of_pieces(const std::filesystem::path& file, std::uint64_t begin, std::uint64_t size) {
+  constexpr std::uint64_t kFarthest = 1 << 16;  // from the end of the file: little follows the pixels
+  constexpr std::string_view kMark("\xFE\xFF\xDD\xE0\0\0\0\0", 8);
+  std::string end(std::min(kFarthest, size - std::min(begin, size)), '\0');
+  std::ifstream in(file, std::ios::binary);
+  in.seekg(static_cast<std::streamoff>(size - end.size()));
+  in.read(end.data(), static_cast<std::streamsize>(end.size()));
+  return in && end.find(kMark) != end.npos;
+}
+
+/// Throws where the pixels, which begin at `begin`, are more than the file holds. GDCM would take them as 0.
+void check_end(const gdcm::File& contents, std::uint64_t begin, double frames, const DicomFile& file) {
+  const gdcm::TransferSyntax& syntax = contents.GetHeader().GetDataSetTransferSyntax();
+  const std::uint64_t size = std::filesystem::file_size(file.file);
+  if (syntax == gdcm::TransferSyntax::DeflatedExplicitVRLittleEndian) return;  // known when it is read
+  if (syntax.IsEncapsulated()
+          ? has_end_of_pieces(file.file, begin, size)
+          : static_cast<double>(begin) + frames * static_cast<double>(file.frame_bytes()) <= static_cast<double>(size))
+    return;
+  refuse_volume(file.file, fmt::format("it is too short for {} x {} pixels in {} frames; it is damaged or incomplete",
+                                       file.columns, file.rows, frames));
+}
+
+/// Whether there are pixels for all frames; GDCM takes what is missing as 0.
+bool holds_frames(const gdcm::DataElement& pixels, std::size_t frames, std::uint64_t size) {
+  if (const gdcm::ByteValue* raw = pixels.GetByteValue()) return raw->GetLength() >= size;
+  const gdcm::SequenceOfFragments* fragments = pixels.GetSequenceOfFragments();
+  return fragments && fragments->GetNumberOfFragments() >= frames;
+}
+
 }  // namespace
 
 std::optional<DicomFile> dicom_header(const std::filesystem::path& file) {
@@ -164,10 +198,16 @@ std::optional<DicomFile> dicom_header(const std::filesystem::path& file) {
   be_silent();
   gdcm::Reader reader;
   reader.SetFileName(file.c_str());
-  if (!reader.ReadUpToTag(Tag(0x7fe0, 0x0010)))
+  const Tag pixels(0x7fe0, 0x0010);
+  if (!reader.ReadUpToTag(pixels, {pixels}))
     refuse_volume(file, "it is not a file of DICOM, or it is damaged or incomplete; copy or download it again");
   const DataSet& set = reader.GetFile().GetDataSet();
-  if (!set.FindDataElement(Tag(0x0028, 0x0010)) || !set.FindDataElement(Tag(0x0028, 0x0011))) return {};
+  if (!set.FindDataElement(Tag(0x0028, 0x0010)) || !set.FindDataElement(Tag(0x0028, 0x0011))) {
+    gdcm::MediaStorage kind;
+    kind.SetFromFile(reader.GetFile());
+    if (!gdcm::MediaStorage::IsImage(kind)) return {};
+    refuse_volume(file, "it does not say the size of its picture; it is damaged or incomplete");
+  }
   DicomFile result;
   result.file = file;
   result.series = text_of(set, Tag(0x0020, 0x000e));
@@ -185,6 +225,7 @@ std::optional<DicomFile> dicom_header(const std::filesystem::path& file) {
   const double frames = number_of(text_of(set, Tag(0x0028, 0x0008))).value_or(1);
   if (!(frames >= 1 && frames <= static_cast<double>(kMostFrames)) || frames != std::floor(frames))
     refuse_volume(file, fmt::format("it claims {} frames; it is damaged", frames));
+  check_end(reader.GetFile(), reader.GetStreamCurrentPosition(), frames, result);
   read_frames(set, static_cast<std::size_t>(frames), result);
   return result;
 }
@@ -202,7 +243,8 @@ std::vector<std::byte> dicom_pixels(const DicomFile& file) {
   if (image.GetBufferLength() != size || found != file.samples)
     refuse_volume(file.file, "its pixels are not those its header describes; it is damaged");
   std::vector<std::byte> bytes(size);
-  if (!image.GetBuffer(reinterpret_cast<char*>(bytes.data())))
+  if (!holds_frames(image.GetDataElement(), file.frames.size(), size) ||
+      !image.GetBuffer(reinterpret_cast<char*>(bytes.data())))
     refuse_volume(file.file, "its pixels are damaged or incomplete, or compressed in a way GDCM does not know");
   clean_bits(bytes, file.samples);
   return bytes;

@@ -29,8 +29,8 @@ constexpr int kDeflateLevel = 6;
 constexpr int kDeepestZarr = 16;      // folders in folders; no one writes more
 constexpr double kNearlyAxes = 1e-9;  // of a direction; a voxel at the far end moves by far less than its size
 
-std::string text_of(const ZarrJson& json) {
-  return json.dump(2, ' ', false, ZarrJson::error_handler_t::replace) + '\n';
+std::string text_of(const ZarrJson& text) {
+  return text.dump(2, ' ', false, ZarrJson::error_handler_t::replace) + '\n';
 }
 
 /// The name of a unit of length in NGFF, which are those of UDUNITS-2; others stay as they are.

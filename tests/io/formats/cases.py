@@ -52,11 +52,16 @@ class Case:
     cuts: Optional[range] = None  # bytes of the main file where a cut can be noticed; None: everywhere
     damage: bool = True
     usage: bool = False  # refused for the options, with exit 2
+    memory: bool = False  # refused for want of memory, with exit 1
     how: Tuple[Tuple[str, str], ...] = ()  # options of the reader: ('channel', 'red'), ('dimension', '3')
+
+    def code(self) -> int:
+        """Of the refusal."""
+        return 2 if self.usage else 1 if self.memory else 3
 
     def expected(self) -> str:
         text = ' or '.join(map(str, self.right))
-        return text + (' or ' if text and self.refusable else '') + (f'exit {2 if self.usage else 3}' if self.refusable else '')
+        return text + (' or ' if text and self.refusable else '') + (f'exit {self.code()}' if self.refusable else '')
 
 
 def case(name: str, data, opened: str, *right: Grid, **more) -> Case:
@@ -246,7 +251,7 @@ def judge(tried: Case, line: str) -> str:
         return ''
     words = line.split(' ', 2)
     if words[0] == 'refused':
-        if words[1] != ('2' if tried.usage else '3'):
+        if words[1] != str(tried.code()):
             return f'exit {words[1]}: {words[2]}'
         if not tried.refusable:
             return f'exit 3: {words[2]}'

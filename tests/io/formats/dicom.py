@@ -163,7 +163,7 @@ def refused():
                       'x.dcm'))
     for rows, columns in ((0, 5), (4, 0), (5, 5), (65535, 65535), (4, 65535)):
         found.append(case(f'header claims {columns} x {rows}', written(samples[:, :, 0], Rows=rows, Columns=columns, **place(0)), 'x.dcm'))
-    for frames in (0, -1, 8, 10**6, 2**31 - 1, 10**12):
+    for frames in (0, -1, 8, 10**6, 2**31 - 1):
         found.append(case(f'header claims {frames} frames', written(samples, NumberOfFrames=str(frames)), 'x.dcm', refusable=True))
     for bits in (0, 1, 12, 17, 24, 64):
         found.append(case(f'header claims {bits} bits', written(samples[:, :, 0], BitsAllocated=bits, **place(0)), 'x.dcm'))
