@@ -326,7 +326,7 @@ void refuse_unknown_kind(const std::filesystem::path& file) {
   if (std::filesystem::is_directory(file, ignored))
     throw Error(
         ErrorCode::input,
-        fmt::format("the folder '{}' holds no PNG or TIFF slices; give a file or a folder of slices", file.string()));
+        fmt::format("the folder '{}' holds no PNG, TIFF or DICOM slices; give a file or a folder of slices", file.string()));
   const std::string type = file.extension().string();
   std::string lower = type;
   for (char& c : lower)
@@ -337,7 +337,7 @@ void refuse_unknown_kind(const std::filesystem::path& file) {
                                               file.string(), type));
   throw Error(ErrorCode::input,
               fmt::format("'{}' has {}; meshes end in e.g. .ply, .obj, .off, .stl, volumes in .nrrd, .nii.gz, .mha, "
-                          ".map, .vol, .npy, .tif, images in .png, .tif, .bmp, .jpg, .pgm",
+                          ".map, .vol, .npy, .tif, .h5, .dcm, images in .png, .tif, .bmp, .jpg, .pgm",
                           file.string(),
                           type.empty() ? "no file type in its name" : fmt::format("the unknown file type '{}'", type)));
 }
