@@ -333,6 +333,7 @@ Part part_in(std::string_view body, Hulls& hulls) {
   take_values(from, cells.count(), part.vertex_lambda, part.vertex_detail);
   part.contact.resize(from.next_up_to(cells.sites.size()));
   take_bits(from, part.contact);
+  if (!part.contact.empty()) part.extend();
   take_faces(from, part.sites.size(), part.faces);
   part.pruned.vertices = from.next();
   part.pruned.edges = from.next();
