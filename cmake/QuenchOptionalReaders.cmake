@@ -69,6 +69,9 @@ function(quench_foreign_reader name include)  # and the sources
   endforeach()
 endfunction()
 
+# Both take milliseconds to load: programs that read no volumes do not.
+target_link_options(quench INTERFACE LINKER:--as-needed)
+
 set(QUENCH_WITH_HDF5 OFF)
 if(QUENCH_HDF5)
   find_path(QUENCH_HDF5_INCLUDE hdf5.h PATH_SUFFIXES hdf5/serial)

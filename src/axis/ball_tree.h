@@ -97,6 +97,15 @@ class BallTree {
 /// How far a point lies outside a ball; negative inside.
 inline double outside(const BallTree::Ball& ball, const Vec3& p) { return (p - ball.centre).norm() - ball.radius; }
 
+/// Calls visit(ball) for those that a point lies outside of by less than `limit`.
+template <class Visit>
+void for_balls_near(const BallTree& tree, const Vec3& p, double limit, const Visit& visit) {
+  tree.walk([&](std::size_t node) { return tree.distance(node, p) - tree.largest_radius(node); }, limit,
+            [&](std::size_t i) {
+              if (outside(tree.ball(i), p) < limit) visit(tree.ball(i));
+            });
+}
+
 /// Balls that boundary vertices are near, looked up one after the other: the last answer in a neighbourhood is mostly
 /// near its other vertices, too.
 class NearBalls {

@@ -21,16 +21,15 @@
 namespace quench::axis {
 namespace {
 
-// Balls up to this factor of the automatic detail are those of thin parts: 2.17 voxels for cubes, so that plates of
-// four voxels (2.12) are thin.
-constexpr double kThin = 2.5;
-// What is compared with `2 * least` may be larger by so much, for rounding.
+// What is compared with `2 * least` may be larger by so much, for rounding; see near_limit().
 constexpr double kTolerance = 1e-9;
 
+}  // namespace
+
 std::vector<char> uncovered_sites(std::span<const LatticePoint> sites, const Grid& grid, const BallTree& kept,
-                                  double tolerance, Context* context) {
+                                  double least, Context* context) {
   std::vector<char> result(sites.size(), 0);
-  const double limit = tolerance * (1 + kTolerance);
+  const double limit = 2 * least * (1 + kTolerance);
   const std::size_t chunks = base::chunks_for(sites.size(), std::size_t{1} << 17);
   base::for_chunks(chunks, context, "detail", 0.3, 0.6, [&](std::size_t chunk) {
     const auto [first, last] = base::part_of(sites.size(), chunk, chunks);
@@ -42,6 +41,8 @@ std::vector<char> uncovered_sites(std::span<const LatticePoint> sites, const Gri
   });
   return result;
 }
+
+namespace {
 
 class Cover {
  public:
@@ -64,7 +65,6 @@ class Cover {
 
  private:
   void keep(double& detail) const { detail = std::max(detail, least_); }
-  double reach() const { return 2 * least_ * (1 + 0.5 * kTolerance); }
 
   void find_uncovered(Context* context) {
     kept_.assign(axis_.complex.vertex_count, kNot);
@@ -74,7 +74,7 @@ class Cover {
     for (std::uint32_t v = 0; v < kept_.size(); ++v)
       if (kept_[v] != kNot) vertices.push_back(v);
     kept_tree_.emplace(axis_.points, axis_.radius, std::move(vertices));
-    uncovered_ = uncovered_sites(pending_, axis_.grid, *kept_tree_, 2 * least_, context);
+    uncovered_ = uncovered_sites(pending_, axis_.grid, *kept_tree_, least_, context);
   }
 
   // Sites of thick parts, the farthest from what is kept first, so that the paths to them cover others.
@@ -97,7 +97,7 @@ class Cover {
   }
   double largest_near(const BallTree& tree, const Vec3& p) const {
     double largest = 0;
-    const double near = reach();
+    const double near = near_limit(least_);
     const auto bound = [&](std::size_t node) {
       const double radius = tree.largest_radius(node);
       return radius <= largest ? near : tree.distance(node, p) - radius;
@@ -113,9 +113,9 @@ class Cover {
   void add_path_to(const Vec3& p, const BallTree& tree, ShortestPaths& paths) {
     paths.restart();
     std::vector<std::uint32_t> sources;
-    for_balls_near(tree, p, reach(), [&](std::uint32_t v) {
-      paths.add_source(v);
-      sources.push_back(v);
+    for_balls_near(tree, p, near_limit(least_), [&](const BallTree::Ball& ball) {
+      paths.add_source(ball.vertex);
+      sources.push_back(ball.vertex);
     });
     if (std::ranges::any_of(sources, [&](std::uint32_t v) { return kept_[v] != kNot; })) return;
     const auto stop = [&](std::uint32_t v) { return kept_[v] == kSignificant; };
@@ -140,13 +140,6 @@ class Cover {
       keep(detail_.edge[edge]);
       keep(detail_.vertex[vertex]);
     });
-  }
-  template <class Visit>
-  void for_balls_near(const BallTree& tree, const Vec3& p, double near, const Visit& visit) const {
-    tree.walk([&](std::size_t node) { return tree.distance(node, p) - tree.largest_radius(node); }, near,
-              [&](std::size_t i) {
-                if (outside(tree.ball(i), p) < near) visit(tree.ball(i).vertex);
-              });
   }
   Vec3 position(std::size_t site) const { return axis_.grid.world_of(pending_[site]); }
 
@@ -188,7 +181,8 @@ class Cover {
     for (std::uint32_t s = 0; s < uncovered_.size(); ++s) {
       if (!uncovered_[s] || has_face_[s]) continue;
       // No ball contains the site: those that it is not outside of touch it.
-      for_balls_near(tree, position(s), 1e-6 * least_, [&](std::uint32_t v) {
+      for_balls_near(tree, position(s), 1e-6 * least_, [&](const BallTree::Ball& ball) {
+        const std::uint32_t v = ball.vertex;
         if (const std::uint32_t component = components_.component_of(v); component != kNone) {
           needed_[component] = 1;
         } else {

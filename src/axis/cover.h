@@ -2,11 +2,24 @@
 #pragma once
 
 #include <span>
+#include <vector>
 
+#include "axis/ball_tree.h"
 #include "axis/significant_parts.h"
 #include "quench/axis.h"
 
 namespace quench::axis {
+
+/// Balls up to this factor of the automatic detail are those of thin parts: 2.17 voxels for cubes, so that plates of
+/// four voxels (2.12) are thin.
+inline constexpr double kThin = 2.5;
+
+/// A boundary vertex is near the balls that it lies outside of by less; `least`: the automatic detail.
+inline double near_limit(double least) { return 2 * least * (1 + 0.5e-9); }
+
+/// Per site 0 if it lies no farther than 2 * least outside some ball, up to rounding.
+std::vector<char> uncovered_sites(std::span<const LatticePoint> sites, const Grid& grid, const BallTree& kept,
+                                  double least, Context* context);
 
 /// Paths are at most so many times `least` long: 55 voxels for cubes. Needed lengths grow like the root of the
 /// resolution; of 5800 at 1024 voxels seven are longer.

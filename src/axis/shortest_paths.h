@@ -44,7 +44,8 @@ class ShortestPaths {
     reached_.clear();
     queue_ = {};
   }
-  void add_source(std::uint32_t vertex) { reach(vertex, 0, kNone, vertex); }
+  /// `distance`: that it begins with.
+  void add_source(std::uint32_t vertex, double distance = 0) { reach(vertex, distance, kNone, vertex); }
   /// The next nearest vertex; kNone when all are reached. Its neighbours are reached by it unless `stop(vertex)`.
   template <class Stop>
   std::uint32_t next(const Stop& stop) {
@@ -73,6 +74,7 @@ class ShortestPaths {
     const auto [a, b] = axis_.complex.edges[edge];
     return std::round((axis_.points[a] - axis_.points[b]).norm() * per_unit_);
   }
+  std::size_t vertex_count() const { return distance_.size(); }
   double longest() const { return longest_; }
   /// Of a vertex that is reached, from the source.
   double distance(std::uint32_t vertex) const { return distance_[vertex]; }

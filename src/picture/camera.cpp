@@ -32,7 +32,7 @@ bool stands_on_z(const Page& page) {
     std::string lower = name;
     for (char& c : lower) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
     for (const char* end : {".nrrd", ".nhdr", ".nii", ".nii.gz", ".mha", ".mhd", ".mrc", ".map", ".vol", ".npy", ".tif",
-                            ".tiff", ".sof", ".out"})
+                            ".tiff", ".sof", ".out", ".h5", ".hdf5", ".hdf", ".ims", ".dcm"})
       if (lower.ends_with(end)) return true;
   }
   return false;

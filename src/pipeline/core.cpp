@@ -157,12 +157,13 @@ void require_topology(const Topology& got, const Topology& wanted, const char* w
 
 CoreResult core_of(const LoadedShape& shape, const AxisOptions& options, Context* context) {
   return base::in_arena(context, [&] {
-    const CorePlan plan = plan_core(shape, options, context);
+    CorePlan plan = plan_core(shape.shape, context);
+    plan.in_bricks = options.bricks_in || (plan.in_bricks && refused_in_bricks(shape.shape, options).empty());
     check_plan(plan, shape, context);
     CoreResult result;
     if (plan.in_bricks) {
-      result = core_in_bricks(shape, options,
-                              options.bricks_in.value_or(std::filesystem::temp_directory_path()), context);
+      result =
+          core_in_bricks(shape, options, options.bricks_in.value_or(std::filesystem::temp_directory_path()), context);
     } else {
       MedialAxis core = voxel_core(shape.shape, {.rule = options.rule}, context);
       result = completed(result_of({std::move(core)}, shape, options, context), shape, context);

@@ -6,8 +6,10 @@
 
 #include <cmath>
 #include <csignal>
+#include <fstream>
 #include <limits>
 #include <set>
+#include <utility>
 
 #include "poly_samples.h"
 #include "quench/io.h"
@@ -38,11 +40,31 @@ Record round_trip(const Record& data, const std::string& name, const io::WriteOp
 TEST(Kind, FollowsTheExtensionInAnyCase) {
   for (const char* name : {"a.ply", "b.OBJ", "c.Off", "d.stl", "e.vtp", "f.ma", "g.fbx", "h.gltf"})
     EXPECT_EQ(io::kind_of(name), io::Kind::surface) << name;
-  for (const char* name : {"a.nrrd", "a.nhdr", "a.mha", "a.mhd", "a.nii", "a.nii.gz", "a.NII.GZ", "a.mrc", "a.map",
-                           "a.tif", "a.tiff", "a.png", "a.npy", "a.vol", "a.sof"})
+  for (const char* name :
+       {"a.nrrd", "a.nhdr", "a.mha", "a.mhd", "a.nii", "a.nii.gz", "a.NII.GZ", "a.mrc", "a.map", "a.tif", "a.tiff",
+        "a.png", "a.npy", "a.vol", "a.sof", "a.h5", "a.HDF5", "a.h5:/b/c", "a.ims:c"})
     EXPECT_EQ(io::kind_of(name), io::Kind::volume) << name;
   for (const char* name : {"a", "a.gz", "a.txt", "ply", ".ply", "a.csv"})
     EXPECT_EQ(io::kind_of(name), io::Kind::unknown) << name;
+}
+
+TEST(Kind, NamesADatasetOfAFile) {
+  for (const auto& [name, file] :
+       {std::pair("d/a.h5:/b/c", "d/a.h5"), {"a.h5", "a.h5"}, {"x:y/a.hdf5:b:c", "x:y/a.hdf5"}, {"a:b", "a:b"}})
+    EXPECT_EQ(io::file_of(name), file) << name;
+}
+
+TEST(Kind, DicomIsKnownByItsMark) {
+  const Folder folder;
+  std::ofstream(folder / "IM0001") << std::string(128, '\0') + "DICM";
+  std::ofstream(folder / "1.2.840.113") << std::string(128, '\0') + "DICM";
+  std::ofstream(folder / "other") << std::string(128, '\0') + "DICK";
+  std::ofstream(folder / "mesh.ply") << std::string(128, '\0') + "DICM";
+  EXPECT_EQ(io::kind_of(folder / "IM0001"), io::Kind::volume);
+  EXPECT_EQ(io::kind_of(folder / "1.2.840.113"), io::Kind::volume);
+  EXPECT_EQ(io::kind_of(folder / "other"), io::Kind::unknown);
+  EXPECT_EQ(io::kind_of(folder / "mesh.ply"), io::Kind::surface);
+  EXPECT_EQ(io::kind_of(folder / ""), io::Kind::volume);
 }
 
 TEST(Kind, FolderOfSlicesIsAVolume) {

@@ -115,7 +115,11 @@ def refused_by_program(program, case, path, folder):
 
 def run_format(name, options, folder):
     """The failures of a format: lines of text."""
-    cases = importlib.import_module(f'formats.{name}').cases()
+    try:
+        cases = importlib.import_module(f'formats.{name}').cases()
+    except ModuleNotFoundError as error:
+        print(f'{name}: skipped: {sys.executable} has no {error.name}')
+        return []
     doubles = [n for n, count in collections.Counter(c.name for c in cases).items() if count > 1]
     assert not doubles, f'cases of the same name: {doubles[:3]}'
     if options.list:

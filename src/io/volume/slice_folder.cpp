@@ -45,7 +45,7 @@ class SliceFolder {
     };
     if (files_.empty())
       throw Error(ErrorCode::input,
-                  fmt::format("the folder '{}' holds no PNG or TIFF slices; give a volume file or a folder of slices",
+                  fmt::format("the folder '{}' holds no PNG, TIFF or DICOM slices; give a volume file or a folder of slices",
                               folder.string()));
     for (const auto& file : files_)
       if (volume_extension(file).substr(0, 4) != volume_extension(files_.front()).substr(0, 4))

@@ -165,7 +165,7 @@ def hostile():
     samples = volume('int16')
     for how in ({}, dict(chunks=(2, 3, 3), compression='gzip', shuffle=True)):
         data = stored(samples, attributes={'element_size_um': (2.0, 0.75, 0.5)}, **how)
-        for at in range(0, len(data), 11):
+        for at in range(0, len(data), 29):
             changed = bytearray(data)
             changed[at] ^= 0x24
             found.append(case(f'byte {at} changed{", compressed" if how else ""}', bytes(changed), 'v.h5', Grid(samples, anything=True),
