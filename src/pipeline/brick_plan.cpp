@@ -172,4 +172,17 @@ std::vector<std::size_t> BrickPlan::below(std::size_t round, std::size_t brick) 
   return bricks_in(round - 1, box(round, brick));
 }
 
+std::vector<std::size_t> BrickPlan::beside(std::size_t round, std::size_t brick) const {
+  Box around = region(round, brick);  // and as far again as the regions of the others reach
+  const Triple others = reach(round - 1);
+  for (std::size_t a = 0; a < 3; ++a) {
+    around.low[a] -= others[a];
+    around.high[a] += others[a];
+  }
+  std::vector<std::size_t> found = bricks_in(round - 1, around);
+  const std::vector<std::size_t> own = below(round, brick);
+  std::erase_if(found, [&](std::size_t other) { return std::ranges::binary_search(own, other); });
+  return found;
+}
+
 }  // namespace quench::pipeline

@@ -82,13 +82,11 @@ struct Surroundings {
   std::vector<LatticePoint> pending;
 };
 
-Surroundings around(const BrickPlan& plan, std::size_t round, const std::vector<std::size_t>& own, const Box& region,
-                    BrickStore& store) {
+Surroundings around(const BrickPlan& plan, std::size_t round, std::size_t brick, const Box& region, BrickStore& store) {
   Surroundings found;
-  for (const std::size_t other : plan.bricks_in(round, grown(region, plan.reach(round)))) {
-    if (std::ranges::binary_search(own, other)) continue;
-    const LooseEnds loose = naming_part(store, round, other, [&] {
-      return dual::bricks::decode_loose(store.head(round, other), plan.label(round, other));
+  for (const std::size_t other : plan.beside(round, brick)) {
+    const LooseEnds loose = naming_part(store, round - 1, other, [&] {
+      return dual::bricks::decode_loose(store.head(round - 1, other), plan.label(round - 1, other));
     });
     found.unfinished.push_back(dual::bricks::near(loose.unfinished, region));
     std::ranges::copy_if(loose.pending, std::back_inserter(found.pending),
@@ -105,9 +103,8 @@ axis::PartPruning pruning_of(const BrickPlan& plan, const Surface* surface) {
 Part part_of_parts(const BrickPlan& plan, std::size_t round, std::size_t brick, BrickStore& store, Hulls& hulls,
                    Context* context) {
   const Box box = plan.box(round, brick), region = plan.region(round, brick);
-  const std::vector<std::size_t> own = plan.below(round, brick);
-  Part part = dual::bricks::joined(parts_of(plan, round - 1, own, store, hulls), context);
-  const Surroundings others = around(plan, round - 1, own, region, store);
+  Part part = dual::bricks::joined(parts_of(plan, round - 1, plan.below(round, brick), store, hulls), context);
+  const Surroundings others = around(plan, round, brick, region, store);
   dual::bricks::complete(part, box, &region, others.unfinished, plan.spacing, hulls, context);
   base::return_free_memory();
   if (plan.cutoff() > 0)

@@ -51,6 +51,9 @@ struct BrickPlan {
   std::vector<std::size_t> bricks_in(std::size_t round, const dual::bricks::Box& box) const;
   /// The bricks of the round before that a brick consists of, ascending.
   std::vector<std::size_t> below(std::size_t round, std::size_t brick) const;
+  /// Those of the round before whose loose ends a brick looks at, beside the parts it consists of, ascending: their
+  /// polytopes may reach into its region.
+  std::vector<std::size_t> beside(std::size_t round, std::size_t brick) const;
   dual::bricks::PartLabel label(std::size_t round, std::size_t brick) const {
     return {fingerprint, static_cast<std::uint32_t>(round), static_cast<std::uint32_t>(brick)};
   }
