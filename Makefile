@@ -63,7 +63,7 @@ bench: build
 	bench/run $(BUILD)
 
 format:
-	clang-format -i include/quench/*.h $$(find src -name "*.h" -o -name "*.cpp") cli/*.h cli/*.cpp tests/*/*.h tests/*/*.cpp fuzz/*.h fuzz/*.cpp bench/*.cpp python/src/*.h python/src/*.cpp
+	clang-format -i include/quench/*.h $$(find src -name "*.h" -o -name "*.cpp") cli/*.h cli/*.cpp mpi/*.cpp tests/*/*.h tests/*/*.cpp fuzz/*.h fuzz/*.cpp bench/*.cpp python/src/*.h python/src/*.cpp
 
 clean:
 	rm -rf build demo

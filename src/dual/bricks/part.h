@@ -41,8 +41,8 @@ struct FaceValue {
 };
 
 /// A polytope belongs to the part whose box holds its smallest site, and so does a boundary square; nothing else is in
-/// a part. Polytopes are in order of their sites, unmatched facets in order of theirs: a part depends on nothing but
-/// what it knows.
+/// a part. Polytopes are in order of their sites (but for joined()), unmatched facets in order of theirs: a part
+/// depends on nothing but what it knows.
 ///
 /// A link is what lies across a facet, an entry of Cells::neighbours. A pruned link (kPruned) is an edge of the core
 /// that was removed; a pruned vertex is a polytope that is not there any more. A face is removed together with one of
@@ -52,17 +52,18 @@ struct Part {
   CellsPart found;                  ///< sites are places in `sites`; `unmatched` lists all unmatched facets and squares
 
   /// What pruned cells have left behind: the largest lambda and detail of the pruned faces around an edge (per link,
-  /// the same on both sides), of the pruned edges around a vertex (per polytope); -1 where there are none.
+  /// the same on both sides), of the pruned edges around a vertex (per polytope); -1 where there are none. These and
+  /// `contact` are empty until extend() is called.
   std::vector<double> link_lambda, link_detail, vertex_lambda, vertex_detail;
   /// Per corner of each polytope (as Cells::sites): whether some face of the whole core around the vertex has the site.
   std::vector<std::uint8_t> contact;
   std::vector<FaceValue> faces;  ///< in order of their sites
-  std::vector<LatticePoint>
-      pending;    ///< sites in the box of which it is not certain that a kept ball is near; in order
+  /// Sites in the box of which it is not certain that a kept ball is near, in order.
+  std::vector<LatticePoint> pending;
   Counts pruned;  ///< cells that are not there any more
 
   /// Makes the arrays beside the polytopes as long as they must be; new entries are those of cells around which nothing
-  /// is pruned.
+  /// is pruned. complete() does so where they are not empty.
   void extend();
 };
 
@@ -77,7 +78,8 @@ std::int32_t margin_of_first_part(const std::array<std::int64_t, 3>& spacing);
 Part first_part(const VoxelShape& shape, const LatticePoint& at, std::span<const LatticePoint> sites, const Box& box,
                 const std::array<std::int64_t, 3>& spacing, Hulls& hulls, Context* context);
 
-/// Parts of disjoint boxes as one, with facets between them matched. Frees them on the way.
+/// Parts of disjoint boxes as one, with facets between them matched. Frees them on the way. Polytopes are those of one
+/// part after the other, until complete() puts them in order.
 Part joined(std::vector<Part> parts, Context* context);
 
 /// All unmatched facets and squares of a part: what encloses the polytopes that it does not know.
