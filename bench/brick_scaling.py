@@ -11,10 +11,12 @@ the merge is one task.
 Nothing is said of networks and file systems: the bytes that tasks read and write stand in the table.
 """
 import argparse
+import filecmp
 import heapq
 import json
 import os
 import shutil
+import subprocess
 import sys
 import tempfile
 
@@ -44,34 +46,33 @@ def simulated(rounds, merge, workers):
 
 
 def measure(quench, shape, resolution, size, work, whole):
-    q = [quench, "--quiet", "--threads", "1"]
+    def task(*words):
+        return run([quench, *map(str, words), "--quiet", "--threads", "1"])
+
     core = os.path.join(work, "core.vtp")
     bricks = os.path.join(work, "bricks")
     shutil.rmtree(bricks, ignore_errors=True)
     row = {"resolution": resolution, "size": size}
-    row["plan_seconds"], row["plan_bytes"] = run(
-        [*q, "bricks", "plan", shape, "--resolution", str(resolution), "--size", str(size), "-o", bricks])
+    row["plan_seconds"], row["plan_bytes"] = task("bricks", "plan", shape, "--resolution", resolution, "--size", size,
+                                                  "-o", bricks)
 
     def status():
-        with os.popen(f"'{quench}' bricks status '{bricks}' --json") as out:
-            return json.load(out)
+        return json.loads(subprocess.run([quench, "bricks", "status", bricks, "--json"], stdout=subprocess.PIPE,
+                                         check=True).stdout)
 
     row["rounds"] = []
     for number, bricks_of_round in ((r["round"], r["bricks"]) for r in status()["rounds"]):
-        tasks = [run([*q, "bricks", "run", bricks, "--round", str(number), "--task", f"{i}/{bricks_of_round}"])
+        tasks = [task("bricks", "run", bricks, "--round", number, "--task", f"{i}/{bricks_of_round}")
                  for i in range(bricks_of_round)]
         row["rounds"].append({"seconds": [t[0] for t in tasks], "peak_bytes": max(t[1] for t in tasks)})
     for measured, told in zip(row["rounds"], status()["rounds"]):
         measured |= {k: told[k] for k in ("bytes_read", "bytes_written") if k in told}
-    row["merge_seconds"], row["merge_bytes"] = run([*q, "bricks", "merge", bricks, "-o", core])
+    row["merge_seconds"], row["merge_bytes"] = task("bricks", "merge", bricks, "-o", core, "--overwrite")
     if whole:
         one = os.path.join(work, "one.vtp")
-        row["whole_seconds"], row["whole_bytes"] = run(
-            [*q, "core", shape, "--resolution", str(resolution), "-o", one])
-        with open(core, "rb") as a, open(one, "rb") as b:
-            row["same_bytes"] = all(x == y for x, y in zip(iter(lambda: a.read(1 << 20), b""),
-                                                          iter(lambda: b.read(1 << 20), b""), strict=True))
-        os.remove(one)
+        row["whole_seconds"], row["whole_bytes"] = task("core", shape, "--resolution", resolution, "-o", one,
+                                                        "--overwrite")
+        row["same_bytes"] = filecmp.cmp(core, one, shallow=False)
     shutil.rmtree(bricks)
     return row
 

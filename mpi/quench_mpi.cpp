@@ -138,7 +138,7 @@ void work_on(const Options& o, MpiMessenger& messenger) {
       },
       &context);
   if (!merged) return;
-  const CellCounts kept = merged->core.kept;
+  const auto kept = merged->core.kept;
   io::write_record(o.output, pipeline::core_file(std::move(merged->core)));
   say(fmt::format("{}: {} vertices, {} edges, {} faces; at most {} of memory in a process", o.output, kept.vertices,
                   kept.edges, kept.faces, base::bytes_text(merged->figures.peak_bytes)));

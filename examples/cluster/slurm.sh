@@ -32,7 +32,7 @@ END
 if [ $# -gt 0 ]; then
   echo "planning ..."
   submit plan.txt "$merge_memory" "quench bricks plan $(printf '%q ' "$@") -o $(printf %q "$work")" \
-    --job-name=quench-plan --wait >/dev/null || { tail -n 1 "$work/log/plan.txt" 2>/dev/null >&2; exit 1; }
+    --job-name=quench-plan --wait >/dev/null || { tail -n 1 "$work/log/plan.txt" >&2 2>/dev/null; exit 1; }
 fi
 rounds=$(quench bricks status "$work" --json | python3 -c 'import json, sys
 for r in json.load(sys.stdin)["rounds"]: print(r["round"], r["bricks"])')
