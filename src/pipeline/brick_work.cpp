@@ -24,7 +24,7 @@ using dual::bricks::Part;
 
 // At the peak, measured: per boundary vertex of a box of the first round, and per byte of the parts that a brick of
 // another round, or the merge, is made of.
-constexpr double kBytesPerSite = 600, kBytesPerByte = 12;
+constexpr double kBytesPerSite = 450, kBytesPerByte = 20;
 
 // The box and so many lattice steps around it.
 Box grown(Box box, const std::array<std::int64_t, 3>& by) {
@@ -137,6 +137,7 @@ std::vector<std::size_t> all_of(const BrickRound& round) {
 
 void run_brick(const BrickPlan& plan, std::size_t round, std::size_t brick, BrickStore& store, Context* context) {
   base::in_arena(context, [&] {
+    if (round > 0) store.surface();  // is held then
     require_room(round == 0 ? kBytesPerSite * static_cast<double>(plan.rounds[0].bricks[brick].sites)
                             : kBytesPerByte * bytes_of(plan.below(round, brick), round - 1, store),
                  fmt::format("brick {} of round {}", brick, round + 1), context);
