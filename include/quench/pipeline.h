@@ -75,6 +75,8 @@ struct Scale {
 
 // ------------------------------------------------------------------------------------------------------------- memory
 
+/// Whether so many bytes are within the limit of the context or, without one, the memory that is free.
+bool fits(double bytes, const Context* context);
 /// Whether all samples of a volume at once are within the limit of the context or, without one, the memory that is free.
 bool samples_fit(const SliceStream& slices, const Context* context);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// docs/algorithms/bricks.md
+// docs/algorithms/pruning_in_parts.md
 #include "axis/cover_needs.h"
 
 #include <algorithm>
@@ -119,24 +119,19 @@ std::vector<double> CoverNeeds::lengths_of_paths(const std::vector<double>& to_s
   return length;
 }
 
-// The paths that connect cells of thin parts go no farther from them than what is significant is away, unless that is
-// half of the longest. Those that come from elsewhere may have come as far.
-std::vector<double> CoverNeeds::lengths_of_thin_paths(const std::vector<double>& to_significant,
-                                                      std::span<const std::uint8_t> thin,
-                                                      const ShortestPaths& paths) const {
-  std::vector<double> length(to_significant.size(), -1);
+// Paths connect cells of thin parts with whatever is near, and lead to them from elsewhere.
+std::vector<double> CoverNeeds::lengths_of_thin_paths(std::span<const std::uint8_t> thin, double longest) const {
+  std::vector<double> length(thin.size(), -1);
   const std::vector<double> no_radius(thin_.size(), 0);
   std::vector<std::uint32_t> all(thin_.size());
   std::iota(all.begin(), all.end(), 0u);
   const BallTree sites(thin_, no_radius, std::move(all));
   const double away = (kLongestPath + kThin) * least_;
-  const double half = paths.longest() / 2;
   for (std::uint32_t v = 0; v < length.size(); ++v) {
-    if (thin[v]) length[v] = to_significant[v] <= half ? to_significant[v] : paths.longest();
-    if (!vertices_.incomplete[v]) continue;
     double limit = away;
-    if (is_near_unknown_sites(v, away) || sites.nearest(axis_.points[v], limit) < sites.size())
-      length[v] = std::min(half + to_significant[v], paths.longest());
+    if (thin[v] || (vertices_.incomplete[v] &&
+                    (is_near_unknown_sites(v, away) || sites.nearest(axis_.points[v], limit) < sites.size())))
+      length[v] = longest;
   }
   return length;
 }
@@ -158,7 +153,7 @@ CoverNeeds::Cells CoverNeeds::of_paths(std::span<const std::uint8_t> possible,
     to_end[v] = std::min(to_end[v], to_significant[v]);
     if (left[v] >= to_end[v]) cells.vertex[v] = 1;
   }
-  const std::vector<double> thin_left = lengths_left(lengths_of_thin_paths(to_significant, thin, paths), paths);
+  const std::vector<double> thin_left = lengths_left(lengths_of_thin_paths(thin, paths.longest()), paths);
   for (std::size_t v = 0; v < left.size(); ++v)
     if (thin_left[v] >= 0) cells.vertex[v] = 1;
   for (std::uint32_t e = 0; e < cells.edge.size(); ++e) {

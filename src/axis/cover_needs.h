@@ -42,8 +42,7 @@ class CoverNeeds {
   // Paths begin and end at vertices, or lead from and to what is not known.
   std::vector<double> lengths_of_paths(const std::vector<double>& to_significant, ShortestPaths& paths,
                                        std::vector<std::uint8_t>& balls) const;
-  std::vector<double> lengths_of_thin_paths(const std::vector<double>& to_significant,
-                                            std::span<const std::uint8_t> thin, const ShortestPaths& paths) const;
+  std::vector<double> lengths_of_thin_paths(std::span<const std::uint8_t> thin, double longest) const;
   Vec3 position(std::size_t site) const { return axis_.grid.world_of(uncovered_[site]); }
 
   const MedialAxis& axis_;

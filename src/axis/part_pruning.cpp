@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// docs/algorithms/bricks.md
+// docs/algorithms/pruning_in_parts.md
 #include "axis/part_pruning.h"
 
 #include <algorithm>
@@ -39,14 +39,15 @@ class PartPruner {
   }
 
   void run(const Box& region, std::span<const LatticePoint> around_pending) {
-    if (how_.measure == kDetail) find_details(region, around_pending);
-    const CellValues& value = how_.measure == kDetail ? detail_ : axis_.measure(kLambda).value;
+    const bool by_detail = how_.measure == kDetail;
+    if (by_detail) find_details(region, around_pending);
+    const CellValues value = by_detail ? std::move(detail_) : least_lambda();
     // As in pruned().
     const complex::CellFlags gone = complex::certainly_removed(
         {axis_.complex, value.vertex, value.edge, value.face, uncertain_vertex_, uncertain_edge_},
         how_.cutoff * (1 - 1e-12), context_, "prune");
     carry(axis_.measure(kLambda).value, gone, part_.link_lambda, part_.vertex_lambda);
-    if (how_.measure == kDetail) carry(detail_, gone, part_.link_detail, part_.vertex_detail);
+    if (by_detail) carry(value, gone, part_.link_detail, part_.vertex_detail);
     complex_.dual.complex = std::move(axis_.complex);
     complex_.dual.face_sites = std::move(axis_.face_sites);
     part_.sites = std::move(axis_.sites);
@@ -86,7 +87,7 @@ class PartPruner {
     const Flags possible =
         vertices_of(cells, [&](std::uint32_t c) { return parts.is_above(c) && !settled_[component(cells, parts, c)]; });
     keep(needs.of_paths(possible, touching), needs.thin_sites(), touching);
-    spread();
+    spread(carried_.edge_detail, carried_.vertex_detail, detail_);
     note_faces(cells, parts, significant);
   }
   static void leave_out_incomplete(std::vector<double>& height, const Flags& incomplete) {
@@ -152,15 +153,25 @@ class PartPruner {
         for (const std::uint32_t e : axis_.complex.sides(f)) uncertain_edge_[e] = 1;
     }
   }
-  void spread() {
-    const auto raise = [](std::vector<double>& value, const std::vector<double>& by) {
-      for (std::size_t i = 0; i < by.size(); ++i) value[i] = std::max(value[i], by[i]);
+  // Lambda, of cells that are not complete what is known to be below it.
+  CellValues least_lambda() const {
+    CellValues value = axis_.measure(kLambda).value;
+    for (std::size_t e = 0; e < value.edge.size(); ++e)
+      if (complex_.edge_incomplete[e]) value.edge[e] = 0;
+    for (std::size_t v = 0; v < value.vertex.size(); ++v)
+      if (complex_.vertex_incomplete[v]) value.vertex[v] = 0;
+    spread(carried_.edge_lambda, carried_.vertex_lambda, value);
+    return value;
+  }
+  void spread(const std::vector<double>& to_edges, const std::vector<double>& to_vertices, CellValues& value) const {
+    const auto raise = [](std::vector<double>& values, const std::vector<double>& by) {
+      for (std::size_t i = 0; i < by.size(); ++i) values[i] = std::max(values[i], by[i]);
     };
-    raise(detail_.edge, carried_.edge_detail);
-    raise(detail_.vertex, carried_.vertex_detail);
-    spread_to_sides(axis_.complex, detail_);
-    for (auto* values : {&detail_.vertex, &detail_.edge})
-      for (double& value : *values) value = std::max(value, 0.0);
+    raise(value.edge, to_edges);
+    raise(value.vertex, to_vertices);
+    spread_to_sides(axis_.complex, value);
+    for (auto* values : {&value.vertex, &value.edge})
+      for (double& v : *values) v = std::max(v, 0.0);
   }
   // What others need not find again: final details, and heights that took a look at the surface.
   void note_faces(const TopCells& cells, SignificantParts& parts, const Flags& significant) {

@@ -29,7 +29,7 @@ struct KnownCells {
 /// pairs that it certainly collapses at levels below `cutoff`, whatever the rest is. What is left of the whole is
 /// closed, and its thinning collapses the other pairs in the order in which that of the whole does; so it has the same
 /// levels of `cutoff` and more. This holds as well where other parts, which share no cell with this one, are thinned in
-/// this way at the same time, and so for several such thinnings after each other. docs/algorithms/bricks.md.
+/// this way at the same time, and so for several such thinnings after each other. docs/algorithms/pruning_in_parts.md.
 ///
 /// O(n log n), on one thread; 17 bytes per vertex and edge, 8 per face and 16 per queued pair.
 CellFlags certainly_removed(const KnownCells& known, double cutoff, Context* context, std::string_view stage);

@@ -35,6 +35,10 @@ class RankStore : public BrickStore {
   VoxelShape voxels(const dual::bricks::Box& box) override { return folder_.voxels(box); }
   const Surface* surface() override { return folder_.surface(); }
   bool has(std::size_t round, std::size_t brick) override { return made_[round].contains(brick); }
+  std::int64_t size(std::size_t round, std::size_t brick) override {
+    const std::string& held = has(round, brick) ? made_[round].at(brick) : received_.at({brick, true});
+    return static_cast<std::int64_t>(held.size());
+  }
   std::string part(std::size_t round, std::size_t brick) override { return bytes(round, {brick, true}); }
   std::string head(std::size_t round, std::size_t brick) override { return bytes(round, {brick, false}); }
   void put(std::size_t round, std::size_t brick, const std::string& bytes) override { made_[round][brick] = bytes; }

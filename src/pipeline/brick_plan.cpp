@@ -134,8 +134,7 @@ Box BrickPlan::box(std::size_t round, std::size_t brick) const {
 Triple BrickPlan::reach(std::size_t round) const {
   Triple reach{};
   const std::int64_t margin = dual::bricks::margin_of_first_part(spacing);
-  for (std::size_t a = 0; a < 3; ++a)
-    reach[a] = round == 0 ? margin : std::max<std::int64_t>(1, rounds[round].side[a] / kHalo);
+  for (std::size_t a = 0; a < 3; ++a) reach[a] = round == 0 ? margin : std::max(margin, rounds[round].side[a] / kHalo);
   return reach;
 }
 

@@ -65,6 +65,9 @@ TEST(Parts, RandomShapesAreTheSame) {
   expect_random_shapes_same(10000, 10040, 14, false);
 }
 
+// Larger than what the first parts know around their boxes.
+TEST(Parts, LargerShapesAreTheSame) { expect_random_shapes_same(30000, 30030, 40, false); }
+
 TEST(Parts, AnisotropicShapesAreTheSame) {
   expect_random_shapes_same(0, 400, 8, true);
   testing_duals::for_spacings({Vec3(0.782, 0.782, 5), Vec3(1, 1000, 1)}, kBoxes,

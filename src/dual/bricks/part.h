@@ -101,11 +101,11 @@ Unfinished near(const Unfinished& unfinished, const Box& box);
 /// unfinished sites that are reached across unmatched facets and whose balls lie in the region.
 ///
 /// `region`: around the box, and beyond the bounds of the whole where the box is at its border (by two voxels; it is
-/// not to be cut off there). `around`: what is unfinished in all other parts that may have corners in the region: those
-/// whose own boxes come as near to it as their own regions (or the margin of first_part()) reach. No site may lie in
-/// two parts' boxes. Without a region, that is with all parts joined, `box` holds all sites of the whole, everything is
-/// certain, and nothing is unmatched afterwards: otherwise Error(invariant). The spacing times the sides of region or
-/// box: at most 3 2^20. 360 bytes per unfinished site.
+/// not to be cut off there). `around`: what is unfinished in all other parts whose boxes meet it when they are grown by
+/// the widest halo that they had so far, one voxel and margin_of_first_part() included. Without a region, that is with
+/// all parts joined, `box` holds all sites of the whole, everything is certain, and nothing is unmatched afterwards:
+/// otherwise Error(invariant). The spacing times the sides of region or box: at most 3 * 2^20. 360 bytes per unfinished
+/// site.
 void complete(Part& part, const Box& box, const Box* region, std::span<const Unfinished> around,
               const std::array<std::int64_t, 3>& spacing, Hulls& hulls, Context* context);
 
