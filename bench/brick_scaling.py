@@ -95,8 +95,7 @@ def tell(row):
         print(f"  one piece {row['whole_seconds']:8.1f} s  {row['whole_bytes'] / gib:6.2f} GiB")
     rounds = [r["seconds"] for r in row["rounds"]]
     for n in WORKERS:
-        span = sum(makespan(t, n) for t in rounds)
-        with_merge = span + row["merge_seconds"]
+        span, with_merge = simulated(rounds, 0, n), simulated(rounds, row["merge_seconds"], n)
         print(f"  simulated on {n:4} workers: rounds {span:8.1f} s (efficiency {sum(tasks) / n / span:.2f}), with the "
               f"merge {with_merge:8.1f} s ({(sum(tasks) + row['merge_seconds']) / n / with_merge:.2f})")
 
@@ -109,11 +108,19 @@ def plot(rows, file):
     workers = [round(10 ** (i / 8)) for i in range(25)]
     for row in rows:
         rounds = [r["seconds"] for r in row["rounds"]]
-        axes.loglog(workers, [sum(makespan(t, n) for t in rounds) for n in workers], label=f"{row['resolution']}: rounds")
-        axes.loglog(workers, [simulated(rounds, row["merge_seconds"], n) for n in workers], ":",
-                    color=axes.lines[-1].get_color(), label=f"{row['resolution']}: with the merge")
+        whole = simulated(rounds, row["merge_seconds"], 1)
+        name = f"{row['resolution']}, bricks of {row['size']}"
+        axes.loglog(workers, [simulated(rounds, 0, n) for n in workers], label=f"{name}: rounds")
+        colour = axes.lines[-1].get_color()
+        axes.loglog(workers, [simulated(rounds, row["merge_seconds"], n) for n in workers], "--", color=colour,
+                    label=f"{name}: with the merge")
+        axes.loglog(workers, [whole / n for n in workers], ":", color=colour, linewidth=0.8)
+    axes.loglog([], [], ":", color="grey", linewidth=0.8, label="perfect division")
     axes.set_xlabel("workers (simulated from measured tasks)")
     axes.set_ylabel("seconds")
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_major_formatter("{x:g}")
+        axis.set_minor_formatter(matplotlib.ticker.NullFormatter())
     axes.grid(True, which="both", alpha=0.3)
     axes.legend(fontsize=8)
     figure.tight_layout()

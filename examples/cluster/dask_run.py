@@ -10,6 +10,7 @@ are not worked on again.
 """
 import argparse
 import json
+import os
 import subprocess
 
 from dask.distributed import Client, LocalCluster
@@ -31,11 +32,13 @@ def main():
     parser.add_argument("core")
     parser.add_argument("tasks", type=int)
     parser.add_argument("--scheduler", help="address of a running cluster")
-    parser.add_argument("--threads", type=int, default=1, help="threads of a task: those of a worker")
+    parser.add_argument("--threads", type=int, default=1, help="threads of a task")
     parser.add_argument("plan", nargs="+", metavar="SHAPE and options")
     o = parser.parse_args()
 
-    with Client(o.scheduler or LocalCluster(threads_per_worker=o.threads, dashboard_address=None)) as client:
+    workers = max(1, os.cpu_count() // o.threads)  # of one task at a time each
+    cluster = o.scheduler or LocalCluster(n_workers=workers, threads_per_worker=1, dashboard_address=None)
+    with Client(cluster) as client:
 
         def submit(*words):
             return client.submit(quench, *words, "--threads", o.threads, "--quiet", pure=False, retries=2)

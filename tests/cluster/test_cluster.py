@@ -21,6 +21,20 @@ BUILD = pathlib.Path(os.environ.get('QUENCH_BUILD', ROOT / 'build' / 'release'))
 PLAN = ['torus.ply', '--resolution', '128', '--size', '24']  # 3 rounds
 ENVIRONMENT = {**os.environ, 'PATH': f"{BUILD}:/usr/bin:{os.environ['PATH']}", 'TASK_CPUS': '1', 'TASK_MEMORY': '1G',
                'MERGE_MEMORY': '2G', 'OMPI_MCA_btl_vader_single_copy_mechanism': 'none'}
+# In place of quench: `bricks run` waits while there is a file `hold` where it runs; the first ones that find a file
+# `kill-...` there are killed soon after their start.
+IN_PLACE = f"""#!/bin/bash
+if [ "$1 $2" = 'bricks run' ]; then
+  [ ! -e hold ] || : >held
+  while [ -e hold ]; do sleep 0.02; done
+  for file in kill-*; do
+    mv "$file" "done-$file" 2>/dev/null || continue
+    timeout -s KILL 0.05 '{BUILD}/quench' "$@"
+    kill -KILL $$
+  done
+fi
+exec '{BUILD}/quench' "$@"
+"""
 
 
 def run(command, cwd, code=0, **more):
@@ -43,6 +57,9 @@ def wait_for(condition, what):
 def whole(tmp_path_factory):
     """The shape, and its core in one piece."""
     folder = tmp_path_factory.mktemp('whole')
+    (folder / 'quench').write_text(IN_PLACE)
+    (folder / 'quench').chmod(0o755)
+    ENVIRONMENT['PATH'] = f"{folder}:{ENVIRONMENT['PATH']}"
     run(['quench', 'sample', 'torus', '-o', 'torus.ply', '--quiet'], folder)
     run(['quench', 'core', *PLAN[:3], '-o', 'core.vtp', '--quiet'], folder)
     return folder
@@ -61,35 +78,18 @@ def expect_core(whole, file):
     assert file.read_bytes() == (whole / 'core.vtp').read_bytes()
 
 
+def kill_programs(folder, count):
+    """So many of the tasks that are to come."""
+    for i in range(count):
+        (folder / f'kill-{i}').touch()
+
+
+def expect_killed(folder, count):
+    assert len(list(folder.glob('done-kill-*'))) == count
+
+
 def status(folder, work='work'):
     return json.loads(run(['quench', 'bricks', 'status', work, '--json'], folder).stdout)
-
-
-def programs(folder, command='run'):
-    """The processes of `quench bricks COMMAND` at work in a folder."""
-    found = []
-    for entry in pathlib.Path('/proc').glob('[0-9]*'):
-        try:
-            words = (entry / 'cmdline').read_bytes().split(b'\0')
-            if words[0].endswith(b'quench') and words[1:3] == [b'bricks', command.encode()] \
-                    and (entry / 'cwd').resolve() == folder.resolve():
-                found.append(int(entry.name))
-        except OSError:  # gone meanwhile
-            pass
-    return found
-
-
-def kill_a_program(folder):
-    """kill -9 of one that is at work; the processes that are gone by then are no harm."""
-    def killed():
-        for pid in programs(folder):
-            try:
-                os.kill(pid, signal.SIGKILL)
-                return True
-            except ProcessLookupError:
-                pass
-        return False
-    wait_for(killed, 'a task at work')
 
 
 # -------------------------------------------------------------------------------------------------------- one machine
@@ -138,21 +138,25 @@ def test_slurm_on_two_nodes(whole, here):
 
 
 def test_slurm_goes_on_by_itself_when_programs_are_killed_and_tasks_requeued(whole, here):
-    first = submit(here, *PLAN)[0]
-    kill_a_program(here)
-    kill_a_program(here)
-    task = wait_for(lambda: jobs('RUNNING'), 'a task at work')[0]
-    subprocess.run(['scontrol', 'requeue', task], check=False)  # refused when it has ended by now
+    kill_programs(here, 2)
+    (here / 'hold').touch()
+    submit(here, *PLAN)
+    wait_for((here / 'held').exists, 'a task at work')
+    subprocess.run(['scontrol', 'requeue', jobs('RUNNING')[0]], check=True)
+    (here / 'hold').unlink()
     wait_for_queue()
     expect_core(whole, here / 'core.vtp')
-    assert any('Killed' in text for text in log_of(here).values()), first
+    expect_killed(here, 2)
+    assert sum(text.count('Killed') for text in log_of(here).values()) >= 2
 
 
 def test_slurm_tasks_killed_for_good_are_done_when_submitted_again(whole, here):
+    (here / 'hold').touch()
     rounds = submit(here, *PLAN)[:-1]
-    wait_for(lambda: programs(here), 'a task at work')
-    subprocess.run(['scancel', '--signal=KILL', '--full', *rounds], check=False)
-    subprocess.run(['scancel', *rounds], check=False)
+    wait_for((here / 'held').exists, 'a task at work')
+    run(['scancel', '--signal=KILL', '--full', jobs('RUNNING')[0]], here)
+    (here / 'hold').unlink()
+    run(['scancel', *rounds], here)
     wait_for_queue()  # the merge, which depends on them, goes, too
     assert not (here / 'core.vtp').exists()
     submit(here)
@@ -178,7 +182,7 @@ def test_slurm_says_why_there_is_no_plan(here):
 # ----------------------------------------------------------------------------------------------------------- Snakemake
 
 SNAKEMAKE = ['snakemake', '-s', EXAMPLES / 'Snakefile', '--config', 'shape=torus.ply', 'core=core.vtp', 'work=work',
-             'tasks=6', f"options={' '.join(PLAN[1:])}"]
+             'tasks=2', f"options={' '.join(PLAN[1:])}"]
 
 
 def test_snakemake_on_one_machine(whole, here):
@@ -188,10 +192,9 @@ def test_snakemake_on_one_machine(whole, here):
 
 def test_snakemake_by_slurm_with_a_killed_program(whole, here):
     command = [*SNAKEMAKE, '--jobs', '4', '--cluster', 'sbatch --parsable --cpus-per-task={threads} --mem={resources.mem_mb}']
-    with subprocess.Popen([str(word) for word in command], cwd=here, env=ENVIRONMENT, stdout=subprocess.DEVNULL,
-                          stderr=subprocess.DEVNULL) as snakemake:
-        kill_a_program(here)
-        assert snakemake.wait() == 0
+    kill_programs(here, 1)
+    run(command, here)
+    expect_killed(here, 1)
     expect_core(whole, here / 'core.vtp')
 
 
@@ -199,9 +202,9 @@ def test_snakemake_by_slurm_with_a_killed_program(whole, here):
 
 def test_dask_with_a_killed_program(whole, here):
     command = ['/usr/bin/python3', str(EXAMPLES / 'dask_run.py'), 'work', 'core.vtp', '6', '--', *PLAN]
-    with subprocess.Popen(command, cwd=here, env=ENVIRONMENT, stdout=subprocess.DEVNULL) as dask:
-        kill_a_program(here)
-        assert dask.wait() == 0
+    kill_programs(here, 2)
+    run(command, here)
+    expect_killed(here, 2)
     expect_core(whole, here / 'core.vtp')
 
 
