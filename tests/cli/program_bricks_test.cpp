@@ -162,27 +162,26 @@ TEST_F(Bricks, KilledAndRepeatedTasks) {
   make_torus();
   works(torus({"core"}, {"-o", "core.vtp"}));
   plan_torus("work");
-  for (const char* last_line : {"brick 1 of", "brick 3 of", "brick 6 of"}) {
+  for (const std::size_t brick : {1, 3, 6}) {
+    std::filesystem::remove(folder / part(1, brick));
     Running task = start_and_listen({"bricks", "run", "work", "--round", "1"});
-    task.until_it_says(last_line);
+    task.until_it_says("brick " + std::to_string(brick) + " of");
     kill(task.child, SIGKILL);
-    EXPECT_EQ(wait(task).code, 128 + SIGKILL);
-    std::filesystem::remove(folder / part(1, 0));  // so that the next one has that line too
-    std::filesystem::remove(folder / part(1, 1));
-    std::filesystem::remove(folder / part(1, 3));
+    const int code = wait(task).code;
+    EXPECT_TRUE(code == 128 + SIGKILL || code == 0) << code;  // or it was faster
   }
   write("work/round-1/.quench-0123456789abcdef.tmp", "what a killed task leaves");
   // Two at the same time.
   const std::vector<pid_t> both{start({"bricks", "run", "work", "--round", "1"}),
                                 start({"bricks", "run", "work", "--round", "1"})};
   for (const pid_t task : both) EXPECT_EQ(wait(task).code, 0);
-  EXPECT_EQ(status("work")["rounds"][0]["unfinished_files"], 1);
+  EXPECT_GE(status("work")["rounds"][0]["unfinished_files"], 1);
   works({"bricks", "run", "work"});
   merge("work", "merged.vtp");
   EXPECT_TRUE(bytes("merged.vtp") == bytes("core.vtp"));
   const auto before = files();
   const Outcome again = works({"bricks", "run", "work"});
-  EXPECT_NE(again.err.find("0 bricks done"), std::string::npos) << again.err;
+  EXPECT_NE(again.err.find(": 0 bricks done"), std::string::npos) << again.err;
   EXPECT_EQ(files(), before);
   plan_torus("work");  // as well
   EXPECT_EQ(files(), before);
@@ -201,7 +200,7 @@ TEST_F(Bricks, RefusesDamagedAndForeignFiles) {
   flipped[good.size() / 2] = static_cast<char>(flipped[good.size() / 2] ^ 1);
   refuses_part(flipped, "damaged");
   refuses_part(good.substr(0, good.size() / 2), "damaged");
-  refuses_part("", "damaged");
+  refuses_part("", "cut off");
   refuses_part("no part of anything, but long enough to be looked at as one", "not a part");
   refuses_part(bytes(part(1, 1)), "another place");
   std::filesystem::remove(folder / part(1, 0));
@@ -209,7 +208,7 @@ TEST_F(Bricks, RefusesDamagedAndForeignFiles) {
   refuses(1, {"round 3", "not done"}, {"bricks", "merge", "work", "-o", "merged.vtp"});
 
   const std::string runs = bytes("work/shape/000000.runs");
-  write("work/shape/000000.runs", runs.substr(0, runs.size() - 1));
+  write("work/shape/000000.runs", "x" + runs.substr(1));
   refuses(3, {"000000.runs", "damaged"}, {"bricks", "run", "work", "--round", "1", "--task", "0/1000"});
   write("work/shape/000000.runs", runs);
   const std::string mesh = bytes("work/surface.mesh");
