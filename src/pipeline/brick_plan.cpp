@@ -155,6 +155,7 @@ std::vector<std::size_t> BrickPlan::bricks_in(std::size_t round, const Box& box)
   const BrickRound& r = rounds[round];
   Triple first{}, last{};
   for (std::size_t a = 0; a < 3; ++a) {
+    if (box.high[a] <= low[a]) return {};
     first[a] = (std::max(box.low[a], low[a]) - low[a]) / r.side[a];
     last[a] = (std::min(box.high[a] - 1, high[a]) - low[a]) / r.side[a];
   }
