@@ -108,8 +108,9 @@ class Cover {
     });
     return largest;
   }
-  // Keeps the shortest path from a ball near enough to what is significant; where that is too far away, the largest of
-  // these balls. Paths do not lead to earlier ones, so that no chain of them makes one depend on what is far away.
+  // Keeps the shortest path from a ball near enough to what is significant or, where one is very near, to an earlier
+  // path; where all that is too far away, the largest of these balls. Not to any earlier path: in a chain of them each
+  // would depend on what is far away, and they are longer. To none at all they would run side by side in thin tubes.
   void add_path_to(const Vec3& p, const BallTree& tree, ShortestPaths& paths) {
     paths.restart();
     std::vector<std::uint32_t> sources;
@@ -117,8 +118,9 @@ class Cover {
       paths.add_source(ball.vertex);
       sources.push_back(ball.vertex);
     });
-    if (std::ranges::any_of(sources, [&](std::uint32_t v) { return kept_[v] != kNot; })) return;
-    const auto stop = [&](std::uint32_t v) { return kept_[v] == kSignificant; };
+    const auto stop = [&](std::uint32_t v) {
+      return kept_[v] == kSignificant || (kept_[v] == kPath && paths.distance(v) <= kNearPath / kLengthUnit);
+    };
     std::uint32_t v = paths.next(stop);
     while (v != kNone && !stop(v)) v = paths.next(stop);
     const auto keep_vertex = [&](std::uint32_t w) {

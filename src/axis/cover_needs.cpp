@@ -143,7 +143,11 @@ CoverNeeds::Cells CoverNeeds::of_paths(std::span<const std::uint8_t> possible,
   ShortestPaths paths(axis_, kLengthUnit * least_, kLongestPath * least_);
   const std::vector<double> to_significant =
       lengths_to(named(vertices_.significant), paths, [](std::uint32_t, double) { return false; });
-  const std::vector<double> left = lengths_left(lengths_of_paths(to_significant, paths, cells.vertex), paths);
+  std::vector<double> begin = lengths_of_paths(to_significant, paths, cells.vertex);
+  const std::vector<double> left = lengths_left(begin, paths);
+  // They may join others nearby.
+  for (double& length : begin) length = std::min(length, kNearPath / kLengthUnit);
+  const std::vector<double> near_left = lengths_left(begin, paths);
   std::vector<std::uint32_t> ends;
   for (std::uint32_t v = 0; v < left.size(); ++v)
     if ((possible[v] || vertices_.incomplete[v]) && left[v] >= 0) ends.push_back(v);
@@ -155,12 +159,12 @@ CoverNeeds::Cells CoverNeeds::of_paths(std::span<const std::uint8_t> possible,
   }
   const std::vector<double> thin_left = lengths_left(lengths_of_thin_paths(thin, paths.longest()), paths);
   for (std::size_t v = 0; v < left.size(); ++v)
-    if (thin_left[v] >= 0) cells.vertex[v] = 1;
+    if (thin_left[v] >= 0 || near_left[v] >= 0) cells.vertex[v] = 1;
   for (std::uint32_t e = 0; e < cells.edge.size(); ++e) {
     const auto [a, b] = axis_.complex.edges[e];
     const double length = paths.length(e);
-    cells.edge[e] =
-        (thin_left[a] >= 0 && thin_left[b] >= 0) || left[a] - length >= to_end[b] || left[b] - length >= to_end[a];
+    cells.edge[e] = (thin_left[a] >= 0 && thin_left[b] >= 0) || (near_left[a] >= 0 && near_left[b] >= 0) ||
+                    left[a] - length >= to_end[b] || left[b] - length >= to_end[a];
   }
   return cells;
 }
