@@ -233,9 +233,8 @@ def tree_cases():
 
 
 def full_cases():
-    # Too little memory for the work at once by 11 MB, enough for bricks by 11 MB; the report says which it was.
     yield Case('full_bricks', ['sample box -o box.ply',
-                               'core box.ply --resolution 512 --memory-limit 210M -o core.vtp --json core.json'])
+                               'core box.ply --resolution 512 --in-bricks -o core.vtp --json core.json'])
     for name in SAMPLES:
         resolution = {'bead-pack': 48, 'bars': 320}.get(name, 128)
         yield Case(f'full_{name}', [f'sample {name} -o {name}.ply', *main_job(f'{name}.ply', f'--resolution {resolution}')])

@@ -78,7 +78,7 @@ namespace {
 // Measured on 18 shapes, notes/detail.md; several threads have buffers of their own. In the plane there are fewer
 // cells.
 constexpr double kBytesPerSiteOfPlane = 220;
-constexpr double kBytesPerSite = 355, kBytesPerSiteInBricks = 400, kFewestBytesPerSiteInBricks = 222;
+constexpr double kBytesPerSite = 355, kBytesPerSiteInBricks = 430, kFewestBytesPerSiteInBricks = 222;
 
 std::int64_t core_bytes(double per_site, double sites) {
   constexpr double always = 6 << 20, of_threads = 6 << 20, of_threads_per_site = 8;
@@ -103,10 +103,7 @@ std::int64_t predicted_core_bytes(std::int64_t sites) { return core_bytes(kBytes
 
 std::int64_t predicted_core_bytes_in_bricks(const VoxelShape& shape) {
   if (shape.grid().is_plane()) return predicted_core_bytes(shape);  // made at once in any case
-  const shape::BoundaryCount count = shape::count_boundary(shape);
-  if (count.sites == 0) return predicted_core_bytes_in_bricks(0);
-  const auto sites = static_cast<double>(count.sites);
-  return core_bytes(std::min(kBytesPerSiteInBricks, 450 - 230 * static_cast<double>(count.flat) / sites), sites);
+  return core_bytes(kBytesPerSiteInBricks, static_cast<double>(count_boundary_vertices(shape)));
 }
 
 std::int64_t predicted_core_bytes_in_bricks(std::int64_t sites) {

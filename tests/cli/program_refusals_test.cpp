@@ -229,21 +229,10 @@ TEST_F(Refusals, TooLittleMemory) {
   refuses(1, {"--memory-limit"}, {"run", "box.ply", "--memory-limit", "1M", "-o", "folder"});
 }
 
-// Between what is needed at once and in bricks, the program works in bricks and says so; below, it names both figures.
-TEST_F(Refusals, BricksWhenMemoryIsShort) {
+TEST_F(Refusals, BricksWithoutRoomForThem) {
   works({"sample", "box", "-o", "box.ply"});
-  const std::vector<std::string> core{"core",   "box.ply", "--resolution", "512",
-                                      "--json", "r.json",  "--overwrite",  "--threads",
-                                      "1",      "-o",      "a.vtp",        "--memory-limit"};
-  const auto with = [&](const char* limit) {
-    std::vector<std::string> words = core;
-    words.emplace_back(limit);
-    return words;
-  };
-  const Outcome outcome = works(with("212M"));
-  EXPECT_NE(outcome.err.find("in bricks: about"), std::string::npos) << outcome.err;
-  EXPECT_NE(bytes("r.json").find("\"in_bricks\": true"), std::string::npos);
-  refuses(1, {"in bricks", "at once", "a lower resolution"}, with("100M"));
+  refuses(1, {"in bricks", "at once", "a lower resolution", "--memory-limit"},
+          {"core", "box.ply", "--resolution", "512", "--in-bricks", "--memory-limit", "100M", "-o", "a.vtp"});
 }
 
 TEST_F(Refusals, DiskFull) {
