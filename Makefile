@@ -4,6 +4,7 @@
 # make test-full  also: address, undefined-behaviour and thread sanitizers, all real data at resolution 512
 # make soak       random shapes and options through the program for SOAK_SECONDS (600), from seed SOAK_SEED (the time)
 # make fuzz       every own reader fuzzed with Clang for FUZZ_SECONDS (60) each
+# make test-cluster  tasks through SLURM, Snakemake and Dask, and processes of MPI, on this machine; as root
 # make docs       install packages for it, build the documentation as a site in build/site
 # make bench      time and memory per boundary vertex
 # make format     clang-format over the sources
@@ -12,7 +13,7 @@ BUILD := build/release
 
 FUZZ_SECONDS ?= 60
 
-.PHONY: demo test test-full soak fuzz docs bench build format clean
+.PHONY: demo test test-full test-cluster soak fuzz docs bench build format clean
 demo: deps
 	@echo "Building the program and its page only, some minutes on two processors ('make test' builds the rest) ..."
 	cmake --preset release
@@ -46,6 +47,12 @@ test-full: test
 	cmake --preset tsan && cmake --build build/tsan -j $(JOBS)
 	ctest --test-dir build/tsan -j $(JOBS) --output-on-failure --timeout 3600
 
+test-cluster:
+	@scripts/install-deps --cluster
+	cmake --preset release -DQUENCH_MPI=ON
+	cmake --build $(BUILD) -j $(JOBS) --target quench_program quench_mpi
+	QUENCH_BUILD=$(BUILD) tests/cluster/slurm_here /usr/bin/python3 -B -m pytest -v tests/cluster
+
 SOAK_SECONDS ?= 600
 SOAK_SEED ?= $(shell date +%s)
 soak: build
@@ -63,7 +70,7 @@ bench: build
 	bench/run $(BUILD)
 
 format:
-	clang-format -i include/quench/*.h $$(find src -name "*.h" -o -name "*.cpp") cli/*.h cli/*.cpp tests/*/*.h tests/*/*.cpp fuzz/*.h fuzz/*.cpp bench/*.cpp python/src/*.h python/src/*.cpp
+	clang-format -i include/quench/*.h $$(find src -name "*.h" -o -name "*.cpp") cli/*.h cli/*.cpp mpi/*.cpp tests/*/*.h tests/*/*.cpp fuzz/*.h fuzz/*.cpp bench/*.cpp python/src/*.h python/src/*.cpp
 
 clean:
 	rm -rf build demo

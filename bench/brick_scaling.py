@@ -11,10 +11,12 @@ the merge is one task.
 Nothing is said of networks and file systems: the bytes that tasks read and write stand in the table.
 """
 import argparse
+import filecmp
 import heapq
 import json
 import os
 import shutil
+import subprocess
 import sys
 import tempfile
 
@@ -44,34 +46,33 @@ def simulated(rounds, merge, workers):
 
 
 def measure(quench, shape, resolution, size, work, whole):
-    q = [quench, "--quiet", "--threads", "1"]
+    def task(*words):
+        return run([quench, *map(str, words), "--quiet", "--threads", "1"])
+
     core = os.path.join(work, "core.vtp")
     bricks = os.path.join(work, "bricks")
     shutil.rmtree(bricks, ignore_errors=True)
     row = {"resolution": resolution, "size": size}
-    row["plan_seconds"], row["plan_bytes"] = run(
-        [*q, "bricks", "plan", shape, "--resolution", str(resolution), "--size", str(size), "-o", bricks])
+    row["plan_seconds"], row["plan_bytes"] = task("bricks", "plan", shape, "--resolution", resolution, "--size", size,
+                                                  "-o", bricks)
 
     def status():
-        with os.popen(f"'{quench}' bricks status '{bricks}' --json") as out:
-            return json.load(out)
+        return json.loads(subprocess.run([quench, "bricks", "status", bricks, "--json"], stdout=subprocess.PIPE,
+                                         check=True).stdout)
 
     row["rounds"] = []
     for number, bricks_of_round in ((r["round"], r["bricks"]) for r in status()["rounds"]):
-        tasks = [run([*q, "bricks", "run", bricks, "--round", str(number), "--task", f"{i}/{bricks_of_round}"])
+        tasks = [task("bricks", "run", bricks, "--round", number, "--task", f"{i}/{bricks_of_round}")
                  for i in range(bricks_of_round)]
         row["rounds"].append({"seconds": [t[0] for t in tasks], "peak_bytes": max(t[1] for t in tasks)})
     for measured, told in zip(row["rounds"], status()["rounds"]):
         measured |= {k: told[k] for k in ("bytes_read", "bytes_written") if k in told}
-    row["merge_seconds"], row["merge_bytes"] = run([*q, "bricks", "merge", bricks, "-o", core])
+    row["merge_seconds"], row["merge_bytes"] = task("bricks", "merge", bricks, "-o", core, "--overwrite")
     if whole:
         one = os.path.join(work, "one.vtp")
-        row["whole_seconds"], row["whole_bytes"] = run(
-            [*q, "core", shape, "--resolution", str(resolution), "-o", one])
-        with open(core, "rb") as a, open(one, "rb") as b:
-            row["same_bytes"] = all(x == y for x, y in zip(iter(lambda: a.read(1 << 20), b""),
-                                                          iter(lambda: b.read(1 << 20), b""), strict=True))
-        os.remove(one)
+        row["whole_seconds"], row["whole_bytes"] = task("core", shape, "--resolution", resolution, "-o", one,
+                                                        "--overwrite")
+        row["same_bytes"] = filecmp.cmp(core, one, shallow=False)
     shutil.rmtree(bricks)
     return row
 
@@ -94,8 +95,7 @@ def tell(row):
         print(f"  one piece {row['whole_seconds']:8.1f} s  {row['whole_bytes'] / gib:6.2f} GiB")
     rounds = [r["seconds"] for r in row["rounds"]]
     for n in WORKERS:
-        span = sum(makespan(t, n) for t in rounds)
-        with_merge = span + row["merge_seconds"]
+        span, with_merge = simulated(rounds, 0, n), simulated(rounds, row["merge_seconds"], n)
         print(f"  simulated on {n:4} workers: rounds {span:8.1f} s (efficiency {sum(tasks) / n / span:.2f}), with the "
               f"merge {with_merge:8.1f} s ({(sum(tasks) + row['merge_seconds']) / n / with_merge:.2f})")
 
@@ -108,11 +108,19 @@ def plot(rows, file):
     workers = [round(10 ** (i / 8)) for i in range(25)]
     for row in rows:
         rounds = [r["seconds"] for r in row["rounds"]]
-        axes.loglog(workers, [sum(makespan(t, n) for t in rounds) for n in workers], label=f"{row['resolution']}: rounds")
-        axes.loglog(workers, [simulated(rounds, row["merge_seconds"], n) for n in workers], ":",
-                    color=axes.lines[-1].get_color(), label=f"{row['resolution']}: with the merge")
+        whole = simulated(rounds, row["merge_seconds"], 1)
+        name = f"{row['resolution']}, bricks of {row['size']}"
+        axes.loglog(workers, [simulated(rounds, 0, n) for n in workers], label=f"{name}: rounds")
+        colour = axes.lines[-1].get_color()
+        axes.loglog(workers, [simulated(rounds, row["merge_seconds"], n) for n in workers], "--", color=colour,
+                    label=f"{name}: with the merge")
+        axes.loglog(workers, [whole / n for n in workers], ":", color=colour, linewidth=0.8)
+    axes.loglog([], [], ":", color="grey", linewidth=0.8, label="perfect division")
     axes.set_xlabel("workers (simulated from measured tasks)")
     axes.set_ylabel("seconds")
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_major_formatter("{x:g}")
+        axis.set_minor_formatter(matplotlib.ticker.NullFormatter())
     axes.grid(True, which="both", alpha=0.3)
     axes.legend(fontsize=8)
     figure.tight_layout()

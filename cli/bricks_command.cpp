@@ -148,10 +148,12 @@ int merge(const std::string& work, const std::string& output, Session& session) 
   Json report = {{"input", of_plan.at("input")}};
   add_core_sections(report, merged.shape, merged.core);
   report["shape"] = of_plan.at("shape");
-  io::OutputGroup outputs;
-  io::write_record(output, pipeline::core_file(std::move(merged.core)));
-  session.finished("write");
-  write_report(outputs, report, session);
+  {
+    io::OutputGroup outputs;
+    io::write_record(output, pipeline::core_file(std::move(merged.core)));
+    session.finished("write");
+    write_report(outputs, report, session);
+  }
   pipeline::note_merged(work, merged.figures);
   say_written(session, output, session.options.report == "-" ? "" : session.options.report, merged.core, merged.shape);
   return 0;

@@ -149,7 +149,11 @@ void choose_by_values(ShapeOptions& how, const TreeProgram& o, Session& session)
   const ForegroundOptions& foreground = how.how.foreground;
   const bool asked = how.how.recommended;
   if (foreground.threshold || foreground.label || how.how.otsu) return;
-  const Volume volume = io::read_volume(how.file, pipeline::read_options(how.how), &session.context);
+  const io::VolumeReadOptions reading = pipeline::read_options(how.how);
+  if (const auto slices = io::open_slices(how.file, reading, &session.context);
+      slices && !slices->grid.is_plane() && !pipeline::samples_fit(*slices, &session.context))
+    return;  // a mask, or the sentence on its values
+  const Volume volume = io::read_volume(how.file, reading, &session.context);
   if (volume.grid.is_plane()) refuse_plane(how.file, o.folder);
   if (const auto labels = labels_in(volume); !asked && !labels.empty())
     throw Error(ErrorCode::usage,

@@ -36,7 +36,7 @@ ROOMS = {
     'verification': 'base complex record shape',
 }
 PUBLIC = {'error': 'base', 'context': 'base', 'geometry': 'base', 'voxelize': 'voxelization', 'burn': 'burning', 'verify': 'verification', 'structure': 'complex', 'table': 'base', 'bricks': 'pipeline'}
-FRONT_ENDS = {'cli': 'cli', 'python/src': 'python'}  # public headers, base/ and their own files
+FRONT_ENDS = {'cli': 'cli', 'mpi': 'mpi', 'python/src': 'python'}  # public headers, base/ and their own files
 
 
 def includes(file):

@@ -1,33 +1,50 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# The medial axis of a large shape on a SLURM cluster: one array of tasks per round, each after the one before, and the
-# merge after the last. WORK and SHAPE must be on a file system that all nodes share. To be run on the node that submits
-# jobs; it returns when all is submitted.
+# The medial axis of a large shape on a SLURM cluster: the plan, an array of tasks per round, each after the one before,
+# and the merge after the last. Run it where jobs are submitted; it waits for the plan only.
 #   slurm.sh WORK CORE.vtp TASKS SHAPE [options of quench bricks plan]
-# Options of sbatch for every job (partition, account, time): SBATCH_* variables of sbatch itself, e.g.
-#   SBATCH_PARTITION=long SBATCH_ACCOUNT=plants slurm.sh ...
-# Memory of a task and of the merge: TASK_MEMORY (default 4G), MERGE_MEMORY (default 16G); processors of a task: TASK_CPUS
-# (default 2).
+#   slurm.sh WORK CORE.vtp TASKS     what is left of a plan that is there, e.g. after tasks have failed
+# Options of sbatch for all jobs are given as its own variables: SBATCH_PARTITION, SBATCH_ACCOUNT, SBATCH_TIMELIMIT.
+# Processors of a task: TASK_CPUS (2). Memory of a task: TASK_MEMORY (4G), of the plan and the merge: MERGE_MEMORY (16G).
 set -euo pipefail
-[ $# -ge 4 ] || { sed -n '3,11p' "$0" | sed 's/^# \{0,1\}//'; exit 2; }
+[ $# -ge 3 ] || { sed -n '3,9p' "$0" | sed 's/^# \{0,1\}//'; exit 2; }
 work=$1 core=$2 tasks=$3
 shift 3
-quench bricks plan "$@" -o "$work"
+cpus=${TASK_CPUS:-2} memory=${TASK_MEMORY:-4G} merge_memory=${MERGE_MEMORY:-16G}
 mkdir -p "$work/log"
-# A round with fewer bricks than tasks needs as many tasks as bricks.
-quench bricks status "$work" --json |
-  python3 -c 'import json, sys
-for r in json.load(sys.stdin)["rounds"]: print(r["round"], r["bricks"])' >"$work/log/rounds"
+
+# submit LOG MEMORY 'COMMAND LINE' [options of sbatch]: prints the number of the job. A job whose program is killed goes
+# back into the queue, up to three times; what it has done by then stays.
+submit() {
+  local log=$1 memory=$2 line=$3
+  shift 3
+  sbatch --parsable --requeue --kill-on-invalid-dep=yes --ntasks=1 --cpus-per-task="$cpus" --mem="$memory" \
+    --output="$work/log/$log" --open-mode=append "$@" <<END
+#!/usr/bin/env bash
+echo "job \$SLURM_JOB_ID on \$SLURMD_NODENAME"
+$line --threads $cpus --memory-limit "\${SLURM_MEM_PER_NODE}M"
+code=\$?
+[ \$code -le 130 ] || [ "\${SLURM_RESTART_COUNT:-0}" -ge 3 ] || scontrol requeue "\$SLURM_JOB_ID"
+exit \$code
+END
+}
+
+if [ $# -gt 0 ]; then
+  echo "planning ..."
+  submit plan.txt "$merge_memory" "quench bricks plan $(printf '%q ' "$@") -o $(printf %q "$work")" \
+    --job-name=quench-plan --wait >/dev/null || { tail -n 1 "$work/log/plan.txt" >&2 2>/dev/null; exit 1; }
+fi
+rounds=$(quench bricks status "$work" --json | python3 -c 'import json, sys
+for r in json.load(sys.stdin)["rounds"]: print(r["round"], r["bricks"])')
 after=()
 while read -r round bricks; do
   n=$((bricks < tasks ? bricks : tasks))
-  job=$(sbatch --parsable --job-name="quench-$round" --array="0-$((n - 1))" --requeue "${after[@]}" \
-    --cpus-per-task="${TASK_CPUS:-2}" --mem="${TASK_MEMORY:-4G}" --output="$work/log/round$round-%a.txt" \
-    --open-mode=append --wrap "quench bricks run '$work' --round $round --task \$SLURM_ARRAY_TASK_ID/$n")
-  after=(--dependency="afterok:$job")
-  echo "round $round: $n tasks for $bricks bricks, job $job"
-done <"$work/log/rounds"
-job=$(sbatch --parsable --job-name=quench-merge "${after[@]}" --cpus-per-task="${TASK_CPUS:-2}" --requeue \
-  --mem="${MERGE_MEMORY:-16G}" --output="$work/log/merge.txt" --open-mode=append \
-  --wrap "quench bricks merge '$work' -o '$core'")
+  job=$(submit "round$round-%a.txt" "$memory" \
+    "quench bricks run $(printf %q "$work") --round $round --task \$SLURM_ARRAY_TASK_ID/$n" \
+    --job-name="quench-$round" --array="0-$((n - 1))" "${after[@]}")
+  after=(--dependency="afterok:${job%%;*}")
+  echo "round $round: job $job, $n tasks for $bricks bricks"
+done <<<"$rounds"
+job=$(submit merge.txt "$merge_memory" "quench bricks merge $(printf %q "$work") -o $(printf %q "$core")" \
+  --job-name=quench-merge "${after[@]}")
 echo "merge: job $job"

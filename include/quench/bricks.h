@@ -7,6 +7,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "quench/context.h"
@@ -81,6 +82,33 @@ struct MergedBricks {
 MergedBricks merge_bricks(const std::filesystem::path& work, Context* context = nullptr);
 /// Writes down that the core is written.
 void note_merged(const std::filesystem::path& work, const BrickFigures& figures);
+
+/// How the processes of core_by_messages() reach each other. All of them call exchange() equally often.
+class Messenger {
+ public:
+  Messenger() = default;
+  Messenger(const Messenger&) = delete;
+  Messenger& operator=(const Messenger&) = delete;
+  virtual ~Messenger() = default;
+
+  virtual std::size_t rank() const = 0;  ///< from 0
+  virtual std::size_t ranks() const = 0;
+  /// Sends the messages to[r] to rank r, for all ranks; answers with those that each has sent to this one. What is sent
+  /// must stay until the answer.
+  virtual std::vector<std::vector<std::string>> exchange(const std::vector<std::vector<std::string_view>>& to) = 0;
+};
+
+/// Does `work` on every process; where it fails on some, all throw the Error of the first of them.
+void together(Messenger& messenger, const std::function<void()>& work);
+
+/// The core by processes that send each other their parts: the whole on rank 0, nothing on the others. All read the
+/// folder `work` of plan_bricks(), and nothing is written there. In each round the bricks with most sites come first,
+/// each on another rank; a rank holds the parts it has made until no brick needs them any more, and what the others
+/// have sent it for the brick it works on. `on_round`: called on every rank as a round of so many bricks begins.
+/// `figures.peak_bytes` is that of the rank with most. Throws as run_bricks(), before the merge on all ranks alike.
+std::optional<MergedBricks> core_by_messages(
+    const std::filesystem::path& work, Messenger& messenger,
+    const std::function<void(std::size_t round, std::size_t bricks)>& on_round = {}, Context* context = nullptr);
 
 /// Throws Error(input) as run_bricks().
 BrickStatus status_of_bricks(const std::filesystem::path& work);

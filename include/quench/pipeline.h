@@ -75,6 +75,11 @@ struct Scale {
 
 // ------------------------------------------------------------------------------------------------------------- memory
 
+/// Whether so many bytes are within the limit of the context or, without one, the memory that is free.
+bool fits(double bytes, const Context* context);
+/// Whether all samples of a volume at once are within the limit of the context or, without one, the memory that is free.
+bool samples_fit(const SliceStream& slices, const Context* context);
+
 /// Throws Error(failed), field `memory_limit`, with figures when `bytes` exceed the limit of the context or, without
 /// one, the memory that is free. `remedies`: what the user can do about it, behind "use ".
 void require_memory(std::int64_t bytes, const std::string& what, const std::vector<std::string>& remedies,

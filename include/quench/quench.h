@@ -4,6 +4,7 @@
 #pragma once
 
 #include "quench/axis.h"
+#include "quench/bricks.h"
 #include "quench/burn.h"
 #include "quench/complex.h"
 #include "quench/context.h"

@@ -238,7 +238,7 @@ struct SliceStream {
 };
 
 /// As foreground() of an image. Reads the stream once; memory beyond the shape: one slice, two with an isosurface, all
-/// of the image where voxels are closed or joined.
+/// of the image where voxels are closed or joined by a threshold.
 VoxelShape foreground(const SliceStream& image, const ForegroundOptions& options, ForegroundReport* report = nullptr,
                       Context* context = nullptr, std::optional<TriangleMesh>* isosurface = nullptr);
 

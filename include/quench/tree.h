@@ -74,7 +74,7 @@ Repaired repaired(const CurveGraph& graph, const RepairOptions& options, const G
                   Context* context = nullptr);
 
 /// The shape with bridges filled as tubes and cuts taken out of it, whose components and tunnels are those of the
-/// repaired graph.
+/// repaired graph. A byte for each voxel of the box around the shape; Error(failed) for more than 2^32.
 VoxelShape edited_shape(const VoxelShape& shape, const CurveGraph& graph, const Repaired& repaired,
                         Context* context = nullptr);
 

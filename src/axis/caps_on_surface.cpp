@@ -29,14 +29,16 @@ class SurfaceCaps {
   SurfaceCaps(const MedialAxis& axis, const Surface& surface, double least)
       : axis_(axis), surface_(surface), enough_(kBorneOut * least), voxel_(axis.grid.spacing.maxCoeff()) {}
 
-  void project(std::vector<std::uint32_t> sites, Context* context) {
-    foot_.resize(axis_.sites.size());
+  void project(const std::vector<std::uint32_t>& sites, Context* context) {
+    place_.assign(axis_.sites.size(), kNone);
+    for (std::uint32_t i = 0; i < sites.size(); ++i) place_[sites[i]] = i;
+    foot_.resize(sites.size());
     const std::size_t chunks = base::chunks_for(sites.size(), 1 << 12);
     base::for_chunks(chunks, context, "detail", 0, 0.1, [&](std::size_t chunk) {
       const auto [first, last] = base::part_of(sites.size(), chunk, chunks);
       for (std::size_t i = first; i < last; ++i) {
         const Surface::Foot foot = surface_.nearest(axis_.grid.world_of(axis_.sites[sites[i]]));
-        foot_[sites[i]] = {foot.point, foot.triangle};
+        foot_[i] = {foot.point, foot.triangle};
       }
     });
   }
@@ -46,10 +48,11 @@ class SurfaceCaps {
     Vec3 x = Vec3::Zero();
     const auto corners = axis_.complex.corners(face);
     for (const std::uint32_t v : corners) x += axis_.points[v] / static_cast<double>(corners.size());
-    const auto [a, b] = axis_.face_sites[face];
-    std::array<Place, 2> y{Place(foot_[a].point), Place(foot_[b].point)};
+    const auto [s, t] = axis_.face_sites[face];
+    const Foot &a = foot_[place_[s]], &b = foot_[place_[t]];
+    std::array<Place, 2> y{Place(a.point), Place(b.point)};
     double height = cap(x, y);
-    if (height >= enough_ && is_there(x, foot_[a]) && is_there(x, foot_[b])) return height;
+    if (height >= enough_ && is_there(x, a) && is_there(x, b)) return height;
     for (int round = 0; round < kRounds; ++round) {
       double off = 0;
       for (Place& place : y) off = std::max(off, place.look_again(x, surface_));
@@ -82,7 +85,8 @@ class SurfaceCaps {
   const MedialAxis& axis_;
   const Surface& surface_;
   double enough_, voxel_;
-  std::vector<Foot> foot_;  // per site
+  std::vector<std::uint32_t> place_;  // per site: in foot_
+  std::vector<Foot> foot_;            // of the sites that are needed, which may be few of all
 };
 
 }  // namespace
@@ -99,7 +103,7 @@ void lower_to_surface(const MedialAxis& axis, const Surface& surface, double lea
   for (std::uint32_t s = 0; s < is_needed.size(); ++s)
     if (is_needed[s]) sites.push_back(s);
   SurfaceCaps caps(axis, surface, least);
-  caps.project(std::move(sites), context);
+  caps.project(sites, context);
   const std::size_t chunks = base::chunks_for(faces.size(), 1 << 12);
   base::for_chunks(chunks, context, "detail", 0.1, 0.3, [&](std::size_t chunk) {
     const auto [first, last] = base::part_of(faces.size(), chunk, chunks);

@@ -52,6 +52,27 @@ std::vector<double> of_edges(const std::vector<double>& of_links, const PartComp
   return values;
 }
 
+// The same before there is a complex, so that the values of links are gone when it takes memory: edges are in the order
+// of their ends.
+std::vector<double> edge_values(const dual::Cells& cells, std::vector<double> of_links) {
+  if (of_links.empty()) return {};
+  const auto is_edge = [&](std::uint32_t p, std::uint32_t n) { return p < n && n < dual::kPruned; };
+  std::size_t edges = 0;
+  for (std::uint32_t p = 0; p < cells.count(); ++p)
+    for (const std::uint32_t n : cells.neighbours_of(p)) edges += is_edge(p, n);
+  std::vector<double> values;
+  values.reserve(edges);
+  std::vector<std::pair<std::uint32_t, double>> own;
+  for (std::uint32_t p = 0; p < cells.count(); ++p) {
+    own.clear();
+    for (std::uint32_t link = cells.neighbour_begin[p]; link < cells.neighbour_begin[p + 1]; ++link)
+      if (const std::uint32_t n = cells.neighbours[link]; is_edge(p, n)) own.emplace_back(n, of_links[link]);
+    std::ranges::sort(own);
+    for (const auto& [n, value] : own) values.push_back(value);
+  }
+  return values;
+}
+
 // Cap heights are lowered by this factor before they are compared, so that those that equal a detail up to rounding are
 // not above it: on flat sides staircases attain half the voxel diagonal.
 constexpr double kBelowTie = 1 - 2e-9;
@@ -122,8 +143,10 @@ RestOfCore rest_of(Part&& part, const dual::Hulls& hulls, const Grid& grid, Lamb
   RestOfCore core;
   core.gone = part.pruned;
   core.pending = std::move(part.pending);
+  core.carried = {edge_values(part.found.cells, std::move(part.link_lambda)),
+                  edge_values(part.found.cells, std::move(part.link_detail)), std::move(part.vertex_lambda),
+                  std::move(part.vertex_detail)};
   PartComplex complex = complex_of(part, hulls, context);
-  core.carried = carried_of(part, complex);
   core.known = known_heights(part, complex.dual);
   if (contacts) core.contact = std::move(part.contact);
   std::vector<LatticePoint> sites = std::move(part.sites);
@@ -132,6 +155,7 @@ RestOfCore rest_of(Part&& part, const dual::Hulls& hulls, const Grid& grid, Lamb
   complex = {};
   base::return_free_memory();
   core.axis = axis_of(dual, std::move(sites), grid, rule, core.carried, context);
+  core.carried.edge_lambda = core.carried.vertex_lambda = {};
   if (core.contact.empty()) return core;
   core.corner_begin = std::move(dual.vertex_site_offsets);
   core.corners = std::move(dual.vertex_sites);

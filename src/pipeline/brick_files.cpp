@@ -71,6 +71,12 @@ bool PartFiles::has(std::size_t round, std::size_t brick) const {
   return std::filesystem::exists(file(round, brick), ignored);
 }
 
+std::int64_t PartFiles::size(std::size_t round, std::size_t brick) const {
+  std::error_code error;
+  const std::uintmax_t size = std::filesystem::file_size(file(round, brick), error);
+  return error ? 0 : static_cast<std::int64_t>(size);
+}
+
 std::string PartFiles::part(std::size_t round, std::size_t brick) { return WorkFile(file(round, brick), read).rest(); }
 
 std::string PartFiles::head(std::size_t round, std::size_t brick) {

@@ -85,6 +85,7 @@ class PartFiles {
   std::filesystem::path folder(std::size_t round) const;
   std::filesystem::path file(std::size_t round, std::size_t brick) const;
   bool has(std::size_t round, std::size_t brick) const;
+  std::int64_t size(std::size_t round, std::size_t brick) const;
   std::string part(std::size_t round, std::size_t brick);
   std::string head(std::size_t round, std::size_t brick);
   void put(std::size_t round, std::size_t brick, const std::string& bytes);
@@ -104,6 +105,7 @@ class FolderBrickStore : public BrickStore {
   VoxelShape voxels(const dual::bricks::Box& box) override;
   const Surface* surface() override;
   bool has(std::size_t round, std::size_t brick) override { return parts.has(round, brick); }
+  std::int64_t size(std::size_t round, std::size_t brick) override { return parts.size(round, brick); }
   std::string part(std::size_t round, std::size_t brick) override { return parts.part(round, brick); }
   std::string head(std::size_t round, std::size_t brick) override { return parts.head(round, brick); }
   void put(std::size_t round, std::size_t brick, const std::string& bytes) override { parts.put(round, brick, bytes); }
@@ -124,7 +126,10 @@ class TemporaryBrickStore : public BrickStore {
   ~TemporaryBrickStore() override;
   VoxelShape voxels(const dual::bricks::Box& box) override { return cut(shape_.shape, box); }
   const Surface* surface() override { return shape_.surface ? &*shape_.surface : nullptr; }
-  bool has(std::size_t round, std::size_t brick) override { return rounds_[round].places[brick].size > 0; }
+  bool has(std::size_t round, std::size_t brick) override { return size(round, brick) > 0; }
+  std::int64_t size(std::size_t round, std::size_t brick) override {
+    return static_cast<std::int64_t>(rounds_[round].places[brick].size);
+  }
   std::string part(std::size_t round, std::size_t brick) override;
   std::string head(std::size_t round, std::size_t brick) override;
   void put(std::size_t round, std::size_t brick, const std::string& bytes) override;

@@ -134,8 +134,7 @@ Box BrickPlan::box(std::size_t round, std::size_t brick) const {
 Triple BrickPlan::reach(std::size_t round) const {
   Triple reach{};
   const std::int64_t margin = dual::bricks::margin_of_first_part(spacing);
-  for (std::size_t a = 0; a < 3; ++a)
-    reach[a] = round == 0 ? margin : std::max<std::int64_t>(1, rounds[round].side[a] / kHalo);
+  for (std::size_t a = 0; a < 3; ++a) reach[a] = round == 0 ? margin : std::max(margin, rounds[round].side[a] / kHalo);
   return reach;
 }
 
@@ -171,6 +170,19 @@ std::vector<std::size_t> BrickPlan::bricks_in(std::size_t round, const Box& box)
 
 std::vector<std::size_t> BrickPlan::below(std::size_t round, std::size_t brick) const {
   return bricks_in(round - 1, box(round, brick));
+}
+
+std::vector<std::size_t> BrickPlan::beside(std::size_t round, std::size_t brick) const {
+  Box around = region(round, brick);  // and as far again as the regions of the others reach
+  const Triple others = reach(round - 1);
+  for (std::size_t a = 0; a < 3; ++a) {
+    around.low[a] -= others[a];
+    around.high[a] += others[a];
+  }
+  std::vector<std::size_t> found = bricks_in(round - 1, around);
+  const std::vector<std::size_t> own = below(round, brick);
+  std::erase_if(found, [&](std::size_t other) { return std::ranges::binary_search(own, other); });
+  return found;
 }
 
 }  // namespace quench::pipeline

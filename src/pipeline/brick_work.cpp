@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "axis/part_pruning.h"
+#include "base/memory.h"
 #include "base/parallel.h"
 #include "base/return_memory.h"
 #include "pipeline/bricks.h"
@@ -20,6 +21,10 @@ using dual::Hulls;
 using dual::bricks::Box;
 using dual::bricks::LooseEnds;
 using dual::bricks::Part;
+
+// At the peak, measured: per boundary vertex of a box of the first round, and per byte of the parts that a brick of
+// another round, or the merge, is made of.
+constexpr double kBytesPerSite = 450, kBytesPerByte = 20;
 
 // The box and so many lattice steps around it.
 Box grown(Box box, const std::array<std::int64_t, 3>& by) {
@@ -77,13 +82,11 @@ struct Surroundings {
   std::vector<LatticePoint> pending;
 };
 
-Surroundings around(const BrickPlan& plan, std::size_t round, const std::vector<std::size_t>& own, const Box& region,
-                    BrickStore& store) {
+Surroundings around(const BrickPlan& plan, std::size_t round, std::size_t brick, const Box& region, BrickStore& store) {
   Surroundings found;
-  for (const std::size_t other : plan.bricks_in(round, grown(region, plan.reach(round)))) {
-    if (std::ranges::binary_search(own, other)) continue;
-    const LooseEnds loose = naming_part(store, round, other, [&] {
-      return dual::bricks::decode_loose(store.head(round, other), plan.label(round, other));
+  for (const std::size_t other : plan.beside(round, brick)) {
+    const LooseEnds loose = naming_part(store, round - 1, other, [&] {
+      return dual::bricks::decode_loose(store.head(round - 1, other), plan.label(round - 1, other));
     });
     found.unfinished.push_back(dual::bricks::near(loose.unfinished, region));
     std::ranges::copy_if(loose.pending, std::back_inserter(found.pending),
@@ -100,9 +103,8 @@ axis::PartPruning pruning_of(const BrickPlan& plan, const Surface* surface) {
 Part part_of_parts(const BrickPlan& plan, std::size_t round, std::size_t brick, BrickStore& store, Hulls& hulls,
                    Context* context) {
   const Box box = plan.box(round, brick), region = plan.region(round, brick);
-  const std::vector<std::size_t> own = plan.below(round, brick);
-  Part part = dual::bricks::joined(parts_of(plan, round - 1, own, store, hulls), context);
-  const Surroundings others = around(plan, round - 1, own, region, store);
+  Part part = dual::bricks::joined(parts_of(plan, round - 1, plan.below(round, brick), store, hulls), context);
+  const Surroundings others = around(plan, round, brick, region, store);
   dual::bricks::complete(part, box, &region, others.unfinished, plan.spacing, hulls, context);
   base::return_free_memory();
   if (plan.cutoff() > 0)
@@ -110,10 +112,35 @@ Part part_of_parts(const BrickPlan& plan, std::size_t round, std::size_t brick, 
   return part;
 }
 
+// Throws Error(failed) with figures where there is no room for so many bytes beside what the process holds.
+void require_room(double bytes, const std::string& what, const Context* context) {
+  constexpr double kAlways = 32 << 20, kSmall = 64 << 20;  // measuring what is held takes a while
+  bytes += kAlways;
+  const bool limited = context && context->memory_limit > 0;
+  const std::int64_t held = limited && bytes > kSmall ? base::held_memory() : 0;
+  require_memory(held + static_cast<std::int64_t>(bytes), what, {"smaller bricks", "a coarser shape"}, context);
+}
+
+double bytes_of(const std::vector<std::size_t>& bricks, std::size_t round, BrickStore& store) {
+  double bytes = 0;
+  for (const std::size_t brick : bricks) bytes += static_cast<double>(store.size(round, brick));
+  return bytes;
+}
+
+std::vector<std::size_t> all_of(const BrickRound& round) {
+  std::vector<std::size_t> all(round.bricks.size());
+  std::iota(all.begin(), all.end(), std::size_t{0});
+  return all;
+}
+
 }  // namespace
 
 void run_brick(const BrickPlan& plan, std::size_t round, std::size_t brick, BrickStore& store, Context* context) {
   base::in_arena(context, [&] {
+    if (round > 0) store.surface();  // is held then
+    require_room(round == 0 ? kBytesPerSite * static_cast<double>(plan.rounds[0].bricks[brick].sites)
+                            : kBytesPerByte * bytes_of(plan.below(round, brick), round - 1, store),
+                 fmt::format("brick {} of round {}", brick, round + 1), context);
     Hulls hulls;
     const Part part = round == 0 ? part_of_voxels(plan, plan.box(0, brick), store, hulls, context)
                                  : part_of_parts(plan, round, brick, store, hulls, context);
@@ -126,8 +153,8 @@ CoreResult merge_bricks(const BrickPlan& plan, const LoadedShape& shape, BrickSt
   return base::in_arena(context, [&] {
     Hulls hulls;
     const std::size_t last = plan.rounds.size() - 1;
-    std::vector<std::size_t> all(plan.rounds[last].bricks.size());
-    std::iota(all.begin(), all.end(), std::size_t{0});
+    const std::vector<std::size_t> all = all_of(plan.rounds[last]);
+    require_room(kBytesPerByte * bytes_of(all, last, store), "the merge of the bricks", context);
     Part part = dual::bricks::joined(parts_of(plan, last, all, store, hulls), context);
     dual::bricks::complete(part, plan.whole(), nullptr, {}, plan.spacing, hulls, context);
     base::return_free_memory();
@@ -148,6 +175,10 @@ VoxelShape MemoryBrickStore::voxels(const Box& box) { return cut(shape_.shape, b
 const Surface* MemoryBrickStore::surface() { return shape_.surface ? &*shape_.surface : nullptr; }
 
 bool MemoryBrickStore::has(std::size_t round, std::size_t brick) { return !parts_[round][brick].empty(); }
+
+std::int64_t MemoryBrickStore::size(std::size_t round, std::size_t brick) {
+  return static_cast<std::int64_t>(parts_[round][brick].size());
+}
 
 std::string MemoryBrickStore::part(std::size_t round, std::size_t brick) { return parts_[round][brick]; }
 

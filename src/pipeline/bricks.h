@@ -40,7 +40,8 @@ struct BrickPlan {
   /// Cells with a lower level are not wanted; 0: all are.
   double cutoff() const;
   dual::bricks::Box box(std::size_t round, std::size_t brick) const;
-  /// How far a part of a round knows of what is beyond its box, in lattice steps: an eighth of a side.
+  /// How far a part of a round knows of what is beyond its box, in lattice steps: an eighth of a side, but at
+  /// least as far as in the first round, whose polytopes it has, too.
   std::array<std::int64_t, 3> reach(std::size_t round) const;
   /// The box with what lies within reach; more beyond the last sites, so that no ball leaves it there.
   dual::bricks::Box region(std::size_t round, std::size_t brick) const;
@@ -50,6 +51,9 @@ struct BrickPlan {
   std::vector<std::size_t> bricks_in(std::size_t round, const dual::bricks::Box& box) const;
   /// The bricks of the round before that a brick consists of, ascending.
   std::vector<std::size_t> below(std::size_t round, std::size_t brick) const;
+  /// Those of the round before whose loose ends a brick looks at, beside the parts it consists of, ascending: their
+  /// polytopes may reach into its region.
+  std::vector<std::size_t> beside(std::size_t round, std::size_t brick) const;
   dual::bricks::PartLabel label(std::size_t round, std::size_t brick) const {
     return {fingerprint, static_cast<std::uint32_t>(round), static_cast<std::uint32_t>(brick)};
   }
@@ -74,6 +78,8 @@ class BrickStore {
   /// What the axis is fitted to; null: the voxels.
   virtual const Surface* surface() = 0;
   virtual bool has(std::size_t round, std::size_t brick) = 0;
+  /// Bytes of its part.
+  virtual std::int64_t size(std::size_t round, std::size_t brick) = 0;
   virtual std::string part(std::size_t round, std::size_t brick) = 0;
   /// Its first bytes, as many as decode_loose() needs.
   virtual std::string head(std::size_t round, std::size_t brick) = 0;
@@ -89,6 +95,7 @@ class MemoryBrickStore : public BrickStore {
   VoxelShape voxels(const dual::bricks::Box& box) override;
   const Surface* surface() override;
   bool has(std::size_t round, std::size_t brick) override;
+  std::int64_t size(std::size_t round, std::size_t brick) override;
   std::string part(std::size_t round, std::size_t brick) override;
   std::string head(std::size_t round, std::size_t brick) override;
   void put(std::size_t round, std::size_t brick, const std::string& bytes) override;

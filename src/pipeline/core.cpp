@@ -10,6 +10,7 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/text.h"
+#include "pipeline/brick_files.h"
 #include "pipeline/parameters.h"
 #include "pipeline/part_core.h"
 #include "quench/axis.h"
@@ -156,10 +157,17 @@ void require_topology(const Topology& got, const Topology& wanted, const char* w
 
 CoreResult core_of(const LoadedShape& shape, const AxisOptions& options, Context* context) {
   return base::in_arena(context, [&] {
-    const CorePlan plan = plan_core(shape.shape, context);
+    CorePlan plan = plan_core(shape.shape, context);
+    plan.in_bricks = options.bricks_in || (plan.in_bricks && refused_in_bricks(shape.shape, options).empty());
     check_plan(plan, shape, context);
-    MedialAxis core = voxel_core(shape.shape, {.rule = options.rule, .in_bricks = plan.in_bricks}, context);
-    CoreResult result = completed(result_of({std::move(core)}, shape, options, context), shape, context);
+    CoreResult result;
+    if (plan.in_bricks) {
+      result =
+          core_in_bricks(shape, options, options.bricks_in.value_or(std::filesystem::temp_directory_path()), context);
+    } else {
+      MedialAxis core = voxel_core(shape.shape, {.rule = options.rule}, context);
+      result = completed(result_of({std::move(core)}, shape, options, context), shape, context);
+    }
     result.plan = plan;
     return result;
   });

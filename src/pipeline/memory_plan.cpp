@@ -5,6 +5,7 @@
 #include "base/memory.h"
 #include "quench/error.h"
 #include "quench/pipeline.h"
+#include "shape/sample_type.h"
 
 namespace quench::pipeline {
 namespace {
@@ -16,6 +17,14 @@ std::int64_t limit_of(const Context* context) {
 }
 
 }  // namespace
+
+bool fits(double bytes, const Context* context) { return bytes <= static_cast<double>(limit_of(context)); }
+
+bool samples_fit(const SliceStream& slices, const Context* context) {
+  auto bytes = static_cast<double>(shape::size_of(slices.type));
+  for (const std::int64_t n : slices.grid.dims) bytes *= static_cast<double>(n);
+  return fits(bytes, context);
+}
 
 void require_memory(std::int64_t bytes, const std::string& what, const std::vector<std::string>& remedies,
                     const Context* context) {

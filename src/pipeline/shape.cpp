@@ -193,8 +193,24 @@ bool is_reported(const ForegroundOptions& options) {
 
 /// Whether the samples are wanted as a whole, and not slice by slice.
 bool needs_volume(const ShapeOptions& options) {
+  const ForegroundOptions& f = options.foreground;
   return options.preparation.any() || options.otsu || options.recommended || options.keep_values ||
-         options.foreground.close > 0 || options.foreground.connectivity == 26;
+         (f.threshold && (f.close > 0 || f.connectivity == 26));
+}
+
+/// Without what only a volume in memory allows, where it does not fit: a threshold that the program chooses (an image of
+/// two values needs none, others say so) and values for later. What is asked for by name is not given up.
+void give_up_values(const SliceStream& slices, const std::filesystem::path& file, ShapeOptions& options,
+                    Context* context) {
+  ShapeOptions without = options;
+  without.recommended = without.keep_values = false;
+  if (!needs_volume(options) || needs_volume(without)) return;
+  if (samples_fit(slices, context)) return;
+  note(context, fmt::format("'{}' does not fit into memory: it is read slice by slice, {}", file.string(),
+                            options.foreground.threshold || options.foreground.label
+                                ? "and its values are not looked at again"
+                                : "without a look for a threshold, and its values are not looked at again"));
+  options = std::move(without);
 }
 
 /// The threshold that the options leave to the program, where the image has more than two values.
@@ -257,6 +273,7 @@ LoadedShape shape_of_file(const std::filesystem::path& file, ShapeOptions option
   };
   const auto slices = io::open_slices(file, how, context);
   std::optional<TriangleMesh> isosurface;
+  if (slices && !slices->grid.is_plane()) give_up_values(*slices, file, options, context);
   if (slices && !slices->grid.is_plane() && !needs_volume(options)) {
     describe(*slices);
     naming(file, [&] { take_foreground(loaded, *slices, options, isosurface, context); });

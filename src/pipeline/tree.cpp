@@ -123,6 +123,17 @@ void check_roots(const std::vector<Vec3>& roots, const Branches& branches) {
   }
 }
 
+// The edited shape has a byte for each voxel of the box around the shape, and their numbers 32 bits. A note where it has
+// to be left out.
+bool edited_shape_fits(const VoxelShape& shape, Context* context) {
+  const VoxelShape::Box box = shape.foreground_box();
+  double bytes = 1;
+  for (std::size_t a = 0; a < 3; ++a) bytes *= static_cast<double>(box.end[a] - box.begin[a] + 2);
+  if (bytes <= std::numeric_limits<std::uint32_t>::max() && fits(bytes, context)) return true;
+  note(context, fmt::format("the volume after repair is left out: the box around the shape has {:.2g} voxels", bytes));
+  return false;
+}
+
 }  // namespace
 
 std::string_view name_of(TreeKind kind) {
@@ -230,7 +241,7 @@ TreeRun run_tree(const TreeCurves& curves, const TreeOptions& options, const Loa
                 fmt::format("the curves have {}, and a tree has none; the repair 'loops' or 'all' cuts them",
                             base::counted(repair.loops_before, "loop")),
                 "repair");
-  if (shape && options.edited_shape) {
+  if (shape && options.edited_shape && edited_shape_fits(shape->shape, context)) {
     result.edited = edited_shape(shape->shape, curves.graph, repair, context);
     result.edited_topology = topology(*result.edited);
     checkpoint(context, "topology", 1);

@@ -357,6 +357,13 @@ VoxelShape strong_parts(const VoxelShape& shape, const VoxelShape& seeds, const 
 
 bool adds_voxels(const ForegroundOptions& options) { return options.close > 0 || options.connectivity == 26; }
 
+VoxelShape with_additions(VoxelShape shape, const ForegroundOptions& options, const shape::SignedSamples* values,
+                          ForegroundReport& report, Context* context) {
+  if (options.close > 0) shape = shape::closed(shape, options.close, report, context);
+  if (options.connectivity == 26) shape = shape::joined(shape, values, report, context);
+  return shape;
+}
+
 template <class T>
 VoxelShape foreground_of(const shape::Samples<T>& samples, const ForegroundOptions& options, ForegroundReport& report,
                          Context* context, std::optional<TriangleMesh>* isosurface) {
@@ -372,8 +379,7 @@ VoxelShape foreground_of(const shape::Samples<T>& samples, const ForegroundOptio
   if (options.seed_threshold)
     shape = strong_parts(shape, scan(samples, rule_of<T>(*options.seed_threshold), false, context), options, report,
                          context);
-  if (options.close > 0) shape = shape::closed(shape, options.close, report, context);
-  if (options.connectivity == 26) shape = shape::joined(shape, height ? &*height : nullptr, report, context);
+  shape = with_additions(std::move(shape), options, height ? &*height : nullptr, report, context);
   if (surface && adds_voxels(options)) *isosurface = shape::all_layers(shape, &*height, context);
   return shape;
 }
@@ -410,7 +416,7 @@ std::vector<T> all_samples(const SliceStream& image, Context* context) {
 template <class T>
 VoxelShape foreground_of(const SliceStream& image, const ForegroundOptions& options, ForegroundReport& report,
                          Context* context, std::optional<TriangleMesh>* isosurface) {
-  if (adds_voxels(options)) {
+  if (adds_voxels(options) && options.threshold) {  // which voxels are added depends on values
     const std::vector<T> all = all_samples<T>(image, context);
     constexpr auto size = static_cast<std::int64_t>(sizeof(T));
     const ImageView view{grid_of_shape(image.grid, context),
@@ -454,7 +460,7 @@ VoxelShape foreground_of(const SliceStream& image, const ForegroundOptions& opti
   if (shape.empty()) refuse_nothing(options, values, shape.grid());
   if (layers && !values.at_most_two()) *isosurface = std::move(layers->mesh);
   if (seeded) shape = strong_parts(shape, seeds, options, report, context);
-  return shape;
+  return with_additions(std::move(shape), options, nullptr, report, context);
 }
 
 double as_double(const Threshold& threshold) {

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <map>
 #include <random>
 #include <set>
@@ -15,6 +16,7 @@
 #include "dual_of_triangulation.h"
 #include "parts_in_rounds.h"
 #include "quench/error.h"
+#include "quench/io.h"
 #include "quench/samples.h"
 #include "quench/voxelize.h"
 #include "random_shapes.h"
@@ -63,6 +65,9 @@ TEST(Parts, RandomShapesAreTheSame) {
   expect_random_shapes_same(10000, 10040, 14, false);
 }
 
+// Larger than what the first parts know around their boxes.
+TEST(Parts, LargerShapesAreTheSame) { expect_random_shapes_same(30000, 30030, 40, false); }
+
 TEST(Parts, AnisotropicShapesAreTheSame) {
   expect_random_shapes_same(0, 400, 8, true);
   testing_duals::for_spacings({Vec3(0.782, 0.782, 5), Vec3(1, 1000, 1)}, kBoxes,
@@ -102,6 +107,11 @@ TEST(Parts, MeshesAreTheSame) {
   for (const char* name : {"torus", "rippled-box", "plate-with-holes", "hollow-sphere"})
     expect_same_in_boxes(voxelize(make_sample(name).mesh, {.resolution = 64}).shape,
                          std::vector<Boxes>{{16, 4}, {32, 12, {5, 6, 7}}}, kAllRounds, name);
+  const auto file = std::filesystem::path(QUENCH_DATA) / "meshes/armadillo.off";
+  if (!std::filesystem::exists(file)) GTEST_SKIP() << "no test data";
+  const TriangleMesh mesh = to_triangle_mesh(io::read_record(file));
+  expect_same_in_boxes(voxelize(mesh, {.resolution = 128}).shape,
+                       std::vector<Boxes>{{16, 4}, {40, 8, {-5, 11, 30}}, {64, 3}}, kAllRounds, "armadillo");
 }
 
 using SiteList = std::vector<LatticePoint>;
@@ -184,6 +194,7 @@ class RandomPruning {
  private:
   static void set_values(Part& part, const PartComplex& complex) {
     const Cells& cells = part.found.cells;
+    part.extend();
     for (std::uint32_t v = 0; v < cells.count(); ++v) {
       const SiteList sites = sites_of(complex.dual, v, part.sites);
       part.vertex_lambda[v] = value_of(sites);

@@ -20,10 +20,11 @@ namespace {
 // The unmatched facets of several parts that no two of them have: what encloses the polytopes that none knows.
 class OpenFacets {
  public:
-  explicit OpenFacets(std::vector<Unfinished> parts, Context* context) {
-    for (const Unfinished& part : parts) all_.sites = united(all_.sites, part.sites);
-    for (const Unfinished& part : parts) add(part);
-    parts.clear();
+  OpenFacets(const Unfinished& own, std::span<const Unfinished> around, Context* context) {
+    all_.sites = own.sites;
+    for (const Unfinished& part : around) all_.sites = united(all_.sites, part.sites);
+    add(own);
+    for (const Unfinished& part : around) add(part);
     CellsPart facets;
     for (std::uint32_t f = 0; f < all_.size(); ++f) facets.unmatched.push_back({key(f), kNone, f});
     match(facets, all_.sites.size(), context, "merge", 0);
@@ -69,7 +70,7 @@ class Completion {
 
   void run(std::span<const Unfinished> around) {
     add_missing(around);
-    part_.extend();
+    if (!part_.contact.empty()) part_.extend();
     match(part_.found, part_.sites.size(), context_, "merge", 0.75);
     put_in_order(part_, context_);
     if (!region_ && !part_.found.unmatched.empty())
@@ -88,9 +89,7 @@ class Completion {
   }
 
   std::optional<delaunay::Polytopes> missing_polytopes(std::span<const Unfinished> around) {
-    std::vector<Unfinished> all(around.begin(), around.end());
-    all.push_back(unfinished(part_, hulls_));
-    const OpenFacets facets(std::move(all), context_);
+    const OpenFacets facets(unfinished(part_, hulls_), around, context_);
     std::vector<std::uint32_t> number = choose_sites(facets);
     if (sites_.empty()) return std::nullopt;
     const delaunay::Bounds bounds = bounds_of_box(region_ ? *region_ : box_);

@@ -9,11 +9,12 @@
 
 namespace quench::dual::bricks {
 
-// A polytope that is looked for extends from its smallest site by no more than the diameter of its ball, and the ball
-// is known where another step is free.
+// A polytope that is looked for extends from its smallest site by no more than the diameter of its ball, one of a unit
+// cube by one voxel. One more for rounding.
 std::int32_t margin_of_first_part(const std::array<std::int64_t, 3>& spacing) {
   const double reach = peel::Options{}.reach_in(spacing);
-  return static_cast<std::int32_t>(std::ceil(2 * reach / static_cast<double>(std::ranges::min(spacing)))) + 2;
+  return 1 +
+         std::max(1, static_cast<std::int32_t>(std::ceil(2 * reach / static_cast<double>(std::ranges::min(spacing)))));
 }
 
 Part first_part(const VoxelShape& shape, const LatticePoint& at, std::span<const LatticePoint> sites, const Box& box,
@@ -34,11 +35,10 @@ Part first_part(const VoxelShape& shape, const LatticePoint& at, std::span<const
     known[1][a] = own[1][a] + margin;
   }
   const peel::Options options;
-  const KnownBox known_box(known, spacing);
   const peel::SiteIndex index(local);
   const delaunay::Predicates predicates(spacing, std::ranges::max(shape.grid().dims) + 2);
   const peel::Input input{
-      shape, local, spacing, predicates, index, known_box, options.reach_in(spacing), options.least_cubes};
+      shape, local, spacing, predicates, index, known, options.reach_in(spacing), options.least_cubes};
   part.found = peel::peel_box(input, own, hulls);
   part.sites.assign(sites.begin(), sites.end());
   drop_unnamed_sites(part);

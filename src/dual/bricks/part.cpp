@@ -84,18 +84,22 @@ std::vector<T> permuted_list(const std::vector<T>& list, std::span<const std::ui
   return result;
 }
 
-void permute(Part& part, std::span<const std::uint32_t> order, Context* context) {
+void permute_carried(Part& part, std::span<const std::uint32_t> order) {
   const Cells& cells = part.found.cells;
   part.link_lambda = permuted_groups(part.link_lambda, cells.neighbour_begin, order);
   part.link_detail = permuted_groups(part.link_detail, cells.neighbour_begin, order);
   part.contact = permuted_groups(part.contact, cells.site_begin, order);
   part.vertex_lambda = permuted_list(part.vertex_lambda, order);
   part.vertex_detail = permuted_list(part.vertex_detail, order);
+}
+
+void permute(Part& part, std::span<const std::uint32_t> order, Context* context) {
+  if (!part.contact.empty()) permute_carried(part, order);
   std::vector<std::uint32_t> rank(order.size());
   for (std::uint32_t r = 0; r < order.size(); ++r) rank[order[r]] = r;
   for (UnmatchedFacet& f : part.found.unmatched)
     if (f.polytope != kNone) f.polytope = rank[f.polytope];
-  part.found.cells = permuted(cells, order, context);
+  part.found.cells = permuted(part.found.cells, order, context);
 }
 
 void append_to(auto& whole, auto&& part) {
@@ -106,9 +110,12 @@ void append_to(auto& whole, auto&& part) {
 }  // namespace
 
 void put_in_order(Part& part, Context* context) {
-  part.extend();
   const std::vector<std::uint32_t> order = order_of(part.found.cells, part.sites.size(), context);
   if (!std::ranges::is_sorted(order)) permute(part, order, context);
+  put_facets_in_order(part);
+}
+
+void put_facets_in_order(Part& part) {
   std::vector<UnmatchedFacet>& unmatched = part.found.unmatched;
   std::ranges::sort(unmatched, {}, [](const UnmatchedFacet& f) { return std::tuple(f.key, f.polytope); });
   std::vector<Square> squares;
@@ -124,8 +131,10 @@ Part joined(std::vector<Part> parts, Context* context) {
   if (parts.size() == 1) return std::move(parts[0]);
   Part whole;
   for (const Part& part : parts) whole.sites = united(whole.sites, part.sites);
+  const bool carried = std::ranges::any_of(parts, [](const Part& part) { return !part.contact.empty(); });
   std::vector<CellsPart> found;
   for (Part& part : parts) {
+    if (carried) part.extend();
     renumber_sites(part, places_of(part.sites, whole.sites), {});
     found.push_back(std::move(part.found));
     append_to(whole.link_lambda, std::move(part.link_lambda));
@@ -134,7 +143,7 @@ Part joined(std::vector<Part> parts, Context* context) {
     append_to(whole.vertex_detail, std::move(part.vertex_detail));
     append_to(whole.contact, std::move(part.contact));
     append_to(whole.faces, std::move(part.faces));
-    append_to(whole.pending, std::move(part.pending));
+    whole.pending = united(whole.pending, part.pending);
     whole.pruned.vertices += part.pruned.vertices;
     whole.pruned.edges += part.pruned.edges;
     whole.pruned.faces += part.pruned.faces;
@@ -142,9 +151,8 @@ Part joined(std::vector<Part> parts, Context* context) {
   }
   append(found, Numbers::per_part, whole.found);
   std::ranges::sort(whole.faces, {}, &FaceValue::sites);
-  std::ranges::sort(whole.pending, comes_before);
   match(whole.found, whole.sites.size(), context, "merge", 0);
-  put_in_order(whole, context);
+  put_facets_in_order(whole);
   return whole;
 }
 

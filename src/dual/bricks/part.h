@@ -41,8 +41,8 @@ struct FaceValue {
 };
 
 /// A polytope belongs to the part whose box holds its smallest site, and so does a boundary square; nothing else is in
-/// a part. Polytopes are in order of their sites, unmatched facets in order of theirs: a part depends on nothing but
-/// what it knows.
+/// a part. Polytopes are in order of their sites (but for joined()), unmatched facets in order of theirs: a part
+/// depends on nothing but what it knows.
 ///
 /// A link is what lies across a facet, an entry of Cells::neighbours. A pruned link (kPruned) is an edge of the core
 /// that was removed; a pruned vertex is a polytope that is not there any more. A face is removed together with one of
@@ -52,17 +52,18 @@ struct Part {
   CellsPart found;                  ///< sites are places in `sites`; `unmatched` lists all unmatched facets and squares
 
   /// What pruned cells have left behind: the largest lambda and detail of the pruned faces around an edge (per link,
-  /// the same on both sides), of the pruned edges around a vertex (per polytope); -1 where there are none.
+  /// the same on both sides), of the pruned edges around a vertex (per polytope); -1 where there are none. These and
+  /// `contact` are empty until extend() is called.
   std::vector<double> link_lambda, link_detail, vertex_lambda, vertex_detail;
   /// Per corner of each polytope (as Cells::sites): whether some face of the whole core around the vertex has the site.
   std::vector<std::uint8_t> contact;
   std::vector<FaceValue> faces;  ///< in order of their sites
-  std::vector<LatticePoint>
-      pending;    ///< sites in the box of which it is not certain that a kept ball is near; in order
+  /// Sites in the box of which it is not certain that a kept ball is near, in order.
+  std::vector<LatticePoint> pending;
   Counts pruned;  ///< cells that are not there any more
 
   /// Makes the arrays beside the polytopes as long as they must be; new entries are those of cells around which nothing
-  /// is pruned.
+  /// is pruned. complete() does so where they are not empty.
   void extend();
 };
 
@@ -77,7 +78,8 @@ std::int32_t margin_of_first_part(const std::array<std::int64_t, 3>& spacing);
 Part first_part(const VoxelShape& shape, const LatticePoint& at, std::span<const LatticePoint> sites, const Box& box,
                 const std::array<std::int64_t, 3>& spacing, Hulls& hulls, Context* context);
 
-/// Parts of disjoint boxes as one, with facets between them matched. Frees them on the way.
+/// Parts of disjoint boxes as one, with facets between them matched. Frees them on the way. Polytopes are those of one
+/// part after the other, until complete() puts them in order.
 Part joined(std::vector<Part> parts, Context* context);
 
 /// All unmatched facets and squares of a part: what encloses the polytopes that it does not know.
@@ -99,11 +101,11 @@ Unfinished near(const Unfinished& unfinished, const Box& box);
 /// unfinished sites that are reached across unmatched facets and whose balls lie in the region.
 ///
 /// `region`: around the box, and beyond the bounds of the whole where the box is at its border (by two voxels; it is
-/// not to be cut off there). `around`: what is unfinished in all other parts that may have corners in the region: those
-/// whose own boxes come as near to it as their own regions (or the margin of first_part()) reach. No site may lie in
-/// two parts' boxes. Without a region, that is with all parts joined, `box` holds all sites of the whole, everything is
-/// certain, and nothing is unmatched afterwards: otherwise Error(invariant). The spacing times the sides of region or
-/// box: at most 3 2^20. 360 bytes per unfinished site.
+/// not to be cut off there). `around`: what is unfinished in all other parts whose boxes meet it when they are grown by
+/// the widest halo that they had so far, one voxel and margin_of_first_part() included. Without a region, that is with
+/// all parts joined, `box` holds all sites of the whole, everything is certain, and nothing is unmatched afterwards:
+/// otherwise Error(invariant). The spacing times the sides of region or box: at most 3 * 2^20. 360 bytes per unfinished
+/// site.
 void complete(Part& part, const Box& box, const Box* region, std::span<const Unfinished> around,
               const std::array<std::int64_t, 3>& spacing, Hulls& hulls, Context* context);
 

@@ -77,10 +77,13 @@ void add_values(NumberPacker& to, std::size_t count, const std::vector<double>& 
   to.add(0);
 }
 
+// None where there are none.
 void take_values(NumberReader& from, std::size_t count, std::vector<double>& lambda, std::vector<double>& detail) {
-  lambda.assign(count, -1);
-  detail.assign(count, -1);
   for (std::size_t next = 0; const std::uint64_t skip = from.next_up_to(count - next);) {
+    if (lambda.empty()) {
+      lambda.assign(count, -1);
+      detail.assign(count, -1);
+    }
     next += skip;
     lambda[next - 1] = from.next_double();
     detail[next - 1] = from.next_double();
@@ -330,6 +333,7 @@ Part part_in(std::string_view body, Hulls& hulls) {
   take_values(from, cells.count(), part.vertex_lambda, part.vertex_detail);
   part.contact.resize(from.next_up_to(cells.sites.size()));
   take_bits(from, part.contact);
+  if (!part.contact.empty()) part.extend();
   take_faces(from, part.sites.size(), part.faces);
   part.pruned.vertices = from.next();
   part.pruned.edges = from.next();

@@ -11,10 +11,10 @@
 namespace quench::dual::bricks {
 
 /// In the order of z, y, x, in which sites are numbered.
-inline bool comes_before(const LatticePoint& p, const LatticePoint& q) {
+inline constexpr auto comes_before = [](const LatticePoint& p, const LatticePoint& q) {
   if (p[2] != q[2]) return p[2] < q[2];
   return p[1] != q[1] ? p[1] < q[1] : p[0] < q[0];
-}
+};
 
 /// All sites of two ordered lists, in order.
 std::vector<LatticePoint> united(std::span<const LatticePoint> a, std::span<const LatticePoint> b);
@@ -28,7 +28,9 @@ void renumber_sites(Part& part, std::span<const std::uint32_t> place, std::vecto
 /// Drops the sites that nothing names.
 void drop_unnamed_sites(Part& part);
 
-/// Puts polytopes and unmatched facets in order, and drops squares that are matched.
+/// Puts polytopes and unmatched facets in order.
 void put_in_order(Part& part, Context* context);
+/// Puts unmatched facets in order, and drops squares that are matched.
+void put_facets_in_order(Part& part);
 
 }  // namespace quench::dual::bricks

@@ -63,9 +63,8 @@ class Peeler {
     if (SiteIndex::groups(shape_.grid().dims) > 4 * sites_.size() + options_.spare_groups) return {};
     const SiteIndex index(sites_);
     const delaunay::Predicates predicates(spacing_, *std::ranges::max_element(shape_.grid().dims) + 2);
-    const KnownBox known(kEverywhere, spacing_);
     const Input input{
-        shape_, sites_, spacing_, predicates, index, known, options_.reach_in(spacing_), options_.least_cubes};
+        shape_, sites_, spacing_, predicates, index, kEverywhere, options_.reach_in(spacing_), options_.least_cubes};
     const std::vector<std::int32_t> limits = slab_limits(input, options_.layers);
     std::vector<CellsPart> slabs(limits.size() - 1);
     base::for_chunks(slabs.size(), context_, "peel", 0, 1, [&](std::size_t slab) {

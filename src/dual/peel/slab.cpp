@@ -91,7 +91,7 @@ class Slab {
 
   // What is known of the layers around the box.
   delaunay::Bounds known_layers() const {
-    delaunay::Bounds bounds = input_.known.points();
+    delaunay::Bounds bounds = input_.known;
     bounds[0][2] = std::max(bounds[0][2], box_[0][2] - input_.layers());
     bounds[1][2] = std::min(bounds[1][2], box_[1][2] + input_.layers());
     return bounds;
@@ -144,7 +144,7 @@ class Slab {
 
   // From every facet that the unit cubes left unmatched, as far as it goes.
   void wrap() {
-    Wrapping wrapping(input_.sites, input_.spacing, input_.predicates, input_.index, input_.known, input_.reach);
+    Wrapping wrapping(input_.sites, input_.spacing, input_.predicates, input_.index, input_.reach);
     wrapping_ = &wrapping;
     for (std::uint32_t s = 0; s < squares_.size(); ++s) wrap_from({s | kSquare, 0});
     for (std::uint32_t p = 0, count = cells_.count(); p < count; ++p)

@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <span>
 
+#include "delaunay/bounds.h"
 #include "delaunay/predicates.h"
 #include "dual/cells.h"
-#include "dual/known_box.h"
 #include "dual/peel/site_index.h"
 #include "quench/shape.h"
 
@@ -20,7 +20,7 @@ struct Input {
   std::array<std::int64_t, 3> spacing;  ///< integer spacing
   const delaunay::Predicates& predicates;
   const SiteIndex& index;
-  const KnownBox& known;  ///< where the sites are all sites
+  delaunay::Bounds known;  ///< between them the sites are all there are
   double reach;        ///< balls up to this radius are looked for, in units of the integer spacing; 0: unit cubes only
   double least_cubes;  ///< with fewer polytopes of unit cubes per site, unit cubes only
 
@@ -33,6 +33,10 @@ struct Input {
 /// They are polytopes of the whole complex, whatever the box; some may be missing, and which ones depends on the boxes.
 /// Handed over are those whose smallest site lies in the box; facets and boundary squares whose other side is not are
 /// unmatched.
+///
+/// Precondition: balls of at most `reach` with a site in the box on them lie between `known`. What is found farther out
+/// may not be polytopes of the whole, but it does not leave O, since all boundary squares between `known` are facets
+/// there.
 CellsPart peel_box(const Input& input, const delaunay::Bounds& box, Hulls& hulls);
 
 }  // namespace quench::dual::peel

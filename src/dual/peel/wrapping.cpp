@@ -26,8 +26,8 @@ Real3 cross(const Real3& p, const Real3& q) {
 }  // namespace
 
 Wrapping::Wrapping(std::span<const LatticePoint> sites, const std::array<std::int64_t, 3>& spacing,
-                   const delaunay::Predicates& predicates, const SiteIndex& index, const KnownBox& known, double reach)
-    : sites_(sites), predicates_(predicates), index_(index), known_(known), reach_(reach) {
+                   const delaunay::Predicates& predicates, const SiteIndex& index, double reach)
+    : sites_(sites), predicates_(predicates), index_(index), reach_(reach) {
   for (std::size_t i = 0; i < 3; ++i) spacing_[i] = static_cast<double>(spacing[i]);
   step_ = kStep * *std::max_element(spacing_.begin(), spacing_.end());
 }
@@ -102,9 +102,7 @@ bool Wrapping::polytope_across(std::span<const std::uint32_t> facet, std::uint32
                      });
   if (candidates_.empty()) return false;
   const Real3 centre = predicates_.centre(ball);
-  const double squared_radius = dot(centre, centre);
-  if (squared_radius > reach_ * reach_) return false;
-  if (!known_.certainly_holds({a.x, a.y, a.z}, centre, std::sqrt(squared_radius))) return false;
+  if (dot(centre, centre) > reach_ * reach_) return false;
   found.assign(facet.begin(), facet.end());
   for (const auto& [p, entry] : candidates_)
     if (predicates_.on_sphere(ball, p)) found.push_back(index_.site(entry));

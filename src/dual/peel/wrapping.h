@@ -9,7 +9,6 @@
 
 #include "delaunay/predicates.h"
 #include "dual/cells.h"
-#include "dual/known_box.h"
 #include "dual/peel/site_index.h"
 
 namespace quench::dual::peel {
@@ -19,13 +18,13 @@ class Wrapping {
  public:
   /// `reach`: largest radius of a ball that is looked for, in units of the integer spacing.
   Wrapping(std::span<const LatticePoint> sites, const std::array<std::int64_t, 3>& spacing,
-           const delaunay::Predicates& predicates, const SiteIndex& index, const KnownBox& known, double reach);
+           const delaunay::Predicates& predicates, const SiteIndex& index, double reach);
 
   /// `facet`: the sites of a facet of the Delaunay complex, counter-clockwise seen from the side that is asked for.
   /// Puts the sites of the polytope there into `found`, ascending, and returns true; false where its ball is larger
-  /// than the reach, or most probably is, or leaves what is known. `behind`: another site of the polytope on this side
-  /// of the facet; kNone where there is none. The facet has all sites of its plane, so the other sites of the polytope
-  /// are those on its ball above the plane. O(sites in the box of a ball of radius `reach`).
+  /// than the reach, or most probably is. `behind`: another site of the polytope on this side of the facet; kNone where
+  /// there is none. The facet has all sites of its plane, so the other sites of the polytope are those on its ball
+  /// above the plane. O(sites in the box of a ball of radius `reach`).
   bool polytope_across(std::span<const std::uint32_t> facet, std::uint32_t behind, std::vector<std::uint32_t>& found);
 
  private:
@@ -42,7 +41,6 @@ class Wrapping {
   std::array<double, 3> spacing_;
   const delaunay::Predicates& predicates_;
   const SiteIndex& index_;
-  const KnownBox& known_;
   double reach_, step_;
   std::vector<std::pair<delaunay::Point, SiteIndex::Entry>> candidates_;
 };
