@@ -5,12 +5,14 @@
 #   slurm.sh WORK CORE.vtp TASKS SHAPE [options of quench bricks plan]
 #   slurm.sh WORK CORE.vtp TASKS     what is left of a plan that is there, e.g. after tasks have failed
 # Options of sbatch for all jobs are given as its own variables: SBATCH_PARTITION, SBATCH_ACCOUNT, SBATCH_TIMELIMIT.
-# Processors of a task: TASK_CPUS (2). Memory of a task: TASK_MEMORY (4G), of the plan and the merge: MERGE_MEMORY (16G).
+# Processors of a task: TASK_CPUS (2). Memory of a task: TASK_MEMORY (4G; '2G 4G 8G': of rounds 1, 2, and all further
+# ones), of the plan and the merge: MERGE_MEMORY (16G).
 set -euo pipefail
 [ $# -ge 3 ] || { sed -n '3,9p' "$0" | sed 's/^# \{0,1\}//'; exit 2; }
 work=$1 core=$2 tasks=$3
 shift 3
-cpus=${TASK_CPUS:-2} memory=${TASK_MEMORY:-4G} merge_memory=${MERGE_MEMORY:-16G}
+cpus=${TASK_CPUS:-2} merge_memory=${MERGE_MEMORY:-16G}
+read -ra memory <<<"${TASK_MEMORY:-4G}"
 mkdir -p "$work/log"
 
 # submit LOG MEMORY 'COMMAND LINE' [options of sbatch]: prints the number of the job. A job whose program is killed goes
@@ -39,7 +41,7 @@ for r in json.load(sys.stdin)["rounds"]: print(r["round"], r["bricks"])')
 after=()
 while read -r round bricks; do
   n=$((bricks < tasks ? bricks : tasks))
-  job=$(submit "round$round-%a.txt" "$memory" \
+  job=$(submit "round$round-%a.txt" "${memory[round - 1]:-${memory[-1]}}" \
     "quench bricks run $(printf %q "$work") --round $round --task \$SLURM_ARRAY_TASK_ID/$n" \
     --job-name="quench-$round" --array="0-$((n - 1))" "${after[@]}")
   after=(--dependency="afterok:${job%%;*}")

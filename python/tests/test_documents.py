@@ -87,7 +87,7 @@ def test_links_lead_somewhere():
 def test_options_exist():
     """Options that the pages for users name are options of the program or of a script of the project."""
     known = ''
-    for pattern in ('cli/*.cpp', 'cli/*.h', 'scripts/*', 'bench/*.py', 'tests/*.py', 'examples/*.py'):
+    for pattern in ('cli/*.cpp', 'cli/*.h', 'scripts/*', 'bench/*.py', 'tests/*.py', 'examples/*.py', 'examples/cluster/*'):
         for file in glob.glob(os.path.join(ROOT, pattern)):
             with open(file, encoding='utf-8') as source:
                 known += source.read()
@@ -97,7 +97,7 @@ def test_options_exist():
             continue
         with open(os.path.join(ROOT, path), encoding='utf-8') as page:
             for line in page:
-                if not re.search(r'\b(cmake|ctest|pip|venv|SBATCH)\b', line):
+                if not re.search(r'\b(cmake|ctest|pip|venv|SBATCH|sbatch|dask worker|kubectl|aws)\b', line):
                     unknown.update(f'{path}: {option}' for option in re.findall(r'(?<![\w-])--[a-z][a-z0-9-]+', line)
                                    if option not in known)
     assert not unknown

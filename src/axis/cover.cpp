@@ -54,7 +54,7 @@ class Cover {
     find_uncovered(context);
     if (std::ranges::none_of(uncovered_, [](char u) { return u; })) return;
     const BallTree tree(axis_);
-    ShortestPaths paths(axis_, kLengthUnit * least_, kLongestPath * least_);
+    ShortestPaths paths(axis_, kLengthUnit * least_);
     reach_out(tree, paths);
     needed_.assign(components_.member_count(), 0);
     take_faces();
@@ -108,17 +108,19 @@ class Cover {
     });
     return largest;
   }
-  // Keeps the shortest path from a ball near enough to what is significant; where that is too far away, the largest of
-  // these balls. Paths do not lead to earlier ones, so that no chain of them makes one depend on what is far away.
+  // Keeps the shortest path from a ball near enough to what is significant or, where one is very near, to an earlier
+  // path; where all that is too far away, the largest of these balls. Not to any earlier path: in a chain of them each
+  // would depend on what is far away, and they are longer. To none at all they would run side by side in thin tubes.
   void add_path_to(const Vec3& p, const BallTree& tree, ShortestPaths& paths) {
-    paths.restart();
+    paths.restart(kLongestPath * least_);
     std::vector<std::uint32_t> sources;
     for_balls_near(tree, p, near_limit(least_), [&](const BallTree::Ball& ball) {
       paths.add_source(ball.vertex);
       sources.push_back(ball.vertex);
     });
-    if (std::ranges::any_of(sources, [&](std::uint32_t v) { return kept_[v] != kNot; })) return;
-    const auto stop = [&](std::uint32_t v) { return kept_[v] == kSignificant; };
+    const auto stop = [&](std::uint32_t v) {
+      return kept_[v] == kSignificant || (kept_[v] == kPath && paths.distance(v) <= kNearPath / kLengthUnit);
+    };
     std::uint32_t v = paths.next(stop);
     while (v != kNone && !stop(v)) v = paths.next(stop);
     const auto keep_vertex = [&](std::uint32_t w) {
@@ -204,7 +206,7 @@ class Cover {
     std::vector<char> connected(axis_.complex.vertex_count, 0);  // of the roots
     for (std::uint32_t v = 0; v < kept_.size(); ++v)
       if (kept_[v] != kNot) connected[parts.find(v)] = 1;
-    paths.restart();
+    paths.restart(kLongestThinPath * least_);
     std::size_t open = 0;  // parts that are not connected
     for (std::uint32_t v = 0; v < axis_.complex.vertex_count; ++v) {
       if (!in_part_[v] || connected[parts.find(v)]) continue;

@@ -24,6 +24,10 @@ std::vector<char> uncovered_sites(std::span<const LatticePoint> sites, const Gri
 /// Paths are at most so many times `least` long: 55 voxels for cubes. Needed lengths grow like the root of the
 /// resolution; of 5800 at 1024 voxels seven are longer.
 inline constexpr double kLongestPath = 64;
+/// They join an earlier one that is so many times `least` away or less.
+inline constexpr double kNearPath = 4;
+/// The same for those between cells of thin parts, and from them to the rest.
+inline constexpr double kLongestThinPath = 16;
 
 /// Raises details to `least` where boundary vertices need it that lie farther than 2 * least outside the balls of the
 /// cells with detail `least` or more, such that none is left. On a thick body the shortest path along edges to a ball

@@ -40,9 +40,9 @@ class CoverNeeds {
   // Whether there may be uncovered sites within `length` of the vertex that are not known.
   bool is_near_unknown_sites(std::uint32_t vertex, double length) const;
   // Paths begin and end at vertices, or lead from and to what is not known.
-  std::vector<double> lengths_of_paths(const std::vector<double>& to_significant, ShortestPaths& paths,
+  std::vector<double> lengths_of_paths(const std::vector<double>& to_significant, double longest,
                                        std::vector<std::uint8_t>& balls) const;
-  std::vector<double> lengths_of_thin_paths(std::span<const std::uint8_t> thin, double longest) const;
+  std::vector<double> lengths_of_thin_paths(std::span<const std::uint8_t> thin) const;
   Vec3 position(std::size_t site) const { return axis_.grid.world_of(uncovered_[site]); }
 
   const MedialAxis& axis_;

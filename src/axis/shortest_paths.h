@@ -17,13 +17,12 @@ namespace quench::axis {
 
 /// Shortest paths along the edges of a medial axis (Dijkstra 1959) from many sources, for searches that stay near them.
 /// Lengths are whole multiples of `unit`, so that paths of one length are ties whatever the rounding of coordinates;
-/// ties go to the vertex of smaller index. What is farther away than `longest` is not reached.
+/// ties go to the vertex of smaller index.
 class ShortestPaths {
  public:
-  ShortestPaths(const MedialAxis& axis, double unit, double longest)
+  ShortestPaths(const MedialAxis& axis, double unit)
       : axis_(axis),
         per_unit_(1 / unit),
-        longest_(std::round(longest / unit)),
         edges_at_(base::Csr<std::uint32_t>::group(axis.complex.vertex_count,
                                                   [&](const auto& emit) {
                                                     for (std::uint32_t e = 0; e < axis.complex.edges.size(); ++e)
@@ -34,8 +33,9 @@ class ShortestPaths {
         source_(axis.complex.vertex_count, kNone),
         settled_(axis.complex.vertex_count, 0) {}
 
-  /// Forgets sources and what was reached.
-  void restart() {
+  /// Forgets sources and what was reached. What is farther away than `longest` is not reached from now on.
+  void restart(double longest) {
+    longest_ = std::round(longest * per_unit_);
     for (const std::uint32_t v : reached_) {
       distance_[v] = base::kNever;
       came_by_[v] = kNone;
@@ -103,7 +103,7 @@ class ShortestPaths {
   }
 
   const MedialAxis& axis_;
-  double per_unit_, longest_;
+  double per_unit_, longest_ = 0;
   base::Csr<std::uint32_t> edges_at_;
   std::vector<double> distance_;        // so far
   std::vector<std::uint32_t> came_by_;  // the edge; kNone for sources

@@ -75,7 +75,7 @@ AxisOptions pruned_by(std::string_view measure, double voxels, const LoadedShape
 
 TEST(PartPruning, OfRandomShapes) {
   Removed removed;
-  for (std::uint64_t seed = 0; seed < 120; ++seed) {
+  for (std::uint64_t seed = 0; seed < 60; ++seed) {
     SCOPED_TRACE(seed);
     const VoxelShape voxels = testing_shapes::random_shape(seed, seed % 5 ? 20 : 40, seed % 3 == 0);
     const LoadedShape shape = shape_of(VoxelShape(voxels), voxels.grid(), {});
@@ -92,11 +92,11 @@ TEST(PartPruning, OfRandomShapes) {
 
 TEST(PartPruning, OfSamples) {
   Removed removed;
-  for (const char* name : {"ellipsoid", "torus", "box", "bumpy-sphere"})
+  for (const char* name : {"ellipsoid", "bumpy-sphere"})
     for (const SurfaceKind surface : {SurfaceKind::mesh, SurfaceKind::voxels}) {
       SCOPED_TRACE(name);
       const LoadedShape shape = shape_of(make_sample(name, {}).mesh, {.resolution = 64, .surface = surface});
-      for (const std::int64_t size : {6, 16, 32}) {
+      for (const std::int64_t size : {8, 32}) {
         expect_same_in_bricks(shape, {}, size, removed);
         expect_same_in_bricks(shape, pruned_by(kDetail, 0.3, shape), size, removed);
         expect_same_in_bricks(shape, pruned_by(kLambda, 2, shape), size, removed);

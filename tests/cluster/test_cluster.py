@@ -19,7 +19,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 EXAMPLES = ROOT / 'examples' / 'cluster'
 BUILD = pathlib.Path(os.environ.get('QUENCH_BUILD', ROOT / 'build' / 'release')).resolve()
 PLAN = ['torus.ply', '--resolution', '128', '--size', '24']  # 3 rounds
-ENVIRONMENT = {**os.environ, 'PATH': f"{BUILD}:/usr/bin:{os.environ['PATH']}", 'TASK_CPUS': '1', 'TASK_MEMORY': '1G',
+ENVIRONMENT = {**os.environ, 'PATH': f"{BUILD}:/usr/bin:{os.environ['PATH']}", 'TASK_CPUS': '1', 'TASK_MEMORY': '1G 2G',
                'MERGE_MEMORY': '2G', 'OMPI_MCA_btl_vader_single_copy_mechanism': 'none'}
 # In place of quench: `bricks run` waits while there is a file `hold` where it runs; the first ones that find a file
 # `kill-...` there are killed soon after their start.

@@ -49,9 +49,15 @@ TEST(Kind, FollowsTheExtensionInAnyCase) {
 }
 
 TEST(Kind, NamesADatasetOfAFile) {
-  for (const auto& [name, file] :
-       {std::pair("d/a.h5:/b/c", "d/a.h5"), {"a.h5", "a.h5"}, {"x:y/a.hdf5:b:c", "x:y/a.hdf5"}, {"a:b", "a:b"}})
-    EXPECT_EQ(io::file_of(name), file) << name;
+  const Folder folder;
+  for (const char* there : {"d", "x:y"}) std::filesystem::create_directories(folder / there);
+  for (const char* there : {"d/a.h5", "a.h5", "x:y/a.hdf5", "a:b"}) write_bytes(folder / there, "");
+  for (const auto& [name, file] : {std::pair("d/a.h5:/b/c", "d/a.h5"),
+                                   {"a.h5", "a.h5"},
+                                   {"x:y/a.hdf5:b:c", "x:y/a.hdf5"},
+                                   {"a:b", "a:b"},
+                                   {"missing:c", "missing:c"}})
+    EXPECT_EQ(io::place_of_input(folder / name), folder / file) << name;
 }
 
 TEST(Kind, DicomIsKnownByItsMark) {
