@@ -5,8 +5,8 @@ measured; beside it the core of the shape in one piece, in the same run. From th
 simulated: a round begins when the one before it has ended, its tasks go in order to the worker that is free first, and
 the merge is one task.
 
-    bench/brick_scaling.py SHAPE RESOLUTION... [--size 512] [--quench build/release/quench] [--work DIR]
-                           [--no-whole 8192] [--json OUT.json] [--plot OUT.svg]
+    bench/brick_scaling.py SHAPE RESOLUTION... [--size 512] [--tasks 1000] [--quench build/release/quench]
+                           [--work DIR] [--no-whole 8192] [--json OUT.json] [--plot OUT.svg]
 
 Nothing is said of networks and file systems: the bytes that tasks read and write stand in the table.
 """
@@ -45,7 +45,7 @@ def simulated(rounds, merge, workers):
     return sum(makespan(tasks, workers) for tasks in rounds) + merge
 
 
-def measure(quench, shape, resolution, size, work, whole):
+def measure(quench, shape, resolution, size, most_tasks, work, whole):
     def task(*words):
         return run([quench, *map(str, words), "--quiet", "--threads", "1"])
 
@@ -62,9 +62,10 @@ def measure(quench, shape, resolution, size, work, whole):
 
     row["rounds"] = []
     for number, bricks_of_round in ((r["round"], r["bricks"]) for r in status()["rounds"]):
-        tasks = [task("bricks", "run", bricks, "--round", number, "--task", f"{i}/{bricks_of_round}")
-                 for i in range(bricks_of_round)]
-        row["rounds"].append({"seconds": [t[0] for t in tasks], "peak_bytes": max(t[1] for t in tasks)})
+        n = min(bricks_of_round, most_tasks)
+        tasks = [task("bricks", "run", bricks, "--round", number, "--task", f"{i}/{n}") for i in range(n)]
+        row["rounds"].append({"bricks": bricks_of_round, "seconds": [t[0] for t in tasks],
+                              "peak_bytes": max(t[1] for t in tasks)})
     for measured, told in zip(row["rounds"], status()["rounds"]):
         measured |= {k: told[k] for k in ("bytes_read", "bytes_written") if k in told}
     row["merge_seconds"], row["merge_bytes"] = task("bricks", "merge", bricks, "-o", core, "--overwrite")
@@ -87,7 +88,7 @@ def tell(row):
     print(f"  plan      {row['plan_seconds']:8.1f} s  {row['plan_bytes'] / gib:6.2f} GiB")
     for number, r in enumerate(row["rounds"], 1):
         s = r["seconds"]
-        print(f"  round {number}   {sum(s):8.1f} s  {r['peak_bytes'] / gib:6.2f} GiB  {len(s):5} tasks, longest "
+        print(f"  round {number}   {sum(s):8.1f} s  {r['peak_bytes'] / gib:6.2f} GiB  {r['bricks']:5} bricks, {len(s):5} tasks, longest "
               f"{max(s):.1f} s = {max(s) * len(s) / max(sum(s), 1e-9):.1f} of the mean; read "
               f"{r.get('bytes_read', 0) / gib:.2f} GiB, written {r.get('bytes_written', 0) / gib:.2f} GiB")
     print(f"  merge     {row['merge_seconds']:8.1f} s  {row['merge_bytes'] / gib:6.2f} GiB")
@@ -132,6 +133,8 @@ def main():
     parser.add_argument("shape")
     parser.add_argument("resolution", type=int, nargs="+")
     parser.add_argument("--size", type=int, default=512)
+    parser.add_argument("--tasks", type=int, default=1000,
+                        help="tasks of a round at most; each begins with the plan and the surface")
     parser.add_argument("--quench", default="build/release/quench")
     parser.add_argument("--work", help="folder for what is written meanwhile; default: a temporary one")
     parser.add_argument("--no-whole", type=int, default=1 << 30, metavar="R",
@@ -142,7 +145,7 @@ def main():
     rows = []
     with tempfile.TemporaryDirectory(dir=o.work) as work:
         for resolution in o.resolution:
-            rows.append(measure(o.quench, o.shape, resolution, o.size, work, resolution < o.no_whole))
+            rows.append(measure(o.quench, o.shape, resolution, o.size, o.tasks, work, resolution < o.no_whole))
             tell(rows[-1])
             sys.stdout.flush()
             if o.json:
