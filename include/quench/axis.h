@@ -113,7 +113,6 @@ enum class LambdaRule {
 
 struct CoreOptions {
   LambdaRule rule = LambdaRule::coface;
-  bool in_bricks = false;  ///< work on parts of the shape one after the other: less memory, the same result, slower
 };
 
 /// The voxel core: the part of the Voronoi diagram of the boundary vertices of O whose dual Delaunay cells meet O
@@ -121,7 +120,7 @@ struct CoreOptions {
 /// duplicate faces. It has the topology of O (Thm. 2.4.3) and lies strictly inside O (Thm. 2.4.5).
 ///
 /// Cells are ordered by the lattice coordinates of their sites, so the result does not depend on threads, translation
-/// or padding. About 265 bytes per site at the peak, in bricks 250. Throws Error(input) for an empty shape or one whose
+/// or padding. About 265 bytes per site at the peak. Throws Error(input) for an empty shape or one whose
 /// spacing has no integer proportion, Error(failed) when an index outgrows 32 bits.
 MedialAxis voxel_core(const VoxelShape& shape, const CoreOptions& options = {}, Context* context = nullptr);
 
@@ -132,7 +131,7 @@ MedialAxis voxel_core(const VoxelShape& shape, const CoreOptions& options = {}, 
 std::int64_t predicted_core_bytes(const VoxelShape& shape);
 /// The most for so many boundary vertices.
 std::int64_t predicted_core_bytes(std::int64_t sites);
-/// The same with CoreOptions::in_bricks, which takes less for shapes with flat walls only.
+/// The same for pipeline::AxisOptions::bricks_in.
 std::int64_t predicted_core_bytes_in_bricks(const VoxelShape& shape);
 /// The least for so many boundary vertices.
 std::int64_t predicted_core_bytes_in_bricks(std::int64_t sites);

@@ -18,9 +18,10 @@
 /// any number of processes on any machines do run_bricks(), merge_bricks() makes the core of what they leave
 /// there. The core is that of core_of(), to the byte of its file, however the work is divided (docs/user/bricks.md).
 ///
-/// Work is done in rounds. A brick of the first round is a box of the shape, one of each further round a box of
-/// twice the side, made of those below it. What a task leaves there appears at once, by a rename, and is the same
-/// whoever does it; so tasks may be killed, repeated, and done twice at the same time.
+/// Work is done in rounds. A brick of the first round is a box of the shape, one of the second a box of four times the
+/// side, of each further round of twice the side of the one before, made of those below it. What a task leaves there
+/// appears at once, by a rename, and is the same whoever does it; so tasks may be killed, repeated, and done twice at
+/// the same time.
 namespace quench::pipeline {
 
 inline constexpr std::int64_t kBrickSize = 512;  ///< voxels along a side of the boxes of the first round

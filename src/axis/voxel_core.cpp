@@ -10,7 +10,6 @@
 #include "base/parallel.h"
 #include "base/return_memory.h"
 #include "delaunay/delaunay.h"
-#include "dual/bricks/rounds.h"
 #include "dual/dual_complex.h"
 #include "dual/peel/peel.h"
 #include "dual/plane/dual_of_plane.h"
@@ -59,9 +58,7 @@ static MedialAxis compute(const VoxelShape& shape, const CoreOptions& options, C
   checkpoint(context, "peel", 0);
   const bool plane = shape.grid().is_plane();
   DualComplex dual = plane ? dual::plane::dual_complex(shape, sites, spacing, context)
-                     : options.in_bricks || sites.size() > delaunay::Delaunay::kMostSites
-                         ? dual::bricks::dual_complex(shape, sites, spacing, dual::bricks::plan_for(shape), context)
-                         : dual::peel::dual_complex(shape, sites, spacing, {}, context);
+                           : dual::peel::dual_complex(shape, sites, spacing, {}, context);
 
   base::return_free_memory();
   MedialAxis axis = axis::axis_of(dual, std::move(sites), shape.grid(), options.rule, {}, context);

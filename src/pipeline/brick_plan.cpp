@@ -16,6 +16,8 @@ using dual::bricks::Box;
 using Triple = std::array<std::int64_t, 3>;
 
 constexpr std::int64_t kHalo = 8;  // its width is that part of a side
+// A brick with such a share of all sites is left to the merge, which would do it again.
+constexpr double kNearlyAll = 0.6;
 
 Triple sides_of(std::int64_t size, const Triple& spacing) {
   double volume = 1;
@@ -49,14 +51,20 @@ BrickRound first_round(const VoxelShape& shape, const Triple& low, const Triple&
   return round;
 }
 
-// Of boxes of twice the side.
-BrickRound next_round(const BrickRound& before) {
+// Of boxes of `times` the side.
+BrickRound next_round(const BrickRound& before, std::int64_t times) {
   std::map<Triple, std::int64_t> count;
-  for (const Brick& b : before.bricks) count[{b.index[2] / 2, b.index[1] / 2, b.index[0] / 2}] += b.sites;
+  for (const Brick& b : before.bricks) count[{b.index[2] / times, b.index[1] / times, b.index[0] / times}] += b.sites;
   BrickRound round;
-  for (std::size_t a = 0; a < 3; ++a) round.side[a] = 2 * before.side[a];
+  for (std::size_t a = 0; a < 3; ++a) round.side[a] = times * before.side[a];
   for (const auto& [index, sites] : count) round.bricks.push_back({{index[2], index[1], index[0]}, sites});
   return round;
+}
+
+std::int64_t sites_of(const BrickRound& round) {
+  std::int64_t sites = 0;
+  for (const Brick& brick : round.bricks) sites += brick.sites;
+  return sites;
 }
 
 }  // namespace
@@ -109,9 +117,13 @@ BrickPlan plan_of(const LoadedShape& shape, const AxisOptions& options, std::int
   base::in_arena(context, [&] {
     plan.rounds.push_back(first_round(shape.shape, plan.low, sides_of(size, plan.spacing), context));
   });
-  for (;;) {
-    BrickRound next = next_round(plan.rounds.back());
-    if (next.bricks.size() <= 1) break;
+  // Small bricks of the first round are the share of a task; pruning begins with the second one, and finds little to
+  // prune in boxes that are small beside the shape.
+  const std::int64_t all = sites_of(plan.rounds[0]);
+  for (std::int64_t times = 4;; times = 2) {
+    BrickRound next = next_round(plan.rounds.back(), times);
+    const std::int64_t largest = std::ranges::max(next.bricks, {}, &Brick::sites).sites;
+    if (static_cast<double>(largest) > kNearlyAll * static_cast<double>(all)) break;
     plan.rounds.push_back(std::move(next));
   }
   return plan;

@@ -34,7 +34,7 @@ struct BrickPlan {
   AxisOptions options;
   double threshold = 0;                       ///< of the measure, world units
   std::array<std::int64_t, 3> low{}, high{};  ///< first and last coordinates of the sites; boxes begin at the first
-  std::vector<BrickRound> rounds;             ///< rounds[0]: boxes of single bricks; each next one of twice the side
+  std::vector<BrickRound> rounds;             ///< rounds[0]: boxes of single bricks; then of four times the side, then of twice that
   std::uint64_t fingerprint = 0;              ///< of the plan and the shape; 0: there is one plan only
 
   /// Cells with a lower level are not wanted; 0: all are.

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <atomic>
 #include <functional>
+#include <filesystem>
 #include <map>
 #include <string>
 #include <vector>
@@ -69,7 +70,6 @@ TEST(Threads, EveryStageKeepsToThoseOfItsContext) {
       {"voxelize", [&](Context* c) { voxelize(mesh, {.resolution = 64}, c); }},
       {"voxelize_auto", [&](Context* c) { voxelize_auto(mesh, {}, c); }},
       {"voxel_core", [&](Context* c) { voxel_core(shape, {}, c); }},
-      {"voxel_core in bricks", [&](Context* c) { voxel_core(shape, {.in_bricks = true}, c); }},
       {"prune_levels",
        [&](Context* c) {
          MedialAxis axis = core.axis;
@@ -77,6 +77,8 @@ TEST(Threads, EveryStageKeepsToThoseOfItsContext) {
        }},
       {"Reconstruction", [&](Context* c) { Reconstruction(shape, core.axis, 20000, c); }},
       {"core_of", [&](Context* c) { pipeline::core_of(loaded, {}, c); }},
+      {"core_of in bricks",
+       [&](Context* c) { pipeline::core_of(loaded, {.bricks_in = std::filesystem::temp_directory_path()}, c); }},
       {"burn", [&](Context* c) { burn(complex, core.axis.points, core.axis.radius, {}, c); }},
       {"quench_curves", [&](Context* c) { quench_curves(complex, core.axis.points, core.axis.radius, burning, c); }},
       {"skeletons", [&](Context* c) { skeletons(refined, c); }},
