@@ -16,8 +16,6 @@ using dual::bricks::Box;
 using Triple = std::array<std::int64_t, 3>;
 
 constexpr std::int64_t kHalo = 8;  // its width is that part of a side
-// A brick with such a share of all sites is left to the merge, which would do it again.
-constexpr double kNearlyAll = 0.6;
 
 Triple sides_of(std::int64_t size, const Triple& spacing) {
   double volume = 1;
@@ -99,7 +97,8 @@ std::string refused_in_bricks(const VoxelShape& shape, const AxisOptions& option
   return {};
 }
 
-BrickPlan plan_of(const LoadedShape& shape, const AxisOptions& options, std::int64_t size, Context* context) {
+BrickPlan plan_of(const LoadedShape& shape, const AxisOptions& options, std::int64_t size, Context* context,
+                  const BrickGrowth& growth) {
   if (shape.shape.empty())
     throw Error(ErrorCode::input, "the voxel shape is empty; there is no medial axis to compute");
   if (const std::string reason = refused_in_bricks(shape.shape, options); !reason.empty())
@@ -117,13 +116,11 @@ BrickPlan plan_of(const LoadedShape& shape, const AxisOptions& options, std::int
   base::in_arena(context, [&] {
     plan.rounds.push_back(first_round(shape.shape, plan.low, sides_of(size, plan.spacing), context));
   });
-  // Small bricks of the first round are the share of a task; pruning begins with the second one, and finds little to
-  // prune in boxes that are small beside the shape.
   const std::int64_t all = sites_of(plan.rounds[0]);
-  for (std::int64_t times = 4;; times = 2) {
+  for (std::int64_t times = growth.first;; times = growth.then) {
     BrickRound next = next_round(plan.rounds.back(), times);
     const std::int64_t largest = std::ranges::max(next.bricks, {}, &Brick::sites).sites;
-    if (static_cast<double>(largest) > kNearlyAll * static_cast<double>(all)) break;
+    if (static_cast<double>(largest) >= growth.nearly_all * static_cast<double>(all)) break;
     plan.rounds.push_back(std::move(next));
   }
   return plan;

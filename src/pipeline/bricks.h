@@ -59,9 +59,18 @@ struct BrickPlan {
   }
 };
 
+/// How the sides of boxes grow from round to round. Bricks of the first round are the share of a task; pruning begins
+/// with the second, and finds little in boxes that are small beside the shape. A brick with nearly all sites is left to
+/// the merge, which would do the same again.
+struct BrickGrowth {
+  std::int64_t first = 4, then = 2;
+  double nearly_all = 0.6;  ///< share of the sites
+};
+
 /// The first round has boxes of about `size`^3 voxels: of the same sides in the world along every axis. Throws
 /// Error(usage), field `in_bricks`, for what cannot be done in bricks.
-BrickPlan plan_of(const LoadedShape& shape, const AxisOptions& options, std::int64_t size, Context* context);
+BrickPlan plan_of(const LoadedShape& shape, const AxisOptions& options, std::int64_t size, Context* context,
+                  const BrickGrowth& growth = {});
 /// What cannot be done in bricks, as a sentence; empty: all.
 std::string refused_in_bricks(const VoxelShape& shape, const AxisOptions& options);
 

@@ -54,7 +54,7 @@ void expect_same(const CoreResult& got, const CoreResult& wanted) {
 void expect_same_in_bricks(const LoadedShape& shape, const AxisOptions& options, std::int64_t size, Removed& removed) {
   SCOPED_TRACE("size " + std::to_string(size) + " by " + std::string(options.pruning.measure));
   const CoreResult wanted = core_of(shape, options);
-  const BrickPlan plan = plan_of(shape, options, size, nullptr);
+  const BrickPlan plan = plan_of(shape, options, size, nullptr, {2, 2, 1});
   MemoryBrickStore store(plan, shape);
   for (std::size_t round = 0; round < plan.rounds.size(); ++round)
     for (std::size_t brick = 0; brick < plan.rounds[round].bricks.size(); ++brick)

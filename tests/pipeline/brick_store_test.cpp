@@ -66,7 +66,7 @@ TEST(BrickPlan, EverySiteLiesInOneBoxOfEveryRound) {
   for (std::uint64_t seed = 0; seed < 40; ++seed) {
     const LoadedShape shape = loaded(testing_shapes::random_shape(seed, 24, seed % 2 == 1));
     const std::vector<LatticePoint> sites = boundary_vertices(shape.shape);
-    const BrickPlan plan = plan_of(shape, {}, 4, nullptr);
+    const BrickPlan plan = plan_of(shape, {}, 4, nullptr, {2, 2, 1});
     for (std::size_t round = 0; round < plan.rounds.size(); ++round) {
       std::size_t all = 0;
       for (std::size_t b = 0; b < plan.rounds[round].bricks.size(); ++b) {
@@ -88,7 +88,7 @@ TEST(BrickPlan, EverySiteLiesInOneBoxOfEveryRound) {
 }
 
 TEST(BrickPlan, FindsTheBricksThatTouchABox) {
-  const BrickPlan plan = plan_of(mesh_of("torus", 60), {}, 8, nullptr);
+  const BrickPlan plan = plan_of(mesh_of("torus", 60), {}, 8, nullptr, {2, 2, 1});
   std::mt19937 random(1);
   const auto between = [&](int low, int high) {
     return std::int64_t{std::uniform_int_distribution(low, high)(random)};
@@ -167,7 +167,7 @@ TEST(ShapeFiles, AreCheckedWhenRead) {
 TEST(PartBytes, ComeBackAsTheyWere) {
   for (std::uint64_t seed = 0; seed < 30; ++seed) {
     const LoadedShape shape = loaded(testing_shapes::random_shape(seed, 20, seed % 3 == 1));
-    const BrickPlan plan = plan_of(shape, {}, 6, nullptr);
+    const BrickPlan plan = plan_of(shape, {}, 6, nullptr, {2, 2, 1});
     MemoryBrickStore store(plan, shape);
     run_all(plan, store);
     for (std::size_t round = 0; round < plan.rounds.size(); ++round)
@@ -188,7 +188,7 @@ TEST(PartBytes, ComeBackAsTheyWere) {
 
 TEST(PartBytes, AreRefusedWhenDamaged) {
   const LoadedShape shape = loaded(testing_shapes::random_shape(6, 9));
-  const BrickPlan plan = plan_of(shape, {}, 8, nullptr);
+  const BrickPlan plan = plan_of(shape, {}, 8, nullptr, {2, 2, 1});
   MemoryBrickStore store(plan, shape);
   run_all(plan, store);
   const std::string bytes = store.part(0, 0);
@@ -204,7 +204,7 @@ TEST(PartBytes, AreRefusedWhenDamaged) {
 void expect_same_core(const LoadedShape& shape, const AxisOptions& options, std::int64_t size,
                       const std::string& what) {
   const std::string whole = file_of(core_of(shape, options));
-  const BrickPlan plan = plan_of(shape, options, size, nullptr);
+  const BrickPlan plan = plan_of(shape, options, size, nullptr, {2, 2, 1});
   MemoryBrickStore store(plan, shape);
   run_all(plan, store);
   EXPECT_TRUE(file_of(merge_bricks(plan, shape, store, nullptr)) == whole) << what;
@@ -238,7 +238,7 @@ TEST(Bricks, AreTheSameInFoldersAndOnAnyThreads) {
     const std::filesystem::path work = folder / std::to_string(threads);
     Context context;
     context.threads = threads;
-    EXPECT_EQ(plan_bricks(shape, {}, 12, work, "{}", &context).rounds.size(), 3u);
+    EXPECT_EQ(plan_bricks(shape, {}, 8, work, "{}", &context).rounds.size(), 2u);
     run_bricks(work, {}, {}, &context);
     for (const auto& entry : std::filesystem::recursive_directory_iterator(work)) {
       if (!entry.is_regular_file() || (entry.path().extension() == ".json" && entry.path().filename() != "plan.json"))

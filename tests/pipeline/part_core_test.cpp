@@ -49,7 +49,7 @@ CoreResult from_unpruned_parts(const LoadedShape& shape, const AxisOptions& opti
 }
 
 CoreResult from_bricks(const LoadedShape& shape, const AxisOptions& options, std::int64_t size) {
-  const BrickPlan plan = plan_of(shape, options, size, nullptr);
+  const BrickPlan plan = plan_of(shape, options, size, nullptr, {2, 2, 1});
   MemoryBrickStore store(plan, shape);
   for (std::size_t round = 0; round < plan.rounds.size(); ++round)
     for (std::size_t brick = 0; brick < plan.rounds[round].bricks.size(); ++brick)
