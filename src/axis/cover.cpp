@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
-#include <numeric>
+#include <limits>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -44,82 +44,6 @@ std::vector<char> uncovered_sites(std::span<const LatticePoint> sites, const Gri
 
 namespace {
 
-class PathFinder {
- public:
-  PathFinder(const MedialAxis& axis, double least, const BallTree& tree, ShortestPaths& paths, std::vector<Kept>& kept)
-      : axis_(axis), least_(least), tree_(tree), paths_(paths), kept_(kept) {}
-
-  // How far what is significant is from the balls near the site.
-  double length_to(const Vec3& p) {
-    start_at(p);
-    const std::uint32_t v = first_at([&](std::uint32_t w) { return kept_[w] == Kept::kSignificant; });
-    return v == kNone ? base::kNever : paths_.distance(v);
-  }
-  // The shortest path from a ball near enough to what is significant or, where one is very near, to an earlier path;
-  // where all that is too far away, the largest of these balls. Not to any earlier path: in a chain of them each would
-  // depend on what is far away, and they are longer. To none at all they would run side by side in thin tubes.
-  void add_path_to(const Vec3& p, PathCells& cells) {
-    start_at(p);
-    std::uint32_t v = first_at([&](std::uint32_t w) {
-      return kept_[w] == Kept::kSignificant ||
-             (kept_[w] == Kept::kPath && paths_.distance(w) <= kNearPath / kLengthUnit);
-    });
-    const auto keep_vertex = [&](std::uint32_t w) {
-      cells.vertices.push_back(w);
-      if (kept_[w] == Kept::kNot) kept_[w] = Kept::kPath;
-    };
-    if (v == kNone) v = largest_source();
-    keep_vertex(v);
-    paths_.walk_back(v, [&](std::uint32_t e, std::uint32_t w) {
-      cells.edges.push_back(e);
-      keep_vertex(w);
-    });
-  }
-
- private:
-  void start_at(const Vec3& p) {
-    paths_.restart(kLongestPath * least_);
-    sources_.clear();
-    for_balls_near(tree_, p, near_limit(least_), [&](const BallTree::Ball& ball) {
-      paths_.add_source(ball.vertex);
-      sources_.push_back(ball.vertex);
-    });
-  }
-  template <class Stop>
-  std::uint32_t first_at(const Stop& stop) {
-    std::uint32_t v = paths_.next(stop);
-    while (v != kNone && !stop(v)) v = paths_.next(stop);
-    return v;
-  }
-  std::uint32_t largest_source() const {
-    return *std::ranges::max_element(sources_, {}, [&](std::uint32_t v) { return std::pair(axis_.radius[v], ~v); });
-  }
-
-  const MedialAxis& axis_;
-  double least_;
-  const BallTree& tree_;
-  ShortestPaths& paths_;
-  std::vector<Kept>& kept_;
-  std::vector<std::uint32_t> sources_;
-};
-
-}  // namespace
-
-PathCells covering_paths(const MedialAxis& axis, double least, std::span<const LatticePoint> sites,
-                         const BallTree& tree, ShortestPaths& paths, std::vector<Kept>& kept) {
-  PathFinder finder(axis, least, tree, paths, kept);
-  std::vector<double> length;
-  for (const LatticePoint& site : sites) length.push_back(finder.length_to(axis.grid.world_of(site)));
-  std::vector<std::uint32_t> order(sites.size());
-  std::iota(order.begin(), order.end(), 0u);
-  std::ranges::stable_sort(order, std::greater{}, [&](std::uint32_t s) { return length[s]; });
-  PathCells cells;
-  for (const std::uint32_t s : order) finder.add_path_to(axis.grid.world_of(sites[s]), cells);
-  return cells;
-}
-
-namespace {
-
 class Cover {
  public:
   Cover(const MedialAxis& axis, double least, std::span<const LatticePoint> pending, SignificantParts& components,
@@ -143,30 +67,33 @@ class Cover {
   void keep(double& detail) const { detail = std::max(detail, least_); }
 
   void find_uncovered(Context* context) {
-    kept_.assign(axis_.complex.vertex_count, Kept::kNot);
+    kept_.assign(axis_.complex.vertex_count, kNot);
     for (std::uint32_t c = 0; c < cells_.count(); ++c)
-      if (cells_.value(c) >= least_) cells_.for_corners(c, [&](std::uint32_t v) { kept_[v] = Kept::kSignificant; });
+      if (cells_.value(c) >= least_) cells_.for_corners(c, [&](std::uint32_t v) { kept_[v] = kSignificant; });
     std::vector<std::uint32_t> vertices;
     for (std::uint32_t v = 0; v < kept_.size(); ++v)
-      if (kept_[v] != Kept::kNot) vertices.push_back(v);
+      if (kept_[v] != kNot) vertices.push_back(v);
     kept_tree_.emplace(axis_.points, axis_.radius, std::move(vertices));
     uncovered_ = uncovered_sites(pending_, axis_.grid, *kept_tree_, least_, context);
   }
 
+  // Sites of thick parts, the farthest from what is kept first, so that the paths to them cover others.
   void reach_out(const BallTree& tree, ShortestPaths& paths) {
-    std::vector<char> thick(pending_.size(), 0);
+    std::vector<double> away(pending_.size(), 0);
     base::for_indices(pending_.size(), [&](std::size_t s) {
-      thick[s] = uncovered_[s] && largest_near(tree, position(s)) > kThin * least_;
+      if (!uncovered_[s] || largest_near(tree, position(s)) <= kThin * least_) return;
+      away[s] = std::numeric_limits<double>::max();
+      kept_tree_->nearest(position(s), away[s]);
     });
-    std::vector<LatticePoint> sites;
-    for (std::size_t s = 0; s < pending_.size(); ++s) {
-      if (!thick[s]) continue;
-      sites.push_back(pending_[s]);
+    std::vector<std::uint32_t> order;
+    for (std::uint32_t s = 0; s < away.size(); ++s)
+      if (away[s] > 0) order.push_back(s);
+    std::ranges::stable_sort(order, std::greater{},
+                             [&](std::uint32_t s) { return std::round(away[s] / (kLengthUnit * least_)); });
+    for (const std::uint32_t s : order) {
+      add_path_to(position(s), tree, paths);
       uncovered_[s] = 0;
     }
-    const PathCells cells = covering_paths(axis_, least_, sites, tree, paths, kept_);
-    for (const std::uint32_t v : cells.vertices) keep(detail_.vertex[v]);
-    for (const std::uint32_t e : cells.edges) keep(detail_.edge[e]);
   }
   double largest_near(const BallTree& tree, const Vec3& p) const {
     double largest = 0;
@@ -180,6 +107,35 @@ class Cover {
       if (ball.radius > largest && outside(ball, p) < near) largest = ball.radius;
     });
     return largest;
+  }
+  // Keeps the shortest path from a ball near enough to what is significant or, where one is very near, to an earlier
+  // path; where all that is too far away, the largest of these balls. Not to any earlier path: in a chain of them each
+  // would depend on what is far away, and they are longer. To none at all they would run side by side in thin tubes.
+  void add_path_to(const Vec3& p, const BallTree& tree, ShortestPaths& paths) {
+    paths.restart(kLongestPath * least_);
+    std::vector<std::uint32_t> sources;
+    for_balls_near(tree, p, near_limit(least_), [&](const BallTree::Ball& ball) {
+      paths.add_source(ball.vertex);
+      sources.push_back(ball.vertex);
+    });
+    const auto stop = [&](std::uint32_t v) {
+      return kept_[v] == kSignificant || (kept_[v] == kPath && paths.distance(v) <= kNearPath / kLengthUnit);
+    };
+    std::uint32_t v = paths.next(stop);
+    while (v != kNone && !stop(v)) v = paths.next(stop);
+    const auto keep_vertex = [&](std::uint32_t w) {
+      keep(detail_.vertex[w]);
+      if (kept_[w] == kNot) kept_[w] = kPath;
+    };
+    if (v == kNone) v = largest_of(sources);
+    keep_vertex(v);
+    paths.walk_back(v, [&](std::uint32_t e, std::uint32_t w) {
+      keep(detail_.edge[e]);
+      keep_vertex(w);
+    });
+  }
+  std::uint32_t largest_of(const std::vector<std::uint32_t>& vertices) const {
+    return *std::ranges::max_element(vertices, {}, [&](std::uint32_t v) { return std::pair(axis_.radius[v], ~v); });
   }
   void keep_path(const ShortestPaths& paths, std::uint32_t from) {
     paths.walk_back(from, [&](std::uint32_t edge, std::uint32_t vertex) {
@@ -249,7 +205,7 @@ class Cover {
     base::UnionFind parts = united_cells();
     std::vector<char> connected(axis_.complex.vertex_count, 0);  // of the roots
     for (std::uint32_t v = 0; v < kept_.size(); ++v)
-      if (kept_[v] != Kept::kNot) connected[parts.find(v)] = 1;
+      if (kept_[v] != kNot) connected[parts.find(v)] = 1;
     paths.restart(kLongestThinPath * least_);
     std::size_t open = 0;  // parts that are not connected
     for (std::uint32_t v = 0; v < axis_.complex.vertex_count; ++v) {
@@ -257,7 +213,7 @@ class Cover {
       open += parts.find(v) == v;
       paths.add_source(v);
     }
-    const auto is_end = [&](std::uint32_t v) { return kept_[v] != Kept::kNot; };
+    const auto is_end = [&](std::uint32_t v) { return kept_[v] != kNot; };
     const auto join = [&](std::uint32_t a, std::uint32_t b) {
       const bool either = connected[parts.find(a)] || connected[parts.find(b)];
       parts.unite(a, b);
@@ -271,7 +227,7 @@ class Cover {
     };
     for (std::uint32_t v; open > 0 && (v = paths.next(is_end)) != kNone;) {
       const std::uint32_t source = paths.source_of(v);
-      if (kept_[v] != Kept::kNot) {
+      if (kept_[v] != kNot) {
         if (!apart(source, v)) continue;
         keep_path(paths, v);
         join(source, v);
@@ -279,7 +235,7 @@ class Cover {
       }
       for (const std::uint32_t e : paths.edges_at(v)) {
         const std::uint32_t w = paths.other_end(e, v);
-        if (!paths.is_settled(w) || kept_[w] != Kept::kNot || !apart(source, paths.source_of(w))) continue;
+        if (!paths.is_settled(w) || kept_[w] != kNot || !apart(source, paths.source_of(w))) continue;
         if (paths.distance(v) + paths.length(e) + paths.distance(w) > paths.longest()) continue;
         keep(detail_.edge[e]);
         keep_path(paths, v);
@@ -310,6 +266,7 @@ class Cover {
   const TopCells& cells_;
   CellValues& detail_;
   std::optional<BallTree> kept_tree_;
+  enum Kept : char { kNot, kSignificant, kPath };
   std::vector<Kept> kept_;                  // per vertex: of what is significant, and of paths to it
   std::vector<char> in_part_;               // per vertex: of a cell that is kept
   std::vector<char> uncovered_, has_face_;  // per vertex of pending_

@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <cstdint>
 #include <span>
 #include <vector>
 
 #include "axis/ball_tree.h"
-#include "axis/shortest_paths.h"
 #include "axis/significant_parts.h"
 #include "quench/axis.h"
 
@@ -30,19 +28,6 @@ inline constexpr double kLongestPath = 64;
 inline constexpr double kNearPath = 4;
 /// The same for those between cells of thin parts, and from them to the rest.
 inline constexpr double kLongestThinPath = 16;
-
-/// Why a vertex is kept, if it is.
-enum class Kept : char { kNot, kSignificant, kPath };
-
-struct PathCells {
-  std::vector<std::uint32_t> vertices, edges;  ///< some more than once
-};
-
-/// The cells of shortest paths from a ball near each of some uncovered sites of thick parts to what is significant (see
-/// cover_boundary()). Sites from which that is farthest come first, so that paths of others can join theirs. `tree`: of
-/// all balls. Marks the vertices in `kept`. Nothing depends on what is farther away than kLongestPath * least.
-PathCells covering_paths(const MedialAxis& axis, double least, std::span<const LatticePoint> sites,
-                         const BallTree& tree, ShortestPaths& paths, std::vector<Kept>& kept);
 
 /// Raises details to `least` where boundary vertices need it that lie farther than 2 * least outside the balls of the
 /// cells with detail `least` or more, such that none is left. On a thick body the shortest path along edges to a ball

@@ -12,7 +12,6 @@
 #include "axis/length_unit.h"
 #include "base/constants.h"
 #include "base/parallel.h"
-#include "base/union_find.h"
 
 namespace quench::axis {
 namespace {
@@ -56,9 +55,9 @@ std::vector<double> lengths_to(std::span<const std::uint32_t> ends, double longe
 }  // namespace
 
 CoverNeeds::CoverNeeds(const MedialAxis& axis, double least, const Vertices& vertices,
-                       std::span<const LatticePoint> own, std::span<const LatticePoint> around, const Limits& limits,
-                       Context* context)
-    : axis_(axis), least_(least), vertices_(vertices), limits_(limits), tree_(axis), thin_sites_(axis.sites.size(), 0) {
+                       std::span<const LatticePoint> own, std::span<const LatticePoint> around,
+                       const dual::bricks::Box& region, Context* context)
+    : axis_(axis), least_(least), vertices_(vertices), region_(region), tree_(axis), thin_sites_(axis.sites.size(), 0) {
   const BallTree kept(axis.points, axis.radius, named(vertices.significant));
   const auto add_uncovered = [&](std::span<const LatticePoint> sites) {
     const std::vector<char> uncovered = uncovered_sites(sites, axis.grid, kept, least, context);
@@ -68,15 +67,15 @@ CoverNeeds::CoverNeeds(const MedialAxis& axis, double least, const Vertices& ver
   add_uncovered(own);
   pending_ = uncovered_;
   add_uncovered(around);
-  may_be_thin_.resize(uncovered_.size());
+  std::vector<char> thin(uncovered_.size());
   base::for_indices(uncovered_.size(), [&](std::size_t s) {
     double largest = 0;
     for_balls_near(tree_, position(s), near_limit(least),
                    [&](const BallTree::Ball& ball) { largest = std::max(largest, ball.radius); });
-    may_be_thin_[s] = largest <= kThin * least;
+    thin[s] = largest <= kThin * least;
   });
   for (std::size_t s = 0; s < uncovered_.size(); ++s) {
-    if (!may_be_thin_[s]) continue;
+    if (!thin[s]) continue;
     thin_.push_back(position(s));
     const auto found = std::ranges::lower_bound(axis.sites, uncovered_[s], comes_before);
     if (found != axis.sites.end() && *found == uncovered_[s])
@@ -85,13 +84,10 @@ CoverNeeds::CoverNeeds(const MedialAxis& axis, double least, const Vertices& ver
 }
 
 bool CoverNeeds::is_near_unknown_sites(std::uint32_t v, double length) const {
-  return reaches_beyond(limits_.region, axis_.grid.lattice(axis_.points[v]), length);
-}
-
-bool CoverNeeds::reaches_beyond(const dual::bricks::Box& box, const Vec3& at, double length) const {
+  const Vec3 at = axis_.grid.lattice(axis_.points[v]);
   for (std::size_t a = 0; a < 3; ++a) {
     const double steps = length / axis_.grid.spacing[static_cast<int>(a)], x = at[static_cast<int>(a)];
-    const auto low = static_cast<double>(box.low[a]), high = static_cast<double>(box.high[a] - 1);
+    const auto low = static_cast<double>(region_.low[a]), high = static_cast<double>(region_.high[a] - 1);
     if (x - steps < low && low > 0) return true;
     if (x + steps > high && high < static_cast<double>(axis_.grid.dims[a])) return true;
   }
@@ -141,9 +137,10 @@ std::vector<double> CoverNeeds::lengths_of_thin_paths(std::span<const std::uint8
   return length;
 }
 
-CoverNeeds::Cells CoverNeeds::of_paths(std::span<const std::uint8_t> possible, std::span<const std::uint8_t> thin) {
-  Cells cells{
-      std::vector<std::uint8_t>(axis_.points.size(), 0), std::vector<std::uint8_t>(axis_.complex.edges.size(), 0), {}};
+CoverNeeds::Cells CoverNeeds::of_paths(std::span<const std::uint8_t> possible,
+                                       std::span<const std::uint8_t> thin) const {
+  Cells cells{std::vector<std::uint8_t>(axis_.points.size(), 0),
+              std::vector<std::uint8_t>(axis_.complex.edges.size(), 0)};
   const double longest = kLongestPath * least_;
   ShortestPaths paths(axis_, kLengthUnit * least_);
   const std::vector<double> to_significant =
@@ -171,72 +168,7 @@ CoverNeeds::Cells CoverNeeds::of_paths(std::span<const std::uint8_t> possible, s
     cells.edge[e] = (thin_left[a] >= 0 && thin_left[b] >= 0) || (near_left[a] >= 0 && near_left[b] >= 0) ||
                     left[a] - length >= to_end[b] || left[b] - length >= to_end[a];
   }
-  std::vector<std::uint8_t> open(left.size());
-  for (std::uint32_t v = 0; v < open.size(); ++v)
-    open[v] = vertices_.incomplete[v] || possible[v] || thin_left[v] >= 0 ||
-              is_near_unknown_sites(v, axis_.radius[v] + 2.01 * least_);
-  decide(open, paths, cells);
   return cells;
-}
-
-// Of pending_: whether all balls near are certainly known. A point of an unknown ball that is within 2 least of the
-// site is in a known ball that is incomplete, or within as much of a boundary square behind which all is unknown, since
-// the smallest ball around such a square holds all that is beyond. Going on from there to the site, either something
-// incomplete is met within 4 least, or such a square, with an unfinished corner within 5 least.
-std::vector<std::uint8_t> CoverNeeds::certain_sites() const {
-  std::vector<Vec3> points;
-  for (const LatticePoint& p : limits_.unfinished) points.push_back(axis_.grid.world_of(p));
-  const std::vector<double> no_radius(points.size(), 0);
-  std::vector<std::uint32_t> all(points.size());
-  std::iota(all.begin(), all.end(), 0u);
-  const BallTree unfinished(points, no_radius, std::move(all));
-  const BallTree incomplete(axis_.points, axis_.radius, named(vertices_.incomplete));
-  std::vector<std::uint8_t> certain(pending_.size());
-  base::for_indices(certain.size(), [&](std::size_t s) {
-    const Vec3 p = position(s);
-    double to_site = 5.01 * least_, to_ball = 4.01 * least_;
-    certain[s] = !reaches_beyond(limits_.box, axis_.grid.lattice(p), 8 * least_) &&
-                 unfinished.nearest(p, to_site) == unfinished.size() &&
-                 incomplete.nearest(p, to_ball) == incomplete.size();
-  });
-  return certain;
-}
-
-// Paths that may meet lie in one component of what paths may need, where that is cut at what is significant.
-void CoverNeeds::decide(const std::vector<std::uint8_t>& open, ShortestPaths& paths, Cells& cells) {
-  const auto is_on_path = [&](std::uint32_t v) { return cells.vertex[v] && !vertices_.significant[v]; };
-  base::UnionFind sets(open.size());
-  for (const auto& [a, b] : axis_.complex.edges)
-    if (is_on_path(a) && is_on_path(b)) sets.unite(a, b);
-  std::vector<std::uint32_t> ball_near(uncovered_.size(), kNone);
-  for (std::size_t s = 0; s < uncovered_.size(); ++s)
-    for_balls_near(tree_, position(s), near_limit(least_), [&](const BallTree::Ball& ball) {
-      if (ball_near[s] == kNone) ball_near[s] = ball.vertex;
-      sets.unite(ball_near[s], ball.vertex);
-    });
-  std::vector<std::uint8_t> is_open(open.size(), 0);
-  for (std::uint32_t v = 0; v < open.size(); ++v)
-    if (open[v] && is_on_path(v)) is_open[sets.find(v)] = 1;
-  const std::vector<std::uint8_t> certain = certain_sites();
-  for (std::size_t s = 0; s < uncovered_.size(); ++s)
-    if (ball_near[s] != kNone && (s >= certain.size() || !certain[s] || may_be_thin_[s]))
-      is_open[sets.find(ball_near[s])] = 1;
-
-  std::vector<LatticePoint> decided, rest;
-  for (std::size_t s = 0; s < pending_.size(); ++s)
-    (ball_near[s] == kNone || is_open[sets.find(ball_near[s])] ? rest : decided).push_back(pending_[s]);
-  pending_ = std::move(rest);
-  std::vector<Kept> kept(open.size(), Kept::kNot);
-  for (std::size_t v = 0; v < kept.size(); ++v)
-    if (vertices_.significant[v]) kept[v] = Kept::kSignificant;
-  cells.decided = covering_paths(axis_, least_, decided, tree_, paths, kept);
-  const auto is_decided = [&](std::uint32_t v) { return is_on_path(v) && !is_open[sets.find(v)]; };
-  for (std::uint32_t e = 0; e < cells.edge.size(); ++e)
-    if (const auto [a, b] = axis_.complex.edges[e]; is_decided(a) || is_decided(b)) cells.edge[e] = 0;
-  std::vector<std::uint32_t> free;
-  for (std::uint32_t v = 0; v < open.size(); ++v)
-    if (is_decided(v)) free.push_back(v);
-  for (const std::uint32_t v : free) cells.vertex[v] = 0;
 }
 
 }  // namespace quench::axis

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "axis/ball_tree.h"
-#include "axis/cover.h"
 #include "axis/shortest_paths.h"
 #include "dual/bricks/part.h"
 #include "quench/axis.h"
@@ -21,35 +20,25 @@ class CoverNeeds {
   struct Vertices {
     std::span<const std::uint8_t> significant, incomplete;
   };
-  /// The boxes of the part and of the balls it knows, and the corners of what is unmatched.
-  struct Limits {
-    dual::bricks::Box box, region;
-    std::span<const LatticePoint> unfinished;
-  };
   /// `own`: boundary vertices in the box of the part, `around`: others in the region, in order, that may be uncovered.
   CoverNeeds(const MedialAxis& axis, double least, const Vertices& vertices, std::span<const LatticePoint> own,
-             std::span<const LatticePoint> around, const Limits& limits, Context* context);
+             std::span<const LatticePoint> around, const dual::bricks::Box& region, Context* context);
 
-  /// Those in the box that may still be uncovered, and are not covered by of_paths().
+  /// Those in the box that may still be uncovered.
   const std::vector<LatticePoint>& pending() const { return pending_; }
   /// Per site of the axis: whether it may be an uncovered one of a thin part: all cells that touch it are needed.
   const std::vector<std::uint8_t>& thin_sites() const { return thin_sites_; }
 
   struct Cells {
-    std::vector<std::uint8_t> vertex, edge;  ///< 1 of those that are needed
-    PathCells decided;                       ///< the paths that the whole certainly keeps
+    std::vector<std::uint8_t> vertex, edge;
   };
   /// The vertices and edges that paths may lead along, and balls that decide what is thick. Per vertex of the axis:
   /// `possible`: whether it may be part of something significant, `thin`: of a cell that touches one of thin_sites().
-  Cells of_paths(std::span<const std::uint8_t> possible, std::span<const std::uint8_t> thin);
+  Cells of_paths(std::span<const std::uint8_t> possible, std::span<const std::uint8_t> thin) const;
 
  private:
   // Whether there may be uncovered sites within `length` of the vertex that are not known.
   bool is_near_unknown_sites(std::uint32_t vertex, double length) const;
-  bool reaches_beyond(const dual::bricks::Box& box, const Vec3& at, double length) const;
-  // Covers sites for good where all is known that their paths depend on. `open`: vertices that unknown paths may meet.
-  void decide(const std::vector<std::uint8_t>& open, ShortestPaths& paths, Cells& cells);
-  std::vector<std::uint8_t> certain_sites() const;
   // Paths begin and end at vertices, or lead from and to what is not known.
   std::vector<double> lengths_of_paths(const std::vector<double>& to_significant, double longest,
                                        std::vector<std::uint8_t>& balls) const;
@@ -59,12 +48,11 @@ class CoverNeeds {
   const MedialAxis& axis_;
   double least_;
   Vertices vertices_;
-  Limits limits_;
+  dual::bricks::Box region_;
   BallTree tree_;  // of all balls
   std::vector<LatticePoint> pending_;
   std::vector<LatticePoint> uncovered_;  // pending_ and those around
-  std::vector<char> may_be_thin_;
-  std::vector<Vec3> thin_;  // those
+  std::vector<Vec3> thin_;               // those that may be of thin parts
   std::vector<std::uint8_t> thin_sites_;
 };
 

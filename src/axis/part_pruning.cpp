@@ -31,7 +31,6 @@ class PartPruner {
     part_.extend();
     complex_ = complex_of(part_, hulls, context_);
     set_contacts();
-    unfinished_ = unfinished(part_, hulls).sites;
     carried_ = carried_of(part_, complex_);
     known_ = known_heights(part_, complex_.dual);
     axis_ = axis_of(complex_.dual, std::move(part_.sites), how_.grid, how_.rule, carried_, context_);
@@ -39,9 +38,9 @@ class PartPruner {
     uncertain_edge_ = complex_.edge_incomplete;
   }
 
-  void run(const Box& box, const Box& region, std::span<const LatticePoint> around_pending) {
+  void run(const Box& region, std::span<const LatticePoint> around_pending) {
     const bool by_detail = how_.measure == kDetail;
-    if (by_detail) find_details(box, region, around_pending);
+    if (by_detail) find_details(region, around_pending);
     const CellValues value = by_detail ? std::move(detail_) : least_lambda();
     // As in pruned().
     const complex::CellFlags gone = complex::certainly_removed(
@@ -71,7 +70,7 @@ class PartPruner {
   }
 
   // Details as far as they are known; others are not below those that are given, and their cells are uncertain.
-  void find_details(const Box& box, const Box& region, std::span<const LatticePoint> around_pending) {
+  void find_details(const Box& region, std::span<const LatticePoint> around_pending) {
     detail_ = heights_of(axis_, carried_, known_, nullptr, context_);
     leave_out_incomplete(detail_.edge, complex_.edge_incomplete);
     leave_out_incomplete(detail_.vertex, complex_.vertex_incomplete);
@@ -80,16 +79,14 @@ class PartPruner {
     SignificantParts parts(cells, axis_.complex.vertex_count, least_);
     parts.set_details();
     const Flags significant = vertices_of(cells, [&](std::uint32_t c) { return cells.value(c) >= least_; });
-    CoverNeeds needs(axis_, least_, {significant, complex_.vertex_incomplete}, part_.pending, around_pending,
-                     {box, region, unfinished_}, context_);
+    const CoverNeeds needs(axis_, least_, {significant, complex_.vertex_incomplete}, part_.pending, around_pending,
+                           region, context_);
+    part_.pending = needs.pending();
     const Flags touching = vertices_at(needs.thin_sites());
     settle(cells, parts, significant, touching);
     const Flags possible =
         vertices_of(cells, [&](std::uint32_t c) { return parts.is_above(c) && !settled_[component(cells, parts, c)]; });
-    const CoverNeeds::Cells paths = needs.of_paths(possible, touching);
-    part_.pending = needs.pending();
-    keep(paths, needs.thin_sites(), touching);
-    raise(paths.decided);
+    keep(needs.of_paths(possible, touching), needs.thin_sites(), touching);
     spread(carried_.edge_detail, carried_.vertex_detail, detail_);
     note_faces(cells, parts, significant);
   }
@@ -156,18 +153,6 @@ class PartPruner {
         for (const std::uint32_t e : axis_.complex.sides(f)) uncertain_edge_[e] = 1;
     }
   }
-  // Larger parts find the details as what removed cells have left behind.
-  void raise(const PathCells& paths) {
-    const auto raise_one = [&](double& detail) { detail = std::max(detail, least_); };
-    for (const std::uint32_t v : paths.vertices) {
-      raise_one(detail_.vertex[v]);
-      raise_one(part_.vertex_detail[v]);
-    }
-    for (const std::uint32_t e : paths.edges) {
-      raise_one(detail_.edge[e]);
-      for (const std::uint32_t link : {complex_.link_of[e], complex_.twin_of[e]}) raise_one(part_.link_detail[link]);
-    }
-  }
   // Lambda, of cells that are not complete what is known to be below it.
   CellValues least_lambda() const {
     CellValues value = axis_.measure(kLambda).value;
@@ -228,7 +213,6 @@ class PartPruner {
   Context* context_;
   double least_;
   PartComplex complex_;
-  std::vector<LatticePoint> unfinished_;
   Carried carried_;
   std::vector<double> known_;  // per face, or empty
   MedialAxis axis_;
@@ -239,9 +223,9 @@ class PartPruner {
 
 }  // namespace
 
-void prune_part(Part& part, const dual::Hulls& hulls, const PartPruning& how, const Box& box, const Box& region,
+void prune_part(Part& part, const dual::Hulls& hulls, const PartPruning& how, const Box& region,
                 std::span<const LatticePoint> around_pending, Context* context) {
-  PartPruner(part, hulls, how, context).run(box, region, around_pending);
+  PartPruner(part, hulls, how, context).run(region, around_pending);
 }
 
 }  // namespace quench::axis

@@ -20,10 +20,9 @@ struct PartPruning {
 
 /// Takes out of a part what the pruning of the whole core certainly removes below the cutoff, but for what may be
 /// needed to cover the boundary: what is left of the whole, pruned in any further parts or at once, has the levels of
-/// the whole (docs/algorithms/pruning_in_parts.md). `box`: of the part; `region`: that the balls it knows lie in;
-/// `around_pending`: Part::pending of all others in the region, in order. Near-linear; 500 bytes per vertex.
+/// the whole (docs/algorithms/pruning_in_parts.md). `region`: that the balls it knows lie in; `around_pending`:
+/// Part::pending of all others in the region, in order. Near-linear; 500 bytes per vertex.
 void prune_part(dual::bricks::Part& part, const dual::Hulls& hulls, const PartPruning& how,
-                const dual::bricks::Box& box, const dual::bricks::Box& region,
-                std::span<const LatticePoint> around_pending, Context* context);
+                const dual::bricks::Box& region, std::span<const LatticePoint> around_pending, Context* context);
 
 }  // namespace quench::axis

@@ -108,7 +108,7 @@ Part part_of_parts(const BrickPlan& plan, std::size_t round, std::size_t brick, 
   dual::bricks::complete(part, box, &region, others.unfinished, plan.spacing, hulls, context);
   base::return_free_memory();
   if (plan.cutoff() > 0)
-    axis::prune_part(part, hulls, pruning_of(plan, store.surface()), box, region, others.pending, context);
+    axis::prune_part(part, hulls, pruning_of(plan, store.surface()), region, others.pending, context);
   return part;
 }
 
