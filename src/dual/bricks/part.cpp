@@ -156,44 +156,38 @@ Part joined(std::vector<Part> parts, Context* context) {
   return whole;
 }
 
-Unfinished unfinished(const Part& part, const Hulls& hulls) {
-  std::vector<std::uint32_t> place(part.sites.size(), kNone);
-  Unfinished result;
-  for (const UnmatchedFacet& f : part.found.unmatched) {
-    const auto corners = part.found.corners_of(f, hulls);
-    for (std::size_t i = 0; i < corners.size(); ++i) {
-      place[corners[i]] = 0;
-      result.corners.push_back(corners[i]);
-    }
-    result.begin.push_back(static_cast<std::uint32_t>(result.corners.size()));
-  }
+// The corners are places in `sites`: of these the ones they name, and the corners as places there.
+static void take_sites(std::span<const LatticePoint> sites, Unfinished& result) {
+  std::vector<std::uint32_t> place(sites.size(), kNone);
+  for (const std::uint32_t c : result.corners) place[c] = 0;
   for (std::size_t s = 0; s < place.size(); ++s) {
     if (place[s] == kNone) continue;
     place[s] = static_cast<std::uint32_t>(result.sites.size());
-    result.sites.push_back(part.sites[s]);
+    result.sites.push_back(sites[s]);
   }
   for (std::uint32_t& c : result.corners) c = place[c];
+}
+
+Unfinished unfinished(const Part& part, const Hulls& hulls) {
+  Unfinished result;
+  for (const UnmatchedFacet& f : part.found.unmatched) {
+    const auto corners = part.found.corners_of(f, hulls);
+    for (std::size_t i = 0; i < corners.size(); ++i) result.corners.push_back(corners[i]);
+    result.begin.push_back(static_cast<std::uint32_t>(result.corners.size()));
+  }
+  take_sites(part.sites, result);
   return result;
 }
 
 Unfinished near(const Unfinished& unfinished, const Box& box) {
-  std::vector<std::uint32_t> place(unfinished.sites.size(), kNone);
   Unfinished result;
   for (std::size_t f = 0; f < unfinished.size(); ++f) {
     const auto corners = unfinished.corners_of(f);
     if (std::ranges::none_of(corners, [&](std::uint32_t c) { return box.contains(unfinished.sites[c]); })) continue;
-    for (const std::uint32_t c : corners) {
-      place[c] = 0;
-      result.corners.push_back(c);
-    }
+    result.corners.insert(result.corners.end(), corners.begin(), corners.end());
     result.begin.push_back(static_cast<std::uint32_t>(result.corners.size()));
   }
-  for (std::size_t s = 0; s < place.size(); ++s) {
-    if (place[s] == kNone) continue;
-    place[s] = static_cast<std::uint32_t>(result.sites.size());
-    result.sites.push_back(unfinished.sites[s]);
-  }
-  for (std::uint32_t& c : result.corners) c = place[c];
+  take_sites(unfinished.sites, result);
   return result;
 }
 
