@@ -24,18 +24,22 @@ ROOMS = {
     'dual': 'base complex shape delaunay',
     'surface': 'base shape',
     'axis': 'base complex record shape surface delaunay dual',
+    'thickness': 'base complex shape surface axis',
+    'envelope': 'base complex shape surface axis',
+    'simplification': 'base complex shape surface axis envelope',
     'burning': 'base complex record axis',
     'skeleton': 'base complex record axis burning',
+    'parts': 'base complex record surface axis skeleton',
     'graph': 'base shape polygons skeleton',
     'preparation': 'base shape',
     'tree': 'base shape skeleton graph',
     'io': 'base record shape polygons graph tree',
-    'page': 'base complex record shape axis burning skeleton graph tree io',
+    'page': 'base complex record shape axis thickness simplification burning skeleton parts graph tree io',
     'picture': 'base io page',
-    'pipeline': 'base complex record shape polygons preparation voxelization surface dual axis burning skeleton graph tree io page',
+    'pipeline': 'base complex record shape polygons preparation voxelization surface dual axis thickness envelope simplification burning skeleton parts graph tree io page',
     'verification': 'base complex record shape',
 }
-PUBLIC = {'error': 'base', 'context': 'base', 'geometry': 'base', 'voxelize': 'voxelization', 'burn': 'burning', 'verify': 'verification', 'structure': 'complex', 'table': 'base', 'bricks': 'pipeline'}
+PUBLIC = {'error': 'base', 'context': 'base', 'geometry': 'base', 'voxelize': 'voxelization', 'burn': 'burning', 'verify': 'verification', 'structure': 'complex', 'table': 'base', 'bricks': 'pipeline', 'simplify': 'simplification'}
 FRONT_ENDS = {'cli': 'cli', 'mpi': 'mpi', 'python/src': 'python'}  # public headers, base/ and their own files
 
 
