@@ -50,6 +50,19 @@ class BallTree {
     return std::sqrt(squared);
   }
 
+  /// The same of a box of points.
+  double distance(std::size_t node, const Vec3& low, const Vec3& high) const {
+    const Node& n = nodes_[node];
+    double squared = 0;
+    for (int a = 0; a < 3; ++a) {
+      const double below = static_cast<double>(n.low[a]) - (high[a] - origin_[a]);
+      const double above = (low[a] - origin_[a]) - static_cast<double>(n.high[a]);
+      const double outside = below > 0 ? below : above > 0 ? above : 0;
+      squared += outside * outside;
+    }
+    return std::sqrt(squared);
+  }
+
   /// Calls visit(i) for ball i of every leaf whose own and whose ancestors' bound(node) is below `limit`, nearer nodes
   /// first; visit() may lower `limit`.
   template <class Bound, class Visit>
@@ -103,6 +116,18 @@ void for_balls_near(const BallTree& tree, const Vec3& p, double limit, const Vis
   tree.walk([&](std::size_t node) { return tree.distance(node, p) - tree.largest_radius(node); }, limit,
             [&](std::size_t i) {
               if (outside(tree.ball(i), p) < limit) visit(tree.ball(i));
+            });
+}
+
+/// The rows of balls that some point of a box lies outside of by less than `limit`, and maybe of others.
+inline void balls_near_box(const BallTree& tree, const Vec3& low, const Vec3& high, double limit,
+                           std::vector<std::uint32_t>& rows) {
+  rows.clear();
+  tree.walk([&](std::size_t node) { return tree.distance(node, low, high) - tree.largest_radius(node); }, limit,
+            [&](std::size_t i) {
+              const BallTree::Ball ball = tree.ball(i);
+              const Vec3 nearest = ball.centre.cwiseMax(low).cwiseMin(high);
+              if (outside(ball, nearest) < limit * (1 + 1e-9)) rows.push_back(static_cast<std::uint32_t>(i));
             });
 }
 

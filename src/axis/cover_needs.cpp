@@ -2,8 +2,12 @@
 // docs/algorithms/pruning_in_parts.md
 #include "axis/cover_needs.h"
 
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_sort.h>
+
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <numeric>
 #include <utility>
@@ -57,7 +61,14 @@ std::vector<double> lengths_to(std::span<const std::uint32_t> ends, double longe
 CoverNeeds::CoverNeeds(const MedialAxis& axis, double least, const Vertices& vertices,
                        std::span<const LatticePoint> own, std::span<const LatticePoint> around,
                        const dual::bricks::Box& region, Context* context)
-    : axis_(axis), least_(least), vertices_(vertices), region_(region), tree_(axis), thin_sites_(axis.sites.size(), 0) {
+    : axis_(axis),
+      least_(least),
+      vertices_(vertices),
+      region_(region),
+      paths_(axis, kLengthUnit * least),
+      thin_sites_(axis.sites.size(), 0),
+      length_(axis.points.size(), -1),
+      balls_(axis.points.size(), 0) {
   const BallTree kept(axis.points, axis.radius, named(vertices.significant));
   const auto add_uncovered = [&](std::span<const LatticePoint> sites) {
     const std::vector<char> uncovered = uncovered_sites(sites, axis.grid, kept, least, context);
@@ -67,13 +78,9 @@ CoverNeeds::CoverNeeds(const MedialAxis& axis, double least, const Vertices& ver
   add_uncovered(own);
   pending_ = uncovered_;
   add_uncovered(around);
-  std::vector<char> thin(uncovered_.size());
-  base::for_indices(uncovered_.size(), [&](std::size_t s) {
-    double largest = 0;
-    for_balls_near(tree_, position(s), near_limit(least),
-                   [&](const BallTree::Ball& ball) { largest = std::max(largest, ball.radius); });
-    thin[s] = largest <= kThin * least;
-  });
+  to_significant_ = lengths_to(named(vertices.significant), kLongestPath * least, paths_,
+                               [](std::uint32_t, double) { return false; });
+  const std::vector<std::uint8_t> thin = look_at_balls();
   for (std::size_t s = 0; s < uncovered_.size(); ++s) {
     if (!thin[s]) continue;
     thin_.push_back(position(s));
@@ -95,29 +102,89 @@ bool CoverNeeds::is_near_unknown_sites(std::uint32_t v, double length) const {
 }
 
 // A path from the balls near an uncovered site is not longer than the known way from them to what is significant, and
-// neither is what is left of it at any vertex. Of the balls that make the part thick one must stay.
-std::vector<double> CoverNeeds::lengths_of_paths(const std::vector<double>& to_significant, double longest,
-                                                 std::vector<std::uint8_t>& balls) const {
-  std::vector<double> length(to_significant.size(), -1);
-  const auto begin_at = [&](std::uint32_t v, double its) { length[v] = std::max(length[v], its); };
-  std::vector<std::uint32_t> near;
-  for (std::size_t s = 0; s < uncovered_.size(); ++s) {
+// neither is what is left of it at any vertex. Of the balls that make the part thick one must stay. Returns which sites
+// may be of thin parts.
+std::vector<std::uint8_t> CoverNeeds::look_at_balls() {
+  const double longest = paths_.longest();
+  const auto begin_at = [&](std::uint32_t v, double its) {
+    const std::atomic_ref length(length_[v]);
+    for (double before = length.load(std::memory_order_relaxed);
+         before < its && !length.compare_exchange_weak(before, its, std::memory_order_relaxed);) {
+    }
+  };
+  const auto keep_ball = [&](std::uint32_t v) { std::atomic_ref(balls_[v]).store(1, std::memory_order_relaxed); };
+  const BallTree tree(axis_);
+  std::vector<std::uint8_t> thin(uncovered_.size());
+  const auto look = [&](std::size_t s, const std::vector<std::uint32_t>& around, std::vector<std::uint32_t>& near) {
     near.clear();
-    for_balls_near(tree_, position(s), near_limit(least_),
-                   [&](const BallTree::Ball& ball) { near.push_back(ball.vertex); });
-    if (near.empty()) continue;
-    const auto nearest = std::ranges::min(near, {}, [&](std::uint32_t v) { return to_significant[v]; });
-    for (const std::uint32_t v : near) begin_at(v, std::min(to_significant[nearest], longest));
-    if (to_significant[nearest] <= longest && axis_.radius[nearest] > kThin * least_) continue;
-    balls[std::ranges::max(near, {}, [&](std::uint32_t v) { return std::pair(axis_.radius[v], ~v); })] = 1;
-  }
-  for (std::uint32_t v = 0; v < length.size(); ++v) {
-    if (vertices_.incomplete[v]) begin_at(v, std::min(to_significant[v], longest));
-    if (!is_near_unknown_sites(v, axis_.radius[v] + 2.01 * least_)) continue;
-    begin_at(v, std::min(to_significant[v], longest));
-    balls[v] = 1;
-  }
-  return length;
+    double largest = 0, nearest = base::kNever;
+    bool reaches_thick = false;  // what is significant, from a thick ball
+    const Vec3 p = position(s);
+    for (const std::uint32_t i : around) {
+      const BallTree::Ball ball = tree.ball(i);
+      if (!(outside(ball, p) < near_limit(least_))) continue;
+      near.push_back(ball.vertex);
+      largest = std::max(largest, ball.radius);
+      const double its = to_significant_[ball.vertex];
+      if (its < nearest) reaches_thick = false;
+      nearest = std::min(nearest, its);
+      reaches_thick |= its == nearest && its <= longest && ball.radius > kThin * least_;
+    }
+    thin[s] = largest <= kThin * least_;
+    for (const std::uint32_t v : near) begin_at(v, std::min(nearest, longest));
+    if (!near.empty() && !reaches_thick)
+      keep_ball(std::ranges::max(near, {}, [&](std::uint32_t v) { return std::pair(axis_.radius[v], ~v); }));
+  };
+  for_blocks([&](std::span<const std::uint32_t> block, std::vector<std::uint32_t>& around,
+                 std::vector<std::uint32_t>& near) {
+    Vec3 low = position(block[0]), high = low;
+    for (const std::uint32_t s : block) {
+      low = low.cwiseMin(position(s));
+      high = high.cwiseMax(position(s));
+    }
+    balls_near_box(tree, low, high, near_limit(least_), around);
+    for (const std::uint32_t s : block) look(s, around, near);
+  });
+  return thin;
+}
+
+// Calls work(sites, list, list) for the uncovered sites of each box of 4^3 voxels, so that the tree is walked once for
+// all of them; with lists to use.
+template <class Work>
+void CoverNeeds::for_blocks(const Work& work) const {
+  const auto block_of = [&](std::uint32_t s) {
+    const LatticePoint& p = uncovered_[s];
+    return std::array{p[2] >> 2, p[1] >> 2, p[0] >> 2};
+  };
+  std::vector<std::uint32_t> order(uncovered_.size());
+  std::iota(order.begin(), order.end(), 0u);
+  tbb::parallel_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return std::pair(block_of(a), a) < std::pair(block_of(b), b);
+  });
+  std::vector<std::uint32_t> begin;
+  for (std::uint32_t i = 0; i < order.size(); ++i)
+    if (i == 0 || block_of(order[i]) != block_of(order[i - 1])) begin.push_back(i);
+  begin.push_back(static_cast<std::uint32_t>(order.size()));
+  struct Lists {
+    std::vector<std::uint32_t> around, near;
+  };
+  tbb::enumerable_thread_specific<Lists> lists;
+  base::for_indices(begin.size() - 1, [&](std::size_t b) {
+    Lists& own = lists.local();
+    work(std::span(order).subspan(begin[b], begin[b + 1] - begin[b]), own.around, own.near);
+  });
+}
+
+// They begin and end at vertices, or lead from and to what is not known.
+void CoverNeeds::begin_where_unknown() {
+  const double longest = paths_.longest();
+  base::for_indices(length_.size(), [&](std::size_t i) {
+    const auto v = static_cast<std::uint32_t>(i);
+    const bool unknown_sites = is_near_unknown_sites(v, axis_.radius[v] + 2.01 * least_);
+    if (vertices_.incomplete[v] || unknown_sites)
+      length_[v] = std::max(length_[v], std::min(to_significant_[v], longest));
+    if (unknown_sites) balls_[v] = 1;
+  });
 }
 
 // Paths connect cells of thin parts with whatever is near, and lead to them from elsewhere.
@@ -137,34 +204,30 @@ std::vector<double> CoverNeeds::lengths_of_thin_paths(std::span<const std::uint8
   return length;
 }
 
-CoverNeeds::Cells CoverNeeds::of_paths(std::span<const std::uint8_t> possible,
-                                       std::span<const std::uint8_t> thin) const {
-  Cells cells{std::vector<std::uint8_t>(axis_.points.size(), 0),
-              std::vector<std::uint8_t>(axis_.complex.edges.size(), 0)};
+CoverNeeds::Cells CoverNeeds::of_paths(std::span<const std::uint8_t> possible, std::span<const std::uint8_t> thin) {
   const double longest = kLongestPath * least_;
-  ShortestPaths paths(axis_, kLengthUnit * least_);
-  const std::vector<double> to_significant =
-      lengths_to(named(vertices_.significant), longest, paths, [](std::uint32_t, double) { return false; });
-  std::vector<double> begin = lengths_of_paths(to_significant, paths.longest(), cells.vertex);
-  const std::vector<double> left = lengths_left(begin, longest, paths);
+  paths_.restart(longest);
+  begin_where_unknown();
+  Cells cells{std::move(balls_), std::vector<std::uint8_t>(axis_.complex.edges.size(), 0)};
+  const std::vector<double> left = lengths_left(length_, longest, paths_);
   // They may join others nearby.
-  for (double& length : begin) length = std::min(length, kNearPath / kLengthUnit);
-  const std::vector<double> near_left = lengths_left(begin, kNearPath * least_, paths);
+  for (double& length : length_) length = std::min(length, kNearPath / kLengthUnit);
+  const std::vector<double> near_left = lengths_left(length_, kNearPath * least_, paths_);
   std::vector<std::uint32_t> ends;
   for (std::uint32_t v = 0; v < left.size(); ++v)
     if ((possible[v] || vertices_.incomplete[v]) && left[v] >= 0) ends.push_back(v);
   std::vector<double> to_end =
-      lengths_to(ends, longest, paths, [&](std::uint32_t v, double length) { return left[v] < length; });
+      lengths_to(ends, longest, paths_, [&](std::uint32_t v, double length) { return left[v] < length; });
   for (std::size_t v = 0; v < left.size(); ++v) {
-    to_end[v] = std::min(to_end[v], to_significant[v]);
+    to_end[v] = std::min(to_end[v], to_significant_[v]);
     if (left[v] >= to_end[v]) cells.vertex[v] = 1;
   }
-  const std::vector<double> thin_left = lengths_left(lengths_of_thin_paths(thin), kLongestThinPath * least_, paths);
+  const std::vector<double> thin_left = lengths_left(lengths_of_thin_paths(thin), kLongestThinPath * least_, paths_);
   for (std::size_t v = 0; v < left.size(); ++v)
     if (thin_left[v] >= 0 || near_left[v] >= 0) cells.vertex[v] = 1;
   for (std::uint32_t e = 0; e < cells.edge.size(); ++e) {
     const auto [a, b] = axis_.complex.edges[e];
-    const double length = paths.length(e);
+    const double length = paths_.length(e);
     cells.edge[e] = (thin_left[a] >= 0 && thin_left[b] >= 0) || (near_left[a] >= 0 && near_left[b] >= 0) ||
                     left[a] - length >= to_end[b] || left[b] - length >= to_end[a];
   }

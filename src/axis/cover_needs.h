@@ -34,14 +34,16 @@ class CoverNeeds {
   };
   /// The vertices and edges that paths may lead along, and balls that decide what is thick. Per vertex of the axis:
   /// `possible`: whether it may be part of something significant, `thin`: of a cell that touches one of thin_sites().
-  Cells of_paths(std::span<const std::uint8_t> possible, std::span<const std::uint8_t> thin) const;
+  /// To be called once.
+  Cells of_paths(std::span<const std::uint8_t> possible, std::span<const std::uint8_t> thin);
 
  private:
   // Whether there may be uncovered sites within `length` of the vertex that are not known.
   bool is_near_unknown_sites(std::uint32_t vertex, double length) const;
-  // Paths begin and end at vertices, or lead from and to what is not known.
-  std::vector<double> lengths_of_paths(const std::vector<double>& to_significant, double longest,
-                                       std::vector<std::uint8_t>& balls) const;
+  std::vector<std::uint8_t> look_at_balls();
+  template <class Work>
+  void for_blocks(const Work& work) const;
+  void begin_where_unknown();
   std::vector<double> lengths_of_thin_paths(std::span<const std::uint8_t> thin) const;
   Vec3 position(std::size_t site) const { return axis_.grid.world_of(uncovered_[site]); }
 
@@ -49,11 +51,14 @@ class CoverNeeds {
   double least_;
   Vertices vertices_;
   dual::bricks::Box region_;
-  BallTree tree_;  // of all balls
+  ShortestPaths paths_;
+  std::vector<double> to_significant_;  // per vertex: in units of length
   std::vector<LatticePoint> pending_;
   std::vector<LatticePoint> uncovered_;  // pending_ and those around
   std::vector<Vec3> thin_;               // those that may be of thin parts
   std::vector<std::uint8_t> thin_sites_;
+  std::vector<double> length_;       // per vertex: of the longest path that begins there, -1: none does
+  std::vector<std::uint8_t> balls_;  // per vertex: whether its ball decides what is thick
 };
 
 }  // namespace quench::axis

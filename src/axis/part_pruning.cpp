@@ -79,7 +79,7 @@ class PartPruner {
     SignificantParts parts(cells, axis_.complex.vertex_count, least_);
     parts.set_details();
     const Flags significant = vertices_of(cells, [&](std::uint32_t c) { return cells.value(c) >= least_; });
-    const CoverNeeds needs(axis_, least_, {significant, complex_.vertex_incomplete}, part_.pending, around_pending,
+    CoverNeeds needs(axis_, least_, {significant, complex_.vertex_incomplete}, part_.pending, around_pending,
                            region, context_);
     part_.pending = needs.pending();
     const Flags touching = vertices_at(needs.thin_sites());
