@@ -16,6 +16,7 @@
 #include "complex/thinning.h"
 #include "naive_thinning.h"
 #include "quench/axis.h"
+#include "random_complexes.h"
 #include "random_shapes.h"
 
 namespace quench {
@@ -250,28 +251,12 @@ TEST(CertainThinning, OfVoxelCores) {
   EXPECT_GT(removed, 1000u);
 }
 
-// Parallel edges, faces that meet an edge twice, edges of many faces and lone ones, as in thinning_test.cpp.
 TEST(CertainThinning, WhateverTheComplex) {
   std::size_t removed = 0;
   for (std::uint64_t seed = 0; seed < 4000; ++seed) {
     SCOPED_TRACE(seed);
     std::mt19937_64 random(seed);
-    const auto below = [&random](std::size_t n) { return static_cast<std::uint32_t>(random() % n); };
-    Input input;
-    CellComplex& complex = input.complex;
-    complex.vertex_count = 2 + below(30);
-    complex.edges.resize(1 + below(60));
-    for (auto& ends : complex.edges) {
-      ends[0] = below(complex.vertex_count - 1);
-      ends[1] = ends[0] + 1 + below(complex.vertex_count - ends[0] - 1);
-    }
-    for (std::uint32_t faces = below(40); faces > 0; --faces) {
-      for (std::uint32_t sides = 3 + below(4); sides > 0; --sides) {
-        complex.face_edges.push_back(below(complex.edges.size()));
-        complex.face_vertices.push_back(complex.edges[complex.face_edges.back()][0]);
-      }
-      complex.face_offsets.push_back(static_cast<std::uint32_t>(complex.face_edges.size()));
-    }
+    Input input{testing_complexes::any_complex(random), {}};
     give_values(input, random, seed % 3 ? 6 : 1000, 16);
     if (seed % 5) spread(input);
     removed += expect_same(input, seed % 3 ? 5 : 800, seed, true);

@@ -14,6 +14,7 @@
 
 #include "naive_thinning.h"
 #include "quench/axis.h"
+#include "random_complexes.h"
 #include "random_shapes.h"
 
 namespace quench {
@@ -101,8 +102,6 @@ TEST(Thinning, WhateverTheValues) {
   }
 }
 
-// Parallel edges, faces that meet an edge twice, edges of many faces and lone ones: what bounds what is at random, and
-// need not be anything in space.
 TEST(Thinning, WhateverTheComplex) {
   std::size_t removed = 0;
   for (std::uint64_t seed = 0; seed < 3000; ++seed) {
@@ -110,21 +109,7 @@ TEST(Thinning, WhateverTheComplex) {
     std::mt19937_64 random(seed);
     const auto below = [&random](std::size_t n) { return static_cast<std::uint32_t>(random() % n); };
     Input input;
-    CellComplex& complex = input.complex;
-    complex.vertex_count = 2 + below(30);
-    complex.edges.resize(1 + below(60));
-    for (auto& ends : complex.edges) {
-      ends[0] = below(complex.vertex_count - 1);
-      ends[1] = ends[0] + 1 + below(complex.vertex_count - ends[0] - 1);
-    }
-    if (seed % 2) std::sort(complex.edges.begin(), complex.edges.end());
-    for (std::uint32_t faces = below(40); faces > 0; --faces) {
-      for (std::uint32_t sides = 3 + below(4); sides > 0; --sides) {
-        complex.face_edges.push_back(below(complex.edges.size()));
-        complex.face_vertices.push_back(complex.edges[complex.face_edges.back()][0]);
-      }
-      complex.face_offsets.push_back(static_cast<std::uint32_t>(complex.face_edges.size()));
-    }
+    const CellComplex& complex = input.complex = testing_complexes::any_complex(random, seed % 2 == 1);
     const std::uint32_t different = seed % 3 ? 6 : 1000;
     const auto fill = [&](std::vector<double>& values, std::size_t count) {
       for (std::size_t i = 0; i < count; ++i)

@@ -29,6 +29,28 @@ struct BurnInput {
   bool consistent = false;  ///< the radius at inserted nodes is that of the place, too: no fire comes before it
 };
 
+/// Parallel edges, faces that meet an edge twice, edges of many faces and lone ones: what bounds what is at random, and
+/// need not be anything in space. `in_order`: edges by their ends.
+inline CellComplex any_complex(std::mt19937_64& random, bool in_order = false) {
+  const auto below = [&random](std::size_t n) { return static_cast<std::uint32_t>(random() % n); };
+  CellComplex complex;
+  complex.vertex_count = 2 + below(30);
+  complex.edges.resize(1 + below(60));
+  for (auto& ends : complex.edges) {
+    ends[0] = below(complex.vertex_count - 1);
+    ends[1] = ends[0] + 1 + below(complex.vertex_count - ends[0] - 1);
+  }
+  if (in_order) std::ranges::sort(complex.edges);
+  for (std::uint32_t faces = below(40); faces > 0; --faces) {
+    for (std::uint32_t sides = 3 + below(4); sides > 0; --sides) {
+      complex.face_edges.push_back(below(complex.edges.size()));
+      complex.face_vertices.push_back(complex.edges[complex.face_edges.back()][0]);
+    }
+    complex.face_offsets.push_back(static_cast<std::uint32_t>(complex.face_edges.size()));
+  }
+  return complex;
+}
+
 /// Collects cells; points by their coordinates, so that parts can be glued by naming the same point twice.
 class Builder {
  public:
