@@ -90,10 +90,28 @@ class Cover {
       if (away[s] > 0) order.push_back(s);
     std::ranges::stable_sort(order, std::greater{},
                              [&](std::uint32_t s) { return std::round(away[s] / (kLengthUnit * least_)); });
+    path_nodes_.assign(tree.node_count(), 0);
+    place_.resize(kept_.size());
+    for (std::uint32_t i = 0; i < tree.size(); ++i) place_[tree.ball(i).vertex] = i;
     for (const std::uint32_t s : order) {
-      add_path_to(position(s), tree, paths);
+      if (!is_near_path(position(s), tree)) add_path_to(position(s), tree, paths);
       uncovered_[s] = 0;
     }
+  }
+  // Of most sites, and on wide smooth bodies each has thousands of balls near.
+  bool is_near_path(const Vec3& p, const BallTree& tree) const {
+    bool found = false;
+    double limit = near_limit(least_);
+    const auto bound = [&](std::size_t node) {
+      return path_nodes_[node] ? tree.distance(node, p) - tree.largest_radius(node) : base::kNever;
+    };
+    tree.walk(bound, limit, [&](std::size_t i) {
+      const BallTree::Ball ball = tree.ball(i);
+      if (kept_[ball.vertex] != kPath || !(outside(ball, p) < limit)) return;
+      found = true;
+      limit = -base::kNever;
+    });
+    return found;
   }
   double largest_near(const BallTree& tree, const Vec3& p) const {
     double largest = 0;
@@ -125,7 +143,9 @@ class Cover {
     while (v != kNone && !stop(v)) v = paths.next(stop);
     const auto keep_vertex = [&](std::uint32_t w) {
       keep(detail_.vertex[w]);
-      if (kept_[w] == kNot) kept_[w] = kPath;
+      if (kept_[w] != kNot) return;
+      kept_[w] = kPath;
+      for (std::size_t node = tree.leaf_of(place_[w]); node > 0 && !path_nodes_[node]; node /= 2) path_nodes_[node] = 1;
     };
     if (v == kNone) v = largest_of(sources);
     keep_vertex(v);
@@ -268,6 +288,8 @@ class Cover {
   std::optional<BallTree> kept_tree_;
   enum Kept : char { kNot, kSignificant, kPath };
   std::vector<Kept> kept_;                  // per vertex: of what is significant, and of paths to it
+  std::vector<std::uint32_t> place_;        // per vertex: of its ball in the tree
+  std::vector<char> path_nodes_;            // per node of the tree: whether there is a ball of a path
   std::vector<char> in_part_;               // per vertex: of a cell that is kept
   std::vector<char> uncovered_, has_face_;  // per vertex of pending_
   std::vector<char> needed_;                // per component
