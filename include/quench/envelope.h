@@ -110,7 +110,7 @@ OneSidedDistances distances_from_envelope(const Surface& surface, const Envelope
                                           Context* context = nullptr);
 
 /// Of an envelope from a surface: `outside` what sticks out of the solid. Places of its boundary are found where lines
-/// between the centres of neighbouring voxels cross it, to 1e-6 of a voxel, each weighted by the area it stands for
+/// between the centres of neighbouring voxels cross it, to 1e-4 of a voxel, each weighted by the area it stands for
 /// (Crofton); `outside.largest` is also that of the far ends of the balls of all vertices. `voxels`: voxels_of() it,
 /// in a grid around it that is fine enough to show what is of interest; at most about `places` of their crossings are
 /// taken. Deterministic, on all threads.

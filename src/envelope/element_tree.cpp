@@ -62,6 +62,9 @@ ElementTree::ElementTree(std::vector<Element> elements) : rows_(elements.size())
     middles[i] /= elements[i].corners();
   });
   halve(rows_, middles, 0, leaves_, leaves_);
+  for (std::size_t leaf = 0; leaf < leaves_; ++leaf)
+    first_.push_back(static_cast<std::uint32_t>(base::part_of(elements.size(), leaf, leaves_).first));
+  first_.push_back(static_cast<std::uint32_t>(elements.size()));
   elements_.reserve(elements.size());
   for (const std::uint32_t row : rows_) elements_.push_back(elements[row]);
   if (!elements_.empty()) origin_ = elements_[0].corner(0);
@@ -85,9 +88,8 @@ ElementTree::ElementTree(std::vector<Element> elements) : rows_(elements.size())
 }
 
 void ElementTree::fill_leaf(std::size_t leaf) {
-  const auto [first, end] = base::part_of(elements_.size(), leaf, leaves_);
   Node& node = nodes_[leaves_ + leaf];
-  for (std::size_t i = first; i < end; ++i)
+  for (std::size_t i = first_[leaf]; i < first_[leaf + 1]; ++i)
     for (int k = 0; k < elements_[i].corners(); ++k) {
       const Vec3 at = elements_[i].corner(k) - origin_;
       const double r = elements_[i].radius(k);
@@ -129,12 +131,12 @@ void ElementTree::walk(const Vec3& p, const double& limit, const Visit& visit) c
   for (Deferred now{1, bound(1, at)};;) {
     if (now.bound < limit) {
       if (now.node >= leaves_) {
-        const auto [first, end] = base::part_of(elements_.size(), now.node - leaves_, leaves_);
-        for (std::size_t i = first; i < end; ++i) visit(i);
+        const std::size_t leaf = now.node - leaves_;
+        for (std::size_t i = first_[leaf]; i < first_[leaf + 1]; ++i) visit(i);
       } else {
         Deferred left{2 * now.node, bound(2 * now.node, at)}, right{2 * now.node + 1, bound(2 * now.node + 1, at)};
         if (right.bound < left.bound) std::swap(left, right);
-        stack[depth++] = right;
+        if (right.bound < limit) stack[depth++] = right;
         now = left;
         continue;
       }

@@ -52,6 +52,7 @@ class ElementTree {
   Vec3 origin_ = Vec3::Zero();
   std::vector<Node> nodes_;  // children of node n: 2n and 2n + 1; the root is node 1; the leaves are the last half
   std::size_t leaves_ = 1;
+  std::vector<std::uint32_t> first_;  // element of every leaf, and one behind the last
 };
 
 }  // namespace quench::envelope

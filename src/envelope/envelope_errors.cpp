@@ -46,7 +46,7 @@ struct Place {
   Vec3 point, normal;
 };
 Place leaving(const Envelope& envelope, const Vec3& inside, const Vec3& outside) {
-  constexpr double kNear = 1e-6;  // of the line
+  constexpr double kNear = 1e-4;  // of the line
   double low = 0, high = 1, at = 0;
   Envelope::Ball ball;
   const auto distance = [&](double t) {
@@ -84,7 +84,7 @@ OneSidedDistances distances_from_surface(const Envelope& envelope, const VoxelSh
                                          std::size_t places, Context* context) {
   const Grid& grid = voxels.grid();
   std::vector<Crossing> crossings = crossings_of(voxels);
-  const std::size_t every = places > 0 ? std::max<std::size_t>(1, crossings.size() / places) : 1;
+  const std::size_t every = std::max<std::size_t>(1, places > 0 ? (crossings.size() + places - 1) / places : 1);
   const std::size_t count = (crossings.size() + every - 1) / every;
   // Lines along an axis: so many for an area across them.
   const Vec3 density(1 / (grid.spacing[1] * grid.spacing[2]), 1 / (grid.spacing[0] * grid.spacing[2]),
