@@ -21,6 +21,7 @@
 #include "quench/shape.h"
 #include "quench/skeleton.h"
 #include "quench/table.h"
+#include "quench/thickness.h"
 #include "quench/tree.h"
 #include "quench/verify.h"
 #include "quench/voxelize.h"
