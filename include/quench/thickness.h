@@ -31,7 +31,7 @@ class ThicknessDistribution {
   void add(const ThicknessDistribution& other);
 
   double weight() const { return weight_; }  ///< of all values
-  double mean() const;                       ///< 0 without values, as all that follow
+  double mean() const { return mean_; }      ///< 0 without values, as all that follow
   double deviation() const;                  ///< standard deviation of the values themselves (n, not n - 1)
   double least() const { return weight_ > 0 ? least_ : 0; }
   double largest() const { return weight_ > 0 ? largest_ : 0; }
@@ -43,7 +43,7 @@ class ThicknessDistribution {
   const std::vector<double>& bins() const { return bins_; }
 
  private:
-  double width_ = 1, weight_ = 0, sum_ = 0, squares_ = 0, shift_ = 0, least_ = 0, largest_ = 0;
+  double width_ = 1, weight_ = 0, mean_ = 0, squares_ = 0, least_ = 0, largest_ = 0;
   std::vector<double> bins_;
   std::vector<double> fine_;  // by the leading bits of the value as a float
   std::size_t first_ = 0;     // the bucket of fine_[0]
