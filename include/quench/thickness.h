@@ -93,8 +93,8 @@ ThicknessReport local_thickness(const VoxelShape& shape, const MedialAxis& axis,
                                 const TakeThickness& take, Context* context = nullptr);
 
 /// The same as one array, x fastest.
-std::vector<float> local_thickness(const VoxelShape& shape, const MedialAxis& axis,
-                                   const ThicknessOptions& options = {}, Context* context = nullptr);
+std::vector<float> thickness_volume(const VoxelShape& shape, const MedialAxis& axis,
+                                    const ThicknessOptions& options = {}, Context* context = nullptr);
 
 struct SurfaceThicknessOptions {
   double tolerance = 0;   ///< how far a ball may be from a point that it touches, world units

@@ -10,10 +10,12 @@ namespace quench::thickness {
 namespace {
 
 constexpr float kOutside = std::numeric_limits<float>::infinity();
-constexpr double kSlack = 1e-6;  // voxels
 
-// x is in [low, high).
-int clipped(double x, int low, int high) { return x > low ? x < high ? static_cast<int>(x) : high : low; }
+// Bits [begin, end) of a row.
+std::uint64_t bits_of(int begin, int end) {
+  const int count = end - begin;
+  return count <= 0 ? 0 : (count == 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << count) - 1) << begin;
+}
 
 }  // namespace
 
@@ -25,126 +27,132 @@ struct BrickRadii::View {
   bool whole;                    // a ball without upper one
   float key;                     // the most that it gives
   std::array<int, 3> low, high;  // voxels from the beginning of the brick
+  std::uint64_t range;           // along x
 };
 
 BrickRadii::BrickRadii(const Sweep& sweep, const Grid& grid, bool between)
     : sweep_(sweep),
       spacing_(grid.spacing),
       between_(between),
-      values_(static_cast<std::size_t>(Brick::kSides[0] * Brick::kSides[1] * Brick::kSides[2])) {}
+      values_(static_cast<std::size_t>(Brick::kSides[0] * Brick::kSides[1] * Brick::kSides[2])) {
+  static_assert(Brick::kSides[0] == 64);
+}
 
 std::int64_t BrickRadii::begin(const Brick& brick, const VoxelShape& shape, const VoxelShape* mask) {
   brick_ = brick;
   std::fill(values_.begin(), values_.end(), kOutside);
-  std::int64_t count = 0;
   open_ = {};
+  blocks_ = {};
+  std::int64_t count = 0;
   for (std::int64_t z = brick.begin[2]; z < brick.end[2]; ++z)
     for (std::int64_t y = brick.begin[1]; y < brick.end[1]; ++y) {
-      float* row = values_.data() + (this->row(y - brick.begin[1], z - brick.begin[2]) - values_.data());
-      const auto clear = [&](std::int64_t begin, std::int64_t end) {
-        begin = std::max(begin, brick.begin[0]) - brick.begin[0];
-        end = std::min(end, brick.end[0]) - brick.begin[0];
-        if (begin >= end) return;
-        std::fill(row + begin, row + end, 0.0f);
-        count += end - begin;
-        auto& bits = open_[static_cast<std::size_t>((z - brick.begin[2]) / kZ)]
-                          [static_cast<std::size_t>((y - brick.begin[1]) / kY)];
-        for (std::int64_t b = begin / kX; b <= (end - 1) / kX; ++b) bits = static_cast<std::uint8_t>(bits | (1U << b));
+      const auto j = static_cast<std::size_t>(y - brick.begin[1]), k = static_cast<std::size_t>(z - brick.begin[2]);
+      const auto bits_in = [&](const VoxelShape& of) {
+        const auto runs = of.row(y, z);
+        auto run = std::lower_bound(runs.begin(), runs.end(), brick.begin[0],
+                                    [](const Run& r, std::int64_t x) { return r.end <= x; });
+        std::uint64_t bits = 0;
+        for (; run != runs.end() && run->begin < brick.end[0]; ++run)
+          bits |= bits_of(static_cast<int>(std::max<std::int64_t>(run->begin - brick.begin[0], 0)),
+                          static_cast<int>(std::min<std::int64_t>(run->end, brick.end[0]) - brick.begin[0]));
+        return bits;
       };
-      const auto runs = shape.row(y, z);
-      auto run = std::lower_bound(runs.begin(), runs.end(), brick.begin[0],
-                                  [](const Run& r, std::int64_t x) { return r.end <= x; });
-      for (; run != runs.end() && run->begin < brick.end[0]; ++run) {
-        if (!mask) {
-          clear(run->begin, run->end);
-          continue;
-        }
-        for (const Run& kept : mask->row(y, z)) clear(std::max(run->begin, kept.begin), std::min(run->end, kept.end));
-      }
+      std::uint64_t bits = bits_in(shape);
+      if (mask && bits) bits &= bits_in(*mask);
+      open_[k][j] = bits;
+      blocks_[k / kBlock][j / kBlock].open |= bits;
+      count += std::popcount(bits);
+      float* values = values_.data() + (k * kRowsY + j) * static_cast<std::size_t>(Brick::kSides[0]);
+      for (; bits; bits &= bits - 1) values[std::countr_zero(bits)] = 0;
     }
-  dirty_ = open_;
   open_blocks_ = 0;
-  for (const auto& plane : open_)
-    for (const std::uint8_t bits : plane) open_blocks_ += std::popcount(bits);
+  for (const auto& plane : blocks_)
+    for (const Block& block : plane) open_blocks_ += block.open != 0;
   return count;
 }
 
-// Whether a block has a voxel below `key`. Keys descend, so that what is not open never is again.
-bool BrickRadii::is_open(int bx, int by, int bz, float key) {
-  std::uint8_t& open = open_[static_cast<std::size_t>(bz)][static_cast<std::size_t>(by)];
-  std::uint8_t& dirty = dirty_[static_cast<std::size_t>(bz)][static_cast<std::size_t>(by)];
-  const unsigned bit = 1U << bx;
-  if (!(open & bit)) return false;
-  if (!(dirty & bit)) return true;
-  dirty = static_cast<std::uint8_t>(dirty & ~bit);
-  for (int z = bz * kZ; z < (bz + 1) * kZ; ++z)
-    for (int y = by * kY; y < (by + 1) * kY; ++y) {
-      const float* values = row(y, z) + bx * kX;
-      float least = values[0];
-      for (int x = 1; x < kX; ++x) least = values[x] < least ? values[x] : least;
-      if (least < key) return true;
-    }
-  open = static_cast<std::uint8_t>(open & ~bit);
-  --open_blocks_;
-  return false;
+std::uint64_t BrickRadii::open_in(std::size_t by, std::size_t bz) {
+  Block& block = blocks_[bz][by];
+  if (!block.changed) return block.open;
+  block = {};
+  for (std::size_t z = bz * kBlock; z < (bz + 1) * kBlock; ++z)
+    for (std::size_t y = by * kBlock; y < (by + 1) * kBlock; ++y) block.open |= open_[z][y];
+  open_blocks_ -= block.open == 0;
+  return block.open;
 }
 
-// Voxels [first, last) of the rows of blocks.
-void BrickRadii::take_rows(const View& view, int by, int bz, int first, int last) {
+// Whether the pencil may hold a centre of the block.
+bool BrickRadii::may_reach(const View& view, int by, int bz) const {
+  const std::array<int, 3> low{view.low[0], std::max(view.low[1], by * kBlock), std::max(view.low[2], bz * kBlock)};
+  const std::array<int, 3> high{view.high[0], std::min(view.high[1], (by + 1) * kBlock),
+                                std::min(view.high[2], (bz + 1) * kBlock)};
+  double ahead = 0, outside = 0;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const auto axis = static_cast<Eigen::Index>(a);
+    const double half = (high[a] - 1 - low[a]) * spacing_[axis] / 2;
+    const double way =
+        (static_cast<double>(brick_.begin[a] + low[a])) * spacing_[axis] + half - view.lower->centre[axis];
+    ahead += view.lune.n[axis] * way + std::abs(view.lune.n[axis]) * half;
+    const double beyond = std::max(std::abs(way) - half, 0.0);
+    outside += beyond * beyond;
+  }
+  return ahead >= view.lune.h && outside <= view.lower->limit;
+}
+
+// The open voxels of a row.
+void BrickRadii::take_row(const View& view, int y, int z, std::uint64_t& open) {
   const Ball &upper = *view.upper, &lower = *view.lower;
   const Vec3& n = view.lune.n;
-  const double step = spacing_[0], per_step = 1 / step, least = lower.squared;
-  const double per_n = std::abs(n[0]) > 1e-6 ? 1 / n[0] : 0;
-  const double x0 = static_cast<double>(brick_.begin[0]);
-  const double middle = lower.centre[0] * per_step - x0;
-  const auto at = [&](int i, int a) {
-    return static_cast<double>(brick_.begin[static_cast<std::size_t>(a)] + i) * spacing_[a];
-  };
-  unsigned changed = 0;
-  for (int z = std::max(view.low[2], bz * kZ); z < std::min(view.high[2], (bz + 1) * kZ); ++z) {
-    const double pz = at(z, 2), dz = pz - lower.centre[2], ez = pz - upper.centre[2];
-    for (int y = std::max(view.low[1], by * kY); y < std::min(view.high[1], (by + 1) * kY); ++y) {
-      const double py = at(y, 1), dy = py - lower.centre[1], ey = py - upper.centre[1];
-      const double rest = lower.limit - (dy * dy + dz * dz);
-      if (rest < 0) continue;
-      const double half = std::sqrt(rest) * per_step + kSlack;
-      double low = middle - half, high = middle + half;
-      if (per_n != 0) {
-        const double bound = middle + (view.lune.h - n[1] * dy - n[2] * dz) * per_n * per_step;
-        if (per_n > 0)
-          low = std::max(low, bound - kSlack);
-        else
-          high = std::min(high, bound + kSlack);
-      }
-      const int begin = clipped(std::ceil(low), first, last), end = clipped(std::floor(high) + 1, first, last);
-      float* values = values_.data() + (row(y, z) - values_.data());
-      for (int x = begin; x < end; ++x) {
-        if (!(values[x] < view.key)) continue;
-        const double px = (x0 + x) * step, dx = px - lower.centre[0];
-        const double below = dx * dx + (dy * dy + dz * dz) - lower.limit;  // 0 or less in the lower ball
-        if (below > 0) continue;
-        double squared = least;
-        if (!view.whole) {
-          const double ex = px - upper.centre[0], above = ex * ex + (ey * ey + ez * ez) - upper.limit;
-          if (above <= 0) {
-            squared = upper.squared;
-          } else if (between_) {
-            // The ball between the two on whose sphere the point is: both powers are linear along the way.
-            const double t = below / (below - above);
-            const double there = (1 - t) * least + t * (upper.squared - (1 - t) * view.lune.squared_distance);
-            squared = std::max(least, there);
-          }
-        }
-        const float value = static_cast<float>(squared);
-        if (value > values[x]) {
-          values[x] = value;
-          changed |= 1U << (x / kX);
-        }
+  const double step = spacing_[0], x0 = static_cast<double>(brick_.begin[0]);
+  const double py = static_cast<double>(brick_.begin[1] + y) * spacing_[1];
+  const double pz = static_cast<double>(brick_.begin[2] + z) * spacing_[2];
+  const double dy = py - lower.centre[1], dz = pz - lower.centre[2];
+  const double ey = py - upper.centre[1], ez = pz - upper.centre[2];
+  const double lower_rest = dy * dy + dz * dz, upper_rest = ey * ey + ez * ez;
+  if (lower_rest > lower.limit) return;
+  const double needed = view.lune.h - n[1] * dy - n[2] * dz;
+  float* values = values_.data() + (static_cast<std::size_t>(z) * kRowsY + static_cast<std::size_t>(y)) *
+                                       static_cast<std::size_t>(Brick::kSides[0]);
+  for (std::uint64_t left = open & view.range; left; left &= left - 1) {
+    const int x = std::countr_zero(left);
+    if (!(values[x] < view.key)) {
+      open &= ~(std::uint64_t{1} << x);
+      continue;
+    }
+    const double px = (x0 + x) * step, dx = px - lower.centre[0];
+    const double below = dx * dx + lower_rest - lower.limit;  // 0 or less in the lower ball
+    if (below > 0 || n[0] * dx < needed) continue;
+    double squared = lower.squared;
+    if (!view.whole) {
+      const double ex = px - upper.centre[0], above = ex * ex + upper_rest - upper.limit;
+      if (above <= 0) {
+        squared = upper.squared;
+      } else if (between_) {
+        // The ball between the two on whose sphere the point is: both powers are linear along the way.
+        const double t = below / (below - above);
+        const double there = (1 - t) * squared + t * (upper.squared - (1 - t) * view.lune.squared_distance);
+        squared = std::max(squared, there);
       }
     }
+    const float value = static_cast<float>(squared);
+    if (value > values[x]) values[x] = value;
+    if (!(values[x] < view.key)) open &= ~(std::uint64_t{1} << x);
   }
-  std::uint8_t& dirty = dirty_[static_cast<std::size_t>(bz)][static_cast<std::size_t>(by)];
-  dirty = static_cast<std::uint8_t>(dirty | changed);
+}
+
+void BrickRadii::take_rows(const View& view, int by, int bz) {
+  bool changed = false;
+  for (int z = std::max(view.low[2], bz * kBlock); z < std::min(view.high[2], (bz + 1) * kBlock); ++z) {
+    auto& rows = open_[static_cast<std::size_t>(z)];
+    for (int y = std::max(view.low[1], by * kBlock); y < std::min(view.high[1], (by + 1) * kBlock); ++y) {
+      std::uint64_t& open = rows[static_cast<std::size_t>(y)];
+      if (!(open & view.range)) continue;
+      const std::uint64_t before = open;
+      take_row(view, y, z, open);
+      changed |= open != before;
+    }
+  }
+  if (changed) blocks_[static_cast<std::size_t>(bz)][static_cast<std::size_t>(by)].changed = true;
 }
 
 bool BrickRadii::take(const Pencil& pencil) {
@@ -155,37 +163,23 @@ bool BrickRadii::take(const Pencil& pencil) {
   view.key = static_cast<float>(view.upper->squared);
   for (std::size_t a = 0; a < 3; ++a) {
     view.low[a] = static_cast<int>(std::max<std::int64_t>(pencil.low[a] - brick_.begin[a], 0));
-    view.high[a] =
-        static_cast<int>(std::min(pencil.high[a], static_cast<std::int32_t>(brick_.end[a])) - brick_.begin[a]);
+    view.high[a] = static_cast<int>(std::min<std::int64_t>(pencil.high[a], brick_.end[a]) - brick_.begin[a]);
     if (view.low[a] >= view.high[a]) return open_blocks_ > 0;
   }
-  bool any = false;
-  for (int bz = view.low[2] / kZ; bz <= (view.high[2] - 1) / kZ; ++bz)
-    for (int by = view.low[1] / kY; by <= (view.high[1] - 1) / kY; ++by) {
-      if (!open_[static_cast<std::size_t>(bz)][static_cast<std::size_t>(by)]) continue;
-      if (!any) {
-        any = true;
+  view.range = bits_of(view.low[0], view.high[0]);
+  bool known = false;
+  for (int bz = view.low[2] / kBlock; bz <= (view.high[2] - 1) / kBlock; ++bz)
+    for (int by = view.low[1] / kBlock; by <= (view.high[1] - 1) / kBlock; ++by) {
+      const auto j = static_cast<std::size_t>(by), k = static_cast<std::size_t>(bz);
+      if (!(blocks_[k][j].open & view.range) || !(open_in(j, k) & view.range)) continue;
+      if (!known) {
         if (view.whole)
-          view.lune.h = -std::sqrt(view.lower->limit);
+          view.lune.h = -2 * std::sqrt(view.lower->limit);
         else
           view.lune = lune_of(*view.upper, *view.lower);
+        known = true;
       }
-      int first = view.high[0], last = view.low[0];
-      for (int bx = view.low[0] / kX; bx <= (view.high[0] - 1) / kX; ++bx) {
-        if (!is_open(bx, by, bz, view.key)) continue;
-        // Far from what the pencil has?
-        const Vec3 half = spacing_.cwiseProduct(Vec3(kX, kY, kZ)) / 2;
-        const Vec3 corner(static_cast<double>(brick_.begin[0] + bx * kX),
-                          static_cast<double>(brick_.begin[1] + by * kY),
-                          static_cast<double>(brick_.begin[2] + bz * kZ));
-        const Vec3 way = spacing_.cwiseProduct(corner) - spacing_ / 2 + half - view.lower->centre;
-        if (view.lune.n.dot(way) + view.lune.n.cwiseAbs().dot(half) < view.lune.h) continue;
-        const Vec3 outside = (way.cwiseAbs() - half).cwiseMax(0);
-        if (outside.squaredNorm() > view.lower->limit) continue;
-        first = std::min(first, std::max(view.low[0], bx * kX));
-        last = std::max(last, std::min(view.high[0], (bx + 1) * kX));
-      }
-      if (first < last) take_rows(view, by, bz, first, last);
+      if (may_reach(view, by, bz)) take_rows(view, by, bz);
     }
   return open_blocks_ > 0;
 }

@@ -137,8 +137,8 @@ ThicknessReport local_thickness(const VoxelShape& shape, const MedialAxis& axis,
   });
 }
 
-std::vector<float> local_thickness(const VoxelShape& shape, const MedialAxis& axis, const ThicknessOptions& options,
-                                   Context* context) {
+std::vector<float> thickness_volume(const VoxelShape& shape, const MedialAxis& axis, const ThicknessOptions& options,
+                                    Context* context) {
   const auto& dims = shape.grid().dims;
   std::vector<float> all(static_cast<std::size_t>(dims[0] * dims[1] * dims[2]));
   local_thickness(

@@ -10,6 +10,9 @@
 
 namespace quench::thickness {
 
+/// Voxels by which ranges are wider than rounded numbers say; what is in a ball is decided for each voxel.
+inline constexpr double kRoundingSlack = 1e-6;
+
 /// A ball in coordinates of the grid in world units: the centre of voxel (i, j, k) is at spacing o (i, j, k).
 struct Ball {
   Vec3 centre = Vec3::Zero();
@@ -63,19 +66,28 @@ class BrickRadii {
   }
 
  private:
-  static constexpr int kX = 16, kY = 8, kZ = 8;  // sides of a block
-  static constexpr int kBlocksX = 4, kBlocksY = 8, kBlocksZ = 4;
+  static constexpr int kBlock = 8;  // rows along y and z
+  static constexpr std::size_t kRowsY = static_cast<std::size_t>(Brick::kSides[1]),
+                               kRowsZ = static_cast<std::size_t>(Brick::kSides[2]);
   struct View;
-  bool is_open(int bx, int by, int bz, float key);
-  void take_rows(const View& view, int by, int bz, int first, int last);
+  std::uint64_t open_in(std::size_t by, std::size_t bz);
+  bool may_reach(const View& view, int by, int bz) const;
+  void take_rows(const View& view, int by, int bz);
+  void take_row(const View& view, int y, int z, std::uint64_t& open);
 
   const Sweep& sweep_;
   Vec3 spacing_;
   bool between_;
   Brick brick_;
   std::vector<float> values_;
-  // A bit per block along x: holds a voxel whose value may still grow; changed since that was found.
-  std::array<std::array<std::uint8_t, kBlocksY>, kBlocksZ> open_{}, dirty_{};
+  // A bit per voxel along x of each row: the value may still grow. Keys descend, so that what has reached one is done.
+  std::array<std::array<std::uint64_t, kRowsY>, kRowsZ> open_{};
+  // For each block of rows those of any of them, or more where a row has changed.
+  struct Block {
+    std::uint64_t open = 0;
+    bool changed = false;
+  };
+  std::array<std::array<Block, kRowsY / kBlock>, kRowsZ / kBlock> blocks_{};
   int open_blocks_ = 0;
 };
 

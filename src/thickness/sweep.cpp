@@ -12,13 +12,12 @@ namespace {
 
 // Up to which a centre outside of a sphere counts as on it: of the squared radius.
 constexpr double kOnSphere = 2e-9;
-constexpr double kSlack = 1e-6;  // voxels, of boxes only
 
 // Voxels of the part of the lower ball in the half-space, along one axis.
 void set_range(Pencil& pencil, std::size_t a, double centre, double reach_down, double reach_up, double step,
                const VoxelShape::Box& box) {
-  const double low = std::ceil((centre - reach_down) / step - kSlack),
-               high = std::floor((centre + reach_up) / step + kSlack);
+  const double low = std::ceil((centre - reach_down) / step - kRoundingSlack),
+               high = std::floor((centre + reach_up) / step + kRoundingSlack);
   const double least = static_cast<double>(box.begin[a]), most = static_cast<double>(box.end[a] - 1);
   pencil.low[a] = static_cast<std::int32_t>(std::max(low, least));
   pencil.high[a] = low > most || high < least ? pencil.low[a] : static_cast<std::int32_t>(std::min(high, most)) + 1;

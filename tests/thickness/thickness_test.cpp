@@ -31,7 +31,7 @@ std::vector<double> values_in(const VoxelShape& shape, const std::vector<float>&
 
 std::vector<double> thickness_in(const VoxelShape& shape, const MedialAxis& axis,
                                  const ThicknessOptions& options = {}) {
-  return values_in(shape, local_thickness(shape, axis, options));
+  return values_in(shape, thickness_volume(shape, axis, options));
 }
 
 // Both between all points of edges and of vertices alone.
@@ -84,7 +84,9 @@ TEST(LocalThickness, NoBallInsideAFaceIsLarger) {
         x /= sum;
         const double r = (core.grid.world_of(core.sites[core.face_sites[f][0]]) - x).norm();
         for (std::size_t i = 0; i < centres.size(); ++i)
-          if ((centres[i] - x).norm() <= r) ASSERT_GE(all[i], 2 * r * (1 - 1e-6)) << "seed " << seed;
+          if ((centres[i] - x).norm() <= r) {
+            ASSERT_GE(all[i], 2 * r * (1 - 1e-6)) << "seed " << seed;
+          }
       }
   }
 }
@@ -109,7 +111,7 @@ TEST(LocalThickness, OfASlab) {
       const int side = 40;
       const VoxelShape slab =
           digitized(side, side, n + 2, h, [&](const Vec3& p) { return p[2] > h[2] / 2 && p[2] < (n + 0.5) * h[2]; });
-      const std::vector<float> all = local_thickness(slab, voxel_core(slab));
+      const std::vector<float> all = thickness_volume(slab, voxel_core(slab));
       const double expected = std::sqrt(n * n * h[2] * h[2] + h[0] * h[0] + h[1] * h[1]);
       const int margin = static_cast<int>(std::ceil(expected / h.minCoeff() / 2)) + 1;
       for (int z = 1; z <= n && margin < side / 2; ++z)
@@ -124,11 +126,13 @@ TEST(LocalThickness, OfACylinder) {
     return std::hypot(p[0] - 14.6, p[1] - 14.4) < radius && p[2] > 0.5 && p[2] < 58.5;
   });
   const MedialAxis core = voxel_core(cylinder);
-  const std::vector<float> all = local_thickness(cylinder, core, {.correction = thickness_correction(core)});
+  const std::vector<float> all = thickness_volume(cylinder, core, {.correction = thickness_correction(core)});
   for (int y = 0; y < 30; ++y)
     for (int x = 0; x < 30; ++x) {
       const double value = value_at(cylinder, all, x, y, 30);
-      if (std::hypot(x - 14.6, y - 14.4) < radius - 1) EXPECT_NEAR(value, 2 * radius, 1) << x << ' ' << y;
+      if (std::hypot(x - 14.6, y - 14.4) < radius - 1) {
+        EXPECT_NEAR(value, 2 * radius, 1) << x << ' ' << y;
+      }
     }
 }
 
@@ -165,7 +169,9 @@ TEST(LocalThickness, OfTwoBallsThatOverlap) {
   const MedialAxis core = voxel_core(both);
   const std::vector<double> of_core = thickness_in(both, core, {.correction = 0.5});
   for (std::size_t i = 0; i < centres.size(); ++i) {
-    if ((centres[i] - a).norm() < ra - 2) EXPECT_NEAR(of_core[i], 2 * ra, 1.5);
+    if ((centres[i] - a).norm() < ra - 2) {
+      EXPECT_NEAR(of_core[i], 2 * ra, 1.5);
+    }
     if ((centres[i] - b).norm() < rb - 2 && (centres[i] - a).norm() > ra + 2) {
       EXPECT_LT(of_core[i], of_pair[i] + 1.5);
       EXPECT_GT(of_core[i], 2 * rb - 1.5);
@@ -179,7 +185,7 @@ TEST(LocalThickness, OfAWedge) {
   const VoxelShape wedge = digitized(64, 44, 30, {1, 1, 1}, [&](const Vec3& p) {
     return p[0] < length && std::abs(p[1] - 21.3) < (p[0] - 1) * std::tan(half_angle);
   });
-  const std::vector<float> all = local_thickness(wedge, voxel_core(wedge), {.correction = 0.5});
+  const std::vector<float> all = thickness_volume(wedge, voxel_core(wedge), {.correction = 0.5});
   const double sine = std::sin(half_angle);
   for (int x = 8; x < 30; ++x) {
     const double expected = 2 * (x - 1) * sine / (1 - sine);
@@ -273,7 +279,7 @@ TEST(LocalThickness, DoesNotDependOnThreadsAndPadding) {
 TEST(LocalThickness, MaskAndWhatNoBallHolds) {
   const VoxelShape box = testing_shapes::box_shape(12, 9, 7);
   const MedialAxis core = voxel_core(box);
-  const std::vector<float> whole = local_thickness(box, core);
+  const std::vector<float> whole = thickness_volume(box, core);
   const VoxelShape mask =
       testing_shapes::from_predicate(box.grid(), [](int x, int y, int) { return x < 5 && (x + y) % 3 != 0; });
   std::vector<float> masked;
