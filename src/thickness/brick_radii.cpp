@@ -17,6 +17,11 @@ std::uint64_t bits_of(int begin, int end) {
   return count <= 0 ? 0 : (count == 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << count) - 1) << begin;
 }
 
+// The whole part of a place in a row, or an end of the row.
+int place(double x) { return x > 0 ? x < 64 ? static_cast<int>(x) : 64 : 0; }
+
+constexpr int kFewRows = 24;  // for which it does not pay to look at blocks
+
 }  // namespace
 
 // A pencil as a brick sees it.
@@ -28,6 +33,7 @@ struct BrickRadii::View {
   float key;                     // the most that it gives
   std::array<int, 3> low, high;  // voxels from the beginning of the brick
   std::uint64_t range;           // along x
+  double per_n;                  // of what the lune needs, voxels along x; 0: its plane is nearly along x
 };
 
 BrickRadii::BrickRadii(const Sweep& sweep, const Grid& grid, bool between)
@@ -99,6 +105,16 @@ bool BrickRadii::may_reach(const View& view, int by, int bz) const {
   return ahead >= view.lune.h && outside <= view.lower->limit;
 }
 
+// What a view needs beside its box.
+void BrickRadii::complete(View& view) const {
+  if (view.whole)
+    view.lune.h = -2 * std::sqrt(view.lower->limit);
+  else
+    view.lune = lune_of(*view.upper, *view.lower);
+  const double n = view.lune.n[0];
+  view.per_n = std::abs(n) > 1e-6 ? 1 / (n * spacing_[0]) : 0;
+}
+
 // The open voxels of a row.
 void BrickRadii::take_row(const View& view, int y, int z, std::uint64_t& open) {
   const Ball &upper = *view.upper, &lower = *view.lower;
@@ -107,13 +123,25 @@ void BrickRadii::take_row(const View& view, int y, int z, std::uint64_t& open) {
   const double py = static_cast<double>(brick_.begin[1] + y) * spacing_[1];
   const double pz = static_cast<double>(brick_.begin[2] + z) * spacing_[2];
   const double dy = py - lower.centre[1], dz = pz - lower.centre[2];
-  const double ey = py - upper.centre[1], ez = pz - upper.centre[2];
-  const double lower_rest = dy * dy + dz * dz, upper_rest = ey * ey + ez * ez;
-  if (lower_rest > lower.limit) return;
-  const double needed = view.lune.h - n[1] * dy - n[2] * dz;
+  const double lower_rest = dy * dy + dz * dz, rest = lower.limit - lower_rest;
+  if (rest < 0) return;
+  std::uint64_t left = open & view.range;
+  // Where the row is in the half-space, and in the ball.
+  const double middle = lower.centre[0] / step - x0;
+  if (view.per_n != 0) {
+    const double bound = middle + (view.lune.h - n[1] * dy - n[2] * dz) * view.per_n;
+    left &=
+        view.per_n > 0 ? bits_of(place(bound + 1 - kRoundingSlack), 64) : bits_of(0, place(bound + 1 + kRoundingSlack));
+    if (!left) return;
+  }
+  if (left & (left - 1)) {
+    const double half = std::sqrt(rest) / step + kRoundingSlack;
+    left &= bits_of(place(middle - half + 1), place(middle + half + 1));
+  }
+  const double ey = py - upper.centre[1], ez = pz - upper.centre[2], upper_rest = ey * ey + ez * ez;
   float* values = values_.data() + (static_cast<std::size_t>(z) * kRowsY + static_cast<std::size_t>(y)) *
                                        static_cast<std::size_t>(Brick::kSides[0]);
-  for (std::uint64_t left = open & view.range; left; left &= left - 1) {
+  for (; left; left &= left - 1) {
     const int x = std::countr_zero(left);
     if (!(values[x] < view.key)) {
       open &= ~(std::uint64_t{1} << x);
@@ -121,7 +149,7 @@ void BrickRadii::take_row(const View& view, int y, int z, std::uint64_t& open) {
     }
     const double px = (x0 + x) * step, dx = px - lower.centre[0];
     const double below = dx * dx + lower_rest - lower.limit;  // 0 or less in the lower ball
-    if (below > 0 || n[0] * dx < needed) continue;
+    if (below > 0) continue;
     double squared = lower.squared;
     if (!view.whole) {
       const double ex = px - upper.centre[0], above = ex * ex + upper_rest - upper.limit;
@@ -140,19 +168,23 @@ void BrickRadii::take_row(const View& view, int y, int z, std::uint64_t& open) {
   }
 }
 
-void BrickRadii::take_rows(const View& view, int by, int bz) {
-  bool changed = false;
+// The rows of a block.
+void BrickRadii::take_rows(View& view, int by, int bz, bool& complete_now) {
+  Block& block = blocks_[static_cast<std::size_t>(bz)][static_cast<std::size_t>(by)];
   for (int z = std::max(view.low[2], bz * kBlock); z < std::min(view.high[2], (bz + 1) * kBlock); ++z) {
     auto& rows = open_[static_cast<std::size_t>(z)];
     for (int y = std::max(view.low[1], by * kBlock); y < std::min(view.high[1], (by + 1) * kBlock); ++y) {
       std::uint64_t& open = rows[static_cast<std::size_t>(y)];
       if (!(open & view.range)) continue;
+      if (!complete_now) {
+        complete(view);
+        complete_now = true;
+      }
       const std::uint64_t before = open;
       take_row(view, y, z, open);
-      changed |= open != before;
+      block.changed |= open != before;
     }
   }
-  if (changed) blocks_[static_cast<std::size_t>(bz)][static_cast<std::size_t>(by)].changed = true;
 }
 
 bool BrickRadii::take(const Pencil& pencil) {
@@ -167,19 +199,19 @@ bool BrickRadii::take(const Pencil& pencil) {
     if (view.low[a] >= view.high[a]) return open_blocks_ > 0;
   }
   view.range = bits_of(view.low[0], view.high[0]);
-  bool known = false;
+  bool complete_now = false;
   for (int bz = view.low[2] / kBlock; bz <= (view.high[2] - 1) / kBlock; ++bz)
     for (int by = view.low[1] / kBlock; by <= (view.high[1] - 1) / kBlock; ++by) {
       const auto j = static_cast<std::size_t>(by), k = static_cast<std::size_t>(bz);
       if (!(blocks_[k][j].open & view.range) || !(open_in(j, k) & view.range)) continue;
-      if (!known) {
-        if (view.whole)
-          view.lune.h = -2 * std::sqrt(view.lower->limit);
-        else
-          view.lune = lune_of(*view.upper, *view.lower);
-        known = true;
+      if ((view.high[1] - view.low[1]) * (view.high[2] - view.low[2]) > kFewRows) {
+        if (!complete_now) {
+          complete(view);
+          complete_now = true;
+        }
+        if (!may_reach(view, by, bz)) continue;
       }
-      if (may_reach(view, by, bz)) take_rows(view, by, bz);
+      take_rows(view, by, bz, complete_now);
     }
   return open_blocks_ > 0;
 }

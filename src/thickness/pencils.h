@@ -78,7 +78,8 @@ class BrickRadii {
   struct View;
   std::uint64_t open_in(std::size_t by, std::size_t bz);
   bool may_reach(const View& view, int by, int bz) const;
-  void take_rows(const View& view, int by, int bz);
+  void complete(View& view) const;
+  void take_rows(View& view, int by, int bz, bool& complete_now);
   void take_row(const View& view, int y, int z, std::uint64_t& open);
 
   const Sweep& sweep_;
