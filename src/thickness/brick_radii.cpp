@@ -20,8 +20,6 @@ std::uint64_t bits_of(int begin, int end) {
 // The whole part of a place in a row, or an end of the row.
 int place(double x) { return x > 0 ? x < 64 ? static_cast<int>(x) : 64 : 0; }
 
-constexpr int kFewRows = 24;  // for which it does not pay to look at blocks
-
 }  // namespace
 
 // A pencil as a brick sees it.
@@ -34,6 +32,7 @@ struct BrickRadii::View {
   std::array<int, 3> low, high;  // voxels from the beginning of the brick
   std::uint64_t range;           // along x
   double per_n;                  // of what the lune needs, voxels along x; 0: its plane is nearly along x
+  double per_slice;              // of what the lune needs in a slice; 0: its plane is nearly that of slices
 };
 
 BrickRadii::BrickRadii(const Sweep& sweep, const Grid& grid, bool between)
@@ -87,32 +86,15 @@ std::uint64_t BrickRadii::open_in(std::size_t by, std::size_t bz) {
   return block.open;
 }
 
-// Whether the pencil may hold a centre of the block.
-bool BrickRadii::may_reach(const View& view, int by, int bz) const {
-  const std::array<int, 3> low{view.low[0], std::max(view.low[1], by * kBlock), std::max(view.low[2], bz * kBlock)};
-  const std::array<int, 3> high{view.high[0], std::min(view.high[1], (by + 1) * kBlock),
-                                std::min(view.high[2], (bz + 1) * kBlock)};
-  double ahead = 0, outside = 0;
-  for (std::size_t a = 0; a < 3; ++a) {
-    const auto axis = static_cast<Eigen::Index>(a);
-    const double half = (high[a] - 1 - low[a]) * spacing_[axis] / 2;
-    const double way =
-        (static_cast<double>(brick_.begin[a] + low[a])) * spacing_[axis] + half - view.lower->centre[axis];
-    ahead += view.lune.n[axis] * way + std::abs(view.lune.n[axis]) * half;
-    const double beyond = std::max(std::abs(way) - half, 0.0);
-    outside += beyond * beyond;
-  }
-  return ahead >= view.lune.h && outside <= view.lower->limit;
-}
-
 // What a view needs beside its box.
 void BrickRadii::complete(View& view) const {
   if (view.whole)
     view.lune.h = -2 * std::sqrt(view.lower->limit);
   else
     view.lune = lune_of(*view.upper, *view.lower);
-  const double n = view.lune.n[0];
-  view.per_n = std::abs(n) > 1e-6 ? 1 / (n * spacing_[0]) : 0;
+  const double nx = view.lune.n[0], ny = view.lune.n[1], in_slice = std::hypot(nx, ny);
+  view.per_n = std::abs(nx) > 1e-6 ? 1 / (nx * spacing_[0]) : 0;
+  view.per_slice = in_slice > 1e-6 ? 1 / in_slice : 0;
 }
 
 // The open voxels of a row.
@@ -168,27 +150,30 @@ void BrickRadii::take_row(const View& view, int y, int z, std::uint64_t& open) {
   }
 }
 
-// The rows of a block.
-void BrickRadii::take_rows(View& view, int by, int bz, bool& complete_now) {
-  Block& block = blocks_[static_cast<std::size_t>(bz)][static_cast<std::size_t>(by)];
-  for (int z = std::max(view.low[2], bz * kBlock); z < std::min(view.high[2], (bz + 1) * kBlock); ++z) {
-    auto& rows = open_[static_cast<std::size_t>(z)];
-    for (int y = std::max(view.low[1], by * kBlock); y < std::min(view.high[1], (by + 1) * kBlock); ++y) {
-      std::uint64_t& open = rows[static_cast<std::size_t>(y)];
-      if (!(open & view.range)) continue;
-      if (!complete_now) {
-        complete(view);
-        complete_now = true;
-      }
-      const std::uint64_t before = open;
-      take_row(view, y, z, open);
-      block.changed |= open != before;
-    }
+// The rows [first, last) of slice z where the lune is.
+std::array<int, 2> BrickRadii::rows_in(const View& view, int z) const {
+  const Ball& lower = *view.lower;
+  const double dz = static_cast<double>(brick_.begin[2] + z) * spacing_[2] - lower.centre[2];
+  const double squared = lower.limit - dz * dz;
+  if (squared < 0) return {0, 0};
+  const double r = std::sqrt(squared), needed = (view.lune.h - view.lune.n[2] * dz) * view.per_slice;
+  double down = r, up = r;
+  if (view.per_slice != 0) {
+    if (needed > r + kRoundingSlack * spacing_[1]) return {0, 0};
+    const double ny = view.lune.n[1] * view.per_slice;
+    const double chord =
+        std::sqrt(std::max(0.0, squared - needed * needed)) * std::abs(view.lune.n[0]) * view.per_slice;
+    if (-ny * r < needed) down = -needed * ny + chord;
+    if (ny * r < needed) up = needed * ny + chord;
   }
+  const double middle = lower.centre[1] / spacing_[1] - static_cast<double>(brick_.begin[1]);
+  const int first = place(middle - down / spacing_[1] + 1 - kRoundingSlack);
+  const int last = place(middle + up / spacing_[1] + 1 + kRoundingSlack);
+  return {std::max(first, view.low[1]), std::min(last, view.high[1])};
 }
 
-bool BrickRadii::take(const Pencil& pencil) {
-  View view;
+// False: the brick has none of it.
+bool BrickRadii::see(View& view, const Pencil& pencil) const {
   view.upper = &sweep_.balls[pencil.upper];
   view.lower = &sweep_.balls[pencil.lower];
   view.whole = pencil.upper == pencil.lower;
@@ -196,24 +181,61 @@ bool BrickRadii::take(const Pencil& pencil) {
   for (std::size_t a = 0; a < 3; ++a) {
     view.low[a] = static_cast<int>(std::max<std::int64_t>(pencil.low[a] - brick_.begin[a], 0));
     view.high[a] = static_cast<int>(std::min<std::int64_t>(pencil.high[a], brick_.end[a]) - brick_.begin[a]);
-    if (view.low[a] >= view.high[a]) return open_blocks_ > 0;
+    if (view.low[a] >= view.high[a]) return false;
   }
   view.range = bits_of(view.low[0], view.high[0]);
-  bool complete_now = false;
-  for (int bz = view.low[2] / kBlock; bz <= (view.high[2] - 1) / kBlock; ++bz)
-    for (int by = view.low[1] / kBlock; by <= (view.high[1] - 1) / kBlock; ++by) {
-      const auto j = static_cast<std::size_t>(by), k = static_cast<std::size_t>(bz);
-      if (!(blocks_[k][j].open & view.range) || !(open_in(j, k) & view.range)) continue;
-      if ((view.high[1] - view.low[1]) * (view.high[2] - view.low[2]) > kFewRows) {
-        if (!complete_now) {
-          complete(view);
-          complete_now = true;
-        }
-        if (!may_reach(view, by, bz)) continue;
+  return true;
+}
+
+bool BrickRadii::take(const Pencil& pencil) {
+  View view;
+  if (!see(view, pencil)) return open_blocks_ > 0;
+  bool completed = false;
+  for (int z = view.low[2]; z < view.high[2]; ++z) {
+    const auto k = static_cast<std::size_t>(z) / kBlock;
+    std::array<int, 2> rows{view.low[1], view.high[1]};
+    bool cut = false;
+    for (int y = rows[0]; y < rows[1];) {
+      const auto j = static_cast<std::size_t>(y) / kBlock;
+      const int end = std::min(static_cast<int>((j + 1) * kBlock), rows[1]);
+      if (!(blocks_[k][j].open & view.range) || !(open_in(j, k) & view.range)) {
+        y = end;
+        continue;
       }
-      take_rows(view, by, bz, complete_now);
+      if (!cut) {
+        if (!completed) complete(view);
+        completed = cut = true;
+        rows = rows_in(view, z);
+        y = std::max(y, rows[0]);
+        continue;
+      }
+      for (; y < end; ++y) {
+        std::uint64_t& open = open_[static_cast<std::size_t>(z)][static_cast<std::size_t>(y)];
+        if (!(open & view.range)) continue;
+        const std::uint64_t before = open;
+        take_row(view, y, z, open);
+        blocks_[k][j].changed |= open != before;
+      }
     }
+  }
   return open_blocks_ > 0;
+}
+
+void BrickRadii::take_few(const Pencil& pencil) {
+  View view;
+  if (!see(view, pencil)) return;
+  bool completed = false;
+  for (int z = view.low[2]; z < view.high[2]; ++z)
+    for (int y = view.low[1]; y < view.high[1]; ++y) {
+      const float* values = row(y, z);
+      std::uint64_t open = 0;
+      for (int x = view.low[0]; x < view.high[0]; ++x)
+        if (values[x] < view.key) open |= std::uint64_t{1} << x;
+      if (!open) continue;
+      if (!completed) complete(view);
+      completed = true;
+      take_row(view, y, z, open);
+    }
 }
 
 }  // namespace quench::thickness

@@ -24,7 +24,7 @@ class SlabWorker {
  public:
   SlabWorker(const VoxelShape& shape, const Sweep& sweep, const ThicknessOptions& options, double bin_width)
       : shape_(shape), sweep_(sweep), options_(options), dims_(shape.grid().dims), bin_width_(bin_width), desks_([&] {
-          return Desk{BrickRadii(sweep, shape.grid(), options.between), {}, {}};
+          return Desk{BrickRadii(sweep, shape.grid(), options.between), {}, {}, {}};
         }) {
     for (std::size_t a = 0; a < 3; ++a) bricks_[a] = (dims_[a] + Brick::kSides[a] - 1) / Brick::kSides[a];
     slices_.resize(static_cast<std::size_t>(dims_[0] * dims_[1] * std::min(dims_[2], Brick::kSides[2])));
@@ -56,6 +56,7 @@ class SlabWorker {
       sort_by_upper(std::span(members.items).subspan(members.begin[b], members.begin[b + 1] - members.begin[b]), desk);
       for (const std::uint64_t entry : desk.entries)
         if (!desk.radii.take(sweep_.pencils[static_cast<std::uint32_t>(entry)])) break;
+      for (const std::uint32_t p : desk.few) desk.radii.take_few(sweep_.pencils[p]);
       write(desk.radii, brick);
     });
     for (const std::int64_t count : voxels) report.voxels += count;
@@ -67,6 +68,7 @@ class SlabWorker {
   struct Desk {
     BrickRadii radii;
     std::vector<std::uint64_t> entries, other;  // the key of a pencil, and which it is
+    std::vector<std::uint32_t> few;             // small ones
   };
   // The pencils of each brick of a slab.
   struct Members {
@@ -107,15 +109,20 @@ class SlabWorker {
   void sort_by_upper(std::span<const std::uint32_t> items, Desk& desk) const {
     constexpr int kBits = 11;
     constexpr std::uint32_t kMask = (1U << kBits) - 1;
-    desk.entries.resize(items.size());
-    desk.other.resize(items.size());
+    desk.entries.clear();
+    desk.few.clear();
     std::array<std::array<std::uint32_t, kMask + 2>, 3> counts{};
-    for (std::size_t i = 0; i < items.size(); ++i) {
-      const auto squared = static_cast<float>(sweep_.balls[sweep_.pencils[items[i]].upper].squared);
-      const std::uint32_t key = ~std::bit_cast<std::uint32_t>(squared);
-      desk.entries[i] = std::uint64_t{key} << 32 | items[i];
+    for (const std::uint32_t p : items) {
+      const Pencil& pencil = sweep_.pencils[p];
+      if (pencil.is_small()) {
+        desk.few.push_back(p);
+        continue;
+      }
+      const std::uint32_t key = ~std::bit_cast<std::uint32_t>(static_cast<float>(sweep_.balls[pencil.upper].squared));
+      desk.entries.push_back(std::uint64_t{key} << 32 | p);
       for (std::size_t d = 0; d < 3; ++d) ++counts[d][(key >> (kBits * d) & kMask) + 1];
     }
+    desk.other.resize(desk.entries.size());
     for (std::size_t d = 0; d < 3; ++d) {
       auto& begin = counts[d];
       for (std::size_t i = 1; i < begin.size(); ++i) begin[i] += begin[i - 1];

@@ -26,6 +26,9 @@ struct Ball {
 struct Pencil {
   std::uint32_t upper = 0, lower = 0;
   std::array<std::int32_t, 3> low{}, high{};  ///< voxels [low, high)
+
+  /// Whether it is quicker to look at all of its voxels than to put it into the order of others.
+  bool is_small() const { return (high[0] - low[0]) * (high[1] - low[1]) * (high[2] - low[2]) <= 8; }
 };
 
 /// The balls of an axis and their pencils, in the order of its vertices and edges.
@@ -66,6 +69,8 @@ class BrickRadii {
   std::int64_t begin(const Brick& brick, const VoxelShape& shape, const VoxelShape* mask);
   /// Takes a pencil, those with larger upper balls first. False: no later one can change anything.
   bool take(const Pencil& pencil);
+  /// Takes a pencil of few voxels, in any order, when all others have been taken.
+  void take_few(const Pencil& pencil);
   /// Infinite outside the shape and the mask. `y`, `z` from the beginning of the brick.
   const float* row(std::int64_t y, std::int64_t z) const {
     return values_.data() + static_cast<std::size_t>((z * Brick::kSides[1] + y) * Brick::kSides[0]);
@@ -77,9 +82,9 @@ class BrickRadii {
                                kRowsZ = static_cast<std::size_t>(Brick::kSides[2]);
   struct View;
   std::uint64_t open_in(std::size_t by, std::size_t bz);
-  bool may_reach(const View& view, int by, int bz) const;
+  bool see(View& view, const Pencil& pencil) const;
   void complete(View& view) const;
-  void take_rows(View& view, int by, int bz, bool& complete_now);
+  std::array<int, 2> rows_in(const View& view, int z) const;
   void take_row(const View& view, int y, int z, std::uint64_t& open);
 
   const Sweep& sweep_;

@@ -24,8 +24,6 @@ void set_range(Pencil& pencil, std::size_t a, double centre, double reach_down, 
   pencil.high[a] = low > most || high < least ? pencil.low[a] : static_cast<std::int32_t>(std::min(high, most)) + 1;
 }
 
-bool is_empty(const Pencil& p) { return p.low[0] >= p.high[0] || p.low[1] >= p.high[1] || p.low[2] >= p.high[2]; }
-
 // False: holds no voxel centre.
 bool set_box(Pencil& pencil, const Sweep& sweep, const Grid& grid, const VoxelShape::Box& box) {
   const Ball& lower = sweep.balls[pencil.lower];
@@ -37,15 +35,14 @@ bool set_box(Pencil& pencil, const Sweep& sweep, const Grid& grid, const VoxelSh
     if (!(lune.h <= r)) return false;
   }
   const double circle = std::sqrt(std::max(0.0, r * r - lune.h * lune.h));
-  const auto reach = [&](double n) {
-    return n * r >= lune.h ? r : lune.h * n + circle * std::sqrt(std::max(0.0, 1 - n * n));
-  };
   for (std::size_t a = 0; a < 3; ++a) {
     const auto axis = static_cast<Eigen::Index>(a);
-    set_range(pencil, a, lower.centre[axis], reach(-lune.n[axis]), reach(lune.n[axis]), grid.spacing[axis], box);
+    const double n = lune.n[axis], flat = circle * std::sqrt(std::max(0.0, 1 - n * n));
+    const double down = -n * r >= lune.h ? r : flat - lune.h * n, up = n * r >= lune.h ? r : flat + lune.h * n;
+    set_range(pencil, a, lower.centre[axis], down, up, grid.spacing[axis], box);
     if (pencil.low[a] >= pencil.high[a]) return false;
   }
-  return !is_empty(pencil);
+  return true;
 }
 
 }  // namespace
