@@ -6,6 +6,15 @@
 
 #include "thickness/pencils.h"
 
+#ifndef QUENCH_FOR_NEWER_PROCESSORS
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && \
+    !defined(__SANITIZE_THREAD__)
+#define QUENCH_FOR_NEWER_PROCESSORS __attribute__((target_clones("arch=x86-64-v3", "default")))
+#else
+#define QUENCH_FOR_NEWER_PROCESSORS
+#endif
+#endif
+
 namespace quench::thickness {
 namespace {
 
@@ -17,8 +26,36 @@ std::uint64_t bits_of(int begin, int end) {
   return count <= 0 ? 0 : (count == 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << count) - 1) << begin;
 }
 
-// The whole part of a place in a row, or an end of the row.
-int place(double x) { return x > 0 ? x < 64 ? static_cast<int>(x) : 64 : 0; }
+// Bits [0, i) of a row.
+constexpr std::array<std::uint64_t, 65> kBelow = [] {
+  std::array<std::uint64_t, 65> bits{};
+  for (std::size_t i = 0; i < 64; ++i) bits[i + 1] = bits[i] << 1 | 1;
+  return bits;
+}();
+
+// Single precision near a brick, in voxels: intervals are a little wider, and what is in a ball is decided after that.
+constexpr double kIntervalSlack = 2e-3;
+
+// Where rows of one slice are in a ball and on one side of a plane.
+struct Cut {
+  float from = 0, step = 0;               // the first row from the centre, and from row to row
+  float squared = 0;                      // of the disk of the slice
+  float per_step = 0, low = 0, high = 0;  // the middle of rows, wider and with the 1 that a floor makes a ceiling
+  float low_at = -1e9f, low_along = 0, high_at = 1e9f, high_along = 0;
+};
+
+// Voxels [low, high) of `count` rows.
+QUENCH_FOR_NEWER_PROCESSORS
+void cut_intervals(const Cut& cut, int count, int* low, int* high) {
+  for (int i = 0; i < count; ++i) {
+    const float y = cut.from + cut.step * static_cast<float>(i), rest = cut.squared - y * y;
+    const float half = std::sqrt(rest > 0 ? rest : 0) * cut.per_step;
+    const float a = std::max(cut.low - half, cut.low_at + cut.low_along * y);
+    const float b = std::min(cut.high + half, cut.high_at + cut.high_along * y);
+    low[i] = static_cast<int>(std::min(std::max(a, 0.0f), 64.0f));
+    high[i] = rest < 0 ? 0 : static_cast<int>(std::min(std::max(b, 0.0f), 64.0f));
+  }
+}
 
 }  // namespace
 
@@ -32,7 +69,7 @@ struct BrickRadii::View {
   std::array<int, 3> low, high;  // voxels from the beginning of the brick
   std::uint64_t range;           // along x
   double per_n;                  // of what the lune needs, voxels along x; 0: its plane is nearly along x
-  double per_slice;              // of what the lune needs in a slice; 0: its plane is nearly that of slices
+  double slack;                  // of the place of this plane, voxels
 };
 
 BrickRadii::BrickRadii(const Sweep& sweep, const Grid& grid, bool between)
@@ -88,38 +125,47 @@ std::uint64_t BrickRadii::open_in(std::size_t by, std::size_t bz) {
 
 // What a view needs beside its box.
 void BrickRadii::complete(View& view) const {
-  if (view.whole)
-    view.lune.h = -2 * std::sqrt(view.lower->limit);
-  else
-    view.lune = lune_of(*view.upper, *view.lower);
-  const double nx = view.lune.n[0], ny = view.lune.n[1], in_slice = std::hypot(nx, ny);
-  view.per_n = std::abs(nx) > 1e-6 ? 1 / (nx * spacing_[0]) : 0;
-  view.per_slice = in_slice > 1e-6 ? 1 / in_slice : 0;
+  const Ball& lower = *view.lower;
+  view.lune = view.whole ? Lune{} : lune_of(*view.upper, lower);
+  const double n = view.lune.n[0];
+  view.per_n = !view.whole && std::abs(n) > 1e-3 ? 1 / (n * spacing_[0]) : 0;
+  view.slack = 1e-6 * (std::abs(view.lune.h) + 2 * lower.radius) * std::abs(view.per_n) + kIntervalSlack;
 }
 
-// The open voxels of a row.
-void BrickRadii::take_row(const View& view, int y, int z, std::uint64_t& open) {
-  const Ball &upper = *view.upper, &lower = *view.lower;
+// The voxels [low, high) of the rows [first, last) of slice z, or some more.
+void BrickRadii::cut_rows(const View& view, int z, int first, int last, Rows& rows) const {
+  const Ball& lower = *view.lower;
   const Vec3& n = view.lune.n;
+  const double dz = static_cast<double>(brick_.begin[2] + z) * spacing_[2] - lower.centre[2];
+  const double from = static_cast<double>(brick_.begin[1] + first) * spacing_[1] - lower.centre[1];
+  const double middle = lower.centre[0] / spacing_[0] - static_cast<double>(brick_.begin[0]);
+  Cut cut;
+  cut.from = static_cast<float>(from);
+  cut.step = static_cast<float>(spacing_[1]);
+  cut.squared = static_cast<float>(lower.limit * (1 + 1e-6) - dz * dz);
+  cut.per_step = static_cast<float>(1 / spacing_[0]);
+  cut.low = static_cast<float>(middle + 1 - kIntervalSlack);
+  cut.high = static_cast<float>(middle + 1 + kIntervalSlack);
+  if (view.per_n != 0) {
+    const double start = middle + 1 + (view.lune.h - n[2] * dz) * view.per_n, along = -n[1] * view.per_n;
+    if (view.per_n > 0) {
+      cut.low_at = static_cast<float>(start - view.slack);
+      cut.low_along = static_cast<float>(along);
+    } else {
+      cut.high_at = static_cast<float>(start + view.slack);
+      cut.high_along = static_cast<float>(along);
+    }
+  }
+  cut_intervals(cut, last - first, rows.low.data(), rows.high.data());
+}
+
+// Some voxels of a row, as bits.
+void BrickRadii::take_row(const View& view, int y, int z, std::uint64_t left, std::uint64_t& open) {
+  const Ball &upper = *view.upper, &lower = *view.lower;
   const double step = spacing_[0], x0 = static_cast<double>(brick_.begin[0]);
   const double py = static_cast<double>(brick_.begin[1] + y) * spacing_[1];
   const double pz = static_cast<double>(brick_.begin[2] + z) * spacing_[2];
-  const double dy = py - lower.centre[1], dz = pz - lower.centre[2];
-  const double lower_rest = dy * dy + dz * dz, rest = lower.limit - lower_rest;
-  if (rest < 0) return;
-  std::uint64_t left = open & view.range;
-  // Where the row is in the half-space, and in the ball.
-  const double middle = lower.centre[0] / step - x0;
-  if (view.per_n != 0) {
-    const double bound = middle + (view.lune.h - n[1] * dy - n[2] * dz) * view.per_n;
-    left &=
-        view.per_n > 0 ? bits_of(place(bound + 1 - kRoundingSlack), 64) : bits_of(0, place(bound + 1 + kRoundingSlack));
-    if (!left) return;
-  }
-  if (left & (left - 1)) {
-    const double half = std::sqrt(rest) / step + kRoundingSlack;
-    left &= bits_of(place(middle - half + 1), place(middle + half + 1));
-  }
+  const double dy = py - lower.centre[1], dz = pz - lower.centre[2], lower_rest = dy * dy + dz * dz;
   const double ey = py - upper.centre[1], ez = pz - upper.centre[2], upper_rest = ey * ey + ez * ez;
   float* values = values_.data() + (static_cast<std::size_t>(z) * kRowsY + static_cast<std::size_t>(y)) *
                                        static_cast<std::size_t>(Brick::kSides[0]);
@@ -150,28 +196,6 @@ void BrickRadii::take_row(const View& view, int y, int z, std::uint64_t& open) {
   }
 }
 
-// The rows [first, last) of slice z where the lune is.
-std::array<int, 2> BrickRadii::rows_in(const View& view, int z) const {
-  const Ball& lower = *view.lower;
-  const double dz = static_cast<double>(brick_.begin[2] + z) * spacing_[2] - lower.centre[2];
-  const double squared = lower.limit - dz * dz;
-  if (squared < 0) return {0, 0};
-  const double r = std::sqrt(squared), needed = (view.lune.h - view.lune.n[2] * dz) * view.per_slice;
-  double down = r, up = r;
-  if (view.per_slice != 0) {
-    if (needed > r + kRoundingSlack * spacing_[1]) return {0, 0};
-    const double ny = view.lune.n[1] * view.per_slice;
-    const double chord =
-        std::sqrt(std::max(0.0, squared - needed * needed)) * std::abs(view.lune.n[0]) * view.per_slice;
-    if (-ny * r < needed) down = -needed * ny + chord;
-    if (ny * r < needed) up = needed * ny + chord;
-  }
-  const double middle = lower.centre[1] / spacing_[1] - static_cast<double>(brick_.begin[1]);
-  const int first = place(middle - down / spacing_[1] + 1 - kRoundingSlack);
-  const int last = place(middle + up / spacing_[1] + 1 + kRoundingSlack);
-  return {std::max(first, view.low[1]), std::min(last, view.high[1])};
-}
-
 // False: the brick has none of it.
 bool BrickRadii::see(View& view, const Pencil& pencil) const {
   view.upper = &sweep_.balls[pencil.upper];
@@ -191,29 +215,25 @@ bool BrickRadii::take(const Pencil& pencil) {
   View view;
   if (!see(view, pencil)) return open_blocks_ > 0;
   bool completed = false;
+  Rows cut;
   for (int z = view.low[2]; z < view.high[2]; ++z) {
     const auto k = static_cast<std::size_t>(z) / kBlock;
-    std::array<int, 2> rows{view.low[1], view.high[1]};
-    bool cut = false;
-    for (int y = rows[0]; y < rows[1];) {
+    for (int y = view.low[1]; y < view.high[1];) {
       const auto j = static_cast<std::size_t>(y) / kBlock;
-      const int end = std::min(static_cast<int>((j + 1) * kBlock), rows[1]);
-      if (!(blocks_[k][j].open & view.range) || !(open_in(j, k) & view.range)) {
-        y = end;
-        continue;
-      }
-      if (!cut) {
-        if (!completed) complete(view);
-        completed = cut = true;
-        rows = rows_in(view, z);
-        y = std::max(y, rows[0]);
-        continue;
-      }
-      for (; y < end; ++y) {
-        std::uint64_t& open = open_[static_cast<std::size_t>(z)][static_cast<std::size_t>(y)];
-        if (!(open & view.range)) continue;
+      const int first = y, end = std::min(static_cast<int>((j + 1) * kBlock), view.high[1]);
+      y = end;
+      if (!(blocks_[k][j].open & view.range) || !(open_in(j, k) & view.range)) continue;
+      if (!completed) complete(view);
+      completed = true;
+      cut_rows(view, z, first, end, cut);
+      for (int row = first; row < end; ++row) {
+        const auto i = static_cast<std::size_t>(row - first);
+        std::uint64_t& open = open_[static_cast<std::size_t>(z)][static_cast<std::size_t>(row)];
+        const std::uint64_t left =
+            open & ~kBelow[static_cast<std::size_t>(cut.low[i])] & kBelow[static_cast<std::size_t>(cut.high[i])];
+        if (!left) continue;
         const std::uint64_t before = open;
-        take_row(view, y, z, open);
+        take_row(view, row, z, left, open);
         blocks_[k][j].changed |= open != before;
       }
     }
@@ -224,7 +244,6 @@ bool BrickRadii::take(const Pencil& pencil) {
 void BrickRadii::take_few(const Pencil& pencil) {
   View view;
   if (!see(view, pencil)) return;
-  bool completed = false;
   for (int z = view.low[2]; z < view.high[2]; ++z)
     for (int y = view.low[1]; y < view.high[1]; ++y) {
       const float* values = row(y, z);
@@ -232,9 +251,8 @@ void BrickRadii::take_few(const Pencil& pencil) {
       for (int x = view.low[0]; x < view.high[0]; ++x)
         if (values[x] < view.key) open |= std::uint64_t{1} << x;
       if (!open) continue;
-      if (!completed) complete(view);
-      completed = true;
-      take_row(view, y, z, open);
+      view.lune.squared_distance = (view.upper->centre - view.lower->centre).squaredNorm();
+      take_row(view, y, z, open, open);
     }
 }
 

@@ -19,6 +19,7 @@ struct Ball {
   Vec3 centre = Vec3::Zero();
   double squared = 0;  ///< radius
   double limit = 0;    ///< squared distance up to which a point is in
+  double radius = 0;   ///< the root of that
 };
 
 /// What a pair of balls has that the larger one, of equal ones the first, has not, with the voxels whose centres it may
@@ -84,8 +85,11 @@ class BrickRadii {
   std::uint64_t open_in(std::size_t by, std::size_t bz);
   bool see(View& view, const Pencil& pencil) const;
   void complete(View& view) const;
-  std::array<int, 2> rows_in(const View& view, int z) const;
-  void take_row(const View& view, int y, int z, std::uint64_t& open);
+  struct Rows {
+    std::array<int, kBlock> low, high;
+  };
+  void cut_rows(const View& view, int z, int first, int last, Rows& rows) const;
+  void take_row(const View& view, int y, int z, std::uint64_t left, std::uint64_t& open);
 
   const Sweep& sweep_;
   Vec3 spacing_;

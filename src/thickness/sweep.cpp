@@ -14,20 +14,15 @@ constexpr std::size_t kChunk = 1 << 13;
 // Up to which a centre outside of a sphere counts as on it: of the squared radius.
 constexpr double kOnSphere = 2e-9;
 
-// Voxels of the part of the lower ball in the half-space, along one axis.
-void set_range(Pencil& pencil, std::size_t a, double centre, double reach_down, double reach_up, double step,
-               const VoxelShape::Box& box) {
-  const double low = std::ceil((centre - reach_down) / step - kRoundingSlack),
-               high = std::floor((centre + reach_up) / step + kRoundingSlack);
-  const double least = static_cast<double>(box.begin[a]), most = static_cast<double>(box.end[a] - 1);
-  pencil.low[a] = static_cast<std::int32_t>(std::max(low, least));
-  pencil.high[a] = low > most || high < least ? pencil.low[a] : static_cast<std::int32_t>(std::min(high, most)) + 1;
+// The whole part of what lies in [low, high], or an end.
+std::int32_t whole_between(double x, double low, double high) {
+  return static_cast<std::int32_t>(x > low ? x < high ? x : high : low);
 }
 
 // False: holds no voxel centre.
 bool set_box(Pencil& pencil, const Sweep& sweep, const Grid& grid, const VoxelShape::Box& box) {
   const Ball& lower = sweep.balls[pencil.lower];
-  const double r = std::sqrt(lower.limit);
+  const double r = lower.radius;
   Lune lune;
   lune.h = -r;
   if (pencil.upper != pencil.lower) {
@@ -39,7 +34,10 @@ bool set_box(Pencil& pencil, const Sweep& sweep, const Grid& grid, const VoxelSh
     const auto axis = static_cast<Eigen::Index>(a);
     const double n = lune.n[axis], flat = circle * std::sqrt(std::max(0.0, 1 - n * n));
     const double down = -n * r >= lune.h ? r : flat - lune.h * n, up = n * r >= lune.h ? r : flat + lune.h * n;
-    set_range(pencil, a, lower.centre[axis], down, up, grid.spacing[axis], box);
+    const double middle = lower.centre[axis] / grid.spacing[axis], per = 1 / grid.spacing[axis];
+    const auto least = static_cast<double>(box.begin[a]), most = static_cast<double>(box.end[a]);
+    pencil.low[a] = whole_between(middle - down * per + 1 - kRoundingSlack, least, most);
+    pencil.high[a] = whole_between(middle + up * per + 1 + kRoundingSlack, least, most);
     if (pencil.low[a] >= pencil.high[a]) return false;
   }
   return true;
@@ -66,7 +64,7 @@ Sweep sweep_of(const MedialAxis& axis, const Grid& grid, const VoxelShape::Box& 
   base::for_indices(count, [&](std::size_t v) {
     const double radius = std::max(axis.radius[v], 0.0), squared = radius * radius;
     sweep.balls[v] = {(grid.lattice(axis.points[v]) - grid.first_centre()).cwiseProduct(grid.spacing), squared,
-                      squared * (1 + kOnSphere)};
+                      squared * (1 + kOnSphere), radius * std::sqrt(1 + kOnSphere)};
   });
 
   // The largest neighbour of each ball: without one it is a pencil of its own.
