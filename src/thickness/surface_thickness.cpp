@@ -41,7 +41,7 @@ Vec3 end_of_diameter(const Vec3& p, const axis::BallTree::Ball& ball) {
 
 }  // namespace
 
-SurfaceThickness surface_thickness(std::span<const Vec3> points, const Surface& surface, const MedialAxis& axis,
+SurfaceThickness surface_thickness(std::span<const Vec3> points, const Surface* surface, const MedialAxis& axis,
                                    const SurfaceThicknessOptions& options, Context* context) {
   if (axis.points.empty() || axis.radius.size() != axis.points.size())
     throw Error(ErrorCode::usage, "thickness of a surface needs a medial axis with a radius per vertex");
@@ -52,7 +52,7 @@ SurfaceThickness surface_thickness(std::span<const Vec3> points, const Surface& 
     const axis::BallTree tree(axis.points, axis.radius, std::move(all));
     SurfaceThickness result;
     result.thickness.resize(points.size());
-    result.across.resize(points.size());
+    if (surface) result.across.resize(points.size());
     result.ball.resize(points.size(), kNone);
     constexpr std::size_t kChunk = 1024;
     const std::size_t chunks = base::chunks_for(points.size(), kChunk);
@@ -61,7 +61,7 @@ SurfaceThickness surface_thickness(std::span<const Vec3> points, const Surface& 
       const auto [first, last] = base::part_of(points.size(), chunk, chunks);
       for (std::size_t i = first; i < last; ++i) {
         const Vec3& p = points[i];
-        result.across[i] = p;
+        if (surface) result.across[i] = p;
         if (!p.allFinite()) continue;
         std::size_t found = largest_at(tree, p, options.tolerance);
         if (found == tree.size()) {
@@ -73,7 +73,7 @@ SurfaceThickness surface_thickness(std::span<const Vec3> points, const Surface& 
         const axis::BallTree::Ball ball = tree.ball(found);
         result.ball[i] = ball.vertex;
         result.thickness[i] = 2 * (ball.radius + options.correction);
-        result.across[i] = surface.nearest(end_of_diameter(p, ball)).point;
+        if (surface) result.across[i] = surface->nearest(end_of_diameter(p, ball)).point;
       }
     });
     result.near = near;
