@@ -19,6 +19,7 @@
 #include "quench/record.h"
 #include "quench/samples.h"
 #include "quench/shape.h"
+#include "quench/simplify.h"
 #include "quench/skeleton.h"
 #include "quench/table.h"
 #include "quench/tree.h"
