@@ -8,6 +8,7 @@
 #include "quench/burn.h"
 #include "quench/complex.h"
 #include "quench/context.h"
+#include "quench/envelope.h"
 #include "quench/error.h"
 #include "quench/geometry.h"
 #include "quench/graph.h"
