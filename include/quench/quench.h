@@ -23,6 +23,7 @@
 #include "quench/simplify.h"
 #include "quench/skeleton.h"
 #include "quench/table.h"
+#include "quench/thickness.h"
 #include "quench/tree.h"
 #include "quench/verify.h"
 #include "quench/voxelize.h"
