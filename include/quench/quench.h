@@ -14,6 +14,7 @@
 #include "quench/graph.h"
 #include "quench/io.h"
 #include "quench/page.h"
+#include "quench/parts.h"
 #include "quench/pipeline.h"
 #include "quench/polygons.h"
 #include "quench/preparation.h"
