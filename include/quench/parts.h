@@ -32,10 +32,10 @@ struct PartsOptions {
 struct Sheet {
   std::size_t faces = 0;
   std::int32_t component = 0;  ///< connected component of the complex, numbered by their first vertices
-  double area = 0;             ///< of its polygons, as fans of triangles around their middles
+  double area = 0;             ///< of its triangles, as in sheet_mesh()
   /// 2 r, weighted by area, over its corners the least and the largest.
   double mean_thickness = 0, min_thickness = 0, max_thickness = 0;
-  /// Erosion thickness, mean by area; NaN where nothing was burned. Infinite where some of it never burns.
+  /// Erosion thickness of its faces, mean by area; NaN where nothing was burned. Infinite where some of it never burns.
   double mean_erosion = std::numeric_limits<double>::quiet_NaN(),
          max_erosion = std::numeric_limits<double>::quiet_NaN();
   double rim_length = 0;      ///< of its edges with no other face
@@ -79,10 +79,11 @@ struct Parts {
   std::vector<std::uint32_t> by_area() const;
 };
 
-/// Parts of a complex; sheets and seams are numbered as by structure_of(). `erosion`: erosion thickness per vertex, or
+/// Parts of a complex; sheets and seams are numbered as by structure_of(). `erosion`: erosion thickness per face, or
 /// empty. Deterministic. O(n log n). Throws Error(usage) unless there are a point and a radius per vertex.
 Parts parts_of(const CellComplex& complex, std::span<const Vec3> points, std::span<const double> radius,
                std::span<const double> erosion = {}, const PartsOptions& options = {}, Context* context = nullptr);
+/// The same; the erosion thickness of a face is Skeleton::face_thickness.
 Parts parts_of(const Skeleton& skeleton, const PartsOptions& options = {}, Context* context = nullptr);
 
 /// A row per sheet, the largest first. Column `sheet` is its number. `unit` of lengths, may be empty.
@@ -105,7 +106,8 @@ struct SheetMesh {
 };
 
 /// The faces of a complex, triangulated: by diagonals that are no edges, and around a new point in the middle where
-/// there are none that fold nothing. Points that no face has are left out; new points have values in between. O(n).
+/// there are none that fold nothing. Points that no face has are left out; new points have values in between. Sheets
+/// look along their Sheet::normal. `erosion`: per vertex, or empty. O(n log n).
 SheetMesh sheet_mesh(const CellComplex& complex, std::span<const Vec3> points, std::span<const double> radius,
                      std::span<const double> erosion, const Parts& parts, Context* context = nullptr);
 SheetMesh sheet_mesh(const Skeleton& skeleton, const Parts& parts, Context* context = nullptr);
@@ -122,9 +124,10 @@ struct RemeshOptions {
 /// is not above 0.
 SheetMesh remeshed(const SheetMesh& mesh, const RemeshOptions& options, Context* context = nullptr);
 
-/// One sheet, cut off along its seams: a manifold with boundary. Point arrays `radius`, `thickness` (2 (r +
-/// more_radius)) and, where known, `erosion_thickness`.
-Record sheet_record(const SheetMesh& mesh, std::uint32_t sheet, const PartsOptions& options = {});
+/// Every sheet by itself, cut off along its seams: a manifold with boundary. Point arrays `radius`, `thickness` (2 (r +
+/// more_radius)), where known `erosion_thickness`, and `point`: the row of to_record() that it is, by which sheets are
+/// sewn together. One record per row of Parts::sheets. O(n log n).
+std::vector<Record> sheet_records(const SheetMesh& mesh, const PartsOptions& options = {});
 /// All of them with common seams: the same point arrays; cell arrays `sheet` (-1 of seams) and `seam` (-1 of sheets);
 /// seams are lines. A group per sheet in OBJ files.
 Record to_record(const SheetMesh& mesh, const PartsOptions& options = {});
