@@ -6,6 +6,15 @@
 
 #include "thickness/pencils.h"
 
+#ifndef QUENCH_FOR_NEWER_PROCESSORS
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && \
+    !defined(__SANITIZE_THREAD__)
+#define QUENCH_FOR_NEWER_PROCESSORS __attribute__((target_clones("arch=x86-64-v3", "default")))
+#else
+#define QUENCH_FOR_NEWER_PROCESSORS
+#endif
+#endif
+
 namespace quench::thickness {
 namespace {
 
@@ -15,6 +24,37 @@ constexpr float kOutside = std::numeric_limits<float>::infinity();
 std::uint64_t bits_of(int begin, int end) {
   const int count = end - begin;
   return count <= 0 ? 0 : (count == 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << count) - 1) << begin;
+}
+
+// Bits [0, i) of a row.
+constexpr std::array<std::uint64_t, 65> kBelow = [] {
+  std::array<std::uint64_t, 65> bits{};
+  for (std::size_t i = 0; i < 64; ++i) bits[i + 1] = bits[i] << 1 | 1;
+  return bits;
+}();
+
+// Single precision near a brick, in voxels: intervals are a little wider, and what is in a ball is decided after that.
+constexpr double kIntervalSlack = 2e-3;
+
+// Where rows of one slice are in a ball and on one side of a plane.
+struct Cut {
+  float from = 0, step = 0;               // the first row from the centre, and from row to row
+  float squared = 0;                      // of the disk of the slice
+  float per_step = 0, low = 0, high = 0;  // the middle of rows, wider and with the 1 that a floor makes a ceiling
+  float low_at = -1e9f, low_along = 0, high_at = 1e9f, high_along = 0;
+};
+
+// Voxels [low, high) of `count` rows.
+QUENCH_FOR_NEWER_PROCESSORS
+void cut_intervals(const Cut& cut, int count, int* low, int* high) {
+  for (int i = 0; i < count; ++i) {
+    const float y = cut.from + cut.step * static_cast<float>(i), rest = cut.squared - y * y;
+    const float half = std::sqrt(rest > 0 ? rest : 0) * cut.per_step;
+    const float a = std::max(cut.low - half, cut.low_at + cut.low_along * y);
+    const float b = std::min(cut.high + half, cut.high_at + cut.high_along * y);
+    low[i] = static_cast<int>(std::min(std::max(a, 0.0f), 64.0f));
+    high[i] = rest < 0 ? 0 : static_cast<int>(std::min(std::max(b, 0.0f), 64.0f));
+  }
 }
 
 }  // namespace
@@ -28,6 +68,8 @@ struct BrickRadii::View {
   float key;                     // the most that it gives
   std::array<int, 3> low, high;  // voxels from the beginning of the brick
   std::uint64_t range;           // along x
+  double per_n;                  // of what the lune needs, voxels along x; 0: its plane is nearly along x
+  double slack;                  // of the place of this plane, voxels
 };
 
 BrickRadii::BrickRadii(const Sweep& sweep, const Grid& grid, bool between)
@@ -81,39 +123,53 @@ std::uint64_t BrickRadii::open_in(std::size_t by, std::size_t bz) {
   return block.open;
 }
 
-// Whether the pencil may hold a centre of the block.
-bool BrickRadii::may_reach(const View& view, int by, int bz) const {
-  const std::array<int, 3> low{view.low[0], std::max(view.low[1], by * kBlock), std::max(view.low[2], bz * kBlock)};
-  const std::array<int, 3> high{view.high[0], std::min(view.high[1], (by + 1) * kBlock),
-                                std::min(view.high[2], (bz + 1) * kBlock)};
-  double ahead = 0, outside = 0;
-  for (std::size_t a = 0; a < 3; ++a) {
-    const auto axis = static_cast<Eigen::Index>(a);
-    const double half = (high[a] - 1 - low[a]) * spacing_[axis] / 2;
-    const double way =
-        (static_cast<double>(brick_.begin[a] + low[a])) * spacing_[axis] + half - view.lower->centre[axis];
-    ahead += view.lune.n[axis] * way + std::abs(view.lune.n[axis]) * half;
-    const double beyond = std::max(std::abs(way) - half, 0.0);
-    outside += beyond * beyond;
-  }
-  return ahead >= view.lune.h && outside <= view.lower->limit;
+// What a view needs beside its box.
+void BrickRadii::complete(View& view) const {
+  const Ball& lower = *view.lower;
+  view.lune = view.whole ? Lune{} : lune_of(*view.upper, lower);
+  const double n = view.lune.n[0];
+  view.per_n = !view.whole && std::abs(n) > 1e-3 ? 1 / (n * spacing_[0]) : 0;
+  view.slack = 1e-6 * (std::abs(view.lune.h) + 2 * lower.radius) * std::abs(view.per_n) + kIntervalSlack;
 }
 
-// The open voxels of a row.
-void BrickRadii::take_row(const View& view, int y, int z, std::uint64_t& open) {
-  const Ball &upper = *view.upper, &lower = *view.lower;
+// The voxels [low, high) of the rows [first, last) of slice z, or some more.
+void BrickRadii::cut_rows(const View& view, int z, int first, int last, Rows& rows) const {
+  const Ball& lower = *view.lower;
   const Vec3& n = view.lune.n;
+  const double dz = static_cast<double>(brick_.begin[2] + z) * spacing_[2] - lower.centre[2];
+  const double from = static_cast<double>(brick_.begin[1] + first) * spacing_[1] - lower.centre[1];
+  const double middle = lower.centre[0] / spacing_[0] - static_cast<double>(brick_.begin[0]);
+  Cut cut;
+  cut.from = static_cast<float>(from);
+  cut.step = static_cast<float>(spacing_[1]);
+  cut.squared = static_cast<float>(lower.limit * (1 + 1e-6) - dz * dz);
+  cut.per_step = static_cast<float>(1 / spacing_[0]);
+  cut.low = static_cast<float>(middle + 1 - kIntervalSlack);
+  cut.high = static_cast<float>(middle + 1 + kIntervalSlack);
+  if (view.per_n != 0) {
+    const double start = middle + 1 + (view.lune.h - n[2] * dz) * view.per_n, along = -n[1] * view.per_n;
+    if (view.per_n > 0) {
+      cut.low_at = static_cast<float>(start - view.slack);
+      cut.low_along = static_cast<float>(along);
+    } else {
+      cut.high_at = static_cast<float>(start + view.slack);
+      cut.high_along = static_cast<float>(along);
+    }
+  }
+  cut_intervals(cut, last - first, rows.low.data(), rows.high.data());
+}
+
+// Some voxels of a row, as bits.
+void BrickRadii::take_row(const View& view, int y, int z, std::uint64_t left, std::uint64_t& open) {
+  const Ball &upper = *view.upper, &lower = *view.lower;
   const double step = spacing_[0], x0 = static_cast<double>(brick_.begin[0]);
   const double py = static_cast<double>(brick_.begin[1] + y) * spacing_[1];
   const double pz = static_cast<double>(brick_.begin[2] + z) * spacing_[2];
-  const double dy = py - lower.centre[1], dz = pz - lower.centre[2];
-  const double ey = py - upper.centre[1], ez = pz - upper.centre[2];
-  const double lower_rest = dy * dy + dz * dz, upper_rest = ey * ey + ez * ez;
-  if (lower_rest > lower.limit) return;
-  const double needed = view.lune.h - n[1] * dy - n[2] * dz;
+  const double dy = py - lower.centre[1], dz = pz - lower.centre[2], lower_rest = dy * dy + dz * dz;
+  const double ey = py - upper.centre[1], ez = pz - upper.centre[2], upper_rest = ey * ey + ez * ez;
   float* values = values_.data() + (static_cast<std::size_t>(z) * kRowsY + static_cast<std::size_t>(y)) *
                                        static_cast<std::size_t>(Brick::kSides[0]);
-  for (std::uint64_t left = open & view.range; left; left &= left - 1) {
+  for (; left; left &= left - 1) {
     const int x = std::countr_zero(left);
     if (!(values[x] < view.key)) {
       open &= ~(std::uint64_t{1} << x);
@@ -121,7 +177,7 @@ void BrickRadii::take_row(const View& view, int y, int z, std::uint64_t& open) {
     }
     const double px = (x0 + x) * step, dx = px - lower.centre[0];
     const double below = dx * dx + lower_rest - lower.limit;  // 0 or less in the lower ball
-    if (below > 0 || n[0] * dx < needed) continue;
+    if (below > 0) continue;
     double squared = lower.squared;
     if (!view.whole) {
       const double ex = px - upper.centre[0], above = ex * ex + upper_rest - upper.limit;
@@ -140,23 +196,8 @@ void BrickRadii::take_row(const View& view, int y, int z, std::uint64_t& open) {
   }
 }
 
-void BrickRadii::take_rows(const View& view, int by, int bz) {
-  bool changed = false;
-  for (int z = std::max(view.low[2], bz * kBlock); z < std::min(view.high[2], (bz + 1) * kBlock); ++z) {
-    auto& rows = open_[static_cast<std::size_t>(z)];
-    for (int y = std::max(view.low[1], by * kBlock); y < std::min(view.high[1], (by + 1) * kBlock); ++y) {
-      std::uint64_t& open = rows[static_cast<std::size_t>(y)];
-      if (!(open & view.range)) continue;
-      const std::uint64_t before = open;
-      take_row(view, y, z, open);
-      changed |= open != before;
-    }
-  }
-  if (changed) blocks_[static_cast<std::size_t>(bz)][static_cast<std::size_t>(by)].changed = true;
-}
-
-bool BrickRadii::take(const Pencil& pencil) {
-  View view;
+// False: the brick has none of it.
+bool BrickRadii::see(View& view, const Pencil& pencil) const {
   view.upper = &sweep_.balls[pencil.upper];
   view.lower = &sweep_.balls[pencil.lower];
   view.whole = pencil.upper == pencil.lower;
@@ -164,24 +205,55 @@ bool BrickRadii::take(const Pencil& pencil) {
   for (std::size_t a = 0; a < 3; ++a) {
     view.low[a] = static_cast<int>(std::max<std::int64_t>(pencil.low[a] - brick_.begin[a], 0));
     view.high[a] = static_cast<int>(std::min<std::int64_t>(pencil.high[a], brick_.end[a]) - brick_.begin[a]);
-    if (view.low[a] >= view.high[a]) return open_blocks_ > 0;
+    if (view.low[a] >= view.high[a]) return false;
   }
   view.range = bits_of(view.low[0], view.high[0]);
-  bool known = false;
-  for (int bz = view.low[2] / kBlock; bz <= (view.high[2] - 1) / kBlock; ++bz)
-    for (int by = view.low[1] / kBlock; by <= (view.high[1] - 1) / kBlock; ++by) {
-      const auto j = static_cast<std::size_t>(by), k = static_cast<std::size_t>(bz);
+  return true;
+}
+
+bool BrickRadii::take(const Pencil& pencil) {
+  View view;
+  if (!see(view, pencil)) return open_blocks_ > 0;
+  bool completed = false;
+  Rows cut;
+  for (int z = view.low[2]; z < view.high[2]; ++z) {
+    const auto k = static_cast<std::size_t>(z) / kBlock;
+    for (int y = view.low[1]; y < view.high[1];) {
+      const auto j = static_cast<std::size_t>(y) / kBlock;
+      const int first = y, end = std::min(static_cast<int>((j + 1) * kBlock), view.high[1]);
+      y = end;
       if (!(blocks_[k][j].open & view.range) || !(open_in(j, k) & view.range)) continue;
-      if (!known) {
-        if (view.whole)
-          view.lune.h = -2 * std::sqrt(view.lower->limit);
-        else
-          view.lune = lune_of(*view.upper, *view.lower);
-        known = true;
+      if (!completed) complete(view);
+      completed = true;
+      cut_rows(view, z, first, end, cut);
+      for (int row = first; row < end; ++row) {
+        const auto i = static_cast<std::size_t>(row - first);
+        std::uint64_t& open = open_[static_cast<std::size_t>(z)][static_cast<std::size_t>(row)];
+        const std::uint64_t left =
+            open & ~kBelow[static_cast<std::size_t>(cut.low[i])] & kBelow[static_cast<std::size_t>(cut.high[i])];
+        if (!left) continue;
+        const std::uint64_t before = open;
+        take_row(view, row, z, left, open);
+        blocks_[k][j].changed |= open != before;
       }
-      if (may_reach(view, by, bz)) take_rows(view, by, bz);
     }
+  }
   return open_blocks_ > 0;
+}
+
+void BrickRadii::take_few(const Pencil& pencil) {
+  View view;
+  if (!see(view, pencil)) return;
+  for (int z = view.low[2]; z < view.high[2]; ++z)
+    for (int y = view.low[1]; y < view.high[1]; ++y) {
+      const float* values = row(y, z);
+      std::uint64_t open = 0;
+      for (int x = view.low[0]; x < view.high[0]; ++x)
+        if (values[x] < view.key) open |= std::uint64_t{1} << x;
+      if (!open) continue;
+      view.lune.squared_distance = (view.upper->centre - view.lower->centre).squaredNorm();
+      take_row(view, y, z, open, open);
+    }
 }
 
 }  // namespace quench::thickness

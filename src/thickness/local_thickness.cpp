@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
+#include <tbb/enumerable_thread_specific.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
-#include <memory>
+#include <limits>
 
-#include "base/csr.h"
 #include "base/parallel.h"
 #include "quench/error.h"
 #include "thickness/pencils.h"
@@ -22,16 +23,11 @@ using thickness::Sweep;
 class SlabWorker {
  public:
   SlabWorker(const VoxelShape& shape, const Sweep& sweep, const ThicknessOptions& options, double bin_width)
-      : shape_(shape), sweep_(sweep), options_(options), dims_(shape.grid().dims), bin_width_(bin_width) {
+      : shape_(shape), sweep_(sweep), options_(options), dims_(shape.grid().dims), bin_width_(bin_width), desks_([&] {
+          return Desk{BrickRadii(sweep, shape.grid(), options.between), {}, {}, {}};
+        }) {
     for (std::size_t a = 0; a < 3; ++a) bricks_[a] = (dims_[a] + Brick::kSides[a] - 1) / Brick::kSides[a];
     slices_.resize(static_cast<std::size_t>(dims_[0] * dims_[1] * std::min(dims_[2], Brick::kSides[2])));
-    slabs_ = base::Csr<std::uint32_t>::group(static_cast<std::size_t>(bricks_[2]), [&](const auto& emit) {
-      for (std::uint32_t p = 0; p < sweep_.pencils.size(); ++p) {
-        const Pencil& pencil = sweep_.pencils[p];
-        for (std::int64_t s = pencil.low[2] / Brick::kSides[2]; s <= (pencil.high[2] - 1) / Brick::kSides[2]; ++s)
-          emit(static_cast<std::size_t>(s), p);
-      }
-    });
   }
 
   std::int64_t slabs() const { return bricks_[2]; }
@@ -43,36 +39,98 @@ class SlabWorker {
   /// Fills the slices of slab `s` and adds to the report.
   void work(std::int64_t s, ThicknessReport& report, Context* context) {
     const std::int64_t begin = s * Brick::kSides[2], end = std::min(begin + Brick::kSides[2], dims_[2]);
-    const auto members =
-        base::Csr<std::uint32_t>::group(static_cast<std::size_t>(bricks_[0] * bricks_[1]), [&](const auto& emit) {
-          for (const std::uint32_t p : slabs_[static_cast<std::size_t>(s)]) {
-            const Pencil& pencil = sweep_.pencils[p];
-            for (std::int64_t y = pencil.low[1] / Brick::kSides[1]; y <= (pencil.high[1] - 1) / Brick::kSides[1]; ++y)
-              for (std::int64_t x = pencil.low[0] / Brick::kSides[0]; x <= (pencil.high[0] - 1) / Brick::kSides[0]; ++x)
-                emit(static_cast<std::size_t>(y * bricks_[0] + x), p);
-          }
-        });
+    const Members members = members_of(begin, end);
     std::fill(slices_.begin(), slices_.end(), 0.0f);
     const double from = 0.1 + 0.9 * static_cast<double>(s) / static_cast<double>(bricks_[2]);
     const double to = 0.1 + 0.9 * static_cast<double>(s + 1) / static_cast<double>(bricks_[2]);
-    std::vector<std::int64_t> voxels(members.rows(), 0);
-    base::for_chunks(members.rows(), context, "thickness", from, to, [&](std::size_t b) {
+    const auto bricks = static_cast<std::size_t>(bricks_[0] * bricks_[1]);
+    std::vector<std::int64_t> voxels(bricks, 0);
+    base::for_chunks(bricks, context, "thickness", from, to, [&](std::size_t b) {
       const auto y = static_cast<std::int64_t>(b) / bricks_[0], x = static_cast<std::int64_t>(b) % bricks_[0];
       Brick brick;
       brick.begin = {x * Brick::kSides[0], y * Brick::kSides[1], begin};
       for (std::size_t a = 0; a < 3; ++a) brick.end[a] = std::min(brick.begin[a] + Brick::kSides[a], dims_[a]);
-      BrickRadii radii(sweep_, shape_.grid(), options_.between);
-      voxels[b] = radii.begin(brick, shape_, options_.mask);
+      Desk& desk = desks_.local();
+      voxels[b] = desk.radii.begin(brick, shape_, options_.mask);
       if (voxels[b] == 0) return;
-      for (const std::uint32_t p : members[b])
-        if (!radii.take(sweep_.pencils[p])) break;
-      write(radii, brick);
+      sort_by_upper(std::span(members.items).subspan(members.begin[b], members.begin[b + 1] - members.begin[b]), desk);
+      for (const std::uint64_t entry : desk.entries)
+        if (!desk.radii.take(sweep_.pencils[static_cast<std::uint32_t>(entry)])) break;
+      for (const std::uint32_t p : desk.few) desk.radii.take_few(sweep_.pencils[p]);
+      write(desk.radii, brick);
     });
     for (const std::int64_t count : voxels) report.voxels += count;
     add_to(report, begin, end);
   }
 
  private:
+  // What a thread works with.
+  struct Desk {
+    BrickRadii radii;
+    std::vector<std::uint64_t> entries, other;  // the key of a pencil, and which it is
+    std::vector<std::uint32_t> few;             // small ones
+  };
+  // The pencils of each brick of a slab.
+  struct Members {
+    std::vector<std::size_t> begin;
+    std::vector<std::uint32_t> items;
+  };
+
+  // Those of a brick come in any order, which does not change its values.
+  Members members_of(std::int64_t begin, std::int64_t end) const {
+    const auto bricks = static_cast<std::size_t>(bricks_[0] * bricks_[1]);
+    const auto each = [&](const auto& visit) {
+      tbb::parallel_for(std::size_t{0}, sweep_.chunks.size(), [&](std::size_t c) {
+        const Sweep::Chunk& chunk = sweep_.chunks[c];
+        if (chunk.low >= end || chunk.high <= begin) return;
+        for (std::size_t p = chunk.begin; p < chunk.end; ++p) {
+          const Pencil& pencil = sweep_.pencils[p];
+          if (pencil.low[2] >= end || pencil.high[2] <= begin) continue;
+          for (std::int64_t y = pencil.low[1] / Brick::kSides[1]; y <= (pencil.high[1] - 1) / Brick::kSides[1]; ++y)
+            for (std::int64_t x = pencil.low[0] / Brick::kSides[0]; x <= (pencil.high[0] - 1) / Brick::kSides[0]; ++x)
+              visit(static_cast<std::size_t>(y * bricks_[0] + x), static_cast<std::uint32_t>(p));
+        }
+      });
+    };
+    const bool shared = base::several_threads();
+    Members members;
+    members.begin.assign(bricks + 1, 0);
+    each([&](std::size_t brick, std::uint32_t) { base::fetch_add(members.begin[brick + 1], std::size_t{1}, shared); });
+    for (std::size_t b = 0; b < bricks; ++b) members.begin[b + 1] += members.begin[b];
+    std::vector<std::size_t> next(members.begin.begin(), members.begin.end() - 1);
+    members.items.resize(members.begin.back());
+    each([&](std::size_t brick, std::uint32_t p) {
+      members.items[base::fetch_add(next[brick], std::size_t{1}, shared)] = p;
+    });
+    return members;
+  }
+
+  // By descending squared radius of the upper ball: counting by 11 bits at a time of the complement of its float.
+  void sort_by_upper(std::span<const std::uint32_t> items, Desk& desk) const {
+    constexpr int kBits = 11;
+    constexpr std::uint32_t kMask = (1U << kBits) - 1;
+    desk.entries.clear();
+    desk.few.clear();
+    std::array<std::array<std::uint32_t, kMask + 2>, 3> counts{};
+    for (const std::uint32_t p : items) {
+      const Pencil& pencil = sweep_.pencils[p];
+      if (pencil.is_small()) {
+        desk.few.push_back(p);
+        continue;
+      }
+      const std::uint32_t key = ~std::bit_cast<std::uint32_t>(static_cast<float>(sweep_.balls[pencil.upper].squared));
+      desk.entries.push_back(std::uint64_t{key} << 32 | p);
+      for (std::size_t d = 0; d < 3; ++d) ++counts[d][(key >> (kBits * d) & kMask) + 1];
+    }
+    desk.other.resize(desk.entries.size());
+    for (std::size_t d = 0; d < 3; ++d) {
+      auto& begin = counts[d];
+      for (std::size_t i = 1; i < begin.size(); ++i) begin[i] += begin[i - 1];
+      for (const std::uint64_t entry : desk.entries) desk.other[begin[entry >> (32 + kBits * d) & kMask]++] = entry;
+      desk.entries.swap(desk.other);
+    }
+  }
+
   void write(const BrickRadii& radii, const Brick& brick) {
     for (std::int64_t z = brick.begin[2]; z < brick.end[2]; ++z)
       for (std::int64_t y = brick.begin[1]; y < brick.end[1]; ++y) {
@@ -101,7 +159,7 @@ class SlabWorker {
   std::array<std::int64_t, 3> dims_, bricks_{};
   double bin_width_;
   std::vector<float> slices_;
-  base::Csr<std::uint32_t> slabs_;
+  tbb::enumerable_thread_specific<Desk> desks_;
 };
 
 }  // namespace

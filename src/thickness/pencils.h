@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "quench/axis.h"
@@ -18,19 +19,28 @@ struct Ball {
   Vec3 centre = Vec3::Zero();
   double squared = 0;  ///< radius
   double limit = 0;    ///< squared distance up to which a point is in
+  double radius = 0;   ///< the root of that
 };
 
-/// What a pair of balls has that the larger one has not, with the voxels whose centres it may hold. The larger one
-/// comes first in the order of balls; where both are the same, it is all of a ball that no neighbour is before.
+/// What a pair of balls has that the larger one, of equal ones the first, has not, with the voxels whose centres it may
+/// hold. Where both are the same, it is all of a ball that is larger than its neighbours.
 struct Pencil {
   std::uint32_t upper = 0, lower = 0;
   std::array<std::int32_t, 3> low{}, high{};  ///< voxels [low, high)
+
+  /// Whether it is quicker to look at all of its voxels than to put it into the order of others.
+  bool is_small() const { return (high[0] - low[0]) * (high[1] - low[1]) * (high[2] - low[2]) <= 8; }
 };
 
-/// Balls by descending radius, and their pencils in the order of the upper ones.
+/// The balls of an axis and their pencils, in the order of its vertices and edges.
 struct Sweep {
+  struct Chunk {
+    std::size_t begin = 0, end = 0;
+    std::int32_t low = std::numeric_limits<std::int32_t>::max(), high = 0;  ///< slices of all of its pencils
+  };
   std::vector<Ball> balls;
   std::vector<Pencil> pencils;
+  std::vector<Chunk> chunks;  ///< of pencils: those of a core lie near each other
 };
 
 /// The half-space n . (p - centre of the lower ball) >= h in which the points are that the lower ball holds and the
@@ -58,8 +68,10 @@ class BrickRadii {
 
   /// Begins a brick: 0 in the shape and the mask, which may be null. Returns the number of these voxels.
   std::int64_t begin(const Brick& brick, const VoxelShape& shape, const VoxelShape* mask);
-  /// Takes a pencil, in the order of the sweep. False: no later one can change anything.
+  /// Takes a pencil, those with larger upper balls first. False: no later one can change anything.
   bool take(const Pencil& pencil);
+  /// Takes a pencil of few voxels, in any order, when all others have been taken.
+  void take_few(const Pencil& pencil);
   /// Infinite outside the shape and the mask. `y`, `z` from the beginning of the brick.
   const float* row(std::int64_t y, std::int64_t z) const {
     return values_.data() + static_cast<std::size_t>((z * Brick::kSides[1] + y) * Brick::kSides[0]);
@@ -71,9 +83,13 @@ class BrickRadii {
                                kRowsZ = static_cast<std::size_t>(Brick::kSides[2]);
   struct View;
   std::uint64_t open_in(std::size_t by, std::size_t bz);
-  bool may_reach(const View& view, int by, int bz) const;
-  void take_rows(const View& view, int by, int bz);
-  void take_row(const View& view, int y, int z, std::uint64_t& open);
+  bool see(View& view, const Pencil& pencil) const;
+  void complete(View& view) const;
+  struct Rows {
+    std::array<int, kBlock> low, high;
+  };
+  void cut_rows(const View& view, int z, int first, int last, Rows& rows) const;
+  void take_row(const View& view, int y, int z, std::uint64_t left, std::uint64_t& open);
 
   const Sweep& sweep_;
   Vec3 spacing_;

@@ -1,34 +1,28 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "base/parallel.h"
-#include "base/sorted_by_key.h"
 #include "quench/error.h"
 #include "thickness/pencils.h"
 
 namespace quench::thickness {
 namespace {
 
+constexpr std::size_t kChunk = 1 << 13;
 // Up to which a centre outside of a sphere counts as on it: of the squared radius.
 constexpr double kOnSphere = 2e-9;
 
-// Voxels of the part of the lower ball in the half-space, along one axis.
-void set_range(Pencil& pencil, std::size_t a, double centre, double reach_down, double reach_up, double step,
-               const VoxelShape::Box& box) {
-  const double low = std::ceil((centre - reach_down) / step - kRoundingSlack),
-               high = std::floor((centre + reach_up) / step + kRoundingSlack);
-  const double least = static_cast<double>(box.begin[a]), most = static_cast<double>(box.end[a] - 1);
-  pencil.low[a] = static_cast<std::int32_t>(std::max(low, least));
-  pencil.high[a] = low > most || high < least ? pencil.low[a] : static_cast<std::int32_t>(std::min(high, most)) + 1;
+// The whole part of what lies in [low, high], or an end.
+std::int32_t whole_between(double x, double low, double high) {
+  return static_cast<std::int32_t>(x > low ? x < high ? x : high : low);
 }
-
-bool is_empty(const Pencil& p) { return p.low[0] >= p.high[0] || p.low[1] >= p.high[1] || p.low[2] >= p.high[2]; }
 
 // False: holds no voxel centre.
 bool set_box(Pencil& pencil, const Sweep& sweep, const Grid& grid, const VoxelShape::Box& box) {
   const Ball& lower = sweep.balls[pencil.lower];
-  const double r = std::sqrt(lower.limit);
+  const double r = lower.radius;
   Lune lune;
   lune.h = -r;
   if (pencil.upper != pencil.lower) {
@@ -36,15 +30,17 @@ bool set_box(Pencil& pencil, const Sweep& sweep, const Grid& grid, const VoxelSh
     if (!(lune.h <= r)) return false;
   }
   const double circle = std::sqrt(std::max(0.0, r * r - lune.h * lune.h));
-  const auto reach = [&](double n) {
-    return n * r >= lune.h ? r : lune.h * n + circle * std::sqrt(std::max(0.0, 1 - n * n));
-  };
   for (std::size_t a = 0; a < 3; ++a) {
     const auto axis = static_cast<Eigen::Index>(a);
-    set_range(pencil, a, lower.centre[axis], reach(-lune.n[axis]), reach(lune.n[axis]), grid.spacing[axis], box);
+    const double n = lune.n[axis], flat = circle * std::sqrt(std::max(0.0, 1 - n * n));
+    const double down = -n * r >= lune.h ? r : flat - lune.h * n, up = n * r >= lune.h ? r : flat + lune.h * n;
+    const double middle = lower.centre[axis] / grid.spacing[axis], per = 1 / grid.spacing[axis];
+    const auto least = static_cast<double>(box.begin[a]), most = static_cast<double>(box.end[a]);
+    pencil.low[a] = whole_between(middle - down * per + 1 - kRoundingSlack, least, most);
+    pencil.high[a] = whole_between(middle + up * per + 1 + kRoundingSlack, least, most);
     if (pencil.low[a] >= pencil.high[a]) return false;
   }
-  return !is_empty(pencil);
+  return true;
 }
 
 }  // namespace
@@ -63,34 +59,30 @@ Sweep sweep_of(const MedialAxis& axis, const Grid& grid, const VoxelShape::Box& 
     if (!axis.points[v].allFinite() || !(std::abs(axis.radius[v]) <= kLargestLength))
       throw Error(ErrorCode::usage, "a vertex of the medial axis has a radius or a place that is no finite number");
   checkpoint(context, "thickness", 0);
-  const auto radius = [&](std::size_t v) { return std::max(axis.radius[v], 0.0); };
-  const auto no_order = [](std::uint32_t, std::uint32_t) { return false; };
-  const std::vector<std::uint32_t> order =
-      base::sorted_by_key_descending(count, static_cast<std::ptrdiff_t>(count), radius, no_order);
   Sweep sweep;
   sweep.balls.resize(count);
-  std::vector<std::uint32_t> place(count);
-  base::for_indices(count, [&](std::size_t i) {
-    const std::uint32_t v = order[i];
-    place[v] = static_cast<std::uint32_t>(i);
-    const double squared = radius(v) * radius(v);
-    sweep.balls[i] = {(grid.lattice(axis.points[v]) - grid.first_centre()).cwiseProduct(grid.spacing), squared,
-                      squared * (1 + kOnSphere)};
+  base::for_indices(count, [&](std::size_t v) {
+    const double radius = std::max(axis.radius[v], 0.0), squared = radius * radius;
+    sweep.balls[v] = {(grid.lattice(axis.points[v]) - grid.first_centre()).cwiseProduct(grid.spacing), squared,
+                      squared * (1 + kOnSphere), radius * std::sqrt(1 + kOnSphere)};
   });
-  checkpoint(context, "thickness", 0.02);
 
   // The largest neighbour of each ball: without one it is a pencil of its own.
-  std::vector<std::uint32_t> largest(count);
-  for (std::size_t i = 0; i < count; ++i) largest[i] = static_cast<std::uint32_t>(i);
-  for (const auto& [a, b] : axis.complex.edges) {
-    const auto [upper, lower] = std::minmax(place[a], place[b]);
-    largest[lower] = std::min(largest[lower], upper);
-  }
   const auto& edges = axis.complex.edges;
-  const std::size_t lone = between ? count : 0, all = between ? edges.size() + count : count;
-  const std::size_t chunks = base::chunks_for(all);
+  const auto is_larger = [&](std::uint32_t a, std::uint32_t b) {
+    const double ra = sweep.balls[a].squared, rb = sweep.balls[b].squared;
+    return ra > rb || (ra == rb && a < b);
+  };
+  std::vector<std::uint32_t> largest(count);
+  for (std::size_t v = 0; v < count; ++v) largest[v] = static_cast<std::uint32_t>(v);
+  for (const auto& [a, b] : edges) {
+    if (is_larger(a, largest[b])) largest[b] = a;
+    if (is_larger(b, largest[a])) largest[a] = b;
+  }
+  const std::size_t all = between ? edges.size() + count : count, lone = between ? count : 0;
+  const std::size_t chunks = base::chunks_for(all, kChunk);
   std::vector<std::vector<Pencil>> found(chunks);
-  base::for_chunks(chunks, context, "thickness", 0.02, 0.08, [&](std::size_t chunk) {
+  base::for_chunks(chunks, context, "thickness", 0, 0.1, [&](std::size_t chunk) {
     const auto [first, last] = base::part_of(all, chunk, chunks);
     for (std::size_t i = first; i < last; ++i) {
       Pencil pencil;
@@ -99,24 +91,30 @@ Sweep sweep_of(const MedialAxis& axis, const Grid& grid, const VoxelShape::Box& 
         pencil.upper = largest[i];
         if (between && pencil.upper != pencil.lower) continue;
       } else {
-        const auto [a, b] = edges[i - lone];
-        std::tie(pencil.upper, pencil.lower) = std::minmax(place[a], place[b]);
+        const auto& [a, b] = edges[i - lone];
+        pencil.upper = is_larger(a, b) ? a : b;
+        pencil.lower = a + b - pencil.upper;
       }
       if (set_box(pencil, sweep, grid, box)) found[chunk].push_back(pencil);
     }
   });
-
-  // By the upper ball; in the order they were found where that is the same.
-  std::vector<std::size_t> begin(count + 1, 0);
-  for (const auto& part : found)
-    for (const Pencil& pencil : part) ++begin[pencil.upper + 1];
-  for (std::size_t v = 0; v < count; ++v) begin[v + 1] += begin[v];
-  sweep.pencils.resize(begin[count]);
-  for (auto& part : found) {
-    for (const Pencil& pencil : part) sweep.pencils[begin[pencil.upper]++] = pencil;
-    part = {};
-  }
-  checkpoint(context, "thickness", 0.1);
+  std::vector<std::size_t> begin(chunks + 1, 0);
+  for (std::size_t c = 0; c < chunks; ++c) begin[c + 1] = begin[c] + found[c].size();
+  if (begin.back() > std::numeric_limits<std::uint32_t>::max())
+    throw Error(ErrorCode::failed, "the medial axis has more than 2^32 edges; use a smaller or coarser input");
+  sweep.pencils.resize(begin.back());
+  sweep.chunks.resize(chunks);
+  tbb::parallel_for(std::size_t{0}, chunks, [&](std::size_t c) {
+    Sweep::Chunk& chunk = sweep.chunks[c];
+    chunk.begin = begin[c];
+    chunk.end = begin[c + 1];
+    for (const Pencil& pencil : found[c]) {
+      chunk.low = std::min(chunk.low, pencil.low[2]);
+      chunk.high = std::max(chunk.high, pencil.high[2]);
+    }
+    std::copy(found[c].begin(), found[c].end(), sweep.pencils.begin() + static_cast<std::ptrdiff_t>(begin[c]));
+    found[c] = {};
+  });
   return sweep;
 }
 
