@@ -47,6 +47,8 @@ constexpr Command kCommands[] = {
      computes | writes | reports, add_burn},
     {"skeleton", "Computes a skeleton of sheets and curves of a medial axis",
      "quench skeleton burned.vtp --theta2 inf --swc tree.swc -o curves.vtp", computes | writes | reports, add_skeleton},
+    {"parts", "Names the sheets, seams and junctions of a skeleton; measures each, writes each sheet as a mesh",
+     "quench parts casting.off --remesh 2% -o casting_parts", computes | writes | reports, add_parts},
     {"view", "Writes an interactive page of a medial axis or a skeleton: one HTML file, or a picture of it",
      "quench view bunny/core.vtp --shape bunny.off -o bunny.html", computes | writes | reports, add_view},
     {"info", "Says what a file is", "quench info axis.vtp", answers_json, add_info},

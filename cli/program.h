@@ -42,6 +42,7 @@ Action add_skeleton(CLI::App& app);
 Action add_verify(CLI::App& app);
 Action add_run(CLI::App& app);
 Action add_tree(CLI::App& app);
+Action add_parts(CLI::App& app);
 Action add_view(CLI::App& app);
 Action add_batch(CLI::App& app);
 

@@ -65,7 +65,7 @@ std::filesystem::path place_of_input(const std::filesystem::path& file);
 /// face without corners is an error. `context` bounds the memory.
 Record read_record(const std::filesystem::path& file, Context* context = nullptr);
 
-/// .vtp .ply .obj .ma .r .csv. PLY carries `quality` (= `radius` unless `quality_array` names another point array) and
+/// .vtp .vtu .ply .obj .stl .ma .r .csv. STL carries polygons only, OBJ a group for each sheet of parts. PLY carries `quality` (= `radius` unless `quality_array` names another point array) and
 /// colours; formats that cannot carry an array leave it out.
 struct WriteOptions {
   std::string quality_array = "radius";
