@@ -11,6 +11,15 @@
 #endif
 
 namespace quench::thickness {
+
+// Where rows of one slice are in a ball and on one side of a plane.
+struct Cut {
+  float from = 0, step = 0;               // the first row from the centre, and from row to row
+  float squared = 0;                      // of the disk of the slice
+  float per_step = 0, low = 0, high = 0;  // the middle of rows, wider and with the 1 that a floor makes a ceiling
+  float low_at = -1e9f, low_along = 0, high_at = 1e9f, high_along = 0;
+};
+
 namespace {
 
 constexpr float kOutside = std::numeric_limits<float>::infinity();
@@ -30,14 +39,6 @@ constexpr std::array<std::uint64_t, 65> kBelow = [] {
 
 // Single precision near a brick, in voxels: intervals are a little wider, and what is in a ball is decided after that.
 constexpr double kIntervalSlack = 2e-3;
-
-// Where rows of one slice are in a ball and on one side of a plane.
-struct Cut {
-  float from = 0, step = 0;               // the first row from the centre, and from row to row
-  float squared = 0;                      // of the disk of the slice
-  float per_step = 0, low = 0, high = 0;  // the middle of rows, wider and with the 1 that a floor makes a ceiling
-  float low_at = -1e9f, low_along = 0, high_at = 1e9f, high_along = 0;
-};
 
 // Voxels [low, high) of eight rows.
 void cut_intervals(const Cut& cut, int* low, int* high) {
@@ -85,6 +86,9 @@ struct BrickRadii::View {
   std::uint64_t range;           // along x
   double per_n;                  // of what the lune needs, voxels along x; 0: its plane is nearly along x
   double slack;                  // of the place of this plane, voxels
+  double in_slice;               // squared length of its normal in a slice
+  double middle, from;           // the centre along x, in voxels, and 1; the first row of the brick from it
+  Cut cut;
 };
 
 BrickRadii::BrickRadii(const Sweep& sweep, const Grid& grid, bool between)
@@ -99,7 +103,7 @@ std::int64_t BrickRadii::begin(const Brick& brick, const VoxelShape& shape, cons
   brick_ = brick;
   std::fill(values_.begin(), values_.end(), kOutside);
   open_ = {};
-  blocks_ = {};
+  strips_ = {};
   std::int64_t count = 0;
   for (std::int64_t z = brick.begin[2]; z < brick.end[2]; ++z)
     for (std::int64_t y = brick.begin[1]; y < brick.end[1]; ++y) {
@@ -117,61 +121,45 @@ std::int64_t BrickRadii::begin(const Brick& brick, const VoxelShape& shape, cons
       std::uint64_t bits = bits_in(shape);
       if (mask && bits) bits &= bits_in(*mask);
       open_[k][j] = bits;
-      blocks_[k / kBlock][j / kBlock].open |= bits;
+      strips_[k][j / kStrip] |= bits;
       count += std::popcount(bits);
       float* values = values_.data() + (k * kRowsY + j) * static_cast<std::size_t>(Brick::kSides[0]);
       for (; bits; bits &= bits - 1) values[std::countr_zero(bits)] = 0;
     }
-  open_blocks_ = 0;
-  for (const auto& plane : blocks_)
-    for (const Block& block : plane) open_blocks_ += block.open != 0;
+  open_strips_ = 0;
+  for (const auto& slice : strips_)
+    for (const std::uint64_t strip : slice) open_strips_ += strip != 0;
   return count;
-}
-
-std::uint64_t BrickRadii::open_in(std::size_t by, std::size_t bz) {
-  Block& block = blocks_[bz][by];
-  if (!block.changed) return block.open;
-  block = {};
-  for (std::size_t z = bz * kBlock; z < (bz + 1) * kBlock; ++z)
-    for (std::size_t y = by * kBlock; y < (by + 1) * kBlock; ++y) block.open |= open_[z][y];
-  open_blocks_ -= block.open == 0;
-  return block.open;
 }
 
 // What a view needs beside its box.
 void BrickRadii::complete(View& view) const {
   const Ball& lower = *view.lower;
   view.lune = view.whole ? Lune{} : lune_of(*view.upper, lower);
-  const double n = view.lune.n[0];
-  view.per_n = !view.whole && std::abs(n) > 1e-3 ? 1 / (n * spacing_[0]) : 0;
+  const Vec3& n = view.lune.n;
+  const double per_step = 1 / spacing_[0];
+  view.per_n = !view.whole && std::abs(n[0]) > 1e-3 ? per_step / n[0] : 0;
   view.slack = 1e-6 * (std::abs(view.lune.h) + 2 * lower.radius) * std::abs(view.per_n) + kIntervalSlack;
+  view.in_slice = n[0] * n[0] + n[1] * n[1];
+  view.middle = lower.centre[0] * per_step - static_cast<double>(brick_.begin[0]) + 1;
+  view.from = static_cast<double>(brick_.begin[1]) * spacing_[1] - lower.centre[1];
+  view.cut = {};
+  view.cut.step = static_cast<float>(spacing_[1]);
+  view.cut.per_step = static_cast<float>(per_step);
+  view.cut.low = static_cast<float>(view.middle - kIntervalSlack);
+  view.cut.high = static_cast<float>(view.middle + kIntervalSlack);
+  (view.per_n > 0 ? view.cut.low_along : view.cut.high_along) = static_cast<float>(-n[1] * view.per_n);
 }
 
-// The voxels [low, high) of the rows of slice z from `first` on, or some more.
-void BrickRadii::cut_rows(const View& view, int z, int first, Rows& rows) const {
-  const Ball& lower = *view.lower;
-  const Vec3& n = view.lune.n;
-  const double dz = static_cast<double>(brick_.begin[2] + z) * spacing_[2] - lower.centre[2];
-  const double from = static_cast<double>(brick_.begin[1] + first) * spacing_[1] - lower.centre[1];
-  const double middle = lower.centre[0] / spacing_[0] - static_cast<double>(brick_.begin[0]);
-  Cut cut;
-  cut.from = static_cast<float>(from);
-  cut.step = static_cast<float>(spacing_[1]);
-  cut.squared = static_cast<float>(lower.limit * (1 + 1e-6) - dz * dz);
-  cut.per_step = static_cast<float>(1 / spacing_[0]);
-  cut.low = static_cast<float>(middle + 1 - kIntervalSlack);
-  cut.high = static_cast<float>(middle + 1 + kIntervalSlack);
-  if (view.per_n != 0) {
-    const double start = middle + 1 + (view.lune.h - n[2] * dz) * view.per_n, along = -n[1] * view.per_n;
-    if (view.per_n > 0) {
-      cut.low_at = static_cast<float>(start - view.slack);
-      cut.low_along = static_cast<float>(along);
-    } else {
-      cut.high_at = static_cast<float>(start + view.slack);
-      cut.high_along = static_cast<float>(along);
-    }
-  }
-  cut_intervals(cut, rows.low.data(), rows.high.data());
+// False: the slice has none of the pencil.
+bool BrickRadii::cut_slice(View& view, int z) const {
+  const double dz = static_cast<double>(brick_.begin[2] + z) * spacing_[2] - view.lower->centre[2];
+  const double squared = view.lower->limit * (1 + 1e-6) - dz * dz, needed = view.lune.h - view.lune.n[2] * dz;
+  if (squared < 0 || (!view.whole && needed > 0 && needed * needed > squared * view.in_slice)) return false;
+  view.cut.squared = static_cast<float>(squared);
+  if (view.per_n > 0) view.cut.low_at = static_cast<float>(view.middle + needed * view.per_n - view.slack);
+  if (view.per_n < 0) view.cut.high_at = static_cast<float>(view.middle + needed * view.per_n + view.slack);
+  return true;
 }
 
 // Some voxels of a row, as bits.
@@ -228,32 +216,41 @@ bool BrickRadii::see(View& view, const Pencil& pencil) const {
 
 bool BrickRadii::take(const Pencil& pencil) {
   View view;
-  if (!see(view, pencil)) return open_blocks_ > 0;
+  if (!see(view, pencil)) return open_strips_ > 0;
   bool completed = false;
-  Rows cut;
+  alignas(16) int low[kStrip], high[kStrip];
+  const int first_strip = view.low[1] / kStrip, last_strip = (view.high[1] - 1) / kStrip;
   for (int z = view.low[2]; z < view.high[2]; ++z) {
-    const auto k = static_cast<std::size_t>(z) / kBlock;
-    for (int y = view.low[1]; y < view.high[1];) {
-      const auto j = static_cast<std::size_t>(y) / kBlock;
-      const int first = y, end = std::min(static_cast<int>((j + 1) * kBlock), view.high[1]);
-      y = end;
-      if (!(blocks_[k][j].open & view.range) || !(open_in(j, k) & view.range)) continue;
-      if (!completed) complete(view);
-      completed = true;
-      cut_rows(view, z, static_cast<int>(j * kBlock), cut);
-      for (int row = first; row < end; ++row) {
-        const auto i = static_cast<std::size_t>(row) % kBlock;
-        std::uint64_t& open = open_[static_cast<std::size_t>(z)][static_cast<std::size_t>(row)];
-        const std::uint64_t left =
-            open & ~kBelow[static_cast<std::size_t>(cut.low[i])] & kBelow[static_cast<std::size_t>(cut.high[i])];
-        if (!left) continue;
-        const std::uint64_t before = open;
-        take_row(view, row, z, left, open);
-        blocks_[k][j].changed |= open != before;
+    auto& strips = strips_[static_cast<std::size_t>(z)];
+    bool known = false;
+    for (int strip = first_strip; strip <= last_strip; ++strip) {
+      if (!(strips[static_cast<std::size_t>(strip)] & view.range)) continue;
+      if (!known) {
+        if (!completed) complete(view);
+        completed = known = true;
+        if (!cut_slice(view, z)) break;
       }
+      view.cut.from = static_cast<float>(view.from + strip * kStrip * spacing_[1]);
+      cut_intervals(view.cut, low, high);
+      auto* rows = open_[static_cast<std::size_t>(z)].data() + strip * kStrip;
+      bool changed = false;
+      const int begin = std::max(view.low[1] - strip * kStrip, 0);
+      const int end = std::min(view.high[1] - strip * kStrip, static_cast<int>(kStrip));
+      for (int i = begin; i < end; ++i) {
+        const std::uint64_t left =
+            rows[i] & ~kBelow[static_cast<std::size_t>(low[i])] & kBelow[static_cast<std::size_t>(high[i])];
+        if (!left) continue;
+        take_row(view, strip * kStrip + i, z, left, rows[i]);
+        changed = true;
+      }
+      if (!changed) continue;
+      std::uint64_t any = 0;
+      for (int i = 0; i < kStrip; ++i) any |= rows[i];
+      strips[static_cast<std::size_t>(strip)] = any;
+      open_strips_ -= any == 0;
     }
   }
-  return open_blocks_ > 0;
+  return open_strips_ > 0;
 }
 
 void BrickRadii::take_few(const Pencil& pencil) {

@@ -80,17 +80,13 @@ class BrickRadii {
   }
 
  private:
-  static constexpr int kBlock = 8;  // rows along y and z
+  static constexpr int kStrip = 8;  // rows of a slice that are looked at together
   static constexpr std::size_t kRowsY = static_cast<std::size_t>(Brick::kSides[1]),
                                kRowsZ = static_cast<std::size_t>(Brick::kSides[2]);
   struct View;
-  std::uint64_t open_in(std::size_t by, std::size_t bz);
   bool see(View& view, const Pencil& pencil) const;
   void complete(View& view) const;
-  struct Rows {
-    alignas(32) std::array<int, kBlock> low, high;
-  };
-  void cut_rows(const View& view, int z, int first, Rows& rows) const;
+  bool cut_slice(View& view, int z) const;
   void take_row(const View& view, int y, int z, std::uint64_t left, std::uint64_t& open);
 
   const Sweep& sweep_;
@@ -100,13 +96,9 @@ class BrickRadii {
   std::vector<float> values_;
   // A bit per voxel along x of each row: the value may still grow. Keys descend, so that what has reached one is done.
   std::array<std::array<std::uint64_t, kRowsY>, kRowsZ> open_{};
-  // For each block of rows those of any of them, or more where a row has changed.
-  struct Block {
-    std::uint64_t open = 0;
-    bool changed = false;
-  };
-  std::array<std::array<Block, kRowsY / kBlock>, kRowsZ / kBlock> blocks_{};
-  int open_blocks_ = 0;
+  // Those of any row of a strip; strips that have one.
+  std::array<std::array<std::uint64_t, kRowsY / kStrip>, kRowsZ> strips_{};
+  int open_strips_ = 0;
 };
 
 }  // namespace quench::thickness
