@@ -245,7 +245,7 @@ Action add_bricks_merge(CLI::App& app) {
   };
   auto o = std::make_shared<Options>();
   add_work(app, o->work);
-  app.add_option("-o,--output", o->output, "The medial axis: .vtp .ply .obj .ma .r .csv")
+  app.add_option("-o,--output", o->output, "The medial axis: .vtp .vtu .ply .obj .stl .ma .r .csv")
       ->type_name("FILE")
       ->required();
   return [o](Session& session) { return merge(o->work, o->output, session); };

@@ -20,7 +20,7 @@ Action add_convert(CLI::App& app) {
       ->type_name("")
       ->required();
   app.add_option("B,-o,--output", o->output,
-                 "The file to write: .vtp .ply .obj .ma .r .csv; of a tree .swc .rsml .mtg .graphml .vtp")
+                 "The file to write: .vtp .vtu .ply .obj .stl .ma .r .csv; of a tree .swc .rsml .mtg .graphml .vtp")
       ->type_name("")
       ->required();
   app.add_option("--radii", o->radii, "Radii of the vertices (a .r file), matched by position")->type_name("FILE");

@@ -51,7 +51,7 @@ Action add_core(CLI::App& app) {
   auto o = std::make_shared<CoreProgram>();
   add_shape_options(app, o->shape);
   add_core_options(app, o->axis);
-  app.add_option("-o,--output", o->output, "The medial axis: .vtp .ply .obj .ma .r .csv")
+  app.add_option("-o,--output", o->output, "The medial axis: .vtp .vtu .ply .obj .stl .ma .r .csv")
       ->type_name("FILE")
       ->required();
   app.add_flag("--in-bricks", o->bricks_in,

@@ -17,7 +17,9 @@
 #include "quench/graph.h"
 #include "quench/record.h"
 #include "quench/shape.h"
+#include "quench/simplify.h"
 #include "quench/skeleton.h"
+#include "quench/table.h"
 #include "quench/tree.h"
 
 /// @file
@@ -51,9 +53,9 @@ struct PageSurfaces {
   std::optional<std::size_t> note;  ///< the one of Page::notes that says so, where some are simplified
 };
 
-/// A column of a table of the layer `tree`; its values are the array `tree/TABLE/NAME`.
+/// A column of a table: of the layer `tree`, whose values are the array `tree/TABLE/NAME`, or of sheets, `TABLE/NAME`.
 struct PageColumn {
-  std::string table;  ///< "axes", "branches", "sample" (one row), "edits"
+  std::string table;  ///< "axes", "branches", "sample" (one row), "edits"; "sheets"
   std::string name, unit, meaning;
   bool whole = false;              ///< integers
   std::vector<std::string> words;  ///< of a column of words: its values are their numbers
@@ -98,6 +100,7 @@ struct Page {
   std::vector<std::string> notes;                        ///< what was simplified, a sentence each
   PageSurfaces surfaces;
   std::optional<PageTree> tree;
+  std::vector<PageColumn> columns;  ///< of tables but those of the tree
   std::vector<PageArray> arrays;
 
   const PageArray* find(std::string_view name) const;
@@ -119,6 +122,19 @@ std::size_t add_core(Page& page, const MedialAxis& axis, const std::vector<DataA
 /// between those of vertices beside them. Returns the number of triangles.
 std::size_t add_skeleton(Page& page, const Skeleton& skeleton, const CurveGraph& graph);
 
+/// The table of the sheets of the layer `skeleton`, a row for each in any order; its column `sheet` has their numbers,
+/// those of Skeleton::face_sheet. Throws Error(usage) unless each sheet of the layer has its row.
+void add_sheets(Page& page, const Table& sheets);
+
+/// What is known of the error of a medial mesh: distances of the boundary of the shape to its envelope, world units.
+struct PageMeshError {
+  std::size_t vertices = 0;
+  double mean = 0, percentile99 = 0, largest = 0;
+};
+
+/// The layer `simple`: medial meshes of every number of vertices from the first of the sequence on.
+void add_meshes(Page& page, const CollapseSequence& sequence, const std::vector<PageMeshError>& errors = {});
+
 /// The layer `family`, for the sliders of a skeleton: the refined axis with the levels of its family. What does not fit
 /// (a curve off the sheets counts as a triangle) is left out by floors of theta2 and theta1. Region duals lie on their
 /// exit doors, as in skeletons that are written. Returns the number of triangles.
@@ -133,6 +149,13 @@ std::size_t add_still(Page& page, const Record& data, std::size_t max_triangles)
 /// clustering vertices. Several surfaces are drawn as one.
 std::size_t add_surface(Page& page, const TriangleMesh& mesh, std::size_t max_triangles);
 std::size_t add_surface(Page& page, const VoxelShape& shape, std::size_t max_triangles);
+
+/// The points of the surface as it is drawn, in world units.
+std::vector<Vec3> surface_points(const Page& page);
+
+/// Values by which the surface can be coloured, one per point of surface_points(); NaN: there is none. `name` is that
+/// of the measure: "thickness". Throws Error(usage) for another number of values.
+void add_surface_measure(Page& page, const std::string& name, const std::vector<double>& values);
 
 /// The boundary of the voxel shape as quads of two triangles, outward; smoothed for display (see above). Throws
 /// Error(usage) for a pixel shape.

@@ -18,6 +18,7 @@
 #include "quench/graph.h"
 #include "quench/io.h"
 #include "quench/page.h"
+#include "quench/parts.h"
 #include "quench/polygons.h"
 #include "quench/preparation.h"
 #include "quench/record.h"
@@ -459,6 +460,28 @@ CurveGraph measured_graph(const Skeleton& skeleton, const GraphOptions& options 
 /// Error(invariant) when that changed the topology.
 CurveGraph draw_branches(SkeletonResult& skeleton, const GraphOptions& options, const Scale& scale,
                          Context* context = nullptr);
+
+// -------------------------------------------------------------------------------------------------------------- parts
+
+/// Parts with the mesh of their sheets.
+struct PartsRun {
+  Parts parts;
+  SheetMesh mesh;        ///< of even size, where that was asked for
+  PartsOptions options;  ///< they were measured with
+};
+
+/// Half a voxel more than the radius, as of measured_graph(), where the axis is that of the voxels; `voxel` as
+/// GraphOptions::voxel.
+PartsOptions parts_options(const Vec3& voxel);
+/// Parts of a skeleton, best with draw_branches(), which makes rims and seams smooth. `remesh`: the length of the sides
+/// of triangles. Throws Error(usage), field `remesh`, where it is 0 or infinite; Error(failed), with figures, when there
+/// is not enough memory.
+PartsRun run_parts(const Skeleton& skeleton, const Vec3& voxel, const std::optional<Length>& remesh, const Scale& scale,
+                   Context* context = nullptr);
+/// The same of a medial axis or a skeleton as its file has it. Erosion thickness is that of the file, where it has one.
+PartsRun run_parts(const LoadedAxis& axis, const std::optional<Length>& remesh, Context* context = nullptr);
+/// What a file of parts says beside its cells: stage "parts", what the file `from` says of shape, unit and thresholds.
+void add_parts_fields(Record& data, const Record& from);
 
 // --------------------------------------------------------------------------------------------------------------- page
 

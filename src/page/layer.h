@@ -81,6 +81,9 @@ void each_fire_measure(const Times& of, const std::vector<char>& on_curve, const
   });
 }
 
+/// A column as pages describe it, and its values as numbers.
+PageColumn column_of(const char* table, const Table::Column& column, std::vector<float>& values);
+
 void widen(Page& page, std::span<const Vec3> points);
 
 /// Points as pages hold them, without the origin of the page.

@@ -211,6 +211,28 @@ std::size_t add_surface(Page& page, const VoxelShape& shape, std::size_t max_tri
   return add_triangles(page, to_record(smoothed_boundary(shape, 4)), "surface of the voxels", max_triangles);
 }
 
+std::vector<Vec3> surface_points(const Page& page) {
+  std::vector<Vec3> points;
+  const PageArray* const array = page.find("shape/points");
+  if (!array) return points;
+  const auto& places = std::get<std::vector<float>>(array->values);
+  for (std::size_t i = 0; i + 2 < places.size(); i += 3)
+    points.push_back(page.origin + Vec3(places[i], places[i + 1], places[i + 2]));
+  return points;
+}
+
+void add_surface_measure(Page& page, const std::string& name, const std::vector<double>& values) {
+  const PageArray* const points = page.find("shape/points");
+  const std::size_t count = points ? std::get<std::vector<float>>(points->values).size() / 3 : 0;
+  if (values.size() != count)
+    throw Error(ErrorCode::usage,
+                fmt::format("the measure '{}' of the surface of a page has {} values for {} points", name,
+                            values.size(), count));
+  std::vector<float> rounded(values.size());
+  for (std::size_t i = 0; i < values.size(); ++i) rounded[i] = page::measure_of(values[i]);
+  page.arrays.push_back({"shape/point/" + name, 1, std::move(rounded)});
+}
+
 void add_sites(Page& page, const VoxelShape& shape) {
   constexpr std::int64_t kMost = 4'000'000;
   const Grid& grid = shape.grid();

@@ -99,31 +99,10 @@ void add_hierarchy(Page& page, const Tree& tree) {
   of_axes("plant", [](const Axis& a) { return a.plant; });
 }
 
-/// Words in the order in which they come first, and the number of each row.
-std::vector<float> numbered(const std::vector<std::string>& rows, std::vector<std::string>& words) {
-  std::map<std::string, std::size_t> number;
-  std::vector<float> numbers;
-  for (const std::string& word : rows) {
-    const auto [found, is_new] = number.emplace(word, words.size());
-    if (is_new) words.push_back(word);
-    numbers.push_back(static_cast<float>(found->second));
-  }
-  return numbers;
-}
-
 void add_column(Page& page, const char* table, const Table::Column& column) {
-  PageColumn out{table, column.name, column.unit, column.meaning, false, {}};
   std::vector<float> values;
-  if (const auto* words = std::get_if<std::vector<std::string>>(&column.values)) {
-    values = numbered(*words, out.words);
-  } else if (const auto* whole = std::get_if<std::vector<std::int64_t>>(&column.values)) {
-    values.assign(whole->begin(), whole->end());
-    out.whole = true;
-  } else {
-    for (const double x : std::get<std::vector<double>>(column.values)) values.push_back(static_cast<float>(x));
-  }
+  page.tree->columns.push_back(page::column_of(table, column, values));
   add_numbers(page, std::string(table) + "/" + column.name, 1, std::move(values));
-  page.tree->columns.push_back(std::move(out));
 }
 
 void add_table(Page& page, const char* name, const Table& table) {

@@ -57,9 +57,9 @@ std::string list(std::span<const double> values) {
   return out + "]";
 }
 
-std::string json_of(const PageTree& tree) {
+std::string json_of(const std::vector<PageColumn>& list) {
   std::string columns;
-  for (const PageColumn& c : tree.columns) {
+  for (const PageColumn& c : list) {
     columns += fmt::format(R"({}{{"table": {}, "name": {}, "unit": {}, "meaning": {})", columns.empty() ? "" : ",\n",
                            json_string(c.table), json_string(c.name), json_string(c.unit), json_string(c.meaning));
     if (c.whole) columns += R"(, "whole": true)";
@@ -68,9 +68,13 @@ std::string json_of(const PageTree& tree) {
     if (!words.empty()) columns += fmt::format(R"(, "words": [{}])", words);
     columns += "}";
   }
+  return columns;
+}
+
+std::string json_of(const PageTree& tree) {
   return fmt::format(R"({{"down": {}, "to_eye": {}, "up": {}, "columns": [
 {}]}})",
-                     list({tree.down.data(), 3}), list({tree.to_eye.data(), 3}), list({tree.up.data(), 3}), columns);
+                     list({tree.down.data(), 3}), list({tree.to_eye.data(), 3}), list({tree.up.data(), 3}), json_of(tree.columns));
 }
 
 std::string meta_of(const Page& page, const std::vector<PackedArray>& packed) {
@@ -133,6 +137,7 @@ std::string meta_of(const Page& page, const std::vector<PackedArray>& packed) {
   put("files", "{" + files + "}");
   if (page.sites_to_world) put("sites_to_world", list(*page.sites_to_world));
   if (page.tree) put("tree", json_of(*page.tree));
+  if (!page.columns.empty()) put("columns", "[\n" + json_of(page.columns) + "]");
   std::size_t offset = 0;
   for (const PackedArray& array : packed) {
     arrays += fmt::format(R"({}{{"name": {}, "type": "{}", "components": {}, "count": {}, "offset": {}{}{}}})",

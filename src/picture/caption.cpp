@@ -177,7 +177,7 @@ void write_captions(Picture& picture, const Page& page, const Scene& scene, cons
   if (options.caption) {
     writing.lines();
     if (!scene.part_names.empty()) writing.legend(label_of(state.color), scene.part_names);
-    writing.colour_bar(state.color, range,
+    writing.colour_bar(state.surface.empty() ? state.color : state.surface, range,
                        !scene.curves.empty() && !state.curves_by_measure && scene.curve_parts.empty());
     writing.scale_bar(camera.per_pixel() / scene.placement.scale);
   }

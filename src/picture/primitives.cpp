@@ -61,7 +61,7 @@ Primitives::Primitives(const Scene& scene, const ViewState& state, const ColourR
       seam_colour_(rgb(kSeamColour)),
       points_(seen(scene.points, camera)),
       shape_points_(seen(scene.shape_points, camera)),
-      normals_(crease_normals(points_, scene.sheets, kCrease)),
+      normals_(crease_normals(points_, scene.sheets, scene.sheet_crease)),
       shape_normals_(crease_normals(shape_points_, scene.shape, scene.shape_crease)),
       sheets_(fans(scene.sheets)),
       shape_(fans(scene.shape)) {
@@ -70,7 +70,7 @@ Primitives::Primitives(const Scene& scene, const ViewState& state, const ColourR
   const double per_pixel = camera.per_pixel() * unit;
   boundary_opacity_ = opacity_of_lines(scene.boundary.size(), 2 * kBoundaryWidth, scene.area, per_pixel, kBoundaryMost);
   seam_opacity_ = opacity_of_lines(scene.seams.size(), 2 * kSeamWidth, scene.area, per_pixel, kSeamMost);
-  if (scene.values.empty()) sheet_plain_ = Light::linear(rgb(state.dark ? kDark.sheet : kLight.sheet));
+  if (scene.values.empty() && scene.sheet_values.empty()) sheet_plain_ = Light::linear(rgb(state.dark ? kDark.sheet : kLight.sheet));
   if (scene.values.empty() || !state.curves_by_measure) curve_plain_ = Light::linear(rgb(kAccent));
   std::size_t end = 0;
   const auto after = [&](std::size_t count) {
@@ -177,6 +177,8 @@ Vec3f Primitives::colour_of_sheet(std::uint32_t id, double x, double y) const {
   Vec3f base;
   if (!scene_.sheet_parts.empty()) {
     base = part_colour(scene_.sheet_parts[polygon_[id]]);
+  } else if (!scene_.sheet_values.empty()) {
+    base = light_.colour_of(scene_.sheet_values[polygon_[id]]);
   } else if (sheet_plain_) {
     base = *sheet_plain_;
   } else {

@@ -11,6 +11,7 @@
 #include <span>
 
 #include "base/parallel.h"
+#include "picture/mesh_scene.h"
 #include "picture/tree_scene.h"
 #include "quench/error.h"
 
@@ -165,6 +166,42 @@ void add_edges_of_sheets(Scene& scene) {
   }
 }
 
+Vec3f area_normal(const std::vector<Vec3f>& points, std::span<const std::uint32_t> corners) {
+  Vec3f sum = Vec3f::Zero();
+  for (std::size_t i = 1; i + 1 < corners.size(); ++i)
+    sum += (points[corners[i]] - points[corners[0]]).cross(points[corners[i + 1]] - points[corners[0]]);
+  return sum / 2;
+}
+
+std::span<const std::uint32_t> corners_of(const Polygons& polygons, std::size_t f) {
+  return std::span(polygons.corners).subspan(polygons.offsets[f], polygons.offsets[f + 1] - polygons.offsets[f]);
+}
+
+/// By their number: the largest sheets have colours of their own, and names in the legend. Or by a column of their table.
+void colour_sheets(const Page& page, const ViewState& state, Scene& scene) {
+  const Indices& sheet = values_or_none<std::uint32_t>(page, "skeleton/polygon_sheet");
+  if (sheet_column(page, state.color)) {
+    const Floats& values = values_or_none<float>(page, state.color);
+    for (const std::uint32_t s : sheet) {
+      if (s >= values.size()) refuse(state.color);
+      const float x = values[s];
+      scene.sheet_values.push_back(std::isnan(x) ? kCodeMissing : std::isfinite(x) ? x : kCodeInfinite);
+    }
+  }
+  if (state.color != "sheet" || sheet.empty()) return;
+  std::vector<double> area(*std::ranges::max_element(sheet) + std::size_t{1}, 0);
+  for (std::size_t f = 0; f < sheet.size(); ++f)
+    area[sheet[f]] += area_normal(scene.points, corners_of(scene.sheets, f)).norm();
+  Indices order, rank(area.size());
+  for (std::uint32_t s = 0; s < area.size(); ++s) order.push_back(s);
+  std::ranges::stable_sort(order, [&](std::uint32_t a, std::uint32_t b) { return area[a] > area[b]; });
+  for (std::uint32_t place = 0; place < order.size(); ++place) {
+    rank[order[place]] = place;
+    if (place < kParts.size()) scene.part_names.emplace_back(fmt::format("sheet {}", order[place]), place);
+  }
+  for (const std::uint32_t s : sheet) scene.sheet_parts.push_back(rank[s]);
+}
+
 /// The skeleton that was asked for: polygons, and curves as branches.
 void add_skeleton_cells(const Page& page, const ViewState& state, Scene& scene) {
   scene.sheets.offsets = values_or_none<std::uint32_t>(page, "skeleton/polygon_offsets");
@@ -177,20 +214,9 @@ void add_skeleton_cells(const Page& page, const ViewState& state, Scene& scene) 
       scene.curves.push_back({along[i], along[i + 1]});
       if (state.color == "branch") scene.curve_parts.push_back(b);
     }
-  if (state.color == "sheet") scene.sheet_parts = values_or_none<std::uint32_t>(page, "skeleton/polygon_sheet");
+  colour_sheets(page, state, scene);
   scene.isolated = values_or_none<std::uint32_t>(page, "skeleton/isolated");
   add_edges_of_sheets(scene);
-}
-
-Vec3f area_normal(const std::vector<Vec3f>& points, std::span<const std::uint32_t> corners) {
-  Vec3f sum = Vec3f::Zero();
-  for (std::size_t i = 1; i + 1 < corners.size(); ++i)
-    sum += (points[corners[i]] - points[corners[0]]).cross(points[corners[i + 1]] - points[corners[0]]);
-  return sum / 2;
-}
-
-std::span<const std::uint32_t> corners_of(const Polygons& polygons, std::size_t f) {
-  return std::span(polygons.corners).subspan(polygons.offsets[f], polygons.offsets[f + 1] - polygons.offsets[f]);
 }
 
 /// The sides of triangles that are not sides of others in the other direction: around what they cover, all in the same
@@ -225,6 +251,25 @@ void add_shape(const Page& page, Scene& scene) {
   for (std::size_t t = 0; t <= triangles; ++t) scene.shape.offsets[t] = static_cast<std::uint32_t>(3 * t);
 }
 
+/// The surface in the colours of a measure, which hides all else.
+void add_solid_shape(const Page& page, const ViewState& state, Scene& scene) {
+  add_shape(page, scene);
+  require_size<float>(page, "shape/point/" + state.surface, scene.shape_points.size());
+  scene.points = std::move(scene.shape_points);
+  scene.sheets = std::move(scene.shape);
+  scene.shape_points.clear();
+  scene.shape = {};
+  scene.sheet_crease = scene.shape_crease;
+  scene.values = values_or_none<float>(page, "shape/point/" + state.surface);
+  for (float& x : scene.values) x = std::isnan(x) ? kCodeMissing : std::isfinite(x) ? x : kCodeInfinite;
+}
+
+void measure_cells(Scene& scene) {
+  for (std::size_t f = 0; f < scene.sheets.size(); ++f)
+    scene.area += area_normal(scene.points, corners_of(scene.sheets, f)).norm();
+  for (const auto& [a, b] : scene.curves) scene.curve_length += (scene.points[a] - scene.points[b]).norm();
+}
+
 /// The value that a share of the values does not exceed. Of many a sample, as viewer/src/measures.ts takes it.
 std::pair<double, double> central_of(const std::vector<float>& finite) {
   const std::size_t stride = std::max<std::size_t>(1, finite.size() / 50000);
@@ -239,8 +284,9 @@ std::pair<double, double> central_of(const std::vector<float>& finite) {
 
 /// Of a skeleton its measures of sheets count on sheets, those of curves on curves.
 std::vector<char> vertices_of_measure(const Scene& scene, const ViewState& state) {
-  std::vector<char> counts(scene.points.size(), state.layer != "skeleton");
-  if (state.layer != "skeleton") return counts;
+  const bool all = state.layer != "skeleton" || !state.surface.empty();
+  std::vector<char> counts(scene.points.size(), all);
+  if (all) return counts;
   const bool of_curves = state.color.starts_with("curve_");
   const bool of_sheets = state.color == "erosion_thickness" || state.color == "burn_time";
   if (!of_sheets || scene.sheets.size() == 0)
@@ -261,8 +307,18 @@ Scene scene_of(const Page& page, const ViewState& state) {
   Scene scene;
   scene.placement = placement_of(page);
   require_below(page, "shape/triangles", values_or_none<float>(page, "shape/points").size() / 3);
+  if (!state.surface.empty()) {
+    add_solid_shape(page, state, scene);
+    return scene;
+  }
   if (state.shape) add_shape(page, scene);
   if (state.layer.empty()) return scene;
+  if (state.layer == "simple") {
+    add_mesh_cells(page, state, scene);
+    add_edges_of_sheets(scene);
+    measure_cells(scene);
+    return scene;
+  }
   if (state.layer != "tree") require_layer(page, state);
   scene.points = places(page, scene.placement, values_or_none<float>(page, state.layer + "/points"));
   if (page.find(state.layer + "/point/" + state.color)) {
@@ -275,18 +331,18 @@ Scene scene_of(const Page& page, const ViewState& state) {
     add_tree_cells(page, state, scene);
   else
     LayerCells(page, state).add_to(scene);
-  for (std::size_t f = 0; f < scene.sheets.size(); ++f)
-    scene.area += area_normal(scene.points, corners_of(scene.sheets, f)).norm();
-  for (const auto& [a, b] : scene.curves) scene.curve_length += (scene.points[a] - scene.points[b]).norm();
+  measure_cells(scene);
   return scene;
 }
 
 ColourRange colour_range(const Scene& scene, const ViewState& state) {
   ColourRange range;
   std::vector<float> finite, first;
-  const std::vector<char> counts = vertices_of_measure(scene, state);
-  for (std::size_t v = 0; v < scene.values.size(); ++v) {
-    const float x = scene.values[v];
+  const bool of_sheets = !scene.sheet_values.empty();
+  const std::vector<float>& values = of_sheets ? scene.sheet_values : scene.values;
+  const std::vector<char> counts = of_sheets ? std::vector<char>(values.size(), 1) : vertices_of_measure(scene, state);
+  for (std::size_t v = 0; v < values.size(); ++v) {
+    const float x = values[v];
     range.infinite |= x > kCodeLimit;
     range.missing |= x < -kCodeLimit;
     if (std::abs(x) > kCodeLimit) continue;

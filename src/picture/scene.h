@@ -41,8 +41,10 @@ struct Scene {
   double area = 0, curve_length = 0;
   std::vector<Vec3f> shape_points;
   Polygons shape;
+  std::vector<float> sheet_values;  ///< per polygon: a value instead of those of its points; empty: of points
   bool plane = false;
   std::vector<std::array<std::uint32_t, 2>> outline;  ///< of a plane: sides of the shape, directed around it
+  double sheet_crease = kCrease;
   double shape_crease = kCrease;                      ///< surfaces of voxels have steps, no edges: a right angle
 };
 Scene scene_of(const Page& page, const ViewState& state);

@@ -14,6 +14,8 @@
 namespace quench::picture {
 namespace {
 
+constexpr double kSolid = 0.98;  // app.ts: a surface of this opacity hides what is inside
+
 int hex_digit(char c) {
   if (c >= '0' && c <= '9') return c - '0';
   if (c >= 'A' && c <= 'F') return c - 'A' + 10;
@@ -75,6 +77,24 @@ std::string default_color(const Page& page, const std::string& layer) {
   return "none";
 }
 
+/// What the surface is coloured by, and how many vertices a medial mesh has.
+void take_surface_and_vertices(ViewState& state, const Page& page) {
+  const std::string surface = value_of(page.state, "surface").value_or("none");
+  if (surface != "none" && !page.find("shape/point/" + surface))
+    throw Error(ErrorCode::usage, fmt::format("there is no array '{}' to colour the surface by", surface));
+  double opacity = surface == "none" ? 0 : 1;
+  if (const auto text = value_of(page.state, "shapeOpacity")) {
+    std::string_view rest = *text;
+    opacity = number_in(rest, "shapeOpacity");
+  }
+  if (surface != "none" && state.shape && !page.plane && opacity > kSolid) state.surface = surface;
+  if (const auto text = value_of(page.state, "vertices")) {
+    std::string_view rest = *text;
+    const double count = number_in(rest, "vertices");
+    state.vertices = count >= 1 && count < 1e9 ? static_cast<std::size_t>(count) : state.vertices;
+  }
+}
+
 /// Measure and threshold of the layer `core`.
 void take_pruning(ViewState& state, const Page& page) {
   if (page.measures.empty()) return;
@@ -100,7 +120,7 @@ ViewState view_state(const Page& page) {
   ViewState state;
   state.dark = value_of(page.state, "dark") == "1";
   if (const auto camera = value_of(page.state, "camera")) state.camera = camera_in(*camera);
-  for (const char* layer : {"tree", "skeleton", "core", "still"})
+  for (const char* layer : {"tree", "skeleton", "core", "simple", "still"})
     if (state.layer.empty() && page.find(std::string(layer) + "/points")) state.layer = layer;
   if (const auto layer = value_of(page.state, "layer")) {
     if (!page.find(*layer + "/points"))
@@ -116,13 +136,22 @@ ViewState view_state(const Page& page) {
   state.color = value_of(page.state, "color").value_or(pure ? "radius" : default_color(page, state.layer));
   const bool parts = state.layer == "tree"
                          ? is_colour_of_tree(page, state.color)
-                         : state.layer == "skeleton" && (state.color == "sheet" || state.color == "branch");
+                         : state.layer == "skeleton" && (state.color == "sheet" || state.color == "branch" ||
+                                                         sheet_column(page, state.color));
   if (state.color != "none" && !parts && !page.find(state.layer + "/point/" + state.color))
     throw Error(ErrorCode::usage,
                 fmt::format("there is no array '{}' to colour the layer '{}' by", state.color, state.layer));
   state.curves_by_measure = pure || page.plane || state.layer == "tree" || state.color.starts_with("curve_");
   take_pruning(state, page);
+  take_surface_and_vertices(state, page);
   return state;
+}
+
+const PageColumn* sheet_column(const Page& page, const std::string& color) {
+  const auto found = std::ranges::find_if(page.columns, [&](const PageColumn& c) {
+    return c.table == "sheets" && c.words.empty() && "sheets/" + c.name == color;
+  });
+  return found == page.columns.end() ? nullptr : &*found;
 }
 
 template <class T>

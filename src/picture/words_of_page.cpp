@@ -8,6 +8,7 @@
 #include <map>
 
 #include "picture/caption.h"
+#include "picture/mesh_scene.h"
 #include "picture/tree_scene.h"
 
 namespace quench::picture {
@@ -70,6 +71,7 @@ std::string label_of(const std::string& measure) {
   if (measure == "strahler") return "Strahler number";
   // A column of a table of a tree.
   if (measure.starts_with("axes/")) return label_of(measure.substr(5)) + " of the axis";
+  if (measure.starts_with("sheets/")) return label_of(measure.substr(7)) + " of the sheet";
   if (measure.starts_with("branches/")) return label_of(measure.substr(9)) + " of the branch";
   std::string label = measure;
   std::replace(label.begin(), label.end(), '_', ' ');
@@ -79,7 +81,8 @@ std::string label_of(const std::string& measure) {
 std::string unit_of(const Page& page, const std::string& measure) {
   if (measure == "angle_to_down") return "°";
   if (measure == "order" || measure == "strahler") return "";
-  if (const PageColumn* const column = column_of(page, measure)) return unit_words(column->unit);
+  const PageColumn* const of_sheets = sheet_column(page, measure);
+  if (const PageColumn* const column = of_sheets ? of_sheets : column_of(page, measure)) return unit_words(column->unit);
   return measure == "object_angle" ? "°" : page.unit;
 }
 
@@ -130,6 +133,9 @@ std::vector<std::string> caption_of(const Page& page) {
   const ViewState state = view_state(page);
   std::vector<std::string> lines;
   lines.push_back(file);
+  if (!state.surface.empty()) return lines;
+  if (state.layer == "simple")
+    lines.push_back(fmt::format("medial mesh of {} vertices", mesh_vertices(page, state)));
   if (state.layer == "skeleton") lines.push_back(skeleton_words(page));
   if (state.layer == "tree") lines.push_back(tree_words(page));
   if (state.layer == "core" && !state.measure.empty())

@@ -2,11 +2,11 @@
 // The state of the page and what follows from it. Changes are collected; what depends on them is done once per frame.
 import { Vector3 } from "three";
 import { ballsToDraw, shareInside } from "./balls";
-import { MAPS, textureOf } from "./colours";
+import { CATEGORICAL, MAPS, textureOf } from "./colours";
 import { commandOf } from "./command";
 import { byMeasure, type Layer, type LayerName, type Page } from "./data";
-import { isCategory, rangeOf, type Range } from "./measures";
-import { pickTube, pickVertex, touchingSites, type Ray } from "./pick";
+import { isCategory, rangeOf, UNIFORM, valuesOf, type Range } from "./measures";
+import { pickTriangle, pickTube, pickVertex, touchingSites, type Ray } from "./pick";
 import { EditMarks } from "./scene/edit_marks";
 import { LayerView } from "./scene/layer_view";
 import { Marks } from "./scene/marks";
@@ -36,6 +36,7 @@ export interface Picked {
   layer: LayerName;
   vertex: number;
   branch: number; ///< that the curve is of that was hit; -1: none
+  sheet: number; ///< that was hit; -1: none
   position: [number, number, number];
   radius: number;
   measures: Record<string, number>;
@@ -82,6 +83,7 @@ export class App {
     } else if (shape.points && shape.triangles) {
       this.glass = new ShapeView(shape, this.placement, stage.shared, stage.depth);
       stage.add(this.glass.group, stage.overlay);
+      stage.add(this.glass.solid);
     }
     if (this.tree && this.tree.editCount > 0) {
       this.edits = new EditMarks(this.tree, this.placement, stage.shared);
@@ -98,6 +100,8 @@ export class App {
     const other = change.measure !== undefined && change.measure !== before.measure; // with a threshold of its own
     this.state = sanitize({ ...before, ...(other ? { threshold: NaN } : {}), ...change }, this.page);
     // A range belongs to its measure.
+    if (change.surface !== undefined && change.surface !== before.surface && this.state.surface !== UNIFORM) Object.assign(this.state, { shape: true, shapeOpacity: change.shapeOpacity ?? 1 }); // colours want to be seen
+    if (change.surface === UNIFORM && before.surface !== UNIFORM && change.shapeOpacity === undefined && before.shapeOpacity === 1) this.state.shapeOpacity = 0.5;
     if (before.color !== this.state.color && change.rangeLow === undefined && change.rangeHigh === undefined) this.state.rangeLow = this.state.rangeHigh = NaN;
     if (key !== this.key()) this.clearPick();
     this.stage.invalidate();
@@ -118,10 +122,24 @@ export class App {
       this.stage.add(view.group);
       shown = { sets, view, set: sets.compute(0, 0), ranges: new Map() };
       this.layers.set(key, shown);
+      if (layer.collapses) this.leave(key);
     }
     return shown;
   }
-  private key(): string { return this.state.layer === "core" ? `core/${this.state.measure}` : keyOf(this.page, this.state); }
+  /// Of medial meshes two views are kept: with none there, the card would forget their programs.
+  private leave(key: string): void {
+    const old = [...this.layers.keys()].filter((k) => k.startsWith("simple/") && k !== key);
+    for (const k of old.slice(0, -1)) {
+      const { view } = this.layers.get(k)!;
+      view.group.removeFromParent();
+      view.dispose();
+      this.layers.delete(k);
+    }
+  }
+  private key(): string {
+    const { layer, measure, vertices } = this.state;
+    return layer === "core" ? `core/${measure}` : layer === "simple" ? `simple/${vertices}` : keyOf(this.page, this.state);
+  }
 
   /// The sets of a layer of the page, for sliders; null until there is time for them, after the first picture.
   setsOf(name: "core" | "family"): LayerSets | null {
@@ -135,7 +153,7 @@ export class App {
 
   /// The range of a measure of the layer shown.
   range(name = this.state.color): Range | null {
-    const shown = this.shown(), values = shown.sets.layer.measures.get(name);
+    const shown = this.shown(), { layer } = shown.sets, values = layer.collapses && name === "radius" ? layer.collapses.radii : valuesOf(layer, name);
     if (!values) return null;
     let range = shown.ranges.get(name);
     if (!range) {
@@ -171,8 +189,12 @@ export class App {
 
   /// The range of nearly all values on what is visible.
   visibleRange(): [number, number] | null {
-    const { sets } = this.shown(), values = sets.layer.measures.get(this.state.color);
+    const { sets } = this.shown(), values = valuesOf(sets.layer, this.state.color);
     if (!values) return null;
+    if (!sets.layer.measures.has(this.state.color)) {
+      const all = rangeOf(values); // of sheets
+      return all.finite > 0 ? [all.low, all.high] : null;
+    }
     this.update();
     const range = rangeOf(values, Uint8Array.from(values, (_, v) => Number(sets.isVisible(v))));
     return range.finite > 0 ? [range.centralLow, range.centralHigh] : null;
@@ -187,7 +209,7 @@ export class App {
     this.applied = s;
     const changed = (...keys: (keyof State)[]) => !old || keys.some((key) => !Object.is(old[key], s[key]));
     const shown = this.shown(), { view } = shown, shared = this.stage.shared;
-    if (changed("layer", "measure", "theta1", "theta2", "threshold")) {
+    if (changed("layer", "measure", "theta1", "theta2", "threshold", "vertices")) {
       const family = keyOf(this.page, s) === "family";
       shown.sets.compute(s.layer === "core" ? s.threshold : family ? s.theta2 : 0, family ? s.theta1 : 0);
       view.show(shown.set);
@@ -196,14 +218,15 @@ export class App {
     if (changed("balls")) this.ballsChanged();
     for (const [key, other] of this.layers) other.view.group.visible = key === this.key();
     view.colourBy(s.color);
-    view.pick(s.branch);
+    view.pick(s.branch, s.sheet);
     if (s.layer === "tree" && changed("layer", "axis", "branch", "rows")) this.highlight();
     this.edits?.show(s, s.edit, this.stage.pixelRatio);
     if (this.edits) this.edits.group.visible = s.layer === "tree";
     if (changed("map", "color", "layer")) {
-      const image = shared.colourMap.value.image as unknown as { data: Uint8Array };
-      image.data.set(textureOf(s.map, this.byCategory));
-      shared.colourMap.value.needsUpdate = true;
+      for (const [{ value }, parts] of [[shared.colourMap, this.byCategory], [shared.shapeMap, false]] as const) {
+        (value.image as unknown as { data: Uint8Array }).data.set(textureOf(s.map, parts));
+        value.needsUpdate = true;
+      }
     }
     shared.range.value.set(...this.colourRange());
     const map = MAPS[s.map] ?? MAPS.viridis!;
@@ -213,7 +236,9 @@ export class App {
     this.stage.setPaper(s.dark);
     const around = this.glass ?? this.figure;
     around?.style(s.dark, s.shapeOpacity);
-    if (around) around.group.visible = s.shape && s.shapeOpacity > 0;
+    this.glass?.colourBy(s.surface, this.page.shape.measures.get(s.surface) ?? null, ...this.surfaceRange());
+    if (around) around.group.visible = s.shape && s.shapeOpacity > 0 && !this.surfaceIsSolid;
+    if (this.glass) this.glass.solid.visible = this.surfaceIsSolid;
     if (this.figure) this.figure.outline.visible = s.shape;
     this.figure?.fade(this.stage.camera.perPixel, this.stage.pixelRatio);
     this.stage.camera.orthographic = s.orthographic;
@@ -221,6 +246,31 @@ export class App {
     const width = this.page.meta.side * 0.012;
     shared.burn.value.set(Number(s.burn), s.time, width, Number(s.burnHides));
     this.onChange(this.numbers());
+  }
+
+  /// The coloured surface hides what is inside.
+  get surfaceIsSolid(): boolean { const s = this.state; return s.shape && s.surface !== UNIFORM && s.shapeOpacity > 0.98 && this.glass !== null; }
+
+  /// The largest sheets of what is shown, by what they are called; those have colours of their own.
+  sheetNames(): string[] {
+    const { sheet } = layerOf(this.page, this.state), order = this.shown().view.sheetOrder();
+    return sheet ? order.slice(0, CATEGORICAL.length).map((s) => `sheet ${s}`) : [];
+  }
+
+  private readonly surfaceRanges = new Map<string, Range>();
+  /// Of the values that the shape is coloured by; null: of none.
+  surfaceValues(name = this.state.surface): Range | null {
+    const values = this.page.shape.measures.get(name);
+    if (!values) return null;
+    const range = this.surfaceRanges.get(name) ?? rangeOf(values);
+    this.surfaceRanges.set(name, range);
+    return range;
+  }
+  surfaceRange(): [number, number] {
+    const range = this.surfaceValues();
+    if (!range || range.finite === 0) return [0, 1];
+    const low = range.centralLow > 0 && range.centralLow < 0.3 * range.centralHigh ? 0 : range.centralLow;
+    return range.centralHigh > low ? [low, range.centralHigh] : [range.low, range.high];
   }
 
   private clip(): void {
@@ -299,13 +349,27 @@ export class App {
       if (branch < 0) return this.clearPick();
       return this.set({ branch, axis: this.tree!.branchAxis[branch]!, rows: s.rows === "branches" ? "branches" : "axes" });
     }
+    if (this.surfaceIsSolid) return this.pickSurface(ray);
     const { sets, set, view } = this.shown();
     const hit = pickVertex(ray, view.places, 4, sets, set, s.sheets, s.curves, keep);
     if (hit === null) this.clearPick();
-    else this.pick(hit.vertex, this.state.layer, hit.edge < 0 ? -1 : (sets.layer.edgeBranch?.[hit.edge] ?? -1));
+    else this.pick(hit.vertex, this.state.layer, hit.edge < 0 ? -1 : (sets.layer.edgeBranch?.[hit.edge] ?? -1), hit.face < 0 ? -1 : (sets.layer.sheet?.[hit.face] ?? -1));
   }
 
-  pick(vertex: number, name = this.state.layer, branch = -1): Picked {
+  /// A place on the surface, with what it is coloured by there.
+  private pickSurface(ray: Ray): void {
+    this.clearPick();
+    const { points, triangles, measures } = this.page.shape, hit = pickTriangle(ray, this.glass!.sample, triangles!, this.keep);
+    if (!hit) return;
+    const { origin } = this.page.meta, at = (values: Float32Array, stride: number, k: number) => [0, 1, 2].reduce((sum, i) => sum + hit.weights[i]! * values[stride * triangles![3 * hit.triangle + i]! + k]!, 0);
+    const position = [0, 1, 2].map((k) => at(points!, 3, k) + origin[k]!) as [number, number, number];
+    this.marks.show(this.placement.toScene(position), 0, [], this.stage.pixelRatio);
+    this.picked = { layer: this.state.layer, vertex: -1, branch: -1, sheet: -1, position, radius: NaN, measures: Object.fromEntries([...measures].map(([name, values]) => [name, at(values, 1, 0)])), touching: [] };
+    this.onPick(this.picked);
+    this.stage.invalidate();
+  }
+
+  pick(vertex: number, name = this.state.layer, branch = -1, sheet = -1): Picked {
     if (name !== this.state.layer) this.set({ layer: name });
     const { sets } = this.shown(), { layer } = sets;
     if (!(Number.isInteger(vertex) && vertex >= 0 && vertex < layer.vertexCount)) throw new RangeError(`There is no vertex ${vertex}.`);
@@ -315,8 +379,8 @@ export class App {
     for (const [measure, values] of layer.measures) measures[measure] = values[vertex]!;
     const radius = measures.radius ?? NaN;
     const touching = touchingSites(this.page.meta, this.page.shape, position, radius);
-    this.picked = { layer: name, vertex, branch, position, radius, measures, touching };
-    this.set({ branch });
+    this.picked = { layer: name, vertex, branch, sheet, position, radius, measures, touching };
+    this.set({ branch, sheet, ...(sheet >= 0 && layer.sheets ? { list: "sheets" } : branch >= 0 ? { list: "branches" } : {}) });
     this.marks.show(this.placement.toScene(position), Number.isFinite(radius) ? radius * this.placement.scale : 0, touching.map((p) => this.placement.toScene(p)), this.stage.pixelRatio);
     this.onPick(this.picked);
     this.stage.invalidate();
@@ -329,8 +393,14 @@ export class App {
     this.set({ branch });
   }
 
+  /// A sheet by its number; -1: none.
+  pickSheet(sheet: number): void {
+    this.clearPick();
+    this.set({ sheet });
+  }
+
   clearPick(): void {
-    this.state = { ...this.state, branch: -1, axis: -1, edit: -1 };
+    this.state = { ...this.state, branch: -1, sheet: -1, axis: -1, edit: -1 };
     if (!this.picked) return this.stage.invalidate();
     this.picked = null;
     this.marks.clear();

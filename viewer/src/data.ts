@@ -2,7 +2,9 @@
 // Reads the two data elements of a page (FORMAT.md). Everything that can be wrong with them becomes a PageError with one
 // sentence for the reader.
 
+import { Collapses } from "./collapses";
 import { PageError } from "./page_error";
+import { columnOf, columnsIn, type Column, type ColumnMeta } from "./table";
 import { readTree, type Tree, type TreeMeta } from "./tree";
 import { bytesOf, checkEntry, complete, sidesOf, unpack } from "./unpack";
 
@@ -10,10 +12,11 @@ export { PageError } from "./page_error";
 
 export const FORMAT = 2;
 
-/// What can be shown. A skeleton is that which was asked for, or, for other thetas, one of its family.
-export type LayerName = "core" | "skeleton" | "still" | "tree";
+/// What can be shown. A skeleton is that which was asked for, or, for other thetas, one of its family; `simple` is a
+/// medial mesh of any number of vertices.
+export type LayerName = "core" | "skeleton" | "still" | "tree" | "simple";
 export type LayerKey = LayerName | "family";
-export const LAYER_KEYS: LayerKey[] = ["tree", "skeleton", "family", "core", "still"];
+export const LAYER_KEYS: LayerKey[] = ["tree", "skeleton", "family", "core", "simple", "still"];
 
 export type Triple = [number, number, number];
 
@@ -60,6 +63,7 @@ export interface Meta {
   plane: boolean; ///< flat, seen from the front; curves without sheets
   yDown: boolean; ///< of a plane
   tree?: TreeMeta;
+  columns: ColumnMeta[]; ///< of tables but those of the tree
   note: string;
   notes: string[];
   files: { core?: string; skeleton?: string; shape?: string };
@@ -99,6 +103,8 @@ export interface Layer {
   sheet: Uint32Array | null;
   edgeBranch: Int32Array | null;
   branches: Branches | null;
+  sheets: Sheets | null;
+  collapses: Collapses | null; ///< of `simple`
   /// Of `tree`: per edge the number of the part it belongs to, by what there are parts of.
   parts: Map<string, Int32Array>;
   tree: Tree | null;
@@ -119,11 +125,15 @@ export interface Branches {
   nodeKinds: Uint8Array;
 }
 
+/// The table of the sheets of the skeleton, a row for each number in `sheet`.
+export interface Sheets { count: number; columns: Column[] }
+
 export interface Shape {
   points: Float32Array | null;
   triangles: Uint32Array | null;
   sites: Uint16Array | null;
   samples: Float32Array | null;
+  measures: Map<string, Float32Array>; ///< per point
 }
 
 export interface Page {
@@ -187,6 +197,7 @@ export function readMeta(text: string): Meta {
     plane: (raw as { dimension?: unknown }).dimension === 2,
     yDown: (raw as { y_axis?: unknown }).y_axis === "down",
     tree: treeOf(raw.tree, triple),
+    columns: columnsIn(raw.columns),
     note: typeof raw.note === "string" ? raw.note : "",
     notes: Array.isArray(raw.notes) ? raw.notes.map(String) : [],
     files: raw.files ?? {},
@@ -199,8 +210,7 @@ export function readMeta(text: string): Meta {
 /// Directions and columns as they should be; undefined: there is no tree.
 function treeOf(raw: Partial<TreeMeta> | undefined, triple: (v: unknown) => Triple | undefined): TreeMeta | undefined {
   if (typeof raw !== "object" || raw === null) return undefined;
-  const columns = Array.isArray(raw.columns) ? raw.columns.map((c) => ({ ...c, name: String(c?.name), unit: String(c?.unit ?? ""), meaning: String(c?.meaning ?? ""), words: Array.isArray(c?.words) ? c.words.map(String) : undefined })) : [];
-  return { down: triple(raw.down) ?? [0, 0, -1], to_eye: triple(raw.to_eye) ?? [0, -1, 0], up: triple(raw.up) ?? [0, 0, 1], columns };
+  return { down: triple(raw.down) ?? [0, 0, -1], to_eye: triple(raw.to_eye) ?? [0, -1, 0], up: triple(raw.up) ?? [0, 0, 1], columns: columnsIn(raw.columns) };
 }
 
 function sizeOf(arrays: ArrayEntry[]): number {
@@ -278,7 +288,7 @@ export function assemble(meta: Meta, bytes: Uint8Array): Page {
   };
   const layers = new Map<LayerKey, Layer>();
   for (const name of LAYER_KEYS) {
-    const layer = name === "tree" ? readTree(find, meta) : name === "skeleton" ? readSkeleton(find, meta) : readLayer(name, find, meta);
+    const layer = name === "tree" ? readTree(find, meta) : name === "skeleton" ? readSkeleton(find, meta) : name === "simple" ? readSimple(find) : readLayer(name, find, meta);
     if (layer) layers.set(name, layer);
   }
   const shape: Shape = {
@@ -286,7 +296,14 @@ export function assemble(meta: Meta, bytes: Uint8Array): Page {
     triangles: find("shape/triangles", Uint32Array),
     sites: find("shape/sites", Uint16Array),
     samples: find("shape/samples", Float32Array),
+    measures: new Map(),
   };
+  for (const { name } of meta.arrays) {
+    if (!name.startsWith("shape/point/")) continue;
+    const values = find(name, Float32Array)!;
+    if (values.length !== (shape.points?.length ?? 0) / 3) throw new PageError(`${name} of this page has ${values.length} values for ${(shape.points?.length ?? 0) / 3} points; the page is damaged.`);
+    shape.measures.set(name.slice("shape/point/".length), values);
+  }
   if (shape.triangles && shape.points) below(shape.triangles, shape.points.length / 3, "shape/triangles");
   if (layers.size === 0) throw new PageError("There is no medial axis in this page: every layer is empty.");
   return { meta, layers, shape };
@@ -348,7 +365,7 @@ function readLayer(name: LayerKey, find: Find, meta: Meta): Layer | null {
     edgeLevel: sized("edge_level", edgeCount, levels && edgeCount > 0),
     vertexLevel: sized("vertex_level", vertexCount, levels),
     otherLevels, curveEdges, curveThickness, medialPoints, measures,
-    cornerLevel: sized("corner_level", corners.length, false), sheet: null, edgeBranch: null, branches: null, parts: new Map(), tree: null,
+    cornerLevel: sized("corner_level", corners.length, false), sheet: null, edgeBranch: null, branches: null, sheets: null, collapses: null, parts: new Map(), tree: null,
   };
 }
 
@@ -395,12 +412,44 @@ function readSkeleton(find: Find, meta: Meta): Layer | null {
   }
   const measures = new Map<string, Float32Array>(), prefix = "skeleton/point/";
   for (const a of meta.arrays) if (a.name.startsWith(prefix)) measures.set(a.name.slice(prefix.length), sized(`point/${a.name.slice(prefix.length)}`, vertexCount));
+  const sheet = needed("polygon_sheet", Uint32Array);
+  if (sheet.length !== faceCount) throw new PageError("skeleton/polygon_sheet of this page does not fit its polygons; the page is damaged.");
   const ofBranches = Object.fromEntries(BRANCH_MEASURES.map((name) => [name, sized(`branch/${name}`, branchCount)])) as Record<BranchMeasure, Float32Array>;
   return {
     name: "skeleton", points, vertexCount, faceCount, edgeCount: first + lone, offsets, corners, sides, edges: all, faceLevel: null, edgeLevel: null, vertexLevel: null,
-    otherLevels: new Map(), curveEdges: null, curveThickness: null, medialPoints: null, measures, cornerLevel: null, sheet: needed("polygon_sheet", Uint32Array), edgeBranch,
+    otherLevels: new Map(), curveEdges: null, curveThickness: null, medialPoints: null, measures, cornerLevel: null, sheet, edgeBranch, sheets: sheetsOf(find, meta, sheet), collapses: null,
     branches: branchCount > 0 ? { count: branchCount, offsets: branchOffsets, points: along, measures: ofBranches, nodes, nodePoints, nodeKinds } : null, parts: new Map(), tree: null,
   };
+}
+
+/// The table of sheets, where the page has one.
+function sheetsOf(find: Find, meta: Meta, sheet: Uint32Array): Sheets | null {
+  const known = meta.columns.filter((c) => c.table === "sheets");
+  if (known.length === 0) return null;
+  const columns = known.map((c) => {
+    const values = find(`sheets/${c.name}`, Float32Array);
+    if (!values) throw new PageError(`The array sheets/${c.name} is missing in this page; write it anew.`);
+    return columnOf(c, values);
+  });
+  const count = columns[0]!.values.length;
+  if (columns.some((c) => c.values.length !== count) || sheet.some((s) => s >= count)) throw new PageError("The table of sheets of this page does not fit its skeleton; the page is damaged.");
+  return { count, columns };
+}
+
+/// The layer of medial meshes, with the finest of them.
+function readSimple(find: Find): Layer | null {
+  const points = find("simple/points", Float32Array);
+  if (!points || points.length === 0) return null;
+  const needed = <T extends Numbers>(array: string, type: new (n: number) => T): T => {
+    const found = find(`simple/${array}`, type);
+    if (!found) throw new PageError(`The array simple/${array} is missing in this page; write it anew.`);
+    return found;
+  };
+  const collapses = new Collapses({
+    points, radius: needed("point/radius", Float32Array), triangles: needed("triangles", Uint32Array), edges: needed("edges", Uint32Array),
+    steps: needed("steps", Uint32Array), stepPoints: needed("step_points", Float32Array), stepRadius: needed("step_radius", Float32Array), errors: find("simple/errors", Float32Array),
+  });
+  return collapses.at(collapses.most);
 }
 
 /// The layer with the levels by another measure, and its faces in decreasing order of them.

@@ -86,11 +86,11 @@ function run(page: Page): void {
   const caption = new Caption(app);
   const treeTable = tree && new TreeTable(app, tree), treeInfo = tree && treeTable && new TreeInfo(app, tree, treeTable);
   const info = new Info(page, table, treeInfo, () => help.toggle());
-  const bar = new ColourBar();
+  const bar = new ColourBar(), surfaceBar = new ColourBar();
   const side = el("aside", "side");
   const screenshot = () => {
     const link = el("a");
-    link.href = caption.picture(bar.figure());
+    link.href = caption.picture([surfaceBar, bar].filter((b) => !b.element.hidden).map((b) => b.figure()));
     link.download = `${page.meta.title.replace(/[^\w.-]+/g, "_") || "quench"}.png`;
     link.click();
   };
@@ -99,7 +99,8 @@ function run(page: Page): void {
     else app.lookFrom(null);
   };
   const panel = new Panel(app, side, burner, { screenshot, reset });
-  const left = el("div", "left", info.element, bar.element);
+  info.meshes = panel.meshes;
+  const left = el("div", "left", info.element, el("div", "bars", bar.element, surfaceBar.element));
   root.append(caption.canvas, left, table.element, ...(treeTable ? [treeTable.element] : []), side, info.command, ...(treeInfo ? [treeInfo.card] : []), help.element);
   info.onTable = () => app.set({ table: !app.state.table });
   info.onClearPick = () => app.pickBranch(-1);
@@ -110,7 +111,7 @@ function run(page: Page): void {
     document.documentElement.style.setProperty("--accent", s.dark ? "#5bb7c5" : "#1f7f8c");
     root.classList.toggle("bare", !s.ui);
   };
-  const tabled = () => app.state.table && (app.state.layer === "tree" || (keyOf(page, app.state) === "skeleton" && page.layers.get("skeleton")?.branches != null));
+  const tabled = () => app.state.table && (app.state.layer === "tree" || (keyOf(page, app.state) === "skeleton" && (page.layers.get("skeleton")?.branches ?? page.layers.get("skeleton")?.sheets) != null));
   const insets = () => {
     const { ui } = app.state, tall = tabled() ? Math.round(0.36 * window.innerHeight) : 0;
     if (!ui) return { left: 20, right: 20, top: 36, bottom: 16 };
@@ -137,6 +138,7 @@ function run(page: Page): void {
     }
     info.show(s, numbers, app.command());
     info.showBranch(s.branch);
+    info.showSheet(s.sheet);
     table.show();
     treeTable?.show();
     root.classList.toggle("tabled", !table.element.hidden || treeTable?.element.hidden === false);
@@ -145,8 +147,12 @@ function run(page: Page): void {
     const extra: [string, Rgb][] = [];
     const map = MAPS[s.map] ?? MAPS.viridis!;
     if (s.curves && numbers.curveEdges > 0 && !s.balls && !s.curvesByMeasure && !s.color.startsWith("curve_") && app.range()) extra.push(["curves", rgb(s.map === "diverging" && s.dark ? "ffffff" : map.accent)]);
-    const parts = (s.layer === "tree" && tree ? tree.partNames(s.color) : []).map((name, i): [string, Rgb] => [name, rgb(CATEGORICAL[i]!)]);
-    bar.show(s.color, page.meta.unit, s.map, ...app.colourRange(), app.range(), extra, parts, layerOf(page, s));
+    const parts = (s.layer === "tree" && tree ? tree.partNames(s.color) : s.color === "sheet" ? app.sheetNames() : []).map((name, i): [string, Rgb] => [name, rgb(CATEGORICAL[i]!)]);
+    if (app.surfaceIsSolid) bar.hide(); // it hides the axis
+    else bar.show(s.color, page.meta.unit, s.map, ...app.colourRange(), app.range(), extra, parts, layerOf(page, s));
+    const surface = s.shape ? app.surfaceValues() : null;
+    if (surface) surfaceBar.show(s.surface, page.meta.unit, s.map, ...app.surfaceRange(), surface, [], [], undefined, app.surfaceIsSolid ? "" : " of the surface");
+    else surfaceBar.hide();
     remember();
   };
   app.onDrawn = () => caption.show(insets());

@@ -2,13 +2,15 @@
 // What the arrays of the page are called and what they mean.
 import type { Layer, Meta } from "./data";
 import { short, withUnit } from "./format";
-import { unitText, type TableName } from "./tree";
+import { unitText, type Column } from "./table";
+import type { TableName } from "./tree";
 
 /// `pruning`: what a pruning by it does. `infinite`: what infinite values mean.
 interface Measure { label: string; help: string; unit?: string; pruning?: string; infinite?: string }
 
 export const MEASURES: Record<string, Measure> = {
   radius: { label: "radius", help: "Distance to the boundary of the shape." },
+  thickness: { label: "thickness", help: "Diameter of the largest ball inside the shape that contains the place." },
   detail: { label: "detail", help: "The largest detail at which the pruning keeps a place.", pruning: "Drops what sticks out less than this", infinite: "infinite: always kept" },
   cap_height: { label: "cap height", help: "What the shape loses where the axis ends here.", pruning: "Drops cells where the shape loses less than this if the axis ends there" },
   lambda: { label: "λ", help: "Half the largest distance of nearest boundary points around.", pruning: "Drops what is thinner than this radius" },
@@ -26,9 +28,14 @@ export const MEASURES: Record<string, Measure> = {
 /// Of a measure: lengths but for what says otherwise, as the columns of tables do.
 export function unitOf(name: string, length: string, layer?: Layer): string {
   const [table, column] = name.split("/");
-  if (column !== undefined) return unitText(layer?.tree?.column(table as TableName, column)?.unit ?? "");
+  if (column !== undefined) return unitText((table === "sheets" ? sheetColumn(layer, name) : layer?.tree?.column(table as TableName, column))?.unit ?? "");
   return MEASURES[name]?.unit ?? length;
 }
+/// The column of the table of sheets that a colour is by: `sheets/NAME`.
+export const sheetColumn = (layer: Layer | undefined, name: string): Column | undefined => (name.startsWith("sheets/") ? layer?.sheets?.columns.find((c) => c.name === name.slice(7)) : undefined);
+/// What a layer is coloured by: a value per vertex, or per sheet.
+export const valuesOf = (layer: Layer, name: string): Float32Array | undefined => layer.measures.get(name) ?? sheetColumn(layer, name)?.values;
+
 export const isLength = (name: string): boolean => MEASURES[name]?.unit === undefined;
 
 /// What pruning by a measure does, for help.
@@ -51,12 +58,13 @@ export const infinityOf = (name: string): string => MEASURES[name]?.infinite ?? 
 export const UNIFORM = "none";
 /// Numbers of parts, not measures: each has a colour of its own.
 export const isCategory = (layer: Layer, name: string): boolean => layer.parts.has(name) || (name === "sheet" && layer.sheet !== null && layer.faceCount > 0) || (name === "branch" && layer.branches !== null);
+const NUMBERS = ["sheet", "id"]; ///< columns that number things
 const CATEGORIES = ["sheet", "branch"];
 
 export function labelOf(name: string): string {
   if (name === UNIFORM) return "one colour";
   const [table, column] = name.split("/");
-  if (column !== undefined) return `${labelOf(column)} of the ${table === "axes" ? "axis" : "branch"}`;
+  if (column !== undefined) return `${labelOf(column)} of the ${table === "axes" ? "axis" : table === "sheets" ? "sheet" : "branch"}`;
   return MEASURES[name]?.label ?? name.replaceAll("_", " ");
 }
 
@@ -93,5 +101,6 @@ export function rangeOf(values: Float32Array, included: Uint8Array | null = null
 export function measuresOf(layer: Layer): string[] {
   if (layer.tree) return [...layer.parts.keys(), ...layer.measures.keys()];
   const known = Object.keys(MEASURES).filter((name) => layer.measures.has(name));
-  return [...known, ...[...layer.measures.keys()].filter((name) => !known.includes(name)), ...CATEGORIES.filter((name) => isCategory(layer, name))];
+  const ofSheets = (layer.sheets?.columns ?? []).filter((c) => !c.words && !NUMBERS.includes(c.name)).map((c) => `sheets/${c.name}`);
+  return [...known, ...[...layer.measures.keys()].filter((name) => !known.includes(name)), ...CATEGORIES.filter((name) => isCategory(layer, name)), ...ofSheets];
 }

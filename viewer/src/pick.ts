@@ -11,8 +11,8 @@ export interface Ray {
   width: number;
 }
 
-/// What is hit: its nearest vertex, and the edge where it is a curve (else -1).
-export interface Hit { vertex: number; edge: number }
+/// What is hit: its nearest vertex, and the edge where it is a curve, the face where it is a sheet (else -1).
+export interface Hit { vertex: number; edge: number; face: number }
 
 /// Coordinates of the layer with `stride` numbers per vertex, in the units of the ray. `keep` says what is not cut away.
 export function pickVertex(ray: Ray, places: Float32Array, stride: number, sets: LayerSets, set: CellSet, sheets: boolean, curves: boolean, keep: (x: number, y: number, z: number) => boolean): Hit | null {
@@ -49,7 +49,7 @@ export function pickVertex(ray: Ray, places: Float32Array, stride: number, sets:
         const x = ox + t * dx, y = oy + t * dy, z = oz + t * dz;
         if (!keep(x, y, z)) continue;
         best = t;
-        hit = { vertex: nearest(corners.subarray(begin, end), x, y, z), edge: -1 };
+        hit = { vertex: nearest(corners.subarray(begin, end), x, y, z), edge: -1, face: f };
       }
     }
   // Curves are drawn thick: near is enough, and they win over a sheet they lie on.
@@ -59,7 +59,7 @@ export function pickVertex(ray: Ray, places: Float32Array, stride: number, sets:
     if (!(t > 0) || t - 2 * tolerance >= best || !keep(x, y, z)) return;
     if (Math.hypot(x - ox - t * dx, y - oy - t * dy, z - oz - t * dz) > tolerance) return;
     best = t;
-    hit = { vertex: nearest(candidates, x, y, z), edge };
+    hit = { vertex: nearest(candidates, x, y, z), edge, face: -1 };
   };
   if (curves) {
     const lists = [set.curves];
@@ -80,6 +80,28 @@ export function pickVertex(ray: Ray, places: Float32Array, stride: number, sets:
       const v = set.isolated.vertex[i]!;
       offer(places[stride * v]!, places[stride * v + 1]!, places[stride * v + 2]!, [v], -1);
     }
+  }
+  return hit;
+}
+
+/// The triangle that is hit first, and the weights of its corners there. Places have three numbers.
+export function pickTriangle(ray: Ray, places: Float32Array, triangles: Uint32Array, keep: (x: number, y: number, z: number) => boolean): { triangle: number; weights: [number, number, number] } | null {
+  const [ox, oy, oz] = ray.origin, [dx, dy, dz] = ray.direction;
+  let best = Infinity, hit: { triangle: number; weights: [number, number, number] } | null = null;
+  for (let i = 0; i + 2 < triangles.length; i += 3) {
+    const a = 3 * triangles[i]!, b = 3 * triangles[i + 1]!, c = 3 * triangles[i + 2]!;
+    const ax = places[a]!, ay = places[a + 1]!, az = places[a + 2]!;
+    const ux = places[b]! - ax, uy = places[b + 1]! - ay, uz = places[b + 2]! - az, vx = places[c]! - ax, vy = places[c + 1]! - ay, vz = places[c + 2]! - az;
+    const px = dy * vz - dz * vy, py = dz * vx - dx * vz, pz = dx * vy - dy * vx, det = ux * px + uy * py + uz * pz;
+    if (det === 0) continue;
+    const sx = ox - ax, sy = oy - ay, sz = oz - az, u = (sx * px + sy * py + sz * pz) / det;
+    if (!(u >= 0 && u <= 1)) continue;
+    const qx = sy * uz - sz * uy, qy = sz * ux - sx * uz, qz = sx * uy - sy * ux, v = (dx * qx + dy * qy + dz * qz) / det;
+    if (!(v >= 0 && u + v <= 1)) continue;
+    const t = (vx * qx + vy * qy + vz * qz) / det;
+    if (!(t > 0 && t < best) || !keep(ox + t * dx, oy + t * dy, oz + t * dz)) continue;
+    best = t;
+    hit = { triangle: i / 3, weights: [1 - u - v, u, v] };
   }
   return hit;
 }

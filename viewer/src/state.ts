@@ -16,7 +16,7 @@ export type SliderId = SheetSlider | "theta1";
 
 /// The parameters that prune what is shown, that of the sheets first; a complex without levels has none.
 export function slidersOf({ meta }: Page, state: State): SliderId[] {
-  if (state.layer === "still" || state.layer === "tree") return [];
+  if (state.layer === "still" || state.layer === "tree" || state.layer === "simple") return [];
   return state.layer === "core" ? ["threshold"] : meta.plane ? ["theta1"] : ["theta2", "theta1"];
 }
 
@@ -36,9 +36,17 @@ export function keyOf(page: Page, state: State): LayerKey {
   if (state.layer !== "skeleton" || !layers.has("family")) return state.layer;
   return layers.has("skeleton") && isAsked(page, state) ? "skeleton" : "family";
 }
-export const layerOf = (page: Page, state: State): Layer => page.layers.get(keyOf(page, state))!;
+export function layerOf(page: Page, state: State): Layer {
+  const layer = page.layers.get(keyOf(page, state))!;
+  return layer.collapses?.at(layer.collapses.clamp(state.vertices)) ?? layer;
+}
 
 export type Axis = "x" | "y" | "z" | "view";
+
+/// What the table of a skeleton is of.
+export const LISTS = ["branches", "sheets"] as const;
+export type List = (typeof LISTS)[number];
+const VERTICES = 200; ///< of a medial mesh that is shown at first
 
 export interface State {
   layer: LayerName;
@@ -56,6 +64,9 @@ export interface State {
   seams: boolean;
   boundary: boolean;
   branch: number; ///< that is picked; -1: none
+  sheet: number; ///< that is picked; -1: none
+  list: List; ///< of what the table of a skeleton is
+  vertices: number; ///< of the layer `simple`
   axis: number; ///< of a tree, that is picked; -1: none
   edit: number; ///< of the repairs of a tree; -1: none
   rows: Rows; ///< of what the table of a tree is
@@ -69,6 +80,7 @@ export interface State {
   curveWidth: number; ///< pixels
   shape: boolean;
   shapeOpacity: number;
+  surface: string; ///< by what the shape is coloured
   balls: boolean;
   clip: boolean;
   clipAxis: Axis;
@@ -85,7 +97,7 @@ export interface State {
 }
 
 export function defaultLayer(page: Page): LayerName {
-  return hasLayer(page, "tree") ? "tree" : hasLayer(page, "skeleton") ? "skeleton" : page.layers.has("core") ? "core" : "still";
+  return hasLayer(page, "tree") ? "tree" : hasLayer(page, "skeleton") ? "skeleton" : page.layers.has("core") ? "core" : page.layers.has("simple") ? "simple" : "still";
 }
 
 export function defaultColor(layer: Layer): string {
@@ -130,6 +142,9 @@ export function defaults(page: Page, dark: boolean): State {
     seams: true,
     boundary: true,
     branch: -1,
+    sheet: -1,
+    list: "branches",
+    vertices: VERTICES,
     axis: -1,
     edit: -1,
     rows: "axes",
@@ -143,6 +158,7 @@ export function defaults(page: Page, dark: boolean): State {
     curveWidth: curvesAtStart(page) > 12 * meta.side ? thin : thick,
     shape: page.shape.triangles !== null && layer !== "tree", // its tubes are about where the surface is
     shapeOpacity: 0.5,
+    surface: UNIFORM,
     balls: false,
     clip: false,
     clipAxis: "x",
@@ -184,10 +200,17 @@ export function sanitize(state: State, page: Page): State {
     s.theta2 = length(s.theta2, page.meta.floor.theta2);
     s.theta1 = length(s.theta1, page.meta.floor.theta1);
   }
+  s.vertices = page.layers.get("simple")?.collapses?.clamp(s.vertices) ?? VERTICES;
   const layer = layerOf(page, s);
   const known = s.color === UNIFORM || measuresOf(page.layers.get(s.layer) ?? layer).includes(s.color);
   if (!known) s.color = defaultColor(layer);
   s.branch = Number.isInteger(s.branch) && s.branch >= 0 && s.branch < (layer.tree?.branchCount ?? layer.branches?.count ?? 0) ? s.branch : -1;
+  s.sheet = layer.sheet && Number.isInteger(s.sheet) && s.sheet >= 0 && layer.sheet.includes(s.sheet) ? s.sheet : -1;
+  if (!LISTS.includes(s.list)) s.list = "branches";
+  const asked = page.layers.get("skeleton");
+  if (!asked?.sheets) s.list = "branches";
+  else if (!asked.branches) s.list = "sheets";
+  if (s.surface !== UNIFORM && !page.shape.measures.has(s.surface)) s.surface = UNIFORM;
   const row = (x: number, count: number | undefined) => (Number.isInteger(x) && x >= 0 && x < (count ?? 0) ? x : -1);
   s.axis = row(s.axis, layer.tree?.axisCount);
   s.edit = row(s.edit, layer.tree?.editCount);

@@ -4,27 +4,20 @@
 import type { EditGroup } from "./colours";
 import type { ArrayEntry, Find, Layer, Meta, Triple } from "./data";
 import { PageError } from "./page_error";
+import { columnOf, type Column, type ColumnMeta } from "./table";
 
 export const TABLES = ["axes", "branches", "sample", "edits"] as const;
 export type TableName = (typeof TABLES)[number];
+const isTable = (name: string): name is TableName => (TABLES as readonly string[]).includes(name);
 export const ROWS = ["axes", "branches", "edits"] as const; ///< tables that are shown as such
 export type Rows = (typeof ROWS)[number];
-
-export interface Column {
-  name: string;
-  unit: string;
-  meaning: string;
-  whole: boolean; ///< integers
-  words: string[] | null; ///< values are their numbers
-  values: Float32Array;
-}
 
 /// What the page says of its tree beside the arrays.
 export interface TreeMeta {
   down: Triple;
   to_eye: Triple; ///< from where it is seen first
   up: Triple;
-  columns: { table: TableName; name: string; unit: string; meaning: string; whole?: boolean; words?: string[] }[];
+  columns: ColumnMeta[];
 }
 
 export const groupOf = (kind: string): EditGroup => (kind === "bridge" ? "bridges" : kind === "left_out" ? "leftOut" : "cuts");
@@ -115,17 +108,6 @@ export class Tree {
   }
 }
 
-/// How an entry of a table is written.
-export function textOf(column: Column, row: number, short: (x: number, digits?: number) => string): string {
-  const x = column.values[row]!;
-  if (column.words) return column.words[x] || "–";
-  return column.whole && Number.isFinite(x) ? String(x).replace("-", "−") : short(x, 4);
-}
-
-const RAISED: Record<string, string> = { "-": "⁻", 0: "⁰", 1: "¹", 2: "²", 3: "³", 4: "⁴" };
-/// A unit as people write it: "°", "mm³" of "mm^3".
-export const unitText = (unit: string): string => (unit === "degrees" ? "°" : unit.replace(/\^(-?[0-4]+)/g, (_, power: string) => [...power].map((c) => RAISED[c]).join("")));
-
 /// Columns that number things: nothing to colour by.
 const NUMBERS = ["axis", "branch", "parent", "plant", "id"];
 
@@ -159,7 +141,7 @@ export function readTree(find: Find, meta: Meta): Layer | null {
   const sizes: Record<TableName, number> = { axes: axisCount, branches: branchCount, sample: 1, edits: editPoints.length / 6 };
   const tables: Record<TableName, Column[]> = { axes: [], branches: [], sample: [], edits: [] };
   for (const c of raw.columns)
-    if (TABLES.includes(c.table)) tables[c.table].push({ name: c.name, unit: c.unit, meaning: c.meaning, whole: c.whole === true, words: c.words ?? null, values: needed(`${c.table}/${c.name}`, Float32Array, sizes[c.table]) });
+    if (isTable(c.table)) tables[c.table].push(columnOf(c, needed(`${c.table}/${c.name}`, Float32Array, sizes[c.table])));
 
   const edgeCount = vertexCount - branchCount, edges = new Uint32Array(2 * edgeCount), edgeBranch = new Int32Array(edgeCount), isBridged = new Uint8Array(vertexCount);
   for (const v of bridged) isBridged[v] = 1;
@@ -190,7 +172,7 @@ export function readTree(find: Find, meta: Meta): Layer | null {
   const none = new Uint32Array(0);
   return {
     name: "tree", points, vertexCount, faceCount: 0, edgeCount, offsets: new Uint32Array(1), corners: none, sides: none, edges, faceLevel: null, edgeLevel: null, vertexLevel: null,
-    otherLevels: new Map(), curveEdges: null, curveThickness: null, medialPoints: null, measures, cornerLevel: null, sheet: null, edgeBranch, branches: null, parts,
+    otherLevels: new Map(), curveEdges: null, curveThickness: null, medialPoints: null, measures, cornerLevel: null, sheet: null, edgeBranch, branches: null, sheets: null, collapses: null, parts,
     tree: new Tree(raw, points, offsets, branchParent, branchAxis, axisParent, axisLevel, editPoints, tables),
   };
 }

@@ -196,6 +196,50 @@ export function boxPage(template, damage, change = (arrays) => arrays, asked = f
   return pageOf(template, { title: "box", ...shape.meta }, change({ ...layerArrays("core", boxCore()), ...layerArrays("family", boxSkeleton()), ...(asked ? askedArrays() : {}), ...shape.arrays }), damage);
 }
 
+/// Two squares at a right angle and a branch from the end of their seam, with a table of the two sheets: the second is the larger.
+export function twoSheets() {
+  const points = [[0, 0, 1], [2, 0, 1], [2, 1, 1], [0, 1, 1], [2, 3, 1], [0, 3, 1], [3, 1, 1], [4, 1, 1]];
+  const measures = { radius: points.map((_, v) => 0.2 + 0.05 * v), burn_time: points.map((_, v) => 0.4 + 0.1 * v), erosion_thickness: points.map((_, v) => 0.1 + 0.05 * v) };
+  const arrays = {
+    "skeleton/points": ["f32", 3, points.flat()],
+    "skeleton/polygon_offsets": ["u32", 1, [0, 4, 8]],
+    "skeleton/polygon_corners": ["u32", 1, [0, 1, 2, 3, 3, 2, 4, 5]],
+    "skeleton/polygon_sheet": ["u32", 1, [0, 1]],
+    "skeleton/polygon_thickness": ["f32", 1, [0.2, 0.3]],
+    "skeleton/branch_offsets": ["u32", 1, [0, 3]],
+    "skeleton/branch_points": ["u32", 1, [2, 6, 7]],
+    ...Object.fromEntries(["length", "mean_radius", "min_radius", "max_radius", "thickness", "tortuosity"].map((name, i) => [`skeleton/branch/${name}`, ["f32", 1, [i + 1]]])),
+    "skeleton/branch_nodes": ["u32", 2, [0, 1]],
+    "skeleton/node_points": ["u32", 1, [2, 7]],
+    "skeleton/node_kind": ["u8", 1, [2, 0]],
+    "skeleton/isolated": ["u32", 1, []],
+    "sheets/sheet": ["f32", 1, [0, 1]],
+    "sheets/area": ["f32", 1, [2, 4]],
+    "sheets/mean_thickness": ["f32", 1, [0.55, 0.8]],
+    "sheets/max_erosion": ["f32", 1, [NaN, Infinity]],
+    "sheets/neighbours": ["f32", 1, [1, 0]],
+  };
+  for (const [name, values] of Object.entries(measures)) arrays[`skeleton/point/${name}`] = ["f32", 1, values];
+  const column = (name, unit, more = {}) => ({ table: "sheets", name, unit, meaning: `${name} of it`, ...more });
+  return { arrays, columns: [column("sheet", "", { whole: true }), column("area", "mm^2"), column("mean_thickness", "mm"), column("max_erosion", "mm"), column("neighbours", "", { words: ["0", "1"] })] };
+}
+
+/// A fan of triangles around the vertex 0 with a path of edges from 4 on, that collapse to one vertex; after the first
+/// two steps the kept one moves once more.
+export function simpleArrays() {
+  const points = [[2, 1, 1], [1, 0.5, 1], [3, 0.5, 1], [3, 1.5, 1], [1, 1.5, 1], [0.6, 1.6, 1], [0.3, 1.7, 1]];
+  return {
+    "simple/points": ["f32", 3, points.flat()],
+    "simple/point/radius": ["f32", 1, points.map((_, v) => 0.5 - 0.05 * v)],
+    "simple/triangles": ["u32", 3, [0, 1, 2, 0, 2, 3, 0, 3, 4, 0, 4, 1]],
+    "simple/edges": ["u32", 2, [4, 5, 5, 6]],
+    "simple/steps": ["u32", 2, [5, 6, 1, 4, 1, 1, 2, 3, 0, 1, 0, 2, 0, 5]],
+    "simple/step_points": ["f32", 3, [0.4, 1.7, 1, 1, 1, 1, 0.9, 1, 1, 3, 1, 1, 1.5, 1, 1, 2, 1, 1, 1.5, 1.2, 1]],
+    "simple/step_radius": ["f32", 1, [0.2, 0.4, 0.45, 0.4, 0.5, 0.5, 0.5]],
+    "simple/errors": ["f32", 4, [2, 0.2, 0.5, 0.8, 5, 0.05, 0.1, 0.2]],
+  };
+}
+
 /// The rectangle [0,4] x [0,2] of the plane without its part x > 2, y > 1: an axis of a line and two more
 /// ends, corners as sites, samples.
 export function planePage(template, y, damage) {

@@ -196,13 +196,17 @@ Writer writer_of(const std::filesystem::path& file) {
     return [](std::ostream& out, const Record& data, const WriteOptions&) { write_obj(out, data); };
   if (extension == ".vtp")
     return [](std::ostream& out, const Record& data, const WriteOptions&) { write_vtp(out, data); };
+  if (extension == ".vtu")
+    return [](std::ostream& out, const Record& data, const WriteOptions&) { write_vtu(out, data); };
+  if (extension == ".stl")
+    return [](std::ostream& out, const Record& data, const WriteOptions&) { write_stl(out, data); };
   if (extension == ".ma")
     return [](std::ostream& out, const Record& data, const WriteOptions&) { write_ma(out, data); };
   if (extension == ".r") return [](std::ostream& out, const Record& data, const WriteOptions&) { write_r(out, data); };
   if (extension == ".csv")
     return [](std::ostream& out, const Record& data, const WriteOptions&) { write_csv(out, data); };
   throw Error(ErrorCode::usage,
-              fmt::format("cannot write '{}': '{}' is not a file type Quench writes; use .vtp .ply .obj .ma .r or .csv",
+              fmt::format("cannot write '{}': '{}' is not a file type Quench writes; use .vtp .vtu .ply .obj .stl .ma .r or .csv",
                           file.string(), extension));
 }
 

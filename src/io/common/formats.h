@@ -56,6 +56,8 @@ void write_ma(std::ostream& out, const Record& data);
 void write_r(std::ostream& out, const Record& data);
 void write_csv(std::ostream& out, const Record& data);
 void write_vtp(std::ostream& out, const Record& data);
+void write_vtu(std::ostream& out, const Record& data);
+void write_stl(std::ostream& out, const Record& data);
 
 /// Adds a cell of the kind that its number of corners says, whatever the format calls it: one is an isolated point, two
 /// a line, more a polygon. Readers refuse a face without corners. Throws Error(input) naming

@@ -74,6 +74,21 @@ Record read_obj(const FileText& file) {
   return data;
 }
 
+namespace {
+
+/// Of a file of parts: the sheet of every cell. Its polygons come sheet by sheet.
+const std::vector<std::int32_t>* sheets_of_parts(const Record& data) {
+  const DataArray* stage = find_array(data.field_data, "stage");
+  const auto* text = stage ? std::get_if<std::vector<std::string>>(&stage->values) : nullptr;
+  if (!text || text->size() != 1 || text->front() != "parts") return nullptr;
+  const DataArray* array = find_array(data.cell_data, "sheet");
+  const auto* sheet = array ? std::get_if<std::vector<std::int32_t>>(&array->values) : nullptr;
+  return sheet && sheet->size() == data.cell_count() ? sheet : nullptr;
+}
+
+}  // namespace
+
+/// The polygons of each sheet of parts are a group.
 void write_obj(std::ostream& out, const Record& data) {
   TextOut text(out);
   text.print("# Quench {}: {} vertices, {} points, {} lines, {} faces\n", QUENCH_VERSION, data.points.size(),
@@ -82,7 +97,11 @@ void write_obj(std::ostream& out, const Record& data) {
   for (const Vec3& p : data.points) text.print("v {} {} {}\n", p[0], p[1], p[2]);
   for (std::uint64_t v : data.verts) text.print("p {}\n", v + 1);
   for (const auto& line : data.lines) text.print("l {} {}\n", std::uint64_t{line[0]} + 1, std::uint64_t{line[1]} + 1);
+  const auto* sheet = sheets_of_parts(data);
+  const std::size_t first = data.verts.size() + data.lines.size();
   for (std::size_t f = 0; f < data.poly_count(); ++f) {
+    if (sheet && (f == 0 || (*sheet)[first + f] != (*sheet)[first + f - 1]))
+      text.print("g sheet_{}\n", (*sheet)[first + f]);
     text.print("f");
     for (std::size_t c = data.poly_offsets[f]; c < data.poly_offsets[f + 1]; ++c)
       text.print(" {}", std::uint64_t{data.poly_corners[c]} + 1);

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <limits>
+#include <ostream>
 
 #include "io/common/formats.h"
 #include "io/common/words.h"
@@ -100,6 +103,40 @@ Record read_text(const FileText& file) {
 }
 
 }  // namespace
+
+namespace {
+
+void put_floats(std::string& bytes, const Vec3& v) {
+  for (int k = 0; k < 3; ++k) {
+    const float number = to_float(v[k]);
+    bytes.append(reinterpret_cast<const char*>(&number), sizeof number);
+  }
+}
+
+}  // namespace
+
+/// Binary, polygons as fans of triangles. The header does not begin with "solid".
+void write_stl(std::ostream& out, const Record& data) {
+  const TriangleMesh mesh = to_triangle_mesh(data);
+  if (mesh.triangles.size() > std::numeric_limits<std::uint32_t>::max())
+    throw Error(ErrorCode::failed, "an STL file has room for 4,294,967,295 triangles; write a .ply or .vtp file");
+  std::string bytes = fmt::format("Quench {}", QUENCH_VERSION);
+  bytes.resize(80, ' ');
+  const auto count = static_cast<std::uint32_t>(mesh.triangles.size());
+  bytes.append(reinterpret_cast<const char*>(&count), sizeof count);
+  for (const auto& [a, b, c] : mesh.triangles) {
+    const Vec3 &p = mesh.points[a], &q = mesh.points[b], &r = mesh.points[c], across = (q - p).cross(r - p);
+    const double size = across.norm();
+    put_floats(bytes, size > 0 ? Vec3(across / size) : Vec3(Vec3::Zero()));
+    for (const Vec3* corner : {&p, &q, &r}) put_floats(bytes, *corner);
+    bytes.append(2, '\0');
+    if (bytes.size() > (std::size_t{1} << 20)) {
+      out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+      bytes.clear();
+    }
+  }
+  out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+}
 
 Record read_stl(const FileText& file) { return is_binary(file.bytes) ? read_binary(file) : read_text(file); }
 

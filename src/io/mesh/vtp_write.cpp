@@ -4,95 +4,15 @@
 #include <algorithm>
 #include <limits>
 #include <ostream>
-#include <pugixml.hpp>
-#include <sstream>
 #include <type_traits>
 
 #include "io/common/formats.h"
-#include "io/mesh/vtp_blocks.h"
+#include "io/mesh/vtk_xml.h"
 
 /// VTK XML PolyData, version 1.0: XML that describes the arrays, then their bytes, compressed by zlib, as one appended
 /// raw section. VTK and ParaView read it without loss.
 namespace quench::io {
 namespace {
-
-template <class T>
-const char* type_name() {
-  if constexpr (std::is_same_v<T, double>)
-    return "Float64";
-  else if constexpr (std::is_same_v<T, float>)
-    return "Float32";
-  else if constexpr (std::is_same_v<T, std::int64_t>)
-    return "Int64";
-  else if constexpr (std::is_same_v<T, std::int32_t>)
-    return "Int32";
-  else if constexpr (std::is_same_v<T, std::uint8_t>)
-    return "UInt8";
-  else
-    return "String";
-}
-
-template <class T>
-std::string_view bytes_of(const std::vector<T>& values) {
-  return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)};
-}
-
-/// The XML so far, and the bytes of the arrays it refers to.
-class Writer {
- public:
-  Writer() {
-    file_ = document_.append_child("VTKFile");
-    file_.append_attribute("type") = "PolyData";
-    file_.append_attribute("version") = "1.0";
-    file_.append_attribute("byte_order") = "LittleEndian";
-    file_.append_attribute("header_type") = "UInt64";
-    file_.append_attribute("compressor") = "vtkZLibDataCompressor";
-  }
-
-  pugi::xml_node root() { return file_; }
-
-  template <class T>
-  void array(pugi::xml_node parent, const std::string& name, int components, const std::vector<T>& values,
-             bool field = false) {
-    constexpr bool kText = std::is_same_v<T, std::string>;
-    pugi::xml_node node = parent.append_child(kText ? "Array" : "DataArray");
-    node.append_attribute("type") = type_name<T>();
-    node.append_attribute("Name") = name.c_str();
-    if (components != 1 || !kText) node.append_attribute("NumberOfComponents") = components;
-    if (field)
-      node.append_attribute("NumberOfTuples") =
-          static_cast<unsigned long long>(values.size() / static_cast<std::size_t>(components));
-    node.append_attribute("format") = "appended";
-    node.append_attribute("offset") = static_cast<unsigned long long>(appended_.size());
-    if constexpr (kText) {
-      // Strings end with a zero byte, so none can hold one.
-      std::string joined;
-      for (const std::string& value : values) joined.append(value.c_str()).push_back('\0');
-      appended_ += encode_blocks(joined);
-    } else {
-      appended_ += encode_blocks(bytes_of(values));
-    }
-  }
-
-  void array(pugi::xml_node parent, const DataArray& data, bool field = false) {
-    std::visit([&](const auto& values) { array(parent, data.name, data.components, values, field); }, data.values);
-  }
-
-  void write(std::ostream& out) const {
-    std::ostringstream xml;
-    document_.save(xml, "  ", pugi::format_default, pugi::encoding_utf8);
-    std::string text = xml.str();
-    text.erase(text.rfind("</VTKFile>"));
-    out << text << "  <AppendedData encoding=\"raw\">\n_";
-    out.write(appended_.data(), static_cast<std::streamsize>(appended_.size()));
-    out << "\n  </AppendedData>\n</VTKFile>\n";
-  }
-
- private:
-  pugi::xml_document document_;
-  pugi::xml_node file_;
-  std::string appended_;
-};
 
 /// Where the polylines begin in the lines, and the number of lines: lines that continue each other and are of one
 /// `branch`, whose rows of all cell arrays are then the same, become one; others stay as they are.
@@ -143,7 +63,7 @@ DataArray rows_of_polylines(const DataArray& array, const Record& data, const st
 
 /// Cells of one kind: their corners, and where each ends.
 template <class Index>
-void write_cells(Writer& writer, pugi::xml_node piece, const Record& data, const std::vector<std::size_t>& polylines) {
+void write_cells(VtkXml& writer, pugi::xml_node piece, const Record& data, const std::vector<std::size_t>& polylines) {
   const auto cells = [&](const char* kind, const std::vector<Index>& corners, const std::vector<Index>& ends) {
     const pugi::xml_node node = piece.append_child(kind);
     writer.array(node, "connectivity", 1, corners);
@@ -170,13 +90,8 @@ void write_cells(Writer& writer, pugi::xml_node piece, const Record& data, const
 }  // namespace
 
 void write_vtp(std::ostream& out, const Record& data) {
-  Writer writer;
-  pugi::xml_node record = writer.root().append_child("PolyData");
-  if (!data.field_data.empty()) {
-    const pugi::xml_node field = record.append_child("FieldData");
-    for (const DataArray& array : data.field_data) writer.array(field, array, true);
-  }
-  pugi::xml_node piece = record.append_child("Piece");
+  VtkXml writer("PolyData");
+  pugi::xml_node piece = writer.begin_piece(writer.root().append_child("PolyData"), data);
   const auto count = [&](const char* name, std::size_t value) {
     piece.append_attribute(name) = static_cast<unsigned long long>(value);
   };
@@ -187,18 +102,13 @@ void write_vtp(std::ostream& out, const Record& data) {
   count("NumberOfStrips", 0);
   count("NumberOfPolys", data.poly_count());
 
-  pugi::xml_node point_data = piece.append_child("PointData");
-  if (find_array(data.point_data, "radius")) point_data.append_attribute("Scalars") = "radius";
-  for (const DataArray& array : data.point_data) writer.array(point_data, array);
+  writer.point_data(piece, data);
   const pugi::xml_node cell_data = piece.append_child("CellData");
   const bool merged = polylines.size() - 1 < data.lines.size();
   for (const DataArray& array : data.cell_data)
     writer.array(cell_data, merged ? rows_of_polylines(array, data, polylines) : array);
 
-  std::vector<double> coordinates;
-  coordinates.reserve(3 * data.points.size());
-  for (const Vec3& p : data.points) coordinates.insert(coordinates.end(), {p[0], p[1], p[2]});
-  writer.array(piece.append_child("Points"), "Points", 3, coordinates);
+  writer.points(piece, data);
   // The smaller indices halve the time to compress; VTK reads both.
   constexpr std::size_t kLargest = std::numeric_limits<std::int32_t>::max();
   if (data.points.size() < kLargest && data.poly_corners.size() < kLargest && data.lines.size() < kLargest / 2)

@@ -4,9 +4,11 @@ import { AlwaysDepth, BufferAttribute, BufferGeometry, Group, Mesh, Vector3, typ
 import { encode, rgb } from "../colours";
 import type { Layer } from "../data";
 import type { CellSet, LayerSets } from "../sets";
+import { sheetColumn } from "../measures";
 import type { State } from "../state";
+import { slabsOf } from "../slabs";
 import { Balls, Bars } from "./instances";
-import { ballMaterial, barMaterial, surfaceMaterial, tubeMaterial, vertexTexture, type SharedUniforms } from "./materials";
+import { ballMaterial, barMaterial, slabMaterial, surfaceMaterial, tubeMaterial, vertexTexture, type SharedUniforms } from "./materials";
 import type { Placement } from "./placement";
 
 export class LayerView {
@@ -20,6 +22,7 @@ export class LayerView {
   private readonly tubes: Record<"all" | "picked" | "near", Bars> | null; ///< of a tree; what is picked, what the pointer is on
   private readonly path: Bars; ///< from what is picked to the root node
   private branch = -1;
+  private sheet = -1;
   private readonly surface: Mesh<BufferGeometry, RawShaderMaterial>;
   private readonly curves: Bars;
   private readonly boundary: Bars;
@@ -29,6 +32,9 @@ export class LayerView {
   private readonly picked: Bars; ///< the branch that is picked
   private readonly cuts: boolean; ///< fragments of sheets go by their level
   readonly union: Balls; ///< the balls of what is visible
+  private readonly between: [Bars, Mesh<BufferGeometry, RawShaderMaterial>] | null; ///< of medial meshes: what is between balls, along edges and in triangles
+  private readonly sheetRank: number[]; ///< per sheet its place by size, which gives its colour
+  private readonly ofSheets: DataTexture | null; ///< values of sheets, by these places
   private readonly vertices: VertexTextures;
   private readonly flat: boolean; ///< in the plane
 
@@ -59,9 +65,11 @@ export class LayerView {
     this.part = this.branchRank;
     this.cuts = layer.cornerLevel !== null && layer.faceLevel !== null && varies(layer);
     const byCorners = layer.sheet !== null || this.cuts;
-    const geometry = byCorners ? cornersOf(layer, sets, this.places, this.cuts) : new BufferGeometry();
+    this.sheetRank = layer.sheet ? ranks(layer.sheet, (f) => sets.faceArea(f)) : [];
+    this.ofSheets = layer.sheets ? vertexTexture(Math.max(layer.sheets.count, this.sheetRank.length), 1) : null;
+    const geometry = byCorners ? cornersOf(layer, sets, this.places, this.cuts, this.sheetRank) : new BufferGeometry();
     if (!byCorners) geometry.setIndex(new BufferAttribute(triangulate(layer, sets.triangleOffset), 1));
-    this.surface = new Mesh(geometry, surfaceMaterial(shared, own({ ...flag(), byPart: { value: 0 }, least: { value: -1 } }), byCorners));
+    this.surface = new Mesh(geometry, surfaceMaterial(shared, own({ ...flag(), byPart: { value: 0 }, chosen: { value: -1 }, partValue: { value: this.ofSheets ?? this.values }, least: { value: -1 } }), byCorners));
     const bar = (halfWidth: number, bias: number, round: number, opacity: number) =>
       new Bars(barMaterial(shared, own({ ...flag(), halfWidth: { value: halfWidth }, halfWorld: { value: 0 }, bias: { value: bias }, byPart: { value: 0 }, round_: { value: round }, opacity: { value: opacity }, onCurves: { value: round } }), round === 1));
     this.boundary = bar(0.8, 4e-5, 0, 1);
@@ -80,6 +88,16 @@ export class LayerView {
     this.points = ball({ fixedPixels: { value: 5 }, onCurves: { value: 1 } });
     this.junctions = ball({ fixedPixels: { value: 3 } });
     this.union = ball({});
+    this.between = null;
+    if (layer.collapses) {
+      const { place, normal, corner } = slabsOf(layer, this.places), slabs = new BufferGeometry();
+      slabs.setAttribute("position", new BufferAttribute(place, 3));
+      slabs.setAttribute("normal", new BufferAttribute(normal, 3));
+      slabs.setAttribute("corner", new BufferAttribute(corner, 1));
+      const cones = tube(0);
+      cones.write(layer.edges, Uint32Array.from({ length: layer.edgeCount }, (_, e) => e), layer.edgeCount);
+      this.between = [cones, new Mesh(slabs, slabMaterial(shared, own({ ...flag(), least: { value: -1 } })))];
+    }
     // In the plane all is in one depth: what is drawn last is seen.
     this.flat = shared.flat_.value > 0;
     if (this.flat)
@@ -87,7 +105,7 @@ export class LayerView {
         mesh.material.depthTest = false;
         mesh.renderOrder = 2 + i;
       });
-    for (const mesh of [this.surface, this.boundary.mesh, this.seams.mesh, this.curves.mesh, this.picked.mesh, this.path.mesh, this.points.mesh, this.junctions.mesh, this.union.mesh, ...Object.values(this.tubes ?? {}).map((bars) => bars.mesh)]) {
+    for (const mesh of [this.surface, this.boundary.mesh, this.seams.mesh, this.curves.mesh, this.picked.mesh, this.path.mesh, this.points.mesh, this.junctions.mesh, this.union.mesh, ...(this.between ? [this.between[0].mesh, this.between[1]] : []), ...Object.values(this.tubes ?? {}).map((bars) => bars.mesh)]) {
       mesh.frustumCulled = false;
       mesh.matrixAutoUpdate = false;
       this.group.add(mesh);
@@ -134,13 +152,34 @@ export class LayerView {
     near.mesh.visible = list.length > 0;
   }
 
-  /// The branch that stands out; -1: none.
-  pick(branch: number): void {
-    if (branch === this.branch || this.layer.tree) return;
+  /// The branch and the sheet that stand out; -1: none.
+  pick(branch: number, sheet: number): void {
+    if ((branch === this.branch && sheet === this.sheet) || this.layer.tree) return;
     this.branch = branch;
+    this.sheet = sheet;
     const { edgeBranch, edges } = this.layer;
-    const list = edgeBranch && branch >= 0 ? Uint32Array.from(edgeBranch.keys()).filter((e) => edgeBranch[e] === branch) : new Uint32Array(0);
+    const list = sheet >= 0 && this.layer.sheet ? this.around(sheet) : edgeBranch && branch >= 0 ? Uint32Array.from(edgeBranch.keys()).filter((e) => edgeBranch[e] === branch) : new Uint32Array(0);
     this.picked.write(edges, list, list.length);
+    this.surface.material.uniforms.chosen!.value = sheet >= 0 ? (this.sheetRank[sheet] ?? -1) : -1;
+  }
+
+  /// Sheets, the largest first.
+  sheetOrder(): number[] { return [...this.sheetRank.keys()].sort((a, b) => this.sheetRank[a]! - this.sheetRank[b]!); }
+
+  /// The rims and seams of a sheet.
+  private around(sheet: number): Uint32Array {
+    const { faceCount, offsets, sides, sheet: sheets } = this.layer, times = new Map<number, number>();
+    for (let f = 0; f < faceCount; ++f) if (sheets![f] === sheet) for (let i = offsets[f]!; i < offsets[f + 1]!; ++i) times.set(sides[i]!, (times.get(sides[i]!) ?? 0) + 1);
+    return Uint32Array.from([...times].filter(([, n]) => n !== 2).map(([e]) => e));
+  }
+
+  dispose(): void {
+    this.group.traverse((object) => {
+      if (!(object instanceof Mesh)) return;
+      (object.geometry as BufferGeometry).dispose();
+      (object.material as RawShaderMaterial).dispose();
+    });
+    for (const { value } of Object.values(this.vertices)) value.dispose();
   }
 
   colourBy(name: string): void {
@@ -150,6 +189,12 @@ export class LayerView {
     if (part && part !== this.part && this.set) {
       this.part = part;
       this.writeCurves();
+    }
+    const column = sheetColumn(this.layer, name);
+    if (column && this.ofSheets) {
+      const values = this.ofSheets.image.data as Float32Array;
+      this.sheetRank.forEach((rank, sheet) => { values[rank] = encode(column.values[sheet]!); });
+      this.ofSheets.needsUpdate = true;
     }
     const values = this.layer.measures.get(name), data = this.values.image.data as Float32Array;
     if (!values) return;
@@ -163,9 +208,9 @@ export class LayerView {
       (uniforms.plain!.value as Vector3).set(...rgb(hex));
       uniforms.usePlain!.value = Number(on);
     };
-    const bySheet = state.color === "sheet" && this.layer.sheet !== null, byBranch = (state.color === "branch" && this.layer.branches !== null) || this.layer.parts.has(state.color);
+    const ofSheets = sheetColumn(this.layer, state.color) !== undefined, bySheet = ofSheets || (state.color === "sheet" && this.layer.sheet !== null), byBranch = (state.color === "branch" && this.layer.branches !== null) || this.layer.parts.has(state.color);
     const uniform = !this.layer.measures.has(state.color);
-    this.surface.material.uniforms.byPart!.value = Number(bySheet);
+    this.surface.material.uniforms.byPart!.value = ofSheets ? 2 : Number(bySheet);
     this.curves.mesh.material.uniforms.byPart!.value = Number(byBranch);
     plain(this.surface, state.dark ? "8fa3b8" : "a9bccf", uniform && !bySheet);
     plain(this.curves.mesh, accent, !byBranch && (!state.curvesByMeasure || uniform));
@@ -199,6 +244,10 @@ export class LayerView {
     this.picked.mesh.visible = !state.balls && this.picked.count > 0; // of tubes a line that is seen through others
     this.points.mesh.visible = state.points && !state.balls;
     this.union.mesh.visible = state.balls;
+    for (const mesh of this.between ? [this.between[0].mesh, this.between[1]] : []) {
+      mesh.visible = state.balls;
+      plain(mesh, state.dark ? "9fb2c6" : "b9cada", uniform);
+    }
     this.curves.mesh.material.uniforms.halfWidth!.value = (state.curveWidth / 2) * pixelRatio;
     this.curves.mesh.material.uniforms.halfWorld!.value = halfWorld;
     this.picked.mesh.material.uniforms.halfWidth!.value = (lines ? state.curveWidth / 2 + 2 : 1.1) * pixelRatio;
@@ -245,10 +294,9 @@ function varies(layer: Layer): boolean {
 
 /// The same fans with what every corner has for itself: where `levels`, its level, else the number of its sheet and a
 /// normal, smooth but across creases.
-function cornersOf(layer: Layer, sets: LayerSets, places: Float32Array, levels: boolean): BufferGeometry {
+function cornersOf(layer: Layer, sets: LayerSets, places: Float32Array, levels: boolean, rank: number[]): BufferGeometry {
   const offset = sets.triangleOffset, { faceCount, offsets, corners } = layer, n = 3 * offset[faceCount]!;
   const vertex = new Uint32Array(n), other = new Float32Array(n), normals = levels ? null : creasedNormals(layer, places);
-  const rank = levels ? [] : ranks(layer.sheet!, (f) => sets.faceArea(f));
   const normal = new Float32Array(normals ? 3 * n : 0);
   let at = 0;
   for (let f = 0; f < faceCount; ++f)
@@ -267,7 +315,7 @@ function cornersOf(layer: Layer, sets: LayerSets, places: Float32Array, levels: 
 }
 
 /// Per part its place when parts are sorted by size, largest first: those have colours of their own.
-function ranks(partOf: ArrayLike<number>, size: (i: number) => number): number[] {
+export function ranks(partOf: ArrayLike<number>, size: (i: number) => number): number[] {
   const sizes: number[] = [], rank: number[] = [];
   for (let i = 0; i < partOf.length; ++i) if (partOf[i]! >= 0) sizes[partOf[i]!] = (sizes[partOf[i]!] ?? 0) + size(i);
   [...sizes.keys()].sort((a, b) => (sizes[b] ?? 0) - (sizes[a] ?? 0) || a - b).forEach((part, place) => { rank[part] = place; });

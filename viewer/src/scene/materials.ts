@@ -22,11 +22,15 @@ export function vertexTexture(count: number, components: 1 | 2 | 4): DataTexture
 export type Uniforms = Record<string, IUniform>;
 
 export function sharedUniforms() {
-  const colourMap = new DataTexture(textureOf("viridis"), 256, 1);
-  colourMap.minFilter = colourMap.magFilter = LinearFilter;
-  colourMap.needsUpdate = true;
+  const map = () => {
+    const texture = new DataTexture(textureOf("viridis"), 256, 1);
+    texture.minFilter = texture.magFilter = LinearFilter;
+    texture.needsUpdate = true;
+    return { value: texture };
+  };
   return {
-    colourMap: { value: colourMap },
+    colourMap: map(),
+    shapeMap: map(), ///< of the surface
     range: { value: new Vector2(0, 1) },
     missingColour: { value: new Vector3(...GREY) },
     infiniteColour: { value: new Vector3(...INFINITE) },
@@ -50,7 +54,9 @@ function material(vertexShader: string, fragmentShader: string, uniforms: Unifor
 
 export const surfaceMaterial = (shared: SharedUniforms, own: Uniforms, corners: boolean) =>
   // Lines on the sheets win over the sheets.
-  material(glsl.surfaceVertex(corners), glsl.surfaceFragment, { ...shared, ...own }, { polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 });
+  material(glsl.surfaceVertex(corners), glsl.surfaceFragment(corners), { ...shared, ...own }, { polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 });
+
+export const slabMaterial = (shared: SharedUniforms, own: Uniforms) => material(glsl.slabVertex, glsl.surfaceFragment(false), { ...shared, ...own });
 
 /// Thick bars are solid with smooth outlines, thin ones blend.
 export const barMaterial = (shared: SharedUniforms, own: Uniforms, solid: boolean) =>
@@ -62,6 +68,8 @@ export const ballMaterial = (shared: SharedUniforms, own: Uniforms, transparent:
   material(glsl.ballVertex, glsl.ballFragment, { ...shared, ...own }, { transparent, depthWrite: !transparent, alphaToCoverage: !transparent });
 
 export const glassMaterial = (own: Uniforms) => material(glsl.glassVertex, glsl.glassFragment, own, { transparent: true, depthWrite: true });
+
+export const skinMaterial = (own: Uniforms) => material(glsl.glassVertex, glsl.skinFragment, own);
 
 export const fillMaterial = (own: Uniforms) => material(glsl.glassVertex, glsl.fillFragment, own, { transparent: true, depthTest: false, depthWrite: false });
 

@@ -66,9 +66,11 @@ export const surfaceVertex = (corners: boolean) => /* glsl */ `
   ${VERTEX_DATA}
   ${CATEGORY}
   ${corners ? "in uint corner; in float level; in float part;" : ""}
-  uniform float byPart;
-  out vec3 vScene; out vec3 vView; out vec3 vNormal; out float vValue; out float vTime; out float vLevel;
+  uniform float byPart; // 1: its number, 2: its value
+  uniform highp sampler2D partValue;
+  out vec3 vScene; out vec3 vView; out vec3 vNormal; out float vValue; out float vTime; out float vLevel;${corners ? " flat out float vPart;" : ""}
   void main() {
+    ${corners ? "vPart = part;" : ""}
     int v = ${corners ? "int(corner)" : "gl_VertexID"};
     vec4 place = placeOf(v);
     vScene = place.xyz;
@@ -76,15 +78,16 @@ export const surfaceVertex = (corners: boolean) => /* glsl */ `
     vView = view.xyz;
     vNormal = ${corners ? "mat3(viewMatrix) * normal" : "vec3(0.0)"};
     vLevel = ${corners ? "level" : "0.0"};
-    vValue = ${corners ? "byPart > 0.5 ? categoryOf(uint(part)) : valueOf(v)" : "valueOf(v)"};
+    vValue = ${corners ? "byPart > 1.5 ? texelFetch(partValue, texelOf(int(part)), 0).r : byPart > 0.5 ? categoryOf(uint(part)) : valueOf(v)" : "valueOf(v)"};
     vTime = timesOf(v).x;
     gl_Position = projectionMatrix * view;
   }
 `;
 
-export const surfaceFragment = /* glsl */ `
+export const surfaceFragment = (corners: boolean) => /* glsl */ `
   ${FRAGMENT}
   uniform float perspective, least;
+  ${corners ? "flat in float vPart; uniform float chosen;" : ""}
   uniform vec3 plain; uniform float usePlain;
   in vec3 vScene; in vec3 vView; in vec3 vNormal; in float vValue; in float vTime; in float vLevel;
   out vec4 colour;
@@ -94,10 +97,28 @@ export const surfaceFragment = /* glsl */ `
     float glow;
     vec3 base = usePlain > 0.5 ? plain : colourOf(vValue);
     base = burned(base, vTime, glow);
+    ${corners ? "if (chosen > -0.5 && abs(vPart - chosen) > 0.5) base = mix(base, paper, 0.6);" : ""}
     vec3 flat_ = cross(dFdx(vView), dFdy(vView));
     vec3 normal = normalize(dot(vNormal, vNormal) > 0.25 ? vNormal : flat_);
     vec3 toEye = perspective > 0.5 ? normalize(-vView) : vec3(0.0, 0.0, 1.0);
     colour = vec4(inFlames(lit(base, normal, toEye, 0.05), glow), 1.0);
+  }
+`;
+
+// Triangles with places and normals of their own, and the values of vertices.
+export const slabVertex = /* glsl */ `
+  ${VERTEX_DATA}
+  in uint corner;
+  out vec3 vScene; out vec3 vView; out vec3 vNormal; out float vValue; out float vTime; out float vLevel;
+  void main() {
+    vScene = position;
+    vec4 view = viewMatrix * vec4(position, 1.0);
+    vView = view.xyz;
+    vNormal = mat3(viewMatrix) * normal;
+    vLevel = 0.0;
+    vValue = valueOf(int(corner));
+    vTime = timesOf(int(corner)).x;
+    gl_Position = projectionMatrix * view;
   }
 `;
 
@@ -318,9 +339,11 @@ export const ballFragment = /* glsl */ `
 
 // The shape around: glass, seen where it turns away.
 export const glassVertex = /* glsl */ `
-  out vec3 vScene; out vec3 vView; out vec3 vNormal;
+  in float value; // what it may be coloured by
+  out vec3 vScene; out vec3 vView; out vec3 vNormal; out float vValue;
   void main() {
     vScene = position;
+    vValue = value;
     vec4 view = viewMatrix * vec4(position, 1.0);
     vView = view.xyz;
     vNormal = mat3(viewMatrix) * normal;
@@ -328,17 +351,27 @@ export const glassVertex = /* glsl */ `
   }
 `;
 
+const SHAPE_COLOUR = /* glsl */ `
+  uniform sampler2D shapeMap;
+  uniform vec2 shapeRange;
+  vec3 shapeColour(float value) {
+    if (abs(value) > 1e20) return value > 0.0 ? infiniteColour : missingColour;
+    float t = (value - shapeRange.x) / max(shapeRange.y - shapeRange.x, 1e-30);
+    return texture(shapeMap, vec2(clamp(t, 0.0, 1.0) * 255.0 / 256.0 + 0.5 / 256.0, 0.5)).rgb;
+  }
+`;
+
 export const glassFragment = /* glsl */ `
-  precision highp float;
+  ${FRAGMENT}
+  ${SHAPE_COLOUR}
   uniform highp sampler2D behind; // depth of what is drawn already
   uniform vec2 viewport;
-  uniform vec4 clipPlane; uniform float clipOn;
-  uniform float perspective, opacity;
+  uniform float perspective, opacity, byValue;
   uniform vec3 tint, rim;
-  in vec3 vScene; in vec3 vView; in vec3 vNormal;
+  in vec3 vScene; in vec3 vView; in vec3 vNormal; in float vValue;
   out vec4 colour;
   void main() {
-    if (clipOn > 0.5 && dot(vec4(vScene, 1.0), clipPlane) > 0.0) discard;
+    clip(vScene);
     if (texture(behind, gl_FragCoord.xy / viewport).r < gl_FragCoord.z) discard;
     vec3 toEye = perspective > 0.5 ? normalize(-vView) : vec3(0.0, 0.0, 1.0);
     vec3 n = normalize(vNormal);
@@ -346,6 +379,21 @@ export const glassFragment = /* glsl */ `
     float edge = pow(1.0 - facing, 2.6);
     float key = 0.5 + 0.5 * dot(n * sign(dot(n, toEye)), normalize(vec3(0.45, 0.7, 0.75)));
     colour = vec4(mix(tint * (0.75 + 0.25 * key), rim, edge), clamp((0.10 + 0.75 * edge) * opacity, 0.0, 1.0));
+    if (byValue > 0.5) colour = vec4(lit(shapeColour(vValue), n, toEye, 0.05), clamp((0.35 + 0.65 * edge) * opacity, 0.0, 1.0));
+  }
+`;
+
+// The shape with the colours of a measure, as sheets are drawn.
+export const skinFragment = /* glsl */ `
+  ${FRAGMENT}
+  ${SHAPE_COLOUR}
+  uniform float perspective;
+  in vec3 vScene; in vec3 vView; in vec3 vNormal; in float vValue;
+  out vec4 colour;
+  void main() {
+    clip(vScene);
+    vec3 toEye = perspective > 0.5 ? normalize(-vView) : vec3(0.0, 0.0, 1.0);
+    colour = vec4(lit(shapeColour(vValue), normalize(vNormal), toEye, 0.05), 1.0);
   }
 `;
 

@@ -1,28 +1,35 @@
 // SPDX-License-Identifier: Apache-2.0
 // The surface of the shape as glass. Its nearest layer is drawn only: first depth, then colour.
-import { BufferAttribute, BufferGeometry, Group, Mesh, Vector3, type DepthTexture, type IUniform } from "three";
+import { BufferAttribute, BufferGeometry, Group, Mesh, Vector2, Vector3, type DepthTexture, type IUniform } from "three";
+import { encode } from "../colours";
 import type { Shape } from "../data";
-import { colour, glassMaterial, type SharedUniforms } from "./materials";
+import { colour, glassMaterial, skinMaterial, type SharedUniforms } from "./materials";
 import type { Placement } from "./placement";
 
 export class ShapeView {
-  readonly group = new Group();
+  readonly group = new Group(); ///< as glass
+  readonly solid = new Group(); ///< coloured, and not to be looked through
   /// Every so manieth vertex, for framing.
   readonly sample: Float32Array;
-  private readonly own: Record<"opacity" | "tint" | "rim" | "behind", IUniform>;
+  private readonly own: Record<"opacity" | "tint" | "rim" | "behind" | "byValue" | "shapeRange", IUniform>;
+  private readonly values: BufferAttribute;
+  private readonly of: Uint32Array; ///< per vertex the point of the shape
+  private shown: string | null = null;
 
   constructor(shape: Shape, placement: Placement, shared: SharedUniforms, depth: DepthTexture) {
     const given = new Float32Array(shape.points!.length);
     placement.write(shape.points!, 3, given);
     this.sample = given;
-    const { points, normals, triangles } = creased(given, shape.triangles!, placement.meta.voxelSurface ? -1 : CREASE);
+    const { points, normals, triangles, of } = creased(given, shape.triangles!, placement.meta.voxelSurface ? -1 : CREASE);
     const geometry = new BufferGeometry();
     geometry.setAttribute("position", new BufferAttribute(points, 3));
     geometry.setAttribute("normal", new BufferAttribute(normals, 3));
     geometry.setIndex(new BufferAttribute(triangles, 1));
-    this.own = { opacity: { value: 0.5 }, tint: { value: new Vector3() }, rim: { value: new Vector3() }, behind: { value: depth } };
-    const { clipPlane, clipOn, perspective, viewport } = shared;
-    const glass = glassMaterial({ ...this.own, clipPlane, clipOn, perspective, viewport });
+    this.of = of;
+    this.values = new BufferAttribute(new Float32Array(of.length), 1);
+    geometry.setAttribute("value", this.values);
+    this.own = { opacity: { value: 0.5 }, tint: { value: new Vector3() }, rim: { value: new Vector3() }, behind: { value: depth }, byValue: { value: 0 }, shapeRange: { value: new Vector2(0, 1) } };
+    const glass = glassMaterial({ ...shared, ...this.own });
     const before = glass.clone();
     before.uniforms = glass.uniforms;
     before.colorWrite = false;
@@ -34,6 +41,19 @@ export class ShapeView {
       mesh.frustumCulled = false;
       this.group.add(mesh);
     }
+    const skin = new Mesh(geometry, skinMaterial({ ...shared, ...this.own }));
+    skin.frustumCulled = false;
+    this.solid.add(skin);
+  }
+
+  /// Values per point of the shape; null: none.
+  colourBy(name: string, values: Float32Array | null, low: number, high: number): void {
+    this.own.byValue.value = Number(values !== null);
+    (this.own.shapeRange.value as Vector2).set(low, high);
+    if (!values || this.shown === name) return;
+    this.shown = name;
+    this.of.forEach((point, v) => this.values.setX(v, encode(values[point]!)));
+    this.values.needsUpdate = true;
   }
 
   style(dark: boolean, opacity: number): void {
@@ -45,7 +65,8 @@ export class ShapeView {
 
 const CREASE = Math.cos((35 * Math.PI) / 180);
 
-interface Creased { points: Float32Array<ArrayBuffer>; normals: Float32Array<ArrayBuffer>; triangles: Uint32Array<ArrayBuffer> }
+/// `of`: per vertex the point it was.
+interface Creased { points: Float32Array<ArrayBuffer>; normals: Float32Array<ArrayBuffer>; triangles: Uint32Array<ArrayBuffer>; of: Uint32Array }
 
 /// Vertices with normals, weighted by area; where triangles meet at a crease (the cosine of its angle; -1: none), a vertex for each of its
 /// sides.
@@ -93,5 +114,5 @@ export function creased(points: Float32Array, triangles: Uint32Array, crease = C
     normals[i + 1]! /= size;
     normals[i + 2]! /= size;
   }
-  return { points: all, normals, triangles: out };
+  return { points: all, normals, triangles: out, of: Uint32Array.from({ length: count + places.length }, (_, v) => (v < count ? v : places[v - count]!)) };
 }

@@ -3,7 +3,7 @@
 // pictures that are saved.
 import { Vector3 } from "three";
 import type { App } from "../app";
-import { short, withUnit } from "../format";
+import { counted, short, withUnit } from "../format";
 import { labelOf, pruningText, unitOf } from "../measures";
 import { isAsked } from "../state";
 import { el, prepare, styleOf } from "./dom";
@@ -21,6 +21,7 @@ export class Caption {
     const radii = this.app.page.layers.has("skeleton") && isAsked(this.app.page, state) ? meta.theta1_radii : 0;
     const parts = [meta.title];
     if (state.layer === "skeleton") parts.push(...(meta.plane ? [] : [`θ₂ = ${length(state.theta2)}`]), `θ₁ = ${length(state.theta1)}${radii > 0 ? ` and ${short(radii)} radii` : ""}`);
+    if (state.layer === "simple") parts.push(`medial mesh of ${counted(state.vertices)} vertices`);
     if (state.layer === "core") parts.push(`${labelOf(state.measure)} = ${withUnit(short(state.threshold), unitOf(state.measure, meta.unit))}`);
     else if (state.layer === "skeleton" && meta.pruning) parts.push(pruningText({ ...meta, voxel: undefined }));
     return parts.join(" · ");
@@ -76,7 +77,7 @@ export class Caption {
   }
 
   /// The picture as a file, with the caption and the colour bar.
-  picture(bar: { canvas: HTMLCanvasElement; title: string; shown: boolean }): string {
+  picture(bars: { canvas: HTMLCanvasElement; title: string; shown: boolean }[]): string {
     const { stage, state } = this.app;
     if (!state.caption) return stage.picture();
     stage.draw();
@@ -87,8 +88,10 @@ export class Caption {
     c.drawImage(stage.canvas, 0, 0);
     c.scale(ratio, ratio);
     this.draw(c, stage.width, stage.height, 0, 0, true);
-    if (bar.shown) {
-      const height = bar.canvas.clientHeight, y = stage.height - MARGIN - height;
+    let below = 0;
+    for (const bar of bars.filter((b) => b.shown).reverse()) {
+      const height = bar.canvas.clientHeight, y = stage.height - MARGIN - height - below;
+      below += height + 28;
       c.drawImage(bar.canvas, MARGIN - 14, y, bar.canvas.clientWidth, height);
       c.fillStyle = styleOf("--text");
       c.textAlign = "left";

@@ -17,8 +17,11 @@ export class ColourBar {
   /// For pictures that are saved.
   figure(): { canvas: HTMLCanvasElement; title: string; shown: boolean } { return { canvas: this.canvas, title: this.title.textContent ?? "", shown: !this.canvas.hidden }; }
 
-  show(measure: string, lengths: string, map: string, low: number, high: number, range: Range | null, extra: [string, Rgb][], parts: [string, Rgb][], layer: Layer): void {
-    const label = labelOf(measure), unit = unitOf(measure, lengths, layer);
+  hide(): void { this.element.hidden = true; }
+
+  show(measure: string, lengths: string, map: string, low: number, high: number, range: Range | null, extra: [string, Rgb][], parts: [string, Rgb][], layer?: Layer, of = ""): void {
+    this.element.hidden = false;
+    const label = labelOf(measure) + of, unit = unitOf(measure, lengths, layer);
     const swatch = (name: string, rgb: Rgb) => {
       const dot = el("i", "swatch");
       dot.style.background = css(rgb);

@@ -4,12 +4,13 @@ import type { Page } from "../data";
 import { counted, short, withUnit } from "../format";
 import type { Numbers, Picked } from "../app";
 import { elementOf, labelOf, pruningText, unitOf } from "../measures";
-import { isAsked, type State } from "../state";
-import { copyText, type BranchTable } from "./branches";
+import { isAsked, LISTS, type State } from "../state";
+import { copyText, listText, type BranchTable } from "./branches";
+import type { CountSlider } from "./count_slider";
 import type { TreeInfo } from "./tree_info";
 import { el, fill, rows } from "./dom";
 
-const NAMES = { tree: "Tree", skeleton: "Skeleton", core: "Medial axis", still: "Other result" };
+const NAMES = { tree: "Tree", skeleton: "Skeleton", core: "Medial axis", still: "Other result", simple: "Medial mesh" };
 
 export class Info {
   readonly element = el("section", "info");
@@ -23,6 +24,8 @@ export class Info {
 
   private readonly sheets: number; ///< of the skeleton that was asked for
   private readonly branch = el("div", "chosen-branch");
+  private readonly sheet = el("div", "chosen-branch chosen-sheet");
+  meshes: CountSlider | null = null; ///< knows their errors
   private readonly toTable = el("button", "plain to-table");
   onTable: () => void = () => {};
 
@@ -45,7 +48,7 @@ export class Info {
     question.addEventListener("click", help);
     const note = meta.note ? el("p", "note", meta.note) : null;
     about.append(...meta.notes.map((text) => el("p", "note", `${text}.`.replace(/\.\.$/, "."))));
-    this.element.append(el("header", "", el("h1", "", meta.title), question), this.what, this.figures, ...(tree ? [tree.element] : []), this.toTable, this.share, ...(note ? [note] : []), about, this.branch, this.picked);
+    this.element.append(el("header", "", el("h1", "", meta.title), question), this.what, this.figures, ...(tree ? [tree.element] : []), this.toTable, this.share, ...(note ? [note] : []), about, this.branch, this.sheet, this.picked);
     this.toTable.addEventListener("click", () => this.onTable());
     const copy = el("button", "plain", "Copy");
     copy.addEventListener("click", () => void copyText(this.commandText.textContent ?? "", copy));
@@ -55,7 +58,7 @@ export class Info {
 
   show(state: State, numbers: Numbers, command: string): void {
     const { meta } = this.page, unit = meta.unit;
-    const branches = state.layer === "skeleton" && isAsked(this.page, state) ? (this.page.layers.get("skeleton")?.branches?.count ?? 0) : 0;
+    const asked = state.layer === "skeleton" && isAsked(this.page, state), lists = asked ? LISTS.filter((list) => this.table.count(list) > 0) : [];
     this.tree?.show();
     if (this.tree && state.layer === "tree") {
       this.toTable.hidden = true; // it has its own
@@ -65,8 +68,8 @@ export class Info {
       this.command.hidden = command === "";
       return;
     }
-    this.toTable.hidden = branches === 0;
-    this.toTable.textContent = `${state.table ? "Hide the table" : "Table"} of ${counted(branches)} ${branches === 1 ? "branch" : "branches"}`;
+    this.toTable.hidden = lists.length === 0;
+    this.toTable.textContent = `${state.table ? "Hide the table" : "Table"} of ${lists.map((list) => listText(list, this.table.count(list))).join(" and ")}`;
     const length = (x: number) => withUnit(short(x), unit);
     const sentence: string[] = [];
     if (state.layer === "skeleton") {
@@ -80,11 +83,17 @@ export class Info {
       if (burned && isBurning && (state.measure !== burned.measure || Math.abs(state.threshold - burned.threshold) > 1e-6 * meta.side))
         sentence.push(`burn times belong to ${pruningText(meta)}`);
     }
+    if (state.layer === "simple") {
+      sentence.push(`${counted(state.vertices)} vertices with triangles and edges between them`);
+      const error = this.meshes?.errorText(state.vertices) ?? "";
+      if (error) sentence.push(`the boundary is off its envelope by ${error}`);
+    }
     fill(this.what, el("b", "", NAMES[state.layer]), sentence.length ? `: ${sentence.join("; ")}.` : "");
     const entries: [string, string][] = [];
     const sheets = state.layer === "skeleton" && isAsked(this.page, state) ? this.sheets : 0;
-    if (numbers.faces > 0) entries.push(["sheets", `${sheets > 0 ? `${counted(sheets)}, ` : ""}${counted(numbers.faces)} faces, area ${withUnit(short(numbers.area), unit && `${unit}²`)}`]);
-    if (numbers.curveEdges > 0) entries.push(["curves", `length ${length(numbers.curveLength)}, ${numbers.freeEnds === 0 ? "no" : counted(numbers.freeEnds)} free ${numbers.freeEnds === 1 ? "end" : "ends"}`]);
+    if (state.layer === "simple") entries.push(["cells", `${counted(numbers.faces)} triangles, ${counted(numbers.curveEdges)} edges beside`]);
+    else if (numbers.faces > 0) entries.push(["sheets", `${sheets > 0 ? `${counted(sheets)}, ` : ""}${counted(numbers.faces)} faces, area ${withUnit(short(numbers.area), unit && `${unit}²`)}`]);
+    if (state.layer !== "simple" && numbers.curveEdges > 0) entries.push(["curves", `length ${length(numbers.curveLength)}, ${numbers.freeEnds === 0 ? "no" : counted(numbers.freeEnds)} free ${numbers.freeEnds === 1 ? "end" : "ends"}`]);
     if (numbers.isolated > 0) entries.push(["points", counted(numbers.isolated)]);
     entries.push([meta.plane ? "χ = V − E" : "χ = V − E + F", `${numbers.vertices - numbers.edges + numbers.faces}`.replace("-", "−")]);
     fill(this.figures, rows(entries));
@@ -99,6 +108,13 @@ export class Info {
     fill(this.branch, el("header", "", el("h2", "", `Branch ${counted(branch)}`), close), rows(this.table.entries(branch)));
   }
 
+  showSheet(sheet: number): void {
+    if (sheet < 0 || !this.page.layers.get("skeleton")?.sheets) return fill(this.sheet);
+    const close = el("button", "plain", "Clear");
+    close.addEventListener("click", () => this.onClearPick());
+    fill(this.sheet, el("header", "", el("h2", "", `Sheet ${counted(sheet)}`), close), rows(this.table.sheetEntries(sheet)));
+  }
+
   showShare(text: string): void { this.share.textContent = text; }
 
   showPicked(picked: Picked | null): void {
@@ -108,8 +124,8 @@ export class Info {
     close.addEventListener("click", () => this.onClearPick());
     const entries: [string, string][] = [["position", picked.position.slice(0, this.page.meta.plane ? 2 : 3).map((x) => short(x, 5)).join(", ")]];
     for (const [name, value] of Object.entries(picked.measures)) entries.push([labelOf(name), Number.isNaN(value) ? "–" : withUnit(short(value, 4), Number.isFinite(value) ? unitOf(name, unit) : "")]);
-    if (this.page.shape.sites || this.page.shape.triangles) entries.push([`${this.page.meta.plane ? "disk" : "ball"} touches`, `the ${this.page.meta.plane ? "outline" : "boundary"} at ${counted(picked.touching.length)} ${picked.touching.length === 1 ? "point" : "points"}`]);
-    fill(this.picked, el("header", "", el("h2", "", `Point ${counted(picked.vertex)}`), close), rows(entries));
+    if (picked.vertex >= 0 && (this.page.shape.sites || this.page.shape.triangles)) entries.push([`${this.page.meta.plane ? "disk" : "ball"} touches`, `the ${this.page.meta.plane ? "outline" : "boundary"} at ${counted(picked.touching.length)} ${picked.touching.length === 1 ? "point" : "points"}`]);
+    fill(this.picked, el("header", "", el("h2", "", picked.vertex < 0 ? "On the surface" : `Point ${counted(picked.vertex)}`), close), rows(entries));
   }
 }
 

@@ -33,7 +33,7 @@ export function listenToKeys(app: App, panel: Panel, actions: Actions): void {
   const keys: Record<string, () => unknown> = {
     "?": () => actions.help.toggle(),
     Escape: () => (actions.help.open ? actions.help.toggle(false) : app.clearPick()),
-    "0": layer("tree"), "1": layer("skeleton"), "2": layer("core"), "3": layer("still"),
+    "0": layer("tree"), "1": layer("skeleton"), "2": layer("core"), "3": layer("still"), "4": layer("simple"),
     s: flip("sheets"), c: flip("curves"), e: flip("seams"), b: flip("boundary"), g: flip("shape"), u: flip("balls"), x: flip("clip"),
     t: flip("table"), a: flip("axes"), o: flip("orthographic"), d: flip("dark"), h: flip("ui"), p: actions.screenshot, f: actions.reset, " ": actions.burn,
     l: () => app.tree && app.set({ tubes: !app.state.tubes }), ",": () => actions.stepEdit(-1), ".": () => actions.stepEdit(1),

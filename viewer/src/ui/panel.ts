@@ -8,11 +8,12 @@ import { isLength, labelOf, measuresOf, pruningBy, UNIFORM, unitOf } from "../me
 import { askedThetas, hasLayer, isAsked, layerOf, slidersOf, type SliderId, type State } from "../state";
 import type { Burner } from "./burner";
 import { el } from "./dom";
+import { CountSlider } from "./count_slider";
 import { LengthSlider } from "./slider";
 
 export interface Actions { screenshot: () => void; reset: () => void }
 
-const LAYERS: Record<LayerName, string> = { tree: "tree", skeleton: "skeleton", core: "medial axis (core)", still: "other result (still)" };
+const LAYERS: Record<LayerName, string> = { tree: "tree", skeleton: "skeleton", core: "medial axis (core)", simple: "medial mesh of N vertices", still: "other result (still)" };
 
 export class Panel {
   readonly gui: GUI;
@@ -22,6 +23,7 @@ export class Panel {
   private readonly controllers: Controller[] = [];
   private colour!: Controller;
   private readonly folders: Record<string, GUI> = {};
+  readonly meshes: CountSlider | null; ///< of medial meshes
   private readonly sliderBox = el("div", "sliders");
   private readonly asked = el("button", "plain asked", "Back to the skeleton asked for");
   private shownKey = "";
@@ -36,6 +38,8 @@ export class Panel {
     const { measures } = page.meta;
     this.measure = measures.length > 1 && page.layers.has("core") ? this.add(this.gui, "measure", "prune by", Object.fromEntries(measures.map((m) => [labelOf(m.name), m.name]))) : null;
     this.gui.$children.append(this.sliderBox);
+    const collapses = page.layers.get("simple")?.collapses;
+    this.meshes = collapses ? new CountSlider(collapses, page.meta, (vertices) => app.set({ vertices })) : null;
     this.asked.addEventListener("click", () => {
       const [theta2, theta1] = askedThetas(page.meta);
       app.set({ theta2, theta1 });
@@ -71,7 +75,8 @@ export class Panel {
     if (!plane && !lines) this.add(parts, "seams", "seams");
     if (!plane && !lines) this.add(parts, "boundary", "boundary");
     if (!onlyTree) this.add(parts, "points", "points");
-    if (tree || page.layers.get("skeleton")?.branches) this.add(parts, "table", tree ? "table" : "branches");
+    const skeleton = page.layers.get("skeleton");
+    if (tree || skeleton?.branches || skeleton?.sheets) this.add(parts, "table", tree || skeleton?.sheets ? "table" : "branches");
     if (app.edits) for (const [name, label] of [["bridges", "bridges"], ["cuts", "cuts"], ["leftOut", "left out"]] as const) if (app.edits.count(name) > 0) this.add(parts, name, label);
     this.add(parts, "curveWidth", "curve width").min(1).max(14).step(0.5);
 
@@ -79,6 +84,7 @@ export class Panel {
     if (app.glass ?? app.figure) {
       this.add(around, "shape", plane ? "shape" : "surface");
       this.add(around, "shapeOpacity", "opacity").min(0).max(1).step(0.01);
+      if (app.glass && page.shape.measures.size > 0) this.add(around, "surface", "surface by", Object.fromEntries([UNIFORM, ...page.shape.measures.keys()].map((name) => [labelOf(name), name])));
     }
     this.add(around, "balls", plane ? "union of disks" : "union of balls");
     if (!plane) this.add(around, "clip", "clip");
@@ -151,6 +157,7 @@ export class Panel {
 
   /// Moves the slider of the sheets or the curves shown.
   step(of: "sheets" | "curves", direction: number): void {
+    if (this.app.state.layer === "simple") return this.meshes?.step(direction);
     const [first, last] = [this.shownSliders[0], this.shownSliders.at(-1)], id = of === "sheets" ? first : last === "theta1" ? last : undefined;
     if (id) this.slider(id)?.step(direction);
   }
@@ -164,7 +171,7 @@ export class Panel {
       const names = measuresOf(this.app.page.layers.get(state.layer) ?? layerOf(this.app.page, state));
       this.colour = this.colour.options(Object.fromEntries([...names, UNIFORM].map((n) => [labelOf(n), n])));
       this.shownSliders = slidersOf(this.app.page, state);
-      this.sliderBox.replaceChildren(...this.shownSliders.flatMap((id) => this.slider(id)?.element ?? []), ...(this.shownSliders.includes("theta1") && this.app.page.layers.has("skeleton") ? [this.asked] : []));
+      this.sliderBox.replaceChildren(...(state.layer === "simple" && this.meshes ? [this.meshes.element] : []), ...this.shownSliders.flatMap((id) => this.slider(id)?.element ?? []), ...(this.shownSliders.includes("theta1") && this.app.page.layers.has("skeleton") ? [this.asked] : []));
       this.measure?.show(state.layer === "core");
     }
     Object.assign(this.fields, state);
@@ -177,6 +184,7 @@ export class Panel {
     this.auto.show(Number.isFinite(state.rangeLow) || Number.isFinite(state.rangeHigh));
     for (const controller of this.clipping) controller.show(state.clip);
     for (const id of this.shownSliders) this.slider(id)?.show(state[id]);
+    if (state.layer === "simple") this.meshes?.show(state.vertices);
     this.asked.hidden = isAsked(this.app.page, state);
   }
 }

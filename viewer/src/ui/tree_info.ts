@@ -3,7 +3,8 @@
 import type { App } from "../app";
 import { CATEGORICAL, EDIT_COLOURS, type EditGroup } from "../colours";
 import { counted, short, withUnit } from "../format";
-import { groupOf, textOf, unitText, type Rows, type Tree } from "../tree";
+import { textOf, unitText } from "../table";
+import { groupOf, type Rows, type Tree } from "../tree";
 import { el, fill, rows as rowsOf } from "./dom";
 import { rowName, rowsText, type TreeTable } from "./tree_table";
 

@@ -2,7 +2,8 @@
 // The tables of a tree: its axes, its branches, and where it was repaired.
 import type { App } from "../app";
 import { counted, short, withUnit } from "../format";
-import { ROWS, textOf, unitText, type Rows, type Tree } from "../tree";
+import { textOf, unitText } from "../table";
+import { ROWS, type Rows, type Tree } from "../tree";
 import { copyText } from "./branches";
 import { el } from "./dom";
 import { RowTable, type Column } from "./row_table";
