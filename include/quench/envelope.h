@@ -47,6 +47,9 @@ class Envelope {
   /// The elements: triangles, then edges without faces, then vertices without edges; of `balls` the vertices.
   std::size_t size() const;
   Corners corners(std::size_t element) const;
+  /// The balls of the vertices.
+  const std::vector<Vec3>& centres() const;
+  const std::vector<double>& radii() const;
   /// The box around all of it.
   const Vec3& low() const;
   const Vec3& high() const;
@@ -70,6 +73,24 @@ class Envelope {
   std::shared_ptr<const Parts> parts_;
 };
 
+/// A grid of cubes with an empty layer around the envelope, its first voxel in the corner of the least coordinates.
+/// Throws Error(usage) unless the spacing is a number above 0 that gives at most 16384 voxels along an axis.
+Grid grid_around(const Envelope& envelope, double spacing);
+/// A grid with layers of the same voxels added where the envelope does not lie in it with an empty layer around, so
+/// that place and size of its voxels stay. In a plane in x and y only.
+Grid grown_around(const Envelope& envelope, const Grid& grid);
+
+/// The voxels (pixels) whose centres the envelope contains(), each decided on its own; those of an envelope in another
+/// place are cut off at the grid. Boxes of voxels that one ball holds, or none meets, are decided at once: distances
+/// change no faster than places do. O(voxels at the boundary * log n), on all threads; does not depend on their number.
+VoxelShape voxels_of(const Envelope& envelope, const Grid& grid, Context* context = nullptr);
+
+/// The boundary of the envelope as a closed manifold of triangles, faces outward, that has the topology of its voxels
+/// and each of their centres on its side: marching cubes (Lorensen and Cline 1987) with the loops of the voxels, on the
+/// distances of the centres; 0 to 1/100 voxel from the boundary where that is smooth. `voxels`: voxels_of() it, in a
+/// grid of three dimensions. In world coordinates. About 30 bytes per voxel near the boundary besides the mesh.
+TriangleMesh mesh_of(const Envelope& envelope, const VoxelShape& voxels, Context* context = nullptr);
+
 /// Distances of many places, in world units.
 struct DistanceFigures {
   double mean = 0, p99 = 0, largest = 0;
@@ -87,5 +108,26 @@ struct OneSidedDistances {
 /// too. Deterministic. O(places * log n), on all threads.
 OneSidedDistances distances_from_envelope(const Surface& surface, const Envelope& envelope, std::size_t places = 100000,
                                           Context* context = nullptr);
+
+/// Of an envelope from a surface: `outside` what sticks out of the solid. Places of its boundary are found where lines
+/// between the centres of neighbouring voxels cross it, to 1e-6 of a voxel, each weighted by the area it stands for
+/// (Crofton); `outside.largest` is also that of the far ends of the balls of all vertices. `voxels`: voxels_of() it,
+/// in a grid around it that is fine enough to show what is of interest; at most about `places` of their crossings are
+/// taken. Deterministic, on all threads.
+OneSidedDistances distances_from_surface(const Envelope& envelope, const VoxelShape& voxels, const Surface& surface,
+                                         std::size_t places = 100000, Context* context = nullptr);
+
+/// The boundary of a voxel shape as a surface: the faces of its voxels that have no neighbour, in two triangles each.
+/// Not for planes.
+Surface surface_of_voxels(const VoxelShape& shape, Context* context = nullptr);
+
+/// Volumes (in a plane areas), in world units.
+struct VolumeErrors {
+  double shape = 0, envelope = 0;
+  double missing = 0;  ///< of the shape, not in the envelope
+  double added = 0;    ///< of the envelope, not in the shape
+};
+/// Of voxels; both grids are parts of one lattice, as grown_around() makes them. Throws Error(usage) otherwise.
+VolumeErrors volume_errors(const VoxelShape& envelope, const VoxelShape& shape);
 
 }  // namespace quench

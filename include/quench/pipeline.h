@@ -14,6 +14,7 @@
 #include "quench/axis.h"
 #include "quench/burn.h"
 #include "quench/context.h"
+#include "quench/envelope.h"
 #include "quench/graph.h"
 #include "quench/io.h"
 #include "quench/page.h"
@@ -303,6 +304,40 @@ void take_radii(Record& data, const std::filesystem::path& radii, Context* conte
 /// The axis in the data of `file`. Notes what was mended. Throws Error(input), naming the file, when it is empty or has
 /// no radii.
 LoadedAxis axis_of(Record&& data, const std::string& file, Context* context = nullptr);
+
+// -------------------------------------------------------------------------------------------------------------- solid
+
+/// The grid of the shape that an axis is of, where its file says so.
+std::optional<Grid> grid_of(const Record& data);
+
+/// How far a solid is from a shape, both ways.
+struct SolidErrors {
+  SurfaceKind surface = SurfaceKind::voxels;      ///< that distances refer to
+  std::optional<OneSidedDistances> from_solid;    ///< of the surface from the solid; not in a plane
+  std::optional<OneSidedDistances> from_surface;  ///< of the solid's boundary from the surface; not in a plane
+  VolumeErrors volume;                            ///< of voxels
+};
+
+/// The solid of an axis.
+struct SolidResult {
+  Envelope envelope;
+  VoxelShape voxels;           ///< of a grid with an empty layer around it
+  VoxelShape on_grid;          ///< the same on the grid that was asked for
+  std::int64_t cut_off = 0;    ///< voxels that are not on it
+  Topology topology;           ///< of `voxels`
+  Topology of_axis;            ///< of the axis
+  std::optional<SolidErrors> errors;     ///< where a shape is at hand
+  std::optional<Surface> surface = {};   ///< that these refer to; not in a plane
+};
+
+/// The envelope of an axis, its voxels and, with a shape, its errors: distances refer to the surface of the shape or,
+/// where it has none, to the faces of its voxels. `grid`: of `shape`, where it is given. Throws what Envelope,
+/// grown_around() and require_memory() throw.
+SolidResult solid_of(const MedialAxis& axis, EnvelopeKind kind, const Grid& grid, const LoadedShape* shape = nullptr,
+                     Context* context = nullptr);
+/// mesh_of() it, with its plan of memory; where there is a surface, with the signed distance from it as point array
+/// `distance`, negative inside.
+Record mesh_of(const SolidResult& solid, Context* context = nullptr);
 
 // ------------------------------------------------------------------------------------------------------------ burning
 

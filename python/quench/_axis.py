@@ -13,6 +13,7 @@ from ._common import (Certificate, Length, Path, Progress, Spacing, Topology, ca
 from ._complex import Complex
 from ._inputs import Cut, Mesh, Threshold, Volume, read_file, shape_of
 from ._skeleton import Skeleton, theta2_of
+from ._solid import Solid
 
 
 def medial_axis(image_or_mesh: Any, *, spacing: Spacing = None, threshold: Threshold = None,
@@ -512,6 +513,34 @@ class MedialAxis(Complex):
         with self._calling(threads, progress) as call:
             self._core.mark_balls(mask.view(np.uint8), *call)
         return mask
+
+    def solid(self, envelope: bool = False, *, resolution: Optional[int] = None, threads: Optional[int] = None,
+              progress: Optional[Progress] = None) -> Solid:
+        """The solid of the balls, with its voxels, mesh and errors (docs/user/reconstruction.md).
+
+        Parameters
+        ----------
+        envelope : bool
+            Also what lies linearly between the balls: cones along edges, slabs over triangles.
+        resolution : int, optional
+            Of an axis from a file: voxels along the longest side. Default: those its file says, else 256. Others have the
+            voxels of the shape.
+
+        Examples
+        --------
+        >>> import numpy as np, quench
+        >>> image = np.zeros((20, 14, 9), bool)
+        >>> image[2:-2, 2:-2, 2:-2] = True
+        >>> solid = quench.medial_axis(image).solid(envelope=True)
+        >>> solid.topology.betti
+        (1, 0, 0)
+        >>> sorted(solid.errors())
+        ['solid_from_surface', 'surface', 'surface_from_solid', 'volume']
+        """
+        number = 0 if resolution is None else whole(resolution, 'resolution', 1)
+        with self._calling(threads, progress) as call:
+            core = _core.solid_of_axis(self._core, bool(envelope), number, *call)
+        return Solid(core, self._threads, self._progress)
 
     def to_image(self, shape: Optional[Sequence[int]] = None, *, return_distance: bool = False) -> Any:
         """Of an image: the pixels the axis runs through, as a bool image.

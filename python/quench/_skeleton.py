@@ -13,6 +13,7 @@ from ._common import (Certificate, Length, Path, Progress, Spacing, Topology, ca
                       is_path, length, length_or_auto, pruning_of, spacing_of, whole)
 from ._complex import Complex
 from ._inputs import Volume, image_array, label_of, read_file
+from ._solid import Solid
 
 if TYPE_CHECKING:
     from ._axis import MedialAxis
@@ -387,6 +388,14 @@ class Skeleton(Complex):
         with self._calling(threads, progress) as call:
             self._core.mark_balls(mask.view(np.uint8), *call)
         return mask
+
+    def solid(self, envelope: bool = True, *, resolution: Optional[int] = None, threads: Optional[int] = None,
+              progress: Optional[Progress] = None) -> Solid:
+        """The solid of the balls and, as `envelope`, of all that lies between them, see :meth:`MedialAxis.solid`."""
+        number = 0 if resolution is None else whole(resolution, 'resolution', 1)
+        with self._calling(threads, progress) as call:
+            core = _core.solid_of_skeleton(self._core, bool(envelope), number, *call)
+        return Solid(core, self._threads, self._progress)
 
     def verify(self, samples: int = 20000, *, threads: Optional[int] = None,
                progress: Optional[Progress] = None) -> Certificate:

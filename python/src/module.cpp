@@ -12,6 +12,7 @@ PYBIND11_MODULE(_core, m) {
   bind_axes(m);
   bind_skeletons(m);
   bind_trees(m);
+  bind_solids(m);
   bind_labels(m);
   bind_pages(m);
   m.attr("__version__") = QUENCH_VERSION;

@@ -100,6 +100,7 @@ void bind_shapes(py::module_& m);
 void bind_axes(py::module_& m);
 void bind_skeletons(py::module_& m);
 void bind_trees(py::module_& m);
+void bind_solids(py::module_& m);
 void bind_labels(py::module_& m);
 void bind_pages(py::module_& m);
 

@@ -74,6 +74,7 @@ struct Envelope::Parts {
   EnvelopeKind kind;
   std::vector<Corners> corners;
   std::vector<Vec3> points;
+  std::vector<double> radius;
   envelope::ElementTree tree;
   Vec3 low, high;
   double largest_radius = 0;
@@ -82,12 +83,13 @@ struct Envelope::Parts {
       : kind(its_kind),
         corners(elements_of(axis.complex, kind)),
         points(axis.points),
+        radius(axis.radius),
         tree(geometry_of(axis, corners)) {
     low = high = points[0];
     for (std::size_t v = 0; v < points.size(); ++v) {
-      low = low.cwiseMin(points[v] - Vec3::Constant(axis.radius[v]));
-      high = high.cwiseMax(points[v] + Vec3::Constant(axis.radius[v]));
-      largest_radius = std::max(largest_radius, axis.radius[v]);
+      low = low.cwiseMin(points[v] - Vec3::Constant(radius[v]));
+      high = high.cwiseMax(points[v] + Vec3::Constant(radius[v]));
+      largest_radius = std::max(largest_radius, radius[v]);
     }
   }
 };
@@ -100,6 +102,8 @@ Envelope::Envelope(const MedialAxis& axis, EnvelopeKind kind, Context* context) 
 EnvelopeKind Envelope::kind() const { return parts_->kind; }
 std::size_t Envelope::size() const { return parts_->corners.size(); }
 Envelope::Corners Envelope::corners(std::size_t element) const { return parts_->corners[element]; }
+const std::vector<Vec3>& Envelope::centres() const { return parts_->points; }
+const std::vector<double>& Envelope::radii() const { return parts_->radius; }
 const Vec3& Envelope::low() const { return parts_->low; }
 const Vec3& Envelope::high() const { return parts_->high; }
 double Envelope::largest_radius() const { return parts_->largest_radius; }
