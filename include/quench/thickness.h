@@ -116,6 +116,10 @@ struct SurfaceThickness {
 SurfaceThickness surface_thickness(std::span<const Vec3> points, const Surface& surface, const MedialAxis& axis,
                                    const SurfaceThicknessOptions& options, Context* context = nullptr);
 
+/// The same without points across, which are the points themselves: no surface is needed.
+SurfaceThickness surface_thickness(std::span<const Vec3> points, const MedialAxis& axis,
+                                   const SurfaceThicknessOptions& options, Context* context = nullptr);
+
 /// The thickness 2 r + 2 `correction` of the sheets of an axis, weighted by area: of each triangle of a fan over a face
 /// by its mean radius. In the plane of its curves, by length.
 ThicknessDistribution sheet_thickness(const MedialAxis& axis, double correction = 0);

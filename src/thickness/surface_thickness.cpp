@@ -39,10 +39,9 @@ Vec3 end_of_diameter(const Vec3& p, const axis::BallTree::Ball& ball) {
   return length > 0 ? Vec3(ball.centre + way * (ball.radius / length)) : p;
 }
 
-}  // namespace
-
-SurfaceThickness surface_thickness(std::span<const Vec3> points, const Surface& surface, const MedialAxis& axis,
-                                   const SurfaceThicknessOptions& options, Context* context) {
+// `surface` may be null: then there are no points across.
+SurfaceThickness thickness_at(std::span<const Vec3> points, const Surface* surface, const MedialAxis& axis,
+                              const SurfaceThicknessOptions& options, Context* context) {
   if (axis.points.empty() || axis.radius.size() != axis.points.size())
     throw Error(ErrorCode::usage, "thickness of a surface needs a medial axis with a radius per vertex");
   return base::in_arena(context, [&] {
@@ -73,12 +72,24 @@ SurfaceThickness surface_thickness(std::span<const Vec3> points, const Surface& 
         const axis::BallTree::Ball ball = tree.ball(found);
         result.ball[i] = ball.vertex;
         result.thickness[i] = 2 * (ball.radius + options.correction);
-        result.across[i] = surface.nearest(end_of_diameter(p, ball)).point;
+        if (surface) result.across[i] = surface->nearest(end_of_diameter(p, ball)).point;
       }
     });
     result.near = near;
     return result;
   });
+}
+
+}  // namespace
+
+SurfaceThickness surface_thickness(std::span<const Vec3> points, const Surface& surface, const MedialAxis& axis,
+                                   const SurfaceThicknessOptions& options, Context* context) {
+  return thickness_at(points, &surface, axis, options, context);
+}
+
+SurfaceThickness surface_thickness(std::span<const Vec3> points, const MedialAxis& axis,
+                                   const SurfaceThicknessOptions& options, Context* context) {
+  return thickness_at(points, nullptr, axis, options, context);
 }
 
 }  // namespace quench
