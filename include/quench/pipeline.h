@@ -22,12 +22,15 @@
 #include "quench/preparation.h"
 #include "quench/record.h"
 #include "quench/shape.h"
-#include "quench/simplify.h"
 #include "quench/skeleton.h"
 #include "quench/surface.h"
 #include "quench/thickness.h"
 #include "quench/tree.h"
 #include "quench/voxelize.h"
+
+namespace quench {
+struct BoundaryPoints;  // quench/simplify.h
+}
 
 /// @file
 /// The stages in a row: input -> shape -> core -> pruning -> burning -> curves -> skeleton -> graph -> page, with the
@@ -479,7 +482,8 @@ class PageBuilder {
   /// The table of the sheets of the skeleton that was added.
   void add_sheets(const Parts& parts);
   /// Medial meshes of any number of vertices, of the axis of a shape whose boundary is given by points.
-  void add_meshes(const MedialAxis& axis, const BoundaryPoints& boundary, Context* context = nullptr);
+  /// `measured`: the points are of the shape itself, so that distances from them are errors.
+  void add_meshes(const MedialAxis& axis, const BoundaryPoints& boundary, bool measured, Context* context = nullptr);
   /// The skeleton that is asked for, whole.
   void add_skeleton(const Skeleton& skeleton, const CurveGraph& graph);
   /// What is left of the triangles, for the sliders.
