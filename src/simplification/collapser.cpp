@@ -3,92 +3,93 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
-#include <cstdlib>
+#include <utility>
 
 #include "base/parallel.h"
 
 namespace quench::simplification {
 namespace {
 
-double env(const char* n, double d) { const char* s = getenv(n); return s ? atof(s) : d; }
-const double kStay = env("STAY", 1e-3);
+// How much the new ball is drawn to the mean of the old ones, as a share of the planes: decides where these do not.
+constexpr double kStay = 1e-3;
+// Edges that could not be collapsed are tried again when so many of the vertices are left.
+constexpr double kAgain = 0.9;
 
 }  // namespace
 
-Collapser::Collapser(const MedialAxis& mesh, std::vector<Quadric> quadrics)
-    : complex_(mesh.complex), quadrics_(std::move(quadrics)), version_(mesh.complex.edges.size(), 0) {
+Collapser::Collapser(const MedialAxis& mesh, std::vector<Quadric> quadrics, Context* context)
+    : complex_(mesh.complex),
+      quadrics_(std::move(quadrics)),
+      version_(mesh.complex.edges.size(), 0),
+      context_(context) {
+  balls_.reserve(mesh.points.size());
   for (std::size_t v = 0; v < mesh.points.size(); ++v) balls_.push_back(ball_of(mesh.points[v], mesh.radius[v]));
+  std::vector<Entry> entries(mesh.complex.edges.size());
+  base::in_arena(context, [&] {
+    base::for_indices(entries.size(), [&](std::size_t i) {
+      const auto e = static_cast<std::uint32_t>(i);
+      entries[i] = {place(e).cost, e, 0};
+    });
+  });
+  queue_ = decltype(queue_)(std::greater<>(), std::move(entries));
 }
 
-Vec4 Collapser::place(std::uint32_t e, double* cost) const {
+Collapser::Place Collapser::place(std::uint32_t e) const {
   const auto [a, b] = complex_.ends(e);
   Quadric q = quadrics_[a];
   q += quadrics_[b];
   const double wa = quadrics_[a].weight, wb = quadrics_[b].weight;
-  const Vec4 mean = wa + wb > 0 ? Vec4((wa * balls_[a] + wb * balls_[b]) / (wa + wb)) : Vec4((balls_[a] + balls_[b]) / 2);
-  const double stay = kStay * q.weight + 1e-300;
+  Vec4 mean = (balls_[a] + balls_[b]) / 2;
+  if (q.weight > 0) mean = (wa * balls_[a] + wb * balls_[b]) / q.weight;
+  const double stay = kStay * q.weight;
   Mat4 m = q.a;
   m.diagonal().array() += stay;
-  Vec4 ball = m.ldlt().solve(q.b + stay * mean);
-  if (!ball.allFinite() || !(ball[3] >= 0)) {
-    ball = mean;
-  }
-  *cost = q(ball) + stay * (ball - mean).squaredNorm();
-  return ball;
+  Vec4 ball = stay > 0 ? Vec4(m.ldlt().solve(q.b + stay * mean)) : mean;
+  if (!ball.allFinite() || !(ball[3] >= 0)) ball = mean;
+  return {ball, q(ball) + stay * (ball - mean).squaredNorm()};
 }
 
-void Collapser::push(std::uint32_t e) {
-  double cost = 0;
-  place(e, &cost);
-  queue_.push({cost, e, ++version_[e]});
-}
-
-void Collapser::restart(std::vector<Quadric> quadrics) {
-  quadrics_ = std::move(quadrics);
-  queue_ = {};
-}
-
-void Collapser::run(std::size_t vertices, std::vector<Collapse>& steps, Context* context, double begin, double end) {
-  (void)context, (void)begin, (void)end;
-  if (queue_.empty()) {
-    std::vector<Entry> entries(complex_.edge_count());
-    base::for_indices(complex_.edge_count(), [&](std::size_t i) {
-      const auto e = static_cast<std::uint32_t>(i);
-      if (!complex_.has_edge(e)) return;
-      entries[i] = {0, e, ++version_[e]};
-      place(e, &entries[i].cost);
-    });
-    std::erase_if(entries, [](const Entry& entry) { return entry.version == 0; });
-    queue_ = decltype(queue_)(std::greater<>(), std::move(entries));
-  }
-  std::size_t retry = complex_.vertices_left() * 9 / 10;
-  while (complex_.vertices_left() > vertices) {
-    if (queue_.empty() || (complex_.vertices_left() < retry && !blocked_.empty())) {
-      retry = complex_.vertices_left() * 9 / 10;
-      const bool progress = queue_.empty() ? !steps.empty() : true;
-      std::vector<std::uint32_t> again;
-      std::swap(again, blocked_);
-      std::ranges::sort(again);
-      again.erase(std::unique(again.begin(), again.end()), again.end());
-      bool any = false;
-      for (const std::uint32_t e : again)
-        if (complex_.has_edge(e)) {
-          if (queue_.empty() && !any && !complex_.may_collapse(e)) { blocked_.push_back(e); continue; }
-          push(e), any = true;
-        }
-      if (!any && queue_.empty()) break;
-      (void)progress;
-    }
-    const Entry top = queue_.top();
-    queue_.pop();
-    const std::uint32_t e = top.edge;
-    if (!complex_.has_edge(e) || version_[e] != top.version) continue;
+// Tells whether there is anything to try again.
+bool Collapser::push_blocked() {
+  std::vector<std::uint32_t> again = std::exchange(blocked_, {});
+  std::ranges::sort(again);
+  again.erase(std::unique(again.begin(), again.end()), again.end());
+  bool any = false;
+  for (const std::uint32_t e : again) {
+    if (!complex_.has_edge(e)) continue;
     if (!complex_.may_collapse(e)) {
       blocked_.push_back(e);
       continue;
     }
-    double cost = 0;
-    const Vec4 ball = place(e, &cost);
+    push(e);
+    any = true;
+  }
+  return any;
+}
+
+std::vector<Collapse> Collapser::run(std::size_t vertices, double begin, double end) {
+  std::vector<Collapse> steps;
+  const std::size_t first = complex_.vertices_left();
+  auto again = static_cast<std::size_t>(kAgain * static_cast<double>(first));
+  std::size_t looked = 0;
+  while (complex_.vertices_left() > vertices) {
+    if (queue_.empty() || complex_.vertices_left() < again) {
+      again = static_cast<std::size_t>(kAgain * static_cast<double>(complex_.vertices_left()));
+      if (!push_blocked() && queue_.empty()) break;
+    }
+    if (++looked % 4096 == 0)
+      checkpoint(context_, "simplify",
+                 begin + (end - begin) * static_cast<double>(first - complex_.vertices_left()) /
+                             static_cast<double>(first - vertices));
+    const Entry entry = queue_.top();
+    queue_.pop();
+    const std::uint32_t e = entry.edge;
+    if (!complex_.has_edge(e) || version_[e] != entry.version) continue;
+    if (!complex_.may_collapse(e)) {
+      blocked_.push_back(e);
+      continue;
+    }
+    const Vec4 ball = place(e).ball;
     const auto [a, b] = complex_.ends(e);
     const std::uint32_t kept = std::min(a, b), removed = std::max(a, b);
     complex_.collapse(e, removed);
@@ -97,31 +98,35 @@ void Collapser::run(std::size_t vertices, std::vector<Collapse>& steps, Context*
     steps.push_back({kept, removed, ball.head<3>(), ball[3]});
     complex_.for_edges(kept, [&](std::uint32_t f) { push(f); });
   }
+  checkpoint(context_, "simplify", end);
+  return steps;
 }
 
-std::vector<Primitive> Collapser::primitives() const {
-  std::vector<Primitive> list;
-  std::vector<char> has_triangle(complex_.edge_count(), 0);
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> sides;
-  for (std::uint32_t t = 0; t < complex_.triangle_count(); ++t) {
-    if (!complex_.has_triangle(t)) continue;
-    const auto& c = complex_.corners(t);
-    list.push_back({c[0], c[1], c[2]});
-    for (int i = 0; i < 3; ++i) sides.push_back(std::minmax(c[i], c[(i + 1) % 3]));
+MedialAxis Collapser::mesh(std::vector<std::uint32_t>& rows) const {
+  MedialAxis mesh;
+  rows.clear();
+  std::vector<std::uint32_t> row_of(balls_.size(), kNone);
+  for (std::uint32_t v = 0; v < balls_.size(); ++v) {
+    if (!complex_.has_vertex(v)) continue;
+    row_of[v] = static_cast<std::uint32_t>(rows.size());
+    rows.push_back(v);
+    mesh.points.push_back(balls_[v].head<3>());
+    mesh.radius.push_back(balls_[v][3]);
   }
-  std::ranges::sort(sides);
-  std::vector<char> lone(balls_.size(), 0);
-  for (std::uint32_t v = 0; v < balls_.size(); ++v) lone[v] = complex_.has_vertex(v);
+  std::vector<std::array<std::uint32_t, 2>> edges;
   for (std::uint32_t e = 0; e < complex_.edge_count(); ++e) {
     if (!complex_.has_edge(e)) continue;
     const auto [a, b] = complex_.ends(e);
-    lone[a] = lone[b] = 0;
-    if (!std::ranges::binary_search(sides, std::pair<std::uint32_t, std::uint32_t>(std::minmax(a, b))))
-      list.push_back({std::min(a, b), std::max(a, b), kNone});
+    edges.push_back({std::min(row_of[a], row_of[b]), std::max(row_of[a], row_of[b])});
   }
-  for (std::uint32_t v = 0; v < balls_.size(); ++v)
-    if (lone[v]) list.push_back({v, kNone, kNone});
-  return list;
+  std::vector<std::uint32_t> offsets{0}, corners;
+  for (std::uint32_t t = 0; t < complex_.triangle_count(); ++t) {
+    if (!complex_.has_triangle(t)) continue;
+    for (const std::uint32_t v : complex_.corners(t)) corners.push_back(row_of[v]);
+    offsets.push_back(static_cast<std::uint32_t>(corners.size()));
+  }
+  mesh.complex = make_complex(static_cast<std::uint32_t>(rows.size()), edges, std::move(offsets), std::move(corners));
+  return mesh;
 }
 
 }  // namespace quench::simplification

@@ -2,30 +2,28 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <queue>
 #include <vector>
 
 #include "quench/simplify.h"
 #include "simplification/mutable_complex.h"
-#include "simplification/primitive_tree.h"
 #include "simplification/quadric.h"
 
 namespace quench::simplification {
 
-/// Collapses the edges of a medial mesh, cheapest first.
+/// Collapses the edges of a medial mesh, cheapest first: what a ball in the place of both ends would miss of the planes
+/// that these should touch, where it misses least.
 class Collapser {
  public:
-  Collapser(const MedialAxis& mesh, std::vector<Quadric> quadrics);
+  Collapser(const MedialAxis& mesh, std::vector<Quadric> quadrics, Context* context);
 
-  /// Collapses until so few vertices are left, or no edge may be collapsed; appends the steps.
-  void run(std::size_t vertices, std::vector<Collapse>& steps, Context* context, double begin, double end);
+  /// Collapses until so few vertices are left, or no edge may be collapsed; returns the steps, in vertices of the mesh.
+  /// Progress of the stage goes from `begin` to `end`.
+  std::vector<Collapse> run(std::size_t vertices, double begin, double end);
 
-  const MutableComplex& complex() const { return complex_; }
-  std::vector<Vec4>& balls() { return balls_; }
-  /// Slabs, lone edges and lone vertices.
-  std::vector<Primitive> primitives() const;
-  /// Other quadrics, and other balls, for the vertices that are left.
-  void restart(std::vector<Quadric> quadrics);
+  /// The mesh that is left; `rows`: its vertices, as rows of the one in the beginning.
+  MedialAxis mesh(std::vector<std::uint32_t>& rows) const;
 
  private:
   struct Entry {
@@ -35,15 +33,21 @@ class Collapser {
       return a.cost != b.cost ? a.cost > b.cost : a.edge > b.edge;
     }
   };
-  Vec4 place(std::uint32_t e, double* cost) const;
-  void push(std::uint32_t e);
+  struct Place {
+    Vec4 ball;
+    double cost;
+  };
+  Place place(std::uint32_t e) const;
+  void push(std::uint32_t e) { queue_.push({place(e).cost, e, ++version_[e]}); }
+  bool push_blocked();
 
   MutableComplex complex_;
   std::vector<Vec4> balls_;
   std::vector<Quadric> quadrics_;
-  std::vector<std::uint32_t> version_;
-  std::vector<std::uint32_t> blocked_;
+  std::vector<std::uint32_t> version_;  // per edge: of its entry that counts
+  std::vector<std::uint32_t> blocked_;  // edges whose link condition did not hold
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue_;
+  Context* context_;
 };
 
 }  // namespace quench::simplification

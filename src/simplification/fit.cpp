@@ -1,125 +1,182 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "simplification/fit.h"
 
-#include <Eigen/SparseCholesky>
-#include <Eigen/SparseCore>
+#include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
+#include <utility>
 
 #include "base/parallel.h"
+#include "quench/envelope.h"
 
 namespace quench::simplification {
 namespace {
 
-double fenv(const char* n, double d) { const char* s = getenv(n); return s ? atof(s) : d; }
-const double kDamp = fenv("DAMP", 1e-2);
+// The damping in the beginning and at least, as a share of what holds a ball where it is.
+constexpr double kFirstDamping = 0.03, kLeastDamping = 1e-3;
+// Balls that hardly any boundary point holds are held by so much of the mean of the others.
+constexpr double kHeld = 0.01;
+constexpr int kSteps = 30;  // of conjugate gradients
+// A round that gains a smaller share is the last.
+constexpr double kStill = 1e-3;
 
-double sum_of_squares(std::span<const Reach> feet, const BoundaryPoints& boundary) {
+/// The balls of an envelope that boundary points are least outside of.
+using Feet = std::vector<Envelope::Ball>;
+
+Feet feet_of(const Envelope& envelope, const BoundaryPoints& boundary, Context* context) {
+  const std::size_t n = boundary.points.size();
+  Feet feet(n);
+  base::in_arena(context, [&] {
+    const std::size_t chunks = base::chunks_for(n, 512);
+    tbb::parallel_for(std::size_t{0}, chunks, [&](std::size_t chunk) {
+      const auto [first, last] = base::part_of(n, chunk, chunks);
+      for (std::size_t i = first; i < last; ++i) feet[i] = envelope.nearest(boundary.points[i]);
+    });
+  });
+  return feet;
+}
+
+double sum_of_squares(const Feet& feet, const BoundaryPoints& boundary) {
   double sum = 0;
   for (std::size_t i = 0; i < feet.size(); ++i) sum += boundary.areas[i] * feet[i].distance * feet[i].distance;
   return sum;
 }
 
-}  // namespace
+/// The normal (n, 1) of the plane at a boundary point that its ball should touch; false in the centre of the ball.
+bool plane_normal(const Vec3& p, const Envelope::Ball& foot, Vec4& normal) {
+  const Vec3 n = p - foot.centre;
+  const double length = n.norm();
+  if (foot.element == kNone || !(length > 0)) return false;
+  normal = {n[0] / length, n[1] / length, n[2] / length, 1};
+  return true;
+}
 
-double fit(std::vector<Vec4>& balls, std::span<const Primitive> primitives, const BoundaryPoints& boundary, int rounds,
-           Context*) {
-  const std::size_t n = boundary.points.size();
-  std::vector<std::uint32_t> row(balls.size(), kNone), vertices;
-  for (const Primitive& p : primitives)
-    for (const std::uint32_t v : p)
-      if (v != kNone && row[v] == kNone) row[v] = 0;
-  for (std::uint32_t v = 0; v < balls.size(); ++v)
-    if (row[v] != kNone) row[v] = static_cast<std::uint32_t>(vertices.size()), vertices.push_back(v);
-  std::vector<Reach> feet(n), next(n);
-  const auto find = [&](std::vector<Reach>& out, const std::vector<Reach>* before) {
-    const PrimitiveTree tree(primitives, balls);
-    const std::size_t chunks = n / 1024 + 1;
-    tbb::parallel_for(std::size_t{0}, chunks, [&](std::size_t chunk) {
-      const auto [first, last] = base::part_of(n, chunk, chunks);
-      for (std::size_t i = first; i < last; ++i)
-        out[i] = tree.nearest(boundary.points[i], before ? (*before)[i].primitive : kNone);
-    });
-  };
-  find(feet, nullptr);
-  double sum = sum_of_squares(feet, boundary), damping = kDamp;
-  for (int round = 0; round < rounds; ++round) {
-    // Normal equations.
-    std::vector<Eigen::Triplet<double>> entries;
-    const std::size_t size = vertices.size();
-    std::vector<Mat4> diagonal(size, Mat4::Zero());
-    std::vector<Vec4> right(size, Vec4::Zero());
-    // per primitive: blocks of pairs
-    struct Blocks { std::array<Mat4, 3> m; };
-    std::vector<Blocks> blocks(primitives.size());
-    for (auto& b : blocks) for (auto& m : b.m) m.setZero();
-    for (std::size_t i = 0; i < n; ++i) {
-      const Reach& f = feet[i];
-      if (f.primitive == kNone) continue;
-      const Primitive& p = primitives[f.primitive];
-      Vec3 centre = Vec3::Zero();
-      for (int k = 0; k < 3; ++k) if (f.share[k] > 0) centre += f.share[k] * balls[p[k]].head<3>();
-      Vec3 normal = boundary.points[i] - centre;
-      const double length = normal.norm();
-      if (!(length > 0)) continue;
-      normal /= length;
-      const Vec4 j{normal[0], normal[1], normal[2], 1};
-      const Mat4 jj = boundary.areas[i] * j * j.transpose();
-      for (int k = 0; k < 3; ++k) {
-        if (!(f.share[k] > 0)) continue;
-        diagonal[row[p[k]]] += f.share[k] * f.share[k] * jj;
-        right[row[p[k]]] += boundary.areas[i] * f.share[k] * f.distance * j;
-        for (int l = k + 1; l < 3; ++l)
-          if (f.share[l] > 0) blocks[f.primitive].m[k + l - 1] += f.share[k] * f.share[l] * jj;
-      }
-    }
-    double mean_trace = 0;
-    for (const Mat4& m : diagonal) mean_trace += m.trace() / 4 / static_cast<double>(size);
-    for (std::size_t v = 0; v < size; ++v)
-      for (int a = 0; a < 4; ++a)
-        for (int b = 0; b < 4; ++b)
-          entries.emplace_back(4 * v + a, 4 * v + b, diagonal[v](a, b) + (a == b ? damping * (diagonal[v].trace() / 4 + 0.01 * mean_trace) + 1e-12 * mean_trace : 0));
-    for (std::size_t q = 0; q < primitives.size(); ++q)
-      for (int k = 0; k < 3; ++k)
-        for (int l = k + 1; l < 3; ++l) {
-          if (primitives[q][k] == kNone || primitives[q][l] == kNone) continue;
-          const Mat4& m = blocks[q].m[k + l - 1];
-          const std::size_t r = row[primitives[q][k]], c = row[primitives[q][l]];
-          for (int a = 0; a < 4; ++a)
-            for (int b = 0; b < 4; ++b) {
-              entries.emplace_back(4 * r + a, 4 * c + b, m(a, b));
-              entries.emplace_back(4 * c + b, 4 * r + a, m(a, b));
-            }
-        }
-    Eigen::SparseMatrix<double> matrix(4 * size, 4 * size);
-    matrix.setFromTriplets(entries.begin(), entries.end());
-    Eigen::VectorXd b(4 * size);
-    for (std::size_t v = 0; v < size; ++v) b.segment<4>(4 * v) = right[v];
-    Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver(matrix);
-    const Eigen::VectorXd x = solver.solve(b);
-    std::vector<Vec4> before = balls;
-    for (std::size_t v = 0; v < size; ++v) {
-      balls[vertices[v]] += x.segment<4>(4 * v);
-      balls[vertices[v]][3] = std::max(balls[vertices[v]][3], 0.0);
-    }
-    find(next, &feet);
-    const double after = sum_of_squares(next, boundary);
-    if (getenv("VERB")) std::fprintf(stderr, "  fit %d: %.4g -> %.4g damp %g\n", round, std::sqrt(sum), std::sqrt(after), damping);
-    if (after < sum) {
-      const bool still = after > sum * 0.999;
-      sum = after;
-      std::swap(feet, next);
-      damping /= 3;
-      if (still) break;
-    } else {
-      balls = before;
-      damping *= 10;
-      if (damping > 1e4) break;
+double dot(const std::vector<Vec4>& a, const std::vector<Vec4>& b) {
+  double sum = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) sum += a[i].dot(b[i]);
+  return sum;
+}
+
+/// Normal equations of the moves of balls, in blocks of four.
+class NormalEquations {
+ public:
+  NormalEquations(const Envelope& envelope, std::size_t vertices)
+      : envelope_(envelope), diagonal_(vertices, Mat4::Zero()), right_(vertices, Vec4::Zero()) {
+    pairs_.resize(envelope.size());
+    for (auto& blocks : pairs_) blocks.fill(Mat4::Zero());
+  }
+
+  /// The distance of a boundary point falls by n . (w1 m1 + w2 m2 + w3 m3) where the corners of its element move by m.
+  void add(const Vec3& p, double area, const Envelope::Ball& foot) {
+    Vec4 n;
+    if (!plane_normal(p, foot, n)) return;
+    const Mat4 square = area * n * n.transpose();
+    const Envelope::Corners corners = envelope_.corners(foot.element);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double w = foot.weight[k];
+      if (!(w > 0)) continue;
+      diagonal_[corners[k]] += w * w * square;
+      right_[corners[k]] += area * w * foot.distance * n;
+      for (std::size_t l = k + 1; l < 3; ++l)
+        if (foot.weight[l] > 0) pairs_[foot.element][k + l - 1] += w * foot.weight[l] * square;
     }
   }
-  return sum;
+
+  /// The damped moves, by conjugate gradients behind the inverted blocks of the diagonal.
+  std::vector<Vec4> solve(double damping) const {
+    const std::size_t n = diagonal_.size();
+    double mean = 0;
+    for (const Mat4& m : diagonal_) mean += m.trace() / (4 * static_cast<double>(n));
+    std::vector<Mat4> damped = diagonal_, inverse(n);
+    for (std::size_t v = 0; v < n; ++v) {
+      damped[v].diagonal().array() += damping * (diagonal_[v].trace() / 4 + kHeld * mean) + 1e-300;
+      inverse[v] = damped[v].inverse();
+    }
+    std::vector<Vec4> x(n, Vec4::Zero()), rest = right_, ahead(n), along(n), product(n);
+    for (std::size_t v = 0; v < n; ++v) along[v] = ahead[v] = inverse[v] * rest[v];
+    double size = dot(rest, ahead);
+    const double enough = 1e-10 * size;
+    for (int step = 0; step < kSteps && size > enough; ++step) {
+      multiply(damped, along, product);
+      const double far = size / dot(along, product);
+      for (std::size_t v = 0; v < n; ++v) {
+        x[v] += far * along[v];
+        rest[v] -= far * product[v];
+        ahead[v] = inverse[v] * rest[v];
+      }
+      const double next = dot(rest, ahead);
+      for (std::size_t v = 0; v < n; ++v) along[v] = ahead[v] + next / size * along[v];
+      size = next;
+    }
+    return x;
+  }
+
+ private:
+  void multiply(const std::vector<Mat4>& damped, const std::vector<Vec4>& x, std::vector<Vec4>& product) const {
+    for (std::size_t v = 0; v < x.size(); ++v) product[v] = damped[v] * x[v];
+    for (std::size_t e = 0; e < pairs_.size(); ++e) {
+      const Envelope::Corners c = envelope_.corners(e);
+      for (std::size_t k = 0; k < 2; ++k)
+        for (std::size_t l = k + 1; l < 3 && c[l] != kNone; ++l) {
+          product[c[k]] += pairs_[e][k + l - 1] * x[c[l]];
+          product[c[l]] += pairs_[e][k + l - 1] * x[c[k]];
+        }
+    }
+  }
+
+  const Envelope& envelope_;
+  std::vector<Mat4> diagonal_;
+  std::vector<Vec4> right_;
+  std::vector<std::array<Mat4, 3>> pairs_;  // per element: of its corners 0 and 1, 0 and 2, 1 and 2
+};
+
+}  // namespace
+
+void fit(MedialAxis& mesh, const BoundaryPoints& boundary, int rounds, Context* context) {
+  Envelope envelope(mesh, EnvelopeKind::full, context);
+  Feet feet = feet_of(envelope, boundary, context);
+  double sum = sum_of_squares(feet, boundary), damping = kFirstDamping;
+  for (int round = 0; round < rounds && sum > 0; ++round) {
+    NormalEquations equations(envelope, mesh.points.size());
+    for (std::size_t i = 0; i < feet.size(); ++i) equations.add(boundary.points[i], boundary.areas[i], feet[i]);
+    const std::vector<Vec4> moves = equations.solve(damping);
+    MedialAxis moved = mesh;
+    for (std::size_t v = 0; v < moves.size(); ++v) {
+      if (!moves[v].allFinite()) continue;
+      moved.points[v] += moves[v].head<3>();
+      moved.radius[v] = std::max(moved.radius[v] + moves[v][3], 0.0);
+    }
+    const Envelope there(moved, EnvelopeKind::full, context);
+    Feet new_feet = feet_of(there, boundary, context);
+    const double new_sum = sum_of_squares(new_feet, boundary);
+    if (!(new_sum < sum)) {
+      damping *= 10;
+      continue;
+    }
+    const bool still = new_sum > (1 - kStill) * sum;
+    mesh = std::move(moved);
+    envelope = there;
+    feet = std::move(new_feet);
+    sum = new_sum;
+    damping = std::max(damping / 3, kLeastDamping);
+    if (still) break;
+  }
+}
+
+std::vector<Quadric> boundary_quadrics(const MedialAxis& mesh, const BoundaryPoints& boundary, Context* context) {
+  const Envelope envelope(mesh, EnvelopeKind::full, context);
+  const Feet feet = feet_of(envelope, boundary, context);
+  std::vector<Quadric> quadrics(mesh.points.size());
+  for (std::size_t i = 0; i < feet.size(); ++i) {
+    Vec4 n;
+    if (!plane_normal(boundary.points[i], feet[i], n)) continue;
+    const Envelope::Corners corners = envelope.corners(feet[i].element);
+    for (std::size_t k = 0; k < 3; ++k)
+      if (feet[i].weight[k] > 0)
+        quadrics[corners[k]].add_plane(n, ball_of(boundary.points[i], 0), boundary.areas[i] * feet[i].weight[k]);
+  }
+  return quadrics;
 }
 
 }  // namespace quench::simplification

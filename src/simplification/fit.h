@@ -1,17 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <span>
 #include <vector>
 
 #include "quench/simplify.h"
-#include "simplification/primitive_tree.h"
+#include "simplification/quadric.h"
 
 namespace quench::simplification {
 
-/// Moves balls so that the envelope of the primitives runs through the boundary points. `rounds` of Gauss and Newton's
-/// method; a round that makes the sum of squares larger is taken back and damped more. Returns that sum.
-double fit(std::vector<Vec4>& balls, std::span<const Primitive> primitives, const BoundaryPoints& boundary, int rounds,
-           Context* context);
+/// Moves the balls of a medial mesh so that its envelope runs through the boundary points: rounds of Gauss and Newton's
+/// method, damped (Levenberg 1944). A round that makes the sum of squared distances larger is taken back and damped
+/// more.
+void fit(MedialAxis& mesh, const BoundaryPoints& boundary, int rounds, Context* context);
+
+/// Per vertex of a medial mesh the quadric of the planes at the boundary points that the cells around it reach.
+std::vector<Quadric> boundary_quadrics(const MedialAxis& mesh, const BoundaryPoints& boundary, Context* context);
 
 }  // namespace quench::simplification

@@ -12,8 +12,8 @@ using Mat4 = Eigen::Matrix4d;
 
 inline Vec4 ball_of(const Vec3& centre, double radius) { return {centre[0], centre[1], centre[2], radius}; }
 
-/// The sum of squared distances of a ball m from planes it should touch: m.A m - 2 b.m + c (Thiery et al. 2013). A plane
-/// through p with the outward normal n is at n.(p - centre) - radius from it.
+/// The sum of squared distances of a ball m from planes it should touch: m.A m - 2 b.m + c (Thiery et al. 2013). A
+/// plane through p with the outward normal n is at n.(p - centre) - radius from it.
 struct Quadric {
   Mat4 a = Mat4::Zero();
   Vec4 b = Vec4::Zero();
@@ -27,6 +27,14 @@ struct Quadric {
     b += w * d * normal;
     c += w * d * d;
     weight += w;
+  }
+  /// Many planes through one ball: w times the sum of n n^T; `count` is that of their weights.
+  void add(const Mat4& sum, const Vec4& through, double w, double count) {
+    const Vec4 product = sum * through;
+    a += w * sum;
+    b += w * product;
+    c += w * through.dot(product);
+    weight += w * count;
   }
   Quadric& operator+=(const Quadric& other) {
     a += other.a;
