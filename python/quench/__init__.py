@@ -12,9 +12,10 @@ from ._axis import MedialAxis, medial_axis, read
 from ._common import Certificate, Topology
 from ._core import Error, UsageError, __version__
 from ._inputs import Mesh, Volume, sample, samples, voxelize
+from ._parts import Parts, SheetMesh
 from ._skeleton import Curves, Graph, Sheets, Skeleton, skeletonize
 from ._tree import Tree, read_tree, tree
 
-__all__ = ['Certificate', 'Curves', 'Error', 'Graph', 'MedialAxis', 'Mesh', 'Sheets', 'Skeleton', 'Topology', 'Tree',
-           'UsageError', 'Volume', '__version__', 'medial_axis', 'read', 'read_tree', 'sample', 'samples', 'skeletonize',
+__all__ = ['Certificate', 'Curves', 'Error', 'Graph', 'MedialAxis', 'Mesh', 'Parts', 'SheetMesh', 'Sheets', 'Skeleton',
+           'Topology', 'Tree', 'UsageError', 'Volume', '__version__', 'medial_axis', 'read', 'read_tree', 'sample', 'samples', 'skeletonize',
            'tree', 'voxelize']

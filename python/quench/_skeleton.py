@@ -13,6 +13,7 @@ from ._common import (Certificate, Length, Path, Progress, Spacing, Topology, ca
                       is_path, length, length_or_auto, pruning_of, spacing_of, whole)
 from ._complex import Complex
 from ._inputs import Volume, image_array, label_of, read_file
+from ._parts import Parts
 
 if TYPE_CHECKING:
     from ._axis import MedialAxis
@@ -287,6 +288,32 @@ class Skeleton(Complex):
         True
         """
         return self._graph.branches
+
+    def parts(self, *, remesh: Optional[Length] = None, threads: Optional[int] = None,
+              progress: Optional[Progress] = None) -> Parts:
+        """Sheets, seams and junctions with what is measured of them, and each sheet as a mesh.
+
+        Parameters
+        ----------
+        remesh : length, optional
+            Triangles with sides about this long; None: the polygons of the skeleton, in triangles.
+
+        Examples
+        --------
+        >>> import numpy as np, quench
+        >>> plate = np.zeros((50, 40, 14), bool)
+        >>> plate[4:-4, 4:-4, 4:-4] = True
+        >>> parts = quench.medial_axis(plate).skeleton().parts(remesh='3vox')
+        >>> parts
+        Parts: 1 sheet, 0 seams, 0 junctions
+        >>> mesh = parts.meshes[0]
+        >>> bool(6 <= np.median(mesh.thickness) <= 7.5)
+        True
+        """
+        self._no_image('parts()', 'branches()')
+        wanted = None if remesh is None else length(remesh, 'remesh')
+        with self._calling(threads, progress) as call:
+            return Parts(_core.parts_of(self._core, wanted, *call))
 
     def to_networkx(self) -> Any:
         """A ``networkx.MultiGraph`` of ends, junctions and branches: ``graph().to_networkx()``."""

@@ -11,6 +11,7 @@ PYBIND11_MODULE(_core, m) {
   bind_shapes(m);
   bind_axes(m);
   bind_skeletons(m);
+  bind_parts(m);
   bind_trees(m);
   bind_labels(m);
   bind_pages(m);

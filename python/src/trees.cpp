@@ -113,7 +113,8 @@ TreePointer read_tree(const std::string& file, const TreeHow& how, const py::obj
   });
 }
 
-/// Rows (name, unit, meaning, values).
+}  // namespace
+
 py::list columns_of(const Table& table) {
   py::list result;
   for (const Table::Column& column : table.columns) {
@@ -129,6 +130,8 @@ py::list columns_of(const Table& table) {
   }
   return result;
 }
+
+namespace {
 
 Table table_named(const TreeValue& t, const std::string& name) {
   const Traits& traits = t.run.traits;

@@ -12,6 +12,7 @@
 #include "arrays.h"
 #include "quench/pipeline.h"
 #include "quench/shape.h"
+#include "quench/table.h"
 #include "quench/verify.h"
 #include "run.h"
 
@@ -96,9 +97,13 @@ VerifyOptions verify_options(const Shape& shape, std::size_t samples);
 /// Rows (name, passed, detail).
 py::list checks_of(const Certificate& certificate);
 
+/// A table as rows (name, unit, meaning, values), a column each.
+py::list columns_of(const Table& table);
+
 void bind_shapes(py::module_& m);
 void bind_axes(py::module_& m);
 void bind_skeletons(py::module_& m);
+void bind_parts(py::module_& m);
 void bind_trees(py::module_& m);
 void bind_labels(py::module_& m);
 void bind_pages(py::module_& m);

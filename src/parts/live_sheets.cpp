@@ -161,22 +161,48 @@ bool LiveSheets::keeps_topology(std::uint32_t gone, std::uint32_t kept, bool bor
   return true;
 }
 
+// Whether the triangles at a vertex, but for those of the edge to `but`, stay the way they look, no slivers and small.
+bool LiveSheets::may_move(std::uint32_t v, std::uint32_t but, const Vec3& to, double longest) const {
+  constexpr double kTurn = 0.5;  // cosine: triangles turn by less than 60 degrees
+  for (const std::uint32_t t : triangles_at_[v]) {
+    if (std::ranges::count(triangles_[t], but) > 0) continue;
+    const Vec3 before = area(t), behind = area_with(t, v, to);
+    if (!(before.dot(behind) > kTurn * before.norm() * behind.norm())) return false;
+    if (quality_with(t, v, to) < std::min(0.2, 0.5 * quality_with(t, v, at(v)))) return false;
+    for (const std::uint32_t other : triangles_[t])
+      if (other != v && (at(other) - to).norm() > longest) return false;
+  }
+  return true;
+}
+
+void LiveSheets::place_on_line(std::uint32_t v, double along) {
+  for (Link& l : links_[v]) {
+    l.at = along;
+    for (Link& back : links_[l.to])
+      if (back.to == v) back.to_at = along;
+  }
+}
+
+bool LiveSheets::collapse(std::uint32_t gone, std::uint32_t kept, double longest, const SheetPoint& place,
+                          double along) {
+  if (kind_[gone] != kind_[kept] || kind_[kept] == Kind::fixed) return false;
+  if (!may_move(kept, gone, place.point, longest)) return false;
+  const SheetPoint before = points_[kept];
+  points_[kept] = place;
+  if (!collapse(gone, kept, longest)) {
+    points_[kept] = before;
+    return false;
+  }
+  if (kind_[kept] == Kind::border) place_on_line(kept, along);
+  return true;
+}
+
 bool LiveSheets::collapse(std::uint32_t gone, std::uint32_t kept, double longest) {
   if (kind_[gone] == Kind::fixed) return false;
   const Link* border = link(gone, kept);
   if (kind_[gone] == Kind::border && !border) return false;
   find_triangles(gone, kept, found_);
-  if (found_.empty() || !keeps_topology(gone, kept, border)) return false;
-  constexpr double kTurn = 0.5;  // cosine: triangles turn by less than 60 degrees
-  const Vec3& to = at(kept);
-  for (const std::uint32_t t : triangles_at_[gone]) {
-    if (std::ranges::count(triangles_[t], kept) > 0) continue;
-    const Vec3 before = area(t), behind = area_with(t, gone, to);
-    if (!(before.dot(behind) > kTurn * before.norm() * behind.norm())) return false;
-    if (quality_with(t, gone, to) < std::min(0.2, 0.5 * quality_with(t, gone, at(gone)))) return false;
-    for (const std::uint32_t v : triangles_[t])
-      if (v != gone && (at(v) - to).norm() > longest) return false;
-  }
+  if (found_.empty() || !keeps_topology(gone, kept, border) || !may_move(gone, kept, at(kept), longest)) return false;
   if (border) {
     Link beyond{};  // the other neighbour of `gone` on the line
     for (const Link& l : links_[gone])
@@ -240,17 +266,18 @@ bool LiveSheets::move(std::uint32_t v, const SheetPoint& to, double along) {
   }
   if (worst_then < std::min(worst, 0.3)) return false;
   points_[v] = to;
-  for (Link& l : links_[v]) {
-    l.at = along;
-    for (Link& back : links_[l.to])
-      if (back.to == v) back.to_at = along;
-  }
+  place_on_line(v, along);
   return true;
 }
 
 LiveSheets::OnLine LiveSheets::on_line(std::uint32_t v) const {
   const Link &first = links_[v][0], &second = links_[v][1];
   return {first.line, first.at, first.to_at, second.to_at};
+}
+
+LiveSheets::OnLine LiveSheets::middle(std::uint32_t a, std::uint32_t b) const {
+  const Link* l = link(a, b);
+  return l ? OnLine{l->line, 0.5 * (l->at + l->to_at), l->at, l->to_at} : OnLine{};
 }
 
 std::vector<LiveSheets::LiveEdge> LiveSheets::edges(double least, double most) const {

@@ -19,10 +19,12 @@ class LiveSheets {
 
   /// Halves an edge: a border in the middle of its way along the line, else at `place`. The new vertex.
   std::uint32_t split(std::uint32_t a, std::uint32_t b, const SheetPoint& place);
-  /// Moves `gone` to `kept` along their edge, and takes away what has no area then. False, and nothing is done, where
+  /// Makes `gone` and `kept` one vertex along their edge, and takes away what has no area then: at the place of `kept`
+  /// or, where both may move, at `place` (of a border: at `along` on its line). False, and nothing is done, where
   /// `gone` may not go there, where the topology would change, where a triangle would turn over, or where an edge would
   /// become longer than `longest`.
   bool collapse(std::uint32_t gone, std::uint32_t kept, double longest);
+  bool collapse(std::uint32_t gone, std::uint32_t kept, double longest, const SheetPoint& place, double along);
   /// Turns an edge between two triangles, where they are nearly in a plane and that makes the larger of its opposite
   /// angles smaller.
   bool flip(std::uint32_t a, std::uint32_t b);
@@ -47,6 +49,8 @@ class LiveSheets {
     double at = 0, before = 0, behind = 0;
   };
   OnLine on_line(std::uint32_t v) const;
+  /// Of the middle of a border edge: its line and place.
+  OnLine middle(std::uint32_t a, std::uint32_t b) const;
 
   struct LiveEdge {
     double length;
@@ -65,6 +69,7 @@ class LiveSheets {
     double at, to_at;
   };
   const Link* link(std::uint32_t a, std::uint32_t b) const;
+  void place_on_line(std::uint32_t v, double along);
   bool has_edge(std::uint32_t a, std::uint32_t b) const;
   bool has_triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c) const;
   void find_triangles(std::uint32_t a, std::uint32_t b, std::vector<std::uint32_t>& found) const;
@@ -72,6 +77,7 @@ class LiveSheets {
   Vec3 area(std::uint32_t t) const;
   Vec3 area_with(std::uint32_t t, std::uint32_t v, const Vec3& to) const;
   double quality_with(std::uint32_t t, std::uint32_t v, const Vec3& to) const;
+  bool may_move(std::uint32_t v, std::uint32_t but, const Vec3& to, double longest) const;
   bool keeps_topology(std::uint32_t gone, std::uint32_t kept, bool border);
   void mark(std::uint32_t around);
   void detach(std::uint32_t t, std::uint32_t v);

@@ -207,6 +207,12 @@ class PartsMeasurer {
     for (const std::uint32_t f : faces_at_[e])
       at_edge_.push_back(static_cast<std::uint32_t>(parts_.structure.face_sheet[f]));
     std::ranges::sort(at_edge_);
+    if (at_edge_ != last_) {
+      for (std::size_t i = 0; i < at_edge_.size(); ++i)
+        for (std::size_t j = 0; j < at_edge_.size(); ++j)
+          if (j != i) parts_.sheets[at_edge_[i]].neighbours.push_back(at_edge_[j]);
+      last_ = at_edge_;
+    }
     if (at_edge_ == seam.sheets) return;
     merged_.clear();
     std::ranges::set_union(seam.sheets, at_edge_, std::back_inserter(merged_));
@@ -242,11 +248,9 @@ class PartsMeasurer {
   void find_neighbours() {
     for (std::uint32_t s = 0; s < parts_.seams.size(); ++s) {
       const std::vector<std::uint32_t>& meet = parts_.seams[s].sheets;
-      for (std::size_t i = 0; i < meet.size(); ++i) {
-        std::vector<std::uint32_t>& seams = parts_.sheets[meet[i]].seams;
+      for (const std::uint32_t sheet : meet) {
+        std::vector<std::uint32_t>& seams = parts_.sheets[sheet].seams;
         if (seams.empty() || seams.back() != s) seams.push_back(s);
-        for (std::size_t j = 0; j < meet.size(); ++j)
-          if (j != i) parts_.sheets[meet[i]].neighbours.push_back(meet[j]);
       }
     }
     for (Sheet& sheet : parts_.sheets) sort_unique(sheet.neighbours);
@@ -260,7 +264,7 @@ class PartsMeasurer {
   std::vector<Vec3> points_;       // and the middles of faces
   std::vector<double> thickness_;  // the same
   base::Csr<std::uint32_t> triangles_of_, faces_at_;
-  std::vector<std::uint32_t> at_edge_, merged_;
+  std::vector<std::uint32_t> at_edge_, last_, merged_;
 };
 
 }  // namespace

@@ -133,11 +133,23 @@ class Remesher {
       for (const LiveSheets::LiveEdge& edge : live_.edges(0, shortest())) {
         if (!live_.alive(edge.a) || !live_.alive(edge.b) || !live_.adjacent(edge.a, edge.b)) continue;
         if (live_.length(edge.a, edge.b) > shortest()) continue;
-        done += live_.collapse(edge.a, edge.b, longest()) || live_.collapse(edge.b, edge.a, longest());
+        done += collapse_to_middle(edge.a, edge.b) || live_.collapse(edge.a, edge.b, longest()) ||
+                live_.collapse(edge.b, edge.a, longest());
       }
       if (done == 0) return;
       if (context_ && context_->cancelled()) throw Error(ErrorCode::cancelled, "cancelled");
     }
+  }
+
+  bool collapse_to_middle(std::uint32_t a, std::uint32_t b) {
+    const LiveSheets::Kind kind = live_.kind(a);
+    if (kind != live_.kind(b) || kind == LiveSheets::Kind::fixed) return false;
+    if (kind == LiveSheets::Kind::inner)
+      return live_.collapse(a, b, longest(), old_.nearest(live_.sheet_of(a), 0.5 * (live_.at(a) + live_.at(b))), 0);
+    const LiveSheets::OnLine middle = live_.middle(a, b);
+    if (middle.line < 0) return false;
+    return live_.collapse(a, b, longest(), lines_.lines[static_cast<std::size_t>(middle.line)].place(middle.at),
+                          middle.at);
   }
 
   void flip_all() {
