@@ -43,6 +43,7 @@ Action add_verify(CLI::App& app);
 Action add_run(CLI::App& app);
 Action add_tree(CLI::App& app);
 Action add_parts(CLI::App& app);
+Action add_thickness(CLI::App& app);
 Action add_view(CLI::App& app);
 Action add_batch(CLI::App& app);
 

@@ -7,6 +7,7 @@
 #include <functional>
 #include <iosfwd>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -34,6 +35,7 @@
 ///   .h5 .hdf5 .hdf .ims (libhdf5), also .h5:/path/to/dataset           x
 ///   DICOM, a file or a folder (GDCM)                                   x
 ///   .nrrd (gzip), .zarr (a folder: OME-Zarr 0.4)                                  x
+///   .nrrd .nii .nii.gz .tif .npy of numbers (write_values())                      x
 ///
 /// Polygons of the plane (.geojson .json .geojsonl .geojsons .ndjson .wkt .svg) are read by the functions of
 /// quench/polygons.h; lines of the plane are written in these formats by those of quench/graph.h.
@@ -49,7 +51,8 @@ namespace quench::io {
 
 enum class Kind { surface, volume, polygons, unknown };
 
-/// By extension, for a folder by its content. Only files whose extension says nothing are opened, for the mark of DICOM.
+/// By extension, for a folder by its content. Only files whose extension says nothing are opened, for the mark of
+/// DICOM.
 Kind kind_of(const std::filesystem::path& file);
 
 /// What is on the disk under the name of an input: where there is no such file, the part of the name before a colon, as
@@ -103,6 +106,19 @@ Volume read_volume(const std::filesystem::path& file, const VolumeReadOptions& o
 /// `.zarr` what write_zarr() writes, axes that go down turned round with their voxels.
 void write_volume(const std::filesystem::path& file, const VoxelShape& shape, const Coordinates& coordinates = {},
                   Context* context = nullptr);
+
+/// Takes the slices of a volume in ascending order of z: dims[0] * dims[1] numbers each, x fastest.
+using VolumeSlices = std::function<void(const std::function<void(std::span<const float> slice)>& take)>;
+
+/// Numbers of single precision on a grid, one slice after the other, which `slices` hands over all: NRRD (gzip),
+/// NIfTI-1 (also gzip; its coordinates grow to the right and front, those of `grid` to the left and back), TIFF (a page
+/// per slice, with the description of ImageJ; BigTIFF above 4 GB), NPY (x is the first axis of three, the second of
+/// two). TIFF has no origin and no direction, NPY no spacing either. Atomically. Throws Error(usage) for another
+/// extension.
+void write_values(const std::filesystem::path& file, const Grid& grid, const VolumeSlices& slices,
+                  const Coordinates& coordinates = {}, Context* context = nullptr);
+/// Throws Error(usage) for an extension that write_values() does not take.
+void check_value_format(const std::filesystem::path& file);
 
 /// Side of the chunks of a Zarr volume.
 inline constexpr std::int64_t kZarrSide = 128;

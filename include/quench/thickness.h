@@ -104,20 +104,17 @@ struct SurfaceThicknessOptions {
 /// Thickness at points of the boundary.
 struct SurfaceThickness {
   std::vector<double> thickness;    ///< per point, world units
-  std::vector<Vec3> across;         ///< per point: where the same ball touches the boundary on the other side
+  std::vector<Vec3> across;         ///< per point: where the same ball touches the boundary on the other side;
+                                    ///< empty without a surface
   std::vector<std::uint32_t> ball;  ///< per point: the vertex of the axis whose ball it is; kNone: there is none
   std::size_t near = 0;             ///< points that no ball touches, which have the thickness of the nearest ball
 };
 
 /// At each point the diameter of the largest ball of a vertex of `axis` that is at most `tolerance` away from the point
 /// or contains it; where there is none that of the ball the point is least outside of. The point across is the point
-/// of `surface` nearest to the end of the diameter that begins at the point. O(n log n) in practice, on all threads.
-/// Throws Error(usage) for an axis without vertices.
-SurfaceThickness surface_thickness(std::span<const Vec3> points, const Surface& surface, const MedialAxis& axis,
-                                   const SurfaceThicknessOptions& options, Context* context = nullptr);
-
-/// The same without points across, which are the points themselves: no surface is needed.
-SurfaceThickness surface_thickness(std::span<const Vec3> points, const MedialAxis& axis,
+/// of `surface` (which may be null) nearest to the end of the diameter that begins at the point. O(n log n) in
+/// practice, on all threads. Throws Error(usage) for an axis without vertices.
+SurfaceThickness surface_thickness(std::span<const Vec3> points, const Surface* surface, const MedialAxis& axis,
                                    const SurfaceThicknessOptions& options, Context* context = nullptr);
 
 /// The thickness 2 r + 2 `correction` of the sheets of an axis, weighted by area: of each triangle of a fan over a face

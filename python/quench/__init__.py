@@ -14,8 +14,9 @@ from ._core import Error, UsageError, __version__
 from ._inputs import Mesh, Volume, sample, samples, voxelize
 from ._parts import Parts, SheetMesh
 from ._skeleton import Curves, Graph, Sheets, Skeleton, skeletonize
+from ._thickness import SurfaceThickness, local_thickness, surface_thickness
 from ._tree import Tree, read_tree, tree
 
-__all__ = ['Certificate', 'Curves', 'Error', 'Graph', 'MedialAxis', 'Mesh', 'Parts', 'SheetMesh', 'Sheets', 'Skeleton',
-           'Topology', 'Tree', 'UsageError', 'Volume', '__version__', 'medial_axis', 'read', 'read_tree', 'sample', 'samples', 'skeletonize',
-           'tree', 'voxelize']
+__all__ = ['Certificate', 'Curves', 'Error', 'Graph', 'MedialAxis', 'Mesh', 'Parts', 'SheetMesh', 'Sheets', 'Skeleton', 'SurfaceThickness',
+           'Topology', 'Tree', 'UsageError', 'Volume', '__version__', 'local_thickness', 'medial_axis', 'read', 'read_tree',
+           'sample', 'samples', 'skeletonize', 'surface_thickness', 'tree', 'voxelize']

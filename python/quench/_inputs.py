@@ -267,6 +267,7 @@ class Cut:
     close: int = 0
     connectivity: int = 6
     keep_values: bool = False  # for bridges of trees
+    keep_mesh: bool = False  # for thickness at its vertices
 
     def options(self, dimension: Optional[int] = None) -> '_core.ShapeOptions':
         """As the core takes them; `dimension`: of the image, where it is known."""
@@ -296,6 +297,7 @@ class Cut:
             resolution=0 if self.resolution == 'auto' else min(whole(self.resolution, 'resolution', 1), 2**30),
             fill=self.fill, topology=self.topology, surface=self.surface)
         options.keep_values = self.keep_values
+        options.keep_mesh = self.keep_mesh
         return options
 
     def for_images(self) -> bool:

@@ -417,6 +417,6 @@ def _no_shape(shape: Dict[str, Any], what: str) -> None:
 def _known(shape: Dict[str, Any]) -> Dict[str, Any]:
     """The keyword arguments of a shape; refuses others as Python does."""
     for name in shape:
-        if name not in Cut.__dataclass_fields__ or name == 'keep_values':
+        if name not in Cut.__dataclass_fields__ or name in ('keep_values', 'keep_mesh'):
             raise TypeError(f'tree() got an unexpected keyword argument {name!r}')
     return shape

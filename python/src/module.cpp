@@ -14,6 +14,7 @@ PYBIND11_MODULE(_core, m) {
   bind_parts(m);
   bind_trees(m);
   bind_labels(m);
+  bind_thickness(m);
   bind_pages(m);
   m.attr("__version__") = QUENCH_VERSION;
 }

@@ -175,7 +175,8 @@ void bind_shapes(py::module_& m) {
            py::arg("spacing"), py::arg("resolution"), py::arg("fill"), py::arg("topology"), py::arg("surface"),
            py::arg("seed_threshold"), py::arg("rule"), py::arg("interpolate"), py::arg("median"), py::arg("blur"),
            py::arg("close"), py::arg("connectivity"))
-      .def_readwrite("keep_values", &pipeline::ShapeOptions::keep_values);
+      .def_readwrite("keep_values", &pipeline::ShapeOptions::keep_values)
+      .def_readwrite("keep_mesh", &pipeline::ShapeOptions::keep_mesh);
   py::class_<Shape, std::shared_ptr<Shape>>(m, "Shape")
       .def_property_readonly("dims", [](const Shape& s) { return sides_of(s.image); })
       .def_property_readonly("spacing", [](const Shape& s) { return triple(s.shape.grid().spacing); })

@@ -106,6 +106,7 @@ void bind_skeletons(py::module_& m);
 void bind_parts(py::module_& m);
 void bind_trees(py::module_& m);
 void bind_labels(py::module_& m);
+void bind_thickness(py::module_& m);
 void bind_pages(py::module_& m);
 
 }  // namespace quench::python

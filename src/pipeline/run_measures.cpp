@@ -58,7 +58,7 @@ RunThickness thickness_of(const LoadedShape& shape, const MedialAxis& axis, cons
   thickness.sheets = sheet_thickness(axis_of_skeleton(skeleton, axis.grid), thickness.correction);
   const std::vector<Vec3> centres = centres_in(shape.shape);
   const SurfaceThickness found =
-      surface_thickness(centres, axis, {.tolerance = 0, .correction = thickness.correction}, context);
+      surface_thickness(centres, nullptr, axis, {.tolerance = 0, .correction = thickness.correction}, context);
   const double largest = found.thickness.empty() ? 0 : *std::ranges::max_element(found.thickness);
   thickness.shape = ThicknessDistribution(automatic_bin_width(shape.shape.grid(), largest));
   for (const double t : found.thickness) thickness.shape.add(t);
@@ -69,7 +69,7 @@ void PageBuilder::add_thickness(const MedialAxis& axis, Context* context) {
   if (page.plane || !page.find("shape/points") || axis.points.empty()) return;
   const std::vector<Vec3> points = surface_points(page);
   const SurfaceThickness found =
-      surface_thickness(points, axis, {.tolerance = page.voxel, .correction = thickness_correction(axis)}, context);
+      surface_thickness(points, nullptr, axis, {.tolerance = page.voxel, .correction = thickness_correction(axis)}, context);
   add_surface_measure(page, "thickness", found.thickness);
 }
 

@@ -6,13 +6,8 @@
 
 #include "thickness/pencils.h"
 
-#ifndef QUENCH_FOR_NEWER_PROCESSORS
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && \
-    !defined(__SANITIZE_THREAD__)
-#define QUENCH_FOR_NEWER_PROCESSORS __attribute__((target_clones("arch=x86-64-v3", "default")))
-#else
-#define QUENCH_FOR_NEWER_PROCESSORS
-#endif
+#ifdef __SSE2__
+#include <emmintrin.h>
 #endif
 
 namespace quench::thickness {
@@ -44,17 +39,37 @@ struct Cut {
   float low_at = -1e9f, low_along = 0, high_at = 1e9f, high_along = 0;
 };
 
-// Voxels [low, high) of `count` rows.
-QUENCH_FOR_NEWER_PROCESSORS
-void cut_intervals(const Cut& cut, int count, int* low, int* high) {
-  for (int i = 0; i < count; ++i) {
+// Voxels [low, high) of eight rows.
+void cut_intervals(const Cut& cut, int* low, int* high) {
+#ifdef __SSE2__  // compilers must think of errno, and leave roots in a loop alone
+  const auto all = [](float x) { return _mm_set1_ps(x); };
+  const __m128 none = _mm_setzero_ps(), most = all(64);
+  for (int i = 0; i < 8; i += 4) {
+    const __m128 number = _mm_add_ps(_mm_set_ps(3, 2, 1, 0), all(static_cast<float>(i)));
+    const __m128 y = _mm_add_ps(all(cut.from), _mm_mul_ps(all(cut.step), number));
+    const __m128 rest = _mm_sub_ps(all(cut.squared), _mm_mul_ps(y, y));
+    const __m128 half = _mm_mul_ps(_mm_sqrt_ps(_mm_max_ps(rest, none)), all(cut.per_step));
+    const __m128 a =
+        _mm_max_ps(_mm_sub_ps(all(cut.low), half), _mm_add_ps(all(cut.low_at), _mm_mul_ps(all(cut.low_along), y)));
+    const __m128 b =
+        _mm_min_ps(_mm_add_ps(all(cut.high), half), _mm_add_ps(all(cut.high_at), _mm_mul_ps(all(cut.high_along), y)));
+    const __m128 inside = _mm_cmpge_ps(rest, none);
+    const auto store = [&](int* to, __m128 x) {
+      _mm_store_si128(reinterpret_cast<__m128i*>(to + i), _mm_cvttps_epi32(_mm_min_ps(_mm_max_ps(x, none), most)));
+    };
+    store(low, a);
+    store(high, _mm_and_ps(b, inside));
+  }
+#else
+  for (int i = 0; i < 8; ++i) {
     const float y = cut.from + cut.step * static_cast<float>(i), rest = cut.squared - y * y;
-    const float half = std::sqrt(rest > 0 ? rest : 0) * cut.per_step;
+    const float half = std::sqrt(std::max(rest, 0.0f)) * cut.per_step;
     const float a = std::max(cut.low - half, cut.low_at + cut.low_along * y);
     const float b = std::min(cut.high + half, cut.high_at + cut.high_along * y);
     low[i] = static_cast<int>(std::min(std::max(a, 0.0f), 64.0f));
-    high[i] = rest < 0 ? 0 : static_cast<int>(std::min(std::max(b, 0.0f), 64.0f));
+    high[i] = static_cast<int>(std::min(std::max(rest < 0 ? 0.0f : b, 0.0f), 64.0f));
   }
+#endif
 }
 
 }  // namespace
@@ -132,8 +147,8 @@ void BrickRadii::complete(View& view) const {
   view.slack = 1e-6 * (std::abs(view.lune.h) + 2 * lower.radius) * std::abs(view.per_n) + kIntervalSlack;
 }
 
-// The voxels [low, high) of the rows [first, last) of slice z, or some more.
-void BrickRadii::cut_rows(const View& view, int z, int first, int last, Rows& rows) const {
+// The voxels [low, high) of the rows of slice z from `first` on, or some more.
+void BrickRadii::cut_rows(const View& view, int z, int first, Rows& rows) const {
   const Ball& lower = *view.lower;
   const Vec3& n = view.lune.n;
   const double dz = static_cast<double>(brick_.begin[2] + z) * spacing_[2] - lower.centre[2];
@@ -156,7 +171,7 @@ void BrickRadii::cut_rows(const View& view, int z, int first, int last, Rows& ro
       cut.high_along = static_cast<float>(along);
     }
   }
-  cut_intervals(cut, last - first, rows.low.data(), rows.high.data());
+  cut_intervals(cut, rows.low.data(), rows.high.data());
 }
 
 // Some voxels of a row, as bits.
@@ -225,9 +240,9 @@ bool BrickRadii::take(const Pencil& pencil) {
       if (!(blocks_[k][j].open & view.range) || !(open_in(j, k) & view.range)) continue;
       if (!completed) complete(view);
       completed = true;
-      cut_rows(view, z, first, end, cut);
+      cut_rows(view, z, static_cast<int>(j * kBlock), cut);
       for (int row = first; row < end; ++row) {
-        const auto i = static_cast<std::size_t>(row - first);
+        const auto i = static_cast<std::size_t>(row) % kBlock;
         std::uint64_t& open = open_[static_cast<std::size_t>(z)][static_cast<std::size_t>(row)];
         const std::uint64_t left =
             open & ~kBelow[static_cast<std::size_t>(cut.low[i])] & kBelow[static_cast<std::size_t>(cut.high[i])];

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "base/parallel.h"
+#include "base/prefetch.h"
 #include "quench/error.h"
 #include "thickness/pencils.h"
 
@@ -54,9 +55,11 @@ class SlabWorker {
       voxels[b] = desk.radii.begin(brick, shape_, options_.mask);
       if (voxels[b] == 0) return;
       sort_by_upper(std::span(members.items).subspan(members.begin[b], members.begin[b + 1] - members.begin[b]), desk);
-      for (const std::uint64_t entry : desk.entries)
-        if (!desk.radii.take(sweep_.pencils[static_cast<std::uint32_t>(entry)])) break;
-      for (const std::uint32_t p : desk.few) desk.radii.take_few(sweep_.pencils[p]);
+      for (std::size_t i = 0; i < desk.entries.size(); ++i) {
+        if (i + kAhead < desk.entries.size()) prefetch(desk.entries[i + kAhead], desk.entries[i + kAhead / 2]);
+        if (!desk.radii.take(sweep_.pencil(static_cast<std::uint32_t>(desk.entries[i])))) break;
+      }
+      for (const std::uint32_t p : desk.few) desk.radii.take_few(sweep_.pencil(p));
       write(desk.radii, brick);
     });
     for (const std::int64_t count : voxels) report.voxels += count;
@@ -83,12 +86,12 @@ class SlabWorker {
       tbb::parallel_for(std::size_t{0}, sweep_.chunks.size(), [&](std::size_t c) {
         const Sweep::Chunk& chunk = sweep_.chunks[c];
         if (chunk.low >= end || chunk.high <= begin) return;
-        for (std::size_t p = chunk.begin; p < chunk.end; ++p) {
-          const Pencil& pencil = sweep_.pencils[p];
+        for (std::size_t i = 0; i < chunk.pencils.size(); ++i) {
+          const Pencil& pencil = chunk.pencils[i];
           if (pencil.low[2] >= end || pencil.high[2] <= begin) continue;
           for (std::int64_t y = pencil.low[1] / Brick::kSides[1]; y <= (pencil.high[1] - 1) / Brick::kSides[1]; ++y)
             for (std::int64_t x = pencil.low[0] / Brick::kSides[0]; x <= (pencil.high[0] - 1) / Brick::kSides[0]; ++x)
-              visit(static_cast<std::size_t>(y * bricks_[0] + x), static_cast<std::uint32_t>(p));
+              visit(static_cast<std::size_t>(y * bricks_[0] + x), static_cast<std::uint32_t>(c * Sweep::kChunk + i));
         }
       });
     };
@@ -113,7 +116,7 @@ class SlabWorker {
     desk.few.clear();
     std::array<std::array<std::uint32_t, kMask + 2>, 3> counts{};
     for (const std::uint32_t p : items) {
-      const Pencil& pencil = sweep_.pencils[p];
+      const Pencil& pencil = sweep_.pencil(p);
       if (pencil.is_small()) {
         desk.few.push_back(p);
         continue;
@@ -129,6 +132,15 @@ class SlabWorker {
       for (const std::uint64_t entry : desk.entries) desk.other[begin[entry >> (32 + kBits * d) & kMask]++] = entry;
       desk.entries.swap(desk.other);
     }
+  }
+
+  // The pencils of later entries, and the balls of nearer ones.
+  static constexpr std::size_t kAhead = 16;
+  void prefetch(std::uint64_t later, std::uint64_t nearer) const {
+    base::prefetch(&sweep_.pencil(static_cast<std::uint32_t>(later)));
+    const Pencil& pencil = sweep_.pencil(static_cast<std::uint32_t>(nearer));
+    base::prefetch(&sweep_.balls[pencil.upper]);
+    base::prefetch(&sweep_.balls[pencil.lower]);
   }
 
   void write(const BrickRadii& radii, const Brick& brick) {
@@ -182,7 +194,7 @@ ThicknessReport local_thickness(const VoxelShape& shape, const MedialAxis& axis,
     const double width = options.bin_width > 0 ? options.bin_width : automatic_bin_width(grid, largest);
     ThicknessReport report;
     report.distribution = ThicknessDistribution(width);
-    report.items = sweep.pencils.size();
+    for (const Sweep::Chunk& chunk : sweep.chunks) report.items += chunk.pencils.size();
     SlabWorker worker(shape, sweep, options, width);
     for (std::int64_t s = 0; s < worker.slabs(); ++s) {
       worker.work(s, report, context);

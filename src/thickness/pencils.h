@@ -35,12 +35,14 @@ struct Pencil {
 /// The balls of an axis and their pencils, in the order of its vertices and edges.
 struct Sweep {
   struct Chunk {
-    std::size_t begin = 0, end = 0;
-    std::int32_t low = std::numeric_limits<std::int32_t>::max(), high = 0;  ///< slices of all of its pencils
+    std::vector<Pencil> pencils;
+    std::int32_t low = std::numeric_limits<std::int32_t>::max(), high = 0;  ///< slices of all of them
   };
+  static constexpr std::size_t kChunk = 1 << 13;  // the most of a chunk
   std::vector<Ball> balls;
-  std::vector<Pencil> pencils;
-  std::vector<Chunk> chunks;  ///< of pencils: those of a core lie near each other
+  std::vector<Chunk> chunks;  ///< those of a core lie near each other
+
+  const Pencil& pencil(std::uint32_t id) const { return chunks[id / kChunk].pencils[id % kChunk]; }
 };
 
 /// The half-space n . (p - centre of the lower ball) >= h in which the points are that the lower ball holds and the
@@ -86,9 +88,9 @@ class BrickRadii {
   bool see(View& view, const Pencil& pencil) const;
   void complete(View& view) const;
   struct Rows {
-    std::array<int, kBlock> low, high;
+    alignas(32) std::array<int, kBlock> low, high;
   };
-  void cut_rows(const View& view, int z, int first, int last, Rows& rows) const;
+  void cut_rows(const View& view, int z, int first, Rows& rows) const;
   void take_row(const View& view, int y, int z, std::uint64_t left, std::uint64_t& open);
 
   const Sweep& sweep_;

@@ -39,9 +39,10 @@ Vec3 end_of_diameter(const Vec3& p, const axis::BallTree::Ball& ball) {
   return length > 0 ? Vec3(ball.centre + way * (ball.radius / length)) : p;
 }
 
-// `surface` may be null: then there are no points across.
-SurfaceThickness thickness_at(std::span<const Vec3> points, const Surface* surface, const MedialAxis& axis,
-                              const SurfaceThicknessOptions& options, Context* context) {
+}  // namespace
+
+SurfaceThickness surface_thickness(std::span<const Vec3> points, const Surface* surface, const MedialAxis& axis,
+                                   const SurfaceThicknessOptions& options, Context* context) {
   if (axis.points.empty() || axis.radius.size() != axis.points.size())
     throw Error(ErrorCode::usage, "thickness of a surface needs a medial axis with a radius per vertex");
   return base::in_arena(context, [&] {
@@ -51,7 +52,7 @@ SurfaceThickness thickness_at(std::span<const Vec3> points, const Surface* surfa
     const axis::BallTree tree(axis.points, axis.radius, std::move(all));
     SurfaceThickness result;
     result.thickness.resize(points.size());
-    result.across.resize(points.size());
+    if (surface) result.across.resize(points.size());
     result.ball.resize(points.size(), kNone);
     constexpr std::size_t kChunk = 1024;
     const std::size_t chunks = base::chunks_for(points.size(), kChunk);
@@ -60,7 +61,7 @@ SurfaceThickness thickness_at(std::span<const Vec3> points, const Surface* surfa
       const auto [first, last] = base::part_of(points.size(), chunk, chunks);
       for (std::size_t i = first; i < last; ++i) {
         const Vec3& p = points[i];
-        result.across[i] = p;
+        if (surface) result.across[i] = p;
         if (!p.allFinite()) continue;
         std::size_t found = largest_at(tree, p, options.tolerance);
         if (found == tree.size()) {
@@ -78,18 +79,6 @@ SurfaceThickness thickness_at(std::span<const Vec3> points, const Surface* surfa
     result.near = near;
     return result;
   });
-}
-
-}  // namespace
-
-SurfaceThickness surface_thickness(std::span<const Vec3> points, const Surface& surface, const MedialAxis& axis,
-                                   const SurfaceThicknessOptions& options, Context* context) {
-  return thickness_at(points, &surface, axis, options, context);
-}
-
-SurfaceThickness surface_thickness(std::span<const Vec3> points, const MedialAxis& axis,
-                                   const SurfaceThicknessOptions& options, Context* context) {
-  return thickness_at(points, nullptr, axis, options, context);
 }
 
 }  // namespace quench

@@ -10,7 +10,6 @@
 namespace quench::thickness {
 namespace {
 
-constexpr std::size_t kChunk = 1 << 13;
 // Up to which a centre outside of a sphere counts as on it: of the squared radius.
 constexpr double kOnSphere = 2e-9;
 
@@ -80,10 +79,14 @@ Sweep sweep_of(const MedialAxis& axis, const Grid& grid, const VoxelShape::Box& 
     if (is_larger(b, largest[a])) largest[a] = b;
   }
   const std::size_t all = between ? edges.size() + count : count, lone = between ? count : 0;
-  const std::size_t chunks = base::chunks_for(all, kChunk);
-  std::vector<std::vector<Pencil>> found(chunks);
+  const std::size_t chunks = base::chunks_for(all, Sweep::kChunk);
+  if (chunks > std::numeric_limits<std::uint32_t>::max() / Sweep::kChunk)
+    throw Error(ErrorCode::failed, "the medial axis has more than 2^32 edges; use a smaller or coarser input");
+  sweep.chunks.resize(chunks);
   base::for_chunks(chunks, context, "thickness", 0, 0.1, [&](std::size_t chunk) {
     const auto [first, last] = base::part_of(all, chunk, chunks);
+    Sweep::Chunk& found = sweep.chunks[chunk];
+    found.pencils.reserve(last - first);
     for (std::size_t i = first; i < last; ++i) {
       Pencil pencil;
       if (!between || i < lone) {
@@ -95,25 +98,11 @@ Sweep sweep_of(const MedialAxis& axis, const Grid& grid, const VoxelShape::Box& 
         pencil.upper = is_larger(a, b) ? a : b;
         pencil.lower = a + b - pencil.upper;
       }
-      if (set_box(pencil, sweep, grid, box)) found[chunk].push_back(pencil);
+      if (!set_box(pencil, sweep, grid, box)) continue;
+      found.pencils.push_back(pencil);
+      found.low = std::min(found.low, pencil.low[2]);
+      found.high = std::max(found.high, pencil.high[2]);
     }
-  });
-  std::vector<std::size_t> begin(chunks + 1, 0);
-  for (std::size_t c = 0; c < chunks; ++c) begin[c + 1] = begin[c] + found[c].size();
-  if (begin.back() > std::numeric_limits<std::uint32_t>::max())
-    throw Error(ErrorCode::failed, "the medial axis has more than 2^32 edges; use a smaller or coarser input");
-  sweep.pencils.resize(begin.back());
-  sweep.chunks.resize(chunks);
-  tbb::parallel_for(std::size_t{0}, chunks, [&](std::size_t c) {
-    Sweep::Chunk& chunk = sweep.chunks[c];
-    chunk.begin = begin[c];
-    chunk.end = begin[c + 1];
-    for (const Pencil& pencil : found[c]) {
-      chunk.low = std::min(chunk.low, pencil.low[2]);
-      chunk.high = std::max(chunk.high, pencil.high[2]);
-    }
-    std::copy(found[c].begin(), found[c].end(), sweep.pencils.begin() + static_cast<std::ptrdiff_t>(begin[c]));
-    found[c] = {};
   });
   return sweep;
 }

@@ -7,6 +7,7 @@
 #include <ostream>
 #include <vector>
 
+#include "io/volume/nrrd_lines.h"
 #include "io/volume/zarr_writer.h"
 #include "quench/error.h"
 #include "quench/io.h"
@@ -81,24 +82,30 @@ std::string quoted(const std::string& text) {
 
 }  // namespace
 
+std::string nrrd_lines(const Grid& grid, const Coordinates& coordinates, const std::string& type,
+                       const std::string& comment) {
+  const int n = grid.dimension;
+  std::string text = fmt::format("NRRD0004\n# {}\ntype: {}\ndimension: {}\n", comment, type, n);
+  text += grid.is_plane() ? "space dimension: 2\n" : space_line(coordinates.space);
+  text += "sizes:";
+  for (int a = 0; a < n; ++a) text += fmt::format(" {}", grid.dims[static_cast<std::size_t>(a)]);
+  text += "\nspace directions:";
+  for (int a = 0; a < n; ++a) text += ' ' + vector_text(grid.direction.col(a) * grid.spacing[a], n);
+  if (const std::string unit = quoted(coordinates.units); !unit.empty())
+    text += "\nspace units:" + for_each_axis(unit, n);
+  text += "\nkinds:" + for_each_axis("domain", n) + "\nencoding: gzip\n";
+  if (type != "uint8") text += "endian: little\n";
+  text += "space origin: " + vector_text(grid.origin, n) + '\n';
+  if (grid.is_plane()) text += fmt::format("y_axis:={}\n", coordinates.y_down ? "down" : "up");
+  return text + '\n';
+}
+
 void write_volume(const std::filesystem::path& file, const VoxelShape& shape, const Coordinates& coordinates,
                   Context* context) {
   if (is_zarr_name(file)) return write_shape_zarr(file, shape, coordinates, context);
   const Grid& grid = shape.grid();
   write_atomically(file, [&](std::ostream& out) {
-    const int n = grid.dimension;
-    out << "NRRD0004\n# voxel shape: 1 inside, 0 outside\ntype: uint8\n"
-        << fmt::format("dimension: {}\n", n)
-        << (grid.is_plane() ? "space dimension: 2\n" : space_line(coordinates.space)) << "sizes:";
-    for (int a = 0; a < n; ++a) out << ' ' << grid.dims[static_cast<std::size_t>(a)];
-    out << "\nspace directions:";
-    for (int a = 0; a < n; ++a) out << ' ' << vector_text(grid.direction.col(a) * grid.spacing[a], n);
-    if (const std::string unit = quoted(coordinates.units); !unit.empty())
-      out << "\nspace units:" << for_each_axis(unit, n);
-    out << "\nkinds:" << for_each_axis("domain", n) << "\nencoding: gzip\nspace origin: " << vector_text(grid.origin, n)
-        << '\n';
-    if (grid.is_plane()) out << "y_axis:=" << (coordinates.y_down ? "down" : "up") << '\n';
-    out << '\n';
+    out << nrrd_lines(grid, coordinates, "uint8", "voxel shape: 1 inside, 0 outside");
     GzipWriter gzip(out);
     std::vector<unsigned char> row(static_cast<std::size_t>(grid.dims[0]));
     for (std::int64_t z = 0; z < grid.dims[2]; ++z) {
