@@ -9,6 +9,7 @@
 #include "quench/axis.h"
 #include "quench/io.h"
 #include "quench/picture.h"
+#include "quench/simplify.h"
 #include "report.h"
 #include "shape_input.h"
 
@@ -204,6 +205,11 @@ void add_axis(const Options& o, Plan& plan, const std::optional<pipeline::Loaded
     say_burned(burned, loaded.axis.points.size(), session);
   };
   if (shape) builder.add_thickness(loaded.axis, context);
+  if (!loaded.axis.grid.is_plane()) {
+    const bool known = shape && loaded.voxel_core;  // else the surface it is fitted to is not at hand
+    builder.add_meshes(loaded.axis, known ? boundary_points(shape->shape) : boundary_points(loaded.axis), known,
+                       context);
+  }
   take_levels(loaded.axis, loaded.data);  // where they are not known the axis itself is not shown
   const pipeline::AxisRun run = pipeline::run_axis(loaded.axis, std::move(loaded.data), loaded.voxel_core,
                                                    topology(loaded.axis.complex), scale, options, context);

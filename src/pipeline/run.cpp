@@ -105,7 +105,10 @@ RunResult run(LoadedShape& shape, const RunOptions& options, Context* context) {
   result.axis.skeleton.reconstructed = reconstructed_share(shape.shape, result.axis.skeleton.skeleton, context);
   if (options.measures) {
     result.thickness = thickness_of(shape, result.core.axis, result.axis.skeleton.skeleton, context);
-    if (options.page && options.page_sliders) options.page->add_thickness(result.core.axis, context);
+    if (options.page && options.page_sliders) {
+      options.page->add_thickness(result.core.axis, context);
+      add_meshes_of(shape, result.core.axis, *options.page, context);
+    }
   }
   if (options.narrower) {
     const double width = shape.scale().resolve(*options.narrower, "narrower");

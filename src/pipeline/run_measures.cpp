@@ -5,6 +5,7 @@
 #include <random>
 
 #include "quench/error.h"
+#include "quench/simplify.h"
 
 namespace quench::pipeline {
 namespace {
@@ -63,6 +64,13 @@ RunThickness thickness_of(const LoadedShape& shape, const MedialAxis& axis, cons
   thickness.shape = ThicknessDistribution(automatic_bin_width(shape.shape.grid(), largest));
   for (const double t : found.thickness) thickness.shape.add(t);
   return thickness;
+}
+
+void add_meshes_of(const LoadedShape& shape, const MedialAxis& axis, PageBuilder& builder, Context* context) {
+  if (shape.shape.grid().is_plane()) return;
+  const BoundaryPoints boundary =
+      axis.is_fitted() && shape.surface ? boundary_points(*shape.surface) : boundary_points(shape.shape);
+  builder.add_meshes(axis, boundary, true, context);
 }
 
 void PageBuilder::add_thickness(const MedialAxis& axis, Context* context) {
