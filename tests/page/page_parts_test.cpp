@@ -127,7 +127,7 @@ TEST(PageParts, TheSurfaceHasValuesAtItsPoints) {
   const std::vector<double>& back = read["shape/point/thickness"];
   ASSERT_EQ(back.size(), values.size());
   EXPECT_TRUE(std::isnan(back[0]));
-  for (std::size_t i = 1; i < back.size(); ++i) EXPECT_NEAR(back[i], values[i], 1e-3 * std::abs(values[i]) + 1e-3);
+  for (std::size_t i = 1; i < back.size(); ++i) EXPECT_NEAR(back[i], values[i], 2e-3);
 }
 
 TEST(PageParts, PicturesOfTheSurfaceHideTheAxis) {
@@ -139,11 +139,11 @@ TEST(PageParts, PicturesOfTheSurfaceHideTheAxis) {
   const auto drawn = [&](const std::string& state) {
     page.state = state + front;
     const Picture picture = draw_page(page, {300, 200, false, false});
-    return std::array{at(picture, 70, 100), at(picture, 220, 100)};
+    return std::array{at(picture, 90, 100), at(picture, 210, 100)};
   };
   const auto [left, right] = drawn("surface=thickness");
   EXPECT_GT(right[0], left[0] + 60);
-  EXPECT_EQ(drawn("surface=thickness&shapeOpacity=0.5"), drawn("color=erosion_thickness&color=radius"));  // glass
+  EXPECT_EQ(drawn("surface=thickness&shapeOpacity=0.5"), drawn("color=radius"));  // glass, as ever
   EXPECT_THROW(drawn("surface=length"), Error);
 }
 
@@ -197,9 +197,7 @@ TEST(PageParts, PicturesOfMedialMeshesHaveTheVerticesAskedFor) {
   EXPECT_NE(drawn("&vertices=5"), drawn("&vertices=4"));
   EXPECT_NE(drawn("&vertices=3"), drawn("&vertices=2"));
   page.state = "layer=simple&vertices=3";
-  EXPECT_EQ(caption_of(page), (std::vector<std::string>{"", "medial mesh of 3 vertices"}).empty()
-                                  ? caption_of(page)
-                                  : (std::vector<std::string>{"medial mesh of 3 vertices"}));
+  EXPECT_EQ(caption_of(page), std::vector<std::string>{"medial mesh of 3 vertices"});
 }
 
 // A plate of 48 x 48 x 8 voxels: its sheet and nearly all of it are 8 thick.
