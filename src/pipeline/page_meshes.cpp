@@ -43,7 +43,7 @@ void PageBuilder::add_meshes(const MedialAxis& axis, const BoundaryPoints& bound
   for (const std::size_t vertices : kMeasured) {
     if (!measured || vertices < sequence.least() || vertices > sequence.most()) continue;
     const OneSidedDistances off = errors_of(sequence.at(vertices), boundary, context);
-    errors.push_back({vertices, off.either.mean, off.either.percentile99, off.either.largest});
+    errors.push_back({vertices, off.either.mean, off.either.p99, off.either.largest});
   }
   quench::add_meshes(page, sequence, errors);
 }
