@@ -208,6 +208,24 @@ void add_burn_section(Json& report, const pipeline::BurnFigures& burned) {
                     {"propagation", "segments"},     {"radius_rule", pipeline::name_of(burned.options.radius)}};
 }
 
+Json thickness_section(const pipeline::RunThickness& thickness, bool plane) {
+  const auto section = [](const ThicknessDistribution& of) {
+    if (!(of.weight() > 0)) return Json(nullptr);
+    Json percentiles;
+    for (const int share : {5, 25, 50, 75, 95}) percentiles[std::to_string(share)] = of.percentile(share / 100.0);
+    return Json{{"mean", of.mean()},
+                {"deviation", of.deviation()},
+                {"min", of.least()},
+                {"max", of.largest()},
+                {"percentiles", percentiles}};
+  };
+  Json shape = section(thickness.shape);
+  if (!shape.is_null()) shape["samples"] = thickness.shape.weight();
+  return {{plane ? "curves" : "sheets", section(thickness.sheets)},
+          {"shape", shape},
+          {"correction", thickness.correction}};
+}
+
 void say_burned(const pipeline::BurnFigures& burned, std::size_t vertices, Session& session) {
   const bool plane = burned.options.plane;
   session.detail(plane ? fmt::format("burned; longest burn time {:.6g}", burned.max_burn_time)

@@ -27,13 +27,14 @@ struct Files {
         skeleton(folder / "skeleton.vtp"),
         swc(folder / "skeleton.swc"),
         csv(folder / "branches.csv"),
+        parts(folder / "parts.csv"),
         geojson(folder / "skeleton.geojson"),
         svg(folder / "skeleton.svg"),
         report(folder / "report.json"),
         view(with_page ? folder / "view.html" : fs::path()),
         picture(with_picture ? folder / "picture.png" : fs::path()) {}
   bool has_page() const { return !view.empty() || !picture.empty(); }
-  fs::path core, skeleton, swc, csv, geojson, svg, report, view, picture;
+  fs::path core, skeleton, swc, csv, parts, geojson, svg, report, view, picture;
 };
 
 }  // namespace
@@ -73,7 +74,7 @@ void check_outputs(const RunProgram& o, const Files& files, const Session& sessi
   std::error_code error;
   if (fs::exists(o.folder, error))
     for (const fs::path& file :
-         {files.core, files.skeleton, files.swc, files.csv, files.report, files.view, files.picture})
+         {files.core, files.skeleton, files.swc, files.csv, files.parts, files.report, files.view, files.picture})
       if (!file.empty()) session.check_output(file, {o.shape.file});
   session.check_report({o.shape.file});
 }
@@ -90,6 +91,7 @@ Json report_of(const RunProgram& o, const pipeline::LoadedShape& shape, const pi
   parameters["smooth"] = o.graph.graph.smooth;
   parameters["resample"] = pipeline::text_of(o.graph.graph.resample);
   report["skeleton"]["reconstructed"] = *result.axis.skeleton.reconstructed;
+  if (result.thickness) report["thickness"] = thickness_section(*result.thickness, shape.shape.grid().is_plane());
   return report;
 }
 
@@ -99,6 +101,16 @@ void say_points(const CurveGraph& graph, Session& session) {
   if (points > 0)
     session.say(fmt::format("note: {} of the shape {}, without a branch (smaller than theta1)",
                             base::counted(points, "part"), points == 1 ? "is a point" : "are points"));
+}
+
+// What a skeleton has of sheets, and how thick the shape is.
+void say_sheets(const pipeline::RunResult& result, const fs::path& file, Session& session) {
+  if (!result.axis.parts || !result.thickness) return;
+  const std::size_t sheets = result.axis.parts->sheets.size();
+  const ThicknessDistribution& shape = result.thickness->shape;
+  session.say(fmt::format("{}: {}; the shape is {:.4g} thick on average, 90 % of it between {:.4g} and {:.4g}",
+                          file.string(), base::counted(sheets, "sheet"), shape.mean(), shape.percentile(0.05),
+                          shape.percentile(0.95)));
 }
 
 // Where a skeleton stands for little of a shape whose axis stands for most of it: what to turn.
@@ -140,6 +152,7 @@ int run_pipeline(const RunProgram& o, Session& session) {
 
   pipeline::RunOptions options = o.run;
   options.graph = o.graph.graph;
+  options.measures = true;
   options.page = files.has_page() ? &builder : nullptr;
   options.page_sliders = !files.view.empty();
   std::size_t vertices = 0;
@@ -158,6 +171,7 @@ int run_pipeline(const RunProgram& o, Session& session) {
   write_graph(result.axis.graph, {files.swc, {}, files.csv}, o.graph,
               shape.surface || plane ? Vec3(Vec3::Zero()) : shape.shape.grid().spacing, shape.coordinates, report,
               session);
+  if (result.axis.parts) io::write_table(files.parts, sheet_table(*result.axis.parts, shape.coordinates.units));
   if (plane) {
     const io::PlaneLines lines = plane_lines(shape, result);
     for (const fs::path& file : {files.geojson, files.svg})
@@ -178,6 +192,7 @@ int run_pipeline(const RunProgram& o, Session& session) {
   if (plane)
     session.say(fmt::format("{} and {}: the branches as lines with their measures", files.geojson.string(),
                             files.svg.string()));
+  say_sheets(result, files.parts, session);
   say_points(result.axis.graph, session);
   say_little(result, session);
   if (!files.picture.empty()) session.say(fmt::format("{}: a picture of the skeleton", files.picture.string()));
@@ -208,7 +223,7 @@ Action add_run(CLI::App& app) {
   app.add_flag("--no-view", o->no_view, "Do not write view.html, the interactive page")->group("Page");
   app.add_flag("--no-picture", o->no_picture, "Do not write picture.png, a picture of the skeleton")->group("Page");
   app.add_option("-o,--output", o->folder,
-                 "Folder for core.vtp, skeleton.vtp, skeleton.swc, branches.csv, report.json, picture.png and "
+                 "Folder for core.vtp, skeleton.vtp, skeleton.swc, branches.csv, parts.csv, report.json, picture.png and "
                  "view.html, of images and polygons also skeleton.geojson and skeleton.svg; created if absent")
       ->type_name("DIR")
       ->required();

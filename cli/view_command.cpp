@@ -9,6 +9,7 @@
 #include "quench/axis.h"
 #include "quench/io.h"
 #include "quench/picture.h"
+#include "quench/simplify.h"
 #include "report.h"
 #include "shape_input.h"
 
@@ -25,6 +26,7 @@ struct Options {
   pipeline::Pruning pruning;  ///< where the page starts, if it says a threshold
   std::size_t max_triangles = kPageTriangles;
   std::string layer, color, camera;
+  std::size_t vertices = 0;  ///< of the layer `simple`; 0: as the page starts
   bool dark = false, axes = false, no_caption = false;
   std::string output, png, size = "1600x1000";
 };
@@ -195,12 +197,19 @@ void add_axis(const Options& o, Plan& plan, const std::optional<pipeline::Loaded
   options.burning = o.burning;
   options.skeleton = o.skeleton;
   options.page = &builder;
+  options.measures = true;
   if (loaded.voxel_core) options.graph.voxel = loaded.spacing;
   if (shape && loaded.voxel_core) options.graph.shape = &shape->shape;
   pipeline::take_recorded(options.burning, loaded.data);
   options.on_burned = [&](const pipeline::BurnFigures& burned) {
     say_burned(burned, loaded.axis.points.size(), session);
   };
+  if (shape) builder.add_thickness(loaded.axis, context);
+  if (!loaded.axis.grid.is_plane()) {
+    const bool known = shape && loaded.voxel_core;  // else the surface it is fitted to is not at hand
+    builder.add_meshes(loaded.axis, known ? boundary_points(shape->shape) : boundary_points(loaded.axis), known,
+                       context);
+  }
   take_levels(loaded.axis, loaded.data);  // where they are not known the axis itself is not shown
   const pipeline::AxisRun run = pipeline::run_axis(loaded.axis, std::move(loaded.data), loaded.voxel_core,
                                                    topology(loaded.axis.complex), scale, options, context);
@@ -224,18 +233,36 @@ void check_pruning(const pipeline::Pruning& pruning, const Page& page) {
                                 pruning.measure, names));
 }
 
+/// The colour of the surface by its local thickness.
+constexpr std::string_view kThickness = "thickness";
+
+bool is_column_of_sheets(const Page& page, const std::string& color) {
+  return std::ranges::any_of(page.columns, [&](const PageColumn& column) {
+    return column.table == "sheets" && column.words.empty() && "sheets/" + column.name == color;
+  });
+}
+
 /// What the page starts with, in the form of its address; refuses what the page does not have.
 std::string state_of(const Options& o, const Page& page, bool has_axis, const std::string& threshold) {
   check_pruning(o.pruning, page);
   if (!o.layer.empty() && !page.find(o.layer + "/points"))
     throw Error(ErrorCode::usage, fmt::format("there is no layer '{}' in this page", o.layer));
+  if (o.vertices > 0 && o.layer != "simple")
+    throw Error(ErrorCode::usage, "--vertices is of the medial meshes; give --layer simple, too");
   const std::string layer = !o.layer.empty() ? o.layer : has_axis ? "skeleton" : "still";
   const std::string prefix = layer + "/point/";
-  const bool of_parts = layer == "skeleton" && (o.color == "sheet" || o.color == "branch");
-  if (!o.color.empty() && o.color != "none" && !of_parts && !page.find(prefix + o.color)) {
+  const bool of_surface = o.color == kThickness && !page.find(prefix + o.color);
+  if (of_surface && !page.find("shape/point/thickness"))
+    throw Error(ErrorCode::usage,
+                "the surface of a shape is coloured by thickness; give a medial axis of it and --shape SHAPE");
+  const bool of_parts =
+      layer == "skeleton" && (o.color == "sheet" || o.color == "branch" || is_column_of_sheets(page, o.color));
+  if (!o.color.empty() && o.color != "none" && !of_parts && !of_surface && !page.find(prefix + o.color)) {
     std::string names;
     for (const PageArray& array : page.arrays)
       if (array.name.starts_with(prefix)) names += (names.empty() ? "" : ", ") + array.name.substr(prefix.size());
+    for (const PageColumn& column : page.columns)
+      if (layer == "skeleton" && is_column_of_sheets(page, "sheets/" + column.name)) names += ", sheets/" + column.name;
     throw Error(ErrorCode::usage,
                 fmt::format("there is no array '{}' to colour the layer '{}' by; there are {}", o.color, layer, names));
   }
@@ -244,7 +271,13 @@ std::string state_of(const Options& o, const Page& page, bool has_axis, const st
     if (!value.empty()) state += fmt::format("{}{}={}", state.empty() ? "" : "&", name, in_address(value));
   };
   add("layer", o.layer);
-  add("color", o.color);
+  if (of_surface) {
+    add("surface", o.color);
+    add("shapeOpacity", "1");
+  } else {
+    add("color", o.color);
+  }
+  if (o.vertices > 0) add("vertices", std::to_string(o.vertices));
   if (!threshold.empty()) add("measure", std::string(o.pruning.measure));
   add("threshold", threshold);
   add("camera", o.camera);
@@ -339,14 +372,19 @@ Action add_view(CLI::App& app) {
   };
   CLI::Option* detail = add_pruning("--detail", kDetail, "Core: detail below which cells go [default: that of FILE]");
   add_pruning("--lambda", kLambda, "Core: radius below which cells go [default: that of FILE]")->excludes(detail);
-  app.add_option("--layer", o->layer, "'skeleton', 'core' (the medial axis) or 'still' (a file of another kind)")
+  app.add_option("--layer", o->layer, "'skeleton', 'core' (the medial axis), 'simple' (a medial mesh of some vertices) or 'still' (a file of "
+                 "another kind)")
       ->type_name("NAME")
-      ->check(one_of({"skeleton", "core", "still"}))
+      ->check(one_of({"skeleton", "core", "simple", "still"}))
+      ->group(start);
+  add_number(app, "--vertices", o->vertices, "Of the medial mesh [default: 200]", std::size_t{1},
+             std::size_t{1'000'000'000})
+      ->type_name("N")
       ->group(start);
   app.add_option("--color", o->color,
                  "Array to colour by, e.g. radius, detail, lambda, burn_time, erosion_thickness; 'sheet' or 'branch': "
-                 "parts of the "
-                 "skeleton")
+                 "parts of the skeleton; 'sheets/area' and the like: columns of parts.csv; 'thickness': the surface of "
+                 "--shape by its local thickness")
       ->type_name("ARRAY")
       ->group(start);
   app.add_option("--camera", o->camera, "Position, target and up: px,py,pz,tx,ty,tz,ux,uy,uz in world units")

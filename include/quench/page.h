@@ -17,7 +17,6 @@
 #include "quench/graph.h"
 #include "quench/record.h"
 #include "quench/shape.h"
-#include "quench/simplify.h"
 #include "quench/skeleton.h"
 #include "quench/table.h"
 #include "quench/tree.h"
@@ -25,6 +24,8 @@
 /// @file
 /// The interactive page of a result: one HTML file with the data inside (viewer/FORMAT.md is its format).
 namespace quench {
+
+struct CollapseSequence;  // quench/simplify.h
 
 /// A named array of a page: `values.size()` is rows * components.
 struct PageArray {

@@ -25,8 +25,13 @@
 #include "quench/shape.h"
 #include "quench/skeleton.h"
 #include "quench/surface.h"
+#include "quench/thickness.h"
 #include "quench/tree.h"
 #include "quench/voxelize.h"
+
+namespace quench {
+struct BoundaryPoints;  // quench/simplify.h
+}
 
 /// @file
 /// The stages in a row: input -> shape -> core -> pruning -> burning -> curves -> skeleton -> graph -> page, with the
@@ -506,6 +511,14 @@ class PageBuilder {
   void add_shape(LoadedShape& shape);
   /// `skeleton_follows`: leaves most of the triangles to it. Cells without levels are there at every threshold.
   void add_core(const MedialAxis& axis, const std::vector<DataArray>& measures, bool skeleton_follows);
+  /// Values of the surface that add_shape() added, by which it is coloured: its local thickness, from the balls of an
+  /// axis of the shape. A ball may be a voxel away from a point of it.
+  void add_thickness(const MedialAxis& axis, Context* context = nullptr);
+  /// The table of the sheets of the skeleton that was added.
+  void add_sheets(const Parts& parts);
+  /// Medial meshes of any number of vertices, of the axis of a shape whose boundary is given by points.
+  /// `measured`: the points are of the shape itself, so that distances from them are errors.
+  void add_meshes(const MedialAxis& axis, const BoundaryPoints& boundary, bool measured, Context* context = nullptr);
   /// The skeleton that is asked for, whole.
   void add_skeleton(const Skeleton& skeleton, const CurveGraph& graph);
   /// What is left of the triangles, for the sliders.
@@ -534,6 +547,7 @@ struct RunOptions {
   GraphOptions graph = {};      ///< run() fills in shape, voxel and surface
   PageBuilder* page = nullptr;  ///< where a page is wanted: layers are added to it, writing it is left to the caller
   bool page_sliders = true;     ///< the page gets what its sliders need: the layers `core` and `family`
+  bool measures = false;        ///< AxisRun::parts and RunResult::thickness are wanted; the page gets them, too
   bool keep_sequence = false;   ///< AxisRun::file holds the burn sequence, for kept_burning_of(); run() always does so
   std::optional<Length> narrower = {};  ///< branches only where the shape is narrower: RunResult::wide is the rest
   std::function<void(const CoreResult&)> on_core = {};     ///< called as soon as there is one
@@ -548,6 +562,14 @@ struct AxisRun {
   SkeletonResult skeleton;
   CurveGraph graph;
   std::vector<MedialPoint> medial_points;  ///< in the plane: medial_points()
+  std::optional<Parts> parts = {};         ///< of a skeleton in space, where it was asked for
+};
+
+/// How thick the sheets of a skeleton are (2 r by area, of the plane curves by length), and the shape: its local
+/// thickness at some of its voxels, evenly chosen, from the balls of its pruned axis.
+struct RunThickness {
+  ThicknessDistribution sheets, shape;
+  double correction = 0;  ///< that was added to every radius
 };
 
 /// Burning, curves and skeleton, above the floor_of() the options, of an axis whose file is `file` and whose topology
@@ -559,6 +581,7 @@ AxisRun run_axis(const MedialAxis& axis, Record&& file, bool voxel_core, const T
 struct RunResult {
   CoreResult core;
   AxisRun axis;
+  std::optional<RunThickness> thickness = {};
   std::optional<VoxelShape> wide = {};  ///< wide_part() for RunOptions::narrower; AxisRun::graph is outside_of() it
 };
 

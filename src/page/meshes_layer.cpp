@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "page/layer.h"
 #include "quench/error.h"
+#include "quench/simplify.h"
 
 namespace quench {
 

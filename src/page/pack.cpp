@@ -397,7 +397,7 @@ class LayerPacker {
 /// Of arrays outside of layers of cells: the bits of those that are rounded; else 0.
 int bits_of_steps(const std::string& name) {
   if (name == "shape/points" || name == "shape/samples") return 16;
-  if (name.starts_with("shape/point/")) return 14;
+  if (name.starts_with("shape/point/")) return 12;
   if (name == "simple/points" || name == "simple/point/radius") return 16;
   if (name == "simple/step_points" || name == "simple/step_radius") return 16;
   if (name == "tree/points" || name == "tree/point/radius" || name == "tree/edit_points") return 24;

@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "pipeline/run_measures.h"
 #include "quench/error.h"
 #include "quench/pipeline.h"
 
@@ -62,8 +63,11 @@ AxisRun run_axis(const MedialAxis& axis, Record&& file, bool voxel_core, const T
   result.curves = family.curves;
   result.skeleton = skeleton_of(family, options.skeleton, scale, result.burned.options.omega, context);
   result.graph = draw_branches(result.skeleton, options.graph, scale, context);
+  if (options.measures && !result.skeleton.skeleton.plane)
+    result.parts = parts_of(result.skeleton.skeleton, parts_options(options.graph.voxel), context);
   if (options.page) {
     options.page->add_skeleton(result.skeleton.skeleton, result.graph);
+    if (result.parts) options.page->add_sheets(*result.parts);
     if (options.page_sliders) options.page->add_family(std::move(family.family));
     checkpoint(context, "page", 1);
   }
@@ -99,6 +103,13 @@ RunResult run(LoadedShape& shape, const RunOptions& options, Context* context) {
   result.axis = run_axis(result.core.axis, core_file(result.core), !result.core.axis.is_fitted(), result.core.topology,
                          shape.scale(), of_axis, context);
   result.axis.skeleton.reconstructed = reconstructed_share(shape.shape, result.axis.skeleton.skeleton, context);
+  if (options.measures) {
+    result.thickness = thickness_of(shape, result.core.axis, result.axis.skeleton.skeleton, context);
+    if (options.page && options.page_sliders) {
+      options.page->add_thickness(result.core.axis, context);
+      add_meshes_of(shape, result.core.axis, *options.page, context);
+    }
+  }
   if (options.narrower) {
     const double width = shape.scale().resolve(*options.narrower, "narrower");
     const VoxelShape::Box box = shape.shape.foreground_box();

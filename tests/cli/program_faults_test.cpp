@@ -53,7 +53,7 @@ class Faults : public ProgramTest {
         {{"convert", "core.vtp", "o.obj"}, {"o.obj"}},
         {{"verify", "box.npy", "core.vtp", "--json", "o.json"}, {"o.json"}},
         {{"run", "box.npy", "-o", "."},
-         {"core.vtp", "skeleton.vtp", "skeleton.swc", "branches.csv", "report.json", "picture.png"}},
+         {"core.vtp", "skeleton.vtp", "skeleton.swc", "branches.csv", "parts.csv", "report.json", "picture.png"}},
         {{"view", "core.vtp", "--png", "o.png", "--size", "64x48", "--json", "o.json"}, {"o.png", "o.json"}}};
     if (page_) {
       list.push_back({{"view", "core.vtp", "-o", "o.html", "--json", "o.json"}, {"o.html", "o.json"}});

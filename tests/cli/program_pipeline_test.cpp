@@ -92,7 +92,7 @@ class ProgramPipeline : public ProgramTest {
       const Outcome outcome = quench(words);
       ASSERT_EQ(outcome.code, 0) << outcome.err;
     }
-    for (const char* name : {"core.vtp", "skeleton.vtp", "skeleton.swc", "branches.csv"}) {
+    for (const char* name : {"core.vtp", "skeleton.vtp", "skeleton.swc", "branches.csv", "parts.csv"}) {
       ASSERT_EQ(exists(std::string("a/") + name), exists(std::string("b/") + name)) << name;
       EXPECT_EQ(bytes(std::string("a/") + name), bytes(std::string("b/") + name)) << name;
     }

@@ -421,10 +421,11 @@ TEST_F(SkeletonProgram, ClosedSheet) {
 TEST_F(SkeletonProgram, RunWritesAllFiles) {
   works({"sample", "root", "-o", "s.ply", "--branches", "5", "--fineness", "0.3"});
   works({"run", "s.ply", "--resolution", "48", "-o", "a"});
-  for (const char* file : {"core.vtp", "skeleton.vtp", "skeleton.swc", "branches.csv", "report.json", "picture.png"})
+  for (const char* file :
+       {"core.vtp", "skeleton.vtp", "skeleton.swc", "branches.csv", "parts.csv", "report.json", "picture.png"})
     EXPECT_TRUE(exists(std::string("a/") + file)) << file;
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder / "a"), {}),
-            6 + exists("a/view.html"));  // where the page is built in
+            7 + exists("a/view.html"));  // where the page is built in
   const std::string report = bytes("a/report.json");
   for (const char* part : {"curves", "skeleton"}) {
     EXPECT_EQ(betti_in(section(report, part)), betti_in(section(report, "shape"))) << part;
@@ -434,11 +435,15 @@ TEST_F(SkeletonProgram, RunWritesAllFiles) {
   for (const char* member : {"theta2", "theta1", "vertices", "edges", "faces", "reconstructed", "branches"})
     EXPECT_TRUE(has(section(report, "skeleton"), fmt::format("\n    \"{}\": ", member))) << member;
   EXPECT_EQ(line_count(bytes("a/branches.csv")), number_in(section(report, "skeleton"), "branches") + 1);
+  EXPECT_EQ(line_count(bytes("a/parts.csv")), number_in(section(report, "skeleton"), "sheets") + 1);
+  const std::string thickness = section(report, "thickness");
+  for (const char* member : {"sheets", "shape", "mean", "percentiles", "correction"})
+    EXPECT_TRUE(has(thickness, fmt::format("\"{}\": ", member))) << member;
   // Again, with another number of threads: the same bytes. And by the commands one after the other.
   works({"run", "s.ply", "--resolution", "48", "-o", "b", "--threads", "1", "--quiet"});
   works({"run", "s.ply", "--resolution", "48", "-o", "b", "--threads", "2", "--quiet", "--overwrite"});
   skeleton({"a/core.vtp", "-o", "s.vtp"});  // (its branches are smoothed without the shape)
-  for (const char* file : {"core.vtp", "skeleton.vtp", "skeleton.swc", "branches.csv"})
+  for (const char* file : {"core.vtp", "skeleton.vtp", "skeleton.swc", "branches.csv", "parts.csv"})
     EXPECT_EQ(bytes(std::string("a/") + file), bytes(std::string("b/") + file)) << file;
   const Record run = read("a/skeleton.vtp"), alone = read("s.vtp");
   EXPECT_EQ(run.lines, alone.lines);

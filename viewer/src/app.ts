@@ -310,6 +310,10 @@ export class App {
     const shown = this.shown(), { layer } = shown.sets;
     const balls = this.page.meta.plane ? "disks" : "balls";
     if (!layer.measures.has("radius")) return this.onShare(`No radii in this page: no ${balls}.`);
+    if (layer.collapses) {
+      shown.view.union.write(Uint32Array.from({ length: layer.vertexCount }, (_, v) => v), layer.vertexCount);
+      return this.onShare("The envelope of the mesh: its balls, and what is between them.");
+    }
     this.onShare(`Union of ${balls}: counting …`);
     // Not while a slider moves.
     this.balls.timer = window.setTimeout(async () => {

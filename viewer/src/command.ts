@@ -12,29 +12,37 @@ function exactThreshold({ pruning }: Meta, { measure, threshold }: State): strin
   return pruning?.measure === measure && threshold > 0 && floor32(pruning.threshold) === threshold && Number.isFinite(threshold) ? `${pruning.threshold}abs` : null;
 }
 
+/// What the shape was read with (resolution, threshold ...) is in the command of the page.
+function shapeOptions({ command }: Meta): string[] {
+  const words = command.match(/'[^']*'|"[^"]*"|\S+/g) ?? [], kept: string[] = [];
+  for (let i = 0; i < words.length; ++i) {
+    const [name, value] = words[i]!.split(/=(.*)/s) as [string, string | undefined];
+    if (SHAPE_OPTIONS.includes(name)) kept.push(value === undefined ? `${name} ${words[++i] ?? ""}` : words[i]!);
+    else if (SHAPE_FLAGS.includes(name)) kept.push(name);
+  }
+  return kept;
+}
+
+const isMesh = (file: string) => /\.(ply|obj|off|stl|vtp)$/i.test(file);
+
 export function commandOf(page: Page, state: State): string {
   const { meta } = page, layer = layerOf(page, state);
   const family = page.layers.get("family");
   const asked = page.layers.has("skeleton") && isAsked(page, state);
   const theta1 = asked && meta.theta1_radii > 0 ? `${meta.theta1_radii}r` : length(state.theta1, family?.curveThickness ?? null);
+  if (state.shape && state.surface === "thickness" && state.shapeOpacity > 0.98 && meta.files.shape)
+    return ["quench thickness", quoted(meta.files.shape), ...shapeOptions(meta), isMesh(meta.files.shape) ? "--surface thickness.ply" : "-o thickness.nrrd"].join(" ");
+  if (state.layer === "simple") return `quench simplify ${quoted(meta.files.core ?? "core.vtp")} --vertices ${state.vertices}${meta.files.shape ? ` --shape ${quoted(meta.files.shape)}` : ""} -o mesh.vtp`;
   if (state.layer === "skeleton" && meta.files.core === undefined && meta.command.includes(" run ")) return meta.command; // of many shapes there is no file of one axis
   if (state.layer === "skeleton")
     return `quench skeleton ${quoted(meta.files.core ?? "core.vtp")}${meta.plane ? "" : ` --theta2 ${length(state.theta2, family?.faceLevel ?? null)}`} --theta1 ${theta1}${asked ? "" : " --tips pruned"} -o skeleton.vtp`;
   if (state.layer === "core") {
     const option = PRUNING_OPTIONS[state.measure];
     if (option === undefined) return ""; // no command prunes by another measure
-    // What the shape was read with (resolution, threshold ...) is in the command of the page.
-    const words = meta.command.match(/'[^']*'|"[^"]*"|\S+/g) ?? [];
-    const kept: string[] = [];
-    for (let i = 0; i < words.length; ++i) {
-      const [name, value] = words[i]!.split(/=(.*)/s) as [string, string | undefined];
-      if (SHAPE_OPTIONS.includes(name)) kept.push(value === undefined ? `${name} ${words[++i] ?? ""}` : words[i]!);
-      else if (SHAPE_FLAGS.includes(name)) kept.push(name);
-    }
     const other = layer.otherLevels.get(state.measure);
     const levels = meta.plane ? (other?.edge ?? layer.edgeLevel) : (other?.face ?? layer.faceLevel);
     const threshold = exactThreshold(meta, state) ?? length(state.threshold, levels);
-    return ["quench core", quoted(meta.files.shape ?? "SHAPE"), ...kept, `${option} ${threshold}`, "-o core.vtp"].join(" ");
+    return ["quench core", quoted(meta.files.shape ?? "SHAPE"), ...shapeOptions(meta), `${option} ${threshold}`, "-o core.vtp"].join(" ");
   }
   return meta.command;
 }

@@ -232,7 +232,7 @@ export function toHash(state: State, base: State, camera: Camera | null): string
   const parts: string[] = [];
   for (const key of Object.keys(base) as (keyof State)[]) {
     const value = state[key];
-    const belongs = key === "threshold" && state.measure !== base.measure; // to the measure that is written
+    const belongs = (key === "threshold" && state.measure !== base.measure) || (key === "shapeOpacity" && state.surface !== base.surface); // to what is written
     if (SKIPPED.has(key) || (Object.is(value, base[key]) && !belongs)) continue;
     const isLength = key === "threshold" || key === "theta2" || key === "theta1";
     parts.push(`${key}=${isLength ? decimalOf(value as number, true) : typeof value === "boolean" ? Number(value) : typeof value === "number" ? exact(value) : encodeURIComponent(value)}`);
@@ -254,6 +254,7 @@ export function fromHash(hash: string, base: State): { state: State; camera: Cam
     values.set("measure", "lambda");
     values.set("threshold", lambda);
   }
+  if (values.has("surface")) state.shapeOpacity = 1; // colours want to be seen
   if ((values.get("measure") ?? base.measure) !== base.measure) state.threshold = NaN; // that of base is of another measure
   for (const [key, value] of values) {
     if (key === "camera") {

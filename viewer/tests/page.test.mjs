@@ -277,6 +277,7 @@ describe("the page in a browser", () => {
       for (const key of ["x", "o", "ArrowLeft", "Alt+KeyX"]) await page.keyboard.press(key);
       assert.deepEqual(await page.evaluate("[window.quench.state.clip, window.quench.state.orthographic]"), [false, true]);
       await page.mouse.dblclick(300, 300);
+      await page.waitForFunction("Math.abs(Number(/camera=([^&]*)/.exec(decodeURIComponent(location.hash))?.[1].split(',')[3]) - 2) < 0.05");
       const [, , , x, y_] = await camera();
       assert.ok(Math.abs(x - 2) < 0.05 && Math.abs(y_ - 1) < 0.05, `${x} ${y_}`);
       assert.deepEqual(complaints, []);

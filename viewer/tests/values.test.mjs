@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { moduleOf } from "./bundle.mjs";
-import { boxCore, boxSkeleton, elements, layerArrays, otherLevels, random } from "./fixture.mjs";
+import { boxCore, boxShape, boxSkeleton, elements, layerArrays, otherLevels, random, simpleArrays } from "./fixture.mjs";
 
 const format = await moduleOf("src/format.ts");
 const { readPage } = await moduleOf("src/data.ts");
@@ -124,4 +124,17 @@ test("a logarithmic scale goes there and back", () => {
   assert.equal(scale.position(Infinity), 1);
   const bins = histogram(scale, [0.1, 10, Infinity, NaN], () => 2, 10);
   assert.equal(bins.reduce((a, b) => a + b), 6);
+});
+
+test("the command of a medial mesh and of a thickness; an address with a colour of the surface means an opaque one", async () => {
+  const shape = boxShape(), p = await page({ command: "quench run box.off --resolution 128 -o box" }, { ...shape.arrays, ...simpleArrays(), "shape/point/thickness": ["f32", 1, [1, 1, 1, 1, 1, 1, 1, 2]] }), base = states.defaults(p, false);
+  const with_ = (change) => states.sanitize({ ...base, ...change }, p);
+  assert.equal(commandOf(p, with_({ layer: "simple", vertices: 4 })), "quench simplify core.vtp --vertices 4 --shape box.off -o mesh.vtp");
+  assert.equal(commandOf(p, with_({ surface: "thickness", shapeOpacity: 1 })), "quench thickness box.off --resolution 128 --surface thickness.ply");
+  for (const shapeOpacity of [1, 0.5]) {
+    const state = with_({ surface: "thickness", shapeOpacity });
+    assert.deepEqual(states.fromHash(states.toHash(state, base, null), base).state, state);
+  }
+  assert.deepEqual([states.fromHash("surface=thickness", base).state.shapeOpacity, base.shapeOpacity], [1, 0.5]);
+  assert.equal(states.layerOf(p, with_({ layer: "simple", vertices: 3 })).vertexCount, 3);
 });

@@ -13,7 +13,7 @@ import { LengthSlider } from "./slider";
 
 export interface Actions { screenshot: () => void; reset: () => void }
 
-const LAYERS: Record<LayerName, string> = { tree: "tree", skeleton: "skeleton", core: "medial axis (core)", simple: "medial mesh of N vertices", still: "other result (still)" };
+const LAYERS: Record<LayerName, string> = { tree: "tree", skeleton: "skeleton", core: "medial axis (core)", simple: "medial mesh", still: "other result (still)" };
 
 export class Panel {
   readonly gui: GUI;
