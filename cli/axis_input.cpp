@@ -71,6 +71,16 @@ pipeline::LoadedAxis load_axis(const AxisInput& options, Session& session) {
   return axis;
 }
 
+pipeline::LoadedShape load_shape_of(const AxisInput& options, const pipeline::LoadedAxis& axis, Session& session) {
+  ShapeOptions shape;
+  shape.file = options.shape;
+  shape.how = options.how;
+  take_recorded(shape, axis.data, options.file);
+  if (io::kind_of(shape.file) == io::Kind::surface) shape.how.surface = std::nullopt;
+  shape.how.core_follows = false;
+  return load_shape(shape, session);
+}
+
 nlohmann::ordered_json input_section(const AxisInput& options, const pipeline::LoadedAxis& axis) {
   const CellComplex& c = axis.axis.complex;
   return {{"file", options.file},    {"kind", "medial axis"},   {"vertices", c.vertex_count},

@@ -24,6 +24,9 @@ void add_axis_options(CLI::App& app, AxisInput& options);
 
 /// Reads AXIS with the radii and the size of its shape, as asked.
 pipeline::LoadedAxis load_axis(const AxisInput& options, Session& session);
+/// The shape that an axis is compared with (not only its size): options not given are those its file says. Of a mesh it
+/// is the mesh, whatever the axis is fitted to.
+pipeline::LoadedShape load_shape_of(const AxisInput& options, const pipeline::LoadedAxis& axis, Session& session);
 /// The report's section `input`.
 nlohmann::ordered_json input_section(const AxisInput& options, const pipeline::LoadedAxis& axis);
 

@@ -40,6 +40,8 @@ Action add_convert(CLI::App& app);
 Action add_burn(CLI::App& app);
 Action add_skeleton(CLI::App& app);
 Action add_reconstruct(CLI::App& app);
+Action add_simplify(CLI::App& app);
+Action add_smooth(CLI::App& app);
 Action add_verify(CLI::App& app);
 Action add_run(CLI::App& app);
 Action add_tree(CLI::App& app);

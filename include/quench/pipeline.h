@@ -23,6 +23,7 @@
 #include "quench/preparation.h"
 #include "quench/record.h"
 #include "quench/shape.h"
+#include "quench/simplify.h"
 #include "quench/skeleton.h"
 #include "quench/surface.h"
 #include "quench/thickness.h"
@@ -344,6 +345,20 @@ SolidResult solid_of(const MedialAxis& axis, EnvelopeKind kind, const Grid& grid
 /// mesh_of() it, with its plan of memory; where there is a surface, with the signed distance from it as point array
 /// `distance`, negative inside.
 Record mesh_of(const SolidResult& solid, Context* context = nullptr);
+
+// ----------------------------------------------------------------------------------------------------- simplification
+
+/// Points that the envelope of an axis should run through: of the surface of the shape, without one its boundary
+/// vertices, without a shape of the envelope that the axis has itself. `what`: "mesh", "grey", "smooth", "voxels" or
+/// "envelope".
+BoundaryPoints boundary_of(const MedialAxis& axis, const LoadedShape* shape, std::string* what = nullptr,
+                           Context* context = nullptr);
+/// simplify() with its plan of memory. Throws Error(invariant) when the topology is not that of the axis.
+Simplified simplified(const MedialAxis& axis, const BoundaryPoints& boundary, const SimplifyOptions& options = {},
+                      Context* context = nullptr);
+/// A simplified or smoothed axis as a file: cells and radii, and what the file `from` of its axis says of the shape.
+/// `stage`: "simplified" or "smoothed".
+Record reshaped_file(const MedialAxis& axis, const Record& from, const std::string& stage);
 
 // ------------------------------------------------------------------------------------------------------------ burning
 

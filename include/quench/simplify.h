@@ -92,6 +92,19 @@ struct Simplified {
 Simplified simplify(const MedialAxis& axis, const BoundaryPoints& boundary, const SimplifyOptions& options = {},
                     Context* context = nullptr);
 
+/// The mesh of the sequence with so many vertices, fitted as simplify() does at the end.
+MedialAxis fitted_level(const CollapseSequence& sequence, std::size_t vertices, const BoundaryPoints& boundary,
+                        int fits = SimplifyOptions{}.fits, Context* context = nullptr);
+
+/// A fitted mesh of a sequence, and how far the boundary is from its envelope.
+struct SimplifiedLevel {
+  std::size_t vertices = 0, edges = 0, triangles = 0;
+  OneSidedDistances errors;
+};
+/// Those of 1000, 500, 250, ... vertices that the sequence has, down to the fewest, each fitted_level().
+std::vector<SimplifiedLevel> errors_of_levels(const CollapseSequence& sequence, const BoundaryPoints& boundary,
+                                              int fits = SimplifyOptions{}.fits, Context* context = nullptr);
+
 /// The memory that simplify() takes besides what it is given and returns, in bytes.
 std::int64_t predicted_simplify_bytes(const CellComplex& complex);
 

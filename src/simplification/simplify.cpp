@@ -180,6 +180,26 @@ Simplified simplify(const MedialAxis& axis, const BoundaryPoints& boundary, cons
   return result;
 }
 
+MedialAxis fitted_level(const CollapseSequence& sequence, std::size_t vertices, const BoundaryPoints& boundary,
+                        int fits, Context* context) {
+  // Damping and steps do not depend on the unit of length.
+  return simplification::fitted(sequence, vertices, boundary, fits, context);
+}
+
+std::vector<SimplifiedLevel> errors_of_levels(const CollapseSequence& sequence, const BoundaryPoints& boundary,
+                                              int fits, Context* context) {
+  std::vector<SimplifiedLevel> levels;
+  for (std::size_t vertices = 1000;; vertices /= 2) {
+    const bool last = vertices <= sequence.least();
+    if (vertices < sequence.most() || last) {
+      const MedialAxis mesh = fitted_level(sequence, vertices, boundary, fits, context);
+      const CellComplex& c = mesh.complex;
+      levels.push_back({c.vertex_count, c.edges.size(), c.face_count(), errors_of(mesh, boundary, context)});
+    }
+    if (last || vertices == 1) return levels;
+  }
+}
+
 std::int64_t predicted_simplify_bytes(const CellComplex& complex) {
   std::size_t triangles = 0, diagonals = 0;
   for (std::size_t f = 0; f < complex.face_count(); ++f) {

@@ -1,12 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <array>
+#include <iterator>
+#include <vector>
 
 #include "io/common/formats.h"
 #include "io/common/text_out.h"
 #include "io/common/words.h"
 
 /// Medial axes as text: the counts `nV nE nF`, then `v x y z r`, `e i j` and `f i j k` with vertices counted from
-/// 0. Written faces are triangles; polygons of any size are read.
+/// 0. Written are triangles, and all edges, also the sides of triangles, in this order: Q-MAT looks up the sides of a
+/// triangle among the edges that were read before, and takes no polygons; the add-on for Blender takes both. Polygons
+/// of any size, and without their sides, are read, too.
 namespace quench::io {
 
 Record read_ma(const FileText& file) {
@@ -52,20 +57,46 @@ Record read_ma(const FileText& file) {
   return data;
 }
 
+namespace {
+
+/// Triangles of all polygons, as fans, and all edges: those of the file, then sides of triangles.
+struct Simplices {
+  std::vector<std::array<std::uint32_t, 2>> edges;
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+};
+
+Simplices simplices_of(const Record& data) {
+  Simplices simplices;
+  simplices.edges.assign(data.lines.begin(), data.lines.end());
+  std::vector<std::array<std::uint32_t, 2>> sides;
+  const auto ends = [](std::uint32_t a, std::uint32_t b) { return std::array{std::min(a, b), std::max(a, b)}; };
+  for (std::size_t f = 0; f < data.poly_count(); ++f)
+    for (std::size_t c = data.poly_offsets[f] + 2; c < data.poly_offsets[f + 1]; ++c) {
+      const std::uint32_t i = data.poly_corners[data.poly_offsets[f]], j = data.poly_corners[c - 1],
+                          k = data.poly_corners[c];
+      simplices.triangles.push_back({i, j, k});
+      for (const auto& side : {ends(i, j), ends(j, k), ends(k, i)}) sides.push_back(side);
+    }
+  std::vector<std::array<std::uint32_t, 2>> known;
+  for (const auto& line : data.lines) known.push_back(ends(line[0], line[1]));
+  std::ranges::sort(known);
+  std::ranges::sort(sides);
+  sides.erase(std::unique(sides.begin(), sides.end()), sides.end());
+  std::ranges::set_difference(sides, known, std::back_inserter(simplices.edges));
+  return simplices;
+}
+
+}  // namespace
+
 void write_ma(std::ostream& out, const Record& data) {
   const std::vector<double> radii = required_radii(data, ".ma");
+  const Simplices simplices = simplices_of(data);
   TextOut text(out);
-  std::size_t triangles = 0;
-  for (std::size_t f = 0; f < data.poly_count(); ++f)
-    triangles += std::max(data.poly_offsets[f + 1] - data.poly_offsets[f], 2u) - 2;
-  text.print("{} {} {}\n", data.points.size(), data.lines.size(), triangles);
+  text.print("{} {} {}\n", data.points.size(), simplices.edges.size(), simplices.triangles.size());
   for (std::size_t v = 0; v < data.points.size(); ++v)
     text.print("v {} {} {} {}\n", data.points[v][0], data.points[v][1], data.points[v][2], radii[v]);
-  for (const auto& line : data.lines) text.print("e {} {}\n", line[0], line[1]);
-  for (std::size_t f = 0; f < data.poly_count(); ++f)  // programs that read .ma expect triangles: polygons become fans
-    for (std::size_t c = data.poly_offsets[f] + 2; c < data.poly_offsets[f + 1]; ++c)
-      text.print("f {} {} {}\n", data.poly_corners[data.poly_offsets[f]], data.poly_corners[c - 1],
-                 data.poly_corners[c]);
+  for (const auto& [i, j] : simplices.edges) text.print("e {} {}\n", i, j);
+  for (const auto& [i, j, k] : simplices.triangles) text.print("f {} {} {}\n", i, j, k);
   text.flush();
 }
 
