@@ -56,7 +56,7 @@ IMAGES = {'horse.png': '--threshold 128 --invert', 'mpeg7_beetle-1.png': '', 're
           'icon_oak.svg': ''}
 POLYGONS = ['ne_110m_lakes.json', 'ne_110m_land.json']
 FILLS = ['nonzero', 'evenodd', 'winding', 'auto']
-COMMANDS = ['run', 'tree', 'batch', 'sample', 'voxelize', 'core', 'burn', 'skeleton', 'view', 'info', 'convert', 'verify']
+COMMANDS = ['run', 'tree', 'batch', 'sample', 'voxelize', 'core', 'burn', 'skeleton', 'parts', 'view', 'info', 'convert', 'verify']
 
 
 def main_job(shape, options):
@@ -93,7 +93,7 @@ def step_lines(shape, options):
               '--json skeleton.json']
     lines += [f'skeleton core.vtp -o skeleton.{e}' for e in ('ply', 'obj', 'csv')]
     lines += [f'view burned.vtp --shape {shape} -o page.html --json view.json', 'view skeleton.vtp']
-    lines += [f'convert burned.vtp copy.{e}' for e in ('vtp', 'ply', 'obj', 'ma', 'r', 'csv')]
+    lines += [f'convert burned.vtp copy.{e}' for e in ('vtp', 'vtu', 'ply', 'obj', 'stl', 'ma', 'r', 'csv')]
     lines += ['convert skeleton.vtp quality.ply --quality erosion_thickness', 'convert core.ma from_ma.vtp',
               'convert core.obj from_obj.vtp --radii core.r', 'convert burned.ply from_ply.obj']
     files = [shape, 'voxels.nrrd', 'core.vtp', 'core.ma', 'core.obj', 'burned.ply', 'skeleton.vtp']
@@ -123,6 +123,9 @@ VIEW_OPTIONS = ['--theta2 inf --theta1 0.1 --dark', '--layer core --color lambda
                 '--camera 1,2,3,0,0,0,0,0,1 --color radius', '--omega 0.02']
 
 
+PARTS_OPTIONS = ['--remesh 3vox', '--remesh 8%', '--theta2 8% --tips pruned', '--whole', '--smooth 0']
+
+
 def numbered(command, options, output):
     """A line per option: `output` names what it writes and may name its number."""
     return [f'{command} {text} {output.format(i)}' for i, text in enumerate(options, 1)]
@@ -137,6 +140,9 @@ def option_cases():
         core = [sample, f'core {name}.ply --resolution 48 -o core.vtp']
         yield Case(f'options_burn_{name}', core + numbered('burn core.vtp', BURN_OPTIONS, both))
         yield Case(f'options_skeleton_{name}', core + numbered('skeleton core.vtp', SKELETON_OPTIONS, graphs))
+    yield Case('options_parts', [fin, 'core fin.ply --resolution 40 -o core.vtp', 'parts fin.ply --resolution 40 -o parts',
+                                 *numbered('parts core.vtp', PARTS_OPTIONS, '-o sheets_{0}.vtp --csv sheets_{0}.csv'),
+                                 *[f'parts core.vtp -o all.{e}' for e in ('vtu', 'ply', 'obj', 'stl')]])
     yield Case('options_view', [fin, 'core fin.ply --resolution 40 -o core.vtp',
                                 *numbered('view core.vtp --shape fin.ply', VIEW_OPTIONS, '-o page_{0}.html'),
                                 'view core.vtp -o page.html', 'convert core.vtp core.obj', 'view core.obj -o still.html'])

@@ -116,12 +116,13 @@ struct RemeshOptions {
   double length = 0;  ///< of edges, above 0
   int rounds = 6;     ///< of splitting, collapsing, flipping and evening out
 };
-/// The same sheets with triangles whose sides are about `length` long, where a sheet has room for them: sheets, seams,
-/// junctions and how they meet stay (the complex is homeomorphic to what it was, part by part), seams are common to
-/// their sheets, and no point is off the sheet, seam or rim that it is of. Radii are those at the nearest place.
-/// Botsch and Kobbelt (2004, A remeshing approach to multiresolution modeling) on complexes with the conditions of Dey,
-/// Edelsbrunner, Guha and Nekhayev (1999). Deterministic. O(n log n) in practice. Throws Error(usage) for a length that
-/// is not above 0.
+/// The same sheets with triangles whose sides are about `length` long, where a sheet has room for them. Sheets, seams,
+/// junctions and how they meet stay: the complex is homeomorphic to what it was, part by part. Seams are common to their
+/// sheets. Points lie on the sheet or the seam that they are of; rims become smooth over `length`, by no more than half
+/// of it and half the radius there. Values are those at the nearest place.
+/// Botsch and Kobbelt (2004, A remeshing approach to multiresolution modeling) on complexes, with the conditions of Dey,
+/// Edelsbrunner, Guha and Nekhayev (1999, Topology preserving edge contraction); docs/algorithms/parts.md.
+/// Deterministic. O(n log n) in practice. Throws Error(usage) for a length that is not above 0.
 SheetMesh remeshed(const SheetMesh& mesh, const RemeshOptions& options, Context* context = nullptr);
 
 /// Every sheet by itself, cut off along its seams: a manifold with boundary. Point arrays `radius`, `thickness` (2 (r +

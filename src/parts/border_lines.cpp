@@ -2,6 +2,7 @@
 #include "parts/border_lines.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "base/csr.h"
@@ -50,6 +51,8 @@ class LineTracer {
     bool any = false;
     for (const BorderLine& line : result_.lines) any = fix_corners(line) || any;
     if (any) trace();
+    for (BorderLine& line : result_.lines)
+      if (line.seam < 0) line = smoothed_rim(line);
     return std::move(result_);
   }
 
@@ -126,10 +129,59 @@ class LineTracer {
     line.points.push_back({mesh_.points[v], mesh_.radius[v], mesh_.erosion.empty() ? 0 : mesh_.erosion[v]});
   }
 
+  // Every point becomes the mean of the line over a length to both sides, weighted by a hat; near an end over as much
+  // as there is to it.
+  std::vector<SheetPoint> means(const BorderLine& line, const std::vector<SheetPoint>& of) const {
+    std::vector<SheetPoint> mean = of;
+    for (std::size_t i = 1; i + 1 < of.size(); ++i) {
+      const double window = std::min({corner_, line.at[i], line.length() - line.at[i]});
+      SheetPoint sum;
+      double weights = 0;
+      const auto take = [&](std::size_t k) {
+        // Of the segment from k to k + 1 what the window has, with the weight and the place in the middle of it.
+        const double size = line.at[k + 1] - line.at[k];
+        const double low = std::max(line.at[k] - line.at[i], -window),
+                     high = std::min(line.at[k + 1] - line.at[i], window);
+        if (!(high > low) || !(size > 0)) return;
+        const double middle = 0.5 * (low + high), weight = (high - low) * (window - std::abs(middle));
+        const SheetPoint there = mixed(of[k], of[k + 1], (middle + line.at[i] - line.at[k]) / size);
+        sum.point += weight * there.point;
+        sum.radius += weight * there.radius;
+        if (std::isfinite(there.erosion)) sum.erosion += weight * there.erosion;
+        weights += weight;
+      };
+      for (std::size_t k = i; k + 1 < of.size() && line.at[k] - line.at[i] < window; ++k) take(k);
+      for (std::size_t k = i; k-- > 0 && line.at[i] - line.at[k + 1] < window;) take(k);
+      if (weights > 0) mean[i] = {sum.point / weights, sum.radius / weights, sum.erosion / weights};
+    }
+    return mean;
+  }
+  // Means, and the means of what these leave added: so a bend stays where it is, and a ragged rim becomes smooth. By no
+  // more than half a length or half the radius.
+  BorderLine smoothed_rim(const BorderLine& line) const {
+    if (line.vertices.size() < 3) return line;
+    const std::vector<SheetPoint> first = means(line, line.points);
+    std::vector<SheetPoint> rest = line.points;
+    for (std::size_t i = 0; i < rest.size(); ++i) rest[i].point -= first[i].point;
+    rest = means(line, rest);
+    BorderLine smooth = line;
+    for (std::size_t i = 1; i + 1 < rest.size(); ++i) {
+      Vec3 step = first[i].point + rest[i].point - line.points[i].point;
+      const double most = 0.5 * std::min(corner_, std::max(0.0, line.points[i].radius));
+      if (const double size = step.norm(); size > most) step *= most / size;
+      smooth.points[i] = {line.points[i].point + step, first[i].radius, first[i].erosion};
+    }
+    for (std::size_t i = 1; i < rest.size(); ++i)
+      smooth.at[i] = smooth.at[i - 1] + (smooth.points[i].point - smooth.points[i - 1].point).norm();
+    return smooth;
+  }
+
   // Where a line turns most, if it turns by more than 50 degrees between chords as long as `corner_`, or as the line
   // has to the nearer end. True where something is fixed.
-  bool fix_corners(const BorderLine& line) {
+  bool fix_corners(const BorderLine& traced) {
     constexpr double kTurn = 0.643;  // cos 50 degrees
+    BorderLine line = traced;
+    line.points = means(traced, traced.points);  // a ragged rim has no corners
     const std::size_t n = line.vertices.size();
     std::vector<double> turn(n, 2);
     for (std::size_t i = 1; i + 1 < n; ++i) {

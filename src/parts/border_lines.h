@@ -20,7 +20,7 @@ inline SheetPoint mixed(const SheetPoint& a, const SheetPoint& b, double t) {
 /// A rim or a seam between two fixed points, which may be one.
 struct BorderLine {
   std::vector<std::uint32_t> vertices;
-  std::vector<SheetPoint> points;  ///< of the vertices
+  std::vector<SheetPoint> points;  ///< of the vertices; of rims smoothed
   std::vector<double> at;          ///< length along it
   std::int32_t seam = -1;          ///< -1: a rim
   double length() const { return at.back(); }
@@ -28,7 +28,7 @@ struct BorderLine {
   SheetPoint place(double along) const;
 };
 
-/// The edges of a mesh that have not exactly two triangles, as lines.
+/// The edges of a mesh that have not exactly two triangles, as lines. Rims are smoothed over the length `corner`.
 struct BorderLines {
   std::vector<BorderLine> lines;
   /// Per vertex: it may not move. Those at which lines end, meet or turn by more than 50 degrees between what `corner`
