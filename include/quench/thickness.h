@@ -112,7 +112,8 @@ struct SurfaceThickness {
 
 /// At each point the diameter of the largest ball of a vertex of `axis` that is at most `tolerance` away from the point
 /// or contains it; where there is none that of the ball the point is least outside of. The point across is the point
-/// of `surface` (which may be null) nearest to the end of the diameter that begins at the point. O(n log n) in
+/// of `surface` (which may be null) nearest to the end of the diameter that begins at the point, of the ball with the
+/// nearest centre among those of 0.98 of the radius or more that touch it too. O(n log n) in
 /// practice, on all threads. Throws Error(usage) for an axis without vertices.
 SurfaceThickness surface_thickness(std::span<const Vec3> points, const Surface* surface, const MedialAxis& axis,
                                    const SurfaceThicknessOptions& options, Context* context = nullptr);

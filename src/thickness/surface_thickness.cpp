@@ -32,6 +32,27 @@ std::size_t largest_at(const axis::BallTree& tree, const Vec3& p, double toleran
   return best;
 }
 
+// Of the balls that are nearly as large as the best one, all near enough, the one whose centre is nearest: walls of one
+// thickness have many that touch a point within the tolerance, most of them obliquely.
+std::size_t straightest_at(const axis::BallTree& tree, const Vec3& p, double tolerance, std::size_t best) {
+  constexpr double kNearly = 0.98;
+  const double least = kNearly * tree.ball(best).radius;
+  double limit = (p - tree.ball(best).centre).norm();
+  tree.walk(
+      [&](std::size_t node) {
+        return tree.largest_radius(node) < least ? std::numeric_limits<double>::infinity() : tree.distance(node, p);
+      },
+      limit,
+      [&](std::size_t i) {
+        const axis::BallTree::Ball ball = tree.ball(i);
+        const double distance = (p - ball.centre).norm();
+        if (ball.radius < least || !(distance < limit) || distance > ball.radius + tolerance) return;
+        limit = distance;
+        best = i;
+      });
+  return best;
+}
+
 // The other end of the diameter that begins at a point.
 Vec3 end_of_diameter(const Vec3& p, const axis::BallTree::Ball& ball) {
   const Vec3 way = ball.centre - p;
@@ -73,7 +94,9 @@ SurfaceThickness surface_thickness(std::span<const Vec3> points, const Surface* 
         const axis::BallTree::Ball ball = tree.ball(found);
         result.ball[i] = ball.vertex;
         result.thickness[i] = 2 * (ball.radius + options.correction);
-        if (surface) result.across[i] = surface->nearest(end_of_diameter(p, ball)).point;
+        if (!surface) continue;
+        const axis::BallTree::Ball straight = tree.ball(straightest_at(tree, p, options.tolerance, found));
+        result.across[i] = surface->nearest(end_of_diameter(p, straight)).point;
       }
     });
     result.near = near;

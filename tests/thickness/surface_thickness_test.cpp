@@ -99,7 +99,7 @@ TEST(MeasuredSurface, OfAPlate) {
     ++inside;
     EXPECT_NEAR(surface.thickness.thickness[p], 1, 0.01);
     const Vec3 across(q[0], q[1], 1 - q[2]);
-    EXPECT_LT((surface.thickness.across[p] - across).norm(), 0.5);
+    EXPECT_LT((surface.thickness.across[p] - across).norm(), 0.2);
     EXPECT_NEAR(surface.thickness.across[p][2], across[2], 1e-6);
   }
   EXPECT_GT(inside, 200u);
