@@ -43,10 +43,10 @@ class Writing {
     }
   }
 
-  /// Swatches of parts with their names, below `title`.
-  void legend(const std::string& title, const std::vector<std::pair<std::string, std::uint32_t>>& names) {
+  /// Swatches of parts with their names, below `title`; `keys`: what is not of parts has its key below.
+  void legend(const std::string& title, const std::vector<std::pair<std::string, std::uint32_t>>& names, bool keys) {
     double x = kEdge * unit_;
-    const double y = height_ - kEdge * unit_ - 4 * unit_, size = kSmall * unit_;
+    const double y = height_ - (kEdge + 4 + (keys ? 20 : 0)) * unit_, size = kSmall * unit_;
     canvas_.write(title, 13 * unit_, {x, y - 22 * unit_}, text_);
     for (const auto& [name, part] : names) {
       const double width = canvas_.width_of(name, size);
@@ -176,9 +176,9 @@ void write_captions(Picture& picture, const Page& page, const Scene& scene, cons
   Writing writing(picture, page, state.dark ? kDark : kLight, letter_unit(options));
   if (options.caption) {
     writing.lines();
-    if (!scene.part_names.empty()) writing.legend(label_of(state.color), scene.part_names);
-    writing.colour_bar(state.surface.empty() ? state.color : state.surface, range,
-                       !scene.curves.empty() && !state.curves_by_measure && scene.curve_parts.empty());
+    const bool curves = !scene.curves.empty() && !state.curves_by_measure && scene.curve_parts.empty();
+    if (!scene.part_names.empty()) writing.legend(label_of(state.color), scene.part_names, curves);
+    writing.colour_bar(state.surface.empty() ? state.color : state.surface, range, curves);
     writing.scale_bar(camera.per_pixel() / scene.placement.scale);
   }
   if (options.axes) writing.axes(camera);

@@ -11,7 +11,18 @@ namespace {
 
 constexpr std::size_t kFinest = 4096;  // vertices of the finest mesh of a page
 constexpr std::size_t kFirst = 200;    // viewer/src/state.ts: what is shown first is fitted
-constexpr std::array<std::size_t, 7> kMeasured{25, 50, 100, 200, 400, 800, 1600};
+constexpr std::array<std::size_t, 6> kMeasured{25, 50, 100, 200, 400, 1000};
+
+/// The points that stand for an area: the others are many, and for exact extremes.
+BoundaryPoints with_area(const BoundaryPoints& boundary) {
+  BoundaryPoints points;
+  for (std::size_t i = 0; i < boundary.points.size(); ++i)
+    if (boundary.areas[i] > 0) {
+      points.points.push_back(boundary.points[i]);
+      points.areas.push_back(boundary.areas[i]);
+    }
+  return points;
+}
 
 /// The mesh of as many vertices as `fitted` has becomes it: its vertices move once more.
 void go_through(CollapseSequence& sequence, const MedialAxis& fitted) {
@@ -36,13 +47,14 @@ void go_through(CollapseSequence& sequence, const MedialAxis& fitted) {
 
 void PageBuilder::add_meshes(const MedialAxis& axis, const BoundaryPoints& boundary, bool measured, Context* context) {
   if (page.plane || axis.points.empty()) return;
-  const Simplified simplified = simplify(axis, boundary, {.vertices = kFirst}, context);
+  const BoundaryPoints points = with_area(boundary);
+  const Simplified simplified = simplify(axis, points, {.vertices = kFirst}, context);
   CollapseSequence sequence = simplified.sequence.from(kFinest);
   go_through(sequence, simplified.axis);
   std::vector<PageMeshError> errors;
   for (const std::size_t vertices : kMeasured) {
     if (!measured || vertices < sequence.least() || vertices > sequence.most()) continue;
-    const OneSidedDistances off = errors_of(sequence.at(vertices), boundary, context);
+    const OneSidedDistances off = errors_of(sequence.at(vertices), points, context);
     errors.push_back({vertices, off.either.mean, off.either.p99, off.either.largest});
   }
   quench::add_meshes(page, sequence, errors);

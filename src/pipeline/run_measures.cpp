@@ -11,6 +11,7 @@ namespace quench::pipeline {
 namespace {
 
 constexpr std::int64_t kSamples = 20000;
+constexpr std::size_t kBoundary = 20000;  // points of the boundary by which medial meshes of a page are made
 
 /// Centres of voxels of a shape: one of each of equal shares of them, in scanline order. Of small shapes all.
 std::vector<Vec3> centres_in(const VoxelShape& shape) {
@@ -20,7 +21,8 @@ std::vector<Vec3> centres_in(const VoxelShape& shape) {
   std::int64_t passed = 0, target = 0;
   const auto choose = [&](std::int64_t i) {
     const std::int64_t begin = voxels * i / count, end = voxels * (i + 1) / count;
-    target = begin + static_cast<std::int64_t>(random() % static_cast<std::uint64_t>(std::max<std::int64_t>(1, end - begin)));
+    target = begin +
+             static_cast<std::int64_t>(random() % static_cast<std::uint64_t>(std::max<std::int64_t>(1, end - begin)));
   };
   if (count == 0) return centres;
   choose(0);
@@ -68,16 +70,16 @@ RunThickness thickness_of(const LoadedShape& shape, const MedialAxis& axis, cons
 
 void add_meshes_of(const LoadedShape& shape, const MedialAxis& axis, PageBuilder& builder, Context* context) {
   if (shape.shape.grid().is_plane()) return;
-  const BoundaryPoints boundary =
-      axis.is_fitted() && shape.surface ? boundary_points(*shape.surface) : boundary_points(shape.shape);
+  const BoundaryPoints boundary = axis.is_fitted() && shape.surface ? boundary_points(*shape.surface, kBoundary)
+                                                                    : boundary_points(shape.shape, kBoundary);
   builder.add_meshes(axis, boundary, true, context);
 }
 
 void PageBuilder::add_thickness(const MedialAxis& axis, Context* context) {
   if (page.plane || !page.find("shape/points") || axis.points.empty()) return;
   const std::vector<Vec3> points = surface_points(page);
-  const SurfaceThickness found =
-      surface_thickness(points, nullptr, axis, {.tolerance = page.voxel, .correction = thickness_correction(axis)}, context);
+  const SurfaceThickness found = surface_thickness(
+      points, nullptr, axis, {.tolerance = page.voxel, .correction = thickness_correction(axis)}, context);
   add_surface_measure(page, "thickness", found.thickness);
 }
 
