@@ -10,6 +10,7 @@
 #include "program.h"
 #include "quench/io.h"
 #include "quench/parts.h"
+#include "quench/solid_stages.h"
 #include "quench/tree.h"
 #include "report.h"
 #include "run_command.h"

@@ -8,6 +8,7 @@
 #include "option_checks.h"
 #include "program.h"
 #include "quench/io.h"
+#include "quench/solid_stages.h"
 #include "report.h"
 #include "shape_input.h"
 

@@ -6,6 +6,7 @@
 #include "option_checks.h"
 #include "program.h"
 #include "quench/io.h"
+#include "quench/solid_stages.h"
 #include "report.h"
 #include "shape_input.h"
 #include "stage_options.h"

@@ -5,7 +5,7 @@
 #include "option_checks.h"
 #include "program.h"
 #include "quench/io.h"
-#include "quench/thickness_run.h"
+#include "quench/solid_stages.h"
 #include "quench/tree.h"
 #include "report.h"
 #include "shape_input.h"

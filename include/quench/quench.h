@@ -25,7 +25,7 @@
 #include "quench/skeleton.h"
 #include "quench/table.h"
 #include "quench/thickness.h"
-#include "quench/thickness_run.h"
+#include "quench/solid_stages.h"
 #include "quench/tree.h"
 #include "quench/verify.h"
 #include "quench/voxelize.h"

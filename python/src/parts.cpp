@@ -4,6 +4,7 @@
 #include <pybind11/stl.h>
 
 #include "quench/io.h"
+#include "quench/solid_stages.h"
 #include "quench/tree.h"
 #include "values.h"
 

@@ -6,6 +6,7 @@
 #include "quench/envelope.h"
 #include "quench/error.h"
 #include "quench/io.h"
+#include "quench/solid_stages.h"
 #include "values.h"
 
 namespace quench::python {

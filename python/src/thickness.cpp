@@ -2,7 +2,7 @@
 #include <pybind11/stl.h>
 
 #include "quench/error.h"
-#include "quench/thickness_run.h"
+#include "quench/solid_stages.h"
 #include "values.h"
 
 namespace quench::python {

@@ -6,6 +6,7 @@
 
 #include "quench/error.h"
 #include "quench/pipeline.h"
+#include "quench/solid_stages.h"
 
 namespace quench::pipeline {
 

@@ -7,6 +7,7 @@
 #include "pipeline/run_measures.h"
 #include "quench/error.h"
 #include "quench/pipeline.h"
+#include "quench/solid_stages.h"
 
 namespace quench::pipeline {
 namespace {

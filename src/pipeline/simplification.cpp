@@ -3,6 +3,7 @@
 
 #include "base/text.h"
 #include "quench/pipeline.h"
+#include "quench/solid_stages.h"
 
 namespace quench::pipeline {
 

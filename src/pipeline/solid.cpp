@@ -12,6 +12,7 @@
 #include "quench/envelope.h"
 #include "quench/error.h"
 #include "quench/pipeline.h"
+#include "quench/solid_stages.h"
 
 namespace quench::pipeline {
 namespace {

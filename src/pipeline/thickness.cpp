@@ -7,7 +7,7 @@
 #include "base/parallel.h"
 #include "base/text.h"
 #include "quench/error.h"
-#include "quench/thickness_run.h"
+#include "quench/solid_stages.h"
 
 namespace quench::pipeline {
 namespace {

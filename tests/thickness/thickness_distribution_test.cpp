@@ -7,7 +7,7 @@
 
 #include "quench/samples.h"
 #include "quench/thickness.h"
-#include "quench/thickness_run.h"
+#include "quench/solid_stages.h"
 
 namespace quench {
 namespace {
