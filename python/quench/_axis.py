@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import cached_property
-from typing import Any, Dict, Iterator, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
+from typing import Any, Dict, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from ._common import (Certificate, Length, Path, Progress, Spacing, Topology, ca
                       length, length_or_auto, pruning_of, whole)
 from ._complex import Complex
 from ._inputs import Cut, Mesh, Threshold, Volume, read_file, shape_of
+from ._measures import Cells, Measures
 from ._skeleton import Skeleton, theta2_of
 from ._solid import Solid
 
@@ -169,38 +170,6 @@ def read(path: Path, *, spacing: Spacing = None, radii: Optional[Path] = None, d
     with calling(threads, progress) as call:
         found = read_file(path, spacing, radii, call, dimension, channel)
     return MedialAxis(found, threads, progress) if isinstance(found, _core.Axis) else found
-
-
-class Cells(NamedTuple):
-    """One value per cell, by dimension."""
-    vertices: np.ndarray
-    edges: np.ndarray
-    polygons: np.ndarray
-
-
-class Measure(NamedTuple):
-    """A significance measure of the cells of a medial axis."""
-    values: Optional[Cells]
-    levels: Optional[Cells]
-    """The largest threshold up to which a pruning by the measure keeps each cell; None where there is no such pruning."""
-
-
-class Measures(Mapping[str, Measure]):
-    """The measures of a medial axis by name; arrays are views, or computed when asked for."""
-
-    def __init__(self, core: '_core.Axis'):
-        self._core = core
-
-    def __getitem__(self, name: str) -> Measure:
-        if name not in self._core.measure_names():
-            raise KeyError(name)
-        return Measure(*(given and Cells(*map(np.asarray, given)) for given in self._core.measure(name)))
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._core.measure_names())
-
-    def __len__(self) -> int:
-        return len(self._core.measure_names())
 
 
 _ARGUMENTS = {'detail': 'detail', 'lambda': 'lambda_'}  # of measures
