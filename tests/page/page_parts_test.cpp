@@ -15,6 +15,7 @@
 #include "quench/pipeline.h"
 #include "quench/sample.h"
 #include "quench/simplify.h"
+#include "random_shapes.h"
 #include "temporary_folder.h"
 
 namespace quench {
@@ -204,14 +205,13 @@ TEST(PageParts, PicturesOfMedialMeshesHaveTheVerticesAskedFor) {
 TEST(PageParts, ARunKnowsHowThickThingsAre) {
   Grid grid;
   grid.dims = {50, 50, 10};
-  std::vector<std::vector<Run>> rows(500);
-  for (std::size_t z = 1; z < 9; ++z)
-    for (std::size_t y = 1; y < 49; ++y) rows[z * 50 + y] = {{1, 49}};
+  const auto inside = [](int x, int y, int z) { return x > 0 && x < 49 && y > 0 && y < 49 && z > 0 && z < 9; };
   pipeline::RunOptions options;
   options.measures = true;
   pipeline::PageBuilder builder;
   options.page = &builder;
-  pipeline::LoadedShape shape = pipeline::shape_of(VoxelShape(grid, std::move(rows)), grid, {.surface = SurfaceKind::voxels});
+  pipeline::LoadedShape shape =
+      pipeline::shape_of(testing_shapes::from_predicate(grid, inside), grid, {.surface = SurfaceKind::voxels});
   const pipeline::RunResult result = pipeline::run(shape, options);
   ASSERT_TRUE(result.thickness && result.axis.parts);
   EXPECT_EQ(result.thickness->correction, 0.5);
