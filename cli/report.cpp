@@ -221,9 +221,8 @@ Json thickness_section(const pipeline::RunThickness& thickness, bool plane) {
   };
   Json shape = section(thickness.shape);
   if (!shape.is_null()) shape["samples"] = thickness.shape.weight();
-  return {{plane ? "curves" : "sheets", section(thickness.sheets)},
-          {"shape", shape},
-          {"correction", thickness.correction}};
+  return {
+      {plane ? "curves" : "sheets", section(thickness.sheets)}, {"shape", shape}, {"correction", thickness.correction}};
 }
 
 void say_burned(const pipeline::BurnFigures& burned, std::size_t vertices, Session& session) {

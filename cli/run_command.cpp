@@ -222,9 +222,10 @@ Action add_run(CLI::App& app) {
   add_page_options(app, o->max_triangles);
   app.add_flag("--no-view", o->no_view, "Do not write view.html, the interactive page")->group("Page");
   app.add_flag("--no-picture", o->no_picture, "Do not write picture.png, a picture of the skeleton")->group("Page");
-  app.add_option("-o,--output", o->folder,
-                 "Folder for core.vtp, skeleton.vtp, skeleton.swc, branches.csv, parts.csv, report.json, picture.png and "
-                 "view.html, of images and polygons also skeleton.geojson and skeleton.svg; created if absent")
+  app.add_option(
+         "-o,--output", o->folder,
+         "Folder for core.vtp, skeleton.vtp, skeleton.swc, branches.csv, parts.csv, report.json, picture.png and "
+         "view.html, of images and polygons also skeleton.geojson and skeleton.svg; created if absent")
       ->type_name("DIR")
       ->required();
   return [o](Session& session) { return run_pipeline(*o, session); };

@@ -372,8 +372,10 @@ Action add_view(CLI::App& app) {
   };
   CLI::Option* detail = add_pruning("--detail", kDetail, "Core: detail below which cells go [default: that of FILE]");
   add_pruning("--lambda", kLambda, "Core: radius below which cells go [default: that of FILE]")->excludes(detail);
-  app.add_option("--layer", o->layer, "'skeleton', 'core' (the medial axis), 'simple' (a medial mesh of some vertices) or 'still' (a file of "
-                 "another kind)")
+  app.add_option(
+         "--layer", o->layer,
+         "'skeleton', 'core' (the medial axis), 'simple' (a medial mesh of some vertices) or 'still' (a file of "
+         "another kind)")
       ->type_name("NAME")
       ->check(one_of({"skeleton", "core", "simple", "still"}))
       ->group(start);

@@ -225,9 +225,8 @@ void add_surface_measure(Page& page, const std::string& name, const std::vector<
   const PageArray* const points = page.find("shape/points");
   const std::size_t count = points ? std::get<std::vector<float>>(points->values).size() / 3 : 0;
   if (values.size() != count)
-    throw Error(ErrorCode::usage,
-                fmt::format("the measure '{}' of the surface of a page has {} values for {} points", name,
-                            values.size(), count));
+    throw Error(ErrorCode::usage, fmt::format("the measure '{}' of the surface of a page has {} values for {} points",
+                                              name, values.size(), count));
   std::vector<float> rounded(values.size());
   for (std::size_t i = 0; i < values.size(); ++i) rounded[i] = page::measure_of(values[i]);
   page.arrays.push_back({"shape/point/" + name, 1, std::move(rounded)});

@@ -74,7 +74,8 @@ std::string json_of(const std::vector<PageColumn>& list) {
 std::string json_of(const PageTree& tree) {
   return fmt::format(R"({{"down": {}, "to_eye": {}, "up": {}, "columns": [
 {}]}})",
-                     list({tree.down.data(), 3}), list({tree.to_eye.data(), 3}), list({tree.up.data(), 3}), json_of(tree.columns));
+                     list({tree.down.data(), 3}), list({tree.to_eye.data(), 3}), list({tree.up.data(), 3}),
+                     json_of(tree.columns));
 }
 
 std::string meta_of(const Page& page, const std::vector<PackedArray>& packed) {

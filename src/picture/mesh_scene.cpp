@@ -14,9 +14,7 @@ namespace {
 using Rows = std::vector<std::uint32_t>;
 using Reals = std::vector<float>;
 
-[[noreturn]] void refuse_meshes() {
-  throw Error(ErrorCode::usage, "the medial meshes of a page do not fit together");
-}
+[[noreturn]] void refuse_meshes() { throw Error(ErrorCode::usage, "the medial meshes of a page do not fit together"); }
 
 template <class T>
 const std::vector<T>& array_of(const Page& page, const char* name) {

@@ -70,7 +70,8 @@ Primitives::Primitives(const Scene& scene, const ViewState& state, const ColourR
   const double per_pixel = camera.per_pixel() * unit;
   boundary_opacity_ = opacity_of_lines(scene.boundary.size(), 2 * kBoundaryWidth, scene.area, per_pixel, kBoundaryMost);
   seam_opacity_ = opacity_of_lines(scene.seams.size(), 2 * kSeamWidth, scene.area, per_pixel, kSeamMost);
-  if (scene.values.empty() && scene.sheet_values.empty()) sheet_plain_ = Light::linear(rgb(state.dark ? kDark.sheet : kLight.sheet));
+  if (scene.values.empty() && scene.sheet_values.empty())
+    sheet_plain_ = Light::linear(rgb(state.dark ? kDark.sheet : kLight.sheet));
   if (scene.values.empty() || !state.curves_by_measure) curve_plain_ = Light::linear(rgb(kAccent));
   std::size_t end = 0;
   const auto after = [&](std::size_t count) {

@@ -177,7 +177,8 @@ std::span<const std::uint32_t> corners_of(const Polygons& polygons, std::size_t 
   return std::span(polygons.corners).subspan(polygons.offsets[f], polygons.offsets[f + 1] - polygons.offsets[f]);
 }
 
-/// By their number: the largest sheets have colours of their own, and names in the legend. Or by a column of their table.
+/// By their number: the largest sheets have colours of their own, and names in the legend. Or by a column of their
+/// table.
 void colour_sheets(const Page& page, const ViewState& state, Scene& scene) {
   const Indices& sheet = values_or_none<std::uint32_t>(page, "skeleton/polygon_sheet");
   if (sheet_column(page, state.color)) {

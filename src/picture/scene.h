@@ -45,7 +45,7 @@ struct Scene {
   bool plane = false;
   std::vector<std::array<std::uint32_t, 2>> outline;  ///< of a plane: sides of the shape, directed around it
   double sheet_crease = kCrease;
-  double shape_crease = kCrease;                      ///< surfaces of voxels have steps, no edges: a right angle
+  double shape_crease = kCrease;  ///< surfaces of voxels have steps, no edges: a right angle
 };
 Scene scene_of(const Page& page, const ViewState& state);
 

@@ -136,8 +136,8 @@ ViewState view_state(const Page& page) {
   state.color = value_of(page.state, "color").value_or(pure ? "radius" : default_color(page, state.layer));
   const bool parts = state.layer == "tree"
                          ? is_colour_of_tree(page, state.color)
-                         : state.layer == "skeleton" && (state.color == "sheet" || state.color == "branch" ||
-                                                         sheet_column(page, state.color));
+                         : state.layer == "skeleton" &&
+                               (state.color == "sheet" || state.color == "branch" || sheet_column(page, state.color));
   if (state.color != "none" && !parts && !page.find(state.layer + "/point/" + state.color))
     throw Error(ErrorCode::usage,
                 fmt::format("there is no array '{}' to colour the layer '{}' by", state.color, state.layer));

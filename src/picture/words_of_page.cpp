@@ -82,7 +82,8 @@ std::string unit_of(const Page& page, const std::string& measure) {
   if (measure == "angle_to_down") return "°";
   if (measure == "order" || measure == "strahler") return "";
   const PageColumn* const of_sheets = sheet_column(page, measure);
-  if (const PageColumn* const column = of_sheets ? of_sheets : column_of(page, measure)) return unit_words(column->unit);
+  if (const PageColumn* const column = of_sheets ? of_sheets : column_of(page, measure))
+    return unit_words(column->unit);
   return measure == "object_angle" ? "°" : page.unit;
 }
 
@@ -134,8 +135,7 @@ std::vector<std::string> caption_of(const Page& page) {
   std::vector<std::string> lines;
   lines.push_back(file);
   if (!state.surface.empty()) return lines;
-  if (state.layer == "simple")
-    lines.push_back(fmt::format("medial mesh of {} vertices", mesh_vertices(page, state)));
+  if (state.layer == "simple") lines.push_back(fmt::format("medial mesh of {} vertices", mesh_vertices(page, state)));
   if (state.layer == "skeleton") lines.push_back(skeleton_words(page));
   if (state.layer == "tree") lines.push_back(tree_words(page));
   if (state.layer == "core" && !state.measure.empty())

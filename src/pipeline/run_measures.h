@@ -5,7 +5,8 @@
 
 namespace quench::pipeline {
 
-/// What run() says of the thickness of a shape and of the sheets of its skeleton. `axis`: the pruned one. O(samples log n).
+/// What run() says of the thickness of a shape and of the sheets of its skeleton. `axis`: the pruned one. O(samples log
+/// n).
 RunThickness thickness_of(const LoadedShape& shape, const MedialAxis& axis, const Skeleton& skeleton, Context* context);
 
 /// Medial meshes of the axis of a shape, with their errors. Nothing of the plane.

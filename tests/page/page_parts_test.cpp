@@ -15,6 +15,7 @@
 #include "quench/pipeline.h"
 #include "quench/sample.h"
 #include "quench/simplify.h"
+#include "random_shapes.h"
 #include "temporary_folder.h"
 
 namespace quench {
@@ -200,30 +201,30 @@ TEST(PageParts, PicturesOfMedialMeshesHaveTheVerticesAskedFor) {
   EXPECT_EQ(caption_of(page), std::vector<std::string>{"medial mesh of 3 vertices"});
 }
 
-// A plate of 48 x 48 x 8 voxels: its sheet and nearly all of it are 8 thick.
+// A plate of 48 x 48 x 8 voxels. The balls of its sheet touch four corners of voxels above and four below.
 TEST(PageParts, ARunKnowsHowThickThingsAre) {
   Grid grid;
   grid.dims = {50, 50, 10};
-  std::vector<std::vector<Run>> rows(500);
-  for (std::size_t z = 1; z < 9; ++z)
-    for (std::size_t y = 1; y < 49; ++y) rows[z * 50 + y] = {{1, 49}};
+  const auto inside = [](int x, int y, int z) { return x > 0 && x < 49 && y > 0 && y < 49 && z > 0 && z < 9; };
   pipeline::RunOptions options;
   options.measures = true;
   pipeline::PageBuilder builder;
   options.page = &builder;
-  pipeline::LoadedShape shape = pipeline::shape_of(VoxelShape(grid, std::move(rows)), grid, {.surface = SurfaceKind::voxels});
+  pipeline::LoadedShape shape =
+      pipeline::shape_of(testing_shapes::from_predicate(grid, inside), grid, {.surface = SurfaceKind::voxels});
   const pipeline::RunResult result = pipeline::run(shape, options);
   ASSERT_TRUE(result.thickness && result.axis.parts);
   EXPECT_EQ(result.thickness->correction, 0.5);
-  EXPECT_NEAR(result.thickness->sheets.mean(), 9, 0.6);  // with half a voxel at either side
-  EXPECT_NEAR(result.thickness->shape.percentile(0.5), 9, 1e-9);
+  const double expected = 2 * std::sqrt(16.5) + 1;  // with half a voxel at either side
+  EXPECT_NEAR(result.thickness->sheets.mean(), expected, 0.6);
+  EXPECT_NEAR(result.thickness->shape.percentile(0.5), expected, expected / 8192);
   EXPECT_EQ(result.thickness->shape.weight(), 48 * 48 * 8);
   ASSERT_FALSE(result.axis.parts->sheets.empty());
   const Contents read = read_back(builder.page);
   const std::vector<double>& thickness = read["shape/point/thickness"];
   EXPECT_EQ(3 * thickness.size(), read["shape/points"].size());
   std::size_t thick = 0;
-  for (const double t : thickness) thick += std::abs(t - 9) < 0.01 ? 1 : 0;
+  for (const double t : thickness) thick += std::abs(t - expected) < 0.01 ? 1 : 0;
   EXPECT_GT(thick, thickness.size() / 2);
   EXPECT_EQ(read["sheets/area"].size(), result.axis.parts->sheets.size());
 }
