@@ -176,6 +176,21 @@ class LineTracer {
     return smooth;
   }
 
+  // The point that is farthest from the chord around a corner, half a length to both sides of it.
+  std::size_t tip(const BorderLine& line, std::size_t corner) const {
+    const double at = line.at[corner], reach = std::min({corner_, at, line.length() - at});
+    const Vec3 from = line.place(at - reach).point, chord = line.place(at + reach).point - from;
+    std::size_t best = corner;
+    double most = 0;
+    for (std::size_t i = 1; i + 1 < line.vertices.size(); ++i) {
+      if (std::abs(line.at[i] - at) > 0.5 * corner_) continue;
+      Vec3 off = line.points[i].point - from;
+      if (const double size = chord.squaredNorm(); size > 0) off -= off.dot(chord) / size * chord;
+      if (off.norm() > most) best = i, most = off.norm();
+    }
+    return best;
+  }
+
   // Where a line turns most, if it turns by more than 50 degrees between chords as long as `corner_`, or as the line
   // has to the nearer end. True where something is fixed.
   bool fix_corners(const BorderLine& traced) {
@@ -200,7 +215,7 @@ class LineTracer {
       for (std::size_t j = i + 1; least && j + 1 < n && line.at[j] - line.at[i] < corner_; ++j)
         least = turn[j] >= turn[i];
       if (!least) continue;
-      result_.fixed[line.vertices[i]] = 1;
+      result_.fixed[traced.vertices[tip(traced, i)]] = 1;
       any = true;
     }
     return any;

