@@ -18,6 +18,8 @@ namespace {
 // From so many vertices on collapses follow the boundary points, fitted again at every half of them.
 constexpr std::size_t kFirstFit = 1024;
 constexpr int kRoundsBetween = 3;
+// Planes at boundary points do not keep balls from sliding out of corners; those of the envelope at its rims do.
+constexpr double kOfPatches = 0.3;
 // Boundary points per vertex that is fitted, and the least of all.
 constexpr std::size_t kPointsBetween = 20, kPointsAtEnd = 40, kLeastPoints = 4000;
 // Where numbers of vertices are looked for that meet an error, they are known to one part of so many.
@@ -96,6 +98,12 @@ CollapseSequence collapsed(const MedialAxis& mesh, const BoundaryPoints& boundar
     for (std::size_t v = 0; v < rows.size(); ++v)
       sequence.steps.push_back({rows[v], kNone, left.points[v], left.radius[v]});
     quadrics = boundary_quadrics(left, share, context);
+    const Patches patches(left);
+    for (std::uint32_t v = 0; v < quadrics.size(); ++v) {
+      Quadric q = patches.quadric(v);
+      q *= kOfPatches;
+      quadrics[v] += q;
+    }
   }
   checkpoint(context, "simplify", 1);
   return sequence;
