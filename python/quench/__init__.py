@@ -12,10 +12,12 @@ from ._axis import MedialAxis, medial_axis, read
 from ._common import Certificate, Topology
 from ._core import Error, UsageError, __version__
 from ._inputs import Mesh, Volume, sample, samples, voxelize
+from ._simplification import Simplification
 from ._skeleton import Curves, Graph, Sheets, Skeleton, skeletonize
 from ._solid import Solid
 from ._tree import Tree, read_tree, tree
 
-__all__ = ['Certificate', 'Curves', 'Error', 'Graph', 'MedialAxis', 'Mesh', 'Sheets', 'Skeleton', 'Solid', 'Topology',
+__all__ = ['Certificate', 'Curves', 'Error', 'Graph', 'MedialAxis', 'Mesh', 'Sheets', 'Simplification', 'Skeleton', 'Solid',
+           'Topology',
            'Tree', 'UsageError', 'Volume', '__version__', 'medial_axis', 'read', 'read_tree', 'sample', 'samples', 'skeletonize',
            'tree', 'voxelize']
