@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "poly_samples.h"
+#include "quench/axis.h"
 #include "quench/io.h"
 
 namespace quench {
