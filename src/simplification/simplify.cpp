@@ -164,7 +164,7 @@ Simplified simplify(const MedialAxis& axis, const BoundaryPoints& boundary, cons
     throw Error(ErrorCode::usage, fmt::format("error {:g} is not a length above 0", *options.error), "error");
   if (!options.error && options.vertices == 0)
     throw Error(ErrorCode::usage, "vertices 0 is not a number of vertices", "vertices");
-  MedialAxis mesh = medial_mesh_of(axis);
+  MedialAxis plain = medial_mesh_of(axis), mesh = plain;
   const Unit unit(mesh.points);
   unit.enter(mesh.points);
   for (double& r : mesh.radius) r /= unit.size;
@@ -180,7 +180,7 @@ Simplified simplify(const MedialAxis& axis, const BoundaryPoints& boundary, cons
   unit.leave(result.axis);
   result.axis.grid = axis.grid;
   result.errors = errors_of(result.axis, boundary, context);
-  result.sequence.start = medial_mesh_of(axis);
+  result.sequence.start = std::move(plain);
   for (Collapse& step : result.sequence.steps) {
     step.point = step.point * unit.size + unit.middle;
     step.radius *= unit.size;
