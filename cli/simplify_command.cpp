@@ -105,11 +105,11 @@ Action add_simplify(CLI::App& app) {
   auto o = std::make_shared<Options>();
   add_axis_options(app, o->reshaping.input);
   const auto group = "Simplification";
-  CLI::Option* vertices =
-      add_number(app, "--vertices", o->vertices, "How many vertices are left, or as few as the topology allows", 1)
-          ->type_name("N")
-          ->capture_default_str()
-          ->group(group);
+  CLI::Option* vertices = add_number(app, "--vertices", o->vertices,
+                                     "How many vertices are left, or as few as the topology allows", std::size_t{1})
+                              ->type_name("N")
+                              ->capture_default_str()
+                              ->group(group);
   add_parsed(
       app, "--error",
       "Instead: as few vertices as will do, so that no point of the boundary (of --shape, else of the envelope of "

@@ -13,11 +13,13 @@ from ._common import Certificate, Topology
 from ._core import Error, UsageError, __version__
 from ._inputs import Mesh, Volume, sample, samples, voxelize
 from ._parts import Parts, SheetMesh
+from ._simplification import Simplification
 from ._skeleton import Curves, Graph, Sheets, Skeleton, skeletonize
 from ._solid import Solid
 from ._thickness import SurfaceThickness, local_thickness, surface_thickness
 from ._tree import Tree, read_tree, tree
 
-__all__ = ['Certificate', 'Curves', 'Error', 'Graph', 'MedialAxis', 'Mesh', 'Parts', 'SheetMesh', 'Sheets', 'Skeleton',
-           'Solid', 'SurfaceThickness', 'Topology', 'Tree', 'UsageError', 'Volume', '__version__', 'local_thickness',
-           'medial_axis', 'read', 'read_tree', 'sample', 'samples', 'skeletonize', 'surface_thickness', 'tree', 'voxelize']
+__all__ = ['Certificate', 'Curves', 'Error', 'Graph', 'MedialAxis', 'Mesh', 'Parts', 'SheetMesh', 'Sheets',
+           'Simplification', 'Skeleton', 'Solid', 'SurfaceThickness', 'Topology', 'Tree', 'UsageError', 'Volume',
+           '__version__', 'local_thickness', 'medial_axis', 'read', 'read_tree', 'sample', 'samples', 'skeletonize',
+           'surface_thickness', 'tree', 'voxelize']

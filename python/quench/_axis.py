@@ -13,6 +13,7 @@ from ._common import (Certificate, Length, Path, Progress, Spacing, Topology, ca
 from ._complex import Complex
 from ._inputs import Cut, Mesh, Threshold, Volume, read_file, shape_of
 from ._measures import Cells, Measures
+from ._simplification import Simplification
 from ._skeleton import Skeleton, theta2_of
 from ._solid import Solid
 
@@ -510,6 +511,47 @@ class MedialAxis(Complex):
         with self._calling(threads, progress) as call:
             core = _core.solid_of_axis(self._core, bool(envelope), number, *call)
         return Solid(core, self._threads, self._progress)
+
+    def simplified(self, vertices: int = 200, *, error: Optional[Length] = None, fits: int = 12,
+                   threads: Optional[int] = None, progress: Optional[Progress] = None) -> Simplification:
+        """The same axis with few vertices, of the same topology (docs/user/simplification.md).
+
+        Parameters
+        ----------
+        vertices : int
+            So many are left, or as few as the topology allows.
+        error : length, optional
+            Instead: as few as will do, so that no point of the boundary is farther outside of the result, or deeper in a
+            ball, cone or slab of it.
+        fits : int
+            Rounds of fitting the vertices that are left.
+
+        Examples
+        --------
+        >>> import numpy as np, quench
+        >>> image = np.zeros((40, 30, 20), bool)
+        >>> image[2:-2, 2:-2, 2:-2] = True
+        >>> few = quench.medial_axis(image).simplified(30)
+        >>> len(few.axis.vertices), few.axis.topology.betti
+        (30, (1, 0, 0))
+        """
+        text = '' if error is None else length(error, 'error')
+        number = whole(vertices, 'vertices', 1)
+        rounds = whole(fits, 'fits', 0)
+        with self._calling(threads, progress) as call:
+            core = self._core.simplified(number, text, rounds, *call)
+        return Simplification(core, MedialAxis, self._threads, self._progress)
+
+    def smoothed(self, most: Length = '0.5vox', *, iterations: int = 10, threads: Optional[int] = None,
+                 progress: Optional[Progress] = None) -> 'MedialAxis':
+        """The same cells with sheets and curves that run smoothly, radii too; no vertex moves by more than `most`.
+
+        Measures are those of the axis as it was, and left out. Axes without voxels need a length of another unit.
+        """
+        rounds = whole(iterations, 'iterations', 0)
+        with self._calling(threads, progress) as call:
+            core = self._core.smoothed(self._core.resolve(length(most, 'most'), 'most'), rounds, *call)
+        return MedialAxis(core, self._threads, self._progress)
 
     def to_image(self, shape: Optional[Sequence[int]] = None, *, return_distance: bool = False) -> Any:
         """Of an image: the pixels the axis runs through, as a bool image.

@@ -34,6 +34,72 @@ std::shared_ptr<Axis> axis_of_file(Record data, const std::string& file, Context
   return result;
 }
 
+/// A simplified or smoothed axis of the same shape.
+std::shared_ptr<Axis> reshaped(const Axis& from, const MedialAxis& mesh, const char* stage, Context& context) {
+  auto result = axis_of_file(pipeline::reshaped_file(mesh, {}, stage), stage, context);
+  result->core.longest_side = from.core.longest_side;
+  result->core.coordinates = from.core.coordinates;
+  result->spacing = from.spacing;
+  result->shape = from.shape;
+  return result;
+}
+
+/// What simplify() gives, with the points that it stays near.
+struct SimplificationValue {
+  std::shared_ptr<Axis> from;
+  BoundaryPoints boundary;
+  std::string boundary_is;
+  Simplified result;
+  int fits = 0;
+};
+using Simplification = std::shared_ptr<SimplificationValue>;
+
+Simplification simplify_axis(const std::shared_ptr<Axis>& axis, std::size_t vertices, const std::string& error,
+                             int fits, Context& context) {
+  auto value = std::make_shared<SimplificationValue>();
+  value->from = axis;
+  value->fits = fits;
+  SimplifyOptions options{vertices, {}, fits};
+  if (!error.empty()) options.error = axis->resolve(error, "error");
+  value->boundary = pipeline::boundary_of(axis->axis(), axis->shape.get(), &value->boundary_is, &context);
+  value->result = pipeline::simplified(axis->axis(), value->boundary, options, &context);
+  return value;
+}
+
+py::dict figures_of(const DistanceFigures& f) {
+  py::dict d;
+  d["mean"] = f.mean;
+  d["p99"] = f.p99;
+  d["largest"] = f.largest;
+  return d;
+}
+
+void bind_simplifications(py::module_& m) {
+  py::class_<SimplificationValue, Simplification>(m, "Simplification")
+      .def_property_readonly("most", [](const Simplification& s) { return s->result.sequence.most(); })
+      .def_property_readonly("least", [](const Simplification& s) { return s->result.sequence.least(); })
+      .def_property_readonly("boundary", [](const Simplification& s) { return s->boundary_is; })
+      .def_property_readonly("errors",
+                             [](const Simplification& s) {
+                               py::dict d;
+                               d["outside"] = figures_of(s->result.errors.outside);
+                               d["either_side"] = figures_of(s->result.errors.either);
+                               d["points"] = s->result.errors.places;
+                               return d;
+                             })
+      .def("axis",
+           [](const Simplification& s, const py::object& listener, int threads) {
+             return run(listener, threads,
+                        [&](Context& c) { return reshaped(*s->from, s->result.axis, "simplified", c); });
+           })
+      .def("level", [](const Simplification& s, std::size_t vertices, const py::object& listener, int threads) {
+        return run(listener, threads, [&](Context& c) {
+          return reshaped(*s->from, fitted_level(s->result.sequence, vertices, s->boundary, s->fits, &c), "simplified",
+                          c);
+        });
+      });
+}
+
 // The polygons of a complex as triangles, and the polygon of each.
 py::tuple fans(const CellComplex& complex) {
   std::vector<std::array<std::uint32_t, 3>> triangles;
@@ -110,6 +176,7 @@ py::list checks_of(const Certificate& certificate) {
 
 void bind_axes(py::module_& m) {
   using Pointer = std::shared_ptr<Axis>;
+  bind_simplifications(m);
   py::class_<Axis, Pointer>(m, "Axis")
       .def_property_readonly("vertices", [](const Pointer& a) { return view(a, a->axis().points); })
       .def_property_readonly("dimension", [](const Pointer& a) { return a->axis().grid.dimension; })
@@ -156,6 +223,22 @@ void bind_axes(py::module_& m) {
       .def_property_readonly("shape", [](const Pointer& a) { return a->shape; })
       .def_property_readonly(
           "topology", [](const Pointer& a) { return py::make_tuple(a->core.topology.euler, a->core.topology.betti); })
+      .def("simplified",
+           [](const Pointer& a, std::size_t vertices, const std::string& error, int fits, const py::object& listener,
+              int threads) {
+             return run(listener, threads, [&](Context& c) { return simplify_axis(a, vertices, error, fits, c); });
+           })
+      .def("smoothed",
+           [](const Pointer& a, double most, int iterations, const py::object& listener, int threads) {
+             return run(listener, threads, [&](Context& c) {
+               MedialAxis mesh;
+               mesh.complex = a->axis().complex;
+               mesh.points = a->axis().points;
+               mesh.radius = a->axis().radius;
+               smooth(mesh, most, iterations, &c);
+               return reshaped(*a, mesh, "smoothed", c);
+             });
+           })
       .def("resolve", &Axis::resolve)
       .def("pruned",
            [](const Pointer& a, const std::string& threshold, const py::object& listener, int threads) {

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kTurn = 2 * std::numbers::pi;
 // Rims of sheets that end in an edge of the shape have no radius: there so much of the cells around counts as one.
-constexpr double kLeastRim = 0.1;
+constexpr double kLeastRim = 0.3;
 // Shorter arcs are gaps between slabs that lie nearly in one plane.
 constexpr double kLeastArc = 1e-3;
 constexpr int kDirections = 32;

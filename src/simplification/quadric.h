@@ -36,6 +36,13 @@ struct Quadric {
     c += w * through.dot(product);
     weight += w * count;
   }
+  Quadric& operator*=(double factor) {
+    a *= factor;
+    b *= factor;
+    c *= factor;
+    weight *= factor;
+    return *this;
+  }
   Quadric& operator+=(const Quadric& other) {
     a += other.a;
     b += other.b;

@@ -18,6 +18,8 @@ namespace {
 // From so many vertices on collapses follow the boundary points, fitted again at every half of them.
 constexpr std::size_t kFirstFit = 1024;
 constexpr int kRoundsBetween = 3;
+// Planes at boundary points do not keep balls from sliding out of corners; those of the envelope at its rims do.
+constexpr double kOfPatches = 0.3;
 // Boundary points per vertex that is fitted, and the least of all.
 constexpr std::size_t kPointsBetween = 20, kPointsAtEnd = 40, kLeastPoints = 4000;
 // Where numbers of vertices are looked for that meet an error, they are known to one part of so many.
@@ -96,6 +98,12 @@ CollapseSequence collapsed(const MedialAxis& mesh, const BoundaryPoints& boundar
     for (std::size_t v = 0; v < rows.size(); ++v)
       sequence.steps.push_back({rows[v], kNone, left.points[v], left.radius[v]});
     quadrics = boundary_quadrics(left, share, context);
+    const Patches patches(left);
+    for (std::uint32_t v = 0; v < quadrics.size(); ++v) {
+      Quadric q = patches.quadric(v);
+      q *= kOfPatches;
+      quadrics[v] += q;
+    }
   }
   checkpoint(context, "simplify", 1);
   return sequence;
@@ -156,7 +164,7 @@ Simplified simplify(const MedialAxis& axis, const BoundaryPoints& boundary, cons
     throw Error(ErrorCode::usage, fmt::format("error {:g} is not a length above 0", *options.error), "error");
   if (!options.error && options.vertices == 0)
     throw Error(ErrorCode::usage, "vertices 0 is not a number of vertices", "vertices");
-  MedialAxis mesh = medial_mesh_of(axis);
+  MedialAxis plain = medial_mesh_of(axis), mesh = plain;
   const Unit unit(mesh.points);
   unit.enter(mesh.points);
   for (double& r : mesh.radius) r /= unit.size;
@@ -172,7 +180,7 @@ Simplified simplify(const MedialAxis& axis, const BoundaryPoints& boundary, cons
   unit.leave(result.axis);
   result.axis.grid = axis.grid;
   result.errors = errors_of(result.axis, boundary, context);
-  result.sequence.start = medial_mesh_of(axis);
+  result.sequence.start = std::move(plain);
   for (Collapse& step : result.sequence.steps) {
     step.point = step.point * unit.size + unit.middle;
     step.radius *= unit.size;
