@@ -151,6 +151,7 @@ ElementTree::Near ElementTree::nearest(const Vec3& p, double within, double enou
   best.ball.distance = within;
   double limit = within;
   walk(p, limit, [&](std::size_t i) {
+    if (!(elements_[i].bound(p) < limit)) return;
     const NearBall near = elements_[i].nearest(p);
     if (!(near.distance < best.ball.distance)) return;
     best = {near, rows_[i]};
@@ -164,7 +165,7 @@ bool ElementTree::contains(const Vec3& p, double slack) const {
   double limit = std::nextafter(most, kInfinite);
   bool found = false;
   walk(p, limit, [&](std::size_t i) {
-    if (found) return;
+    if (found || !(elements_[i].bound(p) < limit)) return;
     const NearBall near = elements_[i].nearest(p);
     if (!(near.distance <= slack * near.radius)) return;
     found = true;
