@@ -4,7 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
+#include <functional>
+#include <limits>
 #include <random>
 #include <span>
 #include <vector>
@@ -88,6 +89,39 @@ TEST(LocalThickness, NoBallInsideAFaceIsLarger) {
             ASSERT_GE(all[i], 2 * r * (1 - 1e-6)) << "seed " << seed;
           }
       }
+  }
+}
+
+// The distance of a point of a shape to its boundary.
+double depth_of(const VoxelShape& shape, const Vec3& x) {
+  const Grid& grid = shape.grid();
+  double depth = std::numeric_limits<double>::infinity();
+  for (std::int64_t k = -1; k <= grid.dims[2]; ++k)
+    for (std::int64_t j = -1; j <= grid.dims[1]; ++j)
+      for (std::int64_t i = -1; i <= grid.dims[0]; ++i) {
+        if (shape.contains(i, j, k)) continue;
+        const Vec3 centre = grid.world(Vec3(static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)) +
+                                       Vec3::Constant(0.5));
+        depth = std::min(depth, ((x - centre).cwiseAbs() - grid.spacing / 2).cwiseMax(0).norm());
+      }
+  return depth;
+}
+
+TEST(LocalThickness, NoBallInsideTheShapeIsLarger) {
+  std::mt19937_64 random(11);
+  std::uniform_real_distribution<double> unit(-0.5, 0.5);
+  for (std::uint64_t seed = 0; seed < 400; ++seed) {
+    const VoxelShape shape = testing_shapes::random_shape(seed, 9);
+    const std::vector<Vec3> centres = oracles::voxel_centres(shape);
+    const std::vector<double> all = thickness_in(shape, voxel_core(shape));
+    for (int sample = 0; sample < 30; ++sample) {
+      const Vec3 x = centres[random() % centres.size()] + Vec3(unit(random), unit(random), unit(random));
+      const double depth = depth_of(shape, x);
+      for (std::size_t i = 0; i < centres.size(); ++i)
+        if ((centres[i] - x).norm() <= depth) {
+          ASSERT_GE(all[i], 2 * depth * (1 - 1e-6)) << "seed " << seed;
+        }
+    }
   }
 }
 
