@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Apache-2.0
-"""How thick a part is everywhere on its surface: walls.ply (coloured), thickness.csv (a row per vertex) and thickness.png.
+"""How thick a part is everywhere on its surface: walls.ply (coloured), thickness.csv (a row per vertex and
+triangle) and thickness.png.
 
 usage: thickness_map.py [MESH] [--resolution N] [-o FOLDER]
 
@@ -26,14 +27,19 @@ options = parser.parse_args()
 options.output.mkdir(parents=True, exist_ok=True)
 
 mesh = quench.read(options.mesh) if options.mesh else quench.sample('fin-on-board', fineness=0.35)
-walls = quench.surface_thickness(mesh, resolution=options.resolution)
+# Thickness is known at vertices; those of a flat side may all lie on its edges. So triangles get one in their middle, too.
+a, b, c = mesh.faces.T
+middle = len(mesh.vertices) + np.arange(len(mesh.faces))
+vertices = np.concatenate([mesh.vertices, mesh.vertices[mesh.faces].mean(axis=1)])
+faces = np.concatenate([np.column_stack(part) for part in ((a, b, middle), (b, c, middle), (c, a, middle))])
+walls = quench.surface_thickness((vertices, faces), resolution=options.resolution)
 
 np.savetxt(options.output / 'thickness.csv', np.column_stack([walls.vertices, walls.thickness, walls.across]), delimiter=',',
            header='x,y,z,thickness,across_x,across_y,across_z', comments='', fmt='%.6g')
-corners = walls.vertices[walls.faces]
+corners = mesh.vertices[mesh.faces]
 normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
 area = np.linalg.norm(normal, axis=1) / 2
-thickness = walls.thickness[walls.faces].mean(axis=1)  # of each triangle
+thickness = walls.thickness[middle]  # of each triangle of the mesh
 mean = (thickness * area).sum() / area.sum()
 print(f'thickness from {walls.thickness.min():.4g} to {walls.thickness.max():.4g}, mean over the surface {mean:.4g}')
 
