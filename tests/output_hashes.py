@@ -56,7 +56,8 @@ IMAGES = {'horse.png': '--threshold 128 --invert', 'mpeg7_beetle-1.png': '', 're
           'icon_oak.svg': ''}
 POLYGONS = ['ne_110m_lakes.json', 'ne_110m_land.json']
 FILLS = ['nonzero', 'evenodd', 'winding', 'auto']
-COMMANDS = ['run', 'tree', 'batch', 'sample', 'voxelize', 'core', 'burn', 'skeleton', 'parts', 'view', 'info', 'convert', 'verify']
+COMMANDS = ['run', 'tree', 'batch', 'sample', 'voxelize', 'core', 'burn', 'skeleton', 'parts', 'thickness', 'reconstruct', 'simplify',
+            'smooth', 'view', 'info', 'convert', 'verify']
 
 
 def main_job(shape, options):
@@ -143,6 +144,14 @@ def option_cases():
     yield Case('options_parts', [fin, 'core fin.ply --resolution 40 -o core.vtp', 'parts fin.ply --resolution 40 -o parts',
                                  *numbered('parts core.vtp', PARTS_OPTIONS, '-o sheets_{0}.vtp --csv sheets_{0}.csv'),
                                  *[f'parts core.vtp -o all.{e}' for e in ('vtu', 'ply', 'obj', 'stl')]])
+    yield Case('options_solid', [fin, 'core fin.ply --resolution 40 -o core.vtp',
+                                 *[f'thickness fin.ply --resolution 40 -o thickness.{e}' for e in ('nrrd', 'nii.gz', 'tif', 'npy')],
+                                 'thickness fin.ply --resolution 40 --surface surface.ply --csv t.csv --histogram h.csv --json t.json',
+                                 'thickness fin.ply --resolution 40 --invert --balls vertices -o pores.nrrd --csv pores.csv',
+                                 'reconstruct core.vtp -o balls.nrrd --json balls.json',
+                                 'reconstruct core.vtp --envelope --shape fin.ply -o solid.ply --json solid.json',
+                                 'simplify core.vtp --vertices 60 --shape fin.ply -o few.ma --levels few.csv --json few.json',
+                                 'simplify core.vtp --error 3% --shape fin.ply -o near.vtp', 'smooth core.vtp -o smooth.vtp'])
     yield Case('options_view', [fin, 'core fin.ply --resolution 40 -o core.vtp',
                                 *numbered('view core.vtp --shape fin.ply', VIEW_OPTIONS, '-o page_{0}.html'),
                                 'view core.vtp -o page.html', 'convert core.vtp core.obj', 'view core.obj -o still.html'])
