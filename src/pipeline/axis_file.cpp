@@ -103,7 +103,9 @@ LoadedAxis axis_of(Record&& data, const std::string& file, Context* context) {
     Grid grid = loaded.axis.grid;
     grid.spacing = loaded.spacing;
     loaded.scale.detail = auto_detail(grid);
-    loaded.scale.fitted = loaded.axis.is_fitted();
+    // Skeletons do not have the points of the voxels, but say what they are fitted to.
+    loaded.scale.fitted =
+        loaded.axis.is_fitted() || field_text(loaded.data, "surface").value_or("voxels") != "voxels";
   }
   loaded.scale.longest_side = field_number(loaded.data, "longest_side").value_or(0);
   if (!(loaded.scale.longest_side > 0)) loaded.scale.longest_side = longest_side_of(loaded.axis.points);

@@ -58,10 +58,8 @@ PartsRun run_parts(const Skeleton& skeleton, const Vec3& voxel, const std::optio
 PartsRun run_parts(const LoadedAxis& loaded, const std::optional<Length>& remesh, Context* context) {
   const MedialAxis& axis = loaded.axis;
   PartsRun run;
-  // Skeletons have neither the sites that tell a voxel core nor its points, but say what they are fitted to.
   const bool skeleton = field_text(loaded.data, "stage") == "skeleton";
-  const bool fitted = loaded.scale.fitted || field_text(loaded.data, "surface").value_or("voxels") != "voxels";
-  if (!fitted && (loaded.voxel_core || skeleton)) run.options = parts_options(loaded.spacing);
+  if (!loaded.scale.fitted && (loaded.voxel_core || skeleton)) run.options = parts_options(loaded.spacing);
   run.parts = parts_of(axis.complex, axis.points, axis.radius,
                        of_faces(loaded.data, "erosion_thickness", axis.complex.face_count()), run.options, context);
   run.mesh = sheet_mesh(axis.complex, axis.points, axis.radius,
