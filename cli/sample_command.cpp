@@ -22,7 +22,7 @@ Json json_of_point(const Vec3& p) { return {p[0], p[1], p[2]}; }
 Json damage_of(const RootDamage& d) {
   if (d.kind == RootDamage::Kind::gap)
     return {{"kind", "gap"},          {"branch", d.branch},       {"from_point", d.from_point},
-            {"to_point", d.to_point}, {"from", json_of_point(d.from)}, {"to", point_of(d.to)},
+            {"to_point", d.to_point}, {"from", json_of_point(d.from)}, {"to", json_of_point(d.to)},
             {"contrast", d.contrast}};
   return {{"kind", "touching"},    {"branch", d.branch},        {"other", d.other},
           {"point", d.from_point}, {"other_point", d.to_point}, {"from", json_of_point(d.from)},
