@@ -86,7 +86,7 @@ struct Simplified {
 /// the boundary points. At each half of them, and at the end, all balls are moved to where the envelope runs through
 /// the boundary points (docs/algorithms/simplification.md).
 ///
-/// Deterministic; does not depend on threads. O(n log n); 0.5 s for 100,000 triangles. The sequence is the same for all
+/// Deterministic; does not depend on threads. O(n log n); 2 s for 100,000 triangles. The sequence is the same for all
 /// options. Throws Error(usage) for an axis without radii or of the plane, and, field `error`, where the axis itself
 /// does not meet it.
 Simplified simplify(const MedialAxis& axis, const BoundaryPoints& boundary, const SimplifyOptions& options = {},
