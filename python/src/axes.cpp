@@ -6,6 +6,7 @@
 
 #include "quench/error.h"
 #include "quench/io.h"
+#include "quench/solid_stages.h"
 #include "quench/verify.h"
 #include "rasters.h"
 #include "values.h"
