@@ -18,8 +18,8 @@ def test_balls_of_the_unpruned_core_are_the_image():
         assert errors['surface'] == 'voxels'
         full = axis.solid(envelope=True)
         assert full.envelope and (full.voxels | ~image).all() and full.errors()['volume']['missing'] == 0
-        # The corners of voxels that nothing covers lie on balls; what is missing between them is less than a voxel.
-        assert 0 < errors['surface_from_solid']['outside']['largest'] < 1
+        # The corners of voxels lie on balls; what is missing between them is less than a voxel.
+        assert errors['surface_from_solid']['outside']['largest'] < 1
 
 
 def test_spacing_and_skeletons():
@@ -28,7 +28,7 @@ def test_spacing_and_skeletons():
     solid = axis.solid()
     assert solid.voxels.shape == image.shape and (solid.voxels | ~image).all()
     assert solid.errors()['volume']['shape'] == image.sum()  # 0.5 * 1 * 2
-    of_curves = axis.skeleton(theta2='inf').solid()
+    of_curves = quench.medial_axis(image).skeleton(theta2='inf').solid()
     assert of_curves.envelope and of_curves.errors()['volume']['missing'] < 0.5 * image.sum()
 
 
@@ -103,6 +103,9 @@ def test_vtk_finds_meshes_closed_and_manifold(envelope):
         assert len(points) - len(triangles) // 2 == 2 * euler
         mass = vtk.vtkMassProperties()
         mass.SetInputData(data)
-        assert abs(mass.GetVolume() - solid.errors()['volume']['solid']) < 0.15 * mass.GetVolume()
-        # Vertices of the mesh lie on the boundary but for a fraction of a voxel.
+        low, high = points.min(axis=0) - 1, points.max(axis=0) + 1
+        places = low + np.random.default_rng(1).random((100000, 3)) * (high - low)
+        volume = (solid.distance(places) <= 0).mean() * np.prod(high - low)
+        # Triangles cut off the creases between balls as wide as a few voxels: a quarter of a voxel, vertices half of one.
+        assert abs(mass.GetVolume() - volume) < 0.25 * mass.GetSurfaceArea()
         assert np.abs(solid.distance(points)).max() < 0.5

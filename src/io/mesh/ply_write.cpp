@@ -121,10 +121,12 @@ void write_ply(std::ostream& out, const Record& data, const WriteOptions& option
                  column.name);
   // Many programs read signed indices only; the bytes are the same.
   const char* index = data.points.size() <= std::numeric_limits<std::int32_t>::max() ? "int" : "uint";
+  header.print("element face {}\nproperty list {} {} vertex_indices\n", data.poly_count(),
+               most_corners < 256 ? "uchar" : "uint", index);
+  // Last: VTK, and so ParaView, does not skip what it does not know, and would take edges for faces.
   if (!data.lines.empty())
     header.print("element edge {}\nproperty {} vertex1\nproperty {} vertex2\n", data.lines.size(), index, index);
-  header.print("element face {}\nproperty list {} {} vertex_indices\nend_header\n", data.poly_count(),
-               most_corners < 256 ? "uchar" : "uint", index);
+  header.print("end_header\n");
   header.flush();
 
   BinaryOut body(out);
@@ -142,8 +144,6 @@ void write_ply(std::ostream& out, const Record& data, const WriteOptions& option
           break;
       }
   }
-  for (const auto& line : data.lines)
-    for (std::uint32_t end : line) body.put(end);
   for (std::size_t f = 0; f < data.poly_count(); ++f) {
     const std::uint32_t begin = data.poly_offsets[f], end = data.poly_offsets[f + 1];
     if (most_corners < 256)
@@ -152,6 +152,8 @@ void write_ply(std::ostream& out, const Record& data, const WriteOptions& option
       body.put(end - begin);
     for (std::uint32_t c = begin; c < end; ++c) body.put(data.poly_corners[c]);
   }
+  for (const auto& line : data.lines)
+    for (std::uint32_t end : line) body.put(end);
   body.flush();
 }
 
