@@ -165,7 +165,9 @@ TEST(Remesh, SmoothsARaggedRim) {
   EXPECT_NEAR(area_of(mesh), 50, 0.3);
   std::size_t corners = 0;
   for (const Vec3& p : mesh.points) {
-    if (p[1] > 4.6) EXPECT_NEAR(p[1], 5, 0.06);
+    if (p[1] > 4.6) {
+      EXPECT_NEAR(p[1], 5, 0.06);
+    }
     for (const Vec3& corner : {Vec3(0, 0, 0), Vec3(10, 0, 0), Vec3(0, 5, 0), Vec3(10, 5, 0)})
       corners += (p - corner).norm() < 1e-9;
   }
