@@ -93,7 +93,7 @@ TEST_F(Simplify, RefusesWhatItCannotDo) {
   refuses(2, {"--vertices"}, {"simplify", "core.vtp", "--vertices", "0", "-o", "s.vtp"});
   refuses(2, {"--error"}, {"simplify", "core.vtp", "--error", "-1", "-o", "s.vtp"});
   refuses(2, {"--levels", ".csv"}, {"simplify", "core.vtp", "--levels", "l.txt", "-o", "s.vtp"});
-  refuses(2, {".stl"}, {"simplify", "core.vtp", "-o", "s.stl"});
+  refuses(2, {".swc"}, {"simplify", "core.vtp", "-o", "s.swc"});
   refuses(1, {"none.ply"}, {"simplify", "core.vtp", "--shape", "none.ply", "-o", "s.vtp"});
 }
 
