@@ -135,7 +135,7 @@ TEST_F(Program, RunWritesAxisAndReport) {
     EXPECT_TRUE(has(report, fmt::format("\n    \"{}\": ", member))) << member;
   works({"run", "a shape.ply", "--resolution", "24", "-o", "new/my result", "--overwrite", "--quiet"});
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder / "new/my result"), {}),
-            6 + exists("new/my result/view.html"));  // where the page is built in
+            7 + exists("new/my result/view.html"));  // where the page is built in
   EXPECT_TRUE(has(works({"verify", "a shape.ply", "new/my result/core.vtp"}).out, ": verified\n"));
 }
 
