@@ -17,7 +17,10 @@ class Refusals : public ProgramTest {
 };
 
 TEST_F(Refusals, CommandLines) {
-  refuses(2, {"run, tree, batch, sample, voxelize, core, bricks, burn, skeleton, view, info, convert, verify"}, {});
+  refuses(2,
+          {"run, tree, batch, sample, voxelize, core, bricks, burn, skeleton, reconstruct, parts, thickness, simplify, "
+           "smooth, view, info, convert, verify"},
+          {});
   refuses(2, {"'cores'", "did you mean 'core'?"}, {"cores"});
   refuses(2, {"'runn'", "did you mean 'run'?"}, {"runn", "cube.off", "-o", "a"});
   refuses(2, {"'thicken'", "run, tree, batch, sample"}, {"thicken", "--fast"});
