@@ -12,7 +12,9 @@ void add_meshes(Page& page, const CollapseSequence& sequence, const std::vector<
   const auto add = [&](const char* name, int components, PageArray::Values values) {
     page.arrays.push_back({std::string("simple/") + name, components, std::move(values)});
   };
-  page::widen(page, mesh.points);
+  // Beside other things the page shows as much as without, as pictures do.
+  const bool is_alone = page.low == page.high;
+  if (is_alone) page::widen(page, mesh.points);
   add("points", 3, page::places_of(page, mesh.points));
   add("point/radius", 1, std::vector<float>(mesh.radius.begin(), mesh.radius.end()));
   std::vector<std::uint32_t> triangles, lone;
@@ -35,7 +37,7 @@ void add_meshes(Page& page, const CollapseSequence& sequence, const std::vector<
     points.push_back(step.point);
     radius.push_back(static_cast<float>(step.radius));
   }
-  page::widen(page, points);
+  if (is_alone) page::widen(page, points);
   add("steps", 2, std::move(steps));
   add("step_points", 3, page::places_of(page, points));
   add("step_radius", 1, std::move(radius));
