@@ -89,10 +89,8 @@ void check_parts_options(const PartsProgram& o, const PartsFiles& files, const S
       session.check_output(file, inputs, option);
       if (extension_of(file) != ".csv")
         throw Error(ErrorCode::usage, fmt::format("{} '{}' does not end in .csv", option, file));
-      for (const auto& [other, same] : tables)
-        if (other < option && !same.empty() && is_same_place(file, same))
-          throw Error(ErrorCode::usage, fmt::format("two outputs are named '{}'; give them different names", file));
     }
+    check_distinct({o.folder, o.csv, o.seams, o.junctions});
     return;
   }
   if (!(o.csv + o.seams + o.junctions).empty())
@@ -304,8 +302,7 @@ Action add_parts(CLI::App& app) {
   add_shape_options(app, o->shape);
   app.get_option("SHAPE")->description(
       "A medial axis or a skeleton (core.vtp or skeleton.vtp of 'quench run', or one of another program with radii), "
-      "or "
-      "a mesh or a volume, whose skeleton is made first");
+      "or a mesh or a volume, whose skeleton is made first");
   const auto group = "Parts";
   add_parsed(
       app, "--remesh",

@@ -102,6 +102,13 @@ bool is_same_place(const std::filesystem::path& a, const std::filesystem::path& 
          fs::weakly_canonical(fs::absolute(b, ignored), ignored);
 }
 
+void check_distinct(const std::vector<std::string>& outputs) {
+  for (std::size_t i = 0; i < outputs.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j)
+      if (!outputs[i].empty() && !outputs[j].empty() && is_same_place(outputs[i], outputs[j]))
+        throw Error(ErrorCode::usage, fmt::format("two outputs are named '{}'; give them different names", outputs[i]));
+}
+
 void check_link(const std::filesystem::path& link, const std::string& option) {
   namespace fs = std::filesystem;
   std::error_code error, ignored;

@@ -76,6 +76,8 @@ class Session {
 
 /// Whether two paths name one file, which need not exist.
 bool is_same_place(const std::filesystem::path& a, const std::filesystem::path& b);
+/// Throws Error(usage) when two of the outputs are one file. Empty names are of no output.
+void check_distinct(const std::vector<std::string>& outputs);
 /// Throws Error(usage) for a link that leads to itself or to what does not exist. `option` is what names it.
 void check_link(const std::filesystem::path& link, const std::string& option);
 /// The error number of creating a file in the folder, which is then removed; 0: it can be done. The permissions say

@@ -11,13 +11,6 @@
 namespace quench::program {
 namespace {
 
-void check_distinct(const std::vector<std::string>& files) {
-  for (std::size_t i = 0; i < files.size(); ++i)
-    for (std::size_t j = 0; j < i; ++j)
-      if (!files[i].empty() && !files[j].empty() && is_same_place(files[i], files[j]))
-        throw Error(ErrorCode::usage, fmt::format("two outputs are named '{}'; give them different names", files[i]));
-}
-
 /// Lines are written in the format of the extension, which is that of the option.
 void check_line_formats(const std::vector<std::pair<std::string, std::string>>& files) {
   for (const auto& [option, file] : files)

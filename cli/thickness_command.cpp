@@ -36,10 +36,7 @@ void check_thickness(const ThicknessProgram& o, Session& session) {
                                                                 {"--png", o.png}, {"--page", o.page}};
   for (const auto& [option, file] : outputs)
     if (!file.empty()) session.check_output(file, inputs, option);
-  for (const auto& [option, file] : outputs)
-    for (const auto& [other, second] : outputs)
-      if (&file != &second && !file.empty() && !second.empty() && is_same_place(file, second))
-        throw Error(ErrorCode::usage, fmt::format("two outputs are named '{}'; give them different names", file));
+  check_distinct({o.output, o.surface, o.csv, o.histogram, o.png, o.page});
   session.check_report(inputs);
   if (!o.output.empty()) io::check_value_format(o.output);
   if (!o.surface.empty()) {

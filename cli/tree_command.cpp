@@ -542,8 +542,7 @@ Action add_tree(CLI::App& app) {
   add_shape_options(app, o->shape);
   app.get_option("SHAPE")->description(
       "A volume (.nrrd .nii.gz .mha .tif, a folder of slices ...), a mesh (.ply .obj .off .stl ...), a result "
-      "(core.vtp "
-      "or skeleton.vtp of 'quench run'), or a tree that is measured as it is (.swc .rsml)");
+      "(core.vtp or skeleton.vtp of 'quench run'), or a tree that is measured as it is (.swc .rsml)");
   app.get_option("--connectivity")->default_str("26");
   app.add_option("--shape", o->shape_file, "Of a result: the volume or mesh it is of, for edited.nrrd and the page")
       ->type_name("FILE")

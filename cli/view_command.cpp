@@ -105,8 +105,7 @@ void check_outputs(const Options& o, const Session& session) {
   if (!o.png.empty()) session.check_output(o.png, inputs, "--png");
   if (!o.png.empty() && extension_of(o.png) != ".png")
     throw Error(ErrorCode::usage, fmt::format("--png writes PNG; name '{}' .png", o.png));
-  if (!o.output.empty() && o.output == o.png)
-    throw Error(ErrorCode::usage, fmt::format("two outputs are named '{}'; give them different names", o.png));
+  check_distinct({o.output, o.png});
 }
 
 Plan plan_page(const Options& o, Session& session) {

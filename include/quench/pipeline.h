@@ -16,6 +16,7 @@
 #include "quench/context.h"
 #include "quench/graph.h"
 #include "quench/io.h"
+#include "quench/lengths.h"
 #include "quench/page.h"
 #include "quench/parts.h"
 #include "quench/polygons.h"
@@ -39,45 +40,6 @@ struct BoundaryPoints;  // quench/simplify.h
 ///
 /// Every function that takes a context works on its threads, reports progress, and tells notes.
 namespace quench::pipeline {
-
-// ------------------------------------------------------------------------------------------------------------ lengths
-
-/// A length as users give it, resolved when the shape is known.
-struct Length {
-  enum class Unit { fraction, voxels, absolute, infinite, radii };
-  double value = 0;            ///< 0 or more; of no meaning where infinite
-  Unit unit = Unit::fraction;  ///< of the longest side; of the smallest spacing; world units; of theta1 only: radii
-  std::string text = {};       ///< as it was spelled: what records say; empty: text_of() spells it
-};
-
-/// A length in world units; may be infinite.
-inline Length world_length(double value) {
-  const bool infinite = value == std::numeric_limits<double>::infinity();
-  return {value, infinite ? Length::Unit::infinite : Length::Unit::absolute};
-}
-
-/// `0.02` and `2%` are fractions, `12vox` voxels, `3.5abs` world units, `inf` infinite. Throws Error(usage), `field`,
-/// when the text is not a non-negative length.
-Length parse_length(std::string_view text, std::string_view field);
-/// The same where "auto" is allowed too: then nothing.
-std::optional<Length> parse_length_or_auto(std::string_view text, std::string_view field);
-/// The same for theta1, which may be `0.5r`, half the radius of what a branch leaves, too.
-std::optional<Length> parse_theta1(std::string_view text);
-/// parse_length(), or parse_theta1(), reads it back.
-std::string text_of(const Length& length);
-/// "auto" for nothing.
-std::string text_of(const std::optional<Length>& length);
-
-/// What lengths refer to.
-struct Scale {
-  double longest_side = 0;  ///< of the mesh, or of the foreground of a volume
-  double voxel = 0;         ///< smallest spacing; 0 where there are no voxels
-  double detail = 0;        ///< auto_detail() of the voxels; 0 where there are none
-  bool fitted = false;      ///< the axis is that of a surface, not of the voxels
-
-  /// World length. Throws Error(usage), `field`, for voxels where there are none.
-  double resolve(const Length& length, std::string_view field) const;
-};
 
 // ------------------------------------------------------------------------------------------------------------- memory
 

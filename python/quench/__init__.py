@@ -8,10 +8,11 @@
 >>> len(skeleton.branches()['length'])
 1
 """
-from ._axis import MedialAxis, medial_axis, read
+from ._axis import MedialAxis
 from ._common import Certificate, Topology
 from ._core import Error, UsageError, __version__
 from ._inputs import Mesh, Volume, sample, samples, voxelize
+from ._making import medial_axis, read
 from ._parts import Parts, SheetMesh
 from ._simplification import Simplification
 from ._skeleton import Curves, Graph, Sheets, Skeleton, skeletonize

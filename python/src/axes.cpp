@@ -67,27 +67,13 @@ Simplification simplify_axis(const std::shared_ptr<Axis>& axis, std::size_t vert
   return value;
 }
 
-py::dict figures_of(const DistanceFigures& f) {
-  py::dict d;
-  d["mean"] = f.mean;
-  d["p99"] = f.p99;
-  d["largest"] = f.largest;
-  return d;
-}
-
 void bind_simplifications(py::module_& m) {
   py::class_<SimplificationValue, Simplification>(m, "Simplification")
       .def_property_readonly("most", [](const Simplification& s) { return s->result.sequence.most(); })
       .def_property_readonly("least", [](const Simplification& s) { return s->result.sequence.least(); })
       .def_property_readonly("boundary", [](const Simplification& s) { return s->boundary_is; })
       .def_property_readonly("errors",
-                             [](const Simplification& s) {
-                               py::dict d;
-                               d["outside"] = figures_of(s->result.errors.outside);
-                               d["either_side"] = figures_of(s->result.errors.either);
-                               d["points"] = s->result.errors.places;
-                               return d;
-                             })
+                             [](const Simplification& s) { return dict_of(s->result.errors); })
       .def("axis",
            [](const Simplification& s, const py::object& listener, int threads) {
              return run(listener, threads,

@@ -65,22 +65,14 @@ py::dict figures(const DistanceFigures& f) {
   return d;
 }
 
-py::dict distances(const OneSidedDistances& of) {
-  py::dict d;
-  d["outside"] = figures(of.outside);
-  d["either_side"] = figures(of.either);
-  d["places"] = of.places;
-  return d;
-}
-
 py::object errors_of(const SolidValue& solid) {
   if (!solid.result.errors) return py::none();
   const pipeline::SolidErrors& errors = *solid.result.errors;
   py::dict d, volume;
   if (errors.from_solid) {
     d["surface"] = name_of(errors.surface);
-    d["surface_from_solid"] = distances(*errors.from_solid);
-    d["solid_from_surface"] = distances(*errors.from_surface);
+    d["surface_from_solid"] = dict_of(*errors.from_solid);
+    d["solid_from_surface"] = dict_of(*errors.from_surface);
   }
   volume["shape"] = errors.volume.shape;
   volume["solid"] = errors.volume.envelope;
@@ -91,6 +83,14 @@ py::object errors_of(const SolidValue& solid) {
 }
 
 }  // namespace
+
+py::dict dict_of(const OneSidedDistances& of) {
+  py::dict d;
+  d["outside"] = figures(of.outside);
+  d["either_side"] = figures(of.either);
+  d["places"] = of.places;
+  return d;
+}
 
 void bind_solids(py::module_& m) {
   py::class_<SolidValue, Solid>(m, "Solid")

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "arrays.h"
+#include "quench/envelope.h"
 #include "quench/pipeline.h"
 #include "quench/shape.h"
 #include "quench/table.h"
@@ -75,6 +76,8 @@ struct Thetas {
   bool full_tips = true;
 };
 
+/// outside, either_side (each mean, p99, largest) and places.
+py::dict dict_of(const OneSidedDistances& of);
 /// Of the names "detail" and "lambda", and "auto" or a length.
 pipeline::Pruning pruning_of(const std::string& measure, const std::string& threshold);
 std::shared_ptr<Axis> compute_axis(std::shared_ptr<Shape> shape, const pipeline::AxisOptions& options,
