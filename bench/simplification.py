@@ -25,6 +25,7 @@ def main():
     parser.add_argument('--work', type=Path)
     options = parser.parse_args()
     work = options.work or Path(tempfile.mkdtemp())
+    work.mkdir(parents=True, exist_ok=True)
     print('| shape | vertices of the core |' + ''.join(f' {n} |' for n in WANTED) + ' fewest |')
     print('|---' * (len(WANTED) + 3) + '|')
     for mesh in options.mesh:

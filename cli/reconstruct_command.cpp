@@ -93,6 +93,12 @@ void say_solid(const pipeline::SolidResult& solid, const pipeline::LoadedShape* 
                           solid.envelope.kind() == EnvelopeKind::full ? "balls, cones and slabs" : "balls",
                           base::counted(solid.envelope.size(), "element"), betti_text(solid.topology),
                           betti_text(solid.of_axis), shape ? ", of the shape " + betti_text(shape->topology) : ""));
+  if (solid.topology.betti != solid.of_axis.betti)
+    session.say(solid.envelope.kind() == EnvelopeKind::full
+                    ? "note: the topology is not that of the axis, as parts thinner than a voxel fall apart, or close parts "
+                      "meet; a larger --resolution shows them"
+                    : "note: the topology is not that of the axis: balls alone may not meet, or meet where they should "
+                      "not; --envelope fills what is between them");
   if (!solid.errors) return;
   const VolumeErrors& v = solid.errors->volume;
   const auto share = [&](double part) { return v.shape > 0 ? 100 * part / v.shape : 0; };
