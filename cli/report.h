@@ -45,10 +45,10 @@ void say_written(Session& session, const std::string& axis, const std::string& r
 Json parameters_section(const pipeline::BurningOptions& options);
 /// `burn`.
 void add_burn_section(Json& report, const pipeline::BurnFigures& burned);
-/// What a burning found, and how many of so many vertices it left unburned.
 /// Of the sheets of a skeleton and of the shape: mean, deviation, extremes, percentiles; null where there are none.
 Json thickness_section(const pipeline::RunThickness& thickness, bool plane);
 
+/// What a burning found, and how many of so many vertices it left unburned.
 void say_burned(const pipeline::BurnFigures& burned, std::size_t vertices, Session& session);
 
 /// Which options mean nothing for axes of images and polygons.
