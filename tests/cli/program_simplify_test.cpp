@@ -18,7 +18,7 @@ namespace {
 class Simplify : public ProgramTest {
  protected:
   void SetUp() override {
-    works({"sample", "fin-on-board", "-o", "shape.ply"});
+    works({"sample", "fin-on-board", "--fineness", "0.3", "-o", "shape.ply"});
     works({"core", "shape.ply", "--resolution", "64", "-o", "core.vtp"});
     core_ = medial_axis_of(io::read_record(folder / "core.vtp"));
   }
