@@ -8,6 +8,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "full_run.h"
 #include "program.h"
 
 using namespace quench::testing_program;
@@ -119,7 +120,7 @@ class Faults : public ProgramTest {
   void sweep(const std::string& fault, const Check& check) {
     std::vector<Command> list = commands();
     // Most of a run is its picture. Where the program ends at the call, it is one more file, as that of `view` is.
-    if ((fault == "kill" || fault == "interrupt twice") && !std::getenv("QUENCH_TEST_FULL"))
+    if ((fault == "kill" || fault == "interrupt twice") && !quench::full_run())
       for (Command& command : list)
         if (std::erase(command.outputs, "picture.png") > 0) command.arguments.push_back("--no-picture");
     sweep(fault, list, check);

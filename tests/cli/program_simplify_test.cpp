@@ -43,8 +43,8 @@ TEST_F(Simplify, WritesAnAxisOfTheTopologyInEveryFormat) {
   const std::string levels = bytes_of(folder / "l.csv");
   EXPECT_TRUE(levels.starts_with("vertices,edges,triangles,mean,"));
 
-  for (const char* name : {"s.ma", "s.ply", "s.obj"})
-    works({"simplify", "core.vtp", "--vertices", "60", "--shape", "shape.ply", "-o", name, "--threads", "1"});
+  works({"simplify", "core.vtp", "--vertices", "60", "--shape", "shape.ply", "-o", "s.ma", "--threads", "1"});
+  for (const char* name : {"s.ply", "s.obj"}) works({"simplify", "s.vtp", "--vertices", "60", "-o", name});
   const MedialAxis again = axis("s.ma");
   EXPECT_EQ(again.points, few.points);
   EXPECT_EQ(again.radius, few.radius);

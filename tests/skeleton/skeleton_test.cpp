@@ -9,6 +9,7 @@
 #include <cmath>
 #include <random>
 
+#include "full_run.h"
 #include "quench/error.h"
 #include "quench/shape.h"
 #include "random_complexes.h"
@@ -96,7 +97,8 @@ double area(const Skeleton& skeleton) {
 }
 
 TEST(Skeleton, EveryMemberHasTheTopologyOfTheAxis) {
-  for (std::uint64_t seed = 0; seed < 3000 && !testing::Test::HasFatalFailure(); ++seed) {
+  const std::uint64_t seeds = repeats(3000, 1000);
+  for (std::uint64_t seed = 0; seed < seeds && !testing::Test::HasFatalFailure(); ++seed) {
     SCOPED_TRACE(seed);
     const BurnInput input = random_input(seed);
     const Topology wanted = topology(input.complex);

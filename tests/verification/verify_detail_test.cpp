@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "certificates.h"
+#include "full_run.h"
 #include "quench/axis.h"
 #include "quench/error.h"
 #include "quench/pipeline.h"
@@ -325,7 +326,7 @@ TEST(VerifyDetail, ChangesAreFoundByTheCheckTheyConcern) {
       const std::vector<double> detail = find_array(intact.cell_data, "detail")->numbers(),
                                 level = find_array(intact.cell_data, "detail_level")->numbers();
       const std::size_t polygons = intact.verts.size() + intact.lines.size();
-      const auto step = [](std::size_t count) { return count / 5 + 1; };
+      const auto step = [](std::size_t count) { return count / repeats(5, 3) + 1; };
       const auto expect_found = [&](const std::string& by, const auto& change) {
         Record data = intact;
         change(data);
