@@ -84,8 +84,9 @@ TEST(PartPruning, OfRandomShapes) {
     const double lengths[] = {0.4, 0.7, 1.5};
     const auto size = 4 + static_cast<std::int64_t>(seed * 7 % 13);
     expect_same_in_bricks(shape, {}, size, removed);
-    expect_same_in_bricks(shape, pruned_by(seed % 4 ? kDetail : kLambda, lengths[seed % 3], shape,
-                                           seed % 2 ? LambdaRule::coface : LambdaRule::ball),
+    expect_same_in_bricks(shape,
+                          pruned_by(seed % 4 ? kDetail : kLambda, lengths[seed % 3], shape,
+                                    seed % 2 ? LambdaRule::coface : LambdaRule::ball),
                           size, removed);
     if (HasFailure()) return;
   }
@@ -98,7 +99,8 @@ TEST(PartPruning, OfSamples) {
   for (const char* name : {"ellipsoid", "bumpy-sphere"})
     for (const SurfaceKind surface : {SurfaceKind::mesh, SurfaceKind::voxels}) {
       SCOPED_TRACE(name);
-      const LoadedShape shape = shape_of(make_sample(name, {.fineness = 0.3}).mesh, {.resolution = resolution, .surface = surface});
+      const LoadedShape shape =
+          shape_of(make_sample(name, {.fineness = 0.3}).mesh, {.resolution = resolution, .surface = surface});
       for (const std::int64_t size : {std::int64_t{8}, resolution / 2}) {
         expect_same_in_bricks(shape, {}, size, removed);
         expect_same_in_bricks(shape, pruned_by(kDetail, 0.3, shape), size, removed);

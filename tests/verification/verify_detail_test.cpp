@@ -80,7 +80,8 @@ void expect_passes(const VoxelShape& shape, const std::string& where) {
 }
 
 TEST(VerifyDetail, PassesCoresOfRandomShapes) {
-  for (std::uint64_t seed = 0; seed < 40; ++seed)
+  const std::uint64_t seeds = repeats(40, 16);
+  for (std::uint64_t seed = 0; seed < seeds; ++seed)
     for (const Vec3& spacing : spacings())
       expect_passes(spaced(testing_shapes::random_shape(seed, 12), spacing),
                     fmt::format("seed {}, spacing {}", seed, spacing[2]));
