@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -22,7 +23,12 @@ class BallGrid {
   void add(const RootBranch& branch, std::uint32_t number) {
     for (std::uint32_t i = 0; i < branch.points.size(); ++i) {
       Level& level = level_of(branch.radius[i]);
-      level.cells[key(cell_of(branch.points[i], level.side))].push_back({number, i});
+      const Cell cell = cell_of(branch.points[i], level.side);
+      for (std::size_t a = 0; a < 3; ++a) {
+        level.low[a] = std::min(level.low[a], cell[a]);
+        level.high[a] = std::max(level.high[a], cell[a]);
+      }
+      level.cells[key(cell)].push_back({number, i});
     }
   }
 
@@ -31,8 +37,12 @@ class BallGrid {
   bool any_near(const std::vector<RootBranch>& branches, const Vec3& place, double reach, const Some& some) const {
     for (const Level& level : levels_) {
       const double far = reach + level.largest;
-      const Cell low = cell_of(place - Vec3::Constant(far), level.side);
-      const Cell high = cell_of(place + Vec3::Constant(far), level.side);
+      Cell low = cell_of(place - Vec3::Constant(far), level.side);
+      Cell high = cell_of(place + Vec3::Constant(far), level.side);
+      for (std::size_t a = 0; a < 3; ++a) {
+        low[a] = std::max(low[a], level.low[a]);
+        high[a] = std::min(high[a], level.high[a]);
+      }
       for (std::int64_t z = low[2]; z <= high[2]; ++z)
         for (std::int64_t y = low[1]; y <= high[1]; ++y)
           for (std::int64_t x = low[0]; x <= high[0]; ++x) {
@@ -49,10 +59,12 @@ class BallGrid {
 
  private:
   using Cell = std::array<std::int64_t, 3>;
+  static constexpr std::int64_t kNone = std::int64_t{1} << 40;
   /// Balls of similar size.
   struct Level {
     double side;     ///< of a cell
     double largest;  ///< radius
+    Cell low = {kNone, kNone, kNone}, high = {-kNone, -kNone, -kNone};  ///< of all cells
     std::unordered_map<std::uint64_t, std::vector<std::pair<std::uint32_t, std::uint32_t>>> cells = {};
   };
 

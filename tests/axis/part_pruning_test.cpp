@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "full_run.h"
 #include "pipeline/bricks.h"
 #include "quench/pipeline.h"
 #include "quench/samples.h"
@@ -75,15 +76,17 @@ AxisOptions pruned_by(std::string_view measure, double voxels, const LoadedShape
 
 TEST(PartPruning, OfRandomShapes) {
   Removed removed;
-  for (std::uint64_t seed = 0; seed < 60; ++seed) {
+  const std::uint64_t seeds = repeats(60, 40);
+  for (std::uint64_t seed = 0; seed < seeds; ++seed) {
     SCOPED_TRACE(seed);
     const VoxelShape voxels = testing_shapes::random_shape(seed, seed % 5 ? 20 : 40, seed % 3 == 0);
     const LoadedShape shape = shape_of(VoxelShape(voxels), voxels.grid(), {});
     const double lengths[] = {0.4, 0.7, 1.5};
     const auto size = 4 + static_cast<std::int64_t>(seed * 7 % 13);
     expect_same_in_bricks(shape, {}, size, removed);
-    expect_same_in_bricks(shape, pruned_by(seed % 4 ? kDetail : kLambda, lengths[seed % 3], shape,
-                                           seed % 2 ? LambdaRule::coface : LambdaRule::ball),
+    expect_same_in_bricks(shape,
+                          pruned_by(seed % 4 ? kDetail : kLambda, lengths[seed % 3], shape,
+                                    seed % 2 ? LambdaRule::coface : LambdaRule::ball),
                           size, removed);
     if (HasFailure()) return;
   }
@@ -92,11 +95,13 @@ TEST(PartPruning, OfRandomShapes) {
 
 TEST(PartPruning, OfSamples) {
   Removed removed;
+  const std::int64_t resolution = repeats(64, 40);
   for (const char* name : {"ellipsoid", "bumpy-sphere"})
     for (const SurfaceKind surface : {SurfaceKind::mesh, SurfaceKind::voxels}) {
       SCOPED_TRACE(name);
-      const LoadedShape shape = shape_of(make_sample(name, {}).mesh, {.resolution = 64, .surface = surface});
-      for (const std::int64_t size : {8, 32}) {
+      const LoadedShape shape =
+          shape_of(make_sample(name, {.fineness = 0.3}).mesh, {.resolution = resolution, .surface = surface});
+      for (const std::int64_t size : {std::int64_t{8}, resolution / 2}) {
         expect_same_in_bricks(shape, {}, size, removed);
         expect_same_in_bricks(shape, pruned_by(kDetail, 0.3, shape), size, removed);
         expect_same_in_bricks(shape, pruned_by(kLambda, 2, shape), size, removed);

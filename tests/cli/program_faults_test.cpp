@@ -8,6 +8,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "full_run.h"
 #include "program.h"
 
 using namespace quench::testing_program;
@@ -26,7 +27,7 @@ class Faults : public ProgramTest {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
     GTEST_SKIP() << "sanitizers have their own preloaded library";
 #endif
-    folder.write("box.npy", npy_box(5, 4, 3, 1));
+    folder.write("box.npy", npy_box(9, 1, 1, 1));  // a picture of little
     folder.write("cube.off", cube_off());
     works({"core", "box.npy", "--lambda", "0", "-o", "core.vtp"});
     page_ = quench({"view", "absent.vtp"}).err.find("without its interactive page") == std::string::npos;
@@ -117,7 +118,12 @@ class Faults : public ProgramTest {
   /// `check`, with the name of the call and the number of outputs that were replaced.
   template <class Check>
   void sweep(const std::string& fault, const Check& check) {
-    sweep(fault, commands(), check);
+    std::vector<Command> list = commands();
+    // Most of a run is its picture. Where the program ends at the call, it is one more file, as that of `view` is.
+    if ((fault == "kill" || fault == "interrupt twice") && !quench::full_run())
+      for (Command& command : list)
+        if (std::erase(command.outputs, "picture.png") > 0) command.arguments.push_back("--no-picture");
+    sweep(fault, list, check);
   }
   template <class Check>
   void sweep(const std::string& fault, const std::vector<Command>& list, const Check& check) {

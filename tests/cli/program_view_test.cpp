@@ -334,7 +334,7 @@ TEST_F(ViewProgram, RunDrawsItsSkeleton) {
 
 TEST_F(ViewProgram, EveryOptionOfAPictureIsSeen) {
   folder.write("cube.off", cube_off());
-  works({"core", "cube.off", "--resolution", "16", "-o", "core.vtp"});
+  works({"core", "cube.off", "--resolution", "8", "-o", "core.vtp"});
   std::map<std::string, std::string> pictures;
   for (const std::string options :
        {"", "--layer core", "--layer core --color lambda", "--layer core --detail 3vox", "--color radius",

@@ -14,6 +14,7 @@
 #include <random>
 #include <set>
 
+#include "full_run.h"
 #include "io/common/formats.h"
 #include "io/tree/tree_samples.h"
 #include "io/volume/slice_streams.h"
@@ -221,7 +222,8 @@ std::set<int> values_for(const SmallFile& file, char old) {
 TEST(Hostile, EveryByteChanged) {
   for (const SmallFile& file : files())
     for (std::size_t at = 0; at < file.bytes.size(); ++at)
-      for (const int value : values_for(file, file.bytes[at])) {
+      for (std::size_t turn = at; const int value : values_for(file, file.bytes[at])) {
+        if (!full_run() && ++turn % 4 != 0) continue;  // other values at the next byte
         std::string bytes = file.bytes;
         bytes[at] = static_cast<char>(value);
         // The checksums of PNG would hide what is behind them.

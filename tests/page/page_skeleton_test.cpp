@@ -161,6 +161,7 @@ TEST(PageSkeleton, FacesHaveTheirSheets) {
 }
 
 TEST(PageSkeleton, IsThatOfTheFilesForBuiltShapesWhateverTheBudget) {
+  const SampleOptions coarse{.fineness = 0.3};
   for (const auto& [sample, resolution] : std::vector<std::pair<std::string, int>>{{"fin-on-board", 40},
                                                                                    {"torus", 32},
                                                                                    {"box", 24},
@@ -172,7 +173,7 @@ TEST(PageSkeleton, IsThatOfTheFilesForBuiltShapesWhateverTheBudget) {
       pipeline::PageBuilder builder(budget);
       pipeline::RunOptions options;
       options.page = &builder;
-      pipeline::LoadedShape shape = pipeline::shape_of(make_sample(sample, {}).mesh, {.resolution = resolution});
+      pipeline::LoadedShape shape = pipeline::shape_of(make_sample(sample, coarse).mesh, {.resolution = resolution});
       const pipeline::RunResult result = pipeline::run(shape, options);
       const Contents read = read_back(builder.page);
       Numbers numbers(1e-6 * shape.longest_side);

@@ -9,6 +9,7 @@
 #include <thread>
 #include <vector>
 
+#include "full_run.h"
 #include "quench/bricks.h"
 #include "quench/error.h"
 #include "quench/io.h"
@@ -112,7 +113,7 @@ void expect_core_by_messages(const LoadedShape& shape, std::int64_t size, const 
 
 TEST(BrickMessages, MakeTheCoreOfAMeshOnAnyNumberOfRanks) {
   ShapeOptions options;
-  options.resolution = 48;
+  options.resolution = repeats(48, 32);
   expect_core_by_messages(shape_of(make_sample("torus").mesh, options), 8, {1, 2, 3, 4, 5, 6, 7, 8}, "torus");
 }
 

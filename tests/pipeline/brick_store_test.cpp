@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "full_run.h"
 #include "pipeline/brick_files.h"
 #include "quench/bricks.h"
 #include "quench/error.h"
@@ -219,7 +220,8 @@ AxisOptions pruned_by(std::string_view measure, const char* threshold) {
 TEST(Bricks, MakeTheCoreOfRandomShapes) {
   const std::vector<AxisOptions> options{
       {}, pruned_by(kLambda, "1vox"), pruned_by(kDetail, "0"), pruned_by(kDetail, "3vox")};
-  for (std::uint64_t seed = 0; seed < 48; ++seed)
+  const std::uint64_t seeds = repeats(48, 24);
+  for (std::uint64_t seed = 0; seed < seeds; ++seed)
     expect_same_core(loaded(testing_shapes::random_shape(seed, 26, seed % 3 == 1)), options[seed % options.size()],
                      4 + static_cast<std::int64_t>(seed % 5), "seed " + std::to_string(seed));
 }

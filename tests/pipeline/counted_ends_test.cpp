@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "data.h"
+#include "full_run.h"
 #include "quench/io.h"
 #include "quench/pipeline.h"
 
@@ -118,13 +119,18 @@ void expect_counted(const Counted& shape, std::int64_t resolution) {
   EXPECT_LE(ends.size() - curves, resolution < 512 ? shape.others : shape.others_at_512);
 }
 
-TEST(CountedEnds, AreFound) {
+class CountedEnds : public testing::TestWithParam<std::size_t> {};
+
+TEST_P(CountedEnds, AreFound) {
   REQUIRE_DATA("meshes");
-  for (const Counted& shape : counted()) {
-    expect_counted(shape, 256);
-    if (std::getenv("QUENCH_TEST_FULL")) expect_counted(shape, 512);
-  }
+  const Counted& shape = counted()[GetParam()];
+  expect_counted(shape, 256);
+  if (full_run()) expect_counted(shape, 512);
 }
+
+INSTANTIATE_TEST_SUITE_P(Data, CountedEnds, testing::Range(std::size_t{0}, counted().size()), [](const auto& of) {
+  return std::filesystem::path(counted()[of.param].file).stem().string();
+});
 
 }  // namespace
 }  // namespace quench::pipeline

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <random>
 
+#include "full_run.h"
 #include "quench/error.h"
 #include "quench/shape.h"
 #include "random_complexes.h"
@@ -96,7 +97,8 @@ double area(const Skeleton& skeleton) {
 }
 
 TEST(Skeleton, EveryMemberHasTheTopologyOfTheAxis) {
-  for (std::uint64_t seed = 0; seed < 3000 && !testing::Test::HasFatalFailure(); ++seed) {
+  const std::uint64_t seeds = repeats(3000, 1000);
+  for (std::uint64_t seed = 0; seed < seeds && !testing::Test::HasFatalFailure(); ++seed) {
     SCOPED_TRACE(seed);
     const BurnInput input = random_input(seed);
     const Topology wanted = topology(input.complex);
@@ -315,7 +317,8 @@ TEST(Skeleton, TwiceTheSame) {
 // With rims grown back topology stays, and nothing is lost.
 TEST(Skeleton, RimsGrowBack) {
   std::size_t longer = 0;
-  for (std::uint64_t seed = 0; seed < 3000 && !testing::Test::HasFailure(); ++seed) {
+  const std::uint64_t seeds = repeats(3000, 1000);
+  for (std::uint64_t seed = 0; seed < seeds && !testing::Test::HasFailure(); ++seed) {
     SCOPED_TRACE(seed);
     const BurnInput input = random_input(seed);
     const SkeletonFamily family = skeletons(refined(input, some_omega(seed)));
@@ -335,7 +338,7 @@ TEST(Skeleton, RimsGrowBack) {
         for (const double level : grown.face_level) ASSERT_GE(level, std::min(rims, theta2));
       }
   }
-  EXPECT_GT(longer, 1000u);
+  EXPECT_GT(longer, seeds / 3);
 }
 
 // A sheet of squares in the plane z = 0, raised at every second vertex.

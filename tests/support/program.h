@@ -17,6 +17,7 @@
 #include <string>
 #include <vector>
 
+#include "program_starter.h"
 #include "temporary_folder.h"
 
 /// Runs the real program in a folder of its own and looks at what it says, returns and leaves behind.
@@ -65,13 +66,18 @@ class ProgramTest : public testing::Test {
     for (std::string& word : words) argv.push_back(word.data());
     argv.push_back(nullptr);
     const std::string out = (streams / "out").string(), err = (streams / "err").string(), cwd = folder.path().string();
-    const pid_t child = fork();
-    if (child != 0) return child;
-    // Between fork and exec only what is safe in a signal handler.
-    const int in_fd = open("/dev/null", O_RDONLY);
-    const int out_fd = open(out.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
-    const int err_fd = err_to_ >= 0 ? err_to_ : open(err.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+    const int in_fd = open("/dev/null", O_RDONLY | O_CLOEXEC);
+    const int out_fd = open(out.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
+    const int err_fd = err_to_ >= 0 ? err_to_ : open(err.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
     const rlimit limit{largest_file, largest_file};
+    ProgramStarter* starter = before_start || largest_file != RLIM_INFINITY ? nullptr : ProgramStarter::find();
+    const pid_t child = starter ? starter->start(words, cwd, {in_fd, out_fd, err_fd}) : fork();
+    if (child != 0) {
+      for (const int fd : {in_fd, out_fd, err_fd})
+        if (fd >= 0 && fd != err_to_) close(fd);
+      return child;
+    }
+    // Between fork and exec only what is safe in a signal handler.
     if (chdir(cwd.c_str()) != 0 || dup2(in_fd, 0) < 0 || dup2(out_fd, 1) < 0 || dup2(err_fd, 2) < 0) _exit(127);
     if (before_start) before_start();
     if (largest_file != RLIM_INFINITY && setrlimit(RLIMIT_FSIZE, &limit) != 0) _exit(127);
@@ -109,7 +115,9 @@ class ProgramTest : public testing::Test {
 
   Outcome wait(pid_t child) {
     int status = 0;
-    EXPECT_EQ(waitpid(child, &status, 0), child);
+    if (!ProgramStarter::wait(child, status)) {
+      EXPECT_EQ(waitpid(child, &status, 0), child);
+    }
     Outcome outcome;
     outcome.code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
     outcome.out = bytes_of(streams / "out");

@@ -13,6 +13,7 @@
 
 #include "closed_surfaces.h"
 #include "data.h"
+#include "full_run.h"
 #include "quench/io.h"
 #include "quench/samples.h"
 #include "random_meshes.h"
@@ -121,7 +122,7 @@ void expect_boundary(const TriangleMesh& mesh, bool odd, const TriangleMesh& res
 TEST(SolidBoundary, KeepsSoundMeshes) {
   for (const auto& info : built_in_samples()) {
     if (info.name == "root" || info.name == "bead-pack") continue;  // parts overlap
-    const TriangleMesh mesh = make_sample(info.name, {.fineness = 0.5}).mesh;
+    const TriangleMesh mesh = make_sample(info.name, {.fineness = repeats(0.5, 0.25)}).mesh;
     EXPECT_EQ(solid_boundary(mesh).triangles, mesh.triangles) << info.name;
     EXPECT_EQ(solid_boundary(mesh, true).triangles, mesh.triangles) << info.name;
     EXPECT_EQ(solid_boundary(turned(mesh)).points, mesh.points) << info.name;

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "certificates.h"
+#include "full_run.h"
 #include "quench/burn.h"
 #include "quench/pipeline.h"
 #include "quench/samples.h"
@@ -218,7 +219,9 @@ bool damage(std::vector<T>& values, std::size_t first, std::size_t last, const D
 
 class EveryArray {
  public:
-  explicit EveryArray(const Result& result) : result_(result) {}
+  /// Every third change from `turn` on, so that three results that have an array have all changes of it; all of them in
+  /// a full run.
+  EveryArray(const Result& result, std::size_t turn) : result_(result), turn_(turn) {}
 
   void damage_each() {
     for (const Arrays& arrays : kArrays)
@@ -244,6 +247,7 @@ class EveryArray {
   }
 
   void expect_noticed(const Arrays& arrays, std::size_t a, DataArray::Values values, const std::string& how) {
+    if (!full_run() && ++turn_ % 3 != 0) return;
     Record data = result_.data;
     DataArray& array = (data.*arrays.list)[a];
     array.values = std::move(values);
@@ -260,6 +264,7 @@ class EveryArray {
   }
 
   const Result& result_;
+  std::size_t turn_;
   std::uint64_t state_ = 1;
   int tried_ = 0;
 };
@@ -423,12 +428,12 @@ TEST(VerifyDamage, OnlyTheseArraysAreLeftOut) {
 
 TEST(VerifyDamage, ChangesOfEveryArrayAreNoticed) {
   int tried = 0;
-  for (const Result& result : results()) {
-    EveryArray arrays(result);
+  for (std::size_t turn = 0; const Result& result : results()) {
+    EveryArray arrays(result, turn++);
     arrays.damage_each();
     tried += arrays.tried();
   }
-  EXPECT_GT(tried, 2000);
+  EXPECT_GT(tried, repeats(2000, 2000 / 3));
 }
 
 // Another program may use the names as it likes: without a stage nothing is taken from them, and that is said.

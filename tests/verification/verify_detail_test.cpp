@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "certificates.h"
+#include "full_run.h"
 #include "quench/axis.h"
 #include "quench/error.h"
 #include "quench/pipeline.h"
@@ -79,7 +80,8 @@ void expect_passes(const VoxelShape& shape, const std::string& where) {
 }
 
 TEST(VerifyDetail, PassesCoresOfRandomShapes) {
-  for (std::uint64_t seed = 0; seed < 40; ++seed)
+  const std::uint64_t seeds = repeats(40, 16);
+  for (std::uint64_t seed = 0; seed < seeds; ++seed)
     for (const Vec3& spacing : spacings())
       expect_passes(spaced(testing_shapes::random_shape(seed, 12), spacing),
                     fmt::format("seed {}, spacing {}", seed, spacing[2]));
@@ -325,7 +327,7 @@ TEST(VerifyDetail, ChangesAreFoundByTheCheckTheyConcern) {
       const std::vector<double> detail = find_array(intact.cell_data, "detail")->numbers(),
                                 level = find_array(intact.cell_data, "detail_level")->numbers();
       const std::size_t polygons = intact.verts.size() + intact.lines.size();
-      const auto step = [](std::size_t count) { return count / 5 + 1; };
+      const auto step = [](std::size_t count) { return count / repeats(5, 3) + 1; };
       const auto expect_found = [&](const std::string& by, const auto& change) {
         Record data = intact;
         change(data);

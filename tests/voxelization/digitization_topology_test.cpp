@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "full_run.h"
 #include "quench/error.h"
 #include "quench/samples.h"
 #include "quench/shape.h"
@@ -132,7 +133,8 @@ void expect_differences(const TriangleMesh& mesh, const Voxelization& gauss, con
 
 TEST(DigitizationTopology, RandomScenesHaveTheTopologyOfTheirSolids) {
   std::int64_t scenes = 0, gauss_right = 0, fine = 0, fine_right = 0, right = 0;
-  for (std::uint64_t seed = 0; seed < 2000; ++seed) {
+  const std::uint64_t seeds = repeats(2000, 700);
+  for (std::uint64_t seed = 0; seed < seeds; ++seed) {
     const Scene scene = random_scene(seed);
     const auto resolution = static_cast<std::int64_t>(12 + seed * 13 % 53);
     const Voxelization matched = voxelize(scene.mesh, at_resolution(resolution));
@@ -164,7 +166,7 @@ TEST(DigitizationTopology, RandomScenesHaveTheTopologyOfTheirSolids) {
   }
   std::cout << scenes << " scenes, right: " << gauss_right << " of Gauss digitizations, " << right << " matched; "
             << fine_right << " of " << fine << " from resolution 32 on\n";
-  EXPECT_GT(scenes, 1000);
+  EXPECT_GT(scenes, static_cast<std::int64_t>(seeds / 2));
   EXPECT_GT(right, 0.94 * static_cast<double>(scenes));
   EXPECT_GT(fine_right, 0.98 * static_cast<double>(fine));
 }
@@ -284,7 +286,8 @@ TEST(DigitizationTopology, ThreadsMarginsAndTranslationsChangeNothing) {
 
 TEST(DigitizationTopology, PermutedAndMirroredAxesGiveTheSameTopology) {
   std::int64_t compared = 0, changed[2]{};
-  for (std::uint64_t seed = 0; seed < 120; ++seed) {
+  const std::uint64_t seeds = repeats(120, 60);
+  for (std::uint64_t seed = 0; seed < seeds; ++seed) {
     const Scene scene = random_scene(seed);
     TriangleMesh turned = scene.mesh;
     for (Vec3& p : turned.points) p = Vec3(p[2], -p[0], p[1]);  // a rotation: faces stay outward
@@ -296,7 +299,7 @@ TEST(DigitizationTopology, PermutedAndMirroredAxesGiveTheSameTopology) {
     changed[0] += a.repair->added + a.repair->removed;
     changed[1] += b.repair->added + b.repair->removed;
   }
-  EXPECT_GT(compared, 20);
+  EXPECT_GT(compared, static_cast<std::int64_t>(seeds / 6));
   EXPECT_NEAR(static_cast<double>(changed[0]) / static_cast<double>(changed[1]), 1, 0.02);
 }
 
