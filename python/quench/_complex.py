@@ -9,9 +9,10 @@ import numpy as np
 
 from . import _export, _plane
 from ._common import Progress, calling, error
+from ._pickles import Result
 
 
-class Complex:
+class Complex(Result):
     """Vertices with radii, edges and polygons: views of what the library holds. Of an image there are no polygons."""
 
     _core: Any

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numbers
 import os
 from dataclasses import dataclass, field
-from typing import Any, Dict, List, Optional, Tuple, Union
+from typing import Any, Dict, List, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
@@ -36,7 +36,25 @@ class Mesh:
 
 
 class Volume:
-    """A volume, or an image of two dimensions, with its place in the world, as read from a file.
+    """A volume, or an image of two dimensions, with its place in the world; :func:`read` makes one of a file.
+
+    It is accepted wherever an image is, and results have its place and units.
+
+    Parameters
+    ----------
+    array : (X, Y, Z) array, or (rows, columns)
+        Not copied, except float16 and foreign byte order.
+    spacing : float or a float per axis, optional
+        Size of a voxel (x, y, z) or pixel (y, x), in the order of the axes of the array. Default: 1.
+    origin : three floats (x, y, z), or two (x, y), optional
+        The place of the centre of the first voxel or pixel. Default: 0.
+    direction : (3, 3) or (2, 2) array, optional
+        Its columns are where the axes of the array point: perpendicular unit vectors. Default: x, y and z; of an image
+        (y, x).
+    units : str
+        Of places, such as "mm"; tables and files say it.
+    space : str
+        "LPS" where x, y, z grow to the left, back and head of a body.
 
     Attributes
     ----------
@@ -49,18 +67,62 @@ class Volume:
         The place x, y, z or x, y of the centre of the first one.
     direction : (3, 3) or (2, 2) array
         Where the axes point: place = origin + direction @ (spacing * index).
-    units : str
+    units, space : str
         Of places, where the file says so.
+
+    Raises
+    ------
+    UsageError
+        For numbers that are no place of a grid: sizes of 0, axes that are not perpendicular.
+
+    Examples
+    --------
+    >>> import numpy as np, quench
+    >>> scan = np.zeros((30, 20, 20), np.int16)
+    >>> scan[3:-3, 3:-3, 3:-3] = 700
+    >>> volume = quench.Volume(scan, spacing=(0.5, 0.5, 2), origin=(100, 0, -50), units='mm')
+    >>> quench.medial_axis(volume, threshold=300).vertices.min(axis=0) > (101, 1, -46)
+    array([ True,  True,  True])
     """
 
-    def __init__(self, image: '_core.Image'):
-        self._image = image
-        self.array = np.asarray(image)
-        axes = [1, 0] if image.dimension == 2 else [0, 1, 2]  # x, y, z of each axis of the array
-        self.spacing = np.array(image.spacing)[axes]
-        self.origin = np.array(image.origin)[:len(axes)]
-        self.direction = np.array(image.direction)[:len(axes), axes]
-        self.units: str = image.units
+    def __init__(self, array: Any, spacing: Spacing = None, origin: Optional[Sequence[float]] = None,
+                 direction: Any = None, *, units: str = '', space: str = ''):
+        self.array = image_array(array, array.array.ndim if isinstance(array, Volume) else None)
+        self._place = _place(self.array.ndim, spacing, origin, direction, units, space)
+
+    @property
+    def _axes(self) -> List[int]:
+        """x, y or z of each axis of the array."""
+        return [1, 0] if self.array.ndim == 2 else [0, 1, 2]
+
+    @property
+    def spacing(self) -> np.ndarray:
+        return np.array(self._place.spacing)[self._axes]
+
+    @property
+    def origin(self) -> np.ndarray:
+        return np.array(self._place.origin)[:self.array.ndim]
+
+    @property
+    def direction(self) -> np.ndarray:
+        return np.array(self._place.direction)[:self.array.ndim, self._axes]
+
+    @property
+    def units(self) -> str:
+        return self._place.units
+
+    @property
+    def space(self) -> str:
+        return self._place.space
+
+    def __getstate__(self) -> Dict[str, Any]:
+        place = self._place
+        return {'array': self.array, 'place': (place.dimension, place.spacing, place.origin, place.direction, place.units,
+                                               place.space, place.y_down)}
+
+    def __setstate__(self, state: Dict[str, Any]) -> None:
+        self.array = state['array']
+        self._place = _core.Place(*state['place'])
 
     def __array__(self, dtype=None, copy=None):
         if dtype is not None and np.dtype(dtype) != self.array.dtype:
@@ -78,6 +140,46 @@ class Volume:
     def __repr__(self) -> str:
         kind = 'Image' if self.array.ndim == 2 else 'Volume'
         return f'{kind} of {self.array.shape} {self.array.dtype}, spacing {tuple(self.spacing)}'
+
+
+SPACES = ('', 'LPS', 'scanner-xyz', '3D-right-handed', '3D-left-handed')
+
+
+def volume_of(image: '_core.Image') -> Volume:
+    """What the core has read or made."""
+    volume = Volume.__new__(Volume)
+    volume.array = np.asarray(image)
+    volume._place = image.place
+    return volume
+
+
+def _numbers(value: Any, shape: Tuple[int, ...], argument: str, what: str) -> np.ndarray:
+    try:
+        values = reals(value, 'numbers')
+    except Error:
+        values = np.zeros(0)
+    if values.shape != shape or not np.isfinite(values).all():
+        raise error(2, f'{argument}={value!r} is not {what}', argument)
+    return values
+
+
+def _place(dimension: int, spacing: Spacing, origin: Any, direction: Any, units: str, space: str) -> '_core.Place':
+    """Where an array lies in the world, as the core takes it."""
+    if space not in SPACES:
+        raise error(2, f'space={space!r} is not one of {", ".join(map(repr, SPACES[1:]))}', 'space')
+    size = spacing_of(spacing, dimension) or (1.0, 1.0, 1.0)
+    at, axes = np.zeros(3), np.eye(3)
+    if origin is not None:
+        at[:dimension] = _numbers(origin, (dimension,), 'origin', f'a place of {dimension} numbers')
+    if direction is not None:
+        given = _numbers(direction, (dimension, dimension), 'direction', f'a {dimension} x {dimension} matrix')
+        if np.abs(given.T @ given - np.eye(dimension)).max() > 1e-4:
+            raise error(2, f'direction={direction!r} has columns that are not perpendicular unit vectors; resample a sheared '
+                           'image, and give sizes of voxels as spacing', 'direction')
+        left, _, right = np.linalg.svd(given)
+        nearest = given if np.abs(given.T @ given - np.eye(dimension)).max() <= 1e-15 else left @ right
+        axes[:dimension, :dimension] = nearest[:, ::-1] if dimension == 2 else nearest
+    return _core.Place(dimension, size, tuple(at), [tuple(row) for row in axes], str(units), space, dimension == 2)
 
 
 CHANNELS = ('luminance', 'alpha', 'red', 'green', 'blue')
@@ -335,11 +437,11 @@ def shape_of(source: Any, cut: Cut, threads: int, progress: Progress) -> '_core.
 
 def _shape(source: Any, cut: Cut, call: Tuple[Any, int]) -> '_core.Shape':
     if isinstance(source, Volume):
-        return _core.shape_of_image(source._image, cut.options(source.array.ndim), *call)
+        return _core.shape_of_array(source.array, source._place, cut.options(source.array.ndim), *call)
     mesh = as_mesh(source)
     if mesh is None:
         array = image_array(source, cut.dimension, cut.channel)
-        return _core.shape_of_array(array, cut.options(array.ndim), *call)
+        return _core.shape_of_array(array, None, cut.options(array.ndim), *call)
     if cut.for_images():
         raise error(2, 'threshold, label, invert, interpolate, median, blur, close, connectivity, spacing, dimension and '
                        'channel are for images; this is a mesh')
@@ -355,7 +457,7 @@ def read_file(path: Path, spacing: Spacing, radii: Optional[Path], call: Tuple[A
     if not os.path.exists(path):
         raise error(1, f"'{named}' does not exist")
     if kind == 'volume':
-        volume = Volume(_core.read_image(file_name(path), spacing_of(spacing), dimension, channel or '', *call))
+        volume = volume_of(_core.read_image(file_name(path), spacing_of(spacing), dimension, channel or '', *call))
         spacing_of(spacing, volume.array.ndim)
         return volume
     if kind != 'surface':
@@ -441,5 +543,5 @@ def voxelize(mesh: Any, *, resolution: Union[int, str] = 256, fill: str = 'nonze
     >>> quench.voxelize(quench.sample('torus'), resolution=20).array.max()
     1
     """
-    return Volume(shape_of(mesh, Cut(resolution=resolution, fill=fill, topology=topology, surface='voxels'), threads,
+    return volume_of(shape_of(mesh, Cut(resolution=resolution, fill=fill, topology=topology, surface='voxels'), threads,
                            progress).image())

@@ -9,6 +9,7 @@ import numpy as np
 
 from . import _core, _export
 from ._common import Path, ending, file_name
+from ._pickles import Result
 
 Table = Dict[str, Any]
 
@@ -35,7 +36,7 @@ class SheetMesh(NamedTuple):
         return _export.to_pyvista(self.vertices, self.faces, np.zeros((0, 2), np.int32), {'thickness': self.thickness})
 
 
-class Parts:
+class Parts(Result):
     """The sheets of a skeleton, the seams along which they meet, and the junctions of these; made by
     :meth:`Skeleton.parts`.
 

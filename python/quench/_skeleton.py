@@ -14,6 +14,7 @@ from ._common import (Certificate, Length, Path, Progress, Spacing, Topology, ca
 from ._complex import Complex
 from ._inputs import Volume, image_array, label_of, read_file
 from ._parts import Parts
+from ._pickles import Result
 from ._solid import Solid
 
 if TYPE_CHECKING:
@@ -75,7 +76,7 @@ class Curves:
     branch: np.ndarray
 
 
-class Graph:
+class Graph(Result):
     """The curves of a skeleton as nodes and branches, to measure on; made by :meth:`Skeleton.graph`.
 
     Attributes
@@ -196,6 +197,8 @@ class Skeleton(Complex):
     axis : MedialAxis or None
         What it is a skeleton of; :func:`skeletonize` does not keep it.
     """
+
+    _kept = (*Complex._kept, 'axis')
 
     def __init__(self, core: '_core.Skeleton', axis: Optional['MedialAxis'] = None):
         self._core = core
@@ -520,10 +523,8 @@ def skeletonize(image: Any, /, *, spacing: Spacing = None, labels: Union[str, It
         array = image.array if isinstance(image, Volume) else image_array(image, dimension)
         size = spacing_of(spacing, array.ndim)
         wish = (*pruning, theta2_of(theta2, array.ndim), thetas[1])
-        if isinstance(image, Volume):
-            found = _core.skeletonize_image(image._image, size, chosen, *wish, *call)
-        else:
-            found = _core.skeletonize_array(array, size or (1.0, 1.0, 1.0), chosen, *wish, *call)
+        place = image._place if isinstance(image, Volume) else None
+        found = _core.skeletonize_array(array, place, size, chosen, *wish, *call)
     return {label: Skeleton(core) for label, core in found}
 
 

@@ -9,9 +9,10 @@ import numpy as np
 
 from . import _core
 from ._common import Path, Progress, Topology, calling, ending, error, file_name, reals
+from ._pickles import Result
 
 
-class Solid:
+class Solid(Result):
     """The solid of a medial axis or a skeleton: its balls or, as `envelope`, also all between them. Made by
     :meth:`MedialAxis.solid` and :meth:`Skeleton.solid`.
 

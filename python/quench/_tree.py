@@ -13,6 +13,7 @@ from . import _core
 from ._axis import MedialAxis
 from ._common import Length, Path, Progress, calling, ending, error, file_name, is_path, length_or_auto, need, reals, warn, whole
 from ._inputs import Cut, as_mesh, read_file, shape_of
+from ._pickles import Result
 
 Points = Union[Sequence[float], Sequence[Sequence[float]], None]
 Direction = Union[str, Sequence[float], None]
@@ -92,7 +93,7 @@ def _frame(rows: Any) -> Any:
 TABLES = ('axes', 'branches', 'sample', 'sholl', 'depths', 'toporoot')
 
 
-class Tree:
+class Tree(Result):
     """One tree per plant: axes and branches with courses and radii; made by :func:`tree` or :func:`read_tree`.
 
     Attributes

@@ -45,14 +45,6 @@ std::shared_ptr<Axis> reshaped(const Axis& from, const MedialAxis& mesh, const c
   return result;
 }
 
-/// What simplify() gives, with the points that it stays near.
-struct SimplificationValue {
-  std::shared_ptr<Axis> from;
-  BoundaryPoints boundary;
-  std::string boundary_is;
-  Simplified result;
-  int fits = 0;
-};
 using Simplification = std::shared_ptr<SimplificationValue>;
 
 Simplification simplify_axis(const std::shared_ptr<Axis>& axis, std::size_t vertices, const std::string& error,

@@ -15,12 +15,6 @@
 namespace quench::python {
 namespace {
 
-/// A tree with what it is of.
-struct TreeValue {
-  pipeline::TreeRun run;
-  std::shared_ptr<Axis> axis;  ///< none for a tree from a file
-  bool upright = false;
-};
 using TreePointer = std::shared_ptr<TreeValue>;
 
 /// The options of a tree, with lengths that are resolved when their scale is known.
