@@ -44,11 +44,14 @@ Case = collections.namedtuple('Case', 'name lines data', defaults=[()])
 # --------------------------------------------------------------------------------------------------------------- cases
 
 # The resolution at which a sample is small and still has a medial axis.
-SAMPLES = {'ellipsoid': 48, 'torus': 48, 'box': 48, 'rippled-box': 48, 'bumpy-sphere': 36, 'fin-on-board': 48,
-           'four-blobs': 48, 'plate-with-holes': 64, 'hollow-sphere': 30, 'bead-pack': 24, 'rough-plate': 64, 'bars': 160,
+SAMPLES = {'ellipsoid': 32, 'torus': 32, 'box': 28, 'rippled-box': 32, 'bumpy-sphere': 24, 'fin-on-board': 32,
+           'four-blobs': 40, 'plate-with-holes': 48, 'hollow-sphere': 18, 'bead-pack': 18, 'rough-plate': 48, 'bars': 160,
            'root': 64}
-MESHES = {'bunny_closed.off': '--resolution 48', 'armadillo.off': '--resolution 64', 'fandisk.off': '--resolution 64',
-          'truck.obj': '--resolution 40 --fill auto'}
+PICTURED = ['fin-on-board', 'hollow-sphere', 'bars', 'root']  # the others have their page and picture in the full run
+BARE = '--no-view --no-picture'
+MESHES = {'bunny_closed.off': f'--resolution 32 {BARE}', 'armadillo.off': f'--resolution 48 {BARE}',
+          'fandisk.off': '--resolution 40',
+          'truck.obj': '--resolution 32 --fill auto'}
 VOLUMES = {'Al.100.vol': '', 'torsoLabel.nii.gz': '--label 5', 'emd_5625.map': '--threshold 1.991'}
 LARGE_VOLUMES = {'maize_root_ct.nrrd': '--threshold 14 --largest-component', 'xyz-dragon-256.vol': '',
                  'lobster.vol': '--threshold 80', 'trabecular_bone_128.nrrd': '--threshold 143 --min-component 20'}
@@ -71,7 +74,12 @@ def sample_cases():
         yield Case(f'sample_{name}', [f'sample {name} -o mesh.ply', f'sample {name} --fineness 0.25 -o obj.obj',
                                       f'sample {name} --fineness 0.25 -o vtp.vtp',
                                       f'sample {name} --resolution {resolution} -o volume.nrrd'])
-        yield Case(f'run_{name}', [f'sample {name} -o {name}.ply', *main_job(f'{name}.ply', f'--resolution {resolution}')])
+        bare = '' if name in PICTURED else f' {BARE}'
+        if name == 'bead-pack':  # its mesh is large at any fineness: it is voxelized in shape_fill, and run in the full run
+            lines = [f'sample {name} --resolution {resolution} -o {name}.nrrd', *main_job(f'{name}.nrrd', bare.strip())]
+        else:
+            lines = [f'sample {name} --fineness 0.25 -o {name}.ply', *main_job(f'{name}.ply', f'--resolution {resolution}{bare}')]
+        yield Case(f'run_{name}', lines)
     yield Case('sample_options', ['sample root --seed 7 --branches 20 -o root.ply', 'info root.ply',
                                   'sample rough-plate --seed 3 --noise 0.01 --fineness 0.5 -o plate.ply',
                                   'sample rippled-box --noise 0.02 --fineness 0.5 -o box.ply',
@@ -105,10 +113,10 @@ def step_lines(shape, options):
 
 
 def step_cases():
-    for name, resolution in (('fin-on-board', 48), ('torus', 32), ('root', 64)):
+    for case, name, resolution in (('steps', 'fin-on-board', 28), ('steps', 'root', 64), ('full_steps', 'torus', 32)):
         shape = f'{name}.ply'
-        yield Case(f'steps_{name}', [f'sample {name} --fineness 0.5 -o {shape}',
-                                     *step_lines(shape, f'--resolution {resolution}')])
+        yield Case(f'{case}_{name}', [f'sample {name} --fineness 0.25 -o {shape}',
+                                      *step_lines(shape, f'--resolution {resolution}')])
     yield Case('steps_volume', ['sample four-blobs --resolution 40 -o blobs.nrrd', *step_lines('blobs.nrrd', '--threshold 1')])
 
 
@@ -133,29 +141,29 @@ def numbered(command, options, output):
 
 
 def option_cases():
-    fin, root = 'sample fin-on-board --fineness 0.5 -o fin.ply', 'sample root -o root.ply'
+    fin, root = 'sample fin-on-board --fineness 0.25 -o fin.ply', 'sample root --fineness 0.25 -o root.ply'
     both = '-o result_{0}.vtp --json result_{0}.json'
     graphs = both + ' --swc tree_{0}.swc --graphml graph_{0}.graphml --csv branches_{0}.csv'
-    yield Case('options_core', [fin, *numbered('core fin.ply --resolution 40', CORE_OPTIONS, both)])
-    for name, sample in (('fin', fin), ('root', root)):
-        core = [sample, f'core {name}.ply --resolution 48 -o core.vtp']
+    yield Case('options_core', [fin, *numbered('core fin.ply --resolution 28', CORE_OPTIONS, both)])
+    for name, sample, resolution in (('fin', fin, 32), ('root', root, 48)):
+        core = [sample, f'core {name}.ply --resolution {resolution} -o core.vtp']
         yield Case(f'options_burn_{name}', core + numbered('burn core.vtp', BURN_OPTIONS, both))
         yield Case(f'options_skeleton_{name}', core + numbered('skeleton core.vtp', SKELETON_OPTIONS, graphs))
-    yield Case('options_parts', [fin, 'core fin.ply --resolution 40 -o core.vtp', 'parts fin.ply --resolution 40 -o parts',
+    yield Case('options_parts', [fin, 'core fin.ply --resolution 28 -o core.vtp', 'parts fin.ply --resolution 28 -o parts',
                                  *numbered('parts core.vtp', PARTS_OPTIONS, '-o sheets_{0}.vtp --csv sheets_{0}.csv'),
                                  *[f'parts core.vtp -o all.{e}' for e in ('vtu', 'ply', 'obj', 'stl')]])
-    yield Case('options_solid', [fin, 'core fin.ply --resolution 40 -o core.vtp',
-                                 *[f'thickness fin.ply --resolution 40 -o thickness.{e}' for e in ('nrrd', 'nii.gz', 'tif', 'npy')],
-                                 'thickness fin.ply --resolution 40 --surface surface.ply --csv t.csv --histogram h.csv --json t.json',
-                                 'thickness fin.ply --resolution 40 --invert --balls vertices -o pores.nrrd --csv pores.csv',
+    yield Case('options_solid', [fin, 'core fin.ply --resolution 28 -o core.vtp',
+                                 *[f'thickness fin.ply --resolution 24 -o thickness.{e}' for e in ('nrrd', 'nii.gz', 'tif', 'npy')],
+                                 'thickness fin.ply --resolution 24 --surface surface.ply --csv t.csv --histogram h.csv --json t.json',
+                                 'thickness fin.ply --resolution 24 --invert --balls vertices -o pores.nrrd --csv pores.csv',
                                  'reconstruct core.vtp -o balls.nrrd --json balls.json',
                                  'reconstruct core.vtp --envelope --shape fin.ply -o solid.ply --json solid.json',
                                  'simplify core.vtp --vertices 60 --shape fin.ply -o few.ma --levels few.csv --json few.json',
-                                 'simplify core.vtp --error 3% --shape fin.ply -o near.vtp', 'smooth core.vtp -o smooth.vtp'])
-    yield Case('options_view', [fin, 'core fin.ply --resolution 40 -o core.vtp',
+                                 'simplify core.vtp --error 6% --shape fin.ply -o near.vtp', 'smooth core.vtp -o smooth.vtp'])
+    yield Case('options_view', [fin, 'core fin.ply --resolution 24 -o core.vtp',
                                 *numbered('view core.vtp --shape fin.ply', VIEW_OPTIONS, '-o page_{0}.html'),
                                 'view core.vtp -o page.html', 'convert core.vtp core.obj', 'view core.obj -o still.html'])
-    run_root, run_fin = 'run root.ply --resolution 64', 'run fin.ply --resolution 40'
+    run_root, run_fin = 'run root.ply --resolution 64', 'run fin.ply --resolution 24'
     yield Case('options_run', [root, fin,
                                f'{run_root} --theta2 inf --tips pruned --smooth 0 --resample 0.01 --no-view -o curves',
                                f'{run_root} --lambda 1vox --root 0,0,1 --swc-type 7 --max-triangles 3000 -o small_page',
@@ -165,15 +173,15 @@ def option_cases():
 
 def foreign_axis_case():
     """What other programs write: no stage, no sites; radii beside it; a shape to measure by."""
-    core, sized = 'core blobs.ply --resolution 64', '--shape blobs.ply'
-    return Case('foreign_axis', ['sample four-blobs --fineness 0.5 -o blobs.ply',
+    core, sized = 'core blobs.ply --resolution 48', '--shape blobs.ply'
+    return Case('foreign_axis', ['sample four-blobs --fineness 0.25 -o blobs.ply',
                                  *(f'{core} -o core.{e}' for e in ('obj', 'r', 'ma')),
                                  'burn core.obj --radii core.r -o burned.vtp --json burned.json',
                                  f'burn core.ma {sized} -o sized.vtp',
                                  f'skeleton core.ma {sized} -o skeleton.vtp --swc tree.swc',
-                                 f'view core.ma {sized} --resolution 64 -o page.html',
+                                 f'view core.ma {sized} --resolution 48 -o page.html',
                                  # Its radii between vertices are linear, and so no distances.
-                                 '4: verify blobs.ply --resolution 64 skeleton.vtp --json verified.json'])
+                                 '4: verify blobs.ply --resolution 48 skeleton.vtp --json verified.json'])
 
 
 def shape_cases():
@@ -204,7 +212,7 @@ def data_cases():
         yield Case('data_' + file.split('.')[0], main_job(file, options), [f'meshes/{file}'])
     for file, options in VOLUMES.items():
         yield Case('data_' + file.split('.')[0], main_job(file, options), [f'volumes/{file}'])
-    yield Case('data_steps_fandisk', step_lines('fandisk.off', '--resolution 48'), ['meshes/fandisk.off'])
+    yield Case('full_steps_fandisk', step_lines('fandisk.off', '--resolution 48'), ['meshes/fandisk.off'])
     yield Case('data_defective', [f'voxelize truck.obj --resolution 40 --fill {fill} -o {fill}.nrrd --json {fill}.json'
                                   for fill in FILLS[:3]], ['meshes/truck.obj'])
 
@@ -214,7 +222,7 @@ def plane_cases():
     for file, options in IMAGES.items():
         yield Case('plane_' + re.sub(r'\W', '_', file.split('.')[0]), main_job(file, options), [f'images/{file}'])
     for file in POLYGONS:
-        yield Case('plane_' + file.split('.')[0], [f'info {file} --json', f'run {file} --resolution 256 -o all'],
+        yield Case('plane_' + file.split('.')[0], [f'info {file} --json', f'run {file} --resolution 160 -o all'],
                    [f'images/{file}'])
     horse = 'horse.png --threshold 128 --invert'
     yield Case('plane_steps', [
@@ -254,7 +262,7 @@ def full_cases():
         resolution = {'bead-pack': 48, 'bars': 320}.get(name, 128)
         yield Case(f'full_{name}', [f'sample {name} -o {name}.ply', *main_job(f'{name}.ply', f'--resolution {resolution}')])
     for file, options in MESHES.items():
-        options = re.sub(r'--resolution \d+', '--resolution 128', options)
+        options = re.sub(r'--resolution \d+', '--resolution 128', options).replace(f' {BARE}', '')
         yield Case('full_' + file.split('.')[0], main_job(file, options), [f'meshes/{file}'])
     for file, options in LARGE_VOLUMES.items():
         yield Case('full_' + file.split('.')[0], main_job(file, options), [f'volumes/{file}'])

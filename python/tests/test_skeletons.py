@@ -171,7 +171,8 @@ def test_pictures(tmp_path):
     for number, value in enumerate((axis, axis.skeleton(), axis.skeleton('inf'), tube_skeleton())):
         value.save(tmp_path / f'{number}.png')
         image = pyplot.imread(tmp_path / f'{number}.png')
-        assert len(np.unique(image.reshape(-1, image.shape[2]), axis=0)) > 100
+        channels = np.round(255 * image).astype(np.uint32).reshape(-1, image.shape[2])
+        assert len(np.unique(channels @ 256**np.arange(image.shape[2], dtype=np.uint32))) > 100
     assert pyplot.get_fignums() == []
 
 

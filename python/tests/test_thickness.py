@@ -8,6 +8,7 @@ import pytest
 import quench
 
 BONE = pathlib.Path(os.environ.get('QUENCH_DATA', '')) / 'volumes' / 'trabecular_bone_128.nrrd'
+FULL = bool(os.environ.get('QUENCH_TEST_FULL'))
 
 
 def painted(image, spacing, between):
@@ -77,7 +78,7 @@ def check(image, spacing=1.0, message=''):
 
 def test_random_images():
     random = np.random.default_rng(1)
-    for n in range(40):
+    for n in range(40 if FULL else 14):
         image = random.random(random.integers(3, 12, size=3)) < random.uniform(0.2, 0.9)
         if image.any():
             check(image, random.integers(1, 4, size=3) / 2 if n % 2 else 1.0, f'image {n}')
@@ -85,17 +86,17 @@ def test_random_images():
 
 def test_random_images_of_two_dimensions():
     random = np.random.default_rng(2)
-    for n in range(40):
+    for n in range(40 if FULL else 14):
         image = random.random(random.integers(3, 20, size=2)) < random.uniform(0.4, 0.95)
         if image.any():
             check(image, random.integers(1, 4, size=2) / 2 if n % 2 else 1.0, f'image {n}')
 
 
 def test_sponge():
-    check(sponge(3), 0.02)
+    check(sponge(3 if FULL else 2), 0.02)
 
 
-@pytest.mark.skipif(not os.environ.get('QUENCH_TEST_FULL') or not BONE.exists(), reason='only in make test-full')
+@pytest.mark.skipif(not FULL or not BONE.exists(), reason='only in make test-full')
 def test_bone():
     check(np.asarray(quench.read(BONE)) >= 64)
 

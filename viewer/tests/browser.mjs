@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A browser for tests, and pictures as pixels. Tests are skipped where there is no Chromium ($CHROMIUM or
-// /usr/bin/chromium).
+// A browser for tests, and pictures as pixels. Tests are skipped where there is no Chromium ($CHROMIUM,
+// /usr/bin/chromium-headless-shell or /usr/bin/chromium).
 import { existsSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { dirname, join } from "node:path";
@@ -9,10 +9,15 @@ import { fileURLToPath, pathToFileURL } from "node:url";
 import { inflateSync } from "node:zlib";
 
 const here = dirname(fileURLToPath(import.meta.url));
-const chromium = process.env.CHROMIUM ?? "/usr/bin/chromium";
+const chromium = [process.env.CHROMIUM, "/usr/bin/chromium-headless-shell", "/usr/bin/chromium"].find((file) => file && existsSync(file));
 const templateFile = process.env.QUENCH_PAGE ?? join(here, "..", "dist", "page.html");
-const skip = !existsSync(chromium) ? `no Chromium at ${chromium}` : !existsSync(templateFile) ? `no ${templateFile}: run node build.mjs first` : false;
-const FLAGS = ["--headless", "--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"];
+const skip = !chromium ? "no Chromium" : !existsSync(templateFile) ? `no ${templateFile}: run node build.mjs first` : false;
+/// Only the picture of the page goes through the software renderer, not what lies beside it; pages share a process.
+const CHEAP = ["--disable-gpu-compositing", "--renderer-process-limit=1"];
+const FLAGS = ["--headless", "--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", ...CHEAP];
+
+/// Pixels of pictures per pixel of the page, in which places are given: a quarter of the pixels are drawn, but in the full run.
+export const SCALE = process.env.QUENCH_TEST_FULL === "1" ? 1 : 0.5;
 
 /// Pixels of an 8-bit RGB or RGBA PNG, as rows of numbers.
 export function pixelsOf(png) {
@@ -32,6 +37,12 @@ export function pixelsOf(png) {
   return { width, height, channels, data: out };
 }
 
+/// The colour (red, green, blue) of a picture at a place of the page.
+export function colourIn({ data, width, channels }, x, y) {
+  const at = channels * (Math.floor(SCALE * y) * width + Math.floor(SCALE * x));
+  return [data[at], data[at + 1], data[at + 2]];
+}
+
 export function coloursIn(png) {
   const { data, channels } = pixelsOf(png), seen = new Map();
   for (let i = 0; i < data.length; i += channels) {
@@ -49,7 +60,7 @@ export function browserOf() {
     if (skip) return;
     const { chromium: launcher } = await import("playwright-core");
     folder = mkdtempSync(join(tmpdir(), "quench-page-"));
-    context = await launcher.launchPersistentContext(join(folder, "profile"), { executablePath: chromium, headless: true, args: FLAGS, viewport: { width: 1000, height: 700 }, colorScheme: "light", acceptDownloads: true });
+    context = await launcher.launchPersistentContext(join(folder, "profile"), { executablePath: chromium, headless: true, args: FLAGS, viewport: { width: 1000, height: 700 }, deviceScaleFactor: SCALE, colorScheme: "light", acceptDownloads: true });
   });
   after(async () => {
     await context?.close();

@@ -2,7 +2,7 @@
 // Sheets with their table, the surface by a measure, and medial meshes, in a browser.
 import assert from "node:assert/strict";
 import { describe } from "node:test";
-import { browserOf, pixelsOf } from "./browser.mjs";
+import { browserOf, colourIn, pixelsOf } from "./browser.mjs";
 import { boxShape, pageOf, simpleArrays, twoSheets } from "./fixture.mjs";
 
 describe("pages of parts and measures", () => {
@@ -21,10 +21,11 @@ describe("pages of parts and measures", () => {
   // Seen along -z, 700 pixels for 4 units around (2, 1.5), ten below the middle.
   const top = `camera=2,1.5,${1 + 2 / Math.tan((15 * Math.PI) / 180)},2,1.5,1,0,1,0`;
   const pixel = (x, y) => [Math.round(500 + ((x - 2) * 700) / 4), Math.round(360 - ((y - 1.5) * 700) / 4)];
-  const colourAt = async (page, x, y) => {
-    const { data, width, channels } = pixelsOf(await page.screenshot()), [px, py] = pixel(x, y), i = channels * (py * width + px);
-    return [data[i], data[i + 1], data[i + 2]];
+  const coloursAt = async (page, ...places) => {
+    const picture = pixelsOf(await page.screenshot());
+    return places.map(([x, y]) => colourIn(picture, ...pixel(x, y)));
   };
+  const colourAt = async (page, x, y) => (await coloursAt(page, [x, y]))[0];
   const bare = `${top}&ui=0&caption=0&orthographic=1`;
 
   it("sheets: table, sorting, picking by row and by click, CSV", async () => {
@@ -55,8 +56,9 @@ describe("pages of parts and measures", () => {
     const { page, complaints } = await open(whole(), `${bare}&shape=0&color=sheet`);
     await settled(page);
     const hue = ([r, g, b]) => (b > r + 20 ? "blue" : r > b + 40 ? "warm" : "other");
-    assert.deepEqual([hue(await colourAt(page, 1, 2)), hue(await colourAt(page, 1, 0.5))], ["blue", "warm"]); // the larger is the first
-    const before = await colourAt(page, 1, 0.5), light = (c) => c[0] + c[1] + c[2];
+    const [larger, before] = await coloursAt(page, [1, 2], [1, 0.5]);
+    assert.deepEqual([hue(larger), hue(before)], ["blue", "warm"]); // the larger is the first
+    const light = (c) => c[0] + c[1] + c[2];
     await set(page, { sheet: 1 });
     assert.ok(light(await colourAt(page, 1, 0.5)) > light(before) + 60); // the other one fades
     await set(page, { sheet: -1, color: "sheets/mean_thickness" });
@@ -79,9 +81,9 @@ describe("pages of parts and measures", () => {
     const glass = await colourAt(page, 1, 0.5);
     await set(page, { surface: "thickness" });
     assert.deepEqual(await state(page, "shape", "shapeOpacity"), [true, 1]);
-    const thin = await colourAt(page, 0.1, 0.2), thick = await colourAt(page, 3.85, 0.2);
+    const [thin, thick, middle] = await coloursAt(page, [0.1, 0.2], [3.85, 0.2], [1, 0.5]);
     assert.ok(thick[0] > thin[0] + 60 && thick[1] > thin[1] + 60, `${thin} ${thick}`); // from purple to yellow
-    assert.notDeepEqual(await colourAt(page, 1, 0.5), glass);
+    assert.notDeepEqual(middle, glass);
     await page.mouse.click(...pixel(1, 0.5));
     await settled(page);
     await set(page, { ui: true });

@@ -2,7 +2,7 @@
 // Pages of trees in a browser.
 import assert from "node:assert/strict";
 import { describe } from "node:test";
-import { browserOf, pixelsOf } from "./browser.mjs";
+import { browserOf, colourIn, pixelsOf } from "./browser.mjs";
 import { boxCore, boxPage, boxShape, layerArrays, treePage } from "./fixture.mjs";
 
 describe("pages of trees", () => {
@@ -13,12 +13,12 @@ describe("pages of trees", () => {
   };
   const state = (page, ...keys) => page.evaluate((k) => k.map((key) => window.quench.state[key]), keys);
   const rows = (page) => page.$$eval(".branch-rows .branch-row", (all) => all.map((row) => [...row.children].map((cell) => cell.textContent)));
-  /// The colour where a place in the plane y = 0 is seen from the front: 700 pixels for 4.4 units around (0.5, -2), ten below the middle.
+  /// The colours where places in the plane y = 0 are seen from the front: 700 pixels for 4.4 units around (0.5, -2), ten below the middle.
   const front = "camera=0.5,-8.2104,-2,0.5,0,-2,0,0,1&ui=0&caption=0";
   const pixel = (x, z) => [Math.round(500 + ((x - 0.5) * 700) / 4.4), Math.round(360 - ((z + 2) * 700) / 4.4)];
-  const colourAt = async (page, x, z) => {
-    const { data, width, channels } = pixelsOf(await page.screenshot()), [px, py] = pixel(x, z), i = channels * (py * width + px);
-    return [data[i], data[i + 1], data[i + 2]];
+  const coloursAt = async (page, ...places) => {
+    const picture = pixelsOf(await page.screenshot());
+    return places.map(([x, z]) => colourIn(picture, ...pixel(x, z)));
   };
   const hue = ([r, g, b]) => (r > 200 && g > 200 && b > 200 ? "paper" : b > r + 25 ? "blue" : r > b + 50 && r > g + 25 ? "orange" : g > r + 20 && g > b + 20 ? "green" : "other");
 
@@ -26,7 +26,7 @@ describe("pages of trees", () => {
     const { page, complaints } = await open(treePage(template), front);
     await settled(page);
     assert.deepEqual(await state(page, "layer", "color", "tubes"), ["tree", "level", true]);
-    const hues = async (...places) => (await Promise.all(places.map(([x, z]) => colourAt(page, x, z)))).map(hue);
+    const hues = async (...places) => (await coloursAt(page, ...places)).map(hue);
     assert.deepEqual(await hues([0, -3], [0.15, -3], [0.28, -3], [1.5, -1], [-0.8, -2], [1, -1.6], [1.12, -1.6]), ["blue", "blue", "paper", "orange", "orange", "green", "paper"]);
     await set(page, { tubes: false }); // lines are thinner than the stem
     assert.deepEqual(await hues([0, -3], [0.15, -3]), ["blue", "paper"]);
@@ -98,9 +98,9 @@ describe("pages of trees", () => {
     await settled(page);
     assert.deepEqual(await state(page, "axis", "branch"), [3, 6]);
     const dark = ([r, g, b]) => r + g + b < 200;
-    assert.ok(dark(await colourAt(page, 0.5, -1)) && dark(await colourAt(page, 0, -0.5))); // along its parents
-    assert.ok(!dark(await colourAt(page, 0, -3)) && !dark(await colourAt(page, 1.5, -1)));
-    const [r, g, b] = await colourAt(page, 1, -1.6);
+    const [parent, stem, below, beyond, [r, g, b]] = await coloursAt(page, [0.5, -1], [0, -0.5], [0, -3], [1.5, -1], [1, -1.6]);
+    assert.ok(dark(parent) && dark(stem)); // along its parents
+    assert.ok(!dark(below) && !dark(beyond));
     assert.ok(r > 180 && g > 110 && b < 90, `${[r, g, b]}`);
     await page.mouse.click(...pixel(3, -3)); // nothing there
     assert.deepEqual(await state(page, "axis", "branch"), [-1, -1]);
@@ -131,11 +131,12 @@ describe("pages of trees", () => {
     const { page, complaints } = await open(treePage(template), `${front}`);
     await settled(page);
     const cyan = ([r, g, b]) => b > 180 && g > 150 && r < 80, pink = ([r, g, b]) => r > 190 && g < 90 && b > 60;
-    assert.ok(cyan(await colourAt(page, -0.5, -2)) && pink(await colourAt(page, 1.9, -1)));
-    assert.equal(hue(await colourAt(page, 3, -3.25)), "paper"); // what was left out is not marked at first
+    const [bridge, cut, left] = await coloursAt(page, [-0.5, -2], [1.9, -1], [3, -3.25]);
+    assert.ok(cyan(bridge) && pink(cut), `${bridge} ${cut}`);
+    assert.equal(hue(left), "paper"); // what was left out is not marked at first
     await page.keyboard.press("m");
     await settled(page);
-    assert.equal(hue(await colourAt(page, -0.5, -2)), "orange");
+    assert.equal(hue((await coloursAt(page, [-0.5, -2]))[0]), "orange");
     await page.keyboard.press("m");
     await page.keyboard.press("h");
     const steps = [];

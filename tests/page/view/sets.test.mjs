@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The page in a browser against the program: for results of `quench run`, what the page shows for a slider is what the
 // program computes. node sets.test.mjs QUENCH VIEWER_FOLDER; exit code 77 where there is no browser to look with.
+// QUENCH_TEST_FULL=1: at higher resolutions.
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
 import { existsSync, mkdtempSync, readFileSync, rmSync } from "node:fs";
@@ -14,7 +15,7 @@ const skip = (why) => {
   console.log(`SKIPPED: ${why}`);
   process.exit(77);
 };
-const browserFile = [process.env.CHROMIUM, "/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"]
+const browserFile = [process.env.CHROMIUM, "/usr/bin/chromium-headless-shell", "/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"]
   .find((file) => file && existsSync(file));
 if (!browserFile) skip("there is no Chromium");
 let launcher;
@@ -64,14 +65,15 @@ const close = (found, expected, tolerance, what) =>
   assert.ok(Math.abs(found - expected) <= tolerance, `${what}: the page has ${found}, the program ${expected}`);
 
 // `loops`: curves that never burn have no exits for their duals, which the page then draws a little differently.
+const full = process.env.QUENCH_TEST_FULL === "1";
 const shapes = [
-  { name: "fin-on-board", resolution: 48 },
+  { name: "fin-on-board", resolution: 32, full: 48 },
   { name: "ellipsoid", resolution: 40, options: ["--lambda", "auto"] },
-  { name: "root", resolution: 64, sample: ["--branches", "6"] },
-  { name: "four-blobs", resolution: 48 },
-  { name: "torus", resolution: 40, loops: true },
-  { name: "plate-with-holes", resolution: 48, loops: true },
-  { name: "fin-on-board", resolution: 48, options: ["--max-triangles", "6000"] },
+  { name: "root", resolution: 64, sample: ["--branches", "6", "--fineness", "1"] },
+  { name: "four-blobs", resolution: 32, full: 48 },
+  { name: "torus", resolution: 28, full: 40, loops: true },
+  { name: "plate-with-holes", resolution: 40, full: 48, loops: true },
+  { name: "fin-on-board", resolution: 32, full: 48, options: ["--max-triangles", full ? "6000" : "2500"] },
 ];
 
 let failure = null, browser;
@@ -81,13 +83,14 @@ try {
     executablePath: browserFile,
     headless: true,
     args: ["--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync",
-      "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"],
+      "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-gpu-compositing"],
   });
   for (const [index, shape] of shapes.entries()) {
+    const resolution = String((full && shape.full) || shape.resolution);
     const file = `${shape.name}-${index}.ply`, result = `result-${index}`;
-    run("sample", shape.name, ...(shape.sample ?? []), "-o", file);
-    run("run", file, "--resolution", String(shape.resolution), "-o", result, ...(shape.options ?? []));
-    const page = await browser.newPage({ viewport: { width: 400, height: 300 } });
+    run("sample", shape.name, ...(shape.sample ?? ["--fineness", full ? "1" : "0.25"]), "-o", file);
+    run("run", file, "--resolution", resolution, "-o", result, ...(shape.options ?? []));
+    const page = await browser.newPage({ viewport: { width: 80, height: 60 } });
     const complaints = [];
     page.on("pageerror", (error) => complaints.push(String(error)));
     page.on("request", (request) => { if (!/^(file|data|blob):/.test(request.url())) complaints.push(`asks the network: ${request.url()}`); });
@@ -95,12 +98,12 @@ try {
     await page.waitForFunction(() => window.quench.ready || window.quench.error, null, { timeout: 120000 });
     assert.equal(await page.evaluate(() => window.quench.error), null);
     const meta = JSON.parse(await page.evaluate(() => document.getElementById("quench-meta").textContent));
-    const sets = (state) => page.evaluate((s) => { window.quench.set(s); return { ...window.quench.sets(), state: window.quench.state }; }, state);
+    const sets = (states) => page.evaluate((all) => all.map((s) => { window.quench.set(s); return { ...window.quench.sets(), state: window.quench.state }; }), states);
     const side = meta.side;
     const text = (x) => (Number.isFinite(x) ? `${x}abs` : "inf");
 
     // The page opens with the skeleton of the files: the same polygons and length of curves as the graph.
-    const first = await sets({});
+    const [first] = await sets([{}]);
     const csv = readFileSync(join(folder, result, "branches.csv"), "utf8").trim().split("\n").map((row) => row.split(","));
     const column = csv[0].indexOf("length"), length = csv.slice(1).reduce((sum, row) => sum + Number(row[column]), 0);
     run("convert", `${result}/skeleton.vtp`, "s.obj", "--overwrite");
@@ -110,9 +113,10 @@ try {
     close(first.curveLength, length, 1e-5 * length, `${shape.name}: curves of the skeleton asked for`);
     assert.deepEqual([first.state.theta2, first.state.theta1], [meta.theta2 ?? Infinity, meta.theta1 ?? Infinity].map(Math.fround));
 
-    for (const [wish2, wish1] of [[0, 0], [0.005, 0.005], [0.02, 0.01], [0.05, 0.02], [0.1, 0.05], [Infinity, 0.02], [Infinity, 0.1], [Infinity, Infinity]]) {
-      const theta2 = Math.max(Math.fround(wish2 * side), meta.floor.theta2), theta1 = Math.max(Math.fround(wish1 * side), meta.floor.theta1);
-      const found = await sets({ layer: "skeleton", theta2, theta1 });
+    const thetas = [[0, 0], [0.005, 0.005], [0.02, 0.01], [0.05, 0.02], [0.1, 0.05], [Infinity, 0.02], [Infinity, 0.1], [Infinity, Infinity]]
+      .map(([wish2, wish1]) => ({ layer: "skeleton", theta2: Math.max(Math.fround(wish2 * side), meta.floor.theta2), theta1: Math.max(Math.fround(wish1 * side), meta.floor.theta1) }));
+    for (const [i, found] of (await sets(thetas)).entries()) {
+      const { theta2, theta1 } = thetas[i];
       assert.equal(found.state.theta2, theta2);
       run("skeleton", `${result}/core.vtp`, "--theta2", text(theta2), "--theta1", text(theta1), "--full", "--tips", "pruned", "--smooth", "0", "-o", "s.obj", "--overwrite");
       const expected = measure("s.obj"), what = `${shape.name} theta2 ${theta2} theta1 ${theta1}`;
@@ -131,10 +135,10 @@ try {
     assert.deepEqual([meta.measures.length, by], [1, meta.pruning.measure]);
     // The smallest threshold is that of the pruning, rounded down, or a floor of the page.
     const isPruning = floor <= meta.pruning.threshold;
-    for (const wish of [0, 1.2, 2, 2.5, 5, 1000]) {
-      const threshold = Math.max(Math.fround(wish * meta.voxel), floor);
-      const found = await sets({ layer: "core", threshold });
-      run("core", file, "--resolution", String(shape.resolution), `--${by}`, text(threshold === floor && isPruning ? meta.pruning.threshold : threshold), "-o", "c.obj", "--overwrite");
+    const thresholds = [0, 1.2, 2, 2.5, 5, 1000].map((wish) => ({ layer: "core", threshold: Math.max(Math.fround(wish * meta.voxel), floor) }));
+    for (const [i, found] of (await sets(thresholds)).entries()) {
+      const { threshold } = thresholds[i];
+      run("core", file, "--resolution", resolution, `--${by}`, text(threshold === floor && isPruning ? meta.pruning.threshold : threshold), "-o", "c.obj", "--overwrite");
       const expected = measure("c.obj"), what = `${shape.name} ${by} ${threshold}`;
       assert.equal(found.faces, expected.faces, `${what}: faces`);
       assert.equal(found.edges, expected.edges, `${what}: edges`);
