@@ -10,7 +10,8 @@ from typing import Any, Dict, List, Optional, Sequence, Tuple, Union
 import numpy as np
 
 from . import _core
-from ._common import Error, Path, Progress, Spacing, calling, error, file_name, is_path, reals, spacing_of, whole
+from ._common import (ArgumentTypeError, Array, Error, Path, Progress, Spacing, calling, error, file_name, is_path,
+                      must_exist, reals, spacing_of, whole, wrong_type)
 
 
 @dataclass
@@ -29,8 +30,8 @@ class Mesh:
         ``to`` (places on their centre lines) and ``on_purpose``.
     """
 
-    vertices: np.ndarray
-    faces: np.ndarray
+    vertices: Array
+    faces: Array
     branches: List[Dict[str, Any]] = field(default_factory=list, repr=False)
     touching: List[Dict[str, Any]] = field(default_factory=list, repr=False)
 
@@ -87,7 +88,7 @@ class Volume:
 
     def __init__(self, array: Any, spacing: Spacing = None, origin: Optional[Sequence[float]] = None,
                  direction: Any = None, *, units: str = '', space: str = ''):
-        self.array = image_array(array, array.array.ndim if isinstance(array, Volume) else None)
+        self.array: Array = image_array(array, array.array.ndim if isinstance(array, Volume) else None)
         self._place = _place(self.array.ndim, spacing, origin, direction, units, space)
 
     @property
@@ -96,15 +97,15 @@ class Volume:
         return [1, 0] if self.array.ndim == 2 else [0, 1, 2]
 
     @property
-    def spacing(self) -> np.ndarray:
+    def spacing(self) -> Array:
         return np.array(self._place.spacing)[self._axes]
 
     @property
-    def origin(self) -> np.ndarray:
+    def origin(self) -> Array:
         return np.array(self._place.origin)[:self.array.ndim]
 
     @property
-    def direction(self) -> np.ndarray:
+    def direction(self) -> Array:
         return np.array(self._place.direction)[:self.array.ndim, self._axes]
 
     @property
@@ -124,7 +125,7 @@ class Volume:
         self.array = state['array']
         self._place = _core.Place(*state['place'])
 
-    def __array__(self, dtype=None, copy=None):
+    def __array__(self, dtype: Any = None, copy: Optional[bool] = None) -> Array:
         if dtype is not None and np.dtype(dtype) != self.array.dtype:
             return self.array.astype(dtype)
         return self.array.copy() if copy else self.array
@@ -134,7 +135,7 @@ class Volume:
         return self.array.shape
 
     @property
-    def dtype(self) -> np.dtype:
+    def dtype(self) -> Any:
         return self.array.dtype
 
     def __repr__(self) -> str:
@@ -153,7 +154,7 @@ def volume_of(image: '_core.Image') -> Volume:
     return volume
 
 
-def _numbers(value: Any, shape: Tuple[int, ...], argument: str, what: str) -> np.ndarray:
+def _numbers(value: Any, shape: Tuple[int, ...], argument: str, what: str) -> Array:
     try:
         values = reals(value, 'numbers')
     except Error:
@@ -192,7 +193,7 @@ def check_reading(dimension: Optional[int], channel: Optional[str]) -> None:
         raise error(2, f'channel={channel!r} is not one of {", ".join(map(repr, CHANNELS))}', 'channel')
 
 
-def _channel(array: np.ndarray, channel: str) -> np.ndarray:
+def _channel(array: Array, channel: str) -> Array:
     """One value per pixel of an image with colours, as files of images are read: luminance is that of ITU-R BT.601, on a
     white ground where pixels are transparent."""
     if array.ndim != 3 or array.shape[2] not in (3, 4):
@@ -201,19 +202,24 @@ def _channel(array: np.ndarray, channel: str) -> np.ndarray:
     if channel == 'alpha' and array.shape[2] == 3:
         raise error(2, "channel='alpha' is not in an image of three channels; take its luminance or a colour", 'channel')
     if channel != 'luminance':
-        return array[:, :, ('red', 'green', 'blue', 'alpha').index(channel)]
+        chosen: Array = array[:, :, ('red', 'green', 'blue', 'alpha').index(channel)]
+        return chosen
     if array.dtype.kind == 'f':
-        light, white = array[:, :, :3] @ np.array([0.299, 0.587, 0.114]), 1
-        return light if array.shape[2] == 3 else light * array[:, :, 3] + white * (white - array[:, :, 3])
+        shade: Array = array[:, :, :3] @ np.array([0.299, 0.587, 0.114])
+        if array.shape[2] == 3:
+            return shade
+        mixed: Array = shade * array[:, :, 3] + (1 - array[:, :, 3])
+        return mixed
     if array.dtype not in (np.uint8, np.uint16):
         raise error(2, f"channel='luminance' is of images of uint8, uint16 or floats; this one is {array.dtype}", 'channel')
     colours = array.astype(np.int64)
     light, white = (colours[:, :, :3] @ np.array([19595, 38470, 7471]) + 2**15) >> 16, np.iinfo(array.dtype).max
-    alpha = colours[:, :, 3] if array.shape[2] == 4 else white
-    return ((2 * (light * alpha + white * (white - alpha)) + white) // (2 * white)).astype(array.dtype)
+    alpha: Any = colours[:, :, 3] if array.shape[2] == 4 else white
+    mixed = (2 * (light * alpha + white * (white - alpha)) + white) // (2 * white)
+    return mixed.astype(array.dtype)
 
 
-def _of_dimension(array: np.ndarray, dimension: Optional[int], channel: Optional[str]) -> np.ndarray:
+def _of_dimension(array: Array, dimension: Optional[int], channel: Optional[str]) -> Array:
     """Of two or three axes: an image or a volume, where there is no doubt which."""
     if channel is not None:
         if dimension == 3:
@@ -238,7 +244,7 @@ def _of_dimension(array: np.ndarray, dimension: Optional[int], channel: Optional
     return array
 
 
-def image_array(value: Any, dimension: Optional[int] = None, channel: Optional[str] = None) -> np.ndarray:
+def image_array(value: Any, dimension: Optional[int] = None, channel: Optional[str] = None) -> Array:
     """An array of two or three axes the core can look at where it lies; copied only where its type makes that necessary."""
     if isinstance(value, np.ma.MaskedArray):
         raise error(3, 'the image is a masked array; say what masked voxels or pixels are, e.g. with image.filled(0)')
@@ -246,6 +252,9 @@ def image_array(value: Any, dimension: Optional[int] = None, channel: Optional[s
         array = np.asarray(value)
     except Exception as reason:
         raise error(3, f'{type(value).__name__} is not an image: {reason}') from reason
+    if array.ndim == 0 and array.dtype.kind == 'O':
+        raise wrong_type(f'{type(value).__name__} has no dimensions of an image; give an array, a mesh or the path of a file',
+                         'image')
     array = _of_dimension(array, dimension, channel)
     if array.ndim not in (2, 3):
         raise error(3, f'the image has {array.ndim} dimensions; an image of a shape has 2 or 3')
@@ -260,7 +269,7 @@ def image_array(value: Any, dimension: Optional[int] = None, channel: Optional[s
     return array
 
 
-def mesh_arrays(vertices: Any, faces: Any) -> Tuple[np.ndarray, np.ndarray]:
+def mesh_arrays(vertices: Any, faces: Any) -> Tuple[Array, Array]:
     """Vertices as (V, 3) doubles, faces as (F, 3) int64; polygons become triangle fans."""
     points = reals(vertices, 'the vertices of the mesh')
     try:
@@ -286,7 +295,7 @@ def mesh_arrays(vertices: Any, faces: Any) -> Tuple[np.ndarray, np.ndarray]:
     return points, corners
 
 
-def _padded(flat: np.ndarray) -> np.ndarray:
+def _padded(flat: Array) -> Array:
     triangles: List[Tuple[int, int, int]] = []
     at = 0
     while at < len(flat):
@@ -317,8 +326,9 @@ def _threshold(value: Any) -> Union[int, float]:
                 raise error(2, f'threshold={value} does not fit into 64 bits', 'threshold')
             return int(value)
         return float(value)
-    except (TypeError, ValueError, OverflowError):
-        raise error(2, f'threshold={value!r} is not a number', 'threshold') from None
+    except (TypeError, ValueError, OverflowError) as reason:
+        kind = ArgumentTypeError if isinstance(reason, TypeError) else None
+        raise error(2, f'threshold={value!r} is not a number', 'threshold', kind) from None
 
 
 def _thresholds(value: Any) -> Tuple[Optional[Union[int, float]], Optional[Union[int, float]]]:
@@ -337,7 +347,9 @@ def _width(value: Any) -> float:
         width = float(value)
         if width >= 0:
             return width
-    except (TypeError, ValueError, OverflowError):
+    except TypeError:
+        raise wrong_type(f'blur={value!r} is not a number from 0 on', 'blur') from None
+    except (ValueError, OverflowError):
         pass
     raise error(2, f'blur={value!r} is not a number from 0 on', 'blur')
 
@@ -454,8 +466,9 @@ def read_file(path: Path, spacing: Spacing, radii: Optional[Path], call: Tuple[A
     check_reading(dimension, channel)
     named = os.fsdecode(path)
     kind = _core.kind_of(file_name(path))
-    if not os.path.exists(path):
-        raise error(1, f"'{named}' does not exist")
+    must_exist(path)
+    if radii is not None:
+        must_exist(radii)
     if kind == 'volume':
         volume = volume_of(_core.read_image(file_name(path), spacing_of(spacing), dimension, channel or '', *call))
         spacing_of(spacing, volume.array.ndim)

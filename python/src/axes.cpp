@@ -160,6 +160,7 @@ void bind_axes(py::module_& m) {
       .def_property_readonly("vertices", [](const Pointer& a) { return view(a, a->axis().points); })
       .def_property_readonly("dimension", [](const Pointer& a) { return a->axis().grid.dimension; })
       .def_property_readonly("y_down", [](const Pointer& a) { return a->core.coordinates.y_down; })
+      .def_property_readonly("units", [](const Pointer& a) { return a->core.coordinates.units; })
       .def("rows_and_columns", [](const Pointer& a) { return rows_and_columns(a->axis().points, shape_of(*a).image); })
       .def_property_readonly("radius", [](const Pointer& a) { return view(a, a->axis().radius); })
       .def_property_readonly("edges",

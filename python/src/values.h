@@ -7,10 +7,12 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "arrays.h"
 #include "quench/envelope.h"
+#include "quench/picture.h"
 #include "quench/pipeline.h"
 #include "quench/shape.h"
 #include "quench/simplify.h"
@@ -103,6 +105,10 @@ struct SimplificationValue {
   Simplified result;
   int fits = 0;
 };
+
+/// Of a picture: width, height, whether there is a caption. None: as files of pictures are.
+using PictureSize = std::optional<std::tuple<int, int, bool>>;
+PictureOptions options_of(const PictureSize& size);
 
 /// Lengths as texts.
 struct Thetas {
