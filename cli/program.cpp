@@ -8,6 +8,7 @@
 #include <cstring>
 
 #include "option_checks.h"
+#include "shell_files.h"
 
 namespace quench::program {
 namespace {
@@ -47,7 +48,8 @@ constexpr Command kCommands[] = {
      computes | writes | reports, add_burn},
     {"skeleton", "Computes a skeleton of sheets and curves of a medial axis",
      "quench skeleton burned.vtp --theta2 inf --swc tree.swc -o curves.vtp", computes | writes | reports, add_skeleton},
-    {"reconstruct", "Writes the solid of a medial axis, its balls or all between them, and how far it is from the shape",
+    {"reconstruct",
+     "Writes the solid of a medial axis, its balls or all between them, and how far it is from the shape",
      "quench reconstruct axis.vtp --envelope --shape bunny.off -o solid.ply", computes | writes | reports,
      add_reconstruct},
     {"parts", "Names the sheets, seams and junctions of a skeleton; measures each, writes each sheet as a mesh",
@@ -118,33 +120,6 @@ std::string names_of_commands(const CLI::App& of) {
   for (const CLI::App* command : of.get_subcommands([](const CLI::App*) { return true; }))
     names += (names.empty() ? "" : ", ") + command->get_name();
   return names;
-}
-
-/// How many letters must be changed, added, removed or swapped with their neighbour to make one word the other.
-std::size_t distance_of(std::string_view a, std::string_view b) {
-  std::vector<std::vector<std::size_t>> d(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
-  for (std::size_t i = 0; i <= a.size(); ++i)
-    for (std::size_t j = 0; j <= b.size(); ++j) {
-      d[i][j] = i + j;
-      if (i == 0 || j == 0) continue;
-      d[i][j] = std::min({d[i - 1][j] + 1, d[i][j - 1] + 1, d[i - 1][j - 1] + (a[i - 1] != b[j - 1])});
-      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
-        d[i][j] = std::min(d[i][j], d[i - 2][j - 2] + 1);
-    }
-  return d[a.size()][b.size()];
-}
-
-/// The name that was meant; empty when none is near.
-std::string nearest_name(const std::string& word, const std::vector<std::string>& names) {
-  std::size_t least = std::max<std::size_t>(1, word.size() / 3) + 1;
-  std::string best;
-  if (word.size() > 64) return {};
-  for (const std::string& name : names)
-    if (const std::size_t distance = distance_of(word, name); distance < least) {
-      least = distance;
-      best = name;
-    }
-  return best;
 }
 
 /// `of`: the program, or a command that has commands.
@@ -247,8 +222,7 @@ std::string usage_sentence(const CLI::ParseError& error, const CLI::App& app) {
   } else if (dynamic_cast<const CLI::ValidationError*>(&error)) {  // ours, behind the name of the option
     what.replace(what.find(": "), 2, " ");
   }
-
-  return fmt::format("{}; see {}", what, help);
+  return with_help(what);
 }
 
 }  // namespace
@@ -373,6 +347,10 @@ std::vector<std::string> with_own_options(const std::vector<std::string>& words,
 
 int run(int argc, char** argv) {
   CommandLine line;
+  if (argc == 3 && std::string_view(argv[1]) == "shell-files") {  // for the build; no command that users need
+    write_shell_files(line.app, argv[2]);
+    return 0;
+  }
   int result = 0;
   try {
     line.parse({argv + std::min(argc, 1), argv + argc});

@@ -200,7 +200,8 @@ CLI::Option* add_dimension(CLI::App& app, std::optional<int>& dimension) {
 CLI::Option* add_resolution(CLI::App& app, ShapeOptions& o, const std::string& help) {
   return add_parsed(app, "--resolution", help,
                     [&o](const std::string&, const std::string& text) { o.how.resolution = parse_resolution(text); })
-      ->type_name("N");
+      ->type_name("N")
+      ->check(also({"auto"}));
 }
 
 CLI::Option* add_fill(CLI::App& app, ShapeOptions& o, const std::string& help) {
@@ -238,6 +239,7 @@ void add_volume_options(CLI::App& app, pipeline::ShapeOptions& how, const std::s
                   "thresholds for thin things; 'otsu': by Otsu's method",
              [&how](const std::string& option, const std::string& text) { parse_threshold(option, text, how); })
       ->type_name("T")
+      ->check(also({"auto", "thin", "otsu"}))
       ->group(group);
   add_label(app, f.label, of + "the shape is the voxels or pixels of exactly this value (0 too)")
       ->type_name("K")
