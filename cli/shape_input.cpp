@@ -10,6 +10,7 @@
 #include "option_checks.h"
 #include "quench/io.h"
 #include "report.h"
+#include "units.h"
 
 namespace quench::program {
 namespace {
@@ -448,6 +449,8 @@ LoadedShape load_shape(const ShapeOptions& options, Session& session) {
   const bool perhaps_plane = kind == io::Kind::volume;  // known when it is read
   if (!perhaps_plane) say_ignored(options, kind, session);
   LoadedShape shape = pipeline::load_shape(options.file, options.how, &session.context);
+  take_units(shape.coordinates, options.file, session);
+  if (shape.values) shape.values->coordinates.units = shape.coordinates.units;
   if (perhaps_plane) say_ignored(options, kind, session, shape.shape.grid().is_plane());
   if (shape.from_mesh)
     say_voxelization(options, shape, session);
@@ -472,6 +475,7 @@ Json input_section(const ShapeOptions& options, const LoadedShape& shape) {
   Json input = {{"file", options.file}, {"kind", kind_text(shape)}};
   if (shape.from_mesh) {
     add_mesh(input, shape);
+    if (!shape.coordinates.units.empty()) input["units"] = shape.coordinates.units;
   } else {
     if (!shape.coordinates.units.empty()) input["units"] = shape.coordinates.units;
     if (!shape.coordinates.space.empty()) input["space"] = shape.coordinates.space;
