@@ -9,7 +9,7 @@
 1
 """
 from ._axis import MedialAxis
-from ._common import Certificate, Topology
+from ._common import ArgumentTypeError, Certificate, MissingFileError, Topology
 from ._core import Error, UsageError, __version__
 from ._inputs import Mesh, Volume, sample, samples, voxelize
 from ._making import medial_axis, read
@@ -20,7 +20,7 @@ from ._solid import Solid
 from ._thickness import SurfaceThickness, local_thickness, surface_thickness
 from ._tree import Tree, read_tree, tree
 
-__all__ = ['Certificate', 'Curves', 'Error', 'Graph', 'MedialAxis', 'Mesh', 'Parts', 'SheetMesh', 'Sheets',
+__all__ = ['ArgumentTypeError', 'Certificate', 'Curves', 'Error', 'Graph', 'MedialAxis', 'Mesh', 'MissingFileError', 'Parts', 'SheetMesh', 'Sheets',
            'Simplification', 'Skeleton', 'Solid', 'SurfaceThickness', 'Topology', 'Tree', 'UsageError', 'Volume',
            '__version__', 'local_thickness', 'medial_axis', 'read', 'read_tree', 'sample', 'samples', 'skeletonize',
            'surface_thickness', 'tree', 'voxelize']

@@ -8,8 +8,8 @@ from typing import Any, Dict, Optional, Sequence, Tuple
 import numpy as np
 
 from . import _core, _export, _plane
-from ._common import (Certificate, Length, Path, Progress, Topology, calling, deprecated, ending, error, file_name, length,
-                      length_or_auto, whole)
+from ._common import (Array, Certificate, Length, Path, Progress, Topology, calling, deprecated, ending, error, length,
+                      length_or_auto, topology_of, whole, written)
 from ._complex import Complex
 from ._measures import Cells, Measures
 from ._simplification import Simplification
@@ -17,6 +17,7 @@ from ._skeleton import Skeleton, theta2_of
 from ._solid import Solid
 
 
+_Held = _core.Axis  # a name that the attribute of the class does not hide
 _ARGUMENTS = {'detail': 'detail', 'lambda': 'lambda_'}  # of measures
 
 
@@ -77,22 +78,24 @@ class MedialAxis(Complex):
     topology : Topology
     """
 
-    def __init__(self, core: '_core.Axis', threads: int = 0, progress: Progress = False):
+    _core: _Held
+
+    def __init__(self, core: _Held, threads: int = 0, progress: Progress = False):
         self._core = core
         self._threads = threads
         self._progress = progress
 
     @cached_property
-    def _fans(self) -> Tuple[np.ndarray, np.ndarray]:
+    def _fans(self) -> Tuple[Array, Array]:
         triangles, polygon = self._core.fans()
         return np.asarray(triangles), np.asarray(polygon)
 
     @property
-    def faces(self) -> np.ndarray:
+    def faces(self) -> Array:
         return self._fans[0]
 
     @property
-    def face_polygon(self) -> np.ndarray:
+    def face_polygon(self) -> Array:
         return self._fans[1]
 
     @property
@@ -103,7 +106,7 @@ class MedialAxis(Complex):
         """The "values" or "levels" of a measure, or an Error that says where there are some."""
         if not self.measures:
             raise error(2, f'a medial axis from a file has no {what} of {name} here; they are arrays of the file')
-        cells = getattr(self.measures[name], what) if name in self.measures else None
+        cells: Optional[Cells] = getattr(self.measures[name], what) if name in self.measures else None
         if cells is None:
             argument = _ARGUMENTS[name]
             raise error(2, f'the medial axis is not pruned by {name}, so that there are no {what} of it; '
@@ -111,43 +114,43 @@ class MedialAxis(Complex):
         return cells
 
     @cached_property
-    def face_detail_level(self) -> np.ndarray:
+    def face_detail_level(self) -> Array:
         return self._cells('detail', 'levels').polygons[self.face_polygon]
 
     @property
-    def edge_detail_level(self) -> np.ndarray:
+    def edge_detail_level(self) -> Array:
         return self._cells('detail', 'levels').edges
 
     @property
-    def vertex_detail_level(self) -> np.ndarray:
+    def vertex_detail_level(self) -> Array:
         return self._cells('detail', 'levels').vertices
 
     @cached_property
-    def face_lambda_level(self) -> np.ndarray:
+    def face_lambda_level(self) -> Array:
         return self._cells('lambda', 'levels').polygons[self.face_polygon]
 
     @property
-    def edge_lambda_level(self) -> np.ndarray:
+    def edge_lambda_level(self) -> Array:
         return self._cells('lambda', 'levels').edges
 
     @property
-    def vertex_lambda_level(self) -> np.ndarray:
+    def vertex_lambda_level(self) -> Array:
         return self._cells('lambda', 'levels').vertices
 
     @cached_property
-    def face_lambda(self) -> np.ndarray:
+    def face_lambda(self) -> Array:
         return self._cells('lambda', 'values').polygons[self.face_polygon]
 
     @property
-    def edge_lambda(self) -> np.ndarray:
+    def edge_lambda(self) -> Array:
         return self._cells('lambda', 'values').edges
 
     @property
-    def vertex_lambda(self) -> np.ndarray:
+    def vertex_lambda(self) -> Array:
         return self._cells('lambda', 'values').vertices
 
     @property
-    def lambda_level(self) -> np.ndarray:
+    def lambda_level(self) -> Array:
         """Deprecated: `face_lambda_level`."""
         deprecated('lambda_level', 'face_lambda_level')
         return self.face_lambda_level
@@ -178,8 +181,7 @@ class MedialAxis(Complex):
 
     @property
     def topology(self) -> Topology:
-        euler, betti = self._core.topology
-        return Topology(euler, tuple(betti))
+        return topology_of(self._core)
 
     def pruned(self, threshold: Optional[Length] = None, *, detail: Optional[Length] = None,
                lambda_: Optional[Length] = None, threads: Optional[int] = None,
@@ -210,7 +212,7 @@ class MedialAxis(Complex):
             return MedialAxis(self._core.pruned(length(given[0], own), *call), self._threads, self._progress)
 
     def erosion_thickness(self, omega: Optional[Length] = None, *, threads: Optional[int] = None,
-                          progress: Optional[Progress] = None) -> np.ndarray:
+                          progress: Optional[Progress] = None) -> Array:
         """How much longer each vertex burns than its ball says: large in the middle of plates, 0 at rims.
 
         Parameters
@@ -237,7 +239,7 @@ class MedialAxis(Complex):
         return np.asarray(self._burn(omega, threads, progress)[1])
 
     def burn_time(self, omega: Optional[Length] = None, *, threads: Optional[int] = None,
-                  progress: Optional[Progress] = None) -> np.ndarray:
+                  progress: Optional[Progress] = None) -> Array:
         """When the fire that starts at the rims comes to each vertex: erosion thickness + radius, (V,) float64."""
         return np.asarray(self._burn(omega, threads, progress)[0])
 
@@ -307,7 +309,7 @@ class MedialAxis(Complex):
         self._core.forget()
 
     def reconstruct(self, shape: Optional[Sequence[int]] = None, *, threads: Optional[int] = None,
-                    progress: Optional[Progress] = None) -> np.ndarray:
+                    progress: Optional[Progress] = None) -> Array:
         """The union of the balls as a bool image: voxels (of images pixels) whose centres are in one.
 
         Parameters
@@ -463,9 +465,9 @@ class MedialAxis(Complex):
             if ending(path) == '.geojson':
                 self.to_geojson(path)
             elif ending(path) in ('.html', '.png'):
-                _core.page_of_axis(self._core, None, file_name(path), *call)
+                _core.page_of_axis(self._core, None, written(path), None, *call)
             else:
-                self._core.save(file_name(path), quality, *call)
+                self._core.save(written(path), quality, *call)
 
     def plot(self, ax: Any = None, **options: Any) -> Any:
         """Draws the faces with matplotlib, coloured by erosion thickness; returns the axes.

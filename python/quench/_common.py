@@ -9,27 +9,56 @@ import os
 import sys
 import warnings
 from contextlib import contextmanager
-from typing import Any, Callable, Iterator, NamedTuple, Optional, Sequence, Tuple, Type, Union
+from types import FrameType
+from typing import TYPE_CHECKING, Any, Callable, Iterable, Iterator, NamedTuple, Optional, Sequence, Tuple, Type, Union
 
 import numpy as np
 
 from . import _core
-from ._core import Error, UsageError
+from ._core import Error as Error, UsageError as UsageError
 
 Error.code = 1  # of errors raised without one
 Error.argument = None
+if TYPE_CHECKING:
+    Array = np.ndarray[Any, np.dtype[Any]]
+else:
+    Array = np.ndarray
 Length = Union[float, str]  # 0.02 and "2%" of the longest side, "2.5vox", "3.5abs", "inf"
 Path = Union[str, 'os.PathLike[str]']
 Spacing = Union[float, Sequence[float], None]  # in the order of the axes of an array: x, y, z, or of an image y, x
 Progress = Union[bool, Callable[[str, float], Any], None]
 
 
-def error(code: int, sentence: str, argument: Optional[str] = None) -> Error:
+class ArgumentTypeError(UsageError, TypeError):
+    """An argument of a wrong type: a :class:`UsageError`, so that it is a ``ValueError`` too, and a ``TypeError``."""
+
+
+class MissingFileError(Error, FileNotFoundError):
+    """A file or folder that is not there: an :class:`Error` of code 1, and a ``FileNotFoundError``."""
+
+    def __str__(self) -> str:
+        return str(self.args[0]) if self.args else ''
+
+
+ArgumentTypeError.__module__ = MissingFileError.__module__ = 'quench'  # where people find them
+
+
+def error(code: int, sentence: str, argument: Optional[str] = None, kind: Optional[Type[Error]] = None) -> Error:
     """An Error to raise: code 2 is an invalid argument (a UsageError), 3 an input that cannot be used."""
-    result = (UsageError if code == 2 else Error)(sentence)
+    result = (kind or (UsageError if code == 2 else Error))(sentence)
     result.code = code
     result.argument = argument
     return result
+
+
+def wrong_type(sentence: str, argument: str) -> Error:
+    """An Error to raise for an argument that is not of a type that makes sense."""
+    return error(2, sentence, argument, ArgumentTypeError)
+
+
+def must_exist(path: Path) -> None:
+    if not os.path.exists(path):
+        raise error(1, f"'{os.fsdecode(path)}' does not exist", None, MissingFileError)
 
 
 def deprecated(old: str, new: str) -> None:
@@ -39,7 +68,8 @@ def deprecated(old: str, new: str) -> None:
 
 def warn(sentence: str, category: Type[Warning] = UserWarning) -> None:
     """A warning of the line outside this package that led to it."""
-    level, frame = 1, sys._getframe(1)
+    level = 1
+    frame: Optional[FrameType] = sys._getframe(1)
     while frame is not None and frame.f_globals.get('__name__', '').startswith('quench.'):
         level, frame = level + 1, frame.f_back
     warnings.warn(sentence, category, stacklevel=level + 1)
@@ -59,6 +89,11 @@ class Topology(NamedTuple):
     betti: Tuple[int, int, int]
 
 
+def topology_of(core: Any) -> Topology:
+    euler, (components, loops, cavities) = core.topology
+    return Topology(euler, (components, loops, cavities))
+
+
 class Certificate:
     """What ``verify()`` found. True when every check passed.
 
@@ -68,7 +103,7 @@ class Certificate:
         `detail` has figures, or the first counterexample.
     """
 
-    def __init__(self, checks):
+    def __init__(self, checks: Iterable[Tuple[str, bool, str]]):
         self.checks = [(str(name), bool(passed), str(detail)) for name, passed, detail in checks]
 
     def __bool__(self) -> bool:
@@ -85,8 +120,8 @@ def length(value: Length, argument: str) -> str:
     elif isinstance(value, numbers.Real) and not isinstance(value, (bool, np.bool_)):
         text = 'inf' if math.isinf(value) and value > 0 else repr(float(value))
     else:
-        raise error(2, f'{argument}={value!r} is not a length; give a fraction of the longest side (0.02 or "2%"), "2.5vox", '
-                       '"3.5abs" or "inf"', argument)
+        raise wrong_type(f'{argument}={value!r} is not a length; give a fraction of the longest side (0.02 or "2%"), '
+                         '"2.5vox", "3.5abs" or "inf"', argument)
     _core.check_length(text, argument.rstrip('_'))
     return text
 
@@ -105,7 +140,7 @@ def pruning_of(detail: Length, lambda_: Optional[Length]) -> Tuple[str, str]:
     return 'lambda', length_or_auto(lambda_, 'lambda_')
 
 
-def reals(value: Any, what: str) -> np.ndarray:
+def reals(value: Any, what: str) -> Array:
     """An array of real numbers as doubles, or an Error: numpy would drop imaginary parts and read numbers in texts."""
     try:
         array = np.asarray(value)
@@ -126,8 +161,8 @@ def spacing_of(spacing: Spacing, dimension: Optional[int] = None) -> Optional[Tu
     if spacing is None:
         return None
     try:
-        values = reals(spacing, 'sizes')
-        values = np.broadcast_to(values, dimension or 3) if values.ndim == 0 else values
+        given = reals(spacing, 'sizes')
+        values = np.broadcast_to(given, dimension or 3) if given.ndim == 0 else given
     except Error:
         values = np.zeros(0)
     if values.ndim != 1 or len(values) not in ((dimension,) if dimension else (2, 3)) or \
@@ -135,7 +170,7 @@ def spacing_of(spacing: Spacing, dimension: Optional[int] = None) -> Optional[Tu
         raise error(2, f'spacing={spacing!r} is neither a voxel size nor a pixel size; give one positive number, or one per '
                        'axis of the array: three, or two of an image, (y, x)', 'spacing')
     if len(values) == 2:
-        values = [values[1], values[0], 0]  # as the library has two numbers
+        return (float(values[1]), float(values[0]), 0.0)  # as the library has two numbers
     return (float(values[0]), float(values[1]), float(values[2]))
 
 
@@ -146,7 +181,8 @@ def whole(value: Any, argument: str, least: int = 0) -> int:
         if number != value:
             raise ValueError
     except (TypeError, ValueError, OverflowError):
-        raise error(2, f'{argument}={value!r} is not a whole number', argument) from None
+        kind = None if isinstance(value, numbers.Real) else ArgumentTypeError
+        raise error(2, f'{argument}={value!r} is not a whole number', argument, kind) from None
     if number < least:
         raise error(2, f'{argument}={value!r} is less than {least}', argument)
     return number
@@ -160,6 +196,12 @@ def file_name(path: Path) -> bytes:
     return os.fsencode(path)
 
 
+def written(path: Path) -> bytes:
+    """The name of a file to write; an Error where its folder is missing."""
+    must_exist(os.path.dirname(os.fspath(path)) or os.curdir)
+    return os.fsencode(path)
+
+
 def ending(path: Path) -> str:
     return os.path.splitext(os.fsdecode(path))[1].lower()
 
@@ -167,7 +209,7 @@ def ending(path: Path) -> str:
 class _Lines:
     """Progress without tqdm: a line per stage that takes a second or more."""
 
-    def __init__(self):
+    def __init__(self) -> None:
         self.stage: Optional[str] = None
 
     def __call__(self, stage: str, fraction: float) -> None:
@@ -182,7 +224,7 @@ class _Lines:
 class _Bar:
     """A bar of tqdm that starts anew with every stage."""
 
-    def __init__(self, tqdm):
+    def __init__(self, tqdm: Any):
         self.bar = tqdm(total=1.0, leave=False, bar_format='{desc:<12} {percentage:3.0f}%|{bar}| {elapsed}')
 
     def __call__(self, stage: str, fraction: float) -> None:
@@ -203,8 +245,7 @@ def listening(progress: Progress) -> Iterator[Optional[Callable[[str, float], An
         yield progress
     else:
         try:
-            from tqdm import tqdm
-            shown: Any = _Bar(tqdm)
+            shown: Any = _Bar(importlib.import_module('tqdm').tqdm)
         except ImportError:
             shown = _Lines()
         try:

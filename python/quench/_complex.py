@@ -8,13 +8,14 @@ from typing import Any, ContextManager, Optional, Tuple
 import numpy as np
 
 from . import _export, _plane
-from ._common import Progress, calling, error
+from ._common import Array, Progress, calling, error
+from ._pickles import Result
 
 
-class Complex:
+class Complex(Result):
     """Vertices with radii, edges and polygons: views of what the library holds. Of an image there are no polygons."""
 
-    _core: Any
+    _core: Any  # Axis or Skeleton
     _threads: int = 0
     _progress: Progress = False
 
@@ -29,14 +30,19 @@ class Complex:
     @property
     def dimension(self) -> int:
         """2 of an image, else 3: the number of coordinates of a vertex."""
-        return self._core.dimension
+        return int(self._core.dimension)
+
+    @property
+    def units(self) -> str:
+        """Of lengths, where they are known."""
+        return str(self._core.units)
 
     @cached_property
-    def vertices(self) -> np.ndarray:
+    def vertices(self) -> Array:
         return np.asarray(self._core.vertices)[:, :self.dimension]
 
     @cached_property
-    def row_col(self) -> np.ndarray:
+    def row_col(self) -> Array:
         """(V, 2) float64: of an image, row and column of each vertex, whole numbers at centres of pixels."""
         self._of_image('row_col', 'vertices / spacing')
         return np.asarray(self._core.rows_and_columns())
@@ -54,17 +60,17 @@ class Complex:
         return _plane.image(self, _export.mask(voxel_shape, shape, 2), return_distance, branch)
 
     @cached_property
-    def radius(self) -> np.ndarray:
+    def radius(self) -> Array:
         return np.asarray(self._core.radius)
 
     @cached_property
-    def edges(self) -> np.ndarray:
+    def edges(self) -> Array:
         return np.asarray(self._core.edges)
 
     @cached_property
-    def edge_degree(self) -> np.ndarray:
+    def edge_degree(self) -> Array:
         return np.bincount(np.asarray(self._core.polygon_edges), minlength=len(self.edges))
 
     @cached_property
-    def polygons(self) -> Tuple[np.ndarray, np.ndarray]:
+    def polygons(self) -> Tuple[Array, Array]:
         return np.asarray(self._core.polygon_offsets), np.asarray(self._core.polygon_corners)

@@ -2,14 +2,14 @@
 """Results in the hands of other packages: plots, meshes. None of them is needed to import quench."""
 from __future__ import annotations
 
-from typing import Any, Dict, Optional, Sequence
+from typing import Any, Dict, Optional, Sequence, Tuple
 
 import numpy as np
 
-from ._common import error, need, whole
+from ._common import Array, error, need, whole
 
 
-def mask(voxel_shape: Any, wanted: Optional[Sequence[int]], dimension: int) -> np.ndarray:
+def mask(voxel_shape: Any, wanted: Optional[Sequence[int]], dimension: int) -> Array:
     """An empty image for a result: of the shape that is wanted, else of the image it is of."""
     if wanted is None:
         if voxel_shape is None:
@@ -21,12 +21,12 @@ def mask(voxel_shape: Any, wanted: Optional[Sequence[int]], dimension: int) -> n
     return np.zeros(sides, dtype=bool)
 
 
-def to_trimesh(vertices: np.ndarray, faces: np.ndarray) -> Any:
+def to_trimesh(vertices: Array, faces: Array) -> Any:
     return need('trimesh', 'to_trimesh()').Trimesh(vertices.copy(), faces.astype(np.int64), process=False)
 
 
-def to_pyvista(vertices: np.ndarray, faces: np.ndarray, edges: np.ndarray, arrays: Dict[str, np.ndarray]) -> Any:
-    def padded(rows: np.ndarray) -> np.ndarray:
+def to_pyvista(vertices: Array, faces: Array, edges: Array, arrays: Dict[str, Array]) -> Any:
+    def padded(rows: Array) -> Array:
         return np.insert(rows.astype(np.int64), 0, rows.shape[1], axis=1).ravel()
 
     pyvista = need('pyvista', 'to_pyvista()')
@@ -38,7 +38,7 @@ def to_pyvista(vertices: np.ndarray, faces: np.ndarray, edges: np.ndarray, array
     return data
 
 
-def _parts(result: Any):
+def _parts(result: Any) -> Tuple[Array, Array, str, Array, Array, Array]:
     """Triangles with a value each, segments with a value each, single points."""
     if hasattr(result, 'sheets'):
         sheets, curves = result.sheets, result.curves
@@ -56,9 +56,8 @@ def _parts(result: Any):
 def plot(result: Any, ax: Any = None, *, cmap: str = 'viridis', linewidth: float = 1.5, view: Sequence[float] = (25, -55),
          colorbar: bool = True) -> Any:
     """See MedialAxis.plot and Skeleton.plot. `view`: elevation and azimuth in degrees."""
-    need('matplotlib', 'plot()')
-    from matplotlib import cm, colormaps, colors, pyplot
-    from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
+    matplotlib, cm, colors, pyplot = (need('matplotlib' + name, 'plot()') for name in ('', '.cm', '.colors', '.pyplot'))
+    art = need('mpl_toolkits.mplot3d.art3d', 'plot()')
     triangles, value, name, segments, thick, alone = _parts(result)
     if ax is None:
         ax = pyplot.figure(figsize=(7, 6)).add_subplot(projection='3d', computed_zorder=True)
@@ -69,14 +68,14 @@ def plot(result: Any, ax: Any = None, *, cmap: str = 'viridis', linewidth: float
         normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
         shade = 0.55 + 0.45 * np.abs(normal @ (np.array([0.3, -0.5, 0.8]) / np.sqrt(0.98)))[:, None]
         norm = colors.Normalize(0, finite.max() if len(finite) and finite.max() > 0 else 1, clip=True)
-        paint = colormaps[cmap](norm(np.where(np.isfinite(value), value, 0)))
+        paint = matplotlib.colormaps[cmap](norm(np.where(np.isfinite(value), value, 0)))
         paint[~np.isfinite(value)] = (0.6, 0.6, 0.6, 1)  # closed pockets never burn
         paint[:, :3] *= shade
-        ax.add_collection3d(Poly3DCollection(triangles, facecolors=paint, edgecolors=paint, linewidths=0.2))
+        ax.add_collection3d(art.Poly3DCollection(triangles, facecolors=paint, edgecolors=paint, linewidths=0.2))
         if colorbar and len(finite):
             ax.figure.colorbar(cm.ScalarMappable(norm, cmap), ax=ax, label=name, shrink=0.6)
     if len(segments):
-        lines = Line3DCollection(segments, linewidths=linewidth, capstyle='round')
+        lines = art.Line3DCollection(segments, linewidths=linewidth, capstyle='round')
         if len(finite):
             lines.set_color('crimson')
         else:

@@ -5,12 +5,13 @@ from __future__ import annotations
 import numbers
 import os
 from dataclasses import dataclass, field
-from typing import Any, Dict, List, Optional, Tuple, Union
+from typing import Any, Dict, List, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
 from . import _core
-from ._common import Error, Path, Progress, Spacing, calling, error, file_name, is_path, reals, spacing_of, whole
+from ._common import (ArgumentTypeError, Array, Error, Path, Progress, Spacing, calling, error, file_name, is_path,
+                      must_exist, reals, spacing_of, whole, wrong_type)
 
 
 @dataclass
@@ -29,14 +30,32 @@ class Mesh:
         ``to`` (places on their centre lines) and ``on_purpose``.
     """
 
-    vertices: np.ndarray
-    faces: np.ndarray
+    vertices: Array
+    faces: Array
     branches: List[Dict[str, Any]] = field(default_factory=list, repr=False)
     touching: List[Dict[str, Any]] = field(default_factory=list, repr=False)
 
 
 class Volume:
-    """A volume, or an image of two dimensions, with its place in the world, as read from a file.
+    """A volume, or an image of two dimensions, with its place in the world; :func:`read` makes one of a file.
+
+    It is accepted wherever an image is, and results have its place and units.
+
+    Parameters
+    ----------
+    array : (X, Y, Z) array, or (rows, columns)
+        Not copied, except float16 and foreign byte order.
+    spacing : float or a float per axis, optional
+        Size of a voxel (x, y, z) or pixel (y, x), in the order of the axes of the array. Default: 1.
+    origin : three floats (x, y, z), or two (x, y), optional
+        The place of the centre of the first voxel or pixel. Default: 0.
+    direction : (3, 3) or (2, 2) array, optional
+        Its columns are where the axes of the array point: perpendicular unit vectors. Default: x, y and z; of an image
+        (y, x).
+    units : str
+        Of places, such as "mm"; tables and files say it.
+    space : str
+        "LPS" where x, y, z grow to the left, back and head of a body.
 
     Attributes
     ----------
@@ -49,20 +68,64 @@ class Volume:
         The place x, y, z or x, y of the centre of the first one.
     direction : (3, 3) or (2, 2) array
         Where the axes point: place = origin + direction @ (spacing * index).
-    units : str
+    units, space : str
         Of places, where the file says so.
+
+    Raises
+    ------
+    UsageError
+        For numbers that are no place of a grid: sizes of 0, axes that are not perpendicular.
+
+    Examples
+    --------
+    >>> import numpy as np, quench
+    >>> scan = np.zeros((30, 20, 20), np.int16)
+    >>> scan[3:-3, 3:-3, 3:-3] = 700
+    >>> volume = quench.Volume(scan, spacing=(0.5, 0.5, 2), origin=(100, 0, -50), units='mm')
+    >>> quench.medial_axis(volume, threshold=300).vertices.min(axis=0) > (101, 1, -46)
+    array([ True,  True,  True])
     """
 
-    def __init__(self, image: '_core.Image'):
-        self._image = image
-        self.array = np.asarray(image)
-        axes = [1, 0] if image.dimension == 2 else [0, 1, 2]  # x, y, z of each axis of the array
-        self.spacing = np.array(image.spacing)[axes]
-        self.origin = np.array(image.origin)[:len(axes)]
-        self.direction = np.array(image.direction)[:len(axes), axes]
-        self.units: str = image.units
+    def __init__(self, array: Any, spacing: Spacing = None, origin: Optional[Sequence[float]] = None,
+                 direction: Any = None, *, units: str = '', space: str = ''):
+        self.array: Array = image_array(array, array.array.ndim if isinstance(array, Volume) else None)
+        self._place = _place(self.array.ndim, spacing, origin, direction, units, space)
 
-    def __array__(self, dtype=None, copy=None):
+    @property
+    def _axes(self) -> List[int]:
+        """x, y or z of each axis of the array."""
+        return [1, 0] if self.array.ndim == 2 else [0, 1, 2]
+
+    @property
+    def spacing(self) -> Array:
+        return np.array(self._place.spacing)[self._axes]
+
+    @property
+    def origin(self) -> Array:
+        return np.array(self._place.origin)[:self.array.ndim]
+
+    @property
+    def direction(self) -> Array:
+        return np.array(self._place.direction)[:self.array.ndim, self._axes]
+
+    @property
+    def units(self) -> str:
+        return self._place.units
+
+    @property
+    def space(self) -> str:
+        return self._place.space
+
+    def __getstate__(self) -> Dict[str, Any]:
+        place = self._place
+        return {'array': self.array, 'place': (place.dimension, place.spacing, place.origin, place.direction, place.units,
+                                               place.space, place.y_down)}
+
+    def __setstate__(self, state: Dict[str, Any]) -> None:
+        self.array = state['array']
+        self._place = _core.Place(*state['place'])
+
+    def __array__(self, dtype: Any = None, copy: Optional[bool] = None) -> Array:
         if dtype is not None and np.dtype(dtype) != self.array.dtype:
             return self.array.astype(dtype)
         return self.array.copy() if copy else self.array
@@ -72,12 +135,52 @@ class Volume:
         return self.array.shape
 
     @property
-    def dtype(self) -> np.dtype:
+    def dtype(self) -> Any:
         return self.array.dtype
 
     def __repr__(self) -> str:
         kind = 'Image' if self.array.ndim == 2 else 'Volume'
         return f'{kind} of {self.array.shape} {self.array.dtype}, spacing {tuple(self.spacing)}'
+
+
+SPACES = ('', 'LPS', 'scanner-xyz', '3D-right-handed', '3D-left-handed')
+
+
+def volume_of(image: '_core.Image') -> Volume:
+    """What the core has read or made."""
+    volume = Volume.__new__(Volume)
+    volume.array = np.asarray(image)
+    volume._place = image.place
+    return volume
+
+
+def _numbers(value: Any, shape: Tuple[int, ...], argument: str, what: str) -> Array:
+    try:
+        values = reals(value, 'numbers')
+    except Error:
+        values = np.zeros(0)
+    if values.shape != shape or not np.isfinite(values).all():
+        raise error(2, f'{argument}={value!r} is not {what}', argument)
+    return values
+
+
+def _place(dimension: int, spacing: Spacing, origin: Any, direction: Any, units: str, space: str) -> '_core.Place':
+    """Where an array lies in the world, as the core takes it."""
+    if space not in SPACES:
+        raise error(2, f'space={space!r} is not one of {", ".join(map(repr, SPACES[1:]))}', 'space')
+    size = spacing_of(spacing, dimension) or (1.0, 1.0, 1.0)
+    at, axes = np.zeros(3), np.eye(3)
+    if origin is not None:
+        at[:dimension] = _numbers(origin, (dimension,), 'origin', f'a place of {dimension} numbers')
+    if direction is not None:
+        given = _numbers(direction, (dimension, dimension), 'direction', f'a {dimension} x {dimension} matrix')
+        if np.abs(given.T @ given - np.eye(dimension)).max() > 1e-4:
+            raise error(2, f'direction={direction!r} has columns that are not perpendicular unit vectors; resample a sheared '
+                           'image, and give sizes of voxels as spacing', 'direction')
+        left, _, right = np.linalg.svd(given)
+        nearest = given if np.abs(given.T @ given - np.eye(dimension)).max() <= 1e-15 else left @ right
+        axes[:dimension, :dimension] = nearest[:, ::-1] if dimension == 2 else nearest
+    return _core.Place(dimension, size, tuple(at), [tuple(row) for row in axes], str(units), space, dimension == 2)
 
 
 CHANNELS = ('luminance', 'alpha', 'red', 'green', 'blue')
@@ -90,7 +193,7 @@ def check_reading(dimension: Optional[int], channel: Optional[str]) -> None:
         raise error(2, f'channel={channel!r} is not one of {", ".join(map(repr, CHANNELS))}', 'channel')
 
 
-def _channel(array: np.ndarray, channel: str) -> np.ndarray:
+def _channel(array: Array, channel: str) -> Array:
     """One value per pixel of an image with colours, as files of images are read: luminance is that of ITU-R BT.601, on a
     white ground where pixels are transparent."""
     if array.ndim != 3 or array.shape[2] not in (3, 4):
@@ -99,19 +202,24 @@ def _channel(array: np.ndarray, channel: str) -> np.ndarray:
     if channel == 'alpha' and array.shape[2] == 3:
         raise error(2, "channel='alpha' is not in an image of three channels; take its luminance or a colour", 'channel')
     if channel != 'luminance':
-        return array[:, :, ('red', 'green', 'blue', 'alpha').index(channel)]
+        chosen: Array = array[:, :, ('red', 'green', 'blue', 'alpha').index(channel)]
+        return chosen
     if array.dtype.kind == 'f':
-        light, white = array[:, :, :3] @ np.array([0.299, 0.587, 0.114]), 1
-        return light if array.shape[2] == 3 else light * array[:, :, 3] + white * (white - array[:, :, 3])
+        shade: Array = array[:, :, :3] @ np.array([0.299, 0.587, 0.114])
+        if array.shape[2] == 3:
+            return shade
+        mixed: Array = shade * array[:, :, 3] + (1 - array[:, :, 3])
+        return mixed
     if array.dtype not in (np.uint8, np.uint16):
         raise error(2, f"channel='luminance' is of images of uint8, uint16 or floats; this one is {array.dtype}", 'channel')
     colours = array.astype(np.int64)
     light, white = (colours[:, :, :3] @ np.array([19595, 38470, 7471]) + 2**15) >> 16, np.iinfo(array.dtype).max
-    alpha = colours[:, :, 3] if array.shape[2] == 4 else white
-    return ((2 * (light * alpha + white * (white - alpha)) + white) // (2 * white)).astype(array.dtype)
+    alpha: Any = colours[:, :, 3] if array.shape[2] == 4 else white
+    mixed = (2 * (light * alpha + white * (white - alpha)) + white) // (2 * white)
+    return mixed.astype(array.dtype)
 
 
-def _of_dimension(array: np.ndarray, dimension: Optional[int], channel: Optional[str]) -> np.ndarray:
+def _of_dimension(array: Array, dimension: Optional[int], channel: Optional[str]) -> Array:
     """Of two or three axes: an image or a volume, where there is no doubt which."""
     if channel is not None:
         if dimension == 3:
@@ -136,7 +244,7 @@ def _of_dimension(array: np.ndarray, dimension: Optional[int], channel: Optional
     return array
 
 
-def image_array(value: Any, dimension: Optional[int] = None, channel: Optional[str] = None) -> np.ndarray:
+def image_array(value: Any, dimension: Optional[int] = None, channel: Optional[str] = None) -> Array:
     """An array of two or three axes the core can look at where it lies; copied only where its type makes that necessary."""
     if isinstance(value, np.ma.MaskedArray):
         raise error(3, 'the image is a masked array; say what masked voxels or pixels are, e.g. with image.filled(0)')
@@ -144,6 +252,9 @@ def image_array(value: Any, dimension: Optional[int] = None, channel: Optional[s
         array = np.asarray(value)
     except Exception as reason:
         raise error(3, f'{type(value).__name__} is not an image: {reason}') from reason
+    if array.ndim == 0 and array.dtype.kind == 'O':
+        raise wrong_type(f'{type(value).__name__} has no dimensions of an image; give an array, a mesh or the path of a file',
+                         'image')
     array = _of_dimension(array, dimension, channel)
     if array.ndim not in (2, 3):
         raise error(3, f'the image has {array.ndim} dimensions; an image of a shape has 2 or 3')
@@ -158,7 +269,7 @@ def image_array(value: Any, dimension: Optional[int] = None, channel: Optional[s
     return array
 
 
-def mesh_arrays(vertices: Any, faces: Any) -> Tuple[np.ndarray, np.ndarray]:
+def mesh_arrays(vertices: Any, faces: Any) -> Tuple[Array, Array]:
     """Vertices as (V, 3) doubles, faces as (F, 3) int64; polygons become triangle fans."""
     points = reals(vertices, 'the vertices of the mesh')
     try:
@@ -184,7 +295,7 @@ def mesh_arrays(vertices: Any, faces: Any) -> Tuple[np.ndarray, np.ndarray]:
     return points, corners
 
 
-def _padded(flat: np.ndarray) -> np.ndarray:
+def _padded(flat: Array) -> Array:
     triangles: List[Tuple[int, int, int]] = []
     at = 0
     while at < len(flat):
@@ -215,8 +326,9 @@ def _threshold(value: Any) -> Union[int, float]:
                 raise error(2, f'threshold={value} does not fit into 64 bits', 'threshold')
             return int(value)
         return float(value)
-    except (TypeError, ValueError, OverflowError):
-        raise error(2, f'threshold={value!r} is not a number', 'threshold') from None
+    except (TypeError, ValueError, OverflowError) as reason:
+        kind = ArgumentTypeError if isinstance(reason, TypeError) else None
+        raise error(2, f'threshold={value!r} is not a number', 'threshold', kind) from None
 
 
 def _thresholds(value: Any) -> Tuple[Optional[Union[int, float]], Optional[Union[int, float]]]:
@@ -235,7 +347,9 @@ def _width(value: Any) -> float:
         width = float(value)
         if width >= 0:
             return width
-    except (TypeError, ValueError, OverflowError):
+    except TypeError:
+        raise wrong_type(f'blur={value!r} is not a number from 0 on', 'blur') from None
+    except (ValueError, OverflowError):
         pass
     raise error(2, f'blur={value!r} is not a number from 0 on', 'blur')
 
@@ -335,11 +449,11 @@ def shape_of(source: Any, cut: Cut, threads: int, progress: Progress) -> '_core.
 
 def _shape(source: Any, cut: Cut, call: Tuple[Any, int]) -> '_core.Shape':
     if isinstance(source, Volume):
-        return _core.shape_of_image(source._image, cut.options(source.array.ndim), *call)
+        return _core.shape_of_array(source.array, source._place, cut.options(source.array.ndim), *call)
     mesh = as_mesh(source)
     if mesh is None:
         array = image_array(source, cut.dimension, cut.channel)
-        return _core.shape_of_array(array, cut.options(array.ndim), *call)
+        return _core.shape_of_array(array, None, cut.options(array.ndim), *call)
     if cut.for_images():
         raise error(2, 'threshold, label, invert, interpolate, median, blur, close, connectivity, spacing, dimension and '
                        'channel are for images; this is a mesh')
@@ -352,10 +466,11 @@ def read_file(path: Path, spacing: Spacing, radii: Optional[Path], call: Tuple[A
     check_reading(dimension, channel)
     named = os.fsdecode(path)
     kind = _core.kind_of(file_name(path))
-    if not os.path.exists(path):
-        raise error(1, f"'{named}' does not exist")
+    must_exist(path)
+    if radii is not None:
+        must_exist(radii)
     if kind == 'volume':
-        volume = Volume(_core.read_image(file_name(path), spacing_of(spacing), dimension, channel or '', *call))
+        volume = volume_of(_core.read_image(file_name(path), spacing_of(spacing), dimension, channel or '', *call))
         spacing_of(spacing, volume.array.ndim)
         return volume
     if kind != 'surface':
@@ -441,5 +556,5 @@ def voxelize(mesh: Any, *, resolution: Union[int, str] = 256, fill: str = 'nonze
     >>> quench.voxelize(quench.sample('torus'), resolution=20).array.max()
     1
     """
-    return Volume(shape_of(mesh, Cut(resolution=resolution, fill=fill, topology=topology, surface='voxels'), threads,
+    return volume_of(shape_of(mesh, Cut(resolution=resolution, fill=fill, topology=topology, surface='voxels'), threads,
                            progress).image())

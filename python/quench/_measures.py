@@ -7,13 +7,14 @@ from typing import Iterator, Mapping, NamedTuple, Optional
 import numpy as np
 
 from . import _core
+from ._common import Array
 
 
 class Cells(NamedTuple):
     """One value per cell, by dimension."""
-    vertices: np.ndarray
-    edges: np.ndarray
-    polygons: np.ndarray
+    vertices: Array
+    edges: Array
+    polygons: Array
 
 
 class Measure(NamedTuple):

@@ -8,22 +8,23 @@ from typing import Any, Dict, List, NamedTuple, Optional
 import numpy as np
 
 from . import _core, _export
-from ._common import Path, ending, file_name
+from ._common import Array, Path, ending, written
+from ._pickles import Result
 
 Table = Dict[str, Any]
 
 
 class SheetMesh(NamedTuple):
     """A sheet by itself, cut off along its seams: a manifold with boundary."""
-    vertices: np.ndarray
+    vertices: Array
     """(V, 3) float64"""
-    faces: np.ndarray
+    faces: Array
     """(F, 3) int32: triangles, of an orientable sheet all one way round."""
-    thickness: np.ndarray
+    thickness: Array
     """(V,): 2 r, as in the table of sheets."""
-    radius: np.ndarray
-    erosion_thickness: Optional[np.ndarray]
-    point: np.ndarray
+    radius: Array
+    erosion_thickness: Optional[Array]
+    point: Array
     """(V,): the row of :attr:`Parts.vertices` that each vertex is; sheets that meet have rows in common."""
 
     def to_trimesh(self) -> Any:
@@ -35,7 +36,7 @@ class SheetMesh(NamedTuple):
         return _export.to_pyvista(self.vertices, self.faces, np.zeros((0, 2), np.int32), {'thickness': self.thickness})
 
 
-class Parts:
+class Parts(Result):
     """The sheets of a skeleton, the seams along which they meet, and the junctions of these; made by
     :meth:`Skeleton.parts`.
 
@@ -94,49 +95,49 @@ class Parts:
         return self._core.units
 
     @cached_property
-    def vertices(self) -> np.ndarray:
+    def vertices(self) -> Array:
         return np.asarray(self._core.vertices)
 
     @cached_property
-    def radius(self) -> np.ndarray:
+    def radius(self) -> Array:
         return np.asarray(self._core.radius)
 
     @cached_property
-    def erosion_thickness(self) -> np.ndarray:
+    def erosion_thickness(self) -> Array:
         return np.asarray(self._core.erosion_thickness)
 
     @cached_property
-    def thickness(self) -> np.ndarray:
+    def thickness(self) -> Array:
         """(V,): 2 r; where the axis is that of the voxels, r is half a voxel more than `radius`."""
         return 2 * (self.radius + self._core.more_radius)
 
     @cached_property
-    def faces(self) -> np.ndarray:
+    def faces(self) -> Array:
         return np.asarray(self._core.faces)
 
     @cached_property
-    def face_sheet(self) -> np.ndarray:
+    def face_sheet(self) -> Array:
         return np.asarray(self._core.face_sheet)
 
     @cached_property
-    def seam_edges(self) -> np.ndarray:
+    def seam_edges(self) -> Array:
         return np.asarray(self._core.seam_edges)
 
     @cached_property
-    def edge_seam(self) -> np.ndarray:
+    def edge_seam(self) -> Array:
         return np.asarray(self._core.edge_seam)
 
     def save(self, path: Path) -> None:
         """Writes all sheets as .vtp, .vtu, .ply, .obj (a group for each) or .stl, or the table of sheets as .csv."""
         if ending(path) == '.csv':
-            self._core.save_table(file_name(path))
+            self._core.save_table(written(path))
         else:
-            self._core.save(file_name(path))
+            self._core.save(written(path))
 
     def to_pyvista(self) -> Any:
         """A ``pyvista.PolyData`` of all sheets and seams with ``thickness``."""
         return _export.to_pyvista(self.vertices, self.faces, self.seam_edges, {'thickness': self.thickness})
 
 
-def _numbers(texts: List[str]) -> List[np.ndarray]:
+def _numbers(texts: List[str]) -> List[Array]:
     return [np.array(text.split(), dtype=np.int64) for text in texts]

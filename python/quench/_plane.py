@@ -8,10 +8,10 @@ from typing import Any, Dict, Optional, Tuple
 import numpy as np
 
 from . import _core
-from ._common import Path, file_name, need
+from ._common import Array, Path, need, written
 
 
-def marks(complex: Any, sides: Tuple[int, ...]) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
+def marks(complex: Any, sides: Tuple[int, ...]) -> Tuple[Array, Array, Array]:
     """The pixels a graph runs through: of points along its edges, no more than a third of a pixel apart, the pixel (an
     index into the flat image), the edge (-1: of a vertex) and the radius. What leaves the image is left out.
 
@@ -34,7 +34,7 @@ def marks(complex: Any, sides: Tuple[int, ...]) -> Tuple[np.ndarray, np.ndarray,
     return np.ravel_multi_index(tuple(pixel[inside].T), sides), edge[inside], radius[inside]
 
 
-def image(complex: Any, mask: np.ndarray, return_distance: bool, branch: Optional[np.ndarray]) -> Any:
+def image(complex: Any, mask: Array, return_distance: bool, branch: Optional[Array]) -> Any:
     """See MedialAxis.to_image and Skeleton.to_image. `branch`: of each edge, where numbers are wanted in place of True."""
     pixel, edge, radius = marks(complex, mask.shape)
     if branch is None:
@@ -80,13 +80,12 @@ def _feature(kind: str, coordinates: Any, properties: Dict[str, Any]) -> Dict[st
 
 def write_json(value: Dict[str, Any], path: Path) -> None:
     """Over an existing file, and never half written."""
-    _core.write_text(file_name(path), json.dumps(value, allow_nan=False))
+    _core.write_text(written(path), json.dumps(value, allow_nan=False))
 
 
 def plot(result: Any, ax: Any, *, cmap: str = 'viridis', linewidth: float = 1.5, colorbar: bool = True) -> Any:
     """See MedialAxis.plot and Skeleton.plot: edges by radius, over an image that `imshow` has drawn into `ax`."""
-    need('matplotlib', 'plot()')
-    from matplotlib import collections, pyplot
+    collections, pyplot = (need('matplotlib.' + name, 'plot()') for name in ('collections', 'pyplot'))
     fresh = ax is None
     if fresh:
         ax = pyplot.figure(figsize=(7, 6)).add_subplot()

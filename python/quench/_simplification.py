@@ -6,12 +6,13 @@ from typing import TYPE_CHECKING, Any, Dict, Optional, Type
 
 from . import _core
 from ._common import Progress, calling, whole
+from ._pickles import Result
 
 if TYPE_CHECKING:
     from ._axis import MedialAxis
 
 
-class Simplification:
+class Simplification(Result):
     """What MedialAxis.simplified() gives: an axis of few vertices, and those of every other number.
 
     Attributes
@@ -27,6 +28,8 @@ class Simplification:
     most, least : int
         Vertices of the axis in the beginning, and the fewest that its topology allows.
     """
+
+    _kept = (*Result._kept, '_kind', 'most', 'least', 'boundary', 'errors', 'axis')
 
     def __init__(self, core: '_core.Simplification', kind: Type['MedialAxis'], threads: int, progress: Progress):
         self._core, self._kind, self._threads, self._progress = core, kind, threads, progress

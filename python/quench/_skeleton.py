@@ -9,17 +9,19 @@ from typing import TYPE_CHECKING, Any, Dict, Iterable, List, Optional, Sequence,
 import numpy as np
 
 from . import _core, _export, _plane
-from ._common import (Certificate, Length, Path, Progress, Spacing, Topology, calling, deprecated, ending, error, file_name,
-                      is_path, length, length_or_auto, pruning_of, spacing_of, whole)
+from ._common import (Array, Certificate, Length, Path, Progress, Spacing, Topology, calling, deprecated, ending, error,
+                      is_path, length, length_or_auto, need, pruning_of, spacing_of, topology_of, whole, written)
 from ._complex import Complex
 from ._inputs import Volume, image_array, label_of, read_file
 from ._parts import Parts
+from ._pickles import Result
 from ._solid import Solid
 
 if TYPE_CHECKING:
     from ._axis import MedialAxis
 
-Table = Dict[str, np.ndarray]
+_Held = _core.Skeleton  # a name that the attribute of the class does not hide
+Table = Dict[str, Array]
 
 
 def theta2_of(theta2: Length, dimension: int) -> str:
@@ -46,10 +48,10 @@ class Sheets:
         What θ2 is compared with.
     """
 
-    vertices: np.ndarray
-    faces: np.ndarray
-    radius: np.ndarray
-    erosion_thickness: np.ndarray
+    vertices: Array
+    faces: Array
+    radius: Array
+    erosion_thickness: Array
 
 
 @dataclass
@@ -68,14 +70,14 @@ class Curves:
         The branch of each edge: the row of it in :meth:`Skeleton.branches`.
     """
 
-    vertices: np.ndarray
-    edges: np.ndarray
-    radius: np.ndarray
-    erosion_thickness: np.ndarray
-    branch: np.ndarray
+    vertices: Array
+    edges: Array
+    radius: Array
+    erosion_thickness: Array
+    branch: Array
 
 
-class Graph:
+class Graph(Result):
     """The curves of a skeleton as nodes and branches, to measure on; made by :meth:`Skeleton.graph`.
 
     Attributes
@@ -113,7 +115,7 @@ class Graph:
                 'from_kind': _kinds(columns.pop('from_kind')), 'to_kind': _kinds(columns.pop('to_kind'))}
         return {**columns, **ends}
 
-    def _xyz(self, points: np.ndarray, prefix: str = '') -> Table:
+    def _xyz(self, points: Array, prefix: str = '') -> Table:
         return {prefix + name: points[:, a] for a, name in enumerate('xyz'[:self._core.dimension])}
 
     @cached_property
@@ -121,24 +123,24 @@ class Graph:
         return self._core.paths()
 
     @cached_property
-    def paths(self) -> List[np.ndarray]:
+    def paths(self) -> List[Array]:
         return [np.asarray(path[0])[:, :self._core.dimension] for path in self._paths]
 
     @cached_property
-    def radii(self) -> List[np.ndarray]:
+    def radii(self) -> List[Array]:
         return [np.asarray(path[1]) for path in self._paths]
 
     @cached_property
-    def erosion_thickness(self) -> List[np.ndarray]:
+    def erosion_thickness(self) -> List[Array]:
         return [np.asarray(path[2]) for path in self._paths]
 
     @cached_property
-    def mgf(self) -> List[np.ndarray]:
+    def mgf(self) -> List[Array]:
         return [np.asarray(path[3]) for path in self._paths]
 
     def to_networkx(self) -> Any:
         """A ``networkx.MultiGraph``: rows of `nodes` and `branches` are the attributes, `path` and `radii` those of edges."""
-        networkx = _export.need('networkx', 'to_networkx()')
+        networkx = need('networkx', 'to_networkx()')
         graph = networkx.MultiGraph()
         for n in range(len(self.nodes['x'])):
             graph.add_node(n, **{name: column[n].item() for name, column in self.nodes.items()})
@@ -156,7 +158,7 @@ class Graph:
         or a name ("soma", "axon", "dendrite", "apical-dendrite", "custom" ...). Returns what the file holds:
         ``trees samples sheet_links cuts``.
         """
-        name = file_name(path)
+        name = written(path)
         if ending(path) == '.csv':
             self._core.write_csv(name)
         elif ending(path) == '.graphml':
@@ -197,7 +199,11 @@ class Skeleton(Complex):
         What it is a skeleton of; :func:`skeletonize` does not keep it.
     """
 
-    def __init__(self, core: '_core.Skeleton', axis: Optional['MedialAxis'] = None):
+    _kept = (*Complex._kept, 'axis')
+
+    _core: _Held
+
+    def __init__(self, core: _Held, axis: Optional['MedialAxis'] = None):
         self._core = core
         self.axis = axis
         if axis is not None:
@@ -217,8 +223,7 @@ class Skeleton(Complex):
 
     @property
     def topology(self) -> Topology:
-        euler, betti = self._core.topology
-        return Topology(euler, tuple(betti))
+        return topology_of(self._core)
 
     def reconstructed_share(self, *, threads: Optional[int] = None, progress: Optional[Progress] = None) -> float:
         """Share of the shape that the balls fill (of a sample of voxels)."""
@@ -361,7 +366,7 @@ class Skeleton(Complex):
                                   {'radius': np.concatenate([sheets.radius, curves.radius])})
 
     def to_volume(self, shape: Optional[Sequence[int]] = None, *, threads: Optional[int] = None,
-                  progress: Optional[Progress] = None) -> np.ndarray:
+                  progress: Optional[Progress] = None) -> Array:
         """The voxels the skeleton runs through, as a bool image: connected (26) where the skeleton is.
 
         Parameters
@@ -409,7 +414,7 @@ class Skeleton(Complex):
         return self._image(self._core.axis_shape, shape, return_distance, branch)
 
     def reconstruct(self, shape: Optional[Sequence[int]] = None, *, threads: Optional[int] = None,
-                    progress: Optional[Progress] = None) -> np.ndarray:
+                    progress: Optional[Progress] = None) -> Array:
         """The union of the balls as a bool image, see :meth:`MedialAxis.reconstruct`."""
         mask = _export.mask(self._core.axis_shape, shape, self.dimension)
         with self._calling(threads, progress) as call:
@@ -454,11 +459,11 @@ class Skeleton(Complex):
         else:
             with self._calling(threads, progress) as call:
                 if kind not in ('.html', '.png'):
-                    self._core.save(file_name(path), quality, *call)
+                    self._core.save(written(path), quality, *call)
                 elif kind == '.png' or self.axis is None:  # of skeletonize(): what it is a part of is not kept
-                    _core.page_of_skeleton(self._core, file_name(path), *call)
+                    _core.page_of_skeleton(self._core, written(path), None, *call)
                 else:
-                    _core.page_of_axis(self.axis._core, self._core, file_name(path), *call)
+                    _core.page_of_axis(self.axis._core, self._core, written(path), None, *call)
 
     def plot(self, ax: Any = None, **options: Any) -> Any:
         """Draws curves, coloured by radius, and sheets with matplotlib; returns the axes. Of images: as
@@ -520,12 +525,10 @@ def skeletonize(image: Any, /, *, spacing: Spacing = None, labels: Union[str, It
         array = image.array if isinstance(image, Volume) else image_array(image, dimension)
         size = spacing_of(spacing, array.ndim)
         wish = (*pruning, theta2_of(theta2, array.ndim), thetas[1])
-        if isinstance(image, Volume):
-            found = _core.skeletonize_image(image._image, size, chosen, *wish, *call)
-        else:
-            found = _core.skeletonize_array(array, size or (1.0, 1.0, 1.0), chosen, *wish, *call)
+        place = image._place if isinstance(image, Volume) else None
+        found = _core.skeletonize_array(array, place, size, chosen, *wish, *call)
     return {label: Skeleton(core) for label, core in found}
 
 
-def _kinds(codes: np.ndarray) -> np.ndarray:
+def _kinds(codes: Array) -> Array:
     return np.array(_core.NODE_KINDS)[codes]

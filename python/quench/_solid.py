@@ -8,10 +8,11 @@ from typing import Any, Dict, Optional, Tuple
 import numpy as np
 
 from . import _core
-from ._common import Path, Progress, Topology, calling, ending, error, file_name, reals
+from ._common import Array, Path, Progress, Topology, calling, ending, error, reals, topology_of, written
+from ._pickles import Result
 
 
-class Solid:
+class Solid(Result):
     """The solid of a medial axis or a skeleton: its balls or, as `envelope`, also all between them. Made by
     :meth:`MedialAxis.solid` and :meth:`Skeleton.solid`.
 
@@ -38,7 +39,7 @@ class Solid:
         return bool(self._core.envelope)
 
     @cached_property
-    def voxels(self) -> np.ndarray:
+    def voxels(self) -> Array:
         voxels = np.zeros(tuple(self._core.dims), bool)
         self._core.fill(voxels.view(np.uint8))
         voxels.flags.writeable = False
@@ -46,8 +47,7 @@ class Solid:
 
     @property
     def topology(self) -> Topology:
-        euler, betti = self._core.topology
-        return Topology(euler, tuple(betti))
+        return topology_of(self._core)
 
     def errors(self) -> Optional[Dict[str, Any]]:
         """How far it is from the shape; None of an axis from a file, which has none.
@@ -63,7 +63,7 @@ class Solid:
         """
         return self._core.errors()
 
-    def distance(self, points: Any, *, threads: Optional[int] = None, progress: Optional[Progress] = None) -> np.ndarray:
+    def distance(self, points: Any, *, threads: Optional[int] = None, progress: Optional[Progress] = None) -> Array:
         """Signed distance of points from the solid: exact outside of it; inside less than 0, and no point lies less deep.
 
         Parameters
@@ -79,7 +79,7 @@ class Solid:
         with self._calling(threads, progress) as call:
             return np.asarray(self._core.distance(np.ascontiguousarray(at), *call))
 
-    def mesh(self, *, threads: Optional[int] = None, progress: Optional[Progress] = None) -> Tuple[np.ndarray, np.ndarray]:
+    def mesh(self, *, threads: Optional[int] = None, progress: Optional[Progress] = None) -> Tuple[Array, Array]:
         """Its boundary as points and triangles, a closed manifold with the topology of the voxels, faces outward.
 
         Returns
@@ -97,4 +97,4 @@ class Solid:
         if kind not in ('.nrrd', '.zarr', '.ply', '.obj', '.vtp'):
             raise error(2, f'path={path!r}: solids are written as .nrrd, .zarr, .ply, .obj or .vtp', 'path')
         with self._calling(threads, progress) as call:
-            self._core.save(file_name(path), kind in ('.nrrd', '.zarr'), *call)
+            self._core.save(written(path), kind in ('.nrrd', '.zarr'), *call)

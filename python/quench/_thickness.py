@@ -7,7 +7,7 @@ from typing import Any, NamedTuple, Optional, Union
 import numpy as np
 
 from . import _core
-from ._common import Length, Progress, Spacing, calling, error, length_or_auto
+from ._common import Array, Length, Progress, Spacing, calling, error, length_or_auto
 from ._inputs import Cut, Threshold, shape_of
 
 
@@ -15,7 +15,7 @@ def local_thickness(image_or_mesh: Any, *, spacing: Spacing = None, threshold: T
                     label: Optional[int] = None, dimension: Optional[int] = None, channel: Optional[str] = None,
                     resolution: Union[int, str] = 256, invert: bool = False, fill: str = 'nonzero', topology: str = 'mesh',
                     mask: Any = None, balls: str = 'all', correction: Length = 'auto', threads: int = 0,
-                    progress: Progress = False) -> np.ndarray:
+                    progress: Progress = False) -> Array:
     """Local thickness: at every voxel of a shape the diameter of the largest ball in the shape that contains its centre.
 
     The balls are those of the whole voxel core, which is exact (docs/user/thickness.md has the definition, beside those of
@@ -81,10 +81,10 @@ class SurfaceThickness(NamedTuple):
         The point of the surface at the other end of that diameter.
     """
 
-    vertices: np.ndarray
-    faces: np.ndarray
-    thickness: np.ndarray
-    across: np.ndarray
+    vertices: Array
+    faces: Array
+    thickness: Array
+    across: Array
 
 
 def surface_thickness(mesh_or_image: Any, *, resolution: Union[int, str] = 256, fill: str = 'nonzero',

@@ -2,6 +2,7 @@
 """Roots, neurons, vessels and airways as trees, and what is measured of them."""
 from __future__ import annotations
 
+import importlib
 import os
 from dataclasses import replace
 from functools import cached_property
@@ -11,8 +12,10 @@ import numpy as np
 
 from . import _core
 from ._axis import MedialAxis
-from ._common import Length, Path, Progress, calling, ending, error, file_name, is_path, length_or_auto, need, reals, warn, whole
+from ._common import (Array, Length, Path, Progress, calling, ending, error, file_name, is_path, length_or_auto, must_exist,
+                      need, reals, warn, whole, written, wrong_type)
 from ._inputs import Cut, as_mesh, read_file, shape_of
+from ._pickles import Result
 
 Points = Union[Sequence[float], Sequence[Sequence[float]], None]
 Direction = Union[str, Sequence[float], None]
@@ -20,9 +23,9 @@ Direction = Union[str, Sequence[float], None]
 
 class Branch(NamedTuple):
     """A piece between two forks or ends of a tree."""
-    points: np.ndarray
+    points: Array
     """(n, 3): from its base to its far end; the first is the last of its parent."""
-    radius: np.ndarray
+    radius: Array
     parent: int
     """The branch at whose far end it begins; -1: it begins at a root node."""
     axis: int
@@ -33,22 +36,22 @@ class Branch(NamedTuple):
     """Centrifugal: forks between the root node and its base."""
     type: int
     """Structure identifier of SWC, where one is known; else 0."""
-    bridged: np.ndarray
+    bridged: Array
     """(n - 1,): 1 where the shape has a gap."""
 
 
 class Axis(NamedTuple):
     """A root, neurite or vessel from where it leaves its parent to its tip."""
-    points: np.ndarray
+    points: Array
     """(n, 3): the whole course, from the course of its parent on."""
-    radius: np.ndarray
+    radius: Array
     parent: int
     """The axis it grows from; -1: of level 0."""
     level: int
     plant: int
-    branches: np.ndarray
+    branches: Array
     """From base to tip."""
-    children: np.ndarray
+    children: Array
     """Axes, by position along it."""
     position: float
     """Length along the parent from its base to where this leaves it."""
@@ -60,7 +63,7 @@ class Axis(NamedTuple):
 
 class Plant(NamedTuple):
     """One tree of its own."""
-    root: np.ndarray
+    root: Array
     """x, y, z of the root node."""
     main_axis: int
     soma: Optional[float]
@@ -80,8 +83,7 @@ def _frame(rows: Any) -> Any:
     """A pandas.DataFrame, or Columns without it, of (name, unit, meaning, values); `attrs` has units and meanings."""
     columns = {name: np.asarray(values) for name, _, _, values in rows}
     try:
-        import pandas
-        table = pandas.DataFrame(columns)
+        table: Any = importlib.import_module('pandas').DataFrame(columns)
     except ImportError:
         table = Columns(columns)
     table.attrs['units'] = {name: unit for name, unit, _, _ in rows}
@@ -92,7 +94,7 @@ def _frame(rows: Any) -> Any:
 TABLES = ('axes', 'branches', 'sample', 'sholl', 'depths', 'toporoot')
 
 
-class Tree:
+class Tree(Result):
     """One tree per plant: axes and branches with courses and radii; made by :func:`tree` or :func:`read_tree`.
 
     Attributes
@@ -146,7 +148,7 @@ class Tree:
         return self._core.units
 
     @property
-    def down(self) -> np.ndarray:
+    def down(self) -> Array:
         return np.array(self._core.down)
 
     @property
@@ -162,7 +164,7 @@ class Tree:
         return _frame(self._core.table('edits'))
 
     @cached_property
-    def edited(self) -> Optional[np.ndarray]:
+    def edited(self) -> Optional[Array]:
         image = self._core.edited()
         return None if image is None else np.asarray(image).astype(bool)
 
@@ -203,7 +205,7 @@ class Tree:
             raise error(2, f"columns={columns!r} is not one of 'quench', 'toporoot'", 'columns')
         with calling(self._threads if threads is None else threads,
                      self._progress if progress is None else progress) as call:
-            if not self._core.save(file_name(path), str(swc_type), columns == 'toporoot', *call):
+            if not self._core.save(written(path), str(swc_type), columns == 'toporoot', None, *call):
                 raise error(2, f"'{ending(path)}' is not a format of trees; name the file .rsml, .swc, .mtg, .graphml, .vtp, "
                                '.csv, .png or .html')
 
@@ -232,7 +234,7 @@ def _index(parent: int) -> int:
     return -1 if parent == 2**32 - 1 else parent
 
 
-def _place(point: np.ndarray) -> Dict[str, float]:
+def _place(point: Array) -> Dict[str, float]:
     return {name: float(value) for name, value in zip('xyz', point)}
 
 
@@ -343,9 +345,11 @@ def tree(source: Any, kind: str = 'root', *, root: Points = None, plants: Option
     elif is_path(source) and _core.is_tree_file(file_name(source)):
         _no_shape(shape, 'a tree')
         with calling(threads, progress) as call:
-            return Tree(_core.read_tree(_existing(source), how, *call), threads, progress)
+            must_exist(source)
+            return Tree(_core.read_tree(file_name(source), how, *call), threads, progress)
     else:
-        cut = Cut(**{'fill_cavities': True, **_known(shape)}, keep_values=repair in ('all', 'gaps'))
+        given: Dict[str, Any] = {'fill_cavities': True, **_known(shape), 'keep_values': repair in ('all', 'gaps')}
+        cut = Cut(**given)
         if is_path(source):
             with calling(threads, progress) as call:
                 found = read_file(source, cut.spacing, None, call, cut.dimension, cut.channel)
@@ -358,10 +362,11 @@ def tree(source: Any, kind: str = 'root', *, root: Points = None, plants: Option
             cut = replace(cut, connectivity=26)
         choose = image and cut.threshold is None and cut.label is None
         voxels = shape_of(source, replace(cut, threshold='thin') if choose else cut, threads, progress)
-        if choose and voxels.chosen:
-            if voxels.chosen[2] != 'thin' and not (cut.interpolate or cut.median or 'blur' in shape):  # as the program does
+        chosen = voxels.chosen if choose else None
+        if chosen:
+            if chosen[2] != 'thin' and not (cut.interpolate or cut.median or 'blur' in shape):  # as the program does
                 voxels = shape_of(source, replace(cut, threshold='thin', blur=0.8), threads, progress)
-            value, seed, rule, reason = voxels.chosen
+            value, seed, rule, reason = voxels.chosen or chosen
             values = f'{value:g}' if seed is None else f'{value:g}, {seed:g}'
             warn(f'threshold {values} ({rule}): {reason}; threshold=T takes another')
         with calling(threads, progress) as call:
@@ -400,13 +405,8 @@ def read_tree(path: Path, kind: str = 'root', *, root: Points = None, down: Dire
         raise error(2, f"'{os.fsdecode(path)}' is not a tree; trees are read from .swc and .rsml")
     how = _how(kind, root, None, down, 'off', 'auto', axes, soma, sholl_step)
     with calling(0, False) as call:
-        return Tree(_core.read_tree(_existing(path), how, *call))
-
-
-def _existing(path: Path) -> bytes:
-    if not os.path.exists(path):
-        raise error(1, f"'{os.fsdecode(path)}' does not exist")
-    return file_name(path)
+        must_exist(path)
+        return Tree(_core.read_tree(file_name(path), how, *call))
 
 
 def _no_shape(shape: Dict[str, Any], what: str) -> None:

@@ -57,6 +57,13 @@ Grid grid_of(const py::buffer_info& held, const std::array<double, 3>& spacing) 
   return grid;
 }
 
+Grid placed(const py::buffer_info& held, const Place& place) {
+  Grid grid = place.grid;
+  grid.dims = grid_of(held, {1, 1, 1}).dims;
+  if (grid.is_plane() != (held.ndim == 2)) throw Error(ErrorCode::usage, "the image has not the axes of its place");
+  return grid;
+}
+
 Coordinates coordinates_of(const Grid& grid) {
   Coordinates coordinates;
   coordinates.y_down = grid.is_plane();

@@ -69,6 +69,14 @@ Array own(std::vector<T> values) {
 // Arrays of three axes are volumes: x is the first. Arrays of two are images of the plane, rows from the top: y is the
 // first axis and grows downwards, x the second, as everybody who shows images has it.
 
+/// Where an image lies in the world.
+struct Place {
+  Grid grid;  ///< its dims are of no meaning
+  Coordinates coordinates;
+};
+/// The grid of an array that lies there. Throws Error(usage) when it has not as many axes.
+Grid placed(const py::buffer_info& held, const Place& place);
+
 /// An image somebody else owns: the place of a voxel or pixel is its index times spacing. `held` keeps the buffer.
 ImageView image_of(const py::buffer_info& held, const Grid& grid);
 /// The grid of an array without a place in the world: the centre of the first voxel or pixel is at 0. `spacing` is that

@@ -45,14 +45,6 @@ std::shared_ptr<Axis> reshaped(const Axis& from, const MedialAxis& mesh, const c
   return result;
 }
 
-/// What simplify() gives, with the points that it stays near.
-struct SimplificationValue {
-  std::shared_ptr<Axis> from;
-  BoundaryPoints boundary;
-  std::string boundary_is;
-  Simplified result;
-  int fits = 0;
-};
 using Simplification = std::shared_ptr<SimplificationValue>;
 
 Simplification simplify_axis(const std::shared_ptr<Axis>& axis, std::size_t vertices, const std::string& error,
@@ -168,6 +160,7 @@ void bind_axes(py::module_& m) {
       .def_property_readonly("vertices", [](const Pointer& a) { return view(a, a->axis().points); })
       .def_property_readonly("dimension", [](const Pointer& a) { return a->axis().grid.dimension; })
       .def_property_readonly("y_down", [](const Pointer& a) { return a->core.coordinates.y_down; })
+      .def_property_readonly("units", [](const Pointer& a) { return a->core.coordinates.units; })
       .def("rows_and_columns", [](const Pointer& a) { return rows_and_columns(a->axis().points, shape_of(*a).image); })
       .def_property_readonly("radius", [](const Pointer& a) { return view(a, a->axis().radius); })
       .def_property_readonly("edges",

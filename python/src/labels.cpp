@@ -178,22 +178,16 @@ py::list skeletonize(const ImageView& image, const Coordinates& coordinates,
 void bind_labels(py::module_& m) {
   using Triple = std::array<double, 3>;
   using Labels = std::optional<std::vector<std::int64_t>>;
-  m.def("skeletonize_array", [](const py::buffer& array, const Triple& spacing, const Labels& labels,
-                                const std::string& measure, const std::string& threshold, const std::string& theta2,
-                                const std::string& theta1, const py::object& listener, int threads) {
+  m.def("skeletonize_array", [](const py::buffer& array, const Place* place, const std::optional<Triple>& spacing,
+                                const Labels& labels, const std::string& measure, const std::string& threshold,
+                                const std::string& theta2, const std::string& theta1, const py::object& listener,
+                                int threads) {
     const py::buffer_info held = array.request();
-    const ImageView image = image_of(held, grid_of(held, spacing));
-    return skeletonize(image, coordinates_of(image.grid), labels, {measure, threshold, {theta2, theta1, true}},
-                       listener, threads);
-  });
-  m.def("skeletonize_image", [](const Image& image, const std::optional<Triple>& spacing, const Labels& labels,
-                                const std::string& measure, const std::string& threshold, const std::string& theta2,
-                                const std::string& theta1, const py::object& listener, int threads) {
-    ImageView view = view_of(*image.volume);
-    if (spacing) view.grid.spacing = {(*spacing)[0], (*spacing)[1], (*spacing)[2]};
-    if (view.grid.is_plane()) view.grid.make_plane();
-    return skeletonize(view, image.volume->coordinates, labels, {measure, threshold, {theta2, theta1, true}}, listener,
-                       threads);
+    Grid grid = place ? placed(held, *place) : grid_of(held, {1, 1, 1});
+    if (spacing) grid.spacing = {(*spacing)[0], (*spacing)[1], (*spacing)[2]};
+    if (grid.is_plane()) grid.make_plane();
+    return skeletonize(image_of(held, grid), place ? place->coordinates : coordinates_of(grid), labels,
+                       {measure, threshold, {theta2, theta1, true}}, listener, threads);
   });
 }
 

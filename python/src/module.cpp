@@ -17,5 +17,6 @@ PYBIND11_MODULE(_core, m) {
   bind_labels(m);
   bind_thickness(m);
   bind_pages(m);
+  bind_pickles(m);
   m.attr("__version__") = QUENCH_VERSION;
 }

@@ -4,7 +4,6 @@
 
 #include <filesystem>
 
-#include "quench/picture.h"
 #include "values.h"
 
 namespace quench::python {
@@ -48,51 +47,65 @@ void add_skeleton(PageBuilder& builder, const SkeletonValue& s) {
   builder.add_skeleton(s.checked.skeleton, s.drawn);
 }
 
-void write(const PageBuilder& builder, const std::string& file, Context& context) {
+void write(const PageBuilder& builder, const std::string& file, const PictureSize& size, Context& context) {
   if (is_picture(file))
-    write_png(file, draw_page(builder.page, {}, &context), &context);
+    write_png(file, draw_page(builder.page, options_of(size), &context), &context);
   else
     builder.write(file);
 }
 
-void write_axis(const Axis& axis, const Fire& fire, const SkeletonValue* skeleton, const std::string& file,
-                Context& context) {
+/// `fire`: of a page; a picture without one has the colours of the radius.
+void write_axis(const Axis& axis, const Fire* fire, const SkeletonValue* skeleton, const std::string& file,
+                const PictureSize& size, Context& context) {
   PageBuilder builder = begin(axis, axis.axis().points, file);
   say_pruning(builder.page, axis);
-  builder.page.burning = fire.burning.options;
-  builder.add_core(axis.axis(), axis.data(&fire).point_data, skeleton != nullptr);
+  if (fire) builder.page.burning = fire->burning.options;
+  builder.add_core(axis.axis(), axis.data(fire).point_data, skeleton != nullptr);
   if (skeleton) {
     add_skeleton(builder, *skeleton);
-    builder.add_family(fire.family->family);
+    builder.add_family(fire->family->family);
   }
-  write(builder, file, context);
+  write(builder, file, size, context);
 }
 
-void write_skeleton(const SkeletonValue& s, const std::string& file, Context& context) {
+void write_skeleton(const SkeletonValue& s, const std::string& file, const PictureSize& size, Context& context) {
   PageBuilder builder = begin(*s.axis, s.checked.skeleton.points, file);
   if (s.has_axis) say_pruning(builder.page, *s.axis);
   add_skeleton(builder, s);
-  write(builder, file, context);
+  write(builder, file, size, context);
 }
 
 }  // namespace
 
+PictureOptions options_of(const PictureSize& size) {
+  PictureOptions options;
+  if (size) std::tie(options.width, options.height, options.caption) = *size;
+  return options;
+}
+
 void bind_pages(py::module_& m) {
   m.def("page_of_axis", [](const std::shared_ptr<Axis>& axis, const std::shared_ptr<SkeletonValue>& skeleton,
-                           const std::string& file, const py::object& listener, int threads) {
+                           const std::string& file, const PictureSize& size, const py::object& listener,
+                           int threads) {
     const auto known = axis->fire;
     // Of the last omega; the axis is burned with the default one where it was not.
     const double omega = known ? known->burning.options.omega : 0;
     const auto fire = run(listener, threads, [&](Context& c) {
       auto burned = compute_fire(*axis, omega, skeleton != nullptr, known, c);
-      write_axis(*axis, *burned, skeleton.get(), file, c);
+      write_axis(*axis, burned.get(), skeleton.get(), file, size, c);
       return burned;
     });
     axis->fire = fire;
   });
+  // Of an axis that nothing is burned for.
+  m.def("picture_of_axis", [](const std::shared_ptr<Axis>& axis, const std::string& file, const PictureSize& size,
+                              const py::object& listener, int threads) {
+    const auto known = axis->fire;
+    run_cancellable(listener, threads, [&](Context& c) { write_axis(*axis, known.get(), nullptr, file, size, c); });
+  });
   m.def("page_of_skeleton", [](const std::shared_ptr<SkeletonValue>& skeleton, const std::string& file,
-                               const py::object& listener, int threads) {
-    run_cancellable(listener, threads, [&](Context& c) { write_skeleton(*skeleton, file, c); });
+                               const PictureSize& size, const py::object& listener, int threads) {
+    run_cancellable(listener, threads, [&](Context& c) { write_skeleton(*skeleton, file, size, c); });
   });
   m.attr("has_pages") = pipeline::has_page_program();
 }

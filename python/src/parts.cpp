@@ -12,11 +12,6 @@ namespace quench::python {
 
 namespace {
 
-struct PartsValue {
-  pipeline::PartsRun run;
-  Record about;  ///< of the skeleton, for files
-  std::string units;
-};
 using PartsPointer = std::shared_ptr<PartsValue>;
 
 // A sheet by itself: points, triangles, and named arrays.

@@ -53,21 +53,28 @@ std::shared_ptr<Shape> noted(Shape&& shape, Context& context) {
   return std::make_shared<Shape>(std::move(shape));
 }
 
-std::shared_ptr<Shape> shape_of_array(const py::buffer& array, const pipeline::ShapeOptions& options,
-                                      const py::object& listener, int threads) {
+std::shared_ptr<Shape> shape_of_array(const py::buffer& array, const Place* place,
+                                      const pipeline::ShapeOptions& options, const py::object& listener, int threads) {
   const py::buffer_info held = array.request();
-  const ImageView image = image_of(held, grid_of(held, {1, 1, 1}));
+  const ImageView image = image_of(held, place ? placed(held, *place) : grid_of(held, {1, 1, 1}));
+  const Coordinates coordinates = place ? place->coordinates : coordinates_of(image.grid);
   return run(listener, threads, [&](Context& context) {
-    return noted(pipeline::shape_of(image, coordinates_of(image.grid), options, &context), context);
+    return noted(pipeline::shape_of(image, coordinates, options, &context), context);
   });
 }
 
-std::shared_ptr<Shape> shape_of_image(const Image& image, const pipeline::ShapeOptions& options,
-                                      const py::object& listener, int threads) {
-  const Volume& volume = *image.volume;
-  return run(listener, threads, [&](Context& context) {
-    return noted(pipeline::shape_of(view_of(volume), volume.coordinates, options, &context), context);
-  });
+Place place_of(int dimension, const Triple& spacing, const Triple& origin, const std::array<Triple, 3>& direction,
+               const std::string& units, const std::string& space, bool y_down) {
+  Place place;
+  place.coordinates = {units, space, y_down};
+  for (std::size_t a = 0; a < 3; ++a) {
+    const auto row = static_cast<Eigen::Index>(a);
+    place.grid.spacing[row] = spacing[a];
+    place.grid.origin[row] = origin[a];
+    for (std::size_t b = 0; b < 3; ++b) place.grid.direction(row, static_cast<Eigen::Index>(b)) = direction[a][b];
+  }
+  if (dimension == 2) place.grid.make_plane();
+  return place;
 }
 
 std::shared_ptr<Shape> shape_of_mesh(const py::buffer& points, const py::buffer& triangles,
@@ -159,16 +166,20 @@ Image image_of(const VoxelShape& shape, const Coordinates& coordinates) {
 void bind_shapes(py::module_& m) {
   py::class_<Image>(m, "Image", py::buffer_protocol())
       .def_buffer(&info)
-      .def_property_readonly("spacing", [](const Image& i) { return triple(i.volume->grid.spacing); })
-      .def_property_readonly("origin", [](const Image& i) { return triple(i.volume->grid.origin); })
+      .def_property_readonly("place", [](const Image& i) { return Place{i.volume->grid, i.volume->coordinates}; });
+  py::class_<Place>(m, "Place")
+      .def(py::init(&place_of))
+      .def_property_readonly("dimension", [](const Place& p) { return p.grid.dimension; })
+      .def_property_readonly("spacing", [](const Place& p) { return triple(p.grid.spacing); })
+      .def_property_readonly("origin", [](const Place& p) { return triple(p.grid.origin); })
       .def_property_readonly("direction",
-                             [](const Image& i) {
-                               const Mat3& d = i.volume->grid.direction;
+                             [](const Place& p) {
+                               const Mat3& d = p.grid.direction;
                                return std::array<Triple, 3>{triple(d.row(0)), triple(d.row(1)), triple(d.row(2))};
                              })
-      .def_property_readonly("dimension", [](const Image& i) { return i.volume->grid.dimension; })
-      .def_property_readonly("y_down", [](const Image& i) { return i.volume->coordinates.y_down; })
-      .def_property_readonly("units", [](const Image& i) { return i.volume->coordinates.units; });
+      .def_property_readonly("units", [](const Place& p) { return p.coordinates.units; })
+      .def_property_readonly("space", [](const Place& p) { return p.coordinates.space; })
+      .def_property_readonly("y_down", [](const Place& p) { return p.coordinates.y_down; });
   py::class_<pipeline::ShapeOptions>(m, "ShapeOptions")
       .def(py::init(&shape_options), py::kw_only(), py::arg("threshold"), py::arg("label"), py::arg("invert"),
            py::arg("largest_component"), py::arg("min_component"), py::arg("fill_cavities"), py::arg("subdivide"),
@@ -189,7 +200,6 @@ void bind_shapes(py::module_& m) {
       .def_property_readonly("voxel_count", [](const Shape& s) { return s.shape.voxel_count(); })
       .def("image", [](const Shape& s) { return image_of(s.shape, s.coordinates); });
   m.def("shape_of_array", &shape_of_array);
-  m.def("shape_of_image", &shape_of_image);
   m.def("shape_of_mesh", &shape_of_mesh);
   m.def("read_image", [](const std::string& file, const std::optional<Triple>& spacing, std::optional<int> dimension,
                          const std::string& channel, const py::object& listener, int threads) {

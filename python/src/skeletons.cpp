@@ -111,6 +111,7 @@ void bind_skeletons(py::module_& m) {
       .def_property_readonly("vertices", [](const Pointer& s) { return view(s, s->checked.skeleton.points); })
       .def_property_readonly("dimension", [](const Pointer& s) { return s->checked.skeleton.plane ? 2 : 3; })
       .def_property_readonly("y_down", [](const Pointer& s) { return s->axis->core.coordinates.y_down; })
+      .def_property_readonly("units", [](const Pointer& s) { return s->axis->core.coordinates.units; })
       .def("rows_and_columns",
            [](const Pointer& s) { return rows_and_columns(s->checked.skeleton.points, shape_of(*s).image); })
       .def_property_readonly("radius", [](const Pointer& s) { return view(s, s->checked.skeleton.radius); })

@@ -12,12 +12,6 @@
 namespace quench::python {
 namespace {
 
-/// The solid of an axis or a skeleton, and the shape it is compared with, if any.
-struct SolidValue {
-  std::shared_ptr<Shape> shape;
-  Coordinates coordinates;
-  pipeline::SolidResult result;
-};
 using Solid = std::shared_ptr<SolidValue>;
 
 Grid grid_for(const Axis& axis, const MedialAxis& of, EnvelopeKind kind, int resolution) {
@@ -37,11 +31,16 @@ Grid grid_for(const Axis& axis, const MedialAxis& of, EnvelopeKind kind, int res
   return grid;
 }
 
-Solid make_solid(const Axis& axis, const MedialAxis& of, bool full, int resolution, Context& context) {
+// Of an axis, or of a skeleton of it.
+Solid make_solid(const std::shared_ptr<Axis>& from, const std::shared_ptr<SkeletonValue>& skeleton, bool full,
+                 int resolution, Context& context) {
+  const Axis& axis = skeleton ? *skeleton->axis : *from;
+  const MedialAxis balls = skeleton ? balls_of(*skeleton) : MedialAxis();
+  const MedialAxis& of = skeleton ? balls : axis.axis();
   const EnvelopeKind kind = full ? EnvelopeKind::full : EnvelopeKind::balls;
   const Grid grid = grid_for(axis, of, kind, resolution);
   return std::make_shared<SolidValue>(SolidValue{
-      axis.shape, axis.core.coordinates, pipeline::solid_of(of, kind, grid, axis.shape.get(), &context)});
+      axis.shape, from, skeleton, axis.core.coordinates, pipeline::solid_of(of, kind, grid, axis.shape.get(), &context)});
 }
 
 void fill_voxels(const SolidValue& solid, const py::buffer& mask) {
@@ -92,6 +91,15 @@ py::dict dict_of(const OneSidedDistances& of) {
   return d;
 }
 
+MedialAxis balls_of(const SkeletonValue& skeleton) {
+  MedialAxis of;
+  of.complex = skeleton.checked.skeleton.complex;
+  of.points = skeleton.checked.skeleton.points;
+  of.radius = skeleton.checked.skeleton.radius;
+  of.grid = skeleton.axis->axis().grid;
+  return of;
+}
+
 void bind_solids(py::module_& m) {
   py::class_<SolidValue, Solid>(m, "Solid")
       .def_property_readonly("envelope",
@@ -132,19 +140,11 @@ void bind_solids(py::module_& m) {
       });
   m.def("solid_of_axis",
         [](const std::shared_ptr<Axis>& a, bool full, int resolution, const py::object& listener, int threads) {
-          return run(listener, threads, [&](Context& c) { return make_solid(*a, a->axis(), full, resolution, c); });
+          return run(listener, threads, [&](Context& c) { return make_solid(a, nullptr, full, resolution, c); });
         });
   m.def("solid_of_skeleton", [](const std::shared_ptr<SkeletonValue>& s, bool full, int resolution,
                                 const py::object& listener, int threads) {
-    return run(listener, threads, [&](Context& c) {
-      MedialAxis of;
-      const Skeleton& skeleton = s->checked.skeleton;
-      of.complex = skeleton.complex;
-      of.points = skeleton.points;
-      of.radius = skeleton.radius;
-      of.grid = s->axis->axis().grid;
-      return make_solid(*s->axis, of, full, resolution, c);
-    });
+    return run(listener, threads, [&](Context& c) { return make_solid(nullptr, s, full, resolution, c); });
   });
 }
 

@@ -8,19 +8,12 @@
 
 #include "quench/error.h"
 #include "quench/io.h"
-#include "quench/picture.h"
 #include "quench/tree.h"
 #include "values.h"
 
 namespace quench::python {
 namespace {
 
-/// A tree with what it is of.
-struct TreeValue {
-  pipeline::TreeRun run;
-  std::shared_ptr<Axis> axis;  ///< none for a tree from a file
-  bool upright = false;
-};
 using TreePointer = std::shared_ptr<TreeValue>;
 
 /// The options of a tree, with lengths that are resolved when their scale is known.
@@ -173,7 +166,7 @@ std::string ending_of(const std::string& file) {
   return ending;
 }
 
-void write_page_of(const TreeValue& t, const std::string& file, Context& context) {
+void write_page_of(const TreeValue& t, const std::string& file, const PictureSize& size, Context& context) {
   const bool picture = ending_of(file) == ".png";
   if (!picture) pipeline::require_page_program();
   pipeline::PageBuilder builder;
@@ -189,13 +182,14 @@ void write_page_of(const TreeValue& t, const std::string& file, Context& context
   if (t.axis && t.axis->shape) builder.add_shape(*t.axis->shape);
   builder.add_tree(t.run.tree, t.run.traits, t.run.edits, t.upright);
   if (picture)
-    write_png(file, draw_page(builder.page, {}, &context), &context);
+    write_png(file, draw_page(builder.page, options_of(size), &context), &context);
   else
     builder.write(file);
 }
 
 /// False: there is no such format.
-bool save(const TreeValue& t, const std::string& file, const std::string& type, bool toporoot, Context& context) {
+bool save(const TreeValue& t, const std::string& file, const std::string& type, bool toporoot, const PictureSize& size,
+          Context& context) {
   const Tree& tree = t.run.tree;
   const std::string ending = ending_of(file);
   if (ending == ".swc")
@@ -211,7 +205,7 @@ bool save(const TreeValue& t, const std::string& file, const std::string& type, 
   else if (ending == ".csv")
     io::write_table(file, toporoot ? toporoot_table(tree, t.run.traits) : t.run.traits.axes);
   else if (ending == ".html" || ending == ".png")
-    write_page_of(t, file, context);
+    write_page_of(t, file, size, context);
   else
     return false;
   return true;
@@ -243,8 +237,8 @@ void bind_trees(py::module_& m) {
              return py::cast(image_of(*t->run.edited, t->run.tree.coordinates));
            })
       .def("save", [](const TreePointer& t, const std::string& file, const std::string& type, bool toporoot,
-                      const py::object& listener, int threads) {
-        return run(listener, threads, [&](Context& c) { return save(*t, file, type, toporoot, c); });
+                      const PictureSize& size, const py::object& listener, int threads) {
+        return run(listener, threads, [&](Context& c) { return save(*t, file, type, toporoot, size, c); });
       });
   m.def("tree_of_axis", &tree_of_axis);
   m.def("tree_of_result", &tree_of_result);

@@ -7,13 +7,18 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "arrays.h"
 #include "quench/envelope.h"
+#include "quench/picture.h"
 #include "quench/pipeline.h"
 #include "quench/shape.h"
+#include "quench/simplify.h"
+#include "quench/solid_stages.h"
 #include "quench/table.h"
+#include "quench/tree.h"
 #include "quench/verify.h"
 #include "run.h"
 
@@ -70,6 +75,41 @@ struct GraphValue {
   CurveGraph graph;
 };
 
+struct PartsValue {
+  pipeline::PartsRun run;
+  Record about;  ///< of the skeleton, for files
+  std::string units;
+};
+
+/// A tree with what it is of.
+struct TreeValue {
+  pipeline::TreeRun run;
+  std::shared_ptr<Axis> axis;  ///< none for a tree from a file
+  bool upright = false;
+};
+
+/// The solid of an axis or of a skeleton, and the shape it is compared with, if any.
+struct SolidValue {
+  std::shared_ptr<Shape> shape;
+  std::shared_ptr<Axis> axis;  ///< one of the two
+  std::shared_ptr<SkeletonValue> skeleton;
+  Coordinates coordinates;
+  pipeline::SolidResult result;
+};
+
+/// What simplify() gives, with the points that it stays near.
+struct SimplificationValue {
+  std::shared_ptr<Axis> from;
+  BoundaryPoints boundary;
+  std::string boundary_is;
+  Simplified result;
+  int fits = 0;
+};
+
+/// Of a picture: width, height, whether there is a caption. None: as files of pictures are.
+using PictureSize = std::optional<std::tuple<int, int, bool>>;
+PictureOptions options_of(const PictureSize& size);
+
 /// Lengths as texts.
 struct Thetas {
   std::string theta2, theta1;
@@ -92,6 +132,9 @@ std::shared_ptr<SkeletonValue> compute_skeleton(std::shared_ptr<Axis> axis, cons
 /// What is known of the shape of an axis, for graphs of its skeletons.
 pipeline::GraphOptions graph_options(const Axis& axis);
 
+/// The complex, points and radii of a skeleton, whose solid is wanted.
+MedialAxis balls_of(const SkeletonValue& skeleton);
+
 /// The voxels of a shape as an image of 0 and 1.
 Image image_of(const VoxelShape& shape, const Coordinates& coordinates);
 
@@ -112,5 +155,6 @@ void bind_solids(py::module_& m);
 void bind_labels(py::module_& m);
 void bind_thickness(py::module_& m);
 void bind_pages(py::module_& m);
+void bind_pickles(py::module_& m);
 
 }  // namespace quench::python
