@@ -7,6 +7,7 @@
 #include "quench/geometry.h"
 #include "quench/io.h"
 #include "shape_input.h"
+#include "units.h"
 
 namespace quench::program {
 namespace {
@@ -66,6 +67,7 @@ pipeline::LoadedAxis load_axis(const AxisInput& options, Session& session) {
   check_axis_options(options);
   Record data = pipeline::read_surface(options.file, &session.context);
   if (!options.radii.empty()) pipeline::take_radii(data, options.radii, &session.context);
+  take_units(data, options.file, session);
   pipeline::LoadedAxis axis = pipeline::axis_of(std::move(data), options.file, &session.context);
   if (!options.shape.empty()) take_scale(options, session, axis.scale);
   return axis;

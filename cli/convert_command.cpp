@@ -8,6 +8,7 @@
 #include "quench/pipeline.h"
 #include "quench/tree.h"
 #include "tree_conversion.h"
+#include "units.h"
 
 namespace quench::program {
 
@@ -44,6 +45,7 @@ Action add_convert(CLI::App& app) {
     Record data = pipeline::read_surface(o->input, &session.context);
     checkpoint(&session.context, "read", 1);
     if (!o->radii.empty()) pipeline::take_radii(data, o->radii, &session.context);
+    take_units(data, o->input, session);
     const std::string extension = extension_of(o->output);
     if ((extension == ".ma" || extension == ".r") && !find_array(data.point_data, "radius"))
       throw Error(ErrorCode::input, fmt::format("'{}' has no radius per vertex, which {} needs; give --radii FILE.r",

@@ -26,6 +26,23 @@ std::string range_text(T least, T most) {
   throw Error(ErrorCode::usage, fmt::format("{} '{}' is not {}", option, text, what));
 }
 
+/// A validator has no place for its words but its name.
+const std::string kWords = "words\n";
+
+/// How many letters must be changed, added, removed or swapped with their neighbour to make one word the other.
+std::size_t distance_of(std::string_view a, std::string_view b) {
+  std::vector<std::vector<std::size_t>> d(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
+  for (std::size_t i = 0; i <= a.size(); ++i)
+    for (std::size_t j = 0; j <= b.size(); ++j) {
+      d[i][j] = i + j;
+      if (i == 0 || j == 0) continue;
+      d[i][j] = std::min({d[i - 1][j] + 1, d[i][j - 1] + 1, d[i - 1][j - 1] + (a[i - 1] != b[j - 1])});
+      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
+        d[i][j] = std::min(d[i][j], d[i - 2][j - 2] + 1);
+    }
+  return d[a.size()][b.size()];
+}
+
 bool is_whole(std::string_view text) {
   if (text.starts_with('-')) text.remove_prefix(1);
   return !text.empty() && std::all_of(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; });
@@ -33,13 +50,44 @@ bool is_whole(std::string_view text) {
 
 }  // namespace
 
-CLI::Validator one_of(std::vector<std::string> names) {
+CLI::Validator one_of(const std::vector<std::string>& names) {
   return CLI::Validator(
       [names](std::string& value) {
         if (std::find(names.begin(), names.end(), value) != names.end()) return std::string();
-        return fmt::format("'{}' is not one of {}", value, fmt::join(names, ", "));
+        const std::string meant = nearest_name(value, names);
+        return fmt::format("'{}' is not one of {}{}", value, fmt::join(names, ", "),
+                           meant.empty() ? "" : fmt::format("; did you mean '{}'?", meant));
       },
-      "");
+      "", kWords + fmt::format("{}", fmt::join(names, "\n")));
+}
+
+CLI::Validator also(const std::vector<std::string>& words) {
+  return CLI::Validator([](std::string&) { return std::string(); }, "",
+                        kWords + fmt::format("{}", fmt::join(words, "\n")));
+}
+
+std::vector<std::string> words_of(CLI::Option& option) {
+  for (int i = 0;; ++i) {
+    std::string name;
+    try {
+      name = option.get_validator(i)->get_name();
+    } catch (const CLI::OptionNotFound&) {
+      return {};
+    }
+    if (name.starts_with(kWords)) return CLI::detail::split(name.substr(kWords.size()), '\n');
+  }
+}
+
+std::string nearest_name(const std::string& word, const std::vector<std::string>& names) {
+  std::size_t least = std::max<std::size_t>(1, word.size() / 3) + 1;
+  std::string best;
+  if (word.size() > 64) return {};
+  for (const std::string& name : names)
+    if (const std::size_t distance = distance_of(word, name); distance < least) {
+      least = distance;
+      best = name;
+    }
+  return best;
 }
 
 std::string empty_value_text(const CLI::Option& option) {

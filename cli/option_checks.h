@@ -17,7 +17,15 @@
 /// parse_length(), amounts of memory by the session: decimal, all of the text, never rounded into its range.
 namespace quench::program {
 
-CLI::Validator one_of(std::vector<std::string> names);
+/// The value is one of these words.
+CLI::Validator one_of(const std::vector<std::string>& names);
+/// Words that an option also takes, beside numbers and the like: for completion, nothing is refused.
+CLI::Validator also(const std::vector<std::string>& words);
+/// The words of one_of() and also().
+std::vector<std::string> words_of(CLI::Option& option);
+
+/// The name that was meant by a word; empty when none is near.
+std::string nearest_name(const std::string& word, const std::vector<std::string>& names);
 
 /// What is said of the empty value of an option, behind its name.
 std::string empty_value_text(const CLI::Option& option);

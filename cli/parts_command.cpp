@@ -15,6 +15,7 @@
 #include "report.h"
 #include "run_command.h"
 #include "stage_options.h"
+#include "units.h"
 
 namespace quench::program {
 namespace {
@@ -140,6 +141,7 @@ struct Found {
 
 Found parts_of_file(const PartsProgram& o, Record&& data, const CLI::App& app, Json& report, Session& session) {
   Context* context = &session.context;
+  take_units(data, o.shape.file, session);
   pipeline::LoadedAxis loaded = pipeline::axis_of(std::move(data), o.shape.file, context);
   session.finished("read");
   if (loaded.axis.grid.is_plane()) refuse_plane_parts(o.shape.file);

@@ -8,12 +8,14 @@
 #include <cstring>
 
 #include "option_checks.h"
+#include "shell_files.h"
+#include "units.h"
 
 namespace quench::program {
 namespace {
 
 // Which of the common options mean something for a command.
-enum Common : unsigned { computes = 1, writes = 2, reports = 4, answers_json = 8 };
+enum Common : unsigned { computes = 1, writes = 2, reports = 4, answers_json = 8, names_units = 16 };
 
 struct Command {
   const char* name;  // "bricks plan" is the command `plan` of `bricks`
@@ -25,18 +27,19 @@ struct Command {
 
 constexpr Command kCommands[] = {
     {"run", "The main job: everything Quench computes of a shape, into a folder",
-     "quench run bunny.off --resolution 512 -o bunny", computes | writes | reports, add_run},
+     "quench run bunny.off --resolution 512 -o bunny", computes | writes | reports | names_units, add_run},
     {"tree", "Roots, neurons, vessels, airways: one tree per plant, its axes and what is measured of them",
-     "quench tree root_ct.nrrd -o root", computes | writes | reports, add_tree},
+     "quench tree root_ct.nrrd -o root", computes | writes | reports | names_units, add_tree},
     {"batch", "Measures many samples: behind '--' stand 'tree' or 'run' and the options for all of them",
      "quench batch scans -o measured -- tree --kind root", computes | writes, add_batch},
     {"sample", "Writes a built-in shape", "quench sample root --seed 7 -o root.ply", writes, add_sample},
     {"voxelize", "Writes the voxel shape of a mesh or a volume",
-     "quench voxelize part.stl --resolution 256 -o part.nrrd", computes | writes | reports, add_voxelize},
+     "quench voxelize part.stl --resolution 256 -o part.nrrd", computes | writes | reports | names_units, add_voxelize},
     {"core", "Computes the medial axis of the voxel shape (its voxel core), pruned",
-     "quench core ct.nrrd --threshold 20 --detail 2vox -o axis.vtp", computes | writes | reports, add_core},
+     "quench core ct.nrrd --threshold 20 --detail 2vox -o axis.vtp", computes | writes | reports | names_units,
+     add_core},
     {"bricks plan", "Cuts the work on a large shape into bricks, in a folder that tasks share",
-     "quench bricks plan brain.zarr --threshold 300 -o work", computes | reports, add_bricks_plan},
+     "quench bricks plan brain.zarr --threshold 300 -o work", computes | reports | names_units, add_bricks_plan},
     {"bricks run", "Does the bricks of a task: one of an array of jobs, or all",
      "quench bricks run work --round 1 --task 0/100", computes, add_bricks_run},
     {"bricks merge", "Makes the medial axis of what all tasks have done", "quench bricks merge work -o axis.vtp",
@@ -44,27 +47,29 @@ constexpr Command kCommands[] = {
     {"bricks status", "Says what is done, and what it took", "quench bricks status work", answers_json,
      add_bricks_status},
     {"burn", "Adds burn time and erosion thickness to a medial axis", "quench burn axis.vtp -o burned.vtp",
-     computes | writes | reports, add_burn},
+     computes | writes | reports | names_units, add_burn},
     {"skeleton", "Computes a skeleton of sheets and curves of a medial axis",
-     "quench skeleton burned.vtp --theta2 inf --swc tree.swc -o curves.vtp", computes | writes | reports, add_skeleton},
-    {"reconstruct", "Writes the solid of a medial axis, its balls or all between them, and how far it is from the shape",
-     "quench reconstruct axis.vtp --envelope --shape bunny.off -o solid.ply", computes | writes | reports,
+     "quench skeleton burned.vtp --theta2 inf --swc tree.swc -o curves.vtp", computes | writes | reports | names_units,
+     add_skeleton},
+    {"reconstruct",
+     "Writes the solid of a medial axis, its balls or all between them, and how far it is from the shape",
+     "quench reconstruct axis.vtp --envelope --shape bunny.off -o solid.ply", computes | writes | reports | names_units,
      add_reconstruct},
     {"parts", "Names the sheets, seams and junctions of a skeleton; measures each, writes each sheet as a mesh",
-     "quench parts casting.off --remesh 2% -o casting_parts", computes | writes | reports, add_parts},
+     "quench parts casting.off --remesh 2% -o casting_parts", computes | writes | reports | names_units, add_parts},
     {"thickness", "Local thickness: as a volume, on the surface, as tables; of pores, too",
-     "quench thickness bone.nrrd --threshold 64 -o thickness.nrrd --csv thickness.csv", computes | writes | reports,
-     add_thickness},
+     "quench thickness bone.nrrd --threshold 64 -o thickness.nrrd --csv thickness.csv",
+     computes | writes | reports | names_units, add_thickness},
     {"simplify", "Makes a medial axis one of few vertices whose balls, cones and slabs stay near the shape",
-     "quench simplify bunny/core.vtp --vertices 200 --shape bunny.off -o bunny.ma", computes | writes | reports,
-     add_simplify},
+     "quench simplify bunny/core.vtp --vertices 200 --shape bunny.off -o bunny.ma",
+     computes | writes | reports | names_units, add_simplify},
     {"smooth", "Smooths the sheets and curves of a medial axis, by no more than a length",
-     "quench smooth axis.vtp --most 0.5vox -o smooth.vtp", computes | writes | reports, add_smooth},
+     "quench smooth axis.vtp --most 0.5vox -o smooth.vtp", computes | writes | reports | names_units, add_smooth},
     {"view", "Writes an interactive page of a medial axis or a skeleton: one HTML file, or a picture of it",
-     "quench view bunny/core.vtp --shape bunny.off -o bunny.html", computes | writes | reports, add_view},
+     "quench view bunny/core.vtp --shape bunny.off -o bunny.html", computes | writes | reports | names_units, add_view},
     {"info", "Says what a file is", "quench info axis.vtp", answers_json, add_info},
-    {"convert", "Writes a mesh or a medial axis in another format", "quench convert axis.vtp axis.ma", writes,
-     add_convert},
+    {"convert", "Writes a mesh or a medial axis in another format", "quench convert axis.vtp axis.ma",
+     writes | names_units, add_convert},
     {"verify", "Checks a result against its shape, or prints what is wrong", "quench verify ct.nrrd axis.vtp",
      computes | writes | reports, add_verify},
 };
@@ -88,6 +93,7 @@ void add_common(CLI::App& app, CommonOptions& options, unsigned common) {
     app.add_option("--json", options.report, "Write a report to this file ('-': to stdout)")
         ->type_name("FILE")
         ->group(group);
+  if (common & names_units) add_units(app, options.units)->group(group);
   if (common & writes) app.add_flag("--overwrite", options.overwrite, "Replace existing outputs")->group(group);
   app.add_flag("--quiet", options.quiet, "No progress and no notes")->group(group);
   if (common & computes)
@@ -118,33 +124,6 @@ std::string names_of_commands(const CLI::App& of) {
   for (const CLI::App* command : of.get_subcommands([](const CLI::App*) { return true; }))
     names += (names.empty() ? "" : ", ") + command->get_name();
   return names;
-}
-
-/// How many letters must be changed, added, removed or swapped with their neighbour to make one word the other.
-std::size_t distance_of(std::string_view a, std::string_view b) {
-  std::vector<std::vector<std::size_t>> d(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
-  for (std::size_t i = 0; i <= a.size(); ++i)
-    for (std::size_t j = 0; j <= b.size(); ++j) {
-      d[i][j] = i + j;
-      if (i == 0 || j == 0) continue;
-      d[i][j] = std::min({d[i - 1][j] + 1, d[i][j - 1] + 1, d[i - 1][j - 1] + (a[i - 1] != b[j - 1])});
-      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
-        d[i][j] = std::min(d[i][j], d[i - 2][j - 2] + 1);
-    }
-  return d[a.size()][b.size()];
-}
-
-/// The name that was meant; empty when none is near.
-std::string nearest_name(const std::string& word, const std::vector<std::string>& names) {
-  std::size_t least = std::max<std::size_t>(1, word.size() / 3) + 1;
-  std::string best;
-  if (word.size() > 64) return {};
-  for (const std::string& name : names)
-    if (const std::size_t distance = distance_of(word, name); distance < least) {
-      least = distance;
-      best = name;
-    }
-  return best;
 }
 
 /// `of`: the program, or a command that has commands.
@@ -247,8 +226,7 @@ std::string usage_sentence(const CLI::ParseError& error, const CLI::App& app) {
   } else if (dynamic_cast<const CLI::ValidationError*>(&error)) {  // ours, behind the name of the option
     what.replace(what.find(": "), 2, " ");
   }
-
-  return fmt::format("{}; see {}", what, help);
+  return with_help(what);
 }
 
 }  // namespace
@@ -373,6 +351,10 @@ std::vector<std::string> with_own_options(const std::vector<std::string>& words,
 
 int run(int argc, char** argv) {
   CommandLine line;
+  if (argc == 3 && std::string_view(argv[1]) == "shell-files") {  // for the build; no command that users need
+    write_shell_files(line.app, argv[2]);
+    return 0;
+  }
   int result = 0;
   try {
     line.parse({argv + std::min(argc, 1), argv + argc});

@@ -272,9 +272,11 @@ int run_features(const RunProgram& o, Session& session) {
                  {"length", totals.length},
                  {"failures", failures},
                  {"notes", notes}};
+  if (!session.options.units.empty()) report["input"]["units"] = session.options.units;
   session.finished("write");
   if (draws) {
     pipeline::PageBuilder& builder = drawing.finished();
+    builder.page.unit = session.options.units;
     builder.page.command = session.options.command;
     builder.page.title = pipeline::title_of(o.shape.file);
     if (!files.view.empty()) write_page(builder, files.view, report, outputs);

@@ -127,9 +127,12 @@ Action add_sample(CLI::App& app) {
   };
   auto o = std::make_shared<Options>();
   std::string names;
-  for (const SampleInfo& info : built_in_samples())
+  std::vector<std::string> words;
+  for (const SampleInfo& info : built_in_samples()) {
     names += fmt::format("\n  {:<18}{}", info.name, description_of(info));
-  app.add_option("NAME", o->name, "The shape:" + names)->type_name("")->required();
+    words.emplace_back(info.name);
+  }
+  app.add_option("NAME", o->name, "The shape:" + names)->type_name("")->required()->check(also(words));
   app.add_option("-o,--output", o->output,
                  "A mesh (.ply .obj .vtp) or a volume (.nrrd, .zarr); root also writes FILE.json, its true branches")
       ->type_name("FILE")

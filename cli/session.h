@@ -23,6 +23,7 @@ struct CommonOptions {
   int threads = 0;
   std::string memory_limit;
   std::string report;
+  std::string units;               ///< of the input, as results name it; empty: as the file says
   std::string command;             ///< the line that started the program, for results that say how they were made
   std::vector<std::string> words;  ///< of a batch: what stands behind its "--"
   bool quiet = false, verbose = false, overwrite = false;

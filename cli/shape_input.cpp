@@ -10,6 +10,7 @@
 #include "option_checks.h"
 #include "quench/io.h"
 #include "report.h"
+#include "units.h"
 
 namespace quench::program {
 namespace {
@@ -200,7 +201,8 @@ CLI::Option* add_dimension(CLI::App& app, std::optional<int>& dimension) {
 CLI::Option* add_resolution(CLI::App& app, ShapeOptions& o, const std::string& help) {
   return add_parsed(app, "--resolution", help,
                     [&o](const std::string&, const std::string& text) { o.how.resolution = parse_resolution(text); })
-      ->type_name("N");
+      ->type_name("N")
+      ->check(also({"auto"}));
 }
 
 CLI::Option* add_fill(CLI::App& app, ShapeOptions& o, const std::string& help) {
@@ -238,6 +240,7 @@ void add_volume_options(CLI::App& app, pipeline::ShapeOptions& how, const std::s
                   "thresholds for thin things; 'otsu': by Otsu's method",
              [&how](const std::string& option, const std::string& text) { parse_threshold(option, text, how); })
       ->type_name("T")
+      ->check(also({"auto", "thin", "otsu"}))
       ->group(group);
   add_label(app, f.label, of + "the shape is the voxels or pixels of exactly this value (0 too)")
       ->type_name("K")
@@ -446,6 +449,8 @@ LoadedShape load_shape(const ShapeOptions& options, Session& session) {
   const bool perhaps_plane = kind == io::Kind::volume;  // known when it is read
   if (!perhaps_plane) say_ignored(options, kind, session);
   LoadedShape shape = pipeline::load_shape(options.file, options.how, &session.context);
+  take_units(shape.coordinates, options.file, session);
+  if (shape.values) shape.values->coordinates.units = shape.coordinates.units;
   if (perhaps_plane) say_ignored(options, kind, session, shape.shape.grid().is_plane());
   if (shape.from_mesh)
     say_voxelization(options, shape, session);
@@ -470,6 +475,7 @@ Json input_section(const ShapeOptions& options, const LoadedShape& shape) {
   Json input = {{"file", options.file}, {"kind", kind_text(shape)}};
   if (shape.from_mesh) {
     add_mesh(input, shape);
+    if (!shape.coordinates.units.empty()) input["units"] = shape.coordinates.units;
   } else {
     if (!shape.coordinates.units.empty()) input["units"] = shape.coordinates.units;
     if (!shape.coordinates.space.empty()) input["space"] = shape.coordinates.space;

@@ -175,6 +175,8 @@ CLI::Option* add_swc_type(CLI::App& app, std::string& type) {
              },
              [&type] { return type; })
       ->type_name("TYPE")
+      ->check(also(
+          {"undefined", "soma", "axon", "dendrite", "basal-dendrite", "apical-dendrite", "custom", "neurite", "glia"}))
       ->capture_default_str();
 }
 

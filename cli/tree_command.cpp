@@ -16,6 +16,7 @@
 #include "run_command.h"
 #include "stage_options.h"
 #include "tree_report.h"
+#include "units.h"
 
 namespace quench::program {
 namespace {
@@ -333,6 +334,7 @@ Made made_of_tree(const TreeProgram& o, const CLI::App& app, Json& report, Sessi
                      fmt::format("'{}' is a tree already, which is measured as it is", o.shape.file), session);
   bool axes_known = false;
   Tree tree = io::read_tree(o.shape.file, &axes_known, &session.context);
+  take_units(tree.coordinates, o.shape.file, session);
   session.finished("read");
   std::vector<Vec3> points;
   for (const Tree::Branch& branch : tree.branches)
@@ -362,6 +364,7 @@ Made made_of_result(const TreeProgram& o, Record&& result, const CLI::App& app, 
     report["input"]["shape"] = o.shape_file;
     made.shape = load_tree_shape(how, o, !o.no_view || !o.no_picture, session);
   }
+  take_units(result, o.shape.file, session);
   pipeline::RunOptions run = o.run;
   run.graph = o.graph.graph;
   const pipeline::TreeCurves curves = pipeline::curves_in(std::move(result), o.shape.file, std::move(run),

@@ -12,6 +12,7 @@
 #include "program.h"
 #include "quench/pipeline.h"
 #include "quench/tree.h"
+#include "units.h"
 
 namespace quench::program {
 namespace {
@@ -105,6 +106,7 @@ void check_tree_format(const std::filesystem::path& output) {
 void convert_tree(const std::filesystem::path& input, const std::filesystem::path& output, Session& session) {
   bool axes_known = false;
   Tree tree = io::read_tree(input, &axes_known, &session.context);
+  take_units(tree.coordinates, input.string(), session);
   checkpoint(&session.context, "read", 1);
   if (!axes_known) tree = with_hierarchy(std::move(tree), {});
   const std::string extension = extension_of(output);

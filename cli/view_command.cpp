@@ -12,6 +12,7 @@
 #include "quench/simplify.h"
 #include "report.h"
 #include "shape_input.h"
+#include "units.h"
 
 namespace quench::program {
 namespace {
@@ -122,6 +123,7 @@ Plan plan_page(const Options& o, Session& session) {
                   fmt::format("a page shows one {} only; write one page of '{}' and one of '{}'",
                               computed ? "medial axis with its skeletons" : "other result", known, file));
     known = file;
+    take_units(data, file, session);
     (computed ? plan.axis : plan.still) = std::move(data);
   }
   checkpoint(&session.context, "read", 1);

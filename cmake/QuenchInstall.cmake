@@ -5,6 +5,13 @@ install(TARGETS quench EXPORT quench-targets
         LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 if(QUENCH_PROGRAM)
   install(TARGETS quench_program RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+  if(QUENCH_SHELL_FILES)  # where distributions keep the completion of zsh elsewhere: -DQUENCH_ZSH_DIR=
+    set(QUENCH_ZSH_DIR ${CMAKE_INSTALL_DATADIR}/zsh/site-functions CACHE STRING "Where zsh finds completion")
+    install(DIRECTORY ${QUENCH_SHELL_FILES}/man1 DESTINATION ${CMAKE_INSTALL_MANDIR})
+    install(FILES ${QUENCH_SHELL_FILES}/bash/quench DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions)
+    install(FILES ${QUENCH_SHELL_FILES}/zsh/_quench DESTINATION ${QUENCH_ZSH_DIR})
+    install(FILES ${QUENCH_SHELL_FILES}/fish/quench.fish DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d)
+  endif()
 endif()
 if(QUENCH_MPI)
   install(TARGETS quench_mpi RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})

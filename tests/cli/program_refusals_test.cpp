@@ -25,6 +25,8 @@ TEST_F(Refusals, CommandLines) {
   refuses(2, {"'runn'", "did you mean 'run'?"}, {"runn", "cube.off", "-o", "a"});
   refuses(2, {"'thicken'", "run, tree, batch, sample"}, {"thicken", "--fast"});
   refuses(2, {"--resoluton", "did you mean --resolution?"}, {"core", "cube.off", "--resoluton", "9", "-o", "a.vtp"});
+  refuses(2, {"--topology 'mehs' is not one of mesh, voxels; did you mean 'mesh'? see quench core --help"},
+          {"core", "cube.off", "--topology", "mehs", "-o", "a.vtp"});
   refuses(2, {"--label is given more than once"}, {"core", "grey.npy", "--label", "1", "--label", "2", "-o", "a.vtp"});
   refuses(2, {"'-o=a.vtp'", "without '='"}, {"core", "cube.off", "-o=a.vtp"});
   refuses(2, {"--fast"}, {"--fast"});
