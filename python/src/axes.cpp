@@ -31,6 +31,7 @@ std::shared_ptr<Axis> axis_of_file(Record data, const std::string& file, Context
   result->core.coordinates = loaded.coordinates;
   result->spacing = loaded.spacing;
   result->voxel_core = loaded.voxel_core;
+  result->sites = std::move(loaded.sites);
   result->file = std::move(loaded.data);
   return result;
 }
@@ -260,8 +261,9 @@ void bind_axes(py::module_& m) {
       .def("save", [](const Pointer& a, const std::string& file, const std::string& quality, const py::object& listener,
                       int threads) {
         const auto fire = a->fire;
-        run_cancellable(listener, threads,
-                        [&](Context&) { io::write_record(file, a->data(fire.get(), true), {quality}); });
+        run_cancellable(listener, threads, [&](Context& c) {
+          io::write_record(file, a->data(restored(*a, fire, c).get(), true), {quality});
+        });
       });
   m.def("compute_axis",
         [](const std::shared_ptr<Shape>& shape, const std::string& measure, const std::string& threshold,

@@ -101,7 +101,9 @@ void bind_pages(py::module_& m) {
   m.def("picture_of_axis", [](const std::shared_ptr<Axis>& axis, const std::string& file, const PictureSize& size,
                               const py::object& listener, int threads) {
     const auto known = axis->fire;
-    run_cancellable(listener, threads, [&](Context& c) { write_axis(*axis, known.get(), nullptr, file, size, c); });
+    run_cancellable(listener, threads, [&](Context& c) {
+      write_axis(*axis, restored(*axis, known, c).get(), nullptr, file, size, c);
+    });
   });
   m.def("page_of_skeleton", [](const std::shared_ptr<SkeletonValue>& skeleton, const std::string& file,
                                const PictureSize& size, const py::object& listener, int threads) {

@@ -78,6 +78,7 @@ inline Surface Reader::take<Surface>() {
 QUENCH_FIELDS(Measure, name, values, levels)
 QUENCH_FIELDS(MedialAxis, complex, points, radius, measures, face_sites, edge_sites, sites, grid, voxel_points,
               voxel_radius, surface)
+QUENCH_FIELDS(pipeline::PlaneSites, grid, sites)
 QUENCH_FIELDS(SurfaceFit, moved, outside, mean_move, largest_move)
 QUENCH_FIELDS(pipeline::Length, number, unit, text)
 QUENCH_FIELDS(pipeline::CorePlan, sites, held, at_once, bricks, in_bricks)
@@ -191,22 +192,16 @@ void write_fire(Writer& writer, const Axis& axis) {
   const Fire& fire = *axis.fire;
   writer(fire.burning.options);
   std::vector<DataArray> sequence = fire.sequence;
-  if (!fire.family && !fire.burning.options.plane) sequence = burn_sequence(axis.axis(), fire.burning);
+  if (!fire.family && !fire.stored && !fire.burning.options.plane) sequence = burn_sequence(axis.axis(), fire.burning);
   writer.own(std::move(sequence));
 }
 
-std::shared_ptr<const Fire> read_fire(Unpickled& from, const Axis& axis) {
+std::shared_ptr<const Fire> read_fire(Unpickled& from) {
   if (!from.reader->take<bool>()) return nullptr;
-  const auto options = from.reader->take<BurnOptions>();
-  Record burned;
-  from(burned.field_data);
-  Context context;
-  if (std::optional<Burning> kept = kept_burning(burned, axis.axis(), options, &context)) {
-    auto fire = std::make_shared<Fire>();
-    fire->burning = std::move(*kept);
-    return fire;
-  }
-  return compute_fire(axis, options.plane ? 0 : options.omega, false, nullptr, context);
+  auto fire = std::make_shared<Fire>();
+  from(fire->burning.options, fire->sequence);
+  fire->stored = true;
+  return fire;
 }
 
 py::tuple pieces_of_shape(const std::shared_ptr<Shape>& s) {
@@ -217,7 +212,7 @@ py::tuple pieces_of_shape(const std::shared_ptr<Shape>& s) {
 
 py::tuple pieces_of_axis(const std::shared_ptr<Axis>& a) {
   Writer writer = begin_pickle(a, "Axis");
-  writer(a->core, a->file, a->spacing, a->voxel_core);
+  writer(a->core, a->file, a->spacing, a->sites, a->voxel_core);
   write_fire(writer, *a);
   return pieces(std::move(writer), a->shape);
 }
@@ -226,8 +221,8 @@ std::shared_ptr<Axis> unpickled_axis(const py::bytes& small, const py::list& lar
   Unpickled from("Axis", small, large);
   auto axis = std::make_shared<Axis>();
   axis->shape = std::move(shape);
-  from(axis->core, axis->file, axis->spacing, axis->voxel_core);
-  axis->fire = read_fire(from, *axis);
+  from(axis->core, axis->file, axis->spacing, axis->sites, axis->voxel_core);
+  axis->fire = read_fire(from);
   from.finish();
   return axis;
 }

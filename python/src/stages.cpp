@@ -30,14 +30,28 @@ std::shared_ptr<Axis> compute_axis(std::shared_ptr<Shape> shape, const pipeline:
   return result;
 }
 
+std::shared_ptr<const Fire> restored(const Axis& axis, std::shared_ptr<const Fire> fire, Context& context) {
+  if (!fire || !fire->stored) return fire;
+  const BurnOptions& options = fire->burning.options;
+  Record burned;
+  burned.field_data = fire->sequence;
+  if (std::optional<Burning> kept = kept_burning(burned, axis.axis(), options, &context)) {
+    auto result = std::make_shared<Fire>();
+    result->burning = std::move(*kept);
+    return result;
+  }
+  return compute_fire(axis, options.plane ? 0 : options.omega, false, nullptr, context);  // of the plane, in no time
+}
+
 std::shared_ptr<const Fire> compute_fire(const Axis& axis, double omega, bool family,
-                                         const std::shared_ptr<const Fire>& known, Context& context) {
+                                         const std::shared_ptr<const Fire>& last, Context& context) {
   const MedialAxis& m = axis.axis();
   pipeline::BurningOptions options;
   if (omega > 0) options.omega = pipeline::world_length(omega);
   if (axis.file) pipeline::take_recorded(options, *axis.file);
   const double wanted = options.omega ? options.omega->value : default_omega(m.complex, m.points);
-  const bool same = known && (known->burning.options.omega == wanted || m.complex.edges.empty());
+  const bool same = last && (last->burning.options.omega == wanted || m.complex.edges.empty());
+  const std::shared_ptr<const Fire> known = same ? restored(axis, last, context) : nullptr;
   if (same && (!family || known->family)) return known;
   auto fire = std::make_shared<Fire>();
   if (same) {
@@ -68,6 +82,7 @@ pipeline::GraphOptions graph_options(const Axis& axis) {
   } else if (axis.shape && axis.shape->surface) {
     options.surface = &*axis.shape->surface;
   }
+  if (axis.sites) options.sites = &*axis.sites;
   return options;
 }
 

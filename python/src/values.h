@@ -36,6 +36,7 @@ struct Fire {
   Burning burning;                  ///< without its states when `family` is there
   std::vector<DataArray> sequence;  ///< what files keep of these states, when `family` is there
   std::shared_ptr<const pipeline::FamilyResult> family;
+  bool stored = false;  ///< of a pickle: of `burning` the options only, until restored() is asked
 };
 
 struct Axis {
@@ -44,6 +45,7 @@ struct Axis {
                                      ///< the file says them measure, threshold, reconstructed and coverage; else NaN
   std::optional<Record> file;        ///< of an axis from a file
   Vec3 spacing = Vec3::Zero();       ///< of its voxels, 0 where unknown
+  std::optional<pipeline::PlaneSites> sites = {};  ///< of an axis of the plane from a file
   bool voxel_core = true;            ///< radii are distances to points that neighbours share: not fitted
   std::shared_ptr<const Fire> fire;  ///< the last one; under the interpreter's lock
 
@@ -126,6 +128,8 @@ std::shared_ptr<Axis> compute_axis(std::shared_ptr<Shape> shape, const pipeline:
 /// automatic.
 std::shared_ptr<const Fire> compute_fire(const Axis& axis, double omega, bool family,
                                          const std::shared_ptr<const Fire>& known, Context& context);
+/// A fire that is not only stored, or null.
+std::shared_ptr<const Fire> restored(const Axis& axis, std::shared_ptr<const Fire> fire, Context& context);
 std::shared_ptr<SkeletonValue> compute_skeleton(std::shared_ptr<Axis> axis, const Fire& fire, const Thetas& thetas,
                                                 Context& context);
 

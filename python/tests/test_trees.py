@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Trees: repair, axes, traits, files."""
+import sys
+
 import numpy as np
 import pytest
 import quench
@@ -49,14 +51,7 @@ def test_traits_are_tables(tree):
 
 
 def test_tables_without_pandas(tree, monkeypatch):
-    import builtins
-    original = builtins.__import__
-
-    def without(name, *rest):
-        if name == 'pandas':
-            raise ImportError(name)
-        return original(name, *rest)
-    monkeypatch.setattr(builtins, '__import__', without)
+    monkeypatch.setitem(sys.modules, 'pandas', None)
     table = tree.traits()
     assert isinstance(table, dict) and isinstance(table['length'], np.ndarray) and 'length' in table.attrs['units']
 
