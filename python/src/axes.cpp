@@ -125,6 +125,7 @@ std::shared_ptr<Axis> pruned_axis(const Axis& from, const std::string& text, Con
   result->shape = from.shape;
   const pipeline::Length threshold = pipeline::parse_length(text, from.core.options.pruning.measure);
   result->core = pipeline::pruned_further(*from.shape, from.core, threshold, &context);
+  result->sites = from.sites;
   result->spacing = from.spacing;
   return result;
 }

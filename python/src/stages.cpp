@@ -26,6 +26,7 @@ std::shared_ptr<Axis> compute_axis(std::shared_ptr<Shape> shape, const pipeline:
   result->core = pipeline::core_of(*shape, options, &context);
   result->voxel_core = !result->axis().is_fitted();
   result->spacing = shape->shape.grid().spacing;
+  if (shape->shape.grid().is_plane()) result->sites = {shape->shape.grid(), boundary_vertices(shape->shape)};
   result->shape = std::move(shape);
   return result;
 }

@@ -45,7 +45,7 @@ struct Axis {
                                      ///< the file says them measure, threshold, reconstructed and coverage; else NaN
   std::optional<Record> file;        ///< of an axis from a file
   Vec3 spacing = Vec3::Zero();       ///< of its voxels, 0 where unknown
-  std::optional<pipeline::PlaneSites> sites = {};  ///< of an axis of the plane from a file
+  std::optional<pipeline::PlaneSites> sites = {};  ///< of the plane: from which radii are known
   bool voxel_core = true;            ///< radii are distances to points that neighbours share: not fitted
   std::shared_ptr<const Fire> fire;  ///< the last one; under the interpreter's lock
 

@@ -61,6 +61,22 @@ def test_images(tmp_path):
     same(tmp_path / 'program.csv', tmp_path / 'python.csv')
 
 
+@pytest.mark.parametrize('image', [bent_tube(), bent_tube().any(axis=2)], ids=['volume', 'image'])
+def test_the_main_job(tmp_path, image):
+    np.save(tmp_path / 'i.npy', np.asfortranarray(image.astype(np.uint8)) if image.ndim == 3 else image.astype(np.uint8))
+    run('run', tmp_path / 'i.npy', '-o', tmp_path / 'program', '--no-picture', '--no-view')
+    axis = quench.medial_axis(tmp_path / 'i.npy')
+    skeleton = axis.skeleton()
+    skeleton.graph().save(tmp_path / 'branches.csv')
+    skeleton.save(tmp_path / 'skeleton.swc')
+    axis.save(tmp_path / 'core.ply')
+    skeleton.save(tmp_path / 'skeleton.ply')
+    for name in ('core', 'skeleton'):
+        run('convert', tmp_path / 'program' / (name + '.vtp'), '-o', tmp_path / 'program' / (name + '.ply'))
+    for name in ('branches.csv', 'skeleton.swc', 'core.ply', 'skeleton.ply'):
+        same(tmp_path / 'program' / name, tmp_path / name)
+
+
 def test_parts(tmp_path):
     core, axis = core_file(tmp_path)
     run('parts', core, '-o', tmp_path / 'program')
