@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Values as bytes and back, for pickles: numbers as they are in memory, large arrays apart from the rest and not copied.
+// Values as bytes and back, for pickles: numbers as they are in memory, large arrays apart from the rest and not
+// copied.
 #pragma once
 
 #include <Eigen/Core>
@@ -94,8 +95,8 @@ class Writer {
       if (values.size_bytes() < kLargeBytes)
         bytes(values.data(), values.size_bytes());
       else
-        large.push_back({owner_, values.data(), format_of<std::uint8_t>(), 1,
-                         {static_cast<py::ssize_t>(values.size_bytes())}});
+        large.push_back(
+            {owner_, values.data(), format_of<std::uint8_t>(), 1, {static_cast<py::ssize_t>(values.size_bytes())}});
     } else {
       for (const T& value : values) put(value);
     }
@@ -123,7 +124,8 @@ class Writer {
   std::shared_ptr<const void> owner_, other_;
 };
 
-/// Takes values in the order in which a Writer was given them. Throws Error(input) where there is less than was written.
+/// Takes values in the order in which a Writer was given them. Throws Error(input) where there is less than was
+/// written.
 class Reader {
  public:
   Reader(std::string_view small, std::vector<std::span<const std::byte>> large)
@@ -181,7 +183,8 @@ class Reader {
         values.resize(n);
         bytes(values.data(), n * sizeof(T));
       } else {
-        if (next_ == large_.size() || large_[next_].size() / sizeof(T) != n || large_[next_].size() % sizeof(T)) refuse();
+        if (next_ == large_.size() || large_[next_].size() / sizeof(T) != n || large_[next_].size() % sizeof(T))
+          refuse();
         values.resize(n);
         std::memcpy(static_cast<void*>(values.data()), large_[next_].data(), n * sizeof(T));
         ++next_;

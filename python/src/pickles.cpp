@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Results in parts for pickles: python/quench/_pickles.py puts them together.
-#include <pybind11/stl.h>
-
 #include <fmt/format.h>
+#include <pybind11/stl.h>
 
 #include "archive.h"
 #include "values.h"
@@ -233,7 +232,8 @@ py::tuple pieces_of_skeleton(const std::shared_ptr<SkeletonValue>& s) {
   return pieces(std::move(writer), s->axis);
 }
 
-std::shared_ptr<SkeletonValue> unpickled_skeleton(const py::bytes& small, const py::list& large, std::shared_ptr<Axis> axis) {
+std::shared_ptr<SkeletonValue> unpickled_skeleton(const py::bytes& small, const py::list& large,
+                                                  std::shared_ptr<Axis> axis) {
   Unpickled from("Skeleton", small, large);
   auto skeleton = std::make_shared<SkeletonValue>();
   skeleton->axis = std::move(axis);
@@ -268,7 +268,7 @@ py::tuple pieces_of_solid(const std::shared_ptr<SolidValue>& s) {
 }
 
 std::shared_ptr<SolidValue> unpickled_solid(const py::bytes& small, const py::list& large, std::shared_ptr<Shape> shape,
-                                     std::shared_ptr<Axis> axis, std::shared_ptr<SkeletonValue> skeleton) {
+                                            std::shared_ptr<Axis> axis, std::shared_ptr<SkeletonValue> skeleton) {
   Unpickled from("Solid", small, large);
   Coordinates coordinates;
   from(coordinates);
@@ -288,7 +288,7 @@ py::tuple pieces_of_simplification(const std::shared_ptr<SimplificationValue>& s
 }
 
 std::shared_ptr<SimplificationValue> unpickled_simplification(const py::bytes& small, const py::list& large,
-                                                       std::shared_ptr<Axis> axis) {
+                                                              std::shared_ptr<Axis> axis) {
   Unpickled from("Simplification", small, large);
   auto value = std::make_shared<SimplificationValue>();
   value->from = std::move(axis);
@@ -318,15 +318,14 @@ void bind_pickles(py::module_& m) {
   });
   m.def("restore_Axis", &unpickled_axis);
   m.def("restore_Skeleton", &unpickled_skeleton);
-  m.def("restore_Graph",
-        [](const py::bytes& small, const py::list& large, std::shared_ptr<SkeletonValue> skeleton) {
-          Unpickled from("Graph", small, large);
-          auto graph = std::make_shared<GraphValue>();
-          graph->skeleton = std::move(skeleton);
-          from(graph->graph);
-          from.finish();
-          return graph;
-        });
+  m.def("restore_Graph", [](const py::bytes& small, const py::list& large, std::shared_ptr<SkeletonValue> skeleton) {
+    Unpickled from("Graph", small, large);
+    auto graph = std::make_shared<GraphValue>();
+    graph->skeleton = std::move(skeleton);
+    from(graph->graph);
+    from.finish();
+    return graph;
+  });
   m.def("restore_Parts", [](const py::bytes& small, const py::list& large) {
     Unpickled from("Parts", small, large);
     auto parts = std::make_shared<PartsValue>();
