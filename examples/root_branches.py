@@ -23,7 +23,7 @@ volume = quench.read(options.volume) if options.volume else quench.voxelize(samp
 axis = quench.medial_axis(volume, threshold=options.threshold, largest_component=True, fill_cavities=True)
 root = axis.skeleton(theta2='inf', theta1='4vox')  # curves only; a branch has to stand out by four voxels
 table = root.branches()
-root.save(options.output / 'branches.csv')
+root.graph().save(options.output / 'branches.csv')
 root.save(options.output / 'root.png')
 
 tips = (table['from_kind'] == 'end').sum() + (table['to_kind'] == 'end').sum()

@@ -25,9 +25,14 @@ def _version():
 
 
 def _tag():
+    """For this Python only: pybind11 knows no stable ABI (docs/user/python.md)."""
     platform = re.sub(r'[^A-Za-z0-9]', '_', sysconfig.get_platform())
-    python = f'cp{sys.version_info[0]}{sys.version_info[1]}'
-    return f'{python}-{python}-{platform}'
+    version = f'{sys.version_info[0]}{sys.version_info[1]}'
+    abi = sysconfig.get_config_var('SOABI') or f'cpython-{version}'  # cpython-313t-x86_64-linux-gnu, pypy310-pp73-...
+    kind, detail = abi.split('-')[:2]
+    if kind == 'cpython':
+        return f'cp{version}-cp{detail}-{platform}'
+    return f'{"pp" if kind.startswith("pypy") else sys.implementation.name}{version}-{kind}_{detail}-{platform}'
 
 
 def _metadata():
@@ -95,14 +100,18 @@ def prepare_metadata_for_build_wheel(metadata_directory, config_settings=None):
 
 
 def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
-    compiled = _compile()
-    modules = glob.glob(os.path.join(compiled, '_core*.so'))
-    if len(modules) != 1:
-        raise RuntimeError(f'one compiled module was expected in {compiled}, and there are {len(modules)}')
+    return pack_wheel(wheel_directory, _compile())
+
+
+def pack_wheel(wheel_directory, compiled):
+    """The wheel of a module that is compiled for this Python, in the folder `compiled`. Returns its name."""
+    module = os.path.join(compiled, '_core' + sysconfig.get_config_var('EXT_SUFFIX'))
+    if not os.path.exists(module):
+        raise RuntimeError(f'{module} was expected, and it is not there: the module is that of another Python')
     sources = [path for path in sorted(glob.glob(os.path.join(ROOT, 'python', 'quench', '*')))
                if path.endswith(('.py', '.pyi', 'py.typed'))]
     files = []
-    for path in [*sources, *modules]:
+    for path in [*sources, module]:
         with open(path, 'rb') as file:
             files.append(('quench/' + os.path.basename(path), file.read()))
     return _write_wheel(wheel_directory, files)

@@ -11,16 +11,18 @@
 from ._axis import MedialAxis
 from ._common import ArgumentTypeError, Certificate, MissingFileError, Topology
 from ._core import Error, UsageError, __version__
+from ._graph import Graph
 from ._inputs import Mesh, Volume, sample, samples, voxelize
 from ._making import medial_axis, read
 from ._parts import Parts, SheetMesh
 from ._simplification import Simplification
-from ._skeleton import Curves, Graph, Sheets, Skeleton, skeletonize
+from ._show import View
+from ._skeleton import Curves, Sheets, Skeleton, skeletonize
 from ._solid import Solid
 from ._thickness import SurfaceThickness, local_thickness, surface_thickness
 from ._tree import Tree, read_tree, tree
 
 __all__ = ['ArgumentTypeError', 'Certificate', 'Curves', 'Error', 'Graph', 'MedialAxis', 'Mesh', 'MissingFileError', 'Parts', 'SheetMesh', 'Sheets',
-           'Simplification', 'Skeleton', 'Solid', 'SurfaceThickness', 'Topology', 'Tree', 'UsageError', 'Volume',
+           'Simplification', 'Skeleton', 'Solid', 'SurfaceThickness', 'Topology', 'Tree', 'UsageError', 'View', 'Volume',
            '__version__', 'local_thickness', 'medial_axis', 'read', 'read_tree', 'sample', 'samples', 'skeletonize',
            'surface_thickness', 'tree', 'voxelize']

@@ -7,13 +7,14 @@ from typing import Any, Dict, Optional, Sequence, Tuple
 
 import numpy as np
 
-from . import _core, _export, _plane
-from ._common import (Array, Certificate, Length, Path, Progress, Topology, calling, deprecated, ending, error, length,
-                      length_or_auto, topology_of, whole, written)
+from . import _core, _export, _plane, _show
+from ._common import (Array, Certificate, Length, Path, Progress, calling, deprecated, ending, error, length, length_or_auto,
+                      whole, written)
 from ._complex import Complex
 from ._measures import Cells, Measures
 from ._simplification import Simplification
 from ._skeleton import Skeleton, theta2_of
+from ._show import View
 from ._solid import Solid
 
 
@@ -178,10 +179,6 @@ class MedialAxis(Complex):
     @property
     def longest_side(self) -> float:
         return self._core.longest_side
-
-    @property
-    def topology(self) -> Topology:
-        return topology_of(self._core)
 
     def pruned(self, threshold: Optional[Length] = None, *, detail: Optional[Length] = None,
                lambda_: Optional[Length] = None, threads: Optional[int] = None,
@@ -468,6 +465,35 @@ class MedialAxis(Complex):
                 _core.page_of_axis(self._core, None, written(path), None, *call)
             else:
                 self._core.save(written(path), quality, *call)
+
+    def view(self, *, height: int = 600, threads: Optional[int] = None, progress: Optional[Progress] = None) -> View:
+        """The interactive page, as :meth:`save` writes it to .html: a notebook shows it in a frame.
+
+        Parameters
+        ----------
+        height : int
+            Of the frame, in pixels.
+
+        Returns
+        -------
+        View
+            ``.save('axis.html')`` writes it for a browser.
+        """
+        with self._calling(threads, progress) as call:
+            return _show.view_of(lambda file: _core.page_of_axis(self._core, None, file, None, *call), 'Medial axis', height)
+
+    def _repr_html_(self) -> str:
+        units, facts = self.units, self._facts()
+        for name, value in (('detail', self.detail), ('λ', self.lambda_), ('coverage', self.coverage)):
+            if value is not None:
+                facts.append((name, _show.number(value, units)))
+        facts.append(('fitted to', {'voxels': 'nothing: that of the voxels' if self.dimension == 3 else
+                                    'nothing: that of the pixels'}.get(self.surface, self.surface)))
+        return _show.card('Medial axis', facts, self._picture())
+
+    def _draw(self, file: bytes) -> None:
+        with calling(self._threads, False) as call:
+            _core.picture_of_axis(self._core, file, _show.SIZE, *call)
 
     def plot(self, ax: Any = None, **options: Any) -> Any:
         """Draws the faces with matplotlib, coloured by erosion thickness; returns the axes.

@@ -9,6 +9,7 @@ import os
 import sys
 import warnings
 from contextlib import contextmanager
+from html import escape
 from types import FrameType
 from typing import TYPE_CHECKING, Any, Callable, Iterable, Iterator, NamedTuple, Optional, Sequence, Tuple, Type, Union
 
@@ -105,6 +106,11 @@ class Certificate:
 
     def __init__(self, checks: Iterable[Tuple[str, bool, str]]):
         self.checks = [(str(name), bool(passed), str(detail)) for name, passed, detail in checks]
+
+    def _repr_html_(self) -> str:
+        rows = ''.join(f'<tr><td>{"ok" if passed else "<b>FAIL</b>"}</td><td style="text-align:left">{escape(name)}</td>'
+                       f'<td style="text-align:left">{escape(detail)}</td></tr>' for name, passed, detail in self.checks)
+        return f'<table>{rows}</table>'
 
     def __bool__(self) -> bool:
         return all(passed for _, passed, _ in self.checks)

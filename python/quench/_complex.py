@@ -7,8 +7,8 @@ from typing import Any, ContextManager, Optional, Tuple
 
 import numpy as np
 
-from . import _export, _plane
-from ._common import Array, Progress, calling, error
+from . import _export, _plane, _show
+from ._common import Array, Progress, Topology, calling, error, topology_of
 from ._pickles import Result
 
 
@@ -36,6 +36,25 @@ class Complex(Result):
     def units(self) -> str:
         """Of lengths, where they are known."""
         return str(self._core.units)
+
+    def _facts(self) -> _show.Facts:
+        """What a notebook shows of it."""
+        cells = [_show.counted(len(self.vertices), 'vertex', 'vertices'), _show.counted(len(self.edges), 'edge')]
+        if self.dimension == 3:
+            cells.append(_show.counted(len(self.polygons[0]) - 1, 'polygon'))
+        return [('cells', ', '.join(cells)), ('topology', _show.topology_text(self.topology, self.dimension)),
+                ('radius', _show.ranged(self.radius, self.units)), ('box', _show.box_text(self.vertices, self.units))]
+
+    def _picture(self) -> Optional[bytes]:
+        """A small PNG, where that is quick."""
+        return _show.picture(self._draw) if len(self.vertices) <= 10**6 else None
+
+    def _draw(self, file: bytes) -> None:
+        raise NotImplementedError
+
+    @property
+    def topology(self) -> Topology:
+        return topology_of(self._core)
 
     @cached_property
     def vertices(self) -> Array:

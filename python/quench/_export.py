@@ -38,6 +38,30 @@ def to_pyvista(vertices: Array, faces: Array, edges: Array, arrays: Dict[str, Ar
     return data
 
 
+def swc_table(text: str) -> Dict[str, Array]:
+    """The samples of an SWC file as columns, with the names that navis has for them."""
+    rows = [line.split() for line in text.splitlines() if line.strip() and not line.startswith('#')]
+    columns = list(zip(*rows)) or [()] * 7
+    whole_ones = {'node_id': 0, 'parent_id': 6, 'type': 1}
+    numbers = {'x': 2, 'y': 3, 'z': 4, 'radius': 5}
+    table = {name: np.array(columns[c], np.int64) for name, c in whole_ones.items()}
+    table.update({name: np.array(columns[c], np.float64) for name, c in numbers.items()})
+    return {name: table[name] for name in ('node_id', 'parent_id', 'x', 'y', 'z', 'radius', 'type')}
+
+
+def to_navis(table: Dict[str, Array], units: str) -> Any:
+    """A ``navis.TreeNeuron``, or a ``navis.NeuronList`` of one per root."""
+    navis, pandas = need('navis', 'to_navis()'), need('pandas', 'to_navis()')
+    root: Dict[int, int] = {}
+    tree = np.zeros(len(table['node_id']), np.int64)
+    for row, (node, parent) in enumerate(zip(table['node_id'].tolist(), table['parent_id'].tolist())):
+        root[node] = tree[row] = root[parent] if parent >= 0 else node  # parents come before children
+    frame = pandas.DataFrame({('label' if name == 'type' else name): values for name, values in table.items()})
+    neurons = [navis.TreeNeuron(frame[tree == first].reset_index(drop=True), units=units or None)
+               for first in np.unique(tree)]
+    return neurons[0] if len(neurons) == 1 else navis.NeuronList(neurons)
+
+
 def _parts(result: Any) -> Tuple[Array, Array, str, Array, Array, Array]:
     """Triangles with a value each, segments with a value each, single points."""
     if hasattr(result, 'sheets'):

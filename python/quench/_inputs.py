@@ -9,7 +9,7 @@ from typing import Any, Dict, List, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
-from . import _core
+from . import _core, _export, _show
 from ._common import (ArgumentTypeError, Array, Error, Path, Progress, Spacing, calling, error, file_name, is_path,
                       must_exist, reals, spacing_of, whole, wrong_type)
 
@@ -34,6 +34,14 @@ class Mesh:
     faces: Array
     branches: List[Dict[str, Any]] = field(default_factory=list, repr=False)
     touching: List[Dict[str, Any]] = field(default_factory=list, repr=False)
+
+    def to_trimesh(self) -> Any:
+        """A ``trimesh.Trimesh``."""
+        return _export.to_trimesh(self.vertices, self.faces)
+
+    def to_pyvista(self) -> Any:
+        """A ``pyvista.PolyData``."""
+        return _export.to_pyvista(self.vertices, self.faces, np.zeros((0, 2), np.int32), {})
 
 
 class Volume:
@@ -137,6 +145,14 @@ class Volume:
     @property
     def dtype(self) -> Any:
         return self.array.dtype
+
+    def _repr_html_(self) -> str:
+        def numbers(values: Array) -> str:
+            return ', '.join(f'{value:g}' for value in values)
+
+        facts = [('shape', ' x '.join(map(str, self.shape))), ('type', str(self.dtype)), ('spacing', numbers(self.spacing)),
+                 ('origin', numbers(self.origin)), ('units', self.units), ('space', self.space)]
+        return _show.card('Image' if self.array.ndim == 2 else 'Volume', [(name, value) for name, value in facts if value])
 
     def __repr__(self) -> str:
         kind = 'Image' if self.array.ndim == 2 else 'Volume'

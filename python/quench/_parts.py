@@ -7,7 +7,7 @@ from typing import Any, Dict, List, NamedTuple, Optional
 
 import numpy as np
 
-from . import _core, _export
+from . import _core, _export, _show
 from ._common import Array, Path, ending, written
 from ._pickles import Result
 
@@ -64,6 +64,15 @@ class Parts(Result):
     def __repr__(self) -> str:
         counts = {name: len(getattr(self, name + 's')[name]) for name in ('sheet', 'seam', 'junction')}
         return 'Parts: ' + ', '.join(f'{count} {name}{"" if count == 1 else "s"}' for name, count in counts.items())
+
+    def _repr_html_(self) -> str:
+        columns = [name for name in ('sheet', 'area', 'mean_thickness', 'neighbours') if name in self.sheets]
+        most = 10
+        rows = [[' '.join(map(str, value)) if isinstance(value, np.ndarray) else f'{value:.4g}'
+                 for value in (self.sheets[name][n] for name in columns)] for n in range(min(most, len(self.meshes)))]
+        more = len(self.meshes) - len(rows)
+        below = _show.table(columns, rows) + (f'<p>and {more:,} more</p>' if more else '')
+        return _show.card(repr(self), [('units', self.units)] if self.units else [], None, below if rows else '')
 
     @cached_property
     def sheets(self) -> Table:
@@ -133,6 +142,10 @@ class Parts(Result):
             self._core.save_table(written(path))
         else:
             self._core.save(written(path))
+
+    def to_trimesh(self) -> Any:
+        """A ``trimesh.Trimesh`` of all sheets."""
+        return _export.to_trimesh(self.vertices, self.faces)
 
     def to_pyvista(self) -> Any:
         """A ``pyvista.PolyData`` of all sheets and seams with ``thickness``."""

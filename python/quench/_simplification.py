@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Dict, Optional, Type
 
-from . import _core
+from . import _core, _show
 from ._common import Progress, calling, whole
 from ._pickles import Result
 
@@ -47,6 +47,13 @@ class Simplification(Result):
         shown = self._progress if progress is None else progress
         with calling(used, shown) as call:
             return self._kind(self._core.level(number, *call), used, shown)
+
+    def _repr_html_(self) -> str:
+        facts = [('vertices', f'{len(self.axis.vertices):,} of {self.most:,}; {self.least:,} at least'),
+                 ('measured from', self.boundary)]
+        facts += [(name.replace('_', ' '), f'mean {_show.number(of["mean"])}, largest {_show.number(of["largest"])}')
+                  for name, of in self.errors.items() if isinstance(of, dict)]
+        return _show.card('Simplified medial axis', facts, self.axis._picture())
 
     def __repr__(self) -> str:
         return f'<quench.Simplification: {len(self.axis.vertices)} of {self.most} vertices>'

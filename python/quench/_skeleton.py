@@ -4,24 +4,24 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Dict, Iterable, List, Optional, Sequence, Union
+from typing import TYPE_CHECKING, Any, Dict, Iterable, Optional, Sequence, Union
 
 import numpy as np
 
-from . import _core, _export, _plane
-from ._common import (Array, Certificate, Length, Path, Progress, Spacing, Topology, calling, deprecated, ending, error,
-                      is_path, length, length_or_auto, need, pruning_of, spacing_of, topology_of, whole, written)
+from . import _core, _export, _plane, _show
+from ._common import (Array, Certificate, Length, Path, Progress, Spacing, calling, deprecated, ending, error, is_path,
+                      length, length_or_auto, pruning_of, spacing_of, whole, written)
 from ._complex import Complex
+from ._graph import Graph, Table
 from ._inputs import Volume, image_array, label_of, read_file
 from ._parts import Parts
-from ._pickles import Result
+from ._show import View
 from ._solid import Solid
 
 if TYPE_CHECKING:
     from ._axis import MedialAxis
 
 _Held = _core.Skeleton  # a name that the attribute of the class does not hide
-Table = Dict[str, Array]
 
 
 def theta2_of(theta2: Length, dimension: int) -> str:
@@ -77,110 +77,6 @@ class Curves:
     branch: Array
 
 
-class Graph(Result):
-    """The curves of a skeleton as nodes and branches, to measure on; made by :meth:`Skeleton.graph`.
-
-    Attributes
-    ----------
-    nodes : dict of arrays
-        ``x y z radius kind component degree sheet``, a row per node. `kind` is one of end, junction, sheet, loop, isolated;
-        `sheet` the patch of sheets the node lies on, or -1. Of an image without z.
-    branches : dict of arrays
-        ``from to component length mean_radius min_radius max_radius thickness tortuosity from_x ... to_z from_kind
-        to_kind``, a row per branch. ``pandas.DataFrame(graph.branches)`` is a table.
-    paths : list of (n, 3) arrays, of an image (n, 2)
-        The course of each branch: x, y, z or x, y.
-    radii : list of (n,) arrays
-        The radius along it.
-    erosion_thickness, mgf : list of (n,) arrays
-        Of an image, what else is measured along it; infinite on loops, and where the boundary points are on different
-        outlines. Of volumes empty.
-    """
-
-    def __init__(self, core: '_core.Graph'):
-        self._core = core
-
-    def __repr__(self) -> str:
-        return f'Graph of {len(self.nodes["x"])} nodes, {len(self.branches["length"])} branches'
-
-    @cached_property
-    def nodes(self) -> Table:
-        columns = {name: np.asarray(column) for name, column in self._core.nodes().items()}
-        return {**self._xyz(columns.pop('point')), **{**columns, 'kind': _kinds(columns['kind'])}}
-
-    @cached_property
-    def branches(self) -> Table:
-        columns = {name: np.asarray(column) for name, column in self._core.branches().items()}
-        ends = {**self._xyz(columns.pop('from_point'), 'from_'), **self._xyz(columns.pop('to_point'), 'to_'),
-                'from_kind': _kinds(columns.pop('from_kind')), 'to_kind': _kinds(columns.pop('to_kind'))}
-        return {**columns, **ends}
-
-    def _xyz(self, points: Array, prefix: str = '') -> Table:
-        return {prefix + name: points[:, a] for a, name in enumerate('xyz'[:self._core.dimension])}
-
-    @cached_property
-    def _paths(self) -> List[Any]:
-        return self._core.paths()
-
-    @cached_property
-    def paths(self) -> List[Array]:
-        return [np.asarray(path[0])[:, :self._core.dimension] for path in self._paths]
-
-    @cached_property
-    def radii(self) -> List[Array]:
-        return [np.asarray(path[1]) for path in self._paths]
-
-    @cached_property
-    def erosion_thickness(self) -> List[Array]:
-        return [np.asarray(path[2]) for path in self._paths]
-
-    @cached_property
-    def mgf(self) -> List[Array]:
-        return [np.asarray(path[3]) for path in self._paths]
-
-    def to_networkx(self) -> Any:
-        """A ``networkx.MultiGraph``: rows of `nodes` and `branches` are the attributes, `path` and `radii` those of edges."""
-        networkx = need('networkx', 'to_networkx()')
-        graph = networkx.MultiGraph()
-        for n in range(len(self.nodes['x'])):
-            graph.add_node(n, **{name: column[n].item() for name, column in self.nodes.items()})
-        for b, (path, radii) in enumerate(zip(self.paths, self.radii)):
-            row = {name: column[b].item() for name, column in self.branches.items()}
-            graph.add_edge(row.pop('from'), row.pop('to'), key=b, path=path, radii=radii, **row)
-        return graph
-
-    def save(self, path: Path, *, root: Optional[Sequence[float]] = None,
-             swc_type: Union[int, str] = 'dendrite') -> Optional[Dict[str, int]]:
-        """Writes .csv (a row per branch), .graphml or .swc (trees; loops are cut and listed in the header); of images also
-        .geojson.
-
-        Of SWC, `root` is a place: the node next to it is the root of its tree; `swc_type` the type of every sample, a number
-        or a name ("soma", "axon", "dendrite", "apical-dendrite", "custom" ...). Returns what the file holds:
-        ``trees samples sheet_links cuts``.
-        """
-        name = written(path)
-        if ending(path) == '.csv':
-            self._core.write_csv(name)
-        elif ending(path) == '.graphml':
-            self._core.write_graphml(name)
-        elif ending(path) == '.swc':
-            return self._core.write_swc(name, None if root is None else [float(x) for x in root], str(swc_type))
-        elif ending(path) == '.geojson':
-            self.to_geojson(path)
-        else:
-            raise error(2, f"'{ending(path)}' is not a format of graphs; name the file .csv, .graphml or .swc")
-        return None
-
-    def to_geojson(self, path: Optional[Path] = None) -> Dict[str, Any]:
-        """Of an image: the branches as a GeoJSON FeatureCollection, see :meth:`Skeleton.to_geojson`."""
-        if self._core.dimension != 2:
-            raise error(2, 'to_geojson() is of images of two dimensions; of volumes there are .swc, .graphml and .csv')
-        found = _plane.geojson(self, self._core.y_down)
-        if path is not None:
-            _plane.write_json(found, path)
-        return found
-
-
 class Skeleton(Complex):
     """A skeleton of sheets and curves with the topology of its shape; made by :meth:`MedialAxis.skeleton`.
 
@@ -220,10 +116,6 @@ class Skeleton(Complex):
     @property
     def theta1_radii(self) -> float:
         return self._core.theta1_radii
-
-    @property
-    def topology(self) -> Topology:
-        return topology_of(self._core)
 
     def reconstructed_share(self, *, threads: Optional[int] = None, progress: Optional[Progress] = None) -> float:
         """Share of the shape that the balls fill (of a sample of voxels)."""
@@ -324,6 +216,14 @@ class Skeleton(Complex):
     def to_networkx(self) -> Any:
         """A ``networkx.MultiGraph`` of ends, junctions and branches: ``graph().to_networkx()``."""
         return self._graph.to_networkx()
+
+    def to_skan(self, separator: str = '-') -> Table:
+        """The table of ``skan.summarize``: ``graph().to_skan()``."""
+        return self._graph.to_skan(separator)
+
+    def to_navis(self, *, root: Optional[Sequence[float]] = None, swc_type: Union[int, str] = 'dendrite') -> Any:
+        """A ``navis.TreeNeuron``, of several trees a ``navis.NeuronList``: ``graph().to_navis()``."""
+        return self._graph.to_navis(root=root, swc_type=swc_type)
 
     def to_geojson(self, path: Optional[Path] = None) -> Dict[str, Any]:
         """Of an image: the branches as a GeoJSON FeatureCollection, a LineString per branch: ``graph().to_geojson()``.
@@ -443,8 +343,9 @@ class Skeleton(Complex):
         Parameters
         ----------
         path : str or path
-            .vtp, .ply, .obj: sheets and curves; .swc, .graphml, .csv, of images .geojson: the branches as in :meth:`graph`;
-            .png: a picture; .html: an interactive page.
+            As ``quench skeleton -o`` of the program: .vtp, .ply, .obj: sheets and curves; .csv: a row per vertex. .swc,
+            .graphml, of images .geojson: the branches as in :meth:`graph`; .png: a picture; .html: an interactive page. The
+            table of branches is ``graph().save('branches.csv')``.
         quality : str
             Of PLY: the array that MeshLab shows as quality.
         root : three floats, optional
@@ -454,16 +355,41 @@ class Skeleton(Complex):
             programs for neurons refuse 0.
         """
         kind = ending(path)
-        if kind in ('.swc', '.graphml', '.csv', '.geojson'):
+        if kind in ('.swc', '.graphml', '.geojson'):
             self._graph.save(path, root=root, swc_type=swc_type)
         else:
             with self._calling(threads, progress) as call:
                 if kind not in ('.html', '.png'):
                     self._core.save(written(path), quality, *call)
-                elif kind == '.png' or self.axis is None:  # of skeletonize(): what it is a part of is not kept
+                elif kind == '.png':
                     _core.page_of_skeleton(self._core, written(path), None, *call)
                 else:
-                    _core.page_of_axis(self.axis._core, self._core, written(path), None, *call)
+                    self._write_page(written(path), call)
+
+    def view(self, *, height: int = 600, threads: Optional[int] = None, progress: Optional[Progress] = None) -> View:
+        """The interactive page, as :meth:`save` writes it to .html, see :meth:`MedialAxis.view`."""
+        with self._calling(threads, progress) as call:
+            return _show.view_of(lambda file: self._write_page(file, call), 'Skeleton', height)
+
+    def _write_page(self, file: bytes, call: Any) -> None:
+        if self.axis is None:  # of skeletonize(): what it is a part of is not kept
+            _core.page_of_skeleton(self._core, file, None, *call)
+        else:
+            _core.page_of_axis(self.axis._core, self._core, file, None, *call)
+
+    def _repr_html_(self) -> str:
+        units, facts = self.units, self._facts()
+        branches = np.asarray(self._core.edge_branch)
+        facts.insert(1, ('branches', f'{int(branches.max()) + 1 if len(branches) else 0:,}'))
+        if self.dimension == 3:
+            facts.append(('θ2', _show.number(self.theta2, units)))
+        radii = f' or {self.theta1_radii:g} radii' if self.theta1_radii else ''
+        facts.append(('θ1', _show.number(self.theta1, units) + radii))
+        return _show.card('Skeleton', facts, self._picture())
+
+    def _draw(self, file: bytes) -> None:
+        with calling(self._threads, False) as call:
+            _core.page_of_skeleton(self._core, file, _show.SIZE, *call)
 
     def plot(self, ax: Any = None, **options: Any) -> Any:
         """Draws curves, coloured by radius, and sheets with matplotlib; returns the axes. Of images: as
@@ -528,7 +454,3 @@ def skeletonize(image: Any, /, *, spacing: Spacing = None, labels: Union[str, It
         place = image._place if isinstance(image, Volume) else None
         found = _core.skeletonize_array(array, place, size, chosen, *wish, *call)
     return {label: Skeleton(core) for label, core in found}
-
-
-def _kinds(codes: Array) -> Array:
-    return np.array(_core.NODE_KINDS)[codes]

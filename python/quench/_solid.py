@@ -7,7 +7,7 @@ from typing import Any, Dict, Optional, Tuple
 
 import numpy as np
 
-from . import _core
+from . import _core, _export, _show
 from ._common import Array, Path, Progress, Topology, calling, ending, error, reals, topology_of, written
 from ._pickles import Result
 
@@ -37,6 +37,19 @@ class Solid(Result):
     @property
     def envelope(self) -> bool:
         return bool(self._core.envelope)
+
+    def _repr_html_(self) -> str:
+        facts = [('of', 'balls, cones and slabs' if self.envelope else 'balls'),
+                 ('topology', _show.topology_text(self.topology, self._core.dimension)),
+                 ('grid', ' x '.join(map(str, self._core.dims)))]
+        errors = self.errors()
+        if errors:
+            volume = errors['volume']
+            facts += [(name, _show.number(volume[name])) for name in ('shape', 'solid', 'missing', 'added')]
+            if 'surface_from_solid' in errors:
+                facts.append(('surface to solid', 'at most ' +
+                              _show.number(errors['surface_from_solid']['either_side']['largest'])))
+        return _show.card('Solid', facts)
 
     @cached_property
     def voxels(self) -> Array:
@@ -89,6 +102,14 @@ class Solid(Result):
         with self._calling(threads, progress) as call:
             points, triangles = self._core.mesh(*call)
         return np.asarray(points), np.asarray(triangles)
+
+    def to_trimesh(self) -> Any:
+        """A ``trimesh.Trimesh`` of :meth:`mesh`."""
+        return _export.to_trimesh(*self.mesh())
+
+    def to_pyvista(self) -> Any:
+        """A ``pyvista.PolyData`` of :meth:`mesh`."""
+        return _export.to_pyvista(*self.mesh(), np.zeros((0, 2), np.int32), {})
 
     def save(self, path: Path, *, threads: Optional[int] = None, progress: Optional[Progress] = None) -> None:
         """Writes voxels (.nrrd, .zarr) or the mesh (.ply, .obj, .vtp; with `distance` from the surface of the shape),

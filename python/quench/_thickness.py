@@ -6,7 +6,7 @@ from typing import Any, NamedTuple, Optional, Union
 
 import numpy as np
 
-from . import _core
+from . import _core, _export
 from ._common import Array, Length, Progress, Spacing, calling, error, length_or_auto
 from ._inputs import Cut, Threshold, shape_of
 
@@ -85,6 +85,16 @@ class SurfaceThickness(NamedTuple):
     faces: Array
     thickness: Array
     across: Array
+
+    def to_trimesh(self) -> Any:
+        """A ``trimesh.Trimesh`` with the vertex attribute ``thickness``."""
+        mesh = _export.to_trimesh(self.vertices, self.faces)
+        mesh.vertex_attributes['thickness'] = self.thickness
+        return mesh
+
+    def to_pyvista(self) -> Any:
+        """A ``pyvista.PolyData`` with ``thickness``."""
+        return _export.to_pyvista(self.vertices, self.faces, np.zeros((0, 2), np.int32), {'thickness': self.thickness})
 
 
 def surface_thickness(mesh_or_image: Any, *, resolution: Union[int, str] = 256, fill: str = 'nonzero',

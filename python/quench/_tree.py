@@ -10,12 +10,13 @@ from typing import Any, Dict, List, NamedTuple, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
-from . import _core
+from . import _core, _export, _show
 from ._axis import MedialAxis
 from ._common import (Array, Length, Path, Progress, calling, ending, error, file_name, is_path, length_or_auto, must_exist,
-                      need, reals, warn, whole, written, wrong_type)
+                      need, reals, warn, whole, written)
 from ._inputs import Cut, as_mesh, read_file, shape_of
 from ._pickles import Result
+from ._show import View
 
 Points = Union[Sequence[float], Sequence[Sequence[float]], None]
 Direction = Union[str, Sequence[float], None]
@@ -208,6 +209,56 @@ class Tree(Result):
             if not self._core.save(written(path), str(swc_type), columns == 'toporoot', None, *call):
                 raise error(2, f"'{ending(path)}' is not a format of trees; name the file .rsml, .swc, .mtg, .graphml, .vtp, "
                                '.csv, .png or .html')
+
+    def swc(self, *, swc_type: Union[int, str] = 'dendrite') -> Dict[str, Array]:
+        """The samples of the .swc file that :meth:`save` writes, as a table: parents before children.
+
+        Returns
+        -------
+        dict of arrays
+            ``node_id parent_id x y z radius type``; the parent of a root is -1.
+        """
+        with calling(self._threads, False) as call:
+            text = _show.file_of(lambda file: self._core.save(file, str(swc_type), False, None, *call), '.swc', 'tree')
+        return _export.swc_table(text.decode())
+
+    def to_navis(self, *, swc_type: Union[int, str] = 'dendrite') -> Any:
+        """A ``navis.TreeNeuron``, of several plants a ``navis.NeuronList``."""
+        return _export.to_navis(self.swc(swc_type=swc_type), self.units)
+
+    def to_pyvista(self) -> Any:
+        """A ``pyvista.PolyData`` of the branches as lines, with ``radius``, ``branch`` and ``axis``."""
+        sizes = np.array([len(branch.points) for branch in self.branches], np.int64)
+        last = np.cumsum(sizes) - 1
+        starts = np.delete(np.arange(sizes.sum()), last)
+        number = np.repeat(np.arange(len(sizes)), sizes)
+        arrays = {'radius': np.concatenate([np.zeros(0), *(branch.radius for branch in self.branches)]), 'branch': number,
+                  'axis': np.array([branch.axis for branch in self.branches], np.int64)[number]}
+        points = np.concatenate([np.zeros((0, 3)), *(branch.points for branch in self.branches)])
+        return _export.to_pyvista(points, np.zeros((0, 3), np.int32), np.stack([starts, starts + 1], axis=1), arrays)
+
+    def view(self, *, height: int = 600, threads: Optional[int] = None, progress: Optional[Progress] = None) -> View:
+        """The interactive page with tables of axes and repairs, as :meth:`save` writes it to .html: a notebook shows it in a
+        frame, see :meth:`MedialAxis.view`."""
+        with calling(self._threads if threads is None else threads,
+                     self._progress if progress is None else progress) as call:
+            return _show.view_of(lambda file: self._core.save(file, 'dendrite', False, None, *call), 'Tree', height)
+
+    def _repr_html_(self) -> str:
+        levels = np.bincount([axis.level for axis in self.axes])
+        sample = {name: np.asarray(values) for name, _, _, values in self._core.table('sample')}
+        facts = [('plants', f'{len(self.plants):,}'), ('axes', f'{len(self.axes):,}'),
+                 ('by level', ', '.join(f'{level}: {count:,}' for level, count in enumerate(levels))),
+                 ('branches', f'{len(self.branches):,}'),
+                 ('radius', _show.ranged(np.concatenate([np.zeros(0), *(b.radius for b in self.branches)]), self.units)),
+                 ('repairs', f'{len(self.edits["kind"]):,}')]
+        if 'total_length' in sample:
+            facts.insert(4, ('length', _show.number(float(sample['total_length'][0]), self.units)))
+        return _show.card('Tree', facts, _show.picture(self._draw))
+
+    def _draw(self, file: bytes) -> None:
+        with calling(self._threads, False) as call:
+            self._core.save(file, 'dendrite', False, _show.SIZE, *call)
 
     def to_networkx(self) -> Any:
         """A ``networkx.DiGraph`` from root nodes to tips: an edge per branch, with its rows of ``traits('branches')``, `points`

@@ -174,6 +174,16 @@ void bind_skeletons(py::module_& m) {
   py::class_<GraphValue, Graph>(m, "Graph")
       .def_property_readonly("dimension", [](const Graph& g) { return g->skeleton->checked.skeleton.plane ? 2 : 3; })
       .def_property_readonly("y_down", [](const Graph& g) { return g->skeleton->axis->core.coordinates.y_down; })
+      .def_property_readonly("units", [](const Graph& g) { return g->skeleton->axis->core.coordinates.units; })
+      // Of places x, y, z where they are in the image: whole numbers at centres of voxels. None without a shape.
+      .def("indices",
+           [](const Graph& g, const py::buffer& points) -> py::object {
+             if (!g->skeleton->axis->shape) return py::none();
+             const Grid& grid = g->skeleton->axis->shape->image;
+             std::vector<Vec3> places = points_of(points);
+             for (Vec3& p : places) p = grid.lattice(p) - grid.first_centre();
+             return py::cast(own(std::move(places)));
+           })
       .def("nodes", [](const Graph& g) { return nodes_of(g->graph); })
       .def("branches", [](const Graph& g) { return branches_of(g->graph); })
       .def("paths", &paths_of)

@@ -50,6 +50,9 @@ std::shared_ptr<const Fire> compute_fire(const Axis& axis, double omega, bool fa
   }
   if (!family) return fire;
   RefinedAxis refined = pipeline::curves_of(m, fire->burning, &context);
+  if (refined.plane && refined.mgf.empty() && axis.file)  // of a file the values are not measures of the axis
+    if (const DataArray* mgf = find_array(axis.file->point_data, kMgf); mgf && mgf->size() == refined.points.size())
+      refined.mgf = mgf->numbers();
   if (!m.grid.is_plane()) fire->sequence = burn_sequence(m, fire->burning);
   fire->burning.sectors.reset();  // what the curves needed, most of its memory
   fire->family = std::make_shared<const pipeline::FamilyResult>(

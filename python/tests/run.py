@@ -16,6 +16,18 @@ if kind == 'script':
     sys.exit(0)
 import pytest  # noqa: E402
 
+
+
+class Passed:
+    """Whether any test did more than to say that something is missing."""
+    any = False
+
+    def pytest_runtest_logreport(self, report):
+        self.any |= report.when == 'call' and report.outcome != 'skipped'
+
+
 options = ['-q', '-rs', '-p', 'no:cacheprovider', '-o', 'doctest_optionflags=ELLIPSIS NORMALIZE_WHITESPACE']
-code = pytest.main([*options, *(['--doctest-modules'] if kind == 'doctest' else []), target])
-sys.exit(77 if code == pytest.ExitCode.NO_TESTS_COLLECTED else int(code))
+passed = Passed()
+code = pytest.main([*options, *(['--doctest-modules'] if kind == 'doctest' else []), target], plugins=[passed])
+skipped = code == pytest.ExitCode.NO_TESTS_COLLECTED or (code == pytest.ExitCode.OK and not passed.any)
+sys.exit(77 if skipped else int(code))

@@ -124,7 +124,8 @@ function run(page: Page): void {
     window.clearTimeout(hashTimer);
     hashTimer = window.setTimeout(() => {
       const hash = toHash(app.state, base, app.camera);
-      if (hash !== location.hash.slice(1)) history.replaceState(null, "", `#${hash}`);
+      // A page in the frame of a notebook (about:srcdoc) has no address of its own to remember it in.
+      if (location.protocol !== "about:" && hash !== location.hash.slice(1)) history.replaceState(null, "", `#${hash}`);
     }, 250);
   };
 

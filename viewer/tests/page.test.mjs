@@ -440,6 +440,18 @@ describe("the page in a browser", () => {
     await page.close();
   });
 
+  it("runs in the frame of a notebook, which has no address", async () => {
+    const inside = boxPage(template).replaceAll("&", "&amp;").replaceAll('"', "&quot;");
+    const { page, complaints } = await open(`<script>window.quench = { ready: true }</script><iframe width="900" height="600" sandbox="allow-scripts allow-downloads" srcdoc="${inside}"></iframe>`);
+    const frame = page.frames()[1];
+    await frame.waitForFunction("window.quench && (window.quench.ready || window.quench.error)", null, { timeout: 60000 });
+    assert.equal(await frame.evaluate("window.quench.error"), null);
+    assert.deepEqual(await frame.evaluate("(window.quench.set({ theta2: 0, theta1: 0 }), window.quench.sets().curveEdges)"), 8);
+    await frame.evaluate(() => new Promise((done) => setTimeout(done, 300))); // after the timer that remembers the state
+    assert.deepEqual(complaints, []);
+    await page.close();
+  });
+
   it("the empty template says what it is", async () => {
     const { page, complaints } = await open(template);
     assert.match(await page.innerText(".message"), /empty page/);
