@@ -204,7 +204,10 @@ def file_name(path: Path) -> bytes:
 
 def written(path: Path) -> bytes:
     """The name of a file to write; an Error where its folder is missing."""
-    must_exist(os.path.dirname(os.fspath(path)) or os.curdir)
+    folder = os.path.dirname(os.fspath(path)) or os.curdir
+    if not os.path.exists(folder):
+        raise error(1, f"cannot write '{os.fsdecode(path)}': the folder '{os.fsdecode(folder)}' does not exist; create it first",
+                    None, MissingFileError)
     return os.fsencode(path)
 
 
