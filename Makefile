@@ -2,6 +2,7 @@
 # make demo       install packages, build the program, run the main job on a built-in shape
 # make test       install packages, build and run the tests (at most 15 minutes on 2 cores)
 # make test-full  also: address, undefined-behaviour and thread sanitizers, all real data at resolution 512
+# make install    the program, its manual pages and completion, the library and the documentation into PREFIX (/usr/local)
 # make soak       random shapes and options through the program for SOAK_SECONDS (600), from seed SOAK_SEED (the time)
 # make fuzz       every own reader fuzzed with Clang for FUZZ_SECONDS (60) each
 # make test-cluster  tasks through SLURM, Snakemake and Dask, and processes of MPI, on this machine; as root
@@ -13,7 +14,7 @@ BUILD := build/release
 
 FUZZ_SECONDS ?= 60
 
-.PHONY: demo test test-full test-cluster soak fuzz docs bench build format clean
+.PHONY: demo install test test-full test-cluster soak fuzz docs bench build format clean
 demo: deps
 	@echo "Building the program and its page only, some minutes on two processors ('make test' builds the rest) ..."
 	cmake --preset release
@@ -34,6 +35,12 @@ deps:
 build:
 	cmake --preset release
 	cmake --build $(BUILD) -j $(JOBS)
+
+PREFIX ?= /usr/local
+install:
+	cmake --preset release
+	cmake --build $(BUILD) -j $(JOBS) --target quench quench_program
+	cmake --install $(BUILD) --prefix $(PREFIX)
 
 test: deps
 	@$(MAKE) --no-print-directory build

@@ -213,6 +213,9 @@ std::string files_section(const CLI::App& command) {
                             {".nrrd .nii.gz .mha .tif .zarr", "volumes"},
                             {".png .pgm .jpg .bmp .geojson .svg", "images and polygons"}},
                            italic);
+  if (!command.get_parent() || command.get_option_no_throw("--json"))
+    text += ".TP\n" + italic("share/quench/report.schema.json") + "\n" +
+            escaped("describes every key of report.json and of what --json writes, as JSON Schema") + "\n";
   if (!text.empty()) text = ".SH FILES\n" + text;
   if (!text.empty())
     text += ".PP\nExisting files are not replaced without " + bold("--overwrite") +

@@ -82,6 +82,8 @@ std::string nearest_name(const std::string& word, const std::vector<std::string>
   std::size_t least = std::max<std::size_t>(1, word.size() / 3) + 1;
   std::string best;
   if (word.size() > 64) return {};
+  const auto begins = [&](const std::string& name) { return name.starts_with(word); };
+  if (word.size() > 2 && std::ranges::count_if(names, begins) == 1) return *std::ranges::find_if(names, begins);
   for (const std::string& name : names)
     if (const std::size_t distance = distance_of(word, name); distance < least) {
       least = distance;

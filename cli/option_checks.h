@@ -24,7 +24,7 @@ CLI::Validator also(const std::vector<std::string>& words);
 /// The words of one_of() and also().
 std::vector<std::string> words_of(CLI::Option& option);
 
-/// The name that was meant by a word; empty when none is near.
+/// The name that was meant by a word: the only one that begins with it, or the nearest; empty when none is near.
 std::string nearest_name(const std::string& word, const std::vector<std::string>& names);
 
 /// What is said of the empty value of an option, behind its name.

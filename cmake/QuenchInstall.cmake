@@ -1,23 +1,31 @@
 # SPDX-License-Identifier: Apache-2.0
-# find_package(quench CONFIG) -> quench::quench
+# What `cmake --install` puts where, in three components: program (with manual pages, completion and the schema of
+# reports), development (library, headers, quench.pc, find_package(quench CONFIG) -> quench::quench) and documentation.
 include(CMakePackageConfigHelpers)
-install(TARGETS quench EXPORT quench-targets
-        LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+
 if(QUENCH_PROGRAM)
-  install(TARGETS quench_program RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
-  if(QUENCH_SHELL_FILES)  # where distributions keep the completion of zsh elsewhere: -DQUENCH_ZSH_DIR=
+  install(TARGETS quench_program RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT program)
+  if(QUENCH_SHELL_FILES)
+    # Where distributions keep the completion of zsh elsewhere (Debian: share/zsh/vendor-completions).
     set(QUENCH_ZSH_DIR ${CMAKE_INSTALL_DATADIR}/zsh/site-functions CACHE STRING "Where zsh finds completion")
-    install(DIRECTORY ${QUENCH_SHELL_FILES}/man1 DESTINATION ${CMAKE_INSTALL_MANDIR})
-    install(FILES ${QUENCH_SHELL_FILES}/bash/quench DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions)
-    install(FILES ${QUENCH_SHELL_FILES}/zsh/_quench DESTINATION ${QUENCH_ZSH_DIR})
-    install(FILES ${QUENCH_SHELL_FILES}/fish/quench.fish DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d)
+    install(DIRECTORY ${QUENCH_SHELL_FILES}/man1 DESTINATION ${CMAKE_INSTALL_MANDIR} COMPONENT program)
+    install(FILES ${QUENCH_SHELL_FILES}/bash/quench DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions
+            COMPONENT program)
+    install(FILES ${QUENCH_SHELL_FILES}/zsh/_quench DESTINATION ${QUENCH_ZSH_DIR} COMPONENT program)
+    install(FILES ${QUENCH_SHELL_FILES}/fish/quench.fish DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d
+            COMPONENT program)
   endif()
+  install(FILES ${PROJECT_SOURCE_DIR}/docs/report.schema.json DESTINATION ${CMAKE_INSTALL_DATADIR}/quench COMPONENT program)
 endif()
 if(QUENCH_MPI)
-  install(TARGETS quench_mpi RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+  install(TARGETS quench_mpi RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT program)
 endif()
-install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/quench DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
-install(EXPORT quench-targets NAMESPACE quench:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/quench)
+
+install(TARGETS quench EXPORT quench-targets
+        LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT development
+        ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT development)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/quench DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT development)
+install(EXPORT quench-targets NAMESPACE quench:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/quench COMPONENT development)
 get_target_property(QUENCH_LIBRARY_TYPE quench TYPE)
 set(QUENCH_NEEDS_DEPENDENCIES OFF)
 if(QUENCH_LIBRARY_TYPE STREQUAL "STATIC_LIBRARY")
@@ -27,4 +35,18 @@ configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/quench-config.cmake.in
                               INSTALL_DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/quench)
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/quench-config-version.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/quench-config.cmake ${PROJECT_BINARY_DIR}/quench-config-version.cmake
-        DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/quench)
+        DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/quench COMPONENT development)
+include(QuenchPkgConfig)
+
+# The licence, and the guide with what its pages show and link to, in the folders they have in the sources.
+install(FILES ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_SOURCE_DIR}/README.md ${PROJECT_SOURCE_DIR}/CHANGELOG.md
+              ${PROJECT_SOURCE_DIR}/CITATION.cff
+        DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT documentation)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs/user ${PROJECT_SOURCE_DIR}/docs/algorithms ${PROJECT_SOURCE_DIR}/docs/figures
+                  ${PROJECT_SOURCE_DIR}/docs/pictures
+        DESTINATION ${CMAKE_INSTALL_DOCDIR}/docs COMPONENT documentation
+        FILES_MATCHING PATTERN "*.md" PATTERN "*.svg" PATTERN "*.png" PATTERN "__pycache__" EXCLUDE)
+install(FILES ${PROJECT_SOURCE_DIR}/docs/glossary.md ${PROJECT_SOURCE_DIR}/docs/gallery.md
+        DESTINATION ${CMAKE_INSTALL_DOCDIR}/docs COMPONENT documentation)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/examples DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT documentation
+        PATTERN "CMakeLists.txt" EXCLUDE PATTERN "__pycache__" EXCLUDE)

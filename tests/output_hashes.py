@@ -30,9 +30,13 @@ import tempfile
 import zlib
 
 HERE = os.path.dirname(os.path.abspath(__file__))
+sys.path.insert(0, os.path.join(HERE, 'cli'))
+import reports  # noqa: E402
+
 STORED = os.path.join(HERE, 'output_hashes.txt')
 FULL = os.environ.get('QUENCH_TEST_FULL') == '1'
 SKIPPED = 77
+REPORT = reports.AnyReport()
 LIMIT = ['--memory-limit', '64G']  # far above what any case needs: nothing depends on the memory that is free
 PAGES = 'all_pages/program'  # the output that stands for the program inside of every page
 
@@ -367,7 +371,10 @@ def hashes_of(case, setting, threads, folder):
     hashes = {}
     for name in files_of(folder):
         with open(os.path.join(folder, name), 'rb') as file:
-            data, page = normalised(name, file.read(), setting.version)
+            raw = file.read()
+        if os.path.splitext(name)[1] in ('.json', '.stdout'):
+            wrong += [f'{case.name}/{name}: not as docs/report.schema.json says: {error}' for error in REPORT.errors(raw)]
+        data, page = normalised(name, raw, setting.version)
         hashes[f'{case.name}/{name}'] = hash_of(data)
         if page is not None and hashes.setdefault(PAGES, hash_of(page)) != hash_of(page):
             wrong.append(f'{case.name}/{name}: its page has another program than those before')

@@ -23,6 +23,7 @@ TEST_F(Refusals, CommandLines) {
           {});
   refuses(2, {"'cores'", "did you mean 'core'?"}, {"cores"});
   refuses(2, {"'runn'", "did you mean 'run'?"}, {"runn", "cube.off", "-o", "a"});
+  refuses(2, {"'skel'", "did you mean 'skeleton'?"}, {"skel", "a.vtp"});
   refuses(2, {"'thicken'", "run, tree, batch, sample"}, {"thicken", "--fast"});
   refuses(2, {"--resoluton", "did you mean --resolution?"}, {"core", "cube.off", "--resoluton", "9", "-o", "a.vtp"});
   refuses(2, {"--topology 'mehs' is not one of mesh, voxels; did you mean 'mesh'? see quench core --help"},

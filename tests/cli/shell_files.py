@@ -6,6 +6,7 @@ shell_files.py PROGRAM man|bash|zsh|fish     ends with 77, skipped, where the sh
 import glob
 import os
 import re
+import shlex
 import shutil
 import subprocess
 import sys
@@ -68,28 +69,31 @@ def check_manual(folder, program):
     return 0
 
 
-def bash_offers(folder, words):
-    script = ('source "$1"; shift; COMP_WORDS=("$@"); COMP_CWORD=$(($# - 1)); _quench; '
-              '[ ${#COMPREPLY[@]} -eq 0 ] || printf "%s\\n" "${COMPREPLY[@]}"')
-    code, text, said = output_of('bash', '--norc', '-c', script, 'bash', os.path.join(folder, 'bash', 'quench'), *words)
+def bash_offers(folder, lines):
+    """What bash offers for each of the lines, lists of words the last of which is completed."""
+    script = 'source "$1"\n' + ''.join(
+        f'COMP_WORDS=({" ".join(map(shlex.quote, words))}); COMP_CWORD={len(words) - 1}; _quench; '
+        'printf "%s\\n" "${COMPREPLY[@]}" =====\n' for words in lines)
+    code, text, said = output_of('bash', '--norc', '-c', script, 'bash', os.path.join(folder, 'bash', 'quench'))
     assert code == 0 and not said, said
-    return text.splitlines()
+    return [[line for line in part.split('\n') if line] for part in text.split('=====\n')[:-1]]
 
 
 def check_bash(folder, program):
     if not shutil.which('bash'):
         return SKIPPED
-    for words, offered in COMPLETES:
-        assert sorted(bash_offers(folder, words)) == offered, (words, bash_offers(folder, words))
-    for words in (['--fill', '=', 'e'], ['--fill', '=']):  # as bash divides them
-        assert 'evenodd' in bash_offers(folder, ['quench', 'run', *words])
-    assert bash_offers(folder, ['quench', 'run', '--fill=e']) == ['--fill=evenodd']
-    assert bash_offers(folder, ['quench', 'batch', 'scans', '--', 'tree', '--kind', 'n']) == ['neuron']
-    assert bash_offers(folder, ['quench', 'run', '-o', '']) == ['folder']
-    for command in commands_of(program):  # every option of every command
-        helped = output_of(program, *command, '--help')[1]
-        for option in re.findall(r'^  (?:-\w,)?(--[a-z0-9-]+)', helped, re.M):
-            assert option in bash_offers(folder, ['quench', *command, option]), (command, option)
+    cases = COMPLETES + [
+        (['quench', 'run', '--fill', '=', 'e'], ['evenodd']),  # as bash divides them
+        (['quench', 'run', '--fill', '='], ['auto', 'evenodd', 'nonzero', 'winding']),
+        (['quench', 'run', '--fill=e'], ['--fill=evenodd']),
+        (['quench', 'batch', 'scans', '--', 'tree', '--kind', 'n'], ['neuron']),
+        (['quench', 'run', '-o', ''], ['folder'])]
+    for (words, offered), found in zip(cases, bash_offers(folder, [words for words, _ in cases])):
+        assert sorted(found) == offered, (words, found)
+    options = [['quench', *command, option] for command in commands_of(program)
+               for option in re.findall(r'^  (?:-\w,)?(--[a-z0-9-]+)', output_of(program, *command, '--help')[1], re.M)]
+    for words, found in zip(options, bash_offers(folder, options)):
+        assert words[-1] in found, (words, found)
     return 0
 
 
