@@ -63,7 +63,7 @@ test-cluster:
 SOAK_SECONDS ?= 600
 SOAK_SEED ?= $(shell date +%s)
 soak: build
-	QUENCH_SOAK_SECONDS=$(SOAK_SECONDS) QUENCH_SOAK_SEED=$(SOAK_SEED) $(BUILD)/tests/program_pipeline_test
+	QUENCH_SOAK_SECONDS=$(SOAK_SECONDS) QUENCH_SOAK_SEED=$(SOAK_SEED) $(BUILD)/tests/cli_tests --gtest_filter=ProgramPipeline.*
 fuzz:
 	cmake --preset fuzz
 	cmake --build --preset fuzz -j $(JOBS)

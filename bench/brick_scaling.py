@@ -7,6 +7,7 @@ the merge is one task.
 
     bench/brick_scaling.py SHAPE RESOLUTION... [--size 512] [--tasks 1000] [--quench build/release/quench]
                            [--work DIR] [--no-whole 8192] [--json OUT.json] [--plot OUT.svg]
+                           [--core "--lambda 0.02"]
 
 Nothing is said of networks and file systems: the bytes that tasks read and write stand in the table.
 """
@@ -45,7 +46,7 @@ def simulated(rounds, merge, workers):
     return sum(makespan(tasks, workers) for tasks in rounds) + merge
 
 
-def measure(quench, shape, resolution, size, most_tasks, work, whole):
+def measure(quench, shape, resolution, size, most_tasks, work, whole, core_options):
     def task(*words):
         return run([quench, *map(str, words), "--quiet", "--threads", "1"])
 
@@ -54,7 +55,7 @@ def measure(quench, shape, resolution, size, most_tasks, work, whole):
     shutil.rmtree(bricks, ignore_errors=True)
     row = {"resolution": resolution, "size": size}
     row["plan_seconds"], row["plan_bytes"] = task("bricks", "plan", shape, "--resolution", resolution, "--size", size,
-                                                  "-o", bricks)
+                                                  *core_options, "-o", bricks)
 
     def status():
         return json.loads(subprocess.run([quench, "bricks", "status", bricks, "--json"], stdout=subprocess.PIPE,
@@ -71,8 +72,8 @@ def measure(quench, shape, resolution, size, most_tasks, work, whole):
     row["merge_seconds"], row["merge_bytes"] = task("bricks", "merge", bricks, "-o", core, "--overwrite")
     if whole:
         one = os.path.join(work, "one.vtp")
-        row["whole_seconds"], row["whole_bytes"] = task("core", shape, "--resolution", resolution, "-o", one,
-                                                        "--overwrite")
+        row["whole_seconds"], row["whole_bytes"] = task("core", shape, "--resolution", resolution, *core_options,
+                                                        "-o", one, "--overwrite")
         row["same_bytes"] = filecmp.cmp(core, one, shallow=False)
     shutil.rmtree(bricks)
     return row
@@ -139,13 +140,15 @@ def main():
     parser.add_argument("--work", help="folder for what is written meanwhile; default: a temporary one")
     parser.add_argument("--no-whole", type=int, default=1 << 30, metavar="R",
                         help="from this resolution on nothing is computed in one piece")
+    parser.add_argument("--core", default="", metavar="OPTIONS", help="of quench core, as \"--lambda 0.02\"")
     parser.add_argument("--json")
     parser.add_argument("--plot")
     o = parser.parse_args()
     rows = []
     with tempfile.TemporaryDirectory(dir=o.work) as work:
         for resolution in o.resolution:
-            rows.append(measure(o.quench, o.shape, resolution, o.size, o.tasks, work, resolution < o.no_whole))
+            rows.append(measure(o.quench, o.shape, resolution, o.size, o.tasks, work, resolution < o.no_whole,
+                                o.core.split()))
             tell(rows[-1])
             sys.stdout.flush()
             if o.json:

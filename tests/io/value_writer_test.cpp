@@ -10,7 +10,7 @@
 #include "temporary_folder.h"
 
 namespace quench {
-namespace {
+namespace value_writer_test {
 
 Grid sample_grid(bool plane = false) {
   Grid grid;
@@ -97,5 +97,5 @@ TEST(ValueWriter, RefusesOtherFormats) {
   EXPECT_FALSE(std::filesystem::exists(folder / "a.nii"));
 }
 
-}  // namespace
+}  // namespace value_writer_test
 }  // namespace quench
