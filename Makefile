@@ -5,6 +5,8 @@
 # make install    the program, its manual pages and completion, the library and the documentation into PREFIX (/usr/local)
 # make soak       random shapes and options through the program for SOAK_SECONDS (600), from seed SOAK_SEED (the time)
 # make fuzz       every own reader fuzzed with Clang for FUZZ_SECONDS (60) each
+# make packages   Debian packages in build/release/packages; make tarball: a program that runs on other Linux systems
+# make test-packages  lintian, and both tried in fresh systems of this and another Debian release; as root
 # make test-cluster  tasks through SLURM, Snakemake and Dask, and processes of MPI, on this machine; as root
 # make docs       install packages for it, build the documentation as a site in build/site
 # make bench      time and memory per boundary vertex
@@ -14,7 +16,7 @@ BUILD := build/release
 
 FUZZ_SECONDS ?= 60
 
-.PHONY: demo install test test-full test-cluster soak fuzz docs bench build format clean
+.PHONY: demo install test test-full test-cluster packages tarball test-packages soak fuzz docs bench build format clean
 demo: deps
 	@echo "Building the program and its page only, some minutes on two processors ('make test' builds the rest) ..."
 	cmake --preset release
@@ -53,6 +55,22 @@ test-full: test
 	scripts/tsan-tbb
 	cmake --preset tsan && cmake --build build/tsan -j $(JOBS)
 	ctest --test-dir build/tsan -j $(JOBS) --output-on-failure --timeout 3600
+
+packages:
+	@scripts/install-deps --packages
+	cmake --preset release
+	cmake --build $(BUILD) -j $(JOBS) --target quench quench_program $$(grep -q 'quench_python:' $(BUILD)/build.ninja && echo quench_python)
+	scripts/make-packages $(BUILD)
+
+tarball:
+	@scripts/install-deps --packages
+	cmake --preset release
+	cmake --build $(BUILD) -j $(JOBS) --target quench_program
+	scripts/make-tarball $(BUILD)
+
+test-packages: packages tarball
+	cmake --build $(BUILD) -j $(JOBS) --target read_volumes
+	scripts/test-packages $(BUILD)
 
 test-cluster:
 	@scripts/install-deps --cluster

@@ -35,6 +35,7 @@ configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/quench-config.cmake.in
                               INSTALL_DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/quench)
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/quench-config-version.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/quench-config.cmake ${PROJECT_BINARY_DIR}/quench-config-version.cmake
+              ${PROJECT_SOURCE_DIR}/cmake/quench-libraries.cmake
         DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/quench COMPONENT development)
 include(QuenchPkgConfig)
 
