@@ -6,6 +6,7 @@
 # make soak       random shapes and options through the program for SOAK_SECONDS (600), from seed SOAK_SEED (the time)
 # make fuzz       every own reader fuzzed with Clang for FUZZ_SECONDS (60) each
 # make test-cluster  tasks through SLURM, Snakemake and Dask, and processes of MPI, on this machine; as root
+# make test-plugins  the plug-ins in ParaView, Blender and the other programs they are for, gigabytes of packages
 # make docs       install packages for it, build the documentation as a site in build/site
 # make bench      time and memory per boundary vertex
 # make format     clang-format over the sources
@@ -14,7 +15,7 @@ BUILD := build/release
 
 FUZZ_SECONDS ?= 60
 
-.PHONY: demo install test test-full test-cluster soak fuzz docs bench build format clean
+.PHONY: demo install test test-full test-cluster test-plugins soak fuzz docs bench build format clean
 demo: deps
 	@echo "Building the program and its page only, some minutes on two processors ('make test' builds the rest) ..."
 	cmake --preset release
@@ -59,6 +60,12 @@ test-cluster:
 	cmake --preset release -DQUENCH_MPI=ON
 	cmake --build $(BUILD) -j $(JOBS) --target quench_program quench_mpi
 	QUENCH_BUILD=$(BUILD) tests/cluster/slurm_here /usr/bin/python3 -B -m pytest -v tests/cluster
+
+test-plugins:
+	@scripts/install-deps --plugins
+	cmake --preset release
+	cmake --build $(BUILD) -j $(JOBS) --target quench_program quench_python
+	QUENCH_BUILD=$(BUILD) scripts/test-plugins
 
 SOAK_SECONDS ?= 600
 SOAK_SEED ?= $(shell date +%s)
