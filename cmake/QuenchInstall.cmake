@@ -43,8 +43,8 @@ include(QuenchPkgConfig)
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_SOURCE_DIR}/README.md ${PROJECT_SOURCE_DIR}/CHANGELOG.md
               ${PROJECT_SOURCE_DIR}/CITATION.cff
         DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT documentation)
-install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs/user ${PROJECT_SOURCE_DIR}/docs/algorithms ${PROJECT_SOURCE_DIR}/docs/figures
-                  ${PROJECT_SOURCE_DIR}/docs/pictures
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs/user ${PROJECT_SOURCE_DIR}/docs/tutorials ${PROJECT_SOURCE_DIR}/docs/algorithms
+                  ${PROJECT_SOURCE_DIR}/docs/figures ${PROJECT_SOURCE_DIR}/docs/pictures
         DESTINATION ${CMAKE_INSTALL_DOCDIR}/docs COMPONENT documentation
         FILES_MATCHING PATTERN "*.md" PATTERN "*.svg" PATTERN "*.png" PATTERN "__pycache__" EXCLUDE)
 install(FILES ${PROJECT_SOURCE_DIR}/docs/glossary.md ${PROJECT_SOURCE_DIR}/docs/gallery.md

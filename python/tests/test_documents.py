@@ -93,7 +93,7 @@ def test_options_exist():
                 known += source.read()
     unknown = set()
     for path, _ in pages():
-        if not path.startswith(('README', 'docs/user', 'docs/algorithms', 'docs/glossary', 'docs/gallery', 'examples')):
+        if not path.startswith(('README', 'docs/user', 'docs/tutorials', 'docs/algorithms', 'docs/glossary', 'docs/gallery', 'examples')):
             continue
         with open(os.path.join(ROOT, path), encoding='utf-8') as page:
             for line in page:
