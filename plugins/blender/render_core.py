@@ -9,6 +9,7 @@ import os
 import sys
 
 import bpy
+import numpy
 from mathutils import Matrix, Vector
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))  # the add-on, whether it is installed or not
@@ -86,9 +87,9 @@ def main():
     world = scene.world = bpy.data.worlds.new('white')
     world.use_nodes = True
     world.node_tree.nodes['Background'].inputs['Color'].default_value = (1, 1, 1, 1)
-    world.node_tree.nodes['Background'].inputs['Strength'].default_value = 1.0
+    world.node_tree.nodes['Background'].inputs['Strength'].default_value = 0.55
     sun = bpy.data.objects.new('sun', bpy.data.lights.new('sun', 'SUN'))
-    sun.data.energy, sun.data.angle = 0.9, 0.2
+    sun.data.energy, sun.data.angle = 2.2, 0.1
     sun.rotation_euler = (0.7, 0.2, 0.5)
     scene.collection.objects.link(sun)
     camera = bpy.data.objects.new('camera', bpy.data.cameras.new('camera'))
@@ -100,12 +101,18 @@ def main():
     scene.camera = camera
     scene.render.engine, scene.cycles.samples, scene.cycles.use_denoising = 'CYCLES', o.samples, False
     scene.cycles.transparent_max_bounces = 32
+    scene.render.film_transparent = True
     scene.view_settings.view_transform = 'Standard'
     scene.render.resolution_x, scene.render.resolution_y = o.size
     scene.render.filepath = os.path.abspath(o.output)
     if o.save:
         bpy.ops.wm.save_as_mainfile(filepath=os.path.abspath(o.save))
     bpy.ops.render.render(write_still=True)
+    image = bpy.data.images.load(scene.render.filepath)  # on white
+    pixels = numpy.array(image.pixels[:]).reshape(-1, 4)
+    pixels = pixels[:, :3] * pixels[:, 3:] + 1 - pixels[:, 3:]
+    image.pixels = numpy.c_[pixels, numpy.ones(len(pixels))].ravel()
+    image.save()
 
 
 main()
