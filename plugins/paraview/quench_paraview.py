@@ -92,10 +92,6 @@ class OfShape(VTKPythonAlgorithmBase):
         return words + ['--resolution', str(self.resolution)]
 
 
-RESOLUTION = 'Surfaces: voxels along the longest side. Twice as many take about four times the time and memory.'
-THRESHOLD = 'Images: the shape is the voxels of at least this value, or auto, thin, otsu; nothing for masks.'
-
-
 @smproxy.filter(name='QuenchMedialAxis', label='Quench Medial Axis')
 @smproperty.input(name='Input', port_index=0)
 @smdomain.datatype(dataTypes=['vtkPolyData', 'vtkImageData'], composite_data_supported=False)
