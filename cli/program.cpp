@@ -393,7 +393,10 @@ int run_module(CommandLine& line, const std::vector<std::string>& words) {
   if (words.size() == 2 && words[1] == "--xml") return run_words(line, words);
   line.common.module = true;
   return call_slicer_module(*line.app.get_subcommand(words[0]), {words.begin() + 1, words.end()},
-                            [&](const std::vector<std::string>& of_command) { return run_words(line, of_command); });
+                            [&](const std::vector<std::string>& of_command, const std::string& folder) {
+                              line.common.module_folder = folder;
+                              return run_words(line, of_command);
+                            });
 }
 
 }  // namespace

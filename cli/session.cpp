@@ -184,7 +184,13 @@ void Session::complain(const std::string& text) const { std::fwrite(text.data(),
 
 void Session::say(const std::string& line) {
   if (options.quiet) return;
-  if (options.module) return answer_line(line);  // what is on stderr is an error to Slicer
+  if (options.module) {  // what is on stderr is an error to Slicer
+    std::string text = line;
+    const std::string& folder = options.module_folder;
+    if (!folder.empty())
+      for (std::size_t at = text.find(folder); at != text.npos; at = text.find(folder)) text.erase(at, folder.size());
+    return answer_line(text);
+  }
   clear_line();
   complain(printable(line) + "\n");
 }

@@ -27,7 +27,8 @@ struct CommonOptions {
   std::string command;             ///< the line that started the program, for results that say how they were made
   std::vector<std::string> words;  ///< of a batch: what stands behind its "--"
   bool quiet = false, verbose = false, overwrite = false;
-  bool module = false;  ///< of 3D Slicer: progress and notes go to stdout, in its format
+  bool module = false;        ///< of 3D Slicer: progress and notes go to stdout, in its format
+  std::string module_folder;  ///< of files that go with it: its name is left out of what is said
 };
 
 /// One run of the program: its context (progress on stderr, notes, Ctrl-C), its clock per stage, its outputs.

@@ -345,7 +345,7 @@ std::string slicer_description(CLI::App& command) {
 }
 
 int call_slicer_module(CLI::App& command, const std::vector<std::string>& words,
-                       const std::function<int(const std::vector<std::string>&)>& run) {
+                       const std::function<int(const std::vector<std::string>&, const std::string& folder)>& run) {
   const Module& module = kModules.at(command.get_name());
   const Call call = parsed_call(command, words);
   const TemporaryFolder temporary;
@@ -374,7 +374,7 @@ int call_slicer_module(CLI::App& command, const std::vector<std::string>& words,
   std::printf("<filter-start>\n<filter-name>%s</filter-name>\n<filter-comment>%s</filter-comment>\n</filter-start>\n",
               module.title, "started");
   std::fflush(stdout);
-  const int code = run(line);
+  const int code = run(line, kept == call.files.end() ? folder.string() + "/" : std::string());
   if (code != 0) return code;
   if (module.writes_folder)
     for (const SlicerParameter& p : module.files)

@@ -43,9 +43,10 @@ std::vector<SlicerGroup> slicer_groups(CLI::App& command);
 std::string slicer_description(CLI::App& command);
 
 /// Does what Slicer asks of a module: the words are those behind the name of the program. `run` runs a command line and
-/// returns its exit code. Progress and notes go to stdout, in the format of Slicer; outputs are replaced. Throws
-/// Error(usage) for parameters that are unknown, lack a value, or name no input or no output, and all that `run` does.
+/// returns its exit code; what it says leaves out the folder, where one is named, which is gone afterwards. Progress
+/// and notes go to stdout, in the format of Slicer; outputs are replaced. Throws Error(usage) for parameters that are
+/// unknown, lack a value, or name no input or no output, and all that `run` does.
 int call_slicer_module(CLI::App& command, const std::vector<std::string>& words,
-                       const std::function<int(const std::vector<std::string>&)>& run);
+                       const std::function<int(const std::vector<std::string>&, const std::string& folder)>& run);
 
 }  // namespace quench::program
