@@ -73,6 +73,7 @@ if (!batch) {
   setBatchMode("exit and display");
   open(folder + "out" + File.separator + "branches.csv");
   selectImage(image);
+  resetThreshold;  // its red would hide the lines
 }
 print(said + drawn + " lines drawn into " + title);
 remove(folder);
