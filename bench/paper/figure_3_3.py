@@ -10,6 +10,25 @@ SHADES = ('burn_time', 'radius', 'erosion_thickness')
 TITLES = ('burn time BT', 'radius R', 'erosion thickness ET = BT − R')
 
 
+def along(axis, length=1.5):
+    """Pieces of the edges of an axis of the plane, with R, BT and ET in their middles: R^2 is a quadratic along an edge, and the
+    earlier of the fires from both ends counts."""
+    segments, values = [], {name: [] for name in SHADES}
+    for a, b in axis.lines:
+        p, q = axis.points[a, :2], axis.points[b, :2]
+        size = np.linalg.norm(q - p)
+        t = np.linspace(0, size, max(1, int(np.ceil(size / length))) + 1)
+        middle = (t[1:] + t[:-1]) / 2
+        (r, s), (u, v) = axis.at['radius'][[a, b]], axis.at['burn_time'][[a, b]]
+        radius = np.sqrt(r**2 + (s**2 - r**2 - size**2) * middle / size + middle**2)
+        time = np.minimum(u + middle, v + size - middle)
+        at = p + (q - p) * (t / size)[:, None]
+        segments += list(np.stack([at[:-1], at[1:]], 1))
+        for name, found in zip(SHADES, (time, radius, time - radius)):
+            values[name] += list(found)
+    return segments, {name: np.array(found) for name, found in values.items()}
+
+
 def make(paper):
     x, y = np.indices((260, 150))
     plane = ((x - 130) / 120) ** 2 + ((y - 70) / 52) ** 2 < 1
@@ -28,22 +47,22 @@ def make(paper):
     paper.quench('burn', paper.file('bump.vtp'), '-o', paper.file('bump_burned.vtp'))
     sheetlike = Complex(paper.file('bump_burned.vtp'))
 
-    figure, panels = plt.subplots(2, 3, figsize=(14, 8), layout='constrained')
+    figure, panels = plt.subplots(2, 3, figsize=(14, 5.6), layout='constrained')
     top = max(axis.at['burn_time'].max(), 1)
-    lines, points = axis.lines, axis.points[:, :2]
+    segments, values = along(axis)
     for k, name in enumerate(SHADES):
         panel = panels[0][k]
         panel.imshow(plane.T, cmap='gray_r', vmin=0, vmax=7, origin='lower')
-        values = axis.at[name][lines].max(axis=1)
-        panel.add_collection(LineCollection(points[lines], colors=plt.get_cmap('turbo')(np.clip(values / top, 0, 1)), linewidths=2.4))
+        panel.add_collection(LineCollection(segments, colors=plt.get_cmap('turbo')(np.clip(values[name] / top, 0, 1)), linewidths=3))
         panel.set_title(TITLES[k], fontsize=13)
         panel.set_axis_off()
-    surface = sheetlike.at['burn_time'].max()
+    points = axis.points[:, :2]
+    hottest = sheetlike.at['burn_time'].max()
     for k, name in enumerate(SHADES):
         scene = Scene((-0.5, -1, -0.9))
-        scene.add(sheetlike.sheets(), points=colours(sheetlike.at[name].astype(float), 0, surface))
+        scene.add(sheetlike.sheets(), points=colours(sheetlike.at[name].astype(float), 0, hottest))
         scene.add(sheetlike.curves(sheetlike.only_curves()), (0.1, 0.1, 0.5), width=3)
-        panels[1][k].imshow(scene.render((760, 460)))
+        panels[1][k].imshow(scene.render((760, 420), zoom=1.15))
         panels[1][k].set_axis_off()
 
     in_bump = points[:, 1] > 104

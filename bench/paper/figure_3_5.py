@@ -5,9 +5,9 @@ along its foot. A path on the foot itself would have to send another one up the 
 infimum is the length of a taut string around the foot, here known in closed form."""
 import numpy as np
 from matplotlib.tri import Triangulation
-from paper import Complex, Scene, colours, main, plt, table
+from paper import Complex, Scene, colours, main, plt, polydata, table
 
-RADIUS, HEIGHT, SIDES = 1.5, 12.0, 48
+RADIUS, HEIGHT, SIDES = 1.5, 8.0, 48
 LEFT, RIGHT, HALF = -4.0, 16.0, 12.0
 
 
@@ -77,19 +77,23 @@ def make(paper):
     print('Burn time at points (x, 0) behind the tube: the fire comes around the foot beside the seam. A tree that touches the '
           f'foot would\nhave to reach the top of the tube too, {HEIGHT + 40:g} later than 0.\n')
     table(('omega', 'x', 'BT of the program', 'infimum (taut string)', 'difference', 'straight through the foot'), rows)
-    flat = axis.points[:, 2] < 1e-9
     time = axis.at['burn_time'].astype(float)
-    scene = Scene((-0.5, -1.0, -1.1))
-    scene.add(axis.sheets(), points=colours(np.where(flat, time, 60), 0, 22))
-    flat_time = np.where(flat, time, np.nan)
+    order = np.array([np.linalg.norm(axis.points - p, axis=1).argmin() for p in points])
+    shown = time[order]
+    at_foot = np.arange(SIDES)
+    for i in at_foot:  # beside the seam the sheet burns earlier than the seam itself, whose time the file has
+        around = np.unique(triangles[(triangles == i).any(axis=1)])
+        outside = around[(points[around, 2] < 1e-9) & (np.linalg.norm(points[around], axis=1) > RADIUS + 1e-6)]
+        shown[i] = (shown[outside] + np.linalg.norm(points[outside] - points[i], axis=1)).min()
 
     keep = [t for t in triangles if (points[t][:, 2] < 1e-9).all() and np.linalg.norm(points[t].mean(axis=0)) > RADIUS]
     figure, (left, right) = plt.subplots(1, 2, figsize=(13, 5.4), layout='constrained')
-    left.imshow(scene.render((900, 700), (-4, 10, -6, 6, 0, 8)))
+    scene = Scene((0.45, 1.0, -0.75))
+    scene.add(polydata(points, 3 * np.arange(len(triangles) + 1), triangles), points=colours(np.where(points[:, 2] < 1e-9, shown, 60), 0, 16))
+    left.imshow(scene.render((900, 760), (-4, 8, -5, 5, 0, 7)))
     left.set_axis_off()
     left.set_title('burn time (the tube burns last)')
-    order = np.array([np.linalg.norm(axis.points - p, axis=1).argmin() for p in points])
-    right.tricontourf(Triangulation(points[:, 0], points[:, 1], np.array(keep)), flat_time[order], np.arange(0, 22.1, 0.5),
+    right.tricontourf(Triangulation(points[:, 0], points[:, 1], np.array(keep)), shown, np.arange(0, 22.1, 0.5),
                       cmap='turbo', extend='max')
     right.add_patch(plt.Circle((0, 0), RADIUS, fc='w', ec='r', lw=2))
     x, phi = 4.0, np.arccos(RADIUS / 4.0)

@@ -1,12 +1,12 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Apache-2.0
 """Fig. 3.6: nodes on the edges of polygons, prime arcs, regions, and the curve network dual to them: of the real burning of the
-middle sheet of a box. (a) nodes, (b) arcs per sheet at a seam, drawn apart, (c) prime arcs and the medial curves."""
+middle sheet of a plate with holes. (a) nodes, (b) arcs per sheet at a seam, drawn apart, (c) prime arcs and the medial curves."""
 import numpy as np
 from matplotlib.collections import LineCollection
 from paper import Complex, main, plt, table
 
-OMEGA = 0.16  # of world units
+OMEGA = 0.05  # of world units
 
 
 def states(axis):
@@ -17,21 +17,24 @@ def states(axis):
 
 
 def make(paper):
-    volume = paper.file('box.ply')
-    paper.quench('sample', 'box', '-o', volume)
-    core, burned = paper.file('box.vtp'), paper.file('box_burned.vtp')
-    paper.quench('core', volume, '--resolution', 20, '--surface', 'voxels', '--lambda', 0, '-o', core)
+    volume = paper.file('few.ply')
+    paper.quench('sample', 'plate-with-holes', '-o', volume)
+    core, burned = paper.file('few.vtp'), paper.file('few_burned.vtp')
+    paper.quench('core', volume, '--resolution', 56, '--surface', 'voxels', '--lambda', 0, '-o', core)
     paper.quench('burn', core, '--omega', f'{OMEGA / 2}abs', '-o', burned)
-    curves, hairs = paper.file('box_curves.vtp'), paper.file('box_hairs.vtp')
+    curves, hairs = paper.file('few_curves.vtp'), paper.file('few_hairs.vtp')
     paper.quench('skeleton', burned, '--theta2', 0, '--theta1', 'inf', '--smooth', 0, '--full', '-o', curves)
     paper.quench('skeleton', burned, '--theta2', 'inf', '--theta1', 0, '--smooth', 0, '--tips', 'pruned', '-o', hairs)
     axis, network = Complex(burned), Complex(hairs)
     middle = np.median(axis.points[:, 2])
     flat = axis.least(-np.abs(axis.points[:, 2] - middle)) > -1e-9
     edges, side, parts = states(axis)
-    figure, (nodes, seam, duals) = plt.subplots(1, 3, figsize=(16, 5.2), layout='constrained', width_ratios=(1.1, 0.75, 1.6))
+    figure, (nodes, seam, duals) = plt.subplots(1, 3, figsize=(16, 4.9), layout='constrained', width_ratios=(1.1, 0.75, 1.6))
     shown = np.flatnonzero(flat)
-    quarter = [f for f in shown if (axis.points[axis.corners[axis.offsets[f]:axis.offsets[f + 1]], :2] < 0.05).all()]
+    low, high = axis.points.min(0)[:2], axis.points.max(0)[:2]
+    centre = low + (high - low) * (0.30, 0.42)
+    shown = [f for f in shown if (np.abs(axis.points[axis.corners[axis.offsets[f]:axis.offsets[f + 1]], :2] - centre) < 0.42).all()]
+    quarter = [f for f in shown if (np.abs(axis.points[axis.corners[axis.offsets[f]:axis.offsets[f + 1]], :2] - centre) < 0.17).all()]
 
     def outline(axes, f, **style):
         corner = axis.points[axis.corners[axis.offsets[f]:axis.offsets[f + 1]], :2]
@@ -69,15 +72,15 @@ def make(paper):
     thick = network.at['curve_erosion_thickness'][network.lines[lies]].min(axis=1)
     duals.add_collection(LineCollection(segments, colors=['#1a9641' if t < 0.05 else '#0b5d2a' for t in thick],
                                         linewidths=[1.0 if t < 0.05 else 2.4 for t in thick]))
-    # Prime arcs: from every node against the gradient of the burn time, here the nearest rim of the sheet.
+    # Where fire ran: from the corner of a polygon whose time is later by the way between them.
     time = axis.at['burn_time'].astype(float)
     for f in shown:
         corner = axis.corners[axis.offsets[f]:axis.offsets[f + 1]]
         for a in corner:
-            for b in corner:
-                gap = np.linalg.norm(axis.points[a] - axis.points[b])
-                if a != b and abs(time[a] - time[b] - gap) < 1e-6:
-                    duals.plot(*axis.points[[a, b], :2].T, '-', color='#d7301f', lw=0.8, alpha=0.7)
+            gap = np.linalg.norm(axis.points[corner] - axis.points[a], axis=1)
+            fit = np.where(gap > 0, np.abs(time[a] - time[corner] - gap) / np.maximum(gap, 1e-12), np.inf)
+            if fit.min() < 0.03:
+                duals.plot(*axis.points[[a, corner[fit.argmin()]], :2].T, '-', color='#d7301f', lw=1.2, alpha=0.8)
     duals.set_title('(c) where fire ran between vertices (red), and the medial curves', fontsize=11)
     for axes in (nodes, seam, duals):
         axes.set_aspect('equal')

@@ -1,14 +1,14 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Apache-2.0
 """Fig. 3.8: measures on the medial axes of noisy shapes, and what is left above a threshold that keeps a fifth of the area. The
-armadillo and the elk with normal noise of 0.3 % of the side on their vertices, in the place of dolphin and elephant."""
+armadillo and the elk with normal noise of 0.2 % of the side on their vertices, in the place of dolphin and elephant."""
 import numpy as np
 from measures import NAMES, NOT_YET, of_polygons, threshold_of
 from paper import Complex, Scene, colours, main, sheet, table
 from vtk.util.numpy_support import vtk_to_numpy
 
 SHAPES = {'armadillo': ('meshes/armadillo.off', (-0.6, -0.25, 1.5)), 'elk': ('meshes/elk.off', (-0.4, -0.3, -1))}
-NOISE, KEEP, RESOLUTION = 0.003, 0.2, 192
+NOISE, KEEP, RESOLUTION = 0.002, 0.2, 192
 
 
 def noisy(paper, mesh, name):
