@@ -48,7 +48,7 @@ def make(paper):
             nodes.plot(*((1 - inner) * a + inner * b).T, 'o', ms=4, mfc='w', mec='k', mew=0.8)
     used = np.unique(np.concatenate([axis.corners[axis.offsets[f]:axis.offsets[f + 1]] for f in quarter]))
     nodes.plot(*axis.points[used, :2].T, 'ko', ms=5)
-    nodes.set_title('(a) nodes: vertices, and points at most ω apart', fontsize=11)
+    nodes.set_title('(a) nodes at most ω apart', fontsize=11)
 
     # (b) a seam of three polygons, with one arc per polygon between neighbouring nodes.
     number = np.bincount(side, minlength=len(edges))
@@ -63,7 +63,7 @@ def make(paper):
             s = np.linspace(0, 1, 20)
             seam.plot(0.10 * away[0] * np.sin(np.pi * s), 3 * (a + (b - a) * s) + 0.10 * away[1] * np.sin(np.pi * s), color=f'C{k}', lw=1.8)
     seam.plot(0 * t, 3 * t, 'o', color='darkorange', mec='k', ms=6)
-    seam.set_title(f'(b) at a seam of {count} sheets: one arc, and one time, per sheet', fontsize=11)
+    seam.set_title(f'(b) at a seam: an arc per sheet', fontsize=11)
 
     for f in shown:
         outline(duals, f, fc='#eef2f6', ec='#b9c4cf', lw=0.6)
@@ -71,7 +71,7 @@ def make(paper):
     segments = network.points[network.lines[lies]][:, :, :2]
     thick = network.at['curve_erosion_thickness'][network.lines[lies]].min(axis=1)
     duals.add_collection(LineCollection(segments, colors=['#1a9641' if t < 0.05 else '#0b5d2a' for t in thick],
-                                        linewidths=[1.0 if t < 0.05 else 2.4 for t in thick]))
+                                        linewidths=[1.2 if t < 0.05 else 2.4 for t in thick]))
     # Where fire ran: from the corner of a polygon whose time is later by the way between them.
     time = axis.at['burn_time'].astype(float)
     for f in shown:
@@ -81,10 +81,12 @@ def make(paper):
             fit = np.where(gap > 0, np.abs(time[a] - time[corner] - gap) / np.maximum(gap, 1e-12), np.inf)
             if fit.min() < 0.03:
                 duals.plot(*axis.points[[a, corner[fit.argmin()]], :2].T, '-', color='#d7301f', lw=1.2, alpha=0.8)
-    duals.set_title('(c) where fire ran between vertices (red), and the medial curves', fontsize=11)
+    duals.set_title('(c) where fire ran between vertices (red), medial curves (green)', fontsize=11)
     for axes in (nodes, seam, duals):
         axes.set_aspect('equal')
         axes.set_axis_off()
+    duals.set_xlim(centre[0] - 0.42, centre[0] + 0.42)
+    duals.set_ylim(centre[1] - 0.34, centre[1] + 0.34)
     rows = [(axis.count, len(edges), int(parts.sum() - len(edges) + len(axis.points)), int(axis.field['burn_nodes'].ravel()[0]),
              len(network.lines), axis.betti(), network.betti())]
     print('Dissertation: the network dual to the arcs that burned has the topology of M.\n')

@@ -64,7 +64,7 @@ class Paper:
         return self.work / name
 
     def sample(self, name, *options, suffix='.ply'):
-        file = self.file('_'.join([name, *(o.strip('-') for o in options)]) + suffix)
+        file = self.file('_'.join([name, *(str(o).strip('-') for o in options)]) + suffix)
         if not file.exists():
             self.quench('sample', name, '-o', file, *options)
         return file
