@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Apache-2.0
 """Fig. 2.9: the lambda-subsets of the ellipsoid's core (columns) at resolutions 128, 256, 512, 768 (rows; --large: the
-dissertation's 128, 256, 768, 1280). The true medial axis is a plane ellipse; distances both ways are sampled
+dissertation's 128, 256, 768, 1280). The true medial axis is a plane ellipse; distances are sampled, those
 (bench_convergence axis bounds them). The first column is the whole core, from 512 on its part of lambda 0.006 and more."""
 import numpy as np
 from paper import Complex, Scene, colours, main, polydata, sheet, table
