@@ -87,11 +87,9 @@ double burning::label_tolerance(const CellComplex& complex, std::span<const Vec3
   return std::min(2e-3 * omega, 6e-4 * mean_edge(complex, points));
 }
 
-Burning burning::finish_burning(const BurnDomain& domain, Labels labels, std::shared_ptr<BurnedSectors> sectors,
+Burning burning::finish_burning(const BurnDomain& domain, BurnTimes burned, std::shared_ptr<BurnedSectors> sectors,
                                 const BurnOptions& options, Context* context) {
-  Times times;
-  std::vector<char> opened;
-  labels.release(times, opened);
+  auto& [times, opened] = burned;
   if (options.parents) order_pass(domain, opened, times, *sectors, context);
 
   if (options.rounded) round_times(domain, times, *sectors);
@@ -133,9 +131,13 @@ static Burning burned(const CellComplex& complex, std::span<const Vec3> points, 
   auto sectors = std::make_shared<BurnedSectors>();
   sectors->network = make_network(complex, points, options.omega);
   const BurnDomain domain{complex, points, radius, sectors->network, options.radius};
-  Labels labels(domain, schedule, label_tolerance(complex, points, options.omega));
-  propagate_by_segments(domain, labels, context);
-  return finish_burning(domain, std::move(labels), std::move(sectors), options, context);
+  const auto times = [&]() -> BurnTimes {
+    if (options.propagation == Propagation::windows) return propagate_by_windows(domain, context);
+    Labels labels(domain, schedule, label_tolerance(complex, points, options.omega));
+    propagate_by_segments(domain, labels, context);
+    return labels.release();
+  };
+  return finish_burning(domain, times(), std::move(sectors), options, context);
 }
 
 Burning burning::burn_scheduled(const CellComplex& complex, std::span<const Vec3> points,

@@ -249,6 +249,15 @@ TEST(Burn, BySegmentsIsSound) {
   }
 }
 
+TEST(Burn, ByWindowsIsSound) {
+  for (std::uint64_t seed = 0; seed < 3000 && !testing::Test::HasFatalFailure(); ++seed) {
+    const BurnInput input = random_input(seed);
+    if (!input.consistent) continue;
+    const double omega = some_omega(seed / 5);
+    expect_sound(input, burn(input, omega, Propagation::windows), 1e-6, name_of(seed, omega));
+  }
+}
+
 // Segments only add ways to burn, so on the same nodes they are not later than nodes. (By segments no time is below the
 // radius; where the radius of inserted nodes leaves that to chance, nodes can be earlier.)
 TEST(Burn, SegmentsAreNotAboveNodes) {
