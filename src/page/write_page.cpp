@@ -107,7 +107,8 @@ std::string meta_of(const Page& page, const std::vector<PackedArray>& packed) {
                                number(page.pruning->threshold)));
   if (page.burning)
     put("burning",
-        fmt::format(R"({{"omega": {}, "propagation": "segments", "radius": "{}"}})", number(page.burning->omega),
+        fmt::format(R"({{"omega": {}, "propagation": "{}", "radius": "{}"}})", number(page.burning->omega),
+                    page.burning->propagation == Propagation::windows ? "windows" : "segments",
                     page.burning->radius == RadiusRule::linear ? "linear" : "exact"));
   put_length("theta2", page.theta2);
   put_length("theta1", page.theta1);

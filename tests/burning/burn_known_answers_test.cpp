@@ -56,7 +56,9 @@ struct Bound {
 // By windows: no spacing, and rounding only; plane waves, of linear radii, to 1e-6 of an edge.
 void expect_exact(const KnownBurn& known, const std::string& name) {
   const Errors e = errors_of(known, burn(known.input, 20, Propagation::windows));
-  const double bound = known.input.rule == RadiusRule::exact ? 1e-11 : 2e-6;
+  // The closed forms of cones are minima that were looked for.
+  const bool sharp = known.input.rule == RadiusRule::exact && name.find("cone") == std::string::npos;
+  const double bound = sharp ? 1e-11 : 2e-6;
   EXPECT_LE(e.largest, bound) << name << " by windows";
   EXPECT_GE(e.least, -bound) << name << " by windows";
 }

@@ -131,7 +131,7 @@ TEST(BurnByWindows, DoesNotDependOnTheSpacing) {
 TEST(BurnByWindows, SegmentsComeNearOnVoxelCores) {
   double coarse_sum = 0, fine_sum = 0;
   int compared = 0;
-  for (std::uint64_t seed = 0; seed < repeats(400, 100); ++seed) {
+  for (std::uint64_t seed = 0; seed < static_cast<std::uint64_t>(repeats(400, 100)); ++seed) {
     MedialAxis core = voxel_core(testing_shapes::random_shape(seed, 9));
     BurnInput input{core.complex, core.points, core.radius, RadiusRule::exact, true};
     const Burning exact = burn(input, 5, Propagation::windows), coarse = burn(input, 0.4, Propagation::segments),
