@@ -124,7 +124,7 @@ std::vector<std::string> with_expected_files(std::vector<std::string> files, con
   else
     files.insert(files.end(), {"core.vtp", "skeleton.vtp", "skeleton.swc", "skeleton.geojson", "skeleton.svg"});
   std::ranges::sort(files);
-  files.erase(std::ranges::unique(files).begin(), files.end());
+  files.erase(std::unique(files.begin(), files.end()), files.end());
   return files;
 }
 
