@@ -8,6 +8,7 @@
 # make packages   Debian packages in build/release/packages; make tarball: a program that runs on other Linux systems
 # make test-packages  lintian, and both tried in fresh systems of this and another Debian release; as root
 # make test-cluster  tasks through SLURM, Snakemake and Dask, and processes of MPI, on this machine; as root
+# make test-plugins  the plug-ins in ParaView, Blender and the other programs they are for, gigabytes of packages
 # make docs       install packages for it, build the documentation as a site in build/site
 # make bench      time and memory per boundary vertex
 # make format     clang-format over the sources
@@ -16,7 +17,7 @@ BUILD := build/release
 
 FUZZ_SECONDS ?= 60
 
-.PHONY: demo install test test-full test-cluster packages tarball test-packages soak fuzz docs bench build format clean
+.PHONY: demo install test test-full test-cluster test-plugins packages tarball test-packages soak fuzz docs bench build format clean
 demo: deps
 	@echo "Building the program and its page only, some minutes on two processors ('make test' builds the rest) ..."
 	cmake --preset release
@@ -78,10 +79,16 @@ test-cluster:
 	cmake --build $(BUILD) -j $(JOBS) --target quench_program quench_mpi
 	QUENCH_BUILD=$(BUILD) tests/cluster/slurm_here /usr/bin/python3 -B -m pytest -v tests/cluster
 
+test-plugins:
+	@scripts/install-deps --plugins
+	cmake --preset release
+	cmake --build $(BUILD) -j $(JOBS) --target quench_program quench_python
+	QUENCH_BUILD=$(BUILD) scripts/test-plugins
+
 SOAK_SECONDS ?= 600
 SOAK_SEED ?= $(shell date +%s)
 soak: build
-	QUENCH_SOAK_SECONDS=$(SOAK_SECONDS) QUENCH_SOAK_SEED=$(SOAK_SEED) $(BUILD)/tests/program_pipeline_test
+	QUENCH_SOAK_SECONDS=$(SOAK_SECONDS) QUENCH_SOAK_SEED=$(SOAK_SEED) $(BUILD)/tests/cli_tests --gtest_filter=ProgramPipeline.*
 fuzz:
 	cmake --preset fuzz
 	cmake --build --preset fuzz -j $(JOBS)

@@ -6,7 +6,8 @@ simulated: a round begins when the one before it has ended, its tasks go in orde
 the merge is one task.
 
     bench/brick_scaling.py SHAPE RESOLUTION... [--size 512] [--tasks 1000] [--quench build/release/quench]
-                           [--work DIR] [--no-whole 8192] [--json OUT.json] [--plot OUT.svg]
+                           [--work DIR] [--no-whole 8192] [--json OUT.json] [--plot OUT.png]
+                           [--core "--lambda 0.02"]
 
 Nothing is said of networks and file systems: the bytes that tasks read and write stand in the table.
 """
@@ -45,7 +46,7 @@ def simulated(rounds, merge, workers):
     return sum(makespan(tasks, workers) for tasks in rounds) + merge
 
 
-def measure(quench, shape, resolution, size, most_tasks, work, whole):
+def measure(quench, shape, resolution, size, most_tasks, work, whole, core_options):
     def task(*words):
         return run([quench, *map(str, words), "--quiet", "--threads", "1"])
 
@@ -54,7 +55,7 @@ def measure(quench, shape, resolution, size, most_tasks, work, whole):
     shutil.rmtree(bricks, ignore_errors=True)
     row = {"resolution": resolution, "size": size}
     row["plan_seconds"], row["plan_bytes"] = task("bricks", "plan", shape, "--resolution", resolution, "--size", size,
-                                                  "-o", bricks)
+                                                  *core_options, "-o", bricks)
 
     def status():
         return json.loads(subprocess.run([quench, "bricks", "status", bricks, "--json"], stdout=subprocess.PIPE,
@@ -71,8 +72,8 @@ def measure(quench, shape, resolution, size, most_tasks, work, whole):
     row["merge_seconds"], row["merge_bytes"] = task("bricks", "merge", bricks, "-o", core, "--overwrite")
     if whole:
         one = os.path.join(work, "one.vtp")
-        row["whole_seconds"], row["whole_bytes"] = task("core", shape, "--resolution", resolution, "-o", one,
-                                                        "--overwrite")
+        row["whole_seconds"], row["whole_bytes"] = task("core", shape, "--resolution", resolution, *core_options,
+                                                        "-o", one, "--overwrite")
         row["same_bytes"] = filecmp.cmp(core, one, shallow=False)
     shutil.rmtree(bricks)
     return row
@@ -103,29 +104,28 @@ def tell(row):
 
 def plot(rows, file):
     import matplotlib
-    matplotlib.use("svg")
+    matplotlib.use("agg")
     import matplotlib.pyplot as plt
-    figure, axes = plt.subplots(figsize=(7, 4.5))
+    figure, axes = plt.subplots(figsize=(8, 4.5))
     workers = [round(10 ** (i / 8)) for i in range(25)]
     for row in rows:
         rounds = [r["seconds"] for r in row["rounds"]]
         whole = simulated(rounds, row["merge_seconds"], 1)
-        name = f"{row['resolution']}, bricks of {row['size']}"
-        axes.loglog(workers, [simulated(rounds, 0, n) for n in workers], label=f"{name}: rounds")
-        colour = axes.lines[-1].get_color()
-        axes.loglog(workers, [simulated(rounds, row["merge_seconds"], n) for n in workers], "--", color=colour,
-                    label=f"{name}: with the merge")
+        name = f"resolution {row['resolution']}, bricks of {row['size']}"
+        colour = axes.loglog(workers, [simulated(rounds, row["merge_seconds"], n) for n in workers], label=name)[0].get_color()
+        axes.loglog(workers, [simulated(rounds, 0, n) for n in workers], "--", color=colour)
         axes.loglog(workers, [whole / n for n in workers], ":", color=colour, linewidth=0.8)
-    axes.loglog([], [], ":", color="grey", linewidth=0.8, label="perfect division")
+    for style, name in (("-", "rounds and merge"), ("--", "rounds alone"), (":", "perfect division")):
+        axes.loglog([], [], style, color="grey", label=name)
     axes.set_xlabel("workers (simulated from measured tasks)")
     axes.set_ylabel("seconds")
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_major_formatter("{x:g}")
         axis.set_minor_formatter(matplotlib.ticker.NullFormatter())
     axes.grid(True, which="both", alpha=0.3)
-    axes.legend(fontsize=8)
+    axes.legend(fontsize=8, loc="center left", bbox_to_anchor=(1, 0.5))
     figure.tight_layout()
-    figure.savefig(file)
+    figure.savefig(file, dpi=110)
 
 
 def main():
@@ -139,13 +139,15 @@ def main():
     parser.add_argument("--work", help="folder for what is written meanwhile; default: a temporary one")
     parser.add_argument("--no-whole", type=int, default=1 << 30, metavar="R",
                         help="from this resolution on nothing is computed in one piece")
+    parser.add_argument("--core", default="", metavar="OPTIONS", help="of quench core, as \"--lambda 0.02\"")
     parser.add_argument("--json")
     parser.add_argument("--plot")
     o = parser.parse_args()
     rows = []
     with tempfile.TemporaryDirectory(dir=o.work) as work:
         for resolution in o.resolution:
-            rows.append(measure(o.quench, o.shape, resolution, o.size, o.tasks, work, resolution < o.no_whole))
+            rows.append(measure(o.quench, o.shape, resolution, o.size, o.tasks, work, resolution < o.no_whole,
+                                o.core.split()))
             tell(rows[-1])
             sys.stdout.flush()
             if o.json:

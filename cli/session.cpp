@@ -175,6 +175,7 @@ void Session::complain(const std::string& text) const { std::fwrite(text.data(),
 
 void Session::say(const std::string& line) {
   if (options.quiet) return;
+  if (options.module) return answer_line(line);  // what is on stderr is an error to Slicer
   clear_line();
   complain(printable(line) + "\n");
 }
@@ -202,12 +203,18 @@ void Session::progress(std::string_view stage, double fraction) {
   const auto seconds_since = [&](Clock::time_point t) { return std::chrono::duration<double>(now - t).count(); };
   seconds_[std::string(stage)] += seconds_since(last_);
   last_ = now;
-  if (stage != stage_) {
+  const bool new_stage = stage != stage_;
+  if (new_stage) {
     stage_ = stage;
     stage_start_ = now;
   }
   if (options.quiet) return;
   const bool ended = fraction >= 1;
+  if (options.module) {
+    if (!new_stage && !ended && seconds_since(last_print_) < 0.1) return;
+    last_print_ = now;
+    return tell_slicer(fraction, new_stage);
+  }
   if (ended && stage == ended_stage_) return;  // said already
   ended_stage_ = ended ? std::string(stage) : std::string();
   if (terminal_) {
@@ -233,6 +240,28 @@ void Session::progress(std::string_view stage, double fraction) {
           fmt::format("{}: {:.0f}%{}\n", stage_, fraction * 100,
                       fraction > 0.02 ? fmt::format(", about {:.0f} s left", spent / fraction * (1 - fraction)) : ""));
   }
+}
+
+// How far all is when a stage is on its way: about what stages take of a volume of a few million voxels.
+void Session::tell_slicer(double fraction, bool new_stage) {
+  struct Share {
+    const char* stage;
+    double begin, end;
+  };
+  constexpr Share kShares[] = {{"read", 0, 0.05},       {"voxelize", 0.05, 0.1}, {"delaunay", 0.1, 0.3},
+                               {"detail", 0.3, 0.4},    {"burn", 0.4, 0.6},      {"curves", 0.6, 0.65},
+                               {"skeleton", 0.65, 0.8}, {"repair", 0.7, 0.8},    {"thickness", 0.5, 0.9},
+                               {"surface", 0.5, 0.9},   {"page", 0.8, 0.95},     {"write", 0.95, 1}};
+  for (const Share& share : kShares)
+    if (stage_ == share.stage)
+      overall_ = std::max(overall_, share.begin + std::clamp(fraction, 0.0, 1.0) * (share.end - share.begin));
+  std::string text;
+  if (new_stage) text += fmt::format("<filter-comment>{}</filter-comment>\n", stage_);
+  text +=
+      fmt::format("<filter-progress>{:.4f}</filter-progress>\n<filter-stage-progress>{:.4f}</filter-stage-progress>\n",
+                  overall_, fraction);
+  answer(text);
+  std::fflush(stdout);
 }
 
 void Session::clear_line() {

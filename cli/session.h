@@ -27,6 +27,7 @@ struct CommonOptions {
   std::string command;             ///< the line that started the program, for results that say how they were made
   std::vector<std::string> words;  ///< of a batch: what stands behind its "--"
   bool quiet = false, verbose = false, overwrite = false;
+  bool module = false;  ///< of 3D Slicer: progress and notes go to stdout, in its format
 };
 
 /// One run of the program: its context (progress on stderr, notes, Ctrl-C), its clock per stage, its outputs.
@@ -63,6 +64,7 @@ class Session {
 
  private:
   void progress(std::string_view stage, double fraction);
+  void tell_slicer(double fraction, bool new_stage);
   void complain(const std::string& text) const;
   void clear_line();
 
@@ -70,6 +72,7 @@ class Session {
   Clock::time_point start_ = Clock::now(), last_ = start_, stage_start_ = start_, last_print_ = start_;
   std::string stage_, ended_stage_;
   bool terminal_ = false, line_open_ = false;
+  double overall_ = 0;  ///< of all stages, as modules say it
   std::map<std::string, double> seconds_;
   std::optional<Interrupts> interrupts_;
   std::unique_ptr<tbb::global_control> thread_limit_;

@@ -15,6 +15,14 @@ if(QUENCH_PROGRAM)
     install(FILES ${QUENCH_SHELL_FILES}/fish/quench.fish DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d
             COMPONENT program)
   endif()
+  # What other programs load: modules of 3D Slicer, plug-ins of ParaView and Blender, which look for the program from here.
+  install(DIRECTORY ${PROJECT_SOURCE_DIR}/plugins/slicer/modules/ DESTINATION ${CMAKE_INSTALL_DATADIR}/quench/slicer
+          COMPONENT program USE_SOURCE_PERMISSIONS)
+  install(FILES ${PROJECT_SOURCE_DIR}/plugins/paraview/quench_paraview.py ${PROJECT_SOURCE_DIR}/plugins/paraview/load_quench.py
+                ${PROJECT_SOURCE_DIR}/plugins/paraview/show_core.py
+          DESTINATION ${CMAKE_INSTALL_DATADIR}/quench/paraview COMPONENT program)
+  install(DIRECTORY ${PROJECT_SOURCE_DIR}/plugins/blender/quench_blender DESTINATION ${CMAKE_INSTALL_DATADIR}/quench/blender
+          COMPONENT program PATTERN __pycache__ EXCLUDE)
   install(FILES ${PROJECT_SOURCE_DIR}/docs/report.schema.json DESTINATION ${CMAKE_INSTALL_DATADIR}/quench COMPONENT program)
 endif()
 if(QUENCH_MPI)
@@ -43,8 +51,8 @@ include(QuenchPkgConfig)
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_SOURCE_DIR}/README.md ${PROJECT_SOURCE_DIR}/CHANGELOG.md
               ${PROJECT_SOURCE_DIR}/CITATION.cff
         DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT documentation)
-install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs/user ${PROJECT_SOURCE_DIR}/docs/algorithms ${PROJECT_SOURCE_DIR}/docs/figures
-                  ${PROJECT_SOURCE_DIR}/docs/pictures
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs/user ${PROJECT_SOURCE_DIR}/docs/tutorials ${PROJECT_SOURCE_DIR}/docs/algorithms
+                  ${PROJECT_SOURCE_DIR}/docs/figures ${PROJECT_SOURCE_DIR}/docs/pictures
         DESTINATION ${CMAKE_INSTALL_DOCDIR}/docs COMPONENT documentation
         FILES_MATCHING PATTERN "*.md" PATTERN "*.svg" PATTERN "*.png" PATTERN "__pycache__" EXCLUDE)
 install(FILES ${PROJECT_SOURCE_DIR}/docs/glossary.md ${PROJECT_SOURCE_DIR}/docs/gallery.md

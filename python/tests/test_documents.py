@@ -58,7 +58,7 @@ def test_the_cell_of_the_plane(tmp_path, monkeypatch, capsys):
 
 def pages():
     """Every page of the project, by its path from the root, with its text without blocks of code."""
-    for pattern in ('*.md', 'docs/**/*.md', 'notes/*.md', 'examples/**/*.md', 'viewer/*.md'):
+    for pattern in ('*.md', 'docs/**/*.md', 'notes/*.md', 'examples/**/*.md', 'plugins/**/*.md', 'viewer/*.md'):
         for file in glob.glob(os.path.join(ROOT, pattern), recursive=True):
             with open(file, encoding='utf-8') as page:
                 yield os.path.relpath(file, ROOT), re.sub(r'(?ms)^```.*?^```', '', page.read())
@@ -93,7 +93,7 @@ def test_options_exist():
                 known += source.read()
     unknown = set()
     for path, _ in pages():
-        if not path.startswith(('README', 'docs/user', 'docs/algorithms', 'docs/glossary', 'docs/gallery', 'examples')):
+        if not path.startswith(('README', 'docs/user', 'docs/tutorials', 'docs/algorithms', 'docs/glossary', 'docs/gallery', 'examples')):
             continue
         with open(os.path.join(ROOT, path), encoding='utf-8') as page:
             for line in page:

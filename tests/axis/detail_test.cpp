@@ -18,7 +18,7 @@
 #include "random_shapes.h"
 
 namespace quench {
-namespace {
+namespace detail_test {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
@@ -261,5 +261,5 @@ TEST(Detail, NeedsLambda) {
   EXPECT_EQ(coverage(VoxelShape(), axis), kInfinity);
 }
 
-}  // namespace
+}  // namespace detail_test
 }  // namespace quench

@@ -19,7 +19,7 @@
 #include "temporary_folder.h"
 
 namespace quench {
-namespace {
+namespace measures_test {
 
 // Numbers that follow from the indices of cells: unlike lambda, those of an edge are not the largest of its faces.
 Measure numbered(const CellComplex& complex) {
@@ -342,5 +342,5 @@ TEST(Measures, FilesOfVersion1AreReadAsBefore) {
   }
 }
 
-}  // namespace
+}  // namespace measures_test
 }  // namespace quench

@@ -15,7 +15,7 @@
 #include "random_shapes.h"
 
 namespace quench::pipeline {
-namespace {
+namespace part_pruning_test {
 
 // Of all that is there, and what of it is gone before the merge.
 struct Removed {
@@ -111,5 +111,5 @@ TEST(PartPruning, OfSamples) {
   EXPECT_GT(removed.gone, removed.all / 4);
 }
 
-}  // namespace
+}  // namespace part_pruning_test
 }  // namespace quench::pipeline

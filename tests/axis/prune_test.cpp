@@ -22,7 +22,7 @@
 #include "random_shapes.h"
 
 namespace quench {
-namespace {
+namespace prune_test {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
@@ -427,5 +427,5 @@ TEST(AutoLambda, RefusesLengthsThatAreNone) {
   EXPECT_EQ(auto_lambda(reconstruction, 0, 1), 0);
 }
 
-}  // namespace
+}  // namespace prune_test
 }  // namespace quench

@@ -13,7 +13,7 @@
 #include "quench/voxelize.h"
 
 namespace quench {
-namespace {
+namespace surface_fit_test {
 
 struct Fitted {
   VoxelShape shape;
@@ -168,5 +168,5 @@ TEST(FitToSurface, NeedsSitesOfEachVertex) {
   EXPECT_THROW(static_cast<void>(contact_sites(whole, 1, kDetail)), Error);
 }
 
-}  // namespace
+}  // namespace surface_fit_test
 }  // namespace quench

@@ -11,7 +11,7 @@
 #include "random_shapes.h"
 
 namespace quench {
-namespace {
+namespace voxel_core_test {
 
 // Same cells, positions, radii, sites and lambda as the oracle, cell by cell.
 void expect_equals_brute_force(const VoxelShape& shape, const std::string& where) {
@@ -136,5 +136,5 @@ TEST(VoxelCore, LambdaOfCosphericalEdgesUnderBothRules) {
   EXPECT_NEAR(middle(voxel_core(bar, {.rule = LambdaRule::ball})), 1, 1e-12);
 }
 
-}  // namespace
+}  // namespace voxel_core_test
 }  // namespace quench

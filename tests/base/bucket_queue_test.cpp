@@ -7,7 +7,7 @@
 #include <random>
 
 namespace quench {
-namespace {
+namespace bucket_queue_test {
 
 using Queue = base::BucketQueue<std::uint32_t>;
 
@@ -56,5 +56,5 @@ TEST(BucketQueue, StaleEntriesAreDroppedWhenABucketOpens) {
   EXPECT_EQ(fetched, 5000u);
 }
 
-}  // namespace
+}  // namespace bucket_queue_test
 }  // namespace quench

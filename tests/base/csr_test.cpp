@@ -8,7 +8,7 @@
 #include <utility>
 
 namespace quench {
-namespace {
+namespace csr_test {
 
 // Against a vector per row, with empty rows first, last and in between.
 TEST(Csr, GroupsLikeAVectorPerRow) {
@@ -52,5 +52,5 @@ TEST(Csr, ItemsOfARowCanBeChanged) {
   EXPECT_EQ(csr.items(), (std::vector<int>{9, 2, 3}));
 }
 
-}  // namespace
+}  // namespace csr_test
 }  // namespace quench

@@ -8,7 +8,7 @@
 #include <vector>
 
 namespace quench::base {
-namespace {
+namespace graph_peeler_test {
 
 using Edges = std::vector<std::array<std::uint32_t, 2>>;
 
@@ -86,5 +86,5 @@ TEST(GraphPeeler, RemovingAnEdgeOpensItsCycle) {
   EXPECT_EQ(removed, (std::vector<std::uint32_t>{1, 2}));
 }
 
-}  // namespace
+}  // namespace graph_peeler_test
 }  // namespace quench::base

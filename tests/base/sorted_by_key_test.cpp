@@ -11,7 +11,7 @@
 #include <span>
 
 namespace quench {
-namespace {
+namespace sorted_by_key_test {
 
 constexpr std::ptrdiff_t kMostTies = 100;
 
@@ -55,5 +55,5 @@ TEST(SortedByKey, AsAComparisonSort) {
   }
 }
 
-}  // namespace
+}  // namespace sorted_by_key_test
 }  // namespace quench

@@ -10,7 +10,7 @@
 #include "burn_shapes.h"
 
 namespace quench {
-namespace {
+namespace brute_force_burn_test {
 
 using namespace testing_complexes;
 using testing_burn::BruteForceBurn;
@@ -109,5 +109,5 @@ TEST(BruteForceBurn, SectorTimesOfLinks) {
   EXPECT_EQ(pocket.size(), 5u);
 }
 
-}  // namespace
+}  // namespace brute_force_burn_test
 }  // namespace quench

@@ -19,7 +19,7 @@
 #include "random_shapes.h"
 
 namespace quench {
-namespace {
+namespace burn_known_answers_test {
 
 using namespace testing_complexes;
 using testing_burn::burn_by;
@@ -375,5 +375,5 @@ TEST(BurnAuthorsBunny, FineNodesMeetTheirFineTimes) {
   EXPECT_LT(difference(segments.burn_time, bunny.burn_time[0]).largest, 0.01);
 }
 
-}  // namespace
+}  // namespace burn_known_answers_test
 }  // namespace quench

@@ -19,7 +19,7 @@
 #include "same_skeletons.h"
 
 namespace quench {
-namespace {
+namespace burn_sequence_test {
 
 using namespace testing_complexes;
 
@@ -253,5 +253,5 @@ TEST(BurnSequence, NeedsWhatItKeeps) {
   EXPECT_FALSE(find_array(known.file.field_data, "sequence_of"));
 }
 
-}  // namespace
+}  // namespace burn_sequence_test
 }  // namespace quench

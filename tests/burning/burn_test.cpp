@@ -21,7 +21,7 @@
 #include "random_shapes.h"
 
 namespace quench {
-namespace {
+namespace burn_test {
 
 using namespace testing_complexes;
 using burning::BurnNetwork;
@@ -550,5 +550,5 @@ TEST(Burn, SpacingIsAShareOfTheMeanEdgeWhereNoneIsGiven) {
   EXPECT_NEAR(burn(input, 0, Propagation::segments).options.omega, expected, 1e-12);
 }
 
-}  // namespace
+}  // namespace burn_test
 }  // namespace quench

@@ -14,7 +14,7 @@
 #include "burning/network.h"
 
 namespace quench::burning {
-namespace {
+namespace window_queue_test {
 
 // Every block has a colour of its own.
 Blocks blocks_of(std::uint32_t states, std::uint32_t count, std::mt19937& random) {
@@ -191,5 +191,5 @@ TEST(Blocks, ManyAndOne) {
   for (const std::uint16_t block : same.of_state) ASSERT_EQ(block, 0);
 }
 
-}  // namespace
+}  // namespace window_queue_test
 }  // namespace quench::burning

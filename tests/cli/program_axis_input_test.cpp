@@ -16,7 +16,7 @@ using namespace quench::testing_program;
 using quench::DataArray;
 using quench::Record;
 
-namespace {
+namespace program_axis_input_test {
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
@@ -128,4 +128,4 @@ TEST_F(AxisInput, FilesWithoutAnEnd) {
   refuses(3, {"'device.ply' is a device"}, {"info", "device.ply"});
 }
 
-}  // namespace
+}  // namespace program_axis_input_test

@@ -13,7 +13,7 @@
 using namespace quench::testing_program;
 namespace fs = std::filesystem;
 
-namespace {
+namespace program_batch_test {
 
 class Batch : public ProgramTest {
  protected:
@@ -460,4 +460,4 @@ TEST_F(Batch, ReplacesOnlyItsOwnOutputs) {
   batch(0, {"scans", "-o", "out"});
 }
 
-}  // namespace
+}  // namespace program_batch_test

@@ -12,7 +12,7 @@
 
 using namespace quench::testing_program;
 
-namespace {
+namespace program_bricks_test {
 
 using Words = std::vector<std::string>;
 
@@ -316,4 +316,4 @@ TEST_F(Bricks, OneMachineInBricks) {
   EXPECT_EQ(files().size(), 7u);  // nothing else is left
 }
 
-}  // namespace
+}  // namespace program_bricks_test

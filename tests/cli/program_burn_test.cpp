@@ -16,7 +16,7 @@ using quench::DataArray;
 using quench::find_array;
 using quench::Record;
 
-namespace {
+namespace program_burn_test {
 
 std::vector<double> of_points(const Record& data, const char* name) { return numbers(data.point_data, name); }
 
@@ -426,4 +426,4 @@ TEST_F(Burn, RealMedialAxisOfOthers) {
   EXPECT_NEAR(*std::max_element(bt.begin(), bt.end()), 39.78, 0.1);
 }
 
-}  // namespace
+}  // namespace program_burn_test

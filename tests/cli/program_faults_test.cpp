@@ -13,7 +13,7 @@
 
 using namespace quench::testing_program;
 
-namespace {
+namespace program_faults_test {
 
 constexpr const char* kOld = "precious";
 
@@ -370,4 +370,4 @@ TEST_F(Faults, AFolderWithoutPermission) {
   refuses(1, {"cannot write to 'closed/new'", "not writable"}, {"run", "box.npy", "-o", "closed/new"});
 }
 
-}  // namespace
+}  // namespace program_faults_test

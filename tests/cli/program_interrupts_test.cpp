@@ -8,7 +8,7 @@
 
 using namespace quench::testing_program;
 
-namespace {
+namespace program_interrupts_test {
 
 // A core that takes many seconds.
 class Interrupted : public ProgramTest {
@@ -167,4 +167,4 @@ TEST_F(Unanswered, OnADeadDisk) {
   }
 }
 
-}  // namespace
+}  // namespace program_interrupts_test

@@ -8,7 +8,7 @@
 
 using namespace quench::testing_program;
 
-namespace {
+namespace program_memory_test {
 
 class Memory : public ProgramTest {
  protected:
@@ -56,4 +56,4 @@ INSTANTIATE_TEST_SUITE_P(Large, MemoryOfSamples,
                            return name;
                          });
 
-}  // namespace
+}  // namespace program_memory_test

@@ -11,7 +11,7 @@
 
 using namespace quench::testing_program;
 
-namespace {
+namespace program_options_test {
 
 struct Option {
   std::string name;  ///< "--output", "SHAPE"
@@ -376,4 +376,4 @@ TEST_F(Options, AmountsOfMemory) {
           {"core", "v.npy", "-o", "a.vtp", "--memory-limit", "1K"});
 }
 
-}  // namespace
+}  // namespace program_options_test

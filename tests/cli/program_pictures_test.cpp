@@ -7,7 +7,7 @@
 using namespace quench;
 using namespace quench::testing_program;
 
-namespace {
+namespace program_pictures_test {
 
 class Pictures : public ProgramTest {
  protected:
@@ -186,4 +186,4 @@ TEST_F(Pictures, SpacingOfATiffIsSaidAndReported) {
 }
 #endif
 
-}  // namespace
+}  // namespace program_pictures_test

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Random shapes, random options, random numbers of threads through the whole program; every result must pass `verify`
 // and be the same for another number of threads. Fixed seeds; `make soak` goes on from another one for a given time:
-//   QUENCH_SOAK_SECONDS=600 QUENCH_SOAK_SEED=1 program_pipeline_test
+//   QUENCH_SOAK_SECONDS=600 QUENCH_SOAK_SEED=1 cli_tests --gtest_filter=ProgramPipeline.*
 #include <algorithm>
 #include <chrono>
 #include <cstdint>
@@ -15,7 +15,7 @@
 #include "random_shapes.h"
 
 namespace quench::testing_program {
-namespace {
+namespace program_pipeline_test {
 
 class Choice {
  public:
@@ -121,5 +121,5 @@ TEST_F(ProgramPipeline, RandomShapesAndOptionsAreVerified) {
               static_cast<unsigned long long>(begin));
 }
 
-}  // namespace
+}  // namespace program_pipeline_test
 }  // namespace quench::testing_program

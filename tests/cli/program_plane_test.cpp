@@ -7,7 +7,7 @@
 
 using namespace quench::testing_program;
 
-namespace {
+namespace program_plane_test {
 
 std::string feature(const std::string& geometry, const std::string& more) {
   return R"({"type":"Feature",)" + more + R"("geometry":)" + geometry + "}";
@@ -37,8 +37,6 @@ class ManyPolygons : public ProgramTest {
     EXPECT_NE(bytes(name).find(text), std::string::npos) << name << " has no " << text << ":\n" << bytes(name);
   }
 };
-
-}  // namespace
 
 TEST_F(ManyPolygons, HaveTheirResultsInOneRun) {
   const Outcome run = works({"run", "mixed.geojson", "-o", "out", "--resolution", "64"});
@@ -88,3 +86,5 @@ TEST_F(ManyPolygons, NotesAreCounted) {
   const Outcome run = works({"run", "many.geojson", "-o", "out", "--resolution", "16", "--no-view", "--no-picture"});
   EXPECT_NE(run.err.find("note: 1100 notes of features in"), std::string::npos) << run.err;
 }
+
+}  // namespace program_plane_test

@@ -11,7 +11,7 @@
 
 using namespace quench::testing_program;
 
-namespace {
+namespace program_prepared_test {
 
 class Prepared : public ProgramTest {
  protected:
@@ -123,4 +123,4 @@ TEST_F(Prepared, RefusesWhatMakesNoSense) {
   EXPECT_NE(mesh.err.find("note: --blur, --connectivity are for volumes"), std::string::npos) << mesh.err;
 }
 
-}  // namespace
+}  // namespace program_prepared_test

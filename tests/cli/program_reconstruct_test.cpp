@@ -7,7 +7,7 @@
 
 using namespace quench::testing_program;
 
-namespace {
+namespace program_reconstruct_test {
 
 class Reconstruct : public ProgramTest {
  protected:
@@ -67,4 +67,4 @@ TEST_F(Reconstruct, RefusesWhatHasNoSolid) {
   refuses(3, {"one point"}, {"reconstruct", "point.ma", "-o", "no.nrrd"});
 }
 
-}  // namespace
+}  // namespace program_reconstruct_test

@@ -5,7 +5,7 @@
 
 using namespace quench::testing_program;
 
-namespace {
+namespace program_refusals_test {
 
 class Refusals : public ProgramTest {
  protected:
@@ -257,4 +257,4 @@ TEST_F(Refusals, DiskFull) {
   EXPECT_NE(full.err.find("quench: cannot write 'full.vtp': No space left"), std::string::npos) << full.err;
 }
 
-}  // namespace
+}  // namespace program_refusals_test

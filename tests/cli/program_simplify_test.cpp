@@ -13,7 +13,7 @@
 using namespace quench;
 using namespace quench::testing_program;
 
-namespace {
+namespace program_simplify_test {
 
 class Simplify : public ProgramTest {
  protected:
@@ -114,4 +114,4 @@ TEST_F(Simplify, SmoothMovesNoFartherThanAsked) {
   refuses(2, {"--iterations"}, {"smooth", "core.vtp", "--iterations", "-1", "-o", "t.vtp"});
 }
 
-}  // namespace
+}  // namespace program_simplify_test

@@ -19,7 +19,7 @@ using quench::find_array;
 using quench::Record;
 using quench::Topology;
 
-namespace {
+namespace program_skeleton_test {
 
 // Of a report's section: the text between its name and the end of its object.
 std::string section(const std::string& report, const std::string& name) {
@@ -490,4 +490,4 @@ TEST_F(SkeletonProgram, RefusesAnInfiniteSpacingOfPoints) {
   refuses_skeleton(2, {"--resample"}, {"core.vtp", "-o", "a.vtp", "--csv", "a.csv", "--resample", "inf"});
 }
 
-}  // namespace
+}  // namespace program_skeleton_test

@@ -9,7 +9,7 @@
 
 using namespace quench::testing_program;
 
-namespace {
+namespace program_surface_test {
 
 class SurfaceOption : public ProgramTest {
  protected:
@@ -71,4 +71,4 @@ TEST_F(SurfaceOption, WhatCannotBeHadIsRefused) {
   refuses(2, {"--surface", "rough"}, {"core", "cube.off", "--surface", "rough", "-o", "no.vtp"});
 }
 
-}  // namespace
+}  // namespace program_surface_test

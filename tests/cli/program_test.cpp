@@ -12,7 +12,7 @@ using namespace quench::testing_program;
 using quench::find_array;
 using quench::Record;
 
-namespace {
+namespace program_test {
 
 class Program : public ProgramTest {
  protected:
@@ -372,4 +372,4 @@ TEST_F(Program, SameBytesForAnyThreadsAndAgain) {
   EXPECT_GE(std::stoll(report.substr(report.find(key, report.find("\"core\": ")) + key.size())), 3 << 16);
 }
 
-}  // namespace
+}  // namespace program_test

@@ -12,7 +12,7 @@ using namespace quench::testing_program;
 using quench::io::read_record;
 using quench::io::read_volume;
 
-namespace {
+namespace program_thickness_test {
 
 class Thickness : public ProgramTest {
  protected:
@@ -95,4 +95,4 @@ TEST_F(Thickness, WhatIsRefused) {
   refuses(1, {"'no.nrrd'"}, {"thickness", "plate.npy", "--mask", "no.nrrd"});
 }
 
-}  // namespace
+}  // namespace program_thickness_test

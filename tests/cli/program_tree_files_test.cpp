@@ -7,7 +7,7 @@
 #include "quench/geometry.h"
 
 namespace quench::testing_program {
-namespace {
+namespace program_tree_files_test {
 
 constexpr const char* kSwc = "1 1 0 0 0 2 -1\n2 3 3 0 0 1 1\n3 3 6 0 0 1 2\n4 3 3 4 0 1 2\n";
 
@@ -70,5 +70,5 @@ TEST_F(ProgramTreeFilesTest, RealVoxelLists) {
   }
 }
 
-}  // namespace
+}  // namespace program_tree_files_test
 }  // namespace quench::testing_program

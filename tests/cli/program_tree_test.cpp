@@ -15,7 +15,7 @@
 using namespace quench::testing_program;
 using Json = nlohmann::json;
 
-namespace {
+namespace program_tree_test {
 
 const std::vector<std::string> kFiles{"tree.swc",        "tree.rsml",  "tree.mtg",     "tree.graphml",
                                       "centerlines.vtp", "axes.csv",   "branches.csv", "traits.csv",
@@ -322,4 +322,4 @@ TEST_F(TreeProgram, SeveralRootNodesMakeSeveralPlants) {
   EXPECT_EQ(topology_of("out/edited.nrrd").betti, (Betti{2, 0, 0}));
 }
 
-}  // namespace
+}  // namespace program_tree_test

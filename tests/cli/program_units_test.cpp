@@ -10,7 +10,7 @@ using namespace quench::testing_program;
 using quench::find_array;
 using quench::Record;
 
-namespace {
+namespace program_units_test {
 
 class Units : public ProgramTest {
  protected:
@@ -72,4 +72,4 @@ TEST_F(Units, RefusesWhatIsNoName) {
     refuses(2, {"--units", "is not the name of a unit"}, {"core", "box.ply", "--units", unit, "-o", "a.vtp"});
 }
 
-}  // namespace
+}  // namespace program_units_test

@@ -16,7 +16,7 @@ using namespace quench::testing_program;
 using quench::testing_page::Contents;
 using quench::testing_page::read_page;
 
-namespace {
+namespace program_view_test {
 
 bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
@@ -367,4 +367,4 @@ TEST_F(ViewProgram, OtherFilesAreDrawnAsTheyAre) {
   EXPECT_FALSE(exists("lines.html"));
 }
 
-}  // namespace
+}  // namespace program_view_test

@@ -20,7 +20,7 @@
 #include "random_shapes.h"
 
 namespace quench {
-namespace {
+namespace certain_thinning_test {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
@@ -265,5 +265,5 @@ TEST(CertainThinning, WhateverTheComplex) {
   EXPECT_GT(removed, 3000u);
 }
 
-}  // namespace
+}  // namespace certain_thinning_test
 }  // namespace quench

@@ -11,7 +11,7 @@
 #include "quench/shape.h"
 
 namespace quench {
-namespace {
+namespace complex_topology_test {
 
 // Rank over Z/2 of a matrix given by the rows of its columns; plain elimination.
 std::int64_t rank(std::vector<std::vector<std::uint32_t>> columns, std::size_t rows) {
@@ -120,5 +120,5 @@ TEST(CellComplex, MakeRefusesAndValidateNames) {
   EXPECT_THROW(complex.validate(), Error) << "the same face twice";
 }
 
-}  // namespace
+}  // namespace complex_topology_test
 }  // namespace quench

@@ -10,7 +10,7 @@
 #include "random_complexes.h"
 
 namespace quench {
-namespace {
+namespace structure_test {
 
 // Three triangles around an edge, with a fourth beside one of them.
 TEST(Structure, OfTrianglesAroundAnEdge) {
@@ -107,5 +107,5 @@ TEST(Structure, IsThatOfWalking) {
   EXPECT_GT(seams, 500u);
 }
 
-}  // namespace
+}  // namespace structure_test
 }  // namespace quench

@@ -18,7 +18,7 @@
 #include "random_shapes.h"
 
 namespace quench {
-namespace {
+namespace thinning_test {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
@@ -177,5 +177,5 @@ TEST(Thinning, ProgressGrowsAndCancelStopsIt) {
   }
 }
 
-}  // namespace
+}  // namespace thinning_test
 }  // namespace quench

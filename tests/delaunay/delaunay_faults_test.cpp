@@ -17,7 +17,7 @@
 #include "quench/error.h"
 
 namespace quench::delaunay {
-namespace {
+namespace delaunay_faults_test {
 
 constexpr int kThreads = 8;
 
@@ -104,5 +104,5 @@ TEST_F(Faults, ExceptionsComeOutAsTheyWere) {
   }
 }
 
-}  // namespace
+}  // namespace delaunay_faults_test
 }  // namespace quench::delaunay

@@ -17,7 +17,7 @@
 #include "same_dual.h"
 
 namespace quench::delaunay {
-namespace {
+namespace delaunay_test {
 
 // Six times the volume, in lattice units, of the tetrahedra inside O: they must tile O exactly.
 void expect_tiles(const VoxelShape& shape, const std::string& where) {
@@ -167,5 +167,5 @@ TEST(Predicates, FilteredSignsAreExact) {
   }
 }
 
-}  // namespace
+}  // namespace delaunay_test
 }  // namespace quench::delaunay

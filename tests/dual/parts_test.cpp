@@ -24,7 +24,7 @@
 #include "same_dual.h"
 
 namespace quench::dual::bricks {
-namespace {
+namespace parts_test {
 
 using testing_duals::Boxes;
 using testing_duals::expect_same;
@@ -373,5 +373,5 @@ TEST(Parts, OnlyClosedSetsAreLeft) {
   EXPECT_GT(parts, 0u);
 }
 
-}  // namespace
+}  // namespace parts_test
 }  // namespace quench::dual::bricks

@@ -16,7 +16,7 @@
 #include "same_dual.h"
 
 namespace quench::dual::peel {
-namespace {
+namespace peeling_test {
 
 Options always(double reach, std::int32_t layers) { return {reach, layers, 0, 0, std::size_t{1} << 40}; }
 
@@ -164,5 +164,5 @@ TEST(Peeling, EveryUnmatchedFacetIsClosedByOnePolytope) {
   EXPECT_THROW(close(holed), Error);
 }
 
-}  // namespace
+}  // namespace peeling_test
 }  // namespace quench::dual::peel

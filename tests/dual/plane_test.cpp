@@ -20,7 +20,7 @@
 #include "same_dual.h"
 
 namespace quench::dual::plane {
-namespace {
+namespace plane_test {
 
 using brute_force::PlaneCore;
 using brute_force::PlaneOracle;
@@ -388,5 +388,5 @@ TEST(Plane, StopsWhenAsked) {
   EXPECT_THROW(dual_complex(shape, brute_force::sites_of_plane(shape), integer_spacing(shape.grid()), &context), Error);
 }
 
-}  // namespace
+}  // namespace plane_test
 }  // namespace quench::dual::plane

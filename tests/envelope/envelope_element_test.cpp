@@ -12,7 +12,7 @@
 #include "envelope/element_tree.h"
 
 namespace quench::envelope {
-namespace {
+namespace envelope_element_test {
 
 double outside(const Element& e, const Vec3& p, double b, double c) {
   const Vec3 centre =
@@ -164,5 +164,5 @@ TEST(EnvelopeElement, TheTreeFindsTheNearestOfAll) {
   }
 }
 
-}  // namespace
+}  // namespace envelope_element_test
 }  // namespace quench::envelope

@@ -19,7 +19,7 @@
 #include "random_shapes.h"
 
 namespace quench {
-namespace {
+namespace envelope_test {
 
 using testing_surfaces::components_of;
 using testing_surfaces::euler_of;
@@ -375,5 +375,5 @@ TEST(Envelope, RefusesWhatIsNoAxis) {
   EXPECT_THROW(volume_errors(other, voxels_of(ball, grid_around(ball, 0.4))), Error);
 }
 
-}  // namespace
+}  // namespace envelope_test
 }  // namespace quench

@@ -14,7 +14,7 @@
 #include "random_shapes.h"
 
 namespace quench {
-namespace {
+namespace curve_graph_smoothing_test {
 
 using testing_skeletons::Cells;
 using testing_skeletons::skeleton_of;
@@ -354,5 +354,5 @@ TEST(Smoothing, IsDeterministic) {
   }
 }
 
-}  // namespace
+}  // namespace curve_graph_smoothing_test
 }  // namespace quench

@@ -11,7 +11,7 @@
 #include "quench/shape.h"
 
 namespace quench {
-namespace {
+namespace curve_graph_test {
 
 using testing_skeletons::Cells;
 using testing_skeletons::random_cells;
@@ -285,5 +285,5 @@ TEST(WithBranches, KeepsSheetsNodesAndTopology) {
   }
 }
 
-}  // namespace
+}  // namespace curve_graph_test
 }  // namespace quench

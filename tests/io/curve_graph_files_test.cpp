@@ -14,7 +14,7 @@
 #include "temporary_folder.h"
 
 namespace quench {
-namespace {
+namespace curve_graph_files_test {
 
 using testing_skeletons::Cells;
 using testing_skeletons::random_cells;
@@ -365,5 +365,5 @@ TEST(CurveGraphFiles, AreTheSameEveryTime) {
   }
 }
 
-}  // namespace
+}  // namespace curve_graph_files_test
 }  // namespace quench

@@ -9,7 +9,7 @@
 // One rule in all formats for what they call a face: with one corner it is a point, with two a line.
 
 namespace quench {
-namespace {
+namespace io_faces_test {
 
 using Corners = std::vector<std::uint32_t>;
 
@@ -135,5 +135,5 @@ TEST_F(Faces, ThroughAssimp) {
 }
 #endif
 
-}  // namespace
+}  // namespace io_faces_test
 }  // namespace quench

@@ -24,7 +24,7 @@
 #endif
 
 namespace quench {
-namespace {
+namespace io_foreign_test {
 
 using testing_files::Folder;
 using testing_files::write_bytes;
@@ -197,5 +197,5 @@ TEST(Apart, FromSeveralThreads) {
   for (std::thread& thread : threads) thread.join();
 }
 
-}  // namespace
+}  // namespace io_foreign_test
 }  // namespace quench

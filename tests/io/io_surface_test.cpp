@@ -10,7 +10,7 @@
 #include "poly_samples.h"
 
 namespace quench {
-namespace {
+namespace io_surface_test {
 
 using testing_files::code_of;
 using testing_files::expect_same;
@@ -363,5 +363,5 @@ TEST(RealRadii, PublishedRadiiMatchThePublishedVertices) {
   EXPECT_EQ(rows, radii.size());
 }
 
-}  // namespace
+}  // namespace io_surface_test
 }  // namespace quench

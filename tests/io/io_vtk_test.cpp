@@ -11,7 +11,7 @@
 #include "poly_samples.h"
 
 namespace quench {
-namespace {
+namespace io_vtk_test {
 
 using testing_files::Folder;
 using testing_files::mixed_sample;
@@ -174,5 +174,5 @@ TEST(Vtk, FilesOfEveryEncodingAreRead) {
   }
 }
 
-}  // namespace
+}  // namespace io_vtk_test
 }  // namespace quench

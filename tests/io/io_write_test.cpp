@@ -16,7 +16,7 @@
 #include "quench/io.h"
 
 namespace quench {
-namespace {
+namespace io_write_test {
 
 using testing_files::bytes_of;
 using testing_files::code_of;
@@ -357,5 +357,5 @@ TEST(Write, CsvHasARowPerVertex) {
             "x,y,z,radius,\"a,b_0\",\"a,b_1\",flag\n0.1,2,-3,0.5,0.1,2,7\n1e-300,0,0.3333333333333333,1e+22,3,4,65\n");
 }
 
-}  // namespace
+}  // namespace io_write_test
 }  // namespace quench

@@ -17,7 +17,7 @@ using namespace quench;
 using io::PlaneLines;
 using Json = nlohmann::json;
 
-namespace {
+namespace line_files_test {
 
 /// A branch of three points, a closed branch and an isolated node.
 PlaneLines example() {
@@ -61,8 +61,6 @@ std::string text_of(const std::filesystem::path& file) {
   text << std::ifstream(file).rdbuf();
   return text.str();
 }
-
-}  // namespace
 
 TEST(LineFiles, GeoJson) {
   const TemporaryFolder folder;
@@ -188,3 +186,5 @@ TEST(LineFiles, AppearWithTheirGroup) {
   }
   EXPECT_TRUE(std::filesystem::exists(folder / "a.wkt"));
 }
+
+}  // namespace line_files_test

@@ -15,7 +15,7 @@
 
 using namespace quench;
 
-namespace {
+namespace polygon_files_test {
 
 class PolygonFiles : public testing::Test {
  protected:
@@ -68,8 +68,6 @@ class PolygonFiles : public testing::Test {
 std::string svg(const std::string& body, const std::string& attributes = "viewBox=\"0 0 100 100\"") {
   return "<svg xmlns=\"http://www.w3.org/2000/svg\" " + attributes + ">" + body + "</svg>";
 }
-
-}  // namespace
 
 // --- GeoJSON -------------------------------------------------------------------------------------------------------
 
@@ -480,3 +478,5 @@ TEST(RealPolygons, Icons) {
     EXPECT_LT(shape.voxel_count(), 200000);
   }
 }
+
+}  // namespace polygon_files_test

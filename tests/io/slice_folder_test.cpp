@@ -11,7 +11,7 @@
 #include "temporary_folder.h"
 
 namespace quench {
-namespace {
+namespace slice_folder_test {
 
 using Names = std::vector<std::string>;
 
@@ -119,5 +119,5 @@ TEST(SliceFolder, FreeNamesAreNotChecked) {
   expect_read({"1234567890123456789.png", "1234567890123456791.png", "1234567890123456792.png"});
 }
 
-}  // namespace
+}  // namespace slice_folder_test
 }  // namespace quench

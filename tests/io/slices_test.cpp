@@ -17,7 +17,7 @@
 #include "temporary_folder.h"
 
 namespace quench {
-namespace {
+namespace slices_test {
 
 std::string gzipped(const std::string& data) { return small_files::deflated(data, 15 + 16); }
 
@@ -211,5 +211,5 @@ TEST(Slices, SentencesAreThoseOfWholeVolumes) {
   }
 }
 
-}  // namespace
+}  // namespace slices_test
 }  // namespace quench

@@ -18,7 +18,7 @@
 #include "tiff_bytes.h"
 
 namespace quench {
-namespace {
+namespace stored_volume_test {
 
 using testing_tiff::tiff;
 
@@ -553,5 +553,5 @@ TEST(Pictures, RealOnes) {
   EXPECT_TRUE(contour.grid.is_plane() && contour.coordinates.y_down);
 }
 
-}  // namespace
+}  // namespace stored_volume_test
 }  // namespace quench

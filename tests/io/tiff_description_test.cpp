@@ -12,7 +12,7 @@
 #ifdef QUENCH_TESTS_HAVE_TIFF
 
 namespace quench {
-namespace {
+namespace tiff_description_test {
 
 using namespace testing_tiff;
 
@@ -227,6 +227,6 @@ TEST_F(Tiff, PicturesBehindTheOnlyDirectory) {
   }
 }
 
-}  // namespace
+}  // namespace tiff_description_test
 }  // namespace quench
 #endif

@@ -12,7 +12,7 @@
 
 #ifdef QUENCH_TESTS_HAVE_TIFF
 namespace quench {
-namespace {
+namespace tiff_folder_test {
 
 using namespace testing_tiff;
 using Dims = std::array<std::int64_t, 3>;
@@ -141,6 +141,6 @@ TEST(TiffFolder, PipesAreRefused) {
   }
 }
 
-}  // namespace
+}  // namespace tiff_folder_test
 }  // namespace quench
 #endif

@@ -19,7 +19,7 @@
 #include <tiffio.h>
 
 namespace quench {
-namespace {
+namespace tiff_test {
 
 using namespace testing_tiff;
 
@@ -594,6 +594,6 @@ TEST_F(Tiff, SizesInsideJbigAreChecked) {
   }
 }
 
-}  // namespace
+}  // namespace tiff_test
 }  // namespace quench
 #endif

@@ -8,7 +8,7 @@
 #include "tree_facts.h"
 
 namespace quench {
-namespace {
+namespace tree_files_test {
 
 using namespace testing_trees;
 
@@ -274,5 +274,5 @@ TEST(TreeData, FilesHoldWhatTheirTablesSay) {
   }
 }
 
-}  // namespace
+}  // namespace tree_files_test
 }  // namespace quench

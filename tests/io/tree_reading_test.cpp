@@ -5,7 +5,7 @@
 #include "tree_facts.h"
 
 namespace quench {
-namespace {
+namespace tree_reading_test {
 
 using namespace testing_trees;
 
@@ -258,5 +258,5 @@ TEST(ReadRsml, DamagedFiles) {
   expect_sound(odd);
 }
 
-}  // namespace
+}  // namespace tree_reading_test
 }  // namespace quench

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <fstream>
 #include <string>
 
 #include "quench/error.h"
@@ -10,7 +11,7 @@
 #include "temporary_folder.h"
 
 namespace quench {
-namespace {
+namespace value_writer_test {
 
 Grid sample_grid(bool plane = false) {
   Grid grid;
@@ -79,6 +80,21 @@ TEST(ValueWriter, Images) {
   }
 }
 
+TEST(ValueWriter, TiffHasItsSlicesBehindOneAnother) {  // as ImageJ reads them, which looks at the first directory only
+  TemporaryFolder folder;
+  Grid grid;
+  grid.dims = {3, 5, 7};  // slices of 60 bytes
+  write_sample(folder / "a.tif", grid, {});
+  expect_sample(io::read_volume(folder / "a.tif"), grid);
+  std::ifstream file(folder / "a.tif", std::ios::binary);
+  file.seekg(8);
+  for (std::int64_t i = 0; i < 3 * 5 * 7; ++i) {
+    float value = 0;
+    file.read(reinterpret_cast<char*>(&value), sizeof value);
+    ASSERT_EQ(value, sample_value(i)) << i;
+  }
+}
+
 TEST(ValueWriter, SlicesOfSeveralParts) {  // more than are compressed at a time
   TemporaryFolder folder;
   Grid grid;
@@ -97,5 +113,5 @@ TEST(ValueWriter, RefusesOtherFormats) {
   EXPECT_FALSE(std::filesystem::exists(folder / "a.nii"));
 }
 
-}  // namespace
+}  // namespace value_writer_test
 }  // namespace quench

@@ -15,7 +15,7 @@
 #include "temporary_folder.h"
 
 namespace quench {
-namespace {
+namespace volume_formats_test {
 
 template <class T>
 std::string bytes_of(const std::vector<T>& values, bool big_endian = false) {
@@ -345,5 +345,5 @@ TEST(Sof, EveryTruncationAndMutation) {
   every_truncation_and_mutation("m.sof", sof(shape), true);
 }
 
-}  // namespace
+}  // namespace volume_formats_test
 }  // namespace quench

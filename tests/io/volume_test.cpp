@@ -16,7 +16,7 @@
 #include "temporary_folder.h"
 
 namespace quench {
-namespace {
+namespace volume_test {
 
 // Every voxel of the grid, with a margin of one background voxel, labelled by flood fill.
 struct Dense {
@@ -377,5 +377,5 @@ TEST(RealVolumes, SpacingAndOriginAreKept) {
   EXPECT_TRUE(std::holds_alternative<std::vector<float>>(map.samples));
 }
 
-}  // namespace
+}  // namespace volume_test
 }  // namespace quench

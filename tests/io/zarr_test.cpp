@@ -17,7 +17,7 @@
 #include "temporary_folder.h"
 
 namespace quench {
-namespace {
+namespace zarr_test {
 
 using small_files::SmallZarr;
 using small_files::ZarrKind;
@@ -196,5 +196,5 @@ TEST(Zarr, NamesBehindAColon) {
   EXPECT_NE(sentence_of(folder / "v.zarr:q").find("colon"), std::string::npos);
 }
 
-}  // namespace
+}  // namespace zarr_test
 }  // namespace quench

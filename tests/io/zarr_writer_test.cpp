@@ -16,7 +16,7 @@
 #include "temporary_folder.h"
 
 namespace quench {
-namespace {
+namespace zarr_writer_test {
 
 namespace fs = std::filesystem;
 using testing_files::bytes_of;
@@ -412,5 +412,5 @@ TEST(ZarrWriter, Names) {
   for (const char* name : {"a.nrrd", "zarr", "a.zarr/0", "a.zarr.zip", "", "/"}) EXPECT_FALSE(io::is_zarr_name(name));
 }
 
-}  // namespace
+}  // namespace zarr_writer_test
 }  // namespace quench

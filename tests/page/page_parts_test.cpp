@@ -19,7 +19,7 @@
 #include "temporary_folder.h"
 
 namespace quench {
-namespace {
+namespace page_parts_test {
 
 using testing_page::Contents;
 constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
@@ -229,5 +229,5 @@ TEST(PageParts, ARunKnowsHowThickThingsAre) {
   EXPECT_EQ(read["sheets/area"].size(), result.axis.parts->sheets.size());
 }
 
-}  // namespace
+}  // namespace page_parts_test
 }  // namespace quench

@@ -13,7 +13,7 @@
 #include "temporary_folder.h"
 
 namespace quench {
-namespace {
+namespace page_plane_test {
 
 using testing_page::Contents;
 
@@ -187,5 +187,5 @@ TEST(PagePlane, PagesOfVolumesDoNotSayADimension) {
   EXPECT_FALSE(contents.meta.contains("y_axis"));
 }
 
-}  // namespace
+}  // namespace page_plane_test
 }  // namespace quench

@@ -20,7 +20,7 @@
 #include "temporary_folder.h"
 
 namespace quench {
-namespace {
+namespace page_skeleton_test {
 
 using testing_page::Contents;
 
@@ -270,5 +270,5 @@ TEST(PageFile, CellsAndLevelsOfACoreComeBackExactly) {
   }
 }
 
-}  // namespace
+}  // namespace page_skeleton_test
 }  // namespace quench

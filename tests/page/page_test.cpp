@@ -16,7 +16,7 @@
 #include "temporary_folder.h"
 
 namespace quench {
-namespace {
+namespace page_test {
 
 using testing_page::Contents;
 
@@ -571,5 +571,5 @@ TEST(Page, LargeFilesOfOtherKindsAreSimplified) {
   for (std::size_t v = 0; v < radius.size(); ++v) EXPECT_NEAR(radius[v], places[3 * v], 5);
 }
 
-}  // namespace
+}  // namespace page_test
 }  // namespace quench

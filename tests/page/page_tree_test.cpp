@@ -14,7 +14,7 @@
 #include "tree_of_root.h"
 
 namespace quench {
-namespace {
+namespace page_tree_test {
 
 using testing_page::Contents;
 
@@ -214,5 +214,5 @@ TEST(PageTree, BranchesThatDoNotFitAreRefused) {
   refused([](Tree& tree) { tree.axes[1].parent = 999; });
 }
 
-}  // namespace
+}  // namespace page_tree_test
 }  // namespace quench

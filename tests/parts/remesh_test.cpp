@@ -14,7 +14,7 @@
 #include "random_shapes.h"
 
 namespace quench {
-namespace {
+namespace remesh_test {
 
 using testing_complexes::Builder;
 using testing_complexes::BurnInput;
@@ -225,5 +225,5 @@ TEST(Remesh, RefusesNoLength) {
     EXPECT_THROW(remeshed(SheetMesh{}, {.length = length}), Error);
 }
 
-}  // namespace
+}  // namespace remesh_test
 }  // namespace quench

@@ -13,7 +13,7 @@
 #include "random_complexes.h"
 
 namespace quench {
-namespace {
+namespace sheets_test {
 
 using testing_complexes::Builder;
 using testing_complexes::BurnInput;
@@ -316,5 +316,5 @@ TEST(Parts, TablesHaveARowEach) {
     }
 }
 
-}  // namespace
+}  // namespace sheets_test
 }  // namespace quench

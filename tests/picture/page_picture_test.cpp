@@ -19,7 +19,7 @@
 
 using namespace quench;
 
-namespace {
+namespace page_picture_test {
 
 using Colour = std::array<int, 3>;
 constexpr Colour kWhite{255, 255, 255};
@@ -397,4 +397,4 @@ TEST(PagePicture, PngFilesHoldThePixels) {
   EXPECT_THROW(write_png(folder / "absent" / "p.png", picture), Error);
 }
 
-}  // namespace
+}  // namespace page_picture_test

@@ -14,7 +14,7 @@
 using namespace quench;
 using namespace quench::picture;
 
-namespace {
+namespace picture_style_test {
 
 std::string source(const std::string& file) {
   static std::map<std::string, std::string> known;
@@ -134,4 +134,4 @@ TEST(PictureStyle, Words) {
   expect_in("ui/caption.ts", "join(\" · \")");
 }
 
-}  // namespace
+}  // namespace picture_style_test

@@ -12,7 +12,7 @@
 
 using namespace quench;
 
-namespace {
+namespace plane_picture_test {
 
 constexpr int kSide = 200;
 
@@ -162,4 +162,4 @@ TEST(PlanePicture, ThreadsChangeNothing) {
   EXPECT_EQ(draw_page(page, options, &one).pixels, draw_page(page, options, &four).pixels);
 }
 
-}  // namespace
+}  // namespace plane_picture_test

@@ -14,7 +14,7 @@
 #include "tree_of_root.h"
 
 namespace quench {
-namespace {
+namespace tree_picture_test {
 
 using picture::Tube;
 using picture::Vec3f;
@@ -216,5 +216,5 @@ TEST(TreePicture, IsTheSameForEveryNumberOfThreads) {
   EXPECT_EQ(pixels[0], pixels[1]);
 }
 
-}  // namespace
+}  // namespace tree_picture_test
 }  // namespace quench

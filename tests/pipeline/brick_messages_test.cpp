@@ -20,7 +20,7 @@
 // Processes that send each other their parts, here threads: the core is that of one piece, whatever their number.
 
 namespace quench::pipeline {
-namespace {
+namespace brick_messages_test {
 
 // What threads have laid down for each other: mail[to][from].
 struct MailRoom {
@@ -159,5 +159,5 @@ TEST(BrickMessages, TheFirstFailureIsThatOfAll) {
   }
 }
 
-}  // namespace
+}  // namespace brick_messages_test
 }  // namespace quench::pipeline

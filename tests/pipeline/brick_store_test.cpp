@@ -22,7 +22,7 @@
 // Bricks: the plan, what is stored, and that the way from one to the other does not matter.
 
 namespace quench::pipeline {
-namespace {
+namespace brick_store_test {
 
 using dual::bricks::Box;
 
@@ -289,5 +289,5 @@ TEST(Bricks, StopWhenAsked) {
   EXPECT_EQ(status_of_bricks(folder / "work").rounds[0].done, 3u);
 }
 
-}  // namespace
+}  // namespace brick_store_test
 }  // namespace quench::pipeline

@@ -14,7 +14,7 @@
 #include "voxelization_distance.h"
 
 namespace quench {
-namespace {
+namespace convergence_test {
 
 using smooth::Solid;
 
@@ -147,5 +147,5 @@ TEST(Convergence, ThinBridgesHoldAtResolution256) {
   EXPECT_EQ(topology(pruned(core, std::numeric_limits<double>::infinity()).complex), ball);
 }
 
-}  // namespace
+}  // namespace convergence_test
 }  // namespace quench

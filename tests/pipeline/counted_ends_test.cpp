@@ -13,7 +13,7 @@
 #include "quench/pipeline.h"
 
 namespace quench::pipeline {
-namespace {
+namespace counted_ends_test {
 
 // Counted by eye; places to a hundredth of the longest side, which is 1 in these files.
 struct Counted {
@@ -132,5 +132,5 @@ INSTANTIATE_TEST_SUITE_P(Data, CountedEnds, testing::Range(std::size_t{0}, count
   return std::filesystem::path(counted()[of.param].file).stem().string();
 });
 
-}  // namespace
+}  // namespace counted_ends_test
 }  // namespace quench::pipeline

@@ -13,7 +13,7 @@
 #include "quench/pipeline.h"
 
 namespace quench::pipeline {
-namespace {
+namespace curve_lengths_test {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
@@ -105,5 +105,5 @@ TEST(CurveLengths, OfABumpAreWhatSticksOut) {
       }
 }
 
-}  // namespace
+}  // namespace curve_lengths_test
 }  // namespace quench::pipeline

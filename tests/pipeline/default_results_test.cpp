@@ -17,7 +17,7 @@
 #include "random_shapes.h"
 
 namespace quench::pipeline {
-namespace {
+namespace default_results_test {
 
 struct Curves {
   std::size_t branches = 0, ends = 0;
@@ -121,5 +121,5 @@ TEST(DefaultResults, TheFinIsASheet) {
   }
 }
 
-}  // namespace
+}  // namespace default_results_test
 }  // namespace quench::pipeline

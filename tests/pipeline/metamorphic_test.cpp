@@ -15,7 +15,7 @@
 #include "random_shapes.h"
 
 namespace quench {
-namespace {
+namespace metamorphic_test {
 
 struct Symmetry {
   std::array<int, 3> axis;  // new axis a is old axis axis[a]
@@ -150,5 +150,5 @@ TEST(Metamorphic, NumberOfThreadsAndRepetitionChangeNothing) {
   }
 }
 
-}  // namespace
+}  // namespace metamorphic_test
 }  // namespace quench

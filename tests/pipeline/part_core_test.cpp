@@ -19,7 +19,7 @@
 #include "temporary_folder.h"
 
 namespace quench::pipeline {
-namespace {
+namespace part_core_test {
 
 std::string bytes_of(CoreResult&& core) {
   const TemporaryFolder folder;
@@ -103,5 +103,5 @@ TEST(PartCore, OfSamplesIsThatOfOnePiece) {
   }
 }
 
-}  // namespace
+}  // namespace part_core_test
 }  // namespace quench::pipeline

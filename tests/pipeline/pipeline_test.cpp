@@ -15,7 +15,7 @@
 #include "quench/samples.h"
 
 namespace quench::pipeline {
-namespace {
+namespace pipeline_test {
 
 using Unit = Length::Unit;
 
@@ -340,5 +340,5 @@ TEST(AxisOfFile, LengthsOfARecordedBurningAreTaken) {
   EXPECT_EQ(axis.scale.resolve(*options.omega, "omega"), burning.options.omega);
 }
 
-}  // namespace
+}  // namespace pipeline_test
 }  // namespace quench::pipeline

@@ -13,7 +13,7 @@
 #include "quench/polygons.h"
 
 namespace quench {
-namespace {
+namespace plane_lines_test {
 
 using testing_planes::plane_grid;
 using testing_planes::plane_shape;
@@ -206,5 +206,5 @@ TEST(PlaneLines, PutTogetherTheyAreBoth) {
   both.complex.validate();
 }
 
-}  // namespace
+}  // namespace plane_lines_test
 }  // namespace quench

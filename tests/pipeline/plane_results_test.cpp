@@ -17,7 +17,7 @@
 #include "same_skeletons.h"
 
 namespace quench {
-namespace {
+namespace plane_results_test {
 
 using namespace testing_planes;
 
@@ -508,5 +508,5 @@ TEST(PlaneResults, DisksCoverTheOutlineAsPromised) {
   }
 }
 
-}  // namespace
+}  // namespace plane_results_test
 }  // namespace quench

@@ -9,7 +9,7 @@
 #include "quench/pipeline.h"
 
 namespace quench {
-namespace {
+namespace polygon_shape_test {
 
 PolygonFeature polygon(std::vector<std::vector<Vec2>> rings) {
   PolygonFeature feature;
@@ -82,5 +82,5 @@ TEST(PolygonShape, SkeletonsOfFilesHaveTheSameMeasures) {
   }
 }
 
-}  // namespace
+}  // namespace polygon_shape_test
 }  // namespace quench

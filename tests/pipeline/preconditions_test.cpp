@@ -21,7 +21,7 @@
 #include "random_shapes.h"
 
 namespace quench {
-namespace {
+namespace preconditions_test {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -176,5 +176,5 @@ TEST(Preconditions, SitesBeyondTwoBillionAreWrittenAsTheyAre) {
   EXPECT_EQ(written("site_a").numbers().back(), axis.face_sites.back()[0]);
 }
 
-}  // namespace
+}  // namespace preconditions_test
 }  // namespace quench

@@ -19,7 +19,7 @@
 #include "quench/voxelize.h"
 
 namespace quench {
-namespace {
+namespace real_data_skeleton_test {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
@@ -134,5 +134,5 @@ INSTANTIATE_TEST_SUITE_P(
       return name;
     });
 
-}  // namespace
+}  // namespace real_data_skeleton_test
 }  // namespace quench

@@ -18,7 +18,7 @@
 #include "quench/voxelize.h"
 
 namespace quench {
-namespace {
+namespace real_data_test {
 
 struct ExpectedCore {
   const char* file;
@@ -161,5 +161,5 @@ INSTANTIATE_TEST_SUITE_P(Data, RealMeshes,
                                          "lucy.ply", "neptune.off", "octopus.off", "vessel.off"),
                          [](const auto& test) { return std::filesystem::path(test.param).stem().string(); });
 
-}  // namespace
+}  // namespace real_data_test
 }  // namespace quench

@@ -15,7 +15,7 @@
 #include "quench/pipeline.h"
 
 namespace quench::pipeline {
-namespace {
+namespace sheet_rims_test {
 
 using Loop = std::vector<std::array<double, 2>>;
 
@@ -136,5 +136,5 @@ TEST_P(SheetRims, AreSmoothWhereASheetEnds) {
 INSTANTIATE_TEST_SUITE_P(Plates, SheetRims, testing::Range(std::size_t{0}, std::size(kPlates)),
                          [](const auto& of) { return kPlates[of.param].name; });
 
-}  // namespace
+}  // namespace sheet_rims_test
 }  // namespace quench::pipeline

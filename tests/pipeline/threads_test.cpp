@@ -22,7 +22,7 @@
 #include "quench/voxelize.h"
 
 namespace quench {
-namespace {
+namespace threads_test {
 
 constexpr int kThreads = 4;  // of the caller
 
@@ -102,5 +102,5 @@ TEST(Threads, EveryStageKeepsToThoseOfItsContext) {
   }
 }
 
-}  // namespace
+}  // namespace threads_test
 }  // namespace quench

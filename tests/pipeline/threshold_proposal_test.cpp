@@ -7,7 +7,7 @@
 #include "quench/pipeline.h"
 
 namespace quench::pipeline {
-namespace {
+namespace threshold_proposal_test {
 
 /// An image of `side` x `side` pixels; `value(x, y)` may be below, in or above a square in its middle.
 template <class T, class Value>
@@ -62,5 +62,5 @@ TEST(ThresholdProposal, TwoValuesNeedNone) {
   EXPECT_FALSE(propose_threshold(image_of<double>(9, [](int, bool) { return std::nan(""); })));
 }
 
-}  // namespace
+}  // namespace threshold_proposal_test
 }  // namespace quench::pipeline

@@ -13,7 +13,7 @@
 #include "quench/voxelize.h"
 
 namespace quench {
-namespace {
+namespace volume_surface_test {
 
 using namespace testing_surfaces;
 using pipeline::LoadedShape;
@@ -152,5 +152,5 @@ TEST(VolumeSurface, IsRefusedWhereThereIsNone) {
   EXPECT_NE(refusal([&] { pipeline::shape_of(std::move(mesh), options); }).find("no grey values"), std::string::npos);
 }
 
-}  // namespace
+}  // namespace volume_surface_test
 }  // namespace quench

@@ -10,7 +10,7 @@
 
 using namespace quench;
 
-namespace {
+namespace boundary_rings_test {
 
 VoxelShape random_plane(std::mt19937& random, int width, int height, unsigned long percent) {
   Grid grid;
@@ -59,8 +59,6 @@ std::vector<Polygons> parts_by_trying_all(const Polygons& boundary) {
   }
   return parts;
 }
-
-}  // namespace
 
 TEST(BoundaryRings, AreTheOutlineOfRandomShapes) {
   std::mt19937 random(3);
@@ -160,3 +158,5 @@ TEST(BoundaryRings, ManyNestedRings) {
     }
   }
 }
+
+}  // namespace boundary_rings_test

@@ -13,7 +13,7 @@
 
 using namespace quench;
 
-namespace {
+namespace digitize_test {
 
 using Ring = std::vector<Vec2>;
 
@@ -110,8 +110,6 @@ void expect_refused(const Polygons& polygons, const DigitizeOptions& options, Er
     EXPECT_NE(std::string(error.what()).find(word), std::string::npos) << error.what();
   }
 }
-
-}  // namespace
 
 TEST(Digitize, RandomRingsAgreeWithTheCrossingsOfEveryCentre) {
   std::mt19937 random(7);
@@ -403,3 +401,5 @@ TEST(RegionTopology, AgreesWithAllPairsOfEdges) {
   EXPECT_GT(none, 100);
   EXPECT_GT(nested, 10);
 }
+
+}  // namespace digitize_test

@@ -11,7 +11,7 @@
 #include "quench/preparation.h"
 
 namespace quench {
-namespace {
+namespace prepared_test {
 
 template <class T>
 const std::vector<T>& samples_of(const Volume& volume) {
@@ -320,5 +320,5 @@ TEST(Prepared, RefusesWhatMakesNoSense) {
   EXPECT_EQ(field(volume, {.median = 1}, label), "none");
 }
 
-}  // namespace
+}  // namespace prepared_test
 }  // namespace quench

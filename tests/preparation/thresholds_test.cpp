@@ -11,7 +11,7 @@
 #include "quench/preparation.h"
 
 namespace quench {
-namespace {
+namespace thresholds_test {
 
 double value_of(const ProposedThreshold& proposal) {
   return std::visit([](auto t) { return static_cast<double>(t); }, proposal.value);
@@ -217,5 +217,5 @@ TEST(Labels, AreWholeNumbersThatFillRegions) {
   EXPECT_EQ(labels_text({0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 14}), "0, 1, 2 ... 14");
 }
 
-}  // namespace
+}  // namespace thresholds_test
 }  // namespace quench

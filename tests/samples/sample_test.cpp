@@ -13,7 +13,7 @@
 #include "quench/samples.h"
 
 namespace quench {
-namespace {
+namespace sample_test {
 
 // What holds for a closed surface, from its triangles alone.
 struct Surface {
@@ -417,5 +417,5 @@ TEST(GreyRoot, IsTheSameOnEveryNumberOfThreads) {
   EXPECT_EQ(shares_of(root, options, 1), shares_of(root, options, 3));
 }
 
-}  // namespace
+}  // namespace sample_test
 }  // namespace quench

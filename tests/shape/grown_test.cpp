@@ -14,7 +14,7 @@
 #include "random_shapes.h"
 
 namespace quench {
-namespace {
+namespace grown_test {
 
 using Voxels = std::vector<bool>;
 
@@ -267,5 +267,5 @@ TEST(Foreground, RefusesWhatMakesNoSense) {
   EXPECT_EQ(field(options), "close");
 }
 
-}  // namespace
+}  // namespace grown_test
 }  // namespace quench

@@ -13,7 +13,7 @@
 #include "quench/shape.h"
 
 namespace quench {
-namespace {
+namespace holes_test {
 
 using Pixel = std::array<std::int64_t, 2>;
 
@@ -85,5 +85,5 @@ TEST(Holes, CavitiesOfSpaceToo) {
   EXPECT_EQ(cavity_sizes(clean(shape, options)), (std::vector<std::int64_t>{2}));
 }
 
-}  // namespace
+}  // namespace holes_test
 }  // namespace quench

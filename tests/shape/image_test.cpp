@@ -10,7 +10,7 @@
 #include "quench/shape.h"
 
 namespace quench {
-namespace {
+namespace image_test {
 
 // Samples of a small image of different sides, few values, in runs.
 struct Picture {
@@ -193,5 +193,5 @@ TEST(Raster, ATriangleIsWithoutGaps) {
   EXPECT_LT(std::count(memory.begin(), memory.end(), 1), 120);
 }
 
-}  // namespace
+}  // namespace image_test
 }  // namespace quench

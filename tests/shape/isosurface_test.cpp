@@ -17,7 +17,7 @@
 #include "shape/cell_loops.h"
 
 namespace quench {
-namespace {
+namespace isosurface_test {
 
 using namespace testing_surfaces;
 
@@ -389,5 +389,5 @@ TEST(SurfaceSmoothing, IsTheSameForAnyNumberOfThreads) {
   EXPECT_TRUE(same(a, b));
 }
 
-}  // namespace
+}  // namespace isosurface_test
 }  // namespace quench

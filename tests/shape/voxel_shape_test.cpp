@@ -10,7 +10,7 @@
 #include "random_shapes.h"
 
 namespace quench {
-namespace {
+namespace voxel_shape_test {
 
 // Straight from the definition of boundary vertices.
 std::vector<LatticePoint> sites_by_definition(const VoxelShape& shape) {
@@ -148,5 +148,5 @@ TEST(IntegerSpacing, IsOfLengthsThatCanBeComputedWith) {
   }
 }
 
-}  // namespace
+}  // namespace voxel_shape_test
 }  // namespace quench

@@ -7,7 +7,7 @@
 #include "random_shapes.h"
 
 namespace quench {
-namespace {
+namespace voxel_topology_test {
 
 // Everything below works on a dense array with two empty voxels around the shape.
 struct Dense {
@@ -168,5 +168,5 @@ TEST(VoxelTopology, EmptyScanlinesOfALargeGridAreCheap) {
   EXPECT_EQ(topology(shape), known(2, 0, 0));
 }
 
-}  // namespace
+}  // namespace voxel_topology_test
 }  // namespace quench

@@ -12,7 +12,7 @@
 #include "simplification/mutable_complex.h"
 
 namespace quench {
-namespace {
+namespace simplify_test {
 
 using testing_meshes::axis_of_box;
 using testing_meshes::mesh_of;
@@ -286,5 +286,5 @@ TEST(Smooth, StraightensWhatIsRough) {
   EXPECT_THROW(smooth(axis, 1), Error);
 }
 
-}  // namespace
+}  // namespace simplify_test
 }  // namespace quench

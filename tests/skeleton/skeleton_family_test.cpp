@@ -24,7 +24,7 @@
 #include "skeleton/member.h"
 
 namespace quench {
-namespace {
+namespace skeleton_family_test {
 
 using testing_skeletons::expect_same;
 
@@ -230,5 +230,5 @@ TEST(SkeletonThreads, ResultsOfALargeAxisAreTheSame) {
   }
 }
 
-}  // namespace
+}  // namespace skeleton_family_test
 }  // namespace quench

@@ -17,7 +17,7 @@
 #include "skeleton/member.h"
 
 namespace quench {
-namespace {
+namespace skeleton_test {
 
 using testing_complexes::BurnInput;
 using testing_complexes::random_input;
@@ -427,5 +427,5 @@ TEST(Skeleton, TipsGrowBack) {
   EXPECT_GT(longer, 100u);
 }
 
-}  // namespace
+}  // namespace skeleton_test
 }  // namespace quench

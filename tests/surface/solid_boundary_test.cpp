@@ -19,7 +19,7 @@
 #include "random_meshes.h"
 
 namespace quench {
-namespace {
+namespace solid_boundary_test {
 
 using surface::solid_boundary;
 
@@ -256,5 +256,5 @@ TEST(SolidBoundary, SmallInputs) {
   EXPECT_EQ(solid_boundary(mesh).triangles.size(), 12u);
 }
 
-}  // namespace
+}  // namespace solid_boundary_test
 }  // namespace quench

@@ -13,7 +13,7 @@
 #include "quench/samples.h"
 
 namespace quench {
-namespace {
+namespace surface_test {
 
 using testing_surfaces::distance_to;
 using testing_surfaces::winding_number;
@@ -102,5 +102,5 @@ TEST(Surface, NamesAndNothing) {
   EXPECT_THROW(Surface({{Vec3(0, 0, 0), Vec3(1, 0, 0)}, {{0, 1, 1}}}, SurfaceKind::mesh), Error);
 }
 
-}  // namespace
+}  // namespace surface_test
 }  // namespace quench

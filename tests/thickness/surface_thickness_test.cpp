@@ -11,7 +11,7 @@
 #include "quench/solid_stages.h"
 
 namespace quench {
-namespace {
+namespace surface_thickness_test {
 
 TEST(SurfaceThickness, IsThatOfTheLargestBallThatTouches) {
   std::mt19937_64 random(5);
@@ -148,5 +148,5 @@ TEST(Complement, IsWhatIsNotThere) {
   EXPECT_EQ(rest.topology.betti[1], 1);
 }
 
-}  // namespace
+}  // namespace surface_thickness_test
 }  // namespace quench

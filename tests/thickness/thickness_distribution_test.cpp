@@ -10,7 +10,7 @@
 #include "quench/solid_stages.h"
 
 namespace quench {
-namespace {
+namespace thickness_distribution_test {
 
 TEST(ThicknessDistribution, OfValues) {
   std::mt19937_64 random(1);
@@ -101,5 +101,5 @@ TEST(SheetThickness, IsWeightedByArea) {
   EXPECT_NEAR(d.percentile(0.9), 7, 7.0 / 8192);
 }
 
-}  // namespace
+}  // namespace thickness_distribution_test
 }  // namespace quench

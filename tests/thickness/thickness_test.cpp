@@ -16,7 +16,7 @@
 #include "random_shapes.h"
 
 namespace quench {
-namespace {
+namespace thickness_test {
 
 // The values of the voxels of a shape in the order of its runs.
 std::vector<double> values_in(const VoxelShape& shape, const std::vector<float>& all) {
@@ -374,5 +374,5 @@ TEST(LocalThickness, InThePlane) {
   }
 }
 
-}  // namespace
+}  // namespace thickness_test
 }  // namespace quench

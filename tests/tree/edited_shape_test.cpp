@@ -9,7 +9,7 @@
 #include "tube_graphs.h"
 
 namespace quench {
-namespace {
+namespace edited_shape_test {
 
 using testing_tubes::Tube;
 using testing_tubes::voxels_of;
@@ -145,5 +145,5 @@ TEST(EditedShape, OfAGraphWithLoopsIsRefused) {
   EXPECT_THROW(way_of(voxels_of(tubes, 40), options), Error);
 }
 
-}  // namespace
+}  // namespace edited_shape_test
 }  // namespace quench

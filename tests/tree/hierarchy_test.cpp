@@ -10,7 +10,7 @@
 #include "small_graphs.h"
 
 namespace quench {
-namespace {
+namespace hierarchy_test {
 
 using testing_trees::Builder;
 using testing_trees::moved;
@@ -426,5 +426,5 @@ TEST(Hierarchy, Names) {
   EXPECT_FALSE(axis_rule_of("longest"));
 }
 
-}  // namespace
+}  // namespace hierarchy_test
 }  // namespace quench

@@ -16,7 +16,7 @@
 #include "quench/tree.h"
 
 namespace quench {
-namespace {
+namespace neuron_statistics_test {
 
 struct Section {
   std::array<double, 3> end;
@@ -114,5 +114,5 @@ INSTANTIATE_TEST_SUITE_P(Published, NeuronStatistics,
                          testing::Values("trees/neurom_test_morph.swc", "trees/ds_1_cell_390.swc"),
                          [](const auto& which) { return which.index == 0 ? "NeuroM" : "MorphoPy"; });
 
-}  // namespace
+}  // namespace neuron_statistics_test
 }  // namespace quench

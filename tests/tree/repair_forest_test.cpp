@@ -12,7 +12,7 @@
 #include "base/union_find.h"
 
 namespace quench::tree {
-namespace {
+namespace repair_forest_test {
 
 struct Case {
   std::uint32_t vertices;
@@ -76,5 +76,5 @@ TEST(SpanningForest, TiesGoToTheFirst) {
   EXPECT_EQ(spanning_forest(3, edges, {}, {}), (std::vector<std::uint8_t>{1, 1, 0}));
 }
 
-}  // namespace
+}  // namespace repair_forest_test
 }  // namespace quench::tree

@@ -11,7 +11,7 @@
 #include "tube_graphs.h"
 
 namespace quench {
-namespace {
+namespace repair_test {
 
 using testing_tubes::graph_of;
 using testing_tubes::Tube;
@@ -341,5 +341,5 @@ TEST(Repair, NothingIsRepairedOfNothing) {
   EXPECT_TRUE(result.edits.empty());
 }
 
-}  // namespace
+}  // namespace repair_test
 }  // namespace quench

@@ -11,7 +11,7 @@
 #include "tree/measured_tree.h"
 
 namespace quench {
-namespace {
+namespace traits_test {
 
 using std::numbers::pi;
 using testing_trees::Builder;
@@ -393,5 +393,5 @@ TEST(Traits, Units) {
   EXPECT_EQ(unit_to_the("", 3), "");
 }
 
-}  // namespace
+}  // namespace traits_test
 }  // namespace quench

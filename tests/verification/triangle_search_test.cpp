@@ -13,7 +13,7 @@
 #include "verification/solid_of_surface.h"
 
 namespace quench {
-namespace {
+namespace triangle_search_test {
 
 using testing_surfaces::winding_number;
 using verification::TriangleSearch;
@@ -90,5 +90,5 @@ TEST(SolidTopology, OfSamples) {
   EXPECT_EQ(verification::solid_topology(two), std::nullopt);
 }
 
-}  // namespace
+}  // namespace triangle_search_test
 }  // namespace quench

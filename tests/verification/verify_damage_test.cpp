@@ -25,7 +25,7 @@
 #include "random_shapes.h"
 
 namespace quench {
-namespace {
+namespace verify_damage_test {
 
 using namespace testing_certificates;
 
@@ -487,5 +487,5 @@ TEST(VerifyDamage, ArraysOfWrongFormAreNoticed) {
   }
 }
 
-}  // namespace
+}  // namespace verify_damage_test
 }  // namespace quench

@@ -24,7 +24,7 @@
 #include "random_shapes.h"
 
 namespace quench {
-namespace {
+namespace verify_detail_test {
 
 using namespace testing_certificates;
 
@@ -433,5 +433,5 @@ TEST(VerifyDetail, ThresholdsThatContradictAreRefused) {
   EXPECT_EQ(failed(verify(shape, twice)), Names{"arrays"});
 }
 
-}  // namespace
+}  // namespace verify_detail_test
 }  // namespace quench

@@ -17,7 +17,7 @@
 #include "random_shapes.h"
 
 namespace quench {
-namespace {
+namespace verify_far_test {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
@@ -117,5 +117,5 @@ TEST(FarFromTheOrigin, APolygonWithoutAreaIsFoundWhereItCanBe) {
 INSTANTIATE_TEST_SUITE_P(Voxels, AtDistance, ::testing::Range(3, 13),
                          [](const auto& power) { return fmt::format("PowerOfTen{}", power.param); });
 
-}  // namespace
+}  // namespace verify_far_test
 }  // namespace quench

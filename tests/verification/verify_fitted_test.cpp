@@ -18,7 +18,7 @@
 #include "quench/verify.h"
 
 namespace quench {
-namespace {
+namespace verify_fitted_test {
 
 using namespace testing_certificates;
 
@@ -253,5 +253,5 @@ TEST(VerifyFitted, SkeletonsAreInsideTheSurface) {
   }
 }
 
-}  // namespace
+}  // namespace verify_fitted_test
 }  // namespace quench

@@ -22,7 +22,7 @@
 #include "random_shapes.h"
 
 namespace quench {
-namespace {
+namespace verify_plane_test {
 
 using namespace testing_certificates;
 using namespace testing_planes;
@@ -360,5 +360,5 @@ TEST(VerifyPlane, AMissingEndOfAFullCoreIsNoticed) {
   EXPECT_GT(tried, 5);
 }
 
-}  // namespace
+}  // namespace verify_plane_test
 }  // namespace quench

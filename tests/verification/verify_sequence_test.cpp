@@ -17,7 +17,7 @@
 #include "random_shapes.h"
 
 namespace quench {
-namespace {
+namespace verify_sequence_test {
 
 Record burned_core(const VoxelShape& shape, double lambda, BurnOptions options) {
   const pipeline::LoadedShape loaded = pipeline::shape_of(VoxelShape(shape), shape.grid(), {});
@@ -133,5 +133,5 @@ TEST_F(Forged, FingerprintsAreThoseOfTheFile) {
   EXPECT_NE(check_of(shape, data).detail.find("of other arrays"), std::string::npos);
 }
 
-}  // namespace
+}  // namespace verify_sequence_test
 }  // namespace quench

@@ -16,7 +16,7 @@
 #include "random_shapes.h"
 
 namespace quench {
-namespace {
+namespace verify_test {
 
 using namespace testing_certificates;
 
@@ -443,5 +443,5 @@ TEST(Verify, StopsWhenCancelled) {
   EXPECT_THROW(verify(block(), Intact(block()).data, {}, &context), Error);
 }
 
-}  // namespace
+}  // namespace verify_test
 }  // namespace quench

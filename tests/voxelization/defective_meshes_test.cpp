@@ -25,7 +25,7 @@
 #include "voxel_difference.h"
 
 namespace quench {
-namespace {
+namespace defective_meshes_test {
 
 using testing_damage::Damage;
 using testing_damage::damages;
@@ -291,5 +291,5 @@ TEST(FillRule, NamesAreThoseOfTheProgram) {
   EXPECT_FALSE(fill_of("odd"));
 }
 
-}  // namespace
+}  // namespace defective_meshes_test
 }  // namespace quench

@@ -15,7 +15,7 @@
 #include "voxelization/surface_cover.h"
 
 namespace quench {
-namespace {
+namespace digitization_topology_test {
 
 using samples::Random;
 using Betti = std::array<std::int64_t, 3>;
@@ -327,5 +327,5 @@ TEST(TopologyRule, NamesAreThoseOfTheProgram) {
   EXPECT_FALSE(topology_of("gauss"));
 }
 
-}  // namespace
+}  // namespace digitization_topology_test
 }  // namespace quench

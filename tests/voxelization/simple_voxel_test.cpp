@@ -12,7 +12,7 @@
 #include "voxelization/voxel_graph.h"
 
 namespace quench::voxelization {
-namespace {
+namespace simple_voxel_test {
 
 using namespace shape;  // NOLINT
 
@@ -149,5 +149,5 @@ TEST(VoxelGraph, BettiNumbersAreThoseOfTheWholeShape) {
   }
 }
 
-}  // namespace
+}  // namespace simple_voxel_test
 }  // namespace quench::voxelization

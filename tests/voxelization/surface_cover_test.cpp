@@ -12,7 +12,7 @@
 #include "voxelization/voxel_graph.h"
 
 namespace quench::voxelization {
-namespace {
+namespace surface_cover_test {
 
 using Rational = __int128;
 using Triple = std::array<FixedPoint, 3>;
@@ -273,5 +273,5 @@ TEST(SolidTopology, TrianglesMeetExactlyWhenAnEdgeOfOneMeetsTheOther) {
   EXPECT_FALSE(triangles_meet(flat, {{{2, 2, 1}, {2, 2, 1}, {2, 2, 9}}}));
 }
 
-}  // namespace
+}  // namespace surface_cover_test
 }  // namespace quench::voxelization

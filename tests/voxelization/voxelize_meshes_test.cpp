@@ -15,7 +15,7 @@
 // Real meshes, read here by the least that serves (files of known form; triangles only).
 
 namespace quench {
-namespace {
+namespace voxelize_meshes_test {
 
 TriangleMesh read_off(std::istream& in) {
   TriangleMesh mesh;
@@ -211,5 +211,5 @@ TEST(VoxelizeAuto, FindsTheTunnelsOfFertility) {
   EXPECT_EQ(topology(result.shape).betti, (std::array<std::int64_t, 3>{1, 4, 0}));
 }
 
-}  // namespace
+}  // namespace voxelize_meshes_test
 }  // namespace quench

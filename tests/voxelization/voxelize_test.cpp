@@ -13,7 +13,7 @@
 #include "random_meshes.h"
 
 namespace quench {
-namespace {
+namespace voxelize_test {
 
 using namespace testing_meshes;
 using Int128 = __int128;
@@ -435,5 +435,5 @@ TEST(SurfaceTopology, PartsThatTouchCountAsTheOpenSolid) {
   }
 }
 
-}  // namespace
+}  // namespace voxelize_test
 }  // namespace quench

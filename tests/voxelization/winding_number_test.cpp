@@ -16,7 +16,7 @@
 #include "voxelization/surface_repair.h"
 
 namespace quench::voxelization {
-namespace {
+namespace winding_number_test {
 
 /// As voxelize() makes it: the box of the mesh from 0 to resolution.
 struct Fixed {
@@ -191,5 +191,5 @@ TEST(RepairOrientation, TurnsWhatDisagreesAndKeepsCavities) {
   }
 }
 
-}  // namespace
+}  // namespace winding_number_test
 }  // namespace quench::voxelization
