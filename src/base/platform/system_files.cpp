@@ -26,6 +26,12 @@ int make_folder(const std::filesystem::path& folder, std::filesystem::perms perm
   return ::mkdir(folder.c_str(), static_cast<mode_t>(permissions)) == 0 ? 0 : errno;
 }
 
+std::filesystem::path make_temporary_folder(const std::filesystem::path& in) {
+  std::string name = (in / "quench-XXXXXX").string();
+  if (!::mkdtemp(name.data())) return {};
+  return name;
+}
+
 int exchange_names(const std::filesystem::path& a, const std::filesystem::path& b) {
 #if defined(RENAME_EXCHANGE)
   return ::renameat2(AT_FDCWD, a.c_str(), AT_FDCWD, b.c_str(), RENAME_EXCHANGE) == 0 ? 0 : errno;

@@ -21,6 +21,9 @@ std::size_t longest_name_in(const std::filesystem::path& folder);
 /// A folder that was not there, with these permissions less those of the umask.
 int make_folder(const std::filesystem::path& folder, std::filesystem::perms permissions);
 
+/// A new folder in another one, of a name that nobody has, for its owner only. Empty where that fails: errno says why.
+std::filesystem::path make_temporary_folder(const std::filesystem::path& in);
+
 /// Two names change places in one step. EINVAL or ENOSYS where the file system or the system cannot do that.
 int exchange_names(const std::filesystem::path& a, const std::filesystem::path& b);
 
