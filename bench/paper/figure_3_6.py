@@ -61,9 +61,10 @@ def make(paper):
         seam.fill([0, away[0], away[0], 0], [0, away[1] * 0.8, away[1] * 0.8 + 3, 3], fc=f'C{k}', alpha=0.13, ec='none')
         for a, b in zip(t, t[1:]):
             s = np.linspace(0, 1, 20)
-            seam.plot(0.10 * away[0] * np.sin(np.pi * s), 3 * (a + (b - a) * s) + 0.10 * away[1] * np.sin(np.pi * s), color=f'C{k}', lw=1.8)
+            bend = 0.10 * np.sin(np.pi * s)
+            seam.plot(bend * away[0], 3 * (a + (b - a) * s) + bend * away[1], color=f'C{k}', lw=1.8)
     seam.plot(0 * t, 3 * t, 'o', color='darkorange', mec='k', ms=6)
-    seam.set_title(f'(b) at a seam: an arc per sheet', fontsize=11)
+    seam.set_title('(b) at a seam: an arc per sheet', fontsize=11)
 
     for f in shown:
         outline(duals, f, fc='#eef2f6', ec='#b9c4cf', lw=0.6)
