@@ -85,9 +85,6 @@ bool is_same_place(const std::filesystem::path& a, const std::filesystem::path& 
 void check_distinct(const std::vector<std::string>& outputs);
 /// Throws Error(usage) for a link that leads to itself or to what does not exist. `option` is what names it.
 void check_link(const std::filesystem::path& link, const std::string& option);
-/// The error number of creating a file in the folder, which is then removed; 0: it can be done. The permissions say
-/// too little: some file systems (/proc) take no files.
-int creation_error(const std::filesystem::path& folder);
 /// Throws Error(usage) when the system has no room for such a name.
 void check_name_length(const std::filesystem::path& output);
 

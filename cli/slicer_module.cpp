@@ -2,7 +2,6 @@
 #include "slicer_module.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cctype>
@@ -15,6 +14,7 @@
 #include <ostream>
 #include <set>
 
+#include "base/platform/system_files.h"
 #include "option_checks.h"
 #include "quench/error.h"
 #include "quench/io.h"
@@ -208,10 +208,9 @@ std::string text_of(const SlicerParameter& p) {
 class TemporaryFolder {
  public:
   TemporaryFolder() {
-    std::string name = (fs::temp_directory_path() / "quench-XXXXXX").string();
-    if (!mkdtemp(name.data()))
+    path = base::make_temporary_folder(fs::temp_directory_path());
+    if (path.empty())
       throw Error(ErrorCode::failed, fmt::format("cannot create a folder in '{}'", fs::temp_directory_path().string()));
-    path = name;
   }
   TemporaryFolder(const TemporaryFolder&) = delete;
   TemporaryFolder& operator=(const TemporaryFolder&) = delete;

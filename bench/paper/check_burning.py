@@ -69,36 +69,39 @@ def make(paper):
         sheet = ~(fine.singular | fine.rim) & np.isfinite(fine.et)
         both = sheet[a] & sheet[b]
         ratio = np.abs(fine.et[a] - fine.et[b])[both] / fine.length[both]
-        rows.append(('Thm. B.1.2 (1)', name, f'largest |ET(x) − ET(y)| / |xy| on {both.sum()} edges inside sheets: {ratio.max():.4f}, bound 2',
+        rows.append(('Thm. B.1.2 (1)', name, f'largest |ET(x) − ET(y)| / |xy| on {both.sum()} edges inside sheets: '
+                     f'{ratio.max():.4f}, bound 2',
                      'holds' if ratio.max() <= 2.001 else 'see text'))
         at_seam = fine.singular[a] & sheet[b]
         jump = ((fine.et[b] - fine.et[a]) / fine.length)[at_seam]
         other = fine.singular[b] & sheet[a]
         jump = np.concatenate([jump, ((fine.et[a] - fine.et[b]) / fine.length)[other]])
         if len(jump):
-            rows.append(('Thm. B.1.2 (2a)', name, f'largest (ET(y) − ET(x)) / |xy|, x on a seam, y beside: {jump.max():.4f}, bound 2; least {jump.min():.1f} '
-                         '(jumps downwards)', 'holds' if jump.max() <= 2.001 else 'see text'))
+            rows.append(('Thm. B.1.2 (2a)', name, f'largest (ET(y) − ET(x)) / |xy|, x on a seam, y beside: {jump.max():.4f}, '
+                         f'bound 2; least {jump.min():.1f} (jumps downwards)', 'holds' if jump.max() <= 2.001 else 'see text'))
         texts = []
         for omega in ('2vox', '0.5vox', '0.12vox'):
             axis = fine if omega == '0.12vox' else Burned(paper, core, omega)
             inner, low, least = minima(axis)
             depth = (least - axis.et)[low].max() / voxel if low.any() else 0
             texts.append(f'{omega}: {low.sum()} of {inner.sum()}' + (f' (by {depth:.3f} voxel at most)' if low.any() else ''))
-        rows.append(('Thm. B.1.3', name, 'vertices below all around, by ω: ' + '; '.join(texts), 'holds' if not low.any() else 'nearly'))
+        rows.append(('Thm. B.1.3', name, 'vertices below all around, by ω: ' + '; '.join(texts),
+                     'holds' if not low.any() else 'nearly'))
         for omega in (2, 1, 0.5):
             axis = Burned(paper, core, f'{omega}vox')
             finite = np.isfinite(axis.et) & np.isfinite(fine.et)
             error = (axis.et - fine.et)[finite] / voxel
-            rows.append(('Thm. 3.4.1', f'{name}, ω = {omega} vox', f'ET_G − ET from {error.min():.3f} to {error.max():.3f} voxels; bound 0 to '
-                         f'{(2 * axis.count + 1) * omega:.0f}', 'right side holds, left up to the error of fronts'))
+            rows.append(('Thm. 3.4.1', f'{name}, ω = {omega} vox', f'ET_G − ET from {error.min():.3f} to {error.max():.3f} '
+                         f'voxels; bound 0 to {(2 * axis.count + 1) * omega:.0f}', 'right side holds, left up to the error of fronts'))
         parts = fine.pieces(fine.least(fine.et) > 0.25 * fine.et[np.isfinite(fine.et)].max())
-        rows.append(('sec. 3.4.4', name, f'pieces above a quarter of the largest ET: {len(parts)}', 'thinning is needed' if len(parts) > 1 else 'connected'))
+        rows.append(('sec. 3.4.4', name, f'pieces above a quarter of the largest ET: {len(parts)}',
+                     'thinning is needed' if len(parts) > 1 else 'connected'))
     mesh, core = paper.sample('hollow-sphere'), paper.file('check_hollow.vtp')
     paper.quench('core', mesh, '--resolution', 32, '--surface', 'voxels', '--lambda', '1.5vox', '-o', core)
     axis = Burned(paper, core, '1vox')
     closed, never = pockets(axis), axis.at['unburned'] == 1
-    rows.append(('Thm. B.1.1', 'hollow-sphere', f'{never.sum()} points never burn, {closed.sum()} lie on the largest closed part; {(never != closed).sum()} '
-                 'differ', 'holds' if (never == closed).all() else 'does not hold'))
+    rows.append(('Thm. B.1.1', 'hollow-sphere', f'{never.sum()} points never burn, {closed.sum()} lie on the largest closed '
+                 f'part; {(never != closed).sum()} differ', 'holds' if (never == closed).all() else 'does not hold'))
     table(('statement', 'shape', 'measured', ''), rows)
 
 

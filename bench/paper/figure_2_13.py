@@ -31,7 +31,7 @@ def make(paper):
         top = np.quantile(core.at['radius'], 0.99)
         scene = Scene(view, above).add(core.sheets(), points=colours(core.at['radius'], 0, top))
         scene.add(core.curves(core.only_curves()), (0.1, 0.1, 0.5), width=2)
-        pictures += [scene.render((480, 620), bounds, 1.2), scene.render((480, 620), detail.T.ravel())]
+        pictures += [scene.render((480, 620), bounds, 1.12), scene.render((480, 620), detail.T.ravel(), 1.7)]
         captions += [f'{resolution}³: {core.count} polygons, {cost.cpu:.0f} s', 'trident']
     print('Dissertation: a small lambda for the trident; still affordable at 2048, smoother than at 1024. Here:\n')
     table(('resolution', 'boundary vertices', 'polygons', 'solid b0, b1, b2', 'core', 'voxels put in for topology', 'CPU s', 'wall s',

@@ -90,7 +90,8 @@ def make(paper):
         x = np.unique(points_on(core, 0.3).round(9), axis=0)
         far = distance_to_axis(x, low, high, h)
         back = cKDTree(points_on(core, 0.05)).query(truth)[0]
-        rows.append((f'1/{parts}', core.count, int(core.only_curves().sum()), len(x), f'{far.max():.4f}', f'{h / 4:.4f}', f'{back.max():.3f}',
+        rows.append((f'1/{parts}', core.count, int(core.only_curves().sum()), len(x), f'{far.max():.4f}', f'{h / 4:.4f}',
+                     f'{back.max():.3f}',
                      f'{back.max() / h:.2f}'))
         scene = Scene(view)
         scene.add(surface, (0.7, 0.75, 0.8), 0.10)

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Apache-2.0
-"""Fig. 3.10: skeletons of shapes without and with noise, with the default parameters (theta1 in radii). Figures: distances between both, and
-the same with theta1 as a length, as in the dissertation (bench/stability.py has more shapes)."""
+"""Fig. 3.10: skeletons of shapes without and with noise, with the default parameters (theta1 in radii). Figures: distances
+between both, and the same with theta1 as a length, as in the dissertation (bench/stability.py has more shapes)."""
 import numpy as np
 from figure_3_8 import NOISE, SHAPES, noisy
 from paper import CURVE, Complex, Scene, main, sheet, table

@@ -237,7 +237,8 @@ class Scene:
         self.renderer.SetMaximumNumberOfPeels(12)
         self.direction, self.up = np.array(direction, float), up
 
-    def add(self, data, colour=SIDE, opacity=1.0, points=None, cells=None, width=1.5, edges=False, light=True, smooth=False, behind=False):
+    def add(self, data, colour=SIDE, opacity=1.0, points=None, cells=None, width=1.5, edges=False, light=True, smooth=False,
+            behind=False):
         """`points`, `cells`: RGB bytes. `smooth`: normals of a closed surface. `behind`: drawn behind what is in the same plane."""
         if smooth:
             normals = vtk.vtkPolyDataNormals()

@@ -21,8 +21,13 @@ SCRIPT = """<!DOCTYPE FilterScript>
 
 def server(folder, source, target, script):
     """What meshlabserver says, and the vertices it writes: x, y, z, red, green, blue, alpha, quality."""
-    done = subprocess.run(['meshlabserver', '-i', source, '-o', target, '-m', 'vc', 'vq', '-s', script], cwd=folder,
-                          capture_output=True, text=True, timeout=300)
+    done = subprocess.run(
+        ['meshlabserver', '-i', source, '-o', target, '-m', 'vc', 'vq', '-s', script],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        timeout=300,
+    )
     said = done.stdout + done.stderr
     assert done.returncode == 0 and f'saved as {os.path.join(folder, target)}' in said, said
     return said, *vertices(f'{folder}/{target}')
@@ -52,7 +57,9 @@ def main():
         sys.exit(77)
     folder = tempfile.mkdtemp(prefix='quench-meshlab-')
     try:
-        run = lambda *words: subprocess.run([PROGRAM, *words, '--quiet'], check=True, cwd=folder, stdout=subprocess.DEVNULL)
+        run = lambda *words: subprocess.run(
+            [PROGRAM, *words, '--quiet'], check=True, cwd=folder, stdout=subprocess.DEVNULL
+        )
         run('sample', 'fin-on-board', '--fineness', '0.2', '-o', 'part.ply')
         run('thickness', 'part.ply', '--resolution', '96', '--surface', 'walls.ply')
         run('run', 'part.ply', '--resolution', '64', '--no-view', '--no-picture', '-o', 'part')
@@ -70,7 +77,9 @@ def main():
             assert abs(low - ours['quality'].min()) < 1e-5 and abs(high - ours['quality'].max()) < 1e-5
             print(f'{name}: {len(ours)} vertices, quality from {low:.3f} to {high:.3f}, colours')
         with open(f'{HERE}/select_thin.mlx', encoding='utf-8') as file:
-            script = file.read().replace('</FilterScript>', ' <filter name="Delete Selected Faces and Vertices"/>\n</FilterScript>')
+            script = file.read().replace(
+                '</FilterScript>', ' <filter name="Delete Selected Faces and Vertices"/>\n</FilterScript>'
+            )
         with open(f'{folder}/select.mlx', 'w', encoding='utf-8') as file:
             file.write(script)
         _, left, _ = server(folder, 'walls.ply', 'thick.ply', 'select.mlx')

@@ -45,7 +45,16 @@ def check_manifest():
     shown = r'[^\W_][\w -~:.\'"]{1,88}[^\W_]'
     assert re.fullmatch(shown, manifest['display_name']) and re.fullmatch(r'\d+\.\d+\.\d+', manifest['schema_version'])
     contributions = manifest['contributions']
-    assert set(contributions) <= {'commands', 'readers', 'widgets', 'writers', 'sample_data', 'themes', 'menus', 'keybindings'}
+    assert set(contributions) <= {
+        'commands',
+        'readers',
+        'widgets',
+        'writers',
+        'sample_data',
+        'themes',
+        'menus',
+        'keybindings',
+    }
     commands = {}
     for command in contributions['commands']:
         assert set(command) <= {'id', 'title', 'python_name', 'short_title', 'icon', 'enablement'} and command['title']
@@ -58,8 +67,12 @@ def check_manifest():
         for pattern in reader['filename_patterns']:
             assert commands[reader['command']](pattern.replace('*', 'file')), pattern
     for widget in contributions['widgets']:
-        assert set(widget) <= {'command', 'display_name', 'autogenerate'} and re.fullmatch(shown, widget['display_name'])
-        for parameter in inspect.signature(commands[widget['command']]).parameters.values():  # what magicgui makes fields of
+        assert set(widget) <= {'command', 'display_name', 'autogenerate'} and re.fullmatch(
+            shown, widget['display_name']
+        )
+        for parameter in inspect.signature(
+            commands[widget['command']]
+        ).parameters.values():  # what magicgui makes fields of
             assert parameter.annotation in (str, bool, float, int, 'napari.layers.Layer'), parameter
             assert parameter.annotation == 'napari.layers.Layer' or isinstance(parameter.default, parameter.annotation)
     if importlib.util.find_spec('npe2'):
@@ -81,7 +94,9 @@ def check_layers(found, dimensions):
             assert keywords['edge_color'] in keywords['features']
         elif kind == 'surface':
             vertices, faces, values = data
-            assert vertices.shape[1] == dimensions and faces.shape[1] == 3 and faces.max() < len(vertices) == len(values)
+            assert (
+                vertices.shape[1] == dimensions and faces.shape[1] == 3 and faces.max() < len(vertices) == len(values)
+            )
             assert np.isfinite(values).all()
         else:
             assert data.ndim == dimensions
@@ -98,7 +113,9 @@ def inside(vectors, shape, scale=1.0, translate=0.0):
 def wider(shape):
     """The shape and the voxels around it."""
     padded = np.pad(shape, 1)
-    return np.any([padded[tuple(slice(d, d + n) for d, n in zip(step, shape.shape))] for step in np.ndindex(3, 3, 3)], axis=0)
+    return np.any(
+        [padded[tuple(slice(d, d + n) for d, n in zip(step, shape.shape))] for step in np.ndindex(3, 3, 3)], axis=0
+    )
 
 
 def main():
@@ -111,7 +128,9 @@ def main():
 
     folder = tempfile.mkdtemp(prefix='quench-napari-')
     try:
-        run = lambda *words: subprocess.run([PROGRAM, *words, '--quiet'], check=True, cwd=folder, stdout=subprocess.DEVNULL)
+        run = lambda *words: subprocess.run(
+            [PROGRAM, *words, '--quiet'], check=True, cwd=folder, stdout=subprocess.DEVNULL
+        )
         run('sample', 'root', '--branches', '12', '--resolution', '96', '-o', 'root.nrrd')
         run('tree', 'root.nrrd', '--no-view', '--no-picture', '-o', 'tree')
         run('sample', 'fin-on-board', '--fineness', '0.1', '-o', 'part.ply')
@@ -119,7 +138,7 @@ def main():
         read = lambda name: reader.get_reader(f'{folder}/{name}')(f'{folder}/{name}')
         assert 'surface' in check_layers(read('part/core.vtp'), 3)
         assert 'surface' in check_layers(read('part/skeleton.vtp'), 3)
-        (volume, keywords, kind), = read('root.nrrd')
+        ((volume, keywords, kind),) = read('root.nrrd')
         assert kind == 'image' and volume.shape == tuple(reversed(np.asarray(read_volume(f'{folder}/root.nrrd')).shape))
         for name in ('tree/tree.swc', 'tree/tree.rsml'):
             found = read(name)
@@ -133,23 +152,38 @@ def main():
 
         row, column = np.indices((80, 120))
         bar = (abs(row - 30) < 9) & (column > 8) & (column < 110)
-        layer = Image(name='bar', data=np.where(bar, 200, 5).astype(np.uint8), scale=np.array([0.5, 0.5]), translate=np.array([7.0, 3.0]))
+        layer = Image(
+            name='bar',
+            data=np.where(bar, 200, 5).astype(np.uint8),
+            scale=np.array([0.5, 0.5]),
+            translate=np.array([7.0, 3.0]),
+        )
         found = widgets.skeleton(layer, threshold='100')
         assert check_layers(found, 2) == {'vectors'}
         data, keywords, _ = found[0]
         assert inside(data, bar, 0.5) == 1 and tuple(keywords['translate']) == (7, 3)
         assert abs(keywords['features']['radius'].max() - 4.25) < 0.3  # 17 pixels of 0.5
-        (data, keywords, kind), = widgets.thickness(layer, threshold='100')
+        ((data, keywords, kind),) = widgets.thickness(layer, threshold='100')
         assert kind == 'image' and data.shape == bar.shape and (data > 0)[bar].all() and not data[~bar].any()
         assert abs(data.max() - 8.5) < 0.6 and tuple(keywords['scale']) == (0.5, 0.5)
         ball = np.hypot(np.hypot(*(np.indices((24, 40, 60))[1:] - np.array([20, 30]).reshape(2, 1, 1, 1))), 0) < 8
-        labels = Labels(name='two', data=np.where(ball, 3, 1), scale=np.array([2.0, 1.0, 1.0]), translate=np.zeros(3), selected_label=3)
+        labels = Labels(
+            name='two',
+            data=np.where(ball, 3, 1),
+            scale=np.array([2.0, 1.0, 1.0]),
+            translate=np.zeros(3),
+            selected_label=3,
+        )
         found = widgets.skeleton(labels)
         assert check_layers(found, 3) == {'vectors'} and inside(found[0][0], ball, np.array([2.0, 1.0, 1.0])) == 1
-        grown = widgets.tree(Image(name='root', data=volume * np.uint8(90), scale=np.ones(3), translate=np.zeros(3)), threshold='50')
+        grown = widgets.tree(
+            Image(name='root', data=volume * np.uint8(90), scale=np.ones(3), translate=np.zeros(3)), threshold='50'
+        )
         assert check_layers(grown, 3) == {'vectors'} and inside(grown[0][0], wider(volume.astype(bool))) == 1
-        for wrong in (Image(name='film', data=np.zeros((2, 3, 4, 5)), scale=np.ones(4), translate=np.zeros(4)),
-                      Image(name='dark', data=np.zeros((30, 30), np.uint8), scale=np.ones(2), translate=np.zeros(2))):
+        for wrong in (
+            Image(name='film', data=np.zeros((2, 3, 4, 5)), scale=np.ones(4), translate=np.zeros(4)),
+            Image(name='dark', data=np.zeros((30, 30), np.uint8), scale=np.ones(2), translate=np.zeros(2)),
+        ):
             try:
                 widgets.skeleton(wrong, threshold='100')
             except Exception as error:
@@ -157,7 +191,11 @@ def main():
             else:
                 raise AssertionError(f'{wrong.name}: no error')
         print('widgets: skeleton, thickness and tree lie on their layers')
-        print('napari itself is not in Debian: nothing was shown' if not importlib.util.find_spec('napari') else 'napari is here')
+        print(
+            'napari itself is not in Debian: nothing was shown'
+            if not importlib.util.find_spec('napari')
+            else 'napari is here'
+        )
     finally:
         shutil.rmtree(folder)
 

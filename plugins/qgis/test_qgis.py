@@ -15,8 +15,27 @@ PROGRAM = os.environ.get('QUENCH') or shutil.which('quench')
 PROCESS = shutil.which('qgis_process.bin') or shutil.which('qgis_process')
 EAST, NORTH = 500000.0, 5200000.0
 
-RIVER = [(0, 370), (180, 430), (420, 400), (640, 470), (900, 440), (1180, 520), (1500, 480), (1494, 420), (1180, 450), (960, 380),
-         (880, 200), (760, 0), (690, 30), (810, 230), (850, 370), (640, 400), (420, 330), (180, 360), (20, 305)]
+RIVER = [
+    (0, 370),
+    (180, 430),
+    (420, 400),
+    (640, 470),
+    (900, 440),
+    (1180, 520),
+    (1500, 480),
+    (1494, 420),
+    (1180, 450),
+    (960, 380),
+    (880, 200),
+    (760, 0),
+    (690, 30),
+    (810, 230),
+    (850, 370),
+    (640, 400),
+    (420, 330),
+    (180, 360),
+    (20, 305),
+]
 LAKE = [(1050, 60), (1250, 20), (1440, 110), (1400, 290), (1180, 320), (1060, 210)]
 ISLAND = [(1200, 130), (1190, 210), (1300, 200), (1290, 120)]
 
@@ -27,7 +46,14 @@ class Failed(Exception):
 
 def process(folder, *words):
     """qgis_process with a profile of its own."""
-    environment = dict(os.environ, HOME=folder, XDG_RUNTIME_DIR=folder, QT_QPA_PLATFORM='offscreen', QGIS_PLUGINPATH=HERE, QUENCH=PROGRAM)
+    environment = dict(
+        os.environ,
+        HOME=folder,
+        XDG_RUNTIME_DIR=folder,
+        QT_QPA_PLATFORM='offscreen',
+        QGIS_PLUGINPATH=HERE,
+        QUENCH=PROGRAM,
+    )
     environment.pop('PYTHONPATH', None)
     done = subprocess.run([PROCESS, *words], cwd=folder, capture_output=True, text=True, env=environment, timeout=300)
     if done.returncode:
@@ -60,7 +86,16 @@ def check_polygons(folder, ogr, osr):
     waters = [('Ash', 7, [RIVER]), ('Ring Lake', 9, [LAKE, ISLAND])]
     for name, chosen, lines in (('waters', waters, {'Ash': 3, 'Ring Lake': 1}), ('one', waters[:1], {'Ash': 3})):
         polygon_layer(f'{folder}/{name}.gpkg', ogr, osr, chosen)
-        process(folder, 'run', 'quench:centrelinesofpolygons', '--', f'INPUT={name}.gpkg', 'PIXEL=2', 'EXTEND=true', f'OUTPUT={name}_lines.gpkg')
+        process(
+            folder,
+            'run',
+            'quench:centrelinesofpolygons',
+            '--',
+            f'INPUT={name}.gpkg',
+            'PIXEL=2',
+            'EXTEND=true',
+            f'OUTPUT={name}_lines.gpkg',
+        )
         source = ogr.Open(f'{folder}/{name}.gpkg')
         shapes = {feature['name']: feature.GetGeometryRef().Clone() for feature in source.GetLayer()}
         found = ogr.Open(f'{folder}/{name}_lines.gpkg')
@@ -89,7 +124,16 @@ def check_image(folder, gdal, osr, ogr):
     image.GetRasterBand(1).WriteArray(np.where(bar, 200, np.where(row < 4, 255, 30)).astype(np.uint8))
     image.GetRasterBand(1).SetNoDataValue(255)
     image = None
-    process(folder, 'run', 'quench:centrelinesofimage', '--', 'INPUT=image.tif', 'BAND=1', 'THRESHOLD=100', 'OUTPUT=image_lines.gpkg')
+    process(
+        folder,
+        'run',
+        'quench:centrelinesofimage',
+        '--',
+        'INPUT=image.tif',
+        'BAND=1',
+        'THRESHOLD=100',
+        'OUTPUT=image_lines.gpkg',
+    )
     drawn = ogr.Open(f'{folder}/image_lines.gpkg')  # kept while its features are
     lines = list(drawn.GetLayer())
     assert len(lines) == 3
@@ -97,7 +141,16 @@ def check_image(folder, gdal, osr, ogr):
         points = np.array(feature.GetGeometryRef().GetPoints())[:, :2]
         at = np.stack([(NORTH - points[:, 1]) / 0.5, (points[:, 0] - EAST) / 0.5], axis=1).astype(int)
         assert bar[tuple(at.T)].all(), 'a line leaves the bright pixels'
-    process(folder, 'run', 'quench:thicknessofimage', '--', 'INPUT=image.tif', 'BAND=1', 'THRESHOLD=100', 'OUTPUT=thickness.tif')
+    process(
+        folder,
+        'run',
+        'quench:thicknessofimage',
+        '--',
+        'INPUT=image.tif',
+        'BAND=1',
+        'THRESHOLD=100',
+        'OUTPUT=thickness.tif',
+    )
     found = gdal.Open(f'{folder}/thickness.tif')
     values = found.GetRasterBand(1).ReadAsArray()
     assert found.GetGeoTransform() == place and found.GetRasterBand(1).GetNoDataValue() == 0
@@ -127,7 +180,16 @@ def main():
         check_polygons(folder, ogr, osr)
         check_image(folder, gdal, osr, ogr)
         try:
-            process(folder, 'run', 'quench:thicknessofimage', '--', 'INPUT=image.tif', 'BAND=1', 'THRESHOLD=251', 'OUTPUT=none.tif')
+            process(
+                folder,
+                'run',
+                'quench:thicknessofimage',
+                '--',
+                'INPUT=image.tif',
+                'BAND=1',
+                'THRESHOLD=251',
+                'OUTPUT=none.tif',
+            )
         except Failed as failed:
             assert 'quench' in str(failed) and 'Traceback' not in str(failed), failed
         else:

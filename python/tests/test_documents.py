@@ -97,7 +97,7 @@ def test_options_exist():
             continue
         with open(os.path.join(ROOT, path), encoding='utf-8') as page:
             for line in page:
-                if not re.search(r'\b(cmake|pkg-config|ctest|pip|venv|SBATCH|sbatch|dask worker|kubectl|aws)\b', line):
+                if not re.search(r'\b(cmake|pkg-config|ctest|pip|venv|SBATCH|sbatch|dask worker|kubectl|aws|docker)\b', line):
                     unknown.update(f'{path}: {option}' for option in re.findall(r'(?<![\w-])--[a-z][a-z0-9-]+', line)
                                    if option not in known)
     assert not unknown

@@ -14,8 +14,14 @@ def lines(starts, ends, radius, name, level=None):
     wide = float(np.median(features['radius'])) / 2 if len(data) else 1.0
     return (
         data,
-        {'name': name, 'features': features, 'edge_color': 'level' if level is not None else 'radius', 'edge_width': wide or 1.0,
-         'edge_colormap': 'turbo' if level is not None else 'viridis', 'vector_style': 'line'},
+        {
+            'name': name,
+            'features': features,
+            'edge_color': 'level' if level is not None else 'radius',
+            'edge_width': wide or 1.0,
+            'edge_colormap': 'turbo' if level is not None else 'viridis',
+            'vector_style': 'line',
+        },
         'vectors',
     )
 
@@ -41,7 +47,14 @@ def curves_of(result, name, flip):
         ends = result.curves.vertices[result.curves.edges][:, :, order]
         layers.append(lines(ends[:, 0], ends[:, 1], result.curves.radius[result.curves.edges].mean(axis=1), name))
     if len(result.sheets.faces):
-        layers.append(surface(result.sheets.vertices[:, order], result.sheets.faces, result.sheets.erosion_thickness, f'{name}: sheets'))
+        layers.append(
+            surface(
+                result.sheets.vertices[:, order],
+                result.sheets.faces,
+                result.sheets.erosion_thickness,
+                f'{name}: sheets',
+            )
+        )
     return layers
 
 

@@ -39,7 +39,11 @@ def on(layer, results):
 
 
 def skeleton(
-    layer: 'napari.layers.Layer', threshold: str = 'auto', theta2: str = 'inf', theta1: str = '0.5r', invert: bool = False
+    layer: 'napari.layers.Layer',
+    threshold: str = 'auto',
+    theta2: str = 'inf',
+    theta1: str = '0.5r',
+    invert: bool = False,
 ) -> List['napari.types.LayerDataTuple']:
     """Skeleton of an image (values from the threshold on) or of the selected label.
 
@@ -64,7 +68,9 @@ def skeleton(
     return on(layer, layers.curves_of(found, f'Skeleton of {layer.name}', flip=array.ndim == 2))
 
 
-def thickness(layer: 'napari.layers.Layer', threshold: str = 'auto', invert: bool = False) -> List['napari.types.LayerDataTuple']:
+def thickness(
+    layer: 'napari.layers.Layer', threshold: str = 'auto', invert: bool = False
+) -> List['napari.types.LayerDataTuple']:
     """Local thickness: at every pixel or voxel of the shape the diameter of the largest ball inside that contains it.
 
     Parameters
@@ -80,11 +86,17 @@ def thickness(layer: 'napari.layers.Layer', threshold: str = 'auto', invert: boo
 
     array, keywords = chosen(layer, threshold)
     found = quench.local_thickness(array, invert=invert, **keywords)
-    keywords = {'name': f'Thickness of {layer.name}', 'colormap': 'inferno', 'contrast_limits': (0.0, float(found.max()) or 1.0)}
+    keywords = {
+        'name': f'Thickness of {layer.name}',
+        'colormap': 'inferno',
+        'contrast_limits': (0.0, float(found.max()) or 1.0),
+    }
     return on(layer, [(found, keywords, 'image')])
 
 
-def tree(layer: 'napari.layers.Layer', threshold: str = 'thin', kind: str = 'root') -> List['napari.types.LayerDataTuple']:
+def tree(
+    layer: 'napari.layers.Layer', threshold: str = 'thin', kind: str = 'root'
+) -> List['napari.types.LayerDataTuple']:
     """One tree, repaired, of roots, neurites, vessels or airways, coloured by level.
 
     Parameters

@@ -31,8 +31,15 @@ from qgis.core import (
 )
 from qgis.PyQt.QtCore import QVariant
 
-MEASURES = [('branch', QVariant.Int), ('length', QVariant.Double), ('mean_radius', QVariant.Double), ('min_radius', QVariant.Double),
-            ('max_radius', QVariant.Double), ('thickness', QVariant.Double), ('tortuosity', QVariant.Double)]
+MEASURES = [
+    ('branch', QVariant.Int),
+    ('length', QVariant.Double),
+    ('mean_radius', QVariant.Double),
+    ('min_radius', QVariant.Double),
+    ('max_radius', QVariant.Double),
+    ('thickness', QVariant.Double),
+    ('tortuosity', QVariant.Double),
+]
 
 
 class Algorithm(QgsProcessingAlgorithm):
@@ -55,15 +62,21 @@ class Algorithm(QgsProcessingAlgorithm):
             self.addParameter(parameter)
 
     def add_program(self):
-        program = QgsProcessingParameterFile('PROGRAM', 'Program quench (found by itself where it is installed)', optional=True)
+        program = QgsProcessingParameterFile(
+            'PROGRAM', 'Program quench (found by itself where it is installed)', optional=True
+        )
         program.setFlags(program.flags() | QgsProcessingParameterDefinition.FlagAdvanced)
         self.addParameter(program)
 
     def run_quench(self, words, parameters, context, feedback, folder):
         """Runs the program in a folder; its lines go to the log, its errors become those of the algorithm."""
-        program = self.parameterAsFile(parameters, 'PROGRAM', context) or os.environ.get('QUENCH') or shutil.which('quench')
+        program = (
+            self.parameterAsFile(parameters, 'PROGRAM', context) or os.environ.get('QUENCH') or shutil.which('quench')
+        )
         if not program:
-            raise QgsProcessingException('The program quench is not found; install it, or say where it is under "Advanced".')
+            raise QgsProcessingException(
+                'The program quench is not found; install it, or say where it is under "Advanced".'
+            )
         words = [program, *words, '--overwrite']
         feedback.pushCommandInfo(' '.join(words))
         try:
@@ -159,18 +172,31 @@ class CentreLinesOfPolygons(Algorithm):
                 if feature.geometry().isEmpty():
                     continue
                 file.write(',\n' if rows else '\n')
-                file.write(f'{{"type": "Feature", "properties": {{"row": {len(rows)}}}, "geometry": {feature.geometry().asJson(15)}}}')
+                file.write(
+                    f'{{"type": "Feature", "properties": {{"row": {len(rows)}}}, "geometry": {feature.geometry().asJson(15)}}}'
+                )
                 rows.append(feature.attributes())
             file.write(']}\n')
         fields = with_measures(source.fields())
         sink, identifier = self.line_sink(parameters, context, fields, source.sourceCrs())
         if not rows:
             return {'OUTPUT': identifier}
-        words = ['run', polygons, '--no-view', '--no-picture', '-o', 'quench_lines', '--theta1', self.parameterAsString(parameters, 'THETA1', context)]
+        words = [
+            'run',
+            polygons,
+            '--no-view',
+            '--no-picture',
+            '-o',
+            'quench_lines',
+            '--theta1',
+            self.parameterAsString(parameters, 'THETA1', context),
+        ]
         pixel = self.parameterAsDouble(parameters, 'PIXEL', context)
         if parameters.get('PIXEL') is not None and pixel > 0:
             words += ['--pixel', repr(pixel)]
-        words += [f'--{name.lower()}' for name in ('LONGEST', 'EXTEND') if self.parameterAsBool(parameters, name, context)]
+        words += [
+            f'--{name.lower()}' for name in ('LONGEST', 'EXTEND') if self.parameterAsBool(parameters, name, context)
+        ]
         self.run_quench(words, parameters, context, feedback, folder)
         for points, properties in lines_of(os.path.join(folder, 'quench_lines', 'skeleton.geojson')):
             feature = QgsFeature(fields)
@@ -214,7 +240,13 @@ class OfImage(Algorithm):
         copy = None  # closed
         place = image.GetGeoTransform()
         spacing = (math.hypot(place[1], place[4]), math.hypot(place[2], place[5]))
-        words = [file, '--threshold', self.parameterAsString(parameters, 'THRESHOLD', context), '--spacing', f'{spacing[0]!r},{spacing[1]!r}']
+        words = [
+            file,
+            '--threshold',
+            self.parameterAsString(parameters, 'THRESHOLD', context),
+            '--spacing',
+            f'{spacing[0]!r},{spacing[1]!r}',
+        ]
         return words + (['--invert'] if invert else []), image, place, spacing, layer.crs()
 
 
@@ -245,13 +277,26 @@ class CentreLinesOfImage(OfImage):
         fields = with_measures(QgsFields())
         sink, identifier = self.line_sink(parameters, context, fields, crs)
         theta1 = self.parameterAsString(parameters, 'THETA1', context)
-        self.run_quench(['run', *words, '--theta1', theta1, '--no-view', '--no-picture', '-o', 'quench_image_lines'], parameters,
-                        context, feedback, folder)
+        self.run_quench(
+            ['run', *words, '--theta1', theta1, '--no-view', '--no-picture', '-o', 'quench_image_lines'],
+            parameters,
+            context,
+            feedback,
+            folder,
+        )
         for points, properties in lines_of(os.path.join(folder, 'quench_image_lines', 'skeleton.geojson')):
             feature = QgsFeature(fields)
-            pixels = [(x / spacing[0] + 0.5, y / spacing[1] + 0.5) for x, y, *_ in points]  # the centre of the first: 0.5, 0.5
-            feature.setGeometry(QgsGeometry.fromPolylineXY(
-                [QgsPointXY(place[0] + x * place[1] + y * place[2], place[3] + x * place[4] + y * place[5]) for x, y in pixels]))
+            pixels = [
+                (x / spacing[0] + 0.5, y / spacing[1] + 0.5) for x, y, *_ in points
+            ]  # the centre of the first: 0.5, 0.5
+            feature.setGeometry(
+                QgsGeometry.fromPolylineXY(
+                    [
+                        QgsPointXY(place[0] + x * place[1] + y * place[2], place[3] + x * place[4] + y * place[5])
+                        for x, y in pixels
+                    ]
+                )
+            )
             feature.setAttributes(measured(properties))
             if not sink.addFeature(feature):
                 raise QgsProcessingException(f'A line cannot be written: {sink.lastError()}')
@@ -281,7 +326,9 @@ class ThicknessOfImage(OfImage):
         output = self.parameterAsOutputLayer(parameters, 'OUTPUT', context)
         self.run_quench(['thickness', *words, '-o', 'quench_thickness.tif'], parameters, context, feedback, folder)
         found = gdal.Open(os.path.join(folder, 'quench_thickness.tif'))
-        written = gdal.GetDriverByName('GTiff').Create(output, image.RasterXSize, image.RasterYSize, 1, gdal.GDT_Float32, ['COMPRESS=DEFLATE'])
+        written = gdal.GetDriverByName('GTiff').Create(
+            output, image.RasterXSize, image.RasterYSize, 1, gdal.GDT_Float32, ['COMPRESS=DEFLATE']
+        )
         written.SetGeoTransform(place)
         written.SetProjection(crs.toWkt() or image.GetProjection())
         written.GetRasterBand(1).WriteArray(found.GetRasterBand(1).ReadAsArray())

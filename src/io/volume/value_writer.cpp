@@ -134,8 +134,8 @@ std::string npy_header(const Grid& grid) {
   return std::string("\x93NUMPY\x01\0", 8) + static_cast<char>(size & 255) + static_cast<char>(size >> 8) + text;
 }
 
-// TIFF (Adobe 1992; BigTIFF above 4 GB): the samples of all slices without a gap, then a directory for each. ImageJ reads
-// the first directory only, and takes so many slices from behind one another as its description says.
+// TIFF (Adobe 1992; BigTIFF above 4 GB): the samples of all slices without a gap, then a directory for each. ImageJ
+// reads the first directory only, and takes so many slices from behind one another as its description says.
 class TiffWriter {
  public:
   TiffWriter(std::ostream& out, const Grid& grid, const Coordinates& coordinates) : out_(out), grid_(grid) {
