@@ -120,7 +120,7 @@ void add_burn_options(CLI::App& app, pipeline::BurningOptions& o) {
       ->group(group);
   add_named(app, "--propagation", o.propagation, Propagation::segments, Propagation::windows,
             "How fire crosses polygons: 'segments', from nodes on edges, with an erosion thickness right to about 0.1%, "
-            "'windows', exact whatever --omega is, in four to six times the time, or 'auto': segments")
+            "'windows', exact whatever --omega is, in two to five times the time, or 'auto': segments")
       ->group(group);
 }
 

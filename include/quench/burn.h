@@ -28,7 +28,7 @@ enum class RadiusRule {
 /// How fire crosses the polygons of an axis.
 enum class Propagation {
   segments,  ///< from the pieces of edges between nodes: mean error of erosion thickness 0.1 % at the default spacing
-  windows    ///< exactly, up to rounding, whatever the spacing, where radii are distances to points; four to six times
+  windows    ///< exactly, up to rounding, whatever the spacing, where radii are distances to points; two to five times
              ///< the time of burning, on one thread
 };
 

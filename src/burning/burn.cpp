@@ -72,7 +72,8 @@ std::int64_t predicted_burn_bytes(const CellComplex& complex, std::span<const Ve
     const double pieces = omega > 0 ? (points[e[1]] - points[e[0]]).norm() / omega : 1;
     nodes += std::max(0.0, std::ceil(pieces) - 1);
   }
-  const double bytes = 300 * nodes +  // 190 on smooth cores, up to 290 on cores of noise
+  // 190 on smooth cores, up to 290 on cores of noise; windows take as much again.
+  const double bytes = (options.propagation == Propagation::windows ? 650 : 300) * nodes +
                        40.0 * static_cast<double>(complex.face_vertices.size());
   return static_cast<std::int64_t>(std::min(bytes, 0x1p62));
 }
