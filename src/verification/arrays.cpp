@@ -184,6 +184,8 @@ std::string reason_for(const char* of, const std::string& name, const Record& da
   if (stage == "core" && of == std::string("field") && (name == kLambda || name == kDetail))
     return text_or_empty(data.field_data, "surface").empty() || name == kLambda ? "another threshold was given"
                                                                                 : kBorneOutBySurface;
+  if (stage == "core" && of == std::string("field") && name == kMgf)
+    return "only that no level is below it is checked";
   if (of == std::string("field")) {
     for (const auto* known : {&known_field_numbers(), &known_field_texts()})
       for (const Known& array : *known)
