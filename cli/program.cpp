@@ -363,6 +363,12 @@ std::vector<std::string> with_own_options(const std::vector<std::string>& words,
 
 namespace {
 
+/// Writes what is left of a help or description; results have finish_results().
+void finish_texts() {
+  std::cout.flush();
+  if (!std::cout) throw Error(ErrorCode::failed, "cannot write to stdout");
+}
+
 /// Runs the command line of these words.
 int run_words(CommandLine& line, const std::vector<std::string>& words) {
   int result = 0;
@@ -375,14 +381,14 @@ int run_words(CommandLine& line, const std::vector<std::string>& words) {
       if (sub->parsed()) arena.execute([&, &act = action] { result = act(session); });
   } catch (const DescriptionAsked& asked) {
     std::cout << slicer_description(*asked.command);
+    finish_texts();
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() != 0) throw Error(ErrorCode::usage, usage_sentence(error, line.app));
     line.app.exit(error);  // --help, --version
+    finish_texts();
   } catch (const Error& error) {
     throw Error(error.code(), with_option(error, line.used(), line.common));
   }
-  std::cout.flush();
-  if (!std::cout) throw Error(ErrorCode::failed, "cannot write to stdout");
   return result;
 }
 

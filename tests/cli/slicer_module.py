@@ -130,6 +130,8 @@ def check_description(module, program, command):
         if name in NOT_OFFERED:
             continue
         parameter = flags[name.replace('-', '_')]
+        if default.isupper():  # NAME=LENGTH is a type
+            default = ''
         assert parameter.value in (default, 'default' if not default else default, 'false' if not default else default), \
             (name, parameter.value, default)
 
