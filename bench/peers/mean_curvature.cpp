@@ -3,6 +3,12 @@
 //   mean_curvature MESH OUT
 // OUT: a line per vertex, "v x y z", and one per edge, "e i j". What CGAL does not take (a mesh it cannot read, or one that
 // is not closed, or has several components) is said on stderr, exit status 1.
+#include <CGAL/Polygon_mesh_processing/IO/polygon_mesh_io.h>
+#include <CGAL/Polygon_mesh_processing/connected_components.h>
+#include <CGAL/Simple_cartesian.h>
+#include <CGAL/Surface_mesh.h>
+#include <CGAL/extract_mean_curvature_flow_skeleton.h>
+
 #include <fstream>
 #include <iostream>
 
