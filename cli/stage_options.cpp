@@ -53,6 +53,16 @@ CLI::Option* add_pruning(CLI::App& app, const std::string& name, std::string_vie
       ->capture_default_str();
 }
 
+pipeline::Pruning named_pruning(const std::string& field, const std::string& text) {
+  const std::size_t equals = text.find('=');
+  for (const std::string_view measure : {kDetail, kLambda, kMgf})
+    if (equals != std::string::npos && text.substr(0, equals) == measure)
+      return {measure, pipeline::parse_length_or_auto(text.substr(equals + 1), field)};
+  throw Error(ErrorCode::usage,
+              fmt::format("'{}' is not a measure and a length: detail=LENGTH, lambda=LENGTH or mgf=LENGTH", text),
+              field);
+}
+
 }  // namespace
 
 CLI::Option* add_length(CLI::App& app, const std::string& name, pipeline::Length& length, const std::string& help) {
@@ -92,6 +102,19 @@ void add_core_options(CLI::App& app, pipeline::AxisOptions& o) {
       "Instead: drop what is thinner than this radius, whatever sticks out. A length, or 'auto': the largest from 0.02 "
       "down whose balls still fill 98% of the shape (which keeps much of the voxels' steps)");
   lambda->excludes(detail)->group(group);
+  add_parsed(
+      app, "--prune-by",
+      "Instead, by a measure: drop what is below this length of it where the topology allows. NAME is detail, lambda "
+      "or "
+      "mgf, the medial geodesic function: the length of the shortest way on the surface of the voxels between the two "
+      "nearest boundary points (on a whole core it takes a while)",
+      [&o](const std::string& option, const std::string& text) { o.pruning = named_pruning(field_of(option), text); },
+      [] { return std::string(); })
+      ->type_name("NAME=LENGTH")
+      ->excludes(lambda)
+      ->excludes(detail)
+      ->group(group);
+  app.add_flag("--mgf", o.mgf, "Also write the mgf of what is kept, see --prune-by")->group(group);
   detail->group(group);
   add_named(app, "--lambda-rule", o.rule, LambdaRule::coface, LambdaRule::ball,
             "The lambda of edges and vertices: 'coface', the largest of the faces around, or 'ball', the radius "
@@ -99,7 +122,7 @@ void add_core_options(CLI::App& app, pipeline::AxisOptions& o) {
             "their nearest boundary points")
       ->group(group);
   app.add_flag("--full", o.full,
-               "Write the cells below the threshold too (each with its level: detail_level or lambda_level)")
+               "Write the cells below the threshold too (each with its level: detail_level, lambda_level or mgf_level)")
       ->group(group);
 }
 

@@ -161,6 +161,19 @@ void add_detail(MedialAxis& axis, const Surface& surface, Context* context = nul
 /// core, where it was fitted), 0 when all touch it; infinite for an axis without vertices.
 double coverage(const VoxelShape& shape, const MedialAxis& axis, Context* context = nullptr);
 
+/// Adds the measure "mgf" to a voxel core, or to what a pruning has left of it: the medial geodesic function (Dey and Sun
+/// 2006). Of a face it is the length of the shortest way on the boundary of the voxel shape between its two nearest
+/// boundary vertices, infinite where they lie on different sides of it; of edges and vertices the largest of the faces
+/// around or, where there are none, of the pairs of their own nearest boundary vertices. The boundary is that seen from
+/// inside: where the shape touches itself, no way leads over (docs/algorithms/mgf.md). Exact but for the rounding of the
+/// sum of a few roots. Nothing happens when the measure is there, as in the plane.
+///
+/// World units. Time: some ten microseconds per pair that is near and a millisecond per pair that is far apart on the
+/// surface, on all threads. Throws Error(usage) when the axis is not a voxel core of `shape`.
+void add_mgf(MedialAxis& axis, const VoxelShape& shape, Context* context = nullptr);
+/// Bytes that add_mgf() takes on so many threads beside the axis.
+std::int64_t predicted_mgf_bytes(const VoxelShape& shape, std::size_t faces, int threads);
+
 /// Computes the level of every cell by a measure: topology-preserving thinning by simple pairs (face, free edge) or
 /// (edge, free vertex) in the order (larger value of the pair, dimension, index); the level of a cell is the running
 /// maximum of the keys when it went, infinite when it never goes. The pruning for any threshold t is { level >= t }

@@ -192,14 +192,15 @@ inline CellCounts counts_of(const CellComplex& c) { return {c.vertex_count, c.ed
 
 /// Which cells of a voxel core are kept.
 struct Pruning {
-  std::string_view measure = kDetail;    ///< kDetail or kLambda
-  std::optional<Length> threshold = {};  ///< none: auto_detail() or auto_lambda()
+  std::string_view measure = kDetail;    ///< kDetail, kLambda or kMgf
+  std::optional<Length> threshold = {};  ///< none: auto_detail() or auto_lambda(); kMgf needs one
 };
 
 struct AxisOptions {
   Pruning pruning = {};
   LambdaRule rule = LambdaRule::coface;
   bool full = false;  ///< also the cells below the threshold
+  bool mgf = false;   ///< add_mgf() to the result; a pruning by it does so in any case
   /// Work in bricks (quench/bricks.h), whose files, without names, are in this folder; none: where memory asks for it,
   /// in the system's folder for temporary files.
   std::optional<std::filesystem::path> bricks_in = {};

@@ -19,7 +19,7 @@ from ._solid import Solid
 
 
 _Held = _core.Axis  # a name that the attribute of the class does not hide
-_ARGUMENTS = {'detail': 'detail', 'lambda': 'lambda_'}  # of measures
+_ARGUMENTS = {'detail': 'detail', 'lambda': 'lambda_', 'mgf': 'mgf'}  # of measures
 
 
 class MedialAxis(Complex):
@@ -62,7 +62,8 @@ class MedialAxis(Complex):
         the shape loses where the axis ends here). ``measures['lambda'].values.polygons`` has a value per polygon,
         ``.vertices`` and ``.edges`` per vertex and edge; there are levels of the measure it is pruned by. Of an image also
         "mgf": of an edge, the shorter arc of the outline between its two nearest boundary points; infinite where these
-        are on different outlines. Empty for an axis from a file.
+        are on different outlines. Of a volume or mesh where it was asked for: of a polygon, the length of the shortest
+        way on the surface of the voxels. Empty for an axis from a file.
     detail : float or None
         What it is pruned with, in the units of the coordinates; None where it is not pruned by detail.
     lambda_ : float or None
@@ -188,7 +189,7 @@ class MedialAxis(Complex):
         Parameters
         ----------
         threshold : length
-            Of that measure, detail or λ. With the keyword `detail` or `lambda_` one of the other measure is refused.
+            Of that measure, detail, λ or MGF. With the keyword `detail` or `lambda_` one of the other measure is refused.
 
         Examples
         --------

@@ -136,9 +136,13 @@ def length_or_auto(value: Length, argument: str) -> str:
     return 'auto' if isinstance(value, str) and value == 'auto' else length(value, argument)
 
 
-def pruning_of(detail: Length, lambda_: Optional[Length]) -> Tuple[str, str]:
+def pruning_of(detail: Length, lambda_: Optional[Length], mgf: Optional[Length] = None) -> Tuple[str, str]:
     """The measure to prune by, and "auto" or the text of a length."""
     by_detail = length_or_auto(detail, 'detail')
+    if mgf is not None:
+        if by_detail != 'auto' or lambda_ is not None:
+            raise error(2, f'mgf={mgf!r} and detail or lambda_ are two measures to prune by; give one of them', 'mgf')
+        return 'mgf', length(mgf, 'mgf')
     if lambda_ is None:
         return 'detail', by_detail
     if by_detail != 'auto':

@@ -16,7 +16,8 @@ def medial_axis(image_or_mesh: Any, *, spacing: Spacing = None, threshold: Thres
                 invert: bool = False, largest_component: bool = False, min_component: int = 0, fill_cavities: bool = False,
                 interpolate: bool = False, median: int = 0, blur: float = 0, close: int = 0, connectivity: int = 6,
                 subdivide: int = 1, fill: str = 'nonzero', topology: str = 'mesh', surface: str = 'auto',
-                lambda_rule: str = 'coface', threads: int = 0, progress: Progress = False) -> MedialAxis:
+                lambda_rule: str = 'coface', mgf: Union[bool, Length] = False, threads: int = 0,
+                progress: Progress = False) -> MedialAxis:
     """The medial axis of a shape: its voxel core, pruned without changing its topology.
 
     Parameters
@@ -68,6 +69,9 @@ def medial_axis(image_or_mesh: Any, *, spacing: Spacing = None, threshold: Thres
         where `threshold` cuts more than two, else the voxels. Of images: the pixels.
     lambda_rule : "coface" or "ball"
         See docs/user/parameters.md.
+    mgf : bool or length
+        True: also the measure "mgf", of a polygon the length of the shortest way on the surface of the voxels between its
+        two nearest boundary points. A length prunes by it instead of by detail, which takes longer.
     threads : int
         0: all processors. The result is the same for any number.
     progress : bool or callable
@@ -118,14 +122,14 @@ def medial_axis(image_or_mesh: Any, *, spacing: Spacing = None, threshold: Thres
     >>> mask.shape, mask[4, 20], float(distance[4, 20])
     ((9, 40), True, 2.549...)
     """
-    pruning = pruning_of(detail, lambda_)
+    pruning = pruning_of(detail, lambda_, None if isinstance(mgf, bool) else mgf)
     if lambda_rule not in ('coface', 'ball'):
         raise error(2, f"lambda_rule={lambda_rule!r} is not one of 'coface', 'ball'", 'lambda_rule')
     cut = Cut(threshold, label, invert, largest_component, min_component, fill_cavities, subdivide, spacing, resolution, fill,
               topology, surface, dimension, channel, interpolate, median, blur, close, connectivity)
     shape = shape_of(image_or_mesh, cut, threads, progress)
     with calling(threads, progress) as call:
-        return MedialAxis(_core.compute_axis(shape, *pruning, lambda_rule, *call), threads, progress)
+        return MedialAxis(_core.compute_axis(shape, *pruning, lambda_rule, mgf is True, *call), threads, progress)
 
 
 def read(path: Path, *, spacing: Spacing = None, radii: Optional[Path] = None, dimension: Optional[int] = None,

@@ -22,7 +22,7 @@ std::shared_ptr<Axis> axis_of_file(Record data, const std::string& file, Context
   result->core.reconstructed = pipeline::field_number(loaded.data, "reconstructed").value_or(std::nan(""));
   result->core.coverage = pipeline::field_number(loaded.data, "coverage").value_or(std::nan(""));
   result->core.threshold = std::nan("");
-  for (const std::string_view measure : {kLambda, kDetail})
+  for (const std::string_view measure : {kLambda, kMgf, kDetail})
     if (const auto threshold = pipeline::field_number(loaded.data, std::string(measure).c_str())) {
       result->core.options.pruning.measure = measure;
       result->core.threshold = *threshold;
@@ -133,7 +133,7 @@ std::shared_ptr<Axis> pruned_axis(const Axis& from, const std::string& text, Con
 }  // namespace
 
 pipeline::Pruning pruning_of(const std::string& measure, const std::string& threshold) {
-  const std::string_view known = measure == kLambda ? kLambda : kDetail;
+  const std::string_view known = measure == kLambda ? kLambda : measure == kMgf ? kMgf : kDetail;
   return {known, pipeline::parse_length_or_auto(threshold, known)};
 }
 
@@ -269,9 +269,10 @@ void bind_axes(py::module_& m) {
       });
   m.def("compute_axis",
         [](const std::shared_ptr<Shape>& shape, const std::string& measure, const std::string& threshold,
-           const std::string& rule, const py::object& listener, int threads) {
+           const std::string& rule, bool mgf, const py::object& listener, int threads) {
           pipeline::AxisOptions options;
           options.pruning = pruning_of(measure, threshold);
+          options.mgf = mgf;
           options.rule = pipeline::lambda_rule_of(rule).value_or(LambdaRule::coface);
           return run(listener, threads, [&](Context& context) { return compute_axis(shape, options, context); });
         });

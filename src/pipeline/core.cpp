@@ -35,11 +35,23 @@ void choose_threshold(const LoadedShape& from, const axis::RestOfCore& core, Cor
     result.threshold = pruning.threshold ? scale.resolve(*pruning.threshold, kDetail) : auto_detail(from.shape.grid());
     return;
   }
+  if (pruning.measure == kMgf) {
+    result.threshold = scale.resolve(*pruning.threshold, kMgf);
+    return;
+  }
   const Reconstruction reconstruction(from.shape, core.axis, Reconstruction::kSamples, context);
   result.threshold = pruning.threshold ? scale.resolve(*pruning.threshold, kLambda)
                                        : auto_lambda(reconstruction, scale.longest_side, scale.voxel);
   if (core.is_whole()) result.whole = reconstruction.share(0);
   result.reconstructed = reconstruction.share(result.threshold);
+}
+
+// Takes the memory that is free for it, or refuses.
+void add_planned_mgf(MedialAxis& axis, const VoxelShape& shape, Context* context) {
+  if (axis.find_measure(kMgf)) return;
+  require_memory(predicted_mgf_bytes(shape, axis.complex.face_count(), tbb::this_task_arena::max_concurrency()),
+                 "the MGF of the medial axis", {"a lower resolution"}, context);
+  add_mgf(axis, shape, context);
 }
 
 // Details and levels of a core, whose topology is checked.
@@ -53,6 +65,7 @@ void add_levels(axis::RestOfCore& core, const LoadedShape& from, std::string_vie
   try {
     tbb::this_task_arena::isolate([&] {
       if (measure == kDetail) add_detail(core, from.surface ? &*from.surface : nullptr, context);
+      if (measure == kMgf) add_planned_mgf(core.axis, from.shape, context);
       prune_levels(core.axis, measure, context);
     });
   } catch (...) {
@@ -104,10 +117,11 @@ CoreResult result_of(axis::RestOfCore rest, const LoadedShape& from, const AxisO
   const auto share = [&](const MedialAxis& axis) {
     return Reconstruction(shape, axis, Reconstruction::kSamples, context, measure).share(0);
   };
-  if (measure == kDetail || from.surface) result.reconstructed = share(kept);
-  if (options.full && (measure == kDetail || from.surface)) result.whole = share(core);
+  if (measure != kLambda || from.surface) result.reconstructed = share(kept);
+  if (options.full && (measure != kLambda || from.surface)) result.whole = share(core);
   if (measure == kDetail) result.coverage = coverage(shape, kept, context);
   result.axis = options.full ? std::move(core) : std::move(kept);
+  if (options.mgf) add_planned_mgf(result.axis, shape, context);
   return result;
 }
 
@@ -156,6 +170,8 @@ void require_topology(const Topology& got, const Topology& wanted, const char* w
 }
 
 CoreResult core_of(const LoadedShape& shape, const AxisOptions& options, Context* context) {
+  if (options.pruning.measure == kMgf && !options.pruning.threshold)
+    throw Error(ErrorCode::usage, "there is no automatic threshold of mgf; give a length", "prune_by");
   return base::in_arena(context, [&] {
     CorePlan plan = plan_core(shape.shape, context);
     plan.in_bricks = options.bricks_in || (plan.in_bricks && refused_in_bricks(shape.shape, options).empty());

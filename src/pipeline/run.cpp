@@ -14,7 +14,7 @@ namespace {
 
 void add_axis(PageBuilder& builder, const MedialAxis& axis, const AxisRun& result, const Scale& scale,
               const RunOptions& options) {
-  for (const std::string_view measure : {kDetail, kLambda})
+  for (const std::string_view measure : {kDetail, kLambda, kMgf})
     if (const auto threshold = field_number(result.file, std::string(measure).c_str()))
       builder.page.pruning = {std::string(measure), *threshold};
   builder.page.burning = result.burned.options;

@@ -69,6 +69,7 @@ const std::vector<const char*>& known_cell_arrays() {
                                               "object_angle",
                                               "cap_height",
                                               "mgf",
+                                              "mgf_level",
                                               "detail",
                                               "detail_level",
                                               "sheet_level",
@@ -89,6 +90,8 @@ const std::vector<Known>& known_field_numbers() {
       {"lambda_chosen", 1, {}, kOfTheChoice},
       {"detail", 1, {}, kOfTheAxis},
       {"detail_chosen", 1, {}, kOfTheChoice},
+      {"mgf", 1, {}, kOfTheAxis},
+      {"mgf_chosen", 1, {}, kOfTheChoice},
       {"coverage", 1, {}, kNothingToCompare},
       {"longest_side", 1, {}, kShapeOnly},
       {"reconstructed", 1, {}, kNothingToCompare},
@@ -181,6 +184,8 @@ std::string reason_for(const char* of, const std::string& name, const Record& da
   if (stage == "core" && of == std::string("field") && (name == kLambda || name == kDetail))
     return text_or_empty(data.field_data, "surface").empty() || name == kLambda ? "another threshold was given"
                                                                                 : kBorneOutBySurface;
+  if (stage == "core" && of == std::string("field") && name == kMgf)
+    return "only that no level is below it is checked";
   if (of == std::string("field")) {
     for (const auto* known : {&known_field_numbers(), &known_field_texts()})
       for (const Known& array : *known)
@@ -194,9 +199,7 @@ std::string reason_for(const char* of, const std::string& name, const Record& da
   if (stage == "core" && name == kDetail) return kDetailsBounded;
   if (stage == "skeleton" && name == kMgf) return kOfTheAxis;
   for (const std::string& measure : texts_or_empty(data.field_data, "measures"))
-    if (!is_measure_of_cores(measure, find_array(data.field_data, "dimension") != nullptr) &&
-        (name == measure || name == measure + "_level"))
-      return kOtherMeasure;
+    if (!is_measure_of_cores(measure) && (name == measure || name == measure + "_level")) return kOtherMeasure;
   const auto& known = of == std::string("point") ? known_point_arrays() : known_cell_arrays();
   const bool is_known = std::find(known.begin(), known.end(), name) != known.end();
   return is_known ? kNothingToCompare : "unknown here";

@@ -55,6 +55,11 @@ constexpr Expected kOfFittedCores[]{
     {"point", "voxel_point", true}, {"point", "voxel_radius", true}, {"field", "surface", true}};
 constexpr Expected kOfCoresByLambda[]{
     {"cell", "lambda_level", true}, {"field", "lambda", true}, {"field", "lambda_chosen", false}};
+constexpr Expected kOfCoresByMgf[]{{"point", "mgf", true},
+                                   {"cell", "mgf", true},
+                                   {"cell", "mgf_level", true},
+                                   {"field", "mgf", true},
+                                   {"field", "mgf_chosen", false}};
 constexpr Expected kOfCoresByDetail[]{{"point", "detail", true},
                                       {"cell", "detail", true},
                                       {"cell", "detail_level", true},
@@ -150,7 +155,10 @@ std::vector<Expected> absent_of(const Result& result) {
       look_for(kOfCoresOfPlane, data, absent);
     }
     if (has_one_of(kOfFittedCores, data)) look_for(kOfFittedCores, data, absent);
-    look_for(result.by_detail ? std::span<const Expected>(kOfCoresByDetail) : kOfCoresByLambda, data, absent);
+    look_for(result.by_detail ? std::span<const Expected>(kOfCoresByDetail)
+             : result.by_mgf  ? std::span<const Expected>(kOfCoresByMgf)
+                              : std::span<const Expected>(kOfCoresByLambda),
+             data, absent);
     if (result.by_detail && result.detail > 0) look_for(kOfPruningsByDetail, data, absent);
     if (has_one_of(kOfBurning, data) || (!result.plane && has_one_of(kOfBurningOfSheets, data))) {
       look_for(kOfBurning, data, absent);

@@ -262,7 +262,10 @@ Check check_levels_of(const std::string& measure, const Result& result, const Si
     return not_checked(name, fmt::format("they need the arrays '{}' of points and cells", measure));
   std::size_t never_go = 0;
   double lowest = never;
-  const double at_least = is_lambda ? result.lambda : measure == kDetail && result.by_detail ? result.detail : 0;
+  const double at_least = is_lambda                                ? result.lambda
+                          : measure == kDetail && result.by_detail ? result.detail
+                          : measure == kMgf && result.by_mgf       ? result.mgf
+                                                                   : 0;
   for (std::size_t c = 0; c < level.size(); ++c) {
     if (level[c] == kInfiniteLevelInFiles) {
       level[c] = never;
@@ -298,7 +301,8 @@ Check check_levels_of(const std::string& measure, const Result& result, const Si
 std::vector<Check> check_levels(const Result& result, const Sites& sites, VertexSites& vertex_sites, Context* context) {
   std::vector<Check> checks;
   for (const std::string& measure : result.measures)
-    if ((measure == kLambda && !result.by_detail) || find_array(result.data.cell_data, measure + "_level"))
+    if ((measure == kLambda && !result.by_detail && !result.by_mgf) ||
+        find_array(result.data.cell_data, measure + "_level"))
       checks.push_back(check_levels_of(measure, result, sites, vertex_sites, context));
   if (checks.empty()) checks.push_back(not_checked("nested levels", "no measure with levels"));
   return checks;
@@ -321,12 +325,12 @@ Check check_measures(const Result& result) {
   for (const std::string& measure : result.measures) {
     if (!names.insert(measure).second) return failed(name, fmt::format("the measure '{}' is there twice", measure));
     // That arrays of those that Quench writes are missing is said by other checks.
-    if (!is_measure_of_cores(measure, result.plane) && !find_array(data.cell_data, measure) &&
+    if (!is_measure_of_cores(measure) && !find_array(data.cell_data, measure) &&
         !find_array(data.cell_data, measure + "_level"))
       return failed(name, fmt::format("there is no cell array of '{}', which is a measure of the file", measure));
   }
   for (const DataArray& array : data.cell_data)
-    if (is_measure_of_cores(array.name, result.plane) && !names.contains(array.name))
+    if (is_measure_of_cores(array.name) && !names.contains(array.name))
       return failed(name,
                     fmt::format("the measures of the file do not have '{}', of which there is an array", array.name));
   cover(check, "field measures");

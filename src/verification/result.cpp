@@ -12,9 +12,8 @@
 
 namespace quench::verification {
 
-bool is_measure_of_cores(std::string_view name, bool plane) {
-  return std::find(kMeasuresOfCores.begin(), kMeasuresOfCores.end(), name) != kMeasuresOfCores.end() ||
-         (plane && name == kMgf);
+bool is_measure_of_cores(std::string_view name) {
+  return std::find(kMeasuresOfCores.begin(), kMeasuresOfCores.end(), name) != kMeasuresOfCores.end();
 }
 
 bool has_numbers(const DataArray& array) { return !std::holds_alternative<std::vector<std::string>>(array.values); }
@@ -115,6 +114,12 @@ void Result::parse_arrays(const VerifyOptions& options) {
   detail_of_file = !details.empty() && details[0] == detail;
   if (detail >= kInfiniteLevelInFiles) detail = std::numeric_limits<double>::infinity();
   auto_detail = 0.5 * shape.grid().diagonal();
+
+  const std::vector<double> lengths = numbers_or_empty(data.field_data, kMgf);
+  by_mgf =
+      stage == "core" && !by_detail && !lambda_given && (!lengths.empty() || find_array(data.cell_data, "mgf_level"));
+  if (by_mgf && !lengths.empty()) mgf = lengths[0];
+  if (mgf >= kInfiniteLevelInFiles) mgf = std::numeric_limits<double>::infinity();
 }
 
 void Result::parse_surface() {

@@ -63,9 +63,11 @@ struct Result {
   double lambda = 0;
   bool lambda_given = false;
   bool lambda_of_file = false;  ///< it is that of the file
-  bool by_detail = false;       ///< pruned by detail, not by lambda
+  bool by_detail = false;       ///< pruned by detail, not by lambda or mgf
   double detail = 0;            ///< where it was; world units, may be infinite
   bool detail_of_file = false;  ///< it is that of the file
+  bool by_mgf = false;          ///< pruned by mgf
+  double mgf = 0;               ///< where it was; world units
   double auto_detail = 0;       ///< half the diagonal of a voxel or pixel, world units
 
   const Vec3& point(std::uint32_t vertex) const { return data.points[rows[vertex]]; }
@@ -89,9 +91,8 @@ struct Result {
 };
 
 /// The measures that Quench writes into files of cores.
-inline constexpr std::array kMeasuresOfCores{"lambda", "object_angle", "cap_height", "detail"};
-/// Whether it is one of these or, in the plane, `mgf`.
-bool is_measure_of_cores(std::string_view name, bool plane);
+inline constexpr std::array kMeasuresOfCores{"lambda", "object_angle", "cap_height", "detail", "mgf"};
+bool is_measure_of_cores(std::string_view name);
 
 /// False for an array of strings.
 bool has_numbers(const DataArray& array);

@@ -8,6 +8,7 @@
 #include "base/parallel.h"
 #include "quench/error.h"
 #include "verification/checks.h"
+#include "verification/surface_ways.h"
 
 namespace quench {
 
@@ -111,8 +112,11 @@ Certificate examine(const VoxelShape& shape, const Record& data, const VerifyOpt
     add(result.plane ? check_voronoi_of_plane(result, sites, vertex_sites, context)
                      : check_voronoi(result, sites, vertex_sites, options.samples, context));
     add(check_lambda(result, sites, vertex_sites, options.samples, context));
-    add(result.by_detail ? check_detail_pruning(result, sites, vertex_sites, options.samples, context)
-                         : check_pruning(result, sites, vertex_sites, options.samples, context));
+    if (result.by_mgf)
+      add(not_checked("legal pruning", "pruned by mgf: that no pair below it is left is said by its levels"));
+    else
+      add(result.by_detail ? check_detail_pruning(result, sites, vertex_sites, options.samples, context)
+                           : check_pruning(result, sites, vertex_sites, options.samples, context));
     if (result.by_detail) {
       add(check_details(result, sites, vertex_sites, context));
       add(check_coverage(result, sites, context));
@@ -140,6 +144,7 @@ Certificate examine(const VoxelShape& shape, const Record& data, const VerifyOpt
     add(check_burning_of_plane(result));
     add(check_skeleton_levels_of_plane(result));
   } else {
+    if (result.stage == "core") add(check_mgf_of_surface(result, sites, options.samples, context));
     add(check_burning(result));
     if (has_burn_sequence(data)) add(check_burn_sequence(result));
     add(check_skeleton_levels(result));

@@ -14,7 +14,7 @@ export const MEASURES: Record<string, Measure> = {
   detail: { label: "detail", help: "The largest detail at which the pruning keeps a place.", pruning: "Drops what sticks out less than this", infinite: "infinite: always kept" },
   cap_height: { label: "cap height", help: "What the shape loses where the axis ends here.", pruning: "Drops cells where the shape loses less than this if the axis ends there" },
   lambda: { label: "λ", help: "Half the largest distance of nearest boundary points around.", pruning: "Drops what is thinner than this radius" },
-  mgf: { label: "MGF", help: "Medial geodesic function: the shorter way along the outline between the nearest boundary points.", infinite: "infinite: between two outlines" },
+  mgf: { label: "MGF", help: "Medial geodesic function: the length of the shortest way on the surface, of images along the outline, between the nearest boundary points.", infinite: "infinite: between two outlines" },
   burn_time: { label: "burn time", help: "When the fire that starts at the rim of the sheets comes by." },
   erosion_thickness: { label: "erosion thickness", help: "Burn time − radius: how much longer a place lasts than its radius." },
   object_angle: { label: "object angle", help: "Angle between the nearest boundary points, seen from here.", unit: "°" },
