@@ -71,7 +71,7 @@ void expect_same_in_bricks(const LoadedShape& shape, const AxisOptions& options,
 
 AxisOptions pruned_by(std::string_view measure, double voxels, const LoadedShape& shape,
                       LambdaRule rule = LambdaRule::coface) {
-  return {{std::string(measure), world_length(voxels * shape.shape.grid().spacing.minCoeff())}, rule};
+  return {{measure, world_length(voxels * shape.shape.grid().spacing.minCoeff())}, rule};
 }
 
 TEST(PartPruning, OfRandomShapes) {
