@@ -2,9 +2,10 @@
 #   docker build -t quench .
 #   docker run --rm -v "$PWD:/data" --user "$(id -u):$(id -g)" quench run shape.ply -o out
 FROM debian:12 AS build
-COPY . /quench
 WORKDIR /quench
+COPY scripts/install-deps scripts/
 RUN scripts/install-deps --build
+COPY . .
 RUN cmake --preset release -DQUENCH_TESTS=OFF -DQUENCH_BENCH=OFF -DQUENCH_PYTHON=OFF && \
     cmake --build build/release --target quench quench_program && \
     scripts/make-packages build/release

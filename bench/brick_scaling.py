@@ -6,7 +6,7 @@ simulated: a round begins when the one before it has ended, its tasks go in orde
 the merge is one task.
 
     bench/brick_scaling.py SHAPE RESOLUTION... [--size 512] [--tasks 1000] [--quench build/release/quench]
-                           [--work DIR] [--no-whole 8192] [--json OUT.json] [--plot OUT.svg]
+                           [--work DIR] [--no-whole 8192] [--json OUT.json] [--plot OUT.png]
                            [--core "--lambda 0.02"]
 
 Nothing is said of networks and file systems: the bytes that tasks read and write stand in the table.
@@ -104,29 +104,28 @@ def tell(row):
 
 def plot(rows, file):
     import matplotlib
-    matplotlib.use("svg")
+    matplotlib.use("agg")
     import matplotlib.pyplot as plt
-    figure, axes = plt.subplots(figsize=(7, 4.5))
+    figure, axes = plt.subplots(figsize=(8, 4.5))
     workers = [round(10 ** (i / 8)) for i in range(25)]
     for row in rows:
         rounds = [r["seconds"] for r in row["rounds"]]
         whole = simulated(rounds, row["merge_seconds"], 1)
-        name = f"{row['resolution']}, bricks of {row['size']}"
-        axes.loglog(workers, [simulated(rounds, 0, n) for n in workers], label=f"{name}: rounds")
-        colour = axes.lines[-1].get_color()
-        axes.loglog(workers, [simulated(rounds, row["merge_seconds"], n) for n in workers], "--", color=colour,
-                    label=f"{name}: with the merge")
+        name = f"resolution {row['resolution']}, bricks of {row['size']}"
+        colour = axes.loglog(workers, [simulated(rounds, row["merge_seconds"], n) for n in workers], label=name)[0].get_color()
+        axes.loglog(workers, [simulated(rounds, 0, n) for n in workers], "--", color=colour)
         axes.loglog(workers, [whole / n for n in workers], ":", color=colour, linewidth=0.8)
-    axes.loglog([], [], ":", color="grey", linewidth=0.8, label="perfect division")
+    for style, name in (("-", "rounds and merge"), ("--", "rounds alone"), (":", "perfect division")):
+        axes.loglog([], [], style, color="grey", label=name)
     axes.set_xlabel("workers (simulated from measured tasks)")
     axes.set_ylabel("seconds")
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_major_formatter("{x:g}")
         axis.set_minor_formatter(matplotlib.ticker.NullFormatter())
     axes.grid(True, which="both", alpha=0.3)
-    axes.legend(fontsize=8)
+    axes.legend(fontsize=8, loc="center left", bbox_to_anchor=(1, 0.5))
     figure.tight_layout()
-    figure.savefig(file)
+    figure.savefig(file, dpi=110)
 
 
 def main():

@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <sys/file.h>
 #include <tbb/task_arena.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -14,6 +11,7 @@
 #include <set>
 
 #include "base/memory.h"
+#include "base/platform/system_files.h"
 #include "base/text.h"
 #include "batch_children.h"
 #include "batch_page.h"
@@ -157,43 +155,15 @@ void check_batch_outputs(const BatchOptions& o, const BatchPlan& plan, const Ses
   }
 }
 
-/// Held while a sample is worked on: another run of the batch leaves it out. Where the file system has no locks, every
-/// run has it.
-class SampleLock {
- public:
-  explicit SampleLock(const fs::path& folder) : file_(open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
-    held_elsewhere_ = file_ >= 0 && flock(file_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
-  }
-  SampleLock(const SampleLock&) = delete;
-  SampleLock& operator=(const SampleLock&) = delete;
-  ~SampleLock() {
-    if (file_ >= 0) close(file_);
-  }
-  bool held_elsewhere() const { return held_elsewhere_; }
-
- private:
-  int file_;
-  bool held_elsewhere_ = false;
-};
-
 /// Held while the tables are collected: shards that end at the same time do it one after the other, and the last one
-/// sees the results of all. Where the file system has no locks, nobody waits.
-class BatchLock {
- public:
-  explicit BatchLock(const fs::path& out) : file_(open((out / kMarkFile).c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666)) {
-    if (file_ < 0)
-      throw Error(ErrorCode::failed,
-                  fmt::format("cannot write '{}': {}", (out / kMarkFile).string(), std::strerror(errno)));
-    while (flock(file_, LOCK_EX) != 0 && errno == EINTR) {
-    }
-  }
-  BatchLock(const BatchLock&) = delete;
-  BatchLock& operator=(const BatchLock&) = delete;
-  ~BatchLock() { close(file_); }
-
- private:
-  int file_;
-};
+/// sees the results of all.
+base::FileLock lock_of_batch(const fs::path& out) {
+  base::FileLock lock = base::FileLock::wait_for(out / kMarkFile);
+  if (const int error = lock.error())
+    throw Error(ErrorCode::failed,
+                fmt::format("cannot write '{}': {}", (out / kMarkFile).string(), std::strerror(error)));
+  return lock;
+}
 
 // --------------------------------------------------------------------------------------------------------------- work
 
@@ -241,7 +211,7 @@ class BatchWork {
 
  private:
   struct Started {
-    std::unique_ptr<SampleLock> lock;
+    std::unique_ptr<base::FileLock> lock;  ///< another run of the batch leaves the sample out
     SampleState state;
     FilesWithTimes before;
     std::chrono::steady_clock::time_point time = std::chrono::steady_clock::now();
@@ -251,8 +221,8 @@ class BatchWork {
   bool start(std::size_t i) {
     const fs::path folder = plan_.results.folder_of(i);
     create_folder(folder.string());
-    auto lock = std::make_unique<SampleLock>(folder);
-    if (lock->held_elsewhere()) return false;
+    auto lock = std::make_unique<base::FileLock>(base::FileLock::try_folder(folder));
+    if (lock->elsewhere()) return false;
     const auto earlier = read_state(folder);
     if (earlier != found_[i] && is_current(earlier, plan_.made_of[i], folder)) return false;
     Started& started = started_[i];
@@ -345,7 +315,7 @@ void say_where_down_differs(const SampleTable& table, Session& session) {
 
 void collect(BatchPlan& plan, Session& session) {
   BatchResults& results = plan.results;
-  const BatchLock lock(results.out);
+  const base::FileLock lock = lock_of_batch(results.out);
   for (std::size_t i = 0; i < results.states.size(); ++i) {
     results.states[i] = read_state(results.folder_of(i));
     if (!is_current(results.states[i], plan.made_of[i], results.folder_of(i))) results.states[i].reset();
@@ -386,7 +356,7 @@ int batch(const BatchOptions& o, Session& session) {
   BatchPlan plan = plan_batch(o, session);
   check_batch_outputs(o, plan, session);
   create_folder(o.out);
-  { const BatchLock mark(o.out); }
+  lock_of_batch(o.out);
   if (!o.collect) work(o, plan, session);
   collect(plan, session);
   complain_of(plan, "failed");

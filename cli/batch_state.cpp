@@ -2,13 +2,13 @@
 #include "batch_state.h"
 
 #include <fmt/format.h>
-#include <sys/stat.h>
 
 #include <algorithm>
 #include <cstdint>
 #include <fstream>
 #include <ostream>
 
+#include "base/platform/system_files.h"
 #include "option_checks.h"
 #include "printable.h"
 #include "quench/io.h"
@@ -54,11 +54,10 @@ Json made_of(const fs::path& file, const std::vector<std::string>& words, const 
   std::int64_t bytes = 0;
   std::string times;
   for (const fs::path& part : parts_of(file)) {
-    struct stat status {};
-    if (stat(part.c_str(), &status) != 0) continue;
-    bytes += status.st_size;
-    times += fmt::format("{} {} {}.{:09}\n", part.filename().string(), status.st_size, status.st_mtim.tv_sec,
-                         status.st_mtim.tv_nsec);
+    const std::optional<base::FileFacts> facts = base::facts_of(part);
+    if (!facts) continue;
+    bytes += facts->size;
+    times += fmt::format("{} {} {}.{:09}\n", part.filename().string(), facts->size, facts->seconds, facts->nanoseconds);
   }
   Json command = Json::array();
   for (const std::string& word : words) command.push_back(printable(word));
@@ -125,7 +124,7 @@ std::vector<std::string> with_expected_files(std::vector<std::string> files, con
   else
     files.insert(files.end(), {"core.vtp", "skeleton.vtp", "skeleton.swc", "skeleton.geojson", "skeleton.svg"});
   std::ranges::sort(files);
-  files.erase(std::ranges::unique(files).begin(), files.end());
+  files.erase(std::unique(files.begin(), files.end()), files.end());
   return files;
 }
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cstdlib>
 
 #include "base/memory.h"
+#include "base/platform/streams.h"
 #include "base/text.h"
 #include "option_checks.h"
 #include "program.h"
@@ -120,7 +120,7 @@ void parse_task(const std::string& option, const std::string& text, BrickTask& t
 
 int run_task(const std::string& work, const BrickTask& task, Session& session) {
   // Without a terminal a line per brick is enough.
-  if (isatty(STDERR_FILENO) == 0) session.context.progress = nullptr;
+  if (!base::stderr_is_terminal()) session.context.progress = nullptr;
   std::size_t found = 0, done = 0;
   pipeline::run_bricks(
       work, task,

@@ -3,6 +3,7 @@
 
 #include <cstring>
 
+#include "base/platform/system_files.h"
 #include "program.h"
 #include "quench/io.h"
 #include "report.h"
@@ -27,7 +28,7 @@ int core(CoreProgram o, Session& session) {
   if (!o.bricks_in.empty()) {
     const std::filesystem::path beside = std::filesystem::path(o.output).parent_path();
     o.axis.bricks_in = o.bricks_in != kBeside ? std::filesystem::path(o.bricks_in) : beside.empty() ? "." : beside;
-    if (const int reason = creation_error(*o.axis.bricks_in))
+    if (const int reason = base::creation_error(*o.axis.bricks_in))
       throw Error(ErrorCode::failed, fmt::format("cannot write in the folder '{}' of --in-bricks: {}",
                                                  o.axis.bricks_in->string(), std::strerror(reason)));
     choose_surface_in_bricks(o.shape, session);

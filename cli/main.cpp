@@ -1,26 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <fcntl.h>
-#include <unistd.h>
-
-#include <csignal>
 #include <cstdio>
 #include <exception>
 #include <new>
 #include <string>
 #include <string_view>
 
+#include "base/platform/streams.h"
 #include "printable.h"
 #include "program.h"
 #include "quench/error.h"
 
 namespace {
-
-// A caller may close stdin, stdout or stderr; the first files opened would take their numbers, and messages would be
-// written into them.
-void keep_standard_streams() {
-  for (int fd : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
-    if (fcntl(fd, F_GETFD) == -1 && open("/dev/null", O_RDWR) != fd) return;
-}
 
 void complain(const std::string& sentence) {
   std::fprintf(stderr, "quench: %s\n", quench::program::printable(sentence).c_str());
@@ -29,9 +19,8 @@ void complain(const std::string& sentence) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  keep_standard_streams();
-  std::signal(SIGXFSZ, SIG_IGN);  // a file over the size limit is then an error of the writer, which tidies up
-  std::signal(SIGPIPE, SIG_IGN);  // as is a reader of stdout or stderr that has gone
+  quench::base::keep_standard_streams();
+  quench::base::let_writers_see_errors();
   try {
     return quench::program::run(argc, argv);
   } catch (const quench::Error& error) {

@@ -27,7 +27,24 @@ std::string range_text(T least, T most) {
 }
 
 /// A validator has no place for its words but its name.
-const std::string kWords = "words\n";
+const std::string kWords = "words\n", kAlso = "also\n", kRange = "range\n";
+
+/// What stands behind `kind` in the name of one of its validators.
+std::optional<std::string> noted(CLI::Option& option, const std::string& kind) {
+  for (int i = 0;; ++i) {
+    std::string name;
+    try {
+      name = option.get_validator(i)->get_name();
+    } catch (const CLI::OptionNotFound&) {
+      return {};
+    }
+    if (name.starts_with(kind)) return name.substr(kind.size());
+  }
+}
+
+CLI::Validator note_of(const std::string& name) {
+  return CLI::Validator([](std::string&) { return std::string(); }, "", name);
+}
 
 /// How many letters must be changed, added, removed or swapped with their neighbour to make one word the other.
 std::size_t distance_of(std::string_view a, std::string_view b) {
@@ -62,20 +79,25 @@ CLI::Validator one_of(const std::vector<std::string>& names) {
 }
 
 CLI::Validator also(const std::vector<std::string>& words) {
-  return CLI::Validator([](std::string&) { return std::string(); }, "",
-                        kWords + fmt::format("{}", fmt::join(words, "\n")));
+  return note_of(kAlso + fmt::format("{}", fmt::join(words, "\n")));
 }
 
 std::vector<std::string> words_of(CLI::Option& option) {
-  for (int i = 0;; ++i) {
-    std::string name;
-    try {
-      name = option.get_validator(i)->get_name();
-    } catch (const CLI::OptionNotFound&) {
-      return {};
-    }
-    if (name.starts_with(kWords)) return CLI::detail::split(name.substr(kWords.size()), '\n');
-  }
+  for (const std::string& kind : {kWords, kAlso})
+    if (const auto words = noted(option, kind)) return CLI::detail::split(*words, '\n');
+  return {};
+}
+
+bool takes_only_words(CLI::Option& option) { return noted(option, kWords).has_value(); }
+
+std::optional<NumberRange> range_of(CLI::Option& option) {
+  const auto text = noted(option, kRange);
+  if (!text) return {};
+  const std::vector<std::string> parts = CLI::detail::split(*text, '\n');
+  NumberRange range{0, 0, parts.at(2) == "whole"};
+  is_number(parts[0], range.least);
+  is_number(parts[1], range.most);
+  return range;
 }
 
 std::string nearest_name(const std::string& word, const std::vector<std::string>& names) {
@@ -210,12 +232,15 @@ CLI::Option* add_parsed(CLI::App& app, const std::string& name, const std::strin
 
 template <class T>
 CLI::Option* add_number(CLI::App& app, const std::string& name, T& value, const std::string& help, T least, T most) {
-  return add_parsed(
+  CLI::Option* option = add_parsed(
       app, name, help,
-      [&value, least, most](const std::string& option, const std::string& text) {
-        value = number_of<T>(option, text, least, most);
+      [&value, least, most](const std::string& of, const std::string& text) {
+        value = number_of<T>(of, text, least, most);
       },
       [&value] { return fmt::format("{}", value); });
+  if (!range_text(least, most).empty())
+    option->check(note_of(fmt::format("{}{}\n{}\n{}", kRange, least, most, std::is_integral_v<T> ? "whole" : "any")));
+  return option;
 }
 
 CLI::Option* add_label(CLI::App& app, std::optional<std::int64_t>& label, const std::string& help) {

@@ -23,6 +23,15 @@ CLI::Validator one_of(const std::vector<std::string>& names);
 CLI::Validator also(const std::vector<std::string>& words);
 /// The words of one_of() and also().
 std::vector<std::string> words_of(CLI::Option& option);
+/// Whether it takes no others: those of one_of().
+bool takes_only_words(CLI::Option& option);
+
+/// The range of add_number(), where it is not that of the type.
+struct NumberRange {
+  double least, most;
+  bool whole;
+};
+std::optional<NumberRange> range_of(CLI::Option& option);
 
 /// The name that was meant by a word: the only one that begins with it, or the nearest; empty when none is near.
 std::string nearest_name(const std::string& word, const std::vector<std::string>& names);

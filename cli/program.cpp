@@ -9,6 +9,7 @@
 
 #include "option_checks.h"
 #include "shell_files.h"
+#include "slicer_module.h"
 #include "units.h"
 
 namespace quench::program {
@@ -266,6 +267,12 @@ std::string with_option(const Error& error, const CLI::App& command, const Commo
   return fmt::format("{} [{}]", sentence, option);
 }
 
+/// What --xml throws, before it is known whether anything is missing.
+struct DescriptionAsked : CLI::Success {
+  explicit DescriptionAsked(CLI::App* of) : command(of) {}
+  CLI::App* command;
+};
+
 /// The program's command line: all commands with their options.
 struct CommandLine {
   CommandLine() {
@@ -280,6 +287,11 @@ struct CommandLine {
       sub->footer(fmt::format("Example:\n  {}", command.example));
       actions.emplace_back(sub, command.add(*sub));
       add_common(*sub, common, command.common);
+      if (is_slicer_module(command.name))
+        sub->add_flag_callback(
+               "--xml", [sub] { throw DescriptionAsked(sub); },
+               "Only print the command's description as a command line module of 3D Slicer")
+            ->group("Common");
       refuse_empty_values(*sub);
     }
   }
@@ -349,28 +361,57 @@ std::vector<std::string> with_own_options(const std::vector<std::string>& words,
   return merged;
 }
 
-int run(int argc, char** argv) {
-  CommandLine line;
-  if (argc == 3 && std::string_view(argv[1]) == "shell-files") {  // for the build; no command that users need
-    write_shell_files(line.app, argv[2]);
-    return 0;
-  }
+namespace {
+
+/// Runs the command line of these words.
+int run_words(CommandLine& line, const std::vector<std::string>& words) {
   int result = 0;
   try {
-    line.parse({argv + std::min(argc, 1), argv + argc});
+    line.parse(words);
     Session session(line.common);
     const int threads = session.options.threads;
     tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);  // for what takes no context
     for (const auto& [sub, action] : line.actions)
       if (sub->parsed()) arena.execute([&, &act = action] { result = act(session); });
+  } catch (const DescriptionAsked& asked) {
+    std::cout << slicer_description(*asked.command);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() != 0) throw Error(ErrorCode::usage, usage_sentence(error, line.app));
     line.app.exit(error);  // --help, --version
-    std::cout.flush();
-    if (!std::cout) throw Error(ErrorCode::failed, "cannot write to stdout");
   } catch (const Error& error) {
     throw Error(error.code(), with_option(error, line.used(), line.common));
   }
+  std::cout.flush();
+  if (!std::cout) throw Error(ErrorCode::failed, "cannot write to stdout");
+  return result;
+}
+
+/// Like run_words() for a command that 3D Slicer calls as a module.
+int run_module(CommandLine& line, const std::vector<std::string>& words) {
+  if (words.empty() || !is_slicer_module(words[0]))
+    throw Error(ErrorCode::usage, "modules of 3D Slicer are run, thickness and tree");
+  if (words.size() == 2 && words[1] == "--xml") return run_words(line, words);
+  line.common.module = true;
+  return call_slicer_module(*line.app.get_subcommand(words[0]), {words.begin() + 1, words.end()},
+                            [&](const std::vector<std::string>& of_command, const std::string& folder) {
+                              line.common.module_folder = folder;
+                              return run_words(line, of_command);
+                            });
+}
+
+}  // namespace
+
+int run(int argc, char** argv) {
+  CommandLine line;
+  const std::vector<std::string> words(argv + std::min(argc, 1), argv + argc);
+  int result = 0;
+  // Two commands that no user needs: for the build, and for the modules in plugins/slicer.
+  if (words.size() == 2 && words[0] == "shell-files")
+    write_shell_files(line.app, words[1]);
+  else if (!words.empty() && words[0] == "slicer-module")
+    result = run_module(line, {words.begin() + 1, words.end()});
+  else
+    result = run_words(line, words);
   finish_results();
   return result;
 }

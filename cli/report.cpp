@@ -194,7 +194,7 @@ void say_written(Session& session, const std::string& axis, const std::string& r
 Json parameters_section(const pipeline::BurningOptions& options) {
   const auto named = [](const auto& value) { return value ? std::string(pipeline::name_of(*value)) : "auto"; };
   return {{"omega", pipeline::text_of(options.omega)},
-          {"propagation", options.recorded ? "segments" : "auto"},
+          {"propagation", named(options.propagation)},
           {"radius", named(options.radius)}};
 }
 
@@ -205,7 +205,7 @@ void add_burn_section(Json& report, const pipeline::BurnFigures& burned) {
   }
   report["burn"] = {{"omega", burned.options.omega}, {"nodes", burned.nodes},
                     {"unburned", burned.unburned},   {"max_burn_time", burned.max_burn_time},
-                    {"propagation", "segments"},     {"radius_rule", pipeline::name_of(burned.options.radius)}};
+                    {"propagation", pipeline::name_of(burned.options.propagation)}, {"radius_rule", pipeline::name_of(burned.options.radius)}};
 }
 
 Json thickness_section(const pipeline::RunThickness& thickness, bool plane) {
@@ -243,9 +243,9 @@ void say_not_of_plane(const pipeline::SkeletonOptions& skeleton, const pipeline:
                       Session& session) {
   if (skeleton.theta2)
     session.say("note: --theta2 is for sheets and is ignored: axes of images and polygons have none");
-  if (burning.omega || burning.radius)
+  if (burning.omega || burning.radius || burning.propagation)
     session.say(
-        "note: --omega and --radius are for solids and are ignored: fire on axes of images and polygons is exact");
+        "note: --omega, --radius and --propagation are for solids and are ignored: fire on axes of images and polygons is exact");
 }
 
 void add_axis_sections(Json& report, const pipeline::AxisRun& run) {

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "base/platform/system_files.h"
 #include "base/text.h"
 #include "option_checks.h"
 #include "plane_files.h"
@@ -55,7 +56,7 @@ void check_folder(const std::string& folder) {
   if (!fs::is_directory(existing, error))
     throw Error(ErrorCode::usage,
                 fmt::format("'{}' exists and is not a folder; give -o another name", existing.string()));
-  if (const int reason = creation_error(existing))
+  if (const int reason = base::creation_error(existing))
     throw Error(ErrorCode::failed, fmt::format("cannot write to '{}': the folder '{}' is not writable: {}", folder,
                                                existing.string(), std::strerror(reason)));
 }

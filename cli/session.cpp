@@ -2,16 +2,16 @@
 #include "session.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <charconv>
-#include <climits>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 
+#include "base/platform/streams.h"
+#include "base/platform/system_files.h"
 #include "printable.h"
 #include "quench/io.h"
 
@@ -80,7 +80,7 @@ void check_one_output(const std::filesystem::path& output, const std::vector<std
   if (zarr) {
     io::check_zarr_output(output);
   } else if (fs::exists(status) && !fs::is_regular_file(status)) {  // a pipe or a device is written to, not replaced
-    if (access(output.c_str(), W_OK) != 0) cannot(std::strerror(errno));
+    if (const int error = base::writing_error(output)) cannot(std::strerror(error));
     return;
   }
   const fs::path target = io::place_of_output(output.has_filename() ? output : output.parent_path());
@@ -89,7 +89,7 @@ void check_one_output(const std::filesystem::path& output, const std::vector<std
   if (!fs::exists(folder, ignored))
     cannot(fmt::format("the folder '{}' does not exist; create it first", folder.string()));
   if (!fs::is_directory(folder, ignored)) cannot(fmt::format("'{}' is not a folder", folder.string()));
-  if (const int error = creation_error(folder))
+  if (const int error = base::creation_error(folder))
     cannot(fmt::format("the folder '{}' is not writable: {}", folder.string(), std::strerror(error)));
 }
 
@@ -121,24 +121,15 @@ void check_link(const std::filesystem::path& link, const std::string& option) {
                           link.string(), fs::read_symlink(link, ignored).string(), option));
 }
 
-int creation_error(const std::filesystem::path& folder) {
-  std::string name = (folder / ".quench-XXXXXX").string();
-  const int file = mkstemp(name.data());
-  if (file < 0) return errno;
-  close(file);
-  unlink(name.c_str());
-  return 0;
-}
-
 void check_name_length(const std::filesystem::path& output) {
   namespace fs = std::filesystem;
   std::error_code ignored;
   fs::path existing = fs::absolute(output, ignored);
-  const bool whole = existing.native().size() < PATH_MAX;
+  const bool whole = existing.native().size() < base::kLongestPath;
   while (existing.has_relative_path() && !fs::exists(existing, ignored)) existing = existing.parent_path();
-  const long most = pathconf(existing.c_str(), _PC_NAME_MAX);
+  const std::size_t most = base::longest_name_in(existing);
   for (const fs::path& part : output)
-    if (!whole || (most > 0 && part.native().size() > static_cast<std::size_t>(most)))
+    if (!whole || (most > 0 && part.native().size() > most))
       throw Error(ErrorCode::usage,
                   fmt::format("cannot write '{}': the name is too long for this file system; give a shorter one",
                               output.string()));
@@ -156,7 +147,7 @@ Session::Session(const CommonOptions& o) : options(o) {
   if (options.threads > 0)
     thread_limit_ = std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism,
                                                           static_cast<std::size_t>(options.threads));
-  terminal_ = isatty(STDERR_FILENO) != 0;
+  terminal_ = base::stderr_is_terminal();
   context.progress = [this](std::string_view stage, double fraction) { progress(stage, fraction); };
   context.note = [this](const std::string& sentence) { say("note: " + sentence); };
   interrupts_.emplace(context);
@@ -184,6 +175,13 @@ void Session::complain(const std::string& text) const { std::fwrite(text.data(),
 
 void Session::say(const std::string& line) {
   if (options.quiet) return;
+  if (options.module) {  // what is on stderr is an error to Slicer
+    std::string text = line;
+    const std::string& folder = options.module_folder;
+    if (!folder.empty())
+      for (std::size_t at = text.find(folder); at != text.npos; at = text.find(folder)) text.erase(at, folder.size());
+    return answer_line(text);
+  }
   clear_line();
   complain(printable(line) + "\n");
 }
@@ -211,12 +209,18 @@ void Session::progress(std::string_view stage, double fraction) {
   const auto seconds_since = [&](Clock::time_point t) { return std::chrono::duration<double>(now - t).count(); };
   seconds_[std::string(stage)] += seconds_since(last_);
   last_ = now;
-  if (stage != stage_) {
+  const bool new_stage = stage != stage_;
+  if (new_stage) {
     stage_ = stage;
     stage_start_ = now;
   }
   if (options.quiet) return;
   const bool ended = fraction >= 1;
+  if (options.module) {
+    if (!new_stage && !ended && seconds_since(last_print_) < 0.1) return;
+    last_print_ = now;
+    return tell_slicer(fraction, new_stage);
+  }
   if (ended && stage == ended_stage_) return;  // said already
   ended_stage_ = ended ? std::string(stage) : std::string();
   if (terminal_) {
@@ -242,6 +246,28 @@ void Session::progress(std::string_view stage, double fraction) {
           fmt::format("{}: {:.0f}%{}\n", stage_, fraction * 100,
                       fraction > 0.02 ? fmt::format(", about {:.0f} s left", spent / fraction * (1 - fraction)) : ""));
   }
+}
+
+// How far all is when a stage is on its way: about what stages take of a volume of a few million voxels.
+void Session::tell_slicer(double fraction, bool new_stage) {
+  struct Share {
+    const char* stage;
+    double begin, end;
+  };
+  constexpr Share kShares[] = {{"read", 0, 0.05},       {"voxelize", 0.05, 0.1}, {"delaunay", 0.1, 0.3},
+                               {"detail", 0.3, 0.4},    {"burn", 0.4, 0.6},      {"curves", 0.6, 0.65},
+                               {"skeleton", 0.65, 0.8}, {"repair", 0.7, 0.8},    {"thickness", 0.5, 0.9},
+                               {"surface", 0.5, 0.9},   {"page", 0.8, 0.95},     {"write", 0.95, 1}};
+  for (const Share& share : kShares)
+    if (stage_ == share.stage)
+      overall_ = std::max(overall_, share.begin + std::clamp(fraction, 0.0, 1.0) * (share.end - share.begin));
+  std::string text;
+  if (new_stage) text += fmt::format("<filter-comment>{}</filter-comment>\n", stage_);
+  text +=
+      fmt::format("<filter-progress>{:.4f}</filter-progress>\n<filter-stage-progress>{:.4f}</filter-stage-progress>\n",
+                  overall_, fraction);
+  answer(text);
+  std::fflush(stdout);
 }
 
 void Session::clear_line() {

@@ -27,6 +27,8 @@ struct CommonOptions {
   std::string command;             ///< the line that started the program, for results that say how they were made
   std::vector<std::string> words;  ///< of a batch: what stands behind its "--"
   bool quiet = false, verbose = false, overwrite = false;
+  bool module = false;        ///< of 3D Slicer: progress and notes go to stdout, in its format
+  std::string module_folder;  ///< of files that go with it: its name is left out of what is said
 };
 
 /// One run of the program: its context (progress on stderr, notes, Ctrl-C), its clock per stage, its outputs.
@@ -63,6 +65,7 @@ class Session {
 
  private:
   void progress(std::string_view stage, double fraction);
+  void tell_slicer(double fraction, bool new_stage);
   void complain(const std::string& text) const;
   void clear_line();
 
@@ -70,6 +73,7 @@ class Session {
   Clock::time_point start_ = Clock::now(), last_ = start_, stage_start_ = start_, last_print_ = start_;
   std::string stage_, ended_stage_;
   bool terminal_ = false, line_open_ = false;
+  double overall_ = 0;  ///< of all stages, as modules say it
   std::map<std::string, double> seconds_;
   std::optional<Interrupts> interrupts_;
   std::unique_ptr<tbb::global_control> thread_limit_;
@@ -81,9 +85,6 @@ bool is_same_place(const std::filesystem::path& a, const std::filesystem::path& 
 void check_distinct(const std::vector<std::string>& outputs);
 /// Throws Error(usage) for a link that leads to itself or to what does not exist. `option` is what names it.
 void check_link(const std::filesystem::path& link, const std::string& option);
-/// The error number of creating a file in the folder, which is then removed; 0: it can be done. The permissions say
-/// too little: some file systems (/proc) take no files.
-int creation_error(const std::filesystem::path& folder);
 /// Throws Error(usage) when the system has no room for such a name.
 void check_name_length(const std::filesystem::path& output);
 

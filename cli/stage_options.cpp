@@ -141,6 +141,10 @@ void add_burn_options(CLI::App& app, pipeline::BurningOptions& o) {
             "The radius between vertices: 'exact' where neighbours share a nearest boundary point, 'linear', or "
             "'auto': exact for voxel cores of Quench, linear for others")
       ->group(group);
+  add_named(app, "--propagation", o.propagation, Propagation::segments, Propagation::windows,
+            "How fire crosses polygons: 'segments', from nodes on edges, with an erosion thickness right to about 0.1%, "
+            "'windows', exact whatever --omega is, in two to five times the time, or 'auto': segments")
+      ->group(group);
 }
 
 CLI::Option* add_theta1(CLI::App& app, pipeline::SkeletonOptions& o, const std::string& help) {

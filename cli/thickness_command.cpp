@@ -109,7 +109,9 @@ void measure_volume(const ThicknessProgram& o, const pipeline::LoadedShape& shap
   const bool plane = shape.shape.grid().is_plane();
   std::optional<VoxelShape> mask;
   if (!o.mask.empty()) mask = mask_of(o.mask, context);
-  const auto [axis, correction] = balls_of(o, shape, report, session);
+  const std::pair<MedialAxis, double> balls = balls_of(o, shape, report, session);
+  const MedialAxis& axis = balls.first;
+  const double correction = balls.second;
   ThicknessOptions options;
   options.between = o.balls == "all";
   options.correction = correction;

@@ -15,6 +15,22 @@ if(QUENCH_PROGRAM)
     install(FILES ${QUENCH_SHELL_FILES}/fish/quench.fish DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d
             COMPONENT program)
   endif()
+  # What other programs load: modules of 3D Slicer, plug-ins of ParaView and Blender, which look for the program from here.
+  install(DIRECTORY ${PROJECT_SOURCE_DIR}/plugins/slicer/modules/ DESTINATION ${CMAKE_INSTALL_DATADIR}/quench/slicer
+          COMPONENT program USE_SOURCE_PERMISSIONS)
+  install(FILES ${PROJECT_SOURCE_DIR}/plugins/paraview/quench_paraview.py ${PROJECT_SOURCE_DIR}/plugins/paraview/load_quench.py
+                ${PROJECT_SOURCE_DIR}/plugins/paraview/show_core.py
+          DESTINATION ${CMAKE_INSTALL_DATADIR}/quench/paraview COMPONENT program)
+  install(DIRECTORY ${PROJECT_SOURCE_DIR}/plugins/blender/quench_blender DESTINATION ${CMAKE_INSTALL_DATADIR}/quench/blender
+          COMPONENT program PATTERN __pycache__ EXCLUDE)
+  install(FILES ${PROJECT_SOURCE_DIR}/plugins/fiji/Quench_Skeleton.ijm ${PROJECT_SOURCE_DIR}/plugins/fiji/Quench_Thickness.ijm
+          DESTINATION ${CMAKE_INSTALL_DATADIR}/quench/fiji COMPONENT program)
+  install(FILES ${PROJECT_SOURCE_DIR}/plugins/meshlab/select_thin.mlx DESTINATION ${CMAKE_INSTALL_DATADIR}/quench/meshlab
+          COMPONENT program)
+  install(DIRECTORY ${PROJECT_SOURCE_DIR}/plugins/qgis/quench_processing DESTINATION ${CMAKE_INSTALL_DATADIR}/quench/qgis
+          COMPONENT program PATTERN __pycache__ EXCLUDE)
+  install(DIRECTORY ${PROJECT_SOURCE_DIR}/plugins/napari DESTINATION ${CMAKE_INSTALL_DATADIR}/quench
+          COMPONENT program PATTERN __pycache__ EXCLUDE PATTERN test_* EXCLUDE PATTERN README.md EXCLUDE)
   install(FILES ${PROJECT_SOURCE_DIR}/docs/report.schema.json DESTINATION ${CMAKE_INSTALL_DATADIR}/quench COMPONENT program)
 endif()
 if(QUENCH_MPI)
@@ -49,5 +65,9 @@ install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs/user ${PROJECT_SOURCE_DIR}/docs/tut
         FILES_MATCHING PATTERN "*.md" PATTERN "*.svg" PATTERN "*.png" PATTERN "__pycache__" EXCLUDE)
 install(FILES ${PROJECT_SOURCE_DIR}/docs/glossary.md ${PROJECT_SOURCE_DIR}/docs/gallery.md
         DESTINATION ${CMAKE_INSTALL_DOCDIR}/docs COMPONENT documentation)
+foreach(name paraview slicer blender fiji napari meshlab qgis)  # other_programs.md links to them
+  install(FILES ${PROJECT_SOURCE_DIR}/plugins/${name}/README.md DESTINATION ${CMAKE_INSTALL_DOCDIR}/plugins/${name}
+          COMPONENT documentation)
+endforeach()
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/examples DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT documentation
         PATTERN "CMakeLists.txt" EXCLUDE PATTERN "__pycache__" EXCLUDE)

@@ -3,8 +3,8 @@
 """Checks the structure of the code: `include_direction.py [ROOT]`.
 
 Every include points down the floors of docs/architecture.md, the namespace of a file is that of its folder, no two
-files of src/ have the same name in different rooms, and no modules of the Python package import each other in a
-circle.
+files of src/ have the same name in different rooms, headers of the system are included in src/base/platform/ only, and
+no modules of the Python package import each other in a circle.
 """
 import ast
 import pathlib
@@ -42,6 +42,13 @@ ROOMS = {
 }
 PUBLIC = {'error': 'base', 'context': 'base', 'geometry': 'base', 'voxelize': 'voxelization', 'burn': 'burning', 'verify': 'verification', 'structure': 'complex', 'table': 'base', 'bricks': 'pipeline', 'lengths': 'pipeline', 'solid_stages': 'pipeline', 'simplify': 'simplification'}
 FRONT_ENDS = {'cli': 'cli', 'mpi': 'mpi', 'python/src': 'python'}  # public headers, base/ and their own files
+
+# Of Unix, and not of C++; beside them, the parts of the program that start and end processes. What is a hint to Linux
+# alone, between "#if defined(__linux__)" and "#endif", may be anywhere.
+SYSTEM = re.compile(r'^#include <((?:sys|netinet|arpa|linux)/\S+|unistd\.h|fcntl\.h|dirent\.h|pthread\.h|poll\.h|signal\.h|'
+                    r'spawn\.h|dlfcn\.h|termios\.h|malloc\.h|windows\.h)>', re.M)
+PLATFORM = 'src/base/platform/'
+PROCESSES = ('cli/batch_children.h', 'cli/batch_children.cpp', 'cli/interrupts.cpp')
 
 
 def includes(file):
@@ -97,6 +104,18 @@ def wrong_names(root):
             yield f'{file.relative_to(root)}: src/{"/".join(places[file.name])} has a file of that name too'
 
 
+def wrong_systems(root):
+    """Headers of the system elsewhere than in src/base/platform/."""
+    for folder in ('include', 'src', 'cli', 'mpi', 'python/src'):
+        for file in sorted([*root.glob(f'{folder}/**/*.h'), *root.glob(f'{folder}/**/*.cpp')]):
+            name = str(file.relative_to(root))
+            if name.startswith(PLATFORM) or name in PROCESSES:
+                continue
+            text = re.sub(r'^#if defined\(__(?:linux|GLIBC)__\)$.*?^#endif', '', file.read_text(), flags=re.M | re.S)
+            for header in SYSTEM.findall(text):
+                yield f'{name}: <{header}> is of Unix; put what needs it into {PLATFORM}'
+
+
 def circles(package):
     """Modules of the package that import each other, functions included; what only annotations need is left out."""
     imports = {}
@@ -125,7 +144,7 @@ def circles(package):
 
 def main():
     root = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else pathlib.Path(__file__).parent.parent)
-    wrong = [*wrong_includes(root), *wrong_names(root), *circles(root / 'python/quench')]
+    wrong = [*wrong_includes(root), *wrong_names(root), *wrong_systems(root), *circles(root / 'python/quench')]
     print('\n'.join(wrong) or 'every include points down')
     return bool(wrong)
 

@@ -67,7 +67,11 @@ def elements(text):
 
 def without_progress(printed):
     """Lines of progress come only where something takes long."""
-    return [line.rstrip() for line in printed.split('\n') if not re.fullmatch(r'[a-z ]+: (\d+%.*|done in .*)', line.rstrip())]
+    return [
+        line.rstrip()
+        for line in printed.split('\n')
+        if not re.fullmatch(r'[a-z ]+: (\d+%.*|done in .*)', line.rstrip())
+    ]
 
 
 def same_line(said, printed):
@@ -142,7 +146,11 @@ def check_table(table, file, write):
             if value is None or (row[k] != value and not rounded(row[k], value)):
                 if not write or not value:
                     raise Wrong(f'{file}: {head[k]} of {row[0]} is {value}, not {row[k]}')
-                row[k] = value if not re.fullmatch(NUMBER, value) else f'{float(value):{".0f" if abs(float(value)) >= 1000 else ".4g"}}'
+                row[k] = (
+                    value
+                    if not re.fullmatch(NUMBER, value)
+                    else f'{float(value):{".0f" if abs(float(value)) >= 1000 else ".4g"}}'
+                )
     if not rows:
         raise Wrong(f'the table of {file} is empty')
     lines = ['| ' + ' | '.join(row) + ' |' for row in (head, *rows)]
@@ -171,12 +179,16 @@ def check_picture(file, shown, write):
         Image.fromarray(made.round().astype('uint8')).save(shown, optimize=True)
     there = numpy.asarray(Image.open(shown).convert('RGB'), float)
     if there.shape != made.shape:
-        raise Wrong(f'{os.path.basename(shown)} is {there.shape[1]} x {there.shape[0]}, half of {file} {made.shape[1]} x {made.shape[0]}')
+        raise Wrong(
+            f'{os.path.basename(shown)} is {there.shape[1]} x {there.shape[0]}, half of {file} {made.shape[1]} x {made.shape[0]}'
+        )
     off = numpy.abs(there - made).mean(axis=2)
     rows, columns = (n // 20 * 20 for n in off.shape)
     tiles = off[:rows, :columns].reshape(rows // 20, 20, columns // 20, 20).mean(axis=(1, 3))
     if off.mean() > 1 or tiles.max() > 12:
-        raise Wrong(f'{os.path.basename(shown)} is not {file}: {off.mean():.2f} of 255 off on average, {tiles.max():.1f} in a tile of 20 x 20')
+        raise Wrong(
+            f'{os.path.basename(shown)} is not {file}: {off.mean():.2f} of 255 off on average, {tiles.max():.1f} in a tile of 20 x 20'
+        )
 
 
 class Reader:
@@ -185,12 +197,16 @@ class Reader:
     def __init__(self, options):
         self.options, self.evidence, self.printed, self.csv, self.pending = options, [], None, None, None
         self.names = {'__name__': 'tutorial'}
-        self.environment = dict(os.environ, PATH=os.path.join(os.getcwd(), '.bin') + os.pathsep + os.environ['PATH'], LC_ALL='C.UTF-8')
+        self.environment = dict(
+            os.environ, PATH=os.path.join(os.getcwd(), '.bin') + os.pathsep + os.environ['PATH'], LC_ALL='C.UTF-8'
+        )
         os.mkdir('.bin')
         os.symlink(os.path.abspath(options.program), '.bin/quench')
 
     def shell(self, code):
-        done = subprocess.run(['sh', '-eu', '-c', code], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, env=self.environment)
+        done = subprocess.run(
+            ['sh', '-eu', '-c', code], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, env=self.environment
+        )
         self.printed = without_progress(done.stdout)
         if done.returncode:
             raise Wrong(f'code {done.returncode} of\n{code}\n' + '\n'.join(self.printed))
@@ -281,8 +297,19 @@ def main():
             raise Wrong('nothing is run')
         os.chdir(work)
         if options.name == 'cpp':  # as 'make install' does
-            subprocess.run(['cmake', '--install', options.build, '--component', 'development', '--prefix', os.path.join(work, 'quench')],
-                           check=True, stdout=subprocess.DEVNULL)
+            subprocess.run(
+                [
+                    'cmake',
+                    '--install',
+                    options.build,
+                    '--component',
+                    'development',
+                    '--prefix',
+                    os.path.join(work, 'quench'),
+                ],
+                check=True,
+                stdout=subprocess.DEVNULL,
+            )
         reader = Reader(options)
         changed = [(reader.follow(kind, text), first, last) for kind, text, first, last in found]
         for text, first, last in reversed(changed):
@@ -292,8 +319,10 @@ def main():
             with open(page, 'w', encoding='utf-8') as file:
                 file.write('\n'.join(lines))
         reader.check_numbers([text for kind, text, *_ in found if kind == 'prose'])
-        print(f'{options.name}: {sum(kind in ("sh", "python") for kind, *_ in found)} blocks run, '
-              f'{sum(kind in ("text", "table", "picture") for kind, *_ in found)} results compared')
+        print(
+            f'{options.name}: {sum(kind in ("sh", "python") for kind, *_ in found)} blocks run, '
+            f'{sum(kind in ("text", "table", "picture") for kind, *_ in found)} results compared'
+        )
     except Wrong as wrong:
         sys.exit(f'docs/tutorials/{options.name}.md: {wrong}')
     except Exception:

@@ -277,15 +277,17 @@ LoadedAxis axis_of(Record&& data, const std::string& file, Context* context = nu
 
 std::string_view name_of(LambdaRule rule);  ///< "coface", "ball"
 std::string_view name_of(RadiusRule rule);  ///< "exact", "linear"
+std::string_view name_of(Propagation propagation);  ///< "segments", "windows"
 /// The value of that name; nothing when there is none.
 std::optional<LambdaRule> lambda_rule_of(std::string_view name);
 std::optional<RadiusRule> radius_rule_of(std::string_view name);
+std::optional<Propagation> propagation_of(std::string_view name);
 
-/// What is not given is automatic: default_omega(); exact for voxel cores of Quench, else linear.
+/// What is not given is automatic: default_omega(); radii exact for voxel cores of Quench, else linear; by segments.
 struct BurningOptions {
   std::optional<Length> omega = {};
   std::optional<RadiusRule> radius = {};
-  bool recorded = false;  ///< take_recorded() has found a burning; reports say so
+  std::optional<Propagation> propagation = {};
 };
 
 /// omega "auto" or a length above 0. Throws Error(usage), field `omega`, otherwise.

@@ -40,6 +40,7 @@ struct MeasuredSurface {
   MedialAxis axis;                       ///< whose balls they are, with its levels
   double tolerance = 0, correction = 0;  ///< world units, as of SurfaceThicknessOptions
   ThicknessDistribution distribution;    ///< of triangles by their area: the mean of their corners
+  Coordinates coordinates;               ///< of the input
 };
 
 /// By the core of the shape, pruned by its automatic detail and fitted to the surface where there is one. `tolerance`:
@@ -49,7 +50,7 @@ MeasuredSurface measured_surface(const LoadedShape& shape, std::optional<double>
                                  Context* context = nullptr);
 
 /// The surface as a file: the point arrays `thickness` and `across_x`, `across_y`, `across_z` (where the ball touches
-/// the other side), the cell array `thickness`.
+/// the other side), the cell array `thickness`; field arrays `units` and `SPACE` where they are known.
 Record surface_file(const MeasuredSurface& surface);
 
 /// A row of a distribution: what it is of, number (or area), mean, sd, min, p1, p5, p10, p25, median, p75, p90, p95,

@@ -209,7 +209,7 @@ class MedialAxis(Complex):
         with self._calling(threads, progress) as call:
             return MedialAxis(self._core.pruned(length(given[0], own), *call), self._threads, self._progress)
 
-    def erosion_thickness(self, omega: Optional[Length] = None, *, threads: Optional[int] = None,
+    def erosion_thickness(self, omega: Optional[Length] = None, *, propagation: str = 'auto', threads: Optional[int] = None,
                           progress: Optional[Progress] = None) -> Array:
         """How much longer each vertex burns than its ball says: large in the middle of plates, 0 at rims.
 
@@ -219,6 +219,9 @@ class MedialAxis(Complex):
             Distance of the points on edges between which fire is followed. Default: that of the file where the axis was
             read from one that is burned (which is then not burned again), else 0.65 of the mean edge, for an error of
             about 0.1 %. Of images there are no such points, and the result is exact.
+        propagation : "segments", "windows" or "auto"
+            How fire crosses sheets: "segments", from these points; "windows", exactly, in two to five times the time.
+            "auto": that of the file, else segments.
 
         Returns
         -------
@@ -234,16 +237,25 @@ class MedialAxis(Complex):
         >>> bool(16.5 < et.max() < 18)  # the fire has 17.5 to go: half the width less the 2.5 to the rim
         True
         """
-        return np.asarray(self._burn(omega, threads, progress)[1])
+        return np.asarray(self._burn(omega, propagation, threads, progress)[1])
 
-    def burn_time(self, omega: Optional[Length] = None, *, threads: Optional[int] = None,
+    def burn_time(self, omega: Optional[Length] = None, *, propagation: str = 'auto', threads: Optional[int] = None,
                   progress: Optional[Progress] = None) -> Array:
         """When the fire that starts at the rims comes to each vertex: erosion thickness + radius, (V,) float64."""
-        return np.asarray(self._burn(omega, threads, progress)[0])
+        return np.asarray(self._burn(omega, propagation, threads, progress)[0])
 
-    def _burn(self, omega: Optional[Length], threads: Optional[int], progress: Optional[Progress]) -> Tuple[Any, Any, float]:
+    def _burn(self, omega: Optional[Length], propagation: str, threads: Optional[int],
+              progress: Optional[Progress]) -> Tuple[Any, Any, float]:
         with self._calling(threads, progress) as call:
-            return self._core.burn(self._omega(omega), *call)
+            return self._core.burn(self._omega(omega), self._propagation(propagation), *call)
+
+    def _propagation(self, propagation: str) -> str:
+        if propagation not in ('auto', 'segments', 'windows'):
+            raise error(2, f"propagation={propagation!r} is not one of 'auto', 'segments', 'windows'", 'propagation')
+        if propagation != 'auto' and self.dimension == 2:
+            raise error(2, f'propagation={propagation!r} is of sheets; the medial axis of an image is burned exactly without it',
+                        'propagation')
+        return propagation
 
     def _omega(self, omega: Optional[Length]) -> float:
         if omega is None or (isinstance(omega, str) and omega == 'auto'):
@@ -256,7 +268,7 @@ class MedialAxis(Complex):
         return distance
 
     def skeleton(self, theta2: Length = 'auto', theta1: Length = 'auto', *, tips: str = 'full',
-                 omega: Optional[Length] = None, threads: Optional[int] = None,
+                 omega: Optional[Length] = None, propagation: str = 'auto', threads: Optional[int] = None,
                  progress: Optional[Progress] = None) -> Skeleton:
         """What of the medial axis matters: sheets of an erosion thickness of at least θ2, and curves of at least θ1.
 
@@ -276,6 +288,7 @@ class MedialAxis(Complex):
             Pruning takes about θ1 off every branch, also of those that stay, and θ2 off every rim of a sheet; "full":
             these grow back to their tips and rims.
         omega : length, optional
+        propagation : "segments", "windows" or "auto"
             As in :meth:`erosion_thickness`.
 
         Returns
@@ -298,9 +311,9 @@ class MedialAxis(Complex):
         for text, name in zip(thetas, ('theta2', 'theta1')):
             if text != 'auto' and not text.endswith('r'):
                 self._core.resolve(text, name)  # refuses what the axis does not know before anything is burned
-        distance = self._omega(omega)
+        distance, how = self._omega(omega), self._propagation(propagation)
         with self._calling(threads, progress) as call:
-            return Skeleton(self._core.skeleton(*thetas, tips == 'full', distance, *call), self)
+            return Skeleton(self._core.skeleton(*thetas, tips == 'full', distance, how, *call), self)
 
     def forget(self) -> None:
         """Drops what burning left behind: about 1 KB per vertex."""

@@ -227,19 +227,20 @@ void bind_axes(py::module_& m) {
              return run(listener, threads, [&](Context& c) { return pruned_axis(*a, threshold, c); });
            })
       .def("burn",
-           [](const Pointer& a, double omega, const py::object& listener, int threads) {
+           [](const Pointer& a, double omega, const std::string& propagation, const py::object& listener, int threads) {
              const auto known = a->fire;
-             auto fire = run(listener, threads, [&](Context& c) { return compute_fire(*a, omega, false, known, c); });
+             auto fire = run(listener, threads,
+                             [&](Context& c) { return compute_fire(*a, {omega, propagation}, false, known, c); });
              a->fire = fire;
              return py::make_tuple(view(fire, fire->burning.burn_time), view(fire, fire->burning.erosion_thickness),
                                    fire->burning.options.omega);
            })
       .def("skeleton",
            [](const Pointer& a, const std::string& theta2, const std::string& theta1, bool full_tips, double omega,
-              const py::object& listener, int threads) {
+              const std::string& propagation, const py::object& listener, int threads) {
              const auto known = a->fire;
-             const auto fire =
-                 run(listener, threads, [&](Context& c) { return compute_fire(*a, omega, true, known, c); });
+             const auto fire = run(
+                 listener, threads, [&](Context& c) { return compute_fire(*a, {omega, propagation}, true, known, c); });
              a->fire = fire;
              return run(listener, threads, [&](Context& c) {
                return compute_skeleton(a, *fire, {theta2, theta1, full_tips}, c);

@@ -58,7 +58,7 @@ std::shared_ptr<SkeletonValue> skeleton_of(VoxelShape voxels, const Grid& image,
   auto shape = std::make_shared<Shape>(pipeline::shape_of(std::move(voxels), image, options, &context));
   shape->coordinates = coordinates;
   auto axis = compute_axis(shape, {.pruning = pruning_of(wish.measure, wish.threshold)}, context);
-  const auto fire = compute_fire(*axis, 0, true, nullptr, context);
+  const auto fire = compute_fire(*axis, {}, true, nullptr, context);
   auto result = compute_skeleton(axis, *fire, wish.thetas, context);
   axis->core.axis = MedialAxis();
   result->has_axis = false;

@@ -88,10 +88,9 @@ void bind_pages(py::module_& m) {
                            const std::string& file, const PictureSize& size, const py::object& listener,
                            int threads) {
     const auto known = axis->fire;
-    // Of the last omega; the axis is burned with the default one where it was not.
-    const double omega = known ? known->burning.options.omega : 0;
+    // As the last time; the axis is burned by default where it was not.
     const auto fire = run(listener, threads, [&](Context& c) {
-      auto burned = compute_fire(*axis, omega, skeleton != nullptr, known, c);
+      auto burned = compute_fire(*axis, FireOptions::of(known), skeleton != nullptr, known, c);
       write_axis(*axis, burned.get(), skeleton.get(), file, size, c);
       return burned;
     });

@@ -85,7 +85,7 @@ QUENCH_FIELDS(pipeline::CellCounts, vertices, edges, faces)
 QUENCH_FIELDS(pipeline::AxisOptions, pruning, rule, full, mgf, bricks_in)
 QUENCH_FIELDS(pipeline::CoreResult, axis, options, plan, threshold, longest_side, topology, reconstructed, coverage,
               whole, all, kept, coordinates, parameters, fit)
-QUENCH_FIELDS(BurnOptions, omega, radius, plane, parents, rounded)
+QUENCH_FIELDS(BurnOptions, omega, radius, propagation, plane, parents, rounded)
 
 inline void fields(Writer& archive, const pipeline::Pruning& pruning) {
   archive(std::string(pruning.measure), pruning.threshold);

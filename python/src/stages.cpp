@@ -41,17 +41,21 @@ std::shared_ptr<const Fire> restored(const Axis& axis, std::shared_ptr<const Fir
     result->burning = std::move(*kept);
     return result;
   }
-  return compute_fire(axis, options.plane ? 0 : options.omega, false, nullptr, context);  // of the plane, in no time
+  // Of the plane, in no time.
+  return compute_fire(axis, {options.plane ? 0 : options.omega, options.propagation}, false, nullptr, context);
 }
 
-std::shared_ptr<const Fire> compute_fire(const Axis& axis, double omega, bool family,
+std::shared_ptr<const Fire> compute_fire(const Axis& axis, const FireOptions& how, bool family,
                                          const std::shared_ptr<const Fire>& last, Context& context) {
   const MedialAxis& m = axis.axis();
   pipeline::BurningOptions options;
-  if (omega > 0) options.omega = pipeline::world_length(omega);
+  if (how.omega > 0) options.omega = pipeline::world_length(how.omega);
+  options.propagation = how.propagation;
   if (axis.file) pipeline::take_recorded(options, *axis.file);
   const double wanted = options.omega ? options.omega->value : default_omega(m.complex, m.points);
-  const bool same = last && (last->burning.options.omega == wanted || m.complex.edges.empty());
+  const bool same = last && ((last->burning.options.omega == wanted && last->burning.options.propagation ==
+                                                                           options.propagation.value_or(Propagation::segments)) ||
+                             m.complex.edges.empty());
   const std::shared_ptr<const Fire> known = same ? restored(axis, last, context) : nullptr;
   if (same && (!family || known->family)) return known;
   auto fire = std::make_shared<Fire>();

@@ -70,8 +70,8 @@ TreePointer made(pipeline::TreeRun&& run, std::shared_ptr<Axis> axis, const Tree
 TreePointer tree_of_axis(const std::shared_ptr<Axis>& axis, const TreeHow& how, const std::string& theta1,
                          const py::object& listener, int threads) {
   const auto known = axis->fire;
-  const double omega = known ? known->burning.options.omega : 0;
-  const auto fire = run(listener, threads, [&](Context& c) { return compute_fire(*axis, omega, true, known, c); });
+  const auto fire = run(listener, threads,
+                        [&](Context& c) { return compute_fire(*axis, FireOptions::of(known), true, known, c); });
   axis->fire = fire;
   return run(listener, threads, [&](Context& c) {
     const pipeline::SkeletonOptions skeleton = pipeline::skeleton_for_trees({.theta1 = pipeline::parse_theta1(theta1)});

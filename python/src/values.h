@@ -124,9 +124,23 @@ py::dict dict_of(const OneSidedDistances& of);
 pipeline::Pruning pruning_of(const std::string& measure, const std::string& threshold);
 std::shared_ptr<Axis> compute_axis(std::shared_ptr<Shape> shape, const pipeline::AxisOptions& options,
                                    Context& context);
-/// Burns an axis and, if `family`, makes its skeletons; takes over what `known` has of the same omega. omega 0:
-/// automatic.
-std::shared_ptr<const Fire> compute_fire(const Axis& axis, double omega, bool family,
+/// Of a fire; omega 0 and no propagation: those of the file the axis came from, or automatic.
+struct FireOptions {
+  double omega = 0;
+  std::optional<Propagation> propagation = {};
+
+  /// Those of a fire that is known, or automatic.
+  static FireOptions of(const std::shared_ptr<const Fire>& known) {
+    if (!known) return {};
+    return {known->burning.options.omega, known->burning.options.propagation};
+  }
+  /// "auto", "segments" or "windows".
+  FireOptions(double spacing, const std::string& name)
+      : omega(spacing), propagation(pipeline::propagation_of(name)) {}
+  FireOptions(double spacing = 0, std::optional<Propagation> how = {}) : omega(spacing), propagation(how) {}
+};
+/// Burns an axis and, if `family`, makes its skeletons; takes over what `known` has of the same options.
+std::shared_ptr<const Fire> compute_fire(const Axis& axis, const FireOptions& how, bool family,
                                          const std::shared_ptr<const Fire>& known, Context& context);
 /// A fire that is not only stored, or null.
 std::shared_ptr<const Fire> restored(const Axis& axis, std::shared_ptr<const Fire> fire, Context& context);

@@ -58,7 +58,7 @@ def test_the_cell_of_the_plane(tmp_path, monkeypatch, capsys):
 
 def pages():
     """Every page of the project, by its path from the root, with its text without blocks of code."""
-    for pattern in ('*.md', 'docs/**/*.md', 'notes/*.md', 'examples/**/*.md', 'viewer/*.md'):
+    for pattern in ('*.md', 'docs/**/*.md', 'notes/*.md', 'examples/**/*.md', 'plugins/**/*.md', 'viewer/*.md'):
         for file in glob.glob(os.path.join(ROOT, pattern), recursive=True):
             with open(file, encoding='utf-8') as page:
                 yield os.path.relpath(file, ROOT), re.sub(r'(?ms)^```.*?^```', '', page.read())
@@ -97,7 +97,7 @@ def test_options_exist():
             continue
         with open(os.path.join(ROOT, path), encoding='utf-8') as page:
             for line in page:
-                if not re.search(r'\b(cmake|pkg-config|ctest|pip|venv|SBATCH|sbatch|dask worker|kubectl|aws)\b', line):
+                if not re.search(r'\b(cmake|pkg-config|ctest|pip|venv|SBATCH|sbatch|dask worker|kubectl|aws|docker)\b', line):
                     unknown.update(f'{path}: {option}' for option in re.findall(r'(?<![\w-])--[a-z][a-z0-9-]+', line)
                                    if option not in known)
     assert not unknown

@@ -73,6 +73,24 @@ def test_burning_is_kept_and_the_same():
     assert np.nanmedian(np.abs(finer - et)[np.isfinite(et)]) < 0.05 and not np.array_equal(finer, et)
 
 
+def test_fire_as_windows_is_exact_and_stays_with_the_file(tmp_path):
+    axis = quench.medial_axis(blobs(20))
+    exact = axis.erosion_thickness(propagation='windows').copy()
+    near, far = (np.abs(axis.erosion_thickness(omega=omega) - exact) for omega in ('0.1vox', '1vox'))
+    burned = np.isfinite(exact)
+    assert near[burned].mean() < far[burned].mean() / 3
+    assert np.allclose(axis.erosion_thickness('1vox', propagation='windows')[burned], exact[burned], atol=1e-3)  # rounded
+    wanted = axis.skeleton(0.05, 0.02, propagation='windows')
+    axis.save(tmp_path / 'burned.vtp')
+    found = quench.read(tmp_path / 'burned.vtp')
+    assert np.array_equal(found.erosion_thickness()[burned], exact[burned])
+    assert np.array_equal(found.skeleton(0.05, 0.02).edges, wanted.edges)
+    with pytest.raises(quench.UsageError, match="propagation='waves' is not one of"):
+        axis.burn_time(propagation='waves')
+    with pytest.raises(quench.UsageError, match='^propagation='):
+        quench.medial_axis(np.ones((20, 30), bool)).burn_time(propagation='windows')
+
+
 def test_a_burned_file_is_not_burned_again(tmp_path):
     axis = quench.medial_axis(blobs(20))
     axis.erosion_thickness(omega='0.4vox')

@@ -34,7 +34,7 @@ struct NameField {
   const char* name;
   std::span<const std::string_view> allowed;
 };
-constexpr std::string_view kPropagations[] = {"segments"}, kRadiusRules[] = {"exact", "linear"};
+constexpr std::string_view kPropagations[] = {"segments", "windows"}, kRadiusRules[] = {"exact", "linear"};
 constexpr NameField kNames[] = {{"propagation", kPropagations}, {"radius_rule", kRadiusRules}};
 
 /// What is wrong with an array; nothing when it can be used.

@@ -66,9 +66,9 @@ void SignificantParts::join(std::uint32_t a, std::uint32_t b, double d) {
 }
 
 void SignificantParts::add(std::uint32_t i) {
-  const auto [height, cell] = order_[i];
+  const double height = order_[i].height;
   std::uint32_t root = kNone;
-  cells_.for_corners(cell, [&](std::uint32_t v) {
+  cells_.for_corners(order_[i].cell, [&](std::uint32_t v) {
     const std::uint32_t set = sets_.find(member_of_[v]);
     parts_[set].peak = std::max(parts_[set].peak, height);  // changes vertices that are met for the first time
     if (root != kNone && set != root) join(root, set, height);

@@ -72,7 +72,8 @@ std::int64_t predicted_burn_bytes(const CellComplex& complex, std::span<const Ve
     const double pieces = omega > 0 ? (points[e[1]] - points[e[0]]).norm() / omega : 1;
     nodes += std::max(0.0, std::ceil(pieces) - 1);
   }
-  const double bytes = 300 * nodes +  // 190 on smooth cores, up to 290 on cores of noise
+  // 190 on smooth cores, up to 290 on cores of noise; windows take as much again.
+  const double bytes = (options.propagation == Propagation::windows ? 650 : 300) * nodes +
                        40.0 * static_cast<double>(complex.face_vertices.size());
   return static_cast<std::int64_t>(std::min(bytes, 0x1p62));
 }
@@ -87,11 +88,9 @@ double burning::label_tolerance(const CellComplex& complex, std::span<const Vec3
   return std::min(2e-3 * omega, 6e-4 * mean_edge(complex, points));
 }
 
-Burning burning::finish_burning(const BurnDomain& domain, Labels labels, std::shared_ptr<BurnedSectors> sectors,
+Burning burning::finish_burning(const BurnDomain& domain, BurnTimes burned, std::shared_ptr<BurnedSectors> sectors,
                                 const BurnOptions& options, Context* context) {
-  Times times;
-  std::vector<char> opened;
-  labels.release(times, opened);
+  auto& [times, opened] = burned;
   if (options.parents) order_pass(domain, opened, times, *sectors, context);
 
   if (options.rounded) round_times(domain, times, *sectors);
@@ -133,9 +132,13 @@ static Burning burned(const CellComplex& complex, std::span<const Vec3> points, 
   auto sectors = std::make_shared<BurnedSectors>();
   sectors->network = make_network(complex, points, options.omega);
   const BurnDomain domain{complex, points, radius, sectors->network, options.radius};
-  Labels labels(domain, schedule, label_tolerance(complex, points, options.omega));
-  propagate_by_segments(domain, labels, context);
-  return finish_burning(domain, std::move(labels), std::move(sectors), options, context);
+  const auto times = [&]() -> BurnTimes {
+    if (options.propagation == Propagation::windows) return propagate_by_windows(domain, context);
+    Labels labels(domain, schedule, label_tolerance(complex, points, options.omega));
+    propagate_by_segments(domain, labels, context);
+    return labels.release();
+  };
+  return finish_burning(domain, times(), std::move(sectors), options, context);
 }
 
 Burning burning::burn_scheduled(const CellComplex& complex, std::span<const Vec3> points,

@@ -31,7 +31,7 @@ void add_burning(Record& data, const Burning& burning, std::vector<DataArray> se
   const BurnOptions& o = burning.options;
   if (!o.plane) {  // there, there are no nodes
     put(data.field_data, {"omega", 1, std::vector<double>{o.omega}});
-    put(data.field_data, {"propagation", 1, text("segments")});
+    put(data.field_data, {"propagation", 1, text(o.propagation == Propagation::windows ? "windows" : "segments")});
     put(data.field_data, {"radius_rule", 1, text(o.radius == RadiusRule::exact ? "exact" : "linear")});
     put(data.field_data, {"burn_nodes", 1, std::vector<std::int64_t>{burning.node_count}});
   }

@@ -58,5 +58,10 @@ struct BurnDomain {
 
 /// One number per state, accessed at random.
 using Times = HugeVector<double>;
+/// When each state burns, and opened[s]: state s burned because the others of its link had, before fire came into it.
+struct BurnTimes {
+  Times times;
+  std::vector<char> opened;
+};
 
 }  // namespace quench::burning

@@ -249,12 +249,12 @@ bool Labels::next(Worker& worker, std::uint32_t& state, bool& again) {
   return false;
 }
 
-void Labels::release(Times& times, std::vector<char>& opened) {
+BurnTimes Labels::release() {
   HugeVector<std::uint32_t>().swap(through_);
   HugeVector<Source>().swap(source_);
   angles_ = {};
   queue_ = LabelQueue();
-  opened.assign(time_.size(), 0);
+  std::vector<char> opened(time_.size(), 0);
   const auto set = [&](std::uint32_t s, double arrival) {
     opened[s] = (status_[s] & several) && !(status_[s] & open) && time_[s] < arrival;
   };
@@ -267,7 +267,7 @@ void Labels::release(Times& times, std::vector<char>& opened) {
   }
   Times().swap(arrival_);
   HugeVector<unsigned char>().swap(status_);
-  times = std::move(time_);
+  return {std::move(time_), std::move(opened)};
 }
 
 }  // namespace quench::burning

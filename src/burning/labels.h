@@ -88,7 +88,7 @@ class Labels {
 
   /// The times when all have burned, and opened[s]: state s burned because the others of its link had, before fire
   /// arrived in it. Gives the memory of the labels back; nothing else may be called after it.
-  void release(Times& times, std::vector<char>& opened);
+  BurnTimes release();
 
  private:
   void start_vertices();

@@ -11,7 +11,7 @@ namespace quench::dual {
 
 void sort_facets(std::vector<HullFacet>& facets) {
   for (HullFacet& facet : facets) {
-    std::ranges::rotate(facet.corners, std::ranges::min_element(facet.corners));
+    std::rotate(facet.corners.begin(), std::ranges::min_element(facet.corners), facet.corners.end());
     std::ranges::partial_sort_copy(facet.corners, facet.smallest);
   }
   std::ranges::sort(facets, std::ranges::greater{}, &HullFacet::smallest);

@@ -107,7 +107,8 @@ std::string meta_of(const Page& page, const std::vector<PackedArray>& packed) {
                                number(page.pruning->threshold)));
   if (page.burning)
     put("burning",
-        fmt::format(R"({{"omega": {}, "propagation": "segments", "radius": "{}"}})", number(page.burning->omega),
+        fmt::format(R"({{"omega": {}, "propagation": "{}", "radius": "{}"}})", number(page.burning->omega),
+                    page.burning->propagation == Propagation::windows ? "windows" : "segments",
                     page.burning->radius == RadiusRule::linear ? "linear" : "exact"));
   put_length("theta2", page.theta2);
   put_length("theta1", page.theta1);
@@ -219,7 +220,7 @@ const PageArray* Page::find(std::string_view name) const {
 }
 
 void write_page(const std::filesystem::path& file, const Page& page, std::string_view page_program) {
-  const auto [begin, end] = place_of_data(page_program);
+  const auto place = place_of_data(page_program);
   const std::vector<PackedArray> packed = page::packed(page);
   const std::string meta = meta_of(page, packed), data = base64(zipped(packed));
   if (data.size() > kMostCharacters)
@@ -228,9 +229,9 @@ void write_page(const std::filesystem::path& file, const Page& page, std::string
         fmt::format("the page '{}' would be larger than a browser can read; use fewer triangles", file.string()),
         "max_triangles");
   io::write_atomically(file, [&](std::ostream& out) {
-    out << page_program.substr(0, begin) << "<script type=\"application/json\" id=\"quench-meta\">" << meta
+    out << page_program.substr(0, place.first) << "<script type=\"application/json\" id=\"quench-meta\">" << meta
         << "</script>\n<script type=\"application/octet-stream\" id=\"quench-data\">" << data << "</script>"
-        << page_program.substr(end);
+        << page_program.substr(place.second);
   });
 }
 

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline/brick_files.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -126,23 +124,16 @@ TemporaryBrickStore::~TemporaryBrickStore() {
   for (std::size_t round = 0; round < rounds_.size(); ++round) drop(round);
 }
 
-void TemporaryBrickStore::drop(std::size_t round) {
-  if (rounds_[round].file >= 0) close(std::exchange(rounds_[round].file, -1));
-}
+void TemporaryBrickStore::drop(std::size_t round) { rounds_[round].file.close(); }
 
 void TemporaryBrickStore::put(std::size_t round, std::size_t brick, const std::string& bytes) {
   Round& to = rounds_[round];
-  if (to.file < 0) {
-    std::string name = (folder_ / ".quench-XXXXXX").string();
-    to.file = mkostemp(name.data(), O_CLOEXEC);
-    if (to.file < 0) fail_at("make a temporary file in", folder_);
-    unlink(name.c_str());
+  if (!to.file.is_open()) {
+    to.file = base::PlacedFile::nameless(folder_);
+    if (!to.file.is_open()) fail_at("make a temporary file in", folder_);
   }
-  for (std::size_t done = 0; done < bytes.size();) {
-    const ssize_t got = pwrite(to.file, bytes.data() + done, bytes.size() - done, static_cast<off_t>(to.size + done));
-    if (got < 0 && errno != EINTR) fail_at("write a temporary file in", folder_);
-    if (got > 0) done += static_cast<std::size_t>(got);
-  }
+  if ((errno = to.file.write(to.size, std::as_bytes(std::span(bytes)))) != 0)
+    fail_at("write a temporary file in", folder_);
   to.places[brick] = {to.size, bytes.size()};
   to.size += bytes.size();
 }
@@ -151,12 +142,8 @@ std::string TemporaryBrickStore::bytes(std::size_t round, std::size_t brick, std
   const Round& from = rounds_[round];
   const Place& place = from.places[brick];
   std::string bytes(std::min(place.size, most), '\0');
-  for (std::size_t done = 0; done < bytes.size();) {
-    const ssize_t got =
-        pread(from.file, bytes.data() + done, bytes.size() - done, static_cast<off_t>(place.begin + done));
-    if (got == 0 || (got < 0 && errno != EINTR)) fail_at("read a temporary file in", folder_);
-    if (got > 0) done += static_cast<std::size_t>(got);
-  }
+  if (from.file.read(place.begin, std::as_writable_bytes(std::span(bytes))) != bytes.size())
+    fail_at("read a temporary file in", folder_);
   return bytes;
 }
 

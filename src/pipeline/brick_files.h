@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "base/platform/system_files.h"
 #include "pipeline/bricks.h"
 
 /// The files of a folder WORK: plan.json, shape/, surface.mesh, round-1/ ...
@@ -141,7 +142,7 @@ class TemporaryBrickStore : public BrickStore {
     std::uint64_t begin = 0, size = 0;
   };
   struct Round {
-    int file = -1;
+    base::PlacedFile file;
     std::uint64_t size = 0;
     std::vector<Place> places;
   };

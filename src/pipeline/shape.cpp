@@ -447,11 +447,18 @@ LoadedShape load_shape(const std::filesystem::path& file, const ShapeOptions& op
   if (kind == io::Kind::volume) return shape_of_file(file, options, context);
   if (kind == io::Kind::polygons)
     return naming(file, [&] { return shape_of(feature_of(file, options.feature, context), options, context); });
-  TriangleMesh mesh = to_triangle_mesh(read_surface(file, context));
+  bool lps = false;
+  TriangleMesh mesh = [&] {
+    const Record data = read_surface(file, context);
+    lps = field_text(data, "SPACE") == "LPS";  // as 3D Slicer marks its models
+    return to_triangle_mesh(data);
+  }();
   if (mesh.triangles.empty())
     throw Error(ErrorCode::input, fmt::format("'{}' holds no faces; a shape needs a closed surface", file.string()));
   checkpoint(context, "read", 1);
-  return naming(file, [&] { return shape_of(std::move(mesh), options, context); });
+  LoadedShape loaded = naming(file, [&] { return shape_of(std::move(mesh), options, context); });
+  if (lps) loaded.coordinates.space = "LPS";
+  return loaded;
 }
 
 }  // namespace quench::pipeline

@@ -91,10 +91,11 @@ SolidResult solid_of(const MedialAxis& axis, EnvelopeKind kind, const Grid& grid
 }
 
 Record mesh_of(const SolidResult& solid, Context* context) {
-  constexpr std::int64_t kBytesPerSite = 400;  // two triangles and a point, as mesh and as record, and the distances
+  constexpr std::int64_t kBytesPerMeshSite =
+      400;  // two triangles and a point, as mesh and as record, and the distances
   const std::int64_t sites = count_boundary_vertices(solid.voxels);
   require_memory(
-      sites * kBytesPerSite,
+      sites * kBytesPerMeshSite,
       fmt::format("the mesh of a solid with {}", base::counted(sites, "boundary vertex", "boundary vertices")),
       {"a lower resolution"}, context);
   Record record = to_record(quench::mesh_of(solid.envelope, solid.voxels, context));

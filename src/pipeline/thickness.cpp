@@ -82,6 +82,7 @@ MeasuredSurface measured_surface(const LoadedShape& shape, std::optional<double>
                 "surface");
   return base::in_arena(context, [&] {
     MeasuredSurface result;
+    result.coordinates = shape.coordinates;
     result.axis = core_of(shape, {}, context).axis;
     if (shape.mesh) {
       result.mesh = *shape.mesh;
@@ -122,6 +123,8 @@ Record surface_file(const MeasuredSurface& surface) {
   data.field_data.push_back({"stage", 1, std::vector<std::string>{"thickness"}});
   data.field_data.push_back({"tolerance", 1, std::vector<double>{surface.tolerance}});
   data.field_data.push_back({"correction", 1, std::vector<double>{surface.correction}});
+  for (const auto& [name, text] : {std::pair{"units", surface.coordinates.units}, {"SPACE", surface.coordinates.space}})
+    if (!text.empty()) data.field_data.push_back({name, 1, std::vector<std::string>{text}});
   data.field_data.push_back({"version", 1, std::vector<std::string>{QUENCH_VERSION}});
   return data;
 }

@@ -75,7 +75,6 @@ struct Cavities {
 VoxelShape fill_cavities(const VoxelShape& shape, const ForegroundOptions& options, ForegroundReport& report,
                          Context* context) {
   Cavities cavities(shape, context);
-  auto& [sets, outside, voxels] = cavities;
   VoxelShape result(shape.grid());
   std::vector<Run> filled;
   shape::for_scanlines(shape, nullptr, {}, [&](std::int64_t y, std::int64_t z) {
@@ -83,8 +82,8 @@ VoxelShape fill_cavities(const VoxelShape& shape, const ForegroundOptions& optio
     filled.assign(row.begin(), row.end());
     std::uint32_t gap = shape::first_index(shape, row);
     for (std::size_t i = 0; i + 1 < row.size(); ++i, ++gap)
-      if (const std::uint32_t root = sets.find(gap);
-          root != outside && (options.fill_cavities || voxels[root] < options.min_cavity)) {
+      if (const std::uint32_t root = cavities.sets.find(gap);
+          root != cavities.outside && (options.fill_cavities || cavities.voxels[root] < options.min_cavity)) {
         report.voxels_filled += row[i + 1].begin - row[i].end;
         report.cavities_filled += root == gap;
         filled[i].end = row[i + 1].begin;  // touches the next run: append_row merges them

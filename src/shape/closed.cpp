@@ -28,7 +28,7 @@ std::vector<BallRow> ball_rows(const Grid& grid, int radius) {
       const double left = square - dy * dy - dz * dz;
       if (left >= 0) rows.push_back({y, z, static_cast<std::int32_t>(std::sqrt(left) / step[0])});
     }
-  std::ranges::stable_partition(rows, [](const BallRow& row) { return row.y == 0 && row.z == 0; });
+  std::stable_partition(rows.begin(), rows.end(), [](const BallRow& row) { return row.y == 0 && row.z == 0; });
   return rows;
 }
 

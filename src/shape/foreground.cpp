@@ -121,7 +121,7 @@ struct Values {
       const std::size_t end = std::min(samples.size(), i + kTogether);
       std::uint8_t other = !any;
       for (std::size_t j = i; j < end; ++j)
-        other |= static_cast<std::uint8_t>((samples[j] != least) & (samples[j] != largest));
+        other |= static_cast<std::uint8_t>(int{samples[j] != least} & int{samples[j] != largest});
       if (other == 0) i = end;
       for (; i < end; ++i) add(samples[i]);
     }

@@ -100,7 +100,8 @@ class Growing {
       if (row.empty()) return;
       const std::uint32_t here = first_index(shape_, row);
       constexpr std::array<std::array<int, 2>, 4> kNeighbours{{{1, 0}, {-1, 1}, {0, 1}, {1, 1}}};
-      for (const auto& [dy, dz] : kNeighbours) {
+      for (const std::array<int, 2>& step : kNeighbours) {
+        const int dy = step[0], dz = step[1];
         const auto other = shape_.row(y + dy, z + dz);
         const std::uint32_t there = first_index(shape_, other);
         for_touching(row, other, [&](std::size_t i, std::size_t j) {

@@ -84,8 +84,10 @@ void keep_faces_up(const TriangleMesh& surface, std::vector<Vec3>& moved) {
   for (int round = 0; round < kRounds; ++round) {
     std::vector<float> share(moved.size(), 1);
     base::for_indices(surface.triangles.size(), [&](std::size_t t) {
-      const auto [a, b, c] = surface.triangles[t];
-      const auto normal = [&](const std::vector<Vec3>& p) -> Vec3 { return (p[b] - p[a]).cross(p[c] - p[a]); };
+      const auto& corners = surface.triangles[t];
+      const auto normal = [&](const std::vector<Vec3>& p) -> Vec3 {
+        return (p[corners[1]] - p[corners[0]]).cross(p[corners[2]] - p[corners[0]]);
+      };
       const Vec3 before = normal(surface.points), after = normal(moved);
       if (before.dot(after) >= kUp * before.norm() * after.norm()) return;
       for (const std::uint32_t corner : surface.triangles[t]) lower(share[corner], round + 1 < kRounds ? 0.5F : 0.0F);

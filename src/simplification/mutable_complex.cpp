@@ -65,7 +65,7 @@ void MutableComplex::mark_neighbours(std::uint32_t v) {
 }
 
 bool MutableComplex::may_collapse(std::uint32_t e) {
-  const auto [a, b] = edges_[e];
+  const std::uint32_t a = edges_[e][0], b = edges_[e][1];
   drop_dead(a);
   drop_dead(b);
   mark_neighbours(a);

@@ -199,8 +199,7 @@ class ResultBuilder {
         if (end.piece != kNone) splits_[end.piece].push_back({end.at, kNone});
     for (auto& splits : splits_) {
       std::ranges::sort(splits);
-      const auto [first, last] = std::ranges::unique(splits);
-      splits.erase(first, last);
+      splits.erase(std::unique(splits.begin(), splits.end()), splits.end());
     }
   }
 

@@ -118,7 +118,7 @@ const std::vector<Known>& known_field_numbers() {
 const std::vector<Known>& known_field_texts() {
   static const std::vector<Known> arrays{{"stage", 1, {"core", "skeleton"}, kNothingToCompare},
                                          {"lambda_rule", 1, {"coface", "ball"}, kNothingToCompare},
-                                         {"propagation", 1, {"segments", "nodes"}, kTold},
+                                         {"propagation", 1, {"segments", "windows", "nodes"}, kTold},
                                          {"radius_rule", 1, {"exact", "linear"}, kTold},
                                          {"surface", 1, {"mesh", "grey", "smooth"}, kNoSurface},
                                          {"tips", 1, {"full", "pruned"}, kTold},

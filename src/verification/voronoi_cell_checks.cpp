@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <ranges>
 
 #include "verification/checks.h"
 
@@ -99,8 +98,9 @@ Check check_cells(const Result& result) {
   Check check{"no duplicate or degenerate cell", false, {}, {}};
   const CellComplex& complex = result.complex;
   if (result.rows.size() != result.data.points.size()) {
-    const auto skipped = std::mismatch(result.rows.begin(), result.rows.end(), std::views::iota(0u).begin());
-    check.detail = fmt::format("point {} belongs to no cell", skipped.first - result.rows.begin());
+    std::size_t skipped = 0;
+    while (skipped < result.rows.size() && result.rows[skipped] == skipped) ++skipped;
+    check.detail = fmt::format("point {} belongs to no cell", skipped);
     return check;
   }
   const double tiny = kSamePlace * static_cast<double>(*std::min_element(result.scale.begin(), result.scale.end()));

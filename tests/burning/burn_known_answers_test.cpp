@@ -53,8 +53,18 @@ Errors errors_of(const KnownBurn& known, const Burning& found) {
 struct Bound {
   double mean, largest;
 };
+// By windows: no spacing, and rounding only; plane waves, of linear radii, to 1e-6 of an edge.
+void expect_exact(const KnownBurn& known, const std::string& name) {
+  const Errors e = errors_of(known, burn(known.input, 20, Propagation::windows));
+  // The closed forms of cones are minima that were looked for.
+  const bool sharp = known.input.rule == RadiusRule::exact && name.find("cone") == std::string::npos;
+  const double bound = sharp ? 1e-11 : 2e-6;
+  EXPECT_LE(e.largest, bound) << name << " by windows";
+  EXPECT_GE(e.least, -bound) << name << " by windows";
+}
 // Spacing 0.5 on sheets some 10 units wide.
 void expect_near(const KnownBurn& known, Bound nodes, Bound segments, const std::string& name) {
+  expect_exact(known, name);
   for (Propagation propagation : {Propagation::nodes, Propagation::segments}) {
     const bool by_nodes = propagation == Propagation::nodes;
     const Errors e = errors_of(known, burn(known.input, 0.5, propagation));

@@ -107,8 +107,10 @@ TEST(Burn, ByNodesEqualsTheDefinition) {
   EXPECT_GE(compared, 3500);
 }
 
-// What every result must be, whatever the propagation. `tolerance` is that of label correction.
-void expect_sound(const BurnInput& input, const Burning& found, double tolerance, const std::string& where) {
+// What every result must be, whatever the propagation. `tolerance` is that of label correction; parents may burn later
+// than their states by `late`.
+void expect_sound(const BurnInput& input, const Burning& found, double tolerance, const std::string& where,
+                  double late = 0) {
   const CellComplex& complex = input.complex;
   const BurnNetwork& network = found.sectors->network;
   const auto model = oracle(input, network.pieces);
@@ -186,7 +188,7 @@ void expect_sound(const BurnInput& input, const Burning& found, double tolerance
     if (found.sectors->parent[state] == kNone) continue;
     // A bridge is removed later than it burns, and a node whose parent it could have been gets one that burns later.
     ASSERT_LE(found.sectors->state_time[parent_state[state]],
-              bridges ? kInfinity : found.sectors->state_time[state] + tolerance)
+              bridges ? kInfinity : found.sectors->state_time[state] + tolerance + late)
         << where << " state " << state;
     std::size_t steps = 0;
     for (std::size_t s = state; s < parent_state.size(); s = parent_state[s])
@@ -246,6 +248,16 @@ TEST(Burn, BySegmentsIsSound) {
     const double mean_edge = default_omega(input.complex, input.points) / (triangles ? 0.35 : 0.5);
     expect_sound(input, burn(input, omega, Propagation::segments), 2 * std::min(2e-3 * omega, 6e-4 * mean_edge),
                  name_of(seed, omega));
+  }
+}
+
+TEST(Burn, ByWindowsIsSound) {
+  for (std::uint64_t seed = 0; seed < 3000 && !testing::Test::HasFatalFailure(); ++seed) {
+    const BurnInput input = random_input(seed);
+    if (!input.consistent) continue;
+    const double omega = some_omega(seed / 5);
+    // Fire that crosses a segment between its nodes can be earlier than at both.
+    expect_sound(input, burn(input, omega, Propagation::windows), 1e-6, name_of(seed, omega), omega);
   }
 }
 

@@ -11,8 +11,8 @@
 #include <random>
 #include <thread>
 
+#include "base/platform/child_process.h"
 #include "data.h"
-#include "io/common/child_process.h"
 #include "poly_samples.h"
 #include "quench/shape.h"
 #ifdef QUENCH_TESTS_HAVE_ASSIMP
@@ -150,16 +150,16 @@ TEST(Apart, WhateverALibraryDoesIsOneSentence) {
   const Folder folder;
   write_bytes(folder / "a.bin", "bytes");
   const auto path = folder / "a.bin";
-  const io::SandboxLimits little{.seconds = 0.5, .bytes = 1 << 26};
+  const base::SandboxLimits little{.seconds = 0.5, .bytes = 1 << 26};
   const auto refused = [&](const std::function<std::string()>& read) {
     std::string sentence;
-    EXPECT_EQ(testing_files::code_of([&] { io::read_in_child_process(path, read, little); }, &sentence),
+    EXPECT_EQ(testing_files::code_of([&] { base::read_in_child_process(path, read, little); }, &sentence),
               ErrorCode::input);
     EXPECT_NE(sentence.find("a.bin"), std::string::npos) << sentence;
     return sentence;
   };
-  EXPECT_EQ(io::read_in_child_process(path, [] { return std::string(1 << 20, 'x'); }), std::string(1 << 20, 'x'));
-  EXPECT_EQ(io::read_in_child_process(path, [] { return std::string(); }), "");
+  EXPECT_EQ(base::read_in_child_process(path, [] { return std::string(1 << 20, 'x'); }), std::string(1 << 20, 'x'));
+  EXPECT_EQ(base::read_in_child_process(path, [] { return std::string(); }), "");
   EXPECT_NE(refused([]() -> std::string {
               raise(SIGSEGV);
               return {};
@@ -191,7 +191,7 @@ TEST(Apart, FromSeveralThreads) {
     threads.emplace_back([&, t] {
       for (int i = 0; i < 10; ++i) {
         const std::string bytes(1000 + static_cast<std::size_t>(t), static_cast<char>('a' + t));
-        EXPECT_EQ(io::read_in_child_process(folder / "a.bin", [&] { return bytes; }), bytes);
+        EXPECT_EQ(base::read_in_child_process(folder / "a.bin", [&] { return bytes; }), bytes);
       }
     });
   for (std::thread& thread : threads) thread.join();

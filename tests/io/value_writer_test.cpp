@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <fstream>
 #include <string>
 
 #include "quench/error.h"
@@ -76,6 +77,21 @@ TEST(ValueWriter, Images) {
   for (const char* name : {"a.nrrd", "a.tif", "a.npy"}) {
     write_sample(folder / name, grid, coordinates);
     expect_sample(io::read_volume(folder / name), grid);
+  }
+}
+
+TEST(ValueWriter, TiffHasItsSlicesBehindOneAnother) {  // as ImageJ reads them, which looks at the first directory only
+  TemporaryFolder folder;
+  Grid grid;
+  grid.dims = {3, 5, 7};  // slices of 60 bytes
+  write_sample(folder / "a.tif", grid, {});
+  expect_sample(io::read_volume(folder / "a.tif"), grid);
+  std::ifstream file(folder / "a.tif", std::ios::binary);
+  file.seekg(8);
+  for (std::int64_t i = 0; i < 3 * 5 * 7; ++i) {
+    float value = 0;
+    file.read(reinterpret_cast<char*>(&value), sizeof value);
+    ASSERT_EQ(value, sample_value(i)) << i;
   }
 }
 

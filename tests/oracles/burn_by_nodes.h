@@ -14,7 +14,7 @@ namespace quench::testing_burn {
 /// How fire crosses a polygon. By nodes, along straight arcs from node to node only, times are an upper bound that
 /// converges with the spacing (Yan 2018, Thm. 3.4.1), and on the same nodes they equal the definition, so that labels,
 /// links and queue can be tested exactly.
-enum class Propagation { nodes, segments };
+enum class Propagation { nodes, segments, windows };
 
 inline void propagate_by_nodes(const burning::BurnDomain& domain, burning::Labels& labels) {
   using namespace burning;
@@ -43,13 +43,17 @@ inline Burning burn_by(Propagation by, const CellComplex& complex, std::span<con
                        std::span<const double> radius, const BurnOptions& options,
                        const burning::BlockSchedule& schedule = {}) {
   using namespace burning;
-  if (by == Propagation::segments) return burn_scheduled(complex, points, radius, options, schedule, nullptr);
+  if (by != Propagation::nodes) {
+    BurnOptions own = options;
+    own.propagation = by == Propagation::windows ? quench::Propagation::windows : quench::Propagation::segments;
+    return burn_scheduled(complex, points, radius, own, schedule, nullptr);
+  }
   auto sectors = std::make_shared<BurnedSectors>();
   sectors->network = make_network(complex, points, options.omega);
   const BurnDomain domain{complex, points, radius, sectors->network, options.radius};
   Labels labels(domain, schedule, 0);
   propagate_by_nodes(domain, labels);
-  return finish_burning(domain, std::move(labels), std::move(sectors), options, nullptr);
+  return finish_burning(domain, labels.release(), std::move(sectors), options, nullptr);
 }
 
 }  // namespace quench::testing_burn

@@ -379,7 +379,7 @@ TEST(Page, ArraysComeBackFromTheFile) {
   page.origin = {1e6, 0, -3};
   page.notes = {"One </SCRIPT>.", "Two."};
   page.files = {{"core", "a/core.vtp"}};
-  page.burning = BurnOptions{0.5, RadiusRule::linear, true};
+  page.burning = BurnOptions{.omega = 0.5, .radius = RadiusRule::linear, .plane = true};
   page.topology = Topology{-1, {1, 2, 0}};
   page.arrays = {{"a", 3, std::vector<float>{1, -2.5F, kInfinity}},
                  {"b", 1, std::vector<std::uint8_t>{1, 2, 255}},

@@ -335,7 +335,7 @@ TEST(AxisOfFile, LengthsOfARecordedBurningAreTaken) {
   BurningOptions options;
   options.radius = RadiusRule::linear;
   take_recorded(options, axis.data);
-  EXPECT_TRUE(options.recorded);
+  EXPECT_EQ(options.propagation, Propagation::segments);
   EXPECT_EQ(options.radius, RadiusRule::linear);
   EXPECT_EQ(axis.scale.resolve(*options.omega, "omega"), burning.options.omega);
 }

@@ -1,13 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include <array>
 #include <atomic>
 #include <cerrno>
-#include <climits>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -20,9 +16,10 @@
 #include <string_view>
 #include <system_error>
 
-#include "io/common/file_out.h"
+#include "base/platform/file_out.h"
+#include "base/platform/remove_tree.h"
+#include "base/platform/system_files.h"
 #include "io/common/output_file.h"
-#include "io/common/remove_tree.h"
 #include "quench/io.h"
 
 namespace quench::io {
@@ -37,7 +34,7 @@ namespace fs = std::filesystem;
 std::string reason_of(int error) { return error ? std::strerror(error) : "the system gives no reason"; }
 
 /// Waits until the disk has what was written. Errors name `file`.
-void finish_writing(FileOut& out, const fs::path& file) {
+void finish_writing(base::FileOut& out, const fs::path& file) {
   // Who writes does not check the stream: once it has failed, later output is lost and the first reason is kept.
   out.flush_to_disk();
   out.close();
@@ -64,24 +61,23 @@ struct Renaming {
 };
 
 constexpr std::string_view kEnding = ".tmp";  // of temporary files
+constexpr fs::perms kReadAndWritten{0666};    // less the umask
 
 /// Turns the name of a temporary file into another one that cannot be guessed.
 void make_other(std::span<char> name) { name[name.size() - kEnding.size() - 1] = 'x'; }
 
 /// Puts a new folder in the place of an old one, which gets the name of the new one. 0 or an errno.
 int exchange(const fs::path& temporary, const fs::path& target) {
-  if (::renameat2(AT_FDCWD, temporary.c_str(), AT_FDCWD, target.c_str(), RENAME_EXCHANGE) == 0) return 0;
-  if (errno != EINVAL && errno != ENOSYS) return errno;
+  if (const int error = base::exchange_names(temporary, target); error != EINVAL && error != ENOSYS) return error;
   // A file system that cannot do both at once. Between the two calls there is neither.
   std::string aside = temporary;
   make_other(aside);
-  if (::rename(target.c_str(), aside.c_str()) != 0) return errno;
-  if (::rename(temporary.c_str(), target.c_str()) != 0) {
-    const int error = errno;
-    ::rename(aside.c_str(), target.c_str());
+  if (const int error = base::rename_file(target.c_str(), aside.c_str())) return error;
+  if (const int error = base::rename_file(temporary.c_str(), target.c_str())) {
+    base::rename_file(aside.c_str(), target.c_str());
     return error;
   }
-  if (::rename(aside.c_str(), temporary.c_str()) != 0) remove_tree(aside.c_str());
+  if (base::rename_file(aside.c_str(), temporary.c_str()) != 0) base::remove_tree(aside.c_str());
   return 0;
 }
 
@@ -98,7 +94,7 @@ void rename_to(const fs::path& temporary, const fs::path& target, const fs::path
 fs::path folder_of(const fs::path& file) { return file.has_parent_path() ? file.parent_path() : fs::path("."); }
 
 void flush_folder(const fs::path& folder, const fs::path& file) {
-  if (const int error = flush_folder_to_disk(folder))
+  if (const int error = base::flush_folder_to_disk(folder))
     cannot_write(file,
                  fmt::format("it is written, but its folder cannot be flushed to the disk: {}", reason_of(error)));
 }
@@ -128,11 +124,11 @@ std::atomic<bool> removing{false};  // remove_temporary_files() has been called
 /// Removes a temporary file or folder. Where remove_temporary_files() is at it already: not before all of it is gone,
 /// so that the process does not end in the middle of that.
 void discard_temporary(const fs::path& path, int place) {
-  remove_tree(path.c_str());
+  base::remove_tree(path.c_str());
   if (removing) {
     std::string other = path;
     make_other(other);
-    remove_tree(other.c_str());
+    base::remove_tree(other.c_str());
   }
   forget(place);
 }
@@ -186,12 +182,12 @@ void remove_temporary_files() noexcept {
   for (auto& place : remembered)
     if (const char* name = place.exchange(nullptr)) {
       // Threads that still write files into a folder do not find it any more, and cannot fill it again.
-      char other[PATH_MAX];
+      char other[base::kLongestPath];
       const std::size_t length = std::strlen(name);
-      if (::unlink(name) == 0 || length >= sizeof other) continue;
+      if (base::remove_file(name) || length >= sizeof other) continue;
       std::memcpy(other, name, length + 1);
       make_other({other, length});
-      remove_tree(::rename(name, other) == 0 ? other : name);
+      base::remove_tree(base::rename_file(name, other) == 0 ? other : name);
     }
 }
 
@@ -288,7 +284,7 @@ fs::file_status status_of(const fs::path& file) {
 
 struct OutputFile::Impl {
   fs::path file, target;
-  FileOut out;
+  base::FileOut out;
   std::optional<Temporary> temporary;  ///< none: a pipe or a device
 };
 
@@ -296,7 +292,7 @@ OutputFile::OutputFile(const fs::path& file) : impl_(std::make_unique<Impl>()) {
   impl_->file = file;
   const fs::file_status status = status_of(file);
   if (fs::is_directory(status)) cannot_write(file, "it is a folder; name a file in it");
-  FileOut& out = impl_->out;
+  base::FileOut& out = impl_->out;
   // A pipe or a device (/dev/stdout) takes bytes and must not be replaced.
   if (fs::exists(status) && !fs::is_regular_file(status)) {
     out.open(file);
@@ -306,7 +302,7 @@ OutputFile::OutputFile(const fs::path& file) : impl_(std::make_unique<Impl>()) {
     // Those of the file that is replaced, never more on the way there. Without the bits that let others act for its
     // owner: the new file is owned by who writes it.
     const bool replaces = fs::exists(status);
-    const auto permissions = static_cast<mode_t>(replaces ? status.permissions() & fs::perms::all : fs::perms(0666));
+    const fs::perms permissions = replaces ? status.permissions() & fs::perms::all : kReadAndWritten;
     impl_->temporary.emplace(folder, [&](const fs::path& path) {
       out.create(path, permissions);
       return out.error();
@@ -327,7 +323,7 @@ void OutputFile::commit() {
 
 struct OutputFolder::Impl {
   fs::path folder, target;
-  mode_t permissions;  ///< those of the folder that is replaced; 0: none is
+  fs::perms permissions;  ///< those of the folder that is replaced; none: none is
   std::optional<Temporary> temporary;
 };
 
@@ -336,10 +332,9 @@ OutputFolder::OutputFolder(const fs::path& folder) : impl_(std::make_unique<Impl
   const fs::file_status status = status_of(folder);
   if (fs::exists(status) && !fs::is_directory(status)) cannot_write(folder, "it is a file, and not a folder");
   impl_->target = place_of_output(folder);
-  impl_->permissions = fs::exists(status) ? static_cast<mode_t>(status.permissions()) : 0;
+  impl_->permissions = fs::exists(status) ? status.permissions() : fs::perms::none;
   impl_->temporary.emplace(existing_folder_of(impl_->target, folder), [&](const fs::path& path) {
-    const mode_t mode = fs::exists(status) ? impl_->permissions | S_IRWXU : S_IRWXU | S_IRWXG | S_IRWXO;
-    return ::mkdir(path.c_str(), mode) == 0 ? 0 : errno;
+    return base::make_folder(path, fs::exists(status) ? impl_->permissions | fs::perms::owner_all : fs::perms::all);
   });
   if (impl_->temporary->error) cannot_write(folder, reason_of(impl_->temporary->error));
 }
@@ -351,13 +346,13 @@ void OutputFolder::write(const fs::path& name, std::string_view bytes) {
     if (removing) throw Error(ErrorCode::cancelled, "cancelled");  // the folder is gone
     cannot_write(impl_->folder, reason_of(error));
   };
-  FileOut out;
-  out.create(impl_->temporary->path / name, 0666);
+  base::FileOut out;
+  out.create(impl_->temporary->path / name, kReadAndWritten);
   if (out.error() == ENOENT) {
     fs::path folder = impl_->temporary->path;  // which is not made again, when the end of the process has removed it
     for (const fs::path& part : name.parent_path())
-      if (::mkdir((folder /= part).c_str(), S_IRWXU | S_IRWXG | S_IRWXO) != 0 && errno != EEXIST) fail(errno);
-    out.create(impl_->temporary->path / name, 0666);
+      if (const int error = base::make_folder(folder /= part, fs::perms::all); error && error != EEXIST) fail(error);
+    out.create(impl_->temporary->path / name, kReadAndWritten);
   }
   out.stream().write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   out.close();
@@ -366,8 +361,9 @@ void OutputFolder::write(const fs::path& name, std::string_view bytes) {
 
 void OutputFolder::commit() {
   const fs::path& path = impl_->temporary->path;
-  if (const int error = flush_file_system(path)) cannot_write(impl_->folder, reason_of(error));
-  if (impl_->permissions != 0) ::chmod(path.c_str(), impl_->permissions);  // some file systems have none
+  if (const int error = base::flush_file_system(path)) cannot_write(impl_->folder, reason_of(error));
+  std::error_code ignored;  // some file systems have none
+  if (impl_->permissions != fs::perms::none) fs::permissions(path, impl_->permissions, ignored);
   put_in_place(*impl_->temporary, impl_->target, impl_->folder);
 }
 

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "io/common/child_process.h"
+#include "base/platform/child_process.h"
 #include "io/common/formats.h"
 #include "io/mesh/weld.h"
 
@@ -125,7 +125,7 @@ Record read_with_assimp(const std::filesystem::path& path) {
     throw Error(ErrorCode::failed,
                 fmt::format("cannot open '{}': {}", file, error ? error.message() : std::string("it is not a file")));
   // On a damaged file Assimp may crash or read endlessly.
-  return unpacked(read_in_child_process(path, [&] { return packed(read_scene(file)); }));
+  return unpacked(base::read_in_child_process(path, [&] { return packed(read_scene(file)); }));
 }
 
 }  // namespace quench::io

@@ -30,7 +30,8 @@ class CenterlineRecord {
 
   Record take() {
     data_.point_data.push_back({"radius", 1, radius_});
-    data_.point_data.push_back({"MaximumInscribedSphereRadius", 1, std::move(radius_)});  // as VMTK names it
+    data_.point_data.push_back({"MaximumInscribedSphereRadius", 1, radius_});  // as VMTK names it
+    data_.point_data.push_back({"Radius", 1, std::move(radius_)});             // as its modules in 3D Slicer do
     if (std::ranges::find(gap_, 1) != gap_.end()) data_.point_data.push_back({"bridged", 1, std::move(gap_)});
     const auto per_branch = [&](const char* name, const auto& value_of) {
       std::vector<std::int32_t> values;

@@ -229,8 +229,7 @@ class RsmlReader {
       places = std::move(added[r]);
       for (std::uint32_t i = 0; i < roots_[r].points.size(); ++i) places.push_back({i, 0});
       std::ranges::sort(places);
-      const auto same = std::ranges::unique(places);
-      places.erase(same.begin(), same.end());
+      places.erase(std::unique(places.begin(), places.end()), places.end());
     }
   }
 

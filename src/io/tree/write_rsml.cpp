@@ -7,7 +7,6 @@
 #include <cstdlib>
 #include <cstring>
 #include <optional>
-#include <ranges>
 
 #include "io/common/words.h"
 #include "io/tree/rsml.h"
@@ -214,8 +213,8 @@ class RsmlWriter {
   std::vector<std::uint8_t> bridged_points(const Tree::Axis& axis) const {
     std::vector<std::uint8_t> flags(axis.points.size(), 0);
     std::size_t next = flags.size();
-    for (const std::uint32_t b : axis.branches | std::views::reverse) {
-      const Tree::Branch& branch = tree_.branches[b];
+    for (auto b = axis.branches.rbegin(); b != axis.branches.rend(); ++b) {
+      const Tree::Branch& branch = tree_.branches[*b];
       for (std::size_t i = branch.points.size() - 1; i-- > 0 && next > 1;)
         flags[--next] = branch.bridged.empty() ? 0 : branch.bridged[i];
     }

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "base/memory.h"
-#include "io/common/child_process.h"
+#include "base/platform/child_process.h"
 #include "quench/error.h"
 #include "shape/sample_type.h"
 
@@ -65,7 +65,7 @@ StreamHead unpacked_head(std::string_view all) {
 }
 
 /// What the child does.
-void send_slices(ToParent& to, const std::function<SliceStream(Context*)>& open, std::int64_t memory) {
+void send_slices(base::ToParent& to, const std::function<SliceStream(Context*)>& open, std::int64_t memory) {
   StreamHead head;
   Context context;
   context.memory_limit = memory;
@@ -74,7 +74,7 @@ void send_slices(ToParent& to, const std::function<SliceStream(Context*)>& open,
   SliceStream stream = open(&context);
   const auto next = std::move(stream.next);
   const Grid grid = stream.grid;
-  allow_memory(static_cast<std::uint64_t>(grid.dims[0] * grid.dims[1]) * shape::size_of(stream.type));
+  base::allow_memory(static_cast<std::uint64_t>(grid.dims[0] * grid.dims[1]) * shape::size_of(stream.type));
   std::vector<char> slice(static_cast<std::size_t>(grid.dims[0] * grid.dims[1]) * shape::size_of(stream.type));
   head.stream = std::move(stream);
   to.send(packed_head(std::move(head)));
@@ -92,12 +92,12 @@ std::int64_t memory_of(const Context* context) {
 
 SliceStream slices_of_child(const std::filesystem::path& file, const std::function<SliceStream(Context*)>& open,
                             Context* context) {
-  SandboxLimits limits;
+  base::SandboxLimits limits;
   limits.seconds = 20;                   // a layer of compressed chunks is a message
   limits.bytes = std::int64_t{1} << 28;  // until the header is read: a damaged size would be believed by the library
   const std::int64_t allowed = context ? context->memory_limit : 0;
-  const auto child = std::make_shared<ChildReader>(
-      file, [&](ToParent& to) { send_slices(to, open, allowed); }, limits, context);
+  const auto child = std::make_shared<base::ChildReader>(
+      file, [&](base::ToParent& to) { send_slices(to, open, allowed); }, limits, context);
   StreamHead head = unpacked_head(child->next());
   for (const std::string& sentence : head.notes) note(context, sentence);
   head.stream.next = [child](std::span<std::byte> out) { child->next(out); };

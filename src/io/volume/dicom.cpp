@@ -16,8 +16,8 @@
 #include <vector>
 
 #include "base/natural_order.h"
+#include "base/platform/child_process.h"
 #include "base/text.h"
-#include "io/common/child_process.h"
 #include "io/common/formats.h"
 #include "io/volume/child_slices.h"
 #include "io/volume/dicom_file.h"
@@ -99,7 +99,7 @@ class DicomSeries {
     for (const DicomFile& file : files_) most = std::max<std::uint64_t>(most, file.frames.size());
     const std::uint64_t bytes = most * files_.front().frame_bytes();
     check_read_memory(path_, 3 * bytes, context_);  // as it is stored, and decompressed by two
-    allow_memory(8 * bytes);
+    base::allow_memory(8 * bytes);
     type_ = type_of_values(files_);
   }
 

@@ -15,8 +15,8 @@
 #include <memory>
 #include <vector>
 
+#include "base/platform/child_process.h"
 #include "base/text.h"
-#include "io/common/child_process.h"
 #include "io/common/formats.h"
 #include "io/volume/child_slices.h"
 #include "io/volume/hdf5_spacing.h"
@@ -264,7 +264,7 @@ class Hdf5Volume {
     check_read_memory(name_, 2 * slice + in_library, context_);
     const auto fitting = static_cast<std::int64_t>(static_cast<std::uint64_t>(memory_of(context_)) / 2 / slice);
     layer_ = std::clamp<std::int64_t>(together, 1, std::max<std::int64_t>(1, fitting));
-    allow_memory(static_cast<std::uint64_t>(layer_) * slice + in_library);
+    base::allow_memory(static_cast<std::uint64_t>(layer_) * slice + in_library);
   }
 
   void read_layer() {

@@ -1,13 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "io/volume/tiff_directories.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <unordered_set>
 
 #include "io/volume/volume_formats.h"
@@ -18,29 +15,15 @@ namespace quench::io {
 TiffFile::TiffFile(const std::filesystem::path& file, Context* context) : path_(file) {
   check_regular_file(file);
   size_ = InputFile(file).size;
-  descriptor_ = open(file.c_str(), O_RDONLY | O_CLOEXEC);
-  if (descriptor_ < 0)
+  bytes_ = base::PlacedFile::open(file);
+  if (!bytes_.is_open())
     throw Error(ErrorCode::failed,
                 fmt::format("'{}' cannot be opened; check the name and the permissions", file.string()));
-  try {
-    follow_chain(context);
-  } catch (...) {
-    close(descriptor_);
-    throw;
-  }
+  follow_chain(context);
 }
 
-TiffFile::~TiffFile() { close(descriptor_); }
-
 std::size_t TiffFile::read(std::uint64_t at, std::span<std::byte> out) const {
-  std::size_t done = 0;
-  while (done < out.size() && at + done < size_) {
-    const ssize_t got = pread(descriptor_, out.data() + done, out.size() - done, static_cast<off_t>(at + done));
-    if (got < 0 && errno == EINTR) continue;
-    if (got <= 0) break;
-    done += static_cast<std::size_t>(got);
-  }
-  return done;
+  return at < size_ ? bytes_.read(at, out) : 0;
 }
 
 std::uint64_t TiffFile::number(const std::byte* bytes, std::size_t size) const {

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "base/platform/system_files.h"
 #include "quench/context.h"
 
 /// The chain of directories (pages) of a TIFF file, followed without libtiff, whose TIFFReadDirectory() does not tell
@@ -23,7 +24,6 @@ class TiffFile {
   TiffFile(const std::filesystem::path& file, Context* context);
   TiffFile(const TiffFile&) = delete;
   TiffFile& operator=(const TiffFile&) = delete;
-  ~TiffFile();
 
   const std::filesystem::path& path() const { return path_; }
   std::uint64_t size() const { return size_; }
@@ -55,7 +55,7 @@ class TiffFile {
   void follow_chain(Context* context);
 
   std::filesystem::path path_;
-  int descriptor_ = -1;
+  base::PlacedFile bytes_;
   std::uint64_t size_ = 0;
   bool big_endian_ = false, big_tiff_ = false;
   std::vector<std::uint64_t> directories_;

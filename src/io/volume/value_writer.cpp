@@ -134,8 +134,8 @@ std::string npy_header(const Grid& grid) {
   return std::string("\x93NUMPY\x01\0", 8) + static_cast<char>(size & 255) + static_cast<char>(size >> 8) + text;
 }
 
-// TIFF (Adobe 1992; BigTIFF above 4 GB): a directory behind the samples of each slice, which says where the next one
-// is.
+// TIFF (Adobe 1992; BigTIFF above 4 GB): the samples of all slices without a gap, then a directory for each. ImageJ
+// reads the first directory only, and takes so many slices from behind one another as its description says.
 class TiffWriter {
  public:
   TiffWriter(std::ostream& out, const Grid& grid, const Coordinates& coordinates) : out_(out), grid_(grid) {
@@ -150,19 +150,27 @@ class TiffWriter {
       put(out_, std::uint16_t{43});
       put(out_, std::uint16_t{8});
       put(out_, std::uint16_t{0});
-      at_ = 16;
+      start_ = 16;
     } else {
       put(out_, std::uint16_t{42});
-      at_ = 8;
+      start_ = 8;
     }
-    put_offset(at_ + padded(samples_));
+    put_offset(start_ + padded(samples_ * slices()));
   }
 
-  void write(Slice slice, bool last) {
-    const std::uint64_t samples_at = at_;
-    out_.write(bytes_of(slice).data(), static_cast<std::streamsize>(samples_));
-    out_.write("\0\0\0\0\0\0\0\0", static_cast<std::streamsize>(padded(samples_) - samples_));
-    at_ += padded(samples_);
+  void write(Slice slice) { out_.write(bytes_of(slice).data(), static_cast<std::streamsize>(samples_)); }
+
+  void finish() {
+    const std::uint64_t all = samples_ * slices();
+    out_.write("\0\0\0\0\0\0\0\0", static_cast<std::streamsize>(padded(all) - all));
+    std::uint64_t at = start_ + padded(all);
+    for (std::uint64_t slice = 0; slice < slices(); ++slice)
+      at = directory(at, start_ + slice * samples_, slice + 1 == slices());
+  }
+
+ private:
+  // Writes the directory of the slice with these samples; where the next one begins.
+  std::uint64_t directory(std::uint64_t at, std::uint64_t samples_at, bool last) {
     const std::uint64_t width = static_cast<std::uint64_t>(grid_.dims[0]),
                         height = static_cast<std::uint64_t>(grid_.dims[1]);
     std::vector<Entry> entries = {{256, 4, 1, width, {}},      {257, 4, 1, height, {}},  {258, 3, 1, 32, {}},
@@ -171,8 +179,8 @@ class TiffWriter {
                                   {279, 0, 1, samples_, {}},   {282, 5, 1, 0, ratio(0)}, {283, 5, 1, 0, ratio(1)},
                                   {296, 3, 1, 1, {}},          {339, 3, 1, 3, {}}};
     const std::uint64_t inline_size = big_ ? 8 : 4;
-    const std::uint64_t directory = (big_ ? 8 : 2) + entries.size() * (big_ ? 20 : 12) + inline_size;
-    std::uint64_t beyond = at_ + padded(directory);  // where values that do not fit lie
+    const std::uint64_t size = (big_ ? 8 : 2) + entries.size() * (big_ ? 20 : 12) + inline_size;
+    std::uint64_t beyond = at + padded(size);  // where values that do not fit lie
     if (big_)
       put(out_, static_cast<std::uint64_t>(entries.size()));
     else
@@ -194,18 +202,18 @@ class TiffWriter {
       }
     }
     const std::uint64_t next = beyond + values.size();
-    put_offset(last ? 0 : next + padded(samples_));
-    out_.write("\0\0\0\0\0\0\0\0", static_cast<std::streamsize>(padded(directory) - directory));
+    put_offset(last ? 0 : next);
+    out_.write("\0\0\0\0\0\0\0\0", static_cast<std::streamsize>(padded(size) - size));
     out_.write(values.data(), static_cast<std::streamsize>(values.size()));
-    at_ = next;
+    return next;
   }
 
- private:
   struct Entry {
     std::uint16_t tag, type;  // type 0: an offset
     std::uint64_t count, value;
     std::string bytes;
   };
+  std::uint64_t slices() const { return static_cast<std::uint64_t>(grid_.dims[2]); }
   static std::uint64_t padded(std::uint64_t size) { return (size + 7) / 8 * 8; }
   void put_offset(std::uint64_t value) {
     if (big_)
@@ -229,7 +237,7 @@ class TiffWriter {
   std::ostream& out_;
   const Grid& grid_;
   std::string description_;
-  std::uint64_t samples_ = 0, at_ = 0;
+  std::uint64_t samples_ = 0, start_ = 0;
   bool big_ = false;
 };
 
@@ -283,8 +291,8 @@ void write_values(const std::filesystem::path& file, const Grid& grid, const Vol
           break;
         case ValueFormat::tiff: {
           TiffWriter tiff(out, grid, coordinates);
-          std::int64_t z = 0;
-          slices([&](Slice slice) { tiff.write(slice, ++z == grid.dims[2]); });
+          slices([&](Slice slice) { tiff.write(slice); });
+          tiff.finish();
           break;
         }
         default: {

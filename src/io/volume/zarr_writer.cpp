@@ -3,7 +3,6 @@
 #include "io/volume/zarr_writer.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 #include <zlib.h>
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "io/common/remove_tree.h"
+#include "base/platform/remove_tree.h"
 
 #include <dirent.h>
 #include <fcntl.h>
@@ -9,7 +9,7 @@
 #include <cerrno>
 #include <cstring>
 
-namespace quench::io {
+namespace quench::base {
 namespace {
 
 void remove_in(int parent, const char* name) noexcept;
@@ -45,4 +45,4 @@ void remove_in(int parent, const char* name) noexcept {
 
 void remove_tree(const char* path) noexcept { remove_in(AT_FDCWD, path); }
 
-}  // namespace quench::io
+}  // namespace quench::base

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <sys/types.h>
-
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -14,7 +12,7 @@
 
 #include "quench/context.h"
 
-namespace quench::io {
+namespace quench::base {
 
 /// Processor time and address space of a reader in a child process.
 struct SandboxLimits {
@@ -70,7 +68,7 @@ class ChildReader {
   std::filesystem::path file_;
   const Context* context_;
   std::chrono::duration<double> patience_;
-  pid_t process_ = -1;
+  int process_ = -1;
   int pipe_ = -1;
 };
 
@@ -81,4 +79,4 @@ void allow_memory(std::uint64_t bytes);
 std::string read_in_child_process(const std::filesystem::path& file, const std::function<std::string()>& read,
                                   const SandboxLimits& limits = {});
 
-}  // namespace quench::io
+}  // namespace quench::base

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "io/common/file_out.h"
+#include "base/platform/file_out.h"
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -7,7 +7,7 @@
 
 #include <cerrno>
 
-namespace quench::io {
+namespace quench::base {
 namespace {
 
 /// fsync() or syncfs(); 0 also where it is not possible: pipes, file systems that do not support it or are read only.
@@ -34,16 +34,18 @@ void FileOut::opened(int descriptor) {
   stream_.clear();
 }
 
-void FileOut::create(const std::filesystem::path& file, mode_t permissions) {
-  opened(::open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, permissions));
+void FileOut::create(const std::filesystem::path& file, std::filesystem::perms permissions) {
+  opened(::open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, static_cast<mode_t>(permissions)));
 }
 
 void FileOut::open(const std::filesystem::path& file) {
   opened(::open(file.c_str(), O_WRONLY | O_TRUNC | O_CLOEXEC, 0));
 }
 
-void FileOut::set_permissions(mode_t permissions) {
-  if (descriptor_ >= 0 && ::fchmod(descriptor_, permissions) != 0 && errno != EPERM && errno != ENOTSUP) error_ = errno;
+void FileOut::set_permissions(std::filesystem::perms permissions) {
+  if (descriptor_ >= 0 && ::fchmod(descriptor_, static_cast<mode_t>(permissions)) != 0 && errno != EPERM &&
+      errno != ENOTSUP)
+    error_ = errno;
 }
 
 bool FileOut::send(const char* bytes, std::size_t count) {
@@ -109,4 +111,4 @@ int flush_folder_to_disk(const std::filesystem::path& folder) { return folder_fl
 
 int flush_file_system(const std::filesystem::path& folder) { return folder_flushed(folder, ::syncfs); }
 
-}  // namespace quench::io
+}  // namespace quench::base

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "io/common/child_process.h"
+#include "base/platform/child_process.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -20,7 +20,7 @@
 
 #include "quench/error.h"
 
-namespace quench::io {
+namespace quench::base {
 namespace {
 
 // The first byte of a message; behind it the number of its bytes, and these.
@@ -232,4 +232,4 @@ std::string read_in_child_process(const std::filesystem::path& file, const std::
       .next();
 }
 
-}  // namespace quench::io
+}  // namespace quench::base

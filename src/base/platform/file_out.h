@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <sys/types.h>
-
 #include <filesystem>
 #include <ostream>
 #include <streambuf>
 #include <vector>
 
-namespace quench::io {
+namespace quench::base {
 
 /// A file that is written from its beginning. Unlike std::ofstream it can refuse a file that exists, give a new one its
 /// permissions from the first byte on, and wait until the data are on the disk. Once a call has failed, error() is its
@@ -21,11 +19,11 @@ class FileOut : private std::streambuf {
   ~FileOut() override { close(); }
 
   /// Creates the file; error() is EEXIST when one of this name exists, a link included.
-  void create(const std::filesystem::path& file, mode_t permissions);
+  void create(const std::filesystem::path& file, std::filesystem::perms permissions);
   /// Writes into a file that exists, e.g. a pipe or a device.
   void open(const std::filesystem::path& file);
   /// Exactly these permissions, whatever the umask is. File systems without permissions ignore them.
-  void set_permissions(mode_t permissions);
+  void set_permissions(std::filesystem::perms permissions);
   std::ostream& stream() { return stream_; }
   /// Hands all output to the system, and waits until it is on the disk. Returns at once where the file cannot be
   /// flushed.
@@ -53,4 +51,4 @@ int flush_folder_to_disk(const std::filesystem::path& folder);
 /// which would wait for the disk. 0 or an errno (Linux 5.8 and newer tell of data that could not be written).
 int flush_file_system(const std::filesystem::path& folder);
 
-}  // namespace quench::io
+}  // namespace quench::base

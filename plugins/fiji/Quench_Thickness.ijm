@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+// Local thickness of the open image or stack, by the program quench: opens the map of thickness, with a table of figures.
+// From another macro or the command line: runMacro("Quench_Thickness.ijm", "threshold=100 invert=1"); the keys are
+// open=FILE, threshold=T (a value, LOW,HIGH, auto, otsu, thin), invert=1, quench=PROGRAM, save=FILE.tif.
+
+options = getArgument();
+batch = is("Batch Mode");
+file = option("open", "");
+if (file != "") open(file);
+if (nImages == 0) fail("Quench: open an image or a stack first.");
+getDimensions(width, height, channels, slices, frames);
+if (bitDepth == 24) fail("Quench: this image has colours; make it grey first: Image > Type > 8-bit.");
+if (channels * frames > 1) fail("Quench: one channel and one time, please: Image > Duplicate...");
+
+threshold = "auto";
+inverted = 0;
+if (is("binary")) threshold = "1";
+getThreshold(lower, upper);
+if (lower != -1) {
+  threshold = "" + lower;
+  most = pow(2, bitDepth) - 1;
+  if (bitDepth < 32 && upper < most) {  // what is dark: all but what is brighter
+    if (lower > 0) showMessage("Quench", "The threshold has an upper end; all from " + lower + " on is taken.");
+    else { threshold = "" + (upper + 1); inverted = 1; }
+  }
+}
+threshold = option("threshold", threshold);
+chosen = option("invert", "" + inverted);
+inverted = parseInt(chosen);
+program = call("ij.Prefs.get", "quench.program", "quench");
+program = option("quench", program);
+if (options == "") {
+  Dialog.create("Quench: local thickness");
+  Dialog.addString("The shape: values from", threshold, 12);
+  Dialog.addMessage("a value, or LOW,HIGH, or auto, otsu, thin");
+  Dialog.addCheckbox("measure the rest instead: pores, dark things", inverted);
+  Dialog.addString("Program", program, 24);
+  Dialog.show();
+  threshold = Dialog.getString();
+  inverted = Dialog.getCheckbox();
+  program = Dialog.getString();
+  call("ij.Prefs.set", "quench.program", program);
+}
+
+title = getTitle();
+folder = getDirectory("temp") + "quench-" + floor(random * 1e9) + File.separator;
+File.makeDirectory(folder);
+setBatchMode(true);
+run("Duplicate...", "title=quench-input duplicate");
+resetThreshold();
+saveAs("Tiff", folder + "image.tif");
+close();
+command = "" + quoted(program) + " thickness image.tif --threshold " + quoted(threshold) + " -o thickness.tif --csv thickness.csv";
+if (inverted) command += " --invert";
+showStatus("Quench: thickness ...");
+said = exec("sh", "-c", "cd " + quoted(folder) + " && { " + command + " --json report.json; } 2>&1");
+if (!File.exists(folder + "thickness.tif")) {
+  remove(folder);
+  fail("Quench: " + said);
+}
+open(folder + "thickness.tif");
+rename("Thickness of " + title);
+lines = split(File.openAsString(folder + "thickness.csv"), "\n");
+names = split(lines[0], ",");
+values = split(lines[1], ",");
+for (i = 0; i < names.length; i++) if (startsWith(names[i], "max")) most = parseFloat(values[i]);
+setMinAndMax(0, most);
+run("Fire");
+file = option("save", "");
+if (file != "") saveAs("Tiff", file);
+if (!batch) {
+  setBatchMode("exit and display");
+  if (nSlices > 1) setSlice(floor(nSlices / 2) + 1);
+  table = "Thickness";
+  if (!isOpen(table)) Table.create(table);
+  row = Table.size(table);
+  Table.set("image", row, title, table);
+  for (i = 0; i < names.length; i++) Table.set(names[i], row, parseFloat(values[i]), table);
+  Table.update(table);
+}
+print(said);
+remove(folder);
+
+// The value of "key=value" in the argument of the macro; values with blanks stand in [ ].
+function option(key, otherwise) {
+  text = " " + options + " ";
+  at = indexOf(text, " " + key + "=");
+  if (at < 0) return otherwise;
+  rest = substring(text, at + lengthOf(key) + 2);
+  if (startsWith(rest, "[")) return substring(rest, 1, indexOf(rest, "]"));
+  return substring(rest, 0, indexOf(rest, " "));
+}
+
+function fail(message) {
+  if (!batch) exit(message);
+  print(message);  // without a window to close
+  exit();
+}
+
+function quoted(word) { return "'" + replace(word, "'", "'\"'\"'") + "'"; }
+
+function remove(folder) {
+  files = getFileList(folder);
+  for (i = 0; i < files.length; i++) deleted = File.delete(folder + files[i]);
+  deleted = File.delete(folder);
+}

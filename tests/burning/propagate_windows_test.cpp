@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: Apache-2.0
+// Fire as windows on edges: envelopes against brute force; fire that is never later than by nodes and to which nodes and
+// segments come near.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include "burn_by_nodes.h"
+#include "burning/source_windows.h"
+#include "full_run.h"
+#include "quench/axis.h"
+#include "random_complexes.h"
+#include "random_shapes.h"
+
+namespace quench {
+namespace propagate_windows_test {
+
+using namespace testing_complexes;
+using burning::SourceWindow;
+using burning::WindowEnvelope;
+using testing_burn::burn_by;
+using testing_burn::Propagation;
+
+Burning burn(const BurnInput& input, double omega, Propagation by) {
+  return burn_by(by, input.complex, input.points, input.radius, {.omega = omega, .radius = input.rule, .parents = false});
+}
+
+SourceWindow random_window(std::mt19937_64& random) {
+  std::uniform_real_distribution<double> unit(0, 1);
+  const bool on_edge = random() % 4 == 0;  // a source on the edge itself
+  double from = unit(random), to = unit(random);
+  if (from > to) std::swap(from, to);
+  if (random() % 3 == 0) from = 0;
+  if (random() % 3 == 0) to = 1;
+  return {from, to, 3 * unit(random) - 1, on_edge ? 0 : 2 * unit(random), random() % 2 == 0 ? 0 : unit(random)};
+}
+
+TEST(SourceWindows, CrossingsAreWhereTimesAreEqual) {
+  std::mt19937_64 random(1);
+  int found = 0;
+  for (int round = 0; round < 20000; ++round) {
+    const SourceWindow a = random_window(random), b = random_window(random);
+    const auto at = burning::crossings(a, b, 0, 1);
+    for (int i = 0; i < at.count; ++i) EXPECT_NEAR(a.at(at.at[i]), b.at(at.at[i]), 1e-12);
+    found += at.count;
+    // Between crossings the order is one.
+    double from = 0;
+    for (int i = 0; i <= at.count; ++i) {
+      const double to = i < at.count ? at.at[i] : 1;
+      int before = 0, after = 0;
+      for (int k = 1; k < 40; ++k) {
+        const double x = from + (to - from) * k / 40, difference = a.at(x) - b.at(x);
+        before += difference < -1e-9;
+        after += difference > 1e-9;
+      }
+      EXPECT_TRUE(before == 0 || after == 0) << round;
+      from = to;
+    }
+  }
+  EXPECT_GT(found, 3000);
+}
+
+TEST(SourceWindows, TheEnvelopeIsTheEarliest) {
+  for (std::uint64_t seed = 0; seed < 3000 && !testing::Test::HasFailure(); ++seed) {
+    std::mt19937_64 random(seed);
+    WindowEnvelope envelope;
+    std::vector<SourceWindow> all;
+    for (std::size_t count = 1 + random() % 12; count > 0; --count) {
+      std::vector<std::uint32_t> made;
+      all.push_back(random_window(random));
+      envelope.insert(all.back(), static_cast<std::uint32_t>(all.size()), 1e-10, 1e-9, made);
+      for (const std::uint32_t id : made) EXPECT_NE(envelope.find(id), nullptr);
+    }
+    double last = -1;
+    for (const auto& entry : envelope.entries()) {
+      EXPECT_LT(entry.window.from, entry.window.to) << seed;
+      EXPECT_GE(entry.window.from, last) << seed;
+      last = entry.window.to;
+    }
+    for (int k = 0; k <= 500; ++k) {
+      const double x = (k + 0.37) / 501;
+      double earliest = INFINITY;
+      for (const SourceWindow& w : all)
+        if (w.from <= x && x <= w.to) earliest = std::min(earliest, w.at(x));
+      const WindowEnvelope::Entry* entry = envelope.at(x, 0);
+      if (!entry)
+        EXPECT_TRUE(std::isinf(earliest)) << seed << " at " << x;
+      else
+        EXPECT_NEAR(entry->window.at(x), earliest, 1e-8) << seed << " at " << x;
+    }
+  }
+}
+
+TEST(BurnByWindows, IsNeverLaterThanByNodesAndNodesComeNear) {
+  double coarse_sum = 0, fine_sum = 0;
+  int compared = 0;
+  const std::uint64_t seeds = repeats(6000, 1500);
+  for (std::uint64_t seed = 0; seed < seeds; ++seed) {
+    const BurnInput input = random_input(seed);
+    if (!input.consistent) continue;
+    const Burning exact = burn(input, 20, Propagation::windows), coarse = burn(input, 0.2, Propagation::nodes),
+                  fine = burn(input, 0.04, Propagation::nodes);
+    for (std::size_t v = 0; v < input.points.size(); ++v) {
+      ASSERT_EQ(std::isinf(exact.burn_time[v]), std::isinf(fine.burn_time[v])) << seed;
+      if (std::isinf(exact.burn_time[v])) continue;
+      ASSERT_LE(exact.burn_time[v], fine.burn_time[v] + 1e-6) << seed << " vertex " << v;
+      ASSERT_LE(fine.burn_time[v], exact.burn_time[v] + 0.1) << seed << " vertex " << v;
+      coarse_sum += coarse.burn_time[v] - exact.burn_time[v];
+      fine_sum += fine.burn_time[v] - exact.burn_time[v];
+      ++compared;
+    }
+  }
+  EXPECT_GT(compared, static_cast<int>(5 * seeds));
+  EXPECT_LT(fine_sum, 0.4 * coarse_sum);
+  EXPECT_LT(fine_sum / compared, 1e-4);
+}
+
+// The nodes are where times are wanted, and change nothing.
+TEST(BurnByWindows, DoesNotDependOnTheSpacing) {
+  for (std::uint64_t seed = 0; seed < 1000; ++seed) {
+    const BurnInput input = random_input(seed);
+    const Burning one = burn(input, 20, Propagation::windows), other = burn(input, 0.3, Propagation::windows);
+    for (std::size_t v = 0; v < input.points.size(); ++v)
+      ASSERT_TRUE(one.burn_time[v] == other.burn_time[v] || std::abs(one.burn_time[v] - other.burn_time[v]) < 1e-8)
+          << seed << " vertex " << v;
+  }
+}
+
+TEST(BurnByWindows, SegmentsComeNearOnVoxelCores) {
+  double coarse_sum = 0, fine_sum = 0;
+  int compared = 0;
+  for (std::uint64_t seed = 0; seed < static_cast<std::uint64_t>(repeats(400, 100)); ++seed) {
+    MedialAxis core = voxel_core(testing_shapes::random_shape(seed, 9));
+    BurnInput input{core.complex, core.points, core.radius, RadiusRule::exact, true};
+    const Burning exact = burn(input, 5, Propagation::windows), coarse = burn(input, 0.4, Propagation::segments),
+                  fine = burn(input, 0.05, Propagation::segments);
+    EXPECT_EQ(exact.unburned, fine.unburned) << seed;
+    for (std::size_t v = 0; v < input.points.size(); ++v) {
+      if (std::isinf(exact.burn_time[v])) continue;
+      ASSERT_GE(exact.erosion_thickness[v], 0) << seed;
+      ASSERT_NEAR(fine.burn_time[v], exact.burn_time[v], 0.05) << seed << " vertex " << v;
+      coarse_sum += std::abs(coarse.burn_time[v] - exact.burn_time[v]);
+      fine_sum += std::abs(fine.burn_time[v] - exact.burn_time[v]);
+      ++compared;
+    }
+  }
+  EXPECT_GT(compared, 5000);
+  EXPECT_LT(fine_sum, 0.3 * coarse_sum);
+}
+
+}  // namespace propagate_windows_test
+}  // namespace quench
