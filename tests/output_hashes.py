@@ -126,12 +126,13 @@ def step_cases():
 
 CORE_OPTIONS = ['--lambda 0', '--lambda auto', '--detail 0', '--detail 2vox', '--detail inf', '--lambda 0.05',
                 '--lambda 3%', '--lambda 2.5vox', '--lambda 0.1abs', '--lambda inf', '--lambda-rule ball', '--full',
-                '--full --lambda 1.5vox --lambda-rule ball']
+                '--full --lambda 1.5vox --lambda-rule ball', '--mgf', '--prune-by mgf=10vox']
 BURN_OPTIONS = ['--omega 0.005', '--omega 0.5vox', '--omega 0.04abs', '--omega 2%', '--radius linear',
-                '--radius linear --omega 0.01']
+                '--radius linear --omega 0.01', '--propagation windows', '--propagation windows --omega 0.02 --radius linear']
 SKELETON_OPTIONS = ['--theta2 inf', '--theta2 0', '--theta2 8%', '--theta1 0', '--theta1 inf', '--theta1 2vox', '--full',
                     '--smooth 0', '--smooth 50 --resample 0.02', '--tips pruned', '--root 0,0,9 --swc-type axon',
-                    '--omega 0.02 --theta2 inf', '--radius linear --theta2 0.05', '--omega 0.01']
+                    '--omega 0.02 --theta2 inf', '--radius linear --theta2 0.05', '--omega 0.01',
+                    '--propagation windows --theta2 inf']
 VIEW_OPTIONS = ['--theta2 inf --theta1 0.1 --dark', '--layer core --color lambda --detail 0.05', '--max-triangles 2000',
                 '--camera 1,2,3,0,0,0,0,0,1 --color radius', '--omega 0.02']
 
