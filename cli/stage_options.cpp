@@ -131,7 +131,8 @@ void add_burn_options(CLI::App& app, pipeline::BurningOptions& o) {
   add_parsed(
       app, "--omega",
       "Distance of nodes along edges: a fraction of the longest side (0.005), 0.5vox, 2abs, or 'auto': 0.65 "
-      "of the mean edge (0.35 for triangles), for an erosion thickness right to about 0.1%",
+      "of the mean edge (0.35 for triangles), for an erosion thickness right to about 0.1% on voxel cores, 2% on cores "
+      "fitted to a mesh",
       [&o](const std::string&, const std::string& text) { o.omega = pipeline::parse_omega(text); },
       [&o] { return pipeline::text_of(o.omega); })
       ->type_name("LENGTH")
@@ -142,8 +143,8 @@ void add_burn_options(CLI::App& app, pipeline::BurningOptions& o) {
             "'auto': exact for voxel cores of Quench, linear for others")
       ->group(group);
   add_named(app, "--propagation", o.propagation, Propagation::segments, Propagation::windows,
-            "How fire crosses polygons: 'segments', from nodes on edges, with an erosion thickness right to about 0.1%, "
-            "'windows', exact whatever --omega is, in two to five times the time, or 'auto': segments")
+            "How fire crosses polygons: 'segments', from nodes on edges (see --omega), 'windows', exact up to rounding to a "
+            "4096th of omega, in two to five times the time, or 'auto': segments")
       ->group(group);
 }
 

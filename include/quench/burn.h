@@ -27,7 +27,8 @@ enum class RadiusRule {
 
 /// How fire crosses the polygons of an axis.
 enum class Propagation {
-  segments,  ///< from the pieces of edges between nodes: mean error of erosion thickness 0.1 % at the default spacing
+  segments,  ///< from the pieces of edges between nodes: mean error of erosion thickness 0.1 % at the default spacing, 1
+             ///< to 2 % where polygons are not flat
   windows    ///< exactly, up to rounding, whatever the spacing, where radii are distances to points; two to five times
              ///< the time of burning, on one thread
 };
@@ -67,7 +68,7 @@ struct Burning {
 /// finite and not negative, else Error(usage). Error(failed) when there are more than 2^32 states. Polygons flatter
 /// than 1e-12 of a side, or not convex, are crossed along straight lines from node to node only, which is less
 /// accurate. Propagation::windows follows fire exactly (open in Yan 2018, sec. 4.1.1): the lower envelope of arrivals on
-/// every edge, each from an unfolded source. Linear radii on the rim are taken as distances to a source a million times
+/// every edge, each from an unfolded source; polygons that are not flat or not convex are cut into triangles. Linear radii on the rim are taken as distances to a source a million times
 /// the edge away.
 ///
 /// Deterministic. Near O(n log n) in nodes for polygons of few nodes; about 190 bytes per node, up to 300 where most of

@@ -72,9 +72,12 @@ std::int64_t predicted_burn_bytes(const CellComplex& complex, std::span<const Ve
     const double pieces = omega > 0 ? (points[e[1]] - points[e[0]]).norm() / omega : 1;
     nodes += std::max(0.0, std::ceil(pieces) - 1);
   }
-  // 190 on smooth cores, up to 290 on cores of noise; windows take as much again.
-  const double bytes = (options.propagation == Propagation::windows ? 650 : 300) * nodes +
+  double bytes = 300 * nodes +  // 190 on smooth cores, up to 290 on cores of noise
                        40.0 * static_cast<double>(complex.face_vertices.size());
+  if (options.propagation == Propagation::windows) {
+    bytes += 500.0 * static_cast<double>(complex.edges.size());
+    if (complex.face_vertices.size() != 3 * complex.face_count()) bytes += 400 * nodes;  // cut into triangles
+  }
   return static_cast<std::int64_t>(std::min(bytes, 0x1p62));
 }
 

@@ -67,12 +67,12 @@ class WindowFire {
   void burn() {
     start();
     std::uint64_t done = 0;
-    const double vertices = domain_.complex.vertex_count;
+    const double vertices = domain_.complex.vertex_count;  // of 15 to 30 events each
     while (!queue_.empty()) {
       const Event event = queue_.top();
       queue_.pop();
       if ((++done & 0xFFFF) == 0)
-        checkpoint(context_, "burn", std::min(0.8, 0.1 * static_cast<double>(done) / (vertices + 1) / 20));
+        checkpoint(context_, "burn", std::min(0.8, 0.8 * static_cast<double>(done) / (25 * vertices + 1)));
       switch (event.kind) {
         case Kind::window:
           take_window(event);
@@ -167,7 +167,10 @@ class WindowFire {
       }
       add(first_list_[e], window, kEntering, domain_.network.face_corners_at(e)[0]);
     }
-    for (std::uint32_t v = 0; v < domain_.complex.vertex_count; ++v) take_vertex(v, domain_.radius[v]);
+    for (std::uint32_t v = 0; v < domain_.complex.vertex_count; ++v) {
+      if ((v & 0xFFFF) == 0) checkpoint(context_, "burn", 0);
+      take_vertex(v, domain_.radius[v]);
+    }
   }
 
   // Adds a window to a list; `corner`: the side of the polygon that it came through or enters.
@@ -244,8 +247,18 @@ class WindowFire {
     for (std::uint32_t c = domain_.complex.face_offsets[f]; c < domain_.complex.face_offsets[f + 1]; ++c) {
       if (c == but || c == nor) continue;
       const SideFrame frame(domain_.polygons.sides[c]);
-      arrive(c, {0, frame.length, frame.x(source), std::abs(frame.y(source)), time});
+      arrive_in(frame, c, {0, frame.length, frame.x(source), std::abs(frame.y(source)), time});
     }
+  }
+
+  // Fire comes to a side, in lengths of the polygon's plane: they differ a little from those of edges where a polygon is
+  // not quite flat.
+  void arrive_in(const SideFrame& frame, std::uint32_t corner, SourceWindow window) {
+    const double scale = frame.length > 0 ? domain_.network.length[domain_.complex.face_edges[corner]] / frame.length : 1;
+    window.from *= scale;
+    window.to *= scale;
+    window.along *= scale;
+    arrive(corner, window);
   }
 
   // Fire in a polygon comes to one of its sides.
@@ -313,7 +326,7 @@ class WindowFire {
       if (!(low < high)) continue;
       reached.from = low * far.length;
       reached.to = high * far.length;
-      arrive(c, reached);
+      arrive_in(far, c, reached);
     }
   }
 

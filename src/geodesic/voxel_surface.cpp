@@ -86,7 +86,8 @@ struct VoxelSurface::Neighbours {
 VoxelSurface::VoxelSurface(const VoxelShape& shape) : sites_(boundary_vertices(shape)) {
   std::ranges::copy(integer_spacing(shape.grid()), step_.begin());
   unit_ = shape.grid().spacing.minCoeff() / smallest_step();
-  if (sites_.size() >= kNone / 16)
+  // At most 12 sides of squares begin at a vertex; their numbers share a word with a flag.
+  if (sites_.size() >= 0x80000000u / 12)
     throw Error(ErrorCode::failed,
                 "the surface of the voxel shape is too large for distances along it; choose a "
                 "smaller resolution");

@@ -3,11 +3,15 @@
 // segments come near.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <random>
 #include <vector>
 
 #include "burn_by_nodes.h"
+#include "burning/flat_faces.h"
+#include "burning/network.h"
 #include "burning/source_windows.h"
 #include "full_run.h"
 #include "quench/axis.h"
@@ -148,6 +152,75 @@ TEST(BurnByWindows, SegmentsComeNearOnVoxelCores) {
   }
   EXPECT_GT(compared, 5000);
   EXPECT_LT(fine_sum, 0.3 * coarse_sum);
+}
+
+// Polygons that are not flat, or not convex: everything that has a number keeps it, and the surface stays closed.
+TEST(FlatFaces, CutPolygonsIntoTrianglesAndKeepAllNumbers) {
+  std::mt19937_64 random(5);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  int cut_faces = 0;
+  for (int round = 0; round < 1000 && !testing::Test::HasFailure(); ++round) {
+    BurnInput input = random_input(static_cast<std::uint64_t>(round));
+    for (Vec3& p : input.points) p += 0.2 * Vec3(unit(random), unit(random), unit(random));  // no polygon stays flat
+    const CellComplex& complex = input.complex;
+    std::vector<char> cut(complex.face_count());
+    for (char& c : cut) c = random() % 4 != 0;
+    const CellComplex flat = burning::with_flat_faces(complex, input.points, cut);
+    ASSERT_EQ(flat.vertex_count, complex.vertex_count);
+    ASSERT_TRUE(std::equal(complex.edges.begin(), complex.edges.end(), flat.edges.begin()));
+    EXPECT_EQ(topology(flat).euler, topology(complex).euler) << round;
+    EXPECT_EQ(topology(flat).betti, topology(complex).betti) << round;
+    std::size_t triangles = 0;
+    for (std::size_t f = 0; f < complex.face_count(); ++f) {
+      const std::size_t corners = complex.corners(f).size();
+      triangles += cut[f] && corners > 3 ? corners - 2 : 1;
+      cut_faces += cut[f] && corners > 3;
+    }
+    ASSERT_EQ(flat.face_count(), triangles) << round;
+    for (std::size_t f = 0; f < flat.face_count(); ++f)
+      for (std::size_t i = 0; i < flat.corners(f).size(); ++i) {
+        const std::uint32_t a = flat.corners(f)[i], b = flat.corners(f)[(i + 1) % flat.corners(f).size()];
+        const auto ends = std::array{std::min(a, b), std::max(a, b)};
+        ASSERT_EQ(flat.edges[flat.sides(f)[i]], ends) << round;
+      }
+    const auto before = burning::make_network(complex, input.points, 0.4), after = burning::make_network(flat, input.points, 0.4);
+    ASSERT_EQ(before.vertex_base, after.vertex_base) << round;
+    for (std::size_t e = 0; e <= complex.edges.size(); ++e) ASSERT_EQ(before.state_base[e], after.state_base[e]) << round;
+    for (std::uint32_t e = 0; e < complex.edges.size(); ++e) ASSERT_EQ(before.degree(e), after.degree(e)) << round;
+    // Every corner keeps its sector, and every polygon of an edge its place.
+    std::size_t corner = 0;
+    for (std::size_t f = 0, t = 0; f < complex.face_count(); ++f) {
+      const std::size_t pieces = cut[f] && complex.corners(f).size() > 3 ? complex.corners(f).size() - 2 : 1;
+      for (std::size_t i = 0; i < complex.corners(f).size(); ++i, ++corner)
+        for (std::size_t piece = t; piece < t + pieces; ++piece)
+          for (std::size_t k = 0; k < flat.corners(piece).size(); ++k) {
+            const std::size_t c = flat.face_offsets[piece] + k;
+            if (flat.face_vertices[c] == complex.face_vertices[corner])
+              ASSERT_EQ(after.corner_state[c], before.corner_state[corner]) << round;
+            if (flat.face_edges[c] == complex.face_edges[corner])
+              ASSERT_EQ(after.corner_rank[c], before.corner_rank[corner]) << round;
+          }
+      t += pieces;
+    }
+  }
+  EXPECT_GT(cut_faces, 2000);
+}
+
+// A flat convex polygon in triangles is the same sheet: the same fire.
+TEST(FlatFaces, CutFlatPolygonsBurnTheSame) {
+  int compared = 0;
+  for (std::uint64_t seed = 0; seed < 1000; ++seed) {
+    const BurnInput input = random_input(seed);
+    if (!input.consistent) continue;
+    BurnInput other = input;
+    other.complex = burning::with_flat_faces(input.complex, input.points, std::vector<char>(input.complex.face_count(), 1));
+    compared += other.complex.face_count() > input.complex.face_count();
+    const Burning one = burn(input, 20, Propagation::windows), two = burn(other, 20, Propagation::windows);
+    for (std::size_t v = 0; v < input.points.size(); ++v)
+      ASSERT_TRUE(one.burn_time[v] == two.burn_time[v] || std::abs(one.burn_time[v] - two.burn_time[v]) < 1e-6)
+          << seed << " vertex " << v;
+  }
+  EXPECT_GT(compared, 200);
 }
 
 }  // namespace propagate_windows_test
