@@ -4,7 +4,8 @@
 FROM debian:12 AS build
 WORKDIR /quench
 COPY scripts/install-deps scripts/
-RUN scripts/install-deps --build
+# make-packages asks the program file which files have libraries that a package depends on.
+RUN scripts/install-deps --build && apt-get install -y -qq --no-install-recommends file
 COPY . .
 RUN cmake --preset release -DQUENCH_TESTS=OFF -DQUENCH_BENCH=OFF -DQUENCH_PYTHON=OFF && \
     cmake --build build/release --target quench quench_program && \

@@ -58,7 +58,7 @@ test-full: test
 	ctest --test-dir build/tsan -j $(JOBS) --output-on-failure --timeout 3600
 
 packages:
-	@scripts/install-deps --build
+	@scripts/install-deps --packages
 	cmake --preset release
 	cmake --build $(BUILD) -j $(JOBS) --target quench quench_program $$(grep -q '^build quench_python:' $(BUILD)/build.ninja && echo quench_python)
 	scripts/make-packages $(BUILD)

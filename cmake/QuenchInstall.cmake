@@ -55,16 +55,20 @@ install(FILES ${PROJECT_BINARY_DIR}/quench-config.cmake ${PROJECT_BINARY_DIR}/qu
         DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/quench COMPONENT development)
 include(QuenchPkgConfig)
 
-# The licence, and the guide with what its pages show and link to, in the folders they have in the sources.
+# The licence, and the guide with all that its pages show and link to (tests/consumer follows every link), in the folders they have in the sources.
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_SOURCE_DIR}/README.md ${PROJECT_SOURCE_DIR}/CHANGELOG.md
-              ${PROJECT_SOURCE_DIR}/CITATION.cff
+              ${PROJECT_SOURCE_DIR}/CITATION.cff ${PROJECT_SOURCE_DIR}/CONTRIBUTING.md
         DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT documentation)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs/user ${PROJECT_SOURCE_DIR}/docs/tutorials ${PROJECT_SOURCE_DIR}/docs/algorithms
                   ${PROJECT_SOURCE_DIR}/docs/figures ${PROJECT_SOURCE_DIR}/docs/pictures
         DESTINATION ${CMAKE_INSTALL_DOCDIR}/docs COMPONENT documentation
         FILES_MATCHING PATTERN "*.md" PATTERN "*.svg" PATTERN "*.png" PATTERN "__pycache__" EXCLUDE)
-install(FILES ${PROJECT_SOURCE_DIR}/docs/glossary.md ${PROJECT_SOURCE_DIR}/docs/gallery.md
-        DESTINATION ${CMAKE_INSTALL_DOCDIR}/docs COMPONENT documentation)
+foreach(name architecture dissertation gallery glossary peers testing)
+  install(FILES ${PROJECT_SOURCE_DIR}/docs/${name}.md DESTINATION ${CMAKE_INSTALL_DOCDIR}/docs COMPONENT documentation)
+endforeach()
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/notes DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT documentation
+        FILES_MATCHING PATTERN "*.md" PATTERN "*.png")
+install(FILES ${PROJECT_SOURCE_DIR}/viewer/FORMAT.md DESTINATION ${CMAKE_INSTALL_DOCDIR}/viewer COMPONENT documentation)
 foreach(name paraview slicer blender fiji napari meshlab qgis)  # other_programs.md links to them
   install(FILES ${PROJECT_SOURCE_DIR}/plugins/${name}/README.md DESTINATION ${CMAKE_INSTALL_DOCDIR}/plugins/${name}
           COMPONENT documentation)

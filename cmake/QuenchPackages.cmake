@@ -57,7 +57,8 @@ set(CPACK_DEBIAN_DOCUMENTATION_PACKAGE_NAME quench-doc)
 set(CPACK_DEBIAN_DOCUMENTATION_PACKAGE_SECTION doc)
 set(CPACK_DEBIAN_DOCUMENTATION_PACKAGE_ARCHITECTURE all)
 set(CPACK_DEBIAN_DOCUMENTATION_PACKAGE_SUGGESTS "quench, python3-quench")
-set(CPACK_COMPONENT_DOCUMENTATION_DESCRIPTION "medial axes and skeletons of 3D shapes - documentation\n${about}This package has the guide, the pages on algorithms and the examples.")
+set(CPACK_COMPONENT_DOCUMENTATION_DESCRIPTION "medial axes and skeletons of 3D shapes - documentation\n${about}This package has the guide, the pages on algorithms, what was measured
+and the examples.")
 
 if(QUENCH_WITH_PYTHON)
   list(APPEND CPACK_COMPONENTS_ALL python)

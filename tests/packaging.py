@@ -63,9 +63,10 @@ def names_of_recipes(root):
     derivation = (root / 'packaging/nix/package.nix').read_text()
     arguments = derivation[derivation.index('{') + 1:derivation.index('}:')]
     return {'conda-forge': conda - {"${{ stdlib('c') }}"},
-            'vcpkg': {d if isinstance(d, str) else d['name'] for d in listed},
+            # Without the functions of portfile.cmake, which are ports, too.
+            'vcpkg': {d if isinstance(d, str) else d['name'] for d in listed} - {'vcpkg-cmake', 'vcpkg-cmake-config'},
             'homebrew': set(re.findall(r'^  depends_on "([^"]*)"', formula, re.M)),
-            'nix': ({name.strip() for name in arguments.split(',')} - {'', 'lib', 'stdenv', 'importNpmLock'}
+            'nix': ({name.strip() for name in arguments.split(',')} - {'', 'lib', 'stdenv'}
                     | set(re.findall(r'\bp\.(\w+)', derivation)))}
 
 

@@ -11,6 +11,8 @@ From top to bottom, in an empty folder:
   last digit of a fraction may be off by one;
 - a table behind a paragraph that names a `.csv` file holds rows of it, found by their first cell, or, where its first column
   is called "column", columns of its only row. Numbers are those of the file, rounded;
+- where the text says `make install PREFIX=FOLDER`, what it installs is put there from the build folder; $HOME is a folder
+  of the test's own, and the tutorial is followed in another one, not in the sources;
 - a picture is that of the file named in the line behind it, `*`FILE`*`, at half its size;
 - numbers in digits in the text around occur in the commands, in what they print, or in a table; fractions may be rounded.
 
@@ -259,6 +261,20 @@ class Reader:
                 raise Wrong(f'{", ".join(unknown)} was in no command, no output and no table:\n{text.strip()}')
 
 
+def install(found, build, home):
+    """Does what `make install PREFIX=...` in the text does, with `home` as $HOME; the new folder to follow the rest in."""
+    os.environ['HOME'] = home
+    said = re.search(r'`make install PREFIX=([^`]+)`', '\n'.join(text for kind, text, *_ in found if kind == 'prose'))
+    prefix = os.path.expandvars(said.group(1)) if said else ''
+    if not prefix.startswith(home + os.sep):  # a relative one would be in the sources
+        raise Wrong('nothing says `make install PREFIX=$HOME/...`')
+    command = ['cmake', '--install', build, '--component', 'development', '--prefix', prefix]
+    subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
+    new = os.path.join(home, 'new')
+    os.mkdir(new)
+    return new
+
+
 def missing(name, build):
     """What the tutorial needs and this machine has not."""
     import importlib.util
@@ -267,7 +283,7 @@ def missing(name, build):
     if name == 'python' and not (build and os.path.isdir(os.path.join(build, 'python', 'quench'))):
         lacking.append('the module of Python')
     if name == 'cpp':
-        lacking += [tool for tool in ('cmake', 'c++') if not shutil.which(tool)]
+        lacking += [tool for tool in ('cmake', 'c++', 'pkg-config') if not shutil.which(tool)]
         if not build:
             lacking.append('the library')
     return lacking
@@ -289,27 +305,15 @@ def main():
     page = os.path.join(ROOT, 'docs', 'tutorials', f'{options.name}.md')
     with open(page, encoding='utf-8') as file:
         lines = file.read().split('\n')
-    work = options.keep or tempfile.mkdtemp(prefix='quench-tutorial-')
+    work = folder = os.path.abspath(options.keep or tempfile.mkdtemp(prefix='quench-tutorial-'))
     os.makedirs(work, exist_ok=True)
     try:
         found = elements('\n'.join(lines))
         if not any(kind in ('sh', 'python') for kind, *_ in found):
             raise Wrong('nothing is run')
+        if options.name == 'cpp':
+            work = install(found, options.build, work)
         os.chdir(work)
-        if options.name == 'cpp':  # as 'make install' does
-            subprocess.run(
-                [
-                    'cmake',
-                    '--install',
-                    options.build,
-                    '--component',
-                    'development',
-                    '--prefix',
-                    os.path.join(work, 'quench'),
-                ],
-                check=True,
-                stdout=subprocess.DEVNULL,
-            )
         reader = Reader(options)
         changed = [(reader.follow(kind, text), first, last) for kind, text, first, last in found]
         for text, first, last in reversed(changed):
@@ -331,7 +335,7 @@ def main():
     finally:
         os.chdir(ROOT)
         if not options.keep:
-            shutil.rmtree(work, ignore_errors=True)
+            shutil.rmtree(folder, ignore_errors=True)
 
 
 if __name__ == '__main__':

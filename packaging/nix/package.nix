@@ -1,14 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-# The program, the library and the Python module: callPackage this file. nixpkgs 25.05 or newer
-# (importNpmLock takes the packages of the page from its lock file, without a hash to keep).
+# The program, the library and the Python module: callPackage this file. nixpkgs 25.05 or newer. Without interactive pages of results:
+# viewer/package-lock.json names no addresses of the packages they are built with, and a build in Nix has no network.
 {
   lib,
   stdenv,
-  importNpmLock,
   cmake,
   ninja,
   pkg-config,
-  nodejs,
   python3,
   tbb_2022,
   eigen,
@@ -33,15 +31,10 @@ stdenv.mkDerivation {
   version = "0.1.0";
   src = lib.cleanSource ../..;
 
-  npmRoot = "viewer";
-  npmDeps = importNpmLock { npmRoot = ../../viewer; };
-
   nativeBuildInputs = [
     cmake
     ninja
     pkg-config
-    nodejs
-    importNpmLock.npmConfigHook
   ];
   buildInputs = [
     cli11
@@ -69,6 +62,7 @@ stdenv.mkDerivation {
     (lib.cmakeBool "QUENCH_TESTS" false)
     (lib.cmakeBool "QUENCH_BENCH" false)
     (lib.cmakeBool "QUENCH_WERROR" false)
+    (lib.cmakeBool "QUENCH_VIEWER" false)
     (lib.cmakeFeature "QUENCH_PYTHON" "ON")
     (lib.cmakeFeature "QUENCH_PYTHON_DIR" "${python3.sitePackages}")
     (lib.cmakeFeature "QUENCH_FONT" "${dejavu_fonts}/share/fonts/truetype/DejaVuSans.ttf")

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-# Installs Quench into a folder, looks for what belongs there, moves the folder, and builds and runs the consumer against
-# it: by find_package() and by pkg-config.
+# Installs Quench into a folder, looks for what belongs there and what the installed pages link to, moves the folder, and
+# builds and runs the consumer against it: by find_package() and by pkg-config.
 function(run)
   execute_process(COMMAND ${ARGN} RESULT_VARIABLE result)
   if(NOT result EQUAL 0)
@@ -27,6 +27,27 @@ foreach(file ${belongs})
     message(FATAL_ERROR "not installed: ${file}")
   endif()
 endforeach()
+
+# Every link between the pages leads to what is installed, too.
+file(GLOB_RECURSE pages ${prefix}/${DOC}/*.md)
+set(count 0)
+foreach(page ${pages})
+  file(READ ${page} text)
+  string(REPLACE "](" "<LINK>" text "${text}")
+  string(REGEX REPLACE "[][;]" " " text "${text}")
+  string(REGEX MATCHALL "<LINK>[A-Za-z0-9_./-]+[#)]" links "${text}")  # neither addresses nor code
+  cmake_path(GET page PARENT_PATH folder)
+  foreach(link ${links})
+    string(REGEX REPLACE "^<LINK>(.*).$" "\\1" link "${link}")
+    if(NOT EXISTS ${folder}/${link})
+      message(FATAL_ERROR "not installed: ${link}, to which ${page} links")
+    endif()
+    math(EXPR count "${count} + 1")
+  endforeach()
+endforeach()
+if(count LESS 100)
+  message(FATAL_ERROR "the installed pages have ${count} links only: are they read as they should?")
+endif()
 
 run(${CMAKE_COMMAND} -S ${SOURCE} -B ${WORK}/build -G ${GENERATOR} -DCMAKE_CXX_COMPILER=${CXX} -DCMAKE_PREFIX_PATH=${prefix})
 run(${CMAKE_COMMAND} --build ${WORK}/build)
