@@ -34,9 +34,7 @@ struct SideFrame {
     along = {(to.x - side.x) * scale, (to.y - side.y) * scale};
   }
   double x(const PlanePoint& p) const { return (p.x - origin.x) * along.x + (p.y - origin.y) * along.y; }
-  double y(const PlanePoint& p) const {
-    return inward * ((p.y - origin.y) * along.x - (p.x - origin.x) * along.y);
-  }
+  double y(const PlanePoint& p) const { return inward * ((p.y - origin.y) * along.x - (p.x - origin.x) * along.y); }
   PlanePoint point(double x, double y) const {
     return {origin.x + x * along.x - y * inward * along.y, origin.y + x * along.y + y * inward * along.x};
   }
@@ -95,8 +93,8 @@ class WindowFire {
       const auto sectors = times_of(v);
       for (std::uint32_t i = 0; i < sectors.size(); ++i) {
         times[first + i] = not_early(sectors[i].time, domain_.radius[v]);
-        opened[first + i] = sectors[i].opened_by != kNone && sectors[i].opened_by != i &&
-                            sectors[i].time < arrival_[first + i];
+        opened[first + i] =
+            sectors[i].opened_by != kNone && sectors[i].opened_by != i && sectors[i].time < arrival_[first + i];
       }
     }
     for (std::uint32_t e = 0; e < domain_.links.edges.size(); ++e) {
@@ -251,10 +249,11 @@ class WindowFire {
     }
   }
 
-  // Fire comes to a side, in lengths of the polygon's plane: they differ a little from those of edges where a polygon is
-  // not quite flat.
+  // Fire comes to a side, in lengths of the polygon's plane: they differ a little from those of edges where a polygon
+  // is not quite flat.
   void arrive_in(const SideFrame& frame, std::uint32_t corner, SourceWindow window) {
-    const double scale = frame.length > 0 ? domain_.network.length[domain_.complex.face_edges[corner]] / frame.length : 1;
+    const double scale =
+        frame.length > 0 ? domain_.network.length[domain_.complex.face_edges[corner]] / frame.length : 1;
     window.from *= scale;
     window.to *= scale;
     window.along *= scale;
