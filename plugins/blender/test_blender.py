@@ -106,9 +106,33 @@ assert len(thickness) == 48 * 24 and abs(numpy.median(thickness) - 0.6) < 0.06, 
 assert bpy.ops.object.quench_medial_axis(resolution=64, result='skeleton', theta2='inf') == {'FINISHED'}
 made = bpy.context.object
 bpy.context.view_layer.update()
-assert made is not torus and numpy.allclose(made.matrix_world, torus.matrix_world, atol=1e-5), made.matrix_world
-away = [math.hypot(v.co.x, v.co.y) for v in made.data.vertices]
+assert made is not torus and numpy.allclose(made.matrix_world, numpy.eye(4), atol=1e-6), made.matrix_world
+def around(made, size=1):
+    """How far from the axis of the torus the vertices are, in the world."""
+    back = torus.matrix_world.inverted()
+    return [size * math.hypot(*(back @ made.matrix_world @ v.co)[:2]) for v in made.data.vertices]
+away = around(made)
 assert len(away) > 8 and max(abs(a - 1) for a in away) < 0.1, (min(away), max(away))
+# As it is seen: twice the size and mirrored, and with a modifier.
+def activate(thing):
+    bpy.context.view_layer.objects.active = thing
+activate(torus)
+torus.scale = (2, 2, -2)
+bpy.context.view_layer.update()
+assert bpy.ops.object.quench_thickness(resolution=64) == {'FINISHED'} and bpy.context.object is torus
+assert abs(numpy.median(values_of(torus, 'thickness')) - 1.2) < 0.12, numpy.median(values_of(torus, 'thickness'))
+assert bpy.ops.object.quench_medial_axis(resolution=64, result='skeleton', theta2='inf') == {'FINISHED'}
+away = around(bpy.context.object, 2)
+assert len(away) > 8 and max(abs(a - 2) for a in away) < 0.2, (min(away), max(away))
+assert abs(numpy.median(values_of(bpy.context.object, 'radius')) - 0.6) < 0.1
+activate(torus)
+torus.modifiers.new('finer', 'SUBSURF').levels = 1
+assert bpy.ops.object.quench_thickness(resolution=64) == {'FINISHED'}
+finer = bpy.context.object
+bpy.context.view_layer.update()
+assert finer is not torus and numpy.allclose(finer.matrix_world, torus.matrix_world, atol=1e-5) and not finer.modifiers
+assert len(values_of(finer, 'thickness')) == 4 * 48 * 24 and abs(numpy.median(values_of(finer, 'thickness')) - 1.2) < 0.15
+torus.hide_set(False)
 bpy.context.view_layer.objects.active = torus
 try:
     assert bpy.ops.object.quench_medial_axis(theta2='much') == {'CANCELLED'}

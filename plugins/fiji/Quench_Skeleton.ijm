@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Skeleton of the open image or stack, by the program quench: curves as an overlay, coloured by radius, and a table of
 // branches. From another macro: runMacro("Quench_Skeleton.ijm", "threshold=100 theta1=1r"); the keys are open=FILE,
-// threshold=T (a value, LOW,HIGH, auto, otsu, thin), invert=1, theta1=LENGTH, quench=PROGRAM, save=FILE.tif, table=FILE.csv.
+// threshold=T (a value, or LOW,HIGH, auto, otsu, thin), invert=1, theta1=LENGTH, quench=PROGRAM, save=FILE.tif, table=FILE.csv.
 
 options = getArgument();
 batch = is("Batch Mode");
@@ -15,12 +15,25 @@ if (channels * frames > 1) fail("Quench: one channel and one time, please: Image
 threshold = "auto";
 inverted = 0;
 if (is("binary")) threshold = "1";
-getThreshold(lower, upper);
-if (lower != -1) {
-  threshold = "" + lower;
-  if (bitDepth < 32 && upper < pow(2, bitDepth) - 1 && lower <= 0) {  // what is dark: all but what is brighter
-    threshold = "" + (upper + 1);
-    inverted = 1;
+step = 0;  // between values of the image, as calibrated
+calibrated = 0;
+if (bitDepth < 32) {
+  step = abs(calibrate(1) - calibrate(0));
+  if (calibrate(0) != 0 || calibrate(1) != 1) calibrated = 1;
+}
+getThreshold(lower, upper);  // as calibrated, too
+given = option("threshold", "");
+if (given != "") { lower = -1; upper = -1; }
+if (lower != -1 || upper != -1) {
+  threshold = digits(lower);
+  if (nSlices > 1) Stack.getStatistics(count, mean, least, most);
+  else getStatistics(count, mean, least, most);
+  if (upper < most) {
+    if (lower <= least) {  // what is dark: all but what is brighter
+      if (step == 1) threshold = digits(upper + 1);
+      else threshold = digits(upper + step / 2);
+      inverted = 1;
+    } else say("Quench: the threshold has an upper end, which is not used: all from " + digits(lower) + " on is taken.");
   }
 }
 threshold = option("threshold", threshold);
@@ -32,7 +45,7 @@ program = option("quench", program);
 if (options == "") {
   Dialog.create("Quench: skeleton");
   Dialog.addString("The shape: values from", threshold, 12);
-  Dialog.addMessage("a value, or LOW,HIGH, or auto, otsu, thin");
+  Dialog.addMessage("a value, or auto, otsu, thin; LOW,HIGH: from LOW on, where connected to HIGH");
   Dialog.addCheckbox("all the rest instead: dark things", inverted);
   Dialog.addString("Branches stick out by at least", theta1, 12);
   Dialog.addMessage("0.5r: half a radius of what they leave; 8vox; 3.5abs");
@@ -52,6 +65,7 @@ File.makeDirectory(folder);
 setBatchMode(true);
 run("Duplicate...", "title=quench-input duplicate");
 resetThreshold();
+if (calibrated) run("32-bit");  // the program reads values as they are stored
 saveAs("Tiff", folder + "image.tif");
 close();
 command = "" + quoted(program) + " run image.tif --threshold " + quoted(threshold) + " --theta1 " + quoted(theta1) +
@@ -132,6 +146,18 @@ function option(key, otherwise) {
   rest = substring(text, at + lengthOf(key) + 2);
   if (startsWith(rest, "[")) return substring(rest, 1, indexOf(rest, "]"));
   return substring(rest, 0, indexOf(rest, " "));
+}
+
+// A number with all its digits.
+function digits(number) {
+  plain = "" + number;
+  if (parseFloat(plain) == number) return plain;
+  return d2s(number, -9);
+}
+
+function say(message) {
+  if (batch) print(message);
+  else showMessage("Quench", message);
 }
 
 function fail(message) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Local thickness of the open image or stack, by the program quench: opens the map of thickness, with a table of figures.
 // From another macro or the command line: runMacro("Quench_Thickness.ijm", "threshold=100 invert=1"); the keys are
-// open=FILE, threshold=T (a value, LOW,HIGH, auto, otsu, thin), invert=1, quench=PROGRAM, save=FILE.tif.
+// open=FILE, threshold=T (a value, or LOW,HIGH, auto, otsu, thin), invert=1, quench=PROGRAM, save=FILE.tif.
 
 options = getArgument();
 batch = is("Batch Mode");
@@ -15,13 +15,25 @@ if (channels * frames > 1) fail("Quench: one channel and one time, please: Image
 threshold = "auto";
 inverted = 0;
 if (is("binary")) threshold = "1";
-getThreshold(lower, upper);
-if (lower != -1) {
-  threshold = "" + lower;
-  most = pow(2, bitDepth) - 1;
-  if (bitDepth < 32 && upper < most) {  // what is dark: all but what is brighter
-    if (lower > 0) showMessage("Quench", "The threshold has an upper end; all from " + lower + " on is taken.");
-    else { threshold = "" + (upper + 1); inverted = 1; }
+step = 0;  // between values of the image, as calibrated
+calibrated = 0;
+if (bitDepth < 32) {
+  step = abs(calibrate(1) - calibrate(0));
+  if (calibrate(0) != 0 || calibrate(1) != 1) calibrated = 1;
+}
+getThreshold(lower, upper);  // as calibrated, too
+given = option("threshold", "");
+if (given != "") { lower = -1; upper = -1; }
+if (lower != -1 || upper != -1) {
+  threshold = digits(lower);
+  if (nSlices > 1) Stack.getStatistics(count, mean, least, most);
+  else getStatistics(count, mean, least, most);
+  if (upper < most) {
+    if (lower <= least) {  // what is dark: all but what is brighter
+      if (step == 1) threshold = digits(upper + 1);
+      else threshold = digits(upper + step / 2);
+      inverted = 1;
+    } else say("Quench: the threshold has an upper end, which is not used: all from " + digits(lower) + " on is taken.");
   }
 }
 threshold = option("threshold", threshold);
@@ -32,7 +44,7 @@ program = option("quench", program);
 if (options == "") {
   Dialog.create("Quench: local thickness");
   Dialog.addString("The shape: values from", threshold, 12);
-  Dialog.addMessage("a value, or LOW,HIGH, or auto, otsu, thin");
+  Dialog.addMessage("a value, or auto, otsu, thin; LOW,HIGH: from LOW on, where connected to HIGH");
   Dialog.addCheckbox("measure the rest instead: pores, dark things", inverted);
   Dialog.addString("Program", program, 24);
   Dialog.show();
@@ -48,6 +60,7 @@ File.makeDirectory(folder);
 setBatchMode(true);
 run("Duplicate...", "title=quench-input duplicate");
 resetThreshold();
+if (calibrated) run("32-bit");  // the program reads values as they are stored
 saveAs("Tiff", folder + "image.tif");
 close();
 command = "" + quoted(program) + " thickness image.tif --threshold " + quoted(threshold) + " -o thickness.tif --csv thickness.csv";
@@ -89,6 +102,18 @@ function option(key, otherwise) {
   rest = substring(text, at + lengthOf(key) + 2);
   if (startsWith(rest, "[")) return substring(rest, 1, indexOf(rest, "]"));
   return substring(rest, 0, indexOf(rest, " "));
+}
+
+// A number with all its digits.
+function digits(number) {
+  plain = "" + number;
+  if (parseFloat(plain) == number) return plain;
+  return d2s(number, -9);
+}
+
+function say(message) {
+  if (batch) print(message);
+  else showMessage("Quench", message);
 }
 
 function fail(message) {

@@ -67,6 +67,43 @@ def spacing(file):
     return quench.read(file).spacing
 
 
+def check_thresholds(jar, folder):
+    """Thresholds of ImageJ, of images with calibrated values (signed CT), with and without an upper end."""
+    signed = (  # 20 and 200 become -820 and 800
+        'run("16-bit"); run("Macro...", "code=v=31768+v*9");'
+        ' run("Calibrate...", "function=[Straight Line] unit=HU text1=[0 65535] text2=[-32768 32767]");'
+    )
+    stack = signed.replace('v*9"', 'v*9 stack"')  # 10 and 150: -910 and 350
+    bright, dark = 'bright', 'dark'
+    for name, before, lower, upper, taken, message in (
+        ('bytes', '', 100, 255, bright, False),
+        ('band', '', 100, 210, bright, False),
+        ('above', '', 100, 150, bright, True),
+        ('low', '', 0, 100, dark, False),
+        ('ct', signed, -100, 32767, bright, False),
+        ('ct_low', signed, -32768, -100, dark, False),
+        ('ct_above', signed, -300, 200, bright, True),
+        ('ct_minus', signed, -1, 32767, bright, False),
+        ('ct_stack', stack, -100, 32767, bright, False),
+        ('ct_stack_low', stack, -32768, -100, dark, False),
+        ('float', 'run("32-bit"); run("Subtract...", "value=100.25");', -20.5, 1e30, bright, False),
+        ('float_low', 'run("32-bit"); run("Subtract...", "value=100.25");', -1e30, -20.5, dark, False),
+    ):
+        source = 'stack' if 'stack' in name else 'image'
+        for kind in ('Thickness', 'Skeleton'):
+            with open(f'{folder}/set.ijm', 'w', encoding='utf-8') as file:
+                file.write(
+                    f'open("{folder}/{source}.tif"); {before}\nsetThreshold({lower}, {upper});\n'
+                    f'runMacro("{HERE}/Quench_{kind}.ijm", "quench={PROGRAM} save={folder}/{name}_{kind}.tif");'
+                )
+            said = macro(jar, f'{folder}/set.ijm', '', folder)
+            assert ('upper end' in said) == message, f'{name}, {kind}: {said}'
+        bar = values(f'{folder}/{source}.tif') > 100
+        found = values(f'{folder}/{name}_Thickness.tif') > 0
+        assert np.array_equal(found, bar if taken == bright else ~bar), f'{name}: {found.mean()} of the image'
+    print('thresholds: of signed and calibrated values, dark things, upper ends')
+
+
 def main():
     jar = next((jar for jar in JARS if jar and os.path.exists(jar)), None)
     if not jar or not shutil.which('java'):
@@ -135,6 +172,7 @@ def main():
             if name == 'image':  # along the middle of the bar, which is row 40, 40.5 in ImageJ
                 assert abs(float(y) - 40.5) < 8 and 5 <= float(x) <= 115, (x, y)
             print(f'{name}: thickness as the program has it, up to {ours.max():.2f}; {lines} lines in the overlay')
+        check_thresholds(jar, folder)
         said = macro(
             jar, f'{HERE}/Quench_Thickness.ijm', f'open={folder}/image.tif threshold=900 quench={PROGRAM}', folder
         )

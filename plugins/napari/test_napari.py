@@ -19,17 +19,43 @@ PROGRAM = os.environ.get('QUENCH') or shutil.which('quench')
 # What viewer.add_KIND() documents, of what is used.
 KEYWORDS = {
     'image': {'name', 'scale', 'translate', 'affine', 'colormap', 'contrast_limits'},
-    'vectors': {'name', 'scale', 'translate', 'features', 'edge_color', 'edge_width', 'edge_colormap', 'vector_style'},
-    'surface': {'name', 'scale', 'translate', 'colormap', 'contrast_limits', 'shading'},
+    'vectors': {'name', 'scale', 'translate', 'affine', 'features', 'edge_color', 'edge_width', 'edge_colormap', 'vector_style'},
+    'surface': {'name', 'scale', 'translate', 'affine', 'colormap', 'contrast_limits', 'shading'},
 }
 
 
-class Image(SimpleNamespace):
+class Layer(SimpleNamespace):
+    """Stands for napari.layers.Layer: first its scale and translation, then its affine matrix."""
+
+    def __init__(self, **more):
+        dimensions = np.ndim(more['data'])
+        super().__init__(
+            **{
+                'scale': np.ones(dimensions),
+                'translate': np.zeros(dimensions),
+                'affine': np.eye(dimensions + 1),
+                **more,
+            }
+        )
+
+    def data_to_world(self, position):
+        return tuple((self.affine @ np.append(np.asarray(position) * self.scale + self.translate, 1))[:-1])
+
+
+class Image(Layer):
     """Stands for napari.layers.Image."""
 
 
-class Labels(SimpleNamespace):
+class Labels(Layer):
     """Stands for napari.layers.Labels."""
+
+
+def shown(keywords, points):
+    """Where napari shows points of a layer."""
+    dimensions = points.shape[1]
+    moved = points * keywords.get('scale', np.ones(dimensions)) + keywords.get('translate', np.zeros(dimensions))
+    affine = np.asarray(keywords.get('affine', np.eye(dimensions + 1)))
+    return moved @ affine[:-1, :-1].T + affine[:-1, -1]
 
 
 def check_manifest():
@@ -118,6 +144,50 @@ def wider(shape):
     )
 
 
+def check_places(folder, reader, widgets):
+    """Results lie on volumes that a file has moved and turned, and have their lengths in the world."""
+    from napari_quench import layers
+
+    array = np.zeros((40, 30, 20), np.uint8)  # x, y, z
+    array[2:38, 9:20, 8:11] = 200
+    half = np.sqrt(0.5)
+    turned = np.array([[half, -half, 0], [half, half, 0], [0, 0, 1]])
+    for name, direction in (('straight', np.eye(3)), ('turned', turned)):
+        vectors = ' '.join('(%r,%r,%r)' % tuple(axis) for axis in (direction * [0.5, 0.5, 2.0]).T.tolist())
+        with open(f'{folder}/{name}.nrrd', 'wb') as file:
+            file.write(
+                b'NRRD0004\ntype: uint8\ndimension: 3\nsizes: 40 30 20\nencoding: raw\nspace dimension: 3\n'
+                + f'space directions: {vectors}\nspace origin: (30,-20,5)\n\n'.encode()
+                + array.tobytes(order='F')
+            )
+        ((data, keywords, kind),) = reader.read(f'{folder}/{name}.nrrd')
+        assert kind == 'image' and ('affine' in keywords) == (name == 'turned'), keywords
+        corner = shown(keywords, np.array([[3.0, 7.0, 11.0]]))[0]  # z, y, x
+        assert np.allclose(corner[::-1], np.array([30, -20, 5]) + direction @ np.array([5.5, 3.5, 6.0])), corner
+        layer = Image(**{'data': data, **keywords})
+        first = np.array(layer.data_to_world(np.zeros(3)))
+        world = np.linalg.inv(np.stack([layer.data_to_world(axis) - first for axis in np.eye(3)], 1))
+        for found in (widgets.skeleton(layer, threshold='100'), widgets.skeleton(layer, threshold='100', theta2='0.1abs')):
+            check_layers(found, 3)
+            for points, keywords, kind in found:
+                places = points[:, 0] if kind == 'vectors' else points[0]
+                index = (shown(keywords, places) - first) @ world.T
+                assert (data[tuple(np.rint(index).astype(int).T)] == 200).all(), f'{name}: a skeleton leaves its volume'
+        ((data, keywords, kind),) = widgets.thickness(layer, threshold='100')
+        assert 5 < data.max() < 7, data.max()  # 11 voxels of 0.5, 3 of 2
+        assert np.allclose(shown(keywords, np.eye(3)), [layer.data_to_world(axis) for axis in np.eye(3)])
+    picture = SimpleNamespace(
+        array=np.zeros((4, 6)), spacing=[2.0, 0.5], origin=[10.0, 20.0], direction=[[0, 1], [1, 0]]
+    )
+    ((data, keywords, kind),) = layers.volume_layer(picture, 'picture')
+    assert np.allclose(shown(keywords, np.array([[1.0, 2.0]])), [[22, 11]]) and 'affine' not in keywords
+    # The same place, once as a scale, once as a matrix: the same lengths, as another plug-in may have it.
+    image = np.where(np.abs(np.indices((60, 90))[0] - 30) < 9, 200, 5).astype(np.uint8)
+    scaled = Image(name='bar', data=image, scale=np.array([0.5, 0.5]), affine=np.diag([2.0, 2.0, 1.0]))
+    ((data, keywords, _),) = widgets.thickness(scaled, threshold='100')
+    assert abs(data.max() - 17) < 1.2 and np.allclose(shown(keywords, np.eye(2)), np.eye(2)), data.max()
+
+
 def main():
     if importlib.util.find_spec('yaml') is None:
         print('there is no PyYAML (Debian: python3-yaml)')
@@ -143,8 +213,8 @@ def main():
         for name in ('tree/tree.swc', 'tree/tree.rsml'):
             found = read(name)
             assert check_layers(found, 3) == {'vectors'} and len(np.unique(found[0][1]['features']['level'])) > 1
-            place = np.c_[found[0][0][:, 0], np.ones(len(found[0][0]))] @ np.linalg.inv(keywords['affine']).T
-            index = np.rint(place[:, :3]).astype(int)
+            place = (found[0][0][:, 0] - keywords['translate']) / keywords['scale']
+            index = np.rint(place).astype(int)
             share = wider(volume.astype(bool))[tuple(np.clip(index, 0, np.array(volume.shape) - 1).T)].mean()
             assert share == 1, f'{name}: {share:.2f} of its points lie within a voxel of the volume it is of'
         assert reader.get_reader('picture.png') is None and reader.get_reader(['a.swc', 'b.swc']) is None
@@ -180,8 +250,10 @@ def main():
             Image(name='root', data=volume * np.uint8(90), scale=np.ones(3), translate=np.zeros(3)), threshold='50'
         )
         assert check_layers(grown, 3) == {'vectors'} and inside(grown[0][0], wider(volume.astype(bool))) == 1
+        check_places(folder, reader, widgets)
         for wrong in (
             Image(name='film', data=np.zeros((2, 3, 4, 5)), scale=np.ones(4), translate=np.zeros(4)),
+            Image(name='sheared', data=np.eye(30), affine=np.array([[1, 0.3, 0], [0, 1, 0], [0, 0, 1]])),
             Image(name='dark', data=np.zeros((30, 30), np.uint8), scale=np.ones(2), translate=np.zeros(2)),
         ):
             try:

@@ -6,6 +6,7 @@ In ParaView: Macros -> Import new macro, once, then its button. In pvpython and 
 """
 import inspect
 import os
+import shutil
 
 if not hasattr(inspect, 'getargspec'):
     inspect.getargspec = inspect.getfullargspec
@@ -14,13 +15,18 @@ from paraview import simple  # noqa: E402  behind what it needs
 
 
 def plugin():
-    """The plug-in: beside this file; macros are copies, so that QUENCH_PARAVIEW may name its folder."""
+    """The plug-in: beside this file; macros are copies, so that QUENCH_PARAVIEW may name its folder, or it is found where the
+    program in PATH (or QUENCH) is installed, or in /usr/local or /usr."""
     here = os.path.dirname(os.path.realpath(globals().get('__file__', '.')))
-    for folder in (os.environ.get('QUENCH_PARAVIEW', here), here, '/usr/local/share/quench/paraview',
-                   '/usr/share/quench/paraview'):
+    folders = [os.environ.get('QUENCH_PARAVIEW', here), here]
+    for program in (os.environ.get('QUENCH'), shutil.which('quench')):
+        if program:
+            for path in (program, os.path.realpath(program)):  # a link to it may be elsewhere
+                folders.append(os.path.join(os.path.dirname(os.path.abspath(path)), '..', 'share', 'quench', 'paraview'))
+    for folder in (*folders, '/usr/local/share/quench/paraview', '/usr/share/quench/paraview'):
         path = os.path.join(folder, 'quench_paraview.py')
         if os.path.exists(path):
-            return path
+            return os.path.abspath(path)
     raise RuntimeError('quench_paraview.py is not here; set the environment variable QUENCH_PARAVIEW to its folder')
 
 

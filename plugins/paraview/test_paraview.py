@@ -6,6 +6,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import types
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 INSIDE = r'''
@@ -120,10 +121,47 @@ def check(folder):
     assert 'looked: good' in run('pvbatch', 'look.py', cwd=folder)
 
 
+def check_macro(folder):
+    """A macro, which is a copy elsewhere, finds the plug-in of an installed Quench; without ParaView, by a stand-in."""
+    folder, loaded, kept = os.path.realpath(folder), [], dict(os.environ)
+    for name in ('opt/bin', 'opt/share/quench/paraview', 'links'):
+        os.makedirs(os.path.join(folder, name))
+    program, link, wanted = (os.path.join(folder, name) for name in
+                             ('opt/bin/quench', 'links/quench', 'opt/share/quench/paraview/quench_paraview.py'))
+    with open(program, 'w', encoding='utf-8'), open(wanted, 'w', encoding='utf-8'):
+        os.chmod(program, 0o755)
+    os.symlink(program, link)
+    with open(os.path.join(HERE, 'load_quench.py'), encoding='utf-8') as file:
+        macro = compile(file.read(), 'macro', 'exec')
+    module = types.ModuleType('paraview')
+    module.simple = types.SimpleNamespace(LoadPlugin=lambda path, **_: loaded.append(path))
+    sys.modules['paraview'] = module
+    try:
+        os.environ.pop('QUENCH_PARAVIEW', None)
+        for path, named in ((os.path.dirname(program), ''), (os.path.dirname(link), ''), ('/nowhere', program), ('/nowhere', link)):
+            os.environ.update(PATH=path, QUENCH=named)
+            exec(macro, {'__file__': os.path.join(folder, 'macro.py'), '__name__': 'macro'})
+            assert loaded.pop() == wanted, (path, named)
+    finally:
+        del sys.modules['paraview']
+        os.environ.clear()
+        os.environ.update(kept)
+    print('a macro finds the plug-in beside the program')
+
+
 def main():
+    with tempfile.TemporaryDirectory() as folder:
+        check_macro(folder)
     if not shutil.which('pvbatch'):
         print('pvbatch is not installed (paraview, python3-paraview)')
         return 77
+    with tempfile.TemporaryDirectory() as folder:
+        script = os.path.join(folder, 'try.py')
+        with open(script, 'w', encoding='utf-8') as file:
+            file.write('import paraview.simple\n')
+        if subprocess.run(['pvbatch', script], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=False).returncode:
+            print('pvbatch has no modules of Python (python3-paraview)')
+            return 77
     if '--keep' in sys.argv:
         os.makedirs(sys.argv[sys.argv.index('--keep') + 1])
         check(os.path.abspath(sys.argv[sys.argv.index('--keep') + 1]))

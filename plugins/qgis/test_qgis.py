@@ -40,12 +40,79 @@ LAKE = [(1050, 60), (1250, 20), (1440, 110), (1400, 290), (1180, 320), (1060, 21
 ISLAND = [(1200, 130), (1190, 210), (1300, 200), (1290, 120)]
 
 
+# Two of an algorithm at a time in one process, and one that is stopped while its program says nothing.
+AT_ONCE = r'''
+import os, sys, threading, time
+from qgis.core import (QgsApplication, QgsProcessingContext, QgsProcessingException, QgsProcessingFeedback,
+                       QgsProcessingUtils)
+sys.path.insert(0, sys.argv[1])
+application = QgsApplication([], False)
+application.initQgis()
+from quench_processing import algorithms
+
+class Wide(algorithms.Algorithm):
+    """Waits until both have written; what each finds is its own."""
+    met = threading.Barrier(2)
+
+    def work(self, parameters, context, feedback, folder):
+        with open(os.path.join(folder, 'quench_image.tif'), 'w') as file:
+            file.write(parameters['NAME'])
+        self.met.wait(20)
+        with open(os.path.join(folder, 'quench_image.tif')) as file:
+            return {'OUTPUT': (folder, file.read())}
+
+found = {}
+def one(name):
+    found[name] = Wide().processAlgorithm({'NAME': name}, None, None)['OUTPUT']
+both = [threading.Thread(target=one, args=(name,)) for name in 'ab']
+for thread in both:
+    thread.start()
+for thread in both:
+    thread.join()
+assert [found[name][1] for name in 'ab'] == ['a', 'b'] and found['a'][0] != found['b'][0], found
+for folder, _ in found.values():
+    assert folder.startswith(QgsProcessingUtils.tempFolder()) and not os.path.exists(folder)
+
+with open('silent', 'w') as file:
+    file.write('#!/bin/sh\necho $$ >silent.pid\nexec sleep 60\n')
+os.chmod('silent', 0o755)
+os.environ['QUENCH'] = os.path.abspath('silent')
+feedback = QgsProcessingFeedback()
+threading.Timer(1.0, feedback.cancel).start()
+start = time.time()
+algorithm = algorithms.ThicknessOfImage()
+algorithm.initAlgorithm()
+try:
+    algorithm.run_quench(['thickness'], {}, QgsProcessingContext(), feedback, os.getcwd())
+except QgsProcessingException as error:
+    assert 'cancelled' in str(error), error
+else:
+    raise AssertionError('it was stopped, and went on')
+assert 0.8 < time.time() - start < 5, time.time() - start
+with open('silent.pid') as file:
+    number = int(file.read())
+try:
+    os.kill(number, 0)
+except ProcessLookupError:
+    pass
+else:
+    raise AssertionError('the program still runs')
+print('at once: good')
+sys.stdout.flush()
+os._exit(0)  # QGIS does not always end well in a script
+'''
+
+
 class Failed(Exception):
     """qgis_process ended with an error."""
 
 
 def process(folder, *words):
     """qgis_process with a profile of its own."""
+    return run_in(folder, PROCESS, *words)
+
+
+def run_in(folder, *words):
     environment = dict(
         os.environ,
         HOME=folder,
@@ -55,7 +122,7 @@ def process(folder, *words):
         QUENCH=PROGRAM,
     )
     environment.pop('PYTHONPATH', None)
-    done = subprocess.run([PROCESS, *words], cwd=folder, capture_output=True, text=True, env=environment, timeout=300)
+    done = subprocess.run(words, cwd=folder, capture_output=True, text=True, env=environment, timeout=300)
     if done.returncode:
         raise Failed(done.stdout + done.stderr)
     return done.stdout
@@ -195,6 +262,10 @@ def main():
         else:
             raise AssertionError('an empty shape is no error')
         print('an empty shape: the sentence of the program')
+        with open(f'{folder}/at_once.py', 'w', encoding='utf-8') as file:
+            file.write(AT_ONCE)
+        assert 'at once: good' in run_in(folder, sys.executable, '-B', 'at_once.py', HERE)
+        print('two at a time in folders of their own; one that is stopped ends, and its program with it')
     finally:
         shutil.rmtree(folder)
 

@@ -140,15 +140,17 @@ def run(*words):
         raise RuntimeError(done.stderr.strip().split('\n')[-1])
 
 
-def write_mesh(mesh, path):
-    """Triangles of the mesh as PLY, with all its vertices in their order."""
+def write_mesh(mesh, path, matrix):
+    """Triangles of the mesh, in the world by a matrix, as PLY, with all its vertices in their order."""
     mesh.calc_loop_triangles()
     points = numpy.empty(3 * len(mesh.vertices), numpy.float32)
     mesh.vertices.foreach_get('co', points)
+    matrix = numpy.array(matrix)
+    points = (points.reshape(-1, 3) @ matrix[:3, :3].T + matrix[:3, 3]).ravel()
     corners = numpy.empty(3 * len(mesh.loop_triangles), numpy.int32)
     mesh.loop_triangles.foreach_get('vertices', corners)
     table = numpy.empty(len(corners) // 3, [('n', 'u1'), ('ids', '<i4', (3,))])
-    table['n'], table['ids'] = 3, corners.reshape(-1, 3)
+    table['n'], table['ids'] = 3, corners.reshape(-1, 3)[:, ::-1 if numpy.linalg.det(matrix[:3, :3]) < 0 else 1]
     header = ('ply\nformat binary_little_endian 1.0\n'
               f'element vertex {len(points) // 3}\nproperty float x\nproperty float y\nproperty float z\n'
               f'element face {len(table)}\nproperty list uchar int vertex_indices\nend_header\n')
@@ -166,6 +168,20 @@ class OfObject:
     def poll(cls, context):
         return context.object is not None and context.object.type == 'MESH' and context.mode == 'OBJECT'
 
+    @staticmethod
+    def write(context, path):
+        """Writes the object as it is seen: with its modifiers, in the world. Returns how many vertices that has."""
+        shape = context.object
+        if not shape.matrix_world.determinant():
+            raise RuntimeError('the object is flat: its scale is 0 along an axis')
+        evaluated = shape.evaluated_get(context.evaluated_depsgraph_get())
+        mesh = evaluated.to_mesh()
+        try:
+            write_mesh(mesh, path, shape.matrix_world)
+            return len(mesh.vertices)
+        finally:
+            evaluated.to_mesh_clear()
+
     def execute(self, context):
         try:
             with tempfile.TemporaryDirectory(prefix='quench-') as folder:
@@ -176,7 +192,7 @@ class OfObject:
 
 
 class MedialAxisOfObject(OfObject, bpy.types.Operator):
-    """Medial axis or skeleton of the active object, which is closed, by the program"""
+    """Medial axis or skeleton of the active object, which is closed, by the program; with its modifiers, sizes of the world"""
     bl_idname, bl_label = 'object.quench_medial_axis', 'Medial axis'
     result: EnumProperty(name='Result', items=(('core', 'Medial axis', 'Pruned of what is noise'),
                                                ('skeleton', 'Skeleton', 'Sheets and curves')))
@@ -187,37 +203,52 @@ class MedialAxisOfObject(OfObject, bpy.types.Operator):
     def work(self, context, folder):
         shape = context.object
         source, out = os.path.join(folder, 'shape.ply'), os.path.join(folder, 'out')
-        evaluated = shape.evaluated_get(context.evaluated_depsgraph_get())
-        write_mesh(evaluated.to_mesh(), source)
-        evaluated.to_mesh_clear()
+        self.write(context, source)
         run('run', source, '--resolution', str(self.resolution), '--detail', self.detail, '--theta2', self.theta2, '--theta1',
             self.theta1, '--no-view', '--no-picture', '-o', out)
-        made = add_object(context, readers.read(os.path.join(out, self.result + '.vtp')), f'{shape.name} {self.result}')
-        made.matrix_world = shape.matrix_world
+        add_object(context, readers.read(os.path.join(out, self.result + '.vtp')), f'{shape.name} {self.result}')
         return {'FINISHED'}
 
 
 class ThicknessOfObject(OfObject, bpy.types.Operator):
-    """Local thickness at the vertices of the active object, which is closed: the attribute 'thickness'"""
+    """Local thickness at the vertices of the active object, which is closed: the attribute 'thickness', in sizes of the world.
+    Where modifiers make other vertices, a copy with the modifiers applied gets it"""
     bl_idname, bl_label = 'object.quench_thickness', 'Thickness'
 
     def work(self, context, folder):
-        mesh = context.object.data
+        shape = context.object
         source, out = os.path.join(folder, 'shape.ply'), os.path.join(folder, 'thickness.vtp')
-        write_mesh(mesh, source)
+        count = self.write(context, source)
         run('thickness', source, '--resolution', str(self.resolution), '--surface', out)
         values = readers.read(out).of_points['thickness']
-        if len(values) != len(mesh.vertices):
+        if len(values) != count:
             raise RuntimeError('the object has vertices without faces; remove them')
+        if count != len(shape.data.vertices):
+            shape = self.applied(context, shape)
+        mesh = shape.data
         if 'thickness' in mesh.attributes:
             mesh.attributes.remove(mesh.attributes['thickness'])
         attribute(mesh, 'thickness', 'POINT', values)
         mesh.materials.append(nodes.measure_material(f'{mesh.name} thickness', 'thickness', percentile(values, 0.02),
                                                      percentile(values, 0.98)))
-        context.object.active_material_index = len(mesh.materials) - 1
+        shape.active_material_index = len(mesh.materials) - 1
         mesh.polygons.foreach_set('material_index', [len(mesh.materials) - 1] * len(mesh.polygons))
         mesh.update()
         return {'FINISHED'}
+
+    def applied(self, context, shape):
+        """A copy of the object with its modifiers applied, in its place."""
+        graph = context.evaluated_depsgraph_get()
+        mesh = bpy.data.meshes.new_from_object(shape.evaluated_get(graph), depsgraph=graph)
+        made = bpy.data.objects.new(f'{shape.name} thickness', mesh)
+        context.collection.objects.link(made)
+        made.matrix_world = shape.matrix_world
+        shape.select_set(False)
+        shape.hide_set(True)
+        made.select_set(True)
+        context.view_layer.objects.active = made
+        self.report({'INFO'}, f'{made.name}: a copy with the modifiers applied; {shape.name} is hidden')
+        return made
 
 
 class QuenchPanel(bpy.types.Panel):

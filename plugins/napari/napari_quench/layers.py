@@ -87,12 +87,15 @@ def tree_layers(tree, name, flip=True):
 
 
 def volume_layer(volume, name):
-    """A volume or an image at its place in the world, as far as that is a scale and a translation."""
+    """A volume or an image at its place in the world: a scale and a translation, or a matrix where its axes are turned."""
     array = np.asarray(volume.array)
-    if array.ndim == 2:
-        return [(array, {'name': name, 'scale': tuple(volume.spacing)}, 'image')]
-    step = np.asarray(volume.direction) * np.asarray(volume.spacing)  # place = origin + step @ index, both x, y, z
-    affine = np.eye(4)
-    affine[:3, :3] = step[::-1, ::-1]
-    affine[:3, 3] = np.asarray(volume.origin)[::-1]
-    return [(array.transpose(2, 1, 0), {'name': name, 'affine': affine}, 'image')]
+    columns = slice(None) if array.ndim == 2 else slice(None, None, -1)  # of an image y, x already
+    direction = np.asarray(volume.direction)[::-1, columns]  # its rows are x, y(, z)
+    scale, translate = np.asarray(volume.spacing)[columns], np.asarray(volume.origin)[::-1]
+    keywords = {'name': name}
+    if np.allclose(direction, np.eye(array.ndim)):
+        keywords.update(scale=tuple(scale), translate=tuple(translate))
+    else:
+        keywords['affine'] = np.eye(array.ndim + 1)
+        keywords['affine'][:-1, :-1], keywords['affine'][:-1, -1] = direction * scale, translate
+    return [(array if array.ndim == 2 else array.transpose(2, 1, 0), keywords, 'image')]

@@ -11,12 +11,27 @@ if TYPE_CHECKING:
     import napari.types
 
 
+def place(layer):
+    """The size of a voxel, the matrix of the axes in the world, per voxel, and where the first voxel is. What turns the layer
+    and its `affine` count, too."""
+    dimensions = np.ndim(layer.data)
+    scale, translate = np.asarray(layer.scale, float), np.asarray(layer.translate, float)
+    first = np.asarray(layer.data_to_world(np.zeros(dimensions)), float)
+    steps = np.stack([np.asarray(layer.data_to_world(axis), float) - first for axis in np.eye(dimensions)], axis=1)
+    if np.allclose(steps, np.diag(scale)) and np.allclose(first, translate):
+        return scale, np.diag(scale), translate  # exactly these
+    size = np.linalg.norm(steps, axis=0)
+    if not size.all() or not np.allclose((steps / size).T @ (steps / size), np.eye(dimensions), atol=1e-4):
+        raise ValueError(f'{layer.name} is sheared: its voxels are no boxes, and nothing can be measured in it')
+    return size, steps, first
+
+
 def chosen(layer, threshold):
     """The array of a layer, and which of its values are the shape, as keywords of quench."""
     array = np.asarray(layer.data)
     if array.ndim not in (2, 3):
         raise ValueError(f'{layer.name} has {array.ndim} dimensions; choose a layer of two or three')
-    keywords = {'spacing': tuple(float(size) for size in layer.scale)}
+    keywords = {'spacing': tuple(float(size) for size in place(layer)[0])}
     if type(layer).__name__ == 'Labels':
         keywords['label'] = int(layer.selected_label)
     elif array.dtype != bool:
@@ -30,11 +45,18 @@ def chosen(layer, threshold):
 
 
 def on(layer, results):
-    """Moved to where the layer is."""
+    """Moved to where the layer is, and turned as it is; all but images have the size of voxels in them."""
+    size, steps, first = place(layer)
+    turned = not np.array_equal(steps, np.diag(size))
     for _, keywords, kind in results:
-        keywords['translate'] = tuple(layer.translate)
+        if turned:
+            keywords['affine'] = np.eye(len(size) + 1)
+            keywords['affine'][:-1, :-1] = steps if kind == 'image' else steps / size
+            keywords['affine'][:-1, -1] = first
+            continue
+        keywords['translate'] = tuple(first)
         if kind == 'image':
-            keywords['scale'] = tuple(layer.scale)
+            keywords['scale'] = tuple(size)
     return results
 
 
@@ -52,7 +74,7 @@ def skeleton(
     layer : Layer
         Image or labels, of two or three dimensions.
     threshold : str
-        A value, LOW,HIGH, auto, otsu or thin; of images only.
+        Values from this on, or auto, otsu, thin; LOW,HIGH: from LOW on, where connected to HIGH. Of images only.
     theta2 : str
         Sheets that matter less are left out: inf (curves only), 3%, 8vox.
     theta1 : str
@@ -78,7 +100,7 @@ def thickness(
     layer : Layer
         Image or labels, of two or three dimensions.
     threshold : str
-        A value, LOW,HIGH, auto, otsu or thin; of images only.
+        Values from this on, or auto, otsu, thin; LOW,HIGH: from LOW on, where connected to HIGH. Of images only.
     invert : bool
         All the rest instead: pores.
     """
@@ -104,7 +126,7 @@ def tree(
     layer : Layer
         Image or labels of three dimensions.
     threshold : str
-        A value, LOW,HIGH, auto, otsu or thin; of images only.
+        Values from this on, or auto, otsu, thin; LOW,HIGH: from LOW on, where connected to HIGH. Of images only.
     kind : str
         root, neuron, vessel or airway.
     """

@@ -3,8 +3,11 @@
 import json
 import math
 import os
+import queue
 import shutil
 import subprocess
+import tempfile
+import threading
 
 from osgeo import gdal
 from qgis.core import (
@@ -68,6 +71,11 @@ class Algorithm(QgsProcessingAlgorithm):
         program.setFlags(program.flags() | QgsProcessingParameterDefinition.FlagAdvanced)
         self.addParameter(program)
 
+    def processAlgorithm(self, parameters, context, feedback):
+        # QGIS has one folder for all that run at a time: each gets its own in it.
+        with tempfile.TemporaryDirectory(prefix='quench-', dir=QgsProcessingUtils.tempFolder()) as folder:
+            return self.work(parameters, context, feedback, folder)
+
     def run_quench(self, words, parameters, context, feedback, folder):
         """Runs the program in a folder; its lines go to the log, its errors become those of the algorithm."""
         program = (
@@ -83,21 +91,47 @@ class Algorithm(QgsProcessingAlgorithm):
             process = subprocess.Popen(words, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
         except OSError as error:
             raise QgsProcessingException(f'{program} cannot be run: {error.strerror}') from error
-        last = ''
-        with process:
+        lines, last = queue.Queue(), ''
+
+        def listen():  # a line may not come for long
             for line in process.stdout:
+                lines.put(line)
+            lines.put(None)
+
+        listener = threading.Thread(target=listen, daemon=True)
+        listener.start()
+        try:
+            while True:
+                stop_if_cancelled(feedback)
+                try:
+                    line = lines.get(timeout=0.2)
+                except queue.Empty:
+                    continue
+                if line is None:
+                    break
                 last = line.strip() or last
                 feedback.pushInfo(line.rstrip())
-                if feedback.isCanceled():
-                    process.kill()
-        if process.wait() != 0 and not feedback.isCanceled():
-            raise QgsProcessingException(last)
+        except BaseException:
+            process.kill()
+            raise
+        finally:
+            process.wait()
+            listener.join()
+            process.stdout.close()
+        stop_if_cancelled(feedback)
+        if process.returncode != 0:
+            raise QgsProcessingException(last or f'{program} ended with {process.returncode}')
 
     def line_sink(self, parameters, context, fields, crs):
         sink, identifier = self.parameterAsSink(parameters, 'OUTPUT', context, fields, QgsWkbTypes.LineString, crs)
         if sink is None:
             raise QgsProcessingException(self.invalidSinkError(parameters, 'OUTPUT'))
         return sink, identifier
+
+
+def stop_if_cancelled(feedback):
+    if feedback.isCanceled():
+        raise QgsProcessingException('cancelled')
 
 
 def with_measures(fields):
@@ -157,18 +191,18 @@ class CentreLinesOfPolygons(Algorithm):
         )
         self.add_program()
 
-    def processAlgorithm(self, parameters, context, feedback):
+    def work(self, parameters, context, feedback, folder):
         source = self.parameterAsSource(parameters, 'INPUT', context)
         if source is None:
             raise QgsProcessingException(self.invalidSourceError(parameters, 'INPUT'))
         if source.sourceCrs().isGeographic():
             feedback.pushWarning('The layer is in degrees, which are of different length east and north; reproject it.')
-        folder = QgsProcessingUtils.tempFolder()
         rows = []
         polygons = os.path.join(folder, 'quench_polygons.geojson')
         with open(polygons, 'w', encoding='utf-8') as file:
             file.write('{"type": "FeatureCollection", "features": [')
             for feature in source.getFeatures():
+                stop_if_cancelled(feedback)
                 if feature.geometry().isEmpty():
                     continue
                 file.write(',\n' if rows else '\n')
@@ -214,7 +248,11 @@ class OfImage(Algorithm):
         self.add(
             QgsProcessingParameterRasterLayer('INPUT', 'Image'),
             QgsProcessingParameterBand('BAND', 'Band', 1, 'INPUT'),
-            QgsProcessingParameterString('THRESHOLD', 'The shape: values from (or LOW,HIGH, auto, otsu, thin)', 'auto'),
+            QgsProcessingParameterString(
+                'THRESHOLD',
+                'The shape: values from (or auto, otsu, thin; LOW,HIGH: from LOW on, where connected to HIGH)',
+                'auto',
+            ),
             QgsProcessingParameterBoolean('INVERT', 'The rest instead: what is dark', False),
         )
 
@@ -271,8 +309,7 @@ class CentreLinesOfImage(OfImage):
         )
         self.add_program()
 
-    def processAlgorithm(self, parameters, context, feedback):
-        folder = QgsProcessingUtils.tempFolder()
+    def work(self, parameters, context, feedback, folder):
         words, _, place, spacing, crs = self.written(parameters, context, folder)
         fields = with_measures(QgsFields())
         sink, identifier = self.line_sink(parameters, context, fields, crs)
@@ -320,8 +357,7 @@ class ThicknessOfImage(OfImage):
         self.add(QgsProcessingParameterRasterDestination('OUTPUT', 'Thickness'))
         self.add_program()
 
-    def processAlgorithm(self, parameters, context, feedback):
-        folder = QgsProcessingUtils.tempFolder()
+    def work(self, parameters, context, feedback, folder):
         words, image, place, _, crs = self.written(parameters, context, folder)
         output = self.parameterAsOutputLayer(parameters, 'OUTPUT', context)
         self.run_quench(['thickness', *words, '-o', 'quench_thickness.tif'], parameters, context, feedback, folder)
@@ -333,5 +369,5 @@ class ThicknessOfImage(OfImage):
         written.SetProjection(crs.toWkt() or image.GetProjection())
         written.GetRasterBand(1).WriteArray(found.GetRasterBand(1).ReadAsArray())
         written.GetRasterBand(1).SetNoDataValue(0)
-        written = None  # closed
+        written = found = None  # closed
         return {'OUTPUT': output}
