@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Burning a medial axis: error of erosion thickness against time, one thread.
-//   bench_burn AXIS [--radii FILE.r] [--linear] [--times-only] [--spacing W]... [--fine W]
+//   bench_burn AXIS [--radii FILE.r] [--linear] [--times-only] [--spacing W]...
 //   [--unit U] [--schedule STATES WINDOW]... [--parts THREADS]
 // Spacings are multiples of the default one (default: 2 1 0.5 0.25); errors are mean relative errors over the vertices
-// whose erosion thickness exceeds a voxel (of a core of Quench; else --unit, or the default spacing), against a run at
-// a tenth of the default (--fine). --schedule adds a run with other blocks and windows (in node spacings) than the
-// program's, and prints the ratio of its time to theirs: 1e12 0.125 is the order of time. --parts prints how long the
-// parts of a burn take at the first spacing, on one thread and on THREADS, instead of errors.
+// whose erosion thickness exceeds a voxel (of a core of Quench; else --unit, or the default spacing), against windows,
+// which are exact; a row per spacing gives what these take there, and how many times the time of segments. --schedule
+// adds a run with other blocks and windows (in node spacings) than the program's, and prints the ratio of its time to
+// theirs: 1e12 0.125 is the order of time. --parts prints how long the parts of a burn take at the first spacing, on
+// one thread and on THREADS, instead of errors.
 #include <fmt/format.h>
 #if defined(__GLIBC__)
 #include <malloc.h>
@@ -115,9 +116,7 @@ Parts seconds_of_parts(const Axis& axis, const BurnOptions& options, int threads
       now();
       propagate_by_segments(domain, labels, nullptr);
       now();
-      Times times;
-      std::vector<char> opened;
-      labels.release(times, opened);
+      const auto [times, opened] = labels.release();
       order_pass(domain, opened, times, sectors, nullptr);
       now();
       for (std::size_t i = 0; i < kParts.size(); ++i) least[i] = std::min(least[i], at[i + 1] - at[i]);
@@ -142,7 +141,7 @@ int main(int argc, char** argv) {
   std::string file, radii;
   std::vector<double> spacings;
   std::vector<burning::BlockSchedule> others;
-  double fine = 0.1, unit_given = 0;
+  double unit_given = 0;
   int parts = 0;
   BurnOptions options;
   for (int i = 1; i < argc; ++i) {
@@ -151,8 +150,6 @@ int main(int argc, char** argv) {
       radii = argv[++i];
     else if (word == "--spacing" && i + 1 < argc)
       spacings.push_back(std::atof(argv[++i]));
-    else if (word == "--fine" && i + 1 < argc)
-      fine = std::atof(argv[++i]);
     else if (word == "--unit" && i + 1 < argc)
       unit_given = std::atof(argv[++i]);
     else if (word == "--parts" && i + 1 < argc)
@@ -170,7 +167,7 @@ int main(int argc, char** argv) {
   if (file.empty()) {
     fmt::print(stderr,
                "usage: bench_burn AXIS [--radii FILE.r] [--linear] [--times-only] [--spacing W]... "
-               "[--fine W] [--unit U] [--schedule STATES WINDOW]... [--parts THREADS]\n");
+               "[--unit U] [--schedule STATES WINDOW]... [--parts THREADS]\n");
     return 2;
   }
   if (spacings.empty()) spacings = {2, 1, 0.5, 0.25};
@@ -185,41 +182,51 @@ int main(int argc, char** argv) {
   }
   struct Run {
     double spacing, bytes;
+    Propagation propagation;
     std::optional<burning::BlockSchedule> other;  // than the program's
   };
   std::vector<Run> runs;
   for (const double w : spacings) {
     options.omega = base * w;
-    runs.push_back({base * w, burn_bytes(axis, options, {}), std::nullopt});  // before anything else grows
+    for (const Propagation propagation : {Propagation::segments, Propagation::windows}) {  // before anything else grows
+      options.propagation = propagation;
+      runs.push_back({base * w, burn_bytes(axis, options, {}), propagation, std::nullopt});
+    }
+    options.propagation = Propagation::segments;
     for (const burning::BlockSchedule& schedule : others)
-      runs.push_back({base * w, burn_bytes(axis, options, schedule), schedule});
+      runs.push_back({base * w, burn_bytes(axis, options, schedule), Propagation::segments, schedule});
   }
-  options.omega = base * fine;
+  options.omega = base;
+  options.propagation = Propagation::windows;
   const Burning truth = burn(axis.complex, axis.points, axis.radius, options);
   fmt::print("{} vertices, {} faces, default spacing {:.4g}\n\n", axis.complex.vertex_count, axis.complex.face_count(),
              base);
-  fmt::print("| spacing | schedule | nodes | s | us/node | B/node | mean error of ET | at most {:.3g} above, below |\n",
+  fmt::print("| spacing | by | nodes | s | us/node | B/node | mean error of ET | at most {:.3g} above, below |\n",
              unit);
   fmt::print("|---|---|---|---|---|---|---|---|\n");
-  for (const auto& [spacing, bytes, other] : runs) {
-    options.omega = spacing;
+  for (const Run& run : runs) {
+    const bool windows = run.propagation == Propagation::windows;
+    options.omega = run.spacing;
     std::vector<double> seconds, ratios;
     Burning result;
-    const auto timed = [&](const burning::BlockSchedule& schedule) {
+    const auto timed = [&](Propagation propagation, const burning::BlockSchedule& schedule) {
+      options.propagation = propagation;
       const double start = cpu_seconds();
       result = burn_scheduled(axis.complex, axis.points, axis.radius, options, schedule, nullptr);
       return cpu_seconds() - start;
     };
-    for (int run = 0; run < 3; ++run) {
-      const double ours = other ? timed({}) : 0;
-      seconds.push_back(timed(other.value_or(burning::BlockSchedule{})));
+    for (int round = 0; round < 3; ++round) {
+      const double ours = windows || run.other ? timed(Propagation::segments, {}) : 0;
+      seconds.push_back(timed(run.propagation, run.other.value_or(burning::BlockSchedule{})));
       ratios.push_back(seconds.back() / ours);
     }
     std::sort(seconds.begin(), seconds.end());
     std::sort(ratios.begin(), ratios.end());
-    const std::string name = other ? fmt::format("blocks of {} states, windows of {:g} spacings: {:.2f} x",
-                                                 other->states_per_block, other->window_width, ratios[1])
-                                   : "default";
+    std::string name = "segments";
+    if (windows) name = fmt::format("windows: {:.2f} x", ratios[1]);
+    if (run.other)
+      name = fmt::format("segments, blocks of {} states, turns of {:g} spacings: {:.2f} x", run.other->states_per_block,
+                         run.other->window_width, ratios[1]);
     double error = 0, above = 0, below = 0;
     std::size_t count = 0;
     for (std::size_t v = 0; v < axis.radius.size(); ++v) {
@@ -233,7 +240,7 @@ int main(int argc, char** argv) {
     }
     const double n = result.node_count;
     fmt::print("| {:.4g} | {} | {} | {:.3f} | {:.2f} | {:.0f} | {:.3f}% | {:.3f}, {:.3f} |\n", options.omega, name,
-               result.node_count, seconds[1], seconds[1] / n * 1e6, bytes / n,
+               result.node_count, seconds[1], seconds[1] / n * 1e6, run.bytes / n,
                count ? 100 * error / static_cast<double>(count) : 0, above / unit, below / unit);
     std::fflush(stdout);
   }

@@ -22,6 +22,7 @@
 #include "measure.h"
 #include "quench/axis.h"
 #include "quench/pipeline.h"
+#include "random_shapes.h"
 
 namespace {
 
@@ -161,20 +162,8 @@ void measure(const VoxelShape& shape, const std::string& name) {
 VoxelShape rippled_plate() {
   Grid grid;
   grid.dims = {120, 80, 40};
-  VoxelShape shape(grid);
-  for (int z = 0; z < 40; ++z)
-    for (int y = 0; y < 80; ++y) {
-      std::vector<Run> runs;
-      for (int x = 0; x < 120; ++x)
-        if (z < 36 + 3 * std::sin(x / 5.0) * std::cos(y / 4.0)) {
-          if (!runs.empty() && runs.back().end == x)
-            ++runs.back().end;
-          else
-            runs.push_back({x, x + 1});
-        }
-      shape.append_row(runs);
-    }
-  return shape;
+  return testing_shapes::from_predicate(
+      grid, [](int x, int y, int z) { return z < 36 + 3 * std::sin(x / 5.0) * std::cos(y / 4.0); });
 }
 
 }  // namespace
