@@ -106,8 +106,8 @@ def make(paper):
     print('Thm. 2.4.4: points of the core are within h/4 of the true medial axis. Unit: the voxel of the shape.\n')
     table(('voxel h', 'polygons', 'lone edges', 'points tested', 'core to axis, at most', 'bound h/4', 'axis to core (sampled)', 'in h'),
           rows)
-    print('\nThe last two columns are the conjecture (that the core comes near every point of the axis), proved by now for 1.73 h: it '
-          'is\nfarthest at the convex corners, which the axis reaches and the core does not.')
+    print('\nThe last two columns are the conjecture (that the core comes near every point of the axis, proved by now for 0.866 h): it is '
+          'farthest\nat the convex corners, which the axis reaches and the core does not.')
     paper.save(sheet([pictures], [f'voxels of 1/{p}' if p > 1 else 'voxels' for p in PARTS], captions=[captions], width=4.2), '2_4')
 
 
