@@ -81,7 +81,6 @@ TEST(VoxelCore, EqualsBruteForceWithCtSpacing) {
   }
 }
 
-// Cells of unbounded size: more sites on one sphere than any fixed-size array would hold.
 // Points of the medial axis are at most half a voxel diagonal from the core (docs/algorithms/voxel_core.md). The axis stands
 // as the core of voxels split into 5: within beta / 5 of it. Points of the core only: that can but add to distances.
 TEST(VoxelCore, EveryPointOfTheMedialAxisIsNear) {
@@ -109,6 +108,7 @@ TEST(VoxelCore, EveryPointOfTheMedialAxisIsNear) {
     }
 }
 
+// Cells of unbounded size: more sites on one sphere than any fixed-size array would hold.
 TEST(VoxelCore, HugeCosphericalSets) {
   for (int r : {3, 5, 7}) {
     Grid grid;
