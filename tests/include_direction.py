@@ -40,7 +40,7 @@ ROOMS = {
     'pipeline': 'base complex record shape polygons preparation voxelization surface dual axis thickness envelope simplification burning skeleton parts graph tree io page',
     'verification': 'base complex record shape',
 }
-PUBLIC = {'error': 'base', 'context': 'base', 'geometry': 'base', 'voxelize': 'voxelization', 'burn': 'burning', 'verify': 'verification', 'structure': 'complex', 'table': 'base', 'bricks': 'pipeline', 'lengths': 'pipeline', 'solid_stages': 'pipeline', 'simplify': 'simplification'}
+PUBLIC = {'error': 'base', 'context': 'base', 'geometry': 'base', 'voxelize': 'voxelization', 'burn': 'burning', 'verify': 'verification', 'structure': 'complex', 'measures': 'record', 'table': 'base', 'bricks': 'pipeline', 'lengths': 'pipeline', 'solid_stages': 'pipeline', 'simplify': 'simplification'}
 FRONT_ENDS = {'cli': 'cli', 'mpi': 'mpi', 'python/src': 'python'}  # public headers, base/ and their own files
 
 # Of Unix, and not of C++; beside them, the parts of the program that start and end processes. What is a hint to Linux
