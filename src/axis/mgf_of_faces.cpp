@@ -155,7 +155,8 @@ Measure mgf_of(const MedialAxis& axis, const VoxelShape& shape, Context* context
 double residual(double way, const Grid& grid, const LatticePoint& a, const LatticePoint& b) {
   constexpr double kRounding = 1e-9;
   const double chord = grid.spacing.cwiseProduct(Vec3(a[0] - b[0], a[1] - b[1], a[2] - b[2])).norm();
-  return way < 0 ? -1 : way - chord > kRounding * way ? way - chord : 0;
+  if (way < 0 || std::isinf(way)) return way;
+  return way - chord > kRounding * way ? way - chord : 0;
 }
 
 // In the plane, of pairs that are not those of edges.
