@@ -36,7 +36,7 @@ ROOMS = {
     'tree': 'base shape skeleton graph',
     'io': 'base record shape polygons graph tree',
     'page': 'base complex record shape axis thickness simplification burning skeleton parts graph tree io',
-    'picture': 'base io page',
+    'picture': 'base record io page',
     'pipeline': 'base complex record shape polygons preparation voxelization surface dual axis thickness envelope simplification burning skeleton parts graph tree io page',
     'verification': 'base complex record shape',
 }

@@ -49,7 +49,8 @@ inline constexpr std::array kMeasures{
     MeasureKind{kCapHeight, MeasureUnit::length, 0, std::numeric_limits<double>::infinity(), false,
                 "what the ball reaches beyond the chord between them"},
     MeasureKind{kObjectAngle, MeasureUnit::degrees, 0, 180, false, "the angle between the directions to them"},
-    MeasureKind{kCircumradius, MeasureUnit::length, 0, std::numeric_limits<double>::infinity(), false, "the radius of the ball"},
+    MeasureKind{kCircumradius, MeasureUnit::length, 0, std::numeric_limits<double>::infinity(), false,
+                "the radius of the ball"},
     MeasureKind{kMgf, MeasureUnit::length, 0, std::numeric_limits<double>::infinity(), false,
                 "the length of the shortest way on the boundary between them"},
     MeasureKind{kChordResidual, MeasureUnit::length, 0, std::numeric_limits<double>::infinity(), false,
@@ -62,7 +63,8 @@ inline constexpr std::array kMeasures{
 
 /// The measure of that name, or null.
 constexpr const MeasureKind* find_measure_kind(std::string_view name) {
-  const auto found = std::find_if(kMeasures.begin(), kMeasures.end(), [&](const MeasureKind& m) { return m.name == name; });
+  const auto found =
+      std::find_if(kMeasures.begin(), kMeasures.end(), [&](const MeasureKind& m) { return m.name == name; });
   return found == kMeasures.end() ? nullptr : &*found;
 }
 

@@ -15,16 +15,15 @@
 #include "quench/measures.h"
 
 namespace quench {
-namespace axis {
 
-void take_largest_around(const CellComplex& complex, CellValues& value) {
+void axis::take_largest_around(const CellComplex& complex, CellValues& value) {
   for (const std::uint32_t e : complex.face_edges) value.edge[e] = 0;
   for (const auto& ends : complex.edges)
     for (const std::uint32_t v : ends) value.vertex[v] = 0;
   spread_to_sides(complex, value);
 }
 
-CellValues smallest_of_corners(const CellComplex& complex, const std::vector<double>& of_vertices) {
+CellValues axis::smallest_of_corners(const CellComplex& complex, const std::vector<double>& of_vertices) {
   CellValues value{of_vertices, std::vector<double>(complex.edges.size()), std::vector<double>(complex.face_count())};
   base::for_indices(complex.face_count(), [&](std::size_t f) {
     double least = std::numeric_limits<double>::infinity();
@@ -37,8 +36,6 @@ CellValues smallest_of_corners(const CellComplex& complex, const std::vector<dou
   take_largest_around(complex, value);
   return value;
 }
-
-}  // namespace axis
 
 namespace {
 

@@ -10,7 +10,7 @@
 #include "base/parallel.h"
 #include "base/text.h"
 #include "pipeline/brick_files.h"
-#include "pipeline/measures.h"
+#include "pipeline/menu_of_measures.h"
 #include "pipeline/parameters.h"
 #include "pipeline/part_core.h"
 #include "quench/axis.h"

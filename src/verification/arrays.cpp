@@ -42,9 +42,15 @@ struct Known {
 
 const std::vector<std::string>& known_point_arrays() {
   static const std::vector<std::string> names = [] {
-    std::vector<std::string> all{"radius",          "voxel_radius",   "burn_time",
-                                 "unburned",        "erosion_thickness", "curve_burn_time",
-                                 "curve_unburned",  "curve_erosion_thickness", "seam",
+    std::vector<std::string> all{"radius",
+                                 "voxel_radius",
+                                 "burn_time",
+                                 "unburned",
+                                 "erosion_thickness",
+                                 "curve_burn_time",
+                                 "curve_unburned",
+                                 "curve_erosion_thickness",
+                                 "seam",
                                  "junction"};
     for (const MeasureKind& measure : kMeasures) all.emplace_back(measure.name);
     return all;
@@ -53,9 +59,15 @@ const std::vector<std::string>& known_point_arrays() {
 }
 const std::vector<std::string>& known_cell_arrays() {
   static const std::vector<std::string> names = [] {
-    std::vector<std::string> all{"kind",        "component",   "branch",
-                                 "sheet",       "site_a",      "site_b",
-                                 "sheet_level", "curve_level", "erosion_thickness",
+    std::vector<std::string> all{"kind",
+                                 "component",
+                                 "branch",
+                                 "sheet",
+                                 "site_a",
+                                 "site_b",
+                                 "sheet_level",
+                                 "curve_level",
+                                 "erosion_thickness",
                                  "curve_erosion_thickness"};
     for (const MeasureKind& measure : kMeasures) {
       all.emplace_back(measure.name);
@@ -67,34 +79,33 @@ const std::vector<std::string>& known_cell_arrays() {
 }
 const std::vector<Known>& known_field_numbers() {
   static const std::vector<Known> arrays = [] {
-    std::vector<Known> all{
-      {"sites", 0, {}, kNothingToCompare},
-      {"dims", 3, {}, kNothingToCompare},
-      {"spacing", 3, {}, kNothingToCompare},
-      {"origin", 3, {}, kNothingToCompare},
-      {"direction", 9, {}, kNothingToCompare},
-      {"dimension", 1, {}, kNothingToCompare},
-      {"coverage", 1, {}, kNothingToCompare},
-      {"longest_side", 1, {}, kShapeOnly},
-      {"reconstructed", 1, {}, kNothingToCompare},
-      {"euler", 1, {}, kNothingToCompare},
-      {"betti", 3, {}, kNothingToCompare},
-      {"omega", 1, {}, kOfTheAxis},
-      {"burn_nodes", 1, {}, kOfTheAxis},
-      {"max_burn_time", 1, {}, kNothingToCompare},
-      {"theta2", 1, {}, "only bounds are checked: levels are of the medial axis"},
-      {"theta1", 1, {}, "only bounds are checked: levels are of the medial axis"},
-      {"smooth", 1, {}, kTold},
-      {"rims_above", 1, {}, "only bounds are checked: levels are of the medial axis"},
-      {"main_axes", 1, {}, kTold},
-      {"theta1_radii", 1, {}, "only bounds are checked: fires end on the medial axis"},
-      {"sequence_steps", 0, {}, kSequence},
-      {"sequence_parents", 0, {}, kSequence},
-      {"sequence_order", 0, {}, kSequence},
-      {"sequence_large", 0, {}, kSequence},
-      {"sequence_step", 1, {}, kSequence},
-      {"sequence_of", 2, {}, kSequence},
-      {"format_version", 1, {}, kNothingToCompare}};
+    std::vector<Known> all{{"sites", 0, {}, kNothingToCompare},
+                           {"dims", 3, {}, kNothingToCompare},
+                           {"spacing", 3, {}, kNothingToCompare},
+                           {"origin", 3, {}, kNothingToCompare},
+                           {"direction", 9, {}, kNothingToCompare},
+                           {"dimension", 1, {}, kNothingToCompare},
+                           {"coverage", 1, {}, kNothingToCompare},
+                           {"longest_side", 1, {}, kShapeOnly},
+                           {"reconstructed", 1, {}, kNothingToCompare},
+                           {"euler", 1, {}, kNothingToCompare},
+                           {"betti", 3, {}, kNothingToCompare},
+                           {"omega", 1, {}, kOfTheAxis},
+                           {"burn_nodes", 1, {}, kOfTheAxis},
+                           {"max_burn_time", 1, {}, kNothingToCompare},
+                           {"theta2", 1, {}, "only bounds are checked: levels are of the medial axis"},
+                           {"theta1", 1, {}, "only bounds are checked: levels are of the medial axis"},
+                           {"smooth", 1, {}, kTold},
+                           {"rims_above", 1, {}, "only bounds are checked: levels are of the medial axis"},
+                           {"main_axes", 1, {}, kTold},
+                           {"theta1_radii", 1, {}, "only bounds are checked: fires end on the medial axis"},
+                           {"sequence_steps", 0, {}, kSequence},
+                           {"sequence_parents", 0, {}, kSequence},
+                           {"sequence_order", 0, {}, kSequence},
+                           {"sequence_large", 0, {}, kSequence},
+                           {"sequence_step", 1, {}, kSequence},
+                           {"sequence_of", 2, {}, kSequence},
+                           {"format_version", 1, {}, kNothingToCompare}};
     for (const MeasureKind& measure : kMeasures) {
       all.push_back({std::string(measure.name), 1, {}, kOfTheAxis});
       all.push_back({std::string(measure.name) + "_chosen", 1, {}, kOfTheChoice});
@@ -190,7 +201,8 @@ std::string reason_for(const char* of, const std::string& name, const Record& da
     return find_array(data.field_data, "dimension") ? kFireOfTheAxis : kBoundsOnly;
   if (name == "sheet_level" || name == "curve_level") return "only bounds are checked: levels are of the medial axis";
   if (stage == "core" && name == kDetail)
-    return find_array(data.field_data, kDetail) ? kDetailsBounded : "it is checked where it is what the core is pruned by";
+    return find_array(data.field_data, kDetail) ? kDetailsBounded
+                                                : "it is checked where it is what the core is pruned by";
   if (stage == "skeleton" && name == kMgf) return kOfTheAxis;
   for (const std::string& measure : texts_or_empty(data.field_data, "measures"))
     if (!is_measure_of_cores(measure) && (name == measure || name == measure + "_level")) return kOtherMeasure;

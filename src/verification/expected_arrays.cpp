@@ -22,31 +22,31 @@ struct Expected {
 };
 
 const Expected kOfCores[]{{"point", "radius", true},
-                              {"point", "lambda", true},
-                              {"point", "object_angle", false},
-                              {"cell", "kind", false},
-                              {"cell", "component", false},
-                              {"cell", "lambda", true},
-                              {"cell", "object_angle", false},
-                              {"point", "cap_height", false},
-                              {"cell", "cap_height", false},
-                              {"cell", "site_a", true},
-                              {"cell", "site_b", true},
-                              {"field", "sites", true},
-                              {"field", "dims", true},
-                              {"field", "spacing", true},
-                              {"field", "origin", true},
-                              {"field", "direction", true},
-                              {"field", "lambda_rule", true},
-                              {"field", "longest_side", false},
-                              {"field", "reconstructed", false},
-                              {"field", "euler", false},
-                              {"field", "betti", false},
-                              {"field", "units", false},
-                              {"field", "parameters", false},
-                              {"field", "version", false},
-                              {"field", "format_version", false},
-                              {"field", "measures", false}};
+                          {"point", "lambda", true},
+                          {"point", "object_angle", false},
+                          {"cell", "kind", false},
+                          {"cell", "component", false},
+                          {"cell", "lambda", true},
+                          {"cell", "object_angle", false},
+                          {"point", "cap_height", false},
+                          {"cell", "cap_height", false},
+                          {"cell", "site_a", true},
+                          {"cell", "site_b", true},
+                          {"field", "sites", true},
+                          {"field", "dims", true},
+                          {"field", "spacing", true},
+                          {"field", "origin", true},
+                          {"field", "direction", true},
+                          {"field", "lambda_rule", true},
+                          {"field", "longest_side", false},
+                          {"field", "reconstructed", false},
+                          {"field", "euler", false},
+                          {"field", "betti", false},
+                          {"field", "units", false},
+                          {"field", "parameters", false},
+                          {"field", "version", false},
+                          {"field", "format_version", false},
+                          {"field", "measures", false}};
 
 // In the plane beside these.
 const Expected kOfPlane[]{{"field", "dimension", true}, {"field", "y_axis", false}};
@@ -57,10 +57,10 @@ const Expected kOfFittedCores[]{
 const Expected kOfCoresByLambda[]{
     {"cell", "lambda_level", true}, {"field", "lambda", true}, {"field", "lambda_chosen", false}};
 const Expected kOfCoresByDetail[]{{"point", "detail", true},
-                                      {"cell", "detail", true},
-                                      {"cell", "detail_level", true},
-                                      {"field", "detail", true},
-                                      {"field", "detail_chosen", false}};
+                                  {"cell", "detail", true},
+                                  {"cell", "detail_level", true},
+                                  {"field", "detail", true},
+                                  {"field", "detail_chosen", false}};
 std::vector<Expected> of_cores_by(const std::string& measure) {
   return {{"point", measure, true},
           {"cell", measure, true},
@@ -72,65 +72,65 @@ const Expected kOfPruningsByDetail[]{{"field", "coverage", false}};
 
 // Of cores once they are burned: when there is one of them, all are expected.
 const Expected kOfBurning[]{{"point", "burn_time", false},
-                                {"point", "erosion_thickness", false},
-                                {"point", "unburned", false},
-                                {"field", "max_burn_time", false}};
+                            {"point", "erosion_thickness", false},
+                            {"point", "unburned", false},
+                            {"field", "max_burn_time", false}};
 // In space beside these.
 const Expected kOfBurningOfSheets[]{{"field", "omega", false},
-                                        {"field", "propagation", false},
-                                        {"field", "radius_rule", false},
-                                        {"field", "burn_nodes", false}};
+                                    {"field", "propagation", false},
+                                    {"field", "radius_rule", false},
+                                    {"field", "burn_nodes", false}};
 
 // The same of the burn sequence.
 const Expected kOfSequence[]{{"field", "sequence_steps", false}, {"field", "sequence_parents", false},
-                                 {"field", "sequence_order", false}, {"field", "sequence_large", false},
-                                 {"field", "sequence_step", false},  {"field", "sequence_of", false}};
+                             {"field", "sequence_order", false}, {"field", "sequence_large", false},
+                             {"field", "sequence_step", false},  {"field", "sequence_of", false}};
 
 const Expected kOfSkeletons[]{{"point", "radius", true},
-                                  {"point", "burn_time", false},
-                                  {"point", "erosion_thickness", false},
-                                  {"point", "unburned", false},
-                                  {"cell", "kind", false},
-                                  {"cell", "component", false},
-                                  {"cell", "curve_level", true},
-                                  {"cell", "erosion_thickness", true},
-                                  {"field", "theta1", true},
-                                  {"field", "theta1_radii", false},
-                                  {"field", "tips", false},
-                                  {"cell", "branch", false},
-                                  {"field", "smooth", false},
-                                  {"field", "euler", false},
-                                  {"field", "betti", false},
-                                  {"field", "version", false},
-                                  {"field", "format_version", false}};
+                              {"point", "burn_time", false},
+                              {"point", "erosion_thickness", false},
+                              {"point", "unburned", false},
+                              {"cell", "kind", false},
+                              {"cell", "component", false},
+                              {"cell", "curve_level", true},
+                              {"cell", "erosion_thickness", true},
+                              {"field", "theta1", true},
+                              {"field", "theta1_radii", false},
+                              {"field", "tips", false},
+                              {"cell", "branch", false},
+                              {"field", "smooth", false},
+                              {"field", "euler", false},
+                              {"field", "betti", false},
+                              {"field", "version", false},
+                              {"field", "format_version", false}};
 // In space, where they have sheets, beside these.
 const Expected kOfSkeletonsInSpace[]{{"point", "curve_burn_time", false},
-                                         {"point", "curve_erosion_thickness", false},
-                                         {"point", "curve_unburned", false},
-                                         {"cell", "sheet_level", true},
-                                         {"cell", "curve_erosion_thickness", true},
-                                         {"field", "theta2", true},
-                                         {"cell", "sheet", false},
-                                         {"point", "seam", false},
-                                         {"point", "junction", false},
-                                         {"field", "rims_above", false},
-                                         {"field", "omega", false},
-                                         {"field", "propagation", false},
-                                         {"field", "radius_rule", false}};
+                                     {"point", "curve_erosion_thickness", false},
+                                     {"point", "curve_unburned", false},
+                                     {"cell", "sheet_level", true},
+                                     {"cell", "curve_erosion_thickness", true},
+                                     {"field", "theta2", true},
+                                     {"cell", "sheet", false},
+                                     {"point", "seam", false},
+                                     {"point", "junction", false},
+                                     {"field", "rims_above", false},
+                                     {"field", "omega", false},
+                                     {"field", "propagation", false},
+                                     {"field", "radius_rule", false}};
 
 // Skeletons have these from their core; one of a medial axis of another program has none of them.
 const Expected kOfSkeletonsOfCores[]{{"field", "dims", true},          {"field", "spacing", true},
-                                         {"field", "origin", true},        {"field", "direction", true},
-                                         {"field", "longest_side", false}, {"field", "units", false},
-                                         {"field", "parameters", false}};
+                                     {"field", "origin", true},        {"field", "direction", true},
+                                     {"field", "longest_side", false}, {"field", "units", false},
+                                     {"field", "parameters", false}};
 const Expected kOfSkeletonsByLambda[]{{"field", "lambda", false}, {"field", "lambda_chosen", false}};
 const Expected kOfSkeletonsByDetail[]{{"field", "detail", false}, {"field", "detail_chosen", false}};
 
 // Arrays by which a skeleton of a core is recognized: other programs may give a medial axis a spacing and an origin.
 const Expected kOnlyOfCores[]{{"field", "dims", true},
-                                  {"field", "lambda_chosen", false},
-                                  {"field", "detail_chosen", false},
-                                  {"field", "parameters", false}};
+                              {"field", "lambda_chosen", false},
+                              {"field", "detail_chosen", false},
+                              {"field", "parameters", false}};
 
 bool is_there(const Record& data, const Expected& array) {
   const std::string_view of = array.of;

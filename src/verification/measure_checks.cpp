@@ -96,8 +96,9 @@ Check check_circumradius(const Result& result, Context* context) {
     return std::abs(arrays.cell[row] - expected(row)) <= kRelative * expected(row);
   });
   if (bad < arrays.cells())
-    return failed(arrays.check_name(), fmt::format("{} has a circumradius of {:.9g}; the smallest of its balls has {:.9g}",
-                                                   arrays.describe(bad), arrays.cell[bad], expected(bad)));
+    return failed(arrays.check_name(),
+                  fmt::format("{} has a circumradius of {:.9g}; the smallest of its balls has {:.9g}",
+                              arrays.describe(bad), arrays.cell[bad], expected(bad)));
   return passed(arrays, fmt::format("that of {} cells is the smallest of their balls", arrays.cells()));
 }
 
@@ -158,8 +159,8 @@ Check check_chord_residual(const Result& result, const Sites& sites, std::size_t
   };
   const double rounding = 4 * kRelative + result.slack;
   const auto sentence = [&](std::size_t i, double way) {
-    return fmt::format("{} has a chord residual of {:.9g}; the way is {:.9g}, the chord {:.9g}", arrays.describe(first + i),
-                       arrays.cell[first + i], way, chord(i));
+    return fmt::format("{} has a chord residual of {:.9g}; the way is {:.9g}, the chord {:.9g}",
+                       arrays.describe(first + i), arrays.cell[first + i], way, chord(i));
   };
   if (!mgf.cell.empty()) {
     const std::size_t bad = first_failure(sites_of.size(), context, "verify: measures", [&](std::size_t i) {
@@ -180,9 +181,10 @@ Check check_chord_residual(const Result& result, const Sites& sites, std::size_t
     return written <= way[i] * (1 + rounding) && written >= way[i] / ways.most() * (1 - rounding);
   });
   if (bad < rows.size()) return failed(arrays.check_name(), sentence(rows[bad], way[bad]));
-  return passed(arrays, fmt::format("with the chord, that of {} of {} polygons lies between the shortest way along sides "
-                                    "and diagonals and {:.3f} of it",
-                                    rows.size(), sites_of.size(), 1 / ways.most()));
+  return passed(arrays,
+                fmt::format("with the chord, that of {} of {} polygons lies between the shortest way along sides "
+                            "and diagonals and {:.3f} of it",
+                            rows.size(), sites_of.size(), 1 / ways.most()));
 }
 
 // Only bounds: the fire on the whole core is not burned again.
@@ -190,7 +192,8 @@ Check check_erosion_of_core(const Arrays& arrays, double most, Context* context)
   if (!arrays.is_whole()) return arrays.lacks();
   if (std::string wrong = wrong_range(arrays, 0, most, context); !wrong.empty())
     return failed(arrays.check_name(), std::move(wrong));
-  return {arrays.check_name(), true,
+  return {arrays.check_name(),
+          true,
           fmt::format("that of {} cells is {}, and of sides at least that of the cells around", arrays.cells(),
                       most == 1 ? "from 0 to 1" : "not negative"),
           {}};
@@ -224,7 +227,8 @@ std::vector<Check> check_other_measures(const Result& result, const Sites& sites
   std::vector<Check> checks;
   if (Arrays(result, kCircumradius).is_there()) checks.push_back(check_circumradius(result, context));
   if (Arrays(result, kScaleAxis).is_there()) checks.push_back(check_scale_axis(result, samples, context));
-  if (Arrays(result, kChordResidual).is_there()) checks.push_back(check_chord_residual(result, sites, samples, context));
+  if (Arrays(result, kChordResidual).is_there())
+    checks.push_back(check_chord_residual(result, sites, samples, context));
   if (const Arrays arrays(result, kCoreErosionThickness); arrays.is_there())
     checks.push_back(check_erosion_of_core(arrays, kUnbounded, context));
   if (const Arrays arrays(result, kRelativeErosionThickness); arrays.is_there())

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "axis/measures.h"
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <tbb/task_arena.h>
@@ -8,9 +10,8 @@
 #include <cmath>
 #include <vector>
 
-#include "axis/measures.h"
 #include "base/parallel.h"
-#include "pipeline/measures.h"
+#include "pipeline/menu_of_measures.h"
 #include "quench/axis.h"
 #include "quench/burn.h"
 #include "quench/error.h"
@@ -48,8 +49,8 @@ const std::vector<double>& erosion_of(Work& work) {
   options.rounded = true;
   require_memory(predicted_burn_bytes(axis.complex, axis.points_of_voxels(), options),
                  "burning the core for its erosion thickness", {"a lower resolution"}, work.context);
-  work.erosion = burn(axis.complex, axis.points_of_voxels(), axis.radius_of_voxels(), options, work.context)
-                     .erosion_thickness;
+  work.erosion =
+      burn(axis.complex, axis.points_of_voxels(), axis.radius_of_voxels(), options, work.context).erosion_thickness;
   return work.erosion;
 }
 
@@ -89,7 +90,8 @@ void add_erosion(Work& work) {
 void add_relative_erosion(Work& work) {
   std::vector<double> share = erosion_of(work);
   const std::vector<double>& radius = work.axis.radius_of_voxels();
-  for (std::size_t v = 0; v < share.size(); ++v) share[v] = std::isinf(share[v]) ? 1 : share[v] / (share[v] + radius[v]);
+  for (std::size_t v = 0; v < share.size(); ++v)
+    share[v] = std::isinf(share[v]) ? 1 : share[v] / (share[v] + radius[v]);
   add(work, kRelativeErosionThickness, axis::smallest_of_corners(work.axis.complex, share));
 }
 
@@ -116,8 +118,8 @@ const MeasureKind& kind_of(std::string_view name, std::string_view field) {
   if (const MeasureKind* kind = find_measure_kind(name)) return *kind;
   std::vector<std::string_view> names;
   for (const MeasureKind& kind : kMeasures) names.push_back(kind.name);
-  const char* hint = name == "erosion_thickness"    ? "; that of burned files is of what is kept, of the whole core it is "
-                                                      "core_erosion_thickness"
+  const char* hint = name == "erosion_thickness" ? "; that of burned files is of what is kept, of the whole core it is "
+                                                   "core_erosion_thickness"
                      : name == "potential_residual" ? "; the potential residual is mgf"
                                                     : "";
   throw Error(ErrorCode::usage,

@@ -1,0 +1,157 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: Apache-2.0
+"""All measures of the menu on noisy shapes: what a plain threshold keeps of features and of noise, and what topology adds.
+
+usage: significance.py QUENCH MESHES FOLDER [--picture FILE.png]
+
+QUENCH is the program, MESHES a folder with armadillo.off and elk.off, FOLDER takes what is made. For every shape a whole
+core with all measures is made at resolution 256, of the voxels; examples/significance.py thresholds each measure where the
+same share of the area is left. Then QUENCH prunes by each measure at that threshold: *bridges* is the share of the area
+of the pruning that lies below the threshold, which only topology keeps, *wires* the length of its lines, in longest
+sides. Prints the tables of notes/significance.md; --picture draws the summary. Needs Debian's python3-numpy,
+python3-scipy, python3-vtk9 and python3-matplotlib."""
+import argparse
+import json
+import pathlib
+import subprocess
+import sys
+
+EXAMPLES = pathlib.Path(__file__).resolve().parent.parent / 'examples'
+sys.path.insert(0, str(EXAMPLES))
+from significance import Axis, share  # noqa: E402
+
+FIN = ['--box', 'fin', '-0.7', '0.1', '-0.005', '0.005', '0.25', '0.65', '--box', 'bump', '0.28', '0.92', '-0.22', '0.42',
+       '0.05', '0.26']
+# Name, shares of the area that are kept, options of examples/significance.py, the column of features.
+SHAPES = (('fin-on-board', (0.2, 0.1), FIN, 'fin'), ('rippled-box', (0.2, 0.05), ['--clean', 'clean-box'], 'features'),
+          ('bumpy-sphere', (0.05,), [], None), ('armadillo', (0.05, 0.2), ['--surface'], 'tips'),
+          ('elk', (0.05, 0.2), ['--surface'], 'tips'))
+ORDER = ('circumradius', 'lambda', 'object_angle', 'cap_height', 'detail', 'mgf', 'chord_residual', 'scale_axis',
+         'core_erosion_thickness', 'relative_erosion_thickness')
+COLOURS = dict(zip(ORDER, ('#7f7f7f', '#1f77b4', '#d62728', '#17becf', '#2ca02c', '#9467bd', '#e377c2', '#8c564b', '#ff7f0e',
+                           '#bcbd22')))
+MARKS = {'fin-on-board': 's', 'rippled-box': 'D', 'armadillo': 'o', 'elk': '^'}
+
+
+def core(quench, mesh, out, *options):
+    if not out.exists():
+        subprocess.run([quench, 'core', mesh, '--resolution', '256', '--surface', 'voxels', *options, '-o', out, '--quiet'], check=True)
+    return out
+
+
+def bridges(quench, mesh, folder, row):
+    """Of the pruning at the threshold of a row."""
+    name = row['measure']
+    length = name not in ('object_angle', 'relative_erosion_thickness', 'scale_axis')
+    by = [f'--{name}'] if name in ('detail', 'lambda') else ['--prune-by']
+    threshold = f'{row["threshold"]!r}' + ('abs' if length else '')
+    by.append(threshold if name in ('detail', 'lambda') else f'{name}={threshold}')
+    out = folder / f'{mesh.stem}_{name}_{row["keep"]}.vtp'
+    pruned = Axis(str(core(quench, mesh, out, *by)))
+    below = pruned.measure(name) < row['threshold'] * (1 - 1e-6)  # some files have single precision
+    row['faces'] = pruned.count
+    row['bridges'] = pruned.area[below].sum() / pruned.area.sum()
+    row['wires'] = pruned.length_of_lines() / float(pruned.data.GetFieldData().GetArray('longest_side').GetValue(0))
+
+
+def kept_features(row, column):
+    return row[column][0] / row[column][1] if column == 'tips' else row[column]
+
+
+def texts(row):
+    for key, value in row.items():
+        yield (value if key == 'measure' else f'{value:.4g}' if key == 'threshold' else f'{value[0]} of {value[1]}'
+               if key == 'tips' else f'{value:.2f}' if key == 'wires' else str(value) if isinstance(value, int) else share(value))
+
+
+def table(rows):
+    hidden = ('keep', 'faces')
+    rows = [{k: v for k, v in row.items() if k not in hidden} for row in rows]
+    print('| ' + ' | '.join(rows[0]) + ' |\n' + '|---' * len(rows[0]) + '|')
+    for row in rows:
+        print('| ' + ' | '.join(texts(row)) + ' |')
+    print(flush=True)
+
+
+def summary(found):
+    """A row per measure: features kept and area outside of the largest piece, over the shapes."""
+    print('| measure | ' + ' | '.join(f'{shape}, {100 * keep:.0f} %' for shape, keep in found) + ' |')
+    print('|---' * (len(found) + 1) + '|')
+    for name in ORDER:
+        cells = []
+        for (shape, _), rows in found.items():
+            row = next(r for r in rows if r['measure'] == name)
+            column = next(s[3] for s in SHAPES if s[0] == shape)
+            cells.append((f'{100 * kept_features(row, column):.0f}' if column else '–') +
+                         f' / {100 * row["outside"]:.1f} / {100 * row["bridges"]:.1f}')
+        print(f'| {name} | ' + ' | '.join(cells) + ' |')
+
+
+def draw(found, file):
+    import matplotlib
+    matplotlib.use('Agg')
+    import matplotlib.pyplot as plt
+    figure, axes = plt.subplots(figsize=(9, 5.4))
+    for (shape, keep), rows in found.items():
+        column = next(s[3] for s in SHAPES if s[0] == shape)
+        if not column or keep != next(s[1][0] for s in SHAPES if s[0] == shape):
+            continue
+        for row in rows:
+            axes.plot(100 * row['outside'], 100 * kept_features(row, column), MARKS[shape], color=COLOURS[row['measure']],
+                      markersize=9, alpha=0.8, markeredgecolor='white')
+    axes.set_xscale('symlog', linthresh=0.1)
+    axes.set_xlim(-0.02, 110)
+    axes.set_ylim(-4, 104)
+    axes.set_xlabel('share of the kept area outside of its largest piece, %')
+    axes.set_ylabel('features kept, %')
+    axes.set_title('A plain threshold of each measure at the same area: upper left is best', fontsize=11)
+    axes.grid(alpha=0.3)
+    keep_of = {s[0]: s[1][0] for s in SHAPES}
+    handles = [plt.Line2D([], [], color=COLOURS[n], marker='o', linestyle='', label=n.replace('_', ' ')) for n in ORDER]
+    handles += [plt.Line2D([], [], color='black', marker=m, linestyle='', label=f'{s}, {100 * keep_of[s]:.0f} %')
+                for s, m in MARKS.items()]
+    axes.legend(handles=handles, fontsize=8, loc='center left', bbox_to_anchor=(1.01, 0.5))
+    figure.savefig(file, dpi=110, bbox_inches='tight')
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument('quench')
+    parser.add_argument('meshes', type=pathlib.Path)
+    parser.add_argument('folder', type=pathlib.Path)
+    parser.add_argument('--picture')
+    options = parser.parse_args()
+    quench, folder = options.quench, options.folder
+    folder.mkdir(exist_ok=True)
+    for sample, file, more in (('fin-on-board', 'fin-on-board', ()), ('rippled-box', 'rippled-box', ()),
+                               ('rippled-box', 'clean-box', ('--noise', '1e-6')), ('bumpy-sphere', 'bumpy-sphere', ())):
+        if not (folder / f'{file}.ply').exists():
+            subprocess.run([quench, 'sample', sample, *more, '-o', folder / f'{file}.ply', '--quiet'], check=True)
+    found = {}
+    for shape, keeps, flags, _ in SHAPES:
+        mesh = next(m for m in (folder / f'{shape}.ply', options.meshes / f'{shape}.off') if m.exists())
+        whole = core(quench, mesh, folder / f'{shape}.vtp', '--detail', '0', '--measures', 'all')
+        flags = list(flags)
+        if flags[:1] == ['--clean']:
+            flags = ['--clean', core(quench, folder / 'clean-box.ply', folder / 'clean-box.vtp', '--detail', '0')]
+        if flags == ['--surface']:
+            flags = ['--surface', mesh]
+        for keep in keeps:
+            rows_file = folder / f'{shape}_{keep}.json'
+            if not rows_file.exists():
+                subprocess.run([EXAMPLES / 'significance.py', whole, '--keep', str(keep), *flags, '--json', rows_file],
+                               check=True, stdout=subprocess.DEVNULL)
+            rows = sorted(json.loads(rows_file.read_text()), key=lambda row: ORDER.index(row['measure']))
+            for row in rows:
+                row['keep'] = keep
+                bridges(quench, mesh, folder, row)
+            found[shape, keep] = rows
+            print(f'### {shape}, {100 * keep:.0f} %\n')
+            table(rows)
+    summary(found)
+    if options.picture:
+        draw(found, options.picture)
+
+
+if __name__ == '__main__':
+    main()
