@@ -6,9 +6,9 @@ usage: significance.py QUENCH MESHES FOLDER [--picture FILE.png]
 
 QUENCH is the program, MESHES a folder with armadillo.off and elk.off, FOLDER takes what is made. For every shape a whole
 core with all measures is made at resolution 256, of the voxels; examples/significance.py thresholds each measure where the
-same share of the area is left. Then QUENCH prunes by each measure at that threshold: *bridges* is the share of the area
+same share of the area is left. Of QUENCH's pruning by each measure at that threshold, *bridges* is the share of the area
 of the pruning that lies below the threshold, which only topology keeps, *wires* the length of its lines, in longest
-sides. Prints the tables of notes/significance.md; --picture draws the summary. Needs Debian's python3-numpy,
+sides, both from one core with levels. Prints the tables of notes/significance.md; --picture draws the summary. Needs Debian's python3-numpy,
 python3-scipy, python3-vtk9 and python3-matplotlib."""
 import argparse
 import json
@@ -19,6 +19,9 @@ import sys
 EXAMPLES = pathlib.Path(__file__).resolve().parent.parent / 'examples'
 sys.path.insert(0, str(EXAMPLES))
 from significance import Axis, share  # noqa: E402
+
+import numpy as np  # noqa: E402
+from vtk.util.numpy_support import vtk_to_numpy  # noqa: E402
 
 FIN = ['--box', 'fin', '-0.7', '0.1', '-0.005', '0.005', '0.25', '0.65', '--box', 'bump', '0.28', '0.92', '-0.22', '0.42',
        '0.05', '0.26']
@@ -39,19 +42,29 @@ def core(quench, mesh, out, *options):
     return out
 
 
-def bridges(quench, mesh, folder, row):
+def leveled(quench, mesh, folder, name):
+    """The whole core with the levels of a measure: its pruning at every threshold."""
+    by = [f'--{name}', '0'] if name in ('detail', 'lambda') else ['--prune-by', f'{name}={1 if name == "scale_axis" else 0}']
+    return Axis(str(core(quench, mesh, folder / f'{mesh.stem}_{name}.vtp', *by, '--full')))
+
+
+def bridges(axis, row):
     """Of the pruning at the threshold of a row."""
     name = row['measure']
-    length = name not in ('object_angle', 'relative_erosion_thickness', 'scale_axis')
-    by = [f'--{name}'] if name in ('detail', 'lambda') else ['--prune-by']
-    threshold = f'{row["threshold"]!r}' + ('abs' if length else '')
-    by.append(threshold if name in ('detail', 'lambda') else f'{name}={threshold}')
-    out = folder / f'{mesh.stem}_{name}_{row["keep"]}.vtp'
-    pruned = Axis(str(core(quench, mesh, out, *by)))
-    below = pruned.measure(name) < row['threshold'] * (1 - 1e-6)  # some files have single precision
-    row['faces'] = pruned.count
-    row['bridges'] = pruned.area[below].sum() / pruned.area.sum()
-    row['wires'] = pruned.length_of_lines() / float(pruned.data.GetFieldData().GetArray('longest_side').GetValue(0))
+    least = row['threshold'] * (1 - 1e-6)  # some files have single precision
+    level = vtk_to_numpy(axis.data.GetCellData().GetArray(f'{name}_level')).astype(float)
+    kept = level[axis.first_cell:] >= least
+    area = axis.area[kept].sum()
+    row['faces'] = int(kept.sum())
+    row['bridges'] = axis.area[kept & (axis.measure(name) < least)].sum() / area if area > 0 else 0
+    ends, of_lines = axis.lines()
+    ahead = np.arange(1, len(axis.index) + 1)
+    ahead[axis.offsets[1:] - 1] = axis.offsets[:-1]
+    sides = np.sort(np.stack([axis.index, axis.index[ahead]], 1)[kept[axis.polygon]], axis=1)
+    count = len(axis.points)
+    alone = (level[of_lines] >= least) & ~np.isin(np.sort(ends, axis=1) @ [count, 1], sides @ [count, 1])
+    length = np.linalg.norm(axis.points[ends[alone, 0]] - axis.points[ends[alone, 1]], axis=1).sum()
+    row['wires'] = length / float(axis.data.GetFieldData().GetArray('longest_side').GetValue(0))
 
 
 def kept_features(row, column):
@@ -65,7 +78,7 @@ def texts(row):
 
 
 def table(rows):
-    hidden = ('keep', 'faces')
+    hidden = ('faces',)
     rows = [{k: v for k, v in row.items() if k not in hidden} for row in rows]
     print('| ' + ' | '.join(rows[0]) + ' |\n' + '|---' * len(rows[0]) + '|')
     for row in rows:
@@ -136,15 +149,18 @@ def main():
             flags = ['--clean', core(quench, folder / 'clean-box.ply', folder / 'clean-box.vtp', '--detail', '0')]
         if flags == ['--surface']:
             flags = ['--surface', mesh]
+        found_here = {}
         for keep in keeps:
             rows_file = folder / f'{shape}_{keep}.json'
             if not rows_file.exists():
                 subprocess.run([EXAMPLES / 'significance.py', whole, '--keep', str(keep), *flags, '--json', rows_file],
                                check=True, stdout=subprocess.DEVNULL)
-            rows = sorted(json.loads(rows_file.read_text()), key=lambda row: ORDER.index(row['measure']))
-            for row in rows:
-                row['keep'] = keep
-                bridges(quench, mesh, folder, row)
+            found_here[keep] = sorted(json.loads(rows_file.read_text()), key=lambda row: ORDER.index(row['measure']))
+        for number, name in enumerate(ORDER):
+            axis = leveled(quench, mesh, folder, name)
+            for rows in found_here.values():
+                bridges(axis, rows[number])
+        for keep, rows in found_here.items():
             found[shape, keep] = rows
             print(f'### {shape}, {100 * keep:.0f} %\n')
             table(rows)

@@ -132,15 +132,13 @@ class Axis:
         piece = connected_components(joined, directed=False)[1][:n]
         return np.bincount(piece, self.area[kept])
 
-    def length_of_lines(self):
-        """Of the lines that are no sides of polygons."""
-        kind = self.data.GetCellData().GetArray('kind')
+    def lines(self):
+        """The ends of the lines, and their rows in cell arrays."""
         lines, first = self.data.GetLines(), self.data.GetNumberOfVerts()
-        if kind is None or lines.GetNumberOfCells() == 0:
-            return 0.0
-        ends = vtk_to_numpy(lines.GetConnectivityArray()).reshape(-1, 2)
-        alone = vtk_to_numpy(kind)[first:first + len(ends)] == 1
-        return float(np.linalg.norm(self.points[ends[alone, 0]] - self.points[ends[alone, 1]], axis=1).sum())
+        ends = np.zeros((0, 2), np.int64)
+        if lines.GetNumberOfCells() > 0:
+            ends = vtk_to_numpy(lines.GetConnectivityArray()).reshape(-1, 2).astype(np.int64)
+        return ends, np.arange(first, first + len(ends))
 
     def balls(self, kept):
         rows = np.unique(self.index[kept[self.polygon]])

@@ -107,10 +107,11 @@ TEST(BallMeasures, ChordResidualOfARectangle) {
   for (std::size_t e = 0; e < residual.size(); ++e) {
     const LatticePoint &a = axis.sites[axis.edge_sites[e][0]], &b = axis.sites[axis.edge_sites[e][1]];
     const double across = std::abs(a[0] - b[0]), up = std::abs(a[1] - b[1]);
-    if (across == 0 && up == 8)
+    if (across == 0 && up == 8) {
       EXPECT_NEAR(residual[e], 2 * std::min(a[0], 20 - a[0]), 1e-12);
-    else if (across == up && across < 4)
+    } else if (across == up && across < 4) {
       EXPECT_NEAR(residual[e], (2 - std::sqrt(2.0)) * across, 1e-12);
+    }
   }
 }
 
@@ -125,8 +126,9 @@ TEST(BallMeasures, OfABox) {
     if (a[0] != b[0] || a[1] != b[1]) continue;
     const double side = std::min({a[0], 20 - a[0], a[1], 16 - a[1]});
     EXPECT_NEAR(axis.measure(kChordResidual).value.face[f], 2 * side, 1e-9);
-    if (side > 4) EXPECT_NEAR(axis.measure(kCircumradius).value.face[f], std::sqrt(9.5), 1e-12);
-    middle += side > 4;
+    if (side <= 4) continue;
+    EXPECT_NEAR(axis.measure(kCircumradius).value.face[f], std::sqrt(9.5), 1e-12);
+    ++middle;
   }
   EXPECT_GT(middle, 50u);
 }

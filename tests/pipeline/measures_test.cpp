@@ -105,6 +105,28 @@ TEST_P(OfEveryMeasure, PruningsAreVerified) {
   }
 }
 
+TEST_P(OfEveryMeasure, WrongValuesAreFound) {
+  for (const bool prunes : {true, false}) {
+    pipeline::LoadedShape shape = loaded(random_shape(5, 12));
+    pipeline::AxisOptions options;
+    if (prunes)
+      options.pruning = {GetParam().name, middle(shape, GetParam())};
+    else
+      options.measures = {std::string(GetParam().name)};
+    Record file = pipeline::core_file(pipeline::core_of(shape, options));
+    ASSERT_TRUE(verify(shape.shape, file).passed());
+    // Of what is not pruned by them, only bounds of these are checked.
+    const bool of_fire = GetParam().name == kCoreErosionThickness || GetParam().name == kRelativeErosionThickness;
+    for (DataArray& array : file.cell_data)
+      if (array.name == GetParam().name) {
+        std::vector<double> numbers = array.numbers();
+        for (double& x : numbers) x = of_fire && !prunes ? -1 - x : 1.5 * x;
+        array.values = std::move(numbers);
+      }
+    EXPECT_FALSE(verify(shape.shape, file).passed()) << prunes;
+  }
+}
+
 TEST_P(OfEveryMeasure, DoesNotDependOnThreadsOrOrientation) {
   // A mirror image has the same values, but for rounding.
   for (const std::uint64_t seed : {2u, 5u, 9u}) {
@@ -131,10 +153,11 @@ TEST_P(OfEveryMeasure, DoesNotDependOnThreadsOrOrientation) {
     // The fire of segments depends on where nodes are, which rounding decides.
     const bool of_fire = GetParam().name == kCoreErosionThickness || GetParam().name == kRelativeErosionThickness;
     for (std::size_t i = 0; i < here.size(); ++i) {
-      if (std::isinf(here[i]))
+      if (std::isinf(here[i])) {
         ASSERT_EQ(here[i], there[i]);
-      else
+      } else {
         ASSERT_NEAR(here[i], there[i], (of_fire ? 1e-2 : 1e-6) * (1 + here[i]));
+      }
     }
   }
 }
