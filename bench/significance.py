@@ -2,13 +2,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """All measures of the menu on noisy shapes: what a plain threshold keeps of features and of noise, and what topology adds.
 
-usage: significance.py QUENCH MESHES FOLDER [--picture FILE.png]
+usage: significance.py QUENCH MESHES FOLDER [--picture FILE.png] [--gallery SHAPE FACES FILE.png]
 
 QUENCH is the program, MESHES a folder with armadillo.off and elk.off, FOLDER takes what is made. For every shape a whole
 core with all measures is made at resolution 256, of the voxels; examples/significance.py thresholds each measure where the
 same share of the area is left. Of QUENCH's pruning by each measure at that threshold, *bridges* is the share of the area
 of the pruning that lies below the threshold, which only topology keeps, *wires* the length of its lines, in longest
-sides, both from one core with levels. Prints the tables of notes/significance.md; --picture draws the summary. Needs Debian's python3-numpy,
+sides, both from one core with levels. Prints the tables of notes/significance.md; --picture draws the summary, --gallery the
+prunings of a shape by each measure to about so many faces (under xvfb-run where there is no screen). Needs Debian's python3-numpy,
 python3-scipy, python3-vtk9 and python3-matplotlib."""
 import argparse
 import json
@@ -127,12 +128,66 @@ def draw(found, file):
     figure.savefig(file, dpi=110, bbox_inches='tight')
 
 
+def gallery(quench, mesh, folder, faces, file):
+    import vtk
+    window = vtk.vtkRenderWindow()
+    window.SetOffScreenRendering(1)
+    window.SetSize(1500, 640)
+    for number, name in enumerate(ORDER):
+        axis = leveled(quench, mesh, folder, name)
+        level = vtk_to_numpy(axis.data.GetCellData().GetArray(f'{name}_level')).astype(float)
+        least = np.sort(level[axis.first_cell:])[-faces]
+        axis.data.GetPointData().SetActiveScalars('radius')
+        part = vtk.vtkThreshold()
+        part.SetInputData(axis.data)
+        part.SetInputArrayToProcess(0, 0, 0, vtk.vtkDataObject.FIELD_ASSOCIATION_CELLS, f'{name}_level')
+        part.SetThresholdFunction(vtk.vtkThreshold.THRESHOLD_UPPER)
+        part.SetUpperThreshold(least)
+        surface = vtk.vtkGeometryFilter()
+        surface.SetInputConnection(part.GetOutputPort())
+        mapper = vtk.vtkPolyDataMapper()
+        mapper.SetInputConnection(surface.GetOutputPort())
+        mapper.ScalarVisibilityOff()
+        actor = vtk.vtkActor()
+        actor.SetMapper(mapper)
+        actor.GetProperty().SetColor(*[int(COLOURS[name][i:i + 2], 16) / 255 for i in (1, 3, 5)])
+        actor.GetProperty().SetAmbient(0.25)
+        actor.GetProperty().SetLineWidth(2)
+        text = vtk.vtkTextActor()
+        text.SetInput(f'{name.replace("_", " ")}  {least:.3g}')
+        text.GetTextProperty().SetColor(0, 0, 0)
+        text.GetTextProperty().SetFontSize(17)
+        text.SetPosition(8, 8)
+        view = vtk.vtkRenderer()
+        view.SetBackground(1, 1, 1)
+        view.SetViewport(number % 5 / 5, 0.5 - number // 5 / 2, number % 5 / 5 + 0.2, 1 - number // 5 / 2)
+        view.AddActor(actor)
+        view.AddActor2D(text)
+        window.AddRenderer(view)
+        if number == 0:
+            view.ResetCamera(axis.data.GetBounds())
+            camera = view.GetActiveCamera()
+            camera.Azimuth(30)
+            camera.Elevation(15)
+            camera.Zoom(1.5)
+        view.SetActiveCamera(camera)
+        view.ResetCameraClippingRange()
+    window.Render()
+    image = vtk.vtkWindowToImageFilter()
+    image.SetInput(window)
+    writer = vtk.vtkPNGWriter()
+    writer.SetFileName(file)
+    writer.SetInputConnection(image.GetOutputPort())
+    writer.Write()
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument('quench')
     parser.add_argument('meshes', type=pathlib.Path)
     parser.add_argument('folder', type=pathlib.Path)
     parser.add_argument('--picture')
+    parser.add_argument('--gallery', nargs=3)
     options = parser.parse_args()
     quench, folder = options.quench, options.folder
     folder.mkdir(exist_ok=True)
@@ -167,6 +222,10 @@ def main():
     summary(found)
     if options.picture:
         draw(found, options.picture)
+    if options.gallery:
+        shape, faces, file = options.gallery
+        gallery(quench, next(m for m in (folder / f'{shape}.ply', options.meshes / f'{shape}.off') if m.exists()), folder,
+                int(faces), file)
 
 
 if __name__ == '__main__':
