@@ -70,8 +70,10 @@ void refuse_own_options(const std::vector<std::string>& words, const std::string
                     fmt::format("{}give {} before the '--': it is for all of the batch", where, name));
     if (name == "--json")
       throw Error(ErrorCode::usage, fmt::format("{}leave out --json: every sample has its report.json", where));
-    if (name == "--help" || name == "-h" || name == "--version")
-      throw Error(ErrorCode::usage, fmt::format("{} is no option of a batch; see quench batch --help", name));
+    for (const char* answered : {"--help", "-h", "--version", "--xml"})  // without a sample
+      if (name == answered)
+        throw Error(ErrorCode::usage,
+                    fmt::format("{}leave out {}: it asks about the program and measures nothing", where, name));
   }
 }
 

@@ -28,7 +28,7 @@ Action add_burn(CLI::App& app) {
   };
   auto o = std::make_shared<Options>();
   add_axis_options(app, o->axis);
-  add_burn_options(app, o->burning);
+  add_burn_options(app, o->burning, false);
   app.add_option("-o,--output", o->output,
                  "AXIS with the point arrays burn_time, erosion_thickness, unburned: .vtp (which 'quench skeleton' and "
                  "'quench view' do not burn again) .ply .csv")

@@ -331,7 +331,7 @@ Action add_parts(CLI::App& app) {
       ->type_name("FILE")
       ->group(group);
   add_core_options(app, o->run.axis);
-  add_burn_options(app, o->run.burning);
+  add_burn_options(app, o->run.burning, true);
   add_skeleton_options(app, o->run.skeleton, o->graph);
   app.add_option("-o,--output", o->folder,
                  "Folder for parts.csv, seams.csv, junctions.csv, parts.vtp, parts.obj, report.json and a mesh of each "

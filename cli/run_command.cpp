@@ -208,7 +208,7 @@ Action add_run(CLI::App& app) {
   auto o = std::make_shared<RunProgram>();
   add_shape_options(app, o->shape);
   add_core_options(app, o->run.axis);
-  add_burn_options(app, o->run.burning);
+  add_burn_options(app, o->run.burning, false);
   add_skeleton_options(app, o->run.skeleton, o->graph);
   app.add_flag("--extend", o->graph.graph.extend,
                "Draw free ends out in a straight line to the boundary of the shape (of its voxels or pixels)")

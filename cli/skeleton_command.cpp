@@ -31,7 +31,7 @@ Action add_skeleton(CLI::App& app) {
   auto o = std::make_shared<Options>();
   add_axis_options(app, o->axis);
   add_skeleton_options(app, o->skeleton, o->graph);
-  add_burn_options(app, o->burning);
+  add_burn_options(app, o->burning, true);
   app.add_flag("--full", o->skeleton.parts,
                "Write every part of a sheet with its own sheet_level, for any larger --theta2")
       ->group("Skeleton");

@@ -142,25 +142,33 @@ void add_core_options(CLI::App& app, pipeline::AxisOptions& o) {
       ->group(group);
 }
 
-void add_burn_options(CLI::App& app, pipeline::BurningOptions& o) {
+void add_burn_options(CLI::App& app, pipeline::BurningOptions& o, bool takes_burned) {
   const auto group = "Burning";
+  // Commands that go on from a file take what it was burned with.
+  const std::string automatic = takes_burned ? "'auto': as the file was burned, else " : "'auto': ";
   add_parsed(
       app, "--omega",
-      "Distance of nodes along edges: a fraction of the longest side (0.005), 0.5vox, 2abs, or 'auto': 0.65 "
-      "of the mean edge (0.35 for triangles), for an erosion thickness right to about 0.1% on voxel cores, 2% on cores "
-      "fitted to a mesh",
+      fmt::format(
+          "Distance of nodes along edges: a fraction of the longest side (0.005), 0.5vox, 2abs, or {}0.65 of the "
+          "mean edge (0.35 for triangles), for an erosion thickness right to about 0.1% on voxel cores, 2% on "
+          "cores fitted to a mesh",
+          automatic),
       [&o](const std::string&, const std::string& text) { o.omega = pipeline::parse_omega(text); },
       [&o] { return pipeline::text_of(o.omega); })
       ->type_name("LENGTH")
       ->capture_default_str()
       ->group(group);
-  add_named(app, "--radius", o.radius, RadiusRule::exact, RadiusRule::linear,
-            "The radius between vertices: 'exact' where neighbours share a nearest boundary point, 'linear', or "
-            "'auto': exact for voxel cores of Quench, linear for others")
+  add_named(
+      app, "--radius", o.radius, RadiusRule::exact, RadiusRule::linear,
+      fmt::format("The radius between vertices: 'exact' where neighbours share a nearest boundary point, 'linear', "
+                  "or {}exact for voxel cores of Quench, linear for others",
+                  automatic))
       ->group(group);
-  add_named(app, "--propagation", o.propagation, Propagation::segments, Propagation::windows,
-            "How fire crosses polygons: 'segments', from nodes on edges (see --omega), 'windows', exact up to rounding to a "
-            "4096th of omega, in two to five times the time, or 'auto': segments")
+  add_named(
+      app, "--propagation", o.propagation, Propagation::segments, Propagation::windows,
+      fmt::format("How fire crosses polygons: 'segments', from nodes on edges (see --omega), 'windows', exact up to "
+                  "rounding to a 4096th of omega, in two to five times the time, or {}segments",
+                  automatic))
       ->group(group);
 }
 

@@ -17,7 +17,8 @@ CLI::Option* add_length(CLI::App& app, const std::string& name, std::optional<pi
                         const std::string& help);
 
 void add_core_options(CLI::App& app, pipeline::AxisOptions& options);
-void add_burn_options(CLI::App& app, pipeline::BurningOptions& options);
+/// `takes_burned`: the command takes what it is not told from a burned file, by pipeline::take_recorded().
+void add_burn_options(CLI::App& app, pipeline::BurningOptions& options, bool takes_burned);
 
 /// How the curves of a skeleton become a graph and its files.
 struct GraphFileOptions {

@@ -553,7 +553,7 @@ Action add_tree(CLI::App& app) {
   add_tree_options(app, *o);
   add_repair_options(app, *o);
   add_core_options(app, o->run.axis);
-  add_burn_options(app, o->run.burning);
+  add_burn_options(app, o->run.burning, true);
   add_curve_options(app, o->run.skeleton, o->graph,
                     "Drop branches that stick out of what they leave by less than this many of its radii (1r), or by "
                     "a length (0.02 or 2% of the longest side, 8vox, 3.5abs); 'auto': 1r, and what is thinner than 4.5 "

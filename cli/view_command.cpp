@@ -395,7 +395,7 @@ Action add_view(CLI::App& app) {
       ->group(start);
   app.add_flag("--dark", o->dark, "On a dark ground")->group(start);
   add_page_options(app, o->max_triangles);
-  add_burn_options(app, o->burning);
+  add_burn_options(app, o->burning, true);
   app.add_option("-o,--output", o->output, "The page [default: FILE with .html, unless there is --png]")
       ->type_name("FILE");
   app.add_option("--png", o->png, "A picture of what the page shows first instead")

@@ -343,9 +343,9 @@ def sheet(rows, columns=None, names=None, captions=None, width=3.0, title=None):
 
 
 def write_nrrd(file, inside, spacing=1.0):
-    """A mask [x, y, z] as a volume."""
-    head = (f'NRRD0004\ntype: uint8\ndimension: 3\nsizes: {" ".join(map(str, inside.shape))}\n'
-            f'spacings: {spacing} {spacing} {spacing}\nencoding: raw\n\n')
+    """A mask [x, y, z] as a volume, or [x, y] as an image."""
+    head = (f'NRRD0004\ntype: uint8\ndimension: {inside.ndim}\nsizes: {" ".join(map(str, inside.shape))}\n'
+            f'spacings: {" ".join([str(spacing)] * inside.ndim)}\nencoding: raw\n\n')
     Path(file).write_bytes(head.encode() + inside.astype(np.uint8).tobytes(order='F'))
     return file
 

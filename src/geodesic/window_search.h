@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "geodesic/voxel_surface.h"
+#include "quench/error.h"
 
 namespace quench::geodesic {
 
@@ -17,9 +18,9 @@ namespace quench::geodesic {
 ///
 /// A window is a cone of straight ways from a source, the point searched from or a saddle, through a side of a square,
 /// in the plane of this square. The cone is bounded by two points of the lattice, so all coordinates are integers, and
-/// every decision between left and right is exact while they are below 2^26. A window is dropped only where the ways in
-/// it are longer than others by more than rounding, so the order does not matter for the result, only for the cost.
-/// Windows of one source that meet beyond a flat vertex are merged.
+/// every decision between left and right is exact while they are below kExact, which is checked. A window is dropped
+/// only where the ways in it are longer than others by more than rounding, so the order does not matter for the result,
+/// only for the cost. Windows of one source that meet beyond a flat vertex are merged.
 ///
 /// Lengths are in units of VoxelSurface. About 45 bytes per square; a search takes time and memory for the part of the
 /// surface it gets to only.
@@ -27,7 +28,11 @@ class WindowSearch {
  public:
   static constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
-  explicit WindowSearch(const VoxelSurface& surface);
+  /// Products of smaller coordinates are below 2^52, so that their differences are exact.
+  static constexpr double kExact = 0x1p26;
+
+  /// `exact`: a smaller bound than kExact, for tests. Searches throw Error(failed) when a straight way outgrows it.
+  explicit WindowSearch(const VoxelSurface& surface, double exact = kExact);
 
   /// Finds the distances of the targets that are within `limit`, of all points within it where there are no targets.
   /// Returns whether those of all targets are known; false, too, after `budget` windows. `rest(point)`: at most the
@@ -79,6 +84,7 @@ class WindowSearch {
   bool is_useless(std::uint32_t half_edge, const Window& window, double ends_distance, double begin_distance) const;
   bool merge(std::uint32_t first, const Window& window);
   void put(std::uint32_t what, std::size_t bucket);
+  [[noreturn]] static void refuse_length();
   std::size_t bucket_of(double key) const {
     return std::max(bucket_, static_cast<std::size_t>(key * buckets_per_unit_));
   }
@@ -86,6 +92,7 @@ class WindowSearch {
   static constexpr std::uint32_t kPointFlag = std::uint32_t{1} << 31;
 
   const VoxelSurface& surface_;
+  double longest_straight_;  // so that coordinates are exact
   double half_side_;         // of the longest
   double buckets_per_unit_;  // four in the shortest
   std::uint32_t search_ = 0;
@@ -99,9 +106,12 @@ class WindowSearch {
   std::int64_t windows_ = 0;
 };
 
-inline WindowSearch::WindowSearch(const VoxelSurface& surface)
+inline WindowSearch::WindowSearch(const VoxelSurface& surface, double exact)
     : surface_(surface), point_(surface.points()), pending_(surface.half_edges()) {
   half_side_ = 0.5 * std::ranges::max(surface.step());
+  // Ways in a window cross the side, and what bounds them is a corner of a square that one of them crosses: all that is
+  // subtracted in pass() and merge() is within two sides of a way to the middle.
+  longest_straight_ = exact - 8 * half_side_;
   buckets_per_unit_ = 4 / surface.smallest_step();
 }
 
@@ -255,11 +265,18 @@ void WindowSearch::add(std::uint32_t h, Window w, const Rest& rest) {
     free_ = pool_[free_].next;
     pool_[pending.first] = w;
   }
-  const double mx = 0.5 * width - w.x;
-  const std::size_t bucket = bucket_of(w.source_distance + std::sqrt(mx * mx + w.y * w.y));
+  const double mx = 0.5 * width - w.x, straight = std::sqrt(mx * mx + w.y * w.y);
+  if (!(straight < longest_straight_)) refuse_length();
+  const std::size_t bucket = bucket_of(w.source_distance + straight);
   if (waits && pending.bucket <= bucket) return;
   pending.bucket = static_cast<std::uint32_t>(bucket);
   put(h, bucket);
+}
+
+inline void WindowSearch::refuse_length() {
+  throw Error(ErrorCode::failed,
+              "a straight way on the surface of the voxel shape is too long for exact distances along it; choose a "
+              "smaller resolution, or a spacing in a proportion of smaller whole numbers");
 }
 
 inline bool WindowSearch::merge(std::uint32_t first, const Window& w) {

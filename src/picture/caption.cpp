@@ -14,7 +14,14 @@ namespace {
 constexpr double kTitle = 19, kText = 14, kSmall = 12;
 constexpr double kEdge = 16;  ///< free along the border
 constexpr double kBarWidth = 280, kBarHeight = 10, kBarMargin = 14, kTick = 4, kArrow = 8;
+constexpr std::size_t kLongTick = 7;  ///< letters of a number beside which no five others fit
 constexpr double kAxisLength = 44, kScaleShare = 0.16;
+
+/// Whether something is drawn in the colours of the measure.
+bool is_coloured(const Scene& scene, const ViewState& state) {
+  if (scene.sheets.size() > 0) return true;
+  return state.curves_by_measure && !(scene.curves.empty() && scene.isolated.empty());
+}
 
 bool has_room(const PictureOptions& options) { return options.width >= 240 && options.height >= 160; }
 
@@ -74,12 +81,22 @@ class Writing {
     for (int x = first; x < last; ++x)
       canvas_.fill_box({x, y}, {x + 1, y + kBarHeight * unit_}, colour_at((x + 0.5 - first) / (last - first)));
     const bool flat = !(range.high > range.low);
-    for (const double x : ticks(range.low, range.high, 5)) {
-      const double at = x0 + (flat ? 0.5 : (x - range.low) / (range.high - range.low)) * length;
+    std::vector<double> places;
+    std::vector<std::string> names;
+    for (const int most : {5, 2}) {
+      places = ticks(range.low, range.high, most);
+      for (double& x : places)
+        if (std::abs(x) < 1e-9 * std::abs(range.high)) x = 0;
+      names = names_of(places);
+      const auto is_short = [&](const std::string& name) { return name.size() <= kLongTick; };
+      if (std::all_of(names.begin(), names.end(), is_short)) break;
+    }
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      const double x = places[i], at = x0 + (flat ? 0.5 : (x - range.low) / (range.high - range.low)) * length;
       canvas_.fill_box({at - unit_ / 2, y + (kBarHeight + 1) * unit_},
                        {at + unit_ / 2, y + (kBarHeight + 1 + kTick) * unit_}, text_);
-      const std::string number = short_text(std::abs(x) < 1e-9 * std::abs(range.high) ? 0 : x, 4);
-      canvas_.write(number, kSmall * unit_, {at - canvas_.width_of(number, kSmall * unit_) / 2, y + 28 * unit_}, text_);
+      canvas_.write(names[i], kSmall * unit_, {at - canvas_.width_of(names[i], kSmall * unit_) / 2, y + 28 * unit_},
+                    text_);
     }
     // Values beyond the ends take their colours.
     const double slack = 1e-6 * (range.high - range.low);
@@ -178,7 +195,8 @@ void write_captions(Picture& picture, const Page& page, const Scene& scene, cons
     writing.lines();
     const bool curves = !scene.curves.empty() && !state.curves_by_measure && scene.curve_parts.empty();
     if (!scene.part_names.empty()) writing.legend(label_of(state.color), scene.part_names, curves);
-    writing.colour_bar(state.surface.empty() ? state.color : state.surface, range, curves);
+    if (is_coloured(scene, state) || !scene.part_names.empty())
+      writing.colour_bar(state.surface.empty() ? state.color : state.surface, range, curves);
     writing.scale_bar(camera.per_pixel() / scene.placement.scale);
   }
   if (options.axes) writing.axes(camera);

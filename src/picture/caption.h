@@ -16,6 +16,8 @@ std::string label_of(const std::string& measure);
 std::string unit_of(const Page& page, const std::string& measure);
 /// Three significant digits, or as many as are asked for; no exponent where it can be avoided.
 std::string short_text(double x, int digits = 3);
+/// Of ticks, with as few digits as say where they are, four at least.
+std::vector<std::string> names_of(const std::vector<double>& places);
 /// Round values inside a range, at most `most` and one.
 std::vector<double> ticks(double low, double high, int most);
 /// The largest of 1, 2, 5, 10, 20 ... that is not above `most`.

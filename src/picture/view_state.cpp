@@ -131,8 +131,9 @@ ViewState view_state(const Page& page) {
   // Of a tree the tubes are about where the surface is.
   state.shape = value_of(page.state, "shape").value_or(state.layer == "tree" ? "0" : "1") == "1";
   // Without sheets the curves carry the colours.
-  const bool pure = state.layer == "skeleton" && (page.plane || (page.theta2 && std::isinf(*page.theta2))) &&
-                    page.find("skeleton/point/radius");
+  const std::vector<std::uint32_t>* corners = find_values<std::uint32_t>(page, "skeleton/polygon_corners");
+  const bool no_sheets = page.plane || (page.theta2 && std::isinf(*page.theta2)) || !corners || corners->empty();
+  const bool pure = state.layer == "skeleton" && no_sheets && page.find("skeleton/point/radius");
   state.color = value_of(page.state, "color").value_or(pure ? "radius" : default_color(page, state.layer));
   const bool parts = state.layer == "tree"
                          ? is_colour_of_tree(page, state.color)

@@ -108,6 +108,22 @@ std::string short_text(double x, int digits) {
   return (x < 0 ? "−" : "") + text;
 }
 
+std::vector<std::string> names_of(const std::vector<double>& places) {
+  const double step = places.size() > 1 ? places[1] - places[0] : 0;
+  const auto exact = [&](double x, int digits) {
+    if (x == 0) return true;
+    const double unit = std::pow(10, std::floor(std::log10(std::abs(x))) + 1 - digits);
+    return std::abs(std::round(x / unit) * unit - x) < 0.02 * step;
+  };
+  int digits = 4;
+  while (step > 0 && digits < 8 &&
+         !std::all_of(places.begin(), places.end(), [&](double x) { return exact(x, digits); }))
+    ++digits;
+  std::vector<std::string> names;
+  for (const double x : places) names.push_back(short_text(x, digits));
+  return names;
+}
+
 std::vector<double> ticks(double low, double high, int most) {
   if (!(high > low)) return {low};
   const double raw = (high - low) / most, power = std::pow(10, std::floor(std::log10(raw)));

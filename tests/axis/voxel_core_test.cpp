@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "brute_force_core.h"
 #include "full_run.h"
@@ -78,6 +79,33 @@ TEST(VoxelCore, EqualsBruteForceWithCtSpacing) {
         testing_shapes::from_predicate(grid, [&](int x, int y, int z) { return unit.contains(x, y, z); }),
         "CT spacing, seed " + std::to_string(seed));
   }
+}
+
+// Points of the medial axis are at most half a voxel diagonal from the core (docs/algorithms/voxel_core.md). The axis stands
+// as the core of voxels split into 5: within beta / 5 of it. Points of the core only: that can but add to distances.
+TEST(VoxelCore, EveryPointOfTheMedialAxisIsNear) {
+  constexpr int kParts = 5;
+  for (const bool anisotropic : {false, true})
+    for (std::uint64_t seed = 0; seed < 60; ++seed) {
+      const VoxelShape shape = testing_shapes::random_shape(seed, 5, anisotropic);
+      const MedialAxis core = voxel_core(shape), axis = voxel_core(subdivide(shape, kParts));
+      std::vector<Vec3> points = core.points;
+      for (const auto& [a, b] : core.complex.edges)
+        for (const double t : {0.25, 0.5, 0.75}) points.emplace_back((1 - t) * core.points[a] + t * core.points[b]);
+      for (std::size_t f = 0; f < core.complex.face_count(); ++f) {
+        Vec3 centre = Vec3::Zero();
+        for (const std::uint32_t v : core.complex.corners(f)) centre += core.points[v];
+        points.emplace_back(centre / static_cast<double>(core.complex.corners(f).size()));
+      }
+      Vec3 h = shape.grid().spacing;
+      std::sort(h.begin(), h.end());
+      const double beta = (h[1] * h[1] + h[2] * h[2]) / (8 * h[0]);
+      for (const Vec3& x : axis.points) {
+        double nearest = std::numeric_limits<double>::infinity();
+        for (const Vec3& y : points) nearest = std::min(nearest, (x - y).norm());
+        ASSERT_LE(nearest, 0.5 * shape.grid().diagonal() + beta / kParts) << "seed " << seed;
+      }
+    }
 }
 
 // Cells of unbounded size: more sites on one sphere than any fixed-size array would hold.

@@ -440,6 +440,9 @@ TEST_F(Batch, RefusesWhatCannotBe) {
     refuse(2, {own[1] == 'o' ? "-o" : std::string(own).substr(0, std::string(own).find('='))}, {"scans", "-o", "out"},
            {own});
   refuses(2, {"'verify' is neither"}, {"batch", "scans", "-o", "out", "--", "verify"});
+  for (const char* asked : {"--help", "-h", "--version", "--xml"})
+    refuses(2, {std::string("leave out ") + asked, "measures nothing"},
+            {"batch", "scans", "-o", "out", "--", "run", asked});
 }
 
 TEST_F(Batch, ReplacesOnlyItsOwnOutputs) {

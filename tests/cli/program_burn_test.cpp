@@ -363,6 +363,38 @@ TEST_F(Burn, RunBurnsTheCore) {
   EXPECT_EQ(text_field(other, "radius_rule"), "linear");
 }
 
+// 'auto' is what a burned file was burned with where a command goes on from it; `burn` burns anew.
+TEST_F(Burn, AutoIsThatOfABurnedFile) {
+  make_core();
+  burn({"core.vtp", "-o", "a.vtp", "--propagation", "windows", "--radius", "linear", "--omega", "0.3vox"});
+  burn({"a.vtp", "-o", "again.vtp"});
+  const Record again = read("again.vtp");
+  EXPECT_EQ(text_field(again, "propagation"), "segments");
+  EXPECT_EQ(text_field(again, "radius_rule"), "exact");
+  EXPECT_NE(field(again, "omega"), field(read("a.vtp"), "omega"));
+  const std::string goes_on = works({"skeleton", "a.vtp", "-o", "s.vtp", "--verbose", "--json", "-"}).out;
+  for (const char* said : {"\"propagation\": \"windows\"", "\"radius\": \"linear\""})
+    EXPECT_TRUE(has(goes_on, said)) << goes_on;
+  EXPECT_FALSE(has(goes_on, "segments")) << goes_on;
+  const auto on_one_line = [](std::string text) {
+    std::string words;
+    for (const char c : text)
+      if (c != ' ' && c != '\n')
+        words += c;
+      else if (!words.empty() && words.back() != ' ')
+        words += ' ';
+    return words;
+  };
+  for (const char* command : {"skeleton", "view", "parts", "tree", "run", "burn"}) {
+    const bool takes = std::string(command) != "run" && std::string(command) != "burn";
+    const std::string help = on_one_line(works({command, "--help"}).out);
+    std::size_t said = 0;
+    for (std::size_t at = 0; (at = help.find("'auto': as the file was burned, else", at)) != std::string::npos; ++at)
+      ++said;
+    EXPECT_EQ(said, takes ? 3u : 0u) << command;
+  }
+}
+
 TEST_F(Burn, RefusesOptionsThatCannotBe) {
   make_core();
   for (const char* omega : {"0", "0vox", "-1", "-0.5vox", "nan", "inf", "abc", "1 vox", ""})

@@ -334,6 +334,37 @@ TEST(PagePicture, NumbersAreShort) {
   EXPECT_EQ(picture::round_length(30), 20);
   EXPECT_EQ(picture::round_length(1), 1);
   EXPECT_EQ(picture::ticks(0, 1, 5), (std::vector<double>{0, 0.2, 0.4, 0.6000000000000001, 0.8, 1}));
+  EXPECT_EQ(picture::names_of({0, 0.2, 0.4}), (std::vector<std::string>{"0", "0.2", "0.4"}));
+  EXPECT_EQ(picture::names_of({0.049992, 0.049994}), (std::vector<std::string>{"0.049992", "0.049994"}));
+  EXPECT_EQ(picture::names_of({0.0499925, 0.049995}), (std::vector<std::string>{"0.0499925", "0.049995"}));
+}
+
+TEST(PagePicture, ABarOnlyWhereSomethingHasItsColours) {
+  Page page;
+  page.side = 1;
+  page.low = Vec3::Constant(-0.5);
+  page.high = Vec3::Constant(0.5);
+  page.theta2 = 0.03;
+  const std::vector<float> points{-0.4F, 0, 0, 0, 0, 0, 0.4F, 0, 0}, values{1, 2, 3};
+  page.arrays.push_back({"skeleton/points", 3, points});
+  page.arrays.push_back({"skeleton/branch_offsets", 1, std::vector<std::uint32_t>{0, 3}});
+  page.arrays.push_back({"skeleton/branch_points", 1, std::vector<std::uint32_t>{0, 1, 2}});
+  page.arrays.push_back({"skeleton/point/radius", 1, values});
+  page.arrays.push_back({"skeleton/point/erosion_thickness", 1, values});
+  const auto bar = [&](const std::string& more) {  // pixels of the bar that are not the ground
+    page.state = "layer=skeleton&camera=" + kFront + more;
+    const Picture picture = draw_page(page, {1600, 1000, true, false});
+    const Picture bare = draw_page(page, {1600, 1000, false, false});
+    int count = 0;
+    for (int y = 850; y < 1000; ++y)
+      for (int x = 0; x < 500; ++x) count += at(picture, x, y) != at(bare, x, y);
+    return count;
+  };
+  EXPECT_GT(bar(""), 3000);  // a skeleton of curves: these have the colours of their radius
+  EXPECT_GT(bar("&color=erosion_thickness"), 3000);
+  EXPECT_EQ(bar("&color=branch"), 0);
+  std::erase_if(page.arrays, [](const PageArray& array) { return array.name == "skeleton/point/radius"; });
+  EXPECT_EQ(bar(""), 0) << "curves have a colour of their own then, and there are no sheets";
 }
 
 TEST(PagePicture, NormalsBendButAtCreases) {

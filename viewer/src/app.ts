@@ -5,7 +5,7 @@ import { ballsToDraw, shareInside } from "./balls";
 import { CATEGORICAL, MAPS, textureOf } from "./colours";
 import { commandOf } from "./command";
 import { byMeasure, type Layer, type LayerName, type Page } from "./data";
-import { isCategory, rangeOf, UNIFORM, valuesOf, type Range } from "./measures";
+import { isCategory, rangeOf, sheetColumn, UNIFORM, valuesOf, type Range } from "./measures";
 import { pickTriangle, pickTube, pickVertex, touchingSites, type Ray } from "./pick";
 import { EditMarks } from "./scene/edit_marks";
 import { LayerView } from "./scene/layer_view";
@@ -250,6 +250,16 @@ export class App {
 
   /// The coloured surface hides what is inside.
   get surfaceIsSolid(): boolean { const s = this.state; return s.shape && s.surface !== UNIFORM && s.shapeOpacity > 0.98 && this.glass !== null; }
+
+  /// Whether something is drawn in the colours of the measure, for which there is a bar then.
+  get isColoured(): boolean {
+    const s = this.state, { sets: { layer }, set } = this.shown(), atVertices = layer.measures.has(s.color);
+    if (s.balls) return atVertices;
+    if (s.sheets && set.faces > 0 && (atVertices || sheetColumn(layer, s.color) !== undefined)) return true;
+    if (!atVertices) return false;
+    const byMeasure = s.curvesByMeasure || s.color.startsWith("curve_") || (layer.tree !== null && s.tubes);
+    return byMeasure && ((s.curves && set.curves.count > 0) || (s.points && set.isolated.count > 0));
+  }
 
   /// The largest sheets of what is shown, by what they are called; those have colours of their own.
   sheetNames(): string[] {

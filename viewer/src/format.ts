@@ -11,6 +11,14 @@ export function short(x: number, digits = 3): string {
   return text.replace("-", "−");
 }
 
+/// Of ticks, with as few digits as say where they are, four at least.
+export function namesOf(places: number[]): string[] {
+  const step = places.length > 1 ? places[1]! - places[0]! : 0;
+  let digits = 4;
+  while (step > 0 && digits < 8 && places.some((x) => Math.abs(Number(x.toPrecision(digits)) - x) >= 0.02 * step)) ++digits;
+  return places.map((x) => short(x, digits));
+}
+
 /// For the address and commands: as many digits as a float32 has, `inf` for infinity.
 export function exact(x: number): string {
   if (!Number.isFinite(x)) return x > 0 ? "inf" : "-inf";

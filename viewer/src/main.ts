@@ -149,7 +149,7 @@ function run(page: Page): void {
     const map = MAPS[s.map] ?? MAPS.viridis!;
     if (s.curves && numbers.curveEdges > 0 && !s.balls && !s.curvesByMeasure && !s.color.startsWith("curve_") && app.range()) extra.push(["curves", rgb(s.map === "diverging" && s.dark ? "ffffff" : map.accent)]);
     const parts = (s.layer === "tree" && tree ? tree.partNames(s.color) : s.color === "sheet" ? app.sheetNames() : []).map((name, i): [string, Rgb] => [name, rgb(CATEGORICAL[i]!)]);
-    if (app.surfaceIsSolid) bar.hide(); // it hides the axis
+    if (app.surfaceIsSolid || (parts.length === 0 && !app.isColoured)) bar.hide(); // the surface hides the axis
     else bar.show(s.color, page.meta.unit, s.map, ...app.colourRange(), app.range(), extra, parts, layerOf(page, s));
     const surface = s.shape ? app.surfaceValues() : null;
     if (surface) surfaceBar.show(s.surface, page.meta.unit, s.map, ...app.surfaceRange(), surface, [], [], undefined, app.surfaceIsSolid ? "" : " of the surface");

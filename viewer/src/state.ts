@@ -123,7 +123,8 @@ export function defaults(page: Page, dark: boolean): State {
   const layer = defaultLayer(page);
   // Without sheets the curves carry the colours.
   const first = page.layers.get(layer) ?? page.layers.get("family")!;
-  const pure = layer === "skeleton" && (meta.plane || meta.theta2 === Infinity) && first.measures.has("radius");
+  const lone = page.layers.get("skeleton")?.faceCount === 0;
+  const pure = layer === "skeleton" && (meta.plane || meta.theta2 === Infinity || lone) && first.measures.has("radius");
   const [theta2, theta1] = askedThetas(meta);
   const measure = startingMeasure(meta);
   const [thick, thin] = meta.plane ? [3, 2] : [5, 3];

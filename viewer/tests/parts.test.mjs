@@ -52,6 +52,22 @@ describe("pages of parts and measures", () => {
     await page.close();
   });
 
+  it("a bar of colours only where something has them", async () => {
+    const { page, complaints } = await open(whole(), `${top}&shape=0&color=radius`);
+    const shown = () => page.isVisible(".colour-bar >> nth=0");
+    assert.equal(await shown(), true);
+    await set(page, { sheets: false });
+    assert.equal(await shown(), false); // curves have a colour of their own
+    await set(page, { curvesByMeasure: true });
+    assert.equal(await shown(), true);
+    await set(page, { curves: false });
+    assert.equal(await shown(), false);
+    await set(page, { balls: true });
+    assert.equal(await shown(), true);
+    assert.deepEqual(complaints, []);
+    await page.close();
+  });
+
   it("sheets have colours of their own and names, or those of a column; the picked one stands out", async () => {
     const { page, complaints } = await open(whole(), `${bare}&shape=0&color=sheet`);
     await settled(page);

@@ -21,6 +21,7 @@
 #include "io/common/formats.h"
 #include "io/volume/child_slices.h"
 #include "io/volume/dicom_file.h"
+#include "io/volume/scaled_values.h"
 #include "io/volume/stored_volume.h"
 #include "io/volume/volume_formats.h"
 #include "shape/sample_type.h"
@@ -72,14 +73,7 @@ SampleType type_of_values(const std::vector<DicomFile>& files) {
     if (samples.is_signed) return bytes == 1 ? SampleType::int8 : bytes == 2 ? SampleType::int16 : SampleType::int32;
     return bytes == 1 ? SampleType::uint8 : bytes == 2 ? SampleType::uint16 : SampleType::uint32;
   }
-  for (const SampleType type : {SampleType::uint8, SampleType::int8, SampleType::uint16, SampleType::int16,
-                                SampleType::uint32, SampleType::int32})
-    if (shape::with_sample_type(type, [&]<class T>(T) {
-          return low >= static_cast<double>(std::numeric_limits<T>::lowest()) &&
-                 high <= static_cast<double>(std::numeric_limits<T>::max());
-        }))
-      return type;
-  return SampleType::float64;
+  return type_of_whole_numbers(low, high);
 }
 
 class DicomSeries {

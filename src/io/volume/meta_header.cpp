@@ -216,6 +216,14 @@ StoredVolume MetaHeader::volume(Context* context) {
   StoredVolume result;
   set_grid(result);
   set_type(result);
+  const std::vector<double> slope = numbers({"ElementToIntensityFunctionSlope"}, 1),
+                            intercept = numbers({"ElementToIntensityFunctionOffset"}, 1);
+  if (!slope.empty() && slope[0] != 0) result.slope = slope[0];
+  if (!intercept.empty()) result.intercept = intercept[0];
+  if (result.scaled())
+    note(context, fmt::format("'{}' has a line of intensities, {:.9g} {} {:.9g} x the stored values "
+                              "(ElementToIntensityFunction); thresholds are of these",
+                              file_.string(), result.intercept, result.slope < 0 ? "-" : "+", std::abs(result.slope)));
   set_blocks(result, context);
   return result;
 }

@@ -19,6 +19,7 @@
 #include "io/volume/data_files.h"
 #include "io/volume/float16.h"
 #include "io/volume/sample_source.h"
+#include "io/volume/scaled_values.h"
 #include "io/volume/slice_streams.h"
 #include "io/volume/volume_formats.h"
 #include "quench/error.h"
@@ -32,10 +33,8 @@ SampleType type_in_memory(const StoredVolume& volume) {
   if (!volume.scaled()) return volume.type.half ? SampleType::float32 : volume.type.type;
   const bool real = volume.type.half || volume.type.type == SampleType::float32;
   if (real) return volume.intercept == 0 ? SampleType::float32 : SampleType::float64;
-  // Integers of up to 16 bits: a step of theirs is more than the last bit of the largest value.
-  constexpr double kValues = 0x1p16, kPrecision = 0x1p23;
-  const bool fine = std::abs(volume.intercept) + std::abs(volume.slope) * kValues < std::abs(volume.slope) * kPrecision;
-  return volume.type.size() <= 2 && fine ? SampleType::float32 : SampleType::float64;
+  const bool fine = volume.type.size() <= 2 && fits_float32(volume.slope, volume.intercept);
+  return fine ? SampleType::float32 : SampleType::float64;
 }
 
 /// Bytes of a block in its file.

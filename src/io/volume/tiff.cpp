@@ -10,9 +10,11 @@
 #ifdef QUENCH_HAS_TIFF
 #include <algorithm>
 #include <bit>
+#include <cmath>
 
 #include "base/memory.h"
 #include "base/text.h"
+#include "io/volume/scaled_values.h"
 #include "io/volume/tiff_page.h"
 
 namespace quench::io {
@@ -40,13 +42,15 @@ class TiffVolume {
     find_pages();
     find_slices();
     check_channel();
+    find_values();
+    check_size(TiffPage(file_, pages_.front(), memory_));
   }
 
   TiffStream stream() const {
     TiffStream stream;
     const auto& l = layout_;
     stream.grid.dims = {l.transposed() ? l.height : l.width, l.transposed() ? l.width : l.height, slices_};
-    stream.type = l.type;
+    stream.type = values_ ? values_->type(l.type) : l.type;
     stream.colour_indices = l.colour_indices;
     if (slices_ == 1) stream.grid.dimension = 2;
     if (slices_ == 1 && takes_channel()) stream.picture = TiffPage::kind_of_colours(l);
@@ -63,16 +67,26 @@ class TiffVolume {
   }
 
   void next(std::span<std::byte> out) {
+    if (values_) {
+      samples_.resize(layout_.samples() * shape::size_of(layout_.type));
+      next_samples(samples_);
+      values_->apply(layout_.type, samples_, out);
+    } else {
+      next_samples(out);
+    }
+    ++z_;
+  }
+
+ private:
+  void next_samples(std::span<std::byte> out) {
     if (raw_at_)
       next_raw(out);
     else if (layout_.depth > 1)
       next_plane(out);
     else
       next_page(out);
-    ++z_;
   }
 
- private:
   void say(const std::string& what) const { note(context_, fmt::format("'{}' {}", file_.path().string(), what)); }
   [[noreturn]] void refuse(const std::string& what) const {
     throw Error(ErrorCode::input, fmt::format("'{}' {}", file_.path().string(), what));
@@ -169,7 +183,26 @@ class TiffVolume {
       if (raw_at_) slices_ = description_.images;
     }
     compare_with_description();
-    check_size(page);
+  }
+
+  /// ImageJ's calibration of grey values, which it follows in unsigned integers of 8 and 16 bits only.
+  void find_values() {
+    const TiffDescription& d = description_;
+    const bool follows = layout_.format == SAMPLEFORMAT_UINT && (layout_.bits == 8 || layout_.bits == 16);
+    if (!d.function || *d.function == kNoFunction || !follows || takes_channel()) return;
+    const auto [intercept, slope] = d.line;
+    const bool line = *d.function == kStraightLine && slope != 0 && std::isfinite(slope) && std::isfinite(intercept);
+    if (line && intercept == 0 && slope == 1) return;
+    const bool white = layout_.photometric == PHOTOMETRIC_MINISWHITE;
+    if (!line || white)
+      return say(
+          fmt::format("has a calibration of grey values by ImageJ that is not followed, because {}: thresholds are of "
+                      "the stored values; save it in ImageJ as 32 bits to have calibrated ones",
+                      white ? "0 is white in it" : "it is not a straight line"));
+    values_ = LinearValues{slope, intercept};
+    say(fmt::format(
+        "has grey values that ImageJ calibrated, {:.9g} {} {:.9g} x the stored ones; thresholds are of these",
+        intercept, slope < 0 ? "-" : "+", std::abs(slope)));
   }
 
   // A stack that is longer than its description is whole.
@@ -205,7 +238,7 @@ class TiffVolume {
   }
 
   void check_size(const TiffPage& page) {
-    const std::uint64_t size = shape::size_of(layout_.type);
+    const std::uint64_t size = shape::size_of(values_ ? values_->type(layout_.type) : layout_.type);
     constexpr int kFax = 20;  // a blank line of a fax page takes one bit
     const std::uint64_t available = file_.size() >> (63 - kFax) ? ~std::uint64_t{0} : file_.size() << kFax;
     checked_sample_count(file_.path(), {layout_.width, layout_.height, slices_}, size, available);
@@ -219,7 +252,8 @@ class TiffVolume {
     const std::uint64_t turned = layout.orientation == ORIENTATION_TOPLEFT ? 0 : sample_bytes;
     const std::uint64_t buffer = raw_at_ ? 0 : page.buffer_bytes(layout);
     const std::uint64_t colours = takes_channel() ? sample_bytes * std::max<std::uint64_t>(3, layout.channels) : 0;
-    const std::uint64_t bytes = sample_bytes + stored + turned + buffer + colours;
+    const std::uint64_t values = values_ ? layout.samples() * shape::size_of(values_->type(layout.type)) : 0;
+    const std::uint64_t bytes = sample_bytes + stored + turned + buffer + colours + values;
     if (bytes <= checked_bytes_) return;
     check_read_memory(file_.path(), bytes, context_);
     checked_bytes_ = bytes;
@@ -274,7 +308,8 @@ class TiffVolume {
   std::uint64_t checked_bytes_ = 0;      // the most that a page was found to take
   std::optional<std::uint64_t> raw_at_;  // slices are bytes of the file from here on
   std::unique_ptr<TiffPage> page_;       // where it has all slices
-  std::vector<std::byte> stored_;
+  std::vector<std::byte> stored_, samples_;
+  std::optional<LinearValues> values_;  // what becomes of samples
 };
 
 }  // namespace

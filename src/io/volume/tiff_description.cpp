@@ -46,6 +46,9 @@ void read_imagej(std::string_view text, TiffDescription& d) {
     if (key == "frames") d.times = count(value);
     if (key == "unit") d.unit = value;
     if (key == "zunit") z_unit = value;
+    if (std::int64_t kind = 0; key == "cf" && parse_integer(value, kind)) d.function = kind;
+    for (const std::size_t i : {0, 1})
+      if (key == fmt::format("c{}", i) && !parse_number(value, d.line[i])) d.line[i] = 0;
     if (key == "spacing" && length(value) != 0) d.size[2] = {std::abs(length(value)), {}};  // ImageJ: 0 is not given
   }
   if (d.size[2]) d.size[2]->unit = z_unit.value_or(d.unit.value_or(""));

@@ -38,7 +38,12 @@ struct TiffDescription {
   bool several_files = false;                     ///< the pictures are in several files
   std::optional<std::string> unit;                ///< ImageJ: what the resolution tags count in
   std::array<std::optional<TiffLength>, 3> size;  ///< of a voxel in x, y, z (ImageJ: z only)
+  std::optional<std::int64_t> function;           ///< ImageJ: what becomes of grey values; kStraightLine or others
+  std::array<double, 2> line{0, 1};               ///< of a straight line: value = line[0] + line[1] * sample
 };
+
+/// ImageJ's number of the function, and of there being none.
+inline constexpr std::int64_t kStraightLine = 0, kNoFunction = 20;
 
 TiffDescription tiff_description(const std::string& text);
 

@@ -65,6 +65,19 @@ def encodings():
     return found
 
 
+def intensities():
+    """A line of values, that of the field of MetaIO."""
+    found = []
+    samples = volume('int16')
+    for slope, offset in ((0.5, -1024), (2, 0), (1, 3), (1, 0), (0, 0)):
+        data = header(samples, ElementToIntensityFunctionSlope=slope, ElementToIntensityFunctionOffset=offset) + raw(samples)
+        right = placed(samples) if (slope or 1, offset) == (1, 0) else placed((samples.astype(float) * slope + offset).astype('float32'))
+        found.append(case(f'intensities {slope} x + {offset}', data, 'v.mha', right, by_program=True))
+    for slope in ('x', '1 2', 'nan'):
+        found.append(case(f'intensities {slope} x', header(samples, ElementToIntensityFunctionSlope=slope) + raw(samples), 'v.mha'))
+    return found
+
+
 def compressed():
     samples = volume('int16')
     data = raw(samples)
@@ -267,5 +280,5 @@ def sizes():
 
 
 def cases():
-    found = encodings() + compressed() + files() + places() + forms() + sizes()
+    found = encodings() + intensities() + compressed() + files() + places() + forms() + sizes()
     return found + [c for whole in found if whole.damage for c in damaged(whole)]

@@ -243,6 +243,11 @@ def places():
         for order in '<>':
             found.append(case(f'ImageJ, {unit} {order}', stack(samples, order, first_tags={**per_unit, **description(imagej.format(unit))}),
                               'v.tif', right, by_program=True, damage=unit == 'micron' and order == '<'))
+    for kind, c0, c1, becomes in (('uint16', -32768, 1, 'int16'), ('uint8', 10.5, 0.25, 'float32'), ('uint8', 0, 2, 'uint16')):
+        grey = volume(kind)
+        text = imagej.format('micron') + f'cf=0\nc0={c0}\nc1={c1}\nvunit=Gray Value\n'
+        found.append(case(f'ImageJ, {kind} calibrated by {c0} + {c1} x', stack(grey, first_tags={**per_unit, **description(text)}),
+                          'v.tif', Grid((grey.astype(float) * c1 + c0).astype(becomes), SPACING, units=MICRONS), by_program=True))
     everywhere = {**per_unit, **description(imagej.format('micron'))}
     found.append(case('ImageJ, said of every page', stack(samples, tags=everywhere), 'v.tif', spaced))
     found.append(case('ImageJ without resolution', stack(samples, first_tags=description(imagej.format('micron'))), 'v.tif', anywhere))

@@ -2,9 +2,11 @@
 // The colour bar: what colours mean, in world units.
 import type { Layer } from "../data";
 import { colourAt, css, GREY, INFINITE, type Rgb } from "../colours";
-import { short, ticks, withUnit } from "../format";
+import { namesOf, ticks, withUnit } from "../format";
 import { infinityOf, labelOf, unitOf, type Range } from "../measures";
 import { el, fill, prepare, styleOf } from "./dom";
+
+const LONG_TICK = 7; ///< letters of a number beside which no five others fit
 
 export class ColourBar {
   readonly element = el("div", "colour-bar");
@@ -49,11 +51,14 @@ export class ColourBar {
     c.font = "12px system-ui, sans-serif";
     c.textAlign = "center";
     const flat = !(high > low);
-    for (const x of flat ? [low] : ticks(low, high, 5)) {
+    const placed = (most: number) => (flat ? [low] : ticks(low, high, most).map((x) => (Math.abs(x) < 1e-9 * Math.abs(high) ? 0 : x)));
+    let places = placed(5), names = namesOf(places);
+    if (names.some((name) => name.length > LONG_TICK)) names = namesOf((places = placed(2)));
+    places.forEach((x, i) => {
       const at = margin + (flat ? 0.5 : (x - low) / (high - low)) * length;
       c.fillRect(at - 0.5, 13, 1, 4);
-      c.fillText(short(Math.abs(x) < 1e-9 * Math.abs(high) ? 0 : Number(x.toPrecision(6)), 4), at, 29);
-    }
+      c.fillText(names[i]!, at, 29);
+    });
     // Values beyond the ends take their colours: arrow heads.
     const arrow = (from: number, to: number, t: number) => {
       c.fillStyle = css(colourAt(map, t));
