@@ -5,6 +5,7 @@
 
 #include "option_checks.h"
 #include "quench/error.h"
+#include "quench/measures.h"
 
 namespace quench::program {
 namespace {
@@ -55,12 +56,22 @@ CLI::Option* add_pruning(CLI::App& app, const std::string& name, std::string_vie
 
 pipeline::Pruning named_pruning(const std::string& field, const std::string& text) {
   const std::size_t equals = text.find('=');
-  for (const std::string_view measure : {kDetail, kLambda, kMgf})
-    if (equals != std::string::npos && text.substr(0, equals) == measure)
-      return {measure, pipeline::parse_length_or_auto(text.substr(equals + 1), field)};
-  throw Error(ErrorCode::usage,
-              fmt::format("'{}' is not a measure and a length: detail=LENGTH, lambda=LENGTH or mgf=LENGTH", text),
-              field);
+  if (equals == std::string::npos)
+    throw Error(ErrorCode::usage, fmt::format("'{}' is not a measure and its threshold; give e.g. mgf=10vox", text),
+                field);
+  return pipeline::pruning_of(text.substr(0, equals), text.substr(equals + 1), field);
+}
+
+/// "mgf, ...; ... (degrees), ... (a number)", each with what it is.
+std::string menu() {
+  std::string text;
+  for (const MeasureKind& measure : kMeasures) {
+    const char* unit = measure.unit == MeasureUnit::degrees ? ", in degrees"
+                       : measure.unit == MeasureUnit::ratio ? ", a number"
+                                                            : "";
+    text += fmt::format("{}{} ({}{})", text.empty() ? "" : ", ", measure.name, measure.words, unit);
+  }
+  return text;
 }
 
 }  // namespace
@@ -104,17 +115,22 @@ void add_core_options(CLI::App& app, pipeline::AxisOptions& o) {
   lambda->excludes(detail)->group(group);
   add_parsed(
       app, "--prune-by",
-      "Instead, by a measure: drop what is below this length of it where the topology allows. NAME is detail, lambda "
-      "or "
-      "mgf, the medial geodesic function: the length of the shortest way on the surface of the voxels between the two "
-      "nearest boundary points (on a whole core it takes a while)",
+      "Instead, by a measure: drop what is below this threshold of it where the topology allows. NAME is one of " + menu() +
+          ". Thresholds are lengths where nothing else is said",
       [&o](const std::string& option, const std::string& text) { o.pruning = named_pruning(field_of(option), text); },
       [] { return std::string(); })
-      ->type_name("NAME=LENGTH")
+      ->type_name("NAME=THRESHOLD")
       ->excludes(lambda)
       ->excludes(detail)
       ->group(group);
-  app.add_flag("--mgf", o.mgf, "Also write the mgf of what is kept, see --prune-by")->group(group);
+  add_parsed(
+      app, "--measures",
+      "Also write these measures of what is kept: names as those of --prune-by, or 'all'; object_angle and cap_height are "
+      "always there",
+      [&o](const std::string&, const std::string& text) { o.measures = pipeline::parse_measures(text); },
+      [] { return std::string(); })
+      ->type_name("NAME[,NAME...]")
+      ->group(group);
   detail->group(group);
   add_named(app, "--lambda-rule", o.rule, LambdaRule::coface, LambdaRule::ball,
             "The lambda of edges and vertices: 'coface', the largest of the faces around, or 'ball', the radius "
@@ -122,7 +138,7 @@ void add_core_options(CLI::App& app, pipeline::AxisOptions& o) {
             "their nearest boundary points")
       ->group(group);
   app.add_flag("--full", o.full,
-               "Write the cells below the threshold too (each with its level: detail_level, lambda_level or mgf_level)")
+               "Write the cells below the threshold too (each with its level: detail_level or, pruned by NAME, NAME_level)")
       ->group(group);
 }
 

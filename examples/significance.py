@@ -3,14 +3,16 @@
 """Compares measures of significance on one medial axis (Yan 2018, sec. 3.5): what is left of it above a threshold.
 
 usage: significance.py AXIS.vtp [--keep SHARE] [--clean CLEAN.vtp] [--surface MESH.ply|.off]
-                       [--box NAME X0 X1 Y0 Y1 Z0 Z1]... [--out PREFIX]
+                       [--box NAME X0 X1 Y0 Y1 Z0 Z1]... [--out PREFIX] [--json FILE]
 
-AXIS is a core that 'quench run' or 'quench burn' wrote. Each measure (radius, lambda, object_angle, erosion_thickness)
-is thresholded where the polygons at or above it have a share SHARE (default 0.2) of the area; a polygon's radius and
-erosion thickness are the smallest of its corners. Prints one row of a Markdown table per measure:
+AXIS is a core that 'quench core --measures all' wrote: its measures are compared. Of one without `circumradius` it is the
+radius, of a burned one without `core_erosion_thickness` its erosion thickness, of a polygon the smallest of its corners.
+Each is thresholded where the polygons at or above it have a share SHARE (default 0.2) of the area. Prints one row of a
+Markdown table per measure:
 
   kept        share of the area that is kept; more than SHARE where many polygons have exactly the value
   components  pieces of what is kept (polygons that share a corner hang together); islands: those below 1 % of its area
+  outside     share of the kept area outside of the largest piece
   noise       --clean: share of the kept area farther than 2 voxels from the axis of the shape without noise
   features    --clean: share of the area of that axis within 2 voxels of what is kept
   surface     --surface: share of the area of the mesh within 1 % of its longest side of a kept ball
@@ -18,8 +20,10 @@ erosion thickness are the smallest of its corners. Prints one row of a Markdown 
               vertices farthest from the vertex nearest to the centroid, along edges, of all vertices within 8 % of it
   NAME        --box: share of the area inside that box (world coordinates) that is kept
 
---out writes what each measure keeps to PREFIX_MEASURE.vtp. Needs Debian's python3-numpy, python3-scipy, python3-vtk9."""
+--out writes what each measure keeps to PREFIX_MEASURE.vtp, --json the rows. Needs Debian's python3-numpy, python3-scipy,
+python3-vtk9."""
 import argparse
+import json
 
 import numpy as np
 import vtk
@@ -28,7 +32,7 @@ from scipy.sparse.csgraph import connected_components, dijkstra
 from scipy.spatial import cKDTree
 from vtk.util.numpy_support import vtk_to_numpy
 
-MEASURES = ('radius', 'lambda', 'object_angle', 'erosion_thickness')
+BIG = 3.4e38  # files have it for infinity
 
 
 class Axis:
@@ -73,13 +77,24 @@ class Axis:
             raise SystemExit(f'there is no point array {name}; burn the medial axis first (quench burn)')
         return vtk_to_numpy(array).astype(float)
 
+    def measures(self):
+        """The names of what there is to compare."""
+        texts = self.data.GetFieldData().GetAbstractArray('measures')
+        names = [texts.GetValue(i) for i in range(texts.GetNumberOfValues())] if texts else []
+        if 'circumradius' not in names:
+            names.append('radius')
+        if 'core_erosion_thickness' not in names and self.data.GetPointData().GetArray('burn_time'):
+            names.append('erosion_thickness')
+        return names
+
     def measure(self, name):
         """One value per polygon."""
         if name not in ('radius', 'erosion_thickness'):
             array = self.data.GetCellData().GetArray(name)
             if array is None:
                 raise SystemExit(f'there is no cell array {name}')
-            return vtk_to_numpy(array)[self.first_cell:self.first_cell + self.count].astype(float)
+            values = vtk_to_numpy(array)[self.first_cell:self.first_cell + self.count].astype(float)
+            return np.where(values >= BIG, np.inf, values)
         values = self.point_array(name)
         if name == 'erosion_thickness':
             values[self.point_array('unburned') == 1] = np.inf
@@ -116,6 +131,14 @@ class Axis:
         joined = coo_matrix((np.ones(len(numbers)), (polygons, n + numbers)), shape=(n + len(rows), n + len(rows)))
         piece = connected_components(joined, directed=False)[1][:n]
         return np.bincount(piece, self.area[kept])
+
+    def lines(self):
+        """The ends of the lines, and their rows in cell arrays."""
+        lines, first = self.data.GetLines(), self.data.GetNumberOfVerts()
+        ends = np.zeros((0, 2), np.int64)
+        if lines.GetNumberOfCells() > 0:
+            ends = vtk_to_numpy(lines.GetConnectivityArray()).reshape(-1, 2).astype(np.int64)
+        return ends, np.arange(first, first + len(ends))
 
     def balls(self, kept):
         rows = np.unique(self.index[kept[self.polygon]])
@@ -198,6 +221,10 @@ def threshold_for(values, area, share):
     return values[order[min(reached, len(order) - 1)]]
 
 
+def share(value):
+    return f'{100 * value:.1f} %'
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument('axis')
@@ -206,41 +233,46 @@ def main():
     parser.add_argument('--surface')
     parser.add_argument('--box', nargs=7, action='append', default=[])
     parser.add_argument('--out')
+    parser.add_argument('--json')
     options = parser.parse_args()
     axis = Axis(options.axis)
     clean = Axis(options.clean) if options.clean else None
     if clean:
         theirs, theirs_area = clean.samples(np.ones(clean.count, bool), axis.voxel())
-    boxes = [axis.inside(np.array(box[1:], float).reshape(3, 2)) for box in options.box]
+    boxes = {box[0]: axis.inside(np.array(box[1:], float).reshape(3, 2)) for box in options.box}
     surface = Surface(options.surface) if options.surface else None
 
-    head = ['measure', 'threshold', 'kept', 'components', 'islands', 'area in islands']
-    head += ['noise', 'features'] if clean else []
-    head += ['surface', 'tips'] if surface else []
-    head += [box[0] for box in options.box]
-    print('| ' + ' | '.join(head) + ' |\n' + '|---' * len(head) + '|')
-    for name in MEASURES:
+    rows = []
+    for name in axis.measures():
         values = axis.measure(name)
         threshold = threshold_for(values, axis.area, options.keep)
         kept = values >= threshold
         pieces = axis.pieces(kept)
         small = pieces < 0.01 * pieces.sum()
-        row = [name, f'{threshold:.4g}', f'{100 * pieces.sum() / axis.area.sum():.1f} %', f'{len(pieces)}',
-               f'{small.sum()}', f'{100 * pieces[small].sum() / pieces.sum():.1f} %']
+        row = {'measure': name, 'threshold': threshold, 'kept': pieces.sum() / axis.area.sum(), 'components': len(pieces),
+               'islands': int(small.sum()), 'area in islands': pieces[small].sum() / pieces.sum(),
+               'outside': 1 - pieces.max() / pieces.sum()}
         if clean:
             ours, ours_area = axis.samples(kept, axis.voxel())
-            noise = ours_area[~within(ours, theirs, 2 * axis.voxel())].sum() / ours_area.sum()
-            found = theirs_area[within(theirs, ours, 2 * axis.voxel())].sum()
-            row += [f'{100 * noise:.1f} %', f'{100 * found / theirs_area.sum():.1f} %']
+            row['noise'] = ours_area[~within(ours, theirs, 2 * axis.voxel())].sum() / ours_area.sum()
+            row['features'] = theirs_area[within(theirs, ours, 2 * axis.voxel())].sum() / theirs_area.sum()
         if surface:
             gaps = surface.gaps(*axis.balls(kept))
-            covered = surface.area[gaps <= 0.01 * surface.side].sum() / surface.area.sum()
-            reached = (gaps[surface.tips] <= 0.03 * surface.side).sum()
-            row += [f'{100 * covered:.1f} %', f'{reached} of {len(surface.tips)}']
-        row += [f'{100 * axis.area[box & kept].sum() / axis.area[box].sum():.1f} %' for box in boxes]
-        print('| ' + ' | '.join(row) + ' |', flush=True)
+            row['surface'] = surface.area[gaps <= 0.01 * surface.side].sum() / surface.area.sum()
+            row['tips'] = [int((gaps[surface.tips] <= 0.03 * surface.side).sum()), len(surface.tips)]
+        for box, inside in boxes.items():
+            row[box] = axis.area[inside & kept].sum() / axis.area[inside].sum()
+        if not rows:
+            print('| ' + ' | '.join(row) + ' |\n' + '|---' * len(row) + '|')
+        rows.append(row)
+        print('| ' + ' | '.join(name if key == 'measure' else f'{value:.4g}' if key == 'threshold' else f'{value}'
+                                if isinstance(value, int) else f'{value[0]} of {value[1]}' if key == 'tips' else share(value)
+                                for key, value in row.items()) + ' |', flush=True)
         if options.out:
             axis.write(kept, f'{options.out}_{name}.vtp')
+    if options.json:
+        with open(options.json, 'w') as file:
+            json.dump(rows, file, indent=1)
 
 
 if __name__ == '__main__':

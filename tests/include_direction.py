@@ -36,11 +36,11 @@ ROOMS = {
     'tree': 'base shape skeleton graph',
     'io': 'base record shape polygons graph tree',
     'page': 'base complex record shape axis thickness simplification burning skeleton parts graph tree io',
-    'picture': 'base io page',
+    'picture': 'base record io page',
     'pipeline': 'base complex record shape polygons preparation voxelization surface dual axis thickness envelope simplification burning skeleton parts graph tree io page',
     'verification': 'base complex record shape',
 }
-PUBLIC = {'error': 'base', 'context': 'base', 'geometry': 'base', 'voxelize': 'voxelization', 'burn': 'burning', 'verify': 'verification', 'structure': 'complex', 'table': 'base', 'bricks': 'pipeline', 'lengths': 'pipeline', 'solid_stages': 'pipeline', 'simplify': 'simplification'}
+PUBLIC = {'error': 'base', 'context': 'base', 'geometry': 'base', 'voxelize': 'voxelization', 'burn': 'burning', 'verify': 'verification', 'structure': 'complex', 'measures': 'record', 'table': 'base', 'bricks': 'pipeline', 'lengths': 'pipeline', 'solid_stages': 'pipeline', 'simplify': 'simplification'}
 FRONT_ENDS = {'cli': 'cli', 'mpi': 'mpi', 'python/src': 'python'}  # public headers, base/ and their own files
 
 # Of Unix, and not of C++; beside them, the parts of the program that start and end processes. What is a hint to Linux

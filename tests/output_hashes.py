@@ -126,7 +126,8 @@ def step_cases():
 
 CORE_OPTIONS = ['--lambda 0', '--lambda auto', '--detail 0', '--detail 2vox', '--detail inf', '--lambda 0.05',
                 '--lambda 3%', '--lambda 2.5vox', '--lambda 0.1abs', '--lambda inf', '--lambda-rule ball', '--full',
-                '--full --lambda 1.5vox --lambda-rule ball', '--mgf', '--prune-by mgf=10vox']
+                '--full --lambda 1.5vox --lambda-rule ball', '--measures mgf', '--prune-by mgf=10vox', '--prune-by core_erosion_thickness=2vox',
+                '--prune-by scale_axis=1.3 --surface voxels', '--detail 0 --measures all']
 BURN_OPTIONS = ['--omega 0.005', '--omega 0.5vox', '--omega 0.04abs', '--omega 2%', '--radius linear',
                 '--radius linear --omega 0.01', '--propagation windows', '--propagation windows --omega 0.02 --radius linear']
 SKELETON_OPTIONS = ['--theta2 inf', '--theta2 0', '--theta2 8%', '--theta1 0', '--theta1 inf', '--theta1 2vox', '--full',

@@ -31,7 +31,7 @@ def make(paper):
         if mesh is None:
             continue
         core, burned = paper.file(f'{name}_noisy.vtp'), paper.file(f'{name}_noisy_burned.vtp')
-        paper.quench('core', noisy(paper, mesh, name), '--resolution', RESOLUTION, '--surface', 'voxels', '--lambda', 0.008, '--mgf', '-o', core)
+        paper.quench('core', noisy(paper, mesh, name), '--resolution', RESOLUTION, '--surface', 'voxels', '--lambda', 0.008, '--measures', 'mgf', '-o', core)
         paper.quench('burn', core, '-o', burned)
         axis = Complex(burned)
         area, surface = axis.areas(), paper.surface(mesh)

@@ -24,7 +24,7 @@ def make(paper):
     view = (-0.7, -1.2, -1.0)
     for kind, mesh in boxes.items():
         core, burned = paper.file(f'box_{kind}.vtp'), paper.file(f'box_{kind}_burned.vtp')
-        first = paper.quench('core', mesh, '--resolution', resolution, '--surface', 'voxels', '--lambda', '1.5vox', '--mgf', '-o', core)
+        first = paper.quench('core', mesh, '--resolution', resolution, '--surface', 'voxels', '--lambda', '1.5vox', '--measures', 'mgf', '-o', core)
         cost = paper.quench('burn', core, '-o', burned)
         axis = Complex(burned)
         found[kind] = axis

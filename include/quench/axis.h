@@ -174,6 +174,25 @@ void add_mgf(MedialAxis& axis, const VoxelShape& shape, Context* context = nullp
 /// Bytes that add_mgf() takes on so many threads beside the axis.
 std::int64_t predicted_mgf_bytes(const VoxelShape& shape, std::size_t faces, int threads);
 
+/// Adds the measure "chord_residual": what the MGF exceeds the distance of the two nearest boundary vertices by (Ogniewicz
+/// and Kuebler 1995, whose potential residual is the MGF), of edges and vertices as add_mgf() has it. 0 where it is below
+/// 1e-9 of the MGF, that is, rounding; infinite where the MGF is. Takes the MGF of faces from the axis where it is there.
+/// Time, memory and errors as add_mgf().
+void add_chord_residual(MedialAxis& axis, const VoxelShape& shape, Context* context = nullptr);
+
+/// Adds the measure "circumradius": of faces the smallest radius of their corners (of a fitted axis those of the voxel
+/// core), of edges and vertices the largest of the faces around or, where there are none, the smallest of their own.
+/// Nothing happens when it is there. O(n).
+void add_circumradius(MedialAxis& axis, Context* context = nullptr);
+
+/// Adds the measure "scale_axis" (Miklos, Giesen and Pauly 2010): the largest s at which a ball, grown to s times its
+/// radius, is not yet inside another one that has grown, too: of a vertex the minimum of |v - w| / (r_w - r_v) over the
+/// larger balls, infinite where there is none; of cells as circumradius. At least 1: no ball of a medial axis contains
+/// another. Radii that differ by less than 1e-9 of their size count as equal. Nothing happens when the measure is there.
+///
+/// Deterministic: minima do not depend on the order. Usually near O(n log n), on all threads; about 80 bytes per vertex.
+void add_scale_axis(MedialAxis& axis, Context* context = nullptr);
+
 /// Computes the level of every cell by a measure: topology-preserving thinning by simple pairs (face, free edge) or
 /// (edge, free vertex) in the order (larger value of the pair, dimension, index); the level of a cell is the running
 /// maximum of the keys when it went, infinite when it never goes. The pruning for any threshold t is { level >= t }

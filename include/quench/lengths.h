@@ -6,15 +6,19 @@
 #include <string>
 #include <string_view>
 
+#include "quench/measures.h"
+
 /// @file
 /// Lengths in the user's units.
 namespace quench::pipeline {
 
 /// A length as users give it, resolved when the shape is known.
 struct Length {
-  enum class Unit { fraction, voxels, absolute, infinite, radii };
+  enum class Unit { fraction, voxels, absolute, infinite, radii, number };
   double value = 0;            ///< 0 or more; of no meaning where infinite
-  Unit unit = Unit::fraction;  ///< of the longest side; of the smallest spacing; world units; of theta1 only: radii
+  /// Of the longest side; of the smallest spacing; world units; of theta1 only: radii; of thresholds that are no lengths,
+  /// as degrees: numbers.
+  Unit unit = Unit::fraction;
   std::string text = {};       ///< as it was spelled: what records say; empty: text_of() spells it
 };
 
@@ -31,7 +35,10 @@ Length parse_length(std::string_view text, std::string_view field);
 std::optional<Length> parse_length_or_auto(std::string_view text, std::string_view field);
 /// The same for theta1, which may be `0.5r`, half the radius of what a branch leaves, too.
 std::optional<Length> parse_theta1(std::string_view text);
-/// parse_length(), or parse_theta1(), reads it back.
+/// A threshold of a measure: a length, or a number in its range. "auto" is nothing where a threshold can be chosen. Throws
+/// Error(usage), `field`, otherwise.
+std::optional<Length> parse_threshold(std::string_view text, const MeasureKind& measure, std::string_view field);
+/// parse_length(), parse_theta1() or parse_threshold() reads it back.
 std::string text_of(const Length& length);
 /// "auto" for nothing.
 std::string text_of(const std::optional<Length>& length);
@@ -43,7 +50,7 @@ struct Scale {
   double detail = 0;        ///< auto_detail() of the voxels; 0 where there are none
   bool fitted = false;      ///< the axis is that of a surface, not of the voxels
 
-  /// World length. Throws Error(usage), `field`, for voxels where there are none.
+  /// World length, or the number. Throws Error(usage), `field`, for voxels where there are none.
   double resolve(const Length& length, std::string_view field) const;
 };
 

@@ -192,15 +192,26 @@ inline CellCounts counts_of(const CellComplex& c) { return {c.vertex_count, c.ed
 
 /// Which cells of a voxel core are kept.
 struct Pruning {
-  std::string_view measure = kDetail;    ///< kDetail, kLambda or kMgf
-  std::optional<Length> threshold = {};  ///< none: auto_detail() or auto_lambda(); kMgf needs one
+  std::string_view measure = kDetail;    ///< one of kMeasures
+  std::optional<Length> threshold = {};  ///< none: auto_detail() or auto_lambda(); others need one
 };
+
+/// A measure by its name and a threshold. Throws Error(usage), `field`, for other names and thresholds.
+Pruning pruning_of(std::string_view measure, std::string_view threshold, std::string_view field);
+/// The names of measures between commas, or all for "all". Throws Error(usage), field `measures`.
+std::vector<std::string> parse_measures(std::string_view text);
+
+/// Adds a measure of kMeasures to a voxel core of the shape, or to what a pruning has left of one: values are those of
+/// what is there (docs/algorithms/pruning.md). Nothing happens when it is there. Throws Error(usage) for another name,
+/// and for "detail" when the axis is pruned; Error(failed) when there is not enough memory.
+void add_measure(MedialAxis& axis, const LoadedShape& of, std::string_view name, Context* context = nullptr);
 
 struct AxisOptions {
   Pruning pruning = {};
   LambdaRule rule = LambdaRule::coface;
   bool full = false;  ///< also the cells below the threshold
-  bool mgf = false;   ///< add_mgf() to the result; a pruning by it does so in any case
+  /// More measures of the result, as add_measure() has them; "detail" that of the whole core.
+  std::vector<std::string> measures = {};
   /// Work in bricks (quench/bricks.h), whose files, without names, are in this folder; none: where memory asks for it,
   /// in the system's folder for temporary files.
   std::optional<std::filesystem::path> bricks_in = {};
@@ -211,7 +222,7 @@ struct CoreResult {
   MedialAxis axis;
   AxisOptions options;
   CorePlan plan;
-  double threshold = 0;         ///< of the measure, used or chosen, world units
+  double threshold = 0;         ///< of the measure, used or chosen, in its unit
   double longest_side = 0;      ///< what lengths refer to
   Topology topology;            ///< of shape, core and pruned core
   double reconstructed = 0;     ///< share of the shape in the balls of the pruned core

@@ -9,7 +9,7 @@ import numpy as np
 
 from . import _core, _export, _plane, _show
 from ._common import (Array, Certificate, Length, Path, Progress, calling, deprecated, ending, error, length, length_or_auto,
-                      whole, written)
+                      threshold_of, whole, written)
 from ._complex import Complex
 from ._measures import Cells, Measures
 from ._simplification import Simplification
@@ -19,7 +19,7 @@ from ._solid import Solid
 
 
 _Held = _core.Axis  # a name that the attribute of the class does not hide
-_ARGUMENTS = {'detail': 'detail', 'lambda': 'lambda_', 'mgf': 'mgf'}  # of measures
+_ARGUMENTS = {'detail': 'detail', 'lambda': 'lambda_'}  # of measures; others: prune_by
 
 
 class MedialAxis(Complex):
@@ -62,12 +62,14 @@ class MedialAxis(Complex):
         the shape loses where the axis ends here). ``measures['lambda'].values.polygons`` has a value per polygon,
         ``.vertices`` and ``.edges`` per vertex and edge; there are levels of the measure it is pruned by. Of an image also
         "mgf": of an edge, the shorter arc of the outline between its two nearest boundary points; infinite where these
-        are on different outlines. Of a volume or mesh where it was asked for: of a polygon, the length of the shortest
-        way on the surface of the voxels. Empty for an axis from a file.
+        are on different outlines. Others of docs/algorithms/pruning.md where they were asked for. Empty for an axis from a
+        file.
     detail : float or None
         What it is pruned with, in the units of the coordinates; None where it is not pruned by detail.
     lambda_ : float or None
         The same for λ.
+    pruned_by : (name, threshold) or None
+        The measure it is pruned by, and its threshold in world units, degrees or a ratio.
     coverage : float or None
         The largest distance of a boundary vertex of the shape to the balls; known where it is pruned by detail.
     surface : str
@@ -110,7 +112,7 @@ class MedialAxis(Complex):
             raise error(2, f'a medial axis from a file has no {what} of {name} here; they are arrays of the file')
         cells: Optional[Cells] = getattr(self.measures[name], what) if name in self.measures else None
         if cells is None:
-            argument = _ARGUMENTS[name]
+            argument = _ARGUMENTS.get(name, 'prune_by')
             raise error(2, f'the medial axis is not pruned by {name}, so that there are no {what} of it; '
                            f'medial_axis(..., {argument}=...) makes one with them', argument)
         return cells
@@ -166,6 +168,11 @@ class MedialAxis(Complex):
         return self._core.threshold if self._core.pruned_by == 'lambda' else None
 
     @property
+    def pruned_by(self) -> Optional[Tuple[str, float]]:
+        measure, threshold = self._core.pruned_by, self._core.threshold
+        return None if measure is None or threshold is None else (measure, threshold)
+
+    @property
     def coverage(self) -> Optional[float]:
         return self._core.coverage
 
@@ -189,7 +196,7 @@ class MedialAxis(Complex):
         Parameters
         ----------
         threshold : length
-            Of that measure, detail, λ or MGF. With the keyword `detail` or `lambda_` one of the other measure is refused.
+            Of that measure; of those without lengths a number. With the keyword `detail` or `lambda_` one of the other measure is refused.
 
         Examples
         --------
@@ -198,7 +205,8 @@ class MedialAxis(Complex):
         >>> len(full.pruned(detail='2vox').vertices) < len(full.vertices)
         True
         """
-        own = _ARGUMENTS[self._core.pruned_by or 'detail']
+        measure = self._core.pruned_by or 'detail'
+        own = _ARGUMENTS.get(measure, measure)
         for argument, value in (('detail', detail), ('lambda_', lambda_)):
             if value is not None and argument != own:
                 raise error(2, f'{argument}={value!r} is of a measure by which this medial axis is not pruned; give {own}, '
@@ -206,8 +214,9 @@ class MedialAxis(Complex):
         given = [value for value in (threshold, detail, lambda_) if value is not None]
         if len(given) != 1:
             raise error(2, f'pruned() takes one threshold, of {own}; {len(given)} are given', own)
+        text = length(given[0], own) if measure in _ARGUMENTS else threshold_of(measure, given[0])
         with self._calling(threads, progress) as call:
-            return MedialAxis(self._core.pruned(length(given[0], own), *call), self._threads, self._progress)
+            return MedialAxis(self._core.pruned(text, *call), self._threads, self._progress)
 
     def erosion_thickness(self, omega: Optional[Length] = None, *, propagation: str = 'auto', threads: Optional[int] = None,
                           progress: Optional[Progress] = None) -> Array:

@@ -11,7 +11,7 @@ import warnings
 from contextlib import contextmanager
 from html import escape
 from types import FrameType
-from typing import TYPE_CHECKING, Any, Callable, Iterable, Iterator, NamedTuple, Optional, Sequence, Tuple, Type, Union
+from typing import TYPE_CHECKING, Any, Callable, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Tuple, Type, Union
 
 import numpy as np
 
@@ -136,18 +136,43 @@ def length_or_auto(value: Length, argument: str) -> str:
     return 'auto' if isinstance(value, str) and value == 'auto' else length(value, argument)
 
 
-def pruning_of(detail: Length, lambda_: Optional[Length], mgf: Optional[Length] = None) -> Tuple[str, str]:
-    """The measure to prune by, and "auto" or the text of a length."""
+def pruning_of(detail: Length, lambda_: Optional[Length],
+               prune_by: Optional[Tuple[str, Length]] = None) -> Tuple[str, str]:
+    """The measure to prune by, and "auto" or the text of a threshold."""
     by_detail = length_or_auto(detail, 'detail')
-    if mgf is not None:
+    if prune_by is not None:
         if by_detail != 'auto' or lambda_ is not None:
-            raise error(2, f'mgf={mgf!r} and detail or lambda_ are two measures to prune by; give one of them', 'mgf')
-        return 'mgf', length(mgf, 'mgf')
+            raise error(2, f'prune_by={prune_by!r} and detail or lambda_ are two measures to prune by; give one of them',
+                        'prune_by')
+        if not isinstance(prune_by, tuple) or len(prune_by) != 2 or not isinstance(prune_by[0], str):
+            raise wrong_type(f"prune_by={prune_by!r} is not a measure and its threshold, such as ('mgf', '10vox')", 'prune_by')
+        measure, threshold = prune_by
+        return measure, threshold_of(measure, threshold)
     if lambda_ is None:
         return 'detail', by_detail
     if by_detail != 'auto':
         raise error(2, f'lambda_={lambda_!r} and detail={detail!r} are two measures to prune by; give one of them', 'lambda_')
     return 'lambda', length_or_auto(lambda_, 'lambda_')
+
+
+def threshold_of(measure: str, value: Length) -> str:
+    """The text of a threshold of a measure; an Error when it is none."""
+    if isinstance(value, str):
+        text = value
+    elif isinstance(value, numbers.Real) and not isinstance(value, (bool, np.bool_)):
+        text = 'inf' if math.isinf(value) and value > 0 else repr(float(value))
+    else:
+        raise wrong_type(f'{value!r} is not a threshold of {measure}; give a number or a text', 'prune_by')
+    _core.check_threshold(measure, text)
+    return text
+
+
+def measures_of(names: Union[str, Sequence[str]]) -> List[str]:
+    """The names of measures; an Error for others."""
+    listed = [names] if isinstance(names, str) else list(names)
+    if not all(isinstance(name, str) for name in listed):
+        raise wrong_type(f'measures={names!r} are not names of measures', 'measures')
+    return [known for name in listed for known in _core.check_measures(name)]
 
 
 def reals(value: Any, what: str) -> Array:

@@ -2,11 +2,11 @@
 """Medial axes of images and meshes, and what files hold."""
 from __future__ import annotations
 
-from typing import Any, Optional, Union
+from typing import Any, Optional, Sequence, Tuple, Union
 
 from . import _core
 from ._axis import MedialAxis
-from ._common import Length, Path, Progress, Spacing, calling, error, pruning_of
+from ._common import Length, Path, Progress, Spacing, calling, error, measures_of, pruning_of
 from ._inputs import Cut, Mesh, Threshold, Volume, read_file, shape_of
 
 
@@ -16,8 +16,8 @@ def medial_axis(image_or_mesh: Any, *, spacing: Spacing = None, threshold: Thres
                 invert: bool = False, largest_component: bool = False, min_component: int = 0, fill_cavities: bool = False,
                 interpolate: bool = False, median: int = 0, blur: float = 0, close: int = 0, connectivity: int = 6,
                 subdivide: int = 1, fill: str = 'nonzero', topology: str = 'mesh', surface: str = 'auto',
-                lambda_rule: str = 'coface', mgf: Union[bool, Length] = False, threads: int = 0,
-                progress: Progress = False) -> MedialAxis:
+                lambda_rule: str = 'coface', prune_by: Optional[Tuple[str, Length]] = None,
+                measures: Union[str, Sequence[str]] = (), threads: int = 0, progress: Progress = False) -> MedialAxis:
     """The medial axis of a shape: its voxel core, pruned without changing its topology.
 
     Parameters
@@ -69,9 +69,13 @@ def medial_axis(image_or_mesh: Any, *, spacing: Spacing = None, threshold: Thres
         where `threshold` cuts more than two, else the voxels. Of images: the pixels.
     lambda_rule : "coface" or "ball"
         See docs/user/parameters.md.
-    mgf : bool or length
-        True: also the measure "mgf", of a polygon the length of the shortest way on the surface of the voxels between its
-        two nearest boundary points. A length prunes by it instead of by detail, which takes longer.
+    prune_by : (name, threshold), optional
+        Prunes by a measure instead: what is below the threshold is dropped where topology allows. Names and what they are:
+        "cap_height", "object_angle" (degrees), "circumradius", "mgf", "chord_residual", "core_erosion_thickness",
+        "relative_erosion_thickness" (0 to 1), "scale_axis" (1 or more), and "detail" and "lambda"
+        (docs/algorithms/pruning.md). Thresholds are lengths where nothing else is said: ``('mgf', '10vox')``.
+    measures : name or names
+        Also these measures, of what is kept; "all": all of them.
     threads : int
         0: all processors. The result is the same for any number.
     progress : bool or callable
@@ -122,14 +126,15 @@ def medial_axis(image_or_mesh: Any, *, spacing: Spacing = None, threshold: Thres
     >>> mask.shape, mask[4, 20], float(distance[4, 20])
     ((9, 40), True, 2.549...)
     """
-    pruning = pruning_of(detail, lambda_, None if isinstance(mgf, bool) else mgf)
+    pruning = pruning_of(detail, lambda_, prune_by)
+    more = measures_of(measures)
     if lambda_rule not in ('coface', 'ball'):
         raise error(2, f"lambda_rule={lambda_rule!r} is not one of 'coface', 'ball'", 'lambda_rule')
     cut = Cut(threshold, label, invert, largest_component, min_component, fill_cavities, subdivide, spacing, resolution, fill,
               topology, surface, dimension, channel, interpolate, median, blur, close, connectivity)
     shape = shape_of(image_or_mesh, cut, threads, progress)
     with calling(threads, progress) as call:
-        return MedialAxis(_core.compute_axis(shape, *pruning, lambda_rule, mgf is True, *call), threads, progress)
+        return MedialAxis(_core.compute_axis(shape, *pruning, lambda_rule, more, *call), threads, progress)
 
 
 def read(path: Path, *, spacing: Spacing = None, radii: Optional[Path] = None, dimension: Optional[int] = None,

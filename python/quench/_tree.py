@@ -421,7 +421,7 @@ def tree(source: Any, kind: str = 'root', *, root: Points = None, plants: Option
             values = f'{value:g}' if seed is None else f'{value:g}, {seed:g}'
             warn(f'threshold {values} ({rule}): {reason}; threshold=T takes another')
         with calling(threads, progress) as call:
-            axis = MedialAxis(_core.compute_axis(voxels, 'detail', 'auto', 'coface', False, *call), threads, progress)
+            axis = MedialAxis(_core.compute_axis(voxels, 'detail', 'auto', 'coface', [], *call), threads, progress)
     if axis.dimension == 2:
         raise error(2, 'trees are made in space; of an image, skeleton() has a graph of branches')
     with calling(threads, progress) as call:

@@ -6,6 +6,7 @@
 
 #include "quench/error.h"
 #include "quench/io.h"
+#include "quench/measures.h"
 #include "quench/solid_stages.h"
 #include "quench/verify.h"
 #include "rasters.h"
@@ -22,9 +23,9 @@ std::shared_ptr<Axis> axis_of_file(Record data, const std::string& file, Context
   result->core.reconstructed = pipeline::field_number(loaded.data, "reconstructed").value_or(std::nan(""));
   result->core.coverage = pipeline::field_number(loaded.data, "coverage").value_or(std::nan(""));
   result->core.threshold = std::nan("");
-  for (const std::string_view measure : {kLambda, kMgf, kDetail})
-    if (const auto threshold = pipeline::field_number(loaded.data, std::string(measure).c_str())) {
-      result->core.options.pruning.measure = measure;
+  for (const MeasureKind& measure : kMeasures)
+    if (const auto threshold = pipeline::field_number(loaded.data, std::string(measure.name).c_str())) {
+      result->core.options.pruning.measure = measure.name;
       result->core.threshold = *threshold;
     }
   result->core.topology = topology(result->axis().complex);
@@ -123,8 +124,9 @@ std::shared_ptr<Axis> pruned_axis(const Axis& from, const std::string& text, Con
   if (from.file) throw Error(ErrorCode::usage, "a medial axis from a file cannot be pruned; compute it again");
   auto result = std::make_shared<Axis>();
   result->shape = from.shape;
-  const pipeline::Length threshold = pipeline::parse_length(text, from.core.options.pruning.measure);
-  result->core = pipeline::pruned_further(*from.shape, from.core, threshold, &context);
+  const std::string_view measure = from.core.options.pruning.measure;
+  const pipeline::Pruning pruning = pipeline::pruning_of(measure, text, measure);
+  result->core = pipeline::pruned_further(*from.shape, from.core, pruning.threshold.value(), &context);
   result->sites = from.sites;
   result->spacing = from.spacing;
   return result;
@@ -133,8 +135,8 @@ std::shared_ptr<Axis> pruned_axis(const Axis& from, const std::string& text, Con
 }  // namespace
 
 pipeline::Pruning pruning_of(const std::string& measure, const std::string& threshold) {
-  const std::string_view known = measure == kLambda ? kLambda : measure == kMgf ? kMgf : kDetail;
-  return {known, pipeline::parse_length_or_auto(threshold, known)};
+  const bool own_argument = measure == kDetail || measure == kLambda;
+  return pipeline::pruning_of(measure, threshold, own_argument ? measure : "prune_by");
 }
 
 VerifyOptions verify_options(const Shape& shape, std::size_t samples) {
@@ -269,13 +271,17 @@ void bind_axes(py::module_& m) {
       });
   m.def("compute_axis",
         [](const std::shared_ptr<Shape>& shape, const std::string& measure, const std::string& threshold,
-           const std::string& rule, bool mgf, const py::object& listener, int threads) {
+           const std::string& rule, std::vector<std::string> measures, const py::object& listener, int threads) {
           pipeline::AxisOptions options;
           options.pruning = pruning_of(measure, threshold);
-          options.mgf = mgf;
+          options.measures = std::move(measures);
           options.rule = pipeline::lambda_rule_of(rule).value_or(LambdaRule::coface);
           return run(listener, threads, [&](Context& context) { return compute_axis(shape, options, context); });
         });
+  m.def("check_measures", [](const std::string& names) { return pipeline::parse_measures(names); });
+  m.def("check_threshold", [](const std::string& measure, const std::string& text) {
+    return pipeline::pruning_of(measure, text, "prune_by").measure;
+  });
   m.def("check_writable", [](const std::string& file) { io::check_writable_format(file); });
   m.def("check_length", [](const std::string& text, const std::string& field) {
     field == "theta1" ? void(pipeline::parse_theta1(text)) : void(pipeline::parse_length(text, field));

@@ -82,7 +82,7 @@ QUENCH_FIELDS(SurfaceFit, moved, outside, mean_move, largest_move)
 QUENCH_FIELDS(pipeline::Length, number, unit, text)
 QUENCH_FIELDS(pipeline::CorePlan, sites, held, at_once, bricks, in_bricks)
 QUENCH_FIELDS(pipeline::CellCounts, vertices, edges, faces)
-QUENCH_FIELDS(pipeline::AxisOptions, pruning, rule, full, mgf, bricks_in)
+QUENCH_FIELDS(pipeline::AxisOptions, pruning, rule, full, measures, bricks_in)
 QUENCH_FIELDS(pipeline::CoreResult, axis, options, plan, threshold, longest_side, topology, reconstructed, coverage,
               whole, all, kept, coordinates, parameters, fit)
 QUENCH_FIELDS(BurnOptions, omega, radius, propagation, plane, parents, rounded)
@@ -92,7 +92,8 @@ inline void fields(Writer& archive, const pipeline::Pruning& pruning) {
 }
 inline void fields(Reader& archive, pipeline::Pruning& pruning) {
   const auto measure = archive.take<std::string>();
-  pruning.measure = measure == kLambda ? kLambda : measure == kMgf ? kMgf : kDetail;
+  const MeasureKind* kind = find_measure_kind(measure);
+  pruning.measure = kind ? kind->name : kDetail;
   archive(pruning.threshold);
 }
 

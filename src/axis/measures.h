@@ -32,6 +32,11 @@ inline constexpr double kNoTopCell = -1;
 /// Cap heights of the cells that are not part of a larger one: all faces, edges without faces, vertices without edges;
 /// others have kNoTopCell.
 CellValues cap_heights_of_top_cells(const MedialAxis& axis, const CellValues& lambda);
+/// Of faces the smallest of their corners, of edges without faces of their ends, of vertices without edges their own; of
+/// other cells the largest of those around.
+CellValues smallest_of_corners(const CellComplex& complex, const std::vector<double>& of_vertices);
+/// Leaves edges and vertices that are part of a larger cell nothing but the largest of the cells around.
+void take_largest_around(const CellComplex& complex, CellValues& value);
 /// Raises the value of edges to the largest of the faces around, then that of vertices to the largest of the edges.
 void spread_to_sides(const CellComplex& complex, CellValues& value);
 

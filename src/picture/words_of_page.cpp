@@ -10,6 +10,7 @@
 #include "picture/caption.h"
 #include "picture/mesh_scene.h"
 #include "picture/tree_scene.h"
+#include "quench/measures.h"
 
 namespace quench::picture {
 namespace {
@@ -68,6 +69,7 @@ std::string tree_words(const Page& page) {
 std::string label_of(const std::string& measure) {
   if (measure == "lambda") return "λ";
   if (measure == "mgf") return "MGF";
+  if (measure == "core_erosion_thickness") return "erosion thickness of the core";
   if (measure == "strahler") return "Strahler number";
   // A column of a table of a tree.
   if (measure.starts_with("axes/")) return label_of(measure.substr(5)) + " of the axis";
@@ -84,7 +86,9 @@ std::string unit_of(const Page& page, const std::string& measure) {
   const PageColumn* const of_sheets = sheet_column(page, measure);
   if (const PageColumn* const column = of_sheets ? of_sheets : column_of(page, measure))
     return unit_words(column->unit);
-  return measure == "object_angle" ? "°" : page.unit;
+  if (const MeasureKind* kind = find_measure_kind(measure); kind && kind->unit != MeasureUnit::length)
+    return kind->unit == MeasureUnit::degrees ? "°" : "";
+  return page.unit;
 }
 
 std::string short_text(double x, int digits) {

@@ -92,8 +92,8 @@ VoxelShape cut(const VoxelShape& shape, const Box& box) {
 std::string refused_in_bricks(const VoxelShape& shape, const AxisOptions& options) {
   if (shape.grid().is_plane()) return "axes of images and polygons are not made in bricks: they are small";
   if (options.full) return "cells below the threshold are not kept in bricks; ask for a smaller threshold instead";
-  if (options.mgf || options.pruning.measure == kMgf)
-    return "distances on the surface look at all of it, and are not known in bricks";
+  if (!options.measures.empty() || (options.pruning.measure != kDetail && options.pruning.measure != kLambda))
+    return "measures other than detail and lambda look at all of the shape, and are not known in bricks";
   if (options.pruning.measure == kLambda && !options.pruning.threshold)
     return "an automatic lambda looks at all of the core, and is not known in bricks; give a length";
   return {};

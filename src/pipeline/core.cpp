@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
-#include <tbb/task_arena.h>
 #include <tbb/task_group.h>
 
 #include <algorithm>
@@ -11,6 +10,7 @@
 #include "base/parallel.h"
 #include "base/text.h"
 #include "pipeline/brick_files.h"
+#include "pipeline/menu_of_measures.h"
 #include "pipeline/parameters.h"
 #include "pipeline/part_core.h"
 #include "quench/axis.h"
@@ -35,8 +35,8 @@ void choose_threshold(const LoadedShape& from, const axis::RestOfCore& core, Cor
     result.threshold = pruning.threshold ? scale.resolve(*pruning.threshold, kDetail) : auto_detail(from.shape.grid());
     return;
   }
-  if (pruning.measure == kMgf) {
-    result.threshold = scale.resolve(*pruning.threshold, kMgf);
+  if (pruning.measure != kLambda) {
+    result.threshold = scale.resolve(*pruning.threshold, pruning.measure);
     return;
   }
   const Reconstruction reconstruction(from.shape, core.axis, Reconstruction::kSamples, context);
@@ -46,16 +46,10 @@ void choose_threshold(const LoadedShape& from, const axis::RestOfCore& core, Cor
   result.reconstructed = reconstruction.share(result.threshold);
 }
 
-// Takes the memory that is free for it, or refuses.
-void add_planned_mgf(MedialAxis& axis, const VoxelShape& shape, Context* context) {
-  if (axis.find_measure(kMgf)) return;
-  require_memory(predicted_mgf_bytes(shape, axis.complex.face_count(), tbb::this_task_arena::max_concurrency()),
-                 "the MGF of the medial axis", {"a lower resolution"}, context);
-  add_mgf(axis, shape, context);
-}
-
-// Details and levels of a core, whose topology is checked.
-void add_levels(axis::RestOfCore& core, const LoadedShape& from, std::string_view measure, Context* context) {
+// The measure of the pruning and its levels, of a core whose topology is checked.
+void add_levels(axis::RestOfCore& core, const LoadedShape& from, const AxisOptions& options, Context* context) {
+  const std::string_view measure = options.pruning.measure;
+  const bool detail = measure == kDetail || std::ranges::find(options.measures, kDetail) != options.measures.end();
   // Checking the topology and thinning are work for one thread each: together they keep two busy. The topology is the
   // task, so that thinning stays on the calling thread, which alone reports progress; isolated, so that a thread that
   // waits for the initial pairs of the thinning does not begin with the topology.
@@ -64,8 +58,8 @@ void add_levels(axis::RestOfCore& core, const LoadedShape& from, std::string_vie
   beside.run([&] { found = topology(core.axis.complex); });
   try {
     tbb::this_task_arena::isolate([&] {
-      if (measure == kDetail) add_detail(core, from.surface ? &*from.surface : nullptr, context);
-      if (measure == kMgf) add_planned_mgf(core.axis, from.shape, context);
+      if (detail) add_detail(core, from.surface ? &*from.surface : nullptr, context);
+      add_measure(core.axis, from, measure, context);
       prune_levels(core.axis, measure, context);
     });
   } catch (...) {
@@ -92,7 +86,7 @@ CoreResult result_of(axis::RestOfCore rest, const LoadedShape& from, const AxisO
   result.topology = from.topology;
   result.coordinates = from.coordinates;
   const std::string_view measure = options.pruning.measure;
-  add_levels(rest, from, measure, context);
+  add_levels(rest, from, options, context);
   result.all = counts_of_all(rest);
   choose_threshold(from, rest, result, context);
 
@@ -121,7 +115,7 @@ CoreResult result_of(axis::RestOfCore rest, const LoadedShape& from, const AxisO
   if (options.full && (measure != kLambda || from.surface)) result.whole = share(core);
   if (measure == kDetail) result.coverage = coverage(shape, kept, context);
   result.axis = options.full ? std::move(core) : std::move(kept);
-  if (options.mgf) add_planned_mgf(result.axis, shape, context);
+  add_measures(result.axis, from, options.measures, context);
   return result;
 }
 
@@ -170,8 +164,7 @@ void require_topology(const Topology& got, const Topology& wanted, const char* w
 }
 
 CoreResult core_of(const LoadedShape& shape, const AxisOptions& options, Context* context) {
-  if (options.pruning.measure == kMgf && !options.pruning.threshold)
-    throw Error(ErrorCode::usage, "there is no automatic threshold of mgf; give a length", "prune_by");
+  if (!options.pruning.threshold) pruning_of(options.pruning.measure, "auto", "prune_by");
   return base::in_arena(context, [&] {
     CorePlan plan = plan_core(shape.shape, context);
     plan.in_bricks = options.bricks_in || (plan.in_bricks && refused_in_bricks(shape.shape, options).empty());

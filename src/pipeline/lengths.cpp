@@ -35,6 +35,28 @@ std::optional<Length> parse_length_or_auto(std::string_view text, std::string_vi
   return parse_length(text, field);
 }
 
+std::optional<Length> parse_threshold(std::string_view text, const MeasureKind& measure, std::string_view field) {
+  const bool is_length = measure.unit == MeasureUnit::length, has_most = std::isfinite(measure.most);
+  const std::string range = has_most ? fmt::format("from {} to {}", measure.least, measure.most)
+                                     : fmt::format("of at least {}", measure.least);
+  const std::string wanted = is_length                              ? "a length"
+                             : measure.unit == MeasureUnit::degrees ? "a number of degrees " + range
+                                                                    : "a number " + range;
+  if (text == "auto") {
+    if (measure.automatic) return {};
+    throw Error(ErrorCode::usage, fmt::format("there is no automatic threshold of {}; give {}", measure.name, wanted),
+                std::string(field));
+  }
+  if (is_length) return parse_length(text, field);
+  if (text == "inf" && !has_most) return Length{std::numeric_limits<double>::infinity(), Length::Unit::infinite, "inf"};
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error == std::errc() && end == text.data() + text.size() && value >= measure.least && value <= measure.most &&
+      std::isfinite(value))
+    return Length{value, Length::Unit::number, std::string(text)};
+  throw Error(ErrorCode::usage, fmt::format("the {} '{}' is not {}", measure.name, text, wanted), std::string(field));
+}
+
 std::optional<Length> parse_theta1(std::string_view text) {
   if (text.ends_with('r') && text.size() > 1 && text[0] != '-') {
     double value = 0;
@@ -86,6 +108,8 @@ std::string text_of(const Length& length) {
       return fmt::format("{}abs", length.value);
     case Length::Unit::radii:
       return fmt::format("{}r", length.value);
+    case Length::Unit::number:
+      return fmt::format("{}", length.value);
     case Length::Unit::infinite:
       break;
   }
@@ -108,6 +132,7 @@ double Scale::resolve(const Length& length, std::string_view field) const {
             std::string(field));
       return length.value * voxel;
     case Length::Unit::absolute:
+    case Length::Unit::number:
       return length.value;
     case Length::Unit::radii:
       throw Error(ErrorCode::usage, fmt::format("{} '{}' is not a length", field, text_of(length)), std::string(field));

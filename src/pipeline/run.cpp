@@ -14,9 +14,9 @@ namespace {
 
 void add_axis(PageBuilder& builder, const MedialAxis& axis, const AxisRun& result, const Scale& scale,
               const RunOptions& options) {
-  for (const std::string_view measure : {kDetail, kLambda, kMgf})
-    if (const auto threshold = field_number(result.file, std::string(measure).c_str()))
-      builder.page.pruning = {std::string(measure), *threshold};
+  for (const MeasureKind& measure : kMeasures)
+    if (const auto threshold = field_number(result.file, std::string(measure.name).c_str()))
+      builder.page.pruning = {std::string(measure.name), *threshold};
   builder.page.burning = result.burned.options;
   if (!axis.grid.is_plane()) builder.page.theta2 = theta2_of(options.skeleton, scale);
   builder.page.theta1 = theta1_of(options.skeleton, scale);

@@ -118,10 +118,15 @@ SkeletonResult skeleton_of(const FamilyResult& family, const SkeletonOptions& op
 Record skeleton_file(const SkeletonResult& result, const Record& from) {
   const Skeleton& skeleton = result.skeleton;
   Record data = to_record(skeleton);
-  for (const char* name :
-       {"dims", "spacing", "origin", "direction", "dimension", "y_axis", "longest_side", "lambda", "lambda_chosen",
-        "detail", "detail_chosen", "omega", "propagation", "radius_rule", "surface", "units", "SPACE", "parameters"})
+  const auto copy = [&](std::string_view name) {
     if (const DataArray* array = find_array(from.field_data, name)) data.field_data.push_back(*array);
+  };
+  for (const char* name : {"dims", "spacing", "origin", "direction", "dimension", "y_axis", "longest_side"}) copy(name);
+  for (const MeasureKind& measure : kMeasures) {
+    copy(measure.name);
+    copy(std::string(measure.name) + "_chosen");
+  }
+  for (const char* name : {"omega", "propagation", "radius_rule", "surface", "units", "SPACE", "parameters"}) copy(name);
   const auto put = [&](const char* name, DataArray::Values values, int components = 1) {
     data.field_data.push_back({name, components, std::move(values)});
   };

@@ -7,6 +7,7 @@
 #include <set>
 #include <span>
 
+#include "quench/measures.h"
 #include "verification/checks.h"
 
 namespace quench::verification {
@@ -33,86 +34,84 @@ constexpr const char* kNothingToCompare = "the file has nothing to compare it wi
 /// An array that the format defines: how many numbers a field array has (0: any), the words a text may be (none: any),
 /// and why no check may be about it.
 struct Known {
-  const char* name;
+  std::string name;
   std::size_t numbers;
   std::vector<std::string> words;
   const char* reason;
 };
 
-const std::vector<const char*>& known_point_arrays() {
-  static const std::vector<const char*> names{"radius",
-                                              "voxel_radius",
-                                              "lambda",
-                                              "object_angle",
-                                              "cap_height",
-                                              "mgf",
-                                              "detail",
-                                              "burn_time",
-                                              "unburned",
-                                              "erosion_thickness",
-                                              "curve_burn_time",
-                                              "curve_unburned",
-                                              "curve_erosion_thickness",
-                                              "seam",
-                                              "junction"};
+const std::vector<std::string>& known_point_arrays() {
+  static const std::vector<std::string> names = [] {
+    std::vector<std::string> all{"radius",
+                                 "voxel_radius",
+                                 "burn_time",
+                                 "unburned",
+                                 "erosion_thickness",
+                                 "curve_burn_time",
+                                 "curve_unburned",
+                                 "curve_erosion_thickness",
+                                 "seam",
+                                 "junction"};
+    for (const MeasureKind& measure : kMeasures) all.emplace_back(measure.name);
+    return all;
+  }();
   return names;
 }
-const std::vector<const char*>& known_cell_arrays() {
-  static const std::vector<const char*> names{"kind",
-                                              "component",
-                                              "branch",
-                                              "sheet",
-                                              "lambda",
-                                              "site_a",
-                                              "site_b",
-                                              "lambda_level",
-                                              "object_angle",
-                                              "cap_height",
-                                              "mgf",
-                                              "mgf_level",
-                                              "detail",
-                                              "detail_level",
-                                              "sheet_level",
-                                              "curve_level",
-                                              "erosion_thickness",
-                                              "curve_erosion_thickness"};
+const std::vector<std::string>& known_cell_arrays() {
+  static const std::vector<std::string> names = [] {
+    std::vector<std::string> all{"kind",
+                                 "component",
+                                 "branch",
+                                 "sheet",
+                                 "site_a",
+                                 "site_b",
+                                 "sheet_level",
+                                 "curve_level",
+                                 "erosion_thickness",
+                                 "curve_erosion_thickness"};
+    for (const MeasureKind& measure : kMeasures) {
+      all.emplace_back(measure.name);
+      all.push_back(std::string(measure.name) + "_level");
+    }
+    return all;
+  }();
   return names;
 }
 const std::vector<Known>& known_field_numbers() {
-  static const std::vector<Known> arrays{
-      {"sites", 0, {}, kNothingToCompare},
-      {"dims", 3, {}, kNothingToCompare},
-      {"spacing", 3, {}, kNothingToCompare},
-      {"origin", 3, {}, kNothingToCompare},
-      {"direction", 9, {}, kNothingToCompare},
-      {"dimension", 1, {}, kNothingToCompare},
-      {"lambda", 1, {}, kOfTheAxis},
-      {"lambda_chosen", 1, {}, kOfTheChoice},
-      {"detail", 1, {}, kOfTheAxis},
-      {"detail_chosen", 1, {}, kOfTheChoice},
-      {"mgf", 1, {}, kOfTheAxis},
-      {"mgf_chosen", 1, {}, kOfTheChoice},
-      {"coverage", 1, {}, kNothingToCompare},
-      {"longest_side", 1, {}, kShapeOnly},
-      {"reconstructed", 1, {}, kNothingToCompare},
-      {"euler", 1, {}, kNothingToCompare},
-      {"betti", 3, {}, kNothingToCompare},
-      {"omega", 1, {}, kOfTheAxis},
-      {"burn_nodes", 1, {}, kOfTheAxis},
-      {"max_burn_time", 1, {}, kNothingToCompare},
-      {"theta2", 1, {}, "only bounds are checked: levels are of the medial axis"},
-      {"theta1", 1, {}, "only bounds are checked: levels are of the medial axis"},
-      {"smooth", 1, {}, kTold},
-      {"rims_above", 1, {}, "only bounds are checked: levels are of the medial axis"},
-      {"main_axes", 1, {}, kTold},
-      {"theta1_radii", 1, {}, "only bounds are checked: fires end on the medial axis"},
-      {"sequence_steps", 0, {}, kSequence},
-      {"sequence_parents", 0, {}, kSequence},
-      {"sequence_order", 0, {}, kSequence},
-      {"sequence_large", 0, {}, kSequence},
-      {"sequence_step", 1, {}, kSequence},
-      {"sequence_of", 2, {}, kSequence},
-      {"format_version", 1, {}, kNothingToCompare}};
+  static const std::vector<Known> arrays = [] {
+    std::vector<Known> all{{"sites", 0, {}, kNothingToCompare},
+                           {"dims", 3, {}, kNothingToCompare},
+                           {"spacing", 3, {}, kNothingToCompare},
+                           {"origin", 3, {}, kNothingToCompare},
+                           {"direction", 9, {}, kNothingToCompare},
+                           {"dimension", 1, {}, kNothingToCompare},
+                           {"coverage", 1, {}, kNothingToCompare},
+                           {"longest_side", 1, {}, kShapeOnly},
+                           {"reconstructed", 1, {}, kNothingToCompare},
+                           {"euler", 1, {}, kNothingToCompare},
+                           {"betti", 3, {}, kNothingToCompare},
+                           {"omega", 1, {}, kOfTheAxis},
+                           {"burn_nodes", 1, {}, kOfTheAxis},
+                           {"max_burn_time", 1, {}, kNothingToCompare},
+                           {"theta2", 1, {}, "only bounds are checked: levels are of the medial axis"},
+                           {"theta1", 1, {}, "only bounds are checked: levels are of the medial axis"},
+                           {"smooth", 1, {}, kTold},
+                           {"rims_above", 1, {}, "only bounds are checked: levels are of the medial axis"},
+                           {"main_axes", 1, {}, kTold},
+                           {"theta1_radii", 1, {}, "only bounds are checked: fires end on the medial axis"},
+                           {"sequence_steps", 0, {}, kSequence},
+                           {"sequence_parents", 0, {}, kSequence},
+                           {"sequence_order", 0, {}, kSequence},
+                           {"sequence_large", 0, {}, kSequence},
+                           {"sequence_step", 1, {}, kSequence},
+                           {"sequence_of", 2, {}, kSequence},
+                           {"format_version", 1, {}, kNothingToCompare}};
+    for (const MeasureKind& measure : kMeasures) {
+      all.push_back({std::string(measure.name), 1, {}, kOfTheAxis});
+      all.push_back({std::string(measure.name) + "_chosen", 1, {}, kOfTheChoice});
+    }
+    return all;
+  }();
   return arrays;
 }
 const std::vector<Known>& known_field_texts() {
@@ -160,8 +159,13 @@ std::string defect_of_fields(const std::vector<DataArray>& arrays) {
     return "the field array 'sites' is not of three numbers per site";
   if (const DataArray* measures = find_array(arrays, "measures"); measures && has_numbers(*measures))
     return "the field array 'measures' is not text";
-  if (find_array(arrays, kLambda) && find_array(arrays, kDetail))
-    return "there are two thresholds, the field arrays 'lambda' and 'detail'";
+  std::string_view threshold;
+  for (const MeasureKind& measure : kMeasures) {
+    if (!find_array(arrays, measure.name)) continue;
+    if (!threshold.empty())
+      return fmt::format("there are two thresholds, the field arrays '{}' and '{}'", measure.name, threshold);
+    threshold = measure.name;
+  }
   for (const Known& known : known_field_texts()) {
     const DataArray* array = find_array(arrays, known.name);
     if (!array) continue;
@@ -184,7 +188,7 @@ std::string reason_for(const char* of, const std::string& name, const Record& da
   if (stage == "core" && of == std::string("field") && (name == kLambda || name == kDetail))
     return text_or_empty(data.field_data, "surface").empty() || name == kLambda ? "another threshold was given"
                                                                                 : kBorneOutBySurface;
-  if (stage == "core" && of == std::string("field") && name == kMgf)
+  if (stage == "core" && of == std::string("field") && is_measure_of_cores(name))
     return "only that no level is below it is checked";
   if (of == std::string("field")) {
     for (const auto* known : {&known_field_numbers(), &known_field_texts()})
@@ -196,7 +200,9 @@ std::string reason_for(const char* of, const std::string& name, const Record& da
   if (name.find("burn") != std::string::npos || name.find("erosion") != std::string::npos)
     return find_array(data.field_data, "dimension") ? kFireOfTheAxis : kBoundsOnly;
   if (name == "sheet_level" || name == "curve_level") return "only bounds are checked: levels are of the medial axis";
-  if (stage == "core" && name == kDetail) return kDetailsBounded;
+  if (stage == "core" && name == kDetail)
+    return find_array(data.field_data, kDetail) ? kDetailsBounded
+                                                : "it is checked where it is what the core is pruned by";
   if (stage == "skeleton" && name == kMgf) return kOfTheAxis;
   for (const std::string& measure : texts_or_empty(data.field_data, "measures"))
     if (!is_measure_of_cores(measure) && (name == measure || name == measure + "_level")) return kOtherMeasure;

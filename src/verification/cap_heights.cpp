@@ -99,6 +99,7 @@ class CapHeights {
   template <class Describe>
   std::string unequal(double written, double largest, const Describe& describe) const {
     if (std::abs(written - largest) <= kHeightRounding * largest) return {};
+    if (result_.by == kCapHeight && written > largest) return {};  // a cell that is gone may have had more
     return fmt::format("{} has cap height {:.9g}, the largest of the cells around is {:.9g}", describe(), written,
                        largest);
   }

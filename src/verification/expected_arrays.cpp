@@ -7,6 +7,7 @@
 #include <span>
 #include <string_view>
 
+#include "quench/measures.h"
 #include "verification/checks.h"
 
 namespace quench::verification {
@@ -16,118 +17,120 @@ namespace {
 /// An array that Quench writes into files of a stage.
 struct Expected {
   const char* of;  ///< "point", "cell" or "field"
-  const char* name;
+  std::string name;
   bool needed;  ///< without it the file cannot be placed, or checked as what it claims to be
 };
 
-constexpr Expected kOfCores[]{{"point", "radius", true},
-                              {"point", "lambda", true},
-                              {"point", "object_angle", false},
-                              {"cell", "kind", false},
-                              {"cell", "component", false},
-                              {"cell", "lambda", true},
-                              {"cell", "object_angle", false},
-                              {"point", "cap_height", false},
-                              {"cell", "cap_height", false},
-                              {"cell", "site_a", true},
-                              {"cell", "site_b", true},
-                              {"field", "sites", true},
-                              {"field", "dims", true},
-                              {"field", "spacing", true},
-                              {"field", "origin", true},
-                              {"field", "direction", true},
-                              {"field", "lambda_rule", true},
-                              {"field", "longest_side", false},
-                              {"field", "reconstructed", false},
-                              {"field", "euler", false},
-                              {"field", "betti", false},
-                              {"field", "units", false},
-                              {"field", "parameters", false},
-                              {"field", "version", false},
-                              {"field", "format_version", false},
-                              {"field", "measures", false}};
+const Expected kOfCores[]{{"point", "radius", true},
+                          {"point", "lambda", true},
+                          {"point", "object_angle", false},
+                          {"cell", "kind", false},
+                          {"cell", "component", false},
+                          {"cell", "lambda", true},
+                          {"cell", "object_angle", false},
+                          {"point", "cap_height", false},
+                          {"cell", "cap_height", false},
+                          {"cell", "site_a", true},
+                          {"cell", "site_b", true},
+                          {"field", "sites", true},
+                          {"field", "dims", true},
+                          {"field", "spacing", true},
+                          {"field", "origin", true},
+                          {"field", "direction", true},
+                          {"field", "lambda_rule", true},
+                          {"field", "longest_side", false},
+                          {"field", "reconstructed", false},
+                          {"field", "euler", false},
+                          {"field", "betti", false},
+                          {"field", "units", false},
+                          {"field", "parameters", false},
+                          {"field", "version", false},
+                          {"field", "format_version", false},
+                          {"field", "measures", false}};
 
 // In the plane beside these.
-constexpr Expected kOfPlane[]{{"field", "dimension", true}, {"field", "y_axis", false}};
-constexpr Expected kOfCoresOfPlane[]{{"point", "mgf", false}, {"cell", "mgf", false}};
+const Expected kOfPlane[]{{"field", "dimension", true}, {"field", "y_axis", false}};
+const Expected kOfCoresOfPlane[]{{"point", "mgf", false}, {"cell", "mgf", false}};
 
-constexpr Expected kOfFittedCores[]{
+const Expected kOfFittedCores[]{
     {"point", "voxel_point", true}, {"point", "voxel_radius", true}, {"field", "surface", true}};
-constexpr Expected kOfCoresByLambda[]{
+const Expected kOfCoresByLambda[]{
     {"cell", "lambda_level", true}, {"field", "lambda", true}, {"field", "lambda_chosen", false}};
-constexpr Expected kOfCoresByMgf[]{{"point", "mgf", true},
-                                   {"cell", "mgf", true},
-                                   {"cell", "mgf_level", true},
-                                   {"field", "mgf", true},
-                                   {"field", "mgf_chosen", false}};
-constexpr Expected kOfCoresByDetail[]{{"point", "detail", true},
-                                      {"cell", "detail", true},
-                                      {"cell", "detail_level", true},
-                                      {"field", "detail", true},
-                                      {"field", "detail_chosen", false}};
-constexpr Expected kOfPruningsByDetail[]{{"field", "coverage", false}};
+const Expected kOfCoresByDetail[]{{"point", "detail", true},
+                                  {"cell", "detail", true},
+                                  {"cell", "detail_level", true},
+                                  {"field", "detail", true},
+                                  {"field", "detail_chosen", false}};
+std::vector<Expected> of_cores_by(const std::string& measure) {
+  return {{"point", measure, true},
+          {"cell", measure, true},
+          {"cell", measure + "_level", true},
+          {"field", measure, true},
+          {"field", measure + "_chosen", false}};
+}
+const Expected kOfPruningsByDetail[]{{"field", "coverage", false}};
 
 // Of cores once they are burned: when there is one of them, all are expected.
-constexpr Expected kOfBurning[]{{"point", "burn_time", false},
-                                {"point", "erosion_thickness", false},
-                                {"point", "unburned", false},
-                                {"field", "max_burn_time", false}};
+const Expected kOfBurning[]{{"point", "burn_time", false},
+                            {"point", "erosion_thickness", false},
+                            {"point", "unburned", false},
+                            {"field", "max_burn_time", false}};
 // In space beside these.
-constexpr Expected kOfBurningOfSheets[]{{"field", "omega", false},
-                                        {"field", "propagation", false},
-                                        {"field", "radius_rule", false},
-                                        {"field", "burn_nodes", false}};
+const Expected kOfBurningOfSheets[]{{"field", "omega", false},
+                                    {"field", "propagation", false},
+                                    {"field", "radius_rule", false},
+                                    {"field", "burn_nodes", false}};
 
 // The same of the burn sequence.
-constexpr Expected kOfSequence[]{{"field", "sequence_steps", false}, {"field", "sequence_parents", false},
-                                 {"field", "sequence_order", false}, {"field", "sequence_large", false},
-                                 {"field", "sequence_step", false},  {"field", "sequence_of", false}};
+const Expected kOfSequence[]{{"field", "sequence_steps", false}, {"field", "sequence_parents", false},
+                             {"field", "sequence_order", false}, {"field", "sequence_large", false},
+                             {"field", "sequence_step", false},  {"field", "sequence_of", false}};
 
-constexpr Expected kOfSkeletons[]{{"point", "radius", true},
-                                  {"point", "burn_time", false},
-                                  {"point", "erosion_thickness", false},
-                                  {"point", "unburned", false},
-                                  {"cell", "kind", false},
-                                  {"cell", "component", false},
-                                  {"cell", "curve_level", true},
-                                  {"cell", "erosion_thickness", true},
-                                  {"field", "theta1", true},
-                                  {"field", "theta1_radii", false},
-                                  {"field", "tips", false},
-                                  {"cell", "branch", false},
-                                  {"field", "smooth", false},
-                                  {"field", "euler", false},
-                                  {"field", "betti", false},
-                                  {"field", "version", false},
-                                  {"field", "format_version", false}};
+const Expected kOfSkeletons[]{{"point", "radius", true},
+                              {"point", "burn_time", false},
+                              {"point", "erosion_thickness", false},
+                              {"point", "unburned", false},
+                              {"cell", "kind", false},
+                              {"cell", "component", false},
+                              {"cell", "curve_level", true},
+                              {"cell", "erosion_thickness", true},
+                              {"field", "theta1", true},
+                              {"field", "theta1_radii", false},
+                              {"field", "tips", false},
+                              {"cell", "branch", false},
+                              {"field", "smooth", false},
+                              {"field", "euler", false},
+                              {"field", "betti", false},
+                              {"field", "version", false},
+                              {"field", "format_version", false}};
 // In space, where they have sheets, beside these.
-constexpr Expected kOfSkeletonsInSpace[]{{"point", "curve_burn_time", false},
-                                         {"point", "curve_erosion_thickness", false},
-                                         {"point", "curve_unburned", false},
-                                         {"cell", "sheet_level", true},
-                                         {"cell", "curve_erosion_thickness", true},
-                                         {"field", "theta2", true},
-                                         {"cell", "sheet", false},
-                                         {"point", "seam", false},
-                                         {"point", "junction", false},
-                                         {"field", "rims_above", false},
-                                         {"field", "omega", false},
-                                         {"field", "propagation", false},
-                                         {"field", "radius_rule", false}};
+const Expected kOfSkeletonsInSpace[]{{"point", "curve_burn_time", false},
+                                     {"point", "curve_erosion_thickness", false},
+                                     {"point", "curve_unburned", false},
+                                     {"cell", "sheet_level", true},
+                                     {"cell", "curve_erosion_thickness", true},
+                                     {"field", "theta2", true},
+                                     {"cell", "sheet", false},
+                                     {"point", "seam", false},
+                                     {"point", "junction", false},
+                                     {"field", "rims_above", false},
+                                     {"field", "omega", false},
+                                     {"field", "propagation", false},
+                                     {"field", "radius_rule", false}};
 
 // Skeletons have these from their core; one of a medial axis of another program has none of them.
-constexpr Expected kOfSkeletonsOfCores[]{{"field", "dims", true},          {"field", "spacing", true},
-                                         {"field", "origin", true},        {"field", "direction", true},
-                                         {"field", "longest_side", false}, {"field", "units", false},
-                                         {"field", "parameters", false}};
-constexpr Expected kOfSkeletonsByLambda[]{{"field", "lambda", false}, {"field", "lambda_chosen", false}};
-constexpr Expected kOfSkeletonsByDetail[]{{"field", "detail", false}, {"field", "detail_chosen", false}};
+const Expected kOfSkeletonsOfCores[]{{"field", "dims", true},          {"field", "spacing", true},
+                                     {"field", "origin", true},        {"field", "direction", true},
+                                     {"field", "longest_side", false}, {"field", "units", false},
+                                     {"field", "parameters", false}};
+const Expected kOfSkeletonsByLambda[]{{"field", "lambda", false}, {"field", "lambda_chosen", false}};
+const Expected kOfSkeletonsByDetail[]{{"field", "detail", false}, {"field", "detail_chosen", false}};
 
 // Arrays by which a skeleton of a core is recognized: other programs may give a medial axis a spacing and an origin.
-constexpr Expected kOnlyOfCores[]{{"field", "dims", true},
-                                  {"field", "lambda_chosen", false},
-                                  {"field", "detail_chosen", false},
-                                  {"field", "parameters", false}};
+const Expected kOnlyOfCores[]{{"field", "dims", true},
+                              {"field", "lambda_chosen", false},
+                              {"field", "detail_chosen", false},
+                              {"field", "parameters", false}};
 
 bool is_there(const Record& data, const Expected& array) {
   const std::string_view of = array.of;
@@ -155,10 +158,10 @@ std::vector<Expected> absent_of(const Result& result) {
       look_for(kOfCoresOfPlane, data, absent);
     }
     if (has_one_of(kOfFittedCores, data)) look_for(kOfFittedCores, data, absent);
-    look_for(result.by_detail ? std::span<const Expected>(kOfCoresByDetail)
-             : result.by_mgf  ? std::span<const Expected>(kOfCoresByMgf)
-                              : std::span<const Expected>(kOfCoresByLambda),
-             data, absent);
+    if (!result.by.empty())
+      look_for(of_cores_by(result.by), data, absent);
+    else
+      look_for(result.by_detail ? std::span<const Expected>(kOfCoresByDetail) : kOfCoresByLambda, data, absent);
     if (result.by_detail && result.detail > 0) look_for(kOfPruningsByDetail, data, absent);
     if (has_one_of(kOfBurning, data) || (!result.plane && has_one_of(kOfBurningOfSheets, data))) {
       look_for(kOfBurning, data, absent);
@@ -172,7 +175,11 @@ std::vector<Expected> absent_of(const Result& result) {
       look_for(kOfSkeletonsOfCores, data, absent);
       if (result.plane) look_for(kOfPlane, data, absent);
       const bool by_detail = has_one_of(kOfSkeletonsByDetail, data);
-      look_for(by_detail ? std::span<const Expected>(kOfSkeletonsByDetail) : kOfSkeletonsByLambda, data, absent);
+      const auto is_other = [&](const MeasureKind& m) {
+        return m.name != kDetail && m.name != kLambda && find_array(data.field_data, m.name);
+      };
+      if (std::none_of(kMeasures.begin(), kMeasures.end(), is_other))
+        look_for(by_detail ? std::span<const Expected>(kOfSkeletonsByDetail) : kOfSkeletonsByLambda, data, absent);
     }
   } else {
     absent.push_back({"field", "stage", false});

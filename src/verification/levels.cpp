@@ -7,6 +7,7 @@
 #include <queue>
 #include <set>
 
+#include "quench/measures.h"
 #include "verification/checks.h"
 #include "verification/polytope.h"
 
@@ -62,6 +63,9 @@ void take_values(const Result& result, const std::vector<double>& point, const s
   for (const std::uint32_t row : result.rows) all.vertex_value.push_back(point[row]);
   all.edge_value = result.largest_of_polygons(cell);
   for (std::size_t l = 0; l < result.line_edges.size(); ++l) all.edge_value[result.line_edges[l]] = cell[line_row + l];
+  for (std::vector<double>* values : {&all.vertex_value, &all.edge_value, &all.face_value})
+    for (double& value : *values)
+      if (value >= kInfiniteLevelInFiles) value = never;
 }
 
 // Lambda by the rule `ball` of the edges that are not lines of the file, from their sites.
@@ -264,7 +268,7 @@ Check check_levels_of(const std::string& measure, const Result& result, const Si
   double lowest = never;
   const double at_least = is_lambda                                ? result.lambda
                           : measure == kDetail && result.by_detail ? result.detail
-                          : measure == kMgf && result.by_mgf       ? result.mgf
+                          : measure == result.by                   ? result.by_threshold
                                                                    : 0;
   for (std::size_t c = 0; c < level.size(); ++c) {
     if (level[c] == kInfiniteLevelInFiles) {
@@ -276,7 +280,7 @@ Check check_levels_of(const std::string& measure, const Result& result, const Si
       return failed(name, fmt::format("cell {} has level {:.9g}, below {} {:.9g}", c, level[c], measure, at_least));
     if (level[c] > kInfiniteLevelInFiles)
       return failed(name,
-                    fmt::format("cell {} has level {:.9g}, which is neither a length nor {:.9g}, which stands for "
+                    fmt::format("cell {} has level {:.9g}, which is neither a level nor {:.9g}, which stands for "
                                 "infinity",
                                 c, level[c], kInfiniteLevelInFiles));
     lowest = std::min(lowest, level[c]);
@@ -301,7 +305,7 @@ Check check_levels_of(const std::string& measure, const Result& result, const Si
 std::vector<Check> check_levels(const Result& result, const Sites& sites, VertexSites& vertex_sites, Context* context) {
   std::vector<Check> checks;
   for (const std::string& measure : result.measures)
-    if ((measure == kLambda && !result.by_detail && !result.by_mgf) ||
+    if ((measure == kLambda && !result.by_detail && result.by.empty()) ||
         find_array(result.data.cell_data, measure + "_level"))
       checks.push_back(check_levels_of(measure, result, sites, vertex_sites, context));
   if (checks.empty()) checks.push_back(not_checked("nested levels", "no measure with levels"));
@@ -324,8 +328,10 @@ Check check_measures(const Result& result) {
   std::set<std::string> names;
   for (const std::string& measure : result.measures) {
     if (!names.insert(measure).second) return failed(name, fmt::format("the measure '{}' is there twice", measure));
-    // That arrays of those that Quench writes are missing is said by other checks.
-    if (!is_measure_of_cores(measure) && !find_array(data.cell_data, measure) &&
+    // That arrays of those that every file has, or the pruning needs, are missing is said by other checks.
+    const bool is_expected = measure == kLambda || measure == kDetail || measure == kMgf || measure == kCapHeight ||
+                             measure == kObjectAngle || measure == result.by;
+    if (!is_expected && !find_array(data.cell_data, measure) &&
         !find_array(data.cell_data, measure + "_level"))
       return failed(name, fmt::format("there is no cell array of '{}', which is a measure of the file", measure));
   }

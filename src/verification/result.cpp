@@ -9,12 +9,11 @@
 #include <variant>
 
 #include "quench/error.h"
+#include "quench/measures.h"
 
 namespace quench::verification {
 
-bool is_measure_of_cores(std::string_view name) {
-  return std::find(kMeasuresOfCores.begin(), kMeasuresOfCores.end(), name) != kMeasuresOfCores.end();
-}
+bool is_measure_of_cores(std::string_view name) { return find_measure_kind(name) != nullptr; }
 
 bool has_numbers(const DataArray& array) { return !std::holds_alternative<std::vector<std::string>>(array.values); }
 
@@ -115,11 +114,15 @@ void Result::parse_arrays(const VerifyOptions& options) {
   if (detail >= kInfiniteLevelInFiles) detail = std::numeric_limits<double>::infinity();
   auto_detail = 0.5 * shape.grid().diagonal();
 
-  const std::vector<double> lengths = numbers_or_empty(data.field_data, kMgf);
-  by_mgf =
-      stage == "core" && !by_detail && !lambda_given && (!lengths.empty() || find_array(data.cell_data, "mgf_level"));
-  if (by_mgf && !lengths.empty()) mgf = lengths[0];
-  if (mgf >= kInfiniteLevelInFiles) mgf = std::numeric_limits<double>::infinity();
+  if (stage != "core" || by_detail || lambda_given) return;
+  for (const MeasureKind& measure : kMeasures) {
+    const std::string name(measure.name);
+    const std::vector<double> least = numbers_or_empty(data.field_data, name);
+    if (name == kLambda || (least.empty() && !find_array(data.cell_data, name + "_level"))) continue;
+    by = name;
+    if (!least.empty()) by_threshold = least[0];
+  }
+  if (by_threshold >= kInfiniteLevelInFiles) by_threshold = std::numeric_limits<double>::infinity();
 }
 
 void Result::parse_surface() {

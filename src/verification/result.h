@@ -63,11 +63,11 @@ struct Result {
   double lambda = 0;
   bool lambda_given = false;
   bool lambda_of_file = false;  ///< it is that of the file
-  bool by_detail = false;       ///< pruned by detail, not by lambda or mgf
+  bool by_detail = false;       ///< pruned by detail, not by lambda or another measure
   double detail = 0;            ///< where it was; world units, may be infinite
   bool detail_of_file = false;  ///< it is that of the file
-  bool by_mgf = false;          ///< pruned by mgf
-  double mgf = 0;               ///< where it was; world units
+  std::string by;               ///< of a core pruned by a measure other than these two: its name
+  double by_threshold = 0;      ///< where it was; may be infinite
   double auto_detail = 0;       ///< half the diagonal of a voxel or pixel, world units
 
   const Vec3& point(std::uint32_t vertex) const { return data.points[rows[vertex]]; }
@@ -90,8 +90,7 @@ struct Result {
   void invert_incidences();
 };
 
-/// The measures that Quench writes into files of cores.
-inline constexpr std::array kMeasuresOfCores{"lambda", "object_angle", "cap_height", "detail", "mgf"};
+/// Whether it is one of those that Quench writes into files of cores.
 bool is_measure_of_cores(std::string_view name);
 
 /// False for an array of strings.

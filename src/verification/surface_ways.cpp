@@ -150,21 +150,8 @@ Check check_mgf_of_surface(const Result& result, const Sites& sites, std::size_t
                                           result.describe_face(sampled[bad]))
                             : fmt::format("{} has mgf {:.9g}, the shortest way along sides and diagonals is {:.9g}",
                                           result.describe_face(sampled[bad]), of_face(sampled[bad]), way[bad]));
-  // Polygons that are gone may have had more than those that are there.
-  const std::vector<double> largest = result.largest_of_polygons(cell);
-  const std::size_t verts = result.vert_vertices.size(), edges = result.complex.edges.size();
-  bad = first_failure(result.line_edges.size(), context, "verify: boundary",
-                      [&](std::size_t l) { return cell[verts + l] >= largest[result.line_edges[l]] * (1 - rounding); });
-  if (bad < result.line_edges.size())
-    return failed(name, fmt::format("{} has mgf {:.9g}, less than a polygon at it",
-                                    result.describe_edge(result.line_edges[bad]), cell[verts + bad]));
-  bad = first_failure(edges, context, "verify: boundary", [&](std::size_t e) {
-    const auto [a, b] = result.complex.edges[e];
-    return std::min(point[result.rows[a]], point[result.rows[b]]) >= largest[e] * (1 - rounding);
-  });
-  if (bad < edges)
-    return failed(name, fmt::format("an end of {} has a mgf below {:.9g}, that of a polygon at it",
-                                    result.describe_edge(static_cast<std::uint32_t>(bad)), largest[bad]));
+  if (std::string low = below_cells_around(result, "mgf", point, cell, rounding, context); !low.empty())
+    return failed(name, std::move(low));
   Check check{name, true, {}, {}};
   cover(check, "cell mgf");
   cover(check, "point mgf");

@@ -112,8 +112,9 @@ Certificate examine(const VoxelShape& shape, const Record& data, const VerifyOpt
     add(result.plane ? check_voronoi_of_plane(result, sites, vertex_sites, context)
                      : check_voronoi(result, sites, vertex_sites, options.samples, context));
     add(check_lambda(result, sites, vertex_sites, options.samples, context));
-    if (result.by_mgf)
-      add(not_checked("legal pruning", "pruned by mgf: that no pair below it is left is said by its levels"));
+    if (!result.by.empty())
+      add(not_checked("legal pruning",
+                      fmt::format("pruned by {}: that no pair below it is left is said by its levels", result.by)));
     else
       add(result.by_detail ? check_detail_pruning(result, sites, vertex_sites, options.samples, context)
                            : check_pruning(result, sites, vertex_sites, options.samples, context));
@@ -138,6 +139,8 @@ Certificate examine(const VoxelShape& shape, const Record& data, const VerifyOpt
   add(check_sites(result, sites));
   add(check_angles(result));
   add(check_cap_heights(result, sites, vertex_sites, options.samples, context));
+  if (result.stage == "core")
+    for (Check& check : check_other_measures(result, sites, options.samples, context)) add(std::move(check));
   add(check_kinds(result));
   if (result.plane) {
     if (result.stage == "core") add(check_mgf(result, sites, vertex_sites, *boundary, context));

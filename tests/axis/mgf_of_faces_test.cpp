@@ -137,7 +137,7 @@ TEST(MgfOfFaces, PrunesAndIsVerified) {
           }
       }
     pipeline::AxisOptions options;
-    options.mgf = true;
+    options.measures = {std::string(kMgf)};
     const pipeline::CoreResult core = pipeline::core_of(loaded, options);
     EXPECT_TRUE(core.axis.measure(kMgf).value.complete(core.axis.complex));
     EXPECT_TRUE(core.axis.measure(kMgf).level.empty());

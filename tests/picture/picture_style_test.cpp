@@ -127,7 +127,8 @@ TEST(PictureStyle, Lines) {
 
 TEST(PictureStyle, Words) {
   for (const char* name : {"radius", "detail", "cap_height", "lambda", "burn_time", "erosion_thickness", "object_angle",
-                           "mgf", "curve_burn_time", "curve_erosion_thickness"})
+                           "mgf", "circumradius", "chord_residual", "core_erosion_thickness",
+                           "relative_erosion_thickness", "scale_axis", "curve_burn_time", "curve_erosion_thickness"})
     expect_in("measures.ts", fmt::format("{}: {{ label: \"{}\"", name, label_of(name)));
   expect_in("ui/caption.ts", "`θ₂ = ${");
   expect_in("ui/caption.ts", "`θ₁ = ${");
