@@ -7,7 +7,7 @@ import itertools
 
 import numpy as np
 from paper import main, table
-from sampled_axes import Sample, dey_zhao, dual_shape, inner_voronoi, length, power_shape, scale_axis, simplicial_part
+from sampled_axes import Sample, dey_zhao, dual_shape, inner_voronoi, length, power_shape, scale_axis
 from scipy import ndimage
 from scipy.optimize import minimize
 from scipy.spatial import cKDTree
@@ -73,7 +73,7 @@ def known_answers():
     random, rows = np.random.default_rng(1), []
     for (name, make), (method, run) in itertools.product(SHAPES.items(), METHODS.items()):
         points, inside, true, betti = make(6000, random)
-        sample = Sample(points, lambda p, inside=inside, m=(points.min(0) + points.max(0)) / 2: inside(p))
+        sample = Sample(points, inside)
         found = run(sample)
         sheets = found.sheets()
         taken = np.concatenate([sheets.take(20000), sheets.on_lines])
@@ -171,8 +171,9 @@ def unions():
         n = int(random.integers(6, 9))
         centres, radii = random.random((n, 3)), random.uniform(0.15, 0.6, n)
         cells, *masks = dual_shape(centres, radii)
-        kept = [{(int(i),) for i in np.flatnonzero(masks[0])}] + [
-            set(map(tuple, simplices[mask].tolist())) for simplices, mask in zip((cells.edges, cells.triangles, cells.tetrahedra), masks[1:])]
+        kept = [{(int(i),) for i in np.flatnonzero(masks[0])}]
+        for simplices, mask in zip((cells.edges, cells.triangles, cells.tetrahedra), masks[1:]):
+            kept.append(set(map(tuple, simplices[mask].tolist())))
         for size in (1, 2, 3, 4):
             for chosen in itertools.combinations(range(n), size):
                 said = meets(centres, radii, list(chosen))

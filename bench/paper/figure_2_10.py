@@ -11,7 +11,6 @@ import numpy as np
 import vtk
 from paper import Complex, Scene, main, measured, polydata, sheet, table
 from sampled_axes import Sheets
-from vtk.util.numpy_support import vtk_to_numpy
 
 METHODS = {'SAT, s = 1': 'scale_axis=1', 'SAT, s = 1.05': 'scale_axis=1.05', 'all inner balls': 'inner_voronoi',
            'power crust': 'power_shape', 'Dey and Zhao': 'dey_zhao'}
@@ -87,7 +86,7 @@ def make(paper):
         for sampling in ('vertices', 'denser') if shape in DENSER else ('vertices',):
             samples = plain if sampling == 'vertices' else subdivided(surface, paper.file(f'{shape}_denser.ply'))
             for method, name in METHODS.items():
-                file = paper.file(f'beside_{shape}_{name}.npz')
+                file = paper.file(f'beside_{shape}_{sampling}_{name}.npz')
                 code, cpu, megabytes = measured([sys.executable, str(Path(__file__).with_name('sampled_axes.py')), name, str(samples),
                                                  str(file)])
                 if code:
@@ -103,8 +102,8 @@ def make(paper):
                 if sampling == 'vertices' and method in DRAWN:
                     draw(polydata(found['points'], found['offsets'], found['corners']),
                          (found['points'], found['lines']) if len(found['lines']) else (),
-                         f'χ, parts: {number["euler"]}, {number["components"]}' + (' (right)' if betti == wanted else
-                                                                                   f' (χ of the shape: {wanted[0] - wanted[1] + wanted[2]})'))
+                         f'χ, parts: {number["euler"]}, {number["components"]}' +
+                         (' (right)' if betti == wanted else f' (χ of the shape: {wanted[0] - wanted[1] + wanted[2]})'))
         for resolution, (core, sheets, cost) in cores.items():
             faces, twice, pockets = faces_of(core)
             betti = core.betti()
@@ -118,10 +117,11 @@ def make(paper):
                  f'; {cost.cpu:.1f} s, {cost.megabytes:.0f} MB')
         pictures.append(row)
         captions.append(line)
-    print('Dissertation: SAT has duplicate faces and some pockets, the power crust many pockets, Dey and Zhao many islands; the core the right '
-          'topology.\nHere the methods written anew, not the programs; solids: tetrahedra, each a closed pocket where faces only are '
+    print('Dissertation: SAT has duplicate faces and some pockets, the power crust many pockets, Dey and Zhao many islands; the core the '
+          'right topology.\nHere the methods written anew, not the programs; solids: tetrahedra, each a closed pocket where faces only are '
           'written.\nb0, b1, b2 are those of the faces.\n')
-    table(('shape', 'method', 'samples', 'vertices', 'faces', 'solids', 'χ, parts', 'b0, b1, b2', 'of the shape', 'right', 'CPU s', 'MB'), rows)
+    table(('shape', 'method', 'samples', 'vertices', 'faces', 'solids', 'χ, parts', 'b0, b1, b2', 'of the shape', 'right', 'CPU s',
+           'MB'), rows)
     print('\nDistances to the core at 256 and from it, mean, 99 %, largest, in thousandths of the longest side:\n')
     table(('shape', 'method', 'samples', 'to our core', 'from our core'), place)
     paper.save(sheet(pictures, [*DRAWN, *(f'Quench {r}³' for r in resolutions)], list(SHAPES), captions, width=2.6), '2_10')
