@@ -69,7 +69,7 @@ def make(paper):
     memory.set_ylabel('peak memory, GB')
     seconds.set_ylabel('processor time, s')
     seconds.set_xlabel('boundary vertices of the voxel shape, millions')
-    memory.legend(fontsize=7, ncols=3)
+    memory.legend(fontsize=7, ncols=4, loc='lower center', bbox_to_anchor=(0.5, 1))
     for axes in (memory, seconds):
         axes.grid(alpha=0.3)
         axes.set_xscale('log')

@@ -102,45 +102,50 @@ class Volume:
 
     def thin(self, order, steps, stays, removed=lambda voxels: None):
         """Removes simple voxels, those with small `order` first (`steps`: ascending bounds), unless `stays(voxels, code)`."""
-        inside = self.inside
-        queued = np.zeros(len(inside), bool)
+        inside, steps = self.inside, np.asarray(steps)
+        queued, parked = np.zeros(len(inside), bool), np.zeros(len(inside), bool)
+        waiting = [[] for _ in steps]
+
+        def wait(voxels, now):
+            """Puts voxels off until their step; those whose step has come are given back."""
+            queued[voxels] = True
+            step = np.searchsorted(steps, order[voxels])
+            later = np.argsort(step, kind='stable')
+            voxels, step = voxels[later], step[later]
+            first = np.flatnonzero(np.append(True, step[1:] != step[:-1])) if len(step) else []
+            for start, end in zip(first, [*first[1:], len(step)]):
+                if step[start] > now:
+                    waiting[step[start]].append(voxels[start:end])
+            return voxels[step <= now]
+
         padded = inside.reshape(self.shape)
-        active = np.flatnonzero((padded & ~ndimage.binary_erosion(padded)).ravel())
-        queued[active] = True
-        for bound in steps:
-            new = active[order[active] <= bound]
-            active = active[order[active] > bound]
-            done = []
+        wait(np.flatnonzero((padded & ~ndimage.binary_erosion(padded)).ravel()), -1)
+        for now in range(len(steps)):
+            new = np.concatenate([np.zeros(0, np.int64), *waiting[now]])
+            waiting[now] = []
             while len(new):
-                kind, added = self.classes(new), []
-                gone_any = False
-                left = []
+                kind, more, fresh = self.classes(new), [], []
                 for k in range(8):
                     voxels = new[kind == k]
                     code = self.code(voxels)
                     go = simple(code)
                     go[go] = ~stays(voxels[go], code[go])
                     gone = voxels[go]
-                    left.append(voxels[~go])
+                    parked[voxels[~go]] = True  # until a neighbour goes
                     if not len(gone):
                         continue
-                    gone_any = True
                     inside[gone] = False
                     removed(gone)
                     for step in self.around:
                         near = gone + step
-                        near = near[inside[near] & ~queued[near]]
+                        near = near[inside[near]]
+                        again = near[parked[near]]
+                        parked[again] = False
+                        more.append(again)
+                        near = near[~queued[near]]
                         queued[near] = True
-                        added.append(near)
-                left = np.concatenate(left)
-                if not gone_any:
-                    done.append(left)
-                    break
-                added = np.concatenate(added)
-                done.append(np.zeros(0, np.int64))
-                active = np.concatenate([active, added[order[added] > bound]])
-                new = np.concatenate([left, added[order[added] <= bound]])
-            active = np.concatenate([active, *done])
+                        fresh.append(near)
+                new = np.concatenate([np.zeros(0, np.int64), *more, wait(np.concatenate([np.zeros(0, np.int64), *fresh]), now)])
         return inside.reshape(self.shape)[2:-2, 2:-2, 2:-2]
 
 
@@ -177,8 +182,8 @@ def mass_transport(inside, threshold=16.0, account=None):
         np.add.at(mass, (voxels[None] + volume.around[:, None])[left], share[left])
         mass[voxels] = 0
 
-    voxels = np.flatnonzero(volume.inside)
-    result = volume.thin(distance, np.unique(distance[voxels]), lambda voxels, code: mass[voxels] > threshold, removed)
+    steps = np.arange(1, distance.max() + 0.25, 0.25)  # of the distance, a quarter of a voxel
+    result = volume.thin(distance, steps, lambda voxels, code: mass[voxels] > threshold, removed)
     if account is not None:
         account['mass'] = mass.reshape(volume.shape)[2:-2, 2:-2, 2:-2]
     return result
