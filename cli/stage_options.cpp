@@ -150,8 +150,8 @@ void add_burn_options(CLI::App& app, pipeline::BurningOptions& o, bool takes_bur
       app, "--omega",
       fmt::format(
           "Distance of nodes along edges: a fraction of the longest side (0.005), 0.5vox, 2abs, or {}0.65 of the "
-          "mean edge (0.35 for triangles), for an erosion thickness right to about 0.1% on voxel cores, 2% on "
-          "cores fitted to a mesh",
+          "mean edge (0.35 for triangles), for an erosion thickness right to about 0.1% on voxel cores, 0.3% "
+          "on cores fitted to a mesh",
           automatic),
       [&o](const std::string&, const std::string& text) { o.omega = pipeline::parse_omega(text); },
       [&o] { return pipeline::text_of(o.omega); })

@@ -27,8 +27,8 @@ enum class RadiusRule {
 
 /// How fire crosses the polygons of an axis.
 enum class Propagation {
-  segments,  ///< from the pieces of edges between nodes: mean error of erosion thickness 0.1 % at the default spacing, 1
-             ///< to 2 % where polygons are not flat
+  segments,  ///< from the pieces of edges between nodes: mean error of erosion thickness 0.1 to 0.3 % at the default
+             ///< spacing
   windows    ///< exactly, up to rounding, whatever the spacing, where radii are distances to points; two to five times
              ///< the time of burning, on one thread
 };
@@ -65,11 +65,11 @@ struct Burning {
 /// with unit speed, stops at a seam until one sheet is left there, and continues in that one.
 ///
 /// Preconditions: a point and a radius per vertex; radii finite and not negative, else Error(input); a spacing that is
-/// finite and not negative, else Error(usage). Error(failed) when there are more than 2^32 states. Polygons flatter
-/// than 1e-12 of a side, or not convex, are crossed along straight lines from node to node only, which is less
-/// accurate. Propagation::windows follows fire exactly (open in Yan 2018, sec. 4.1.1): the lower envelope of arrivals on
-/// every edge, each from an unfolded source; polygons that are not flat or not convex are cut into triangles. Linear radii on the rim are taken as distances to a source a million times
-/// the edge away.
+/// finite and not negative, else Error(usage). Error(failed) when there are more than 2^32 states. Polygons that are
+/// not flat or not convex are cut into triangles; those flatter than 1e-12 of a side are crossed along straight lines
+/// from node to node only, which is less accurate. Propagation::windows follows fire exactly (open in Yan 2018,
+/// sec. 4.1.1): the lower envelope of arrivals on every edge, each from an unfolded source. Linear radii on the rim are
+/// taken as distances to a source a million times the edge away.
 ///
 /// Deterministic. Near O(n log n) in nodes for polygons of few nodes; about 190 bytes per node, up to 300 where most of
 /// the axis is noise.
@@ -99,8 +99,8 @@ std::int64_t predicted_burn_bytes(const CellComplex& complex, std::span<const Ve
 
 /// Adds the result to the file the axis came from (vertex v is row v): point arrays `burn_time`, `erosion_thickness`,
 /// `unburned` (1 where infinite; the largest finite value is written there), field arrays `omega`, `propagation`
-/// ("segments" or "windows"), `radius_rule`, `burn_nodes`, `max_burn_time`, and those of `sequence`. Arrays of these names
-/// are replaced, and a sequence of an earlier burning goes.
+/// ("segments" or "windows"), `radius_rule`, `burn_nodes`, `max_burn_time`, and those of `sequence`. Arrays of these
+/// names are replaced, and a sequence of an earlier burning goes.
 void add_burning(Record& data, const Burning& burning, std::vector<DataArray> sequence = {});
 
 /// The times and the burn sequence of all sectors as field arrays (docs/user/files.md), for add_burning(): 4 to 6 bytes

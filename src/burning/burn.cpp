@@ -10,6 +10,7 @@
 #include "burning/burn_pass.h"
 #include "burning/burn_sequence.h"
 #include "burning/curve_fire.h"
+#include "burning/flat_faces.h"
 #include "quench/axis.h"
 #include "quench/error.h"
 
@@ -67,17 +68,25 @@ std::int64_t predicted_burn_bytes(const CellComplex& complex, std::span<const Ve
                                   const BurnOptions& options) {
   check_points(complex, points);
   const double omega = options.omega > 0 ? options.omega : default_omega(complex, points);
-  double nodes = complex.vertex_count;
-  for (const auto& e : complex.edges) {
-    const double pieces = omega > 0 ? (points[e[1]] - points[e[0]]).norm() / omega : 1;
+  double nodes = complex.vertex_count, edges = static_cast<double>(complex.edges.size());
+  const auto add = [&](std::uint32_t v, std::uint32_t w) {
+    const double pieces = omega > 0 ? (points[w] - points[v]).norm() / omega : 1;
     nodes += std::max(0.0, std::ceil(pieces) - 1);
+  };
+  for (const auto& e : complex.edges) add(e[0], e[1]);
+  // Diagonals of polygons that are cut; those of ears are shorter than these on average.
+  const std::vector<char> cut = faces_to_cut(complex, points);
+  double corners = static_cast<double>(complex.face_vertices.size()), kept = 0;
+  for (std::size_t f = 0; f < cut.size(); ++f) {
+    if (!cut[f]) continue;
+    const auto of = complex.corners(f);
+    for (std::size_t i = 2; i + 1 < of.size(); ++i) add(of[0], of[i]);
+    edges += static_cast<double>(of.size()) - 3;
+    corners += 2 * static_cast<double>(of.size()) - 6;
   }
-  double bytes = 300 * nodes +  // 190 on smooth cores, up to 290 on cores of noise
-                       40.0 * static_cast<double>(complex.face_vertices.size());
-  if (options.propagation == Propagation::windows) {
-    bytes += 500.0 * static_cast<double>(complex.edges.size());
-    if (complex.face_vertices.size() != 3 * complex.face_count()) bytes += 400 * nodes;  // cut into triangles
-  }
+  if (!cut.empty()) kept = 60.0 * complex.vertex_count + 8 * static_cast<double>(complex.face_vertices.size());
+  double bytes = 300 * nodes + 40 * corners + kept;  // 190 per node on smooth cores, up to 290 on cores of noise
+  if (options.propagation == Propagation::windows) bytes += 500 * edges;
   return static_cast<std::int64_t>(std::min(bytes, 0x1p62));
 }
 
@@ -127,6 +136,14 @@ static void burn_graph(const CellComplex& complex, std::span<const Vec3> points,
   }
 }
 
+static BurnTimes propagated(const BurnDomain& domain, double tolerance, const BurnOptions& options,
+                            const BlockSchedule& schedule, Context* context) {
+  if (options.propagation == Propagation::windows) return propagate_by_windows(domain, context);
+  Labels labels(domain, schedule, tolerance);
+  propagate_by_segments(domain, labels, context);
+  return labels.release();
+}
+
 static Burning burned(const CellComplex& complex, std::span<const Vec3> points, std::span<const double> radius,
                       BurnOptions options, const BlockSchedule& schedule, Context* context) {
   checkpoint(context, "burn", 0);
@@ -134,14 +151,19 @@ static Burning burned(const CellComplex& complex, std::span<const Vec3> points, 
   if (options.omega == 0) options.omega = 1;  // all edges have length 0
   auto sectors = std::make_shared<BurnedSectors>();
   sectors->network = make_network(complex, points, options.omega);
+  const double tolerance = label_tolerance(complex, points, options.omega);
+  BurnTimes times;
+  const std::vector<char> cut = faces_to_cut(complex, points);
+  if (!cut.empty()) {
+    const CellComplex flat = with_flat_faces(complex, points, cut);
+    const BurnNetwork network = make_network(flat, points, options.omega);
+    times = propagated({flat, points, radius, network, options.radius}, tolerance, options, schedule, context);
+    times.times.resize(sectors->network.state_count());  // those of the diagonals come last
+    times.opened.resize(sectors->network.state_count());
+  }
   const BurnDomain domain{complex, points, radius, sectors->network, options.radius};
-  const auto times = [&]() -> BurnTimes {
-    if (options.propagation == Propagation::windows) return propagate_by_windows(domain, context);
-    Labels labels(domain, schedule, label_tolerance(complex, points, options.omega));
-    propagate_by_segments(domain, labels, context);
-    return labels.release();
-  };
-  return finish_burning(domain, times(), std::move(sectors), options, context);
+  if (cut.empty()) times = propagated(domain, tolerance, options, schedule, context);
+  return finish_burning(domain, std::move(times), std::move(sectors), options, context);
 }
 
 Burning burning::burn_scheduled(const CellComplex& complex, std::span<const Vec3> points,

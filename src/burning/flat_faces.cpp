@@ -7,6 +7,8 @@
 #include <limits>
 #include <vector>
 
+#include "burning/network.h"
+
 namespace quench::burning {
 namespace {
 
@@ -93,6 +95,18 @@ CellComplex with_flat_faces(const CellComplex& complex, std::span<const Vec3> po
     add({ears.corner(0), ears.corner(1), ears.corner(2)}, {ears.side(0), ears.side(1), ears.side(2)});
   }
   return result;
+}
+
+std::vector<char> faces_to_cut(const CellComplex& complex, std::span<const Vec3> points) {
+  if (complex.face_vertices.size() == 3 * complex.face_count()) return {};
+  std::vector<char> cut = flat_faces(complex, points);
+  bool any = false;
+  for (std::size_t f = 0; f < cut.size(); ++f) {
+    cut[f] = !cut[f] && complex.corners(f).size() > 3;
+    any |= cut[f] != 0;
+  }
+  if (!any) cut.clear();
+  return cut;
 }
 
 }  // namespace quench::burning

@@ -188,6 +188,15 @@ void number_sectors(const CellComplex& complex, BurnNetwork& network) {
 
 }  // namespace
 
+std::vector<char> flat_faces(const CellComplex& complex, std::span<const Vec3> points) {
+  std::vector<char> flat(complex.face_count());
+  for_all(complex.face_count(), [&](std::uint32_t first, std::uint32_t last) {
+    std::vector<std::array<double, 2>> plane;
+    for (std::uint32_t f = first; f < last; ++f) flat[f] = unfold(complex.corners(f), points, plane);
+  });
+  return flat;
+}
+
 BurnNetwork make_network(const CellComplex& complex, std::span<const Vec3> points, double omega) {
   BurnNetwork network;
   network.omega = omega;

@@ -113,6 +113,8 @@ struct Links {
   std::uint32_t arrivals = 0;
 };
 
+/// Per face: flat, convex and with an area above rounding.
+std::vector<char> flat_faces(const CellComplex& complex, std::span<const Vec3> points);
 BurnNetwork make_network(const CellComplex& complex, std::span<const Vec3> points, double omega);
 Polygons make_polygons(const CellComplex& complex, std::span<const Vec3> points, const BurnNetwork& network);
 Links make_links(const CellComplex& complex, const BurnNetwork& network);

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "burning/burn_pass.h"
-#include "burning/flat_faces.h"
 #include "burning/link.h"
 #include "burning/source_windows.h"
 
@@ -400,27 +399,10 @@ class WindowFire {
 
 }  // namespace
 
-static BurnTimes burn_flat(const BurnDomain& domain, Context* context) {
+BurnTimes propagate_by_windows(const BurnDomain& domain, Context* context) {
   WindowFire fire(domain, context);
   fire.burn();
   return fire.times();
-}
-
-BurnTimes propagate_by_windows(const BurnDomain& domain, Context* context) {
-  // Polygons of axes that were fitted to a surface are not flat.
-  std::vector<char> cut(domain.complex.face_count());
-  bool any = false;
-  for (std::size_t f = 0; f < cut.size(); ++f) {
-    cut[f] = !domain.polygons.flat[f] && domain.complex.corners(f).size() > 3 && !domain.network.pocket[f];
-    any |= cut[f];
-  }
-  if (!any) return burn_flat(domain, context);
-  const CellComplex flat = with_flat_faces(domain.complex, domain.points, cut);
-  const BurnNetwork network = make_network(flat, domain.points, domain.network.omega);
-  BurnTimes result = burn_flat({flat, domain.points, domain.radius, network, domain.rule}, context);
-  result.times.resize(domain.network.state_count());
-  result.opened.resize(domain.network.state_count());
-  return result;
 }
 
 }  // namespace quench::burning

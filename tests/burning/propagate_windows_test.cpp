@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <random>
+#include <utility>
 #include <vector>
 
 #include "burn_by_nodes.h"
@@ -227,6 +229,44 @@ TEST(FlatFaces, CutFlatPolygonsBurnTheSame) {
           << seed << " vertex " << v;
   }
   EXPECT_GT(compared, 200);
+}
+
+// A curved sheet of quadrilaterals, none of them flat, beside the fire on the same sheet in cells an eighth as wide:
+// what segments find comes to it as the cells become smaller, as what windows find.
+TEST(FlatFaces, CurvedSheetsOfQuadrilateralsComeNearToTheSheet) {
+  const auto sheet = [](int n) {
+    Builder b;
+    const auto at = [n](int i, int j) {
+      const double x = double(i) / n, y = double(j) / n;
+      return Vec3(x, y, 0.6 * std::sin(3 * x + 1) * std::sin(4 * y));
+    };
+    for (int i = 0; i < n; ++i)
+      for (int j = 0; j < n; ++j) b.face({at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)});
+    return b.input([](const Vec3&) { return 1.0; });
+  };
+  const BurnInput fine = sheet(80);
+  const Burning there = burn(fine, 0, Propagation::windows);
+  std::map<std::array<double, 2>, double> truth;
+  for (std::size_t v = 0; v < fine.points.size(); ++v)
+    truth[{std::round(fine.points[v][0] * 1e9), std::round(fine.points[v][1] * 1e9)}] = there.erosion_thickness[v];
+  std::array<double, 2> errors{};
+  for (const int n : {10, 20}) {
+    const BurnInput coarse = sheet(n);
+    for (const Propagation by : {Propagation::segments, Propagation::windows}) {
+      const Burning here = burn(coarse, 0, by);
+      double error = 0, sum = 0;
+      for (std::size_t v = 0; v < coarse.points.size(); ++v) {
+        const double right = truth.at({std::round(coarse.points[v][0] * 1e9), std::round(coarse.points[v][1] * 1e9)});
+        error += std::abs(here.erosion_thickness[v] - right);
+        sum += right;
+      }
+      const double before = std::exchange(errors[by == Propagation::windows], error / sum);
+      EXPECT_LT(error, (n == 10 ? 0.008 : 0.004) * sum) << n;
+      if (n == 20) {
+        EXPECT_LT(error / sum, 0.5 * before);
+      }
+    }
+  }
 }
 
 }  // namespace propagate_windows_test
