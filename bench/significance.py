@@ -169,7 +169,7 @@ def gallery(quench, mesh, folder, faces, file):
             camera = view.GetActiveCamera()
             camera.Azimuth(30)
             camera.Elevation(15)
-            camera.Zoom(1.5)
+            camera.Zoom(1.3)
         view.SetActiveCamera(camera)
         view.ResetCameraClippingRange()
     window.Render()
