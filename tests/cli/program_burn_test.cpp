@@ -409,6 +409,8 @@ TEST_F(Burn, RefusesOptionsThatCannotBe) {
 }
 
 TEST_F(Burn, RefusesInputsThatAreNoAxis) {
+  std::filesystem::create_directory(folder / "folder");
+  refuses(3, {"'folder' is a folder", ".vtp"}, {"burn", "folder", "-o", "o.vtp"});
   make_core();
   folder.write("s.ply", square_ply());
   folder.write("s.r", square_radii());

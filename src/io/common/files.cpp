@@ -178,6 +178,10 @@ Record read_record(const std::filesystem::path& file, Context* context) {
                                               file.string()));
 #endif
   }
+  if (std::error_code ignored; std::filesystem::is_directory(file, ignored))
+    throw Error(ErrorCode::input, fmt::format("'{}' is a folder; give a file of a mesh or medial axis: .ply .obj .off "
+                                              ".stl .vtp or .ma",
+                                              file.string()));
   throw Error(ErrorCode::input,
               fmt::format("cannot read '{}': '{}' is not a file type of meshes or medial axes; use .ply .obj .off .stl "
                           ".vtp or .ma",
@@ -205,9 +209,11 @@ Writer writer_of(const std::filesystem::path& file) {
   if (extension == ".r") return [](std::ostream& out, const Record& data, const WriteOptions&) { write_r(out, data); };
   if (extension == ".csv")
     return [](std::ostream& out, const Record& data, const WriteOptions&) { write_csv(out, data); };
-  throw Error(ErrorCode::usage,
-              fmt::format("cannot write '{}': '{}' is not a file type Quench writes; use .vtp .vtu .ply .obj .stl .ma .r or .csv",
-                          file.string(), extension));
+  throw Error(
+      ErrorCode::usage,
+      fmt::format(
+          "cannot write '{}': '{}' is not a file type Quench writes; use .vtp .vtu .ply .obj .stl .ma .r or .csv",
+          file.string(), extension));
 }
 
 }  // namespace

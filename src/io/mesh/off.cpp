@@ -39,7 +39,7 @@ Record read_off(const FileText& file) {
   // A vertex takes 6 bytes of text and a face 4, perhaps without the last line end.
   if (static_cast<std::size_t>(vertices) > words.remaining() / 5 ||
       static_cast<std::size_t>(faces) > words.remaining() / 3)
-    words.fail(fmt::format("{} and {} are declared, more than the file can hold",
+    words.fail(fmt::format("{} and {} are declared, more than the file can hold; it is damaged or incomplete",
                            base::counted(vertices, "vertex", "vertices"), base::counted(faces, "face")));
 
   Record data;

@@ -267,7 +267,8 @@ class Reader {
       if ((element.properties.empty() || element.count == 0) && element.name != "vertex") continue;
       if (element.count > numbers_.remaining())
         numbers_.fail(
-            fmt::format("{} elements '{}' are declared, more than the file can hold", element.count, element.name));
+            fmt::format("{} elements '{}' are declared, more than the file can hold; it is damaged or incomplete",
+                        element.count, element.name));
       if (element.name == "tristrips") numbers_.fail("triangle strips are not supported; save it with faces");
       if (element.name == "vertex") {
         read_vertices(element);
