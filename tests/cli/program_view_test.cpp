@@ -75,10 +75,10 @@ TEST_F(ViewProgram, RunWritesAPageOfEverything) {
   EXPECT_NEAR(p.meta["measures"][0]["floor"], detail, 1e-7 * detail);
   EXPECT_LE(p.meta["measures"][0]["floor"], detail);
   EXPECT_FALSE(p.meta["floor"].contains("lambda"));
-  for (const char* name : {"core/points", "core/face_level", "core/point/burn_time", "core/point/lambda",
-                           "skeleton/points", "skeleton/branch/length", "family/curve_edges", "family/medial_points",
-                           "simple/triangles", "simple/steps", "simple/errors", "shape/points",
-                           "shape/triangles", "shape/samples", "shape/point/thickness"})
+  for (const char* name :
+       {"core/points", "core/face_level", "core/point/burn_time", "core/point/lambda", "skeleton/points",
+        "skeleton/branch/length", "family/curve_edges", "family/medial_points", "simple/triangles", "simple/steps",
+        "simple/errors", "shape/points", "shape/triangles", "shape/samples", "shape/point/thickness"})
     EXPECT_TRUE(p.has(name)) << name;
   EXPECT_EQ(p["shape/points"].size(), 24u);  // the mesh itself
   EXPECT_EQ(p["shape/samples"].size(), 60000u);
@@ -334,10 +334,10 @@ TEST_F(ViewProgram, RunDrawsItsSkeleton) {
 
 TEST_F(ViewProgram, EveryOptionOfAPictureIsSeen) {
   folder.write("cube.off", cube_off());
-  works({"core", "cube.off", "--resolution", "8", "-o", "core.vtp"});
+  works({"core", "cube.off", "--resolution", "8", "--detail", "0.1vox", "-o", "core.vtp"});
   std::map<std::string, std::string> pictures;
   for (const std::string options :
-       {"", "--layer core", "--layer core --color lambda", "--layer core --detail 3vox", "--color radius",
+       {"", "--layer core", "--layer core --color lambda", "--layer core --detail 3vox", "--color radius --theta2 0",
         "--color none", "--dark", "--camera 0,0,4,0.5,0.5,0.5,0,1,0", "--theta2 inf", "--theta1 inf", "--no-caption",
         "--axes", "--shape cube.off", "--size 320x240"}) {
     std::vector<std::string> words{"view", "core.vtp", "--png", "a.png", "--size", "320x200", "--overwrite"};
