@@ -12,7 +12,7 @@ from fractions import Fraction
 
 import numpy as np
 from figure_2_4 import points_on
-from paper import Complex, main, table, write_nrrd
+from paper import Complex, boundary_faces, main, table, write_nrrd
 from scipy.spatial import cKDTree
 
 PARTS, TRUTH = (1, 2, 4), 16
@@ -24,13 +24,7 @@ UNITS = np.eye(3, dtype=int)
 
 def cells_of_boundary(inside):
     """Faces of the boundary, and all its cells, as (lowest corner, axes along which it extends)."""
-    padded = np.pad(inside, 1).astype(int)
-    faces = []
-    for axis in range(3):
-        for place in np.argwhere(np.diff(padded, axis=axis) != 0):
-            base = place - 1
-            base[axis] += 1
-            faces.append((tuple(base), tuple(a for a in range(3) if a != axis)))
+    faces = [(tuple(base), tuple(sorted((u, v)))) for base, u, v in boundary_faces(inside)]
     cells = set(faces)
     for base, (u, v) in faces:
         for i, j in itertools.product((0, 1), repeat=2):

@@ -7,7 +7,7 @@ import itertools
 
 import numpy as np
 from figure_2_4 import boundary_boxes, distance_to_axis
-from paper import Complex, main, table, write_nrrd
+from paper import Complex, boundary_faces, main, table, write_nrrd
 from scipy.spatial import Voronoi, cKDTree
 
 
@@ -21,15 +21,8 @@ def sites_of(inside):
 
 def boundary_elements(inside):
     """Faces of the boundary as four corners."""
-    padded = np.pad(inside, 1).astype(int)
-    faces = []
-    for axis in range(3):
-        for place in np.argwhere(np.diff(padded, axis=axis) != 0):
-            base = place - 1
-            base[axis] += 1
-            u, v = np.eye(3, dtype=int)[(axis + 1) % 3], np.eye(3, dtype=int)[(axis + 2) % 3]
-            faces.append([base, base + u, base + u + v, base + v])
-    return np.array(faces)
+    unit = np.eye(3, dtype=int)
+    return np.array([[base, base + unit[u], base + unit[u] + unit[v], base + unit[v]] for base, u, v in boundary_faces(inside)])
 
 
 def random_shape(random):

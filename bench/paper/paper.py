@@ -342,6 +342,17 @@ def sheet(rows, columns=None, names=None, captions=None, width=3.0, title=None):
     return figure
 
 
+def boundary_faces(inside):
+    """Faces of the boundary of voxels: the lowest corner, and the two axes along which it extends, in the order of a right-handed
+    normal. Voxel (x, y, z) has corners x to x + 1."""
+    padded = np.pad(inside, 1).astype(int)
+    for axis in range(3):
+        for place in np.argwhere(np.diff(padded, axis=axis) != 0):
+            base = place - 1
+            base[axis] += 1
+            yield base, (axis + 1) % 3, (axis + 2) % 3
+
+
 def write_nrrd(file, inside, spacing=1.0):
     """A mask [x, y, z] as a volume, or [x, y] as an image."""
     head = (f'NRRD0004\ntype: uint8\ndimension: {inside.ndim}\nsizes: {" ".join(map(str, inside.shape))}\n'

@@ -119,13 +119,19 @@ class Certificate:
         return '\n'.join(f'{"ok  " if passed else "FAIL"} {name}: {detail}' for name, passed, detail in self.checks)
 
 
+def text_of(value: Length) -> Optional[str]:
+    """The text of a text or a number; nothing when it is neither."""
+    if isinstance(value, str):
+        return value
+    if isinstance(value, numbers.Real) and not isinstance(value, (bool, np.bool_)):
+        return 'inf' if math.isinf(value) and value > 0 else repr(float(value))
+    return None
+
+
 def length(value: Length, argument: str) -> str:
     """The text of a length; an Error when it is not one."""
-    if isinstance(value, str):
-        text = value
-    elif isinstance(value, numbers.Real) and not isinstance(value, (bool, np.bool_)):
-        text = 'inf' if math.isinf(value) and value > 0 else repr(float(value))
-    else:
+    text = text_of(value)
+    if text is None:
         raise wrong_type(f'{argument}={value!r} is not a length; give a fraction of the longest side (0.02 or "2%"), '
                          '"2.5vox", "3.5abs" or "inf"', argument)
     _core.check_length(text, argument.rstrip('_'))
@@ -157,11 +163,8 @@ def pruning_of(detail: Length, lambda_: Optional[Length],
 
 def threshold_of(measure: str, value: Length) -> str:
     """The text of a threshold of a measure; an Error when it is none."""
-    if isinstance(value, str):
-        text = value
-    elif isinstance(value, numbers.Real) and not isinstance(value, (bool, np.bool_)):
-        text = 'inf' if math.isinf(value) and value > 0 else repr(float(value))
-    else:
+    text = text_of(value)
+    if text is None:
         raise wrong_type(f'{value!r} is not a threshold of {measure}; give a number or a text', 'prune_by')
     _core.check_threshold(measure, text)
     return text
