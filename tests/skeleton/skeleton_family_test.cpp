@@ -161,7 +161,8 @@ TEST(SkeletonFloor, MembersAboveItStayAsTheyAre) {
                                          .regrow_tips_above = theta1 + ends,
                                          .regrow_rims_above = theta2 + ends,
                                          .minor_curve = 0.2,
-                                         .theta1_radii = radii};
+                                         .theta1_radii = radii,
+                                         .balls_above = theta1 + ends};
             expect_same(extract(above, theta2 + more2, theta1 + more1, options),
                         extract(all, theta2 + more2, theta1 + more1, options));
           }
@@ -194,6 +195,23 @@ TEST(SkeletonRadii, MembersAreNestedAndKeepTopology) {
         ASSERT_EQ(topology(extract(family, theta2, 0.05, {.regrow_tips_above = 0.05, .theta1_radii = radii}).complex),
                   *wanted);
       }
+    }
+  }
+  EXPECT_GT(smaller, 200u);
+}
+
+TEST(SkeletonRadii, MembersAreNestedInTheta1) {
+  std::size_t smaller = 0;
+  for (std::uint64_t seed = 0; seed < 500 && !testing::Test::HasFailure(); ++seed) {
+    SCOPED_TRACE(seed);
+    const SkeletonFamily family = skeletons(some_axis(seed));
+    std::vector<char> before;
+    for (const double theta1 : {0.05, 0.2, 0.5, 1.5}) {
+      const skeleton::Member member =
+          skeleton::member_of(family, kInfinity, theta1, {.theta1_radii = 0.4, .balls_above = 0.05});
+      for (std::size_t e = 0; e < before.size(); ++e) ASSERT_LE(member.edge[e], before[e]);
+      if (!before.empty()) smaller += member.edge != before;
+      before = member.edge;
     }
   }
   EXPECT_GT(smaller, 200u);
