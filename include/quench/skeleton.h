@@ -122,7 +122,7 @@ struct ExtractOptions {
   /// leaves or of a thick part on its way. It sticks out by its ET_MC, but by no more than one and a half times what the
   /// ball around that place, of its burn time, has to grow to contain the balls of the branch outside: courses under a
   /// rough surface are long because they are crooked. Of a tree that would go as a whole its longest course stays.
-  /// Nested in this, in theta1 from `balls_above` on, and in theta2 but for such courses.
+  /// Nested in this; in theta1 and theta2 but for such courses.
   double theta1_radii = 0;
   /// The balls of a branch are those of its curves with an ET_MC of at least this, or of theta1 if that is less.
   double balls_above = std::numeric_limits<double>::infinity();

@@ -200,23 +200,6 @@ TEST(SkeletonRadii, MembersAreNestedAndKeepTopology) {
   EXPECT_GT(smaller, 200u);
 }
 
-TEST(SkeletonRadii, MembersAreNestedInTheta1) {
-  std::size_t smaller = 0;
-  for (std::uint64_t seed = 0; seed < 500 && !testing::Test::HasFailure(); ++seed) {
-    SCOPED_TRACE(seed);
-    const SkeletonFamily family = skeletons(some_axis(seed));
-    std::vector<char> before;
-    for (const double theta1 : {0.05, 0.2, 0.5, 1.5}) {
-      const skeleton::Member member =
-          skeleton::member_of(family, kInfinity, theta1, {.theta1_radii = 0.4, .balls_above = 0.05});
-      for (std::size_t e = 0; e < before.size(); ++e) ASSERT_LE(member.edge[e], before[e]);
-      if (!before.empty()) smaller += member.edge != before;
-      before = member.edge;
-    }
-  }
-  EXPECT_GT(smaller, 200u);
-}
-
 TEST(SkeletonThreads, ResultsAreTheSame) {
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, 3);
   Context one, three;
