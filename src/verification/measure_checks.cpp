@@ -15,7 +15,6 @@ namespace quench::verification {
 namespace {
 
 constexpr double kRelative = 1e-9;  // of values computed in two ways
-constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 
 /// The arrays of a measure.
 struct Arrays {
