@@ -434,6 +434,23 @@ void check_shape_options(const ShapeOptions& options) {
   if (io::kind_of(options.file) == io::Kind::unknown) pipeline::refuse_unknown_kind(options.file);
 }
 
+void refuse_result(const Record& data, const std::string& file) {
+  const std::string_view name = pipeline::result_name(data);
+  if (name.empty()) return;
+  throw Error(ErrorCode::input,
+              fmt::format("'{}' is a {}, not a shape; give the mesh, volume or image it was made of, or give it to {}",
+                          file, name,
+                          name == "skeleton"      ? "'quench view' or 'quench tree'"
+                          : name == "medial axis" ? "'quench burn' or 'quench skeleton'"
+                                                  : "'quench skeleton' or 'quench view'"));
+}
+
+static LoadedShape load_mesh(const ShapeOptions& options, Session& session) {
+  Record data = pipeline::read_surface(options.file, &session.context);
+  refuse_result(data, options.file);
+  return pipeline::shape_of(std::move(data), options.file, options.how, &session.context);
+}
+
 void choose_surface_in_bricks(ShapeOptions& shape, Session& session) {
   if (shape.how.surface || io::kind_of(shape.file) != io::Kind::volume) return;
   shape.how.surface = SurfaceKind::voxels;
@@ -448,7 +465,8 @@ LoadedShape load_shape(const ShapeOptions& options, Session& session) {
   const io::Kind kind = io::kind_of(options.file);
   const bool perhaps_plane = kind == io::Kind::volume;  // known when it is read
   if (!perhaps_plane) say_ignored(options, kind, session);
-  LoadedShape shape = pipeline::load_shape(options.file, options.how, &session.context);
+  LoadedShape shape = kind == io::Kind::surface ? load_mesh(options, session)
+                                                : pipeline::load_shape(options.file, options.how, &session.context);
   take_units(shape.coordinates, options.file, session);
   if (shape.values) shape.values->coordinates.units = shape.coordinates.units;
   if (perhaps_plane) say_ignored(options, kind, session, shape.shape.grid().is_plane());
