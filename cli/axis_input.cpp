@@ -15,8 +15,9 @@ namespace {
 void check_axis_options(const AxisInput& options) {
   for (const auto& file : options.inputs()) check_exists(file);
   if (io::kind_of(options.file) == io::Kind::volume)
-    throw Error(ErrorCode::input,
-                fmt::format("'{}' is a volume, not a medial axis; 'quench core' computes one of it", options.file));
+    throw Error(
+        ErrorCode::input,
+        fmt::format("'{0}' is a volume, not a medial axis; 'quench core {0}' computes one of it", options.file));
   if (options.shape.empty() && has_volume_options(options.how))
     throw Error(ErrorCode::usage, "--threshold and the like say which voxels of --shape are meant; give --shape too");
 }
@@ -24,7 +25,9 @@ void check_axis_options(const AxisInput& options) {
 /// What lengths refer to where a shape is given.
 void take_scale(const AxisInput& options, Session& session, pipeline::Scale& scale) {
   if (io::kind_of(options.shape) == io::Kind::surface) {
-    const double side = longest_side_of(pipeline::read_surface(options.shape, &session.context).points);
+    const Record mesh = pipeline::read_surface(options.shape, &session.context);
+    refuse_result(mesh, options.shape);
+    const double side = longest_side_of(mesh.points);
     if (side > 0) scale.longest_side = side;
     return;
   }
@@ -35,6 +38,19 @@ void take_scale(const AxisInput& options, Session& session, pipeline::Scale& sca
   const bool fitted = scale.fitted;
   scale = load_shape(shape, session).scale();
   scale.fitted = fitted;
+}
+
+/// What has no radii may be a shape.
+void refuse_mesh(const Record& data, const std::string& file) {
+  if (find_array(data.point_data, "radius") || data.poly_count() == 0) return;
+  if (is_closed_mesh(data))
+    throw Error(ErrorCode::input,
+                fmt::format("'{0}' is a mesh, not a medial axis; 'quench core {0}' computes one of it", file));
+  throw Error(ErrorCode::input,
+              fmt::format("'{0}' has no radius per vertex (a point array 'radius'); of a medial axis give a .r file of "
+                          "radii, of a shape 'quench core {0}' computes one",
+                          file),
+              "radii");
 }
 
 }  // namespace
@@ -63,10 +79,19 @@ void add_axis_options(CLI::App& app, AxisInput& o) {
   add_volume_options(app, o.how, "Of a --shape that is a volume: ", group);
 }
 
+bool is_closed_mesh(const Record& data) {
+  if (data.poly_count() == 0 || !data.lines.empty() || find_array(data.point_data, "radius")) return false;
+  const SurfaceTopology surface = surface_topology(to_triangle_mesh(data));
+  return surface.manifold && surface.boundary_edges == 0;
+}
+
 pipeline::LoadedAxis load_axis(const AxisInput& options, Session& session) {
   check_axis_options(options);
   Record data = pipeline::read_surface(options.file, &session.context);
-  if (!options.radii.empty()) pipeline::take_radii(data, options.radii, &session.context);
+  if (!options.radii.empty())
+    pipeline::take_radii(data, options.radii, &session.context);
+  else
+    refuse_mesh(data, options.file);
   take_units(data, options.file, session);
   pipeline::LoadedAxis axis = pipeline::axis_of(std::move(data), options.file, &session.context);
   if (!options.shape.empty()) take_scale(options, session, axis.scale);

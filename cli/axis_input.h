@@ -22,6 +22,9 @@ struct AxisInput {
 
 void add_axis_options(CLI::App& app, AxisInput& options);
 
+/// A closed surface without any measure: a shape, no medial axis.
+bool is_closed_mesh(const Record& data);
+
 /// Reads AXIS with the radii and the size of its shape, as asked.
 pipeline::LoadedAxis load_axis(const AxisInput& options, Session& session);
 /// The shape that an axis is compared with (not only its size): options not given are those its file says. Of a mesh it

@@ -124,8 +124,29 @@ void say_small_holes(const VoxelShape& shape, Session& session) {
                             small == 1 ? "there is a hole" : fmt::format("there are {} holes", small), kSmall, kSmall));
 }
 
+/// Many components of a few voxels are mostly noise, and each is a part of every result: what takes them away without
+/// taking much of the shape, and what makes them one with the others.
+void say_specks(const ShapeOptions& options, const LoadedShape& shape, Session& session) {
+  constexpr std::int64_t kTiny = 30, kMany = 10,
+                         kLittle = 20;  // voxels; components; one in so many voxels of the shape
+  const std::int64_t components = shape.topology.betti[0];
+  if (components < kMany) return;
+  const Specks specks = specks_of(shape.shape, kTiny, &session.context);
+  if (specks.count < kMany || 2 * specks.count < components) return;
+  std::vector<std::string> ways;
+  if (specks.voxels * kLittle <= shape.shape.voxel_count())
+    ways.push_back(fmt::format("--min-component {} drops them", kTiny));
+  if (!shape.from_mesh && !shape.polygon && options.how.foreground.connectivity == 6 &&
+      2 * specks.touching >= specks.count)
+    ways.push_back(fmt::format("--connectivity 26 joins {} that touch others", specks.touching));
+  if (ways.empty()) return;
+  session.say(fmt::format("note: {} of the {} components have fewer than {} {}s, together {} of the shape; {}",
+                          specks.count, components, kTiny, shape.shape.grid().is_plane() ? "pixel" : "voxel",
+                          percent_text(specks.voxels, shape.shape.voxel_count()), fmt::join(ways, ", ")));
+}
+
 /// What the voxels are, and what their number of components may mean.
-void say_shape(const LoadedShape& shape, Session& session) {
+void say_shape(const ShapeOptions& options, const LoadedShape& shape, Session& session) {
   const Grid& grid = shape.shape.grid();
   const bool plane = grid.is_plane();
   session.say(fmt::format("shape: {} of {}, {} inside; {}",
@@ -137,19 +158,14 @@ void say_shape(const LoadedShape& shape, Session& session) {
   if (shape.from_mesh && !shape.topology_changed() && components > shape.voxelization->surface.components)
     session.say(
         fmt::format("warning: the shape has {}, the surface of the mesh {}: what is thinner than a voxel breaks or is "
-                    "lost; a higher --resolution may help, --min-component N drops specks",
+                    "lost; a higher --resolution may help",
                     base::counted(components, "component"), shape.voxelization->surface.components));
   if (plane && !shape.polygon) {
     if (covers_border(shape.shape))
       session.say("note: the shape covers most of the border of the image; --invert takes the other pixels");
     say_small_holes(shape.shape, session);
   }
-  if (!shape.from_mesh && components > 100)
-    session.say(fmt::format("note: the {} has {} components; --min-component N drops specks",
-                            shape.polygon ? "polygon"
-                            : plane       ? "image"
-                                          : "volume",
-                            components));
+  say_specks(options, shape, session);
 }
 
 void add_mesh(Json& input, const LoadedShape& shape) {
@@ -434,6 +450,23 @@ void check_shape_options(const ShapeOptions& options) {
   if (io::kind_of(options.file) == io::Kind::unknown) pipeline::refuse_unknown_kind(options.file);
 }
 
+void refuse_result(const Record& data, const std::string& file) {
+  const std::string_view name = pipeline::result_name(data);
+  if (name.empty()) return;
+  throw Error(ErrorCode::input,
+              fmt::format("'{}' is a {}, not a shape; give the mesh, volume or image it was made of, or give it to {}",
+                          file, name,
+                          name == "skeleton"      ? "'quench view' or 'quench tree'"
+                          : name == "medial axis" ? "'quench burn' or 'quench skeleton'"
+                                                  : "'quench skeleton' or 'quench view'"));
+}
+
+static LoadedShape load_mesh(const ShapeOptions& options, Session& session) {
+  Record data = pipeline::read_surface(options.file, &session.context);
+  refuse_result(data, options.file);
+  return pipeline::shape_of(std::move(data), options.file, options.how, &session.context);
+}
+
 void choose_surface_in_bricks(ShapeOptions& shape, Session& session) {
   if (shape.how.surface || io::kind_of(shape.file) != io::Kind::volume) return;
   shape.how.surface = SurfaceKind::voxels;
@@ -448,7 +481,8 @@ LoadedShape load_shape(const ShapeOptions& options, Session& session) {
   const io::Kind kind = io::kind_of(options.file);
   const bool perhaps_plane = kind == io::Kind::volume;  // known when it is read
   if (!perhaps_plane) say_ignored(options, kind, session);
-  LoadedShape shape = pipeline::load_shape(options.file, options.how, &session.context);
+  LoadedShape shape = kind == io::Kind::surface ? load_mesh(options, session)
+                                                : pipeline::load_shape(options.file, options.how, &session.context);
   take_units(shape.coordinates, options.file, session);
   if (shape.values) shape.values->coordinates.units = shape.coordinates.units;
   if (perhaps_plane) say_ignored(options, kind, session, shape.shape.grid().is_plane());
@@ -459,7 +493,7 @@ LoadedShape load_shape(const ShapeOptions& options, Session& session) {
   say_prepared(options, shape, session);
   if (shape.cleaned && is_cleaned(options.how.foreground))
     say_cleaned(*shape.cleaned, shape.shape.grid().is_plane(), session);
-  say_shape(shape, session);
+  say_shape(options, shape, session);
   return shape;
 }
 

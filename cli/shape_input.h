@@ -34,11 +34,13 @@ bool has_volume_options(const pipeline::ShapeOptions& how);
 
 /// Throws the Error of an option that cannot be or of a file that is not there, before anything is read.
 void check_shape_options(const ShapeOptions& options);
-/// Throws Error(failed) for a file that is not there.
 /// Says which of the options have no effect on a file of that kind.
 /// `plane`: of a file that is an image.
 void say_ignored(const ShapeOptions& options, io::Kind kind, Session& session, bool plane = false);
+/// Throws Error(failed) for a file that is not there.
 void check_exists(const std::filesystem::path& file);
+/// Throws Error(input) for a medial axis or a skeleton, given where a mesh is expected: what takes it.
+void refuse_result(const Record& data, const std::string& file);
 
 /// What the axis is fitted to in bricks where nothing else is asked for: not to the grey values of a volume, whose
 /// surface takes more memory than its axis.

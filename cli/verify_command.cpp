@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "base/text.h"
 #include "option_checks.h"
 #include "program.h"
+#include "quench/axis.h"
+#include "quench/burn.h"
 #include "quench/io.h"
+#include "quench/measures.h"
 #include "quench/verify.h"
 #include "report.h"
 #include "shape_input.h"
@@ -48,6 +52,27 @@ Check mesh_topology_check(const pipeline::LoadedShape& shape) {
                                               text(shape.topology.betti), text(*wanted));
   }
   return check;
+}
+
+/// The erosion thickness of the points of a file that is a whole core and has one, burned again; else nothing. What a
+/// pruning has left tells nothing of the rest, which would take another core.
+std::vector<double> erosion_of_core(const Record& data, Session& session) {
+  if (pipeline::field_text(data, "stage") != "core") return {};
+  const auto has = [&](std::string_view name) { return find_array(data.cell_data, name) != nullptr; };
+  if (!has(kCoreErosionThickness) && !has(kRelativeErosionThickness)) return {};
+  const bool whole = std::ranges::any_of(kMeasures, [&](const MeasureKind& measure) {
+    return pipeline::field_number(data, std::string(measure.name).c_str()) == 0.0;
+  });
+  if (!whole || !find_array(data.point_data, "radius")) return {};
+  const MedialAxis axis = medial_axis_of(data);
+  BurnOptions options;  // as pipeline::add_measure() burns
+  options.plane = axis.grid.is_plane();
+  options.parents = false;
+  options.rounded = true;
+  pipeline::require_memory(predicted_burn_bytes(axis.complex, axis.points_of_voxels(), options),
+                           "burning the core for its erosion thickness", {"a lower resolution"}, &session.context);
+  return burn(axis.complex, axis.points_of_voxels(), axis.radius_of_voxels(), options, &session.context)
+      .erosion_thickness;
 }
 
 }  // namespace
@@ -143,6 +168,8 @@ Action add_verify(CLI::App& app) {
       options.format_holds_all = says_stage;  // only VTP holds it, and with it every other array
       if (o->lambda) options.lambda = loaded.scale().resolve(*o->lambda, kLambda);
       if (o->detail) options.detail = loaded.scale().resolve(*o->detail, kDetail);
+      const std::vector<double> erosion = says_stage ? erosion_of_core(data, session) : std::vector<double>();
+      if (!erosion.empty()) options.erosion_of_core = &erosion;
       Certificate certificate = verify(loaded.shape, data, options, &session.context);
       if (loaded.from_mesh) certificate.checks.insert(certificate.checks.begin(), mesh_topology_check(loaded));
       auto& section = report[file] = Json::object();

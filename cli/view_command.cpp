@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "axis_input.h"
 #include "base/text.h"
 #include "option_checks.h"
 #include "program.h"
@@ -74,13 +75,6 @@ void check_options(const Options& o) {
               fmt::format("'{0}' is a shape, not a medial axis; 'quench run {0} -o {1}' computes one and writes its "
                           "page, {1}/view.html",
                           file, pipeline::title_of(file)));
-}
-
-// A surface without any measure that encloses something is a shape.
-bool is_closed_mesh(const Record& data) {
-  if (data.poly_count() == 0 || !data.lines.empty() || find_array(data.point_data, "radius")) return false;
-  const SurfaceTopology surface = surface_topology(to_triangle_mesh(data));
-  return surface.manifold && surface.boundary_edges == 0;
 }
 
 // A medial axis with the levels of a core, or one that was burned: what there is a family of skeletons of.

@@ -3,7 +3,7 @@
 """Fig. 3.8: measures on the medial axes of noisy shapes, and what is left above a threshold that keeps a fifth of the area. The
 armadillo and the elk with normal noise of 0.2 % of the side on their vertices, in the place of dolphin and elephant."""
 import numpy as np
-from measures import NAMES, NOT_YET, of_polygons, threshold_of
+from measures import NAMES, of_polygons, threshold_of
 from paper import Complex, Scene, colours, main, sheet, table
 from vtk.util.numpy_support import vtk_to_numpy
 
@@ -40,12 +40,6 @@ def make(paper):
             if measure == 'lambda':
                 continue
             values = of_polygons(axis, measure)
-            if values is None:
-                rows.append((name, NOT_YET, '', '', '', ''))
-                blank = np.full((420, 480, 3), 255, np.uint8)
-                whole, texts = [*whole, blank], [*texts, NOT_YET]
-                kept_pictures, kept_texts = [*kept_pictures, blank], [*kept_texts, '']
-                continue
             t = threshold_of(values, area, KEEP)
             kept = values >= t
             pieces = axis.pieces(kept)

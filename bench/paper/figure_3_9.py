@@ -3,7 +3,7 @@
 """Fig. 3.9: erosion thickness and MGF of a box without and with ripples on its large faces. Figures: how much the distribution
 of each measure changes, and what it costs. CPU seconds of cores are those with MGF."""
 import numpy as np
-from measures import NOT_YET, of_polygons
+from measures import of_polygons
 from paper import Complex, Scene, colours, main, sheet, table
 from scipy.spatial import cKDTree
 
@@ -33,11 +33,6 @@ def make(paper):
         line, texts = [Scene(view).add(paper.surface(mesh), (0.75, 0.72, 0.66)).render((560, 380), bounds)], [f'{kind} box']
         for measure in ('erosion_thickness', 'mgf'):
             values = of_polygons(axis, measure)
-            if values is None:
-                rows.append((kind, NOT_YET, '', '', '', '', ''))
-                line.append(np.full((380, 560, 3), 255, np.uint8))
-                texts.append(NOT_YET)
-                continue
             finite = np.isfinite(values)
             low, middle, high = quantiles(values[finite], area[finite])
             rows.append((kind, measure.replace('_', ' ').replace('mgf', 'MGF'), f'{low:.3f}', f'{middle:.3f}', f'{high:.3f}', f'{values[finite].max():.3f}',
@@ -65,13 +60,12 @@ def make(paper):
     print(f'\nET where it is above 0.05 on the smooth box ({deep.sum()} points; nearest points of the rippled one at '
           f'{distance[:, 0].mean() / voxel:.1f} voxels): changes by {change.mean():.4f} on average, {np.quantile(change, 0.99):.4f} '
           f'at 99 %, of up to {et[deep].max():.3f}.')
-    mgf = [axis.at['mgf'].astype(float) if 'mgf' in axis.at else None for axis in (smooth, rippled)]
-    if mgf[0] is not None and mgf[1] is not None:
-        deep = (mgf[0] > 0.5) & (mgf[0] < 3e38)
-        nearest = cKDTree(rippled.points).query(smooth.points[deep], k=8)[1]
-        change = np.abs(mgf[1][nearest].max(axis=1) - mgf[0][deep])
-        print(f'MGF where it is above 0.5: changes by {change.mean():.4f} on average, {np.quantile(change, 0.99):.4f} at 99 %, of up to '
-              f'{mgf[0][deep].max():.3f}.')
+    mgf = [axis.at['mgf'].astype(float) for axis in (smooth, rippled)]
+    deep = (mgf[0] > 0.5) & (mgf[0] < 3e38)
+    nearest = cKDTree(rippled.points).query(smooth.points[deep], k=8)[1]
+    change = np.abs(mgf[1][nearest].max(axis=1) - mgf[0][deep])
+    print(f'MGF where it is above 0.5: changes by {change.mean():.4f} on average, {np.quantile(change, 0.99):.4f} at 99 %, of up to '
+          f'{mgf[0][deep].max():.3f}.')
     paper.save(sheet(pictures, ['shape', 'erosion thickness', 'MGF'], captions=captions, width=3.6), '3_9')
 
 

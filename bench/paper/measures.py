@@ -3,17 +3,16 @@
 import numpy as np
 
 NAMES = {'object_angle': 'object angle', 'radius': 'circumradius', 'lambda': 'λ', 'mgf': 'MGF', 'erosion_thickness': 'erosion thickness'}
-NOT_YET = 'MGF in 3D: not there yet'
 
 
 def of_polygons(axis, name):
-    """One value per polygon, or None where the file has no such array."""
+    """One value per polygon."""
     if name == 'erosion_thickness':
         return axis.least(axis.thickness())
     if name == 'radius':
         return axis.least(axis.at['radius'].astype(float))
-    values = axis.faces.get(name)
-    return None if values is None else np.where(values > 3e38, np.inf, values).astype(float)
+    values = axis.faces[name]
+    return np.where(values > 3e38, np.inf, values).astype(float)
 
 
 def threshold_of(values, area, share):

@@ -153,6 +153,9 @@ struct LoadedShape {
 /// Reads a mesh or a volume; volumes slice by slice where the format allows it. Throws Error(input), naming the file,
 /// when it cannot be used.
 LoadedShape load_shape(const std::filesystem::path& file, const ShapeOptions& options = {}, Context* context = nullptr);
+/// The same of a mesh that was read from `file`.
+LoadedShape shape_of(Record&& mesh, const std::filesystem::path& file, const ShapeOptions& options = {},
+                     Context* context = nullptr);
 /// The same of what is in memory.
 LoadedShape shape_of(TriangleMesh&& mesh, const ShapeOptions& options, Context* context = nullptr);
 LoadedShape shape_of(const ImageView& image, const Coordinates& coordinates, const ShapeOptions& options,
@@ -278,6 +281,8 @@ struct LoadedAxis {
 
 /// Reads a surface or an axis, if there is memory for it.
 Record read_surface(const std::filesystem::path& file, Context* context = nullptr);
+/// "medial axis", "burned medial axis" or "skeleton": what a surface is that is no mesh of a shape. Empty: it is one.
+std::string_view result_name(const Record& data);
 /// Puts the radii of a .r file in place of those of `data`.
 void take_radii(Record& data, const std::filesystem::path& radii, Context* context = nullptr);
 /// The axis in the data of `file`. Notes what was mended. Throws Error(input), naming the file, when it is empty or has

@@ -141,6 +141,13 @@ std::string percent_text(std::int64_t part, std::int64_t whole);
 /// The voxels of each cavity (26-connected background that does not reach outside the box; in a plane each hole),
 /// descending.
 std::vector<std::int64_t> cavity_sizes(const VoxelShape& shape, Context* context = nullptr);
+/// The 6-connected (in a plane 4-connected) components of fewer voxels than `below`, as noise makes them.
+struct Specks {
+  std::int64_t count = 0;
+  std::int64_t voxels = 0;    ///< of all of them
+  std::int64_t touching = 0;  ///< how many of them touch another component, in edges or corners
+};
+Specks specks_of(const VoxelShape& shape, std::int64_t below, Context* context = nullptr);
 /// A warning, when dropping components took so much of the shape that this may be a mistake; empty otherwise.
 /// `plane`: of pixels.
 std::string much_dropped(const ForegroundReport& report, bool plane = false);

@@ -37,6 +37,19 @@ Record read_surface(const std::filesystem::path& file, Context* context) {
   return io::read_record(file, context);
 }
 
+std::string_view result_name(const Record& data) {
+  const std::string stage = field_text(data, "stage").value_or("");
+  if (stage == "skeleton") return "skeleton";
+  if (stage != "core") {
+    if (!find_array(data.point_data, "radius")) return {};
+    // A mesh may have an array of that name; a medial axis is a closed surface at most without lines.
+    if (stage.empty() && data.lines.empty() && data.poly_count() > 0)
+      if (const SurfaceTopology t = surface_topology(to_triangle_mesh(data)); t.manifold && t.boundary_edges == 0)
+        return {};
+  }
+  return find_array(data.point_data, "burn_time") ? "burned medial axis" : "medial axis";
+}
+
 void take_radii(Record& data, const std::filesystem::path& radii, Context* context) {
   std::erase_if(data.point_data, [](const DataArray& a) { return a.name == "radius"; });
   data.point_data.insert(data.point_data.begin(), {"radius", 1, io::read_radii(radii, data.points, context)});
@@ -104,8 +117,7 @@ LoadedAxis axis_of(Record&& data, const std::string& file, Context* context) {
     grid.spacing = loaded.spacing;
     loaded.scale.detail = auto_detail(grid);
     // Skeletons do not have the points of the voxels, but say what they are fitted to.
-    loaded.scale.fitted =
-        loaded.axis.is_fitted() || field_text(loaded.data, "surface").value_or("voxels") != "voxels";
+    loaded.scale.fitted = loaded.axis.is_fitted() || field_text(loaded.data, "surface").value_or("voxels") != "voxels";
   }
   loaded.scale.longest_side = field_number(loaded.data, "longest_side").value_or(0);
   if (!(loaded.scale.longest_side > 0)) loaded.scale.longest_side = longest_side_of(loaded.axis.points);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "axis/measures.h"
+#include "pipeline/menu_of_measures.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -10,8 +10,8 @@
 #include <cmath>
 #include <vector>
 
+#include "axis/measures.h"
 #include "base/parallel.h"
-#include "pipeline/menu_of_measures.h"
 #include "quench/axis.h"
 #include "quench/burn.h"
 #include "quench/error.h"
@@ -161,10 +161,10 @@ void add_measure(MedialAxis& axis, const LoadedShape& of, std::string_view name,
 }
 
 void add_measures(MedialAxis& axis, const LoadedShape& of, const std::vector<std::string>& names, Context* context) {
-  std::vector<std::string> wanted;  // those that to_record() derives are in every file
+  std::vector<std::string> wanted;  // the others are in every file, as the core has them or to_record() derives them
   for (const std::string& name : names)
-    if (const std::string known(kind_of(name, "measures").name); known != kCapHeight && known != kObjectAngle)
-      wanted.push_back(known);
+    if (const MeasureKind& kind = kind_of(name, "measures"); kind.files != MeasureFiles::all)
+      wanted.emplace_back(kind.name);
   add_missing(axis, of, wanted, context);
 }
 

@@ -198,8 +198,8 @@ bool needs_volume(const ShapeOptions& options) {
          (f.threshold && (f.close > 0 || f.connectivity == 26));
 }
 
-/// Without what only a volume in memory allows, where it does not fit: a threshold that the program chooses (an image of
-/// two values needs none, others say so) and values for later. What is asked for by name is not given up.
+/// Without what only a volume in memory allows, where it does not fit: a threshold that the program chooses (an image
+/// of two values needs none, others say so) and values for later. What is asked for by name is not given up.
 void give_up_values(const SliceStream& slices, const std::filesystem::path& file, ShapeOptions& options,
                     Context* context) {
   ShapeOptions without = options;
@@ -341,9 +341,9 @@ void require_voxelization_memory(const TriangleMesh& mesh, std::int64_t resoluti
 void refuse_unknown_kind(const std::filesystem::path& file) {
   std::error_code ignored;
   if (std::filesystem::is_directory(file, ignored))
-    throw Error(
-        ErrorCode::input,
-        fmt::format("the folder '{}' holds no PNG, TIFF or DICOM slices; give a file or a folder of slices", file.string()));
+    throw Error(ErrorCode::input,
+                fmt::format("the folder '{}' holds no PNG, TIFF or DICOM slices; give a file or a folder of slices",
+                            file.string()));
   const std::string type = file.extension().string();
   std::string lower = type;
   for (char& c : lower)
@@ -447,12 +447,17 @@ LoadedShape load_shape(const std::filesystem::path& file, const ShapeOptions& op
   if (kind == io::Kind::volume) return shape_of_file(file, options, context);
   if (kind == io::Kind::polygons)
     return naming(file, [&] { return shape_of(feature_of(file, options.feature, context), options, context); });
-  bool lps = false;
-  TriangleMesh mesh = [&] {
-    const Record data = read_surface(file, context);
-    lps = field_text(data, "SPACE") == "LPS";  // as 3D Slicer marks its models
-    return to_triangle_mesh(data);
-  }();
+  return shape_of(read_surface(file, context), file, options, context);
+}
+
+LoadedShape shape_of(Record&& data, const std::filesystem::path& file, const ShapeOptions& options, Context* context) {
+  if (const std::string_view name = result_name(data); !name.empty())
+    throw Error(
+        ErrorCode::input,
+        fmt::format("'{}' is a {}, not a shape; give the mesh, volume or image it was made of", file.string(), name));
+  const bool lps = field_text(data, "SPACE") == "LPS";  // as 3D Slicer marks its models
+  TriangleMesh mesh = to_triangle_mesh(data);
+  data = {};
   if (mesh.triangles.empty())
     throw Error(ErrorCode::input, fmt::format("'{}' holds no faces; a shape needs a closed surface", file.string()));
   checkpoint(context, "read", 1);

@@ -103,6 +103,24 @@ std::vector<std::int64_t> cavity_sizes(const VoxelShape& shape, Context* context
   return sizes;
 }
 
+Specks specks_of(const VoxelShape& shape, std::int64_t below, Context* context) {
+  base::UnionFind sets = shape::foreground_components(shape, context);
+  base::UnionFind touching = shape::touching_components(shape, context);
+  const auto runs = shape.runs();
+  std::vector<std::int64_t> voxels(runs.size(), 0);
+  for (std::uint32_t i = 0; i < runs.size(); ++i) voxels[sets.find(i)] += runs[i].end - runs[i].begin;
+  std::vector<std::uint32_t> parts(runs.size(), 0);  // components per set of those that touch
+  for (std::uint32_t i = 0; i < runs.size(); ++i) parts[touching.find(i)] += voxels[i] > 0;
+  Specks specks;
+  for (std::uint32_t i = 0; i < runs.size(); ++i) {
+    if (voxels[i] == 0 || voxels[i] >= below) continue;
+    ++specks.count;
+    specks.voxels += voxels[i];
+    specks.touching += parts[touching.find(i)] > 1;
+  }
+  return specks;
+}
+
 std::string percent_text(std::int64_t part, std::int64_t whole) {
   if (part == 0) return "0%";
   const double percent = 100 * static_cast<double>(part) / static_cast<double>(whole);

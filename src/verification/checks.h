@@ -77,13 +77,13 @@ double cap_height(double lambda, double radius);
 Check check_cap_heights(const Result& result, const Sites& sites, VertexSites& vertex_sites, std::size_t samples,
                         Context* context);
 
-/// Why a line or point has a smaller value of a measure than a polygon or line at it, or nothing. Those that are gone may
-/// have had more.
+/// Why a line or point has a smaller value of a measure than a polygon or line at it, or nothing. Those that are gone
+/// may have had more.
 std::string below_cells_around(const Result& result, const std::string& measure, const std::vector<double>& of_points,
                                const std::vector<double>& of_cells, double rounding, Context* context);
-/// A check for each of the measures circumradius, scale axis, chord residual and erosion thickness of the core that a core
-/// has arrays of.
-std::vector<Check> check_other_measures(const Result& result, const Sites& sites, std::size_t samples,
+/// A check for each of the measures circumradius, scale axis, chord residual and erosion thickness of the core that a
+/// core has arrays of.
+std::vector<Check> check_other_measures(const Result& result, const Sites& sites, const VerifyOptions& options,
                                         Context* context);
 
 /// Of a fitted result: how far its points are from those of the voxel core.

@@ -22,14 +22,8 @@ struct Expected {
 };
 
 const Expected kOfCores[]{{"point", "radius", true},
-                          {"point", "lambda", true},
-                          {"point", "object_angle", false},
                           {"cell", "kind", false},
                           {"cell", "component", false},
-                          {"cell", "lambda", true},
-                          {"cell", "object_angle", false},
-                          {"point", "cap_height", false},
-                          {"cell", "cap_height", false},
                           {"cell", "site_a", true},
                           {"cell", "site_b", true},
                           {"field", "sites", true},
@@ -50,23 +44,12 @@ const Expected kOfCores[]{{"point", "radius", true},
 
 // In the plane beside these.
 const Expected kOfPlane[]{{"field", "dimension", true}, {"field", "y_axis", false}};
-const Expected kOfCoresOfPlane[]{{"point", "mgf", false}, {"cell", "mgf", false}};
 
 const Expected kOfFittedCores[]{
     {"point", "voxel_point", true}, {"point", "voxel_radius", true}, {"field", "surface", true}};
-const Expected kOfCoresByLambda[]{
-    {"cell", "lambda_level", true}, {"field", "lambda", true}, {"field", "lambda_chosen", false}};
-const Expected kOfCoresByDetail[]{{"point", "detail", true},
-                                  {"cell", "detail", true},
-                                  {"cell", "detail_level", true},
-                                  {"field", "detail", true},
-                                  {"field", "detail_chosen", false}};
-std::vector<Expected> of_cores_by(const std::string& measure) {
-  return {{"point", measure, true},
-          {"cell", measure, true},
-          {"cell", measure + "_level", true},
-          {"field", measure, true},
-          {"field", measure + "_chosen", false}};
+// Of a threshold.
+std::vector<Expected> of_prunings_by(std::string_view measure, bool needed) {
+  return {{"field", std::string(measure), needed}, {"field", fmt::format("{}_chosen", measure), false}};
 }
 const Expected kOfPruningsByDetail[]{{"field", "coverage", false}};
 
@@ -123,14 +106,9 @@ const Expected kOfSkeletonsOfCores[]{{"field", "dims", true},          {"field",
                                      {"field", "origin", true},        {"field", "direction", true},
                                      {"field", "longest_side", false}, {"field", "units", false},
                                      {"field", "parameters", false}};
-const Expected kOfSkeletonsByLambda[]{{"field", "lambda", false}, {"field", "lambda_chosen", false}};
-const Expected kOfSkeletonsByDetail[]{{"field", "detail", false}, {"field", "detail_chosen", false}};
 
 // Arrays by which a skeleton of a core is recognized: other programs may give a medial axis a spacing and an origin.
-const Expected kOnlyOfCores[]{{"field", "dims", true},
-                              {"field", "lambda_chosen", false},
-                              {"field", "detail_chosen", false},
-                              {"field", "parameters", false}};
+const Expected kOnlyOfCores[]{{"field", "dims", true}, {"field", "parameters", false}};
 
 bool is_there(const Record& data, const Expected& array) {
   const std::string_view of = array.of;
@@ -148,20 +126,37 @@ bool has_one_of(std::span<const Expected> arrays, const Record& data) {
   return std::any_of(arrays.begin(), arrays.end(), [&](const Expected& array) { return is_there(data, array); });
 }
 
+// The arrays of measures that a core has: unasked, and of what it is pruned by.
+std::vector<Expected> of_measures(const Result& result) {
+  std::vector<Expected> arrays;
+  for (const MeasureKind& measure : kMeasures) {
+    const bool prunes = measure.name == result.pruned_by();
+    if (!prunes && !is_in_every_file(measure, result.plane)) continue;
+    const std::string name(measure.name);
+    const bool needed = prunes || name == kLambda;
+    arrays.push_back({"point", name, needed});
+    arrays.push_back({"cell", name, needed});
+    if (prunes) arrays.push_back({"cell", name + "_level", true});
+  }
+  return arrays;
+}
+
+// The measure whose threshold the fields of a skeleton tell, or null.
+const MeasureKind* threshold_of(const Record& data) {
+  const auto found = std::ranges::find_if(
+      kMeasures, [&](const MeasureKind& m) { return has_one_of(of_prunings_by(m.name, false), data); });
+  return found == kMeasures.end() ? nullptr : &*found;
+}
+
 std::vector<Expected> absent_of(const Result& result) {
   const Record& data = result.data;
   std::vector<Expected> absent;
   if (result.stage == "core") {
     look_for(kOfCores, data, absent);
-    if (result.plane) {
-      look_for(kOfPlane, data, absent);
-      look_for(kOfCoresOfPlane, data, absent);
-    }
+    if (result.plane) look_for(kOfPlane, data, absent);
+    look_for(of_measures(result), data, absent);
+    look_for(of_prunings_by(result.pruned_by(), true), data, absent);
     if (has_one_of(kOfFittedCores, data)) look_for(kOfFittedCores, data, absent);
-    if (!result.by.empty())
-      look_for(of_cores_by(result.by), data, absent);
-    else
-      look_for(result.by_detail ? std::span<const Expected>(kOfCoresByDetail) : kOfCoresByLambda, data, absent);
     if (result.by_detail && result.detail > 0) look_for(kOfPruningsByDetail, data, absent);
     if (has_one_of(kOfBurning, data) || (!result.plane && has_one_of(kOfBurningOfSheets, data))) {
       look_for(kOfBurning, data, absent);
@@ -171,15 +166,11 @@ std::vector<Expected> absent_of(const Result& result) {
   } else if (result.stage == "skeleton") {
     look_for(kOfSkeletons, data, absent);
     if (!result.plane) look_for(kOfSkeletonsInSpace, data, absent);
-    if (has_one_of(kOnlyOfCores, data)) {
+    const MeasureKind* by = threshold_of(data);
+    if (by || has_one_of(kOnlyOfCores, data)) {
       look_for(kOfSkeletonsOfCores, data, absent);
       if (result.plane) look_for(kOfPlane, data, absent);
-      const bool by_detail = has_one_of(kOfSkeletonsByDetail, data);
-      const auto is_other = [&](const MeasureKind& m) {
-        return m.name != kDetail && m.name != kLambda && find_array(data.field_data, m.name);
-      };
-      if (std::none_of(kMeasures.begin(), kMeasures.end(), is_other))
-        look_for(by_detail ? std::span<const Expected>(kOfSkeletonsByDetail) : kOfSkeletonsByLambda, data, absent);
+      look_for(of_prunings_by(by ? by->name : kLambda, false), data, absent);
     }
   } else {
     absent.push_back({"field", "stage", false});

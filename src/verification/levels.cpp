@@ -279,10 +279,9 @@ Check check_levels_of(const std::string& measure, const Result& result, const Si
     if (!(level[c] >= at_least * (1 - rounding_of_keys)))
       return failed(name, fmt::format("cell {} has level {:.9g}, below {} {:.9g}", c, level[c], measure, at_least));
     if (level[c] > kInfiniteLevelInFiles)
-      return failed(name,
-                    fmt::format("cell {} has level {:.9g}, which is neither a level nor {:.9g}, which stands for "
-                                "infinity",
-                                c, level[c], kInfiniteLevelInFiles));
+      return failed(name, fmt::format("cell {} has level {:.9g}, which is neither a level nor {:.9g}, which stands for "
+                                      "infinity",
+                                      c, level[c], kInfiniteLevelInFiles));
     lowest = std::min(lowest, level[c]);
   }
   Levels all;
@@ -329,10 +328,9 @@ Check check_measures(const Result& result) {
   for (const std::string& measure : result.measures) {
     if (!names.insert(measure).second) return failed(name, fmt::format("the measure '{}' is there twice", measure));
     // That arrays of those that every file has, or the pruning needs, are missing is said by other checks.
-    const bool is_expected = measure == kLambda || measure == kDetail || measure == kMgf || measure == kCapHeight ||
-                             measure == kObjectAngle || measure == result.by;
-    if (!is_expected && !find_array(data.cell_data, measure) &&
-        !find_array(data.cell_data, measure + "_level"))
+    const MeasureKind* kind = find_measure_kind(measure);
+    const bool is_expected = measure == result.pruned_by() || (kind && is_in_every_file(*kind, result.plane));
+    if (!is_expected && !find_array(data.cell_data, measure) && !find_array(data.cell_data, measure + "_level"))
       return failed(name, fmt::format("there is no cell array of '{}', which is a measure of the file", measure));
   }
   for (const DataArray& array : data.cell_data)

@@ -15,7 +15,6 @@ namespace quench::verification {
 namespace {
 
 constexpr double kRelative = 1e-9;  // of values computed in two ways
-constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 
 /// The arrays of a measure.
 struct Arrays {
@@ -187,15 +186,72 @@ Check check_chord_residual(const Result& result, const Sites& sites, std::size_t
                             rows.size(), sites_of.size(), 1 / ways.most()));
 }
 
-// Only bounds: the fire on the whole core is not burned again.
-Check check_erosion_of_core(const Arrays& arrays, double most, Context* context) {
+/// Per vertex, edge and face of a whole core: what follows from the erosion thickness of its vertices, as faces have
+/// the least of their corners, and sides the largest around.
+struct FromErosion {
+  FromErosion(const Arrays& arrays, const std::vector<double>& erosion) {
+    const Result& result = arrays.result;
+    const CellComplex& complex = result.complex;
+    const bool share = arrays.name == kRelativeErosionThickness;
+    std::vector<double> own(complex.vertex_count);
+    for (std::uint32_t v = 0; v < own.size(); ++v) {
+      const double e = erosion[result.rows[v]];
+      own[v] = !share ? e : std::isinf(e) ? 1 : e / (e + result.radius[v]);
+    }
+    edge.assign(complex.edges.size(), -1);
+    for (std::size_t f = 0; f < complex.face_count(); ++f) {
+      double least = kUnbounded;
+      for (const std::uint32_t v : complex.corners(f)) least = std::min(least, own[v]);
+      face.push_back(least);
+      for (const std::uint32_t e : complex.sides(f)) edge[e] = std::max(edge[e], least);
+    }
+    vertex.assign(own.size(), -1);
+    for (std::size_t e = 0; e < edge.size(); ++e) {
+      const auto [a, b] = complex.edges[e];
+      if (edge[e] < 0) edge[e] = std::min(own[a], own[b]);
+      for (const std::uint32_t v : {a, b}) vertex[v] = std::max(vertex[v], edge[e]);
+    }
+    for (std::size_t v = 0; v < own.size(); ++v)
+      if (vertex[v] < 0) vertex[v] = own[v];
+  }
+  std::vector<double> vertex, edge, face;
+};
+
+std::string not_as_burned(const Arrays& arrays, const std::vector<double>& erosion) {
+  const Result& result = arrays.result;
+  const FromErosion again(arrays, erosion);
+  const auto differs = [](double a, double b) { return a != b && !(std::abs(a - b) <= kRelative * b); };
+  const auto sentence = [&](const std::string& cell, double written, double burned) {
+    return fmt::format("{} has a {} of {:.9g}; burned again it is {:.9g}", cell, arrays.check_name(), written, burned);
+  };
+  const std::size_t verts = result.vert_vertices.size(), polygons = result.first_polygon();
+  for (std::size_t row = 0; row < arrays.cells(); ++row) {
+    const double burned = row < verts      ? again.vertex[result.vert_vertices[row]]
+                          : row < polygons ? again.edge[result.line_edges[row - verts]]
+                                           : again.face[row - polygons];
+    if (differs(arrays.cell[row], burned)) return sentence(arrays.describe(row), arrays.cell[row], burned);
+  }
+  for (std::uint32_t v = 0; v < again.vertex.size(); ++v)
+    if (const double written = arrays.point[result.rows[v]]; differs(written, again.vertex[v]))
+      return sentence(result.describe_vertex(v), written, again.vertex[v]);
+  return {};
+}
+
+// Only bounds where the whole core is not burned again.
+Check check_erosion_of_core(const Arrays& arrays, double most, const std::vector<double>* erosion, Context* context) {
   if (!arrays.is_whole()) return arrays.lacks();
   if (std::string wrong = wrong_range(arrays, 0, most, context); !wrong.empty())
     return failed(arrays.check_name(), std::move(wrong));
+  if (erosion && !arrays.result.radius.empty()) {
+    if (std::string wrong = not_as_burned(arrays, *erosion); !wrong.empty())
+      return failed(arrays.check_name(), std::move(wrong));
+    return passed(arrays, fmt::format("that of {} cells is what burning the core again gives", arrays.cells()));
+  }
   return {arrays.check_name(),
           true,
-          fmt::format("that of {} cells is {}, and of sides at least that of the cells around", arrays.cells(),
-                      most == 1 ? "from 0 to 1" : "not negative"),
+          fmt::format("that of {} cells is {}, and of sides at least that of the cells around; the whole core is not "
+                      "burned again",
+                      arrays.cells(), most == 1 ? "from 0 to 1" : "not negative"),
           {}};
 }
 
@@ -222,17 +278,17 @@ std::string below_cells_around(const Result& result, const std::string& measure,
                      result.describe_edge(static_cast<std::uint32_t>(bad)), measure, of_edges[bad]);
 }
 
-std::vector<Check> check_other_measures(const Result& result, const Sites& sites, std::size_t samples,
+std::vector<Check> check_other_measures(const Result& result, const Sites& sites, const VerifyOptions& options,
                                         Context* context) {
   std::vector<Check> checks;
   if (Arrays(result, kCircumradius).is_there()) checks.push_back(check_circumradius(result, context));
-  if (Arrays(result, kScaleAxis).is_there()) checks.push_back(check_scale_axis(result, samples, context));
+  if (Arrays(result, kScaleAxis).is_there()) checks.push_back(check_scale_axis(result, options.samples, context));
   if (Arrays(result, kChordResidual).is_there())
-    checks.push_back(check_chord_residual(result, sites, samples, context));
+    checks.push_back(check_chord_residual(result, sites, options.samples, context));
   if (const Arrays arrays(result, kCoreErosionThickness); arrays.is_there())
-    checks.push_back(check_erosion_of_core(arrays, kUnbounded, context));
+    checks.push_back(check_erosion_of_core(arrays, kUnbounded, options.erosion_of_core, context));
   if (const Arrays arrays(result, kRelativeErosionThickness); arrays.is_there())
-    checks.push_back(check_erosion_of_core(arrays, 1, context));
+    checks.push_back(check_erosion_of_core(arrays, 1, options.erosion_of_core, context));
   return checks;
 }
 

@@ -15,6 +15,10 @@ namespace quench::verification {
 
 bool is_measure_of_cores(std::string_view name) { return find_measure_kind(name) != nullptr; }
 
+bool is_in_every_file(const MeasureKind& measure, bool plane) {
+  return measure.files == MeasureFiles::all || (measure.files == MeasureFiles::of_the_plane && plane);
+}
+
 bool has_numbers(const DataArray& array) { return !std::holds_alternative<std::vector<std::string>>(array.values); }
 
 std::vector<double> numbers_or_empty(const std::vector<DataArray>& arrays, std::string_view name) {

@@ -11,6 +11,7 @@
 
 #include "base/csr.h"
 #include "quench/complex.h"
+#include "quench/measures.h"
 #include "quench/record.h"
 #include "quench/shape.h"
 #include "quench/verify.h"
@@ -70,6 +71,7 @@ struct Result {
   double by_threshold = 0;      ///< where it was; may be infinite
   double auto_detail = 0;       ///< half the diagonal of a voxel or pixel, world units
 
+  std::string_view pruned_by() const { return !by.empty() ? by : by_detail ? kDetail : kLambda; }  ///< of a core
   const Vec3& point(std::uint32_t vertex) const { return data.points[rows[vertex]]; }
   Vec3 voxel_point(std::uint32_t vertex) const;   ///< of the voxel core, world coordinates
   Vec3 scaled_point(std::uint32_t vertex) const;  ///< point(), scaled
@@ -92,6 +94,8 @@ struct Result {
 
 /// Whether it is one of those that Quench writes into files of cores.
 bool is_measure_of_cores(std::string_view name);
+/// Whether every file of a core has arrays of it.
+bool is_in_every_file(const MeasureKind& measure, bool plane);
 
 /// False for an array of strings.
 bool has_numbers(const DataArray& array);

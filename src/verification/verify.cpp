@@ -140,7 +140,7 @@ Certificate examine(const VoxelShape& shape, const Record& data, const VerifyOpt
   add(check_angles(result));
   add(check_cap_heights(result, sites, vertex_sites, options.samples, context));
   if (result.stage == "core")
-    for (Check& check : check_other_measures(result, sites, options.samples, context)) add(std::move(check));
+    for (Check& check : check_other_measures(result, sites, options, context)) add(std::move(check));
   add(check_kinds(result));
   if (result.plane) {
     if (result.stage == "core") add(check_mgf(result, sites, vertex_sites, *boundary, context));

@@ -103,6 +103,52 @@ TEST_F(Prepared, InfoShowsAHistogramAndProposesThresholds) {
   EXPECT_EQ(bytes("a.nrrd"), bytes("b.nrrd"));
 }
 
+// A box, and specks of which each touches it, or none does.
+std::string npy_with_specks(int box, int specks, bool touching, bool plane = false) {
+  const int nx = box + 2 + 4 * specks, n = box + 4;
+  std::string samples(static_cast<std::size_t>(nx * n * (plane ? 1 : n)), '\0');
+  const auto put = [&](int x, int y, int z) {
+    if (plane && z > 0) return;
+    samples[static_cast<std::size_t>(x + nx * (y + n * z))] = '\1';
+  };
+  const int length = touching ? 4 * specks : box;
+  for (int x = 1; x <= length; ++x)
+    for (int y = 1; y <= box; ++y)
+      for (int z = 0; z < box; ++z) put(x, y, z);
+  for (int i = 0; i < specks; ++i)
+    if (touching)
+      put(2 + 4 * i, box + 1, box);  // at an edge of the bar
+    else
+      put(box + 3 + 4 * i, 1, 0);
+  return npy(nx, n, plane ? 1 : n, samples);
+}
+
+TEST_F(Prepared, SpecksAreNotedWhereSomethingHelps) {
+  const auto note = [&](const std::string& file, std::vector<std::string> options) {
+    options.insert(options.begin(), {"voxelize", file, "-o", "a.nrrd", "--overwrite"});
+    const std::string said = works(options).err;
+    const std::size_t at = said.find("note: ");
+    return at == said.npos ? std::string() : said.substr(at, said.find('\n', at) - at);
+  };
+  folder.write("loose.npy", npy_with_specks(10, 12, false));
+  folder.write("touching.npy", npy_with_specks(10, 12, true));
+  folder.write("few.npy", npy_with_specks(10, 8, false));
+  folder.write("small.npy", npy_with_specks(3, 12, false));
+  folder.write("image.npy", npy_with_specks(20, 12, false, true));
+  const std::string loose = "note: 12 of the 13 components have fewer than 30 voxels, together 1% of the shape; ";
+  EXPECT_EQ(note("loose.npy", {}), loose + "--min-component 30 drops them");
+  EXPECT_EQ(note("loose.npy", {"--min-component", "30"}), "");
+  EXPECT_EQ(note("few.npy", {}), "");
+  EXPECT_EQ(note("small.npy", {}), "");  // much of the shape
+  EXPECT_EQ(note("touching.npy", {}),
+            "note: 12 of the 13 components have fewer than 30 voxels, together 0.2% of the shape; --min-component 30 "
+            "drops them, --connectivity 26 joins 12 that touch others");
+  EXPECT_EQ(note("touching.npy", {"--connectivity", "26"}), "");
+  EXPECT_EQ(note("image.npy", {"--dimension", "2"}),
+            "note: 12 of the 13 components have fewer than 30 pixels, together 3% of the shape; --min-component 30 "
+            "drops them");
+}
+
 TEST_F(Prepared, RefusesWhatMakesNoSense) {
   const auto no = [&](const std::vector<std::string>& said, std::vector<std::string> options) {
     options.insert(options.begin(), {"core", "grey.npy", "-o", "no.vtp"});

@@ -59,7 +59,7 @@ TEST_F(Reconstruct, SaysWhatIsCutOff) {
 TEST_F(Reconstruct, RefusesWhatHasNoSolid) {
   works({"core", "mask.npy", "-o", "a.vtp"});
   refuses(2, {"'no.stl'", ".nrrd .zarr", ".ply .obj .vtp"}, {"reconstruct", "a.vtp", "-o", "no.stl"});
-  refuses(3, {"radius"}, {"reconstruct", "cube.off", "-o", "no.nrrd"});
+  refuses(3, {"'cube.off' is a mesh, not a medial axis"}, {"reconstruct", "cube.off", "-o", "no.nrrd"});
   refuses(1, {"'there.off' does not exist"}, {"reconstruct", "a.vtp", "--shape", "there.off", "-o", "no.nrrd"});
   refuses(2, {"--threshold"}, {"reconstruct", "a.vtp", "--threshold", "1", "-o", "no.nrrd"});
   refuses(2, {"'a.vtp'"}, {"reconstruct", "a.vtp", "-o", "a.vtp"});

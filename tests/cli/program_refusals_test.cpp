@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
 #include "program.h"
+#include "quench/io.h"
 
 // What the program refuses.
 
@@ -105,6 +108,52 @@ TEST_F(Refusals, FilesThatAreNotWhatTheyClaim) {
   }
   refuses(3, {"'no slices'", "slices"}, {"core", "no slices", "-o", "a.vtp"});
   refuses(2, {"'grey.npy'", "volume"}, {"convert", "grey.npy", "a.vtp"});
+}
+
+// A medial axis has faces, too, and no shape is made of them.
+TEST_F(Refusals, ResultsWhereAShapeIsExpected) {
+  works({"core", "cube.off", "--resolution", "8", "-o", "core.vtp"});
+  works({"burn", "core.vtp", "-o", "burned.vtp"});
+  works({"skeleton", "burned.vtp", "-o", "skeleton.vtp"});
+  works({"convert", "core.vtp", "core.ply"});
+  const auto refused = [&](const std::string& file, const std::string& name, const std::string& taken_by) {
+    const std::vector<std::string> words{
+        fmt::format("'{}' is a {}, not a shape; give the mesh, volume or image it was made of, or give it to {}", file,
+                    name, taken_by)};
+    refuses(3, words, {"run", file, "-o", "a"});
+    refuses(3, words, {"core", file, "-o", "a.vtp"});
+    refuses(3, words, {"voxelize", file, "-o", "a.nrrd"});
+    refuses(3, words, {"thickness", file, "-o", "a.nrrd"});
+    refuses(3, words, {"bricks", "plan", file, "-o", "work"});
+    refuses(3, words, {"verify", file, "core.vtp", "--surface", "voxels"});
+    refuses(3, words, {"burn", "core.vtp", "--shape", file, "-o", "a.vtp"});
+    refuses(3, words, {"view", "burned.vtp", "--shape", file, "-o", "a.html"});
+  };
+  refused("core.vtp", "medial axis", "'quench burn' or 'quench skeleton'");
+  refused("core.ply", "medial axis", "'quench burn' or 'quench skeleton'");
+  refused("burned.vtp", "burned medial axis", "'quench skeleton' or 'quench view'");
+  refused("skeleton.vtp", "skeleton", "'quench view' or 'quench tree'");
+}
+
+TEST_F(Refusals, ShapesWhereAMedialAxisIsExpected) {
+  folder.write("open.off", cube_off(true));
+  for (const char* command : {"burn", "skeleton", "simplify", "smooth", "reconstruct"}) {
+    const std::string output = command == std::string("reconstruct") ? "a.ply" : "a.vtp";
+    refuses(3, {"'cube.off' is a mesh, not a medial axis; 'quench core cube.off' computes one of it"},
+            {command, "cube.off", "-o", output});
+    refuses(3, {"'box.npy' is a volume, not a medial axis; 'quench core box.npy' computes one of it"},
+            {command, "box.npy", "-o", output});
+    refuses(3, {"'open.off' has no radius per vertex", "'quench core open.off'", "[--radii]"},
+            {command, "open.off", "-o", output});
+  }
+}
+
+// Whoever measures a mesh may call an array so.
+TEST_F(Refusals, ClosedMeshesWithRadiiAreShapes) {
+  quench::Record mesh = quench::io::read_record(folder / "cube.off");
+  mesh.point_data.push_back({"radius", 1, std::vector<double>(mesh.points.size(), 1.0)});
+  quench::io::write_record(folder / "cube.vtp", mesh);
+  works({"core", "cube.vtp", "--resolution", "8", "-o", "a.vtp"});
 }
 
 TEST_F(Refusals, TruncatedFiles) {

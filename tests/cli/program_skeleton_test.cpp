@@ -474,7 +474,7 @@ TEST_F(SkeletonProgram, Refusals) {
   refuses_skeleton(2, {"AXIS"}, {"-o", "a.vtp"});
   refuses_skeleton(3, {"'v.npy'", "volume", "quench core"}, {"v.npy", "-o", "a.vtp"});
   folder.write("cube.off", cube_off());
-  refuses_skeleton(3, {"'cube.off'", "--radii"}, {"cube.off", "-o", "a.vtp"});
+  refuses_skeleton(3, {"'cube.off' is a mesh, not a medial axis"}, {"cube.off", "-o", "a.vtp"});
   refuses_skeleton(1, {"'no.vtp'"}, {"no.vtp", "-o", "a.vtp"});
   refuses(2, {"--theta2"}, {"run", "v.npy", "-o", "dir", "--theta2", "nan"});
   refuses(2, {"--root"}, {"run", "v.npy", "-o", "dir", "--root", "1,2"});

@@ -173,6 +173,42 @@ TEST_P(OfEveryMeasure, IsWrittenWhereItIsAskedFor) {
   for (const Check& check : certificate.checks) EXPECT_TRUE(check.passed) << check.name << ": " << check.detail;
 }
 
+std::vector<DataArray>& arrays_of(Record& data, const std::string& of) {
+  return of == "point" ? data.point_data : of == "cell" ? data.cell_data : data.field_data;
+}
+
+void expect_missed(const VoxelShape& shape, const Record& file, const std::string& of, const std::string& name) {
+  Record data = file;
+  std::vector<DataArray>& arrays = arrays_of(data, of);
+  ASSERT_EQ(std::erase_if(arrays, [&](const DataArray& array) { return array.name == name; }), 1u) << of << name;
+  EXPECT_EQ(verify(shape, data).absent, std::vector<std::string>{of + " " + name});
+}
+
+// Which files have arrays of the measure, the table says; verify() names each that is not there.
+TEST_P(OfEveryMeasure, ItsArraysAreExpected) {
+  const std::string name(GetParam().name);
+  for (const bool plane : {false, true}) {
+    pipeline::LoadedShape shape = loaded(plane ? random_plane_shape(3, 16) : random_shape(3, 12));
+    Record unasked = pipeline::run(shape, {}).axis.file;
+    const MeasureFiles files = GetParam().files;
+    const bool expected =
+        name == kDetail || files == MeasureFiles::all || (files == MeasureFiles::of_the_plane && plane);
+    for (const char* of : {"point", "cell"}) {
+      EXPECT_EQ(find_array(arrays_of(unasked, of), name) != nullptr, expected) << of << plane;
+      if (expected) expect_missed(shape.shape, unasked, of, name);
+    }
+    pipeline::RunOptions options;
+    options.axis.pruning = {GetParam().name, middle(shape, GetParam())};
+    const pipeline::RunResult run = pipeline::run(shape, options);
+    EXPECT_EQ(verify(shape.shape, run.axis.file).absent, std::vector<std::string>{});
+    for (const char* of : {"point", "cell"}) expect_missed(shape.shape, run.axis.file, of, name);
+    expect_missed(shape.shape, run.axis.file, "cell", name + "_level");
+    const Record skeleton = pipeline::skeleton_file(run.axis.skeleton, run.axis.file);
+    for (const Record* file : {&run.axis.file, &skeleton})
+      for (const std::string& field : {name, name + "_chosen"}) expect_missed(shape.shape, *file, "field", field);
+  }
+}
+
 TEST_P(OfEveryMeasure, RefusesWhatIsNoThreshold) {
   const std::string name(GetParam().name);
   const auto refusal = [&](const std::string& text) {
