@@ -117,11 +117,15 @@ struct ExtractOptions {
   /// 0.8 theta2. The family remains nested, and topology does not change.
   double regrow_rims_above = std::numeric_limits<double>::infinity();
   double minor_curve = 0;
-  /// A curve with a free end also goes where its ET_MC is below this many times its burn time (the radius in a tube),
-  /// or becomes so on the way from there to a sheet, a loop or the medial point: it then does not stick out of what it
-  /// leaves or of a thick part on its way. Of a tree that would go as a whole its longest course stays. Nested in
-  /// theta1 and in this; in theta2 but for such courses.
+  /// A curve with a free end also goes where it sticks out by less than this many burn times (radii, in a tube), or
+  /// becomes so on the way from there to a sheet, a loop or the medial point: it then does not stick out of what it
+  /// leaves or of a thick part on its way. It sticks out by its ET_MC, but by no more than one and a half times what the
+  /// ball around that place, of its burn time, has to grow to contain the balls of the branch outside: courses under a
+  /// rough surface are long because they are crooked. Of a tree that would go as a whole its longest course stays.
+  /// Nested in this; in theta1 and theta2 but for such courses.
   double theta1_radii = 0;
+  /// The balls of a branch are those of its curves with an ET_MC of at least this, or of theta1 if that is less.
+  double balls_above = std::numeric_limits<double>::infinity();
 };
 Skeleton extract(const SkeletonFamily& family, double theta2, double theta1, const ExtractOptions& options = {});
 

@@ -103,7 +103,8 @@ SkeletonResult skeleton_of(const FamilyResult& family, const SkeletonOptions& op
                              .regrow_tips_above = thickness_of_tips(options, scale, omega),
                              .regrow_rims_above = thickness_of_rims(options, scale, omega),
                              .minor_curve = minor_curve(scale),
-                             .theta1_radii = theta1_radii_of(options)});
+                             .theta1_radii = theta1_radii_of(options),
+                             .balls_above = thinnest_tip(scale, omega)});
   result.topology = topology(result.skeleton.complex);
   checkpoint(context, "skeleton", 1);
   require_topology(result.topology, family.topology, "skeleton", "medial axis");

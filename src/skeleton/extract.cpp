@@ -515,15 +515,16 @@ Skeleton skeleton_of(const RefinedAxis& k, const Member& member, const Outline& 
 
 Skeleton extract(const SkeletonFamily& family, double theta2, double theta1, const ExtractOptions& options) {
   for (const double value : {theta2, theta1, options.theta1_radii, options.regrow_tips_above, options.regrow_rims_above,
-                             options.minor_curve})
+                             options.minor_curve, options.balls_above})
     if (std::isnan(value))
       throw Error(ErrorCode::usage,
-                  "theta2, theta1, theta1_radii, minor_curve and from where tips and rims of a skeleton grow back must "
-                  "be numbers");
+                  "theta2, theta1, theta1_radii, minor_curve, balls_above and from where tips and rims of a skeleton "
+                  "grow back must be numbers");
   if (std::min(theta2, options.regrow_rims_above) < family.theta2_floor ||
-      std::min(theta1, options.regrow_tips_above) < family.theta1_floor)
+      std::min({theta1, options.regrow_tips_above, options.balls_above}) < family.theta1_floor)
     throw Error(ErrorCode::usage,
-                "theta2, theta1 or from where a skeleton grows back is below the floor of its family");
+                "theta2, theta1, from where a skeleton grows back or from where balls count is below the floor of its "
+                "family");
   const RefinedAxis& k = family.refined;
   const Member member = skeleton::member_of(family, theta2, theta1, options);
   const Outline outline = OutlineFinder(k, member).run(options.parts);

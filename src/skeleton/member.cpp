@@ -7,12 +7,17 @@
 #include "base/constants.h"
 #include "base/csr.h"
 #include "base/graph_peeler.h"
+#include "skeleton/branch_growth.h"
 #include "skeleton/sheet_cut.h"
 
 namespace quench::skeleton {
 namespace {
 
 using base::kNever;
+
+// A branch may be so many times as long as it reaches. Under a rough surface fires run zigzag through what is left of
+// sheets that are noise: courses that are long and end near where they began, at balls that contain them.
+constexpr double kLonger = 1.5;
 
 // Edges and vertices of K, or pieces of edges and points on them.
 class CurvesOf {
@@ -28,6 +33,23 @@ class CurvesOf {
     const auto [a, b] = k_.complex.edges[in_k(e)];
     const auto [first, second] = std::minmax(k_.burn_time[a], k_.burn_time[b]);
     return thickness(e) / (std::isinf(second) ? first : second);
+  }
+  /// Per step inwards over an edge, by how much what is outside sticks out: that ratio, but no more than kLonger times
+  /// what the ball would have to grow to contain those outside, in burn times.
+  std::vector<double> ratios(std::span<const StepInwards> inwards, std::span<const std::uint32_t> edge) const {
+    std::vector<Vec3> drawn(k_.points);  // duals that passed the fire on lie on the door it went to
+    for (std::uint32_t v = k_.nodes + k_.doors; v < drawn.size(); ++v)
+      if (k_.exit[v] != kNone) drawn[v] = k_.points[skeleton::other_end(k_, k_.exit[v], v)];
+    std::vector<double> times(k_.burn_time);
+    for (const SheetCut::Point& p : member_.cut.points) {
+      const auto [a, b] = k_.complex.edges[p.edge];
+      drawn.emplace_back((1 - p.along) * drawn[a] + p.along * drawn[b]);
+      times.push_back(std::lerp(times[a], times[b], p.along));
+    }
+    std::vector<double> ratio = growth_to_contain(inwards, drawn, times);
+    for (std::size_t s = 0; s < ratio.size(); ++s)
+      ratio[s] = std::min(this->ratio(edge[s]), kLonger * ratio[s] / times[inwards[s].vertex]);
+    return ratio;
   }
   bool is_of_plane() const { return k_.plane; }
   bool is_medial_point(std::uint32_t v) const { return v < k_.complex.vertex_count && k_.medial_point[v]; }
@@ -47,30 +69,30 @@ constexpr double kEqual = 0.8;
 
 // Per curve edge that a free end leads to: the smallest ratio on the way from it to what has no free end. Where a tree
 // would go as a whole, ratios are multiples of that of the second branch at its medial point, so that its longest
-// course stays: of branches of at least theta1, which every floor has. `left` are all curves of a member, `edges` its
-// number of edges.
+// course stays: of branches of at least theta1. `left` are the curves of a member whose balls count, `edges` its number
+// of edges.
 std::vector<double> least_ratios(const CurvesOf& curves, double theta1, double radii, base::GraphPeeler left,
                                  const std::vector<char>& on_sheet, std::size_t edges) {
-  struct Step {
-    std::uint32_t vertex, edge;
-  };
-  std::vector<Step> inwards;
-  std::vector<std::array<double, 3>> largest(on_sheet.size(), {0, 0, 0});  // three ratios at medial points
-  const auto note = [&](std::array<double, 3>& three, double ratio) {
-    for (double& other : three)
-      if (ratio > other) std::swap(ratio, other);
-  };
+  std::vector<StepInwards> inwards;
+  std::vector<std::uint32_t> edge;  // per step
   left.peel(
       [&](std::uint32_t e) -> const auto& { return curves.ends(e); },
       [&](std::uint32_t v, std::uint32_t e) {
         return !on_sheet[v] && !curves.is_medial_point(v) && curves.is_curve(e);
       },
       [&](std::uint32_t v, std::uint32_t e) {
-        inwards.push_back({v, e});
-        if (const std::uint32_t to = curves.other_end(e, v);
-            curves.is_medial_point(to) && curves.thickness(e) >= theta1)
-          note(largest[to], curves.ratio(e));
+        inwards.push_back({v, curves.other_end(e, v)});
+        edge.push_back(e);
       });
+  const std::vector<double> ratio = curves.ratios(inwards, edge);
+  std::vector<std::array<double, 3>> largest(on_sheet.size(), {0, 0, 0});  // three ratios at medial points
+  for (std::size_t s = 0; s < inwards.size(); ++s) {
+    const std::uint32_t to = inwards[s].to;
+    if (!curves.is_medial_point(to) || curves.thickness(edge[s]) < theta1) continue;
+    double next = ratio[s];
+    for (double& other : largest[to])
+      if (next > other) std::swap(next, other);
+  }
   std::vector<double> least(edges, kNever), from(on_sheet.size(), kNever), scale(on_sheet.size(), 1);
   for (std::uint32_t v = 0; v < scale.size(); ++v) {
     const auto [first, second, third] = largest[v];
@@ -78,12 +100,11 @@ std::vector<double> least_ratios(const CurvesOf& curves, double theta1, double r
     const double q = second > 0 ? second : first;
     if (q > 0 && q < radii && !on_sheet[v]) scale[v] = radii / q;
   }
-  for (auto step = inwards.rbegin(); step != inwards.rend(); ++step) {
-    const auto [v, e] = *step;
-    const std::uint32_t to = curves.other_end(e, v);
+  for (std::size_t s = inwards.size(); s-- > 0;) {
+    const auto [v, to] = inwards[s];
     scale[v] = scale[to];
     // Rounding must not drop the second branch.
-    least[e] = from[v] = std::min(from[to], curves.ratio(e) * scale[to] * (1 + 1e-12));
+    least[edge[s]] = from[v] = std::min(from[to], ratio[s] * scale[to] * (1 + 1e-12));
   }
   return least;
 }
@@ -176,10 +197,10 @@ class CurvePruning {
 
   // Free edges of a thickness below theta1 are removed, or below so many burn times, and what is left of sides of
   // sheets that are gone. No end of an edge of a face is free.
-  void prune(double theta1, double radii) {
+  void prune(double theta1, double radii, double balls_above) {
     const auto is_thick = [&](std::uint32_t e) { return curves_.thickness(e) >= theta1; };
     if (radii > 0) {
-      peel([](std::uint32_t) { return true; });
+      peel([&](std::uint32_t e) { return curves_.thickness(e) >= std::min(theta1, balls_above); });
       const std::vector<double> least = least_ratios(curves_, theta1, radii, left_, on_sheet_, member_.edge.size());
       peel([&](std::uint32_t e) { return is_thick(e) && least[e] >= radii; });
     } else {
@@ -231,14 +252,14 @@ class CurvePruning {
 Member member_of(const SkeletonFamily& family, double theta2, double theta1, const ExtractOptions& options) {
   Sheets sheets = sheets_above(family, theta2, options.regrow_rims_above, options.minor_curve);
   CurvePruning curves(family, sheets);
-  curves.prune(theta1, options.theta1_radii);
+  curves.prune(theta1, options.theta1_radii, options.balls_above);
   if (options.regrow_tips_above < kNever) curves.grow_tips(options.theta1_radii, options.regrow_tips_above);
   return std::move(sheets.member);
 }
 
 Member cells_from(const SkeletonFamily& family, double theta2, double theta1) {
   Sheets sheets = whole_sheets_above(family, theta2);
-  CurvePruning(family, sheets).prune(theta1, 0);
+  CurvePruning(family, sheets).prune(theta1, 0, theta1);
   return std::move(sheets.member);
 }
 

@@ -161,7 +161,8 @@ TEST(SkeletonFloor, MembersAboveItStayAsTheyAre) {
                                          .regrow_tips_above = theta1 + ends,
                                          .regrow_rims_above = theta2 + ends,
                                          .minor_curve = 0.2,
-                                         .theta1_radii = radii};
+                                         .theta1_radii = radii,
+                                         .balls_above = theta1 + ends};
             expect_same(extract(above, theta2 + more2, theta1 + more1, options),
                         extract(all, theta2 + more2, theta1 + more1, options));
           }
