@@ -162,7 +162,7 @@ class Distances {
     const double straight = straight_(from, to);
     for (const double factor : {1.1, 1.5, 2.5}) {
       const bool found = search.search(from, {&to, 1}, factor * (straight + surface_.smallest_step()), budget,
-                                       [&](std::uint32_t point) { return straight_(point, to); });
+                                       [&, to = to](std::uint32_t point) { return straight_(point, to); });
       windows_ += search.windows();
       if (found) distance_[pair] = search.distance(to);
       if (found || search.windows() > budget) return;

@@ -179,9 +179,9 @@ class InParts {
       for (const std::uint32_t e : input.complex.sides(f)) edge[e] = 1;
     }
     for (std::size_t e = 0; e < edge.size(); ++e)
-      if (edge[e] |= below(60) == 0) lower(input.value.edge[e]);
+      if ((edge[e] |= below(60) == 0)) lower(input.value.edge[e]);
     for (std::size_t v = 0; v < vertex.size(); ++v)
-      if (vertex[v] |= below(60) == 0) lower(input.value.vertex[v]);
+      if ((vertex[v] |= below(60) == 0)) lower(input.value.vertex[v]);
     const complex::CellFlags gone = complex::certainly_removed(
         {input.complex, input.value.vertex, input.value.edge, input.value.face, vertex, edge}, cutoff_, nullptr, "");
     for (std::size_t v = 0; v < vertex.size(); ++v)

@@ -7,8 +7,8 @@
 
 #include <algorithm>
 #include <atomic>
-#include <functional>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <string>
 #include <vector>
@@ -91,13 +91,14 @@ TEST(Threads, EveryStageKeepsToThoseOfItsContext) {
     for (const int threads : {1, 3}) {
       tbb::task_arena arena(kThreads);
       const Helpers helpers(arena);
-      const std::map<int, int> seen = arena.execute([&] { return threads_seen(stage, threads); });
+      const std::map<int, int> seen = arena.execute([&, &stage = stage] { return threads_seen(stage, threads); });
       EXPECT_EQ(seen.size(), 1u) << name;
       EXPECT_TRUE(seen.contains(threads)) << name << " works on " << (seen.empty() ? 0 : seen.begin()->first);
       EXPECT_EQ(helpers.came(), 0) << name << ": threads of the caller's arena help";
     }
     // Without a wish, those of the caller.
-    const std::map<int, int> seen = tbb::task_arena(kThreads).execute([&] { return threads_seen(stage, 0); });
+    const std::map<int, int> seen =
+        tbb::task_arena(kThreads).execute([&, &stage = stage] { return threads_seen(stage, 0); });
     EXPECT_TRUE(seen.size() == 1 && seen.contains(kThreads)) << name;
   }
 }
