@@ -26,8 +26,7 @@ function(quench_compile_quickly target)
   target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
 endfunction()
 
-# For tests, and for options of the program: -Og of GCC, which inlines what is small only, takes two thirds of the time
-# of -O1.
+# For tests that hardly compute anything themselves: -Og of GCC takes two thirds of the time of -O1.
 function(quench_compile_sooner target)
   target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:$<IF:$<CXX_COMPILER_ID:GNU>,-Og,-O1>>)
 endfunction()
