@@ -25,3 +25,8 @@ endfunction()
 function(quench_compile_quickly target)
   target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
 endfunction()
+
+# For tests that hardly compute anything themselves: -Og of GCC takes two thirds of the time of -O1.
+function(quench_compile_sooner target)
+  target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:$<IF:$<CXX_COMPILER_ID:GNU>,-Og,-O1>>)
+endfunction()

@@ -30,8 +30,9 @@ import tempfile
 import zlib
 
 HERE = os.path.dirname(os.path.abspath(__file__))
-sys.path.insert(0, os.path.join(HERE, 'cli'))
+sys.path[:0] = [os.path.join(HERE, 'cli'), os.path.join(HERE, 'support')]
 import reports  # noqa: E402
+from program_starter import run_program  # noqa: E402
 
 STORED = os.path.join(HERE, 'output_hashes.txt')
 FULL = os.environ.get('QUENCH_TEST_FULL') == '1'
@@ -349,7 +350,7 @@ def run_line(program, line, number, threads, folder):
     words = shlex.split(words)
     if not words[0].startswith('-'):
         words += ['--threads', str(threads)] + ([] if '--memory-limit' in words else LIMIT)
-    run = subprocess.run([program, *words], cwd=folder, stdin=subprocess.DEVNULL, capture_output=True)
+    run = run_program([program, *words], folder)
     if run.stdout:
         with open(os.path.join(folder, f'{number}_{words[0].strip("-")}.stdout'), 'wb') as out:
             out.write(run.stdout)

@@ -16,6 +16,9 @@ import tempfile
 import zlib
 
 HERE = os.path.dirname(os.path.abspath(__file__))
+sys.path.insert(0, os.path.join(HERE, '..', 'support'))
+from program_starter import run_program  # noqa: E402
+
 SCHEMA = os.path.join(HERE, '..', '..', 'docs', 'report.schema.json')
 REPORT_PAGE = os.path.join(HERE, '..', '..', 'scripts', 'report-page')
 SKIPPED = 77
@@ -130,8 +133,7 @@ def write_inputs(folder):
 def run(program, folder, line):
     """Runs a line; what stands behind '>' is the file of stdout."""
     words, _, target = line.partition(' > ')
-    done = subprocess.run([program, *shlex.split(words), '--quiet'], cwd=folder, stdout=subprocess.PIPE,
-                          stderr=subprocess.PIPE, check=False)
+    done = run_program([program, *shlex.split(words), '--quiet'], folder)
     assert done.returncode == 0 or done.returncode in MAY_FAIL and words.startswith('verify'), (line, done.stderr.decode())
     if target:
         with open(os.path.join(folder, target), 'wb') as out:

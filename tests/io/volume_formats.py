@@ -24,8 +24,10 @@ except ImportError:
     print(f'skipped: {sys.executable} has no numpy')
     sys.exit(77)
 
-sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+HERE = os.path.dirname(os.path.abspath(__file__))
+sys.path[:0] = [HERE, os.path.join(HERE, '..', 'support')]
 from formats.cases import Grid, difference, judge  # noqa: E402
+from program_starter import run_program  # noqa: E402
 
 FORMATS = ['nrrd', 'metaimage', 'nifti', 'mrc', 'npy', 'vol', 'out', 'png', 'pnm', 'bmp', 'zarr', 'jpeg', 'tiff', 'hdf5', 'dicom']
 MOST_FAILURES = 40  # printed per format
@@ -91,8 +93,7 @@ def by_program(program, case, path, folder):
     """What is wrong with the outcome of `quench voxelize`; empty: nothing."""
     output = os.path.join(folder, 'out.nrrd')
     threshold = threshold_of(case.right[0].samples)
-    run = subprocess.run([program, 'voxelize', path, f'--threshold={threshold!r}', '-o', output] + arguments_of(case),
-                         capture_output=True)
+    run = run_program([program, 'voxelize', path, f'--threshold={threshold!r}', '-o', output] + arguments_of(case))
     if run.returncode != 0:
         return f'exit {run.returncode}: {run.stderr.decode(errors="replace").strip()[:400]}'
     got = written_volume(output)
@@ -105,8 +106,8 @@ def by_program(program, case, path, folder):
 
 
 def refused_by_program(program, case, path, folder):
-    run = subprocess.run([program, 'voxelize', path, '--threshold=1', '-o', os.path.join(folder, 'out.nrrd')]
-                         + arguments_of(case), capture_output=True)
+    run = run_program([program, 'voxelize', path, '--threshold=1', '-o', os.path.join(folder, 'out.nrrd')]
+                      + arguments_of(case))
     sentence = run.stderr.decode(errors='replace').strip()
     if run.returncode != case.code():
         return f'exit {run.returncode}: {sentence[:400]}'
