@@ -15,8 +15,8 @@ namespace {
 
 using base::kNever;
 
-// A branch may be so many times as long as it reaches. Under a rough surface fires run zigzag through what is left of
-// sheets that are noise: courses that are long and end near where they began, at balls that contain them.
+// A branch may be so many times as long as it reaches. Under a rough surface fires run out to it and back inwards along
+// what pruning leaves of sheets of noise: courses that are long, and end at balls that all but contain them.
 constexpr double kLonger = 1.5;
 
 // Edges and vertices of K, or pieces of edges and points on them.

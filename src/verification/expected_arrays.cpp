@@ -152,9 +152,9 @@ std::vector<Expected> absent_of(const Result& result) {
   const Record& data = result.data;
   std::vector<Expected> absent;
   if (result.stage == "core") {
+    look_for(of_measures(result), data, absent);
     look_for(kOfCores, data, absent);
     if (result.plane) look_for(kOfPlane, data, absent);
-    look_for(of_measures(result), data, absent);
     look_for(of_prunings_by(result.pruned_by(), true), data, absent);
     if (has_one_of(kOfFittedCores, data)) look_for(kOfFittedCores, data, absent);
     if (result.by_detail && result.detail > 0) look_for(kOfPruningsByDetail, data, absent);
