@@ -44,13 +44,17 @@ void take_scale(const AxisInput& options, Session& session, pipeline::Scale& sca
 void refuse_mesh(const Record& data, const std::string& file) {
   if (find_array(data.point_data, "radius") || data.poly_count() == 0) return;
   if (is_closed_mesh(data))
-    throw Error(ErrorCode::input,
-                fmt::format("'{0}' is a mesh, not a medial axis; 'quench core {0}' computes one of it", file));
-  throw Error(ErrorCode::input,
-              fmt::format("'{0}' has no radius per vertex (a point array 'radius'); of a medial axis give a .r file of "
-                          "radii, of a shape 'quench core {0}' computes one",
-                          file),
-              "radii");
+    throw Error(
+        ErrorCode::input,
+        fmt::format("'{0}' is a mesh, not a medial axis; 'quench core {0}' computes one of it; --radii gives an axis "
+                    "that has none its radii",
+                    file));
+  throw Error(
+      ErrorCode::input,
+      fmt::format("'{0}' has no radius per vertex (a point array 'radius'); give those of a medial axis with --radii "
+                  "(a .r file), or compute the axis of a shape with 'quench core {0}'",
+                  file),
+      "radii");
 }
 
 }  // namespace

@@ -22,7 +22,7 @@ struct AxisInput {
 
 void add_axis_options(CLI::App& app, AxisInput& options);
 
-/// A closed surface without any measure: a shape, no medial axis.
+/// A closed surface without radii: a shape, no medial axis.
 bool is_closed_mesh(const Record& data);
 
 /// Reads AXIS with the radii and the size of its shape, as asked.

@@ -127,8 +127,9 @@ void say_small_holes(const VoxelShape& shape, Session& session) {
 /// Many components of a few voxels are mostly noise, and each is a part of every result: what takes them away without
 /// taking much of the shape, and what makes them one with the others.
 void say_specks(const ShapeOptions& options, const LoadedShape& shape, Session& session) {
-  constexpr std::int64_t kTiny = 30, kMany = 10,
-                         kLittle = 20;  // voxels; components; one in so many voxels of the shape
+  constexpr std::int64_t kTiny = 30;    // voxels
+  constexpr std::int64_t kMany = 10;    // components
+  constexpr std::int64_t kLittle = 20;  // one in so many voxels of the shape
   const std::int64_t components = shape.topology.betti[0];
   if (components < kMany) return;
   const Specks specks = specks_of(shape.shape, kTiny, &session.context);
@@ -453,12 +454,15 @@ void check_shape_options(const ShapeOptions& options) {
 void refuse_result(const Record& data, const std::string& file) {
   const std::string_view name = pipeline::result_name(data);
   if (name.empty()) return;
-  throw Error(ErrorCode::input,
-              fmt::format("'{}' is a {}, not a shape; give the mesh, volume or image it was made of, or give it to {}",
-                          file, name,
-                          name == "skeleton"      ? "'quench view' or 'quench tree'"
-                          : name == "medial axis" ? "'quench burn' or 'quench skeleton'"
-                                                  : "'quench skeleton' or 'quench view'"));
+  const bool is_said = pipeline::field_text(data, "stage").has_value();
+  throw Error(
+      ErrorCode::input,
+      fmt::format("'{}' is a {}, not a shape; give the mesh, volume or image it was made of, or give it to {}{}", file,
+                  name,
+                  name == "skeleton"      ? "'quench view' or 'quench tree'"
+                  : name == "medial axis" ? "'quench burn' or 'quench skeleton'"
+                                          : "'quench skeleton' or 'quench view'",
+                  is_said ? "" : "; if it is a mesh, remove its point array 'radius'"));
 }
 
 static LoadedShape load_mesh(const ShapeOptions& options, Session& session) {

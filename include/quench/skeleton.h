@@ -121,10 +121,12 @@ struct ExtractOptions {
   /// becomes so on the way from there to a sheet, a loop or the medial point: it then does not stick out of what it
   /// leaves or of a thick part on its way. It sticks out by its ET_MC, but by no more than one and a half times what the
   /// ball around that place, of its burn time, has to grow to contain the balls of the branch outside: courses under a
-  /// rough surface are long because they are crooked. Of a tree that would go as a whole its longest course stays.
+  /// rough surface are long because they are crooked. Of a tree that would go as a whole a course stays: the branches
+  /// that stick out most at its medial point.
   /// Nested in this; in theta1 and theta2 but for such courses.
   double theta1_radii = 0;
-  /// The balls of a branch are those of its curves with an ET_MC of at least this, or of theta1 if that is less.
+  /// The balls of a branch are those of its curves with an ET_MC of at least this, or of theta1 if that is less: as
+  /// long as this is infinite, branches count only as far as theta1 reaches. Set it with theta1_radii.
   double balls_above = std::numeric_limits<double>::infinity();
 };
 Skeleton extract(const SkeletonFamily& family, double theta2, double theta1, const ExtractOptions& options = {});

@@ -53,7 +53,7 @@ struct VerifyOptions {
   const ImageView* image = nullptr;
   double threshold = 0;
   bool inverted = false;  ///< the shape is what is below it
-  /// Of a file that is the whole core: the erosion thickness of its points, burned again. Without it only bounds of
+  /// Of a file that is the whole core: the erosion thickness of its points, one per point, burned again. Without it only bounds of
   /// `core_erosion_thickness` and `relative_erosion_thickness` are checked. Must outlive the call.
   const std::vector<double>* erosion_of_core = nullptr;
   /// The result was written in full and in a format that holds all arrays (VTP): it is an error when an array is absent

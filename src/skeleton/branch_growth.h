@@ -9,7 +9,7 @@
 
 namespace quench::skeleton {
 
-/// A step of a way along curves from a free end inwards: a vertex, and the one that the last edge left at it leads to.
+/// A step of a way along curves from a free end inwards: a vertex, and the other end of the last edge at it.
 struct StepInwards {
   std::uint32_t vertex, to;
 };
@@ -17,7 +17,7 @@ struct StepInwards {
 /// Per step: by how much the ball of its vertex x has to grow to contain those of all vertices y whose ways pass x,
 /// max |x - y| + t_y - t_x with times as radii. That is what fire that came straight from y would be late at x. Steps
 /// are in the order of the peeling, each vertex at most once, outer ones first. Branch and bound over boxes: about
-/// O(n log n), O(n^2) where thousands of balls stick out equally far.
+/// O(n log n), at most the sum over steps of what is outside, where all balls outside stick out equally far.
 std::vector<double> growth_to_contain(std::span<const StepInwards> steps, std::span<const Vec3> points,
                                       std::span<const double> times);
 

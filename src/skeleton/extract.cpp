@@ -521,7 +521,8 @@ Skeleton extract(const SkeletonFamily& family, double theta2, double theta1, con
                   "theta2, theta1, theta1_radii, minor_curve, balls_above and from where tips and rims of a skeleton "
                   "grow back must be numbers");
   if (std::min(theta2, options.regrow_rims_above) < family.theta2_floor ||
-      std::min({theta1, options.regrow_tips_above, options.balls_above}) < family.theta1_floor)
+      std::min({theta1, options.regrow_tips_above, options.theta1_radii > 0 ? options.balls_above : theta1}) <
+          family.theta1_floor)
     throw Error(ErrorCode::usage,
                 "theta2, theta1, from where a skeleton grows back or from where balls count is below the floor of its "
                 "family");

@@ -15,9 +15,9 @@ namespace {
 
 using base::kNever;
 
-// A branch may be so many times as long as it reaches. Under a rough surface fires run out to it and back inwards along
-// what pruning leaves of sheets of noise: courses that are long, and end at balls that all but contain them.
-constexpr double kLonger = 1.5;
+// ET_MC counts up to so many times the growth. Under a rough surface fires run out to it and back inwards along what
+// pruning leaves of sheets of noise: courses that are long, and end at balls that all but contain them.
+constexpr double kMostPerGrowth = 1.5;
 
 // Edges and vertices of K, or pieces of edges and points on them.
 class CurvesOf {
@@ -34,22 +34,23 @@ class CurvesOf {
     const auto [first, second] = std::minmax(k_.burn_time[a], k_.burn_time[b]);
     return thickness(e) / (std::isinf(second) ? first : second);
   }
-  /// Per step inwards over an edge, by how much what is outside sticks out: that ratio, but no more than kLonger times
-  /// what the ball would have to grow to contain those outside, in burn times.
+  /// Per step inwards over an edge, by how many burn times what is outside sticks out.
   std::vector<double> ratios(std::span<const StepInwards> inwards, std::span<const std::uint32_t> edge) const {
     std::vector<Vec3> drawn(k_.points);  // duals that passed the fire on lie on the door it went to
     for (std::uint32_t v = k_.nodes + k_.doors; v < drawn.size(); ++v)
-      if (k_.exit[v] != kNone) drawn[v] = k_.points[skeleton::other_end(k_, k_.exit[v], v)];
+      if (const std::uint32_t e = k_.exit[v]; e != kNone && member_.edge[e] == Member::kWhole)
+        drawn[v] = k_.points[skeleton::other_end(k_, e, v)];
     std::vector<double> times(k_.burn_time);
     for (const SheetCut::Point& p : member_.cut.points) {
       const auto [a, b] = k_.complex.edges[p.edge];
       drawn.emplace_back((1 - p.along) * drawn[a] + p.along * drawn[b]);
       times.push_back(std::lerp(times[a], times[b], p.along));
     }
-    std::vector<double> ratio = growth_to_contain(inwards, drawn, times);
-    for (std::size_t s = 0; s < ratio.size(); ++s)
-      ratio[s] = std::min(this->ratio(edge[s]), kLonger * ratio[s] / times[inwards[s].vertex]);
-    return ratio;
+    const std::vector<double> growth = growth_to_contain(inwards, drawn, times);
+    std::vector<double> found(growth.size());
+    for (std::size_t s = 0; s < found.size(); ++s)
+      found[s] = std::min(ratio(edge[s]), kMostPerGrowth * growth[s] / times[inwards[s].vertex]);
+    return found;
   }
   bool is_of_plane() const { return k_.plane; }
   bool is_medial_point(std::uint32_t v) const { return v < k_.complex.vertex_count && k_.medial_point[v]; }
@@ -64,13 +65,14 @@ class CurvesOf {
   const Member& member_;
 };
 
-// In the plane: the third branch at a medial point is as good as the second, as those to the corners of a square.
+// Of branches at a medial point one is as good as another one, as the two halves of a tube are, or in the plane those to
+// the corners of a square.
 constexpr double kEqual = 0.8;
 
 // Per curve edge that a free end leads to: the smallest ratio on the way from it to what has no free end. Where a tree
-// would go as a whole, ratios are multiples of that of the second branch at its medial point, so that its longest
-// course stays: of branches of at least theta1. `left` are the curves of a member whose balls count, `edges` its number
-// of edges.
+// would go as a whole, ratios are multiples of that of the best branch at its medial point, of at least theta1, or of the
+// second where that is as good: so a course stays. `left` are the curves of a member whose balls count, `edges` its
+// number of edges.
 std::vector<double> least_ratios(const CurvesOf& curves, double theta1, double radii, base::GraphPeeler left,
                                  const std::vector<char>& on_sheet, std::size_t edges) {
   std::vector<StepInwards> inwards;
@@ -97,7 +99,7 @@ std::vector<double> least_ratios(const CurvesOf& curves, double theta1, double r
   for (std::uint32_t v = 0; v < scale.size(); ++v) {
     const auto [first, second, third] = largest[v];
     if (curves.is_of_plane() && third > kEqual * second) continue;  // no course is the longest: a point stays
-    const double q = second > 0 ? second : first;
+    const double q = second >= kEqual * first ? second : first;
     if (q > 0 && q < radii && !on_sheet[v]) scale[v] = radii / q;
   }
   for (std::size_t s = inwards.size(); s-- > 0;) {

@@ -68,6 +68,8 @@ void refuse_conflicts(const Record& data, const VerifyOptions& options) {
 }
 
 Certificate examine(const VoxelShape& shape, const Record& data, const VerifyOptions& options, Context* context) {
+  if (options.erosion_of_core && options.erosion_of_core->size() != data.points.size())
+    throw Error(ErrorCode::usage, "erosion_of_core must have one value per point of the file");
   Certificate certificate;
   const std::string defect = structural_defect(data);
   if (!defect.empty()) {

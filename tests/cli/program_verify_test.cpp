@@ -47,11 +47,11 @@ TEST_F(Verifying, WholeCoresAreBurnedAgain) {
   works({"sample", "fin-on-board", "-o", "mesh.ply"});
   for (std::uint64_t seed = 0; seed < 3; ++seed) {
     quench::io::write_volume(folder / "shape.nrrd",
-                             seed % 3 == 2 ? quench::testing_planes::random_plane_shape(seed, 16)
-                                           : quench::testing_shapes::random_shape(seed, 12, seed % 2 == 0));
+                             seed % 3 == 2 ? quench::testing_planes::random_plane_shape(seed, 12)
+                                           : quench::testing_shapes::random_shape(seed, 8, seed % 2 == 0));
     std::vector<std::string> shape{"shape.nrrd"};
     if (seed % 3 == 2) shape.insert(shape.end(), {"--dimension", "2"});
-    if (seed % 3 == 1) shape = {"mesh.ply", "--resolution", std::to_string(20 + seed)};  // fitted
+    if (seed % 3 == 1) shape = {"mesh.ply", "--resolution", "14"};  // fitted
     for (const std::vector<std::string>& whole :
          {std::vector<std::string>{"--full"}, {"--lambda", "0"}, {"--full", "--prune-by", "scale_axis=1.2"}}) {
       core_of(shape, whole);
